@@ -1,0 +1,19 @@
+/// All verbs of the command line, one `cmd_*.cpp` each.
+#pragma once
+#include <CLI/CLI.hpp>
+
+namespace underbrush::app {
+
+void remember_command_line(int argc, char** argv);
+
+void add_import(CLI::App& root);
+void add_info(CLI::App& root);
+void add_fit(CLI::App& root);
+void add_simulate(CLI::App& root);
+void add_score(CLI::App& root);
+
+inline void add_all_verbs(CLI::App& root) {
+  (void)root;
+}
+
+}  // namespace underbrush::app

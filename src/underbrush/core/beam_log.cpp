@@ -1,0 +1,99 @@
+#include "underbrush/core/beam_log.hpp"
+
+#include <algorithm>
+
+#include "underbrush/core/check.hpp"
+
+namespace underbrush {
+namespace {
+
+template <class Log, class F>
+void for_columns(Log& log, F f) {
+  f(log.origin);
+  f(log.direction);
+  f(log.range_m);
+  f(log.intensity);
+  f(log.time_s);
+  f(log.ring);
+  f(log.scan);
+  f(log.packet);
+  f(log.flags);
+  for (auto& [name, column] : log.extra) std::visit(f, column);
+}
+
+}  // namespace
+
+void BeamLog::resize(size_t n) {
+  const size_t old = size();
+  for_columns(*this, [n](auto& column) { column.resize(n); });
+  for (size_t i = old; i < n; ++i) {
+    origin[i].setZero();
+    direction[i] = Vec3f::UnitX();
+    range_m[i] = kMiss;
+  }
+}
+
+void BeamLog::reserve(size_t n) {
+  for_columns(*this, [n](auto& column) { column.reserve(n); });
+}
+
+void BeamLog::append(const BeamLog& other, size_t i) { append(other, i, i + 1); }
+
+void BeamLog::append(const BeamLog& other, size_t begin, size_t end) {
+  require(begin <= end && end <= other.size(), "append: no such beams");
+  const bool was_empty = empty();
+  const auto add = [&](auto& mine, const auto& theirs) {
+    mine.insert(mine.end(), theirs.begin() + begin, theirs.begin() + end);
+  };
+  add(origin, other.origin);
+  add(direction, other.direction);
+  add(range_m, other.range_m);
+  add(intensity, other.intensity);
+  add(time_s, other.time_s);
+  add(ring, other.ring);
+  add(scan, other.scan);
+  add(packet, other.packet);
+  add(flags, other.flags);
+  for (const auto& [name, theirs] : other.extra) {
+    std::visit(
+        [&, key = name](const auto& source) {
+          using Column = std::decay_t<decltype(source)>;
+          auto it = extra.find(key);
+          if (it == extra.end() && was_empty) it = extra.emplace(key, Column{}).first;
+          if (it == extra.end()) return;
+          if (auto* mine = std::get_if<Column>(&it->second)) add(*mine, source);
+        },
+        theirs);
+  }
+  // A column that `other` lacks (or holds in another type) is filled with zeros.
+  for (auto& [name, column] : extra) {
+    std::visit([n = size()](auto& mine) { mine.resize(n); }, column);
+  }
+}
+
+BeamLog BeamLog::like() const {
+  BeamLog out;
+  out.info = info;
+  for (const auto& [name, column] : extra) {
+    std::visit([&, key = name](const auto& c) { out.extra.emplace(key, std::decay_t<decltype(c)>{}); },
+               column);
+  }
+  return out;
+}
+
+void BeamLog::check() const {
+  const size_t n = size();
+  for_columns(*this, [n](const auto& c) {
+    require(c.size() == n, "beam log: columns of different lengths");
+  });
+}
+
+bool MemorySource::next(BeamLog& chunk) {
+  chunk = log_.like();
+  const size_t end = std::min(log_.size(), at_ + chunk_size_);
+  chunk.append(log_, at_, end);
+  at_ = end;
+  return !chunk.empty();
+}
+
+}  // namespace underbrush

@@ -1,0 +1,53 @@
+#include "underbrush/core/parallel.hpp"
+
+#include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
+#include <tbb/info.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
+#include <tbb/partitioner.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <memory>
+
+namespace underbrush {
+namespace {
+std::unique_ptr<tbb::global_control>& limit() {
+  static std::unique_ptr<tbb::global_control> control;
+  return control;
+}
+}  // namespace
+
+void set_threads(int threads) {
+  limit().reset();
+  if (threads > 0) {
+    limit() = std::make_unique<tbb::global_control>(
+        tbb::global_control::max_allowed_parallelism, size_t(threads));
+  }
+}
+
+int threads() {
+  return int(std::min<size_t>(
+      tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism),
+      size_t(tbb::info::default_concurrency())));
+}
+
+void parallel_for(size_t n, size_t grain, const std::function<void(size_t, size_t)>& body) {
+  if (n == 0) return;
+  grain = std::max<size_t>(grain, 1);
+  const size_t pieces = (n + grain - 1) / grain;
+  if (pieces == 1) return body(0, n);
+  tbb::parallel_for(
+      tbb::blocked_range<size_t>(0, pieces, 1),
+      [&](const tbb::blocked_range<size_t>& r) {
+        for (size_t k = r.begin(); k < r.end(); ++k) body(k * grain, std::min(n, (k + 1) * grain));
+      },
+      tbb::simple_partitioner());
+}
+
+void parallel_invoke(const std::function<void()>& a, const std::function<void()>& b) {
+  tbb::parallel_invoke(a, b);
+}
+
+}  // namespace underbrush

@@ -1,0 +1,62 @@
+/// \file
+/// Rigid transforms. Frames are right-handed, z up, metres; names say `to_from_from` as in
+/// `world_from_sensor`.
+#pragma once
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <optional>
+#include <vector>
+
+namespace underbrush {
+
+using Vec3 = Eigen::Vector3d;
+using Vec3f = Eigen::Vector3f;
+using Mat3 = Eigen::Matrix3d;
+using Mat3f = Eigen::Matrix3f;
+
+/// A rigid transform x ↦ R x + t; `rotation` is kept at unit norm.
+struct Pose {
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+  Vec3 translation = Vec3::Zero();
+
+  Vec3 operator*(const Vec3& point) const { return rotation * point + translation; }
+  Pose operator*(const Pose& other) const {
+    return {(rotation * other.rotation).normalized(), rotation * other.translation + translation};
+  }
+  Pose inverse() const {
+    const Eigen::Quaterniond back = rotation.conjugate();
+    return {back, -(back * translation)};
+  }
+};
+
+/// The pose a fraction `s` of the way from `a` (s = 0) to `b` (s = 1): slerp of the rotation, a
+/// straight line for the translation. `s` outside [0, 1] extrapolates at the same rate.
+Pose interpolate(const Pose& a, const Pose& b, double s);
+
+/// A pose with its time (s).
+struct StampedPose {
+  double time_s = 0;
+  Pose world_from_sensor;
+};
+
+/// Poses over time, in rising order of time.
+class Trajectory {
+ public:
+  Trajectory() = default;
+  /// Sorts by time. Throws `std::invalid_argument` if two poses share a time or a value is not finite.
+  explicit Trajectory(std::vector<StampedPose> poses);
+
+  bool empty() const { return poses_.empty(); }
+  const std::vector<StampedPose>& poses() const { return poses_; }
+
+  /// The pose at `time_s`, interpolated; outside the recorded span it is extrapolated from the first
+  /// or last two poses by at most `kMaxExtrapolation` intervals, beyond which there is none.
+  std::optional<Pose> at(double time_s) const;
+
+  static constexpr double kMaxExtrapolation = 1.0;
+
+ private:
+  std::vector<StampedPose> poses_;
+};
+
+}  // namespace underbrush

@@ -1,0 +1,75 @@
+#include "underbrush/elements/model.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+#include "underbrush/core/check.hpp"
+
+namespace underbrush::elements {
+namespace {
+
+void check_hit(const HitCount& hit) {
+  require(hit.p >= 0 && hit.p <= 1, "model: a hit probability outside [0, 1]");
+}
+
+void check_mesh(const TriangleMesh& mesh) {
+  require(mesh.hit.size() == mesh.size(), "model: triangles and hit probabilities differ in number");
+  require(std::isfinite(mesh.range_sigma_m) && mesh.range_sigma_m >= 0, "model: bad range noise");
+  for (const Vec3f& v : mesh.vertices) require(v.allFinite(), "model: a vertex is not finite");
+  for (const auto& t : mesh.triangles) {
+    for (uint32_t k : t) require(k < mesh.vertices.size(), "model: a triangle names no vertex");
+  }
+  for (const HitCount& h : mesh.hit) check_hit(h);
+}
+
+}  // namespace
+
+Mat3 Ellipsoid::covariance_matrix() const {
+  const auto& c = covariance;
+  Mat3 m;
+  m << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
+  return m;
+}
+
+void Ellipsoid::set_covariance(const Mat3& s) {
+  covariance = {float(s(0, 0)), float(s(0, 1)), float(s(0, 2)),
+                float(s(1, 1)), float(s(1, 2)), float(s(2, 2))};
+}
+
+HitCount& Model::hit(size_t element) {
+  return const_cast<HitCount&>(static_cast<const Model*>(this)->hit(element));
+}
+
+const HitCount& Model::hit(size_t element) const {
+  if (element < ground.size()) return ground.hit[element];
+  element -= ground.size();
+  if (element < surface.size()) return surface.hit[element];
+  return ellipsoids.at(element - surface.size()).hit;
+}
+
+void Model::check() const {
+  require(origin.allFinite(), "model: the origin is not finite");
+  require(std::isfinite(tau) && tau > 0, "model: tau must be positive");
+  check_mesh(ground);
+  check_mesh(surface);
+  for (const Ellipsoid& e : ellipsoids) {
+    require(e.mean.allFinite(), "model: an ellipsoid's mean is not finite");
+    const Mat3 sigma = e.covariance_matrix();
+    require(sigma.allFinite(), "model: a covariance is not finite");
+    require(Eigen::LLT<Mat3>(sigma).info() == Eigen::Success,
+            "model: a covariance is not positive definite");
+    check_hit(e.hit);
+  }
+}
+
+Mat3 floored_covariance(const Mat3& sigma, double floor_m) {
+  Eigen::SelfAdjointEigenSolver<Mat3> eigen;
+  eigen.computeDirect(0.5 * (sigma + sigma.transpose()));
+  const Vec3 values = eigen.eigenvalues().cwiseMax(floor_m * floor_m);
+  const Mat3& v = eigen.eigenvectors();
+  const Mat3 out = v * values.asDiagonal() * v.transpose();
+  return 0.5 * (out + out.transpose());
+}
+
+}  // namespace underbrush::elements

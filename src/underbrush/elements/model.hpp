@@ -1,0 +1,75 @@
+/// \file
+/// The world model that a fitter learns and a simulator answers from: scene elements e = (ρ, ω) with
+/// geometry ρ and sensor parameters ω ([tallavajhula18] §III).
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "underbrush/core/pose.hpp"
+
+namespace underbrush {
+/// Scene elements and the model that holds them.
+namespace elements {
+
+/// How often beams that met an element ended at it (hits) or went on (misses), and the hit
+/// probability learnt from that; permeability ([deschaud12] §III) = 1 − p.
+struct HitCount {
+  float p = 1;
+  uint32_t hits = 0;
+  uint32_t misses = 0;
+};
+
+/// Triangles with one hit probability each and one range noise for all.
+struct TriangleMesh {
+  std::vector<Vec3f> vertices;                     ///< m, relative to the model's origin.
+  std::vector<std::array<uint32_t, 3>> triangles;  ///< Indices into `vertices`.
+  std::vector<HitCount> hit;                       ///< One per triangle.
+  double range_sigma_m = 0;                        ///< σ of the range about the surface.
+
+  size_t size() const { return triangles.size(); }
+};
+
+/// A permeable Gaussian volume ω = (μ, Σ, p_hit).
+struct Ellipsoid {
+  Vec3f mean = Vec3f::Zero();                  ///< μ, m, relative to the model's origin.
+  std::array<float, 6> covariance{1, 0, 0, 1, 0, 1};  ///< Σ, m²: xx xy xz yy yz zz.
+  HitCount hit;
+  uint32_t label = 0;                          ///< Class of the points it was fitted to, 0 = unknown.
+
+  Mat3 covariance_matrix() const;
+  void set_covariance(const Mat3& sigma);
+};
+
+/// Kind of a scene element, in the order in which a model numbers its elements.
+enum class Kind : uint8_t { kGround, kSurface, kEllipsoid };
+
+/// A learnt world. Elements are numbered: ground triangles, then surface triangles, then ellipsoids.
+struct Model {
+  Vec3 origin = Vec3::Zero();  ///< m, world; all coordinates below are relative to it.
+  TriangleMesh ground;
+  TriangleMesh surface;        ///< Opaque or permeable triangles that are not ground.
+  std::vector<Ellipsoid> ellipsoids;
+  double tau = 3.5;            ///< A beam meets an ellipsoid within this Mahalanobis distance.
+  std::string fitter;          ///< Name of the fitter that made it.
+  std::string provenance;      ///< JSON object: program version, command, seed, input hashes.
+
+  size_t size() const { return ground.size() + surface.size() + ellipsoids.size(); }
+  Kind kind(size_t element) const {
+    if (element < ground.size()) return Kind::kGround;
+    return element < ground.size() + surface.size() ? Kind::kSurface : Kind::kEllipsoid;
+  }
+  HitCount& hit(size_t element);
+  const HitCount& hit(size_t element) const;
+  /// Throws `std::invalid_argument` where a value is not finite, an index is out of range, a
+  /// probability outside [0, 1] or a covariance not positive definite.
+  void check() const;
+};
+
+/// The covariance with its eigenvalues raised to at least `floor_m`² (flat, thin or few points): the
+/// noise of the sensor, below which no extent can be told. Symmetric in, symmetric out.
+Mat3 floored_covariance(const Mat3& sigma, double floor_m);
+
+}  // namespace elements
+}  // namespace underbrush

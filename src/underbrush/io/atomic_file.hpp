@@ -1,0 +1,18 @@
+/// \file
+/// Writes that appear whole or not at all.
+#pragma once
+#include <filesystem>
+#include <functional>
+
+namespace underbrush {
+/// Others' file formats, and our own log files.
+namespace io {
+
+/// Calls `write(temporary)` with a name beside `path`, then renames the result to `path`; removes it
+/// if `write` throws. `write` makes a file or a folder; an existing folder at `path` is replaced.
+/// Throws `IoError` (one line, names the file) where the file system refuses.
+void write_atomically(const std::filesystem::path& path,
+                      const std::function<void(const std::filesystem::path&)>& write);
+
+}  // namespace io
+}  // namespace underbrush
