@@ -1,0 +1,3 @@
+#define UB_KERNELS kKernelsAvx2
+#define UB_KERNELS_NAME "avx2"
+#include "underbrush/trace/kernel.inl"

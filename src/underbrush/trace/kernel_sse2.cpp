@@ -1,0 +1,3 @@
+#define UB_KERNELS kKernelsBase
+#define UB_KERNELS_NAME "sse2"
+#include "underbrush/trace/kernel.inl"

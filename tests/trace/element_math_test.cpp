@@ -1,0 +1,54 @@
+#include "underbrush/trace/element_math.hpp"
+
+#include <gtest/gtest.h>
+
+#include "scenes.hpp"
+
+namespace underbrush::trace {
+namespace {
+
+TEST(Approach, IsTheMinimumOfTheMahalanobisDistanceAlongTheRay) {
+  Stream random(4);
+  for (int i = 0; i < 500; ++i) {
+    elements::Ellipsoid e;
+    for (int k = 0; k < 3; ++k) e.mean[k] = float(random.uniform(-9, 9));
+    e.set_covariance(random_covariance(random, 0.02, 2));
+    Ray ray;
+    for (int k = 0; k < 3; ++k) ray.direction[k] = random.normal();
+    ray.direction.normalize();
+    const Met m = approach(ray.origin, ray.direction, e.mean, e.covariance);
+    const Mat3 inverse = e.covariance_matrix().inverse();
+    const auto distance2 = [&](double t) {
+      const Vec3 r = ray.at(t) - e.mean.cast<double>();
+      return r.dot(inverse * r);
+    };
+    const double scale = 1 + distance2(m.t_m);
+    EXPECT_NEAR(m.delta2, distance2(m.t_m), 1e-7 * scale);
+    // δ²(t) = δ² + (t − t_i)²/σ²: the Gaussian constrained to the ray.
+    EXPECT_NEAR(distance2(m.t_m + 2 * m.sigma_m), m.delta2 + 4, 1e-6 * scale);
+  }
+}
+
+TEST(Crossing, OfATriangleIsTheRangeToItsPlane) {
+  Stream random(6);
+  int crossed = 0;
+  for (int i = 0; i < 4000; ++i) {
+    Vec3f p[3];
+    for (Vec3f& v : p) {
+      for (int k = 0; k < 3; ++k) v[k] = float(random.normal());
+    }
+    const Vec3 o(random.normal(), random.normal(), random.normal() - 5);
+    const Vec3 d = Vec3(random.normal() * 0.2, random.normal() * 0.2, 1).normalized();
+    const auto t = crossing(o, d, p[0], p[1], p[2]);
+    EXPECT_EQ(t.has_value(), crossing(o, d, p[2], p[1], p[0]).has_value());
+    if (!t) continue;
+    ++crossed;
+    const Vec3 a = p[0].cast<double>();
+    const Vec3 n = (p[1].cast<double>() - a).cross(p[2].cast<double>() - a);
+    EXPECT_NEAR((o + *t * d - a).dot(n.normalized()), 0, 1e-9);
+  }
+  EXPECT_GT(crossed, 100);
+}
+
+}  // namespace
+}  // namespace underbrush::trace
