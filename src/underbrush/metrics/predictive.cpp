@@ -1,0 +1,62 @@
+#include "underbrush/metrics/predictive.hpp"
+
+#include <cmath>
+
+#include "underbrush/core/beam_log.hpp"
+
+namespace underbrush::metrics {
+namespace {
+
+// E|X| of X ~ N(mean, variance).
+double mean_absolute(double mean, double variance) {
+  if (!(variance > 0)) return std::abs(mean);
+  const double sigma = std::sqrt(variance), x = mean / sigma;
+  if (std::abs(x) > 8) return std::abs(mean);
+  return sigma * std::sqrt(2 / M_PI) * std::exp(-0.5 * x * x) + mean * std::erf(x / M_SQRT2);
+}
+
+}  // namespace
+
+void predict(const elements::Model& model, const std::vector<trace::Met>& met, double negligible,
+             Predictive& out) {
+  out.components.clear();
+  out.miss = 1;
+  for (const trace::Met& m : met) {
+    const double p = model.hit(m.element).p;
+    if (p > 0) out.components.push_back({out.miss * p, m.t_m, m.sigma_m});
+    out.miss *= 1 - p;
+    if (out.miss < negligible) break;
+  }
+}
+
+double negative_log_likelihood(const Predictive& p, double range_m, double max_range_m) {
+  if (range_m == kMiss) return -std::log((1 - kOutlierShare) * p.miss + 0.5 * kOutlierShare);
+  double density = 0;
+  for (const auto& c : p.components) {
+    const double x = (range_m - c.t_m) / c.sigma_m;
+    if (std::abs(x) < 12) {
+      density += c.weight / (std::sqrt(2 * M_PI) * c.sigma_m) * std::exp(-0.5 * x * x);
+    }
+  }
+  return -std::log((1 - kOutlierShare) * density + 0.5 * kOutlierShare / max_range_m);
+}
+
+double crps(const Predictive& p, double range_m, double max_range_m) {
+  const double z = range_m == kMiss ? max_range_m : range_m;
+  double to_z = p.miss * std::abs(max_range_m - z), among = 0;
+  for (size_t i = 0; i < p.components.size(); ++i) {
+    const auto& a = p.components[i];
+    const double variance = a.sigma_m * a.sigma_m;
+    to_z += a.weight * mean_absolute(a.t_m - z, variance);
+    among += a.weight * a.weight * mean_absolute(0, 2 * variance);
+    among += 2 * a.weight * p.miss * mean_absolute(a.t_m - max_range_m, variance);
+    for (size_t j = 0; j < i; ++j) {
+      const auto& b = p.components[j];
+      among += 2 * a.weight * b.weight *
+               mean_absolute(a.t_m - b.t_m, variance + b.sigma_m * b.sigma_m);
+    }
+  }
+  return to_z - 0.5 * among;
+}
+
+}  // namespace underbrush::metrics

@@ -1,0 +1,260 @@
+#include "underbrush/metrics/score.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "underbrush/core/check.hpp"
+#include "underbrush/core/parallel.hpp"
+#include "underbrush/metrics/nearest.hpp"
+#include "underbrush/metrics/predictive.hpp"
+
+namespace underbrush::metrics {
+namespace {
+
+/// Mean of the means of consecutive runs of one packet.
+struct PacketMeans {
+  uint64_t packet = ~uint64_t(0);
+  double sum = 0, total = 0;
+  size_t n = 0, packets = 0;
+  void add(uint64_t p, double error) {
+    if (p != packet) close();
+    packet = p;
+    sum += error;
+    ++n;
+  }
+  void close() {
+    if (n) total += sum / double(n), ++packets;
+    sum = 0;
+    n = 0;
+  }
+};
+
+/// What is summed up for one set of beams.
+struct Sums {
+  Summary counts;
+  PacketMeans packets;
+  std::vector<float> range_errors;
+  double nll = 0, crps = 0;
+  size_t likelihoods = 0;
+  double cloud[2] = {0, 0}, chamfer[2] = {0, 0};
+  size_t points[2] = {0, 0};
+
+  Summary finish() {
+    Summary s = counts;
+    const double hits = double(s.true_hits);
+    if (s.true_hits + s.false_hits) s.precision = hits / double(s.true_hits + s.false_hits);
+    if (s.true_hits + s.false_misses) s.recall = hits / double(s.true_hits + s.false_misses);
+    if (s.precision + s.recall > 0) s.f1 = 2 * s.precision * s.recall / (s.precision + s.recall);
+    packets.close();
+    if (packets.packets) s.packet_error_m = packets.total / double(packets.packets);
+    if (!range_errors.empty()) {
+      const auto middle = range_errors.begin() + std::ptrdiff_t(range_errors.size() / 2);
+      std::nth_element(range_errors.begin(), middle, range_errors.end());
+      s.median_range_error_m = *middle;
+    }
+    if (points[0] && points[1]) {
+      const double a = double(points[0]), b = double(points[1]);
+      s.cloud_error_m = 0.5 * (cloud[0] / a + cloud[1] / b);
+      s.density_aware_chamfer = 0.5 * (chamfer[0] / a + chamfer[1] / b);
+    }
+    if (likelihoods) {
+      s.nll_per_beam = nll / double(likelihoods);
+      s.crps_m = crps / double(likelihoods);
+    }
+    return s;
+  }
+};
+
+/// Class of each beam, as numbers; empty where the log has no such column.
+std::vector<uint32_t> classes_of(const BeamLog& log) {
+  std::vector<uint32_t> out;
+  const auto it = log.extra.find("class");
+  if (it == log.extra.end()) return out;
+  std::visit([&](const auto& c) { out.assign(c.begin(), c.end()); }, it->second);
+  return out;
+}
+
+class Scorer {
+ public:
+  explicit Scorer(const ScoreOptions& options) : options_(options) {
+    sets_.resize(1 + options.range_edges_m.size() + 1);  // all, ranges, misses
+  }
+
+  void add(const BeamLog& real, const BeamLog& sim, size_t first) {
+    const std::vector<uint32_t> label = classes_of(real);
+    predict_all(real);
+    for (size_t i = 0; i < real.size(); ++i) {
+      if (real.scan[i] != sim.scan[i] || real.ring[i] != sim.ring[i] ||
+          (real.origin[i] - sim.origin[i]).squaredNorm() > 1e-4) {
+        throw std::invalid_argument("score: the logs are not of the same beams (beam " +
+                                    std::to_string(first + i) + ")");
+      }
+      const size_t of_class = label.empty() ? kNoSet : set_of_class(label[i]);
+      const size_t set[3] = {0, set_of_range(real.range_m[i]), of_class};
+      for (size_t s : set) {
+        if (s != kNoSet) add_beam(sets_[s], real, sim, i);
+      }
+      keep_points(real, sim, i, set);
+    }
+  }
+
+  Score finish() {
+    if (options_.cloud) compare_clouds();
+    Score score;
+    score.range_error = histogram_;
+    score.all = sets_[0].finish();
+    const auto& edges = options_.range_edges_m;
+    for (size_t k = 0; k < edges.size(); ++k) {
+      const auto text = [](double x) { return std::to_string(int(x)); };
+      const std::string name =
+          k + 1 < edges.size() ? text(edges[k]) + "-" + text(edges[k + 1]) : text(edges[k]) + "-";
+      if (sets_[1 + k].counts.beams) score.per_range[name] = sets_[1 + k].finish();
+    }
+    if (sets_[1 + edges.size()].counts.beams) {
+      score.per_range["miss"] = sets_[1 + edges.size()].finish();
+    }
+    for (const auto& [label, set] : class_set_) {
+      score.per_class[std::to_string(label)] = sets_[set].finish();
+    }
+    return score;
+  }
+
+ private:
+  static constexpr size_t kNoSet = ~size_t(0);
+
+  size_t set_of_range(float range) const {
+    const auto& edges = options_.range_edges_m;
+    if (range == kMiss) return 1 + edges.size();
+    const auto above = std::upper_bound(edges.begin(), edges.end(), double(range));
+    return above == edges.begin() ? kNoSet : size_t(above - edges.begin());
+  }
+
+  size_t set_of_class(uint32_t label) {
+    const auto [it, added] = class_set_.try_emplace(label, sets_.size());
+    if (added) sets_.emplace_back();
+    return it->second;
+  }
+
+  void add_beam(Sums& s, const BeamLog& real, const BeamLog& sim, size_t i) {
+    const bool hit = real.is_hit(i), sim_hit = sim.is_hit(i);
+    ++s.counts.beams;
+    ++(hit ? (sim_hit ? s.counts.true_hits : s.counts.false_misses)
+           : (sim_hit ? s.counts.false_hits : s.counts.true_misses));
+    if (hit && sim_hit) {
+      const double error = (real.end_point(i) - sim.end_point(i)).norm();
+      s.packets.add(uint64_t(real.scan[i]) << 32 | real.packet[i], error);
+      const double range_error = double(sim.range_m[i]) - double(real.range_m[i]);
+      s.range_errors.push_back(float(std::abs(range_error)));
+      if (&s == &sets_[0]) histogram_.add(range_error);
+    }
+    if (options_.world) {
+      s.nll += nll_[i];
+      s.crps += crps_[i];
+      ++s.likelihoods;
+    }
+  }
+
+  void predict_all(const BeamLog& real) {
+    if (!options_.world) return;
+    nll_.resize(real.size());
+    crps_.resize(real.size());
+    const double max_range = real.info.max_range_m;
+    parallel_for(real.size(), 1024, [&](size_t begin, size_t end) {
+      std::vector<trace::Met> met;
+      Predictive p;
+      for (size_t i = begin; i < end; ++i) {
+        const Ray ray{real.origin[i], real.direction[i].cast<double>().normalized()};
+        options_.world->all_met(ray, {real.info.min_range_m, max_range}, max_range, met);
+        predict(options_.world->model(), met, 1e-4, p);
+        nll_[i] = negative_log_likelihood(p, real.range_m[i], max_range);
+        crps_[i] = crps(p, real.range_m[i], max_range);
+      }
+    });
+  }
+
+  void keep_points(const BeamLog& real, const BeamLog& sim, size_t i, const size_t (&set)[3]) {
+    if (!options_.cloud) return;
+    if (!have_origin_) origin_ = real.origin[i], have_origin_ = true;
+    const BeamLog* logs[2] = {&real, &sim};
+    for (int side = 0; side < 2; ++side) {
+      if (!logs[side]->is_hit(i)) continue;
+      points_[side].push_back((logs[side]->end_point(i) - origin_).cast<float>());
+      point_sets_[side].push_back({uint32_t(set[1]), uint32_t(set[2])});
+    }
+  }
+
+  void compare_clouds() {
+    if (points_[0].empty() || points_[1].empty()) return;
+    for (int side = 0; side < 2; ++side) {
+      const Nearest n = nearest(points_[side], points_[1 - side]);
+      std::vector<uint32_t> shared(points_[1 - side].size());
+      for (uint32_t k : n.index) ++shared[k];
+      for (size_t i = 0; i < n.index.size(); ++i) {
+        constexpr double kAlpha = 10;  // 1/m
+        const double d = n.distance_m[i];
+        const double c = 1 - std::exp(-kAlpha * d) / double(shared[n.index[i]]);
+        for (size_t s : {size_t(0), size_t(point_sets_[side][i][0]), size_t(point_sets_[side][i][1])}) {
+          if (s >= sets_.size()) continue;
+          sets_[s].cloud[side] += d;
+          sets_[s].chamfer[side] += c;
+          ++sets_[s].points[side];
+        }
+      }
+    }
+  }
+
+  const ScoreOptions& options_;
+  std::vector<Sums> sets_;
+  std::map<uint32_t, size_t> class_set_;
+  RangeErrorHistogram histogram_;
+  std::vector<double> nll_, crps_;
+  bool have_origin_ = false;
+  Vec3 origin_ = Vec3::Zero();
+  std::vector<Vec3f> points_[2];
+  std::vector<std::array<uint32_t, 2>> point_sets_[2];
+};
+
+}  // namespace
+
+void RangeErrorHistogram::add(double error_m) {
+  const double at = (error_m + kHalfWidth) / kBin;
+  const double last = double(count.size()) - 2;
+  ++count[at < 0 ? 0 : at >= last ? count.size() - 1 : size_t(at) + 1];
+}
+
+Score score(BeamSource& real, BeamSource& simulated, const ScoreOptions& options,
+            const std::function<void(size_t, size_t)>& progress) {
+  if (real.size() != simulated.size()) {
+    throw std::invalid_argument("score: " + std::to_string(real.size()) + " real beams but " +
+                                std::to_string(simulated.size()) + " simulated ones");
+  }
+  Scorer scorer(options);
+  BeamLog a, b, rest;
+  size_t done = 0;
+  real.rewind();
+  simulated.rewind();
+  while (real.next(a)) {
+    BeamLog sim = std::move(rest);
+    rest = BeamLog();
+    while (sim.size() < a.size() && simulated.next(b)) {
+      if (sim.empty()) {
+        sim = std::move(b);
+      } else {
+        sim.append(b, 0, b.size());
+      }
+    }
+    if (sim.size() > a.size()) {
+      rest = sim.like();
+      rest.append(sim, a.size(), sim.size());
+      sim.resize(a.size());
+    }
+    require(sim.size() == a.size(), "score: the simulated log ends early");
+    scorer.add(a, sim, done);
+    done += a.size();
+    if (progress) progress(done, real.size());
+  }
+  return scorer.finish();
+}
+
+}  // namespace underbrush::metrics

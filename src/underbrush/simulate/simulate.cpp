@@ -1,0 +1,72 @@
+#include "underbrush/simulate/simulate.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+
+#include "underbrush/core/parallel.hpp"
+#include "underbrush/core/rng.hpp"
+
+namespace underbrush::simulate {
+namespace {
+
+using trace::Met;
+
+double drawn_on_ray(const Met& met, uint64_t key, const trace::RangeLimits& limits) {
+  const double t = met.t_m + met.sigma_m * normal(key, met.element, Purpose::kRange);
+  return t >= limits.min_m && t <= limits.max_m ? t : met.t_m;
+}
+
+// A point of the element's Gaussian, in the world frame.
+Vec3 drawn_in_volume(const elements::Model& model, const Met& met, uint64_t key) {
+  const elements::Ellipsoid& e =
+      model.ellipsoids[met.element - model.ground.size() - model.surface.size()];
+  Vec3 n;
+  for (uint32_t k = 0; k < 3; ++k) {
+    n[k] = normal(mix64(key + k), met.element, Purpose::kRange);
+  }
+  const Mat3 root = Eigen::LLT<Mat3>(e.covariance_matrix()).matrixL();
+  return model.origin + e.mean.cast<double>() + root * n;
+}
+
+}  // namespace
+
+void simulate(const trace::World& world, const Options& options, size_t first_beam,
+              BeamLog& beams) {
+  const elements::Model& model = world.model();
+  const trace::RangeLimits limits{beams.info.min_range_m, beams.info.max_range_m};
+  std::vector<uint32_t> element(options.element_ids ? beams.size() : 0, Met::kNone);
+  parallel_for(beams.size(), 4096, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const Ray ray{beams.origin[i], beams.direction[i].cast<double>().normalized()};
+      const uint64_t key = beam_key(options.seed, beams.scan[i], first_beam + i);
+      const Met met = world.nearest_accepted(ray, key, limits);
+      beams.range_m[i] = kMiss;
+      beams.intensity[i] = 0;
+      beams.flags[i] = 0;
+      if (met.none()) continue;
+      if (options.element_ids) element[i] = met.element;
+      double range = drawn_on_ray(met, key, limits);
+      if (options.draw == RangeDraw::kVolumetric &&
+          model.kind(met.element) == elements::Kind::kEllipsoid) {
+        const Vec3 to = drawn_in_volume(model, met, key) - ray.origin;
+        range = to.norm();
+        beams.direction[i] = to.normalized().cast<float>();
+      }
+      if (options.range_noise_m > 0) {
+        range += options.range_noise_m * normal(key, Met::kNone, Purpose::kNoise);
+      }
+      beams.range_m[i] = float(std::clamp(range, limits.min_m, limits.max_m));
+    }
+  });
+  if (!options.element_ids) return;
+  std::vector<uint16_t> label(beams.size());
+  for (size_t i = 0; i < beams.size(); ++i) {
+    if (element[i] == Met::kNone || model.kind(element[i]) != elements::Kind::kEllipsoid) continue;
+    label[i] = uint16_t(
+        model.ellipsoids[element[i] - model.ground.size() - model.surface.size()].label);
+  }
+  beams.extra["element"] = std::move(element);
+  beams.extra["element_class"] = std::move(label);
+}
+
+}  // namespace underbrush::simulate
