@@ -1,6 +1,7 @@
 #include "underbrush/fit/cluster.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <queue>
 
@@ -52,12 +53,23 @@ class Splitter {
   }
 
  private:
+  // k-means++ (Arthur & Vassilvitskii 2007): each centre with probability ∝ the squared distance to
+  // the nearest one so far.
   void choose_centres(const Part& part, int k) {
-    centre_.clear();
     Stream random(mix64(seed_ ^ (uint64_t(part.begin) << 32 | part.end)));
-    for (int c = 0; c < k; ++c) {
-      const Vec3f p = points_[part.begin + random.below(part.size())];
-      if (std::find(centre_.begin(), centre_.end(), p) == centre_.end()) centre_.push_back(p);
+    centre_.assign(1, points_[part.begin + random.below(part.size())]);
+    least_.assign(part.size(), INFINITY);
+    while (int(centre_.size()) < k) {
+      double sum = 0;
+      for (uint32_t i = 0; i < part.size(); ++i) {
+        least_[i] = std::min(least_[i], (points_[part.begin + i] - centre_.back()).squaredNorm());
+        sum += least_[i];
+      }
+      if (!(sum > 0)) return;
+      double at = random.uniform() * sum;
+      uint32_t i = 0;
+      while (i + 1 < part.size() && (at -= least_[i]) > 0) ++i;
+      centre_.push_back(points_[part.begin + i]);
     }
   }
 
@@ -131,6 +143,7 @@ class Splitter {
   const HierarchicalOptions& options_;
   uint64_t seed_;
   std::vector<Vec3f> centre_, scratch_points_;
+  std::vector<float> least_;
   std::vector<uint8_t> assign_;
   std::vector<uint32_t> scratch_index_;
 };
