@@ -23,7 +23,7 @@ struct Clusters {
 struct HierarchicalOptions {
   double clusters_per_point = 0.042;  ///< Number of clusters = this × number of points.
   int min_points = 5;                 ///< No cluster is made smaller than this by splitting.
-  int branching = 8;                  ///< k of the k-means at each split.
+  int branching = 2;                  ///< k of the k-means at each split; 2 follows the data best.
   int iterations = 6;                 ///< Of each k-means.
 };
 

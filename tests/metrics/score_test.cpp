@@ -1,0 +1,154 @@
+#include "underbrush/metrics/score.hpp"
+
+#include <gtest/gtest.h>
+
+#include "underbrush/core/rng.hpp"
+#include "underbrush/metrics/nearest.hpp"
+
+namespace underbrush::metrics {
+namespace {
+
+BeamLog fan(std::vector<float> ranges) {
+  BeamLog log;
+  log.info.max_range_m = 100;
+  log.info.has_misses = true;
+  log.resize(ranges.size());
+  for (size_t i = 0; i < ranges.size(); ++i) {
+    log.direction[i] = Vec3f(std::cos(0.3f * float(i)), std::sin(0.3f * float(i)), 0);
+    log.packet[i] = uint32_t(i / 2);
+  }
+  log.range_m = ranges;
+  return log;
+}
+
+Score score_of(const BeamLog& real, const BeamLog& sim, const ScoreOptions& options = {},
+               size_t real_chunk = 1000, size_t sim_chunk = 1000) {
+  MemorySource a(real, real_chunk), b(sim, sim_chunk);
+  return score(a, b, options);
+}
+
+TEST(Score, OfALogWithItselfIsPerfect) {
+  const BeamLog log = fan({1, 2, 3, kMiss, 5, 6});
+  const Summary s = score_of(log, log).all;
+  EXPECT_EQ(s.true_hits, 5u);
+  EXPECT_EQ(s.true_misses, 1u);
+  EXPECT_EQ(s.f1, 1);
+  EXPECT_EQ(s.packet_error_m, 0);
+  EXPECT_EQ(s.cloud_error_m, 0);
+  EXPECT_EQ(s.density_aware_chamfer, 0);
+}
+
+TEST(Score, CountsAndErrorsAreThoseOfThePaperByHand) {
+  const BeamLog real = fan({10, 10, 10, kMiss, kMiss, 10, 10, 10});
+  const BeamLog sim = fan({11, 13, kMiss, 10, kMiss, 10, 10.5f, kMiss});
+  const Summary s = score_of(real, sim).all;
+  EXPECT_EQ(s.true_hits, 4u);
+  EXPECT_EQ(s.false_hits, 1u);
+  EXPECT_EQ(s.false_misses, 2u);
+  EXPECT_EQ(s.true_misses, 1u);
+  EXPECT_DOUBLE_EQ(s.precision, 4.0 / 5);
+  EXPECT_DOUBLE_EQ(s.recall, 4.0 / 6);
+  EXPECT_DOUBLE_EQ(s.f1, 2 * 0.8 * (4.0 / 6) / (0.8 + 4.0 / 6));
+  // Packets: (1, 3) → 2; none; (0) → 0; (0.5) → 0.5.
+  EXPECT_NEAR(s.packet_error_m, (2 + 0 + 0.5) / 3, 1e-6);
+}
+
+TEST(Score, CloudErrorIsInMetresNotSquared) {
+  const BeamLog real = fan({10}), sim = fan({13});
+  EXPECT_NEAR(score_of(real, sim).all.cloud_error_m, 3, 1e-6);
+}
+
+TEST(Score, DoesNotDependOnHowTheLogsAreChunked) {
+  const BeamLog real = fan({10, 10, 10, kMiss, kMiss, 10, 10, 10});
+  const BeamLog sim = fan({11, 13, kMiss, 10, kMiss, 10, 10.5f, kMiss});
+  const Summary one = score_of(real, sim).all;
+  for (size_t a : {1, 3, 5}) {
+    for (size_t b : {1, 2, 7}) {
+      const Summary s = score_of(real, sim, {}, a, b).all;
+      EXPECT_EQ(s.true_hits, one.true_hits);
+      EXPECT_EQ(s.packet_error_m, one.packet_error_m);
+      EXPECT_EQ(s.cloud_error_m, one.cloud_error_m);
+    }
+  }
+}
+
+TEST(Score, SplitsByClassAndRange) {
+  BeamLog real = fan({5, 15, 15, kMiss});
+  real.extra["class"] = std::vector<uint16_t>{1, 1, 2, 0};
+  const BeamLog sim = fan({5, 16, kMiss, kMiss});
+  const Score s = score_of(real, sim);
+  EXPECT_EQ(s.per_class.at("1").true_hits, 2u);
+  EXPECT_EQ(s.per_class.at("2").false_misses, 1u);
+  EXPECT_EQ(s.per_range.at("0-10").beams, 1u);
+  EXPECT_EQ(s.per_range.at("10-20").beams, 2u);
+  EXPECT_EQ(s.per_range.at("miss").true_misses, 1u);
+  EXPECT_NEAR(s.per_range.at("10-20").packet_error_m, 1, 1e-6);
+}
+
+TEST(Score, RefusesLogsOfOtherBeams) {
+  const BeamLog real = fan({1, 2, 3});
+  EXPECT_THROW(score_of(real, fan({1, 2})), std::invalid_argument);
+  BeamLog other = real;
+  other.origin[1].x() += 1;
+  EXPECT_THROW(score_of(real, other), std::invalid_argument);
+}
+
+TEST(Score, LikelihoodPrefersTheModelThatMadeTheBeams) {
+  elements::Model good, bad;
+  elements::Ellipsoid e;
+  e.mean = Vec3f(10, 0, 0);
+  e.set_covariance(0.04 * Mat3::Identity());
+  e.hit.p = 0.5f;
+  good.ellipsoids = bad.ellipsoids = {e};
+  bad.ellipsoids[0].hit.p = 1;
+  BeamLog real;
+  real.info.max_range_m = 50;
+  real.resize(1000);
+  Stream random(2);
+  for (size_t i = 0; i < real.size(); ++i) {
+    const bool hit = random.uniform() < 0.5;
+    real.range_m[i] = hit ? float(10 + 0.2 * random.normal()) : kMiss;
+  }
+  const trace::World good_world(good), bad_world(bad);
+  ScoreOptions options;
+  options.world = &good_world;
+  const Summary a = score_of(real, real, options).all;
+  options.world = &bad_world;
+  const Summary b = score_of(real, real, options).all;
+  EXPECT_LT(a.nll_per_beam, b.nll_per_beam);
+  EXPECT_LT(a.crps_m, b.crps_m);
+  // The entropy of the truth, the outliers' share aside: ½(ln 2 + ln 2 + ½ ln(2πe σ²)).
+  EXPECT_NEAR(a.nll_per_beam, std::log(2) + 0.25 * std::log(2 * M_PI * M_E * 0.04), 0.06);
+}
+
+TEST(Nearest, EqualsBruteForce) {
+  Stream random(3);
+  std::vector<Vec3f> a, b;
+  for (int i = 0; i < 700; ++i) {
+    for (auto* cloud : {&a, &b}) {
+      const double x = random.normal(), y = random.normal(), z = random.normal();
+      cloud->emplace_back(float(x), float(y), float(z));
+    }
+  }
+  const Nearest n = nearest(a, b);
+  for (size_t i = 0; i < a.size(); ++i) {
+    float least = INFINITY;
+    for (const Vec3f& p : b) least = std::min(least, (p - a[i]).norm());
+    EXPECT_NEAR(n.distance_m[i], least, 1e-6);
+  }
+}
+
+TEST(RangeErrorHistogram, PutsEachErrorInItsBin) {
+  RangeErrorHistogram h;
+  h.add(-5);
+  h.add(0.01);
+  h.add(-0.01);
+  h.add(5);
+  EXPECT_EQ(h.count.front(), 1u);
+  EXPECT_EQ(h.count.back(), 1u);
+  EXPECT_EQ(h.count[1 + 40], 1u);
+  EXPECT_EQ(h.count[1 + 39], 1u);
+}
+
+}  // namespace
+}  // namespace underbrush::metrics

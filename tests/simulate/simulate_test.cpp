@@ -1,0 +1,126 @@
+#include "underbrush/simulate/simulate.hpp"
+
+#include <gtest/gtest.h>
+
+#include "trace/scenes.hpp"
+#include "underbrush/core/parallel.hpp"
+
+namespace underbrush::simulate {
+namespace {
+
+elements::Model one_ellipsoid(float p, double sigma) {
+  elements::Model model;
+  model.tau = 3;
+  elements::Ellipsoid e;
+  e.mean = Vec3f(20, 0, 0);
+  e.set_covariance(sigma * sigma * Mat3::Identity());
+  e.hit.p = p;
+  e.label = 7;
+  model.ellipsoids.push_back(e);
+  return model;
+}
+
+BeamLog beams_along_x(size_t n) {
+  BeamLog log;
+  log.info.max_range_m = 60;
+  log.info.min_range_m = 1;
+  log.resize(n);
+  return log;
+}
+
+TEST(Simulate, HasTheHitProbabilityAndTheRangeDistributionOfItsElement) {
+  const elements::Model model = one_ellipsoid(0.4f, 0.5);
+  const trace::World world(model);
+  BeamLog beams = beams_along_x(100000);
+  simulate(world, {}, 0, beams);
+  double n = 0, mean = 0, square = 0;
+  for (size_t i = 0; i < beams.size(); ++i) {
+    if (!beams.is_hit(i)) continue;
+    ++n;
+    mean += beams.range_m[i];
+    square += (beams.range_m[i] - 20.0) * (beams.range_m[i] - 20.0);
+  }
+  EXPECT_NEAR(n / double(beams.size()), 0.4, 0.008);
+  EXPECT_NEAR(mean / n, 20, 0.01);
+  EXPECT_NEAR(square / n, 0.25, 0.006);
+}
+
+TEST(Simulate, VolumetricDrawsArePointsOfTheGaussianOffTheBeam) {
+  const elements::Model model = one_ellipsoid(1, 0.5);
+  const trace::World world(model);
+  BeamLog beams = beams_along_x(50000);
+  Options options;
+  options.draw = RangeDraw::kVolumetric;
+  simulate(world, options, 0, beams);
+  Vec3 square = Vec3::Zero();
+  for (size_t i = 0; i < beams.size(); ++i) {
+    const Vec3 d = beams.end_point(i) - Vec3(20, 0, 0);
+    square += d.cwiseAbs2() / double(beams.size());
+  }
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(square[k], 0.25, 0.01) << k;
+}
+
+TEST(Simulate, RangeNoiseAddsItsVariance) {
+  const elements::Model model = one_ellipsoid(1, 0.1);
+  const trace::World world(model);
+  BeamLog beams = beams_along_x(50000);
+  Options options;
+  options.range_noise_m = 0.3;
+  simulate(world, options, 0, beams);
+  double square = 0;
+  for (float r : beams.range_m) square += (r - 20.0) * (r - 20.0) / double(beams.size());
+  EXPECT_NEAR(square, 0.01 + 0.09, 0.003);
+}
+
+TEST(Simulate, GivesTheSameBitsForAnyThreadsAndChunksAndOthersForAnotherSeed) {
+  const elements::Model model = trace::random_model(3, 2000);
+  const trace::World world(model);
+  Stream random(5);
+  BeamLog beams;
+  beams.resize(10000);
+  for (size_t i = 0; i < beams.size(); ++i) {
+    const Ray ray = trace::random_ray(random, model);
+    beams.origin[i] = ray.origin;
+    beams.direction[i] = ray.direction.cast<float>();
+    beams.scan[i] = uint32_t(i / 1000);
+  }
+  Options options;
+  options.element_ids = true;
+  BeamLog one = beams, two = beams, parts, other = beams;
+  set_threads(1);
+  simulate(world, options, 0, one);
+  set_threads(2);
+  simulate(world, options, 0, two);
+  set_threads(0);
+  for (size_t at = 0; at < beams.size(); at += 777) {
+    BeamLog part;
+    part.info = beams.info;
+    part.append(beams, at, std::min(beams.size(), at + 777));
+    simulate(world, options, at, part);
+    parts.append(part, 0, part.size());
+  }
+  options.seed = 2;
+  simulate(world, options, 0, other);
+  EXPECT_EQ(one.range_m, two.range_m);
+  EXPECT_EQ(one.range_m, parts.range_m);
+  EXPECT_EQ(one.extra, two.extra);
+  EXPECT_NE(one.range_m, other.range_m);
+}
+
+TEST(Simulate, NamesTheElementThatStoppedTheBeam) {
+  const elements::Model model = one_ellipsoid(0.5f, 0.2);
+  const trace::World world(model);
+  BeamLog beams = beams_along_x(100);
+  Options options;
+  options.element_ids = true;
+  simulate(world, options, 0, beams);
+  const auto& element = std::get<std::vector<uint32_t>>(beams.extra.at("element"));
+  const auto& label = std::get<std::vector<uint16_t>>(beams.extra.at("element_class"));
+  for (size_t i = 0; i < beams.size(); ++i) {
+    EXPECT_EQ(element[i], beams.is_hit(i) ? 0u : trace::Met::kNone);
+    EXPECT_EQ(label[i], beams.is_hit(i) ? 7 : 0);
+  }
+}
+
+}  // namespace
+}  // namespace underbrush::simulate
