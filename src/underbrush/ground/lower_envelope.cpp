@@ -1,0 +1,320 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "underbrush/core/check.hpp"
+#include "underbrush/core/parallel.hpp"
+#include "underbrush/ground/segment.hpp"
+
+namespace underbrush::ground {
+namespace {
+
+constexpr uint32_t kNoCell = std::numeric_limits<uint32_t>::max();
+
+/// The points sorted by the finest cell they lie in; x and y count from the tile's lower corner.
+struct SortedTile {
+  int nx = 0, ny = 0;
+  double cell_m = 0;
+  std::vector<Vec3f> points;
+  std::vector<uint32_t> source;  ///< Index of each in the caller's points.
+  std::vector<uint32_t> start;   ///< Of each cell, and one past the last.
+
+  std::span<Vec3f> cell(size_t c) { return {points.data() + start[c], start[c + 1] - start[c]}; }
+};
+
+SortedTile sort_by_cell(std::span<const Vec3f> points, double cell_m) {
+  Vec3f low = Vec3f::Constant(std::numeric_limits<float>::infinity()), high = -low;
+  for (const Vec3f& p : points) {
+    if (!p.allFinite()) continue;
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  SortedTile tile;
+  tile.cell_m = cell_m;
+  if (!(low.x() <= high.x())) return tile;
+  const double nx = std::floor(double(high.x() - low.x()) / cell_m) + 1;
+  const double ny = std::floor(double(high.y() - low.y()) / cell_m) + 1;
+  require(nx * ny <= double(1 << 26), "lower envelope: the tile exceeds 2^26 cells");
+  tile.nx = int(nx);
+  tile.ny = int(ny);
+  std::vector<uint32_t> cell_of(points.size());
+  parallel_for(points.size(), 1 << 16, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      if (!points[i].allFinite()) {
+        cell_of[i] = kNoCell;
+        continue;
+      }
+      const int x = std::min(tile.nx - 1, int(double(points[i].x() - low.x()) / cell_m));
+      const int y = std::min(tile.ny - 1, int(double(points[i].y() - low.y()) / cell_m));
+      cell_of[i] = uint32_t(y * tile.nx + x);
+    }
+  });
+  tile.start.assign(size_t(tile.nx) * tile.ny + 1, 0);
+  for (uint32_t c : cell_of) {
+    if (c != kNoCell) ++tile.start[c + 1];
+  }
+  for (size_t c = 1; c < tile.start.size(); ++c) tile.start[c] += tile.start[c - 1];
+  tile.points.resize(tile.start.back());
+  tile.source.resize(tile.start.back());
+  std::vector<uint32_t> next(tile.start.begin(), tile.start.end() - 1);
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (cell_of[i] == kNoCell) continue;
+    const uint32_t to = next[cell_of[i]]++;
+    tile.points[to] = Vec3f(points[i].x() - low.x(), points[i].y() - low.y(), points[i].z());
+    tile.source[to] = uint32_t(i);
+  }
+  return tile;
+}
+
+/// A plane a cell: z = h + gx (x − cx) + gy (y − cy) about the cell's centre; between centres the
+/// planes are blended bilinearly.
+struct PlaneGrid {
+  struct Plane {
+    double h = 0, gx = 0, gy = 0;
+  };
+  int nx = 0, ny = 0;
+  double cell_m = 0;
+  std::vector<Plane> planes;
+
+  PlaneGrid() = default;
+  PlaneGrid(const SortedTile& tile, int level)
+      : nx((tile.nx - 1) / (1 << level) + 1),
+        ny((tile.ny - 1) / (1 << level) + 1),
+        cell_m(tile.cell_m * (1 << level)),
+        planes(size_t(nx) * ny) {}
+
+  /// Height and gradient at (x, y), extrapolated beyond the outer centres.
+  Plane at(double x, double y) const {
+    const double u = x / cell_m - 0.5, v = y / cell_m - 0.5;
+    const int i = std::clamp(int(std::floor(u)), 0, std::max(0, nx - 2));
+    const int j = std::clamp(int(std::floor(v)), 0, std::max(0, ny - 2));
+    const double a = nx > 1 ? std::clamp(u - i, 0.0, 1.0) : 0;
+    const double b = ny > 1 ? std::clamp(v - j, 0.0, 1.0) : 0;
+    Plane sum;
+    for (int k = 0; k < 4; ++k) {
+      const double w = (k & 1 ? a : 1 - a) * (k & 2 ? b : 1 - b);
+      if (w == 0) continue;
+      const int ci = i + (k & 1), cj = j + (k >> 1);
+      const Plane& p = planes[size_t(cj) * nx + ci];
+      sum.h += w * (p.h + p.gx * (u - ci) * cell_m + p.gy * (v - cj) * cell_m);
+      sum.gx += w * p.gx;
+      sum.gy += w * p.gy;
+    }
+    return sum;
+  }
+};
+
+/// Weighted moments of points about a cell's centre, for the fit of a plane.
+struct Moments {
+  double w = 0, x = 0, y = 0, z = 0, xx = 0, xy = 0, yy = 0, xz = 0, yz = 0;
+
+  void add(double px, double py, double pz, double weight) {
+    w += weight, x += weight * px, y += weight * py, z += weight * pz;
+    xx += weight * px * px, xy += weight * px * py, yy += weight * py * py;
+    xz += weight * px * pz, yz += weight * py * pz;
+  }
+  /// Adds `k` times the moments `m` of a cell whose centre lies (dx, dy) away.
+  void add(const Moments& m, double dx, double dy, double k) {
+    w += k * m.w, x += k * (m.x + dx * m.w), y += k * (m.y + dy * m.w), z += k * m.z;
+    xx += k * (m.xx + 2 * dx * m.x + dx * dx * m.w);
+    xy += k * (m.xy + dx * m.y + dy * m.x + dx * dy * m.w);
+    yy += k * (m.yy + 2 * dy * m.y + dy * dy * m.w);
+    xz += k * (m.xz + dx * m.z), yz += k * (m.yz + dy * m.z);
+  }
+};
+
+/// argmin over planes of Σ w (z − plane)² + prior weight · (distance from the prior plane)².
+PlaneGrid::Plane fit_plane(const Moments& m, const PlaneGrid::Plane& prior, double weight,
+                           double cell_m) {
+  const double gradient_weight = weight * cell_m * cell_m;
+  Mat3 a;
+  a << m.w + weight, m.x, m.y, m.x, m.xx + gradient_weight, m.xy, m.y, m.xy, m.yy + gradient_weight;
+  // Solved for the change from the prior.
+  const Vec3 p(prior.h, prior.gx, prior.gy);
+  const Vec3 b(m.z - m.w * p[0] - m.x * p[1] - m.y * p[2], m.xz - m.x * p[0] - m.xx * p[1] - m.xy * p[2],
+               m.yz - m.y * p[0] - m.xy * p[1] - m.yy * p[2]);
+  const Vec3 s = p + a.ldlt().solve(b);
+  return {s[0], s[1], s[2]};
+}
+
+/// Refits `grid` (in place; it holds the prior) to points sorted by finest cell. `row_start[r]` is
+/// the first point of finest row r; `weight(residual)` says how much a point counts.
+template <class Weight>
+void refit(PlaneGrid& grid, int level, const std::vector<Vec3f>& points,
+           const std::vector<uint32_t>& row_start, double prior_weight, const Weight& weight) {
+  const double c = grid.cell_m;
+  const int fine_rows = int(row_start.size()) - 1;
+  std::vector<Moments> moments(grid.planes.size());
+  parallel_for(size_t(grid.ny), 4, [&](size_t begin, size_t end) {
+    const int first = int(begin) << level, last = std::min(fine_rows, int(end) << level);
+    for (uint32_t i = row_start[first]; i < row_start[last]; ++i) {
+      const double x = points[i].x(), y = points[i].y(), z = points[i].z();
+      const double w = weight(z - grid.at(x, y).h);
+      if (w < 1e-4) continue;
+      const int cx = std::min(grid.nx - 1, int(x / c));
+      const int cy = std::clamp(int(y / c), int(begin), int(end) - 1);
+      moments[size_t(cy) * grid.nx + cx].add(x - (cx + 0.5) * c, y - (cy + 0.5) * c, z, w);
+    }
+  });
+  std::vector<PlaneGrid::Plane> fitted(grid.planes.size());
+  parallel_for(size_t(grid.ny), 4, [&](size_t begin, size_t end) {
+    constexpr double kKernel[3] = {0.5, 1, 0.5};
+    for (int j = int(begin); j < int(end); ++j) {
+      for (int i = 0; i < grid.nx; ++i) {
+        Moments sum;
+        for (int dj = std::max(-1, -j); dj <= std::min(1, grid.ny - 1 - j); ++dj) {
+          for (int di = std::max(-1, -i); di <= std::min(1, grid.nx - 1 - i); ++di) {
+            const Moments& m = moments[size_t(j + dj) * grid.nx + i + di];
+            if (m.w > 0) sum.add(m, di * c, dj * c, kKernel[di + 1] * kKernel[dj + 1]);
+          }
+        }
+        const size_t at = size_t(j) * grid.nx + i;
+        fitted[at] = sum.w > 0 ? fit_plane(sum, grid.planes[at], prior_weight, c) : grid.planes[at];
+      }
+    }
+  });
+  grid.planes.swap(fitted);
+}
+
+/// The low point of each occupied cell, by cell; pits left out.
+struct LowPoints {
+  std::vector<Vec3f> points;
+  std::vector<uint32_t> row_start;
+};
+
+LowPoints low_points(SortedTile& tile, double quantile) {
+  const float kNone = std::numeric_limits<float>::infinity();
+  std::vector<Vec3f> low(size_t(tile.nx) * tile.ny, Vec3f::Constant(kNone));
+  parallel_for(size_t(tile.ny), 4, [&](size_t begin, size_t end) {
+    std::vector<Vec3f> copy;
+    for (size_t c = begin * tile.nx; c < end * tile.nx; ++c) {
+      const std::span<Vec3f> cell = tile.cell(c);
+      if (cell.empty()) continue;
+      copy.assign(cell.begin(), cell.end());
+      const auto at = copy.begin() + ptrdiff_t(quantile * double(copy.size()));
+      std::nth_element(copy.begin(), at, copy.end(),
+                       [](const Vec3f& a, const Vec3f& b) { return a.z() < b.z(); });
+      low[c] = *at;
+    }
+  });
+  constexpr int kReach = 3;        // cells
+  constexpr float kDepth = 0.5f;   // m
+  std::vector<uint8_t> pit(low.size());
+  parallel_for(size_t(tile.ny), 4, [&](size_t begin, size_t end) {
+    for (int y = int(begin); y < int(end); ++y) {
+      for (int x = 0; x < tile.nx; ++x) {
+        const Vec3f& p = low[size_t(y) * tile.nx + x];
+        if (p.z() == kNone) continue;
+        int others = 0, shared = 0;
+        for (int v = std::max(0, y - kReach); v <= std::min(tile.ny - 1, y + kReach); ++v) {
+          for (int u = std::max(0, x - kReach); u <= std::min(tile.nx - 1, x + kReach); ++u) {
+            const Vec3f& q = low[size_t(v) * tile.nx + u];
+            if (q.z() == kNone || (u == x && v == y)) continue;
+            ++others;
+            shared += q.z() - p.z() < kDepth + 0.5f * (q - p).head<2>().norm();
+          }
+        }
+        pit[size_t(y) * tile.nx + x] = others >= 4 && shared < 2;
+      }
+    }
+  });
+  LowPoints result;
+  for (int y = 0; y < tile.ny; ++y) {
+    result.row_start.push_back(uint32_t(result.points.size()));
+    for (size_t c = size_t(y) * tile.nx; c < size_t(y + 1) * tile.nx; ++c) {
+      if (low[c].z() != kNone && !pit[c]) result.points.push_back(low[c]);
+    }
+  }
+  result.row_start.push_back(uint32_t(result.points.size()));
+  return result;
+}
+
+/// Level first guess on the coarsest cells: a low quantile of the low points, cut so that it rises
+/// by no more than `slope` from any other cell.
+PlaneGrid first_guess(const SortedTile& tile, int level, const LowPoints& low, double slope) {
+  PlaneGrid grid(tile, level);
+  std::vector<std::vector<float>> heights(grid.planes.size());
+  for (const Vec3f& p : low.points) {
+    const int x = std::min(grid.nx - 1, int(p.x() / grid.cell_m));
+    const int y = std::min(grid.ny - 1, int(p.y() / grid.cell_m));
+    heights[size_t(y) * grid.nx + x].push_back(p.z());
+  }
+  for (size_t c = 0; c < heights.size(); ++c) {
+    std::vector<float>& h = heights[c];
+    grid.planes[c].h = std::numeric_limits<double>::infinity();
+    if (h.empty()) continue;
+    const auto at = h.begin() + ptrdiff_t(0.1 * double(h.size()));
+    std::nth_element(h.begin(), at, h.end());
+    grid.planes[c].h = *at;
+  }
+  // Two sweeps of the chamfer distance transform: h(c) = min over c' of h(c') + slope |c − c'|.
+  const double step = slope * grid.cell_m;
+  const auto relax = [&](int x, int y, int dx, int dy) {
+    if (x + dx < 0 || x + dx >= grid.nx || y + dy < 0 || y + dy >= grid.ny) return;
+    double& h = grid.planes[size_t(y) * grid.nx + x].h;
+    h = std::min(h, grid.planes[size_t(y + dy) * grid.nx + x + dx].h + step * std::hypot(dx, dy));
+  };
+  constexpr std::array<std::array<int, 2>, 4> kBefore{{{-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};
+  for (int y = 0; y < grid.ny; ++y) {
+    for (int x = 0; x < grid.nx; ++x) {
+      for (const auto& d : kBefore) relax(x, y, d[0], d[1]);
+    }
+  }
+  for (int y = grid.ny; y-- > 0;) {
+    for (int x = grid.nx; x-- > 0;) {
+      for (const auto& d : kBefore) relax(x, y, -d[0], -d[1]);
+    }
+  }
+  return grid;
+}
+
+/// The smooth lower envelope, on the finest cells.
+PlaneGrid envelope(SortedTile& tile, const LowerEnvelopeOptions& o) {
+  const LowPoints low = low_points(tile, o.low_quantile);
+  int level = 0;
+  while (o.cell_m * (2 << level) <= o.coarsest_m * 1.001) ++level;
+  PlaneGrid grid = first_guess(tile, level, low, o.slope);
+  for (;; --level) {
+    const double s = std::max(o.band_m, 0.5 * o.slope * grid.cell_m);
+    const auto weight = [s](double r) {
+      const double q = r / s;
+      return r > 0 ? std::exp(-q * q) : 1 / (1 + 0.04 * q * q);
+    };
+    for (int k = 0; k < 3; ++k) refit(grid, level, low.points, low.row_start, 0.1, weight);
+    if (level == 0) break;
+    PlaneGrid finer(tile, level - 1);
+    for (int y = 0; y < finer.ny; ++y) {
+      for (int x = 0; x < finer.nx; ++x) {
+        finer.planes[size_t(y) * finer.nx + x] =
+            grid.at((x + 0.5) * finer.cell_m, (y + 0.5) * finer.cell_m);
+      }
+    }
+    grid = std::move(finer);
+  }
+  return grid;
+}
+
+}  // namespace
+
+std::vector<uint8_t> lower_envelope(std::span<const Vec3f> points, const LowerEnvelopeOptions& o) {
+  require(o.cell_m > 0 && o.coarsest_m >= o.cell_m && o.slope > 0 && o.band_m > 0 && o.below_m > 0 &&
+              o.low_quantile >= 0 && o.low_quantile < 1,
+          "lower envelope: parameters must be positive, coarsest_m at least cell_m, the quantile in "
+          "[0, 1)");
+  std::vector<uint8_t> ground(points.size());
+  SortedTile tile = sort_by_cell(points, o.cell_m);
+  if (tile.points.empty()) return ground;
+  const PlaneGrid surface = envelope(tile, o);
+  parallel_for(tile.points.size(), 1 << 14, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const Vec3f& p = tile.points[i];
+      const PlaneGrid::Plane at = surface.at(p.x(), p.y());
+      const double r = (p.z() - at.h) / std::sqrt(1 + at.gx * at.gx + at.gy * at.gy);
+      ground[tile.source[i]] = r < o.band_m && r > -o.below_m;
+    }
+  });
+  return ground;
+}
+
+}  // namespace underbrush::ground
