@@ -1,0 +1,54 @@
+/// \file
+/// What a beam, a point, an element or an object belongs to: one list for all stages.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace underbrush::elements {
+
+/// The object classes of [tallavajhula18] §III, with ground and grass. The numbers are stored in
+/// files: append, never renumber.
+enum class Class : uint8_t {
+  kUnknown,
+  kGround,
+  kGrass,
+  kLowShrub,
+  kSmallShrub,
+  kMediumShrub,
+  kLargeShrub,
+  kSmallTree,
+  kMediumTree,
+  kLargeTree,
+};
+
+/// Names in files and on the command line, in the order of `Class`.
+inline constexpr std::array<std::string_view, 10> kClassNames = {
+    "unknown",      "ground",      "grass",      "low_shrub",   "small_shrub",
+    "medium_shrub", "large_shrub", "small_tree", "medium_tree", "large_tree"};
+
+constexpr std::string_view name(Class c) { return kClassNames.at(size_t(c)); }
+
+/// The class of that name, or none.
+constexpr std::optional<Class> class_from_name(std::string_view name) {
+  for (size_t i = 0; i < kClassNames.size(); ++i) {
+    if (kClassNames[i] == name) return Class(i);
+  }
+  return std::nullopt;
+}
+
+/// Class of a shrub by its height (m): low < 0.5 ≤ small < 1 ≤ medium < 2 ≤ large.
+constexpr Class shrub_class(double height_m) {
+  if (height_m < 0.5) return Class::kLowShrub;
+  if (height_m < 1) return Class::kSmallShrub;
+  return height_m < 2 ? Class::kMediumShrub : Class::kLargeShrub;
+}
+
+/// Class of a tree by its height (m): small < 6 ≤ medium < 10 ≤ large.
+constexpr Class tree_class(double height_m) {
+  if (height_m < 6) return Class::kSmallTree;
+  return height_m < 10 ? Class::kMediumTree : Class::kLargeTree;
+}
+
+}  // namespace underbrush::elements

@@ -1,0 +1,21 @@
+/// \file
+/// The plants of the test site.
+#pragma once
+#include "underbrush/scene/test_site.hpp"
+
+namespace underbrush::scene {
+
+/// Which prototypes are of which kind: ranges of their indices.
+struct PrototypeRange {
+  uint32_t begin = 0, end = 0;
+};
+
+/// A dozen trees of 4 to 14 m, shrubs of 0.35 to 2.8 m, tussocks of tall grass, tufts of short
+/// grass.
+struct PrototypeSet {
+  std::vector<Prototype> prototypes;
+  PrototypeRange trees, shrubs, tussocks, mowed;
+};
+PrototypeSet make_prototypes(uint64_t seed);
+
+}  // namespace underbrush::scene
