@@ -1,5 +1,6 @@
 #include "underbrush/scene/crown.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 

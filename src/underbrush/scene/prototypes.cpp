@@ -1,5 +1,6 @@
 #include "underbrush/scene/prototypes.hpp"
 
+#include <algorithm>
 #include <functional>
 
 #include "underbrush/core/parallel.hpp"

@@ -9,7 +9,9 @@
 #include "underbrush/scene/plant_mesh.hpp"
 #include "underbrush/scene/terrain.hpp"
 
-namespace underbrush::scene {
+namespace underbrush {
+/// Scenes: generated sites and plants of fine triangles.
+namespace scene {
 
 struct SiteParameters {
   TerrainParameters terrain;
@@ -61,4 +63,5 @@ struct FlatSite {
 };
 FlatSite flatten(const Site& site);
 
-}  // namespace underbrush::scene
+}  // namespace scene
+}  // namespace underbrush
