@@ -10,6 +10,8 @@
 namespace underbrush::ground {
 namespace {
 
+constexpr double kPriorWeight = 3;  // In low points.
+constexpr double kBelow = 4;        // Weight of a low point well below the surface.
 constexpr uint32_t kNoCell = std::numeric_limits<uint32_t>::max();
 
 /// The points sorted by the finest cell they lie in; x and y count from the tile's lower corner.
@@ -142,7 +144,7 @@ PlaneGrid::Plane fit_plane(const Moments& m, const PlaneGrid::Plane& prior, doub
 /// the first point of finest row r; `weight(residual)` says how much a point counts.
 template <class Weight>
 void refit(PlaneGrid& grid, int level, const std::vector<Vec3f>& points,
-           const std::vector<uint32_t>& row_start, double prior_weight, const Weight& weight) {
+           const std::vector<uint32_t>& row_start, const Weight& weight) {
   const double c = grid.cell_m;
   const int fine_rows = int(row_start.size()) - 1;
   std::vector<Moments> moments(grid.planes.size());
@@ -170,7 +172,7 @@ void refit(PlaneGrid& grid, int level, const std::vector<Vec3f>& points,
           }
         }
         const size_t at = size_t(j) * grid.nx + i;
-        fitted[at] = sum.w > 0 ? fit_plane(sum, grid.planes[at], prior_weight, c) : grid.planes[at];
+        fitted[at] = sum.w > 0 ? fit_plane(sum, grid.planes[at], kPriorWeight, c) : grid.planes[at];
       }
     }
   });
@@ -230,7 +232,7 @@ LowPoints low_points(SortedTile& tile, double quantile) {
   return result;
 }
 
-/// Level first guess on the coarsest cells: a low quantile of the low points, cut so that it rises
+/// A first guess on the coarsest cells: a low quantile of the low points, cut so that it rises
 /// by no more than `slope` from any other cell.
 PlaneGrid first_guess(const SortedTile& tile, int level, const LowPoints& low, double slope) {
   PlaneGrid grid(tile, level);
@@ -275,13 +277,18 @@ PlaneGrid envelope(SortedTile& tile, const LowerEnvelopeOptions& o) {
   int level = 0;
   while (o.cell_m * (2 << level) <= o.coarsest_m * 1.001) ++level;
   PlaneGrid grid = first_guess(tile, level, low, o.slope);
+  const int coarsest = level;
   for (;; --level) {
-    const double s = std::max(o.band_m, 0.5 * o.slope * grid.cell_m);
-    const auto weight = [s](double r) {
-      const double q = r / s;
-      return r > 0 ? std::exp(-q * q) : 1 / (1 + 0.04 * q * q);
-    };
-    for (int k = 0; k < 3; ++k) refit(grid, level, low.points, low.row_start, 0.1, weight);
+    // A plane misses ground that bends by about cell²; vegetation asks for less. Twice the tolerance
+    // first, then once; from the rough first guess, from far more.
+    for (double wide = level == coarsest ? 4 : 2; wide >= 1; wide /= level == coarsest ? 1.5 : 2) {
+      const double s = std::max(o.band_m, wide * o.bend * std::pow(grid.cell_m, 1.5));
+      const auto weight = [s](double r) {
+        const double q = r / s;
+        return r > 0 ? std::exp(-q * q) : 1 + (kBelow - 1) * std::min(1.0, q * q);
+      };
+      refit(grid, level, low.points, low.row_start, weight);
+    }
     if (level == 0) break;
     PlaneGrid finer(tile, level - 1);
     for (int y = 0; y < finer.ny; ++y) {
