@@ -1,0 +1,51 @@
+#include "score_json.hpp"
+
+#include <cmath>
+
+namespace underbrush::app {
+namespace {
+
+Json number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
+
+Json json_of(const metrics::Summary& s) {
+  return {{"beams", s.beams},
+          {"true_hits", s.true_hits},
+          {"false_hits", s.false_hits},
+          {"false_misses", s.false_misses},
+          {"true_misses", s.true_misses},
+          {"packet_error_m", number(s.packet_error_m)},
+          {"precision", number(s.precision)},
+          {"recall", number(s.recall)},
+          {"f1", number(s.f1)},
+          {"cloud_error_m", number(s.cloud_error_m)},
+          {"density_aware_chamfer", number(s.density_aware_chamfer)},
+          {"median_range_error_m", number(s.median_range_error_m)},
+          {"nll_per_beam", number(s.nll_per_beam)},
+          {"crps_m", number(s.crps_m)}};
+}
+
+Json json_of(const metrics::Score& s) {
+  Json j = json_of(s.all);
+  j["per_class"] = Json::object();
+  for (const auto& [name, part] : s.per_class) j["per_class"][name] = json_of(part);
+  j["per_range"] = Json::object();
+  for (const auto& [name, part] : s.per_range) j["per_range"][name] = json_of(part);
+  j["range_error_histogram"] = {{"from_m", -metrics::RangeErrorHistogram::kHalfWidth},
+                                {"to_m", metrics::RangeErrorHistogram::kHalfWidth},
+                                {"bin_m", metrics::RangeErrorHistogram::kBin},
+                                {"below_bins_above", s.range_error.count}};
+  return j;
+}
+
+}  // namespace
+
+Json json_of_scores(const std::vector<std::string>& names, const std::vector<metrics::Score>& scores,
+                    const std::string& provenance) {
+  Json j = json_of(scores.at(0));
+  j["models"] = Json::object();
+  for (size_t k = 0; k < scores.size(); ++k) j["models"][names[k]] = json_of(scores[k]);
+  j["provenance"] = Json::parse(provenance);
+  return j;
+}
+
+}  // namespace underbrush::app

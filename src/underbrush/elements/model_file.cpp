@@ -1,0 +1,215 @@
+#include "underbrush/elements/model_file.hpp"
+
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "underbrush/core/check.hpp"
+#include "underbrush/io/atomic_file.hpp"
+#include "underbrush/io/ply.hpp"
+
+namespace underbrush::elements {
+namespace fs = std::filesystem;
+namespace {
+
+using Json = nlohmann::ordered_json;
+using io::PlyData;
+using io::PlyElement;
+
+template <class T, class F>
+void add_column(PlyElement& element, const char* name, F value) {
+  std::vector<T> column(element.count);
+  for (size_t i = 0; i < element.count; ++i) column[i] = T(value(i));
+  element.columns.emplace_back(name, std::move(column));
+}
+
+template <class GetHit>
+void add_hit_columns(PlyElement& element, GetHit hit) {
+  add_column<float>(element, "p_hit", [&](size_t i) { return hit(i).p; });
+  add_column<uint32_t>(element, "hits", [&](size_t i) { return hit(i).hits; });
+  add_column<uint32_t>(element, "misses", [&](size_t i) { return hit(i).misses; });
+}
+
+PlyData ply_of_mesh(const TriangleMesh& mesh, bool with_hits) {
+  PlyElement vertex, face;
+  vertex.name = "vertex";
+  vertex.count = mesh.vertices.size();
+  const char* axes[3] = {"x", "y", "z"};
+  for (int d = 0; d < 3; ++d) {
+    add_column<float>(vertex, axes[d], [&](size_t i) { return mesh.vertices[i][d]; });
+  }
+  face.name = "face";
+  face.count = mesh.size();
+  face.triangles = mesh.triangles;
+  if (with_hits) add_hit_columns(face, [&](size_t i) { return mesh.hit[i]; });
+  PlyData data;
+  data.elements = {std::move(vertex), std::move(face)};
+  return data;
+}
+
+PlyData ply_of_ellipsoids(const std::vector<Ellipsoid>& ellipsoids) {
+  PlyElement e;
+  e.name = "vertex";  // so that point viewers show the means
+  e.count = ellipsoids.size();
+  const char* axes[3] = {"x", "y", "z"};
+  for (int d = 0; d < 3; ++d) {
+    add_column<float>(e, axes[d], [&](size_t i) { return ellipsoids[i].mean[d]; });
+  }
+  const char* entries[6] = {"cov_xx", "cov_xy", "cov_xz", "cov_yy", "cov_yz", "cov_zz"};
+  for (size_t k = 0; k < 6; ++k) {
+    add_column<float>(e, entries[k], [&](size_t i) { return ellipsoids[i].covariance[k]; });
+  }
+  add_hit_columns(e, [&](size_t i) { return ellipsoids[i].hit; });
+  add_column<uint32_t>(e, "class", [&](size_t i) { return ellipsoids[i].label; });
+  PlyData data;
+  data.elements = {std::move(e)};
+  return data;
+}
+
+template <class T>
+const std::vector<T>& column_of(const fs::path& file, const PlyElement& element, const char* name) {
+  const ExtraColumn* column = element.find(name);
+  const auto* values = column ? std::get_if<std::vector<T>>(column) : nullptr;
+  if (!values) throw FormatError(file.string(), element.name, std::string("no column ") + name);
+  return *values;
+}
+
+const PlyElement& element_of(const fs::path& file, const PlyData& data, const char* name) {
+  const PlyElement* element = data.find(name);
+  if (!element) throw FormatError(file.string(), "", std::string("no element ") + name);
+  return *element;
+}
+
+std::vector<HitCount> read_hits(const fs::path& file, const PlyElement& element) {
+  const auto& p = column_of<float>(file, element, "p_hit");
+  const auto& hits = column_of<uint32_t>(file, element, "hits");
+  const auto& misses = column_of<uint32_t>(file, element, "misses");
+  std::vector<HitCount> out(element.count);
+  for (size_t i = 0; i < out.size(); ++i) out[i] = {p[i], hits[i], misses[i]};
+  return out;
+}
+
+TriangleMesh read_mesh(const fs::path& file, double sigma) {
+  const PlyData data = io::read_ply(file);
+  const PlyElement& vertex = element_of(file, data, "vertex");
+  const PlyElement& face = element_of(file, data, "face");
+  const auto& x = column_of<float>(file, vertex, "x");
+  const auto& y = column_of<float>(file, vertex, "y");
+  const auto& z = column_of<float>(file, vertex, "z");
+  TriangleMesh mesh;
+  mesh.range_sigma_m = sigma;
+  for (size_t i = 0; i < vertex.count; ++i) mesh.vertices.emplace_back(x[i], y[i], z[i]);
+  mesh.triangles = face.triangles;
+  mesh.hit = read_hits(file, face);
+  return mesh;
+}
+
+std::vector<Ellipsoid> read_ellipsoids(const fs::path& file) {
+  const PlyData data = io::read_ply(file);
+  const PlyElement& e = element_of(file, data, "vertex");
+  const std::vector<HitCount> hit = read_hits(file, e);
+  const auto& x = column_of<float>(file, e, "x");
+  const auto& y = column_of<float>(file, e, "y");
+  const auto& z = column_of<float>(file, e, "z");
+  const std::vector<float>* cov[6];
+  const char* entries[6] = {"cov_xx", "cov_xy", "cov_xz", "cov_yy", "cov_yz", "cov_zz"};
+  for (int k = 0; k < 6; ++k) cov[k] = &column_of<float>(file, e, entries[k]);
+  const auto& label = column_of<uint32_t>(file, e, "class");
+  std::vector<Ellipsoid> out(e.count);
+  for (size_t i = 0; i < e.count; ++i) {
+    out[i].mean = Vec3f(x[i], y[i], z[i]);
+    for (size_t k = 0; k < 6; ++k) out[i].covariance[k] = (*cov[k])[i];
+    out[i].hit = hit[i];
+    out[i].label = label[i];
+  }
+  return out;
+}
+
+Json manifest_of(const Model& m) {
+  Json j;
+  j["format"] = "underbrush-model";
+  j["version"] = kModelVersion;
+  j["fitter"] = m.fitter;
+  j["origin_m"] = {m.origin.x(), m.origin.y(), m.origin.z()};
+  j["tau"] = m.tau;
+  j["ground"] = {{"file", "ground.ply"}, {"triangles", m.ground.size()},
+                 {"range_sigma_m", m.ground.range_sigma_m}};
+  j["surface"] = {{"file", "surface.ply"}, {"triangles", m.surface.size()},
+                  {"range_sigma_m", m.surface.range_sigma_m}};
+  j["ellipsoids"] = {{"file", "ellipsoids.ply"}, {"count", m.ellipsoids.size()}};
+  j["provenance"] = m.provenance.empty() ? Json::object() : Json::parse(m.provenance);
+  return j;
+}
+
+}  // namespace
+
+bool is_model(const fs::path& path) { return fs::is_regular_file(path / "model.json"); }
+
+void write_model(const fs::path& path, const Model& model) {
+  model.check();
+  require(!fs::exists(path) || is_model(path) || fs::is_empty(path),
+          "the output exists and is not a model; remove it or name another");
+  io::write_atomically(path, [&](const fs::path& folder) {
+    fs::create_directories(folder);
+    io::write_ply(folder / "ground.ply", ply_of_mesh(model.ground, true));
+    io::write_ply(folder / "surface.ply", ply_of_mesh(model.surface, true));
+    io::write_ply(folder / "ellipsoids.ply", ply_of_ellipsoids(model.ellipsoids));
+    std::ofstream out(folder / "model.json");
+    out << manifest_of(model).dump(2) << "\n";
+    if (!out.flush()) throw IoError((folder / "model.json").string() + ": cannot write");
+  });
+}
+
+Model read_model(const fs::path& path) {
+  const fs::path file = path / "model.json";
+  if (!fs::exists(path)) throw FormatError(path.string(), "", "no such model");
+  if (!is_model(path)) throw FormatError(path.string(), "", "not a model (no model.json in it)");
+  std::ifstream in(file);
+  Model model;
+  try {
+    const Json j = Json::parse(in);
+    if (j.at("format") != "underbrush-model") {
+      throw FormatError(file.string(), "format", "not an underbrush model");
+    }
+    if (const int version = j.at("version"); version > kModelVersion) {
+      throw FormatError(file.string(), "version",
+                        std::to_string(version) + " is newer than this program reads (" +
+                            std::to_string(kModelVersion) + ")");
+    }
+    for (Eigen::Index d = 0; d < 3; ++d) model.origin[d] = j.at("origin_m").at(size_t(d));
+    model.tau = j.at("tau");
+    model.fitter = j.at("fitter");
+    model.provenance = j.at("provenance").dump();
+    model.ground = read_mesh(path / "ground.ply", j.at("ground").at("range_sigma_m"));
+    model.surface = read_mesh(path / "surface.ply", j.at("surface").at("range_sigma_m"));
+    model.ellipsoids = read_ellipsoids(path / "ellipsoids.ply");
+    if (model.ground.size() != j.at("ground").at("triangles") ||
+        model.surface.size() != j.at("surface").at("triangles") ||
+        model.ellipsoids.size() != j.at("ellipsoids").at("count")) {
+      throw FormatError(file.string(), "", "its counts and its files disagree");
+    }
+    model.check();
+  } catch (const nlohmann::json::exception& e) {
+    throw FormatError(file.string(), "", e.what());
+  } catch (const std::invalid_argument& e) {
+    throw FormatError(path.string(), "", e.what());
+  }
+  return model;
+}
+
+void write_mesh(const fs::path& path, const TriangleMesh& mesh) {
+  if (path.extension() != ".obj") return io::write_ply(path, ply_of_mesh(mesh, false));
+  io::write_atomically(path, [&](const fs::path& temporary) {
+    std::ofstream out(temporary);
+    out.precision(9);
+    for (const Vec3f& v : mesh.vertices) {
+      out << "v " << v.x() << ' ' << v.y() << ' ' << v.z() << '\n';
+    }
+    for (const auto& t : mesh.triangles) {
+      out << "f " << t[0] + 1 << ' ' << t[1] + 1 << ' ' << t[2] + 1 << '\n';
+    }
+    if (!out.flush()) throw IoError(path.string() + ": cannot write");
+  });
+}
+
+}  // namespace underbrush::elements

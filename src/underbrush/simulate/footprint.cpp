@@ -1,0 +1,77 @@
+#include "underbrush/simulate/footprint.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "underbrush/core/check.hpp"
+#include "underbrush/core/parallel.hpp"
+#include "underbrush/core/rng.hpp"
+
+namespace underbrush::simulate {
+namespace {
+
+using trace::Met;
+
+/// Sub-rays over the cross-section: a sunflower on the unit disc, turned at random for each beam.
+Ray sub_ray(const Ray& axis, const Vec3& u, const Vec3& v, const FootprintOptions& o, int k,
+            double turn) {
+  const double radius = std::sqrt((k + 0.5) / o.sub_rays);
+  const double angle = turn + k * 2.399963229728653;  // the golden angle
+  const Vec3 side = radius * (std::cos(angle) * u + std::sin(angle) * v);
+  Ray ray;
+  ray.origin = axis.origin + 0.5 * o.exit_diameter_m * side;
+  ray.direction = (axis.direction + std::tan(0.5 * o.divergence_rad) * side).normalized();
+  return ray;
+}
+
+/// The strongest group of hits that lie within a pulse of each other: [begin, end) of `hits`.
+std::array<size_t, 2> strongest_echo(const std::vector<Met>& hits, double pulse_m) {
+  std::array<size_t, 2> best{0, 0};
+  for (size_t begin = 0; begin < hits.size();) {
+    size_t end = begin + 1;
+    while (end < hits.size() && hits[end].t_m - hits[end - 1].t_m < pulse_m) ++end;
+    if (end - begin > best[1] - best[0]) best = {begin, end};
+    begin = end;
+  }
+  return best;
+}
+
+}  // namespace
+
+void scan(const trace::World& world, std::span<const uint8_t> label,
+          const FootprintOptions& options, size_t first_beam, BeamLog& beams) {
+  require(options.sub_rays >= 1, "a beam needs at least one sub-ray");
+  require(label.size() == world.model().size(), "one label per element of the world is needed");
+  const trace::RangeLimits limits{beams.info.min_range_m, beams.info.max_range_m};
+  std::vector<uint16_t> classes(beams.size());
+  parallel_for(beams.size(), 1024, [&](size_t begin, size_t end) {
+    std::vector<Met> hits;
+    for (size_t i = begin; i < end; ++i) {
+      const Ray axis{beams.origin[i], beams.direction[i].cast<double>().normalized()};
+      const uint64_t key = beam_key(options.seed, beams.scan[i], first_beam + i);
+      const double turn =
+          2 * M_PI * uniform_from_bits(random_bits(key, 0, Purpose::kDirection));
+      const Vec3 u = axis.direction.unitOrthogonal(), v = axis.direction.cross(u);
+      hits.clear();
+      for (int k = 0; k < options.sub_rays; ++k) {
+        const Met met = world.nearest_surface(sub_ray(axis, u, v, options, k, turn), limits);
+        if (!met.none()) hits.push_back(met);
+      }
+      std::sort(hits.begin(), hits.end(), [](const Met& a, const Met& b) { return a.before(b); });
+      const auto [from, to] = strongest_echo(hits, options.pulse_m);
+      beams.range_m[i] = kMiss;
+      beams.intensity[i] = 0;
+      if (to == from || double(to - from) < options.threshold * options.sub_rays) continue;
+      double range = options.range_sigma_m * normal(key, 0, Purpose::kNoise);
+      for (size_t k = from; k < to; ++k) range += hits[k].t_m / double(to - from);
+      beams.range_m[i] = float(std::clamp(range, limits.min_m, limits.max_m));
+      beams.intensity[i] = float(to - from) / float(options.sub_rays);
+      classes[i] = label[hits[from].element];
+    }
+  });
+  beams.extra["class"] = std::move(classes);
+}
+
+}  // namespace underbrush::simulate

@@ -1,0 +1,122 @@
+#include "underbrush/elements/model_file.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <fstream>
+#include <sstream>
+
+#include "trace/scenes.hpp"
+#include "underbrush/core/check.hpp"
+#include "underbrush/io/ply.hpp"
+
+namespace underbrush::elements {
+namespace {
+namespace fs = std::filesystem;
+
+class ModelFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() /
+              ("underbrush-test-" + std::to_string(getpid()) + "-" +
+               testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::create_directories(folder_);
+    model_ = trace::random_model(4, 50, Vec3(5e5, -4e6, 123.456));
+    model_.fitter = "hierarchical";
+    model_.provenance = R"({"seed":1})";
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  void replace(const std::string& from, const std::string& to) {
+    std::ostringstream text;
+    text << std::ifstream(folder_ / "m" / "model.json").rdbuf();
+    std::string s = text.str();
+    const size_t at = s.find(from);
+    ASSERT_NE(at, std::string::npos);
+    std::ofstream(folder_ / "m" / "model.json") << s.replace(at, from.size(), to);
+  }
+  fs::path folder_;
+  Model model_;
+};
+
+TEST_F(ModelFile, ComesBackWhole) {
+  model_.ellipsoids[3].hit = {0.25f, 11, 12};
+  model_.ellipsoids[3].label = 70;
+  write_model(folder_ / "m", model_);
+  const Model back = read_model(folder_ / "m");
+  EXPECT_EQ(back.origin, model_.origin);
+  EXPECT_EQ(back.tau, model_.tau);
+  EXPECT_EQ(back.fitter, model_.fitter);
+  EXPECT_EQ(back.provenance, model_.provenance);
+  EXPECT_EQ(back.ground.vertices, model_.ground.vertices);
+  EXPECT_EQ(back.ground.triangles, model_.ground.triangles);
+  EXPECT_EQ(back.surface.vertices, model_.surface.vertices);
+  EXPECT_EQ(back.surface.range_sigma_m, model_.surface.range_sigma_m);
+  ASSERT_EQ(back.ellipsoids.size(), model_.ellipsoids.size());
+  for (size_t i = 0; i < back.ellipsoids.size(); ++i) {
+    EXPECT_EQ(back.ellipsoids[i].mean, model_.ellipsoids[i].mean);
+    EXPECT_EQ(back.ellipsoids[i].covariance, model_.ellipsoids[i].covariance);
+    EXPECT_EQ(back.ellipsoids[i].hit.p, model_.ellipsoids[i].hit.p);
+    EXPECT_EQ(back.ellipsoids[i].hit.misses, model_.ellipsoids[i].hit.misses);
+    EXPECT_EQ(back.ellipsoids[i].label, model_.ellipsoids[i].label);
+  }
+}
+
+TEST_F(ModelFile, ReplacesAModelButNothingElse) {
+  write_model(folder_ / "m", model_);
+  model_.tau = 2;
+  write_model(folder_ / "m", model_);
+  EXPECT_EQ(read_model(folder_ / "m").tau, 2);
+  fs::create_directories(folder_ / "photos");
+  std::ofstream(folder_ / "photos" / "cat.jpg") << "x";
+  EXPECT_THROW(write_model(folder_ / "photos", model_), std::invalid_argument);
+  EXPECT_TRUE(fs::exists(folder_ / "photos" / "cat.jpg"));
+}
+
+TEST_F(ModelFile, DamageIsAFormatError) {
+  EXPECT_THROW(read_model(folder_ / "none"), FormatError);
+  EXPECT_THROW(read_model(folder_), FormatError);
+  write_model(folder_ / "m", model_);
+  replace("\"version\": 1", "\"version\": 99");
+  EXPECT_THROW(read_model(folder_ / "m"), FormatError);
+  write_model(folder_ / "m", model_);
+  replace("\"tau\"", "\"tow\"");
+  EXPECT_THROW(read_model(folder_ / "m"), FormatError);
+  write_model(folder_ / "m", model_);
+  fs::resize_file(folder_ / "m" / "ellipsoids.ply",
+                  fs::file_size(folder_ / "m" / "ellipsoids.ply") - 1);
+  EXPECT_THROW(read_model(folder_ / "m"), FormatError);
+  write_model(folder_ / "m", model_);
+  fs::remove(folder_ / "m" / "ground.ply");
+  EXPECT_THROW(read_model(folder_ / "m"), FormatError);
+}
+
+TEST_F(ModelFile, SplatsEncodeTheSameGaussians) {
+  write_splat(folder_ / "s.ply", model_);
+  const io::PlyData data = io::read_ply(folder_ / "s.ply");
+  const auto at = [&](const char* name, size_t i) {
+    return std::get<std::vector<float>>(*data.find("vertex")->find(name))[i];
+  };
+  for (size_t i = 0; i < model_.ellipsoids.size(); ++i) {
+    const Eigen::Quaterniond q(at("rot_0", i), at("rot_1", i), at("rot_2", i), at("rot_3", i));
+    const Vec3 s(std::exp(2.0 * at("scale_0", i)), std::exp(2.0 * at("scale_1", i)),
+                 std::exp(2.0 * at("scale_2", i)));
+    const Mat3 r = q.toRotationMatrix();
+    const Mat3 sigma = r * s.asDiagonal() * r.transpose();
+    const Mat3 expected = model_.ellipsoids[i].covariance_matrix();
+    EXPECT_LT((sigma - expected).norm(), 1e-4 * expected.norm());
+  }
+}
+
+TEST_F(ModelFile, MeshesGoOutAsObjAndPly) {
+  write_mesh(folder_ / "g.ply", model_.ground);
+  EXPECT_EQ(io::read_ply(folder_ / "g.ply").find("face")->triangles, model_.ground.triangles);
+  write_mesh(folder_ / "g.obj", model_.ground);
+  std::ifstream in(folder_ / "g.obj");
+  size_t v = 0, f = 0;
+  for (std::string line; std::getline(in, line);) (line[0] == 'v' ? v : f)++;
+  EXPECT_EQ(v, model_.ground.vertices.size());
+  EXPECT_EQ(f, model_.ground.size());
+}
+
+}  // namespace
+}  // namespace underbrush::elements
