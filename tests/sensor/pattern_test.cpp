@@ -37,6 +37,9 @@ TEST(Pattern, EverySensorFiresItsBeamsPerRevolutionAndPerChannel) {
       ASSERT_FALSE(log.is_hit(i));
       ASSERT_NEAR(log.direction[i].norm(), 1, 1e-6);
       ASSERT_NEAR(std::asin(log.direction[i].z()), s.channels[log.ring[i]].elevation_rad, 1e-6);
+      const double firings =
+          (log.time_s[i] - 5 - s.channels[log.ring[i]].time_s) / s.firing_period_s;
+      ASSERT_NEAR(firings, std::round(firings), 1e-6) << "a channel fires at its own time";
       if (i > 0) {
         ASSERT_GE(log.time_s[i], log.time_s[i - 1]);
       }
