@@ -1,0 +1,191 @@
+#include "underbrush/sensor/grid.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "underbrush/sensor/angles.hpp"
+#include "underbrush/sensor/rays.hpp"
+
+namespace underbrush::sensor {
+namespace {
+
+constexpr double kMaxSpread = 0.15 * M_PI / 180;
+constexpr double kMostReturns = 0.95;  // a majority is not enough: it may be one of two mixed rows
+constexpr size_t kMinReturns = 3;
+
+/// Angles of all points; NaN where there is none.
+struct Angles {
+  std::vector<double> azimuth, elevation;
+};
+
+/// Columns and angles of the returns of one row.
+struct Row {
+  std::vector<double> column, azimuth, elevation;
+};
+
+std::vector<Row> rows_of(const Grid& grid, const Angles& angles) {
+  std::vector<Row> rows(grid.rows);
+  for (size_t c = 0; c < grid.columns; ++c) {
+    for (size_t r = 0; r < grid.rows; ++r) {
+      const size_t i = grid.column_major ? c * grid.rows + r : r * grid.columns + c;
+      if (std::isnan(angles.azimuth[i])) continue;
+      rows[r].column.push_back(double(c));
+      rows[r].azimuth.push_back(angles.azimuth[i]);
+      rows[r].elevation.push_back(angles.elevation[i]);
+    }
+  }
+  return rows;
+}
+
+bool fit_elevation(Grid& grid, const std::vector<Row>& rows) {
+  grid.elevation_rad.assign(grid.rows, NAN);
+  size_t near = 0, all = 0;
+  for (size_t r = 0; r < grid.rows; ++r) {
+    std::vector<double> values = rows[r].elevation;
+    if (values.size() < kMinReturns) continue;
+    grid.elevation_rad[r] = median(values);
+    all += values.size();
+    for (double v : values) near += std::abs(v - grid.elevation_rad[r]) < kMaxSpread;
+  }
+  return all > 0 && double(near) >= kMostReturns * double(all);
+}
+
+// Azimuth residuals of a row about column · step: their median, found about their circular mean.
+double row_azimuth(const Row& row, double step) {
+  double c = 0, s = 0;
+  for (size_t k = 0; k < row.column.size(); ++k) {
+    c += std::cos(row.azimuth[k] - row.column[k] * step);
+    s += std::sin(row.azimuth[k] - row.column[k] * step);
+  }
+  const double mean = std::atan2(s, c);
+  std::vector<double> rest(row.column.size());
+  for (size_t k = 0; k < rest.size(); ++k) {
+    rest[k] = signed_angle(row.azimuth[k] - row.column[k] * step - mean);
+  }
+  return mean + median(rest);
+}
+
+bool fit_azimuth(Grid& grid, const std::vector<Row>& rows) {
+  std::vector<double> steps;
+  for (const Row& row : rows) {
+    for (size_t k = 1; k < row.column.size(); ++k) {
+      if (row.column[k] != row.column[k - 1] + 1) continue;
+      steps.push_back(signed_angle(row.azimuth[k] - row.azimuth[k - 1]));
+    }
+  }
+  grid.step_rad = median(steps);
+  const double turns = std::abs(grid.step_rad) * double(grid.columns) / (2 * M_PI);
+  if (!(turns > 0.05 && turns < 1.2)) return false;
+  grid.azimuth_rad.assign(grid.rows, NAN);
+  size_t near = 0, all = 0;
+  for (int pass = 0; pass < 4; ++pass) {
+    std::vector<double> rests, columns, sizes;
+    for (size_t r = 0; r < grid.rows; ++r) {
+      if (rows[r].column.size() < kMinReturns) continue;
+      grid.azimuth_rad[r] = row_azimuth(rows[r], grid.step_rad);
+      for (size_t k = 0; k < rows[r].column.size(); ++k) {
+        columns.push_back(rows[r].column[k] - 0.5 * double(grid.columns));
+        rests.push_back(signed_angle(rows[r].azimuth[k] - grid.azimuth_rad[r] -
+                                     rows[r].column[k] * grid.step_rad));
+      }
+    }
+    for (double v : rests) sizes.push_back(std::abs(v));
+    const double spread = median(sizes);
+    all = rests.size();
+    near = size_t(std::count_if(rests.begin(), rests.end(),
+                                [&](double v) { return std::abs(v) < std::abs(grid.step_rad); }));
+    double xy = 0, xx = 0;
+    for (size_t k = 0; k < rests.size(); ++k) {
+      if (std::abs(rests[k]) > 4 * spread) continue;
+      xy += columns[k] * rests[k];
+      xx += columns[k] * columns[k];
+    }
+    if (xx > 0 && pass < 3) grid.step_rad += xy / xx;
+  }
+  return double(near) >= kMostReturns * double(all);
+}
+
+// Elevation of row r from the line through up to 8 filled rows nearest to it.
+double line_at(size_t r, std::vector<size_t> filled, const std::vector<double>& elevation) {
+  const auto distance = [r](size_t q) { return q > r ? q - r : r - q; };
+  std::stable_sort(filled.begin(), filled.end(),
+                   [&](size_t a, size_t b) { return distance(a) < distance(b); });
+  filled.resize(std::min<size_t>(filled.size(), 8));
+  double x = 0, y = 0, xx = 0, xy = 0;
+  const double n = double(filled.size());
+  for (size_t q : filled) {
+    x += double(q) / n;
+    y += elevation[q] / n;
+  }
+  for (size_t q : filled) {
+    xx += (double(q) - x) * (double(q) - x);
+    xy += (double(q) - x) * (elevation[q] - y);
+  }
+  return y + (xx > 0 ? xy / xx * (double(r) - x) : 0);
+}
+
+void fill_empty_rows(Grid& grid, const Sensor* sensor) {
+  std::vector<size_t> filled;
+  std::vector<double> shifts;
+  const bool known = sensor && sensor->channels.size() == grid.rows;
+  for (size_t r = 0; r < grid.rows; ++r) {
+    if (std::isnan(grid.elevation_rad[r])) continue;
+    filled.push_back(r);
+    if (known) shifts.push_back(grid.elevation_rad[r] - sensor->channels[r].elevation_rad);
+  }
+  const double shift = median(shifts);
+  const std::vector<double> elevation = grid.elevation_rad, azimuth = grid.azimuth_rad;
+  for (size_t r = 0; r < grid.rows; ++r) {
+    if (!std::isnan(elevation[r])) continue;
+    grid.elevation_rad[r] = std::clamp(
+        known ? sensor->channels[r].elevation_rad + shift : line_at(r, filled, elevation),
+        -M_PI / 2, M_PI / 2);
+    size_t best = filled.front();
+    const auto cost = [r](size_t q) {
+      const size_t d = q > r ? q - r : r - q;
+      return d + (d % 4 ? 1000000 : 0);
+    };
+    for (size_t q : filled) {
+      if (cost(q) < cost(best)) best = q;
+    }
+    grid.azimuth_rad[r] = azimuth[best];
+  }
+}
+
+// Whether the scan's own ring numbers, if any, are one per row.
+bool rings_agree(const Grid& grid, const std::vector<uint16_t>& ring) {
+  for (size_t i = 0; i < ring.size(); ++i) {
+    const size_t first = grid.column_major ? grid.row(i) : grid.row(i) * grid.columns;
+    if (ring[i] != ring[first]) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::optional<Grid> find_grid(const PointScan& scan, const Sensor* sensor) {
+  const size_t n = scan.size();
+  Angles angles{std::vector<double>(n, NAN), std::vector<double>(n, NAN)};
+  for (size_t i = 0; i < n; ++i) {
+    if (kind_of(scan.point[i], 0) != PointKind::kReturn) continue;
+    angles.azimuth[i] = azimuth_of(scan.point[i]);
+    angles.elevation[i] = elevation_of(scan.point[i]);
+  }
+  std::set<size_t> candidates{16, 20, 32, 40, 64, 80, 96, 128};
+  if (sensor) candidates.insert(sensor->channels.size());
+  for (size_t rows : candidates) {
+    if (n == 0 || n % rows != 0 || n / rows < 2) continue;
+    for (bool column_major : {true, false}) {
+      Grid grid{rows, n / rows, column_major, 0, {}, {}};
+      if (!rings_agree(grid, scan.ring)) continue;
+      const std::vector<Row> split = rows_of(grid, angles);
+      if (!fit_elevation(grid, split) || !fit_azimuth(grid, split)) continue;
+      fill_empty_rows(grid, sensor);
+      return grid;
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace underbrush::sensor

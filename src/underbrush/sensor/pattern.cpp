@@ -1,0 +1,102 @@
+#include "underbrush/sensor/pattern.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "underbrush/core/check.hpp"
+#include "underbrush/core/parallel.hpp"
+#include "underbrush/sensor/angles.hpp"
+
+namespace underbrush::sensor {
+namespace {
+
+// A firing within this fraction of a firing of a boundary counts as on it.
+constexpr double kSlack = 1e-6;
+
+uint64_t revolution(const Sensor& sensor, size_t firing) {
+  return uint64_t((double(firing) + kSlack) / sensor.firings_per_revolution());
+}
+
+size_t first_firing(const Sensor& sensor, uint64_t turn) {
+  return size_t(std::ceil(double(turn) * sensor.firings_per_revolution() - kSlack));
+}
+
+}  // namespace
+
+PatternSource::PatternSource(Sensor sensor, const Trajectory& trajectory, double start_s,
+                             double end_s, size_t chunk_size)
+    : sensor_(std::move(sensor)), trajectory_(trajectory), start_s_(start_s), end_s_(end_s) {
+  sensor_.check();
+  require(std::isfinite(start_s) && std::isfinite(end_s) && start_s <= end_s,
+          "beams: needs finite times, start <= end");
+  require((end_s - start_s) * sensor_.rate_hz < 4e9, "beams: too long a time");
+  order_ = sensor_.firing_order();
+  chunk_firings_ = std::max<size_t>(1, chunk_size / order_.size());
+  firings_ = size_t(std::ceil((end_s - start_s) / sensor_.firing_period_s - kSlack));
+  info_.sensor = sensor_.name;
+  info_.min_range_m = sensor_.min_range_m;
+  info_.max_range_m = sensor_.max_range_m;
+  info_.has_misses = info_.deskewed = true;
+  if (firings_ == 0) return;
+  // Only the last firing can reach past the end.
+  const double last = start_s_ + double(firings_ - 1) * sensor_.firing_period_s;
+  size_ = (firings_ - 1) * order_.size() +
+          size_t(std::count_if(order_.begin(), order_.end(), [&](uint16_t c) {
+            return last + sensor_.channels[c].time_s < end_s_;
+          }));
+  for (uint64_t turn = 0; turn <= revolution(sensor_, firings_ - 1); ++turn) {
+    const double t = start_s_ + double(first_firing(sensor_, turn)) * sensor_.firing_period_s;
+    info_.scans.push_back({uint32_t(turn), t, pose(t)});
+  }
+}
+
+Pose PatternSource::pose(double time_s) const {
+  const std::optional<Pose> found = trajectory_.at(time_s);
+  require(found.has_value(), "beams: the trajectory has no pose at the time of a beam");
+  return *found;
+}
+
+void PatternSource::fire(size_t firing, size_t at, BeamLog& chunk) const {
+  const double t0 = double(firing) * sensor_.firing_period_s;
+  const uint64_t turn = revolution(sensor_, firing);
+  const size_t packet = (firing - first_firing(sensor_, turn)) / size_t(sensor_.firings_per_packet);
+  double posed_at = -1;
+  Pose world_from_sensor;
+  for (size_t k = 0; k < order_.size() && at + k < chunk.size(); ++k) {
+    const Channel& c = sensor_.channels[order_[k]];
+    const double t = t0 + c.time_s, turns = t * sensor_.rate_hz;
+    if (t != posed_at) world_from_sensor = pose(start_s_ + t);
+    posed_at = t;
+    const double azimuth = sensor_.start_azimuth_rad + c.azimuth_rad +
+                           sensor_.turn() * 2 * M_PI * (turns - std::floor(turns));
+    const Vec3 d = world_from_sensor.rotation * unit_vector(azimuth, c.elevation_rad);
+    chunk.origin[at + k] = world_from_sensor * Vec3(0, 0, c.z_m);
+    chunk.direction[at + k] = d.cast<float>();
+    chunk.time_s[at + k] = start_s_ + t;
+    chunk.ring[at + k] = order_[k];
+    chunk.scan[at + k] = uint32_t(turn);
+    chunk.packet[at + k] = uint32_t(packet);
+  }
+}
+
+bool PatternSource::next(BeamLog& chunk) {
+  chunk = BeamLog();
+  chunk.info = info_;
+  const size_t first = firing_, n = std::min(chunk_firings_, firings_ - first);
+  firing_ += n;
+  const size_t width = order_.size();
+  chunk.resize(firing_ == firings_ ? size_ - std::min(size_, first * width) : n * width);
+  parallel_for(n, 64, [&](size_t begin, size_t end) {
+    for (size_t f = begin; f < end; ++f) fire(first + f, f * width, chunk);
+  });
+  return !chunk.empty();
+}
+
+BeamLog beams(const Sensor& sensor, const Trajectory& trajectory, double start_s, double end_s) {
+  PatternSource source(sensor, trajectory, start_s, end_s, SIZE_MAX);
+  BeamLog log;
+  source.next(log);
+  return log;
+}
+
+}  // namespace underbrush::sensor

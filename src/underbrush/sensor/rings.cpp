@@ -1,0 +1,168 @@
+#include "underbrush/sensor/rings.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "underbrush/sensor/angles.hpp"
+
+namespace underbrush::sensor {
+namespace {
+
+constexpr double kGapSteps = 1.8;  // 0.30° at the HDL-64E's 0.167°
+
+using Ring = std::vector<SensorRay>;
+
+// Gap from ray i to the next one counter-clockwise, around the seam of the ring.
+double gap_after(const Ring& ring, size_t i) {
+  return i + 1 < ring.size() ? ring[i + 1].azimuth_rad - ring[i].azimuth_rad
+                             : ring[0].azimuth_rad + 2 * M_PI - ring[i].azimuth_rad;
+}
+
+double measured_step(const std::vector<Ring>& rings, double nominal) {
+  std::vector<double> steps;
+  for (const Ring& ring : rings) {
+    double sum = 0;
+    size_t n = 0;
+    for (size_t i = 0; i + 1 < ring.size(); ++i) {
+      const double gap = gap_after(ring, i);
+      // Second echoes and doubled points are no step.
+      if (gap < 0.05 * nominal || gap > kGapSteps * nominal) continue;
+      sum += gap;
+      ++n;
+    }
+    if (n >= 100) steps.push_back(sum / double(n));
+  }
+  return steps.empty() ? nominal : median(steps);
+}
+
+// The elevation that decides whether a ring's gaps tell anything.
+std::vector<double> ring_elevations(const std::vector<Ring>& rings, const Sensor& sensor,
+                                    double fault) {
+  std::vector<double> measured(rings.size());
+  std::vector<size_t> filled;
+  for (size_t r = 0; r < rings.size(); ++r) {
+    std::vector<double> elevations;
+    for (const SensorRay& ray : rings[r]) elevations.push_back(ray.elevation_rad + fault);
+    if (!elevations.empty()) filled.push_back(r);
+    measured[r] = median(elevations);
+  }
+  const auto& c = sensor.channels;
+  if (filled.empty()) return measured;
+  const size_t a = filled.front(), b = filled.back();
+  const bool same_sense =
+      rings.size() == c.size() &&
+      (measured[b] - measured[a]) * (c[b].elevation_rad - c[a].elevation_rad) >= 0;
+  if (!same_sense) return measured;
+  for (size_t r = 0; r < rings.size(); ++r) measured[r] = c[r].elevation_rad;
+  return measured;
+}
+
+// Time of a miss a fraction s of the way from a to b. Where the scan begins and ends inside the
+// gap, times jump there: each side then keeps the pace of its own neighbour.
+double time_between(const SensorRay& a, const SensorRay& b, double gap, double s, double pace) {
+  const double expected = gap * pace;
+  if (std::abs(b.time_s - a.time_s - expected) < 0.5 * std::abs(2 * M_PI * pace)) {
+    return a.time_s + s * (b.time_s - a.time_s);
+  }
+  return s < 0.5 ? a.time_s + s * expected : b.time_s - (1 - s) * expected;
+}
+
+}  // namespace
+
+std::vector<uint16_t> rings_from_order(const std::vector<Vec3f>& points) {
+  std::vector<uint16_t> rings(points.size());
+  uint16_t ring = 0;
+  double before = 0;
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (kind_of(points[i], 0) == PointKind::kReturn) {
+      const double azimuth = positive_angle(azimuth_of(points[i]));
+      if (before - azimuth > M_PI) ++ring;
+      before = azimuth;
+    }
+    rings[i] = ring;
+  }
+  return rings;
+}
+
+std::vector<uint16_t> rings_from_elevation(const std::vector<Vec3f>& points, const Sensor& sensor,
+                                           double fault_rad) {
+  std::vector<uint16_t> rings(points.size());
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (kind_of(points[i], 0) != PointKind::kReturn) continue;
+    const double elevation = elevation_of(points[i]) + fault_rad;
+    const double r = points[i].cast<double>().norm();
+    double best = INFINITY;
+    for (size_t c = 0; c < sensor.channels.size(); ++c) {
+      const Channel& channel = sensor.channels[c];
+      const double e = channel.elevation_rad;
+      const double seen = e + std::asin(std::clamp(channel.z_m * std::cos(e) / r, -1.0, 1.0));
+      if (std::abs(elevation - seen) >= best) continue;
+      best = std::abs(elevation - seen);
+      rings[i] = uint16_t(c);
+    }
+  }
+  return rings;
+}
+
+InsertedMisses insert_misses(std::vector<SensorRay>& rays, const Sensor& sensor,
+                             double nominal_step_rad, double unknown_below_rad, double fault_rad,
+                             double revolution_s, double time_s) {
+  std::vector<Ring> rings(sensor.channels.size());
+  for (const SensorRay& ray : rays) {
+    if (ray.ring >= rings.size()) rings.resize(ray.ring + 1);
+    rings[ray.ring].push_back(ray);
+    rings[ray.ring].back().azimuth_rad = positive_angle(ray.azimuth_rad);
+  }
+  for (Ring& ring : rings) {
+    std::stable_sort(ring.begin(), ring.end(), [](const SensorRay& a, const SensorRay& b) {
+      return a.azimuth_rad < b.azimuth_rad;
+    });
+  }
+  const double step = measured_step(rings, nominal_step_rad);
+  const std::vector<double> elevations = ring_elevations(rings, sensor, fault_rad);
+  const double pace = sensor.turn() * revolution_s / (2 * M_PI);
+  // A few rings may have seen only sky; where most are absent, the scan is not this sensor's.
+  const auto filled = std::count_if(rings.begin(), rings.end(), [](auto& r) { return !r.empty(); });
+  const bool whole_rings = 2 * size_t(filled) >= sensor.channels.size();
+  InsertedMisses done;
+  for (size_t r = 0; r < rings.size(); ++r) {
+    Ring& ring = rings[r];
+    const bool unknown = elevations[r] < unknown_below_rad;
+    if (ring.empty()) {
+      if (!whole_rings || r >= sensor.channels.size()) continue;
+      SensorRay whole;
+      whole.ring = uint16_t(r);
+      whole.place = SensorRay::kInserted;
+      whole.elevation_rad = sensor.channels[r].elevation_rad - fault_rad;
+      whole.time_s = time_s;
+      const size_t n = size_t(std::lround(2 * M_PI / step));
+      (unknown ? done.unknown : done.inserted) += n;
+      for (size_t k = 0; k < n && !unknown; ++k) {
+        whole.azimuth_rad = step * double(k);
+        rays.push_back(whole);
+      }
+      continue;
+    }
+    for (size_t i = 0; i < ring.size(); ++i) {
+      const double gap = gap_after(ring, i);
+      if (gap <= kGapSteps * step) continue;
+      const size_t n = size_t(std::lround(gap / step)) - 1;
+      (unknown ? done.unknown : done.inserted) += n;
+      if (unknown) continue;
+      const SensorRay &a = ring[i], &b = ring[(i + 1) % ring.size()];
+      for (size_t k = 1; k <= n; ++k) {
+        const double s = double(k) / double(n + 1);
+        SensorRay miss;
+        miss.place = a.place;
+        miss.ring = uint16_t(r);
+        miss.azimuth_rad = a.azimuth_rad + s * gap;
+        miss.elevation_rad = a.elevation_rad + s * (b.elevation_rad - a.elevation_rad);
+        miss.time_s = time_between(a, b, gap, s, pace);
+        rays.push_back(miss);
+      }
+    }
+  }
+  return done;
+}
+
+}  // namespace underbrush::sensor

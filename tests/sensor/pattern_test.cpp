@@ -1,0 +1,127 @@
+#include "underbrush/sensor/pattern.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+
+#include "underbrush/core/parallel.hpp"
+
+namespace underbrush::sensor {
+namespace {
+
+constexpr double kSpeed = 15, kTurnRate = 0.4;
+
+Pose moving(double t) {
+  return {Eigen::Quaterniond(Eigen::AngleAxisd(kTurnRate * t, Vec3::UnitZ())),
+          Vec3(kSpeed * t, 2, 1.8)};
+}
+
+Trajectory path(double start, double end) {
+  std::vector<StampedPose> poses;
+  for (double t = start; t <= end + 0.05; t += 0.1) poses.push_back({t, moving(t)});
+  return Trajectory(poses);
+}
+
+TEST(Pattern, EverySensorFiresItsBeamsPerRevolutionAndPerChannel) {
+  const Trajectory still({{0, Pose{}}});
+  for (const std::string& name : names()) {
+    const Sensor s = load(name);
+    const BeamLog log = beams(s, still, 5, 5 + 2 / s.rate_hz);
+    log.check();
+    const double expected = 2 * s.firings_per_revolution() * double(s.channels.size());
+    EXPECT_NEAR(double(log.size()), expected, double(s.channels.size())) << name;
+    EXPECT_EQ(log.info.scans.size(), 2u) << name;
+    std::vector<size_t> by_ring(s.channels.size()), by_scan(2);
+    for (size_t i = 0; i < log.size(); ++i) {
+      ASSERT_FALSE(log.is_hit(i));
+      ASSERT_NEAR(log.direction[i].norm(), 1, 1e-6);
+      ASSERT_NEAR(std::asin(log.direction[i].z()), s.channels[log.ring[i]].elevation_rad, 1e-6);
+      const double firings =
+          (log.time_s[i] - 5 - s.channels[log.ring[i]].time_s) / s.firing_period_s;
+      ASSERT_NEAR(firings, std::round(firings), 1e-6) << "a channel fires at its own time";
+      if (i > 0) {
+        ASSERT_GE(log.time_s[i], log.time_s[i - 1]);
+      }
+      ++by_ring[log.ring[i]];
+      ++by_scan[log.scan[i]];
+    }
+    for (size_t n : by_ring) EXPECT_NEAR(double(n), 2 * s.firings_per_revolution(), 1) << name;
+    for (size_t n : by_scan) {
+      EXPECT_NEAR(double(n), expected / 2, double(s.channels.size())) << name;
+    }
+  }
+}
+
+TEST(Pattern, TurnsClockwiseFromItsStartAtTheRateOfTheHead) {
+  Sensor s = load("velodyne-vlp16");
+  const Trajectory still({{0, Pose{}}});
+  for (bool clockwise : {true, false}) {
+    s.clockwise = clockwise;
+    const BeamLog log = beams(s, still, 100, 100.1);
+    for (size_t i = 0; i < log.size(); i += 97) {
+      const double turned = (log.time_s[i] - 100) * s.rate_hz * 2 * M_PI;
+      const double expected = s.start_azimuth_rad + (clockwise ? -turned : turned);
+      const double azimuth = std::atan2(log.direction[i].y(), log.direction[i].x());
+      ASSERT_NEAR(std::remainder(azimuth - expected, 2 * M_PI), 0, 1e-6);
+    }
+  }
+}
+
+TEST(Pattern, OriginAndDirectionFollowTheMotionWithinARevolution) {
+  const Sensor s = load("velodyne-hdl64e");
+  const Trajectory trajectory = path(0, 1);
+  const BeamLog log = beams(s, trajectory, 0.2, 0.4);
+  EXPECT_TRUE(log.info.deskewed);
+  for (size_t i = 0; i < log.size(); i += 31) {
+    const Pose pose = moving(log.time_s[i]);
+    const Channel& c = s.channels[log.ring[i]];
+    ASSERT_LT((log.origin[i] - pose * Vec3(0, 0, c.z_m)).norm(), 1e-9);
+    const Vec3 local = pose.rotation.conjugate() * log.direction[i].cast<double>();
+    const double azimuth = s.start_azimuth_rad - 2 * M_PI * s.rate_hz * (log.time_s[i] - 0.2);
+    ASSERT_NEAR(std::remainder(std::atan2(local.y(), local.x()) - azimuth, 2 * M_PI), 0, 1e-6);
+  }
+}
+
+TEST(Pattern, PacketsHoldTheMakersNumberOfBeams) {
+  const Sensor s = load("velodyne-hdl32e");
+  const BeamLog log = beams(s, Trajectory({{0, Pose{}}}), 0, 0.1);
+  std::vector<size_t> count(log.packet.back() + 1);
+  for (uint32_t p : log.packet) ++count[p];
+  for (size_t k = 0; k + 1 < count.size(); ++k) EXPECT_EQ(count[k], 384u);
+}
+
+TEST(Pattern, ChunksAndThreadsChangeNothing) {
+  const Sensor s = load("velodyne-vlp32c");
+  const Trajectory trajectory = path(0, 1);
+  const double end = 0.2 + 40 * s.firing_period_s + 10e-6;  // stops within a firing
+  const BeamLog whole = beams(s, trajectory, 0.2, end);
+  EXPECT_LT(whole.time_s.back(), end);
+  EXPECT_EQ(whole.size(), 40 * 32 + 10u);  // pairs at 0, 2.304, … 9.216 µs
+  set_threads(1);
+  PatternSource source(s, trajectory, 0.2, end, 100);
+  EXPECT_EQ(source.size(), whole.size());
+  for (int pass = 0; pass < 2; ++pass) {
+    BeamLog joined, chunk;
+    source.rewind();
+    while (source.next(chunk)) joined.append(chunk, 0, chunk.size());
+    EXPECT_EQ(joined.origin, whole.origin);
+    EXPECT_EQ(joined.direction, whole.direction);
+    EXPECT_EQ(joined.time_s, whole.time_s);
+    EXPECT_EQ(joined.ring, whole.ring);
+    EXPECT_EQ(joined.packet, whole.packet);
+  }
+  set_threads(0);
+}
+
+TEST(Pattern, RefusesWhatHasNoPoseAndGivesNothingForNoTime) {
+  const Sensor s = load("velodyne-vlp16");
+  const Trajectory trajectory = path(0, 1);
+  EXPECT_THROW(beams(s, trajectory, 5, 5.1), std::invalid_argument);
+  EXPECT_THROW(beams(s, trajectory, 1, 0), std::invalid_argument);
+  EXPECT_THROW(beams(s, trajectory, 0, INFINITY), std::invalid_argument);
+  EXPECT_TRUE(beams(s, trajectory, 0.5, 0.5).empty());
+}
+
+}  // namespace
+}  // namespace underbrush::sensor

@@ -1,0 +1,123 @@
+#include "underbrush/sensor/sensor.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "underbrush/core/check.hpp"
+
+namespace underbrush::sensor {
+namespace {
+
+constexpr double kDegree = M_PI / 180;
+
+TEST(Catalogue, EveryNameLoadsAndSaysWhereItsValuesComeFrom) {
+  const std::vector<std::string> all = names();
+  EXPECT_TRUE(std::is_sorted(all.begin(), all.end()));
+  for (const char* name : {"velodyne-vlp16", "velodyne-vlp32c", "velodyne-hdl32e",
+                           "velodyne-hdl64e", "ouster-os1-64", "generic-spinning"}) {
+    EXPECT_TRUE(std::count(all.begin(), all.end(), name)) << name;
+  }
+  for (const std::string& name : all) {
+    const Sensor s = load(name);
+    EXPECT_EQ(s.name, name);
+    EXPECT_FALSE(s.sources.empty()) << name;
+    EXPECT_NO_THROW(s.check()) << name;
+    // Ring numbers run from one end of the field of view to the other.
+    for (size_t i = 2; i < s.channels.size(); ++i) {
+      EXPECT_GT((s.channels[i].elevation_rad - s.channels[i - 1].elevation_rad) *
+                    (s.channels[1].elevation_rad - s.channels[0].elevation_rad),
+                0)
+          << name << " ring " << i;
+    }
+  }
+}
+
+// The makers' beam rates, azimuth steps and packet sizes follow from the timing tables.
+TEST(Catalogue, RatesAgreeWithTheMakersFigures) {
+  const Sensor vlp16 = load("velodyne-vlp16"), hdl32 = load("velodyne-hdl32e");
+  const Sensor hdl64 = load("velodyne-hdl64e"), os1 = load("ouster-os1-64");
+  EXPECT_NEAR(vlp16.beams_per_s(), 289351, 1);
+  EXPECT_NEAR(hdl32.beams_per_s(), 694444, 1);
+  EXPECT_NEAR(hdl64.beams_per_s(), 1.3333e6, 1e2);
+  EXPECT_NEAR(os1.beams_per_s(), 1310720.0 / 2, 1);  // the maker counts the 20 Hz mode
+  EXPECT_NEAR(vlp16.azimuth_step_rad() / kDegree, 0.199, 1e-3);
+  EXPECT_NEAR(hdl32.azimuth_step_rad() / kDegree, 0.1659, 1e-4);
+  EXPECT_NEAR(os1.firings_per_revolution(), 1024, 1e-6);
+  for (const Sensor& s : {vlp16, hdl32, hdl64, load("velodyne-vlp32c")}) {
+    EXPECT_EQ(s.beams_per_packet(), 384u) << s.name;
+  }
+}
+
+TEST(Catalogue, FiringOrderIsTheMakers) {
+  const Sensor s = load("velodyne-hdl32e");
+  const std::vector<uint16_t> order = s.firing_order();
+  const double first[] = {-30.67, -9.33, -29.33, -8.00, -28.00, -6.66};
+  for (size_t k = 0; k < 6; ++k) {
+    EXPECT_NEAR(s.channels[order[k]].elevation_rad / kDegree, first[k], 1e-9);
+    EXPECT_NEAR(s.channels[order[k]].time_s, double(k) * 1.152e-6, 1e-15);
+  }
+}
+
+class SensorFile : public testing::Test {
+ protected:
+  // Loads a copy of the generic sensor's file with `from` replaced by `to`; the message of the
+  // error.
+  std::string error_with(const std::string& from, const std::string& to) {
+    std::string text =
+        "name: mine\nkind: spinning\nrotation: clockwise\nrate_hz: 10\nfiring_period_us: 50\n"
+        "min_range_m: 1\nmax_range_m: 50\nchannels:\n  elevation_deg: [1, 2]\n  time_us: [0, 5]\n";
+    if (!from.empty()) text.replace(text.find(from), from.size(), to);
+    std::ofstream(path_) << text;
+    try {
+      sensor_ = load(path_);
+    } catch (const FormatError& e) {
+      return e.what();
+    }
+    return "";
+  }
+  void TearDown() override { std::filesystem::remove(path_); }
+
+  std::string path_ = testing::TempDir() + "sensor_test_mine.yaml";
+  Sensor sensor_;
+};
+
+TEST_F(SensorFile, OwnFileLoads) {
+  EXPECT_EQ(error_with("", ""), "");
+  EXPECT_EQ(sensor_.name, "mine");
+  EXPECT_NEAR(sensor_.channels[1].time_s, 5e-6, 1e-18);
+}
+
+TEST_F(SensorFile, ErrorsNameFileAndPlace) {
+  const auto expect = [&](const std::string& from, const std::string& to, const std::string& part) {
+    const std::string error = error_with(from, to);
+    EXPECT_NE(error.find(path_), std::string::npos) << error;
+    EXPECT_NE(error.find(part), std::string::npos) << to << " gave: " << error;
+  };
+  expect("rate_hz: 10", "rate_hz: fast", "rate_hz");
+  expect("rate_hz: 10", "rate_hz: -1", "rate");
+  expect("rate_hz: 10\n", "", "rate_hz: missing");
+  expect("rate_hz", "rate_khz", "rate_khz: unknown key");
+  expect("time_us: [0, 5]", "time_us: [0]", "channels.time_us");
+  expect("time_us: [0, 5]", "time_us: [0, 99]", "firing period");
+  expect("elevation_deg: [1, 2]", "elevation_deg: [1, .nan]", "elevation");
+  expect("spinning", "raster", "kind");
+  expect("clockwise", "left", "rotation");
+  expect("name: mine", "name: [mine", "line");
+  expect("channels:\n  elevation_deg: [1, 2]\n  time_us: [0, 5]\n", "channels: 4\n", "channels");
+}
+
+TEST(Catalogue, UnknownNameSaysWhatIsKnown) {
+  try {
+    load("velodyne-9000");
+    FAIL();
+  } catch (const std::invalid_argument& e) {
+    EXPECT_NE(std::string(e.what()).find("velodyne-vlp16"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace underbrush::sensor
