@@ -11,8 +11,9 @@
 
 namespace underbrush::io {
 
-/// One PLY element. `columns` keeps the file's order and types; a list property `vertex_indices` (or
-/// `vertex_index`) comes as `triangles`, polygons being split into fans. Other lists are skipped.
+/// One PLY element. `columns` keeps the file's order and types; a list property `vertex_indices`
+/// (or `vertex_index`) comes as `triangles`, polygons being split into fans. Other lists are
+/// skipped.
 struct PlyElement {
   std::string name;
   size_t count = 0;
@@ -32,7 +33,8 @@ struct PlyData {
 
 /// Throws `FormatError` (file, place, reason) on anything that is not a whole PLY file.
 PlyData read_ply(const std::filesystem::path& path);
-/// Written atomically. `triangles`, where not empty, are written as `list uchar int vertex_indices`.
+/// Written atomically. `triangles`, where not empty, are written as `list uchar int
+/// vertex_indices`.
 void write_ply(const std::filesystem::path& path, const PlyData& data);
 
 }  // namespace underbrush::io

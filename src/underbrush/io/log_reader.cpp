@@ -1,0 +1,283 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "underbrush/core/check.hpp"
+#include "underbrush/core/parallel.hpp"
+#include "underbrush/io/log_file.hpp"
+#include "underbrush/io/log_layout.hpp"
+
+namespace underbrush::io {
+namespace {
+
+constexpr size_t kPiece = 4096;  // rows decoded at a time by one thread
+
+/// Where a value stands in a row.
+struct Field {
+  size_t offset = 0;
+  ValueType type = ValueType::kF32;
+};
+
+double real(const char* row, const Field& field) {
+  return field.type == ValueType::kF64 ? load<double>(row + field.offset)
+                                       : double(load<float>(row + field.offset));
+}
+
+template <class T>
+void read_column(const char* rows, size_t row_size, size_t n, const Field& field, T* out) {
+  with_type(field.type, [&](auto zero) {
+    const char* at = rows + field.offset;
+    for (size_t i = 0; i < n; ++i, at += row_size) out[i] = T(load<decltype(zero)>(at));
+  });
+}
+
+enum Fault : uint8_t { kNone, kNotFinite, kZeroLength };
+
+}  // namespace
+
+struct LogReader::State {
+  struct Extra {
+    Field field;
+    ExtraColumn empty;  ///< Of the type it has in memory.
+  };
+
+  State(const std::filesystem::path& path, size_t chunk)
+      : file(path), header(read_ply_header(file)), chunk_size(std::max<size_t>(chunk, 1)) {
+    comments = comments_from_header(file.name(), header);
+    check_shape();
+    find_columns();
+    if (!comments.ours) look_through();
+  }
+
+  void check_shape();
+  void find_columns();
+  void look_through();
+  std::optional<Field> take(const std::string& name, bool (*fits)(ValueType));
+  void decode(const char* rows, size_t first, size_t n, BeamLog& out, uint8_t* fault) const;
+  uint8_t decode_ray(const char* row, BeamLog& out, size_t i) const;
+  void read_rows(size_t begin, size_t n, BeamLog& out, std::vector<uint8_t>& fault) const;
+  void drop(const std::vector<uint8_t>& fault, BeamLog& chunk);
+
+  InputFile file;
+  PlyHeader header;
+  LogComments comments;
+  size_t chunk_size, rows = 0, row_size = 0, at = 0;
+  std::map<std::string, Field> unclaimed;
+  std::array<Field, 3> end, ray;
+  Field time;
+  std::optional<Field> alpha, ring, scan, packet, flags, remission;
+  std::map<std::string, Extra> extra;
+  std::map<std::string, size_t> skipped;
+};
+
+void LogReader::State::check_shape() {
+  const auto fail = [&](const std::string& place, const std::string& reason) {
+    throw FormatError(file.name(), place, reason);
+  };
+  if (header.format != PlyHeader::Format::kLittle) {
+    fail("header", "a ray cloud must be binary_little_endian");
+  }
+  if (header.elements.size() != 1 || header.elements[0].name != "vertex" ||
+      header.elements[0].has_list()) {
+    fail("header", "a ray cloud must have the element 'vertex' only, without lists");
+  }
+  rows = size_t(header.elements[0].count);
+  row_size = header.elements[0].row_size();
+  if (rows == 0) fail("element vertex", "an empty log: no beams");
+  const uint64_t expected = header.body + uint64_t(rows) * row_size;
+  if (file.size() != expected) {
+    fail("byte " + std::to_string(expected), "bytes after the last row");
+  }
+}
+
+std::optional<Field> LogReader::State::take(const std::string& name, bool (*fits)(ValueType)) {
+  const auto found = unclaimed.find(name);
+  if (found == unclaimed.end() || !fits(found->second.type)) return std::nullopt;
+  const Field field = found->second;
+  unclaimed.erase(found);
+  return field;
+}
+
+void LogReader::State::find_columns() {
+  size_t offset = 0;
+  for (const PlyProperty& p : header.elements[0].properties) {
+    unclaimed[p.name] = {offset, p.type};
+    offset += size_of(p.type);
+  }
+  const auto is_real = [](ValueType t) { return t >= ValueType::kF32; };
+  const auto is_u8 = [](ValueType t) { return t == ValueType::kU8; };
+  const auto to_u16 = [](ValueType t) { return t <= ValueType::kU16; };
+  const auto to_u32 = [](ValueType t) { return t <= ValueType::kU32; };
+  const auto needed = [&](const std::string& name) {
+    const auto field = take(name, is_real);
+    if (!field) {
+      throw FormatError(file.name(), "header",
+                        "no float or double '" + name + "': not a ray cloud");
+    }
+    return *field;
+  };
+  const std::string prefix = unclaimed.count("rayx") ? "ray" : "n";
+  for (int c = 0; c < 3; ++c) {
+    const char axis = char('x' + c);
+    end[size_t(c)] = needed(std::string(1, axis));
+    ray[size_t(c)] = needed(prefix + axis);
+  }
+  time = needed("time");
+  alpha = take("alpha", is_u8);
+  ring = take("ring", to_u16);
+  scan = take("scan", to_u32);
+  packet = take("packet", to_u32);
+  if (comments.ours) {
+    flags = take("flags", is_u8);
+    remission = take("remission", is_real);
+    if (!comments.colours) {
+      for (const char* colour : {"red", "green", "blue"}) take(colour, is_u8);
+    }
+  }
+  for (const auto& [stored, field] : unclaimed) {
+    const auto narrow = comments.narrow.find(stored);
+    const ValueType type = narrow == comments.narrow.end() ? field.type : narrow->second;
+    extra[comments.ours ? name_from_stored(stored) : stored] = {field, column_of(type)};
+  }
+}
+
+// One of others' ray clouds does not say how far its sensor saw, nor whether misses are in it.
+void LogReader::State::look_through() {
+  const size_t pieces = (rows + kPiece - 1) / kPiece;
+  std::vector<double> longest(pieces, 0);
+  std::vector<uint8_t> misses(pieces, 0);
+  parallel_for(rows, kPiece, [&](size_t begin, size_t finish) {
+    std::vector<char> bytes((finish - begin) * row_size);
+    file.read(header.body + uint64_t(begin) * row_size, bytes.data(), bytes.size());
+    for (const char* row = bytes.data(); row != bytes.data() + bytes.size(); row += row_size) {
+      const double length = Vec3(real(row, ray[0]), real(row, ray[1]), real(row, ray[2])).norm();
+      if (!std::isfinite(length)) continue;
+      longest[begin / kPiece] = std::max(longest[begin / kPiece], length);
+      if (alpha && row[alpha->offset] == 0) misses[begin / kPiece] = 1;
+    }
+  });
+  comments.info.max_range_m = *std::max_element(longest.begin(), longest.end());
+  comments.info.has_misses = *std::max_element(misses.begin(), misses.end()) != 0;
+  comments.info.deskewed = true;  // every ray has its own origin
+  if (!(comments.info.max_range_m > 0)) {
+    throw FormatError(file.name(), "element vertex", "no ray has a length");
+  }
+}
+
+uint8_t LogReader::State::decode_ray(const char* row, BeamLog& out, size_t i) const {
+  const Vec3 point(real(row, end[0]), real(row, end[1]), real(row, end[2]));
+  const Vec3 back(real(row, ray[0]), real(row, ray[1]), real(row, ray[2]));
+  const double length = back.norm(), t = real(row, time);
+  out.time_s[i] = t;
+  out.origin[i] = point + back;
+  const bool hit = !alpha || row[alpha->offset] != 0;
+  out.range_m[i] = hit ? float(length) : kMiss;
+  out.intensity[i] = remission ? float(real(row, *remission))
+                     : alpha   ? float(uint8_t(row[alpha->offset]))
+                               : 0;
+  if (!std::isfinite(length) || !std::isfinite(t) || !point.allFinite() ||
+      !std::isfinite(out.intensity[i])) {
+    return kNotFinite;
+  }
+  if (!(length > 0)) return kZeroLength;
+  // A miss of ours is exactly as long as the maximum range: its stored length adds only rounding.
+  const double max = comments.info.max_range_m;
+  const bool exact = comments.ours && !hit && std::abs(length - max) < 1e-6 * max;
+  out.direction[i] = (back * (-1 / (exact ? max : length))).cast<float>();
+  return kNone;
+}
+
+void LogReader::State::decode(const char* rows_at, size_t first, size_t n, BeamLog& out,
+                              uint8_t* fault) const {
+  for (size_t i = 0; i < n; ++i) {
+    fault[first + i] = decode_ray(rows_at + i * row_size, out, first + i);
+  }
+  const auto column = [&](const std::optional<Field>& field, auto& to) {
+    if (field) read_column(rows_at, row_size, n, *field, to.data() + first);
+  };
+  column(ring, out.ring);
+  column(scan, out.scan);
+  column(packet, out.packet);
+  column(flags, out.flags);
+  auto to = out.extra.begin();
+  for (const auto& [name, from] : extra) {
+    std::visit([&](auto& c) { read_column(rows_at, row_size, n, from.field, c.data() + first); },
+               to++->second);
+  }
+}
+
+void LogReader::State::read_rows(size_t begin, size_t n, BeamLog& out,
+                                 std::vector<uint8_t>& fault) const {
+  parallel_for(n, kPiece, [&](size_t first, size_t last) {
+    std::vector<char> bytes((last - first) * row_size);
+    file.read(header.body + uint64_t(begin + first) * row_size, bytes.data(), bytes.size());
+    decode(bytes.data(), first, last - first, out, fault.data());
+  });
+}
+
+void LogReader::State::drop(const std::vector<uint8_t>& fault, BeamLog& chunk) {
+  const size_t n = fault.size();
+  const size_t not_finite = size_t(std::count(fault.begin(), fault.end(), kNotFinite));
+  const size_t zero_length = size_t(std::count(fault.begin(), fault.end(), kZeroLength));
+  if (not_finite) skipped["not finite"] += not_finite;
+  if (zero_length) skipped["zero-length ray"] += zero_length;
+  if (not_finite + zero_length == 0) return;
+  BeamLog kept = chunk.like();
+  for (size_t i = 0; i < n; ++i) {
+    if (fault[i] == kNone) kept.append(chunk, i);
+  }
+  chunk = std::move(kept);
+}
+
+LogReader::LogReader(const std::filesystem::path& path, size_t chunk_size)
+    : state_(std::make_unique<State>(path, chunk_size)) {}
+
+LogReader::~LogReader() = default;
+
+const LogInfo& LogReader::info() const { return state_->comments.info; }
+size_t LogReader::size() const { return state_->rows; }
+const std::string& LogReader::provenance() const { return state_->comments.provenance; }
+const std::map<std::string, size_t>& LogReader::skipped() const { return state_->skipped; }
+
+void LogReader::rewind() {
+  state_->at = 0;
+  state_->skipped.clear();
+}
+
+bool LogReader::next(BeamLog& chunk) {
+  State& s = *state_;
+  do {
+    const size_t n = std::min(s.chunk_size, s.rows - s.at);
+    // Columns that stand are used again: a pass over a long log allocates once.
+    if (chunk.extra.size() != s.extra.size() ||
+        !std::equal(s.extra.begin(), s.extra.end(), chunk.extra.begin(),
+                    [](const auto& a, const auto& b) {
+                      return a.first == b.first && a.second.empty.index() == b.second.index();
+                    })) {
+      chunk.extra.clear();
+      for (const auto& [name, e] : s.extra) chunk.extra[name] = e.empty;
+    }
+    chunk.info = s.comments.info;
+    chunk.resize(n);
+    if (!s.ring) std::fill(chunk.ring.begin(), chunk.ring.end(), 0);
+    if (!s.scan) std::fill(chunk.scan.begin(), chunk.scan.end(), 0);
+    if (!s.packet) std::fill(chunk.packet.begin(), chunk.packet.end(), 0);
+    if (!s.flags) std::fill(chunk.flags.begin(), chunk.flags.end(), 0);
+    if (n == 0) return false;
+    std::vector<uint8_t> fault(n);
+    s.read_rows(s.at, n, chunk, fault);
+    s.at += n;
+    s.drop(fault, chunk);
+  } while (chunk.empty());
+  return true;
+}
+
+BeamLog read_log(const std::filesystem::path& path) {
+  LogReader reader(path, std::numeric_limits<size_t>::max());
+  BeamLog log;
+  if (!reader.next(log)) throw FormatError(path.string(), "", "no usable beams");
+  return log;
+}
+
+}  // namespace underbrush::io
