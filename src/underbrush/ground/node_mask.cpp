@@ -57,10 +57,8 @@ NodeMask near_values(const NodeMask& mask, const std::vector<BlockKey>& keys, do
 }  // namespace
 
 template <class T>
-std::vector<T> window(const BlockMap<T>& values, BlockKey key, int halo, T absent) {
-  const int side = kBlockSide + 2 * halo;
+std::vector<T> window(const BlockMap<T>& values, int i0, int j0, int side, T absent) {
   std::vector<T> result(size_t(side) * side, absent);
-  const int i0 = key.x * kBlockSide - halo, j0 = key.y * kBlockSide - halo;
   for (int by = j0 >> 5; by <= (j0 + side - 1) >> 5; ++by) {
     for (int bx = i0 >> 5; bx <= (i0 + side - 1) >> 5; ++bx) {
       const auto block = values.find({by, bx});
@@ -75,9 +73,9 @@ std::vector<T> window(const BlockMap<T>& values, BlockKey key, int halo, T absen
   }
   return result;
 }
-template std::vector<uint8_t> window(const BlockMap<uint8_t>&, BlockKey, int, uint8_t);
-template std::vector<int32_t> window(const BlockMap<int32_t>&, BlockKey, int, int32_t);
-template std::vector<double> window(const BlockMap<double>&, BlockKey, int, double);
+template std::vector<uint8_t> window(const BlockMap<uint8_t>&, int, int, int, uint8_t);
+template std::vector<int32_t> window(const BlockMap<int32_t>&, int, int, int, int32_t);
+template std::vector<double> window(const BlockMap<double>&, int, int, int, double);
 
 NodeMask dilated(const NodeMask& mask, double radius) {
   const int reach = (int(std::floor(radius)) + kBlockSide - 1) / kBlockSide;

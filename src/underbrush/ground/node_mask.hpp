@@ -19,9 +19,16 @@ NodeMask eroded(const NodeMask& mask, double radius);
 /// The nodes in either set.
 NodeMask united(const NodeMask& a, const NodeMask& b);
 
-/// The window of `values` that a block and `halo` nodes around it cover: (32 + 2 halo)² values, row
-/// by row; `absent` where there is no block.
+/// The square of nodes (i0 … i0 + side − 1, j0 … j0 + side − 1), row by row; `absent` where there is
+/// no block.
 template <class T>
-std::vector<T> window(const BlockMap<T>& values, BlockKey key, int halo, T absent);
+std::vector<T> window(const BlockMap<T>& values, int i0, int j0, int side, T absent);
+
+/// The same for a block and `halo` nodes around it.
+template <class T>
+std::vector<T> window(const BlockMap<T>& values, BlockKey key, int halo, T absent) {
+  return window(values, key.x * kBlockSide - halo, key.y * kBlockSide - halo, kBlockSide + 2 * halo,
+                absent);
+}
 
 }  // namespace underbrush::ground
