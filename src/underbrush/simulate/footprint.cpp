@@ -40,7 +40,7 @@ std::array<size_t, 2> strongest_echo(const std::vector<Met>& hits, double pulse_
 
 }  // namespace
 
-void scan(const trace::World& world, std::span<const uint8_t> label,
+void scan(const trace::World& world, std::span<const elements::Class> label,
           const FootprintOptions& options, size_t first_beam, BeamLog& beams) {
   require(options.sub_rays >= 1, "a beam needs at least one sub-ray");
   require(label.size() == world.model().size(), "one label per element of the world is needed");
@@ -68,7 +68,7 @@ void scan(const trace::World& world, std::span<const uint8_t> label,
       for (size_t k = from; k < to; ++k) range += hits[k].t_m / double(to - from);
       beams.range_m[i] = float(std::clamp(range, limits.min_m, limits.max_m));
       beams.intensity[i] = float(to - from) / float(options.sub_rays);
-      classes[i] = label[hits[from].element];
+      classes[i] = uint16_t(label[hits[from].element]);
     }
   });
   beams.extra["class"] = std::move(classes);

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "underbrush/core/beam_log.hpp"
+#include "underbrush/elements/classes.hpp"
 #include "underbrush/trace/world.hpp"
 
 namespace underbrush::simulate {
@@ -25,7 +26,7 @@ struct FootprintOptions {
 /// at its mean range plus noise; a miss if none holds `threshold` of the sub-rays. `label`, one per
 /// element of the world, comes out as the extra column `class` (of the echo's first hit; 0 for a
 /// miss). Random numbers as in `simulate`.
-void scan(const trace::World& world, std::span<const uint8_t> label, const FootprintOptions& options,
+void scan(const trace::World& world, std::span<const elements::Class> label, const FootprintOptions& options,
           size_t first_beam, BeamLog& beams);
 
 }  // namespace underbrush::simulate

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <chrono>
 
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
@@ -67,6 +68,31 @@ void simulate(const trace::World& world, const Options& options, size_t first_be
   }
   beams.extra["element"] = std::move(element);
   beams.extra["element_class"] = std::move(label);
+}
+
+SimulatedSource::SimulatedSource(const trace::World& world, BeamSource& beams,
+                                 const Options& options)
+    : world_(world), beams_(beams), options_(options), info_(beams.info()) {
+  info_.has_misses = true;
+  if (options.max_range_m > 0) info_.max_range_m = options.max_range_m;
+}
+
+void SimulatedSource::rewind() {
+  beams_.rewind();
+  done_ = hits_ = 0;
+  seconds_ = 0;
+}
+
+bool SimulatedSource::next(BeamLog& chunk) {
+  using Clock = std::chrono::steady_clock;
+  if (!beams_.next(chunk)) return false;
+  chunk.info = info_;
+  const auto start = Clock::now();
+  simulate(world_, options_, done_, chunk);
+  seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
+  done_ += chunk.size();
+  for (size_t i = 0; i < chunk.size(); ++i) hits_ += chunk.is_hit(i);
+  return true;
 }
 
 }  // namespace underbrush::simulate

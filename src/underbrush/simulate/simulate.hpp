@@ -23,6 +23,7 @@ struct Options {
   uint64_t seed = 1;
   RangeDraw draw = RangeDraw::kOnRay;
   double range_noise_m = 0;    ///< σ of further noise on every range.
+  double max_range_m = 0;      ///< Of the source below: overrides that of the beams if positive.
   bool element_ids = false;    ///< Add the extra columns `element` and `element_class`.
 };
 
@@ -32,6 +33,30 @@ struct Options {
 /// Ranges are limited to those of `beams.info`; a draw outside them is put at the element itself.
 /// Intensities are those of no instrument yet: 0.
 void simulate(const trace::World& world, const Options& options, size_t first_beam, BeamLog& beams);
+
+/// The beams of a source, answered chunk by chunk. World and source must outlive it.
+class SimulatedSource : public BeamSource {
+ public:
+  SimulatedSource(const trace::World& world, BeamSource& beams, const Options& options);
+  const LogInfo& info() const override { return info_; }
+  size_t size() const override { return beams_.size(); }
+  void rewind() override;
+  bool next(BeamLog& chunk) override;
+
+  /// Since the last rewind.
+  size_t hits() const { return hits_; }
+  size_t beams() const { return done_; }
+  /// Time spent in `simulate` (s), reading and writing apart.
+  double seconds() const { return seconds_; }
+
+ private:
+  const trace::World& world_;
+  BeamSource& beams_;
+  Options options_;
+  LogInfo info_;
+  size_t done_ = 0, hits_ = 0;
+  double seconds_ = 0;
+};
 
 }  // namespace simulate
 }  // namespace underbrush

@@ -1,0 +1,151 @@
+#include "underbrush/fit/fit.hpp"
+
+#include <algorithm>
+
+#include "underbrush/core/check.hpp"
+#include "underbrush/core/parallel.hpp"
+#include "underbrush/core/rng.hpp"
+
+namespace underbrush::fit {
+namespace {
+
+/// Margin around a tile in which points help to tell its ground and its surfaces.
+constexpr double kMarginM = 10;
+
+/// Points of all hits by tile, relative to `origin`.
+void gather(BeamSource& source, const Vec3& origin, TileStore& store, FitReport& report,
+            const FitProgress& progress) {
+  source.rewind();
+  BeamLog chunk;
+  while (source.next(chunk)) {
+    for (size_t i = 0; i < chunk.size(); ++i) {
+      if (!chunk.is_hit(i)) continue;
+      ++report.hits;
+      store.add({(chunk.end_point(i) - origin).cast<float>(), -chunk.direction[i]});
+    }
+    report.beams += chunk.size();
+    if (progress) progress("gather", report.beams, source.size());
+  }
+  report.misses = report.beams - report.hits;
+  report.thinned_points = store.thinned();
+  report.tiles = store.tiles().size();
+}
+
+/// The world origin of a model: near the first beam, on whole metres.
+Vec3 model_origin(BeamSource& source) {
+  source.rewind();
+  BeamLog chunk;
+  require(source.next(chunk), "fit: the log is empty");
+  return chunk.origin[0].array().round();
+}
+
+/// Runs `work` for all tiles on all threads and `merge` for each in their order, holding only a few
+/// results at a time.
+template <class Result, class Work, class Merge>
+void for_tiles_in_order(const std::vector<TileKey>& tiles, const FitProgress& progress,
+                        std::string_view stage, Work work, Merge merge) {
+  const size_t batch = 4 * size_t(std::max(1, threads()));
+  for (size_t at = 0; at < tiles.size(); at += batch) {
+    const size_t n = std::min(batch, tiles.size() - at);
+    std::vector<Result> results(n);
+    parallel_for(n, 1, [&](size_t k, size_t) { results[k] = work(tiles[at + k]); });
+    for (Result& r : results) merge(std::move(r));
+    if (progress) progress(stage, at + n, tiles.size());
+  }
+}
+
+/// What a tile gives to the hybrid model.
+struct TileFit {
+  std::vector<Vec3> ground;  // world
+  std::vector<elements::Ellipsoid> ellipsoids;
+  size_t other = 0, unclustered = 0;
+};
+
+TileFit fit_tile(const TileStore& store, TileKey key, const Vec3& origin,
+                 const FitOptions& options) {
+  const TileStore::Loaded loaded = store.load(key, kMarginM);
+  std::vector<Vec3f> points(loaded.points.size()), other;
+  for (size_t i = 0; i < points.size(); ++i) points[i] = loaded.points[i].point;
+  const std::vector<uint8_t> ground = ground::segment(points, options.segment);
+  TileFit out;
+  for (size_t i = 0; i < loaded.core; ++i) {
+    if (ground[i]) {
+      out.ground.push_back(origin + points[i].cast<double>());
+    } else {
+      other.push_back(points[i]);
+    }
+  }
+  const uint64_t seed = random_bits(options.seed, uint32_t(key.i) * 65537u + uint32_t(key.j),
+                                    Purpose::kCluster);
+  const Clusters clusters = hierarchical_clusters(other, options.hierarchical, seed);
+  out.ellipsoids =
+      ellipsoids_of(other, clusters, options.hierarchical.min_points, options.range_noise_m);
+  out.other = other.size();
+  out.unclustered = size_t(std::count(clusters.group.begin(), clusters.group.end(), Clusters::kNone));
+  return out;
+}
+
+elements::TriangleMesh mesh_of_ground(const ground::HeightMap& heights, const FitOptions& options) {
+  ground::GroundMesh ground = ground::triangulate(heights, options.triangulate);
+  elements::TriangleMesh mesh;
+  mesh.vertices = std::move(ground.vertices);
+  mesh.triangles = std::move(ground.triangles);
+  mesh.hit.resize(mesh.triangles.size());
+  // The residuals already hold the sensor's noise.
+  mesh.range_sigma_m = std::max(heights.sigma_m, options.range_noise_m);
+  return mesh;
+}
+
+void fit_hybrid(const TileStore& store, const FitOptions& options, elements::Model& model,
+                FitReport& report, const FitProgress& progress) {
+  ground::HeightGrid grid(model.origin, options.ground);
+  for_tiles_in_order<TileFit>(
+      store.tiles(), progress, "fit tiles",
+      [&](TileKey key) { return fit_tile(store, key, model.origin, options); },
+      [&](TileFit tile) {
+        grid.add(tile.ground);
+        model.ellipsoids.insert(model.ellipsoids.end(), tile.ellipsoids.begin(),
+                                tile.ellipsoids.end());
+        report.ground_points += tile.ground.size();
+        report.other_points += tile.other;
+        report.unclustered_points += tile.unclustered;
+      });
+  if (grid.points() == 0) {
+    report.warnings.push_back("no ground was found: the model has no ground mesh");
+    return;
+  }
+  model.ground = mesh_of_ground(grid.solve(), options);
+}
+
+}  // namespace
+
+std::vector<std::string> fitter_names() { return {"hierarchical", "surface"}; }
+
+FitResult fit(BeamSource& source, const FitOptions& options, const FitProgress& progress) {
+  require(options.tau > 0, "fit: tau must be positive");
+  require(options.range_noise_m > 0, "fit: the range noise must be positive");
+  FitResult out;
+  elements::Model& model = out.model;
+  model.fitter = options.fitter;
+  model.tau = options.tau;
+  model.origin = model_origin(source);
+  TileStore store(options.tiles);
+  gather(source, model.origin, store, out.report, progress);
+  require(store.size() > 0, "fit: the log has no return to fit a model to");
+  if (!source.info().has_misses) {
+    out.report.warnings.push_back(
+        "the log has no misses, so hit probabilities come out too high; import it with "
+        "--infer-misses SENSOR if its format drops them");
+  }
+  if (options.fitter == "hierarchical") {
+    fit_hybrid(store, options, model, out.report, progress);
+    count_hits(model, source, options.credit, [&](size_t done, size_t total) {
+      if (progress) progress("count hits", done, total);
+    });
+  } else {
+    throw std::invalid_argument("fit: no fitter '" + options.fitter + "'");
+  }
+  return out;
+}
+
+}  // namespace underbrush::fit

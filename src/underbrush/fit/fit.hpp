@@ -1,0 +1,63 @@
+/// \file
+/// From a log to a model: gather points by tile, tell ground from the rest, fit each, count hits.
+#pragma once
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "underbrush/core/beam_log.hpp"
+#include "underbrush/elements/model.hpp"
+#include "underbrush/fit/cluster.hpp"
+#include "underbrush/fit/hit_probability.hpp"
+#include "underbrush/fit/tile_store.hpp"
+#include "underbrush/ground/height_grid.hpp"
+#include "underbrush/ground/segment.hpp"
+#include "underbrush/ground/triangulate.hpp"
+
+namespace underbrush::fit {
+
+/// Parameters θ of a fit.
+struct FitOptions {
+  /// `hierarchical`: ground mesh + ellipsoids ([tallavajhula18]); `surface`: one opaque mesh over
+  /// everything, the everyday baseline.
+  std::string fitter = "hierarchical";
+  uint64_t seed = 1;
+  double tau = 3.5;             ///< A beam meets an ellipsoid within this Mahalanobis distance.
+  double range_noise_m = 0.02;  ///< σ of the sensor's range: the floor of every extent.
+  TileOptions tiles;
+  ground::SegmentOptions segment;
+  ground::HeightGridOptions ground;
+  ground::TriangulateOptions triangulate;
+  HierarchicalOptions hierarchical;
+  CreditOptions credit;
+};
+
+/// What happened during a fit.
+struct FitReport {
+  size_t beams = 0, hits = 0, misses = 0;
+  size_t ground_points = 0, other_points = 0;
+  size_t thinned_points = 0;      ///< Left out because their tile was full.
+  size_t unclustered_points = 0;  ///< In no cluster of at least `min_points`.
+  size_t tiles = 0;
+  std::vector<std::string> warnings;
+};
+
+/// A model and how it came to be.
+struct FitResult {
+  elements::Model model;
+  FitReport report;
+};
+
+/// Called as a fit goes on: stage, done, total.
+using FitProgress = std::function<void(std::string_view, size_t, size_t)>;
+
+/// Names of the fitters.
+std::vector<std::string> fitter_names();
+
+/// Fits a model to a log; reads it twice, memory grows with a tile and the model, not with the log.
+/// The same bits for any number of threads. Throws `std::invalid_argument` for an unknown fitter or a
+/// log without any return.
+FitResult fit(BeamSource& source, const FitOptions& options, const FitProgress& progress = {});
+
+}  // namespace underbrush::fit

@@ -1,0 +1,127 @@
+#include "underbrush/fit/fit.hpp"
+
+#include <gtest/gtest.h>
+
+#include "underbrush/core/parallel.hpp"
+#include "underbrush/core/rng.hpp"
+#include "underbrush/simulate/simulate.hpp"
+
+namespace underbrush::fit {
+namespace {
+
+/// A log of a known world: flat ground under a permeable bush and a dense one, seen from a drive
+/// past. Every beam's truth is a hit on bush or ground, or a miss above.
+BeamLog drive_past_bushes(uint64_t seed, const Vec3& at = Vec3::Zero()) {
+  elements::Model truth;
+  truth.origin = at;
+  truth.tau = 3;
+  truth.ground.vertices = {{-60, -60, 0}, {60, -60, 0}, {60, 60, 0}, {-60, 60, 0}};
+  truth.ground.triangles = {{0, 1, 2}, {0, 2, 3}};
+  truth.ground.hit.resize(2);
+  truth.ground.range_sigma_m = 0.02;
+  for (int k = 0; k < 2; ++k) {
+    elements::Ellipsoid e;
+    e.mean = Vec3f(0, k ? 8.0f : -8.0f, 1.2f);
+    e.set_covariance(Vec3(0.3, 0.3, 0.2).asDiagonal());
+    e.hit.p = k ? 0.9f : 0.4f;
+    truth.ellipsoids.push_back(e);
+  }
+  BeamLog log;
+  log.info.max_range_m = 50;
+  log.info.min_range_m = 0.5;
+  log.info.has_misses = true;
+  Stream random(seed);
+  log.resize(60000);
+  for (size_t i = 0; i < log.size(); ++i) {
+    const double azimuth = random.uniform(0, 2 * M_PI), elevation = random.uniform(-0.4, 0.1);
+    log.origin[i] = at + Vec3(-6 + 12 * double(i) / double(log.size()), 0, 1.8);
+    log.direction[i] = Vec3f(float(std::cos(azimuth) * std::cos(elevation)),
+                             float(std::sin(azimuth) * std::cos(elevation)),
+                             float(std::sin(elevation)));
+    log.scan[i] = uint32_t(i / 3000);
+  }
+  const trace::World world(truth);
+  simulate::Options options;
+  options.seed = seed;
+  simulate::simulate(world, options, 0, log);
+  return log;
+}
+
+double opacity_towards(const elements::Model& model, const Vec3& target, const Vec3& at) {
+  const trace::World world(model);
+  const Vec3 origin = at + Vec3(0, 0, 1.4);
+  std::vector<trace::Met> met;
+  world.all_met({origin, (target + at - origin).normalized()}, {0, 20}, 20, met);
+  double through = 1;
+  for (const auto& m : met) {
+    if (model.kind(m.element) == elements::Kind::kEllipsoid) through *= 1 - model.hit(m.element).p;
+  }
+  return 1 - through;
+}
+
+TEST(Fit, HybridFindsGroundAndTellsThePermeableBushFromTheDenseOne) {
+  const Vec3 at(5e5, 4e6, 200);
+  const BeamLog log = drive_past_bushes(1, at);
+  MemorySource source(log);
+  const FitResult r = fit(source, {});
+  EXPECT_EQ(r.report.beams, log.size());
+  EXPECT_GT(r.model.ground.size(), 0u);
+  EXPECT_NEAR(r.model.ground.range_sigma_m, 0.02, 0.02);
+  for (const Vec3f& v : r.model.ground.vertices) {
+    EXPECT_NEAR(v.z() + r.model.origin.z() - at.z(), 0, 0.3);
+  }
+  const double thin = opacity_towards(r.model, {0, -8, 1.2}, at);
+  const double dense = opacity_towards(r.model, {0, 8, 1.2}, at);
+  EXPECT_LT(thin, 0.8);
+  EXPECT_GT(dense, thin + 0.1);
+}
+
+TEST(Fit, GivesTheSameBitsForAnyThreadsAndChunks) {
+  const BeamLog log = drive_past_bushes(2);
+  for (const char* fitter : {"hierarchical", "surface"}) {
+    FitOptions options;
+    options.fitter = fitter;
+    options.tiles.tile_m = 12;
+    set_threads(1);
+    MemorySource one(log);
+    const FitResult a = fit(one, options);
+    set_threads(2);
+    MemorySource parts(log, 777);
+    const FitResult b = fit(parts, options);
+    set_threads(0);
+    EXPECT_EQ(a.model.ground.vertices, b.model.ground.vertices);
+    EXPECT_EQ(a.model.ground.triangles, b.model.ground.triangles);
+    EXPECT_EQ(a.model.surface.vertices, b.model.surface.vertices);
+    EXPECT_EQ(a.model.surface.triangles, b.model.surface.triangles);
+    ASSERT_EQ(a.model.size(), b.model.size());
+    for (size_t i = 0; i < a.model.size(); ++i) {
+      EXPECT_EQ(a.model.hit(i).p, b.model.hit(i).p);
+      EXPECT_EQ(a.model.hit(i).misses, b.model.hit(i).misses);
+    }
+    for (size_t i = 0; i < a.model.ellipsoids.size(); ++i) {
+      EXPECT_EQ(a.model.ellipsoids[i].mean, b.model.ellipsoids[i].mean);
+      EXPECT_EQ(a.model.ellipsoids[i].covariance, b.model.ellipsoids[i].covariance);
+    }
+  }
+}
+
+TEST(Fit, SaysWhatALogLacks) {
+  BeamLog log = drive_past_bushes(3);
+  log.info.has_misses = false;
+  MemorySource source(log);
+  EXPECT_EQ(fit(source, {}).report.warnings.size(), 1u);
+  BeamLog empty;
+  MemorySource nothing(empty);
+  EXPECT_THROW(fit(nothing, {}), std::invalid_argument);
+  BeamLog misses;
+  misses.resize(100);
+  MemorySource only_misses(misses);
+  EXPECT_THROW(fit(only_misses, {}), std::invalid_argument);
+  FitOptions options;
+  options.fitter = "magic";
+  MemorySource again(log);
+  EXPECT_THROW(fit(again, options), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace underbrush::fit
