@@ -1,6 +1,7 @@
 #include "underbrush/fit/fit.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
@@ -117,6 +118,42 @@ void fit_hybrid(const TileStore& store, const FitOptions& options, elements::Mod
   model.ground = mesh_of_ground(grid.solve(), options);
 }
 
+void fit_surface(const TileStore& store, const FitOptions& options, elements::Model& model,
+                 FitReport& report, const FitProgress& progress) {
+  const double margin = surface_margin_m(options.surface);
+  double squares = 0;
+  size_t points = 0;
+  for_tiles_in_order<SurfaceTile>(
+      store.tiles(), progress, "fit tiles",
+      [&](TileKey key) {
+        const TileStore::Loaded loaded = store.load(key, margin);
+        std::vector<Vec3f> position, to_sensor;
+        for (const TilePoint& p : loaded.points) {
+          position.push_back(p.point);
+          to_sensor.push_back(p.to_sensor);
+        }
+        const Eigen::Vector2d lo = store.corner(key);
+        const double side = options.tiles.tile_m;
+        return surface_tile(position, to_sensor, {lo.x(), lo.y(), lo.x() + side, lo.y() + side},
+                            options.surface);
+      },
+      [&](SurfaceTile tile) {
+        elements::TriangleMesh& mesh = model.surface;
+        const uint32_t first = uint32_t(mesh.vertices.size());
+        mesh.vertices.insert(mesh.vertices.end(), tile.mesh.vertices.begin(),
+                             tile.mesh.vertices.end());
+        for (const auto& t : tile.mesh.triangles) {
+          mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+        }
+        squares += tile.sum_squares_m2;
+        points += tile.points;
+      });
+  model.surface.hit.resize(model.surface.size());
+  model.surface.range_sigma_m =
+      std::max(points ? std::sqrt(squares / double(points)) : 0, options.range_noise_m);
+  report.other_points = store.size();
+}
+
 }  // namespace
 
 std::vector<std::string> fitter_names() { return {"hierarchical", "surface"}; }
@@ -142,6 +179,8 @@ FitResult fit(BeamSource& source, const FitOptions& options, const FitProgress& 
     count_hits(model, source, options.credit, [&](size_t done, size_t total) {
       if (progress) progress("count hits", done, total);
     });
+  } else if (options.fitter == "surface") {
+    fit_surface(store, options, model, out.report, progress);
   } else {
     throw std::invalid_argument("fit: no fitter '" + options.fitter + "'");
   }

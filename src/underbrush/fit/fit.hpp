@@ -10,6 +10,7 @@
 #include "underbrush/elements/model.hpp"
 #include "underbrush/fit/cluster.hpp"
 #include "underbrush/fit/hit_probability.hpp"
+#include "underbrush/fit/surface.hpp"
 #include "underbrush/fit/tile_store.hpp"
 #include "underbrush/ground/height_grid.hpp"
 #include "underbrush/ground/segment.hpp"
@@ -31,6 +32,7 @@ struct FitOptions {
   ground::TriangulateOptions triangulate;
   HierarchicalOptions hierarchical;
   CreditOptions credit;
+  SurfaceOptions surface;
 };
 
 /// What happened during a fit.

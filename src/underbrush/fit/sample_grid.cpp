@@ -1,0 +1,138 @@
+#include "underbrush/fit/sample_grid.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "underbrush/core/parallel.hpp"
+
+namespace underbrush::fit {
+namespace {
+
+constexpr double kUnit = double(1 << 20);  // Integer steps of a cell, and of a unit vector.
+constexpr uint32_t kOutside = std::numeric_limits<uint32_t>::max();
+
+/// The points of one half cell.
+struct Sum {
+  std::array<int64_t, 3> position{}, to_sensor{};
+  int64_t n = 0;
+};
+
+}  // namespace
+
+int SampleGrid::cell_at(float coordinate) const {
+  return int(std::floor(double(coordinate) / cell_m_));
+}
+
+SampleGrid::SampleGrid(std::span<const Vec3f> points, std::span<const Vec3f> to_sensor,
+                       const CellBox& box, double cell_m)
+    : box_(box), cell_m_(cell_m) {
+  std::vector<uint32_t> cell_of(points.size(), kOutside);
+  parallel_for(points.size(), 1 << 14, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const Vec3f& p = points[i];
+      if (!p.allFinite() || !to_sensor[i].allFinite()) continue;
+      size_t cell = 0;
+      bool inside = true;
+      for (size_t a = 3; a-- > 0;) {
+        const double at = std::floor(double(p[int(a)]) / cell_m_) - box_.first[a];
+        inside &= at >= 0 && at < box_.size[a];
+        cell = cell * size_t(box_.size[a]) + size_t(inside ? at : 0);
+      }
+      if (inside) cell_of[i] = uint32_t(cell);
+    }
+  });
+  start_.assign(box_.count() + 1, 0);
+  for (uint32_t c : cell_of) {
+    if (c != kOutside) ++start_[size_t(c) + 1];
+  }
+  for (size_t c = 1; c < start_.size(); ++c) start_[c] += start_[c - 1];
+  std::vector<uint32_t> sorted(start_.back());
+  {
+    std::vector<uint32_t> next(start_.begin(), start_.end() - 1);
+    for (size_t i = 0; i < points.size(); ++i) {
+      if (cell_of[i] != kOutside) sorted[next[cell_of[i]]++] = uint32_t(i);
+    }
+  }
+  // Each cell's half cells are written over its points' places, then moved together.
+  std::vector<OrientedPoint> sample(sorted.size());
+  std::vector<uint8_t> count(box_.count());
+  parallel_for(box_.count(), 1 << 12, [&](size_t begin, size_t end) {
+    for (size_t c = begin; c < end; ++c) {
+      if (start_[c] == start_[c + 1]) continue;
+      const size_t nx = size_t(box_.size[0]), ny = size_t(box_.size[1]);
+      const std::array<size_t, 3> place{c % nx, c / nx % ny, c / nx / ny};
+      std::array<double, 3> corner{};
+      for (size_t a = 0; a < 3; ++a) corner[a] = (box_.first[a] + double(place[a])) * cell_m_;
+      std::array<Sum, 8> sums;
+      for (uint32_t s = start_[c]; s < start_[c + 1]; ++s) {
+        const Vec3f &p = points[sorted[s]], v = to_sensor[sorted[s]].normalized();
+        std::array<int64_t, 3> steps{};
+        size_t half = 0;
+        for (size_t a = 0; a < 3; ++a) {
+          steps[a] = std::llround((double(p[int(a)]) - corner[a]) / cell_m_ * kUnit);
+          half |= size_t(double(steps[a]) >= kUnit / 2) << a;
+        }
+        for (size_t a = 0; a < 3; ++a) {
+          sums[half].position[a] += steps[a];
+          sums[half].to_sensor[a] += std::llround(double(v[int(a)]) * kUnit);
+        }
+        ++sums[half].n;
+      }
+      for (const Sum& sum : sums) {
+        if (sum.n == 0) continue;
+        OrientedPoint& to = sample[start_[c] + count[c]++];
+        for (size_t a = 0; a < 3; ++a) {
+          to.position[int(a)] =
+              float(corner[a] + double(sum.position[a]) / double(sum.n) / kUnit * cell_m_);
+          to.normal[int(a)] = float(double(sum.to_sensor[a]) / kUnit);
+        }
+      }
+    }
+  });
+  uint32_t from = 0;
+  for (size_t c = 0; c < count.size(); ++c) {
+    const uint32_t first = std::exchange(from, start_[c + 1]);
+    start_[c] = uint32_t(samples_.size());
+    samples_.insert(samples_.end(), sample.begin() + first, sample.begin() + first + count[c]);
+  }
+  start_.back() = uint32_t(samples_.size());
+}
+
+void SampleGrid::find_normals(double radius_m, int min_neighbours) {
+  std::vector<Vec3f> normals(samples_.size(), Vec3f::Zero());
+  parallel_for(samples_.size(), 512, [&](size_t begin, size_t end) {
+    Eigen::SelfAdjointEigenSolver<Mat3> solver;
+    for (size_t i = begin; i < end; ++i) {
+      Vec3 sum = Vec3::Zero();
+      Mat3 square = Mat3::Zero();
+      int n = 0;
+      near(samples_[i].position, float(radius_m), [&](const OrientedPoint& s) {
+        const Vec3 d = (s.position - samples_[i].position).cast<double>();
+        sum += d;
+        square += d * d.transpose();
+        ++n;
+        return true;
+      });
+      if (n < min_neighbours) continue;
+      solver.computeDirect(square / n - sum * sum.transpose() / (double(n) * n));
+      const Vec3f normal = solver.eigenvectors().col(0).cast<float>();
+      normals[i] = normal.dot(samples_[i].normal) < 0 ? Vec3f(-normal) : normal;
+    }
+  });
+  // Those left out go; the rest move together.
+  uint32_t kept = 0, from = 0;
+  for (size_t c = 0; c + 1 < start_.size(); ++c) {
+    const uint32_t first = std::exchange(from, start_[c + 1]), last = from;
+    start_[c] = kept;
+    for (uint32_t s = first; s < last; ++s) {
+      if (normals[s].isZero()) continue;
+      samples_[kept++] = {samples_[s].position, normals[s]};
+    }
+  }
+  start_.back() = kept;
+  samples_.resize(kept);
+}
+
+}  // namespace underbrush::fit
