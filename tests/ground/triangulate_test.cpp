@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
@@ -37,39 +38,60 @@ double checked_area(const Points& points, const std::vector<std::array<uint32_t,
   return sum;
 }
 
-TEST(Delaunay, CircumcirclesOfRandomPointsAreEmpty) {
-  Stream random(5);
-  for (const Eigen::Vector2d& at : {Eigen::Vector2d(0, 0), Eigen::Vector2d(1 << 20, -(1 << 21))}) {
-    Points points;
-    for (int k = 0; k < 200; ++k) {
-      const double x = random.uniform(), y = random.uniform();
-      points.push_back(at + Eigen::Vector2d(x, y));
-    }
-    for (double x : {0.0, 1.0}) points.push_back(at + Eigen::Vector2d(x, 0));
-    for (double x : {0.0, 1.0}) points.push_back(at + Eigen::Vector2d(x, 1));
-    EXPECT_NEAR(checked_area(points, delaunay(points)), 1, 1e-9);
-  }
-}
-
-TEST(Delaunay, GridsAreCoveredOnce) {
+/// The points and all triangles, the frame's included.
+std::pair<Points, std::vector<std::array<uint32_t, 3>>> all_of(const GridDelaunay& d) {
   Points points;
-  for (int x = 0; x < 15; ++x) {
-    for (int y = 0; y < 11; ++y) points.emplace_back(x, y);
-  }
-  const auto triangles = delaunay(points);
-  EXPECT_EQ(triangles.size(), size_t(2 * 14 * 10));
-  EXPECT_EQ(checked_area(points, triangles), 140);
+  std::vector<std::array<uint32_t, 3>> triangles;
+  for (const auto& p : d.points()) points.emplace_back(p[0], p[1]);
+  for (const auto& t : d.triangles()) triangles.push_back(t.point);
+  return {points, triangles};
 }
 
-TEST(Delaunay, DegeneratePoints) {
-  EXPECT_TRUE(delaunay({}).empty());
-  EXPECT_TRUE(delaunay(Points{{1, 2}}).empty());
-  EXPECT_TRUE(delaunay(Points{{1, 2}, {3, 4}}).empty());
-  EXPECT_TRUE(delaunay(Points{{1, 2}, {1, 2}, {1, 2}, {1, 2}}).empty());
-  EXPECT_TRUE(delaunay(Points{{0, 0}, {1, 3}, {2, 6}, {-4, -12}}).empty());
-  const Points twice{{0, 0}, {1, 0}, {0, 1}, {0, 0}, {1, 0}, {1, 1}};
-  EXPECT_NEAR(checked_area(twice, delaunay(twice)), 1, 1e-12);
-  EXPECT_THROW(delaunay(Points{{0, 0}, {1, NAN}, {0, 1}}), std::invalid_argument);
+TEST(GridDelaunay, CircumcirclesAreEmptyAndTheFrameIsCovered) {
+  for (uint64_t seed : {1, 2, 3}) {
+    for (int side : {3, 12, 300}) {  // crowded (many on a circle or a line) to scattered
+      Stream random(seed);
+      GridDelaunay d(side);
+      for (int k = 0; k < 250; ++k) {
+        const int x = int(random.below(uint64_t(side) + 1)), y = int(random.below(uint64_t(side) + 1));
+        d.insert({x, y});
+      }
+      const auto [points, triangles] = all_of(d);
+      EXPECT_EQ(checked_area(points, triangles), double(side + 2) * (side + 2));
+      EXPECT_EQ(triangles.size(), 2 * points.size() - 6);  // Euler, a hull of four
+    }
+  }
+}
+
+TEST(GridDelaunay, NeighboursShareASide) {
+  Stream random(4);
+  GridDelaunay d(40);
+  for (int k = 0; k < 400; ++k) {
+    const int x = int(random.below(41)), y = int(random.below(41));
+    for (uint32_t t : d.insert({x, y})) {
+      EXPECT_EQ(d.points()[d.triangles()[t].point[0]], (GridDelaunay::Point{x, y}));
+    }
+  }
+  for (const auto& t : d.triangles()) {
+    for (size_t k = 0; k < 3; ++k) {
+      if (t.neighbour[k] < 0) continue;
+      const auto& n = d.triangles()[size_t(t.neighbour[k])].point;
+      EXPECT_EQ(std::count(n.begin(), n.end(), t.point[(k + 1) % 3]), 1);
+      EXPECT_EQ(std::count(n.begin(), n.end(), t.point[(k + 2) % 3]), 1);
+      EXPECT_EQ(std::count(n.begin(), n.end(), t.point[k]), 0);
+    }
+  }
+}
+
+TEST(GridDelaunay, DegeneratePoints) {
+  GridDelaunay d(10);
+  EXPECT_EQ(d.triangles().size(), 2u);
+  d.insert({5, 5});
+  EXPECT_TRUE(d.insert({5, 5}).empty());
+  for (int x = 0; x <= 10; ++x) d.insert({x, 5});  // all on a line
+  for (const auto& t : d.triangles()) EXPECT_FALSE(GridDelaunay::inner(t));
+  EXPECT_THROW(d.insert({11, 0}), std::invalid_argument);
+  EXPECT_THROW(GridDelaunay(0), std::invalid_argument);
 }
 
 /// A height map of spacing 0.5 m whose nodes are those of [i0, i1] × [j0, j1] that `has` keeps.

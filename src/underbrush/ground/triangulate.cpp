@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
+#include <deque>
+#include <optional>
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
@@ -33,16 +34,15 @@ class Tile {
         exists_(window<uint8_t>(map.exists, i0, j0, kSide, 0)),
         chosen_(exists_.size(), 0) {}
 
-  /// Chooses nodes and triangulates until no node is off by more than `max_error`.
+  /// Chooses nodes and triangulates until none is off by more than `max_error`.
   TileMesh run(double max_error, int coarsest) {
     for (int y = 0; y < kTile; y += coarsest) {
       for (int x = 0; x < kTile; x += coarsest) split(x, y, coarsest, max_error);
     }
     choose_edges();
-    do triangulate_chosen();
-    while (choose_worst(max_error));
-    for (const auto& n : mesh_.nodes) mesh_.height.push_back(float(z(n[0], n[1])));
-    return std::move(mesh_);
+    insert_chosen();
+    refine(max_error);
+    return mesh();
   }
 
  private:
@@ -87,55 +87,90 @@ class Tile {
     }
   }
 
-  void triangulate_chosen() {
-    mesh_ = {};
-    std::vector<Eigen::Vector2d> points;
-    for (int y = 0; y < kSide; ++y) {
-      for (int x = 0; x < kSide; ++x) {
-        if (!chosen_[at(x, y)]) continue;
-        mesh_.nodes.push_back({x, y});
-        points.emplace_back(x, y);
+  /// From coarse to fine, to and fro: each point near the one before.
+  void insert_chosen() {
+    for (int step = kTile; step >= 1; step /= 2) {
+      for (int y = 0; y <= kTile; y += step) {
+        for (int n = 0; n <= kTile; n += step) {
+          const int x = y / step % 2 ? kTile - n : n;
+          const bool before = step < kTile && x % (2 * step) == 0 && y % (2 * step) == 0;
+          if (!before && chosen_[at(x, y)]) delaunay_.insert({x, y});
+        }
       }
-    }
-    for (const Triangle& t : delaunay(points)) {
-      const Eigen::Vector2d middle = (points[t[0]] + points[t[1]] + points[t[2]]) / 3;
-      if (covered(int(middle.x()), int(middle.y()))) mesh_.triangles.push_back(t);
     }
   }
 
-  /// Chooses each triangle's worst node if that is off by more than the error; whether any was.
-  bool choose_worst(double max_error) {
-    bool any = false;
-    for (const Triangle& t : mesh_.triangles) {
-      const auto &a = mesh_.nodes[t[0]], &b = mesh_.nodes[t[1]], &c = mesh_.nodes[t[2]];
-      const int bx = b[0] - a[0], by = b[1] - a[1], cx = c[0] - a[0], cy = c[1] - a[1];
-      const int area = bx * cy - by * cx;
-      if (area == 1) continue;  // holds no other node
-      const double za = z(a[0], a[1]), db = z(b[0], b[1]) - za, dc = z(c[0], c[1]) - za;
-      double worst = max_error;
-      size_t worst_at = 0;
-      const auto [y0, y1] = std::minmax({0, by, cy});
-      const auto [x0, x1] = std::minmax({0, bx, cx});
-      for (int y = y0; y <= y1; ++y) {
-        for (int x = x0; x <= x1; ++x) {
-          const int wb = x * cy - y * cx, wc = bx * y - by * x;
-          if (wb < 0 || wc < 0 || wb + wc > area) continue;
-          const double error = std::abs(za + (wb * db + wc * dc) / area - z(a[0] + x, a[1] + y));
-          if (error <= worst || chosen_[at(a[0] + x, a[1] + y)]) continue;
-          worst = error;
-          worst_at = at(a[0] + x, a[1] + y);
-        }
+  /// Inserts the worst node of a triangle that is off by more than the error, until none is.
+  void refine(double max_error) {
+    std::deque<uint32_t> open;
+    for (uint32_t t = 0; t < delaunay_.triangles().size(); ++t) open.push_back(t);
+    for (; !open.empty(); open.pop_front()) {
+      const GridDelaunay::Triangle& t = delaunay_.triangles()[open.front()];
+      if (!covered(t)) continue;
+      if (const auto node = worst(t, max_error)) {
+        const std::vector<uint32_t>& changed = delaunay_.insert(*node);
+        open.insert(open.end(), changed.begin(), changed.end());
       }
-      if (worst <= max_error) continue;
-      chosen_[worst_at] = 1;
-      any = true;
     }
-    return any;
+  }
+
+  const GridDelaunay::Point& point(uint32_t v) const { return delaunay_.points()[v]; }
+
+  bool covered(const GridDelaunay::Triangle& t) const {
+    if (!GridDelaunay::inner(t)) return false;
+    int x = 0, y = 0;
+    for (uint32_t v : t.point) x += point(v)[0], y += point(v)[1];
+    return covered(x / 3, y / 3);
+  }
+
+  /// The node of a covered triangle that is off most, if by more than the error.
+  std::optional<GridDelaunay::Point> worst(const GridDelaunay::Triangle& t, double max_error) const {
+    const auto &a = point(t.point[0]), &b = point(t.point[1]), &c = point(t.point[2]);
+    const int bx = b[0] - a[0], by = b[1] - a[1], cx = c[0] - a[0], cy = c[1] - a[1];
+    const int area = bx * cy - by * cx;
+    if (area == 1) return std::nullopt;  // holds no other node
+    const double za = z(a[0], a[1]), db = z(b[0], b[1]) - za, dc = z(c[0], c[1]) - za;
+    std::optional<GridDelaunay::Point> found;
+    const auto [y0, y1] = std::minmax({0, by, cy});
+    const auto [x0, x1] = std::minmax({0, bx, cx});
+    for (int y = y0; y <= y1; ++y) {
+      for (int x = x0; x <= x1; ++x) {
+        const int wb = x * cy - y * cx, wc = bx * y - by * x;
+        const bool corner = wb == area || wc == area || (wb == 0 && wc == 0);
+        if (wb < 0 || wc < 0 || wb + wc > area || corner) continue;
+        const double error = std::abs(za + (wb * db + wc * dc) / area - z(a[0] + x, a[1] + y));
+        if (error <= max_error) continue;
+        max_error = error;
+        found = {a[0] + x, a[1] + y};
+      }
+    }
+    return found;
+  }
+
+  /// The covered triangles, and the nodes that they use.
+  TileMesh mesh() const {
+    TileMesh m;
+    std::vector<int32_t> number(delaunay_.points().size(), -1);
+    for (const GridDelaunay::Triangle& t : delaunay_.triangles()) {
+      if (!covered(t)) continue;
+      Triangle ids{};
+      for (size_t k = 0; k < 3; ++k) {
+        int32_t& n = number[t.point[k]];
+        if (n < 0) {
+          n = int32_t(m.nodes.size());
+          m.nodes.push_back(point(t.point[k]));
+          m.height.push_back(float(z(m.nodes.back()[0], m.nodes.back()[1])));
+        }
+        ids[k] = uint32_t(n);
+      }
+      m.triangles.push_back(ids);
+    }
+    return m;
   }
 
   std::vector<double> height_;
   std::vector<uint8_t> exists_, chosen_;
-  TileMesh mesh_;
+  GridDelaunay delaunay_{kTile};
 };
 
 /// The tiles' triangles with one number for each node they share.
