@@ -74,8 +74,9 @@ TEST(MarchingCubes, SurfacesOfRandomFieldsAreClosedManifolds) {
 TEST(MarchingCubes, SphereConvergesAndPointsOutwards) {
   double last_area = 0, last_volume = 0;
   for (int n : {10, 20, 40}) {
-    const IsoMesh mesh = marching_cubes(sampled(
-        n, 3.0 / n, [](float x, float y, float z) { return std::sqrt(x * x + y * y + z * z) - 1; }));
+    const IsoMesh mesh = marching_cubes(sampled(n, 3.0 / n, [](float x, float y, float z) {
+      return std::sqrt(x * x + y * y + z * z) - 1;
+    }));
     EXPECT_EQ(open_sides(mesh), 0u);
     double area = 0, volume = 0;
     for (const auto& t : mesh.triangles) {
@@ -118,7 +119,9 @@ TEST(MarchingCubes, UnknownValuesLeaveHolesAndNothingElse) {
 }
 
 TEST(MarchingCubes, TilesMeetBitForBitAndThreadsChangeNothing) {
-  const auto field = [](float x, float y, float z) { return z - 0.3f * std::sin(3 * x) * std::cos(2 * y); };
+  const auto field = [](float x, float y, float z) {
+    return z - 0.3f * std::sin(3 * x) * std::cos(2 * y);
+  };
   const ScalarGrid all = sampled(20, 0.17, field);
   ScalarGrid right = all;
   right.first[0] += 8;

@@ -57,12 +57,14 @@ TEST(Imls, OfAPlaneIsTheDistance) {
   const Cloud c = plane(200, normal);
   std::vector<OrientedPoint> near;
   for (const Vec3f& p : c.points) near.push_back({p, normal});
-  EXPECT_NEAR(imls(0.3f * normal + Vec3f(0.1f, 0, 0), near, 2), 0.3 + 0.1 * double(normal.x()), 1e-5);
+  EXPECT_NEAR(imls(0.3f * normal + Vec3f(0.1f, 0, 0), near, 2), 0.3 + 0.1 * double(normal.x()),
+              1e-5);
   EXPECT_TRUE(std::isnan(imls(Vec3f(0, 0, 0), {}, 1)));
 }
 
 TEST(Surface, PlanesOfAnySlopeAreExactAndHaveNoHoles) {
-  for (const Vec3f& n : {Vec3f(0, 0, 1), Vec3f(1, 0, 0), Vec3f(1, 2, 3), Vec3f(1, 1, 1), Vec3f(-3, 1, 0)}) {
+  for (const Vec3f& n :
+       {Vec3f(0, 0, 1), Vec3f(1, 0, 0), Vec3f(1, 2, 3), Vec3f(1, 1, 1), Vec3f(-3, 1, 0)}) {
     const Vec3f normal = n.normalized();
     const Cloud c = plane(40000, normal);
     const SurfaceTile tile = surface_tile(c.points, c.to_sensor, kAll);
@@ -145,7 +147,8 @@ TEST(Surface, TilesJoinToTheWholeInAnyOrderOfPoints) {
   append(whole.mesh, all);
   size_t points = 0;
   const double margin = surface_margin_m({});
-  for (const Area& core : {Area{-10, -10, 0.77, 10}, Area{0.77, -10, 10, 1}, Area{0.77, 1, 10, 10}}) {
+  for (const Area& core :
+       {Area{-10, -10, 0.77, 10}, Area{0.77, -10, 10, 1}, Area{0.77, 1, 10, 10}}) {
     Cloud part;  // with its margin, backwards
     for (size_t i = c.points.size(); i-- > 0;) {
       const Vec3 p = c.points[i].cast<double>();

@@ -49,7 +49,8 @@ TEST(HeightGrid, ReproducesAPlaneAlsoWhereThereAreNoPoints) {
 
 TEST(HeightGrid, MinimisesWhatItSays) {
   // Every change of a node's height raises the energy; h is the stationary point of a quadratic.
-  const std::vector<Vec3> points = scatter([](double x, double y) { return std::sin(x) * y; }, 60, 3);
+  const std::vector<Vec3> points =
+      scatter([](double x, double y) { return std::sin(x) * y; }, 60, 3);
   const HeightGridOptions o{.spacing_m = 0.5, .smoothness_m2 = 0.2};
   HeightMap map = fitted(points, o);
   const auto energy = [&] {
@@ -91,7 +92,9 @@ TEST(HeightGrid, MinimisesWhatItSays) {
 }
 
 TEST(HeightGrid, AveragesNoiseAway) {
-  const auto wave = [](double x, double y) { return 0.5 * std::sin(x / 5) + 0.3 * std::cos(y / 7); };
+  const auto wave = [](double x, double y) {
+    return 0.5 * std::sin(x / 5) + 0.3 * std::cos(y / 7);
+  };
   const double noise = 0.05;
   double last = 1;
   for (size_t n : {4000, 16000, 64000}) {
@@ -117,11 +120,13 @@ TEST(HeightGrid, ConvergesWithTheSpacing) {
   const auto wave = [](double x, double y) { return std::sin(x) * std::cos(y); };
   double last = 0;
   for (double spacing : {0.5, 0.25, 0.125}) {
-    const HeightMap map = fitted(scatter(wave, 60000, 10),
-                                 {.spacing_m = spacing, .smoothness_m2 = 1e-6 * spacing, .padding_m = 1});
+    const HeightMap map =
+        fitted(scatter(wave, 60000, 10),
+               {.spacing_m = spacing, .smoothness_m2 = 1e-6 * spacing, .padding_m = 1});
     double worst = 0;
     for (double x = 1; x < 9; x += 0.31) {
-      for (double y = 1; y < 9; y += 0.29) worst = std::max(worst, std::abs(*map.at(x, y) - wave(x, y)));
+      for (double y = 1; y < 9; y += 0.29)
+        worst = std::max(worst, std::abs(*map.at(x, y) - wave(x, y)));
     }
     if (last > 0) {
       EXPECT_NEAR(last / worst, 4, 1.6);  // second order
@@ -144,7 +149,8 @@ TEST(HeightGrid, FarFromTheWorldsOriginItIsTheSame) {
 }
 
 TEST(HeightGrid, PiecesMergeToTheWhole) {
-  const std::vector<Vec3> points = scatter([](double x, double y) { return x * y / 50; }, 5000, 40, 0.1);
+  const std::vector<Vec3> points =
+      scatter([](double x, double y) { return x * y / 50; }, 5000, 40, 0.1);
   HeightGrid merged(Vec3(1, 2, 3));
   for (size_t from = 0; from < points.size(); from += 1000) {
     HeightGrid piece(Vec3(1, 2, 3));
@@ -171,7 +177,7 @@ TEST(HeightGrid, ReachesAsFarAsPaddingAndBridgeSay) {
   std::vector<Vec3> points;
   for (double x = 0; x <= 40; x += 0.25) {
     for (double y = 0; y <= 40; y += 0.25) {
-      const bool narrow = x > 10 && x < 18, wide = x > 24 && x < 36;
+      const bool narrow = x > 10 && x<18, wide = x> 24 && x < 36;
       if (!narrow && !wide) points.emplace_back(x, y, 0);
     }
   }

@@ -3,12 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
+#include <cstring>
 #include <limits>
 #include <set>
+#include <string>
 
+#include "data.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
 
@@ -20,8 +20,8 @@ struct Site {
   std::vector<uint8_t> ground;
 };
 
-/// 60 m × 60 m of ground z(x, y) with noise, and boxes of scattered points that start 0.5 m above it
-/// and hide the ground below themselves, as crowns and hedges do. Seed 7.
+/// 60 m × 60 m of ground z(x, y) with noise, and boxes of scattered points that start 0.5 m above
+/// it and hide the ground below themselves, as crowns and hedges do. Seed 7.
 template <class Height>
 Site site(const Height& height, double box_m = 5) {
   Site s;
@@ -50,7 +50,8 @@ TEST(LowerEnvelope, FindsGroundOfAnySlopeUnderObjects) {
 }
 
 TEST(LowerEnvelope, FollowsHillsAndDitches) {
-  const Site s = site([](double x, double y) { return 3 * std::sin(x / 8) + 2 * std::cos(y / 10); });
+  const Site s =
+      site([](double x, double y) { return 3 * std::sin(x / 8) + 2 * std::cos(y / 10); });
   EXPECT_GT(agreement(lower_envelope(s.points), s.ground), 0.99);
   const Site ditch = site([](double x, double) { return x > 8 && x < 11 ? -1.0 : 0.0; });
   EXPECT_GT(agreement(lower_envelope(ditch.points), ditch.ground), 0.93);  // its edges are lost
@@ -106,15 +107,16 @@ TEST(SphericalVariance, IsThatOfThePopulation) {
       const double x = random.normal(), y = random.normal(), z = random.normal();
       points.push_back(scale.cwiseProduct(Vec3f(float(x), float(y), float(z))));
     }
-    const std::vector<float> found = spherical_variances(
-        points, {.neighbours = 500, .radius_m = 100, .smooth_neighbours = 0});
+    const std::vector<float> found =
+        spherical_variances(points, {.neighbours = 500, .radius_m = 100, .smooth_neighbours = 0});
     EXPECT_NEAR(found[0], phi, 0.045);
     EXPECT_NEAR(found[123], found[0], 1e-5);
   }
 }
 
 TEST(SphericalVariance, SmoothingIsTheWeightedMean) {
-  const std::vector<Vec3f> points{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {3, 3, 3}, {50, 0, 0}};
+  const std::vector<Vec3f> points{{0, 0, 0}, {1, 0, 0}, {0, 1, 0},
+                                  {0, 0, 1}, {3, 3, 3}, {50, 0, 0}};
   SphericalVarianceOptions o{.neighbours = 4, .smooth_neighbours = 0};
   const std::vector<float> raw = spherical_variances(points, o);
   EXPECT_FLOAT_EQ(raw[5], 0.01f);  // alone: the default
@@ -133,8 +135,8 @@ TEST(SphericalVariance, SmoothingIsTheWeightedMean) {
 TEST(SphericalVariance, DegenerateClouds) {
   EXPECT_TRUE(spherical_variances({}).empty());
   const float nan = std::nanf("");
-  const std::vector<float> phi =
-      spherical_variances(std::vector<Vec3f>{{0, 0, nan}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}});
+  const std::vector<float> phi = spherical_variances(
+      std::vector<Vec3f>{{0, 0, nan}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}});
   EXPECT_TRUE(std::isnan(phi[0]));
   EXPECT_EQ(phi[1], 0);  // no extent at all: flat
   EXPECT_THROW(spherical_variances({}, {.neighbours = 0}), std::invalid_argument);
@@ -151,10 +153,10 @@ TEST(Segment, GoesByName) {
 }
 
 template <class T>
-std::vector<T> load(const std::filesystem::path& file) {
-  std::vector<T> data(std::filesystem::file_size(file) / sizeof(T));
-  std::ifstream(file, std::ios::binary)
-      .read(reinterpret_cast<char*>(data.data()), std::streamsize(data.size() * sizeof(T)));
+std::vector<T> load(const std::string& name) {
+  const std::string bytes = test::read_file(test::data_folder() / name);
+  std::vector<T> data(bytes.size() / sizeof(T));
+  std::memcpy(data.data(), bytes.data(), data.size() * sizeof(T));
   return data;
 }
 
@@ -176,20 +178,29 @@ Score score(const std::vector<uint8_t>& found, const std::vector<int>& label,
 }
 
 TEST(Segment, AgreesWithPeoplesLabels) {
-  const char* set = std::getenv("UNDERBRUSH_DATA");
-  const std::filesystem::path data = set ? set : UNDERBRUSH_SOURCE_DIR "/../shared/data";
-  if (!std::filesystem::exists(data)) GTEST_SKIP() << "no real data at " << data;
+  UNDERBRUSH_NEEDS_DATA("kitti00_labelled");
+  UNDERBRUSH_NEEDS_DATA("rellis_000104");
   struct {
     const char *points, *labels;
     std::set<int> ground, ignored, vegetation;
     double iou, vegetation_recall;
-  } sets[] = {{"kitti00_labelled/kitti00_000000.bin", "kitti00_labelled/kitti00_000000.label",
-               {40, 44, 48, 49, 60, 72}, {0, 1}, {70, 71}, 0.91, 0.84},
-              {"rellis_000104/000104.bin", "rellis_000104/000104.label",
-               {1, 3, 10, 23, 31, 33}, {0}, {4, 19}, 0.88, 0.81}};
+  } sets[] = {{"kitti00_labelled/kitti00_000000.bin",
+               "kitti00_labelled/kitti00_000000.label",
+               {40, 44, 48, 49, 60, 72},
+               {0, 1},
+               {70, 71},
+               0.91,
+               0.84},
+              {"rellis_000104/000104.bin",
+               "rellis_000104/000104.label",
+               {1, 3, 10, 23, 31, 33},
+               {0},
+               {4, 19},
+               0.88,
+               0.81}};
   for (const auto& s : sets) {
-    const std::vector<float> xyzi = load<float>(data / s.points);
-    const std::vector<uint32_t> labels = load<uint32_t>(data / s.labels);
+    const std::vector<float> xyzi = load<float>(s.points);
+    const std::vector<uint32_t> labels = load<uint32_t>(s.labels);
     std::vector<Vec3f> points;
     std::vector<int> label;
     for (size_t i = 0; i < labels.size(); ++i) {

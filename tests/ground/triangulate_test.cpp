@@ -53,7 +53,8 @@ TEST(GridDelaunay, CircumcirclesAreEmptyAndTheFrameIsCovered) {
       Stream random(seed);
       GridDelaunay d(side);
       for (int k = 0; k < 250; ++k) {
-        const int x = int(random.below(uint64_t(side) + 1)), y = int(random.below(uint64_t(side) + 1));
+        const int x = int(random.below(uint64_t(side) + 1)),
+                  y = int(random.below(uint64_t(side) + 1));
         d.insert({x, y});
       }
       const auto [points, triangles] = all_of(d);
@@ -104,7 +105,8 @@ HeightMap map_of(int i0, int i1, int j0, int j1, const Has& has, const Height& h
       const auto key = block_of(i, j);
       const auto place = size_t(place_in_block(i, j));
       map.height.try_emplace(key).first->second[place] = height(0.5 * i, 0.5 * j);
-      map.exists.try_emplace(key, std::array<uint8_t, kBlockNodes>{}).first->second[place] = has(i, j);
+      map.exists.try_emplace(key, std::array<uint8_t, kBlockNodes>{}).first->second[place] =
+          has(i, j);
     }
   }
   return map;
@@ -176,7 +178,8 @@ TEST(Triangulate, CoversWhatExistsWithoutCracks) {
 
 TEST(Triangulate, KeepsTheErrorAndFewTriangles) {
   const auto hill = [](double x, double y) { return 3 * std::exp(-(x * x + y * y) / 40); };
-  const HeightMap map = map_of(-50, 50, -50, 50, [](int, int) { return true; }, hill);
+  const HeightMap map = map_of(
+      -50, 50, -50, 50, [](int, int) { return true; }, hill);
   size_t last = 0;
   for (double error : {0.1, 0.03, 0.01, 0.0}) {
     const GroundMesh mesh = triangulate(map, {.max_error_m = error});
@@ -203,8 +206,9 @@ TEST(Triangulate, KeepsTheErrorAndFewTriangles) {
 }
 
 TEST(Triangulate, ThreadsChangeNothing) {
-  const HeightMap map = map_of(-270, 270, -10, 10, [](int i, int j) { return (i * j) % 37 != 1; },
-                               [](double x, double y) { return std::sin(x) * y * 0.1; });
+  const HeightMap map = map_of(
+      -270, 270, -10, 10, [](int i, int j) { return (i * j) % 37 != 1; },
+      [](double x, double y) { return std::sin(x) * y * 0.1; });
   set_threads(1);
   const GroundMesh one = triangulate(map);
   set_threads(0);

@@ -62,8 +62,8 @@ bool cut_loop(std::vector<int> loop, CubeTriangles& triangles) {
 
 CubeTriangles triangles_of(int pattern) {
   const auto negative = [pattern](int corner) { return (pattern >> corner & 1) != 0; };
-  // On each face, walked counter-clockwise from outside, a segment leaves through the edge where the
-  // walk enters the negative part and returns through the next one where it leaves it.
+  // On each face, walked counter-clockwise from outside, a segment leaves through the edge where
+  // the walk enters the negative part and returns through the next one where it leaves it.
   std::array<int, 12> next;
   next.fill(-1);
   for (const auto& face : cube_faces()) {
@@ -122,7 +122,8 @@ int pattern_of(const ScalarGrid& g, int i, int j, int k) {
   return pattern;
 }
 
-/// One row of nodes (all x for one y, z): its vertices and its cells' triangles as (node · 3 + axis).
+/// One row of nodes (all x for one y, z): its vertices and its cells' triangles as (node · 3 +
+/// axis).
 struct Row {
   std::vector<size_t> edges;
   std::vector<Vec3f> vertices;
@@ -162,7 +163,8 @@ Row march_row(const ScalarGrid& g, int j, int k) {
 }  // namespace
 
 IsoMesh marching_cubes(const ScalarGrid& grid) {
-  for (int axis = 0; axis < 3; ++axis) require(grid.size[size_t(axis)] >= 0, "marching cubes: size");
+  for (int axis = 0; axis < 3; ++axis)
+    require(grid.size[size_t(axis)] >= 0, "marching cubes: size");
   const size_t rows = size_t(grid.size[1]) * size_t(grid.size[2]);
   require(grid.cell_m > 0 && grid.value.size() == rows * size_t(grid.size[0]),
           "marching cubes: the cell must be positive and the values as many as the nodes");

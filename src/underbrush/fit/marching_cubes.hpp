@@ -17,7 +17,7 @@ struct ScalarGrid {
   std::array<int, 3> first{};  ///< Of the array's first node, in cells.
   std::array<int, 3> size{};   ///< Nodes along each axis.
   double cell_m = 0;
-  std::vector<float> value;    ///< NaN where the field is not known.
+  std::vector<float> value;  ///< NaN where the field is not known.
 
   size_t at(int i, int j, int k) const {
     return (size_t(k) * size_t(size[1]) + size_t(j)) * size_t(size[0]) + size_t(i);
@@ -33,8 +33,8 @@ struct IsoMesh {
 };
 
 /// Triangles of one of the 256 sign patterns of a cell: triples of edges. Corner c lies at (c & 1,
-/// c >> 1 & 1, c >> 2); bit c of the pattern is set where the value is negative. Edge 4 a + m runs along
-/// axis a; bits 0 and 1 of m are its place along the two axes after a (cyclic).
+/// c >> 1 & 1, c >> 2); bit c of the pattern is set where the value is negative. Edge 4 a + m runs
+/// along axis a; bits 0 and 1 of m are its place along the two axes after a (cyclic).
 using CubeTriangles = std::vector<std::array<uint8_t, 3>>;
 
 /// All patterns. Made by joining, on each face, the crossed edges so that negative corners of an
@@ -44,8 +44,8 @@ const std::array<CubeTriangles, 256>& cube_triangles();
 /// Corners (lower, upper) of an edge of the numbering above.
 std::array<int, 2> cube_edge(int edge);
 
-/// Marching cubes with linear interpolation along the edges. Cells with a corner that is NaN are left
-/// out. Zero counts as positive.
+/// Marching cubes with linear interpolation along the edges. Cells with a corner that is NaN are
+/// left out. Zero counts as positive.
 IsoMesh marching_cubes(const ScalarGrid& grid);
 
 }  // namespace fit

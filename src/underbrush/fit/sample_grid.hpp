@@ -19,8 +19,8 @@ struct CellBox {
 /// At most one sample for each half cell, sorted by cell.
 class SampleGrid {
  public:
-  /// Means of the points in each half cell, within `box`. Sums are of integers: the same bits for any
-  /// order of the points.
+  /// Means of the points in each half cell, within `box`. Sums are of integers: the same bits for
+  /// any order of the points.
   SampleGrid(std::span<const Vec3f> points, std::span<const Vec3f> to_sensor, const CellBox& box,
              double cell_m);
 
@@ -35,8 +35,8 @@ class SampleGrid {
   }
   std::span<const OrientedPoint> samples() const { return samples_; }
 
-  /// Calls `visit(sample)` for each within `radius_m` of `x`, in an order that does not depend on the
-  /// tile, until it returns false.
+  /// Calls `visit(sample)` for each within `radius_m` of `x`, in an order that does not depend on
+  /// the tile, until it returns false.
   template <class Visit>
   void near(const Vec3f& x, float radius_m, const Visit& visit) const;
 

@@ -28,7 +28,8 @@ CellBox box_of(std::span<const Vec3f> points, const Area& core, const SurfaceOpt
     high = std::max(high, p.z());
   }
   if (!(low <= high)) return {};
-  const std::array<double, 3> from{core.x0, core.y0, double(low)}, to{core.x1, core.y1, double(high)};
+  const std::array<double, 3> from{core.x0, core.y0, double(low)},
+      to{core.x1, core.y1, double(high)};
   const double around = std::ceil(margin / o.cell_m);
   double cells = 1;
   std::array<double, 3> first{}, size{};
@@ -198,10 +199,13 @@ float imls(const Vec3f& x, std::span<const OrientedPoint> near, float support_m)
   return weights > 0 ? sum / weights : NAN;
 }
 
-double surface_margin_m(const SurfaceOptions& o) { return support_m(o) + o.kernel_m + 2 * o.cell_m; }
+double surface_margin_m(const SurfaceOptions& o) {
+  return support_m(o) + o.kernel_m + 2 * o.cell_m;
+}
 
 SurfaceTile surface_tile(std::span<const Vec3f> points, std::span<const Vec3f> to_sensor,
-                         const Area& core, const SurfaceOptions& o, const SignedDistance& distance) {
+                         const Area& core, const SurfaceOptions& o,
+                         const SignedDistance& distance) {
   require(points.size() == to_sensor.size(), "surface: as many directions as points are needed");
   require(o.cell_m > 0 && o.kernel_m > 0 && o.min_neighbours > 0,
           "surface: cell, kernel and number of neighbours must be positive");

@@ -12,8 +12,8 @@ int64_t turn(const Point& a, const Point& b, const Point& c) {
   return int64_t(b[0] - a[0]) * (c[1] - a[1]) - int64_t(b[1] - a[1]) * (c[0] - a[0]);
 }
 
-/// Positive if `p` lies inside the circle through a, b, c (counter-clockwise). For a, b, c in line it
-/// is positive on one side of the line, as in the limit.
+/// Positive if `p` lies inside the circle through a, b, c (counter-clockwise). For a, b, c in line
+/// it is positive on one side of the line, as in the limit.
 int64_t in_circle(const Point& a, const Point& b, const Point& c, const Point& p) {
   const int64_t ax = a[0] - p[0], ay = a[1] - p[1], bx = b[0] - p[0], by = b[1] - p[1];
   const int64_t cx = c[0] - p[0], cy = c[1] - p[1];
@@ -56,8 +56,8 @@ void GridDelaunay::link(int32_t triangle, uint32_t from, uint32_t to) {
   }
 }
 
-/// Triangle t = (p, a, b) and its neighbour (a, d, b) across a–b: if d lies in t's circle, they become
-/// (p, a, d) and (p, d, b).
+/// Triangle t = (p, a, b) and its neighbour (a, d, b) across a–b: if d lies in t's circle, they
+/// become (p, a, d) and (p, d, b).
 bool GridDelaunay::flip(uint32_t t) {
   const int32_t other = triangles_[t].neighbour[0];
   if (other < 0) return false;

@@ -193,8 +193,8 @@ void add_bending(Coefficients& a, const BlockMap<int32_t>& number, double weight
 /// The lower triangle; `number` leads from a node to the nodes it is coupled with.
 Matrix matrix_of(const Coefficients& a, const BlockMap<int32_t>& number) {
   constexpr int kSide = kBlockSide + 4;
-  constexpr int kAscending[kCouplings] = {kSelf, kEast, kEast2, kNorthWest, kNorth, kNorthEast,
-                                          kNorth2};
+  constexpr int kAscending[kCouplings] = {kSelf,  kEast,      kEast2, kNorthWest,
+                                          kNorth, kNorthEast, kNorth2};
   std::vector<std::array<int32_t, kCouplings>> rows(a.size());
   for (const auto& [key, block] : number) {
     const std::vector<int32_t> n = window<int32_t>(number, key, 2, -1);
@@ -247,14 +247,15 @@ HeightMap HeightGrid::solve() const {
   // Heights count from the mean: less to lose in the sum of squares.
   const Matrix data = matrix_of(a, number);
   const double mean = s.z / double(s.n);
-  const Eigen::VectorXd weights = data.selfadjointView<Eigen::Lower>() * Eigen::VectorXd::Ones(count);
+  const Eigen::VectorXd weights =
+      data.selfadjointView<Eigen::Lower>() * Eigen::VectorXd::Ones(count);
   b -= mean * weights;
   add_bending(a, number, s.options.smoothness_m2 / (s.options.spacing_m * s.options.spacing_m));
   const Matrix all = matrix_of(a, number);
 
-  Eigen::ConjugateGradient<Matrix, Eigen::Lower,
-                           Eigen::IncompleteCholesky<double, Eigen::Lower,
-                                                     Eigen::NaturalOrdering<int>>>
+  Eigen::ConjugateGradient<
+      Matrix, Eigen::Lower,
+      Eigen::IncompleteCholesky<double, Eigen::Lower, Eigen::NaturalOrdering<int>>>
       solver;
   solver.setTolerance(1e-10);
   solver.setMaxIterations(20000);

@@ -1,6 +1,6 @@
 /// \file
-/// Heights at the nodes of an unbounded regular grid, kept in blocks so that memory follows the area
-/// that is covered and not its bounding box.
+/// Heights at the nodes of an unbounded regular grid, kept in blocks so that memory follows the
+/// area that is covered and not its bounding box.
 #pragma once
 #include <array>
 #include <compare>
@@ -32,15 +32,15 @@ inline int place_in_block(int i, int j) { return (j & 31) * kBlockSide + (i & 31
 template <class T>
 using BlockMap = std::map<BlockKey, std::array<T, kBlockNodes>>;
 
-/// A ground surface: node (i, j) lies at origin + (i s, j s, height). Between four nodes that exist the
-/// surface is bilinear; elsewhere there is none.
+/// A ground surface: node (i, j) lies at origin + (i s, j s, height). Between four nodes that exist
+/// the surface is bilinear; elsewhere there is none.
 struct HeightMap {
-  Vec3 origin = Vec3::Zero();   ///< m, world.
-  double spacing_m = 0.5;       ///< s.
-  double sigma_m = 0;           ///< Root mean square vertical residual of the points it was fitted to.
-  size_t points = 0;            ///< How many those were.
-  BlockMap<double> height;      ///< m above the origin; meaningless where no node exists.
-  BlockMap<uint8_t> exists;     ///< 1 where there is a node; the same blocks as `height`.
+  Vec3 origin = Vec3::Zero();  ///< m, world.
+  double spacing_m = 0.5;      ///< s.
+  double sigma_m = 0;        ///< Root mean square vertical residual of the points it was fitted to.
+  size_t points = 0;         ///< How many those were.
+  BlockMap<double> height;   ///< m above the origin; meaningless where no node exists.
+  BlockMap<uint8_t> exists;  ///< 1 where there is a node; the same blocks as `height`.
 
   /// Number of nodes.
   size_t size() const;

@@ -5,6 +5,7 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
+#include "underbrush/ground/plane_grid.hpp"
 #include "underbrush/ground/segment.hpp"
 
 namespace underbrush::ground {
@@ -69,77 +70,6 @@ SortedTile sort_by_cell(std::span<const Vec3f> points, double cell_m) {
   return tile;
 }
 
-/// A plane a cell: z = h + gx (x − cx) + gy (y − cy) about the cell's centre; between centres the
-/// planes are blended bilinearly.
-struct PlaneGrid {
-  struct Plane {
-    double h = 0, gx = 0, gy = 0;
-  };
-  int nx = 0, ny = 0;
-  double cell_m = 0;
-  std::vector<Plane> planes;
-
-  PlaneGrid() = default;
-  PlaneGrid(const SortedTile& tile, int level)
-      : nx((tile.nx - 1) / (1 << level) + 1),
-        ny((tile.ny - 1) / (1 << level) + 1),
-        cell_m(tile.cell_m * (1 << level)),
-        planes(size_t(nx) * ny) {}
-
-  /// Height and gradient at (x, y), extrapolated beyond the outer centres.
-  Plane at(double x, double y) const {
-    const double u = x / cell_m - 0.5, v = y / cell_m - 0.5;
-    const int i = std::clamp(int(std::floor(u)), 0, std::max(0, nx - 2));
-    const int j = std::clamp(int(std::floor(v)), 0, std::max(0, ny - 2));
-    const double a = nx > 1 ? std::clamp(u - i, 0.0, 1.0) : 0;
-    const double b = ny > 1 ? std::clamp(v - j, 0.0, 1.0) : 0;
-    Plane sum;
-    for (int k = 0; k < 4; ++k) {
-      const double w = (k & 1 ? a : 1 - a) * (k & 2 ? b : 1 - b);
-      if (w == 0) continue;
-      const int ci = i + (k & 1), cj = j + (k >> 1);
-      const Plane& p = planes[size_t(cj) * nx + ci];
-      sum.h += w * (p.h + p.gx * (u - ci) * cell_m + p.gy * (v - cj) * cell_m);
-      sum.gx += w * p.gx;
-      sum.gy += w * p.gy;
-    }
-    return sum;
-  }
-};
-
-/// Weighted moments of points about a cell's centre, for the fit of a plane.
-struct Moments {
-  double w = 0, x = 0, y = 0, z = 0, xx = 0, xy = 0, yy = 0, xz = 0, yz = 0;
-
-  void add(double px, double py, double pz, double weight) {
-    w += weight, x += weight * px, y += weight * py, z += weight * pz;
-    xx += weight * px * px, xy += weight * px * py, yy += weight * py * py;
-    xz += weight * px * pz, yz += weight * py * pz;
-  }
-  /// Adds `k` times the moments `m` of a cell whose centre lies (dx, dy) away.
-  void add(const Moments& m, double dx, double dy, double k) {
-    w += k * m.w, x += k * (m.x + dx * m.w), y += k * (m.y + dy * m.w), z += k * m.z;
-    xx += k * (m.xx + 2 * dx * m.x + dx * dx * m.w);
-    xy += k * (m.xy + dx * m.y + dy * m.x + dx * dy * m.w);
-    yy += k * (m.yy + 2 * dy * m.y + dy * dy * m.w);
-    xz += k * (m.xz + dx * m.z), yz += k * (m.yz + dy * m.z);
-  }
-};
-
-/// argmin over planes of Σ w (z − plane)² + prior weight · (distance from the prior plane)².
-PlaneGrid::Plane fit_plane(const Moments& m, const PlaneGrid::Plane& prior, double weight,
-                           double cell_m) {
-  const double gradient_weight = weight * cell_m * cell_m;
-  Mat3 a;
-  a << m.w + weight, m.x, m.y, m.x, m.xx + gradient_weight, m.xy, m.y, m.xy, m.yy + gradient_weight;
-  // Solved for the change from the prior.
-  const Vec3 p(prior.h, prior.gx, prior.gy);
-  const Vec3 b(m.z - m.w * p[0] - m.x * p[1] - m.y * p[2], m.xz - m.x * p[0] - m.xx * p[1] - m.xy * p[2],
-               m.yz - m.y * p[0] - m.xy * p[1] - m.yy * p[2]);
-  const Vec3 s = p + a.ldlt().solve(b);
-  return {s[0], s[1], s[2]};
-}
-
 /// Refits `grid` (in place; it holds the prior) to points sorted by finest cell. `row_start[r]` is
 /// the first point of finest row r; `weight(residual)` says how much a point counts.
 template <class Weight>
@@ -200,8 +130,8 @@ LowPoints low_points(SortedTile& tile, double quantile) {
       low[c] = *at;
     }
   });
-  constexpr int kReach = 3;        // cells
-  constexpr float kDepth = 0.5f;   // m
+  constexpr int kReach = 3;       // cells
+  constexpr float kDepth = 0.5f;  // m
   std::vector<uint8_t> pit(low.size());
   parallel_for(size_t(tile.ny), 4, [&](size_t begin, size_t end) {
     for (int y = int(begin); y < int(end); ++y) {
@@ -235,7 +165,7 @@ LowPoints low_points(SortedTile& tile, double quantile) {
 /// A first guess on the coarsest cells: a low quantile of the low points, cut so that it rises
 /// by no more than `slope` from any other cell.
 PlaneGrid first_guess(const SortedTile& tile, int level, const LowPoints& low, double slope) {
-  PlaneGrid grid(tile, level);
+  PlaneGrid grid(tile.nx, tile.ny, tile.cell_m, level);
   std::vector<std::vector<float>> heights(grid.planes.size());
   for (const Vec3f& p : low.points) {
     const int x = std::min(grid.nx - 1, int(p.x() / grid.cell_m));
@@ -279,8 +209,8 @@ PlaneGrid envelope(SortedTile& tile, const LowerEnvelopeOptions& o) {
   PlaneGrid grid = first_guess(tile, level, low, o.slope);
   const int coarsest = level;
   for (;; --level) {
-    // A plane misses ground that bends by about cell²; vegetation asks for less. Twice the tolerance
-    // first, then once; from the rough first guess, from far more.
+    // A plane misses ground that bends by about cell²; vegetation asks for less. Twice the
+    // tolerance first, then once; from the rough first guess, from far more.
     for (double wide = level == coarsest ? 4 : 2; wide >= 1; wide /= level == coarsest ? 1.5 : 2) {
       const double s = std::max(o.band_m, wide * o.bend * std::pow(grid.cell_m, 1.5));
       const auto weight = [s](double r) {
@@ -290,7 +220,7 @@ PlaneGrid envelope(SortedTile& tile, const LowerEnvelopeOptions& o) {
       refit(grid, level, low.points, low.row_start, weight);
     }
     if (level == 0) break;
-    PlaneGrid finer(tile, level - 1);
+    PlaneGrid finer(tile.nx, tile.ny, tile.cell_m, level - 1);
     for (int y = 0; y < finer.ny; ++y) {
       for (int x = 0; x < finer.nx; ++x) {
         finer.planes[size_t(y) * finer.nx + x] =
@@ -305,10 +235,11 @@ PlaneGrid envelope(SortedTile& tile, const LowerEnvelopeOptions& o) {
 }  // namespace
 
 std::vector<uint8_t> lower_envelope(std::span<const Vec3f> points, const LowerEnvelopeOptions& o) {
-  require(o.cell_m > 0 && o.coarsest_m >= o.cell_m && o.slope > 0 && o.band_m > 0 && o.below_m > 0 &&
-              o.low_quantile >= 0 && o.low_quantile < 1,
-          "lower envelope: parameters must be positive, coarsest_m at least cell_m, the quantile in "
-          "[0, 1)");
+  require(
+      o.cell_m > 0 && o.coarsest_m >= o.cell_m && o.slope > 0 && o.band_m > 0 && o.below_m > 0 &&
+          o.low_quantile >= 0 && o.low_quantile < 1,
+      "lower envelope: parameters must be positive, coarsest_m at least cell_m, the quantile in "
+      "[0, 1)");
   std::vector<uint8_t> ground(points.size());
   SortedTile tile = sort_by_cell(points, o.cell_m);
   if (tile.points.empty()) return ground;

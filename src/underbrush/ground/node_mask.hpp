@@ -19,8 +19,8 @@ NodeMask eroded(const NodeMask& mask, double radius);
 /// The nodes in either set.
 NodeMask united(const NodeMask& a, const NodeMask& b);
 
-/// The square of nodes (i0 … i0 + side − 1, j0 … j0 + side − 1), row by row; `absent` where there is
-/// no block.
+/// The square of nodes (i0 … i0 + side − 1, j0 … j0 + side − 1), row by row; `absent` where there
+/// is no block.
 template <class T>
 std::vector<T> window(const BlockMap<T>& values, int i0, int j0, int side, T absent);
 

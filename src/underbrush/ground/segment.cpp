@@ -34,7 +34,8 @@ class Neighbours {
 
   /// Finds those of `query`; `index(j)` counts in the cloud's points.
   void find(const Tree& tree, const Vec3f& query) {
-    const size_t found = tree.knnSearch(query.data(), index_.size(), index_.data(), distance2_.data());
+    const size_t found =
+        tree.knnSearch(query.data(), index_.size(), index_.data(), distance2_.data());
     size_ = 0;
     while (size_ < found && distance2_[size_] <= radius2_) ++size_;
   }
@@ -52,7 +53,8 @@ class Neighbours {
 
 /// Calls `body(i, neighbours)` for each finite point, near ones after one another.
 template <class Body>
-void for_each_point(const Cloud& cloud, const Tree& tree, int k, double radius_m, const Body& body) {
+void for_each_point(const Cloud& cloud, const Tree& tree, int k, double radius_m,
+                    const Body& body) {
   parallel_for(cloud.finite.size(), 2048, [&](size_t begin, size_t end) {
     Neighbours neighbours(cloud, k, radius_m);
     for (size_t at = begin; at < end; ++at) {

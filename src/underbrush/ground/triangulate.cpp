@@ -13,8 +13,8 @@
 namespace underbrush::ground {
 namespace {
 
-constexpr int kTile = 256;          // cells
-constexpr int kSide = kTile + 1;    // nodes
+constexpr int kTile = 256;        // cells
+constexpr int kSide = kTile + 1;  // nodes
 using Triangle = std::array<uint32_t, 3>;
 
 /// Triangles of a tile's nodes.
@@ -25,8 +25,9 @@ struct TileMesh {
 };
 
 /// One tile: its heights, and the nodes chosen so far. Why the triangles that lie on covered cells
-/// cover them exactly: every side of a cell between covered and other cells has both its nodes chosen,
-/// no other grid node lies in the circle about it, so it is a side of the Delaunay triangulation.
+/// cover them exactly: every side of a cell between covered and other cells has both its nodes
+/// chosen, no other grid node lies in the circle about it, so it is a side of the Delaunay
+/// triangulation.
 class Tile {
  public:
   Tile(const HeightMap& map, int i0, int j0)
@@ -49,8 +50,8 @@ class Tile {
   static size_t at(int x, int y) { return size_t(y) * kSide + size_t(x); }
   double z(int x, int y) const { return height_[at(x, y)]; }
   bool covered(int x, int y) const {
-    return x >= 0 && y >= 0 && x < kTile && y < kTile && exists_[at(x, y)] && exists_[at(x + 1, y)] &&
-           exists_[at(x, y + 1)] && exists_[at(x + 1, y + 1)];
+    return x >= 0 && y >= 0 && x < kTile && y < kTile && exists_[at(x, y)] &&
+           exists_[at(x + 1, y)] && exists_[at(x, y + 1)] && exists_[at(x + 1, y + 1)];
   }
 
   /// Quadtree: keeps a square's corners if the square is covered and bends less than the error.
@@ -124,7 +125,8 @@ class Tile {
   }
 
   /// The node of a covered triangle that is off most, if by more than the error.
-  std::optional<GridDelaunay::Point> worst(const GridDelaunay::Triangle& t, double max_error) const {
+  std::optional<GridDelaunay::Point> worst(const GridDelaunay::Triangle& t,
+                                           double max_error) const {
     const auto &a = point(t.point[0]), &b = point(t.point[1]), &c = point(t.point[2]);
     const int bx = b[0] - a[0], by = b[1] - a[1], cx = c[0] - a[0], cy = c[1] - a[1];
     const int area = bx * cy - by * cx;

@@ -11,8 +11,9 @@ namespace underbrush::ground {
 
 /// Parameters of `triangulate`.
 struct TriangulateOptions {
-  double max_error_m = 0.02;  ///< No node of the height map lies farther above or below the triangles.
-  double max_side_m = 10;     ///< No side is longer, seen from above.
+  double max_error_m =
+      0.02;                ///< No node of the height map lies farther above or below the triangles.
+  double max_side_m = 10;  ///< No side is longer, seen from above.
 };
 
 /// Triangles over the plane, facing up (counter-clockwise seen from above).
@@ -24,9 +25,9 @@ struct GroundMesh {
 
 /// Delaunay triangulation ([tallavajhula18] §IV) of chosen nodes of the height map. The triangles
 /// cover exactly the grid's cells whose four nodes exist, without cracks, overlaps or T-junctions.
-/// Worked in tiles of 256 cells, in parallel; along tiles' borders and the covered area's edge every
-/// node is kept, so that tiles join. Throws `std::invalid_argument` for an error that is negative or a
-/// side shorter than a cell's diagonal.
+/// Worked in tiles of 256 cells, in parallel; along tiles' borders and the covered area's edge
+/// every node is kept, so that tiles join. Throws `std::invalid_argument` for an error that is
+/// negative or a side shorter than a cell's diagonal.
 GroundMesh triangulate(const HeightMap& map, const TriangulateOptions& options = {});
 
 }  // namespace underbrush::ground
