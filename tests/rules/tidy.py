@@ -60,7 +60,7 @@ def check(root, options):
 
 BAD = [({"a.cpp": "int HasBadName() { return 1; }\n"}, "readability-identifier-naming"),
        ({"a.cpp": "struct S { int value() { return v; }\nprivate: int v = 0; };\n"}, "identifier-naming"),
-       ({"a.cpp": "double half(int n) { return n / 2; }\n"}, "bugprone-integer-division"),
+       ({"a.cpp": "bool f(const int* p) { return sizeof(p) > 4 && p; }\n"}, "bugprone-sizeof"),
        ({"a.cpp": "struct V { V(const V&); ~V(); int n; };\nint f(V v) { return v.n; }\n"},
         "performance-unnecessary-value-param")]
 GOOD = {"a.cpp": "constexpr int kOne = 1;\nint has_good_name() { return kOne; }\n"}
