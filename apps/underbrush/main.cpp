@@ -26,7 +26,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() == 0) return root.exit(e);  // --help, --version
     std::string line = e.what();
-    line.erase(line.find_last_not_of("\n") + 1);
+    line.erase(line.find_last_not_of('\n') + 1);
     const auto verbs = root.get_subcommands();
     const std::string verb = verbs.empty() ? "" : " " + verbs.front()->get_name();
     return fail((line + " (see underbrush" + verb + " --help)").c_str(), 2);

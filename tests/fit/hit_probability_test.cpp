@@ -8,7 +8,7 @@
 namespace underbrush::fit {
 namespace {
 
-elements::Model row_of_ellipsoids(std::vector<double> at) {
+elements::Model row_of_ellipsoids(const std::vector<double>& at) {
   elements::Model model;
   model.tau = 2;
   for (double x : at) {
@@ -62,7 +62,7 @@ TEST(Credit, OfATriangleTakesTheResidualInBothDirections) {
   EXPECT_EQ(credit(model, met, 10.8, {}).misses, 1u);  // went through it
 }
 
-BeamLog beams_along_x(std::vector<float> ranges) {
+BeamLog beams_along_x(const std::vector<float>& ranges) {
   BeamLog log;
   log.info.max_range_m = 100;
   log.info.has_misses = true;

@@ -8,7 +8,7 @@
 namespace underbrush::metrics {
 namespace {
 
-BeamLog fan(std::vector<float> ranges) {
+BeamLog fan(const std::vector<float>& ranges) {
   BeamLog log;
   log.info.max_range_m = 100;
   log.info.has_misses = true;

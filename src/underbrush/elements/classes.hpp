@@ -28,6 +28,7 @@ inline constexpr std::array<std::string_view, 10> kClassNames = {
     "unknown",      "ground",      "grass",      "low_shrub",   "small_shrub",
     "medium_shrub", "large_shrub", "small_tree", "medium_tree", "large_tree"};
 
+/// The name of a class.
 constexpr std::string_view name(Class c) { return kClassNames.at(size_t(c)); }
 
 /// The class of that name, or none.

@@ -79,11 +79,11 @@ class Splitter {
       const Vec3f& p = points_[part.begin + i];
       uint8_t best = 0;
       float least = (p - centre_[0]).squaredNorm();
-      for (uint8_t c = 1; c < centre_.size(); ++c) {
+      for (size_t c = 1; c < centre_.size(); ++c) {
         const float d = (p - centre_[c]).squaredNorm();
         if (d < least) {
           least = d;
-          best = c;
+          best = uint8_t(c);
         }
       }
       changed |= assign_[i] != best;

@@ -76,6 +76,7 @@ struct PlyProperty {
 /// What the header says.
 struct PlyHeader {
   enum class Format { kAscii, kLittle, kBig };
+  /// One element of the header.
   struct Element {
     std::string name;
     uint64_t count = 0;

@@ -12,6 +12,7 @@ namespace metrics {
 /// A mixture Σ w_k N(t_k, σ_k²) of ranges, and a miss with the rest of the weight:
 /// w_k = p_k ∏_{j<k} (1 − p_j) over the elements met in order, P(miss) = ∏ (1 − p_k).
 struct Predictive {
+  /// One Gaussian: w_k, t_k, σ_k.
   struct Component {
     double weight, t_m, sigma_m;
   };

@@ -5,6 +5,7 @@
 
 namespace underbrush::scene {
 
+/// How the vehicle drives.
 struct DriveParameters {
   double sensor_height_m = 1.9;  ///< Above the wheels' contact plane, over the vehicle's middle.
   double speed_m_s = 3.5;        ///< Mean; it sways by ±35 % over 7 s.

@@ -44,6 +44,7 @@ void add_tube(PlantMesh& plant, std::span<const TubePoint> axis, int sides);
 void add_leaf(PlantMesh& plant, const Vec3& base, const Vec3& axis, const Vec3& normal,
               double length_m, double width_m);
 
+/// One-sided area (m²) of a triangle.
 double triangle_area(const elements::TriangleMesh& mesh, size_t triangle);
 /// Total one-sided area (m²) of the triangles of one part.
 double part_area(const PlantMesh& plant, Part part);

@@ -16,6 +16,7 @@ struct PrototypeSet {
   std::vector<Prototype> prototypes;
   PrototypeRange trees, shrubs, tussocks, mowed;
 };
+/// The same set for the same seed.
 PrototypeSet make_prototypes(uint64_t seed);
 
 }  // namespace underbrush::scene

@@ -8,6 +8,7 @@
 
 namespace underbrush::scene {
 
+/// Extent and shape of the ground.
 struct TerrainParameters {
   double size_x_m = 60;  ///< The site is centred at the origin; the track crosses it along x.
   double size_y_m = 40;

@@ -13,6 +13,7 @@ namespace underbrush {
 /// Scenes: generated sites and plants of fine triangles.
 namespace scene {
 
+/// What the site holds.
 struct SiteParameters {
   TerrainParameters terrain;
   DriveParameters drive;
@@ -42,6 +43,7 @@ struct Placement {
   uint32_t instance = 0;                              ///< From 1; 0 is the ground.
 };
 
+/// The site in parts: plants are prototypes placed many times.
 struct Site {
   SiteParameters parameters;
   Terrain terrain;
@@ -61,6 +63,7 @@ struct FlatSite {
   std::vector<uint32_t> instance;      ///< Likewise; 0 for ground.
   std::vector<Part> part;              ///< Likewise.
 };
+/// Every placement as triangles of its own.
 FlatSite flatten(const Site& site);
 
 }  // namespace scene

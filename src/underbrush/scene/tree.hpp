@@ -5,6 +5,7 @@
 
 namespace underbrush::scene {
 
+/// The two habits of growth.
 enum class Species : uint8_t {
   kBroadleaf,  ///< Limbs at the golden angle, twigs by space colonisation of a lumpy crown.
   kConifer,    ///< One straight stem with whorls of drooping branches.

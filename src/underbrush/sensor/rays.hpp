@@ -34,7 +34,9 @@ struct SensorRay {
   double time_s = 0;  ///< Absolute.
 };
 
+/// Azimuth (rad, counter-clockwise from x) of a point seen from the origin.
 inline double azimuth_of(const Vec3f& p) { return std::atan2(double(p.y()), double(p.x())); }
+/// Elevation (rad, above the xy plane) of a point seen from the origin.
 inline double elevation_of(const Vec3f& p) {
   return std::atan2(double(p.z()), std::hypot(double(p.x()), double(p.y())));
 }

@@ -44,7 +44,7 @@ struct Range {
 };
 
 // Boxes are widened by the rounding of the float box test at the scene's largest coordinate.
-Box widened(Box b) {
+Box widened(const Box& b) {
   const Array3f margin = 1e-6f * b.lo.abs().max(b.hi.abs()) + 1e-6f;
   return {b.lo - margin, b.hi + margin};
 }

@@ -51,6 +51,7 @@ struct AcceptThreshold {
   uint32_t below;
   bool always;
 };
+/// The threshold for hit probability p.
 constexpr AcceptThreshold accept_threshold(float p) {
   if (p >= 1) return {0xffffffffu, true};
   return {p > 0 ? uint32_t(double(p) * 4294967296.0) : 0u, false};

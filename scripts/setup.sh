@@ -1,0 +1,53 @@
+#!/usr/bin/env bash
+# Installs what is missing on Debian 12, with apt, as root or through sudo.
+#   scripts/setup.sh build          what the program needs
+#   scripts/setup.sh build test     what the tests need as well (the default)
+set -euo pipefail
+
+build="g++ cmake ninja-build make git pkg-config
+  libembree-dev libtbb-dev libeigen3-dev libnanoflann-dev libqhull-dev libcli11-dev
+  nlohmann-json3-dev libyaml-cpp-dev libfmt-dev libxxhash-dev libpng-dev"
+test="libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev
+  clang clang-tidy clang-format libclang-rt-14-dev doxygen jq valgrind python3"
+
+wanted=""
+for group in "${@:-build test}"; do
+  for name in $group; do
+    case $name in
+      build) wanted+=" $build" ;;
+      test) wanted+=" $test" ;;
+      *) echo "setup: no group '$name'; there are: build test" >&2; exit 2 ;;
+    esac
+  done
+done
+
+if ! command -v dpkg-query > /dev/null; then
+  echo "setup: not a Debian system, nothing installed. Needed (Debian's names):" $wanted >&2
+  exit 0
+fi
+installed=$(dpkg-query -W -f '${db:Status-Status} ${Package}\n' | sed -n 's/^installed //p')
+missing=$(comm -23 <(tr -s ' \n' '\n' <<< "$wanted" | sed '/^$/d' | sort -u) <(sort -u <<< "$installed"))
+[ -n "$missing" ] || exit 0
+
+as_root=""
+if [ "$(id -u)" != 0 ]; then
+  as_root="sudo"
+  [ -t 0 ] || as_root="sudo -n"   # nobody there to type a password
+  if ! command -v sudo > /dev/null || ! $as_root true 2> /dev/null; then
+    echo "setup: neither root nor sudo. As root: apt-get install" $missing >&2
+    exit 1
+  fi
+fi
+
+echo "setup: installing" $missing
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+apt() {
+  $as_root env DEBIAN_FRONTEND=noninteractive apt-get -q -y -o DPkg::Lock::Timeout=300 \
+    -o Dpkg::Use-Pty=0 "$@" < /dev/null >> "$log" 2>&1
+}
+if ! { apt update && apt install --no-install-recommends $missing; }; then
+  tail -n 20 "$log" >&2
+  echo "setup: apt-get failed, see above" >&2
+  exit 1
+fi

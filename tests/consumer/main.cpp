@@ -1,0 +1,23 @@
+// Fires a thousand beams at one half-permeable ellipsoid; exits 0 if about half of them end there.
+#include <cstdio>
+
+#include "underbrush/simulate/simulate.hpp"
+
+int main() {
+  using namespace underbrush;
+  elements::Model model;
+  elements::Ellipsoid shrub;
+  shrub.mean = Vec3f(10, 0, 0);
+  shrub.hit.p = 0.5f;
+  model.ellipsoids.push_back(shrub);
+  model.check();
+
+  BeamLog beams;
+  beams.resize(1000);
+  const trace::World world(model);
+  simulate::simulate(world, simulate::Options{}, 0, beams);
+  size_t hits = 0;
+  for (size_t i = 0; i < beams.size(); ++i) hits += beams.is_hit(i);
+  std::printf("%zu of %zu beams hit\n", hits, beams.size());
+  return hits > 400 && hits < 600 ? 0 : 1;
+}

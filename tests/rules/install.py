@@ -1,0 +1,37 @@
+#!/usr/bin/env python3
+"""What is installed is whole: a stranger's project finds the package, compiles every header, links,
+runs; and the installed program answers."""
+import argparse
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+import rules
+
+parser = argparse.ArgumentParser()
+parser.add_argument("--build", required=True, type=pathlib.Path)
+parser.add_argument("--cmake", default="cmake")
+parser.add_argument("--launcher", default="", help="as CMAKE_CXX_COMPILER_LAUNCHER")
+options = parser.parse_args()
+
+
+def run(*command, **more):
+    done = subprocess.run([str(c) for c in command], stdout=subprocess.PIPE, text=True,
+                          stderr=subprocess.STDOUT, check=False, **more)
+    if done.returncode:
+        sys.exit(f"{' '.join(map(str, command))}\n{done.stdout}\nexit status {done.returncode}")
+    return done.stdout
+
+
+with tempfile.TemporaryDirectory() as folder:
+    prefix, consumer = pathlib.Path(folder, "prefix"), pathlib.Path(folder, "consumer")
+    run(options.cmake, "--install", options.build, "--prefix", prefix)
+    environment = dict(os.environ, CCACHE_BASEDIR=folder, CCACHE_NOHASHDIR="1")
+    run(options.cmake, "-S", rules.ROOT / "tests/consumer", "-B", consumer, "-G", "Ninja",
+        f"-DCMAKE_PREFIX_PATH={prefix}", f"-DCMAKE_CXX_COMPILER_LAUNCHER={options.launcher}",
+        env=environment)
+    run(options.cmake, "--build", consumer, env=environment)
+    print(run(consumer / "consumer"), end="")
+    print(run(prefix / "bin/underbrush", "--version"), end="")

@@ -1,0 +1,25 @@
+#!/usr/bin/env python3
+"""Files that one reads in one go: headers up to 200 lines, sources up to 400. Longer ones are listed;
+at half as much again the test fails."""
+import rules
+
+LIMITS = {".hpp": 200, ".inl": 400, ".cpp": 400, ".py": 400}
+
+
+def check(root):
+    out = []
+    for path in rules.tracked(root, *LIMITS):
+        limit = next(n for suffix, n in LIMITS.items() if path.endswith(suffix))
+        lines = rules.read(root, path).count("\n")
+        if lines > 1.5 * limit:
+            out.append(f"{path}: {lines} lines, {limit} are enough: split it")
+        elif lines > limit:
+            print(f"{path}: {lines} lines, more than {limit}")
+    return out
+
+
+BAD = [({"src/a.hpp": "\n" * 301}, "split"), ({"src/a.cpp": "\n" * 601}, "split")]
+GOOD = {"src/a.hpp": "\n" * 150, "src/a.cpp": "\n" * 300}
+
+if __name__ == "__main__":
+    rules.main(check, BAD, GOOD)
