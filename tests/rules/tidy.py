@@ -60,7 +60,8 @@ def check(root, options):
 
 BAD = [({"a.cpp": "int HasBadName() { return 1; }\n"}, "readability-identifier-naming"),
        ({"a.cpp": "struct S { int value() { return v; }\nprivate: int v = 0; };\n"}, "identifier-naming"),
-       ({"a.cpp": "bool f(const int* p) { return sizeof(p) > 4 && p; }\n"}, "bugprone-sizeof"),
+       ({"a.cpp": "int f(int n) {\n  if (n > 1);\n    n = 2;\n  return n;\n}\n"},
+        "bugprone-suspicious-semicolon"),
        ({"a.cpp": "struct V { V(const V&); ~V(); int n; };\nint f(V v) { return v.n; }\n"},
         "performance-unnecessary-value-param")]
 GOOD = {"a.cpp": "constexpr int kOne = 1;\nint has_good_name() { return kOne; }\n"}
