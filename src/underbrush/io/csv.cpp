@@ -106,7 +106,7 @@ Table read_csv(const std::filesystem::path& path) {
     }
     for (size_t c = 0; c < cells.size(); ++c) {
       const auto value = cells[c].empty() ? std::optional<double>(NAN) : number_of(cells[c]);
-      if (!value) fail("'" + std::string(cells[c].substr(0, 40)) + "' is not a number");
+      if (!value) fail("not a number: " + std::string(cells[c].substr(0, 40)));
       columns[c].push_back(*value);
     }
   }

@@ -105,14 +105,13 @@ class Opener {
   }
 
   void open_scan(Table table) {
-    ScanFile file{path_, {}, 0, {}};
+    ScanFile file = scan_file(path_);
     Pose pose;
     if (has_poses()) {
-      const std::string stem = path_.stem().string();
-      const bool number = stem.size() <= 9 && stem.find_first_not_of("0123456789") == stem.npos;
-      if (number && placing_.poses.pose.size() > 1) file.frame = uint32_t(std::stoul(stem));
+      if (placing_.poses.pose.size() == 1) file.frame = 0;
       return place_scans({file}, placing_, input_);
     }
+    file.frame = 0;
     if (table.viewpoint) {
       pose = *table.viewpoint;
       input_.notes.push_back("no poses given: the file's own viewpoint is the sensor's pose");

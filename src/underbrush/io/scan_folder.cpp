@@ -65,11 +65,22 @@ class ScanFolder : public ScanSource {
     PointScan scan = scan_from_table(file.path.string(), read_table(file.path),
                                      {infos_[k], points_in_world_}, skipped_);
     if (!file.labels.empty()) add_labels(file.labels, scan);
+    check_columns(file.path, scan);
     return scan;
   }
 
  private:
+  // All scans of a log carry the same columns.
+  void check_columns(const fs::path& path, const PointScan& scan) {
+    std::map<std::string, ValueType> columns;
+    for (const auto& [name, column] : scan.extra) columns[name] = type_of(column);
+    if (!columns_) columns_ = columns;
+    if (columns == *columns_) return;
+    throw FormatError(path.string(), "header", "other columns than the scans before it");
+  }
+
   std::vector<ScanFile> files_;
+  std::optional<std::map<std::string, ValueType>> columns_;  ///< Of the first scan read.
   std::vector<ScanInfo> infos_;
   Trajectory trajectory_;
   bool points_in_world_;
@@ -146,7 +157,17 @@ class Placer {
   bool timed_ = false, by_order_ = false;
 };
 
+bool is_frame_number(const std::string& stem) {
+  return all_digits(stem) && (stem.size() <= 9 || (stem.size() == 10 && stem[0] == '0'));
+}
+
 }  // namespace
+
+ScanFile scan_file(const fs::path& path) {
+  const std::string stem = path.stem().string();
+  if (is_frame_number(stem)) return {path, {}, uint32_t(std::stoul(stem)), {}};
+  return {path, {}, 0, time_in_name(stem)};
+}
 
 std::vector<ScanFile> list_scans(const fs::path& folder) {
   std::vector<ScanFile> files;
@@ -154,22 +175,18 @@ std::vector<ScanFile> list_scans(const fs::path& folder) {
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     const std::string ext = entry.path().extension().string();
     if (ext == ".ply" || ext == ".pcd" || ext == ".bin" || ext == ".npy" || ext == ".npz") {
-      files.push_back({entry.path(), {}, 0, {}});
+      files.push_back(scan_file(entry.path()));
     }
   }
   if (error) throw FormatError(folder.string(), "", error.message());
   if (files.empty()) throw FormatError(folder.string(), "", "no scans in it");
   std::sort(files.begin(), files.end(),
             [](const auto& a, const auto& b) { return a.path < b.path; });
-  const auto is_number = [](const ScanFile& file) {
-    const std::string stem = file.path.stem().string();
-    return all_digits(stem) && (stem.size() <= 9 || (stem.size() == 10 && stem[0] == '0'));
-  };
-  const bool numbered = std::all_of(files.begin(), files.end(), is_number);
-  for (size_t i = 0; i < files.size(); ++i) {
-    const std::string stem = files[i].path.stem().string();
-    files[i].frame = numbered ? uint32_t(std::stoul(stem)) : uint32_t(i);
-    if (!numbered) files[i].time_s = time_in_name(stem);
+  const bool numbered = std::all_of(files.begin(), files.end(), [](const ScanFile& file) {
+    return is_frame_number(file.path.stem().string());
+  });
+  if (!numbered) {
+    for (size_t i = 0; i < files.size(); ++i) files[i].frame = uint32_t(i);
   }
   std::stable_sort(files.begin(), files.end(),
                    [](const auto& a, const auto& b) { return a.frame < b.frame; });

@@ -18,6 +18,9 @@ struct ScanFile {
   std::optional<double> time_s;  ///< From its name.
 };
 
+/// One file, its frame number and time as `list_scans` reads them from the name (else 0 and none).
+ScanFile scan_file(const std::filesystem::path& path);
+
 /// The point files of a folder in order of number or name. A name of at most nine digits, or ten
 /// beginning with 0, is a frame number; "SECONDS_FRACTION", "SECONDS.FRACTION" and 19 digits (ns)
 /// are times. Throws `FormatError` where there is none, or a number comes twice.

@@ -13,6 +13,7 @@ namespace underbrush::io {
 namespace {
 
 constexpr double kFarthest = 1e6;       // m from the sensor
+constexpr double kNearest = 1e-5;       // m
 constexpr double kLongestOffset = 100;  // s; a larger time is no offset within a scan
 
 std::string without_prefix(const std::string& name) {
@@ -57,6 +58,7 @@ void fill_points(const std::string& file, Table& table, const ScanContext& conte
       ++absurd;
       p.setConstant(NAN);
     }
+    if (p.squaredNorm() < kNearest * kNearest) p.setZero();  // no direction: as good as (0,0,0)
     scan.point[i] = p.cast<float>();
   }
   if (absurd) skipped["farther than 1000 km from the sensor"] += absurd;
