@@ -108,8 +108,9 @@ TEST_F(Import, BadInputIsOneLineAndLeavesNothing) {
   put_bytes(folder_ / "drive/velodyne/000001.bin", scan.substr(0, scan.size() - 3));
   const auto refuses = [&](const std::string& arguments, int code, const std::string& reason) {
     EXPECT_EQ(run(arguments), code) << arguments;
-    EXPECT_NE(errors().find(reason), std::string::npos) << errors();
-    EXPECT_EQ(std::count(errors().begin(), errors().end(), '\n'), 1) << errors();
+    const std::string text = errors();
+    EXPECT_NE(text.find(reason), std::string::npos) << text;
+    EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1) << text;
     EXPECT_FALSE(output_exists());
   };
   refuses("import drive -o log.ply", 3, "000001.bin");
