@@ -1,19 +1,18 @@
 // Real files: what their READMEs say must come out.
+#include "data.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "data.hpp"
 #include "temporary.hpp"
 #include "underbrush/io/input.hpp"
 
 namespace underbrush::io {
 namespace {
 
-PointScan first_scan(const std::filesystem::path& path) {
-  return open_input(path).scans->read(0);
-}
+PointScan first_scan(const std::filesystem::path& path) { return open_input(path).scans->read(0); }
 
 TEST(RealData, RellisKeepsMissesAndFields) {
   UNDERBRUSH_NEEDS_DATA("rellis_000104");

@@ -34,14 +34,15 @@ std::vector<double> read_dates(const std::filesystem::path& path);
 std::optional<std::vector<double>> read_calibration(const std::filesystem::path& path,
                                                     const std::string& key);
 
-/// Poses of a KITTI raw drive: FOLDER/oxts/data/*.txt (lat lon alt roll pitch yaw …), the Mercator
-/// projection of KITTI's development kit at the scale of the first latitude; world: x east, y
-/// north, z up, origin at the first INS position. World from velodyne where calib_imu_to_velo.txt
-/// lies in FOLDER or above it, else world from INS (`calibrated` false).
+/// Poses of a KITTI raw drive.
 struct OxtsPoses {
   PoseList poses;
   bool calibrated = false;
 };
+/// Poses of a KITTI raw drive: FOLDER/oxts/data/*.txt (lat lon alt roll pitch yaw …), the Mercator
+/// projection of KITTI's development kit at the scale of the first latitude; world: x east, y
+/// north, z up, origin at the first INS position. World from velodyne where calib_imu_to_velo.txt
+/// lies in FOLDER or above it, else world from INS (`calibrated` false).
 OxtsPoses read_oxts(const std::filesystem::path& folder);
 
 }  // namespace underbrush::io
