@@ -13,7 +13,8 @@ void add_simulate(CLI::App& root);
 void add_score(CLI::App& root);
 
 inline void add_all_verbs(CLI::App& root) {
-  (void)root;
+  add_import(root);
+  add_info(root);
 }
 
 }  // namespace underbrush::app

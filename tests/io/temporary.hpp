@@ -1,7 +1,5 @@
 /// A folder for one test, removed afterwards, and bytes in and out of files.
 #pragma once
-#include <gtest/gtest.h>
-
 #include <cstring>
 #include <filesystem>
 #include <fstream>

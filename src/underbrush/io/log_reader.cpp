@@ -201,8 +201,9 @@ void LogReader::State::decode(const char* rows_at, size_t first, size_t n, BeamL
   column(packet, out.packet);
   column(flags, out.flags);
   auto to = out.extra.begin();
-  for (const auto& [name, from] : extra) {
-    std::visit([&](auto& c) { read_column(rows_at, row_size, n, from.field, c.data() + first); },
+  for (const auto& entry : extra) {
+    const Field& field = entry.second.field;
+    std::visit([&](auto& c) { read_column(rows_at, row_size, n, field, c.data() + first); },
                to++->second);
   }
 }

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/io/text.hpp"
 
 namespace underbrush::io {
 namespace {
@@ -22,17 +23,6 @@ std::optional<ValueType> type_named(std::string_view name) {
     }
   }
   return std::nullopt;
-}
-
-std::vector<std::string_view> words_of(std::string_view line) {
-  std::vector<std::string_view> words;
-  size_t at = 0;
-  while ((at = line.find_first_not_of(" \t", at)) != std::string_view::npos) {
-    const size_t end = std::min(line.find_first_of(" \t", at), line.size());
-    words.push_back(line.substr(at, end - at));
-    at = end;
-  }
-  return words;
 }
 
 // The header's text up to and with the line end_header, read block by block.

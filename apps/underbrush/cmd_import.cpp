@@ -1,0 +1,208 @@
+#include <fmt/format.h>
+
+#include <set>
+
+#include "underbrush/core/check.hpp"
+#include "underbrush/io/input.hpp"
+#include "underbrush/io/log_file.hpp"
+#include "underbrush/sensor/beams_from_scan.hpp"
+#include "verb.hpp"
+#include "verbs.hpp"
+
+namespace underbrush::app {
+namespace {
+
+struct Arguments {
+  std::string source, output, frames, deskew, infer_misses;
+  io::InputOptions input;
+  io::LogWriterOptions writer;
+  bool float_coordinates = false;
+  double elevation_offset_deg = 0, max_range_m = 0;
+};
+
+/// What became of the log's records.
+struct Counts {
+  size_t scans = 0, beams = 0;
+  sensor::BeamCounts beam;
+  std::map<std::string, size_t> skipped;
+};
+
+void add_options(CLI::App& app, Arguments& a) {
+  app.add_option("SOURCE", a.source, "The log: a file or folder")->required();
+  app.add_option("-o,--output", a.output, "The log as a ray cloud PLY")
+      ->required()
+      ->type_name("LOG.ply");
+  app.add_option("--format", a.input.format, "Format of the source (default: by its look)")
+      ->check(CLI::IsMember(io::input_formats()));
+  app.add_option("--poses", a.input.poses, "Poses of the sensor: TUM or KITTI")->type_name("FILE");
+  app.add_option("--times", a.input.times, "Times of the scans, one a line")->type_name("FILE");
+  app.add_option("--frames", a.frames, "Scans to take, by number, half-open: A:B or A:B:STEP")
+      ->type_name("A:B[:STEP]");
+  app.add_option("--deskew", a.deskew,
+                 "Scans are raw: give every beam its pose by this sensor's timing")
+      ->type_name("SENSOR");
+  app.add_option("--elevation-offset-deg", a.elevation_offset_deg,
+                 "Known fault of the recording: turn every beam up by this (KITTI: 0.205)")
+      ->capture_default_str();
+  app.add_option("--infer-misses", a.infer_misses,
+                 "The format drops misses: infer them from this sensor's pattern")
+      ->type_name("SENSOR");
+  app.add_option("--max-range", a.max_range_m,
+                 "Range of a miss, m (0 = the sensor's, or the log's own)")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_flag("--points-in-world", a.input.points_in_world,
+               "Points are in the world frame already, the poses say where the sensor was");
+  app.add_flag("--float", a.float_coordinates, "Write coordinates as float instead of double");
+}
+
+sensor::BeamOptions beam_options(const Arguments& a, const io::Input& input) {
+  sensor::BeamOptions options;
+  options.elevation_offset_rad = a.elevation_offset_deg * M_PI / 180;
+  if (!a.deskew.empty()) {
+    require(!input.compensated, "import: --deskew: these scans are motion-compensated already");
+    options.deskew = sensor::load(a.deskew);
+  }
+  if (!a.infer_misses.empty()) options.infer_misses = sensor::load(a.infer_misses);
+  return options;
+}
+
+// What the log will say of itself. Whether it has misses is found while writing.
+LogInfo log_info(const Arguments& a, const io::Input& input, const sensor::BeamOptions& options) {
+  LogInfo info;
+  const auto& known = options.deskew ? options.deskew : options.infer_misses;
+  if (known) {
+    info.sensor = known->name;
+    info.min_range_m = known->min_range_m;
+    info.max_range_m = known->max_range_m;
+  }
+  if (a.max_range_m > 0) info.max_range_m = a.max_range_m;
+  info.deskewed = options.deskew.has_value();
+  info.has_misses = options.infer_misses.has_value();
+  info.scans = input.scan_infos;
+  return info;
+}
+
+Counts import_scans(io::Input& input, io::LogWriter& writer, const sensor::BeamOptions& options) {
+  Counts counts;
+  Progress progress("import");
+  for (size_t k = 0; k < input.scans->size(); ++k) {
+    const BeamLog beams = sensor::beams_from_scan(input.scans->read(k), input.scans->trajectory(),
+                                                  options, counts.beam);
+    writer.write(beams);
+    counts.beams += beams.size();
+    ++counts.scans;
+    progress(k + 1, input.scans->size());
+  }
+  return counts;
+}
+
+Counts import_beams(const Arguments& a, io::Input& input, io::LogWriter& writer) {
+  Counts counts;
+  Progress progress("import");
+  size_t done = 0;
+  std::set<uint32_t> scans;
+  for (BeamLog chunk; input.beams->next(chunk);) {
+    done += chunk.size();
+    BeamLog kept = a.frames.empty() ? std::move(chunk) : chunk.like();
+    if (!a.frames.empty()) {
+      for (size_t i = 0; i < chunk.size(); ++i) {
+        if (a.input.frames.has(chunk.scan[i])) kept.append(chunk, i);
+      }
+    }
+    for (size_t i = 0; i < kept.size(); ++i) {
+      if (i == 0 || kept.scan[i] != kept.scan[i - 1]) scans.insert(kept.scan[i]);
+      ++(kept.is_hit(i)              ? counts.beam.hits
+         : kept.flags[i] & kInferred ? counts.beam.misses_inferred
+                                     : counts.beam.misses_recorded);
+    }
+    writer.write(kept);
+    counts.beams += kept.size();
+    progress(done, input.beams->size());
+  }
+  counts.scans = scans.size();
+  return counts;
+}
+
+LogInfo beams_info(const Arguments& a, const io::Input& input) {
+  require(a.deskew.empty() && a.infer_misses.empty() && a.elevation_offset_deg == 0,
+          "import: this log holds beams with their origins: --deskew, --infer-misses and "
+          "--elevation-offset-deg are for scans");
+  LogInfo info = input.beams->info();
+  std::erase_if(info.scans, [&](const auto& s) { return !a.input.frames.has(s.scan); });
+  if (a.max_range_m > 0) info.max_range_m = a.max_range_m;
+  return info;
+}
+
+Json json_of(const io::Input& input, const Counts& c) {
+  Json j;
+  j["format"] = input.format;
+  j["scans"] = c.scans;
+  j["beams"] = c.beams;
+  j["hits"] = c.beam.hits;
+  j["misses"] = c.beam.misses_recorded + c.beam.misses_inferred;
+  j["misses_recorded"] = c.beam.misses_recorded;
+  j["misses_inferred"] = c.beam.misses_inferred;
+  j["unknown"] = c.beam.unknown;
+  j["scans_ringed_by_elevation"] = c.beam.scans_ringed_by_elevation;
+  j["skipped"] = c.skipped;
+  j["notes"] = input.notes;
+  return j;
+}
+
+std::string table_of(const io::Input& input, const Counts& c, const std::string& output) {
+  std::string text = fmt::format(
+      "{} ({}): {} scans, {} beams\n"
+      "  hits             {}\n"
+      "  misses recorded  {}\n"
+      "  misses inferred  {}\n"
+      "  unknown          {}  (beams that tell nothing: left out)\n",
+      output, input.format, c.scans, c.beams, c.beam.hits, c.beam.misses_recorded,
+      c.beam.misses_inferred, c.beam.unknown);
+  for (const auto& [reason, n] : c.skipped)
+    text += fmt::format("  skipped          {}  ({})\n", n, reason);
+  if (c.beam.scans_ringed_by_elevation > 0) {
+    text += fmt::format("  note: rings of {} scans told by elevation\n",
+                        c.beam.scans_ringed_by_elevation);
+  }
+  for (const std::string& note : input.notes) text += "  note: " + note + "\n";
+  return text;
+}
+
+void run(const Verb& verb, Arguments& a) {
+  if (!a.frames.empty()) a.input.frames = io::frames_from_text(a.frames);
+  a.writer.double_coordinates = !a.float_coordinates;
+  io::Input input = io::open_input(a.source, a.input);
+  std::vector<std::filesystem::path> sources{a.source};
+  for (const auto& file : {a.input.poses, a.input.times}) {
+    if (!file.empty()) sources.push_back(file);
+  }
+  const bool beams = input.beams != nullptr;
+  const sensor::BeamOptions options = beams ? sensor::BeamOptions{} : beam_options(a, input);
+  const LogInfo info = beams ? beams_info(a, input) : log_info(a, input, options);
+  io::LogWriter writer(a.output, info, provenance(verb, sources), a.writer);
+  Counts counts = beams ? import_beams(a, input, writer) : import_scans(input, writer, options);
+  counts.skipped = input.skipped();
+  for (const auto& [reason, n] : counts.beam.skipped) counts.skipped[reason] += n;
+  if (counts.beams == 0) throw FormatError(a.source, "", "no usable beams in it");
+  if (!beams && counts.beam.misses_recorded + counts.beam.misses_inferred == 0) {
+    input.notes.push_back(
+        "the log has no misses: hit probabilities cannot be learnt from it (see --infer-misses)");
+  }
+  writer.close();
+  verb.report(json_of(input, counts), table_of(input, counts, a.output));
+}
+
+}  // namespace
+
+void add_import(CLI::App& root) {
+  auto a = std::make_shared<Arguments>();
+  const auto verb =
+      add_verb(root, "import", "Any supported log to a ray cloud PLY, misses kept or inferred",
+               "underbrush import drive/ --poses drive/poses_velo.txt --deskew velodyne-hdl64e \\\n"
+               "    --elevation-offset-deg 0.205 --infer-misses velodyne-hdl64e -o log.ply",
+               [a](const Verb& v) { run(v, *a); });
+  add_options(*verb->app, *a);
+}
+
+}  // namespace underbrush::app

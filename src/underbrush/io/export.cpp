@@ -1,0 +1,183 @@
+#include "underbrush/io/export.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+
+#include "underbrush/core/check.hpp"
+#include "underbrush/io/atomic_file.hpp"
+#include "underbrush/io/file.hpp"
+#include "underbrush/io/log_file.hpp"
+
+namespace underbrush::io {
+namespace fs = std::filesystem;
+namespace {
+
+template <class T>
+void put(std::string& out, T value) {
+  out.append(reinterpret_cast<const char*>(&value), sizeof(T));
+}
+
+template <class T>
+void put_number(std::string& out, T value, char after) {
+  char text[40];
+  out.append(text, size_t(std::to_chars(text, text + sizeof text, value).ptr - text));
+  out += after;
+}
+
+// The number of points is patched in once it is known: twenty digits, padded with zeros.
+std::string pcd_header(size_t points) {
+  char count[32];
+  std::snprintf(count, sizeof count, "%020zu", points);
+  return std::string(
+             "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\n"
+             "FIELDS x y z intensity time ring scan packet\nSIZE 8 8 8 4 8 2 4 4\n"
+             "TYPE F F F F F U U U\nCOUNT 1 1 1 1 1 1 1 1\nWIDTH ") +
+         count + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + count + "\nDATA binary\n";
+}
+
+void write_pcd(const fs::path& temporary, const std::string& name, BeamSource& source) {
+  OutputFile file(temporary, name);
+  std::string bytes = pcd_header(0);
+  size_t points = 0;
+  for (BeamLog chunk; source.next(chunk);) {
+    for (size_t i = 0; i < chunk.size(); ++i) {
+      if (!chunk.is_hit(i)) continue;
+      const Vec3 end = chunk.end_point(i);
+      for (int c = 0; c < 3; ++c) put(bytes, end[c]);
+      put(bytes, chunk.intensity[i]);
+      put(bytes, chunk.time_s[i]);
+      put(bytes, chunk.ring[i]);
+      put(bytes, chunk.scan[i]);
+      put(bytes, chunk.packet[i]);
+      ++points;
+    }
+    file.append(bytes.data(), bytes.size());
+    bytes.clear();
+  }
+  const std::string header = pcd_header(points);
+  file.overwrite(0, header.data(), header.size());
+  file.close();
+}
+
+void write_csv(const fs::path& temporary, const std::string& name, BeamSource& source) {
+  OutputFile file(temporary, name);
+  std::string text;
+  bool first = true;
+  for (BeamLog chunk; source.next(chunk);) {
+    if (first) {
+      text = "x,y,z,ox,oy,oz,hit,time,intensity,ring,scan,packet,flags";
+      for (const auto& [key, column] : chunk.extra) text += "," + key;
+      text += "\n";
+      first = false;
+    }
+    for (size_t i = 0; i < chunk.size(); ++i) {
+      const Vec3 end = chunk.end_point(i);
+      for (int c = 0; c < 3; ++c) put_number(text, end[c], ',');
+      for (int c = 0; c < 3; ++c) put_number(text, chunk.origin[i][c], ',');
+      text += chunk.is_hit(i) ? "1," : "0,";
+      put_number(text, chunk.time_s[i], ',');
+      put_number(text, chunk.intensity[i], ',');
+      put_number(text, chunk.ring[i], ',');
+      put_number(text, chunk.scan[i], ',');
+      put_number(text, chunk.packet[i], ',');
+      put_number(text, unsigned(chunk.flags[i]), ',');
+      for (const auto& [key, column] : chunk.extra) {
+        std::visit([&](const auto& c) { put_number(text, +c[i], ','); }, column);
+      }
+      text.back() = '\n';
+    }
+    file.append(text.data(), text.size());
+    text.clear();
+  }
+  file.close();
+}
+
+void write_text(const fs::path& path, const std::string& text) {
+  OutputFile file(path, path.string());
+  file.append(text.data(), text.size());
+  file.close();
+}
+
+// Scans come one after the other or mixed; a file is appended to each time its scan comes up.
+class KittiFolder {
+ public:
+  KittiFolder(const fs::path& folder, const LogInfo& info) : folder_(folder) {
+    fs::create_directories(folder / "velodyne");
+    std::string poses, times;
+    for (const ScanInfo& scan : info.scans) {
+      scans_[scan.scan] = {scan.world_from_sensor.inverse(), {}};
+      const Mat3 r = scan.world_from_sensor.rotation.toRotationMatrix();
+      const Vec3& t = scan.world_from_sensor.translation;
+      for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) put_number(poses, r(i, j), ' ');
+        put_number(poses, t[i], i < 2 ? ' ' : '\n');
+      }
+      put_number(times, scan.time_s, '\n');
+    }
+    write_text(folder / "poses_velo.txt", poses);
+    write_text(folder / "times.txt", times);
+  }
+
+  void write(const BeamLog& chunk) {
+    for (size_t i = 0; i < chunk.size(); ++i) {
+      const auto scan = scans_.find(chunk.scan[i]);
+      require(scan != scans_.end(), "export: a beam's scan has no pose");
+      if (!chunk.is_hit(i)) continue;
+      const Vec3f p = (scan->second.sensor_from_world * chunk.end_point(i)).cast<float>();
+      for (int c = 0; c < 3; ++c) put(scan->second.bytes, p[c]);
+      put(scan->second.bytes, chunk.intensity[i]);
+    }
+  }
+
+  void close() {
+    size_t number = 0;  // poses and times go by file number
+    for (const auto& [scan, entry] : scans_) {
+      char name[32];
+      std::snprintf(name, sizeof name, "%06zu.bin", number++);
+      write_text(folder_ / "velodyne" / name, entry.bytes);
+    }
+  }
+
+ private:
+  struct Entry {
+    Pose sensor_from_world;
+    std::string bytes;
+  };
+  fs::path folder_;
+  std::map<uint32_t, Entry> scans_;
+};
+
+void write_kitti(const fs::path& temporary, BeamSource& source) {
+  KittiFolder folder(temporary, source.info());
+  for (BeamLog chunk; source.next(chunk);) folder.write(chunk);
+  folder.close();
+}
+
+}  // namespace
+
+void export_log(const fs::path& path, BeamSource& source, const std::string& format,
+                const std::string& provenance) {
+  const std::string ext = path.extension().string();
+  const std::string kind = !format.empty() ? format : ext.empty() ? "kitti" : ext.substr(1);
+  source.rewind();
+  if (kind == "ply") {
+    LogWriter writer(path, source.info(), provenance);
+    for (BeamLog chunk; source.next(chunk);) writer.write(chunk);
+    return writer.close();
+  }
+  require(kind == "pcd" || kind == "csv" || kind == "kitti", "export: unknown format");
+  write_atomically(path, [&](const fs::path& temporary) {
+    if (kind == "pcd") write_pcd(temporary, path.string(), source);
+    if (kind == "csv") write_csv(temporary, path.string(), source);
+    if (kind == "kitti") write_kitti(temporary, source);
+  });
+}
+
+void export_log(const fs::path& path, const BeamLog& log, const std::string& format,
+                const std::string& provenance) {
+  MemorySource source(log);
+  export_log(path, source, format, provenance);
+}
+
+}  // namespace underbrush::io

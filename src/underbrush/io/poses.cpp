@@ -1,0 +1,190 @@
+#include "underbrush/io/poses.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "underbrush/core/check.hpp"
+#include "underbrush/io/file.hpp"
+#include "underbrush/io/text.hpp"
+
+namespace underbrush::io {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr double kRotationError = 5e-3;  // files print as few as three decimals
+
+void check_rising(const fs::path& path, const std::vector<double>& times) {
+  for (size_t i = 1; i < times.size(); ++i) {
+    if (times[i] > times[i - 1]) continue;
+    throw FormatError(path.string(), "row " + std::to_string(i + 1),
+                      times[i] == times[i - 1] ? "the same time twice" : "times not in order");
+  }
+}
+
+void check_unique(const fs::path& path, std::vector<double> times) {
+  std::sort(times.begin(), times.end());
+  const auto twice = std::adjacent_find(times.begin(), times.end());
+  if (twice == times.end()) return;
+  throw FormatError(path.string(), "time " + std::to_string(*twice), "more than one pose");
+}
+
+std::optional<Pose> pose_from_tum(const double* v) {
+  Pose pose{{v[6], v[3], v[4], v[5]}, {v[0], v[1], v[2]}};
+  if (!(std::abs(pose.rotation.norm() - 1) < kRotationError)) return std::nullopt;
+  pose.rotation.normalize();
+  return pose;
+}
+
+}  // namespace
+
+std::optional<Pose> pose_from_rows(const std::array<double, 12>& rows) {
+  Mat3 r;
+  Vec3 t;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) r(i, j) = rows[size_t(4 * i + j)];
+    t[i] = rows[size_t(4 * i + 3)];
+  }
+  const double error = (r.transpose() * r - Mat3::Identity()).cwiseAbs().maxCoeff();
+  if (!t.allFinite() || !(error < 2 * kRotationError) || r.determinant() < 0) return std::nullopt;
+  return Pose{Eigen::Quaterniond(r).normalized(), t};
+}
+
+PoseList read_poses(const fs::path& path) {
+  const NumberRows numbers = read_numbers(path);
+  PoseList out;
+  for (size_t i = 0; i < numbers.rows.size(); ++i) {
+    const auto& row = numbers.rows[i];
+    const auto fail = [&](const std::string& reason) {
+      throw FormatError(path.string(), "line " + std::to_string(numbers.line[i]), reason);
+    };
+    const size_t n = row.size();
+    if (n != 8 && n != 12 && n != 13) {
+      fail("expected 8 (TUM), 12 (KITTI) or 13 numbers, found " + std::to_string(n));
+    }
+    if (n != numbers.rows[0].size()) fail("the number of columns changes");
+    std::optional<Pose> pose;
+    if (n == 8) {
+      pose = pose_from_tum(&row[1]);
+      if (!pose) fail("the quaternion's length is not 1");
+    } else {
+      std::array<double, 12> rows{};
+      std::copy_n(row.end() - 12, 12, rows.begin());
+      pose = pose_from_rows(rows);
+      if (!pose) fail("not a rotation");
+    }
+    out.pose.push_back(*pose);
+    if (n != 12) out.time_s.push_back(row[0]);
+  }
+  check_unique(path, out.time_s);
+  return out;
+}
+
+std::vector<double> read_times(const fs::path& path) {
+  const NumberRows numbers = read_numbers(path);
+  std::vector<double> times;
+  for (size_t i = 0; i < numbers.rows.size(); ++i) {
+    if (numbers.rows[i].size() != 1) {
+      throw FormatError(path.string(), "line " + std::to_string(numbers.line[i]),
+                        "expected one number");
+    }
+    times.push_back(numbers.rows[i][0]);
+  }
+  check_rising(path, times);
+  return times;
+}
+
+std::vector<double> read_dates(const fs::path& path) {
+  const std::string text = read_file(path, uint64_t(1) << 30);
+  std::vector<double> times;
+  for (size_t at = 0; at < text.size();) {
+    const size_t end = std::min(text.find('\n', at), text.size());
+    const std::string_view line = std::string_view(text).substr(at, end - at);
+    at = end + 1;
+    if (words_of(line).empty()) continue;
+    const auto time = time_of_date(line);
+    if (!time) {
+      throw FormatError(path.string(), "row " + std::to_string(times.size() + 1),
+                        "expected YYYY-MM-DD hh:mm:ss.nnnnnnnnn");
+    }
+    times.push_back(*time);
+  }
+  check_rising(path, times);
+  return times;
+}
+
+std::optional<std::vector<double>> read_calibration(const fs::path& path, const std::string& key) {
+  if (!fs::exists(path)) return std::nullopt;
+  const std::string text = read_file(path, 1 << 20);
+  for (size_t at = 0; at < text.size();) {
+    const size_t end = std::min(text.find('\n', at), text.size());
+    const auto words = words_of(std::string_view(text).substr(at, end - at));
+    at = end + 1;
+    if (words.empty() || words[0] != key + ":") continue;
+    std::vector<double> values;
+    for (size_t i = 1; i < words.size(); ++i) {
+      const auto value = number_of(words[i]);
+      if (!value || !std::isfinite(*value)) {
+        throw FormatError(path.string(), key, "expected finite numbers");
+      }
+      values.push_back(*value);
+    }
+    return values;
+  }
+  return std::nullopt;
+}
+
+OxtsPoses read_oxts(const fs::path& folder) {
+  constexpr double kEarthRadius = 6378137,
+                   kDegree = M_PI / 180;  // m, as in KITTI's development kit
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder / "oxts" / "data")) {
+    if (entry.path().extension() == ".txt") files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  OxtsPoses out;
+  Pose imu_from_velo;
+  for (const fs::path& place : {folder, folder.parent_path()}) {
+    const fs::path file = place / "calib_imu_to_velo.txt";
+    const auto r = read_calibration(file, "R"), t = read_calibration(file, "T");
+    if (!r || !t) continue;
+    if (r->size() != 9 || t->size() != 3) throw FormatError(file.string(), "R, T", "damaged");
+    const auto velo_from_imu =
+        pose_from_rows({(*r)[0], (*r)[1], (*r)[2], (*t)[0], (*r)[3], (*r)[4], (*r)[5], (*t)[1],
+                        (*r)[6], (*r)[7], (*r)[8], (*t)[2]});
+    if (!velo_from_imu) throw FormatError(file.string(), "R", "not a rotation");
+    imu_from_velo = velo_from_imu->inverse();
+    out.calibrated = true;
+    break;
+  }
+  double scale = 0;
+  Vec3 origin = Vec3::Zero();
+  for (const fs::path& file : files) {
+    const NumberRows numbers = read_numbers(file);
+    const auto& v = numbers.rows[0];
+    if (v.size() < 6 || std::abs(v[0]) > 89) {
+      throw FormatError(file.string(), "line 1", "expected lat lon alt roll pitch yaw …");
+    }
+    if (scale == 0) scale = std::cos(v[0] * kDegree);
+    const Vec3 place(scale * kEarthRadius * v[1] * kDegree,
+                     scale * kEarthRadius * std::log(std::tan((90 + v[0]) * kDegree / 2)), v[2]);
+    if (out.poses.pose.empty()) origin = place;
+    const Pose world_from_imu{Eigen::AngleAxisd(v[5], Vec3::UnitZ()) *
+                                  Eigen::AngleAxisd(v[4], Vec3::UnitY()) *
+                                  Eigen::AngleAxisd(v[3], Vec3::UnitX()),
+                              place - origin};
+    out.poses.pose.push_back(world_from_imu * imu_from_velo);
+  }
+  if (files.empty()) throw FormatError((folder / "oxts" / "data").string(), "", "no poses in it");
+  const fs::path stamps = folder / "oxts" / "timestamps.txt";
+  if (fs::exists(stamps)) {
+    out.poses.time_s = read_dates(stamps);
+    if (out.poses.time_s.size() != files.size()) {
+      throw FormatError(stamps.string(), "",
+                        std::to_string(out.poses.time_s.size()) + " times for " +
+                            std::to_string(files.size()) + " poses");
+    }
+  }
+  return out;
+}
+
+}  // namespace underbrush::io

@@ -1,0 +1,215 @@
+#include "underbrush/io/scan_folder.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <set>
+
+#include "underbrush/core/check.hpp"
+#include "underbrush/io/file.hpp"
+#include "underbrush/io/ply_header.hpp"
+#include "underbrush/io/text.hpp"
+
+namespace underbrush::io {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr double kFramePeriod = 0.1;  // s, where no times are known
+
+bool all_digits(const std::string& text) {
+  return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+}
+
+std::optional<double> time_in_name(const std::string& stem) {
+  if (stem.size() == 19 && all_digits(stem)) return std::stod(stem) * 1e-9;
+  const size_t mark = stem.find_first_of("_.");
+  if (mark == std::string::npos || mark < 9) return std::nullopt;
+  const std::string seconds = stem.substr(0, mark), fraction = stem.substr(mark + 1);
+  if (!all_digits(seconds) || !all_digits(fraction)) return std::nullopt;
+  // After _ stands a number of nanoseconds, after a point a decimal fraction.
+  if (stem[mark] == '_') return std::stod(seconds) + std::stod(fraction) * 1e-9;
+  return std::stod(stem);
+}
+
+void add_labels(const fs::path& path, PointScan& scan) {
+  const std::string bytes = read_file(path);
+  if (bytes.size() != 4 * scan.size()) {
+    throw FormatError(path.string(), "",
+                      std::to_string(bytes.size() / 4) + " labels for " +
+                          std::to_string(scan.size()) + " points");
+  }
+  std::vector<uint16_t> label(scan.size()), instance(scan.size());
+  for (size_t i = 0; i < scan.size(); ++i) {
+    label[i] = load<uint16_t>(bytes.data() + 4 * i);
+    instance[i] = load<uint16_t>(bytes.data() + 4 * i + 2);
+  }
+  scan.extra["class"] = std::move(label);
+  scan.extra["instance"] = std::move(instance);
+}
+
+class ScanFolder : public ScanSource {
+ public:
+  ScanFolder(std::vector<ScanFile> files, std::vector<ScanInfo> infos, Trajectory trajectory,
+             bool in_world)
+      : files_(std::move(files)),
+        infos_(std::move(infos)),
+        trajectory_(std::move(trajectory)),
+        points_in_world_(in_world) {}
+
+  size_t size() const override { return files_.size(); }
+  const Trajectory& trajectory() const override { return trajectory_; }
+  const std::map<std::string, size_t>& skipped() const override { return skipped_; }
+  PointScan read(size_t k) override {
+    require(k < files_.size(), "scan: no such scan");
+    const ScanFile& file = files_[k];
+    PointScan scan = scan_from_table(file.path.string(), read_table(file.path),
+                                     {infos_[k], points_in_world_}, skipped_);
+    if (!file.labels.empty()) add_labels(file.labels, scan);
+    check_columns(file.path, scan);
+    return scan;
+  }
+
+ private:
+  // All scans of a log carry the same columns.
+  void check_columns(const fs::path& path, const PointScan& scan) {
+    std::map<std::string, ValueType> columns;
+    for (const auto& [name, column] : scan.extra) columns[name] = type_of(column);
+    if (!columns_) columns_ = columns;
+    if (columns == *columns_) return;
+    throw FormatError(path.string(), "header", "other columns than the scans before it");
+  }
+
+  std::vector<ScanFile> files_;
+  std::optional<std::map<std::string, ValueType>> columns_;  ///< Of the first scan read.
+  std::vector<ScanInfo> infos_;
+  Trajectory trajectory_;
+  bool points_in_world_;
+  std::map<std::string, size_t> skipped_;
+};
+
+/// Finds the time and pose of every scan.
+class Placer {
+ public:
+  Placer(const std::vector<ScanFile>& files, const ScanPlacing& placing, Input& input)
+      : files_(files), placing_(placing), input_(input) {
+    const PoseList& poses = placing.poses;
+    timed_ = !poses.time_s.empty();
+    by_order_ = timed_ && placing.times.empty() && poses.pose.size() == files.size() &&
+                std::none_of(files.begin(), files.end(), [](const auto& f) { return f.time_s; });
+    if (by_order_) input.notes.push_back("scans take the poses' times in order: none of their own");
+    if (!timed_ && placing.times.empty()) {
+      input.notes.push_back("no times: frames are taken to be 0.1 s apart");
+    }
+    std::vector<StampedPose> stamped;
+    for (size_t i = 0; i < poses.pose.size(); ++i) {
+      if (!timed_ && !placing.times.empty() && i >= placing.times.size()) break;
+      stamped.push_back({timed_ ? poses.time_s[i] : time_of_frame(i), poses.pose[i]});
+    }
+    const bool sorted =
+        std::is_sorted(stamped.begin(), stamped.end(),
+                       [](const auto& a, const auto& b) { return a.time_s < b.time_s; });
+    if (!sorted) input.notes.push_back("the poses were not in order of time: sorted");
+    trajectory = Trajectory(stamped);
+  }
+
+  Trajectory trajectory;
+
+  ScanInfo place(size_t k) const {
+    const ScanFile& file = files_[k];
+    const std::string name = file.path.filename().string();
+    if (!timed_) {
+      if (file.frame >= placing_.poses.pose.size()) {
+        throw FormatError(placing_.poses_name, "row " + std::to_string(file.frame + 1),
+                          "no pose for scan " + name);
+      }
+      return {file.frame, time_of_frame(file.frame), placing_.poses.pose[file.frame]};
+    }
+    double time = 0;
+    if (by_order_) {
+      time = placing_.poses.time_s[k];
+    } else if (!placing_.times.empty()) {
+      time = time_of_frame(file.frame);
+    } else if (file.time_s) {
+      time = *file.time_s;
+    } else {
+      throw FormatError(file.path.string(), "",
+                        "no time to find its pose with: give one with --times");
+    }
+    const auto pose = trajectory.at(time);
+    if (!pose) {
+      throw FormatError(placing_.poses_name, "time " + std::to_string(time),
+                        "no pose for scan " + name);
+    }
+    return {file.frame, time, *pose};
+  }
+
+ private:
+  double time_of_frame(size_t frame) const {
+    if (placing_.times.empty()) return double(frame) * kFramePeriod;
+    if (frame < placing_.times.size()) return placing_.times[frame];
+    throw FormatError(placing_.times_name, "row " + std::to_string(frame + 1),
+                      "no time for scan " + std::to_string(frame));
+  }
+
+  const std::vector<ScanFile>& files_;
+  const ScanPlacing& placing_;
+  Input& input_;
+  bool timed_ = false, by_order_ = false;
+};
+
+bool is_frame_number(const std::string& stem) {
+  return all_digits(stem) && (stem.size() <= 9 || (stem.size() == 10 && stem[0] == '0'));
+}
+
+}  // namespace
+
+ScanFile scan_file(const fs::path& path) {
+  const std::string stem = path.stem().string();
+  if (is_frame_number(stem)) return {path, {}, uint32_t(std::stoul(stem)), {}};
+  return {path, {}, 0, time_in_name(stem)};
+}
+
+std::vector<ScanFile> list_scans(const fs::path& folder) {
+  std::vector<ScanFile> files;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    const std::string ext = entry.path().extension().string();
+    if (ext == ".ply" || ext == ".pcd" || ext == ".bin" || ext == ".npy" || ext == ".npz") {
+      files.push_back(scan_file(entry.path()));
+    }
+  }
+  if (error) throw FormatError(folder.string(), "", error.message());
+  if (files.empty()) throw FormatError(folder.string(), "", "no scans in it");
+  std::sort(files.begin(), files.end(),
+            [](const auto& a, const auto& b) { return a.path < b.path; });
+  const bool numbered = std::all_of(files.begin(), files.end(), [](const ScanFile& file) {
+    return is_frame_number(file.path.stem().string());
+  });
+  if (!numbered) {
+    for (size_t i = 0; i < files.size(); ++i) files[i].frame = uint32_t(i);
+  }
+  std::stable_sort(files.begin(), files.end(),
+                   [](const auto& a, const auto& b) { return a.frame < b.frame; });
+  for (size_t i = 1; i < files.size(); ++i) {
+    if (files[i].frame != files[i - 1].frame) continue;
+    throw FormatError(files[i].path.string(), "", "the number of another scan");
+  }
+  return files;
+}
+
+void place_scans(std::vector<ScanFile> files, const ScanPlacing& placing, Input& input) {
+  const Placer placer(files, placing, input);
+  std::vector<ScanFile> selected;
+  for (size_t k = 0; k < files.size(); ++k) {
+    if (!placing.frames.has(files[k].frame)) continue;
+    input.scan_infos.push_back(placer.place(k));
+    selected.push_back(files[k]);
+  }
+  require(!selected.empty(), "no scan is within the selected frames");
+  auto source = std::make_unique<ScanFolder>(std::move(selected), input.scan_infos,
+                                             placer.trajectory, placing.points_in_world);
+  input.skipped = [raw = source.get()] { return raw->skipped(); };
+  input.scans = std::move(source);
+}
+
+}  // namespace underbrush::io
