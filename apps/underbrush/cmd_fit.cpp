@@ -1,0 +1,98 @@
+#include <fmt/format.h>
+
+#include "steps.hpp"
+#include "underbrush/elements/model_file.hpp"
+#include "verbs.hpp"
+
+namespace underbrush::app {
+namespace {
+
+struct Arguments {
+  std::string log, output, splat, ground_mesh;
+  fit::FitOptions fit;
+};
+
+void add_options(CLI::App& app, Arguments& a) {
+  app.add_option("LOG", a.log, "The log (ray cloud PLY, as import writes it)")->required();
+  app.add_option("-o,--output", a.output, "The model's folder")->required()->type_name("MODEL");
+  const auto option = [&](const char* name, auto& value, const char* text) {
+    return app.add_option(name, value, text)->capture_default_str();
+  };
+  option("--fitter", a.fit.fitter, "How the model is made")->check(CLI::IsMember(fit::fitter_names()));
+  option("--tau", a.fit.tau, "Mahalanobis distance within which a beam meets an ellipsoid");
+  option("--clusters-per-point", a.fit.hierarchical.clusters_per_point,
+         "hierarchical: number of ellipsoids per point");
+  option("--min-points", a.fit.hierarchical.min_points, "Fewest points of an ellipsoid");
+  option("--range-noise", a.fit.range_noise_m, "Sensor's range noise, m: floor of all extents");
+  option("--ground-method", a.fit.segment.method, "Ground segmentation")
+      ->check(CLI::IsMember({"lower_envelope", "spherical_variance"}));
+  option("--ground-spacing", a.fit.ground.spacing_m, "Ground surface: distance of nodes, m");
+  option("--ground-smoothness", a.fit.ground.smoothness_m2, "Ground surface: weight of bending, m²");
+  option("--ellipsoid-prior-hits", a.fit.credit.ellipsoid.a, "Prior hits of an ellipsoid");
+  option("--ellipsoid-prior-misses", a.fit.credit.ellipsoid.b, "Prior misses of an ellipsoid");
+  option("--triangle-prior-hits", a.fit.credit.triangle.a, "Prior hits of a triangle");
+  option("--triangle-prior-misses", a.fit.credit.triangle.b, "Prior misses of a triangle");
+  option("--max-residual-for-hit", a.fit.credit.max_residual_for_hit_m,
+         "A triangle explains a point nearer than this, m");
+  option("--surface-cell", a.fit.surface.cell_m, "surface: cell of the marching cubes, m");
+  option("--surface-kernel", a.fit.surface.kernel_m, "surface: width of the kernel, m");
+  option("--tile", a.fit.tiles.tile_m, "Side of a tile, m");
+  app.add_option("--export-splat", a.splat, "Also write the ellipsoids as a Gaussian splat PLY")
+      ->type_name("FILE.ply");
+  app.add_option("--export-ground", a.ground_mesh, "Also write the ground as a mesh")
+      ->type_name("FILE.obj|.ply");
+}
+
+void run(const Verb& verb, Arguments& a) {
+  a.fit.seed = verb.seed;
+  const FitStep step = fit_log(verb, a.log, a.fit, a.output);
+  const elements::Model& model = step.result.model;
+  if (!a.splat.empty()) elements::write_splat(a.splat, model);
+  if (!a.ground_mesh.empty()) elements::write_mesh(a.ground_mesh, model.ground);
+  const fit::FitReport& r = step.result.report;
+  Json j;
+  j["fitter"] = model.fitter;
+  j["beams"] = r.beams;
+  j["hits"] = r.hits;
+  j["misses"] = r.misses;
+  j["ground_points"] = r.ground_points;
+  j["other_points"] = r.other_points;
+  j["thinned_points"] = r.thinned_points;
+  j["unclustered_points"] = r.unclustered_points;
+  j["tiles"] = r.tiles;
+  j["ground_triangles"] = model.ground.size();
+  j["surface_triangles"] = model.surface.size();
+  j["ellipsoids"] = model.ellipsoids.size();
+  j["ground_sigma_m"] = model.ground.range_sigma_m;
+  j["skipped"] = step.skipped;
+  j["warnings"] = r.warnings;
+  j["seconds"] = step.seconds;
+  j["beams_per_s"] = double(r.beams) / step.seconds;
+  std::string text = fmt::format(
+      "{}: {} beams ({} hits, {} misses) in {:.1f} s, {} beams/s\n"
+      "  ground      {} points, {} triangles, sigma {:.3f} m\n"
+      "  other       {} points",
+      model.fitter, r.beams, r.hits, r.misses, step.seconds, si(double(r.beams) / step.seconds),
+      r.ground_points, model.ground.size(), model.ground.range_sigma_m, r.other_points);
+  if (!model.ellipsoids.empty()) text += fmt::format(", {} ellipsoids", model.ellipsoids.size());
+  if (model.surface.size()) text += fmt::format(", {} triangles", model.surface.size());
+  if (r.unclustered_points) text += fmt::format(", {} in no cluster", r.unclustered_points);
+  text += "\n";
+  if (r.thinned_points) text += fmt::format("  left out    {} points of full tiles\n", r.thinned_points);
+  for (const auto& [why, n] : step.skipped) text += fmt::format("  skipped     {} beams: {}\n", n, why);
+  for (const std::string& w : r.warnings) text += "  warning     " + w + "\n";
+  text += "  model       " + a.output + "\n";
+  verb.report(j, text);
+}
+
+}  // namespace
+
+void add_fit(CLI::App& root) {
+  auto a = std::make_shared<Arguments>();
+  const auto verb = add_verb(root, "fit", "Learn a model from a log: ground mesh, ellipsoids, hit probabilities",
+                             "underbrush fit log.ply -o model/\n  underbrush fit log.ply --fitter surface -o mesh/",
+                             [a](const Verb& v) { run(v, *a); });
+  add_options(*verb->app, *a);
+}
+
+}  // namespace underbrush::app

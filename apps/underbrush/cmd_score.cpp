@@ -1,0 +1,63 @@
+#include <algorithm>
+
+#include "score_json.hpp"
+#include "steps.hpp"
+#include "underbrush/core/check.hpp"
+#include "verbs.hpp"
+
+namespace underbrush::app {
+namespace {
+namespace fs = std::filesystem;
+
+struct Arguments {
+  std::string real, report;
+  std::vector<std::string> simulated, models, names;
+  bool no_cloud = false;
+};
+
+void add_options(CLI::App& app, Arguments& a) {
+  app.add_option("REAL", a.real, "The real log")->required();
+  app.add_option("SIMULATED", a.simulated, "Simulated logs of the same beams, one or several to compare")
+      ->required();
+  app.add_option("--model", a.models, "The model of each simulated log, in order: adds likelihood and CRPS")
+      ->type_name("MODEL");
+  app.add_option("--name", a.names, "Name of each simulated log in the results, in order");
+  app.add_option("--report", a.report, "Write a report (one HTML file) into this folder")
+      ->type_name("DIR");
+  app.add_flag("--no-cloud", a.no_cloud, "Leave out the point cloud error, which takes the longest");
+}
+
+void run(const Verb& verb, const Arguments& a) {
+  require(a.models.empty() || a.models.size() == a.simulated.size(),
+          "score: give one --model for each simulated log, or none");
+  require(a.names.empty() || a.names.size() == a.simulated.size(),
+          "score: give one --name for each simulated log, or none");
+  std::vector<Candidate> candidates;
+  std::vector<std::string> names;
+  std::vector<fs::path> inputs{a.real};
+  for (size_t k = 0; k < a.simulated.size(); ++k) {
+    names.push_back(a.names.empty() ? fs::path(a.simulated[k]).stem().string() : a.names[k]);
+    require(std::count(names.begin(), names.end(), names.back()) == 1,
+            "score: two simulated logs of one name; tell them apart with --name");
+    candidates.push_back({names.back(), a.simulated[k], a.models.empty() ? "" : a.models[k]});
+    inputs.push_back(a.simulated[k]);
+    if (!a.models.empty()) inputs.push_back(a.models[k]);
+  }
+  const std::vector<metrics::Score> scores = score_logs(a.real, candidates, !a.no_cloud);
+  const Json results = json_of_scores(names, scores, provenance(verb, inputs));
+  verb.report(results, table_of_scores(candidates, scores));
+}
+
+}  // namespace
+
+void add_score(CLI::App& root) {
+  auto a = std::make_shared<Arguments>();
+  const auto verb = add_verb(
+      root, "score", "Compare simulated logs with the real one, beam by beam",
+      "underbrush score real.ply sim.ply --model model/ --json - --report report/\n"
+      "  underbrush score real.ply hybrid.ply mesh.ply --name hybrid --name mesh",
+      [a](const Verb& v) { run(v, *a); });
+  add_options(*verb->app, *a);
+}
+
+}  // namespace underbrush::app

@@ -1,0 +1,116 @@
+#include "steps.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+
+#include "underbrush/elements/model_file.hpp"
+#include "underbrush/io/export.hpp"
+#include "underbrush/io/log_file.hpp"
+
+namespace underbrush::app {
+namespace fs = std::filesystem;
+namespace {
+
+/// Progress of a source as it is read.
+class Watched : public BeamSource {
+ public:
+  Watched(BeamSource& source, std::string what) : source_(source), progress_(std::move(what)) {}
+  const LogInfo& info() const override { return source_.info(); }
+  size_t size() const override { return source_.size(); }
+  void rewind() override {
+    source_.rewind();
+    done_ = 0;
+  }
+  bool next(BeamLog& chunk) override {
+    if (!source_.next(chunk)) return false;
+    progress_(done_ += chunk.size(), source_.size());
+    return true;
+  }
+
+ private:
+  BeamSource& source_;
+  Progress progress_;
+  size_t done_ = 0;
+};
+
+std::string row(const char* label, const std::vector<metrics::Score>& scores,
+                double metrics::Summary::* value, int digits) {
+  std::string line = fmt::format("  {:<24}", label);
+  for (const auto& s : scores) line += fmt::format("{:>14.{}f}", s.all.*value, digits);
+  return line + "\n";
+}
+
+}  // namespace
+
+FitStep fit_log(const Verb& verb, const fs::path& log, const fit::FitOptions& options,
+                const fs::path& model) {
+  const auto start = std::chrono::steady_clock::now();
+  io::LogReader reader(log);
+  std::unique_ptr<Progress> bar;
+  std::string stage;
+  FitStep step;
+  step.result = fit::fit(reader, options, [&](std::string_view s, size_t done, size_t total) {
+    if (s != stage) bar = std::make_unique<Progress>(stage = s);
+    (*bar)(done, total);
+  });
+  bar.reset();
+  step.skipped = reader.skipped();
+  step.result.model.provenance = provenance(verb, {log});
+  elements::write_model(model, step.result.model);
+  step.seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return step;
+}
+
+SimulateStep simulate_log(const Verb& verb, const elements::Model& model, BeamSource& beams,
+                          const simulate::Options& options, const fs::path& output,
+                          const std::vector<fs::path>& inputs) {
+  const trace::World world(model);
+  simulate::SimulatedSource simulated(world, beams, options);
+  Watched watched(simulated, "simulate");
+  watched.rewind();
+  io::export_log(output, watched, "", provenance(verb, inputs));
+  return {simulated.beams(), simulated.hits(), simulated.seconds(), std::string(world.isa())};
+}
+
+std::vector<metrics::Score> score_logs(const fs::path& real, const std::vector<Candidate>& candidates,
+                                       bool cloud) {
+  io::LogReader real_log(real);
+  std::vector<metrics::Score> scores;
+  for (const Candidate& c : candidates) {
+    io::LogReader simulated(c.log);
+    metrics::ScoreOptions options;
+    options.cloud = cloud;
+    elements::Model model;
+    std::unique_ptr<trace::World> world;
+    if (!c.model.empty()) {
+      model = elements::read_model(c.model);
+      world = std::make_unique<trace::World>(model);
+      options.world = world.get();
+    }
+    Progress progress("score " + c.name);
+    scores.push_back(metrics::score(real_log, simulated, options, std::ref(progress)));
+  }
+  return scores;
+}
+
+std::string table_of_scores(const std::vector<Candidate>& candidates,
+                            const std::vector<metrics::Score>& scores) {
+  using metrics::Summary;
+  std::string text = fmt::format("  {:<24}", fmt::format("{} beams", scores.at(0).all.beams));
+  for (const Candidate& c : candidates) text += fmt::format("{:>14}", c.name);
+  text += "\n";
+  text += row("packet error, m", scores, &Summary::packet_error_m, 3);
+  text += row("precision", scores, &Summary::precision, 4);
+  text += row("recall", scores, &Summary::recall, 4);
+  text += row("F1", scores, &Summary::f1, 4);
+  text += row("point cloud error, m", scores, &Summary::cloud_error_m, 4);
+  text += row("density-aware Chamfer", scores, &Summary::density_aware_chamfer, 4);
+  text += row("median range error, m", scores, &Summary::median_range_error_m, 3);
+  text += row("neg. log-likelihood", scores, &Summary::nll_per_beam, 4);
+  text += row("CRPS of the range, m", scores, &Summary::crps_m, 3);
+  return text;
+}
+
+}  // namespace underbrush::app

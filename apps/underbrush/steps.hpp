@@ -1,0 +1,46 @@
+/// The steps of the main job as the verbs and the demo run them: files in, files out, with progress.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "underbrush/fit/fit.hpp"
+#include "underbrush/metrics/score.hpp"
+#include "underbrush/simulate/simulate.hpp"
+#include "verb.hpp"
+
+namespace underbrush::app {
+
+/// Fits a model to the log and writes it; `skipped` counts records of the log left out, by reason.
+struct FitStep {
+  fit::FitResult result;
+  std::map<std::string, size_t> skipped;
+  double seconds = 0;
+};
+FitStep fit_log(const Verb& verb, const std::filesystem::path& log, const fit::FitOptions& options,
+                const std::filesystem::path& model);
+
+/// Answers the beams with the model and writes the log.
+struct SimulateStep {
+  size_t beams = 0, hits = 0;
+  double seconds_tracing = 0;
+  std::string isa;
+};
+SimulateStep simulate_log(const Verb& verb, const elements::Model& model, BeamSource& beams,
+                          const simulate::Options& options, const std::filesystem::path& output,
+                          const std::vector<std::filesystem::path>& inputs);
+
+/// A simulated log to be scored, with the model that made it (or none).
+struct Candidate {
+  std::string name;
+  std::filesystem::path log, model;
+};
+/// Scores of each candidate against the real log.
+std::vector<metrics::Score> score_logs(const std::filesystem::path& real,
+                                       const std::vector<Candidate>& candidates, bool cloud);
+
+/// Scores side by side, for people.
+std::string table_of_scores(const std::vector<Candidate>& candidates,
+                            const std::vector<metrics::Score>& scores);
+
+}  // namespace underbrush::app
