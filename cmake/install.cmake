@@ -6,20 +6,26 @@ set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/underbrush)
 
 install(TARGETS underbrush RUNTIME)
 get_property(modules GLOBAL PROPERTY UNDERBRUSH_MODULES)
-set(packages "")
+set(finds "")
 foreach(module IN LISTS modules)
   install(TARGETS underbrush_${module} EXPORT underbrush ARCHIVE FILE_SET HEADERS)
   # The modules are static, so what they link privately a consumer's linker needs as well. A target
-  # Package::name comes from that package; our own modules and PkgConfig's targets are not such.
+  # Package::name comes from that package, PkgConfig::NAME from pkg_check_modules(NAME ...).
   get_target_property(links underbrush_${module} LINK_LIBRARIES)
-  list(FILTER links EXCLUDE REGEX "^(underbrush|PkgConfig)::|^-|NOTFOUND$")
-  list(TRANSFORM links REPLACE "::.*$" "")
-  list(APPEND packages ${links})
+  list(FILTER links EXCLUDE REGEX "^underbrush::|^-|NOTFOUND$")
+  foreach(link IN LISTS links)
+    if(link MATCHES "^PkgConfig::(.+)")
+      set(name ${CMAKE_MATCH_1})
+      list(APPEND finds "find_dependency(PkgConfig)"
+        "pkg_check_modules(${name} REQUIRED IMPORTED_TARGET ${${name}_MODULE_NAME})")
+    else()
+      string(REGEX REPLACE "::.*$" "" package ${link})
+      list(APPEND finds "find_dependency(${package})")
+    endif()
+  endforeach()
 endforeach()
-list(REMOVE_DUPLICATES packages)
-list(SORT packages)
-list(TRANSFORM packages REPLACE "(.+)" "find_dependency(\\1)" OUTPUT_VARIABLE UNDERBRUSH_FIND_DEPENDENCIES)
-list(JOIN UNDERBRUSH_FIND_DEPENDENCIES "\n" UNDERBRUSH_FIND_DEPENDENCIES)
+list(REMOVE_DUPLICATES finds)
+list(JOIN finds "\n" UNDERBRUSH_FIND_DEPENDENCIES)
 
 install(EXPORT underbrush NAMESPACE underbrush:: FILE underbrushTargets.cmake
   DESTINATION ${package_dir})

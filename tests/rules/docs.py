@@ -13,6 +13,7 @@ import rules
 
 MAY_SPEAK_FOR_ITSELF = re.compile(
     r"Member .* \((?:variable|enumvalue|typedef)\) of .* is not documented"
+    r"|Compound \S*::[A-Z]\w*::\w+ is not documented"  # a type within a type
     r"|Member .* \((?:function|friend|enumeration)\) of (?:class|struct) .* is not documented")
 
 
