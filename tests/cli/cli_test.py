@@ -112,6 +112,7 @@ class WrongUsage(Failing):
 READERS = {
     "import": ["BAD", "-o", "out"],
     "info": ["BAD"],
+    "split": ["BAD", "--every", "2", "--train", "out", "--test", "out-too"],
     "fit": ["BAD", "-o", "out"],
     "simulate": ["BAD", "--like", "BAD", "-o", "out"],
     "score": ["BAD", "BAD"],
