@@ -3,8 +3,9 @@
 
   <!-- run -->         this block, with bash, in one temporary folder for all blocks, the program in PATH
   <!-- run: make -->   lines `make TARGET`: the target exists (make -n); .ci/run and people run it
-  <!-- run: before     ... commands on the following lines, hidden from the reader, that put small data
-                       where the blocks expect the demo's; $SOURCE is the repository -->
+  <!-- run: hidden     ... commands on the following lines, hidden from the reader, that put small data
+                       where the blocks expect the demo's; $SOURCE is the repository; exit status 77
+                       skips the rest and says so -->
 Every block of sh or console must carry one of these, or <!-- no run: REASON -->."""
 import argparse
 import os
@@ -16,7 +17,7 @@ import tempfile
 
 import rules
 
-STEP = re.compile(r"<!--\s*(?P<hidden>run: before)\n(?P<commands>.*?)-->"
+STEP = re.compile(r"<!--\s*(?P<hidden>run: hidden)\n(?P<commands>.*?)-->"
                   r"|(?:<!--\s*(?P<how>run: make|run|no run:[^>]*?)\s*-->\s*)?"
                   r"^```(?:sh|console)\n(?P<block>.*?)^```", re.DOTALL | re.MULTILINE)
 
@@ -58,6 +59,9 @@ def complaints(text, source, bin_folder):
                 done = subprocess.run(["bash", "-euo", "pipefail", "-x", "-c", script], cwd=folder,
                                       env=environment, text=True, stdin=subprocess.DEVNULL,
                                       stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
+                if done.returncode == 77:
+                    print("skipped: README.md's commands from here on:", script.splitlines()[0])
+                    sys.exit(77)
                 if done.returncode:
                     found.append(f"exit status {done.returncode}:\n{done.stdout}")
                     break
@@ -67,8 +71,8 @@ def complaints(text, source, bin_folder):
 BAD = [("```sh\ntrue\n```\n", "nobody runs"), ("<!-- run -->\n```sh\nfalse\n```\n", "exit status 1"),
        ("<!-- run -->\n```console\n$ cat missing\n```\n", "exit status 1"), ("No block.\n", "nothing"),
        ("<!-- run: make -->\n```sh\nmake no-such-target\n```\n", "no such target"),
-       ("<!-- run: before\nexit 3\n-->\n<!-- run -->\n```sh\ntrue\n```\n", "exit status 3")]
-GOOD = ("<!-- run: before\necho 1 > a\n-->\n<!-- run: make -->\n```sh\nmake help   # lists\n```\n"
+       ("<!-- run: hidden\nexit 3\n-->\n<!-- run -->\n```sh\ntrue\n```\n", "exit status 3")]
+GOOD = ("<!-- run: hidden\necho 1 > a\n-->\n<!-- run: make -->\n```sh\nmake help   # lists\n```\n"
         "<!-- run -->\n```console\n$ test -s a\nwhat it printed\n```\n")
 
 if __name__ == "__main__":
