@@ -18,7 +18,8 @@ void add_options(CLI::App& app, Arguments& a) {
   const auto option = [&](const char* name, auto& value, const char* text) {
     return app.add_option(name, value, text)->capture_default_str();
   };
-  option("--fitter", a.fit.fitter, "How the model is made")->check(CLI::IsMember(fit::fitter_names()));
+  option("--fitter", a.fit.fitter, "How the model is made")
+      ->check(CLI::IsMember(fit::fitter_names()));
   option("--tau", a.fit.tau, "Mahalanobis distance within which a beam meets an ellipsoid");
   option("--clusters-per-point", a.fit.hierarchical.clusters_per_point,
          "hierarchical: number of ellipsoids per point");
@@ -27,7 +28,8 @@ void add_options(CLI::App& app, Arguments& a) {
   option("--ground-method", a.fit.segment.method, "Ground segmentation")
       ->check(CLI::IsMember({"lower_envelope", "spherical_variance"}));
   option("--ground-spacing", a.fit.ground.spacing_m, "Ground surface: distance of nodes, m");
-  option("--ground-smoothness", a.fit.ground.smoothness_m2, "Ground surface: weight of bending, m²");
+  option("--ground-smoothness", a.fit.ground.smoothness_m2,
+         "Ground surface: weight of bending, m²");
   option("--ellipsoid-prior-hits", a.fit.credit.ellipsoid.a, "Prior hits of an ellipsoid");
   option("--ellipsoid-prior-misses", a.fit.credit.ellipsoid.b, "Prior misses of an ellipsoid");
   option("--triangle-prior-hits", a.fit.credit.triangle.a, "Prior hits of a triangle");
@@ -78,8 +80,10 @@ void run(const Verb& verb, Arguments& a) {
   if (model.surface.size()) text += fmt::format(", {} triangles", model.surface.size());
   if (r.unclustered_points) text += fmt::format(", {} in no cluster", r.unclustered_points);
   text += "\n";
-  if (r.thinned_points) text += fmt::format("  left out    {} points of full tiles\n", r.thinned_points);
-  for (const auto& [why, n] : step.skipped) text += fmt::format("  skipped     {} beams: {}\n", n, why);
+  if (r.thinned_points)
+    text += fmt::format("  left out    {} points of full tiles\n", r.thinned_points);
+  for (const auto& [why, n] : step.skipped)
+    text += fmt::format("  skipped     {} beams: {}\n", n, why);
   for (const std::string& w : r.warnings) text += "  warning     " + w + "\n";
   text += "  model       " + a.output + "\n";
   verb.report(j, text);
@@ -89,9 +93,10 @@ void run(const Verb& verb, Arguments& a) {
 
 void add_fit(CLI::App& root) {
   auto a = std::make_shared<Arguments>();
-  const auto verb = add_verb(root, "fit", "Learn a model from a log: ground mesh, ellipsoids, hit probabilities",
-                             "underbrush fit log.ply -o model/\n  underbrush fit log.ply --fitter surface -o mesh/",
-                             [a](const Verb& v) { run(v, *a); });
+  const auto verb = add_verb(
+      root, "fit", "Learn a model from a log: ground mesh, ellipsoids, hit probabilities",
+      "underbrush fit log.ply -o model/\n  underbrush fit log.ply --fitter surface -o mesh/",
+      [a](const Verb& v) { run(v, *a); });
   add_options(*verb->app, *a);
 }
 

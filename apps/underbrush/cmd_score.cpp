@@ -17,14 +17,17 @@ struct Arguments {
 
 void add_options(CLI::App& app, Arguments& a) {
   app.add_option("REAL", a.real, "The real log")->required();
-  app.add_option("SIMULATED", a.simulated, "Simulated logs of the same beams, one or several to compare")
+  app.add_option("SIMULATED", a.simulated,
+                 "Simulated logs of the same beams, one or several to compare")
       ->required();
-  app.add_option("--model", a.models, "The model of each simulated log, in order: adds likelihood and CRPS")
+  app.add_option("--model", a.models,
+                 "The model of each simulated log, in order: adds likelihood and CRPS")
       ->type_name("MODEL");
   app.add_option("--name", a.names, "Name of each simulated log in the results, in order");
   app.add_option("--report", a.report, "Write a report (one HTML file) into this folder")
       ->type_name("DIR");
-  app.add_flag("--no-cloud", a.no_cloud, "Leave out the point cloud error, which takes the longest");
+  app.add_flag("--no-cloud", a.no_cloud,
+               "Leave out the point cloud error, which takes the longest");
 }
 
 void run(const Verb& verb, const Arguments& a) {
@@ -52,11 +55,11 @@ void run(const Verb& verb, const Arguments& a) {
 
 void add_score(CLI::App& root) {
   auto a = std::make_shared<Arguments>();
-  const auto verb = add_verb(
-      root, "score", "Compare simulated logs with the real one, beam by beam",
-      "underbrush score real.ply sim.ply --model model/ --json - --report report/\n"
-      "  underbrush score real.ply hybrid.ply mesh.ply --name hybrid --name mesh",
-      [a](const Verb& v) { run(v, *a); });
+  const auto verb =
+      add_verb(root, "score", "Compare simulated logs with the real one, beam by beam",
+               "underbrush score real.ply sim.ply --model model/ --json - --report report/\n"
+               "  underbrush score real.ply hybrid.ply mesh.ply --name hybrid --name mesh",
+               [a](const Verb& v) { run(v, *a); });
   add_options(*verb->app, *a);
 }
 

@@ -24,24 +24,33 @@ struct Arguments {
 
 void add_options(CLI::App& app, Arguments& a) {
   app.add_option("MODEL", a.model, "The model's folder")->required();
-  app.add_option("-o,--output", a.output, "Where the simulated log goes: .ply, .pcd, .csv, or a folder/ of KITTI .bin")
+  app.add_option("-o,--output", a.output,
+                 "Where the simulated log goes: .ply, .pcd, .csv, or a folder/ of KITTI .bin")
       ->required();
   auto* like = app.add_option("--like", a.like, "Answer the beams of this log")->type_name("LOG");
-  auto* sensor = app.add_option("--sensor", a.sensor, "Fire a sensor of the catalogue (or a YAML file)");
+  auto* sensor =
+      app.add_option("--sensor", a.sensor, "Fire a sensor of the catalogue (or a YAML file)");
   auto* trajectory = app.add_option("--trajectory", a.trajectory, "Poses of the sensor, TUM format")
                          ->type_name("POSES.txt");
   like->excludes(sensor);
   sensor->needs(trajectory);
   trajectory->needs(sensor);
   app.add_option("--draw", a.draw, "Where in an ellipsoid a range is drawn")
-      ->check(CLI::IsMember({"on_ray", "volumetric"}))->capture_default_str();
-  app.add_option("--tau", a.tau, "Mahalanobis distance within which a beam meets an ellipsoid, 0 = the model's")
-      ->check(CLI::NonNegativeNumber)->capture_default_str();
-  app.add_option("--max-range", a.simulate.max_range_m, "Maximum range, m, 0 = the log's or the sensor's")
-      ->check(CLI::NonNegativeNumber)->capture_default_str();
+      ->check(CLI::IsMember({"on_ray", "volumetric"}))
+      ->capture_default_str();
+  app.add_option("--tau", a.tau,
+                 "Mahalanobis distance within which a beam meets an ellipsoid, 0 = the model's")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--max-range", a.simulate.max_range_m,
+                 "Maximum range, m, 0 = the log's or the sensor's")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   app.add_option("--range-noise", a.simulate.range_noise_m, "Further noise on every range, m")
-      ->check(CLI::NonNegativeNumber)->capture_default_str();
-  app.add_flag("--element-ids", a.simulate.element_ids, "Write the element that stopped each beam, and its class");
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_flag("--element-ids", a.simulate.element_ids,
+               "Write the element that stopped each beam, and its class");
 }
 
 Trajectory trajectory_of(const std::string& file) {
@@ -59,9 +68,8 @@ std::unique_ptr<BeamSource> beams_of(const Arguments& a, Trajectory& path) {
   if (!a.like.empty()) return std::make_unique<io::LogReader>(a.like);
   require(!a.sensor.empty(), "simulate: give --like LOG, or --sensor NAME --trajectory POSES");
   path = trajectory_of(a.trajectory);
-  return std::make_unique<sensor::PatternSource>(sensor::load(a.sensor), path,
-                                                 path.poses().front().time_s,
-                                                 path.poses().back().time_s);
+  return std::make_unique<sensor::PatternSource>(
+      sensor::load(a.sensor), path, path.poses().front().time_s, path.poses().back().time_s);
 }
 
 void run(const Verb& verb, Arguments& a) {

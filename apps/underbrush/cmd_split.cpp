@@ -25,13 +25,18 @@ void add_options(CLI::App& app, Arguments& a) {
   group->add_option("--every", a.every, "Every K-th scan")->check(CLI::Range(2, 1 << 30));
   group->add_option("--columns", a.columns, "Every K-th packet (for a log of one scan)")
       ->check(CLI::Range(2, 1 << 30));
-  group->add_option("--time", a.time, "Scans whose time lies in [FROM, TO), s after the log's start")
-      ->expected(2)->type_name("FROM TO");
-  group->add_option("--region", a.region,
-                    "Scans whose sensor stands in this rectangle of the world, m")
-      ->expected(4)->type_name("X0 Y0 X1 Y1");
+  group
+      ->add_option("--time", a.time, "Scans whose time lies in [FROM, TO), s after the log's start")
+      ->expected(2)
+      ->type_name("FROM TO");
+  group
+      ->add_option("--region", a.region,
+                   "Scans whose sensor stands in this rectangle of the world, m")
+      ->expected(4)
+      ->type_name("X0 Y0 X1 Y1");
   group->require_option(1);
-  app.add_option("--offset", a.offset, "With --every and --columns: number (mod K) that is held out")
+  app.add_option("--offset", a.offset,
+                 "With --every and --columns: number (mod K) that is held out")
       ->capture_default_str();
 }
 
@@ -47,8 +52,8 @@ class HeldOut {
     require(!scan_.empty() || a.time.empty(), "split: the log has no scan times; use --every");
     for (const ScanInfo& s : info.scans) {
       const Vec3& at = s.world_from_sensor.translation;
-      const bool in_time = !a.time.empty() && s.time_s - start_ >= a.time[0] &&
-                           s.time_s - start_ < a.time[1];
+      const bool in_time =
+          !a.time.empty() && s.time_s - start_ >= a.time[0] && s.time_s - start_ < a.time[1];
       const bool in_region = !a.region.empty() && at.x() >= a.region[0] && at.x() < a.region[2] &&
                              at.y() >= a.region[1] && at.y() < a.region[3];
       if (in_time || in_region) chosen_.insert(s.scan);
@@ -97,8 +102,9 @@ void run(const Verb& verb, const Arguments& a) {
     progress(done += chunk.size(), log.size());
   }
   if (count[0] == 0 || count[1] == 0) {
-    throw FormatError(a.log, "", fmt::format("one part would be empty ({} beams to train, {} held out)",
-                                             count[0], count[1]));
+    throw FormatError(a.log, "",
+                      fmt::format("one part would be empty ({} beams to train, {} held out)",
+                                  count[0], count[1]));
   }
   train.close();
   test.close();
@@ -114,7 +120,8 @@ void run(const Verb& verb, const Arguments& a) {
 
 void add_split(CLI::App& root) {
   auto a = std::make_shared<Arguments>();
-  const auto verb = add_verb(root, "split", "Hold out part of a log, so that training and test never share a beam",
+  const auto verb = add_verb(root, "split",
+                             "Hold out part of a log, so that training and test never share a beam",
                              "underbrush split log.ply --every 2 --train train.ply --test test.ply",
                              [a](const Verb& v) { run(v, *a); });
   add_options(*verb->app, *a);

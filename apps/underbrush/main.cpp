@@ -11,7 +11,8 @@
 int main(int argc, char** argv) {
   using namespace underbrush;
   app::remember_command_line(argc, argv);
-  CLI::App root("Underbrush: a lidar simulator learnt from logs of off-road terrain.", "underbrush");
+  CLI::App root("Underbrush: a lidar simulator learnt from logs of off-road terrain.",
+                "underbrush");
   root.set_version_flag("--version", "underbrush " UNDERBRUSH_VERSION);
   root.require_subcommand(1);
   app::add_all_verbs(root);

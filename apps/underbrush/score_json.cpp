@@ -39,8 +39,8 @@ Json json_of(const metrics::Score& s) {
 
 }  // namespace
 
-Json json_of_scores(const std::vector<std::string>& names, const std::vector<metrics::Score>& scores,
-                    const std::string& provenance) {
+Json json_of_scores(const std::vector<std::string>& names,
+                    const std::vector<metrics::Score>& scores, const std::string& provenance) {
   Json j = json_of(scores.at(0));
   j["models"] = Json::object();
   for (size_t k = 0; k < scores.size(); ++k) j["models"][names[k]] = json_of(scores[k]);

@@ -35,7 +35,7 @@ class Watched : public BeamSource {
 };
 
 std::string row(const char* label, const std::vector<metrics::Score>& scores,
-                double metrics::Summary::* value, int digits) {
+                double metrics::Summary::*value, int digits) {
   std::string line = fmt::format("  {:<24}", label);
   for (const auto& s : scores) line += fmt::format("{:>14.{}f}", s.all.*value, digits);
   return line + "\n";
@@ -58,8 +58,7 @@ FitStep fit_log(const Verb& verb, const fs::path& log, const fit::FitOptions& op
   step.skipped = reader.skipped();
   step.result.model.provenance = provenance(verb, {log});
   elements::write_model(model, step.result.model);
-  step.seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  step.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return step;
 }
 
@@ -74,8 +73,8 @@ SimulateStep simulate_log(const Verb& verb, const elements::Model& model, BeamSo
   return {simulated.beams(), simulated.hits(), simulated.seconds(), std::string(world.isa())};
 }
 
-std::vector<metrics::Score> score_logs(const fs::path& real, const std::vector<Candidate>& candidates,
-                                       bool cloud) {
+std::vector<metrics::Score> score_logs(const fs::path& real,
+                                       const std::vector<Candidate>& candidates, bool cloud) {
   io::LogReader real_log(real);
   std::vector<metrics::Score> scores;
   for (const Candidate& c : candidates) {

@@ -1,4 +1,5 @@
-/// The steps of the main job as the verbs and the demo run them: files in, files out, with progress.
+/// The steps of the main job as the verbs and the demo run them: files in, files out, with
+/// progress.
 #pragma once
 #include <filesystem>
 #include <string>

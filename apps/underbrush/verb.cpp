@@ -119,8 +119,8 @@ void Progress::operator()(size_t done, size_t total) {
   shown_ = true;
   const double share = total ? double(done) / double(total) : 0;
   const int filled = int(30 * share);
-  std::string line = fmt::format("\r\x1b[K{} [{:-<30}] {:3.0f} %", what_, std::string(filled, '#'),
-                                 100 * share);
+  std::string line =
+      fmt::format("\r\x1b[K{} [{:-<30}] {:3.0f} %", what_, std::string(filled, '#'), 100 * share);
   if (share > 0.02) line += fmt::format("  {:.0f} s left", (t - start_s_) * (1 / share - 1));
   std::fputs(line.c_str(), stderr);
 }

@@ -17,7 +17,8 @@ struct Verb {
   CLI::App* app = nullptr;
   uint64_t seed = 1;
   int threads = 0;
-  std::string json;  ///< Where the results go as JSON: a file, "-" for standard output, "" for none.
+  std::string
+      json;  ///< Where the results go as JSON: a file, "-" for standard output, "" for none.
 
   /// Prints the results: `table` for people on standard output (unless JSON goes there), `results`
   /// to `--json`.

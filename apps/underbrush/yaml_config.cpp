@@ -76,7 +76,8 @@ void add_config(CLI::App& root) {
     verb->allow_config_extras(CLI::config_extras_mode::error);
   }
   CLI::App* dump = root.add_subcommand(
-      "dump-config", "Print the options of a verb with their defaults, to start a --config file from");
+      "dump-config",
+      "Print the options of a verb with their defaults, to start a --config file from");
   auto name = std::make_shared<std::string>();
   dump->add_option("VERB", *name, "The verb")->required();
   dump->footer("Example:\n  underbrush dump-config fit > fit.yaml");

@@ -25,9 +25,11 @@ TEST(ParallelFor, VisitsEachIndexOnceInPiecesThatDoNotDependOnThreads) {
 }
 
 TEST(ParallelFor, PassesAnExceptionOn) {
-  EXPECT_THROW(
-      parallel_for(100, 1, [](size_t i, size_t) { if (i == 57) throw std::runtime_error("x"); }),
-      std::runtime_error);
+  EXPECT_THROW(parallel_for(100, 1,
+                            [](size_t i, size_t) {
+                              if (i == 57) throw std::runtime_error("x");
+                            }),
+               std::runtime_error);
 }
 
 TEST(ParallelFor, OfNothingDoesNothing) {

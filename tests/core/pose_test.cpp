@@ -30,8 +30,8 @@ TEST(Pose, InterpolationHitsBothEndsAndTurnsAtConstantRate) {
     EXPECT_LT((interpolate(a, b, 0) * Vec3(1, 2, 3) - a * Vec3(1, 2, 3)).norm(), 1e-12);
     EXPECT_LT((interpolate(a, b, 1) * Vec3(1, 2, 3) - b * Vec3(1, 2, 3)).norm(), 1e-12);
     const Pose half = interpolate(a, b, 0.5);
-    EXPECT_NEAR(a.rotation.angularDistance(half.rotation), half.rotation.angularDistance(b.rotation),
-                1e-7);
+    EXPECT_NEAR(a.rotation.angularDistance(half.rotation),
+                half.rotation.angularDistance(b.rotation), 1e-7);
   }
 }
 

@@ -17,9 +17,9 @@ namespace fs = std::filesystem;
 class ModelFile : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::temp_directory_path() /
-              ("underbrush-test-" + std::to_string(getpid()) + "-" +
-               testing::UnitTest::GetInstance()->current_test_info()->name());
+    folder_ =
+        fs::temp_directory_path() / ("underbrush-test-" + std::to_string(getpid()) + "-" +
+                                     testing::UnitTest::GetInstance()->current_test_info()->name());
     fs::create_directories(folder_);
     model_ = trace::random_model(4, 50, Vec3(5e5, -4e6, 123.456));
     model_.fitter = "hierarchical";

@@ -13,7 +13,8 @@ std::vector<Vec3f> blobs(uint64_t seed, int count, int points, double sigma) {
   Stream random(seed);
   std::vector<Vec3f> out;
   for (int b = 0; b < count; ++b) {
-    const double x = random.uniform(-50, 50), y = random.uniform(-50, 50), z = random.uniform(0, 20);
+    const double x = random.uniform(-50, 50), y = random.uniform(-50, 50),
+                 z = random.uniform(0, 20);
     for (int i = 0; i < points; ++i) {
       const double dx = random.normal(), dy = random.normal(), dz = random.normal();
       out.emplace_back(float(x + sigma * dx), float(y + sigma * dy), float(z + sigma * dz));

@@ -35,9 +35,9 @@ BeamLog drive_past_bushes(uint64_t seed, const Vec3& at = Vec3::Zero()) {
   for (size_t i = 0; i < log.size(); ++i) {
     const double azimuth = random.uniform(0, 2 * M_PI), elevation = random.uniform(-0.4, 0.1);
     log.origin[i] = at + Vec3(-6 + 12 * double(i) / double(log.size()), 0, 1.8);
-    log.direction[i] = Vec3f(float(std::cos(azimuth) * std::cos(elevation)),
-                             float(std::sin(azimuth) * std::cos(elevation)),
-                             float(std::sin(elevation)));
+    log.direction[i] =
+        Vec3f(float(std::cos(azimuth) * std::cos(elevation)),
+              float(std::sin(azimuth) * std::cos(elevation)), float(std::sin(elevation)));
     log.scan[i] = uint32_t(i / 3000);
   }
   const trace::World world(truth);

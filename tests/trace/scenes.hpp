@@ -18,9 +18,10 @@ inline Mat3 random_covariance(Stream& random, double smallest, double largest) {
   return r * s.cwiseAbs2().asDiagonal() * r.transpose();
 }
 
-/// Ellipsoids from needles to pancakes, some of them twice, over a bumpy permeable ground, with some
-/// loose surface triangles.
-inline elements::Model random_model(uint64_t seed, int ellipsoids = 300, const Vec3& origin = {0, 0, 0}) {
+/// Ellipsoids from needles to pancakes, some of them twice, over a bumpy permeable ground, with
+/// some loose surface triangles.
+inline elements::Model random_model(uint64_t seed, int ellipsoids = 300,
+                                    const Vec3& origin = {0, 0, 0}) {
   Stream random(seed);
   elements::Model model;
   model.origin = origin;

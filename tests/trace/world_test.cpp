@@ -11,7 +11,8 @@ namespace underbrush::trace {
 namespace {
 
 // The definition, by brute force in double.
-std::vector<Met> reference(const elements::Model& model, const Ray& ray, const RangeLimits& limits) {
+std::vector<Met> reference(const elements::Model& model, const Ray& ray,
+                           const RangeLimits& limits) {
   std::vector<Met> met;
   for (uint32_t i = 0; i < model.size(); ++i) {
     const Met m = meet(model, i, ray.origin - model.origin, ray.direction, limits);

@@ -75,8 +75,9 @@ BeamLog BeamLog::like() const {
   BeamLog out;
   out.info = info;
   for (const auto& [name, column] : extra) {
-    std::visit([&, key = name](const auto& c) { out.extra.emplace(key, std::decay_t<decltype(c)>{}); },
-               column);
+    std::visit(
+        [&, key = name](const auto& c) { out.extra.emplace(key, std::decay_t<decltype(c)>{}); },
+        column);
   }
   return out;
 }

@@ -17,14 +17,14 @@ inline constexpr float kMiss = std::numeric_limits<float>::infinity();
 
 /// What else is known of a beam (bits of `BeamLog::flags`).
 enum BeamFlag : uint8_t {
-  kInferred = 1,  ///< The log's format had dropped this miss; it was inferred from the scan pattern.
+  kInferred =
+      1,  ///< The log's format had dropped this miss; it was inferred from the scan pattern.
 };
 
 /// A field that the log carries besides the named ones, kept in its own type.
-using ExtraColumn =
-    std::variant<std::vector<uint8_t>, std::vector<uint16_t>, std::vector<uint32_t>,
-                 std::vector<int8_t>, std::vector<int16_t>, std::vector<int32_t>,
-                 std::vector<float>, std::vector<double>>;
+using ExtraColumn = std::variant<std::vector<uint8_t>, std::vector<uint16_t>, std::vector<uint32_t>,
+                                 std::vector<int8_t>, std::vector<int16_t>, std::vector<int32_t>,
+                                 std::vector<float>, std::vector<double>>;
 
 /// A scan (one revolution or frame): its number, reference time and sensor pose at that time.
 struct ScanInfo {
@@ -39,22 +39,22 @@ struct LogInfo {
   double min_range_m = 0;    ///< The sensor reports nothing nearer.
   double max_range_m = 120;  ///< A miss means: no return up to here.
   bool has_misses = false;   ///< Whether beams without a return are in the log at all.
-  bool deskewed = false;     ///< Whether each beam carries its own origin along the sensor's motion.
+  bool deskewed = false;  ///< Whether each beam carries its own origin along the sensor's motion.
   std::vector<ScanInfo> scans;
 };
 
 /// Beams in columns, in firing order. All non-optional columns have `size()` entries.
 struct BeamLog {
   LogInfo info;
-  std::vector<Vec3> origin;          ///< m, world frame.
-  std::vector<Vec3f> direction;      ///< Unit vector, world frame.
-  std::vector<float> range_m;        ///< m; `kMiss` where there was no return.
-  std::vector<float> intensity;      ///< Sensor units, 0 for a miss.
-  std::vector<double> time_s;        ///< s.
-  std::vector<uint16_t> ring;        ///< Channel, in the order of the sensor's catalogue entry.
-  std::vector<uint32_t> scan;        ///< Revolution or frame.
-  std::vector<uint32_t> packet;      ///< Beams sharing a sensor pose: the unit of the packet error.
-  std::vector<uint8_t> flags;        ///< Bits of `BeamFlag`.
+  std::vector<Vec3> origin;      ///< m, world frame.
+  std::vector<Vec3f> direction;  ///< Unit vector, world frame.
+  std::vector<float> range_m;    ///< m; `kMiss` where there was no return.
+  std::vector<float> intensity;  ///< Sensor units, 0 for a miss.
+  std::vector<double> time_s;    ///< s.
+  std::vector<uint16_t> ring;    ///< Channel, in the order of the sensor's catalogue entry.
+  std::vector<uint32_t> scan;    ///< Revolution or frame.
+  std::vector<uint32_t> packet;  ///< Beams sharing a sensor pose: the unit of the packet error.
+  std::vector<uint8_t> flags;    ///< Bits of `BeamFlag`.
   std::map<std::string, ExtraColumn> extra;  ///< By name, each as long as the log.
 
   size_t size() const { return range_m.size(); }

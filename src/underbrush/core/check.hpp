@@ -1,6 +1,6 @@
 /// \file
-/// The three kinds of error: a caller's mistake, bad data from outside, and (as `std::optional` or an
-/// explicit miss) an expected absence.
+/// The three kinds of error: a caller's mistake, bad data from outside, and (as `std::optional` or
+/// an explicit miss) an expected absence.
 #pragma once
 #include <stdexcept>
 #include <string>

@@ -22,8 +22,8 @@ std::unique_ptr<tbb::global_control>& limit() {
 void set_threads(int threads) {
   limit().reset();
   if (threads > 0) {
-    limit() = std::make_unique<tbb::global_control>(
-        tbb::global_control::max_allowed_parallelism, size_t(threads));
+    limit() = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
+                                                    size_t(threads));
   }
 }
 

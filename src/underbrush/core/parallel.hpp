@@ -12,9 +12,9 @@ void set_threads(int threads);
 /// Number of threads in use.
 int threads();
 
-/// Calls `body(begin, end)` for disjoint ranges that cover [0, n), each at most `grain` long, on all
-/// threads. The ranges' bounds are multiples of `grain`, whatever the number of threads. An exception
-/// in `body` is passed on.
+/// Calls `body(begin, end)` for disjoint ranges that cover [0, n), each at most `grain` long, on
+/// all threads. The ranges' bounds are multiples of `grain`, whatever the number of threads. An
+/// exception in `body` is passed on.
 void parallel_for(size_t n, size_t grain, const std::function<void(size_t, size_t)>& body);
 
 /// Calls both, at the same time if a thread is free.

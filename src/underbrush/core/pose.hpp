@@ -43,14 +43,15 @@ struct StampedPose {
 class Trajectory {
  public:
   Trajectory() = default;
-  /// Sorts by time. Throws `std::invalid_argument` if two poses share a time or a value is not finite.
+  /// Sorts by time. Throws `std::invalid_argument` if two poses share a time or a value is not
+  /// finite.
   explicit Trajectory(std::vector<StampedPose> poses);
 
   bool empty() const { return poses_.empty(); }
   const std::vector<StampedPose>& poses() const { return poses_; }
 
-  /// The pose at `time_s`, interpolated; outside the recorded span it is extrapolated from the first
-  /// or last two poses by at most `kMaxExtrapolation` intervals, beyond which there is none.
+  /// The pose at `time_s`, interpolated; outside the recorded span it is extrapolated from the
+  /// first or last two poses by at most `kMaxExtrapolation` intervals, beyond which there is none.
   std::optional<Pose> at(double time_s) const;
 
   static constexpr double kMaxExtrapolation = 1.0;

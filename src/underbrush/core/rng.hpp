@@ -1,6 +1,6 @@
 /// \file
-/// Stateless random numbers: a hash of what the number is for. The same seed gives the same bits for
-/// any order of evaluation, any number of threads and any machine.
+/// Stateless random numbers: a hash of what the number is for. The same seed gives the same bits
+/// for any order of evaluation, any number of threads and any machine.
 #pragma once
 #include <cstdint>
 

@@ -14,7 +14,8 @@ void check_hit(const HitCount& hit) {
 }
 
 void check_mesh(const TriangleMesh& mesh) {
-  require(mesh.hit.size() == mesh.size(), "model: triangles and hit probabilities differ in number");
+  require(mesh.hit.size() == mesh.size(),
+          "model: triangles and hit probabilities differ in number");
   require(std::isfinite(mesh.range_sigma_m) && mesh.range_sigma_m >= 0, "model: bad range noise");
   for (const Vec3f& v : mesh.vertices) require(v.allFinite(), "model: a vertex is not finite");
   for (const auto& t : mesh.triangles) {

@@ -1,6 +1,6 @@
 /// \file
-/// The world model that a fitter learns and a simulator answers from: scene elements e = (ρ, ω) with
-/// geometry ρ and sensor parameters ω ([tallavajhula18] §III).
+/// The world model that a fitter learns and a simulator answers from: scene elements e = (ρ, ω)
+/// with geometry ρ and sensor parameters ω ([tallavajhula18] §III).
 #pragma once
 #include <array>
 #include <cstdint>
@@ -33,10 +33,10 @@ struct TriangleMesh {
 
 /// A permeable Gaussian volume ω = (μ, Σ, p_hit).
 struct Ellipsoid {
-  Vec3f mean = Vec3f::Zero();                  ///< μ, m, relative to the model's origin.
+  Vec3f mean = Vec3f::Zero();                         ///< μ, m, relative to the model's origin.
   std::array<float, 6> covariance{1, 0, 0, 1, 0, 1};  ///< Σ, m²: xx xy xz yy yz zz.
   HitCount hit;
-  uint32_t label = 0;                          ///< Class of the points it was fitted to, 0 = unknown.
+  uint32_t label = 0;  ///< Class of the points it was fitted to, 0 = unknown.
 
   Mat3 covariance_matrix() const;
   void set_covariance(const Mat3& sigma);
@@ -45,15 +45,16 @@ struct Ellipsoid {
 /// Kind of a scene element, in the order in which a model numbers its elements.
 enum class Kind : uint8_t { kGround, kSurface, kEllipsoid };
 
-/// A learnt world. Elements are numbered: ground triangles, then surface triangles, then ellipsoids.
+/// A learnt world. Elements are numbered: ground triangles, then surface triangles, then
+/// ellipsoids.
 struct Model {
   Vec3 origin = Vec3::Zero();  ///< m, world; all coordinates below are relative to it.
   TriangleMesh ground;
-  TriangleMesh surface;        ///< Opaque or permeable triangles that are not ground.
+  TriangleMesh surface;  ///< Opaque or permeable triangles that are not ground.
   std::vector<Ellipsoid> ellipsoids;
-  double tau = 3.5;            ///< A beam meets an ellipsoid within this Mahalanobis distance.
-  std::string fitter;          ///< Name of the fitter that made it.
-  std::string provenance;      ///< JSON object: program version, command, seed, input hashes.
+  double tau = 3.5;        ///< A beam meets an ellipsoid within this Mahalanobis distance.
+  std::string fitter;      ///< Name of the fitter that made it.
+  std::string provenance;  ///< JSON object: program version, command, seed, input hashes.
 
   size_t size() const { return ground.size() + surface.size() + ellipsoids.size(); }
   Kind kind(size_t element) const {
@@ -67,8 +68,8 @@ struct Model {
   void check() const;
 };
 
-/// The covariance with its eigenvalues raised to at least `floor_m`² (flat, thin or few points): the
-/// noise of the sensor, below which no extent can be told. Symmetric in, symmetric out.
+/// The covariance with its eigenvalues raised to at least `floor_m`² (flat, thin or few points):
+/// the noise of the sensor, below which no extent can be told. Symmetric in, symmetric out.
 Mat3 floored_covariance(const Mat3& sigma, double floor_m);
 
 }  // namespace elements

@@ -132,9 +132,11 @@ Json manifest_of(const Model& m) {
   j["fitter"] = m.fitter;
   j["origin_m"] = {m.origin.x(), m.origin.y(), m.origin.z()};
   j["tau"] = m.tau;
-  j["ground"] = {{"file", "ground.ply"}, {"triangles", m.ground.size()},
+  j["ground"] = {{"file", "ground.ply"},
+                 {"triangles", m.ground.size()},
                  {"range_sigma_m", m.ground.range_sigma_m}};
-  j["surface"] = {{"file", "surface.ply"}, {"triangles", m.surface.size()},
+  j["surface"] = {{"file", "surface.ply"},
+                  {"triangles", m.surface.size()},
                   {"range_sigma_m", m.surface.range_sigma_m}};
   j["ellipsoids"] = {{"file", "ellipsoids.ply"}, {"count", m.ellipsoids.size()}};
   j["provenance"] = m.provenance.empty() ? Json::object() : Json::parse(m.provenance);

@@ -11,9 +11,9 @@ namespace underbrush::elements {
 /// Version of the layout that is written; older ones are read, newer ones refused.
 inline constexpr int kModelVersion = 1;
 
-/// Writes the folder `path` (model.json, ground.ply, surface.ply, ellipsoids.ply), atomically; a model
-/// that stood there is replaced. Throws `IoError`, or `std::invalid_argument` if a folder that is not a
-/// model stands there.
+/// Writes the folder `path` (model.json, ground.ply, surface.ply, ellipsoids.ply), atomically; a
+/// model that stood there is replaced. Throws `IoError`, or `std::invalid_argument` if a folder
+/// that is not a model stands there.
 void write_model(const std::filesystem::path& path, const Model& model);
 
 /// Reads a model folder. Throws `FormatError` on anything that is not a whole, consistent model.
@@ -23,11 +23,12 @@ Model read_model(const std::filesystem::path& path);
 bool is_model(const std::filesystem::path& path);
 
 /// Writes the ellipsoids as a 3-D Gaussian splat PLY (x y z, f_dc, opacity as logit, scale as log,
-/// rotation as quaternion w x y z), coordinates relative to the model's origin: any splat viewer shows
-/// it. Colours by hit probability.
+/// rotation as quaternion w x y z), coordinates relative to the model's origin: any splat viewer
+/// shows it. Colours by hit probability.
 void write_splat(const std::filesystem::path& path, const Model& model);
 
-/// Writes a mesh as Wavefront OBJ (extension .obj) or PLY, coordinates relative to the model's origin.
+/// Writes a mesh as Wavefront OBJ (extension .obj) or PLY, coordinates relative to the model's
+/// origin.
 void write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh);
 
 }  // namespace underbrush::elements

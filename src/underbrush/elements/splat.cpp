@@ -9,9 +9,9 @@ namespace underbrush::elements {
 
 void write_splat(const std::filesystem::path& path, const Model& model) {
   // Column names and encodings of the original 3-D Gaussian splatting (Kerbl et al. 2023).
-  static constexpr const char* kNames[] = {"x", "y", "z", "nx", "ny", "nz", "f_dc_0", "f_dc_1",
-                                           "f_dc_2", "opacity", "scale_0", "scale_1", "scale_2",
-                                           "rot_0", "rot_1", "rot_2", "rot_3"};
+  static constexpr const char* kNames[] = {
+      "x",       "y",       "z",       "nx",      "ny",    "nz",    "f_dc_0", "f_dc_1", "f_dc_2",
+      "opacity", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2",  "rot_3"};
   std::vector<std::vector<float>> column(std::size(kNames));
   for (const Ellipsoid& e : model.ellipsoids) {
     Eigen::SelfAdjointEigenSolver<Mat3> eigen;
@@ -21,12 +21,23 @@ void write_splat(const std::filesystem::path& path, const Model& model) {
     const Eigen::Quaterniond q(axes);
     const float p = std::clamp(e.hit.p, 0.01f, 0.99f);
     const float colour = (p - 0.5f) / 0.28209479f;  // the constant spherical harmonic
-    const float values[] = {e.mean.x(), e.mean.y(), e.mean.z(), 0, 0, 0, -colour, colour, -colour,
+    const float values[] = {e.mean.x(),
+                            e.mean.y(),
+                            e.mean.z(),
+                            0,
+                            0,
+                            0,
+                            -colour,
+                            colour,
+                            -colour,
                             std::log(p / (1 - p)),
                             float(0.5 * std::log(eigen.eigenvalues()[0])),
                             float(0.5 * std::log(eigen.eigenvalues()[1])),
                             float(0.5 * std::log(eigen.eigenvalues()[2])),
-                            float(q.w()), float(q.x()), float(q.y()), float(q.z())};
+                            float(q.w()),
+                            float(q.x()),
+                            float(q.y()),
+                            float(q.z())};
     for (size_t k = 0; k < column.size(); ++k) column[k].push_back(values[k]);
   }
   io::PlyElement element;

@@ -182,7 +182,8 @@ Clusters hierarchical_clusters(std::span<const Vec3f> points, const Hierarchical
     }
   }
   for (; !open.empty(); open.pop()) done.push_back(open.top());
-  std::sort(done.begin(), done.end(), [](const Part& a, const Part& b) { return a.begin < b.begin; });
+  std::sort(done.begin(), done.end(),
+            [](const Part& a, const Part& b) { return a.begin < b.begin; });
   for (const Part& part : done) {
     for (uint32_t i = part.begin; i < part.end; ++i) out.group[index[i]] = out.count;
     ++out.count;

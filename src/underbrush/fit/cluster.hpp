@@ -27,9 +27,9 @@ struct HierarchicalOptions {
   int iterations = 6;                 ///< Of each k-means.
 };
 
-/// Hierarchical k-means as in [tallavajhula18] §IV (FLANN's): starts from one cluster and splits the
-/// one of greatest sum of squares until there are `clusters_per_point` × n. `points` in metres; fewer
-/// than `min_points` points give no cluster. Deterministic for a seed.
+/// Hierarchical k-means as in [tallavajhula18] §IV (FLANN's): starts from one cluster and splits
+/// the one of greatest sum of squares until there are `clusters_per_point` × n. `points` in metres;
+/// fewer than `min_points` points give no cluster. Deterministic for a seed.
 Clusters hierarchical_clusters(std::span<const Vec3f> points, const HierarchicalOptions& options,
                                uint64_t seed);
 

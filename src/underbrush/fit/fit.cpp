@@ -76,13 +76,14 @@ TileFit fit_tile(const TileStore& store, TileKey key, const Vec3& origin,
       other.push_back(points[i]);
     }
   }
-  const uint64_t seed = random_bits(options.seed, uint32_t(key.i) * 65537u + uint32_t(key.j),
-                                    Purpose::kCluster);
+  const uint64_t seed =
+      random_bits(options.seed, uint32_t(key.i) * 65537u + uint32_t(key.j), Purpose::kCluster);
   const Clusters clusters = hierarchical_clusters(other, options.hierarchical, seed);
   out.ellipsoids =
       ellipsoids_of(other, clusters, options.hierarchical.min_points, options.range_noise_m);
   out.other = other.size();
-  out.unclustered = size_t(std::count(clusters.group.begin(), clusters.group.end(), Clusters::kNone));
+  out.unclustered =
+      size_t(std::count(clusters.group.begin(), clusters.group.end(), Clusters::kNone));
   return out;
 }
 

@@ -58,8 +58,8 @@ using FitProgress = std::function<void(std::string_view, size_t, size_t)>;
 std::vector<std::string> fitter_names();
 
 /// Fits a model to a log; reads it twice, memory grows with a tile and the model, not with the log.
-/// The same bits for any number of threads. Throws `std::invalid_argument` for an unknown fitter or a
-/// log without any return.
+/// The same bits for any number of threads. Throws `std::invalid_argument` for an unknown fitter or
+/// a log without any return.
 FitResult fit(BeamSource& source, const FitOptions& options, const FitProgress& progress = {});
 
 }  // namespace underbrush::fit

@@ -15,23 +15,24 @@ struct HitPrior {
 
 /// Options of `count_hits`.
 struct CreditOptions {
-  HitPrior ellipsoid{0, 1};            ///< [tallavajhula18] Table I.
-  HitPrior triangle{1, 2};             ///< [tallavajhula18] Table I.
-  double max_residual_for_hit_m = 0.75;  ///< A triangle explains a point nearer than this along the beam.
+  HitPrior ellipsoid{0, 1};  ///< [tallavajhula18] Table I.
+  HitPrior triangle{1, 2};   ///< [tallavajhula18] Table I.
+  double max_residual_for_hit_m =
+      0.75;  ///< A triangle explains a point nearer than this along the beam.
 };
 
-/// What one beam says of the elements it meets, in order of range: `hit` is the index of the element
-/// that explains the measured point (met.size() if none), `misses` the number of leading elements that
-/// the beam passed through.
+/// What one beam says of the elements it meets, in order of range: `hit` is the index of the
+/// element that explains the measured point (met.size() if none), `misses` the number of leading
+/// elements that the beam passed through.
 struct Credit {
   size_t hit, misses;
 };
 
 /// The crediting rule of [tallavajhula18]: the first ellipsoid whose Mahalanobis distance to the
-/// measured point is below τ (a triangle: whose residual is below `max_residual_for_hit_m`) gets the
-/// hit and all met before it a miss; where none explains the point, all met before the range get a
-/// miss; a beam without a return gives a miss to all. `met` in order of range, `range_m` = kMiss for a
-/// miss.
+/// measured point is below τ (a triangle: whose residual is below `max_residual_for_hit_m`) gets
+/// the hit and all met before it a miss; where none explains the point, all met before the range
+/// get a miss; a beam without a return gives a miss to all. `met` in order of range, `range_m` =
+/// kMiss for a miss.
 Credit credit(const elements::Model& model, const std::vector<trace::Met>& met, double range_m,
               const CreditOptions& options);
 

@@ -24,8 +24,8 @@ struct Stored {
 struct TileStore::Tile {
   TileKey key;
   std::vector<Stored> memory;
-  size_t on_disk = 0;        // records in the file
-  size_t kept = 0;           // points whose hash is below the limit
+  size_t on_disk = 0;  // records in the file
+  size_t kept = 0;     // points whose hash is below the limit
   size_t seen = 0;
   uint64_t limit = ~uint64_t(0);
 

@@ -19,10 +19,10 @@ struct TilePoint {
 
 /// Options of `TileStore`.
 struct TileOptions {
-  double tile_m = 32;                       ///< Side of a square tile in x and y.
-  size_t max_points_per_tile = 4'000'000;   ///< More are thinned out evenly (and counted).
-  size_t memory_bytes = size_t(1) << 30;    ///< Held in memory; what exceeds it goes to disk.
-  std::filesystem::path spill_folder;       ///< Default: the system's folder for temporary files.
+  double tile_m = 32;                      ///< Side of a square tile in x and y.
+  size_t max_points_per_tile = 4'000'000;  ///< More are thinned out evenly (and counted).
+  size_t memory_bytes = size_t(1) << 30;   ///< Held in memory; what exceeds it goes to disk.
+  std::filesystem::path spill_folder;      ///< Default: the system's folder for temporary files.
 };
 
 /// A tile's place: it covers [i, i+1) × [j, j+1) tile sides.

@@ -52,8 +52,8 @@ double crps(const Predictive& p, double range_m, double max_range_m) {
     among += 2 * a.weight * p.miss * mean_absolute(a.t_m - max_range_m, variance);
     for (size_t j = 0; j < i; ++j) {
       const auto& b = p.components[j];
-      among += 2 * a.weight * b.weight *
-               mean_absolute(a.t_m - b.t_m, variance + b.sigma_m * b.sigma_m);
+      among +=
+          2 * a.weight * b.weight * mean_absolute(a.t_m - b.t_m, variance + b.sigma_m * b.sigma_m);
     }
   }
   return to_z - 0.5 * among;

@@ -20,12 +20,13 @@ struct Predictive {
   double miss = 1;
 };
 
-/// Share of outliers mixed in before a logarithm is taken, half of them misses and half of them hits
-/// uniform in [0, max range]: an unexplained beam costs a finite amount, the same for every model.
+/// Share of outliers mixed in before a logarithm is taken, half of them misses and half of them
+/// hits uniform in [0, max range]: an unexplained beam costs a finite amount, the same for every
+/// model.
 inline constexpr double kOutlierShare = 0.01;
 
-/// The distribution from the elements met (in order of range). Stops where less than `negligible` of
-/// the weight is left, which then counts as the miss.
+/// The distribution from the elements met (in order of range). Stops where less than `negligible`
+/// of the weight is left, which then counts as the miss.
 void predict(const elements::Model& model, const std::vector<trace::Met>& met, double negligible,
              Predictive& out);
 
@@ -34,8 +35,8 @@ void predict(const elements::Model& model, const std::vector<trace::Met>& met, d
 double negative_log_likelihood(const Predictive& p, double range_m, double max_range_m);
 
 /// Continuous ranked probability score (m) of the range, a miss counting as a return at the maximum
-/// range: E|X − z| − ½ E|X − X'|, in closed form for the mixture (Grimit et al. 2006). Lower is better;
-/// for a point forecast it is the absolute error.
+/// range: E|X − z| − ½ E|X − X'|, in closed form for the mixture (Grimit et al. 2006). Lower is
+/// better; for a point forecast it is the absolute error.
 double crps(const Predictive& p, double range_m, double max_range_m);
 
 }  // namespace metrics

@@ -194,7 +194,8 @@ class Scorer {
         constexpr double kAlpha = 10;  // 1/m
         const double d = n.distance_m[i];
         const double c = 1 - std::exp(-kAlpha * d) / double(shared[n.index[i]]);
-        for (size_t s : {size_t(0), size_t(point_sets_[side][i][0]), size_t(point_sets_[side][i][1])}) {
+        for (size_t s :
+             {size_t(0), size_t(point_sets_[side][i][0]), size_t(point_sets_[side][i][1])}) {
           if (s >= sets_.size()) continue;
           sets_[s].cloud[side] += d;
           sets_[s].chamfer[side] += c;

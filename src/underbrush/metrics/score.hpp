@@ -18,19 +18,21 @@ inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 struct Summary {
   size_t beams = 0;
   size_t true_hits = 0, false_hits = 0, false_misses = 0, true_misses = 0;
-  double precision = kUnknown;  ///< True hits / all simulated hits, [tallavajhula18] eq. 2.
-  double recall = kUnknown;     ///< True hits / all real hits, eq. 3.
-  double f1 = kUnknown;         ///< Harmonic mean of the two.
+  double precision = kUnknown;       ///< True hits / all simulated hits, [tallavajhula18] eq. 2.
+  double recall = kUnknown;          ///< True hits / all real hits, eq. 3.
+  double f1 = kUnknown;              ///< Harmonic mean of the two.
   double packet_error_m = kUnknown;  ///< Mean over packets of the mean |y − ŷ| of true hits, eq. 1.
   double median_range_error_m = kUnknown;  ///< Median |ẑ − z| of true hits.
-  /// Mean distance to the nearest point of the other cloud, averaged over both directions, eq. 4–5, in
-  /// metres (not squared). For a part of the beams: of that part's points to the whole other cloud.
+  /// Mean distance to the nearest point of the other cloud, averaged over both directions, eq. 4–5,
+  /// in metres (not squared). For a part of the beams: of that part's points to the whole other
+  /// cloud.
   double cloud_error_m = kUnknown;
-  /// Density-aware Chamfer distance (Wu et al. 2021) in [0, 1] with α = 10/m: ½ Σ over directions of
-  /// the mean of 1 − e^{−α d}/n, n = how many points share the same nearest point.
+  /// Density-aware Chamfer distance (Wu et al. 2021) in [0, 1] with α = 10/m: ½ Σ over directions
+  /// of the mean of 1 − e^{−α d}/n, n = how many points share the same nearest point.
   double density_aware_chamfer = kUnknown;
-  double nll_per_beam = kUnknown;  ///< Mean negative log-likelihood of the real outcome (density 1/m).
-  double crps_m = kUnknown;        ///< Mean continuous ranked probability score of the range.
+  double nll_per_beam =
+      kUnknown;              ///< Mean negative log-likelihood of the real outcome (density 1/m).
+  double crps_m = kUnknown;  ///< Mean continuous ranked probability score of the range.
 };
 
 /// Counts of ẑ − z in bins of equal width, the outer ones open.
@@ -43,20 +45,21 @@ struct RangeErrorHistogram {
 /// All scores.
 struct Score {
   Summary all;
-  std::map<std::string, Summary> per_class;  ///< By the real log's column `class` (its number as text).
+  std::map<std::string, Summary>
+      per_class;  ///< By the real log's column `class` (its number as text).
   std::map<std::string, Summary> per_range;  ///< By real range ("0-10", … m, "miss").
   RangeErrorHistogram range_error;
 };
 
 /// Options of `score`.
 struct ScoreOptions {
-  bool cloud = true;                       ///< Cloud error and density-aware Chamfer distance.
-  const trace::World* world = nullptr;     ///< Adds likelihood and CRPS from the ray model.
+  bool cloud = true;                    ///< Cloud error and density-aware Chamfer distance.
+  const trace::World* world = nullptr;  ///< Adds likelihood and CRPS from the ray model.
   std::vector<double> range_edges_m = {0, 10, 20, 30, 50, 80};
 };
 
-/// Compares two logs of the same beams. Throws `std::invalid_argument` where the beams differ (number,
-/// scan, ring or origin). `progress(done, total)` may be empty.
+/// Compares two logs of the same beams. Throws `std::invalid_argument` where the beams differ
+/// (number, scan, ring or origin). `progress(done, total)` may be empty.
 Score score(BeamSource& real, BeamSource& simulated, const ScoreOptions& options,
             const std::function<void(size_t, size_t)>& progress = {});
 

@@ -51,8 +51,7 @@ void scan(const trace::World& world, std::span<const elements::Class> label,
     for (size_t i = begin; i < end; ++i) {
       const Ray axis{beams.origin[i], beams.direction[i].cast<double>().normalized()};
       const uint64_t key = beam_key(options.seed, beams.scan[i], first_beam + i);
-      const double turn =
-          2 * M_PI * uniform_from_bits(random_bits(key, 0, Purpose::kDirection));
+      const double turn = 2 * M_PI * uniform_from_bits(random_bits(key, 0, Purpose::kDirection));
       const Vec3 u = axis.direction.unitOrthogonal(), v = axis.direction.cross(u);
       hits.clear();
       for (int k = 0; k < options.sub_rays; ++k) {

@@ -13,20 +13,20 @@ namespace underbrush::simulate {
 /// A beam with a footprint, and a receiver that reports the strongest echo.
 struct FootprintOptions {
   uint64_t seed = 1;
-  double divergence_rad = 0.003;   ///< Full angle of the cone.
-  double exit_diameter_m = 0.01;   ///< Diameter of the beam where it leaves the sensor.
-  int sub_rays = 9;                ///< Rays a beam, spread evenly over its cross-section.
-  double pulse_m = 0.3;            ///< Hits nearer together than this along the beam are one echo.
-  double threshold = 0.2;          ///< An echo is seen if it holds this share of the footprint.
-  double range_sigma_m = 0.02;     ///< Noise of the range.
+  double divergence_rad = 0.003;  ///< Full angle of the cone.
+  double exit_diameter_m = 0.01;  ///< Diameter of the beam where it leaves the sensor.
+  int sub_rays = 9;               ///< Rays a beam, spread evenly over its cross-section.
+  double pulse_m = 0.3;           ///< Hits nearer together than this along the beam are one echo.
+  double threshold = 0.2;         ///< An echo is seen if it holds this share of the footprint.
+  double range_sigma_m = 0.02;    ///< Noise of the range.
 };
 
-/// Answers beams in place from the triangles of `world`, whatever their hit probability: sub-rays over
-/// the footprint, hits grouped into echoes, the one with most sub-rays reported (the nearer of equals)
-/// at its mean range plus noise; a miss if none holds `threshold` of the sub-rays. `label`, one per
-/// element of the world, comes out as the extra column `class` (of the echo's first hit; 0 for a
-/// miss). Random numbers as in `simulate`.
-void scan(const trace::World& world, std::span<const elements::Class> label, const FootprintOptions& options,
-          size_t first_beam, BeamLog& beams);
+/// Answers beams in place from the triangles of `world`, whatever their hit probability: sub-rays
+/// over the footprint, hits grouped into echoes, the one with most sub-rays reported (the nearer of
+/// equals) at its mean range plus noise; a miss if none holds `threshold` of the sub-rays. `label`,
+/// one per element of the world, comes out as the extra column `class` (of the echo's first hit; 0
+/// for a miss). Random numbers as in `simulate`.
+void scan(const trace::World& world, std::span<const elements::Class> label,
+          const FootprintOptions& options, size_t first_beam, BeamLog& beams);
 
 }  // namespace underbrush::simulate

@@ -63,8 +63,8 @@ void simulate(const trace::World& world, const Options& options, size_t first_be
   std::vector<uint16_t> label(beams.size());
   for (size_t i = 0; i < beams.size(); ++i) {
     if (element[i] == Met::kNone || model.kind(element[i]) != elements::Kind::kEllipsoid) continue;
-    label[i] = uint16_t(
-        model.ellipsoids[element[i] - model.ground.size() - model.surface.size()].label);
+    label[i] =
+        uint16_t(model.ellipsoids[element[i] - model.ground.size() - model.surface.size()].label);
   }
   beams.extra["element"] = std::move(element);
   beams.extra["element_class"] = std::move(label);

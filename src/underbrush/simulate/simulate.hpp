@@ -14,7 +14,7 @@ namespace simulate {
 
 /// How the range is drawn when a beam ends at an ellipsoid.
 enum class RangeDraw {
-  kOnRay,       ///< t ~ N(t_i, σ_i²): the Gaussian constrained to the ray, [deschaud12] eq. 2–3.
+  kOnRay,  ///< t ~ N(t_i, σ_i²): the Gaussian constrained to the ray, [deschaud12] eq. 2–3.
   kVolumetric,  ///< A point from N(μ, Σ), [tallavajhula18] §IV: it may lie off the beam.
 };
 
@@ -22,13 +22,13 @@ enum class RangeDraw {
 struct Options {
   uint64_t seed = 1;
   RangeDraw draw = RangeDraw::kOnRay;
-  double range_noise_m = 0;    ///< σ of further noise on every range.
-  double max_range_m = 0;      ///< Of the source below: overrides that of the beams if positive.
-  bool element_ids = false;    ///< Add the extra columns `element` and `element_class`.
+  double range_noise_m = 0;  ///< σ of further noise on every range.
+  double max_range_m = 0;    ///< Of the source below: overrides that of the beams if positive.
+  bool element_ids = false;  ///< Add the extra columns `element` and `element_class`.
 };
 
-/// Answers beams in place: the range of each becomes that of the first element which accepts it, or a
-/// miss. Beam i draws its random numbers from (seed, scan, first_beam + i), so neither chunks nor
+/// Answers beams in place: the range of each becomes that of the first element which accepts it, or
+/// a miss. Beam i draws its random numbers from (seed, scan, first_beam + i), so neither chunks nor
 /// threads change the answer. Volumetric draws also turn the direction towards the point drawn.
 /// Ranges are limited to those of `beams.info`; a draw outside them is put at the element itself.
 /// Intensities are those of no instrument yet: 0.

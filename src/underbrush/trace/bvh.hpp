@@ -21,8 +21,8 @@ struct alignas(64) Node {
   uint32_t unused[kWidth];
 };
 
-/// Eight ellipsoids: |U (x − mean)| ≤ 1 on the surface at Mahalanobis distance τ, U upper triangular
-/// (u00 u01 u02 u11 u12 u22). Lanes without an ellipsoid are NaN and never met.
+/// Eight ellipsoids: |U (x − mean)| ≤ 1 on the surface at Mahalanobis distance τ, U upper
+/// triangular (u00 u01 u02 u11 u12 u22). Lanes without an ellipsoid are NaN and never met.
 struct alignas(32) EllipsoidBlock {
   float mean[3][kWidth];
   float u[6][kWidth];
@@ -47,7 +47,8 @@ struct Bvh {
   size_t bytes() const;
 };
 
-/// Builds by binned surface-area splits straight to eight children. Element numbers are the model's.
+/// Builds by binned surface-area splits straight to eight children. Element numbers are the
+/// model's.
 Bvh build_bvh(const elements::Model& model);
 
 }  // namespace underbrush::trace

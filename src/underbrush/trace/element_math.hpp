@@ -15,9 +15,9 @@ namespace trace {
 
 /// A ray meeting an element.
 struct Met {
-  double t_m = 0;       ///< Range of the closest Mahalanobis approach, or of the intersection.
-  double sigma_m = 0;   ///< σ of the range drawn on a hit.
-  double delta2 = 0;    ///< Squared Mahalanobis distance of the closest approach; 0 for triangles.
+  double t_m = 0;      ///< Range of the closest Mahalanobis approach, or of the intersection.
+  double sigma_m = 0;  ///< σ of the range drawn on a hit.
+  double delta2 = 0;   ///< Squared Mahalanobis distance of the closest approach; 0 for triangles.
   uint32_t element = kNone;
 
   static constexpr uint32_t kNone = 0xffffffffu;
@@ -40,9 +40,9 @@ struct RangeLimits {
 Met approach(const Vec3& origin, const Vec3& direction, const Vec3f& mean,
              const std::array<float, 6>& covariance);
 
-/// Range at which a ray crosses a triangle, either side, border included; none if it misses or runs in
-/// its plane. Watertight: vertices are placed once per ray and the edge tests have exact signs (Woop,
-/// Benthin & Wald 2013), so a mesh has no gap along its edges or at its vertices.
+/// Range at which a ray crosses a triangle, either side, border included; none if it misses or runs
+/// in its plane. Watertight: vertices are placed once per ray and the edge tests have exact signs
+/// (Woop, Benthin & Wald 2013), so a mesh has no gap along its edges or at its vertices.
 std::optional<double> crossing(const Vec3& origin, const Vec3& direction, const Vec3f& a,
                                const Vec3f& b, const Vec3f& c);
 

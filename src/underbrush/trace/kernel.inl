@@ -42,7 +42,7 @@ struct RayF {
   float o[3], o_low[3], d[3];  // the origin as a sum of two floats
   float box_o[3], reciprocal[3];
   float t_min, t_max;
-  int near[3];                 // 0: lo is nearer along this axis, 1: hi
+  int near[3];  // 0: lo is nearer along this axis, 1: hi
   uint32_t key_low, key_high;
 
   explicit RayF(const Query& q) {
@@ -63,8 +63,8 @@ struct RayF {
   }
 };
 
-// Lanes whose Mahalanobis approach may be within τ and in (t_min, limit): a superset by a margin that
-// covers the rounding of single precision.
+// Lanes whose Mahalanobis approach may be within τ and in (t_min, limit): a superset by a margin
+// that covers the rounding of single precision.
 inline unsigned ellipsoid_candidates(const RayF& r, const EllipsoidBlock& b, float limit) {
   F8 m[3], q[3];
   F8 t0 = all(0);
@@ -84,15 +84,15 @@ inline unsigned ellipsoid_candidates(const RayF& r, const EllipsoidBlock& b, flo
   const F8 a = a0 * a0 + a1 * a1 + a2 * a2;
   const F8 h = a0 * b0 + a1 * b1 + a2 * b2;
   const F8 c = b0 * b0 + b1 * b1 + b2 * b2;
-  const F8 size = absolute(u00) + absolute(u01) + absolute(u02) + absolute(u11) + absolute(u12) +
-                  absolute(u22);
+  const F8 size =
+      absolute(u00) + absolute(u01) + absolute(u02) + absolute(u11) + absolute(u12) + absolute(u22);
   // |δ(Uq)| ≲ ε |t0| Σ|U|; the bound on |Uq|² grows by twice that where |Uq| is near 1.
   const F8 slack = (absolute(t0) + 1.0f) * size * 1e-6f + 1e-4f;
   const F8 bound = (1.0f + slack) * (1.0f + slack);
   const F8 t = t0 + h / a;
   const F8 t_slack = absolute(t0) * 1e-6f + 1e-4f + slack / size * 4.0f;
-  const I8 inside = ((c - bound) * a <= h * h * 1.00001f) & (t - t_slack <= limit) &
-                    (t + t_slack >= r.t_min);
+  const I8 inside =
+      ((c - bound) * a <= h * h * 1.00001f) & (t - t_slack <= limit) & (t + t_slack >= r.t_min);
   return bits(inside);
 }
 
@@ -188,19 +188,21 @@ inline void nearest(const View& view, const Query& query, Met& best, bool only_t
       if (settle_nearest(view, query, element[k], best)) limit = float(best.t_m) * 1.000001f;
     }
   };
-  traverse(view, ray, [&] { return limit; }, [&](uint32_t leaf) {
-    if (leaf & kTriangles) {
-      const TriangleBlock& b = view.triangles[leaf & kIndexMask];
-      unsigned lanes = triangle_candidates(ray, b, limit);
-      if (lanes && !only_triangles) lanes &= accepted(b.accept_below, b.element, ray);
-      settle(lanes, b.element);
-    } else if (!only_triangles) {
-      const EllipsoidBlock& b = view.ellipsoids[leaf & kIndexMask];
-      unsigned lanes = ellipsoid_candidates(ray, b, limit);
-      if (lanes) lanes &= accepted(b.accept_below, b.element, ray);
-      settle(lanes, b.element);
-    }
-  });
+  traverse(
+      view, ray, [&] { return limit; },
+      [&](uint32_t leaf) {
+        if (leaf & kTriangles) {
+          const TriangleBlock& b = view.triangles[leaf & kIndexMask];
+          unsigned lanes = triangle_candidates(ray, b, limit);
+          if (lanes && !only_triangles) lanes &= accepted(b.accept_below, b.element, ray);
+          settle(lanes, b.element);
+        } else if (!only_triangles) {
+          const EllipsoidBlock& b = view.ellipsoids[leaf & kIndexMask];
+          unsigned lanes = ellipsoid_candidates(ray, b, limit);
+          if (lanes) lanes &= accepted(b.accept_below, b.element, ray);
+          settle(lanes, b.element);
+        }
+      });
 }
 
 void nearest_accepted(const View& view, const Query& query, Met& best) {
@@ -215,19 +217,21 @@ void all_met(const View& view, const Query& query, double entry_limit_m, std::ve
   RayF ray(query);
   const float end = ray.t_max * 1.000001f;
   const float entry_limit = float(entry_limit_m) * 1.000001f;
-  traverse(view, ray, [&] { return entry_limit; }, [&](uint32_t leaf) {
-    const bool triangles = leaf & kTriangles;
-    const uint32_t index = leaf & kIndexMask;
-    const uint32_t* element =
-        triangles ? view.triangles[index].element : view.ellipsoids[index].element;
-    unsigned lanes = triangles ? triangle_candidates(ray, view.triangles[index], end)
-                               : ellipsoid_candidates(ray, view.ellipsoids[index], end);
-    while (lanes) {
-      const int k = __builtin_ctz(lanes);
-      lanes &= lanes - 1;
-      settle_all(view, query, element[k], met);
-    }
-  });
+  traverse(
+      view, ray, [&] { return entry_limit; },
+      [&](uint32_t leaf) {
+        const bool triangles = leaf & kTriangles;
+        const uint32_t index = leaf & kIndexMask;
+        const uint32_t* element =
+            triangles ? view.triangles[index].element : view.ellipsoids[index].element;
+        unsigned lanes = triangles ? triangle_candidates(ray, view.triangles[index], end)
+                                   : ellipsoid_candidates(ray, view.ellipsoids[index], end);
+        while (lanes) {
+          const int k = __builtin_ctz(lanes);
+          lanes &= lanes - 1;
+          settle_all(view, query, element[k], met);
+        }
+      });
 }
 
 }  // namespace

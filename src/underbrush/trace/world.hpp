@@ -14,8 +14,8 @@ namespace underbrush::trace {
 enum class Isa { kBest, kBase, kAvx2, kAvx512 };
 
 /// All elements of a model behind one query interface. The model must outlive the world, and its
-/// geometry and hit probabilities must not change meanwhile. Queries may run on any number of threads
-/// at once. Rays are in world coordinates; ranges are in metres along the unit direction.
+/// geometry and hit probabilities must not change meanwhile. Queries may run on any number of
+/// threads at once. Rays are in world coordinates; ranges are in metres along the unit direction.
 class World {
  public:
   explicit World(const elements::Model& model, Isa isa = Isa::kBest);
@@ -30,8 +30,8 @@ class World {
   /// The nearest triangle, whatever its hit probability.
   Met nearest_surface(const Ray& ray, const RangeLimits& limits) const;
 
-  /// Replaces `met` with all elements that the ray meets within `limits`, in order of range, ties by
-  /// number. Those whose bounds the ray enters only beyond `entry_limit_m` may be left out.
+  /// Replaces `met` with all elements that the ray meets within `limits`, in order of range, ties
+  /// by number. Those whose bounds the ray enters only beyond `entry_limit_m` may be left out.
   void all_met(const Ray& ray, const RangeLimits& limits, double entry_limit_m,
                std::vector<Met>& met) const;
 
