@@ -34,6 +34,8 @@ void add_options(CLI::App& app, Arguments& a) {
   option("--ellipsoid-prior-misses", a.fit.credit.ellipsoid.b, "Prior misses of an ellipsoid");
   option("--triangle-prior-hits", a.fit.credit.triangle.a, "Prior hits of a triangle");
   option("--triangle-prior-misses", a.fit.credit.triangle.b, "Prior misses of a triangle");
+  option("--free-space-below", a.fit.free_space_below,
+         "Drop ellipsoids with hits / (hits + misses) below this: nothing stands there");
   option("--max-residual-for-hit", a.fit.credit.max_residual_for_hit_m,
          "A triangle explains a point nearer than this, m");
   option("--surface-cell", a.fit.surface.cell_m, "surface: cell of the marching cubes, m");
@@ -61,6 +63,8 @@ void run(const Verb& verb, Arguments& a) {
   j["other_points"] = r.other_points;
   j["thinned_points"] = r.thinned_points;
   j["unclustered_points"] = r.unclustered_points;
+  j["free_space_ellipsoids"] = r.free_space_ellipsoids;
+  j["max_range_m"] = model.max_range_m;
   j["tiles"] = r.tiles;
   j["ground_triangles"] = model.ground.size();
   j["surface_triangles"] = model.surface.size();
@@ -80,6 +84,9 @@ void run(const Verb& verb, Arguments& a) {
   if (model.surface.size()) text += fmt::format(", {} triangles", model.surface.size());
   if (r.unclustered_points) text += fmt::format(", {} in no cluster", r.unclustered_points);
   text += "\n";
+  if (r.free_space_ellipsoids) {
+    text += fmt::format("  dropped     {} ellipsoids in free space\n", r.free_space_ellipsoids);
+  }
   if (r.thinned_points)
     text += fmt::format("  left out    {} points of full tiles\n", r.thinned_points);
   for (const auto& [why, n] : step.skipped)

@@ -23,6 +23,7 @@ class ModelFile : public testing::Test {
     fs::create_directories(folder_);
     model_ = trace::random_model(4, 50, Vec3(5e5, -4e6, 123.456));
     model_.fitter = "hierarchical";
+    model_.max_range_m = 80;
     model_.provenance = R"({"seed":1})";
   }
   void TearDown() override { fs::remove_all(folder_); }
@@ -45,6 +46,7 @@ TEST_F(ModelFile, ComesBackWhole) {
   const Model back = read_model(folder_ / "m");
   EXPECT_EQ(back.origin, model_.origin);
   EXPECT_EQ(back.tau, model_.tau);
+  EXPECT_EQ(back.max_range_m, 80);
   EXPECT_EQ(back.fitter, model_.fitter);
   EXPECT_EQ(back.provenance, model_.provenance);
   EXPECT_EQ(back.ground.vertices, model_.ground.vertices);

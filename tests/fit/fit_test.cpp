@@ -63,7 +63,9 @@ TEST(Fit, HybridFindsGroundAndTellsThePermeableBushFromTheDenseOne) {
   const Vec3 at(5e5, 4e6, 200);
   const BeamLog log = drive_past_bushes(1, at);
   MemorySource source(log);
-  const FitResult r = fit(source, {});
+  FitOptions options;
+  options.credit.ellipsoid = {1, 1};
+  const FitResult r = fit(source, options);
   EXPECT_EQ(r.report.beams, log.size());
   EXPECT_GT(r.model.ground.size(), 0u);
   EXPECT_NEAR(r.model.ground.range_sigma_m, 0.02, 0.02);
@@ -103,6 +105,42 @@ TEST(Fit, GivesTheSameBitsForAnyThreadsAndChunks) {
       EXPECT_EQ(a.model.ellipsoids[i].covariance, b.model.ellipsoids[i].covariance);
     }
   }
+}
+
+// A cloud that stood there for one scan only: all later beams pass through it.
+TEST(Fit, DropsWhatOnlyOnceStoodInFreeSpace) {
+  BeamLog log = drive_past_bushes(4);
+  Stream random(5);
+  for (size_t i = 0; i < log.size() / 20; ++i) {
+    const Vec3f& d = log.direction[i];
+    if (d.x() > 0.95f && d.z() > -0.15f) log.range_m[i] = float(4 + 0.1 * random.normal());
+  }
+  const auto ghosts = [&](double below) {
+    FitOptions options;
+    options.free_space_below = below;
+    MemorySource source(log);
+    const FitResult r = fit(source, options);
+    size_t n = 0;
+    for (const auto& e : r.model.ellipsoids) {
+      const Vec3 at = r.model.origin + e.mean.cast<double>();
+      n += (at - Vec3(-2, 0, 1.6)).norm() < 1.5;
+    }
+    return std::pair(n, r.report.free_space_ellipsoids);
+  };
+  EXPECT_GT(ghosts(0).first, 8u);
+  EXPECT_EQ(ghosts(0).second, 0u);
+  EXPECT_LT(ghosts(0.05).first, ghosts(0).first / 4);
+  EXPECT_GT(ghosts(0.05).second, 0u);
+}
+
+TEST(Fit, LearnsWhereTheSensorEnds) {
+  BeamLog log = drive_past_bushes(6);
+  float largest = 0;
+  for (size_t i = 0; i < log.size(); ++i) {
+    if (log.is_hit(i)) largest = std::max(largest, log.range_m[i]);
+  }
+  MemorySource source(log);
+  EXPECT_EQ(fit(source, {}).model.max_range_m, double(largest));
 }
 
 TEST(Fit, SaysWhatALogLacks) {

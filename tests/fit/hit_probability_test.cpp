@@ -76,7 +76,9 @@ TEST(CountHits, IsTheRatioWithPriors) {
   model.ellipsoids[2].mean.y() = 30;  // off the beams
   const BeamLog log = beams_along_x({5, 5, 10, 10, 10, 10, kMiss});
   MemorySource source(log);
-  count_hits(model, source, {});
+  CreditOptions options;
+  options.ellipsoid = {0, 1};
+  count_hits(model, source, options);
   EXPECT_EQ(model.ellipsoids[0].hit.hits, 2u);
   EXPECT_EQ(model.ellipsoids[0].hit.misses, 5u);
   EXPECT_FLOAT_EQ(model.ellipsoids[0].hit.p, 2.0f / 8);

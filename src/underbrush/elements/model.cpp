@@ -52,6 +52,7 @@ const HitCount& Model::hit(size_t element) const {
 void Model::check() const {
   require(origin.allFinite(), "model: the origin is not finite");
   require(std::isfinite(tau) && tau > 0, "model: tau must be positive");
+  require(max_range_m > 0, "model: the maximum range must be positive");
   check_mesh(ground);
   check_mesh(surface);
   for (const Ellipsoid& e : ellipsoids) {

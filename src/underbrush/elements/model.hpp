@@ -4,6 +4,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -53,6 +54,9 @@ struct Model {
   TriangleMesh surface;  ///< Opaque or permeable triangles that are not ground.
   std::vector<Ellipsoid> ellipsoids;
   double tau = 3.5;        ///< A beam meets an ellipsoid within this Mahalanobis distance.
+  /// Largest range (m) at which the log that it was fitted to has a return: where sensor or format
+  /// end. Infinite where nothing is known.
+  double max_range_m = std::numeric_limits<double>::infinity();
   std::string fitter;      ///< Name of the fitter that made it.
   std::string provenance;  ///< JSON object: program version, command, seed, input hashes.
 

@@ -132,6 +132,7 @@ Json manifest_of(const Model& m) {
   j["fitter"] = m.fitter;
   j["origin_m"] = {m.origin.x(), m.origin.y(), m.origin.z()};
   j["tau"] = m.tau;
+  if (std::isfinite(m.max_range_m)) j["max_range_m"] = m.max_range_m;
   j["ground"] = {{"file", "ground.ply"},
                  {"triangles", m.ground.size()},
                  {"range_sigma_m", m.ground.range_sigma_m}};
@@ -180,6 +181,7 @@ Model read_model(const fs::path& path) {
     }
     for (Eigen::Index d = 0; d < 3; ++d) model.origin[d] = j.at("origin_m").at(size_t(d));
     model.tau = j.at("tau");
+    model.max_range_m = j.value("max_range_m", model.max_range_m);
     model.fitter = j.at("fitter");
     model.provenance = j.at("provenance").dump();
     model.ground = read_mesh(path / "ground.ply", j.at("ground").at("range_sigma_m"));

@@ -21,8 +21,8 @@ struct Clusters {
 
 /// Options of `hierarchical_clusters`.
 struct HierarchicalOptions {
-  double clusters_per_point = 0.042;  ///< Number of clusters = this × number of points.
-  int min_points = 5;                 ///< No cluster is made smaller than this by splitting.
+  double clusters_per_point = 0.1;  ///< Number of clusters = this × number of points.
+  int min_points = 3;                 ///< No cluster is made smaller than this by splitting.
   int branching = 2;                  ///< k of the k-means at each split; 2 follows the data best.
   int iterations = 6;                 ///< Of each k-means.
 };

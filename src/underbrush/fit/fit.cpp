@@ -14,14 +14,17 @@ namespace {
 constexpr double kMarginM = 10;
 
 /// Points of all hits by tile, relative to `origin`.
-void gather(BeamSource& source, const Vec3& origin, TileStore& store, FitReport& report,
-            const FitProgress& progress) {
+/// Gives the largest range among them.
+double gather(BeamSource& source, const Vec3& origin, TileStore& store, FitReport& report,
+              const FitProgress& progress) {
+  float largest = 0;
   source.rewind();
   BeamLog chunk;
   while (source.next(chunk)) {
     for (size_t i = 0; i < chunk.size(); ++i) {
       if (!chunk.is_hit(i)) continue;
       ++report.hits;
+      largest = std::max(largest, chunk.range_m[i]);
       store.add({(chunk.end_point(i) - origin).cast<float>(), -chunk.direction[i]});
     }
     report.beams += chunk.size();
@@ -30,6 +33,7 @@ void gather(BeamSource& source, const Vec3& origin, TileStore& store, FitReport&
   report.misses = report.beams - report.hits;
   report.thinned_points = store.thinned();
   report.tiles = store.tiles().size();
+  return largest;
 }
 
 /// The world origin of a model: near the first beam, on whole metres.
@@ -119,6 +123,13 @@ void fit_hybrid(const TileStore& store, const FitOptions& options, elements::Mod
   model.ground = mesh_of_ground(grid.solve(), options);
 }
 
+void drop_free_space(const FitOptions& options, elements::Model& model, FitReport& report) {
+  report.free_space_ellipsoids = std::erase_if(model.ellipsoids, [&](const elements::Ellipsoid& e) {
+    const double beams = double(e.hit.hits) + e.hit.misses;
+    return beams >= options.free_space_beams && e.hit.hits < options.free_space_below * beams;
+  });
+}
+
 void fit_surface(const TileStore& store, const FitOptions& options, elements::Model& model,
                  FitReport& report, const FitProgress& progress) {
   const double margin = surface_margin_m(options.surface);
@@ -168,7 +179,7 @@ FitResult fit(BeamSource& source, const FitOptions& options, const FitProgress& 
   model.tau = options.tau;
   model.origin = model_origin(source);
   TileStore store(options.tiles);
-  gather(source, model.origin, store, out.report, progress);
+  model.max_range_m = gather(source, model.origin, store, out.report, progress);
   require(store.size() > 0, "fit: the log has no return to fit a model to");
   if (!source.info().has_misses) {
     out.report.warnings.push_back(
@@ -180,6 +191,7 @@ FitResult fit(BeamSource& source, const FitOptions& options, const FitProgress& 
     count_hits(model, source, options.credit, [&](size_t done, size_t total) {
       if (progress) progress("count hits", done, total);
     });
+    drop_free_space(options, model, out.report);
   } else if (options.fitter == "surface") {
     fit_surface(store, options, model, out.report, progress);
   } else {

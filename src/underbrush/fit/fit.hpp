@@ -24,8 +24,12 @@ struct FitOptions {
   /// everything, the everyday baseline.
   std::string fitter = "hierarchical";
   uint64_t seed = 1;
-  double tau = 3.5;             ///< A beam meets an ellipsoid within this Mahalanobis distance.
+  double tau = 3;               ///< A beam meets an ellipsoid within this Mahalanobis distance.
   double range_noise_m = 0.02;  ///< σ of the sensor's range: the floor of every extent.
+  /// Ellipsoids through which nearly all beams passed are free space that something crossed once:
+  /// dropped where hits / (hits + misses) is below this, with at least `free_space_beams` beams.
+  double free_space_below = 0.05;
+  uint32_t free_space_beams = 20;
   TileOptions tiles;
   ground::SegmentOptions segment;
   ground::HeightGridOptions ground;
@@ -41,6 +45,7 @@ struct FitReport {
   size_t ground_points = 0, other_points = 0;
   size_t thinned_points = 0;      ///< Left out because their tile was full.
   size_t unclustered_points = 0;  ///< In no cluster of at least `min_points`.
+  size_t free_space_ellipsoids = 0;  ///< Dropped as free space.
   size_t tiles = 0;
   std::vector<std::string> warnings;
 };

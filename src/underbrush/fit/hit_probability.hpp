@@ -15,8 +15,10 @@ struct HitPrior {
 
 /// Options of `count_hits`.
 struct CreditOptions {
-  HitPrior ellipsoid{0, 1};  ///< [tallavajhula18] Table I.
-  HitPrior triangle{1, 2};   ///< [tallavajhula18] Table I.
+  /// Opaque until beams are seen to pass: tuned, as [tallavajhula18] tunes θ, for the least packet
+  /// error + 2(1 − F1). Table I of the paper has (0, 1) for ellipsoids and (1, 2) for triangles.
+  HitPrior ellipsoid{50, 0};
+  HitPrior triangle{1e4, 0};  ///< The earth lets nothing through; misses there are grazing beams.
   double max_residual_for_hit_m =
       0.75;  ///< A triangle explains a point nearer than this along the beam.
 };

@@ -160,12 +160,13 @@ class Scorer {
     nll_.resize(real.size());
     crps_.resize(real.size());
     const double max_range = real.info.max_range_m;
+    const double reach = std::min(max_range, options_.world->model().max_range_m);
     parallel_for(real.size(), 1024, [&](size_t begin, size_t end) {
       std::vector<trace::Met> met;
       Predictive p;
       for (size_t i = begin; i < end; ++i) {
         const Ray ray{real.origin[i], real.direction[i].cast<double>().normalized()};
-        options_.world->all_met(ray, {real.info.min_range_m, max_range}, max_range, met);
+        options_.world->all_met(ray, {real.info.min_range_m, reach}, reach, met);
         predict(options_.world->model(), met, 1e-4, p);
         nll_[i] = negative_log_likelihood(p, real.range_m[i], max_range);
         crps_[i] = crps(p, real.range_m[i], max_range);

@@ -34,7 +34,8 @@ Vec3 drawn_in_volume(const elements::Model& model, const Met& met, uint64_t key)
 void simulate(const trace::World& world, const Options& options, size_t first_beam,
               BeamLog& beams) {
   const elements::Model& model = world.model();
-  const trace::RangeLimits limits{beams.info.min_range_m, beams.info.max_range_m};
+  const trace::RangeLimits limits{beams.info.min_range_m,
+                                  std::min(beams.info.max_range_m, model.max_range_m)};
   std::vector<uint32_t> element(options.element_ids ? beams.size() : 0, Met::kNone);
   parallel_for(beams.size(), 4096, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
