@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <optional>
+
 #include <set>
 
 #include "underbrush/core/check.hpp"
@@ -18,6 +20,7 @@ struct Arguments {
   io::LogWriterOptions writer;
   bool float_coordinates = false;
   double elevation_offset_deg = 0, max_range_m = 0;
+  std::optional<double> unknown_below_deg;
 };
 
 /// What became of the log's records.
@@ -41,6 +44,9 @@ void add_options(CLI::App& app, Arguments& a) {
   app.add_option("--deskew", a.deskew,
                  "Scans are raw: give every beam its pose by this sensor's timing")
       ->type_name("SENSOR");
+  app.add_option("--unknown-below-deg", a.unknown_below_deg,
+                 "Beams without a return that point lower than this tell nothing (own vehicle): leave "
+                 "them out. Without it, inferred ones below -13, no recorded ones");
   app.add_option("--elevation-offset-deg", a.elevation_offset_deg,
                  "Known fault of the recording: turn every beam up by this (KITTI: 0.205)")
       ->capture_default_str();
@@ -59,6 +65,10 @@ void add_options(CLI::App& app, Arguments& a) {
 sensor::BeamOptions beam_options(const Arguments& a, const io::Input& input) {
   sensor::BeamOptions options;
   options.elevation_offset_rad = a.elevation_offset_deg * M_PI / 180;
+  if (a.unknown_below_deg) {
+    options.unknown_below_rad = options.recorded_unknown_below_rad =
+        *a.unknown_below_deg * M_PI / 180;
+  }
   if (!a.deskew.empty()) {
     require(!input.compensated, "import: --deskew: these scans are motion-compensated already");
     options.deskew = sensor::load(a.deskew);

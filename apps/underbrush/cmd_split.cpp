@@ -1,6 +1,10 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <map>
 #include <set>
+#include <vector>
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/log_file.hpp"
@@ -23,7 +27,7 @@ void add_options(CLI::App& app, Arguments& a) {
   app.add_option("--test", a.test, "Where the beams that are held out go")->required();
   auto* group = app.add_option_group("What is held out (one of)");
   group->add_option("--every", a.every, "Every K-th scan")->check(CLI::Range(2, 1 << 30));
-  group->add_option("--columns", a.columns, "Every K-th packet (for a log of one scan)")
+  group->add_option("--columns", a.columns, "Every K-th column of each scan: the beams fired at one time")
       ->check(CLI::Range(2, 1 << 30));
   group
       ->add_option("--time", a.time, "Scans whose time lies in [FROM, TO), s after the log's start")
@@ -43,7 +47,9 @@ void add_options(CLI::App& app, Arguments& a) {
 /// Decides for whole scans (or packets), so that the two parts never share a beam.
 class HeldOut {
  public:
-  HeldOut(const Arguments& a, const LogInfo& info) : a_(a) {
+  HeldOut(const Arguments& a, BeamSource& log) : a_(a) {
+    const LogInfo& info = log.info();
+    if (a.columns) collect_columns(log);
     for (const ScanInfo& s : info.scans) {
       scan_.push_back(s.scan);
       start_ = std::min(start_, s.time_s);
@@ -62,7 +68,11 @@ class HeldOut {
   }
 
   bool operator()(const BeamLog& log, size_t i) const {
-    if (a_.columns) return int(log.packet[i] % uint32_t(a_.columns)) == a_.offset % a_.columns;
+    if (a_.columns) {
+      const std::vector<double>& times = columns_.at(log.scan[i]);
+      const auto column = std::lower_bound(times.begin(), times.end(), log.time_s[i]) - times.begin();
+      return int(column % a_.columns) == a_.offset % a_.columns;
+    }
     if (a_.every) {
       const auto at = std::lower_bound(scan_.begin(), scan_.end(), log.scan[i]);
       const size_t place =
@@ -73,7 +83,24 @@ class HeldOut {
   }
 
  private:
+  // A column: the beams of a scan that were fired at one time.
+  void collect_columns(BeamSource& log) {
+    BeamLog chunk;
+    while (log.next(chunk)) {
+      for (size_t i = 0; i < chunk.size(); ++i) {
+        std::vector<double>& times = columns_[chunk.scan[i]];
+        if (times.empty() || times.back() != chunk.time_s[i]) times.push_back(chunk.time_s[i]);
+      }
+    }
+    for (auto& [scan, times] : columns_) {
+      std::sort(times.begin(), times.end());
+      times.erase(std::unique(times.begin(), times.end()), times.end());
+    }
+    log.rewind();
+  }
+
   const Arguments& a_;
+  std::map<uint32_t, std::vector<double>> columns_;
   std::vector<uint32_t> scan_;
   std::set<uint32_t> chosen_;
   double start_ = INFINITY;
@@ -81,7 +108,7 @@ class HeldOut {
 
 void run(const Verb& verb, const Arguments& a) {
   io::LogReader log(a.log);
-  const HeldOut held_out(a, log.info());
+  const HeldOut held_out(a, log);
   const std::string origin = provenance(verb, {a.log});
   io::LogWriter train(a.train, log.info(), origin), test(a.test, log.info(), origin);
   Progress progress("split");

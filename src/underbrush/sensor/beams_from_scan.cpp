@@ -65,6 +65,9 @@ std::vector<uint16_t> rings_of(const Job& job) {
   return rings_from_elevation(job.scan.point, *job.sensor, job.options.elevation_offset_rad);
 }
 
+// Of a revolution; the share of twelve firings of an HDL-32E.
+constexpr int kPacketsOfUnknownSensor = 180;
+
 // Time of a beam whose scan has none of its own: from where the scanner looks.
 double time_at(const Job& job, double azimuth) {
   if (!job.options.deskew) return job.scan.info.time_s;
@@ -163,7 +166,14 @@ Vec3 raised(const Vec3& d, double angle) {
 }
 
 void fill_packets(const Job& job, const std::vector<SensorRay>& rays, BeamLog& log) {
-  if (!job.sensor || rays.empty()) return;
+  if (!job.sensor) {
+    for (size_t i = 0; i < rays.size(); ++i) {
+      const double turned = 0.5 - std::remainder(rays[i].azimuth_rad, 2 * M_PI) / (2 * M_PI);
+      log.packet[i] = uint32_t(turned * kPacketsOfUnknownSensor);
+    }
+    return;
+  }
+  if (rays.empty()) return;
   const double width = job.sensor->firing_period_s * job.sensor->firings_per_packet;
   double first = INFINITY;
   for (const SensorRay& ray : rays) first = std::min(first, ray.time_s);

@@ -59,7 +59,8 @@ struct BeamCounts {
 /// - order: with `deskew` by time, then ring; else the file's, an inferred miss after the return
 ///   before its gap.
 /// - packet: by firing time (without per-point time: by azimuth, from the rear), in bins of the
-///   sensor's `firings_per_packet` firings, from 0 in each scan; 0 where no sensor is given.
+///   sensor's `firings_per_packet` firings, from 0 in each scan; by azimuth in bins of 2° where no
+///   sensor is given.
 /// - intensity and extra columns: the file's, 0 for an inferred miss. Inferred misses are flagged
 ///   `kInferred`. Returns beyond the maximum range are kept.
 ///
