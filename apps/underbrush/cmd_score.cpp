@@ -22,8 +22,10 @@ void add_options(CLI::App& app, Arguments& a) {
       ->required();
   app.add_option("--model", a.models,
                  "The model of each simulated log, in order: adds likelihood and CRPS")
-      ->type_name("MODEL");
-  app.add_option("--name", a.names, "Name of each simulated log in the results, in order");
+      ->type_name("MODEL")
+      ->allow_extra_args(false);
+  app.add_option("--name", a.names, "Name of each simulated log in the results, in order")
+      ->allow_extra_args(false);
   app.add_option("--report", a.report, "Write a report (one HTML file) into this folder")
       ->type_name("DIR");
   app.add_flag("--no-cloud", a.no_cloud,

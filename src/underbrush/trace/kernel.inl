@@ -136,8 +136,8 @@ inline unsigned enter(const RayF& r, const Node& n, float limit, F8& entry) {
   return bits(entry <= far * 1.000002f);
 }
 
-// Visits the leaves that the ray enters before limit(), nearer ones first.
-template <class Limit, class Leaf>
+// Visits the leaves that the ray enters before limit(); nearer ones first if kOrdered.
+template <bool kOrdered, class Limit, class Leaf>
 inline void traverse(const View& view, const RayF& ray, Limit limit, Leaf leaf) {
   struct Entry {
     uint32_t node;
@@ -163,7 +163,7 @@ inline void traverse(const View& view, const RayF& ray, Limit limit, Leaf leaf) 
       hit &= hit - 1;
       const float t = entry[k];
       int at_k = top++;
-      while (at_k > base && stack[at_k - 1].t < t) {
+      while (kOrdered && at_k > base && stack[at_k - 1].t < t) {
         stack[at_k] = stack[at_k - 1];
         --at_k;
       }
@@ -188,7 +188,7 @@ inline void nearest(const View& view, const Query& query, Met& best, bool only_t
       if (settle_nearest(view, query, element[k], best)) limit = float(best.t_m) * 1.000001f;
     }
   };
-  traverse(
+  traverse<true>(
       view, ray, [&] { return limit; },
       [&](uint32_t leaf) {
         if (leaf & kTriangles) {
@@ -217,7 +217,7 @@ void all_met(const View& view, const Query& query, double entry_limit_m, std::ve
   RayF ray(query);
   const float end = ray.t_max * 1.000001f;
   const float entry_limit = float(entry_limit_m) * 1.000001f;
-  traverse(
+  traverse<false>(
       view, ray, [&] { return entry_limit; },
       [&](uint32_t leaf) {
         const bool triangles = leaf & kTriangles;

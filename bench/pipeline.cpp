@@ -1,0 +1,149 @@
+// Fitting and simulation as multiples of a real sensor's rate, with raw Embree closest-hit on the
+// same ground mesh and the same rays in the same run as the yardstick. Fits to a log if one is
+// given, else to a scanned generated site.
+#include <embree3/rtcore.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "underbrush/core/parallel.hpp"
+#include "underbrush/fit/fit.hpp"
+#include "underbrush/io/log_file.hpp"
+#include "underbrush/scene/test_site.hpp"
+#include "underbrush/sensor/pattern.hpp"
+#include "underbrush/simulate/footprint.hpp"
+#include "underbrush/simulate/simulate.hpp"
+
+namespace {
+using namespace underbrush;
+
+constexpr double kHdl64eBeamsPerS = 1.33e6;
+
+template <class F>
+double seconds_of(F f) {
+  const auto start = std::chrono::steady_clock::now();
+  f();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// Median of the rates (items/s) of several runs.
+template <class F>
+double median_rate(size_t items, int runs, F f) {
+  std::vector<double> rates;
+  for (int k = 0; k < runs; ++k) rates.push_back(double(items) / seconds_of(f));
+  std::nth_element(rates.begin(), rates.begin() + runs / 2, rates.end());
+  return rates[size_t(runs) / 2];
+}
+
+BeamLog scanned_site(double seconds) {
+  const scene::Site site = scene::make_site({});
+  const scene::FlatSite flat = scene::flatten(site);
+  const trace::World world(flat.model);
+  const double start = site.world_from_sensor.poses().front().time_s;
+  BeamLog log = sensor::beams(sensor::load("velodyne-hdl64e"), site.world_from_sensor, start,
+                              start + seconds);
+  log.info.has_misses = true;
+  simulate::scan(world, flat.label, {}, 0, log);
+  return log;
+}
+
+/// Embree's closest hit on the model's triangles, single rays in firing order on all threads.
+class Embree {
+ public:
+  explicit Embree(const elements::TriangleMesh& mesh) : device_(rtcNewDevice(nullptr)) {
+    scene_ = rtcNewScene(device_);
+    RTCGeometry g = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+    auto* v = static_cast<float*>(rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0,
+                                                          RTC_FORMAT_FLOAT3, 12,
+                                                          mesh.vertices.size()));
+    for (const Vec3f& p : mesh.vertices) {
+      for (int d = 0; d < 3; ++d) *v++ = p[d];
+    }
+    auto* t = static_cast<unsigned*>(
+        rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, mesh.size()));
+    for (const auto& corners : mesh.triangles) t = std::copy(corners.begin(), corners.end(), t);
+    rtcCommitGeometry(g);
+    rtcAttachGeometry(scene_, g);
+    rtcReleaseGeometry(g);
+    rtcCommitScene(scene_);
+  }
+  ~Embree() {
+    rtcReleaseScene(scene_);
+    rtcReleaseDevice(device_);
+  }
+
+  void closest_hits(const BeamLog& beams, const Vec3& origin, std::vector<float>& range) const {
+    range.resize(beams.size());
+    parallel_for(beams.size(), 4096, [&](size_t begin, size_t end) {
+      RTCIntersectContext context;
+      rtcInitIntersectContext(&context);
+      for (size_t i = begin; i < end; ++i) {
+        const Vec3f o = (beams.origin[i] - origin).cast<float>();
+        const Vec3f& d = beams.direction[i];
+        RTCRayHit ray{};
+        ray.ray = {o.x(), o.y(), o.z(), 0, d.x(), d.y(), d.z(), 0, 120, ~0u, 0, 0};
+        ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+        rtcIntersect1(scene_, &context, &ray);
+        range[i] = ray.ray.tfar;
+      }
+    });
+  }
+
+ private:
+  RTCDevice device_;
+  RTCScene scene_;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Speed of fit and simulate against the sensor's rate and Embree");
+  std::string log_file, json_file;
+  int runs = 5;
+  bool quick = false;
+  app.add_option("LOG", log_file, "A log (ray cloud PLY); default: a generated site, scanned");
+  app.add_option("--json", json_file, "Write the figures here");
+  app.add_option("--runs", runs, "Runs of each, the median counts")->capture_default_str();
+  app.add_flag("--quick", quick, "A small case");
+  CLI11_PARSE(app, argc, argv);
+
+  const BeamLog log = log_file.empty() ? scanned_site(quick ? 0.5 : 4) : io::read_log(log_file);
+  if (quick) runs = 1;
+  fit::FitResult fitted;
+  const double fit_rate = median_rate(log.size(), runs, [&] {
+    MemorySource source(log);
+    fitted = fit::fit(source, {});
+  });
+  const elements::Model& model = fitted.model;
+  std::unique_ptr<trace::World> world;
+  const double build_s = seconds_of([&] { world = std::make_unique<trace::World>(model); });
+  BeamLog answered = log;
+  const double simulate_rate = median_rate(
+      log.size(), runs, [&] { simulate::simulate(*world, {}, 0, answered); });
+  const Embree embree(model.ground);
+  std::vector<float> range;
+  const double embree_rate = median_rate(
+      log.size(), runs, [&] { embree.closest_hits(log, model.origin, range); });
+
+  nlohmann::ordered_json j;
+  j["beams"] = log.size();
+  j["ellipsoids"] = model.ellipsoids.size();
+  j["ground_triangles"] = model.ground.size();
+  j["threads"] = threads();
+  j["isa"] = world->isa();
+  j["fit_beams_per_s"] = fit_rate;
+  j["fit_hdl64e_realtime_multiple"] = fit_rate / kHdl64eBeamsPerS;
+  j["world_build_s"] = build_s;
+  j["simulate_beams_per_s"] = simulate_rate;
+  j["simulate_hdl64e_realtime_multiple"] = simulate_rate / kHdl64eBeamsPerS;
+  j["embree_ground_closest_hit_rays_per_s"] = embree_rate;
+  j["simulate_to_embree_ground_ratio"] = simulate_rate / embree_rate;
+  for (const auto& [key, value] : j.items()) std::printf("%-40s %s\n", key.c_str(), value.dump().c_str());
+  if (!json_file.empty()) std::ofstream(json_file) << j.dump(2) << "\n";
+  return 0;
+}

@@ -1,0 +1,99 @@
+#!/usr/bin/env python3
+"""Hybrid against surface mesh on real logs: import, fit on half, simulate and score the other half.
+
+    scripts/real_logs.py DATA WORK [--program build/bin/underbrush] [--only NAME ...] [--markdown FILE]
+
+DATA is a folder with the logs named in LOGS below (KITTI drives packed by its frames.py, which needs
+NumPy, or unpacked). WORK receives all intermediate files. Prints one Markdown table row a log and
+model; a log that is absent is skipped with one line.
+"""
+import argparse
+import json
+import pathlib
+import subprocess
+import sys
+
+HDL64 = ["--deskew", "velodyne-hdl64e", "--elevation-offset-deg", "0.205",
+         "--infer-misses", "velodyne-hdl64e"]
+# name: (source below DATA, import options, split options)
+LOGS = {
+    "kitti_0027_forest": ("kitti_0027_forest", HDL64, ["--every", "2"]),
+    "kitti_0005_city": ("kitti_0005_city", HDL64, ["--every", "2"]),
+    "kitti_0052_static": ("kitti_0052_static", HDL64, ["--every", "2"]),
+    "rellis_000104": ("rellis_000104/frame000104-1581624663_170.ply",
+                      ["--infer-misses", "ouster-os1-64"], ["--columns", "2"]),
+    "marv_forest": ("marv_forest/1727353472_601360559.npz", ["--unknown-below-deg", "-13"],
+                    ["--columns", "2"]),
+}
+FITTERS = {"hybrid": "hierarchical", "surface": "surface"}
+COLUMNS = [("packet_error_m", "packet error, m", 3), ("precision", "precision", 4),
+           ("recall", "recall", 4), ("f1", "F1", 4), ("cloud_error_m", "cloud error, m", 4),
+           ("median_range_error_m", "median range error, m", 3), ("nll_per_beam", "NLL/beam", 3),
+           ("crps_m", "CRPS, m", 3)]
+
+
+def run(program, *words):
+    subprocess.run([program, *map(str, words)], check=True, stdout=subprocess.DEVNULL)
+
+
+def unpacked(source, data, work):
+    """A KITTI drive as import takes it: velodyne/NNNNNN.bin beside its text files."""
+    archive = source / "velodyne.kfx"
+    if not source.is_dir() or not archive.exists():
+        return source
+    folder = work / "raw"
+    if not (folder / "velodyne").exists():
+        subprocess.run([sys.executable, data / "frames.py", "unpack", archive, folder / "velodyne"],
+                       check=True)
+        for text in source.glob("*.txt"):
+            (folder / text.name).write_bytes(text.read_bytes())
+    return folder
+
+
+def score(program, data, work, name):
+    source, options, split = LOGS[name]
+    work.mkdir(parents=True, exist_ok=True)
+    source = unpacked(data / source, data, work)
+    poses = ["--poses", source / "poses_velo.txt"] if (source / "poses_velo.txt").exists() else []
+    run(program, "import", source, *poses, *options, "-o", work / "log.ply")
+    train, test = work / "train.ply", work / "test.ply"
+    run(program, "split", work / "log.ply", *split, "--train", train, "--test", test)
+    words = ["score", test]
+    for label, fitter in FITTERS.items():
+        run(program, "fit", train, "--fitter", fitter, "-o", work / label)
+        run(program, "simulate", work / label, "--like", test, "-o", work / f"{label}.ply")
+        words += [work / f"{label}.ply", "--model", work / label, "--name", label]
+    run(program, *words, "--json", work / "score.json", "--report", work / "report")
+    return json.loads((work / "score.json").read_text())
+
+
+def rows(name, result):
+    for label in FITTERS:
+        s = result["models"][label]
+        figures = [f"{s[key]:.{digits}f}" for key, _, digits in COLUMNS]
+        yield f"| {name} | {label} | {s['beams']} | " + " | ".join(figures) + " |"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("data", type=pathlib.Path)
+    parser.add_argument("work", type=pathlib.Path)
+    parser.add_argument("--program", default="build/bin/underbrush")
+    parser.add_argument("--only", nargs="*", default=list(LOGS), choices=list(LOGS))
+    parser.add_argument("--markdown", type=pathlib.Path, help="also write the table here")
+    args = parser.parse_args()
+    table = ["| log | model | beams | " + " | ".join(title for _, title, _ in COLUMNS) + " |",
+             "|---|---|" + "---:|" * (1 + len(COLUMNS))]
+    print("\n".join(table), flush=True)
+    for name in args.only:
+        if not (args.data / LOGS[name][0]).exists():
+            print(f"{name}: not in {args.data}, skipped", file=sys.stderr)
+            continue
+        for row in rows(name, score(args.program, args.data, args.work / name, name)):
+            table.append(row)
+            print(row, flush=True)
+    if args.markdown:
+        args.markdown.write_text("\n".join(table) + "\n")
+
+
+main()
