@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <fstream>
 #include <iostream>
+#include <set>
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
@@ -55,6 +56,23 @@ std::vector<std::string>& command_line() {
   return words;
 }
 
+// The command without what does not change the result: where outputs go, threads.
+std::vector<std::string> command_of_result() {
+  static const std::set<std::string> kDropped = {"-o",       "--output", "--json", "--threads",
+                                                 "--report", "--train",  "--test"};
+  std::vector<std::string> out{"underbrush"};
+  for (size_t i = 1; i < command_line().size(); ++i) {
+    const std::string& word = command_line()[i];
+    const size_t equals = word.find('=');
+    if (!kDropped.count(word.substr(0, equals))) {
+      out.push_back(word);
+    } else if (equals == std::string::npos) {
+      ++i;  // and its value
+    }
+  }
+  return out;
+}
+
 }  // namespace
 
 void remember_command_line(int argc, char** argv) { command_line().assign(argv, argv + argc); }
@@ -97,7 +115,7 @@ std::shared_ptr<Verb> add_verb(CLI::App& root, const std::string& name, const st
 std::string provenance(const Verb& verb, const std::vector<fs::path>& inputs) {
   Json p;
   p["program"] = "underbrush " UNDERBRUSH_VERSION;
-  p["command"] = command_line();
+  p["command"] = command_of_result();
   p["seed"] = verb.seed;
   p["inputs"] = Json::object();
   for (const fs::path& input : inputs) p["inputs"][input.string()] = hash_of(input);

@@ -31,7 +31,8 @@ std::shared_ptr<Verb> add_verb(CLI::App& root, const std::string& name, const st
                                const std::string& example,
                                const std::function<void(const Verb&)>& run);
 
-/// Provenance of an output: a JSON object with program version, command line, seed and a hash
+/// Provenance of an output: a JSON object with program version, command line (without outputs and
+/// threads, so that equal results are equal files), seed and a hash
 /// (XXH3, 128 bits) of every input file.
 std::string provenance(const Verb& verb, const std::vector<std::filesystem::path>& inputs);
 

@@ -6,6 +6,7 @@ namespace underbrush::app {
 
 void remember_command_line(int argc, char** argv);
 
+void add_demo(CLI::App& root);
 void add_import(CLI::App& root);
 void add_info(CLI::App& root);
 void add_fit(CLI::App& root);
@@ -14,6 +15,7 @@ void add_score(CLI::App& root);
 void add_split(CLI::App& root);
 
 inline void add_all_verbs(CLI::App& root) {
+  add_demo(root);
   add_import(root);
   add_info(root);
   add_split(root);
