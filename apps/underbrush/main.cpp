@@ -1,6 +1,9 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <new>
+#include <string>
+#include <vector>
 
 #include "underbrush/core/check.hpp"
 #include "verbs.hpp"
@@ -22,7 +25,9 @@ int main(int argc, char** argv) {
     return code;
   };
   try {
-    root.parse(argc, argv);
+    std::vector<std::string> words = app::with_config(root, argc, argv);
+    std::reverse(words.begin(), words.end());  // as CLI11 wants them
+    root.parse(std::move(words));
     return 0;
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() == 0) return root.exit(e);  // --help, --version
