@@ -58,9 +58,8 @@ class Embree {
   explicit Embree(const elements::TriangleMesh& mesh) : device_(rtcNewDevice(nullptr)) {
     scene_ = rtcNewScene(device_);
     RTCGeometry g = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
-    auto* v = static_cast<float*>(rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0,
-                                                          RTC_FORMAT_FLOAT3, 12,
-                                                          mesh.vertices.size()));
+    auto* v = static_cast<float*>(rtcSetNewGeometryBuffer(
+        g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, mesh.vertices.size()));
     for (const Vec3f& p : mesh.vertices) {
       for (int d = 0; d < 3; ++d) *v++ = p[d];
     }
@@ -123,12 +122,12 @@ int main(int argc, char** argv) {
   std::unique_ptr<trace::World> world;
   const double build_s = seconds_of([&] { world = std::make_unique<trace::World>(model); });
   BeamLog answered = log;
-  const double simulate_rate = median_rate(
-      log.size(), runs, [&] { simulate::simulate(*world, {}, 0, answered); });
+  const double simulate_rate =
+      median_rate(log.size(), runs, [&] { simulate::simulate(*world, {}, 0, answered); });
   const Embree embree(model.ground);
   std::vector<float> range;
-  const double embree_rate = median_rate(
-      log.size(), runs, [&] { embree.closest_hits(log, model.origin, range); });
+  const double embree_rate =
+      median_rate(log.size(), runs, [&] { embree.closest_hits(log, model.origin, range); });
 
   nlohmann::ordered_json j;
   j["beams"] = log.size();
@@ -143,7 +142,8 @@ int main(int argc, char** argv) {
   j["simulate_hdl64e_realtime_multiple"] = simulate_rate / kHdl64eBeamsPerS;
   j["embree_ground_closest_hit_rays_per_s"] = embree_rate;
   j["simulate_to_embree_ground_ratio"] = simulate_rate / embree_rate;
-  for (const auto& [key, value] : j.items()) std::printf("%-40s %s\n", key.c_str(), value.dump().c_str());
+  for (const auto& [key, value] : j.items())
+    std::printf("%-40s %s\n", key.c_str(), value.dump().c_str());
   if (!json_file.empty()) std::ofstream(json_file) << j.dump(2) << "\n";
   return 0;
 }

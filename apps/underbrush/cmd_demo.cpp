@@ -3,6 +3,7 @@
 #include <chrono>
 #include <iostream>
 
+#include "report/report.hpp"
 #include "score_json.hpp"
 #include "steps.hpp"
 #include "underbrush/elements/model_file.hpp"
@@ -23,11 +24,13 @@ struct Arguments {
 };
 
 constexpr const char* kSynthetic =
-    "Synthetic data: a generated site of fine triangles, scanned by a beam with divergence, stands in "
+    "Synthetic data: a generated site of fine triangles, scanned by a beam with divergence, stands "
+    "in "
     "for reality. Nothing here was measured.";
 
 /// Scans the site along its drive; even scans go to `train`, odd ones to `test`. Returns the beams.
-size_t scan_site(const Verb& verb, const Arguments& a, const fs::path& train, const fs::path& test) {
+size_t scan_site(const Verb& verb, const Arguments& a, const fs::path& train,
+                 const fs::path& test) {
   const scene::Site site = scene::make_site(a.site);
   const scene::FlatSite flat = scene::flatten(site);
   const trace::World world(flat.model);
@@ -96,25 +99,32 @@ void run(const Verb& verb, Arguments& a) {
   const std::vector<metrics::Score> scores = score_logs(test, candidates, true);
   std::vector<std::string> names;
   std::vector<fs::path> inputs{test};
+  ReportInput report;
   for (const Candidate& c : candidates) {
     names.push_back(c.name);
     inputs.push_back(c.log);
+    report.simulated.push_back({c.name, c.log});
   }
   Json results = json_of_scores(names, scores, provenance(verb, inputs));
+  report.title = "Underbrush demo: a generated test site";
+  report.note = kSynthetic;
+  report.scores = results;
+  report.real = test;
+  const fs::path page = write_report(folder / "report", report);
   results["seconds"] = std::chrono::duration<double>(Clock::now() - start).count();
   results["synthetic"] = true;
   say("scored on the held-out scans");
-  verb.report(results, table_of_scores(candidates, scores) +
-                           fmt::format("report: {}\n", (folder / "report" / "index.html").string()));
+  verb.report(results,
+              table_of_scores(candidates, scores) + fmt::format("report: {}\n", page.string()));
 }
 
 }  // namespace
 
 void add_demo(CLI::App& root) {
   auto a = std::make_shared<Arguments>();
-  const auto verb = add_verb(root, "demo",
-                             "The whole pipeline on a generated test site; ends with a report",
-                             "underbrush demo -o demo/", [a](const Verb& v) { run(v, *a); });
+  const auto verb =
+      add_verb(root, "demo", "The whole pipeline on a generated test site; ends with a report",
+               "underbrush demo -o demo/", [a](const Verb& v) { run(v, *a); });
   CLI::App& app = *verb->app;
   app.add_option("-o,--output", a->output, "Folder for all that the demo makes")
       ->capture_default_str();

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <optional>
-
 #include <set>
 
 #include "underbrush/core/check.hpp"
@@ -44,9 +43,10 @@ void add_options(CLI::App& app, Arguments& a) {
   app.add_option("--deskew", a.deskew,
                  "Scans are raw: give every beam its pose by this sensor's timing")
       ->type_name("SENSOR");
-  app.add_option("--unknown-below-deg", a.unknown_below_deg,
-                 "Beams without a return that point lower than this tell nothing (own vehicle): leave "
-                 "them out. Without it, inferred ones below -13, no recorded ones");
+  app.add_option(
+      "--unknown-below-deg", a.unknown_below_deg,
+      "Beams without a return that point lower than this tell nothing (own vehicle): leave "
+      "them out. Without it, inferred ones below -13, no recorded ones");
   app.add_option("--elevation-offset-deg", a.elevation_offset_deg,
                  "Known fault of the recording: turn every beam up by this (KITTI: 0.205)")
       ->capture_default_str();

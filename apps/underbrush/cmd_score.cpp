@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "report/report.hpp"
 #include "score_json.hpp"
 #include "steps.hpp"
 #include "underbrush/core/check.hpp"
@@ -50,7 +51,14 @@ void run(const Verb& verb, const Arguments& a) {
   }
   const std::vector<metrics::Score> scores = score_logs(a.real, candidates, !a.no_cloud);
   const Json results = json_of_scores(names, scores, provenance(verb, inputs));
-  verb.report(results, table_of_scores(candidates, scores));
+  std::string text = table_of_scores(candidates, scores);
+  if (!a.report.empty()) {
+    ReportInput report{
+        "Simulated against real: " + fs::path(a.real).filename().string(), "", results, a.real, {}};
+    for (const Candidate& c : candidates) report.simulated.push_back({c.name, c.log});
+    text += "report: " + write_report(a.report, report).string() + "\n";
+  }
+  verb.report(results, text);
 }
 
 }  // namespace

@@ -27,7 +27,9 @@ void add_options(CLI::App& app, Arguments& a) {
   app.add_option("--test", a.test, "Where the beams that are held out go")->required();
   auto* group = app.add_option_group("What is held out (one of)");
   group->add_option("--every", a.every, "Every K-th scan")->check(CLI::Range(2, 1 << 30));
-  group->add_option("--columns", a.columns, "Every K-th column of each scan: the beams fired at one time")
+  group
+      ->add_option("--columns", a.columns,
+                   "Every K-th column of each scan: the beams fired at one time")
       ->check(CLI::Range(2, 1 << 30));
   group
       ->add_option("--time", a.time, "Scans whose time lies in [FROM, TO), s after the log's start")
@@ -70,7 +72,8 @@ class HeldOut {
   bool operator()(const BeamLog& log, size_t i) const {
     if (a_.columns) {
       const std::vector<double>& times = columns_.at(log.scan[i]);
-      const auto column = std::lower_bound(times.begin(), times.end(), log.time_s[i]) - times.begin();
+      const auto column =
+          std::lower_bound(times.begin(), times.end(), log.time_s[i]) - times.begin();
       return int(column % a_.columns) == a_.offset % a_.columns;
     }
     if (a_.every) {

@@ -107,7 +107,8 @@ std::vector<std::string> with_config(const CLI::App& root, int argc, char** argv
     if (words[i].starts_with("--config=")) file = words[i].substr(9);
   }
   if (file.empty() || words.empty()) return words;
-  const auto verbs = root.get_subcommands([&](const CLI::App* a) { return a->get_name() == words[0]; });
+  const auto verbs =
+      root.get_subcommands([&](const CLI::App* a) { return a->get_name() == words[0]; });
   if (verbs.empty()) return words;
   const auto options =
       verbs.front()->get_options([](const CLI::Option* o) { return configurable(*o); });
@@ -121,7 +122,8 @@ std::vector<std::string> with_config(const CLI::App& root, int argc, char** argv
       throw FormatError(file, name, "no such option of '" + words[0] + "' (see dump-config)");
     }
     if (given(words, **option)) continue;
-    for (std::string& w : words_of(file, name, entry.second, **option)) added.push_back(std::move(w));
+    for (std::string& w : words_of(file, name, entry.second, **option))
+      added.push_back(std::move(w));
   }
   words.insert(words.begin() + 1, added.begin(), added.end());
   return words;

@@ -53,7 +53,7 @@ struct Model {
   TriangleMesh ground;
   TriangleMesh surface;  ///< Opaque or permeable triangles that are not ground.
   std::vector<Ellipsoid> ellipsoids;
-  double tau = 3.5;        ///< A beam meets an ellipsoid within this Mahalanobis distance.
+  double tau = 3.5;  ///< A beam meets an ellipsoid within this Mahalanobis distance.
   /// Largest range (m) at which the log that it was fitted to has a return: where sensor or format
   /// end. Infinite where nothing is known.
   double max_range_m = std::numeric_limits<double>::infinity();

@@ -22,9 +22,9 @@ struct Clusters {
 /// Options of `hierarchical_clusters`.
 struct HierarchicalOptions {
   double clusters_per_point = 0.1;  ///< Number of clusters = this × number of points.
-  int min_points = 3;                 ///< No cluster is made smaller than this by splitting.
-  int branching = 2;                  ///< k of the k-means at each split; 2 follows the data best.
-  int iterations = 6;                 ///< Of each k-means.
+  int min_points = 3;               ///< No cluster is made smaller than this by splitting.
+  int branching = 2;                ///< k of the k-means at each split; 2 follows the data best.
+  int iterations = 6;               ///< Of each k-means.
 };
 
 /// Hierarchical k-means as in [tallavajhula18] §IV (FLANN's): starts from one cluster and splits

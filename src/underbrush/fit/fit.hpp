@@ -43,8 +43,8 @@ struct FitOptions {
 struct FitReport {
   size_t beams = 0, hits = 0, misses = 0;
   size_t ground_points = 0, other_points = 0;
-  size_t thinned_points = 0;      ///< Left out because their tile was full.
-  size_t unclustered_points = 0;  ///< In no cluster of at least `min_points`.
+  size_t thinned_points = 0;         ///< Left out because their tile was full.
+  size_t unclustered_points = 0;     ///< In no cluster of at least `min_points`.
   size_t free_space_ellipsoids = 0;  ///< Dropped as free space.
   size_t tiles = 0;
   std::vector<std::string> warnings;

@@ -57,7 +57,8 @@ void count_hits(elements::Model& model, BeamSource& source, const CreditOptions&
       for (size_t i = begin; i < end; ++i) {
         const double z = chunk.range_m[i];
         const Ray ray{chunk.origin[i], chunk.direction[i].cast<double>().normalized()};
-        const trace::RangeLimits limits{info.min_range_m, std::min(info.max_range_m, model.max_range_m)};
+        const trace::RangeLimits limits{info.min_range_m,
+                                        std::min(info.max_range_m, model.max_range_m)};
         // An element that contains the point has its bounds entered before the point.
         world.all_met(ray, limits, std::min(z, limits.max_m), met);
         const Credit c = credit(model, met, z, options);
