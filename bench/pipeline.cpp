@@ -35,6 +35,7 @@ double seconds_of(F f) {
 template <class F>
 double median_rate(size_t items, int runs, F f) {
   std::vector<double> rates;
+  rates.reserve(size_t(runs));
   for (int k = 0; k < runs; ++k) rates.push_back(double(items) / seconds_of(f));
   std::nth_element(rates.begin(), rates.begin() + runs / 2, rates.end());
   return rates[size_t(runs) / 2];

@@ -114,12 +114,14 @@ Counts import_beams(const Arguments& a, io::Input& input, io::LogWriter& writer)
   std::set<uint32_t> scans;
   for (BeamLog chunk; input.beams->next(chunk);) {
     done += chunk.size();
-    BeamLog kept = a.frames.empty() ? std::move(chunk) : chunk.like();
+    BeamLog part;
     if (!a.frames.empty()) {
+      part = chunk.like();
       for (size_t i = 0; i < chunk.size(); ++i) {
-        if (a.input.frames.has(chunk.scan[i])) kept.append(chunk, i);
+        if (a.input.frames.has(chunk.scan[i])) part.append(chunk, i);
       }
     }
+    const BeamLog& kept = a.frames.empty() ? chunk : part;
     for (size_t i = 0; i < kept.size(); ++i) {
       if (i == 0 || kept.scan[i] != kept.scan[i - 1]) scans.insert(kept.scan[i]);
       ++(kept.is_hit(i)              ? counts.beam.hits

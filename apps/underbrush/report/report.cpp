@@ -217,7 +217,7 @@ fs::path write_report(const fs::path& folder, const ReportInput& input) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) throw IoError(folder.string() + ": cannot create: " + error.message());
-  const fs::path file = folder / "index.html";
+  fs::path file = folder / "index.html";
   io::write_atomically(file, [&](const fs::path& temporary) {
     std::ofstream out(temporary, std::ios::binary);
     out << page;
