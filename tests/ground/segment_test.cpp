@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <limits>
 #include <set>
@@ -211,6 +212,11 @@ TEST(Segment, AgreesWithPeoplesLabels) {
     }
     const Score envelope = score(lower_envelope(points), label, s.ground, s.vegetation);
     const Score variance = score(spherical_variance(points), label, s.ground, s.vegetation);
+    for (const auto& [method, found] :
+         {std::pair("lower_envelope", envelope), std::pair("spherical_variance", variance)}) {
+      std::printf("%s %s: IoU %.3f, vegetation recall %.3f\n", s.points, method, found.iou,
+                  found.vegetation_recall);
+    }
     EXPECT_GT(envelope.iou, s.iou) << s.points;
     EXPECT_GT(envelope.vegetation_recall, s.vegetation_recall) << s.points;
     EXPECT_GT(envelope.iou, variance.iou) << s.points;

@@ -6,7 +6,6 @@
 namespace underbrush::app {
 namespace {
 
-constexpr int kColumns = 1440;  // 0.25° each
 constexpr int kRowPixels = 3;
 
 uint8_t mixed(double a, double b, double s) { return uint8_t(std::lround(a + s * (b - a))); }
@@ -57,16 +56,16 @@ void BirdsEye::draw_height(const Vec3& point, double low, double high) {
   draw(point, colour_of_level((point.z() - low) / std::max(1e-6, high - low)));
 }
 
-RangeImage::RangeImage(const Pose& world_from_sensor, int rings, bool top_ring_is_zero)
+RangeImage::RangeImage(const Pose& world_from_sensor, int columns, int rings, bool top_ring_is_zero)
     : sensor_from_world_(world_from_sensor.inverse()),
       rings_(rings),
       top_ring_is_zero_(top_ring_is_zero),
-      image_(kColumns, rings * kRowPixels, 250) {}
+      image_(columns, rings * kRowPixels, 250) {}
 
 void RangeImage::draw(const BeamLog& log, size_t beam, Colour colour) {
   const Vec3 d = sensor_from_world_.rotation * log.direction[beam].cast<double>();
   const double turn = 0.5 - std::atan2(d.y(), d.x()) / (2 * M_PI);
-  const int x = std::clamp(int(turn * kColumns), 0, kColumns - 1);
+  const int x = std::clamp(int(turn * image_.width), 0, image_.width - 1);
   const int ring = log.ring[beam];
   if (ring >= rings_) return;
   const int row = top_ring_is_zero_ ? ring : rings_ - 1 - ring;

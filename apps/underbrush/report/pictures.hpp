@@ -37,10 +37,10 @@ class BirdsEye {
   std::vector<float> height_;
 };
 
-/// One scan as an image: ring by azimuth, top ring first, forward in the middle.
+/// One scan as an image: ring by azimuth in `columns`, top ring first, forward in the middle.
 class RangeImage {
  public:
-  RangeImage(const Pose& world_from_sensor, int rings, bool top_ring_is_zero);
+  RangeImage(const Pose& world_from_sensor, int columns, int rings, bool top_ring_is_zero);
   /// Paints the beam's cell.
   void draw(const BeamLog& log, size_t beam, Colour colour);
   const io::Image& image() const { return image_; }

@@ -46,7 +46,7 @@ struct Frame {
   double low = 0, high = 1;  // heights that most points have
   uint32_t scan = 0;         // in the middle of the log
   Pose world_from_sensor;
-  int rings = 1;
+  int columns = 360, rings = 1;
   bool top_ring_is_zero = false;
   size_t hits_in_view = 0;  // points in the interactive view's box
 };
@@ -56,7 +56,12 @@ Frame frame_of(const fs::path& real) {
   Frame f;
   Eigen::AlignedBox2d track;
   std::vector<float> heights;
-  std::vector<std::pair<uint32_t, Vec3>> scans;  // first origin of each
+  struct Scan {
+    uint32_t number;
+    Vec3 origin;  // of its first beam
+    size_t beams;
+  };
+  std::vector<Scan> scans;
   std::vector<double> slope_sum(1 << 16);
   size_t seen = 0;
   BeamLog chunk;
@@ -65,9 +70,10 @@ Frame frame_of(const fs::path& real) {
       track.extend(chunk.origin[i].head<2>());
       f.rings = std::max(f.rings, chunk.ring[i] + 1);
       slope_sum[chunk.ring[i]] += chunk.direction[i].z();
-      if (scans.empty() || scans.back().first != chunk.scan[i]) {
-        scans.emplace_back(chunk.scan[i], chunk.origin[i]);
+      if (scans.empty() || scans.back().number != chunk.scan[i]) {
+        scans.push_back({chunk.scan[i], chunk.origin[i], 0});
       }
+      ++scans.back().beams;
       if (seen % 97 == 0 && chunk.is_hit(i)) heights.push_back(float(chunk.end_point(i).z()));
     }
   }
@@ -79,8 +85,11 @@ Frame frame_of(const fs::path& real) {
     f.low = heights[heights.size() / 100];
     f.high = heights[heights.size() * 98 / 100];
   }
-  f.scan = scans[scans.size() / 2].first;
-  f.world_from_sensor.translation = scans[scans.size() / 2].second;
+  const Scan& middle = scans[scans.size() / 2];
+  f.scan = middle.number;
+  f.world_from_sensor.translation = middle.origin;
+  // As many columns as firings, so that no cell stays empty for want of beams.
+  f.columns = std::clamp(int(middle.beams) / f.rings, 180, 1440);
   for (const ScanInfo& s : log.info().scans) {
     if (s.scan == f.scan) f.world_from_sensor = s.world_from_sensor;
   }
@@ -120,7 +129,7 @@ class ViewPoints {
 Json pictures_of_real(const fs::path& real, Frame& f) {
   io::LogReader log(real);
   BirdsEye above(f.lo, f.hi, kPixels);
-  RangeImage ranges(f.world_from_sensor, f.rings, f.top_ring_is_zero);
+  RangeImage ranges(f.world_from_sensor, f.columns, f.rings, f.top_ring_is_zero);
   BeamLog chunk;
   while (log.next(chunk)) {
     for (size_t i = 0; i < chunk.size(); ++i) {
@@ -154,7 +163,8 @@ Json pictures_of_simulated(const fs::path& real, const ReportInput::Simulated& s
                            const Frame& f) {
   io::LogReader real_log(real), sim_log(simulated.log);
   BirdsEye above(f.lo, f.hi, kPixels), errors(f.lo, f.hi, kPixels);
-  RangeImage ranges(f.world_from_sensor, f.rings, f.top_ring_is_zero), range_errors = ranges;
+  RangeImage ranges(f.world_from_sensor, f.columns, f.rings, f.top_ring_is_zero),
+      range_errors = ranges;
   ViewPoints view(f), error_view(f);
   BeamLog a, b;
   size_t beam = 0;
