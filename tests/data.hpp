@@ -26,8 +26,8 @@ inline std::filesystem::path data_folder() {
 }
 
 /// Skips the test with one line if `name` is not in the data folder.
-#define UNDERBRUSH_NEEDS_DATA(name)                                       \
-  if (!std::filesystem::exists(::underbrush::test::data_folder() / name)) \
+#define UNDERBRUSH_NEEDS_DATA(name)                                         \
+  if (!std::filesystem::exists(::underbrush::test::data_folder() / (name))) \
   GTEST_SKIP() << "real data '" << (name) << "' absent: set UNDERBRUSH_DATA"
 
 inline std::string read_file(const std::filesystem::path& path) {
