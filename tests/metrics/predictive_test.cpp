@@ -32,16 +32,10 @@ double draw(const Predictive& p, Stream& random, double max_range) {
 }
 
 TEST(Predict, WeightsAreTrialsInOrderAndSumToOne) {
-  elements::Model model;
   std::vector<trace::Met> met;
-  for (uint32_t k = 0; k < 3; ++k) {
-    elements::Ellipsoid e;
-    e.hit.p = 0.5f;
-    model.ellipsoids.push_back(e);
-    met.push_back({10.0 + k, 0.1, 0, k});
-  }
+  for (uint32_t k = 0; k < 3; ++k) met.push_back({10.0 + k, 0.1, 0, 0.5, k});
   Predictive p;
-  predict(model, met, 0, p);
+  predict(met, 0, p);
   ASSERT_EQ(p.components.size(), 3u);
   EXPECT_DOUBLE_EQ(p.components[2].weight, 0.125);
   EXPECT_DOUBLE_EQ(p.miss, 0.125);

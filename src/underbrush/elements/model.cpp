@@ -53,6 +53,7 @@ void Model::check() const {
   require(origin.allFinite(), "model: the origin is not finite");
   require(std::isfinite(tau) && tau > 0, "model: tau must be positive");
   require(max_range_m > 0, "model: the maximum range must be positive");
+  require(std::isfinite(voxel_m) && voxel_m >= 0, "model: the voxels' side must not be negative");
   check_mesh(ground);
   check_mesh(surface);
   for (const Ellipsoid& e : ellipsoids) {
@@ -61,6 +62,8 @@ void Model::check() const {
     require(sigma.allFinite(), "model: a covariance is not finite");
     require(Eigen::LLT<Mat3>(sigma).info() == Eigen::Success,
             "model: a covariance is not positive definite");
+    require(std::isfinite(e.density_per_m) && e.density_per_m >= 0,
+            "model: an ellipsoid's density is negative or not finite");
     check_hit(e.hit);
   }
 }

@@ -38,6 +38,10 @@ struct Ellipsoid {
   std::array<float, 6> covariance{1, 0, 0, 1, 0, 1};  ///< Σ, m²: xx xy xz yy yz zz.
   HitCount hit;
   uint32_t label = 0;  ///< Class of the points it was fitted to, 0 = unknown.
+  /// κ (1/m): if positive, the hit probability depends on how much of the volume a beam crosses,
+  /// p(δ) = 1 − exp(−κ √(2π) σ e^{−δ²/2}) with σ the standard deviation along the beam, and `hit.p`
+  /// is not used.
+  float density_per_m = 0;
 
   Mat3 covariance_matrix() const;
   void set_covariance(const Mat3& sigma);
@@ -54,6 +58,10 @@ struct Model {
   TriangleMesh surface;  ///< Opaque or permeable triangles that are not ground.
   std::vector<Ellipsoid> ellipsoids;
   double tau = 3.5;  ///< A beam meets an ellipsoid within this Mahalanobis distance.
+  /// Side (m) of the cells of a voxel model ([deschaud12] §III.C.1), 0 for none: an ellipsoid then
+  /// counts only where the closest approach lies in the cell that holds its mean, the cells being
+  /// those of a grid through the model's origin.
+  double voxel_m = 0;
   /// Largest range (m) at which the log that it was fitted to has a return: where sensor or format
   /// end. Infinite where nothing is known.
   double max_range_m = std::numeric_limits<double>::infinity();

@@ -1,5 +1,6 @@
 #include "underbrush/elements/model_file.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -61,6 +62,10 @@ PlyData ply_of_ellipsoids(const std::vector<Ellipsoid>& ellipsoids) {
   }
   add_hit_columns(e, [&](size_t i) { return ellipsoids[i].hit; });
   add_column<uint32_t>(e, "class", [&](size_t i) { return ellipsoids[i].label; });
+  const auto dense = [](const Ellipsoid& x) { return x.density_per_m > 0; };
+  if (std::any_of(ellipsoids.begin(), ellipsoids.end(), dense)) {
+    add_column<float>(e, "density", [&](size_t i) { return ellipsoids[i].density_per_m; });
+  }
   PlyData data;
   data.elements = {std::move(e)};
   return data;
@@ -115,12 +120,14 @@ std::vector<Ellipsoid> read_ellipsoids(const fs::path& file) {
   const char* entries[6] = {"cov_xx", "cov_xy", "cov_xz", "cov_yy", "cov_yz", "cov_zz"};
   for (int k = 0; k < 6; ++k) cov[k] = &column_of<float>(file, e, entries[k]);
   const auto& label = column_of<uint32_t>(file, e, "class");
+  const auto* density = e.find("density") ? &column_of<float>(file, e, "density") : nullptr;
   std::vector<Ellipsoid> out(e.count);
   for (size_t i = 0; i < e.count; ++i) {
     out[i].mean = Vec3f(x[i], y[i], z[i]);
     for (size_t k = 0; k < 6; ++k) out[i].covariance[k] = (*cov[k])[i];
     out[i].hit = hit[i];
     out[i].label = label[i];
+    if (density) out[i].density_per_m = (*density)[i];
   }
   return out;
 }
@@ -132,6 +139,7 @@ Json manifest_of(const Model& m) {
   j["fitter"] = m.fitter;
   j["origin_m"] = {m.origin.x(), m.origin.y(), m.origin.z()};
   j["tau"] = m.tau;
+  if (m.voxel_m > 0) j["voxel_m"] = m.voxel_m;
   if (std::isfinite(m.max_range_m)) j["max_range_m"] = m.max_range_m;
   j["ground"] = {{"file", "ground.ply"},
                  {"triangles", m.ground.size()},
@@ -181,6 +189,7 @@ Model read_model(const fs::path& path) {
     }
     for (Eigen::Index d = 0; d < 3; ++d) model.origin[d] = j.at("origin_m").at(size_t(d));
     model.tau = j.at("tau");
+    model.voxel_m = j.value("voxel_m", 0.0);
     model.max_range_m = j.value("max_range_m", model.max_range_m);
     model.fitter = j.at("fitter");
     model.provenance = j.at("provenance").dump();

@@ -20,7 +20,7 @@ void add_one(uint32_t& counter) {
 
 }  // namespace
 
-Credit credit(const elements::Model& model, const std::vector<trace::Met>& met, double range_m,
+Credit credit(const elements::Model& model, std::span<const trace::Met> met, double range_m,
               const CreditOptions& options) {
   if (range_m == kMiss) return {met.size(), met.size()};
   size_t before = 0;
@@ -52,18 +52,23 @@ void count_hits(elements::Model& model, BeamSource& source, const CreditOptions&
   BeamLog chunk;
   size_t done = 0;
   while (source.next(chunk)) {
-    parallel_for(chunk.size(), 1024, [&](size_t begin, size_t end) {
-      std::vector<trace::Met> met;
+    const trace::RangeLimits limits{info.min_range_m,
+                                    std::min(info.max_range_m, model.max_range_m)};
+    parallel_for(chunk.size(), 2048, [&](size_t begin, size_t end) {
+      std::vector<Ray> rays;
+      std::vector<double> reach;
       for (size_t i = begin; i < end; ++i) {
-        const double z = chunk.range_m[i];
-        const Ray ray{chunk.origin[i], chunk.direction[i].cast<double>().normalized()};
-        const trace::RangeLimits limits{info.min_range_m,
-                                        std::min(info.max_range_m, model.max_range_m)};
+        rays.push_back({chunk.origin[i], chunk.direction[i].cast<double>().normalized()});
         // An element that contains the point has its bounds entered before the point.
-        world.all_met(ray, limits, std::min(z, limits.max_m), met);
-        const Credit c = credit(model, met, z, options);
-        for (size_t k = 0; k < c.misses; ++k) add_one(model.hit(met[k].element).misses);
-        if (c.hit < met.size()) add_one(model.hit(met[c.hit].element).hits);
+        reach.push_back(std::min(double(chunk.range_m[i]), limits.max_m));
+      }
+      trace::MetLists met;
+      world.all_met(rays, limits, reach, met);
+      for (size_t i = begin; i < end; ++i) {
+        const auto list = met[i - begin];
+        const Credit c = credit(model, list, chunk.range_m[i], options);
+        for (size_t k = 0; k < c.misses; ++k) add_one(model.hit(list[k].element).misses);
+        if (c.hit < list.size()) add_one(model.hit(list[c.hit].element).hits);
       }
     });
     done += chunk.size();

@@ -2,6 +2,7 @@
 /// Hit probabilities from the beams of a log.
 #pragma once
 #include <functional>
+#include <span>
 
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/trace/world.hpp"
@@ -35,7 +36,7 @@ struct Credit {
 /// the hit and all met before it a miss; where none explains the point, all met before the range
 /// get a miss; a beam without a return gives a miss to all. `met` in order of range, `range_m` =
 /// kMiss for a miss.
-Credit credit(const elements::Model& model, const std::vector<trace::Met>& met, double range_m,
+Credit credit(const elements::Model& model, std::span<const trace::Met> met, double range_m,
               const CreditOptions& options);
 
 /// Fills hits, misses and p of all elements of `model` from all beams of `source`. Elements that no

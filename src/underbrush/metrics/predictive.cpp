@@ -17,14 +17,12 @@ double mean_absolute(double mean, double variance) {
 
 }  // namespace
 
-void predict(const elements::Model& model, const std::vector<trace::Met>& met, double negligible,
-             Predictive& out) {
+void predict(std::span<const trace::Met> met, double negligible, Predictive& out) {
   out.components.clear();
   out.miss = 1;
   for (const trace::Met& m : met) {
-    const double p = model.hit(m.element).p;
-    if (p > 0) out.components.push_back({out.miss * p, m.t_m, m.sigma_m});
-    out.miss *= 1 - p;
+    if (m.p > 0) out.components.push_back({out.miss * m.p, m.t_m, m.sigma_m});
+    out.miss *= 1 - m.p;
     if (out.miss < negligible) break;
   }
 }

@@ -1,6 +1,7 @@
 /// \file
 /// What the ray model says of one beam before it is fired: a distribution over ranges and the miss.
 #pragma once
+#include <span>
 #include <vector>
 
 #include "underbrush/trace/element_math.hpp"
@@ -27,8 +28,7 @@ inline constexpr double kOutlierShare = 0.01;
 
 /// The distribution from the elements met (in order of range). Stops where less than `negligible`
 /// of the weight is left, which then counts as the miss.
-void predict(const elements::Model& model, const std::vector<trace::Met>& met, double negligible,
-             Predictive& out);
+void predict(std::span<const trace::Met> met, double negligible, Predictive& out);
 
 /// −log of the probability density (1/m) of a hit at `range_m`, or of the probability of a miss
 /// (`range_m` = kMiss), outliers mixed in.

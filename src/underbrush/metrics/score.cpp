@@ -161,13 +161,17 @@ class Scorer {
     crps_.resize(real.size());
     const double max_range = real.info.max_range_m;
     const double reach = std::min(max_range, options_.world->model().max_range_m);
-    parallel_for(real.size(), 1024, [&](size_t begin, size_t end) {
-      std::vector<trace::Met> met;
+    parallel_for(real.size(), 2048, [&](size_t begin, size_t end) {
+      std::vector<Ray> rays;
+      for (size_t i = begin; i < end; ++i) {
+        rays.push_back({real.origin[i], real.direction[i].cast<double>().normalized()});
+      }
+      trace::MetLists met;
+      const std::vector<double> everywhere(rays.size(), reach);
+      options_.world->all_met(rays, {real.info.min_range_m, reach}, everywhere, met);
       Predictive p;
       for (size_t i = begin; i < end; ++i) {
-        const Ray ray{real.origin[i], real.direction[i].cast<double>().normalized()};
-        options_.world->all_met(ray, {real.info.min_range_m, reach}, reach, met);
-        predict(options_.world->model(), met, 1e-4, p);
+        predict(met[i - begin], 1e-4, p);
         nll_[i] = negative_log_likelihood(p, real.range_m[i], max_range);
         crps_[i] = crps(p, real.range_m[i], max_range);
       }

@@ -37,25 +37,33 @@ void simulate(const trace::World& world, const Options& options, size_t first_be
   const trace::RangeLimits limits{beams.info.min_range_m,
                                   std::min(beams.info.max_range_m, model.max_range_m)};
   std::vector<uint32_t> element(options.element_ids ? beams.size() : 0, Met::kNone);
-  parallel_for(beams.size(), 4096, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) {
-      const Ray ray{beams.origin[i], beams.direction[i].cast<double>().normalized()};
-      const uint64_t key = beam_key(options.seed, beams.scan[i], first_beam + i);
-      const Met met = world.nearest_accepted(ray, key, limits);
+  parallel_for(beams.size(), 8192, [&](size_t begin, size_t end) {
+    const size_t n = end - begin;
+    std::vector<Ray> rays(n);
+    std::vector<uint64_t> keys(n);
+    std::vector<Met> met(n);
+    for (size_t k = 0; k < n; ++k) {
+      const size_t i = begin + k;
+      rays[k] = {beams.origin[i], beams.direction[i].cast<double>().normalized()};
+      keys[k] = beam_key(options.seed, beams.scan[i], first_beam + i);
+    }
+    world.nearest_accepted(rays, keys, limits, met);
+    for (size_t k = 0; k < n; ++k) {
+      const size_t i = begin + k;
       beams.range_m[i] = kMiss;
       beams.intensity[i] = 0;
       beams.flags[i] = 0;
-      if (met.none()) continue;
-      if (options.element_ids) element[i] = met.element;
-      double range = drawn_on_ray(met, key, limits);
+      if (met[k].none()) continue;
+      if (options.element_ids) element[i] = met[k].element;
+      double range = drawn_on_ray(met[k], keys[k], limits);
       if (options.draw == RangeDraw::kVolumetric &&
-          model.kind(met.element) == elements::Kind::kEllipsoid) {
-        const Vec3 to = drawn_in_volume(model, met, key) - ray.origin;
+          model.kind(met[k].element) == elements::Kind::kEllipsoid) {
+        const Vec3 to = drawn_in_volume(model, met[k], keys[k]) - rays[k].origin;
         range = to.norm();
         beams.direction[i] = to.normalized().cast<float>();
       }
       if (options.range_noise_m > 0) {
-        range += options.range_noise_m * normal(key, Met::kNone, Purpose::kNoise);
+        range += options.range_noise_m * normal(keys[k], Met::kNone, Purpose::kNoise);
       }
       beams.range_m[i] = float(std::clamp(range, limits.min_m, limits.max_m));
     }

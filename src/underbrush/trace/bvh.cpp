@@ -1,9 +1,8 @@
 #include "underbrush/trace/bvh.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <cstring>
+#include <limits>
 
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/trace/element_math.hpp"
@@ -11,278 +10,151 @@
 namespace underbrush::trace {
 namespace {
 
-using Array3f = Eigen::Array3f;
-
-struct Box {
-  Array3f lo = Array3f::Constant(INFINITY), hi = Array3f::Constant(-INFINITY);
-  void add(const Box& b) {
-    lo = lo.min(b.lo);
-    hi = hi.max(b.hi);
+// Boxes are widened by the rounding of the float box test at the model's largest coordinate.
+Box widened(Box b) {
+  for (int d = 0; d < 3; ++d) {
+    const float margin = 1e-6f * std::max(std::abs(b.lo[d]), std::abs(b.hi[d])) + 1e-6f;
+    b.lo[d] -= margin;
+    b.hi[d] += margin;
   }
-  void add(const Array3f& p) {
-    lo = lo.min(p);
-    hi = hi.max(p);
-  }
-  float area() const {
-    const Array3f d = hi - lo;
-    return d[0] >= 0 ? d[0] * d[1] + d[1] * d[2] + d[2] * d[0] : 0;
-  }
-};
-
-struct Ref {
-  Box box;
-  uint32_t element;
-  bool triangle;
-  Array3f centre2() const { return box.lo + box.hi; }
-};
-
-struct Range {
-  uint32_t begin = 0, end = 0;
-  Box box, centres;
-  bool mixed = false;
-  uint32_t size() const { return end - begin; }
-};
-
-// Boxes are widened by the rounding of the float box test at the scene's largest coordinate.
-Box widened(const Box& b) {
-  const Array3f margin = 1e-6f * b.lo.abs().max(b.hi.abs()) + 1e-6f;
-  return {b.lo - margin, b.hi + margin};
+  return b;
 }
 
 Box triangle_box(const elements::TriangleMesh& mesh, size_t k) {
   Box box;
-  for (uint32_t v : mesh.triangles[k]) box.add(mesh.vertices[v].array());
+  for (uint32_t v : mesh.triangles[k]) {
+    const Vec3f& p = mesh.vertices[v];
+    const Float4 at{p[0], p[1], p[2], 0};
+    box.add(at, at);
+  }
   return widened(box);
 }
 
 Box ellipsoid_box(const elements::Ellipsoid& e, double tau) {
-  const Array3f half(float(tau * std::sqrt(double(e.covariance[0]))),
-                     float(tau * std::sqrt(double(e.covariance[3]))),
-                     float(tau * std::sqrt(double(e.covariance[5]))));
   Box box;
-  box.add(e.mean.array() - 1.00001f * half);
-  box.add(e.mean.array() + 1.00001f * half);
+  for (int d = 0; d < 3; ++d) {
+    constexpr size_t kDiagonal[3] = {0, 3, 5};
+    const double half = 1.00001 * tau * std::sqrt(double(e.covariance[kDiagonal[d]]));
+    box.lo[d] = float(e.mean[d] - half);
+    box.hi[d] = float(e.mean[d] + half);
+  }
   return widened(box);
 }
 
-/// Grows one subtree into its own arrays, so that the layout does not depend on the threads.
-class Builder {
- public:
-  Builder(const elements::Model& model, std::vector<Ref>& refs) : model_(model), refs_(refs) {}
-
-  Bvh build() {
-    Range all;
-    all.end = uint32_t(refs_.size());
-    measure(all);
-    Bvh out;
-    if (all.size() == 0) return out;
-    out.root = grow(all, out);
-    return out;
-  }
-
- private:
-  static constexpr uint32_t kParallel = 8192;
-
-  void measure(Range& r) const {
-    r.box = r.centres = Box();
-    r.mixed = false;
-    for (uint32_t i = r.begin; i < r.end; ++i) {
-      r.box.add(refs_[i].box);
-      r.centres.add(refs_[i].centre2());
-      r.mixed |= refs_[i].triangle != refs_[r.begin].triangle;
-    }
-  }
-
-  bool is_leaf(const Range& r) const { return r.size() <= kWidth && !r.mixed; }
-
-  // Splits where the surface-area heuristic, counted in blocks of eight, is least.
-  void split(const Range& r, Range& a, Range& b) {
-    uint32_t middle = r.begin + r.size() / 2;
-    if (r.size() <= kWidth) {
-      middle = uint32_t(std::stable_partition(refs_.begin() + r.begin, refs_.begin() + r.end,
-                                              [](const Ref& x) { return !x.triangle; }) -
-                        refs_.begin());
-    } else {
-      middle = binned_split(r);
-    }
-    a.begin = r.begin;
-    a.end = b.begin = middle;
-    b.end = r.end;
-    measure(a);
-    measure(b);
-  }
-
-  uint32_t binned_split(const Range& r) {
-    constexpr int kBins = 16;
-    Box box[3][kBins];
-    uint32_t count[3][kBins] = {};
-    const Array3f extent = r.centres.hi - r.centres.lo;
-    Array3f scale;
-    for (int d = 0; d < 3; ++d) scale[d] = extent[d] > 1e-20f ? kBins * 0.99999f / extent[d] : 0;
-    const auto bin_of = [&](const Ref& ref, int d) {
-      return std::clamp(int((ref.centre2()[d] - r.centres.lo[d]) * scale[d]), 0, kBins - 1);
-    };
-    for (uint32_t i = r.begin; i < r.end; ++i) {
-      for (int d = 0; d < 3; ++d) {
-        const int k = bin_of(refs_[i], d);
-        box[d][k].add(refs_[i].box);
-        ++count[d][k];
-      }
-    }
-    float best = INFINITY;
-    int axis = -1, cut = 0;
-    for (int d = 0; d < 3; ++d) {
-      if (scale[d] == 0) continue;
-      float area[kBins];
-      uint32_t n[kBins], sum = 0;
-      Box right;
-      for (int k = kBins - 1; k > 0; --k) {
-        right.add(box[d][k]);
-        area[k] = right.area();
-        n[k] = sum += count[d][k];
-      }
-      Box left;
-      sum = 0;
-      for (int k = 1; k < kBins; ++k) {
-        left.add(box[d][k - 1]);
-        sum += count[d][k - 1];
-        if (sum == 0 || n[k] == 0) continue;
-        const float cost = left.area() * float((sum + 7) / 8) + area[k] * float((n[k] + 7) / 8);
-        if (cost < best) {
-          best = cost;
-          axis = d;
-          cut = k;
-        }
-      }
-    }
-    if (axis < 0) return r.begin + r.size() / 2;
-    const auto at = std::partition(refs_.begin() + r.begin, refs_.begin() + r.end,
-                                   [&](const Ref& ref) { return bin_of(ref, axis) < cut; });
-    return uint32_t(at - refs_.begin());
-  }
-
-  uint32_t grow(const Range& range, Bvh& out) {
-    if (is_leaf(range)) return emit(range, out);
-    Range child[kWidth];
-    int n = 1;
-    child[0] = range;
-    while (n < kWidth) {  // open the child of largest area until there are eight
-      int open = -1;
-      for (int k = 0; k < n; ++k) {
-        if (!is_leaf(child[k]) && (open < 0 || child[k].box.area() > child[open].box.area())) {
-          open = k;
-        }
-      }
-      if (open < 0) break;
-      Range a, b;
-      split(child[open], a, b);
-      child[open] = a;
-      child[n++] = b;
-    }
-    const uint32_t me = uint32_t(out.nodes.size());
-    out.nodes.emplace_back();
-    uint32_t reference[kWidth];
-    if (range.size() < kParallel) {
-      for (int k = 0; k < n; ++k) reference[k] = grow(child[k], out);
-    } else {
-      std::vector<Bvh> part(n);
-      parallel_for(size_t(n), 1, [&](size_t k, size_t) { part[k].root = grow(child[k], part[k]); });
-      for (int k = 0; k < n; ++k) reference[k] = adopt(part[k], out);
-    }
-    Node& node = out.nodes[me];
-    std::memset(node.unused, 0, sizeof(node.unused));
-    for (int k = 0; k < kWidth; ++k) {
-      for (int d = 0; d < 3; ++d) {
-        node.lo[d][k] = k < n ? child[k].box.lo[d] : INFINITY;
-        node.hi[d][k] = k < n ? child[k].box.hi[d] : -INFINITY;
-      }
-      node.child[k] = k < n ? reference[k] : kLeaf;
-    }
-    return me;
-  }
-
-  // Appends a subtree grown apart and returns its root's new reference.
-  static uint32_t adopt(const Bvh& part, Bvh& out) {
-    const uint32_t nodes = uint32_t(out.nodes.size()), ellipsoids = uint32_t(out.ellipsoids.size()),
-                   triangles = uint32_t(out.triangles.size());
-    const auto moved = [&](uint32_t ref) {
-      if (!(ref & kLeaf)) return ref + nodes;
-      return ref + (ref & kTriangles ? triangles : ellipsoids);
-    };
-    for (Node node : part.nodes) {
-      for (uint32_t& c : node.child) c = moved(c);
-      out.nodes.push_back(node);
-    }
-    out.ellipsoids.insert(out.ellipsoids.end(), part.ellipsoids.begin(), part.ellipsoids.end());
-    out.triangles.insert(out.triangles.end(), part.triangles.begin(), part.triangles.end());
-    return moved(part.root);
-  }
-
-  uint32_t emit(const Range& r, Bvh& out) {
-    std::sort(refs_.begin() + r.begin, refs_.begin() + r.end,
-              [](const Ref& x, const Ref& y) { return x.element < y.element; });
-    return refs_[r.begin].triangle ? emit_triangles(r, out) : emit_ellipsoids(r, out);
-  }
-
-  uint32_t threshold(uint32_t element) const {
-    const AcceptThreshold t = accept_threshold(model_.hit(element).p);
-    return t.always ? 0xffffffffu : std::min(t.below, 0xfffffffeu);
-  }
-
-  uint32_t emit_triangles(const Range& r, Bvh& out) {
-    TriangleBlock block{};
-    for (uint32_t k = 0; k < r.size(); ++k) {
-      const uint32_t id = refs_[r.begin + k].element;
-      const bool ground = id < model_.ground.size();
-      const elements::TriangleMesh& mesh = ground ? model_.ground : model_.surface;
-      const auto& corners = mesh.triangles[ground ? id : id - model_.ground.size()];
-      for (int v = 0; v < 3; ++v) {
-        for (int d = 0; d < 3; ++d) block.corner[v][d][k] = mesh.vertices[corners[v]][d];
-      }
-      block.accept_below[k] = threshold(id);
-      block.element[k] = id;
-    }
-    for (uint32_t k = r.size(); k < kWidth; ++k) {
-      block.element[k] = Met::kNone;
-      for (int v = 0; v < 3; ++v) {
-        for (int d = 0; d < 3; ++d) block.corner[v][d][k] = NAN;
-      }
-    }
-    out.triangles.push_back(block);
-    return kLeaf | kTriangles | uint32_t(out.triangles.size() - 1);
-  }
-
-  uint32_t emit_ellipsoids(const Range& r, Bvh& out) {
-    EllipsoidBlock block{};
-    for (uint32_t k = 0; k < kWidth; ++k) {
-      block.element[k] = Met::kNone;
-      for (int d = 0; d < 3; ++d) block.mean[d][k] = NAN;
-    }
-    for (uint32_t k = 0; k < r.size(); ++k) {
-      const uint32_t id = refs_[r.begin + k].element;
-      const elements::Ellipsoid& e =
-          model_.ellipsoids[id - model_.ground.size() - model_.surface.size()];
-      const Mat3 inverse = (e.covariance_matrix() * (model_.tau * model_.tau)).inverse();
-      const Mat3 u = Eigen::LLT<Mat3>(inverse).matrixU();
-      const double values[6] = {u(0, 0), u(0, 1), u(0, 2), u(1, 1), u(1, 2), u(2, 2)};
-      for (int c = 0; c < 6; ++c) block.u[c][k] = float(values[c]);
-      for (int d = 0; d < 3; ++d) block.mean[d][k] = e.mean[d];
-      block.accept_below[k] = threshold(id);
-      block.element[k] = id;
-    }
-    out.ellipsoids.push_back(block);
-    return kLeaf | uint32_t(out.ellipsoids.size() - 1);
-  }
-
-  const elements::Model& model_;
-  std::vector<Ref>& refs_;
+/// Upper triangular U with UᵀU = (τ²Σ)⁻¹, by the Cholesky factor of τ²Σ taken from its last row:
+/// τ²Σ = R Rᵀ, R upper triangular, U = R⁻¹. Order: u00 u01 u02 u11 u12 u22.
+struct Factor {
+  double u[6];
+  /// Largest over smallest extent, bounded from above: ‖U‖ ‖R‖.
+  double condition;
 };
 
-bool degenerate(const elements::TriangleMesh& mesh, size_t k) {
-  const auto& t = mesh.triangles[k];
-  const Vec3 a = mesh.vertices[t[0]].cast<double>();
-  const Vec3 b = mesh.vertices[t[1]].cast<double>(), c = mesh.vertices[t[2]].cast<double>();
-  return (b - a).cross(c - a).squaredNorm() == 0;
+Factor factor_of(const elements::Ellipsoid& e, double tau, double inflate_m2) {
+  const auto& c = e.covariance;
+  const double k = tau * tau;
+  const double r22 = std::sqrt(k * c[5] + inflate_m2);
+  const double r12 = k * c[4] / r22, r02 = k * c[2] / r22;
+  const double r11 = std::sqrt(k * c[3] + inflate_m2 - r12 * r12);
+  const double r01 = (k * c[1] - r02 * r12) / r11;
+  const double r00 = std::sqrt(k * c[0] + inflate_m2 - r02 * r02 - r01 * r01);
+  Factor f;
+  f.u[0] = 1 / r00;
+  f.u[3] = 1 / r11;
+  f.u[5] = 1 / r22;
+  f.u[1] = -r01 * f.u[3] * f.u[0];
+  f.u[4] = -r12 * f.u[5] * f.u[3];
+  f.u[2] = -(r01 * f.u[4] + r02 * f.u[5]) * f.u[0];
+  double norm = 0;
+  for (double u : f.u) norm += u * u;
+  f.condition = std::sqrt(norm * k * (double(c[0]) + c[3] + c[5]));
+  return f;
+}
+
+constexpr double kThin = 1e4;  // beyond this condition floats cannot decide
+
+uint32_t kind_of(const elements::Model& model, const elements::Ellipsoid& e) {
+  const bool plain = e.density_per_m <= 0 && model.voxel_m <= 0;
+  return plain && factor_of(e, model.tau, 0).condition < kThin ? kEllipsoids : kCareful;
+}
+
+uint32_t block_threshold(double p) {
+  const AcceptThreshold t = accept_threshold(p);
+  return t.always ? 0xffffffffu : std::min(t.below, 0xfffffffeu);
+}
+
+/// A bound on the hit probability of any beam through the ellipsoid.
+double largest_p(const elements::Ellipsoid& e) {
+  if (e.density_per_m <= 0) return e.hit.p;
+  const double sigma = std::sqrt(double(e.covariance[0]) + e.covariance[3] + e.covariance[5]);
+  return 1.0001 * -std::expm1(-double(e.density_per_m) * std::sqrt(2 * M_PI) * sigma);
+}
+
+template <class Block>
+Block block_of_nothing() {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  Block block{};
+  std::fill_n(&block.element[0], kWidth, Met::kNone);
+  if constexpr (std::is_same_v<Block, EllipsoidBlock>) {
+    std::fill_n(&block.mean[0][0], 3 * kWidth, kNan);
+  } else {
+    std::fill_n(&block.corner[0][0][0], 9 * kWidth, kNan);
+  }
+  return block;
+}
+
+EllipsoidBlock ellipsoid_block(const elements::Model& model, const Ref* refs, uint32_t count,
+                               bool careful) {
+  EllipsoidBlock block = block_of_nothing<EllipsoidBlock>();
+  for (uint32_t k = 0; k < count; ++k) {
+    const uint32_t id = refs[k].id();
+    const elements::Ellipsoid& e =
+        model.ellipsoids[id - model.ground.size() - model.surface.size()];
+    // Thin shapes are thickened, so that their float tests stay meaningful and find too much.
+    const double size2 = double(e.covariance[0]) + e.covariance[3] + e.covariance[5];
+    const double inflate = careful ? size2 * model.tau * model.tau / (0.25 * kThin * kThin) : 0;
+    const Factor f = factor_of(e, model.tau, inflate);
+    for (int c = 0; c < 6; ++c) block.u[c][k] = float(f.u[c]);
+    for (int d = 0; d < 3; ++d) block.mean[d][k] = e.mean[d];
+    block.accept_below[k] = block_threshold(largest_p(e));
+    block.element[k] = id;
+  }
+  return block;
+}
+
+TriangleBlock triangle_block(const elements::Model& model, const Ref* refs, uint32_t count) {
+  TriangleBlock block = block_of_nothing<TriangleBlock>();
+  for (uint32_t k = 0; k < count; ++k) {
+    const uint32_t id = refs[k].id();
+    const bool ground = id < model.ground.size();
+    const elements::TriangleMesh& mesh = ground ? model.ground : model.surface;
+    const size_t at = ground ? id : id - model.ground.size();
+    for (int v = 0; v < 3; ++v) {
+      for (int d = 0; d < 3; ++d) {
+        block.corner[v][d][k] = mesh.vertices[mesh.triangles[at][size_t(v)]][d];
+      }
+    }
+    block.accept_below[k] = block_threshold(mesh.hit[at].p);
+    block.element[k] = id;
+  }
+  return block;
+}
+
+std::vector<Ref> refs_of(const elements::Model& model) {
+  const size_t ground = model.ground.size(), triangles = ground + model.surface.size();
+  std::vector<Ref> refs(model.size());
+  parallel_for(refs.size(), 4096, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      if (i < triangles) {
+        const Box box =
+            i < ground ? triangle_box(model.ground, i) : triangle_box(model.surface, i - ground);
+        refs[i] = Ref(box, uint32_t(i), kTriangles);
+      } else {
+        const elements::Ellipsoid& e = model.ellipsoids[i - triangles];
+        refs[i] = Ref(ellipsoid_box(e, model.tau), uint32_t(i), kind_of(model, e));
+      }
+    }
+  });
+  return refs;
 }
 
 }  // namespace
@@ -293,26 +165,47 @@ size_t Bvh::bytes() const {
 }
 
 Bvh build_bvh(const elements::Model& model) {
-  const size_t triangles = model.ground.size() + model.surface.size();
-  std::vector<Ref> refs(model.size());
-  parallel_for(refs.size(), 4096, [&](size_t begin, size_t end) {
+  std::vector<Ref> refs = refs_of(model);
+  Hierarchy tree = build_hierarchy(refs, kWidth);
+  Bvh bvh;
+  bvh.box = tree.box;
+  // Leaves become blocks, numbered for each kind in the order of the tree.
+  std::vector<uint32_t> reference(tree.leaves.size());
+  uint32_t ellipsoids = 0, triangles = 0;
+  for (size_t i = 0; i < reference.size(); ++i) {
+    const uint32_t kind = refs[tree.leaves[i].begin].kind();
+    reference[i] = kLeaf | kind | (kind == kTriangles ? triangles++ : ellipsoids++);
+  }
+  bvh.ellipsoids.resize(ellipsoids);
+  bvh.triangles.resize(triangles);
+  parallel_for(reference.size(), 512, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
-      Ref& ref = refs[i];
-      ref.element = uint32_t(i);
-      ref.triangle = i < triangles;
-      ref.box = i < model.ground.size() ? triangle_box(model.ground, i)
-                : ref.triangle          ? triangle_box(model.surface, i - model.ground.size())
-                                        : ellipsoid_box(model.ellipsoids[i - triangles], model.tau);
+      const Leaf leaf = tree.leaves[i];
+      Ref* first = refs.data() + leaf.begin;
+      std::sort(first, first + leaf.count,
+                [](const Ref& a, const Ref& b) { return a.id() < b.id(); });
+      const uint32_t kind = first->kind(), index = reference[i] & kIndexMask;
+      if (kind == kTriangles) {
+        bvh.triangles[index] = triangle_block(model, first, leaf.count);
+      } else {
+        bvh.ellipsoids[index] = ellipsoid_block(model, first, leaf.count, kind == kCareful);
+      }
     }
   });
-  // Elements that no beam can end at are left out of the hierarchy only where they have no extent.
-  std::erase_if(refs, [&](const Ref& ref) {
-    if (!ref.triangle) return false;
-    const bool ground = ref.element < model.ground.size();
-    return degenerate(ground ? model.ground : model.surface,
-                      ground ? ref.element : ref.element - model.ground.size());
+  const auto renamed = [&](uint32_t child) {
+    return child != kEmpty && child & kLeaf ? reference[child & ~kLeaf] : child;
+  };
+  bvh.root = renamed(tree.root);
+  parallel_for(tree.nodes.size(), 1024, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      Node& node = tree.nodes[i];
+      for (int k = 0; k < kWidth; ++k) {
+        if (node.lo[0][k] <= node.hi[0][k]) node.child[k] = renamed(node.child[k]);
+      }
+    }
   });
-  return Builder(model, refs).build();
+  bvh.nodes = std::move(tree.nodes);
+  return bvh;
 }
 
 }  // namespace underbrush::trace

@@ -1,25 +1,22 @@
 /// \file
-/// The bounding volume hierarchy: eight children a node, leaves of at most eight elements of one
-/// kind, laid out for vector instructions.
+/// The bounding volume hierarchy over the elements of one model, laid out for vector instructions:
+/// leaves of at most eight elements of one kind.
 #pragma once
 #include <cstdint>
-#include <memory>
-#include <vector>
 
 #include "underbrush/elements/model.hpp"
+#include "underbrush/trace/hierarchy.hpp"
 
 namespace underbrush::trace {
 
-/// A child reference: an inner node's index, or kLeaf | (kTriangles) | block index.
-inline constexpr uint32_t kLeaf = 0x80000000u, kTriangles = 0x40000000u, kIndexMask = 0x3fffffffu;
-inline constexpr int kWidth = 8;
-
-/// Boxes of eight children: lo[axis][child], hi[axis][child]; unused children are inverted boxes.
-struct alignas(64) Node {
-  float lo[3][kWidth], hi[3][kWidth];
-  uint32_t child[kWidth];
-  uint32_t unused[kWidth];
-};
+/// What a leaf holds (bits 29 and 30 of its reference).
+inline constexpr uint32_t kEllipsoids = 0;
+/// Ellipsoids whose meetings and trials are decided in double, always: path-length opacity, voxels,
+/// shapes too thin for floats.
+inline constexpr uint32_t kCareful = 0x20000000u;
+inline constexpr uint32_t kTriangles = 0x40000000u;
+/// Of the tree over instances: an entry of `SceneTree::entries`.
+inline constexpr uint32_t kInstance = 0x60000000u;
 
 /// Eight ellipsoids: |U (x − mean)| ≤ 1 on the surface at Mahalanobis distance τ, U upper
 /// triangular (u00 u01 u02 u11 u12 u22). Lanes without an ellipsoid are NaN and never met.
@@ -39,16 +36,18 @@ struct alignas(32) TriangleBlock {
 
 /// The hierarchy over all elements of a model; coordinates relative to the model's origin.
 struct Bvh {
-  std::vector<Node> nodes;
-  std::vector<EllipsoidBlock> ellipsoids;
-  std::vector<TriangleBlock> triangles;
-  uint32_t root = kLeaf | kIndexMask;  ///< kLeaf | kIndexMask: nothing at all.
+  HugeVector<Node> nodes;
+  HugeVector<EllipsoidBlock> ellipsoids;
+  HugeVector<TriangleBlock> triangles;
+  uint32_t root = kEmpty;
+  Box box;
 
   size_t bytes() const;
 };
 
-/// Builds by binned surface-area splits straight to eight children. Element numbers are the
-/// model's.
+/// Element numbers are the model's. Ellipsoids are found wherever |U (x − mean)| ≤ 1 in exact
+/// arithmetic, where U is the float nearest to the true factor; those of kCareful leaves may be
+/// inflated.
 Bvh build_bvh(const elements::Model& model);
 
 }  // namespace underbrush::trace

@@ -63,28 +63,77 @@ std::optional<double> crossing(const Vec3& origin, const Vec3& direction, const 
   return (u / sum * p[2] + v / sum * q[2] + w / sum * r[2]) / direction[z];
 }
 
-Met meet(const elements::Model& model, uint32_t element, const Vec3& origin, const Vec3& direction,
-         const RangeLimits& limits) {
-  Met met;
+std::array<int64_t, 3> voxel_of(const Vec3& point, double voxel_m) {
+  std::array<int64_t, 3> cell{};
+  for (int k = 0; k < 3; ++k) cell[size_t(k)] = int64_t(std::floor(point[k] / voxel_m));
+  return cell;
+}
+
+namespace {
+
+Met meet_ellipsoid(const elements::Model& model, const elements::Ellipsoid& e, const Vec3& origin,
+                   const Vec3& direction) {
+  Met met = approach(origin, direction, e.mean, e.covariance);
+  if (!(met.delta2 <= model.tau * model.tau)) return {};
+  if (model.voxel_m > 0 && voxel_of(origin + met.t_m * direction, model.voxel_m) !=
+                               voxel_of(e.mean.cast<double>(), model.voxel_m)) {
+    return {};
+  }
+  met.p = e.hit.p;
+  if (e.density_per_m > 0) {
+    const double depth = std::sqrt(2 * M_PI) * met.sigma_m * std::exp(-0.5 * met.delta2);
+    met.p = -std::expm1(-double(e.density_per_m) * depth);
+  }
+  return met;
+}
+
+Met meet_anywhere(const elements::Model& model, uint32_t element, const Vec3& origin,
+                  const Vec3& direction) {
   const elements::Kind kind = model.kind(element);
+  Met met;
   if (kind == elements::Kind::kEllipsoid) {
-    const elements::Ellipsoid& e =
-        model.ellipsoids[element - model.ground.size() - model.surface.size()];
-    met = approach(origin, direction, e.mean, e.covariance);
-    if (!(met.delta2 <= model.tau * model.tau)) return {};
+    const size_t at = element - model.ground.size() - model.surface.size();
+    met = meet_ellipsoid(model, model.ellipsoids[at], origin, direction);
+    if (met.sigma_m == 0) return {};
   } else {
     const bool ground = kind == elements::Kind::kGround;
     const elements::TriangleMesh& mesh = ground ? model.ground : model.surface;
-    const auto& corner = mesh.triangles[ground ? element : element - model.ground.size()];
+    const size_t at = ground ? element : element - model.ground.size();
+    const auto& corner = mesh.triangles[at];
     const auto t = crossing(origin, direction, mesh.vertices[corner[0]], mesh.vertices[corner[1]],
                             mesh.vertices[corner[2]]);
     if (!t) return {};
     met.t_m = *t;
     met.sigma_m = mesh.range_sigma_m;
+    met.p = mesh.hit[at].p;
   }
-  if (!(met.t_m >= limits.min_m && met.t_m <= limits.max_m)) return {};
   met.element = element;
   return met;
+}
+
+bool within(const RangeLimits& limits, double t_m) {
+  return t_m >= limits.min_m && t_m <= limits.max_m;
+}
+
+}  // namespace
+
+Met meet(const elements::Model& model, uint32_t element, const Vec3& origin, const Vec3& direction,
+         const RangeLimits& limits) {
+  const Met met = meet_anywhere(model, element, origin, direction);
+  return within(limits, met.t_m) ? met : Met{};
+}
+
+Met meet(const elements::Model& model, const elements::Instance& placed, uint32_t instance,
+         uint32_t element, const Ray& ray, const RangeLimits& limits) {
+  const Eigen::Quaterniond back = placed.world_from_model.rotation.conjugate();
+  const double scale = placed.scale;
+  const Vec3 origin = back * (ray.origin - placed.world_from_model.translation) / scale;
+  Met met = meet_anywhere(model, element, origin, back * ray.direction);
+  if (met.none()) return met;
+  met.instance = instance;
+  met.t_m *= scale;
+  met.sigma_m *= scale;
+  return within(limits, met.t_m) ? met : Met{};
 }
 
 }  // namespace underbrush::trace

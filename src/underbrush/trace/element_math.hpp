@@ -7,7 +7,8 @@
 #include <optional>
 
 #include "underbrush/core/ray.hpp"
-#include "underbrush/elements/model.hpp"
+#include "underbrush/core/rng.hpp"
+#include "underbrush/elements/scene.hpp"
 
 namespace underbrush {
 /// Which elements a beam meets, and which one stops it.
@@ -18,13 +19,16 @@ struct Met {
   double t_m = 0;      ///< Range of the closest Mahalanobis approach, or of the intersection.
   double sigma_m = 0;  ///< σ of the range drawn on a hit.
   double delta2 = 0;   ///< Squared Mahalanobis distance of the closest approach; 0 for triangles.
+  double p = 0;        ///< Probability that this meeting is a hit.
   uint32_t element = kNone;
+  uint32_t instance = 0;  ///< Of the scene; 0 where the world is one model.
 
   static constexpr uint32_t kNone = 0xffffffffu;
   bool none() const { return element == kNone; }
-  /// The order of visiting: by range, ties by element.
+  /// The order of visiting: by range, ties by instance and element.
   bool before(const Met& other) const {
-    return t_m != other.t_m ? t_m < other.t_m : element < other.element;
+    if (t_m != other.t_m) return t_m < other.t_m;
+    return instance != other.instance ? instance < other.instance : element < other.element;
   }
 };
 
@@ -50,16 +54,37 @@ std::optional<double> crossing(const Vec3& origin, const Vec3& direction, const 
 struct AcceptThreshold {
   uint32_t below;
   bool always;
+  bool accepts(uint32_t bits) const { return always || bits < below; }
 };
 /// The threshold for hit probability p.
-constexpr AcceptThreshold accept_threshold(float p) {
+constexpr AcceptThreshold accept_threshold(double p) {
   if (p >= 1) return {0xffffffffu, true};
-  return {p > 0 ? uint32_t(double(p) * 4294967296.0) : 0u, false};
+  return {p > 0 ? uint32_t(p * 4294967296.0) : 0u, false};
 }
+
+/// The beam's key within an instance, so that copies of a primitive decide independently; that of
+/// instance 0 is the beam's own.
+constexpr uint64_t instance_key(uint64_t key, uint32_t instance) {
+  return key ^ mix64(uint64_t(instance) * 0x9e3779b97f4a7c15ull);
+}
+
+/// Whether the beam of this key accepts what it met.
+inline bool accepts(uint64_t key, const Met& met) {
+  return accept_threshold(met.p).accepts(
+      accept_bits(instance_key(key, met.instance), met.element));
+}
+
+/// The cell of a voxel model that holds a point (model frame).
+std::array<int64_t, 3> voxel_of(const Vec3& point, double voxel_m);
 
 /// Element `element` of the model as the ray (model frame) meets it within `limits`; none if not.
 Met meet(const elements::Model& model, uint32_t element, const Vec3& origin, const Vec3& direction,
          const RangeLimits& limits);
+
+/// Element `element` of an instance of `model`, the ray in world coordinates. Ranges and σ are in
+/// the world's metres; the hit probability is the model's own, however it is scaled.
+Met meet(const elements::Model& model, const elements::Instance& placed, uint32_t instance,
+         uint32_t element, const Ray& ray, const RangeLimits& limits);
 
 }  // namespace trace
 }  // namespace underbrush

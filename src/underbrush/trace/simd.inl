@@ -1,0 +1,108 @@
+// Included by kernel.inl: vectors of floats for one instruction set. `F` holds kLanes rays, `F8` the
+// eight children of a node or the eight elements of a block.
+namespace underbrush::trace {
+namespace {
+
+#if defined(__AVX512F__)
+constexpr int kLanes = 16;
+#else
+constexpr int kLanes = 8;
+#endif
+constexpr int kGroups = kPacket / kLanes;
+
+typedef float F8 __attribute__((vector_size(32), may_alias));
+typedef int32_t I8 __attribute__((vector_size(32), may_alias));
+typedef uint32_t U8 __attribute__((vector_size(32), may_alias));
+typedef float F __attribute__((vector_size(4 * kLanes), may_alias));
+typedef int32_t I __attribute__((vector_size(4 * kLanes), may_alias));
+typedef uint32_t U __attribute__((vector_size(4 * kLanes), may_alias));
+
+inline F8 load8(const float* p) { return *reinterpret_cast<const F8*>(p); }
+inline F8 all8(float x) { return F8{x, x, x, x, x, x, x, x}; }
+inline I8 every8() {
+  const I8 none{};
+  return none - 1;
+}
+inline F8 absolute(F8 a) { return (F8)((I8)a & 0x7fffffff); }
+inline F8 lesser(F8 a, F8 b) { return a < b ? a : b; }
+inline F8 greater(F8 a, F8 b) { return a > b ? a : b; }
+
+#if defined(__AVX2__)
+inline F8 muladd(F8 a, F8 b, F8 c) { return _mm256_fmadd_ps(a, b, c); }
+inline F8 root(F8 a) { return _mm256_sqrt_ps(a); }
+inline unsigned bits(I8 mask) { return unsigned(_mm256_movemask_ps((__m256)mask)); }
+#else
+inline F8 muladd(F8 a, F8 b, F8 c) { return a * b + c; }
+inline F8 root(F8 a) {
+  F8 r;
+  for (int k = 0; k < 8; k += 4) {
+    _mm_storeu_ps((float*)&r + k, _mm_sqrt_ps(_mm_loadu_ps((const float*)&a + k)));
+  }
+  return r;
+}
+inline unsigned bits(I8 mask) {
+  const __m128 low = _mm_loadu_ps(reinterpret_cast<const float*>(&mask));
+  const __m128 high = _mm_loadu_ps(reinterpret_cast<const float*>(&mask) + 4);
+  return unsigned(_mm_movemask_ps(low) | _mm_movemask_ps(high) << 4);
+}
+#endif
+
+#if defined(__AVX512F__)
+typedef __mmask16 M;
+inline M le(F a, F b) { return _mm512_cmp_ps_mask(a, b, _CMP_LE_OQ); }
+inline M below(U a, U b) { return _mm512_cmplt_epu32_mask((__m512i)a, (__m512i)b); }
+inline unsigned bits(M m) { return m; }
+inline M equal(U a, U b) { return _mm512_cmpeq_epu32_mask((__m512i)a, (__m512i)b); }
+inline M mask_of(unsigned lanes) { return M(lanes); }
+inline F pick(M m, F yes, F no) { return _mm512_mask_blend_ps(m, no, yes); }
+inline U pick(M m, U yes, U no) {
+  return (U)_mm512_mask_blend_epi32(m, (__m512i)no, (__m512i)yes);
+}
+inline F muladd(F a, F b, F c) { return _mm512_fmadd_ps(a, b, c); }
+inline F lesser(F a, F b) { return _mm512_min_ps(a, b); }
+inline F greater(F a, F b) { return _mm512_max_ps(a, b); }
+inline F root(F a) { return _mm512_sqrt_ps(a); }
+inline F absolute(F a) { return (F)((I)a & 0x7fffffff); }
+inline F all(float x) { return _mm512_set1_ps(x); }
+inline U all(uint32_t x) { return (U)_mm512_set1_epi32(int(x)); }
+#else
+typedef I8 M;
+inline M le(F a, F b) { return a <= b; }
+inline M below(U a, U b) { return (M)(a < b); }
+inline M equal(U a, U b) { return (M)(a == b); }
+inline M mask_of(unsigned lanes) {
+  const I8 bit{1, 2, 4, 8, 16, 32, 64, 128};
+  return (bit & int32_t(lanes)) != 0;
+}
+inline F pick(M m, F yes, F no) { return m ? yes : no; }
+inline U pick(M m, U yes, U no) { return m ? yes : no; }
+inline F all(float x) { return all8(x); }
+inline U all(uint32_t x) { return U{x, x, x, x, x, x, x, x}; }
+#endif
+
+inline F sign_of(F a) { return (F)((U)a & 0x80000000u); }
+inline F flip(F a, F sign) { return (F)((U)a ^ (U)sign); }
+
+inline float greatest(F v) {
+  float m = v[0];
+  for (int k = 1; k < kLanes; ++k) m = v[k] > m ? v[k] : m;
+  return m;
+}
+inline float least(F v) {
+  float m = v[0];
+  for (int k = 1; k < kLanes; ++k) m = v[k] < m ? v[k] : m;
+  return m;
+}
+
+// The hash of core/rng.hpp's accept_bits.
+template <class V>
+inline V accept_hash(V element, V key_low, V key_high) {
+  V x = element ^ key_low;
+  x = (x ^ (x >> 16)) * 0x7feb352du;
+  x = ((x ^ (x >> 15)) + key_high) * 0x846ca68bu;
+  x = (x ^ (x >> 16)) * 0x9e3779b1u;
+  return x ^ (x >> 15);
+}
+
+}  // namespace
+}  // namespace underbrush::trace

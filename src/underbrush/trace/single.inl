@@ -1,0 +1,201 @@
+// Included by kernel.inl: one ray through the tree, eight boxes or elements at a time; for rays
+// that have nothing in common. Every candidate is settled in double.
+namespace underbrush::trace {
+namespace {
+
+struct RayF {
+  float o[3], o_low[3], d[3];  // the origin as a sum of two floats
+  float lower[3], upper[3];    // the origin, moved so that boxes come out too large
+  float inverse[3];
+  int near[3];  // 0: lo is nearer along this axis, 1: hi
+  uint32_t key_low, key_high;
+
+  RayF(const double origin[3], const double direction[3], uint64_t key) {
+    for (int k = 0; k < 3; ++k) {
+      o[k] = float(origin[k]);
+      o_low[k] = float(origin[k] - double(o[k]));
+      d[k] = float(direction[k]);
+      const float pad = __builtin_fabsf(o[k]) * 2.5e-7f;
+      lower[k] = o[k] + pad;
+      upper[k] = o[k] - pad;
+      inverse[k] = 1 / (d[k] == 0 ? 1e-20f : d[k]);
+      near[k] = inverse[k] < 0;
+    }
+    key_low = uint32_t(key);
+    key_high = uint32_t(key >> 32);
+  }
+};
+
+// Lanes whose Mahalanobis approach may be within τ and in [t_min, limit]: a superset by a margin
+// that covers the rounding of single precision.
+inline unsigned ellipsoid_candidates(const RayF& r, const EllipsoidBlock& b, float t_min,
+                                     float limit) {
+  F8 q[3], t0{};
+  for (int k = 0; k < 3; ++k) {
+    q[k] = (load8(b.mean[k]) - r.o[k]) - r.o_low[k];
+    t0 += q[k] * r.d[k];
+  }
+  for (int k = 0; k < 3; ++k) q[k] -= t0 * r.d[k];
+  const F8 u00 = load8(b.u[0]), u01 = load8(b.u[1]), u02 = load8(b.u[2]);
+  const F8 u11 = load8(b.u[3]), u12 = load8(b.u[4]), u22 = load8(b.u[5]);
+  const F8 a0 = u00 * r.d[0] + u01 * r.d[1] + u02 * r.d[2];
+  const F8 a1 = u11 * r.d[1] + u12 * r.d[2];
+  const F8 a2 = u22 * r.d[2];
+  const F8 b0 = u00 * q[0] + u01 * q[1] + u02 * q[2];
+  const F8 b1 = u11 * q[1] + u12 * q[2];
+  const F8 b2 = u22 * q[2];
+  const F8 a = a0 * a0 + a1 * a1 + a2 * a2;
+  const F8 h = a0 * b0 + a1 * b1 + a2 * b2;
+  const F8 c = b0 * b0 + b1 * b1 + b2 * b2;
+  const F8 size =
+      absolute(u00) + absolute(u01) + absolute(u02) + absolute(u11) + absolute(u12) + absolute(u22);
+  // |δ(Uq)| ≲ ε |t0| Σ|U|; the bound on |Uq|² grows by twice that where |Uq| is near 1.
+  const F8 slack = (absolute(t0) + 1.0f) * size * 1e-6f + 4e-4f;
+  const F8 bound = (1.0f + slack) * (1.0f + slack);
+  const F8 step = h / a, t = t0 + step, reach = root(1.0f / a);
+  const F8 t_slack = (absolute(t0) + absolute(step)) * 1e-6f +
+                     reach * (slack + size * 1e-6f * (absolute(step) + reach));
+  const I8 inside = ((c - bound) * a <= h * h * 1.00001f) & (t - t_slack <= limit) &
+                    (t + t_slack >= t_min);
+  return bits(inside);
+}
+
+// Lanes whose triangle the ray may cross before `limit`, by a margin.
+inline unsigned triangle_candidates(const RayF& r, const TriangleBlock& b, float limit) {
+  F8 p[3][3];
+  for (int v = 0; v < 3; ++v) {
+    for (int k = 0; k < 3; ++k) p[v][k] = (load8(b.corner[v][k]) - r.o[k]) - r.o_low[k];
+  }
+  const F8 t0 = p[0][0] * r.d[0] + p[0][1] * r.d[1] + p[0][2] * r.d[2];
+  F8 size{};
+  for (int v = 0; v < 3; ++v) {
+    for (int k = 0; k < 3; ++k) {
+      p[v][k] -= t0 * r.d[k];
+      size += absolute(p[v][k]);
+    }
+  }
+  F8 edge[3];
+  for (int e = 0; e < 3; ++e) {
+    const F8* x = p[(e + 1) % 3];
+    const F8* y = p[(e + 2) % 3];
+    edge[e] = (x[1] * y[2] - x[2] * y[1]) * r.d[0] + (x[2] * y[0] - x[0] * y[2]) * r.d[1] +
+              (x[0] * y[1] - x[1] * y[0]) * r.d[2];
+  }
+  const F8 slack = (size + absolute(t0) * 1e-6f) * (size * 2e-6f + absolute(t0) * 1e-6f);
+  const F8 smallest = lesser(edge[0], lesser(edge[1], edge[2]));
+  const F8 largest = greater(edge[0], greater(edge[1], edge[2]));
+  return bits(((smallest >= -slack) | (largest <= slack)) & (t0 - size <= limit + 1e-3f));
+}
+
+// Slab test of eight boxes: lanes entered in [t_min, limit], and where.
+inline unsigned enter(const RayF& r, const Node& n, float t_min, float limit, F8& entry) {
+  F8 near = all8(t_min), far = all8(limit);
+  for (int k = 0; k < 3; ++k) {
+    const F8 lo = load8(n.lo[k]) - r.lower[k], hi = load8(n.hi[k]) - r.upper[k];
+    near = greater(near, (r.near[k] ? hi : lo) * r.inverse[k]);
+    far = lesser(far, (r.near[k] ? lo : hi) * r.inverse[k]);
+  }
+  entry = near * 0.999998f;
+  return bits(entry <= far * 1.000002f);
+}
+
+// Visits the leaves that the ray enters before limit(), nearer ones first.
+template <class Limit, class Leaf>
+inline void visit(const Node* nodes, uint32_t root, const RayF& ray, float t_min, Limit limit,
+                  Leaf leaf) {
+  struct Waiting {
+    uint32_t reference;
+    float t;
+  };
+  Waiting stack[256];
+  int top = 0;
+  stack[top++] = {root, 0};
+  while (top > 0) {
+    const Waiting at = stack[--top];
+    if (at.t > limit()) continue;
+    if (at.reference & kLeaf) {
+      leaf(at.reference);
+      continue;
+    }
+    const Node& node = nodes[at.reference];
+    F8 entry;
+    unsigned hit = enter(ray, node, t_min, limit(), entry);
+    const int base = top;
+    while (hit) {
+      const int k = __builtin_ctz(hit);
+      hit &= hit - 1;
+      const float t = entry[k];
+      int put = top++;
+      while (put > base && stack[put - 1].t < t) {
+        stack[put] = stack[put - 1];
+        --put;
+      }
+      stack[put] = {node.child[k], t};
+    }
+  }
+}
+
+inline unsigned accepted(const uint32_t* below, const uint32_t* element, const RayF& ray) {
+  const U8 b = *reinterpret_cast<const U8*>(below);
+  const U8 zero{};
+  const U8 h = accept_hash<U8>(*reinterpret_cast<const U8*>(element), zero + ray.key_low,
+                               zero + ray.key_high);
+  return bits((I8)(h < b) | (I8)(b == 0xffffffffu));
+}
+
+inline void trace_one(const View& view, Ask ask, Batch& batch, int i) {
+  const Ray& r = *batch.ray[i];
+  Met& best = batch.best[i];
+  const float t_min = float(batch.limits.min_m) * 0.999999f;
+  const float t_max = float(batch.limits.max_m) * 1.000001f;
+  float limit = ask == Ask::kAll ? float(batch.entry_limit_m[i]) * 1.000001f : t_max;
+  double origin[3];
+  for (int a = 0; a < 3; ++a) origin[a] = r.origin.data()[a] - view.origin[a];
+  const RayF world(origin, r.direction.data(), 0);
+  const auto in_instance = [&](uint32_t reference) {
+    const Entry entry = view.entries[reference & kIndexMask];
+    const Placement p = place(view, entry.instance, origin);
+    const Bvh& bvh = *p.bvh;
+    double d[3];
+    for (int a = 0; a < 3; ++a) {
+      const double* row = p.rotation + 3 * a;
+      d[a] = row[0] * r.direction.data()[0] + row[1] * r.direction.data()[1] +
+             row[2] * r.direction.data()[2];
+    }
+    const RayF ray(p.centre, d, batch.key[i] ^ p.salt);
+    const float shrink = float(1 / p.scale);
+    const float least = t_min * shrink * 0.999999f, most = t_max * shrink * 1.000001f;
+    const auto reach = [&] { return limit * shrink * 1.000001f; };
+    const auto settle = [&](unsigned lanes, const uint32_t* element) {
+      while (lanes) {
+        const int k = __builtin_ctz(lanes);
+        lanes &= lanes - 1;
+        if (ask == Ask::kAll) {
+          add_candidate(batch, i, entry.instance, element[k]);
+        } else if (settle_nearest(view, ask, batch, i, entry.instance, element[k], 0,
+                                  Met::kNone)) {
+          limit = float(best.t_m) * 1.000001f;
+        }
+      }
+    };
+    visit(bvh.nodes.data(), entry.node, ray, least, reach, [&](uint32_t leaf) {
+      const uint32_t index = leaf & kIndexMask, kind = leaf & kKindMask;
+      const float end = ask == Ask::kAll ? most : reach();
+      if (kind == kTriangles) {
+        const TriangleBlock& b = bvh.triangles[index];
+        unsigned lanes = triangle_candidates(ray, b, end);
+        if (lanes && ask == Ask::kAccepted) lanes &= accepted(b.accept_below, b.element, ray);
+        settle(lanes, b.element);
+      } else if (ask != Ask::kSurface) {
+        const EllipsoidBlock& b = bvh.ellipsoids[index];
+        unsigned lanes = ellipsoid_candidates(ray, b, least, end);
+        if (lanes && ask == Ask::kAccepted) lanes &= accepted(b.accept_below, b.element, ray);
+        settle(lanes, b.element);
+      }
+    });
+  };
+  visit(view.nodes, view.root, world, t_min, [&] { return limit; }, in_instance);
+}
+
+}  // namespace
+}  // namespace underbrush::trace
