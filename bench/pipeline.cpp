@@ -1,8 +1,6 @@
 // Fitting and simulation as multiples of a real sensor's rate, with raw Embree closest-hit on the
 // same ground mesh and the same rays in the same run as the yardstick. Fits to a log if one is
 // given, else to a scanned generated site.
-#include <embree3/rtcore.h>
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
@@ -11,6 +9,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "embree.hpp"
+#include "timing.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/fit/fit.hpp"
 #include "underbrush/io/log_file.hpp"
@@ -22,23 +22,15 @@
 namespace {
 using namespace underbrush;
 
-constexpr double kHdl64eBeamsPerS = 1.33e6;
-
-template <class F>
-double seconds_of(F f) {
-  const auto start = std::chrono::steady_clock::now();
-  f();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
+using bench::kHdl64eBeamsPerS;
+using bench::seconds_of;
 
 /// Median of the rates (items/s) of several runs.
 template <class F>
 double median_rate(size_t items, int runs, F f) {
   std::vector<double> rates;
-  rates.reserve(size_t(runs));
   for (int k = 0; k < runs; ++k) rates.push_back(double(items) / seconds_of(f));
-  std::nth_element(rates.begin(), rates.begin() + runs / 2, rates.end());
-  return rates[size_t(runs) / 2];
+  return bench::median(rates);
 }
 
 BeamLog scanned_site(double seconds) {
@@ -52,52 +44,6 @@ BeamLog scanned_site(double seconds) {
   simulate::scan(world, flat.label, {}, 0, log);
   return log;
 }
-
-/// Embree's closest hit on the model's triangles, single rays in firing order on all threads.
-class Embree {
- public:
-  explicit Embree(const elements::TriangleMesh& mesh) : device_(rtcNewDevice(nullptr)) {
-    scene_ = rtcNewScene(device_);
-    RTCGeometry g = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
-    auto* v = static_cast<float*>(rtcSetNewGeometryBuffer(
-        g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, mesh.vertices.size()));
-    for (const Vec3f& p : mesh.vertices) {
-      for (int d = 0; d < 3; ++d) *v++ = p[d];
-    }
-    auto* t = static_cast<unsigned*>(
-        rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, mesh.size()));
-    for (const auto& corners : mesh.triangles) t = std::copy(corners.begin(), corners.end(), t);
-    rtcCommitGeometry(g);
-    rtcAttachGeometry(scene_, g);
-    rtcReleaseGeometry(g);
-    rtcCommitScene(scene_);
-  }
-  ~Embree() {
-    rtcReleaseScene(scene_);
-    rtcReleaseDevice(device_);
-  }
-
-  void closest_hits(const BeamLog& beams, const Vec3& origin, std::vector<float>& range) const {
-    range.resize(beams.size());
-    parallel_for(beams.size(), 4096, [&](size_t begin, size_t end) {
-      RTCIntersectContext context;
-      rtcInitIntersectContext(&context);
-      for (size_t i = begin; i < end; ++i) {
-        const Vec3f o = (beams.origin[i] - origin).cast<float>();
-        const Vec3f& d = beams.direction[i];
-        RTCRayHit ray{};
-        ray.ray = {o.x(), o.y(), o.z(), 0, d.x(), d.y(), d.z(), 0, 120, ~0u, 0, 0};
-        ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-        rtcIntersect1(scene_, &context, &ray);
-        range[i] = ray.ray.tfar;
-      }
-    });
-  }
-
- private:
-  RTCDevice device_;
-  RTCScene scene_;
-};
 
 }  // namespace
 
@@ -125,10 +71,18 @@ int main(int argc, char** argv) {
   BeamLog answered = log;
   const double simulate_rate =
       median_rate(log.size(), runs, [&] { simulate::simulate(*world, {}, 0, answered); });
-  const Embree embree(model.ground);
-  std::vector<float> range;
-  const double embree_rate =
-      median_rate(log.size(), runs, [&] { embree.closest_hits(log, model.origin, range); });
+  const bench::Embree embree(model.ground);
+  std::vector<Ray> rays;
+  for (size_t i = 0; i < log.size(); ++i) {
+    rays.push_back({log.origin[i] - model.origin, log.direction[i].cast<double>()});
+  }
+  std::vector<float> range(rays.size());
+  const double embree_rate = median_rate(log.size(), runs, [&] {
+    parallel_for(rays.size(), 4096, [&](size_t begin, size_t end) {
+      const size_t n = end - begin;
+      embree.closest_hits({&rays[begin], n}, bench::EmbreeMode::kSingle, 120, {&range[begin], n});
+    });
+  });
 
   nlohmann::ordered_json j;
   j["beams"] = log.size();

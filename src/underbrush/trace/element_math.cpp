@@ -1,32 +1,22 @@
 #include "underbrush/trace/element_math.hpp"
 
+#include <algorithm>
 #include <cmath>
+
+#include "underbrush/trace/exact.inl"
 
 namespace underbrush::trace {
 
 Met approach(const Vec3& origin, const Vec3& direction, const Vec3f& mean,
-             const std::array<float, 6>& s) {
-  // Σ⁻¹ up to the factor 1/det, by cofactors.
-  const double a = s[0], b = s[1], c = s[2], d = s[3], e = s[4], f = s[5];
-  const double i00 = d * f - e * e, i01 = c * e - b * f, i02 = b * e - c * d;
-  const double i11 = a * f - c * c, i12 = b * c - a * e, i22 = a * d - b * b;
-  const double det = a * i00 + b * i01 + c * i02;
-  const auto apply = [&](const Vec3& x) {
-    return Vec3(i00 * x[0] + i01 * x[1] + i02 * x[2], i01 * x[0] + i11 * x[1] + i12 * x[2],
-                i02 * x[0] + i12 * x[1] + i22 * x[2]);
-  };
-  // From the foot point of the mean on the ray, so that far means lose no digits.
-  const Vec3 to_mean = mean.cast<double>() - origin;
-  const double t0 = to_mean.dot(direction);
-  const Vec3 q = to_mean - t0 * direction;
-  const Vec3 d_w = apply(direction);
-  const double dd = d_w.dot(direction), dq = d_w.dot(q);
-  const double step = dq / dd;
-  const Vec3 r = q - step * direction;
+             const std::array<float, 6>& covariance) {
+  double m[3], s[6];
+  std::copy_n(mean.data(), 3, m);
+  std::copy_n(covariance.data(), 6, s);
+  const Approach<double> a = approach_of(origin.data(), direction.data(), m, s);
   Met met;
-  met.t_m = t0 + step;
-  met.sigma_m = std::sqrt(det / dd);
-  met.delta2 = apply(r).dot(r) / det;
+  met.t_m = a.t;
+  met.sigma_m = std::sqrt(a.sigma2);
+  met.delta2 = a.delta2;
   return met;
 }
 
@@ -43,24 +33,28 @@ double difference_of_products(double x, double y, double z, double w) {
 
 std::optional<double> crossing(const Vec3& origin, const Vec3& direction, const Vec3f& a,
                                const Vec3f& b, const Vec3f& c) {
-  // Sheared so that the ray runs along +z through the origin: a vertex has one place in the plane
-  // for all triangles that share it.
   int z;
   direction.cwiseAbs().maxCoeff(&z);
-  const int x = (z + 1) % 3, y = (z + 2) % 3;
-  const double sx = direction[x] / direction[z], sy = direction[y] / direction[z];
-  const auto sheared = [&](const Vec3f& v) {
-    const Vec3 p = v.cast<double>() - origin;
-    return Vec3(p[x] - sx * p[z], p[y] - sy * p[z], p[z]);
-  };
-  const Vec3 p = sheared(a), q = sheared(b), r = sheared(c);
-  const double u = difference_of_products(q[0], r[1], r[0], q[1]);
-  const double v = difference_of_products(r[0], p[1], p[0], r[1]);
-  const double w = difference_of_products(p[0], q[1], q[0], p[1]);
-  if (!((u >= 0 && v >= 0 && w >= 0) || (u <= 0 && v <= 0 && w <= 0))) return std::nullopt;
-  const double sum = u + v + w;
-  if (sum == 0) return std::nullopt;
-  return (u / sum * p[2] + v / sum * q[2] + w / sum * r[2]) / direction[z];
+  const int axis[3] = {(z + 1) % 3, (z + 2) % 3, z};
+  double o[3], d[3], corner[3][3];
+  for (int k = 0; k < 3; ++k) {
+    o[k] = origin[axis[k]];
+    d[k] = direction[axis[k]];
+    corner[0][k] = a[axis[k]];
+    corner[1][k] = b[axis[k]];
+    corner[2][k] = c[axis[k]];
+  }
+  const Sheared<double> s = shear(o, d, corner);
+  double weight[3];
+  bool above = true, below = true;
+  for (int k = 0; k < 3; ++k) {
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
+    weight[k] = difference_of_products(s.x[i], s.y[j], s.x[j], s.y[i]);
+    above &= weight[k] >= 0;
+    below &= weight[k] <= 0;
+  }
+  if (above == below) return std::nullopt;  // outside, or nothing but zeros
+  return range_at(s, weight, d[2]);
 }
 
 std::array<int64_t, 3> voxel_of(const Vec3& point, double voxel_m) {
@@ -123,16 +117,26 @@ Met meet(const elements::Model& model, uint32_t element, const Vec3& origin, con
   return within(limits, met.t_m) ? met : Met{};
 }
 
+Ray to_model(const elements::Instance& placed, const Ray& ray) {
+  const Vec3 offset = ray.origin - placed.world_from_model.translation;
+  if (is_translation(placed)) return {offset, ray.direction};
+  const Eigen::Quaterniond back = placed.world_from_model.rotation.conjugate();
+  return {back * offset / double(placed.scale), back * ray.direction};
+}
+
+bool is_translation(const elements::Instance& placed) {
+  return placed.scale == 1 && placed.world_from_model.rotation.w() == 1 &&
+         placed.world_from_model.rotation.vec().isZero(0);
+}
+
 Met meet(const elements::Model& model, const elements::Instance& placed, uint32_t instance,
          uint32_t element, const Ray& ray, const RangeLimits& limits) {
-  const Eigen::Quaterniond back = placed.world_from_model.rotation.conjugate();
-  const double scale = placed.scale;
-  const Vec3 origin = back * (ray.origin - placed.world_from_model.translation) / scale;
-  Met met = meet_anywhere(model, element, origin, back * ray.direction);
+  const Ray local = to_model(placed, ray);
+  Met met = meet_anywhere(model, element, local.origin, local.direction);
   if (met.none()) return met;
   met.instance = instance;
-  met.t_m *= scale;
-  met.sigma_m *= scale;
+  met.t_m *= double(placed.scale);
+  met.sigma_m *= double(placed.scale);
   return within(limits, met.t_m) ? met : Met{};
 }
 

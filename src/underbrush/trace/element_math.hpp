@@ -81,6 +81,12 @@ std::array<int64_t, 3> voxel_of(const Vec3& point, double voxel_m);
 Met meet(const elements::Model& model, uint32_t element, const Vec3& origin, const Vec3& direction,
          const RangeLimits& limits);
 
+/// Whether model and world coordinates differ by a translation alone.
+bool is_translation(const elements::Instance& placed);
+
+/// A ray in the frame of an instance's model; its ranges there are the world's over the scale.
+Ray to_model(const elements::Instance& placed, const Ray& ray);
+
 /// Element `element` of an instance of `model`, the ray in world coordinates. Ranges and σ are in
 /// the world's metres; the hit probability is the model's own, however it is scaled.
 Met meet(const elements::Model& model, const elements::Instance& placed, uint32_t instance,

@@ -65,7 +65,7 @@ class Splitter {
     after.end = r.end;
     const auto begin = refs_.begin() + r.begin, end = refs_.begin() + r.end;
     uint32_t middle = r.begin + r.size() / 2;
-    if (r.size() <= leaf_size_) {  // mixed
+    if (r.mixed && r.size() <= 4 * leaf_size_) {  // by kind, while leaves can still be filled
       const uint32_t kind = begin->kind();
       middle = uint32_t(std::partition(begin, end, [&](const Ref& x) { return x.kind() == kind; }) -
                         refs_.begin());

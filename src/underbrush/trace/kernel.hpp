@@ -6,10 +6,26 @@
 #include <array>
 #include <vector>
 
-#include "underbrush/trace/scene_tree.hpp"
 #include "underbrush/trace/element_math.hpp"
+#include "underbrush/trace/order.hpp"
+#include "underbrush/trace/scene_tree.hpp"
 
 namespace underbrush::trace {
+
+/// A model's arrays, bare: inline functions of the standard library must not be compiled into the
+/// kernels.
+struct ModelView {
+  struct Mesh {
+    const float* vertices;      // x y z
+    const uint32_t* triangles;  // three corners
+    const elements::HitCount* hit;
+    double sigma_m;
+  } ground, surface;
+  const elements::Ellipsoid* ellipsoids;
+  uint32_t ground_count, triangle_count;
+  double tau2;
+  bool voxels;
+};
 
 /// What the kernels need of a world.
 struct View {
@@ -19,6 +35,7 @@ struct View {
   double origin[3];  ///< Of the tree, world (m).
   const elements::Instance* instances;
   const elements::Model* const* models;
+  const ModelView* model_views;
   const Bvh* bvhs;
 };
 
@@ -32,22 +49,30 @@ enum class Ask {
 /// Rays that are traced together.
 inline constexpr int kPacket = 64;
 
-/// A candidate that float arithmetic could not rule out.
+/// A ray of a batch and an element that it may meet.
 struct Candidate {
-  uint32_t ray;  ///< Within the packet.
-  uint32_t instance, element;
+  uint32_t ray, instance, element;
 };
 
-/// A query of `kPacket` rays, in double; what the kernels settle with. Where there are fewer, the
-/// last stands in the other places too.
+/// A query: rays, of which `kPacket` are traced at a time, and what it has found.
 struct Batch {
-  const Ray* ray[kPacket];
-  uint64_t key[kPacket];
-  double entry_limit_m[kPacket];  ///< kAll: boxes entered beyond this may be left out.
+  const Ray* rays;
+  const uint64_t* keys;          ///< kAccepted
+  const double* entry_limits_m;  ///< kAll: boxes entered beyond this may be left out.
   RangeLimits limits;
+  const Columns* columns;  ///< Of the rays from `first` on.
+  size_t first;
+  /// The `count` rays to trace, counted from `first`; the other places repeat the last.
+  const uint32_t* number;
+  int count;
 
-  Met best[kPacket];                   ///< Out: kAccepted, kSurface.
-  std::vector<Candidate> candidates;   ///< Out: kAll; undecided, in no order.
+  Met* best;  ///< Out, one a ray: kAccepted, kSurface.
+  /// Out: ends of rays that are certain but not yet in `best`; room for kOrdered.
+  Candidate* known;
+  size_t known_count;
+  std::vector<Candidate> candidates;  ///< Out: kAll; undecided, in no order; rays as in `rays`.
+
+  size_t ray(int place) const { return first + number[place]; }
 };
 
 /// How an instance's frame is reached from the tree's.
@@ -65,19 +90,33 @@ Placement place(const View& view, uint32_t instance, const double centre[3]);
 /// Decides in double whether ray `ray` of the batch ends at the element or at what it has. `have`:
 /// the element and instance that the kernel holds for it, known to be met and accepted but not yet
 /// in `best`, or kNone. True if the new one is nearer.
-bool settle_nearest(const View& view, Ask ask, Batch& batch, int ray, uint32_t instance,
+bool settle_nearest(const View& view, Ask ask, Batch& batch, size_t ray, uint32_t instance,
                     uint32_t element, uint32_t have_instance, uint32_t have_element);
-/// Puts into `best` what the kernel knows that the ray ends at.
-void settle_known(const View& view, Batch& batch, int ray, uint32_t instance, uint32_t element);
-void add_candidate(Batch& batch, int ray, uint32_t instance, uint32_t element);
+/// `meet`, and the ray in the instance's model.
+Met meet_placed(const View& view, const Batch& batch, const Candidate& candidate);
+void place_ray(const View& view, const Batch& batch, const Candidate& candidate, double origin[3],
+               double direction[3]);
+/// Where an instance stands.
+struct Stand {
+  const ModelView* model;
+  double translation[3], scale;
+  bool is_translation;
+};
+Stand stand_of(const View& view, uint32_t instance);
+void add_candidate(Batch& batch, size_t ray, uint32_t instance, uint32_t element);
 
 /// The kernels of one instruction set; the tree must not be empty.
 struct Kernels {
   const char* name;
-  /// Traces the whole batch; false, with nothing done, if its rays point too far apart.
+  /// Fills `columns` from up to kOrdered rays.
+  void (*unfold)(const View&, const Ray* rays, size_t count, Columns& columns);
+  /// Traces the numbered rays; false, with nothing done, if its rays point too far apart.
   bool (*packet)(const View&, Ask, Batch&);
-  /// Traces ray `ray` of the batch alone.
-  void (*one)(const View&, Ask, Batch&, int ray);
+  /// Traces ray `ray` of `rays` alone.
+  void (*one)(const View&, Ask, Batch&, size_t ray);
+  /// out[i] = `meet` of candidate i with the batch's limits, or the best of its ray if `out` is
+  /// null.
+  void (*meet_many)(const View&, const Batch&, const Candidate*, size_t count, Met* out);
 };
 
 extern const Kernels kKernelsBase, kKernelsAvx2, kKernelsAvx512;

@@ -5,7 +5,10 @@
 
 #include "underbrush/trace/kernel.hpp"
 
+#include "underbrush/trace/exact.inl"
 #include "underbrush/trace/simd.inl"
+
+#include "underbrush/trace/many.inl"
 
 #include "underbrush/trace/packet.inl"
 #include "underbrush/trace/single.inl"
@@ -28,6 +31,6 @@ bool packet(const View& view, Ask ask, Batch& batch) {
 }  // namespace
 
 extern const Kernels UB_KERNELS;
-const Kernels UB_KERNELS = {UB_KERNELS_NAME, packet, trace_one};
+const Kernels UB_KERNELS = {UB_KERNELS_NAME, unfold, packet, trace_one, meet_many};
 
 }  // namespace underbrush::trace

@@ -15,6 +15,7 @@ struct Found {
 // The rays in one frame, relative to a common centre.
 struct alignas(64) Rays {
   F d[3][kGroups], o[3][kGroups], inverse[3][kGroups];
+  F start[3][kGroups];  // −o·inverse
   double centre[3];
   float plane[5][3];    // outward normals of the frustum's sides, then its axis
   float side[4];        // a point p is outside of side i where plane[i]·p > side[i]
@@ -48,11 +49,11 @@ struct Search {
   float t_min, t_max;  // ranges that may count, world
 };
 
-inline void set_centre(Frame& f, const double centre[3]) {
+inline void set_centre(Frame& f, const double centre[3], float spread) {
   for (int a = 0; a < 3; ++a) {
     f.high[a] = float(centre[a]);
     f.low[a] = float(centre[a] - double(f.high[a]));
-    const float pad = __builtin_fabsf(f.high[a]) * 2.5e-7f;
+    const float pad = __builtin_fabsf(f.high[a]) * 2.5e-7f + spread * 3e-7f;
     f.lower[a] = f.high[a] + pad;
     f.upper[a] = f.high[a] - pad;
   }
@@ -133,6 +134,7 @@ inline void finish(Rays& r) {
       const F d = r.d[a][g];
       const F safe = flip(greater(absolute(d), all(1e-20f)), sign_of(d));
       r.inverse[a][g] = 1.0f / safe;
+      r.start[a][g] = -r.o[a][g] * r.inverse[a][g];
       const unsigned below_zero = bits(le(r.inverse[a][g], all(0.0f)));
       any |= below_zero;
       every &= below_zero;
@@ -154,12 +156,12 @@ inline unsigned groups_entering(const Rays& r, const Found& found, float t_min, 
     near_edge[a] = all(swap ? hi[a] : lo[a]);
     far_edge[a] = all(swap ? lo[a] : hi[a]);
   }
-  for (int g = 0; g < kGroups; ++g) {
-    if (!(groups >> g & 1)) continue;
+  for (unsigned left = groups; left; left &= left - 1) {
+    const int g = __builtin_ctz(left);
     F enter = all(t_min), leave = found.high[g];
     for (int a = 0; a < 3; ++a) {
-      const F x = (near_edge[a] - r.o[a][g]) * r.inverse[a][g];
-      const F y = (far_edge[a] - r.o[a][g]) * r.inverse[a][g];
+      const F x = muladd(near_edge[a], r.inverse[a][g], r.start[a][g]);
+      const F y = muladd(far_edge[a], r.inverse[a][g], r.start[a][g]);
       enter = greater(enter, kMixed ? lesser(x, y) : x);
       leave = lesser(leave, kMixed ? greater(x, y) : y);
     }
@@ -188,7 +190,9 @@ inline void keep(Search& s, const Frame& f, int g, uint32_t element, M maybe, M 
     while (lanes) {
       const int k = __builtin_ctz(lanes);
       lanes &= lanes - 1;
-      add_candidate(*s.batch, g * kLanes + k, f.instance, element);
+      const int place = g * kLanes + k;
+      if (place >= s.batch->count) break;
+      add_candidate(*s.batch, s.batch->ray(place), f.instance, element);
     }
     return;
   }
@@ -207,11 +211,12 @@ inline void keep(Search& s, const Frame& f, int g, uint32_t element, M maybe, M 
     const int ray = g * kLanes + k;
     const uint64_t bit = uint64_t(1) << ray;
     const uint32_t have = found.exact & bit ? Met::kNone : uint32_t(found.element[g][k]);
-    if (!settle_nearest(*s.view, kAsk, *s.batch, ray, f.instance, element,
+    const size_t i = s.batch->ray(ray);
+    if (!settle_nearest(*s.view, kAsk, *s.batch, i, f.instance, element,
                         uint32_t(found.instance[g][k]), have)) {
       continue;
     }
-    const float t = float(s.batch->best[ray].t_m / f.scale);
+    const float t = float(s.batch->best[i].t_m / f.scale);
     found.low[g][k] = t * 0.9999999f;
     found.high[g][k] = t * 1.0000001f;
     found.element[g][k] = element;
@@ -263,8 +268,8 @@ inline bool visit_ellipsoids(Search& s, const Frame& f, const EllipsoidBlock& b,
     const int j = __builtin_ctz(left);
     left &= left - 1;
     const float outer = 1 + slack[j], inner = slack[j] < 1 ? 1 - slack[j] : 0;
-    for (int g = 0; g < kGroups; ++g) {
-      if (!(groups >> g & 1)) continue;
+    for (unsigned waiting = groups; waiting; waiting &= waiting - 1) {
+      const int g = __builtin_ctz(waiting);
       const F dx = r.d[0][g], dy = r.d[1][g], dz = r.d[2][g];
       const F vx = mean[0][j] - r.o[0][g], vy = mean[1][j] - r.o[1][g], vz = mean[2][j] - r.o[2][g];
       const F t0 = muladd(vx, dx, muladd(vy, dy, vz * dz));
@@ -342,8 +347,8 @@ inline bool visit_triangles(Search& s, const Frame& f, const TriangleBlock& b, u
     left &= left - 1;
     const F e1x = all(side1[0][j]), e1y = all(side1[1][j]), e1z = all(side1[2][j]);
     const F e2x = all(side2[0][j]), e2y = all(side2[1][j]), e2z = all(side2[2][j]);
-    for (int g = 0; g < kGroups; ++g) {
-      if (!(groups >> g & 1)) continue;
+    for (unsigned waiting = groups; waiting; waiting &= waiting - 1) {
+      const int g = __builtin_ctz(waiting);
       const F dx = r.d[0][g], dy = r.d[1][g], dz = r.d[2][g];
       const F sx = r.o[0][g] - corner[0][j], sy = r.o[1][g] - corner[1][j],
               sz = r.o[2][g] - corner[2][j];
@@ -539,13 +544,14 @@ void search_instance(Search& s, const Frame& world, const Entry& entry) {
   f.salt_low = uint32_t(p.salt);
   f.salt_high = uint32_t(p.salt >> 32);
   f.scale = float(p.scale);
-  set_centre(f, p.centre);
+  
   Rays local;
   f.rays = world.rays;
   if (!p.translation) {
     rotate(*world.rays, p, local);
     f.rays = &local;
   }
+  set_centre(f, p.centre, f.rays->spread);
   Found before;
   if (p.scale != 1) {
     before = s.found;
@@ -559,6 +565,44 @@ void search_instance(Search& s, const Frame& world, const Entry& entry) {
   if (p.scale != 1) scale_back(s.found, before, f);
 }
 
+// Wraps kLanes rays at a time into columns; the rest of the last vector repeats the last ray.
+inline void unfold(const View& view, const Ray* rays, size_t count, Columns& out) {
+  for (int a = 0; a < 3; ++a) out.centre[a] = rays[0].origin.data()[a] - view.origin[a];
+  const size_t whole = (count + kLanes - 1) / kLanes * kLanes;
+  for (size_t i = 0; i < whole; ++i) {
+    const Ray& ray = rays[i < count ? i : count - 1];
+    for (int a = 0; a < 3; ++a) {
+      out.direction[a][i] = float(ray.direction.data()[a]);
+      out.offset[a][i] = float(ray.origin.data()[a] - view.origin[a] - out.centre[a]);
+    }
+  }
+  const auto at = [](const float* p) { return *reinterpret_cast<const F*>(p); };
+  F low = all(INFINITY), high = -low, up_low = low, up_high = high, far2 = all(0.0f);
+  float first = 0;
+  for (size_t i = 0; i < whole; i += kLanes) {
+    const F x = at(&out.direction[0][i]), y = at(&out.direction[1][i]),
+            z = at(&out.direction[2][i]);
+    const F sum = absolute(x) + absolute(y);
+    F turn = flip(1.0f - x / greater(sum, all(1e-20f)), sign_of(y));
+    if (i == 0) first = turn[0];
+    turn -= first;
+    turn = pick(le(turn, all(-2.0f)), turn + 4.0f, turn);
+    turn = pick(le(all(2.0f), turn), turn - 4.0f, turn);
+    *reinterpret_cast<F*>(&out.turn[i]) = turn;
+    low = lesser(low, turn);
+    high = greater(high, turn);
+    up_low = lesser(up_low, z);
+    up_high = greater(up_high, z);
+    const F ox = at(&out.offset[0][i]), oy = at(&out.offset[1][i]), oz = at(&out.offset[2][i]);
+    far2 = greater(far2, muladd(ox, ox, muladd(oy, oy, oz * oz)));
+  }
+  out.turn_low = least(low);
+  out.turn_high = greatest(high);
+  out.up_low = least(up_low);
+  out.up_high = greatest(up_high);
+  out.spread = __builtin_sqrtf(greatest(far2)) * 1.00001f;
+}
+
 template <Ask kAsk>
 bool trace_packet(const View& view, Batch& batch) {
   Search s;
@@ -566,36 +610,40 @@ bool trace_packet(const View& view, Batch& batch) {
   s.batch = &batch;
   s.t_min = float(batch.limits.min_m) * 0.999999f;
   s.t_max = float(batch.limits.max_m) * 1.000001f;
+  const Columns& from = *batch.columns;
   Rays rays;
-  float spread2 = 0;
-  for (int a = 0; a < 3; ++a) rays.centre[a] = batch.ray[0]->origin.data()[a] - view.origin[a];
-  for (int k = 0; k < kPacket; ++k) {
-    const Ray& ray = *batch.ray[k];
-    const int g = k / kLanes, lane = k % kLanes;
-    float o2 = 0;
-    for (int a = 0; a < 3; ++a) {
-      const float o = float(ray.origin.data()[a] - view.origin[a] - rays.centre[a]);
-      rays.o[a][g][lane] = o;
-      rays.d[a][g][lane] = float(ray.direction.data()[a]);
-      o2 += o * o;
+  for (int a = 0; a < 3; ++a) {
+    rays.centre[a] = from.centre[a];
+    float* d = reinterpret_cast<float*>(rays.d[a]);
+    float* o = reinterpret_cast<float*>(rays.o[a]);
+    for (int k = 0; k < kPacket; ++k) {
+      d[k] = from.direction[a][batch.number[k]];
+      o[k] = from.offset[a][batch.number[k]];
     }
-    spread2 = o2 > spread2 ? o2 : spread2;
-    s.keys.low[g][lane] = uint32_t(batch.key[k]);
-    s.keys.high[g][lane] = uint32_t(batch.key[k] >> 32);
-    const float limit = kAsk == Ask::kAll ? float(batch.entry_limit_m[k]) * 1.000001f : s.t_max;
-    s.found.high[g][lane] = limit;
-    s.found.low[g][lane] = float(batch.limits.max_m) * 0.999999f;
   }
-  rays.spread = __builtin_sqrtf(spread2) * 1.00001f;
+  rays.spread = from.spread;
   if (!enclose(rays)) return false;
   finish(rays);
-  for (int g = 0; g < kGroups; ++g) s.found.element[g] = s.found.instance[g] = all(Met::kNone);
+  for (int g = 0; g < kGroups; ++g) {
+    s.found.element[g] = s.found.instance[g] = all(Met::kNone);
+    s.found.low[g] = all(float(batch.limits.max_m) * 0.999999f);
+    s.found.high[g] = all(s.t_max);
+  }
+  for (int k = 0; k < kPacket; ++k) {
+    const size_t i = batch.ray(k);
+    if (kAsk == Ask::kAll) {
+      reinterpret_cast<float*>(s.found.high)[k] = float(batch.entry_limits_m[i]) * 1.000001f;
+    } else if (kAsk == Ask::kAccepted) {
+      reinterpret_cast<uint32_t*>(s.keys.low)[k] = uint32_t(batch.keys[i]);
+      reinterpret_cast<uint32_t*>(s.keys.high)[k] = uint32_t(batch.keys[i] >> 32);
+    }
+  }
   remember(s.found);
   Frame world;
   world.rays = &rays;
   world.nodes = view.nodes;
   world.scale = 1;
-  set_centre(world, rays.centre);
+  set_centre(world, rays.centre, rays.spread);
   const auto leaf = [&](uint32_t reference, unsigned) {
     search_instance<kAsk>(s, world, view.entries[reference & kIndexMask]);
   };
@@ -605,10 +653,11 @@ bool trace_packet(const View& view, Batch& batch) {
     descend<kAsk, false>(s, world, view.root, leaf);
   }
   if (kAsk == Ask::kAll) return true;
-  for (int k = 0; k < kPacket; ++k) {
-    const uint32_t element = s.found.element[k / kLanes][k % kLanes];
+  for (int k = 0; k < batch.count; ++k) {
+    const uint32_t element = reinterpret_cast<const uint32_t*>(s.found.element)[k];
     if (element == Met::kNone || s.found.exact >> k & 1) continue;
-    settle_known(view, batch, k, s.found.instance[k / kLanes][k % kLanes], element);
+    const uint32_t instance = reinterpret_cast<const uint32_t*>(s.found.instance)[k];
+    batch.known[batch.known_count++] = {uint32_t(batch.ray(k)), instance, element};
   }
   return true;
 }

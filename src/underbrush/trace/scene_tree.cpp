@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "underbrush/core/parallel.hpp"
+#include "underbrush/trace/element_math.hpp"
 
 namespace underbrush::trace {
 namespace {
@@ -80,11 +80,6 @@ class Opener {
 };
 
 }  // namespace
-
-bool is_translation(const elements::Instance& instance) {
-  return instance.scale == 1 && instance.world_from_model.rotation.w() == 1 &&
-         instance.world_from_model.rotation.vec().isZero(0);
-}
 
 SceneTree build_scene_tree(std::span<const elements::Instance> instances,
                            std::span<const Bvh> bvhs) {

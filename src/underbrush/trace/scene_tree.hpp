@@ -31,7 +31,4 @@ struct SceneTree {
 SceneTree build_scene_tree(std::span<const elements::Instance> instances,
                            std::span<const Bvh> bvhs);
 
-/// Whether model and world coordinates differ by a translation alone.
-bool is_translation(const elements::Instance& instance);
-
 }  // namespace underbrush::trace

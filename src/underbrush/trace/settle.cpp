@@ -1,16 +1,30 @@
 #include "underbrush/trace/kernel.hpp"
 
-namespace underbrush::trace {
-namespace {
+#include <algorithm>
 
-Met meet_placed(const View& view, const Batch& batch, int ray, uint32_t instance,
-                uint32_t element) {
-  const elements::Instance& placed = view.instances[instance];
-  return meet(*view.models[placed.model], placed, instance, element, *batch.ray[ray],
+namespace underbrush::trace {
+Met meet_placed(const View& view, const Batch& batch, const Candidate& c) {
+  const elements::Instance& placed = view.instances[c.instance];
+  return meet(*view.models[placed.model], placed, c.instance, c.element, batch.rays[c.ray],
               batch.limits);
 }
 
-}  // namespace
+void place_ray(const View& view, const Batch& batch, const Candidate& c, double origin[3],
+               double direction[3]) {
+  const Ray local = to_model(view.instances[c.instance], batch.rays[c.ray]);
+  std::copy_n(local.origin.data(), 3, origin);
+  std::copy_n(local.direction.data(), 3, direction);
+}
+
+Stand stand_of(const View& view, uint32_t instance) {
+  const elements::Instance& placed = view.instances[instance];
+  Stand s;
+  s.model = &view.model_views[placed.model];
+  std::copy_n(placed.world_from_model.translation.data(), 3, s.translation);
+  s.scale = double(placed.scale);
+  s.is_translation = is_translation(placed);
+  return s;
+}
 
 Placement place(const View& view, uint32_t instance, const double centre[3]) {
   const elements::Instance& placed = view.instances[instance];
@@ -30,25 +44,21 @@ Placement place(const View& view, uint32_t instance, const double centre[3]) {
   return p;
 }
 
-bool settle_nearest(const View& view, Ask ask, Batch& batch, int ray, uint32_t instance,
+bool settle_nearest(const View& view, Ask ask, Batch& batch, size_t ray, uint32_t instance,
                     uint32_t element, uint32_t have_instance, uint32_t have_element) {
-  const Met met = meet_placed(view, batch, ray, instance, element);
+  const Met met = meet_placed(view, batch, {uint32_t(ray), instance, element});
   if (met.none()) return false;
-  if (ask == Ask::kAccepted && !accepts(batch.key[ray], met)) return false;
+  if (ask == Ask::kAccepted && !accepts(batch.keys[ray], met)) return false;
   Met& best = batch.best[ray];
   if (have_element != Met::kNone) {
-    best = meet_placed(view, batch, ray, have_instance, have_element);
+    best = meet_placed(view, batch, {uint32_t(ray), have_instance, have_element});
   }
   if (!best.none() && !met.before(best)) return false;
   best = met;
   return true;
 }
 
-void settle_known(const View& view, Batch& batch, int ray, uint32_t instance, uint32_t element) {
-  batch.best[ray] = meet_placed(view, batch, ray, instance, element);
-}
-
-void add_candidate(Batch& batch, int ray, uint32_t instance, uint32_t element) {
+void add_candidate(Batch& batch, size_t ray, uint32_t instance, uint32_t element) {
   batch.candidates.push_back({uint32_t(ray), instance, element});
 }
 

@@ -103,15 +103,15 @@ inline unsigned enter(const RayF& r, const Node& n, float t_min, float limit, F8
 template <class Limit, class Leaf>
 inline void visit(const Node* nodes, uint32_t root, const RayF& ray, float t_min, Limit limit,
                   Leaf leaf) {
-  struct Waiting {
+  struct Entered {
     uint32_t reference;
     float t;
   };
-  Waiting stack[256];
+  Entered stack[256];
   int top = 0;
   stack[top++] = {root, 0};
   while (top > 0) {
-    const Waiting at = stack[--top];
+    const Entered at = stack[--top];
     if (at.t > limit()) continue;
     if (at.reference & kLeaf) {
       leaf(at.reference);
@@ -143,12 +143,11 @@ inline unsigned accepted(const uint32_t* below, const uint32_t* element, const R
   return bits((I8)(h < b) | (I8)(b == 0xffffffffu));
 }
 
-inline void trace_one(const View& view, Ask ask, Batch& batch, int i) {
-  const Ray& r = *batch.ray[i];
-  Met& best = batch.best[i];
+inline void trace_one(const View& view, Ask ask, Batch& batch, size_t i) {
+  const Ray& r = batch.rays[i];
   const float t_min = float(batch.limits.min_m) * 0.999999f;
   const float t_max = float(batch.limits.max_m) * 1.000001f;
-  float limit = ask == Ask::kAll ? float(batch.entry_limit_m[i]) * 1.000001f : t_max;
+  float limit = ask == Ask::kAll ? float(batch.entry_limits_m[i]) * 1.000001f : t_max;
   double origin[3];
   for (int a = 0; a < 3; ++a) origin[a] = r.origin.data()[a] - view.origin[a];
   const RayF world(origin, r.direction.data(), 0);
@@ -162,7 +161,7 @@ inline void trace_one(const View& view, Ask ask, Batch& batch, int i) {
       d[a] = row[0] * r.direction.data()[0] + row[1] * r.direction.data()[1] +
              row[2] * r.direction.data()[2];
     }
-    const RayF ray(p.centre, d, batch.key[i] ^ p.salt);
+    const RayF ray(p.centre, d, (ask == Ask::kAccepted ? batch.keys[i] : 0) ^ p.salt);
     const float shrink = float(1 / p.scale);
     const float least = t_min * shrink * 0.999999f, most = t_max * shrink * 1.000001f;
     const auto reach = [&] { return limit * shrink * 1.000001f; };
@@ -174,7 +173,7 @@ inline void trace_one(const View& view, Ask ask, Batch& batch, int i) {
           add_candidate(batch, i, entry.instance, element[k]);
         } else if (settle_nearest(view, ask, batch, i, entry.instance, element[k], 0,
                                   Met::kNone)) {
-          limit = float(best.t_m) * 1.000001f;
+          limit = float(batch.best[i].t_m) * 1.000001f;
         }
       }
     };

@@ -1,11 +1,11 @@
 #include "underbrush/trace/world.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/trace/kernel.hpp"
-#include "underbrush/trace/order.hpp"
 
 namespace underbrush::trace {
 namespace {
@@ -13,7 +13,8 @@ namespace {
 const Kernels& kernels_of(Isa isa) {
 #if defined(__x86_64__)
   __builtin_cpu_init();
-  const bool avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+  const bool avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
+                    __builtin_cpu_supports("bmi");
   const bool avx512 = avx2 && __builtin_cpu_supports("avx512f") &&
                       __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq");
   require(isa != Isa::kAvx2 || avx2, "this machine has no AVX2");
@@ -24,27 +25,36 @@ const Kernels& kernels_of(Isa isa) {
   return kKernelsBase;
 }
 
-/// The batch of a thread: it is large, and its parts keep their memory from call to call.
-Batch& own_batch() {
-  thread_local Batch batch;
-  return batch;
+ModelView::Mesh view_of(const elements::TriangleMesh& mesh) {
+  return {mesh.vertices.empty() ? nullptr : mesh.vertices[0].data(),
+          mesh.triangles.empty() ? nullptr : mesh.triangles[0].data(), mesh.hit.data(),
+          mesh.range_sigma_m};
 }
 
-/// Calls `packet(numbers)` for up to kPacket rays at a time, by their numbers in `rays`.
-template <class Packet>
-void for_packets(std::span<const Ray> rays, Packet packet) {
-  thread_local std::vector<uint32_t> order(kOrdered), scratch(kOrdered);
-  uint32_t numbers[kPacket];
-  for (size_t begin = 0; begin < rays.size(); begin += kOrdered) {
-    const size_t n = std::min(kOrdered, rays.size() - begin);
-    const std::span<uint32_t> in_order(order.data(), n);
-    order_by_direction(rays.subspan(begin, n), in_order, {scratch.data(), n});
-    for (size_t at = 0; at < n; at += kPacket) {
-      const size_t count = std::min<size_t>(kPacket, n - at);
-      for (size_t k = 0; k < count; ++k) numbers[k] = uint32_t(begin) + in_order[at + k];
-      packet(std::span<const uint32_t>(numbers, count));
-    }
-  }
+ModelView view_of(const elements::Model& m) {
+  return {view_of(m.ground),
+          view_of(m.surface),
+          m.ellipsoids.data(),
+          uint32_t(m.ground.size()),
+          uint32_t(m.ground.size() + m.surface.size()),
+          m.tau * m.tau,
+          m.voxel_m > 0};
+}
+
+constexpr int kFew = 4;  // rays for which a packet does not pay
+
+/// What a thread needs for its queries; large, and it keeps its memory from call to call.
+struct Workspace {
+  Batch batch;
+  Columns columns;
+  std::array<uint32_t, kOrdered + kPacket> order;
+  std::array<Candidate, kOrdered> known;
+  std::vector<Met> mets;
+};
+
+Workspace& workspace() {
+  thread_local Workspace w;
+  return w;
 }
 
 }  // namespace
@@ -53,6 +63,7 @@ struct World::Impl {
   std::vector<const elements::Model*> models;
   std::span<const elements::Instance> instances;
   elements::Instance alone;  // of a world that is one model
+  std::vector<ModelView> views;
   std::vector<Bvh> bvhs;
   SceneTree tree;
   const Kernels* kernels;
@@ -60,6 +71,7 @@ struct World::Impl {
   void build() {
     for (const elements::Model* m : models) {
       require(m->size() < kIndexMask, "world: a model has more than 2^29 elements");
+      views.push_back(view_of(*m));
       bvhs.push_back(build_bvh(*m));
     }
     tree = build_scene_tree(instances, bvhs);
@@ -69,30 +81,45 @@ struct World::Impl {
   View view() const {
     return {tree.nodes.data(), tree.entries.data(), tree.root,
             {tree.origin[0], tree.origin[1], tree.origin[2]},
-            instances.data(), models.data(), bvhs.data()};
+            instances.data(), models.data(), views.data(), bvhs.data()};
   }
 
-  void trace(Ask ask, Batch& batch, int count) const {
+  /// Traces `count` rays of the batch.
+  void trace(Ask ask, Workspace& w, size_t count) const {
     if (tree.root == kEmpty) return;
     const View v = view();
-    if (count > kPacket / 16 && kernels->packet(v, ask, batch)) return;
-    for (int i = 0; i < count; ++i) kernels->one(v, ask, batch, i);
+    Batch& batch = w.batch;
+    for (batch.first = 0; batch.first < count; batch.first += kOrdered) {
+      const size_t n = std::min(kOrdered, count - batch.first);
+      batch.columns = &w.columns;
+      batch.known = w.known.data();
+      batch.known_count = 0;
+      if (n > 1) {
+        kernels->unfold(v, batch.rays + batch.first, n, w.columns);
+        order_by_direction(w.columns, {w.order.data(), n});
+      } else {
+        w.order[0] = 0;
+      }
+      std::fill_n(w.order.begin() + long(n), kPacket, w.order[n - 1]);
+      for (size_t at = 0; at < n; at += kPacket) {
+        batch.number = &w.order[at];
+        batch.count = int(std::min<size_t>(kPacket, n - at));
+        if (batch.count > kFew && kernels->packet(v, ask, batch)) continue;
+        for (int k = 0; k < batch.count; ++k) kernels->one(v, ask, batch, batch.ray(k));
+      }
+      kernels->meet_many(v, batch, batch.known, batch.known_count, nullptr);
+    }
   }
 
   void nearest(Ask ask, std::span<const Ray> rays, std::span<const uint64_t> keys,
                const RangeLimits& limits, std::span<Met> met) const {
-    Batch& batch = own_batch();
-    batch.limits = limits;
-    for_packets(rays, [&](std::span<const uint32_t> number) {
-      for (size_t k = 0; k < kPacket; ++k) {
-        const uint32_t i = number[std::min(k, number.size() - 1)];
-        batch.ray[k] = &rays[i];
-        batch.key[k] = keys.empty() ? 0 : keys[i];
-        batch.best[k] = {};
-      }
-      trace(ask, batch, int(number.size()));
-      for (size_t k = 0; k < number.size(); ++k) met[number[k]] = batch.best[k];
-    });
+    std::fill(met.begin(), met.end(), Met{});
+    Workspace& w = workspace();
+    w.batch.rays = rays.data();
+    w.batch.keys = keys.data();
+    w.batch.limits = limits;
+    w.batch.best = met.data();
+    trace(ask, w, rays.size());
   }
 };
 
@@ -153,39 +180,26 @@ Met World::nearest_surface(const Ray& ray, const RangeLimits& limits) const {
 void World::all_met(std::span<const Ray> rays, const RangeLimits& limits,
                     std::span<const double> entry_limits_m, MetLists& lists) const {
   require(entry_limits_m.size() == rays.size(), "rays and limits differ in number");
-  struct OfRay {
-    uint32_t ray;
-    Met met;
-  };
-  thread_local std::vector<OfRay> found;
-  found.clear();
-  Batch& batch = own_batch();
+  Workspace& w = workspace();
+  Batch& batch = w.batch;
+  batch.rays = rays.data();
   batch.limits = limits;
-  for_packets(rays, [&](std::span<const uint32_t> number) {
-    for (size_t k = 0; k < kPacket; ++k) {
-      const uint32_t i = number[std::min(k, number.size() - 1)];
-      batch.ray[k] = &rays[i];
-      batch.key[k] = 0;
-      batch.entry_limit_m[k] = entry_limits_m[i];
-    }
-    batch.candidates.clear();
-    impl_->trace(Ask::kAll, batch, int(number.size()));
-    for (const Candidate& c : batch.candidates) {
-      if (c.ray >= number.size()) continue;
-      const elements::Instance& placed = impl_->instances[c.instance];
-      const Met met = meet(*impl_->models[placed.model], placed, c.instance, c.element,
-                           *batch.ray[c.ray], limits);
-      if (!met.none()) found.push_back({number[c.ray], met});
-    }
-  });
-  // By ray, then by range.
+  batch.entry_limits_m = entry_limits_m.data();
+  batch.candidates.clear();
   lists.first_.assign(rays.size() + 1, 0);
-  for (const OfRay& f : found) ++lists.first_[f.ray + 1];
+  impl_->trace(Ask::kAll, w, rays.size());
+  w.mets.resize(batch.candidates.size());
+  impl_->kernels->meet_many(impl_->view(), batch, batch.candidates.data(), w.mets.size(),
+                            w.mets.data());
+  for (size_t k = 0; k < w.mets.size(); ++k) {
+    if (!w.mets[k].none()) ++lists.first_[batch.candidates[k].ray + 1];
+  }
   for (size_t i = 0; i < rays.size(); ++i) lists.first_[i + 1] += lists.first_[i];
-  lists.met_.resize(found.size());
-  thread_local std::vector<size_t> next;
-  next.assign(lists.first_.begin(), lists.first_.end() - 1);
-  for (const OfRay& f : found) lists.met_[next[f.ray]++] = f.met;
+  lists.met_.resize(lists.first_.back());
+  std::vector<size_t> next(lists.first_.begin(), lists.first_.end() - 1);
+  for (size_t k = 0; k < w.mets.size(); ++k) {
+    if (!w.mets[k].none()) lists.met_[next[batch.candidates[k].ray]++] = w.mets[k];
+  }
   for (size_t i = 0; i < rays.size(); ++i) {
     std::sort(lists.met_.begin() + long(lists.first_[i]),
               lists.met_.begin() + long(lists.first_[i + 1]),

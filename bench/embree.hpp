@@ -1,0 +1,99 @@
+// Embree's closest hit on triangles: the yardstick.
+#pragma once
+#include <embree3/rtcore.h>
+
+#include <algorithm>
+#include <span>
+#include <vector>
+
+#include "underbrush/core/ray.hpp"
+#include "underbrush/elements/model.hpp"
+
+namespace underbrush::bench {
+
+/// How rays are handed over: singly, or 8 or 16 that lie next to each other together.
+enum class EmbreeMode { kSingle = 1, kPacket8 = 8, kPacket16 = 16 };
+
+class Embree {
+ public:
+  /// `config` as Embree takes it, such as "isa=avx2"; nullptr for its best.
+  explicit Embree(const elements::TriangleMesh& mesh, const char* config = nullptr)
+      : device_(rtcNewDevice(config)), scene_(rtcNewScene(device_)) {
+    RTCGeometry g = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+    auto* v = static_cast<float*>(rtcSetNewGeometryBuffer(
+        g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, mesh.vertices.size()));
+    for (const Vec3f& p : mesh.vertices) v = std::copy_n(p.data(), 3, v);
+    auto* t = static_cast<unsigned*>(
+        rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, mesh.size()));
+    for (const auto& corners : mesh.triangles) t = std::copy(corners.begin(), corners.end(), t);
+    rtcCommitGeometry(g);
+    rtcAttachGeometry(scene_, g);
+    rtcReleaseGeometry(g);
+    rtcCommitScene(scene_);
+  }
+  Embree(const Embree&) = delete;
+  Embree& operator=(const Embree&) = delete;
+  ~Embree() {
+    rtcReleaseScene(scene_);
+    rtcReleaseDevice(device_);
+  }
+
+  /// Ranges of the rays (relative to the mesh's origin), in their order.
+  void closest_hits(std::span<const Ray> rays, EmbreeMode mode, float max_range_m,
+                    std::span<float> range) const {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    if (mode == EmbreeMode::kPacket8) {
+      packets<8, RTCRayHit8>(rays, max_range_m, range, [&](const int* valid, RTCRayHit8* p) {
+        rtcIntersect8(valid, scene_, &context, p);
+      });
+    } else if (mode == EmbreeMode::kPacket16) {
+      packets<16, RTCRayHit16>(rays, max_range_m, range, [&](const int* valid, RTCRayHit16* p) {
+        rtcIntersect16(valid, scene_, &context, p);
+      });
+    } else {
+      for (size_t i = 0; i < rays.size(); ++i) {
+        const Vec3f o = rays[i].origin.cast<float>(), d = rays[i].direction.cast<float>();
+        RTCRayHit ray{};
+        ray.ray = {o.x(), o.y(), o.z(), 0, d.x(), d.y(), d.z(), 0, max_range_m, ~0u, 0, 0};
+        ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+        rtcIntersect1(scene_, &context, &ray);
+        range[i] = ray.ray.tfar;
+      }
+    }
+  }
+
+ private:
+  template <size_t kSize, class Packet, class Trace>
+  static void packets(std::span<const Ray> rays, float max_range_m, std::span<float> range,
+                      Trace trace) {
+    alignas(64) int valid[kSize];
+    alignas(64) Packet p;
+    for (size_t i = 0; i < rays.size(); i += kSize) {
+      const size_t n = std::min(kSize, rays.size() - i);
+      for (size_t k = 0; k < kSize; ++k) {
+        const Ray& ray = rays[i + std::min(k, n - 1)];
+        valid[k] = k < n ? -1 : 0;
+        p.ray.org_x[k] = float(ray.origin[0]);
+        p.ray.org_y[k] = float(ray.origin[1]);
+        p.ray.org_z[k] = float(ray.origin[2]);
+        p.ray.dir_x[k] = float(ray.direction[0]);
+        p.ray.dir_y[k] = float(ray.direction[1]);
+        p.ray.dir_z[k] = float(ray.direction[2]);
+        p.ray.tnear[k] = p.ray.time[k] = 0;
+        p.ray.tfar[k] = max_range_m;
+        p.ray.mask[k] = ~0u;
+        p.ray.id[k] = p.ray.flags[k] = 0;
+        p.hit.geomID[k] = p.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
+      }
+      trace(valid, &p);
+      for (size_t k = 0; k < n; ++k) range[i + k] = p.ray.tfar[k];
+    }
+  }
+
+  RTCDevice device_;
+  RTCScene scene_;
+};
+
+}  // namespace underbrush::bench

@@ -1,0 +1,310 @@
+// Beams a second against the number of elements, sub-rays a beam and kind of scene, with Embree's
+// closest hit on as many triangles and the same rays in the same run as the yardstick. Rays come in
+// firing order; ordering them and putting the answers back is inside our times and outside of
+// Embree's. Synthetic scenes.
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "embree.hpp"
+#include "timing.hpp"
+#include "trace_scenes.hpp"
+#include "underbrush/core/parallel.hpp"
+#include "underbrush/core/rng.hpp"
+#include "underbrush/trace/order.hpp"
+#include "underbrush/trace/world.hpp"
+
+namespace underbrush::bench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+constexpr double kMaxRange_m = 120;
+constexpr size_t kCall = 8192;  // rays a call
+
+struct Rays {
+  std::vector<Ray> firing, coherent;
+  std::vector<uint64_t> keys;
+
+  explicit Rays(std::vector<Ray> rays) : firing(std::move(rays)) {
+    const auto columns = std::make_unique<trace::Columns>();
+    std::vector<uint32_t> order(kCall);
+    for (size_t begin = 0; begin < firing.size(); begin += kCall) {
+      const size_t n = std::min(kCall, firing.size() - begin);
+      const std::span<const Ray> part(&firing[begin], n);
+      const auto azimuth = [](const Ray& r) { return std::atan2(r.direction.y(), r.direction.x()); };
+      columns->turn_low = columns->up_low = 4;
+      columns->turn_high = columns->up_high = -4;
+      for (size_t k = 0; k < n; ++k) {
+        const double turned = azimuth(part[k]) - azimuth(part[0]);
+        const float turn = float(std::remainder(turned, 2 * M_PI) / (M_PI / 2));
+        const float up = float(part[k].direction.z());
+        columns->turn[k] = turn;
+        columns->direction[2][k] = up;
+        columns->turn_low = std::min(columns->turn_low, turn);
+        columns->turn_high = std::max(columns->turn_high, turn);
+        columns->up_low = std::min(columns->up_low, up);
+        columns->up_high = std::max(columns->up_high, up);
+      }
+      trace::order_by_direction(*columns, {order.data(), n});
+      for (size_t k = 0; k < n; ++k) coherent.push_back(part[order[k]]);
+    }
+    for (size_t i = 0; i < firing.size(); ++i) keys.push_back(beam_key(1, 0, i));
+  }
+};
+
+/// Rays a second of each way, in turns, so that a busy machine slows all alike; the median counts.
+class Contest {
+ public:
+  void add(std::string name, std::function<void()> f) {
+    names_.push_back(std::move(name));
+    runs_.push_back(std::move(f));
+  }
+  Json rates(size_t rays, int rounds) const {
+    std::vector<std::vector<double>> rate(runs_.size());
+    for (int r = 0; r < rounds; ++r) {
+      for (size_t k = 0; k < runs_.size(); ++k) {
+        rate[k].push_back(double(rays) / seconds_of(runs_[k]));
+      }
+    }
+    Json j;
+    for (size_t k = 0; k < runs_.size(); ++k) j[names_[k]] = median(rate[k]);
+    return j;
+  }
+
+ private:
+  std::vector<std::string> names_;
+  std::vector<std::function<void()>> runs_;
+};
+
+void trace_all(const trace::World& world, const Rays& rays, std::vector<trace::Met>& met) {
+  parallel_for(rays.firing.size(), kCall, [&](size_t begin, size_t end) {
+    const size_t n = end - begin;
+    world.nearest_accepted({&rays.firing[begin], n}, {&rays.keys[begin], n}, {0, kMaxRange_m},
+                           {&met[begin], n});
+  });
+}
+
+struct Case {
+  const char* scene;
+  size_t elements;
+  int sub_rays;
+};
+
+class Bench {
+ public:
+  Bench(int rounds, bool quick) : rounds_(rounds), quick_(quick) {
+    for (trace::Isa isa : {trace::Isa::kBase, trace::Isa::kAvx2, trace::Isa::kAvx512}) {
+      try {
+        const elements::Model nothing;
+        trace::World world(nothing, isa);
+        isas_.push_back(isa);
+      } catch (const std::invalid_argument&) {  // not on this machine
+      }
+    }
+  }
+
+  Json model_case(const Case& c, const elements::Model& model, const char* sensor) {
+    const Rays rays(drive(sensor, quick_ ? 1 : c.sub_rays > 1 ? 1 : 4, c.sub_rays));
+    const elements::TriangleMesh triangles = as_triangles(model);
+    const Embree best(triangles), avx2(triangles, "isa=avx2");
+    std::vector<float> range(rays.firing.size());
+    Contest contest;
+    const auto embree = [&](const char* name, const Embree& e, const std::vector<Ray>& r,
+                            EmbreeMode mode) {
+      contest.add(name, [&e, &r, &range, mode] {
+        e.closest_hits(r, mode, float(kMaxRange_m), range);
+      });
+    };
+    embree("embree_single", best, rays.firing, EmbreeMode::kSingle);
+    embree("embree_packet8", best, rays.coherent, EmbreeMode::kPacket8);
+    embree("embree_packet16", best, rays.coherent, EmbreeMode::kPacket16);
+    embree("embree_avx2_packet8", avx2, rays.coherent, EmbreeMode::kPacket8);
+    return finish(c, contest, rays, [&](trace::Isa isa) { return trace::World(model, isa); },
+                  model.size());
+  }
+
+  Json scene_case(const Case& c, const elements::Scene& scene, const char* sensor) {
+    const Rays rays(drive(sensor, quick_ ? 1 : c.sub_rays > 1 ? 1 : 4, c.sub_rays));
+    Contest contest;
+    Json j = finish(c, contest, rays, [&](trace::Isa isa) { return trace::World(scene, isa); }, 0);
+    size_t of_models = 0, virtually = 0;
+    for (const auto& i : scene.instances) virtually += scene.models[i.model].ellipsoids.size();
+    for (const auto& m : scene.models) of_models += trace::World(m).bytes();
+    const size_t whole = trace::World(scene).bytes();
+    j["ellipsoids_placed"] = virtually;
+    j["bytes_per_instance"] =
+        double(whole - of_models) / double(scene.instances.size()) + sizeof(elements::Instance);
+    return j;
+  }
+
+ private:
+  template <class MakeWorld>
+  Json finish(const Case& c, Contest& contest, const Rays& rays, MakeWorld make,
+              size_t elements) const {
+    std::vector<trace::Met> met(rays.firing.size());
+    std::vector<trace::World> worlds;
+    set_threads(1);
+    double build_s = 0;
+    for (trace::Isa isa : isas_) {
+      build_s = seconds_of([&] { worlds.push_back(make(isa)); });
+    }
+    for (const trace::World& w : worlds) {
+      contest.add("ours_" + std::string(w.isa()), [&] { trace_all(w, rays, met); });
+    }
+    Json j;
+    j["scene"] = c.scene;
+    j["elements"] = c.elements;
+    j["sub_rays"] = c.sub_rays;
+    j["rays"] = rays.firing.size();
+    j["rays_per_s_per_core"] = contest.rates(rays.firing.size(), rounds_);
+    set_threads(2);
+    Contest two;
+    for (const trace::World& w : worlds) {
+      two.add("ours_" + std::string(w.isa()), [&] { trace_all(w, rays, met); });
+    }
+    j["rays_per_s_2_cores"] = two.rates(rays.firing.size(), rounds_);
+    set_threads(0);
+    if (elements > 0) {
+      j["build_us_per_element_1_thread"] = 1e6 * build_s / double(elements);
+      j["bytes_per_element"] = double(worlds.back().bytes()) / double(elements);
+    } else {
+      j["build_s_1_thread"] = build_s;
+    }
+    size_t hits = 0;
+    for (const trace::Met& m : met) hits += !m.none();
+    j["hit_share"] = double(hits) / double(met.size());
+    return j;
+  }
+
+  int rounds_;
+  bool quick_;
+  std::vector<trace::Isa> isas_;
+};
+
+double fastest(const Json& rates, const char* prefix) {
+  double most = 0;
+  for (const auto& [name, rate] : rates.items()) {
+    if (name.starts_with(prefix)) most = std::max(most, rate.get<double>());
+  }
+  return most;
+}
+
+void print(const Json& j) {
+  std::printf("%-8s %9zu elements %3d sub-rays:", j["scene"].get<std::string>().c_str(),
+              j["elements"].get<size_t>(), j["sub_rays"].get<int>());
+  for (const auto& [name, rate] : j["rays_per_s_per_core"].items()) {
+    std::printf(" %s %.2f", name.c_str(), 1e-6 * rate.get<double>());
+  }
+  std::printf(" M rays/s a core; 2 cores %.2f", 1e-6 * fastest(j["rays_per_s_2_cores"], "ours"));
+  for (const char* key : {"build_us_per_element_1_thread", "bytes_per_element", "build_s_1_thread",
+                          "bytes_per_instance"}) {
+    if (j.contains(key) && j[key].is_number()) std::printf("; %s %.3g", key, j[key].get<double>());
+  }
+  std::printf("\n");
+  std::fflush(stdout);
+}
+
+/// Figures that goals are set for, of the dense forest of 10⁶ ellipsoids (10⁵ when quick).
+Json summary(const Json& one, const Json& sub) {
+  const Json &core = one["rays_per_s_per_core"], &two = one["rays_per_s_2_cores"];
+  const double ours = fastest(core, "ours");
+  Json j;
+  j["hdl64e_realtime_multiple_1e6"] = fastest(two, "ours") / kHdl64eBeamsPerS;
+  j["os1_64_realtime_multiple_1e6"] = fastest(two, "ours") / kOs1_64BeamsPerS;
+  j["ratio_to_embree_best_1e6"] = ours / fastest(core, "embree");
+  if (core.contains("ours_avx2")) {
+    const double avx2 = core["ours_avx2"];
+    j["avx2_beams_per_s_per_core_1e6"] = avx2;
+    j["hdl64e_realtime_multiple_avx2_1e6"] = two["ours_avx2"].get<double>() / kHdl64eBeamsPerS;
+    j["ratio_to_embree_packets_avx2_1e6"] = avx2 / core["embree_avx2_packet8"].get<double>();
+  }
+  j["hdl64e_realtime_multiple_sub_rays_1e6"] =
+      fastest(sub["rays_per_s_2_cores"], "ours") / sub["sub_rays"].get<double>() / kHdl64eBeamsPerS;
+  return j;
+}
+
+/// What bench/instructions.py counts the instructions of.
+__attribute__((noinline)) void counted_pass(const trace::World& world, const Rays& rays,
+                                            std::vector<trace::Met>& met) {
+  trace_all(world, rays, met);
+}
+
+int trace_passes(int passes, size_t elements, const std::string& isa) {
+  set_threads(1);
+  const elements::Model model = forest(elements);
+  const trace::World world(model, isa == "avx512" ? trace::Isa::kAvx512
+                                  : isa == "avx2" ? trace::Isa::kAvx2
+                                                  : trace::Isa::kBase);
+  const Rays rays(drive("velodyne-hdl64e", 1, 1));
+  std::vector<trace::Met> met(rays.firing.size());
+  for (int k = 0; k < passes; ++k) {
+    const double s = seconds_of([&] { counted_pass(world, rays, met); });
+    std::printf("%zu rays, %.2f M rays/s\n", met.size(), 1e-6 * double(met.size()) / s);
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace underbrush::bench
+
+int main(int argc, char** argv) {
+  using namespace underbrush::bench;
+  CLI::App app("Speed of the tracing engine against Embree and real sensors");
+  std::string json_file;
+  int rounds = 5;
+  int passes = 0;
+  size_t elements = 100000;
+  std::string isa = "avx2";
+  bool quick = false;
+  app.add_option("--json", json_file, "Write the figures here");
+  app.add_option("--rounds", rounds, "Runs of each, in turns; medians count")
+      ->capture_default_str();
+  app.add_flag("--quick", quick, "Fewer and smaller cases (10^5 stands for 10^6)");
+  app.add_option("--passes", passes, "Only so many passes over one forest, for profilers");
+  app.add_option("--elements", elements, "Ellipsoids of that forest")->capture_default_str();
+  app.add_option("--isa", isa, "Instruction set of these passes")
+      ->check(CLI::IsMember({"sse2", "avx2", "avx512"}))
+      ->capture_default_str();
+  CLI11_PARSE(app, argc, argv);
+  if (passes > 0) return trace_passes(passes, elements, isa);
+  if (quick) rounds = std::min(rounds, 3);
+
+  Bench bench(rounds, quick);
+  const char* hdl = "velodyne-hdl64e";
+  Json out, cases = Json::array(), one, sub;
+  const auto keep = [&](Json j) {
+    print(j);
+    cases.push_back(j);
+    return j;
+  };
+  const std::vector<size_t> sizes =
+      quick ? std::vector<size_t>{10000, 100000} : std::vector<size_t>{10000, 100000, 1000000,
+                                                                       10000000};
+  const size_t middle = quick ? 100000 : 1000000;
+  for (size_t n : sizes) {
+    const auto model = forest(n);
+    const Json j = keep(bench.model_case({"forest", n, 1}, model, hdl));
+    if (n != middle) continue;
+    one = j;
+    keep(bench.model_case({"forest_os1", n, 1}, model, "ouster-os1-64"));
+    keep(bench.model_case({"forest", n, 9}, model, hdl));
+    sub = keep(bench.model_case({"forest", n, 16}, model, hdl));
+    if (!quick) keep(bench.model_case({"forest", n, 41}, model, hdl));
+  }
+  keep(bench.model_case({"field", middle, 1}, field(middle), hdl));
+  for (size_t n : quick ? std::vector<size_t>{1000} : std::vector<size_t>{286, 10000, 1000000}) {
+    keep(bench.scene_case({"planted", n, 1}, planted(n), hdl));
+  }
+  out["summary"] = summary(one, sub);
+  for (const auto& [key, value] : out["summary"].items()) {
+    out[key] = value;
+    std::printf("%-42s %.4g\n", key.c_str(), value.get<double>());
+  }
+  out.erase("summary");
+  out["cases"] = cases;
+  if (!json_file.empty()) std::ofstream(json_file) << out.dump(2) << "\n";
+  return 0;
+}

@@ -1,0 +1,70 @@
+// The arithmetic of the ray model, for one ray (D = double) or several at once (D a vector of
+// doubles): the same operations in the same order, so the same bits, as long as nothing contracts
+// them. Included by element_math.cpp and kernel.inl.
+namespace underbrush::trace {
+namespace {
+
+/// [deschaud12] eq. 1–3; `s` is Σ (xx xy xz yy yz zz).
+template <class D>
+struct Approach {
+  D t, sigma2, delta2;
+};
+
+template <class D>
+inline D dot(const D a[3], const D b[3]) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+template <class D>
+inline Approach<D> approach_of(const D o[3], const D d[3], const D mean[3], const D s[6]) {
+  // Σ⁻¹ up to the factor 1/det, by cofactors.
+  const D i00 = s[3] * s[5] - s[4] * s[4], i01 = s[2] * s[4] - s[1] * s[5],
+          i02 = s[1] * s[4] - s[2] * s[3];
+  const D i11 = s[0] * s[5] - s[2] * s[2], i12 = s[1] * s[2] - s[0] * s[4],
+          i22 = s[0] * s[3] - s[1] * s[1];
+  const D det = s[0] * i00 + s[1] * i01 + s[2] * i02;
+  // From the foot point of the mean on the ray, so that far means lose no digits.
+  const D to_mean[3] = {mean[0] - o[0], mean[1] - o[1], mean[2] - o[2]};
+  const D t0 = dot(to_mean, d);
+  const D q[3] = {to_mean[0] - t0 * d[0], to_mean[1] - t0 * d[1], to_mean[2] - t0 * d[2]};
+  const D dw[3] = {i00 * d[0] + i01 * d[1] + i02 * d[2], i01 * d[0] + i11 * d[1] + i12 * d[2],
+                   i02 * d[0] + i12 * d[1] + i22 * d[2]};
+  const D dd = dot(dw, d), step = dot(dw, q) / dd;
+  const D r[3] = {q[0] - step * d[0], q[1] - step * d[1], q[2] - step * d[2]};
+  const D rw[3] = {i00 * r[0] + i01 * r[1] + i02 * r[2], i01 * r[0] + i11 * r[1] + i12 * r[2],
+                   i02 * r[0] + i12 * r[1] + i22 * r[2]};
+  return {t0 + step, det / dd, dot(rw, r) / det};
+}
+
+/// A triangle in the frame of a ray: sheared so that the ray runs along the third axis through the
+/// origin, which is the axis of the direction's largest component; x and y follow it in order. A
+/// vertex has one place there for all triangles that share it (Woop, Benthin & Wald 2013).
+template <class D>
+struct Sheared {
+  D x[3], y[3], z[3];
+};
+
+/// `d`, `o` and `corner[v]` with their components in the order x, y, z of the sheared frame.
+template <class D>
+inline Sheared<D> shear(const D o[3], const D d[3], const D corner[3][3]) {
+  const D sx = d[0] / d[2], sy = d[1] / d[2];
+  Sheared<D> s;
+  for (int v = 0; v < 3; ++v) {
+    const D z = corner[v][2] - o[2];
+    s.x[v] = corner[v][0] - o[0] - sx * z;
+    s.y[v] = corner[v][1] - o[1] - sy * z;
+    s.z[v] = z;
+  }
+  return s;
+}
+
+/// Range at weights u, v, w of the corners, of which not all are zero.
+template <class D>
+inline D range_at(const Sheared<D>& s, const D weight[3], const D& direction_z) {
+  const D sum = weight[0] + weight[1] + weight[2];
+  return (weight[0] / sum * s.z[0] + weight[1] / sum * s.z[1] + weight[2] / sum * s.z[2]) /
+         direction_z;
+}
+
+}  // namespace
+}  // namespace underbrush::trace
