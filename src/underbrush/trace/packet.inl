@@ -39,6 +39,7 @@ struct Frame {
   float lower[3], upper[3];  // the centre, moved so that boxes come out too large
   uint32_t instance, salt_low, salt_high;
   float scale;
+  float t_min, t_max;  // ranges that may count
 };
 
 struct Search {
@@ -46,7 +47,6 @@ struct Search {
   Batch* batch;
   Keys keys;
   Found found;
-  float t_min, t_max;  // ranges that may count, world
 };
 
 inline void set_centre(Frame& f, const double centre[3], float spread) {
@@ -290,9 +290,8 @@ inline bool visit_ellipsoids(Search& s, const Frame& f, const EllipsoidBlock& b,
       const F error = reach * muladd(all(size_of[j]), absolute(step) + reach, all(slack[j])) +
                       (absolute(t0) + absolute(step)) * 6e-7f;
       const F low = t - error, high = t + error;
-      const float t_min = s.t_min / f.scale;
-      maybe &= le(all(t_min), high);
-      maybe &= le(low, kAsk == Ask::kAll ? all(s.t_max / f.scale) : s.found.high[g]);
+      maybe &= le(all(f.t_min), high);
+      maybe &= le(low, kAsk == Ask::kAll ? all(f.t_max) : s.found.high[g]);
       if (!bits(maybe)) continue;
       M sure = maybe;
       if (kAsk == Ask::kAccepted) {
@@ -300,7 +299,7 @@ inline bool visit_ellipsoids(Search& s, const Frame& f, const EllipsoidBlock& b,
         if (!bits(maybe)) continue;
         sure = careful ? mask_of(0)
                        : M(maybe & le((c - inner * inner) * a, hh * 0.99999f) &
-                           le(high, s.found.low[g]) & le(all(t_min), low));
+                           le(high, s.found.low[g]) & le(all(f.t_min), low));
       }
       keep<kAsk>(s, f, g, b.element[j], maybe, sure, low, high);
       any = true;
@@ -369,9 +368,8 @@ inline bool visit_triangles(Search& s, const Frame& f, const TriangleBlock& b, u
       const F t = flip(muladd(e2x, qx, muladd(e2y, qy, e2z * qz)), sign) * i;
       const F error = muladd(all(range_slack[j]), i, absolute(t) * 6e-7f);
       const F low = t - error, high = t + error;
-      const float t_min = s.t_min / f.scale;
-      const F limit = kAsk == Ask::kAll ? all(s.t_max / f.scale) : s.found.high[g];
-      maybe &= M(le(all(t_min), high) & le(low, limit)) | le(det, doubtful);
+      const F limit = kAsk == Ask::kAll ? all(f.t_max) : s.found.high[g];
+      maybe &= M(le(all(f.t_min), high) & le(low, limit)) | le(det, doubtful);
       if (!bits(maybe)) continue;
       M sure = maybe;
       if (kAsk != Ask::kAll) {
@@ -380,7 +378,7 @@ inline bool visit_triangles(Search& s, const Frame& f, const TriangleBlock& b, u
           if (!bits(maybe)) continue;
         }
         sure = maybe & le(all(slack[j]), least_weight) & le(high, s.found.low[g]) &
-               le(all(t_min), low);
+               le(all(f.t_min), low);
       }
       keep<kAsk>(s, f, g, b.element[j], maybe, sure, low, high);
       any = true;
@@ -414,10 +412,14 @@ template <Ask kAsk, bool kMixed, class Leaf>
 inline void descend(Search& s, const Frame& f, uint32_t root, Leaf leaf) {
   const Rays& r = *f.rays;
   const unsigned everyone = (1u << kGroups) - 1;
+  uint8_t inner[5][3], outer[3];  // which edges of a box make that corner
+  for (int p = 0; p < 5; ++p) {
+    for (int a = 0; a < 3; ++a) inner[p][a] = uint8_t(r.plane[p][a] > 0 ? a : 3 + a);
+  }
+  for (int a = 0; a < 3; ++a) outer[a] = uint8_t(r.plane[4][a] > 0 ? 3 + a : a);
   PacketEntry stack[256];
   int top = 0;
   stack[top++] = {-1, root, everyone};
-  const float t_min = s.t_min / f.scale;
   while (top > 0) {
     const PacketEntry at = stack[--top];
     if (at.depth > s.found.farthest) continue;
@@ -431,17 +433,15 @@ inline void descend(Search& s, const Frame& f, uint32_t root, Leaf leaf) {
       *reinterpret_cast<F8*>(edge[a]) = load8(n.lo[a]) - f.lower[a];
       *reinterpret_cast<F8*>(edge[3 + a]) = load8(n.hi[a]) - f.upper[a];
     }
-    // Of each box the corner that lies furthest inwards of a plane.
-    const auto corner = [&](const float* normal, bool inwards) {
-      F8 sum{};
-      for (int a = 0; a < 3; ++a) {
-        sum = muladd(load8(edge[(normal[a] > 0) == inwards ? a : 3 + a]), all8(normal[a]), sum);
-      }
-      return sum;
+    // Of each box how far the corner lies along a plane's normal that lies least so.
+    const auto along = [&](int p, const uint8_t* which) {
+      const float* normal = r.plane[p];
+      return muladd(load8(edge[which[0]]), all8(normal[0]),
+                    muladd(load8(edge[which[1]]), all8(normal[1]), load8(edge[which[2]]) * normal[2]));
     };
-    const F8 depth = corner(r.plane[4], true) - r.depth;
-    I8 inside = (depth <= all8(s.found.farthest)) & (corner(r.plane[4], false) >= all8(r.behind));
-    for (int p = 0; p < 4; ++p) inside &= corner(r.plane[p], true) <= all8(r.side[p]);
+    const F8 depth = along(4, inner[4]) - r.depth;
+    I8 inside = (depth <= all8(s.found.farthest)) & (along(4, outer) >= all8(r.behind));
+    for (int p = 0; p < 4; ++p) inside &= along(p, inner[p]) <= all8(r.side[p]);
     unsigned left = bits(inside);
     const int base = top;
     while (left) {
@@ -452,9 +452,9 @@ inline void descend(Search& s, const Frame& f, uint32_t root, Leaf leaf) {
       const uint32_t child = n.child[k];
       unsigned groups = everyone;
       if (child & kLeaf) {
-        groups = groups_entering<kMixed, false>(r, s.found, t_min, lo, hi, groups);
+        groups = groups_entering<kMixed, false>(r, s.found, f.t_min, lo, hi, groups);
         if (!groups) continue;
-      } else if (!groups_entering<kMixed, true>(r, s.found, t_min, lo, hi, groups)) {
+      } else if (!groups_entering<kMixed, true>(r, s.found, f.t_min, lo, hi, groups)) {
         continue;
       }
       prefetch(f, child);
@@ -544,6 +544,8 @@ void search_instance(Search& s, const Frame& world, const Entry& entry) {
   f.salt_low = uint32_t(p.salt);
   f.salt_high = uint32_t(p.salt >> 32);
   f.scale = float(p.scale);
+  f.t_min = world.t_min / f.scale * 0.9999999f;
+  f.t_max = world.t_max / f.scale * 1.0000001f;
   
   Rays local;
   f.rays = world.rays;
@@ -605,11 +607,11 @@ inline void unfold(const View& view, const Ray* rays, size_t count, Columns& out
 
 template <Ask kAsk>
 bool trace_packet(const View& view, Batch& batch) {
+  const float t_min = float(batch.limits.min_m) * 0.999999f;
+  const float t_max = float(batch.limits.max_m) * 1.000001f;
   Search s;
   s.view = &view;
   s.batch = &batch;
-  s.t_min = float(batch.limits.min_m) * 0.999999f;
-  s.t_max = float(batch.limits.max_m) * 1.000001f;
   const Columns& from = *batch.columns;
   Rays rays;
   for (int a = 0; a < 3; ++a) {
@@ -627,7 +629,7 @@ bool trace_packet(const View& view, Batch& batch) {
   for (int g = 0; g < kGroups; ++g) {
     s.found.element[g] = s.found.instance[g] = all(Met::kNone);
     s.found.low[g] = all(float(batch.limits.max_m) * 0.999999f);
-    s.found.high[g] = all(s.t_max);
+    s.found.high[g] = all(t_max);
   }
   for (int k = 0; k < kPacket; ++k) {
     const size_t i = batch.ray(k);
@@ -643,6 +645,8 @@ bool trace_packet(const View& view, Batch& batch) {
   world.rays = &rays;
   world.nodes = view.nodes;
   world.scale = 1;
+  world.t_min = t_min;
+  world.t_max = t_max;
   set_centre(world, rays.centre, rays.spread);
   const auto leaf = [&](uint32_t reference, unsigned) {
     search_instance<kAsk>(s, world, view.entries[reference & kIndexMask]);
