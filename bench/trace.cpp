@@ -34,7 +34,9 @@ struct Rays {
     for (size_t begin = 0; begin < firing.size(); begin += kCall) {
       const size_t n = std::min(kCall, firing.size() - begin);
       const std::span<const Ray> part(&firing[begin], n);
-      const auto azimuth = [](const Ray& r) { return std::atan2(r.direction.y(), r.direction.x()); };
+      const auto azimuth = [](const Ray& r) {
+        return std::atan2(r.direction.y(), r.direction.x());
+      };
       columns->turn_low = columns->up_low = 4;
       columns->turn_high = columns->up_high = -4;
       for (size_t k = 0; k < n; ++k) {
@@ -114,22 +116,22 @@ class Bench {
     Contest contest;
     const auto embree = [&](const char* name, const Embree& e, const std::vector<Ray>& r,
                             EmbreeMode mode) {
-      contest.add(name, [&e, &r, &range, mode] {
-        e.closest_hits(r, mode, float(kMaxRange_m), range);
-      });
+      contest.add(name,
+                  [&e, &r, &range, mode] { e.closest_hits(r, mode, float(kMaxRange_m), range); });
     };
     embree("embree_single", best, rays.firing, EmbreeMode::kSingle);
     embree("embree_packet8", best, rays.coherent, EmbreeMode::kPacket8);
     embree("embree_packet16", best, rays.coherent, EmbreeMode::kPacket16);
     embree("embree_avx2_packet8", avx2, rays.coherent, EmbreeMode::kPacket8);
-    return finish(c, contest, rays, [&](trace::Isa isa) { return trace::World(model, isa); },
-                  model.size());
+    return finish(
+        c, contest, rays, [&](trace::Isa isa) { return trace::World(model, isa); }, model.size());
   }
 
   Json scene_case(const Case& c, const elements::Scene& scene, const char* sensor) {
     const Rays rays(drive(sensor, quick_ ? 1 : c.sub_rays > 1 ? 1 : 4, c.sub_rays));
     Contest contest;
-    Json j = finish(c, contest, rays, [&](trace::Isa isa) { return trace::World(scene, isa); }, 0);
+    Json j = finish(
+        c, contest, rays, [&](trace::Isa isa) { return trace::World(scene, isa); }, 0);
     size_t of_models = 0, virtually = 0;
     for (const auto& i : scene.instances) virtually += scene.models[i.model].ellipsoids.size();
     for (const auto& m : scene.models) of_models += trace::World(m).bytes();
@@ -280,9 +282,8 @@ int main(int argc, char** argv) {
     cases.push_back(j);
     return j;
   };
-  const std::vector<size_t> sizes =
-      quick ? std::vector<size_t>{10000, 100000} : std::vector<size_t>{10000, 100000, 1000000,
-                                                                       10000000};
+  const std::vector<size_t> sizes = quick ? std::vector<size_t>{10000, 100000}
+                                          : std::vector<size_t>{10000, 100000, 1000000, 10000000};
   const size_t middle = quick ? 100000 : 1000000;
   for (size_t n : sizes) {
     const auto model = forest(n);

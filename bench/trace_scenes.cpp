@@ -180,8 +180,8 @@ elements::TriangleMesh as_triangles(const elements::Model& model) {
     for (int k = 0; k < 3; ++k) {
       const double angle = 2 * M_PI / 3 * k;
       mesh.vertices.push_back(
-          e.mean + (turn * Vec3(radius * std::cos(angle), radius * std::sin(angle), 0))
-                       .cast<float>());
+          e.mean +
+          (turn * Vec3(radius * std::cos(angle), radius * std::sin(angle), 0)).cast<float>());
     }
     mesh.triangles.push_back({first, first + 1, first + 2});
   }
@@ -208,8 +208,8 @@ std::vector<Ray> drive(const char* sensor, int revolutions, int sub_rays) {
     for (int k = 0; k < sub_rays; ++k) {
       const double r = sub_rays == 1 ? 0 : 0.0015 * std::sqrt((k + 0.5) / sub_rays);
       const double angle = k * 2.399963229728653;  // the golden angle
-      rays.push_back({beams.origin[i],
-                      (d + r * (std::cos(angle) * u + std::sin(angle) * v)).normalized()});
+      rays.push_back(
+          {beams.origin[i], (d + r * (std::cos(angle) * u + std::sin(angle) * v)).normalized()});
     }
   }
   return rays;

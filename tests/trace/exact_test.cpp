@@ -142,8 +142,8 @@ TEST_P(Exact, EveryQueryGivesWhatBruteForceInDoubleGives) {
         wrong += !same(nearest[w][i], first);
         wrong += !same(surface[w][i], wall);
         const auto list = all[w][i];
-        wrong += list.size() != met.size() ||
-                 !std::equal(list.begin(), list.end(), met.begin(), same);
+        wrong +=
+            list.size() != met.size() || !std::equal(list.begin(), list.end(), met.begin(), same);
       }
       met_any += !first.none();
       ++asked;

@@ -70,8 +70,7 @@ constexpr uint64_t instance_key(uint64_t key, uint32_t instance) {
 
 /// Whether the beam of this key accepts what it met.
 inline bool accepts(uint64_t key, const Met& met) {
-  return accept_threshold(met.p).accepts(
-      accept_bits(instance_key(key, met.instance), met.element));
+  return accept_threshold(met.p).accepts(accept_bits(instance_key(key, met.instance), met.element));
 }
 
 /// The cell of a voxel model that holds a point (model frame).

@@ -97,7 +97,8 @@ class Splitter {
     Cut cut;
     cut.base = r.centres.lo;
     const Float4 extent = r.centres.hi - r.centres.lo;
-    for (int d = 0; d < 3; ++d) cut.scale[d] = extent[d] > 1e-20f ? kBins * 0.99999f / extent[d] : 0;
+    for (int d = 0; d < 3; ++d)
+      cut.scale[d] = extent[d] > 1e-20f ? kBins * 0.99999f / extent[d] : 0;
     Box box[3][kBins];
     uint32_t count[3][kBins] = {};
     for (uint32_t i = r.begin; i < r.end; ++i) {

@@ -92,17 +92,20 @@ Placement place(const View& view, uint32_t instance, const double centre[3]);
 /// in `best`, or kNone. True if the new one is nearer.
 bool settle_nearest(const View& view, Ask ask, Batch& batch, size_t ray, uint32_t instance,
                     uint32_t element, uint32_t have_instance, uint32_t have_element);
-/// `meet`, and the ray in the instance's model.
+/// `meet` of a candidate.
 Met meet_placed(const View& view, const Batch& batch, const Candidate& candidate);
+/// The ray in the instance's model.
 void place_ray(const View& view, const Batch& batch, const Candidate& candidate, double origin[3],
                double direction[3]);
-/// Where an instance stands.
+/// A model and its place in the world.
 struct Stand {
   const ModelView* model;
   double translation[3], scale;
   bool is_translation;
 };
+/// Where the instance stands.
 Stand stand_of(const View& view, uint32_t instance);
+/// Notes that a ray may meet an element.
 void add_candidate(Batch& batch, size_t ray, uint32_t instance, uint32_t element);
 
 /// The kernels of one instruction set; the tree must not be empty.

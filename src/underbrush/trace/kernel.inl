@@ -4,14 +4,15 @@
 #include <immintrin.h>
 
 #include "underbrush/trace/kernel.hpp"
-
+// clang-format off: each builds on those before it
 #include "underbrush/trace/exact.inl"
 #include "underbrush/trace/simd.inl"
-
 #include "underbrush/trace/many.inl"
-
+#include "underbrush/trace/packet_rays.inl"
+#include "underbrush/trace/packet_leaves.inl"
 #include "underbrush/trace/packet.inl"
 #include "underbrush/trace/single.inl"
+// clang-format on
 
 namespace underbrush::trace {
 namespace {

@@ -105,8 +105,8 @@ inline void add_ellipsoid(Pending& w, const elements::Ellipsoid& e, double tau2,
   w.p[k] = double(e.hit.p);
 }
 
-inline void add_triangle(Pending& w, const ModelView::Mesh& mesh, uint32_t at,
-                         const double o[3], const double d[3]) {
+inline void add_triangle(Pending& w, const ModelView::Mesh& mesh, uint32_t at, const double o[3],
+                         const double d[3]) {
   const int k = w.count;
   const double size[3] = {__builtin_fabs(d[0]), __builtin_fabs(d[1]), __builtin_fabs(d[2])};
   int z = 0;
@@ -174,8 +174,8 @@ void meet_many(const View& view, const Batch& batch, const Candidate* list, size
     Pending& w = is_triangle ? triangles : ellipsoids;
     if (is_triangle) {
       const bool ground = c.element < m.ground_count;
-      add_triangle(w, ground ? m.ground : m.surface, ground ? c.element : c.element - m.ground_count,
-                   o, d);
+      add_triangle(w, ground ? m.ground : m.surface,
+                   ground ? c.element : c.element - m.ground_count, o, d);
     } else {
       const elements::Ellipsoid& e = m.ellipsoids[c.element - m.triangle_count];
       if (m.voxels || e.density_per_m > 0) {

@@ -15,7 +15,7 @@ struct Columns {
   alignas(64) float offset[3][kOrdered];  ///< Origins relative to `centre`.
   /// A measure of the azimuth from that of the first ray: rises with it, in [−2, 2).
   alignas(64) float turn[kOrdered];
-  double centre[3];  ///< Relative to the tree's origin.
+  double centre[3];                            ///< Relative to the tree's origin.
   float turn_low, turn_high, up_low, up_high;  ///< Extremes of turn and of direction[2].
   float spread;                                ///< Greatest length of an offset.
 };

@@ -1,6 +1,6 @@
-#include "underbrush/trace/kernel.hpp"
-
 #include <algorithm>
+
+#include "underbrush/trace/kernel.hpp"
 
 namespace underbrush::trace {
 Met meet_placed(const View& view, const Batch& batch, const Candidate& c) {
@@ -34,8 +34,8 @@ Placement place(const View& view, uint32_t instance, const double centre[3]) {
   p.scale = placed.scale;
   p.salt = instance_key(0, instance);
   const Mat3 back = placed.world_from_model.rotation.conjugate().toRotationMatrix();
-  const Vec3 world = Vec3(view.origin[0], view.origin[1], view.origin[2]) +
-                     Vec3(centre[0], centre[1], centre[2]);
+  const Vec3 world =
+      Vec3(view.origin[0], view.origin[1], view.origin[2]) + Vec3(centre[0], centre[1], centre[2]);
   const Vec3 local = back * (world - placed.world_from_model.translation) / p.scale;
   for (int r = 0; r < 3; ++r) {
     p.centre[r] = local[r];

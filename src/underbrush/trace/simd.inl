@@ -1,5 +1,5 @@
-// Included by kernel.inl: vectors of floats for one instruction set. `F` holds kLanes rays, `F8` the
-// eight children of a node or the eight elements of a block.
+// Included by kernel.inl: vectors of floats for one instruction set. `F` holds kLanes rays, `F8`
+// the eight children of a node or the eight elements of a block.
 namespace underbrush::trace {
 namespace {
 
@@ -55,9 +55,7 @@ inline unsigned bits(M m) { return m; }
 inline M equal(U a, U b) { return _mm512_cmpeq_epu32_mask((__m512i)a, (__m512i)b); }
 inline M mask_of(unsigned lanes) { return M(lanes); }
 inline F pick(M m, F yes, F no) { return _mm512_mask_blend_ps(m, no, yes); }
-inline U pick(M m, U yes, U no) {
-  return (U)_mm512_mask_blend_epi32(m, (__m512i)no, (__m512i)yes);
-}
+inline U pick(M m, U yes, U no) { return (U)_mm512_mask_blend_epi32(m, (__m512i)no, (__m512i)yes); }
 inline F muladd(F a, F b, F c) { return _mm512_fmadd_ps(a, b, c); }
 inline F lesser(F a, F b) { return _mm512_min_ps(a, b); }
 inline F greater(F a, F b) { return _mm512_max_ps(a, b); }

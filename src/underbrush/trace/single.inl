@@ -55,8 +55,8 @@ inline unsigned ellipsoid_candidates(const RayF& r, const EllipsoidBlock& b, flo
   const F8 step = h / a, t = t0 + step, reach = root(1.0f / a);
   const F8 t_slack = (absolute(t0) + absolute(step)) * 1e-6f +
                      reach * (slack + size * 1e-6f * (absolute(step) + reach));
-  const I8 inside = ((c - bound) * a <= h * h * 1.00001f) & (t - t_slack <= limit) &
-                    (t + t_slack >= t_min);
+  const I8 inside =
+      ((c - bound) * a <= h * h * 1.00001f) & (t - t_slack <= limit) & (t + t_slack >= t_min);
   return bits(inside);
 }
 
@@ -171,8 +171,7 @@ inline void trace_one(const View& view, Ask ask, Batch& batch, size_t i) {
         lanes &= lanes - 1;
         if (ask == Ask::kAll) {
           add_candidate(batch, i, entry.instance, element[k]);
-        } else if (settle_nearest(view, ask, batch, i, entry.instance, element[k], 0,
-                                  Met::kNone)) {
+        } else if (settle_nearest(view, ask, batch, i, entry.instance, element[k], 0, Met::kNone)) {
           limit = float(batch.best[i].t_m) * 1.000001f;
         }
       }
@@ -193,7 +192,8 @@ inline void trace_one(const View& view, Ask ask, Batch& batch, size_t i) {
       }
     });
   };
-  visit(view.nodes, view.root, world, t_min, [&] { return limit; }, in_instance);
+  visit(
+      view.nodes, view.root, world, t_min, [&] { return limit; }, in_instance);
 }
 
 }  // namespace

@@ -79,9 +79,10 @@ struct World::Impl {
   }
 
   View view() const {
-    return {tree.nodes.data(), tree.entries.data(), tree.root,
-            {tree.origin[0], tree.origin[1], tree.origin[2]},
-            instances.data(), models.data(), views.data(), bvhs.data()};
+    return {tree.nodes.data(), tree.entries.data(),
+            tree.root,         {tree.origin[0], tree.origin[1], tree.origin[2]},
+            instances.data(),  models.data(),
+            views.data(),      bvhs.data()};
   }
 
   /// Traces `count` rays of the batch.
