@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
+#include <set>
+
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/simulate/simulate.hpp"
@@ -80,7 +84,7 @@ TEST(Fit, HybridFindsGroundAndTellsThePermeableBushFromTheDenseOne) {
 
 TEST(Fit, GivesTheSameBitsForAnyThreadsAndChunks) {
   const BeamLog log = drive_past_bushes(2);
-  for (const char* fitter : {"hierarchical", "surface"}) {
+  for (const std::string& fitter : fitter_names()) {
     FitOptions options;
     options.fitter = fitter;
     options.tiles.tile_m = 12;
@@ -105,6 +109,46 @@ TEST(Fit, GivesTheSameBitsForAnyThreadsAndChunks) {
       EXPECT_EQ(a.model.ellipsoids[i].covariance, b.model.ellipsoids[i].covariance);
     }
   }
+}
+
+// Each return is fitted once, whatever the tiles, and what is fitted explains the returns.
+TEST(Fit, TilesDoubleNoPointAndEveryVolumetricFitterExplainsTheHits) {
+  const BeamLog log = drive_past_bushes(7);
+  for (const std::string& fitter : volumetric_fitters()) {
+    for (const double tile : {5.0, 32.0}) {
+      FitOptions options;
+      options.fitter = fitter;
+      options.tiles.tile_m = tile;
+      options.credit.max_residual_for_hit_m = 0.2;
+      MemorySource source(log);
+      const FitResult r = fit(source, options);
+      EXPECT_EQ(r.report.ground_points + r.report.other_points, r.report.hits) << fitter;
+      EXPECT_EQ(r.report.thinned_points, 0u);
+      r.model.check();
+      size_t credited = 0;
+      for (size_t i = 0; i < r.model.size(); ++i) credited += r.model.hit(i).hits;
+      EXPECT_GT(double(credited), 0.98 * double(r.report.hits)) << fitter << " " << tile;
+      EXPECT_LE(credited, r.report.hits);
+    }
+  }
+}
+
+// No voxel is cut by a tile's border: no two ellipsoids stand in one cube.
+TEST(Fit, VoxelsDoNotDependOnTheTiles) {
+  const BeamLog log = drive_past_bushes(8);
+  FitOptions options;
+  options.fitter = "voxel";
+  options.tiles.tile_m = 4;  // rounded to 13 voxels
+  options.free_space_below = 0;
+  MemorySource source(log);
+  const FitResult r = fit(source, options);
+  std::set<std::array<int, 3>> cubes;
+  for (const auto& e : r.model.ellipsoids) {
+    std::array<int, 3> cube;
+    for (int d = 0; d < 3; ++d) cube[size_t(d)] = int(std::floor(e.mean[d] / 0.3));
+    EXPECT_TRUE(cubes.insert(cube).second);
+  }
+  EXPECT_GT(cubes.size(), 100u);
 }
 
 // A cloud that stood there for one scan only: all later beams pass through it.
