@@ -10,19 +10,17 @@
 namespace underbrush::fit {
 namespace {
 
-/// A point with its number and the direction of its beam; ranges of them are the clusters.
+/// A point with its number; ranges of them are the clusters.
 struct Item {
   Vec3f x;
   uint32_t index;
-  Vec3f to_sensor;
 };
 
 /// A cluster's Gaussian, its extents floored.
 struct Gaussian {
-  Vec3 mean;
-  Vec3 axis;  // of the greatest extent
+  Vec3f mean;
+  Vec3f axis;  // of the greatest extent
   Mat3f precision;
-  Vec3f mean_f;
   double largest_sigma;
   float points;
 };
@@ -32,8 +30,10 @@ constexpr float kOutlierDensity = 0.01f / 20;  // one in a hundred, anywhere wit
 
 class Splitter {
  public:
-  Splitter(std::vector<Item>& items, const TopDownOptions& options)
+  Splitter(std::vector<Item>& items, std::span<const Vec3f> to_sensor,
+           const TopDownOptions& options)
       : items_(items),
+        to_sensor_(to_sensor),
         least_(uint32_t(options.min_points)),
         by_likelihood_(options.stop == "range_likelihood"),
         options_(options) {}
@@ -52,53 +52,77 @@ class Splitter {
   }
 
  private:
+  // Mean and scatter of [begin, end): sums of few points in four float lanes about one of them,
+  // those in double.
   Gaussian gaussian(uint32_t begin, uint32_t end) const {
-    const Vec3 about = items_[begin].x.cast<double>();  // so that squares do not cancel
-    Moments m;
-    for (uint32_t i = begin; i < end; ++i) m.add(items_[i].x.cast<double>() - about);
+    const Eigen::Vector4f about(items_[begin].x.x(), items_[begin].x.y(), items_[begin].x.z(), -1);
+    Eigen::Matrix4d total = Eigen::Matrix4d::Zero();
+    for (uint32_t i = begin; i < end;) {
+      Eigen::Matrix4f sum = Eigen::Matrix4f::Zero();
+      for (const uint32_t stop = std::min(end, i + 64); i < stop; ++i) {
+        const Vec3f& p = items_[i].x;
+        const Eigen::Vector4f x = Eigen::Vector4f(p.x(), p.y(), p.z(), 0) - about;  // last: 1
+        for (int d = 0; d < 4; ++d) sum.col(d) += x[d] * x;
+      }
+      total += sum.cast<double>();
+    }
+    const double n = total(3, 3);
+    const Vec3 mean = total.topRightCorner<3, 1>() / n;
+    const Mat3 scatter = total.topLeftCorner<3, 3>() - n * mean * mean.transpose();
     Eigen::SelfAdjointEigenSolver<Mat3> eigen;
-    eigen.computeDirect(m.scatter() / std::max(1.0, m.n - 1));
+    eigen.computeDirect(scatter / std::max(1.0, n - 1));
     const Vec3 values = eigen.eigenvalues().cwiseMax(options_.noise_m * options_.noise_m);
     const Mat3& v = eigen.eigenvectors();
     Gaussian g;
-    g.mean = about + m.mean();
-    g.mean_f = g.mean.cast<float>();
-    g.axis = v.col(2);
+    g.mean = (about.head<3>().cast<double>() + mean).cast<float>();
+    g.axis = v.col(2).cast<float>();
     g.precision = (v * values.cwiseInverse().asDiagonal() * v.transpose()).cast<float>();
     g.largest_sigma = std::sqrt(values[2]);
-    g.points = float(m.n);
+    g.points = float(n);
     return g;
   }
 
-  // Lloyd's iteration in one dimension, then the items of the lower half moved to the front.
+  // Lloyd's iteration in one dimension, then the items of the lower half moved to the front, both
+  // halves in their order. Without branches, which nothing could predict.
   uint32_t two_means(const Gaussian& whole, uint32_t begin, uint32_t end) {
-    const Vec3f axis = whole.axis.cast<float>();
-    const auto along = [&](const Item& p) { return axis.dot(p.x - whole.mean_f); };
-    along_.resize(end - begin);
-    for (uint32_t i = begin; i < end; ++i) along_[i - begin] = along(items_[i]);
+    const uint32_t n = end - begin;
+    along_.resize(n);
+    for (uint32_t i = 0; i < n; ++i) along_[i] = whole.axis.dot(items_[begin + i].x - whole.mean);
     float border = 0;
     for (int iteration = 0; iteration < 4; ++iteration) {
-      double sum[2] = {0, 0}, count[2] = {0, 0};
+      double sum = 0, upper_sum = 0;
+      uint32_t upper = 0;
       for (const float a : along_) {
-        const bool upper = a >= border;
-        sum[upper] += a;
-        count[upper] += 1;
+        const bool above = a >= border;
+        upper += above;
+        upper_sum += above ? a : 0;
+        sum += a;
       }
-      if (count[0] == 0 || count[1] == 0) break;
-      const float next = float(0.5 * (sum[0] / count[0] + sum[1] / count[1]));
+      if (upper == 0 || upper == n) break;
+      const float next = float(0.5 * (upper_sum / upper + (sum - upper_sum) / (n - upper)));
       if (next == border) break;
       border = next;
     }
-    const auto middle = std::partition(items_.begin() + begin, items_.begin() + end,
-                                       [&](const Item& p) { return along(p) < border; });
-    return uint32_t(middle - items_.begin());
+    scratch_.resize(n);
+    uint32_t lower = 0, upper = 0;
+    for (uint32_t i = 0; i < n; ++i) {
+      const Item item = items_[begin + i];
+      const bool below = along_[i] < border;
+      items_[begin + lower] = item;
+      scratch_[upper] = item;
+      lower += below;
+      upper += !below;
+    }
+    std::copy_n(scratch_.begin(), upper, items_.begin() + begin + lower);
+    return begin + lower;
   }
 
   // Log-density of the range of the beam that measured `p`, if it meets `g`; false if it does not.
   bool log_density(const Gaussian& g, const Item& p, float* out) const {
-    const Vec3f r = p.x - g.mean_f;
-    const Vec3f q = g.precision * p.to_sensor;
-    const float information = p.to_sensor.dot(q), t = q.dot(r) / information;
+    const Vec3f r = p.x - g.mean;
+    const Vec3f& d = to_sensor_[p.index];
+    const Vec3f q = g.precision * d;
+    const float information = d.dot(q), t = q.dot(r) / information;
     const float along = t * t * information;
     const float delta2 = r.dot(g.precision * r) - along;
     *out = 0.5f * (std::log(information) - kLogTwoPi - along);
@@ -125,10 +149,12 @@ class Splitter {
   }
 
   std::vector<Item>& items_;
+  const std::span<const Vec3f> to_sensor_;
   const uint32_t least_;
   const bool by_likelihood_;
   const TopDownOptions& options_;
   std::vector<float> along_;
+  std::vector<Item> scratch_;
 };
 
 }  // namespace
@@ -146,9 +172,9 @@ Clusters top_down_clusters(std::span<const Vec3f> points, std::span<const Vec3f>
   if (points.empty()) return out;
   std::vector<Item> items(points.size());
   for (uint32_t i = 0; i < items.size(); ++i) {
-    items[i] = {points[i], i, to_sensor.empty() ? Vec3f::Zero() : to_sensor[i]};
+    items[i] = {points[i], i};
   }
-  Splitter splitter(items, options);
+  Splitter splitter(items, to_sensor, options);
   std::vector<std::pair<uint32_t, uint32_t>> open{{0, uint32_t(items.size())}};
   while (!open.empty()) {
     const auto [begin, end] = open.back();
