@@ -44,7 +44,8 @@ int main(int argc, char** argv) {
   app.add_flag("--quick", quick, "A small case");
   CLI11_PARSE(app, argc, argv);
 
-  const BeamLog log = log_file.empty() ? bench::scanned_site(quick ? 0.5 : 4) : io::read_log(log_file);
+  const BeamLog log =
+      log_file.empty() ? bench::scanned_site(quick ? 0.5 : 4) : io::read_log(log_file);
   if (quick) runs = 1;
   fit::FitResult fitted;
   const double fit_rate = median_rate(log.size(), runs, [&] {
