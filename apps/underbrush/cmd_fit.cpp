@@ -27,6 +27,8 @@ void add_options(CLI::App& app, Arguments& a) {
          "hierarchical: fewest points of an ellipsoid");
   option("--voxel-side", a.fit.volumetric.voxel.side_m,
          "voxel: side of a voxel, m (0.05 suits a standing scanner)");
+  app.add_flag("--voxel-bounded", a.fit.volumetric.voxel.bounded,
+               "voxel: a beam meets a Gaussian only within its own voxel");
   option("--top-down-stop", a.fit.volumetric.top_down.stop, "top_down: what leaves a cluster whole")
       ->check(CLI::IsMember({"points", "range_likelihood"}));
   option("--top-down-min-points", a.fit.volumetric.top_down.min_points,

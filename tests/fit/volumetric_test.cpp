@@ -11,6 +11,7 @@
 #include <atomic>
 #include <cstdlib>
 #include <new>
+#include <ostream>
 
 #include "underbrush/core/rng.hpp"
 
@@ -44,7 +45,7 @@ struct Case {
   bool any_order;  // promises the same for any order of the points
 };
 
-void PrintTo(const Case& c, std::ostream* out) { *out << c.label; }
+std::ostream& operator<<(std::ostream& out, const Case& c) { return out << c.label; }
 
 std::vector<Case> cases() {
   VolumetricOptions coarse;  // some tens of points a cluster on the clouds below

@@ -195,6 +195,9 @@ FitResult fit(BeamSource& source, const FitOptions& options, const FitProgress& 
   elements::Model& model = out.model;
   model.fitter = options.fitter;
   model.tau = options.tau;
+  if (options.fitter == "voxel" && options.volumetric.voxel.bounded) {
+    model.voxel_m = options.volumetric.voxel.side_m;
+  }
   model.origin = model_origin(source);
   TileStore store(tile_options(options));
   model.max_range_m = gather(source, model.origin, store, out.report, progress);

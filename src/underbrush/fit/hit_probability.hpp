@@ -52,16 +52,17 @@ void credit(const elements::Model& model, std::span<const trace::Met> met, doubl
             const CreditOptions& options, std::vector<Credit>& out);
 
 /// Fills hits, misses and p of all elements of `model` from all beams of `source`. Elements that no
-/// beam met keep the prior's mean. `progress(done, total)` may be empty. Throws
-/// `std::invalid_argument` for an unknown rule or estimator and for negative counts.
+/// beam met keep the prior's mean (1 under `plain`). `progress(done, total)` may be empty. Throws
+/// `std::invalid_argument` for an unknown rule or estimator and for options out of range.
 void count_hits(elements::Model& model, BeamSource& source, const CreditOptions& options,
                 const std::function<void(size_t, size_t)>& progress = {});
 
 /// Fills p of all elements from their counts.
 void estimate_hit_probabilities(elements::Model& model, const CreditOptions& options);
 
-/// Names of the crediting rules and of the estimators.
+/// Names of the crediting rules.
 std::vector<std::string> credit_rules();
+/// Names of the estimators of p.
 std::vector<std::string> hit_estimators();
 
 }  // namespace underbrush::fit

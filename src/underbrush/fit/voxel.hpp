@@ -10,6 +10,10 @@ struct VoxelOptions {
   /// Side of a cube, m. [deschaud12] §VI: 0.3 for a mobile log, 0.05 for a standing scanner.
   double side_m = 0.3;
   int min_points = 1;  ///< Points of cubes with fewer are left out.
+  /// Whether a beam meets a Gaussian only where its closest approach lies in the Gaussian's own
+  /// cube (`Model::voxel_m`), for counts and in simulation. Else its τ-isosurface is its only
+  /// bound.
+  bool bounded = false;
 };
 
 /// Occupied cubes [i, i+1) × [j, j+1) × [k, k+1) sides about the origin of the points' frame.
