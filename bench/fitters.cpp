@@ -3,12 +3,13 @@
 // log if one is given, else a scanned generated site.
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "site.hpp"
+#include "timing.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/fit/fit.hpp"
 #include "underbrush/io/log_file.hpp"
@@ -16,17 +17,10 @@
 namespace {
 using namespace underbrush;
 
-constexpr double kHdl64eBeamsPerS = 1.33e6;
-
 template <class F>
 double least_seconds(int runs, F f) {
   double least = INFINITY;
-  for (int k = 0; k < runs; ++k) {
-    const auto start = std::chrono::steady_clock::now();
-    f();
-    least = std::min(
-        least, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-  }
+  for (int k = 0; k < runs; ++k) least = std::min(least, bench::seconds_of(f));
   return least;
 }
 
@@ -119,9 +113,9 @@ int main(int argc, char** argv) {
       std::printf(" %9.3f", rate / 1e6);
       std::fflush(stdout);
     }
-    j["hdl64e_realtime_multiple"] = rate / kHdl64eBeamsPerS;
+    j["hdl64e_realtime_multiple"] = rate / bench::kHdl64eBeamsPerS;
     j["elements"] = elements;
-    std::printf(" %8.2f %9zu", rate / kHdl64eBeamsPerS, elements);
+    std::printf(" %8.2f %9zu", rate / bench::kHdl64eBeamsPerS, elements);
     if (m.options.fitter != "surface") {
       const double s = least_seconds(runs, [&] {
         for (const Tile& t : tiles) {

@@ -44,7 +44,7 @@ void add_options(CLI::App& app, Arguments& a) {
   option("--bottom-up-largest", a.fit.volumetric.bottom_up.largest_m,
          "bottom_up: greatest length of a merged ellipsoid, m");
   option("--covariance-prior", a.fit.volumetric.ellipsoid.prior_points,
-         "Points' worth of the mean covariance mixed into each ellipsoid's");
+         "Points' worth of the usual size mixed into each ellipsoid's covariance");
   option("--range-noise", a.fit.range_noise_m, "Sensor's range noise, m: floor of all extents");
   option("--ground-method", a.fit.segment.method, "Ground segmentation")
       ->check(CLI::IsMember({"lower_envelope", "spherical_variance"}));
