@@ -10,13 +10,11 @@
 #include <nlohmann/json.hpp>
 
 #include "embree.hpp"
+#include "site.hpp"
 #include "timing.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/fit/fit.hpp"
 #include "underbrush/io/log_file.hpp"
-#include "underbrush/scene/test_site.hpp"
-#include "underbrush/sensor/pattern.hpp"
-#include "underbrush/simulate/footprint.hpp"
 #include "underbrush/simulate/simulate.hpp"
 
 namespace {
@@ -33,18 +31,6 @@ double median_rate(size_t items, int runs, F f) {
   return bench::median(rates);
 }
 
-BeamLog scanned_site(double seconds) {
-  const scene::Site site = scene::make_site({});
-  const scene::FlatSite flat = scene::flatten(site);
-  const trace::World world(flat.model);
-  const double start = site.world_from_sensor.poses().front().time_s;
-  BeamLog log = sensor::beams(sensor::load("velodyne-hdl64e"), site.world_from_sensor, start,
-                              start + seconds);
-  log.info.has_misses = true;
-  simulate::scan(world, flat.label, {}, 0, log);
-  return log;
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -58,7 +44,8 @@ int main(int argc, char** argv) {
   app.add_flag("--quick", quick, "A small case");
   CLI11_PARSE(app, argc, argv);
 
-  const BeamLog log = log_file.empty() ? scanned_site(quick ? 0.5 : 4) : io::read_log(log_file);
+  const BeamLog log =
+      log_file.empty() ? bench::scanned_site(quick ? 0.5 : 4) : io::read_log(log_file);
   if (quick) runs = 1;
   fit::FitResult fitted;
   const double fit_rate = median_rate(log.size(), runs, [&] {

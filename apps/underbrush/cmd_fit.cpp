@@ -21,15 +21,44 @@ void add_options(CLI::App& app, Arguments& a) {
   option("--fitter", a.fit.fitter, "How the model is made")
       ->check(CLI::IsMember(fit::fitter_names()));
   option("--tau", a.fit.tau, "Mahalanobis distance within which a beam meets an ellipsoid");
-  option("--clusters-per-point", a.fit.hierarchical.clusters_per_point,
+  option("--clusters-per-point", a.fit.volumetric.hierarchical.clusters_per_point,
          "hierarchical: number of ellipsoids per point");
-  option("--min-points", a.fit.hierarchical.min_points, "Fewest points of an ellipsoid");
+  option("--min-points", a.fit.volumetric.hierarchical.min_points,
+         "hierarchical: fewest points of an ellipsoid");
+  option("--voxel-side", a.fit.volumetric.voxel.side_m,
+         "voxel: side of a voxel, m (0.05 suits a standing scanner)");
+  app.add_flag("--voxel-bounded", a.fit.volumetric.voxel.bounded,
+               "voxel: a beam meets a Gaussian only within its own voxel");
+  option("--top-down-stop", a.fit.volumetric.top_down.stop, "top_down: what leaves a cluster whole")
+      ->check(CLI::IsMember({"points", "range_likelihood"}));
+  option("--top-down-min-points", a.fit.volumetric.top_down.min_points,
+         "top_down: fewest points of a half");
+  option("--top-down-least-gain", a.fit.volumetric.top_down.least_gain,
+         "top_down, range_likelihood: what a split must gain, nats");
+  option("--top-down-largest-sigma", a.fit.volumetric.top_down.largest_sigma_m,
+         "top_down, range_likelihood: larger clusters are split in any case, m");
+  option("--bottom-up-cell", a.fit.volumetric.bottom_up.cell_m,
+         "bottom_up: side of the first, small clusters, m");
+  option("--bottom-up-density", a.fit.volumetric.bottom_up.least_density,
+         "bottom_up: share of its parts' density that a merged ellipsoid must keep");
+  option("--bottom-up-largest", a.fit.volumetric.bottom_up.largest_m,
+         "bottom_up: greatest length of a merged ellipsoid, m");
+  option("--covariance-prior", a.fit.volumetric.ellipsoid.prior_points,
+         "Points' worth of the usual size mixed into each ellipsoid's covariance");
   option("--range-noise", a.fit.range_noise_m, "Sensor's range noise, m: floor of all extents");
   option("--ground-method", a.fit.segment.method, "Ground segmentation")
       ->check(CLI::IsMember({"lower_envelope", "spherical_variance"}));
   option("--ground-spacing", a.fit.ground.spacing_m, "Ground surface: distance of nodes, m");
   option("--ground-smoothness", a.fit.ground.smoothness_m2,
          "Ground surface: weight of bending, m²");
+  option("--credit", a.fit.credit.rule, "Which elements a beam says something of")
+      ->check(CLI::IsMember(fit::credit_rules()));
+  option("--credit-tau", a.fit.credit.tau_m,
+         "credit mahalanobis: greatest distance of a beam from an ellipsoid; at most tau counts");
+  option("--hit-estimator", a.fit.credit.estimator, "How an ellipsoid's counts become p")
+      ->check(CLI::IsMember(fit::hit_estimators()));
+  option("--hit-region", a.fit.credit.region_m,
+         "empirical_bayes: side of the regions with a prior of their own, m");
   option("--ellipsoid-prior-hits", a.fit.credit.ellipsoid.a, "Prior hits of an ellipsoid");
   option("--ellipsoid-prior-misses", a.fit.credit.ellipsoid.b, "Prior misses of an ellipsoid");
   option("--triangle-prior-hits", a.fit.credit.triangle.a, "Prior hits of a triangle");

@@ -1,10 +1,9 @@
-#include "underbrush/fit/cluster.hpp"
-
 #include <gtest/gtest.h>
 
 #include <set>
 
 #include "underbrush/core/rng.hpp"
+#include "underbrush/fit/hierarchical.hpp"
 
 namespace underbrush::fit {
 namespace {
@@ -41,7 +40,7 @@ TEST(HierarchicalClusters, FindsWellSeparatedBlobs) {
   HierarchicalOptions options;
   options.clusters_per_point = 30.0 / 2000;
   const Clusters c = hierarchical_clusters(points, options, 3);
-  const auto ellipsoids = ellipsoids_of(points, c, 5, 0.001);
+  const auto ellipsoids = ellipsoids_of(points, c, {0.001, 0});
   const double one_blob = 3 * 0.05 * 0.05;
   for (const auto& e : ellipsoids) EXPECT_LT(e.covariance_matrix().trace(), 2 * one_blob);
 }
@@ -76,7 +75,7 @@ TEST(EllipsoidsOf, HaveTheSampleMomentsAndAFloor) {
   Clusters c;
   c.group.assign(points.size(), 0);
   c.count = 1;
-  const auto e = ellipsoids_of(points, c, 5, 0.02);
+  const auto e = ellipsoids_of(points, c, {0.02, 0});
   ASSERT_EQ(e.size(), 1u);
   Vec3 mean = Vec3::Zero();
   for (const Vec3f& p : points) mean += p.cast<double>() / 1000;
@@ -85,6 +84,32 @@ TEST(EllipsoidsOf, HaveTheSampleMomentsAndAFloor) {
   EXPECT_NEAR(e[0].covariance[0], xx, 1e-5);
   EXPECT_NEAR(e[0].covariance[5], 0.02 * 0.02, 1e-8);
   EXPECT_LT((e[0].mean.cast<double>() - mean).norm(), 1e-5);
+}
+
+// The lone point gets the volume that is usual; many points keep their own shape.
+TEST(EllipsoidsOf, TakeFromTheOthersWhatFewPointsDoNotSay) {
+  std::vector<Vec3f> points = blobs(11, 1, 2000, 0.3);
+  Clusters c;
+  c.group.assign(points.size(), 0);
+  points.emplace_back(70, 0, 0);
+  c.group.push_back(1);
+  c.count = 2;
+  const auto alone = ellipsoids_of(points, c, {0.02, 0}),
+             helped = ellipsoids_of(points, c, {0.02, 1});
+  EXPECT_NEAR(alone[1].covariance[0], 0.02 * 0.02, 1e-8);
+  EXPECT_NEAR(helped[1].covariance[0], 0.3 * 0.3, 0.005);
+  EXPECT_NEAR(helped[1].covariance[5], helped[1].covariance[0], 1e-6);
+  EXPECT_NEAR(helped[0].covariance[0], alone[0].covariance[0], 1e-4);
+}
+
+TEST(DropSmall, NumbersWhatIsLeftInOrder) {
+  Clusters c;
+  c.group = {0, 1, 1, 2, Clusters::kNone, 3, 3};
+  c.count = 4;
+  drop_small(c, 2);
+  const uint32_t none = Clusters::kNone;
+  EXPECT_EQ(c.group, (std::vector<uint32_t>{none, 0, 0, none, none, 1, 1}));
+  EXPECT_EQ(c.count, 2u);
 }
 
 }  // namespace

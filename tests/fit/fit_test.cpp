@@ -2,6 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/simulate/simulate.hpp"
@@ -11,7 +16,7 @@ namespace {
 
 /// A log of a known world: flat ground under a permeable bush and a dense one, seen from a drive
 /// past. Every beam's truth is a hit on bush or ground, or a miss above.
-BeamLog drive_past_bushes(uint64_t seed, const Vec3& at = Vec3::Zero()) {
+BeamLog drive_past_bushes(uint64_t seed, const Vec3& at = Vec3::Zero(), size_t beams = 60000) {
   elements::Model truth;
   truth.origin = at;
   truth.tau = 3;
@@ -31,7 +36,7 @@ BeamLog drive_past_bushes(uint64_t seed, const Vec3& at = Vec3::Zero()) {
   log.info.min_range_m = 0.5;
   log.info.has_misses = true;
   Stream random(seed);
-  log.resize(60000);
+  log.resize(beams);
   for (size_t i = 0; i < log.size(); ++i) {
     const double azimuth = random.uniform(0, 2 * M_PI), elevation = random.uniform(-0.4, 0.1);
     log.origin[i] = at + Vec3(-6 + 12 * double(i) / double(log.size()), 0, 1.8);
@@ -79,8 +84,8 @@ TEST(Fit, HybridFindsGroundAndTellsThePermeableBushFromTheDenseOne) {
 }
 
 TEST(Fit, GivesTheSameBitsForAnyThreadsAndChunks) {
-  const BeamLog log = drive_past_bushes(2);
-  for (const char* fitter : {"hierarchical", "surface"}) {
+  const BeamLog log = drive_past_bushes(2, Vec3::Zero(), 15000);
+  for (const std::string& fitter : fitter_names()) {
     FitOptions options;
     options.fitter = fitter;
     options.tiles.tile_m = 12;
@@ -105,6 +110,68 @@ TEST(Fit, GivesTheSameBitsForAnyThreadsAndChunks) {
       EXPECT_EQ(a.model.ellipsoids[i].covariance, b.model.ellipsoids[i].covariance);
     }
   }
+}
+
+// The same drive far from where coordinates are small gives the same model about its own origin.
+TEST(Fit, MovesWithTheWorld) {
+  const Vec3 far(5e5, 4e6, 200);
+  const BeamLog near_log = drive_past_bushes(9, Vec3::Zero(), 12000);
+  const BeamLog far_log = drive_past_bushes(9, far, 12000);
+  for (const std::string& fitter : volumetric_fitters()) {
+    FitOptions options;
+    options.fitter = fitter;
+    MemorySource a(near_log), b(far_log);
+    const elements::Model here = fit(a, options).model, there = fit(b, options).model;
+    EXPECT_EQ(there.origin - here.origin, far);
+    ASSERT_FALSE(here.ellipsoids.empty());
+    size_t found = 0;
+    for (const auto& e : here.ellipsoids) {
+      found += std::any_of(there.ellipsoids.begin(), there.ellipsoids.end(), [&](const auto& o) {
+        return (e.mean - o.mean).norm() < 1e-3f && std::abs(e.hit.p - o.hit.p) < 1e-3f;
+      });
+    }
+    EXPECT_GT(double(found), 0.9 * double(here.ellipsoids.size())) << fitter;
+  }
+}
+
+// Each return is fitted once, whatever the tiles, and what is fitted explains the returns.
+TEST(Fit, TilesDoubleNoPointAndEveryVolumetricFitterExplainsTheHits) {
+  const BeamLog log = drive_past_bushes(7, Vec3::Zero(), 12000);
+  for (const std::string& fitter : volumetric_fitters()) {
+    for (const double tile : {6.0, 32.0}) {
+      FitOptions options;
+      options.fitter = fitter;
+      options.tiles.tile_m = tile;
+      options.credit.max_residual_for_hit_m = 0.2;
+      MemorySource source(log);
+      const FitResult r = fit(source, options);
+      EXPECT_EQ(r.report.ground_points + r.report.other_points, r.report.hits) << fitter;
+      EXPECT_EQ(r.report.thinned_points, 0u);
+      r.model.check();
+      size_t credited = 0;
+      for (size_t i = 0; i < r.model.size(); ++i) credited += r.model.hit(i).hits;
+      EXPECT_GT(double(credited), 0.98 * double(r.report.hits)) << fitter << " " << tile;
+      EXPECT_LE(credited, r.report.hits);
+    }
+  }
+}
+
+// No voxel is cut by a tile's border: no two ellipsoids stand in one cube.
+TEST(Fit, VoxelsDoNotDependOnTheTiles) {
+  const BeamLog log = drive_past_bushes(8, Vec3::Zero(), 20000);
+  FitOptions options;
+  options.fitter = "voxel";
+  options.tiles.tile_m = 4;  // rounded to 13 voxels
+  options.free_space_below = 0;
+  MemorySource source(log);
+  const FitResult r = fit(source, options);
+  std::set<std::array<int, 3>> cubes;
+  for (const auto& e : r.model.ellipsoids) {
+    std::array<int, 3> cube;
+    for (int d = 0; d < 3; ++d) cube[size_t(d)] = int(std::floor(e.mean[d] / 0.3));
+    EXPECT_TRUE(cubes.insert(cube).second);
+  }
+  EXPECT_GT(cubes.size(), 100u);
 }
 
 // A cloud that stood there for one scan only: all later beams pass through it.

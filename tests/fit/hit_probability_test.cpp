@@ -27,27 +27,28 @@ std::vector<trace::Met> met_along_x(const elements::Model& model) {
   return met;
 }
 
+std::string said(const elements::Model& model, double range_m, const CreditOptions& options = {}) {
+  std::vector<Credit> out;
+  credit(model, met_along_x(model), range_m, options, out);
+  std::string text;
+  for (Credit c : out) text += c == Credit::kHit ? 'h' : c == Credit::kMiss ? 'm' : '-';
+  return text;
+}
+
 TEST(Credit, GoesToTheFirstElementThatExplainsThePoint) {
   const elements::Model model = row_of_ellipsoids({5, 10, 10.1, 20});
-  const auto met = met_along_x(model);
-  ASSERT_EQ(met.size(), 4u);
-  const Credit c = credit(model, met, 10.2, {});
-  EXPECT_EQ(c.hit, 1u);     // 10 explains it (1 σ), before 10.1 does
-  EXPECT_EQ(c.misses, 1u);  // only the one at 5
+  ASSERT_EQ(met_along_x(model).size(), 4u);
+  EXPECT_EQ(said(model, 10.2), "mh--");  // 10 explains it (1 σ), before 10.1 does
 }
 
 TEST(Credit, OfAnUnexplainedPointIsAMissForAllBeforeIt) {
   const elements::Model model = row_of_ellipsoids({5, 10, 20});
-  const Credit c = credit(model, met_along_x(model), 15, {});
-  EXPECT_EQ(c.hit, 3u);
-  EXPECT_EQ(c.misses, 2u);
+  EXPECT_EQ(said(model, 15), "mm-");
 }
 
 TEST(Credit, OfAMissBeamIsAMissForAll) {
   const elements::Model model = row_of_ellipsoids({5, 10, 20});
-  const Credit c = credit(model, met_along_x(model), kMiss, {});
-  EXPECT_EQ(c.hit, 3u);
-  EXPECT_EQ(c.misses, 3u);
+  EXPECT_EQ(said(model, kMiss), "mmm");
 }
 
 TEST(Credit, OfATriangleTakesTheResidualInBothDirections) {
@@ -55,11 +56,28 @@ TEST(Credit, OfATriangleTakesTheResidualInBothDirections) {
   model.ground.vertices = {{10, -1, -1}, {10, 3, -1}, {10, -1, 3}};
   model.ground.triangles = {{0, 1, 2}};
   model.ground.hit.resize(1);
-  const auto met = met_along_x(model);
-  ASSERT_EQ(met.size(), 1u);
-  for (double z : {9.3, 10.7}) EXPECT_EQ(credit(model, met, z, {}).hit, 0u) << z;
-  EXPECT_EQ(credit(model, met, 9.2, {}).misses, 0u);   // ended before it
-  EXPECT_EQ(credit(model, met, 10.8, {}).misses, 1u);  // went through it
+  for (const char* rule : {"first", "mahalanobis"}) {
+    CreditOptions options;
+    options.rule = rule;
+    for (double z : {9.3, 10.7}) EXPECT_EQ(said(model, z, options), "h") << z;
+    EXPECT_EQ(said(model, 9.2, options), "-");   // ended before it
+    EXPECT_EQ(said(model, 10.8, options), "m");  // went through it
+  }
+}
+
+// The example of [deschaud12] Fig. 2: 4 beams enter, 3 end inside, 1 goes on: ρ = 1/4.
+TEST(Credit, MahalanobisTakesEachElementByItself) {
+  elements::Model model = row_of_ellipsoids({5, 10, 10.1, 20});
+  model.tau = 3;
+  CreditOptions options;
+  options.rule = "mahalanobis";
+  EXPECT_EQ(said(model, 10.2, options), "mhh-");   // both that hold the point
+  EXPECT_EQ(said(model, 10.45, options), "mmh-");  // 2.25 σ of one: behind it; 1.75 σ of the other
+  EXPECT_EQ(said(model, kMiss, options), "mmmm");
+  model.ellipsoids[1].mean.y() = 0.5f;  // met within τ = 3, but beyond τ_m = 2
+  EXPECT_EQ(met_along_x(model).size(), 4u);
+  EXPECT_EQ(said(model, 10.2, options), "m-h-");
+  EXPECT_EQ(said(model, kMiss, options), "m-mm");
 }
 
 BeamLog beams_along_x(const std::vector<float>& ranges) {
@@ -86,6 +104,56 @@ TEST(CountHits, IsTheRatioWithPriors) {
   EXPECT_EQ(model.ellipsoids[1].hit.misses, 1u);
   EXPECT_FLOAT_EQ(model.ellipsoids[1].hit.p, 4.0f / 6);
   EXPECT_EQ(model.ellipsoids[2].hit.misses, 0u);
+}
+
+TEST(CountHits, GivesThePermeabilityOfThePapersExample) {
+  elements::Model model = row_of_ellipsoids({5});
+  const BeamLog log = beams_along_x({4.9f, 5, 5.2f, kMiss});
+  MemorySource source(log);
+  CreditOptions options;
+  options.rule = "mahalanobis";
+  options.estimator = "plain";
+  count_hits(model, source, options);
+  EXPECT_FLOAT_EQ(1 - model.ellipsoids[0].hit.p, 0.25f);
+}
+
+TEST(CountHits, RefusesWhatHasNoName) {
+  elements::Model model = row_of_ellipsoids({5});
+  const BeamLog log = beams_along_x({5});
+  MemorySource source(log);
+  CreditOptions rule, estimator;
+  rule.rule = "last";
+  estimator.estimator = "guess";
+  EXPECT_THROW(count_hits(model, source, rule), std::invalid_argument);
+  EXPECT_THROW(count_hits(model, source, estimator), std::invalid_argument);
+}
+
+// Two kinds of matter, few beams on each element: each kind gets the prior of its own kind, and p
+// is right on average for both.
+TEST(EstimateHitProbabilities, EmpiricalBayesTellsRegionsAndClassesApart) {
+  for (const bool by_class : {false, true}) {
+    elements::Model model = row_of_ellipsoids(std::vector<double>(4000, 1.0));
+    Stream random(13);
+    for (size_t i = 0; i < 4000; ++i) {
+      elements::Ellipsoid& e = model.ellipsoids[i];
+      const bool dense = i % 2;
+      const double p = (dense ? 0.8 : 0.2) + 0.1 * (random.uniform() - 0.5);
+      if (by_class) e.label = dense ? 1 : 2;
+      if (!by_class && dense) e.mean.x() += 100;
+      for (int k = 0; k < 3; ++k) ++(random.uniform() < p ? e.hit.hits : e.hit.misses);
+    }
+    CreditOptions options;
+    options.estimator = "empirical_bayes";
+    estimate_hit_probabilities(model, options);
+    double mean[2] = {0, 0}, spread[2] = {0, 0};
+    for (size_t i = 0; i < 4000; ++i) mean[i % 2] += model.ellipsoids[i].hit.p / 2000;
+    for (size_t i = 0; i < 4000; ++i) {
+      spread[i % 2] += std::pow(model.ellipsoids[i].hit.p - mean[i % 2], 2) / 2000;
+    }
+    EXPECT_NEAR(mean[0], 0.2, 0.015);
+    EXPECT_NEAR(mean[1], 0.8, 0.015);
+    for (double s : spread) EXPECT_LT(std::sqrt(s), 0.1);  // the plain count has 0.23
+  }
 }
 
 // Beams drawn from a known permeability must give it back.

@@ -1,230 +1,97 @@
 #include "underbrush/fit/cluster.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
-#include <queue>
 
 #include "underbrush/core/check.hpp"
-#include "underbrush/core/rng.hpp"
 
 namespace underbrush::fit {
 namespace {
 
-/// A cluster during splitting: a range of the permuted points.
-struct Part {
-  uint32_t begin, end;
-  double squares;  // sum of squared distances from the mean
-  uint32_t size() const { return end - begin; }
-  // Greatest sum first; ties by place, so that the order is total.
-  bool operator<(const Part& o) const {
-    return squares != o.squares ? squares < o.squares : begin > o.begin;
-  }
-};
-
-double sum_of_squares(const Vec3f* p, size_t n) {
+struct Cluster {
+  uint32_t n = 0;
   Vec3 mean = Vec3::Zero();
-  for (size_t i = 0; i < n; ++i) mean += p[i].cast<double>();
-  mean /= double(n);
-  double sum = 0;
-  for (size_t i = 0; i < n; ++i) sum += (p[i].cast<double>() - mean).squaredNorm();
-  return sum;
-}
-
-/// Splits one part by k-means, in place.
-class Splitter {
- public:
-  Splitter(std::vector<Vec3f>& points, std::vector<uint32_t>& index,
-           const HierarchicalOptions& options, uint64_t seed)
-      : points_(points), index_(index), options_(options), seed_(seed) {}
-
-  /// The parts that `part` falls into; one if it cannot be split.
-  std::vector<Part> split(const Part& part, int wanted) {
-    const int k = std::min({options_.branching, wanted, int(part.size()) / options_.min_points});
-    if (k < 2 || !(part.squares > 0)) return {part};
-    choose_centres(part, k);
-    assign_.resize(part.size());
-    for (int iteration = 0; iteration < options_.iterations; ++iteration) {
-      if (!assign(part)) break;
-      move_centres(part);
-    }
-    drop_small(part);
-    return arrange(part);
-  }
-
- private:
-  // k-means++ (Arthur & Vassilvitskii 2007): each centre with probability ∝ the squared distance to
-  // the nearest one so far.
-  void choose_centres(const Part& part, int k) {
-    Stream random(mix64(seed_ ^ (uint64_t(part.begin) << 32 | part.end)));
-    centre_.assign(1, points_[part.begin + random.below(part.size())]);
-    least_.assign(part.size(), INFINITY);
-    while (int(centre_.size()) < k) {
-      double sum = 0;
-      for (uint32_t i = 0; i < part.size(); ++i) {
-        least_[i] = std::min(least_[i], (points_[part.begin + i] - centre_.back()).squaredNorm());
-        sum += least_[i];
-      }
-      if (!(sum > 0)) return;
-      double at = random.uniform() * sum;
-      uint32_t i = 0;
-      while (i + 1 < part.size() && (at -= least_[i]) > 0) ++i;
-      centre_.push_back(points_[part.begin + i]);
-    }
-  }
-
-  bool assign(const Part& part) {
-    bool changed = false;
-    for (uint32_t i = 0; i < part.size(); ++i) {
-      const Vec3f& p = points_[part.begin + i];
-      uint8_t best = 0;
-      float least = (p - centre_[0]).squaredNorm();
-      for (size_t c = 1; c < centre_.size(); ++c) {
-        const float d = (p - centre_[c]).squaredNorm();
-        if (d < least) {
-          least = d;
-          best = uint8_t(c);
-        }
-      }
-      changed |= assign_[i] != best;
-      assign_[i] = best;
-    }
-    return changed;
-  }
-
-  void move_centres(const Part& part) {
-    std::vector<Vec3> sum(centre_.size(), Vec3::Zero());
-    std::vector<uint32_t> count(centre_.size());
-    for (uint32_t i = 0; i < part.size(); ++i) {
-      sum[assign_[i]] += points_[part.begin + i].cast<double>();
-      ++count[assign_[i]];
-    }
-    for (size_t c = 0; c < centre_.size(); ++c) {
-      if (count[c]) centre_[c] = (sum[c] / double(count[c])).cast<float>();
-    }
-  }
-
-  // Centres with too few points go, the smallest first; their points join the nearest one left.
-  void drop_small(const Part& part) {
-    for (;;) {
-      assign(part);
-      std::vector<uint32_t> count(centre_.size());
-      for (uint8_t c : assign_) ++count[c];
-      const auto smallest = std::min_element(count.begin(), count.end());
-      if (centre_.size() == 1 || *smallest >= uint32_t(options_.min_points)) return;
-      centre_.erase(centre_.begin() + (smallest - count.begin()));
-    }
-  }
-
-  // Makes each centre's points contiguous, keeping their order.
-  std::vector<Part> arrange(const Part& part) {
-    std::vector<uint32_t> start(centre_.size() + 1);
-    for (uint8_t c : assign_) ++start[c + 1];
-    std::partial_sum(start.begin(), start.end(), start.begin());
-    scratch_points_.assign(points_.begin() + part.begin, points_.begin() + part.end);
-    scratch_index_.assign(index_.begin() + part.begin, index_.begin() + part.end);
-    std::vector<uint32_t> at(start.begin(), start.end() - 1);
-    for (uint32_t i = 0; i < part.size(); ++i) {
-      const uint32_t to = part.begin + at[assign_[i]]++;
-      points_[to] = scratch_points_[i];
-      index_[to] = scratch_index_[i];
-    }
-    std::vector<Part> parts;
-    for (size_t c = 0; c < centre_.size(); ++c) {
-      const uint32_t begin = part.begin + start[c], end = part.begin + start[c + 1];
-      if (begin == end) continue;
-      parts.push_back({begin, end, sum_of_squares(&points_[begin], end - begin)});
-    }
-    return parts;
-  }
-
-  std::vector<Vec3f>& points_;
-  std::vector<uint32_t>& index_;
-  const HierarchicalOptions& options_;
-  uint64_t seed_;
-  std::vector<Vec3f> centre_, scratch_points_;
-  std::vector<float> least_;
-  std::vector<uint8_t> assign_;
-  std::vector<uint32_t> scratch_index_;
+  Mat3 scatter = Mat3::Zero();
 };
+
+// The variance of a sphere with the mean log-volume of the ellipsoids of enough points.
+double typical_variance(const std::vector<Cluster>& clusters, double floor_m) {
+  constexpr uint32_t kEnough = 5;
+  double logs = 0, count = 0;
+  for (const Cluster& c : clusters) {
+    if (c.n < kEnough) continue;
+    const Mat3 sigma = c.scatter / (c.n - 1) + floor_m * floor_m * Mat3::Identity();
+    logs += std::log(sigma.determinant()) / 3;
+    count += 1;
+  }
+  return count > 0 ? std::exp(logs / count) : 0;
+}
 
 }  // namespace
 
-Clusters hierarchical_clusters(std::span<const Vec3f> points, const HierarchicalOptions& options,
-                               uint64_t seed) {
-  require(options.clusters_per_point > 0 && options.clusters_per_point <= 1,
-          "clusters_per_point must lie in (0, 1]");
-  require(options.min_points >= 1, "min_points must be at least 1");
-  require(options.branching >= 2 && options.branching <= 255, "branching must lie in [2, 255]");
-  Clusters out;
-  out.group.assign(points.size(), Clusters::kNone);
-  if (points.size() < size_t(options.min_points)) return out;
+void Moments::add(const Vec3& x) {
+  n += 1;
+  sum += x;
+  squares += x * x.transpose();
+}
 
-  std::vector<Vec3f> ordered(points.begin(), points.end());
-  std::vector<uint32_t> index(points.size());
-  std::iota(index.begin(), index.end(), 0u);
-  Splitter splitter(ordered, index, options, seed);
-  const size_t wanted =
-      std::max<size_t>(1, size_t(options.clusters_per_point * double(points.size()) + 0.5));
-  std::priority_queue<Part> open;
-  std::vector<Part> done;
-  open.push({0, uint32_t(points.size()), sum_of_squares(ordered.data(), ordered.size())});
-  while (!open.empty() && open.size() + done.size() < wanted) {
-    const Part largest = open.top();
-    open.pop();
-    const size_t room = wanted - open.size() - done.size();
-    const std::vector<Part> parts =
-        splitter.split(largest, int(std::min<size_t>(room, size_t(options.branching))));
-    if (parts.size() == 1) {
-      done.push_back(largest);
-    } else {
-      for (const Part& p : parts) open.push(p);
-    }
+void Moments::add(const Moments& other) {
+  n += other.n;
+  sum += other.sum;
+  squares += other.squares;
+}
+
+std::vector<elements::Ellipsoid> ellipsoids_of(std::span<const Vec3f> points,
+                                               const Clusters& clusters,
+                                               const EllipsoidOptions& options) {
+  require(clusters.group.size() == points.size(), "clusters and points differ in number");
+  require(options.floor_m > 0, "the floor of an ellipsoid must be positive");
+  require(options.prior_points >= 0, "the weight of a prior must not be negative");
+  std::vector<Cluster> found(clusters.count);
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (clusters.group[i] == Clusters::kNone) continue;
+    Cluster& c = found[clusters.group[i]];
+    ++c.n;
+    c.mean += points[i].cast<double>();
   }
-  for (; !open.empty(); open.pop()) done.push_back(open.top());
-  std::sort(done.begin(), done.end(),
-            [](const Part& a, const Part& b) { return a.begin < b.begin; });
-  for (const Part& part : done) {
-    for (uint32_t i = part.begin; i < part.end; ++i) out.group[index[i]] = out.count;
-    ++out.count;
+  for (Cluster& c : found) c.mean /= std::max(1u, c.n);
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (clusters.group[i] == Clusters::kNone) continue;
+    Cluster& c = found[clusters.group[i]];
+    const Vec3 d = points[i].cast<double>() - c.mean;
+    c.scatter += d * d.transpose();
+  }
+  const Mat3 prior =
+      options.prior_points * typical_variance(found, options.floor_m) * Mat3::Identity();
+  std::vector<elements::Ellipsoid> out;
+  out.reserve(found.size());
+  for (const Cluster& c : found) {
+    if (!c.n) continue;
+    const double weight = c.n - 1 + options.prior_points;
+    elements::Ellipsoid e;
+    e.mean = c.mean.cast<float>();
+    const Mat3 sigma = weight > 0 ? Mat3((c.scatter + prior) / weight) : Mat3::Zero();
+    e.set_covariance(elements::floored_covariance(sigma, options.floor_m));
+    out.push_back(e);
   }
   return out;
 }
 
-std::vector<elements::Ellipsoid> ellipsoids_of(std::span<const Vec3f> points,
-                                               const Clusters& clusters, int min_points,
-                                               double floor_m) {
-  require(clusters.group.size() == points.size(), "clusters and points differ in number");
-  struct Moments {
-    uint32_t n = 0;
-    Vec3 sum = Vec3::Zero();
-    Mat3 squares = Mat3::Zero();
-  };
-  std::vector<Moments> moments(clusters.count);
-  for (size_t i = 0; i < points.size(); ++i) {
-    if (clusters.group[i] == Clusters::kNone) continue;
-    Moments& m = moments[clusters.group[i]];
-    ++m.n;
-    m.sum += points[i].cast<double>();
+void drop_small(Clusters& clusters, int min_points) {
+  std::vector<uint32_t> size(clusters.count);
+  for (uint32_t g : clusters.group) {
+    if (g != Clusters::kNone) ++size[g];
   }
-  for (Moments& m : moments) {
-    if (m.n) m.sum /= m.n;  // now the mean
+  uint32_t kept = 0;
+  std::vector<uint32_t> number(clusters.count, Clusters::kNone);
+  for (uint32_t c = 0; c < clusters.count; ++c) {
+    if (size[c] >= uint32_t(std::max(1, min_points))) number[c] = kept++;
   }
-  for (size_t i = 0; i < points.size(); ++i) {
-    if (clusters.group[i] == Clusters::kNone) continue;
-    Moments& m = moments[clusters.group[i]];
-    const Vec3 d = points[i].cast<double>() - m.sum;
-    m.squares += d * d.transpose();
+  for (uint32_t& g : clusters.group) {
+    if (g != Clusters::kNone) g = number[g];
   }
-  std::vector<elements::Ellipsoid> out;
-  for (const Moments& m : moments) {
-    if (m.n < uint32_t(std::max(min_points, 2))) continue;
-    elements::Ellipsoid e;
-    e.mean = m.sum.cast<float>();
-    e.set_covariance(elements::floored_covariance(m.squares / double(m.n - 1), floor_m));
-    out.push_back(e);
-  }
-  return out;
+  clusters.count = kept;
 }
 
 }  // namespace underbrush::fit

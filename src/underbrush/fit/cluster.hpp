@@ -1,5 +1,5 @@
 /// \file
-/// From points to groups of points: the clusterings, free functions of one shape.
+/// From groups of points to ellipsoids: the part that all clusterings share.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -12,32 +12,45 @@ namespace underbrush {
 /// From logs to models.
 namespace fit {
 
-/// Clusters of points: `group[i]` is the cluster of point i, in [0, count), or `kNone`.
+/// Clusters of points: `group[i]` is the cluster of point i, in [0, count), or `kNone` for a point
+/// whose cluster would have too few.
 struct Clusters {
   std::vector<uint32_t> group;
   uint32_t count = 0;
   static constexpr uint32_t kNone = 0xffffffffu;
 };
 
-/// Options of `hierarchical_clusters`.
-struct HierarchicalOptions {
-  double clusters_per_point = 0.1;  ///< Number of clusters = this × number of points.
-  int min_points = 3;               ///< No cluster is made smaller than this by splitting.
-  int branching = 2;                ///< k of the k-means at each split; 2 follows the data best.
-  int iterations = 6;               ///< Of each k-means.
+/// Number of points and their first two moments, added up in double precision about a fixed point
+/// near by.
+struct Moments {
+  double n = 0;
+  Vec3 sum = Vec3::Zero();
+  Mat3 squares = Mat3::Zero();  ///< Σ x xᵀ.
+
+  void add(const Vec3& x);
+  void add(const Moments& other);
+  Vec3 mean() const { return sum / n; }
+  /// Σ (x − mean)(x − mean)ᵀ.
+  Mat3 scatter() const { return squares - sum * sum.transpose() / n; }
 };
 
-/// Hierarchical k-means as in [tallavajhula18] §IV (FLANN's): starts from one cluster and splits
-/// the one of greatest sum of squares until there are `clusters_per_point` × n. `points` in metres;
-/// fewer than `min_points` points give no cluster. Deterministic for a seed.
-Clusters hierarchical_clusters(std::span<const Vec3f> points, const HierarchicalOptions& options,
-                               uint64_t seed);
+/// How a cluster becomes an ellipsoid.
+struct EllipsoidOptions {
+  double floor_m = 0.02;  ///< Least standard deviation in any direction: the sensor's range noise.
+  /// Weight, in points, of a sphere with the mean log-volume of all clusters of the call that have
+  /// at least 5 points: what few points do not say is taken from the rest. 0: none.
+  double prior_points = 1;
+};
 
-/// One ellipsoid a cluster with at least `min_points` points, in order of cluster: μ and Σ are the
-/// sample moments (n − 1), Σ floored at the sensor's range noise `floor_m`. p_hit is left at 1.
+/// One ellipsoid a cluster, in order of cluster: μ is the mean, Σ = (scatter + ν σ² I) / (n − 1 +
+/// ν) with ν = `prior_points` and σ² the variance of that sphere, then floored. ν = 0 gives the
+/// sample moments. p_hit is left at 1.
 std::vector<elements::Ellipsoid> ellipsoids_of(std::span<const Vec3f> points,
-                                               const Clusters& clusters, int min_points,
-                                               double floor_m);
+                                               const Clusters& clusters,
+                                               const EllipsoidOptions& options);
+
+/// Takes clusters with fewer than `min_points` points away and numbers the others anew, in order.
+void drop_small(Clusters& clusters, int min_points);
 
 }  // namespace fit
 }  // namespace underbrush

@@ -62,14 +62,31 @@ void for_tiles_in_order(const std::vector<TileKey>& tiles, const FitProgress& pr
 /// What a tile gives to the hybrid model.
 struct TileFit {
   std::vector<Vec3> ground;  // world
-  std::vector<elements::Ellipsoid> ellipsoids;
-  size_t other = 0, unclustered = 0;
+  Volumes volumes;
+  size_t other = 0;
 };
+
+VolumetricOptions volumetric_options(const FitOptions& options) {
+  VolumetricOptions out = options.volumetric;
+  out.ellipsoid.floor_m = out.top_down.noise_m = options.range_noise_m;
+  out.top_down.tau = options.tau;
+  return out;
+}
+
+/// Tiles of whole voxels, so that no border cuts one.
+TileOptions tile_options(const FitOptions& options) {
+  TileOptions out = options.tiles;
+  const double side = options.volumetric.voxel.side_m;
+  if (options.fitter == "voxel" && side > 0) {
+    out.tile_m = side * std::max(1.0, std::round(out.tile_m / side));
+  }
+  return out;
+}
 
 TileFit fit_tile(const TileStore& store, TileKey key, const Vec3& origin,
                  const FitOptions& options) {
   const TileStore::Loaded loaded = store.load(key, kMarginM);
-  std::vector<Vec3f> points(loaded.points.size()), other;
+  std::vector<Vec3f> points(loaded.points.size()), other, to_sensor;
   for (size_t i = 0; i < points.size(); ++i) points[i] = loaded.points[i].point;
   const std::vector<uint8_t> ground = ground::segment(points, options.segment);
   TileFit out;
@@ -78,16 +95,13 @@ TileFit fit_tile(const TileStore& store, TileKey key, const Vec3& origin,
       out.ground.push_back(origin + points[i].cast<double>());
     } else {
       other.push_back(points[i]);
+      to_sensor.push_back(loaded.points[i].to_sensor);
     }
   }
   const uint64_t seed =
       random_bits(options.seed, uint32_t(key.i) * 65537u + uint32_t(key.j), Purpose::kCluster);
-  const Clusters clusters = hierarchical_clusters(other, options.hierarchical, seed);
-  out.ellipsoids =
-      ellipsoids_of(other, clusters, options.hierarchical.min_points, options.range_noise_m);
+  out.volumes = volumes(options.fitter, {other, to_sensor}, volumetric_options(options), seed);
   out.other = other.size();
-  out.unclustered =
-      size_t(std::count(clusters.group.begin(), clusters.group.end(), Clusters::kNone));
   return out;
 }
 
@@ -110,11 +124,11 @@ void fit_hybrid(const TileStore& store, const FitOptions& options, elements::Mod
       [&](TileKey key) { return fit_tile(store, key, model.origin, options); },
       [&](TileFit tile) {
         grid.add(tile.ground);
-        model.ellipsoids.insert(model.ellipsoids.end(), tile.ellipsoids.begin(),
-                                tile.ellipsoids.end());
+        const std::vector<elements::Ellipsoid>& found = tile.volumes.ellipsoids;
+        model.ellipsoids.insert(model.ellipsoids.end(), found.begin(), found.end());
         report.ground_points += tile.ground.size();
         report.other_points += tile.other;
-        report.unclustered_points += tile.unclustered;
+        report.unclustered_points += tile.volumes.unclustered_points;
       });
   if (grid.points() == 0) {
     report.warnings.push_back("no ground was found: the model has no ground mesh");
@@ -168,7 +182,11 @@ void fit_surface(const TileStore& store, const FitOptions& options, elements::Mo
 
 }  // namespace
 
-std::vector<std::string> fitter_names() { return {"hierarchical", "surface"}; }
+std::vector<std::string> fitter_names() {
+  std::vector<std::string> names = volumetric_fitters();
+  names.push_back("surface");
+  return names;
+}
 
 FitResult fit(BeamSource& source, const FitOptions& options, const FitProgress& progress) {
   require(options.tau > 0, "fit: tau must be positive");
@@ -177,8 +195,11 @@ FitResult fit(BeamSource& source, const FitOptions& options, const FitProgress& 
   elements::Model& model = out.model;
   model.fitter = options.fitter;
   model.tau = options.tau;
+  if (options.fitter == "voxel" && options.volumetric.voxel.bounded) {
+    model.voxel_m = options.volumetric.voxel.side_m;
+  }
   model.origin = model_origin(source);
-  TileStore store(options.tiles);
+  TileStore store(tile_options(options));
   model.max_range_m = gather(source, model.origin, store, out.report, progress);
   require(store.size() > 0, "fit: the log has no return to fit a model to");
   if (!source.info().has_misses) {
@@ -186,7 +207,8 @@ FitResult fit(BeamSource& source, const FitOptions& options, const FitProgress& 
         "the log has no misses, so hit probabilities come out too high; import it with "
         "--infer-misses SENSOR if its format drops them");
   }
-  if (options.fitter == "hierarchical") {
+  const std::vector<std::string> volumetric = volumetric_fitters();
+  if (std::count(volumetric.begin(), volumetric.end(), options.fitter)) {
     fit_hybrid(store, options, model, out.report, progress);
     count_hits(model, source, options.credit, [&](size_t done, size_t total) {
       if (progress) progress("count hits", done, total);

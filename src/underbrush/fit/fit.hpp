@@ -8,10 +8,10 @@
 
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/elements/model.hpp"
-#include "underbrush/fit/cluster.hpp"
 #include "underbrush/fit/hit_probability.hpp"
 #include "underbrush/fit/surface.hpp"
 #include "underbrush/fit/tile_store.hpp"
+#include "underbrush/fit/volumetric.hpp"
 #include "underbrush/ground/height_grid.hpp"
 #include "underbrush/ground/segment.hpp"
 #include "underbrush/ground/triangulate.hpp"
@@ -20,8 +20,9 @@ namespace underbrush::fit {
 
 /// Parameters θ of a fit.
 struct FitOptions {
-  /// `hierarchical`: ground mesh + ellipsoids ([tallavajhula18]); `surface`: one opaque mesh over
-  /// everything, the everyday baseline.
+  /// `hierarchical` ([tallavajhula18]), `voxel`, `top_down`, `bottom_up` ([deschaud12]): ground
+  /// mesh
+  /// + ellipsoids; `surface`: one opaque mesh over everything, the everyday baseline.
   std::string fitter = "hierarchical";
   uint64_t seed = 1;
   double tau = 3;               ///< A beam meets an ellipsoid within this Mahalanobis distance.
@@ -34,7 +35,8 @@ struct FitOptions {
   ground::SegmentOptions segment;
   ground::HeightGridOptions ground;
   ground::TriangulateOptions triangulate;
-  HierarchicalOptions hierarchical;
+  /// The floor of the covariances, the noise and the τ of `top_down` are set from the above.
+  VolumetricOptions volumetric;
   CreditOptions credit;
   SurfaceOptions surface;
 };

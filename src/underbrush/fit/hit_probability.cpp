@@ -1,7 +1,10 @@
 #include "underbrush/fit/hit_probability.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <map>
+#include <tuple>
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
@@ -9,42 +12,121 @@
 namespace underbrush::fit {
 namespace {
 
-float probability(uint32_t hits, uint32_t misses, const HitPrior& prior) {
-  const double n = double(hits) + misses + prior.a + prior.b;
-  return n > 0 ? float((hits + prior.a) / n) : 1.0f;
-}
-
 void add_one(uint32_t& counter) {
   std::atomic_ref<uint32_t>(counter).fetch_add(1, std::memory_order_relaxed);
 }
 
+bool contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+void check(const CreditOptions& options) {
+  require(contains(credit_rules(), options.rule), "the rules of credit are first and mahalanobis");
+  require(contains(hit_estimators(), options.estimator),
+          "the estimators of p are plain, prior and empirical_bayes");
+  require(options.tau_m > 0, "tau_m must be positive");
+  require(options.region_m > 0, "a region must have a positive side");
+  for (const HitPrior& prior : {options.ellipsoid, options.triangle}) {
+    require(prior.a >= 0 && prior.b >= 0, "a prior count must not be negative");
+  }
+}
+
+Trials trials_of(const elements::HitCount& h) { return {h.hits, h.misses}; }
+
+/// Beta priors by place and class, by class, and for all.
+class BetaPriors {
+ public:
+  BetaPriors(const elements::Model& model, const CreditOptions& options)
+      : model_(model), options_(options) {
+    std::map<Key, std::vector<Trials>> groups;
+    for (const elements::Ellipsoid& e : model.ellipsoids) {
+      if (e.hit.hits == 0 && e.hit.misses == 0) continue;
+      for (const Key& key : keys(e)) groups[key].push_back(trials_of(e.hit));
+    }
+    std::vector<std::pair<HitPrior*, const std::vector<Trials>*>> work;
+    for (const auto& [key, trials] : groups) {
+      if (trials.size() >= options.region_elements || std::get<0>(key) == kAll) {
+        work.emplace_back(&priors_[key], &trials);
+      }
+    }
+    parallel_for(work.size(), 1, [&](size_t k, size_t) {
+      *work[k].first = fit_beta_prior(thinned(*work[k].second));
+    });
+  }
+
+  HitPrior of(const elements::Ellipsoid& e) const {
+    for (const Key& key : keys(e)) {
+      if (const auto at = priors_.find(key); at != priors_.end()) return at->second;
+    }
+    return fit_beta_prior({});
+  }
+
+ private:
+  enum Level { kRegion, kClass, kAll };
+  using Key = std::tuple<int, uint32_t, int, int>;  // level, class, region
+
+  std::array<Key, 3> keys(const elements::Ellipsoid& e) const {
+    const int i = int(std::floor(e.mean.x() / options_.region_m));
+    const int j = int(std::floor(e.mean.y() / options_.region_m));
+    return {Key{kRegion, e.label, i, j}, Key{kClass, e.label, 0, 0}, Key{kAll, 0, 0, 0}};
+  }
+
+  // Two parameters need no more than some thousand elements, taken evenly.
+  static std::vector<Trials> thinned(const std::vector<Trials>& trials) {
+    constexpr size_t kEnough = 4000;
+    if (trials.size() <= kEnough) return trials;
+    std::vector<Trials> out;
+    for (size_t k = 0; k < kEnough; ++k) out.push_back(trials[k * trials.size() / kEnough]);
+    return out;
+  }
+
+  const elements::Model& model_;
+  const CreditOptions& options_;
+  std::map<Key, HitPrior> priors_;
+};
+
 }  // namespace
 
-Credit credit(const elements::Model& model, std::span<const trace::Met> met, double range_m,
-              const CreditOptions& options) {
-  if (range_m == kMiss) return {met.size(), met.size()};
-  size_t before = 0;
+std::vector<std::string> credit_rules() { return {"first", "mahalanobis"}; }
+std::vector<std::string> hit_estimators() { return {"plain", "prior", "empirical_bayes"}; }
+
+void credit(const elements::Model& model, std::span<const trace::Met> met, double range_m,
+            const CreditOptions& options, std::vector<Credit>& out) {
+  out.assign(met.size(), range_m == kMiss ? Credit::kMiss : Credit::kNothing);
+  const bool first = options.rule == "first";
+  const double tau = first ? model.tau : std::min(options.tau_m, model.tau);
+  bool explained = false;
   for (size_t k = 0; k < met.size(); ++k) {
     const trace::Met& m = met[k];
+    if (m.delta2 > tau * tau) {
+      out[k] = Credit::kNothing;
+      continue;
+    }
+    if (range_m == kMiss || explained) continue;
     const double residual = range_m - m.t_m;
     bool explains;
     if (model.kind(m.element) == elements::Kind::kEllipsoid) {
       const double s = residual / m.sigma_m;
-      explains = m.delta2 + s * s < model.tau * model.tau;
+      explains = m.delta2 + s * s < tau * tau;
     } else {
       explains = std::abs(residual) < options.max_residual_for_hit_m;
     }
-    if (explains) return {k, k};
-    if (m.t_m < range_m) before = k + 1;
+    if (explains) {
+      out[k] = Credit::kHit;
+      explained = first;
+    } else if (residual > 0) {
+      out[k] = Credit::kMiss;
+    }
   }
-  return {met.size(), before};
+  if (!explained) return;
+  // Ranges ascend, so what stands before the hit but beyond the range has its closest approach
+  // there: the beam's way to the element that stopped it led through it.
+  for (size_t k = 0; out[k] != Credit::kHit; ++k) out[k] = Credit::kMiss;
 }
 
 void count_hits(elements::Model& model, BeamSource& source, const CreditOptions& options,
                 const std::function<void(size_t, size_t)>& progress) {
-  for (const HitPrior& prior : {options.ellipsoid, options.triangle}) {
-    require(prior.a >= 0 && prior.b >= 0, "a prior count must not be negative");
-  }
+  check(options);
   for (size_t i = 0; i < model.size(); ++i) model.hit(i) = {1, 0, 0};
   const trace::World world(model);
   const LogInfo& info = source.info();
@@ -59,25 +141,46 @@ void count_hits(elements::Model& model, BeamSource& source, const CreditOptions&
       std::vector<double> reach;
       for (size_t i = begin; i < end; ++i) {
         rays.push_back({chunk.origin[i], chunk.direction[i].cast<double>().normalized()});
-        // An element that contains the point has its bounds entered before the point.
-        reach.push_back(std::min(double(chunk.range_m[i]), limits.max_m));
+        // An ellipsoid that holds the point has its bounds entered before the point, a triangle
+        // that explains it before the greatest residual.
+        reach.push_back(
+            std::min(double(chunk.range_m[i]) + options.max_residual_for_hit_m, limits.max_m));
       }
       trace::MetLists met;
       world.all_met(rays, limits, reach, met);
+      std::vector<Credit> said;
       for (size_t i = begin; i < end; ++i) {
-        const auto list = met[i - begin];
-        const Credit c = credit(model, list, chunk.range_m[i], options);
-        for (size_t k = 0; k < c.misses; ++k) add_one(model.hit(list[k].element).misses);
-        if (c.hit < list.size()) add_one(model.hit(list[c.hit].element).hits);
+        const std::span<const trace::Met> list = met[i - begin];
+        credit(model, list, chunk.range_m[i], options, said);
+        for (size_t k = 0; k < list.size(); ++k) {
+          elements::HitCount& h = model.hit(list[k].element);
+          if (said[k] == Credit::kHit) add_one(h.hits);
+          if (said[k] == Credit::kMiss) add_one(h.misses);
+        }
       }
     });
     done += chunk.size();
     if (progress) progress(done, source.size());
   }
-  for (size_t i = 0; i < model.size(); ++i) {
+  estimate_hit_probabilities(model, options);
+}
+
+void estimate_hit_probabilities(elements::Model& model, const CreditOptions& options) {
+  check(options);
+  for (size_t i = 0; i < model.size() - model.ellipsoids.size(); ++i) {
     elements::HitCount& h = model.hit(i);
-    const bool ellipsoid = model.kind(i) == elements::Kind::kEllipsoid;
-    h.p = probability(h.hits, h.misses, ellipsoid ? options.ellipsoid : options.triangle);
+    h.p = float(posterior_mean(trials_of(h), options.triangle));
+  }
+  if (options.estimator == "empirical_bayes") {
+    const BetaPriors priors(model, options);
+    for (elements::Ellipsoid& e : model.ellipsoids) {
+      e.hit.p = float(posterior_mean(trials_of(e.hit), priors.of(e)));
+    }
+    return;
+  }
+  const HitPrior prior = options.estimator == "plain" ? HitPrior{0, 0} : options.ellipsoid;
+  for (elements::Ellipsoid& e : model.ellipsoids) {
+    e.hit.p = float(posterior_mean(trials_of(e.hit), prior));
   }
 }
 

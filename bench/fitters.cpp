@@ -1,0 +1,134 @@
+// Fitting speed of each method: whole fits as multiples of a real sensor's rate, at a quarter, half
+// and all of the log; the clusterings alone on the points of its tiles that are not ground. Fits a
+// log if one is given, else a scanned generated site.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "site.hpp"
+#include "timing.hpp"
+#include "underbrush/core/parallel.hpp"
+#include "underbrush/fit/fit.hpp"
+#include "underbrush/io/log_file.hpp"
+
+namespace {
+using namespace underbrush;
+
+template <class F>
+double least_seconds(int runs, F f) {
+  double least = INFINITY;
+  for (int k = 0; k < runs; ++k) least = std::min(least, bench::seconds_of(f));
+  return least;
+}
+
+/// The points of a tile that are not ground.
+struct Tile {
+  std::vector<Vec3f> point, to_sensor;
+};
+
+std::vector<Tile> tiles_of(const BeamLog& log) {
+  fit::TileStore store;
+  const Vec3 origin = log.origin.at(0).array().round();
+  for (size_t i = 0; i < log.size(); ++i) {
+    if (log.is_hit(i)) {
+      store.add({(log.end_point(i) - origin).cast<float>(), -log.direction[i]});
+    }
+  }
+  std::vector<Tile> out;
+  for (const fit::TileKey key : store.tiles()) {
+    const auto loaded = store.load(key, 0);
+    std::vector<Vec3f> points;
+    for (const auto& p : loaded.points) points.push_back(p.point);
+    const std::vector<uint8_t> ground = ground::segment(points, {});
+    Tile& tile = out.emplace_back();
+    for (size_t i = 0; i < points.size(); ++i) {
+      if (ground[i]) continue;
+      tile.point.push_back(points[i]);
+      tile.to_sensor.push_back(loaded.points[i].to_sensor);
+    }
+  }
+  return out;
+}
+
+/// A fitter and what to call it.
+struct Method {
+  const char* label;
+  fit::FitOptions options;
+};
+
+std::vector<Method> methods() {
+  std::vector<Method> out;
+  for (const char* name : {"voxel", "top_down", "bottom_up", "hierarchical", "surface"}) {
+    out.push_back({name, {}});
+    out.back().options.fitter = name;
+  }
+  Method likelihood{"top_down (range_likelihood)", out[1].options};
+  likelihood.options.volumetric.top_down.stop = "range_likelihood";
+  out.insert(out.begin() + 2, likelihood);
+  return out;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Fitting speed of each method");
+  std::string log_file, json_file;
+  int runs = 3;
+  bool quick = false;
+  app.add_option("LOG", log_file, "A log (ray cloud PLY); default: a generated site, scanned");
+  app.add_option("--json", json_file, "Write the figures here");
+  app.add_option("--runs", runs, "Runs of each, the fastest counts")->capture_default_str();
+  app.add_flag("--quick", quick, "A small case");
+  CLI11_PARSE(app, argc, argv);
+
+  const BeamLog log =
+      log_file.empty() ? bench::scanned_site(quick ? 0.5 : 4) : io::read_log(log_file);
+  if (quick) runs = 1;
+  const std::vector<Tile> tiles = tiles_of(log);
+  size_t points = 0;
+  for (const Tile& t : tiles) points += t.point.size();
+  std::printf("%zu beams, %zu points not ground, %d threads\n", log.size(), points, threads());
+  std::printf("%-28s %9s %9s %9s %8s %9s %12s %8s\n", "fit, M beams/s", "1/4", "1/2", "all",
+              "x HDL64E", "elements", "clustering", "x voxel");
+  nlohmann::ordered_json results;
+  double voxel_s = 0;
+  for (const Method& m : methods()) {
+    nlohmann::ordered_json& j = results[m.label];
+    std::printf("%-28s", m.label);
+    double rate = 0;
+    size_t elements = 0;
+    for (const int part : {4, 2, 1}) {
+      BeamLog some = log.like();
+      some.append(log, 0, log.size() / size_t(part));
+      const double s = least_seconds(runs, [&] {
+        MemorySource source(some);
+        const elements::Model model = fit::fit(source, m.options).model;
+        elements = model.ellipsoids.size() + model.surface.size();
+      });
+      rate = double(some.size()) / s;
+      j["fit_beams_per_s_of_1_" + std::to_string(part)] = rate;
+      std::printf(" %9.3f", rate / 1e6);
+      std::fflush(stdout);
+    }
+    j["hdl64e_realtime_multiple"] = rate / bench::kHdl64eBeamsPerS;
+    j["elements"] = elements;
+    std::printf(" %8.2f %9zu", rate / bench::kHdl64eBeamsPerS, elements);
+    if (m.options.fitter != "surface") {
+      const double s = least_seconds(runs, [&] {
+        for (const Tile& t : tiles) {
+          fit::volumes(m.options.fitter, {t.point, t.to_sensor}, m.options.volumetric, 1);
+        }
+      });
+      if (voxel_s == 0) voxel_s = s;
+      j["clustering_points_per_s_one_thread"] = double(points) / s;
+      j["clustering_time_of_voxel"] = s / voxel_s;
+      std::printf(" %7.2f Mp/s %8.2f", double(points) / s / 1e6, s / voxel_s);
+    }
+    std::printf("\n");
+  }
+  if (!json_file.empty()) std::ofstream(json_file) << results.dump(2) << "\n";
+  return 0;
+}

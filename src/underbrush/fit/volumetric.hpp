@@ -1,0 +1,49 @@
+/// \file
+/// The fitters of volumetric elements behind one interface: points of a tile in, ellipsoids out.
+/// Ground, tiles, hit probabilities and free space are `fit()`'s, the same for all.
+#pragma once
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "underbrush/fit/bottom_up.hpp"
+#include "underbrush/fit/hierarchical.hpp"
+#include "underbrush/fit/top_down.hpp"
+#include "underbrush/fit/voxel.hpp"
+
+namespace underbrush::fit {
+
+/// Parameters of the volumetric fitters.
+struct VolumetricOptions {
+  EllipsoidOptions ellipsoid;
+  HierarchicalOptions hierarchical;
+  VoxelOptions voxel;
+  TopDownOptions top_down;
+  BottomUpOptions bottom_up;
+};
+
+/// Points that are not ground, with the directions of their beams.
+struct VolumetricPoints {
+  std::span<const Vec3f> point;      ///< m, finite.
+  std::span<const Vec3f> to_sensor;  ///< Unit vectors, one a point.
+};
+
+/// Names of the volumetric fitters.
+std::vector<std::string> volumetric_fitters();
+
+/// The clusters that the fitter `name` makes. `seed` is for those that draw random numbers. Throws
+/// `std::invalid_argument` for an unknown name.
+Clusters clusters_of(std::string_view name, const VolumetricPoints& points,
+                     const VolumetricOptions& options, uint64_t seed);
+
+/// The ellipsoids of one tile.
+struct Volumes {
+  std::vector<elements::Ellipsoid> ellipsoids;
+  size_t unclustered_points = 0;  ///< Points in no cluster.
+};
+
+/// The ellipsoids that the fitter `name` makes of the points of one tile.
+Volumes volumes(std::string_view name, const VolumetricPoints& points,
+                const VolumetricOptions& options, uint64_t seed);
+
+}  // namespace underbrush::fit
