@@ -129,7 +129,11 @@ inline void add_triangle(Pending& w, const ModelView::Mesh& mesh, uint32_t at, c
 inline void fetch_ahead(const View& view, const Candidate& c, bool later) {
   const ModelView& m = view.model_views[view.instances[c.instance].model];
   if (c.element >= m.triangle_count) {
-    if (!later) __builtin_prefetch(&m.ellipsoids[c.element - m.triangle_count]);
+    const char* e = reinterpret_cast<const char*>(&m.ellipsoids[c.element - m.triangle_count]);
+    if (!later) {
+      __builtin_prefetch(e);
+      __builtin_prefetch(e + sizeof(elements::Ellipsoid) - 1);
+    }
     return;
   }
   const bool ground = c.element < m.ground_count;
