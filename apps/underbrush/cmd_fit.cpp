@@ -46,6 +46,8 @@ void add_options(CLI::App& app, Arguments& a) {
   option("--covariance-prior", a.fit.volumetric.ellipsoid.prior_points,
          "Points' worth of the usual size mixed into each ellipsoid's covariance");
   option("--range-noise", a.fit.range_noise_m, "Sensor's range noise, m: floor of all extents");
+  option("--min-range", a.fit.min_range_m,
+         "Leave out returns nearer than this, m: the vehicle that carries the sensor");
   option("--ground-method", a.fit.segment.method, "Ground segmentation")
       ->check(CLI::IsMember({"lower_envelope", "spherical_variance"}));
   option("--ground-spacing", a.fit.ground.spacing_m, "Ground surface: distance of nodes, m");
@@ -67,8 +69,16 @@ void add_options(CLI::App& app, Arguments& a) {
          "Drop ellipsoids with hits / (hits + misses) below this: nothing stands there");
   option("--max-residual-for-hit", a.fit.credit.max_residual_for_hit_m,
          "A triangle explains a point nearer than this, m");
-  option("--surface-cell", a.fit.surface.cell_m, "surface: cell of the marching cubes, m");
-  option("--surface-kernel", a.fit.surface.kernel_m, "surface: width of the kernel, m");
+  option("--surface-cell", a.fit.surface.cell_m, "surface, rimls: cell of the marching cubes, m");
+  option("--surface-kernel", a.fit.surface.kernel_m, "surface, rimls: radius of the kernel, m");
+  option("--surface-least-kernel", a.fit.surface.least_kernel_m,
+         "surface, rimls: radius down to which it is halved where points are dense, m");
+  option("--surface-border", a.fit.surface.border,
+         "surface, rimls: largest offset of the points' mean, in kernels; beyond is a hole");
+  option("--surface-noise", a.fit.surface.noise_m,
+         "surface, rimls: σ of the simulated range, m; 0 = as the points lie about the surface");
+  app.add_flag("--surface-carve", a.fit.surface.carve,
+               "surface, rimls: leave out what more beams passed than ended at");
   option("--tile", a.fit.tiles.tile_m, "Side of a tile, m");
   app.add_option("--export-splat", a.splat, "Also write the ellipsoids as a Gaussian splat PLY")
       ->type_name("FILE.ply");
@@ -90,6 +100,8 @@ void run(const Verb& verb, Arguments& a) {
   j["misses"] = r.misses;
   j["ground_points"] = r.ground_points;
   j["other_points"] = r.other_points;
+  j["near_points"] = r.near_points;
+  j["carved_triangles"] = r.carved_triangles;
   j["thinned_points"] = r.thinned_points;
   j["unclustered_points"] = r.unclustered_points;
   j["free_space_ellipsoids"] = r.free_space_ellipsoids;
@@ -116,6 +128,11 @@ void run(const Verb& verb, Arguments& a) {
   if (r.free_space_ellipsoids) {
     text += fmt::format("  dropped     {} ellipsoids in free space\n", r.free_space_ellipsoids);
   }
+  if (r.carved_triangles) {
+    text += fmt::format("  dropped     {} triangles that beams passed\n", r.carved_triangles);
+  }
+  if (r.near_points)
+    text += fmt::format("  left out    {} points near the sensor\n", r.near_points);
   if (r.thinned_points)
     text += fmt::format("  left out    {} points of full tiles\n", r.thinned_points);
   for (const auto& [why, n] : step.skipped)

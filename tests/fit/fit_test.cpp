@@ -88,6 +88,7 @@ TEST(Fit, GivesTheSameBitsForAnyThreadsAndChunks) {
   for (const std::string& fitter : fitter_names()) {
     FitOptions options;
     options.fitter = fitter;
+    options.surface.cell_m = 0.2;
     options.tiles.tile_m = 12;
     set_threads(1);
     MemorySource one(log);
@@ -198,6 +199,116 @@ TEST(Fit, DropsWhatOnlyOnceStoodInFreeSpace) {
   EXPECT_EQ(ghosts(0).second, 0u);
   EXPECT_LT(ghosts(0.05).first, ghosts(0).first / 4);
   EXPECT_GT(ghosts(0.05).second, 0u);
+}
+
+/// A log of a wall, a box on the ground before it and the ground, from a drive along them.
+BeamLog drive_past_box(uint64_t seed) {
+  elements::Model truth;
+  truth.ground.vertices = {{-60, -60, 0}, {60, -60, 0}, {60, 60, 0}, {-60, 60, 0}};
+  truth.ground.triangles = {{0, 1, 2}, {0, 2, 3}};
+  truth.surface.vertices = {{-20, 7, 0}, {20, 7, 0}, {20, 7, 4}, {-20, 7, 4}, {-1, 5, 0},
+                            {1, 5, 0},   {1, 5, 1},  {-1, 5, 1}, {-1, 7, 1},  {1, 7, 1}};
+  truth.surface.triangles = {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}, {4, 6, 7}, {7, 6, 9}, {7, 9, 8}};
+  truth.ground.hit.resize(2);
+  truth.surface.hit.resize(6);
+  truth.ground.range_sigma_m = truth.surface.range_sigma_m = 0.01;
+  BeamLog log;
+  log.info.has_misses = true;
+  Stream random(seed);
+  log.resize(60000);
+  for (size_t i = 0; i < log.size(); ++i) {
+    const double azimuth = random.uniform(0.3, M_PI - 0.3), elevation = random.uniform(-0.5, 0.2);
+    log.origin[i] = Vec3(-3 + 6 * double(i) / double(log.size()), 0, 1.8);
+    log.direction[i] = Vec3(std::cos(azimuth) * std::cos(elevation),
+                            std::sin(azimuth) * std::cos(elevation), std::sin(elevation))
+                           .cast<float>();
+  }
+  const trace::World world(truth);
+  simulate::simulate(world, {.seed = seed}, 0, log);
+  return log;
+}
+
+/// Half the beams of `log` as a model answers them, less what they really measured: the share of
+/// ranges that differ by more than 0.1 m.
+double wrong_share(const FitResult& r, const BeamLog& log) {
+  BeamLog answer = log;
+  simulate::simulate(trace::World(r.model), {.seed = 9}, 0, answer);
+  size_t wrong = 0, n = 0;
+  for (size_t i = 0; i < log.size(); ++i) {
+    if (!log.is_hit(i) || log.range_m[i] > 9) continue;
+    wrong += !(std::abs(answer.range_m[i] - log.range_m[i]) < 0.1f);
+    ++n;
+  }
+  return double(wrong) / double(n);
+}
+
+TEST(Fit, SurfacesAnswerNewBeamsOfWhatTheyWereFittedTo) {
+  const BeamLog train = drive_past_box(7), test = drive_past_box(8);
+  for (const char* fitter : {"surface", "rimls"}) {
+    FitOptions options;
+    options.fitter = fitter;
+    options.surface.cell_m = 0.2;
+    MemorySource source(train);
+    EXPECT_LT(wrong_share(fit(source, options), test), 0.03) << fitter;
+  }
+}
+
+TEST(Fit, TheNoiseOfASurfaceCanBeSet) {
+  FitOptions options;
+  options.fitter = "rimls";
+  options.surface.cell_m = 0.3;
+  options.surface.noise_m = 0.005;
+  const BeamLog log = drive_past_box(7);
+  MemorySource source(log);
+  EXPECT_EQ(fit(source, options).model.surface.range_sigma_m, 0.005);
+}
+
+// The vehicle's own mast, 1.5 m from the sensor: it goes with it, so where the sensor comes later
+// an opaque model has a wall.
+TEST(Fit, LeavesOutTheVehicleThatCarriesTheSensor) {
+  BeamLog train = drive_past_box(7);
+  const BeamLog test = drive_past_box(8);
+  size_t own = 0;
+  for (size_t i = 0; i < train.size(); ++i) {
+    if (train.direction[i].x() < 0.9f) continue;
+    train.range_m[i] = 1.5f;
+    ++own;
+  }
+  ASSERT_GT(own, 1000u);
+  FitOptions options;
+  options.fitter = "surface";
+  options.surface.cell_m = 0.2;
+  MemorySource source(train);
+  const FitResult with = fit(source, options);
+  options.min_range_m = 2;
+  const FitResult without = fit(source, options);
+  EXPECT_EQ(without.report.near_points, own);
+  EXPECT_GT(wrong_share(with, test), 0.15);
+  EXPECT_LT(wrong_share(without, test), 0.08);
+}
+
+// Something stood between the sensor and the wall for the first tenth of the log.
+TEST(Fit, CarvingDropsWhatMoreBeamsPassedThanMet) {
+  BeamLog train = drive_past_box(7);
+  const BeamLog test = drive_past_box(8);
+  for (size_t i = 0; i < train.size() / 10; ++i) {
+    const Vec3 d = train.direction[i].cast<double>();
+    const double range = (3 - train.origin[i].y()) / d.y();
+    const Vec3 p = train.origin[i] + range * d;
+    if (std::abs(p.x()) < 1.5 && p.z() > 0.2) train.range_m[i] = float(range);
+  }
+  FitOptions options;
+  options.fitter = "surface";
+  options.surface.cell_m = 0.2;
+  MemorySource source(train);
+  const FitResult plain = fit(source, options);
+  options.surface.carve = true;
+  const FitResult carved = fit(source, options);
+  EXPECT_EQ(plain.report.carved_triangles, 0u);
+  EXPECT_EQ(plain.model.surface.size(),
+            carved.model.surface.size() + carved.report.carved_triangles);
+  EXPECT_GT(wrong_share(plain, test), 0.15);
+  EXPECT_LT(wrong_share(carved, test), 0.04);
 }
 
 TEST(Fit, LearnsWhereTheSensorEnds) {

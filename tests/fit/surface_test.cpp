@@ -16,7 +16,8 @@ struct Cloud {
   std::vector<Vec3f> points, to_sensor;
 };
 
-constexpr Area kAll{-50, -50, 50, 50};
+constexpr Area kAll{-50, -50, 50, 50}, kNear{-7, -7, 7, 7};
+constexpr SurfaceOptions kCoarse{.cell_m = 0.3, .kernel_m = 0.6, .least_kernel_m = 0.6};
 
 Cloud sphere(size_t n, double radius, double noise = 0) {
   Stream random(21);
@@ -52,23 +53,13 @@ double area(const IsoMesh& mesh) {
   return sum;
 }
 
-TEST(Imls, OfAPlaneIsTheDistance) {
-  const Vec3f normal = Vec3f(1, -2, 4).normalized();
-  const Cloud c = plane(200, normal);
-  std::vector<OrientedPoint> near;
-  for (const Vec3f& p : c.points) near.push_back({p, normal});
-  EXPECT_NEAR(imls(0.3f * normal + Vec3f(0.1f, 0, 0), near, 2), 0.3 + 0.1 * double(normal.x()),
-              1e-5);
-  EXPECT_TRUE(std::isnan(imls(Vec3f(0, 0, 0), {}, 1)));
-}
-
 TEST(Surface, PlanesOfAnySlopeAreExactAndHaveNoHoles) {
   for (const Vec3f& n :
        {Vec3f(0, 0, 1), Vec3f(1, 0, 0), Vec3f(1, 2, 3), Vec3f(1, 1, 1), Vec3f(-3, 1, 0)}) {
     const Vec3f normal = n.normalized();
     const Cloud c = plane(40000, normal);
-    const SurfaceTile tile = surface_tile(c.points, c.to_sensor, kAll);
-    EXPECT_GT(area(tile.mesh), 140);  // of 144 m² and at most a kernel around
+    const SurfaceTile tile = surface_tile(c.points, c.to_sensor, kAll, kCoarse);
+    EXPECT_GT(area(tile.mesh), 135);  // of 144 m² and its border trimmed
     EXPECT_LT(area(tile.mesh), 12.8 * 12.8);
     for (const Vec3f& v : tile.mesh.vertices) ASSERT_NEAR(normal.dot(v), 0, 2e-5);
     for (const auto& t : tile.mesh.triangles) {
@@ -107,23 +98,88 @@ TEST(Surface, SphereConverges) {
 
 TEST(Surface, SigmaIsTheNoise) {
   const Cloud c = plane(60000, Vec3f(1, 2, 5).normalized(), 0.03);
-  const SurfaceTile tile = surface_tile(c.points, c.to_sensor, kAll);
+  const SurfaceTile tile = surface_tile(c.points, c.to_sensor, kAll, kCoarse);
   EXPECT_NEAR(std::sqrt(tile.sum_squares_m2 / double(tile.points)), 0.03, 0.002);
 }
 
-TEST(Surface, NothingFarFromPoints) {
+TEST(Surface, EndsWhereThePointsEnd) {
   Cloud c = plane(40000, Vec3f(0, 0, 1));
   std::erase_if(c.points, [](const Vec3f& p) { return p.head<2>().norm() < 2; });
   c.to_sensor.resize(c.points.size());
-  const SurfaceTile tile = surface_tile(c.points, c.to_sensor, kAll);
+  const SurfaceTile tile = surface_tile(c.points, c.to_sensor, kNear);
   for (const Vec3f& v : tile.mesh.vertices) {
-    EXPECT_GT(v.head<2>().norm(), 1.6f);
-    EXPECT_LT(v.cwiseAbs().maxCoeff(), 6.4f + 1e-4f);
+    EXPECT_GT(v.head<2>().norm(), 1.85f);
+    EXPECT_LT(v.cwiseAbs().maxCoeff(), 6.1f);
   }
   // A lone pair of points makes no surface.
   c.points = {{0, 0, 0}, {0.2f, 0, 0}};
   c.to_sensor.resize(2);
-  EXPECT_TRUE(surface_tile(c.points, c.to_sensor, kAll).mesh.triangles.empty());
+  EXPECT_TRUE(surface_tile(c.points, c.to_sensor, kNear).mesh.triangles.empty());
+}
+
+// A pole 10 cm wide and 4 m high, as a scanner sees it: one side.
+TEST(Surface, ThinThingsGetNoRim) {
+  Cloud c;
+  for (int i = 0; i <= 10; ++i) {
+    for (int k = 0; k < 200; ++k) {
+      c.points.push_back({0.01f * float(i), 0, 0.02f * float(k)});
+      c.to_sensor.push_back({0, -1, 0});
+    }
+  }
+  const SurfaceTile tile = surface_tile(c.points, c.to_sensor, kNear);
+  EXPECT_GT(area(tile.mesh), 0.35);
+  EXPECT_LT(area(tile.mesh), 4.2 * 0.25);
+  for (const Vec3f& v : tile.mesh.vertices) EXPECT_NEAR(v.x(), 0.05, 0.13);
+}
+
+/// Rows of points 2 cm apart in a row, the rows `spacing_m` apart: far ground.
+Cloud rows(int n, float spacing_m) {
+  Cloud c;
+  for (int i = 0; i < n; ++i) {
+    for (int k = 0; k < 200; ++k) {
+      c.points.push_back({spacing_m * float(i), 0.02f * float(k), 0});
+      c.to_sensor.push_back({-5, 0, 1});
+    }
+  }
+  return c;
+}
+
+TEST(Surface, JoinsSparseRowsButNotFarOnes) {
+  const Cloud near = rows(10, 0.4f), far = rows(10, 2);
+  const double whole = 9 * 0.4 * 4,
+               part = area(surface_tile(near.points, near.to_sensor, kNear).mesh);
+  EXPECT_GT(part, 0.95 * whole);
+  EXPECT_LT(part, 1.2 * whole);
+  // A row alone has no normal, so no fin stands up there.
+  EXPECT_TRUE(surface_tile(far.points, far.to_sensor, kNear).mesh.triangles.empty());
+}
+
+// The corner between two walls, with noise: the mean distance of the surface from the corner's
+// planes near its edge.
+TEST(Surface, RimlsKeepsTheEdgeOfABox) {
+  Stream random(23);
+  Cloud c;
+  for (int i = 0; i < 40000; ++i) {
+    const double along = random.uniform(-1, 1), across = random.uniform(0, 1);
+    const double noise = 0.005 * random.normal();
+    const bool side = i % 2;
+    c.points.push_back(Vec3(side ? noise : across, along, side ? -across : noise).cast<float>());
+    c.to_sensor.push_back(side ? Vec3f(-1, 0, 0) : Vec3f(0, 0, 1));
+  }
+  const auto error = [&](const SignedDistance& f) {
+    const SurfaceOptions o{.cell_m = 0.05, .kernel_m = 0.2, .least_kernel_m = 0.2};
+    const SurfaceTile tile = surface_tile(c.points, c.to_sensor, {-0.5, -0.5, 0.5, 0.5}, o, f);
+    double sum = 0;
+    int n = 0;
+    for (const Vec3f& v : tile.mesh.vertices) {
+      if (v.x() > 0.08f || v.z() < -0.08f) continue;
+      sum += double(std::min(std::abs(v.x()), std::abs(v.z())));
+      ++n;
+    }
+    EXPECT_GT(n, 60);
+    return sum / n;
+  };
+  EXPECT_LT(error(rimls), error(imls) / 1.5);
 }
 
 TEST(Surface, TilesJoinToTheWholeInAnyOrderOfPoints) {
@@ -132,7 +188,7 @@ TEST(Surface, TilesJoinToTheWholeInAnyOrderOfPoints) {
   c.points.insert(c.points.end(), flat.points.begin(), flat.points.end());
   c.to_sensor.insert(c.to_sensor.end(), flat.to_sensor.begin(), flat.to_sensor.end());
   set_threads(1);
-  const SurfaceTile whole = surface_tile(c.points, c.to_sensor, {-10, -10, 10, 10});
+  const SurfaceTile whole = surface_tile(c.points, c.to_sensor, {-10, -10, 10, 10}, kCoarse);
   set_threads(0);
   const auto less = [](const Vec3f& a, const Vec3f& b) {
     return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
@@ -146,7 +202,7 @@ TEST(Surface, TilesJoinToTheWholeInAnyOrderOfPoints) {
   };
   append(whole.mesh, all);
   size_t points = 0;
-  const double margin = surface_margin_m({});
+  const double margin = surface_margin_m(kCoarse);
   for (const Area& core :
        {Area{-10, -10, 0.77, 10}, Area{0.77, -10, 10, 1}, Area{0.77, 1, 10, 10}}) {
     Cloud part;  // with its margin, backwards
@@ -159,7 +215,7 @@ TEST(Surface, TilesJoinToTheWholeInAnyOrderOfPoints) {
       part.points.push_back(c.points[i]);
       part.to_sensor.push_back(c.to_sensor[i]);
     }
-    const SurfaceTile tile = surface_tile(part.points, part.to_sensor, core);
+    const SurfaceTile tile = surface_tile(part.points, part.to_sensor, core, kCoarse);
     append(tile.mesh, pieces);
     points += tile.points;
   }
@@ -175,9 +231,9 @@ TEST(Surface, TilesJoinToTheWholeInAnyOrderOfPoints) {
 
 TEST(Surface, AnotherImplicitTakesItsPlace) {
   const Cloud c = plane(20000, Vec3f(0, 0, 1));
-  const SurfaceTile tile = surface_tile(
-      c.points, c.to_sensor, kAll, {},
-      [](const Vec3f& x, std::span<const OrientedPoint>, float) { return x.z() - 0.125f; });
+  const SurfaceTile tile =
+      surface_tile(c.points, c.to_sensor, kAll, kCoarse,
+                   [](const Vec3f& x, std::span<const OrientedPoint>) { return x.z() - 0.125f; });
   ASSERT_FALSE(tile.mesh.vertices.empty());
   for (const Vec3f& v : tile.mesh.vertices) EXPECT_NEAR(v.z(), 0.125, 1e-6);
 }

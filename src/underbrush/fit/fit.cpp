@@ -15,8 +15,8 @@ constexpr double kMarginM = 10;
 
 /// Points of all hits by tile, relative to `origin`.
 /// Gives the largest range among them.
-double gather(BeamSource& source, const Vec3& origin, TileStore& store, FitReport& report,
-              const FitProgress& progress) {
+double gather(BeamSource& source, const Vec3& origin, double min_range_m, TileStore& store,
+              FitReport& report, const FitProgress& progress) {
   float largest = 0;
   source.rewind();
   BeamLog chunk;
@@ -24,6 +24,10 @@ double gather(BeamSource& source, const Vec3& origin, TileStore& store, FitRepor
     for (size_t i = 0; i < chunk.size(); ++i) {
       if (!chunk.is_hit(i)) continue;
       ++report.hits;
+      if (double(chunk.range_m[i]) < min_range_m) {
+        ++report.near_points;
+        continue;
+      }
       largest = std::max(largest, chunk.range_m[i]);
       store.add({(chunk.end_point(i) - origin).cast<float>(), -chunk.direction[i]});
     }
@@ -144,8 +148,24 @@ void drop_free_space(const FitOptions& options, elements::Model& model, FitRepor
   });
 }
 
-void fit_surface(const TileStore& store, const FitOptions& options, elements::Model& model,
-                 FitReport& report, const FitProgress& progress) {
+/// Drops surface triangles that more beams passed than ended at; the others stay opaque.
+void carve(BeamSource& source, const FitOptions& options, elements::Model& model, FitReport& report,
+           const FitProgress& progress) {
+  count_hits(model, source, options.credit, [&](size_t done, size_t total) {
+    if (progress) progress("carve", done, total);
+  });
+  elements::TriangleMesh& mesh = model.surface;
+  size_t kept = 0;
+  for (size_t t = 0; t < mesh.size(); ++t) {
+    if (mesh.hit[t].misses <= mesh.hit[t].hits) mesh.triangles[kept++] = mesh.triangles[t];
+  }
+  report.carved_triangles = mesh.size() - kept;
+  mesh.triangles.resize(kept);
+  mesh.hit.assign(kept, {});
+}
+
+void fit_surface(const TileStore& store, const FitOptions& options, const SignedDistance& distance,
+                 elements::Model& model, FitReport& report, const FitProgress& progress) {
   const double margin = surface_margin_m(options.surface);
   double squares = 0;
   size_t points = 0;
@@ -161,7 +181,7 @@ void fit_surface(const TileStore& store, const FitOptions& options, elements::Mo
         const Eigen::Vector2d lo = store.corner(key);
         const double side = options.tiles.tile_m;
         return surface_tile(position, to_sensor, {lo.x(), lo.y(), lo.x() + side, lo.y() + side},
-                            options.surface);
+                            options.surface, distance);
       },
       [&](SurfaceTile tile) {
         elements::TriangleMesh& mesh = model.surface;
@@ -175,8 +195,10 @@ void fit_surface(const TileStore& store, const FitOptions& options, elements::Mo
         points += tile.points;
       });
   model.surface.hit.resize(model.surface.size());
-  model.surface.range_sigma_m =
-      std::max(points ? std::sqrt(squares / double(points)) : 0, options.range_noise_m);
+  const double about_surface = points ? std::sqrt(squares / double(points)) : 0;
+  model.surface.range_sigma_m = options.surface.noise_m > 0
+                                    ? options.surface.noise_m
+                                    : std::max(about_surface, options.range_noise_m);
   report.other_points = store.size();
 }
 
@@ -184,7 +206,7 @@ void fit_surface(const TileStore& store, const FitOptions& options, elements::Mo
 
 std::vector<std::string> fitter_names() {
   std::vector<std::string> names = volumetric_fitters();
-  names.push_back("surface");
+  names.insert(names.end(), {"surface", "rimls"});
   return names;
 }
 
@@ -200,7 +222,8 @@ FitResult fit(BeamSource& source, const FitOptions& options, const FitProgress& 
   }
   model.origin = model_origin(source);
   TileStore store(tile_options(options));
-  model.max_range_m = gather(source, model.origin, store, out.report, progress);
+  model.max_range_m =
+      gather(source, model.origin, options.min_range_m, store, out.report, progress);
   require(store.size() > 0, "fit: the log has no return to fit a model to");
   if (!source.info().has_misses) {
     out.report.warnings.push_back(
@@ -214,8 +237,10 @@ FitResult fit(BeamSource& source, const FitOptions& options, const FitProgress& 
       if (progress) progress("count hits", done, total);
     });
     drop_free_space(options, model, out.report);
-  } else if (options.fitter == "surface") {
-    fit_surface(store, options, model, out.report, progress);
+  } else if (options.fitter == "surface" || options.fitter == "rimls") {
+    fit_surface(store, options, options.fitter == "rimls" ? rimls : imls, model, out.report,
+                progress);
+    if (options.surface.carve) carve(source, options, model, out.report, progress);
   } else {
     throw std::invalid_argument("fit: no fitter '" + options.fitter + "'");
   }

@@ -22,11 +22,15 @@ namespace underbrush::fit {
 struct FitOptions {
   /// `hierarchical` ([tallavajhula18]), `voxel`, `top_down`, `bottom_up` ([deschaud12]): ground
   /// mesh
-  /// + ellipsoids; `surface`: one opaque mesh over everything, the everyday baseline.
+  /// + ellipsoids; `surface`: one opaque mesh over everything, the everyday baseline; `rimls`: the
+  /// same by the robust implicit of [deschaud12].
   std::string fitter = "hierarchical";
   uint64_t seed = 1;
   double tau = 3;               ///< A beam meets an ellipsoid within this Mahalanobis distance.
   double range_noise_m = 0.02;  ///< σ of the sensor's range: the floor of every extent.
+  /// Nearer returns are left out: the vehicle that carries the sensor. It stands where its sensor
+  /// was a moment ago, and an opaque model would enclose the sensor there.
+  double min_range_m = 0;
   /// Ellipsoids through which nearly all beams passed are free space that something crossed once:
   /// dropped where hits / (hits + misses) is below this, with at least `free_space_beams` beams.
   double free_space_below = 0.05;
@@ -45,6 +49,8 @@ struct FitOptions {
 struct FitReport {
   size_t beams = 0, hits = 0, misses = 0;
   size_t ground_points = 0, other_points = 0;
+  size_t near_points = 0;            ///< Left out because they are nearer than `min_range_m`.
+  size_t carved_triangles = 0;       ///< Dropped by `surface.carve`.
   size_t thinned_points = 0;         ///< Left out because their tile was full.
   size_t unclustered_points = 0;     ///< In no cluster of at least `min_points`.
   size_t free_space_ellipsoids = 0;  ///< Dropped as free space.

@@ -11,6 +11,8 @@ namespace underbrush::fit {
 namespace {
 
 constexpr double kUnit = double(1 << 20);  // Integer steps of a cell, and of a unit vector.
+/// Points with less variance across than this share of that along are on a line.
+constexpr double kLine = 0.02;
 constexpr uint32_t kOutside = std::numeric_limits<uint32_t>::max();
 
 /// The points of one half cell.
@@ -20,10 +22,6 @@ struct Sum {
 };
 
 }  // namespace
-
-int SampleGrid::cell_at(float coordinate) const {
-  return int(std::floor(double(coordinate) / cell_m_));
-}
 
 SampleGrid::SampleGrid(std::span<const Vec3f> points, std::span<const Vec3f> to_sensor,
                        const CellBox& box, double cell_m)
@@ -43,7 +41,7 @@ SampleGrid::SampleGrid(std::span<const Vec3f> points, std::span<const Vec3f> to_
       if (inside) cell_of[i] = uint32_t(cell);
     }
   });
-  start_.assign(box_.count() + 1, 0);
+  start_.assign(size_t(box_.count()) + 1, 0);
   for (uint32_t c : cell_of) {
     if (c != kOutside) ++start_[size_t(c) + 1];
   }
@@ -57,8 +55,8 @@ SampleGrid::SampleGrid(std::span<const Vec3f> points, std::span<const Vec3f> to_
   }
   // Each cell's half cells are written over its points' places, then moved together.
   std::vector<OrientedPoint> sample(sorted.size());
-  std::vector<uint8_t> count(box_.count());
-  parallel_for(box_.count(), 1 << 12, [&](size_t begin, size_t end) {
+  std::vector<uint8_t> count(size_t(box_.count()));
+  parallel_for(size_t(box_.count()), 1 << 12, [&](size_t begin, size_t end) {
     for (size_t c = begin; c < end; ++c) {
       if (start_[c] == start_[c + 1]) continue;
       const size_t nx = size_t(box_.size[0]), ny = size_t(box_.size[1]);
@@ -100,39 +98,76 @@ SampleGrid::SampleGrid(std::span<const Vec3f> points, std::span<const Vec3f> to_
   start_.back() = uint32_t(samples_.size());
 }
 
-void SampleGrid::find_normals(double radius_m, int min_neighbours) {
+template <class Visit>
+void SampleGrid::near(const Vec3f& x, float radius_m, const Visit& visit) const {
+  for_each_near(box_, cell_m_, start_, samples_, x, radius_m, visit);
+}
+
+void SampleGrid::find_normals(std::span<const double> radii_m, int min_neighbours) {
   std::vector<Vec3f> normals(samples_.size(), Vec3f::Zero());
   parallel_for(samples_.size(), 512, [&](size_t begin, size_t end) {
     Eigen::SelfAdjointEigenSolver<Mat3> solver;
     for (size_t i = begin; i < end; ++i) {
-      Vec3 sum = Vec3::Zero();
-      Mat3 square = Mat3::Zero();
-      int n = 0;
-      near(samples_[i].position, float(radius_m), [&](const OrientedPoint& s) {
-        const Vec3 d = (s.position - samples_[i].position).cast<double>();
-        sum += d;
-        square += d * d.transpose();
-        ++n;
-        return true;
-      });
-      if (n < min_neighbours) continue;
-      solver.computeDirect(square / n - sum * sum.transpose() / (double(n) * n));
-      const Vec3f normal = solver.eigenvectors().col(0).cast<float>();
-      normals[i] = normal.dot(samples_[i].normal) < 0 ? Vec3f(-normal) : normal;
+      for (double radius : radii_m) {
+        Vec3 sum = Vec3::Zero();
+        Mat3 square = Mat3::Zero();
+        int n = 0;
+        near(samples_[i].position, float(radius), [&](const OrientedPoint& s) {
+          const Vec3 d = (s.position - samples_[i].position).cast<double>();
+          sum += d;
+          square += d * d.transpose();
+          ++n;
+        });
+        if (n < min_neighbours) continue;
+        solver.computeDirect(square / n - sum * sum.transpose() / (double(n) * n));
+        if (solver.eigenvalues()(1) < kLine * solver.eigenvalues()(2)) continue;
+        const Vec3f normal = solver.eigenvectors().col(0).cast<float>();
+        normals[i] = normal.dot(samples_[i].normal) < 0 ? Vec3f(-normal) : normal;
+        samples_[i].radius_m = float(radius);
+        break;
+      }
     }
   });
-  // Those left out go; the rest move together.
-  uint32_t kept = 0, from = 0;
-  for (size_t c = 0; c + 1 < start_.size(); ++c) {
-    const uint32_t first = std::exchange(from, start_[c + 1]), last = from;
-    start_[c] = kept;
-    for (uint32_t s = first; s < last; ++s) {
-      if (normals[s].isZero()) continue;
-      samples_[kept++] = {samples_[s].position, normals[s]};
+  for (size_t i = 0; i < samples_.size(); ++i) samples_[i].normal = normals[i];
+  sort_levels(radii_m);
+}
+
+void SampleGrid::sort_levels(std::span<const double> radii_m) {
+  levels_.clear();
+  for (double radius : radii_m) {
+    Level level;
+    level.radius_m = float(radius);
+    const double width = double(level.radius_m);
+    for (size_t a = 0; a < 3; ++a) {
+      level.box.first[a] = int(std::floor(box_.first[a] * cell_m_ / width)) - 1;
+      level.box.size[a] = int(std::floor((box_.first[a] + box_.size[a]) * cell_m_ / width)) + 2 -
+                          level.box.first[a];
     }
+    level.start.assign(size_t(level.box.count()) + 1, 0);
+    const auto cell_of = [&](const Vec3f& p) {
+      size_t cell = 0;
+      for (size_t a = 3; a-- > 0;) {
+        const int at = int(std::floor(double(p[int(a)]) / width)) - level.box.first[a];
+        cell = cell * size_t(level.box.size[a]) + size_t(at);
+      }
+      return cell;
+    };
+    const auto belongs = [&](const OrientedPoint& s) {
+      return s.radius_m == level.radius_m && !s.normal.isZero();
+    };
+    for (const OrientedPoint& s : samples_) {
+      if (belongs(s)) ++level.start[cell_of(s.position) + 1];
+    }
+    for (size_t c = 1; c < level.start.size(); ++c) level.start[c] += level.start[c - 1];
+    level.samples.resize(level.start.back());
+    std::vector<uint32_t> next(level.start.begin(), level.start.end() - 1);
+    for (const OrientedPoint& s : samples_) {
+      if (belongs(s)) level.samples[next[cell_of(s.position)]++] = s;
+    }
+    levels_.push_back(std::move(level));
   }
-  start_.back() = kept;
-  samples_.resize(kept);
+  samples_ = {};
+  start_ = {};
 }
 
 }  // namespace underbrush::fit

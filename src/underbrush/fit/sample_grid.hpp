@@ -2,6 +2,7 @@
 /// Thinned, oriented points of a tile in a dense grid of cells, for neighbour queries.
 #pragma once
 #include <algorithm>
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -13,10 +14,12 @@ namespace underbrush::fit {
 struct CellBox {
   std::array<int, 3> first{}, size{};
 
-  size_t count() const { return size_t(size[0]) * size_t(size[1]) * size_t(size[2]); }
+  bool empty() const { return size[0] == 0; }
+  double count() const { return double(size[0]) * size[1] * size[2]; }
 };
 
-/// At most one sample for each half cell, sorted by cell.
+/// At most one sample for each half cell; then, with normals and radii, sorted for the question
+/// which samples reach a place.
 class SampleGrid {
  public:
   /// Means of the points in each half cell, within `box`. Sums are of integers: the same bits for
@@ -24,49 +27,66 @@ class SampleGrid {
   SampleGrid(std::span<const Vec3f> points, std::span<const Vec3f> to_sensor, const CellBox& box,
              double cell_m);
 
-  /// Replaces the direction to the sensor of each sample by the normal of the plane through the
-  /// samples within `radius_m`, turned that way; drops samples with fewer than `min_neighbours`.
-  void find_normals(double radius_m, int min_neighbours);
+  /// Gives each sample the first of `radii_m` (rising) within which at least `min_neighbours`
+  /// samples, itself included, spread over a plane and not only along a line; replaces its
+  /// direction to the sensor by the normal of that plane, turned that way. Drops the others.
+  void find_normals(std::span<const double> radii_m, int min_neighbours);
 
-  const CellBox& box() const { return box_; }
-  double cell_m() const { return cell_m_; }
-  std::span<const OrientedPoint> cell(size_t c) const {
-    return {samples_.data() + start_[c], start_[c + 1] - start_[c]};
-  }
-  std::span<const OrientedPoint> samples() const { return samples_; }
-
-  /// Calls `visit(sample)` for each within `radius_m` of `x`, in an order that does not depend on
-  /// the tile, until it returns false.
+  /// Calls `visit(sample)` for each that lies nearer to `x` than its radius, in an order that does
+  /// not depend on the tile.
   template <class Visit>
-  void near(const Vec3f& x, float radius_m, const Visit& visit) const;
+  void reaching(const Vec3f& x, const Visit& visit) const;
+
+  /// The oriented samples of one radius.
+  struct Level {
+    float radius_m = 0;
+    CellBox box;                  ///< Of cells as wide as the radius.
+    std::vector<uint32_t> start;  ///< Of each cell's samples.
+    std::vector<OrientedPoint> samples;
+  };
+  const std::vector<Level>& levels() const { return levels_; }
 
  private:
-  int cell_at(float coordinate) const;
+  template <class Visit>
+  void near(const Vec3f& x, float radius_m, const Visit& visit) const;
+  void sort_levels(std::span<const double> radii_m);
 
   CellBox box_;
   double cell_m_;
   std::vector<uint32_t> start_;
   std::vector<OrientedPoint> samples_;
+  std::vector<Level> levels_;
 };
 
+/// Calls `visit(sample)` for those of a dense grid of cells (x fastest) within `radius_m` of `x`.
 template <class Visit>
-void SampleGrid::near(const Vec3f& x, float radius_m, const Visit& visit) const {
+void for_each_near(const CellBox& box, double cell_m, std::span<const uint32_t> start,
+                   std::span<const OrientedPoint> samples, const Vec3f& x, float radius_m,
+                   const Visit& visit) {
+  const auto cell_at = [&](float at) { return int(std::floor(double(at) / cell_m)); };
   std::array<int, 3> low{}, high{};
   for (size_t a = 0; a < 3; ++a) {
-    low[a] = std::max(0, cell_at(x[int(a)] - radius_m) - box_.first[a]);
-    high[a] = std::min(box_.size[a] - 1, cell_at(x[int(a)] + radius_m) - box_.first[a]);
+    low[a] = std::max(0, cell_at(x[int(a)] - radius_m) - box.first[a]);
+    high[a] = std::min(box.size[a] - 1, cell_at(x[int(a)] + radius_m) - box.first[a]);
     if (low[a] > high[a]) return;
   }
   const float radius2 = radius_m * radius_m;
   for (int k = low[2]; k <= high[2]; ++k) {
     for (int j = low[1]; j <= high[1]; ++j) {
-      const size_t row = (size_t(k) * size_t(box_.size[1]) + size_t(j)) * size_t(box_.size[0]);
-      const uint32_t end = start_[row + size_t(high[0]) + 1];
-      for (uint32_t s = start_[row + size_t(low[0])]; s < end; ++s) {
-        if ((samples_[s].position - x).squaredNorm() > radius2) continue;
-        if (!visit(samples_[s])) return;
+      const size_t row = (size_t(k) * size_t(box.size[1]) + size_t(j)) * size_t(box.size[0]);
+      const uint32_t end = start[row + size_t(high[0]) + 1];
+      for (uint32_t s = start[row + size_t(low[0])]; s < end; ++s) {
+        if ((samples[s].position - x).squaredNorm() < radius2) visit(samples[s]);
       }
     }
+  }
+}
+
+template <class Visit>
+void SampleGrid::reaching(const Vec3f& x, const Visit& visit) const {
+  for (const Level& level : levels_) {
+    for_each_near(level.box, double(level.radius_m), level.start, level.samples, x, level.radius_m,
+                  visit);
   }
 }
 

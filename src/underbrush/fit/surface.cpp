@@ -11,9 +11,20 @@
 namespace underbrush::fit {
 namespace {
 
-/// Radius within which points decide the distance at a node: a cell that the surface cuts has its
-/// corners within √3 cells of it.
-double support_m(const SurfaceOptions& o) { return std::max(o.kernel_m, 2 * o.cell_m); }
+constexpr double kCellsAtOnce = 1 << 25;  // About 0.4 GiB.
+constexpr double kMostCells = 1 << 27;
+
+/// No radius is less than this: a cell that the surface cuts has its corners within √3 cells of it.
+double least_radius_m(const SurfaceOptions& o) { return 2 * o.cell_m; }
+
+/// The radii from which each sample takes the first that holds enough neighbours, rising.
+std::vector<double> radii_m(const SurfaceOptions& o) {
+  const double least = std::max(o.least_kernel_m, least_radius_m(o));
+  std::vector<double> radii{std::max(o.kernel_m, least_radius_m(o))};
+  while (radii.back() / 2 >= least) radii.push_back(radii.back() / 2);
+  std::reverse(radii.begin(), radii.end());
+  return radii;
+}
 
 /// The cells of a tile: those of `core`, and as many around them as decide its surface.
 CellBox box_of(std::span<const Vec3f> points, const Area& core, const SurfaceOptions& o) {
@@ -31,19 +42,13 @@ CellBox box_of(std::span<const Vec3f> points, const Area& core, const SurfaceOpt
   const std::array<double, 3> from{core.x0, core.y0, double(low)},
       to{core.x1, core.y1, double(high)};
   const double around = std::ceil(margin / o.cell_m);
-  double cells = 1;
-  std::array<double, 3> first{}, size{};
-  for (size_t a = 0; a < 3; ++a) {
-    first[a] = std::floor(from[a] / o.cell_m) - around;
-    size[a] = std::ceil(to[a] / o.cell_m) + around + 1 - first[a];
-    cells *= size[a];
-    require(std::abs(first[a]) < 1e9, "surface: the tile is too far from the origin");
-  }
-  require(cells <= double(1 << 27), "surface: the tile exceeds 2^27 cells");
   CellBox box;
   for (size_t a = 0; a < 3; ++a) {
-    box.first[a] = int(first[a]);
-    box.size[a] = int(size[a]);
+    const double first = std::floor(from[a] / o.cell_m) - around;
+    const double size = std::ceil(to[a] / o.cell_m) + around + 1 - first;
+    require(std::abs(first) < 1e9 && size < 1e9, "surface: the tile is too far from the origin");
+    box.first[a] = int(first);
+    box.size[a] = int(size);
   }
   return box;
 }
@@ -63,27 +68,20 @@ ScalarGrid empty_field(const CellBox& box, const Area& core, double cell_m) {
   return field;
 }
 
-/// Nodes with a sample's cell within `reach` cells: only there can a sample be within the support.
-std::vector<uint8_t> nodes_near(const SampleGrid& grid, const ScalarGrid& field, int reach) {
+/// Nodes that a sample may reach.
+std::vector<uint8_t> nodes_near(const SampleGrid& grid, const ScalarGrid& field) {
   std::vector<uint8_t> near(field.value.size(), 0);
-  const CellBox& box = grid.box();
-  size_t c = 0;
-  for (int z = 0; z < box.size[2]; ++z) {
-    for (int y = 0; y < box.size[1]; ++y) {
-      for (int x = 0; x < box.size[0]; ++x, ++c) {
-        if (grid.cell(c).empty()) continue;
-        const std::array<int, 3> at{x, y, z};
-        std::array<int, 3> low{}, high{};
-        for (size_t a = 0; a < 3; ++a) {
-          const int here = at[a] + box.first[a] - field.first[a];
-          low[a] = std::max(0, here - reach + 1);
-          high[a] = std::min(field.size[a] - 1, here + reach);
-        }
-        if (low[0] > high[0]) continue;
-        for (int k = low[2]; k <= high[2]; ++k) {
-          for (int j = low[1]; j <= high[1]; ++j) {
-            std::fill_n(near.begin() + ptrdiff_t(field.at(low[0], j, k)), high[0] - low[0] + 1, 1);
-          }
+  for (const SampleGrid::Level& level : grid.levels()) {
+    for (const OrientedPoint& s : level.samples) {
+      std::array<int, 3> low{}, high{};
+      for (size_t a = 0; a < 3; ++a) {
+        const double at = double(s.position[int(a)]), r = double(level.radius_m);
+        low[a] = std::max(0, cell_from(at - r, field.cell_m) - field.first[a]);
+        high[a] = std::min(field.size[a], cell_from(at + r, field.cell_m) - field.first[a]);
+      }
+      for (int k = low[2]; k < high[2]; ++k) {
+        for (int j = low[1]; j < high[1] && low[0] < high[0]; ++j) {
+          std::fill_n(near.begin() + ptrdiff_t(field.at(low[0], j, k)), high[0] - low[0], 1);
         }
       }
     }
@@ -91,10 +89,8 @@ std::vector<uint8_t> nodes_near(const SampleGrid& grid, const ScalarGrid& field,
   return near;
 }
 
-void evaluate(const SampleGrid& grid, const SignedDistance& distance, double support,
-              ScalarGrid& field) {
-  const int reach = int(std::ceil(support / field.cell_m));
-  const std::vector<uint8_t> near = nodes_near(grid, field, reach);
+void evaluate(const SampleGrid& grid, const SignedDistance& distance, ScalarGrid& field) {
+  const std::vector<uint8_t> near = nodes_near(grid, field);
   const size_t nx = size_t(field.size[0]), ny = size_t(field.size[1]);
   parallel_for(field.value.size(), 1024, [&](size_t begin, size_t end) {
     std::vector<OrientedPoint> found;
@@ -103,25 +99,29 @@ void evaluate(const SampleGrid& grid, const SignedDistance& distance, double sup
       const Vec3f x(field.place(0, int(n % nx)), field.place(1, int(n / nx % ny)),
                     field.place(2, int(n / nx / ny)));
       found.clear();
-      grid.near(x, float(support), [&](const OrientedPoint& s) {
-        found.push_back(s);
-        return true;
-      });
-      if (!found.empty()) field.value[n] = distance(x, found, float(support));
+      grid.reaching(x, [&](const OrientedPoint& s) { found.push_back(s); });
+      if (!found.empty()) field.value[n] = distance(x, found);
     }
   });
 }
 
-/// Removes triangles with a vertex farther than `kernel_m` from every sample, then unused vertices.
-void drop_far(const SampleGrid& grid, double kernel_m, IsoMesh& mesh) {
+/// Whether the samples surround `x` ([adamson04]): |Σ w (p − x) / r| ≤ border Σ w.
+bool inside(const SampleGrid& grid, double border, const Vec3f& x) {
+  Vec3f offset = Vec3f::Zero();
+  float weights = 0;
+  grid.reaching(x, [&](const OrientedPoint& p) {
+    const float w = weight(x, p);
+    offset += w / p.radius_m * (p.position - x);
+    weights += w;
+  });
+  return weights > 0 && offset.norm() <= float(border) * weights;
+}
+
+/// Removes triangles with a vertex beyond the border of the samples, then unused vertices.
+void trim(const SampleGrid& grid, double border, IsoMesh& mesh) {
   std::vector<uint32_t> number(mesh.vertices.size(), 0);
   parallel_for(mesh.vertices.size(), 1024, [&](size_t begin, size_t end) {
-    for (size_t v = begin; v < end; ++v) {
-      grid.near(mesh.vertices[v], float(kernel_m), [&](const OrientedPoint&) {
-        number[v] = 1;
-        return false;
-      });
-    }
+    for (size_t v = begin; v < end; ++v) number[v] = inside(grid, border, mesh.vertices[v]);
   });
   std::erase_if(mesh.triangles, [&](const std::array<uint32_t, 3>& t) {
     return !(number[t[0]] && number[t[1]] && number[t[2]]);
@@ -185,45 +185,67 @@ void add_residuals(std::span<const Vec3f> points, const ScalarGrid& field, doubl
   }
 }
 
-}  // namespace
-
-float imls(const Vec3f& x, std::span<const OrientedPoint> near, float support_m) {
-  const float scale = 1 / (support_m * support_m);
-  float sum = 0, weights = 0;
-  for (const OrientedPoint& p : near) {
-    const Vec3f d = x - p.position;
-    const float u = std::max(0.0f, 1 - scale * d.squaredNorm()), w = u * u * u * u;
-    sum += w * p.normal.dot(d);
-    weights += w;
+/// Appends `other`, the tile beside it.
+void append(SurfaceTile other, SurfaceTile& tile) {
+  const uint32_t first = uint32_t(tile.mesh.vertices.size());
+  tile.mesh.vertices.insert(tile.mesh.vertices.end(), other.mesh.vertices.begin(),
+                            other.mesh.vertices.end());
+  for (const auto& t : other.mesh.triangles) {
+    tile.mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
   }
-  return weights > 0 ? sum / weights : NAN;
+  tile.sum_squares_m2 += other.sum_squares_m2;
+  tile.points += other.points;
 }
 
+/// The surface over `core`, in pieces small enough for memory.
+SurfaceTile surface_over(std::span<const Vec3f> points, std::span<const Vec3f> to_sensor,
+                         const Area& core, const SurfaceOptions& o,
+                         const SignedDistance& distance) {
+  SurfaceTile tile;
+  const CellBox box = box_of(points, core, o);
+  if (box.empty()) return tile;
+  const double dx = core.x1 - core.x0, dy = core.y1 - core.y0;
+  const double least = std::max(64 * o.cell_m, surface_margin_m(o));
+  if (box.count() > kCellsAtOnce && std::max(dx, dy) > 2 * least) {
+    Area low = core, high = core;
+    if (dx > dy) {
+      low.x1 = high.x0 = core.x0 + dx / 2;
+    } else {
+      low.y1 = high.y0 = core.y0 + dy / 2;
+    }
+    tile = surface_over(points, to_sensor, low, o, distance);
+    append(surface_over(points, to_sensor, high, o, distance), tile);
+    return tile;
+  }
+  require(box.count() <= kMostCells, "surface: too high for its cells; take larger ones");
+  SampleGrid grid(points, to_sensor, box, o.cell_m);
+  grid.find_normals(radii_m(o), o.min_neighbours);
+  ScalarGrid field = empty_field(box, core, o.cell_m);
+  evaluate(grid, distance, field);
+  tile.mesh = marching_cubes(field);
+  trim(grid, o.border, tile.mesh);
+  add_residuals(points, field, o.kernel_m, tile);
+  return tile;
+}
+
+}  // namespace
+
 double surface_margin_m(const SurfaceOptions& o) {
-  return support_m(o) + o.kernel_m + 2 * o.cell_m;
+  return 2 * std::max(o.kernel_m, least_radius_m(o)) + 2 * o.cell_m;
 }
 
 SurfaceTile surface_tile(std::span<const Vec3f> points, std::span<const Vec3f> to_sensor,
                          const Area& core, const SurfaceOptions& o,
                          const SignedDistance& distance) {
   require(points.size() == to_sensor.size(), "surface: as many directions as points are needed");
-  require(o.cell_m > 0 && o.kernel_m > 0 && o.min_neighbours > 0,
-          "surface: cell, kernel and number of neighbours must be positive");
+  require(o.cell_m > 0 && o.kernel_m > 0 && o.least_kernel_m > 0 && o.min_neighbours > 0 &&
+              o.border > 0,
+          "surface: cell, kernel, number of neighbours and border must be positive");
   require(std::isfinite(core.x0) && std::isfinite(core.y0) && std::isfinite(core.x1) &&
               std::isfinite(core.y1),
           "surface: the tile's area must be finite");
-  SurfaceTile tile;
-  if (!(core.x0 < core.x1 && core.y0 < core.y1)) return tile;
-  const CellBox box = box_of(points, core, o);
-  if (box.count() == 0) return tile;
-  SampleGrid grid(points, to_sensor, box, o.cell_m);
-  grid.find_normals(o.kernel_m, o.min_neighbours);
-  ScalarGrid field = empty_field(box, core, o.cell_m);
-  evaluate(grid, distance, support_m(o), field);
-  tile.mesh = marching_cubes(field);
-  drop_far(grid, o.kernel_m, tile.mesh);
-  add_residuals(points, field, o.kernel_m, tile);
-  return tile;
+  if (!(core.x0 < core.x1 && core.y0 < core.y1)) return {};
+  return surface_over(points, to_sensor, core, o, distance);
 }
 
 }  // namespace underbrush::fit
