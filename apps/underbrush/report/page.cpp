@@ -150,8 +150,9 @@ std::string class_table(const ReportInput& input) {
       "<h2>By class</h2>\n<div class=\"scroll\"><table><thead><tr><th>Class</th>"
       "<th>Beams</th>";
   for (const auto& m : input.simulated) {
-    html += fmt::format("<th>{0}<small>recall</small></th><th>{0}<small>packet error, m</small></th>",
-                        escaped(m.name));
+    html +=
+        fmt::format("<th>{0}<small>recall</small></th><th>{0}<small>packet error, m</small></th>",
+                    escaped(m.name));
   }
   html += "</tr></thead><tbody>\n";
   for (const auto& [key, first] : classes.items()) {
