@@ -103,6 +103,7 @@ std::string headline_table(const ReportInput& input) {
     for (size_t k = 0; k < input.simulated.size(); ++k) {
       values.push_back(value(scores_of(input, k), m.key));
     }
+    if (!scores_of(input, 0).contains(m.key)) continue;  // not asked for
     const std::string best = best_of(m, values);
     html += fmt::format("<tr><th>{} <span class=\"better\">{}</span><small>{}</small></th>", m.name,
                         m.higher_is_better ? "↑" : "↓", m.meaning);

@@ -45,9 +45,13 @@ TileStore::~TileStore() {
   if (!folder_.empty()) fs::remove_all(folder_, ignored);
 }
 
+TileKey TileStore::key_of(const Vec3f& point) const {
+  return {int32_t(std::floor(point.x() / options_.tile_m)),
+          int32_t(std::floor(point.y() / options_.tile_m))};
+}
+
 void TileStore::add(const TilePoint& p) {
-  const TileKey key{int32_t(std::floor(p.point.x() / options_.tile_m)),
-                    int32_t(std::floor(p.point.y() / options_.tile_m))};
+  const TileKey key = key_of(p.point);
   std::unique_ptr<Tile>& tile = tiles_[key];
   if (!tile) {
     tile = std::make_unique<Tile>();

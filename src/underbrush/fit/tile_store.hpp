@@ -42,6 +42,8 @@ class TileStore {
 
   void add(const TilePoint& p);
 
+  /// The tile in which a point lies.
+  TileKey key_of(const Vec3f& point) const;
   /// All tiles with points, in order.
   std::vector<TileKey> tiles() const;
   /// Lower corner of a tile (m).
