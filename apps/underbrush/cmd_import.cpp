@@ -167,7 +167,8 @@ void note_echoes(const Keep& keep, const std::map<std::string, ExtraColumn>& ext
   }
 }
 
-Counts import_scans(const Keep& keep, io::Input& input, io::LogWriter& writer, const sensor::BeamOptions& options) {
+Counts import_scans(const Keep& keep, io::Input& input, io::LogWriter& writer,
+                    const sensor::BeamOptions& options) {
   Counts counts;
   Progress progress("import");
   for (size_t k = 0; k < input.scans->size(); ++k) {
@@ -184,8 +185,7 @@ Counts import_scans(const Keep& keep, io::Input& input, io::LogWriter& writer, c
   return counts;
 }
 
-Counts import_beams(const Arguments& a, const Keep& keep, io::Input& input,
-                    io::LogWriter& writer) {
+Counts import_beams(const Arguments& a, const Keep& keep, io::Input& input, io::LogWriter& writer) {
   Counts counts;
   Progress progress("import");
   size_t done = 0;
@@ -278,12 +278,15 @@ void run(const Verb& verb, Arguments& a) {
   for (const auto& file : {a.input.poses, a.input.times, a.input.labels}) {
     if (!file.empty()) sources.push_back(file);
   }
+  for (const auto& name : {a.deskew, a.infer_misses}) {  // of the catalogue, or files
+    if (std::filesystem::is_regular_file(name)) sources.emplace_back(name);
+  }
   const bool beams = input.beams != nullptr;
   const sensor::BeamOptions options = beams ? sensor::BeamOptions{} : beam_options(a, input);
   const LogInfo info = beams ? beams_info(a, input) : log_info(a, input, options);
   io::LogWriter writer(a.output, info, provenance(verb, sources), a.writer);
-  Counts counts = beams ? import_beams(a, keep, input, writer)
-                        : import_scans(keep, input, writer, options);
+  Counts counts =
+      beams ? import_beams(a, keep, input, writer) : import_scans(keep, input, writer, options);
   counts.skipped = input.skipped();
   for (const auto& [reason, n] : counts.beam.skipped) counts.skipped[reason] += n;
   if (counts.beams == 0) throw FormatError(a.source, "", "no usable beams in it");

@@ -91,8 +91,7 @@ Json json_of(const Arguments& a, const Outcome& o, const std::map<std::string, s
 void run(const Verb& verb, const Arguments& a) {
   io::LogReader log(a.log);
   Progress progress("segment");
-  const std::vector<uint8_t> flags =
-      fit::ground_flags(log, a.ground, a.tile_m, std::ref(progress));
+  const std::vector<uint8_t> flags = fit::ground_flags(log, a.ground, a.tile_m, std::ref(progress));
   LogInfo info = log.info();
   info.classes = "underbrush";
   std::optional<io::LogWriter> writer;
@@ -105,10 +104,12 @@ void run(const Verb& verb, const Arguments& a) {
     if (writer) writer->write(chunk);
   }
   if (writer) writer->close();
-  std::string text = fmt::format("{}: {} of {} hits are ground ({:.1f} %)\n", a.ground.method,
-                                 out.ground, out.hits,
-                                 100.0 * double(out.ground) / double(std::max<size_t>(1, out.hits)));
-  if (out.labelled) {
+  std::string text =
+      fmt::format("{}: {} of {} hits are ground ({:.1f} %)\n", a.ground.method, out.ground,
+                  out.hits, 100.0 * double(out.ground) / double(std::max<size_t>(1, out.hits)));
+  if (out.labelled && out.hits == out.unlabelled) {
+    text += "  note: its column class has no label of a known set (see import --label-set)\n";
+  } else if (out.labelled) {
     text += fmt::format(
         "  against labels  IoU {:.4f}  precision {:.4f}  recall {:.4f}  ({} labelled, {} not)\n",
         out.score.iou(), out.score.precision(), out.score.recall(), out.hits - out.unlabelled,

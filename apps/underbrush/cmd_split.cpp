@@ -28,9 +28,10 @@ void add_options(CLI::App& app, Arguments& a) {
   auto* group = app.add_option_group("What is held out (one of)");
   group->add_option("--every", a.every, "Every K-th scan")->check(CLI::Range(2, 1 << 30));
   group
-      ->add_option("--columns", a.columns,
-                   "Every K-th column of each scan: the beams fired at one time (where the log has no "
-                   "times of beams: in one packet)")
+      ->add_option(
+          "--columns", a.columns,
+          "Every K-th column of each scan: the beams fired at one time (where the log has no "
+          "times of beams: in one packet)")
       ->check(CLI::Range(2, 1 << 30));
   group
       ->add_option("--time", a.time, "Scans whose time lies in [FROM, TO), s after the log's start")

@@ -10,15 +10,15 @@ Json number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 // Scores that were not asked for have no key.
 Json json_of(const metrics::Summary& s, const metrics::Score& all) {
   Json j = {{"beams", s.beams},
-          {"true_hits", s.true_hits},
-          {"false_hits", s.false_hits},
-          {"false_misses", s.false_misses},
-          {"true_misses", s.true_misses},
-          {"packet_error_m", number(s.packet_error_m)},
-          {"precision", number(s.precision)},
-          {"recall", number(s.recall)},
-          {"f1", number(s.f1)},
-          {"median_range_error_m", number(s.median_range_error_m)}};
+            {"true_hits", s.true_hits},
+            {"false_hits", s.false_hits},
+            {"false_misses", s.false_misses},
+            {"true_misses", s.true_misses},
+            {"packet_error_m", number(s.packet_error_m)},
+            {"precision", number(s.precision)},
+            {"recall", number(s.recall)},
+            {"f1", number(s.f1)},
+            {"median_range_error_m", number(s.median_range_error_m)}};
   if (all.cloud) {
     j["cloud_error_m"] = number(s.cloud_error_m);
     j["density_aware_chamfer"] = number(s.density_aware_chamfer);

@@ -51,6 +51,7 @@ FitStep fit_log(const Verb& verb, const fs::path& log, const fit::FitOptions& op
                 const fs::path& model) {
   const auto start = std::chrono::steady_clock::now();
   io::LogReader reader(log);
+  elements::check_model_output(model);
   std::unique_ptr<Progress> bar;
   std::string stage;
   FitStep step;

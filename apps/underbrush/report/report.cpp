@@ -139,6 +139,11 @@ std::string view_caption(const Survey& s) {
 
 }  // namespace
 
+void check_report_output(fs::path folder) {
+  while (!fs::exists(folder) && folder.has_relative_path()) folder = folder.parent_path();
+  io::check_output((folder.empty() ? "." : folder) / "index.html");
+}
+
 fs::path write_report(const fs::path& folder, const ReportInput& input) {
   for (const auto& m : input.simulated) {
     require(input.scores.contains("models") && input.scores["models"].contains(m.name),

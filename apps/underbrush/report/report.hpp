@@ -26,4 +26,7 @@ struct ReportInput {
 /// has no scores or a simulated log ends early, `IoError` where the file system refuses.
 std::filesystem::path write_report(const std::filesystem::path& folder, const ReportInput& input);
 
+/// Throws the `IoError` that `write_report` would end with now: to be asked before long work.
+void check_report_output(std::filesystem::path folder);
+
 }  // namespace underbrush::app

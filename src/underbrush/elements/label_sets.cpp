@@ -48,26 +48,11 @@ constexpr Label kSemanticKitti[] = {
 };
 
 constexpr Label kRellis[] = {
-    {0, "void", kUnknown},
-    {1, "dirt", kYes},
-    {3, "grass", kYes},
-    {4, "tree", kNo},
-    {5, "pole", kNo},
-    {6, "water", kNo},
-    {7, "sky", kNo},
-    {8, "vehicle", kNo},
-    {9, "object", kNo},
-    {10, "asphalt", kYes},
-    {12, "building", kNo},
-    {15, "log", kNo},
-    {17, "person", kNo},
-    {18, "fence", kNo},
-    {19, "bush", kNo},
-    {23, "concrete", kYes},
-    {27, "barrier", kNo},
-    {31, "puddle", kYes},
-    {33, "mud", kYes},
-    {34, "rubble", kNo},
+    {0, "void", kUnknown}, {1, "dirt", kYes},     {3, "grass", kYes},    {4, "tree", kNo},
+    {5, "pole", kNo},      {6, "water", kNo},     {7, "sky", kNo},       {8, "vehicle", kNo},
+    {9, "object", kNo},    {10, "asphalt", kYes}, {12, "building", kNo}, {15, "log", kNo},
+    {17, "person", kNo},   {18, "fence", kNo},    {19, "bush", kNo},     {23, "concrete", kYes},
+    {27, "barrier", kNo},  {31, "puddle", kYes},  {33, "mud", kYes},     {34, "rubble", kNo},
 };
 
 constexpr auto kOurs = [] {
@@ -75,9 +60,9 @@ constexpr auto kOurs = [] {
   for (uint32_t k = 0; k < labels.size(); ++k) {
     const auto c = Class(k);
     labels[k] = {k, name(c),
-                 c == Class::kUnknown                          ? kUnknown
+                 c == Class::kUnknown                        ? kUnknown
                  : c == Class::kGround || c == Class::kGrass ? kYes
-                                                               : kNo};
+                                                             : kNo};
   }
   return labels;
 }();

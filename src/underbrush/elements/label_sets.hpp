@@ -24,8 +24,8 @@ std::vector<std::string> label_set_names();
 
 /// The labels of the set of that name; none for another name.
 ///
-/// Ground in SemanticKITTI: road, parking, sidewalk, other ground, lane marking, terrain; in RELLIS:
-/// dirt, grass, asphalt, concrete, puddle, mud; of ours: ground, grass.
+/// Ground in SemanticKITTI: road, parking, sidewalk, other ground, lane marking, terrain; in
+/// RELLIS: dirt, grass, asphalt, concrete, puddle, mud; of ours: ground, grass.
 std::span<const Label> labels_of(std::string_view set);
 
 /// The label's name in the set, or its number as text.

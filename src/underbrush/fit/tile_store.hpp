@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "underbrush/core/pose.hpp"
+#include "underbrush/core/temporary.hpp"
 
 namespace underbrush::fit {
 
@@ -71,7 +72,7 @@ class TileStore {
   TileOptions options_;
   std::map<TileKey, std::unique_ptr<Tile>> tiles_;
   size_t size_ = 0, in_memory_ = 0;
-  std::filesystem::path folder_;
+  std::unique_ptr<TemporaryPath> folder_;  ///< Once something was spilled.
 };
 
 }  // namespace underbrush::fit

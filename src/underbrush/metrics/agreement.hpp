@@ -11,8 +11,7 @@ struct Agreement {
   size_t true_positive = 0, false_positive = 0, false_negative = 0, true_negative = 0;
 
   void add(bool found, bool truth) {
-    ++(found ? (truth ? true_positive : false_positive)
-             : (truth ? false_negative : true_negative));
+    ++(found ? (truth ? true_positive : false_positive) : (truth ? false_negative : true_negative));
   }
   /// The scores; NaN where nothing was there to score.
   double precision() const { return share(true_positive, true_positive + false_positive); }
