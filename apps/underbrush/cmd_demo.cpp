@@ -40,6 +40,7 @@ size_t scan_site(const Verb& verb, const Arguments& a, const fs::path& train,
                                 poses.back().time_s);
   LogInfo info = pattern.info();
   info.has_misses = true;
+  info.classes = "underbrush";
   const std::string origin = provenance(verb, {});
   io::LogWriter writers[2] = {{train, info, origin}, {test, info, origin}};
   Progress progress("scan the site");

@@ -2,6 +2,7 @@
 
 #include "steps.hpp"
 #include "underbrush/elements/model_file.hpp"
+#include "underbrush/io/atomic_file.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -88,6 +89,9 @@ void add_options(CLI::App& app, Arguments& a) {
 
 void run(const Verb& verb, Arguments& a) {
   a.fit.seed = verb.seed;
+  for (const std::string& file : {a.splat, a.ground_mesh}) {
+    if (!file.empty()) io::check_output(file);
+  }
   const FitStep step = fit_log(verb, a.log, a.fit, a.output);
   const elements::Model& model = step.result.model;
   if (!a.splat.empty()) elements::write_splat(a.splat, model);

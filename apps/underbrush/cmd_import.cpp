@@ -1,9 +1,12 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cstdlib>
 #include <optional>
 #include <set>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/elements/label_sets.hpp"
 #include "underbrush/io/input.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/sensor/beams_from_scan.hpp"
@@ -14,7 +17,7 @@ namespace underbrush::app {
 namespace {
 
 struct Arguments {
-  std::string source, output, frames, deskew, infer_misses;
+  std::string source, output, frames, deskew, infer_misses, label_set, keep;
   io::InputOptions input;
   io::LogWriterOptions writer;
   bool float_coordinates = false;
@@ -38,6 +41,15 @@ void add_options(CLI::App& app, Arguments& a) {
       ->check(CLI::IsMember(io::input_formats()));
   app.add_option("--poses", a.input.poses, "Poses of the sensor: TUM or KITTI")->type_name("FILE");
   app.add_option("--times", a.input.times, "Times of the scans, one a line")->type_name("FILE");
+  app.add_option("--labels", a.input.labels, "Labels of a single scan: SemanticKITTI's .label")
+      ->type_name("FILE");
+  app.add_option("--label-set", a.label_set,
+                 "What the numbers in the column class mean (default: semantickitti for .label)")
+      ->check(CLI::IsMember(elements::label_set_names()));
+  app.add_option("--keep", a.keep,
+                 "Take only points with this value of a column, such as first returns: "
+                 "target_index=1")
+      ->type_name("COLUMN=VALUE");
   app.add_option("--frames", a.frames, "Scans to take, by number, half-open: A:B or A:B:STEP")
       ->type_name("A:B[:STEP]");
   app.add_option("--deskew", a.deskew,
@@ -88,17 +100,83 @@ LogInfo log_info(const Arguments& a, const io::Input& input, const sensor::BeamO
   }
   if (a.max_range_m > 0) info.max_range_m = a.max_range_m;
   info.deskewed = options.deskew.has_value();
+  info.classes = a.label_set.empty() ? input.classes : a.label_set;
   info.has_misses = options.infer_misses.has_value();
   info.scans = input.scan_infos;
   return info;
 }
 
-Counts import_scans(io::Input& input, io::LogWriter& writer, const sensor::BeamOptions& options) {
+/// `--keep COLUMN=VALUE`: which rows are taken.
+class Keep {
+ public:
+  explicit Keep(const Arguments& a) : file_(a.source) {
+    if (a.keep.empty()) return;
+    const size_t equals = a.keep.find('=');
+    char* end = nullptr;
+    if (equals != std::string::npos) value_ = std::strtod(a.keep.c_str() + equals + 1, &end);
+    require(end && *end == 0 && equals > 0 && equals + 1 < a.keep.size(),
+            "import: --keep: expected COLUMN=NUMBER");
+    column_ = a.keep.substr(0, equals);
+  }
+  bool all() const { return column_.empty(); }
+  std::string reason() const { return column_ + fmt::format(" is not {:g} (--keep)", value_); }
+
+  std::vector<size_t> rows(const std::map<std::string, ExtraColumn>& extra) const {
+    const auto column = extra.find(column_);
+    if (column == extra.end()) throw FormatError(file_, "header", "no column " + column_);
+    std::vector<size_t> out;
+    std::visit(
+        [&](const auto& values) {
+          for (size_t i = 0; i < values.size(); ++i) {
+            if (double(values[i]) == value_) out.push_back(i);
+          }
+        },
+        column->second);
+    return out;
+  }
+
+ private:
+  std::string file_, column_;
+  double value_ = 0;
+};
+
+void keep_rows(const Keep& keep, PointScan& scan, std::map<std::string, size_t>& skipped) {
+  if (keep.all()) return;
+  const std::vector<size_t> rows = keep.rows(scan.extra);
+  if (const size_t left_out = scan.size() - rows.size()) skipped[keep.reason()] += left_out;
+  const auto take = [&](auto& column) {
+    if (column.empty()) return;
+    for (size_t k = 0; k < rows.size(); ++k) column[k] = column[rows[k]];
+    column.resize(rows.size());
+  };
+  take(scan.point);
+  take(scan.intensity);
+  take(scan.time_s);
+  take(scan.ring);
+  for (auto& [name, column] : scan.extra) std::visit(take, column);
+}
+
+// A beam has one outcome: several returns of one pulse would count as several beams.
+void note_echoes(const Keep& keep, const std::map<std::string, ExtraColumn>& extra,
+                 std::vector<std::string>& notes) {
+  for (const char* name : {"target_index", "return_number"}) {
+    if (!keep.all() || !extra.count(name)) continue;
+    const std::string note = fmt::format(
+        "every return is taken for a beam of its own; --keep {}=1 takes the first of each", name);
+    if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(note);
+  }
+}
+
+Counts import_scans(const Keep& keep, io::Input& input, io::LogWriter& writer,
+                    const sensor::BeamOptions& options) {
   Counts counts;
   Progress progress("import");
   for (size_t k = 0; k < input.scans->size(); ++k) {
-    const BeamLog beams = sensor::beams_from_scan(input.scans->read(k), input.scans->trajectory(),
-                                                  options, counts.beam);
+    PointScan scan = input.scans->read(k);
+    keep_rows(keep, scan, counts.beam.skipped);
+    note_echoes(keep, scan.extra, input.notes);
+    const BeamLog beams =
+        sensor::beams_from_scan(scan, input.scans->trajectory(), options, counts.beam);
     writer.write(beams);
     counts.beams += beams.size();
     ++counts.scans;
@@ -107,13 +185,22 @@ Counts import_scans(io::Input& input, io::LogWriter& writer, const sensor::BeamO
   return counts;
 }
 
-Counts import_beams(const Arguments& a, io::Input& input, io::LogWriter& writer) {
+Counts import_beams(const Arguments& a, const Keep& keep, io::Input& input, io::LogWriter& writer) {
   Counts counts;
   Progress progress("import");
   size_t done = 0;
   std::set<uint32_t> scans;
   for (BeamLog chunk; input.beams->next(chunk);) {
     done += chunk.size();
+    if (!keep.all()) {
+      BeamLog part = chunk.like();
+      for (const size_t i : keep.rows(chunk.extra)) part.append(chunk, i);
+      if (part.size() < chunk.size()) {
+        counts.beam.skipped[keep.reason()] += chunk.size() - part.size();
+      }
+      chunk = std::move(part);
+    }
+    note_echoes(keep, chunk.extra, input.notes);
     BeamLog part;
     if (!a.frames.empty()) {
       part = chunk.like();
@@ -143,6 +230,7 @@ LogInfo beams_info(const Arguments& a, const io::Input& input) {
   LogInfo info = input.beams->info();
   std::erase_if(info.scans, [&](const auto& s) { return !a.input.frames.has(s.scan); });
   if (a.max_range_m > 0) info.max_range_m = a.max_range_m;
+  if (!a.label_set.empty()) info.classes = a.label_set;
   return info;
 }
 
@@ -184,16 +272,21 @@ std::string table_of(const io::Input& input, const Counts& c, const std::string&
 void run(const Verb& verb, Arguments& a) {
   if (!a.frames.empty()) a.input.frames = io::frames_from_text(a.frames);
   a.writer.double_coordinates = !a.float_coordinates;
+  const Keep keep(a);
   io::Input input = io::open_input(a.source, a.input);
   std::vector<std::filesystem::path> sources{a.source};
-  for (const auto& file : {a.input.poses, a.input.times}) {
+  for (const auto& file : {a.input.poses, a.input.times, a.input.labels}) {
     if (!file.empty()) sources.push_back(file);
+  }
+  for (const auto& name : {a.deskew, a.infer_misses}) {  // of the catalogue, or files
+    if (std::filesystem::is_regular_file(name)) sources.emplace_back(name);
   }
   const bool beams = input.beams != nullptr;
   const sensor::BeamOptions options = beams ? sensor::BeamOptions{} : beam_options(a, input);
   const LogInfo info = beams ? beams_info(a, input) : log_info(a, input, options);
   io::LogWriter writer(a.output, info, provenance(verb, sources), a.writer);
-  Counts counts = beams ? import_beams(a, input, writer) : import_scans(input, writer, options);
+  Counts counts =
+      beams ? import_beams(a, keep, input, writer) : import_scans(keep, input, writer, options);
   counts.skipped = input.skipped();
   for (const auto& [reason, n] : counts.beam.skipped) counts.skipped[reason] += n;
   if (counts.beams == 0) throw FormatError(a.source, "", "no usable beams in it");

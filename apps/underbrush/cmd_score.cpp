@@ -49,6 +49,7 @@ void run(const Verb& verb, const Arguments& a) {
     inputs.push_back(a.simulated[k]);
     if (!a.models.empty()) inputs.push_back(a.models[k]);
   }
+  if (!a.report.empty()) check_report_output(a.report);
   const std::vector<metrics::Score> scores = score_logs(a.real, candidates, !a.no_cloud);
   const Json results = json_of_scores(names, scores, provenance(verb, inputs));
   std::string text = table_of_scores(candidates, scores);

@@ -82,8 +82,9 @@ void run(const Verb& verb, Arguments& a) {
   a.simulate.seed = verb.seed;
   a.simulate.draw =
       a.draw == "on_ray" ? simulate::RangeDraw::kOnRay : simulate::RangeDraw::kVolumetric;
-  const SimulateStep step = simulate_log(verb, model, *beams, a.simulate, a.output,
-                                         {a.model, a.like.empty() ? a.trajectory : a.like});
+  std::vector<std::filesystem::path> inputs{a.model, a.like.empty() ? a.trajectory : a.like};
+  if (std::filesystem::is_regular_file(a.sensor)) inputs.emplace_back(a.sensor);
+  const SimulateStep step = simulate_log(verb, model, *beams, a.simulate, a.output, inputs);
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
   const double rate = double(step.beams) / std::max(step.seconds_tracing, 1e-9);
   Json j;

@@ -28,8 +28,10 @@ void add_options(CLI::App& app, Arguments& a) {
   auto* group = app.add_option_group("What is held out (one of)");
   group->add_option("--every", a.every, "Every K-th scan")->check(CLI::Range(2, 1 << 30));
   group
-      ->add_option("--columns", a.columns,
-                   "Every K-th column of each scan: the beams fired at one time")
+      ->add_option(
+          "--columns", a.columns,
+          "Every K-th column of each scan: the beams fired at one time (where the log has no "
+          "times of beams: in one packet)")
       ->check(CLI::Range(2, 1 << 30));
   group
       ->add_option("--time", a.time, "Scans whose time lies in [FROM, TO), s after the log's start")
@@ -71,9 +73,9 @@ class HeldOut {
 
   bool operator()(const BeamLog& log, size_t i) const {
     if (a_.columns) {
-      const std::vector<double>& times = columns_.at(log.scan[i]);
+      const std::vector<Column>& columns = columns_.at(log.scan[i]);
       const auto column =
-          std::lower_bound(times.begin(), times.end(), log.time_s[i]) - times.begin();
+          std::lower_bound(columns.begin(), columns.end(), column_of(log, i)) - columns.begin();
       return int(column % a_.columns) == a_.offset % a_.columns;
     }
     if (a_.every) {
@@ -86,24 +88,29 @@ class HeldOut {
   }
 
  private:
-  // A column: the beams of a scan that were fired at one time.
+  // A column: the beams of a scan that were fired at one time; where all times are the same (a
+  // tripod's scan), the beams of one packet.
+  using Column = std::pair<double, uint32_t>;
+  static Column column_of(const BeamLog& log, size_t i) { return {log.time_s[i], log.packet[i]}; }
+
   void collect_columns(BeamSource& log) {
     BeamLog chunk;
     while (log.next(chunk)) {
       for (size_t i = 0; i < chunk.size(); ++i) {
-        std::vector<double>& times = columns_[chunk.scan[i]];
-        if (times.empty() || times.back() != chunk.time_s[i]) times.push_back(chunk.time_s[i]);
+        std::vector<Column>& columns = columns_[chunk.scan[i]];
+        const Column column = column_of(chunk, i);
+        if (columns.empty() || columns.back() != column) columns.push_back(column);
       }
     }
-    for (auto& [scan, times] : columns_) {
-      std::sort(times.begin(), times.end());
-      times.erase(std::unique(times.begin(), times.end()), times.end());
+    for (auto& [scan, columns] : columns_) {
+      std::sort(columns.begin(), columns.end());
+      columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
     }
     log.rewind();
   }
 
   const Arguments& a_;
-  std::map<uint32_t, std::vector<double>> columns_;
+  std::map<uint32_t, std::vector<Column>> columns_;
   std::vector<uint32_t> scan_;
   std::set<uint32_t> chosen_;
   double start_ = INFINITY;

@@ -1,18 +1,53 @@
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <new>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/temporary.hpp"
 #include "verbs.hpp"
 #include "version.hpp"
 #include "yaml_config.hpp"
 
-// Exit codes: 0 done, 2 wrong usage, 3 bad input, 4 failure while running.
+namespace {
+
+// On Ctrl-C and its like: no half-written output and no temporary file stays, one line, and then
+// the signal's own end, so that a shell stops its script too (it sees 128 + the signal's number).
+void clean_up_on_signals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  for (const int s : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction now {};
+    sigaction(s, nullptr, &now);
+    if (now.sa_handler != SIG_IGN) sigaddset(&signals, s);  // nohup stays as it is
+  }
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);  // for all threads to come
+  std::thread([signals] {
+    int signal = 0;
+    if (sigwait(&signals, &signal) != 0) return;
+    underbrush::remove_temporaries();
+    std::fprintf(stderr, "%sunderbrush: %s\n", isatty(STDERR_FILENO) == 1 ? "\r\x1b[K" : "",
+                 signal == SIGINT ? "interrupted" : "ended by a signal");
+    std::signal(signal, SIG_DFL);
+    pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
+    raise(signal);
+  }).detach();
+}
+
+}  // namespace
+
+// Exit codes: 0 done, 2 wrong usage, 3 bad input, 4 failure while running;
+// ended by a signal, 128 + its number.
 int main(int argc, char** argv) {
   using namespace underbrush;
+  clean_up_on_signals();
   app::remember_command_line(argc, argv);
   CLI::App root("Underbrush: a lidar simulator learnt from logs of off-road terrain.",
                 "underbrush");
@@ -40,6 +75,8 @@ int main(int argc, char** argv) {
     return fail(e.what(), 2);
   } catch (const FormatError& e) {
     return fail(e.what(), 3);
+  } catch (const std::filesystem::filesystem_error& e) {
+    return fail((e.path1().string() + ": " + e.code().message()).c_str(), 4);
   } catch (const std::bad_alloc&) {
     return fail("out of memory", 4);
   } catch (const std::exception& e) {

@@ -7,29 +7,35 @@ namespace {
 
 Json number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 
-Json json_of(const metrics::Summary& s) {
-  return {{"beams", s.beams},
-          {"true_hits", s.true_hits},
-          {"false_hits", s.false_hits},
-          {"false_misses", s.false_misses},
-          {"true_misses", s.true_misses},
-          {"packet_error_m", number(s.packet_error_m)},
-          {"precision", number(s.precision)},
-          {"recall", number(s.recall)},
-          {"f1", number(s.f1)},
-          {"cloud_error_m", number(s.cloud_error_m)},
-          {"density_aware_chamfer", number(s.density_aware_chamfer)},
-          {"median_range_error_m", number(s.median_range_error_m)},
-          {"nll_per_beam", number(s.nll_per_beam)},
-          {"crps_m", number(s.crps_m)}};
+// Scores that were not asked for have no key.
+Json json_of(const metrics::Summary& s, const metrics::Score& all) {
+  Json j = {{"beams", s.beams},
+            {"true_hits", s.true_hits},
+            {"false_hits", s.false_hits},
+            {"false_misses", s.false_misses},
+            {"true_misses", s.true_misses},
+            {"packet_error_m", number(s.packet_error_m)},
+            {"precision", number(s.precision)},
+            {"recall", number(s.recall)},
+            {"f1", number(s.f1)},
+            {"median_range_error_m", number(s.median_range_error_m)}};
+  if (all.cloud) {
+    j["cloud_error_m"] = number(s.cloud_error_m);
+    j["density_aware_chamfer"] = number(s.density_aware_chamfer);
+  }
+  if (all.likelihood) {
+    j["nll_per_beam"] = number(s.nll_per_beam);
+    j["crps_m"] = number(s.crps_m);
+  }
+  return j;
 }
 
 Json json_of(const metrics::Score& s) {
-  Json j = json_of(s.all);
+  Json j = json_of(s.all, s);
   j["per_class"] = Json::object();
-  for (const auto& [name, part] : s.per_class) j["per_class"][name] = json_of(part);
+  for (const auto& [name, part] : s.per_class) j["per_class"][name] = json_of(part, s);
   j["per_range"] = Json::object();
-  for (const auto& [name, part] : s.per_range) j["per_range"][name] = json_of(part);
+  for (const auto& [name, part] : s.per_range) j["per_range"][name] = json_of(part, s);
   j["range_error_histogram"] = {{"from_m", -metrics::RangeErrorHistogram::kHalfWidth},
                                 {"to_m", metrics::RangeErrorHistogram::kHalfWidth},
                                 {"bin_m", metrics::RangeErrorHistogram::kBin},

@@ -6,7 +6,7 @@
 namespace underbrush::app {
 
 /// The first log's scores at the top, those of every log under `models` by name; each with
-/// `per_class` and `per_range`. Scores without data are null.
+/// `per_class` and `per_range`. Scores without data are null, those not asked for have no key.
 Json json_of_scores(const std::vector<std::string>& names,
                     const std::vector<metrics::Score>& scores, const std::string& provenance);
 

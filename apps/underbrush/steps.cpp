@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <cmath>
 
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/export.hpp"
@@ -37,7 +38,10 @@ class Watched : public BeamSource {
 std::string row(const char* label, const std::vector<metrics::Score>& scores,
                 double metrics::Summary::*value, int digits) {
   std::string line = fmt::format("  {:<24}", label);
-  for (const auto& s : scores) line += fmt::format("{:>14.{}f}", s.all.*value, digits);
+  for (const auto& s : scores) {
+    const double x = s.all.*value;
+    line += std::isfinite(x) ? fmt::format("{:>14.{}f}", x, digits) : fmt::format("{:>14}", "n/a");
+  }
   return line + "\n";
 }
 
@@ -47,6 +51,7 @@ FitStep fit_log(const Verb& verb, const fs::path& log, const fit::FitOptions& op
                 const fs::path& model) {
   const auto start = std::chrono::steady_clock::now();
   io::LogReader reader(log);
+  elements::check_model_output(model);
   std::unique_ptr<Progress> bar;
   std::string stage;
   FitStep step;
@@ -104,11 +109,15 @@ std::string table_of_scores(const std::vector<Candidate>& candidates,
   text += row("precision", scores, &Summary::precision, 4);
   text += row("recall", scores, &Summary::recall, 4);
   text += row("F1", scores, &Summary::f1, 4);
-  text += row("point cloud error, m", scores, &Summary::cloud_error_m, 4);
-  text += row("density-aware Chamfer", scores, &Summary::density_aware_chamfer, 4);
   text += row("median range error, m", scores, &Summary::median_range_error_m, 3);
-  text += row("neg. log-likelihood", scores, &Summary::nll_per_beam, 4);
-  text += row("CRPS of the range, m", scores, &Summary::crps_m, 3);
+  if (scores[0].cloud) {
+    text += row("point cloud error, m", scores, &Summary::cloud_error_m, 4);
+    text += row("density-aware Chamfer", scores, &Summary::density_aware_chamfer, 4);
+  }
+  if (scores[0].likelihood) {
+    text += row("neg. log-likelihood", scores, &Summary::nll_per_beam, 4);
+    text += row("CRPS of the range, m", scores, &Summary::crps_m, 3);
+  }
   return text;
 }
 

@@ -73,16 +73,30 @@ std::vector<std::string> command_of_result() {
   return out;
 }
 
+// Devices and pipes are written to as they are; a file beside them makes no sense.
+bool is_device(const fs::path& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  return fs::is_character_file(status) || fs::is_fifo(status);
+}
+
 }  // namespace
 
 void remember_command_line(int argc, char** argv) { command_line().assign(argv, argv + argc); }
 
 void Verb::report(const Json& results, const std::string& table) const {
-  if (json != "-") std::cout << table << std::flush;
+  if (json != "-" && !(std::cout << table << std::flush)) {
+    throw IoError("standard output: cannot write");
+  }
   if (json.empty()) return;
   const std::string text = results.dump(2) + "\n";
   if (json == "-") {
-    std::cout << text << std::flush;
+    if (!(std::cout << text << std::flush)) throw IoError("standard output: cannot write");
+    return;
+  }
+  if (is_device(json)) {
+    std::ofstream out(json);
+    if (!(out << text << std::flush)) throw IoError(json + ": cannot write");
     return;
   }
   io::write_atomically(json, [&](const fs::path& temporary) {
@@ -107,6 +121,9 @@ std::shared_ptr<Verb> add_verb(CLI::App& root, const std::string& name, const st
   app->footer("Example:\n  " + example);
   app->callback([verb, run] {
     set_threads(verb->threads);
+    if (!verb->json.empty() && verb->json != "-" && !is_device(verb->json)) {
+      io::check_output(verb->json);
+    }
     run(*verb);
   });
   return verb;
@@ -119,6 +136,9 @@ std::string provenance(const Verb& verb, const std::vector<fs::path>& inputs) {
   p["seed"] = verb.seed;
   p["inputs"] = Json::object();
   for (const fs::path& input : inputs) p["inputs"][input.string()] = hash_of(input);
+  for (const std::string& file : verb.app->get_option("--config")->results()) {
+    p["inputs"][file] = hash_of(file);
+  }
   return p.dump();
 }
 

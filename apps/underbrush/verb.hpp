@@ -33,7 +33,7 @@ std::shared_ptr<Verb> add_verb(CLI::App& root, const std::string& name, const st
 
 /// Provenance of an output: a JSON object with program version, command line (without outputs and
 /// threads, so that equal results are equal files), seed and a hash
-/// (XXH3, 128 bits) of every input file.
+/// (XXH3, 128 bits) of every input file, the `--config` file among them.
 std::string provenance(const Verb& verb, const std::vector<std::filesystem::path>& inputs);
 
 /// A line of progress on standard error, where that is a terminal.

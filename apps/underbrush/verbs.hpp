@@ -12,6 +12,7 @@ void add_info(CLI::App& root);
 void add_fit(CLI::App& root);
 void add_simulate(CLI::App& root);
 void add_score(CLI::App& root);
+void add_segment(CLI::App& root);
 void add_split(CLI::App& root);
 
 inline void add_all_verbs(CLI::App& root) {
@@ -19,6 +20,7 @@ inline void add_all_verbs(CLI::App& root) {
   add_import(root);
   add_info(root);
   add_split(root);
+  add_segment(root);
   add_fit(root);
   add_simulate(root);
   add_score(root);

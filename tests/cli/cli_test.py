@@ -6,12 +6,17 @@
 """
 import argparse
 import difflib
+import json
+import math
 import os
 import pathlib
 import re
+import resource
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 GOLDEN = pathlib.Path(__file__).parent / "golden"
@@ -116,6 +121,7 @@ READERS = {
     "fit": ["BAD", "-o", "out"],
     "simulate": ["BAD", "--like", "BAD", "-o", "out"],
     "score": ["BAD", "BAD"],
+    "segment": ["BAD", "-o", "out"],
 }
 HEADER = "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty double x\n"
 BAD_INPUTS = {
@@ -143,6 +149,227 @@ class BadInput(Failing):
                     self.assert_fails(call(verb, *words, cwd=folder), 3, name)
                     left = {p.name for p in pathlib.Path(folder).iterdir()} - {name}
                     self.assertFalse(left, f"{verb} {words} left {left}")
+
+
+def write_log(folder, scans=2):
+    """A small log `log.ply` in the folder: a turning sensor over flat ground with a few posts."""
+    rows = ["x,y,z,time,ox,oy,oz,hit,scan,ring,packet"]
+    for k in range(400 * scans):
+        scan, beam = divmod(k, 400)
+        azimuth, ring = 2 * math.pi * (beam // 8) / 50, beam % 8
+        slope = 0.3 - 0.05 * ring  # downwards, but for the last rings
+        post = beam // 8 % 10 == 3
+        far = 4 if post else 2 / slope if slope > 0.05 else 30
+        x, y = far * math.cos(azimuth), far * math.sin(azimuth)
+        rows.append(f"{x + scan:.4f},{y:.4f},{2 - slope * far:.4f},{0.1 * scan + 1e-3 * (beam // 8):.4f},"
+                    f"{scan},0,2,{int(post or slope > 0.05)},{scan},{ring},{beam // 8}")
+    pathlib.Path(folder, "log.csv").write_text("\n".join(rows) + "\n")
+    done = call("import", "log.csv", "-o", "log.ply", cwd=folder)
+    assert done.returncode == 0, done.stderr
+
+
+# Each verb on that log, in an order in which all inputs are there. -o names what it makes.
+JOBS = {
+    "import": ["log.csv", "-o", "again.ply"],
+    "split": ["log.ply", "--every", "2", "--train", "train.ply", "--test", "test.ply"],
+    "info": ["log.ply"],
+    "segment": ["log.ply", "-o", "labelled.ply"],
+    "fit": ["log.ply", "-o", "model"],
+    "simulate": ["model", "--like", "log.ply", "-o", "sim.ply"],
+    "score": ["log.ply", "sim.ply", "--model", "model", "--report", "report"],
+}
+
+
+class OnALog(Failing):
+    def setUp(self):
+        self.temporary = tempfile.TemporaryDirectory()
+        self.folder = pathlib.Path(self.temporary.name)
+        write_log(self.folder)
+
+    def tearDown(self):
+        self.temporary.cleanup()
+
+    def run_all(self, until=None):
+        for verb, words in JOBS.items():
+            if verb == until:
+                return
+            done = call(verb, *words, cwd=self.folder)
+            self.assertEqual(done.returncode, 0, done.stderr)
+
+    def left(self):
+        return {str(p.relative_to(self.folder)) for p in self.folder.rglob("*")}
+
+
+class Configuration(OnALog):
+    def test_every_verb_has_a_job_here(self):
+        self.assertEqual(set(verbs()) - set(JOBS), {"demo", "dump-config"})
+
+    def test_of_the_defaults_changes_nothing(self):
+        for verb, words in JOBS.items():
+            with self.subTest(verb):
+                plain = call(verb, *words, cwd=self.folder)
+                before = {p: p.read_bytes() for p in self.folder.rglob("*.ply")}
+                pathlib.Path(self.folder, "c.yaml").write_text(call("dump-config", verb).stdout)
+                again = call(verb, *words, "--config", "c.yaml", cwd=self.folder)
+                self.assertEqual((again.returncode, again.stderr), (0, ""))
+                timeless = [re.sub(r"[0-9.]+ (s\b|k? ?beams/s)|[0-9.]+ [kM] beams/s", "", t.stdout)
+                            for t in (plain, again)]
+                self.assertEqual(*timeless)
+                for path, content in before.items():  # only provenance differs: the file is named
+                    tail = len(content) // 2
+                    self.assertEqual(path.read_bytes()[-tail:], content[-tail:], path)
+
+    def test_holds_unless_an_option_overrides_it(self):
+        config = pathlib.Path(self.folder, "c.yaml")
+        config.write_text("tau: 2\n")
+        for words, tau in (([], 2), (["--tau", "1.5"], 1.5), (["--tau=1"], 1)):
+            call("fit", "log.ply", "-o", "model", "--config", "c.yaml", *words, cwd=self.folder)
+            self.assertEqual(json.loads(pathlib.Path(self.folder, "model/model.json").read_text())["tau"], tau)
+
+    def test_is_an_input_in_the_provenance(self):
+        config, hashes = pathlib.Path(self.folder, "c.yaml"), []
+        for text in ("tau: 2\n", "tau: 2.5\n"):
+            config.write_text(text)
+            call("fit", "log.ply", "-o", "model", "--config", "c.yaml", cwd=self.folder)
+            manifest = json.loads(pathlib.Path(self.folder, "model/model.json").read_text())
+            hashes.append(manifest["provenance"]["inputs"]["c.yaml"])
+        self.assertNotEqual(*hashes)
+
+    def test_that_is_wrong(self):
+        for text in ("no-such-option: 1\n", "tau: [\n", "- tau\n", "tau:\n  a: 1\n"):
+            with self.subTest(text):
+                pathlib.Path(self.folder, "c.yaml").write_text(text)
+                self.assert_fails(call("fit", "log.ply", "-o", "model", "--config", "c.yaml", cwd=self.folder),
+                                  3, "c.yaml")
+        self.assert_fails(call("fit", "log.ply", "-o", "model", "--config", "none.yaml", cwd=self.folder),
+                          3, "none.yaml")
+        pathlib.Path(self.folder, "c.yaml").write_text("tau: much\n")
+        self.assert_fails(call("fit", "log.ply", "-o", "model", "--config", "c.yaml", cwd=self.folder), 2, "tau")
+
+
+class Outputs(OnALog):
+    """What cannot be written: exit 4, one line, at once, and nothing is left or lost."""
+    def writers(self):
+        for verb, words in JOBS.items():
+            for option in ("-o", "--train", "--test", "--report"):
+                if option in words:
+                    yield verb, words, words.index(option) + 1
+
+    def check(self, where, code=4):
+        for verb, words, at in self.writers():
+            with self.subTest(verb=verb, out=where):
+                words = [*words[:at], where, *words[at + 1:]]
+                before = self.left()
+                self.assert_fails(call(verb, *words, cwd=self.folder), code, where.split("/")[0])
+                self.assertEqual(self.left(), before)
+
+    def test_in_no_folder(self):
+        self.run_all()
+        pathlib.Path(self.folder, "file").write_text("")
+        self.check("file/log.ply")
+        self.check("file/model/log.ply")
+
+    def test_devices_and_pipes_are_not_replaced(self):
+        self.run_all()
+        pipe = pathlib.Path(self.folder, "pipe")
+        os.mkfifo(pipe)
+        for verb, words, at in self.writers():
+            with self.subTest(verb):
+                done = call(verb, *words[:at], "pipe", *words[at + 1:], cwd=self.folder)
+                self.assert_fails(done, 4, "pipe")
+        self.assertTrue(pipe.is_fifo())
+
+    def test_other_peoples_folders_stay(self):
+        self.run_all()
+        mine = pathlib.Path(self.folder, "mine")
+        mine.mkdir()
+        (mine / "thesis.tex").write_text("years")
+        for verb, words, at in self.writers():
+            if words[at - 1] == "-o":
+                with self.subTest(verb):
+                    self.assert_fails(call(verb, *words[:at], "mine", *words[at + 1:], cwd=self.folder), 4, "mine")
+        self.assertEqual((mine / "thesis.tex").read_text(), "years")
+
+    def test_a_full_standard_output(self):
+        self.run_all()
+        with open("/dev/full", "w") as full:
+            for verb, words in JOBS.items():
+                with self.subTest(verb):
+                    done = subprocess.run([PROGRAM, verb, *words], cwd=self.folder, stdout=full, text=True,
+                                          stderr=subprocess.PIPE, timeout=60, check=False)
+                    self.assertEqual((done.returncode, done.stderr),
+                                     (4, "underbrush: standard output: cannot write\n"))
+        for verb, words in JOBS.items():
+            self.assert_full_json(verb, words)
+
+    def assert_full_json(self, verb, words):
+        done = call(verb, *words, "--json", "/dev/full", cwd=self.folder)
+        self.assertEqual((done.returncode, done.stderr), (4, "underbrush: /dev/full: cannot write\n"))
+
+    def test_a_full_disk(self):
+        self.run_all()
+        for limit in (8, 40):  # KiB
+            self.check_full_disk(limit)
+
+    def check_full_disk(self, limit):
+        for verb, words, at in self.writers():
+            with self.subTest(verb=verb, limit=limit):
+                target = "new.ply" if words[at].endswith(".ply") else "new"
+                if verb == "import":
+                    words = ["log.ply", *words[1:]]
+                words = [*words[:at], target, *words[at + 1:]]
+                before = self.left()
+                # A limit of the size of files, which the system reports as it reports a full disk.
+                done = subprocess.run(
+                    [PROGRAM, verb, *words], cwd=self.folder, text=True, capture_output=True, timeout=60,
+                    check=False, preexec_fn=lambda: (
+                        signal.signal(signal.SIGXFSZ, signal.SIG_IGN),
+                        resource.setrlimit(resource.RLIMIT_FSIZE, (limit << 10, limit << 10))))
+                if done.returncode == 0:
+                    continue  # what it writes is smaller
+                self.assert_fails(done, 4, "cannot write")
+                allowed = before | {"new"} if verb == "score" else before
+                self.assertLessEqual(self.left(), allowed)
+
+
+class Interrupted(OnALog):
+    def test_leaves_nothing_and_says_so_in_one_line(self):
+        self.run_all()
+        interrupted = set()
+        for verb in ("import", "split", "segment", "fit", "simulate", "score"):
+            for wait in (0.002, 0.004, 0.008, 0.016, 0.03, 0.06, 0.12):
+                with self.subTest(verb=verb, wait=wait), tempfile.TemporaryDirectory() as scratch:
+                    before = self.left()
+                    environment = dict(os.environ, TMPDIR=scratch)
+                    process = subprocess.Popen([PROGRAM, verb, *JOBS[verb]], cwd=self.folder, text=True,
+                                               env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+                    time.sleep(wait)
+                    process.send_signal(signal.SIGINT)
+                    _, errors = process.communicate(timeout=60)
+                    self.assertEqual(self.left(), before)
+                    self.assertEqual(os.listdir(scratch), [])
+                    if process.returncode == -signal.SIGINT:  # 130 to a shell
+                        # Before main has begun the system ends it, without a line.
+                        self.assertIn(errors, ("", "underbrush: interrupted\n"))
+                        interrupted |= {verb} if errors else set()
+                    else:
+                        self.assertEqual((process.returncode, errors), (0, ""))
+        self.assertTrue(interrupted, "no run was interrupted in its work")
+
+    def test_in_the_middle_of_the_demo(self):
+        with tempfile.TemporaryDirectory() as scratch:
+            process = subprocess.Popen([PROGRAM, "demo", "-o", "demo"], cwd=scratch, text=True,
+                                       stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+            for _ in range(600):  # until it writes its first log
+                if list(pathlib.Path(scratch).glob("demo/*.part-*")):
+                    break
+                time.sleep(0.05)
+            else:
+                self.fail("the demo writes nothing")
+            process.send_signal(signal.SIGINT)
+            _, errors = process.communicate(timeout=60)
+            self.assertEqual((process.returncode, errors), (-signal.SIGINT, "underbrush: interrupted\n"))
+            self.assertEqual(os.listdir(pathlib.Path(scratch, "demo")), [])
 
 
 if __name__ == "__main__":

@@ -102,6 +102,86 @@ TEST_F(Import, RawScansStayRaw) {
   EXPECT_NE(bytes_of(folder_ / "stdout").find("no misses"), std::string::npos);
 }
 
+// A tripod's scan as foresters have it: X Y Z and which return of its pulse a point is.
+TEST_F(Import, ReturnsOfAPulseAreChosenByAColumn) {
+  std::string csv = "X Y Z target_count target_index\n";
+  for (int k = 0; k < 360; ++k) {
+    const double a = k * M_PI / 180;
+    const auto row = [&](double r, int index) {
+      csv += std::to_string(r * std::cos(a)) + " " + std::to_string(r * std::sin(a)) + " 1 2 " +
+             std::to_string(index) + "\n";
+    };
+    row(5, 1);
+    row(8, 2);
+  }
+  put_bytes(folder_ / "tripod.csv", csv);
+  ASSERT_EQ(run("import tripod.csv -o log.ply"), 0) << errors();
+  EXPECT_NE(bytes_of(folder_ / "stdout").find("--keep target_index=1"), std::string::npos);
+  ASSERT_EQ(run("import tripod.csv --keep target_index=1 -o log.ply --json counts.json"), 0)
+      << errors();
+  const Json counts = Json::parse(bytes_of(folder_ / "counts.json"));
+  EXPECT_EQ(counts["hits"], 360);
+  EXPECT_EQ(counts["skipped"].at("target_index is not 1 (--keep)"), 360);
+  const BeamLog log = io::read_log(folder_ / "log.ply");
+  EXPECT_LT(*std::max_element(log.range_m.begin(), log.range_m.end()), 6);
+  // No times and no rings: columns are packets by azimuth.
+  ASSERT_EQ(run("split log.ply --columns 2 --train a.ply --test b.ply"), 0) << errors();
+  EXPECT_NEAR(double(io::read_log(folder_ / "a.ply").size()), 180, 4);
+  EXPECT_EQ(run("import tripod.csv --keep target=1 -o bad.ply"), 3);
+  EXPECT_NE(errors().find("no column target"), std::string::npos) << errors();
+  for (const char* wrong : {"target_index", "target_index=", "=1", "target_index=one"}) {
+    EXPECT_EQ(run(std::string("import tripod.csv -o bad.ply --keep ") + wrong), 2) << wrong;
+  }
+}
+
+TEST_F(Import, BadTablesAreOneLine) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"1 2 3\n4 5 6\n", "line 1"},
+      {"X Y\n1 2\n", "no column 'z'"},
+      {"X Y Z\n1 2\n", "line 2: expected 3"},
+      {"X Y Z\n1 2 many\n", "line 2: not a number: many"},
+      {"", "empty"},
+      {"X Y Z\n", "bad.csv"},
+      {"X Y Z X\n1 2 3 4\n", "twice"}};
+  for (const auto& [text, reason] : cases) {
+    put_bytes(folder_ / "bad.csv", text);
+    EXPECT_EQ(run("import bad.csv -o log.ply"), 3) << text;
+    EXPECT_NE(errors().find(reason), std::string::npos) << text << errors();
+    const std::string lines = errors();
+    EXPECT_EQ(std::count(lines.begin(), lines.end(), '\n'), 1) << lines;
+    EXPECT_FALSE(output_exists());
+  }
+}
+
+TEST_F(Import, GroundIsScoredAgainstLabels) {
+  // Level ground (40, road) with a box on it (50, building), and points without a label (0).
+  std::string points, labels;
+  for (int k = 0; k < 6000; ++k) {
+    const double x = 3 + 0.2 * (k % 60), y = 0.2 * (k / 60) - 10;
+    const bool box = k % 60 >= 20 && k % 60 < 25 && k / 60 % 20 < 5;
+    const double z = box ? 0.2 + 0.1 * (k % 7) : -1.7;
+    for (const double v : {x, y, z, 0.5}) io::add(points, float(v));
+    io::add(labels, uint32_t(k % 10 == 0 ? 0 : box ? 50 : 40));
+  }
+  put_bytes(folder_ / "scan.bin", points);
+  put_bytes(folder_ / "scan.label", labels);
+  ASSERT_EQ(run("import scan.bin --labels scan.label -o log.ply"), 0) << errors();
+  EXPECT_EQ(io::read_log(folder_ / "log.ply").info.classes, "semantickitti");
+  ASSERT_EQ(run("segment log.ply -o found.ply --json score.json"), 0) << errors();
+  const Json score = Json::parse(bytes_of(folder_ / "score.json"))["ground_score"];
+  EXPECT_EQ(score["unlabelled"], 600);
+  EXPECT_GT(score["iou"], 0.98);
+  EXPECT_GT(score["precision"], 0.98);
+  EXPECT_GT(score["recall"], 0.98);
+  const BeamLog found = io::read_log(folder_ / "found.ply");
+  EXPECT_EQ(found.info.classes, "underbrush");
+  EXPECT_EQ(std::get<std::vector<uint8_t>>(found.extra.at("class"))[0], 1);  // ground
+  EXPECT_EQ(std::get<std::vector<uint16_t>>(found.extra.at("given_class"))[1], 40);
+  put_bytes(folder_ / "scan.label", labels.substr(4));
+  EXPECT_EQ(run("import scan.bin --labels scan.label -o log2.ply"), 3);
+  EXPECT_EQ(run("import log.ply --labels scan.label -o log2.ply"), 2);
+}
+
 TEST_F(Import, BadInputIsOneLineAndLeavesNothing) {
   put_drive(2);
   std::string scan = bytes_of(folder_ / "drive/velodyne/000001.bin");

@@ -70,7 +70,7 @@ TEST_F(ModelFile, ReplacesAModelButNothingElse) {
   EXPECT_EQ(read_model(folder_ / "m").tau, 2);
   fs::create_directories(folder_ / "photos");
   std::ofstream(folder_ / "photos" / "cat.jpg") << "x";
-  EXPECT_THROW(write_model(folder_ / "photos", model_), std::invalid_argument);
+  EXPECT_THROW(write_model(folder_ / "photos", model_), IoError);
   EXPECT_TRUE(fs::exists(folder_ / "photos" / "cat.jpg"));
 }
 

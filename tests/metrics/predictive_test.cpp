@@ -85,6 +85,18 @@ TEST(Crps, OfAPointForecastIsTheAbsoluteError) {
   EXPECT_DOUBLE_EQ(crps(p, 13, 100), 3);
 }
 
+// Of a single Gaussian, Gneiting and Raftery 2007 eq. 21.
+TEST(Crps, OfAGaussianInClosedForm) {
+  for (const double sigma : {0.02, 0.3, 4.0}) {
+    const Predictive p{{{1, 20, sigma}}, 0};
+    for (double x = -12; x < 12; x += 0.0371) {
+      const double phi = std::exp(-0.5 * x * x) / std::sqrt(2 * M_PI);
+      const double expected = sigma * (x * std::erf(x / M_SQRT2) + 2 * phi - 1 / std::sqrt(M_PI));
+      ASSERT_NEAR(crps(p, 20 + sigma * x, 100), expected, 1e-10 * sigma) << x;
+    }
+  }
+}
+
 TEST(Crps, IsProperTheTruthScoresBest) {
   Stream random(8);
   const Predictive truth = random_predictive(random);

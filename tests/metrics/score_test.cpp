@@ -79,6 +79,12 @@ TEST(Score, SplitsByClassAndRange) {
   const Score s = score_of(real, sim);
   EXPECT_EQ(s.per_class.at("1").true_hits, 2u);
   EXPECT_EQ(s.per_class.at("2").false_misses, 1u);
+  real.info.classes = "underbrush";
+  EXPECT_EQ(score_of(real, sim).per_class.at("ground").true_hits, 2u);
+  real.extra["class"] = std::vector<uint16_t>{40, 40, 123, 0};
+  real.info.classes = "semantickitti";
+  EXPECT_EQ(score_of(real, sim).per_class.at("road").true_hits, 2u);
+  EXPECT_EQ(score_of(real, sim).per_class.at("123").false_misses, 1u);
   EXPECT_EQ(s.per_range.at("0-10").beams, 1u);
   EXPECT_EQ(s.per_range.at("10-20").beams, 2u);
   EXPECT_EQ(s.per_range.at("miss").true_misses, 1u);

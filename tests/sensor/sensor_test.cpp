@@ -91,6 +91,16 @@ TEST_F(SensorFile, OwnFileLoads) {
   EXPECT_NEAR(sensor_.channels[1].time_s, 5e-6, 1e-18);
 }
 
+TEST_F(SensorFile, EvenlySpacedElevations) {
+  EXPECT_EQ(error_with("elevation_deg: [1, 2]\n  time_us: [0, 5]",
+                       "elevation_deg: {first: 5, last: -3, count: 5}"),
+            "");
+  ASSERT_EQ(sensor_.channels.size(), 5u);
+  for (size_t i = 0; i < 5; ++i) {
+    EXPECT_NEAR(sensor_.channels[i].elevation_rad / kDegree, 5 - 2.0 * double(i), 1e-12);
+  }
+}
+
 TEST_F(SensorFile, ErrorsNameFileAndPlace) {
   const auto expect = [&](const std::string& from, const std::string& to, const std::string& part) {
     const std::string error = error_with(from, to);
@@ -104,6 +114,9 @@ TEST_F(SensorFile, ErrorsNameFileAndPlace) {
   expect("time_us: [0, 5]", "time_us: [0]", "channels.time_us");
   expect("time_us: [0, 5]", "time_us: [0, 99]", "firing period");
   expect("elevation_deg: [1, 2]", "elevation_deg: [1, .nan]", "elevation");
+  expect("[1, 2]", "{first: 1, last: 2}", "count: missing");
+  expect("[1, 2]", "{first: 1, last: 2, count: 1}", "count");
+  expect("[1, 2]", "{first: 1, last: 2, count: -1}", "count");
   expect("spinning", "raster", "kind");
   expect("clockwise", "left", "rotation");
   expect("name: mine", "name: [mine", "line");

@@ -1,232 +1,180 @@
-#include "report/report.hpp"
+#include "report.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <fstream>
 
-#include "report/pictures.hpp"
-#include "report_page.hpp"
+#include "page.hpp"
+#include "survey.hpp"
 #include "underbrush/core/check.hpp"
-#include "underbrush/core/rng.hpp"
 #include "underbrush/io/atomic_file.hpp"
-#include "underbrush/io/log_file.hpp"
 
 namespace underbrush::app {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr size_t kPointsOfView = 40000;  // a cloud, in the interactive view
-constexpr double kViewM = 40;            // half side of the box that it shows
-constexpr int kPixels = 900;
+// The longest 1, 2 or 5 times a power of ten within a quarter of the picture.
+double scale_bar_m(const TopView& view) {
+  const double most = view.width * view.metres_per_pixel / 4;
+  const double power = std::pow(10, std::floor(std::log10(most)));
+  return power * (most >= 5 * power ? 5 : most >= 2 * power ? 2 : 1);
+}
 
-std::string base64(const uint8_t* data, size_t n) {
-  static constexpr char kDigits[] =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  out.reserve((n + 2) / 3 * 4);
-  for (size_t i = 0; i < n; i += 3) {
-    const uint32_t a = data[i], b = i + 1 < n ? data[i + 1] : 0, c = i + 2 < n ? data[i + 2] : 0;
-    const uint32_t word = a << 16 | b << 8 | c;
-    out += kDigits[word >> 18];
-    out += kDigits[word >> 12 & 63];
-    out += i + 1 < n ? kDigits[word >> 6 & 63] : '=';
-    out += i + 2 < n ? kDigits[word & 63] : '=';
+std::string top_figure(const io::Image& image, const Survey& s, const std::string& name,
+                       bool holds_real) {
+  const double bar = scale_bar_m(s.view);
+  return fmt::format(
+      "<figure><div class=\"scaled\"><img src=\"{}\" alt=\"{} from above\"{}>"
+      "<span class=\"bar\" style=\"width:{:.2f}%\">{} m</span></div>"
+      "<figcaption>{}</figcaption></figure>\n",
+      data_url(image), escaped(name), holds_real ? " class=\"holds-real\"" : "",
+      100 * bar / (s.view.width * s.view.metres_per_pixel), bar, escaped(name));
+}
+
+std::string metres(double x) {
+  const std::string text = fmt::format("{:.1f}", std::abs(x));
+  return (x < 0 && text != "0.0" ? "−" : "") + text;
+}
+
+// The colours go with the root of the value, so a label stands at their middle too.
+std::string scale_legend(double low, double high, const char* what, const char* more) {
+  return fmt::format(
+      "<p class=\"legend\"><span>{}</span><span class=\"ramp scale\">"
+      "<b>{}</b><b>{}</b><b>{} m</b></span>{}</p>\n",
+      what, metres(low), metres(low + 0.25 * (high - low)), metres(high), more);
+}
+
+constexpr const char* kErrorLegend =
+    "<p class=\"legend\"><span>simulated − measured range</span><span class=\"ramp errors\">"
+    "<b>−1</b><b>0</b><b>+1 m</b></span><span class=\"key false-hit\">false hit</span>"
+    "<span class=\"key false-miss\">false miss</span></p>\n";
+
+std::string from_above(const Survey& s, const ReportInput& input) {
+  std::string html = "<h2>From above</h2>\n<div class=\"pictures\">\n";
+  html += top_figure(s.by_height[0], s, "real", false);
+  for (size_t k = 0; k < input.simulated.size(); ++k) {
+    html += top_figure(s.by_height[k + 1], s, input.simulated[k].name, true);
   }
-  return out;
+  html += "</div>\n" + scale_legend(s.low_m, s.high_m, "height (z)", "");
+  html += fmt::format(
+      "<p class=\"caption\">All {} beams; of the points on one pixel ({:.2f} m) the highest is "
+      "shown, and gaps of a pixel are closed. The same view for all: 98 % of the real points along "
+      "each axis."
+      "<span class=\"script\"> Press a simulated picture and hold to see the real "
+      "one.</span></p>\n",
+      grouped(s.beams), s.view.metres_per_pixel);
+  html += "<h2>Range error from above</h2>\n<div class=\"pictures\">\n";
+  for (size_t k = 0; k < input.simulated.size(); ++k) {
+    html += top_figure(s.by_error[k], s, input.simulated[k].name, false);
+  }
+  return html + "</div>\n" + kErrorLegend +
+         "<p class=\"caption\">Simulated points, coloured by the range error of their beam: blue "
+         "too "
+         "near, red too far. A false hit has no real point; a false miss is drawn at its real "
+         "point.</p>\n";
 }
 
-std::string data_uri(const io::Image& image) {
-  const std::vector<uint8_t> png = io::png_from_image(image);
-  return "data:image/png;base64," + base64(png.data(), png.size());
-}
-
-/// What the pictures show of the log: where, how high, and which scan in particular.
-struct Frame {
-  Eigen::Vector2d lo, hi;    // the drive with a margin
-  double low = 0, high = 1;  // heights that most points have
-  uint32_t scan = 0;         // in the middle of the log
-  Pose world_from_sensor;
-  int columns = 360, rings = 1;
-  bool top_ring_is_zero = false;
-  size_t hits_in_view = 0;  // points in the interactive view's box
-};
-
-Frame frame_of(const fs::path& real) {
-  io::LogReader log(real);
-  Frame f;
-  Eigen::AlignedBox2d track;
-  std::vector<float> heights;
-  struct Scan {
-    uint32_t number;
-    Vec3 origin;  // of its first beam
-    size_t beams;
+std::string one_scan(const Survey& s, const ReportInput& input) {
+  const ScanLayout layout = layout_of(s.scan_beams);
+  if (layout.beam.empty()) return "";
+  std::string html = "<h2>One scan</h2>\n<div class=\"scroll strips\">\n";
+  const auto add = [&](const io::Image& image, const std::string& name) {
+    html += fmt::format(
+        "<figure><figcaption><span>{}</span></figcaption><img src=\"{}\" alt=\"range image: {}\">"
+        "</figure>\n",
+        escaped(name), data_url(image), escaped(name));
   };
-  std::vector<Scan> scans;
-  std::vector<double> slope_sum(1 << 16);
-  size_t seen = 0;
-  BeamLog chunk;
-  while (log.next(chunk)) {
-    for (size_t i = 0; i < chunk.size(); ++i, ++seen) {
-      track.extend(chunk.origin[i].head<2>());
-      f.rings = std::max(f.rings, chunk.ring[i] + 1);
-      slope_sum[chunk.ring[i]] += chunk.direction[i].z();
-      if (scans.empty() || scans.back().number != chunk.scan[i]) {
-        scans.push_back({chunk.scan[i], chunk.origin[i], 0});
-      }
-      ++scans.back().beams;
-      if (seen % 97 == 0 && chunk.is_hit(i)) heights.push_back(float(chunk.end_point(i).z()));
-    }
+  add(range_image(s.scan_beams, layout, -1, s.far_m), "real");
+  for (size_t k = 0; k < input.simulated.size(); ++k) {
+    add(range_image(s.scan_beams, layout, int(k), s.far_m), input.simulated[k].name);
+    add(error_image(s.scan_beams, layout, int(k)), input.simulated[k].name + ", range error");
   }
-  if (scans.empty()) return f;
-  f.lo = track.min().array() - 35;
-  f.hi = track.max().array() + 35;
-  if (!heights.empty()) {
-    std::sort(heights.begin(), heights.end());
-    f.low = heights[heights.size() / 100];
-    f.high = heights[heights.size() * 98 / 100];
-  }
-  const Scan& middle = scans[scans.size() / 2];
-  f.scan = middle.number;
-  f.world_from_sensor.translation = middle.origin;
-  // As many columns as firings, so that no cell stays empty for want of beams.
-  f.columns = std::clamp(int(middle.beams) / f.rings, 180, 1440);
-  for (const ScanInfo& s : log.info().scans) {
-    if (s.scan == f.scan) f.world_from_sensor = s.world_from_sensor;
-  }
-  f.top_ring_is_zero = slope_sum[0] > slope_sum[size_t(f.rings) - 1];
-  return f;
+  html += "</div>\n" +
+          scale_legend(0, s.far_m, "range", "<span class=\"key miss\">no return</span>") +
+          kErrorLegend;
+  html += fmt::format(
+      "<p class=\"caption\">Scan {}, in the middle of the log: {} beams; {} by azimuth (left to "
+      "right as seen from the sensor{}). Where beams share a pixel, the first is shown.</p>\n",
+      s.scan, grouped(s.scan_beams.size()),
+      layout.by_ring ? fmt::format("{} rings, highest on top,", layout.rows) : "elevation",
+      s.scan_in_sensor_frame ? "" : "; world axes, as the log gives no pose");
+  return html;
 }
 
-bool in_view(const Frame& f, const Vec3& p) {
-  return (p - f.world_from_sensor.translation).cwiseAbs().maxCoeff() < kViewM;
+// What the script draws from: scores and points.
+Json data_of(const Survey& s, const ReportInput& input) {
+  Json clouds = Json::array();
+  for (size_t k = 0; k < s.points.size(); ++k) {
+    const ViewPoints& p = s.points[k];
+    Json cloud = {{"name", k ? input.simulated[k - 1].name : "real"},
+                  {"xyz", base64(p.xyz.data(), p.xyz.size() * sizeof(uint16_t))}};
+    if (k) cloud["error"] = base64(p.error.data(), p.error.size());
+    clouds.push_back(std::move(cloud));
+  }
+  Json models = Json::array();
+  for (const auto& m : input.simulated) {
+    Json scores = input.scores.at("models").at(m.name);
+    models.push_back({{"name", m.name},
+                      {"per_range", scores.value("per_range", Json::object())},
+                      {"histogram", scores.value("range_error_histogram", Json::object())}});
+  }
+  return {{"models", models},
+          {"clouds", clouds},
+          {"box_m", s.box_m},
+          {"floor_m", kBelowLow},
+          {"height_m", s.high_m - s.low_m}};
 }
 
-/// Points for the interactive view: 16-bit coordinates in the box, and the error's colour.
-class ViewPoints {
- public:
-  explicit ViewPoints(const Frame& frame) : frame_(frame) {}
-  void add(size_t beam, const Vec3& p, Colour colour) {
-    if (!in_view(frame_, p)) return;
-    // The hash picks the same beams of all logs, evenly.
-    if (size_t(mix64(beam) % 1000000) * frame_.hits_in_view > kPointsOfView * size_t(1000000))
-      return;
-    const Vec3 at = p - frame_.world_from_sensor.translation;
-    for (int d = 0; d < 3; ++d) {
-      const auto v = uint16_t((at[d] + kViewM) / (2 * kViewM) * 65535);
-      bytes_.push_back(uint8_t(v & 255));
-      bytes_.push_back(uint8_t(v >> 8));
-    }
-    bytes_.insert(bytes_.end(), colour.begin(), colour.end());
-    bytes_.push_back(0);
-  }
-  std::string text() const { return base64(bytes_.data(), bytes_.size()); }
-
- private:
-  const Frame& frame_;
-  std::vector<uint8_t> bytes_;
-};
-
-Json pictures_of_real(const fs::path& real, Frame& f) {
-  io::LogReader log(real);
-  BirdsEye above(f.lo, f.hi, kPixels);
-  RangeImage ranges(f.world_from_sensor, f.columns, f.rings, f.top_ring_is_zero);
-  BeamLog chunk;
-  while (log.next(chunk)) {
-    for (size_t i = 0; i < chunk.size(); ++i) {
-      if (!chunk.is_hit(i)) continue;
-      const Vec3 p = chunk.end_point(i);
-      above.draw_height(p, f.low, f.high);
-      f.hits_in_view += in_view(f, p);
-      if (chunk.scan[i] == f.scan)
-        ranges.draw(chunk, i, colour_of_level(std::log2(1 + chunk.range_m[i]) / 6.5));
-    }
-  }
-  ViewPoints view(f);
-  size_t beam = 0;
-  log.rewind();
-  while (log.next(chunk)) {
-    for (size_t i = 0; i < chunk.size(); ++i, ++beam) {
-      if (chunk.is_hit(i)) {
-        const Vec3 p = chunk.end_point(i);
-        view.add(beam, p, colour_of_level((p.z() - f.low) / std::max(1e-6, f.high - f.low)));
-      }
-    }
-  }
-  return {{"name", "real"},
-          {"above", data_uri(above.image())},
-          {"range", data_uri(ranges.image())},
-          {"points", view.text()},
-          {"metres_per_pixel", above.metres_per_pixel()}};
-}
-
-Json pictures_of_simulated(const fs::path& real, const ReportInput::Simulated& simulated,
-                           const Frame& f) {
-  io::LogReader real_log(real), sim_log(simulated.log);
-  BirdsEye above(f.lo, f.hi, kPixels), errors(f.lo, f.hi, kPixels);
-  RangeImage ranges(f.world_from_sensor, f.columns, f.rings, f.top_ring_is_zero),
-      range_errors = ranges;
-  ViewPoints view(f), error_view(f);
-  BeamLog a, b;
-  size_t beam = 0;
-  while (real_log.next(a) && sim_log.next(b)) {
-    require(a.size() == b.size(), "report: the logs differ in length");
-    for (size_t i = 0; i < a.size(); ++i, ++beam) {
-      const bool hit = a.is_hit(i), sim_hit = b.is_hit(i);
-      if (!hit && !sim_hit) continue;
-      const Vec3 p = sim_hit ? b.end_point(i) : a.end_point(i);
-      const Colour error = !hit       ? kFalseHit
-                           : !sim_hit ? kFalseMiss
-                                      : colour_of_error(double(b.range_m[i]) - a.range_m[i]);
-      errors.draw(p, error);
-      error_view.add(beam, p, error);
-      const bool shown = a.scan[i] == f.scan;
-      if (shown) range_errors.draw(a, i, error);
-      if (!sim_hit) continue;
-      above.draw_height(p, f.low, f.high);
-      view.add(beam, p, colour_of_level((p.z() - f.low) / std::max(1e-6, f.high - f.low)));
-      if (shown) ranges.draw(b, i, colour_of_level(std::log2(1 + b.range_m[i]) / 6.5));
-    }
-  }
-  return {{"name", simulated.name},
-          {"above", data_uri(above.image())},
-          {"error", data_uri(errors.image())},
-          {"range", data_uri(ranges.image())},
-          {"range_error", data_uri(range_errors.image())},
-          {"points", view.text()},
-          {"error_points", error_view.text()}};
-}
-
-void replace(std::string& text, const std::string& mark, const std::string& with) {
-  const size_t at = text.find(mark);
-  require(at != std::string::npos, "report: the page lacks a mark");
-  text.replace(at, mark.size(), with);
+std::string view_caption(const Survey& s) {
+  size_t most = 0;
+  for (const ViewPoints& p : s.points) most = std::max(most, p.error.size());
+  return fmt::format(
+      "{:.0f} m × {:.0f} m around the sensor in the middle of the log; a sample of the beams, "
+      "thinner near "
+      "the sensor and the same for all, at most {} points a cloud.",
+      s.box_m, s.box_m, grouped(most));
 }
 
 }  // namespace
 
-fs::path write_report(const fs::path& folder, const ReportInput& input) {
-  Frame frame = frame_of(input.real);
-  Json data;
-  data["title"] = input.title;
-  data["note"] = input.note;
-  data["scores"] = input.scores;
-  data["scan"] = frame.scan;
-  data["view_m"] = kViewM;
-  data["error_span_m"] = kErrorSpan;
-  data["pictures"] = Json::array({pictures_of_real(input.real, frame)});
-  for (const auto& s : input.simulated) {
-    data["pictures"].push_back(pictures_of_simulated(input.real, s, frame));
-  }
-  std::string json = data.dump();
-  for (size_t at = 0; (at = json.find("</", at)) != std::string::npos;) json.replace(at, 2, "<\\/");
-  std::string page(kReportPage);
-  replace(page, "@STYLE@", kReportStyle);
-  replace(page, "@SCRIPT@", kReportScript);
-  replace(page, "@DATA@", json);
+void check_report_output(fs::path folder) {
+  while (!fs::exists(folder) && folder.has_relative_path()) folder = folder.parent_path();
+  io::check_output((folder.empty() ? "." : folder) / "index.html");
+}
 
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw IoError(folder.string() + ": cannot create: " + error.message());
+fs::path write_report(const fs::path& folder, const ReportInput& input) {
+  for (const auto& m : input.simulated) {
+    require(input.scores.contains("models") && input.scores["models"].contains(m.name),
+            "report: a simulated log has no scores");
+  }
+  const Survey s = survey(input);
+  const std::string note =
+      input.note.empty() ? "" : "<p class=\"note\">" + escaped(input.note) + "</p>";
+  std::string data = data_of(s, input).dump(-1, ' ', false, Json::error_handler_t::replace);
+  for (size_t at = 0; (at = data.find("</", at)) != std::string::npos; at += 3) {
+    data.insert(at + 1, "\\");  // would end the script element
+  }
+  const std::string page = filled_page({
+      {"title", escaped(input.title)},
+      {"note", note},
+      {"lead", fmt::format("{}: {} beams, {} of them hits", escaped(input.real.filename().string()),
+                           grouped(s.beams), grouped(s.hits))},
+      {"headline", headline_table(input)},
+      {"pictures", from_above(s, input)},
+      {"scan", one_scan(s, input)},
+      {"confusion", confusion_tables(input)},
+      {"classes", class_table(input)},
+      {"view-caption", view_caption(s)},
+      {"height-legend", scale_legend(s.low_m, s.high_m, "height (z)", "")},
+      {"error-legend", kErrorLegend},
+      {"provenance", provenance_text(input)},
+      {"data", data},
+  });
+  std::error_code failed;
+  fs::create_directories(folder, failed);
+  if (failed) throw IoError(folder.string() + ": " + failed.message());
   fs::path file = folder / "index.html";
   io::write_atomically(file, [&](const fs::path& temporary) {
     std::ofstream out(temporary, std::ios::binary);

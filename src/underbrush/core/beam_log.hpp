@@ -39,6 +39,9 @@ struct LogInfo {
   double min_range_m = 0;    ///< The sensor reports nothing nearer.
   double max_range_m = 120;  ///< A miss means: no return up to here.
   bool has_misses = false;   ///< Whether beams without a return are in the log at all.
+  /// What the numbers of the extra column `class` mean: a label set (`elements::labels_of`), or
+  /// empty.
+  std::string classes;
   bool deskewed = false;  ///< Whether each beam carries its own origin along the sensor's motion.
   std::vector<ScanInfo> scans;
 };

@@ -156,19 +156,29 @@ Json manifest_of(const Model& m) {
 
 bool is_model(const fs::path& path) { return fs::is_regular_file(path / "model.json"); }
 
+void check_model_output(const fs::path& path) {
+  io::check_output(path, io::OutputKind::kFolder);
+  if (fs::exists(path) && !is_model(path) && !fs::is_empty(path)) {
+    throw IoError(path.string() +
+                  ": cannot write: exists and is not a model; remove it or name another");
+  }
+}
+
 void write_model(const fs::path& path, const Model& model) {
   model.check();
-  require(!fs::exists(path) || is_model(path) || fs::is_empty(path),
-          "the output exists and is not a model; remove it or name another");
-  io::write_atomically(path, [&](const fs::path& folder) {
-    fs::create_directories(folder);
-    io::write_ply(folder / "ground.ply", ply_of_mesh(model.ground, true));
-    io::write_ply(folder / "surface.ply", ply_of_mesh(model.surface, true));
-    io::write_ply(folder / "ellipsoids.ply", ply_of_ellipsoids(model.ellipsoids));
-    std::ofstream out(folder / "model.json");
-    out << manifest_of(model).dump(2) << "\n";
-    if (!out.flush()) throw IoError((folder / "model.json").string() + ": cannot write");
-  });
+  check_model_output(path);
+  io::write_atomically(
+      path,
+      [&](const fs::path& folder) {
+        fs::create_directories(folder);
+        io::write_ply(folder / "ground.ply", ply_of_mesh(model.ground, true));
+        io::write_ply(folder / "surface.ply", ply_of_mesh(model.surface, true));
+        io::write_ply(folder / "ellipsoids.ply", ply_of_ellipsoids(model.ellipsoids));
+        std::ofstream out(folder / "model.json");
+        out << manifest_of(model).dump(2) << "\n";
+        if (!out.flush()) throw IoError((folder / "model.json").string() + ": cannot write");
+      },
+      io::OutputKind::kFolder);
 }
 
 Model read_model(const fs::path& path) {

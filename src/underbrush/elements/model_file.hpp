@@ -12,9 +12,12 @@ namespace underbrush::elements {
 inline constexpr int kModelVersion = 1;
 
 /// Writes the folder `path` (model.json, ground.ply, surface.ply, ellipsoids.ply), atomically; a
-/// model that stood there is replaced. Throws `IoError`, or `std::invalid_argument` if a folder
-/// that is not a model stands there.
+/// model that stood there is replaced. Throws `IoError`, also if a folder that is not a model
+/// stands there.
 void write_model(const std::filesystem::path& path, const Model& model);
+
+/// Throws the `IoError` that `write_model` would end with now: to be asked before long work.
+void check_model_output(const std::filesystem::path& path);
 
 /// Reads a model folder. Throws `FormatError` on anything that is not a whole, consistent model.
 Model read_model(const std::filesystem::path& path);

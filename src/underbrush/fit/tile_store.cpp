@@ -40,14 +40,15 @@ TileStore::TileStore(const TileOptions& options) : options_(options) {
   require(options.max_points_per_tile >= 1000, "a tile must hold at least 1000 points");
 }
 
-TileStore::~TileStore() {
-  std::error_code ignored;
-  if (!folder_.empty()) fs::remove_all(folder_, ignored);
+TileStore::~TileStore() = default;
+
+TileKey TileStore::key_of(const Vec3f& point) const {
+  return {int32_t(std::floor(point.x() / options_.tile_m)),
+          int32_t(std::floor(point.y() / options_.tile_m))};
 }
 
 void TileStore::add(const TilePoint& p) {
-  const TileKey key{int32_t(std::floor(p.point.x() / options_.tile_m)),
-                    int32_t(std::floor(p.point.y() / options_.tile_m))};
+  const TileKey key = key_of(p.point);
   std::unique_ptr<Tile>& tile = tiles_[key];
   if (!tile) {
     tile = std::make_unique<Tile>();
@@ -79,18 +80,19 @@ void TileStore::thin(Tile& tile) {
 }
 
 fs::path TileStore::file_of(TileKey key) const {
-  return folder_ / (std::to_string(key.i) + "_" + std::to_string(key.j) + ".bin");
+  return folder_->path() / (std::to_string(key.i) + "_" + std::to_string(key.j) + ".bin");
 }
 
 void TileStore::spill() {
-  if (folder_.empty()) {
+  if (!folder_) {
     static std::atomic<unsigned> count{0};
     const fs::path parent =
         options_.spill_folder.empty() ? fs::temp_directory_path() : options_.spill_folder;
-    folder_ = parent / ("underbrush-" + std::to_string(getpid()) + "-" + std::to_string(count++));
+    folder_ = std::make_unique<TemporaryPath>(
+        parent / ("underbrush-" + std::to_string(getpid()) + "-" + std::to_string(count++)));
     std::error_code error;
-    fs::create_directories(folder_, error);
-    if (error) throw IoError(folder_.string() + ": cannot create: " + error.message());
+    fs::create_directories(folder_->path(), error);
+    if (error) throw IoError(folder_->path().string() + ": cannot create: " + error.message());
   }
   for (auto& [key, tile] : tiles_) {
     if (tile->memory.empty()) continue;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "underbrush/core/pose.hpp"
+#include "underbrush/core/temporary.hpp"
 
 namespace underbrush::fit {
 
@@ -42,6 +43,8 @@ class TileStore {
 
   void add(const TilePoint& p);
 
+  /// The tile in which a point lies.
+  TileKey key_of(const Vec3f& point) const;
   /// All tiles with points, in order.
   std::vector<TileKey> tiles() const;
   /// Lower corner of a tile (m).
@@ -69,7 +72,7 @@ class TileStore {
   TileOptions options_;
   std::map<TileKey, std::unique_ptr<Tile>> tiles_;
   size_t size_ = 0, in_memory_ = 0;
-  std::filesystem::path folder_;
+  std::unique_ptr<TemporaryPath> folder_;  ///< Once something was spilled.
 };
 
 }  // namespace underbrush::fit

@@ -13,6 +13,8 @@ namespace underbrush::io {
 namespace fs = std::filesystem;
 namespace {
 
+constexpr const char* kKittiMark = "underbrush.json";  // beside the data: provenance
+
 template <class T>
 void put(std::string& out, T value) {
   out.append(reinterpret_cast<const char*>(&value), sizeof(T));
@@ -166,11 +168,27 @@ void export_log(const fs::path& path, BeamSource& source, const std::string& for
     for (BeamLog chunk; source.next(chunk);) writer.write(chunk);
     return writer.close();
   }
-  require(kind == "pcd" || kind == "csv" || kind == "kitti", "export: unknown format");
+  if (kind != "pcd" && kind != "csv" && kind != "kitti") {
+    throw std::invalid_argument(path.string() +
+                                ": no such format; name it .ply, .pcd, .csv, or a folder");
+  }
+  if (kind == "kitti") {
+    // Nobody's drive is overwritten: only what an earlier run has made.
+    if (fs::exists(path) && !fs::exists(path / kKittiMark) && !fs::is_empty(path)) {
+      throw IoError(path.string() +
+                    ": cannot write: exists and is not ours; remove it or name another");
+    }
+    return write_atomically(
+        path,
+        [&](const fs::path& temporary) {
+          write_kitti(temporary, source);
+          write_text(temporary / kKittiMark, (provenance.empty() ? "{}" : provenance) + "\n");
+        },
+        OutputKind::kFolder);
+  }
   write_atomically(path, [&](const fs::path& temporary) {
     if (kind == "pcd") write_pcd(temporary, path.string(), source);
     if (kind == "csv") write_csv(temporary, path.string(), source);
-    if (kind == "kitti") write_kitti(temporary, source);
   });
 }
 

@@ -16,6 +16,8 @@ namespace underbrush::io {
 namespace fs = std::filesystem;
 namespace {
 
+constexpr const char* kSemanticKitti = "semantickitti";
+
 bool is_ray_cloud(const fs::path& path) {
   const InputFile file(path);
   const PlyHeader header = read_ply_header(file);
@@ -106,6 +108,8 @@ class Opener {
 
   void open_scan(Table table) {
     ScanFile file = scan_file(path_);
+    file.labels = options_.labels;
+    if (!file.labels.empty()) input_.classes = kSemanticKitti;
     Pose pose;
     if (has_poses()) {
       if (placing_.poses.pose.size() == 1) file.frame = 0;
@@ -161,6 +165,7 @@ class Opener {
     }
     std::vector<ScanFile> files = list_scans(path_ / "velodyne");
     if (fs::is_directory(path_ / "labels")) {
+      input_.classes = kSemanticKitti;
       for (ScanFile& file : files) {
         file.labels = path_ / "labels" / file.path.stem().concat(".label");
       }
@@ -233,6 +238,8 @@ Input open_input(const fs::path& path, const InputOptions& options) try {
               std::find(known.begin(), known.end(), options.format) != known.end(),
           "import: unknown format");
   const std::string format = options.format.empty() ? format_of(path) : options.format;
+  require(options.labels.empty() || format == "scan",
+          "import: --labels is for a single scan without origins");
   return Opener(path, options).open(format);
 } catch (const fs::filesystem_error& e) {
   throw FormatError(path.string(), "", e.code().message());

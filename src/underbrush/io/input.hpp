@@ -29,6 +29,7 @@ struct InputOptions {
   std::string format;            ///< One of `input_formats()`, empty = by the look of it.
   std::filesystem::path poses;   ///< TUM or KITTI; empty = the format's own.
   std::filesystem::path times;   ///< One number a line; empty = the format's own.
+  std::filesystem::path labels;  ///< Of a single scan, as SemanticKITTI has them: extra `class`.
   FrameRange frames;             ///< Scans to take, by number.
   bool points_in_world = false;  ///< Points have been moved to the world frame by the poses.
 };
@@ -43,6 +44,7 @@ struct Input {
   bool compensated = false;          ///< The scans' motion has been taken out already.
   std::vector<std::string> notes;    ///< What was assumed, one line each.
   std::string provenance;            ///< Of a log of ours.
+  std::string classes;               ///< The label set of `scans`, as `LogInfo::classes`.
   /// Records left out so far, by reason.
   std::function<std::map<std::string, size_t>()> skipped;
 };

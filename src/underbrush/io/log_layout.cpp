@@ -92,6 +92,7 @@ class CommentReader {
     info.max_range_m = json.at("max_range_m");
     info.has_misses = json.at("has_misses");
     info.deskewed = json.at("deskewed");
+    info.classes = json.value("classes", "");
     out_.colours = json.at("colours");
     if (!(info.max_range_m > info.min_range_m && info.min_range_m >= 0 &&
           std::isfinite(info.max_range_m))) {
@@ -145,7 +146,9 @@ std::string text_from_comments(const LogComments& comments) {
   text += without_traps(compact(info.sensor)) + ",\"min_range_m\":" + compact(info.min_range_m) +
           ",\"max_range_m\":" + compact(info.max_range_m) +
           ",\"has_misses\":" + padded(info.has_misses) + ",\"deskewed\":" + padded(info.deskewed) +
-          ",\"colours\":" + padded(comments.colours) + "}\n";
+          ",\"colours\":" + padded(comments.colours);
+  if (!info.classes.empty()) text += ",\"classes\":" + without_traps(compact(info.classes));
+  text += "}\n";
   for (const ScanInfo& scan : info.scans) text += scan_line(scan);
   for (const auto& [name, type] : comments.narrow) {
     text += "comment underbrush column " + name + " " + ply_name(type) + "\n";

@@ -7,12 +7,35 @@
 namespace underbrush::metrics {
 namespace {
 
+// E|x + Z| − x for x ≥ 0 and a standard normal Z: 2 (φ(x) − x Φ(−x)). A cubic through values and
+// slopes of a table, good to 1e−11; beyond the table less than 1e−15.
+double excess(double x) {
+  constexpr size_t kPerUnit = 128, kEnd = 8;
+  struct Table {
+    double value[kEnd * kPerUnit + 1], slope[kEnd * kPerUnit + 1];
+    Table() {
+      for (size_t k = 0; k <= kEnd * kPerUnit; ++k) {
+        const double at = double(k) / kPerUnit, tail = std::erfc(at / M_SQRT2);  // 2 Φ(−x)
+        value[k] = std::sqrt(2 / M_PI) * std::exp(-0.5 * at * at) - at * tail;
+        slope[k] = -tail / kPerUnit;
+      }
+    }
+  };
+  static const Table table;
+  const double place = x * kPerUnit;
+  if (!(place < kEnd * kPerUnit)) return 0;
+  const size_t k = size_t(place);
+  const double t = place - double(k), u = 1 - t;
+  return u * u * ((1 + 2 * t) * table.value[k] + t * table.slope[k]) +
+         t * t * ((1 + 2 * u) * table.value[k + 1] - u * table.slope[k + 1]);
+}
+
 // E|X| of X ~ N(mean, variance).
 double mean_absolute(double mean, double variance) {
-  if (!(variance > 0)) return std::abs(mean);
-  const double sigma = std::sqrt(variance), x = mean / sigma;
-  if (std::abs(x) > 8) return std::abs(mean);
-  return sigma * std::sqrt(2 / M_PI) * std::exp(-0.5 * x * x) + mean * std::erf(x / M_SQRT2);
+  const double size = std::abs(mean);
+  if (!(variance > 0)) return size;
+  const double sigma = std::sqrt(variance);
+  return size + sigma * excess(size / sigma);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
+#include "underbrush/elements/label_sets.hpp"
 #include "underbrush/metrics/nearest.hpp"
 #include "underbrush/metrics/predictive.hpp"
 
@@ -77,7 +78,8 @@ std::vector<uint32_t> classes_of(const BeamLog& log) {
 
 class Scorer {
  public:
-  explicit Scorer(const ScoreOptions& options) : options_(options) {
+  Scorer(const ScoreOptions& options, std::string classes)
+      : options_(options), classes_(std::move(classes)) {
     sets_.resize(1 + options.range_edges_m.size() + 1);  // all, ranges, misses
   }
 
@@ -102,6 +104,8 @@ class Scorer {
   Score finish() {
     if (options_.cloud) compare_clouds();
     Score score;
+    score.cloud = options_.cloud;
+    score.likelihood = options_.world != nullptr;
     score.range_error = histogram_;
     score.all = sets_[0].finish();
     const auto& edges = options_.range_edges_m;
@@ -115,7 +119,7 @@ class Scorer {
       score.per_range["miss"] = sets_[1 + edges.size()].finish();
     }
     for (const auto& [label, set] : class_set_) {
-      score.per_class[std::to_string(label)] = sets_[set].finish();
+      score.per_class[elements::label_name(classes_, label)] = sets_[set].finish();
     }
     return score;
   }
@@ -211,6 +215,7 @@ class Scorer {
   }
 
   const ScoreOptions& options_;
+  std::string classes_;  // the label set
   std::vector<Sums> sets_;
   std::map<uint32_t, size_t> class_set_;
   RangeErrorHistogram histogram_;
@@ -235,7 +240,7 @@ Score score(BeamSource& real, BeamSource& simulated, const ScoreOptions& options
     throw std::invalid_argument("score: " + std::to_string(real.size()) + " real beams but " +
                                 std::to_string(simulated.size()) + " simulated ones");
   }
-  Scorer scorer(options);
+  Scorer scorer(options, real.info().classes);
   BeamLog a, b, rest;
   size_t done = 0;
   real.rewind();

@@ -45,8 +45,9 @@ struct RangeErrorHistogram {
 /// All scores.
 struct Score {
   Summary all;
-  std::map<std::string, Summary>
-      per_class;  ///< By the real log's column `class` (its number as text).
+  bool cloud = false, likelihood = false;  ///< Which scores were asked for.
+  /// By the real log's column `class`: its name in the log's label set, or its number as text.
+  std::map<std::string, Summary> per_class;
   std::map<std::string, Summary> per_range;  ///< By real range ("0-10", … m, "miss").
   RangeErrorHistogram range_error;
 };

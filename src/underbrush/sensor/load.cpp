@@ -59,17 +59,30 @@ class Map {
   YAML::Node node_;
 };
 
+// A list, or {first, last, count}: evenly spaced, both ends included.
+std::vector<double> read_elevations(const std::string& file, const Map& channels) {
+  const YAML::Node node = channels.child("elevation_deg");
+  if (!node.IsMap()) return channels.get<std::vector<double>>("elevation_deg");
+  const Map even(file, "elevation_deg", node, {"first", "last", "count"});
+  const auto first = even.get<double>("first"), last = even.get<double>("last");
+  const auto count = even.get<int>("count");
+  if (count < 2 || count > 65535) even.fail("count", "must be 2 to 65535");
+  std::vector<double> out(static_cast<size_t>(count));
+  for (int i = 0; i < count; ++i) out[size_t(i)] = first + (last - first) * i / (count - 1);
+  return out;
+}
+
 std::vector<Channel> read_channels(const std::string& file, const YAML::Node& node) {
   const Map map(file, "channels", node, {"elevation_deg", "azimuth_deg", "time_us", "z_mm"});
-  const auto elevation = map.get<std::vector<double>>("elevation_deg");
+  const std::vector<double> elevation = read_elevations(file, map);
   std::vector<Channel> channels(elevation.size());
+  for (size_t i = 0; i < channels.size(); ++i) channels[i].elevation_rad = elevation[i] * kDegree;
   const auto fill = [&](const char* key, double unit, double Channel::*field) {
     if (!map.has(key)) return;
     const auto values = map.get<std::vector<double>>(key);
     if (values.size() != channels.size()) map.fail(key, "needs one value per elevation");
     for (size_t i = 0; i < values.size(); ++i) channels[i].*field = values[i] * unit;
   };
-  fill("elevation_deg", kDegree, &Channel::elevation_rad);
   fill("azimuth_deg", kDegree, &Channel::azimuth_rad);
   fill("time_us", 1e-6, &Channel::time_s);
   fill("z_mm", 1e-3, &Channel::z_m);

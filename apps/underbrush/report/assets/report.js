@@ -1,323 +1,416 @@
 'use strict';
-const data = JSON.parse(document.getElementById('data').textContent);
-const page = document.getElementById('page');
-const names = Object.keys(data.scores.models);
-const ink = ['var(--a)', 'var(--b)', 'var(--c)', 'var(--d)'];
-const colourOf = name => ink[names.indexOf(name) % ink.length];
+// Draws the plots and the three-dimensional view of a report; no libraries, nothing is loaded.
+const by_id = (id) => document.getElementById(id);
+function show_error(message) {
+  const place = by_id('script-error');
+  place.hidden = false;
+  place.textContent += message + '\n';
+}
+window.onerror = (message, source, line) => show_error(`Script error: ${message} (line ${line})`);
 
-function add(parent, tag, props = {}, ...children) {
-  const node = document.createElement(tag);
-  for (const [key, value] of Object.entries(props)) {
-    if (key in node) node[key] = value; else node.setAttribute(key, value);
+const data = JSON.parse(by_id('data').textContent);
+const colour = (k) => `var(--m${k % 6})`;
+const escaped = (text) => text.replace(/[&<>"]/g, (c) => `&#${c.charCodeAt(0)};`);
+
+function button(parent, label, action, pressed) {
+  const b = document.createElement('button');
+  b.type = 'button';
+  b.textContent = label;
+  b.setAttribute('aria-pressed', String(!!pressed));
+  b.onclick = () => action(b);
+  parent.append(b);
+  return b;
+}
+// Buttons of which one is pressed.
+function choice(parent, labels, chosen, action) {
+  const all = labels.map((label, k) => button(parent, label, () => {
+    all.forEach((b, j) => b.setAttribute('aria-pressed', String(j === k)));
+    action(k);
+  }, k === chosen));
+  return all;
+}
+function div(parent, name) {
+  const d = document.createElement('div');
+  d.className = name;
+  parent.append(d);
+  return d;
+}
+// The box of a plot at the width there is, in pixels of the page so that text keeps its size.
+function frame_of(place) {
+  const width = Math.max(280, Math.round(place.clientWidth || 600));
+  const height = Math.round(Math.min(320, Math.max(220, width * 0.42)));
+  return {width, height, left: 56, right: width - 8, top: 10, bottom: height - 30};
+}
+function nice_step(span, steps) {
+  const power = 10 ** Math.floor(Math.log10(span / steps));
+  return power * [1, 2, 5, 10].find((f) => f * power * steps >= span * 0.999);
+}
+const tidy = (x) => String(Number(x.toPrecision(6))).replace('-', '−');
+const metres = (x) => (Math.abs(x) < 1e-9 ? 0 : x).toFixed(2).replace('-', '−');
+function grid_line(f, y, label) {
+  return `<line class="grid" x1="${f.left}" x2="${f.right}" y1="${y}" y2="${y}"/>` +
+      `<text x="${f.left - 7}" y="${y + 4}" text-anchor="end">${label}</text>`;
+}
+
+// --- Histogram of range errors -----------------------------------------------------------------
+function histogram_plot() {
+  const place = by_id('histogram');
+  const models = data.models.map((m, k) => ({k, name: m.name, ...m.histogram}))
+      .filter((m) => m.below_bins_above)
+      .map((m) => {
+        const total = m.below_bins_above.reduce((a, b) => a + b, 0);
+        return {...m, total, share: m.below_bins_above.map((n) => total ? n / total : 0)};
+      });
+  if (!models.some((m) => m.total)) {
+    place.innerHTML = '<p class="caption">No beam hit in both logs.</p>';
+    return;
   }
-  node.append(...children);
-  parent.append(node);
-  return node;
-}
-function drawn(parent, tag, props, text) {
-  const node = document.createElementNS('http://www.w3.org/2000/svg', tag);
-  for (const [key, value] of Object.entries(props)) node.setAttribute(key, value);
-  if (text !== undefined) node.textContent = text;
-  parent.append(node);
-  return node;
-}
-const show = (x, digits) => x === null || x === undefined ? 'n/a' : x.toFixed(digits);
-const percent = x => (100 * x).toFixed(x < 0.1 ? 2 : 1) + ' %';
+  const {from_m, to_m, bin_m} = models[0];
+  const bins = models[0].share.length - 2;
+  const top = Math.max(...models.map((m) => Math.max(...m.share.slice(1, -1)))) || 1;
+  let log = false;
+  const buttons = div(place, 'buttons');
+  const plot = div(place, '');
+  const readout = div(place, 'models');
+  const caption = document.createElement('p');
+  caption.className = 'caption';
+  caption.textContent = `Simulated − measured range of the beams that hit in both, in bins of ` +
+      `${tidy(bin_m * 100)} cm. Touch the plot to read it.`;
+  place.append(caption);
+  let f;
+  const least = 1e-5;
+  const y_of = (share) => {
+    const part = log ? Math.log(Math.max(share, least) / least) / Math.log(top / least) : share / top;
+    return f.bottom - part * (f.bottom - f.top);
+  };
+  const x_of = (bin) => f.left + (f.right - f.left) * bin / bins;
 
-const metrics = [
-  ['packet_error_m', 'Packet error, m', 'mean distance of simulated and real point where both have one', 3, -1],
-  ['f1', 'F1', 'hits and misses right: harmonic mean of precision and recall', 4, 1],
-  ['precision', 'Precision', 'simulated hits that are real', 4, 1],
-  ['recall', 'Recall', 'real hits that are simulated', 4, 1],
-  ['cloud_error_m', 'Point cloud error, m', 'mean distance to the nearest point of the other cloud, both ways', 4, -1],
-  ['density_aware_chamfer', 'Density-aware Chamfer', '0 same cloud, 1 nothing alike; sees clumping', 4, -1],
-  ['median_range_error_m', 'Median range error, m', 'half of the true hits are nearer than this', 3, -1],
-  ['nll_per_beam', 'Neg. log-likelihood', 'of the real outcome under the model, a beam', 3, -1],
-  ['crps_m', 'CRPS of the range, m', 'distance of the predicted distribution from the outcome', 3, -1]];
-
-function table(head, rows) {
-  const box = add(page, 'div', {className: 'scroll'}), t = add(box, 'table');
-  const tr = add(add(t, 'thead'), 'tr');
-  head.forEach(h => add(tr, 'th', {}, h));
-  const body = add(t, 'tbody');
-  for (const row of rows) {
-    const r = add(body, 'tr');
-    for (const cell of row) {
-      const {text, best, small} = typeof cell === 'string' ? {text: cell} : cell;
-      const td = add(r, 'td', {className: best ? 'best' : ''}, text);
-      if (small) add(td, 'small', {}, small);
+  function read(bin) {
+    const percent = (s) => s ? `${(100 * s).toFixed(s < 0.001 ? 4 : 2)} %` : '0';
+    const place_text = bin === null ? '' : `<span>${metres(from_m + bin * bin_m)} to ` +
+        `${metres(from_m + (bin + 1) * bin_m)} m</span>`;
+    readout.innerHTML = place_text + models.map((m) => {
+      const text = bin === null ?
+          `${percent(m.share[0] + m.share[bins + 1])} beyond ±${to_m} m` : percent(m.share[bin + 1]);
+      return `<span><i style="background:${colour(m.k)}"></i>${escaped(m.name)}: ${text}</span>`;
+    }).join('');
+    const line = plot.querySelector('.reading');
+    line.setAttribute('visibility', bin === null ? 'hidden' : 'visible');
+    if (bin !== null) {
+      line.setAttribute('x1', x_of(bin + 0.5));
+      line.setAttribute('x2', x_of(bin + 0.5));
     }
   }
-}
-
-function headline() {
-  add(page, 'h1', {}, data.title);
-  add(page, 'p', {className: 'lead'}, `${data.scores.beams.toLocaleString('en')} beams, each answered by ` +
-    (names.length > 1 ? 'every model' : 'the model') + ' and compared with what was measured.');
-  if (data.note) add(page, 'div', {className: 'banner'}, data.note);
-  table(['', ...names], metrics.map(([key, title, small, digits, sign]) => {
-    const values = names.map(n => data.scores.models[n][key]);
-    const known = values.filter(v => v !== null);
-    const best = known.length > 1 ? (sign > 0 ? Math.max(...known) : Math.min(...known)) : NaN;
-    return [{text: title, small}, ...values.map(v => ({text: show(v, digits), best: v === best}))];
-  }));
-}
-
-function figures(title, caption, list) {
-  add(page, 'h2', {}, title);
-  if (caption) add(page, 'p', {className: 'caption'}, caption);
-  const grid = add(page, 'div', {className: 'pictures'});
-  for (const [name, source] of list) {
-    const f = add(grid, 'figure');
-    add(f, 'img', {src: source, alt: `${title}: ${name}`});
-    add(f, 'figcaption', {}, name);
-  }
-}
-
-function legend() {
-  const box = add(page, 'div', {className: 'legend'});
-  for (const [colour, text] of [['rgb(20,80,220)', `too near by ${data.error_span_m} m or more`], ['rgb(205,205,205)', 'agrees'],
-    ['rgb(200,20,20)', `too far by ${data.error_span_m} m or more`], ['rgb(214,39,190)', 'false hit: nothing there'],
-    ['rgb(240,180,0)', 'false miss: drawn at the real point']]) {
-    const item = add(box, 'span');
-    add(item, 'i', {style: `background:${colour}`});
-    item.append(text);
-  }
-}
-
-function wide(list) {
-  for (const [name, source] of list) {
-    add(page, 'p', {className: 'caption'}, name);
-    add(add(page, 'div', {className: 'wide'}), 'img', {src: source, alt: name});
-  }
-}
-
-function pictures() {
-  const [real, ...sims] = data.pictures;
-  const perPixel = real.metres_per_pixel;
-  figures('From above', `All beams, highest point of each pixel (${(100 * perPixel).toFixed(0)} cm), coloured by height.`,
-    data.pictures.map(p => [p.name, p.above]));
-  figures('Where it goes wrong', 'Every beam at its simulated point, coloured by range error.', sims.map(p => [p.name, p.error]));
-  legend();
-  add(page, 'h2', {}, `One scan (${data.scan}) as the sensor sees it`);
-  add(page, 'p', {className: 'caption'}, 'Ring by azimuth, forward in the middle; violet near, yellow far, white no return.');
-  wide([['real', real.range]]);
-  for (const p of sims) wide([[p.name, p.range], [`${p.name}: error`, p.range_error]]);
-}
-
-function axes(width, height, left, bottom, xs, ys, xText, yText) {
-  const svg = drawn(page, 'svg', {viewBox: `0 0 ${width} ${height}`, role: 'img'});
-  const x = v => left + (v - xs[0]) / (xs[1] - xs[0]) * (width - left - 12);
-  const y = v => height - bottom - (v - ys[0]) / (ys[1] - ys[0]) * (height - bottom - 14);
-  drawn(svg, 'line', {x1: left, x2: width - 12, y1: y(ys[0]), y2: y(ys[0]), stroke: 'var(--line)'});
-  drawn(svg, 'text', {x: width - 12, y: height - 4, 'text-anchor': 'end'}, xText);
-  drawn(svg, 'text', {x: 6, y: 12}, yText);
-  return {svg, x, y};
-}
-
-function lineLegend() {
-  const box = add(page, 'div', {className: 'legend'});
-  for (const n of names) add(box, 'span', {}, add(document.createElement('span'), 'i', {style: `background:${colourOf(n)}`}), n);
-}
-
-function histogram() {
-  add(page, 'h2', {}, 'Range error');
-  add(page, 'p', {className: 'caption'}, 'Simulated minus real range of the true hits; the ends hold all beyond.');
-  const log = add(page, 'button', {type: 'button'}, 'log scale');
-  lineLegend();
-  const place = add(page, 'div');
-  const plot = logarithmic => {
-    place.replaceChildren();
-    const series = names.map(n => {
-      const h = data.scores.models[n].range_error_histogram, all = h.below_bins_above.reduce((a, b) => a + b, 0) || 1;
-      return h.below_bins_above.map((c, k) => [h.from_m + (k - 0.5) * h.bin_m, c / all]);
-    });
-    const floor = 1e-5, f = v => logarithmic ? Math.log10(Math.max(v, floor)) : v;
-    const top = f(Math.max(floor, ...series.flat().map(p => p[1]))), h0 = data.scores.models[names[0]].range_error_histogram;
-    const a = axes(900, 320, 56, 26, [h0.from_m, h0.to_m], [f(0), top], 'm', 'share of true hits');
-    place.append(a.svg);
-    for (let m = h0.from_m; m <= h0.to_m; m += 0.5) drawn(a.svg, 'text', {x: a.x(m), y: 310, 'text-anchor': 'middle'}, m.toFixed(1));
-    for (let k = 1; k <= 4; k++) {
-      const v = f(0) + (top - f(0)) * k / 4;
-      drawn(a.svg, 'line', {x1: 56, x2: 888, y1: a.y(v), y2: a.y(v), stroke: 'var(--line)', 'stroke-dasharray': '2 4'});
-      drawn(a.svg, 'text', {x: 50, y: a.y(v) + 4, 'text-anchor': 'end'}, percent(logarithmic ? 10 ** v : v));
-    }
-    series.forEach((s, k) => drawn(a.svg, 'polyline', {points: s.map(p => `${a.x(p[0])},${a.y(f(p[1]))}`).join(' '),
-      fill: 'none', stroke: colourOf(names[k]), 'stroke-width': 2}));
-  };
-  log.onclick = () => {
-    const on = log.getAttribute('aria-pressed') !== 'true';
-    log.setAttribute('aria-pressed', on);
-    plot(on);
-  };
-  plot(false);
-}
-
-function bars(title, caption, keys, value, text) {
-  if (!keys.length) return;
-  add(page, 'h2', {}, title);
-  add(page, 'p', {className: 'caption'}, caption);
-  lineLegend();
-  const top = Math.max(1e-9, ...names.flatMap(n => keys.map(k => value(n, k) ?? 0)));
-  const a = axes(900, 260, 20, 26, [0, keys.length], [0, top * 1.12], '', '');
-  page.append(a.svg);
-  const width = 840 / keys.length * 0.8 / names.length;
-  keys.forEach((k, i) => {
-    drawn(a.svg, 'text', {x: a.x(i + 0.5), y: 252, 'text-anchor': 'middle'}, k);
-    names.forEach((n, j) => {
-      const v = value(n, k), left = a.x(i + 0.1) + j * width;
-      if (v === null || v === undefined) return;
-      drawn(a.svg, 'rect', {x: left, y: a.y(v), width: Math.max(1, width - 3), height: a.y(0) - a.y(v), fill: colourOf(n)});
-      drawn(a.svg, 'text', {x: left + width / 2, y: a.y(v) - 3, 'text-anchor': 'middle'}, text(v));
-    });
-  });
-}
-
-function confusion() {
-  add(page, 'h2', {}, 'Hits and misses');
-  for (const n of names) {
-    const s = data.scores.models[n], share = x => `${x.toLocaleString('en')}  (${percent(x / Math.max(1, s.beams))})`;
-    table([n, 'real hit', 'real miss'], [['simulated hit', share(s.true_hits), share(s.false_hits)],
-      ['simulated miss', share(s.false_misses), share(s.true_misses)]]);
-  }
-}
-
-function breakdown() {
-  const all = data.scores.models;
-  const ranges = Object.keys(all[names[0]].per_range).filter(k => k !== 'miss');
-  bars('Packet error by range', 'm, by the real range.', ranges, (n, k) => all[n].per_range[k]?.packet_error_m, v => v.toFixed(2));
-  bars('Recall by range', 'Real hits that are simulated as hits.', ranges, (n, k) => all[n].per_range[k]?.recall, v => v.toFixed(3));
-  const classes = Object.keys(all[names[0]].per_class);
-  if (!classes.length) return;
-  add(page, 'h2', {}, 'By class');
-  table(['class', 'beams', ...names.flatMap(n => [`${n}: packet error, m`, `${n}: recall`])], classes.map(c => [
-    c, all[names[0]].per_class[c].beams.toLocaleString('en'),
-    ...names.flatMap(n => [show(all[n].per_class[c]?.packet_error_m, 3), show(all[n].per_class[c]?.recall, 4)])]));
-}
-
-function bytesOf(text) {
-  const raw = atob(text), out = new Uint8Array(raw.length);
-  for (let i = 0; i < raw.length; i++) out[i] = raw.charCodeAt(i);
-  return out;
-}
-
-function pointView() {
-  const canvas = document.createElement('canvas');
-  const gl = canvas.getContext('webgl', {antialias: true});
-  if (!gl) return;
-  add(page, 'h2', {}, 'Look around');
-  add(page, 'p', {className: 'caption'}, `Up to 40 000 points a cloud within ${data.view_m} m of scan ${data.scan}: drag to turn, pinch or scroll to zoom, two fingers or shift-drag to move.`);
-  const clouds = [];
-  for (const p of data.pictures) {
-    clouds.push([p.name, p.points]);
-    if (p.error_points) clouds.push([`${p.name}: error`, p.error_points]);
-  }
-  const bar = add(page, 'div');
-  page.append(canvas);
-  const shader = (type, source) => {
-    const s = gl.createShader(type);
-    gl.shaderSource(s, source);
-    gl.compileShader(s);
-    return s;
-  };
-  const program = gl.createProgram();
-  gl.attachShader(program, shader(gl.VERTEX_SHADER, `attribute vec3 at; attribute vec3 ink; uniform mat4 m; uniform float size;
-    varying vec3 c; void main() { gl_Position = m * vec4(at * 2.0 - 1.0, 1.0); gl_PointSize = clamp(size / gl_Position.w, 1.5, 7.0); c = ink; }`));
-  gl.attachShader(program, shader(gl.FRAGMENT_SHADER, 'precision mediump float; varying vec3 c; void main() { gl_FragColor = vec4(c, 1.0); }'));
-  gl.linkProgram(program);
-  gl.useProgram(program);
-  const at = gl.getAttribLocation(program, 'at'), colour = gl.getAttribLocation(program, 'ink');
-  const buffers = clouds.map(([, text]) => {
-    const bytes = bytesOf(text), n = bytes.length / 10, b = gl.createBuffer();
-    const packed = new Uint8Array(n * 12);  // aligned rows: 3 × uint16, 2 spare, 3 × uint8, 1 spare
-    for (let i = 0; i < n; i++) {
-      packed.set(bytes.subarray(10 * i, 10 * i + 6), 12 * i);
-      packed.set(bytes.subarray(10 * i + 6, 10 * i + 9), 12 * i + 8);
-    }
-    gl.bindBuffer(gl.ARRAY_BUFFER, b);
-    gl.bufferData(gl.ARRAY_BUFFER, packed, gl.STATIC_DRAW);
-    return [b, n];
-  });
-  let shown = 0, yaw = 0.6, pitch = 0.7, far = 1.1, cx = 0, cy = 0;
-  const draw = () => {
-    const scale = window.devicePixelRatio || 1;
-    canvas.width = canvas.clientWidth * scale;
-    canvas.height = canvas.clientHeight * scale;
-    gl.viewport(0, 0, canvas.width, canvas.height);
-    gl.enable(gl.DEPTH_TEST);
-    gl.clearColor(0.063, 0.082, 0.102, 1);
-    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-    const sy = Math.sin(yaw), cyw = Math.cos(yaw), sp = Math.sin(pitch), cp = Math.cos(pitch);
-    const right = [cyw, sy, 0], back = [sy * cp, -cyw * cp, sp], up = [-sy * sp, cyw * sp, cp];
-    const target = [cx, cy, -0.03], eye = target.map((t, k) => t + far * back[k]);
-    const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2], zoom = 1.6, aspect = canvas.width / canvas.height;
-    const rows = [right.map(v => v * zoom / aspect), up.map(v => v * zoom), back.map(v => -v)];
-    const t = rows.map(r => -dot(r, eye)), near = 0.01, end = 8, a = (end + near) / (end - near), b = -2 * end * near / (end - near);
-    const m = [];
-    for (let k = 0; k < 3; k++) m.push(rows[0][k], rows[1][k], rows[2][k] * a, rows[2][k]);
-    m.push(t[0], t[1], t[2] * a + b, t[2]);
-    gl.uniformMatrix4fv(gl.getUniformLocation(program, 'm'), false, new Float32Array(m));
-    gl.uniform1f(gl.getUniformLocation(program, 'size'), 2.2 * scale);
-    const [buffer, n] = buffers[shown];
-    gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
-    gl.enableVertexAttribArray(at);
-    gl.vertexAttribPointer(at, 3, gl.UNSIGNED_SHORT, true, 12, 0);
-    gl.enableVertexAttribArray(colour);
-    gl.vertexAttribPointer(colour, 3, gl.UNSIGNED_BYTE, true, 12, 8);
-    gl.drawArrays(gl.POINTS, 0, n);
-  };
-  clouds.forEach(([name], k) => {
-    const button = add(bar, 'button', {type: 'button'}, name);
-    button.setAttribute('aria-pressed', k === 0);
-    button.onclick = () => {
-      shown = k;
-      [...bar.children].forEach((b, j) => b.setAttribute('aria-pressed', j === k));
-      draw();
-    };
-  });
-  const fingers = new Map();
-  canvas.onpointerdown = e => { fingers.set(e.pointerId, [e.clientX, e.clientY]); canvas.setPointerCapture(e.pointerId); };
-  canvas.onpointerup = canvas.onpointercancel = e => fingers.delete(e.pointerId);
-  canvas.onpointermove = e => {
-    const last = fingers.get(e.pointerId);
-    if (!last) return;
-    const dx = e.clientX - last[0], dy = e.clientY - last[1], others = [...fingers].filter(([id]) => id !== e.pointerId);
-    if (others.length) {
-      const o = others[0][1], d = (x, y) => Math.hypot(x - o[0], y - o[1]);
-      far = Math.min(4, Math.max(0.05, far * d(...last) / Math.max(1, d(e.clientX, e.clientY))));
-    }
-    if (others.length || e.shiftKey) {
-      const s = 0.0015 * far;
-      cx -= s * (Math.cos(yaw) * dx + Math.sin(yaw) * dy);
-      cy -= s * (Math.sin(yaw) * dx - Math.cos(yaw) * dy);
+  function draw() {
+    f = frame_of(plot);
+    let svg = `<svg viewBox="0 0 ${f.width} ${f.height}" role="img" aria-label="Histogram of range errors">`;
+    if (log) {
+      for (let s = least; s <= top * 1.001; s *= 10) svg += grid_line(f, y_of(s), `${tidy(100 * s)} %`);
     } else {
-      yaw -= dx * 0.006;
-      pitch = Math.min(1.55, Math.max(0.02, pitch + dy * 0.006));
+      const step = nice_step(top, 4);
+      for (let s = 0; s <= top * 1.001; s += step) svg += grid_line(f, y_of(s), `${tidy(100 * s)} %`);
     }
-    fingers.set(e.pointerId, [e.clientX, e.clientY]);
-    draw();
-  };
-  canvas.onwheel = e => { e.preventDefault(); far = Math.min(4, Math.max(0.05, far * Math.exp(e.deltaY * 0.001))); draw(); };
-  window.addEventListener('resize', draw);
+    for (let m = from_m; m <= to_m + 1e-9; m += nice_step(to_m - from_m, 8)) {
+      svg += `<text x="${x_of((m - from_m) / bin_m)}" y="${f.bottom + 18}" text-anchor="middle">` +
+          `${m > 0 ? '+' : ''}${tidy(m)}${Math.abs(m) < 1e-9 ? ' m' : ''}</text>`;
+    }
+    for (const m of models) {
+      let path = '';
+      for (let b = 0; b < bins; b++) {
+        path += `${b ? 'L' : 'M'}${x_of(b).toFixed(1)} ${y_of(m.share[b + 1]).toFixed(1)}H${x_of(b + 1).toFixed(1)}`;
+      }
+      svg += `<path d="${path}V${f.bottom}H${f.left}Z" fill="${colour(m.k)}" opacity=".13"/>` +
+          `<path d="${path}" fill="none" stroke="${colour(m.k)}" stroke-width="1.6" stroke-linejoin="round"/>`;
+    }
+    svg += `<line class="reading" y1="${f.top}" y2="${f.bottom}" visibility="hidden"/></svg>`;
+    plot.innerHTML = svg;
+    const picture = plot.firstChild;
+    picture.onpointermove = picture.onpointerdown = (event) => {
+      const box = picture.getBoundingClientRect();
+      const x = (event.clientX - box.left) * f.width / box.width;
+      const bin = Math.floor((x - f.left) / (f.right - f.left) * bins);
+      read(bin >= 0 && bin < bins ? bin : null);
+    };
+    picture.onpointerleave = () => read(null);
+    read(null);
+  }
+  choice(buttons, ['Linear', 'Logarithmic'], 0, (k) => { log = k === 1; draw(); });
   draw();
+  return draw;
 }
 
-function provenance() {
-  const box = add(page, 'details');
-  add(box, 'summary', {}, 'Where these figures come from');
-  add(box, 'pre', {}, JSON.stringify(data.scores.provenance, null, 2));
+// --- Scores by range ---------------------------------------------------------------------------
+const BAND_SCORES = [
+  ['packet_error_m', 'Packet error', 'Packet error, m.', 3],
+  ['median_range_error_m', 'Median range error', 'Median range error, m.', 3],
+  ['cloud_error_m', 'Point cloud error', 'Point cloud error, m.', 4],
+  ['recall', 'Recall', 'Recall: share of the real hits that are simulated as hits.', 4],
+];
+function bands_plot() {
+  const place = by_id('bands');
+  const bands = [...new Set(data.models.flatMap((m) => Object.keys(m.per_range)))]
+      .filter((b) => b !== 'miss').sort((a, b) => parseFloat(a) - parseFloat(b));
+  const names = bands.map((b) => escaped(b.endsWith('-') ? `> ${b.slice(0, -1)}` : b.replace('-', '–')));
+  const value = (m, band, key) => m.per_range[band] ? m.per_range[band][key] : null;
+  // A handful of beams would set the scale of the whole plot: such bands stand in the table only.
+  const is_solid = (band) => Math.max(...data.models.map((m) => value(m, band, 'beams') || 0)) >= 100;
+  const scores = BAND_SCORES.filter(([key]) =>
+      data.models.some((m) => bands.some((b) => Number.isFinite(value(m, b, key)))));
+  if (!scores.length) {
+    place.innerHTML = '<p class="caption">No beam hit in both logs.</p>';
+    return;
+  }
+  let score = scores[0];
+  const buttons = div(place, 'buttons');
+  const plot = div(place, '');
+  const numbers = div(place, 'scroll');
+  const caption = div(place, 'caption');
+  function draw() {
+    const [key, , text, digits] = score;
+    const f = frame_of(plot);
+    const of = (some) => data.models.flatMap((m) => some.map((b) => value(m, b, key))).filter(Number.isFinite);
+    const solid = of(bands.filter(is_solid)), all = solid.length ? solid : of(bands);
+    const most = Math.max(...all, 1e-6), least = key === 'recall' ? Math.min(...all, most - 1e-3) : 0;
+    const step = nice_step(most - least, 4);
+    const low = step * Math.floor(least / step + 1e-6), top = step * Math.ceil(most / step - 1e-6);
+    const y_of = (v) => f.bottom - (v - low) / (top - low) * (f.bottom - f.top);
+    const x_of = (j) => f.left + (f.right - f.left) * (j + 0.5) / bands.length;
+    let svg = `<svg viewBox="0 0 ${f.width} ${f.height}" role="img" aria-label="${text}">`;
+    for (let v = low; v <= top + step / 100; v += step) svg += grid_line(f, y_of(v), tidy(v));
+    names.forEach((name, j) => {
+      svg += `<text x="${x_of(j)}" y="${f.bottom + 18}" text-anchor="middle">${name}${j === names.length - 1 ? ' m' : ''}</text>`;
+    });
+    data.models.forEach((m, k) => {
+      const points = bands.map((b, j) => [j, value(m, b, key)]).filter(([j, v]) => Number.isFinite(v) && (!solid.length || is_solid(bands[j])));
+      const line = points.map(([j, v]) => `${x_of(j).toFixed(1)} ${y_of(v).toFixed(1)}`).join('L');
+      if (line) svg += `<path d="M${line}" fill="none" stroke="${colour(k)}" stroke-width="2"/>`;
+      for (const [j, v] of points) svg += `<circle cx="${x_of(j)}" cy="${y_of(v)}" r="4.5" fill="${colour(k)}"/>`;
+    });
+    plot.innerHTML = svg + '</svg>';
+    const first = data.models[0];
+    numbers.innerHTML = `<table><thead><tr><th>Measured range, m</th>${names.map((n) => `<th>${n}</th>`).join('')}</tr></thead><tbody>` +
+        data.models.map((m, k) => `<tr><th><i style="background:${colour(k)}"></i>${escaped(m.name)}</th>` + bands.map((b) => {
+          const v = value(m, b, key);
+          return `<td>${Number.isFinite(v) ? v.toFixed(digits) : 'n/a'}</td>`;
+        }).join('') + '</tr>').join('') +
+        `<tr><th>beams</th>${bands.map((b) => `<td>${(value(first, b, 'beams') || 0).toLocaleString('en').replace(/,/g, '\u202f')}</td>`).join('')}</tr></tbody></table>`;
+    caption.textContent = `${text} Bands of fewer than 100 beams stand in the table only.`;
+  }
+  choice(buttons, scores.map((s) => s[1]), 0, (k) => { score = scores[k]; draw(); });
+  draw();
+  return draw;
 }
 
-try {
-  page.replaceChildren();
-  headline();
-  pictures();
-  pointView();
-  confusion();
-  histogram();
-  breakdown();
-  provenance();
-  document.body.dataset.drawn = 'yes';
-} catch (error) {
-  add(page, 'p', {id: 'failure', className: 'banner'}, `This page could not draw itself: ${error.stack}`);
+// --- Three dimensions --------------------------------------------------------------------------
+const SHADER_OF_POINTS = `
+attribute vec3 at; attribute float error;
+uniform mat4 clip_from_box; uniform float ground, height, size; uniform bool by_error;
+varying vec3 colour;
+vec3 ramp(float f) {
+  f = clamp(f, 0.0, 1.0);
+  vec3 a = vec3(.29, .24, .59), b = vec3(.18, .48, .63), c = vec3(.20, .70, .51), d = vec3(.99, .91, .15);
+  return f < .35 ? mix(a, b, f / .35) : f < .68 ? mix(b, c, (f - .35) / .33) : mix(c, d, (f - .68) / .32);
 }
+void main() {
+  gl_Position = clip_from_box * vec4(at, 1.0);
+  gl_PointSize = clamp(size / gl_Position.w, 1.5, 7.0);
+  float e = (error - 100.0) / 100.0;
+  vec3 grey = vec3(.50, .525, .565);
+  colour = !by_error ? ramp(sqrt(max(0.0, (at.z - ground) / height)))
+      : error > 254.5 ? vec3(.18, .90, .66) : error > 253.5 ? vec3(1.0, .84, .04)
+      : e < 0.0 ? mix(grey, vec3(.145, .39, 1.0), min(1.0, -e)) : mix(grey, vec3(.94, .17, .17), min(1.0, e));
+  if (!by_error && error > 254.5) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+}`;
+const SHADER_OF_COLOUR = `
+precision mediump float; varying vec3 colour;
+void main() {
+  vec2 p = gl_PointCoord - .5;
+  if (dot(p, p) > .25) discard;
+  gl_FragColor = vec4(colour, 1.0);
+}`;
+const bytes_of = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+
+function points_view() {
+  const canvas = by_id('view-canvas');
+  const gl = canvas.getContext('webgl', {antialias: false, preserveDrawingBuffer: true});
+  if (!gl || !data.clouds.some((c) => c.xyz.length)) return;
+  by_id('view').hidden = false;
+  const program = gl.createProgram();
+  for (const [kind, text] of [[gl.VERTEX_SHADER, SHADER_OF_POINTS], [gl.FRAGMENT_SHADER, SHADER_OF_COLOUR]]) {
+    const shader = gl.createShader(kind);
+    gl.shaderSource(shader, text);
+    gl.compileShader(shader);
+    gl.attachShader(program, shader);
+  }
+  gl.linkProgram(program);
+  if (!gl.getProgramParameter(program, gl.LINK_STATUS)) {
+    if (!gl.isContextLost()) show_error(`Script error: WebGL: ${gl.getProgramInfoLog(program)}`);
+    by_id('view').hidden = true;
+    return;
+  }
+  gl.useProgram(program);
+  gl.enable(gl.DEPTH_TEST);
+  gl.clearColor(14 / 255, 17 / 255, 22 / 255, 1);
+  const at = gl.getAttribLocation(program, 'at'), error = gl.getAttribLocation(program, 'error');
+  const uniform = (name) => gl.getUniformLocation(program, name);
+  const places = {clip: uniform('clip_from_box'), ground: uniform('ground'), height: uniform('height'), size: uniform('size'), by_error: uniform('by_error')};
+  const buffer = (bytes) => {
+    const b = gl.createBuffer();
+    gl.bindBuffer(gl.ARRAY_BUFFER, b);
+    gl.bufferData(gl.ARRAY_BUFFER, bytes, gl.STATIC_DRAW);
+    return b;
+  };
+  const clouds = data.clouds.map((c) => {
+    const xyz = bytes_of(c.xyz);
+    return {n: xyz.length / 6, xyz: buffer(xyz), error: c.error ? buffer(bytes_of(c.error)) : null};
+  });
+  const start = {yaw: -0.9, pitch: 0.62, far: 0.62, x: 0.5, y: 0.5, z: data.floor_m / data.box_m};
+  let eye = {...start}, shown = 0, by_error = false, asked = false;
+
+  function clip_from_box(aspect) {
+    const cy = Math.cos(eye.yaw), sy = Math.sin(eye.yaw), cp = Math.cos(eye.pitch), sp = Math.sin(eye.pitch);
+    const right = [cy, sy, 0], back = [sy * cp, -cy * cp, sp], up = [-sy * sp, cy * sp, cp];
+    const move = (v) => -(v[0] * eye.x + v[1] * eye.y + v[2] * eye.z);
+    const focal = 1.6 * Math.min(1, aspect), near = 0.002, end = 6;
+    const fx = focal / aspect, d = (end + near) / (near - end), w = 2 * end * near / (near - end);
+    const depth = move(back) - eye.far;
+    const out = [];
+    for (let k = 0; k < 3; k++) out.push(fx * right[k], focal * up[k], d * back[k], -back[k]);
+    out.push(fx * move(right), focal * move(up), d * depth + w, -depth);
+    return out;
+  }
+  function draw() {
+    asked = false;
+    const ratio = Math.min(2, window.devicePixelRatio || 1);
+    const w = Math.round(canvas.clientWidth * ratio), h = Math.round(canvas.clientHeight * ratio);
+    if (!w || !h) return;
+    if (canvas.width !== w || canvas.height !== h) { canvas.width = w; canvas.height = h; }
+    gl.viewport(0, 0, w, h);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    gl.uniformMatrix4fv(places.clip, false, clip_from_box(w / h));
+    gl.uniform1f(places.ground, data.floor_m / data.box_m);
+    gl.uniform1f(places.height, data.height_m / data.box_m);
+    gl.uniform1f(places.size, 1.3 * ratio);
+    const cloud = clouds[shown];
+    gl.uniform1i(places.by_error, by_error && cloud.error ? 1 : 0);
+    gl.bindBuffer(gl.ARRAY_BUFFER, cloud.xyz);
+    gl.enableVertexAttribArray(at);
+    gl.vertexAttribPointer(at, 3, gl.UNSIGNED_SHORT, true, 6, 0);
+    if (cloud.error) {
+      gl.bindBuffer(gl.ARRAY_BUFFER, cloud.error);
+      gl.enableVertexAttribArray(error);
+      gl.vertexAttribPointer(error, 1, gl.UNSIGNED_BYTE, false, 1, 0);
+    } else {
+      gl.disableVertexAttribArray(error);
+      gl.vertexAttrib1f(error, 100);
+    }
+    gl.drawArrays(gl.POINTS, 0, cloud.n);
+  }
+  const ask = () => { if (!asked) { asked = true; requestAnimationFrame(draw); } };
+
+  const row = by_id('view-clouds');
+  choice(row, data.clouds.map((c) => c.name), 0, (k) => { shown = k; say(); });
+  div(row, 'gap');
+  const colouring = button(row, 'Colour by error', () => { by_error = !by_error; say(); });
+  function say() {
+    colouring.disabled = shown === 0;
+    colouring.style.opacity = shown === 0 ? 0.45 : 1;
+    colouring.setAttribute('aria-pressed', String(by_error && shown > 0));
+    by_id('view-error').hidden = !(by_error && shown > 0);
+    by_id('view-height').hidden = by_error && shown > 0;
+    ask();
+  }
+  handle_pointers(canvas, {
+    turn(dx, dy) {
+      eye.yaw -= dx * 0.007;
+      eye.pitch = Math.min(1.57, Math.max(-0.2, eye.pitch + dy * 0.007));
+      ask();
+    },
+    move(dx, dy) {
+      const scale = eye.far / canvas.clientHeight * 1.3, c = Math.cos(eye.yaw), s = Math.sin(eye.yaw);
+      eye.x -= scale * (dx * c + dy * s);
+      eye.y -= scale * (dx * s - dy * c);
+      ask();
+    },
+    zoom(factor) { eye.far = Math.min(3, Math.max(0.02, eye.far * factor)); ask(); },
+    reset() { eye = {...start}; ask(); },
+  });
+  canvas.addEventListener('webglcontextlost', () => { by_id('view').hidden = true; });
+  say();
+  draw();
+  return ask;
+}
+
+function handle_pointers(canvas, act) {
+  const down = new Map();
+  let last_tap = 0;
+  const spread = () => {
+    const [a, b] = [...down.values()];
+    return Math.hypot(a.x - b.x, a.y - b.y);
+  };
+  canvas.addEventListener('pointerdown', (e) => {
+    canvas.setPointerCapture(e.pointerId);
+    down.set(e.pointerId, {x: e.clientX, y: e.clientY});
+    if (down.size === 1) {
+      if (e.timeStamp - last_tap < 300) act.reset();
+      last_tap = e.timeStamp;
+    }
+  });
+  canvas.addEventListener('pointermove', (e) => {
+    const p = down.get(e.pointerId);
+    if (!p) return;
+    const dx = e.clientX - p.x, dy = e.clientY - p.y;
+    const before = down.size === 2 ? spread() : 0;
+    p.x = e.clientX;
+    p.y = e.clientY;
+    if (down.size === 2) {
+      if (spread() > 0) act.zoom(before / spread());
+      act.move(dx / 2, dy / 2);
+    } else if (e.shiftKey || e.buttons & 6) {
+      act.move(dx, dy);
+    } else {
+      act.turn(dx, dy);
+    }
+  });
+  for (const end of ['pointerup', 'pointercancel']) canvas.addEventListener(end, (e) => down.delete(e.pointerId));
+  canvas.addEventListener('contextmenu', (e) => e.preventDefault());
+  canvas.addEventListener('wheel', (e) => {
+    e.preventDefault();
+    act.zoom(Math.exp(e.deltaY * 0.0012));
+  }, {passive: false});
+  canvas.addEventListener('keydown', (e) => {
+    const turns = {ArrowLeft: [-20, 0], ArrowRight: [20, 0], ArrowUp: [0, -20], ArrowDown: [0, 20]};
+    if (turns[e.key]) act.turn(...turns[e.key]);
+    else if (e.key === '+' || e.key === '-') act.zoom(e.key === '+' ? 0.85 : 1.18);
+    else return;
+    e.preventDefault();
+  });
+}
+
+// --- Hold a simulated picture to see the real one ----------------------------------------------
+function hold_pictures() {
+  const pictures = [...document.querySelectorAll('.holds-real')];
+  for (const picture of pictures) {
+    const own = picture.src, real = picture.closest('.pictures').querySelector('img').src;
+    const label = picture.closest('figure').querySelector('figcaption'), name = label.textContent;
+    const show = (is_real) => {
+      picture.src = is_real ? real : own;
+      label.textContent = is_real ? 'real' : name;
+    };
+    picture.draggable = false;
+    picture.addEventListener('pointerdown', () => show(true));
+    for (const end of ['pointerup', 'pointercancel', 'pointerleave']) picture.addEventListener(end, () => show(false));
+    picture.addEventListener('contextmenu', (e) => e.preventDefault());
+  }
+}
+
+document.documentElement.classList.add('scripted');
+hold_pictures();
+const redraws = [histogram_plot(), bands_plot(), points_view()].filter(Boolean);
+let last_width = window.innerWidth;
+window.addEventListener('resize', () => {
+  if (window.innerWidth === last_width) return;
+  last_width = window.innerWidth;
+  redraws.forEach((draw) => draw());
+});
+document.documentElement.dataset.drawn = 'yes';

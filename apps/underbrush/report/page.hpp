@@ -1,0 +1,27 @@
+/// The parts of a report's page that are text and tables.
+#pragma once
+#include <map>
+#include <string>
+
+#include "report.hpp"
+
+namespace underbrush::app {
+
+/// Text as HTML shows it.
+std::string escaped(const std::string& text);
+/// 1234567 as "1 234 567", with thin spaces that do not break.
+std::string grouped(size_t n);
+
+/// Metrics as rows, models as columns, the best of each row in bold.
+std::string headline_table(const ReportInput& input);
+/// Hits and misses, real by simulated, of each model.
+std::string confusion_tables(const ReportInput& input);
+/// Recall and packet error of each class; empty if the log has no classes.
+std::string class_table(const ReportInput& input);
+/// The provenance, readable.
+std::string provenance_text(const ReportInput& input);
+
+/// The page with style and script in it, each @@key@@ replaced by its value.
+std::string filled_page(const std::map<std::string, std::string>& values);
+
+}  // namespace underbrush::app

@@ -1,0 +1,53 @@
+#include "underbrush/core/temporary.hpp"
+
+#include <mutex>
+#include <set>
+
+namespace underbrush {
+namespace fs = std::filesystem;
+namespace {
+
+struct Registry {
+  std::mutex mutex;
+  std::set<fs::path> paths;
+};
+
+// Never destroyed: threads may outlive main.
+Registry& registry() {
+  static Registry& all = *new Registry;
+  return all;
+}
+
+}  // namespace
+
+TemporaryPath::TemporaryPath(fs::path path) : path_(std::move(path)) {
+  const std::lock_guard lock(registry().mutex);
+  registry().paths.insert(path_);
+}
+
+TemporaryPath::~TemporaryPath() {
+  const std::lock_guard lock(registry().mutex);
+  if (registry().paths.erase(path_) == 0) return;  // kept
+  std::error_code ignored;
+  fs::remove_all(path_, ignored);
+}
+
+void TemporaryPath::keep(const std::function<void()>& move) {
+  const std::lock_guard lock(registry().mutex);
+  move();
+  registry().paths.erase(path_);
+}
+
+void remove_temporaries() noexcept {
+  registry().mutex.lock();  // for good
+  for (const fs::path& path : registry().paths) {
+    std::error_code error;
+    // Other threads may still be adding files to a folder.
+    for (int tries = 0; tries < 100; ++tries) {
+      fs::remove_all(path, error);
+      if (!error) break;
+    }
+  }
+}
+
+}  // namespace underbrush

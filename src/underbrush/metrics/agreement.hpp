@@ -1,0 +1,30 @@
+/// \file
+/// How well a yes-or-no answer agrees with labels.
+#pragma once
+#include <cstddef>
+#include <limits>
+
+namespace underbrush::metrics {
+
+/// Counts of points by what was found and what is true.
+struct Agreement {
+  size_t true_positive = 0, false_positive = 0, false_negative = 0, true_negative = 0;
+
+  void add(bool found, bool truth) {
+    ++(found ? (truth ? true_positive : false_positive) : (truth ? false_negative : true_negative));
+  }
+  /// The scores; NaN where nothing was there to score.
+  double precision() const { return share(true_positive, true_positive + false_positive); }
+  double recall() const { return share(true_positive, true_positive + false_negative); }
+  /// Intersection over union.
+  double iou() const {
+    return share(true_positive, true_positive + false_positive + false_negative);
+  }
+
+ private:
+  static double share(size_t part, size_t whole) {
+    return whole ? double(part) / double(whole) : std::numeric_limits<double>::quiet_NaN();
+  }
+};
+
+}  // namespace underbrush::metrics
