@@ -103,8 +103,8 @@ Sensor read_sensor(const std::string& file, const YAML::Node& root) {
   s.range_resolution_m = map.get("range_resolution_m", 0.0);
   const auto divergence = map.get("divergence_mrad", std::vector<double>{0, 0});
   if (divergence.size() != 2) map.fail("divergence_mrad", "needs [horizontal, vertical]");
-  s.divergence_rad = {divergence[0] * 1e-3, divergence[1] * 1e-3};
-  s.aperture_m = map.get("aperture_mm", 0.0) * 1e-3;
+  s.beam.divergence_rad = {divergence[0] * 1e-3, divergence[1] * 1e-3};
+  s.beam.exit_diameter_m = map.get("aperture_mm", 0.0) * 1e-3;
   s.wavelength_m = map.get("wavelength_nm", 0.0) * 1e-9;
   try {
     s.check();

@@ -31,10 +31,10 @@ void Sensor::check() const {
   require(firings_per_packet > 0, "sensor: firings per packet must be positive");
   require(not_negative(min_range_m) && positive(max_range_m) && min_range_m < max_range_m,
           "sensor: needs 0 <= minimum range < maximum range");
-  require(not_negative(range_sigma_m) && not_negative(range_resolution_m) &&
-              not_negative(divergence_rad[0]) && not_negative(divergence_rad[1]) &&
-              not_negative(aperture_m) && not_negative(wavelength_m),
-          "sensor: a negative size");
+  require(
+      not_negative(range_sigma_m) && not_negative(range_resolution_m) && not_negative(wavelength_m),
+      "sensor: a negative size");
+  beam.check();
   for (const Channel& c : channels) {
     require(std::abs(c.elevation_rad) <= M_PI / 2, "sensor: elevation beyond 90 degrees");
     require(std::isfinite(c.azimuth_rad) && std::isfinite(c.z_m), "sensor: channel is not finite");

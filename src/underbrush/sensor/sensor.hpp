@@ -1,10 +1,11 @@
 /// \file
 /// What a lidar is: its channels, its timing, its limits; and the catalogue of known ones.
 #pragma once
-#include <array>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "underbrush/sensor/beam.hpp"
 
 namespace underbrush {
 /// Sensors, their scan patterns, and raw scans turned into beams.
@@ -37,10 +38,9 @@ struct Sensor {
   int firings_per_packet = 1;     ///< Firings sent in one data packet, taken to share a pose.
   double min_range_m = 0;
   double max_range_m = 120;
-  double range_sigma_m = 0;                ///< σ of the range.
-  double range_resolution_m = 0;           ///< Step of the reported range.
-  std::array<double, 2> divergence_rad{};  ///< Full angle at half power: horizontal, vertical.
-  double aperture_m = 0;                   ///< Diameter of the beam where it leaves the sensor.
+  double range_sigma_m = 0;       ///< σ of the range.
+  double range_resolution_m = 0;  ///< Step of the reported range.
+  BeamShape beam;
   double wavelength_m = 0;
 
   double firings_per_revolution() const { return 1 / (rate_hz * firing_period_s); }
