@@ -28,7 +28,8 @@ std::string nearest_name(std::string_view name, const std::vector<std::string>& 
   size_t least = SIZE_MAX;
   std::string best;
   for (const std::string& k : known) {
-    const size_t d = distance(name, k);
+    const bool part = name.size() > 2 && k.find(name) != std::string::npos;
+    const size_t d = part ? 1 : distance(name, k);
     if (d >= least || 2 * d > k.size()) continue;
     least = d;
     best = k;

@@ -30,12 +30,7 @@ struct Echoes {
   void push(const Echo& e);
 };
 
-/// Where in a pulse its range is taken.
-enum class Timing : uint8_t {
-  kPeak,         ///< At the maximum, by a parabola through the logarithms of three samples.
-  kLeadingEdge,  ///< Where it rises through the threshold, corrected for the height of the peak;
-                 ///< of a pulse that rises out of a valley, the peak.
-};
+using sensor::Timing;
 
 /// How echoes are told.
 struct DetectorOptions {

@@ -83,6 +83,34 @@ double signal_from_detection_range(double range_m, double reflectance, double th
   return threshold * range_m * range_m * std::exp(2 * extinction_per_m * range_m) / reflectance;
 }
 
+ReceiverOptions receiver_options(const sensor::Sensor& s, double extinction_per_m,
+                                 double noise_sigma) {
+  const sensor::SignalChain& c = s.signal;
+  ReceiverOptions o;
+  o.response = {c.pulse, c.pulse_fwhm_s, c.receiver_fwhm_s, c.sample_s};
+  o.detector.timing = c.timing;
+  o.detector.threshold = float(c.threshold_snr);
+  o.detector.min_gap_m = float(c.min_gap_m);
+  o.min_range_m = s.min_range_m;
+  o.max_range_m = s.max_range_m;
+  o.signal_at_1m =
+      signal_from_detection_range(c.detection_range_m > 0 ? c.detection_range_m : s.max_range_m,
+                                  c.detection_reflectance, c.threshold_snr, 0);
+  o.extinction_per_m = extinction_per_m;
+  o.noise_sigma = noise_sigma;
+  o.adc_most = float(c.saturation_snr);
+  o.range_sigma_m = s.range_sigma_m;
+  o.range_resolution_m = s.range_resolution_m;
+  o.intensity = c.intensity;
+  o.intensity_scale = c.intensity_scale;
+  o.intensity_resolution = c.intensity_resolution;
+  o.intensity_most = c.intensity_most;
+  o.width_resolution_m = c.width_resolution_m;
+  o.mode = c.mode;
+  o.max_echoes = c.max_echoes;
+  return o;
+}
+
 Receiver::Receiver(const ReceiverOptions& options)
     : options_(options),
       response_(options.response),

@@ -6,22 +6,12 @@
 #include <span>
 
 #include "underbrush/radiometry/detector.hpp"
+#include "underbrush/sensor/sensor.hpp"
 
 namespace underbrush::radiometry {
 
-/// Which echoes of a beam a sensor reports.
-enum class ReturnMode : uint8_t {
-  kStrongest,  ///< The one of most energy.
-  kFirst,
-  kLast,
-  kAll,  ///< The first `max_echoes`.
-};
-
-/// What the intensity of an echo stands for.
-enum class Intensity : uint8_t {
-  kSignal,       ///< The peak of the signal.
-  kReflectance,  ///< The peak over that of a white, perpendicular target at the echo's range.
-};
+using sensor::Intensity;
+using sensor::ReturnMode;
 
 /// A receiver. Signals are in units of the noise in the dark.
 struct ReceiverOptions {
@@ -47,6 +37,11 @@ struct ReceiverOptions {
   /// Throws `std::invalid_argument` where a value is out of its range.
   void check() const;
 };
+
+/// The receiver of a sensor in this air and light: its signal chain, ranges, accuracy and steps.
+/// The signal is calibrated in clear air and in the dark, to the sensor's detection range.
+ReceiverOptions receiver_options(const sensor::Sensor& sensor, double extinction_per_m = 0,
+                                 double noise_sigma = 1);
 
 /// Signal at 1 m of a sensor that just detects (signal = `threshold`) a perpendicular Lambertian
 /// target of this reflectance at this range: threshold · R² e^{2αR} / ρ.

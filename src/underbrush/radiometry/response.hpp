@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "underbrush/sensor/signal.hpp"
+
 namespace underbrush {
 /// From the light that sub-rays bring back to the echoes that a sensor reports.
 namespace radiometry {
@@ -12,12 +14,7 @@ namespace radiometry {
 /// Speed of light in vacuum, m/s.
 inline constexpr double kSpeedOfLight = 299792458;
 
-/// Shape of the emitted pulse over time.
-enum class Pulse : uint8_t {
-  kGaussian,
-  kQSwitched,  ///< (t/τ)² exp(−t/τ), the fast rise and slow fall of Q-switched lasers
-               ///< ([steinvall00]).
-};
+using sensor::Pulse;
 
 /// Times of the transmitter and the receiver.
 struct ResponseOptions {
