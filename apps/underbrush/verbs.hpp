@@ -12,6 +12,7 @@ void add_info(CLI::App& root);
 void add_fit(CLI::App& root);
 void add_simulate(CLI::App& root);
 void add_score(CLI::App& root);
+void add_sensors(CLI::App& root);
 void add_split(CLI::App& root);
 
 inline void add_all_verbs(CLI::App& root) {
@@ -22,6 +23,7 @@ inline void add_all_verbs(CLI::App& root) {
   add_fit(root);
   add_simulate(root);
   add_score(root);
+  add_sensors(root);
 }
 
 }  // namespace underbrush::app
