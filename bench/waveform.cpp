@@ -1,5 +1,6 @@
 // Cost of the waveform stage per beam, one thread: signals of 41 sub-rays, their superposition,
-// noise, detection. An OS1-64 fires 655 360 or 1 310 720 beams/s: 1526 or 763 ns a beam and core.
+// noise, detection, report. An OS1-64 fires 655 360 or 1 310 720 beams/s: 1526 or 763 ns a beam on
+// one core.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -61,18 +62,16 @@ double ns_per_beam(int beams, int runs, F f) {
 int main(int argc, char** argv) {
   CLI::App app("Waveform and detection, ns per beam on one thread");
   int sub_rays = 41, beams = 2000, runs = 50;
-  std::string json_file;
+  std::string sensor_name = "ouster-os1-64", json_file;
   app.add_option("--sub-rays", sub_rays, "Sub-rays a beam")->capture_default_str();
+  app.add_option("--sensor", sensor_name, "Whose receiver")->capture_default_str();
   app.add_option("--runs", runs, "Runs of each, the best counts")->capture_default_str();
   app.add_option("--json", json_file, "Write the figures here");
   CLI11_PARSE(app, argc, argv);
 
-  radiometry::ReceiverOptions options;
-  options.extinction_per_m = 1e-4;
-  options.range_sigma_m = 0.01;
-  options.range_resolution_m = 0.003;
+  radiometry::ReceiverOptions options =
+      radiometry::receiver_options(sensor::load(sensor_name), 1e-4);
   options.adc_step = 0.5f;
-  options.adc_most = 4000;
   options.mode = radiometry::ReturnMode::kAll;
   options.max_echoes = 3;
   const radiometry::Receiver receiver(options);
