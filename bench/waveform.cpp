@@ -79,7 +79,17 @@ int main(int argc, char** argv) {
   const size_t n = size_t(sub_rays);
   std::vector<float> signal(n);
   nlohmann::ordered_json j;
-  double echoes = 0;
+  double echoes = 0, sum = 0;
+  const sensor::Sensor sensor = sensor::load(sensor_name);
+  const auto places = sensor::spread_sub_rays(sensor.beam, sub_rays);
+  const sensor::RayMaker maker(sensor.beam);
+  j["sub_rays_ns"] = ns_per_beam(beams, runs, [&](int b) {
+    const sensor::BeamAxes axes = sensor::beam_axes({Vec3(b, 0, 0), Vec3(0.6, 0, 0.8)});
+    for (const sensor::SubRay& p : places) {
+      const Ray ray = maker.ray(axes, double(p.u), double(p.v));
+      sum += ray.direction.sum() + ray.origin.sum();
+    }
+  });
   const char* names[] = {"surface", "edge", "leaves_2m", "leaves_20m"};
   for (int kind = 0; kind < 4; ++kind) {
     const Returns r = returns_of(kind, beams, sub_rays);
@@ -102,6 +112,7 @@ int main(int argc, char** argv) {
     });
   }
   j["echoes_per_beam"] = echoes / (4.0 * beams * runs);
+  j["check"] = sum;  // so that nothing is left out
   j["taps"] = receiver.response().taps();
   for (const auto& [key, value] : j.items())
     std::printf("%-32s %s\n", key.c_str(), value.dump().c_str());

@@ -23,7 +23,7 @@ namespace {
 using sensor::Sensor;
 
 constexpr double kDegree = M_PI / 180;
-constexpr size_t kMostDots = 12000;
+constexpr size_t kMostDots = 4000;
 
 struct Arguments {
   std::string action, name, plot, csv;

@@ -26,8 +26,9 @@ template <class F>
 Shot shoot(const BeamShape& shape, const std::vector<SubRay>& places, F meet) {
   Shot shot;
   const sensor::BeamAxes beam = sensor::beam_axes(Ray{});
+  const sensor::RayMaker maker(shape);
   for (const SubRay& place : places) {
-    const auto [range, cosine] = meet(sensor::sub_ray(beam, shape, place.u, place.v));
+    const auto [range, cosine] = meet(maker.ray(beam, place.u, place.v));
     shot.range.push_back(float(range));
     shot.weight.push_back(place.weight);
     shot.factor.push_back(float(cosine));

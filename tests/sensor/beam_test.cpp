@@ -98,6 +98,7 @@ TEST(SubRays, FootprintGrowsAsTheShapeSays) {
   for (Growth growth : {Growth::kCone, Growth::kWaist}) {
     const BeamShape s = shape_of(Profile::kUniform, growth);
     const BeamAxes beam = beam_axes(axis);
+    const RayMaker maker(s);
     EXPECT_NEAR(beam.right.z(), 0, 1e-15);
     EXPECT_GT(beam.up.z(), 0.9);
     for (double range : {0.0, 2.5, 10.0, 100.0}) {
@@ -111,7 +112,7 @@ TEST(SubRays, FootprintGrowsAsTheShapeSays) {
       }
       double right = 0, up = 0;
       for (const SubRay& sub : spread_sub_rays(s, 4000)) {
-        const Ray ray = sub_ray(beam, s, sub.u, sub.v);
+        const Ray ray = maker.ray(beam, sub.u, sub.v);
         ASSERT_NEAR(ray.direction.norm(), 1, 1e-14);
         // Where it crosses the plane at that range.
         const double t = (range - (ray.origin - axis.origin).dot(axis.direction)) /

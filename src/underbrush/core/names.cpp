@@ -28,8 +28,12 @@ std::string nearest_name(std::string_view name, const std::vector<std::string>& 
   size_t least = SIZE_MAX;
   std::string best;
   for (const std::string& k : known) {
-    const bool part = name.size() > 2 && k.find(name) != std::string::npos;
-    const size_t d = part ? 1 : distance(name, k);
+    size_t d = distance(name, k);
+    // A part of the name, from a dash on, with a mistake or two.
+    for (size_t dash = k.find('-'); dash != std::string::npos; dash = k.find('-', dash + 1)) {
+      const size_t part = distance(name, std::string_view(k).substr(dash + 1));
+      if (2 * part <= name.size()) d = std::min(d, part + 1);
+    }
     if (d >= least || 2 * d > k.size()) continue;
     least = d;
     best = k;

@@ -151,17 +151,18 @@ BeamAxes beam_axes(const Ray& axis, const Vec3& vertical) {
   return {axis, right, right.cross(axis.direction), vertical};
 }
 
-Ray sub_ray(const BeamAxes& beam, const BeamShape& shape, double u, double v) {
-  const double exit = shape.exit_diameter_m / 2;
+RayMaker::RayMaker(const BeamShape& shape)
+    : exit_m_(shape.exit_diameter_m / 2),
+      slope_u_(std::tan(shape.divergence_rad[0] / 2)),
+      slope_v_(std::tan(shape.divergence_rad[1] / 2)),
+      cone_(shape.growth == Growth::kCone) {}
+
+Ray RayMaker::ray(const BeamAxes& beam, double u, double v) const {
   // In a waist a line starts a quarter turn ahead of where it points, so that the squares add.
-  const bool cone = shape.growth == Growth::kCone;
-  Ray ray;
-  ray.origin =
-      beam.axis.origin + exit * (cone ? u : -v) * beam.right + exit * (cone ? v : u) * beam.up;
-  ray.direction = (beam.axis.direction + std::tan(shape.divergence_rad[0] / 2) * u * beam.right +
-                   std::tan(shape.divergence_rad[1] / 2) * v * beam.up)
-                      .normalized();
-  return ray;
+  const double x = exit_m_ * (cone_ ? u : -v), y = exit_m_ * (cone_ ? v : u);
+  const double a = slope_u_ * u, b = slope_v_ * v, shrink = 1 / std::sqrt(1 + a * a + b * b);
+  return {beam.axis.origin + x * beam.right + y * beam.up,
+          shrink * (beam.axis.direction + a * beam.right + b * beam.up)};
 }
 
 Ray random_ray(const BeamAxes& beam, const BeamShape& shape, uint64_t key) {
@@ -175,7 +176,7 @@ Ray random_ray(const BeamAxes& beam, const BeamShape& shape, uint64_t key) {
     const double radius = radius_of_share(shape.profile, a);
     place = {radius * std::cos(2 * M_PI * b), radius * std::sin(2 * M_PI * b)};
   }
-  Ray ray = sub_ray(beam, shape, place[0], place[1]);
+  Ray ray = RayMaker(shape).ray(beam, place[0], place[1]);
   const double turn = (c - 0.5) * shape.encoder_step_rad;
   ray.direction = Eigen::AngleAxisd(turn, beam.vertical) * ray.direction;
   return ray;

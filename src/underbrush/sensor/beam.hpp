@@ -81,8 +81,17 @@ struct BeamAxes {
 /// along it.
 BeamAxes beam_axes(const Ray& axis, const Vec3& vertical = Vec3::UnitZ());
 
-/// The sub-ray through the place (u, v).
-Ray sub_ray(const BeamAxes& beam, const BeamShape& shape, double u, double v);
+/// A shape made ready to give rays: no angle function and one division a ray.
+class RayMaker {
+ public:
+  explicit RayMaker(const BeamShape& shape);
+  /// The ray through the place (u, v) of the cross-section.
+  Ray ray(const BeamAxes& beam, double u, double v) const;
+
+ private:
+  double exit_m_, slope_u_, slope_v_;
+  bool cone_;
+};
 
 /// A ray drawn from the beam's profile and its encoder's step ([deschaud12] §IV draws evenly from
 /// the truncated cone: `kUniform`, `kCone`). Random numbers: elements 0 to 2 of

@@ -31,6 +31,7 @@ std::array<size_t, 2> strongest_echo(const std::vector<Met>& hits, double pulse_
 void scan(const trace::World& world, std::span<const elements::Class> label,
           const FootprintOptions& options, size_t first_beam, BeamLog& beams) {
   options.shape.check();
+  const sensor::RayMaker maker(options.shape);
   const std::vector<sensor::SubRay> places =
       sensor::spread_sub_rays(options.shape, options.sub_rays);
   require(label.size() == world.model().size(), "one label per element of the world is needed");
@@ -46,7 +47,7 @@ void scan(const trace::World& world, std::span<const elements::Class> label,
       const double c = std::cos(turn), s = std::sin(turn);
       hits.clear();
       for (const auto& [u, v, weight] : places) {
-        const Ray ray = sensor::sub_ray(axes, options.shape, c * u - s * v, s * u + c * v);
+        const Ray ray = maker.ray(axes, c * u - s * v, s * u + c * v);
         const Met met = world.nearest_surface(ray, limits);
         if (!met.none()) hits.push_back(met);
       }
