@@ -115,6 +115,7 @@ TEST(Detector, SeparatesWhereTheValleyIsDeepEnough) {
   const Echoes one = echoes_of(h, wide, {20, 24}, {100, 120});
   ASSERT_EQ(one.count, 1);
   EXPECT_NEAR(one.echo[0].range_m, 24, 2e-3);
+  EXPECT_NEAR(echoes_of(h, wide, {20, 24}, {120, 100}).echo[0].range_m, 20, 2e-3);
   EXPECT_EQ(echoes_of(h, wide, {20, 26}, {100, 120}).count, 2);
 }
 

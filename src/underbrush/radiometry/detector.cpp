@@ -20,6 +20,12 @@ double log2_of(double x) {
   return double(int(bits >> 52) - 1023) + 0.5 + 2 / M_LN2 * series;
 }
 
+/// 2^x for 0 ≤ x ≤ 1, relative error below 10⁻⁶.
+double exp2_of(double x) {
+  const double y = x * M_LN2;
+  return 1 + y * (1 + y / 2 * (1 + y / 3 * (1 + y / 4 * (1 + y / 5 * (1 + y / 6 * (1 + y / 7))))));
+}
+
 /// The maximum of a bell through three samples, the middle one highest: exact for a Gaussian.
 struct Vertex {
   double place = 0;  // from the middle sample, in samples
@@ -31,7 +37,7 @@ Vertex vertex(double a, double b, double c) {
   c = log2_of(c / b);
   if (!(a + c < 0)) return {0, b};
   const double place = std::clamp(0.5 * (a - c) / (a + c), -0.5, 0.5);
-  return {place, b * std::exp2(-0.25 * (a - c) * place)};
+  return {place, b * exp2_of(std::min(1.0, -0.25 * (a - c) * place))};
 }
 
 /// Where between samples k−1 and k the signal passes `level`: linear in its logarithm, as the
