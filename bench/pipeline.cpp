@@ -27,6 +27,7 @@ using bench::seconds_of;
 template <class F>
 double median_rate(size_t items, int runs, F f) {
   std::vector<double> rates;
+  rates.reserve(size_t(runs));
   for (int k = 0; k < runs; ++k) rates.push_back(double(items) / seconds_of(f));
   return bench::median(rates);
 }

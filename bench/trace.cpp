@@ -21,8 +21,8 @@ namespace underbrush::bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
-constexpr double kMaxRange_m = 120;
-constexpr size_t kCall = 8192;  // rays a call
+constexpr double kMaxRange = 120;  // m
+constexpr size_t kCall = 8192;     // rays a call
 
 struct Rays {
   std::vector<Ray> firing, coherent;
@@ -84,7 +84,7 @@ class Contest {
 void trace_all(const trace::World& world, const Rays& rays, std::vector<trace::Met>& met) {
   parallel_for(rays.firing.size(), kCall, [&](size_t begin, size_t end) {
     const size_t n = end - begin;
-    world.nearest_accepted({&rays.firing[begin], n}, {&rays.keys[begin], n}, {0, kMaxRange_m},
+    world.nearest_accepted({&rays.firing[begin], n}, {&rays.keys[begin], n}, {0, kMaxRange},
                            {&met[begin], n});
   });
 }
@@ -117,7 +117,7 @@ class Bench {
     const auto embree = [&](const char* name, const Embree& e, const std::vector<Ray>& r,
                             EmbreeMode mode) {
       contest.add(name,
-                  [&e, &r, &range, mode] { e.closest_hits(r, mode, float(kMaxRange_m), range); });
+                  [&e, &r, &range, mode] { e.closest_hits(r, mode, float(kMaxRange), range); });
     };
     embree("embree_single", best, rays.firing, EmbreeMode::kSingle);
     embree("embree_packet8", best, rays.coherent, EmbreeMode::kPacket8);
@@ -215,7 +215,7 @@ Json summary(const Json& one, const Json& sub) {
   const double ours = fastest(core, "ours");
   Json j;
   j["hdl64e_realtime_multiple_1e6"] = fastest(two, "ours") / kHdl64eBeamsPerS;
-  j["os1_64_realtime_multiple_1e6"] = fastest(two, "ours") / kOs1_64BeamsPerS;
+  j["os1_64_realtime_multiple_1e6"] = fastest(two, "ours") / kOs1BeamsPerS;
   j["ratio_to_embree_best_1e6"] = ours / fastest(core, "embree");
   if (core.contains("ours_avx2")) {
     const double avx2 = core["ours_avx2"];
@@ -276,7 +276,7 @@ int main(int argc, char** argv) {
 
   Bench bench(rounds, quick);
   const char* hdl = "velodyne-hdl64e";
-  Json out, cases = Json::array(), one, sub;
+  Json cases = Json::array(), one, sub;
   const auto keep = [&](Json j) {
     print(j);
     cases.push_back(j);
@@ -299,12 +299,10 @@ int main(int argc, char** argv) {
   for (size_t n : quick ? std::vector<size_t>{1000} : std::vector<size_t>{286, 10000, 1000000}) {
     keep(bench.scene_case({"planted", n, 1}, planted(n), hdl));
   }
-  out["summary"] = summary(one, sub);
-  for (const auto& [key, value] : out["summary"].items()) {
-    out[key] = value;
+  Json out = summary(one, sub);
+  for (const auto& [key, value] : out.items()) {
     std::printf("%-42s %.4g\n", key.c_str(), value.get<double>());
   }
-  out.erase("summary");
   out["cases"] = cases;
   if (!json_file.empty()) std::ofstream(json_file) << out.dump(2) << "\n";
   return 0;

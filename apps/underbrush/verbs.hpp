@@ -13,6 +13,7 @@ void add_fit(CLI::App& root);
 void add_simulate(CLI::App& root);
 void add_score(CLI::App& root);
 void add_segment(CLI::App& root);
+void add_sensors(CLI::App& root);
 void add_split(CLI::App& root);
 
 inline void add_all_verbs(CLI::App& root) {
@@ -24,6 +25,7 @@ inline void add_all_verbs(CLI::App& root) {
   add_fit(root);
   add_simulate(root);
   add_score(root);
+  add_sensors(root);
 }
 
 }  // namespace underbrush::app

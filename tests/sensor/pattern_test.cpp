@@ -2,10 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
 #include "underbrush/core/parallel.hpp"
+#include "underbrush/sensor/angles.hpp"
 
 namespace underbrush::sensor {
 namespace {
@@ -27,6 +30,7 @@ TEST(Pattern, EverySensorFiresItsBeamsPerRevolutionAndPerChannel) {
   const Trajectory still({{0, Pose{}}});
   for (const std::string& name : names()) {
     const Sensor s = load(name);
+    if (s.kind != Kind::kSpinning) continue;
     const BeamLog log = beams(s, still, 5, 5 + 2 / s.rate_hz);
     log.check();
     const double expected = 2 * s.firings_per_revolution() * double(s.channels.size());
@@ -112,6 +116,80 @@ TEST(Pattern, ChunksAndThreadsChangeNothing) {
     EXPECT_EQ(joined.packet, whole.packet);
   }
   set_threads(0);
+}
+
+// Shots of a cycle repeat, each at its own time, whatever the chunks; a scan is 1/rate of them.
+TEST(Pattern, SensorsThatDoNotSpinRepeatTheirCycle) {
+  const Trajectory trajectory = path(0, 200);
+  for (const std::string& name : names()) {
+    const Sensor s = load(name);
+    if (s.kind == Kind::kSpinning) continue;
+    const double cycles = name == "optech-ilris-3d" ? 0.2 : 2.25;
+    const double end = 3 + cycles * s.shot_cycle_s();
+    const BeamLog log = beams(s, trajectory, 3, end);
+    log.check();
+    const uint64_t n = s.shots_per_cycle();
+    // Evenly spaced shots; a sweep rests for the rest of its turn.
+    if (name != "ibeo-lux-2010") {
+      EXPECT_NEAR(double(log.size()), cycles * double(n), 1) << name;
+    }
+    for (size_t i = 0; i < log.size(); i += 7) {
+      const Shot shot = s.shot(i % n);
+      ASSERT_NEAR(log.time_s[i], 3 + double(i / n) * s.shot_cycle_s() + shot.time_s, 1e-9);
+      ASSERT_EQ(log.ring[i], shot.ring);
+      ASSERT_EQ(log.scan[i], uint32_t((log.time_s[i] - 3 + 1e-9) * s.rate_hz)) << name << i;
+      const Vec3 local =
+          moving(log.time_s[i]).rotation.conjugate() * log.direction[i].cast<double>();
+      ASSERT_LT((local - unit_vector(shot.azimuth_rad, shot.elevation_rad)).norm(), 1e-6);
+      ASSERT_LT((log.origin[i] - moving(log.time_s[i]).translation).norm(), 1e-9);
+    }
+    EXPECT_LT(log.time_s.back(), end);
+    EXPECT_EQ(log.info.scans.size(), log.scan.back() + 1);
+    for (const ScanInfo& scan : log.info.scans) {
+      const size_t first =
+          size_t(std::lower_bound(log.scan.begin(), log.scan.end(), scan.scan) - log.scan.begin());
+      EXPECT_NEAR(scan.time_s, log.time_s[first], 1e-9) << name;
+      EXPECT_EQ(log.packet[first], 0u);
+    }
+    PatternSource source(s, trajectory, 3, end, 333);
+    ASSERT_EQ(source.size(), log.size());
+    BeamLog joined, chunk;
+    while (source.next(chunk)) joined.append(chunk, 0, chunk.size());
+    EXPECT_EQ(joined.direction, log.direction);
+    EXPECT_EQ(joined.packet, log.packet);
+  }
+}
+
+TEST(Pattern, RasterRunsThereAndBackBetweenItsBounds) {
+  const Raster r{0.2, -0.2, 0.1, -0.1, 5, 3, false, true};
+  EXPECT_EQ(r.size(), 15u);
+  const double azimuth[] = {0.2, 0.1, 0, -0.1, -0.2, -0.2, -0.1, 0, 0.1, 0.2, 0.2};
+  for (uint64_t k = 0; k < 11; ++k) {
+    EXPECT_NEAR(r.shot(k).azimuth_rad, azimuth[k], 1e-12);
+    EXPECT_NEAR(r.shot(k).elevation_rad, 0.1 - 0.1 * double(k / 5), 1e-12);
+    EXPECT_EQ(r.shot(k).ring, k / 5);
+  }
+  const Raster c{0.2, -0.2, 0.1, -0.1, 5, 3, true, false};
+  EXPECT_NEAR(c.shot(4).azimuth_rad, 0.1, 1e-12);
+  EXPECT_EQ(c.shot(4).ring, 1u);
+}
+
+TEST(Pattern, LayersOfASweepKeepToTheirWindows) {
+  const Sensor lux = load("ibeo-lux-2010");
+  std::array<double, 4> low{9, 9, 9, 9}, high{-9, -9, -9, -9};
+  std::array<size_t, 4> count{};
+  for (const Shot& s : lux.shots) {
+    low[s.ring] = std::min(low[s.ring], s.azimuth_rad * 180 / M_PI);
+    high[s.ring] = std::max(high[s.ring], s.azimuth_rad * 180 / M_PI);
+    ++count[s.ring];
+    // The head turns evenly: 0.5 degrees in 1/720 of 80 ms.
+    EXPECT_NEAR(s.time_s, (50.25 * M_PI / 180 - s.azimuth_rad) / (2 * M_PI) * 0.08, 1e-9);
+  }
+  EXPECT_EQ(count[0], 202u);
+  EXPECT_NEAR(low[0], -50.25, 1e-9);
+  EXPECT_NEAR(high[0], 50.25, 1e-9);
+  EXPECT_NEAR(low[3], -59.75, 1e-9);
+  EXPECT_NEAR(high[3], 35.75, 1e-9);
 }
 
 TEST(Pattern, RefusesWhatHasNoPoseAndGivesNothingForNoTime) {

@@ -18,7 +18,8 @@ TEST(Catalogue, EveryNameLoadsAndSaysWhereItsValuesComeFrom) {
   const std::vector<std::string> all = names();
   EXPECT_TRUE(std::is_sorted(all.begin(), all.end()));
   for (const char* name : {"velodyne-vlp16", "velodyne-vlp32c", "velodyne-hdl32e",
-                           "velodyne-hdl64e", "ouster-os1-64", "generic-spinning"}) {
+                           "velodyne-hdl64e", "ouster-os1-64", "ibeo-lux-2010", "optech-ilris-3d",
+                           "generic-spinning", "generic-raster", "generic-directions"}) {
     EXPECT_TRUE(std::count(all.begin(), all.end(), name)) << name;
   }
   for (const std::string& name : all) {
@@ -26,6 +27,11 @@ TEST(Catalogue, EveryNameLoadsAndSaysWhereItsValuesComeFrom) {
     EXPECT_EQ(s.name, name);
     EXPECT_FALSE(s.sources.empty()) << name;
     EXPECT_NO_THROW(s.check()) << name;
+    EXPECT_GT(s.beam.exit_diameter_m, 0) << name;
+    EXPECT_GT(s.beam.divergence_rad[1], 0) << name;
+    EXPECT_GT(s.wavelength_m, 800e-9) << name;
+    EXPECT_GT(s.range_sigma_m, 0) << name;
+    EXPECT_GT(s.signal.detection_range_m, 0) << name;
     // Ring numbers run from one end of the field of view to the other.
     for (size_t i = 2; i < s.channels.size(); ++i) {
       EXPECT_GT((s.channels[i].elevation_rad - s.channels[i - 1].elevation_rad) *
@@ -117,17 +123,58 @@ TEST_F(SensorFile, ErrorsNameFileAndPlace) {
   expect("[1, 2]", "{first: 1, last: 2}", "count: missing");
   expect("[1, 2]", "{first: 1, last: 2, count: 1}", "count");
   expect("[1, 2]", "{first: 1, last: 2, count: -1}", "count");
-  expect("spinning", "raster", "kind");
+  expect("spinning", "gear", "kind: must be one of spinning");
+  expect("spinning", "raster", "raster: missing");
+  expect("spinning", "sweep", "azimuth_from_deg: missing");
+  expect("spinning", "directions", "cycle_s: missing");
+  expect("min_range_m: 1", "min_range_m: 1\nreceiver: {pulse: square}", "receiver.pulse");
+  expect("min_range_m: 1", "min_range_m: 1\nreceiver: {pulse_ns: -3}", "pulse");
+  expect("min_range_m: 1", "min_range_m: 1\nreceiver: {echo: 3}", "receiver.echo: unknown key");
+  expect("min_range_m: 1", "min_range_m: 1\ndivergence_mrad: 3", "divergence_mrad");
+  expect("min_range_m: 1", "min_range_m: 1\nprofile: table", "profile_table");
+  expect("min_range_m: 1", "min_range_m: 1\nprofile: table\nprofile_table: [[1, 2], [3]]",
+         "profile_table: rows differ");
+  expect("  time_us", "  azimuth_to_deg: [1, 2]\n  time_us", "only for a sweep");
   expect("clockwise", "left", "rotation");
   expect("name: mine", "name: [mine", "line");
   expect("channels:\n  elevation_deg: [1, 2]\n  time_us: [0, 5]\n", "channels: 4\n", "channels");
 }
 
+TEST(Shots, FromATableOfDirections) {
+  const auto plain = shots_from_csv("a.csv", "azimuth_deg,elevation_deg\n# c\n90,0\r\n-90,45\n", 2);
+  ASSERT_EQ(plain.size(), 2u);
+  EXPECT_NEAR(plain[0].azimuth_rad, M_PI / 2, 1e-12);
+  EXPECT_NEAR(plain[1].elevation_rad, M_PI / 4, 1e-12);
+  EXPECT_EQ(plain[1].time_s, 1);
+  const auto full = shots_from_csv("a.csv", "1 2 0 7\n3 4 500000 8", 2);
+  EXPECT_EQ(full[1].ring, 8);
+  EXPECT_NEAR(full[1].time_s, 0.5, 1e-12);
+  for (const char* bad : {"", "head\n", "1,2\n3\n", "1,2\n3,x\n", "1,95\n", "1,2,5\n3,4,4\n",
+                          "1,2,9e9\n", "1,2,0,-1\n", "1,nan\n", "1,2,3,4,5\n", "a\nb\n1,2\n"}) {
+    EXPECT_THROW(shots_from_csv("a.csv", bad, 2), FormatError) << bad;
+  }
+}
+
+TEST(Catalogue, OwnTableOfDirectionsLiesBesideItsFile) {
+  const std::filesystem::path folder = testing::TempDir() + "/sensor_test_directions";
+  std::filesystem::create_directories(folder);
+  const std::string yaml = (folder / "mine.yaml").string();
+  std::ofstream(yaml) << "name: mine\nkind: directions\nrate_hz: 10\ncycle_s: 0.5\n"
+                         "directions: mine.csv\nmin_range_m: 1\nmax_range_m: 50\n";
+  EXPECT_THROW(load(yaml), FormatError);
+  std::ofstream(folder / "mine.csv") << "1,2\n3,4\n5,6\n";
+  const Sensor s = load(yaml);
+  EXPECT_EQ(s.shots.size(), 3u);
+  EXPECT_NEAR(s.beams_per_s(), 6, 1e-9);
+  std::filesystem::remove_all(folder);
+}
+
 TEST(Catalogue, UnknownNameSaysWhatIsKnown) {
   try {
-    load("velodyne-9000");
+    load("velodyne-vlp61");
     FAIL();
   } catch (const std::invalid_argument& e) {
+    EXPECT_NE(std::string(e.what()).find("did you mean 'velodyne-vlp16'"), std::string::npos);
     EXPECT_NE(std::string(e.what()).find("velodyne-vlp16"), std::string::npos);
   }
 }

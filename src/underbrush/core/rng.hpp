@@ -7,7 +7,16 @@
 namespace underbrush {
 
 /// What a number is drawn for; numbers of different purposes are independent.
-enum class Purpose : uint32_t { kAccept, kRange, kDirection, kNoise, kCluster, kSplit, kPlace };
+enum class Purpose : uint32_t {
+  kAccept,
+  kRange,
+  kDirection,
+  kNoise,
+  kCluster,
+  kSplit,
+  kPlace,
+  kSignal
+};
 
 /// A 64-bit mix with full avalanche (the finaliser of splitmix64).
 constexpr uint64_t mix64(uint64_t x) {

@@ -59,9 +59,9 @@ inline Vec3 stored_ray(const Vec3f& direction, double range_m) {
   double power = power_below(range_m);
   while (true) {
     const double scale = std::min(kOriginScale, 0x1p21 / power);
-    const Vec3 ray(rounded(-range_m * double(direction.x()), scale),
-                   rounded(-range_m * double(direction.y()), scale),
-                   rounded(-range_m * double(direction.z()), scale));
+    Vec3 ray(rounded(-range_m * double(direction.x()), scale),
+             rounded(-range_m * double(direction.y()), scale),
+             rounded(-range_m * double(direction.z()), scale));
     if (!(float(ray.norm()) >= 2 * power)) return ray;
     power *= 2;  // rounded across the power of two: the coarser grid, that of the stored length
   }

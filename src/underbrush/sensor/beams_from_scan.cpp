@@ -33,8 +33,11 @@ void check(const PointScan& scan, const BeamOptions& options) {
     require(std::visit([](const auto& c) { return c.size(); }, column) == n,
             "beams_from_scan: columns of different lengths");
   }
-  if (options.deskew) options.deskew->check();
-  if (options.infer_misses) options.infer_misses->check();
+  for (const std::optional<Sensor>* sensor : {&options.deskew, &options.infer_misses}) {
+    if (!*sensor) continue;
+    (*sensor)->check();
+    require((*sensor)->kind == Kind::kSpinning, "beams: only scans of spinning sensors are known");
+  }
   require(options.revolution_s >= 0 && std::isfinite(options.revolution_s) &&
               std::isfinite(options.elevation_offset_rad),
           "beams_from_scan: an option is not finite");

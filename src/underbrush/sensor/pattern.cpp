@@ -25,18 +25,29 @@ size_t first_firing(const Sensor& sensor, uint64_t turn) {
 
 PatternSource::PatternSource(Sensor sensor, const Trajectory& trajectory, double start_s,
                              double end_s, size_t chunk_size)
-    : sensor_(std::move(sensor)), trajectory_(trajectory), start_s_(start_s), end_s_(end_s) {
+    : sensor_(std::move(sensor)),
+      trajectory_(trajectory),
+      start_s_(start_s),
+      end_s_(end_s),
+      chunk_size_(std::max<size_t>(1, chunk_size)) {
   sensor_.check();
   require(std::isfinite(start_s) && std::isfinite(end_s) && start_s <= end_s,
           "beams: needs finite times, start <= end");
   require((end_s - start_s) * sensor_.rate_hz < 4e9, "beams: too long a time");
-  order_ = sensor_.firing_order();
-  chunk_firings_ = std::max<size_t>(1, chunk_size / order_.size());
-  firings_ = size_t(std::ceil((end_s - start_s) / sensor_.firing_period_s - kSlack));
   info_.sensor = sensor_.name;
   info_.min_range_m = sensor_.min_range_m;
   info_.max_range_m = sensor_.max_range_m;
   info_.has_misses = info_.deskewed = true;
+  sensor_.kind == Kind::kSpinning ? start_spinning() : start_shooting();
+}
+
+void PatternSource::add_scan(uint64_t scan, double after_s) {
+  info_.scans.push_back({uint32_t(scan), start_s_ + after_s, pose(start_s_ + after_s)});
+}
+
+void PatternSource::start_spinning() {
+  order_ = sensor_.firing_order();
+  firings_ = size_t(std::ceil((end_s_ - start_s_) / sensor_.firing_period_s - kSlack));
   if (firings_ == 0) return;
   // Only the last firing can reach past the end.
   const double last = start_s_ + double(firings_ - 1) * sensor_.firing_period_s;
@@ -45,8 +56,18 @@ PatternSource::PatternSource(Sensor sensor, const Trajectory& trajectory, double
             return last + sensor_.channels[c].time_s < end_s_;
           }));
   for (uint64_t turn = 0; turn <= revolution(sensor_, firings_ - 1); ++turn) {
-    const double t = start_s_ + double(first_firing(sensor_, turn)) * sensor_.firing_period_s;
-    info_.scans.push_back({uint32_t(turn), t, pose(t)});
+    add_scan(turn, double(first_firing(sensor_, turn)) * sensor_.firing_period_s);
+  }
+}
+
+void PatternSource::start_shooting() {
+  size_ = sensor_.shots_before(end_s_ - start_s_);
+  for (uint64_t scan = 0;; ++scan) {
+    const uint64_t first = sensor_.shots_before(double(scan) / sensor_.rate_hz);
+    if (first >= size_) break;
+    const uint64_t n = sensor_.shots_per_cycle();
+    add_scan(scan, double(first / n) * sensor_.shot_cycle_s() + sensor_.shot(first % n).time_s);
+    first_shot_.push_back(first);
   }
 }
 
@@ -79,12 +100,42 @@ void PatternSource::fire(size_t firing, size_t at, BeamLog& chunk) const {
   }
 }
 
+void PatternSource::shoot(size_t begin, size_t end, size_t first, BeamLog& chunk) const {
+  const uint64_t n = sensor_.shots_per_cycle();
+  double posed_at = -1;
+  Pose world_from_sensor;
+  for (size_t i = begin; i < end; ++i) {
+    const uint64_t shot_number = first + i;
+    const Shot s = sensor_.shot(shot_number % n);
+    const double t = double(shot_number / n) * sensor_.shot_cycle_s() + s.time_s;
+    if (t != posed_at) world_from_sensor = pose(start_s_ + t);
+    posed_at = t;
+    const auto scan = std::upper_bound(first_shot_.begin(), first_shot_.end(), shot_number) - 1;
+    const double z = s.ring < sensor_.channels.size() ? sensor_.channels[s.ring].z_m : 0;
+    const Vec3 d = world_from_sensor.rotation * unit_vector(s.azimuth_rad, s.elevation_rad);
+    chunk.origin[i] = world_from_sensor * Vec3(0, 0, z);
+    chunk.direction[i] = d.cast<float>();
+    chunk.time_s[i] = start_s_ + t;
+    chunk.ring[i] = s.ring;
+    chunk.scan[i] = uint32_t(scan - first_shot_.begin());
+    chunk.packet[i] = uint32_t((shot_number - *scan) / uint64_t(sensor_.firings_per_packet));
+  }
+}
+
 bool PatternSource::next(BeamLog& chunk) {
   chunk = BeamLog();
   chunk.info = info_;
-  const size_t first = firing_, n = std::min(chunk_firings_, firings_ - first);
-  firing_ += n;
+  const size_t first = firing_;
+  if (sensor_.kind != Kind::kSpinning) {
+    firing_ = first + std::min(chunk_size_, size_ - first);
+    chunk.resize(firing_ - first);
+    parallel_for(chunk.size(), 4096,
+                 [&](size_t begin, size_t end) { shoot(begin, end, first, chunk); });
+    return !chunk.empty();
+  }
   const size_t width = order_.size();
+  const size_t n = std::min(std::max<size_t>(1, chunk_size_ / width), firings_ - first);
+  firing_ += n;
   chunk.resize(firing_ == firings_ ? size_ - std::min(size_, first * width) : n * width);
   parallel_for(n, 64, [&](size_t begin, size_t end) {
     for (size_t f = begin; f < end; ++f) fire(first + f, f * width, chunk);

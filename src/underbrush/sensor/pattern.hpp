@@ -6,13 +6,15 @@
 
 namespace underbrush::sensor {
 
-/// Every beam that a spinning sensor fires in [start_s, end_s), as misses, in chunks.
+/// Every beam that a sensor fires in [start_s, end_s), as misses, in chunks.
 ///
-/// Firing f = 0, 1, … is at t = start_s + f·period; channel c fires at t + c.time, at azimuth
-/// start_azimuth ± 2π·rate·(t + c.time − start_s) + c.azimuth, from the pose interpolated at that
-/// time, c.z above the sensor's origin. `scan` counts revolutions from 0, `packet` packets within
-/// the revolution. A scan's reference time and pose are those of its first beam. Beams are in order
-/// of time, then ring. Memory: a chunk and one `ScanInfo` per revolution.
+/// Spinning sensors: firing f = 0, 1, … is at t = start_s + f·period; channel c fires at t +
+/// c.time, at azimuth start_azimuth ± 2π·rate·(t + c.time − start_s) + c.azimuth, from the pose
+/// interpolated at that time, c.z above the sensor's origin. Others: the shots of cycle after cycle
+/// from start_s on, each from the pose at its time. `scan` counts revolutions or frames (1/rate)
+/// from 0, `packet` packets within the scan. A scan's reference time and pose are those of its
+/// first beam. Beams are in order of time, then ring. Memory: a chunk and one `ScanInfo` per
+/// revolution.
 class PatternSource : public BeamSource {
  public:
   /// Throws `std::invalid_argument` where end_s < start_s, a value is not finite, there are more
@@ -27,14 +29,20 @@ class PatternSource : public BeamSource {
   bool next(BeamLog& chunk) override;
 
  private:
+  void start_spinning();
+  void start_shooting();
+  void add_scan(uint64_t scan, double after_s);
   void fire(size_t firing, size_t at, BeamLog& chunk) const;
+  void shoot(size_t begin, size_t end, size_t first, BeamLog& chunk) const;
   Pose pose(double time_s) const;
 
   Sensor sensor_;
   const Trajectory& trajectory_;
   double start_s_, end_s_;
-  size_t chunk_firings_, firings_ = 0, size_ = 0, firing_ = 0;
+  size_t chunk_size_, firings_ = 0, size_ = 0;
+  size_t firing_ = 0;  ///< Next one, or next shot.
   std::vector<uint16_t> order_;
+  std::vector<uint64_t> first_shot_;  ///< Of each scan.
   LogInfo info_;
 };
 

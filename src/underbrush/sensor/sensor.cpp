@@ -11,6 +11,45 @@ namespace underbrush::sensor {
 
 double Sensor::azimuth_step_rad() const { return 2 * M_PI * rate_hz * firing_period_s; }
 
+double Sensor::beams_per_s() const {
+  if (kind == Kind::kSpinning) return double(channels.size()) / firing_period_s;
+  return double(shots_per_cycle()) / shot_cycle_s();
+}
+
+size_t Sensor::beams_per_packet() const {
+  return size_t(firings_per_packet) * (kind == Kind::kSpinning ? channels.size() : 1);
+}
+
+double Sensor::shot_cycle_s() const { return kind == Kind::kRaster ? 1 / rate_hz : cycle_s; }
+
+uint64_t Sensor::shots_per_cycle() const {
+  return kind == Kind::kRaster ? raster.size() : shots.size();
+}
+
+Shot Sensor::shot(uint64_t k) const {
+  if (kind == Kind::kSequence) return shots[k];
+  Shot s = raster.shot(k);
+  s.time_s = double(k) * firing_period_s;
+  return s;
+}
+
+uint64_t Sensor::shots_before(double time_s) const {
+  const double slack = 1e-6 * firing_period_s;
+  if (time_s <= slack) return 0;
+  const auto cycle = uint64_t((time_s - slack) / shot_cycle_s());
+  const double within = time_s - double(cycle) * shot_cycle_s() - slack;
+  uint64_t low = 0, high = shots_per_cycle();
+  while (low < high) {
+    const uint64_t middle = (low + high) / 2;
+    if (shot(middle).time_s < within) {
+      low = middle + 1;
+    } else {
+      high = middle;
+    }
+  }
+  return cycle * shots_per_cycle() + low;
+}
+
 std::vector<uint16_t> Sensor::firing_order() const {
   std::vector<uint16_t> order(channels.size());
   std::iota(order.begin(), order.end(), uint16_t(0));
@@ -20,26 +59,64 @@ std::vector<uint16_t> Sensor::firing_order() const {
   return order;
 }
 
+void SignalChain::check() const {
+  const auto positive = [](double v) { return std::isfinite(v) && v > 0; };
+  const auto not_negative = [](double v) { return std::isfinite(v) && v >= 0; };
+  require(positive(pulse_fwhm_s) && positive(sample_s) && not_negative(receiver_fwhm_s),
+          "sensor: pulse and sample times must be positive");
+  require(positive(threshold_snr) && positive(saturation_snr) && threshold_snr < saturation_snr,
+          "sensor: needs 0 < threshold < saturation");
+  require(not_negative(detection_range_m) && positive(detection_reflectance),
+          "sensor: detection range or reflectance is not positive");
+  require(not_negative(min_gap_m) && not_negative(width_resolution_m), "sensor: a negative length");
+  require(max_echoes >= 1 && max_echoes <= 16, "sensor: 1 to 16 echoes");
+  require(
+      positive(intensity_scale) && not_negative(intensity_resolution) && positive(intensity_most),
+      "sensor: intensity scale, resolution or maximum");
+}
+
 void Sensor::check() const {
   const auto positive = [](double v) { return std::isfinite(v) && v > 0; };
   const auto not_negative = [](double v) { return std::isfinite(v) && v >= 0; };
-  require(!channels.empty() && channels.size() <= UINT16_MAX, "sensor: no channels, or too many");
   require(positive(rate_hz) && positive(firing_period_s),
           "sensor: rate and period must be positive");
-  require(firings_per_revolution() >= 1, "sensor: a firing lasts longer than a revolution");
-  require(std::isfinite(start_azimuth_rad), "sensor: start azimuth is not finite");
   require(firings_per_packet > 0, "sensor: firings per packet must be positive");
   require(not_negative(min_range_m) && positive(max_range_m) && min_range_m < max_range_m,
           "sensor: needs 0 <= minimum range < maximum range");
-  require(not_negative(range_sigma_m) && not_negative(range_resolution_m) &&
-              not_negative(divergence_rad[0]) && not_negative(divergence_rad[1]) &&
-              not_negative(aperture_m) && not_negative(wavelength_m),
-          "sensor: a negative size");
+  require(
+      not_negative(range_sigma_m) && not_negative(range_resolution_m) && not_negative(wavelength_m),
+      "sensor: a negative size");
+  require(sub_rays[0] >= 1 && sub_rays[1] >= 1, "sensor: needs at least one sub-ray");
+  beam.check();
+  signal.check();
   for (const Channel& c : channels) {
     require(std::abs(c.elevation_rad) <= M_PI / 2, "sensor: elevation beyond 90 degrees");
     require(std::isfinite(c.azimuth_rad) && std::isfinite(c.z_m), "sensor: channel is not finite");
     require(c.time_s >= 0 && c.time_s < firing_period_s,
             "sensor: channel fires outside the firing period");
+  }
+  if (kind == Kind::kSpinning) {
+    require(!channels.empty() && channels.size() <= UINT16_MAX, "sensor: no channels, or too many");
+    require(firings_per_revolution() >= 1, "sensor: a firing lasts longer than a revolution");
+    require(std::isfinite(start_azimuth_rad), "sensor: start azimuth is not finite");
+    return;
+  }
+  require(positive(shot_cycle_s()) && shots_per_cycle() > 0, "sensor: no shots");
+  if (kind == Kind::kRaster) {
+    require(raster.rows <= UINT16_MAX, "sensor: too many rows");
+    for (const uint64_t k : {uint64_t(0), raster.size() - 1}) {
+      const Shot s = raster.shot(k);
+      require(std::abs(s.elevation_rad) <= M_PI / 2 && std::isfinite(s.azimuth_rad),
+              "sensor: raster beyond 90 degrees");
+    }
+    return;
+  }
+  double before = 0;
+  for (const Shot& s : shots) {
+    require(std::isfinite(s.azimuth_rad) && std::abs(s.elevation_rad) <= M_PI / 2,
+            "sensor: a shot beyond 90 degrees");
+    require(s.time_s >= before && s.time_s < cycle_s, "sensor: shots are not in order of time");
+    before = s.time_s;
   }
 }
 

@@ -14,18 +14,6 @@ namespace {
 
 using trace::Met;
 
-/// Sub-rays over the cross-section: a sunflower on the unit disc, turned at random for each beam.
-Ray sub_ray(const Ray& axis, const Vec3& u, const Vec3& v, const FootprintOptions& o, int k,
-            double turn) {
-  const double radius = std::sqrt((k + 0.5) / o.sub_rays);
-  const double angle = turn + k * 2.399963229728653;  // the golden angle
-  const Vec3 side = radius * (std::cos(angle) * u + std::sin(angle) * v);
-  Ray ray;
-  ray.origin = axis.origin + 0.5 * o.exit_diameter_m * side;
-  ray.direction = (axis.direction + std::tan(0.5 * o.divergence_rad) * side).normalized();
-  return ray;
-}
-
 /// The strongest group of hits that lie within a pulse of each other: [begin, end) of `hits`.
 std::array<size_t, 2> strongest_echo(const std::vector<Met>& hits, double pulse_m) {
   std::array<size_t, 2> best{0, 0};
@@ -42,7 +30,10 @@ std::array<size_t, 2> strongest_echo(const std::vector<Met>& hits, double pulse_
 
 void scan(const trace::World& world, std::span<const elements::Class> label,
           const FootprintOptions& options, size_t first_beam, BeamLog& beams) {
-  require(options.sub_rays >= 1, "a beam needs at least one sub-ray");
+  options.shape.check();
+  const sensor::RayMaker maker(options.shape);
+  const std::vector<sensor::SubRay> places =
+      sensor::spread_sub_rays(options.shape, options.sub_rays);
   require(label.size() == world.model().size(), "one label per element of the world is needed");
   const trace::RangeLimits limits{beams.info.min_range_m, beams.info.max_range_m};
   std::vector<uint16_t> classes(beams.size());
@@ -52,10 +43,12 @@ void scan(const trace::World& world, std::span<const elements::Class> label,
       const Ray axis{beams.origin[i], beams.direction[i].cast<double>().normalized()};
       const uint64_t key = beam_key(options.seed, beams.scan[i], first_beam + i);
       const double turn = 2 * M_PI * uniform_from_bits(random_bits(key, 0, Purpose::kDirection));
-      const Vec3 u = axis.direction.unitOrthogonal(), v = axis.direction.cross(u);
+      const sensor::BeamAxes axes = sensor::beam_axes(axis);
+      const double c = std::cos(turn), s = std::sin(turn);
       hits.clear();
-      for (int k = 0; k < options.sub_rays; ++k) {
-        const Met met = world.nearest_surface(sub_ray(axis, u, v, options, k, turn), limits);
+      for (const auto& [u, v, weight] : places) {
+        const Ray ray = maker.ray(axes, c * u - s * v, s * u + c * v);
+        const Met met = world.nearest_surface(ray, limits);
         if (!met.none()) hits.push_back(met);
       }
       std::sort(hits.begin(), hits.end(), [](const Met& a, const Met& b) { return a.before(b); });

@@ -6,6 +6,7 @@
 
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/elements/classes.hpp"
+#include "underbrush/sensor/beam.hpp"
 #include "underbrush/trace/world.hpp"
 
 namespace underbrush::simulate {
@@ -13,12 +14,11 @@ namespace underbrush::simulate {
 /// A beam with a footprint, and a receiver that reports the strongest echo.
 struct FootprintOptions {
   uint64_t seed = 1;
-  double divergence_rad = 0.003;  ///< Full angle of the cone.
-  double exit_diameter_m = 0.01;  ///< Diameter of the beam where it leaves the sensor.
-  int sub_rays = 9;               ///< Rays a beam, spread evenly over its cross-section.
-  double pulse_m = 0.3;           ///< Hits nearer together than this along the beam are one echo.
-  double threshold = 0.2;         ///< An echo is seen if it holds this share of the footprint.
-  double range_sigma_m = 0.02;    ///< Noise of the range.
+  sensor::BeamShape shape = sensor::round_beam(0.003, 0.01);  ///< Of 3 mrad, from 10 mm.
+  int sub_rays = 9;             ///< Rays a beam: `sensor::spread_sub_rays`, turned at random.
+  double pulse_m = 0.3;         ///< Hits nearer together than this along the beam are one echo.
+  double threshold = 0.2;       ///< An echo is seen if it holds this share of the footprint.
+  double range_sigma_m = 0.02;  ///< Noise of the range.
 };
 
 /// Answers beams in place from the triangles of `world`, whatever their hit probability: sub-rays

@@ -4,7 +4,8 @@
 #include <immintrin.h>
 
 #include "underbrush/trace/kernel.hpp"
-// clang-format off: each builds on those before it
+// Each builds on those before it.
+// clang-format off
 #include "underbrush/trace/exact.inl"
 #include "underbrush/trace/simd.inl"
 #include "underbrush/trace/many.inl"

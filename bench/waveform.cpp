@@ -1,0 +1,121 @@
+// Cost of the waveform stage per beam, one thread: signals of 41 sub-rays, their superposition,
+// noise, detection, report. An OS1-64 fires 655 360 or 1 310 720 beams/s: 1526 or 763 ns a beam on
+// one core.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <ctime>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "underbrush/core/rng.hpp"
+#include "underbrush/radiometry/receiver.hpp"
+
+namespace {
+using namespace underbrush;
+
+/// Ranges of the sub-rays of many beams, and their reflection factors.
+struct Returns {
+  std::vector<float> range, weight, factor;
+};
+
+/// `kind` 0: a smooth surface, 1: an edge, 2: leaves over 2 m, 3: over 20 m, some lost.
+Returns returns_of(int kind, int beams, int sub_rays) {
+  Stream random(uint64_t(7 + kind));
+  Returns r;
+  for (int b = 0; b < beams; ++b) {
+    const double near = random.uniform(5, 80);
+    for (int k = 0; k < sub_rays; ++k) {
+      double range = near + 0.02 * random.uniform();
+      if (kind == 1 && k > sub_rays / 2) range += 3;
+      if (kind == 2) range += 2 * random.uniform();
+      if (kind == 3) range += 20 * random.uniform();
+      if (kind == 3 && random.uniform() < 0.2) range = INFINITY;
+      r.range.push_back(float(range));
+      r.weight.push_back(1.0f / float(sub_rays));
+      r.factor.push_back(float(random.uniform(0.1, 0.6)));
+    }
+  }
+  return r;
+}
+
+/// CPU time of this thread: others may share the machine.
+double now_s() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
+}
+
+template <class F>
+double ns_per_beam(int beams, int runs, F f) {
+  double best = INFINITY;
+  for (int k = 0; k < runs; ++k) {
+    const double start = now_s();
+    for (int b = 0; b < beams; ++b) f(b);
+    best = std::min(best, (now_s() - start) * 1e9 / beams);
+  }
+  return best;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Waveform and detection, ns per beam on one thread");
+  int sub_rays = 41, beams = 2000, runs = 50;
+  std::string sensor_name = "ouster-os1-64", json_file;
+  app.add_option("--sub-rays", sub_rays, "Sub-rays a beam")->capture_default_str();
+  app.add_option("--sensor", sensor_name, "Whose receiver")->capture_default_str();
+  app.add_option("--runs", runs, "Runs of each, the best counts")->capture_default_str();
+  app.add_option("--json", json_file, "Write the figures here");
+  CLI11_PARSE(app, argc, argv);
+
+  radiometry::ReceiverOptions options =
+      radiometry::receiver_options(sensor::load(sensor_name), 1e-4);
+  options.adc_step = 0.5f;
+  options.mode = radiometry::ReturnMode::kAll;
+  options.max_echoes = 3;
+  const radiometry::Receiver receiver(options);
+  radiometry::Waveform scratch = receiver.scratch();
+  const size_t n = size_t(sub_rays);
+  std::vector<float> signal(n);
+  nlohmann::ordered_json j;
+  double echoes = 0, sum = 0;
+  const sensor::Sensor sensor = sensor::load(sensor_name);
+  const auto places = sensor::spread_sub_rays(sensor.beam, sub_rays);
+  const sensor::RayMaker maker(sensor.beam);
+  j["sub_rays_ns"] = ns_per_beam(beams, runs, [&](int b) {
+    const sensor::BeamAxes axes = sensor::beam_axes({Vec3(b, 0, 0), Vec3(0.6, 0, 0.8)});
+    for (const sensor::SubRay& p : places) {
+      const Ray ray = maker.ray(axes, double(p.u), double(p.v));
+      sum += ray.direction.sum() + ray.origin.sum();
+    }
+  });
+  const char* names[] = {"surface", "edge", "leaves_2m", "leaves_20m"};
+  for (int kind = 0; kind < 4; ++kind) {
+    const Returns r = returns_of(kind, beams, sub_rays);
+    const auto at = [&](const std::vector<float>& v, int b) {
+      return std::span<const float>(v).subspan(size_t(b) * n, n);
+    };
+    const std::string name = names[kind];
+    j[name + "_signals_ns"] = ns_per_beam(beams, runs, [&](int b) {
+      receiver.signals(at(r.range, b), at(r.weight, b), at(r.factor, b), signal);
+    });
+    j[name + "_superposition_ns"] = ns_per_beam(beams, runs, [&](int b) {
+      scratch.clear();
+      scratch.add(at(r.range, b), at(r.factor, b));
+    });
+    j[name + "_all_ns"] = ns_per_beam(beams, runs, [&](int b) {
+      echoes += receiver
+                    .receive(at(r.range, b), at(r.weight, b), at(r.factor, b), signal,
+                             beam_key(1, 0, uint64_t(b)), scratch)
+                    .count;
+    });
+  }
+  j["echoes_per_beam"] = echoes / (4.0 * beams * runs);
+  j["check"] = sum;  // so that nothing is left out
+  j["taps"] = receiver.response().taps();
+  for (const auto& [key, value] : j.items())
+    std::printf("%-32s %s\n", key.c_str(), value.dump().c_str());
+  if (!json_file.empty()) std::ofstream(json_file) << j.dump(2) << "\n";
+  return 0;
+}

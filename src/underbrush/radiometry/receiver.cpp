@@ -1,0 +1,198 @@
+#include "underbrush/radiometry/receiver.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "underbrush/core/check.hpp"
+#include "underbrush/core/rng.hpp"
+#include "underbrush/radiometry/clones.hpp"
+
+namespace underbrush::radiometry {
+namespace {
+
+// Elements of `Purpose::kSignal` besides the numbers of samples.
+constexpr uint32_t kFalseAlarm = 0xFFFF0000, kJitter = 0xFFFF1000;
+
+/// k w f e^{−a r} / r², e^−x with a relative error below 3·10⁻⁷.
+UNDERBRUSH_CLONES void signal_of(size_t n, const float* __restrict range,
+                                 const float* __restrict weight, const float* __restrict factor,
+                                 float k, float a, float* __restrict signal) {
+  for (size_t i = 0; i < n; ++i) {
+    const float far = range[i] < 1e9f ? range[i] : 1e9f;  // of NaN as well
+    const float r = far > 0.01f ? far : 0.01f;
+    const float x = a * 1.44269504f * r, y = x < 60 ? x : 60;  // no denormal numbers
+    const int whole = int(y);
+    const float f = 0.5f - (y - float(whole));  // 2^(f − ½), f in (−½, ½]
+    const float p =
+        0.70710678f *
+        (1 +
+         f * (0.69314718f +
+              f * (0.24022651f +
+                   f * (0.05550411f + f * (0.00961813f + f * (0.00133336f + f * 0.00015404f))))));
+    const float transmission = p * std::bit_cast<float>((127 - whole) << 23);
+    signal[i] = k * weight[i] * factor[i] * transmission / (r * r);
+  }
+}
+
+double rounded(double value, double step) {
+  return step > 0 ? step * std::floor(value / step + 0.5) : value;
+}
+
+/// The echoes that a sensor in this mode reports, in place.
+void select(ReturnMode mode, int most, Echoes& echoes) {
+  if (echoes.count == 0) return;
+  auto& echo = echoes.echo;
+  const auto end = echo.begin() + echoes.count;
+  switch (mode) {
+    case ReturnMode::kAll:
+      echoes.count = std::min(echoes.count, most);
+      return;
+    case ReturnMode::kFirst:
+      break;
+    case ReturnMode::kLast:
+      echo[0] = *(end - 1);
+      break;
+    case ReturnMode::kStrongest:
+      echo[0] = *std::max_element(echo.begin(), end,
+                                  [](const Echo& a, const Echo& b) { return a.energy < b.energy; });
+      break;
+  }
+  echoes.count = 1;
+}
+
+}  // namespace
+
+void ReceiverOptions::check() const {
+  const auto not_negative = [](double v) { return std::isfinite(v) && v >= 0; };
+  require(not_negative(min_range_m) && std::isfinite(max_range_m) && min_range_m < max_range_m,
+          "receiver: needs 0 <= minimum range < maximum range");
+  require(not_negative(signal_at_1m) && not_negative(extinction_per_m) &&
+              not_negative(noise_sigma) && not_negative(range_sigma_m),
+          "receiver: signal, extinction, noise or jitter is negative or not finite");
+  require(not_negative(range_resolution_m) && not_negative(intensity_resolution) &&
+              not_negative(width_resolution_m) && adc_step >= 0 && std::isfinite(adc_step),
+          "receiver: a resolution is negative or not finite");
+  require(adc_most > 0 && intensity_most > 0, "receiver: a full scale is not positive");
+  require(max_echoes >= 1 && max_echoes <= Echoes::kMost, "receiver: 1 to 16 echoes");
+}
+
+double signal_from_detection_range(double range_m, double reflectance, double threshold,
+                                   double extinction_per_m) {
+  require(range_m > 0 && reflectance > 0 && threshold > 0, "detection range: not positive");
+  return threshold * range_m * range_m * std::exp(2 * extinction_per_m * range_m) / reflectance;
+}
+
+ReceiverOptions receiver_options(const sensor::Sensor& s, double extinction_per_m,
+                                 double noise_sigma) {
+  const sensor::SignalChain& c = s.signal;
+  ReceiverOptions o;
+  o.response = {c.pulse, c.pulse_fwhm_s, c.receiver_fwhm_s, c.sample_s};
+  o.detector.timing = c.timing;
+  o.detector.threshold = float(c.threshold_snr);
+  o.detector.min_gap_m = float(c.min_gap_m);
+  o.min_range_m = s.min_range_m;
+  o.max_range_m = s.max_range_m;
+  o.signal_at_1m =
+      signal_from_detection_range(c.detection_range_m > 0 ? c.detection_range_m : s.max_range_m,
+                                  c.detection_reflectance, c.threshold_snr, 0);
+  o.extinction_per_m = extinction_per_m;
+  o.noise_sigma = noise_sigma;
+  o.adc_most = float(c.saturation_snr);
+  o.range_sigma_m = s.range_sigma_m;
+  o.range_resolution_m = s.range_resolution_m;
+  o.intensity = c.intensity;
+  o.intensity_scale = c.intensity_scale;
+  o.intensity_resolution = c.intensity_resolution;
+  o.intensity_most = c.intensity_most;
+  o.width_resolution_m = c.width_resolution_m;
+  o.mode = c.mode;
+  o.max_echoes = c.max_echoes;
+  return o;
+}
+
+Receiver::Receiver(const ReceiverOptions& options)
+    : options_(options),
+      response_(options.response),
+      detector_(response_, options.detector),
+      threshold_(options.detector.threshold *
+                 float(options.noise_sigma > 0 ? options.noise_sigma : 1)) {
+  options.check();
+  if (options.false_alarms && options.noise_sigma > 0) {
+    exceedance_ = 0.5 * std::erfc(double(options.detector.threshold) / M_SQRT2);
+  }
+}
+
+void Receiver::signals(std::span<const float> range_m, std::span<const float> weight,
+                       std::span<const float> factor, std::span<float> signal) const {
+  require(weight.size() == range_m.size() && factor.size() == range_m.size() &&
+              signal.size() == range_m.size(),
+          "receiver: ranges, weights, factors and signals of equal length are needed");
+  signal_of(range_m.size(), range_m.data(), weight.data(), factor.data(),
+            float(options_.signal_at_1m), float(2 * options_.extinction_per_m), signal.data());
+}
+
+Echoes Receiver::receive(std::span<const float> range_m, std::span<const float> weight,
+                         std::span<const float> factor, std::span<float> signal, uint64_t key,
+                         Waveform& scratch) const {
+  signals(range_m, weight, factor, signal);
+  return receive(range_m, signal, key, scratch);
+}
+
+Echoes Receiver::receive(std::span<const float> range_m, std::span<const float> signal,
+                         uint64_t key, Waveform& scratch) const {
+  scratch.clear();
+  scratch.add(range_m, signal);
+  scratch.add_noise(key, float(options_.noise_sigma));
+  if (options_.adc_step > 0 || std::isfinite(options_.adc_most)) {
+    scratch.quantise(options_.adc_step, options_.adc_most);
+  }
+  Echoes echoes = detector_.detect(scratch, threshold_);
+  if (exceedance_ > 0) add_false_alarm(scratch, key, echoes);
+  report(key, echoes);
+  return echoes;
+}
+
+// The samples that nothing came back to are noise alone: instead of drawing them all, one number
+// decides whether one of them passes the threshold, a second which, a third how far.
+void Receiver::add_false_alarm(const Waveform& waveform, uint64_t key, Echoes& echoes) const {
+  const double u = uniform_from_bits(random_bits(key, kFalseAlarm, Purpose::kSignal));
+  const double free = double(waveform.size() - waveform.touched());
+  if (u >= free * exceedance_) return;
+  const double where = uniform_from_bits(random_bits(key, kFalseAlarm + 1, Purpose::kSignal));
+  const double tail = uniform_from_bits(random_bits(key, kFalseAlarm + 2, Purpose::kSignal));
+  Echo e;
+  e.range_m = float(where * options_.max_range_m);
+  e.peak = float(-options_.noise_sigma * normal_from_uniform(tail * exceedance_));
+  e.width_m = float(waveform.cell_m());
+  e.energy = float(e.peak * waveform.cell_m() / response_.area_m());
+  echoes.push(e);
+  std::sort(echoes.echo.begin(), echoes.echo.begin() + echoes.count,
+            [](const Echo& a, const Echo& b) { return a.range_m < b.range_m; });
+}
+
+void Receiver::report(uint64_t key, Echoes& echoes) const {
+  int kept = 0;
+  for (int k = 0; k < echoes.count; ++k) {
+    Echo e = echoes.echo[size_t(k)];
+    double range = e.range_m;
+    if (options_.range_sigma_m > 0) {
+      range += options_.range_sigma_m * normal(key, kJitter + uint32_t(k), Purpose::kSignal);
+    }
+    if (range < options_.min_range_m || range > options_.max_range_m) continue;
+    double value = e.peak;
+    if (options_.intensity == Intensity::kReflectance) {
+      value *= range * range / options_.signal_at_1m;
+      if (options_.extinction_per_m > 0) value *= std::exp(2 * options_.extinction_per_m * range);
+    }
+    value = std::min(options_.intensity_scale * value, options_.intensity_most);
+    e.intensity = float(rounded(value, options_.intensity_resolution));
+    e.range_m = float(rounded(range, options_.range_resolution_m));
+    e.width_m = float(rounded(e.width_m, options_.width_resolution_m));
+    echoes.echo[size_t(kept++)] = e;
+  }
+  echoes.count = kept;
+  select(options_.mode, options_.max_echoes, echoes);
+}
+
+}  // namespace underbrush::radiometry
