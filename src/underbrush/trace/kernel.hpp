@@ -54,7 +54,7 @@ struct Candidate {
   uint32_t ray, instance, element;
 };
 
-/// A query: rays, of which `kPacket` are traced at a time, and what it has found.
+/// A query: rays and what it has found.
 struct Batch {
   const Ray* rays;
   const uint64_t* keys;          ///< kAccepted
@@ -62,17 +62,12 @@ struct Batch {
   RangeLimits limits;
   const Columns* columns;  ///< Of the rays from `first` on.
   size_t first;
-  /// The `count` rays to trace, counted from `first`; the other places repeat the last.
-  const uint32_t* number;
-  int count;
 
   Met* best;  ///< Out, one a ray: kAccepted, kSurface.
   /// Out: ends of rays that are certain but not yet in `best`; room for kOrdered.
   Candidate* known;
   size_t known_count;
   std::vector<Candidate> candidates;  ///< Out: kAll; undecided, in no order; rays as in `rays`.
-
-  size_t ray(int place) const { return first + number[place]; }
 };
 
 /// How an instance's frame is reached from the tree's.
@@ -113,10 +108,9 @@ struct Kernels {
   const char* name;
   /// Fills `columns` from up to kOrdered rays.
   void (*unfold)(const View&, const Ray* rays, size_t count, Columns& columns);
-  /// Traces the numbered rays; false, with nothing done, if its rays point too far apart.
-  bool (*packet)(const View&, Ask, Batch&);
-  /// Traces ray `ray` of `rays` alone.
-  void (*one)(const View&, Ask, Batch&, size_t ray);
+  /// Traces the rays numbered from the batch's first in `order`, runs of kPacket together where
+  /// they point alike; kPacket more numbers must follow, copies of the last.
+  void (*trace)(const View&, Ask, Batch&, const uint32_t* order, size_t count);
   /// out[i] = `meet` of candidate i with the batch's limits, or the best of its ray if `out` is
   /// null.
   void (*meet_many)(const View&, const Batch&, const Candidate*, size_t count, Met* out);

@@ -11,28 +11,27 @@
 #include "underbrush/trace/many.inl"
 #include "underbrush/trace/packet_rays.inl"
 #include "underbrush/trace/packet_leaves.inl"
-#include "underbrush/trace/packet.inl"
 #include "underbrush/trace/single.inl"
+#include "underbrush/trace/packet.inl"
 // clang-format on
 
 namespace underbrush::trace {
 namespace {
 
-bool packet(const View& view, Ask ask, Batch& batch) {
+void trace(const View& view, Ask ask, Batch& batch, const uint32_t* order, size_t count) {
   switch (ask) {
     case Ask::kAccepted:
-      return trace_packet<Ask::kAccepted>(view, batch);
+      return trace_all<Ask::kAccepted>(view, batch, order, count);
     case Ask::kSurface:
-      return trace_packet<Ask::kSurface>(view, batch);
+      return trace_all<Ask::kSurface>(view, batch, order, count);
     case Ask::kAll:
-      return trace_packet<Ask::kAll>(view, batch);
+      return trace_all<Ask::kAll>(view, batch, order, count);
   }
-  return false;
 }
 
 }  // namespace
 
 extern const Kernels UB_KERNELS;
-const Kernels UB_KERNELS = {UB_KERNELS_NAME, unfold, packet, trace_one, meet_many};
+const Kernels UB_KERNELS = {UB_KERNELS_NAME, unfold, trace, meet_many};
 
 }  // namespace underbrush::trace

@@ -126,7 +126,8 @@ inline void add_triangle(Pending& w, const ModelView::Mesh& mesh, uint32_t at, c
 }
 
 // Calls the memory of a candidate's element, first where it stands, later what it refers to.
-inline void fetch_ahead(const View& view, const Candidate& c, bool later) {
+__attribute__((always_inline)) inline void fetch_ahead(const View& view, const Candidate& c,
+                                                       bool later) {
   const ModelView& m = view.model_views[view.instances[c.instance].model];
   if (c.element >= m.triangle_count) {
     const char* e = reinterpret_cast<const char*>(&m.ellipsoids[c.element - m.triangle_count]);

@@ -2,32 +2,20 @@
 namespace underbrush::trace {
 namespace {
 
-// Groups with a ray that enters the box (edges relative to the centre) before what it has found.
-template <bool kMixed, bool kFirst>
-inline unsigned groups_entering(const Rays& r, const Found& found, float t_min, const float lo[3],
-                                const float hi[3], unsigned groups) {
-  unsigned out = 0;
-  F near_edge[3], far_edge[3];
+// If a ray of group g enters box k (edges lo x y z, hi x y z relative to the centre) before what it
+// has found.
+template <bool kMixed>
+inline bool enters(const Rays& r, const Found& found, float t_min, const float edge[6][8], int k,
+                   int g) {
+  F enter = all(t_min), leave = found.high[g];
   for (int a = 0; a < 3; ++a) {
-    const bool swap = !kMixed && r.negative[a];
-    near_edge[a] = all(swap ? hi[a] : lo[a]);
-    far_edge[a] = all(swap ? lo[a] : hi[a]);
+    const int swap = kMixed ? 0 : 3 * r.negative[a];
+    const F x = muladd(all(edge[a + swap][k]), r.inverse[a][g], r.start[a][g]);
+    const F y = muladd(all(edge[a + 3 - swap][k]), r.inverse[a][g], r.start[a][g]);
+    enter = greater(enter, kMixed ? lesser(x, y) : x);
+    leave = lesser(leave, kMixed ? greater(x, y) : y);
   }
-  for (unsigned left = groups; left; left &= left - 1) {
-    const int g = __builtin_ctz(left);
-    F enter = all(t_min), leave = found.high[g];
-    for (int a = 0; a < 3; ++a) {
-      const F x = muladd(near_edge[a], r.inverse[a][g], r.start[a][g]);
-      const F y = muladd(far_edge[a], r.inverse[a][g], r.start[a][g]);
-      enter = greater(enter, kMixed ? lesser(x, y) : x);
-      leave = lesser(leave, kMixed ? greater(x, y) : y);
-    }
-    if (bits(le(enter * 0.999997f, leave))) {
-      out |= 1u << g;
-      if (kFirst) break;
-    }
-  }
-  return out;
+  return bits(le(enter * 0.999997f, leave)) != 0;
 }
 
 struct PacketEntry {
@@ -35,11 +23,11 @@ struct PacketEntry {
   uint32_t reference, groups;
 };
 
-inline void prefetch(const void* p, int lines) {
+__attribute__((always_inline)) inline void prefetch(const void* p, int lines) {
   for (int k = 0; k < lines; ++k) __builtin_prefetch(static_cast<const char*>(p) + 64 * k);
 }
 
-inline void prefetch(const Frame& f, uint32_t reference) {
+__attribute__((always_inline)) inline void prefetch(const Frame& f, uint32_t reference) {
   const uint32_t index = reference & kIndexMask;
   if (!(reference & kLeaf)) {
     prefetch(&f.nodes[reference], 4);
@@ -50,80 +38,52 @@ inline void prefetch(const Frame& f, uint32_t reference) {
   }
 }
 
-// Visits what the packet reaches below `root`, nearer nodes first; `leaf(reference, groups)`.
-template <Ask kAsk, bool kMixed, class Leaf>
-inline void descend(Search& s, const Frame& f, uint32_t root, Leaf leaf) {
+inline void look_at(const Search& s, const Frame& f, const Node& node, unsigned groups,
+                    Look& look) {
   const Rays& r = *f.rays;
-  const unsigned everyone = (1u << kGroups) - 1;
-  uint8_t inner[5][3], outer[3];  // which edges of a box make that corner
-  for (int p = 0; p < 5; ++p) {
-    for (int a = 0; a < 3; ++a) inner[p][a] = uint8_t(r.plane[p][a] > 0 ? a : 3 + a);
+  F8 size{};
+  for (int a = 0; a < 3; ++a) {
+    const F8 lo = load8(node.lo[a]) - f.lower[a], hi = load8(node.hi[a]) - f.upper[a];
+    store(look.edge[a], lo);
+    store(look.edge[3 + a], hi);
+    size += greater(absolute(lo), absolute(hi));
   }
-  for (int a = 0; a < 3; ++a) outer[a] = uint8_t(r.plane[4][a] > 0 ? 3 + a : a);
-  PacketEntry stack[256];
-  int top = 0;
-  stack[top++] = {-1, root, everyone};
-  while (top > 0) {
-    const PacketEntry at = stack[--top];
-    if (at.depth > s.found.farthest) continue;
-    if (at.reference & kLeaf) {
-      leaf(at.reference, at.groups);
-      continue;
-    }
-    const Node& n = f.nodes[at.reference];
-    alignas(32) float edge[6][8];  // lo x y z, hi x y z, relative to the centre
+  F8 from[3], to[3];
+  for (int p = 0; p < 3; ++p) {
+    from[p] = size * -1e-6f;
+    to[p] = size * 1e-6f;
     for (int a = 0; a < 3; ++a) {
-      *reinterpret_cast<F8*>(edge[a]) = load8(n.lo[a]) - f.lower[a];
-      *reinterpret_cast<F8*>(edge[3 + a]) = load8(n.hi[a]) - f.upper[a];
-    }
-    // Of each box how far the corner lies along a plane's normal that lies least so.
-    const auto along = [&](int p, const uint8_t* which) {
-      const float* normal = r.plane[p];
-      return muladd(
-          load8(edge[which[0]]), all8(normal[0]),
-          muladd(load8(edge[which[1]]), all8(normal[1]), load8(edge[which[2]]) * normal[2]));
-    };
-    const F8 depth = along(4, inner[4]) - r.depth;
-    I8 inside = (depth <= all8(s.found.farthest)) & (along(4, outer) >= all8(r.behind));
-    for (int p = 0; p < 4; ++p) inside &= along(p, inner[p]) <= all8(r.side[p]);
-    unsigned left = bits(inside);
-    const int base = top;
-    while (left) {
-      const int k = __builtin_ctz(left);
-      left &= left - 1;
-      const float lo[3] = {edge[0][k], edge[1][k], edge[2][k]};
-      const float hi[3] = {edge[3][k], edge[4][k], edge[5][k]};
-      const uint32_t child = n.child[k];
-      unsigned groups = everyone;
-      if (child & kLeaf) {
-        groups = groups_entering<kMixed, false>(r, s.found, f.t_min, lo, hi, groups);
-        if (!groups) continue;
-      } else if (!groups_entering<kMixed, true>(r, s.found, f.t_min, lo, hi, groups)) {
-        continue;
-      }
-      prefetch(f, child);
-      int put = top++;
-      while (put > base && stack[put - 1].depth < depth[k]) {
-        stack[put] = stack[put - 1];
-        --put;
-      }
-      stack[put] = {depth[k], child, groups};
+      from[p] = muladd(load8(look.edge[r.least[p][a]]), all8(r.axis[p][a]), from[p]);
+      to[p] = muladd(load8(look.edge[r.most[p][a]]), all8(r.axis[p][a]), to[p]);
     }
   }
+  outline(r, from, to, look.seen);
+  look.pairs = pairs_of(r, s.found.reach, look.seen) & groups * kEachByte;
 }
 
-template <Ask kAsk, bool kMixed>
-inline void search_model(Search& s, const Frame& f, uint32_t root) {
-  descend<kAsk, kMixed>(s, f, root, [&](uint32_t leaf, unsigned groups) {
-    const uint32_t index = leaf & kIndexMask, kind = leaf & kKindMask;
-    bool any = false;
-    if (kind == kTriangles) {
-      any = visit_triangles<kAsk>(s, f, f.triangles[index], groups);
-    } else if (kAsk != Ask::kSurface) {
-      any = visit_ellipsoids<kAsk>(s, f, f.ellipsoids[index], groups, kind == kCareful);
-    }
-    if (any && kAsk != Ask::kAll) remember(s.found);
-  });
+// Pushes what the packet may reach of the node's children, the nearest last.
+template <bool kMixed>
+inline void open(const Search& s, const Frame& f, const Node& node, const Look& look,
+                 PacketEntry* stack, int& top) {
+  uint64_t entered = 0;
+  for (uint64_t left = look.pairs; left; left &= left - 1) {
+    const int pair = __builtin_ctzll(left);
+    const bool enter =
+        enters<kMixed>(*f.rays, s.found, f.t_min, look.edge, pair / 8, pair % 8 / kGroupStep);
+    entered |= uint64_t(enter) << pair;
+  }
+  const unsigned left = bytes_in(entered);
+  const float* depths = look.seen.depth;
+  const F8 depth = load8(depths);
+  for (unsigned more = left; more; more &= more - 1) {
+    const int k = __builtin_ctz(more);
+    const unsigned further =
+        bits(depth > all8(depths[k])) | (bits(depth == all8(depths[k])) & ~0u << k << 1);
+    prefetch(f, node.child[k]);
+    stack[top + __builtin_popcount(further & left)] = {depths[k], node.child[k],
+                                                       unsigned(entered >> 8 * k & 0xff)};
+  }
+  top += __builtin_popcount(left);
 }
 
 // Ranges in units of another frame, apart by the rounding.
@@ -146,11 +106,25 @@ inline void scale_back(Found& found, const Found& before, const Frame& f) {
   remember(found);
 }
 
-template <Ask kAsk>
-void search_instance(Search& s, const Frame& world, const Entry& entry) {
-  const Placement p = place(*s.view, entry.instance, world.rays->centre);
+// A packet on its way through the tree. Several take turns, a step each, so that what one will need
+// comes from memory while the others work.
+struct Walk {
+  Search search;
+  Rays rays, turned;  // in the world's frame and, if rotated or scaled, the instance's
+  Frame world, model;
+  Found before;  // of scaled instances: what was found before them, in the world's units
+  uint32_t at;   // reference of what `look` has seen
+  Look look;
+  PacketEntry stack[512];
+  int top, base;  // entries from `base` on are of the model
+  bool inside;    // an instance
+  bool scaled;
+};
+
+inline void enter_instance(Walk& w, const Entry& entry) {
+  const Placement p = place(*w.search.view, entry.instance, w.rays.centre);
   const Bvh& bvh = *p.bvh;
-  Frame f;
+  Frame& f = w.model;
   f.nodes = bvh.nodes.data();
   f.ellipsoids = bvh.ellipsoids.data();
   f.triangles = bvh.triangles.data();
@@ -158,57 +132,107 @@ void search_instance(Search& s, const Frame& world, const Entry& entry) {
   f.salt_low = uint32_t(p.salt);
   f.salt_high = uint32_t(p.salt >> 32);
   f.scale = float(p.scale);
-  f.t_min = world.t_min / f.scale * 0.9999999f;
-  f.t_max = world.t_max / f.scale * 1.0000001f;
-
-  Rays local;
-  f.rays = world.rays;
+  f.t_min = w.world.t_min / f.scale * 0.9999999f;
+  f.t_max = w.world.t_max / f.scale * 1.0000001f;
+  f.rays = &w.rays;
   if (!p.translation) {
-    rotate(*world.rays, p, local);
-    f.rays = &local;
+    rotate(w.rays, p, w.turned);
+    f.rays = &w.turned;
   }
   set_centre(f, p.centre, f.rays->spread);
-  Found before;
-  if (p.scale != 1) {
-    before = s.found;
-    rescale(s.found, float(1 / p.scale));
+  w.scaled = p.scale != 1;
+  if (w.scaled) {
+    w.before = w.search.found;
+    rescale(w.search.found, float(1 / p.scale));
   }
-  if (f.rays->mixed) {
-    search_model<kAsk, true>(s, f, entry.node);
-  } else {
-    search_model<kAsk, false>(s, f, entry.node);
-  }
-  if (p.scale != 1) scale_back(s.found, before, f);
+  w.inside = true;
+  w.base = w.top;
+  w.stack[w.top++] = {-1, entry.node, 0xff};
 }
 
+inline void leave_instance(Walk& w) {
+  if (w.scaled) scale_back(w.search.found, w.before, w.model);
+  w.inside = false;
+}
+
+// Goes to the next node or block and looks at it; false if there is none left.
+inline bool look(Walk& w) {
+  const Search& s = w.search;
+  while (true) {
+    if (w.inside && w.top == w.base) leave_instance(w);
+    if (w.top == 0) return false;
+    const PacketEntry at = w.stack[--w.top];
+    if (at.depth > s.found.farthest) continue;
+    const Frame& f = w.inside ? w.model : w.world;
+    const uint32_t index = at.reference & kIndexMask, kind = at.reference & kKindMask;
+    w.at = at.reference;
+    if (!(at.reference & kLeaf)) {
+      look_at(s, f, f.nodes[index], at.groups, w.look);
+    } else if (!w.inside) {
+      enter_instance(w, s.view->entries[index]);
+      continue;
+    } else if (kind == kTriangles) {
+      look_at(s, f, f.triangles[index], at.groups, w.look);
+    } else {
+      look_at(s, f, f.ellipsoids[index], at.groups, w.look);
+    }
+    return true;
+  }
+}
+
+// Does there what is to be done.
 template <Ask kAsk>
-bool trace_packet(const View& view, Batch& batch) {
-  const float t_min = float(batch.limits.min_m) * 0.999999f;
-  const float t_max = float(batch.limits.max_m) * 1.000001f;
-  Search s;
+inline void visit(Walk& w) {
+  Search& s = w.search;
+  const Frame& f = w.inside ? w.model : w.world;
+  const uint32_t index = w.at & kIndexMask, kind = w.at & kKindMask;
+  if (!(w.at & kLeaf)) {
+    if (f.rays->mixed) {
+      open<true>(s, f, f.nodes[index], w.look, w.stack, w.top);
+    } else {
+      open<false>(s, f, f.nodes[index], w.look, w.stack, w.top);
+    }
+    return;
+  }
+  bool any = false;
+  if (kind == kTriangles) {
+    any = visit<kAsk>(s, f, f.triangles[index], w.look);
+  } else if (kAsk != Ask::kSurface) {
+    any = visit<kAsk>(s, f, f.ellipsoids[index], kind == kCareful, w.look);
+  }
+  if (any && kAsk != Ask::kAll) remember(s.found);
+}
+
+// False if the rays spread too far to be traced together.
+template <Ask kAsk>
+bool begin(Walk& w, const View& view, Batch& batch, const uint32_t* number, int count) {
+  Search& s = w.search;
   s.view = &view;
   s.batch = &batch;
+  s.number = number;
+  s.count = count;
   const Columns& from = *batch.columns;
-  Rays rays;
   for (int a = 0; a < 3; ++a) {
-    rays.centre[a] = from.centre[a];
-    float* d = reinterpret_cast<float*>(rays.d[a]);
-    float* o = reinterpret_cast<float*>(rays.o[a]);
+    w.rays.centre[a] = from.centre[a];
+    float* d = reinterpret_cast<float*>(w.rays.d[a]);
+    float* o = reinterpret_cast<float*>(w.rays.o[a]);
     for (int k = 0; k < kPacket; ++k) {
-      d[k] = from.direction[a][batch.number[k]];
-      o[k] = from.offset[a][batch.number[k]];
+      d[k] = from.direction[a][number[k]];
+      o[k] = from.offset[a][number[k]];
     }
   }
-  rays.spread = from.spread;
-  if (!enclose(rays)) return false;
-  finish(rays);
+  w.rays.spread = from.spread;
+  if (!enclose(w.rays)) return false;
+  finish(w.rays);
+  const float t_max = float(batch.limits.max_m) * 1.000001f;
   for (int g = 0; g < kGroups; ++g) {
     s.found.element[g] = s.found.instance[g] = all(Met::kNone);
     s.found.low[g] = all(float(batch.limits.max_m) * 0.999999f);
     s.found.high[g] = all(t_max);
   }
+  s.found.exact = 0;
   for (int k = 0; k < kPacket; ++k) {
-    const size_t i = batch.ray(k);
+    const size_t i = ray_at(s, k);
     if (kAsk == Ask::kAll) {
       reinterpret_cast<float*>(s.found.high)[k] = float(batch.entry_limits_m[i]) * 1.000001f;
     } else if (kAsk == Ask::kAccepted) {
@@ -217,29 +241,66 @@ bool trace_packet(const View& view, Batch& batch) {
     }
   }
   remember(s.found);
-  Frame world;
-  world.rays = &rays;
-  world.nodes = view.nodes;
-  world.scale = 1;
-  world.t_min = t_min;
-  world.t_max = t_max;
-  set_centre(world, rays.centre, rays.spread);
-  const auto leaf = [&](uint32_t reference, unsigned) {
-    search_instance<kAsk>(s, world, view.entries[reference & kIndexMask]);
-  };
-  if (rays.mixed) {
-    descend<kAsk, true>(s, world, view.root, leaf);
-  } else {
-    descend<kAsk, false>(s, world, view.root, leaf);
-  }
-  if (kAsk == Ask::kAll) return true;
-  for (int k = 0; k < batch.count; ++k) {
+  w.world.rays = &w.rays;
+  w.world.nodes = view.nodes;
+  w.world.scale = 1;
+  w.world.t_min = float(batch.limits.min_m) * 0.999999f;
+  w.world.t_max = t_max;
+  set_centre(w.world, w.rays.centre, w.rays.spread);
+  w.inside = false;
+  w.stack[0] = {-1, view.root, 0xff};
+  w.top = 1;
+  return true;
+}
+
+template <Ask kAsk>
+void end(const Walk& w) {
+  if (kAsk == Ask::kAll) return;
+  const Search& s = w.search;
+  Batch& batch = *s.batch;
+  for (int k = 0; k < s.count; ++k) {
     const uint32_t element = reinterpret_cast<const uint32_t*>(s.found.element)[k];
     if (element == Met::kNone || s.found.exact >> k & 1) continue;
     const uint32_t instance = reinterpret_cast<const uint32_t*>(s.found.instance)[k];
-    batch.known[batch.known_count++] = {uint32_t(batch.ray(k)), instance, element};
+    batch.known[batch.known_count++] = {uint32_t(ray_at(s, k)), instance, element};
   }
-  return true;
+}
+
+constexpr size_t kFew = 4;  // rays for which a packet does not pay
+constexpr int kWalks = 8;
+
+template <Ask kAsk>
+void trace_all(const View& view, Batch& batch, const uint32_t* order, size_t count) {
+  Walk walks[kWalks];
+  size_t at = 0;
+  const auto next = [&](Walk& w) {
+    while (at < count) {
+      const uint32_t* number = order + at;
+      const size_t n = count - at < size_t(kPacket) ? count - at : size_t(kPacket);
+      at += n;
+      if (n > kFew && begin<kAsk>(w, view, batch, number, int(n))) return true;
+      for (size_t k = 0; k < n; ++k) trace_one(view, kAsk, batch, batch.first + number[k]);
+    }
+    return false;
+  };
+  Walk* busy[kWalks];
+  int busy_count = 0;
+  for (Walk& w : walks) {
+    if (next(w)) busy[busy_count++] = &w;
+  }
+  // All look before one acts: what they saw is known by then.
+  while (busy_count > 0) {
+    for (int k = 0; k < busy_count;) {
+      Walk& w = *busy[k];
+      if (look(w)) {
+        ++k;
+        continue;
+      }
+      end<kAsk>(w);
+      if (!next(w)) busy[k] = busy[--busy_count];
+    }
+    for (int k = 0; k < busy_count; ++k) visit<kAsk>(*busy[k]);
+  }
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Included by kernel.inl: 64 rays as columns, the frustum around them, their change of frame.
+// Included by kernel.inl: 64 rays as columns, the slopes they span, their change of frame.
 namespace underbrush::trace {
 namespace {
 
@@ -7,83 +7,118 @@ struct alignas(64) Rays {
   F d[3][kGroups], o[3][kGroups], inverse[3][kGroups];
   F start[3][kGroups];  // −o·inverse
   double centre[3];
-  float plane[5][3];  // outward normals of the frustum's sides, then its axis
-  float side[4];      // a point p is outside of side i where plane[i]·p > side[i]
-  float depth,
-      behind;    // along the axis: a point is reached from `depth` on; nothing before `behind`
-  float spread;  // greatest |o|
-  bool mixed;    // signs of the directions differ
+  // Three axes: across, up and along the rays. A ray's slopes are its direction's components across
+  // and up by that along.
+  float axis[3][3];
+  // Which edges of a box (lo x y z, hi x y z) make its corners that lie least and most along each
+  // axis.
+  uint32_t least[3][3], most[3][3];
+  float o_least[3], o_most[3];  // bounds of o along the axes
+  F8 tile[4];                   // of each eight rays: slope across from, to; slope up from, to
+  float spread;                 // greatest |o|
+  bool mixed;                   // signs of the directions differ
   bool negative[3];
 };
 
-// The frustum around the rays; false if they spread too far for one.
-inline bool enclose(Rays& r) {
+// Axes along the mean of the directions; false if they have none.
+inline bool set_axes(Rays& r) {
   F sum[3];
   for (int a = 0; a < 3; ++a) {
     sum[a] = r.d[a][0];
     for (int g = 1; g < kGroups; ++g) sum[a] += r.d[a][g];
   }
-  float axis[3], norm2 = 0;
+  float *u = r.axis[0], *v = r.axis[1], *w = r.axis[2], norm2 = 0;
   for (int a = 0; a < 3; ++a) {
-    axis[a] = 0;
-    for (int k = 0; k < kLanes; ++k) axis[a] += sum[a][k];
-    norm2 += axis[a] * axis[a];
+    w[a] = 0;
+    for (int k = 0; k < kLanes; ++k) w[a] += sum[a][k];
+    norm2 += w[a] * w[a];
   }
   if (!(norm2 > 1)) return false;
   const float inverse = 1 / __builtin_sqrtf(norm2);
-  for (float& x : axis) x *= inverse;
-  float u[3], v[3];
-  const bool steep = __builtin_fabsf(axis[2]) >= 0.9f;
-  const float h =
-      1 / __builtin_sqrtf(axis[1] * axis[1] + (steep ? axis[2] * axis[2] : axis[0] * axis[0]));
-  u[0] = steep ? 0 : -axis[1] * h;
-  u[1] = steep ? -axis[2] * h : axis[0] * h;
-  u[2] = steep ? axis[1] * h : 0;
-  v[0] = axis[1] * u[2] - axis[2] * u[1];
-  v[1] = axis[2] * u[0] - axis[0] * u[2];
-  v[2] = axis[0] * u[1] - axis[1] * u[0];
-  F x0 = all(1e30f), x1 = all(-1e30f), y0 = x0, y1 = x1, w0 = x0;
-  for (int g = 0; g < kGroups; ++g) {
-    const auto along = [&](const float* n) {
-      return muladd(r.d[0][g], all(n[0]), muladd(r.d[1][g], all(n[1]), r.d[2][g] * all(n[2])));
-    };
-    const F w = along(axis), i = 1.0f / w, x = along(u) * i, y = along(v) * i;
-    w0 = lesser(w0, w);
-    x0 = lesser(x0, x);
-    x1 = greater(x1, x);
-    y0 = lesser(y0, y);
-    y1 = greater(y1, y);
-  }
-  if (!(least(w0) > 0.85f)) return false;
-  const float slack = 2e-6f;
-  const float edge[4] = {greatest(x1) + slack, least(x0) - slack, greatest(y1) + slack,
-                         least(y0) - slack};
-  for (int a = 0; a < 3; ++a) {
-    r.plane[0][a] = u[a] - edge[0] * axis[a];
-    r.plane[1][a] = edge[1] * axis[a] - u[a];
-    r.plane[2][a] = v[a] - edge[2] * axis[a];
-    r.plane[3][a] = edge[3] * axis[a] - v[a];
-    r.plane[4][a] = axis[a];
-  }
-  F most[5], nearest = all(1e30f);
-  for (int p = 0; p < 5; ++p) {
-    most[p] = all(-1e30f);
-    for (int g = 0; g < kGroups; ++g) {
-      const F at = muladd(r.o[0][g], all(r.plane[p][0]),
-                          muladd(r.o[1][g], all(r.plane[p][1]), r.o[2][g] * all(r.plane[p][2])));
-      most[p] = greater(most[p], at);
-      if (p == 4) nearest = lesser(nearest, at);
-    }
-  }
-  const float margin = 1e-4f + 1e-5f * r.spread;
-  for (int p = 0; p < 4; ++p) r.side[p] = greatest(most[p]) + margin;
-  r.depth = greatest(most[4]) + margin;
-  r.behind = least(nearest) - margin;
+  for (int a = 0; a < 3; ++a) w[a] *= inverse;
+  const bool steep = __builtin_fabsf(w[2]) >= 0.9f;
+  const float h = 1 / __builtin_sqrtf(w[1] * w[1] + (steep ? w[2] * w[2] : w[0] * w[0]));
+  u[0] = steep ? 0 : -w[1] * h;
+  u[1] = steep ? -w[2] * h : w[0] * h;
+  u[2] = steep ? w[1] * h : 0;
+  v[0] = w[1] * u[2] - w[2] * u[1];
+  v[1] = w[2] * u[0] - w[0] * u[2];
+  v[2] = w[0] * u[1] - w[1] * u[0];
   return true;
 }
 
-// Reciprocals and signs, from d.
+// Axes, slopes and what bounds them; false if the rays spread too far for that.
+inline bool enclose(Rays& r) {
+  if (!set_axes(r)) return false;
+  F slope[2][kGroups], w0 = all(1e30f), low[3], high[3];
+  const auto along = [&](const F v[3][kGroups], int g, const float* n) {
+    return muladd(v[0][g], all(n[0]), muladd(v[1][g], all(n[1]), v[2][g] * all(n[2])));
+  };
+  for (int a = 0; a < 3; ++a) low[a] = all(1e30f), high[a] = all(-1e30f);
+  for (int g = 0; g < kGroups; ++g) {
+    const F w = along(r.d, g, r.axis[2]), i = 1.0f / w;
+    w0 = lesser(w0, w);
+    for (int a = 0; a < 2; ++a) slope[a][g] = along(r.d, g, r.axis[a]) * i;
+    for (int a = 0; a < 3; ++a) {
+      const F o = along(r.o, g, r.axis[a]);
+      low[a] = lesser(low[a], o);
+      high[a] = greater(high[a], o);
+    }
+  }
+  if (!(least(w0) > 0.85f)) return false;
+  const float slack = 4e-6f, margin = 1e-5f * r.spread;
+  for (int a = 0; a < 2; ++a) {
+    r.tile[2 * a] = least_of_eights(slope[a]) - slack;
+    r.tile[2 * a + 1] = greatest_of_eights(slope[a]) + slack;
+  }
+  for (int a = 0; a < 3; ++a) {
+    r.o_least[a] = least(low[a]) - margin;
+    r.o_most[a] = greatest(high[a]) + margin;
+  }
+  return true;
+}
+
+// Bounds of eight things along the axes, relative to the centre, and so of their slopes as the rays
+// see them.
+struct alignas(32) Outlines {
+  float across_from[8], across_to[8], up_from[8], up_to[8], depth[8];
+};
+
+inline void outline(const Rays& r, const F8 from[3], const F8 to[3], Outlines& out) {
+  const F8 near_by = from[2] - r.o_most[2], far_away = to[2] - r.o_least[2];
+  const F8 tiny = all8(1e-30f);
+  const F8 by_near = 1.0f / greater(near_by, tiny), by_far = 1.0f / greater(far_away, tiny);
+  float* edge[4] = {out.across_from, out.across_to, out.up_from, out.up_to};
+  for (int a = 0; a < 2; ++a) {
+    const F8 low = from[a] - r.o_most[a], high = to[a] - r.o_least[a];
+    *reinterpret_cast<F8*>(edge[2 * a]) = lesser(low * by_near, low * by_far);
+    *reinterpret_cast<F8*>(edge[2 * a + 1]) = greater(high * by_near, high * by_far);
+  }
+  *reinterpret_cast<F8*>(out.depth) = far_away >= F8{} ? near_by : all8(INFINITY);
+}
+
+// The groups that may meet each of eight things: bit 8 k + g kGroupStep for thing k and group g.
+// `reach`: how far each eight rays look.
+inline uint64_t pairs_of(const Rays& r, F8 reach, const Outlines& out) {
+  uint64_t pairs = 0;
+  for (int k = 0; k < 8; ++k) {
+    const unsigned eights =
+        bits((r.tile[0] <= all8(out.across_to[k])) & (r.tile[1] >= all8(out.across_from[k])) &
+             (r.tile[2] <= all8(out.up_to[k])) & (r.tile[3] >= all8(out.up_from[k])) &
+             (reach >= all8(out.depth[k])));
+    pairs |= uint64_t(eights) << (8 * k);
+  }
+  return kGroupStep == 1 ? pairs : (pairs | pairs >> 1) & 0x5555555555555555u;
+}
+
+// What follows from the directions and axes.
 inline void finish(Rays& r) {
+  for (int p = 0; p < 3; ++p) {
+    for (uint32_t a = 0; a < 3; ++a) {
+      r.least[p][a] = r.axis[p][a] > 0 ? a : 3 + a;
+      r.most[p][a] = r.axis[p][a] > 0 ? 3 + a : a;
+    }
+  }
   r.mixed = false;
   for (int a = 0; a < 3; ++a) {
     unsigned any = 0, every = ~0u;
@@ -116,20 +151,19 @@ inline void rotate(const Rays& world, const Placement& p, Rays& local) {
                                       muladd(row[1], world.o[1][g], row[2] * world.o[2][g]));
     }
   }
-  finish(local);
-  const float s = float(1 / p.scale);
-  for (int i = 0; i < 5; ++i) {
+  const float s = float(1 / p.scale), margin = s * 1e-6f * world.spread;
+  for (int i = 0; i < 3; ++i) {
     for (int a = 0; a < 3; ++a) {
-      local.plane[i][a] = float(p.rotation[3 * a]) * world.plane[i][0] +
-                          float(p.rotation[3 * a + 1]) * world.plane[i][1] +
-                          float(p.rotation[3 * a + 2]) * world.plane[i][2];
+      local.axis[i][a] = float(p.rotation[3 * a]) * world.axis[i][0] +
+                         float(p.rotation[3 * a + 1]) * world.axis[i][1] +
+                         float(p.rotation[3 * a + 2]) * world.axis[i][2];
     }
+    local.o_least[i] = s * world.o_least[i] - margin;
+    local.o_most[i] = s * world.o_most[i] + margin;
   }
-  const float margin = s * (1e-5f + 1e-6f * world.spread);
-  for (int i = 0; i < 4; ++i) local.side[i] = s * world.side[i] + margin;
-  local.depth = s * world.depth + margin;
-  local.behind = s * world.behind - margin;
+  for (int i = 0; i < 4; ++i) local.tile[i] = world.tile[i];
   local.spread = s * world.spread * 1.000001f;
+  finish(local);
 }
 
 // Wraps kLanes rays at a time into columns; the rest of the last vector repeats the last ray.

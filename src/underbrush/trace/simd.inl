@@ -9,6 +9,8 @@ constexpr int kLanes = 16;
 constexpr int kLanes = 8;
 #endif
 constexpr int kGroups = kPacket / kLanes;
+constexpr int kGroupStep = kLanes / 8;
+constexpr uint64_t kEachByte = 0x0101010101010101u;
 
 typedef float F8 __attribute__((vector_size(32), may_alias));
 typedef int32_t I8 __attribute__((vector_size(32), may_alias));
@@ -24,14 +26,16 @@ inline I8 every8() {
   return none - 1;
 }
 inline F8 absolute(F8 a) { return (F8)((I8)a & 0x7fffffff); }
-inline F8 lesser(F8 a, F8 b) { return a < b ? a : b; }
-inline F8 greater(F8 a, F8 b) { return a > b ? a : b; }
 
 #if defined(__AVX2__)
+inline F8 lesser(F8 a, F8 b) { return _mm256_min_ps(a, b); }
+inline F8 greater(F8 a, F8 b) { return _mm256_max_ps(a, b); }
 inline F8 muladd(F8 a, F8 b, F8 c) { return _mm256_fmadd_ps(a, b, c); }
 inline F8 root(F8 a) { return _mm256_sqrt_ps(a); }
 inline unsigned bits(I8 mask) { return unsigned(_mm256_movemask_ps((__m256)mask)); }
 #else
+inline F8 lesser(F8 a, F8 b) { return a < b ? a : b; }
+inline F8 greater(F8 a, F8 b) { return a > b ? a : b; }
 inline F8 muladd(F8 a, F8 b, F8 c) { return a * b + c; }
 inline F8 root(F8 a) {
   F8 r;
@@ -81,15 +85,49 @@ inline U all(uint32_t x) { return U{x, x, x, x, x, x, x, x}; }
 inline F sign_of(F a) { return (F)((U)a & 0x80000000u); }
 inline F flip(F a, F sign) { return (F)((U)a ^ (U)sign); }
 
-inline float greatest(F v) {
+template <class V>
+inline float greatest(V v) {
   float m = v[0];
-  for (int k = 1; k < kLanes; ++k) m = v[k] > m ? v[k] : m;
+  for (size_t k = 1; k < sizeof(V) / 4; ++k) m = v[k] > m ? v[k] : m;
   return m;
 }
-inline float least(F v) {
+template <class V>
+inline float least(V v) {
   float m = v[0];
-  for (int k = 1; k < kLanes; ++k) m = v[k] < m ? v[k] : m;
+  for (size_t k = 1; k < sizeof(V) / 4; ++k) m = v[k] < m ? v[k] : m;
   return m;
+}
+
+// Of each eight of the packet's values what `pick(a, b)` leaves.
+template <class Pick>
+inline F8 of_eights(const F v[kGroups], Pick pick) {
+  const float* from = reinterpret_cast<const float*>(v);
+  F8 two[4];
+  for (int k = 0; k < 4; ++k) {
+    const F8 a = load8(from + 16 * k), b = load8(from + 16 * k + 8);
+    two[k] = pick(__builtin_shufflevector(a, b, 0, 2, 8, 10, 4, 6, 12, 14),
+                  __builtin_shufflevector(a, b, 1, 3, 9, 11, 5, 7, 13, 15));
+  }
+  F8 four[2];
+  for (int k = 0; k < 2; ++k) {
+    const F8 a = two[2 * k], b = two[2 * k + 1];
+    four[k] = pick(__builtin_shufflevector(a, b, 0, 2, 8, 10, 4, 6, 12, 14),
+                   __builtin_shufflevector(a, b, 1, 3, 9, 11, 5, 7, 13, 15));
+  }
+  return pick(__builtin_shufflevector(four[0], four[1], 0, 1, 2, 3, 8, 9, 10, 11),
+              __builtin_shufflevector(four[0], four[1], 4, 5, 6, 7, 12, 13, 14, 15));
+}
+inline F8 least_of_eights(const F v[kGroups]) {
+  return of_eights(v, [](F8 a, F8 b) { return lesser(a, b); });
+}
+inline F8 greatest_of_eights(const F v[kGroups]) {
+  return of_eights(v, [](F8 a, F8 b) { return greater(a, b); });
+}
+
+// Which bytes are not zero.
+inline unsigned bytes_in(uint64_t bytes) {
+  const __m128i zero = _mm_cmpeq_epi8(_mm_cvtsi64_si128(int64_t(bytes)), _mm_setzero_si128());
+  return ~unsigned(_mm_movemask_epi8(zero)) & 0xff;
 }
 
 // The hash of core/rng.hpp's accept_bits.

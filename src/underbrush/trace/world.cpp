@@ -41,8 +41,6 @@ ModelView view_of(const elements::Model& m) {
           m.voxel_m > 0};
 }
 
-constexpr int kFew = 4;  // rays for which a packet does not pay
-
 /// What a thread needs for its queries; large, and it keeps its memory from call to call.
 struct Workspace {
   Batch batch;
@@ -102,12 +100,7 @@ struct World::Impl {
         w.order[0] = 0;
       }
       std::fill_n(w.order.begin() + long(n), kPacket, w.order[n - 1]);
-      for (size_t at = 0; at < n; at += kPacket) {
-        batch.number = &w.order[at];
-        batch.count = int(std::min<size_t>(kPacket, n - at));
-        if (batch.count > kFew && kernels->packet(v, ask, batch)) continue;
-        for (int k = 0; k < batch.count; ++k) kernels->one(v, ask, batch, batch.ray(k));
-      }
+      kernels->trace(v, ask, batch, w.order.data(), n);
       kernels->meet_many(v, batch, batch.known, batch.known_count, nullptr);
     }
   }
