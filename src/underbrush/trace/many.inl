@@ -125,77 +125,114 @@ inline void add_triangle(Pending& w, const ModelView::Mesh& mesh, uint32_t at, c
   w.sigma[k] = mesh.sigma_m;
 }
 
-// Calls the memory of a candidate's element, first where it stands, later what it refers to.
-__attribute__((always_inline)) inline void fetch_ahead(const View& view, const Candidate& c,
-                                                       bool later) {
-  const ModelView& m = view.model_views[view.instances[c.instance].model];
-  if (c.element >= m.triangle_count) {
+// Triangle `at` of a mesh of the model.
+struct InMesh {
+  const ModelView::Mesh& mesh;
+  uint32_t at;
+};
+inline InMesh in_mesh(const ModelView& m, uint32_t element) {
+  if (element < m.ground_count) return {m.ground, element};
+  return {m.surface, element - m.ground_count};
+}
+
+inline const ModelView& model_of(const View& view, const Candidate& c) {
+  return view.model_views[view.instances[c.instance].model];
+}
+
+// Up to kRun candidates, triangles apart from ellipsoids; calls the memory of their elements.
+constexpr size_t kRun = 256;
+struct Sorted {
+  uint32_t triangle[kRun + 1], ellipsoid[kRun + 1];
+  size_t triangles = 0, ellipsoids = 0;
+};
+
+inline void sort_out(const View& view, const Candidate* list, size_t count, Sorted& out) {
+  for (size_t i = 0; i < count; ++i) {
+    const ModelView& m = model_of(view, list[i]);
+    const bool is_triangle = list[i].element < m.triangle_count;
+    out.triangle[out.triangles] = out.ellipsoid[out.ellipsoids] = uint32_t(i);
+    out.triangles += is_triangle;
+    out.ellipsoids += !is_triangle;
+  }
+  for (size_t k = 0; k < out.ellipsoids; ++k) {
+    const Candidate& c = list[out.ellipsoid[k]];
+    const ModelView& m = model_of(view, c);
     const char* e = reinterpret_cast<const char*>(&m.ellipsoids[c.element - m.triangle_count]);
-    if (!later) {
-      __builtin_prefetch(e);
-      __builtin_prefetch(e + sizeof(elements::Ellipsoid) - 1);
-    }
-    return;
+    __builtin_prefetch(e);
+    __builtin_prefetch(e + sizeof(elements::Ellipsoid) - 1);
   }
-  const bool ground = c.element < m.ground_count;
-  const ModelView::Mesh& mesh = ground ? m.ground : m.surface;
-  const size_t at = ground ? c.element : c.element - m.ground_count;
-  if (later) {
+  for (size_t k = 0; k < out.triangles; ++k) {
+    const Candidate& c = list[out.triangle[k]];
+    const InMesh t = in_mesh(model_of(view, c), c.element);
+    __builtin_prefetch(t.mesh.triangles + 3 * size_t(t.at));
+    __builtin_prefetch(t.mesh.hit + t.at);
+  }
+}
+
+// The candidate's ray in its model.
+inline void stand(const View& view, const Batch& batch, const Candidate& c, Stand& at,
+                  uint32_t& at_instance, double o[3], double d[3]) {
+  if (c.instance != at_instance) {
+    at = stand_of(view, c.instance);
+    at_instance = c.instance;
+  }
+  if (!at.is_translation) return place_ray(view, batch, c, o, d);
+  const Ray& ray = batch.rays[c.ray];
+  for (int a = 0; a < 3; ++a) {
+    o[a] = ray.origin.data()[a] - at.translation[a];
+    d[a] = ray.direction.data()[a];
+  }
+}
+
+void meet_run(const View& view, const Batch& batch, const Candidate* list, size_t count, Met* out) {
+  Sorted sorted;
+  sort_out(view, list, count, sorted);
+  uint32_t at_instance = Met::kNone;
+  Stand at;
+  double o[3], d[3];
+  Pending w;
+  for (size_t k = 0; k < sorted.ellipsoids; ++k) {
+    const uint32_t i = sorted.ellipsoid[k];
+    const Candidate& c = list[i];
+    stand(view, batch, c, at, at_instance, o, d);
+    const ModelView& m = *at.model;
+    const elements::Ellipsoid& e = m.ellipsoids[c.element - m.triangle_count];
+    if (m.voxels || e.density_per_m > 0) {
+      (out ? out[i] : batch.best[c.ray]) = meet_placed(view, batch, c);
+      continue;
+    }
+    add_ellipsoid(w, e, m.tau2, o, d);
+    w.scale[w.count] = at.scale;
+    w.index[w.count++] = i;
+    if (w.count == kMany) decide_ellipsoids(w, batch, list, out);
+  }
+  if (w.count > 0) decide_ellipsoids(w, batch, list, out);
+  for (size_t k = 0; k < sorted.triangles; ++k) {
+    const Candidate& c = list[sorted.triangle[k]];
+    const InMesh t = in_mesh(model_of(view, c), c.element);
     for (size_t v = 0; v < 3; ++v) {
-      __builtin_prefetch(mesh.vertices + 3 * size_t(mesh.triangles[3 * at + v]));
+      __builtin_prefetch(t.mesh.vertices + 3 * size_t(t.mesh.triangles[3 * size_t(t.at) + v]));
     }
-  } else {
-    __builtin_prefetch(mesh.triangles + 3 * at);
-    __builtin_prefetch(mesh.hit + at);
   }
+  for (size_t k = 0; k < sorted.triangles; ++k) {
+    const uint32_t i = sorted.triangle[k];
+    const Candidate& c = list[i];
+    stand(view, batch, c, at, at_instance, o, d);
+    const InMesh t = in_mesh(*at.model, c.element);
+    add_triangle(w, t.mesh, t.at, o, d);
+    w.scale[w.count] = at.scale;
+    w.index[w.count++] = i;
+    if (w.count == kMany) decide_triangles(view, w, batch, list, out);
+  }
+  if (w.count > 0) decide_triangles(view, w, batch, list, out);
 }
 
 void meet_many(const View& view, const Batch& batch, const Candidate* list, size_t count,
                Met* out) {
-  Pending ellipsoids, triangles;
-  ellipsoids.count = triangles.count = 0;
-  uint32_t at_instance = Met::kNone;
-  Stand stand;
-  for (size_t i = 0; i < count; ++i) {
-    if (i + 16 < count) fetch_ahead(view, list[i + 16], false);
-    if (i + 8 < count) fetch_ahead(view, list[i + 8], true);
-    const Candidate& c = list[i];
-    if (c.instance != at_instance) {
-      stand = stand_of(view, c.instance);
-      at_instance = c.instance;
-    }
-    double o[3], d[3];
-    if (stand.is_translation) {
-      const Ray& ray = batch.rays[c.ray];
-      for (int a = 0; a < 3; ++a) {
-        o[a] = ray.origin.data()[a] - stand.translation[a];
-        d[a] = ray.direction.data()[a];
-      }
-    } else {
-      place_ray(view, batch, c, o, d);
-    }
-    const ModelView& m = *stand.model;
-    const bool is_triangle = c.element < m.triangle_count;
-    Pending& w = is_triangle ? triangles : ellipsoids;
-    if (is_triangle) {
-      const bool ground = c.element < m.ground_count;
-      add_triangle(w, ground ? m.ground : m.surface,
-                   ground ? c.element : c.element - m.ground_count, o, d);
-    } else {
-      const elements::Ellipsoid& e = m.ellipsoids[c.element - m.triangle_count];
-      if (m.voxels || e.density_per_m > 0) {
-        (out ? out[i] : batch.best[c.ray]) = meet_placed(view, batch, c);
-        continue;
-      }
-      add_ellipsoid(w, e, m.tau2, o, d);
-    }
-    w.scale[w.count] = stand.scale;
-    w.index[w.count++] = i;
-    if (ellipsoids.count == kMany) decide_ellipsoids(ellipsoids, batch, list, out);
-    if (triangles.count == kMany) decide_triangles(view, triangles, batch, list, out);
+  for (size_t from = 0; from < count; from += kRun) {
+    meet_run(view, batch, list + from, count - from < kRun ? count - from : kRun,
+             out ? out + from : nullptr);
   }
-  if (ellipsoids.count > 0) decide_ellipsoids(ellipsoids, batch, list, out);
-  if (triangles.count > 0) decide_triangles(view, triangles, batch, list, out);
 }
 
 }  // namespace
