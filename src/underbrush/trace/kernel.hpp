@@ -95,7 +95,8 @@ void place_ray(const View& view, const Batch& batch, const Candidate& candidate,
 /// A model and its place in the world.
 struct Stand {
   const ModelView* model;
-  double translation[3], scale;
+  double translation[4];  ///< The fourth is 0.
+  double scale_tau2[2];   ///< Scale, and the square of the model's τ.
   bool is_translation;
 };
 /// Where the instance stands.

@@ -1,230 +1,270 @@
-// Included by kernel.inl: `meet` for many rays and elements, as many of a kind at a time as a
-// vector of doubles holds. Answers go
+// Included by kernel.inl: `meet` for many rays and elements, four of a kind at a time. Answers go
 // to out[i], one a candidate, or if there is no `out` to the best of each candidate's ray.
 namespace underbrush::trace {
 namespace {
 
-#if defined(__AVX512F__)
-constexpr int kMany = 8;
-#elif defined(__AVX2__)
-constexpr int kMany = 4;
-#else
-constexpr int kMany = 2;
-#endif
-typedef double D __attribute__((vector_size(8 * kMany)));
-typedef int64_t L __attribute__((vector_size(8 * kMany)));
+constexpr size_t kFour = 4;
+typedef double D __attribute__((vector_size(32)));
+typedef int64_t L __attribute__((vector_size(32)));
+typedef double D2 __attribute__((vector_size(16), aligned(8), may_alias));
+typedef double D4 __attribute__((vector_size(32), aligned(8), may_alias));
+typedef float F4 __attribute__((vector_size(16), aligned(4), may_alias));
 
 inline D absolute(D a) { return (D)((L)a & 0x7fffffffffffffff); }
-#if defined(__AVX512F__)
-inline D square_root(D a) { return _mm512_sqrt_pd(a); }
-inline unsigned bits(L mask) { return _mm512_movepi64_mask((__m512i)mask); }
-#elif defined(__AVX2__)
+inline D pick(L mask, D yes, D no) { return mask ? yes : no; }
+inline D to_double(F4 a) { return __builtin_convertvector(a, D); }
+#if defined(__AVX2__)
 inline D square_root(D a) { return _mm256_sqrt_pd(a); }
 inline unsigned bits(L mask) { return unsigned(_mm256_movemask_pd((__m256d)mask)); }
 #else
-inline D square_root(D a) { return _mm_sqrt_pd(a); }
-inline unsigned bits(L mask) { return unsigned(_mm_movemask_pd((__m128d)mask)); }
+inline D square_root(D a) {
+  D r;
+  for (int k = 0; k < 4; ++k) r[k] = __builtin_sqrt(a[k]);
+  return r;
+}
+inline unsigned bits(L mask) {
+  return unsigned(mask[0] & 1) | unsigned(mask[1] & 2) | unsigned(mask[2] & 4) |
+         unsigned(mask[3] & 8);
+}
 #endif
 
-// Up to kMany candidates of one kind that wait to be decided, in columns.
-struct Pending {
-  D o[3], d[3], p, sigma, scale;
-  D mean[3], covariance[6], tau2;  // ellipsoids
-  D corner[3][3];                  // triangles; as o and d, in the order of the sheared frame
-  size_t index[kMany];
-  int count = 0;
-};
-
-inline void clear(Met& met) {
-  met.t_m = met.sigma_m = met.delta2 = met.p = 0;
-  met.element = Met::kNone;
-  met.instance = 0;
+// Rows to columns and back.
+inline void transpose(D x[4]) {
+  const D a = __builtin_shufflevector(x[0], x[1], 0, 4, 2, 6);
+  const D b = __builtin_shufflevector(x[0], x[1], 1, 5, 3, 7);
+  const D c = __builtin_shufflevector(x[2], x[3], 0, 4, 2, 6);
+  const D d = __builtin_shufflevector(x[2], x[3], 1, 5, 3, 7);
+  x[0] = __builtin_shufflevector(a, c, 0, 1, 4, 5);
+  x[1] = __builtin_shufflevector(b, d, 0, 1, 4, 5);
+  x[2] = __builtin_shufflevector(a, c, 2, 3, 6, 7);
+  x[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
 }
 
-inline void write(const Pending& w, const Batch& batch, const Candidate* list, unsigned inside, D t,
-                  D sigma, D delta2, Met* out) {
-  const D range = t * w.scale, spread = sigma * w.scale;
-  const D zero{};
-  inside &= bits((range >= zero + batch.limits.min_m) & (range <= zero + batch.limits.max_m));
-  for (int k = 0; k < w.count; ++k) {
-    const Candidate& c = list[w.index[k]];
-    Met& met = out ? out[w.index[k]] : batch.best[c.ray];
-    met.t_m = range[k];
-    met.sigma_m = spread[k];
-    met.delta2 = delta2[k];
-    met.p = w.p[k];
-    met.element = c.element;
-    met.instance = c.instance;
-    if (!(inside >> k & 1)) clear(met);
-  }
-}
-
-inline void decide_ellipsoids(Pending& w, const Batch& batch, const Candidate* list, Met* out) {
-  const Approach<D> a = approach_of(w.o, w.d, w.mean, w.covariance);
-  write(w, batch, list, bits(a.delta2 <= w.tau2), a.t, square_root(a.sigma2), a.delta2, out);
-  w.count = 0;
-}
-
-inline void decide_triangles(const View& view, Pending& w, const Batch& batch,
-                             const Candidate* list, Met* out) {
-  const Sheared<D> s = shear(w.o, w.d, w.corner);
-  const D zero{};
-  D weight[3];
-  L above = zero == zero, below = above, sure = above;
-  for (int k = 0; k < 3; ++k) {
-    const int i = (k + 1) % 3, j = (k + 2) % 3;
-    const D xy = s.x[i] * s.y[j], zw = s.x[j] * s.y[i];
-    weight[k] = xy - zw;
-    above &= weight[k] >= zero;
-    below &= weight[k] <= zero;
-    sure &= absolute(weight[k]) > 1e-15 * (absolute(xy) + absolute(zw));
-  }
-  const unsigned certain = bits(sure);
-  write(w, batch, list, bits(above | below), range_at(s, weight, w.d[2]), w.sigma, zero, out);
-  for (int k = 0; k < w.count && certain != (1u << kMany) - 1; ++k) {
-    // On an edge, as far as plain arithmetic goes.
-    if (certain >> k & 1) continue;
-    const Candidate& c = list[w.index[k]];
-    (out ? out[w.index[k]] : batch.best[c.ray]) = meet_placed(view, batch, c);
-  }
-  w.count = 0;
-}
-
-inline void add_ellipsoid(Pending& w, const elements::Ellipsoid& e, double tau2, const double o[3],
-                          const double d[3]) {
-  const int k = w.count;
-  const float* mean = reinterpret_cast<const float*>(&e.mean);
-  const float* covariance = reinterpret_cast<const float*>(&e.covariance);
-  for (int a = 0; a < 3; ++a) {
-    w.o[a][k] = o[a];
-    w.d[a][k] = d[a];
-    w.mean[a][k] = double(mean[a]);
-  }
-  for (int c = 0; c < 6; ++c) w.covariance[c][k] = double(covariance[c]);
-  w.tau2[k] = tau2;
-  w.p[k] = double(e.hit.p);
-}
-
-inline void add_triangle(Pending& w, const ModelView::Mesh& mesh, uint32_t at, const double o[3],
-                         const double d[3]) {
-  const int k = w.count;
-  const double size[3] = {__builtin_fabs(d[0]), __builtin_fabs(d[1]), __builtin_fabs(d[2])};
-  int z = 0;
-  if (size[1] > size[z]) z = 1;
-  if (size[2] > size[z]) z = 2;
-  const int axis[3] = {z == 2 ? 0 : z + 1, z == 0 ? 2 : z - 1, z};
-  for (int a = 0; a < 3; ++a) {
-    w.o[a][k] = o[axis[a]];
-    w.d[a][k] = d[axis[a]];
-  }
-  for (int v = 0; v < 3; ++v) {
-    const float* corner = mesh.vertices + 3 * size_t(mesh.triangles[3 * size_t(at) + size_t(v)]);
-    for (int a = 0; a < 3; ++a) w.corner[v][a][k] = double(corner[axis[a]]);
-  }
-  w.p[k] = double(mesh.hit[at].p);
-  w.sigma[k] = mesh.sigma_m;
-}
-
-// Triangle `at` of a mesh of the model.
-struct InMesh {
-  const ModelView::Mesh& mesh;
-  uint32_t at;
-};
-inline InMesh in_mesh(const ModelView& m, uint32_t element) {
-  if (element < m.ground_count) return {m.ground, element};
-  return {m.surface, element - m.ground_count};
-}
-
-inline const ModelView& model_of(const View& view, const Candidate& c) {
-  return view.model_views[view.instances[c.instance].model];
-}
-
-// Up to kRun candidates, triangles apart from ellipsoids; calls the memory of their elements.
+// Up to kRun candidates, triangles apart from ellipsoids.
 constexpr size_t kRun = 256;
 struct Sorted {
-  uint32_t triangle[kRun + 1], ellipsoid[kRun + 1];
+  struct Triangle {
+    uint32_t index, at;
+    const ModelView::Mesh* mesh;
+    const float* corner[3];
+  } triangle[kRun + 1];
+  struct Ellipsoid {
+    uint32_t index;
+    const elements::Ellipsoid* data;
+  } ellipsoid[kRun + 1];
   size_t triangles = 0, ellipsoids = 0;
 };
 
+// Calls the memory of their elements.
 inline void sort_out(const View& view, const Candidate* list, size_t count, Sorted& out) {
   for (size_t i = 0; i < count; ++i) {
-    const ModelView& m = model_of(view, list[i]);
-    const bool is_triangle = list[i].element < m.triangle_count;
-    out.triangle[out.triangles] = out.ellipsoid[out.ellipsoids] = uint32_t(i);
+    const ModelView& m = view.model_views[view.instances[list[i].instance].model];
+    const uint32_t element = list[i].element;
+    const bool is_triangle = element < m.triangle_count, on_ground = element < m.ground_count;
+    Sorted::Triangle& t = out.triangle[out.triangles];
+    t.index = uint32_t(i);
+    t.mesh = on_ground ? &m.ground : &m.surface;
+    t.at = element - (on_ground ? 0 : m.ground_count);
+    out.ellipsoid[out.ellipsoids] = {uint32_t(i), m.ellipsoids + (element - m.triangle_count)};
     out.triangles += is_triangle;
     out.ellipsoids += !is_triangle;
   }
+  for (size_t k = 0; k < out.triangles; ++k) {
+    const Sorted::Triangle& t = out.triangle[k];
+    __builtin_prefetch(t.mesh->triangles + 3 * size_t(t.at));
+    __builtin_prefetch(t.mesh->hit + t.at);
+  }
   for (size_t k = 0; k < out.ellipsoids; ++k) {
-    const Candidate& c = list[out.ellipsoid[k]];
-    const ModelView& m = model_of(view, c);
-    const char* e = reinterpret_cast<const char*>(&m.ellipsoids[c.element - m.triangle_count]);
+    const char* e = reinterpret_cast<const char*>(out.ellipsoid[k].data);
     __builtin_prefetch(e);
     __builtin_prefetch(e + sizeof(elements::Ellipsoid) - 1);
   }
   for (size_t k = 0; k < out.triangles; ++k) {
-    const Candidate& c = list[out.triangle[k]];
-    const InMesh t = in_mesh(model_of(view, c), c.element);
-    __builtin_prefetch(t.mesh.triangles + 3 * size_t(t.at));
-    __builtin_prefetch(t.mesh.hit + t.at);
+    Sorted::Triangle& t = out.triangle[k];
+    const uint32_t* corners = t.mesh->triangles + 3 * size_t(t.at);
+    for (int v = 0; v < 3; ++v) {
+      t.corner[v] = t.mesh->vertices + 3 * size_t(corners[v]);
+      __builtin_prefetch(t.corner[v]);
+    }
   }
 }
 
-// The candidate's ray in its model.
-inline void stand(const View& view, const Batch& batch, const Candidate& c, Stand& at,
-                  uint32_t& at_instance, double o[3], double d[3]) {
-  if (c.instance != at_instance) {
-    at = stand_of(view, c.instance);
-    at_instance = c.instance;
+// Four candidates that are decided together, the rays in their models' frames.
+struct Four {
+  uint32_t index[kFour];
+  size_t count = 0;
+  D near_end[kFour], far_end[kFour];  // rows: o x y z, d x; d y z, scale, τ²
+  Stand at;
+  uint32_t at_instance = Met::kNone;
+
+  // Adds candidate i; its model.
+  const ModelView& add(const View& view, const Batch& batch, const Candidate* list, uint32_t i) {
+    const Candidate& c = list[i];
+    if (c.instance != at_instance) {
+      at = stand_of(view, c.instance);
+      at_instance = c.instance;
+    }
+    const double* ray = batch.rays[c.ray].origin.data();
+    double placed[6];
+    if (!at.is_translation) {
+      place_ray(view, batch, c, placed, placed + 3);
+      ray = placed;
+    }
+    near_end[count] = *reinterpret_cast<const D4*>(ray);
+    if (at.is_translation) near_end[count] -= *reinterpret_cast<const D4*>(at.translation);
+    const D2 d = *reinterpret_cast<const D2*>(ray + 4),
+             s = *reinterpret_cast<const D2*>(at.scale_tau2);
+    far_end[count] = __builtin_shufflevector(d, s, 0, 1, 2, 3);
+    index[count++] = i;
+    return *at.model;
   }
-  if (!at.is_translation) return place_ray(view, batch, c, o, d);
-  const Ray& ray = batch.rays[c.ray];
-  for (int a = 0; a < 3; ++a) {
-    o[a] = ray.origin.data()[a] - at.translation[a];
-    d[a] = ray.direction.data()[a];
+
+  // Columns: o, d, scale, τ². Places without a candidate repeat the last.
+  void columns(D o[3], D d[3], D& scale, D& tau2) {
+    for (size_t k = count; k < kFour; ++k) {
+      near_end[k] = near_end[count - 1];
+      far_end[k] = far_end[count - 1];
+    }
+    transpose(near_end);
+    transpose(far_end);
+    for (int a = 0; a < 3; ++a) o[a] = near_end[a];
+    d[0] = near_end[3];
+    d[1] = far_end[0];
+    d[2] = far_end[1];
+    scale = far_end[2];
+    tau2 = far_end[3];
   }
-}
+
+  void write(const Batch& batch, const Candidate* list, L inside, D scale, D t, D sigma, D delta2,
+             D p, Met* out) {
+    D row[4] = {t * scale, sigma * scale, delta2, p};
+    inside &= (row[0] >= batch.limits.min_m) & (row[0] <= batch.limits.max_m);
+    transpose(row);
+    const unsigned met = bits(inside);
+    for (size_t k = 0; k < count; ++k) {
+      const Candidate& c = list[index[k]];
+      Met& to = out ? out[index[k]] : batch.best[c.ray];
+      const bool is_met = met >> k & 1;
+      *reinterpret_cast<D4*>(&to.t_m) = is_met ? row[k] : D{};
+      to.element = is_met ? c.element : Met::kNone;
+      to.instance = is_met ? c.instance : 0;
+    }
+    count = 0;
+  }
+};
+
+struct Ellipsoids : Four {
+  D e[3][kFour];  // rows: mean, Σ xx; Σ xy xz yy yz; Σ yy yz zz, p
+
+  void add(const View& view, const Batch& batch, const Candidate* list,
+           const Sorted::Ellipsoid& entry, Met* out) {
+    const size_t k = count;
+    const ModelView& m = Four::add(view, batch, list, entry.index);
+    if (m.voxels || entry.data->density_per_m > 0) {
+      const Candidate& c = list[entry.index];
+      (out ? out[entry.index] : batch.best[c.ray]) = meet_placed(view, batch, c);
+      --count;
+      return;
+    }
+    static_assert(offsetof(elements::Ellipsoid, covariance) == 12 &&
+                  offsetof(elements::Ellipsoid, hit) == 36);
+    const float* from = reinterpret_cast<const float*>(entry.data);
+    e[0][k] = to_double(*reinterpret_cast<const F4*>(from));
+    e[1][k] = to_double(*reinterpret_cast<const F4*>(from + 4));
+    e[2][k] = to_double(*reinterpret_cast<const F4*>(from + 6));
+    if (count == kFour) decide(batch, list, out);
+  }
+
+  void decide(const Batch& batch, const Candidate* list, Met* out) {
+    if (count == 0) return;
+    D o[3], d[3], scale, tau2;
+    for (size_t k = count; k < kFour; ++k) {
+      for (auto& row : e) row[k] = row[count - 1];
+    }
+    columns(o, d, scale, tau2);
+    for (auto& row : e) transpose(row);
+    const D covariance[6] = {e[0][3], e[1][0], e[1][1], e[1][2], e[1][3], e[2][2]};
+    const Approach<D> a = approach_of(o, d, e[0], covariance);
+    write(batch, list, a.delta2 <= tau2, scale, a.t, square_root(a.sigma2), a.delta2, e[2][3], out);
+  }
+};
+
+struct Triangles : Four {
+  D corner[3][kFour];  // rows: x y z and, of the second and third, p and σ
+
+  void add(const View& view, const Batch& batch, const Candidate* list, const Sorted::Triangle& t,
+           Met* out) {
+    const size_t k = count;
+    Four::add(view, batch, list, t.index);
+    const float *a = t.corner[0], *b = t.corner[1], *c = t.corner[2];
+    corner[0][k] = D{a[0], a[1], a[2], 0};
+    corner[1][k] = D{b[0], b[1], b[2], t.mesh->hit[t.at].p};
+    corner[2][k] = D{c[0], c[1], c[2], t.mesh->sigma_m};
+    if (count == kFour) decide(view, batch, list, out);
+  }
+
+  void decide(const View& view, const Batch& batch, const Candidate* list, Met* out) {
+    if (count == 0) return;
+    D o[3], d[3], scale, tau2;
+    for (size_t k = count; k < kFour; ++k) {
+      for (auto& row : corner) row[k] = row[count - 1];
+    }
+    columns(o, d, scale, tau2);
+    for (auto& row : corner) transpose(row);
+    // The direction's greatest component is the third axis, as of `crossing`.
+    const D x = absolute(d[0]), y = absolute(d[1]), z = absolute(d[2]);
+    const L is_y = y > x, is_z = z > pick(is_y, y, x);
+    const auto turn = [&](D v[3]) {
+      const D a = v[0], b = v[1], c = v[2];
+      v[0] = pick(is_z, a, pick(is_y, c, b));
+      v[1] = pick(is_z, b, pick(is_y, a, c));
+      v[2] = pick(is_z, c, pick(is_y, b, a));
+    };
+    turn(o);
+    turn(d);
+    for (auto& v : corner) turn(v);
+    const D three[3][3] = {{corner[0][0], corner[0][1], corner[0][2]},
+                           {corner[1][0], corner[1][1], corner[1][2]},
+                           {corner[2][0], corner[2][1], corner[2][2]}};
+    const Sheared<D> s = shear(o, d, three);
+    const D zero{};
+    D weight[3];
+    L above = zero == zero, below = above, sure = above;
+    for (int k = 0; k < 3; ++k) {
+      const int i = (k + 1) % 3, j = (k + 2) % 3;
+      const D xy = s.x[i] * s.y[j], zw = s.x[j] * s.y[i];
+      weight[k] = xy - zw;
+      above &= weight[k] >= zero;
+      below &= weight[k] <= zero;
+      sure &= absolute(weight[k]) > 1e-15 * (absolute(xy) + absolute(zw));
+    }
+    const unsigned certain = bits(sure);
+    const size_t written = count;
+    write(batch, list, above | below, scale, range_at(s, weight, d[2]), corner[2][3], zero,
+          corner[1][3], out);
+    if (certain == 0xf) return;
+    for (size_t k = 0; k < written; ++k) {
+      // On an edge, as far as plain arithmetic goes.
+      if (certain >> k & 1) continue;
+      const Candidate& c = list[index[k]];
+      (out ? out[index[k]] : batch.best[c.ray]) = meet_placed(view, batch, c);
+    }
+  }
+};
 
 void meet_run(const View& view, const Batch& batch, const Candidate* list, size_t count, Met* out) {
   Sorted sorted;
   sort_out(view, list, count, sorted);
-  uint32_t at_instance = Met::kNone;
-  Stand at;
-  double o[3], d[3];
-  Pending w;
+  Ellipsoids ellipsoids;
   for (size_t k = 0; k < sorted.ellipsoids; ++k) {
-    const uint32_t i = sorted.ellipsoid[k];
-    const Candidate& c = list[i];
-    stand(view, batch, c, at, at_instance, o, d);
-    const ModelView& m = *at.model;
-    const elements::Ellipsoid& e = m.ellipsoids[c.element - m.triangle_count];
-    if (m.voxels || e.density_per_m > 0) {
-      (out ? out[i] : batch.best[c.ray]) = meet_placed(view, batch, c);
-      continue;
-    }
-    add_ellipsoid(w, e, m.tau2, o, d);
-    w.scale[w.count] = at.scale;
-    w.index[w.count++] = i;
-    if (w.count == kMany) decide_ellipsoids(w, batch, list, out);
+    ellipsoids.add(view, batch, list, sorted.ellipsoid[k], out);
   }
-  if (w.count > 0) decide_ellipsoids(w, batch, list, out);
+  ellipsoids.decide(batch, list, out);
+  Triangles triangles;
   for (size_t k = 0; k < sorted.triangles; ++k) {
-    const Candidate& c = list[sorted.triangle[k]];
-    const InMesh t = in_mesh(model_of(view, c), c.element);
-    for (size_t v = 0; v < 3; ++v) {
-      __builtin_prefetch(t.mesh.vertices + 3 * size_t(t.mesh.triangles[3 * size_t(t.at) + v]));
-    }
+    triangles.add(view, batch, list, sorted.triangle[k], out);
   }
-  for (size_t k = 0; k < sorted.triangles; ++k) {
-    const uint32_t i = sorted.triangle[k];
-    const Candidate& c = list[i];
-    stand(view, batch, c, at, at_instance, o, d);
-    const InMesh t = in_mesh(*at.model, c.element);
-    add_triangle(w, t.mesh, t.at, o, d);
-    w.scale[w.count] = at.scale;
-    w.index[w.count++] = i;
-    if (w.count == kMany) decide_triangles(view, w, batch, list, out);
-  }
-  if (w.count > 0) decide_triangles(view, w, batch, list, out);
+  triangles.decide(view, batch, list, out);
 }
 
 void meet_many(const View& view, const Batch& batch, const Candidate* list, size_t count,

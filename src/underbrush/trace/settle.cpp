@@ -21,7 +21,9 @@ Stand stand_of(const View& view, uint32_t instance) {
   Stand s;
   s.model = &view.model_views[placed.model];
   std::copy_n(placed.world_from_model.translation.data(), 3, s.translation);
-  s.scale = double(placed.scale);
+  s.translation[3] = 0;
+  s.scale_tau2[0] = double(placed.scale);
+  s.scale_tau2[1] = s.model->tau2;
   s.is_translation = is_translation(placed);
   return s;
 }
