@@ -47,7 +47,7 @@ struct Sheared {
 /// `d`, `o` and `corner[v]` with their components in the order x, y, z of the sheared frame.
 template <class D>
 inline Sheared<D> shear(const D o[3], const D d[3], const D corner[3][3]) {
-  const D sx = d[0] / d[2], sy = d[1] / d[2];
+  const D inverse = 1.0 / d[2], sx = d[0] * inverse, sy = d[1] * inverse;
   Sheared<D> s;
   for (int v = 0; v < 3; ++v) {
     const D z = corner[v][2] - o[2];
@@ -62,8 +62,7 @@ inline Sheared<D> shear(const D o[3], const D d[3], const D corner[3][3]) {
 template <class D>
 inline D range_at(const Sheared<D>& s, const D weight[3], const D& direction_z) {
   const D sum = weight[0] + weight[1] + weight[2];
-  return (weight[0] / sum * s.z[0] + weight[1] / sum * s.z[1] + weight[2] / sum * s.z[2]) /
-         direction_z;
+  return dot(weight, s.z) / (sum * direction_z);
 }
 
 }  // namespace
