@@ -50,7 +50,7 @@ void add_options(CLI::App& app, Arguments& a) {
   option("--min-range", a.fit.min_range_m,
          "Leave out returns nearer than this, m: the vehicle that carries the sensor");
   option("--ground-method", a.fit.segment.method, "Ground segmentation")
-      ->check(CLI::IsMember({"lower_envelope", "spherical_variance"}));
+      ->check(CLI::IsMember({"lower_envelope", "spherical_variance", "none"}));
   option("--ground-spacing", a.fit.ground.spacing_m, "Ground surface: distance of nodes, m");
   option("--ground-smoothness", a.fit.ground.smoothness_m2,
          "Ground surface: weight of bending, m²");

@@ -95,15 +95,19 @@ std::string SvgPlot::axes() const {
   return out;
 }
 
+std::string SvgPlot::svg() const {
+  return fmt::format(
+             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" "
+             "height=\"{1}\" font-family=\"sans-serif\" font-size=\"12\" fill=\"#222\">\n"
+             "<rect width=\"{0}\" height=\"{1}\" fill=\"#fff\"/>\n",
+             kWidth, kHeight) +
+         axes() + body_ + "</svg>\n";
+}
+
 void SvgPlot::write(const std::filesystem::path& path) const {
   io::write_atomically(path, [&](const std::filesystem::path& temporary) {
     std::ofstream out(temporary);
-    out << fmt::format(
-               "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" "
-               "height=\"{1}\" font-family=\"sans-serif\" font-size=\"12\" fill=\"#222\">\n"
-               "<rect width=\"{0}\" height=\"{1}\" fill=\"#fff\"/>\n",
-               kWidth, kHeight)
-        << axes() << body_ << "</svg>\n";
+    out << svg();
     if (!out.flush()) throw IoError(path.string() + ": cannot write");
   });
 }

@@ -21,6 +21,8 @@ class SvgPlot {
   void line(const Points& points, const std::string& colour, bool dashed = false);
   void text(double x, double y, const std::string& words);
 
+  /// The plot as one `<svg>` element.
+  std::string svg() const;
   /// Writes the file, whole or not at all.
   void write(const std::filesystem::path& path) const;
 

@@ -15,6 +15,7 @@ void add_score(CLI::App& root);
 void add_segment(CLI::App& root);
 void add_sensors(CLI::App& root);
 void add_split(CLI::App& root);
+void add_study(CLI::App& root);
 
 inline void add_all_verbs(CLI::App& root) {
   add_demo(root);
@@ -26,6 +27,7 @@ inline void add_all_verbs(CLI::App& root) {
   add_simulate(root);
   add_score(root);
   add_sensors(root);
+  add_study(root);
 }
 
 }  // namespace underbrush::app

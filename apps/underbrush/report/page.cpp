@@ -66,6 +66,21 @@ std::string head(const ReportInput& input, const char* first) {
   return html + "</tr></thead>";
 }
 
+std::string filled(const std::string& page, const std::map<std::string, std::string>& values) {
+  const std::map<std::string, std::string> assets = {{"style", kReportStyle},
+                                                     {"script", kReportScript}};
+  std::string out;
+  size_t at = 0;
+  while (true) {
+    const size_t begin = page.find("@@", at), end = page.find("@@", begin + 2);
+    out += page.substr(at, begin - at);
+    if (begin == std::string::npos) return out;
+    const std::string key = page.substr(begin + 2, end - begin - 2);
+    out += assets.count(key) ? assets.at(key) : values.at(key);
+    at = end + 2;
+  }
+}
+
 }  // namespace
 
 std::string escaped(const std::string& text) {
@@ -175,19 +190,11 @@ std::string provenance_text(const ReportInput& input) {
 }
 
 std::string filled_page(const std::map<std::string, std::string>& values) {
-  const std::map<std::string, std::string> assets = {{"style", kReportStyle},
-                                                     {"script", kReportScript}};
-  const std::string page = kReportPage;
-  std::string out;
-  size_t at = 0;
-  while (true) {
-    const size_t begin = page.find("@@", at), end = page.find("@@", begin + 2);
-    out += page.substr(at, begin - at);
-    if (begin == std::string::npos) return out;
-    const std::string key = page.substr(begin + 2, end - begin - 2);
-    out += assets.count(key) ? assets.at(key) : values.at(key);
-    at = end + 2;
-  }
+  return filled(kReportPage, values);
+}
+
+std::string filled_study_page(const std::map<std::string, std::string>& values) {
+  return filled(kStudyPage, values);
 }
 
 }  // namespace underbrush::app

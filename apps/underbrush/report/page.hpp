@@ -23,5 +23,7 @@ std::string provenance_text(const ReportInput& input);
 
 /// The page with style and script in it, each @@key@@ replaced by its value.
 std::string filled_page(const std::map<std::string, std::string>& values);
+/// Likewise the page of a study.
+std::string filled_study_page(const std::map<std::string, std::string>& values);
 
 }  // namespace underbrush::app

@@ -21,7 +21,8 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
 }
 
 void check(const CreditOptions& options) {
-  require(contains(credit_rules(), options.rule), "the rules of credit are first and mahalanobis");
+  require(contains(credit_rules(), options.rule),
+          "the rules of credit are first, best and mahalanobis");
   require(contains(hit_estimators(), options.estimator),
           "the estimators of p are plain, prior and empirical_bayes");
   require(options.tau_m > 0, "tau_m must be positive");
@@ -85,43 +86,56 @@ class BetaPriors {
   std::map<Key, HitPrior> priors_;
 };
 
+/// Whether an element explains a measured range, and how well: log N(z; t, σ²), up to a constant.
+struct Explained {
+  bool holds = false;
+  double log_density = 0;
+};
+Explained explained(const elements::Model& model, const trace::Met& m, double range_m, double tau,
+                    const CreditOptions& options) {
+  const double residual = range_m - m.t_m, s = residual / m.sigma_m;
+  const bool holds = model.kind(m.element) == elements::Kind::kEllipsoid
+                         ? m.delta2 + s * s < tau * tau
+                         : std::abs(residual) < options.max_residual_for_hit_m;
+  return {holds, -0.5 * s * s - std::log(m.sigma_m)};
+}
+
 }  // namespace
 
-std::vector<std::string> credit_rules() { return {"first", "mahalanobis"}; }
+std::vector<std::string> credit_rules() { return {"first", "best", "mahalanobis"}; }
 std::vector<std::string> hit_estimators() { return {"plain", "prior", "empirical_bayes"}; }
 
 void credit(const elements::Model& model, std::span<const trace::Met> met, double range_m,
             const CreditOptions& options, std::vector<Credit>& out) {
   out.assign(met.size(), range_m == kMiss ? Credit::kMiss : Credit::kNothing);
-  const bool first = options.rule == "first";
-  const double tau = first ? model.tau : std::min(options.tau_m, model.tau);
-  bool explained = false;
+  const bool alone = options.rule != "mahalanobis";  // one hit a beam
+  const double tau = alone ? model.tau : std::min(options.tau_m, model.tau);
+  size_t stopped = met.size();  // by the element that gets the only hit
+  double best = -INFINITY;
   for (size_t k = 0; k < met.size(); ++k) {
     const trace::Met& m = met[k];
     if (m.delta2 > tau * tau) {
       out[k] = Credit::kNothing;
       continue;
     }
-    if (range_m == kMiss || explained) continue;
-    const double residual = range_m - m.t_m;
-    bool explains;
-    if (model.kind(m.element) == elements::Kind::kEllipsoid) {
-      const double s = residual / m.sigma_m;
-      explains = m.delta2 + s * s < tau * tau;
-    } else {
-      explains = std::abs(residual) < options.max_residual_for_hit_m;
-    }
-    if (explains) {
+    if (range_m == kMiss || (options.rule == "first" && stopped < met.size())) continue;
+    const Explained e = explained(model, m, range_m, tau, options);
+    if (e.holds && !alone) {
       out[k] = Credit::kHit;
-      explained = first;
-    } else if (residual > 0) {
+    } else if (e.holds && e.log_density > best) {
+      best = e.log_density;
+      stopped = k;
+    } else if (!e.holds && range_m > m.t_m) {
       out[k] = Credit::kMiss;
     }
   }
-  if (!explained) return;
+  if (stopped == met.size()) return;
   // Ranges ascend, so what stands before the hit but beyond the range has its closest approach
   // there: the beam's way to the element that stopped it led through it.
-  for (size_t k = 0; out[k] != Credit::kHit; ++k) out[k] = Credit::kMiss;
+  for (size_t k = 0; k < met.size(); ++k) {
+    if (met[k].delta2 > tau * tau) continue;
+    out[k] = k < stopped ? Credit::kMiss : k == stopped ? Credit::kHit : Credit::kNothing;
+  }
 }
 
 void count_hits(elements::Model& model, BeamSource& source, const CreditOptions& options,

@@ -13,8 +13,8 @@ namespace underbrush::fit {
 
 /// Options of `count_hits`.
 struct CreditOptions {
-  /// `first`: the rule of [tallavajhula18]; `mahalanobis`: that of [deschaud12] eq. 1. See
-  /// `credit`.
+  /// `first`: the rule of [tallavajhula18]; `mahalanobis`: that of [deschaud12] eq. 1; `best`:
+  /// ours. See `credit`.
   std::string rule = "first";
   double tau_m = 2;  ///< τ_m of `mahalanobis`; at most the model's τ counts.
   /// How p of an ellipsoid follows from its counts: `plain`, hits / (hits + misses), 1 where there
@@ -44,6 +44,10 @@ enum class Credit : uint8_t { kNothing, kHit, kMiss };
 /// `first`: the first that explains the point (threshold τ) gets the hit, all before it a miss;
 /// where none does, all met before the range get a miss. One beam, one hit: overlapping ellipsoids
 /// share them.
+///
+/// `best`: likewise, but the hit goes to the one of those that explain the point whose range
+/// density N(z; t, σ²) is greatest there: the likeliest by the ray model. Where elements overlap
+/// along a beam, `first` takes the points of the farther ones for the nearest.
 ///
 /// `mahalanobis`: each element by itself. Ellipsoids farther from the beam than τ_m say nothing;
 /// those that explain the point (threshold τ_m) get a hit, the others met before the range a miss:

@@ -130,8 +130,9 @@ std::vector<uint8_t> segment(std::span<const Vec3f> points, const SegmentOptions
   if (options.method == "spherical_variance") {
     return spherical_variance(points, options.spherical_variance);
   }
+  if (options.method == "none") return std::vector<uint8_t>(points.size());
   throw std::invalid_argument("no ground segmentation of the name '" + std::string(options.method) +
-                              "'; there are lower_envelope and spherical_variance");
+                              "'; there are lower_envelope, spherical_variance and none");
 }
 
 }  // namespace underbrush::ground

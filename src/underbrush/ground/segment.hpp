@@ -58,7 +58,8 @@ std::vector<uint8_t> lower_envelope(std::span<const Vec3f> points,
 
 /// All methods' parameters, and which method.
 struct SegmentOptions {
-  std::string_view method = "lower_envelope";  ///< Or "spherical_variance".
+  /// Or "spherical_variance", or "none": no point is ground.
+  std::string_view method = "lower_envelope";
   LowerEnvelopeOptions lower_envelope;
   SphericalVarianceOptions spherical_variance;
 };

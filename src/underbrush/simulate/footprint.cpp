@@ -40,9 +40,14 @@ void scan(const trace::World& world, std::span<const elements::Class> label,
   parallel_for(beams.size(), 1024, [&](size_t begin, size_t end) {
     std::vector<Met> hits;
     for (size_t i = begin; i < end; ++i) {
-      const Ray axis{beams.origin[i], beams.direction[i].cast<double>().normalized()};
+      Ray axis{beams.origin[i], beams.direction[i].cast<double>().normalized()};
       const uint64_t key = beam_key(options.seed, beams.scan[i], first_beam + i);
       const double turn = 2 * M_PI * uniform_from_bits(random_bits(key, 0, Purpose::kDirection));
+      if (options.shape.encoder_step_rad > 0) {
+        const double off = uniform_from_bits(random_bits(key, 1, Purpose::kDirection)) - 0.5;
+        axis.direction =
+            Eigen::AngleAxisd(off * options.shape.encoder_step_rad, Vec3::UnitZ()) * axis.direction;
+      }
       const sensor::BeamAxes axes = sensor::beam_axes(axis);
       const double c = std::cos(turn), s = std::sin(turn);
       hits.clear();

@@ -25,7 +25,8 @@ struct FootprintOptions {
 /// over the footprint, hits grouped into echoes, the one with most sub-rays reported (the nearer of
 /// equals) at its mean range plus noise; a miss if none holds `threshold` of the sub-rays. `label`,
 /// one per element of the world, comes out as the extra column `class` (of the echo's first hit; 0
-/// for a miss). Random numbers as in `simulate`.
+/// for a miss). With an encoder's step in `shape` the true azimuth lies within it, evenly, and the
+/// direction in the log is what the encoder says. Random numbers as in `simulate`.
 void scan(const trace::World& world, std::span<const elements::Class> label,
           const FootprintOptions& options, size_t first_beam, BeamLog& beams);
 

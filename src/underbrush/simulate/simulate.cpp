@@ -33,6 +33,7 @@ Vec3 drawn_in_volume(const elements::Model& model, const Met& met, uint64_t key)
 
 void simulate(const trace::World& world, const Options& options, size_t first_beam,
               BeamLog& beams) {
+  if (options.random_ray) options.random_ray->check();
   const elements::Model& model = world.model();
   const trace::RangeLimits limits{beams.info.min_range_m,
                                   std::min(beams.info.max_range_m, model.max_range_m)};
@@ -46,6 +47,9 @@ void simulate(const trace::World& world, const Options& options, size_t first_be
       const size_t i = begin + k;
       rays[k] = {beams.origin[i], beams.direction[i].cast<double>().normalized()};
       keys[k] = beam_key(options.seed, beams.scan[i], first_beam + i);
+      if (options.random_ray) {
+        rays[k] = sensor::random_ray(sensor::beam_axes(rays[k]), *options.random_ray, keys[k]);
+      }
     }
     world.nearest_accepted(rays, keys, limits, met);
     for (size_t k = 0; k < n; ++k) {

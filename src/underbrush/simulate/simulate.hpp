@@ -2,10 +2,12 @@
 /// The main job: beams in, ranges out.
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "underbrush/core/beam_log.hpp"
+#include "underbrush/sensor/beam.hpp"
 #include "underbrush/trace/world.hpp"
 
 namespace underbrush {
@@ -24,6 +26,9 @@ struct Options {
   RangeDraw draw = RangeDraw::kOnRay;
   double range_noise_m = 0;  ///< σ of further noise on every range.
   double max_range_m = 0;    ///< Of the source below: overrides that of the beams if positive.
+  /// The ray that is traced, drawn from this shape about each beam's axis ([deschaud12] §IV); the
+  /// direction in the log stays that of the axis. Unset: the axis itself.
+  std::optional<sensor::BeamShape> random_ray;
   bool element_ids = false;  ///< Add the extra columns `element` and `element_class`.
 };
 

@@ -1,0 +1,9 @@
+/// Each study's door; a new one also needs its line in studies.cpp.
+#pragma once
+#include "study/study.hpp"
+
+namespace underbrush::app {
+
+StudyResult study_vegetation(const StudyRun& run);
+
+}  // namespace underbrush::app
