@@ -17,7 +17,7 @@ namespace underbrush::app {
 namespace {
 
 struct Arguments {
-  std::string model, like, sensor, trajectory, output, draw = "on_ray";
+  std::string model, like, sensor, trajectory, output, draw = "on_ray", beam = "thin";
   double tau = 0;
   simulate::Options simulate;
 };
@@ -37,6 +37,10 @@ void add_options(CLI::App& app, Arguments& a) {
   trajectory->needs(sensor);
   app.add_option("--draw", a.draw, "Where in an ellipsoid a range is drawn")
       ->check(CLI::IsMember({"on_ray", "volumetric"}))
+      ->capture_default_str();
+  app.add_option("--beam", a.beam,
+                 "The ray that is traced: the beam's axis, or drawn from the sensor's cone")
+      ->check(CLI::IsMember({"thin", "random"}))
       ->capture_default_str();
   app.add_option("--tau", a.tau,
                  "Mahalanobis distance within which a beam meets an ellipsoid, 0 = the model's")
@@ -82,6 +86,11 @@ void run(const Verb& verb, Arguments& a) {
   a.simulate.seed = verb.seed;
   a.simulate.draw =
       a.draw == "on_ray" ? simulate::RangeDraw::kOnRay : simulate::RangeDraw::kVolumetric;
+  if (a.beam == "random") {
+    const std::string sensor = a.like.empty() ? a.sensor : beams->info().sensor;
+    require(!sensor.empty(), "simulate: --beam random, but the log does not name its sensor");
+    a.simulate.random_ray = sensor::load(sensor).beam;
+  }
   std::vector<std::filesystem::path> inputs{a.model, a.like.empty() ? a.trajectory : a.like};
   if (std::filesystem::is_regular_file(a.sensor)) inputs.emplace_back(a.sensor);
   const SimulateStep step = simulate_log(verb, model, *beams, a.simulate, a.output, inputs);

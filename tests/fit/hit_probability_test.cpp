@@ -41,6 +41,48 @@ TEST(Credit, GoesToTheFirstElementThatExplainsThePoint) {
   EXPECT_EQ(said(model, 10.2), "mh--");  // 10 explains it (1 σ), before 10.1 does
 }
 
+TEST(Credit, GoesToTheElementThatExplainsThePointBest) {
+  const elements::Model model = row_of_ellipsoids({5, 10, 10.1, 20});
+  CreditOptions best;
+  best.rule = "best";
+  EXPECT_EQ(said(model, 10.2, best), "mmh-");
+  EXPECT_EQ(said(model, 10.02, best), "mh--");
+  EXPECT_EQ(said(model, 9.7, best), "mh--");
+  EXPECT_EQ(said(model, 15, best), "mmm-");
+  EXPECT_EQ(said(model, kMiss, best), "mmmm");
+}
+
+TEST(Credit, OfTheBestGivesTheProbabilitiesThatMadeTheRanges) {
+  // Two elements that overlap along the beam; the ray model draws the log. `first` hands the nearer
+  // one most of the farther one's points, `best` few.
+  elements::Model truth = row_of_ellipsoids({10, 10.5});
+  truth.ellipsoids[0].hit.p = 0.3f;
+  truth.ellipsoids[1].hit.p = 0.5f;
+  BeamLog log;
+  log.info.has_misses = true;
+  log.resize(20000);
+  for (size_t i = 0; i < log.size(); ++i) {
+    Stream random(mix64(31) + i);
+    if (random.uniform() < 0.3) {
+      log.range_m[i] = float(10 + 0.2 * random.normal());
+    } else if (random.uniform() < 0.5) {
+      log.range_m[i] = float(10.5 + 0.2 * random.normal());
+    }
+  }
+  const auto p_of = [&](const char* rule) {
+    elements::Model model = truth;
+    MemorySource source(log);
+    CreditOptions options;
+    options.rule = rule;
+    options.estimator = "plain";
+    count_hits(model, source, options);
+    return std::array{model.ellipsoids[0].hit.p, model.ellipsoids[1].hit.p};
+  };
+  EXPECT_NEAR(p_of("best")[0], 0.3, 0.03);
+  EXPECT_NEAR(p_of("best")[1], 0.5, 0.04);
+  EXPECT_GT(p_of("first")[0], 0.4);
+}
+
 TEST(Credit, OfAnUnexplainedPointIsAMissForAllBeforeIt) {
   const elements::Model model = row_of_ellipsoids({5, 10, 20});
   EXPECT_EQ(said(model, 15), "mm-");
@@ -56,7 +98,7 @@ TEST(Credit, OfATriangleTakesTheResidualInBothDirections) {
   model.ground.vertices = {{10, -1, -1}, {10, 3, -1}, {10, -1, 3}};
   model.ground.triangles = {{0, 1, 2}};
   model.ground.hit.resize(1);
-  for (const char* rule : {"first", "mahalanobis"}) {
+  for (const char* rule : {"first", "best", "mahalanobis"}) {
     CreditOptions options;
     options.rule = rule;
     for (double z : {9.3, 10.7}) EXPECT_EQ(said(model, z, options), "h") << z;

@@ -165,6 +165,31 @@ TEST(RandomRay, FillsTheConeEvenlyAndTheEncodersStep) {
   }
 }
 
+TEST(RandomRay, IsUniformOverTheDiscOfTheTruncatedCone) {
+  // χ² over rings × sectors of equal area of the disc that the cone cuts at 8 m.
+  constexpr int kRings = 5, kSectors = 8, kRays = 40000;
+  const BeamShape shape = round_beam(0.002, 0.0095);
+  const BeamAxes beam = beam_axes({{1, 2, 3}, Vec3(0.8, 0, -0.6)});
+  const double radius = 0.0095 / 2 + 8 * std::tan(0.001);
+  std::vector<double> count(kRings * kSectors);
+  for (int k = 0; k < kRays; ++k) {
+    const Ray ray = random_ray(beam, shape, beam_key(2024, 0, uint64_t(k)));
+    const Vec3 from = ray.origin - beam.axis.origin;
+    const double t = (8 - from.dot(beam.axis.direction)) / ray.direction.dot(beam.axis.direction);
+    const Vec3 at = from + t * ray.direction;
+    const double u = at.dot(beam.right) / radius, v = at.dot(beam.up) / radius;
+    ASSERT_LE(u * u + v * v, 1 + 1e-9);
+    const int ring = std::min(int((u * u + v * v) * kRings), kRings - 1);
+    const int sector =
+        std::min(int((std::atan2(v, u) / (2 * M_PI) + 0.5) * kSectors), kSectors - 1);
+    ++count[size_t(ring * kSectors + sector)];
+  }
+  double chi2 = 0;
+  const double expected = double(kRays) / (kRings * kSectors);
+  for (double c : count) chi2 += (c - expected) * (c - expected) / expected;
+  EXPECT_LT(chi2, 72.1);  // 39 degrees of freedom: exceeded once in 1000
+}
+
 TEST(Beam, RefusesWhatIsNoShape) {
   BeamShape s = shape_of(Profile::kTable);
   EXPECT_NO_THROW(s.check());

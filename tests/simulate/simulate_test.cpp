@@ -122,5 +122,33 @@ TEST(Simulate, NamesTheElementThatStoppedTheBeam) {
   }
 }
 
+TEST(Simulate, RandomRaysMeetWhatTheConeMeets) {
+  // Half the disc of the beam at 10 m lies on a wall that ends at y = 0: half the beams return.
+  elements::Model model;
+  model.surface.vertices = {{10, 0, -5}, {10, 5, -5}, {10, 5, 5}, {10, 0, 5}};
+  model.surface.triangles = {{0, 1, 2}, {0, 2, 3}};
+  model.surface.hit.resize(2);
+  const trace::World world(model);
+  BeamLog beams = beams_along_x(40000);
+  for (Vec3& o : beams.origin) o.y() = 0.001;
+  const auto share = [&](const Options& options) {
+    simulate(world, options, 0, beams);
+    double hits = 0;
+    for (size_t i = 0; i < beams.size(); ++i) {
+      hits += beams.is_hit(i);
+      EXPECT_EQ(beams.direction[i], Vec3f::UnitX());  // what the log reports stays the axis
+    }
+    return hits / double(beams.size());
+  };
+  EXPECT_EQ(share({}), 1);
+  Options options;
+  options.random_ray = sensor::round_beam(0.002, 0.01);
+  // A chord of the disc of 15 mm at 1 mm from its middle.
+  const double x = 1.0 / 15, below = (std::acos(x) - x * std::sqrt(1 - x * x)) / M_PI;
+  EXPECT_NEAR(share(options), 1 - below, 0.01);
+  options.random_ray->encoder_step_rad = -1;
+  EXPECT_THROW(share(options), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace underbrush::simulate

@@ -27,6 +27,11 @@ constexpr Published kTableI[] = {{"planes", "Plane", 0.019, 0.068, 0},
                                  {"short_grass", "Short grass", 1.229, 0.091, 13}};
 constexpr double kPlaneLimit = 0.02;
 
+const Published& published(const std::string& target) {
+  return *std::find_if(std::begin(kTableI), std::end(kTableI),
+                       [&](const Published& p) { return target == p.target; });
+}
+
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
@@ -102,11 +107,12 @@ StudyTable distance_table(const std::vector<Contender>& contenders,
   table.head = {"model"};
   std::vector<std::string> surface{"published surface"}, volumetric{"published volumetric"},
       lookup{"look-up"};
-  for (size_t t = 0; t < targets.size(); ++t) {
-    table.head.emplace_back(kTableI[t].title);
-    surface.push_back(fmt::format("{:.3f}", kTableI[t].surface));
-    volumetric.push_back(fmt::format("{:.3f}", kTableI[t].volumetric));
-    lookup.push_back(fmt::format("{:.4f}", targets[t].lookup));
+  for (const TargetScores& t : targets) {
+    const Published& p = published(t.target);
+    table.head.emplace_back(p.title);
+    surface.push_back(fmt::format("{:.3f}", p.surface));
+    volumetric.push_back(fmt::format("{:.3f}", p.volumetric));
+    lookup.push_back(fmt::format("{:.4f}", t.lookup));
   }
   table.rows = {surface, volumetric, lookup};
   for (const Contender& c : contenders) {
@@ -183,20 +189,19 @@ std::vector<Check> static_checks(const std::vector<Contender>& contenders,
       checks.push_back({fmt::format("{} on {}, distance", best, t.target), distance, kPlaneLimit});
       continue;
     }
-    const auto* row = std::find_if(std::begin(kTableI), std::end(kTableI),
-                                   [&](const Published& p) { return t.target == p.target; });
     checks.push_back({fmt::format("{} on {}, surface / volumetric", best, t.target),
-                      surface_distance(contenders, t) / distance, row->factor, false});
+                      surface_distance(contenders, t) / distance, published(t.target).factor,
+                      false});
   }
   return checks;
 }
 
-void add_static_targets(const StudyRun& run, StudyResult& result,
-                        const std::function<void(elements::Model&)>& change) {
+void add_static_targets(const StudyRun& run, const std::vector<std::string>& names,
+                        StudyResult& result, const std::function<void(elements::Model&)>& change) {
   const std::vector<Contender> contenders = static_contenders(run.seed);
   std::vector<TargetScores> targets;
   double rate = 1;
-  for (const std::string& name : scene::static_target_names()) {
+  for (const std::string& name : names) {
     const StaticScan scan = scan_target(name, scan_options(run));
     rate = scan.sensor.beams_per_s();
     run.say(fmt::format("{}: {} directions, {} beams train, {} test", name, scan.directions,
@@ -223,7 +228,7 @@ StudyResult study_vegetation(const StudyRun& run) {
       "Permeable Gaussian volumes against an opaque surface, learnt from the same beams: six "
       "generated targets of fine triangles before a standing HDL-64E (nothing there was measured), "
       "and real logs where they are given.";
-  add_static_targets(run, result);
+  add_static_targets(run, scene::static_target_names(), result);
   add_mobile_logs(run, result);
   return result;
 }

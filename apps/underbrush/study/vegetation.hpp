@@ -48,9 +48,10 @@ std::string best_volumetric(const std::vector<Contender>& contenders,
 std::vector<Check> static_checks(const std::vector<Contender>& contenders,
                                  const std::vector<TargetScores>& targets);
 
-/// Scans, fits, simulates and scores all targets. `change`, for tests, alters each volumetric model
-/// before it is scored.
-void add_static_targets(const StudyRun& run, StudyResult& result,
+/// Scans, fits, simulates and scores the targets of these names (`scene::static_target_names`).
+/// `change`, for tests, alters each volumetric model before it is scored.
+void add_static_targets(const StudyRun& run, const std::vector<std::string>& names,
+                        StudyResult& result,
                         const std::function<void(elements::Model&)>& change = {});
 
 /// The mobile experiment on each folder of `run.data` that holds train.ply and test.ply.

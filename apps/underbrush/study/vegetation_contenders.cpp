@@ -79,10 +79,7 @@ std::vector<Contender> mobile_contenders(uint64_t seed) {
     out.push_back({name, {}, false});
     out.back().fit.fitter = name;
   }
-  for (Contender& c : out) {
-    c.fit.seed = seed;
-    c.fit.min_range_m = 2;  // the vehicle itself
-  }
+  for (Contender& c : out) c.fit.seed = seed;
   return out;
 }
 

@@ -111,9 +111,11 @@ std::string plot(const std::string& target, const std::vector<NamedHistogram>& s
   svg.x_axis(w.first * step, (w.first + w.ranges) * step);
   svg.y_axis(0, 1.05 * top);
   for (size_t k = 0; k < shown.size(); ++k) {
+    const auto at = [&](double share) { return (w.first + share * w.ranges) * step; };
+    const double high = (1 - 0.05 * double(k)) * top;
     svg.line(lines[k], kColours[k % std::size(kColours)]);
-    svg.text((w.first + 0.02 * w.ranges) * step, (1 - 0.05 * double(k)) * top,
-             shown[k].name + (k ? "" : " (red)"));
+    svg.line({{at(0.02), high}, {at(0.05), high}}, kColours[k % std::size(kColours)]);
+    svg.text(at(0.06), 0.992 * high, shown[k].name);
   }
   return fmt::format("<figure>{}<figcaption>No return: {}</figcaption></figure>\n", svg.svg(),
                      escaped(names));

@@ -93,11 +93,13 @@ struct Explained {
 };
 Explained explained(const elements::Model& model, const trace::Met& m, double range_m, double tau,
                     const CreditOptions& options) {
-  const double residual = range_m - m.t_m, s = residual / m.sigma_m;
+  constexpr double kLeastSigmaM = 1e-6;  // a mesh may say 0
+  const double sigma = std::max(m.sigma_m, kLeastSigmaM);
+  const double residual = range_m - m.t_m, s = residual / sigma;
   const bool holds = model.kind(m.element) == elements::Kind::kEllipsoid
                          ? m.delta2 + s * s < tau * tau
                          : std::abs(residual) < options.max_residual_for_hit_m;
-  return {holds, -0.5 * s * s - std::log(m.sigma_m)};
+  return {holds, -0.5 * s * s - std::log(sigma)};
 }
 
 }  // namespace

@@ -26,10 +26,10 @@ struct Options {
   RangeDraw draw = RangeDraw::kOnRay;
   double range_noise_m = 0;  ///< σ of further noise on every range.
   double max_range_m = 0;    ///< Of the source below: overrides that of the beams if positive.
+  bool element_ids = false;  ///< Add the extra columns `element` and `element_class`.
   /// The ray that is traced, drawn from this shape about each beam's axis ([deschaud12] §IV); the
   /// direction in the log stays that of the axis. Unset: the axis itself.
-  std::optional<sensor::BeamShape> random_ray;
-  bool element_ids = false;  ///< Add the extra columns `element` and `element_class`.
+  std::optional<sensor::BeamShape> random_ray{};
 };
 
 /// Answers beams in place: the range of each becomes that of the first element which accepts it, or
