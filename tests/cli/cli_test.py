@@ -178,6 +178,7 @@ JOBS = {
     "fit": ["log.ply", "-o", "model"],
     "simulate": ["model", "--like", "log.ply", "-o", "sim.ply"],
     "score": ["log.ply", "sim.ply", "--model", "model", "--report", "report"],
+    "study": ["list"],
 }
 
 
@@ -246,6 +247,21 @@ class Configuration(OnALog):
                           3, "none.yaml")
         pathlib.Path(self.folder, "c.yaml").write_text("tau: much\n")
         self.assert_fails(call("fit", "log.ply", "-o", "model", "--config", "c.yaml", cwd=self.folder), 2, "tau")
+
+
+class Study(Failing):
+    def test_ends_with_a_verdict(self):
+        with tempfile.TemporaryDirectory() as folder:
+            done = call("study", "vegetation", "--quick", "--json", "s.json", "--report", "r", cwd=folder)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            found = json.loads(pathlib.Path(folder, "s.json").read_text())
+            self.assertRegex(found["verdict"], "^(holds$|falls short: )")
+            self.assertIn(f"verdict: {found['verdict']}\n", done.stdout)
+            self.assertIn("mobile experiment was left out", done.stdout)
+            self.assertTrue(pathlib.Path(folder, "r", "index.html").is_file())
+
+    def test_of_no_such_name(self):
+        self.assert_fails(call("study", "vegetatoin"), 2, "vegetation")
 
 
 class Outputs(OnALog):

@@ -5,6 +5,8 @@ namespace {
 
 constexpr Study kStudies[] = {
     {"vegetation", "Table I and the mobile experiment of Deschaud et al. 2012", study_vegetation},
+    {"transfer", "Learnt from one lidar, simulated for another, on a generated site",
+     study_transfer},
 };
 
 }  // namespace
