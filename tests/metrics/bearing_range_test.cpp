@@ -75,9 +75,6 @@ TEST(BearingRange, BeamsWithoutAReturnCount) {
   EXPECT_NEAR(bhattacharyya_coefficient(half, none), std::sqrt(0.5), 1e-12);
   EXPECT_NEAR(bhattacharyya_coefficient(half, all), std::sqrt(0.5), 1e-12);
   EXPECT_EQ(bhattacharyya_coefficient(none, all), 0);
-  BearingRangeHistogram behind;  // what returns from beyond the target is no return of it
-  behind.add(beams_at(0, {8, 30}), 10);
-  EXPECT_NEAR(bhattacharyya_distance(half, behind), 0, 1e-12);
 }
 
 TEST(BearingRange, TheWholeIsTheMeanOfItsDirections) {

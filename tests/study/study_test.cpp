@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fstream>
 
+#include "study/transfer.hpp"
 #include "study/vegetation.hpp"
 #include "underbrush/core/temporary.hpp"
 #include "underbrush/scene/targets.hpp"
@@ -57,6 +58,21 @@ TEST(Study, VegetationChecksHaveThePapersFactors) {
   }
   target.scores["volumes"].distance = INFINITY;
   EXPECT_FALSE(static_checks(contenders, {target}).at(0).holds());
+}
+
+TEST(Study, TransferMayLoseATenth) {
+  metrics::Summary native, transferred;
+  native.f1 = 0.9;
+  native.cloud_error_m = 0.04;
+  for (const auto& [f1, cloud, holds] : {std::tuple{0.82, 0.043, true},
+                                         {0.95, 0.01, true},
+                                         {0.8, 0.043, false},
+                                         {0.82, 0.045, false},
+                                         {0.9, metrics::kUnknown, false}}) {
+    transferred.f1 = f1;
+    transferred.cloud_error_m = cloud;
+    EXPECT_EQ(verdict(transfer_checks("a", "b", transferred, native)) == "holds", holds) << f1;
+  }
 }
 
 TEST(Study, TrainsOnAFifthAndTestsOnTheRest) {

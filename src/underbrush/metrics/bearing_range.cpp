@@ -77,7 +77,7 @@ BearingRangeHistogram::BearingRangeHistogram(const BearingRangeBins& bins,
   require(2 * M_PI / bins.bearing_rad < 65535, "a histogram's bearing step is too small");
 }
 
-void BearingRangeHistogram::add(const BeamLog& beams, double max_range_m) {
+void BearingRangeHistogram::add(const BeamLog& beams) {
   constexpr size_t kChunk = 1 << 20;
   const int64_t turn = std::llround(2 * M_PI / bins_.bearing_rad);
   std::vector<uint64_t> keys;
@@ -87,8 +87,7 @@ void BearingRangeHistogram::add(const BeamLog& beams, double max_range_m) {
     for (size_t i = begin; i < end; ++i) {
       const Vec3 d = sensor_from_world_.rotation * beams.direction[i].cast<double>();
       const int64_t step = std::llround(std::atan2(d.y(), d.x()) / bins_.bearing_rad);
-      const bool hit =
-          beams.is_hit(i) && (max_range_m <= 0 || double(beams.range_m[i]) <= max_range_m);
+      const bool hit = beams.is_hit(i);
       const double at = hit ? std::floor(double(beams.range_m[i]) / bins_.range_m) : 0;
       keys.push_back(key_of({beams.ring[i], uint16_t((step + turn) % turn),
                              hit ? uint32_t(std::clamp(at, 0.0, 4e9)) : kNoReturn, 0}));

@@ -2,6 +2,7 @@
 /// What a standing lidar measures as histograms of bearing × range, one a laser, and how much two
 /// of them overlap ([deschaud12] §VI.A).
 #pragma once
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -34,9 +35,8 @@ class BearingRangeHistogram {
   explicit BearingRangeHistogram(const BearingRangeBins& bins = {},
                                  const Pose& world_from_sensor = {});
 
-  /// Adds the beams, by their reported direction and range. Ranges beyond `max_range_m`, where it
-  /// is positive, are no return: what lies behind the target.
-  void add(const BeamLog& beams, double max_range_m = 0);
+  /// Adds the beams, by their reported direction and range.
+  void add(const BeamLog& beams);
 
   const BearingRangeBins& bins() const { return bins_; }
   /// In order of ring, bearing and range; the no-return bin comes last.

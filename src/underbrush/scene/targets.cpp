@@ -1,8 +1,5 @@
 #include "underbrush/scene/targets.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/scene/grass.hpp"
@@ -95,11 +92,7 @@ StaticTarget static_target(const std::string& name, double distance_m, uint64_t 
     if (name != r.name) continue;
     StaticTarget out = r.make(random_bits(seed, 0, Purpose::kPlace));
     out.name = name;
-    out.far_m = 0;
-    for (Vec3f& v : out.geometry.mesh.vertices) {
-      v.x() += float(distance_m);
-      out.far_m = std::max(out.far_m, double(v.head<2>().norm()));
-    }
+    for (Vec3f& v : out.geometry.mesh.vertices) v.x() += float(distance_m);
     return out;
   }
   throw std::invalid_argument("no static target '" + name + "'");

@@ -15,7 +15,6 @@ struct StaticTarget {
   PlantMesh geometry;
   double centre_z_m = 1;       ///< Height of the middle of what is scanned.
   double half_height_m = 0.5;  ///< Scanned to this far above and below it.
-  double far_m = 12;           ///< Nothing of the target is farther from the z axis.
   bool porous = true;
 };
 
