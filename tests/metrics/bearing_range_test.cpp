@@ -31,9 +31,9 @@ BearingRangeHistogram histogram(const std::vector<BeamLog>& logs) {
 
 /// `n` ranges of N(mean, sigma), by quantiles: no sampling error.
 std::vector<float> gaussian(double mean, double sigma, int n) {
-  std::vector<float> out;
+  std::vector<float> out(size_t(n), 0);
   for (int k = 0; k < n; ++k) {
-    out.push_back(float(mean + sigma * normal_from_uniform((k + 0.5) / n)));
+    out[size_t(k)] = float(mean + sigma * normal_from_uniform((k + 0.5) / n));
   }
   return out;
 }

@@ -171,7 +171,7 @@ TEST(RandomRay, IsUniformOverTheDiscOfTheTruncatedCone) {
   const BeamShape shape = round_beam(0.002, 0.0095);
   const BeamAxes beam = beam_axes({{1, 2, 3}, Vec3(0.8, 0, -0.6)});
   const double radius = 0.0095 / 2 + 8 * std::tan(0.001);
-  std::vector<double> count(kRings * kSectors);
+  std::vector<double> count(size_t(kRings) * kSectors);
   for (int k = 0; k < kRays; ++k) {
     const Ray ray = random_ray(beam, shape, beam_key(2024, 0, uint64_t(k)));
     const Vec3 from = ray.origin - beam.axis.origin;
@@ -182,7 +182,7 @@ TEST(RandomRay, IsUniformOverTheDiscOfTheTruncatedCone) {
     const int ring = std::min(int((u * u + v * v) * kRings), kRings - 1);
     const int sector =
         std::min(int((std::atan2(v, u) / (2 * M_PI) + 0.5) * kSectors), kSectors - 1);
-    ++count[size_t(ring * kSectors + sector)];
+    ++count[size_t(ring) * kSectors + size_t(sector)];
   }
   double chi2 = 0;
   const double expected = double(kRays) / (kRings * kSectors);

@@ -70,7 +70,8 @@ TargetScores score_target(const StudyRun& run, const StaticScan& scan,
   StaticScore score;
   for (size_t k = 0; k < contenders.size(); ++k) {
     const Contender& c = contenders[k];
-    const bool same_model = k > 0 && contenders[k - 1].fit.fitter == c.fit.fitter;
+    const auto model_of = [](const Contender& x) { return x.fit.fitter + "-" + x.fit.credit.rule; };
+    const bool same_model = k > 0 && model_of(contenders[k - 1]) == model_of(c);
     if (!same_model) {
       const auto start = std::chrono::steady_clock::now();
       MemorySource train(scan.train);
@@ -78,7 +79,7 @@ TargetScores score_target(const StudyRun& run, const StaticScan& scan,
       score.fit_seconds = seconds_since(start);
       score.elements = model.size();
       if (change && !is_surface(c)) change(model);
-      if (!run.keep.empty()) write_model(run.keep / (scan.target + "-" + c.fit.fitter), model);
+      if (!run.keep.empty()) write_model(run.keep / (scan.target + "-" + model_of(c)), model);
     }
     BearingRangeHistogram h =
         simulated_histogram(scan, model, c.random_ray, run.quick ? 4 : 10, run.seed + 1);

@@ -59,7 +59,9 @@ std::vector<Contender> static_contenders(uint64_t seed) {
                              {"voxel", voxel(0.05), false},
                              {"top_down", dense("top_down"), false},
                              {"bottom_up", dense("bottom_up"), false},
-                             {"hierarchical", dense("hierarchical"), false}};
+                             {"hierarchical", dense("hierarchical"), false},
+                             {"hierarchical, first", dense("hierarchical"), false}};
+  out.back().fit.credit.rule = "first";
   if (has_likelihood()) out.push_back({"likelihood", dense("likelihood"), false});
   for (Contender& c : out) {
     c.fit.seed = seed;
@@ -79,6 +81,8 @@ std::vector<Contender> mobile_contenders(uint64_t seed) {
     out.push_back({name, {}, false});
     out.back().fit.fitter = name;
   }
+  out.push_back({"hierarchical, best", {}, false});
+  out.back().fit.credit.rule = "best";
   for (Contender& c : out) c.fit.seed = seed;
   return out;
 }
