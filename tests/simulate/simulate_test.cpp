@@ -4,6 +4,7 @@
 
 #include "trace/scenes.hpp"
 #include "underbrush/core/parallel.hpp"
+#include "underbrush/simulate/footprint.hpp"
 
 namespace underbrush::simulate {
 namespace {
@@ -148,6 +149,26 @@ TEST(Simulate, RandomRaysMeetWhatTheConeMeets) {
   EXPECT_NEAR(share(options), 1 - below, 0.01);
   options.random_ray->encoder_step_rad = -1;
   EXPECT_THROW(share(options), std::invalid_argument);
+}
+
+TEST(Footprint, TrueAzimuthLiesEvenlyWithinTheEncodersStep) {
+  // A thin beam 2 cm inside the edge of a wall at 10 m, a step of ±5 cm there.
+  elements::Model model;
+  model.surface.vertices = {{10, 0, -5}, {10, 5, -5}, {10, 5, 5}, {10, 0, 5}};
+  model.surface.triangles = {{0, 1, 2}, {0, 2, 3}};
+  model.surface.hit.resize(2);
+  const trace::World world(model);
+  BeamLog beams = beams_along_x(20000);
+  for (Vec3& o : beams.origin) o.y() = 0.02;
+  FootprintOptions options;
+  options.shape = sensor::round_beam(0, 0);
+  options.sub_rays = 1;
+  options.shape.encoder_step_rad = 2 * std::atan(0.005);
+  const std::vector<elements::Class> label(model.size(), elements::Class::kUnknown);
+  scan(world, label, options, 0, beams);
+  double hits = 0;
+  for (size_t i = 0; i < beams.size(); ++i) hits += beams.is_hit(i) / double(beams.size());
+  EXPECT_NEAR(hits, 0.7, 0.01);
 }
 
 }  // namespace
