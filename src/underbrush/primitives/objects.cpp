@@ -183,6 +183,7 @@ void ObjectFinder::State::flood(Groups& groups) const {
                    [&](uint32_t a, uint32_t b) { return runs[a].smooth_m > runs[b].smooth_m; });
   std::vector<uint8_t> wet(runs.size(), 0);
   std::vector<uint32_t> crowns;
+  const double shallow = cell_m < kSparseM ? 1 : 0.5;  // wide columns smooth dips away
   for (const uint32_t i : order) {
     crowns.clear();
     uint32_t best = kNone;
@@ -210,7 +211,7 @@ void ObjectFinder::State::flood(Groups& groups) const {
       const double h = double(runs[low].top_m), apart = distance_m(runs[low], runs[high]);
       const double dip = double(runs[low].smooth_m - runs[i].smooth_m);
       if (apart < o.spacing_a_m + o.spacing_b * h ||
-          (dip < o.prominence_a_m + o.prominence_b * h && apart < o.radius_a_m + o.radius_b * h)) {
+          (dip < shallow * (o.prominence_a_m + o.prominence_b * h) && apart < o.radius_a_m + o.radius_b * h)) {
         groups.parent[low] = high;
       }
     }

@@ -19,8 +19,8 @@ struct ObjectOptions {
   double gap_m = 0;
   double spacing_a_m = 1.2;   ///< Peaks nearer together than a + b · height are one crown ...
   double spacing_b = 0.06;
-  double prominence_a_m = 0.1;  ///< ... and so are those parted by a dip less deep than this, ...
-  double prominence_b = 0.02;
+  double prominence_a_m = 0.3;  ///< ... and so are those parted by a dip less deep than this
+  double prominence_b = 0.04;   ///< (half of it where columns are wider than 0.5 m), ...
   double radius_a_m = 1.5;  ///< ... unless a crown would reach farther than this from its peak.
   double radius_b = 0.3;
   double trunk_m = 1;      ///< What is lower and no wider than this under a crown is its foot.

@@ -1,0 +1,102 @@
+#include "underbrush/primitives/segment_log.hpp"
+
+#include "underbrush/core/check.hpp"
+
+namespace underbrush::primitives {
+namespace {
+
+/// Calls `f(k, point)` for hit k (m, world), chunk by chunk; `g()` after each chunk.
+template <class F, class G>
+void for_each_hit(BeamSource& source, const F& f, const G& g) {
+  source.rewind();
+  size_t k = 0;
+  for (BeamLog chunk; source.next(chunk);) {
+    for (size_t i = 0; i < chunk.size(); ++i) {
+      if (chunk.is_hit(i)) f(k++, chunk.end_point(i));
+    }
+    g(k);
+  }
+}
+
+Vec3 first_origin(BeamSource& source) {
+  source.rewind();
+  for (BeamLog chunk; source.next(chunk);) {
+    if (!chunk.empty()) return chunk.origin[0].array().round();
+  }
+  return Vec3::Zero();
+}
+
+}  // namespace
+
+LogLabels segment_log(BeamSource& source, const SegmentLogOptions& o,
+                      const std::vector<Prior>& prior, const SegmentProgress& progress) {
+  const auto tell = [&](std::string_view stage, size_t done, size_t total) {
+    if (progress) progress(stage, done, total);
+  };
+  LogLabels out;
+  ObjectFinder finder(o.objects);
+  if (prior.empty()) {
+    out.ground = fit::ground_flags(source, o.ground, o.tile_m, [&](size_t done, size_t total) {
+      tell("ground", done, total);
+    });
+  } else {
+    out.ground.resize(prior.size());
+    for (size_t k = 0; k < prior.size(); ++k) out.ground[k] = prior[k] == Prior::kGround;
+  }
+  const size_t hits = out.ground.size();
+  const Vec3 origin = first_origin(source);
+
+  ground::HeightGrid grid(origin, o.height);
+  std::vector<Vec3> points;
+  size_t seen = 0;
+  for_each_hit(
+      source,
+      [&](size_t k, const Vec3& p) {
+        seen = k + 1;
+        if (k < hits && out.ground[k]) points.push_back(p);
+      },
+      [&](size_t k) {
+        grid.add(points);
+        points.clear();
+        tell("height", k, hits);
+      });
+  require(seen == hits, "segment: as many labels as hits are needed");
+  out.height = grid.solve();
+
+  // x and y from the origin, z above the ground; nothing where no ground is near.
+  const auto place = [&](const Vec3& p) {
+    const std::optional<double> z = out.height.at(p.x(), p.y());
+    const Vec3 from = p - origin;
+    return Vec3f(float(from.x()), float(from.y()), z ? float(p.z() - *z) : NAN);
+  };
+  const auto may_be_object = [&](size_t k) {
+    return prior.empty() ? !out.ground[k] : prior[k] == Prior::kObject;
+  };
+  std::vector<Vec3f> above;
+  for_each_hit(
+      source,
+      [&](size_t k, const Vec3& p) {
+        if (may_be_object(k)) above.push_back(place(p));
+      },
+      [&](size_t k) {
+        finder.add(above);
+        above.clear();
+        tell("objects", k, 2 * hits);
+      });
+  finder.find();
+  out.objects = finder.objects();
+  out.cell_m = finder.cell_m();
+  out.object.assign(hits, 0);
+  for_each_hit(
+      source,
+      [&](size_t k, const Vec3& p) {
+        if (!may_be_object(k)) return;
+        const Vec3f at = place(p);
+        out.off_ground += !at.allFinite();
+        out.object[k] = finder.object_of(at);
+      },
+      [&](size_t k) { tell("objects", hits + k, 2 * hits); });
+  return out;
+}
+
+}  // namespace underbrush::primitives
