@@ -100,7 +100,7 @@ void run(const Verb& verb, Arguments& a) {
     simulate::Options simulate;
     simulate.seed = verb.seed;
     const SimulateStep simulated =
-        simulate_log(verb, fitted.result.model, like, simulate, log, {model, test});
+        simulate_log(verb, trace::World(fitted.result.model), like, simulate, log, {model, test});
     const elements::Model& m = fitted.result.model;
     say(fmt::format("{}: fitted {} ellipsoids, {} triangles ({:.1f} s), simulated {} beams", fitter,
                     m.ellipsoids.size(), m.ground.size() + m.surface.size(), fitted.seconds,

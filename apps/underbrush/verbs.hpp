@@ -13,6 +13,9 @@ void add_fit(CLI::App& root);
 void add_simulate(CLI::App& root);
 void add_score(CLI::App& root);
 void add_segment(CLI::App& root);
+void add_extract(CLI::App& root);
+void add_annotate(CLI::App& root);
+void add_compose(CLI::App& root);
 void add_sensors(CLI::App& root);
 void add_split(CLI::App& root);
 
@@ -23,6 +26,9 @@ inline void add_all_verbs(CLI::App& root) {
   add_split(root);
   add_segment(root);
   add_fit(root);
+  add_extract(root);
+  add_annotate(root);
+  add_compose(root);
   add_simulate(root);
   add_score(root);
   add_sensors(root);
