@@ -115,6 +115,17 @@ elements::Model generated_ground(const Arguments& a, uint64_t seed) {
   return model;
 }
 
+/// The annotation, and the ground beside it where it is a new one: both or none.
+void write(elements::Model* ground, const fs::path& output,
+           const primitives::Annotation& annotation) {
+  if (!ground) return primitives::write_annotation(output, annotation);
+  ground->provenance = annotation.provenance;
+  io::AtomicFile folder(annotation.ground, io::OutputKind::kFolder);
+  elements::write_model(folder.temporary(), *ground);
+  primitives::write_annotation(output, annotation);
+  folder.commit();
+}
+
 void run(const Verb& verb, Arguments& a) {
   if (a.log.empty() == a.kind.empty()) {
     throw std::invalid_argument("annotate: give a labelled log, or --generate KIND");
@@ -153,11 +164,7 @@ void run(const Verb& verb, Arguments& a) {
     measured.objects = primitives::generate_objects(surface, a.generate);
   }
   annotation.objects = std::move(measured.objects);
-  if (a.ground.empty()) {
-    ground.provenance = annotation.provenance;
-    elements::write_model(annotation.ground, ground);
-  }
-  primitives::write_annotation(output, annotation);
+  write(a.ground.empty() ? &ground : nullptr, output, annotation);
 
   std::map<elements::Class, size_t> classes;
   for (const auto& o : annotation.objects) ++classes[o.label];

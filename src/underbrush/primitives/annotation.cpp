@@ -80,9 +80,12 @@ Annotation read_annotation(const fs::path& path) {
   try {
     j = Json::parse(text);
   } catch (const nlohmann::json::parse_error& e) {
-    const size_t line = 1 + size_t(std::count(text.begin(), text.begin() + long(std::min(e.byte, text.size())), '\n'));
-    throw FormatError(path.string(), "line " + std::to_string(line),
+    const auto end = text.begin() + long(std::min(e.byte, text.size()));
+    throw FormatError(path.string(),
+                      "line " + std::to_string(1 + std::count(text.begin(), end, '\n')),
                       "not JSON (a NaN is none either): " + std::string(e.what()).substr(0, 160));
+  } catch (const nlohmann::json::exception& e) {  // a number beyond all bounds
+    throw FormatError(path.string(), "", "not JSON: " + std::string(e.what()).substr(0, 160));
   }
   check_members(whole, j, {"format", "version", "ground", "objects", "provenance", "comment", "$schema"});
   if (member_of(whole, j, "format") != "underbrush-annotation") {

@@ -21,6 +21,7 @@ constexpr uint32_t kNone = UINT32_MAX;
 struct Bin {
   int32_t y, x, z;
   uint32_t points;
+  float top_m;
 };
 bool before(const Bin& a, const Bin& b) {
   return std::tie(a.y, a.x, a.z) < std::tie(b.y, b.x, b.z);
@@ -33,6 +34,7 @@ void merge(std::vector<Bin>& bins) {
   for (const Bin& b : bins) {
     if (n && !before(bins[n - 1], b)) {
       bins[n - 1].points += b.points;
+      bins[n - 1].top_m = std::max(bins[n - 1].top_m, b.top_m);
     } else {
       bins[n++] = b;
     }
@@ -72,6 +74,7 @@ struct ObjectFinder::State {
   std::vector<Run> runs;
   int32_t first_row = 0;
   std::vector<uint32_t> row_begin;
+  std::vector<uint8_t> tree;     // whether each run is part of a tree
   std::vector<uint32_t> object;  // of each run
   std::vector<FoundObject> objects;
 
@@ -108,13 +111,17 @@ struct ObjectFinder::State {
   double distance_m(const Run& a, const Run& b) const {
     return cell_m * std::hypot(double(a.x) - b.x, double(a.y) - b.y);
   }
+  /// Tall enough to be part of a tree's crown.
   bool is_high(const Run& r) const { return double(r.top_m) >= 0.7 * o.sizes.tree_m; }
 
   void choose_cell();
   void make_runs();
   void smooth();
   void flood(Groups& groups) const;
-  void adopt_feet(Groups& groups) const;
+  void part_trees(Groups& groups);
+  void join_low(Groups& groups) const;
+  void adopt(Groups& groups, bool trees) const;
+  void hem(Groups& groups) const;
   void number(Groups& groups);
 };
 
@@ -145,8 +152,8 @@ void ObjectFinder::State::make_runs() {
     }
     runs.back().high = b.z;
     runs.back().points += b.points;
+    runs.back().top_m = b.top_m;
   }
-  for (Run& r : runs) r.top_m = float((r.high + 1) * kLayerM);
   bins = {};
   if (runs.empty()) return;
   first_row = runs.front().y;
@@ -218,37 +225,59 @@ void ObjectFinder::State::flood(Groups& groups) const {
   }
 }
 
-// Low runs become connected groups; narrow ones with a crown above or beside join it.
-void ObjectFinder::State::adopt_feet(Groups& groups) const {
+// A crown whose peak is lower than a tree is none.
+void ObjectFinder::State::part_trees(Groups& groups) {
+  tree.assign(runs.size(), 0);
   for (uint32_t i = 0; i < runs.size(); ++i) {
-    if (is_high(runs[i])) continue;
+    tree[i] = is_high(runs[i]) && double(runs[groups.find(i)].top_m) >= o.sizes.tree_m;
+  }
+  for (uint32_t i = 0; i < runs.size(); ++i) {
+    if (!tree[i]) groups.parent[i] = i;
+  }
+}
+
+// What is no tree becomes connected groups.
+void ObjectFinder::State::join_low(Groups& groups) const {
+  for (uint32_t i = 0; i < runs.size(); ++i) {
+    if (tree[i]) continue;
     for_each_neighbour(i, [&](uint32_t j) {
-      if (is_high(runs[j])) return;
+      if (tree[j]) return;
       const uint32_t a = groups.find(i), b = groups.find(j);
       if (a != b) groups.parent[std::max(a, b)] = std::min(a, b);
     });
   }
+}
+
+// Narrow groups, trees' own or others, with most of their columns below, above or beside another
+// crown join it: feet, trunks that end in the shade of the scan, tips that stand apart.
+void ObjectFinder::State::adopt(Groups& groups, bool trees) const {
   struct Extent {
     int32_t x0 = INT32_MAX, x1 = INT32_MIN, y0 = INT32_MAX, y1 = INT32_MIN;
-    std::map<uint32_t, uint32_t> crowns;  // above or beside: how often
+    std::map<uint32_t, uint32_t> crowns;  // how often each was seen
     uint32_t columns = 0, covered = 0;
   };
+  const int32_t reach = trees ? 0 : 1;  // a tree needs the crown in its very columns
   std::map<uint32_t, Extent> extents;
   for (uint32_t i = 0; i < runs.size(); ++i) {
     const Run& r = runs[i];
-    if (is_high(r)) continue;
-    Extent& e = extents[groups.find(i)];
+    if (bool(tree[i]) != trees) continue;
+    const uint32_t group = groups.find(i);
+    Extent& e = extents[group];
     e.x0 = std::min(e.x0, r.x), e.x1 = std::max(e.x1, r.x);
     e.y0 = std::min(e.y0, r.y), e.y1 = std::max(e.y1, r.y);
     ++e.columns;
-    std::map<uint32_t, uint32_t> seen;
-    for (int32_t k = 0; k < 9; ++k) {
-      for (const Run& other : column(r.x + k % 3 - 1, r.y + k / 3 - 1)) {
-        if (is_high(other)) ++seen[groups.find(uint32_t(&other - runs.data()))];
+    bool covered = false;
+    for (int32_t dy = -reach; dy <= reach; ++dy) {
+      for (int32_t dx = -reach; dx <= reach; ++dx) {
+        for (const Run& other : column(r.x + dx, r.y + dy)) {
+          const auto j = uint32_t(&other - runs.data());
+          if (!tree[j] || groups.find(j) == group) continue;
+          ++e.crowns[groups.find(j)];
+          covered = true;
+        }
       }
     }
-    e.covered += !seen.empty();
-    for (const auto& [crown, n] : seen) e.crowns[crown] += n;
+    e.covered += covered;
   }
   const double narrow = std::max(o.trunk_m, 2 * cell_m);
   for (const auto& [group, e] : extents) {
@@ -257,7 +286,43 @@ void ObjectFinder::State::adopt_feet(Groups& groups) const {
     const auto most =
         std::max_element(e.crowns.begin(), e.crowns.end(),
                          [](const auto& a, const auto& b) { return a.second < b.second; });
-    groups.parent[group] = groups.find(most->first);
+    const uint32_t crown = groups.find(most->first);
+    if (crown != group) groups.parent[group] = crown;
+  }
+}
+
+// A low group of which nine tenths touch one crown that reaches down to it, within the width of a foot,
+// is the hem of that crown.
+void ObjectFinder::State::hem(Groups& groups) const {
+  const auto steps = int(std::max(1.0, std::round(o.trunk_m / cell_m)));
+  std::vector<uint32_t> crown(runs.size(), kNone), front, next;
+  for (uint32_t i = 0; i < runs.size(); ++i) {
+    if (!tree[i]) continue;
+    crown[i] = groups.find(i);
+    front.push_back(i);
+  }
+  for (int step = 0; step < steps; ++step, front.swap(next)) {
+    next.clear();
+    for (const uint32_t i : front) {
+      for_each_neighbour(i, [&](uint32_t j) {
+        const bool touches = runs[j].low <= runs[i].high + 1 && runs[i].low <= runs[j].high + 1;
+        if (tree[j] || crown[j] != kNone || !touches) return;
+        crown[j] = crown[i];
+        next.push_back(j);
+      });
+    }
+  }
+  std::map<uint32_t, std::map<uint32_t, uint32_t>> claims;  // columns by group and crown
+  for (uint32_t i = 0; i < runs.size(); ++i) {
+    const uint32_t group = groups.find(i);
+    if (!tree[group]) ++claims[group][crown[i]];  // a foot is its tree's already
+  }
+  for (const auto& [group, by_crown] : claims) {
+    uint32_t all = 0;
+    for (const auto& [name, n] : by_crown) all += n;
+    for (const auto& [name, n] : by_crown) {
+      if (name != kNone && 10 * n >= 9 * all) groups.parent[group] = name;
+    }
   }
 }
 
@@ -279,15 +344,19 @@ void ObjectFinder::State::number(Groups& groups) {
   }
   for (auto& [group, s] : sums) {
     if (s.points < o.min_points) continue;
-    // A shrub's or patch's height is what nine tenths of it stay below; a tree's that of its top.
+    // Objects are as high as their top; a patch, as nine tenths of its columns.
     std::sort(s.tops.begin(), s.tops.end());
     FoundObject found;
     found.points = s.points;
     found.side_m = cell_m * (std::max(s.x1 - s.x0, s.y1 - s.y0) + 1);
-    const bool tree = double(s.tops.back()) >= o.sizes.tree_m;
-    found.height_m = double(tree ? s.tops.back() : s.tops[(s.tops.size() - 1) * 9 / 10]);
-    found.label = tree ? tree_class(o.sizes, found.height_m)
-                        : shrub_class(o.sizes, found.height_m, found.side_m >= o.sizes.patch_m);
+    found.height_m = double(s.tops.back());
+    if (found.height_m >= o.sizes.tree_m) {
+      found.label = tree_class(o.sizes, found.height_m);
+    } else {
+      const bool patch = found.side_m >= o.sizes.patch_m;
+      if (patch) found.height_m = double(s.tops[(s.tops.size() - 1) * 9 / 10]);
+      found.label = shrub_class(o.sizes, found.height_m, patch);
+    }
     objects.push_back(found);
     s.number = uint32_t(objects.size());
   }
@@ -316,7 +385,7 @@ void ObjectFinder::add(std::span<const Vec3f> points) {
     if (!p.allFinite() || p.cwiseAbs().maxCoeff() > kFar) continue;
     state_->bins.push_back({int32_t(std::floor(double(p.y()) / side)),
                             int32_t(std::floor(double(p.x()) / side)),
-                            int32_t(std::floor(double(p.z()) / kLayerM)), 1});
+                            int32_t(std::floor(double(p.z()) / kLayerM)), 1, p.z()});
   }
   if (state_->bins.size() > 2 * state_->merged + (1 << 22)) {
     merge(state_->bins);
@@ -331,7 +400,11 @@ void ObjectFinder::find() {
   state_->smooth();
   Groups groups(state_->runs.size());
   state_->flood(groups);
-  state_->adopt_feet(groups);
+  state_->part_trees(groups);
+  state_->adopt(groups, true);
+  state_->join_low(groups);
+  state_->adopt(groups, false);
+  state_->hem(groups);
   state_->number(groups);
 }
 

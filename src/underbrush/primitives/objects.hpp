@@ -23,7 +23,7 @@ struct ObjectOptions {
   double prominence_b = 0.04;   ///< (half of it where columns are wider than 0.5 m), ...
   double radius_a_m = 1.5;  ///< ... unless a crown would reach farther than this from its peak.
   double radius_b = 0.3;
-  double trunk_m = 1;      ///< What is lower and no wider than this under a crown is its foot.
+  double trunk_m = 1;      ///< Width up to which what stands under a crown is its foot.
   size_t min_points = 10;  ///< Fewer are no object.
   SizeRules sizes;
 };
@@ -43,10 +43,11 @@ struct FoundObject {
 /// shrub under a crown is not the crown. Runs of neighbouring columns that overlap in height are
 /// joined in a graph. Trees are found by flooding that graph from the top: each run joins the crown
 /// of its highest neighbour, and where two crowns meet they become one if the lower peak rises too
-/// little above the saddle or stands too near (watershed with merging by persistence; marker-less
-/// form of the crown-maximum methods for airborne scans). What is lower than a tree becomes
-/// connected groups: a narrow one under a crown is the tree's foot, a wide one a shrub or, if it
-/// extends, a patch.
+/// little above the saddle or stands too near (a watershed with merging by persistence). Narrow
+/// groups that stand in a crown's columns join it: trunks parted from their crowns by the scan's
+/// shadows, tips. What is lower than a tree becomes connected groups: a narrow one under a crown is
+/// the tree's foot, one that hems a crown reaching to the ground is part of it, any other is a shrub
+/// or, if it extends, a patch.
 class ObjectFinder {
  public:
   /// Throws `std::invalid_argument` for lengths that are not positive.
