@@ -314,6 +314,9 @@ void run(const Verb& verb, const Arguments& a) {
     text += fmt::format("  labels      {} ({}), {} hits without\n", a.labels,
                         given->by_place ? "by place" : "by order", given->unmatched);
   }
+  if (labels && labels->off_ground) {
+    text += fmt::format("  left out    {} hits with no ground near: in no object\n", labels->off_ground);
+  }
   if (writer) text += "  log         " + a.output + "\n";
   verb.report(j, text);
 }

@@ -163,7 +163,7 @@ def write_log(folder, scans=2):
         azimuth, ring = 2 * math.pi * (beam // 8) / 50, beam % 8
         slope = 0.3 - 0.05 * ring  # downwards, but for the last rings
         post = beam // 8 % 10 == 3
-        far = 4 if post else 2 / slope if slope > 0.05 else 30
+        far = 6.6 if post else 2 / slope if slope > 0.05 else 30
         x, y = far * math.cos(azimuth), far * math.sin(azimuth)
         rows.append(f"{x + scan:.4f},{y:.4f},{2 - slope * far:.4f},{0.1 * scan + 1e-3 * (beam // 8):.4f},"
                     f"{scan},0,2,{int(post or slope > 0.05)},{scan},{ring},{beam // 8}")
