@@ -31,7 +31,9 @@ struct Arguments {
 
 void add_options(CLI::App& app, Arguments& a) {
   auto* log = app.add_option("LABELLED", a.log, "The site's log, labelled by segment");
-  app.add_option("-o,--output", a.output, "The annotation")->required()->type_name("ANNOTATION.json");
+  app.add_option("-o,--output", a.output, "The annotation")
+      ->required()
+      ->type_name("ANNOTATION.json");
   app.add_option("--ground", a.ground,
                  "Model whose ground the objects stand on. Without it, one is made from the log's "
                  "ground points, or generated, as the folder STEM.ground beside the annotation")
@@ -39,8 +41,9 @@ void add_options(CLI::App& app, Arguments& a) {
   auto* kind = app.add_option("--generate", a.kind, "Make a site up")
                    ->check(CLI::IsMember(primitives::site_kinds()));
   kind->excludes(log);
-  app.add_option("--density", a.generate.density,
-                 "generate: trees (meadow: shrubs) per m²; 0 = forest 0.05, savanna 0.003, meadow 0.01")
+  app.add_option(
+         "--density", a.generate.density,
+         "generate: trees (meadow: shrubs) per m²; 0 = forest 0.05, savanna 0.003, meadow 0.01")
       ->check(CLI::Range(0.0, 10.0))
       ->capture_default_str();
   app.add_option("--margin", a.generate.margin_m, "generate: bare border of the ground, m")
@@ -50,14 +53,17 @@ void add_options(CLI::App& app, Arguments& a) {
       ->expected(2)
       ->check(CLI::Range(1.0, 20000.0))
       ->type_name("X Y");
-  app.add_option("--relief", a.terrain.relief_m, "generate: standard deviation of the ground's height, m")
+  app.add_option("--relief", a.terrain.relief_m,
+                 "generate: standard deviation of the ground's height, m")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   app.add_option("--ground-spacing", a.spacing_m,
-                 "Side of a generated ground's triangles, m; distance of nodes of a fitted one is half of it")
+                 "Side of a generated ground's triangles, m; distance of nodes of a fitted one is "
+                 "half of it")
       ->check(CLI::Range(0.05, 100.0))
       ->capture_default_str();
-  app.add_option("--ground-noise", a.ground_noise_m, "generate: σ of ranges on a generated ground, m")
+  app.add_option("--ground-noise", a.ground_noise_m,
+                 "generate: σ of ranges on a generated ground, m")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   app.add_option("--box-quantile", a.measure.quantile,

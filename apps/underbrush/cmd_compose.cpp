@@ -57,8 +57,8 @@ void read_densities(const Arguments& a, primitives::ComposeOptions& o) {
     } catch (const std::exception&) {
     }
     if (used == 0 || used != number.size() || !(factor >= 0 && factor <= 100)) {
-      throw std::invalid_argument("compose: expected CLASS=FACTOR with a factor in [0, 100], not '" +
-                                  word + "'");
+      throw std::invalid_argument(
+          "compose: expected CLASS=FACTOR with a factor in [0, 100], not '" + word + "'");
     }
     o.density[*label] = factor;
   }
@@ -67,12 +67,14 @@ void read_densities(const Arguments& a, primitives::ComposeOptions& o) {
 void require_all_placed(const Arguments& a, const primitives::Composition& c) {
   if (!a.strict) return;
   if (c.off_ground) {
-    throw FormatError(a.annotation, "", std::to_string(c.off_ground) + " objects stand off the ground mesh");
+    throw FormatError(a.annotation, "",
+                      std::to_string(c.off_ground) + " objects stand off the ground mesh");
   }
   for (const auto& counts : {c.left_out, c.borrowed}) {
     if (counts.empty()) continue;
-    throw FormatError(a.primitives, "", "no primitives of the class " + counts.begin()->first + ", which " +
-                                            std::to_string(counts.begin()->second) + " objects have");
+    throw FormatError(a.primitives, "",
+                      "no primitives of the class " + counts.begin()->first + ", which " +
+                          std::to_string(counts.begin()->second) + " objects have");
   }
 }
 
@@ -113,15 +115,20 @@ void run(const Verb& verb, Arguments& a) {
   std::string text = fmt::format(
       "{} objects: {} instances of {} primitives ({} elements), boxes {:.2f} m apart on average\n",
       c.objects, c.placed, c.scene.models.size() - 1, elements, c.mean_box_distance_m);
-  if (c.objects == 0) text += "  warning     the annotation has no objects: the scene is its ground\n";
+  if (c.objects == 0)
+    text += "  warning     the annotation has no objects: the scene is its ground\n";
   for (const auto& [label, n] : c.borrowed) {
-    text += fmt::format("  warning     {} of class {}: no primitives, placed with those of another size\n", n, label);
+    text += fmt::format(
+        "  warning     {} of class {}: no primitives, placed with those of another size\n", n,
+        label);
   }
   for (const auto& [label, n] : c.left_out) {
-    text += fmt::format("  warning     {} of class {} left out: no primitives of its kind\n", n, label);
+    text +=
+        fmt::format("  warning     {} of class {} left out: no primitives of its kind\n", n, label);
   }
   if (c.off_ground) {
-    text += fmt::format("  warning     {} left out: they stand off the ground mesh\n", c.off_ground);
+    text +=
+        fmt::format("  warning     {} left out: they stand off the ground mesh\n", c.off_ground);
   }
   text += fmt::format("  all         {:.2f} s\n  scene       {}\n", seconds, a.output);
   verb.report(j, text);

@@ -18,7 +18,8 @@ struct Arguments {
 
 void add_options(CLI::App& app, Arguments& a) {
   app.add_option("MODEL", a.model, "The model's folder")->required();
-  app.add_option("LABELLED", a.log, "The log that it was fitted to, labelled by segment")->required();
+  app.add_option("LABELLED", a.log, "The log that it was fitted to, labelled by segment")
+      ->required();
   app.add_option("-o,--output", a.output, "The folder of the set of primitives")
       ->required()
       ->type_name("PRIMITIVES");
@@ -72,10 +73,9 @@ void run(const Verb& verb, Arguments& a) {
   j["few_points"] = m.few_points;
   j["off_ground"] = m.off_ground;
   j["hits_without_instance"] = m.without_instance;
-  std::string text =
-      fmt::format("{} primitives hold {} of {} elements ({:.1f} %)\n", result.primitives.size(),
-                  result.taken, result.elements,
-                  100.0 * double(result.taken) / double(std::max<size_t>(1, result.elements)));
+  std::string text = fmt::format(
+      "{} primitives hold {} of {} elements ({:.1f} %)\n", result.primitives.size(), result.taken,
+      result.elements, 100.0 * double(result.taken) / double(std::max<size_t>(1, result.elements)));
   for (const auto& [label, n] : classes) {
     const std::string name(elements::name(label));
     j["classes"][name] = {{"primitives", n.first}, {"elements", n.second}};

@@ -34,11 +34,14 @@ void add_object_options(CLI::App& app, primitives::ObjectOptions& o) {
     app.add_option(name, value, text)->check(CLI::NonNegativeNumber)->capture_default_str();
   };
   option("--cell", o.cell_m, "Objects: side of a column, m; 0 = 0.4, more where points are sparse");
-  option("--gap", o.gap_m, "Objects: empty height that parts what stands in a column, m; 0 = by the cell");
+  option("--gap", o.gap_m,
+         "Objects: empty height that parts what stands in a column, m; 0 = by the cell");
   option("--spacing", o.spacing_a_m, "Trees: nearer peaks are one crown, m, ...");
   option("--spacing-per-m", o.spacing_b, "Trees: ... and this much more for each m of height");
-  option("--prominence", o.prominence_a_m, "Trees: a dip less deep than this parts no crowns, m, ...");
-  option("--prominence-per-m", o.prominence_b, "Trees: ... and this much more for each m of height");
+  option("--prominence", o.prominence_a_m,
+         "Trees: a dip less deep than this parts no crowns, m, ...");
+  option("--prominence-per-m", o.prominence_b,
+         "Trees: ... and this much more for each m of height");
   option("--radius", o.radius_a_m, "Trees: a crown reaches no farther from its peak, m, ...");
   option("--radius-per-m", o.radius_b, "Trees: ... and this much more for each m of height");
   option("--foot", o.trunk_m, "Trees: what is no wider under a crown is its foot, m");
@@ -68,10 +71,15 @@ void add_options(CLI::App& app, Arguments& a) {
                  "How far a point of --labels may lie from the hit that it labels, m")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app.add_option("--truth", a.truth, "Column of the log with the true trees' numbers, to be scored against")
+  app.add_option("--truth", a.truth,
+                 "Column of the log with the true trees' numbers, to be scored against")
       ->capture_default_str();
   app.add_option("--ground-method", a.segment.ground.method, "Ground segmentation")
       ->check(CLI::IsMember({"lower_envelope", "spherical_variance"}))
+      ->capture_default_str();
+  app.add_option("--min-range", a.segment.min_range_m,
+                 "Hits nearer than this are nothing, m: the vehicle that carries the sensor")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   app.add_option("--tile", a.segment.tile_m, "Side of a tile of the ground segmentation, m")
       ->check(CLI::PositiveNumber)
@@ -206,6 +214,7 @@ Json json_of(const Arguments& a, const Found& found, const primitives::LogLabels
     for (const auto& [c, n] : objects) j["classes"][std::string(elements::name(c))] = n;
     j["cell_m"] = labels->cell_m;
     j["off_ground"] = labels->off_ground;
+    j["near"] = labels->near;
   }
   j["skipped"] = skipped;
   if (o.labelled) {
@@ -235,9 +244,9 @@ Json json_of(const Arguments& a, const Found& found, const primitives::LogLabels
 }
 
 std::string text_of(const Arguments& a, const Found& found, const Outcome& o) {
-  std::string text = fmt::format("{} of {} hits are ground ({:.1f} %), {} objects\n", o.ground, o.hits,
-                                 100.0 * double(o.ground) / double(std::max<size_t>(1, o.hits)),
-                                 found.objects);
+  std::string text =
+      fmt::format("{} of {} hits are ground ({:.1f} %), {} objects\n", o.ground, o.hits,
+                  100.0 * double(o.ground) / double(std::max<size_t>(1, o.hits)), found.objects);
   for (const auto& [c, n] : o.points) {
     text += fmt::format("  {:<19}{:>12} points\n", elements::name(c), n);
   }
@@ -279,8 +288,8 @@ void run(const Verb& verb, const Arguments& a) {
   std::optional<primitives::LogLabels> labels;
   if (!a.labels.empty()) given = primitives::read_given_labels(a.labels, log, a.given);
   // Classes and instances of ours need no search.
-  const bool whole = given && given->set == "underbrush" && !given->label.empty() &&
-                     !given->instance.empty();
+  const bool whole =
+      given && given->set == "underbrush" && !given->label.empty() && !given->instance.empty();
   if (!whole) {
     labels = primitives::segment_log(
         log, a.segment,
@@ -315,7 +324,8 @@ void run(const Verb& verb, const Arguments& a) {
                         given->by_place ? "by place" : "by order", given->unmatched);
   }
   if (labels && labels->off_ground) {
-    text += fmt::format("  left out    {} hits with no ground near: in no object\n", labels->off_ground);
+    text += fmt::format("  left out    {} hits with no ground within 30 m: in no object\n",
+                        labels->off_ground);
   }
   if (writer) text += "  log         " + a.output + "\n";
   verb.report(j, text);
@@ -325,12 +335,12 @@ void run(const Verb& verb, const Arguments& a) {
 
 void add_segment(CLI::App& root) {
   auto a = std::make_shared<Arguments>();
-  const auto verb = add_verb(
-      root, "segment", "Label a log: ground, trees, shrubs, patches; or take labels over",
-      "underbrush segment log.ply -o labelled.ply\n"
-      "  underbrush segment log.ply --labels edited.ply -o labelled.ply\n"
-      "  underbrush segment log.ply --ground-method spherical_variance --json -",
-      [a](const Verb& v) { run(v, *a); });
+  const auto verb =
+      add_verb(root, "segment", "Label a log: ground, trees, shrubs, patches; or take labels over",
+               "underbrush segment log.ply -o labelled.ply\n"
+               "  underbrush segment log.ply --labels edited.ply -o labelled.ply\n"
+               "  underbrush segment log.ply --ground-method spherical_variance --json -",
+               [a](const Verb& v) { run(v, *a); });
   add_options(*verb->app, *a);
 }
 

@@ -24,7 +24,8 @@ struct Arguments {
 };
 
 void add_options(CLI::App& app, Arguments& a) {
-  app.add_option("MODEL", a.model, "The folder of a model, or of a scene that compose made")->required();
+  app.add_option("MODEL", a.model, "The folder of a model, or of a scene that compose made")
+      ->required();
   app.add_option("-o,--output", a.output,
                  "Where the simulated log goes: .ply, .pcd, .csv, or a folder/ of KITTI .bin")
       ->required();
@@ -117,7 +118,8 @@ void run(const Verb& verb, Arguments& a) {
 void add_simulate(CLI::App& root) {
   auto a = std::make_shared<Arguments>();
   const auto verb = add_verb(
-      root, "simulate", "Answer beams from a model or scene: those of a log, or of a sensor on a trajectory",
+      root, "simulate",
+      "Answer beams from a model or scene: those of a log, or of a sensor on a trajectory",
       "underbrush simulate model/ --like log.ply -o sim.ply\n"
       "  underbrush simulate scene/ --like log.ply -o sim.ply\n"
       "  underbrush simulate model/ --sensor velodyne-hdl32e --trajectory poses.txt -o sim.ply",

@@ -12,8 +12,8 @@ void require_objects(const std::string& file, BeamSource& log) {
   log.next(chunk);
   if (!chunk.extra.count("class") || !chunk.extra.count("instance") ||
       log.info().classes != "underbrush") {
-    throw FormatError(file, "",
-                      "has no objects: it needs the columns class and instance that segment writes");
+    throw FormatError(
+        file, "", "has no objects: it needs the columns class and instance that segment writes");
   }
 }
 

@@ -47,7 +47,8 @@ TEST(SceneFile, ComesBackToTheBit) {
   const Scene t = read_scene(folder / "scene", &back);
   ASSERT_EQ(t.instances.size(), s.instances.size());
   for (size_t k = 0; k < s.instances.size(); ++k) {
-    EXPECT_EQ(t.instances[k].world_from_model.translation, s.instances[k].world_from_model.translation);
+    EXPECT_EQ(t.instances[k].world_from_model.translation,
+              s.instances[k].world_from_model.translation);
     EXPECT_EQ(t.instances[k].world_from_model.rotation.coeffs(),
               s.instances[k].world_from_model.rotation.coeffs());
     EXPECT_EQ(t.instances[k].scale, s.instances[k].scale);

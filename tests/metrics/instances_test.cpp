@@ -16,7 +16,7 @@ TEST(Instances, AreMatchedFromHalfOfTheirUnionOn) {
   add(c, 1, 11, 10), add(c, 1, 0, 5), add(c, 0, 11, 5);  // IoU 10 / 20
   add(c, 2, 12, 10), add(c, 2, 0, 6), add(c, 0, 12, 5);  // 10 / 21
   add(c, 3, 13, 9);
-  add(c, 4, 0, 30);  // nothing is there
+  add(c, 4, 0, 30);   // nothing is there
   add(c, 0, 15, 40);  // and this one was missed
   const InstanceScore s = c.score();
   EXPECT_EQ(s.found, 4u);

@@ -33,7 +33,8 @@ TEST(Annotation, ComesBack) {
   }
   write_annotation(folder / "a.json", a);
   const Annotation b = read_annotation(folder / "a.json");
-  EXPECT_EQ(std::filesystem::weakly_canonical(b.ground), std::filesystem::weakly_canonical(a.ground));
+  EXPECT_EQ(std::filesystem::weakly_canonical(b.ground),
+            std::filesystem::weakly_canonical(a.ground));
   ASSERT_EQ(b.objects.size(), a.objects.size());
   for (size_t k = 0; k < a.objects.size(); ++k) {
     EXPECT_EQ(b.objects[k].label, a.objects[k].label);
@@ -67,7 +68,8 @@ TEST(Annotation, ByHandNeedsLittle) {
 
 TEST(Annotation, ThatIsWrongSaysWhere) {
   const Folder folder;
-  const auto refused = [&](const std::string& text, const std::string& place, const std::string& why) {
+  const auto refused = [&](const std::string& text, const std::string& place,
+                           const std::string& why) {
     std::ofstream(folder / "a.json") << text;
     try {
       read_annotation(folder / "a.json");
@@ -81,7 +83,8 @@ TEST(Annotation, ThatIsWrongSaysWhere) {
   };
   const auto object = [&](const std::string& members) {
     return std::string(kHead) + R"( "objects": [{"class": "large_tree", "position_m": [1, 2],
-      "box_m": {"size": [1, 1, 1]}}, {)" + members + "}]}";
+      "box_m": {"size": [1, 1, 1]}}, {)" +
+           members + "}]}";
   };
   const std::string box = R"("box_m": {"size": [1, 1, 1]})", at = R"("position_m": [1, 2, 3])";
   refused(object(R"("class": "large_tre", )" + at + "," + box), "objects[1].class", "'large_tree'");
@@ -92,17 +95,19 @@ TEST(Annotation, ThatIsWrongSaysWhere) {
   refused(object(R"("class": "large_tree", )" + at), "objects[1]", "'box_m'");
   refused(object(R"("class": "large_tree", )" + at + R"(, "box_m": {"size": [1, 0, 1]})"),
           "objects[1].box_m", "extent");
-  refused(object(R"("class": "large_tree", )" + at + R"(, "box_m": {"min": [0,0,0], "max": [1,-1,1]})"),
-          "objects[1].box_m", "extent");
+  refused(
+      object(R"("class": "large_tree", )" + at + R"(, "box_m": {"min": [0,0,0], "max": [1,-1,1]})"),
+      "objects[1].box_m", "extent");
   refused(object(R"("class": "large_tree", "position_m": [1, NaN, 2], )" + box), "line 2", "NaN");
   refused(object(R"("class": "large_tree", "position_m": [1, null, 2], )" + box),
           "objects[1].position_m[1]", "finite");
   refused(object(R"("class": "large_tree", "position_m": [1, 1e999, 2], )" + box), "", "JSON");
-  refused(object(R"("class": "large_tree", "position": [1, 2], )" + box), "objects[1]", "'position_m'");
+  refused(object(R"("class": "large_tree", "position": [1, 2], )" + box), "objects[1]",
+          "'position_m'");
   refused(std::string(kHead) + R"( "objects": {}})", "objects", "list");
   refused(R"({"format": "underbrush-annotation", "version": 1, "objects": []})", "", "'ground'");
-  refused(R"({"format": "underbrush-annotation", "version": 2, "ground": "g", "objects": []})", "version",
-          "newer");
+  refused(R"({"format": "underbrush-annotation", "version": 2, "ground": "g", "objects": []})",
+          "version", "newer");
   refused(R"({"format": "other", "version": 1, "ground": "g", "objects": []})", "format", "not an");
   refused("[1, 2]", "", "object");
   refused("", "", "JSON");

@@ -36,7 +36,8 @@ class Composing : public testing::Test {
     for (uint32_t k = 0; k < 300; ++k) {
       PlacedObject o;
       o.label = k % 2 ? Class::kSmallTree : Class::kLargeTree;
-      o.position = Vec3(10 + random.uniform(-30, 30), -20 + random.uniform(-30, 30), random.uniform(-9, 9));
+      o.position =
+          Vec3(10 + random.uniform(-30, 30), -20 + random.uniform(-30, 30), random.uniform(-9, 9));
       o.yaw_rad = random.uniform(-3, 3);
       for (int d = 0; d < 3; ++d) o.box.max[d] = random.uniform(0.5, 6);
       annotation.objects.push_back(o);
@@ -82,8 +83,11 @@ TEST_F(Composing, BoxesStandUponBoxesWithTheirBottomsOnTheGround) {
       const PlacedObject& o = annotation.objects[k];
       const elements::Instance& i = c.scene.instances[k + 1];
       const Box& box = primitives[number(c, k + 1)].box;
-      const auto world = [&](const Vec3& p) { return i.world_from_model * Vec3(double(i.scale) * p); };
-      const Vec3 middle = world(Vec3(0.5 * (box.min.x() + box.max.x()), 0.5 * (box.min.y() + box.max.y()), 0));
+      const auto world = [&](const Vec3& p) {
+        return i.world_from_model * Vec3(double(i.scale) * p);
+      };
+      const Vec3 middle =
+          world(Vec3(0.5 * (box.min.x() + box.max.x()), 0.5 * (box.min.y() + box.max.y()), 0));
       const Vec3 wanted = o.world_from_object() * (0.5 * (o.box.min + o.box.max));
       EXPECT_LT((middle - wanted).head<2>().norm(), 2e-3);
       EXPECT_NEAR(middle.z(), surface.at(o.position.x(), o.position.y()).value(), 1e-6);
@@ -92,7 +96,8 @@ TEST_F(Composing, BoxesStandUponBoxesWithTheirBottomsOnTheGround) {
       if (scale) {  // no other factor brings the boxes nearer together
         const double s = double(i.scale);
         for (const double other : {0.98 * s, 1.02 * s}) {
-          EXPECT_LT((s * box.size() - o.box.size()).norm(), (other * box.size() - o.box.size()).norm() + 1e-3);
+          EXPECT_LT((s * box.size() - o.box.size()).norm(),
+                    (other * box.size() - o.box.size()).norm() + 1e-3);
         }
       }
     }
@@ -122,9 +127,10 @@ TEST_F(Composing, DrawsAmongTheNearest) {
     const PlacedObject& o = annotation.objects[k];
     const auto distance = [&](const Primitive& p) { return (p.box.size() - o.box.size()).norm(); };
     const Primitive& chosen = primitives[number(a, k + 1)];
-    const auto nearer = size_t(std::count_if(primitives.begin(), primitives.end(), [&](const Primitive& p) {
-      return p.label == o.label && distance(p) < distance(chosen) - 1e-9;
-    }));
+    const auto nearer =
+        size_t(std::count_if(primitives.begin(), primitives.end(), [&](const Primitive& p) {
+          return p.label == o.label && distance(p) < distance(chosen) - 1e-9;
+        }));
     ASSERT_LT(nearer, 3u);
     ++ranks[nearer];
   }
@@ -134,8 +140,8 @@ TEST_F(Composing, DrawsAmongTheNearest) {
 
 TEST_F(Composing, CountsWhatCannotBePlaced) {
   annotation.objects[0].position = Vec3(1000, 0, 0);
-  annotation.objects[1].label = Class::kMediumTree;       // other trees will do
-  annotation.objects[2].label = Class::kLargeShrub;       // and other shrubs
+  annotation.objects[1].label = Class::kMediumTree;  // other trees will do
+  annotation.objects[2].label = Class::kLargeShrub;  // and other shrubs
   const Composition c = compose(annotation, ground, set, {});
   EXPECT_EQ(c.off_ground, 1u);
   EXPECT_EQ(c.placed, 299u);
@@ -174,7 +180,9 @@ TEST_F(Composing, ThinsAndThickensByClass) {
     return (o.position - Vec3(10, -20, 0)).head<2>().cwiseAbs().maxCoeff() > 25;
   });
   const Composition c = compose(annotation, ground, set, options);
-  const auto n = [&](Class label) { return double(std::count(c.info.labels.begin(), c.info.labels.end(), label)); };
+  const auto n = [&](Class label) {
+    return double(std::count(c.info.labels.begin(), c.info.labels.end(), label));
+  };
   const auto wanted = [&](Class label) {
     return double(std::count_if(annotation.objects.begin(), annotation.objects.end(),
                                 [&](const PlacedObject& o) { return o.label == label; }));

@@ -32,10 +32,12 @@ Site site(const Pose& move, uint64_t seed = 1) {
     instance.push_back(i);
   };
   for (int k = 0; k < 4000; ++k) {  // a tree 6 × 2 × 5 m
-    add(Vec3(random.uniform(-3, 3), random.uniform(-1, 1), random.uniform(0.2, 5)), Class::kSmallTree, 5);
+    add(Vec3(random.uniform(-3, 3), random.uniform(-1, 1), random.uniform(0.2, 5)),
+        Class::kSmallTree, 5);
   }
   for (int k = 0; k < 300; ++k) {  // another beside it, whose box overlaps when it is turned
-    add(Vec3(random.uniform(-1, 1), random.uniform(1, 2), random.uniform(0.2, 5)), Class::kSmallTree, 6);
+    add(Vec3(random.uniform(-1, 1), random.uniform(1, 2), random.uniform(0.2, 5)),
+        Class::kSmallTree, 6);
   }
   Site s;
   s.model.origin = move * Vec3(1, 2, 0);
@@ -199,7 +201,8 @@ TEST(PrimitiveSet, ComesBackAndCanBeBrowsed) {
     EXPECT_EQ(m.ellipsoids[3].mean, p.model.ellipsoids[3].mean);
     EXPECT_EQ(m.ellipsoids[3].covariance, p.model.ellipsoids[3].covariance);
     EXPECT_EQ(m.tau, 2.5);
-    const std::string png = io::bytes_of(folder / ("set/" + set.entries[k].name + "/thumbnail.png"));
+    const std::string png =
+        io::bytes_of(folder / ("set/" + set.entries[k].name + "/thumbnail.png"));
     EXPECT_EQ(png.substr(1, 3), "PNG");
   }
   const std::string page = io::bytes_of(folder / "set/index.html");
@@ -218,7 +221,8 @@ TEST(PrimitiveSet, ThatIsDamagedIsRefused) {
   write_primitives(folder / "set", extract_from(site({})).primitives, 2, "");
   std::filesystem::remove(folder / "set/small_tree/0001/model.json");
   EXPECT_THROW(read_primitive_set(folder / "set"), FormatError);
-  io::put_bytes(folder / "set/primitives.json", R"({"format": "underbrush-primitives", "version": 9})");
+  io::put_bytes(folder / "set/primitives.json",
+                R"({"format": "underbrush-primitives", "version": 9})");
   EXPECT_THROW(read_primitive_set(folder / "set"), FormatError);
   io::put_bytes(folder / "mine/thesis.tex", "years");
   EXPECT_THROW(write_primitives(folder / "mine", {}, 2, ""), IoError);

@@ -126,7 +126,8 @@ TEST(GivenLabels, ThatAreWrongAreRefused) {
   refused("x,y,z,class\n1,2,3,-1\n", "whole number");
   refused("x,y,z,class\n1e5,2,3,4\n", "none of its points");
   const Vec3 p = s.points[0];
-  const std::string at = std::to_string(p.x()) + "," + std::to_string(p.y()) + "," + std::to_string(p.z());
+  const std::string at =
+      std::to_string(p.x()) + "," + std::to_string(p.y()) + "," + std::to_string(p.z());
   refused("x,y,z,class\n" + at + ",99\n", "label set");
   std::ofstream(folder / "b.csv") << "x,y,z,class\n" + at + ",nan\n";
   const GivenLabels given = read_given_labels(folder / "b.csv", source);

@@ -15,7 +15,9 @@ TEST(GroundSurface, IsThePlaneThatItsTrianglesAre) {
     const double x = random.uniform(-9, 9), y = random.uniform(-9, 9);
     const auto z = ground.at(10 + x, -20 + y);
     ASSERT_EQ(z.has_value(), std::abs(x) <= 8 && std::abs(y) <= 8) << x << " " << y;
-    if (z) { ASSERT_NEAR(*z, 3 + 0.3 * x - 0.1 * y, 1e-5); }
+    if (z) {
+      ASSERT_NEAR(*z, 3 + 0.3 * x - 0.1 * y, 1e-5);
+    }
   }
 }
 
@@ -58,7 +60,9 @@ TEST(GroundSurface, AgreesWithASlowReference) {
     const auto fast = ground.at(p.x(), p.y());
     none += !fast;
     ASSERT_EQ(fast.has_value(), slow.has_value());
-    if (fast) { ASSERT_NEAR(*fast, *slow, 1e-9); }
+    if (fast) {
+      ASSERT_NEAR(*fast, *slow, 1e-9);
+    }
   }
   EXPECT_GT(none, 0);  // in the hole
 }

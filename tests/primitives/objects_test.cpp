@@ -1,11 +1,11 @@
 #include "underbrush/primitives/objects.hpp"
 
+#include <lzma.h>
+
 #include <algorithm>
 #include <array>
 #include <cstring>
 #include <set>
-
-#include <lzma.h>
 
 #include "data.hpp"
 #include "primitives/sites.hpp"
@@ -44,7 +44,8 @@ std::vector<Vec3f> trees(std::vector<uint32_t>& truth, uint64_t seed) {
   return points;
 }
 
-metrics::InstanceScore score(const std::vector<uint32_t>& found, const std::vector<uint32_t>& truth) {
+metrics::InstanceScore score(const std::vector<uint32_t>& found,
+                             const std::vector<uint32_t>& truth) {
   metrics::InstanceCounter counter;
   for (size_t i = 0; i < found.size(); ++i) counter.add(found[i], truth[i]);
   return counter.score(10);
@@ -87,12 +88,12 @@ TEST(Objects, MoveWithThePoints) {
 
 TEST(Objects, AreClassedByTheirSizes) {
   const std::array<std::pair<double, Class>, 7> kinds{{{0.4, Class::kLowShrub},
-                                                      {0.9, Class::kSmallShrub},
-                                                      {1.7, Class::kMediumShrub},
-                                                      {2.7, Class::kLargeShrub},
-                                                      {5, Class::kSmallTree},
-                                                      {8, Class::kMediumTree},
-                                                      {14, Class::kLargeTree}}};
+                                                       {0.9, Class::kSmallShrub},
+                                                       {1.7, Class::kMediumShrub},
+                                                       {2.7, Class::kLargeShrub},
+                                                       {5, Class::kSmallTree},
+                                                       {8, Class::kMediumTree},
+                                                       {14, Class::kLargeTree}}};
   Stream random(4);
   for (const auto& [height, label] : kinds) {
     std::vector<Vec3f> points;
@@ -125,8 +126,8 @@ TEST(Objects, ALongRowOfShrubsIsAPatch) {
 TEST(Objects, AShrubUnderACrownIsNotTheTree) {
   Stream random(6);
   std::vector<Vec3f> points;
-  add_cone(points, 0, 0, 3, 4, 10, 20000, random);       // crown
-  add_cone(points, 0, 0, 0.15, 0, 6, 1500, random);      // trunk
+  add_cone(points, 0, 0, 3, 4, 10, 20000, random);   // crown
+  add_cone(points, 0, 0, 0.15, 0, 6, 1500, random);  // trunk
   const size_t tree = points.size();
   add_cone(points, 1.9, 0, 0.9, 0.05, 1.2, 3000, random);  // beneath
   const Found found = find(points);

@@ -26,7 +26,9 @@ inline void add_cone(std::vector<Vec3f>& points, double x, double y, double radi
 inline elements::Model plane(double side, double a, double b) {
   elements::Model m;
   m.origin = Vec3(10, -20, 3);
-  const auto at = [&](double x, double y) { return Vec3f(float(x), float(y), float(a * x + b * y)); };
+  const auto at = [&](double x, double y) {
+    return Vec3f(float(x), float(y), float(a * x + b * y));
+  };
   m.ground.vertices = {at(-side, -side), at(side, -side), at(side, side), at(-side, side)};
   m.ground.triangles = {{0, 1, 2}, {0, 2, 3}};
   m.ground.hit.resize(2);

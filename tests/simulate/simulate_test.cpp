@@ -132,10 +132,12 @@ TEST(Simulate, AnswersFromTheInstancesOfAScene) {
   scene.models = {elements::Model{}, tree};
   scene.instances.resize(3);
   scene.instances[1] = {{Eigen::Quaterniond::Identity(), Vec3(20, 0, -2)}, 1, 1};
-  scene.instances[2] = {{Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Vec3::UnitZ())), Vec3(40, 0, -4)}, 2, 1};
+  scene.instances[2] = {
+      {Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Vec3::UnitZ())), Vec3(40, 0, -4)}, 2, 1};
   const trace::World world(scene);
   for (const RangeDraw draw : {RangeDraw::kOnRay, RangeDraw::kVolumetric}) {
-    for (const auto& [from_m, at_m, sigma] : {std::array{0.0, 20.0, 0.5}, std::array{30.0, 40.0, 1.0}}) {
+    for (const auto& [from_m, at_m, sigma] :
+         {std::array{0.0, 20.0, 0.5}, std::array{30.0, 40.0, 1.0}}) {
       BeamLog beams = beams_along_x(20000);
       for (Vec3& o : beams.origin) o.x() = from_m;
       Options options;

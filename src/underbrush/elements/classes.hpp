@@ -28,10 +28,20 @@ enum class Class : uint8_t {
 };
 
 /// Names in files and on the command line, in the order of `Class`.
-inline constexpr std::array<std::string_view, 14> kClassNames = {
-    "unknown",         "ground",           "grass",       "low_shrub",   "small_shrub",
-    "medium_shrub",    "large_shrub",      "small_tree",  "medium_tree", "large_tree",
-    "low_shrub_patch", "small_shrub_patch", "medium_shrub_patch", "large_shrub_patch"};
+inline constexpr std::array<std::string_view, 14> kClassNames = {"unknown",
+                                                                 "ground",
+                                                                 "grass",
+                                                                 "low_shrub",
+                                                                 "small_shrub",
+                                                                 "medium_shrub",
+                                                                 "large_shrub",
+                                                                 "small_tree",
+                                                                 "medium_tree",
+                                                                 "large_tree",
+                                                                 "low_shrub_patch",
+                                                                 "small_shrub_patch",
+                                                                 "medium_shrub_patch",
+                                                                 "large_shrub_patch"};
 
 /// The name of a class.
 constexpr std::string_view name(Class c) { return kClassNames.at(size_t(c)); }

@@ -56,7 +56,8 @@ void write_annotation(const fs::path& path, const Annotation& a) {
   j["format"] = "underbrush-annotation";
   j["version"] = kAnnotationVersion;
   const fs::path folder = fs::absolute(path).parent_path();
-  j["ground"] = fs::absolute(a.ground).lexically_normal().lexically_relative(folder).generic_string();
+  j["ground"] =
+      fs::absolute(a.ground).lexically_normal().lexically_relative(folder).generic_string();
   j["provenance"] = a.provenance.empty() ? Json::object() : Json::parse(a.provenance);
   // An object a line: such a file can be read, compared and edited.
   std::string text = j.dump(1);
@@ -87,15 +88,16 @@ Annotation read_annotation(const fs::path& path) {
   } catch (const nlohmann::json::exception& e) {  // a number beyond all bounds
     throw FormatError(path.string(), "", "not JSON: " + std::string(e.what()).substr(0, 160));
   }
-  check_members(whole, j, {"format", "version", "ground", "objects", "provenance", "comment", "$schema"});
+  check_members(whole, j,
+                {"format", "version", "ground", "objects", "provenance", "comment", "$schema"});
   if (member_of(whole, j, "format") != "underbrush-annotation") {
     throw FormatError(path.string(), "format", "not an underbrush annotation");
   }
   if (const uint32_t version = count_of({path.string(), "version"}, member_of(whole, j, "version"));
       int64_t(version) > kAnnotationVersion) {
-    throw FormatError(path.string(), "version", std::to_string(version) +
-                                                    " is newer than this program reads (" +
-                                                    std::to_string(kAnnotationVersion) + ")");
+    throw FormatError(path.string(), "version",
+                      std::to_string(version) + " is newer than this program reads (" +
+                          std::to_string(kAnnotationVersion) + ")");
   }
   Annotation a;
   const Json& ground = member_of(whole, j, "ground");
@@ -104,7 +106,8 @@ Annotation read_annotation(const fs::path& path) {
   const Json& objects = member_of(whole, j, "objects");
   if (!objects.is_array()) throw FormatError(path.string(), "objects", "expected a list [ … ]");
   for (size_t k = 0; k < objects.size(); ++k) {
-    a.objects.push_back(object_of({path.string(), "objects[" + std::to_string(k) + "]"}, objects[k]));
+    a.objects.push_back(
+        object_of({path.string(), "objects[" + std::to_string(k) + "]"}, objects[k]));
   }
   if (j.contains("provenance")) a.provenance = j["provenance"].dump();
   return a;

@@ -26,9 +26,9 @@ struct ComposeOptions {
 struct Composition {
   elements::Scene scene;
   elements::SceneInfo info;
-  size_t objects = 0;     ///< Annotated objects, patches counted by their cells.
-  size_t placed = 0;      ///< Instances but the ground.
-  size_t off_ground = 0;  ///< Left out: they stand off the ground mesh.
+  size_t objects = 0;                      ///< Annotated objects, patches counted by their cells.
+  size_t placed = 0;                       ///< Instances but the ground.
+  size_t off_ground = 0;                   ///< Left out: they stand off the ground mesh.
   std::map<std::string, size_t> left_out;  ///< By class: the set has no primitive of its kind.
   std::map<std::string, size_t> borrowed;  ///< By "CLASS": placed with primitives of another size.
   double mean_box_distance_m = 0;          ///< Between the boxes asked for and those placed.
@@ -39,9 +39,9 @@ using ComposeProgress = std::function<void(size_t, size_t)>;
 
 /// For each (class, pose, box) the primitive of that class with the nearest box ‖extents −
 /// extents'‖ ([tallavajhula18] §IV) as an instance, its foot on the ground. Where the set has no
-/// primitive of the class, one of the same kind (shrub, tree, patch) is taken. A patch larger than a
-/// cell is filled cell by cell. Instance 0 and model 0 are the ground. Throws `FormatError` where a
-/// primitive cannot be read, `std::invalid_argument` for a density that is negative or above 100.
+/// primitive of the class, one of the same kind (shrub, tree, patch) is taken. A patch larger than
+/// a cell is filled cell by cell. Instance 0 and model 0 are the ground. Throws `FormatError` where
+/// a primitive cannot be read, `std::invalid_argument` for a density that is negative or above 100.
 Composition compose(const Annotation& annotation, const elements::Model& ground,
                     const PrimitiveSet& set, const ComposeOptions& options,
                     const ComposeProgress& progress = {});

@@ -56,9 +56,10 @@ std::string contact_sheet(std::span<const PrimitiveEntry> entries,
   std::map<elements::Class, std::vector<size_t>> by_class;
   for (size_t k = 0; k < entries.size(); ++k) by_class[entries[k].label].push_back(k);
   std::string page = kHead;
-  page += text("<h1>Primitives</h1>\n<p>%zu primitives of %zu classes. Each picture shows one from "
-               "the side, the brown line is the ground; length × width × height of its box.</p>\n",
-               entries.size(), by_class.size());
+  page += text(
+      "<h1>Primitives</h1>\n<p>%zu primitives of %zu classes. Each picture shows one from "
+      "the side, the brown line is the ground; length × width × height of its box.</p>\n",
+      entries.size(), by_class.size());
   for (const auto& [label, members] : by_class) {
     const std::string name(elements::name(label));
     page += text("<h2>%s <small>%zu, pictures %.3g m high</small></h2>\n<div class=\"sheet\">\n",
@@ -66,10 +67,12 @@ std::string contact_sheet(std::span<const PrimitiveEntry> entries,
     for (const size_t k : members) {
       const PrimitiveEntry& e = entries[k];
       const Vec3 s = e.box.size();
-      page += "<figure><img loading=\"lazy\" alt=\"" + e.name + " from the side\" src=\"data:image/png;base64," +
-              base64(pictures[k]) + "\">";
-      page += text("<figcaption>%s<br>%.1f × %.1f × %.1f m<br>%zu elements, %zu points</figcaption></figure>\n",
-                   e.name.c_str(), s.x(), s.y(), s.z(), e.elements, e.points);
+      page += "<figure><img loading=\"lazy\" alt=\"" + e.name +
+              " from the side\" src=\"data:image/png;base64," + base64(pictures[k]) + "\">";
+      page += text(
+          "<figcaption>%s<br>%.1f × %.1f × %.1f m<br>%zu elements, %zu "
+          "points</figcaption></figure>\n",
+          e.name.c_str(), s.x(), s.y(), s.z(), e.elements, e.points);
     }
     page += "</div>\n";
   }

@@ -27,13 +27,14 @@ class OwnerMap {
     }
     std::map<uint32_t, int> seen;
     for (int k = 0; k < 27; ++k) {
-      const auto found = votes_.find(key({c[0] + k % 3 - 1, c[1] + k / 3 % 3 - 1, c[2] + k / 9 - 1}));
+      const auto found =
+          votes_.find(key({c[0] + k % 3 - 1, c[1] + k / 3 % 3 - 1, c[2] + k / 9 - 1}));
       if (found != votes_.end()) ++seen[found->second.instance];
     }
     if (seen.empty()) return std::nullopt;
-    return std::max_element(seen.begin(), seen.end(), [](const auto& a, const auto& b) {
-             return a.second < b.second;
-           })->first;
+    return std::max_element(seen.begin(), seen.end(),
+                            [](const auto& a, const auto& b) { return a.second < b.second; })
+        ->first;
   }
 
  private:
@@ -50,7 +51,8 @@ class OwnerMap {
   }
   static uint64_t key(const Cell& c) {
     constexpr uint64_t kMask = (1u << 21) - 1;
-    return (uint64_t(c[0]) & kMask) << 42 | (uint64_t(c[1]) & kMask) << 21 | (uint64_t(c[2]) & kMask);
+    return (uint64_t(c[0]) & kMask) << 42 | (uint64_t(c[1]) & kMask) << 21 |
+           (uint64_t(c[2]) & kMask);
   }
   std::unordered_map<uint64_t, Vote> votes_;
 };

@@ -33,8 +33,8 @@ struct ExtractOptions {
 /// The primitives, and what was left out.
 struct ExtractResult {
   std::vector<Primitive> primitives;
-  MeasuredObjects measured;  ///< `objects` in the order of the log.
-  size_t empty = 0;          ///< Objects that hold no element.
+  MeasuredObjects measured;        ///< `objects` in the order of the log.
+  size_t empty = 0;                ///< Objects that hold no element.
   size_t elements = 0, taken = 0;  ///< Elements of the model but its ground; those in a primitive.
 };
 

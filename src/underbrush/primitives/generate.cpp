@@ -96,8 +96,8 @@ class Generator {
       if (!z || !spacing.free(x, y, apart)) continue;
       spacing.add(x, y, apart);
       PlacedObject object;
-      object.label = trees ? tree_class(SizeRules{}, height)
-                           : shrub_class(SizeRules{}, height, false);
+      object.label =
+          trees ? tree_class(SizeRules{}, height) : shrub_class(SizeRules{}, height, false);
       object.position = Vec3(x, y, *z);
       object.yaw_rad = yaw;
       object.box = box_of(width, slender * width, height);

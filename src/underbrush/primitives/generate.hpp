@@ -15,7 +15,7 @@ struct GenerateOptions {
   std::string kind = "forest";  ///< Or "savanna", "meadow": `site_kinds()`.
   double density = 0;           ///< Of the kind's main plants, per m²; 0 = the kind's own.
   uint64_t seed = 1;
-  double margin_m = 0;    ///< Nothing stands nearer than this to the ground's border.
+  double margin_m = 0;      ///< Nothing stands nearer than this to the ground's border.
   double patch_cell_m = 2;  ///< Side of the cells of patches.
 };
 
@@ -31,8 +31,8 @@ struct GenerateOptions {
 std::vector<std::string> site_kinds();
 
 /// Objects over the ground: trees and shrubs as Poisson points that keep apart by their crowns (a
-/// tenth of the crowns' radii may overlap in a forest), patches where a smooth random field is high.
-/// Boxes follow height-to-crown relations of the kind. The same for the same seed. Throws
+/// tenth of the crowns' radii may overlap in a forest), patches where a smooth random field is
+/// high. Boxes follow height-to-crown relations of the kind. The same for the same seed. Throws
 /// `std::invalid_argument` for an unknown kind, or a density that is negative or above 10.
 std::vector<PlacedObject> generate_objects(const GroundSurface& ground,
                                            const GenerateOptions& options);

@@ -11,6 +11,7 @@
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/elements/label_sets.hpp"
 #include "underbrush/io/file.hpp"
+#include "underbrush/io/log_file.hpp"
 #include "underbrush/io/table.hpp"
 
 namespace underbrush::primitives {
@@ -125,9 +126,8 @@ struct Cloud {
 
 // Row of each hit by place, SIZE_MAX where none is near.
 std::vector<size_t> rows_by_place(const Rows& rows, const Hits& hits, double tolerance_m) {
-  using Tree =
-      nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Cloud>, Cloud,
-                                                   3, size_t>;
+  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Cloud>,
+                                                   Cloud, 3, size_t>;
   std::vector<size_t> row(hits.point.size(), SIZE_MAX);
   if (rows.point.empty()) return row;
   const Cloud cloud{rows.point};
@@ -141,6 +141,16 @@ std::vector<size_t> rows_by_place(const Rows& rows, const Hits& hits, double tol
     }
   });
   return row;
+}
+
+// What a log of ours says of its column `class`; empty of any other file.
+std::string set_of_log(const fs::path& file) {
+  if (file.extension() != ".ply") return {};
+  try {
+    return io::LogReader(file).info().classes;
+  } catch (const FormatError&) {
+    return {};
+  }
 }
 
 void check_set(const fs::path& file, const GivenLabels& given) {
@@ -165,10 +175,10 @@ GivenLabels read_given_labels(const fs::path& file, BeamSource& log, const Given
   Rows rows = words ? read_label_file(file) : read_point_file(file);
   const Hits hits = hits_of(log);
   GivenLabels given;
-  given.set = !o.set.empty()                  ? o.set
-              : words                         ? "semantickitti"
-              : !log.info().classes.empty() ? log.info().classes
-                                              : "underbrush";
+  given.set = o.set;
+  if (given.set.empty()) given.set = words ? "semantickitti" : set_of_log(file);
+  if (given.set.empty()) given.set = log.info().classes;
+  if (given.set.empty()) given.set = "underbrush";
   given.not_numbers = rows.not_numbers;
   std::vector<size_t> row;
   if (auto ordered = rows_by_order(rows, hits, o.tolerance_m)) {

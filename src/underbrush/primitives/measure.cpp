@@ -141,8 +141,8 @@ MeasuredObjects measure_objects(BeamSource& labelled, const GroundSurface& groun
       continue;
     }
     const bool cell = key.i != INT32_MIN;
-    PlacedObject object = cell ? measure_cell(cloud, key, o.cell_m, o.quantile)
-                               : measure_one(cloud, o.quantile);
+    PlacedObject object =
+        cell ? measure_cell(cloud, key, o.cell_m, o.quantile) : measure_one(cloud, o.quantile);
     // Most of the points that are of its kind decide.
     size_t most = 0;
     for (const auto& [c, n] : votes[key.instance]) {

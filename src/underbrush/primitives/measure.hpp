@@ -13,9 +13,9 @@ namespace underbrush::primitives {
 
 /// Options of `measure_objects`.
 struct MeasureOptions {
-  double quantile = 0;  ///< The box holds the points from this quantile to 1 − it, in each axis
-                        ///< (0.05 in the code of [tallavajhula18]'s authors); 0 holds all.
-  double cell_m = 2;    ///< Patches are cut into cells of this side, along the axes of the world.
+  double quantile = 0;    ///< The box holds the points from this quantile to 1 − it, in each axis
+                          ///< (0.05 in the code of [tallavajhula18]'s authors); 0 holds all.
+  double cell_m = 2;      ///< Patches are cut into cells of this side, along the axes of the world.
   size_t min_points = 5;  ///< Objects and cells with fewer points are left out.
 };
 
@@ -31,9 +31,10 @@ struct MeasuredObjects {
 using MeasureProgress = std::function<void(size_t, size_t)>;
 
 /// Measures the objects of a log that has the columns `class` (ours) and `instance`. An object has
-/// the class of most of its points. The box of a cell is the cell's square, up to its highest point.
-/// Reads the log once; memory grows with the number of objects. Throws `std::invalid_argument` for a
-/// log without these columns, a quantile outside [0, 0.5) or a cell that is not positive.
+/// the class of most of its points. The box of a cell is the cell's square, up to its highest
+/// point. Reads the log once; memory grows with the number of objects. Throws
+/// `std::invalid_argument` for a log without these columns, a quantile outside [0, 0.5) or a cell
+/// that is not positive.
 MeasuredObjects measure_objects(BeamSource& labelled, const GroundSurface& ground,
                                 const MeasureOptions& options,
                                 const MeasureProgress& progress = {});

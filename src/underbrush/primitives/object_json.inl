@@ -38,17 +38,20 @@ inline double number_of_json(const JsonPlace& place, const Json& j) {
 }
 
 inline Vec3 vector_of_json(const JsonPlace& place, const Json& j) {
-  if (!j.is_array() || j.size() != 3) place.fail("expected three numbers, found " + j.dump().substr(0, 40));
+  if (!j.is_array() || j.size() != 3)
+    place.fail("expected three numbers, found " + j.dump().substr(0, 40));
   Vec3 v;
   for (size_t d = 0; d < 3; ++d) {
-    v[Eigen::Index(d)] = number_of_json({place.file, place.place + "[" + std::to_string(d) + "]"}, j[d]);
+    v[Eigen::Index(d)] =
+        number_of_json({place.file, place.place + "[" + std::to_string(d) + "]"}, j[d]);
   }
   return v;
 }
 
 inline elements::Class class_of_json(const JsonPlace& place, const Json& j) {
   const Json& name = member_of(place, j, "class");
-  if (!name.is_string()) place.at("class").fail("expected a name, found " + name.dump().substr(0, 40));
+  if (!name.is_string())
+    place.at("class").fail("expected a name, found " + name.dump().substr(0, 40));
   const auto text = name.get<std::string>();
   const auto label = elements::class_from_name(text);
   if (label && elements::kind_of(*label) != elements::ClassKind::kOther) return *label;

@@ -13,8 +13,8 @@
 namespace underbrush::primitives {
 namespace {
 
-constexpr double kBaseM = 0.2;   // side of the columns that points are gathered in
-constexpr double kLayerM = 0.2;  // height of a bin
+constexpr double kBaseM = 0.2;    // side of the columns that points are gathered in
+constexpr double kLayerM = 0.2;   // height of a bin
 constexpr double kSparseM = 0.5;  // columns wider than this hold a scan from far above
 constexpr uint32_t kNone = UINT32_MAX;
 
@@ -74,7 +74,6 @@ struct ObjectFinder::State {
   std::vector<Run> runs;
   int32_t first_row = 0;
   std::vector<uint32_t> row_begin;
-  std::vector<uint8_t> tree;     // whether each run is part of a tree
   std::vector<uint32_t> object;  // of each run
   std::vector<FoundObject> objects;
 
@@ -111,14 +110,13 @@ struct ObjectFinder::State {
   double distance_m(const Run& a, const Run& b) const {
     return cell_m * std::hypot(double(a.x) - b.x, double(a.y) - b.y);
   }
-  /// Tall enough to be part of a tree's crown.
+  /// Tall enough to be part of a crown.
   bool is_high(const Run& r) const { return double(r.top_m) >= 0.7 * o.sizes.tree_m; }
 
   void choose_cell();
   void make_runs();
   void smooth();
   void flood(Groups& groups) const;
-  void part_trees(Groups& groups);
   void join_low(Groups& groups) const;
   void adopt(Groups& groups, bool trees) const;
   void hem(Groups& groups) const;
@@ -218,30 +216,20 @@ void ObjectFinder::State::flood(Groups& groups) const {
       const double h = double(runs[low].top_m), apart = distance_m(runs[low], runs[high]);
       const double dip = double(runs[low].smooth_m - runs[i].smooth_m);
       if (apart < o.spacing_a_m + o.spacing_b * h ||
-          (dip < shallow * (o.prominence_a_m + o.prominence_b * h) && apart < o.radius_a_m + o.radius_b * h)) {
+          (dip < shallow * (o.prominence_a_m + o.prominence_b * h) &&
+           apart < o.radius_a_m + o.radius_b * h)) {
         groups.parent[low] = high;
       }
     }
   }
 }
 
-// A crown whose peak is lower than a tree is none.
-void ObjectFinder::State::part_trees(Groups& groups) {
-  tree.assign(runs.size(), 0);
-  for (uint32_t i = 0; i < runs.size(); ++i) {
-    tree[i] = is_high(runs[i]) && double(runs[groups.find(i)].top_m) >= o.sizes.tree_m;
-  }
-  for (uint32_t i = 0; i < runs.size(); ++i) {
-    if (!tree[i]) groups.parent[i] = i;
-  }
-}
-
-// What is no tree becomes connected groups.
+// What is lower becomes connected groups.
 void ObjectFinder::State::join_low(Groups& groups) const {
   for (uint32_t i = 0; i < runs.size(); ++i) {
-    if (tree[i]) continue;
+    if (is_high(runs[i])) continue;
     for_each_neighbour(i, [&](uint32_t j) {
-      if (tree[j]) return;
+      if (is_high(runs[j])) return;
       const uint32_t a = groups.find(i), b = groups.find(j);
       if (a != b) groups.parent[std::max(a, b)] = std::min(a, b);
     });
@@ -260,7 +248,7 @@ void ObjectFinder::State::adopt(Groups& groups, bool trees) const {
   std::map<uint32_t, Extent> extents;
   for (uint32_t i = 0; i < runs.size(); ++i) {
     const Run& r = runs[i];
-    if (bool(tree[i]) != trees) continue;
+    if (is_high(runs[i]) != trees) continue;
     const uint32_t group = groups.find(i);
     Extent& e = extents[group];
     e.x0 = std::min(e.x0, r.x), e.x1 = std::max(e.x1, r.x);
@@ -271,7 +259,7 @@ void ObjectFinder::State::adopt(Groups& groups, bool trees) const {
       for (int32_t dx = -reach; dx <= reach; ++dx) {
         for (const Run& other : column(r.x + dx, r.y + dy)) {
           const auto j = uint32_t(&other - runs.data());
-          if (!tree[j] || groups.find(j) == group) continue;
+          if (!is_high(runs[j]) || groups.find(j) == group) continue;
           ++e.crowns[groups.find(j)];
           covered = true;
         }
@@ -291,13 +279,13 @@ void ObjectFinder::State::adopt(Groups& groups, bool trees) const {
   }
 }
 
-// A low group of which nine tenths touch one crown that reaches down to it, within the width of a foot,
-// is the hem of that crown.
+// A low group of which nine tenths touch one crown that reaches down to it, within the width of a
+// foot, is the hem of that crown.
 void ObjectFinder::State::hem(Groups& groups) const {
   const auto steps = int(std::max(1.0, std::round(o.trunk_m / cell_m)));
   std::vector<uint32_t> crown(runs.size(), kNone), front, next;
   for (uint32_t i = 0; i < runs.size(); ++i) {
-    if (!tree[i]) continue;
+    if (!is_high(runs[i])) continue;
     crown[i] = groups.find(i);
     front.push_back(i);
   }
@@ -306,7 +294,7 @@ void ObjectFinder::State::hem(Groups& groups) const {
     for (const uint32_t i : front) {
       for_each_neighbour(i, [&](uint32_t j) {
         const bool touches = runs[j].low <= runs[i].high + 1 && runs[i].low <= runs[j].high + 1;
-        if (tree[j] || crown[j] != kNone || !touches) return;
+        if (is_high(runs[j]) || crown[j] != kNone || !touches) return;
         crown[j] = crown[i];
         next.push_back(j);
       });
@@ -315,7 +303,7 @@ void ObjectFinder::State::hem(Groups& groups) const {
   std::map<uint32_t, std::map<uint32_t, uint32_t>> claims;  // columns by group and crown
   for (uint32_t i = 0; i < runs.size(); ++i) {
     const uint32_t group = groups.find(i);
-    if (!tree[group]) ++claims[group][crown[i]];  // a foot is its tree's already
+    if (!is_high(runs[group])) ++claims[group][crown[i]];  // a foot is its tree's already
   }
   for (const auto& [group, by_crown] : claims) {
     uint32_t all = 0;
@@ -350,7 +338,7 @@ void ObjectFinder::State::number(Groups& groups) {
     found.points = s.points;
     found.side_m = cell_m * (std::max(s.x1 - s.x0, s.y1 - s.y0) + 1);
     found.height_m = double(s.tops.back());
-    if (found.height_m >= o.sizes.tree_m) {
+    if (is_high(runs[group]) && found.height_m >= o.sizes.tree_m) {
       found.label = tree_class(o.sizes, found.height_m);
     } else {
       const bool patch = found.side_m >= o.sizes.patch_m;
@@ -366,8 +354,8 @@ void ObjectFinder::State::number(Groups& groups) {
 
 ObjectFinder::ObjectFinder(const ObjectOptions& o) : state_(std::make_unique<State>()) {
   require(o.cell_m >= 0 && o.gap_m >= 0 && o.spacing_a_m >= 0 && o.spacing_b >= 0 &&
-              o.prominence_a_m >= 0 && o.prominence_b >= 0 && o.radius_a_m > 0 &&
-              o.radius_b >= 0 && o.trunk_m >= 0,
+              o.prominence_a_m >= 0 && o.prominence_b >= 0 && o.radius_a_m > 0 && o.radius_b >= 0 &&
+              o.trunk_m >= 0,
           "objects: lengths must be positive");
   const SizeRules& s = o.sizes;
   require(s.tree_m > 0 && s.small_shrub_m <= s.medium_shrub_m &&
@@ -400,7 +388,6 @@ void ObjectFinder::find() {
   state_->smooth();
   Groups groups(state_->runs.size());
   state_->flood(groups);
-  state_->part_trees(groups);
   state_->adopt(groups, true);
   state_->join_low(groups);
   state_->adopt(groups, false);

@@ -13,15 +13,15 @@ namespace underbrush::primitives {
 
 /// Parameters of `ObjectFinder`. Lengths that grow with a crown are given as a + b · height.
 struct ObjectOptions {
-  double cell_m = 0;        ///< Side of a column; 0 = by the points' density, 0.4 to 1 m.
+  double cell_m = 0;  ///< Side of a column; 0 = by the points' density, 0.4 to 1 m.
   /// Empty height that parts what stands in one column; 0 = by the columns' side: 1 m, or 12 m
   /// where they are wider than 0.5 m (a scan from above, which shows little below the tops).
   double gap_m = 0;
-  double spacing_a_m = 1.2;   ///< Peaks nearer together than a + b · height are one crown ...
+  double spacing_a_m = 1.2;  ///< Peaks nearer together than a + b · height are one crown ...
   double spacing_b = 0.06;
   double prominence_a_m = 0.3;  ///< ... and so are those parted by a dip less deep than this
   double prominence_b = 0.04;   ///< (half of it where columns are wider than 0.5 m), ...
-  double radius_a_m = 1.5;  ///< ... unless a crown would reach farther than this from its peak.
+  double radius_a_m = 1.5;      ///< ... unless a crown would reach farther than this from its peak.
   double radius_b = 0.3;
   double trunk_m = 1;      ///< Width up to which what stands under a crown is its foot.
   size_t min_points = 10;  ///< Fewer are no object.
@@ -46,8 +46,8 @@ struct FoundObject {
 /// little above the saddle or stands too near (a watershed with merging by persistence). Narrow
 /// groups that stand in a crown's columns join it: trunks parted from their crowns by the scan's
 /// shadows, tips. What is lower than a tree becomes connected groups: a narrow one under a crown is
-/// the tree's foot, one that hems a crown reaching to the ground is part of it, any other is a shrub
-/// or, if it extends, a patch.
+/// the tree's foot, one that hems a crown reaching to the ground is part of it, any other is a
+/// shrub or, if it extends, a patch.
 class ObjectFinder {
  public:
   /// Throws `std::invalid_argument` for lengths that are not positive.

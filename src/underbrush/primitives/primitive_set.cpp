@@ -11,8 +11,8 @@
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/atomic_file.hpp"
-#include "underbrush/primitives/object_json.inl"
 #include "underbrush/primitives/contact_sheet.hpp"
+#include "underbrush/primitives/object_json.inl"
 #include "underbrush/primitives/thumbnail.hpp"
 
 namespace underbrush::primitives {

@@ -1,6 +1,6 @@
 /// \file
-/// A set of primitives on disk, which a person can browse: one folder a class, in it one a primitive.
-/// Layout: docs/formats.md.
+/// A set of primitives on disk, which a person can browse: one folder a class, in it one a
+/// primitive. Layout: docs/formats.md.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -31,7 +31,8 @@ struct PrimitiveSet {
 
 /// Writes the folder `path`, atomically; a set that stood there is replaced: primitives.json,
 /// index.html (a contact sheet that loads nothing else), CLASS/NUMBER/ as a model folder with
-/// primitive.json and thumbnail.png. Throws `IoError`, also if a folder that is no set stands there.
+/// primitive.json and thumbnail.png. Throws `IoError`, also if a folder that is no set stands
+/// there.
 void write_primitives(const std::filesystem::path& path, const std::vector<Primitive>& primitives,
                       double cell_m, const std::string& provenance);
 

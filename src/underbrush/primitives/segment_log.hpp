@@ -21,6 +21,7 @@ struct SegmentLogOptions {
   double tile_m = 32;  ///< Of the ground segmentation.
   ground::HeightGridOptions height;
   ObjectOptions objects;
+  double min_range_m = 0;  ///< Nearer hits are nothing: the vehicle that carries the sensor.
 };
 
 /// One entry a hit, in the log's order.
@@ -30,7 +31,8 @@ struct LogLabels {
   std::vector<FoundObject> objects;
   ground::HeightMap height;  ///< The ground's surface.
   double cell_m = 0;         ///< Of `ObjectFinder`.
-  size_t off_ground = 0;     ///< Hits where no ground is near: in no object.
+  size_t near = 0;           ///< Hits nearer than `min_range_m`.
+  size_t off_ground = 0;     ///< Hits with no ground within 30 m: in no object.
 };
 
 /// Called as the work goes on: stage, done, total.

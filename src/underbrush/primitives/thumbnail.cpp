@@ -107,7 +107,8 @@ io::Image thumbnail(const Primitive& primitive, int pixels, double metres) {
   for (size_t k = 0; k < m.ellipsoids.size(); ++k) {
     items.push_back({m.ellipsoids[k].mean.y(), m.surface.size() + k});
   }
-  std::stable_sort(items.begin(), items.end(), [](const Item& a, const Item& b) { return a.y > b.y; });
+  std::stable_sort(items.begin(), items.end(),
+                   [](const Item& a, const Item& b) { return a.y > b.y; });
   const double top = primitive.box.max.z();
   const double near = primitive.box.min.y(), far = std::max(primitive.box.max.y(), near + 0.1);
   for (const auto& [y, k] : items) {

@@ -28,8 +28,7 @@ Vec3 drawn_in_volume(const trace::World& world, const Met& met, uint64_t key) {
     n[k] = normal(mix64(key + k), met.element, Purpose::kRange);
   }
   const Mat3 root = Eigen::LLT<Mat3>(e.covariance_matrix()).matrixL();
-  return placed.world_from_model *
-         Vec3(double(placed.scale) * (e.mean.cast<double>() + root * n));
+  return placed.world_from_model * Vec3(double(placed.scale) * (e.mean.cast<double>() + root * n));
 }
 
 uint16_t class_of(const elements::Model& model, uint32_t element) {
