@@ -51,6 +51,19 @@ TEST(Annotation, ComesBack) {
             std::string(std::istreambuf_iterator<char>(second), {}));
 }
 
+// The published schema and the program know the same classes.
+TEST(Annotation, SchemaListsTheClasses) {
+  std::string schema = io::bytes_of(UNDERBRUSH_TEST_SCHEMAS "/annotation.json");
+  const size_t begin = schema.find("\"enum\"");
+  ASSERT_NE(begin, std::string::npos);
+  schema = schema.substr(begin, schema.find(']', begin) - begin);
+  for (const std::string_view name : elements::kClassNames) {
+    const bool object =
+        elements::kind_of(*elements::class_from_name(name)) != elements::ClassKind::kOther;
+    EXPECT_EQ(schema.find('"' + std::string(name) + '"') != std::string::npos, object) << name;
+  }
+}
+
 constexpr const char* kHead = R"({"format": "underbrush-annotation", "version": 1, "ground": "g",)";
 
 TEST(Annotation, ByHandNeedsLittle) {
