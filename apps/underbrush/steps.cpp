@@ -67,10 +67,9 @@ FitStep fit_log(const Verb& verb, const fs::path& log, const fit::FitOptions& op
   return step;
 }
 
-SimulateStep simulate_log(const Verb& verb, const elements::Model& model, BeamSource& beams,
+SimulateStep simulate_log(const Verb& verb, const trace::World& world, BeamSource& beams,
                           const simulate::Options& options, const fs::path& output,
                           const std::vector<fs::path>& inputs) {
-  const trace::World world(model);
   simulate::SimulatedSource simulated(world, beams, options);
   Watched watched(simulated, "simulate");
   watched.rewind();
