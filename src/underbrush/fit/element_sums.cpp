@@ -65,6 +65,7 @@ void ElementSums::add(const Ray& ray, std::span<const trace::Met> met, double ra
     }
     triangles_[m.element][0].add(hit);
     triangles_[m.element][1].add(pass);
+    triangles_[m.element][2].add((hit + pass) * m.t_m);
     if (hit < kNegligible) continue;
     const bool ground = model_->kind(m.element) == elements::Kind::kGround;
     const double own = (ground ? model_->ground : model_->surface).range_sigma_m;
@@ -115,7 +116,9 @@ void ElementSums::add_ellipsoid(const Ray& ray, const trace::Met& met, double ra
 }
 
 TriangleSums ElementSums::triangle(size_t element) const {
-  return {triangles_[element][0].value(), triangles_[element][1].value()};
+  const auto& [hits, passes, ranges] = triangles_[element];
+  const double all = hits.value() + passes.value();
+  return {hits.value(), passes.value(), all > 0 ? ranges.value() / all : 0};
 }
 
 EllipsoidSums ElementSums::ellipsoid(size_t index) const {

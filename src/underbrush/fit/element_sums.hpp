@@ -41,6 +41,7 @@ struct EllipsoidSums {
 /// Of one triangle.
 struct TriangleSums {
   double hits = 0, passes = 0;
+  double range_m = 0;  ///< Mean range of both.
 };
 
 /// Of the range noise of a mesh: derivatives by the logarithms of range_sigma_m and roughness_m.
@@ -76,7 +77,7 @@ class ElementSums {
 
   const elements::Model* model_ = nullptr;
   std::vector<Frame> frames_;
-  std::vector<std::array<FixedSum, 2>> triangles_;
+  std::vector<std::array<FixedSum, 3>> triangles_;  // hits, passes, ranges
   std::vector<std::array<FixedSum, kFields>> ellipsoids_;
   std::array<std::array<FixedSum, 4>, 2> noise_;
 };

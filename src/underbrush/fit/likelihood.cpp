@@ -86,7 +86,7 @@ Refined refine(const elements::Model& start, BeamSource& source, const Likelihoo
   Climb climb(start, source, options, progress);
   const MaximisationOptions& m = options.maximisation;
   climb.attempt("density", with_densities(climb.model(), options.range_noise_m), 2);
-  double stride = 1;
+  double stride = 0.5;
   for (int round = 0; round < options.rounds; ++round) {
     if (round % 3 == 2 &&
         climb.attempt("rearrange",
