@@ -18,8 +18,7 @@ void share_out(std::span<const trace::Met> met, double range_m, const Unexplaine
     if (is_hit && m.sigma_m > 0) {
       const double x = (range_m - m.t_m) / m.sigma_m;
       if (std::abs(x) < 12) {
-        out.hit[k] =
-            through * m.p * std::exp(-0.5 * x * x) / (std::sqrt(2 * M_PI) * m.sigma_m);
+        out.hit[k] = through * m.p * std::exp(-0.5 * x * x) / (std::sqrt(2 * M_PI) * m.sigma_m);
         density += out.hit[k];
       }
     }

@@ -16,9 +16,15 @@ constexpr double kNegligible = 1e-7;  // a share of a beam that says nothing
 constexpr int kRow[6] = {0, 0, 0, 1, 1, 2}, kColumn[6] = {0, 1, 2, 1, 2, 2};
 
 enum Field : size_t {
-  kHits, kPasses, kLoss, kDensitySlope, kDensityCurvature,
-  kShiftSlope, kShiftCurvature = kShiftSlope + 3,
-  kStretchSlope = kShiftCurvature + 6, kStretchCurvature = kStretchSlope + 6,
+  kHits,
+  kPasses,
+  kLoss,
+  kDensitySlope,
+  kDensityCurvature,
+  kShiftSlope,
+  kShiftCurvature = kShiftSlope + 3,
+  kStretchSlope = kShiftCurvature + 6,
+  kStretchCurvature = kStretchSlope + 6,
   kAlong = kStretchCurvature + 6
 };
 
@@ -65,7 +71,6 @@ void ElementSums::add(const Ray& ray, std::span<const trace::Met> met, double ra
     }
     triangles_[m.element][0].add(hit);
     triangles_[m.element][1].add(pass);
-    triangles_[m.element][2].add((hit + pass) * m.t_m);
     if (hit < kNegligible) continue;
     const bool ground = model_->kind(m.element) == elements::Kind::kGround;
     const double own = (ground ? model_->ground : model_->surface).range_sigma_m;
@@ -109,16 +114,13 @@ void ElementSums::add_ellipsoid(const Ray& ray, const trace::Met& met, double ra
     const double nn = n[i] * n[j], cc = c[i] * c[j], nc = n[i] * c[j] + c[i] * n[j];
     sums[kShiftCurvature + k].add(weight * cc + hit * nn);
     sums[kStretchSlope + k].add(slope * (nn + cc) + hit * ((x * x - 1) * nn + x * nc));
-    sums[kStretchCurvature + k].add(weight * (nn + cc) * (nn + cc) +
-                                    hit * (nc * nc + 2 * nn * nn));
+    sums[kStretchCurvature + k].add(weight * (nn + cc) * (nn + cc) + hit * (nc * nc + 2 * nn * nn));
     sums[kAlong + k].add(hit * x * x * nn);
   }
 }
 
 TriangleSums ElementSums::triangle(size_t element) const {
-  const auto& [hits, passes, ranges] = triangles_[element];
-  const double all = hits.value() + passes.value();
-  return {hits.value(), passes.value(), all > 0 ? ranges.value() / all : 0};
+  return {triangles_[element][0].value(), triangles_[element][1].value()};
 }
 
 EllipsoidSums ElementSums::ellipsoid(size_t index) const {

@@ -35,13 +35,12 @@ struct EllipsoidSums {
   Mat3 shift_curvature = Mat3::Zero();
   Mat3 stretch_slope = Mat3::Zero();
   Mat3 stretch_curvature = Mat3::Zero();  ///< Of each entry of E by itself.
-  Mat3 along = Mat3::Zero();              ///< Σ r x² n nᵀ: misfit x = (z − t)/σ along the beams n.
+  Mat3 along = Mat3::Zero();  ///< Σ r x² n nᵀ: misfit x = (z − t)/σ along the beams n.
 };
 
 /// Of one triangle.
 struct TriangleSums {
   double hits = 0, passes = 0;
-  double range_m = 0;  ///< Mean range of both.
 };
 
 /// Of the range noise of a mesh: derivatives by the logarithms of range_sigma_m and roughness_m.
@@ -72,12 +71,12 @@ class ElementSums {
     Vec3 mean;
     Mat3 whiten;  // L⁻¹
   };
-  void add_ellipsoid(const Ray& ray, const trace::Met& met, double range_m, double hit,
-                     double pass, double loss);
+  void add_ellipsoid(const Ray& ray, const trace::Met& met, double range_m, double hit, double pass,
+                     double loss);
 
   const elements::Model* model_ = nullptr;
   std::vector<Frame> frames_;
-  std::vector<std::array<FixedSum, 3>> triangles_;  // hits, passes, ranges
+  std::vector<std::array<FixedSum, 2>> triangles_;
   std::vector<std::array<FixedSum, kFields>> ellipsoids_;
   std::array<std::array<FixedSum, 4>, 2> noise_;
 };

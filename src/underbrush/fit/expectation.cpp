@@ -10,8 +10,16 @@
 namespace underbrush::fit {
 namespace {
 
-/// Beyond its range a beam still meets elements whose Gaussian reaches back to the return.
-constexpr double kBeyondM = 1;
+/// Beyond its range a beam still meets elements whose Gaussian reaches back to the return: those of
+/// closest approach up to so much farther count.
+constexpr double kBeyondM = 4;
+
+/// The elements met up to `reach_m`. What the tracer gives beyond depends on how rays were batched.
+std::span<const trace::Met> up_to(std::span<const trace::Met> met, double reach_m) {
+  size_t n = met.size();
+  while (n > 0 && met[n - 1].t_m > reach_m) --n;
+  return met.first(n);
+}
 
 /// Totals over the beams; a −log f is below 20, so its fixed sum does not overflow.
 struct Totals {
@@ -36,14 +44,15 @@ void add_beams(const trace::World& world, const BeamLog& chunk, size_t begin, si
   BeamShares shares;
   for (size_t i = begin; i < end; ++i) {
     const double range = chunk.range_m[i];
+    const std::span<const trace::Met> list = up_to(met[i - begin], reach[i - begin]);
     const bool kept_back = held_out(chunk, i);
-    share_out(met[i - begin], range, Unexplained{}, max_range, shares);
+    share_out(list, range, Unexplained{}, max_range, shares);
     (kept_back ? totals.held_out : totals.training).add(-shares.log_likelihood);
     (kept_back ? totals.held_out_beams : totals.training_beams).add(1);
     if (kept_back) continue;
-    share_out(met[i - begin], range, soft, max_range, shares);
+    share_out(list, range, soft, max_range, shares);
     if (range != kMiss) totals.stray_hits.add(shares.unexplained);
-    sums.add(rays[i - begin], met[i - begin], range, shares);
+    sums.add(rays[i - begin], list, range, shares);
   }
 }
 
@@ -84,8 +93,7 @@ bool TrainingSource::next(BeamLog& chunk) {
 }
 
 Expectation expect(const elements::Model& model, BeamSource& source, const HeldOut& held_out,
-                   const Unexplained& soft,
-                   const std::function<void(size_t, size_t)>& progress) {
+                   const Unexplained& soft, const std::function<void(size_t, size_t)>& progress) {
   const trace::World world(model);
   Expectation out;
   out.sums = ElementSums(model);

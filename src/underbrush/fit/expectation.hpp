@@ -10,9 +10,9 @@
 
 namespace underbrush::fit {
 
-/// Which beams of a log are kept back: all those that point into the same 1/256 of a quarter turn in
-/// the same packet of the same scan go together, one such group in `one_in` by a hash. The order of
-/// the beams does not matter.
+/// Which beams of a log are kept back: all those that point into the same 1/256 of a quarter turn
+/// in the same packet of the same scan go together, one such group in `one_in` by a hash. The order
+/// of the beams does not matter.
 struct HeldOut {
   unsigned one_in = 20;  ///< 0: none.
   uint64_t seed = 1;
@@ -39,7 +39,7 @@ class TrainingSource : public BeamSource {
 struct Expectation {
   size_t training_beams = 0, held_out_beams = 0;
   double training_nll = 0, held_out_nll = 0;
-  ElementSums sums;      ///< Of the training beams.
+  ElementSums sums;       ///< Of the training beams.
   double stray_hits = 0;  ///< Share of the training beams that returned what no element explains.
 };
 

@@ -60,7 +60,7 @@ struct FitReport {
   size_t unclustered_points = 0;     ///< In no cluster of at least `min_points`.
   size_t free_space_ellipsoids = 0;  ///< Dropped as free space.
   size_t tiles = 0;
-  LikelihoodReport likelihood;       ///< Steps: none but those of `likelihood`.
+  LikelihoodReport likelihood;  ///< Steps: none but those of `likelihood`.
   std::vector<std::string> warnings;
 };
 

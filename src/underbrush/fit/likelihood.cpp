@@ -38,8 +38,7 @@ class Climb {
       State trial;
       trial.model = std::make_unique<elements::Model>(std::move(candidate));
       trial.seen = pass(*trial.model, name);
-      const bool better =
-          trial.seen.held_out_nll < best_.seen.held_out_nll - options_.least_gain;
+      const bool better = trial.seen.held_out_nll < best_.seen.held_out_nll - options_.least_gain;
       note(name, trial, better);
       if (better) {
         best_ = std::move(trial);
@@ -64,8 +63,8 @@ class Climb {
   }
 
   void note(const char* name, const State& s, bool accepted) {
-    report_.steps.push_back({name, s.model->size(), s.seen.training_nll, s.seen.held_out_nll,
-                             accepted});
+    report_.steps.push_back(
+        {name, s.model->size(), s.seen.training_nll, s.seen.held_out_nll, accepted});
   }
 
   BeamSource& source_;
@@ -89,8 +88,8 @@ Refined refine(const elements::Model& start, BeamSource& source, const Likelihoo
   double stride = 0.5;
   for (int round = 0; round < options.rounds; ++round) {
     if (round % 3 == 2 &&
-        climb.attempt("rearrange",
-                      rearranged(climb.model(), climb.sums(), options.rearrangement), 1)) {
+        climb.attempt("rearrange", rearranged(climb.model(), climb.sums(), options.rearrangement),
+                      1)) {
       continue;
     }
     if (climb.attempt("maximise", maximised(climb.model(), climb.sums(), m, stride), 0)) continue;

@@ -14,12 +14,13 @@ namespace underbrush::fit {
 /// Options of `refine`.
 struct LikelihoodOptions {
   HeldOut held_out;
-  int rounds = 12;            ///< Most steps that are tried after the first.
+  int rounds = 12;             ///< Most steps that are tried after the first.
   double least_gain = 0.0005;  ///< A step must lower the held-out −log f by this, nats a beam.
-  /// Weight of "its return was lost" for a beam without one, when credit is given. Near 0 every lone
-  /// miss makes what stands in its way permeable, which is the best likelihood; a simulation then
-  /// loses beams of its own at places of its own, which is the worst F1. See docs/likelihood.md.
-  double dropout = 0.25;
+  /// Weight of "its return was lost" for a beam without one, when credit is given. Near 0 every
+  /// lone miss makes what stands in its way permeable, which is the best likelihood; a simulation
+  /// then loses beams of its own at places of its own, which is the worst F1. See
+  /// docs/likelihood.md.
+  double dropout = 0.4;
   double range_noise_m = 0.02;
   MaximisationOptions maximisation;
   RearrangementOptions rearrangement;

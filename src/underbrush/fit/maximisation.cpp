@@ -25,8 +25,7 @@ double depth_m(const Mat3& covariance, double delta) {
 
 double moved_density(const elements::Ellipsoid& e, const Mat3& covariance,
                      const EllipsoidSums& sums, const MaximisationOptions& o, double stride) {
-  const double depth =
-      double(e.density_per_m) * depth_m(covariance, o.opaque_distance);
+  const double depth = double(e.density_per_m) * depth_m(covariance, o.opaque_distance);
   const double odds = depth < 1e-8 ? 1 : depth / std::expm1(depth);
   const double slope = sums.density_slope + o.opaque_hits * odds;
   const double curvature = sums.density_curvature + o.opaque_hits * (odds * depth + 0.05) + 1e-3;
@@ -54,39 +53,6 @@ void move_geometry(elements::Ellipsoid& e, const Mat3& covariance, const Ellipso
   e.set_covariance(elements::floored_covariance(moved * moved.transpose(), o.floor_m));
 }
 
-/// p of triangles by range: a Beta prior for each step of range, from soft counts.
-class DetectionCurve {
- public:
-  DetectionCurve(const ElementSums& sums, size_t triangles, double step_m) : step_m_(step_m) {
-    std::vector<std::vector<Trials>> at(kSteps);
-    for (size_t i = 0; i < triangles; ++i) {
-      const TriangleSums s = sums.triangle(i);
-      if (s.hits + s.passes < 0.5) continue;
-      at[step(s)].push_back({count(s.hits), count(s.passes)});
-    }
-    parallel_for(kSteps, 1, [&](size_t k, size_t) { priors_[k] = fit_beta_prior(some(at[k])); });
-  }
-  double p(const TriangleSums& s) const {
-    const HitPrior& prior = priors_[step(s)];
-    return (s.hits + prior.a) / (s.hits + s.passes + prior.a + prior.b);
-  }
-
- private:
-  static constexpr size_t kSteps = 64, kEnough = 1000;
-  size_t step(const TriangleSums& s) const {
-    return size_t(std::clamp(s.range_m / step_m_, 0.0, double(kSteps - 1)));
-  }
-  static std::vector<Trials> some(const std::vector<Trials>& all) {
-    if (all.size() <= kEnough) return all;
-    std::vector<Trials> out;
-    for (size_t k = 0; k < kEnough; ++k) out.push_back(all[k * all.size() / kEnough]);
-    return out;
-  }
-
-  double step_m_;
-  std::array<HitPrior, kSteps> priors_;
-};
-
 elements::HitCount counted(double p, double hits, double passes) {
   return {float(p), count(hits), count(passes)};
 }
@@ -112,9 +78,8 @@ elements::Model with_densities(const elements::Model& model, double range_noise_
   for (elements::Ellipsoid& e : out.ellipsoids) {
     if (e.density_per_m > 0) continue;
     const double p = std::clamp(double(e.hit.p), 1e-3, 0.98);
-    e.density_per_m = float(
-        std::clamp(-std::log1p(-p) / depth_m(e.covariance_matrix(), 1), kLeastDensity,
-                   kMostDensity));
+    e.density_per_m = float(std::clamp(-std::log1p(-p) / depth_m(e.covariance_matrix(), 1),
+                                       kLeastDensity, kMostDensity));
   }
   return out;
 }
@@ -123,11 +88,12 @@ elements::Model maximised(const elements::Model& model, const ElementSums& sums,
                           const MaximisationOptions& options, double stride) {
   elements::Model out = model;
   const size_t meshes = model.size() - model.ellipsoids.size();
-  const DetectionCurve curve(sums, meshes, options.detection_step_m);
   for (size_t i = 0; i < meshes; ++i) {
     const TriangleSums s = sums.triangle(i);
-    const double p = model.hit(i).p;
-    out.hit(i) = counted(p + stride * (curve.p(s) - p), s.hits, s.passes);
+    const double hits = s.hits + options.triangle.a;
+    const double all = hits + s.passes + options.triangle.b;
+    const double old = model.hit(i).p, p = all > 0 ? hits / all : 1;
+    out.hit(i) = counted(old + stride * (p - old), s.hits, s.passes);
   }
   move_noise(out.ground, sums.noise(elements::Kind::kGround), stride);
   move_noise(out.surface, sums.noise(elements::Kind::kSurface), stride);

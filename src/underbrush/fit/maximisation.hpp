@@ -8,17 +8,15 @@ namespace underbrush::fit {
 
 /// Options of `maximised`: what is held to be likely before any beam is seen.
 struct MaximisationOptions {
-  double floor_m = 0.02;      ///< Least σ of an ellipsoid along any axis.
-  double prior_points = 4;    ///< Points' worth of a sphere of the ellipsoid's size in its Σ.
+  double floor_m = 0.02;    ///< Least σ of an ellipsoid along any axis.
+  double prior_points = 4;  ///< Points' worth of a sphere of the ellipsoid's size in its Σ.
   /// Hits' worth of evidence that matter is opaque to beams that pass at Mahalanobis distance
   /// `opaque_distance`.
-  double opaque_hits = 1, opaque_distance = 3;
+  double opaque_hits = 4, opaque_distance = 2;
   /// Parameters that an ellipsoid's own points were spent on: n points spread about what was fitted
   /// to them less than new ones by (n − k) / (n + k), at most to a quarter.
   double spent_points = 3;
-  /// Triangles at like distances, in steps of this (m), share a Beta prior of their p, fitted to
-  /// their soft counts: how far the sensor sees the ground is learnt for the log as a whole.
-  double detection_step_m = 5;
+  HitPrior triangle{20, 0};  ///< Hits and misses of a triangle before any beam.
 };
 
 /// The model with each ellipsoid given a density κ such that a beam through it at a usual distance

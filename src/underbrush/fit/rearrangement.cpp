@@ -58,9 +58,8 @@ std::vector<Merge> possible_merges(const std::vector<elements::Ellipsoid>& ellip
           continue;
         }
         const double both = hits[i] + hits[j];
-        const double cost =
-            evidence(hits[i], ellipsoids[i]) + evidence(hits[j], ellipsoids[j]) -
-            evidence(both, merged(ellipsoids[i], hits[i], ellipsoids[j], hits[j]));
+        const double cost = evidence(hits[i], ellipsoids[i]) + evidence(hits[j], ellipsoids[j]) -
+                            evidence(both, merged(ellipsoids[i], hits[i], ellipsoids[j], hits[j]));
         const Merge merge{cost, std::min(uint32_t(i), j), std::max(uint32_t(i), j)};
         if (merge < best[i]) best[i] = merge;
       }
@@ -81,8 +80,8 @@ elements::Ellipsoid merged(const elements::Ellipsoid& a, double hits_a,
   out.mean = a.mean + ((1 - share) * apart).cast<float>();
   out.set_covariance(share * a.covariance_matrix() + (1 - share) * b.covariance_matrix() +
                      share * (1 - share) * apart * apart.transpose());
-  const double mass = double(a.density_per_m) * root_of_volume(a) +
-                      double(b.density_per_m) * root_of_volume(b);
+  const double mass =
+      double(a.density_per_m) * root_of_volume(a) + double(b.density_per_m) * root_of_volume(b);
   out.density_per_m = float(mass / root_of_volume(out));
   out.hit.hits = a.hit.hits + b.hit.hits;
   out.hit.misses = a.hit.misses + b.hit.misses;
@@ -97,8 +96,7 @@ std::array<elements::Ellipsoid, 2> halves(const elements::Ellipsoid& e) {
   std::array<elements::Ellipsoid, 2> out{e, e};
   for (size_t k = 0; k < 2; ++k) {
     out[k].mean = e.mean + ((k ? 1 : -1) * apart).cast<float>();
-    out[k].set_covariance(e.covariance_matrix() -
-                          2 / M_PI * variance * axis * axis.transpose());
+    out[k].set_covariance(e.covariance_matrix() - 2 / M_PI * variance * axis * axis.transpose());
     out[k].density_per_m = float(0.5 * double(e.density_per_m) / std::sqrt(1 - 2 / M_PI));
     out[k].hit.hits /= 2;
     out[k].hit.misses /= 2;

@@ -15,8 +15,8 @@ struct RearrangementOptions {
   double split_hits = 16;    ///< Fewest soft hits of an ellipsoid that is split.
 };
 
-/// The model without ellipsoids of hardly any hits; with pairs of nearest neighbours merged (moments
-/// kept, and the optical mass κ |Σ|^½), those first that cost least,
+/// The model without ellipsoids of hardly any hits; with pairs of nearest neighbours merged
+/// (moments kept, and the optical mass κ |Σ|^½), those first that cost least,
 ///   n ln n/|Σ|^½ of both − that of the merged;
 /// and with the ellipsoids split in two along their longest axis whose beams are explained worst in
 /// all, Σ r (−log f − its mean). Never more ellipsoids than before.
