@@ -18,8 +18,12 @@ struct FitStep {
   std::map<std::string, size_t> skipped;
   double seconds = 0;
 };
+/// With `likelihood`, `options.start` may also be a model's folder.
 FitStep fit_log(const Verb& verb, const std::filesystem::path& log, const fit::FitOptions& options,
                 const std::filesystem::path& model);
+
+/// The steps of a refinement, for the manifest and `--json`.
+Json json_of(const fit::LikelihoodReport& report);
 
 /// Answers the beams with the world and writes the log.
 struct SimulateStep {

@@ -19,7 +19,7 @@ struct ModelView {
     const float* vertices;      // x y z
     const uint32_t* triangles;  // three corners
     const elements::HitCount* hit;
-    double sigma_m;
+    double sigma_m, roughness_m;
   } ground, surface;
   const elements::Ellipsoid* ellipsoids;
   uint32_t ground_count, triangle_count;

@@ -28,7 +28,7 @@ const Kernels& kernels_of(Isa isa) {
 ModelView::Mesh view_of(const elements::TriangleMesh& mesh) {
   return {mesh.vertices.empty() ? nullptr : mesh.vertices[0].data(),
           mesh.triangles.empty() ? nullptr : mesh.triangles[0].data(), mesh.hit.data(),
-          mesh.range_sigma_m};
+          mesh.range_sigma_m, mesh.roughness_m};
 }
 
 ModelView view_of(const elements::Model& m) {
