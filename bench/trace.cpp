@@ -30,7 +30,7 @@ struct Rays {
   std::vector<uint64_t> keys;
 
   explicit Rays(std::vector<Ray> rays) : firing(std::move(rays)) {
-    const auto columns = std::make_unique<trace::Columns>();
+    const auto unfolded = std::make_unique<trace::Unfolded>();
     std::vector<uint32_t> order(kCall);
     for (size_t begin = 0; begin < firing.size(); begin += kCall) {
       const size_t n = std::min(kCall, firing.size() - begin);
@@ -38,20 +38,20 @@ struct Rays {
       const auto azimuth = [](const Ray& r) {
         return std::atan2(r.direction.y(), r.direction.x());
       };
-      columns->turn_low = columns->up_low = 4;
-      columns->turn_high = columns->up_high = -4;
+      unfolded->turn_low = unfolded->up_low = 4;
+      unfolded->turn_high = unfolded->up_high = -4;
       for (size_t k = 0; k < n; ++k) {
         const double turned = azimuth(part[k]) - azimuth(part[0]);
         const float turn = float(std::remainder(turned, 2 * M_PI) / (M_PI / 2));
         const float up = float(part[k].direction.z());
-        columns->turn[k] = turn;
-        columns->direction[2][k] = up;
-        columns->turn_low = std::min(columns->turn_low, turn);
-        columns->turn_high = std::max(columns->turn_high, turn);
-        columns->up_low = std::min(columns->up_low, up);
-        columns->up_high = std::max(columns->up_high, up);
+        unfolded->turn[k] = turn;
+        unfolded->up[k] = up;
+        unfolded->turn_low = std::min(unfolded->turn_low, turn);
+        unfolded->turn_high = std::max(unfolded->turn_high, turn);
+        unfolded->up_low = std::min(unfolded->up_low, up);
+        unfolded->up_high = std::max(unfolded->up_high, up);
       }
-      trace::order_by_direction(*columns, {order.data(), n});
+      trace::order_by_direction(*unfolded, {order.data(), n});
       for (size_t k = 0; k < n; ++k) coherent.push_back(part[order[k]]);
     }
     for (size_t i = 0; i < firing.size(); ++i) keys.push_back(beam_key(1, 0, i));
