@@ -5,8 +5,6 @@
 #include "objects_of_log.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
-#include "underbrush/ground/height_grid.hpp"
-#include "underbrush/ground/triangulate.hpp"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/primitives/annotation.hpp"
@@ -78,38 +76,6 @@ void add_options(CLI::App& app, Arguments& a) {
       ->capture_default_str();
 }
 
-/// The ground of a labelled log, smooth, as `fit` makes it.
-elements::Model ground_of(const std::string& file, BeamSource& log, double spacing_m) {
-  Progress progress("ground");
-  std::optional<ground::HeightGrid> grid;
-  ground::HeightGridOptions options;
-  options.spacing_m = 0.5 * spacing_m;
-  size_t done = 0;
-  log.rewind();
-  for (BeamLog chunk; log.next(chunk);) {
-    if (!grid && !chunk.empty()) grid.emplace(chunk.origin[0].array().round(), options);
-    std::vector<Vec3> points;
-    const ExtraColumn& label = chunk.extra.at("class");
-    for (size_t i = 0; i < chunk.size(); ++i) {
-      const auto c = elements::Class(primitives::label_at(label, i));
-      if (chunk.is_hit(i) && c == elements::Class::kGround) points.push_back(chunk.end_point(i));
-    }
-    if (grid) grid->add(points);
-    progress(done += chunk.size(), log.size());
-  }
-  if (!grid || grid->points() == 0) throw FormatError(file, "", "none of its points is ground");
-  const ground::HeightMap map = grid->solve();
-  ground::GroundMesh mesh = ground::triangulate(map);
-  elements::Model model;
-  model.origin = mesh.origin;
-  model.ground.vertices = std::move(mesh.vertices);
-  model.ground.triangles = std::move(mesh.triangles);
-  model.ground.hit.resize(model.ground.size());
-  model.ground.range_sigma_m = map.sigma_m;
-  model.fitter = "ground";
-  return model;
-}
-
 elements::Model generated_ground(const Arguments& a, uint64_t seed) {
   scene::TerrainParameters p = a.terrain;
   p.size_x_m = a.size[0];
@@ -155,7 +121,7 @@ void run(const Verb& verb, Arguments& a) {
   } else {
     annotation.ground = output.parent_path() / (output.stem().string() + ".ground");
     elements::check_model_output(annotation.ground);
-    ground = log ? ground_of(a.log, *log, a.spacing_m) : generated_ground(a, verb.seed);
+    ground = log ? ground_of_log(a.log, *log, a.spacing_m) : generated_ground(a, verb.seed);
   }
   annotation.provenance = provenance(verb, inputs);
   const primitives::GroundSurface surface(ground);

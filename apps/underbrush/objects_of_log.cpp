@@ -2,7 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <optional>
+
 #include "underbrush/core/check.hpp"
+#include "underbrush/elements/classes.hpp"
+#include "underbrush/ground/height_grid.hpp"
+#include "underbrush/ground/triangulate.hpp"
+#include "underbrush/primitives/measure.hpp"
+#include "verb.hpp"
 
 namespace underbrush::app {
 
@@ -15,6 +22,37 @@ void require_objects(const std::string& file, BeamSource& log) {
     throw FormatError(
         file, "", "has no objects: it needs the columns class and instance that segment writes");
   }
+}
+
+elements::Model ground_of_log(const std::string& file, BeamSource& log, double spacing_m) {
+  Progress progress("ground");
+  std::optional<ground::HeightGrid> grid;
+  ground::HeightGridOptions options;
+  options.spacing_m = 0.5 * spacing_m;
+  size_t done = 0;
+  log.rewind();
+  for (BeamLog chunk; log.next(chunk);) {
+    if (!grid && !chunk.empty()) grid.emplace(chunk.origin[0].array().round(), options);
+    std::vector<Vec3> points;
+    const ExtraColumn& label = chunk.extra.at("class");
+    for (size_t i = 0; i < chunk.size(); ++i) {
+      const auto c = elements::Class(primitives::label_at(label, i));
+      if (chunk.is_hit(i) && c == elements::Class::kGround) points.push_back(chunk.end_point(i));
+    }
+    if (grid) grid->add(points);
+    progress(done += chunk.size(), log.size());
+  }
+  if (!grid || grid->points() == 0) throw FormatError(file, "", "none of its points is ground");
+  const ground::HeightMap map = grid->solve();
+  ground::GroundMesh mesh = ground::triangulate(map);
+  elements::Model model;
+  model.origin = mesh.origin;
+  model.ground.vertices = std::move(mesh.vertices);
+  model.ground.triangles = std::move(mesh.triangles);
+  model.ground.hit.resize(model.ground.size());
+  model.ground.range_sigma_m = map.sigma_m;
+  model.fitter = "ground";
+  return model;
 }
 
 std::string left_out(const std::vector<std::pair<std::string, size_t>>& counts) {

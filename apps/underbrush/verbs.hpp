@@ -14,6 +14,7 @@ void add_simulate(CLI::App& root);
 void add_score(CLI::App& root);
 void add_segment(CLI::App& root);
 void add_extract(CLI::App& root);
+void add_meshes(CLI::App& root);
 void add_annotate(CLI::App& root);
 void add_compose(CLI::App& root);
 void add_sensors(CLI::App& root);
@@ -28,6 +29,7 @@ inline void add_all_verbs(CLI::App& root) {
   add_segment(root);
   add_fit(root);
   add_extract(root);
+  add_meshes(root);
   add_annotate(root);
   add_compose(root);
   add_simulate(root);

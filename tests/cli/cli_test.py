@@ -168,6 +168,7 @@ def write_log(folder, scans=2):
         rows.append(f"{x + scan:.4f},{y:.4f},{2 - slope * far:.4f},{0.1 * scan + 1e-3 * (beam // 8):.4f},"
                     f"{scan},0,2,{int(post or slope > 0.05)},{scan},{ring},{beam // 8}")
     pathlib.Path(folder, "log.csv").write_text("\n".join(rows) + "\n")
+    pathlib.Path(folder, "tree.obj").write_text("v 0 0 0\nv 2 0 0\nv 0 1 0\nv 0 0 4\nf 1 2 4\nf 2 3 4\n")
     done = call("import", "log.csv", "-o", "log.ply", cwd=folder)
     assert done.returncode == 0, done.stderr
 
@@ -180,6 +181,7 @@ JOBS = {
     "segment": ["log.ply", "-o", "labelled.ply", "--min-points", "5"],
     "fit": ["log.ply", "-o", "model", "--min-points", "4"],
     "extract": ["model", "labelled.ply", "-o", "primitives"],
+    "meshes": ["tree.obj", "-o", "meshes"],
     "annotate": ["labelled.ply", "-o", "site.json"],
     "compose": ["site.json", "primitives", "-o", "scene"],
     "simulate": ["model", "--like", "log.ply", "-o", "sim.ply"],

@@ -1,0 +1,103 @@
+#include <fmt/format.h>
+
+#include <map>
+
+#include "plant_sources.hpp"
+#include "underbrush/core/check.hpp"
+#include "underbrush/primitives/primitive_set.hpp"
+#include "verb.hpp"
+#include "verbs.hpp"
+
+namespace underbrush::app {
+namespace {
+
+struct Arguments {
+  std::vector<std::string> plants;
+  std::string output, up = "z";
+  PlantFileOptions files;
+  primitives::MeshPrimitiveOptions meshes;
+};
+
+void add_options(CLI::App& app, Arguments& a) {
+  app.add_option("PLANTS", a.plants,
+                 "Meshes of plants (.obj, .ply), folders of them, or the word generated: the "
+                 "plants of the demo's site")
+      ->required();
+  app.add_option("-o,--output", a.output, "The folder of the set of primitives")
+      ->required()
+      ->type_name("PRIMITIVES");
+  app.add_option("--unit", a.files.unit_m, "Metres of one unit of length in the files")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--up", a.up, "The axis that points up in the files")
+      ->check(CLI::IsMember({"y", "z"}))
+      ->capture_default_str();
+  app.add_option("--sizes", a.meshes.sizes_per_class, "Heights of a plant in each class")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  app.add_option("--most-scaling", a.meshes.most_scaling,
+                 "A plant is made at most so many times larger or smaller")
+      ->check(CLI::Range(1.0, 1e6))
+      ->capture_default_str();
+  app.add_option("--patch-cell", a.meshes.cell_m, "Side of the cells of patches, m")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--range-noise", a.meshes.range_sigma_m, "σ of the noise on ranges, m")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+}
+
+void run(const Verb& verb, Arguments& a) {
+  primitives::check_primitives_output(a.output);
+  a.files.y_up = a.up == "y";
+  a.meshes.seed = verb.seed;
+  std::vector<primitives::PlantSource> plants;
+  std::vector<std::filesystem::path> inputs;
+  for (const std::string& name : a.plants) {
+    const bool generated = name == "generated";
+    auto some = generated ? generated_plants(verb.seed) : plants_of_files(name, a.files);
+    for (auto& plant : some) {
+      if (!generated) inputs.emplace_back(plant.name);
+      plants.push_back(std::move(plant));
+    }
+  }
+  const std::vector<primitives::Primitive> set = primitives::mesh_primitives(plants, a.meshes);
+  primitives::write_primitives(a.output, set, a.meshes.cell_m, provenance(verb, inputs));
+  std::map<elements::Class, std::pair<size_t, size_t>> classes;  // primitives, triangles
+  size_t triangles = 0;
+  for (const auto& p : set) {
+    ++classes[p.label].first;
+    classes[p.label].second += p.model.size();
+    triangles += p.model.size();
+  }
+  Json j;
+  j["plants"] = plants.size();
+  j["primitives"] = set.size();
+  j["triangles"] = triangles;
+  std::string text = fmt::format("{} primitives of {} plants, {} triangles\n", set.size(),
+                                 plants.size(), triangles);
+  for (const auto& [label, n] : classes) {
+    const std::string name(elements::name(label));
+    j["classes"][name] = {{"primitives", n.first}, {"triangles", n.second}};
+    text += fmt::format("  {:<19}{:>8}, {:.0f} triangles each\n", name, n.first,
+                        double(n.second) / double(n.first));
+  }
+  text += "  primitives  " + a.output + "\n  to look at  " +
+          (std::filesystem::path(a.output) / "index.html").string() + "\n";
+  verb.report(j, text);
+}
+
+}  // namespace
+
+void add_meshes(CLI::App& root) {
+  auto a = std::make_shared<Arguments>();
+  const auto verb = add_verb(root, "meshes",
+                             "Make primitives of plant meshes instead: the comparison simulator",
+                             "underbrush meshes generated -o meshes/\n"
+                             "  underbrush meshes plants/ fern.obj --up y -o meshes/\n"
+                             "  underbrush compose annotation.json meshes/ -o scene/",
+                             [a](const Verb& v) { run(v, *a); });
+  add_options(*verb->app, *a);
+}
+
+}  // namespace underbrush::app

@@ -1,0 +1,128 @@
+#include "underbrush/io/mesh_file.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+#include "underbrush/core/check.hpp"
+#include "underbrush/io/file.hpp"
+#include "underbrush/io/ply.hpp"
+#include "underbrush/io/text.hpp"
+
+namespace underbrush::io {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr uint64_t kMostBytes = uint64_t(1) << 31;
+
+std::string extension_of(const fs::path& path) {
+  std::string e = path.extension().string();
+  std::transform(e.begin(), e.end(), e.begin(), [](unsigned char c) { return std::tolower(c); });
+  return e;
+}
+
+float coordinate(const fs::path& path, const std::string& place, std::string_view word) {
+  const auto value = number_of(word);
+  if (!value || !std::isfinite(*value)) {
+    throw FormatError(path.string(), place,
+                      "'" + std::string(word.substr(0, 40)) + "' is not a finite number");
+  }
+  return float(*value);
+}
+
+/// Number of the vertex that a corner "v", "v/t" or "v/t/n" of a face names: from 1, or from the
+/// last one back where negative.
+uint32_t corner(const fs::path& path, const std::string& place, std::string_view word, size_t n) {
+  const auto value = number_of(word.substr(0, word.find('/')));
+  const double index = !value ? 0 : *value < 0 ? double(n) + *value + 1 : *value;
+  if (!(index >= 1 && index <= double(n)) || index != std::floor(index)) {
+    throw FormatError(path.string(), place,
+                      "'" + std::string(word.substr(0, 40)) + "' names no vertex");
+  }
+  return uint32_t(index) - 1;
+}
+
+MeshData read_obj(const fs::path& path) {
+  const std::string text = read_file(path, kMostBytes);
+  MeshData mesh;
+  size_t line = 0;
+  for (size_t at = 0; at < text.size();) {
+    const size_t end = std::min(text.find('\n', at), text.size());
+    const auto words = words_of(std::string_view(text).substr(at, end - at));
+    at = end + 1;
+    ++line;
+    if (words.empty() || (words[0] != "v" && words[0] != "f")) continue;
+    const std::string place = "line " + std::to_string(line);
+    if (words.size() < 4) {
+      throw FormatError(path.string(), place, "fewer than three values after " +
+                                                  std::string(words[0]));
+    }
+    if (words[0] == "v") {
+      const float x = coordinate(path, place, words[1]), y = coordinate(path, place, words[2]);
+      mesh.vertices.emplace_back(x, y, coordinate(path, place, words[3]));
+      continue;
+    }
+    const size_t n = mesh.vertices.size();
+    const uint32_t first = corner(path, place, words[1], n);
+    uint32_t last = corner(path, place, words[2], n);
+    for (size_t k = 3; k < words.size(); ++k) {
+      const uint32_t next = corner(path, place, words[k], n);
+      mesh.triangles.push_back({first, last, next});
+      last = next;
+    }
+  }
+  return mesh;
+}
+
+MeshData read_ply_mesh(const fs::path& path) {
+  const PlyData data = read_ply(path);
+  const PlyElement* vertex = data.find("vertex");
+  const PlyElement* face = data.find("face");
+  if (!vertex || !face) throw FormatError(path.string(), "", "no elements vertex and face");
+  MeshData mesh;
+  mesh.triangles = face->triangles;
+  mesh.vertices.resize(vertex->count);
+  const char* names[] = {"x", "y", "z"};
+  for (int axis = 0; axis < 3; ++axis) {
+    const ExtraColumn* column = vertex->find(names[axis]);
+    if (!column) throw FormatError(path.string(), "", std::string("no column ") + names[axis]);
+    std::visit(
+        [&](const auto& values) {
+          for (size_t i = 0; i < vertex->count; ++i) mesh.vertices[i][axis] = float(values[i]);
+        },
+        *column);
+  }
+  for (size_t i = 0; i < mesh.vertices.size(); ++i) {
+    if (!mesh.vertices[i].allFinite()) {
+      throw FormatError(path.string(), "vertex " + std::to_string(i), "not finite");
+    }
+  }
+  for (size_t i = 0; i < mesh.triangles.size(); ++i) {
+    for (const uint32_t v : mesh.triangles[i]) {
+      if (v >= mesh.vertices.size()) {
+        throw FormatError(path.string(), "triangle " + std::to_string(i), "names no vertex");
+      }
+    }
+  }
+  return mesh;
+}
+
+}  // namespace
+
+std::vector<std::string> mesh_extensions() { return {".obj", ".ply"}; }
+
+MeshData read_mesh(const fs::path& path) {
+  const std::string extension = extension_of(path);
+  MeshData mesh;
+  if (extension == ".obj") {
+    mesh = read_obj(path);
+  } else if (extension == ".ply") {
+    mesh = read_ply_mesh(path);
+  } else {
+    throw FormatError(path.string(), "", "no mesh format that is known; .obj and .ply are");
+  }
+  if (mesh.triangles.empty()) throw FormatError(path.string(), "", "it has no triangles");
+  return mesh;
+}
+
+}  // namespace underbrush::io
