@@ -5,6 +5,8 @@ namespace {
 
 constexpr Study kStudies[] = {
     {"vegetation", "Table I and the mobile experiment of Deschaud et al. 2012", study_vegetation},
+    {"primitives", "Table II of Tallavajhula et al. 2018: primitives against plant meshes",
+     study_primitives},
     {"transfer", "Learnt from one lidar, simulated for another, on a generated site",
      study_transfer},
 };

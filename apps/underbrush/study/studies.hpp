@@ -4,6 +4,7 @@
 
 namespace underbrush::app {
 
+StudyResult study_primitives(const StudyRun& run);
 StudyResult study_transfer(const StudyRun& run);
 StudyResult study_vegetation(const StudyRun& run);
 

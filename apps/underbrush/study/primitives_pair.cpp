@@ -1,0 +1,172 @@
+#include <algorithm>
+#include <cmath>
+
+#include "objects_of_log.hpp"
+#include "study/primitives.hpp"
+#include "underbrush/core/check.hpp"
+#include "underbrush/primitives/segment_log.hpp"
+#include "underbrush/simulate/simulate.hpp"
+
+namespace underbrush::app {
+namespace {
+
+using primitives::Primitive;
+
+BeamLog answered(const trace::World& world, const BeamLog& beams, uint64_t seed) {
+  BeamLog out = beams;
+  simulate::Options options;
+  options.seed = seed;
+  simulate::simulate(world, options, 0, out);
+  return out;
+}
+
+metrics::Score score_of(const BeamLog& real, const BeamLog& simulated) {
+  MemorySource a(real), b(simulated);
+  return metrics::score(a, b, {});
+}
+
+elements::Model fitted(const BeamLog& log, double min_range_m, uint64_t seed) {
+  fit::FitOptions options;
+  options.min_range_m = min_range_m;
+  options.seed = seed;
+  MemorySource source(log);
+  return fit::fit(source, options).model;
+}
+
+/// Leaves out what the sensor of the test could see.
+size_t drop_seen(const BeamLog& test, double far_m, std::vector<Primitive>& primitives) {
+  return std::erase_if(primitives, [&](const Primitive& p) {
+    return std::any_of(test.info.scans.begin(), test.info.scans.end(), [&](const ScanInfo& s) {
+      return (s.world_from_sensor.translation - p.source.position).head<2>().norm() < far_m;
+    });
+  });
+}
+
+/// The test site without its plants' elements.
+struct Site {
+  elements::Model ground;
+  primitives::Annotation annotation;
+};
+
+Site annotated(const BeamLog& test, double max_range_m) {
+  Site site;
+  MemorySource source(test);
+  site.ground = ground_of_log("test log", source);
+  site.ground.max_range_m = max_range_m;
+  const primitives::GroundSurface surface(site.ground);
+  source.rewind();
+  site.annotation.objects = primitives::measure_objects(source, surface, {}).objects;
+  return site;
+}
+
+}  // namespace
+
+PairOutcome run_pair(const SitePair& pair, const PairOptions& o) {
+  PairOutcome out;
+  out.name = pair.name;
+  out.train_beams = pair.train.size();
+  out.test_beams = pair.test.size();
+  const elements::Model model = fitted(pair.train, pair.min_range_m, o.seed);
+  MemorySource train(pair.train);
+  std::vector<Primitive> cut = primitives::extract(model, train, {}).primitives;
+  if (pair.one_site) out.seen_by_both = drop_seen(pair.test, model.max_range_m, cut);
+  if (o.change) o.change(cut);
+  require(!cut.empty(), "study: no primitive is left of the training log");
+  out.primitives = cut.size();
+  primitives::write_primitives(o.work, cut, primitives::MeasureOptions{}.cell_m, "");
+
+  const Site site = annotated(pair.test, model.max_range_m);
+  const primitives::PrimitiveSet sets[] = {primitives::read_primitive_set(o.work),
+                                           primitives::read_primitive_set(o.meshes)};
+  primitives::ComposeOptions compose;
+  compose.seed = o.seed;
+  primitives::Composition composed[2];
+  BeamLog logs[2];
+  for (int k = 0; k < 2; ++k) {
+    composed[k] = primitives::compose(site.annotation, site.ground, sets[k], compose);
+    logs[k] = answered(trace::World(composed[k].scene), pair.test, o.seed);
+    out.score[kPrimitiveRows[k]] = score_of(pair.test, logs[k]);
+  }
+  out.objects = composed[0].objects;
+  out.left_out = composed[0].objects - composed[0].placed;
+  out.box_distance_m = composed[0].mean_box_distance_m;
+  out.mesh_box_distance_m = composed[1].mean_box_distance_m;
+  if (o.pictures) {
+    const Composed shown[] = {{"primitives", &sets[0], &composed[0].scene, &logs[0]},
+                              {"meshes", &sets[1], &composed[1].scene, &logs[1]}};
+    out.pictures = primitive_pictures(pair.name, pair.test, shown);
+  }
+  const elements::Model own = fitted(pair.test, pair.min_range_m, o.seed);
+  out.score["geospecific"] =
+      score_of(pair.test, answered(trace::World(own), pair.test, o.seed));
+  out.score["replay"] = score_of(pair.test, replay(pair.train, pair.test));
+  return out;
+}
+
+BeamLog replay(const BeamLog& train, const BeamLog& test) {
+  require(!train.info.scans.empty() && !test.info.scans.empty(), "replay: a log has no scan poses");
+  const auto azimuth = [](const BeamLog& log, size_t i, const ScanInfo& scan) {
+    const Vec3 d = scan.world_from_sensor.rotation.conjugate() * log.direction[i].cast<double>();
+    return std::atan2(d.y(), d.x());
+  };
+  const auto by_number = [](const BeamLog& log) {
+    std::map<uint32_t, const ScanInfo*> out;
+    for (const ScanInfo& s : log.info.scans) out[s.scan] = &s;
+    return out;
+  };
+  // What each ring of each training scan saw, by azimuth.
+  std::map<std::pair<uint32_t, uint16_t>, std::vector<std::pair<double, float>>> seen;
+  const auto train_scans = by_number(train), test_scans = by_number(test);
+  for (size_t i = 0; i < train.size(); ++i) {
+    seen[{train.scan[i], train.ring[i]}].emplace_back(
+        azimuth(train, i, *train_scans.at(train.scan[i])), train.range_m[i]);
+  }
+  for (auto& [key, ring] : seen) std::sort(ring.begin(), ring.end());
+  std::map<uint32_t, uint32_t> nearest;  // training scan of each test scan
+  for (const auto& [number, scan] : test_scans) {
+    double least = INFINITY;
+    for (const auto& [other, there] : train_scans) {
+      const double d = (there->world_from_sensor.translation - scan->world_from_sensor.translation)
+                           .squaredNorm();
+      if (d < least) least = d, nearest[number] = other;
+    }
+  }
+  BeamLog out = test;
+  for (size_t i = 0; i < test.size(); ++i) {
+    const auto ring = seen.find({nearest.at(test.scan[i]), test.ring[i]});
+    out.range_m[i] = kMiss;
+    if (ring == seen.end()) continue;
+    const double a = azimuth(test, i, *test_scans.at(test.scan[i]));
+    const auto& beams = ring->second;
+    const auto above = std::lower_bound(beams.begin(), beams.end(), std::pair(a, 0.f));
+    const auto& next = above == beams.end() ? beams.front() : *above;
+    const auto& last = above == beams.begin() ? beams.back() : *std::prev(above);
+    const auto off = [&](double b) { return std::abs(std::remainder(a - b, 2 * M_PI)); };
+    out.range_m[i] = off(next.first) < off(last.first) ? next.second : last.second;
+  }
+  return out;
+}
+
+void label_log(BeamLog& log, double min_range_m) {
+  primitives::SegmentLogOptions options;
+  options.min_range_m = min_range_m;
+  MemorySource source(log);
+  const primitives::LogLabels labels = primitives::segment_log(source, options);
+  std::vector<uint8_t> label(log.size());
+  std::vector<uint32_t> instance(log.size());
+  size_t hit = 0;
+  for (size_t i = 0; i < log.size(); ++i) {
+    if (!log.is_hit(i)) continue;
+    const uint32_t object = labels.object[hit];
+    instance[i] = object;
+    label[i] = uint8_t(labels.ground[hit] ? elements::Class::kGround
+                       : object           ? labels.objects[object - 1].label
+                                          : elements::Class::kUnknown);
+    ++hit;
+  }
+  log.extra["class"] = std::move(label);
+  log.extra["instance"] = std::move(instance);
+  log.info.classes = "underbrush";
+}
+
+}  // namespace underbrush::app
