@@ -147,7 +147,7 @@ Json json_of(std::span<const PairOutcome> outcomes) {
     one["name"] = o.name;
     one["train_beams"] = o.train_beams;
     one["test_beams"] = o.test_beams;
-    one["primitives"] = o.primitives;
+    one["primitive_count"] = o.primitives;
     one["primitives_seen_by_both"] = o.seen_by_both;
     one["objects"] = o.objects;
     one["objects_left_out"] = o.left_out;
@@ -278,6 +278,7 @@ StudyResult study_primitives(const StudyRun& run) {
       fs::temp_directory_path() / fmt::format("underbrush_study_primitives_{}", getpid());
   const TemporaryPath temporary(work);
   const fs::path folder = run.keep.empty() ? work : run.keep;
+  fs::create_directories(folder);
   PairOptions options;
   options.seed = run.seed;
   options.meshes = folder / "meshes";
