@@ -40,17 +40,16 @@ TEST_F(MeshFile, ReadsTheSameSquareOfObjAndPly) {
 
 TEST_F(MeshFile, NamesThePlaceOfWhatIsWrong) {
   const std::string v = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
-  for (const auto& [text, place] :
-       {std::pair<std::string, std::string>{v + "f 1 2 4\n", "line 4"},
-        {v + "f 0 1 2\n", "line 4"},
-        {v + "f -4 1 2\n", "line 4"},
-        {v + "f 1 2\n", "line 4"},
-        {v + "f 1 2 x\n", "line 4"},
-        {v + "f 1.5 2 3\n", "line 4"},
-        {"v 0 nan 0\n", "line 1"},
-        {"v 0 0\n", "line 1"},
-        {v, "no triangles"},
-        {"", "no triangles"}}) {
+  for (const auto& [text, place] : {std::pair<std::string, std::string>{v + "f 1 2 4\n", "line 4"},
+                                    {v + "f 0 1 2\n", "line 4"},
+                                    {v + "f -4 1 2\n", "line 4"},
+                                    {v + "f 1 2\n", "line 4"},
+                                    {v + "f 1 2 x\n", "line 4"},
+                                    {v + "f 1.5 2 3\n", "line 4"},
+                                    {"v 0 nan 0\n", "line 1"},
+                                    {"v 0 0\n", "line 1"},
+                                    {v, "no triangles"},
+                                    {"", "no triangles"}}) {
     try {
       read_mesh(write("bad.obj", text));
       ADD_FAILURE() << text;

@@ -24,10 +24,11 @@ PairOutcome outcome(double cloud, double packet, double f1) {
 }
 
 TEST(PrimitivesStudy, VerdictAsksForThePapersMargins) {
-  for (const auto& [cloud, packet, f1, holds] :
-       {std::tuple{0.479, 2.89, 0.681, true}, {0.481, 2.89, 0.681, false},
-        {0.479, 2.91, 0.681, false}, {0.479, 2.89, 0.679, false},
-        {NAN, 2.89, 0.681, false}}) {
+  for (const auto& [cloud, packet, f1, holds] : {std::tuple{0.479, 2.89, 0.681, true},
+                                                 {0.481, 2.89, 0.681, false},
+                                                 {0.479, 2.91, 0.681, false},
+                                                 {0.479, 2.89, 0.679, false},
+                                                 {NAN, 2.89, 0.681, false}}) {
     const std::vector<PairOutcome> one{outcome(cloud, packet, f1)};
     EXPECT_EQ(verdict(primitive_checks("x", one, false)) == "holds", holds) << cloud << packet;
     EXPECT_NE(verdict(primitive_checks("x", one, true)), "holds");  // one pair has no interval

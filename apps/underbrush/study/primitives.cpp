@@ -85,8 +85,8 @@ StudyTable pair_table(const std::string& where, std::span<const PairOutcome> out
     const auto four = [&](double Summary::*value, int digits) {
       std::string text;
       for (const char* row : kPrimitiveRows) {
-        text += fmt::format("{}{:.{}f}", text.empty() ? "" : " | ", o.score.at(row).all.*value,
-                            digits);
+        text +=
+            fmt::format("{}{:.{}f}", text.empty() ? "" : " | ", o.score.at(row).all.*value, digits);
       }
       return text;
     };
@@ -179,8 +179,8 @@ std::string summary_of(const PairOutcome& o) {
   std::string text = o.name + ":";
   for (const char* row : kPrimitiveRows) {
     const Summary& s = o.score.at(row).all;
-    text += fmt::format(" {} {:.2f} m {:.4f} {:.3f} m;", row, s.packet_error_m, s.f1,
-                        s.cloud_error_m);
+    text +=
+        fmt::format(" {} {:.2f} m {:.4f} {:.3f} m;", row, s.packet_error_m, s.f1, s.cloud_error_m);
   }
   return text;
 }
@@ -245,8 +245,8 @@ Spread spread_of(std::span<const double> values) {
   return s;
 }
 
-std::vector<Check> primitive_checks(const std::string& where,
-                                    std::span<const PairOutcome> outcomes, bool confident) {
+std::vector<Check> primitive_checks(const std::string& where, std::span<const PairOutcome> outcomes,
+                                    bool confident) {
   struct Margin {
     const char* name;
     double Summary::*value;
@@ -259,8 +259,8 @@ std::vector<Check> primitive_checks(const std::string& where,
   for (const Margin& m : kMargins) {
     std::vector<double> gain;
     for (const PairOutcome& o : outcomes) {
-      gain.push_back(m.sign * (o.score.at("meshes").all.*m.value -
-                               o.score.at("primitives").all.*m.value));
+      gain.push_back(m.sign *
+                     (o.score.at("meshes").all.*m.value - o.score.at("primitives").all.*m.value));
     }
     const Spread s = spread_of(gain);
     checks.push_back({fmt::format("{}: gain of primitives over meshes in {}{}", where, m.name,

@@ -18,8 +18,8 @@ inline constexpr const char* kPrimitiveRows[] = {"primitives", "meshes", "geospe
 struct SitePair {
   std::string name;
   BeamLog train, test;
-  double min_range_m = 0;   ///< Nearer returns are of the vehicle that carries the sensor.
-  bool one_site = false;    ///< Primitives that the test's sensor could see are left out.
+  double min_range_m = 0;  ///< Nearer returns are of the vehicle that carries the sensor.
+  bool one_site = false;   ///< Primitives that the test's sensor could see are left out.
 };
 
 /// What a study does with a pair.
@@ -80,8 +80,8 @@ Spread spread_of(std::span<const double> values);
 /// By how much the primitives beat the meshes: more than the paper's margins (0.07 m of cloud
 /// error, 0.21 m of packet error, 0.03 of F1), on average or, `confident`, at the lower end of the
 /// 95 % interval of the mean difference.
-std::vector<Check> primitive_checks(const std::string& where,
-                                    std::span<const PairOutcome> outcomes, bool confident);
+std::vector<Check> primitive_checks(const std::string& where, std::span<const PairOutcome> outcomes,
+                                    bool confident);
 
 /// Pictures like Fig. 8 to 10.
 struct Composed {

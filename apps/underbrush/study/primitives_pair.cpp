@@ -97,8 +97,7 @@ PairOutcome run_pair(const SitePair& pair, const PairOptions& o) {
     out.pictures = primitive_pictures(pair.name, pair.test, shown);
   }
   const elements::Model own = fitted(pair.test, pair.min_range_m, o.seed);
-  out.score["geospecific"] =
-      score_of(pair.test, answered(trace::World(own), pair.test, o.seed));
+  out.score["geospecific"] = score_of(pair.test, answered(trace::World(own), pair.test, o.seed));
   out.score["replay"] = score_of(pair.test, replay(pair.train, pair.test));
   return out;
 }

@@ -19,15 +19,14 @@ constexpr double kMapM = 60, kSliceM = 0.25, kAroundM = 4;
 constexpr size_t kMostLines = 4000;
 
 std::string figure(const io::Image& image, const std::string& caption) {
-  return fmt::format(
-      "<figure><img src=\"{}\" alt=\"{}\"><figcaption>{}</figcaption></figure>\n", data_url(image),
-      escaped(caption), escaped(caption));
+  return fmt::format("<figure><img src=\"{}\" alt=\"{}\"><figcaption>{}</figcaption></figure>\n",
+                     data_url(image), escaped(caption), escaped(caption));
 }
 
 /// As Fig. 8: a few primitives of each class.
 std::string examples(const Composed& c) {
-  std::string html = fmt::format("<h3>Primitives: {}</h3>\n<div class=\"pictures\">\n",
-                                 escaped(c.name));
+  std::string html =
+      fmt::format("<h3>Primitives: {}</h3>\n<div class=\"pictures\">\n", escaped(c.name));
   std::map<elements::Class, std::vector<size_t>> by_class;
   for (size_t k = 0; k < c.set->entries.size(); ++k) {
     by_class[c.set->entries[k].label].push_back(k);
@@ -40,8 +39,7 @@ std::string examples(const Composed& c) {
       p.label = label;
       p.box = c.set->entries[e].box;
       p.model = primitives::read_primitive(*c.set, e);
-      const double metres =
-          std::max({p.box.max.z(), 2 * p.box.max.x(), -2 * p.box.min.x(), 0.1});
+      const double metres = std::max({p.box.max.z(), 2 * p.box.max.x(), -2 * p.box.min.x(), 0.1});
       html += figure(primitives::thumbnail(p, kThumbnail, metres), c.set->entries[e].name);
     }
   }
@@ -87,7 +85,8 @@ void draw(const Slice& slice, const elements::Model& model, const elements::Inst
   for (const elements::Ellipsoid& e : model.ellipsoids) {
     const Vec3 mean = world(e.mean);
     if (!slice.shows(mean, 0.3) || lines++ > kMostLines) continue;
-    const Mat3 sigma = double(at.scale * at.scale) * turn * e.covariance_matrix() * turn.transpose();
+    const Mat3 sigma =
+        double(at.scale * at.scale) * turn * e.covariance_matrix() * turn.transpose();
     Eigen::Matrix<double, 2, 3> flat;
     flat << slice.along.transpose(), Vec3::UnitZ().transpose();
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(flat * sigma * flat.transpose());
@@ -96,9 +95,8 @@ void draw(const Slice& slice, const elements::Model& model, const elements::Inst
     for (int k = 0; k <= 16; ++k) {
       const double a = 2 * M_PI * k / 16;
       const Eigen::Vector2d d =
-          eigen.eigenvectors() *
-          (2 * eigen.eigenvalues().cwiseMax(0).cwiseSqrt().cwiseProduct(
-                   Eigen::Vector2d(std::cos(a), std::sin(a))));
+          eigen.eigenvectors() * (2 * eigen.eigenvalues().cwiseMax(0).cwiseSqrt().cwiseProduct(
+                                          Eigen::Vector2d(std::cos(a), std::sin(a))));
       outline.emplace_back(x + d.x(), z + d.y());
     }
     svg.line(outline, "#5a5");
@@ -124,7 +122,8 @@ std::string ray_figure(const BeamLog& real, size_t beam, const std::string& what
   s.across = Vec3(-s.along.y(), s.along.x(), 0);
   const Vec3 point = real.end_point(beam);
   const auto [x, z] = s.at(point);
-  s.from = x - kAroundM, s.to = x + kAroundM, s.low = z - 0.6 * kAroundM, s.high = z + 0.6 * kAroundM;
+  s.from = x - kAroundM, s.to = x + kAroundM, s.low = z - 0.6 * kAroundM,
+  s.high = z + 0.6 * kAroundM;
   std::string html = fmt::format("<h3>{}</h3>\n<div class=\"pictures\">\n", escaped(what));
   for (const Composed& c : composed) {
     SvgPlot svg(c.name, "along the beam, m", "above the sensor, m");
@@ -179,9 +178,10 @@ std::string primitive_pictures(const std::string& name, const BeamLog& test,
        [&](size_t i) { return std::abs(off(own, i)) < 0.2 && !mesh.is_hit(i); }},
       {"Primitives off, the mesh scene near",
        [&](size_t i) { return std::abs(off(own, i)) > 1 && std::abs(off(mesh, i)) < 0.2; }}};
-  html += "<p class=\"caption\">Single beams, chosen as the paper's Fig. 10: three where the "
-          "primitives do better and one where they do worse. A slice of ±0.25 m about the beam: "
-          "ellipsoids at two standard deviations, triangles, the ground in brown.</p>\n";
+  html +=
+      "<p class=\"caption\">Single beams, chosen as the paper's Fig. 10: three where the "
+      "primitives do better and one where they do worse. A slice of ±0.25 m about the beam: "
+      "ellipsoids at two standard deviations, triangles, the ground in brown.</p>\n";
   for (const auto& [what, wanted] : kinds) {
     for (size_t k = 0; k < 200000; ++k) {
       const size_t i = mix64(k) % test.size();

@@ -64,17 +64,17 @@ BeamLog drive_through(uint64_t seed, bool quick) {
 }  // namespace
 
 SitePair generated_pair(uint64_t train_seed, uint64_t test_seed, bool quick) {
-  return {fmt::format("sites {} and {}", train_seed, test_seed),
-          drive_through(train_seed, quick), drive_through(test_seed, quick)};
+  return {fmt::format("sites {} and {}", train_seed, test_seed), drive_through(train_seed, quick),
+          drive_through(test_seed, quick)};
 }
 
 std::vector<StretchPair> stretch_pairs(std::span<const ScanInfo> scans, double train_m,
                                        double test_m, double apart_m) {
   std::vector<double> path(scans.size(), 0);
   for (size_t k = 1; k < scans.size(); ++k) {
-    path[k] = path[k - 1] + (scans[k].world_from_sensor.translation -
-                             scans[k - 1].world_from_sensor.translation)
-                                .norm();
+    path[k] = path[k - 1] +
+              (scans[k].world_from_sensor.translation - scans[k - 1].world_from_sensor.translation)
+                  .norm();
   }
   const auto within = [&](double begin, double length) {
     std::vector<size_t> out;
@@ -84,8 +84,7 @@ std::vector<StretchPair> stretch_pairs(std::span<const ScanInfo> scans, double t
     return out;
   };
   const auto apart = [&](size_t a, size_t b) {
-    return (scans[a].world_from_sensor.translation - scans[b].world_from_sensor.translation)
-        .norm();
+    return (scans[a].world_from_sensor.translation - scans[b].world_from_sensor.translation).norm();
   };
   std::vector<StretchPair> pairs;
   if (path.empty()) return pairs;
@@ -126,8 +125,7 @@ SitePair read_stretches(const fs::path& log, const StretchPair& stretches) {
   for (int k = 0; k < 2; ++k) {
     const std::set<uint32_t> scans(wanted[k]->begin(), wanted[k]->end());
     parts[k]->info = reader.info();
-    std::erase_if(parts[k]->info.scans,
-                  [&](const ScanInfo& s) { return !scans.count(s.scan); });
+    std::erase_if(parts[k]->info.scans, [&](const ScanInfo& s) { return !scans.count(s.scan); });
   }
   for (BeamLog chunk; reader.next(chunk);) {
     for (size_t begin = 0, end; begin < chunk.size(); begin = end) {

@@ -54,8 +54,8 @@ MeshData read_obj(const fs::path& path) {
     if (words.empty() || (words[0] != "v" && words[0] != "f")) continue;
     const std::string place = "line " + std::to_string(line);
     if (words.size() < 4) {
-      throw FormatError(path.string(), place, "fewer than three values after " +
-                                                  std::string(words[0]));
+      throw FormatError(path.string(), place,
+                        "fewer than three values after " + std::string(words[0]));
     }
     if (words[0] == "v") {
       const float x = coordinate(path, place, words[1]), y = coordinate(path, place, words[2]);

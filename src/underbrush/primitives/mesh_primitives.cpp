@@ -118,10 +118,10 @@ std::vector<const Upright*> plants_for(const std::vector<Upright>& plants, doubl
     if (strain(p, height_m) <= o.most_scaling) out.push_back(&p);
   }
   if (out.empty() && !plants.empty()) {
-    out.push_back(&*std::min_element(plants.begin(), plants.end(),
-                                     [&](const Upright& a, const Upright& b) {
-                                       return strain(a, height_m) < strain(b, height_m);
-                                     }));
+    out.push_back(
+        &*std::min_element(plants.begin(), plants.end(), [&](const Upright& a, const Upright& b) {
+          return strain(a, height_m) < strain(b, height_m);
+        }));
   }
   return out;
 }
@@ -132,8 +132,8 @@ Primitive patch_cell(Class label, const std::vector<const Upright*>& plants, dou
   const double half = 0.5 * o.cell_m;
   double covered = 0;
   while (covered < o.cell_m * o.cell_m && p.model.surface.size() < o.most_triangles) {
-    const Upright& plant = *plants[std::min(plants.size() - 1,
-                                            size_t(random.uniform() * double(plants.size())))];
+    const Upright& plant =
+        *plants[std::min(plants.size() - 1, size_t(random.uniform() * double(plants.size())))];
     // The first is as high as the cell, others down to two thirds of it.
     const double share = p.model.surface.size() ? random.uniform(2.0 / 3, 1) : 1;
     const double scale = share * height_m / plant.height_m;
@@ -170,8 +170,7 @@ std::vector<Primitive> mesh_primitives(const std::vector<PlantSource>& plants,
     if (kin.empty()) continue;
     for (const ClassRange& range : ranges_of(o, kind)) {
       for (int k = 0; k < o.sizes_per_class; ++k) {
-        const double height =
-            range.low + (k + 0.5) / o.sizes_per_class * (range.high - range.low);
+        const double height = range.low + (k + 0.5) / o.sizes_per_class * (range.high - range.low);
         const auto fitting = plants_for(kin, height, o);
         if (kind == kPatch) {
           for (int cell = 0; cell < o.cells_per_size; ++cell) {

@@ -22,12 +22,12 @@ struct PlantSource {
 /// Options of `mesh_primitives`.
 struct MeshPrimitiveOptions {
   SizeRules sizes;
-  int sizes_per_class = 3;       ///< Heights to which a plant is scaled within a class.
-  double most_scaling = 2;       ///< A plant is made at most so much larger or smaller ...
-  double tallest_tree_m = 16;    ///< Where the tallest class ends, and ...
-  double lowest_shrub_m = 0.15;  ///< ... where the lowest begins.
-  double cell_m = 2;             ///< Side of the cells of patches.
-  int cells_per_size = 2;        ///< Cells of patches of each height.
+  int sizes_per_class = 3;        ///< Heights to which a plant is scaled within a class.
+  double most_scaling = 2;        ///< A plant is made at most so much larger or smaller ...
+  double tallest_tree_m = 16;     ///< Where the tallest class ends, and ...
+  double lowest_shrub_m = 0.15;   ///< ... where the lowest begins.
+  double cell_m = 2;              ///< Side of the cells of patches.
+  int cells_per_size = 2;         ///< Cells of patches of each height.
   size_t most_triangles = 60000;  ///< A cell of a patch gets no further plant from here on.
   double range_sigma_m = 0.02;    ///< σ of the Gaussian noise on ranges.
   uint64_t seed = 1;
