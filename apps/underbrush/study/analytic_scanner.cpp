@@ -1,6 +1,8 @@
 #include "study/analytic_scanner.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -112,8 +114,8 @@ AnalyticScan analytic_scan(const scene::Solid& solid, const Pose& target_from_sc
   for (int column = -half; column < half; ++column) {
     for (int row = -half; row < half; ++row) {
       ++out.shots;
-      const double azimuth = (column + options.phase) * options.step_rad;
-      const double elevation = (row + options.phase) * options.step_rad;
+      const double azimuth = (column + options.azimuth_phase) * options.step_rad;
+      const double elevation = (row + options.elevation_phase) * options.step_rad;
       const Vec3 local(std::cos(elevation) * std::cos(azimuth),
                        std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
       const Vec3 axis = turn * local;

@@ -15,7 +15,7 @@ struct AnalyticScanOptions {
   uint64_t seed = 1;
   double half_field_rad = 3 * M_PI / 180;  ///< Square, about the forward axis.
   double step_rad = 0.007 / 24.0;          ///< 7 mm at 24.00 m.
-  double phase = 0.5;  ///< Of the raster, in steps: no beam is one of the simulator's.
+  double azimuth_phase = 0.5, elevation_phase = 0.5;  ///< Of the raster, in steps.
   double range_sigma_m = 0.007;
   double range_step_m = 0.001;
   double exit_m = 0.0127, divergence_rad = 170e-6;  ///< Full widths at half power.

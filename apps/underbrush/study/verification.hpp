@@ -1,5 +1,6 @@
 /// The parts of the study of [kim12]: clouds of one target compared by ranges and by planes.
 #pragma once
+#include <array>
 #include <functional>
 
 #include "study/study.hpp"
@@ -59,13 +60,15 @@ PairFigures compare(const scene::Solid& solid, const std::vector<size_t>& faces,
                     CloudPair pair, double histogram_bin_m = 0.05);
 
 /// A scan by the simulator: the catalogue's ILRIS-3D, sub-rays, waveform and echo, in the target's
-/// frame; `scans` of them one after the other.
+/// frame. Its raster is shifted by `raster_phase(scan)` steps.
 struct SimulatedScan {
   std::vector<Vec3> points;
   size_t shots = 0;
 };
-SimulatedScan simulated_scan(const scene::Solid& solid, const Pose& target_from_scanner, int scans,
+SimulatedScan simulated_scan(const scene::Solid& solid, const Pose& target_from_scanner, int scan,
                              uint64_t seed);
+/// Where within a step the raster of scan 0, 1, … begins: evenly spread, the first at (0, 0).
+std::array<double, 2> raster_phase(int scan);
 
 /// Where the scanner of [kim12] stands: 24.00 m before the middle of the miniature's front edge, at
 /// which it looks down at 10°.

@@ -10,6 +10,7 @@ namespace {
 constexpr double kNearM = 0.04;     // of a face: five sigma of the instrument
 constexpr double kBorderM = 0.025;  // footprints nearer to an edge are on two faces
 constexpr size_t kLeastPoints = 30;
+constexpr size_t kMostPaired = 100000;  // simulated points in the registration
 
 using Segments = std::vector<std::vector<Vec3>>;
 
@@ -140,7 +141,10 @@ PairFigures compare(const scene::Solid& solid, const std::vector<size_t>& faces,
   PairFigures out;
   metrics::IcpOptions closest;
   closest.neighbours = 60;
-  out.icp = metrics::icp(pair.simulated, pair.real, pair.real_from_target, closest);
+  std::vector<Vec3> some;
+  const size_t every = 1 + pair.simulated.size() / kMostPaired;
+  for (size_t i = 0; i < pair.simulated.size(); i += every) some.push_back(pair.simulated[i]);
+  out.icp = metrics::icp(some, pair.real, pair.real_from_target, closest);
   out.real_from_target = out.icp.to_from_from;
   keep_target(solid, faces, out.real_from_target.inverse(), pair.real);
   keep_target(solid, faces, {}, pair.simulated);

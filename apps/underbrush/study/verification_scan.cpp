@@ -63,23 +63,32 @@ Pose miniature_from_scanner() {
   return {turned.rotation, middle - kDistanceM * (turned * Vec3::UnitX())};
 }
 
-SimulatedScan simulated_scan(const scene::Solid& solid, const Pose& target_from_scanner, int scans,
+std::array<double, 2> raster_phase(int scan) {
+  const auto part = [](double x) { return x - std::floor(x); };
+  return {part(scan * 0.7548776662466927), part(scan * 0.5698402909980532)};
+}
+
+SimulatedScan simulated_scan(const scene::Solid& solid, const Pose& target_from_scanner, int scan,
                              uint64_t seed) {
   const sensor::Sensor sensor = sensor::load("optech-ilris-3d");
+  const sensor::Raster& raster = sensor.raster;
+  const auto [across, up] = raster_phase(scan);
+  const double step = std::abs(raster.azimuth_to_rad - raster.azimuth_from_rad) /
+                      (raster.columns - 1);  // the same upwards
+  Pose pose = target_from_scanner;
+  pose.rotation = pose.rotation * Eigen::AngleAxisd(across * step, Vec3::UnitZ()) *
+                  Eigen::AngleAxisd(up * step, Vec3::UnitY());
   const double cycle = sensor.shot_cycle_s();
-  const Trajectory still({{0, target_from_scanner}, {2 * cycle, target_from_scanner}});
-  const BeamLog pattern = sensor::beams(sensor, still, 0, cycle);
+  const Trajectory still({{0, pose}, {2 * cycle, pose}});
+  BeamLog beams = sensor::beams(sensor, still, 0, cycle);
   elements::Model model;
   model.surface = scene::triangulated(solid).mesh;
   const trace::World world(model);
+  receive(world, sensor, seed, beams);
   SimulatedScan out;
-  for (int k = 0; k < scans; ++k) {
-    BeamLog beams = pattern;
-    receive(world, sensor, seed + uint64_t(k), beams);
-    out.shots += beams.size();
-    for (size_t i = 0; i < beams.size(); ++i) {
-      if (beams.is_hit(i)) out.points.push_back(beams.end_point(i));
-    }
+  out.shots = beams.size();
+  for (size_t i = 0; i < beams.size(); ++i) {
+    if (beams.is_hit(i)) out.points.push_back(beams.end_point(i));
   }
   return out;
 }
