@@ -180,7 +180,7 @@ void add_miniature(const StudyRun& run, StudyResult& result,
   guess.rotation = Eigen::AngleAxisd(3 * M_PI / 180, Vec3::UnitZ()) * guess.rotation;
   guess.translation += Vec3(0.05, -0.05, 0.03);
   CloudPair pair{{}, {}, guess};
-  const int scans = run.quick ? 4 : 32;
+  const int scans = run.quick ? 2 : 16;
   PairFigures one;
   for (int k = 0; k < scans; ++k) {
     AnalyticScanOptions instrument;

@@ -43,7 +43,8 @@ struct PairFigures {
   metrics::IcpResult icp;
   Pose real_from_target;             ///< That of `icp`.
   std::vector<Vec3> conjugate_real;  ///< Corners where three of the real cloud's planes meet.
-  Pose from_corners;                 ///< `real_from_target` from the conjugate points alone.
+  /// `real_from_target` from the conjugate points alone; that of `icp` if they are fewer than three.
+  Pose from_corners;
   double conjugate_rms_m = 0;        ///< What is left between the conjugate points.
   double corners_against_icp_m = 0;  ///< How far apart the two registrations lay the corners.
 
@@ -55,7 +56,7 @@ struct PairFigures {
 /// the target, segments both by `faces` of the solid, fits planes to the real one's patches and
 /// measures both clouds from them. The corners of planes that both clouds have, as conjugate points,
 /// give the registration of the paper, for comparison. Throws `std::invalid_argument` where
-/// fewer than three faces have points of both, or fewer than three corners are found.
+/// fewer than three faces have points of both.
 PairFigures compare(const scene::Solid& solid, const std::vector<size_t>& faces,
                     CloudPair pair, double histogram_bin_m = 0.05);
 

@@ -10,7 +10,7 @@ namespace {
 constexpr double kNearM = 0.04;     // of a face: five sigma of the instrument
 constexpr double kBorderM = 0.025;  // footprints nearer to an edge are on two faces
 constexpr size_t kLeastPoints = 30;
-constexpr size_t kMostPaired = 100000;  // simulated points in the registration
+constexpr size_t kMostPaired = 60000;  // points of either cloud in the registration
 
 using Segments = std::vector<std::vector<Vec3>>;
 
@@ -104,6 +104,14 @@ void keep_seen(std::vector<size_t>& faces, Segments& real, Segments& simulated) 
   require(faces.size() >= 3, "verification: fewer than three faces have points of both clouds");
 }
 
+/// Every n-th point, so that about `kMostPaired` are left.
+std::vector<Vec3> some_of(const std::vector<Vec3>& cloud) {
+  std::vector<Vec3> out;
+  const size_t every = 1 + cloud.size() / kMostPaired;
+  for (size_t i = 0; i < cloud.size(); i += every) out.push_back(cloud[i]);
+  return out;
+}
+
 double mean_over(const std::vector<PatchFigures>& patches, Distances PatchFigures::*side) {
   double sum = 0;
   for (const PatchFigures& p : patches) sum += (p.*side).mean_m / double(patches.size());
@@ -141,10 +149,8 @@ PairFigures compare(const scene::Solid& solid, const std::vector<size_t>& faces,
   PairFigures out;
   metrics::IcpOptions closest;
   closest.neighbours = 60;
-  std::vector<Vec3> some;
-  const size_t every = 1 + pair.simulated.size() / kMostPaired;
-  for (size_t i = 0; i < pair.simulated.size(); i += every) some.push_back(pair.simulated[i]);
-  out.icp = metrics::icp(some, pair.real, pair.real_from_target, closest);
+  out.icp = metrics::icp(some_of(pair.simulated), some_of(pair.real), pair.real_from_target,
+                         closest);
   out.real_from_target = out.icp.to_from_from;
   keep_target(solid, faces, out.real_from_target.inverse(), pair.real);
   keep_target(solid, faces, {}, pair.simulated);
@@ -163,7 +169,9 @@ PairFigures compare(const scene::Solid& solid, const std::vector<size_t>& faces,
     conjugate.push_back(
         metrics::intersection(simulated_plane[a], simulated_plane[b], simulated_plane[c]));
   }
-  out.from_corners = metrics::align(conjugate, out.conjugate_real).pose;
+  out.from_corners = conjugate.size() < 3
+                         ? out.real_from_target
+                         : metrics::align(conjugate, out.conjugate_real).pose;
   for (size_t k = 0; k < conjugate.size(); ++k) {
     const double n = double(conjugate.size());
     const Vec3 left = out.from_corners * conjugate[k] - out.conjugate_real[k];
