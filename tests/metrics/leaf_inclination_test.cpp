@@ -16,12 +16,11 @@ TEST(LeafInclination, OfPlanesIsThatOfThePlane) {
     const Mat3 turn = Eigen::AngleAxisd(tilt, Vec3::UnitX()).toRotationMatrix();
     std::vector<Vec3f> cloud;
     for (int i = 0; i < 500; ++i) {
-      cloud.push_back(
-          (turn * Vec3(random.uniform(), random.uniform(), 0)).cast<float>());
+      cloud.push_back((turn * Vec3(random.uniform(), random.uniform(), 0)).cast<float>());
     }
     const LeafInclination leaves = leaf_inclination(cloud);
-    const double angle = std::min(std::abs(leaves.mean_rad - tilt),
-                                  std::abs(M_PI - leaves.mean_rad - tilt));
+    const double angle =
+        std::min(std::abs(leaves.mean_rad - tilt), std::abs(M_PI - leaves.mean_rad - tilt));
     EXPECT_NEAR(angle, 0, 2e-3) << tilt;
     EXPECT_LT(leaves.sigma_rad, 0.01);
     EXPECT_FALSE(leaves.is_realistic());

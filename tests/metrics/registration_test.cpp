@@ -12,8 +12,7 @@ namespace underbrush::metrics {
 namespace {
 
 Pose turned(double angle, const Vec3& translation) {
-  return {Eigen::Quaterniond(Eigen::AngleAxisd(angle, Vec3(0.3, -1, 2).normalized())),
-          translation};
+  return {Eigen::Quaterniond(Eigen::AngleAxisd(angle, Vec3(0.3, -1, 2).normalized())), translation};
 }
 
 TEST(Align, RecoversASimilarityFromItsPoints) {

@@ -63,8 +63,8 @@ TEST(Solid, BeamsThroughEdgesAndCornersHit) {
   elements::Model model;
   model.surface = triangulated(block({0, 0, 0}, {1, 1, 1})).mesh;
   const trace::World world(model);
-  for (const Vec3& to : {Vec3(-0.5, -0.5, 0.5), Vec3(-0.5, 0.2, 1), Vec3(-0.5, -0.5, 1),
-                         Vec3(0, 0, 1)}) {
+  for (const Vec3& to :
+       {Vec3(-0.5, -0.5, 0.5), Vec3(-0.5, 0.2, 1), Vec3(-0.5, -0.5, 1), Vec3(0, 0, 1)}) {
     const Vec3 from(-8, -8, 9);
     const trace::Met met = world.nearest_surface({from, (to - from).normalized()}, {0, 100});
     ASSERT_FALSE(met.none()) << to.transpose();
@@ -101,15 +101,15 @@ TEST(Solid, FilesSayTheSameAndBadOnesAreRefused) {
   };
   const Solid a = read_solid(write("a.json", R"({"vertices": [[0,0,0],[1,0,0],[1,1,0],[0,1,0]],
                                                  "faces": [[0,1,2,3]]})"));
-  const Solid b = read_solid(
-      write("b.obj", "# a square\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 -2 4\n"));
+  const Solid b = read_solid(write(
+      "b.obj", "# a square\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 -2 4\n"));
   EXPECT_EQ(a.vertices, b.vertices);
   EXPECT_EQ(a.faces, b.faces);
   int k = 0;
-  for (const char* bad : {"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", "v 0 0\n", "v 0 0 0\n",
-                          "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 x\n",
-                          "v 0 0 0\nv 1 0 0\nv 1 1 0.1\nv 0 1 0\nf 1 2 3 4\n",
-                          "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n", "v nan 0 0\nf 1 1 1\n"}) {
+  for (const char* bad :
+       {"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", "v 0 0\n", "v 0 0 0\n",
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 x\n", "v 0 0 0\nv 1 0 0\nv 1 1 0.1\nv 0 1 0\nf 1 2 3 4\n",
+        "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n", "v nan 0 0\nf 1 1 1\n"}) {
     const auto path = write(("bad" + std::to_string(k++) + ".obj").c_str(), bad);
     EXPECT_THROW(read_solid(path), FormatError) << bad;
   }

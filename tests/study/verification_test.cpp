@@ -37,7 +37,8 @@ TEST(Verification, TheIndependentScannerMeasuresAWallAtItsDistance) {
   scene::Solid wall = scene::block({1, 0, -5}, {2, 10, 10});
   AnalyticScanOptions options;
   options.half_field_rad = 0.01;
-  const AnalyticScan scan = analytic_scan(wall, {Eigen::Quaterniond::Identity(), {-24, 0, 0}}, options);
+  const AnalyticScan scan =
+      analytic_scan(wall, {Eigen::Quaterniond::Identity(), {-24, 0, 0}}, options);
   EXPECT_EQ(scan.points.size(), scan.shots);
   double sum = 0, squares = 0;
   for (const Vec3& p : scan.points) {

@@ -13,8 +13,8 @@ namespace underbrush::app {
 /// The ILRIS-3D of [kim12] table 2, before a target at 24.00 m.
 struct AnalyticScanOptions {
   uint64_t seed = 1;
-  double half_field_rad = 3 * M_PI / 180;  ///< Square, about the forward axis.
-  double step_rad = 0.007 / 24.0;          ///< 7 mm at 24.00 m.
+  double half_field_rad = 3 * M_PI / 180;             ///< Square, about the forward axis.
+  double step_rad = 0.007 / 24.0;                     ///< 7 mm at 24.00 m.
   double azimuth_phase = 0.5, elevation_phase = 0.5;  ///< Of the raster, in steps.
   double range_sigma_m = 0.007;
   double range_step_m = 0.001;

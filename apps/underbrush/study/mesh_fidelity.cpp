@@ -21,8 +21,11 @@ constexpr double kVolumeM3 = 45;
 constexpr size_t kFlatPlants = 2;  // billboard and cartoon come first
 
 Json json_of(const LeafInclination& l) {
-  return {{"points", l.points}, {"mean_rad", l.mean_rad}, {"sigma_rad", l.sigma_rad},
-          {"epsilon", l.epsilon()}, {"realistic", l.is_realistic()}};
+  return {{"points", l.points},
+          {"mean_rad", l.mean_rad},
+          {"sigma_rad", l.sigma_rad},
+          {"epsilon", l.epsilon()},
+          {"realistic", l.is_realistic()}};
 }
 
 std::vector<std::string> cells(const LeafInclination& l) {
@@ -137,8 +140,8 @@ std::vector<Check> sweep_checks(const std::vector<PlantFigures>& plants,
   const auto finest = std::max_element(
       plants.begin(), plants.end(),
       [](const PlantFigures& a, const PlantFigures& b) { return a.elements < b.elements; });
-  out.push_back({"the finest plant lies inside, ε", finest->leaves.epsilon(),
-                 LeafInclination::kLargest});
+  out.push_back(
+      {"the finest plant lies inside, ε", finest->leaves.epsilon(), LeafInclination::kLargest});
   out.push_back({"ε falls with ln n, b", line.b, 0.001, false});
   return out;
 }

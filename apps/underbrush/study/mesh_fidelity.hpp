@@ -1,5 +1,5 @@
-/// The parts of the study of [goodin24]: how fine a plant must be modelled for a lidar's cloud of it
-/// to look real.
+/// The parts of the study of [goodin24]: how fine a plant must be modelled for a lidar's cloud of
+/// it to look real.
 #pragma once
 #include "study/study.hpp"
 #include "underbrush/core/beam_log.hpp"

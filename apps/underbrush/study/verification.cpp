@@ -73,11 +73,10 @@ StudyTable distance_table(const std::string& title, const PairFigures& f, bool p
   };
   for (size_t k = 0; k < f.patches.size(); ++k) {
     const PatchFigures& p = f.patches[k];
-    table.rows.push_back({fmt::format("{}", k + 1), fmt::format("{}", p.real.points),
-                          fmt::format("{}", p.simulated.points),
-                          both(p.simulated.mean_m, p.simulated.sigma_m),
-                          fmt::format("{:+.2f}", 1e3 * p.simulated.offset_m),
-                          both(p.real.mean_m, p.real.sigma_m)});
+    table.rows.push_back(
+        {fmt::format("{}", k + 1), fmt::format("{}", p.real.points),
+         fmt::format("{}", p.simulated.points), both(p.simulated.mean_m, p.simulated.sigma_m),
+         fmt::format("{:+.2f}", 1e3 * p.simulated.offset_m), both(p.real.mean_m, p.real.sigma_m)});
     if (!published) continue;
     const Published& q = kPublished[k];
     table.rows.back().push_back(both(q.simulated, q.simulated_sigma));
@@ -99,14 +98,13 @@ StudyTable histogram_table(const std::string& title, const std::vector<std::stri
                    {}};
   for (size_t k = 0; k < all.size(); ++k) {
     const PairFigures& f = *all[k];
-    table.rows.push_back({names[k], fmt::format("{}", f.real_points),
-                          fmt::format("{}", f.simulated_points),
-                          fmt::format("{:.1f}", f.histograms.mean_count_difference()),
-                          fmt::format("{:.3f} %", 100 * f.histograms.mean_difference()),
-                          fmt::format("{:.3f} %", 100 * f.histograms.largest_difference()),
-                          fmt::format("{}", f.icp.iterations),
-                          fmt::format("{}", f.conjugate_real.size()),
-                          millimetres(f.corners_against_icp_m)});
+    table.rows.push_back(
+        {names[k], fmt::format("{}", f.real_points), fmt::format("{}", f.simulated_points),
+         fmt::format("{:.1f}", f.histograms.mean_count_difference()),
+         fmt::format("{:.3f} %", 100 * f.histograms.mean_difference()),
+         fmt::format("{:.3f} %", 100 * f.histograms.largest_difference()),
+         fmt::format("{}", f.icp.iterations), fmt::format("{}", f.conjugate_real.size()),
+         millimetres(f.corners_against_icp_m)});
   }
   return table;
 }
@@ -267,9 +265,9 @@ std::string histogram_picture(const std::string& title, const metrics::RangeHist
     }
     most = std::max({most, 100 * h.a.share(k), 100 * h.b.share(k)});
   }
-  SvgPlot plot(title + fmt::format(": real ({} points) red, simulated ({}) blue", h.a.total(),
-                                   h.b.total()),
-               "range, m", "share of points, %");
+  SvgPlot plot(
+      title + fmt::format(": real ({} points) red, simulated ({}) blue", h.a.total(), h.b.total()),
+      "range, m", "share of points, %");
   plot.x_axis(h.a.first_m, h.a.first_m + double(h.a.count.size()) * h.a.bin_m);
   plot.y_axis(0, 1.1 * most);
   plot.line(real, "#c33");

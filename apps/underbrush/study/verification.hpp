@@ -30,7 +30,7 @@ struct PatchFigures {
 
 /// What two clouds are compared with.
 struct CloudPair {
-  std::vector<Vec3> real;       ///< m, in the scanner's frame: ranges are distances from its origin.
+  std::vector<Vec3> real;  ///< m, in the scanner's frame: ranges are distances from its origin.
   std::vector<Vec3> simulated;  ///< m, in the target's frame.
   Pose real_from_target;        ///< Roughly: to some degrees and 0.1 m.
 };
@@ -38,12 +38,13 @@ struct CloudPair {
 /// How the two compare.
 struct PairFigures {
   std::vector<PatchFigures> patches;
-  metrics::RangeHistograms histograms;  ///< Real, simulated.
+  metrics::RangeHistograms histograms;           ///< Real, simulated.
   size_t real_points = 0, simulated_points = 0;  ///< On the target.
   metrics::IcpResult icp;
   Pose real_from_target;             ///< That of `icp`.
   std::vector<Vec3> conjugate_real;  ///< Corners where three of the real cloud's planes meet.
-  /// `real_from_target` from the conjugate points alone; that of `icp` if they are fewer than three.
+  /// `real_from_target` from the conjugate points alone; that of `icp` if they are fewer than
+  /// three.
   Pose from_corners;
   double conjugate_rms_m = 0;        ///< What is left between the conjugate points.
   double corners_against_icp_m = 0;  ///< How far apart the two registrations lay the corners.
@@ -54,11 +55,11 @@ struct PairFigures {
 
 /// Lays the simulated cloud on the real one by iterated closest points, leaves out what lies off
 /// the target, segments both by `faces` of the solid, fits planes to the real one's patches and
-/// measures both clouds from them. The corners of planes that both clouds have, as conjugate points,
-/// give the registration of the paper, for comparison. Throws `std::invalid_argument` where
+/// measures both clouds from them. The corners of planes that both clouds have, as conjugate
+/// points, give the registration of the paper, for comparison. Throws `std::invalid_argument` where
 /// fewer than three faces have points of both.
-PairFigures compare(const scene::Solid& solid, const std::vector<size_t>& faces,
-                    CloudPair pair, double histogram_bin_m = 0.05);
+PairFigures compare(const scene::Solid& solid, const std::vector<size_t>& faces, CloudPair pair,
+                    double histogram_bin_m = 0.05);
 
 /// A scan by the simulator: the catalogue's ILRIS-3D, sub-rays, waveform and echo, in the target's
 /// frame. Its raster is shifted by `raster_phase(scan)` steps.

@@ -149,8 +149,8 @@ PairFigures compare(const scene::Solid& solid, const std::vector<size_t>& faces,
   PairFigures out;
   metrics::IcpOptions closest;
   closest.neighbours = 60;
-  out.icp = metrics::icp(some_of(pair.simulated), some_of(pair.real), pair.real_from_target,
-                         closest);
+  out.icp =
+      metrics::icp(some_of(pair.simulated), some_of(pair.real), pair.real_from_target, closest);
   out.real_from_target = out.icp.to_from_from;
   keep_target(solid, faces, out.real_from_target.inverse(), pair.real);
   keep_target(solid, faces, {}, pair.simulated);
@@ -169,9 +169,8 @@ PairFigures compare(const scene::Solid& solid, const std::vector<size_t>& faces,
     conjugate.push_back(
         metrics::intersection(simulated_plane[a], simulated_plane[b], simulated_plane[c]));
   }
-  out.from_corners = conjugate.size() < 3
-                         ? out.real_from_target
-                         : metrics::align(conjugate, out.conjugate_real).pose;
+  out.from_corners = conjugate.size() < 3 ? out.real_from_target
+                                          : metrics::align(conjugate, out.conjugate_real).pose;
   for (size_t k = 0; k < conjugate.size(); ++k) {
     const double n = double(conjugate.size());
     const Vec3 left = out.from_corners * conjugate[k] - out.conjugate_real[k];

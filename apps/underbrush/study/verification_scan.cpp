@@ -16,7 +16,8 @@ constexpr double kReflectance = 0.6;  // of opaque PVC: only faint edges depend 
 Vec3 normal_of(const elements::TriangleMesh& mesh, uint32_t triangle) {
   const auto& [a, b, c] = mesh.triangles[triangle];
   const Vec3 at = mesh.vertices[a].cast<double>();
-  return (mesh.vertices[b].cast<double>() - at).cross(mesh.vertices[c].cast<double>() - at)
+  return (mesh.vertices[b].cast<double>() - at)
+      .cross(mesh.vertices[c].cast<double>() - at)
       .normalized();
 }
 
@@ -46,8 +47,8 @@ void receive(const trace::World& world, const sensor::Sensor& sensor, uint64_t s
       }
       if (range.empty()) continue;
       signal.resize(range.size());
-      const radiometry::Echoes echoes = receiver.receive(
-          range, weight, factor, signal, beam_key(seed, beams.scan[i], i), scratch);
+      const radiometry::Echoes echoes = receiver.receive(range, weight, factor, signal,
+                                                         beam_key(seed, beams.scan[i], i), scratch);
       if (echoes.count > 0) beams.range_m[i] = echoes.echo[0].range_m;
     }
   });
@@ -57,9 +58,9 @@ void receive(const trace::World& world, const sensor::Sensor& sensor, uint64_t s
 
 Pose miniature_from_scanner() {
   const Vec3 middle(-0.5, -0.5, 0.5);
-  const Pose turned{Eigen::AngleAxisd(M_PI / 4, Vec3::UnitZ()) *
-                        Eigen::AngleAxisd(kLookDownRad, Vec3::UnitY()),
-                    Vec3::Zero()};
+  const Pose turned{
+      Eigen::AngleAxisd(M_PI / 4, Vec3::UnitZ()) * Eigen::AngleAxisd(kLookDownRad, Vec3::UnitY()),
+      Vec3::Zero()};
   return {turned.rotation, middle - kDistanceM * (turned * Vec3::UnitX())};
 }
 

@@ -40,7 +40,8 @@ double LogRegression::count_at(double epsilon) const {
 }
 
 LogRegression log_regression(std::span<const double> count, std::span<const double> epsilon) {
-  require(count.size() == epsilon.size() && count.size() >= 3, "regression: three pairs are needed");
+  require(count.size() == epsilon.size() && count.size() >= 3,
+          "regression: three pairs are needed");
   const double n = double(count.size());
   double x = 0, y = 0, xx = 0, xy = 0, yy = 0;
   for (size_t i = 0; i < count.size(); ++i) {

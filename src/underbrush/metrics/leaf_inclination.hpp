@@ -34,8 +34,8 @@ struct LogRegression {
   /// The n at which the line is at `epsilon`; infinite where b is not positive.
   double count_at(double epsilon) const;
 };
-/// Throws `std::invalid_argument` for fewer than three pairs, lengths that differ or counts that are
-/// all the same.
+/// Throws `std::invalid_argument` for fewer than three pairs, lengths that differ or counts that
+/// are all the same.
 LogRegression log_regression(std::span<const double> count, std::span<const double> epsilon);
 
 }  // namespace underbrush::metrics

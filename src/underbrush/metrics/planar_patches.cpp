@@ -106,7 +106,8 @@ PlanarPatch grow(std::span<const Vec3f> cloud, const std::vector<Vec3f>& normal,
     }
     for (const uint32_t j : around.of(patch.points[k])) {
       if (taken[j]) continue;
-      if (std::abs(patch.plane.distance(cloud[j].cast<double>())) > options.most_distance_m) continue;
+      if (std::abs(patch.plane.distance(cloud[j].cast<double>())) > options.most_distance_m)
+        continue;
       if (std::abs(patch.plane.normal.dot(normal[j].cast<double>())) < least_cos) continue;
       taken[j] = true;
       patch.points.push_back(j);

@@ -26,9 +26,9 @@ struct PatchOptions {
   size_t most_patches = 9;
 };
 
-/// Grows patches from the points whose surroundings are flattest, over neighbours near the plane and
-/// turned alike; the plane is fitted anew as the patch doubles. The largest come first. `cloud` in
-/// metres; keep it near its origin.
+/// Grows patches from the points whose surroundings are flattest, over neighbours near the plane
+/// and turned alike; the plane is fitted anew as the patch doubles. The largest come first. `cloud`
+/// in metres; keep it near its origin.
 std::vector<PlanarPatch> planar_patches(std::span<const Vec3f> cloud, const PatchOptions& options);
 
 }  // namespace underbrush::metrics

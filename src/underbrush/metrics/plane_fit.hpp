@@ -9,9 +9,9 @@ namespace underbrush::metrics {
 
 /// A plane as a height over two horizontal axes, z = a x + b y + c.
 struct HeightPlane {
-  Vec3 parameters = Vec3::Zero();   ///< ξ = (a, b, c).
-  Mat3 covariance = Mat3::Zero();   ///< Of ξ: σ̂₀² (AᵀA)⁻¹.
-  double variance = 0;              ///< σ̂₀² = vᵀv / (n − 3), m².
+  Vec3 parameters = Vec3::Zero();        ///< ξ = (a, b, c).
+  Mat3 covariance = Mat3::Zero();        ///< Of ξ: σ̂₀² (AᵀA)⁻¹.
+  double variance = 0;                   ///< σ̂₀² = vᵀv / (n − 3), m².
   double distance(const Vec3& p) const;  ///< Perpendicular, m, positive above.
 };
 
@@ -25,9 +25,9 @@ HeightPlane fit_height_plane(std::span<const Vec3> points);
 struct Plane {
   Vec3 normal = Vec3::UnitZ();  ///< Unit.
   double offset_m = 0;
-  Vec3 centre = Vec3::Zero();  ///< Mean of the points, on the plane.
+  Vec3 centre = Vec3::Zero();                 ///< Mean of the points, on the plane.
   Vec3 u = Vec3::UnitX(), v = Vec3::UnitY();  ///< Along the plane, with the normal right-handed.
-  double variance = 0;  ///< σ̂₀² of the perpendicular distances, m².
+  double variance = 0;                        ///< σ̂₀² of the perpendicular distances, m².
   /// Of (γ, α, β), with which the plane is w = γ + α (u·(p − centre)) + β (v·(p − centre)), w
   /// along the normal: offset m, slopes rad. The estimate itself is zero.
   Mat3 covariance = Mat3::Zero();

@@ -40,9 +40,8 @@ double RangeHistograms::largest_difference() const {
 
 double RangeHistograms::mean_difference() const {
   const double n = double(a.total()), m = double(b.total());
-  return mean_over_used(*this, [&](size_t k) {
-    return std::abs(double(a.count[k]) / n - double(b.count[k]) / m);
-  });
+  return mean_over_used(
+      *this, [&](size_t k) { return std::abs(double(a.count[k]) / n - double(b.count[k]) / m); });
 }
 
 double RangeHistograms::mean_count_difference() const {

@@ -64,8 +64,7 @@ Similarity align(std::span<const Vec3> from, std::span<const Vec3> to, bool rigi
   const Eigen::Matrix4d t = Eigen::umeyama(a, b, !rigid);
   Similarity out;
   out.scale = rigid ? 1 : std::cbrt(t.topLeftCorner<3, 3>().determinant());
-  out.pose.rotation =
-      Eigen::Quaterniond(Mat3(t.topLeftCorner<3, 3>() / out.scale)).normalized();
+  out.pose.rotation = Eigen::Quaterniond(Mat3(t.topLeftCorner<3, 3>() / out.scale)).normalized();
   out.pose.translation = t.topRightCorner<3, 1>();
   return out;
 }

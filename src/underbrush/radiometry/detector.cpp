@@ -177,8 +177,8 @@ Echoes Detector::detect(const Waveform& w, float threshold) const {
   return echoes;
 }
 
-// What the detector itself makes of noiseless pulses: of the leading edge the mean over the target's
-// place in a cell, of the parabola all of them.
+// What the detector itself makes of noiseless pulses: of the leading edge the mean over the
+// target's place in a cell, of the parabola all of them.
 void Detector::calibrate(const Response& response) {
   constexpr int kPlaces = 32;
   walk_m_.assign(size_t(kWalkOctaves) * kWalkPerOctave + 1, 0);

@@ -131,7 +131,8 @@ Solid block(const Vec3& foot, const Vec3& sides) {
   Solid out;
   for (int i = 0; i < 8; ++i) {
     out.vertices.push_back(foot + Vec3((i & 1 ? 0.5 : -0.5) * sides.x(),
-                                       (i & 2 ? 0.5 : -0.5) * sides.y(), (i & 4 ? 1 : 0) * sides.z()));
+                                       (i & 2 ? 0.5 : -0.5) * sides.y(),
+                                       (i & 4 ? 1 : 0) * sides.z()));
   }
   out.faces = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {1, 3, 7, 5}, {3, 2, 6, 7}, {2, 0, 4, 6}};
   return out;

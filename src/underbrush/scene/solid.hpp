@@ -16,8 +16,8 @@ struct Solid {
   std::vector<std::vector<uint32_t>> faces;
 
   /// Throws `std::invalid_argument` where a face has fewer than three corners, a corner does not
-  /// exist or is not finite, a face has no area or touches itself, or a corner lies more than 10⁻⁶ of the face's size
-  /// (and 1 µm) off its plane.
+  /// exist or is not finite, a face has no area or touches itself, or a corner lies more than 10⁻⁶
+  /// of the face's size (and 1 µm) off its plane.
   void check() const;
   /// Unit, outwards, and a point of the face.
   Vec3 normal(size_t face) const;
