@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "embree.hpp"
+#include "svg_plot.hpp"
 #include "timing.hpp"
 #include "trace_scenes.hpp"
 #include "underbrush/core/parallel.hpp"
@@ -29,7 +30,7 @@ struct Rays {
   std::vector<uint64_t> keys;
 
   explicit Rays(std::vector<Ray> rays) : firing(std::move(rays)) {
-    const auto columns = std::make_unique<trace::Columns>();
+    const auto unfolded = std::make_unique<trace::Unfolded>();
     std::vector<uint32_t> order(kCall);
     for (size_t begin = 0; begin < firing.size(); begin += kCall) {
       const size_t n = std::min(kCall, firing.size() - begin);
@@ -37,20 +38,20 @@ struct Rays {
       const auto azimuth = [](const Ray& r) {
         return std::atan2(r.direction.y(), r.direction.x());
       };
-      columns->turn_low = columns->up_low = 4;
-      columns->turn_high = columns->up_high = -4;
+      unfolded->turn_low = unfolded->up_low = 4;
+      unfolded->turn_high = unfolded->up_high = -4;
       for (size_t k = 0; k < n; ++k) {
         const double turned = azimuth(part[k]) - azimuth(part[0]);
         const float turn = float(std::remainder(turned, 2 * M_PI) / (M_PI / 2));
         const float up = float(part[k].direction.z());
-        columns->turn[k] = turn;
-        columns->direction[2][k] = up;
-        columns->turn_low = std::min(columns->turn_low, turn);
-        columns->turn_high = std::max(columns->turn_high, turn);
-        columns->up_low = std::min(columns->up_low, up);
-        columns->up_high = std::max(columns->up_high, up);
+        unfolded->turn[k] = turn;
+        unfolded->up[k] = up;
+        unfolded->turn_low = std::min(unfolded->turn_low, turn);
+        unfolded->turn_high = std::max(unfolded->turn_high, turn);
+        unfolded->up_low = std::min(unfolded->up_low, up);
+        unfolded->up_high = std::max(unfolded->up_high, up);
       }
-      trace::order_by_direction(*columns, {order.data(), n});
+      trace::order_by_direction(*unfolded, {order.data(), n});
       for (size_t k = 0; k < n; ++k) coherent.push_back(part[order[k]]);
     }
     for (size_t i = 0; i < firing.size(); ++i) keys.push_back(beam_key(1, 0, i));
@@ -149,10 +150,11 @@ class Bench {
     std::vector<trace::Met> met(rays.firing.size());
     std::vector<trace::World> worlds;
     set_threads(1);
-    double build_s = 0;
+    std::vector<double> builds;
     for (trace::Isa isa : isas_) {
-      build_s = seconds_of([&] { worlds.push_back(make(isa)); });
+      builds.push_back(seconds_of([&] { worlds.push_back(make(isa)); }));
     }
+    const double build_s = median(builds);
     for (const trace::World& w : worlds) {
       contest.add("ours_" + std::string(w.isa()), [&] { trace_all(w, rays, met); });
     }
@@ -209,26 +211,80 @@ void print(const Json& j) {
   std::fflush(stdout);
 }
 
+double rate_of(const Json& j, const char* name) {
+  const Json& rates = j["rays_per_s_per_core"];
+  return rates.contains(name) ? rates[name].get<double>() : 0;
+}
+
+const Json* find(const Json& cases, const char* scene, size_t elements, int sub_rays) {
+  for (const Json& j : cases) {
+    if (j["scene"] == scene && j["elements"] == elements && j["sub_rays"] == sub_rays) return &j;
+  }
+  return nullptr;
+}
+
 /// Figures that goals are set for, of the dense forest of 10⁶ ellipsoids (10⁵ when quick).
-Json summary(const Json& one, const Json& sub) {
+Json summary(const Json& cases, size_t middle) {
+  const Json &one = *find(cases, "forest", middle, 1), &sub = *find(cases, "forest", middle, 16);
   const Json &core = one["rays_per_s_per_core"], &two = one["rays_per_s_2_cores"];
-  const double ours = fastest(core, "ours");
   Json j;
   j["hdl64e_realtime_multiple_1e6"] = fastest(two, "ours") / kHdl64eBeamsPerS;
   j["os1_64_realtime_multiple_1e6"] = fastest(two, "ours") / kOs1BeamsPerS;
-  j["ratio_to_embree_best_1e6"] = ours / fastest(core, "embree");
-  if (core.contains("ours_avx2")) {
-    const double avx2 = core["ours_avx2"];
+  j["ratio_to_embree_best_1e6"] = fastest(core, "ours") / fastest(core, "embree");
+  if (const double avx2 = rate_of(one, "ours_avx2"); avx2 > 0) {
     j["avx2_beams_per_s_per_core_1e6"] = avx2;
     j["hdl64e_realtime_multiple_avx2_1e6"] = two["ours_avx2"].get<double>() / kHdl64eBeamsPerS;
-    j["ratio_to_embree_packets_avx2_1e6"] = avx2 / core["embree_avx2_packet8"].get<double>();
+    j["ratio_to_embree_packets_avx2_1e6"] = avx2 / rate_of(one, "embree_avx2_packet8");
+    for (const auto& [name, scene, elements] :
+         {std::tuple{"avx2_beams_per_s_per_core_1e7", "forest", size_t(10000000)},
+          std::tuple{"avx2_beams_per_s_per_core_1e6_instances", "planted", size_t(1000000)}}) {
+      if (const Json* c = find(cases, scene, elements, 1)) j[name] = rate_of(*c, "ours_avx2");
+    }
   }
   j["hdl64e_realtime_multiple_sub_rays_1e6"] =
       fastest(sub["rays_per_s_2_cores"], "ours") / sub["sub_rays"].get<double>() / kHdl64eBeamsPerS;
+  double bytes = 0, build_us = 0;
+  for (const Json& c : cases) {
+    if (c["scene"] != "forest") continue;
+    bytes = std::max(bytes, c["bytes_per_element"].get<double>());
+    build_us = std::max(build_us, c["build_us_per_element_1_thread"].get<double>());
+  }
+  j["bytes_per_element"] = bytes;
+  j["build_us_per_element_1_thread"] = build_us;
   return j;
 }
 
-/// What bench/instructions.py counts the instructions of.
+/// Rays a second a core against the number of ellipsoids, of the dense forest.
+void plot(const Json& cases, const std::string& file) {
+  app::SvgPlot out("Dense forest, HDL-64E beams in firing order (Embree: ordered)",
+                   "log10 of the number of ellipsoids", "million rays/s a core");
+  const std::vector<std::pair<const char*, const char*>> ways{
+      {"ours_avx512", "#0a7d33"},         {"ours_avx2", "#4cb86a"},
+      {"ours_sse2", "#a9dcb5"},           {"embree_packet16", "#b3261e"},
+      {"embree_avx2_packet8", "#e0736c"}, {"embree_single", "#f0b6b2"}};
+  double most = 0, last = 4;
+  for (const Json& c : cases) {
+    if (c["scene"] != "forest" || c["sub_rays"] != 1) continue;
+    most = std::max(most, 1.1e-6 * fastest(c["rays_per_s_per_core"], ""));
+    last = std::max(last, std::log10(c["elements"].get<double>()));
+  }
+  out.x_axis(4, last + 0.7);
+  out.y_axis(0, most);
+  for (const auto& [name, colour] : ways) {
+    app::SvgPlot::Points points;
+    for (const Json& c : cases) {
+      if (c["scene"] != "forest" || c["sub_rays"] != 1 || rate_of(c, name) == 0) continue;
+      points.emplace_back(std::log10(c["elements"].get<double>()), 1e-6 * rate_of(c, name));
+    }
+    if (points.empty()) continue;
+    out.line(points, colour, name[0] == 'e');
+    out.dots(points, colour, 6);
+    out.text(points.back().first + 0.04, points.back().second, name);
+  }
+  out.write(file);
+}
+
+/// What bench/instructions.sh counts the instructions of.
 __attribute__((noinline)) void counted_pass(const trace::World& world, const Rays& rays,
                                             std::vector<trace::Met>& met) {
   trace_all(world, rays, met);
@@ -255,13 +311,14 @@ int trace_passes(int passes, size_t elements, const std::string& isa) {
 int main(int argc, char** argv) {
   using namespace underbrush::bench;
   CLI::App app("Speed of the tracing engine against Embree and real sensors");
-  std::string json_file;
+  std::string json_file, plot_file;
   int rounds = 5;
   int passes = 0;
   size_t elements = 100000;
   std::string isa = "avx2";
   bool quick = false;
   app.add_option("--json", json_file, "Write the figures here");
+  app.add_option("--plot", plot_file, "Draw rays/s against the number of elements (SVG)");
   app.add_option("--rounds", rounds, "Runs of each, in turns; medians count")
       ->capture_default_str();
   app.add_flag("--quick", quick, "Fewer and smaller cases (10^5 stands for 10^6)");
@@ -276,34 +333,33 @@ int main(int argc, char** argv) {
 
   Bench bench(rounds, quick);
   const char* hdl = "velodyne-hdl64e";
-  Json cases = Json::array(), one, sub;
-  const auto keep = [&](Json j) {
+  Json cases = Json::array();
+  const auto keep = [&](const Json& j) {
     print(j);
     cases.push_back(j);
-    return j;
   };
   const std::vector<size_t> sizes = quick ? std::vector<size_t>{10000, 100000}
                                           : std::vector<size_t>{10000, 100000, 1000000, 10000000};
   const size_t middle = quick ? 100000 : 1000000;
   for (size_t n : sizes) {
     const auto model = forest(n);
-    const Json j = keep(bench.model_case({"forest", n, 1}, model, hdl));
+    keep(bench.model_case({"forest", n, 1}, model, hdl));
     if (n != middle) continue;
-    one = j;
     keep(bench.model_case({"forest_os1", n, 1}, model, "ouster-os1-64"));
     keep(bench.model_case({"forest", n, 9}, model, hdl));
-    sub = keep(bench.model_case({"forest", n, 16}, model, hdl));
+    keep(bench.model_case({"forest", n, 16}, model, hdl));
     if (!quick) keep(bench.model_case({"forest", n, 41}, model, hdl));
   }
   keep(bench.model_case({"field", middle, 1}, field(middle), hdl));
   for (size_t n : quick ? std::vector<size_t>{1000} : std::vector<size_t>{286, 10000, 1000000}) {
     keep(bench.scene_case({"planted", n, 1}, planted(n), hdl));
   }
-  Json out = summary(one, sub);
+  Json out = summary(cases, middle);
   for (const auto& [key, value] : out.items()) {
     std::printf("%-42s %.4g\n", key.c_str(), value.get<double>());
   }
   out["cases"] = cases;
+  if (!plot_file.empty()) plot(cases, plot_file);
   if (!json_file.empty()) std::ofstream(json_file) << out.dump(2) << "\n";
   return 0;
 }

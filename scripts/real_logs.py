@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Hybrid against surface mesh on real logs: import, fit on half, simulate and score the other half.
 
-    scripts/real_logs.py DATA WORK [--program build/bin/underbrush] [--only NAME ...] [--markdown FILE]
+    scripts/real_logs.py DATA WORK [--program build/bin/underbrush] [--only NAME ...]
+                         [--models NAME ...] [--markdown FILE]
 
 DATA is a folder with the logs named in LOGS below (KITTI drives packed by its frames.py, which needs
 NumPy, or unpacked). WORK receives all intermediate files. Prints one Markdown table row a log and
@@ -29,7 +30,11 @@ LOGS = {
 CONFIGS = pathlib.Path(__file__).resolve().parent.parent / "share/configs"
 FITTERS = {"hybrid": ["--fitter", "hierarchical"], "surface": ["--fitter", "surface"],
            "surface_paper": ["--config", CONFIGS / "vegetation-surface-mobile.yaml"],
-           "surface_carved": ["--fitter", "surface", "--surface-carve"]}
+           "surface_carved": ["--fitter", "surface", "--surface-carve"],
+           "voxel": ["--fitter", "voxel", "--voxel-side", "0.3"],
+           "top_down": ["--fitter", "top_down"], "bottom_up": ["--fitter", "bottom_up"],
+           "likelihood": ["--fitter", "likelihood"]}
+DEFAULT = ["hybrid", "surface", "surface_paper", "surface_carved"]
 COLUMNS = [("packet_error_m", "packet error, m", 3), ("precision", "precision", 4),
            ("recall", "recall", 4), ("f1", "F1", 4), ("cloud_error_m", "cloud error, m", 4),
            ("median_range_error_m", "median range error, m", 3), ("nll_per_beam", "NLL/beam", 3),
@@ -54,7 +59,7 @@ def unpacked(source, data, work):
     return folder
 
 
-def score(program, data, work, name):
+def score(program, data, work, name, models):
     source, options, split, fit = LOGS[name]
     work.mkdir(parents=True, exist_ok=True)
     source = unpacked(data / source, data, work)
@@ -63,7 +68,8 @@ def score(program, data, work, name):
     train, test = work / "train.ply", work / "test.ply"
     run(program, "split", work / "log.ply", *split, "--train", train, "--test", test)
     words = ["score", test]
-    for label, fitter in FITTERS.items():
+    for label in models:
+        fitter = FITTERS[label]
         run(program, "fit", train, *fitter, *fit, "-o", work / label)
         run(program, "simulate", work / label, "--like", test, "-o", work / f"{label}.ply")
         words += [work / f"{label}.ply", "--model", work / label, "--name", label]
@@ -71,10 +77,11 @@ def score(program, data, work, name):
     return json.loads((work / "score.json").read_text())
 
 
-def rows(name, result):
-    for label in FITTERS:
-        s = result["models"][label]
-        figures = [f"{s[key]:.{digits}f}" for key, _, digits in COLUMNS]
+def rows(work, name, result):
+    for label, s in result["models"].items():
+        manifest = json.loads((work / name / label / "model.json").read_text())
+        figures = [str(manifest["ellipsoids"]["count"])]
+        figures += [f"{s[key]:.{digits}f}" for key, _, digits in COLUMNS]
         yield f"| {name} | {label} | {s['beams']} | " + " | ".join(figures) + " |"
 
 
@@ -84,16 +91,17 @@ def main():
     parser.add_argument("work", type=pathlib.Path)
     parser.add_argument("--program", default="build/bin/underbrush")
     parser.add_argument("--only", nargs="*", default=list(LOGS), choices=list(LOGS))
+    parser.add_argument("--models", nargs="*", default=DEFAULT, choices=list(FITTERS))
     parser.add_argument("--markdown", type=pathlib.Path, help="also write the table here")
     args = parser.parse_args()
-    table = ["| log | model | beams | " + " | ".join(title for _, title, _ in COLUMNS) + " |",
-             "|---|---|" + "---:|" * (1 + len(COLUMNS))]
+    table = ["| log | model | beams | ellipsoids | " + " | ".join(title for _, title, _ in COLUMNS) + " |",
+             "|---|---|" + "---:|" * (2 + len(COLUMNS))]
     print("\n".join(table), flush=True)
     for name in args.only:
         if not (args.data / LOGS[name][0]).exists():
             print(f"{name}: not in {args.data}, skipped", file=sys.stderr)
             continue
-        for row in rows(name, score(args.program, args.data, args.work / name, name)):
+        for row in rows(args.work, name, score(args.program, args.data, args.work / name, name, args.models)):
             table.append(row)
             print(row, flush=True)
     if args.markdown:

@@ -28,6 +28,14 @@ constexpr const char* kSynthetic =
     "in "
     "for reality. Nothing here was measured.";
 
+/// Replaces the column `element` by `instance`: the plant that was hit, 0 for ground and misses.
+void add_instances(const scene::FlatSite& flat, BeamLog& beams) {
+  auto& element = std::get<std::vector<uint32_t>>(beams.extra.at("element"));
+  for (uint32_t& e : element) e = e < flat.instance.size() ? flat.instance[e] : 0;
+  beams.extra["instance"] = std::move(element);
+  beams.extra.erase("element");
+}
+
 /// Scans the site along its drive; even scans go to `train`, odd ones to `test`. Returns the beams.
 size_t scan_site(const Verb& verb, const Arguments& a, const fs::path& train,
                  const fs::path& test) {
@@ -48,6 +56,7 @@ size_t scan_site(const Verb& verb, const Arguments& a, const fs::path& train,
   size_t done = 0;
   while (pattern.next(chunk)) {
     simulate::scan(world, flat.label, a.beam, done, chunk);
+    add_instances(flat, chunk);
     BeamLog part[2] = {chunk.like(), chunk.like()};
     for (size_t begin = 0, end; begin < chunk.size(); begin = end) {
       const uint32_t odd = chunk.scan[begin] & 1;
@@ -74,6 +83,7 @@ void run(const Verb& verb, Arguments& a) {
   fs::create_directories(folder);
   const fs::path train = folder / "train.ply", test = folder / "test.ply";
   a.site.seed = a.beam.seed = verb.seed;
+  a.beam.element_ids = true;
   say(kSynthetic);
   const size_t beams = scan_site(verb, a, train, test);
   say(fmt::format("scanned the site with {}: {} beams; even scans train, odd scans are held out",
@@ -90,7 +100,7 @@ void run(const Verb& verb, Arguments& a) {
     simulate::Options simulate;
     simulate.seed = verb.seed;
     const SimulateStep simulated =
-        simulate_log(verb, fitted.result.model, like, simulate, log, {model, test});
+        simulate_log(verb, trace::World(fitted.result.model), like, simulate, log, {model, test});
     const elements::Model& m = fitted.result.model;
     say(fmt::format("{}: fitted {} ellipsoids, {} triangles ({:.1f} s), simulated {} beams", fitter,
                     m.ellipsoids.size(), m.ground.size() + m.surface.size(), fitted.seconds,

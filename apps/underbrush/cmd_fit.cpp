@@ -21,6 +21,12 @@ void add_options(CLI::App& app, Arguments& a) {
   };
   option("--fitter", a.fit.fitter, "How the model is made")
       ->check(CLI::IsMember(fit::fitter_names()));
+  option("--start", a.fit.start, "likelihood: what it starts from, a fitter or a model's folder");
+  option("--rounds", a.fit.likelihood.rounds, "likelihood: most steps that are tried");
+  option("--held-out", a.fit.likelihood.held_out.one_in,
+         "likelihood: one group of beams in so many judges the steps and is not learnt from");
+  option("--dropout", a.fit.likelihood.dropout,
+         "likelihood: how readily a lone miss is taken as a lost return, not as a way through");
   option("--tau", a.fit.tau, "Mahalanobis distance within which a beam meets an ellipsoid");
   option("--clusters-per-point", a.fit.volumetric.hierarchical.clusters_per_point,
          "hierarchical: number of ellipsoids per point");
@@ -117,6 +123,7 @@ void run(const Verb& verb, Arguments& a) {
   j["ground_sigma_m"] = model.ground.range_sigma_m;
   j["skipped"] = step.skipped;
   j["warnings"] = r.warnings;
+  if (!r.likelihood.steps.empty()) j["likelihood"] = json_of(r.likelihood);
   j["seconds"] = step.seconds;
   j["beams_per_s"] = double(r.beams) / step.seconds;
   std::string text = fmt::format(
@@ -141,6 +148,10 @@ void run(const Verb& verb, Arguments& a) {
     text += fmt::format("  left out    {} points of full tiles\n", r.thinned_points);
   for (const auto& [why, n] : step.skipped)
     text += fmt::format("  skipped     {} beams: {}\n", n, why);
+  for (const fit::LikelihoodStep& s : r.likelihood.steps) {
+    text += fmt::format("  {:<11} {} elements, -log f {:.4f} training, {:.4f} held out{}\n", s.name,
+                        s.elements, s.training_nll, s.held_out_nll, s.accepted ? "" : ", undone");
+  }
   for (const std::string& w : r.warnings) text += "  warning     " + w + "\n";
   text += "  model       " + a.output + "\n";
   verb.report(j, text);

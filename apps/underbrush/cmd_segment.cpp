@@ -1,122 +1,334 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
+#include <set>
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/classes.hpp"
 #include "underbrush/elements/label_sets.hpp"
-#include "underbrush/fit/ground_flags.hpp"
+#include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/metrics/agreement.hpp"
+#include "underbrush/metrics/instances.hpp"
+#include "underbrush/primitives/given_labels.hpp"
+#include "underbrush/primitives/segment_log.hpp"
 #include "verb.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
 namespace {
 
+using elements::Class;
+using elements::ClassKind;
+
 struct Arguments {
-  std::string log, output;
-  double tile_m = 32;
-  ground::SegmentOptions ground;
+  std::string log, output, labels, truth = "instance";
+  primitives::GivenLabelOptions given;
+  primitives::SegmentLogOptions segment;
 };
+
+void add_object_options(CLI::App& app, primitives::ObjectOptions& o) {
+  const auto option = [&](const char* name, double& value, const char* text) {
+    app.add_option(name, value, text)->check(CLI::NonNegativeNumber)->capture_default_str();
+  };
+  option("--cell", o.cell_m, "Objects: side of a column, m; 0 = 0.4, more where points are sparse");
+  option("--gap", o.gap_m,
+         "Objects: empty height that parts what stands in a column, m; 0 = by the cell");
+  option("--spacing", o.spacing_a_m, "Trees: nearer peaks are one crown, m, ...");
+  option("--spacing-per-m", o.spacing_b, "Trees: ... and this much more for each m of height");
+  option("--prominence", o.prominence_a_m,
+         "Trees: a dip less deep than this parts no crowns, m, ...");
+  option("--prominence-per-m", o.prominence_b,
+         "Trees: ... and this much more for each m of height");
+  option("--radius", o.radius_a_m, "Trees: a crown reaches no farther from its peak, m, ...");
+  option("--radius-per-m", o.radius_b, "Trees: ... and this much more for each m of height");
+  option("--foot", o.trunk_m, "Trees: what is no wider under a crown is its foot, m");
+  option("--tree-height", o.sizes.tree_m, "Classes: height from which an object is a tree, m");
+  option("--small-shrub-height", o.sizes.small_shrub_m, "Classes: lower is a low shrub, m");
+  option("--medium-shrub-height", o.sizes.medium_shrub_m, "Classes: lower is a small shrub, m");
+  option("--large-shrub-height", o.sizes.large_shrub_m, "Classes: lower is a medium shrub, m");
+  option("--medium-tree-height", o.sizes.medium_tree_m, "Classes: lower is a small tree, m");
+  option("--large-tree-height", o.sizes.large_tree_m, "Classes: lower is a medium tree, m");
+  option("--patch-side", o.sizes.patch_m, "Classes: shrubs from this length on are a patch, m");
+  app.add_option("--min-points", o.min_points, "Objects: fewest points")->capture_default_str();
+}
 
 void add_options(CLI::App& app, Arguments& a) {
   app.add_option("LOG", a.log, "The log (ray cloud PLY, as import writes it)")->required();
   app.add_option("-o,--output", a.output,
-                 "The log with the column class: ground, or unknown. A column class that it had is "
-                 "scored against and kept as given_class")
+                 "The log with the columns class and instance. Those that it had are scored "
+                 "against and kept as given_class and given_instance")
       ->type_name("LABELLED.ply");
-  app.add_option("--ground-method", a.ground.method, "Ground segmentation")
-      ->check(CLI::IsMember({"lower_envelope", "spherical_variance"}))
-      ->capture_default_str();
-  app.add_option("--tile", a.tile_m, "Side of a tile, m")
+  app.add_option("--labels", a.labels,
+                 "Take these labels over: a SemanticKITTI .label file, or a PLY, PCD or CSV file "
+                 "with a column class or instance (the log itself, too)")
+      ->type_name("FILE");
+  app.add_option("--label-set", a.given.set, "What the numbers of --labels mean")
+      ->check(CLI::IsMember(elements::label_set_names()));
+  app.add_option("--label-tolerance", a.given.tolerance_m,
+                 "How far a point of --labels may lie from the hit that it labels, m")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  app.add_option("--truth", a.truth,
+                 "Column of the log with the true trees' numbers, to be scored against")
+      ->capture_default_str();
+  app.add_option("--ground-method", a.segment.ground.method, "Ground segmentation")
+      ->check(CLI::IsMember({"lower_envelope", "spherical_variance"}))
+      ->capture_default_str();
+  app.add_option("--min-range", a.segment.min_range_m,
+                 "Hits nearer than this are nothing, m: the vehicle that carries the sensor")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--tile", a.segment.tile_m, "Side of a tile of the ground segmentation, m")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  add_object_options(app, a.segment.objects);
 }
 
-/// What a pass over the log with its flags gives.
-struct Outcome {
-  size_t beams = 0, hits = 0, ground = 0, unlabelled = 0;
-  bool labelled = false;
-  metrics::Agreement score;
+/// Labels of each hit as they are written.
+struct Found {
+  std::vector<uint8_t> label;
+  std::vector<uint32_t> instance;
+  size_t objects = 0;
 };
 
-/// Puts the found classes into the chunk and counts; `next` goes on through `flags`.
-void label(const std::vector<uint8_t>& flags, size_t& next, BeamLog& chunk, Outcome& out) {
-  std::vector<uint8_t> found(chunk.size());
-  const auto given = chunk.extra.find("class");
-  out.labelled = given != chunk.extra.end();
+/// What is known of each hit by labels that are taken over.
+std::vector<primitives::Prior> priors_of(const primitives::GivenLabels& given) {
+  using primitives::Prior;
+  std::vector<Prior> prior;
+  for (const uint32_t label : given.label) {
+    prior.push_back(elements::ground_label(given.set, label) == elements::GroundLabel::kYes
+                        ? Prior::kGround
+                    : elements::is_vegetation(given.set, label) ? Prior::kObject
+                                                                : Prior::kOther);
+  }
+  return prior;
+}
+
+Found found_of(const primitives::LogLabels& labels) {
+  Found out;
+  out.instance = labels.object;
+  out.objects = labels.objects.size();
+  for (size_t k = 0; k < labels.object.size(); ++k) {
+    const uint32_t object = labels.object[k];
+    out.label.push_back(uint8_t(labels.ground[k] ? Class::kGround
+                                : object         ? labels.objects[object - 1].label
+                                                 : Class::kUnknown));
+  }
+  return out;
+}
+
+/// Classes and instances that are given stand; what is not given is found.
+Found taken_over(const primitives::GivenLabels& given, const primitives::LogLabels* labels) {
+  Found out = labels ? found_of(*labels) : Found{};
+  if (!given.label.empty() && given.set == "underbrush") {
+    out.label.assign(given.label.begin(), given.label.end());
+  }
+  if (!given.instance.empty() && (given.set == "underbrush" || given.label.empty())) {
+    out.instance = given.instance;
+    out.objects = std::set<uint32_t>(given.instance.begin(), given.instance.end()).size();
+    out.objects -= std::count(given.instance.begin(), given.instance.end(), 0u) > 0;
+  }
+  return out;
+}
+
+/// What a pass over the log with its labels gives.
+struct Outcome {
+  size_t beams = 0, hits = 0, ground = 0, unlabelled = 0;
+  bool labelled = false, has_truth = false;
+  std::map<Class, size_t> points;
+  metrics::Agreement ground_score, vegetation;
+  metrics::InstanceCounter trees;
+};
+
+uint32_t number_at(const ExtraColumn& column, size_t i) {
+  return std::visit([&](const auto& c) { return c[i] > 0 ? uint32_t(c[i]) : 0u; }, column);
+}
+
+/// Puts the found labels into the chunk and counts; `next` goes on through the hits.
+void label(const Arguments& a, const Found& found, size_t& next, BeamLog& chunk, Outcome& out) {
+  std::vector<uint8_t> label(chunk.size());
+  std::vector<uint32_t> instance(chunk.size());
+  const auto given = chunk.extra.find("class"), truth = chunk.extra.find(a.truth);
+  const bool score = a.labels.empty();
+  out.labelled = score && given != chunk.extra.end();
+  out.has_truth = score && truth != chunk.extra.end();
+  const std::string& set = chunk.info.classes;
   for (size_t i = 0; i < chunk.size(); ++i) {
     ++out.beams;
     if (!chunk.is_hit(i)) continue;
-    const bool ground = flags[next++];
-    found[i] = uint8_t(ground ? elements::Class::kGround : elements::Class::kUnknown);
+    const size_t k = next++;
+    label[i] = found.label[k];
+    instance[i] = found.instance[k];
+    const auto c = Class(label[i]);
+    const bool ground = c == Class::kGround || c == Class::kGrass;
     ++out.hits;
+    ++out.points[c];
     out.ground += ground;
-    if (!out.labelled) continue;
-    const auto number = std::visit([&](const auto& c) { return uint32_t(c[i]); }, given->second);
-    const elements::GroundLabel truth = elements::ground_label(chunk.info.classes, number);
-    if (truth == elements::GroundLabel::kUnknown) {
-      ++out.unlabelled;
-    } else {
-      out.score.add(ground, truth == elements::GroundLabel::kYes);
+    bool tree = true;  // where the log does not say, every number is a tree's
+    if (out.labelled) {
+      const uint32_t number = number_at(given->second, i);
+      const elements::GroundLabel known = elements::ground_label(set, number);
+      if (known == elements::GroundLabel::kUnknown) {
+        ++out.unlabelled;
+      } else {
+        out.ground_score.add(ground, known == elements::GroundLabel::kYes);
+        out.vegetation.add(elements::kind_of(c) != ClassKind::kOther,
+                           elements::is_vegetation(set, number));
+      }
+      tree = set == "underbrush" ? elements::kind_of(Class(number)) == ClassKind::kTree
+                                 : elements::is_vegetation(set, number);
+    }
+    if (out.has_truth && !ground) {
+      out.trees.add(elements::kind_of(c) == ClassKind::kTree ? instance[i] : 0,
+                    tree ? number_at(truth->second, i) : 0);
     }
   }
-  if (out.labelled) chunk.extra["given_class"] = std::move(given->second);
-  chunk.extra["class"] = std::move(found);
+  for (const char* name : {"class", "instance"}) {
+    const auto old = chunk.extra.find(name);
+    if (score && old != chunk.extra.end()) {
+      chunk.extra[std::string("given_") + name] = std::move(old->second);
+    }
+  }
+  chunk.extra["class"] = std::move(label);
+  chunk.extra["instance"] = std::move(instance);
 }
 
-Json json_of(const Arguments& a, const Outcome& o, const std::map<std::string, size_t>& skipped) {
+constexpr size_t kTruePoints = 10;  // a true tree with fewer returns is not to be found
+
+Json json_of(const Arguments& a, const Found& found, const primitives::LogLabels* labels,
+             const Outcome& o, const std::map<std::string, size_t>& skipped) {
+  const auto number = [](double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); };
   Json j;
-  j["ground_method"] = a.ground.method;
+  j["ground_method"] = a.segment.ground.method;
   j["beams"] = o.beams;
   j["hits"] = o.hits;
   j["ground"] = o.ground;
+  j["objects"] = found.objects;
+  for (const auto& [c, n] : o.points) j["points"][std::string(elements::name(c))] = n;
+  if (labels) {
+    std::map<Class, size_t> objects;
+    for (const auto& object : labels->objects) ++objects[object.label];
+    for (const auto& [c, n] : objects) j["classes"][std::string(elements::name(c))] = n;
+    j["cell_m"] = labels->cell_m;
+    j["off_ground"] = labels->off_ground;
+    j["near"] = labels->near;
+  }
   j["skipped"] = skipped;
-  if (!o.labelled) return j;
-  const auto number = [](double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); };
-  j["ground_score"] = {{"labelled", o.hits - o.unlabelled},
-                       {"unlabelled", o.unlabelled},
-                       {"true_positive", o.score.true_positive},
-                       {"false_positive", o.score.false_positive},
-                       {"false_negative", o.score.false_negative},
-                       {"true_negative", o.score.true_negative},
-                       {"iou", number(o.score.iou())},
-                       {"precision", number(o.score.precision())},
-                       {"recall", number(o.score.recall())}};
+  if (o.labelled) {
+    j["ground_score"] = {{"labelled", o.hits - o.unlabelled},
+                         {"unlabelled", o.unlabelled},
+                         {"true_positive", o.ground_score.true_positive},
+                         {"false_positive", o.ground_score.false_positive},
+                         {"false_negative", o.ground_score.false_negative},
+                         {"true_negative", o.ground_score.true_negative},
+                         {"iou", number(o.ground_score.iou())},
+                         {"precision", number(o.ground_score.precision())},
+                         {"recall", number(o.ground_score.recall())}};
+    j["vegetation_score"] = {{"precision", number(o.vegetation.precision())},
+                             {"recall", number(o.vegetation.recall())}};
+  }
+  if (o.has_truth) {
+    const metrics::InstanceScore s = o.trees.score(kTruePoints);
+    j["tree_score"] = {{"found", s.found},
+                       {"truth", s.truth},
+                       {"matched", s.matched},
+                       {"precision", number(s.precision())},
+                       {"recall", number(s.recall())},
+                       {"f1", number(s.f1())},
+                       {"mean_iou", s.mean_iou}};
+  }
   return j;
+}
+
+std::string text_of(const Arguments& a, const Found& found, const Outcome& o) {
+  std::string text =
+      fmt::format("{} of {} hits are ground ({:.1f} %), {} objects\n", o.ground, o.hits,
+                  100.0 * double(o.ground) / double(std::max<size_t>(1, o.hits)), found.objects);
+  for (const auto& [c, n] : o.points) {
+    text += fmt::format("  {:<19}{:>12} points\n", elements::name(c), n);
+  }
+  if (o.labelled && o.hits == o.unlabelled) {
+    text += "  note: its column class has no label of a known set (see import --label-set)\n";
+  } else if (o.labelled) {
+    const metrics::Agreement& g = o.ground_score;
+    text += fmt::format(
+        "  ground against labels      IoU {:.4f}  precision {:.4f}  recall {:.4f}  ({} labelled, "
+        "{} not)\n",
+        g.iou(), g.precision(), g.recall(), o.hits - o.unlabelled, o.unlabelled);
+    if (std::isfinite(o.vegetation.recall())) {
+      text += fmt::format("  vegetation against labels  precision {:.4f}  recall {:.4f}\n",
+                          o.vegetation.precision(), o.vegetation.recall());
+    }
+  }
+  if (o.has_truth) {
+    const metrics::InstanceScore s = o.trees.score(kTruePoints);
+    if (s.truth) {
+      text += fmt::format(
+          "  trees against {:<12} {} found, {} true, {} matched  precision {:.3f}  recall {:.3f}  "
+          "mean IoU {:.3f}\n",
+          a.truth, s.found, s.truth, s.matched, s.precision(), s.recall(), s.mean_iou);
+    }
+  }
+  return text;
 }
 
 void run(const Verb& verb, const Arguments& a) {
   io::LogReader log(a.log);
-  Progress progress("segment");
-  const std::vector<uint8_t> flags = fit::ground_flags(log, a.ground, a.tile_m, std::ref(progress));
+  if (!a.output.empty()) io::check_output(a.output);
+  std::unique_ptr<Progress> bar;
+  std::string stage;
+  const auto progress = [&](std::string_view s, size_t done, size_t total) {
+    if (s != stage) bar = std::make_unique<Progress>(stage = s);
+    (*bar)(done, total);
+  };
+  std::optional<primitives::GivenLabels> given;
+  std::optional<primitives::LogLabels> labels;
+  if (!a.labels.empty()) given = primitives::read_given_labels(a.labels, log, a.given);
+  // Classes and instances of ours need no search.
+  const bool whole =
+      given && given->set == "underbrush" && !given->label.empty() && !given->instance.empty();
+  if (!whole) {
+    labels = primitives::segment_log(
+        log, a.segment,
+        given && !given->label.empty() ? priors_of(*given) : std::vector<primitives::Prior>{},
+        progress);
+  }
+  bar.reset();
+  const Found found = given ? taken_over(*given, labels ? &*labels : nullptr) : found_of(*labels);
+
   LogInfo info = log.info();
   info.classes = "underbrush";
+  std::vector<std::filesystem::path> inputs{a.log};
+  if (given) inputs.emplace_back(a.labels);
   std::optional<io::LogWriter> writer;
-  if (!a.output.empty()) writer.emplace(a.output, info, provenance(verb, {a.log}));
+  if (!a.output.empty()) writer.emplace(a.output, info, provenance(verb, inputs));
   Outcome out;
   size_t next = 0;
   log.rewind();
   for (BeamLog chunk; log.next(chunk);) {
-    label(flags, next, chunk, out);
+    label(a, found, next, chunk, out);
     if (writer) writer->write(chunk);
   }
   if (writer) writer->close();
-  std::string text =
-      fmt::format("{}: {} of {} hits are ground ({:.1f} %)\n", a.ground.method, out.ground,
-                  out.hits, 100.0 * double(out.ground) / double(std::max<size_t>(1, out.hits)));
-  if (out.labelled && out.hits == out.unlabelled) {
-    text += "  note: its column class has no label of a known set (see import --label-set)\n";
-  } else if (out.labelled) {
-    text += fmt::format(
-        "  against labels  IoU {:.4f}  precision {:.4f}  recall {:.4f}  ({} labelled, {} not)\n",
-        out.score.iou(), out.score.precision(), out.score.recall(), out.hits - out.unlabelled,
-        out.unlabelled);
+  std::string text = text_of(a, found, out);
+  Json j = json_of(a, found, labels ? &*labels : nullptr, out, log.skipped());
+  if (given) {
+    j["labels"] = {{"set", given->set},
+                   {"by_place", given->by_place},
+                   {"unmatched", given->unmatched},
+                   {"not_numbers", given->not_numbers}};
+    text += fmt::format("  labels      {} ({}), {} hits without\n", a.labels,
+                        given->by_place ? "by place" : "by order", given->unmatched);
   }
-  if (writer) text += "  log             " + a.output + "\n";
-  verb.report(json_of(a, out, log.skipped()), text);
+  if (labels && labels->off_ground) {
+    text += fmt::format("  left out    {} hits with no ground within 30 m: in no object\n",
+                        labels->off_ground);
+  }
+  if (writer) text += "  log         " + a.output + "\n";
+  verb.report(j, text);
 }
 
 }  // namespace
@@ -124,8 +336,9 @@ void run(const Verb& verb, const Arguments& a) {
 void add_segment(CLI::App& root) {
   auto a = std::make_shared<Arguments>();
   const auto verb =
-      add_verb(root, "segment", "Label a log: ground; scored against labels that it has",
+      add_verb(root, "segment", "Label a log: ground, trees, shrubs, patches; or take labels over",
                "underbrush segment log.ply -o labelled.ply\n"
+               "  underbrush segment log.ply --labels edited.ply -o labelled.ply\n"
                "  underbrush segment log.ply --ground-method spherical_variance --json -",
                [a](const Verb& v) { run(v, *a); });
   add_options(*verb->app, *a);

@@ -7,6 +7,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/elements/model_file.hpp"
+#include "underbrush/elements/scene_file.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/io/poses.hpp"
 #include "underbrush/sensor/pattern.hpp"
@@ -23,7 +24,8 @@ struct Arguments {
 };
 
 void add_options(CLI::App& app, Arguments& a) {
-  app.add_option("MODEL", a.model, "The model's folder")->required();
+  app.add_option("MODEL", a.model, "The folder of a model, or of a scene that compose made")
+      ->required();
   app.add_option("-o,--output", a.output,
                  "Where the simulated log goes: .ply, .pcd, .csv, or a folder/ of KITTI .bin")
       ->required();
@@ -79,8 +81,18 @@ std::unique_ptr<BeamSource> beams_of(const Arguments& a, Trajectory& path) {
 void run(const Verb& verb, Arguments& a) {
   using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
-  elements::Model model = elements::read_model(a.model);
-  if (a.tau > 0) model.tau = a.tau;
+  elements::Scene scene;
+  if (elements::is_scene(a.model)) {
+    scene = elements::read_scene(a.model);
+  } else {
+    scene.models.push_back(elements::read_model(a.model));
+  }
+  for (elements::Model& model : scene.models) {
+    if (a.tau > 0) model.tau = a.tau;
+  }
+  // A model alone takes the shorter way, and gives the same bits as ever.
+  const trace::World world =
+      scene.instances.empty() ? trace::World(scene.models[0]) : trace::World(scene);
   Trajectory path;
   const std::unique_ptr<BeamSource> beams = beams_of(a, path);
   a.simulate.seed = verb.seed;
@@ -93,7 +105,7 @@ void run(const Verb& verb, Arguments& a) {
   }
   std::vector<std::filesystem::path> inputs{a.model, a.like.empty() ? a.trajectory : a.like};
   if (std::filesystem::is_regular_file(a.sensor)) inputs.emplace_back(a.sensor);
-  const SimulateStep step = simulate_log(verb, model, *beams, a.simulate, a.output, inputs);
+  const SimulateStep step = simulate_log(verb, world, *beams, a.simulate, a.output, inputs);
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
   const double rate = double(step.beams) / std::max(step.seconds_tracing, 1e-9);
   Json j;
@@ -115,8 +127,10 @@ void run(const Verb& verb, Arguments& a) {
 void add_simulate(CLI::App& root) {
   auto a = std::make_shared<Arguments>();
   const auto verb = add_verb(
-      root, "simulate", "Answer beams from a model: those of a log, or of a sensor on a trajectory",
+      root, "simulate",
+      "Answer beams from a model or scene: those of a log, or of a sensor on a trajectory",
       "underbrush simulate model/ --like log.ply -o sim.ply\n"
+      "  underbrush simulate scene/ --like log.ply -o sim.ply\n"
       "  underbrush simulate model/ --sensor velodyne-hdl32e --trajectory poses.txt -o sim.ply",
       [a](const Verb& v) { run(v, *a); });
   add_options(*verb->app, *a);

@@ -35,6 +35,16 @@ class Watched : public BeamSource {
   size_t done_ = 0;
 };
 
+fit::FitResult refine_model(const elements::Model& start, BeamSource& log,
+                            const fit::FitOptions& options, const fit::FitProgress& progress) {
+  fit::Refined refined = fit::refine(start, log, fit::likelihood_options(options), progress);
+  fit::FitResult out{std::move(refined.model), {}};
+  out.model.fitter = options.fitter;
+  out.report.likelihood = std::move(refined.report);
+  out.report.beams = out.report.likelihood.training_beams + out.report.likelihood.held_out_beams;
+  return out;
+}
+
 std::string row(const char* label, const std::vector<metrics::Score>& scores,
                 double metrics::Summary::*value, int digits) {
   std::string line = fmt::format("  {:<24}", label);
@@ -47,6 +57,21 @@ std::string row(const char* label, const std::vector<metrics::Score>& scores,
 
 }  // namespace
 
+Json json_of(const fit::LikelihoodReport& report) {
+  Json j;
+  j["training_beams"] = report.training_beams;
+  j["held_out_beams"] = report.held_out_beams;
+  j["stray_hits"] = report.stray_hits;
+  for (const fit::LikelihoodStep& s : report.steps) {
+    j["steps"].push_back({{"name", s.name},
+                          {"elements", s.elements},
+                          {"training_nll", s.training_nll},
+                          {"held_out_nll", s.held_out_nll},
+                          {"accepted", s.accepted}});
+  }
+  return j;
+}
+
 FitStep fit_log(const Verb& verb, const fs::path& log, const fit::FitOptions& options,
                 const fs::path& model) {
   const auto start = std::chrono::steady_clock::now();
@@ -55,22 +80,31 @@ FitStep fit_log(const Verb& verb, const fs::path& log, const fit::FitOptions& op
   std::unique_ptr<Progress> bar;
   std::string stage;
   FitStep step;
-  step.result = fit::fit(reader, options, [&](std::string_view s, size_t done, size_t total) {
-    if (s != stage) bar = std::make_unique<Progress>(stage = s);
+  const fit::FitProgress progress = [&](std::string_view s, size_t done, size_t total) {
+    if (s != stage || done == 0) bar = std::make_unique<Progress>(stage = s);
     (*bar)(done, total);
-  });
+  };
+  std::vector<fs::path> inputs{log};
+  if (options.fitter == "likelihood" && elements::is_model(options.start)) {
+    inputs.emplace_back(options.start);
+    step.result = refine_model(elements::read_model(options.start), reader, options, progress);
+  } else {
+    step.result = fit::fit(reader, options, progress);
+  }
   bar.reset();
   step.skipped = reader.skipped();
-  step.result.model.provenance = provenance(verb, {log});
+  Json origin = Json::parse(provenance(verb, inputs));
+  const fit::LikelihoodReport& refined = step.result.report.likelihood;
+  if (!refined.steps.empty()) origin["likelihood"] = json_of(refined);
+  step.result.model.provenance = origin.dump();
   elements::write_model(model, step.result.model);
   step.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return step;
 }
 
-SimulateStep simulate_log(const Verb& verb, const elements::Model& model, BeamSource& beams,
+SimulateStep simulate_log(const Verb& verb, const trace::World& world, BeamSource& beams,
                           const simulate::Options& options, const fs::path& output,
                           const std::vector<fs::path>& inputs) {
-  const trace::World world(model);
   simulate::SimulatedSource simulated(world, beams, options);
   Watched watched(simulated, "simulate");
   watched.rewind();

@@ -18,16 +18,20 @@ struct FitStep {
   std::map<std::string, size_t> skipped;
   double seconds = 0;
 };
+/// With `likelihood`, `options.start` may also be a model's folder.
 FitStep fit_log(const Verb& verb, const std::filesystem::path& log, const fit::FitOptions& options,
                 const std::filesystem::path& model);
 
-/// Answers the beams with the model and writes the log.
+/// The steps of a refinement, for the manifest and `--json`.
+Json json_of(const fit::LikelihoodReport& report);
+
+/// Answers the beams with the world and writes the log.
 struct SimulateStep {
   size_t beams = 0, hits = 0;
   double seconds_tracing = 0;
   std::string isa;
 };
-SimulateStep simulate_log(const Verb& verb, const elements::Model& model, BeamSource& beams,
+SimulateStep simulate_log(const Verb& verb, const trace::World& world, BeamSource& beams,
                           const simulate::Options& options, const std::filesystem::path& output,
                           const std::vector<std::filesystem::path>& inputs);
 

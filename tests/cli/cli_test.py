@@ -123,6 +123,9 @@ READERS = {
     "simulate": ["BAD", "--like", "BAD", "-o", "out"],
     "score": ["BAD", "BAD"],
     "segment": ["BAD", "-o", "out"],
+    "extract": ["BAD", "BAD", "-o", "out"],
+    "annotate": ["BAD", "-o", "out"],
+    "compose": ["BAD", "BAD", "-o", "out"],
 }
 HEADER = "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty double x\n"
 BAD_INPUTS = {
@@ -160,7 +163,7 @@ def write_log(folder, scans=2):
         azimuth, ring = 2 * math.pi * (beam // 8) / 50, beam % 8
         slope = 0.3 - 0.05 * ring  # downwards, but for the last rings
         post = beam // 8 % 10 == 3
-        far = 4 if post else 2 / slope if slope > 0.05 else 30
+        far = 6.6 if post else 2 / slope if slope > 0.05 else 30
         x, y = far * math.cos(azimuth), far * math.sin(azimuth)
         rows.append(f"{x + scan:.4f},{y:.4f},{2 - slope * far:.4f},{0.1 * scan + 1e-3 * (beam // 8):.4f},"
                     f"{scan},0,2,{int(post or slope > 0.05)},{scan},{ring},{beam // 8}")
@@ -174,8 +177,11 @@ JOBS = {
     "import": ["log.csv", "-o", "again.ply"],
     "split": ["log.ply", "--every", "2", "--train", "train.ply", "--test", "test.ply"],
     "info": ["log.ply"],
-    "segment": ["log.ply", "-o", "labelled.ply"],
-    "fit": ["log.ply", "-o", "model"],
+    "segment": ["log.ply", "-o", "labelled.ply", "--min-points", "5"],
+    "fit": ["log.ply", "-o", "model", "--min-points", "4"],
+    "extract": ["model", "labelled.ply", "-o", "primitives"],
+    "annotate": ["labelled.ply", "-o", "site.json"],
+    "compose": ["site.json", "primitives", "-o", "scene"],
     "simulate": ["model", "--like", "log.ply", "-o", "sim.ply"],
     "score": ["log.ply", "sim.ply", "--model", "model", "--report", "report"],
     "study": ["list"],
@@ -353,7 +359,8 @@ class Interrupted(OnALog):
     def test_leaves_nothing_and_says_so_in_one_line(self):
         self.run_all()
         interrupted = set()
-        for verb in ("import", "split", "segment", "fit", "simulate", "score"):
+        for verb in ("import", "split", "segment", "fit", "extract", "annotate", "compose",
+                     "simulate", "score"):
             for wait in (0.002, 0.004, 0.008, 0.016, 0.03, 0.06, 0.12):
                 with self.subTest(verb=verb, wait=wait), tempfile.TemporaryDirectory() as scratch:
                     before = self.left()
@@ -387,6 +394,80 @@ class Interrupted(OnALog):
             _, errors = process.communicate(timeout=60)
             self.assertEqual((process.returncode, errors), (-signal.SIGINT, "underbrush: interrupted\n"))
             self.assertEqual(os.listdir(pathlib.Path(scratch, "demo")), [])
+
+
+class Scenes(OnALog):
+    def setUp(self):
+        super().setUp()
+        self.run_all(until="simulate")
+
+    def json_of(self, *words):
+        done = call(*words, "--json", "-", cwd=self.folder)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        return json.loads(done.stdout)
+
+    def test_a_scene_is_simulated_as_a_model_is(self):
+        scene = self.json_of("compose", "site.json", "primitives", "-o", "scene")
+        self.assertGreaterEqual(scene["instances"], 2)
+        self.assertEqual(scene["instances"], scene["objects"])
+        answered = self.json_of("simulate", "scene", "--like", "log.ply", "-o", "scene.ply")
+        bare = self.annotation(lambda site: site.update(objects=[]))
+        ground = self.json_of("compose", bare, "primitives", "-o", "bare")
+        self.assertEqual(ground["instances"], 0)
+        self.assertGreater(answered["hits"], self.json_of("simulate", "bare", "--like", "log.ply", "-o",
+                                                          "bare.ply")["hits"])
+
+    def annotation(self, change):
+        site = json.loads(pathlib.Path(self.folder, "site.json").read_text())
+        change(site)
+        pathlib.Path(self.folder, "changed.json").write_text(json.dumps(site))
+        return "changed.json"
+
+    def test_of_a_site_that_is_made_up(self):
+        for kind in ("forest", "savanna", "meadow"):
+            made = self.json_of("annotate", "--generate", kind, "--size", "60", "40", "-o", "made.json")
+            self.assertGreater(made["objects"], 10)
+            scene = self.json_of("compose", "made.json", "primitives", "-o", "scene")
+            self.assertEqual(scene["instances"] + sum(scene["left_out"].values()), made["objects"])
+
+    def test_labels_come_back_from_another_program(self):
+        # As CloudCompare saves them: text, float numbers, other names, other order.
+        def labels(file):
+            call("info", file)  # it is a log
+            raw = pathlib.Path(self.folder, file).read_bytes()
+            return raw[raw.index(b"end_header"):]
+        before = labels("labelled.ply")
+        again = call("segment", "labelled.ply", "--labels", "labelled.ply", "-o", "again.ply", cwd=self.folder)
+        self.assertEqual((again.returncode, again.stderr), (0, ""))
+        self.assertEqual(labels("again.ply"), before)
+
+    def test_bad_annotations(self):
+        def first(**members):
+            return lambda site: site["objects"][0].update(members)
+        cases = [(first(**{"class": "large_tre"}), 3, "'large_tree'"),
+                 (first(box_m={"size": [1, 0, 1]}), 3, "box"),
+                 (first(position_m=[1, None]), 3, "position_m"),
+                 (lambda site: site.update(ground="nowhere"), 3, "nowhere"),
+                 (lambda site: site.update(version=99), 3, "version")]
+        for change, code, word in cases:
+            name = self.annotation(change)
+            done = call("compose", name, "primitives", "-o", "bad", cwd=self.folder)
+            self.assert_fails(done, code, word)
+        name = self.annotation(first(position_m=[9999, 0]))
+        counted = self.json_of("compose", name, "primitives", "-o", "some")
+        self.assertEqual(counted["off_ground"], 1)
+        self.assert_fails(call("compose", name, "primitives", "--strict", "-o", "bad", cwd=self.folder), 3, "ground")
+        text = pathlib.Path(self.folder, "site.json").read_text()
+        pathlib.Path(self.folder, "nan.json").write_text(re.sub(r'"yaw_rad":[^,]*', '"yaw_rad":NaN', text))
+        self.assert_fails(call("compose", "nan.json", "primitives", "-o", "bad", cwd=self.folder), 3, "line")
+        self.assertFalse(pathlib.Path(self.folder, "bad").exists())
+
+    def test_wrong_usage(self):
+        self.assert_fails(call("annotate", "-o", "a.json", cwd=self.folder), 2, "--generate")
+        for density in ("tree=1", "large_tree", "large_tree=-1", "large_tree=x"):
+            self.assert_fails(call("compose", "site.json", "primitives", "--class-density", density, "-o", "bad",
+                                   cwd=self.folder), 2)
+        self.assert_fails(call("extract", "model", "log.ply", "-o", "bad", cwd=self.folder), 3, "segment")
 
 
 class Sensors(Failing):

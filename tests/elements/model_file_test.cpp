@@ -53,6 +53,7 @@ TEST_F(ModelFile, ComesBackWhole) {
   EXPECT_EQ(back.ground.triangles, model_.ground.triangles);
   EXPECT_EQ(back.surface.vertices, model_.surface.vertices);
   EXPECT_EQ(back.surface.range_sigma_m, model_.surface.range_sigma_m);
+  EXPECT_EQ(back.ground.roughness_m, model_.ground.roughness_m);
   ASSERT_EQ(back.ellipsoids.size(), model_.ellipsoids.size());
   for (size_t i = 0; i < back.ellipsoids.size(); ++i) {
     EXPECT_EQ(back.ellipsoids[i].mean, model_.ellipsoids[i].mean);

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "trace/scenes.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/simulate/footprint.hpp"
@@ -169,6 +171,40 @@ TEST(Footprint, TrueAzimuthLiesEvenlyWithinTheEncodersStep) {
   double hits = 0;
   for (size_t i = 0; i < beams.size(); ++i) hits += beams.is_hit(i) / double(beams.size());
   EXPECT_NEAR(hits, 0.7, 0.01);
+}
+
+// An instance answers as its elements would, moved to where it stands.
+TEST(Simulate, AnswersFromTheInstancesOfAScene) {
+  elements::Model tree = one_ellipsoid(1, 0.5);
+  tree.ellipsoids[0].mean = Vec3f(0, 0, 2);
+  elements::Scene scene;
+  scene.models = {elements::Model{}, tree};
+  scene.instances.resize(3);
+  scene.instances[1] = {{Eigen::Quaterniond::Identity(), Vec3(20, 0, -2)}, 1, 1};
+  scene.instances[2] = {
+      {Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Vec3::UnitZ())), Vec3(40, 0, -4)}, 2, 1};
+  const trace::World world(scene);
+  for (const RangeDraw draw : {RangeDraw::kOnRay, RangeDraw::kVolumetric}) {
+    for (const auto& [from_m, at_m, sigma] :
+         {std::array{0.0, 20.0, 0.5}, std::array{30.0, 40.0, 1.0}}) {
+      BeamLog beams = beams_along_x(20000);
+      for (Vec3& o : beams.origin) o.x() = from_m;
+      Options options;
+      options.draw = draw;
+      options.element_ids = true;
+      simulate(world, options, 0, beams);
+      double mean = 0, square = 0;
+      for (size_t i = 0; i < beams.size(); ++i) {
+        ASSERT_TRUE(beams.is_hit(i));
+        const Vec3 d = beams.end_point(i) - Vec3(at_m, 0, 0);
+        mean += d.x() / 20000;
+        square += d.x() * d.x() / 20000;
+      }
+      EXPECT_NEAR(mean, 0, 0.03);
+      EXPECT_NEAR(square, sigma * sigma, 0.05);
+      EXPECT_EQ(std::get<std::vector<uint16_t>>(beams.extra.at("element_class"))[5], 7);
+    }
+  }
 }
 
 }  // namespace

@@ -50,5 +50,21 @@ TEST(Crossing, OfATriangleIsTheRangeToItsPlane) {
   EXPECT_GT(crossed, 100);
 }
 
+TEST(Meet, ARoughTriangleSpreadsTheRangeByTheAngleOfIncidence) {
+  elements::Model model;
+  model.ground.vertices = {{-500, -500, 0}, {500, -500, 0}, {0, 500, 0}};
+  model.ground.triangles = {{0, 1, 2}};
+  model.ground.hit.resize(1);
+  model.ground.range_sigma_m = 0.03;
+  model.ground.roughness_m = 0.04;
+  for (const double cosine : {1.0, 0.5, 0.1, 0.011, 0.005}) {
+    const Vec3 d(std::sqrt(1 - cosine * cosine), 0, -cosine);
+    const Met met = meet(model, 0, Vec3(0, 0, 1), d, {0, 1000});
+    ASSERT_FALSE(met.none());
+    const double rise = 0.04 / std::max(cosine, 0.01);
+    EXPECT_NEAR(met.sigma_m, std::sqrt(0.03 * 0.03 + rise * rise), 1e-9 * rise / cosine);
+  }
+}
+
 }  // namespace
 }  // namespace underbrush::trace

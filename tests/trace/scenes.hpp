@@ -62,6 +62,7 @@ inline elements::Model random_model(uint64_t seed, int ellipsoids = 300,
   }
   model.ground.range_sigma_m = 0.03;
   model.surface.range_sigma_m = 0.02;
+  model.ground.roughness_m = 0.01;
   for (elements::TriangleMesh* mesh : {&model.ground, &model.surface}) {
     for (size_t i = 0; i < mesh->size(); ++i) {
       mesh->hit.push_back({float(random.uniform() < 0.5 ? 1 : random.uniform()), 0, 0});

@@ -21,12 +21,27 @@ enum class Class : uint8_t {
   kSmallTree,
   kMediumTree,
   kLargeTree,
+  kLowShrubPatch,
+  kSmallShrubPatch,
+  kMediumShrubPatch,
+  kLargeShrubPatch,
 };
 
 /// Names in files and on the command line, in the order of `Class`.
-inline constexpr std::array<std::string_view, 10> kClassNames = {
-    "unknown",      "ground",      "grass",      "low_shrub",   "small_shrub",
-    "medium_shrub", "large_shrub", "small_tree", "medium_tree", "large_tree"};
+inline constexpr std::array<std::string_view, 14> kClassNames = {"unknown",
+                                                                 "ground",
+                                                                 "grass",
+                                                                 "low_shrub",
+                                                                 "small_shrub",
+                                                                 "medium_shrub",
+                                                                 "large_shrub",
+                                                                 "small_tree",
+                                                                 "medium_tree",
+                                                                 "large_tree",
+                                                                 "low_shrub_patch",
+                                                                 "small_shrub_patch",
+                                                                 "medium_shrub_patch",
+                                                                 "large_shrub_patch"};
 
 /// The name of a class.
 constexpr std::string_view name(Class c) { return kClassNames.at(size_t(c)); }
@@ -37,6 +52,16 @@ constexpr std::optional<Class> class_from_name(std::string_view name) {
     if (kClassNames[i] == name) return Class(i);
   }
   return std::nullopt;
+}
+
+/// What a class is a size of.
+enum class ClassKind : uint8_t { kOther, kShrub, kTree, kPatch };
+
+/// Shrub, tree or patch of shrubs; `kOther` for the classes that are no objects.
+constexpr ClassKind kind_of(Class c) {
+  if (c >= Class::kLowShrubPatch) return ClassKind::kPatch;
+  if (c >= Class::kSmallTree) return ClassKind::kTree;
+  return c >= Class::kLowShrub ? ClassKind::kShrub : ClassKind::kOther;
 }
 
 /// Class of a shrub by its height (m): low < 0.5 ≤ small < 1 ≤ medium < 2 ≤ large.

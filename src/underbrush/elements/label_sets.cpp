@@ -95,4 +95,11 @@ GroundLabel ground_label(std::string_view set, uint32_t number) {
   return label ? label->ground : kUnknown;
 }
 
+bool is_vegetation(std::string_view set, uint32_t number) {
+  if (set == "semantickitti") return number == 70 || number == 71;
+  if (set == "rellis") return number == 4 || number == 19;
+  return set == "underbrush" && number < kClassNames.size() &&
+         kind_of(Class(number)) != ClassKind::kOther;
+}
+
 }  // namespace underbrush::elements

@@ -34,4 +34,8 @@ std::string label_name(std::string_view set, uint32_t number);
 /// What the label says of the ground: `kUnknown` where the set does not have it.
 GroundLabel ground_label(std::string_view set, uint32_t number);
 
+/// Whether the label is one of trees or shrubs (grass is not): vegetation and trunk in
+/// SemanticKITTI, tree and bush in RELLIS, shrubs, trees and patches of ours.
+bool is_vegetation(std::string_view set, uint32_t number);
+
 }  // namespace underbrush::elements

@@ -28,6 +28,9 @@ struct TriangleMesh {
   std::vector<std::array<uint32_t, 3>> triangles;  ///< Indices into `vertices`.
   std::vector<HitCount> hit;                       ///< One per triangle.
   double range_sigma_m = 0;                        ///< σ of the range about the surface.
+  /// h: σ of what the surface rises and falls about the mesh, along its normal. A beam at angle of
+  /// incidence θ then has the range σ² = range_sigma_m² + (h / max(|cos θ|, 0.01))².
+  double roughness_m = 0;
 
   size_t size() const { return triangles.size(); }
 };

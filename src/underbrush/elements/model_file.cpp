@@ -94,7 +94,7 @@ std::vector<HitCount> read_hits(const fs::path& file, const PlyElement& element)
   return out;
 }
 
-TriangleMesh read_mesh(const fs::path& file, double sigma) {
+TriangleMesh read_mesh(const fs::path& file, const Json& manifest) {
   const PlyData data = io::read_ply(file);
   const PlyElement& vertex = element_of(file, data, "vertex");
   const PlyElement& face = element_of(file, data, "face");
@@ -102,7 +102,8 @@ TriangleMesh read_mesh(const fs::path& file, double sigma) {
   const auto& y = column_of<float>(file, vertex, "y");
   const auto& z = column_of<float>(file, vertex, "z");
   TriangleMesh mesh;
-  mesh.range_sigma_m = sigma;
+  mesh.range_sigma_m = manifest.at("range_sigma_m");
+  mesh.roughness_m = manifest.value("roughness_m", 0.0);
   for (size_t i = 0; i < vertex.count; ++i) mesh.vertices.emplace_back(x[i], y[i], z[i]);
   mesh.triangles = face.triangles;
   mesh.hit = read_hits(file, face);
@@ -132,6 +133,12 @@ std::vector<Ellipsoid> read_ellipsoids(const fs::path& file) {
   return out;
 }
 
+Json manifest_of_mesh(const TriangleMesh& mesh, const char* file) {
+  Json j{{"file", file}, {"triangles", mesh.size()}, {"range_sigma_m", mesh.range_sigma_m}};
+  if (mesh.roughness_m > 0) j["roughness_m"] = mesh.roughness_m;
+  return j;
+}
+
 Json manifest_of(const Model& m) {
   Json j;
   j["format"] = "underbrush-model";
@@ -141,12 +148,8 @@ Json manifest_of(const Model& m) {
   j["tau"] = m.tau;
   if (m.voxel_m > 0) j["voxel_m"] = m.voxel_m;
   if (std::isfinite(m.max_range_m)) j["max_range_m"] = m.max_range_m;
-  j["ground"] = {{"file", "ground.ply"},
-                 {"triangles", m.ground.size()},
-                 {"range_sigma_m", m.ground.range_sigma_m}};
-  j["surface"] = {{"file", "surface.ply"},
-                  {"triangles", m.surface.size()},
-                  {"range_sigma_m", m.surface.range_sigma_m}};
+  j["ground"] = manifest_of_mesh(m.ground, "ground.ply");
+  j["surface"] = manifest_of_mesh(m.surface, "surface.ply");
   j["ellipsoids"] = {{"file", "ellipsoids.ply"}, {"count", m.ellipsoids.size()}};
   j["provenance"] = m.provenance.empty() ? Json::object() : Json::parse(m.provenance);
   return j;
@@ -203,8 +206,8 @@ Model read_model(const fs::path& path) {
     model.max_range_m = j.value("max_range_m", model.max_range_m);
     model.fitter = j.at("fitter");
     model.provenance = j.at("provenance").dump();
-    model.ground = read_mesh(path / "ground.ply", j.at("ground").at("range_sigma_m"));
-    model.surface = read_mesh(path / "surface.ply", j.at("surface").at("range_sigma_m"));
+    model.ground = read_mesh(path / "ground.ply", j.at("ground"));
+    model.surface = read_mesh(path / "surface.ply", j.at("surface"));
     model.ellipsoids = read_ellipsoids(path / "ellipsoids.ply");
     if (model.ground.size() != j.at("ground").at("triangles") ||
         model.surface.size() != j.at("surface").at("triangles") ||

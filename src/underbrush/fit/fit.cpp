@@ -202,17 +202,38 @@ void fit_surface(const TileStore& store, const FitOptions& options, const Signed
   report.other_points = store.size();
 }
 
+FitResult fit_likelihood(BeamSource& source, FitOptions options, const FitProgress& progress) {
+  require(options.start != "likelihood", "fit: likelihood needs another fitter to start with");
+  options.fitter = options.start;
+  const LikelihoodOptions refinement = likelihood_options(options);
+  TrainingSource training(source, refinement.held_out);
+  FitResult out = fit(training, options, progress);
+  Refined refined = refine(out.model, source, refinement, progress);
+  out.model = std::move(refined.model);
+  out.model.fitter = "likelihood";
+  out.report.likelihood = std::move(refined.report);
+  return out;
+}
+
 }  // namespace
 
 std::vector<std::string> fitter_names() {
   std::vector<std::string> names = volumetric_fitters();
-  names.insert(names.end(), {"surface", "rimls"});
+  names.insert(names.end(), {"surface", "rimls", "likelihood"});
   return names;
+}
+
+LikelihoodOptions likelihood_options(const FitOptions& options) {
+  LikelihoodOptions out = options.likelihood;
+  out.range_noise_m = out.maximisation.floor_m = options.range_noise_m;
+  out.held_out.seed = options.seed;
+  return out;
 }
 
 FitResult fit(BeamSource& source, const FitOptions& options, const FitProgress& progress) {
   require(options.tau > 0, "fit: tau must be positive");
   require(options.range_noise_m > 0, "fit: the range noise must be positive");
+  if (options.fitter == "likelihood") return fit_likelihood(source, options, progress);
   FitResult out;
   elements::Model& model = out.model;
   model.fitter = options.fitter;

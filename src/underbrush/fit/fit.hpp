@@ -9,6 +9,7 @@
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/elements/model.hpp"
 #include "underbrush/fit/hit_probability.hpp"
+#include "underbrush/fit/likelihood.hpp"
 #include "underbrush/fit/surface.hpp"
 #include "underbrush/fit/tile_store.hpp"
 #include "underbrush/fit/volumetric.hpp"
@@ -23,8 +24,10 @@ struct FitOptions {
   /// `hierarchical` ([tallavajhula18]), `voxel`, `top_down`, `bottom_up` ([deschaud12]): ground
   /// mesh
   /// + ellipsoids; `surface`: one opaque mesh over everything, the everyday baseline; `rimls`: the
-  /// same by the robust implicit of [deschaud12].
+  /// same by the robust implicit of [deschaud12]; `likelihood`: what `start` gives, refined by
+  /// `refine`.
   std::string fitter = "hierarchical";
+  std::string start = "hierarchical";  ///< `likelihood`: the fitter that comes first.
   uint64_t seed = 1;
   double tau = 3;               ///< A beam meets an ellipsoid within this Mahalanobis distance.
   double range_noise_m = 0.02;  ///< σ of the sensor's range: the floor of every extent.
@@ -43,6 +46,8 @@ struct FitOptions {
   VolumetricOptions volumetric;
   CreditOptions credit;
   SurfaceOptions surface;
+  /// The range noise and the floor are set from the above.
+  LikelihoodOptions likelihood;
 };
 
 /// What happened during a fit.
@@ -55,6 +60,7 @@ struct FitReport {
   size_t unclustered_points = 0;     ///< In no cluster of at least `min_points`.
   size_t free_space_ellipsoids = 0;  ///< Dropped as free space.
   size_t tiles = 0;
+  LikelihoodReport likelihood;  ///< Steps: none but those of `likelihood`.
   std::vector<std::string> warnings;
 };
 
@@ -74,5 +80,8 @@ std::vector<std::string> fitter_names();
 /// The same bits for any number of threads. Throws `std::invalid_argument` for an unknown fitter or
 /// a log without any return.
 FitResult fit(BeamSource& source, const FitOptions& options, const FitProgress& progress = {});
+
+/// The options with which `fit` refines a model.
+LikelihoodOptions likelihood_options(const FitOptions& options);
 
 }  // namespace underbrush::fit

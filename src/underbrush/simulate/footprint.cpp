@@ -37,6 +37,7 @@ void scan(const trace::World& world, std::span<const elements::Class> label,
   require(label.size() == world.model().size(), "one label per element of the world is needed");
   const trace::RangeLimits limits{beams.info.min_range_m, beams.info.max_range_m};
   std::vector<uint16_t> classes(beams.size());
+  std::vector<uint32_t> element(options.element_ids ? beams.size() : 0, Met::kNone);
   parallel_for(beams.size(), 1024, [&](size_t begin, size_t end) {
     std::vector<Met> hits;
     for (size_t i = begin; i < end; ++i) {
@@ -66,9 +67,11 @@ void scan(const trace::World& world, std::span<const elements::Class> label,
       beams.range_m[i] = float(std::clamp(range, limits.min_m, limits.max_m));
       beams.intensity[i] = float(to - from) / float(options.sub_rays);
       classes[i] = uint16_t(label[hits[from].element]);
+      if (options.element_ids) element[i] = hits[from].element;
     }
   });
   beams.extra["class"] = std::move(classes);
+  if (options.element_ids) beams.extra["element"] = std::move(element);
 }
 
 }  // namespace underbrush::simulate

@@ -19,6 +19,7 @@ struct FootprintOptions {
   double pulse_m = 0.3;         ///< Hits nearer together than this along the beam are one echo.
   double threshold = 0.2;       ///< An echo is seen if it holds this share of the footprint.
   double range_sigma_m = 0.02;  ///< Noise of the range.
+  bool element_ids = false;     ///< Add the extra column `element`: of the echo's first hit.
 };
 
 /// Answers beams in place from the triangles of `world`, whatever their hit probability: sub-rays

@@ -18,7 +18,9 @@ double drawn_on_ray(const Met& met, uint64_t key, const trace::RangeLimits& limi
 }
 
 // A point of the element's Gaussian, in the world frame.
-Vec3 drawn_in_volume(const elements::Model& model, const Met& met, uint64_t key) {
+Vec3 drawn_in_volume(const trace::World& world, const Met& met, uint64_t key) {
+  const elements::Model& model = world.model(met.instance);
+  const elements::Instance& placed = world.instance(met.instance);
   const elements::Ellipsoid& e =
       model.ellipsoids[met.element - model.ground.size() - model.surface.size()];
   Vec3 n;
@@ -26,7 +28,12 @@ Vec3 drawn_in_volume(const elements::Model& model, const Met& met, uint64_t key)
     n[k] = normal(mix64(key + k), met.element, Purpose::kRange);
   }
   const Mat3 root = Eigen::LLT<Mat3>(e.covariance_matrix()).matrixL();
-  return model.origin + e.mean.cast<double>() + root * n;
+  return placed.world_from_model * Vec3(double(placed.scale) * (e.mean.cast<double>() + root * n));
+}
+
+uint16_t class_of(const elements::Model& model, uint32_t element) {
+  if (model.kind(element) != elements::Kind::kEllipsoid) return 0;
+  return uint16_t(model.ellipsoids[element - model.ground.size() - model.surface.size()].label);
 }
 
 }  // namespace
@@ -34,10 +41,10 @@ Vec3 drawn_in_volume(const elements::Model& model, const Met& met, uint64_t key)
 void simulate(const trace::World& world, const Options& options, size_t first_beam,
               BeamLog& beams) {
   if (options.random_ray) options.random_ray->check();
-  const elements::Model& model = world.model();
   const trace::RangeLimits limits{beams.info.min_range_m,
-                                  std::min(beams.info.max_range_m, model.max_range_m)};
+                                  std::min(beams.info.max_range_m, world.model().max_range_m)};
   std::vector<uint32_t> element(options.element_ids ? beams.size() : 0, Met::kNone);
+  std::vector<uint16_t> label(element.size());
   parallel_for(beams.size(), 8192, [&](size_t begin, size_t end) {
     const size_t n = end - begin;
     std::vector<Ray> rays(n);
@@ -58,11 +65,15 @@ void simulate(const trace::World& world, const Options& options, size_t first_be
       beams.intensity[i] = 0;
       beams.flags[i] = 0;
       if (met[k].none()) continue;
-      if (options.element_ids) element[i] = met[k].element;
+      const elements::Model& model = world.model(met[k].instance);
+      if (options.element_ids) {
+        element[i] = met[k].element;
+        label[i] = class_of(model, met[k].element);
+      }
       double range = drawn_on_ray(met[k], keys[k], limits);
       if (options.draw == RangeDraw::kVolumetric &&
           model.kind(met[k].element) == elements::Kind::kEllipsoid) {
-        const Vec3 to = drawn_in_volume(model, met[k], keys[k]) - rays[k].origin;
+        const Vec3 to = drawn_in_volume(world, met[k], keys[k]) - rays[k].origin;
         range = to.norm();
         beams.direction[i] = to.normalized().cast<float>();
       }
@@ -73,12 +84,6 @@ void simulate(const trace::World& world, const Options& options, size_t first_be
     }
   });
   if (!options.element_ids) return;
-  std::vector<uint16_t> label(beams.size());
-  for (size_t i = 0; i < beams.size(); ++i) {
-    if (element[i] == Met::kNone || model.kind(element[i]) != elements::Kind::kEllipsoid) continue;
-    label[i] =
-        uint16_t(model.ellipsoids[element[i] - model.ground.size() - model.surface.size()].label);
-  }
   beams.extra["element"] = std::move(element);
   beams.extra["element_class"] = std::move(label);
 }

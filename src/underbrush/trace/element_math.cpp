@@ -98,7 +98,9 @@ Met meet_anywhere(const elements::Model& model, uint32_t element, const Vec3& or
                             mesh.vertices[corner[2]]);
     if (!t) return {};
     met.t_m = *t;
-    met.sigma_m = mesh.range_sigma_m;
+    met.sigma_m = rough_sigma(mesh.range_sigma_m, mesh.roughness_m, mesh.vertices[corner[0]].data(),
+                              mesh.vertices[corner[1]].data(), mesh.vertices[corner[2]].data(),
+                              direction.data());
     met.p = mesh.hit[at].p;
   }
   met.element = element;

@@ -58,6 +58,22 @@ inline Sheared<D> shear(const D o[3], const D d[3], const D corner[3][3]) {
   return s;
 }
 
+/// σ of the range at a rough triangle: σ² = σ_range² + h² / cos²θ, |cos θ| at least 0.01.
+inline double rough_sigma(double sigma, double roughness, const float* a, const float* b,
+                          const float* c, const double d[3]) {
+  if (!(roughness > 0)) return sigma;
+  double u[3], v[3];
+  for (int k = 0; k < 3; ++k) {
+    u[k] = double(b[k]) - double(a[k]);
+    v[k] = double(c[k]) - double(a[k]);
+  }
+  const double n[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2],
+                       u[0] * v[1] - u[1] * v[0]};
+  const double along = dot(n, d), cos2 = along * along, least = 1e-4 * dot(n, n);
+  const double rise2 = roughness * roughness * dot(n, n) / (cos2 > least ? cos2 : least);
+  return __builtin_sqrt(sigma * sigma + rise2);
+}
+
 /// Range at weights u, v, w of the corners, of which not all are zero.
 template <class D>
 inline D range_at(const Sheared<D>& s, const D weight[3], const D& direction_z) {

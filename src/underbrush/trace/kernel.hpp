@@ -19,7 +19,7 @@ struct ModelView {
     const float* vertices;      // x y z
     const uint32_t* triangles;  // three corners
     const elements::HitCount* hit;
-    double sigma_m;
+    double sigma_m, roughness_m;
   } ground, surface;
   const elements::Ellipsoid* ellipsoids;
   uint32_t ground_count, triangle_count;
@@ -60,7 +60,7 @@ struct Batch {
   const uint64_t* keys;          ///< kAccepted
   const double* entry_limits_m;  ///< kAll: boxes entered beyond this may be left out.
   RangeLimits limits;
-  const Columns* columns;  ///< Of the rays from `first` on.
+  const Unfolded* unfolded;  ///< Of the rays from `first` on.
   size_t first;
 
   Met* best;  ///< Out, one a ray: kAccepted, kSurface.
@@ -107,8 +107,9 @@ void add_candidate(Batch& batch, size_t ray, uint32_t instance, uint32_t element
 /// The kernels of one instruction set; the tree must not be empty.
 struct Kernels {
   const char* name;
-  /// Fills `columns` from up to kOrdered rays.
-  void (*unfold)(const View&, const Ray* rays, size_t count, Columns& columns);
+  /// Fills `unfolded` from up to kOrdered rays; keys may be null.
+  void (*unfold)(const View&, const Ray* rays, const uint64_t* keys, size_t count,
+                 Unfolded& unfolded);
   /// Traces the rays numbered from the batch's first in `order`, runs of kPacket together where
   /// they point alike; kPacket more numbers must follow, copies of the last.
   void (*trace)(const View&, Ask, Batch&, const uint32_t* order, size_t count);

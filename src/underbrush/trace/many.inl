@@ -197,9 +197,11 @@ struct Triangles : Four {
     const size_t k = count;
     Four::add(view, batch, list, t.index);
     const float *a = t.corner[0], *b = t.corner[1], *c = t.corner[2];
-    corner[0][k] = D{a[0], a[1], a[2], 0};
+    corner[0][k] = D{a[0], a[1], a[2], a[2]};
     corner[1][k] = D{b[0], b[1], b[2], t.mesh->hit[t.at].p};
-    corner[2][k] = D{c[0], c[1], c[2], t.mesh->sigma_m};
+    const double d[3] = {near_end[k][3], far_end[k][0], far_end[k][1]};
+    const double sigma = rough_sigma(t.mesh->sigma_m, t.mesh->roughness_m, a, b, c, d);
+    corner[2][k] = D{c[0], c[1], c[2], sigma};
     if (count == kFour) decide(view, batch, list, out);
   }
 

@@ -26,7 +26,7 @@ float occupied(const std::array<uint32_t, kSize>& count) {
 
 // As an R-tree is packed: bands of elevation that hold as many rays each, so many that the runs of
 // kTile rays along a band's azimuth come out about as wide as high.
-void order_by_direction(const Columns& rays, std::span<uint32_t> order) {
+void order_by_direction(const Unfolded& rays, std::span<uint32_t> order) {
   const uint32_t n = uint32_t(order.size());
   const float to_column = scale_of(rays.turn_low, rays.turn_high, kAzimuthBins);
   const float to_row = scale_of(rays.up_low, rays.up_high, kElevationBins);
@@ -35,7 +35,7 @@ void order_by_direction(const Columns& rays, std::span<uint32_t> order) {
   std::array<uint32_t, kOrdered> cell, by_column;
   for (uint32_t i = 0; i < n; ++i) {
     const int column = int((rays.turn[i] - rays.turn_low) * to_column);
-    const int row = int((rays.direction[2][i] - rays.up_low) * to_row);
+    const int row = int((rays.up[i] - rays.up_low) * to_row);
     cell[i] = uint32_t(row << 16 | column);
   }
   for (uint32_t i = 0; i < n; ++i) {

@@ -211,15 +211,18 @@ bool begin(Walk& w, const View& view, Batch& batch, const uint32_t* number, int 
   s.batch = &batch;
   s.number = number;
   s.count = count;
-  const Columns& from = *batch.columns;
-  for (int a = 0; a < 3; ++a) {
-    w.rays.centre[a] = from.centre[a];
-    float* d = reinterpret_cast<float*>(w.rays.d[a]);
-    float* o = reinterpret_cast<float*>(w.rays.o[a]);
-    for (int k = 0; k < kPacket; ++k) {
-      d[k] = from.direction[a][number[k]];
-      o[k] = from.offset[a][number[k]];
+  const Unfolded& from = *batch.unfolded;
+  for (int a = 0; a < 3; ++a) w.rays.centre[a] = from.centre[a];
+  for (int k = 0; k < kPacket; k += 8) {
+    F8 x[8];
+    for (int j = 0; j < 8; ++j) x[j] = load8(from.row[number[k + j]]);
+    transpose(x);
+    for (int a = 0; a < 3; ++a) {
+      store(reinterpret_cast<float*>(w.rays.o[a]) + k, x[a]);
+      store(reinterpret_cast<float*>(w.rays.d[a]) + k, x[3 + a]);
     }
+    store(reinterpret_cast<float*>(s.keys.low) + k, x[6]);
+    store(reinterpret_cast<float*>(s.keys.high) + k, x[7]);
   }
   w.rays.spread = from.spread;
   if (!enclose(w.rays)) return false;
@@ -231,14 +234,9 @@ bool begin(Walk& w, const View& view, Batch& batch, const uint32_t* number, int 
     s.found.high[g] = all(t_max);
   }
   s.found.exact = 0;
-  for (int k = 0; k < kPacket; ++k) {
-    const size_t i = ray_at(s, k);
-    if (kAsk == Ask::kAll) {
-      reinterpret_cast<float*>(s.found.high)[k] = float(batch.entry_limits_m[i]) * 1.000001f;
-    } else if (kAsk == Ask::kAccepted) {
-      reinterpret_cast<uint32_t*>(s.keys.low)[k] = uint32_t(batch.keys[i]);
-      reinterpret_cast<uint32_t*>(s.keys.high)[k] = uint32_t(batch.keys[i] >> 32);
-    }
+  for (int k = 0; kAsk == Ask::kAll && k < kPacket; ++k) {
+    reinterpret_cast<float*>(s.found.high)[k] =
+        float(batch.entry_limits_m[ray_at(s, k)]) * 1.000001f;
   }
   remember(s.found);
   w.world.rays = &w.rays;

@@ -166,36 +166,40 @@ inline void rotate(const Rays& world, const Placement& p, Rays& local) {
   finish(local);
 }
 
-// Wraps kLanes rays at a time into columns; the rest of the last vector repeats the last ray.
-inline void unfold(const View& view, const Ray* rays, size_t count, Columns& out) {
+inline void unfold(const View& view, const Ray* rays, const uint64_t* keys, size_t count,
+                   Unfolded& out) {
   for (int a = 0; a < 3; ++a) out.centre[a] = rays[0].origin.data()[a] - view.origin[a];
-  const size_t whole = (count + kLanes - 1) / kLanes * kLanes;
-  for (size_t i = 0; i < whole; ++i) {
-    const Ray& ray = rays[i < count ? i : count - 1];
-    for (int a = 0; a < 3; ++a) {
-      out.direction[a][i] = float(ray.direction.data()[a]);
-      out.offset[a][i] = float(ray.origin.data()[a] - view.origin[a] - out.centre[a]);
-    }
+  const D centre{view.origin[0] + out.centre[0], view.origin[1] + out.centre[1],
+                 view.origin[2] + out.centre[2], 0};
+  for (size_t i = 0; i < count; ++i) {
+    const double* from = rays[i].origin.data();
+    const D o_d = *reinterpret_cast<const D4*>(from) - centre;
+    *reinterpret_cast<F4*>(out.row[i]) = __builtin_convertvector(o_d, F4);
+    out.row[i][4] = float(from[4]);
+    out.row[i][5] = float(from[5]);
+    const uint64_t key = keys ? keys[i] : 0;
+    __builtin_memcpy(&out.row[i][6], &key, 8);
   }
-  const auto at = [](const float* p) { return *reinterpret_cast<const F*>(p); };
-  F low = all(INFINITY), high = -low, up_low = low, up_high = high, far2 = all(0.0f);
+  F8 low = all8(INFINITY), high = -low, up_low = low, up_high = high, far2 = all8(0.0f);
   float first = 0;
-  for (size_t i = 0; i < whole; i += kLanes) {
-    const F x = at(&out.direction[0][i]), y = at(&out.direction[1][i]),
-            z = at(&out.direction[2][i]);
-    const F sum = absolute(x) + absolute(y);
-    F turn = flip(1.0f - x / greater(sum, all(1e-20f)), sign_of(y));
+  for (size_t i = 0; i < count; i += 8) {
+    F8 x[8];
+    for (size_t k = 0; k < 8; ++k) x[k] = load8(out.row[i + k < count ? i + k : count - 1]);
+    transpose(x);
+    const F8 sum = absolute(x[3]) + absolute(x[4]);
+    F8 turn = 1.0f - x[3] / greater(sum, all8(1e-20f));
+    turn = (F8)((U8)turn ^ ((U8)x[4] & 0x80000000u));
     if (i == 0) first = turn[0];
     turn -= first;
-    turn = pick(le(turn, all(-2.0f)), turn + 4.0f, turn);
-    turn = pick(le(all(2.0f), turn), turn - 4.0f, turn);
-    *reinterpret_cast<F*>(&out.turn[i]) = turn;
+    turn = turn <= -2.0f ? turn + 4.0f : turn;
+    turn = turn >= 2.0f ? turn - 4.0f : turn;
+    *reinterpret_cast<F8*>(&out.turn[i]) = turn;
+    *reinterpret_cast<F8*>(&out.up[i]) = x[5];
     low = lesser(low, turn);
     high = greater(high, turn);
-    up_low = lesser(up_low, z);
-    up_high = greater(up_high, z);
-    const F ox = at(&out.offset[0][i]), oy = at(&out.offset[1][i]), oz = at(&out.offset[2][i]);
-    far2 = greater(far2, muladd(ox, ox, muladd(oy, oy, oz * oz)));
+    up_low = lesser(up_low, x[5]);
+    up_high = greater(up_high, x[5]);
+    far2 = greater(far2, muladd(x[0], x[0], muladd(x[1], x[1], x[2] * x[2])));
   }
   out.turn_low = least(low);
   out.turn_high = greatest(high);

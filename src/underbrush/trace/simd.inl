@@ -98,6 +98,26 @@ inline float least(V v) {
   return m;
 }
 
+// Rows to columns.
+inline void transpose(F8 x[8]) {
+  F8 a[8], b[8];
+  for (int k = 0; k < 8; k += 2) {
+    a[k] = __builtin_shufflevector(x[k], x[k + 1], 0, 8, 1, 9, 4, 12, 5, 13);
+    a[k + 1] = __builtin_shufflevector(x[k], x[k + 1], 2, 10, 3, 11, 6, 14, 7, 15);
+  }
+  for (int k = 0; k < 8; k += 4) {
+    for (int j = 0; j < 2; ++j) {
+      b[k + 2 * j] = __builtin_shufflevector(a[k + j], a[k + 2 + j], 0, 1, 8, 9, 4, 5, 12, 13);
+      b[k + 2 * j + 1] =
+          __builtin_shufflevector(a[k + j], a[k + 2 + j], 2, 3, 10, 11, 6, 7, 14, 15);
+    }
+  }
+  for (int k = 0; k < 4; ++k) {
+    x[k] = __builtin_shufflevector(b[k], b[k + 4], 0, 1, 2, 3, 8, 9, 10, 11);
+    x[k + 4] = __builtin_shufflevector(b[k], b[k + 4], 4, 5, 6, 7, 12, 13, 14, 15);
+  }
+}
+
 // Of each eight of the packet's values what `pick(a, b)` leaves.
 template <class Pick>
 inline F8 of_eights(const F v[kGroups], Pick pick) {

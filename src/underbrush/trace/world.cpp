@@ -28,7 +28,7 @@ const Kernels& kernels_of(Isa isa) {
 ModelView::Mesh view_of(const elements::TriangleMesh& mesh) {
   return {mesh.vertices.empty() ? nullptr : mesh.vertices[0].data(),
           mesh.triangles.empty() ? nullptr : mesh.triangles[0].data(), mesh.hit.data(),
-          mesh.range_sigma_m};
+          mesh.range_sigma_m, mesh.roughness_m};
 }
 
 ModelView view_of(const elements::Model& m) {
@@ -44,7 +44,7 @@ ModelView view_of(const elements::Model& m) {
 /// What a thread needs for its queries; large, and it keeps its memory from call to call.
 struct Workspace {
   Batch batch;
-  Columns columns;
+  Unfolded unfolded;
   std::array<uint32_t, kOrdered + kPacket> order;
   std::array<Candidate, kOrdered> known;
   std::vector<Met> mets;
@@ -90,12 +90,13 @@ struct World::Impl {
     Batch& batch = w.batch;
     for (batch.first = 0; batch.first < count; batch.first += kOrdered) {
       const size_t n = std::min(kOrdered, count - batch.first);
-      batch.columns = &w.columns;
+      batch.unfolded = &w.unfolded;
       batch.known = w.known.data();
       batch.known_count = 0;
       if (n > 1) {
-        kernels->unfold(v, batch.rays + batch.first, n, w.columns);
-        order_by_direction(w.columns, {w.order.data(), n});
+        const uint64_t* keys = batch.keys ? batch.keys + batch.first : nullptr;
+        kernels->unfold(v, batch.rays + batch.first, keys, n, w.unfolded);
+        order_by_direction(w.unfolded, {w.order.data(), n});
       } else {
         w.order[0] = 0;
       }
@@ -177,6 +178,7 @@ void World::all_met(std::span<const Ray> rays, const RangeLimits& limits,
   Workspace& w = workspace();
   Batch& batch = w.batch;
   batch.rays = rays.data();
+  batch.keys = nullptr;
   batch.limits = limits;
   batch.entry_limits_m = entry_limits_m.data();
   batch.candidates.clear();

@@ -1,0 +1,210 @@
+#include <fmt/format.h>
+
+#include <optional>
+
+#include "objects_of_log.hpp"
+#include "underbrush/core/check.hpp"
+#include "underbrush/elements/model_file.hpp"
+#include "underbrush/ground/height_grid.hpp"
+#include "underbrush/ground/triangulate.hpp"
+#include "underbrush/io/atomic_file.hpp"
+#include "underbrush/io/log_file.hpp"
+#include "underbrush/primitives/annotation.hpp"
+#include "underbrush/primitives/generate.hpp"
+#include "underbrush/primitives/measure.hpp"
+#include "underbrush/scene/terrain.hpp"
+#include "verb.hpp"
+#include "verbs.hpp"
+
+namespace underbrush::app {
+namespace fs = std::filesystem;
+namespace {
+
+struct Arguments {
+  std::string log, output, ground, kind;
+  std::vector<double> size{200, 200};
+  double spacing_m = 1, ground_noise_m = 0.03;
+  primitives::MeasureOptions measure;
+  primitives::GenerateOptions generate;
+  scene::TerrainParameters terrain;
+};
+
+void add_options(CLI::App& app, Arguments& a) {
+  auto* log = app.add_option("LABELLED", a.log, "The site's log, labelled by segment");
+  app.add_option("-o,--output", a.output, "The annotation")
+      ->required()
+      ->type_name("ANNOTATION.json");
+  app.add_option("--ground", a.ground,
+                 "Model whose ground the objects stand on. Without it, one is made from the log's "
+                 "ground points, or generated, as the folder STEM.ground beside the annotation")
+      ->type_name("MODEL");
+  auto* kind = app.add_option("--generate", a.kind, "Make a site up")
+                   ->check(CLI::IsMember(primitives::site_kinds()));
+  kind->excludes(log);
+  app.add_option(
+         "--density", a.generate.density,
+         "generate: trees (meadow: shrubs) per m²; 0 = forest 0.05, savanna 0.003, meadow 0.01")
+      ->check(CLI::Range(0.0, 10.0))
+      ->capture_default_str();
+  app.add_option("--margin", a.generate.margin_m, "generate: bare border of the ground, m")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--size", a.size, "generate: length and width of a generated ground, m")
+      ->expected(2)
+      ->check(CLI::Range(1.0, 20000.0))
+      ->type_name("X Y");
+  app.add_option("--relief", a.terrain.relief_m,
+                 "generate: standard deviation of the ground's height, m")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--ground-spacing", a.spacing_m,
+                 "Side of a generated ground's triangles, m; distance of nodes of a fitted one is "
+                 "half of it")
+      ->check(CLI::Range(0.05, 100.0))
+      ->capture_default_str();
+  app.add_option("--ground-noise", a.ground_noise_m,
+                 "generate: σ of ranges on a generated ground, m")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--box-quantile", a.measure.quantile,
+                 "A box holds the points from this quantile to 1 − it in each axis; 0 = all")
+      ->check(CLI::Range(0.0, 0.49))
+      ->capture_default_str();
+  app.add_option("--patch-cell", a.measure.cell_m, "Side of the cells of patches, m")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--min-points", a.measure.min_points, "Fewest points of an object or cell")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+}
+
+/// The ground of a labelled log, smooth, as `fit` makes it.
+elements::Model ground_of(const std::string& file, BeamSource& log, double spacing_m) {
+  Progress progress("ground");
+  std::optional<ground::HeightGrid> grid;
+  ground::HeightGridOptions options;
+  options.spacing_m = 0.5 * spacing_m;
+  size_t done = 0;
+  log.rewind();
+  for (BeamLog chunk; log.next(chunk);) {
+    if (!grid && !chunk.empty()) grid.emplace(chunk.origin[0].array().round(), options);
+    std::vector<Vec3> points;
+    const ExtraColumn& label = chunk.extra.at("class");
+    for (size_t i = 0; i < chunk.size(); ++i) {
+      const auto c = elements::Class(primitives::label_at(label, i));
+      if (chunk.is_hit(i) && c == elements::Class::kGround) points.push_back(chunk.end_point(i));
+    }
+    if (grid) grid->add(points);
+    progress(done += chunk.size(), log.size());
+  }
+  if (!grid || grid->points() == 0) throw FormatError(file, "", "none of its points is ground");
+  const ground::HeightMap map = grid->solve();
+  ground::GroundMesh mesh = ground::triangulate(map);
+  elements::Model model;
+  model.origin = mesh.origin;
+  model.ground.vertices = std::move(mesh.vertices);
+  model.ground.triangles = std::move(mesh.triangles);
+  model.ground.hit.resize(model.ground.size());
+  model.ground.range_sigma_m = map.sigma_m;
+  model.fitter = "ground";
+  return model;
+}
+
+elements::Model generated_ground(const Arguments& a, uint64_t seed) {
+  scene::TerrainParameters p = a.terrain;
+  p.size_x_m = a.size[0];
+  p.size_y_m = a.size[1];
+  elements::Model model;
+  model.ground = scene::Terrain(p, seed).mesh(a.spacing_m, 0);
+  model.ground.range_sigma_m = a.ground_noise_m;
+  model.fitter = "generated_ground";
+  return model;
+}
+
+/// The annotation, and the ground beside it where it is a new one: both or none.
+void write(elements::Model* ground, const fs::path& output,
+           const primitives::Annotation& annotation) {
+  if (!ground) return primitives::write_annotation(output, annotation);
+  ground->provenance = annotation.provenance;
+  io::AtomicFile folder(annotation.ground, io::OutputKind::kFolder);
+  elements::write_model(folder.temporary(), *ground);
+  primitives::write_annotation(output, annotation);
+  folder.commit();
+}
+
+void run(const Verb& verb, Arguments& a) {
+  if (a.log.empty() == a.kind.empty()) {
+    throw std::invalid_argument("annotate: give a labelled log, or --generate KIND");
+  }
+  const fs::path output = a.output;
+  io::check_output(output);
+  std::optional<io::LogReader> log;
+  if (!a.log.empty()) {
+    log.emplace(a.log);
+    require_objects(a.log, *log);
+  }
+  primitives::Annotation annotation;
+  annotation.ground = a.ground;
+  std::vector<fs::path> inputs;
+  if (log) inputs.emplace_back(a.log);
+  elements::Model ground;
+  if (!a.ground.empty()) {
+    inputs.emplace_back(a.ground);
+    ground = elements::read_model(a.ground);
+    if (ground.ground.size() == 0) throw FormatError(a.ground, "", "the model has no ground");
+  } else {
+    annotation.ground = output.parent_path() / (output.stem().string() + ".ground");
+    elements::check_model_output(annotation.ground);
+    ground = log ? ground_of(a.log, *log, a.spacing_m) : generated_ground(a, verb.seed);
+  }
+  annotation.provenance = provenance(verb, inputs);
+  const primitives::GroundSurface surface(ground);
+  primitives::MeasuredObjects measured;
+  if (log) {
+    Progress progress("annotate");
+    measured = primitives::measure_objects(*log, surface, a.measure, std::ref(progress));
+  } else {
+    a.generate.kind = a.kind;
+    a.generate.seed = verb.seed;
+    a.generate.patch_cell_m = a.measure.cell_m;
+    measured.objects = primitives::generate_objects(surface, a.generate);
+  }
+  annotation.objects = std::move(measured.objects);
+  write(a.ground.empty() ? &ground : nullptr, output, annotation);
+
+  std::map<elements::Class, size_t> classes;
+  for (const auto& o : annotation.objects) ++classes[o.label];
+  Json j;
+  j["objects"] = annotation.objects.size();
+  std::string text = fmt::format("{} objects\n", annotation.objects.size());
+  for (const auto& [label, n] : classes) {
+    const std::string name(elements::name(label));
+    j["classes"][name] = n;
+    text += fmt::format("  {:<19}{:>8}\n", name, n);
+  }
+  j["few_points"] = measured.few_points;
+  j["off_ground"] = measured.off_ground;
+  j["hits_without_instance"] = measured.without_instance;
+  if (annotation.objects.empty()) text += "  warning     nothing stands on this ground\n";
+  text += left_out({{"objects or cells of few points", measured.few_points},
+                    {"objects off the ground", measured.off_ground},
+                    {"hits of an object's class without instance", measured.without_instance}});
+  text += fmt::format("  ground      {} ({} triangles)\n  annotation  {}\n",
+                      annotation.ground.string(), ground.ground.size(), a.output);
+  verb.report(j, text);
+}
+
+}  // namespace
+
+void add_annotate(CLI::App& root) {
+  auto a = std::make_shared<Arguments>();
+  const auto verb = add_verb(
+      root, "annotate", "Say what stands where: from a labelled log, or on a site that is made up",
+      "underbrush annotate labelled.ply -o annotation.json\n"
+      "  underbrush annotate --generate savanna --density 0.005 --seed 7 -o annotation.json\n"
+      "  underbrush annotate --generate forest --ground model/ -o annotation.json",
+      [a](const Verb& v) { run(v, *a); });
+  add_options(*verb->app, *a);
+}
+
+}  // namespace underbrush::app

@@ -1,0 +1,150 @@
+#include <fmt/format.h>
+
+#include <chrono>
+
+#include "objects_of_log.hpp"
+#include "underbrush/core/check.hpp"
+#include "underbrush/core/names.hpp"
+#include "underbrush/elements/model_file.hpp"
+#include "underbrush/primitives/compose.hpp"
+#include "verb.hpp"
+#include "verbs.hpp"
+
+namespace underbrush::app {
+namespace {
+
+struct Arguments {
+  std::string annotation, primitives, output, ground;
+  std::vector<std::string> density;
+  bool strict = false;
+  primitives::ComposeOptions compose;
+};
+
+void add_options(CLI::App& app, Arguments& a) {
+  app.add_option("ANNOTATION", a.annotation, "The annotation (JSON)")->required();
+  app.add_option("PRIMITIVES", a.primitives, "The set of primitives")->required();
+  app.add_option("-o,--output", a.output, "The scene's folder")->required()->type_name("SCENE");
+  app.add_option("--ground", a.ground, "Model whose ground to take instead of the annotation's")
+      ->type_name("MODEL");
+  app.add_option("--nearest", a.compose.nearest,
+                 "Draw among this many primitives with the nearest boxes")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_flag("--scale", a.compose.scale, "Scale primitives to their boxes");
+  app.add_option("--class-density", a.density,
+                 "Objects of a class for each annotated: below 1 leaves some out, above 1 adds "
+                 "others beside them")
+      ->type_name("CLASS=FACTOR ...");
+  app.add_flag("--strict", a.strict, "Fail where an object cannot be placed as it is annotated");
+}
+
+void read_densities(const Arguments& a, primitives::ComposeOptions& o) {
+  for (const std::string& word : a.density) {
+    const size_t equals = word.find('=');
+    const std::string name = word.substr(0, equals);
+    const auto label = elements::class_from_name(name);
+    if (!label) {
+      const std::string near =
+          nearest_name(name, {elements::kClassNames.begin(), elements::kClassNames.end()});
+      throw std::invalid_argument("compose: no class '" + name + "'" +
+                                  (near.empty() ? "" : "; did you mean '" + near + "'?"));
+    }
+    size_t used = 0;
+    const std::string number = equals == std::string::npos ? "" : word.substr(equals + 1);
+    double factor = -1;
+    try {
+      factor = std::stod(number, &used);
+    } catch (const std::exception&) {
+    }
+    if (used == 0 || used != number.size() || !(factor >= 0 && factor <= 100)) {
+      throw std::invalid_argument(
+          "compose: expected CLASS=FACTOR with a factor in [0, 100], not '" + word + "'");
+    }
+    o.density[*label] = factor;
+  }
+}
+
+void require_all_placed(const Arguments& a, const primitives::Composition& c) {
+  if (!a.strict) return;
+  if (c.off_ground) {
+    throw FormatError(a.annotation, "",
+                      std::to_string(c.off_ground) + " objects stand off the ground mesh");
+  }
+  for (const auto& counts : {c.left_out, c.borrowed}) {
+    if (counts.empty()) continue;
+    throw FormatError(a.primitives, "",
+                      "no primitives of the class " + counts.begin()->first + ", which " +
+                          std::to_string(counts.begin()->second) + " objects have");
+  }
+}
+
+void run(const Verb& verb, Arguments& a) {
+  using Clock = std::chrono::steady_clock;
+  const auto start = Clock::now();
+  read_densities(a, a.compose);
+  elements::check_scene_output(a.output);
+  const primitives::Annotation annotation = primitives::read_annotation(a.annotation);
+  const primitives::PrimitiveSet set = primitives::read_primitive_set(a.primitives);
+  std::filesystem::path from = a.ground;
+  if (from.empty()) from = annotation.ground.lexically_normal();
+  const elements::Model ground = elements::read_model(from);
+  if (ground.ground.size() == 0) throw FormatError(from.string(), "", "the model has no ground");
+  a.compose.seed = verb.seed;
+  primitives::Composition c;
+  {
+    Progress progress("compose");
+    c = primitives::compose(annotation, ground, set, a.compose, std::ref(progress));
+  }
+  require_all_placed(a, c);
+  c.info.provenance = provenance(verb, {a.annotation, a.primitives, from});
+  elements::write_scene(a.output, c.scene, c.info);
+  const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+
+  size_t elements = 0;
+  for (const auto& m : c.scene.models) elements += m.size() - m.ground.size();
+  Json j;
+  j["objects"] = c.objects;
+  j["instances"] = c.placed;
+  j["models"] = c.scene.models.size() - 1;
+  j["elements"] = elements;
+  j["off_ground"] = c.off_ground;
+  j["left_out"] = c.left_out;
+  j["borrowed"] = c.borrowed;
+  j["mean_box_distance_m"] = c.mean_box_distance_m;
+  j["seconds"] = seconds;
+  std::string text = fmt::format(
+      "{} objects: {} instances of {} primitives ({} elements), boxes {:.2f} m apart on average\n",
+      c.objects, c.placed, c.scene.models.size() - 1, elements, c.mean_box_distance_m);
+  if (c.objects == 0)
+    text += "  warning     the annotation has no objects: the scene is its ground\n";
+  for (const auto& [label, n] : c.borrowed) {
+    text += fmt::format(
+        "  warning     {} of class {}: no primitives, placed with those of another size\n", n,
+        label);
+  }
+  for (const auto& [label, n] : c.left_out) {
+    text +=
+        fmt::format("  warning     {} of class {} left out: no primitives of its kind\n", n, label);
+  }
+  if (c.off_ground) {
+    text +=
+        fmt::format("  warning     {} left out: they stand off the ground mesh\n", c.off_ground);
+  }
+  text += fmt::format("  all         {:.2f} s\n  scene       {}\n", seconds, a.output);
+  verb.report(j, text);
+}
+
+}  // namespace
+
+void add_compose(CLI::App& root) {
+  auto a = std::make_shared<Arguments>();
+  const auto verb = add_verb(
+      root, "compose", "Compose a scene from primitives along an annotation; simulate takes it",
+      "underbrush compose annotation.json primitives/ -o scene/\n"
+      "  underbrush compose annotation.json primitives/ --nearest 5 --scale -o scene/\n"
+      "  underbrush simulate scene/ --like log.ply -o sim.ply",
+      [a](const Verb& v) { run(v, *a); });
+  add_options(*verb->app, *a);
+}
+
+}  // namespace underbrush::app

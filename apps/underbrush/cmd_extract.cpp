@@ -1,0 +1,104 @@
+#include <fmt/format.h>
+
+#include "objects_of_log.hpp"
+#include "underbrush/core/check.hpp"
+#include "underbrush/elements/model_file.hpp"
+#include "underbrush/io/log_file.hpp"
+#include "underbrush/primitives/primitive_set.hpp"
+#include "verb.hpp"
+#include "verbs.hpp"
+
+namespace underbrush::app {
+namespace {
+
+struct Arguments {
+  std::string model, log, output, membership = "own";
+  primitives::ExtractOptions extract;
+};
+
+void add_options(CLI::App& app, Arguments& a) {
+  app.add_option("MODEL", a.model, "The model's folder")->required();
+  app.add_option("LABELLED", a.log, "The log that it was fitted to, labelled by segment")
+      ->required();
+  app.add_option("-o,--output", a.output, "The folder of the set of primitives")
+      ->required()
+      ->type_name("PRIMITIVES");
+  app.add_option("--box-quantile", a.extract.measure.quantile,
+                 "A box holds the points from this quantile to 1 − it in each axis; 0 = all "
+                 "(0.05 as [tallavajhula18]'s authors have it)")
+      ->check(CLI::Range(0.0, 0.49))
+      ->capture_default_str();
+  app.add_option("--elements", a.membership,
+                 "Elements of an object: those centred in its box, or of these its own only, which "
+                 "lie among its points")
+      ->check(CLI::IsMember({"own", "box"}))
+      ->capture_default_str();
+  app.add_option("--patch-cell", a.extract.measure.cell_m, "Side of the cells of patches, m")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--min-points", a.extract.measure.min_points, "Fewest points of an object or cell")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+}
+
+void run(const Verb& verb, Arguments& a) {
+  const elements::Model model = elements::read_model(a.model);
+  io::LogReader log(a.log);
+  primitives::check_primitives_output(a.output);
+  a.extract.membership =
+      a.membership == "box" ? primitives::Membership::kBox : primitives::Membership::kOwn;
+  require_objects(a.log, log);
+  if (model.ground.size() == 0) throw FormatError(a.model, "", "the model has no ground");
+  primitives::ExtractResult result;
+  {
+    Progress progress("extract");
+    result = primitives::extract(model, log, a.extract, std::ref(progress));
+  }
+  if (result.primitives.empty()) {
+    throw FormatError(a.log, "", "none of its objects holds an element of the model");
+  }
+  primitives::write_primitives(a.output, result.primitives, a.extract.measure.cell_m,
+                               provenance(verb, {a.model, a.log}));
+  std::map<elements::Class, std::pair<size_t, size_t>> classes;  // primitives, elements
+  for (const auto& p : result.primitives) {
+    ++classes[p.label].first;
+    classes[p.label].second += p.model.size();
+  }
+  const primitives::MeasuredObjects& m = result.measured;
+  Json j;
+  j["primitives"] = result.primitives.size();
+  j["elements"] = result.elements;
+  j["elements_taken"] = result.taken;
+  j["empty"] = result.empty;
+  j["few_points"] = m.few_points;
+  j["off_ground"] = m.off_ground;
+  j["hits_without_instance"] = m.without_instance;
+  std::string text = fmt::format(
+      "{} primitives hold {} of {} elements ({:.1f} %)\n", result.primitives.size(), result.taken,
+      result.elements, 100.0 * double(result.taken) / double(std::max<size_t>(1, result.elements)));
+  for (const auto& [label, n] : classes) {
+    const std::string name(elements::name(label));
+    j["classes"][name] = {{"primitives", n.first}, {"elements", n.second}};
+    text += fmt::format("  {:<19}{:>8}, {:.0f} elements each\n", name, n.first,
+                        double(n.second) / double(n.first));
+  }
+  text += left_out({{"objects without an element", result.empty},
+                    {"objects or cells of few points", m.few_points},
+                    {"objects off the ground", m.off_ground},
+                    {"hits of an object's class without instance", m.without_instance}});
+  text += "  primitives  " + a.output + "\n  to look at  " +
+          (std::filesystem::path(a.output) / "index.html").string() + "\n";
+  verb.report(j, text);
+}
+
+}  // namespace
+
+void add_extract(CLI::App& root) {
+  auto a = std::make_shared<Arguments>();
+  const auto verb = add_verb(root, "extract", "Cut a model into primitives along a labelled log",
+                             "underbrush extract model/ labelled.ply -o primitives/",
+                             [a](const Verb& v) { run(v, *a); });
+  add_options(*verb->app, *a);
+}
+
+}  // namespace underbrush::app

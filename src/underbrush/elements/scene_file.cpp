@@ -1,0 +1,165 @@
+#include "underbrush/elements/scene_file.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "underbrush/core/check.hpp"
+#include "underbrush/elements/model_file.hpp"
+#include "underbrush/io/atomic_file.hpp"
+#include "underbrush/io/ply.hpp"
+
+namespace underbrush::elements {
+namespace fs = std::filesystem;
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string folder_of(size_t model) {
+  char name[32];
+  std::snprintf(name, sizeof name, "models/%04zu", model);
+  return name;
+}
+
+constexpr const char* kNumbers[] = {"x", "y", "z", "qx", "qy", "qz", "qw"};
+
+io::PlyData ply_of(const Scene& scene, const SceneInfo& info) {
+  io::PlyElement e;
+  e.name = "vertex";
+  e.count = scene.instances.size();
+  for (int k = 0; k < 7; ++k) {
+    std::vector<double> column;
+    for (const Instance& i : scene.instances) {
+      const Pose& p = i.world_from_model;
+      column.push_back(k < 3 ? p.translation[k] : p.rotation.coeffs()[k - 3]);
+    }
+    e.columns.emplace_back(kNumbers[k], std::move(column));
+  }
+  std::vector<float> scale;
+  std::vector<uint32_t> model;
+  std::vector<uint8_t> label;
+  for (const Instance& i : scene.instances) {
+    scale.push_back(i.scale);
+    model.push_back(i.model);
+  }
+  for (const Class c : info.labels) label.push_back(uint8_t(c));
+  e.columns.emplace_back("scale", std::move(scale));
+  e.columns.emplace_back("model", std::move(model));
+  e.columns.emplace_back("class", std::move(label));
+  io::PlyData data;
+  data.elements = {std::move(e)};
+  return data;
+}
+
+template <class T>
+const std::vector<T>& column_of(const fs::path& file, const io::PlyElement& e, const char* name) {
+  const ExtraColumn* column = e.find(name);
+  const auto* values = column ? std::get_if<std::vector<T>>(column) : nullptr;
+  if (!values) throw FormatError(file.string(), "", std::string("no column ") + name);
+  return *values;
+}
+
+void read_instances(const fs::path& file, Scene& scene, SceneInfo& info) {
+  const io::PlyData data = io::read_ply(file);
+  const io::PlyElement* e = data.find("vertex");
+  if (!e) throw FormatError(file.string(), "", "no element vertex");
+  const std::vector<double>* numbers[7];
+  for (int k = 0; k < 7; ++k) numbers[k] = &column_of<double>(file, *e, kNumbers[k]);
+  const auto& scale = column_of<float>(file, *e, "scale");
+  const auto& model = column_of<uint32_t>(file, *e, "model");
+  const auto& label = column_of<uint8_t>(file, *e, "class");
+  scene.instances.resize(e->count);
+  for (size_t i = 0; i < e->count; ++i) {
+    Instance& instance = scene.instances[i];
+    for (int k = 0; k < 7; ++k) {
+      double& to = k < 3 ? instance.world_from_model.translation[k]
+                         : instance.world_from_model.rotation.coeffs()[k - 3];
+      to = (*numbers[k])[i];
+    }
+    instance.scale = scale[i];
+    instance.model = model[i];
+    if (label[i] >= kClassNames.size()) {
+      throw FormatError(file.string(), "row " + std::to_string(i + 1), "an unknown class");
+    }
+    info.labels.push_back(Class(label[i]));
+  }
+}
+
+}  // namespace
+
+bool is_scene(const fs::path& path) { return fs::is_regular_file(path / "scene.json"); }
+
+void check_scene_output(const fs::path& path) {
+  io::check_output(path, io::OutputKind::kFolder);
+  if (fs::exists(path) && !is_scene(path) && !fs::is_empty(path)) {
+    throw IoError(path.string() +
+                  ": cannot write: exists and is not a scene; remove it or name another");
+  }
+}
+
+void write_scene(const fs::path& path, const Scene& scene, const SceneInfo& info) {
+  scene.check();
+  require(info.names.size() == scene.models.size() && info.labels.size() == scene.instances.size(),
+          "scene: one name a model and one class an instance are needed");
+  check_scene_output(path);
+  Json j;
+  j["format"] = "underbrush-scene";
+  j["version"] = kSceneVersion;
+  j["models"] = Json::array();
+  for (size_t k = 0; k < scene.models.size(); ++k) {
+    j["models"].push_back({{"folder", folder_of(k)}, {"name", info.names[k]}});
+  }
+  j["instances"] = {{"file", "instances.ply"}, {"count", scene.instances.size()}};
+  j["provenance"] = info.provenance.empty() ? Json::object() : Json::parse(info.provenance);
+  io::write_atomically(
+      path,
+      [&](const fs::path& folder) {
+        fs::create_directories(folder / "models");
+        for (size_t k = 0; k < scene.models.size(); ++k) {
+          write_model(folder / folder_of(k), scene.models[k]);
+        }
+        io::write_ply(folder / "instances.ply", ply_of(scene, info));
+        std::ofstream out(folder / "scene.json");
+        out << j.dump(1) << "\n";
+        if (!out.flush()) throw IoError((folder / "scene.json").string() + ": cannot write");
+      },
+      io::OutputKind::kFolder);
+}
+
+Scene read_scene(const fs::path& path, SceneInfo* info) {
+  const fs::path file = path / "scene.json";
+  if (!is_scene(path)) throw FormatError(path.string(), "", "not a scene (no scene.json in it)");
+  std::ifstream in(file);
+  Scene scene;
+  SceneInfo read;
+  try {
+    const Json j = Json::parse(in);
+    if (j.at("format") != "underbrush-scene") {
+      throw FormatError(file.string(), "format", "not an underbrush scene");
+    }
+    if (const int version = j.at("version"); version > kSceneVersion) {
+      throw FormatError(file.string(), "version",
+                        std::to_string(version) + " is newer than this program reads (" +
+                            std::to_string(kSceneVersion) + ")");
+    }
+    for (const Json& m : j.at("models")) {
+      read.names.push_back(m.at("name"));
+      scene.models.push_back(read_model(path / m.at("folder").get<std::string>()));
+    }
+    read.provenance = j.at("provenance").dump();
+    read_instances(path / "instances.ply", scene, read);
+    if (scene.instances.size() != j.at("instances").at("count")) {
+      throw FormatError(file.string(), "", "its counts and its files disagree");
+    }
+    scene.check();
+  } catch (const nlohmann::json::exception& e) {
+    throw FormatError(file.string(), "", e.what());
+  } catch (const std::invalid_argument& e) {
+    throw FormatError(path.string(), "", e.what());
+  }
+  if (info) *info = std::move(read);
+  return scene;
+}
+
+}  // namespace underbrush::elements

@@ -1,0 +1,195 @@
+#include "underbrush/primitives/compose.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "underbrush/core/check.hpp"
+#include "underbrush/core/rng.hpp"
+
+namespace underbrush::primitives {
+namespace {
+
+using elements::Class;
+
+enum Draw : uint32_t { kKeep, kChoose, kShiftX, kShiftY, kTurn };
+
+double uniform(uint64_t seed, size_t object, size_t copy, Draw what) {
+  return uniform_from_bits(
+      random_bits(beam_key(seed, object, copy), uint32_t(what), Purpose::kPlace));
+}
+
+/// Cells of a patch that is annotated as a whole; any other object as it is.
+void add_cells(const PlacedObject& o, double cell_m, std::vector<PlacedObject>& out) {
+  const Vec3 size = o.box.size();
+  if (elements::kind_of(o.label) != elements::ClassKind::kPatch ||
+      size.head<2>().maxCoeff() <= 1.5 * cell_m) {
+    out.push_back(o);
+    return;
+  }
+  const int nx = std::max(1, int(std::lround(size.x() / cell_m)));
+  const int ny = std::max(1, int(std::lround(size.y() / cell_m)));
+  const Vec3 step(size.x() / nx, size.y() / ny, 0);
+  for (int k = 0; k < nx * ny; ++k) {
+    const Vec3 middle = o.box.min + Vec3((k % nx + 0.5) * step.x(), (k / nx + 0.5) * step.y(), 0);
+    PlacedObject cell = o;
+    cell.position = o.world_from_object() * Vec3(middle.x(), middle.y(), 0);
+    cell.box.min = Vec3(-0.5 * step.x(), -0.5 * step.y(), 0);
+    cell.box.max = Vec3(0.5 * step.x(), 0.5 * step.y(), o.box.max.z());
+    out.push_back(cell);
+  }
+}
+
+/// The primitives of a set by class.
+class Chooser {
+ public:
+  explicit Chooser(const PrimitiveSet& set) : set_(set) {
+    for (uint32_t k = 0; k < set.entries.size(); ++k) by_class_[set.entries[k].label].push_back(k);
+  }
+  /// Those that may stand for the class; empty where there is none of its kind.
+  const std::vector<uint32_t>& candidates(Class c) {
+    auto& found = by_class_[c];
+    if (!found.empty()) return found;
+    auto& kind = by_kind_[elements::kind_of(c)];
+    if (kind.empty()) {
+      for (uint32_t k = 0; k < set_.entries.size(); ++k) {
+        if (elements::kind_of(set_.entries[k].label) == elements::kind_of(c)) kind.push_back(k);
+      }
+    }
+    return kind;
+  }
+  /// Number `rank` (from 0) by distance of the boxes, ties by number.
+  uint32_t choose(const std::vector<uint32_t>& from, const Vec3& size, size_t rank) {
+    order_.clear();
+    for (const uint32_t k : from) {
+      order_.emplace_back((set_.entries[k].box.size() - size).squaredNorm(), k);
+    }
+    rank = std::min(rank, order_.size() - 1);
+    std::nth_element(order_.begin(), order_.begin() + long(rank), order_.end());
+    return order_[rank].second;
+  }
+
+ private:
+  const PrimitiveSet& set_;
+  std::map<Class, std::vector<uint32_t>> by_class_;
+  std::map<elements::ClassKind, std::vector<uint32_t>> by_kind_;
+  std::vector<std::pair<double, uint32_t>> order_;
+};
+
+/// Composes object by object.
+class Composer {
+ public:
+  Composer(const elements::Model& ground, const PrimitiveSet& set, const ComposeOptions& o)
+      : set_(set), options_(o), surface_(ground), chooser_(set), model_(set.entries.size(), 0) {
+    elements::Model bare;
+    bare.origin = ground.origin;
+    bare.ground = ground.ground;
+    bare.tau = ground.tau;
+    bare.max_range_m = ground.max_range_m;
+    bare.fitter = ground.fitter;
+    out_.scene.models.push_back(std::move(bare));
+    out_.info.names.emplace_back("ground");
+    elements::Instance foot;
+    foot.world_from_model.translation = ground.origin;
+    out_.scene.instances.push_back(foot);
+    out_.info.labels.push_back(Class::kGround);
+  }
+
+  void add(const PlacedObject& o, size_t number) {
+    ++out_.objects;
+    const auto density = options_.density.find(o.label);
+    const double wanted = density == options_.density.end() ? 1 : density->second;
+    const auto copies = size_t(wanted + uniform(options_.seed, number, 0, kKeep));
+    for (size_t copy = 0; copy < copies; ++copy) {
+      PlacedObject one = o;
+      if (copy) {  // beside the first, within two of its sides
+        const double reach = 2 * o.box.size().head<2>().maxCoeff();
+        one.position.x() += reach * (2 * uniform(options_.seed, number, copy, kShiftX) - 1);
+        one.position.y() += reach * (2 * uniform(options_.seed, number, copy, kShiftY) - 1);
+        one.yaw_rad = 2 * M_PI * uniform(options_.seed, number, copy, kTurn);
+      }
+      place(one, number, copy);
+    }
+  }
+
+  Composition finish() && {
+    if (out_.placed) out_.mean_box_distance_m /= double(out_.placed);
+    return std::move(out_);
+  }
+
+ private:
+  void place(const PlacedObject& o, size_t number, size_t copy) {
+    const std::vector<uint32_t>& from = chooser_.candidates(o.label);
+    if (from.empty()) {
+      ++out_.left_out[std::string(elements::name(o.label))];
+      return;
+    }
+    const std::optional<double> z = surface_.at(o.position.x(), o.position.y());
+    if (!z) {
+      ++out_.off_ground;
+      return;
+    }
+    const size_t k = std::min(options_.nearest, from.size());
+    const size_t rank =
+        k > 1 ? std::min(k - 1, size_t(double(k) * uniform(options_.seed, number, copy, kChoose)))
+              : 0;
+    const uint32_t chosen = chooser_.choose(from, o.box.size(), rank);
+    const PrimitiveEntry& entry = set_.entries[chosen];
+    if (entry.label != o.label) ++out_.borrowed[std::string(elements::name(o.label))];
+    elements::Instance instance;
+    instance.model = model_of(chosen);
+    const Vec3 a = entry.box.size(), b = o.box.size();
+    if (options_.scale) instance.scale = float(a.dot(b) / a.dot(a));
+    out_.mean_box_distance_m += (double(instance.scale) * a - b).norm();
+    // Box upon box: the middles agree, the bottoms stand on the ground.
+    const Pose pose = o.world_from_object();
+    const Vec3 middle = 0.5 * (o.box.min + o.box.max) -
+                        double(instance.scale) * 0.5 * (entry.box.min + entry.box.max);
+    instance.world_from_model.rotation = pose.rotation;
+    instance.world_from_model.translation = pose * Vec3(middle.x(), middle.y(), 0);
+    instance.world_from_model.translation.z() = *z - double(instance.scale) * entry.box.min.z();
+    out_.scene.instances.push_back(instance);
+    out_.info.labels.push_back(o.label);
+    ++out_.placed;
+  }
+
+  uint32_t model_of(uint32_t entry) {
+    uint32_t& model = model_[entry];
+    if (model == 0) {
+      model = uint32_t(out_.scene.models.size());
+      out_.scene.models.push_back(read_primitive(set_, entry));
+      // The sensor that saw the primitives is the one whose range ends the scene.
+      double& far = out_.scene.models[0].max_range_m;
+      far = std::min(far, out_.scene.models.back().max_range_m);
+      out_.info.names.push_back(set_.entries[entry].name);
+    }
+    return model;
+  }
+
+  const PrimitiveSet& set_;
+  const ComposeOptions& options_;
+  GroundSurface surface_;
+  Chooser chooser_;
+  std::vector<uint32_t> model_;
+  Composition out_;
+};
+
+}  // namespace
+
+Composition compose(const Annotation& annotation, const elements::Model& ground,
+                    const PrimitiveSet& set, const ComposeOptions& o,
+                    const ComposeProgress& progress) {
+  require(o.nearest > 0, "compose: at least one primitive must be chosen from");
+  for (const auto& [label, factor] : o.density) {
+    require(factor >= 0 && factor <= 100, "compose: a density must lie in [0, 100]");
+  }
+  std::vector<PlacedObject> objects;
+  for (const PlacedObject& object : annotation.objects) add_cells(object, set.cell_m, objects);
+  Composer composer(ground, set, o);
+  for (size_t k = 0; k < objects.size(); ++k) {
+    composer.add(objects[k], k);
+    if (progress && k % 256 == 0) progress(k, objects.size());
+  }
+  return std::move(composer).finish();
+}
+
+}  // namespace underbrush::primitives

@@ -1,0 +1,195 @@
+#include "underbrush/primitives/extract.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <unordered_map>
+
+namespace underbrush::primitives {
+namespace {
+
+using elements::Model;
+
+/// Whose points fill a voxel: by majority vote (Boyer and Moore), in the log's order.
+class OwnerMap {
+ public:
+  void add(const Vec3& p, uint32_t instance) {
+    Vote& v = votes_[key(cell(p))];
+    if (v.count == 0) v.instance = instance;
+    v.count += v.instance == instance ? 1 : -1;
+  }
+  /// The owner at p or of most voxels around; none where no points are near.
+  std::optional<uint32_t> at(const Vec3& p) const {
+    const auto c = cell(p);
+    if (const auto found = votes_.find(key(c)); found != votes_.end()) {
+      return found->second.instance;
+    }
+    std::map<uint32_t, int> seen;
+    for (int k = 0; k < 27; ++k) {
+      const auto found =
+          votes_.find(key({c[0] + k % 3 - 1, c[1] + k / 3 % 3 - 1, c[2] + k / 9 - 1}));
+      if (found != votes_.end()) ++seen[found->second.instance];
+    }
+    if (seen.empty()) return std::nullopt;
+    return std::max_element(seen.begin(), seen.end(),
+                            [](const auto& a, const auto& b) { return a.second < b.second; })
+        ->first;
+  }
+
+ private:
+  static constexpr double kSideM = 0.3;
+  struct Vote {
+    uint32_t instance = 0;
+    int32_t count = 0;
+  };
+  using Cell = std::array<int64_t, 3>;
+  static Cell cell(const Vec3& p) {
+    Cell c;
+    for (size_t d = 0; d < 3; ++d) c[d] = int64_t(std::floor(p[Eigen::Index(d)] / kSideM));
+    return c;
+  }
+  static uint64_t key(const Cell& c) {
+    constexpr uint64_t kMask = (1u << 21) - 1;
+    return (uint64_t(c[0]) & kMask) << 42 | (uint64_t(c[1]) & kMask) << 21 |
+           (uint64_t(c[2]) & kMask);
+  }
+  std::unordered_map<uint64_t, Vote> votes_;
+};
+
+OwnerMap owners_of(BeamSource& labelled) {
+  OwnerMap owners;
+  labelled.rewind();
+  for (BeamLog chunk; labelled.next(chunk);) {
+    require_labels(chunk);
+    const ExtraColumn& label = chunk.extra.at("class");
+    const ExtraColumn& instance = chunk.extra.at("instance");
+    for (size_t i = 0; i < chunk.size(); ++i) {
+      const uint32_t number = label_at(label, i);
+      if (!chunk.is_hit(i) || number >= elements::kClassNames.size() ||
+          elements::kind_of(elements::Class(number)) == elements::ClassKind::kOther) {
+        continue;
+      }
+      owners.add(chunk.end_point(i), label_at(instance, i));
+    }
+  }
+  return owners;
+}
+
+/// The model's elements but its ground, by their centres, in cells of a grid.
+class Centres {
+ public:
+  explicit Centres(const Model& model) {
+    for (const auto& t : model.surface.triangles) {
+      Vec3 sum = Vec3::Zero();
+      for (const uint32_t k : t) sum += model.surface.vertices[k].cast<double>();
+      add(model.origin + sum / 3);
+    }
+    for (const auto& e : model.ellipsoids) add(model.origin + e.mean.cast<double>());
+  }
+  size_t size() const { return centre_.size(); }
+  const Vec3& operator[](size_t k) const { return centre_[k]; }
+
+  /// Those in the object's box, in order of number.
+  std::vector<uint32_t> within(const PlacedObject& o) const {
+    const Pose object_from_world = o.world_from_object().inverse();
+    const double reach = std::max(o.box.min.head<2>().norm(), o.box.max.head<2>().norm());
+    std::vector<uint32_t> out;
+    const auto [x0, y0] = cell(o.position - Vec3(reach, reach, 0));
+    const auto [x1, y1] = cell(o.position + Vec3(reach, reach, 0));
+    for (int32_t y = y0; y <= y1; ++y) {
+      for (int32_t x = x0; x <= x1; ++x) {
+        const auto found = cells_.find({x, y});
+        if (found == cells_.end()) continue;
+        for (const uint32_t k : found->second) {
+          const Vec3 p = object_from_world * centre_[k];
+          const bool inside = (p.head<2>().array() >= o.box.min.head<2>().array()).all() &&
+                              (p.array() <= o.box.max.array()).all();
+          if (inside) out.push_back(k);
+        }
+      }
+    }
+    std::sort(out.begin(), out.end());
+    return out;
+  }
+
+ private:
+  static constexpr double kCellM = 2;
+  static std::array<int32_t, 2> cell(const Vec3& p) {
+    return {int32_t(std::floor(p.x() / kCellM)), int32_t(std::floor(p.y() / kCellM))};
+  }
+  void add(const Vec3& p) {
+    cells_[cell(p)].push_back(uint32_t(centre_.size()));
+    centre_.push_back(p);
+  }
+  std::vector<Vec3> centre_;
+  std::map<std::array<int32_t, 2>, std::vector<uint32_t>> cells_;
+};
+
+/// The chosen elements (numbered surface first, then ellipsoids) in the object's frame.
+Model cut(const Model& model, const PlacedObject& o, const std::vector<uint32_t>& chosen) {
+  Model out;
+  out.tau = model.tau;
+  out.fitter = model.fitter;
+  out.max_range_m = model.max_range_m;
+  out.surface.range_sigma_m = model.surface.range_sigma_m;
+  const Pose object_from_world = o.world_from_object().inverse();
+  const Mat3 turn = object_from_world.rotation.toRotationMatrix();
+  const auto moved = [&](const Vec3f& p) {
+    return Vec3f((object_from_world * (model.origin + p.cast<double>())).cast<float>());
+  };
+  std::unordered_map<uint32_t, uint32_t> vertex;
+  for (const uint32_t k : chosen) {
+    if (k < model.surface.size()) {
+      std::array<uint32_t, 3> triangle{};
+      for (size_t c = 0; c < 3; ++c) {
+        const uint32_t old = model.surface.triangles[k][c];
+        const auto [at, is_new] = vertex.emplace(old, uint32_t(out.surface.vertices.size()));
+        if (is_new) out.surface.vertices.push_back(moved(model.surface.vertices[old]));
+        triangle[c] = at->second;
+      }
+      out.surface.triangles.push_back(triangle);
+      out.surface.hit.push_back(model.surface.hit[k]);
+      continue;
+    }
+    elements::Ellipsoid e = model.ellipsoids[k - model.surface.size()];
+    e.mean = moved(e.mean);
+    e.set_covariance(turn * e.covariance_matrix() * turn.transpose());
+    e.label = uint32_t(o.label);
+    out.ellipsoids.push_back(e);
+  }
+  return out;
+}
+
+}  // namespace
+
+ExtractResult extract(const Model& model, BeamSource& labelled, const ExtractOptions& options,
+                      const MeasureProgress& progress) {
+  ExtractResult out;
+  const GroundSurface ground(model);
+  out.measured = measure_objects(labelled, ground, options.measure, progress);
+  const bool own = options.membership == Membership::kOwn;
+  const OwnerMap owners = own ? owners_of(labelled) : OwnerMap{};
+  const Centres centres(model);
+  std::vector<uint8_t> taken(centres.size(), 0);
+  out.elements = centres.size();
+  for (const PlacedObject& o : out.measured.objects) {
+    std::vector<uint32_t> chosen = centres.within(o);
+    if (own) {
+      std::erase_if(chosen, [&](uint32_t k) {
+        const std::optional<uint32_t> owner = owners.at(centres[k]);
+        return owner && *owner != o.instance;
+      });
+    }
+    if (chosen.empty()) {
+      ++out.empty;
+      continue;
+    }
+    for (const uint32_t k : chosen) taken[k] = 1;
+    out.primitives.push_back({o.label, o.box, cut(model, o, chosen), o});
+  }
+  out.taken = size_t(std::count(taken.begin(), taken.end(), 1));
+  return out;
+}
+
+}  // namespace underbrush::primitives

@@ -1,0 +1,168 @@
+#include "underbrush/primitives/measure.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "underbrush/core/check.hpp"
+
+namespace underbrush::primitives {
+namespace {
+
+using elements::Class;
+
+constexpr size_t kMostPoints = 1 << 15;  // of an object; beyond that every other one is dropped
+
+/// An object or a cell: its number and, for a cell, its place.
+struct Key {
+  uint32_t instance;
+  int32_t i = INT32_MIN, j = INT32_MIN;
+  auto operator<=>(const Key&) const = default;
+};
+
+struct Cloud {
+  std::vector<Vec3> points;
+  size_t seen = 0, step = 1;
+
+  void add(const Vec3& p) {
+    if (seen++ % step) return;
+    points.push_back(p);
+    if (points.size() < kMostPoints) return;
+    for (size_t k = 0; 2 * k < points.size(); ++k) points[k] = points[2 * k];
+    points.resize(points.size() / 2);
+    step *= 2;
+  }
+};
+
+double quantile_of(std::vector<double>& values, double q) {
+  const auto at = values.begin() + std::lround(q * double(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+PlacedObject measure_one(const Cloud& cloud, double quantile) {
+  PlacedObject o;
+  Vec3 sum = Vec3::Zero();
+  for (const Vec3& p : cloud.points) sum += p;
+  o.position = sum / double(cloud.points.size());
+  Eigen::Matrix2d square = Eigen::Matrix2d::Zero();
+  for (const Vec3& p : cloud.points) {
+    const Eigen::Vector2d d = (p - o.position).head<2>();
+    square += d * d.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(square);
+  const Eigen::Vector2d axis = solver.eigenvectors().col(1);  // of the larger
+  o.yaw_rad = std::atan2(axis.y(), axis.x());
+  if (o.yaw_rad > M_PI_2) o.yaw_rad -= M_PI;  // an axis has no sign
+  if (o.yaw_rad <= -M_PI_2) o.yaw_rad += M_PI;
+  const Pose object_from_world = o.world_from_object().inverse();
+  std::vector<double> values(cloud.points.size());
+  for (int d = 0; d < 3; ++d) {
+    for (size_t k = 0; k < values.size(); ++k) values[k] = (object_from_world * cloud.points[k])[d];
+    o.box.min[d] = quantile_of(values, quantile);
+    o.box.max[d] = quantile_of(values, 1 - quantile);
+  }
+  return o;
+}
+
+PlacedObject measure_cell(const Cloud& cloud, const Key& key, double cell_m, double quantile) {
+  PlacedObject o;
+  std::vector<double> z;
+  for (const Vec3& p : cloud.points) z.push_back(p.z());
+  o.position = Vec3((key.i + 0.5) * cell_m, (key.j + 0.5) * cell_m, 0);
+  o.box.min = Vec3(-0.5 * cell_m, -0.5 * cell_m, 0);
+  o.box.max = Vec3(0.5 * cell_m, 0.5 * cell_m, quantile_of(z, 1 - quantile));
+  return o;
+}
+
+// Lets the object stand on the ground, its box reaching down to it.
+bool ground_it(const GroundSurface& ground, PlacedObject& o) {
+  const std::optional<double> z = ground.at(o.position.x(), o.position.y());
+  if (!z) return false;
+  o.box.max.z() += o.position.z() - *z;
+  o.box.min.z() = 0;
+  o.position.z() = *z;
+  return true;
+}
+
+/// A box without height or width is none: what is lower than the ground is nothing.
+constexpr double kLeastSide = 0.05;
+
+}  // namespace
+
+uint32_t label_at(const ExtraColumn& column, size_t i) {
+  return std::visit([&](const auto& c) { return c[i] > 0 ? uint32_t(c[i]) : 0u; }, column);
+}
+
+void require_labels(const BeamLog& chunk) {
+  require(chunk.extra.count("class") && chunk.extra.count("instance") &&
+              chunk.info.classes == "underbrush",
+          "the log has no objects: it needs the columns class and instance that segment writes");
+}
+
+MeasuredObjects measure_objects(BeamSource& labelled, const GroundSurface& ground,
+                                const MeasureOptions& o, const MeasureProgress& progress) {
+  require(o.quantile >= 0 && o.quantile < 0.5, "the quantile must lie in [0, 0.5)");
+  require(o.cell_m > 0 && o.min_points > 0, "cells and numbers of points must be positive");
+  MeasuredObjects out;
+  std::map<Key, Cloud> clouds;
+  std::map<uint32_t, std::map<Class, size_t>> votes;
+  size_t done = 0;
+  labelled.rewind();
+  for (BeamLog chunk; labelled.next(chunk);) {
+    require_labels(chunk);
+    const ExtraColumn& label = chunk.extra.at("class");
+    const ExtraColumn& instance = chunk.extra.at("instance");
+    for (size_t i = 0; i < chunk.size(); ++i) {
+      const uint32_t number = label_at(label, i);
+      if (!chunk.is_hit(i) || number >= elements::kClassNames.size()) continue;
+      const auto c = Class(number);
+      const elements::ClassKind kind = elements::kind_of(c);
+      if (kind == elements::ClassKind::kOther) continue;
+      Key key{label_at(instance, i)};
+      if (key.instance == 0) {
+        ++out.without_instance;
+        continue;
+      }
+      const Vec3 p = chunk.end_point(i);
+      if (kind == elements::ClassKind::kPatch) {
+        key.i = int32_t(std::floor(p.x() / o.cell_m));
+        key.j = int32_t(std::floor(p.y() / o.cell_m));
+      }
+      clouds[key].add(p);
+      ++votes[key.instance][c];
+    }
+    if (progress) progress(done += chunk.size(), labelled.size());
+  }
+  for (const auto& [key, cloud] : clouds) {
+    if (cloud.seen < o.min_points) {
+      ++out.few_points;
+      continue;
+    }
+    const bool cell = key.i != INT32_MIN;
+    PlacedObject object =
+        cell ? measure_cell(cloud, key, o.cell_m, o.quantile) : measure_one(cloud, o.quantile);
+    // Most of the points that are of its kind decide.
+    size_t most = 0;
+    for (const auto& [c, n] : votes[key.instance]) {
+      if ((elements::kind_of(c) == elements::ClassKind::kPatch) == cell && n > most) {
+        most = n;
+        object.label = c;
+      }
+    }
+    object.instance = key.instance;
+    object.points = cloud.seen;
+    if (!ground_it(ground, object)) {
+      ++out.off_ground;
+      continue;
+    }
+    for (int d = 0; d < 3; ++d) {
+      if (object.box.size()[d] < kLeastSide) object.box.max[d] = object.box.min[d] + kLeastSide;
+    }
+    out.objects.push_back(object);
+  }
+  return out;
+}
+
+}  // namespace underbrush::primitives

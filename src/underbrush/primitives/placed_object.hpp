@@ -1,0 +1,31 @@
+/// \file
+/// An object of a site: class, pose and box.
+#pragma once
+#include "underbrush/core/pose.hpp"
+#include "underbrush/elements/classes.hpp"
+
+namespace underbrush::primitives {
+
+/// A box in an object's frame (m).
+struct Box {
+  Vec3 min = Vec3::Zero(), max = Vec3::Zero();
+  Vec3 size() const { return max - min; }
+};
+
+/// (c, q, box) of [tallavajhula18] §IV. The pose stands on the ground under the centroid of the
+/// object's points and is turned about z alone, x along the longer principal axis of the points
+/// seen from above; the box's bottom is the ground (z = 0).
+struct PlacedObject {
+  elements::Class label = elements::Class::kUnknown;
+  Vec3 position = Vec3::Zero();  ///< m, world.
+  double yaw_rad = 0;
+  Box box;
+  uint32_t instance = 0;  ///< Number in the labelled log, 0 = none. Cells of a patch share it.
+  size_t points = 0;      ///< That it was measured from.
+
+  Pose world_from_object() const {
+    return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Vec3::UnitZ())), position};
+  }
+};
+
+}  // namespace underbrush::primitives

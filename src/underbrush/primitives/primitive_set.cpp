@@ -1,0 +1,162 @@
+#include "underbrush/primitives/primitive_set.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "underbrush/core/check.hpp"
+#include "underbrush/core/parallel.hpp"
+#include "underbrush/elements/model_file.hpp"
+#include "underbrush/io/atomic_file.hpp"
+#include "underbrush/primitives/contact_sheet.hpp"
+#include "underbrush/primitives/object_json.inl"
+#include "underbrush/primitives/thumbnail.hpp"
+
+namespace underbrush::primitives {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr int kThumbnailPixels = 160;
+
+bool is_set(const fs::path& path) { return fs::is_regular_file(path / "primitives.json"); }
+
+void write_text(const fs::path& path, const std::string& text) {
+  std::ofstream out(path, std::ios::binary);
+  out << text;
+  if (!out.flush()) throw IoError(path.string() + ": cannot write");
+}
+
+std::vector<PrimitiveEntry> entries_of(const std::vector<Primitive>& primitives) {
+  std::vector<PrimitiveEntry> entries;
+  std::map<elements::Class, int> count;
+  for (const Primitive& p : primitives) {
+    char number[16];
+    std::snprintf(number, sizeof number, "/%04d", ++count[p.label]);
+    entries.push_back({p.label, p.box, std::string(elements::name(p.label)) + number,
+                       p.model.size(), p.source.points});
+  }
+  return entries;
+}
+
+Json json_of(const PrimitiveEntry& e) {
+  Json j;
+  j["class"] = elements::name(e.label);
+  j["folder"] = e.name;
+  j["box_m"] = json_of_box(e.box);
+  j["elements"] = e.elements;
+  j["points"] = e.points;
+  return j;
+}
+
+// What the pictures of a class show from top to bottom: its largest box.
+std::vector<double> heights_shown(const std::vector<Primitive>& primitives) {
+  std::map<elements::Class, double> largest;
+  for (const Primitive& p : primitives) {
+    double& m = largest[p.label];
+    m = std::max({m, p.box.max.z(), 2 * p.box.max.x(), -2 * p.box.min.x()});
+  }
+  std::vector<double> out;
+  for (const Primitive& p : primitives) out.push_back(std::ceil(2 * largest[p.label]) / 2);
+  return out;
+}
+
+}  // namespace
+
+void check_primitives_output(const fs::path& path) {
+  io::check_output(path, io::OutputKind::kFolder);
+  if (fs::exists(path) && !is_set(path) && !fs::is_empty(path)) {
+    throw IoError(path.string() +
+                  ": cannot write: exists and is no set of primitives; remove it or name another");
+  }
+}
+
+void write_primitives(const fs::path& path, const std::vector<Primitive>& primitives, double cell_m,
+                      const std::string& provenance) {
+  check_primitives_output(path);
+  const std::vector<PrimitiveEntry> entries = entries_of(primitives);
+  const std::vector<double> metres = heights_shown(primitives);
+  std::vector<std::vector<uint8_t>> pictures(primitives.size());
+  parallel_for(primitives.size(), 8, [&](size_t begin, size_t end) {
+    for (size_t k = begin; k < end; ++k) {
+      pictures[k] = io::png_from_image(thumbnail(primitives[k], kThumbnailPixels, metres[k]));
+    }
+  });
+  Json j;
+  j["format"] = "underbrush-primitives";
+  j["version"] = kPrimitiveSetVersion;
+  j["cell_m"] = cell_m;
+  j["primitives"] = Json::array();
+  for (const PrimitiveEntry& e : entries) j["primitives"].push_back(json_of(e));
+  const Json origin = provenance.empty() ? Json::object() : Json::parse(provenance);
+  j["provenance"] = origin;
+  io::write_atomically(
+      path,
+      [&](const fs::path& folder) {
+        fs::create_directories(folder);
+        for (size_t k = 0; k < entries.size(); ++k) {
+          const fs::path one = folder / entries[k].name;
+          fs::create_directories(one.parent_path());
+          elements::Model model = primitives[k].model;
+          model.provenance = provenance;
+          elements::write_model(one, model);
+          Json about = json_of(entries[k]);
+          about["source"] = json_of_object(primitives[k].source);
+          about["provenance"] = origin;
+          write_text(one / "primitive.json", about.dump(1) + "\n");
+          write_text(one / "thumbnail.png", {pictures[k].begin(), pictures[k].end()});
+        }
+        write_text(folder / "index.html", contact_sheet(entries, pictures, metres));
+        write_text(folder / "primitives.json", j.dump(1) + "\n");
+      },
+      io::OutputKind::kFolder);
+}
+
+PrimitiveSet read_primitive_set(const fs::path& path) {
+  const fs::path file = path / "primitives.json";
+  if (!fs::exists(path)) throw FormatError(path.string(), "", "no such set of primitives");
+  if (!is_set(path)) {
+    throw FormatError(path.string(), "", "no set of primitives (no primitives.json in it)");
+  }
+  std::ifstream in(file);
+  PrimitiveSet set;
+  set.folder = path;
+  try {
+    const Json j = Json::parse(in);
+    if (j.at("format") != "underbrush-primitives") {
+      throw FormatError(file.string(), "format", "not a set of primitives");
+    }
+    if (const int version = j.at("version"); version > kPrimitiveSetVersion) {
+      throw FormatError(file.string(), "version",
+                        std::to_string(version) + " is newer than this program reads (" +
+                            std::to_string(kPrimitiveSetVersion) + ")");
+    }
+    set.cell_m = j.at("cell_m");
+    set.provenance = j.at("provenance").dump();
+    for (size_t k = 0; k < j.at("primitives").size(); ++k) {
+      const Json& p = j["primitives"][k];
+      const JsonPlace place{file.string(), "primitives[" + std::to_string(k) + "]"};
+      PrimitiveEntry e;
+      e.label = class_of_json(place, p);
+      e.box = box_of_json(place, p);
+      e.name = p.at("folder");
+      e.elements = p.at("elements");
+      e.points = p.at("points");
+      if (!elements::is_model(path / e.name)) {
+        throw FormatError(file.string(), place.place, "its folder " + e.name + " is not there");
+      }
+      set.entries.push_back(std::move(e));
+    }
+  } catch (const nlohmann::json::exception& e) {
+    throw FormatError(file.string(), "", e.what());
+  }
+  return set;
+}
+
+elements::Model read_primitive(const PrimitiveSet& set, size_t entry) {
+  return elements::read_model(set.folder / set.entries.at(entry).name);
+}
+
+}  // namespace underbrush::primitives

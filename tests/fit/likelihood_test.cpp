@@ -1,0 +1,208 @@
+#include "underbrush/fit/likelihood.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "underbrush/core/parallel.hpp"
+#include "underbrush/core/rng.hpp"
+#include "underbrush/fit/fit.hpp"
+#include "underbrush/metrics/predictive.hpp"
+#include "underbrush/simulate/simulate.hpp"
+
+namespace underbrush::fit {
+namespace {
+
+elements::Ellipsoid ellipsoid(const Vec3f& mean, const Mat3& covariance, float density_per_m) {
+  elements::Ellipsoid e;
+  e.mean = mean;
+  e.set_covariance(covariance);
+  e.density_per_m = density_per_m;
+  return e;
+}
+
+/// A rough ground under a thin, a tilted and a dense volume.
+elements::Model known_model() {
+  elements::Model m;
+  m.origin = Vec3(4e5, 5e6, 100);
+  m.tau = 4;
+  m.ground.vertices = {{-60, -60, 0}, {60, -60, 0}, {60, 60, 0}, {-60, 60, 0}};
+  m.ground.triangles = {{0, 1, 2}, {0, 2, 3}};
+  m.ground.hit.resize(2);
+  m.ground.range_sigma_m = 0.01;
+  m.ground.roughness_m = 0.02;
+  const Mat3 turn = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+  m.ellipsoids = {
+      ellipsoid({6, 0, 1.5f}, Vec3(0.3, 0.5, 0.2).asDiagonal(), 0.4f),
+      ellipsoid({0, 7, 1.5f}, turn * Vec3(0.5, 0.1, 0.2).asDiagonal() * turn.transpose(), 1.5f),
+      ellipsoid({-6, -3, 1.2f}, Vec3(0.1, 0.1, 0.3).asDiagonal(), 8.0f)};
+  return m;
+}
+
+/// Beams of a sensor that drives among the volumes, without outcomes.
+BeamLog beams(uint64_t seed, size_t n, const Vec3& at) {
+  BeamLog log;
+  log.info.max_range_m = 40;
+  log.info.min_range_m = 0.2;
+  log.info.has_misses = true;
+  log.resize(n);
+  Stream random(seed);
+  for (size_t i = 0; i < n; ++i) {
+    const double azimuth = random.uniform(0, 2 * M_PI), elevation = random.uniform(-0.35, 0.3);
+    log.origin[i] = at + Vec3(random.uniform(-4, 4), random.uniform(-2, 3), 1.5);
+    log.direction[i] =
+        Vec3f(float(std::cos(azimuth) * std::cos(elevation)),
+              float(std::sin(azimuth) * std::cos(elevation)), float(std::sin(elevation)));
+    log.scan[i] = uint32_t(i * 20 / n);
+    log.packet[i] = uint32_t(i / 100);
+  }
+  return log;
+}
+
+BeamLog log_of(const elements::Model& truth, uint64_t seed, size_t n) {
+  BeamLog log = beams(seed, n, truth.origin);
+  simulate::Options options;
+  options.seed = seed;
+  simulate::simulate(trace::World(truth), options, 0, log);
+  return log;
+}
+
+/// The known model, moved and swollen, with hit probabilities instead of densities.
+elements::Model wrong_start() {
+  elements::Model m = known_model();
+  for (elements::Ellipsoid& e : m.ellipsoids) {
+    e.mean += Vec3f(0.15f, -0.2f, 0.1f);
+    e.set_covariance(1.6 * e.covariance_matrix() + 0.05 * Mat3::Identity());
+    e.density_per_m = 0;
+    e.hit.p = 0.7f;
+  }
+  m.ground.range_sigma_m = 0.1;
+  m.ground.roughness_m = 0;
+  return m;
+}
+
+/// Nothing known beforehand.
+LikelihoodOptions plain_options() {
+  LikelihoodOptions o;
+  o.rounds = 60;
+  o.least_gain = 1e-6;
+  o.dropout = 0.001;
+  o.rearrangement.share = o.rearrangement.least_hits = 0;
+  o.maximisation.prior_points = o.maximisation.opaque_hits = o.maximisation.spent_points = 0;
+  return o;
+}
+
+TEST(Likelihood, RecoversAKnownModelFromItsBeams) {
+  const elements::Model truth = known_model();
+  const BeamLog log = log_of(truth, 11, 150000);
+  MemorySource source(log);
+  const Refined r = refine(wrong_start(), source, plain_options());
+  ASSERT_EQ(r.model.ellipsoids.size(), 3u);
+  for (size_t k = 0; k < 3; ++k) {
+    const elements::Ellipsoid &e = r.model.ellipsoids[k], &t = truth.ellipsoids[k];
+    EXPECT_LT((e.mean - t.mean).norm(), 0.05) << k;
+    const Mat3 sigma = t.covariance_matrix();
+    EXPECT_LT((e.covariance_matrix() - sigma).norm(), 0.12 * sigma.norm()) << k;
+    EXPECT_NEAR(e.density_per_m / t.density_per_m, 1, k == 2 ? 0.25 : 0.1) << k;
+  }
+  EXPECT_NEAR(r.model.ground.roughness_m, 0.02, 0.003);
+  EXPECT_GT(r.model.ground.hit[0].p, 0.99);
+  // And explains held-out beams as well as the truth does.
+  const Expectation at_truth = expect(truth, source, HeldOut{}, {});
+  EXPECT_NEAR(r.report.steps.back().held_out_nll, at_truth.held_out_nll, 0.02);
+}
+
+TEST(Likelihood, EveryAcceptedStepRaisesTheHeldOutLikelihoodAndAddsNoElements) {
+  const BeamLog log = log_of(known_model(), 12, 60000);
+  MemorySource source(log);
+  FitOptions options;
+  options.fitter = "likelihood";
+  options.tau = 3;
+  const FitResult r = fit(source, options);
+  const LikelihoodReport& report = r.report.likelihood;
+  ASSERT_GT(report.steps.size(), 3u);
+  EXPECT_EQ(report.training_beams + report.held_out_beams, log.size());
+  EXPECT_NEAR(double(report.held_out_beams) / double(log.size()), 0.05, 0.01);
+  double best = report.steps[0].held_out_nll;
+  size_t elements = report.steps[0].elements, accepted = 0;
+  for (size_t k = 1; k < report.steps.size(); ++k) {
+    const LikelihoodStep& s = report.steps[k];
+    EXPECT_EQ(s.accepted, s.held_out_nll < best - options.likelihood.least_gain) << k;
+    if (!s.accepted) continue;
+    EXPECT_LE(s.elements, elements) << k;
+    best = s.held_out_nll;
+    elements = s.elements;
+    ++accepted;
+  }
+  EXPECT_GT(accepted, 2u);
+  EXPECT_EQ(r.model.size(), elements);
+  EXPECT_EQ(r.model.fitter, "likelihood");
+  // The model handed back is the one that was judged best.
+  EXPECT_EQ(expect(r.model, source, likelihood_options(options).held_out, {}).held_out_nll, best);
+}
+
+TEST(Likelihood, ABrokenMStepIsNoticedAndUndone) {
+  const elements::Model truth = known_model();
+  const BeamLog log = log_of(truth, 13, 20000);
+  MemorySource source(log);
+  LikelihoodOptions options = plain_options();
+  options.rounds = 3;
+  const double honest = refine(wrong_start(), source, options).report.steps.back().held_out_nll;
+  // As if every ellipsoid were four metres wide: the prior overrules the beams.
+  options.maximisation.floor_m = 4;
+  const Refined broken = refine(truth, source, options);
+  EXPECT_EQ(broken.model.ellipsoids[0].mean, truth.ellipsoids[0].mean);
+  for (size_t k = 1; k < broken.report.steps.size(); ++k) {
+    EXPECT_FALSE(broken.report.steps[k].accepted) << broken.report.steps[k].name;
+  }
+  EXPECT_LT(honest, expect(wrong_start(), source, HeldOut{}, {}).held_out_nll - 0.1);
+}
+
+TEST(Likelihood, IsTheSameToTheBitForAnyOrderOfBeamsAndAnyNumberOfThreads) {
+  const BeamLog log = log_of(known_model(), 14, 20000);
+  std::vector<size_t> order(log.size());
+  std::iota(order.begin(), order.end(), 0);
+  Stream random(15);
+  for (size_t i = order.size(); i-- > 1;) std::swap(order[i], order[random.below(i + 1)]);
+  BeamLog shuffled = log.like();
+  for (size_t i : order) shuffled.append(log, i);
+  LikelihoodOptions options;
+  options.rounds = 4;
+  MemorySource source(log), other(shuffled, 777);
+  const Refined a = refine(wrong_start(), source, options);
+  const int threads_before = threads();
+  set_threads(1);
+  const Refined b = refine(wrong_start(), other, options);
+  set_threads(threads_before);
+  ASSERT_EQ(a.report.steps.size(), b.report.steps.size());
+  for (size_t k = 0; k < a.report.steps.size(); ++k) {
+    EXPECT_EQ(a.report.steps[k].held_out_nll, b.report.steps[k].held_out_nll);
+    EXPECT_EQ(a.report.steps[k].training_nll, b.report.steps[k].training_nll);
+  }
+  for (size_t k = 0; k < a.model.ellipsoids.size(); ++k) {
+    const elements::Ellipsoid &x = a.model.ellipsoids[k], &y = b.model.ellipsoids[k];
+    EXPECT_EQ(x.mean, y.mean);
+    EXPECT_EQ(x.covariance, y.covariance);
+    EXPECT_EQ(x.density_per_m, y.density_per_m);
+  }
+  EXPECT_EQ(a.model.ground.roughness_m, b.model.ground.roughness_m);
+}
+
+TEST(Likelihood, RefusesWhatItCannotRefine) {
+  const BeamLog log = log_of(known_model(), 16, 200);
+  MemorySource source(log);
+  elements::Model bounded = wrong_start();
+  bounded.voxel_m = 0.3;
+  EXPECT_THROW(refine(bounded, source, {}), std::invalid_argument);
+  LikelihoodOptions nothing_held_out;
+  nothing_held_out.held_out.one_in = 0;
+  EXPECT_THROW(refine(wrong_start(), source, nothing_held_out), std::invalid_argument);
+  FitOptions circle;
+  circle.fitter = circle.start = "likelihood";
+  EXPECT_THROW(fit(source, circle), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace underbrush::fit

@@ -1,0 +1,130 @@
+#include "underbrush/primitives/annotation.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "io/temporary.hpp"
+#include "primitives/sites.hpp"
+#include "underbrush/core/check.hpp"
+
+namespace underbrush::primitives {
+namespace {
+
+using Folder = io::TemporaryFolder;
+
+TEST(Annotation, ComesBack) {
+  const Folder folder;
+  Stream random(1);
+  Annotation a;
+  a.ground = folder / "site.ground";
+  for (uint32_t k = 0; k < 200; ++k) {
+    PlacedObject o;
+    o.label = elements::Class(3 + k % 11);
+    for (int d = 0; d < 3; ++d) {
+      o.position[d] = random.uniform(-500, 500);
+      o.box.min[d] = random.uniform(-3, 0);
+      o.box.max[d] = random.uniform(0.1, 9);
+    }
+    o.yaw_rad = random.uniform(-1.5, 1.5);
+    o.instance = k;
+    o.points = 10 * k;
+    a.objects.push_back(o);
+  }
+  write_annotation(folder / "a.json", a);
+  const Annotation b = read_annotation(folder / "a.json");
+  EXPECT_EQ(std::filesystem::weakly_canonical(b.ground),
+            std::filesystem::weakly_canonical(a.ground));
+  ASSERT_EQ(b.objects.size(), a.objects.size());
+  for (size_t k = 0; k < a.objects.size(); ++k) {
+    EXPECT_EQ(b.objects[k].label, a.objects[k].label);
+    EXPECT_LT((b.objects[k].position - a.objects[k].position).norm(), 1e-3);
+    EXPECT_LT((b.objects[k].box.min - a.objects[k].box.min).norm(), 1e-3);
+    EXPECT_LT((b.objects[k].box.max - a.objects[k].box.max).norm(), 1e-3);
+    EXPECT_NEAR(b.objects[k].yaw_rad, a.objects[k].yaw_rad, 1e-5);
+    EXPECT_EQ(b.objects[k].instance, a.objects[k].instance);
+    EXPECT_EQ(b.objects[k].points, a.objects[k].points);
+  }
+  write_annotation(folder / "b.json", b);  // written again, it is the same
+  std::ifstream first(folder / "a.json"), second(folder / "b.json");
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(first), {}),
+            std::string(std::istreambuf_iterator<char>(second), {}));
+}
+
+// The published schema and the program know the same classes.
+TEST(Annotation, SchemaListsTheClasses) {
+  std::string schema = io::bytes_of(UNDERBRUSH_TEST_SCHEMAS "/annotation.json");
+  const size_t begin = schema.find("\"enum\"");
+  ASSERT_NE(begin, std::string::npos);
+  schema = schema.substr(begin, schema.find(']', begin) - begin);
+  for (const std::string_view name : elements::kClassNames) {
+    const bool object =
+        elements::kind_of(*elements::class_from_name(name)) != elements::ClassKind::kOther;
+    EXPECT_EQ(schema.find('"' + std::string(name) + '"') != std::string::npos, object) << name;
+  }
+}
+
+constexpr const char* kHead = R"({"format": "underbrush-annotation", "version": 1, "ground": "g",)";
+
+TEST(Annotation, ByHandNeedsLittle) {
+  const Folder folder;
+  std::ofstream(folder / "a.json") << kHead << R"( "objects": [
+    {"class": "large_tree", "position_m": [3, 4], "box_m": {"size": [4, 3, 12]}}]})";
+  const Annotation a = read_annotation(folder / "a.json");
+  ASSERT_EQ(a.objects.size(), 1u);
+  EXPECT_EQ(a.objects[0].label, elements::Class::kLargeTree);
+  EXPECT_EQ(a.objects[0].box.min, Vec3(-2, -1.5, 0));
+  EXPECT_EQ(a.objects[0].box.max, Vec3(2, 1.5, 12));
+  std::ofstream(folder / "none.json") << kHead << R"( "objects": []})";
+  EXPECT_TRUE(read_annotation(folder / "none.json").objects.empty());
+}
+
+TEST(Annotation, ThatIsWrongSaysWhere) {
+  const Folder folder;
+  const auto refused = [&](const std::string& text, const std::string& place,
+                           const std::string& why) {
+    std::ofstream(folder / "a.json") << text;
+    try {
+      read_annotation(folder / "a.json");
+      ADD_FAILURE() << text;
+    } catch (const FormatError& e) {
+      const std::string what = e.what();
+      EXPECT_NE(what.find(place), std::string::npos) << what;
+      EXPECT_NE(what.find(why), std::string::npos) << what;
+      EXPECT_EQ(what.find('\n'), std::string::npos) << what;
+    }
+  };
+  const auto object = [&](const std::string& members) {
+    return std::string(kHead) + R"( "objects": [{"class": "large_tree", "position_m": [1, 2],
+      "box_m": {"size": [1, 1, 1]}}, {)" +
+           members + "}]}";
+  };
+  const std::string box = R"("box_m": {"size": [1, 1, 1]})", at = R"("position_m": [1, 2, 3])";
+  refused(object(R"("class": "large_tre", )" + at + "," + box), "objects[1].class", "'large_tree'");
+  refused(object(R"("class": "ground", )" + at + "," + box), "objects[1].class", "ground");
+  refused(object(R"("class": 7, )" + at + "," + box), "objects[1].class", "name");
+  refused(object(at + "," + box), "objects[1]", "'class'");
+  refused(object(R"("class": "large_tree", )" + box), "objects[1]", "'position_m'");
+  refused(object(R"("class": "large_tree", )" + at), "objects[1]", "'box_m'");
+  refused(object(R"("class": "large_tree", )" + at + R"(, "box_m": {"size": [1, 0, 1]})"),
+          "objects[1].box_m", "extent");
+  refused(
+      object(R"("class": "large_tree", )" + at + R"(, "box_m": {"min": [0,0,0], "max": [1,-1,1]})"),
+      "objects[1].box_m", "extent");
+  refused(object(R"("class": "large_tree", "position_m": [1, NaN, 2], )" + box), "line 2", "NaN");
+  refused(object(R"("class": "large_tree", "position_m": [1, null, 2], )" + box),
+          "objects[1].position_m[1]", "finite");
+  refused(object(R"("class": "large_tree", "position_m": [1, 1e999, 2], )" + box), "", "JSON");
+  refused(object(R"("class": "large_tree", "position": [1, 2], )" + box), "objects[1]",
+          "'position_m'");
+  refused(std::string(kHead) + R"( "objects": {}})", "objects", "list");
+  refused(R"({"format": "underbrush-annotation", "version": 1, "objects": []})", "", "'ground'");
+  refused(R"({"format": "underbrush-annotation", "version": 2, "ground": "g", "objects": []})",
+          "version", "newer");
+  refused(R"({"format": "other", "version": 1, "ground": "g", "objects": []})", "format", "not an");
+  refused("[1, 2]", "", "object");
+  refused("", "", "JSON");
+}
+
+}  // namespace
+}  // namespace underbrush::primitives

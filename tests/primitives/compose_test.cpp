@@ -1,0 +1,197 @@
+#include "underbrush/primitives/compose.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "io/temporary.hpp"
+#include "primitives/sites.hpp"
+
+namespace underbrush::primitives {
+namespace {
+
+using elements::Class;
+
+/// Primitives of one ellipsoid each, whose label is their number.
+class Composing : public testing::Test {
+ protected:
+  Composing() {
+    Stream random(1);
+    for (uint32_t k = 0; k < 40; ++k) {
+      Primitive p;
+      p.label = k < 15   ? Class::kSmallTree
+                : k < 25 ? Class::kLargeTree
+                : k < 30 ? Class::kLowShrub
+                         : Class::kMediumShrubPatch;
+      for (int d = 0; d < 3; ++d) p.box.max[d] = random.uniform(0.5, 4);
+      p.box.min = Vec3(-p.box.max.x(), -0.5, 0);
+      if (k >= 30) p.box = {Vec3(-1, -1, 0), Vec3(1, 1, p.box.max.z())};
+      p.model.ellipsoids.emplace_back();
+      p.model.ellipsoids[0].label = k;
+      p.model.max_range_m = 80;
+      primitives.push_back(p);
+    }
+    write_primitives(folder / "set", primitives, 2, "");
+    set = read_primitive_set(folder / "set");
+    for (uint32_t k = 0; k < 300; ++k) {
+      PlacedObject o;
+      o.label = k % 2 ? Class::kSmallTree : Class::kLargeTree;
+      o.position =
+          Vec3(10 + random.uniform(-30, 30), -20 + random.uniform(-30, 30), random.uniform(-9, 9));
+      o.yaw_rad = random.uniform(-3, 3);
+      for (int d = 0; d < 3; ++d) o.box.max[d] = random.uniform(0.5, 6);
+      annotation.objects.push_back(o);
+    }
+  }
+  // Number of the primitive that an instance is made of.
+  uint32_t number(const Composition& c, size_t instance) const {
+    return c.scene.models[c.scene.instances[instance].model].ellipsoids.at(0).label;
+  }
+
+  io::TemporaryFolder folder;
+  std::vector<Primitive> primitives;
+  PrimitiveSet set;
+  Annotation annotation;
+  elements::Model ground = test::plane(40, 0.2, -0.1);
+};
+
+TEST_F(Composing, TakesThePrimitiveOfTheClassWithTheNearestBox) {
+  const Composition c = compose(annotation, ground, set, {});
+  ASSERT_EQ(c.placed, 300u);
+  ASSERT_EQ(c.scene.instances.size(), 301u);
+  EXPECT_TRUE(c.borrowed.empty());
+  for (size_t k = 0; k < 300; ++k) {
+    const PlacedObject& o = annotation.objects[k];
+    const uint32_t chosen = number(c, k + 1);
+    EXPECT_EQ(primitives[chosen].label, o.label);
+    EXPECT_EQ(c.info.labels[k + 1], o.label);
+    for (const Primitive& p : primitives) {
+      if (p.label != o.label) continue;
+      EXPECT_LE((primitives[chosen].box.size() - o.box.size()).norm(),
+                (p.box.size() - o.box.size()).norm() + 2e-3);
+    }
+  }
+}
+
+TEST_F(Composing, BoxesStandUponBoxesWithTheirBottomsOnTheGround) {
+  const GroundSurface surface(ground);
+  for (const bool scale : {false, true}) {
+    ComposeOptions options;
+    options.scale = scale;
+    const Composition c = compose(annotation, ground, set, options);
+    for (size_t k = 0; k < 300; ++k) {
+      const PlacedObject& o = annotation.objects[k];
+      const elements::Instance& i = c.scene.instances[k + 1];
+      const Box& box = primitives[number(c, k + 1)].box;
+      const auto world = [&](const Vec3& p) {
+        return i.world_from_model * Vec3(double(i.scale) * p);
+      };
+      const Vec3 middle =
+          world(Vec3(0.5 * (box.min.x() + box.max.x()), 0.5 * (box.min.y() + box.max.y()), 0));
+      const Vec3 wanted = o.world_from_object() * (0.5 * (o.box.min + o.box.max));
+      EXPECT_LT((middle - wanted).head<2>().norm(), 2e-3);
+      EXPECT_NEAR(middle.z(), surface.at(o.position.x(), o.position.y()).value(), 1e-6);
+      const Vec3 along = world(Vec3::UnitX()) - world(Vec3::Zero());
+      EXPECT_NEAR(std::cos(std::atan2(along.y(), along.x()) - o.yaw_rad), 1, 1e-6);
+      if (scale) {  // no other factor brings the boxes nearer together
+        const double s = double(i.scale);
+        for (const double other : {0.98 * s, 1.02 * s}) {
+          EXPECT_LT((s * box.size() - o.box.size()).norm(),
+                    (other * box.size() - o.box.size()).norm() + 1e-3);
+        }
+      }
+    }
+  }
+}
+
+TEST_F(Composing, InstancesShareTheirModels) {
+  const Composition c = compose(annotation, ground, set, {});
+  EXPECT_LE(c.scene.models.size(), 26u);
+  EXPECT_EQ(c.scene.models[0].ground.size(), ground.ground.size());
+  EXPECT_EQ(c.scene.models[0].max_range_m, 80);  // where the primitives' sensor ended
+  EXPECT_NO_THROW(c.scene.check());
+  EXPECT_EQ(c.info.names.size(), c.scene.models.size());
+}
+
+TEST_F(Composing, DrawsAmongTheNearest) {
+  ComposeOptions options;
+  options.nearest = 3;
+  const Composition a = compose(annotation, ground, set, options);
+  const Composition b = compose(annotation, ground, set, options);
+  options.seed = 2;
+  const Composition other = compose(annotation, ground, set, options);
+  size_t ranks[3] = {0, 0, 0}, changed = 0;
+  for (size_t k = 0; k < 300; ++k) {
+    EXPECT_EQ(number(a, k + 1), number(b, k + 1));
+    changed += number(a, k + 1) != number(other, k + 1);
+    const PlacedObject& o = annotation.objects[k];
+    const auto distance = [&](const Primitive& p) { return (p.box.size() - o.box.size()).norm(); };
+    const Primitive& chosen = primitives[number(a, k + 1)];
+    const auto nearer =
+        size_t(std::count_if(primitives.begin(), primitives.end(), [&](const Primitive& p) {
+          return p.label == o.label && distance(p) < distance(chosen) - 1e-9;
+        }));
+    ASSERT_LT(nearer, 3u);
+    ++ranks[nearer];
+  }
+  for (const size_t n : ranks) EXPECT_NEAR(double(n), 100, 40);
+  EXPECT_GT(changed, 100u);
+}
+
+TEST_F(Composing, CountsWhatCannotBePlaced) {
+  annotation.objects[0].position = Vec3(1000, 0, 0);
+  annotation.objects[1].label = Class::kMediumTree;  // other trees will do
+  annotation.objects[2].label = Class::kLargeShrub;  // and other shrubs
+  const Composition c = compose(annotation, ground, set, {});
+  EXPECT_EQ(c.off_ground, 1u);
+  EXPECT_EQ(c.placed, 299u);
+  EXPECT_EQ(c.borrowed.at("medium_tree"), 1u);
+  EXPECT_EQ(c.borrowed.at("large_shrub"), 1u);
+  EXPECT_EQ(primitives[number(c, 2)].label, Class::kLowShrub);
+  std::erase_if(set.entries, [](const PrimitiveEntry& e) { return e.label == Class::kLowShrub; });
+  const Composition bare = compose(annotation, ground, set, {});
+  EXPECT_EQ(bare.left_out.at("large_shrub"), 1u);
+  EXPECT_EQ(bare.placed, 298u);
+  annotation.objects.clear();
+  EXPECT_EQ(compose(annotation, ground, set, {}).scene.instances.size(), 1u);  // the ground
+}
+
+TEST_F(Composing, FillsAPatchCellByCell) {
+  PlacedObject patch;
+  patch.label = Class::kMediumShrubPatch;
+  patch.position = Vec3(12, -18, 0);
+  patch.yaw_rad = 0.7;
+  patch.box = {Vec3(-4, -3, 0), Vec3(4, 3, 1.4)};
+  annotation.objects = {patch};
+  const Composition c = compose(annotation, ground, set, {});
+  ASSERT_EQ(c.placed, 12u);
+  const Pose back = patch.world_from_object().inverse();
+  for (size_t k = 1; k <= 12; ++k) {  // centres on the grid of the patch
+    const Vec3 at = back * c.scene.instances[k].world_from_model.translation;
+    EXPECT_NEAR(std::remainder(at.x() + 5, 2), 0, 1e-2);
+    EXPECT_NEAR(std::remainder(at.y() + 4, 2), 0, 1e-2);
+  }
+}
+
+TEST_F(Composing, ThinsAndThickensByClass) {
+  ComposeOptions options;
+  options.density = {{Class::kSmallTree, 0.3}, {Class::kLargeTree, 2.5}};
+  std::erase_if(annotation.objects, [&](const PlacedObject& o) {  // copies stay on the mesh
+    return (o.position - Vec3(10, -20, 0)).head<2>().cwiseAbs().maxCoeff() > 25;
+  });
+  const Composition c = compose(annotation, ground, set, options);
+  const auto n = [&](Class label) {
+    return double(std::count(c.info.labels.begin(), c.info.labels.end(), label));
+  };
+  const auto wanted = [&](Class label) {
+    return double(std::count_if(annotation.objects.begin(), annotation.objects.end(),
+                                [&](const PlacedObject& o) { return o.label == label; }));
+  };
+  EXPECT_NEAR(n(Class::kSmallTree), 0.3 * wanted(Class::kSmallTree), 15);
+  EXPECT_NEAR(n(Class::kLargeTree), 2.5 * wanted(Class::kLargeTree), 20);
+  options.density = {{Class::kSmallTree, -1}};
+  EXPECT_THROW(compose(annotation, ground, set, options), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace underbrush::primitives

@@ -1,0 +1,232 @@
+#include "underbrush/primitives/extract.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "io/temporary.hpp"
+#include "primitives/sites.hpp"
+#include "underbrush/core/check.hpp"
+#include "underbrush/primitives/primitive_set.hpp"
+
+namespace underbrush::primitives {
+namespace {
+
+using elements::Class;
+
+/// An oblong tree and a patch on sloping ground, with an ellipsoid for every tenth point; turned
+/// and moved by `move`.
+struct Site {
+  elements::Model model;
+  BeamLog log;
+};
+
+Site site(const Pose& move, uint64_t seed = 1) {
+  Stream random(seed);
+  std::vector<Vec3> points;
+  std::vector<uint8_t> label;
+  std::vector<uint32_t> instance;
+  const auto add = [&](const Vec3& p, Class c, uint32_t i) {
+    points.push_back(p);
+    label.push_back(uint8_t(c));
+    instance.push_back(i);
+  };
+  for (int k = 0; k < 4000; ++k) {  // a tree 6 × 2 × 5 m
+    add(Vec3(random.uniform(-3, 3), random.uniform(-1, 1), random.uniform(0.2, 5)),
+        Class::kSmallTree, 5);
+  }
+  for (int k = 0; k < 300; ++k) {  // another beside it, whose box overlaps when it is turned
+    add(Vec3(random.uniform(-1, 1), random.uniform(1, 2), random.uniform(0.2, 5)),
+        Class::kSmallTree, 6);
+  }
+  Site s;
+  s.model.origin = move * Vec3(1, 2, 0);
+  s.model.tau = 2.5;
+  for (const double x : {-30.0, 30.0}) {
+    for (const double y : {-30.0, 30.0}) {
+      s.model.ground.vertices.push_back((move * Vec3(x, y, 0) - s.model.origin).cast<float>());
+    }
+  }
+  s.model.ground.triangles = {{0, 2, 1}, {1, 2, 3}};
+  s.model.ground.hit.resize(2);
+  const Mat3 turn = move.rotation.toRotationMatrix();
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (i % 10 == 0) {
+      elements::Ellipsoid e;
+      const Vec3 middle(0, instance[i] == 6 ? 1.5 : 0, 2.6);  // none on the border of a box
+      const Vec3 at = middle + 0.97 * (points[i] - middle);
+      e.mean = (move * at - s.model.origin).cast<float>();
+      const Mat3 spread = Vec3(0.04, 0.01, 0.0025).asDiagonal();
+      e.set_covariance(turn * spread * turn.transpose());
+      e.hit.p = float(random.uniform(0.1, 1));
+      s.model.ellipsoids.push_back(e);
+    }
+    points[i] = move * points[i];
+  }
+  s.log = test::labelled_log(points, label, instance);
+  return s;
+}
+
+ExtractResult extract_from(const Site& s, const ExtractOptions& options = {}) {
+  MemorySource source(s.log, 999);
+  return extract(s.model, source, options);
+}
+
+Pose moved(double x, double y, double z, double yaw) {
+  return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Vec3::UnitZ())), Vec3(x, y, z)};
+}
+
+// The point of a primitive: it does not know where its object stood.
+TEST(Extract, GivesTheSamePrimitiveWhereverTheObjectStands) {
+  ExtractOptions options;
+  options.membership = Membership::kBox;
+  const ExtractResult here = extract_from(site({}), options);
+  ASSERT_EQ(here.primitives.size(), 2u);
+  for (const double yaw : {0.4, -1.1, 1.5}) {
+    const ExtractResult there = extract_from(site(moved(70, -40, 12, yaw)), options);
+    ASSERT_EQ(there.primitives.size(), 2u);
+    for (size_t k = 0; k < 2; ++k) {
+      const Primitive &a = here.primitives[k], &b = there.primitives[k];
+      EXPECT_LT((a.box.size() - b.box.size()).norm(), 1e-3);
+      ASSERT_EQ(a.model.ellipsoids.size(), b.model.ellipsoids.size());
+      // An axis has no sign: the primitive may come out turned by half a turn.
+      const double sign = std::cos(b.source.yaw_rad - yaw - a.source.yaw_rad) > 0 ? 1 : -1;
+      for (size_t i = 0; i < a.model.ellipsoids.size(); ++i) {
+        const auto &e = a.model.ellipsoids[i], &f = b.model.ellipsoids[i];
+        const Vec3 turned(sign * f.mean.x(), sign * f.mean.y(), f.mean.z());
+        ASSERT_LT((e.mean.cast<double>() - turned).norm(), 1e-3);
+        ASSERT_LT((e.covariance_matrix() - f.covariance_matrix()).diagonal().norm(), 1e-4);
+        ASSERT_EQ(e.hit.p, f.hit.p);
+      }
+    }
+  }
+}
+
+TEST(Extract, MovedBackTheElementsAreThoseOfTheModelEachOnce) {
+  const Site s = site(moved(5, 6, 7, 0.8));
+  const ExtractResult r = extract_from(s);
+  std::vector<int> times(s.model.ellipsoids.size(), 0);
+  for (const Primitive& p : r.primitives) {
+    const Pose pose = p.source.world_from_object();
+    for (const auto& e : p.model.ellipsoids) {
+      const Vec3 world = pose * e.mean.cast<double>();
+      const auto same = std::find_if(
+          s.model.ellipsoids.begin(), s.model.ellipsoids.end(), [&](const elements::Ellipsoid& f) {
+            return (s.model.origin + f.mean.cast<double>() - world).norm() < 1e-4;
+          });
+      ASSERT_NE(same, s.model.ellipsoids.end());
+      EXPECT_EQ(++times[size_t(same - s.model.ellipsoids.begin())], 1);
+    }
+  }
+  EXPECT_EQ(r.elements, times.size());
+  EXPECT_GT(double(r.taken), 0.98 * double(r.elements));  // voxels on the border have one owner
+}
+
+TEST(Extract, MeasuresPoseAndBox) {
+  const ExtractResult r = extract_from(site(moved(0, 0, 4, 0.6)));
+  const PlacedObject& tree = r.measured.objects.at(0);
+  EXPECT_EQ(tree.label, Class::kSmallTree);
+  EXPECT_EQ(tree.instance, 5u);
+  EXPECT_EQ(tree.points, 4000u);
+  EXPECT_NEAR(tree.yaw_rad, 0.6, 0.02);
+  EXPECT_LT((tree.box.size() - Vec3(6, 2, 5)).norm(), 0.15);
+  EXPECT_NEAR(tree.position.z(), 4, 1e-4);  // on the ground
+  EXPECT_EQ(tree.box.min.z(), 0);
+  ExtractOptions options;
+  options.measure.quantile = 0.05;  // nine tenths of a uniform body
+  const Vec3 inner = extract_from(site({}), options).measured.objects.at(0).box.size();
+  EXPECT_NEAR(inner.x(), 5.4, 0.1);
+  EXPECT_NEAR(inner.y(), 1.8, 0.05);
+}
+
+TEST(Extract, TheCentreRuleSharesElementsOfOverlappingBoxes) {
+  const Site s = site({});
+  ExtractOptions options;
+  options.membership = Membership::kBox;
+  const ExtractResult r = extract_from(s, options);
+  for (const Primitive& p : r.primitives) {
+    size_t inside = 0;
+    const Pose object_from_world = p.source.world_from_object().inverse();
+    for (const auto& e : s.model.ellipsoids) {
+      const Vec3 at = object_from_world * (s.model.origin + e.mean.cast<double>());
+      inside += (at.array() >= p.box.min.array()).all() && (at.array() <= p.box.max.array()).all();
+    }
+    EXPECT_EQ(p.model.ellipsoids.size(), inside);
+  }
+}
+
+TEST(Extract, PatchesAreCutIntoCells) {
+  Stream random(3);
+  std::vector<Vec3> points;
+  for (int k = 0; k < 6000; ++k) {
+    points.emplace_back(random.uniform(0, 6), random.uniform(0, 4), random.uniform(0.1, 1));
+  }
+  Site s = site({});
+  s.log = test::labelled_log(points, std::vector<uint8_t>(6000, uint8_t(Class::kSmallShrubPatch)),
+                             std::vector<uint32_t>(6000, 9));
+  MemorySource source(s.log);
+  const GroundSurface ground(s.model);
+  const MeasuredObjects m = measure_objects(source, ground, {});
+  ASSERT_EQ(m.objects.size(), 6u);
+  size_t total = 0;
+  for (const PlacedObject& o : m.objects) {
+    EXPECT_EQ(o.box.size().head<2>(), Eigen::Vector2d(2, 2));
+    EXPECT_EQ(o.instance, 9u);
+    total += o.points;
+  }
+  EXPECT_EQ(total, 6000u);
+}
+
+TEST(Extract, NeedsLabels) {
+  Site s = site({});
+  s.log.extra.erase("instance");
+  EXPECT_THROW(extract_from(s), std::invalid_argument);
+  s = site({});
+  s.log.info.classes = "semantickitti";
+  EXPECT_THROW(extract_from(s), std::invalid_argument);
+}
+
+TEST(PrimitiveSet, ComesBackAndCanBeBrowsed) {
+  const io::TemporaryFolder folder;
+  const ExtractResult r = extract_from(site({}));
+  write_primitives(folder / "set", r.primitives, 2, R"({"seed": 1})");
+  const PrimitiveSet set = read_primitive_set(folder / "set");
+  ASSERT_EQ(set.entries.size(), r.primitives.size());
+  for (size_t k = 0; k < set.entries.size(); ++k) {
+    const Primitive& p = r.primitives[k];
+    EXPECT_EQ(set.entries[k].label, p.label);
+    EXPECT_LT((set.entries[k].box.max - p.box.max).norm(), 1e-3);
+    const elements::Model m = read_primitive(set, k);
+    ASSERT_EQ(m.ellipsoids.size(), p.model.ellipsoids.size());
+    EXPECT_EQ(m.ellipsoids[3].mean, p.model.ellipsoids[3].mean);
+    EXPECT_EQ(m.ellipsoids[3].covariance, p.model.ellipsoids[3].covariance);
+    EXPECT_EQ(m.tau, 2.5);
+    const std::string png =
+        io::bytes_of(folder / ("set/" + set.entries[k].name + "/thumbnail.png"));
+    EXPECT_EQ(png.substr(1, 3), "PNG");
+  }
+  const std::string page = io::bytes_of(folder / "set/index.html");
+  for (const char* word : {"http:", "https:", "<script", "url("}) {  // nothing else is loaded
+    EXPECT_EQ(page.find(word), std::string::npos) << word;
+  }
+  EXPECT_NE(page.find("small_tree/0002"), std::string::npos);
+  size_t pictures = 0;
+  for (size_t at = 0; (at = page.find("<img ", at)) != std::string::npos; ++at) ++pictures;
+  EXPECT_EQ(pictures, set.entries.size());
+}
+
+TEST(PrimitiveSet, ThatIsDamagedIsRefused) {
+  const io::TemporaryFolder folder;
+  EXPECT_THROW(read_primitive_set(folder / "none"), FormatError);
+  write_primitives(folder / "set", extract_from(site({})).primitives, 2, "");
+  std::filesystem::remove(folder / "set/small_tree/0001/model.json");
+  EXPECT_THROW(read_primitive_set(folder / "set"), FormatError);
+  io::put_bytes(folder / "set/primitives.json",
+                R"({"format": "underbrush-primitives", "version": 9})");
+  EXPECT_THROW(read_primitive_set(folder / "set"), FormatError);
+  io::put_bytes(folder / "mine/thesis.tex", "years");
+  EXPECT_THROW(write_primitives(folder / "mine", {}, 2, ""), IoError);
+}
+
+}  // namespace
+}  // namespace underbrush::primitives
