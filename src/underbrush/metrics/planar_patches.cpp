@@ -6,7 +6,7 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
-#include "underbrush/metrics/cloud_tree.hpp"
+#include "underbrush/metrics/cloud_tree.inl"
 #include "underbrush/metrics/normals.hpp"
 
 namespace underbrush::metrics {

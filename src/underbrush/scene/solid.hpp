@@ -39,11 +39,12 @@ Solid miniature();
 /// side, right side, as that scanner sees them.
 std::vector<size_t> miniature_patches();
 
-/// Triangles of all faces (ears cut off), and whose each of them is.
+/// Triangles of all faces (ears cut off), and of which face each is.
 struct SolidMesh {
   elements::TriangleMesh mesh;  ///< Opaque.
   std::vector<uint32_t> face;   ///< One per triangle.
 };
+/// The solid as triangles.
 SolidMesh triangulated(const Solid& solid);
 
 /// Whether `p` lies over or under the face: inside its outline, or within `tolerance_m` of it; a

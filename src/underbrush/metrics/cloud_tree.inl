@@ -1,6 +1,4 @@
-/// \file
-/// A k-d tree over a cloud, for the sources of this module only: it shows nanoflann.
-#pragma once
+// Included by sources of this module: a k-d tree over a cloud, which shows nanoflann.
 #include <nanoflann.hpp>
 #include <span>
 
