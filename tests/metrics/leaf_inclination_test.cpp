@@ -15,6 +15,7 @@ TEST(LeafInclination, OfPlanesIsThatOfThePlane) {
   for (const double tilt : {0.0, 0.4, 1.2}) {
     const Mat3 turn = Eigen::AngleAxisd(tilt, Vec3::UnitX()).toRotationMatrix();
     std::vector<Vec3f> cloud;
+    cloud.reserve(500);
     for (int i = 0; i < 500; ++i) {
       cloud.push_back((turn * Vec3(random.uniform(), random.uniform(), 0)).cast<float>());
     }
@@ -34,6 +35,7 @@ TEST(LeafInclination, OfPlanesIsThatOfThePlane) {
 TEST(LeafInclination, OfPointsWithoutOrderIsSpherical) {
   Stream random(2);
   std::vector<Vec3f> cloud;
+  cloud.reserve(20000);
   for (int i = 0; i < 20000; ++i) {
     cloud.emplace_back(float(random.uniform()), float(random.uniform()), float(random.uniform()));
   }

@@ -59,6 +59,7 @@ TEST(Icp, ConvergesFromFiveDegrees) {
   const std::vector<Vec3> to = cube(1, 6000, 0.002), model = cube(2, 3000, 0.002);
   const Pose truth = turned(5 * M_PI / 180, {0.04, -0.03, 0.05});
   std::vector<Vec3> from;
+  from.reserve(model.size());
   for (const Vec3& p : model) from.push_back(truth.inverse() * p);
   const IcpResult found = icp(from, to);
   EXPECT_TRUE(found.converged);

@@ -95,7 +95,7 @@ TEST(Solid, FilesSayTheSameAndBadOnesAreRefused) {
   const TemporaryPath folder(std::filesystem::temp_directory_path() / "underbrush_solid_test");
   std::filesystem::create_directories(folder.path());
   const auto write = [&](const char* name, const std::string& text) {
-    const auto path = folder.path() / name;
+    auto path = folder.path() / name;
     std::ofstream(path) << text;
     return path;
   };
