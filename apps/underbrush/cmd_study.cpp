@@ -75,8 +75,9 @@ void add_study(CLI::App& root) {
   app.add_flag("--quick", a->quick, "A small size, for tests: the figures are rougher");
   app.add_option("--report", a->report, "Write a report (one HTML file) into this folder")
       ->type_name("DIR");
-  app.add_option("--data", a->data,
-                 "Folder of real logs, each a folder with train.ply and test.ply")
+  app.add_option(
+         "--data", a->data,
+         "Folder of real logs, each a folder with train.ply and test.ply, or as the study says")
       ->type_name("DIR")
       ->check(CLI::ExistingDirectory);
   app.add_option("--keep", a->keep, "Keep the logs and models made on the way in this folder")

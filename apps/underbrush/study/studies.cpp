@@ -9,6 +9,10 @@ constexpr Study kStudies[] = {
      study_primitives},
     {"transfer", "Learnt from one lidar, simulated for another, on a generated site",
      study_transfer},
+    {"mesh-fidelity", "Leaf inclinations of Goodin et al. 2024, from billboards to fine trees",
+     study_mesh_fidelity},
+    {"verification", "Histograms and planes of Kim et al. 2012, on its miniature and on real walls",
+     study_verification},
 };
 
 }  // namespace

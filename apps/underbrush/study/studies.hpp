@@ -4,8 +4,10 @@
 
 namespace underbrush::app {
 
+StudyResult study_mesh_fidelity(const StudyRun& run);
 StudyResult study_primitives(const StudyRun& run);
 StudyResult study_transfer(const StudyRun& run);
 StudyResult study_vegetation(const StudyRun& run);
+StudyResult study_verification(const StudyRun& run);
 
 }  // namespace underbrush::app

@@ -10,6 +10,7 @@ namespace underbrush::radiometry {
 namespace {
 
 constexpr int kWalkPerOctave = 8, kWalkOctaves = 12;
+constexpr int kBiasPlaces = 64;
 
 /// log₂ x for normal x > 0, error below 10⁻⁷.
 double log2_of(double x) {
@@ -89,6 +90,11 @@ double Detector::walk_m(double peak, double threshold) const {
   return std::lerp(walk_m_[size_t(k)], walk_m_[size_t(k) + 1], k - std::floor(k));
 }
 
+double Detector::peak_bias_m(double place) const {
+  const double at = std::clamp((place + 0.5) * kBiasPlaces, 0.0, kBiasPlaces - 1e-3);
+  return std::lerp(peak_bias_m_[size_t(at)], peak_bias_m_[size_t(at) + 1], at - std::floor(at));
+}
+
 void Detector::close(const Waveform& w, const Pulse& p, float threshold, Echoes& echoes) const {
   const float* s = w.samples();
   Vertex top{0.5 * double(p.top_end - p.top), s[p.top]};  // of a saturated pulse: its middle
@@ -98,7 +104,7 @@ void Detector::close(const Waveform& w, const Pulse& p, float threshold, Echoes&
   Echo e;
   const bool edge = options_.timing == Timing::kLeadingEdge && !p.from_valley;
   e.range_m = float(edge ? w.range_m(p.rise) + walk_m(top.height, threshold)
-                         : w.range_m(double(p.top) + top.place) - peak_bias_m_);
+                         : w.range_m(double(p.top) + top.place) - peak_bias_m(top.place));
   e.peak = float(top.height);
   e.width_m = float((p.fall - p.rise) * w.cell_m());
   // The flanks below the threshold belong to the pulse as long as they fall away from it.
@@ -171,32 +177,61 @@ Echoes Detector::detect(const Waveform& w, float threshold) const {
   return echoes;
 }
 
-// What the detector itself makes of noiseless pulses, the mean over the target's place in a cell.
+// What the detector itself makes of noiseless pulses: of the leading edge the mean over the
+// target's place in a cell, of the parabola all of them.
 void Detector::calibrate(const Response& response) {
   constexpr int kPlaces = 32;
   walk_m_.assign(size_t(kWalkOctaves) * kWalkPerOctave + 1, 0);
   Waveform w(response, 40 * response.cell_m());
+  const auto pulse = [&](double place, float peak) {  // the target's range, and the first sample
+    const float range = float((20 + place) * response.cell_m());
+    w.clear();
+    w.add({&range, 1}, {&peak, 1});
+    size_t k = 1;
+    while (k < w.size() && w.samples()[k] < options_.threshold) ++k;
+    return std::pair{double(range), k};
+  };
   for (size_t n = 0; n < walk_m_.size(); ++n) {
     const float peak = std::exp2(float(n) / kWalkPerOctave) * options_.threshold;
     int seen = 0;
-    for (int place = 0; place < kPlaces; ++place) {
-      const float range = float((20 + (place + 0.5) / kPlaces) * response.cell_m());
-      w.clear();
-      w.add({&range, 1}, {&peak, 1});
-      size_t k = 1;
-      while (k < w.size() && w.samples()[k] < options_.threshold) ++k;
+    for (int i = 0; i < kPlaces; ++i) {
+      const auto [range, k] = pulse((i + 0.5) / kPlaces, peak);
       if (k == w.size()) continue;
-      walk_m_[n] += double(range) - w.range_m(crossing(w.samples(), k, options_.threshold));
+      walk_m_[n] += range - w.range_m(crossing(w.samples(), k, options_.threshold));
       ++seen;
-      if (n + 1 < walk_m_.size()) continue;
-      while (w.samples()[k + 1] > w.samples()[k]) ++k;
-      const float* s = w.samples() + k;
-      const double top = w.range_m(double(k) + vertex(s[-1], s[0], s[1]).place);
-      peak_bias_m_ += (top - double(range)) / kPlaces;
     }
     if (seen > 0) walk_m_[n] /= seen;
   }
   if (walk_m_[0] == 0) walk_m_[0] = walk_m_[1];  // no sample reached the threshold
+  calibrate_peak(response);
+}
+
+void Detector::calibrate_peak(const Response& response) {
+  Waveform w(response, 40 * response.cell_m());
+  std::vector<std::pair<double, double>> bias;  // vertex's place, parabola − target
+  for (int i = 0; i < Response::kPhases; ++i) {
+    const float range = float((20 + (i + 0.5) / Response::kPhases) * response.cell_m());
+    const float peak = 1;
+    w.clear();
+    w.add({&range, 1}, {&peak, 1});
+    const auto k = size_t(std::max_element(w.samples(), w.samples() + w.size()) - w.samples());
+    const float* s = w.samples() + k;
+    const double place = vertex(s[-1], s[0], s[1]).place;
+    bias.emplace_back(place, w.range_m(double(k) + place) - double(range));
+  }
+  std::sort(bias.begin(), bias.end());
+  for (int i = 0; i <= kBiasPlaces; ++i) {
+    const double place = double(i) / kBiasPlaces - 0.5;
+    const auto above = std::lower_bound(bias.begin(), bias.end(), std::pair{place, -1e9});
+    if (above == bias.begin() || above == bias.end()) {
+      peak_bias_m_.push_back(above == bias.end() ? bias.back().second : above->second);
+      continue;
+    }
+    const auto below = above - 1;
+    const double step = above->first - below->first;
+    const double t = step > 0 ? (place - below->first) / step : 0;
+    peak_bias_m_.push_back(std::lerp(below->second, above->second, t));
+  }
 }
 
 }  // namespace underbrush::radiometry

@@ -56,11 +56,14 @@ class Detector {
   struct Pulse;
   void close(const Waveform& w, const Pulse& pulse, float threshold, Echoes& echoes) const;
   double walk_m(double peak, double threshold) const;
+  double peak_bias_m(double place) const;
   void calibrate(const Response& response);
+  void calibrate_peak(const Response& response);
 
   DetectorOptions options_;
   std::vector<double> walk_m_;  ///< Target − crossing over log₂(peak/threshold).
-  double peak_bias_m_ = 0;      ///< Of the parabola on this response.
+  /// Parabola − target on this response, over where the parabola's vertex lies, −½ to ½ sample.
+  std::vector<double> peak_bias_m_;
 };
 
 }  // namespace underbrush::radiometry

@@ -1,0 +1,77 @@
+#include "underbrush/metrics/leaf_inclination.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "underbrush/core/rng.hpp"
+
+namespace underbrush::metrics {
+namespace {
+
+TEST(LeafInclination, OfPlanesIsThatOfThePlane) {
+  Stream random(1);
+  for (const double tilt : {0.0, 0.4, 1.2}) {
+    const Mat3 turn = Eigen::AngleAxisd(tilt, Vec3::UnitX()).toRotationMatrix();
+    std::vector<Vec3f> cloud;
+    cloud.reserve(500);
+    for (int i = 0; i < 500; ++i) {
+      cloud.push_back((turn * Vec3(random.uniform(), random.uniform(), 0)).cast<float>());
+    }
+    const LeafInclination leaves = leaf_inclination(cloud);
+    // Either sign may come: all angles are the tilt or its supplement.
+    const double width = M_PI / double(LeafInclination::kBins);
+    for (size_t k = 0; k < LeafInclination::kBins; ++k) {
+      const double angle = (double(k) + 0.5) * width;
+      if (leaves.count[k] == 0) continue;
+      EXPECT_LE(std::min(std::abs(angle - tilt), std::abs(M_PI - angle - tilt)), width) << tilt;
+    }
+  }
+}
+
+// Normals all over the sphere have σ = √(π²/4 − 2) = 0.684 about π/2: points without any order are
+// near to what is measured of leaves.
+TEST(LeafInclination, OfPointsWithoutOrderIsSpherical) {
+  Stream random(2);
+  std::vector<Vec3f> cloud;
+  cloud.reserve(20000);
+  for (int i = 0; i < 20000; ++i) {
+    cloud.emplace_back(float(random.uniform()), float(random.uniform()), float(random.uniform()));
+  }
+  const LeafInclination leaves = leaf_inclination(cloud);
+  double folded = 0;  // the sign apart
+  for (size_t k = 0; k < LeafInclination::kBins; ++k) {
+    const double angle = (double(k) + 0.5) * M_PI / double(LeafInclination::kBins);
+    folded += std::abs(std::cos(angle)) * double(leaves.count[k]) / 20000;
+  }
+  EXPECT_NEAR(folded, 0.5, 0.02);
+}
+
+TEST(LeafInclination, EpsilonIsTheDistanceOfThePaper) {
+  LeafInclination leaves;
+  leaves.mean_rad = 1.65 - 0.06;
+  leaves.sigma_rad = 0.747 + 0.08;
+  EXPECT_NEAR(leaves.epsilon(), 0.1, 1e-12);
+  EXPECT_TRUE(leaves.is_realistic());
+  leaves.mean_rad = 1.5;
+  EXPECT_FALSE(leaves.is_realistic());
+}
+
+TEST(LogRegression, RecoversTheLineOfThePaper) {
+  std::vector<double> count, epsilon;
+  for (const double n : {1e3, 2e4, 5e5, 3e6}) {
+    count.push_back(n);
+    epsilon.push_back(0.269 - 0.0121 * std::log(n));
+  }
+  const LogRegression line = log_regression(count, epsilon);
+  EXPECT_NEAR(line.a, 0.269, 1e-12);
+  EXPECT_NEAR(line.b, 0.0121, 1e-12);
+  EXPECT_NEAR(line.r2, 1, 1e-9);
+  EXPECT_NEAR(line.count_at(0.11), 509e3, 20e3);  // printed as 491 000
+  EXPECT_THROW(log_regression(std::span(count).first(2), std::span(epsilon).first(2)),
+               std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace underbrush::metrics
