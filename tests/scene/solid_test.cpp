@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "io/temporary.hpp"
 #include "underbrush/core/check.hpp"
-#include "underbrush/core/temporary.hpp"
 #include "underbrush/scene/plant_mesh.hpp"
 #include "underbrush/trace/world.hpp"
 
@@ -92,10 +92,9 @@ TEST(Solid, NonConvexFacesAreCutIntoTriangles) {
 }
 
 TEST(Solid, FilesSayTheSameAndBadOnesAreRefused) {
-  const TemporaryPath folder(std::filesystem::temp_directory_path() / "underbrush_solid_test");
-  std::filesystem::create_directories(folder.path());
+  const io::TemporaryFolder folder;
   const auto write = [&](const char* name, const std::string& text) {
-    auto path = folder.path() / name;
+    auto path = folder / name;
     std::ofstream(path) << text;
     return path;
   };
@@ -118,7 +117,7 @@ TEST(Solid, FilesSayTheSameAndBadOnesAreRefused) {
     const auto path = write(("bad" + std::to_string(k++) + ".json").c_str(), bad);
     EXPECT_THROW(read_solid(path), FormatError) << bad;
   }
-  EXPECT_THROW(read_solid(folder.path() / "none.obj"), FormatError);
+  EXPECT_THROW(read_solid(folder / "none.obj"), FormatError);
 }
 
 }  // namespace

@@ -4,12 +4,10 @@
 
 #include <cmath>
 
-#include "underbrush/core/temporary.hpp"
+#include "io/temporary.hpp"
 
 namespace underbrush::app {
 namespace {
-
-namespace fs = std::filesystem;
 
 PairOutcome outcome(double cloud, double packet, double f1) {
   PairOutcome o;
@@ -41,6 +39,7 @@ TEST(PrimitivesStudy, VerdictAsksForThePapersMargins) {
 
 TEST(PrimitivesStudy, SpreadIsStudents) {
   std::vector<double> values;
+  values.reserve(10);
   for (int k = 0; k < 10; ++k) values.push_back(k % 2 ? 3 : 1);
   const Spread ten = spread_of(values);
   EXPECT_DOUBLE_EQ(ten.mean, 2);
@@ -79,8 +78,7 @@ class OnSites : public testing::Test {
  protected:
   static void SetUpTestSuite() { pair_ = new SitePair(generated_pair(51, 52, true)); }
   static void TearDownTestSuite() { delete pair_; }
-  OnSites() : folder(fs::temp_directory_path() / "underbrush_primitives_study_test") {
-    fs::create_directories(folder.path());
+  OnSites() {
     std::vector<primitives::PlantSource> blocks;
     for (const double h : {0.5, 4.0}) {
       primitives::PlantSource block{"block", {}, {}};
@@ -94,13 +92,13 @@ class OnSites : public testing::Test {
     }
     primitives::MeshPrimitiveOptions meshes;
     meshes.most_scaling = 10;
-    options.meshes = folder.path() / "meshes";
-    options.work = folder.path() / "primitives";
+    options.meshes = folder / "meshes";
+    options.work = folder / "primitives";
     primitives::write_primitives(options.meshes, primitives::mesh_primitives(blocks, meshes), 2,
                                  "");
   }
   static SitePair* pair_;
-  TemporaryPath folder;
+  io::TemporaryFolder folder;
   PairOptions options;
 };
 SitePair* OnSites::pair_ = nullptr;

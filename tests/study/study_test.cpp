@@ -5,9 +5,9 @@
 #include <cmath>
 #include <fstream>
 
+#include "io/temporary.hpp"
 #include "study/transfer.hpp"
 #include "study/vegetation.hpp"
-#include "underbrush/core/temporary.hpp"
 #include "underbrush/scene/targets.hpp"
 
 namespace underbrush::app {
@@ -91,7 +91,7 @@ TEST(Study, TrainsOnAFifthAndTestsOnTheRest) {
 TEST(Study, ReportIsOnePageThatLoadsNothing) {
   StudyResult result = planes();
   result.notes.emplace_back("a <note>");
-  const TemporaryPath folder(std::filesystem::temp_directory_path() / "underbrush_study_test");
+  const io::TemporaryFolder folder;
   const auto page = write_study_report(folder.path(), studies()[0], result, "{\"seed\": 1}");
   std::ifstream in(page);
   const std::string html{std::istreambuf_iterator<char>(in), {}};

@@ -124,6 +124,7 @@ std::vector<Vec3f> cloud_of(const fs::path& file) {
   }
   std::erase_if(points, [](const Vec3& p) { return !p.allFinite(); });
   std::vector<Vec3f> out;
+  out.reserve(points.size());
   for (const Vec3& p : points) out.push_back((p - points[0]).cast<float>());
   return out;
 }

@@ -120,6 +120,7 @@ double mean_over(const std::vector<PatchFigures>& patches, Distances PatchFigure
 
 std::vector<double> ranges_of(const std::vector<Vec3>& points) {
   std::vector<double> out;
+  out.reserve(points.size());
   for (const Vec3& p : points) out.push_back(p.norm());
   return out;
 }

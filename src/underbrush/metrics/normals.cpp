@@ -25,9 +25,8 @@ Vec3 single_eigenvector(const Mat3& sigma, double lambda) {
 
 /// The eigenvector of `lambda` in the plane perpendicular to the eigenvector `first`.
 Vec3 second_eigenvector(const Mat3& sigma, const Vec3& first, double lambda) {
-  const Vec3 u = std::abs(first.x()) > std::abs(first.y())
-                     ? Vec3(-first.z(), 0, first.x()).normalized()
-                     : Vec3(0, first.z(), -first.y()).normalized();
+  Vec3 u = std::abs(first.x()) > std::abs(first.y()) ? Vec3(-first.z(), 0, first.x()).normalized()
+                                                     : Vec3(0, first.z(), -first.y()).normalized();
   const Vec3 v = first.cross(u);
   const double m00 = u.dot(sigma * u) - lambda, m01 = u.dot(sigma * v),
                m11 = v.dot(sigma * v) - lambda;

@@ -57,6 +57,7 @@ std::vector<uint32_t> seeds_in_order(const std::vector<Vec3f>& normal, const Nei
 std::vector<Vec3> outline_of(const Plane& plane, const std::vector<Vec3>& points) {
   using Place = Eigen::Vector2d;
   std::vector<Place> flat;
+  flat.reserve(points.size());
   for (const Vec3& p : points) {
     flat.emplace_back(plane.u.dot(p - plane.centre), plane.v.dot(p - plane.centre));
   }
@@ -77,6 +78,7 @@ std::vector<Vec3> outline_of(const Plane& plane, const std::vector<Vec3>& points
   for (size_t i = flat.size() - 1; i-- > 0;) add(flat[i], lower);
   hull.pop_back();
   std::vector<Vec3> out;
+  out.reserve(hull.size());
   for (const Place& p : hull) out.push_back(plane.centre + p.x() * plane.u + p.y() * plane.v);
   return out;
 }

@@ -72,7 +72,7 @@ Similarity align(std::span<const Vec3> from, std::span<const Vec3> to, bool rigi
 IcpResult icp(std::span<const Vec3> from, std::span<const Vec3> to, const Pose& guess,
               const IcpOptions& options) {
   require(from.size() >= 10 && to.size() >= 10, "icp: clouds of at least ten points are needed");
-  const Vec3 centre = to[to.size() / 2];
+  const Vec3& centre = to[to.size() / 2];
   const std::vector<Vec3f> cloud = about(to, centre);
   const std::vector<Vec3f> normal = normals(cloud, size_t(options.neighbours));
   IcpResult out;
