@@ -290,13 +290,13 @@ __attribute__((noinline)) void counted_pass(const trace::World& world, const Ray
   trace_all(world, rays, met);
 }
 
-int trace_passes(int passes, size_t elements, const std::string& isa) {
+int trace_passes(int passes, size_t elements, int sub_rays, const std::string& isa) {
   set_threads(1);
   const elements::Model model = forest(elements);
   const trace::World world(model, isa == "avx512" ? trace::Isa::kAvx512
                                   : isa == "avx2" ? trace::Isa::kAvx2
                                                   : trace::Isa::kBase);
-  const Rays rays(drive("velodyne-hdl64e", 1, 1));
+  const Rays rays(drive("velodyne-hdl64e", 1, sub_rays));
   std::vector<trace::Met> met(rays.firing.size());
   for (int k = 0; k < passes; ++k) {
     const double s = seconds_of([&] { counted_pass(world, rays, met); });
@@ -313,7 +313,7 @@ int main(int argc, char** argv) {
   CLI::App app("Speed of the tracing engine against Embree and real sensors");
   std::string json_file, plot_file;
   int rounds = 5;
-  int passes = 0;
+  int passes = 0, sub_rays = 1;
   size_t elements = 100000;
   std::string isa = "avx2";
   bool quick = false;
@@ -324,11 +324,12 @@ int main(int argc, char** argv) {
   app.add_flag("--quick", quick, "Fewer and smaller cases (10^5 stands for 10^6)");
   app.add_option("--passes", passes, "Only so many passes over one forest, for profilers");
   app.add_option("--elements", elements, "Ellipsoids of that forest")->capture_default_str();
+  app.add_option("--sub-rays", sub_rays, "Rays a beam of these passes")->capture_default_str();
   app.add_option("--isa", isa, "Instruction set of these passes")
       ->check(CLI::IsMember({"sse2", "avx2", "avx512"}))
       ->capture_default_str();
   CLI11_PARSE(app, argc, argv);
-  if (passes > 0) return trace_passes(passes, elements, isa);
+  if (passes > 0) return trace_passes(passes, elements, sub_rays, isa);
   if (quick) rounds = std::min(rounds, 3);
 
   Bench bench(rounds, quick);

@@ -195,7 +195,7 @@ std::vector<Ray> drive(const char* sensor, int revolutions, int sub_rays) {
   for (int k = 0; k <= 20 * revolutions; ++k) {
     StampedPose p;
     p.time_s = last * k / (20.0 * revolutions);
-    const double x = 20 * (2 * p.time_s / last - 1);  // faster than 10 m/s for few revolutions
+    const double x = 10 * (p.time_s - last / 2);  // 10 m/s
     p.world_from_sensor.translation = Vec3(x, 0.7 * std::sin(0.1 * x), ground_z(x, 0) + 2);
     poses.push_back(p);
   }

@@ -56,8 +56,15 @@ struct Sorted {
 };
 
 // Calls the memory of their elements.
-inline void sort_out(const View& view, const Candidate* list, size_t count, Sorted& out) {
+inline void sort_out(const View& view, const Batch& batch, const Candidate* list, size_t count,
+                     Sorted& out) {
   for (size_t i = 0; i < count; ++i) {
+    const char* ray = reinterpret_cast<const char*>(batch.rays + list[i].ray);
+    __builtin_prefetch(ray);
+    __builtin_prefetch(ray + sizeof(Ray) - 1);
+    const char* best = reinterpret_cast<const char*>(batch.best + list[i].ray);
+    __builtin_prefetch(best, 1);
+    __builtin_prefetch(best + sizeof(Met) - 1, 1);
     const ModelView& m = view.model_views[view.instances[list[i].instance].model];
     const uint32_t element = list[i].element;
     const bool is_triangle = element < m.triangle_count, on_ground = element < m.ground_count;
@@ -256,7 +263,7 @@ struct Triangles : Four {
 
 void meet_run(const View& view, const Batch& batch, const Candidate* list, size_t count, Met* out) {
   Sorted sorted;
-  sort_out(view, list, count, sorted);
+  sort_out(view, batch, list, count, sorted);
   Ellipsoids ellipsoids;
   for (size_t k = 0; k < sorted.ellipsoids; ++k) {
     ellipsoids.add(view, batch, list, sorted.ellipsoid[k], out);

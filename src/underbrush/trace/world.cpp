@@ -85,7 +85,6 @@ struct World::Impl {
 
   /// Traces `count` rays of the batch.
   void trace(Ask ask, Workspace& w, size_t count) const {
-    if (tree.root == kEmpty) return;
     const View v = view();
     Batch& batch = w.batch;
     for (batch.first = 0; batch.first < count; batch.first += kOrdered) {
@@ -93,6 +92,8 @@ struct World::Impl {
       batch.unfolded = &w.unfolded;
       batch.known = w.known.data();
       batch.known_count = 0;
+      if (batch.best) std::fill_n(batch.best + batch.first, n, Met{});
+      if (tree.root == kEmpty) continue;
       if (n > 1) {
         const uint64_t* keys = batch.keys ? batch.keys + batch.first : nullptr;
         kernels->unfold(v, batch.rays + batch.first, keys, n, w.unfolded);
@@ -108,7 +109,6 @@ struct World::Impl {
 
   void nearest(Ask ask, std::span<const Ray> rays, std::span<const uint64_t> keys,
                const RangeLimits& limits, std::span<Met> met) const {
-    std::fill(met.begin(), met.end(), Met{});
     Workspace& w = workspace();
     w.batch.rays = rays.data();
     w.batch.keys = keys.data();
@@ -179,6 +179,7 @@ void World::all_met(std::span<const Ray> rays, const RangeLimits& limits,
   Batch& batch = w.batch;
   batch.rays = rays.data();
   batch.keys = nullptr;
+  batch.best = nullptr;
   batch.limits = limits;
   batch.entry_limits_m = entry_limits_m.data();
   batch.candidates.clear();
