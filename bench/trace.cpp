@@ -51,7 +51,7 @@ struct Rays {
         unfolded->up_low = std::min(unfolded->up_low, up);
         unfolded->up_high = std::max(unfolded->up_high, up);
       }
-      trace::order_by_direction(*unfolded, {order.data(), n});
+      trace::order_by_direction(*unfolded, {order.data(), n}, 64);
       for (size_t k = 0; k < n; ++k) coherent.push_back(part[order[k]]);
     }
     for (size_t i = 0; i < firing.size(); ++i) keys.push_back(beam_key(1, 0, i));

@@ -32,6 +32,6 @@ void trace(const View& view, Ask ask, Batch& batch, const uint32_t* order, size_
 }  // namespace
 
 extern const Kernels UB_KERNELS;
-const Kernels UB_KERNELS = {UB_KERNELS_NAME, unfold, trace, meet_many};
+const Kernels UB_KERNELS = {UB_KERNELS_NAME, kPacket, unfold, trace, meet_many};
 
 }  // namespace underbrush::trace

@@ -9,7 +9,6 @@ namespace underbrush::trace {
 namespace {
 
 constexpr uint32_t kAzimuthBins = 1024, kElevationBins = 512;
-constexpr size_t kTile = 64;  // rays of one packet
 constexpr uint32_t kStrips = 4;
 static_assert(kOrdered <= 1u << 13);
 
@@ -25,8 +24,8 @@ float occupied(const std::array<uint32_t, kSize>& count) {
 }  // namespace
 
 // As an R-tree is packed: bands of elevation that hold as many rays each, so many that the runs of
-// kTile rays along a band's azimuth come out about as wide as high.
-void order_by_direction(const Unfolded& rays, std::span<uint32_t> order) {
+// `together` rays along a band's azimuth come out about as wide as high.
+void order_by_direction(const Unfolded& rays, std::span<uint32_t> order, size_t together) {
   const uint32_t n = uint32_t(order.size());
   const float to_column = scale_of(rays.turn_low, rays.turn_high, kAzimuthBins);
   const float to_row = scale_of(rays.up_low, rays.up_high, kElevationBins);
@@ -45,11 +44,11 @@ void order_by_direction(const Unfolded& rays, std::span<uint32_t> order) {
   // A quarter turn is 1 in `turn` and π/2 in angle; elevation counts as its sine.
   const float width = to_column > 0 ? occupied(columns) / to_column * float(M_PI / 2) : 1e-6f;
   const float height = to_row > 0 ? occupied(rows) / to_row : 1e-6f;
-  const float tiles = std::max(1.0f, float(n) / kTile);
+  const float tiles = std::max(1.0f, float(n) / float(together));
   const float bands = std::clamp(std::round(std::sqrt(tiles * height / width)), 1.0f, tiles);
   // Rows to strips, kStrips a band; then sorted by column within the band.
   std::array<uint32_t, kElevationBins> strip_of_row;
-  std::array<uint32_t, kOrdered / kTile + 1> band_at{};
+  std::array<uint32_t, kOrdered / 64 + 1> band_at{};
   uint32_t below = 0;
   for (size_t r = 0; r < kElevationBins; ++r) {
     const float middle = float(below) + 0.5f * float(rows[r]);
@@ -71,8 +70,8 @@ void order_by_direction(const Unfolded& rays, std::span<uint32_t> order) {
     by_band[band_at[(by_column[k] >> 13) / kStrips]++] = by_column[k];
   }
   // Within each tile by strip, so that the rays of one vector are a compact tile too.
-  for (size_t tile = 0; tile < n; tile += kTile) {
-    const size_t end = std::min<size_t>(n, tile + kTile);
+  for (size_t tile = 0; tile < n; tile += together) {
+    const size_t end = std::min<size_t>(n, tile + together);
     std::array<uint32_t, kStrips> at{};
     for (size_t k = tile; k < end; ++k) ++at[(by_band[k] >> 13) % kStrips];
     to_starts(at);

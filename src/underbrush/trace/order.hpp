@@ -21,8 +21,8 @@ struct Unfolded {
   float spread;                                ///< Greatest length of a relative origin.
 };
 
-/// Writes to `order` the numbers of the rays (up to `kOrdered`) so that runs of 64 make compact
-/// tiles on the sphere of directions.
-void order_by_direction(const Unfolded& rays, std::span<uint32_t> order);
+/// Writes to `order` the numbers of the rays (up to `kOrdered`) so that runs of `together` make
+/// compact tiles on the sphere of directions.
+void order_by_direction(const Unfolded& rays, std::span<uint32_t> order, size_t together);
 
 }  // namespace underbrush::trace

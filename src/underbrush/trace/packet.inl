@@ -68,8 +68,7 @@ inline void open(const Search& s, const Frame& f, const Node& node, const Look& 
   uint64_t entered = 0;
   for (uint64_t left = look.pairs; left; left &= left - 1) {
     const int pair = __builtin_ctzll(left);
-    const bool enter =
-        enters<kMixed>(*f.rays, s.found, f.t_min, look.edge, pair / 8, pair % 8 / kGroupStep);
+    const bool enter = enters<kMixed>(*f.rays, s.found, f.t_min, look.edge, pair / 8, pair % 8);
     entered |= uint64_t(enter) << pair;
   }
   const unsigned left = bytes_in(entered);
@@ -232,8 +231,8 @@ bool begin(Walk& w, const View& view, Batch& batch, const uint32_t* number, int 
     s.found.element[g] = s.found.instance[g] = all(Met::kNone);
     s.found.low[g] = all(float(batch.limits.max_m) * 0.999999f);
     s.found.high[g] = all(t_max);
+    s.found.exact[g] = 0;
   }
-  s.found.exact = 0;
   for (int k = 0; kAsk == Ask::kAll && k < kPacket; ++k) {
     reinterpret_cast<float*>(s.found.high)[k] =
         float(batch.entry_limits_m[ray_at(s, k)]) * 1.000001f;
@@ -258,7 +257,7 @@ void end(const Walk& w) {
   Batch& batch = *s.batch;
   for (int k = 0; k < s.count; ++k) {
     const uint32_t element = reinterpret_cast<const uint32_t*>(s.found.element)[k];
-    if (element == Met::kNone || s.found.exact >> k & 1) continue;
+    if (element == Met::kNone || s.found.exact[k / kLanes] >> k % kLanes & 1) continue;
     const uint32_t instance = reinterpret_cast<const uint32_t*>(s.found.instance)[k];
     batch.known[batch.known_count++] = {uint32_t(ray_at(s, k)), instance, element};
   }

@@ -8,9 +8,9 @@ namespace {
 struct Found {
   F low[kGroups], high[kGroups];
   U element[kGroups], instance[kGroups];
-  uint64_t exact = 0;  // rays whose find stands in Batch::best
-  F8 reach;            // of each eight rays the greatest of high
-  float farthest;      // of all
+  unsigned exact[kGroups];  // lanes whose find stands in Batch::best
+  F8 reach;                 // of each group the greatest of high
+  float farthest;           // of all
 };
 
 struct Keys {
@@ -69,7 +69,7 @@ inline void set_centre(Frame& f, const double centre[3], float spread) {
 }
 
 inline void remember(Found& found) {
-  found.reach = greatest_of_eights(found.high);
+  found.reach = greatest_of_groups(found.high);
   found.farthest = greatest(found.reach);
 }
 
@@ -96,16 +96,15 @@ inline void keep(Search& s, const Frame& f, int g, uint32_t element, M maybe, M 
     found.high[g] = pick(sure, high, found.high[g]);
     found.element[g] = pick(sure, all(element), found.element[g]);
     found.instance[g] = pick(sure, all(f.instance), found.instance[g]);
-    found.exact &= ~(uint64_t(certain) << (g * kLanes));
+    found.exact[g] &= ~certain;
   }
   lanes &= ~certain;
   while (lanes) {
     const int k = __builtin_ctz(lanes);
     lanes &= lanes - 1;
-    const int ray = g * kLanes + k;
-    const uint64_t bit = uint64_t(1) << ray;
-    const uint32_t have = found.exact & bit ? Met::kNone : uint32_t(found.element[g][k]);
-    const size_t i = ray_at(s, ray);
+    const unsigned bit = 1u << k;
+    const uint32_t have = found.exact[g] & bit ? Met::kNone : uint32_t(found.element[g][k]);
+    const size_t i = ray_at(s, g * kLanes + k);
     if (!settle_nearest(*s.view, kAsk, *s.batch, i, f.instance, element,
                         uint32_t(found.instance[g][k]), have)) {
       continue;
@@ -115,7 +114,7 @@ inline void keep(Search& s, const Frame& f, int g, uint32_t element, M maybe, M 
     found.high[g][k] = t * 1.0000001f;
     found.element[g][k] = element;
     found.instance[g][k] = f.instance;
-    found.exact |= bit;
+    found.exact[g] |= bit;
   }
 }
 
@@ -168,7 +167,7 @@ inline bool visit(Search& s, const Frame& f, const EllipsoidBlock& b, bool caref
   int count = 0;
   bool any = false;
   for (uint64_t left = look.pairs; left; left &= left - 1) {
-    const int pair = __builtin_ctzll(left), j = pair / 8, g = pair % 8 / kGroupStep;
+    const int pair = __builtin_ctzll(left), j = pair / 8, g = pair % 8;
     const float outer = 1 + slack[j];
     const F dx = r.d[0][g], dy = r.d[1][g], dz = r.d[2][g];
     const F vx = mean[0][j] - r.o[0][g], vy = mean[1][j] - r.o[1][g], vz = mean[2][j] - r.o[2][g];
@@ -193,7 +192,7 @@ inline bool visit(Search& s, const Frame& f, const EllipsoidBlock& b, bool caref
     count += bits(maybe[count]) != 0;
   }
   for (int k = 0; k < count; ++k) {
-    const int pair = pair_of[k], j = pair / 8, g = pair % 8 / kGroupStep;
+    const int pair = pair_of[k], j = pair / 8, g = pair % 8;
     const float inner = slack[j] < 1 ? 1 - slack[j] : 0;
     const F a = met[k][0], h = met[k][1], c = met[k][2], t0 = met[k][3], hh = h * h;
     const F i = 1.0f / a, step = h * i, t = t0 + step, reach = root(i);
@@ -260,7 +259,7 @@ inline bool visit(Search& s, const Frame& f, const TriangleBlock& b, const Look&
   int count = 0;
   bool any = false;
   for (uint64_t left = look.pairs; left; left &= left - 1) {
-    const int pair = __builtin_ctzll(left), j = pair / 8, g = pair % 8 / kGroupStep;
+    const int pair = __builtin_ctzll(left), j = pair / 8, g = pair % 8;
     const F e1x = all(side1[0][j]), e1y = all(side1[1][j]), e1z = all(side1[2][j]);
     const F e2x = all(side2[0][j]), e2y = all(side2[1][j]), e2z = all(side2[2][j]);
     const F dx = r.d[0][g], dy = r.d[1][g], dz = r.d[2][g];
@@ -284,7 +283,7 @@ inline bool visit(Search& s, const Frame& f, const TriangleBlock& b, const Look&
     count += bits(maybe[count]) != 0;
   }
   for (int k = 0; k < count; ++k) {
-    const int pair = pair_of[k], j = pair / 8, g = pair % 8 / kGroupStep;
+    const int pair = pair_of[k], j = pair / 8, g = pair % 8;
     const F det = met[k][0], least_weight = met[k][2], doubtful = all(3 * slack[j]);
     const F i = 1.0f / greater(det, all(slack[j]));
     const F t = met[k][1] * i;

@@ -1,4 +1,4 @@
-// Included by kernel.inl: 64 rays as columns, the slopes they span, their change of frame.
+// Included by kernel.inl: a packet of rays as columns, the slopes they span, their change of frame.
 namespace underbrush::trace {
 namespace {
 
@@ -14,7 +14,7 @@ struct alignas(64) Rays {
   // axis.
   uint32_t least[3][3], most[3][3];
   float o_least[3], o_most[3];  // bounds of o along the axes
-  F8 tile[4];                   // of each eight rays: slope across from, to; slope up from, to
+  F8 tile[4];                   // of each group: slope across from, to; slope up from, to
   float spread;                 // greatest |o|
   bool mixed;                   // signs of the directions differ
   bool negative[3];
@@ -68,8 +68,8 @@ inline bool enclose(Rays& r) {
   if (!(least(w0) > 0.85f)) return false;
   const float slack = 4e-6f, margin = 1e-5f * r.spread;
   for (int a = 0; a < 2; ++a) {
-    r.tile[2 * a] = least_of_eights(slope[a]) - slack;
-    r.tile[2 * a + 1] = greatest_of_eights(slope[a]) + slack;
+    r.tile[2 * a] = least_of_groups(slope[a]) - slack;
+    r.tile[2 * a + 1] = greatest_of_groups(slope[a]) + slack;
   }
   for (int a = 0; a < 3; ++a) {
     r.o_least[a] = least(low[a]) - margin;
@@ -97,18 +97,18 @@ inline void outline(const Rays& r, const F8 from[3], const F8 to[3], Outlines& o
   *reinterpret_cast<F8*>(out.depth) = far_away >= F8{} ? near_by : all8(INFINITY);
 }
 
-// The groups that may meet each of eight things: bit 8 k + g kGroupStep for thing k and group g.
-// `reach`: how far each eight rays look.
+// The groups that may meet each of eight things: bit 8 k + g for thing k and group g. `reach`: how
+// far each group looks.
 inline uint64_t pairs_of(const Rays& r, F8 reach, const Outlines& out) {
   uint64_t pairs = 0;
   for (int k = 0; k < 8; ++k) {
-    const unsigned eights =
+    const unsigned groups =
         bits((r.tile[0] <= all8(out.across_to[k])) & (r.tile[1] >= all8(out.across_from[k])) &
              (r.tile[2] <= all8(out.up_to[k])) & (r.tile[3] >= all8(out.up_from[k])) &
              (reach >= all8(out.depth[k])));
-    pairs |= uint64_t(eights) << (8 * k);
+    pairs |= uint64_t(groups) << (8 * k);
   }
-  return kGroupStep == 1 ? pairs : (pairs | pairs >> 1) & 0x5555555555555555u;
+  return pairs;
 }
 
 // What follows from the directions and axes.

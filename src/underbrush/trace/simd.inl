@@ -8,8 +8,8 @@ constexpr int kLanes = 16;
 #else
 constexpr int kLanes = 8;
 #endif
-constexpr int kGroups = kPacket / kLanes;
-constexpr int kGroupStep = kLanes / 8;
+constexpr int kGroups = 8;
+constexpr int kPacket = kGroups * kLanes;
 constexpr uint64_t kEachByte = 0x0101010101010101u;
 
 typedef float F8 __attribute__((vector_size(32), may_alias));
@@ -118,13 +118,17 @@ inline void transpose(F8 x[8]) {
   }
 }
 
-// Of each eight of the packet's values what `pick(a, b)` leaves.
+// What `pick(a, b)` leaves of each group's values.
 template <class Pick>
-inline F8 of_eights(const F v[kGroups], Pick pick) {
-  const float* from = reinterpret_cast<const float*>(v);
+inline F8 of_groups(const F v[kGroups], Pick pick) {
+  F8 each[kGroups];
+  for (int g = 0; g < kGroups; ++g) {
+    const float* from = reinterpret_cast<const float*>(v + g);
+    each[g] = kLanes == 16 ? pick(load8(from), load8(from + kLanes - 8)) : load8(from);
+  }
   F8 two[4];
   for (int k = 0; k < 4; ++k) {
-    const F8 a = load8(from + 16 * k), b = load8(from + 16 * k + 8);
+    const F8 a = each[2 * k], b = each[2 * k + 1];
     two[k] = pick(__builtin_shufflevector(a, b, 0, 2, 8, 10, 4, 6, 12, 14),
                   __builtin_shufflevector(a, b, 1, 3, 9, 11, 5, 7, 13, 15));
   }
@@ -137,11 +141,11 @@ inline F8 of_eights(const F v[kGroups], Pick pick) {
   return pick(__builtin_shufflevector(four[0], four[1], 0, 1, 2, 3, 8, 9, 10, 11),
               __builtin_shufflevector(four[0], four[1], 4, 5, 6, 7, 12, 13, 14, 15));
 }
-inline F8 least_of_eights(const F v[kGroups]) {
-  return of_eights(v, [](F8 a, F8 b) { return lesser(a, b); });
+inline F8 least_of_groups(const F v[kGroups]) {
+  return of_groups(v, [](F8 a, F8 b) { return lesser(a, b); });
 }
-inline F8 greatest_of_eights(const F v[kGroups]) {
-  return of_eights(v, [](F8 a, F8 b) { return greater(a, b); });
+inline F8 greatest_of_groups(const F v[kGroups]) {
+  return of_groups(v, [](F8 a, F8 b) { return greater(a, b); });
 }
 
 // Which bytes are not zero.
