@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "scenes.hpp"
+#include "underbrush/trace/exact.inl"
 
 namespace underbrush::trace {
 namespace {
@@ -26,6 +29,22 @@ TEST(Approach, IsTheMinimumOfTheMahalanobisDistanceAlongTheRay) {
     EXPECT_NEAR(m.delta2, distance2(m.t_m), 1e-7 * scale);
     // δ²(t) = δ² + (t − t_i)²/σ²: the Gaussian constrained to the ray.
     EXPECT_NEAR(distance2(m.t_m + 2 * m.sigma_m), m.delta2 + 4, 1e-6 * scale);
+  }
+}
+
+TEST(Opacity, IsTheClosedFormToItsLastDigits) {
+  Stream random(5);
+  for (int i = 0; i < 20000; ++i) {
+    const double x = -std::exp(random.uniform(-40, 6));
+    EXPECT_NEAR(Exponential(x).less_one() / std::expm1(x), 1, 2e-15) << x;
+    EXPECT_NEAR(Exponential(x).value() / std::exp(x), 1, 2e-15) << x;
+  }
+  EXPECT_EQ(Exponential(0.0).less_one(), 0);
+  for (int i = 0; i < 20000; ++i) {
+    const double kappa = std::exp(random.uniform(-9, 9)), sigma = std::exp(random.uniform(-6, 2));
+    const double delta2 = random.uniform(0, 16);
+    const double p = -std::expm1(-kappa * std::sqrt(2 * M_PI) * sigma * std::exp(-delta2 / 2));
+    EXPECT_NEAR(opacity_of(kappa, sigma, delta2) / p, 1, 1e-14);
   }
 }
 

@@ -73,8 +73,8 @@ Factor factor_of(const elements::Ellipsoid& e, double tau, double inflate_m2) {
 constexpr double kThin = 1e4;  // beyond this condition floats cannot decide
 
 uint32_t kind_of(const elements::Model& model, const elements::Ellipsoid& e) {
-  const bool plain = e.density_per_m <= 0 && model.voxel_m <= 0;
-  return plain && factor_of(e, model.tau, 0).condition < kThin ? kEllipsoids : kCareful;
+  if (model.voxel_m > 0 || !(factor_of(e, model.tau, 0).condition < kThin)) return kCareful;
+  return e.density_per_m > 0 ? kPathLength : kEllipsoids;
 }
 
 uint32_t block_threshold(double p) {
@@ -103,7 +103,7 @@ Block block_of_nothing() {
 }
 
 EllipsoidBlock ellipsoid_block(const elements::Model& model, const Ref* refs, uint32_t count,
-                               bool careful) {
+                               uint32_t kind) {
   EllipsoidBlock block = block_of_nothing<EllipsoidBlock>();
   for (uint32_t k = 0; k < count; ++k) {
     const uint32_t id = refs[k].id();
@@ -111,12 +111,17 @@ EllipsoidBlock ellipsoid_block(const elements::Model& model, const Ref* refs, ui
         model.ellipsoids[id - model.ground.size() - model.surface.size()];
     // Thin shapes are thickened, so that their float tests stay meaningful and find too much.
     const double size2 = double(e.covariance[0]) + e.covariance[3] + e.covariance[5];
-    const double inflate = careful ? size2 * model.tau * model.tau / (0.25 * kThin * kThin) : 0;
+    const double inflate =
+        kind == kCareful ? size2 * model.tau * model.tau / (0.25 * kThin * kThin) : 0;
     const Factor f = factor_of(e, model.tau, inflate);
     for (int c = 0; c < 6; ++c) block.u[c][k] = float(f.u[c]);
     for (int d = 0; d < 3; ++d) block.mean[d][k] = e.mean[d];
-    block.accept_below[k] = block_threshold(largest_p(e));
     block.element[k] = id;
+    if (kind == kPathLength) {
+      block.depth[k] = float(double(e.density_per_m) * std::sqrt(2 * M_PI) / model.tau);
+    } else {
+      block.accept_below[k] = block_threshold(largest_p(e));
+    }
   }
   return block;
 }
@@ -188,7 +193,7 @@ Bvh build_bvh(const elements::Model& model) {
       if (kind == kTriangles) {
         bvh.triangles[index] = triangle_block(model, first, leaf.count);
       } else {
-        bvh.ellipsoids[index] = ellipsoid_block(model, first, leaf.count, kind == kCareful);
+        bvh.ellipsoids[index] = ellipsoid_block(model, first, leaf.count, kind);
       }
     }
   });

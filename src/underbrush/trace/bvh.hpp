@@ -11,11 +11,13 @@ namespace underbrush::trace {
 
 /// What a leaf holds (bits 29 and 30 of its reference).
 inline constexpr uint32_t kEllipsoids = 0;
-/// Ellipsoids whose meetings and trials are decided in double, always: path-length opacity, voxels,
-/// shapes too thin for floats.
+/// Ellipsoids whose meetings and trials are decided in double, always: voxels, shapes too thin for
+/// floats.
 inline constexpr uint32_t kCareful = 0x20000000u;
 inline constexpr uint32_t kTriangles = 0x40000000u;
-/// Of the tree over instances: an entry of `SceneTree::entries`.
+/// Ellipsoids of path-length opacity.
+inline constexpr uint32_t kPathLength = 0x60000000u;
+/// Of the tree over instances, which has no elements: an entry of `SceneTree::entries`.
 inline constexpr uint32_t kInstance = 0x60000000u;
 
 /// Eight ellipsoids: |U (x − mean)| ≤ 1 on the surface at Mahalanobis distance τ, U upper
@@ -23,7 +25,10 @@ inline constexpr uint32_t kInstance = 0x60000000u;
 struct alignas(32) EllipsoidBlock {
   float mean[3][kWidth];
   float u[6][kWidth];
-  uint32_t accept_below[kWidth];  ///< Accepted iff hash < this, or always where 0xffffffff.
+  union {
+    uint32_t accept_below[kWidth];  ///< Accepted iff hash < this, or always where 0xffffffff.
+    float depth[kWidth];            ///< kPathLength: κ √(2π) / τ.
+  };
   uint32_t element[kWidth];
 };
 

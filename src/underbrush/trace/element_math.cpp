@@ -75,8 +75,7 @@ Met meet_ellipsoid(const elements::Model& model, const elements::Ellipsoid& e, c
   }
   met.p = e.hit.p;
   if (e.density_per_m > 0) {
-    const double depth = std::sqrt(2 * M_PI) * met.sigma_m * std::exp(-0.5 * met.delta2);
-    met.p = -std::expm1(-double(e.density_per_m) * depth);
+    met.p = opacity_of(double(e.density_per_m), met.sigma_m, met.delta2);
   }
   return met;
 }

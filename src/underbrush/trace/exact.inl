@@ -36,6 +36,38 @@ inline Approach<D> approach_of(const D o[3], const D d[3], const D mean[3], cons
   return {t0 + step, det / dd, dot(rw, r) / det};
 }
 
+/// eˣ = power · (1 + rest) for x ≤ 0, to about 1e-16: x = k ln 2 + r, power = 2ᵏ, rest = eʳ − 1 by
+/// its series.
+template <class D>
+struct Exponential {
+  D power, rest;
+
+  explicit Exponential(D x) {
+    typedef int64_t L __attribute__((vector_size(sizeof(D))));
+    constexpr double kRound = 6755399441055744.0;  // a sum with it holds an integer in its low bits
+    x = x < -700.0 ? D{} - 700.0 : x;
+    const D rounded = x * 1.4426950408889634 + kRound, k = rounded - kRound;
+    const D r = (x - k * 0.69314718036912382) - k * 1.9082149292705877e-10;
+    D series = r * (1.0 / 6227020800.0) + 1.0 / 479001600.0;
+    for (const double term :
+         {1.0 / 39916800.0, 1.0 / 3628800.0, 1.0 / 362880.0, 1.0 / 40320.0, 1.0 / 5040.0,
+          1.0 / 720.0, 1.0 / 120.0, 1.0 / 24.0, 1.0 / 6.0, 0.5, 1.0}) {
+      series = series * r + term;
+    }
+    power = __builtin_bit_cast(D, (__builtin_bit_cast(L, rounded) + 1023) << 52);
+    rest = series * r;
+  }
+  D value() const { return power + power * rest; }
+  D less_one() const { return power * rest + (power - 1.0); }
+};
+
+/// p = 1 − exp(−κ √(2π) σ e^{−δ²/2}): elements::Ellipsoid::density_per_m.
+template <class D>
+inline D opacity_of(const D& density, const D& sigma, const D& delta2) {
+  const D depth = 2.5066282746310002 * sigma * Exponential<D>(-0.5 * delta2).value();
+  return -Exponential<D>(-density * depth).less_one();
+}
+
 /// A triangle in the frame of a ray: sheared so that the ray runs along the third axis through the
 /// origin, which is the axis of the direction's largest component; x and y follow it in order. A
 /// vertex has one place there for all triangles that share it (Woop, Benthin & Wald 2013).

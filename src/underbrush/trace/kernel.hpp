@@ -76,6 +76,7 @@ struct Placement {
   double rotation[9];  ///< model from world, row by row
   double centre[3];    ///< The packet's centre in the model's frame.
   double scale;
+  double tau2;    ///< The model's τ².
   uint64_t salt;  ///< Of the beams' keys.
   bool translation;
 };

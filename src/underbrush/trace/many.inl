@@ -161,13 +161,13 @@ struct Four {
 };
 
 struct Ellipsoids : Four {
-  D e[3][kFour];  // rows: mean, Σ xx; Σ xy xz yy yz; Σ yy yz zz, p
+  D e[3][kFour];  // rows: mean, Σ xx; Σ xy xz yy yz; κ, nothing, Σ zz, p
 
   void add(const View& view, const Batch& batch, const Candidate* list,
            const Sorted::Ellipsoid& entry, Met* out) {
     const size_t k = count;
     const ModelView& m = Four::add(view, batch, list, entry.index);
-    if (m.voxels || entry.data->density_per_m > 0) {
+    if (m.voxels) {
       const Candidate& c = list[entry.index];
       (out ? out[entry.index] : batch.best[c.ray]) = meet_placed(view, batch, c);
       --count;
@@ -179,6 +179,7 @@ struct Ellipsoids : Four {
     e[0][k] = to_double(*reinterpret_cast<const F4*>(from));
     e[1][k] = to_double(*reinterpret_cast<const F4*>(from + 4));
     e[2][k] = to_double(*reinterpret_cast<const F4*>(from + 6));
+    e[2][k][0] = double(entry.data->density_per_m);
     if (count == kFour) decide(batch, list, out);
   }
 
@@ -192,7 +193,10 @@ struct Ellipsoids : Four {
     for (auto& row : e) transpose(row);
     const D covariance[6] = {e[0][3], e[1][0], e[1][1], e[1][2], e[1][3], e[2][2]};
     const Approach<D> a = approach_of(o, d, e[0], covariance);
-    write(batch, list, a.delta2 <= tau2, scale, a.t, square_root(a.sigma2), a.delta2, e[2][3], out);
+    const D sigma = square_root(a.sigma2), density = e[2][0], zero{};
+    D p = e[2][3];
+    if (bits(density > zero)) p = pick(density > zero, opacity_of(density, sigma, a.delta2), p);
+    write(batch, list, a.delta2 <= tau2, scale, a.t, sigma, a.delta2, p, out);
   }
 };
 

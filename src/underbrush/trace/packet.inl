@@ -33,7 +33,7 @@ __attribute__((always_inline)) inline void prefetch(const Frame& f, uint32_t ref
     prefetch(&f.nodes[reference], 4);
   } else if ((reference & kKindMask) == kTriangles) {
     prefetch(&f.triangles[index], 6);
-  } else if ((reference & kKindMask) != kInstance) {
+  } else if (f.ellipsoids) {
     prefetch(&f.ellipsoids[index], 6);
   }
 }
@@ -131,6 +131,7 @@ inline void enter_instance(Walk& w, const Entry& entry) {
   f.salt_low = uint32_t(p.salt);
   f.salt_high = uint32_t(p.salt >> 32);
   f.scale = float(p.scale);
+  f.half_tau2 = float(0.5 * p.tau2);
   f.t_min = w.world.t_min / f.scale * 0.9999999f;
   f.t_max = w.world.t_max / f.scale * 1.0000001f;
   f.rays = &w.rays;
@@ -197,7 +198,7 @@ inline void visit(Walk& w) {
   if (kind == kTriangles) {
     any = visit<kAsk>(s, f, f.triangles[index], w.look);
   } else if (kAsk != Ask::kSurface) {
-    any = visit<kAsk>(s, f, f.ellipsoids[index], kind == kCareful, w.look);
+    any = visit<kAsk>(s, f, f.ellipsoids[index], kind, w.look);
   }
   if (any && kAsk != Ask::kAll) remember(s.found);
 }
@@ -240,6 +241,7 @@ bool begin(Walk& w, const View& view, Batch& batch, const uint32_t* number, int 
   remember(s.found);
   w.world.rays = &w.rays;
   w.world.nodes = view.nodes;
+  w.world.ellipsoids = nullptr;
   w.world.scale = 1;
   w.world.t_min = float(batch.limits.min_m) * 0.999999f;
   w.world.t_max = t_max;

@@ -26,7 +26,7 @@ struct Frame {
   float high[3], low[3];
   float lower[3], upper[3];  // the centre, moved so that boxes come out too large
   uint32_t instance, salt_low, salt_high;
-  float scale;
+  float scale, half_tau2;
   float t_min, t_max;  // ranges that may count
 };
 
@@ -125,6 +125,26 @@ inline M accepted(const Search& s, const Frame& f, int g, uint32_t element, uint
                all(accept_below));
 }
 
+// Lanes that may accept an ellipsoid of path-length opacity, and those that do beyond doubt. `m2`
+// is δ²/τ² and `m2_error` a bound on its error, `reach_error` one on that of `reach` = τσ,
+// relative.
+struct Trial {
+  M maybe, sure;
+};
+inline Trial path_length_trial(const Search& s, const Frame& f, int g, uint32_t element,
+                               float depth, F reach, F reach_error, F m2, F m2_error) {
+  const F one = all(1.0f), slack = all(1e-6f);
+  const F x = all(depth) * reach * exp_below_zero(-all(f.half_tau2) * greater(m2, all(0.0f)));
+  const F error = muladd(all(f.half_tau2), m2_error, reach_error) + 1e-5f;
+  const F low = one - exp_below_zero(-x * greater(one - error, all(0.0f)));
+  const F high =
+      pick(le(error, one), one - exp_below_zero(-x * muladd(all(2.0f), error, one)), one);
+  const U hash =
+      accept_hash(all(element), s.keys.low[g] ^ f.salt_low, s.keys.high[g] ^ f.salt_high);
+  const F trial = __builtin_convertvector((I)(hash >> 8), F) * 0x1p-24f;
+  return {le(trial, high + slack), le(trial + 2.0f * slack, low)};
+}
+
 inline void look_at(const Search& s, const Frame& f, const EllipsoidBlock& b, unsigned groups,
                     Look& look) {
   const Rays& r = *f.rays;
@@ -157,7 +177,7 @@ inline void look_at(const Search& s, const Frame& f, const EllipsoidBlock& b, un
 
 // What the packet meets of a block; true if something was found.
 template <Ask kAsk>
-inline bool visit(Search& s, const Frame& f, const EllipsoidBlock& b, bool careful,
+inline bool visit(Search& s, const Frame& f, const EllipsoidBlock& b, uint32_t kind,
                   const Look& look) {
   const Rays& r = *f.rays;
   const auto& [mean, slack, size_of] = look.ellipsoid;
@@ -201,13 +221,22 @@ inline bool visit(Search& s, const Frame& f, const EllipsoidBlock& b, bool caref
     const F low = t - error, high = t + error;
     M found = maybe[k] & le(all(f.t_min), high) &
               le(low, kAsk == Ask::kAll ? all(f.t_max) : s.found.high[g]);
-    if (kAsk == Ask::kAccepted) found &= accepted(s, f, g, b.element[j], b.accept_below[j]);
-    if (!bits(found)) continue;
     M sure = found;
+    if (kAsk == Ask::kAccepted && kind == kPathLength) {
+      const F m2 = c - hh * i,
+              m2_error = muladd(hh * i, all(1e-5f), all(slack[j] * (2 + slack[j])));
+      const Trial trial = path_length_trial(s, f, g, b.element[j], b.depth[j], reach,
+                                            all(size_of[j]) * reach, m2, m2_error);
+      found &= trial.maybe;
+      sure &= trial.sure;
+    } else if (kAsk == Ask::kAccepted) {
+      found &= accepted(s, f, g, b.element[j], b.accept_below[j]);
+      sure = kind == kCareful ? mask_of(0) : found;
+    }
+    if (!bits(found)) continue;
     if (kAsk == Ask::kAccepted) {
-      sure = careful ? mask_of(0)
-                     : M(found & le((c - inner * inner) * a, hh * 0.99999f) &
-                         le(high, s.found.low[g]) & le(all(f.t_min), low));
+      sure &= le((c - inner * inner) * a, hh * 0.99999f) & le(high, s.found.low[g]) &
+              le(all(f.t_min), low);
     }
     keep<kAsk>(s, f, g, b.element[j], found, sure, low, high);
     any = true;

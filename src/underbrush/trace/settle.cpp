@@ -34,6 +34,7 @@ Placement place(const View& view, uint32_t instance, const double centre[3]) {
   p.bvh = &view.bvhs[placed.model];
   p.translation = is_translation(placed);
   p.scale = placed.scale;
+  p.tau2 = view.model_views[placed.model].tau2;
   p.salt = instance_key(0, instance);
   const Mat3 back = placed.world_from_model.rotation.conjugate().toRotationMatrix();
   const Vec3 world =

@@ -85,6 +85,18 @@ inline U all(uint32_t x) { return U{x, x, x, x, x, x, x, x}; }
 inline F sign_of(F a) { return (F)((U)a & 0x80000000u); }
 inline F flip(F a, F sign) { return (F)((U)a ^ (U)sign); }
 
+// eˣ for x ≤ 0, to about 1e-6 of its value.
+inline F exp_below_zero(F x) {
+  x = greater(x, all(-80.0f));
+  const F rounded = muladd(x, all(1.44269504f), all(12582912.0f)), k = rounded - 12582912.0f;
+  const F r = muladd(k, all(2.12194440e-4f), muladd(k, all(-0.693359375f), x));
+  F series = all(1.0f / 720);
+  for (const float term : {1.0f / 120, 1.0f / 24, 1.0f / 6, 0.5f, 1.0f, 1.0f}) {
+    series = muladd(series, r, all(term));
+  }
+  return (F)((U)series + ((U)rounded << 23));
+}
+
 template <class V>
 inline float greatest(V v) {
   float m = v[0];

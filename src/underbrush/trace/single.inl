@@ -187,7 +187,9 @@ inline void trace_one(const View& view, Ask ask, Batch& batch, size_t i) {
       } else if (ask != Ask::kSurface) {
         const EllipsoidBlock& b = bvh.ellipsoids[index];
         unsigned lanes = ellipsoid_candidates(ray, b, least, end);
-        if (lanes && ask == Ask::kAccepted) lanes &= accepted(b.accept_below, b.element, ray);
+        if (lanes && ask == Ask::kAccepted && kind != kPathLength) {
+          lanes &= accepted(b.accept_below, b.element, ray);
+        }
         settle(lanes, b.element);
       }
     });
