@@ -36,5 +36,38 @@ TEST(ParallelFor, OfNothingDoesNothing) {
   parallel_for(0, 1, [](size_t, size_t) { FAIL(); });
 }
 
+TEST(ParallelInOrder, FinishesInOrderAndKeepsFewWaiting) {
+  for (int n_threads : {1, 2, 0}) {
+    set_threads(n_threads);
+    std::atomic<size_t> begun{0};
+    std::vector<size_t> finished;
+    parallel_in_order(
+        500, 7,
+        [&](size_t k) {
+          ++begun;
+          volatile double x = 0;  // the first of each ten takes longest
+          for (int i = 0; i < (k % 10 ? 10 : 20000); ++i) x = x + 1;
+        },
+        [&](size_t k) {
+          EXPECT_LE(begun, finished.size() + 7);
+          finished.push_back(k);
+        });
+    ASSERT_EQ(finished.size(), 500u);
+    for (size_t k = 0; k < 500; ++k) EXPECT_EQ(finished[k], k);
+  }
+  set_threads(0);
+  parallel_in_order(
+      0, 4, [](size_t) { FAIL(); }, [](size_t) { FAIL(); });
+}
+
+TEST(ParallelInOrder, PassesAnExceptionOn) {
+  const auto fails = [](size_t k) {
+    if (k == 57) throw std::runtime_error("x");
+  };
+  const auto nothing = [](size_t) {};
+  EXPECT_THROW(parallel_in_order(100, 4, fails, nothing), std::runtime_error);
+  EXPECT_THROW(parallel_in_order(100, 4, nothing, fails), std::runtime_error);
+}
+
 }  // namespace
 }  // namespace underbrush

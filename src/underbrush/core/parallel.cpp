@@ -5,6 +5,7 @@
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
+#include <tbb/parallel_pipeline.h>
 #include <tbb/partitioner.h>
 #include <tbb/task_arena.h>
 
@@ -44,6 +45,24 @@ void parallel_for(size_t n, size_t grain, const std::function<void(size_t, size_
         for (size_t k = r.begin(); k < r.end(); ++k) body(k * grain, std::min(n, (k + 1) * grain));
       },
       tbb::simple_partitioner());
+}
+
+void parallel_in_order(size_t n, size_t ahead, const std::function<void(size_t)>& work,
+                       const std::function<void(size_t)>& finish) {
+  size_t next = 0;
+  const auto number = [&](tbb::flow_control& control) {
+    if (next == n) control.stop();
+    return next++;
+  };
+  const auto worked = [&](size_t k) {
+    work(k);
+    return k;
+  };
+  tbb::parallel_pipeline(
+      std::max<size_t>(ahead, 1),
+      tbb::make_filter<void, size_t>(tbb::filter_mode::serial_in_order, number) &
+          tbb::make_filter<size_t, size_t>(tbb::filter_mode::parallel, worked) &
+          tbb::make_filter<size_t, void>(tbb::filter_mode::serial_in_order, finish));
 }
 
 void parallel_invoke(const std::function<void()>& a, const std::function<void()>& b) {

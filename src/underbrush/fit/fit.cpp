@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
@@ -48,27 +49,19 @@ Vec3 model_origin(BeamSource& source) {
   return chunk.origin[0].array().round();
 }
 
-/// Runs `work` for all tiles on all threads and `merge` for each in their order, holding only a few
-/// results at a time.
+/// Runs `work` for the numbers of all tiles on all threads and `merge` for what it gives, in order,
+/// holding only a few results at a time.
 template <class Result, class Work, class Merge>
 void for_tiles_in_order(const std::vector<TileKey>& tiles, const FitProgress& progress,
                         std::string_view stage, Work work, Merge merge) {
-  const size_t batch = 4 * size_t(std::max(1, threads()));
-  for (size_t at = 0; at < tiles.size(); at += batch) {
-    const size_t n = std::min(batch, tiles.size() - at);
-    std::vector<Result> results(n);
-    parallel_for(n, 1, [&](size_t k, size_t) { results[k] = work(tiles[at + k]); });
-    for (Result& r : results) merge(std::move(r));
-    if (progress) progress(stage, at + n, tiles.size());
-  }
+  std::vector<Result> results(tiles.size());
+  parallel_in_order(
+      tiles.size(), 8 * size_t(threads()), [&](size_t k) { results[k] = work(k); },
+      [&](size_t k) {
+        merge(std::exchange(results[k], {}));
+        if (progress) progress(stage, k + 1, tiles.size());
+      });
 }
-
-/// What a tile gives to the hybrid model.
-struct TileFit {
-  std::vector<Vec3> ground;  // world
-  Volumes volumes;
-  size_t other = 0;
-};
 
 VolumetricOptions volumetric_options(const FitOptions& options) {
   VolumetricOptions out = options.volumetric;
@@ -87,26 +80,38 @@ TileOptions tile_options(const FitOptions& options) {
   return out;
 }
 
-TileFit fit_tile(const TileStore& store, TileKey key, const Vec3& origin,
-                 const FitOptions& options) {
+/// Which of a tile's points are ground, and where those lie (world).
+struct TileGround {
+  std::vector<bool> is_ground;
+  std::vector<Vec3> points;
+};
+
+TileGround ground_of_tile(const TileStore& store, TileKey key, const Vec3& origin,
+                          const FitOptions& options) {
   const TileStore::Loaded loaded = store.load(key, kMarginM);
-  std::vector<Vec3f> points(loaded.points.size()), other, to_sensor;
+  std::vector<Vec3f> points(loaded.points.size());
   for (size_t i = 0; i < points.size(); ++i) points[i] = loaded.points[i].point;
   const std::vector<uint8_t> ground = ground::segment(points, options.segment);
-  TileFit out;
+  TileGround out;
+  out.is_ground.assign(ground.begin(), ground.begin() + ptrdiff_t(loaded.core));
   for (size_t i = 0; i < loaded.core; ++i) {
-    if (ground[i]) {
-      out.ground.push_back(origin + points[i].cast<double>());
-    } else {
-      other.push_back(points[i]);
-      to_sensor.push_back(loaded.points[i].to_sensor);
-    }
+    if (ground[i]) out.points.push_back(origin + points[i].cast<double>());
+  }
+  return out;
+}
+
+Volumes volumes_of_tile(const TileStore& store, TileKey key, const std::vector<bool>& is_ground,
+                        const FitOptions& options) {
+  const TileStore::Loaded loaded = store.load(key, 0);
+  std::vector<Vec3f> points, to_sensor;
+  for (size_t i = 0; i < loaded.core; ++i) {
+    if (is_ground[i]) continue;
+    points.push_back(loaded.points[i].point);
+    to_sensor.push_back(loaded.points[i].to_sensor);
   }
   const uint64_t seed =
       random_bits(options.seed, uint32_t(key.i) * 65537u + uint32_t(key.j), Purpose::kCluster);
-  out.volumes = volumes(options.fitter, {other, to_sensor}, volumetric_options(options), seed);
-  out.other = other.size();
-  return out;
+  return volumes(options.fitter, {points, to_sensor}, volumetric_options(options), seed);
 }
 
 elements::TriangleMesh mesh_of_ground(const ground::HeightMap& heights, const FitOptions& options) {
@@ -122,23 +127,35 @@ elements::TriangleMesh mesh_of_ground(const ground::HeightMap& heights, const Fi
 
 void fit_hybrid(const TileStore& store, const FitOptions& options, elements::Model& model,
                 FitReport& report, const FitProgress& progress) {
+  const std::vector<TileKey> tiles = store.tiles();
   ground::HeightGrid grid(model.origin, options.ground);
-  for_tiles_in_order<TileFit>(
-      store.tiles(), progress, "fit tiles",
-      [&](TileKey key) { return fit_tile(store, key, model.origin, options); },
-      [&](TileFit tile) {
-        grid.add(tile.ground);
-        const std::vector<elements::Ellipsoid>& found = tile.volumes.ellipsoids;
-        model.ellipsoids.insert(model.ellipsoids.end(), found.begin(), found.end());
-        report.ground_points += tile.ground.size();
-        report.other_points += tile.other;
-        report.unclustered_points += tile.volumes.unclustered_points;
+  std::vector<std::vector<bool>> is_ground;
+  for_tiles_in_order<TileGround>(
+      tiles, progress, "find ground",
+      [&](size_t k) { return ground_of_tile(store, tiles[k], model.origin, options); },
+      [&](TileGround tile) {
+        grid.add(tile.points);
+        report.ground_points += tile.points.size();
+        is_ground.push_back(std::move(tile.is_ground));
       });
+  report.other_points = store.size() - store.thinned() - report.ground_points;
+  const auto fit_ground = [&] {
+    if (grid.points() > 0) model.ground = mesh_of_ground(grid.solve(), options);
+  };
+  const auto fit_volumes = [&] {
+    for_tiles_in_order<Volumes>(
+        tiles, progress, "fit tiles",
+        [&](size_t k) { return volumes_of_tile(store, tiles[k], is_ground[k], options); },
+        [&](const Volumes& tile) {
+          model.ellipsoids.insert(model.ellipsoids.end(), tile.ellipsoids.begin(),
+                                  tile.ellipsoids.end());
+          report.unclustered_points += tile.unclustered_points;
+        });
+  };
+  parallel_invoke(fit_ground, fit_volumes);
   if (grid.points() == 0) {
     report.warnings.push_back("no ground was found: the model has no ground mesh");
-    return;
   }
-  model.ground = mesh_of_ground(grid.solve(), options);
 }
 
 void drop_free_space(const FitOptions& options, elements::Model& model, FitReport& report) {
@@ -166,19 +183,20 @@ void carve(BeamSource& source, const FitOptions& options, elements::Model& model
 
 void fit_surface(const TileStore& store, const FitOptions& options, const SignedDistance& distance,
                  elements::Model& model, FitReport& report, const FitProgress& progress) {
+  const std::vector<TileKey> tiles = store.tiles();
   const double margin = surface_margin_m(options.surface);
   double squares = 0;
   size_t points = 0;
   for_tiles_in_order<SurfaceTile>(
-      store.tiles(), progress, "fit tiles",
-      [&](TileKey key) {
-        const TileStore::Loaded loaded = store.load(key, margin);
+      tiles, progress, "fit tiles",
+      [&](size_t k) {
+        const TileStore::Loaded loaded = store.load(tiles[k], margin);
         std::vector<Vec3f> position, to_sensor;
         for (const TilePoint& p : loaded.points) {
           position.push_back(p.point);
           to_sensor.push_back(p.to_sensor);
         }
-        const Eigen::Vector2d lo = store.corner(key);
+        const Eigen::Vector2d lo = store.corner(tiles[k]);
         const double side = options.tiles.tile_m;
         return surface_tile(position, to_sensor, {lo.x(), lo.y(), lo.x() + side, lo.y() + side},
                             options.surface, distance);

@@ -112,6 +112,7 @@ void credit(const elements::Model& model, std::span<const trace::Met> met, doubl
   out.assign(met.size(), range_m == kMiss ? Credit::kMiss : Credit::kNothing);
   const bool alone = options.rule != "mahalanobis";  // one hit a beam
   const double tau = alone ? model.tau : std::min(options.tau_m, model.tau);
+  const bool nearest = options.rule == "first";
   size_t stopped = met.size();  // by the element that gets the only hit
   double best = -INFINITY;
   for (size_t k = 0; k < met.size(); ++k) {
@@ -120,11 +121,14 @@ void credit(const elements::Model& model, std::span<const trace::Met> met, doubl
       out[k] = Credit::kNothing;
       continue;
     }
-    if (range_m == kMiss || (options.rule == "first" && stopped < met.size())) continue;
+    if (range_m == kMiss) continue;
+    const bool is_nearer = stopped == met.size() || m.before(met[stopped]);
+    if (nearest && !is_nearer) continue;
     const Explained e = explained(model, m, range_m, tau, options);
     if (e.holds && !alone) {
       out[k] = Credit::kHit;
-    } else if (e.holds && e.log_density > best) {
+    } else if (e.holds &&
+               (nearest || e.log_density > best || (e.log_density == best && is_nearer))) {
       best = e.log_density;
       stopped = k;
     } else if (!e.holds && range_m > m.t_m) {
@@ -132,11 +136,13 @@ void credit(const elements::Model& model, std::span<const trace::Met> met, doubl
     }
   }
   if (stopped == met.size()) return;
-  // Ranges ascend, so what stands before the hit but beyond the range has its closest approach
-  // there: the beam's way to the element that stopped it led through it.
+  // What comes before the hit but beyond the range has its closest approach there: the beam's way
+  // to the element that stopped it led through it.
   for (size_t k = 0; k < met.size(); ++k) {
     if (met[k].delta2 > tau * tau) continue;
-    out[k] = k < stopped ? Credit::kMiss : k == stopped ? Credit::kHit : Credit::kNothing;
+    out[k] = k == stopped                  ? Credit::kHit
+             : met[k].before(met[stopped]) ? Credit::kMiss
+                                           : Credit::kNothing;
   }
 }
 
@@ -163,7 +169,7 @@ void count_hits(elements::Model& model, BeamSource& source, const CreditOptions&
             std::min(double(chunk.range_m[i]) + options.max_residual_for_hit_m, limits.max_m));
       }
       trace::MetLists met;
-      world.all_met(rays, limits, reach, met);
+      world.all_met(rays, limits, reach, met, trace::World::Sequence::kAny);
       std::vector<Credit> said;
       for (size_t i = begin; i < end; ++i) {
         const std::span<const trace::Met> list = met[i - begin];

@@ -36,7 +36,7 @@ struct CreditOptions {
 /// What a beam says of an element that it meets.
 enum class Credit : uint8_t { kNothing, kHit, kMiss };
 
-/// Replaces `out` with what one beam says of each element of `met` (in order of range; `range_m` =
+/// Replaces `out` with what one beam says of each element of `met` (in any order; `range_m` =
 /// kMiss for a beam without a return, which is a miss for all). An ellipsoid explains the measured
 /// point if its Mahalanobis distance to it is below a threshold, a triangle if its residual is
 /// below `max_residual_for_hit_m`.

@@ -32,7 +32,7 @@ struct TileStore::Tile {
   uint64_t hash(uint32_t number) const {
     return random_bits(uint64_t(uint32_t(key.i)) << 32 | uint32_t(key.j), number, Purpose::kPlace);
   }
-  bool keeps(uint32_t number) const { return hash(number) <= limit; }
+  bool keeps(uint32_t number) const { return limit == ~uint64_t(0) || hash(number) <= limit; }
 };
 
 TileStore::TileStore(const TileOptions& options) : options_(options) {
@@ -49,11 +49,15 @@ TileKey TileStore::key_of(const Vec3f& point) const {
 
 void TileStore::add(const TilePoint& p) {
   const TileKey key = key_of(p.point);
-  std::unique_ptr<Tile>& tile = tiles_[key];
-  if (!tile) {
-    tile = std::make_unique<Tile>();
-    tile->key = key;
+  if (!latest_ || latest_->key != key) {
+    std::unique_ptr<Tile>& tile = tiles_[key];
+    if (!tile) {
+      tile = std::make_unique<Tile>();
+      tile->key = key;
+    }
+    latest_ = tile.get();
   }
+  Tile* tile = latest_;
   ++size_;
   const uint32_t number = uint32_t(tile->seen++);
   if (!tile->keeps(number)) return;

@@ -71,6 +71,7 @@ class TileStore {
 
   TileOptions options_;
   std::map<TileKey, std::unique_ptr<Tile>> tiles_;
+  Tile* latest_ = nullptr;  ///< That of the last point added.
   size_t size_ = 0, in_memory_ = 0;
   std::unique_ptr<TemporaryPath> folder_;  ///< Once something was spilled.
 };

@@ -173,7 +173,8 @@ Met World::nearest_surface(const Ray& ray, const RangeLimits& limits) const {
 }
 
 void World::all_met(std::span<const Ray> rays, const RangeLimits& limits,
-                    std::span<const double> entry_limits_m, MetLists& lists) const {
+                    std::span<const double> entry_limits_m, MetLists& lists,
+                    Sequence sequence) const {
   require(entry_limits_m.size() == rays.size(), "rays and limits differ in number");
   Workspace& w = workspace();
   Batch& batch = w.batch;
@@ -197,7 +198,7 @@ void World::all_met(std::span<const Ray> rays, const RangeLimits& limits,
   for (size_t k = 0; k < w.mets.size(); ++k) {
     if (!w.mets[k].none()) lists.met_[next[batch.candidates[k].ray]++] = w.mets[k];
   }
-  for (size_t i = 0; i < rays.size(); ++i) {
+  for (size_t i = 0; sequence == Sequence::kByRange && i < rays.size(); ++i) {
     std::sort(lists.met_.begin() + long(lists.first_[i]),
               lists.met_.begin() + long(lists.first_[i + 1]),
               [](const Met& a, const Met& b) { return a.before(b); });

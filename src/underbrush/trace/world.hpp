@@ -61,10 +61,13 @@ class World {
                        std::span<Met> met) const;
   Met nearest_surface(const Ray& ray, const RangeLimits& limits) const;
 
-  /// All elements that each ray meets within `limits`, in order of range, ties by number. Those
-  /// whose bounds a ray enters only beyond its `entry_limits_m` may be left out.
+  /// All elements that each ray meets within `limits`, in the order of `Met::before` or in one that
+  /// depends on the machine. Those whose bounds a ray enters only beyond its `entry_limits_m` may be
+  /// left out.
+  enum class Sequence { kByRange, kAny };
   void all_met(std::span<const Ray> rays, const RangeLimits& limits,
-               std::span<const double> entry_limits_m, MetLists& met) const;
+               std::span<const double> entry_limits_m, MetLists& met,
+               Sequence sequence = Sequence::kByRange) const;
   void all_met(const Ray& ray, const RangeLimits& limits, double entry_limit_m,
                std::vector<Met>& met) const;
 
