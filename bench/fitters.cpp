@@ -61,13 +61,14 @@ struct Method {
 
 std::vector<Method> methods() {
   std::vector<Method> out;
-  for (const char* name : {"voxel", "top_down", "bottom_up", "hierarchical", "surface"}) {
+  for (const char* name :
+       {"voxel", "top_down", "bottom_up", "hierarchical", "likelihood", "surface", "rimls"}) {
     out.push_back({name, {}});
     out.back().options.fitter = name;
   }
-  Method likelihood{"top_down (range_likelihood)", out[1].options};
-  likelihood.options.volumetric.top_down.stop = "range_likelihood";
-  out.insert(out.begin() + 2, likelihood);
+  Method range_likelihood{"top_down (range_likelihood)", out[1].options};
+  range_likelihood.options.volumetric.top_down.stop = "range_likelihood";
+  out.insert(out.begin() + 2, range_likelihood);
   return out;
 }
 
@@ -94,6 +95,7 @@ int main(int argc, char** argv) {
   std::printf("%-28s %9s %9s %9s %8s %9s %12s %8s\n", "fit, M beams/s", "1/4", "1/2", "all",
               "x HDL64E", "elements", "clustering", "x voxel");
   nlohmann::ordered_json results;
+  const std::vector<std::string> volumetric = fit::volumetric_fitters();
   double voxel_s = 0;
   for (const Method& m : methods()) {
     nlohmann::ordered_json& j = results[m.label];
@@ -116,7 +118,7 @@ int main(int argc, char** argv) {
     j["hdl64e_realtime_multiple"] = rate / bench::kHdl64eBeamsPerS;
     j["elements"] = elements;
     std::printf(" %8.2f %9zu", rate / bench::kHdl64eBeamsPerS, elements);
-    if (m.options.fitter != "surface") {
+    if (std::count(volumetric.begin(), volumetric.end(), m.options.fitter)) {
       const double s = least_seconds(runs, [&] {
         for (const Tile& t : tiles) {
           fit::volumes(m.options.fitter, {t.point, t.to_sensor}, m.options.volumetric, 1);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 
 #include "svg_plot.hpp"
 #include "underbrush/core/check.hpp"
@@ -208,14 +207,11 @@ std::vector<Target> targets_of(const Arguments& a, const Sensor& s) {
 }
 
 void write_csv(const radiometry::Waveform& waveform, const std::string& file) {
-  io::write_atomically(file, [&](const std::filesystem::path& temporary) {
-    std::ofstream out(temporary);
-    out << "range_m,signal\n";
-    for (const auto& [range, signal] : radiometry::table_of(waveform)) {
-      out << fmt::format("{:.4f},{:.4f}\n", range, signal);
-    }
-    if (!out.flush()) throw IoError(file + ": cannot write");
-  });
+  std::string text = "range_m,signal\n";
+  for (const auto& [range, signal] : radiometry::table_of(waveform)) {
+    text += fmt::format("{:.4f},{:.4f}\n", range, signal);
+  }
+  io::write_atomically(file, text);
 }
 
 void plot_waveform(const Sensor& s, const radiometry::Waveform& waveform,

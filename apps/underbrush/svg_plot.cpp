@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <fstream>
 
-#include "underbrush/core/check.hpp"
 #include "underbrush/io/atomic_file.hpp"
 
 namespace underbrush::app {
@@ -105,11 +103,7 @@ std::string SvgPlot::svg() const {
 }
 
 void SvgPlot::write(const std::filesystem::path& path) const {
-  io::write_atomically(path, [&](const std::filesystem::path& temporary) {
-    std::ofstream out(temporary);
-    out << svg();
-    if (!out.flush()) throw IoError(path.string() + ": cannot write");
-  });
+  io::write_atomically(path, svg());
 }
 
 }  // namespace underbrush::app

@@ -99,11 +99,7 @@ void Verb::report(const Json& results, const std::string& table) const {
     if (!(out << text << std::flush)) throw IoError(json + ": cannot write");
     return;
   }
-  io::write_atomically(json, [&](const fs::path& temporary) {
-    std::ofstream out(temporary);
-    out << text;
-    if (!out.flush()) throw IoError(json + ": cannot write");
-  });
+  io::write_atomically(json, text);
 }
 
 std::shared_ptr<Verb> add_verb(CLI::App& root, const std::string& name, const std::string& summary,

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 
 #include "page.hpp"
 #include "survey.hpp"
@@ -176,11 +175,7 @@ fs::path write_report(const fs::path& folder, const ReportInput& input) {
   fs::create_directories(folder, failed);
   if (failed) throw IoError(folder.string() + ": " + failed.message());
   fs::path file = folder / "index.html";
-  io::write_atomically(file, [&](const fs::path& temporary) {
-    std::ofstream out(temporary, std::ios::binary);
-    out << page;
-    if (!out.flush()) throw IoError(file.string() + ": cannot write");
-  });
+  io::write_atomically(file, page);
   return file;
 }
 

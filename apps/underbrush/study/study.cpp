@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 
 #include "report/page.hpp"
 #include "underbrush/core/check.hpp"
@@ -120,11 +119,7 @@ fs::path write_study_report(const fs::path& folder, const Study& study, const St
   fs::create_directories(folder, failed);
   if (failed) throw IoError(folder.string() + ": " + failed.message());
   fs::path file = folder / "index.html";
-  io::write_atomically(file, [&](const fs::path& temporary) {
-    std::ofstream out(temporary, std::ios::binary);
-    out << page;
-    if (!out.flush()) throw IoError(file.string() + ": cannot write");
-  });
+  io::write_atomically(file, page);
   return file;
 }
 

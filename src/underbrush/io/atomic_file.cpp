@@ -70,6 +70,14 @@ void write_atomically(const fs::path& path, const std::function<void(const fs::p
   file.commit();
 }
 
+void write_atomically(const fs::path& path, std::string_view bytes) {
+  write_atomically(path, [&](const fs::path& temporary) {
+    OutputFile file(temporary, path.string());
+    file.append(bytes.data(), bytes.size());
+    file.close();
+  });
+}
+
 void check_output(const fs::path& path, OutputKind kind) {
   const AtomicFile file(path, kind);
   OutputFile(file.temporary(), path.string()).close();

@@ -3,6 +3,7 @@
 #pragma once
 #include <filesystem>
 #include <functional>
+#include <string_view>
 
 #include "underbrush/core/temporary.hpp"
 
@@ -36,6 +37,9 @@ class AtomicFile {
 void write_atomically(const std::filesystem::path& path,
                       const std::function<void(const std::filesystem::path&)>& write,
                       OutputKind kind = OutputKind::kFile);
+
+/// Likewise a file of these bytes.
+void write_atomically(const std::filesystem::path& path, std::string_view bytes);
 
 /// Throws the `IoError` that writing to `path` would end with now (no such folder, no permission,
 /// something else stands there): to be asked before long work.

@@ -2,7 +2,6 @@
 
 #include <png.h>
 
-#include <fstream>
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/atomic_file.hpp"
@@ -32,11 +31,7 @@ std::vector<uint8_t> png_from_image(const Image& image) {
 
 void write_png(const std::filesystem::path& path, const Image& image) {
   const std::vector<uint8_t> bytes = png_from_image(image);
-  write_atomically(path, [&](const std::filesystem::path& temporary) {
-    std::ofstream out(temporary, std::ios::binary);
-    out.write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
-    if (!out.flush()) throw IoError(path.string() + ": cannot write");
-  });
+  write_atomically(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 }  // namespace underbrush::io

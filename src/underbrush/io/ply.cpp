@@ -252,11 +252,7 @@ void write_ply(const std::filesystem::path& path, const PlyData& data) {
       for (uint32_t index : element.triangles[i]) put(out, index);
     }
   }
-  write_atomically(path, [&](const std::filesystem::path& temporary) {
-    OutputFile file(temporary, path.string());
-    file.append(out.data(), out.size());
-    file.close();
-  });
+  write_atomically(path, {out.data(), out.size()});
 }
 
 }  // namespace underbrush::io

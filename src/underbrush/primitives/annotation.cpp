@@ -1,7 +1,6 @@
 #include "underbrush/primitives/annotation.hpp"
 
 #include <algorithm>
-#include <fstream>
 #include <initializer_list>
 
 #include "underbrush/io/atomic_file.hpp"
@@ -67,11 +66,7 @@ void write_annotation(const fs::path& path, const Annotation& a) {
     text += (k ? ",\n  " : "\n  ") + json_of_object(a.objects[k]).dump();
   }
   text += a.objects.empty() ? "]\n}\n" : "\n ]\n}\n";
-  io::write_atomically(path, [&](const fs::path& temporary) {
-    std::ofstream out(temporary, std::ios::binary);
-    out << text;
-    if (!out.flush()) throw IoError(path.string() + ": cannot write");
-  });
+  io::write_atomically(path, text);
 }
 
 Annotation read_annotation(const fs::path& path) {
