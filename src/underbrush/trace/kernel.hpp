@@ -63,7 +63,7 @@ struct Batch {
   const Unfolded* unfolded;  ///< Of the rays from `first` on.
   size_t first;
 
-  Met* best;  ///< Out, one a ray: kAccepted, kSurface.
+  Met* best;  ///< Out, one a ray: kAccepted, kSurface; else null.
   /// Out: ends of rays that are certain but not yet in `best`; room for kOrdered.
   Candidate* known;
   size_t known_count;

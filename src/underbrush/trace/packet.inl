@@ -259,7 +259,11 @@ void end(const Walk& w) {
   Batch& batch = *s.batch;
   for (int k = 0; k < s.count; ++k) {
     const uint32_t element = reinterpret_cast<const uint32_t*>(s.found.element)[k];
-    if (element == Met::kNone || s.found.exact[k / kLanes] >> k % kLanes & 1) continue;
+    if (s.found.exact[k / kLanes] >> k % kLanes & 1) continue;
+    if (element == Met::kNone) {
+      batch.best[ray_at(s, k)] = Met{};
+      continue;
+    }
     const uint32_t instance = reinterpret_cast<const uint32_t*>(s.found.instance)[k];
     batch.known[batch.known_count++] = {uint32_t(ray_at(s, k)), instance, element};
   }

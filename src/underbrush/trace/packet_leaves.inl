@@ -102,9 +102,12 @@ inline void keep(Search& s, const Frame& f, int g, uint32_t element, M maybe, M 
   while (lanes) {
     const int k = __builtin_ctz(lanes);
     lanes &= lanes - 1;
+    const int place = g * kLanes + k;
+    if (place >= s.count) break;
     const unsigned bit = 1u << k;
     const uint32_t have = found.exact[g] & bit ? Met::kNone : uint32_t(found.element[g][k]);
-    const size_t i = ray_at(s, g * kLanes + k);
+    const size_t i = ray_at(s, place);
+    if (found.element[g][k] == Met::kNone) s.batch->best[i] = Met{};
     if (!settle_nearest(*s.view, kAsk, *s.batch, i, f.instance, element,
                         uint32_t(found.instance[g][k]), have)) {
       continue;

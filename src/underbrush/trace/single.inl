@@ -145,6 +145,7 @@ inline unsigned accepted(const uint32_t* below, const uint32_t* element, const R
 
 inline void trace_one(const View& view, Ask ask, Batch& batch, size_t i) {
   const Ray& r = batch.rays[i];
+  if (ask != Ask::kAll) batch.best[i] = Met{};
   const float t_min = float(batch.limits.min_m) * 0.999999f;
   const float t_max = float(batch.limits.max_m) * 1.000001f;
   float limit = ask == Ask::kAll ? float(batch.entry_limits_m[i]) * 1.000001f : t_max;

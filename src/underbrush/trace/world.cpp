@@ -87,13 +87,15 @@ struct World::Impl {
   void trace(Ask ask, Workspace& w, size_t count) const {
     const View v = view();
     Batch& batch = w.batch;
+    if (tree.root == kEmpty) {
+      if (batch.best) std::fill_n(batch.best, count, Met{});
+      return;
+    }
     for (batch.first = 0; batch.first < count; batch.first += kOrdered) {
       const size_t n = std::min(kOrdered, count - batch.first);
       batch.unfolded = &w.unfolded;
       batch.known = w.known.data();
       batch.known_count = 0;
-      if (batch.best) std::fill_n(batch.best + batch.first, n, Met{});
-      if (tree.root == kEmpty) continue;
       if (n > 1) {
         const uint64_t* keys = batch.keys ? batch.keys + batch.first : nullptr;
         kernels->unfold(v, batch.rays + batch.first, keys, n, w.unfolded);
