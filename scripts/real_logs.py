@@ -33,7 +33,9 @@ FITTERS = {"hybrid": ["--fitter", "hierarchical"], "surface": ["--fitter", "surf
            "surface_carved": ["--fitter", "surface", "--surface-carve"],
            "voxel": ["--fitter", "voxel", "--voxel-side", "0.3"],
            "top_down": ["--fitter", "top_down"], "bottom_up": ["--fitter", "bottom_up"],
-           "likelihood": ["--fitter", "likelihood"]}
+           "likelihood": ["--fitter", "likelihood"],
+           "likelihood_top_down": ["--fitter", "likelihood", "--start", "top_down"],
+           "likelihood_bottom_up": ["--fitter", "likelihood", "--start", "bottom_up"]}
 DEFAULT = ["hybrid", "surface", "surface_paper", "surface_carved"]
 COLUMNS = [("packet_error_m", "packet error, m", 3), ("precision", "precision", 4),
            ("recall", "recall", 4), ("f1", "F1", 4), ("cloud_error_m", "cloud error, m", 4),
