@@ -97,4 +97,25 @@ bool MemorySource::next(BeamLog& chunk) {
   return !chunk.empty();
 }
 
+void keep_first_echoes(BeamLog& log) {
+  const auto found = log.extra.find(kEchoColumn);
+  if (found == log.extra.end()) return;
+  const auto begins = std::visit(
+      [](const auto& echo) {
+        std::vector<bool> first(echo.size());
+        for (size_t i = 0; i < echo.size(); ++i) first[i] = echo[i] <= 1;
+        return first;
+      },
+      found->second);
+  if (std::find(begins.begin(), begins.end(), false) == begins.end()) return;
+  BeamLog kept = log.like();
+  for (size_t begin = 0; begin < begins.size();) {
+    size_t end = begin;
+    while (end < begins.size() && begins[end]) ++end;
+    if (end > begin) kept.append(log, begin, end);
+    begin = end + 1;
+  }
+  log = std::move(kept);
+}
+
 }  // namespace underbrush

@@ -19,10 +19,13 @@ inline constexpr int kSceneVersion = 1;
 struct SceneInfo {
   std::vector<std::string> names;  ///< One a model.
   std::vector<Class> labels;       ///< One an instance; `kGround` for the ground.
+  /// One a model: what it is made of (radiometry), "" = as its class says. Empty = all "".
+  std::vector<std::string> materials;
+  std::vector<Mover> movers;
   std::string provenance;          ///< JSON object.
 };
 
-/// Writes the folder `path` (scene.json, models/NNNN/, instances.ply), atomically; a scene that
+/// Writes the folder `path` (scene.json, models/NNNN/, instances.ply, movers/NNNN.txt), atomically; a scene that
 /// stood there is replaced. Throws `IoError`, also if a folder that is no scene stands there.
 void write_scene(const std::filesystem::path& path, const Scene& scene, const SceneInfo& info);
 

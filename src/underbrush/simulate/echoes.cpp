@@ -1,0 +1,236 @@
+#include "underbrush/simulate/echoes.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "underbrush/core/check.hpp"
+#include "underbrush/core/parallel.hpp"
+#include "underbrush/core/rng.hpp"
+#include "underbrush/simulate/draw.hpp"
+
+namespace underbrush::simulate {
+namespace {
+
+using trace::Met;
+
+constexpr size_t kRaysACall = 8192;  // as many as the tracer brings into order at once
+
+/// The first sub-ray is the beam's own; the others decide for themselves.
+uint64_t sub_key(uint64_t key, size_t sub_ray) {
+  return sub_ray == 0 ? key : mix64(key + 0x9e3779b97f4a7c15ull * sub_ray);
+}
+
+trace::RangeLimits limits_of(const LogInfo& info, const trace::World& world) {
+  return {info.min_range_m, std::min(info.max_range_m, world.model().max_range_m)};
+}
+
+uint16_t class_of(const elements::Model& model, uint32_t element) {
+  if (model.kind(element) != elements::Kind::kEllipsoid) return 0;
+  return uint16_t(model.ellipsoids[element - model.ground.size() - model.surface.size()].label);
+}
+
+/// Rows `row` of a column.
+template <class T>
+std::vector<T> gathered(const std::vector<T>& column, const std::vector<uint32_t>& row) {
+  std::vector<T> out(row.size());
+  parallel_for(row.size(), 1 << 16, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) out[i] = column[row[i]];
+  });
+  return out;
+}
+
+/// The log with beam `beam[i]` in row i.
+void repeat_beams(const std::vector<uint32_t>& beam, BeamLog& log) {
+  log.origin = gathered(log.origin, beam);
+  log.direction = gathered(log.direction, beam);
+  log.time_s = gathered(log.time_s, beam);
+  log.ring = gathered(log.ring, beam);
+  log.scan = gathered(log.scan, beam);
+  log.packet = gathered(log.packet, beam);
+  for (auto& [name, column] : log.extra) {
+    std::visit([&](auto& c) { c = gathered(c, beam); }, column);
+  }
+  log.range_m.resize(beam.size());
+  log.intensity.resize(beam.size());
+  log.flags.resize(beam.size());
+}
+
+}  // namespace
+
+/// What becomes of some beams.
+struct EchoMaker::Block {
+  struct Element {
+    uint32_t number = Met::kNone;
+    uint16_t label = 0;
+  };
+  std::vector<uint8_t> count;  ///< Echoes of each beam.
+  std::vector<radiometry::Echo> echo;
+  std::vector<Element> element;  ///< Of each echo, if wanted.
+  std::vector<BeamWaveform> waveforms;
+};
+
+/// What a thread works in.
+struct EchoMaker::Scratch {
+  Scratch(const EchoMaker& m, size_t beams)
+      : rays(beams * m.instrument_.sub_rays.size()),
+        keys(rays.size()),
+        met(rays.size()),
+        range(m.instrument_.sub_rays.size()),
+        weight(range.size()),
+        factor(range.size()),
+        signal(range.size()),
+        which(range.size()),
+        waveform(m.receiver_.scratch()),
+        asker(m.reflection_, m.surroundings_) {}
+  std::vector<Ray> rays;
+  std::vector<uint64_t> keys;
+  std::vector<Met> met;
+  std::vector<float> range, weight, factor, signal;
+  std::vector<uint32_t> which;  ///< Sub-ray of each return.
+  radiometry::Waveform waveform;
+  Reflection::Asker asker;
+};
+
+EchoMaker::EchoMaker(const Surroundings& surroundings, const Reflection& reflection,
+                     const Instrument& instrument, const EchoOptions& options)
+    : surroundings_(surroundings),
+      reflection_(reflection),
+      instrument_(instrument),
+      options_(options),
+      maker_(instrument.beam),
+      receiver_(instrument.receiver) {
+  instrument.beam.check();
+  require(!instrument.sub_rays.empty(), "echoes: at least one sub-ray is needed");
+  require(options.waveforms.every > 0, "echoes: waveforms of every zeroth beam");
+}
+
+void EchoMaker::trace(const BeamLog& beams, size_t first_beam, size_t begin, size_t end,
+                      Scratch& s) const {
+  const auto& places = instrument_.sub_rays;
+  size_t at = 0;
+  for (size_t i = begin; i < end; ++i) {
+    Ray axis{beams.origin[i], beams.direction[i].cast<double>().normalized()};
+    const uint64_t key = beam_key(options_.seed, beams.scan[i], first_beam + i);
+    if (instrument_.beam.encoder_step_rad > 0) {
+      const double off = uniform_from_bits(random_bits(key, 2, Purpose::kDirection)) - 0.5;
+      axis.direction = Eigen::AngleAxisd(off * instrument_.beam.encoder_step_rad, Vec3::UnitZ()) *
+                       axis.direction;
+    }
+    const sensor::BeamAxes axes = sensor::beam_axes(axis);
+    for (size_t k = 0; k < places.size(); ++k, ++at) {
+      s.rays[at] = maker_.ray(axes, double(places[k].u), double(places[k].v));
+      s.keys[at] = sub_key(key, k);
+    }
+  }
+  surroundings_.nearest_accepted({s.rays.data(), at}, {s.keys.data(), at},
+                                 {&beams.time_s[begin], end - begin},
+                                 limits_of(beams.info, surroundings_.world()), {s.met.data(), at});
+}
+
+void EchoMaker::receive(const BeamLog& beams, size_t first_beam, size_t begin, size_t end,
+                        Scratch& s, Block& block) const {
+  const auto& places = instrument_.sub_rays;
+  const trace::RangeLimits limits = limits_of(beams.info, surroundings_.world());
+  for (size_t i = begin, at = 0; i < end; ++i, at += places.size()) {
+    size_t n = 0;
+    s.asker.begin(beams.direction[i].cast<double>(), beams.time_s[i]);
+    for (size_t k = 0; k < places.size(); ++k) {
+      const Met& met = s.met[at + k];
+      if (met.none()) continue;
+      s.range[n] = float(drawn_on_ray(met, s.keys[at + k], limits));
+      s.weight[n] = places[k].weight;
+      s.factor[n] = s.asker.factor(met, s.rays[at + k].direction);
+      s.which[n++] = uint32_t(at + k);
+    }
+    const radiometry::Echoes echoes = receiver_.receive(
+        {s.range.data(), n}, {s.weight.data(), n}, {s.factor.data(), n}, {s.signal.data(), n},
+        beam_key(options_.seed, beams.scan[i], first_beam + i), s.waveform);
+    block.count.push_back(uint8_t(echoes.count));
+    block.echo.insert(block.echo.end(), echoes.begin(), echoes.end());
+    if (options_.element_ids) {
+      for (const radiometry::Echo& e : echoes) {
+        Block::Element element;
+        for (size_t k = 0, best = n; k < n; ++k) {
+          if (best < n && std::abs(s.range[k] - e.range_m) >= std::abs(s.range[best] - e.range_m))
+            continue;
+          best = k;
+          const Met& met = s.met[s.which[k]];
+          element = {met.element, class_of(surroundings_.model(met.instance), met.element)};
+        }
+        block.element.push_back(element);
+      }
+    }
+    if (options_.waveforms.wants(first_beam + i)) {
+      BeamWaveform w{first_beam + i, beams.scan[i],          beams.ring[i],
+                     beams.time_s[i], table_of(s.waveform), {}};
+      for (const radiometry::Echo& e : echoes) w.echo_m.push_back(double(e.range_m));
+      block.waveforms.push_back(std::move(w));
+    }
+  }
+}
+
+void EchoMaker::write(const std::vector<Block>& blocks, BeamLog& beams) const {
+  std::vector<size_t> first_row(blocks.size() + 1, 0), first_beam(blocks.size() + 1, 0);
+  for (size_t b = 0; b < blocks.size(); ++b) {
+    size_t rows = 0;
+    for (const uint8_t n : blocks[b].count) rows += std::max<size_t>(1, n);
+    first_row[b + 1] = first_row[b] + rows;
+    first_beam[b + 1] = first_beam[b] + blocks[b].count.size();
+  }
+  const size_t rows = first_row.back();
+  std::vector<uint32_t> beam(rows == beams.size() ? 0 : rows);
+  std::vector<float> width(rows);
+  std::vector<uint8_t> echo(rows), echoes(rows);
+  std::vector<uint32_t> element(options_.element_ids ? rows : 0, Met::kNone);
+  std::vector<uint16_t> label(element.size());
+  std::vector<float> range(rows, kMiss), intensity(rows, 0);
+  parallel_for(blocks.size(), 1, [&](size_t b, size_t) {
+    const Block& block = blocks[b];
+    size_t row = first_row[b], e = 0;
+    for (size_t i = 0; i < block.count.size(); ++i) {
+      const uint8_t n = block.count[i];
+      for (uint8_t k = 0; k < std::max<uint8_t>(1, n); ++k, ++row) {
+        if (!beam.empty()) beam[row] = uint32_t(first_beam[b] + i);
+        if (n == 0) continue;
+        const radiometry::Echo& found = block.echo[e];
+        range[row] = found.range_m;
+        intensity[row] = found.intensity;
+        width[row] = found.width_m;
+        echo[row] = uint8_t(k + 1);
+        echoes[row] = n;
+        if (options_.element_ids) {
+          element[row] = block.element[e].number;
+          label[row] = block.element[e].label;
+        }
+        ++e;
+      }
+    }
+  });
+  if (!beam.empty()) repeat_beams(beam, beams);
+  beams.range_m = std::move(range);
+  beams.intensity = std::move(intensity);
+  std::fill(beams.flags.begin(), beams.flags.end(), uint8_t(0));
+  beams.extra[kEchoColumn] = std::move(echo);
+  beams.extra[kEchoesColumn] = std::move(echoes);
+  beams.extra[kPulseWidthColumn] = std::move(width);
+  if (!options_.element_ids) return;
+  beams.extra["element"] = std::move(element);
+  beams.extra["element_class"] = std::move(label);
+}
+
+void EchoMaker::answer(size_t first_beam, BeamLog& beams) {
+  const size_t grain = std::max<size_t>(1, kRaysACall / instrument_.sub_rays.size());
+  std::vector<Block> blocks((beams.size() + grain - 1) / grain);
+  parallel_for(beams.size(), grain, [&](size_t begin, size_t end) {
+    Scratch s(*this, end - begin);
+    trace(beams, first_beam, begin, end, s);
+    receive(beams, first_beam, begin, end, s, blocks[begin / grain]);
+  });
+  for (Block& b : blocks) {
+    waveforms_.insert(waveforms_.end(), std::make_move_iterator(b.waveforms.begin()),
+                      std::make_move_iterator(b.waveforms.end()));
+  }
+  write(blocks, beams);
+}
+
+}  // namespace underbrush::simulate
