@@ -118,6 +118,7 @@ int main(int argc, char** argv) {
   j["beams_per_s"] = median(rate);
   j["sub_rays_per_s"] = median(rate) * sub_rays;
   j["cpu_ns_per_beam"] = median(cpu_ns);
+  j["least_cpu_ns_per_beam"] = *std::min_element(cpu_ns.begin(), cpu_ns.end());
   j["times_os1_10hz"] = median(rate) / sensor.beams_per_s();
   j["times_os1_20hz"] = median(rate) / kOs1BeamsPerS;
   j["one_sub_ray_beams_per_s"] = median(thin_rate);

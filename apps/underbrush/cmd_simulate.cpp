@@ -79,8 +79,10 @@ std::unique_ptr<BeamSource> beams_of(const Arguments& a, Trajectory& path) {
 /// The sensor that the beams are of, where it is needed.
 sensor::Sensor sensor_of(const Arguments& a, const BeamSource& beams, const char* what) {
   const std::string name = a.like.empty() ? a.sensor : beams.info().sensor;
-  require(!name.empty(),
-          std::string("simulate: ") + what + ", but the log does not name its sensor");
+  if (name.empty()) {
+    throw std::invalid_argument(std::string("simulate: ") + what +
+                                ", but the log does not name its sensor");
+  }
   return sensor::load(name);
 }
 

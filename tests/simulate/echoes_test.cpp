@@ -136,7 +136,9 @@ TEST(Echoes, OneSubRayAnswersAsTheThinRayDoes) {
   for (size_t i = 0; i < log.size(); ++i) {
     ASSERT_EQ(log.is_hit(i), thin.is_hit(i)) << i;
     hits += log.is_hit(i);
-    if (log.is_hit(i)) EXPECT_NEAR(log.range_m[i], thin.range_m[i], 1e-3) << i;
+    if (log.is_hit(i)) {
+      EXPECT_NEAR(log.range_m[i], thin.range_m[i], 1e-3) << i;
+    }
   }
   EXPECT_GT(hits, 100u);
 }

@@ -54,6 +54,10 @@ constexpr double uniform_from_bits(uint64_t bits) { return (double(bits >> 12) +
 /// Standard normal from a uniform in (0, 1): Wichura's AS 241 (PPND16), relative error below 1e-15.
 double normal_from_uniform(double u);
 
+/// The same of `uniform_from_bits(bits)`, several times faster: between quantiles 1/4096 apart by a
+/// straight line, off by less than 2e-4; exact in the tails (1/256 on either side).
+double quick_normal(uint64_t bits);
+
 /// Standard normal for (key, element, purpose).
 inline double normal(uint64_t key, uint32_t element, Purpose purpose) {
   return normal_from_uniform(uniform_from_bits(random_bits(key, element, purpose)));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
@@ -20,8 +21,8 @@ uint64_t sub_key(uint64_t key, size_t sub_ray) {
   return sub_ray == 0 ? key : mix64(key + 0x9e3779b97f4a7c15ull * sub_ray);
 }
 
-trace::RangeLimits limits_of(const LogInfo& info, const trace::World& world) {
-  return {info.min_range_m, std::min(info.max_range_m, world.model().max_range_m)};
+trace::RangeLimits limits_of(const LogInfo& info, const Surroundings& surroundings) {
+  return {info.min_range_m, std::min(info.max_range_m, surroundings.model(0).max_range_m)};
 }
 
 uint16_t class_of(const elements::Model& model, uint32_t element) {
@@ -72,10 +73,10 @@ struct EchoMaker::Block {
 /// What a thread works in.
 struct EchoMaker::Scratch {
   Scratch(const EchoMaker& m, size_t beams)
-      : rays(beams * m.instrument_.sub_rays.size()),
+      : rays(beams * m.lines_.size()),
         keys(rays.size()),
         met(rays.size()),
-        range(m.instrument_.sub_rays.size()),
+        range(m.lines_.size()),
         weight(range.size()),
         factor(range.size()),
         signal(range.size()),
@@ -91,23 +92,53 @@ struct EchoMaker::Scratch {
   Reflection::Asker asker;
 };
 
+/// Scratches that are used again; as many as threads ask at once.
+class EchoMaker::Scratches {
+ public:
+  std::unique_ptr<Scratch> take(const EchoMaker& m, size_t beams) {
+    const std::lock_guard lock(mutex_);
+    if (free_.empty()) return std::make_unique<Scratch>(m, beams);
+    std::unique_ptr<Scratch> s = std::move(free_.back());
+    free_.pop_back();
+    return s;
+  }
+  void give_back(std::unique_ptr<Scratch> s) {
+    const std::lock_guard lock(mutex_);
+    free_.push_back(std::move(s));
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<Scratch>> free_;
+};
+
 EchoMaker::EchoMaker(const Surroundings& surroundings, const Reflection& reflection,
                      const Instrument& instrument, const EchoOptions& options)
     : surroundings_(surroundings),
       reflection_(reflection),
       instrument_(instrument),
       options_(options),
-      maker_(instrument.beam),
-      receiver_(instrument.receiver) {
+      receiver_(instrument.receiver),
+      scratches_(std::make_unique<Scratches>()) {
   instrument.beam.check();
   require(!instrument.sub_rays.empty(), "echoes: at least one sub-ray is needed");
   require(options.waveforms.every > 0, "echoes: waveforms of every zeroth beam");
+  const sensor::RayMaker maker(instrument.beam);
+  const sensor::BeamAxes axes{{Vec3::Zero(), Vec3::UnitX()}, Vec3::UnitY(), Vec3::UnitZ(), {}};
+  for (const sensor::SubRay& place : instrument.sub_rays) {
+    const Ray ray = maker.ray(axes, double(place.u), double(place.v));
+    lines_.push_back({ray.origin.y(), ray.origin.z(), ray.direction.x(), ray.direction.y(),
+                      ray.direction.z()});
+    weight_.push_back(place.weight);
+  }
 }
+
+EchoMaker::~EchoMaker() = default;
 
 void EchoMaker::trace(const BeamLog& beams, size_t first_beam, size_t begin, size_t end,
                       Scratch& s) const {
-  const auto& places = instrument_.sub_rays;
-  size_t at = 0;
+  Ray* ray = s.rays.data();
+  uint64_t* sub = s.keys.data();
   for (size_t i = begin; i < end; ++i) {
     Ray axis{beams.origin[i], beams.direction[i].cast<double>().normalized()};
     const uint64_t key = beam_key(options_.seed, beams.scan[i], first_beam + i);
@@ -117,28 +148,30 @@ void EchoMaker::trace(const BeamLog& beams, size_t first_beam, size_t begin, siz
                        axis.direction;
     }
     const sensor::BeamAxes axes = sensor::beam_axes(axis);
-    for (size_t k = 0; k < places.size(); ++k, ++at) {
-      s.rays[at] = maker_.ray(axes, double(places[k].u), double(places[k].v));
-      s.keys[at] = sub_key(key, k);
+    for (size_t k = 0; k < lines_.size(); ++k, ++ray) {
+      const Line& l = lines_[k];
+      ray->origin = axis.origin + l.right * axes.right + l.up * axes.up;
+      ray->direction = l.along * axis.direction + l.to_right * axes.right + l.to_up * axes.up;
+      *sub++ = sub_key(key, k);
     }
   }
-  surroundings_.nearest_accepted({s.rays.data(), at}, {s.keys.data(), at},
+  const size_t n = (end - begin) * lines_.size();
+  surroundings_.nearest_accepted({s.rays.data(), n}, {s.keys.data(), n},
                                  {&beams.time_s[begin], end - begin},
-                                 limits_of(beams.info, surroundings_.world()), {s.met.data(), at});
+                                 limits_of(beams.info, surroundings_), {s.met.data(), n});
 }
 
 void EchoMaker::receive(const BeamLog& beams, size_t first_beam, size_t begin, size_t end,
                         Scratch& s, Block& block) const {
-  const auto& places = instrument_.sub_rays;
-  const trace::RangeLimits limits = limits_of(beams.info, surroundings_.world());
-  for (size_t i = begin, at = 0; i < end; ++i, at += places.size()) {
+  const trace::RangeLimits limits = limits_of(beams.info, surroundings_);
+  for (size_t i = begin, at = 0; i < end; ++i, at += lines_.size()) {
     size_t n = 0;
     s.asker.begin(beams.direction[i].cast<double>(), beams.time_s[i]);
-    for (size_t k = 0; k < places.size(); ++k) {
+    for (size_t k = 0; k < lines_.size(); ++k) {
       const Met& met = s.met[at + k];
       if (met.none()) continue;
-      s.range[n] = float(drawn_on_ray(met, s.keys[at + k], limits));
-      s.weight[n] = places[k].weight;
+      s.range[n] = float(quickly_drawn_on_ray(met, s.keys[at + k], limits));
+      s.weight[n] = weight_[k];
       s.factor[n] = s.asker.factor(met, s.rays[at + k].direction);
       s.which[n++] = uint32_t(at + k);
     }
@@ -219,12 +252,13 @@ void EchoMaker::write(const std::vector<Block>& blocks, BeamLog& beams) const {
 }
 
 void EchoMaker::answer(size_t first_beam, BeamLog& beams) {
-  const size_t grain = std::max<size_t>(1, kRaysACall / instrument_.sub_rays.size());
+  const size_t grain = std::max<size_t>(1, kRaysACall / lines_.size());
   std::vector<Block> blocks((beams.size() + grain - 1) / grain);
   parallel_for(beams.size(), grain, [&](size_t begin, size_t end) {
-    Scratch s(*this, end - begin);
-    trace(beams, first_beam, begin, end, s);
-    receive(beams, first_beam, begin, end, s, blocks[begin / grain]);
+    std::unique_ptr<Scratch> s = scratches_->take(*this, grain);
+    trace(beams, first_beam, begin, end, *s);
+    receive(beams, first_beam, begin, end, *s, blocks[begin / grain]);
+    scratches_->give_back(std::move(s));
   });
   for (Block& b : blocks) {
     waveforms_.insert(waveforms_.end(), std::make_move_iterator(b.waveforms.begin()),

@@ -3,7 +3,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
-#include <functional>
+#include <memory>
 #include <vector>
 
 #include "underbrush/core/beam_log.hpp"
@@ -59,6 +59,7 @@ class EchoMaker {
   /// Everything must outlive it. Throws `std::invalid_argument`.
   EchoMaker(const Surroundings& surroundings, const Reflection& reflection,
             const Instrument& instrument, const EchoOptions& options);
+  ~EchoMaker();
 
   /// Replaces `beams` (one row a beam) by their echoes (one or more rows a beam). Other extra
   /// columns are kept. `first_beam` is the number of the first. Ranges count within those of
@@ -71,6 +72,11 @@ class EchoMaker {
  private:
   struct Block;
   struct Scratch;
+  class Scratches;
+  /// A sub-ray in the axes of its beam: origin and direction.
+  struct Line {
+    double right = 0, up = 0, along = 1, to_right = 0, to_up = 0;
+  };
   void trace(const BeamLog& beams, size_t first_beam, size_t begin, size_t end, Scratch& s) const;
   void receive(const BeamLog& beams, size_t first_beam, size_t begin, size_t end, Scratch& s,
                Block& block) const;
@@ -80,8 +86,10 @@ class EchoMaker {
   const Reflection& reflection_;
   const Instrument& instrument_;
   EchoOptions options_;
-  sensor::RayMaker maker_;
+  std::vector<Line> lines_;
+  std::vector<float> weight_;
   radiometry::Receiver receiver_;
+  std::unique_ptr<Scratches> scratches_;
   std::vector<BeamWaveform> waveforms_;
 };
 

@@ -1,5 +1,6 @@
 #include "underbrush/simulate/reflection.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "underbrush/core/check.hpp"
@@ -8,7 +9,6 @@ namespace underbrush::simulate {
 namespace {
 
 using elements::Class;
-using elements::Kind;
 using trace::Met;
 
 /// Normal of a triangle, model frame.
@@ -46,58 +46,66 @@ Reflection::Reflection(const radiometry::Materials& materials, double wavelength
   }
 }
 
-uint8_t Reflection::coat_of(const Surroundings& s, const Met& met, Kind kind) const {
-  if (met.instance < of_instance_.size() && of_instance_[met.instance] >= 0) {
-    return uint8_t(of_instance_[met.instance]);
-  }
-  if (kind == Kind::kGround) return of_class_[size_t(Class::kGround)];
-  if (met.instance < label_.size() && label_[met.instance] != Class::kUnknown &&
-      label_[met.instance] != Class::kGround) {
-    return of_class_[size_t(label_[met.instance])];
-  }
-  if (kind == Kind::kSurface) return of_class_[size_t(Class::kUnknown)];
-  const elements::Model& model = s.model(met.instance);
-  const uint32_t label =
-      model.ellipsoids[met.element - model.ground.size() - model.surface.size()].label;
-  return of_class_[label < of_class_.size() ? label : 0];
+int Reflection::coat_of(uint32_t instance) const {
+  if (instance < of_instance_.size() && of_instance_[instance] >= 0) return of_instance_[instance];
+  if (instance >= label_.size()) return -1;
+  const Class label = label_[instance];
+  return label == Class::kUnknown || label == Class::kGround ? -1 : of_class_[size_t(label)];
 }
 
 Reflection::Asker::Asker(const Reflection& reflection, const Surroundings& surroundings)
     : reflection_(reflection),
       surroundings_(surroundings),
+      triangles_(kRemembered),
       leaves_(reflection.coats_.size(), -1) {}
 
 void Reflection::Asker::begin(const Vec3& axis, double time_s) {
   cos_zenith_ = axis.z();
   std::fill(leaves_.begin(), leaves_.end(), -1.0F);
-  if (surroundings_.moves()) last_ = {};  // it may have turned
+  if (surroundings_.moves() && time_s != time_s_) triangles_.assign(kRemembered, {});
   time_s_ = time_s;
 }
 
-void Reflection::Asker::see_triangle(const Met& met) {
-  const elements::Model& model = surroundings_.model(met.instance);
-  const Vec3 normal = normal_of(model, met.element);
-  normal_ = surroundings_.placed(met.instance, time_s_).world_from_model.rotation * normal;
-  coat_ = &reflection_.coats_[reflection_.coat_of(surroundings_, met, model.kind(met.element))];
-  last_ = met;
+void Reflection::Asker::enter(uint32_t instance) {
+  instance_ = instance;
+  model_ = &surroundings_.model(instance);
+  first_ellipsoid_ = uint32_t(model_->ground.size() + model_->surface.size());
+  coat_ = reflection_.coat_of(instance);
+}
+
+const Reflection::Asker::Triangle& Reflection::Asker::triangle(const Met& met) {
+  Triangle& t = triangles_[(met.element + 97 * met.instance) % kRemembered];
+  if (t.element == met.element && t.instance == met.instance) return t;
+  t.instance = met.instance;
+  t.element = met.element;
+  const Pose world_from_model = surroundings_.placed(met.instance, time_s_).world_from_model;
+  t.normal = world_from_model.rotation * normal_of(*model_, met.element);
+  const bool ground = met.element < model_->ground.size();
+  const bool named = !reflection_.of_instance_.empty() && reflection_.of_instance_[met.instance] >= 0;
+  const Class label = ground ? Class::kGround : Class::kUnknown;
+  const bool own = coat_ >= 0 && (!ground || named);
+  t.coat = &reflection_.coats_[own ? size_t(coat_) : reflection_.of_class_[size_t(label)]];
+  return t;
+}
+
+float Reflection::Asker::leaves(uint32_t label) {
+  const auto& of_class = reflection_.of_class_;
+  const size_t k = coat_ >= 0 ? size_t(coat_) : of_class[label < of_class.size() ? label : 0];
+  if (leaves_[k] < 0) {
+    const Coat& coat = reflection_.coats_[k];
+    leaves_[k] = float(coat.reflectance * coat.foliage.backscatter(cos_zenith_));
+  }
+  return leaves_[k];
 }
 
 float Reflection::Asker::factor(const Met& met, const Vec3& direction) {
-  const bool same = met.element == last_.element && met.instance == last_.instance;
-  if (!same) {
-    const elements::Model& model = surroundings_.model(met.instance);
-    if (model.kind(met.element) == Kind::kEllipsoid) {
-      const uint8_t k = reflection_.coat_of(surroundings_, met, Kind::kEllipsoid);
-      if (leaves_[k] < 0) {
-        const Coat& coat = reflection_.coats_[k];
-        leaves_[k] = float(coat.reflectance * coat.foliage.backscatter(cos_zenith_));
-      }
-      return leaves_[k];
-    }
-    see_triangle(met);
+  if (met.instance != instance_) enter(met.instance);
+  if (met.element >= first_ellipsoid_) {
+    return leaves(model_->ellipsoids[met.element - first_ellipsoid_].label);
   }
-  const Coat& coat = *coat_;
-  const double c = std::min(1.0, std::abs(normal_.dot(direction)));
+  const Triangle& t = triangle(met);
+  const Coat& coat = *t.coat;
+  const double c = std::min(1.0, std::abs(t.normal.dot(direction)));
   if (coat.surface.brdf == radiometry::Brdf::kPhong) {
     return float(coat.reflectance * radiometry::backscatter(coat.surface, c));
   }

@@ -32,8 +32,8 @@ class Reflection {
   Reflection(const radiometry::Materials& materials, double wavelength_m,
              const InstanceKinds& kinds = {});
 
-  /// Asks for the factors of one beam's sub-rays after another; remembers the last triangle and the
-  /// last leaves. For one thread.
+  /// Asks for the factors of one beam's sub-rays after another, and remembers what it has seen. For
+  /// one thread.
   class Asker {
    public:
     Asker(const Reflection& reflection, const Surroundings& surroundings);
@@ -45,15 +45,25 @@ class Reflection {
     float factor(const trace::Met& met, const Vec3& direction);
 
    private:
-    void see_triangle(const trace::Met& met);
+    struct Triangle {
+      uint32_t instance = trace::Met::kNone, element = 0;
+      Vec3 normal = Vec3::Zero();  ///< World.
+      const Coat* coat = nullptr;
+    };
+    static constexpr size_t kRemembered = 256;
+    void enter(uint32_t instance);
+    const Triangle& triangle(const trace::Met& met);
+    float leaves(uint32_t label);
 
     const Reflection& reflection_;
     const Surroundings& surroundings_;
     double time_s_ = 0, cos_zenith_ = 0;
-    trace::Met last_;               ///< The triangle that is remembered.
-    Vec3 normal_ = Vec3::Zero();    ///< Its normal, world.
-    const Coat* coat_ = nullptr;    ///< What it is made of.
-    std::vector<float> leaves_;  ///< By material, of this beam; < 0 = not yet asked for.
+    uint32_t instance_ = trace::Met::kNone;  ///< That the next three are of.
+    const elements::Model* model_ = nullptr;
+    uint32_t first_ellipsoid_ = 0;
+    int coat_ = -1;  ///< Of all but the ground, or −1: as the element says.
+    std::vector<Triangle> triangles_;
+    std::vector<float> leaves_;  ///< By coat, of this beam; < 0 = not yet asked for.
   };
 
  private:
@@ -63,7 +73,8 @@ class Reflection {
     radiometry::SurfaceModel surface;
     radiometry::Foliage foliage;
   };
-  uint8_t coat_of(const Surroundings& s, const trace::Met& met, elements::Kind kind) const;
+  /// Of all elements of an instance but the ground, or −1.
+  int coat_of(uint32_t instance) const;
 
   std::vector<Coat> coats_;
   std::vector<uint8_t> of_class_;  ///< Index of the coat, by class.
