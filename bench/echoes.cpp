@@ -1,7 +1,9 @@
-// The whole instrument: sub-rays, tracing, light, waveforms, echoes, rows of the log. An OS1-64 on a
-// vehicle in a forest of 100 000 ellipsoids on 100 000 triangles, 41 sub-rays a beam; its beams a
+// The whole instrument: sub-rays, tracing, light, waveforms, echoes, rows of the log. An OS1-64 on
+// a vehicle in a forest of 100 000 ellipsoids on 100 000 triangles, 41 sub-rays a beam; its beams a
 // second beside those that the sensor fires (1024 columns at 10 Hz, and at 20 Hz). Misses count as
 // beams. Synthetic scene.
+#include "underbrush/simulate/echoes.hpp"
+
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
@@ -12,7 +14,6 @@
 #include "trace_scenes.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/sensor/pattern.hpp"
-#include "underbrush/simulate/echoes.hpp"
 #include "underbrush/simulate/simulate.hpp"
 
 namespace underbrush::bench {

@@ -71,9 +71,9 @@ std::unique_ptr<BeamSource> beams_of(const Arguments& a, Trajectory& path) {
   if (path.poses().size() < 2) {
     throw FormatError(a.trajectory, "", "a trajectory needs at least two poses");
   }
-  return std::make_unique<sensor::PatternSource>(
-      sensor::load(a.sensor), path, path.poses().front().time_s, path.poses().back().time_s,
-      kChunk);
+  return std::make_unique<sensor::PatternSource>(sensor::load(a.sensor), path,
+                                                 path.poses().front().time_s,
+                                                 path.poses().back().time_s, kChunk);
 }
 
 /// The sensor that the beams are of, where it is needed.
@@ -131,8 +131,8 @@ void run(const Verb& verb, Arguments& a) {
     sensor = sensor_of(a, *beams, "--super-sample");
     instrument = instrument_of(a.instrument, sensor);
     if (a.simulate.max_range_m > 0) instrument.receiver.max_range_m = a.simulate.max_range_m;
-    reflection = std::make_unique<simulate::Reflection>(
-        materials_of(a.instrument), sensor.wavelength_m, kinds_of(scene, info));
+    reflection = std::make_unique<simulate::Reflection>(materials_of(a.instrument),
+                                                        sensor.wavelength_m, kinds_of(scene, info));
     simulate::EchoOptions options;
     options.seed = verb.seed;
     options.element_ids = a.simulate.element_ids;

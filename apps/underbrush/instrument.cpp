@@ -108,7 +108,8 @@ void plot(const std::string& file, const sensor::Sensor& s,
     out.line(points, "#1f6f4a");
     const double level = base + 0.85 * s.signal.threshold_snr / top;
     out.line({{from, level}, {to, level}}, "#b03030", true);
-    for (const double r : shown[k]->echo_m) out.line({{r, base}, {r, base + 0.85}}, "#2050a0", true);
+    for (const double r : shown[k]->echo_m)
+      out.line({{r, base}, {r, base + 0.85}}, "#2050a0", true);
     out.text(from, base + 0.87, fmt::format("beam {}", shown[k]->beam));
   }
   out.write(file);

@@ -29,7 +29,7 @@ elements::Model model_of(const fs::path& path) {
   const io::MeshData mesh = io::read_mesh(path);
   elements::Model model;
   model.fitter = "mesh";
-XX
+  model.surface.vertices = mesh.vertices;
   model.surface.triangles = mesh.triangles;
   model.surface.hit.resize(mesh.triangles.size());
   return model;

@@ -120,9 +120,8 @@ TEST(Echoes, OneSubRayAnswersAsTheThinRayDoes) {
   BeamLog thin = beams_along_x(500);
   Stream random(5);
   for (size_t i = 0; i < thin.size(); ++i) {
-    thin.direction[i] = Vec3(random.normal(), random.normal(), random.normal())
-                            .normalized()
-                            .cast<float>();
+    thin.direction[i] =
+        Vec3(random.normal(), random.normal(), random.normal()).normalized().cast<float>();
   }
   const BeamLog fired = thin;
   simulate(world, {}, 0, thin);

@@ -51,8 +51,8 @@ TEST(Motion, ASensorThatTurnsAndMovesPastAPlaneMeasuresTheAnalyticRanges) {
     // itself is a float; vertices, 2 km away, are floats of 1e-4 m.
     worst = std::max(worst, std::abs(log.range_m[i] - range) / (range / cosine));
     const Vec3 d0 = turned(0) * local;
-    still = std::max(still, std::abs(log.range_m[i] - (distance - start.dot(normal)) /
-                                                          d0.dot(normal)));
+    still =
+        std::max(still, std::abs(log.range_m[i] - (distance - start.dot(normal)) / d0.dot(normal)));
   }
   EXPECT_GT(hits, 20000u);
   EXPECT_LT(worst, 4e-7);  // float: 1.2e-7 between neighbours
@@ -76,7 +76,8 @@ TEST(Motion, ABeamMeetsAMovingObjectWhereItIsAtTheBeamsOwnTime) {
   // Comes nearer at 20 m/s from 30 m while it turns about z: seen at x = 30 − 20 t.
   const double w = 0.5;
   const auto pose = [&](double t) {
-    return Pose{Eigen::Quaterniond(Eigen::AngleAxisd(w * t, Vec3::UnitZ())), Vec3(30 - 20 * t, 0, 0)};
+    return Pose{Eigen::Quaterniond(Eigen::AngleAxisd(w * t, Vec3::UnitZ())),
+                Vec3(30 - 20 * t, 0, 0)};
   };
   const Surroundings surroundings(scene, {{1, Trajectory({{0, pose(0)}, {1, pose(1)}})}});
   BeamLog beams = beams_along_x(1200);

@@ -97,16 +97,20 @@ bool MemorySource::next(BeamLog& chunk) {
   return !chunk.empty();
 }
 
-void keep_first_echoes(BeamLog& log) {
+std::vector<bool> begins_beam(const BeamLog& log) {
+  std::vector<bool> begins(log.size(), true);
   const auto found = log.extra.find(kEchoColumn);
-  if (found == log.extra.end()) return;
-  const auto begins = std::visit(
-      [](const auto& echo) {
-        std::vector<bool> first(echo.size());
-        for (size_t i = 0; i < echo.size(); ++i) first[i] = echo[i] <= 1;
-        return first;
+  if (found == log.extra.end()) return begins;
+  std::visit(
+      [&](const auto& echo) {
+        for (size_t i = 0; i < echo.size(); ++i) begins[i] = echo[i] <= 1;
       },
       found->second);
+  return begins;
+}
+
+void keep_first_echoes(BeamLog& log) {
+  const std::vector<bool> begins = begins_beam(log);
   if (std::find(begins.begin(), begins.end(), false) == begins.end()) return;
   BeamLog kept = log.like();
   for (size_t begin = 0; begin < begins.size();) {

@@ -1,7 +1,6 @@
 #include "underbrush/core/rng.hpp"
 
 #include <array>
-
 #include <cmath>
 
 namespace underbrush {
@@ -96,17 +95,13 @@ double normal_from_uniform(double u) {
   return q < 0 ? -x : x;
 }
 
-double quick_normal(uint64_t bits) {
-  constexpr uint64_t kSteps = 4096, kTail = kSteps / 256;
-  static const std::array<double, kSteps + 1> quantile = [] {
+QuickNormal::QuickNormal() {
+  static const std::array<double, kSteps + 1> table = [] {
     std::array<double, kSteps + 1> q{};
     for (uint64_t k = 1; k < kSteps; ++k) q[k] = normal_from_uniform(double(k) / double(kSteps));
     return q;
   }();
-  const uint64_t k = bits >> 52;
-  if (k < kTail || k >= kSteps - kTail) return normal_from_uniform(uniform_from_bits(bits));
-  const double within = double(bits & ((uint64_t(1) << 52) - 1)) * 0x1p-52;
-  return quantile[k] + within * (quantile[k + 1] - quantile[k]);
+  quantile_ = table.data();
 }
 
 }  // namespace underbrush

@@ -29,8 +29,8 @@ class LogReader : public BeamSource {
   std::unique_ptr<State> state_;
 };
 
-/// The beams of a log, one row each: of several echoes the first (`keep_first_echoes`). To count the
-/// beams, a log with several echoes a beam is read twice.
+/// The beams of a log, one row each: of several echoes the first (`keep_first_echoes`). To count
+/// the beams, a log with several echoes a beam is read twice.
 class BeamReader : public LogReader {
  public:
   explicit BeamReader(const std::filesystem::path& path, size_t chunk_size = 1 << 20);

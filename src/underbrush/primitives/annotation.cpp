@@ -31,9 +31,9 @@ uint32_t count_of(const JsonPlace& place, const Json& j) {
 }
 
 PlacedObject object_of(const JsonPlace& place, const Json& j) {
-  check_members(place, j,
-                {"class", "position_m", "yaw_rad", "box_m", "instance", "points", "trajectory",
-                 "comment"});
+  check_members(
+      place, j,
+      {"class", "position_m", "yaw_rad", "box_m", "instance", "points", "trajectory", "comment"});
   PlacedObject o;
   o.label = class_of_json(place, j);
   const Json& position = member_of(place, j, "position_m");

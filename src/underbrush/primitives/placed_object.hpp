@@ -24,7 +24,8 @@ struct PlacedObject {
   Box box;
   uint32_t instance = 0;  ///< Number in the labelled log, 0 = none. Cells of a patch share it.
   size_t points = 0;      ///< That it was measured from.
-  /// Poses of the foot over time (TUM, world from object), for an object that moves; empty = stands.
+  /// Poses of the foot over time (TUM, world from object), for an object that moves; empty =
+  /// stands.
   std::filesystem::path trajectory;
 
   Pose world_from_object() const {

@@ -18,10 +18,10 @@ inline double drawn_on_ray(const trace::Met& met, uint64_t key, const trace::Ran
 }
 
 /// The same, faster and 2e-4 σ less exact: for many sub-rays.
-inline double quickly_drawn_on_ray(const trace::Met& met, uint64_t key,
-                                   const trace::RangeLimits& limits) {
+inline double drawn_on_ray(const trace::Met& met, uint64_t key, const trace::RangeLimits& limits,
+                           const QuickNormal& normal) {
   if (met.sigma_m == 0) return met.t_m;
-  const double z = quick_normal(random_bits(key, met.element, Purpose::kRange));
+  const double z = normal(random_bits(key, met.element, Purpose::kRange));
   return within(met.t_m + met.sigma_m * z, met, limits);
 }
 

@@ -7,6 +7,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
+#include "underbrush/radiometry/clones.hpp"
 #include "underbrush/simulate/draw.hpp"
 
 namespace underbrush::simulate {
@@ -28,6 +29,31 @@ trace::RangeLimits limits_of(const LogInfo& info, const Surroundings& surroundin
 uint16_t class_of(const elements::Model& model, uint32_t element) {
   if (model.kind(element) != elements::Kind::kEllipsoid) return 0;
   return uint16_t(model.ellipsoids[element - model.ground.size() - model.surface.size()].label);
+}
+
+/// The rays of lines in the axes of a beam.
+UNDERBRUSH_CLONES void fan(const SubRayLine* lines, size_t n, const sensor::BeamAxes& axes,
+                           Ray* rays) {
+  static_assert(sizeof(Ray) == 6 * sizeof(double));
+  const double* o = axes.axis.origin.data();
+  const double* d = axes.axis.direction.data();
+  const double* r = axes.right.data();
+  const double* u = axes.up.data();
+  double start[6], right[6], up[6];
+  for (size_t c = 0; c < 3; ++c) {
+    start[c] = o[c];
+    start[3 + c] = d[c];
+    right[c] = right[3 + c] = r[c];
+    up[c] = up[3 + c] = u[c];
+  }
+  auto* out = reinterpret_cast<double*>(rays);
+  for (size_t k = 0; k < n; ++k, out += 6) {
+    const SubRayLine& l = lines[k];
+    for (size_t c = 0; c < 3; ++c) out[c] = start[c] + (l.right * right[c] + l.up * up[c]);
+    for (size_t c = 3; c < 6; ++c) {
+      out[c] = l.along * start[c] + (l.to_right * right[c] + l.to_up * up[c]);
+    }
+  }
 }
 
 /// Rows `row` of a column.
@@ -127,8 +153,8 @@ EchoMaker::EchoMaker(const Surroundings& surroundings, const Reflection& reflect
   const sensor::BeamAxes axes{{Vec3::Zero(), Vec3::UnitX()}, Vec3::UnitY(), Vec3::UnitZ(), {}};
   for (const sensor::SubRay& place : instrument.sub_rays) {
     const Ray ray = maker.ray(axes, double(place.u), double(place.v));
-    lines_.push_back({ray.origin.y(), ray.origin.z(), ray.direction.x(), ray.direction.y(),
-                      ray.direction.z()});
+    lines_.push_back(
+        {ray.origin.y(), ray.origin.z(), ray.direction.x(), ray.direction.y(), ray.direction.z()});
     weight_.push_back(place.weight);
   }
 }
@@ -148,12 +174,9 @@ void EchoMaker::trace(const BeamLog& beams, size_t first_beam, size_t begin, siz
                        axis.direction;
     }
     const sensor::BeamAxes axes = sensor::beam_axes(axis);
-    for (size_t k = 0; k < lines_.size(); ++k, ++ray) {
-      const Line& l = lines_[k];
-      ray->origin = axis.origin + l.right * axes.right + l.up * axes.up;
-      ray->direction = l.along * axis.direction + l.to_right * axes.right + l.to_up * axes.up;
-      *sub++ = sub_key(key, k);
-    }
+    fan(lines_.data(), lines_.size(), axes, ray);
+    ray += lines_.size();
+    for (size_t k = 0; k < lines_.size(); ++k) *sub++ = sub_key(key, k);
   }
   const size_t n = (end - begin) * lines_.size();
   surroundings_.nearest_accepted({s.rays.data(), n}, {s.keys.data(), n},
@@ -164,13 +187,14 @@ void EchoMaker::trace(const BeamLog& beams, size_t first_beam, size_t begin, siz
 void EchoMaker::receive(const BeamLog& beams, size_t first_beam, size_t begin, size_t end,
                         Scratch& s, Block& block) const {
   const trace::RangeLimits limits = limits_of(beams.info, surroundings_);
+  const QuickNormal normal;
   for (size_t i = begin, at = 0; i < end; ++i, at += lines_.size()) {
     size_t n = 0;
     s.asker.begin(beams.direction[i].cast<double>(), beams.time_s[i]);
     for (size_t k = 0; k < lines_.size(); ++k) {
       const Met& met = s.met[at + k];
       if (met.none()) continue;
-      s.range[n] = float(quickly_drawn_on_ray(met, s.keys[at + k], limits));
+      s.range[n] = float(drawn_on_ray(met, s.keys[at + k], limits, normal));
       s.weight[n] = weight_[k];
       s.factor[n] = s.asker.factor(met, s.rays[at + k].direction);
       s.which[n++] = uint32_t(at + k);
@@ -194,7 +218,7 @@ void EchoMaker::receive(const BeamLog& beams, size_t first_beam, size_t begin, s
       }
     }
     if (options_.waveforms.wants(first_beam + i)) {
-      BeamWaveform w{first_beam + i, beams.scan[i],          beams.ring[i],
+      BeamWaveform w{first_beam + i,  beams.scan[i],        beams.ring[i],
                      beams.time_s[i], table_of(s.waveform), {}};
       for (const radiometry::Echo& e : echoes) w.echo_m.push_back(double(e.range_m));
       block.waveforms.push_back(std::move(w));

@@ -46,6 +46,11 @@ struct EchoOptions {
   WaveformChoice waveforms;
 };
 
+/// A sub-ray in the axes of its beam: origin and direction.
+struct SubRayLine {
+  double right = 0, up = 0, along = 1, to_right = 0, to_up = 0;
+};
+
 /// Answers beams with echoes.
 ///
 /// Of beam i the sub-rays are traced as rays of the model, each with trials and draws of its own:
@@ -73,10 +78,6 @@ class EchoMaker {
   struct Block;
   struct Scratch;
   class Scratches;
-  /// A sub-ray in the axes of its beam: origin and direction.
-  struct Line {
-    double right = 0, up = 0, along = 1, to_right = 0, to_up = 0;
-  };
   void trace(const BeamLog& beams, size_t first_beam, size_t begin, size_t end, Scratch& s) const;
   void receive(const BeamLog& beams, size_t first_beam, size_t begin, size_t end, Scratch& s,
                Block& block) const;
@@ -86,7 +87,7 @@ class EchoMaker {
   const Reflection& reflection_;
   const Instrument& instrument_;
   EchoOptions options_;
-  std::vector<Line> lines_;
+  std::vector<SubRayLine> lines_;
   std::vector<float> weight_;
   radiometry::Receiver receiver_;
   std::unique_ptr<Scratches> scratches_;

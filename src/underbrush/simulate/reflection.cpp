@@ -81,7 +81,8 @@ const Reflection::Asker::Triangle& Reflection::Asker::triangle(const Met& met) {
   const Pose world_from_model = surroundings_.placed(met.instance, time_s_).world_from_model;
   t.normal = world_from_model.rotation * normal_of(*model_, met.element);
   const bool ground = met.element < model_->ground.size();
-  const bool named = !reflection_.of_instance_.empty() && reflection_.of_instance_[met.instance] >= 0;
+  const bool named =
+      !reflection_.of_instance_.empty() && reflection_.of_instance_[met.instance] >= 0;
   const Class label = ground ? Class::kGround : Class::kUnknown;
   const bool own = coat_ >= 0 && (!ground || named);
   t.coat = &reflection_.coats_[own ? size_t(coat_) : reflection_.of_class_[size_t(label)]];

@@ -40,8 +40,8 @@ class Reflection {
     /// To be called before the sub-rays of a beam: its axis and time.
     void begin(const Vec3& axis, double time_s);
     /// The factor of what a sub-ray with `direction` met: of a triangle ρ · `backscatter` at the
-    /// angle to its normal, whichever side is lit; of an ellipsoid ρ · `Foliage::backscatter` at the
-    /// zenith angle of the beam's axis.
+    /// angle to its normal, whichever side is lit; of an ellipsoid ρ · `Foliage::backscatter` at
+    /// the zenith angle of the beam's axis.
     float factor(const trace::Met& met, const Vec3& direction);
 
    private:

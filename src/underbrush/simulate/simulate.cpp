@@ -92,9 +92,11 @@ SimulatedSource::SimulatedSource(Answer answer, BeamSource& beams, double max_ra
 
 SimulatedSource::SimulatedSource(const trace::World& world, BeamSource& beams,
                                  const Options& options)
-    : SimulatedSource([&world, options](size_t first_beam,
-                                        BeamLog& chunk) { simulate(world, options, first_beam, chunk); },
-                      beams, options.max_range_m) {}
+    : SimulatedSource(
+          [&world, options](size_t first_beam, BeamLog& chunk) {
+            simulate(world, options, first_beam, chunk);
+          },
+          beams, options.max_range_m) {}
 
 void SimulatedSource::rewind() {
   beams_.rewind();
