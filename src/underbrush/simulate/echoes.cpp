@@ -22,10 +22,6 @@ uint64_t sub_key(uint64_t key, size_t sub_ray) {
   return sub_ray == 0 ? key : mix64(key + 0x9e3779b97f4a7c15ull * sub_ray);
 }
 
-trace::RangeLimits limits_of(const LogInfo& info, const Surroundings& surroundings) {
-  return {info.min_range_m, std::min(info.max_range_m, surroundings.model(0).max_range_m)};
-}
-
 uint16_t class_of(const elements::Model& model, uint32_t element) {
   if (model.kind(element) != elements::Kind::kEllipsoid) return 0;
   return uint16_t(model.ellipsoids[element - model.ground.size() - model.surface.size()].label);
@@ -179,14 +175,14 @@ void EchoMaker::trace(const BeamLog& beams, size_t first_beam, size_t begin, siz
     for (size_t k = 0; k < lines_.size(); ++k) *sub++ = sub_key(key, k);
   }
   const size_t n = (end - begin) * lines_.size();
-  surroundings_.nearest_accepted({s.rays.data(), n}, {s.keys.data(), n},
-                                 {&beams.time_s[begin], end - begin},
-                                 limits_of(beams.info, surroundings_), {s.met.data(), n});
+  surroundings_.nearest_accepted(
+      {s.rays.data(), n}, {s.keys.data(), n}, {&beams.time_s[begin], end - begin},
+      {beams.info.min_range_m, beams.info.max_range_m}, {s.met.data(), n});
 }
 
 void EchoMaker::receive(const BeamLog& beams, size_t first_beam, size_t begin, size_t end,
                         Scratch& s, Block& block) const {
-  const trace::RangeLimits limits = limits_of(beams.info, surroundings_);
+  const trace::RangeLimits limits{beams.info.min_range_m, beams.info.max_range_m};
   const QuickNormal normal;
   for (size_t i = begin, at = 0; i < end; ++i, at += lines_.size()) {
     size_t n = 0;

@@ -68,7 +68,7 @@ class EchoMaker {
 
   /// Replaces `beams` (one row a beam) by their echoes (one or more rows a beam). Other extra
   /// columns are kept. `first_beam` is the number of the first. Ranges count within those of
-  /// `beams.info` and of the first model.
+  /// `beams.info`: the receiver, not the log that a model was fitted to, says how far it sees.
   void answer(size_t first_beam, BeamLog& beams);
 
   /// The waveforms asked for, of the beams so far.
