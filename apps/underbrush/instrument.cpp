@@ -110,7 +110,7 @@ void plot(const std::string& file, const sensor::Sensor& s,
     out.line({{from, level}, {to, level}}, "#b03030", true);
     for (const double r : shown[k]->echo_m)
       out.line({{r, base}, {r, base + 0.85}}, "#2050a0", true);
-    out.text(from, base + 0.87, fmt::format("beam {}", shown[k]->beam));
+    out.text(from, base + 0.3, fmt::format("beam {}", shown[k]->beam));
   }
   out.write(file);
 }
