@@ -43,7 +43,7 @@ void add_options(CLI::App& app, Arguments& a) {
 
 void run(const Verb& verb, Arguments& a) {
   const elements::Model model = elements::read_model(a.model);
-  io::LogReader log(a.log);
+  io::BeamReader log(a.log);
   primitives::check_primitives_output(a.output);
   a.extract.membership =
       a.membership == "box" ? primitives::Membership::kBox : primitives::Membership::kOwn;

@@ -16,6 +16,7 @@ namespace {
 /// What is in a log, gathered in one pass.
 struct Contents {
   size_t beams = 0, hits = 0, recorded = 0, inferred = 0;
+  size_t echoes = 0;  ///< Hits, and further echoes of their beams.
   Vec3 low = Vec3::Constant(INFINITY), high = Vec3::Constant(-INFINITY);
   double first_s = INFINITY, last_s = -INFINITY;
   double low_intensity = INFINITY, high_intensity = -INFINITY;
@@ -30,10 +31,12 @@ constexpr size_t kRangeBins = 100000;
 
 void add(const BeamLog& log, Contents& c) {
   c.ranges.resize(kRangeBins + 1);
+  const std::vector<bool> begins = begins_beam(log);
   for (size_t i = 0; i < log.size(); ++i) {
-    ++c.beams;
+    c.beams += begins[i];
     if (log.is_hit(i)) {
-      ++c.hits;
+      c.hits += begins[i];
+      ++c.echoes;
       const Vec3 end = log.end_point(i);
       c.low = c.low.cwiseMin(end);
       c.high = c.high.cwiseMax(end);
@@ -56,7 +59,7 @@ double range_percentile(const Contents& c, double share) {
   size_t sum = 0;
   for (size_t b = 0; b < c.ranges.size(); ++b) {
     sum += c.ranges[b];
-    if (double(sum) >= share * double(c.hits)) return (double(b) + 0.5) * kRangeStep;
+    if (double(sum) >= share * double(c.echoes)) return (double(b) + 0.5) * kRangeStep;
   }
   return 0;
 }
@@ -79,6 +82,7 @@ Json json_of(const LogInfo& info, const Contents& c, const io::Input& input) {
   j["format"] = input.format;
   j["beams"] = c.beams;
   j["hits"] = c.hits;
+  j["echoes"] = c.echoes;
   j["misses"] = c.recorded + c.inferred;
   j["misses_recorded"] = c.recorded;
   j["misses_inferred"] = c.inferred;
@@ -110,6 +114,7 @@ std::string table_of(const std::string& file, const LogInfo& info, const Content
   std::string text =
       fmt::format("{}: {} beams, {} hits, {} misses ({} recorded, {} inferred)\n", file, c.beams,
                   c.hits, c.recorded + c.inferred, c.recorded, c.inferred);
+  if (c.echoes > c.hits) text += fmt::format("  echoes     {}\n", c.echoes);
   if (c.hits) {
     text +=
         fmt::format("  bounds     x {:.2f} to {:.2f}  y {:.2f} to {:.2f}  z {:.2f} to {:.2f} m\n",

@@ -3,13 +3,15 @@
 #include <algorithm>
 #include <chrono>
 
+#include "instrument.hpp"
 #include "steps.hpp"
+#include "target.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
-#include "underbrush/elements/model_file.hpp"
-#include "underbrush/elements/scene_file.hpp"
+#include "underbrush/io/export.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/io/poses.hpp"
+#include "underbrush/io/profile.hpp"
 #include "underbrush/sensor/pattern.hpp"
 #include "underbrush/sensor/sensor.hpp"
 #include "verbs.hpp"
@@ -18,22 +20,27 @@ namespace underbrush::app {
 namespace {
 
 struct Arguments {
-  std::string model, like, sensor, trajectory, output, draw = "on_ray", beam = "thin";
-  double tau = 0;
+  std::string model, like, sensor, trajectory, output, profile, draw = "on_ray", beam = "thin";
   simulate::Options simulate;
+  InstrumentArguments instrument;
+  TargetArguments target;
 };
 
 void add_options(CLI::App& app, Arguments& a) {
   app.add_option("MODEL", a.model, "The folder of a model, or of a scene that compose made")
       ->required();
   app.add_option("-o,--output", a.output,
-                 "Where the simulated log goes: .ply, .pcd, .csv, or a folder/ of KITTI .bin")
+                 "Where the simulated log goes: .ply, .pcd, .csv, or a folder/ of KITTI .bin "
+                 "(with --profile: of PCD)")
       ->required();
   auto* like = app.add_option("--like", a.like, "Answer the beams of this log")->type_name("LOG");
   auto* sensor =
       app.add_option("--sensor", a.sensor, "Fire a sensor of the catalogue (or a YAML file)");
   auto* trajectory = app.add_option("--trajectory", a.trajectory, "Poses of the sensor, TUM format")
                          ->type_name("POSES.txt");
+  app.add_option("--profile", a.profile,
+                 "Write a folder of PCD files, one a scan, as this driver's PointCloud2")
+      ->check(CLI::IsMember({"velodyne", "ouster", "autoware"}));
   like->excludes(sensor);
   sensor->needs(trajectory);
   trajectory->needs(sensor);
@@ -43,10 +50,6 @@ void add_options(CLI::App& app, Arguments& a) {
   app.add_option("--beam", a.beam,
                  "The ray that is traced: the beam's axis, or drawn from the sensor's cone")
       ->check(CLI::IsMember({"thin", "random"}))
-      ->capture_default_str();
-  app.add_option("--tau", a.tau,
-                 "Mahalanobis distance within which a beam meets an ellipsoid, 0 = the model's")
-      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   app.add_option("--max-range", a.simulate.max_range_m,
                  "Maximum range, m, 0 = the log's or the sensor's")
@@ -59,67 +62,118 @@ void add_options(CLI::App& app, Arguments& a) {
                "Write the element that stopped each beam, and its class");
 }
 
-Trajectory trajectory_of(const std::string& file) {
-  const io::PoseList list = io::read_poses(file);
-  if (list.time_s.empty()) {
-    throw FormatError(file, "", "its poses have no times; give TUM rows (t tx ty tz qx qy qz qw)");
-  }
-  if (list.pose.size() < 2) throw FormatError(file, "", "a trajectory needs at least two poses");
-  std::vector<StampedPose> poses(list.pose.size());
-  for (size_t i = 0; i < poses.size(); ++i) poses[i] = {list.time_s[i], list.pose[i]};
-  return Trajectory(std::move(poses));
-}
+constexpr size_t kChunk = 1 << 18;  // beams; of each up to 16 echoes
 
 std::unique_ptr<BeamSource> beams_of(const Arguments& a, Trajectory& path) {
-  if (!a.like.empty()) return std::make_unique<io::LogReader>(a.like);
+  if (!a.like.empty()) return std::make_unique<io::BeamReader>(a.like, kChunk);
   require(!a.sensor.empty(), "simulate: give --like LOG, or --sensor NAME --trajectory POSES");
-  path = trajectory_of(a.trajectory);
-  return std::make_unique<sensor::PatternSource>(
-      sensor::load(a.sensor), path, path.poses().front().time_s, path.poses().back().time_s);
+  path = io::read_trajectory(a.trajectory);
+  if (path.poses().size() < 2) {
+    throw FormatError(a.trajectory, "", "a trajectory needs at least two poses");
+  }
+  return std::make_unique<sensor::PatternSource>(sensor::load(a.sensor), path,
+                                                 path.poses().front().time_s,
+                                                 path.poses().back().time_s, kChunk);
+}
+
+/// The sensor that the beams are of, where it is needed.
+sensor::Sensor sensor_of(const Arguments& a, const BeamSource& beams, const char* what) {
+  const std::string name = a.like.empty() ? a.sensor : beams.info().sensor;
+  if (name.empty()) {
+    throw std::invalid_argument(std::string("simulate: ") + what +
+                                ", but the log does not name its sensor");
+  }
+  return sensor::load(name);
+}
+
+/// Writes the log, and says what of it the format cannot hold.
+SimulateStep write(const Verb& verb, const Arguments& a, simulate::SimulatedSource& simulated,
+                   const Trajectory& path, std::string& lost) {
+  std::vector<std::filesystem::path> inputs{a.model, a.like.empty() ? a.trajectory : a.like};
+  for (const auto& file : mover_files(a.target)) inputs.push_back(file);
+  for (const std::string& file : {a.sensor, a.instrument.materials}) {
+    if (std::filesystem::is_regular_file(file)) inputs.emplace_back(file);
+  }
+  const std::string extension = std::filesystem::path(a.output).extension().string();
+  lost = io::lost_in(!a.profile.empty()  ? a.profile
+                     : extension.empty() ? "kitti"
+                                         : extension.substr(1));
+  return simulate_log(
+      verb, simulated,
+      [&](BeamSource& log, const std::string& origin) {
+        if (a.profile.empty()) return io::export_log(a.output, log, "", origin);
+        io::export_profile(a.output, log, io::profile_from_name(a.profile), path, origin);
+      },
+      inputs);
 }
 
 void run(const Verb& verb, Arguments& a) {
   using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
-  elements::Scene scene;
-  if (elements::is_scene(a.model)) {
-    scene = elements::read_scene(a.model);
-  } else {
-    scene.models.push_back(elements::read_model(a.model));
-  }
-  for (elements::Model& model : scene.models) {
-    if (a.tau > 0) model.tau = a.tau;
-  }
-  // A model alone takes the shorter way, and gives the same bits as ever.
-  const trace::World world =
-      scene.instances.empty() ? trace::World(scene.models[0]) : trace::World(scene);
+  a.instrument.check();
+  elements::SceneInfo info;
+  const elements::Scene scene = scene_of(a.model, a.target, info);
+  const Target target = target_of(scene, info);
   Trajectory path;
   const std::unique_ptr<BeamSource> beams = beams_of(a, path);
   a.simulate.seed = verb.seed;
   a.simulate.draw =
       a.draw == "on_ray" ? simulate::RangeDraw::kOnRay : simulate::RangeDraw::kVolumetric;
-  if (a.beam == "random") {
-    const std::string sensor = a.like.empty() ? a.sensor : beams->info().sensor;
-    require(!sensor.empty(), "simulate: --beam random, but the log does not name its sensor");
-    a.simulate.random_ray = sensor::load(sensor).beam;
+  if (a.beam == "random") a.simulate.random_ray = sensor_of(a, *beams, "--beam random").beam;
+
+  sensor::Sensor sensor;
+  simulate::Instrument instrument;
+  std::unique_ptr<simulate::Reflection> reflection;
+  std::unique_ptr<simulate::EchoMaker> maker;
+  if (!a.instrument.super_sample.empty()) {
+    require(a.beam == "thin" && a.draw == "on_ray" && a.simulate.range_noise_m == 0,
+            "simulate: --beam, --draw and --range-noise are of thin rays, not of --super-sample");
+    sensor = sensor_of(a, *beams, "--super-sample");
+    instrument = instrument_of(a.instrument, sensor);
+    if (a.simulate.max_range_m > 0) instrument.receiver.max_range_m = a.simulate.max_range_m;
+    reflection = std::make_unique<simulate::Reflection>(materials_of(a.instrument),
+                                                        sensor.wavelength_m, kinds_of(scene, info));
+    simulate::EchoOptions options;
+    options.seed = verb.seed;
+    options.element_ids = a.simulate.element_ids;
+    if (!a.instrument.waveforms.empty()) options.waveforms = a.instrument.waveform;
+    maker = std::make_unique<simulate::EchoMaker>(*target.surroundings, *reflection, instrument,
+                                                  options);
   }
-  std::vector<std::filesystem::path> inputs{a.model, a.like.empty() ? a.trajectory : a.like};
-  if (std::filesystem::is_regular_file(a.sensor)) inputs.emplace_back(a.sensor);
-  const SimulateStep step = simulate_log(verb, world, *beams, a.simulate, a.output, inputs);
+  simulate::SimulatedSource simulated(
+      [&](size_t first_beam, BeamLog& chunk) {
+        if (maker) return maker->answer(first_beam, chunk);
+        simulate::simulate(*target.surroundings, a.simulate, first_beam, chunk);
+      },
+      *beams, a.simulate.max_range_m);
+  std::string lost;
+  const SimulateStep step = write(verb, a, simulated, path, lost);
+  if (maker) write_waveforms(a.instrument, sensor, maker->waveforms());
+
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
   const double rate = double(step.beams) / std::max(step.seconds_tracing, 1e-9);
+  const size_t misses = step.rows - step.hits;
   Json j;
   j["beams"] = step.beams;
-  j["hits"] = step.hits;
-  j["misses"] = step.beams - step.hits;
+  j["hits"] = step.beams - misses;
+  j["misses"] = misses;
+  if (maker) j["echoes"] = step.hits;
+  if (maker) j["sub_rays"] = instrument.sub_rays.size();
+  if (!lost.empty()) j["lost"] = lost;
   j["seconds_tracing"] = step.seconds_tracing;
   j["seconds"] = seconds;
   j["beams_per_s"] = rate;
-  verb.report(j, fmt::format("{} beams: {} hits, {} misses\n"
-                             "  tracing     {:.2f} s, {} beams/s ({} threads, {})\n"
-                             "  all         {:.2f} s\n  log         {}\n",
-                             step.beams, step.hits, step.beams - step.hits, step.seconds_tracing,
-                             si(rate), threads(), step.isa, seconds, a.output));
+  std::string text =
+      fmt::format("{} beams: {} hits, {} misses\n", step.beams, step.beams - misses, misses);
+  if (maker) {
+    text += fmt::format("  echoes      {}, of {} sub-rays a beam\n", step.hits,
+                        instrument.sub_rays.size());
+  }
+  text += fmt::format("  {}     {:.2f} s, {} beams/s ({} threads, {})\n  all         {:.2f} s\n",
+                      maker ? "answers" : "tracing", step.seconds_tracing, si(rate), threads(),
+                      target.surroundings->world().isa(), seconds);
+  if (!lost.empty()) text += fmt::format("  not kept    {}\n", lost);
+  verb.report(j, text + fmt::format("  log         {}\n", a.output));
 }
 
 }  // namespace
@@ -131,9 +185,13 @@ void add_simulate(CLI::App& root) {
       "Answer beams from a model or scene: those of a log, or of a sensor on a trajectory",
       "underbrush simulate model/ --like log.ply -o sim.ply\n"
       "  underbrush simulate scene/ --like log.ply -o sim.ply\n"
-      "  underbrush simulate model/ --sensor velodyne-hdl32e --trajectory poses.txt -o sim.ply",
+      "  underbrush simulate model/ --sensor velodyne-hdl32e --trajectory poses.txt -o sim.ply\n"
+      "  underbrush simulate model/ --sensor ibeo-lux-2010 --trajectory poses.txt "
+      "--super-sample sensor -o sim.ply",
       [a](const Verb& v) { run(v, *a); });
   add_options(*verb->app, *a);
+  add_target_options(*verb->app, a->target);
+  add_instrument_options(*verb->app, a->instrument);
 }
 
 }  // namespace underbrush::app

@@ -13,26 +13,22 @@ namespace underbrush::app {
 namespace fs = std::filesystem;
 namespace {
 
-/// Progress of a source as it is read.
+/// Progress of a simulation as it is read.
 class Watched : public BeamSource {
  public:
-  Watched(BeamSource& source, std::string what) : source_(source), progress_(std::move(what)) {}
+  explicit Watched(simulate::SimulatedSource& source) : source_(source), progress_("simulate") {}
   const LogInfo& info() const override { return source_.info(); }
   size_t size() const override { return source_.size(); }
-  void rewind() override {
-    source_.rewind();
-    done_ = 0;
-  }
+  void rewind() override { source_.rewind(); }
   bool next(BeamLog& chunk) override {
     if (!source_.next(chunk)) return false;
-    progress_(done_ += chunk.size(), source_.size());
+    progress_(source_.beams(), source_.size());
     return true;
   }
 
  private:
-  BeamSource& source_;
+  simulate::SimulatedSource& source_;
   Progress progress_;
-  size_t done_ = 0;
 };
 
 fit::FitResult refine_model(const elements::Model& start, BeamSource& log,
@@ -75,7 +71,7 @@ Json json_of(const fit::LikelihoodReport& report) {
 FitStep fit_log(const Verb& verb, const fs::path& log, const fit::FitOptions& options,
                 const fs::path& model) {
   const auto start = std::chrono::steady_clock::now();
-  io::LogReader reader(log);
+  io::BeamReader reader(log);
   elements::check_model_output(model);
   std::unique_ptr<Progress> bar;
   std::string stage;
@@ -102,22 +98,30 @@ FitStep fit_log(const Verb& verb, const fs::path& log, const fit::FitOptions& op
   return step;
 }
 
+SimulateStep simulate_log(const Verb& verb, simulate::SimulatedSource& simulated,
+                          const WriteLog& write, const std::vector<fs::path>& inputs) {
+  Watched watched(simulated);
+  watched.rewind();
+  write(watched, provenance(verb, inputs));
+  return {simulated.beams(), simulated.rows(), simulated.hits(), simulated.seconds()};
+}
+
 SimulateStep simulate_log(const Verb& verb, const trace::World& world, BeamSource& beams,
                           const simulate::Options& options, const fs::path& output,
                           const std::vector<fs::path>& inputs) {
   simulate::SimulatedSource simulated(world, beams, options);
-  Watched watched(simulated, "simulate");
-  watched.rewind();
-  io::export_log(output, watched, "", provenance(verb, inputs));
-  return {simulated.beams(), simulated.hits(), simulated.seconds(), std::string(world.isa())};
+  const auto write = [&](BeamSource& log, const std::string& origin) {
+    io::export_log(output, log, "", origin);
+  };
+  return simulate_log(verb, simulated, write, inputs);
 }
 
 std::vector<metrics::Score> score_logs(const fs::path& real,
                                        const std::vector<Candidate>& candidates, bool cloud) {
-  io::LogReader real_log(real);
+  io::BeamReader real_log(real);
   std::vector<metrics::Score> scores;
   for (const Candidate& c : candidates) {
-    io::LogReader simulated(c.log);
+    io::BeamReader simulated(c.log);
     metrics::ScoreOptions options;
     options.cloud = cloud;
     elements::Model model;

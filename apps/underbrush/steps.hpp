@@ -2,6 +2,7 @@
 /// progress.
 #pragma once
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -25,12 +26,16 @@ FitStep fit_log(const Verb& verb, const std::filesystem::path& log, const fit::F
 /// The steps of a refinement, for the manifest and `--json`.
 Json json_of(const fit::LikelihoodReport& report);
 
-/// Answers the beams with the world and writes the log.
+/// Answers the beams and writes the log.
 struct SimulateStep {
-  size_t beams = 0, hits = 0;
+  size_t beams = 0, rows = 0, hits = 0;  ///< Rows: echoes and misses.
   double seconds_tracing = 0;
-  std::string isa;
 };
+/// `write` is given the source, with progress, and the provenance.
+using WriteLog = std::function<void(BeamSource&, const std::string& provenance)>;
+SimulateStep simulate_log(const Verb& verb, simulate::SimulatedSource& simulated,
+                          const WriteLog& write, const std::vector<std::filesystem::path>& inputs);
+/// The beams of thin rays, written by the output's extension.
 SimulateStep simulate_log(const Verb& verb, const trace::World& world, BeamSource& beams,
                           const simulate::Options& options, const std::filesystem::path& output,
                           const std::vector<std::filesystem::path>& inputs);

@@ -18,7 +18,6 @@ import sys
 import tempfile
 import time
 import unittest
-import xml.etree.ElementTree
 
 GOLDEN = pathlib.Path(__file__).parent / "golden"
 PROGRAM = None
@@ -470,44 +469,6 @@ class Scenes(OnALog):
             self.assert_fails(call("compose", "site.json", "primitives", "--class-density", density, "-o", "bad",
                                    cwd=self.folder), 2)
         self.assert_fails(call("extract", "model", "log.ply", "-o", "bad", cwd=self.folder), 3, "segment")
-
-
-class Sensors(Failing):
-    def test_catalogue(self):
-        listed = json.loads(call("sensors", "list", "--json", "-").stdout)
-        self.assertGreaterEqual(len(listed), 10)
-        for name in (sensor["name"] for sensor in listed):
-            with self.subTest(name), tempfile.TemporaryDirectory() as folder:
-                done = call("sensors", "show", name, "--plot", "p.svg", "--json", "s.json", cwd=folder)
-                self.assertEqual((done.returncode, done.stderr), (0, ""))
-                shown = json.loads(pathlib.Path(folder, "s.json").read_text())
-                self.assertEqual(shown["name"], name)
-                self.assertTrue(shown["sources"])
-                self.assertTrue(xml.etree.ElementTree.parse(pathlib.Path(folder, "p.svg")))
-
-    def test_echoes_of_two_surfaces_and_their_waveform(self):
-        with tempfile.TemporaryDirectory() as folder:
-            done = call("sensors", "echo", "ibeo-lux-2010", "--target", "30:leaf:0.4", "--target",
-                        "33:soil:0.6", "--csv", "w.csv", "--plot", "w.svg", "--json", "-", cwd=folder)
-            echoes = json.loads(done.stdout)["echoes"]
-            self.assertEqual([round(e["range_m"]) for e in echoes], [30, 33])
-            rows = pathlib.Path(folder, "w.csv").read_text().splitlines()
-            self.assertEqual(rows[0], "range_m,signal")
-            highest = max(rows[1:], key=lambda row: float(row.split(",")[1]))
-            self.assertAlmostEqual(float(highest.split(",")[0]), 30, delta=0.5)
-
-    def test_what_is_wrong(self):
-        self.assert_fails(call("sensors", "show", "vlp61"), 2, "'velodyne-vlp16'")
-        self.assert_fails(call("sensors", "show"), 2, "sensors list")
-        self.assert_fails(call("sensors", "echo", "velodyne-vlp16"), 2, "--target")
-        self.assert_fails(call("sensors", "echo", "velodyne-vlp16", "--target", "x"), 2, "RANGE")
-        self.assert_fails(call("sensors", "echo", "velodyne-vlp16", "--target", "3:laef"), 2, "'leaf'")
-        with tempfile.TemporaryDirectory() as folder:
-            self.assert_fails(call("sensors", "show", "velodyne-vlp16", "--plot", "p.png", cwd=folder), 2)
-            pathlib.Path(folder, "bad.yaml").write_text("name: [\n")
-            self.assert_fails(call("sensors", "show", "bad.yaml", "--plot", "p.svg", cwd=folder), 3,
-                              "bad.yaml", "line")
-            self.assertEqual({p.name for p in pathlib.Path(folder).iterdir()}, {"bad.yaml"})
 
 
 if __name__ == "__main__":

@@ -43,6 +43,19 @@ TEST(BeamLog, AppendOfALogWithoutAColumnFillsZeros) {
   EXPECT_EQ(std::get<std::vector<uint16_t>>(out.extra.at("class")).back(), 0);
 }
 
+TEST(BeamLog, KeepsTheFirstEchoOfEachBeamWhateverTypeTheColumnHas) {
+  BeamLog log = three_beams();
+  BeamLog same = log;
+  keep_first_echoes(same);
+  EXPECT_EQ(same.ring, log.ring);
+  log.extra[kEchoColumn] = std::vector<int32_t>{1, 2, 0};
+  keep_first_echoes(log);
+  EXPECT_EQ(log.ring, (std::vector<uint16_t>{4, 6}));
+  EXPECT_EQ(std::get<std::vector<int32_t>>(log.extra.at(kEchoColumn)),
+            (std::vector<int32_t>{1, 0}));
+  log.check();
+}
+
 TEST(MemorySource, GivesAllBeamsInOrderAndAgain) {
   const BeamLog log = three_beams();
   MemorySource source(log, 2);

@@ -53,6 +53,19 @@ TEST(RandomBits, DifferByPurposeSeedScanAndBeam) {
   EXPECT_NE(key, beam_key(1, 2, 4));
 }
 
+TEST(QuickNormal, IsTheExactOneButForTwoTenThousandths) {
+  const QuickNormal quick;
+  Stream random(12);
+  for (int i = 0; i < 400000; ++i) {
+    const uint64_t bits = random.bits();
+    ASSERT_NEAR(quick(bits), normal_from_uniform(uniform_from_bits(bits)), 2e-4) << bits;
+  }
+  for (const uint64_t bits :
+       {uint64_t(0), ~uint64_t(0), uint64_t(16) << 52, uint64_t(4080) << 52}) {
+    EXPECT_NEAR(quick(bits), normal_from_uniform(uniform_from_bits(bits)), 2e-4) << bits;
+  }
+}
+
 TEST(Stream, HasTheMomentsOfItsDistributions) {
   Stream random(11);
   double mean = 0, square = 0;

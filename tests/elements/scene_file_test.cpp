@@ -60,6 +60,27 @@ TEST(SceneFile, ComesBackToTheBit) {
   EXPECT_EQ(back.labels, info.labels);
   EXPECT_EQ(back.provenance, info.provenance);
   EXPECT_EQ(folder.entries(), 1u);
+  EXPECT_TRUE(back.movers.empty());
+}
+
+TEST(SceneFile, KeepsMoversAndMaterials) {
+  const io::TemporaryFolder folder;
+  SceneInfo info, back;
+  const Scene s = scene(info);
+  info.materials = {"", "car_paint", ""};
+  const Pose a{Eigen::Quaterniond(Eigen::AngleAxisd(1.0 / 3, Vec3::UnitZ())), Vec3(0.1, 5e6, -1)};
+  info.movers = {{499, Trajectory({{1e9 + 1.0 / 3, a}})}, {7, Trajectory({{0, a}, {2, Pose{}}})}};
+  write_scene(folder / "scene", s, info);
+  read_scene(folder / "scene", &back);
+  EXPECT_EQ(back.materials, info.materials);
+  ASSERT_EQ(back.movers.size(), 2u);
+  EXPECT_EQ(back.movers[0].instance, 499u);
+  EXPECT_EQ(back.movers[0].world_from_object.poses()[0].time_s, 1e9 + 1.0 / 3);
+  EXPECT_EQ(back.movers[0].world_from_object.poses()[0].world_from_sensor.translation,
+            a.translation);
+  EXPECT_EQ(back.movers[1].world_from_object.poses().size(), 2u);
+  std::filesystem::remove(folder / "scene/movers/0001.txt");
+  EXPECT_THROW(read_scene(folder / "scene"), FormatError);
 }
 
 TEST(SceneFile, ThatIsDamagedIsRefused) {

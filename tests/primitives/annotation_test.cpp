@@ -29,6 +29,7 @@ TEST(Annotation, ComesBack) {
     o.yaw_rad = random.uniform(-1.5, 1.5);
     o.instance = k;
     o.points = 10 * k;
+    if (k % 50 == 0) o.trajectory = folder / ("poses" + std::to_string(k) + ".txt");
     a.objects.push_back(o);
   }
   write_annotation(folder / "a.json", a);
@@ -44,6 +45,7 @@ TEST(Annotation, ComesBack) {
     EXPECT_NEAR(b.objects[k].yaw_rad, a.objects[k].yaw_rad, 1e-5);
     EXPECT_EQ(b.objects[k].instance, a.objects[k].instance);
     EXPECT_EQ(b.objects[k].points, a.objects[k].points);
+    EXPECT_EQ(b.objects[k].trajectory, a.objects[k].trajectory);
   }
   write_annotation(folder / "b.json", b);  // written again, it is the same
   std::ifstream first(folder / "a.json"), second(folder / "b.json");

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <fstream>
 
 #include "io/temporary.hpp"
 #include "primitives/sites.hpp"
@@ -54,6 +55,31 @@ class Composing : public testing::Test {
   Annotation annotation;
   elements::Model ground = test::plane(40, 0.2, -0.1);
 };
+
+TEST_F(Composing, AnObjectWithATrajectoryMovesFromWhereItWouldStand) {
+  PlacedObject& o = annotation.objects[3];
+  const Composition still = compose(annotation, ground, set, {});
+  o.trajectory = folder / "poses.txt";
+  // The foot where compose puts it, and 2 m along x a second later.
+  const Pose foot = o.world_from_object();
+  const double z = still.scene.instances[4].world_from_model.translation.z();  // boxes begin at 0
+  std::ofstream poses(o.trajectory);
+  poses.precision(17);
+  const auto& q = foot.rotation.coeffs();
+  for (int t = 0; t < 2; ++t) {
+    poses << t << " " << o.position.x() + 2 * t << " " << o.position.y() << " " << z << " " << q[0]
+          << " " << q[1] << " " << q[2] << " " << q[3] << "\n";
+  }
+  poses.close();
+  const Composition c = compose(annotation, ground, set, {});
+  ASSERT_EQ(c.info.movers.size(), 1u);
+  EXPECT_EQ(c.info.movers[0].instance, 4u);
+  const auto& path = c.info.movers[0].world_from_object.poses();
+  const Pose& stands = c.scene.instances[4].world_from_model;
+  EXPECT_LT((path[0].world_from_sensor.translation - stands.translation).norm(), 1e-6);
+  EXPECT_LT((path[1].world_from_sensor.translation - stands.translation - Vec3(2, 0, 0)).norm(),
+            1e-6);
+}
 
 TEST_F(Composing, TakesThePrimitiveOfTheClassWithTheNearestBox) {
   const Composition c = compose(annotation, ground, set, {});

@@ -37,7 +37,7 @@ class Cursor {
     at_ = 0;
     return reader_.next(chunk_);
   }
-  const io::LogReader& reader() const { return reader_; }
+  const io::BeamReader& reader() const { return reader_; }
   const BeamLog& log() const { return chunk_; }
   size_t index() const { return at_; }
   bool is_hit() const { return chunk_.is_hit(at_); }
@@ -45,7 +45,7 @@ class Cursor {
   Vec3 point() const { return chunk_.end_point(at_); }
 
  private:
-  io::LogReader reader_;
+  io::BeamReader reader_;
   BeamLog chunk_;
   size_t at_ = 0;
 };

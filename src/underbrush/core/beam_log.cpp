@@ -97,4 +97,29 @@ bool MemorySource::next(BeamLog& chunk) {
   return !chunk.empty();
 }
 
+std::vector<bool> begins_beam(const BeamLog& log) {
+  std::vector<bool> begins(log.size(), true);
+  const auto found = log.extra.find(kEchoColumn);
+  if (found == log.extra.end()) return begins;
+  std::visit(
+      [&](const auto& echo) {
+        for (size_t i = 0; i < echo.size(); ++i) begins[i] = echo[i] <= 1;
+      },
+      found->second);
+  return begins;
+}
+
+void keep_first_echoes(BeamLog& log) {
+  const std::vector<bool> begins = begins_beam(log);
+  if (std::find(begins.begin(), begins.end(), false) == begins.end()) return;
+  BeamLog kept = log.like();
+  for (size_t begin = 0; begin < begins.size();) {
+    size_t end = begin;
+    while (end < begins.size() && begins[end]) ++end;
+    if (end > begin) kept.append(log, begin, end);
+    begin = end + 1;
+  }
+  log = std::move(kept);
+}
+
 }  // namespace underbrush

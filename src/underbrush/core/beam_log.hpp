@@ -21,6 +21,13 @@ enum BeamFlag : uint8_t {
       1,  ///< The log's format had dropped this miss; it was inferred from the scan pattern.
 };
 
+/// Names of the extra columns of a log with echoes. An echo is a row; the rows of a beam follow
+/// each other in order of range, and a beam without an echo is one row, a miss. So a row with echo
+/// ≤ 1 begins a beam.
+inline constexpr const char* kEchoColumn = "echo";               ///< 1, 2, …; 0 for a miss.
+inline constexpr const char* kEchoesColumn = "echoes";           ///< How many that beam has.
+inline constexpr const char* kPulseWidthColumn = "pulse_width";  ///< m, above the threshold.
+
 /// A field that the log carries besides the named ones, kept in its own type.
 using ExtraColumn = std::variant<std::vector<uint8_t>, std::vector<uint16_t>, std::vector<uint32_t>,
                                  std::vector<int8_t>, std::vector<int16_t>, std::vector<int32_t>,
@@ -84,6 +91,11 @@ struct BeamLog {
   /// Throws `std::invalid_argument` if the columns' lengths differ.
   void check() const;
 };
+
+/// Which rows begin a beam, as the column `echo` says; without it all do.
+std::vector<bool> begins_beam(const BeamLog& log);
+/// Leaves one row a beam: of several echoes the first.
+void keep_first_echoes(BeamLog& log);
 
 /// Beams in chunks: how stages read a log that need not fit into memory.
 class BeamSource {

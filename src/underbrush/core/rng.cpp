@@ -1,5 +1,6 @@
 #include "underbrush/core/rng.hpp"
 
+#include <array>
 #include <cmath>
 
 namespace underbrush {
@@ -92,6 +93,15 @@ double normal_from_uniform(double u) {
          1.0);
   }
   return q < 0 ? -x : x;
+}
+
+QuickNormal::QuickNormal() {
+  static const std::array<double, kSteps + 1> table = [] {
+    std::array<double, kSteps + 1> q{};
+    for (uint64_t k = 1; k < kSteps; ++k) q[k] = normal_from_uniform(double(k) / double(kSteps));
+    return q;
+  }();
+  quantile_ = table.data();
 }
 
 }  // namespace underbrush

@@ -54,6 +54,23 @@ constexpr double uniform_from_bits(uint64_t bits) { return (double(bits >> 12) +
 /// Standard normal from a uniform in (0, 1): Wichura's AS 241 (PPND16), relative error below 1e-15.
 double normal_from_uniform(double u);
 
+/// `normal_from_uniform(uniform_from_bits(bits))`, several times faster: between quantiles 1/4096
+/// apart by a straight line, off by less than 2e-4; exact in the tails (1/256 on either side).
+class QuickNormal {
+ public:
+  QuickNormal();
+  double operator()(uint64_t bits) const {
+    const uint64_t k = bits >> 52;
+    if (k - kTail >= kSteps - 2 * kTail) return normal_from_uniform(uniform_from_bits(bits));
+    const double within = double(bits & ((uint64_t(1) << 52) - 1)) * 0x1p-52;
+    return quantile_[k] + within * (quantile_[k + 1] - quantile_[k]);
+  }
+
+ private:
+  static constexpr uint64_t kSteps = 4096, kTail = kSteps / 256;
+  const double* quantile_;  ///< At k / kSteps; 0 and kSteps are not used.
+};
+
 /// Standard normal for (key, element, purpose).
 inline double normal(uint64_t key, uint32_t element, Purpose purpose) {
   return normal_from_uniform(uniform_from_bits(random_bits(key, element, purpose)));

@@ -16,6 +16,13 @@ struct Instance {
   uint32_t model = 0;  ///< Index into the scene's models.
 };
 
+/// An instance of a scene that moves: its pose is that of `world_from_object` (instead of the
+/// instance's own), before the first pose and after the last it stands there.
+struct Mover {
+  uint32_t instance = 0;
+  Trajectory world_from_object;
+};
+
 /// Models and where they stand. An opaque or permeable ground is a model like any other.
 struct Scene {
   std::vector<Model> models;

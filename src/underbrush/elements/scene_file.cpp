@@ -9,6 +9,7 @@
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/ply.hpp"
+#include "underbrush/io/poses.hpp"
 
 namespace underbrush::elements {
 namespace fs = std::filesystem;
@@ -20,6 +21,38 @@ std::string folder_of(size_t model) {
   char name[32];
   std::snprintf(name, sizeof name, "models/%04zu", model);
   return name;
+}
+
+std::string trajectory_file(size_t mover) {
+  char name[32];
+  std::snprintf(name, sizeof name, "movers/%04zu.txt", mover);
+  return name;
+}
+
+void write_movers(const fs::path& folder, const std::vector<Mover>& movers) {
+  if (!movers.empty()) fs::create_directories(folder / "movers");
+  for (size_t k = 0; k < movers.size(); ++k) {
+    std::ofstream out(folder / trajectory_file(k));
+    out.precision(17);
+    out << "# world from object: time x y z qx qy qz qw\n";
+    for (const StampedPose& p : movers[k].world_from_object.poses()) {
+      const Pose& pose = p.world_from_sensor;
+      out << p.time_s << " " << pose.translation.transpose() << " "
+          << pose.rotation.coeffs().transpose() << "\n";
+    }
+    if (!out.flush()) throw IoError((folder / trajectory_file(k)).string() + ": cannot write");
+  }
+}
+
+Mover read_mover(const fs::path& folder, const Json& j, size_t instances) {
+  Mover mover;
+  mover.instance = j.at("instance");
+  const fs::path file = folder / j.at("trajectory").get<std::string>();
+  mover.world_from_object = io::read_trajectory(file);
+  if (mover.instance >= instances) {
+    throw FormatError((folder / "scene.json").string(), "movers", "there is no such instance");
+  }
+  return mover;
 }
 
 constexpr const char* kNumbers[] = {"x", "y", "z", "qx", "qy", "qz", "qw"};
@@ -102,6 +135,8 @@ void write_scene(const fs::path& path, const Scene& scene, const SceneInfo& info
   scene.check();
   require(info.names.size() == scene.models.size() && info.labels.size() == scene.instances.size(),
           "scene: one name a model and one class an instance are needed");
+  require(info.materials.empty() || info.materials.size() == scene.models.size(),
+          "scene: one material a model is needed");
   check_scene_output(path);
   Json j;
   j["format"] = "underbrush-scene";
@@ -109,8 +144,15 @@ void write_scene(const fs::path& path, const Scene& scene, const SceneInfo& info
   j["models"] = Json::array();
   for (size_t k = 0; k < scene.models.size(); ++k) {
     j["models"].push_back({{"folder", folder_of(k)}, {"name", info.names[k]}});
+    if (!info.materials.empty() && !info.materials[k].empty()) {
+      j["models"].back()["material"] = info.materials[k];
+    }
   }
   j["instances"] = {{"file", "instances.ply"}, {"count", scene.instances.size()}};
+  for (size_t k = 0; k < info.movers.size(); ++k) {
+    j["movers"].push_back(
+        {{"instance", info.movers[k].instance}, {"trajectory", trajectory_file(k)}});
+  }
   j["provenance"] = info.provenance.empty() ? Json::object() : Json::parse(info.provenance);
   io::write_atomically(
       path,
@@ -120,6 +162,7 @@ void write_scene(const fs::path& path, const Scene& scene, const SceneInfo& info
           write_model(folder / folder_of(k), scene.models[k]);
         }
         io::write_ply(folder / "instances.ply", ply_of(scene, info));
+        write_movers(folder, info.movers);
         std::ofstream out(folder / "scene.json");
         out << j.dump(1) << "\n";
         if (!out.flush()) throw IoError((folder / "scene.json").string() + ": cannot write");
@@ -145,6 +188,7 @@ Scene read_scene(const fs::path& path, SceneInfo* info) {
     }
     for (const Json& m : j.at("models")) {
       read.names.push_back(m.at("name"));
+      read.materials.push_back(m.value("material", ""));
       scene.models.push_back(read_model(path / m.at("folder").get<std::string>()));
     }
     read.provenance = j.at("provenance").dump();
@@ -153,6 +197,9 @@ Scene read_scene(const fs::path& path, SceneInfo* info) {
       throw FormatError(file.string(), "", "its counts and its files disagree");
     }
     scene.check();
+    for (const Json& m : j.value("movers", Json::array())) {
+      read.movers.push_back(read_mover(path, m, scene.instances.size()));
+    }
   } catch (const nlohmann::json::exception& e) {
     throw FormatError(file.string(), "", e.what());
   } catch (const std::invalid_argument& e) {

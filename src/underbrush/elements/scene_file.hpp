@@ -19,11 +19,15 @@ inline constexpr int kSceneVersion = 1;
 struct SceneInfo {
   std::vector<std::string> names;  ///< One a model.
   std::vector<Class> labels;       ///< One an instance; `kGround` for the ground.
-  std::string provenance;          ///< JSON object.
+  /// One a model: what it is made of (radiometry), "" = as its class says. Empty = all "".
+  std::vector<std::string> materials;
+  std::vector<Mover> movers;
+  std::string provenance;  ///< JSON object.
 };
 
-/// Writes the folder `path` (scene.json, models/NNNN/, instances.ply), atomically; a scene that
-/// stood there is replaced. Throws `IoError`, also if a folder that is no scene stands there.
+/// Writes the folder `path` (scene.json, models/NNNN/, instances.ply, movers/NNNN.txt), atomically;
+/// a scene that stood there is replaced. Throws `IoError`, also if a folder that is no scene stands
+/// there.
 void write_scene(const std::filesystem::path& path, const Scene& scene, const SceneInfo& info);
 
 /// Throws the `IoError` that `write_scene` would end with now: to be asked before long work.

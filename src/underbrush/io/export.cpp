@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdio>
+#include <fstream>
+#include <map>
+#include <set>
+#include <vector>
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/atomic_file.hpp"
@@ -27,22 +31,52 @@ void put_number(std::string& out, T value, char after) {
   out += after;
 }
 
+/// Extra columns as fields of a PCD file: those whose names are words.
+std::vector<std::string> pcd_extras(const BeamLog& log) {
+  std::vector<std::string> names;
+  for (const auto& [name, column] : log.extra) {
+    if (!name.empty() && name.find_first_of(" \t\n") == std::string::npos) names.push_back(name);
+  }
+  return names;
+}
+
 // The number of points is patched in once it is known: twenty digits, padded with zeros.
-std::string pcd_header(size_t points) {
+std::string pcd_header(size_t points, const BeamLog& log) {
   char count[32];
   std::snprintf(count, sizeof count, "%020zu", points);
+  std::string fields, sizes, types, counts;
+  for (const std::string& name : pcd_extras(log)) {
+    std::visit(
+        [&](const auto& c) {
+          using T = typename std::decay_t<decltype(c)>::value_type;
+          fields += " " + name;
+          sizes += " " + std::to_string(sizeof(T));
+          types += std::is_floating_point_v<T> ? " F" : std::is_signed_v<T> ? " I" : " U";
+          counts += " 1";
+        },
+        log.extra.at(name));
+  }
   return std::string(
              "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\n"
-             "FIELDS x y z intensity time ring scan packet\nSIZE 8 8 8 4 8 2 4 4\n"
-             "TYPE F F F F F U U U\nCOUNT 1 1 1 1 1 1 1 1\nWIDTH ") +
-         count + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + count + "\nDATA binary\n";
+             "FIELDS x y z intensity time ring scan packet") +
+         fields + "\nSIZE 8 8 8 4 8 2 4 4" + sizes + "\nTYPE F F F F F U U U" + types +
+         "\nCOUNT 1 1 1 1 1 1 1 1" + counts + "\nWIDTH " + count +
+         "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + count + "\nDATA binary\n";
 }
 
 void write_pcd(const fs::path& temporary, const std::string& name, BeamSource& source) {
   OutputFile file(temporary, name);
-  std::string bytes = pcd_header(0);
+  std::string bytes;
   size_t points = 0;
+  bool first = true;
+  BeamLog columns;  // the first chunk's, empty
   for (BeamLog chunk; source.next(chunk);) {
+    if (first) {
+      columns = chunk.like();
+      bytes = pcd_header(0, columns);
+      first = false;
+    }
+    const std::vector<std::string> extras = pcd_extras(columns);
     for (size_t i = 0; i < chunk.size(); ++i) {
       if (!chunk.is_hit(i)) continue;
       const Vec3 end = chunk.end_point(i);
@@ -52,12 +86,15 @@ void write_pcd(const fs::path& temporary, const std::string& name, BeamSource& s
       put(bytes, chunk.ring[i]);
       put(bytes, chunk.scan[i]);
       put(bytes, chunk.packet[i]);
+      for (const std::string& extra : extras) {
+        std::visit([&](const auto& c) { put(bytes, c[i]); }, chunk.extra.at(extra));
+      }
       ++points;
     }
     file.append(bytes.data(), bytes.size());
     bytes.clear();
   }
-  const std::string header = pcd_header(points);
+  const std::string header = pcd_header(points, columns);
   file.overwrite(0, header.data(), header.size());
   file.close();
 }
@@ -108,7 +145,7 @@ class KittiFolder {
     fs::create_directories(folder / "velodyne");
     std::string poses, times;
     for (const ScanInfo& scan : info.scans) {
-      scans_[scan.scan] = {scan.world_from_sensor.inverse(), {}};
+      scans_[scan.scan] = {scan.world_from_sensor.inverse(), {}, 0};
       const Mat3 r = scan.world_from_sensor.rotation.toRotationMatrix();
       const Vec3& t = scan.world_from_sensor.translation;
       for (int i = 0; i < 3; ++i) {
@@ -117,35 +154,48 @@ class KittiFolder {
       }
       put_number(times, scan.time_s, '\n');
     }
+    size_t number = 0;
+    for (auto& [scan, entry] : scans_) entry.number = number++;
     write_text(folder / "poses_velo.txt", poses);
     write_text(folder / "times.txt", times);
   }
 
   void write(const BeamLog& chunk) {
+    std::set<Entry*> touched;
     for (size_t i = 0; i < chunk.size(); ++i) {
       const auto scan = scans_.find(chunk.scan[i]);
       require(scan != scans_.end(), "export: a beam's scan has no pose");
       if (!chunk.is_hit(i)) continue;
-      const Vec3f p = (scan->second.sensor_from_world * chunk.end_point(i)).cast<float>();
-      for (int c = 0; c < 3; ++c) put(scan->second.bytes, p[c]);
-      put(scan->second.bytes, chunk.intensity[i]);
+      Entry& entry = scan->second;
+      const Vec3f p = (entry.sensor_from_world * chunk.end_point(i)).cast<float>();
+      for (int c = 0; c < 3; ++c) put(entry.bytes, p[c]);
+      put(entry.bytes, chunk.intensity[i]);
+      touched.insert(&entry);
     }
+    for (Entry* entry : touched) append(*entry);
   }
 
+  /// Scans without a hit get an empty file.
   void close() {
-    size_t number = 0;  // poses and times go by file number
-    for (const auto& [scan, entry] : scans_) {
-      char name[32];
-      std::snprintf(name, sizeof name, "%06zu.bin", number++);
-      write_text(folder_ / "velodyne" / name, entry.bytes);
-    }
+    for (auto& [scan, entry] : scans_) append(entry);
   }
 
  private:
   struct Entry {
     Pose sensor_from_world;
     std::string bytes;
+    size_t number = 0;  ///< Poses and times go by file number.
   };
+  void append(Entry& entry) const {
+    char name[32];
+    std::snprintf(name, sizeof name, "%06zu.bin", entry.number);
+    const fs::path path = folder_ / "velodyne" / name;
+    std::ofstream out(path, std::ios::binary | std::ios::app);
+    out.write(entry.bytes.data(), std::streamsize(entry.bytes.size()));
+    if (!out.flush()) throw IoError(path.string() + ": cannot write");
+    entry.bytes.clear();
+  }
+
   fs::path folder_;
   std::map<uint32_t, Entry> scans_;
 };

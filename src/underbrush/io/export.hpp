@@ -10,7 +10,7 @@ namespace underbrush::io {
 
 /// Writes a log atomically. Formats:
 /// - "pcd": one binary PCD file; x y z of the hits (world, double), intensity, time, ring, scan,
-/// packet.
+/// packet, and the extra columns whose names are single words.
 /// - "kitti": a folder with one velodyne/NNNNNN.bin a scan (float32 x y z intensity of the hits, in
 /// the
 ///   sensor's frame at the scan's pose in `info.scans`), times.txt and poses_velo.txt.

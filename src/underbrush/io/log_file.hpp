@@ -29,6 +29,18 @@ class LogReader : public BeamSource {
   std::unique_ptr<State> state_;
 };
 
+/// The beams of a log, one row each: of several echoes the first (`keep_first_echoes`). To count
+/// the beams, a log with several echoes a beam is read twice.
+class BeamReader : public LogReader {
+ public:
+  explicit BeamReader(const std::filesystem::path& path, size_t chunk_size = 1 << 20);
+  size_t size() const override { return beams_; }
+  bool next(BeamLog& chunk) override;
+
+ private:
+  size_t beams_ = 0;
+};
+
 /// How a log is written.
 struct LogWriterOptions {
   bool double_coordinates = true;  ///< End points as double (millimetres at any distance) or float.

@@ -274,6 +274,24 @@ bool LogReader::next(BeamLog& chunk) {
   return true;
 }
 
+BeamReader::BeamReader(const std::filesystem::path& path, size_t chunk_size)
+    : LogReader(path, chunk_size), beams_(LogReader::size()) {
+  BeamLog chunk;
+  if (!LogReader(path, 1).next(chunk) || chunk.extra.count(kEchoColumn) == 0) return;
+  size_t beams = 0;
+  while (BeamReader::next(chunk)) beams += chunk.size();
+  beams_ = beams;
+  LogReader::rewind();
+}
+
+bool BeamReader::next(BeamLog& chunk) {
+  while (LogReader::next(chunk)) {
+    keep_first_echoes(chunk);
+    if (!chunk.empty()) return true;  // a chunk may hold nothing but further echoes
+  }
+  return false;
+}
+
 BeamLog read_log(const std::filesystem::path& path) {
   LogReader reader(path, std::numeric_limits<size_t>::max());
   BeamLog log;

@@ -79,6 +79,18 @@ PoseList read_poses(const fs::path& path) {
   return out;
 }
 
+Trajectory read_trajectory(const fs::path& path) {
+  const PoseList list = read_poses(path);
+  if (list.pose.empty()) throw FormatError(path.string(), "", "no poses");
+  if (list.time_s.empty()) {
+    throw FormatError(path.string(), "",
+                      "its poses have no times; give TUM rows (t tx ty tz qx qy qz qw)");
+  }
+  std::vector<StampedPose> poses(list.pose.size());
+  for (size_t i = 0; i < poses.size(); ++i) poses[i] = {list.time_s[i], list.pose[i]};
+  return Trajectory(std::move(poses));
+}
+
 std::vector<double> read_times(const fs::path& path) {
   const NumberRows numbers = read_numbers(path);
   std::vector<double> times;

@@ -22,6 +22,10 @@ struct PoseList {
 /// is not 1 within 0.005, matrices that are not rotations within 0.005, and a time given twice.
 PoseList read_poses(const std::filesystem::path& path);
 
+/// The poses of a file with times, as a trajectory. Throws `FormatError` where there are no times,
+/// or no poses.
+Trajectory read_trajectory(const std::filesystem::path& path);
+
 /// The rigid transform in 12 numbers, row-major 3×4; nothing if it is not one within 0.005.
 std::optional<Pose> pose_from_rows(const std::array<double, 12>& rows);
 

@@ -30,8 +30,9 @@ uint32_t count_of(const JsonPlace& place, const Json& j) {
 }
 
 PlacedObject object_of(const JsonPlace& place, const Json& j) {
-  check_members(place, j,
-                {"class", "position_m", "yaw_rad", "box_m", "instance", "points", "comment"});
+  check_members(
+      place, j,
+      {"class", "position_m", "yaw_rad", "box_m", "instance", "points", "trajectory", "comment"});
   PlacedObject o;
   o.label = class_of_json(place, j);
   const Json& position = member_of(place, j, "position_m");
@@ -45,6 +46,10 @@ PlacedObject object_of(const JsonPlace& place, const Json& j) {
   o.box = box_of_json(place, j);
   if (j.contains("instance")) o.instance = count_of(place.at("instance"), j["instance"]);
   if (j.contains("points")) o.points = count_of(place.at("points"), j["points"]);
+  if (j.contains("trajectory")) {
+    if (!j["trajectory"].is_string()) place.at("trajectory").fail("expected a file's name");
+    o.trajectory = fs::path(place.file).parent_path() / j["trajectory"].get<std::string>();
+  }
   return o;
 }
 
@@ -63,7 +68,12 @@ void write_annotation(const fs::path& path, const Annotation& a) {
   text.erase(text.find_last_of('}') - 1);
   text += ",\n \"objects\": [";
   for (size_t k = 0; k < a.objects.size(); ++k) {
-    text += (k ? ",\n  " : "\n  ") + json_of_object(a.objects[k]).dump();
+    Json object = json_of_object(a.objects[k]);
+    if (const fs::path& poses = a.objects[k].trajectory; !poses.empty()) {
+      object["trajectory"] =
+          fs::absolute(poses).lexically_normal().lexically_relative(folder).generic_string();
+    }
+    text += (k ? ",\n  " : "\n  ") + object.dump();
   }
   text += a.objects.empty() ? "]\n}\n" : "\n ]\n}\n";
   io::write_atomically(path, text);

@@ -5,6 +5,7 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/rng.hpp"
+#include "underbrush/io/poses.hpp"
 
 namespace underbrush::primitives {
 namespace {
@@ -147,9 +148,22 @@ class Composer {
     instance.world_from_model.rotation = pose.rotation;
     instance.world_from_model.translation = pose * Vec3(middle.x(), middle.y(), 0);
     instance.world_from_model.translation.z() = *z - double(instance.scale) * entry.box.min.z();
+    if (!o.trajectory.empty() && copy == 0) {
+      const Pose foot_from_model{
+          {1, 0, 0, 0}, {middle.x(), middle.y(), -double(instance.scale) * entry.box.min.z()}};
+      add_mover(o.trajectory, foot_from_model);
+    }
     out_.scene.instances.push_back(instance);
     out_.info.labels.push_back(o.label);
     ++out_.placed;
+  }
+
+  /// Of the instance that comes next.
+  void add_mover(const std::filesystem::path& file, const Pose& foot_from_model) {
+    std::vector<StampedPose> poses = io::read_trajectory(file).poses();
+    for (StampedPose& p : poses) p.world_from_sensor = p.world_from_sensor * foot_from_model;
+    out_.info.movers.push_back(
+        {uint32_t(out_.scene.instances.size()), Trajectory(std::move(poses))});
   }
 
   uint32_t model_of(uint32_t entry) {

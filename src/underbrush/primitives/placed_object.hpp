@@ -1,6 +1,8 @@
 /// \file
 /// An object of a site: class, pose and box.
 #pragma once
+#include <filesystem>
+
 #include "underbrush/core/pose.hpp"
 #include "underbrush/elements/classes.hpp"
 
@@ -22,6 +24,9 @@ struct PlacedObject {
   Box box;
   uint32_t instance = 0;  ///< Number in the labelled log, 0 = none. Cells of a patch share it.
   size_t points = 0;      ///< That it was measured from.
+  /// Poses of the foot over time (TUM, world from object), for an object that moves; empty =
+  /// stands.
+  std::filesystem::path trajectory;
 
   Pose world_from_object() const {
     return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Vec3::UnitZ())), position};

@@ -6,21 +6,16 @@
 
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
+#include "underbrush/simulate/draw.hpp"
 
 namespace underbrush::simulate {
 namespace {
 
 using trace::Met;
 
-double drawn_on_ray(const Met& met, uint64_t key, const trace::RangeLimits& limits) {
-  const double t = met.t_m + met.sigma_m * normal(key, met.element, Purpose::kRange);
-  return t >= limits.min_m && t <= limits.max_m ? t : met.t_m;
-}
-
 // A point of the element's Gaussian, in the world frame.
-Vec3 drawn_in_volume(const trace::World& world, const Met& met, uint64_t key) {
-  const elements::Model& model = world.model(met.instance);
-  const elements::Instance& placed = world.instance(met.instance);
+Vec3 drawn_in_volume(const elements::Model& model, const elements::Instance& placed, const Met& met,
+                     uint64_t key) {
   const elements::Ellipsoid& e =
       model.ellipsoids[met.element - model.ground.size() - model.surface.size()];
   Vec3 n;
@@ -38,11 +33,11 @@ uint16_t class_of(const elements::Model& model, uint32_t element) {
 
 }  // namespace
 
-void simulate(const trace::World& world, const Options& options, size_t first_beam,
+void simulate(const Surroundings& world, const Options& options, size_t first_beam,
               BeamLog& beams) {
   if (options.random_ray) options.random_ray->check();
   const trace::RangeLimits limits{beams.info.min_range_m,
-                                  std::min(beams.info.max_range_m, world.model().max_range_m)};
+                                  std::min(beams.info.max_range_m, world.model(0).max_range_m)};
   std::vector<uint32_t> element(options.element_ids ? beams.size() : 0, Met::kNone);
   std::vector<uint16_t> label(element.size());
   parallel_for(beams.size(), 8192, [&](size_t begin, size_t end) {
@@ -58,7 +53,7 @@ void simulate(const trace::World& world, const Options& options, size_t first_be
         rays[k] = sensor::random_ray(sensor::beam_axes(rays[k]), *options.random_ray, keys[k]);
       }
     }
-    world.nearest_accepted(rays, keys, limits, met);
+    world.nearest_accepted(rays, keys, {&beams.time_s[begin], n}, limits, met);
     for (size_t k = 0; k < n; ++k) {
       const size_t i = begin + k;
       beams.range_m[i] = kMiss;
@@ -73,7 +68,8 @@ void simulate(const trace::World& world, const Options& options, size_t first_be
       double range = drawn_on_ray(met[k], keys[k], limits);
       if (options.draw == RangeDraw::kVolumetric &&
           model.kind(met[k].element) == elements::Kind::kEllipsoid) {
-        const Vec3 to = drawn_in_volume(world, met[k], keys[k]) - rays[k].origin;
+        const elements::Instance placed = world.placed(met[k].instance, beams.time_s[i]);
+        const Vec3 to = drawn_in_volume(model, placed, met[k], keys[k]) - rays[k].origin;
         range = to.norm();
         beams.direction[i] = to.normalized().cast<float>();
       }
@@ -88,16 +84,23 @@ void simulate(const trace::World& world, const Options& options, size_t first_be
   beams.extra["element_class"] = std::move(label);
 }
 
+SimulatedSource::SimulatedSource(Answer answer, BeamSource& beams, double max_range_m)
+    : answer_(std::move(answer)), beams_(beams), info_(beams.info()) {
+  info_.has_misses = true;
+  if (max_range_m > 0) info_.max_range_m = max_range_m;
+}
+
 SimulatedSource::SimulatedSource(const trace::World& world, BeamSource& beams,
                                  const Options& options)
-    : world_(world), beams_(beams), options_(options), info_(beams.info()) {
-  info_.has_misses = true;
-  if (options.max_range_m > 0) info_.max_range_m = options.max_range_m;
-}
+    : SimulatedSource(
+          [&world, options](size_t first_beam, BeamLog& chunk) {
+            simulate(world, options, first_beam, chunk);
+          },
+          beams, options.max_range_m) {}
 
 void SimulatedSource::rewind() {
   beams_.rewind();
-  done_ = hits_ = 0;
+  done_ = hits_ = rows_ = 0;
   seconds_ = 0;
 }
 
@@ -105,10 +108,12 @@ bool SimulatedSource::next(BeamLog& chunk) {
   using Clock = std::chrono::steady_clock;
   if (!beams_.next(chunk)) return false;
   chunk.info = info_;
+  const size_t fired = chunk.size();
   const auto start = Clock::now();
-  simulate(world_, options_, done_, chunk);
+  answer_(done_, chunk);
   seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
-  done_ += chunk.size();
+  done_ += fired;
+  rows_ += chunk.size();
   for (size_t i = 0; i < chunk.size(); ++i) hits_ += chunk.is_hit(i);
   return true;
 }

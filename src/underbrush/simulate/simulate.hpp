@@ -2,13 +2,14 @@
 /// The main job: beams in, ranges out.
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/sensor/beam.hpp"
-#include "underbrush/trace/world.hpp"
+#include "underbrush/simulate/surroundings.hpp"
 
 namespace underbrush {
 /// Beams answered by a world.
@@ -36,14 +37,20 @@ struct Options {
 /// a miss. Beam i draws its random numbers from (seed, scan, first_beam + i), so neither chunks nor
 /// threads change the answer. Volumetric draws also turn the direction towards the point drawn.
 /// Ranges are limited to those of `beams.info`; a draw outside them is put at the element itself.
-/// Intensities are those of no instrument yet: 0.
-void simulate(const trace::World& world, const Options& options, size_t first_beam, BeamLog& beams);
+/// Intensities are those of no instrument: 0 (`EchoMaker` has one).
+void simulate(const Surroundings& world, const Options& options, size_t first_beam, BeamLog& beams);
 
 /// The beams of a source, answered chunk by chunk. World and source must outlive it.
 class SimulatedSource : public BeamSource {
  public:
+  /// Answers beams in place, of which the first has this number; may make several rows of a beam.
+  using Answer = std::function<void(size_t first_beam, BeamLog& beams)>;
+
+  /// A positive `max_range_m` overrides that of the beams.
+  SimulatedSource(Answer answer, BeamSource& beams, double max_range_m = 0);
   SimulatedSource(const trace::World& world, BeamSource& beams, const Options& options);
   const LogInfo& info() const override { return info_; }
+  /// Of the beams; rows may be more.
   size_t size() const override { return beams_.size(); }
   void rewind() override;
   bool next(BeamLog& chunk) override;
@@ -51,15 +58,15 @@ class SimulatedSource : public BeamSource {
   /// Since the last rewind.
   size_t hits() const { return hits_; }
   size_t beams() const { return done_; }
-  /// Time spent in `simulate` (s), reading and writing apart.
+  size_t rows() const { return rows_; }
+  /// Time spent answering (s), reading and writing apart.
   double seconds() const { return seconds_; }
 
  private:
-  const trace::World& world_;
+  Answer answer_;
   BeamSource& beams_;
-  Options options_;
   LogInfo info_;
-  size_t done_ = 0, hits_ = 0;
+  size_t done_ = 0, hits_ = 0, rows_ = 0;
   double seconds_ = 0;
 };
 

@@ -1,0 +1,212 @@
+#include "instrument.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+
+#include "svg_plot.hpp"
+#include "underbrush/core/check.hpp"
+#include "underbrush/io/atomic_file.hpp"
+#include "underbrush/io/text.hpp"
+#include "underbrush/radiometry/link.hpp"
+
+namespace underbrush::app {
+namespace {
+
+constexpr double kSceneReflectance = 0.3;  // of what the sun shines on
+constexpr size_t kMostPlotted = 12;
+
+/// A whole number of 1 to `most`.
+int whole(std::string_view word, int most) {
+  const auto n = io::number_of(word);
+  require(n && *n == std::floor(*n) && *n >= 1 && *n <= most,
+          "simulate: --super-sample takes N, COLUMNSxROWS or sensor");
+  return int(*n);
+}
+
+std::vector<sensor::SubRay> sub_rays_of(const std::string& word, const sensor::Sensor& s) {
+  if (word == "sensor") return sensor::grid_sub_rays(s.beam, s.sub_rays[0], s.sub_rays[1]);
+  const size_t cross = word.find('x');
+  if (cross == std::string::npos) return sensor::spread_sub_rays(s.beam, whole(word, 1 << 14));
+  return sensor::grid_sub_rays(s.beam, whole(std::string_view(word).substr(0, cross), 128),
+                               whole(std::string_view(word).substr(cross + 1), 128));
+}
+
+void set_returns(const std::string& word, radiometry::ReceiverOptions& o) {
+  using radiometry::ReturnMode;
+  if (word.empty()) return;
+  o.max_echoes = 1;
+  if (word == "strongest") {
+    o.mode = ReturnMode::kStrongest;
+  } else if (word == "first") {
+    o.mode = ReturnMode::kFirst;
+  } else if (word == "last") {
+    o.mode = ReturnMode::kLast;
+  } else {
+    const auto n = io::number_of(word);
+    require(n && *n == std::floor(*n) && *n >= 1 && *n <= radiometry::Echoes::kMost,
+            "simulate: --returns takes strongest, first, last or a number of 1 to 16");
+    o.mode = ReturnMode::kAll;
+    o.max_echoes = int(*n);
+  }
+}
+
+/// How much the sun raises the noise of a receiver that sees the beam's divergence.
+double noise_in_sun(const sensor::Sensor& s, double share) {
+  if (share == 0) return 1;
+  radiometry::Link link;
+  if (s.wavelength_m > 0) link.wavelength_m = s.wavelength_m;
+  const double view = std::max(s.beam.divergence_rad[0], s.beam.divergence_rad[1]);
+  if (view > 0) link.view_rad = view;
+  return radiometry::noise_in_light(link,
+                                    radiometry::solar_background_w(link, kSceneReflectance, share));
+}
+
+void write_csv(const std::string& file, const std::vector<simulate::BeamWaveform>& waveforms) {
+  io::write_atomically(file, [&](const std::filesystem::path& temporary) {
+    std::ofstream out(temporary);
+    out << "beam,scan,ring,time,range_m,signal\n";
+    for (const simulate::BeamWaveform& w : waveforms) {
+      for (const auto& [range, signal] : w.signal) {
+        out << fmt::format("{},{},{},{:.9f},{:.4f},{:.4f}\n", w.beam, w.scan, w.ring, w.time_s,
+                           range, signal);
+      }
+    }
+    if (!out.flush()) throw IoError(file + ": cannot write");
+  });
+}
+
+/// One waveform above the other, each scaled to its own peak (but at least twice the threshold).
+void plot(const std::string& file, const sensor::Sensor& s,
+          const std::vector<simulate::BeamWaveform>& waveforms) {
+  std::vector<const simulate::BeamWaveform*> shown;
+  for (const auto& w : waveforms) {
+    if (!w.signal.empty() && shown.size() < kMostPlotted) shown.push_back(&w);
+  }
+  double from = INFINITY, to = -INFINITY;
+  for (const auto* w : shown) {
+    from = std::min(from, w->signal.front().first);
+    to = std::max(to, w->signal.back().first);
+  }
+  if (shown.empty()) from = 0, to = s.max_range_m;
+  SvgPlot out(fmt::format("{}: {} waveforms", s.title, shown.size()), "range (m)",
+              "signal, each to its own scale");
+  out.x_axis(from - 0.5, to + 0.5);
+  out.y_axis(-0.2, std::max<double>(1, double(shown.size())));
+  for (size_t k = 0; k < shown.size(); ++k) {
+    const double base = double(shown.size() - 1 - k);
+    double top = 2 * s.signal.threshold_snr, before = NAN;
+    for (const auto& [range, signal] : shown[k]->signal) top = std::max(top, signal);
+    SvgPlot::Points points;
+    for (const auto& [range, signal] : shown[k]->signal) {
+      if (range - before > 2) points.emplace_back(range, NAN);
+      points.emplace_back(range, base + 0.85 * signal / top);
+      before = range;
+    }
+    out.line(points, "#1f6f4a");
+    const double level = base + 0.85 * s.signal.threshold_snr / top;
+    out.line({{from, level}, {to, level}}, "#b03030", true);
+    for (const double r : shown[k]->echo_m)
+      out.line({{r, base}, {r, base + 0.85}}, "#2050a0", true);
+    out.text(from, base + 0.3, fmt::format("beam {}", shown[k]->beam));
+  }
+  out.write(file);
+}
+
+}  // namespace
+
+void InstrumentArguments::check() const {
+  const bool light = !returns.empty() || !materials.empty() || !material.empty() ||
+                     visibility_m > 0 || rain_mm_per_h > 0 || sun > 0 || !waveforms.empty();
+  require(!super_sample.empty() || !light,
+          "simulate: returns, materials, air, sun and waveforms need --super-sample");
+  for (const std::string& file : waveforms) {
+    require(file.ends_with(".csv") || file.ends_with(".svg"),
+            "simulate: --waveforms writes .csv and .svg files");
+    io::check_output(file);
+  }
+}
+
+void add_instrument_options(CLI::App& app, InstrumentArguments& a) {
+  app.add_option("--super-sample", a.super_sample,
+                 "Sub-rays over the sensor's beam, their light, waveforms and echoes: a number, "
+                 "COLUMNSxROWS, or sensor for what its data file says")
+      ->type_name("N|NxM|sensor");
+  app.add_option("--returns", a.returns,
+                 "Echoes that are reported: strongest, first, last or up to N; default: as the "
+                 "sensor does")
+      ->type_name("MODE|N");
+  app.add_option("--materials", a.materials, "Table of materials instead of the one built in")
+      ->type_name("FILE.yaml");
+  app.add_option("--material", a.material, "What a class is made of; may be repeated")
+      ->type_name("CLASS=MATERIAL")
+      ->take_all();
+  app.add_option("--visibility", a.visibility_m, "In haze or fog, m, 0 = clear air")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--rain", a.rain_mm_per_h, "In rain, mm/h")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--sun", a.sun,
+                 "Share of the sunlight above the air that arrives, 0 = night: raises the noise")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  app.add_option("--waveforms", a.waveforms,
+                 "Write digitised waveforms: a table or a plot; may be repeated")
+      ->type_name("FILE.csv|FILE.svg")
+      ->take_all();
+  app.add_option("--waveform-every", a.waveform.every, "Waveforms of beam 0, K, 2K, …")
+      ->check(CLI::PositiveNumber)
+      ->type_name("K")
+      ->capture_default_str();
+  app.add_option("--waveform-count", a.waveform.count, "The most waveforms that are kept")
+      ->check(CLI::Range(size_t(1), size_t(1000000)))
+      ->type_name("N")
+      ->capture_default_str();
+}
+
+simulate::Instrument instrument_of(const InstrumentArguments& a, const sensor::Sensor& s) {
+  double air = radiometry::rain_extinction_per_m(a.rain_mm_per_h);
+  if (a.visibility_m > 0) air += radiometry::fog_extinction_per_m(a.visibility_m, s.wavelength_m);
+  simulate::Instrument instrument;
+  instrument.beam = s.beam;
+  instrument.sub_rays = sub_rays_of(a.super_sample, s);
+  instrument.receiver = radiometry::receiver_options(s, air, noise_in_sun(s, a.sun));
+  set_returns(a.returns, instrument.receiver);
+  return instrument;
+}
+
+radiometry::Materials materials_of(const InstrumentArguments& a) {
+  radiometry::Materials m = radiometry::load_materials(a.materials);
+  for (const std::string& word : a.material) {
+    const size_t equals = word.find('=');
+    require(equals != std::string::npos && elements::class_from_name(word.substr(0, equals)),
+            "simulate: --material takes CLASS=MATERIAL with a class of docs/formats.md");
+    const std::string label = word.substr(0, equals), name = word.substr(equals + 1);
+    m.named(name);  // throws where there is none
+    std::erase_if(m.of_class, [&](const auto& entry) { return entry.first == label; });
+    m.of_class.emplace_back(label, name);
+  }
+  return m;
+}
+
+simulate::InstanceKinds kinds_of(const elements::Scene& scene, const elements::SceneInfo& info) {
+  simulate::InstanceKinds kinds;
+  kinds.label = info.labels;
+  if (info.materials.empty()) return kinds;
+  for (const elements::Instance& i : scene.instances) {
+    kinds.material.push_back(info.materials[i.model]);
+  }
+  return kinds;
+}
+
+void write_waveforms(const InstrumentArguments& a, const sensor::Sensor& sensor,
+                     const std::vector<simulate::BeamWaveform>& waveforms) {
+  for (const std::string& file : a.waveforms) {
+    file.ends_with(".csv") ? write_csv(file, waveforms) : plot(file, sensor, waveforms);
+  }
+}
+
+}  // namespace underbrush::app

@@ -1,0 +1,131 @@
+// The whole instrument: sub-rays, tracing, light, waveforms, echoes, rows of the log. An OS1-64 on
+// a vehicle in a forest of 100 000 ellipsoids on 100 000 triangles, 41 sub-rays a beam; its beams a
+// second beside those that the sensor fires (1024 columns at 10 Hz, and at 20 Hz). Misses count as
+// beams. Synthetic scene.
+#include "underbrush/simulate/echoes.hpp"
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "timing.hpp"
+#include "trace_scenes.hpp"
+#include "underbrush/core/parallel.hpp"
+#include "underbrush/sensor/pattern.hpp"
+#include "underbrush/simulate/simulate.hpp"
+
+namespace underbrush::bench {
+namespace {
+
+elements::Model forest_on_ground(size_t ellipsoids, size_t triangles) {
+  elements::Model model = forest(ellipsoids);
+  const double side = 100;
+  model.ground = ground_mesh(side, side / std::floor(std::sqrt(double(triangles) / 2)));
+  return model;
+}
+
+/// Time in the parts of the work, and its result, over all threads.
+struct Measured {
+  double seconds = 0, cpu_s = 0;
+  size_t beams = 0, hits = 0, echoes = 0;
+};
+
+double cpu_seconds() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
+}
+
+Measured answer(simulate::EchoMaker& maker, const std::vector<BeamLog>& fired) {
+  Measured m;
+  for (const BeamLog& chunk : fired) {
+    BeamLog beams = chunk;
+    const double cpu = cpu_seconds();
+    m.seconds += seconds_of([&] { maker.answer(m.beams, beams); });
+    m.cpu_s += cpu_seconds() - cpu;
+    m.beams += chunk.size();
+    const auto& echo = std::get<std::vector<uint8_t>>(beams.extra.at(kEchoColumn));
+    for (const uint8_t e : echo) m.hits += e == 1, m.echoes += e > 0;
+  }
+  return m;
+}
+
+}  // namespace
+}  // namespace underbrush::bench
+
+int main(int argc, char** argv) {
+  using namespace underbrush;
+  using namespace underbrush::bench;
+  CLI::App app("Beams a second of the whole instrument");
+  int sub_rays = 41, threads = 0, rounds = 5;
+  size_t ellipsoids = 100000, triangles = 100000;
+  double seconds = 0.4;
+  std::string json_file, returns = "strongest";
+  app.add_option("--sub-rays", sub_rays, "Sub-rays a beam")->capture_default_str();
+  app.add_option("--ellipsoids", ellipsoids, "Ellipsoids")->capture_default_str();
+  app.add_option("--triangles", triangles, "Triangles of the ground")->capture_default_str();
+  app.add_option("--threads", threads, "Threads, 0 = all")->capture_default_str();
+  app.add_option("--rounds", rounds, "Rounds, the median counts")->capture_default_str();
+  app.add_option("--seconds", seconds, "Of the drive")->capture_default_str();
+  app.add_option("--returns", returns, "strongest or all (up to 3)")->capture_default_str();
+  app.add_option("--json", json_file, "Write the figures here");
+  CLI11_PARSE(app, argc, argv);
+  set_threads(threads);
+
+  const elements::Model model = forest_on_ground(ellipsoids, triangles);
+  const trace::World world(model);
+  const simulate::Surroundings surroundings(world);
+  const sensor::Sensor sensor = sensor::load("ouster-os1-64");
+  const Trajectory path({{0, {{1, 0, 0, 0}, {-20, 0, 2}}}, {4, {{1, 0, 0, 0}, {20, 0, 2}}}});
+  sensor::PatternSource source(sensor, path, 1, 1 + seconds, 1 << 16);
+  std::vector<BeamLog> fired;
+  for (BeamLog chunk; source.next(chunk);) fired.push_back(chunk);
+
+  simulate::Instrument instrument;
+  instrument.beam = sensor.beam;
+  instrument.sub_rays = sensor::spread_sub_rays(sensor.beam, sub_rays);
+  instrument.receiver = radiometry::receiver_options(sensor, 1e-4);
+  if (returns == "all") {
+    instrument.receiver.mode = radiometry::ReturnMode::kAll;
+    instrument.receiver.max_echoes = 3;
+  }
+  const simulate::Reflection reflection(radiometry::load_materials(), sensor.wavelength_m);
+  simulate::EchoMaker maker(surroundings, reflection, instrument, {});
+  simulate::Instrument thin = instrument;
+  thin.sub_rays = {{}};
+  simulate::EchoMaker thin_maker(surroundings, reflection, thin, {});
+
+  std::vector<double> rate, thin_rate, cpu_ns;
+  Measured m;
+  answer(maker, {fired[0]});  // warm
+  for (int r = 0; r < rounds; ++r) {
+    m = answer(maker, fired);
+    rate.push_back(double(m.beams) / m.seconds);
+    cpu_ns.push_back(1e9 * m.cpu_s / double(m.beams));
+    const Measured one = answer(thin_maker, fired);
+    thin_rate.push_back(double(one.beams) / one.seconds);
+  }
+  nlohmann::ordered_json j;
+  j["ellipsoids"] = model.ellipsoids.size();
+  j["triangles"] = model.ground.size();
+  j["sub_rays"] = sub_rays;
+  j["threads"] = underbrush::threads();
+  j["isa"] = world.isa();
+  j["beams"] = m.beams;
+  j["hits"] = m.hits;
+  j["echoes"] = m.echoes;
+  j["beams_per_s"] = median(rate);
+  j["sub_rays_per_s"] = median(rate) * sub_rays;
+  j["cpu_ns_per_beam"] = median(cpu_ns);
+  j["least_cpu_ns_per_beam"] = *std::min_element(cpu_ns.begin(), cpu_ns.end());
+  j["times_os1_10hz"] = median(rate) / sensor.beams_per_s();
+  j["times_os1_20hz"] = median(rate) / kOs1BeamsPerS;
+  j["one_sub_ray_beams_per_s"] = median(thin_rate);
+  for (const auto& [key, value] : j.items()) {
+    std::printf("%-26s %s\n", key.c_str(), value.dump().c_str());
+  }
+  if (!json_file.empty()) std::ofstream(json_file) << j.dump(2) << "\n";
+  return 0;
+}

@@ -1,0 +1,274 @@
+#include "underbrush/io/profile.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <set>
+#include <vector>
+
+#include "underbrush/core/check.hpp"
+#include "underbrush/io/atomic_file.hpp"
+#include "underbrush/io/file.hpp"
+
+namespace underbrush::io {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* kMark = "underbrush.json";
+
+struct Layout {
+  const char *fields, *sizes, *types;
+};
+constexpr Layout kLayouts[] = {
+    {"x y z intensity ring time", "4 4 4 4 2 4", "F F F F U F"},
+    {"x y z intensity t reflectivity ring ambient range", "4 4 4 4 4 2 2 2 4", "F F F F U U U U U"},
+    {"x y z intensity return_type channel azimuth elevation distance time_stamp",
+     "4 4 4 1 1 2 4 4 4 4", "F F F U U U F F F U"}};
+
+std::string header_of(Profile profile, size_t width, size_t height) {
+  const Layout& layout = kLayouts[size_t(profile)];
+  std::string count;
+  for (const char* c = layout.fields; *c; ++c) {
+    if (*c == ' ') count += " 1";
+  }
+  return std::string("# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS ") +
+         layout.fields + "\nSIZE " + layout.sizes + "\nTYPE " + layout.types + "\nCOUNT 1" + count +
+         "\nWIDTH " + std::to_string(width) + "\nHEIGHT " + std::to_string(height) +
+         "\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + std::to_string(width * height) + "\nDATA binary\n";
+}
+
+template <class T>
+void put(std::string& out, T value) {
+  out.append(reinterpret_cast<const char*>(&value), sizeof(T));
+}
+
+/// Rounded, and cut to what the type holds.
+template <class T>
+T whole(double value) {
+  return T(std::clamp(std::round(value), 0.0, double(std::numeric_limits<T>::max())));
+}
+
+/// A point as its sensor sees it.
+struct Point {
+  Vec3f at = Vec3f::Zero();
+  double range_m = 0, after_s = 0;
+  float intensity = 0;
+  uint16_t ring = 0;
+  uint8_t return_type = 1;
+};
+
+void put_point(Profile profile, const Point& p, std::string& out) {
+  for (int c = 0; c < 3; ++c) put(out, p.at[c]);
+  const auto ns = whole<uint32_t>(p.after_s * 1e9);
+  switch (profile) {
+    case Profile::kVelodyne:
+      put(out, p.intensity);
+      put(out, p.ring);
+      put(out, float(p.after_s));
+      return;
+    case Profile::kOuster:
+      put(out, p.intensity);
+      put(out, ns);
+      put(out, whole<uint16_t>(double(p.intensity)));
+      put(out, p.ring);
+      put(out, uint16_t(0));
+      put(out, whole<uint32_t>(p.range_m * 1e3));
+      return;
+    case Profile::kAutoware:
+      put(out, whole<uint8_t>(double(p.intensity)));
+      put(out, p.return_type);
+      put(out, p.ring);
+      put(out, std::atan2(p.at.y(), p.at.x()));
+      put(out, std::atan2(p.at.z(), std::hypot(p.at.x(), p.at.y())));
+      put(out, float(p.range_m));
+      put(out, ns);
+      return;
+  }
+}
+
+/// A column as whole numbers; empty if the log has none of that name.
+std::vector<uint8_t> small_numbers(const BeamLog& log, const char* name) {
+  const auto found = log.extra.find(name);
+  if (found == log.extra.end()) return {};
+  return std::visit(
+      [](const auto& c) {
+        std::vector<uint8_t> out(c.size());
+        std::transform(c.begin(), c.end(), out.begin(), [](auto v) { return uint8_t(v); });
+        return out;
+      },
+      found->second);
+}
+
+/// Numbers of return types as of Autoware's pointcloud_preprocessor.
+std::vector<uint8_t> return_types(const BeamLog& log) {
+  const std::vector<uint8_t> echo = small_numbers(log, kEchoColumn),
+                             echoes = small_numbers(log, kEchoesColumn);
+  std::vector<uint8_t> type(log.size(), 1);
+  if (echo.empty() || echoes.empty()) return type;
+  for (size_t i = 0; i < log.size(); ++i) {
+    if (echo[i] != 1 || echoes[i] < 2 || i + echoes[i] > log.size()) continue;
+    const size_t last = i + echoes[i] - 1;
+    const bool first_wins = log.intensity[i] >= log.intensity[last];
+    std::fill(type.begin() + long(i), type.begin() + long(last), uint8_t(0));
+    type[i] = first_wins ? 3 : 5;
+    type[last] = first_wins ? 6 : 4;
+  }
+  return type;
+}
+
+class ProfileFolder {
+ public:
+  ProfileFolder(const fs::path& folder, const LogInfo& info, Profile profile,
+                const Trajectory& path)
+      : folder_(folder), profile_(profile), path_(path) {
+    std::vector<StampedPose> poses;
+    for (const ScanInfo& s : info.scans) {
+      scans_[s.scan] = s;
+      poses.push_back({s.time_s, s.world_from_sensor});
+    }
+    if (path_.empty() && info.deskewed) path_ = Trajectory(std::move(poses));
+    times_.open(folder / "times.txt");
+    poses_.open(folder / "poses.txt");
+    times_.precision(17);
+    poses_.precision(17);
+  }
+
+  void write(const BeamLog& chunk) {
+    for (size_t begin = 0; begin < chunk.size();) {
+      size_t end = begin;
+      while (end < chunk.size() && chunk.scan[end] == chunk.scan[begin]) ++end;
+      if (!scan_.empty() && scan_.scan[0] != chunk.scan[begin]) finish();
+      if (scan_.empty()) scan_ = chunk.like();
+      scan_.append(chunk, begin, end);
+      begin = end;
+    }
+  }
+
+  void close() {
+    if (!scan_.empty()) finish();
+    if (!times_.flush() || !poses_.flush()) throw IoError(folder_.string() + ": cannot write");
+  }
+
+ private:
+  Pose pose_at(const ScanInfo& scan, double time_s) const {
+    if (path_.empty()) return scan.world_from_sensor;
+    const auto pose = path_.at(time_s);
+    return pose ? *pose : scan.world_from_sensor;
+  }
+
+  Point point_of(const ScanInfo& info, size_t i) const {
+    Point p;
+    p.after_s = scan_.time_s[i] - info.time_s;
+    p.ring = scan_.ring[i];
+    if (!scan_.is_hit(i)) return p;
+    p.intensity = scan_.intensity[i];
+    p.range_m = double(scan_.range_m[i]);
+    p.at = (pose_at(info, scan_.time_s[i]).inverse() * scan_.end_point(i)).cast<float>();
+    return p;
+  }
+
+  /// Beams of an organised cloud, ring by ring; nothing where rings differ in length.
+  std::vector<size_t> organised() const {
+    std::map<uint16_t, std::vector<size_t>> rings;
+    for (size_t i = 0; i < scan_.size(); ++i) rings[scan_.ring[i]].push_back(i);
+    std::vector<size_t> order;
+    for (auto& [ring, beams] : rings) {
+      if (beams.size() * rings.size() != scan_.size()) return {};
+      std::stable_sort(beams.begin(), beams.end(),
+                       [&](size_t a, size_t b) { return scan_.time_s[a] < scan_.time_s[b]; });
+      order.insert(order.end(), beams.begin(), beams.end());
+    }
+    return order;
+  }
+
+  void finish() {
+    const auto found = scans_.find(scan_.scan[0]);
+    require(found != scans_.end(), "export: a beam's scan has no pose");
+    require(done_.insert(found->first).second, "export: a scan is not in one piece");
+    const ScanInfo& info = found->second;
+    std::vector<size_t> order;
+    if (profile_ == Profile::kOuster) {
+      keep_first_echoes(scan_);
+      order = organised();
+    }
+    const bool whole = !order.empty();
+    if (!whole) {
+      for (size_t i = 0; i < scan_.size(); ++i) {
+        if (scan_.is_hit(i)) order.push_back(i);
+      }
+    }
+    const std::vector<uint8_t> type = return_types(scan_);
+    const std::set<uint16_t> rings(scan_.ring.begin(), scan_.ring.end());
+    const size_t height = whole ? rings.size() : 1;
+    std::string bytes = header_of(profile_, order.size() / height, height);
+    for (const size_t i : order) {
+      Point p = point_of(info, i);
+      p.return_type = type[i];
+      put_point(profile_, p, bytes);
+    }
+    char name[32];
+    std::snprintf(name, sizeof name, "%06zu.pcd", done_.size() - 1);
+    OutputFile file(folder_ / name, (folder_ / name).string());
+    file.append(bytes.data(), bytes.size());
+    file.close();
+    times_ << info.time_s << "\n";
+    poses_ << info.time_s << " " << info.world_from_sensor.translation.transpose() << " "
+           << info.world_from_sensor.rotation.coeffs().transpose() << "\n";
+    scan_ = {};
+  }
+
+  fs::path folder_;
+  Profile profile_;
+  Trajectory path_;
+  std::map<uint32_t, ScanInfo> scans_;
+  std::set<uint32_t> done_;
+  BeamLog scan_;  ///< Under way.
+  std::ofstream times_, poses_;
+};
+
+}  // namespace
+
+Profile profile_from_name(const std::string& name) {
+  if (name == "velodyne") return Profile::kVelodyne;
+  if (name == "ouster") return Profile::kOuster;
+  if (name == "autoware") return Profile::kAutoware;
+  throw std::invalid_argument("no profile '" + name + "': velodyne, ouster or autoware");
+}
+
+void export_profile(const fs::path& path, BeamSource& source, Profile profile,
+                    const Trajectory& world_from_sensor, const std::string& provenance) {
+  if (fs::exists(path) && !fs::exists(path / kMark) && !fs::is_empty(path)) {
+    throw IoError(path.string() +
+                  ": cannot write: exists and is not ours; remove it or name another");
+  }
+  source.rewind();
+  write_atomically(
+      path,
+      [&](const fs::path& temporary) {
+        fs::create_directories(temporary);
+        ProfileFolder folder(temporary, source.info(), profile, world_from_sensor);
+        for (BeamLog chunk; source.next(chunk);) folder.write(chunk);
+        folder.close();
+        std::ofstream mark(temporary / kMark);
+        mark << (provenance.empty() ? "{}" : provenance) << "\n";
+        if (!mark.flush()) throw IoError(path.string() + ": cannot write");
+      },
+      OutputKind::kFolder);
+}
+
+std::string lost_in(const std::string& format) {
+  if (format == "pcd") return "misses, origins of the beams";
+  if (format == "kitti") {
+    return "misses, rings, times of the points, echo numbers, pulse widths, origins of the beams";
+  }
+  if (format == "velodyne") return "misses, echo numbers, pulse widths";
+  if (format == "ouster") return "echoes after the first, pulse widths";
+  if (format == "autoware") return "misses, echo numbers (but return types), pulse widths";
+  return {};
+}
+
+}  // namespace underbrush::io

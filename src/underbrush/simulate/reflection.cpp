@@ -1,0 +1,116 @@
+#include "underbrush/simulate/reflection.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "underbrush/core/check.hpp"
+
+namespace underbrush::simulate {
+namespace {
+
+using elements::Class;
+using trace::Met;
+
+/// Normal of a triangle, model frame.
+Vec3 normal_of(const elements::Model& model, uint32_t element) {
+  const bool ground = element < model.ground.size();
+  const elements::TriangleMesh& mesh = ground ? model.ground : model.surface;
+  const auto& corner = mesh.triangles[ground ? element : element - model.ground.size()];
+  const Vec3 a = mesh.vertices[corner[0]].cast<double>();
+  const Vec3 b = mesh.vertices[corner[1]].cast<double>();
+  const Vec3 c = mesh.vertices[corner[2]].cast<double>();
+  return (b - a).cross(c - a).normalized();
+}
+
+}  // namespace
+
+Reflection::Reflection(const radiometry::Materials& materials, double wavelength_m,
+                       const InstanceKinds& kinds)
+    : label_(kinds.label) {
+  const auto index = [&](const radiometry::Material& m) {
+    return size_t(&m - materials.material.data());
+  };
+  require(materials.material.size() <= 256, "reflection: more than 256 materials");
+  for (const radiometry::Material& m : materials.material) {
+    // Lambert and Oren–Nayar are both a cos θ + b sin² θ.
+    const double a = radiometry::backscatter(m.surface, 1);
+    const double b = (radiometry::backscatter(m.surface, 0.5) - 0.5 * a) / 0.75;
+    coats_.push_back(
+        {m.reflectance_at(wavelength_m), a, b, m.surface, radiometry::Foliage(m.leaf_shape)});
+  }
+  for (const std::string_view name : elements::kClassNames) {
+    of_class_.push_back(uint8_t(index(materials.of(name))));
+  }
+  for (const std::string& name : kinds.material) {
+    of_instance_.push_back(name.empty() ? -1 : int(index(materials.named(name))));
+  }
+}
+
+int Reflection::coat_of(uint32_t instance) const {
+  if (instance < of_instance_.size() && of_instance_[instance] >= 0) return of_instance_[instance];
+  if (instance >= label_.size()) return -1;
+  const Class label = label_[instance];
+  return label == Class::kUnknown || label == Class::kGround ? -1 : of_class_[size_t(label)];
+}
+
+Reflection::Asker::Asker(const Reflection& reflection, const Surroundings& surroundings)
+    : reflection_(reflection),
+      surroundings_(surroundings),
+      triangles_(kRemembered),
+      leaves_(reflection.coats_.size(), -1) {}
+
+void Reflection::Asker::begin(const Vec3& axis, double time_s) {
+  cos_zenith_ = axis.z();
+  std::fill(leaves_.begin(), leaves_.end(), -1.0F);
+  if (surroundings_.moves() && time_s != time_s_) triangles_.assign(kRemembered, {});
+  time_s_ = time_s;
+}
+
+void Reflection::Asker::enter(uint32_t instance) {
+  instance_ = instance;
+  model_ = &surroundings_.model(instance);
+  first_ellipsoid_ = uint32_t(model_->ground.size() + model_->surface.size());
+  coat_ = reflection_.coat_of(instance);
+}
+
+const Reflection::Asker::Triangle& Reflection::Asker::triangle(const Met& met) {
+  Triangle& t = triangles_[(met.element + 97 * met.instance) % kRemembered];
+  if (t.element == met.element && t.instance == met.instance) return t;
+  t.instance = met.instance;
+  t.element = met.element;
+  const Pose world_from_model = surroundings_.placed(met.instance, time_s_).world_from_model;
+  t.normal = world_from_model.rotation * normal_of(*model_, met.element);
+  const bool ground = met.element < model_->ground.size();
+  const bool named =
+      !reflection_.of_instance_.empty() && reflection_.of_instance_[met.instance] >= 0;
+  const Class label = ground ? Class::kGround : Class::kUnknown;
+  const bool own = coat_ >= 0 && (!ground || named);
+  t.coat = &reflection_.coats_[own ? size_t(coat_) : reflection_.of_class_[size_t(label)]];
+  return t;
+}
+
+float Reflection::Asker::leaves(uint32_t label) {
+  const auto& of_class = reflection_.of_class_;
+  const size_t k = coat_ >= 0 ? size_t(coat_) : of_class[label < of_class.size() ? label : 0];
+  if (leaves_[k] < 0) {
+    const Coat& coat = reflection_.coats_[k];
+    leaves_[k] = float(coat.reflectance * coat.foliage.backscatter(cos_zenith_));
+  }
+  return leaves_[k];
+}
+
+float Reflection::Asker::factor(const Met& met, const Vec3& direction) {
+  if (met.instance != instance_) enter(met.instance);
+  if (met.element >= first_ellipsoid_) {
+    return leaves(model_->ellipsoids[met.element - first_ellipsoid_].label);
+  }
+  const Triangle& t = triangle(met);
+  const Coat& coat = *t.coat;
+  const double c = std::min(1.0, std::abs(t.normal.dot(direction)));
+  if (coat.surface.brdf == radiometry::Brdf::kPhong) {
+    return float(coat.reflectance * radiometry::backscatter(coat.surface, c));
+  }
+  return float(coat.reflectance * (coat.a * c + coat.b * (1 - c * c)));
+}
+
+}  // namespace underbrush::simulate

@@ -1,0 +1,85 @@
+/// \file
+/// What share of the light the elements of a world send back.
+#pragma once
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "underbrush/elements/classes.hpp"
+#include "underbrush/radiometry/foliage.hpp"
+#include "underbrush/radiometry/materials.hpp"
+#include "underbrush/simulate/surroundings.hpp"
+
+namespace underbrush::simulate {
+
+/// What the instances of a scene are made of; both may be empty.
+struct InstanceKinds {
+  std::vector<elements::Class> label;  ///< One an instance.
+  std::vector<std::string> material;   ///< One an instance; "" = that of the class.
+};
+
+/// Reflection factors at one wavelength: reflectance × what the incidence leaves of it.
+///
+/// The material of an element is the one named for its instance; else that of its class: ground
+/// triangles are `ground`; anything else is of its instance's class, or, where that says nothing
+/// (`unknown`, `ground`), an ellipsoid of its own label and a surface triangle `unknown`.
+class Reflection {
+  struct Coat;
+
+ public:
+  /// Throws `std::invalid_argument` where a material does not exist.
+  Reflection(const radiometry::Materials& materials, double wavelength_m,
+             const InstanceKinds& kinds = {});
+
+  /// Asks for the factors of one beam's sub-rays after another, and remembers what it has seen. For
+  /// one thread.
+  class Asker {
+   public:
+    Asker(const Reflection& reflection, const Surroundings& surroundings);
+    /// To be called before the sub-rays of a beam: its axis and time.
+    void begin(const Vec3& axis, double time_s);
+    /// The factor of what a sub-ray with `direction` met: of a triangle ρ · `backscatter` at the
+    /// angle to its normal, whichever side is lit; of an ellipsoid ρ · `Foliage::backscatter` at
+    /// the zenith angle of the beam's axis.
+    float factor(const trace::Met& met, const Vec3& direction);
+
+   private:
+    struct Triangle {
+      uint32_t instance = trace::Met::kNone, element = 0;
+      Vec3 normal = Vec3::Zero();  ///< World.
+      const Coat* coat = nullptr;
+    };
+    static constexpr size_t kRemembered = 256;
+    void enter(uint32_t instance);
+    const Triangle& triangle(const trace::Met& met);
+    float leaves(uint32_t label);
+
+    const Reflection& reflection_;
+    const Surroundings& surroundings_;
+    double time_s_ = 0, cos_zenith_ = 0;
+    uint32_t instance_ = trace::Met::kNone;  ///< That the next three are of.
+    const elements::Model* model_ = nullptr;
+    uint32_t first_ellipsoid_ = 0;
+    int coat_ = -1;  ///< Of all but the ground, or −1: as the element says.
+    std::vector<Triangle> triangles_;
+    std::vector<float> leaves_;  ///< By coat, of this beam; < 0 = not yet asked for.
+  };
+
+ private:
+  struct Coat {
+    double reflectance;
+    double a, b;  ///< Backscatter a cos θ + b sin² θ; unused for Phong.
+    radiometry::SurfaceModel surface;
+    radiometry::Foliage foliage;
+  };
+  /// Of all elements of an instance but the ground, or −1.
+  int coat_of(uint32_t instance) const;
+
+  std::vector<Coat> coats_;
+  std::vector<uint8_t> of_class_;  ///< Index of the coat, by class.
+  std::vector<elements::Class> label_;
+  std::vector<int> of_instance_;  ///< Index of the coat, or −1.
+};
+
+}  // namespace underbrush::simulate

@@ -1,0 +1,146 @@
+#include "underbrush/simulate/surroundings.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "underbrush/core/check.hpp"
+
+namespace underbrush::simulate {
+namespace {
+
+using trace::Met;
+
+/// A ball around all that a ray can meet of a model, in the frame of its instance.
+struct Ball {
+  Vec3 centre = Vec3::Zero();
+  double radius = 0;
+};
+
+Ball ball_around(const elements::Model& model, double scale) {
+  Eigen::AlignedBox3d box;
+  for (const elements::TriangleMesh* mesh : {&model.ground, &model.surface}) {
+    for (const Vec3f& v : mesh->vertices) box.extend(v.cast<double>());
+  }
+  for (const elements::Ellipsoid& e : model.ellipsoids) {
+    const Vec3 reach = model.tau * e.covariance_matrix().diagonal().cwiseSqrt();
+    box.extend(e.mean.cast<double>() - reach);
+    box.extend(e.mean.cast<double>() + reach);
+  }
+  if (box.isEmpty()) return {};
+  return {scale * box.center(), scale * (0.5 * box.diagonal().norm() + 1e-6)};
+}
+
+Pose pose_at(const Trajectory& path, double time_s) {
+  const auto& poses = path.poses();
+  if (time_s <= poses.front().time_s) return poses.front().world_from_sensor;
+  if (time_s >= poses.back().time_s) return poses.back().world_from_sensor;
+  return *path.at(time_s);
+}
+
+}  // namespace
+
+/// A mover, alone in a world of its own frame.
+struct Surroundings::Object {
+  Object(elements::Mover m, const elements::Model& model, elements::Instance placed)
+      : mover(std::move(m)), ball(ball_around(model, double(placed.scale))) {
+    placed.world_from_model = {};
+    placed.model = 0;
+    scene.models.push_back(model);
+    scene.instances.push_back(placed);
+    world = std::make_unique<trace::World>(scene);
+  }
+  elements::Mover mover;
+  elements::Scene scene;
+  std::unique_ptr<trace::World> world;
+  Ball ball;
+};
+
+Surroundings::Surroundings(const trace::World& world) : world_(&world) {}
+Surroundings::Surroundings(Surroundings&&) noexcept = default;
+Surroundings::~Surroundings() = default;
+
+Surroundings::Surroundings(const elements::Scene& scene, std::vector<elements::Mover> movers) {
+  still_ = std::make_unique<elements::Scene>(scene);
+  const auto nothing = uint32_t(still_->models.size());
+  still_->models.emplace_back();
+  for (elements::Mover& m : movers) {
+    require(m.instance < scene.instances.size(), "movers: there is no such instance");
+    require(!m.world_from_object.empty(), "movers: a trajectory without poses");
+    require(!object(m.instance), "movers: an instance moves twice");
+    const elements::Instance& placed = scene.instances[m.instance];
+    still_->instances[m.instance].model = nothing;
+    const elements::Model& model = scene.models[placed.model];
+    movers_.push_back(std::make_unique<Object>(std::move(m), model, placed));
+  }
+  own_ = std::make_unique<trace::World>(*still_);
+  world_ = own_.get();
+}
+
+const Surroundings::Object* Surroundings::object(uint32_t instance) const {
+  for (const auto& o : movers_) {
+    if (o->mover.instance == instance) return o.get();
+  }
+  return nullptr;
+}
+
+const elements::Model& Surroundings::model(uint32_t instance) const {
+  const Object* o = object(instance);
+  return o ? o->scene.models[0] : world_->model(instance);
+}
+
+elements::Instance Surroundings::placed(uint32_t instance, double time_s) const {
+  elements::Instance placed = world_->instance(instance);
+  if (const Object* o = object(instance)) {
+    placed.world_from_model = pose_at(o->mover.world_from_object, time_s);
+  }
+  return placed;
+}
+
+void Surroundings::nearest_accepted(std::span<const Ray> rays, std::span<const uint64_t> keys,
+                                    std::span<const double> time_s,
+                                    const trace::RangeLimits& limits, std::span<Met> met) const {
+  require(time_s.empty() ? rays.empty() : rays.size() % time_s.size() == 0,
+          "surroundings: a whole number of rays a beam is needed");
+  world_->nearest_accepted(rays, keys, limits, met);
+  if (movers_.empty() || rays.empty()) return;
+  const size_t width = rays.size() / time_s.size();
+  std::vector<Ray> near;
+  std::vector<uint64_t> near_keys;
+  std::vector<size_t> number;
+  std::vector<Met> found;
+  for (const auto& o : movers_) {
+    near.clear();
+    near_keys.clear();
+    number.clear();
+    double posed_at = NAN;
+    Pose object_from_world;
+    Vec3 centre = Vec3::Zero();
+    for (size_t b = 0; b < time_s.size(); ++b) {
+      if (time_s[b] != posed_at) {
+        const Pose pose = pose_at(o->mover.world_from_object, time_s[b]);
+        posed_at = time_s[b];
+        object_from_world = pose.inverse();
+        centre = pose * o->ball.centre;
+      }
+      for (size_t i = b * width; i < (b + 1) * width; ++i) {
+        const Vec3 to = centre - rays[i].origin;
+        const double along = to.dot(rays[i].direction), r = o->ball.radius;
+        if (along < -r || to.squaredNorm() - along * along > r * r) continue;
+        near.push_back(
+            {object_from_world * rays[i].origin, object_from_world.rotation * rays[i].direction});
+        near_keys.push_back(trace::instance_key(keys[i], o->mover.instance));
+        number.push_back(i);
+      }
+    }
+    found.resize(near.size());
+    o->world->nearest_accepted(near, near_keys, limits, found);
+    for (size_t k = 0; k < near.size(); ++k) {
+      if (found[k].none()) continue;
+      found[k].instance = o->mover.instance;
+      Met& best = met[number[k]];
+      if (best.none() || found[k].before(best)) best = found[k];
+    }
+  }
+}
+
+}  // namespace underbrush::simulate

@@ -1,0 +1,175 @@
+#!/usr/bin/env python3
+"""`sensors` and the instruments of `simulate`, as their users meet them; run as cli_test.py is."""
+import argparse
+import csv
+import json
+import pathlib
+import sys
+import tempfile
+import unittest
+import xml.etree.ElementTree
+
+import cli_test
+from cli_test import call
+
+
+class Sensors(cli_test.Failing):
+    def test_catalogue(self):
+        listed = json.loads(call("sensors", "list", "--json", "-").stdout)
+        self.assertGreaterEqual(len(listed), 10)
+        for name in (sensor["name"] for sensor in listed):
+            with self.subTest(name), tempfile.TemporaryDirectory() as folder:
+                done = call("sensors", "show", name, "--plot", "p.svg", "--json", "s.json", cwd=folder)
+                self.assertEqual((done.returncode, done.stderr), (0, ""))
+                shown = json.loads(pathlib.Path(folder, "s.json").read_text())
+                self.assertEqual(shown["name"], name)
+                self.assertTrue(shown["sources"])
+                self.assertTrue(xml.etree.ElementTree.parse(pathlib.Path(folder, "p.svg")))
+
+    def test_echoes_of_two_surfaces_and_their_waveform(self):
+        with tempfile.TemporaryDirectory() as folder:
+            done = call("sensors", "echo", "ibeo-lux-2010", "--target", "30:leaf:0.4", "--target",
+                        "33:soil:0.6", "--csv", "w.csv", "--plot", "w.svg", "--json", "-", cwd=folder)
+            echoes = json.loads(done.stdout)["echoes"]
+            self.assertEqual([round(e["range_m"]) for e in echoes], [30, 33])
+            rows = pathlib.Path(folder, "w.csv").read_text().splitlines()
+            self.assertEqual(rows[0], "range_m,signal")
+            highest = max(rows[1:], key=lambda row: float(row.split(",")[1]))
+            self.assertAlmostEqual(float(highest.split(",")[0]), 30, delta=0.5)
+
+    def test_what_is_wrong(self):
+        self.assert_fails(call("sensors", "show", "vlp61"), 2, "'velodyne-vlp16'")
+        self.assert_fails(call("sensors", "show"), 2, "sensors list")
+        self.assert_fails(call("sensors", "echo", "velodyne-vlp16"), 2, "--target")
+        self.assert_fails(call("sensors", "echo", "velodyne-vlp16", "--target", "x"), 2, "RANGE")
+        self.assert_fails(call("sensors", "echo", "velodyne-vlp16", "--target", "3:laef"), 2, "'leaf'")
+        with tempfile.TemporaryDirectory() as folder:
+            self.assert_fails(call("sensors", "show", "velodyne-vlp16", "--plot", "p.png", cwd=folder), 2)
+            pathlib.Path(folder, "bad.yaml").write_text("name: [\n")
+            self.assert_fails(call("sensors", "show", "bad.yaml", "--plot", "p.svg", cwd=folder), 3,
+                              "bad.yaml", "line")
+            self.assertEqual({p.name for p in pathlib.Path(folder).iterdir()}, {"bad.yaml"})
+
+
+ONE_BEAM = """name: one
+kind: directions
+directions: one.csv
+cycle_s: 0.001
+rate_hz: 100
+min_range_m: 0.1
+max_range_m: 100
+divergence_mrad: [20, 20]
+profile: uniform
+wavelength_nm: 905
+receiver: {pulse_ns: 5, detects: {range_m: 100, reflectance: 0.1}, returns: all, max_echoes: 3}
+"""
+
+
+class Instruments(cli_test.OnALog):
+    """A beam that half of a near wall and, beside it, a far wall stop; far from all else."""
+
+    def setUp(self):
+        super().setUp()
+        self.run_all(until="segment")
+        fitted = call("fit", *cli_test.JOBS["fit"], cwd=self.folder)
+        self.assertEqual(fitted.returncode, 0, fitted.stderr)
+        self.write("one.yaml", ONE_BEAM)
+        self.write("one.csv", "azimuth_deg,elevation_deg\n0,0\n")
+        self.write("poses.txt", "0 0 0 500 0 0 0 1\n0.1 0 0 500 0 0 0 1\n")
+        self.write("near.txt", "0 20 0 500 0 0 0 1\n")
+        self.write("half.obj", "v 0 0 -9\nv 0 9 -9\nv 0 9 9\nv 0 0 9\nf 1 2 3 4\n")
+        self.write("wall.obj", "v 0 -9 -9\nv 0 9 -9\nv 0 9 9\nv 0 -9 9\nf 1 2 3 4\n")
+
+    def write(self, name, text):
+        pathlib.Path(self.folder, name).write_text(text)
+
+    def simulate(self, far, *words, output="sim.csv"):
+        self.write("far.txt", f"0 {far} 0 500 0 0 0 1\n")
+        done = call("simulate", "model", "--sensor", "one.yaml", "--trajectory", "poses.txt", "--super-sample",
+                    "20x20", "--mover", "half.obj:near.txt:white_target", "--mover",
+                    "wall.obj:far.txt:white_target", "-o", output, "--json", "-", *words, cwd=self.folder)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        return json.loads(done.stdout)
+
+    def rows(self, name="sim.csv"):
+        with open(pathlib.Path(self.folder, name), newline="") as file:
+            return [{k: float(v) for k, v in row.items()} for row in csv.DictReader(file)]
+
+    def test_an_edge_gives_two_echoes_and_what_the_pulse_cannot_separate_one_in_between(self):
+        told = self.simulate(23)
+        self.assertEqual((told["beams"], told["hits"], told["echoes"]), (100, 100, 200))
+        for row in self.rows():
+            self.assertAlmostEqual(row["x"], 20 if row["echo"] == 1 else 23, delta=0.02)
+            self.assertEqual(row["echoes"], 2)
+            self.assertGreater(row["pulse_width"], 0.5)
+            self.assertAlmostEqual(row["intensity"], 50, delta=5)  # half of a white target each
+        told = self.simulate(20.4)
+        self.assertEqual(told["echoes"], 100)
+        self.assertTrue(all(20.1 < row["x"] < 20.3 for row in self.rows()))
+
+    def test_every_format_and_what_it_cannot_hold(self):
+        for output, lost in (("sim.ply", None), ("sim.pcd", "misses"), ("kitti", "echo numbers"), ("sim.csv", None)):
+            told = self.simulate(23, output=output)
+            self.assertIn(lost or "", told.get("lost", ""))
+        for profile in ("velodyne", "ouster", "autoware"):
+            told = self.simulate(23, "--profile", profile, output="out")
+            self.assertIn("pulse widths", told["lost"])
+            self.assertEqual(len(list(pathlib.Path(self.folder, "out").glob("*.pcd"))), 10)
+        header = pathlib.Path(self.folder, "out/000000.pcd").read_bytes().split(b"DATA")[0]
+        self.assertIn(b"return_type channel azimuth elevation distance time_stamp", header)
+
+    def test_other_verbs_take_a_log_of_several_echoes(self):
+        self.simulate(23, output="sim.ply")
+        info = json.loads(call("info", "sim.ply", "--json", "-", cwd=self.folder).stdout)
+        self.assertEqual((info["beams"], info["hits"], info["misses"], info["echoes"]), (100, 100, 0, 200))
+        again = call("simulate", "model", "--like", "sim.ply", "-o", "thin.ply", "--json", "-", cwd=self.folder)
+        self.assertEqual(json.loads(again.stdout)["beams"], 100, again.stderr)
+        score = call("score", "sim.ply", "sim.ply", "thin.ply", "--json", "-", cwd=self.folder)
+        self.assertEqual(score.returncode, 0, score.stderr)
+        split = call("split", "sim.ply", "--every", "2", "--train", "a.ply", "--test", "b.ply", cwd=self.folder)
+        self.assertEqual(split.returncode, 0, split.stderr)
+        half = json.loads(call("info", "a.ply", "--json", "-", cwd=self.folder).stdout)
+        self.assertEqual((half["beams"], half["echoes"]), (50, 100))
+        fitted = call("fit", "sim.ply", "-o", "walls", "--fitter", "surface", cwd=self.folder)
+        self.assertIn(fitted.returncode, (0, 3), fitted.stderr)
+        self.assertEqual(self.simulate(23, "--returns", "first")["echoes"], 100)
+
+    def test_waveforms(self):
+        self.simulate(23, "--waveforms", "w.csv", "--waveforms", "w.svg", "--waveform-every", "10",
+                      "--waveform-count", "4")
+        rows = self.rows("w.csv")
+        self.assertEqual({row["beam"] for row in rows}, {0, 10, 20, 30})
+        peak = max((row for row in rows if row["beam"] == 10), key=lambda row: row["signal"])
+        self.assertAlmostEqual(peak["range_m"], 20, delta=0.1)
+        self.assertTrue(xml.etree.ElementTree.parse(pathlib.Path(self.folder, "w.svg")))
+
+    def test_a_mover_is_met_where_it_is_at_each_beams_time(self):
+        self.write("near.txt", "0 30 0 500 0 0 0 1\n0.1 20 0 500 0 0 0 1\n")
+        self.simulate(60, "--returns", "first")
+        for row in self.rows():
+            self.assertAlmostEqual(row["x"], 30 - 100 * row["time"], delta=0.02)
+
+    def test_what_is_wrong(self):
+        base = ["simulate", "model", "--sensor", "one.yaml", "--trajectory", "poses.txt", "-o", "bad.ply"]
+        for words, word in ((["--super-sample", "0"], "sub-rays"), (["--super-sample", "3x"], "COLUMNSxROWS"),
+                            (["--super-sample", "9", "--returns", "third"], "--returns"),
+                            (["--super-sample", "9", "--material", "tree=leaf"], "CLASS=MATERIAL"),
+                            (["--super-sample", "9", "--material", "grass=laef"], "'leaf'"),
+                            (["--super-sample", "9", "--beam", "random"], "--super-sample"),
+                            (["--super-sample", "9", "--waveforms", "w.png"], ".svg"),
+                            (["--returns", "first"], "--super-sample"), (["--mover", "wall.obj"], "--mover")):
+            with self.subTest(words):
+                self.assert_fails(call(*base, *words, cwd=self.folder), 2, *([word] if word != "sub-rays" else []))
+        self.assert_fails(call(*base, "--mover", "none.obj:near.txt", cwd=self.folder), 3, "none.obj")
+        self.assert_fails(call(*base, "--mover", "wall.obj:half.obj", cwd=self.folder), 3, "half.obj")
+        self.assert_fails(call("simulate", "model", "--like", "log.ply", "--super-sample", "9", "-o", "bad.ply",
+                               cwd=self.folder), 2, "does not name its sensor")
+        self.assertFalse(pathlib.Path(self.folder, "bad.ply").exists())
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--program", required=True, type=pathlib.Path)
+    options, rest = parser.parse_known_args()
+    cli_test.PROGRAM = str(options.program.resolve())
+    unittest.main(argv=[sys.argv[0], *rest])
