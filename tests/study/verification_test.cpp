@@ -55,7 +55,8 @@ TEST(MeshFidelity, VerdictFailsWhereFineTreesLookFlatOrCartoonsReal) {
   const double epsilon[] = {0.6, 0.3, 0.05};
   std::vector<double> count, value(std::begin(epsilon), std::end(epsilon));
   for (size_t k = 0; k < 3; ++k) {
-    plants[k].elements = size_t(std::pow(100.0, double(k + 1)));
+    plants[k].elements = k == 0 ? 2 : size_t(std::pow(100.0, double(k)));
+    plants[k].crude = k < 2;
     plants[k].leaves.mean_rad = 1.65 + epsilon[k];
     plants[k].leaves.sigma_rad = 0.747;
     count.push_back(double(plants[k].elements));

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "leaf_cloud.hpp"
 #include "study/studies.hpp"
 #include "svg_plot.hpp"
 #include "underbrush/core/check.hpp"
-#include "underbrush/fit/ground_flags.hpp"
-#include "underbrush/io/log_file.hpp"
+#include "underbrush/core/rng.hpp"
 #include "underbrush/io/table.hpp"
 
 namespace underbrush::app {
@@ -18,7 +18,7 @@ namespace {
 
 using metrics::LeafInclination;
 constexpr double kVolumeM3 = 45;
-constexpr size_t kFlatPlants = 2;  // billboard and cartoon come first
+constexpr size_t kMostOfBoards = 8;  // triangles; a cartoon has more
 
 Json json_of(const LeafInclination& l) {
   return {{"points", l.points},
@@ -55,8 +55,8 @@ StudyTable sweep_table(const std::vector<PlantFigures>& plants) {
 /// The least count of a plant inside the criterion, infinite if there is none.
 double least_inside(const std::vector<PlantFigures>& plants) {
   double least = INFINITY;
-  for (size_t k = kFlatPlants; k < plants.size(); ++k) {
-    if (plants[k].leaves.is_realistic()) least = std::min(least, double(plants[k].elements));
+  for (const PlantFigures& p : plants) {
+    if (!p.crude && p.leaves.is_realistic()) least = std::min(least, double(p.elements));
   }
   return least;
 }
@@ -73,6 +73,22 @@ StudyTable line_table(const std::vector<PlantFigures>& plants, const metrics::Lo
             fmt::format("{:.3f}", line.r2), density(least_inside(plants)),
             density(line.count_at(LeafInclination::kLargest))},
            {"published", "0.269", "0.0121", "0.635", "1600", "11000"}}};
+}
+
+/// Point files of a folder, and the logs of its folders: log.ply, or train.ply without one.
+std::vector<fs::path> clouds_of(const fs::path& folder) {
+  std::vector<fs::path> files;
+  if (folder.empty()) return files;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    for (const char* name : {"log.ply", "train.ply"}) {
+      if (!fs::exists(entry.path() / name)) continue;
+      files.push_back(entry.path() / name);
+      break;
+    }
+    if (entry.is_regular_file() && io::is_table_file(entry.path())) files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
 }
 
 std::string picture(const std::vector<PlantFigures>& plants, const metrics::LogRegression& line) {
@@ -92,50 +108,19 @@ std::string picture(const std::vector<PlantFigures>& plants, const metrics::LogR
   return plot.svg();
 }
 
-/// Points that are not ground, within 25 m of their sensor.
-std::vector<Vec3f> vegetation_of(const fs::path& file) {
-  constexpr double kFarM = 25, kNearM = 3;
-  io::LogReader log(file);
-  const std::vector<uint8_t> ground = fit::ground_flags(log, {});
-  std::vector<Vec3f> out;
-  BeamLog chunk;
-  log.rewind();
-  size_t hit = 0;
-  Vec3 origin = Vec3::Zero();
-  while (log.next(chunk)) {
-    for (size_t i = 0; i < chunk.size(); ++i) {
-      if (!chunk.is_hit(i)) continue;
-      if (hit == 0) origin = chunk.origin[i];
-      if (ground[hit++] || chunk.range_m[i] > kFarM || chunk.range_m[i] < kNearM) continue;
-      out.push_back((chunk.end_point(i) - origin).cast<float>());
-    }
-  }
-  return out;
-}
-
-std::vector<Vec3f> cloud_of(const fs::path& file) {
-  const io::Table table = io::read_table(file);
-  std::vector<Vec3> points(table.size());
-  for (int axis = 0; axis < 3; ++axis) {
-    const ExtraColumn* column = table.find({std::string(1, char('x' + axis))});
-    if (!column) throw FormatError(file.string(), "", "no column x, y or z");
-    const std::vector<double> values = io::doubles_of(*column);
-    for (size_t i = 0; i < points.size(); ++i) points[i][axis] = values[i];
-  }
-  std::erase_if(points, [](const Vec3& p) { return !p.allFinite(); });
-  std::vector<Vec3f> out;
-  out.reserve(points.size());
-  for (const Vec3& p : points) out.push_back((p - points[0]).cast<float>());
-  return out;
-}
-
 }  // namespace
 
 std::vector<Check> sweep_checks(const std::vector<PlantFigures>& plants,
                                 const metrics::LogRegression& line) {
   std::vector<Check> out;
-  for (size_t k = 0; k < kFlatPlants; ++k) {
-    out.push_back({plants.at(k).name + " lies outside, ε", plants[k].leaves.epsilon(),
+  for (const bool board : {true, false}) {
+    double least = INFINITY;
+    for (const PlantFigures& p : plants) {
+      if (p.crude && (p.elements <= kMostOfBoards) == board) {
+        least = std::min(least, p.leaves.epsilon());
+      }
+    }
+    out.push_back({fmt::format("{} lie outside, least ε", board ? "boards" : "cartoons"), least,
                    LeafInclination::kLargest, false});
   }
   const auto finest = std::max_element(
@@ -149,40 +134,79 @@ std::vector<Check> sweep_checks(const std::vector<PlantFigures>& plants,
 
 void add_real_vegetation(const StudyRun& run, StudyResult& result) {
   StudyTable table{"Real clouds",
-                   "Vegetation of logs: points that are not ground (as `fit` tells it), 3 to 25 m "
-                   "from the sensor, all scans of train.ply registered. Point files: all points.",
-                   {"cloud", "points", "μ", "σ", "ε", "criterion"},
+                   "Vegetation of logs: trees and shrubs by the labels of the log, or else what is "
+                   "not ground (as `fit` tells it), 3 to 25 m from the sensor; first: of the first "
+                   "scan alone. Point files: all points.",
+                   {"cloud", "told by", "points", "μ", "σ", "ε", "criterion"},
                    {}};
-  std::vector<fs::path> files;
-  if (!run.data.empty()) {
-    for (const auto& entry : fs::directory_iterator(run.data)) {
-      if (fs::exists(entry.path() / "train.ply")) files.push_back(entry.path() / "train.ply");
-      if (entry.is_regular_file() && io::is_table_file(entry.path())) files.push_back(entry.path());
-    }
-  }
-  std::sort(files.begin(), files.end());
-  for (const fs::path& file : files) {
-    const bool log = file.filename() == "train.ply";
+  for (const fs::path& file : clouds_of(run.data)) {
+    const bool log = file.filename() == "train.ply" || file.filename() == "log.ply";
     const std::string name = log ? file.parent_path().filename().string() : file.stem().string();
     run.say("leaves of " + name);
-    const std::vector<Vec3f> cloud = log ? vegetation_of(file) : cloud_of(file);
-    if (cloud.size() < 30) {
+    const LeafCloud cloud = leaf_cloud(file);
+    if (cloud.points.size() < 30) {
       result.notes.push_back(name + " was left out: fewer than 30 points");
       continue;
     }
+    result.inputs.push_back(file);
+    const auto add = [&](const std::string& what, const std::vector<Vec3f>& points) {
+      const LeafInclination leaves = metrics::leaf_inclination(points);
+      std::vector<std::string> row{what, cloud.by};
+      for (std::string& cell : cells(leaves)) row.push_back(std::move(cell));
+      table.rows.push_back(std::move(row));
+      result.figures["real"][what] = json_of(leaves);
+    };
+    add(name, cloud.points);
+    if (cloud.first_scan >= 30 && cloud.first_scan < cloud.points.size()) {
+      add(name + ", first scan",
+          {cloud.points.begin(), cloud.points.begin() + std::ptrdiff_t(cloud.first_scan)});
+    }
+  }
+  if (table.rows.empty()) {
+    result.notes.emplace_back(
+        "real vegetation was left out: no --data folder with point files or logs");
+  } else {
+    result.tables.push_back(table);
+  }
+}
+
+void add_conditions(const StudyRun& run, const SweepPlant& plant, StudyResult& result) {
+  StudyTable table{"What the score of one plant depends on: " + plant.name,
+                   "The same plant and way; each row changes one thing.",
+                   {"condition", "points", "μ", "σ", "ε", "criterion"},
+                   {}};
+  const auto add = [&](const std::string& name, const std::vector<Vec3f>& cloud) {
     const LeafInclination leaves = metrics::leaf_inclination(cloud);
     std::vector<std::string> row{name};
     for (std::string& cell : cells(leaves)) row.push_back(std::move(cell));
     table.rows.push_back(std::move(row));
-    result.figures["real"][name] = json_of(leaves);
-    result.inputs.push_back(file);
+    result.figures["conditions"][name] = json_of(leaves);
+  };
+  const ApproachOptions rough;
+  ApproachOptions exact = rough;
+  exact.registration_m = exact.registration_rad = 0;
+  const BeamLog beams = approach_beams(plant.plant, run.quick, rough);
+  const BeamLog scan = approach_scan(plant.plant, beams, run.seed);
+  add("as in the sweep", registered(scan, rough, run.seed));
+  add("registration exact", registered(scan, exact, run.seed));
+  add("registration twice as bad",
+      registered(
+          scan,
+          {rough.tilt_rad, rough.heave_m, 2 * rough.registration_m, 2 * rough.registration_rad},
+          run.seed));
+  const BeamLog flat =
+      approach_scan(plant.plant, approach_beams(plant.plant, run.quick, kSmooth), run.seed);
+  add("registration exact, no pitch, roll or heave", registered(flat, kSmooth, run.seed));
+  add("no noise of the range",
+      registered(approach_scan(plant.plant, beams, run.seed, {0, 9}), rough, run.seed));
+  add("one thin ray a beam, no noise",
+      registered(approach_scan(plant.plant, beams, run.seed, {0, 1}), rough, run.seed));
+  std::vector<Vec3f> cloud = registered(scan, rough, run.seed), few;
+  for (size_t i = 0; i < cloud.size(); ++i) {
+    if (random_bits(run.seed, uint32_t(i), Purpose::kSignal) % 8 == 0) few.push_back(cloud[i]);
   }
-  if (table.rows.empty()) {
-    result.notes.emplace_back(
-        "real vegetation was left out: no --data folder with point files or logs with train.ply");
-  } else {
-    result.tables.push_back(table);
-  }
+  add("every eighth point", few);
+  result.tables.push_back(table);
 }
 
 StudyResult study_mesh_fidelity(const StudyRun& run) {
@@ -190,23 +214,38 @@ StudyResult study_mesh_fidelity(const StudyRun& run) {
   result.lead =
       "Plants from a billboard to millions of triangles, scanned from an approaching vehicle: do "
       "the leaves of the cloud stand as those of real vegetation in Goodin et al. 2024?";
-  std::vector<PlantFigures> plants;
+  const ApproachOptions approach;
+  std::vector<PlantFigures> plants, ellipsoids, given;
   std::vector<double> count, epsilon;
-  BeamLog finest;
-  for (const SweepPlant& plant : sweep_plants(run.quick, run.seed)) {
-    BeamLog scan = approach_scan(plant.plant, approach_beams(plant.plant, run.quick), run.seed);
-    plants.push_back(figures_of(plant, scan));
-    const PlantFigures& p = plants.back();
-    run.say(fmt::format("{}: {} triangles, ε = {:.3f}", p.name, p.elements, p.leaves.epsilon()));
-    count.push_back(double(p.elements));
-    epsilon.push_back(p.leaves.epsilon());
-    finest = std::move(scan);
+  std::vector<SweepPlant> sweep = sweep_plants(run.quick, run.seed);
+  const auto score = [&](const SweepPlant& plant, bool fitted) {
+    const BeamLog scan =
+        approach_scan(plant.plant, approach_beams(plant.plant, run.quick, approach), run.seed);
+    PlantFigures p = figures_of(plant, registered(scan, approach, run.seed));
+    run.say(fmt::format("{}: {} triangles, {} points, ε = {:.3f}", p.name, p.elements,
+                        p.leaves.points, p.leaves.epsilon()));
+    if (fitted) {
+      ellipsoids.push_back(ellipsoids_of(scan, approach, run.seed));
+      ellipsoids.back().name = "ellipsoids of " + plant.name;
+    }
+    return p;
+  };
+  const auto kind = [](const SweepPlant& p) { return p.name.substr(0, p.name.find(' ')); };
+  for (size_t k = 0; k < sweep.size(); ++k) {
+    const bool finest = k + 1 == sweep.size() || kind(sweep[k + 1]) != kind(sweep[k]);
+    plants.push_back(score(sweep[k], finest && !sweep[k].crude));
+    count.push_back(double(plants.back().elements));
+    epsilon.push_back(plants.back().leaves.epsilon());
   }
   const metrics::LogRegression line = metrics::log_regression(count, epsilon);
   result.checks = sweep_checks(plants, line);
+  for (const SweepPlant& plant : given_plants(run.data / "meshes")) {
+    given.push_back(score(plant, false));
+    given.back().name += ", given";
+  }
   std::vector<PlantFigures> shown = plants;
-  shown.push_back(ellipsoids_of(finest, run.seed));
-  shown.back().name = "ellipsoids of the last";
+  shown.insert(shown.end(), ellipsoids.begin(), ellipsoids.end());
+  shown.insert(shown.end(), given.begin(), given.end());
   for (const PlantFigures& p : shown) {
     Json j = json_of(p.leaves);
     j["elements"] = p.elements;
@@ -217,6 +256,11 @@ StudyResult study_mesh_fidelity(const StudyRun& run) {
   result.tables.push_back(sweep_table(shown));
   result.tables.push_back(line_table(plants, line));
   result.pictures = picture(plants, line);
+  const auto finest =
+      std::max_element(sweep.begin(), sweep.end(), [](const SweepPlant& a, const SweepPlant& b) {
+        return a.plant.mesh.size() < b.plant.mesh.size();
+      });
+  add_conditions(run, *finest, result);
   add_real_vegetation(run, result);
   return result;
 }

@@ -20,7 +20,9 @@ std::vector<size_t> face_of(const scene::Solid& solid, const std::vector<size_t>
                             const std::vector<Vec3>& cloud, const Pose& target_from_cloud,
                             double tolerance_m) {
   std::vector<Vec3> normal, corner;
+  std::vector<scene::FaceOutline> outline;
   for (const size_t f : faces) {
+    outline.emplace_back(solid, f);
     normal.push_back(solid.normal(f));
     corner.push_back(solid.corners(f)[0]);
   }
@@ -31,7 +33,7 @@ std::vector<size_t> face_of(const scene::Solid& solid, const std::vector<size_t>
     size_t best = faces.size();
     for (size_t k = 0; k < faces.size(); ++k) {
       const double off = std::abs(normal[k].dot(at - corner[k]));
-      if (off < least && scene::over_face(solid, faces[k], at, tolerance_m)) best = k, least = off;
+      if (off < least && outline[k].covers(at, tolerance_m)) best = k, least = off;
     }
     out.push_back(best);
   }
