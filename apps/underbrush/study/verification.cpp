@@ -181,7 +181,7 @@ void add_miniature(const StudyRun& run, StudyResult& result,
   guess.translation += Vec3(0.05, -0.05, 0.03);
   CloudPair pair{{}, {}, guess};
   std::vector<Vec3> again;  // the same instrument once more, its raster shifted otherwise
-  const int scans = run.quick ? 2 : 64;
+  const int scans = run.quick ? 2 : 16;
   PairFigures one, one_again;
   for (int k = 0; k < scans; ++k) {
     const std::vector<Vec3> real = instrument_scan(target, pose, k, run.seed);

@@ -7,8 +7,9 @@
 namespace underbrush::app {
 namespace {
 
-constexpr double kNearM = 0.04;     // of a face: five sigma of the instrument
-constexpr double kBorderM = 0.025;  // footprints nearer to an edge are on two faces
+constexpr double kNearM = 0.04;        // of a face: five sigma of the instrument
+constexpr double kBorderM = 0.025;     // footprints nearer to an edge are on two faces
+constexpr double kHalfStepM = 0.0005;  // of the instrument's ranges
 constexpr size_t kLeastPoints = 30;
 constexpr size_t kMostPaired = 60000;  // points of either cloud in the registration
 
@@ -198,7 +199,7 @@ PairFigures compare(const scene::Solid& solid, const std::vector<size_t>& faces,
   std::vector<Vec3> laid;
   for (const Vec3& p : pair.simulated) laid.push_back(out.real_from_target * p);
   out.histograms =
-      metrics::range_histograms(ranges_of(pair.real), ranges_of(laid), histogram_bin_m);
+      metrics::range_histograms(ranges_of(pair.real), ranges_of(laid), histogram_bin_m, kHalfStepM);
   return out;
 }
 
