@@ -24,14 +24,16 @@ std::vector<SweepPlant> sweep_plants(bool quick, uint64_t seed);
 /// The meshes of a folder (.obj, .ply; z up), scaled likewise; none if there is no such folder.
 std::vector<SweepPlant> given_plants(const std::filesystem::path& folder);
 
-/// How a vehicle comes near and what is known of its way.
+/// How a vehicle comes near and how well its scans are registered.
 struct ApproachOptions {
-  double tilt_rad = 0.026;           ///< Amplitude of pitch and roll, about 1 Hz.
-  double heave_m = 0.03;             ///< Amplitude.
-  double registration_m = 0.02;      ///< σ of a scan's registration, each axis.
-  double registration_rad = 0.0017;  ///< The same of its turn.
+  double tilt_rad = 0.026;      ///< Amplitude of pitch and roll, about 1 Hz.
+  double heave_m = 0.03;        ///< Amplitude.
+  double registration_m = 0;    ///< σ of a scan's registration, each axis.
+  double registration_rad = 0;  ///< The same of its turn.
 };
-/// A vehicle on a floor, its poses known exactly.
+/// Registration by lidar odometry: 2 cm and 0.1°.
+inline constexpr ApproachOptions kOdometry{0.026, 0.03, 0.02, 0.0017};
+/// A vehicle on a floor.
 inline constexpr ApproachOptions kSmooth{0, 0, 0, 0};
 
 /// The beams that two OS1-64 on an approaching vehicle send towards the plant: 2.5 m/s from 17 m to
@@ -54,11 +56,15 @@ struct PlantFigures {
   size_t elements = 0;  ///< Triangles or ellipsoids.
   size_t bytes = 0;     ///< Of vertices and triangles, or of the ellipsoids.
   bool crude = false;
-  metrics::LeafInclination leaves;
+  metrics::LeafInclination leaves;     ///< With the poses known exactly, as a simulator knows them.
+  metrics::LeafInclination displaced;  ///< With errors of registration.
 };
-PlantFigures figures_of(const SweepPlant& plant, const std::vector<Vec3f>& cloud);
+PlantFigures figures_of(const SweepPlant& plant, const BeamLog& scan, uint64_t seed);
 /// Fits ellipsoids to `scan` and scores what they answer to the same beams.
-PlantFigures ellipsoids_of(const BeamLog& scan, const ApproachOptions& approach, uint64_t seed);
+PlantFigures ellipsoids_of(const BeamLog& scan, uint64_t seed);
+
+/// Points drawn evenly from the surface: what there is to see, without a lidar.
+std::vector<Vec3f> surface_points(const scene::PlantMesh& plant, size_t n, uint64_t seed);
 
 /// The thresholds: all boards and all cartoons outside ε ≤ 0.11, the finest plant inside, ε falls
 /// with ln n.

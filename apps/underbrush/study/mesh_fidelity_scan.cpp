@@ -113,14 +113,17 @@ std::vector<Vec3f> registered(const BeamLog& log, const ApproachOptions& options
   return cloud;
 }
 
-PlantFigures figures_of(const SweepPlant& plant, const std::vector<Vec3f>& cloud) {
+PlantFigures figures_of(const SweepPlant& plant, const BeamLog& scan, uint64_t seed) {
   const elements::TriangleMesh& mesh = plant.plant.mesh;
-  return {plant.name, mesh.size(),
+  return {plant.name,
+          mesh.size(),
           mesh.vertices.size() * sizeof(Vec3f) + mesh.size() * sizeof(mesh.triangles[0]),
-          plant.crude, metrics::leaf_inclination(cloud)};
+          plant.crude,
+          metrics::leaf_inclination(registered(scan, {}, seed)),
+          metrics::leaf_inclination(registered(scan, kOdometry, seed))};
 }
 
-PlantFigures ellipsoids_of(const BeamLog& scan, const ApproachOptions& approach, uint64_t seed) {
+PlantFigures ellipsoids_of(const BeamLog& scan, uint64_t seed) {
   fit::FitOptions options;
   options.seed = seed;
   options.segment.method = "none";
@@ -131,8 +134,30 @@ PlantFigures ellipsoids_of(const BeamLog& scan, const ApproachOptions& approach,
   draw.seed = seed + 1;
   BeamLog answer = scan;
   simulate::simulate(world, draw, 0, answer);
-  return {"ellipsoids", model.size(), model.ellipsoids.size() * sizeof(elements::Ellipsoid), false,
-          metrics::leaf_inclination(registered(answer, approach, seed))};
+  return {"ellipsoids",
+          model.size(),
+          model.ellipsoids.size() * sizeof(elements::Ellipsoid),
+          false,
+          metrics::leaf_inclination(registered(answer, {}, seed)),
+          metrics::leaf_inclination(registered(answer, kOdometry, seed))};
+}
+
+std::vector<Vec3f> surface_points(const scene::PlantMesh& plant, size_t n, uint64_t seed) {
+  const elements::TriangleMesh& mesh = plant.mesh;
+  std::vector<double> area_to(mesh.size());
+  double sum = 0;
+  for (size_t t = 0; t < mesh.size(); ++t) area_to[t] = sum += scene::triangle_area(mesh, t);
+  Stream random(seed);
+  std::vector<Vec3f> out(n);
+  for (Vec3f& p : out) {
+    const double at = random.uniform(0, sum);
+    const auto t =
+        size_t(std::lower_bound(area_to.begin(), area_to.end() - 1, at) - area_to.begin());
+    const float u = float(std::sqrt(random.uniform())), v = float(random.uniform());
+    const auto& [a, b, c] = mesh.triangles[t];
+    p = (1 - u) * mesh.vertices[a] + u * (1 - v) * mesh.vertices[b] + u * v * mesh.vertices[c];
+  }
+  return out;
 }
 
 }  // namespace underbrush::app

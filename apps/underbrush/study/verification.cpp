@@ -222,10 +222,10 @@ void add_miniature(const StudyRun& run, StudyResult& result,
   result.pictures += histogram_picture(many, all.histograms);
 }
 
-void add_own_pair(const StudyRun& run, StudyResult& result) {
-  if (run.data.empty()) return;
+bool add_own_pair(const StudyRun& run, StudyResult& result) {
+  if (run.data.empty()) return false;
   const fs::path real = cloud_file(run.data, "real"), simulated = cloud_file(run.data, "simulated");
-  if (real.empty() || simulated.empty()) return;
+  if (real.empty() || simulated.empty()) return false;
   scene::Solid target = scene::miniature();
   std::vector<size_t> faces = scene::miniature_patches();
   for (const char* name : {"target.json", "target.obj"}) {
@@ -260,6 +260,7 @@ void add_own_pair(const StudyRun& run, StudyResult& result) {
   result.pictures += histogram_picture("Your pair", f.histograms);
   result.inputs.push_back(real);
   result.inputs.push_back(simulated);
+  return true;
 }
 
 std::string histogram_picture(const std::string& title, const metrics::RangeHistograms& h) {
@@ -288,8 +289,7 @@ StudyResult study_verification(const StudyRun& run) {
   result.lead =
       "The miniature of Kim et al. before an ILRIS-3D: our simulator against an independent ray "
       "caster in place of the real scan, and the same procedure on walls of real scans.";
-  add_miniature(run, result);
-  add_own_pair(run, result);
+  if (!add_own_pair(run, result)) add_miniature(run, result);
   add_walls(run, result);
   return result;
 }

@@ -82,8 +82,8 @@ std::vector<Check> pair_checks(const std::string& what, const PairFigures& figur
 /// The miniature; `change`, for tests, alters the solid that is simulated.
 void add_miniature(const StudyRun& run, StudyResult& result,
                    const std::function<void(scene::Solid&)>& change = {});
-/// A user's own pair of clouds in `run.data`, if there is one.
-void add_own_pair(const StudyRun& run, StudyResult& result);
+/// A user's own pair of clouds in `run.data`; false if there is none.
+bool add_own_pair(const StudyRun& run, StudyResult& result);
 
 /// Walls of a real scan: planes found in `train`, `test` simulated from them and measured.
 struct WallFigures {
