@@ -339,7 +339,7 @@ class Study(Failing):
             self.assertGreater(figures["plants"]["cartoon, a ball"]["epsilon"], 0.11)
             self.assertEqual(figures["plants"]["tent, given"]["elements"], 2)
             self.assertLess(figures["real"]["cube"]["epsilon"], 0.11)
-            self.assertEqual(set(figures["regression"]), {"exact poses", "odometry"})
+            self.assertLessEqual({"exact poses", "odometry"}, set(figures["regression"]))
             page = pathlib.Path(folder, "r", "index.html").read_text()
             for text in ("Realism distance against the number of triangles", "<svg", "published", "cube"):
                 self.assertIn(text, page)

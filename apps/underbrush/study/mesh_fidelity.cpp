@@ -5,34 +5,17 @@
 #include <algorithm>
 #include <cmath>
 
-#include "leaf_cloud.hpp"
 #include "study/studies.hpp"
 #include "svg_plot.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/rng.hpp"
-#include "underbrush/io/table.hpp"
 
 namespace underbrush::app {
-namespace fs = std::filesystem;
 namespace {
 
 using metrics::LeafInclination;
 constexpr double kVolumeM3 = 45;
 constexpr size_t kMostOfBoards = 8;  // triangles; a cartoon has more
-
-Json json_of(const LeafInclination& l) {
-  return {{"points", l.points},
-          {"mean_rad", l.mean_rad},
-          {"sigma_rad", l.sigma_rad},
-          {"epsilon", l.epsilon()},
-          {"realistic", l.is_realistic()}};
-}
-
-std::vector<std::string> cells(const LeafInclination& l) {
-  return {fmt::format("{}", l.points), fmt::format("{:.3f}", l.mean_rad),
-          fmt::format("{:.3f}", l.sigma_rad), fmt::format("{:.3f}", l.epsilon()),
-          l.is_realistic() ? "inside" : "outside"};
-}
 
 StudyTable sweep_table(const std::vector<PlantFigures>& plants) {
   StudyTable table{
@@ -60,17 +43,22 @@ StudyTable sweep_table(const std::vector<PlantFigures>& plants) {
 using Score = LeafInclination PlantFigures::*;
 
 /// The least count of a plant inside the criterion, infinite if there is none.
-double least_inside(const std::vector<PlantFigures>& plants, Score score) {
+double least_inside(const std::vector<PlantFigures>& plants, Score score,
+                    const std::string& kind = "") {
   double least = INFINITY;
   for (const PlantFigures& p : plants) {
-    if (!p.crude && (p.*score).is_realistic()) least = std::min(least, double(p.elements));
+    if (p.crude || p.name.rfind(kind, 0) != 0 || !(p.*score).is_realistic()) continue;
+    least = std::min(least, double(p.elements));
   }
   return least;
 }
 
-metrics::LogRegression line_of(const std::vector<PlantFigures>& plants, Score score) {
+/// Over the plants whose name begins with `kind`, boards and cartoons with them; empty: over all.
+metrics::LogRegression line_of(const std::vector<PlantFigures>& plants, Score score,
+                               const std::string& kind = "") {
   std::vector<double> count, epsilon;
   for (const PlantFigures& p : plants) {
+    if (!p.crude && p.name.rfind(kind, 0) != 0) continue;
     count.push_back(double(p.elements));
     epsilon.push_back((p.*score).epsilon());
   }
@@ -80,7 +68,8 @@ metrics::LogRegression line_of(const std::vector<PlantFigures>& plants, Score sc
 StudyTable line_table(const std::vector<PlantFigures>& plants, Json& figures) {
   StudyTable table{"ε = a − b ln n",
                    "Minimum: the coarsest plant inside the criterion that is no cartoon; "
-                   "recommended: where the line is at 0.11. Triangles per m³. Samples: median of "
+                   "recommended: where the line is at 0.11, none if it rises. Triangles per m³. "
+                   "Samples: median of "
                    "the plants; the rule asks for 5/8 of them in triangles.",
                    {"", "a", "b", "R²", "minimum", "recommended", "samples", "rule"},
                    {}};
@@ -92,34 +81,25 @@ StudyTable line_table(const std::vector<PlantFigures>& plants, Json& figures) {
   std::nth_element(samples.begin(), samples.begin() + std::ptrdiff_t(samples.size() / 2),
                    samples.end());
   const double median = samples[samples.size() / 2];
-  for (const auto& [name, score] :
-       {std::pair{"exact poses", &PlantFigures::leaves}, {"odometry", &PlantFigures::displaced}}) {
-    const metrics::LogRegression line = line_of(plants, score);
+  const auto add = [&](const std::string& name, Score score, const std::string& kind) {
+    const metrics::LogRegression line = line_of(plants, score, kind);
     table.rows.push_back({name, fmt::format("{:.3f}", line.a), fmt::format("{:.4f}", line.b),
-                          fmt::format("{:.3f}", line.r2), density(least_inside(plants, score)),
+                          fmt::format("{:.3f}", line.r2),
+                          density(least_inside(plants, score, kind)),
                           density(line.count_at(LeafInclination::kLargest)),
                           fmt::format("{:.0f}", median), fmt::format("{:.0f}", 0.625 * median)});
     figures[name] = {{"a", line.a}, {"b", line.b}, {"r2", line.r2}};
+  };
+  add("exact poses", &PlantFigures::leaves, "");
+  for (const std::string kind : {"broadleaf", "shrub", "conifer"}) {
+    const auto is_one = [&](const PlantFigures& p) { return p.name.rfind(kind, 0) == 0; };
+    if (!std::any_of(plants.begin(), plants.end(), is_one)) continue;
+    add("boards, cartoons, " + kind, &PlantFigures::leaves, kind);
   }
+  add("odometry", &PlantFigures::displaced, "");
   table.rows.push_back(
       {"published", "0.269", "0.0121", "0.635", "1600", "11000", "17000", "11000"});
   return table;
-}
-
-/// Point files of a folder, and the logs of its folders: log.ply, or train.ply without one.
-std::vector<fs::path> clouds_of(const fs::path& folder) {
-  std::vector<fs::path> files;
-  if (folder.empty()) return files;
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    for (const char* name : {"log.ply", "train.ply"}) {
-      if (!fs::exists(entry.path() / name)) continue;
-      files.push_back(entry.path() / name);
-      break;
-    }
-    if (entry.is_regular_file() && io::is_table_file(entry.path())) files.push_back(entry.path());
-  }
-  std::sort(files.begin(), files.end());
-  return files;
 }
 
 std::string picture(const std::vector<PlantFigures>& plants, const metrics::LogRegression& line) {
@@ -141,6 +121,20 @@ std::string picture(const std::vector<PlantFigures>& plants, const metrics::LogR
 
 }  // namespace
 
+Json json_of(const LeafInclination& l) {
+  return {{"points", l.points},
+          {"mean_rad", l.mean_rad},
+          {"sigma_rad", l.sigma_rad},
+          {"epsilon", l.epsilon()},
+          {"realistic", l.is_realistic()}};
+}
+
+std::vector<std::string> cells(const LeafInclination& l) {
+  return {fmt::format("{}", l.points), fmt::format("{:.3f}", l.mean_rad),
+          fmt::format("{:.3f}", l.sigma_rad), fmt::format("{:.3f}", l.epsilon()),
+          l.is_realistic() ? "inside" : "outside"};
+}
+
 std::vector<Check> sweep_checks(const std::vector<PlantFigures>& plants,
                                 const metrics::LogRegression& line) {
   std::vector<Check> out;
@@ -161,44 +155,6 @@ std::vector<Check> sweep_checks(const std::vector<PlantFigures>& plants,
       {"the finest plant lies inside, ε", finest->leaves.epsilon(), LeafInclination::kLargest});
   out.push_back({"ε falls with ln n, b", line.b, 0.001, false});
   return out;
-}
-
-void add_real_vegetation(const StudyRun& run, StudyResult& result) {
-  StudyTable table{"Real clouds",
-                   "Vegetation of logs: trees and shrubs by the labels of the log, or else what is "
-                   "not ground (as `fit` tells it), 3 to 25 m from the sensor; first: of the first "
-                   "scan alone. Point files: all points.",
-                   {"cloud", "told by", "points", "μ", "σ", "ε", "criterion"},
-                   {}};
-  for (const fs::path& file : clouds_of(run.data)) {
-    const bool log = file.filename() == "train.ply" || file.filename() == "log.ply";
-    const std::string name = log ? file.parent_path().filename().string() : file.stem().string();
-    run.say("leaves of " + name);
-    const LeafCloud cloud = leaf_cloud(file);
-    if (cloud.points.size() < 30) {
-      result.notes.push_back(name + " was left out: fewer than 30 points");
-      continue;
-    }
-    result.inputs.push_back(file);
-    const auto add = [&](const std::string& what, const std::vector<Vec3f>& points) {
-      const LeafInclination leaves = metrics::leaf_inclination(points);
-      std::vector<std::string> row{what, cloud.by};
-      for (std::string& cell : cells(leaves)) row.push_back(std::move(cell));
-      table.rows.push_back(std::move(row));
-      result.figures["real"][what] = json_of(leaves);
-    };
-    add(name, cloud.points);
-    if (cloud.first_scan >= 30 && cloud.first_scan < cloud.points.size()) {
-      add(name + ", first scan",
-          {cloud.points.begin(), cloud.points.begin() + std::ptrdiff_t(cloud.first_scan)});
-    }
-  }
-  if (table.rows.empty()) {
-    result.notes.emplace_back(
-        "real vegetation was left out: no --data folder with point files or logs");
-  } else {
-    result.tables.push_back(table);
-  }
 }
 
 void add_conditions(const StudyRun& run, const SweepPlant& plant, StudyResult& result) {

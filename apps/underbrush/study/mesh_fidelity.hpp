@@ -74,6 +74,10 @@ std::vector<Check> sweep_checks(const std::vector<PlantFigures>& plants,
 /// The score of one plant with and without what shapes its cloud.
 void add_conditions(const StudyRun& run, const SweepPlant& plant, StudyResult& result);
 
+/// A score as JSON, and as cells: points, μ, σ, ε, inside or outside.
+Json json_of(const metrics::LeafInclination& l);
+std::vector<std::string> cells(const metrics::LeafInclination& l);
+
 /// The real clouds of `run.data`: vegetation of logs, and point files as they are.
 void add_real_vegetation(const StudyRun& run, StudyResult& result);
 

@@ -6,10 +6,10 @@
 #include <cmath>
 
 #include "leaf_cloud.hpp"
-#include "study/analytic_scanner.hpp"
 #include "study/studies.hpp"
 #include "svg_plot.hpp"
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/parallel.hpp"
 #include "underbrush/io/table.hpp"
 #include "underbrush/io/text.hpp"
 
@@ -142,17 +142,6 @@ Json json_of(const PairFigures& f) {
           {"icp_converged", f.icp.converged}};
 }
 
-/// The independent caster in place of the real instrument.
-std::vector<Vec3> instrument_scan(const scene::Solid& target, const Pose& pose, int scan,
-                                  uint64_t seed) {
-  AnalyticScanOptions instrument;
-  instrument.seed = seed + 1000 + uint64_t(scan);
-  const auto [across, up] = raster_phase(scan);
-  instrument.azimuth_phase = across + 0.5;
-  instrument.elevation_phase = up + 0.5;
-  return analytic_scan(target, pose, instrument).points;
-}
-
 /// The file of this stem that is a point file, or none.
 fs::path cloud_file(const fs::path& folder, const std::string& stem) {
   for (const auto& entry : fs::directory_iterator(folder)) {
@@ -183,13 +172,16 @@ void add_miniature(const StudyRun& run, StudyResult& result,
   std::vector<Vec3> again;  // the same instrument once more, its raster shifted otherwise
   const int scans = run.quick ? 2 : 16;
   PairFigures one, one_again;
+  std::vector<std::vector<Vec3>> seen(2 * size_t(scans));
+  parallel_for(seen.size(), 1, [&](size_t begin, size_t end) {
+    for (size_t k = begin; k < end; ++k) seen[k] = instrument_scan(target, pose, int(k), run.seed);
+  });
   for (int k = 0; k < scans; ++k) {
-    const std::vector<Vec3> real = instrument_scan(target, pose, k, run.seed);
-    const std::vector<Vec3> second = instrument_scan(target, pose, k + scans, run.seed);
+    const std::vector<Vec3>& real = seen[size_t(k)];
     const SimulatedScan ours = simulated_scan(simulated, pose, k, run.seed + uint64_t(k));
     pair.real.insert(pair.real.end(), real.begin(), real.end());
     pair.simulated.insert(pair.simulated.end(), ours.points.begin(), ours.points.end());
-    for (const Vec3& p : second) again.push_back(pose * p);
+    for (const Vec3& p : seen[size_t(k + scans)]) again.push_back(pose * p);
     if (k == 0) {
       one = compare(target, scene::miniature_patches(), pair);
       one_again = compare(target, scene::miniature_patches(), {pair.real, again, guess});

@@ -69,6 +69,10 @@ struct SimulatedScan {
 };
 SimulatedScan simulated_scan(const scene::Solid& solid, const Pose& target_from_scanner, int scan,
                              uint64_t seed);
+/// A scan by the independent caster, in place of the real instrument's, in the scanner's frame; its
+/// raster is shifted likewise.
+std::vector<Vec3> instrument_scan(const scene::Solid& target, const Pose& target_from_scanner,
+                                  int scan, uint64_t seed);
 /// Where within a step the raster of scan 0, 1, … begins: evenly spread, the first at (0, 0).
 std::array<double, 2> raster_phase(int scan);
 
