@@ -4,8 +4,11 @@
 #include <cmath>
 #include <set>
 
+#include "leaf_cloud.hpp"
+#include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/input.hpp"
+#include "underbrush/metrics/leaf_inclination.hpp"
 #include "underbrush/sensor/sensor.hpp"
 #include "verb.hpp"
 #include "verbs.hpp"
@@ -170,7 +173,35 @@ void report_model(const Verb& verb, const std::string& path) {
                              model.origin.x(), model.origin.y(), model.origin.z()));
 }
 
-void run(const Verb& verb, const std::string& file) {
+/// How the leaves stand [goodin24].
+void report_leaves(const Verb& verb, const std::string& file, bool all) {
+  const LeafCloud cloud = leaf_cloud(file, all);
+  if (cloud.points.size() < 30) {
+    throw std::invalid_argument(file + ": fewer than 30 points of vegetation");
+  }
+  const metrics::LeafInclination l = metrics::leaf_inclination(cloud.points);
+  const Json j = {{"kind", "leaves"},
+                  {"told_by", cloud.by},
+                  {"points", l.points},
+                  {"mean_rad", l.mean_rad},
+                  {"sigma_rad", l.sigma_rad},
+                  {"epsilon", l.epsilon()},
+                  {"realistic", l.is_realistic()},
+                  {"histogram", l.count}};
+  verb.report(
+      j, fmt::format("{}: leaf inclination of {} points ({})\n  mean {:.3f}  sigma {:.3f}  "
+                     "epsilon {:.3f}: {} the criterion of {:g}\n",
+                     file, l.points, cloud.by, l.mean_rad, l.sigma_rad, l.epsilon(),
+                     l.is_realistic() ? "inside" : "outside", metrics::LeafInclination::kLargest));
+}
+
+struct Arguments {
+  std::string file, leaves;
+};
+
+void run(const Verb& verb, const Arguments& a) {
+  const std::string& file = a.file;
+  if (!a.leaves.empty()) return report_leaves(verb, file, a.leaves == "all");
   if (elements::is_model(file)) return report_model(verb, file);
   io::Input input = io::open_input(file);
   if (!input.beams) {
@@ -190,10 +221,18 @@ void run(const Verb& verb, const std::string& file) {
 }  // namespace
 
 void add_info(CLI::App& root) {
-  auto file = std::make_shared<std::string>();
-  const auto verb = add_verb(root, "info", "What is in a log or a model", "underbrush info log.ply",
-                             [file](const Verb& v) { run(v, *file); });
-  verb->app->add_option("FILE", *file, "A log, or the folder of a model")->required();
+  auto a = std::make_shared<Arguments>();
+  const auto verb = add_verb(root, "info", "What is in a log or a model",
+                             "underbrush info log.ply\n"
+                             "  underbrush info log.ply --leaves vegetation",
+                             [a](const Verb& v) { run(v, *a); });
+  verb->app->add_option("FILE", a->file, "A log, or the folder of a model")->required();
+  verb->app
+      ->add_option("--leaves", a->leaves,
+                   "Instead: how the leaves of a log or point file stand, mean and sigma of arccos "
+                   "n_z, and epsilon; of the vegetation of a log (by its labels, else what is not "
+                   "ground, 3 to 25 m away), or of all points")
+      ->check(CLI::IsMember({"vegetation", "all"}));
 }
 
 }  // namespace underbrush::app

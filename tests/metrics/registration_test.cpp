@@ -86,6 +86,16 @@ TEST(RangeHistograms, CountInTheSameBins) {
   EXPECT_DOUBLE_EQ(h.mean_difference(), (2.0 / 3 + 1.0 / 12 + 0.75) / 3);
   EXPECT_DOUBLE_EQ(h.mean_count_difference(), 5.0 / 3);
   EXPECT_EQ(range_histograms(a, a, 0.05).largest_difference(), 0);
+  // Ranges in steps of 1 mm: with bounds between two steps a shift of 0.2 mm moves none of them.
+  std::vector<double> steps, shifted;
+  for (int k = 0; k < 500; ++k) {
+    steps.push_back(24 + 0.001 * k);
+    shifted.push_back(steps.back() - 0.0002);
+  }
+  EXPECT_GT(range_histograms(steps, shifted, 0.05).largest_difference(), 0.001);
+  const RangeHistograms between = range_histograms(steps, shifted, 0.05, 0.0005);
+  EXPECT_EQ(between.largest_difference(), 0);
+  EXPECT_NEAR(between.a.first_m, 23.9505, 1e-9);
   EXPECT_THROW(range_histograms({}, b, 0.05), std::invalid_argument);
   EXPECT_THROW(range_histograms(a, b, 0), std::invalid_argument);
 }

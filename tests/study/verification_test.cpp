@@ -3,11 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
 
 #include "data.hpp"
 #include "study/analytic_scanner.hpp"
 #include "study/mesh_fidelity.hpp"
 #include "underbrush/core/rng.hpp"
+#include "underbrush/elements/label_sets.hpp"
 
 namespace underbrush::app {
 namespace {
@@ -55,7 +57,8 @@ TEST(MeshFidelity, VerdictFailsWhereFineTreesLookFlatOrCartoonsReal) {
   const double epsilon[] = {0.6, 0.3, 0.05};
   std::vector<double> count, value(std::begin(epsilon), std::end(epsilon));
   for (size_t k = 0; k < 3; ++k) {
-    plants[k].elements = size_t(std::pow(100.0, double(k + 1)));
+    plants[k].elements = k == 0 ? 2 : size_t(std::pow(100.0, double(k)));
+    plants[k].crude = k < 2;
     plants[k].leaves.mean_rad = 1.65 + epsilon[k];
     plants[k].leaves.sigma_rad = 0.747;
     count.push_back(double(plants[k].elements));
@@ -68,6 +71,71 @@ TEST(MeshFidelity, VerdictFailsWhereFineTreesLookFlatOrCartoonsReal) {
     EXPECT_NE(verdict(sweep_checks(broken, line)), "holds") << plant;
   }
   EXPECT_NE(verdict(sweep_checks(plants, {})), "holds");
+}
+
+// Trees and bushes of an off-road scan by people's labels lie inside the criterion, the same scan
+// with its ground does not.
+TEST(MeshFidelity, RealOffRoadVegetationLiesInside) {
+  UNDERBRUSH_NEEDS_DATA("rellis_000104");
+  const std::filesystem::path folder = test::data_folder() / "rellis_000104";
+  const std::string points = test::read_file(folder / "000104.bin");
+  const std::string labels = test::read_file(folder / "000104.label");
+  ASSERT_EQ(points.size(), 4 * labels.size());
+  std::vector<Vec3f> vegetation, all;
+  for (size_t i = 0; i < labels.size() / 4; ++i) {
+    Vec3f p;
+    uint32_t label = 0;
+    std::memcpy(p.data(), points.data() + 16 * i, 12);
+    std::memcpy(&label, labels.data() + 4 * i, 4);
+    if (p.norm() < 3 || p.norm() > 25) continue;
+    all.push_back(p);
+    if (elements::is_vegetation("rellis", label & 0xFFFF)) vegetation.push_back(p);
+  }
+  ASSERT_GT(vegetation.size(), 10000u);
+  const metrics::LeafInclination leaves = metrics::leaf_inclination(vegetation);
+  EXPECT_LT(leaves.epsilon(), 0.05);
+  EXPECT_NEAR(leaves.mean_rad, metrics::LeafInclination::kRealMean, 0.05);  // not π/2: the signs
+  EXPECT_FALSE(metrics::leaf_inclination(all).is_realistic());
+}
+
+TEST(MeshFidelity, SurfacePointsLieOnTheSurfaceByArea) {
+  scene::PlantMesh plant;  // two squares of area 1 and 3 at heights 0 and 1
+  for (const auto& [z, width] : {std::pair{0.0, 1.0}, {1.0, 3.0}}) {
+    const uint32_t a = plant.add_vertex({0, 0, z}), b = plant.add_vertex({width, 0, z});
+    const uint32_t c = plant.add_vertex({width, 1, z}), d = plant.add_vertex({0, 1, z});
+    plant.add_triangle(a, b, c, scene::Part::kLeaf);
+    plant.add_triangle(a, c, d, scene::Part::kLeaf);
+  }
+  double high = 0, x = 0;
+  constexpr size_t kN = 20000;
+  for (const Vec3f& p : surface_points(plant, kN, 3)) {
+    ASSERT_NEAR(p.z(), std::round(p.z()), 1e-6);
+    high += p.z() > 0.5f;
+    if (p.z() > 0.5f) x += double(p.x());
+  }
+  EXPECT_NEAR(high / kN, 0.75, 4 * std::sqrt(0.75 * 0.25 / kN));
+  EXPECT_NEAR(x / high, 1.5, 0.03);
+}
+
+TEST(MeshFidelity, RegistrationErrorsAreTheSameForAScanAndAsLargeAsAsked) {
+  BeamLog log;
+  log.resize(4000);
+  for (size_t i = 0; i < log.size(); ++i) {
+    log.scan[i] = uint32_t(i / 2);
+    log.direction[i] = Vec3f::UnitX();
+    log.range_m[i] = 10;
+  }
+  const std::vector<Vec3f> exact = registered(log, {}, 1);
+  ApproachOptions shifted;
+  shifted.registration_m = 0.02;
+  const std::vector<Vec3f> cloud = registered(log, shifted, 1);
+  double squares = 0;
+  for (size_t i = 0; i < cloud.size(); i += 2) {
+    EXPECT_EQ(exact[i], Vec3f(10, 0, 0));
+    EXPECT_EQ(cloud[i], cloud[i + 1]);
+    squares += double((cloud[i] - exact[i]).squaredNorm()) / double(cloud.size() / 2);
+  }
+  EXPECT_NEAR(std::sqrt(squares / 3), 0.02, 0.001);
 }
 
 /// The returns of one KITTI frame as beams from the origin.

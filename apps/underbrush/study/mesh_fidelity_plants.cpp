@@ -1,19 +1,17 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
+#include "plant_sources.hpp"
 #include "study/mesh_fidelity.hpp"
-#include "underbrush/fit/fit.hpp"
+#include "underbrush/scene/shrub.hpp"
 #include "underbrush/scene/tree.hpp"
-#include "underbrush/sensor/pattern.hpp"
-#include "underbrush/simulate/footprint.hpp"
-#include "underbrush/simulate/simulate.hpp"
 
 namespace underbrush::app {
 namespace {
 
 constexpr double kVolumeM3 = 45;
-constexpr double kSpeedMS = 2.5, kFromM = 18, kToM = 6;
-constexpr double kFrontHeightM = 0.8, kAboveM = 1, kBehindM = 1.4;
 
 /// Scales to a box of 45 m³.
 void scale(scene::PlantMesh& plant) {
@@ -21,33 +19,41 @@ void scale(scene::PlantMesh& plant) {
   for (Vec3f& v : plant.mesh.vertices) v *= float(factor);
 }
 
-/// A board across the vehicle's way, as flat as one picture of a tree.
-scene::PlantMesh billboard() {
-  scene::PlantMesh out;
+/// A flat picture of a tree, its plane turned by `turn_rad` from across the vehicle's way.
+void add_board(scene::PlantMesh& out, double turn_rad) {
   const double half = std::sqrt(kVolumeM3 / 5.5) / 2;
-  const uint32_t a = out.add_vertex({0, -half, 0}), b = out.add_vertex({0, half, 0});
-  const uint32_t c = out.add_vertex({0, half, 5.5}), d = out.add_vertex({0, -half, 5.5});
+  const Vec3 side = half * Vec3(-std::sin(turn_rad), std::cos(turn_rad), 0), up(0, 0, 5.5);
+  const uint32_t a = out.add_vertex(-side), b = out.add_vertex(side);
+  const uint32_t c = out.add_vertex(side + up), d = out.add_vertex(up - side);
   out.add_triangle(a, b, c, scene::Part::kLeaf);
   out.add_triangle(a, c, d, scene::Part::kLeaf);
+}
+
+scene::PlantMesh boards(int n) {
+  scene::PlantMesh out;
+  for (int k = 0; k < n; ++k) add_board(out, M_PI * k / n);
   return out;
 }
 
-/// A ball of leaves on a stick.
-scene::PlantMesh cartoon() {
-  constexpr int kAround = 12, kUp = 6;
-  scene::PlantMesh out;
+void add_stick(scene::PlantMesh& out) {
   const scene::TubePoint stick[] = {{{0, 0, 0}, 0.15}, {{0, 0, 2.5}, 0.1}};
   scene::add_tube(out, stick, 8);
+}
+
+/// A ball of leaves on a stick.
+scene::PlantMesh ball_on_stick(int around, int up) {
+  scene::PlantMesh out;
+  add_stick(out);
   const auto at = [&](int i, int j) {
-    const double zenith = M_PI * i / kUp, azimuth = 2 * M_PI * j / kAround;
+    const double zenith = M_PI * i / up, azimuth = 2 * M_PI * j / around;
     return Vec3(1.5 * std::sin(zenith) * std::cos(azimuth),
                 1.5 * std::sin(zenith) * std::sin(azimuth), 3.5 + 1.5 * std::cos(zenith));
   };
-  for (int i = 0; i < kUp; ++i) {
-    for (int j = 0; j < kAround; ++j) {
+  for (int i = 0; i < up; ++i) {
+    for (int j = 0; j < around; ++j) {
       const uint32_t a = out.add_vertex(at(i, j)), b = out.add_vertex(at(i + 1, j));
       const uint32_t c = out.add_vertex(at(i + 1, j + 1)), d = out.add_vertex(at(i, j + 1));
-      if (i + 1 < kUp) out.add_triangle(a, b, c, scene::Part::kLeaf);
+      if (i + 1 < up) out.add_triangle(a, b, c, scene::Part::kLeaf);
       if (i > 0) out.add_triangle(a, c, d, scene::Part::kLeaf);
     }
   }
@@ -55,12 +61,35 @@ scene::PlantMesh cartoon() {
   return out;
 }
 
-/// The same leaf area in leaves of this length.
+/// Cones on a stick, one above the other, each with its underside.
+scene::PlantMesh cones_on_stick(int cones, int around) {
+  scene::PlantMesh out;
+  add_stick(out);
+  for (int k = 0; k < cones; ++k) {
+    const double base = 1 + 4.0 * k / cones, top = base + 1.5 * 4.0 / cones;
+    const double radius = 1.5 * (1 - 0.7 * k / cones);
+    const uint32_t tip = out.add_vertex({0, 0, top}), foot = out.add_vertex({0, 0, base});
+    for (int j = 0; j < around; ++j) {
+      const auto rim = [&](int i) {
+        const double azimuth = 2 * M_PI * i / around;
+        return out.add_vertex({radius * std::cos(azimuth), radius * std::sin(azimuth), base});
+      };
+      const uint32_t b = rim(j), c = rim(j + 1);
+      out.add_triangle(tip, b, c, scene::Part::kLeaf);
+      out.add_triangle(foot, c, b, scene::Part::kLeaf);
+    }
+  }
+  scale(out);
+  return out;
+}
+
+/// Few large leaves on few twigs, or many small ones on many, of the same area in all.
 scene::PlantMesh tree_with(double leaf_length_m, scene::Species species, uint64_t seed) {
   scene::TreeParameters p = scene::typical_tree(species, 5.5);
   p.crown_radius_m = 1.35;
   p.crown_base_m = 1;
   const double before = p.foliage.leaf_length_m;
+  p.twig_spacing_m = std::clamp(1.2 * leaf_length_m, p.twig_spacing_m, 1.2);
   p.foliage.area_m2 = 3 * M_PI * p.crown_radius_m * p.crown_radius_m;
   p.foliage.leaf_length_m = leaf_length_m;
   p.foliage.leaf_width_m *= leaf_length_m / before;
@@ -69,103 +98,59 @@ scene::PlantMesh tree_with(double leaf_length_m, scene::Species species, uint64_
   return out;
 }
 
+scene::PlantMesh shrub_with(double leaf_length_m, uint64_t seed) {
+  scene::ShrubParameters p = scene::typical_shrub(3.5);
+  const double before = p.foliage.leaf_length_m;
+  p.twig_spacing_m = std::clamp(1.2 * leaf_length_m, p.twig_spacing_m, 1.2);
+  p.foliage.leaf_width_m *= leaf_length_m / before;
+  p.foliage.leaf_length_m = leaf_length_m;
+  scene::PlantMesh out = scene::shrub(p, seed);
+  scale(out);
+  return out;
+}
+
 }  // namespace
 
 std::vector<SweepPlant> sweep_plants(bool quick, uint64_t seed) {
   std::vector<SweepPlant> out;
-  out.push_back({"billboard", billboard()});
-  out.push_back({"cartoon", cartoon()});
-  const std::vector<double> lengths =
-      quick ? std::vector{0.6, 0.08}
-            : std::vector{1.2, 0.8, 0.5, 0.3, 0.18, 0.11, 0.07, 0.04, 0.025, 0.015, 0.0085};
-  for (const double length : lengths) {
-    for (const auto species : {scene::Species::kBroadleaf, scene::Species::kConifer}) {
-      if (quick && species == scene::Species::kConifer) continue;
-      const char* kind = species == scene::Species::kBroadleaf ? "broadleaf" : "conifer";
-      out.push_back({std::string(kind) + " " + std::to_string(int(1000 * length)) + " mm",
-                     tree_with(length, species, seed)});
+  out.push_back({"billboard", boards(1), true});
+  if (!quick) out.push_back({"two crossed boards", boards(2), true});
+  if (!quick) out.push_back({"cartoon, a cone", cones_on_stick(1, 6), true});
+  if (!quick) out.push_back({"cartoon, three cones", cones_on_stick(3, 12), true});
+  out.push_back({"cartoon, a ball", ball_on_stick(12, 6), true});
+  if (!quick) out.push_back({"cartoon, a round ball", ball_on_stick(36, 18), true});
+  const auto add = [&](const char* kind, double length, scene::PlantMesh plant) {
+    out.push_back({fmt::format("{} {:g} mm", kind, 1000 * length), std::move(plant), false});
+  };
+  const auto lengths = [quick](std::vector<double> all) {
+    return quick ? std::vector{all[1], all[all.size() - 3]} : all;
+  };
+  for (const double l : lengths({1.2, 0.6, 0.3, 0.15, 0.08, 0.04, 0.02, 0.0085}))
+    add("broadleaf", l, tree_with(l, scene::Species::kBroadleaf, seed));
+  if (quick) return out;
+  for (const double l : lengths({1.2, 0.6, 0.3, 0.15, 0.06, 0.025, 0.0085}))
+    add("conifer", l, tree_with(l, scene::Species::kConifer, seed));
+  for (const double l : lengths({1, 0.5, 0.25, 0.12, 0.055, 0.02}))
+    add("shrub", l, shrub_with(l, seed));
+  return out;
+}
+
+std::vector<SweepPlant> given_plants(const std::filesystem::path& folder) {
+  std::vector<SweepPlant> out;
+  if (!std::filesystem::is_directory(folder)) return out;
+  for (const primitives::PlantSource& source : plants_of_files(folder, {})) {
+    SweepPlant plant{std::filesystem::path(source.name).stem().string(), {}, false};
+    for (const Vec3f& v : source.vertices) plant.plant.add_vertex(v.cast<double>());
+    for (const auto& [a, b, c] : source.triangles) {
+      plant.plant.add_triangle(a, b, c, scene::Part::kLeaf);
     }
+    const auto box = scene::bounds(plant.plant.mesh);
+    const Vec3f foot = Vec3(box.center().x(), box.center().y(), box.min().z()).cast<float>();
+    for (Vec3f& v : plant.plant.mesh.vertices) v -= foot;
+    scale(plant.plant);
+    out.push_back(std::move(plant));
   }
   return out;
-}
-
-BeamLog approach_beams(const scene::PlantMesh& plant, bool quick) {
-  const sensor::Sensor sensor = sensor::load("ouster-os1-64");
-  const double seconds = (kFromM - kToM) / kSpeedMS;
-  const auto box = scene::bounds(plant.mesh);
-  const Vec3 middle = box.center();
-  const double radius = box.diagonal().norm() / 2;
-  BeamLog out;
-  for (const bool top : {false, true}) {
-    const double behind = top ? kBehindM : 0, height = kFrontHeightM + (top ? kAboveM : 0);
-    const auto at = [&](double t) {
-      return Pose{Eigen::Quaterniond::Identity(), {-kFromM - behind + kSpeedMS * t, 0, height}};
-    };
-    const Trajectory way({{0, at(0)}, {seconds, at(seconds)}});
-    sensor::PatternSource pattern(sensor, way, 0, seconds - 0.1, 1 << 18);
-    if (out.empty()) out.info = pattern.info();
-    BeamLog chunk;
-    while (pattern.next(chunk)) {
-      for (size_t i = 0; i < chunk.size(); ++i) {
-        if (quick && chunk.scan[i] % 8 != 0) continue;
-        const Vec3 to = middle - chunk.origin[i], d = chunk.direction[i].cast<double>();
-        if (to.dot(d) < 0 || (to - to.dot(d) * d).norm() > radius) continue;
-        out.append(chunk, i);
-      }
-    }
-  }
-  out.info.has_misses = true;
-  return out;
-}
-
-BeamLog approach_scan(const scene::PlantMesh& plant, const BeamLog& beams, uint64_t seed) {
-  const sensor::Sensor sensor = sensor::load("ouster-os1-64");
-  elements::Model model;
-  model.surface = plant.mesh;
-  const trace::World world(model);
-  simulate::FootprintOptions options;
-  options.seed = seed;
-  options.shape = sensor.beam;
-  options.range_sigma_m = sensor.range_sigma_m;
-  const std::vector<elements::Class> label(model.size(), elements::Class::kUnknown);
-  BeamLog out = beams;
-  simulate::scan(world, label, options, 0, out);
-  out.extra.clear();
-  const auto step = float(sensor.range_resolution_m);
-  for (float& r : out.range_m) {
-    if (r != kMiss) r = std::round(r / step) * step;
-  }
-  return out;
-}
-
-metrics::LeafInclination leaves_of(const BeamLog& log) {
-  std::vector<Vec3f> cloud;
-  for (size_t i = 0; i < log.size(); ++i) {
-    if (log.is_hit(i)) cloud.push_back(log.end_point(i).cast<float>());
-  }
-  return metrics::leaf_inclination(cloud);
-}
-
-PlantFigures figures_of(const SweepPlant& plant, const BeamLog& scan) {
-  const elements::TriangleMesh& mesh = plant.plant.mesh;
-  return {plant.name, mesh.size(),
-          mesh.vertices.size() * sizeof(Vec3f) + mesh.size() * sizeof(mesh.triangles[0]),
-          leaves_of(scan)};
-}
-
-PlantFigures ellipsoids_of(const BeamLog& scan, uint64_t seed) {
-  fit::FitOptions options;
-  options.seed = seed;
-  options.segment.method = "none";
-  MemorySource source(scan);
-  const elements::Model model = fit::fit(source, options).model;
-  const trace::World world(model);
-  simulate::Options draw;
-  draw.seed = seed + 1;
-  BeamLog answer = scan;
-  simulate::simulate(world, draw, 0, answer);
-  return {"ellipsoids", model.size(), model.ellipsoids.size() * sizeof(elements::Ellipsoid),
-          leaves_of(answer)};
 }
 
 }  // namespace underbrush::app

@@ -69,6 +69,10 @@ struct SimulatedScan {
 };
 SimulatedScan simulated_scan(const scene::Solid& solid, const Pose& target_from_scanner, int scan,
                              uint64_t seed);
+/// A scan by the independent caster, in place of the real instrument's, in the scanner's frame; its
+/// raster is shifted likewise.
+std::vector<Vec3> instrument_scan(const scene::Solid& target, const Pose& target_from_scanner,
+                                  int scan, uint64_t seed);
 /// Where within a step the raster of scan 0, 1, … begins: evenly spread, the first at (0, 0).
 std::array<double, 2> raster_phase(int scan);
 
@@ -82,8 +86,8 @@ std::vector<Check> pair_checks(const std::string& what, const PairFigures& figur
 /// The miniature; `change`, for tests, alters the solid that is simulated.
 void add_miniature(const StudyRun& run, StudyResult& result,
                    const std::function<void(scene::Solid&)>& change = {});
-/// A user's own pair of clouds in `run.data`, if there is one.
-void add_own_pair(const StudyRun& run, StudyResult& result);
+/// A user's own pair of clouds in `run.data`; false if there is none.
+bool add_own_pair(const StudyRun& run, StudyResult& result);
 
 /// Walls of a real scan: planes found in `train`, `test` simulated from them and measured.
 struct WallFigures {

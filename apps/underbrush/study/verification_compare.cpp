@@ -7,8 +7,9 @@
 namespace underbrush::app {
 namespace {
 
-constexpr double kNearM = 0.04;     // of a face: five sigma of the instrument
-constexpr double kBorderM = 0.025;  // footprints nearer to an edge are on two faces
+constexpr double kNearM = 0.04;        // of a face: five sigma of the instrument
+constexpr double kBorderM = 0.025;     // footprints nearer to an edge are on two faces
+constexpr double kHalfStepM = 0.0005;  // of the instrument's ranges
 constexpr size_t kLeastPoints = 30;
 constexpr size_t kMostPaired = 60000;  // points of either cloud in the registration
 
@@ -20,7 +21,9 @@ std::vector<size_t> face_of(const scene::Solid& solid, const std::vector<size_t>
                             const std::vector<Vec3>& cloud, const Pose& target_from_cloud,
                             double tolerance_m) {
   std::vector<Vec3> normal, corner;
+  std::vector<scene::FaceOutline> outline;
   for (const size_t f : faces) {
+    outline.emplace_back(solid, f);
     normal.push_back(solid.normal(f));
     corner.push_back(solid.corners(f)[0]);
   }
@@ -31,7 +34,7 @@ std::vector<size_t> face_of(const scene::Solid& solid, const std::vector<size_t>
     size_t best = faces.size();
     for (size_t k = 0; k < faces.size(); ++k) {
       const double off = std::abs(normal[k].dot(at - corner[k]));
-      if (off < least && scene::over_face(solid, faces[k], at, tolerance_m)) best = k, least = off;
+      if (off < least && outline[k].covers(at, tolerance_m)) best = k, least = off;
     }
     out.push_back(best);
   }
@@ -196,7 +199,7 @@ PairFigures compare(const scene::Solid& solid, const std::vector<size_t>& faces,
   std::vector<Vec3> laid;
   for (const Vec3& p : pair.simulated) laid.push_back(out.real_from_target * p);
   out.histograms =
-      metrics::range_histograms(ranges_of(pair.real), ranges_of(laid), histogram_bin_m);
+      metrics::range_histograms(ranges_of(pair.real), ranges_of(laid), histogram_bin_m, kHalfStepM);
   return out;
 }
 

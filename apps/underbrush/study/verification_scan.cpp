@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "study/analytic_scanner.hpp"
 #include "study/verification.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/radiometry/brdf.hpp"
@@ -67,6 +68,16 @@ Pose miniature_from_scanner() {
 std::array<double, 2> raster_phase(int scan) {
   const auto part = [](double x) { return x - std::floor(x); };
   return {part(scan * 0.7548776662466927), part(scan * 0.5698402909980532)};
+}
+
+std::vector<Vec3> instrument_scan(const scene::Solid& target, const Pose& pose, int scan,
+                                  uint64_t seed) {
+  AnalyticScanOptions instrument;
+  instrument.seed = seed + 1000 + uint64_t(scan);
+  const auto [across, up] = raster_phase(scan);
+  instrument.azimuth_phase = across + 0.5;
+  instrument.elevation_phase = up + 0.5;
+  return analytic_scan(target, pose, instrument).points;
 }
 
 SimulatedScan simulated_scan(const scene::Solid& solid, const Pose& target_from_scanner, int scan,

@@ -49,9 +49,10 @@ double RangeHistograms::mean_count_difference() const {
       *this, [&](size_t k) { return std::abs(double(a.count[k]) - double(b.count[k])); });
 }
 
-RangeHistograms range_histograms(std::span<const double> a, std::span<const double> b,
-                                 double bin_m) {
+RangeHistograms range_histograms(std::span<const double> a, std::span<const double> b, double bin_m,
+                                 double from_m) {
   require(!a.empty() && !b.empty(), "range histograms: a cloud without points");
+  require(std::isfinite(from_m), "range histograms: the first bound is not finite");
   require(bin_m > 0 && std::isfinite(bin_m), "range histograms: the bin must be positive");
   double least = std::numeric_limits<double>::infinity(), most = 0;
   for (const std::span<const double> side : {a, b}) {
@@ -63,14 +64,15 @@ RangeHistograms range_histograms(std::span<const double> a, std::span<const doub
   }
   RangeHistogram h;
   h.bin_m = bin_m;
-  const double first = std::floor(least / bin_m);
-  h.first_m = first * bin_m;
-  const double bins = std::floor(most / bin_m) - first + 1;
+  const auto bin_of = [&](double r) { return std::floor((r - from_m) / bin_m); };
+  const double first = bin_of(least);
+  h.first_m = first * bin_m + from_m;
+  const double bins = bin_of(most) - first + 1;
   require(bins <= 1e7, "range histograms: too many bins");
   h.count.assign(size_t(bins), 0);
   RangeHistograms out{h, h};
-  for (const double r : a) ++out.a.count[size_t(std::floor(r / bin_m) - first)];
-  for (const double r : b) ++out.b.count[size_t(std::floor(r / bin_m) - first)];
+  for (const double r : a) ++out.a.count[size_t(bin_of(r) - first)];
+  for (const double r : b) ++out.b.count[size_t(bin_of(r) - first)];
   return out;
 }
 

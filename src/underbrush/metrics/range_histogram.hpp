@@ -28,10 +28,12 @@ struct RangeHistograms {
   double mean_count_difference() const;
 };
 
-/// The histograms of two sets of ranges (m) over the bins, multiples of `bin_m`, that hold both.
-/// Throws `std::invalid_argument` where a set is empty, a range is not finite or negative, `bin_m`
-/// is not positive or there would be more than 10⁷ bins.
-RangeHistograms range_histograms(std::span<const double> a, std::span<const double> b,
-                                 double bin_m);
+/// The histograms of two sets of ranges (m) over the bins that hold both, bounded by multiples of
+/// `bin_m` plus `from_m`. Ranges are reported in steps: a bound that lies on a step moves the whole
+/// step from one bin to the other with any rounding, so lay it between two. Throws
+/// `std::invalid_argument` where a set is empty, a range is not finite or negative, `bin_m` is not
+/// positive, `from_m` is not finite or there would be more than 10⁷ bins.
+RangeHistograms range_histograms(std::span<const double> a, std::span<const double> b, double bin_m,
+                                 double from_m = 0);
 
 }  // namespace underbrush::metrics

@@ -1,11 +1,11 @@
 /// \file
-/// Echoes in a waveform: threshold, peak or leading edge, separation, pulse width.
+/// Echoes in a waveform: threshold, separation, pulse width.
 #pragma once
 #include <array>
 #include <cstdint>
-#include <vector>
+#include <limits>
 
-#include "underbrush/radiometry/waveform.hpp"
+#include "underbrush/radiometry/pulse_timing.hpp"
 
 namespace underbrush::radiometry {
 
@@ -30,8 +30,6 @@ struct Echoes {
   void push(const Echo& e);
 };
 
-using sensor::Timing;
-
 /// How echoes are told.
 struct DetectorOptions {
   Timing timing = Timing::kPeak;
@@ -39,14 +37,19 @@ struct DetectorOptions {
   /// Two maxima are two echoes where the signal between falls below this share of the lower one.
   float valley = 0.7F;
   float min_gap_m = 0;  ///< Of two echoes nearer together than this the stronger one stays.
+  /// Level at which the signal is cut.
+  float saturation = std::numeric_limits<float>::infinity();
+
+  /// Throws `std::invalid_argument` unless threshold, valley and saturation are positive and valley
+  /// ≤ 1.
+  void check() const;
 };
 
-/// Finds echoes. Both timings are unbiased for a point target: the published code's range cells
+/// Finds echoes. All timings are unbiased for a point target: the published code's range cells
 /// ([rosenberger20], rounded up) are not.
 class Detector {
  public:
-  /// Calibrates both timings on the response. Throws `std::invalid_argument` unless threshold
-  /// and valley are positive and valley ≤ 1.
+  /// Calibrates its timing on the response. Throws as `DetectorOptions::check`.
   Detector(const Response& response, const DetectorOptions& options);
 
   /// All echoes of the waveform at `threshold` (≥ 0 replaces that of the options).
@@ -55,15 +58,9 @@ class Detector {
  private:
   struct Pulse;
   void close(const Waveform& w, const Pulse& pulse, float threshold, Echoes& echoes) const;
-  double walk_m(double peak, double threshold) const;
-  double peak_bias_m(double place) const;
-  void calibrate(const Response& response);
-  void calibrate_peak(const Response& response);
 
   DetectorOptions options_;
-  std::vector<double> walk_m_;  ///< Target − crossing over log₂(peak/threshold).
-  /// Parabola − target on this response, over where the parabola's vertex lies, −½ to ½ sample.
-  std::vector<double> peak_bias_m_;
+  PulseTiming timing_;
 };
 
 }  // namespace underbrush::radiometry

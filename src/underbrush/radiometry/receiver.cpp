@@ -39,6 +39,14 @@ double rounded(double value, double step) {
   return step > 0 ? step * std::floor(value / step + 0.5) : value;
 }
 
+/// With the highest level that the converter gives.
+DetectorOptions detector_options(const ReceiverOptions& o) {
+  DetectorOptions out = o.detector;
+  out.saturation =
+      o.adc_step > 0 ? o.adc_step * std::nearbyint(o.adc_most / o.adc_step) : o.adc_most;
+  return out;
+}
+
 /// The echoes that a sensor in this mode reports, in place.
 void select(ReturnMode mode, int most, Echoes& echoes) {
   if (echoes.count == 0) return;
@@ -114,7 +122,7 @@ ReceiverOptions receiver_options(const sensor::Sensor& s, double extinction_per_
 Receiver::Receiver(const ReceiverOptions& options)
     : options_(options),
       response_(options.response),
-      detector_(response_, options.detector),
+      detector_(response_, detector_options(options)),
       threshold_(options.detector.threshold *
                  float(options.noise_sigma > 0 ? options.noise_sigma : 1)) {
   options.check();

@@ -16,7 +16,8 @@ using sensor::ReturnMode;
 /// A receiver. Signals are in units of the noise in the dark.
 struct ReceiverOptions {
   ResponseOptions response;
-  DetectorOptions detector;  ///< Its threshold is a signal-to-noise ratio: times `noise_sigma`.
+  DetectorOptions detector;  ///< Threshold: a signal-to-noise ratio, times `noise_sigma`.
+                             ///< Saturation: from the converter.
   double min_range_m = 0, max_range_m = 120;  ///< Echoes outside are not reported.
   double signal_at_1m = 1e5;    ///< Of a white Lambertian target, perpendicular, all of the beam.
   double extinction_per_m = 0;  ///< Of the air, one way.

@@ -21,24 +21,6 @@ Vec3 twice_area(const std::vector<Vec3>& corners) {
   return sum;
 }
 
-/// The outline in the face's plane, counter-clockwise, and the place of a point over it.
-struct FlatFace {
-  Vec3 origin, u, v;
-  std::vector<Place> outline;
-  Place place(const Vec3& p) const { return {u.dot(p - origin), v.dot(p - origin)}; }
-};
-
-FlatFace flat(const Solid& solid, size_t face) {
-  const std::vector<Vec3> corners = solid.corners(face);
-  const Vec3 n = twice_area(corners).normalized();
-  FlatFace out;
-  out.origin = corners[0];
-  out.u = n.unitOrthogonal();
-  out.v = n.cross(out.u);
-  for (const Vec3& c : corners) out.outline.push_back(out.place(c));
-  return out;
-}
-
 double cross(const Place& a, const Place& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 bool in_triangle(const Place& p, const Place& a, const Place& b, const Place& c) {
@@ -123,7 +105,7 @@ void Solid::check() const {
       require(std::abs(area.normalized().dot(p - c[0])) <= std::max(1e-6, 1e-6 * size),
               "solid: a face that is not planar");
     }
-    require(!touches_itself(flat(*this, f).outline), "solid: a face that touches itself");
+    require(!touches_itself(FaceOutline(*this, f).corners()), "solid: a face that touches itself");
   }
 }
 
@@ -170,7 +152,7 @@ SolidMesh triangulated(const Solid& solid) {
   for (const Vec3& v : solid.vertices) out.mesh.vertices.push_back(v.cast<float>());
   for (size_t f = 0; f < solid.faces.size(); ++f) {
     const std::vector<uint32_t>& corner = solid.faces[f];
-    for (const auto& [a, b, c] : ears(flat(solid, f).outline)) {
+    for (const auto& [a, b, c] : ears(FaceOutline(solid, f).corners())) {
       out.mesh.triangles.push_back({corner[a], corner[b], corner[c]});
       out.mesh.hit.emplace_back();
       out.face.push_back(uint32_t(f));
@@ -179,13 +161,21 @@ SolidMesh triangulated(const Solid& solid) {
   return out;
 }
 
-bool over_face(const Solid& solid, size_t face, const Vec3& p, double tolerance_m) {
-  const FlatFace f = flat(solid, face);
-  const Place at = f.place(p);
+FaceOutline::FaceOutline(const Solid& solid, size_t face) {
+  const std::vector<Vec3> corners = solid.corners(face);
+  const Vec3 n = twice_area(corners).normalized();
+  origin_ = corners[0];
+  u_ = n.unitOrthogonal();
+  v_ = n.cross(u_);
+  for (const Vec3& c : corners) corner_.push_back(place(c));
+}
+
+bool FaceOutline::covers(const Vec3& p, double tolerance_m) const {
+  const Place at = place(p);
   bool inside = false;
   double border = std::numeric_limits<double>::infinity();
-  for (size_t i = 0; i < f.outline.size(); ++i) {
-    const Place &a = f.outline[i], &b = f.outline[(i + 1) % f.outline.size()];
+  for (size_t i = 0; i < corner_.size(); ++i) {
+    const Place &a = corner_[i], &b = corner_[(i + 1) % corner_.size()];
     if ((a.y() > at.y()) != (b.y() > at.y()) &&
         at.x() < a.x() + (at.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x())) {
       inside = !inside;
@@ -194,6 +184,10 @@ bool over_face(const Solid& solid, size_t face, const Vec3& p, double tolerance_
   }
   constexpr double kOnEdge = 1e-9;
   return inside ? border >= -tolerance_m - kOnEdge : border <= tolerance_m + kOnEdge;
+}
+
+bool over_face(const Solid& solid, size_t face, const Vec3& p, double tolerance_m) {
+  return FaceOutline(solid, face).covers(p, tolerance_m);
 }
 
 }  // namespace underbrush::scene

@@ -47,6 +47,23 @@ struct SolidMesh {
 /// The solid as triangles.
 SolidMesh triangulated(const Solid& solid);
 
+/// A face's outline in its own plane, ready for many points.
+class FaceOutline {
+ public:
+  /// Of a face of a solid that passes `Solid::check`.
+  FaceOutline(const Solid& solid, size_t face);
+  /// As `over_face`.
+  bool covers(const Vec3& p, double tolerance_m = 0) const;
+  /// Counter-clockwise.
+  const std::vector<Eigen::Vector2d>& corners() const { return corner_; }
+
+ private:
+  Eigen::Vector2d place(const Vec3& p) const { return {u_.dot(p - origin_), v_.dot(p - origin_)}; }
+
+  Vec3 origin_, u_, v_;
+  std::vector<Eigen::Vector2d> corner_;
+};
+
 /// Whether `p` lies over or under the face: inside its outline, or within `tolerance_m` of it; a
 /// negative tolerance asks for that much distance from the border. A point on an edge is inside.
 bool over_face(const Solid& solid, size_t face, const Vec3& p, double tolerance_m = 0);

@@ -250,8 +250,11 @@ void read_receiver(const Map& root, SignalChain& c) {
   c.pulse_fwhm_s = map.get("pulse_ns", c.pulse_fwhm_s * 1e9) * 1e-9;
   c.receiver_fwhm_s = map.get("response_ns", c.receiver_fwhm_s * 1e9) * 1e-9;
   c.sample_s = map.get("sample_ns", c.sample_s * 1e9) * 1e-9;
-  c.timing = map.choice<Timing>(
-      "timing", {{"peak", Timing::kPeak}, {"leading_edge", Timing::kLeadingEdge}}, "peak");
+  c.timing = map.choice<Timing>("timing",
+                                {{"peak", Timing::kPeak},
+                                 {"leading_edge", Timing::kLeadingEdge},
+                                 {"constant_fraction", Timing::kConstantFraction}},
+                                "peak");
   c.threshold_snr = map.get("threshold_snr", c.threshold_snr);
   if (map.has("detects")) {
     const Map detects = map.map("detects", {"range_m", "reflectance"});

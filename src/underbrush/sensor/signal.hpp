@@ -14,9 +14,11 @@ enum class Pulse : uint8_t {
 
 /// Where in a pulse its range is taken.
 enum class Timing : uint8_t {
-  kPeak,         ///< At the maximum, by a parabola through the logarithms of three samples.
-  kLeadingEdge,  ///< Where it rises through the threshold, corrected for the height of the peak;
-                 ///< of a pulse that rises out of a valley, the peak.
+  kPeak,              ///< At the maximum, by a parabola through the logarithms of three samples.
+  kLeadingEdge,       ///< Where it rises through the threshold, corrected for the height of the
+                      ///< peak; of a pulse that rises out of a valley, the peak.
+  kConstantFraction,  ///< Where it rises through half of its peak; of a pulse that rises out of a
+                      ///< higher valley, the peak.
 };
 
 /// Which echoes of a beam a sensor reports.
