@@ -107,6 +107,58 @@ SimulateStep write(const Verb& verb, const Arguments& a, simulate::SimulatedSour
       inputs);
 }
 
+/// The instrument at work; no maker where thin rays are traced.
+struct Answering {
+  sensor::Sensor sensor;
+  simulate::Instrument instrument;
+  std::unique_ptr<simulate::Reflection> reflection;
+  std::unique_ptr<simulate::EchoMaker> maker;
+};
+
+void set_up(const Verb& verb, const Arguments& a, const BeamSource& beams,
+            const simulate::Surroundings& surroundings, const simulate::InstanceKinds& kinds,
+            Answering& out) {
+  require(a.beam == "thin" && a.draw == "on_ray" && a.simulate.range_noise_m == 0,
+          "simulate: --beam, --draw and --range-noise are of thin rays, not of --super-sample");
+  out.sensor = sensor_of(a, beams, "--super-sample");
+  out.instrument = instrument_of(a.instrument, out.sensor);
+  if (a.simulate.max_range_m > 0) out.instrument.receiver.max_range_m = a.simulate.max_range_m;
+  out.reflection = std::make_unique<simulate::Reflection>(materials_of(a.instrument),
+                                                          out.sensor.wavelength_m, kinds);
+  simulate::EchoOptions options;
+  options.seed = verb.seed;
+  options.element_ids = a.simulate.element_ids;
+  if (!a.instrument.waveforms.empty()) options.waveforms = a.instrument.waveform;
+  out.maker =
+      std::make_unique<simulate::EchoMaker>(surroundings, *out.reflection, out.instrument, options);
+}
+
+void report(const Verb& verb, const Arguments& a, const SimulateStep& step, size_t sub_rays,
+            double seconds, std::string_view isa, const std::string& lost) {
+  const double rate = double(step.beams) / std::max(step.seconds_tracing, 1e-9);
+  const size_t misses = step.rows - step.hits;
+  Json j;
+  j["beams"] = step.beams;
+  j["hits"] = step.beams - misses;
+  j["misses"] = misses;
+  if (sub_rays) j["echoes"] = step.hits;
+  if (sub_rays) j["sub_rays"] = sub_rays;
+  if (!lost.empty()) j["lost"] = lost;
+  j["seconds_tracing"] = step.seconds_tracing;
+  j["seconds"] = seconds;
+  j["beams_per_s"] = rate;
+  std::string text =
+      fmt::format("{} beams: {} hits, {} misses\n", step.beams, step.beams - misses, misses);
+  if (sub_rays) {
+    text += fmt::format("  echoes      {}, of {} sub-rays a beam\n", step.hits, sub_rays);
+  }
+  text += fmt::format("  {}     {:.2f} s, {} beams/s ({} threads, {})\n  all         {:.2f} s\n",
+                      sub_rays ? "answers" : "tracing", step.seconds_tracing, si(rate), threads(),
+                      isa, seconds);
+  if (!lost.empty()) text += fmt::format("  not kept    {}\n", lost);
+  verb.report(j, text + fmt::format("  log         {}\n", a.output));
+}
+
 void run(const Verb& verb, Arguments& a) {
   using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
@@ -120,60 +172,22 @@ void run(const Verb& verb, Arguments& a) {
   a.simulate.draw =
       a.draw == "on_ray" ? simulate::RangeDraw::kOnRay : simulate::RangeDraw::kVolumetric;
   if (a.beam == "random") a.simulate.random_ray = sensor_of(a, *beams, "--beam random").beam;
-
-  sensor::Sensor sensor;
-  simulate::Instrument instrument;
-  std::unique_ptr<simulate::Reflection> reflection;
-  std::unique_ptr<simulate::EchoMaker> maker;
+  Answering with;
   if (!a.instrument.super_sample.empty()) {
-    require(a.beam == "thin" && a.draw == "on_ray" && a.simulate.range_noise_m == 0,
-            "simulate: --beam, --draw and --range-noise are of thin rays, not of --super-sample");
-    sensor = sensor_of(a, *beams, "--super-sample");
-    instrument = instrument_of(a.instrument, sensor);
-    if (a.simulate.max_range_m > 0) instrument.receiver.max_range_m = a.simulate.max_range_m;
-    reflection = std::make_unique<simulate::Reflection>(materials_of(a.instrument),
-                                                        sensor.wavelength_m, kinds_of(scene, info));
-    simulate::EchoOptions options;
-    options.seed = verb.seed;
-    options.element_ids = a.simulate.element_ids;
-    if (!a.instrument.waveforms.empty()) options.waveforms = a.instrument.waveform;
-    maker = std::make_unique<simulate::EchoMaker>(*target.surroundings, *reflection, instrument,
-                                                  options);
+    set_up(verb, a, *beams, *target.surroundings, kinds_of(scene, info), with);
   }
   simulate::SimulatedSource simulated(
       [&](size_t first_beam, BeamLog& chunk) {
-        if (maker) return maker->answer(first_beam, chunk);
+        if (with.maker) return with.maker->answer(first_beam, chunk);
         simulate::simulate(*target.surroundings, a.simulate, first_beam, chunk);
       },
       *beams, a.simulate.max_range_m);
   std::string lost;
   const SimulateStep step = write(verb, a, simulated, path, lost);
-  if (maker) write_waveforms(a.instrument, sensor, maker->waveforms());
-
+  if (with.maker) write_waveforms(a.instrument, with.sensor, with.maker->waveforms());
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
-  const double rate = double(step.beams) / std::max(step.seconds_tracing, 1e-9);
-  const size_t misses = step.rows - step.hits;
-  Json j;
-  j["beams"] = step.beams;
-  j["hits"] = step.beams - misses;
-  j["misses"] = misses;
-  if (maker) j["echoes"] = step.hits;
-  if (maker) j["sub_rays"] = instrument.sub_rays.size();
-  if (!lost.empty()) j["lost"] = lost;
-  j["seconds_tracing"] = step.seconds_tracing;
-  j["seconds"] = seconds;
-  j["beams_per_s"] = rate;
-  std::string text =
-      fmt::format("{} beams: {} hits, {} misses\n", step.beams, step.beams - misses, misses);
-  if (maker) {
-    text += fmt::format("  echoes      {}, of {} sub-rays a beam\n", step.hits,
-                        instrument.sub_rays.size());
-  }
-  text += fmt::format("  {}     {:.2f} s, {} beams/s ({} threads, {})\n  all         {:.2f} s\n",
-                      maker ? "answers" : "tracing", step.seconds_tracing, si(rate), threads(),
-                      target.surroundings->world().isa(), seconds);
-  if (!lost.empty()) text += fmt::format("  not kept    {}\n", lost);
-  verb.report(j, text + fmt::format("  log         {}\n", a.output));
+  report(verb, a, step, with.maker ? with.instrument.sub_rays.size() : 0, seconds,
+         target.surroundings->world().isa(), lost);
 }
 
 }  // namespace
