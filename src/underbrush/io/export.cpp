@@ -193,7 +193,7 @@ class KittiFolder {
     std::ofstream out(path, std::ios::binary | std::ios::app);
     out.write(entry.bytes.data(), std::streamsize(entry.bytes.size()));
     if (!out.flush()) throw IoError(path.string() + ": cannot write");
-    entry.bytes.clear();
+    entry.bytes = std::string();  // gives its memory back: there may be many scans
   }
 
   fs::path folder_;
