@@ -2,6 +2,7 @@
 """From labels to scenes as users of the command line meet them; what is wrong with annotations."""
 import argparse
 import json
+import math
 import pathlib
 import re
 import shutil
@@ -31,6 +32,25 @@ class Scenes(cli_test.OnALog):
         self.assertEqual(ground["instances"], 0)
         self.assertGreater(answered["hits"], self.json_of("simulate", "bare", "--like", "log.ply", "-o",
                                                           "bare.ply")["hits"])
+
+    def test_a_scene_is_a_model_to_scores_and_its_plants_have_numbers(self):
+        self.json_of("compose", "site.json", "primitives", "-o", "scene")
+        self.json_of("simulate", "scene", "--like", "log.ply", "--element-ids", "-o", "sim.ply")
+        scores = self.json_of("score", "log.ply", "sim.ply", "--model", "scene")
+        self.assertTrue(math.isfinite(scores["nll_per_beam"]) and scores["crps_m"] > 0)
+        self.json_of("compose", self.annotation(lambda site: site.update(objects=[])), "primitives", "-o", "bare")
+        worse = self.json_of("score", "log.ply", "sim.ply", "--model", "bare")
+        self.assertLess(scores["nll_per_beam"], worse["nll_per_beam"])
+        done = cli_test.call("simulate", "scene", "--like", "log.ply", "--element-ids", "-o", "sim.csv",
+                             cwd=self.folder)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        head, *rows = pathlib.Path(self.folder, "sim.csv").read_text().splitlines()
+        column = head.split(",").index("instance")
+        numbers = {int(float(row.split(",")[column])) for row in rows}
+        self.assertTrue(numbers > {0}, numbers)
+        self.json_of("simulate", "model", "--like", "log.ply", "--element-ids", "-o", "sim.ply")
+        raw = pathlib.Path(self.folder, "sim.ply").read_bytes()
+        self.assertNotIn(b" instance\n", raw[:raw.index(b"end_header")])
 
     def annotation(self, change):
         site = json.loads(pathlib.Path(self.folder, "site.json").read_text())
