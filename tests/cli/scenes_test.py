@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
 """From labels to scenes as users of the command line meet them; what is wrong with annotations."""
 import argparse
+import base64
 import json
 import math
 import pathlib
 import re
 import shutil
+import struct
 import sys
 import unittest
 
@@ -144,6 +146,26 @@ class Scenes(cli_test.OnALog):
         self.assertIn("warning     the annotation has no objects", done.stdout)
         answered = self.json_of("simulate", "bad", "--like", "log.ply", "-o", "bare.ply")
         self.assertGreater(answered["hits"], 0)  # of its ground
+
+    def test_a_plant_of_gltf_stands_upright(self):
+        corners = [(0, 0, 0), (1, 0, 0), (0, 0, 1), (0, 4, 0)]  # y is up
+        data = b"".join(struct.pack("<3f", *c) for c in corners) + struct.pack("<9H", 0, 1, 3, 1, 2, 3, 2, 0, 3)
+        buffer = "data:application/octet-stream;base64," + base64.b64encode(data).decode()
+        plant = {"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+                 "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+                 "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3",
+                                "min": [0, 0, 0], "max": [1, 4, 1]},
+                               {"bufferView": 1, "componentType": 5123, "count": 9, "type": "SCALAR"}],
+                 "bufferViews": [{"buffer": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 18}],
+                 "buffers": [{"uri": buffer, "byteLength": 66}]}
+        folder = pathlib.Path(self.folder, "small_tree")
+        folder.mkdir()
+        (folder / "plant.gltf").write_text(json.dumps(plant))
+        self.json_of("meshes", "small_tree", "-o", "plants")
+        found = json.loads(pathlib.Path(self.folder, "plants/primitives.json").read_text())
+        self.assertEqual([round(p["box_m"]["max"][2], 3) for p in found["primitives"]], [4.0])
+        (folder / "plant.gltf").write_text(json.dumps(plant)[:-20])
+        self.assert_fails(cli_test.call("meshes", "small_tree", "-o", "bad", cwd=self.folder), 3, "plant.gltf")
 
     def test_wrong_usage(self):
         self.assert_fails(cli_test.call("annotate", "-o", "a.json", cwd=self.folder), 2, "--generate")

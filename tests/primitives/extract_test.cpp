@@ -3,8 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
-#include <optional>
 
 #include "io/temporary.hpp"
 #include "primitives/sites.hpp"
@@ -100,34 +98,6 @@ TEST(Extract, GivesTheSamePrimitiveWhereverTheObjectStands) {
         ASSERT_LT((e.covariance_matrix() - f.covariance_matrix()).diagonal().norm(), 1e-4);
         ASSERT_EQ(e.hit.p, f.hit.p);
       }
-    }
-  }
-}
-
-/// The same site seen from one side: every beam comes from `from` (m, site frame).
-Site seen_from(Site s, const Pose& move, const Vec3& from) {
-  for (size_t i = 0; i < s.log.size(); ++i) {
-    const Vec3 point = s.log.end_point(i), origin = move * from;
-    s.log.origin[i] = origin;
-    s.log.range_m[i] = float((point - origin).norm());
-    s.log.direction[i] = (point - origin).normalized().cast<float>();
-  }
-  return s;
-}
-
-// An axis has no sign, but what was seen of a plant has a side.
-TEST(Extract, TurnsTheSideThatWasSeenTheSameWay) {
-  for (const double azimuth : {0.2, 1.0, 1.4, 3.3, 4.5, -0.6}) {
-    const Vec3 from(40 * std::cos(azimuth), 40 * std::sin(azimuth), 2);
-    std::optional<double> first;
-    for (const double yaw : {0.0, 0.4, 1.5, 2.9, -2.0}) {
-      const Pose move = moved(70, -40, 12, yaw);
-      const ExtractResult r = extract_from(seen_from(site(move), move, from));
-      const PlacedObject& o = r.primitives.at(0).source;
-      if (!first) first = o.yaw_rad - yaw;
-      EXPECT_NEAR(std::remainder(o.yaw_rad - yaw - *first, 2 * M_PI), 0, 1e-3) << yaw;
-      const Vec3 side = o.world_from_object().rotation.conjugate() * (move * from - o.position);
-      EXPECT_GT(side.x() + side.y(), 0);
     }
   }
 }

@@ -23,11 +23,9 @@ struct Key {
 
 struct Cloud {
   std::vector<Vec3> points;
-  Eigen::Vector2d to_sensor = Eigen::Vector2d::Zero();  // horizontal, summed over the points
   size_t seen = 0, step = 1;
 
-  void add(const Vec3& p, const Vec3f& direction) {
-    to_sensor -= direction.head<2>().cast<double>();
+  void add(const Vec3& p) {
     if (seen++ % step) return;
     points.push_back(p);
     if (points.size() < kMostPoints) return;
@@ -41,14 +39,6 @@ double quantile_of(std::vector<double>& values, double q) {
   const auto at = values.begin() + std::lround(q * double(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
   return *at;
-}
-
-/// The yaw, turned by a multiple of `turn`, for which the sensor's side lies nearest to `front` of
-/// the object's frame; as it is where all was seen from above.
-double facing(double yaw_rad, double turn_rad, double front_rad, const Cloud& cloud) {
-  if (cloud.to_sensor.norm() < 1e-3 * double(cloud.seen)) return yaw_rad;
-  const double side = std::atan2(cloud.to_sensor.y(), cloud.to_sensor.x()) - front_rad;
-  return std::remainder(yaw_rad + turn_rad * std::round((side - yaw_rad) / turn_rad), 2 * M_PI);
 }
 
 PlacedObject measure_one(const Cloud& cloud, double quantile) {
@@ -66,7 +56,6 @@ PlacedObject measure_one(const Cloud& cloud, double quantile) {
   o.yaw_rad = std::atan2(axis.y(), axis.x());
   if (o.yaw_rad > M_PI_2) o.yaw_rad -= M_PI;  // an axis has no sign
   if (o.yaw_rad <= -M_PI_2) o.yaw_rad += M_PI;
-  o.yaw_rad = facing(o.yaw_rad, M_PI, M_PI_4, cloud);
   const Pose object_from_world = o.world_from_object().inverse();
   std::vector<double> values(cloud.points.size());
   for (int d = 0; d < 3; ++d) {
@@ -82,7 +71,6 @@ PlacedObject measure_cell(const Cloud& cloud, const Key& key, double cell_m, dou
   std::vector<double> z;
   for (const Vec3& p : cloud.points) z.push_back(p.z());
   o.position = Vec3((key.i + 0.5) * cell_m, (key.j + 0.5) * cell_m, 0);
-  o.yaw_rad = facing(0, M_PI_2, 0, cloud);
   o.box.min = Vec3(-0.5 * cell_m, -0.5 * cell_m, 0);
   o.box.max = Vec3(0.5 * cell_m, 0.5 * cell_m, quantile_of(z, 1 - quantile));
   return o;
@@ -142,7 +130,7 @@ MeasuredObjects measure_objects(BeamSource& labelled, const GroundSurface& groun
         key.i = int32_t(std::floor(p.x() / o.cell_m));
         key.j = int32_t(std::floor(p.y() / o.cell_m));
       }
-      clouds[key].add(p, chunk.direction[i]);
+      clouds[key].add(p);
       ++votes[key.instance][c];
     }
     if (progress) progress(done += chunk.size(), labelled.size());

@@ -31,13 +31,10 @@ struct MeasuredObjects {
 using MeasureProgress = std::function<void(size_t, size_t)>;
 
 /// Measures the objects of a log that has the columns `class` (ours) and `instance`. An object has
-/// the class of most of its points. Its axes have no sign, but what was seen of it has a side:
-/// the yaw is that of the two for which the mean direction to the sensor points between +x and +y
-/// rather than between −x and −y, so that a primitive turns the side that was seen to where the
-/// sensor of an annotated log stood. The box of a cell is the cell's square, up to its highest
-/// point; its yaw is the quarter turn for which the sensor is nearest to +x. Reads the log once;
-/// memory grows with the number of objects. Throws `std::invalid_argument` for a log without these
-/// columns, a quantile outside [0, 0.5) or a cell that is not positive.
+/// the class of most of its points. The box of a cell is the cell's square, up to its highest
+/// point. Reads the log once; memory grows with the number of objects. Throws
+/// `std::invalid_argument` for a log without these columns, a quantile outside [0, 0.5) or a cell
+/// that is not positive.
 MeasuredObjects measure_objects(BeamSource& labelled, const GroundSurface& ground,
                                 const MeasureOptions& options,
                                 const MeasureProgress& progress = {});

@@ -16,7 +16,7 @@ struct Box {
 
 /// (c, q, box) of [tallavajhula18] §IV. The pose stands on the ground under the centroid of the
 /// object's points and is turned about z alone, x along the longer principal axis of the points
-/// seen from above (which of both ways: `measure_objects`); the box's bottom is the ground (z = 0).
+/// seen from above; the box's bottom is the ground (z = 0).
 struct PlacedObject {
   elements::Class label = elements::Class::kUnknown;
   Vec3 position = Vec3::Zero();  ///< m, world.
