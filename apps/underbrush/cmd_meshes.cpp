@@ -19,9 +19,10 @@ struct Arguments {
 };
 
 void add_options(CLI::App& app, Arguments& a) {
-  app.add_option("PLANTS", a.plants,
-                 "Meshes of plants (.obj, .ply), folders of them, or the word generated: the "
-                 "plants of the demo's site")
+  app.add_option(
+         "PLANTS", a.plants,
+         "Meshes of plants (.obj, .ply, .gltf, .glb), folders of them, or the word generated: the "
+         "plants of the demo's site")
       ->required();
   app.add_option("-o,--output", a.output, "The folder of the set of primitives")
       ->required()

@@ -22,7 +22,7 @@ void add_options(CLI::App& app, Arguments& a) {
                  "Simulated logs of the same beams, one or several to compare")
       ->required();
   app.add_option("--model", a.models,
-                 "The model of each simulated log, in order: adds likelihood and CRPS")
+                 "The model or scene of each simulated log, in order: adds likelihood and CRPS")
       ->type_name("MODEL")
       ->allow_extra_args(false);
   app.add_option("--name", a.names, "Name of each simulated log in the results, in order")

@@ -58,8 +58,10 @@ void add_options(CLI::App& app, Arguments& a) {
   app.add_option("--range-noise", a.simulate.range_noise_m, "Further noise on every range, m")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  app.add_flag("--element-ids", a.simulate.element_ids,
-               "Write the element that stopped each beam, and its class");
+  app.add_flag(
+      "--element-ids", a.simulate.element_ids,
+      "Write the element that stopped each beam, and its class; of a scene, which plant too "
+      "(column instance)");
 }
 
 constexpr size_t kChunk = 1 << 18;  // beams; of each up to 16 echoes
@@ -128,6 +130,7 @@ void set_up(const Verb& verb, const Arguments& a, const BeamSource& beams,
   simulate::EchoOptions options;
   options.seed = verb.seed;
   options.element_ids = a.simulate.element_ids;
+  options.instance_labels = a.simulate.instance_labels;
   if (!a.instrument.waveforms.empty()) options.waveforms = a.instrument.waveform;
   out.maker =
       std::make_unique<simulate::EchoMaker>(surroundings, *out.reflection, out.instrument, options);
@@ -166,6 +169,7 @@ void run(const Verb& verb, Arguments& a) {
   elements::SceneInfo info;
   const elements::Scene scene = scene_of(a.model, a.target, info);
   const Target target = target_of(scene, info);
+  if (elements::is_scene(a.model)) a.simulate.instance_labels = info.labels;
   Trajectory path;
   const std::unique_ptr<BeamSource> beams = beams_of(a, path);
   a.simulate.seed = verb.seed;

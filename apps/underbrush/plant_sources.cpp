@@ -14,7 +14,7 @@ primitives::PlantSource read_plant(const fs::path& file, const PlantFileOptions&
   io::MeshData mesh = io::read_mesh(file);
   primitives::PlantSource plant{file.string(), {}, std::move(mesh.triangles)};
   for (const Vec3f& v : mesh.vertices) {
-    const Vec3f up = o.y_up ? Vec3f(v.x(), -v.z(), v.y()) : v;
+    const Vec3f up = o.y_up || io::is_gltf(file) ? Vec3f(v.x(), -v.z(), v.y()) : v;
     plant.vertices.push_back(float(o.unit_m) * up);
   }
   const auto [low, high] =
@@ -53,7 +53,8 @@ std::vector<primitives::PlantSource> plants_of_files(const fs::path& path,
       files.push_back(entry.path());
     }
   }
-  if (files.empty()) throw FormatError(path.string(), "", "holds no .obj or .ply file");
+  if (files.empty())
+    throw FormatError(path.string(), "", "holds no .obj, .ply, .gltf or .glb file");
   std::sort(files.begin(), files.end());
   std::vector<primitives::PlantSource> plants;
   for (const fs::path& file : files) plants.push_back(read_plant(file, o));

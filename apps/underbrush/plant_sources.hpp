@@ -11,13 +11,13 @@ namespace underbrush::app {
 /// How files are to be read.
 struct PlantFileOptions {
   double unit_m = 1;  ///< Metres of one unit of length in them.
-  bool y_up = false;  ///< Their y axis points up, not z.
+  bool y_up = false;  ///< Their y axis points up, not z; that of glTF always does.
 };
 
 /// The plants that the test sites are grown from, of that seed: trees, shrubs, tussocks.
 std::vector<primitives::PlantSource> generated_plants(uint64_t seed);
 
-/// Plants of a file, or of all .obj and .ply files below a folder, in order of name. A file in a
+/// Plants of a file, or of all files of meshes below a folder, in order of name. A file in a
 /// folder with the name of a class stands for that class, as large as it is. Throws `FormatError`,
 /// also for a folder without any.
 std::vector<primitives::PlantSource> plants_of_files(const std::filesystem::path& path,

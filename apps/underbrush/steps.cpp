@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "underbrush/elements/model_file.hpp"
+#include "underbrush/elements/scene_file.hpp"
 #include "underbrush/io/export.hpp"
 #include "underbrush/io/log_file.hpp"
 
@@ -68,6 +69,17 @@ Json json_of(const fit::LikelihoodReport& report) {
   return j;
 }
 
+elements::Scene read_world(const fs::path& path, elements::SceneInfo* info) {
+  if (elements::is_scene(path)) return elements::read_scene(path, info);
+  elements::Scene scene;
+  scene.models.push_back(elements::read_model(path));
+  return scene;
+}
+
+trace::World world_of(const elements::Scene& scene) {
+  return scene.instances.empty() ? trace::World(scene.models.at(0)) : trace::World(scene);
+}
+
 FitStep fit_log(const Verb& verb, const fs::path& log, const fit::FitOptions& options,
                 const fs::path& model) {
   const auto start = std::chrono::steady_clock::now();
@@ -124,11 +136,11 @@ std::vector<metrics::Score> score_logs(const fs::path& real,
     io::BeamReader simulated(c.log);
     metrics::ScoreOptions options;
     options.cloud = cloud;
-    elements::Model model;
+    elements::Scene scene;
     std::unique_ptr<trace::World> world;
     if (!c.model.empty()) {
-      model = elements::read_model(c.model);
-      world = std::make_unique<trace::World>(model);
+      scene = read_world(c.model);
+      world = std::make_unique<trace::World>(world_of(scene));
       options.world = world.get();
     }
     Progress progress("score " + c.name);

@@ -6,12 +6,18 @@
 #include <string>
 #include <vector>
 
+#include "underbrush/elements/scene_file.hpp"
 #include "underbrush/fit/fit.hpp"
 #include "underbrush/metrics/score.hpp"
 #include "underbrush/simulate/simulate.hpp"
 #include "verb.hpp"
 
 namespace underbrush::app {
+
+/// A scene's folder, or a model's as a scene without instances.
+elements::Scene read_world(const std::filesystem::path& path, elements::SceneInfo* info = nullptr);
+/// Its world. A model alone takes the shorter way, and gives the same bits as ever.
+trace::World world_of(const elements::Scene& scene);
 
 /// Fits a model to the log and writes it; `skipped` counts records of the log left out, by reason.
 struct FitStep {
@@ -43,7 +49,7 @@ SimulateStep simulate_log(const Verb& verb, const trace::World& world, BeamSourc
 /// A simulated log to be scored, with the model that made it (or none).
 struct Candidate {
   std::string name;
-  std::filesystem::path log, model;
+  std::filesystem::path log, model;  ///< `model` may be a scene.
 };
 /// Scores of each candidate against the real log.
 std::vector<metrics::Score> score_logs(const std::filesystem::path& real,

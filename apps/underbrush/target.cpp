@@ -1,5 +1,6 @@
 #include "target.hpp"
 
+#include "steps.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/mesh_file.hpp"
@@ -51,17 +52,12 @@ void add_target_options(CLI::App& app, TargetArguments& a) {
 
 elements::Scene scene_of(const fs::path& folder, const TargetArguments& a,
                          elements::SceneInfo& info) {
-  elements::Scene scene;
-  if (elements::is_scene(folder)) {
-    scene = elements::read_scene(folder, &info);
-  } else {
-    scene.models.push_back(elements::read_model(folder));
-    if (!a.movers.empty()) {
-      elements::Instance placed;
-      placed.world_from_model.translation = scene.models[0].origin;
-      scene.instances.push_back(placed);
-      info.labels.push_back(elements::Class::kUnknown);
-    }
+  elements::Scene scene = read_world(folder, &info);
+  if (scene.instances.empty() && !a.movers.empty()) {  // of a model
+    elements::Instance placed;
+    placed.world_from_model.translation = scene.models[0].origin;
+    scene.instances.push_back(placed);
+    info.labels.push_back(elements::Class::kUnknown);
   }
   info.materials.resize(scene.models.size());
   for (const std::string& text : a.movers) {
@@ -95,9 +91,7 @@ Target target_of(const elements::Scene& scene, const elements::SceneInfo& info) 
     t.surroundings = std::make_unique<simulate::Surroundings>(scene, info.movers);
     return t;
   }
-  // A model alone takes the shorter way, and gives the same bits as ever.
-  t.world = scene.instances.empty() ? std::make_unique<trace::World>(scene.models[0])
-                                    : std::make_unique<trace::World>(scene);
+  t.world = std::make_unique<trace::World>(world_of(scene));
   t.surroundings = std::make_unique<simulate::Surroundings>(*t.world);
   return t;
 }

@@ -56,14 +56,15 @@ std::vector<std::string>& command_line() {
   return words;
 }
 
-// The command without what does not change the result: where outputs go, threads.
+// The command without what does not change the result: where outputs go, threads, interruptions.
 std::vector<std::string> command_of_result() {
   static const std::set<std::string> kDropped = {"-o",       "--output", "--json", "--threads",
-                                                 "--report", "--train",  "--test"};
+                                                 "--report", "--train",  "--test", "--checkpoint"};
   std::vector<std::string> out{"underbrush"};
   for (size_t i = 1; i < command_line().size(); ++i) {
     const std::string& word = command_line()[i];
     const size_t equals = word.find('=');
+    if (word == "--resume") continue;
     if (!kDropped.count(word.substr(0, equals))) {
       out.push_back(word);
     } else if (equals == std::string::npos) {

@@ -12,6 +12,7 @@ void add_info(CLI::App& root);
 void add_fit(CLI::App& root);
 void add_simulate(CLI::App& root);
 void add_score(CLI::App& root);
+void add_optimize(CLI::App& root);
 void add_segment(CLI::App& root);
 void add_extract(CLI::App& root);
 void add_meshes(CLI::App& root);
@@ -28,6 +29,7 @@ inline void add_all_verbs(CLI::App& root) {
   add_split(root);
   add_segment(root);
   add_fit(root);
+  add_optimize(root);
   add_extract(root);
   add_meshes(root);
   add_annotate(root);

@@ -125,7 +125,8 @@ std::vector<std::string> with_config(const CLI::App& root, int argc, char** argv
     for (std::string& w : words_of(file, name, entry.second, **option))
       added.push_back(std::move(w));
   }
-  words.insert(words.begin() + 1, added.begin(), added.end());
+  // Behind the others: an option with a list of values would take the words that follow it.
+  words.insert(words.end(), added.begin(), added.end());
   return words;
 }
 

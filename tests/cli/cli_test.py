@@ -119,6 +119,7 @@ READERS = {
     "info": ["BAD"],
     "split": ["BAD", "--every", "2", "--train", "out", "--test", "out-too"],
     "fit": ["BAD", "-o", "out"],
+    "optimize": ["BAD", "-o", "out"],
     "simulate": ["BAD", "--like", "BAD", "-o", "out"],
     "score": ["BAD", "BAD"],
     "segment": ["BAD", "-o", "out"],
@@ -179,6 +180,7 @@ JOBS = {
     "info": ["log.ply"],
     "segment": ["log.ply", "-o", "labelled.ply", "--min-points", "5"],
     "fit": ["log.ply", "-o", "model", "--min-points", "4"],
+    "optimize": ["log.ply", "-o", "params.yaml", "--budget", "2"],
     "extract": ["model", "labelled.ply", "-o", "primitives"],
     "meshes": ["tree.obj", "-o", "meshes"],
     "annotate": ["labelled.ply", "-o", "site.json"],
@@ -380,80 +382,6 @@ class Interrupted(OnALog):
             _, errors = process.communicate(timeout=60)
             self.assertEqual((process.returncode, errors), (-signal.SIGINT, "underbrush: interrupted\n"))
             self.assertEqual(os.listdir(pathlib.Path(scratch, "demo")), [])
-
-
-class Scenes(OnALog):
-    def setUp(self):
-        super().setUp()
-        self.run_all(until="simulate")
-
-    def json_of(self, *words):
-        done = call(*words, "--json", "-", cwd=self.folder)
-        self.assertEqual((done.returncode, done.stderr), (0, ""))
-        return json.loads(done.stdout)
-
-    def test_a_scene_is_simulated_as_a_model_is(self):
-        scene = self.json_of("compose", "site.json", "primitives", "-o", "scene")
-        self.assertGreaterEqual(scene["instances"], 2)
-        self.assertEqual(scene["instances"], scene["objects"])
-        answered = self.json_of("simulate", "scene", "--like", "log.ply", "-o", "scene.ply")
-        bare = self.annotation(lambda site: site.update(objects=[]))
-        ground = self.json_of("compose", bare, "primitives", "-o", "bare")
-        self.assertEqual(ground["instances"], 0)
-        self.assertGreater(answered["hits"], self.json_of("simulate", "bare", "--like", "log.ply", "-o",
-                                                          "bare.ply")["hits"])
-
-    def annotation(self, change):
-        site = json.loads(pathlib.Path(self.folder, "site.json").read_text())
-        change(site)
-        pathlib.Path(self.folder, "changed.json").write_text(json.dumps(site))
-        return "changed.json"
-
-    def test_of_a_site_that_is_made_up(self):
-        for kind in ("forest", "savanna", "meadow"):
-            made = self.json_of("annotate", "--generate", kind, "--size", "60", "40", "-o", "made.json")
-            self.assertGreater(made["objects"], 10)
-            scene = self.json_of("compose", "made.json", "primitives", "-o", "scene")
-            self.assertEqual(scene["instances"] + sum(scene["left_out"].values()), made["objects"])
-
-    def test_labels_come_back_from_another_program(self):
-        # As CloudCompare saves them: text, float numbers, other names, other order.
-        def labels(file):
-            call("info", file)  # it is a log
-            raw = pathlib.Path(self.folder, file).read_bytes()
-            return raw[raw.index(b"end_header"):]
-        before = labels("labelled.ply")
-        again = call("segment", "labelled.ply", "--labels", "labelled.ply", "-o", "again.ply", cwd=self.folder)
-        self.assertEqual((again.returncode, again.stderr), (0, ""))
-        self.assertEqual(labels("again.ply"), before)
-
-    def test_bad_annotations(self):
-        def first(**members):
-            return lambda site: site["objects"][0].update(members)
-        cases = [(first(**{"class": "large_tre"}), 3, "'large_tree'"),
-                 (first(box_m={"size": [1, 0, 1]}), 3, "box"),
-                 (first(position_m=[1, None]), 3, "position_m"),
-                 (lambda site: site.update(ground="nowhere"), 3, "nowhere"),
-                 (lambda site: site.update(version=99), 3, "version")]
-        for change, code, word in cases:
-            name = self.annotation(change)
-            done = call("compose", name, "primitives", "-o", "bad", cwd=self.folder)
-            self.assert_fails(done, code, word)
-        name = self.annotation(first(position_m=[9999, 0]))
-        counted = self.json_of("compose", name, "primitives", "-o", "some")
-        self.assertEqual(counted["off_ground"], 1)
-        self.assert_fails(call("compose", name, "primitives", "--strict", "-o", "bad", cwd=self.folder), 3, "ground")
-        text = pathlib.Path(self.folder, "site.json").read_text()
-        pathlib.Path(self.folder, "nan.json").write_text(re.sub(r'"yaw_rad":[^,]*', '"yaw_rad":NaN', text))
-        self.assert_fails(call("compose", "nan.json", "primitives", "-o", "bad", cwd=self.folder), 3, "line")
-        self.assertFalse(pathlib.Path(self.folder, "bad").exists())
-
-    def test_wrong_usage(self):
-        self.assert_fails(call("annotate", "-o", "a.json", cwd=self.folder), 2, "--generate")
-        for density in ("tree=1", "large_tree", "large_tree=-1", "large_tree=x"):
-            self.assert_fails(call("compose", "site.json", "primitives", "--class-density", density, "-o", "bad",
-                                   cwd=self.folder), 2)
-        self.assert_fails(call("extract", "model", "log.ply", "-o", "bad", cwd=self.folder), 3, "segment")
 
 
 if __name__ == "__main__":

@@ -10,7 +10,7 @@ LIBRARY = "src/underbrush/"
 THIRD_PARTY = {
     "embree": ("trace",), "tbb": ("core",), "oneapi": ("core",), "png": ("io",),
     "nanoflann": None, "libqhull": None, "nlohmann": None, "yaml-cpp": None, "zlib": None,
-    "zstd": None, "lz4": None, "pcap": None, "nlopt": None,
+    "zstd": None, "lz4": None, "pcap": None, "nlopt": ("optimize",), "tiny_gltf": ("io",),
     "fmt": (), "CLI": (), "spdlog": (),
 }
 FORBIDDEN = (

@@ -63,6 +63,34 @@ TEST(Simulate, VolumetricDrawsArePointsOfTheGaussianOffTheBeam) {
   for (int k = 0; k < 3; ++k) EXPECT_NEAR(square[k], 0.25, 0.01) << k;
 }
 
+TEST(Simulate, OfASceneSaysWhichInstanceStoppedABeam) {
+  elements::Scene scene;
+  scene.models = {elements::Model(), one_ellipsoid(1, 0.1)};
+  scene.models[0].max_range_m = 60;
+  scene.instances.resize(3);
+  for (uint32_t k = 1; k < 3; ++k) {
+    scene.instances[k].model = 1;
+    scene.instances[k].world_from_model.translation = Vec3(0, 5.0 * k, 0);
+  }
+  const trace::World world(scene);
+  BeamLog beams = beams_along_x(3);
+  for (size_t i = 0; i < 3; ++i) beams.origin[i] = Vec3(0, 5.0 * double(i), 0);
+  beams.extra["instance"] = std::vector<uint8_t>{9, 9, 9};  // of the log that is answered
+  Options options;
+  options.instance_labels = {elements::Class::kGround, elements::Class::kLowShrub,
+                             elements::Class::kLargeTree};
+  simulate(world, options, 0, beams);
+  EXPECT_EQ(std::get<std::vector<uint8_t>>(beams.extra.at("instance"))[0], 9);
+  options.element_ids = true;
+  simulate(world, options, 0, beams);
+  EXPECT_EQ(std::get<std::vector<uint32_t>>(beams.extra.at("instance")),
+            (std::vector<uint32_t>{0, 1, 2}));
+  EXPECT_EQ(std::get<std::vector<uint16_t>>(beams.extra.at("element_class")),
+            (std::vector<uint16_t>{0, uint16_t(elements::Class::kLowShrub),
+                                   uint16_t(elements::Class::kLargeTree)}));
+  EXPECT_FALSE(beams.is_hit(0));
+}
+
 TEST(Simulate, RangeNoiseAddsItsVariance) {
   const elements::Model model = one_ellipsoid(1, 0.1);
   const trace::World world(model);

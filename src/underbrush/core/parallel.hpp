@@ -17,9 +17,9 @@ int threads();
 /// exception in `body` is passed on.
 void parallel_for(size_t n, size_t grain, const std::function<void(size_t, size_t)>& body);
 
-/// Calls `work(k)` for k in [0, n) on all threads, and after each `finish(k)`, in order and never two
-/// at a time. At most `ahead` of them are under way or wait for their turn to finish. An exception
-/// is passed on.
+/// Calls `work(k)` for k in [0, n) on all threads, and after each `finish(k)`, in order and never
+/// two at a time. At most `ahead` of them are under way or wait for their turn to finish. An
+/// exception is passed on.
 void parallel_in_order(size_t n, size_t ahead, const std::function<void(size_t)>& work,
                        const std::function<void(size_t)>& finish);
 

@@ -2,7 +2,6 @@
 
 #include <png.h>
 
-
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/atomic_file.hpp"
 

@@ -6,6 +6,7 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/file.hpp"
+#include "underbrush/io/gltf_mesh.hpp"
 #include "underbrush/io/ply.hpp"
 #include "underbrush/io/text.hpp"
 
@@ -109,7 +110,12 @@ MeshData read_ply_mesh(const fs::path& path) {
 
 }  // namespace
 
-std::vector<std::string> mesh_extensions() { return {".obj", ".ply"}; }
+std::vector<std::string> mesh_extensions() { return {".obj", ".ply", ".gltf", ".glb"}; }
+
+bool is_gltf(const fs::path& path) {
+  const std::string extension = extension_of(path);
+  return extension == ".gltf" || extension == ".glb";
+}
 
 MeshData read_mesh(const fs::path& path) {
   const std::string extension = extension_of(path);
@@ -118,8 +124,11 @@ MeshData read_mesh(const fs::path& path) {
     mesh = read_obj(path);
   } else if (extension == ".ply") {
     mesh = read_ply_mesh(path);
+  } else if (is_gltf(path)) {
+    mesh = read_gltf(path);
   } else {
-    throw FormatError(path.string(), "", "no mesh format that is known; .obj and .ply are");
+    throw FormatError(path.string(), "",
+                      "no mesh format that is known; .obj, .ply, .gltf and .glb are");
   }
   if (mesh.triangles.empty()) throw FormatError(path.string(), "", "it has no triangles");
   return mesh;

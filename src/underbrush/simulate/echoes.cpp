@@ -22,7 +22,9 @@ uint64_t sub_key(uint64_t key, size_t sub_ray) {
   return sub_ray == 0 ? key : mix64(key + 0x9e3779b97f4a7c15ull * sub_ray);
 }
 
-uint16_t class_of(const elements::Model& model, uint32_t element) {
+uint16_t class_of(const elements::Model& model, const Met& met, const EchoOptions& options) {
+  const uint32_t element = met.element;
+  if (!options.instance_labels.empty()) return uint16_t(options.instance_labels.at(met.instance));
   if (model.kind(element) != elements::Kind::kEllipsoid) return 0;
   return uint16_t(model.ellipsoids[element - model.ground.size() - model.surface.size()].label);
 }
@@ -85,6 +87,7 @@ struct EchoMaker::Block {
   struct Element {
     uint32_t number = Met::kNone;
     uint16_t label = 0;
+    uint32_t instance = 0;
   };
   std::vector<uint8_t> count;  ///< Echoes of each beam.
   std::vector<radiometry::Echo> echo;
@@ -208,7 +211,8 @@ void EchoMaker::receive(const BeamLog& beams, size_t first_beam, size_t begin, s
             continue;
           best = k;
           const Met& met = s.met[s.which[k]];
-          element = {met.element, class_of(surroundings_.model(met.instance), met.element)};
+          element = {met.element, class_of(surroundings_.model(met.instance), met, options_),
+                     met.instance};
         }
         block.element.push_back(element);
       }
@@ -236,6 +240,7 @@ void EchoMaker::write(const std::vector<Block>& blocks, BeamLog& beams) const {
   std::vector<uint8_t> echo(rows), echoes(rows);
   std::vector<uint32_t> element(options_.element_ids ? rows : 0, Met::kNone);
   std::vector<uint16_t> label(element.size());
+  std::vector<uint32_t> instance(options_.instance_labels.empty() ? 0 : element.size());
   std::vector<float> range(rows, kMiss), intensity(rows, 0);
   parallel_for(blocks.size(), 1, [&](size_t b, size_t) {
     const Block& block = blocks[b];
@@ -254,6 +259,7 @@ void EchoMaker::write(const std::vector<Block>& blocks, BeamLog& beams) const {
         if (options_.element_ids) {
           element[row] = block.element[e].number;
           label[row] = block.element[e].label;
+          if (!instance.empty()) instance[row] = block.element[e].instance;
         }
         ++e;
       }
@@ -269,6 +275,7 @@ void EchoMaker::write(const std::vector<Block>& blocks, BeamLog& beams) const {
   if (!options_.element_ids) return;
   beams.extra["element"] = std::move(element);
   beams.extra["element_class"] = std::move(label);
+  if (!instance.empty()) beams.extra["instance"] = std::move(instance);
 }
 
 void EchoMaker::answer(size_t first_beam, BeamLog& beams) {

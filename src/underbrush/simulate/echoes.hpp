@@ -43,6 +43,7 @@ struct EchoOptions {
   uint64_t seed = 1;
   bool element_ids = false;  ///< Add the columns `element` and `element_class`: of an echo the
                              ///< sub-return nearest to it.
+  std::vector<elements::Class> instance_labels{};  ///< As those of `Options`.
   WaveformChoice waveforms;
 };
 

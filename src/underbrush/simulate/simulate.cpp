@@ -26,7 +26,9 @@ Vec3 drawn_in_volume(const elements::Model& model, const elements::Instance& pla
   return placed.world_from_model * Vec3(double(placed.scale) * (e.mean.cast<double>() + root * n));
 }
 
-uint16_t class_of(const elements::Model& model, uint32_t element) {
+uint16_t class_of(const elements::Model& model, uint32_t element, uint32_t instance,
+                  const Options& options) {
+  if (!options.instance_labels.empty()) return uint16_t(options.instance_labels.at(instance));
   if (model.kind(element) != elements::Kind::kEllipsoid) return 0;
   return uint16_t(model.ellipsoids[element - model.ground.size() - model.surface.size()].label);
 }
@@ -40,6 +42,7 @@ void simulate(const Surroundings& world, const Options& options, size_t first_be
                                   std::min(beams.info.max_range_m, world.model(0).max_range_m)};
   std::vector<uint32_t> element(options.element_ids ? beams.size() : 0, Met::kNone);
   std::vector<uint16_t> label(element.size());
+  std::vector<uint32_t> instance(options.instance_labels.empty() ? 0 : element.size());
   parallel_for(beams.size(), 8192, [&](size_t begin, size_t end) {
     const size_t n = end - begin;
     std::vector<Ray> rays(n);
@@ -63,7 +66,8 @@ void simulate(const Surroundings& world, const Options& options, size_t first_be
       const elements::Model& model = world.model(met[k].instance);
       if (options.element_ids) {
         element[i] = met[k].element;
-        label[i] = class_of(model, met[k].element);
+        label[i] = class_of(model, met[k].element, met[k].instance, options);
+        if (!instance.empty()) instance[i] = met[k].instance;
       }
       double range = drawn_on_ray(met[k], keys[k], limits);
       if (options.draw == RangeDraw::kVolumetric &&
@@ -82,6 +86,7 @@ void simulate(const Surroundings& world, const Options& options, size_t first_be
   if (!options.element_ids) return;
   beams.extra["element"] = std::move(element);
   beams.extra["element_class"] = std::move(label);
+  if (!options.instance_labels.empty()) beams.extra["instance"] = std::move(instance);
 }
 
 SimulatedSource::SimulatedSource(Answer answer, BeamSource& beams, double max_range_m)

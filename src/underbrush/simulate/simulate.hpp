@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "underbrush/core/beam_log.hpp"
+#include "underbrush/elements/classes.hpp"
 #include "underbrush/sensor/beam.hpp"
 #include "underbrush/simulate/surroundings.hpp"
 
@@ -28,6 +29,10 @@ struct Options {
   double range_noise_m = 0;  ///< σ of further noise on every range.
   double max_range_m = 0;    ///< Of the source below: overrides that of the beams if positive.
   bool element_ids = false;  ///< Add the extra columns `element` and `element_class`.
+  /// Of a scene, one an instance: with `element_ids` `element_class` is taken from here instead of
+  /// from the element, and there is a column `instance`, 0 for the ground and where nothing was
+  /// hit.
+  std::vector<elements::Class> instance_labels{};
   /// The ray that is traced, drawn from this shape about each beam's axis ([deschaud12] §IV); the
   /// direction in the log stays that of the axis. Unset: the axis itself.
   std::optional<sensor::BeamShape> random_ray{};

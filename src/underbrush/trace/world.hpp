@@ -62,8 +62,8 @@ class World {
   Met nearest_surface(const Ray& ray, const RangeLimits& limits) const;
 
   /// All elements that each ray meets within `limits`, in the order of `Met::before` or in one that
-  /// depends on the machine. Those whose bounds a ray enters only beyond its `entry_limits_m` may be
-  /// left out.
+  /// depends on the machine. Those whose bounds a ray enters only beyond its `entry_limits_m` may
+  /// be left out.
   enum class Sequence { kByRange, kAny };
   void all_met(std::span<const Ray> rays, const RangeLimits& limits,
                std::span<const double> entry_limits_m, MetLists& met,

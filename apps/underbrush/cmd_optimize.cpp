@@ -1,0 +1,261 @@
+#include <fmt/format.h>
+
+#include <chrono>
+#include <iostream>
+
+#include "fit_options.hpp"
+#include "report/report.hpp"
+#include "tuning.hpp"
+#include "underbrush/core/check.hpp"
+#include "underbrush/elements/model_file.hpp"
+#include "underbrush/io/atomic_file.hpp"
+#include "underbrush/io/log_file.hpp"
+#include "underbrush/optimize/checkpoint.hpp"
+#include "underbrush/optimize/densities.hpp"
+#include "underbrush/optimize/fit_parameters.hpp"
+#include "verbs.hpp"
+
+namespace underbrush::app {
+namespace {
+namespace fs = std::filesystem;
+
+struct Arguments {
+  std::string log, output, objective = "packet_f1", annotation, primitives, report, checkpoint;
+  std::vector<std::string> tune;
+  std::vector<double> slice{0, 10};
+  optimize::SliceOptions cut;
+  optimize::SearchOptions search;
+  bool resume = false;
+  fit::FitOptions fit;
+  std::vector<const CLI::Option*> fit_options;
+};
+
+void add_options(CLI::App& app, Arguments& a) {
+  app.add_option("LOG", a.log, "The training log")->required();
+  app.add_option("-o,--output", a.output, "The configuration that 'fit --config' takes")
+      ->required()
+      ->type_name("PARAMS.yaml");
+  app.add_option("--objective", a.objective,
+                 "What is minimised: mean packet error + 2 (1 - F1), or the negative "
+                 "log-likelihood a beam")
+      ->check(CLI::IsMember(optimize::objectives()))
+      ->capture_default_str();
+  app.add_option("--tune", a.tune, "Options of fit to tune instead of the usual ones")
+      ->type_name("NAME ...");
+  app.add_option("--slice", a.slice, "Scans that begin in [FROM, TO), s after the log's start")
+      ->expected(2)
+      ->type_name("FROM TO")
+      ->capture_default_str();
+  app.add_option("--validate", a.cut.one_in,
+                 "One scan of the slice in so many is not fitted but judges (of fewer scans: "
+                 "groups of beams of each)")
+      ->check(CLI::Range(2, 1 << 30))
+      ->capture_default_str();
+  app.add_option("--budget", a.search.budget, "Most evaluations")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--algorithm", a.search.algorithm, "How NLopt searches")
+      ->check(CLI::IsMember(optimize::algorithms()))
+      ->capture_default_str();
+  app.add_option("--step", a.search.step, "First step, as a share of each parameter's range")
+      ->check(CLI::Range(0.001, 0.5))
+      ->capture_default_str();
+  app.add_option("--checkpoint", a.checkpoint,
+                 "Written after each evaluation; PARAMS.yaml.checkpoint if not given")
+      ->type_name("FILE");
+  app.add_flag("--resume", a.resume, "Go on where the checkpoint ends, if there is one");
+  auto* site = app.add_option("--annotation", a.annotation,
+                              "Tune the densities of a composed scene's classes instead: its "
+                              "annotation; the result is for 'compose --config'")
+                   ->type_name("SITE.json");
+  auto* set = app.add_option("--primitives", a.primitives, "The primitives to compose with")
+                  ->type_name("PRIMITIVES");
+  site->needs(set);
+  set->needs(site);
+  app.add_option("--report", a.report, "Write a report with the curve into this folder")
+      ->type_name("DIR");
+  const size_t own = app.get_options().size();
+  add_fit_options(app, a.fit);
+  const std::vector<CLI::Option*> all = app.get_options();
+  for (size_t k = own; k < all.size(); ++k) {
+    all[k]->group("Options of fit: where the search starts, and what stays as it is");
+    a.fit_options.push_back(all[k]);
+  }
+}
+
+/// A search to be done: what is tuned, from where, and how it is judged.
+struct Problem {
+  Tuning tuning;
+  std::vector<double> start;
+  std::function<optimize::Outcome(std::span<const double>)> objective;
+};
+
+Json given_options(const Arguments& a, const std::vector<optimize::Parameter>& tuned) {
+  Json out = Json::object();
+  for (const CLI::Option* option : a.fit_options) {
+    const std::string name = option->get_lnames().front();
+    const bool is_tuned =
+        std::any_of(tuned.begin(), tuned.end(), [&](const auto& p) { return p.name == name; });
+    if (option->count() == 0 || is_tuned) continue;
+    const std::string value = option->results().back();
+    out[name] = value;
+  }
+  return out;
+}
+
+Problem fit_problem(const Arguments& a, std::shared_ptr<const optimize::Slice> slice) {
+  Problem p;
+  const auto chosen = std::make_shared<std::vector<optimize::FitParameter>>(
+      optimize::chosen_fit_parameters(a.fit, a.tune));
+  p.tuning.parameters.assign(chosen->begin(), chosen->end());
+  for (const auto& parameter : *chosen) p.start.push_back(parameter.get(a.fit));
+  p.tuning.fixed = given_options(a, p.tuning.parameters);
+  p.tuning.what =
+      fmt::format("{} scans from {:g} to {:g} s: {} beams fitted, {} beams ({}) judge.",
+                  slice->scans, a.slice[0], a.slice[1], slice->fit.size(), slice->validation.size(),
+                  slice->by_scan ? fmt::format("every {}th scan", a.cut.one_in)
+                                 : fmt::format("one group of beams in {}", a.cut.one_in));
+  p.objective = [&a, chosen, slice](std::span<const double> value) {
+    fit::FitOptions options = a.fit;
+    for (size_t k = 0; k < value.size(); ++k) (*chosen)[k].set(options, value[k]);
+    return optimize::fit_outcome(a.objective, *slice, options);
+  };
+  return p;
+}
+
+/// What a scene is composed of, as read.
+struct SceneInputs {
+  primitives::Annotation annotation;
+  elements::Model ground;
+  primitives::PrimitiveSet set;
+  BeamLog beams;
+};
+
+Problem scene_problem(const Verb& verb, const Arguments& a, optimize::Slice slice) {
+  Problem p;
+  const auto in = std::make_shared<SceneInputs>();
+  in->annotation = primitives::read_annotation(a.annotation);
+  in->ground = elements::read_model(in->annotation.ground.lexically_normal());
+  in->set = primitives::read_primitive_set(a.primitives);
+  in->beams = std::move(slice.fit);
+  in->beams.append(slice.validation, 0, slice.validation.size());
+  const std::vector<optimize::Parameter> all = optimize::density_parameters(in->annotation);
+  if (all.empty()) throw FormatError(a.annotation, "", "no objects: there is no density to tune");
+  for (const size_t k : optimize::chosen(all, a.tune)) p.tuning.parameters.push_back(all[k]);
+  p.start.assign(p.tuning.parameters.size(), 1);
+  p.tuning.densities = true;
+  p.tuning.what = fmt::format("{} scans from {:g} to {:g} s: {} beams judge the composed scene.",
+                              slice.scans, a.slice[0], a.slice[1], in->beams.size());
+  p.objective = [&a, in, densities = p.tuning.parameters,
+                 seed = verb.seed](std::span<const double> value) {
+    primitives::ComposeOptions compose;
+    compose.seed = seed;
+    return optimize::scene_outcome(a.objective, {in->annotation, in->ground, in->set}, compose,
+                                   densities, value, in->beams);
+  };
+  return p;
+}
+
+/// All that makes the search what it is, but for its budget.
+std::string identity_of(const Verb& verb, const Arguments& a, const Problem& p) {
+  Json run;
+  run["objective"] = a.objective;
+  run["algorithm"] = a.search.algorithm;
+  run["step"] = a.search.step;
+  run["slice"] = a.slice;
+  run["validate"] = a.cut.one_in;
+  run["seed"] = verb.seed;
+  for (size_t k = 0; k < p.start.size(); ++k) {
+    const optimize::Parameter& q = p.tuning.parameters[k];
+    run["parameters"].push_back({q.name, q.low, q.high, int(q.scale), p.start[k]});
+  }
+  run["fixed"] = p.tuning.fixed;
+  const Json origin = Json::parse(p.tuning.provenance);
+  run["program"] = origin["program"];
+  for (const auto& [file, hash] : origin["inputs"].items()) {
+    if (!file.ends_with(".yaml")) run["inputs"].push_back(hash);
+  }
+  return run.dump();
+}
+
+/// The evaluations to go on from.
+std::vector<optimize::Evaluation> past_of(const Arguments& a, const std::string& identity) {
+  if (!fs::exists(a.checkpoint)) return {};
+  const optimize::Checkpoint found = optimize::read_checkpoint(a.checkpoint);
+  if (!a.resume) {
+    if (found.finished) return {};
+    throw std::invalid_argument(fmt::format(
+        "optimize: {} holds {} evaluations of a search that did not end; give --resume to go on, "
+        "or remove it",
+        a.checkpoint, found.evaluations.size()));
+  }
+  if (Json::parse(found.run) != Json::parse(identity)) {
+    throw FormatError(a.checkpoint, "", "it is of another search (log, options or seed differ)");
+  }
+  return found.evaluations;
+}
+
+void run(const Verb& verb, Arguments& a) {
+  const auto begin = std::chrono::steady_clock::now();
+  const auto seconds = [&] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  };
+  a.fit.seed = a.cut.seed = verb.seed;
+  a.cut.from_s = a.slice[0];
+  a.cut.to_s = a.slice[1];
+  if (a.checkpoint.empty()) a.checkpoint = a.output + ".checkpoint";
+  io::check_output(a.output);
+  io::check_output(a.checkpoint);
+  if (!a.report.empty()) check_report_output(a.report);
+  if (a.annotation.empty()) optimize::chosen_fit_parameters(a.fit, a.tune);  // asked before reading
+  io::LogReader reader(a.log);
+  optimize::Slice slice = optimize::take_slice(reader, a.cut);
+  std::vector<fs::path> inputs{a.log};
+  if (!a.annotation.empty()) inputs.insert(inputs.end(), {a.annotation, a.primitives});
+  Problem p = a.annotation.empty()
+                  ? fit_problem(a, std::make_shared<optimize::Slice>(std::move(slice)))
+                  : scene_problem(verb, a, std::move(slice));
+  Tuning& t = p.tuning;
+  t.log = a.log;
+  t.objective = a.objective;
+  t.provenance = provenance(verb, inputs);
+  optimize::Checkpoint kept{identity_of(verb, a, p), false, {}};
+  const std::vector<optimize::Evaluation> past = past_of(a, kept.run);
+  t.evaluations = optimize::search(t.parameters, p.start, a.search, p.objective, past,
+                                   [&](std::span<const optimize::Evaluation> so_far) {
+                                     kept.evaluations.assign(so_far.begin(), so_far.end());
+                                     optimize::write_checkpoint(a.checkpoint, kept);
+                                     if (verb.json != "-") {
+                                       std::cout << fmt::format("[{:.1f} s] {}\n", seconds(),
+                                                                line_of(t, so_far, a.search.budget))
+                                                 << std::flush;
+                                     }
+                                   });
+  write_config(a.output, t);
+  kept.evaluations = t.evaluations;
+  kept.finished = true;
+  optimize::write_checkpoint(a.checkpoint, kept);
+  Json j = json_of(t);
+  j["resumed_from"] = past.size();
+  j["skipped"] = reader.skipped();
+  j["seconds"] = seconds();
+  std::string text = text_of(t) + "  written     " + a.output + "\n";
+  if (!a.report.empty())
+    text += "  report      " + write_tuning_report(a.report, t).string() + "\n";
+  verb.report(j, text);
+}
+
+}  // namespace
+
+void add_optimize(CLI::App& root) {
+  auto a = std::make_shared<Arguments>();
+  const auto verb =
+      add_verb(root, "optimize", "Tune the parameters of a fit on a slice of the training log",
+               "underbrush optimize train.ply -o params.yaml --report tuning/\n"
+               "  underbrush optimize train.ply -o params.yaml --resume\n"
+               "  underbrush fit train.ply --config params.yaml -o model/",
+               [a](const Verb& v) { run(v, *a); });
+  add_options(*verb->app, *a);
+}
+
+}  // namespace underbrush::app

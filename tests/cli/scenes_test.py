@@ -1,0 +1,183 @@
+#!/usr/bin/env python3
+"""From labels to scenes as users of the command line meet them; what is wrong with annotations."""
+import argparse
+import base64
+import json
+import math
+import pathlib
+import re
+import shutil
+import struct
+import sys
+import unittest
+
+import cli_test
+
+
+class Scenes(cli_test.OnALog):
+    def setUp(self):
+        super().setUp()
+        self.run_all(until="simulate")
+
+    def json_of(self, *words):
+        done = cli_test.call(*words, "--json", "-", cwd=self.folder)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        return json.loads(done.stdout)
+
+    def test_a_scene_is_simulated_as_a_model_is(self):
+        scene = self.json_of("compose", "site.json", "primitives", "-o", "scene")
+        self.assertGreaterEqual(scene["instances"], 2)
+        self.assertEqual(scene["instances"], scene["objects"])
+        answered = self.json_of("simulate", "scene", "--like", "log.ply", "-o", "scene.ply")
+        bare = self.annotation(lambda site: site.update(objects=[]))
+        ground = self.json_of("compose", bare, "primitives", "-o", "bare")
+        self.assertEqual(ground["instances"], 0)
+        self.assertGreater(answered["hits"], self.json_of("simulate", "bare", "--like", "log.ply", "-o",
+                                                          "bare.ply")["hits"])
+
+    def test_a_scene_is_a_model_to_scores_and_its_plants_have_numbers(self):
+        self.json_of("compose", "site.json", "primitives", "-o", "scene")
+        self.json_of("simulate", "scene", "--like", "log.ply", "--element-ids", "-o", "sim.ply")
+        scores = self.json_of("score", "log.ply", "sim.ply", "--model", "scene")
+        self.assertTrue(math.isfinite(scores["nll_per_beam"]) and scores["crps_m"] > 0)
+        self.json_of("compose", self.annotation(lambda site: site.update(objects=[])), "primitives", "-o", "bare")
+        worse = self.json_of("score", "log.ply", "sim.ply", "--model", "bare")
+        self.assertLess(scores["nll_per_beam"], worse["nll_per_beam"])
+        done = cli_test.call("simulate", "scene", "--like", "log.ply", "--element-ids", "-o", "sim.csv",
+                             cwd=self.folder)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        head, *rows = pathlib.Path(self.folder, "sim.csv").read_text().splitlines()
+        column = head.split(",").index("instance")
+        numbers = {int(float(row.split(",")[column])) for row in rows}
+        self.assertTrue(numbers > {0}, numbers)
+        self.json_of("simulate", "model", "--like", "log.ply", "--element-ids", "-o", "sim.ply")
+        raw = pathlib.Path(self.folder, "sim.ply").read_bytes()
+        self.assertNotIn(b" instance\n", raw[:raw.index(b"end_header")])
+
+    def annotation(self, change):
+        site = json.loads(pathlib.Path(self.folder, "site.json").read_text())
+        change(site)
+        pathlib.Path(self.folder, "changed.json").write_text(json.dumps(site))
+        return "changed.json"
+
+    def test_of_a_site_that_is_made_up(self):
+        for kind in ("forest", "savanna", "meadow"):
+            made = self.json_of("annotate", "--generate", kind, "--size", "60", "40", "-o", "made.json")
+            self.assertGreater(made["objects"], 10)
+            scene = self.json_of("compose", "made.json", "primitives", "-o", "scene")
+            self.assertEqual(scene["instances"] + sum(scene["left_out"].values()), made["objects"])
+
+    def test_labels_come_back_from_another_program(self):
+        # As CloudCompare saves them: text, float numbers, other names, other order.
+        def labels(file):
+            cli_test.call("info", file, cwd=self.folder)  # it is a log
+            raw = pathlib.Path(self.folder, file).read_bytes()
+            return raw[raw.index(b"end_header"):]
+        before = labels("labelled.ply")
+        again = cli_test.call("segment", "labelled.ply", "--labels", "labelled.ply", "-o", "again.ply", cwd=self.folder)
+        self.assertEqual((again.returncode, again.stderr), (0, ""))
+        self.assertEqual(labels("again.ply"), before)
+
+    def first(self, **members):
+        return self.annotation(lambda site: site["objects"][0].update(members))
+
+    def compose(self, name, *words, primitives="primitives"):
+        return cli_test.call("compose", name, primitives, "-o", "bad", *words, cwd=self.folder)
+
+    def assert_refused(self, name, *words):
+        """Bad input: one line that names the file and the place; no scene is left."""
+        self.assert_fails(self.compose(name), 3, name, *words)
+        self.assertFalse(pathlib.Path(self.folder, "bad").exists())
+
+    def test_an_unknown_class(self):
+        self.assert_refused(self.first(**{"class": "large_tre"}), "objects[0].class", "'large_tree'")
+        self.assert_refused(self.first(**{"class": 7}), "objects[0].class")
+
+    def test_a_box_without_extent(self):
+        for size in ([1, 0, 1], [0, 0, 0], [1, 1, -1]):
+            self.assert_refused(self.first(box_m={"size": size}), "objects[0].box_m")
+
+    def test_numbers_that_are_none(self):
+        self.assert_refused(self.first(position_m=[1, None]), "objects[0].position_m")
+        self.assert_refused(self.first(yaw_rad="north"), "objects[0].yaw_rad")
+        text = pathlib.Path(self.folder, "site.json").read_text()
+        for word in ("NaN", "Infinity", "-nan", "1e999"):  # the first three are no JSON
+            pathlib.Path(self.folder, "nan.json").write_text(re.sub(r'"yaw_rad":[^,]*', f'"yaw_rad":{word}', text))
+            self.assert_refused("nan.json")
+
+    def test_other_faults_of_an_annotation(self):
+        self.assert_refused(self.annotation(lambda site: site["objects"][0].pop("class")), "class")
+        self.assert_refused(self.annotation(lambda site: site["objects"][0].update(clas="x")), "'class'")
+        self.assert_refused(self.annotation(lambda site: site.update(version=99)), "version")
+        self.assert_fails(self.compose(self.annotation(lambda site: site.update(ground="nowhere"))), 3, "nowhere")
+
+    def test_a_pose_off_the_ground_mesh(self):
+        name = self.first(position_m=[9999, 0])
+        counted = self.json_of("compose", name, "primitives", "-o", "some")
+        self.assertEqual(counted["off_ground"], 1)
+        self.assertEqual(counted["instances"], counted["objects"] - 1)
+        self.assertIn("warning     1 left out: they stand off the ground", self.compose(name).stdout)
+        shutil.rmtree(pathlib.Path(self.folder, "bad"))
+        self.assert_fails(self.compose(name, "--strict"), 3, name, "1 objects stand off the ground")
+
+    def test_a_class_without_primitives(self):
+        # Another size of its kind stands in, and is counted.
+        name = self.first(**{"class": "low_shrub"})
+        counted = self.json_of("compose", name, "primitives", "-o", "some")
+        self.assertEqual(counted["borrowed"], {"low_shrub": 1})
+        self.assertEqual(counted["instances"], counted["objects"])
+        self.assertRegex(self.compose(name).stdout, "warning     1 of class low_shrub: no primitives")
+        shutil.rmtree(pathlib.Path(self.folder, "bad"))
+        self.assert_fails(self.compose(name, "--strict"), 3, "low_shrub")
+        # Where its kind has none at all it is left out.
+        name = self.first(**{"class": "small_tree"})
+        counted = self.json_of("compose", name, "primitives", "-o", "some")
+        self.assertEqual(counted["left_out"], {"small_tree": 1})
+        self.assertEqual(counted["instances"], counted["objects"] - 1)
+        self.assertRegex(self.compose(name).stdout, "warning     1 of class small_tree left out")
+        shutil.rmtree(pathlib.Path(self.folder, "bad"))
+        self.assert_fails(self.compose(name, "--strict"), 3, "small_tree")
+        self.assertFalse(pathlib.Path(self.folder, "bad").exists())
+
+    def test_no_objects(self):
+        name = self.annotation(lambda site: site.update(objects=[]))
+        done = self.compose(name)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertIn("warning     the annotation has no objects", done.stdout)
+        answered = self.json_of("simulate", "bad", "--like", "log.ply", "-o", "bare.ply")
+        self.assertGreater(answered["hits"], 0)  # of its ground
+
+    def test_a_plant_of_gltf_stands_upright(self):
+        corners = [(0, 0, 0), (1, 0, 0), (0, 0, 1), (0, 4, 0)]  # y is up
+        data = b"".join(struct.pack("<3f", *c) for c in corners) + struct.pack("<9H", 0, 1, 3, 1, 2, 3, 2, 0, 3)
+        buffer = "data:application/octet-stream;base64," + base64.b64encode(data).decode()
+        plant = {"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+                 "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+                 "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3",
+                                "min": [0, 0, 0], "max": [1, 4, 1]},
+                               {"bufferView": 1, "componentType": 5123, "count": 9, "type": "SCALAR"}],
+                 "bufferViews": [{"buffer": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 18}],
+                 "buffers": [{"uri": buffer, "byteLength": 66}]}
+        folder = pathlib.Path(self.folder, "small_tree")
+        folder.mkdir()
+        (folder / "plant.gltf").write_text(json.dumps(plant))
+        self.json_of("meshes", "small_tree", "-o", "plants")
+        found = json.loads(pathlib.Path(self.folder, "plants/primitives.json").read_text())
+        self.assertEqual([round(p["box_m"]["max"][2], 3) for p in found["primitives"]], [4.0])
+        (folder / "plant.gltf").write_text(json.dumps(plant)[:-20])
+        self.assert_fails(cli_test.call("meshes", "small_tree", "-o", "bad", cwd=self.folder), 3, "plant.gltf")
+
+    def test_wrong_usage(self):
+        self.assert_fails(cli_test.call("annotate", "-o", "a.json", cwd=self.folder), 2, "--generate")
+        for density in ("tree=1", "large_tree", "large_tree=-1", "large_tree=x"):
+            self.assert_fails(cli_test.call("compose", "site.json", "primitives", "--class-density", density, "-o", "bad",
+                                   cwd=self.folder), 2)
+        self.assert_fails(cli_test.call("extract", "model", "log.ply", "-o", "bad", cwd=self.folder), 3, "segment")
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--program", required=True, type=pathlib.Path)
+    options, rest = parser.parse_known_args()
+    cli_test.PROGRAM = str(options.program.resolve())
+    unittest.main(argv=[sys.argv[0], *rest])
