@@ -28,7 +28,9 @@ template <class T>
 void read_column(const char* rows, size_t row_size, size_t n, const Field& field, T* out) {
   with_type(field.type, [&](auto zero) {
     const char* at = rows + field.offset;
-    for (size_t i = 0; i < n; ++i, at += row_size) out[i] = T(load<decltype(zero)>(at));
+    for (size_t i = 0; i < n; ++i, at += row_size) {
+      out[i] = T(load<decltype(zero)>(at));  // NOLINT(bugprone-signed-char-misuse): signed is meant
+    }
   });
 }
 

@@ -41,8 +41,8 @@ std::optional<Pose> pose_from_rows(const std::array<double, 12>& rows) {
   Mat3 r;
   Vec3 t;
   for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) r(i, j) = rows[size_t(4 * i + j)];
-    t[i] = rows[size_t(4 * i + 3)];
+    for (int j = 0; j < 3; ++j) r(i, j) = rows[4 * size_t(i) + size_t(j)];
+    t[i] = rows[4 * size_t(i) + 3];
   }
   const double error = (r.transpose() * r - Mat3::Identity()).cwiseAbs().maxCoeff();
   if (!t.allFinite() || !(error < 2 * kRotationError) || r.determinant() < 0) return std::nullopt;
