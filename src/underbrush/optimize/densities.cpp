@@ -8,6 +8,7 @@ std::vector<Parameter> density_parameters(const primitives::Annotation& annotati
   std::set<elements::Class> classes;
   for (const primitives::PlacedObject& o : annotation.objects) classes.insert(o.label);
   std::vector<Parameter> out;
+  out.reserve(classes.size());
   for (const elements::Class c : classes) {
     out.push_back({std::string(elements::name(c)), 0.1, 4, Scale::kLog});
   }
