@@ -38,6 +38,15 @@ void TemporaryPath::keep(const std::function<void()>& move) {
   registry().paths.erase(path_);
 }
 
+void make_temporary(const std::function<void()>& make) {
+  const std::lock_guard lock(registry().mutex);
+  make();
+}
+
+void make_temporary_folders(const fs::path& path) {
+  make_temporary([&] { fs::create_directories(path); });
+}
+
 void remove_temporaries() noexcept {
   registry().mutex.lock();  // for good
   for (const fs::path& path : registry().paths) {

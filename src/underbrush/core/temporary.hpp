@@ -24,6 +24,12 @@ class TemporaryPath {
   std::filesystem::path path_;
 };
 
+/// Calls `make`, which makes a file or a folder at a `TemporaryPath` or in one; once
+/// `remove_temporaries` has begun it is not called, and this does not return.
+void make_temporary(const std::function<void()>& make);
+/// `std::filesystem::create_directories`, likewise.
+void make_temporary_folders(const std::filesystem::path& path);
+
 /// Removes what all `TemporaryPath`s of the process hold, and lets none begin or end any more: for
 /// a program that a signal is about to end. The one list of the library that is not passed down.
 void remove_temporaries() noexcept;

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/temporary.hpp"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/ply.hpp"
 
@@ -173,7 +174,7 @@ void write_model(const fs::path& path, const Model& model) {
   io::write_atomically(
       path,
       [&](const fs::path& folder) {
-        fs::create_directories(folder);
+        make_temporary_folders(folder);
         io::write_ply(folder / "ground.ply", ply_of_mesh(model.ground, true));
         io::write_ply(folder / "surface.ply", ply_of_mesh(model.surface, true));
         io::write_ply(folder / "ellipsoids.ply", ply_of_ellipsoids(model.ellipsoids));

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/temporary.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/ply.hpp"
@@ -30,7 +31,7 @@ std::string trajectory_file(size_t mover) {
 }
 
 void write_movers(const fs::path& folder, const std::vector<Mover>& movers) {
-  if (!movers.empty()) fs::create_directories(folder / "movers");
+  if (!movers.empty()) make_temporary_folders(folder / "movers");
   for (size_t k = 0; k < movers.size(); ++k) {
     std::ofstream out(folder / trajectory_file(k));
     out.precision(17);
@@ -157,7 +158,7 @@ void write_scene(const fs::path& path, const Scene& scene, const SceneInfo& info
   io::write_atomically(
       path,
       [&](const fs::path& folder) {
-        fs::create_directories(folder / "models");
+        make_temporary_folders(folder / "models");
         for (size_t k = 0; k < scene.models.size(); ++k) {
           write_model(folder / folder_of(k), scene.models[k]);
         }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/temporary.hpp"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/file.hpp"
 #include "underbrush/io/log_file.hpp"
@@ -142,7 +143,7 @@ void write_text(const fs::path& path, const std::string& text) {
 class KittiFolder {
  public:
   KittiFolder(const fs::path& folder, const LogInfo& info) : folder_(folder) {
-    fs::create_directories(folder / "velodyne");
+    make_temporary_folders(folder / "velodyne");
     std::string poses, times;
     for (const ScanInfo& scan : info.scans) {
       scans_[scan.scan] = {scan.world_from_sensor.inverse(), {}, 0};

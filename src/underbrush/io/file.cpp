@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/temporary.hpp"
 
 namespace underbrush::io {
 
@@ -52,7 +53,8 @@ std::string read_file(const std::filesystem::path& path, uint64_t limit) {
 
 OutputFile::OutputFile(const std::filesystem::path& path, std::string name)
     : name_(std::move(name)) {
-  fd_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  make_temporary(
+      [&] { fd_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666); });
   if (fd_ < 0) fail("cannot write");
 }
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/temporary.hpp"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/file.hpp"
 
@@ -249,7 +250,7 @@ void export_profile(const fs::path& path, BeamSource& source, Profile profile,
   write_atomically(
       path,
       [&](const fs::path& temporary) {
-        fs::create_directories(temporary);
+        make_temporary_folders(temporary);
         ProfileFolder folder(temporary, source.info(), profile, world_from_sensor);
         for (BeamLog chunk; source.next(chunk);) folder.write(chunk);
         folder.close();

@@ -9,6 +9,7 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
+#include "underbrush/core/temporary.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/primitives/contact_sheet.hpp"
@@ -95,10 +96,10 @@ void write_primitives(const fs::path& path, const std::vector<Primitive>& primit
   io::write_atomically(
       path,
       [&](const fs::path& folder) {
-        fs::create_directories(folder);
+        make_temporary_folders(folder);
         for (size_t k = 0; k < entries.size(); ++k) {
           const fs::path one = folder / entries[k].name;
-          fs::create_directories(one.parent_path());
+          make_temporary_folders(one.parent_path());
           elements::Model model = primitives[k].model;
           model.provenance = provenance;
           elements::write_model(one, model);
