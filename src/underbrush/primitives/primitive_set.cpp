@@ -60,6 +60,7 @@ std::vector<double> heights_shown(const std::vector<Primitive>& primitives) {
     m = std::max({m, p.box.max.z(), 2 * p.box.max.x(), -2 * p.box.min.x()});
   }
   std::vector<double> out;
+  out.reserve(primitives.size());
   for (const Primitive& p : primitives) out.push_back(std::ceil(2 * largest[p.label]) / 2);
   return out;
 }
