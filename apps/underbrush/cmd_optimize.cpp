@@ -103,7 +103,7 @@ Json given_options(const Arguments& a, const std::vector<optimize::Parameter>& t
   return out;
 }
 
-Problem fit_problem(const Arguments& a, std::shared_ptr<const optimize::Slice> slice) {
+Problem fit_problem(const Arguments& a, const std::shared_ptr<const optimize::Slice>& slice) {
   Problem p;
   const auto chosen = std::make_shared<std::vector<optimize::FitParameter>>(
       optimize::chosen_fit_parameters(a.fit, a.tune));

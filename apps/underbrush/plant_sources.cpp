@@ -57,6 +57,7 @@ std::vector<primitives::PlantSource> plants_of_files(const fs::path& path,
     throw FormatError(path.string(), "", "holds no .obj, .ply, .gltf or .glb file");
   std::sort(files.begin(), files.end());
   std::vector<primitives::PlantSource> plants;
+  plants.reserve(files.size());
   for (const fs::path& file : files) plants.push_back(read_plant(file, o));
   return plants;
 }
