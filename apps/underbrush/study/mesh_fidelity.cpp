@@ -76,6 +76,7 @@ StudyTable line_table(const std::vector<PlantFigures>& plants, Json& figures) {
     return std::isfinite(n) ? fmt::format("{:.0f}", n / kVolumeM3) : "none";
   };
   std::vector<double> samples;
+  samples.reserve(plants.size());
   for (const PlantFigures& p : plants) samples.push_back(double(p.leaves.points) / kVolumeM3);
   std::nth_element(samples.begin(), samples.begin() + std::ptrdiff_t(samples.size() / 2),
                    samples.end());
