@@ -181,7 +181,7 @@ void add_miniature(const StudyRun& run, StudyResult& result,
     const SimulatedScan ours = simulated_scan(simulated, pose, k, run.seed + uint64_t(k));
     pair.real.insert(pair.real.end(), real.begin(), real.end());
     pair.simulated.insert(pair.simulated.end(), ours.points.begin(), ours.points.end());
-    for (const Vec3& p : seen[size_t(k + scans)]) again.push_back(pose * p);
+    for (const Vec3& p : seen[size_t(k) + size_t(scans)]) again.push_back(pose * p);
     if (k == 0) {
       one = compare(target, scene::miniature_patches(), pair);
       one_again = compare(target, scene::miniature_patches(), {pair.real, again, guess});
