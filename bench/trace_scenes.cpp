@@ -9,7 +9,7 @@
 namespace underbrush::bench {
 namespace {
 
-constexpr double kTau = 2.5, kSide_m = 100, kCorridor_m = 3.2;
+constexpr double kTau = 2.5, kSideM = 100, kCorridorM = 3.2;
 
 Mat3 random_rotation(Stream& random) {
   double q[4];
@@ -61,7 +61,7 @@ std::vector<Vec3> places(size_t n, double side_m, Stream& random) {
   for (size_t i = 0; i < n; ++i) {
     double x = (double(i % across) + 0.5 + 0.35 * random.uniform(-1, 1)) * cell - side_m / 2;
     double y = (double(i / across) + 0.5 + 0.35 * random.uniform(-1, 1)) * cell - side_m / 2;
-    if (std::abs(y) < kCorridor_m) y = std::copysign(kCorridor_m + 0.8 * random.uniform(), y);
+    if (std::abs(y) < kCorridorM) y = std::copysign(kCorridorM + 0.8 * random.uniform(), y);
     out.emplace_back(x, y, ground_z(x, y));
   }
   return out;
@@ -103,16 +103,17 @@ elements::TriangleMesh ground_mesh(double side_m, double cell_m) {
 }
 
 elements::Model forest(size_t ellipsoids) {
-  elements::Model model = bare(kSide_m);
+  elements::Model model = bare(kSideM);
   std::vector<std::vector<elements::Ellipsoid>> kinds;
+  kinds.reserve(kKinds);
   for (int k = 0; k < kKinds; ++k) kinds.push_back(tree(1000 + uint64_t(k), tree_size(k)));
   size_t trees = 0;
   for (size_t sum = 0; sum < ellipsoids; ++trees) sum += kinds[trees * 7 % kKinds].size();
   Stream random(5);
-  std::vector<Vec3> where = places(trees, kSide_m, random);
+  std::vector<Vec3> where = places(trees, kSideM, random);
   // A few are put along the way, so that they are seen.
   for (size_t i = 0; trees <= 40 && i < trees; ++i) {
-    const double x = kSide_m * (0.84 * (double(i) + 0.5) / double(trees) - 0.42);
+    const double x = kSideM * (0.84 * (double(i) + 0.5) / double(trees) - 0.42);
     const double y = (i % 2 ? 1 : -1) * (4 + (trees > 4 ? 6 * random.uniform() : 0));
     where[i] = Vec3(x, y, ground_z(x, y));
   }
@@ -131,10 +132,10 @@ elements::Model forest(size_t ellipsoids) {
 }
 
 elements::Model field(size_t ellipsoids) {
-  elements::Model model = bare(kSide_m);
+  elements::Model model = bare(kSideM);
   Stream random(6);
   for (size_t i = 0; i < ellipsoids; ++i) {
-    const double x = kSide_m * (random.uniform() - 0.5), y = kSide_m * (random.uniform() - 0.5);
+    const double x = kSideM * (random.uniform() - 0.5), y = kSideM * (random.uniform() - 0.5);
     elements::Ellipsoid e = leaf_cluster(random, Vec3(x, y, ground_z(x, y) + 0.1));
     e.set_covariance(Vec3(0.0004, 0.0004, 0.0064).asDiagonal());
     model.ellipsoids.push_back(e);
