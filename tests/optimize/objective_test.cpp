@@ -60,6 +60,7 @@ TEST(Objective, OfABadStartIsMuchBetterAfterASearch) {
   const std::string names[] = {"clusters-per-point", "tau"};
   const std::vector<FitParameter> tuned = chosen_fit_parameters(bad, names);
   std::vector<double> start;
+  start.reserve(tuned.size());
   for (const FitParameter& p : tuned) start.push_back(p.get(bad));
   for (const std::string& objective : objectives()) {
     const std::vector<Evaluation> tried =

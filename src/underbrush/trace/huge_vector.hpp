@@ -14,7 +14,7 @@ namespace underbrush::trace {
 /// Aligns to 64 bytes, large blocks to 2 MiB and asks for huge pages there.
 template <class T>
 struct HugeAllocator {
-  using value_type = T;
+  using value_type = T;  // NOLINT(readability-identifier-naming): the standard's name
   HugeAllocator() = default;
   template <class U>
   HugeAllocator(const HugeAllocator<U>&) {}
