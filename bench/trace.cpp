@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <optional>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -293,9 +294,14 @@ __attribute__((noinline)) void counted_pass(const trace::World& world, const Ray
 int trace_passes(int passes, size_t elements, int sub_rays, const std::string& isa) {
   set_threads(1);
   const elements::Model model = forest(elements);
-  const trace::World world(model, isa == "avx512" ? trace::Isa::kAvx512
-                                  : isa == "avx2" ? trace::Isa::kAvx2
-                                                  : trace::Isa::kBase);
+  const trace::Isa with = isa == "avx512" ? trace::Isa::kAvx512
+                          : isa == "avx2" ? trace::Isa::kAvx2
+                                          : trace::Isa::kBase;
+  std::optional<trace::World> built;
+  const double build_s = seconds_of([&] { built.emplace(model, with); });
+  std::printf("%zu elements, built in %.3f us each\n", model.size(),
+              1e6 * build_s / double(model.size()));
+  const trace::World& world = *built;
   const Rays rays(drive("velodyne-hdl64e", 1, sub_rays));
   std::vector<trace::Met> met(rays.firing.size());
   for (int k = 0; k < passes; ++k) {

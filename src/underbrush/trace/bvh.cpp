@@ -144,9 +144,9 @@ TriangleBlock triangle_block(const elements::Model& model, const Ref* refs, uint
   return block;
 }
 
-std::vector<Ref> refs_of(const elements::Model& model) {
+HugeVector<Ref> refs_of(const elements::Model& model) {
   const size_t ground = model.ground.size(), triangles = ground + model.surface.size();
-  std::vector<Ref> refs(model.size());
+  HugeVector<Ref> refs(model.size());
   parallel_for(refs.size(), 4096, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       if (i < triangles) {
@@ -162,6 +162,20 @@ std::vector<Ref> refs_of(const elements::Model& model) {
   return refs;
 }
 
+constexpr size_t kAhead = 4;  // leaves
+
+// From memory: those of a leaf lie far apart.
+void call_elements(const elements::Model& model, const HugeVector<Ref>& refs, const Leaf& leaf) {
+  const size_t triangles = model.ground.size() + model.surface.size();
+  for (uint32_t k = 0; k < leaf.count; ++k) {
+    const uint32_t id = refs[leaf.begin + k].id();
+    if (id < triangles) continue;
+    const char* e = reinterpret_cast<const char*>(&model.ellipsoids[id - triangles]);
+    __builtin_prefetch(e);
+    __builtin_prefetch(e + sizeof(elements::Ellipsoid) - 1);
+  }
+}
+
 }  // namespace
 
 size_t Bvh::bytes() const {
@@ -170,7 +184,7 @@ size_t Bvh::bytes() const {
 }
 
 Bvh build_bvh(const elements::Model& model) {
-  std::vector<Ref> refs = refs_of(model);
+  HugeVector<Ref> refs = refs_of(model);
   Hierarchy tree = build_hierarchy(refs, kWidth);
   Bvh bvh;
   bvh.box = tree.box;
@@ -185,6 +199,7 @@ Bvh build_bvh(const elements::Model& model) {
   bvh.triangles.resize(triangles);
   parallel_for(reference.size(), 512, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
+      if (i + kAhead < end) call_elements(model, refs, tree.leaves[i + kAhead]);
       const Leaf leaf = tree.leaves[i];
       Ref* first = refs.data() + leaf.begin;
       std::sort(first, first + leaf.count,

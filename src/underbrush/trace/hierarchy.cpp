@@ -24,7 +24,7 @@ struct Children {
 
 class Splitter {
  public:
-  Splitter(std::vector<Ref>& refs, uint32_t leaf_size) : refs_(refs), leaf_size_(leaf_size) {}
+  Splitter(HugeVector<Ref>& refs, uint32_t leaf_size) : refs_(refs), leaf_size_(leaf_size) {}
 
   bool is_leaf(const Range& r) const { return r.size() <= leaf_size_ && !r.mixed; }
 
@@ -60,29 +60,57 @@ class Splitter {
  private:
   static constexpr int kBins = 16;
 
+  struct Cut {
+    Float4 base{}, scale{};
+    int axis = -1, bin = 0;
+    Box before, after;
+  };
+
   /// Leaves in `r` what comes before the split and in `after` the rest.
   void split(Range& r, Range& after) const {
     after.end = r.end;
-    const auto begin = refs_.begin() + r.begin, end = refs_.begin() + r.end;
     uint32_t middle = r.begin + r.size() / 2;
     if (r.mixed && r.size() <= 4 * leaf_size_) {  // by kind, while leaves can still be filled
+      const auto begin = refs_.begin() + r.begin, end = refs_.begin() + r.end;
       const uint32_t kind = begin->kind();
       middle = uint32_t(std::partition(begin, end, [&](const Ref& x) { return x.kind() == kind; }) -
                         refs_.begin());
     } else if (const Cut cut = best_cut(r); cut.axis >= 0) {
-      const auto before = [&](const Ref& x) { return bin_of(x, cut)[cut.axis] < cut.bin; };
-      const uint32_t at = uint32_t(std::partition(begin, end, before) - refs_.begin());
-      if (at > r.begin && at < r.end) middle = at;
+      return divide(r, after, cut);
     }
     r.end = after.begin = middle;
     measure(r);
     measure(after);
   }
 
-  struct Cut {
-    Float4 base{}, scale{};
-    int axis = -1, bin = 0;
-  };
+  /// Both sides in one pass without branches, measured on the way.
+  void divide(Range& r, Range& after, const Cut& cut) const {
+    const uint32_t kind = refs_[r.begin].kind();
+    const float base = cut.base[cut.axis], scale = cut.scale[cut.axis];
+    const Box none;
+    Box centres[2];
+    uint32_t middle = r.begin, alike = 0, alike_before = 0;
+    for (uint32_t i = r.begin; i < r.end; ++i) {
+      const Ref ref = refs_[i];
+      const Float4 centre = ref.centre2();
+      const bool before = int32_t((ref.lo[cut.axis] + ref.hi[cut.axis] - base) * scale) < cut.bin;
+      const Int4 is_before = Int4{} - int32_t(before);
+      centres[0].add(is_before ? centre : none.lo, is_before ? centre : none.hi);
+      centres[1].add(is_before ? none.lo : centre, is_before ? none.hi : centre);
+      alike += ref.kind() == kind;
+      alike_before += (ref.kind() == kind) & before;
+      refs_[i] = refs_[middle];
+      refs_[middle] = ref;
+      middle += before;
+    }
+    r.end = after.begin = middle;
+    r.box = cut.before;
+    after.box = cut.after;
+    r.centres = centres[0];
+    after.centres = centres[1];
+    r.mixed = alike_before != 0 && alike_before != r.size();
+    after.mixed = alike != alike_before && alike - alike_before != after.size();
+  }
 
   typedef int32_t Int4 __attribute__((vector_size(16)));
   static Int4 bin_of(const Ref& ref, const Cut& cut) {
@@ -113,12 +141,11 @@ class Splitter {
     float best = INFINITY;
     for (int d = 0; d < 3; ++d) {
       if (cut.scale[d] == 0) continue;
-      float area[kBins];
       uint32_t n[kBins], sum = 0;
-      Box right, left;
+      Box right[kBins + 1], left;
       for (int k = kBins - 1; k > 0; --k) {
-        right.add(box[d][k]);
-        area[k] = right.area();
+        right[k] = right[k + 1];
+        right[k].add(box[d][k]);
         n[k] = sum += count[d][k];
       }
       sum = 0;
@@ -126,18 +153,20 @@ class Splitter {
         left.add(box[d][k - 1]);
         sum += count[d][k - 1];
         if (sum == 0 || n[k] == 0) continue;
-        const float cost = left.area() * leaves(sum) + area[k] * leaves(n[k]);
+        const float cost = left.area() * leaves(sum) + right[k].area() * leaves(n[k]);
         if (cost < best) {
           best = cost;
           cut.axis = d;
           cut.bin = k;
+          cut.before = left;
+          cut.after = right[k];
         }
       }
     }
     return cut;
   }
 
-  std::vector<Ref>& refs_;
+  HugeVector<Ref>& refs_;
   uint32_t leaf_size_;
 };
 
@@ -192,7 +221,7 @@ struct Pending {
 
 }  // namespace
 
-Hierarchy build_hierarchy(std::vector<Ref>& refs, uint32_t leaf_size) {
+Hierarchy build_hierarchy(HugeVector<Ref>& refs, uint32_t leaf_size) {
   Hierarchy tree;
   if (refs.empty()) return tree;
   const Splitter splitter(refs, leaf_size);

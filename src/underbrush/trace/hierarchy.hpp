@@ -84,6 +84,6 @@ struct Hierarchy {
 
 /// Builds by binned surface-area splits straight to eight children; a leaf holds up to `leaf_size`
 /// refs of one kind. Reorders `refs`. The tree does not depend on the number of threads.
-Hierarchy build_hierarchy(std::vector<Ref>& refs, uint32_t leaf_size);
+Hierarchy build_hierarchy(HugeVector<Ref>& refs, uint32_t leaf_size);
 
 }  // namespace underbrush::trace

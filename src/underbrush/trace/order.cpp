@@ -10,6 +10,9 @@ namespace {
 
 constexpr uint32_t kAzimuthBins = 1024, kElevationBins = 512;
 constexpr uint32_t kStrips = 4;
+constexpr size_t kMostBands = kOrdered / 64 + 1;
+constexpr float kBunch = 0.5f;  // reach of a bunch, in sides of a tile
+constexpr uint32_t kLong = 7;
 static_assert(kOrdered <= 1u << 13);
 
 float scale_of(float low, float high, uint32_t bins) {
@@ -21,6 +24,62 @@ float occupied(const std::array<uint32_t, kSize>& count) {
   return float(kSize - size_t(std::count(count.begin(), count.end(), 0u)));
 }
 
+// What is put in order: rays or, where they come in bunches that point alike, bunches.
+struct Items {
+  uint32_t count;
+  bool bunched;
+  std::array<uint32_t, kOrdered + 1> first;  // ray of each bunch
+};
+
+// Bunched if many rays lie within `turn` and `up` of the one kLong before. A bunch reaches as far
+// from its first ray.
+void bunch(const Unfolded& rays, uint32_t n, float turn, float up, Items& items) {
+  const auto alike = [&](uint32_t i, uint32_t j) {
+    return (std::abs(rays.turn[i] - rays.turn[j]) < turn) &
+           (std::abs(rays.up[i] - rays.up[j]) < up);
+  };
+  uint32_t close = 0, looked_at = 0;
+  for (uint32_t i = kLong; i < n; i += 37, ++looked_at) close += alike(i, i - kLong);
+  items.bunched = 5 * close > 2 * looked_at;
+  items.count = items.bunched ? 0 : n;
+  for (uint32_t i = 0, first = n; items.bunched && i < n; ++i) {
+    if (first < n && alike(i, first)) continue;
+    items.first[items.count++] = first = i;
+  }
+  items.first[items.count] = n;
+}
+
+using Rows = std::array<uint32_t, kElevationBins>;
+
+template <class Counts>
+void to_starts(Counts& count) {
+  uint32_t sum = 0;
+  for (uint32_t& c : count) sum += std::exchange(c, sum);
+}
+
+// The strip of each row, for bands that hold as many rays each.
+void cut(const Rows& rows, float bands, uint32_t n, Rows& strip) {
+  uint32_t below = 0;
+  for (size_t r = 0; r < kElevationBins; ++r) {
+    const float middle = float(below) + 0.5f * float(rows[r]);
+    strip[r] = uint32_t(middle * bands * kStrips / float(n) * 0.9999f);
+    below += rows[r];
+  }
+}
+
+// Within each tile by strip, so that the rays of one vector are a compact tile too.
+void sort_tiles(std::span<const uint32_t> by_band, size_t together, std::span<uint32_t> order) {
+  for (size_t tile = 0; tile < order.size(); tile += together) {
+    const size_t end = std::min(order.size(), tile + together);
+    std::array<uint32_t, kStrips> at{};
+    for (size_t k = tile; k < end; ++k) ++at[(by_band[k] >> 13) % kStrips];
+    to_starts(at);
+    for (size_t k = tile; k < end; ++k) {
+      order[tile + at[(by_band[k] >> 13) % kStrips]++] = by_band[k] & (kOrdered - 1);
+    }
+  }
+}
+
 }  // namespace
 
 // As an R-tree is packed: bands of elevation that hold as many rays each, so many that the runs of
@@ -30,7 +89,8 @@ void order_by_direction(const Unfolded& rays, std::span<uint32_t> order, size_t 
   const float to_column = scale_of(rays.turn_low, rays.turn_high, kAzimuthBins);
   const float to_row = scale_of(rays.up_low, rays.up_high, kElevationBins);
   std::array<uint32_t, kAzimuthBins> columns{};
-  std::array<uint32_t, kElevationBins> rows{};
+  std::array<uint32_t, kMostBands> of_band{};
+  Rows rows{}, strip_of_row;
   std::array<uint32_t, kOrdered> cell, by_column;
   for (uint32_t i = 0; i < n; ++i) {
     const int column = int((rays.turn[i] - rays.turn_low) * to_column);
@@ -46,38 +106,36 @@ void order_by_direction(const Unfolded& rays, std::span<uint32_t> order, size_t 
   const float height = to_row > 0 ? occupied(rows) / to_row : 1e-6f;
   const float tiles = std::max(1.0f, float(n) / float(together));
   const float bands = std::clamp(std::round(std::sqrt(tiles * height / width)), 1.0f, tiles);
-  // Rows to strips, kStrips a band; then sorted by column within the band.
-  std::array<uint32_t, kElevationBins> strip_of_row;
-  std::array<uint32_t, kOrdered / 64 + 1> band_at{};
-  uint32_t below = 0;
-  for (size_t r = 0; r < kElevationBins; ++r) {
-    const float middle = float(below) + 0.5f * float(rows[r]);
-    strip_of_row[r] = uint32_t(middle * bands * kStrips / float(n) * 0.9999f);
-    band_at[strip_of_row[r] / kStrips] += rows[r];
-    below += rows[r];
+  cut(rows, bands, n, strip_of_row);
+  const float reach = kBunch * std::sqrt(width * height / tiles);
+  Items items;
+  bunch(rays, n, reach * float(2 / M_PI), reach, items);
+  const uint32_t count = items.count;
+  if (items.bunched) {
+    columns = {};
+    for (uint32_t i = 0; i < count; ++i) ++columns[(cell[i] = cell[items.first[i]]) & 0xffff];
   }
-  const auto to_starts = [](auto& count) {
-    uint32_t sum = 0;
-    for (uint32_t& c : count) sum += std::exchange(c, sum);
-  };
   to_starts(columns);
-  to_starts(band_at);
-  for (uint32_t i = 0; i < n; ++i) {
-    by_column[columns[cell[i] & 0xffff]++] = strip_of_row[cell[i] >> 16] << 13 | i;
+  for (uint32_t i = 0; i < count; ++i) {
+    const uint32_t strip = strip_of_row[cell[i] >> 16];
+    ++of_band[strip / kStrips];
+    by_column[columns[cell[i] & 0xffff]++] = strip << 13 | i;
+  }
+  // There along one band and back along the next: a tile across their ends is one place.
+  std::array<uint32_t, kMostBands> at;
+  for (size_t b = 0, sum = 0; b < kMostBands; ++b) {
+    at[b] = uint32_t(b % 2 ? sum + of_band[b] : sum);
+    sum += of_band[b];
   }
   std::array<uint32_t, kOrdered>& by_band = cell;
-  for (uint32_t k = 0; k < n; ++k) {
-    by_band[band_at[(by_column[k] >> 13) / kStrips]++] = by_column[k];
+  for (uint32_t k = 0; k < count; ++k) {
+    const uint32_t band = (by_column[k] >> 13) / kStrips;
+    by_band[band % 2 ? --at[band] : at[band]++] = by_column[k];
   }
-  // Within each tile by strip, so that the rays of one vector are a compact tile too.
-  for (size_t tile = 0; tile < n; tile += together) {
-    const size_t end = std::min<size_t>(n, tile + together);
-    std::array<uint32_t, kStrips> at{};
-    for (size_t k = tile; k < end; ++k) ++at[(by_band[k] >> 13) % kStrips];
-    to_starts(at);
-    for (size_t k = tile; k < end; ++k) {
-      order[tile + at[(by_band[k] >> 13) % kStrips]++] = by_band[k] & (kOrdered - 1);
-    }
+  if (!items.bunched) return sort_tiles({by_band.data(), n}, together, order);
+  for (uint32_t k = 0, to = 0; k < count; ++k) {
+    const uint32_t item = by_band[k] & (kOrdered - 1);
+    for (uint32_t i = items.first[item]; i < items.first[item + 1]; ++i) order[to++] = i;
   }
 }
 

@@ -58,7 +58,7 @@ class Opener {
       : placed_(placed), instance_(instance), origin_(origin), bvh_(bvh) {}
 
   void open(uint32_t reference, const Box& box, std::vector<Entry>& entries,
-            std::vector<Ref>& refs) const {
+            HugeVector<Ref>& refs) const {
     const Float4 extent = box.hi - box.lo;
     if (!(reference & kLeaf) && placed_.scale * std::max(extent[0], extent[1]) > kOpenAbove_m) {
       const Node& node = bvh_.nodes[reference];
@@ -92,7 +92,7 @@ SceneTree build_scene_tree(std::span<const elements::Instance> instances,
     tree.root = kLeaf | kInstance;
     return tree;
   }
-  std::vector<Ref> refs;
+  HugeVector<Ref> refs;
   tree.entries.reserve(instances.size());
   refs.reserve(instances.size());
   for (uint32_t i = 0; i < instances.size(); ++i) {
