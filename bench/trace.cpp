@@ -6,9 +6,9 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
-#include <optional>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "embree.hpp"
 #include "svg_plot.hpp"
@@ -52,7 +52,7 @@ struct Rays {
         unfolded->up_low = std::min(unfolded->up_low, up);
         unfolded->up_high = std::max(unfolded->up_high, up);
       }
-      trace::order_by_direction(*unfolded, {order.data(), n}, 64);
+      trace::order_by_direction(*unfolded, {order.data(), n});
       for (size_t k = 0; k < n; ++k) coherent.push_back(part[order[k]]);
     }
     for (size_t i = 0; i < firing.size(); ++i) keys.push_back(beam_key(1, 0, i));

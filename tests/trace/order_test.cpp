@@ -32,27 +32,25 @@ std::unique_ptr<Unfolded> beams(uint64_t seed, uint32_t rays, uint32_t a_beam) {
   return u;
 }
 
-std::vector<uint32_t> order_of(const Unfolded& rays, uint32_t count, size_t together) {
+std::vector<uint32_t> order_of(const Unfolded& rays, uint32_t count) {
   std::vector<uint32_t> order(count, ~0u);
-  order_by_direction(rays, order, together);
+  order_by_direction(rays, order);
   return order;
 }
 
 TEST(Order, NamesEachRayOnce) {
   for (uint32_t a_beam : {1u, 2u, 9u, 16u, 41u, 8192u}) {
     for (uint32_t count : {2u, 63u, 1000u, uint32_t(kOrdered)}) {
-      for (size_t together : {64u, 128u}) {
-        std::vector<uint32_t> order = order_of(*beams(a_beam, count, a_beam), count, together);
-        std::sort(order.begin(), order.end());
-        for (uint32_t i = 0; i < count; ++i) ASSERT_EQ(order[i], i) << a_beam << " " << count;
-      }
+      std::vector<uint32_t> order = order_of(*beams(a_beam, count, a_beam), count);
+      std::sort(order.begin(), order.end());
+      for (uint32_t i = 0; i < count; ++i) ASSERT_EQ(order[i], i) << a_beam << " " << count;
     }
   }
 }
 
 TEST(Order, KeepsTheRaysOfABeamTogether) {
   constexpr uint32_t kRays = 8192, kABeam = 16;
-  const std::vector<uint32_t> order = order_of(*beams(3, kRays, kABeam), kRays, 128);
+  const std::vector<uint32_t> order = order_of(*beams(3, kRays, kABeam), kRays);
   for (uint32_t k = 0; k < kRays; ++k) EXPECT_EQ(order[k] % kABeam, k % kABeam);
 }
 
@@ -61,11 +59,11 @@ TEST(Order, KeepsTheRaysOfABeamTogether) {
 TEST(Order, MakesTilesAboutAsWideAsHigh) {
   constexpr uint32_t kRays = 8192;
   const auto rays = beams(4, kRays, 1);
-  const std::vector<uint32_t> order = order_of(*rays, kRays, 64);
+  const std::vector<uint32_t> order = order_of(*rays, kRays);
   double width = 0, height = 0;
-  for (uint32_t tile = 0; tile < kRays; tile += 64) {
+  for (uint32_t tile = 0; tile < kRays; tile += kTogether) {
     float low[2] = {9, 9}, high[2] = {-9, -9};
-    for (uint32_t k = tile; k < tile + 64; ++k) {
+    for (uint32_t k = tile; k < tile + kTogether; ++k) {
       const float at[2] = {rays->turn[order[k]], rays->up[order[k]]};
       for (int a = 0; a < 2; ++a) {
         low[a] = std::min(low[a], at[a]);
@@ -75,8 +73,8 @@ TEST(Order, MakesTilesAboutAsWideAsHigh) {
     width += double(high[0] - low[0]) * M_PI / 2;
     height += double(high[1] - low[1]);
   }
-  // Tiles of equal squares without gaps: 128 of them share π/2 × 0.8.
-  const double side = std::sqrt(M_PI / 2 * 0.8 / 128) * 128;
+  // Tiles of equal squares without gaps: 64 of them share π/2 × 0.8.
+  const double side = std::sqrt(M_PI / 2 * 0.8 / 64) * 64;
   EXPECT_LT(width, 1.4 * side);
   EXPECT_LT(height, 1.4 * side);
 }

@@ -46,9 +46,6 @@ enum class Ask {
   kAll,       ///< Every element met.
 };
 
-/// Rays that are traced together, at most.
-inline constexpr size_t kMostTogether = 128;
-
 /// A ray of a batch and an element that it may meet.
 struct Candidate {
   uint32_t ray, instance, element;
@@ -108,11 +105,10 @@ void add_candidate(Batch& batch, size_t ray, uint32_t instance, uint32_t element
 /// The kernels of one instruction set; the tree must not be empty.
 struct Kernels {
   const char* name;
-  size_t together;  ///< Rays of a packet.
   /// Fills `unfolded` from up to kOrdered rays; keys may be null.
   void (*unfold)(const View&, const Ray* rays, const uint64_t* keys, size_t count,
                  Unfolded& unfolded);
-  /// Traces the rays numbered from the batch's first in `order`, runs of `together` where they
+  /// Traces the rays numbered from the batch's first in `order`, runs of kTogether where they
   /// point alike; as many numbers more must follow, copies of the last.
   void (*trace)(const View&, Ask, Batch&, const uint32_t* order, size_t count);
   /// out[i] = `meet` of candidate i with the batch's limits, or the best of its ray if `out` is

@@ -10,9 +10,12 @@
 #include "underbrush/trace/simd.inl"
 #include "underbrush/trace/many.inl"
 #include "underbrush/trace/packet_rays.inl"
-#include "underbrush/trace/packet_leaves.inl"
+#include "underbrush/trace/packet_finds.inl"
+#include "underbrush/trace/packet_ellipsoids.inl"
+#include "underbrush/trace/packet_triangles.inl"
 #include "underbrush/trace/single.inl"
 #include "underbrush/trace/packet.inl"
+#include "underbrush/trace/packet_trace.inl"
 // clang-format on
 
 namespace underbrush::trace {
@@ -32,6 +35,6 @@ void trace(const View& view, Ask ask, Batch& batch, const uint32_t* order, size_
 }  // namespace
 
 extern const Kernels UB_KERNELS;
-const Kernels UB_KERNELS = {UB_KERNELS_NAME, kPacket, unfold, trace, meet_many};
+const Kernels UB_KERNELS = {UB_KERNELS_NAME, unfold, trace, meet_many};
 
 }  // namespace underbrush::trace

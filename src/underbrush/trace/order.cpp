@@ -10,7 +10,7 @@ namespace {
 
 constexpr uint32_t kAzimuthBins = 1024, kElevationBins = 512;
 constexpr uint32_t kStrips = 4;
-constexpr size_t kMostBands = kOrdered / 64 + 1;
+constexpr size_t kMostBands = kOrdered / kTogether + 1;
 constexpr float kBunch = 0.5f;  // reach of a bunch, in sides of a tile
 constexpr uint32_t kLong = 7;
 static_assert(kOrdered <= 1u << 13);
@@ -68,9 +68,9 @@ void cut(const Rows& rows, float bands, uint32_t n, Rows& strip) {
 }
 
 // Within each tile by strip, so that the rays of one vector are a compact tile too.
-void sort_tiles(std::span<const uint32_t> by_band, size_t together, std::span<uint32_t> order) {
-  for (size_t tile = 0; tile < order.size(); tile += together) {
-    const size_t end = std::min(order.size(), tile + together);
+void sort_tiles(std::span<const uint32_t> by_band, std::span<uint32_t> order) {
+  for (size_t tile = 0; tile < order.size(); tile += kTogether) {
+    const size_t end = std::min(order.size(), tile + kTogether);
     std::array<uint32_t, kStrips> at{};
     for (size_t k = tile; k < end; ++k) ++at[(by_band[k] >> 13) % kStrips];
     to_starts(at);
@@ -83,8 +83,8 @@ void sort_tiles(std::span<const uint32_t> by_band, size_t together, std::span<ui
 }  // namespace
 
 // As an R-tree is packed: bands of elevation that hold as many rays each, so many that the runs of
-// `together` rays along a band's azimuth come out about as wide as high.
-void order_by_direction(const Unfolded& rays, std::span<uint32_t> order, size_t together) {
+// kTogether rays along a band's azimuth come out about as wide as high.
+void order_by_direction(const Unfolded& rays, std::span<uint32_t> order) {
   const uint32_t n = uint32_t(order.size());
   const float to_column = scale_of(rays.turn_low, rays.turn_high, kAzimuthBins);
   const float to_row = scale_of(rays.up_low, rays.up_high, kElevationBins);
@@ -104,7 +104,7 @@ void order_by_direction(const Unfolded& rays, std::span<uint32_t> order, size_t 
   // A quarter turn is 1 in `turn` and π/2 in angle; elevation counts as its sine.
   const float width = to_column > 0 ? occupied(columns) / to_column * float(M_PI / 2) : 1e-6f;
   const float height = to_row > 0 ? occupied(rows) / to_row : 1e-6f;
-  const float tiles = std::max(1.0f, float(n) / float(together));
+  const float tiles = std::max(1.0f, float(n) / float(kTogether));
   const float bands = std::clamp(std::round(std::sqrt(tiles * height / width)), 1.0f, tiles);
   cut(rows, bands, n, strip_of_row);
   const float reach = kBunch * std::sqrt(width * height / tiles);
@@ -132,7 +132,7 @@ void order_by_direction(const Unfolded& rays, std::span<uint32_t> order, size_t 
     const uint32_t band = (by_column[k] >> 13) / kStrips;
     by_band[band % 2 ? --at[band] : at[band]++] = by_column[k];
   }
-  if (!items.bunched) return sort_tiles({by_band.data(), n}, together, order);
+  if (!items.bunched) return sort_tiles({by_band.data(), n}, order);
   for (uint32_t k = 0, to = 0; k < count; ++k) {
     const uint32_t item = by_band[k] & (kOrdered - 1);
     for (uint32_t i = items.first[item]; i < items.first[item + 1]; ++i) order[to++] = i;

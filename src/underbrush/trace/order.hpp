@@ -6,6 +6,8 @@
 
 namespace underbrush::trace {
 
+/// Rays of a packet.
+inline constexpr size_t kTogether = 128;
 /// Rays that are ordered at a time; more are cut into runs of so many.
 inline constexpr size_t kOrdered = 8192;
 
@@ -21,8 +23,8 @@ struct Unfolded {
   float spread;                                ///< Greatest length of a relative origin.
 };
 
-/// Writes to `order` the numbers of the rays (up to `kOrdered`) so that runs of `together` make
+/// Writes to `order` the numbers of the rays (up to `kOrdered`) so that runs of kTogether make
 /// compact tiles on the sphere of directions.
-void order_by_direction(const Unfolded& rays, std::span<uint32_t> order, size_t together);
+void order_by_direction(const Unfolded& rays, std::span<uint32_t> order);
 
 }  // namespace underbrush::trace

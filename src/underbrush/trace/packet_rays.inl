@@ -14,7 +14,7 @@ struct alignas(64) Rays {
   // axis.
   uint32_t least[3][3], most[3][3];
   float o_least[3], o_most[3];  // bounds of o along the axes
-  F8 tile[4];                   // of each group: slope across from, to; slope up from, to
+  F8 tile[kSets][4];            // of each group: slope across from, to; slope up from, to
   float spread;                 // greatest |o|
   bool mixed;                   // signs of the directions differ
   bool negative[3];
@@ -68,8 +68,10 @@ inline bool enclose(Rays& r) {
   if (!(least(w0) > 0.85f)) return false;
   const float slack = 4e-6f, margin = 1e-5f * r.spread;
   for (int a = 0; a < 2; ++a) {
-    r.tile[2 * a] = least_of_groups(slope[a]) - slack;
-    r.tile[2 * a + 1] = greatest_of_groups(slope[a]) + slack;
+    for (int set = 0; set < kSets; ++set) {
+      r.tile[set][2 * a] = least_of_groups(slope[a] + 8 * set) - slack;
+      r.tile[set][2 * a + 1] = greatest_of_groups(slope[a] + 8 * set) + slack;
+    }
   }
   for (int a = 0; a < 3; ++a) {
     r.o_least[a] = least(low[a]) - margin;
@@ -97,16 +99,59 @@ inline void outline(const Rays& r, const F8 from[3], const F8 to[3], Outlines& o
   *reinterpret_cast<F8*>(out.depth) = far_away >= F8{} ? near_by : all8(INFINITY);
 }
 
-// The groups that may meet each of eight things: bit 8 k + g for thing k and group g. `reach`: how
-// far each group looks.
-inline uint64_t pairs_of(const Rays& r, F8 reach, const Outlines& out) {
-  uint64_t pairs = 0;
-  for (int k = 0; k < 8; ++k) {
-    const unsigned groups =
-        bits((r.tile[0] <= all8(out.across_to[k])) & (r.tile[1] >= all8(out.across_from[k])) &
-             (r.tile[2] <= all8(out.up_to[k])) & (r.tile[3] >= all8(out.up_from[k])) &
-             (reach >= all8(out.depth[k])));
-    pairs |= uint64_t(groups) << (8 * k);
+// Things, eight at most, and the groups that may meet them: bit 8 k + g for thing k and group g of
+// each set.
+struct Pairs {
+  uint64_t of[kSets];
+};
+
+// The pairs of thing k and group g for which `test(k, g)` is true.
+template <class Test>
+__attribute__((always_inline)) inline Pairs those(const Pairs& pairs, Test test) {
+  Pairs found;
+  for (int set = 0; set < kSets; ++set) {
+    uint64_t true_of = 0;
+    for (uint64_t left = pairs.of[set]; left; left &= left - 1) {
+      const int pair = __builtin_ctzll(left);
+      true_of |= uint64_t(test(pair / 8, 8 * set + pair % 8)) << pair;
+    }
+    found.of[set] = true_of;
+  }
+  return found;
+}
+
+// The things that are in a pair.
+inline unsigned things_in(const Pairs& pairs) {
+  uint64_t any = 0;
+  for (const uint64_t of_set : pairs.of) any |= of_set;
+  return bytes_in(any);
+}
+
+// The groups of thing k.
+inline unsigned groups_of(const Pairs& pairs, int k) {
+  unsigned groups = 0;
+  for (int set = 0; set < kSets; ++set) {
+    groups |= unsigned(pairs.of[set] >> (8 * k) & 0xff) << (8 * set);
+  }
+  return groups;
+}
+
+// The pairs that may meet, among `groups`. `reach`: how far each group looks.
+inline Pairs pairs_of(const Rays& r, const F8 reach[kSets], const Outlines& out, unsigned groups) {
+  Pairs pairs{};
+  for (int set = 0; set < kSets; ++set) {
+    const unsigned of_set = groups >> (8 * set) & 0xff;
+    if (kSets > 1 && of_set == 0) continue;
+    const F8* tile = r.tile[set];
+    uint64_t may_meet = 0;
+    for (int k = 0; k < 8; ++k) {
+      const unsigned each =
+          bits((tile[0] <= all8(out.across_to[k])) & (tile[1] >= all8(out.across_from[k])) &
+               (tile[2] <= all8(out.up_to[k])) & (tile[3] >= all8(out.up_from[k])) &
+               (reach[set] >= all8(out.depth[k])));
+      may_meet |= uint64_t(each) << (8 * k);
+    }
+    pairs.of[set] = may_meet & of_set * kEachByte;
   }
   return pairs;
 }
@@ -161,7 +206,7 @@ inline void rotate(const Rays& world, const Placement& p, Rays& local) {
     local.o_least[i] = s * world.o_least[i] - margin;
     local.o_most[i] = s * world.o_most[i] + margin;
   }
-  for (int i = 0; i < 4; ++i) local.tile[i] = world.tile[i];
+  __builtin_memcpy(local.tile, world.tile, sizeof(local.tile));
   local.spread = s * world.spread * 1.000001f;
   finish(local);
 }

@@ -8,8 +8,10 @@ constexpr int kLanes = 16;
 #else
 constexpr int kLanes = 8;
 #endif
-constexpr int kGroups = 8;
-constexpr int kPacket = kGroups * kLanes;
+constexpr int kPacket = int(kTogether);
+constexpr int kGroups = kPacket / kLanes;
+constexpr int kSets = kGroups / 8;  // of eight groups
+constexpr unsigned kEveryGroup = (1u << kGroups) - 1;
 constexpr uint64_t kEachByte = 0x0101010101010101u;
 
 typedef float F8 __attribute__((vector_size(32), may_alias));
@@ -130,11 +132,11 @@ inline void transpose(F8 x[8]) {
   }
 }
 
-// What `pick(a, b)` leaves of each group's values.
+// What `pick(a, b)` leaves of the values of each of eight groups.
 template <class Pick>
-inline F8 of_groups(const F v[kGroups], Pick pick) {
-  F8 each[kGroups];
-  for (int g = 0; g < kGroups; ++g) {
+inline F8 of_groups(const F v[8], Pick pick) {
+  F8 each[8];
+  for (int g = 0; g < 8; ++g) {
     const float* from = reinterpret_cast<const float*>(v + g);
     each[g] = kLanes == 16 ? pick(load8(from), load8(from + kLanes - 8)) : load8(from);
   }
@@ -153,10 +155,10 @@ inline F8 of_groups(const F v[kGroups], Pick pick) {
   return pick(__builtin_shufflevector(four[0], four[1], 0, 1, 2, 3, 8, 9, 10, 11),
               __builtin_shufflevector(four[0], four[1], 4, 5, 6, 7, 12, 13, 14, 15));
 }
-inline F8 least_of_groups(const F v[kGroups]) {
+inline F8 least_of_groups(const F v[8]) {
   return of_groups(v, [](F8 a, F8 b) { return lesser(a, b); });
 }
-inline F8 greatest_of_groups(const F v[kGroups]) {
+inline F8 greatest_of_groups(const F v[8]) {
   return of_groups(v, [](F8 a, F8 b) { return greater(a, b); });
 }
 

@@ -45,7 +45,7 @@ ModelView view_of(const elements::Model& m) {
 struct Workspace {
   Batch batch;
   Unfolded unfolded;
-  std::array<uint32_t, kOrdered + kMostTogether> order;
+  std::array<uint32_t, kOrdered + kTogether> order;
   std::array<Candidate, kOrdered> known;
   std::vector<Met> mets;
 };
@@ -99,11 +99,11 @@ struct World::Impl {
       if (n > 1) {
         const uint64_t* keys = batch.keys ? batch.keys + batch.first : nullptr;
         kernels->unfold(v, batch.rays + batch.first, keys, n, w.unfolded);
-        order_by_direction(w.unfolded, {w.order.data(), n}, kernels->together);
+        order_by_direction(w.unfolded, {w.order.data(), n});
       } else {
         w.order[0] = 0;
       }
-      std::fill_n(w.order.begin() + long(n), kernels->together, w.order[n - 1]);
+      std::fill_n(w.order.begin() + long(n), kTogether, w.order[n - 1]);
       kernels->trace(v, ask, batch, w.order.data(), n);
       kernels->meet_many(v, batch, batch.known, batch.known_count, nullptr);
     }

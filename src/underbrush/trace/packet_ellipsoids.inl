@@ -1,0 +1,127 @@
+// Included by kernel.inl: a packet's rays against a block of ellipsoids. A frustum test of eight
+// first; what is left meets the rays, kLanes at a time.
+namespace underbrush::trace {
+namespace {
+
+// Lanes that may accept an ellipsoid of path-length opacity, and those that do beyond doubt. `m2`
+// is δ²/τ² and `m2_error` a bound on its error, `reach_error` one on that of `reach` = τσ,
+// relative.
+struct Trial {
+  M maybe, sure;
+};
+inline Trial path_length_trial(const Search& s, const Frame& f, int g, uint32_t element,
+                               float depth, F reach, F reach_error, F m2, F m2_error) {
+  const F one = all(1.0f), slack = all(1e-6f);
+  const F x = all(depth) * reach * exp_below_zero(-all(f.half_tau2) * greater(m2, all(0.0f)));
+  const F error = muladd(all(f.half_tau2), m2_error, reach_error) + 1e-5f;
+  const F low = one - exp_below_zero(-x * greater(one - error, all(0.0f)));
+  const F high =
+      pick(le(error, one), one - exp_below_zero(-x * muladd(all(2.0f), error, one)), one);
+  const U hash =
+      accept_hash(all(element), s.keys.low[g] ^ f.salt_low, s.keys.high[g] ^ f.salt_high);
+  const F trial = __builtin_convertvector((I)(hash >> 8), F) * 0x1p-24f;
+  return {le(trial, high + slack), le(trial + 2.0f * slack, low)};
+}
+
+inline void look_at(const Search& s, const Frame& f, const EllipsoidBlock& b, unsigned groups,
+                    Look& look) {
+  const Rays& r = *f.rays;
+  F8 m[3];
+  for (int a = 0; a < 3; ++a) m[a] = (load8(b.mean[a]) - f.high[a]) - f.low[a];
+  const F8 u00 = load8(b.u[0]), u01 = load8(b.u[1]), u02 = load8(b.u[2]);
+  const F8 u11 = load8(b.u[3]), u12 = load8(b.u[4]), u22 = load8(b.u[5]);
+  // The support along a direction n is |U⁻ᵀ n|.
+  const F8 r0 = 1.0f / u00, r1 = 1.0f / u11, r2 = 1.0f / u22;
+  const F8 away = root(muladd(m[0], m[0], muladd(m[1], m[1], m[2] * m[2]))) + r.spread;
+  F8 from[3], to[3];
+  for (int p = 0; p < 3; ++p) {
+    const float* n = r.axis[p];
+    const F8 w0 = n[0] * r0, w1 = (n[1] - u01 * w0) * r1, w2 = (n[2] - u02 * w0 - u12 * w1) * r2;
+    const F8 support = root(muladd(w0, w0, muladd(w1, w1, w2 * w2)));
+    const F8 at = muladd(m[0], all8(n[0]), muladd(m[1], all8(n[1]), m[2] * n[2]));
+    const F8 half = muladd(support, all8(1.005f), away * 1e-6f);
+    from[p] = at - half;
+    to[p] = at + half;
+  }
+  outline(r, from, to, look.seen);
+  look.pairs = pairs_of(r, s.found.reach, look.seen, groups);
+  // Bounds on the rounding: of the Mahalanobis distance, and per unit of range.
+  const F8 size =
+      absolute(u00) + absolute(u01) + absolute(u02) + absolute(u11) + absolute(u12) + absolute(u22);
+  store(look.ellipsoid.slack, muladd(away, size * 6e-7f, all8(4e-4f)));
+  store(look.ellipsoid.size, size * 1e-6f);
+  for (int a = 0; a < 3; ++a) store(look.ellipsoid.mean[a], m[a]);
+}
+
+// What the packet meets of a block; the sets of groups that found something.
+template <Ask kAsk>
+inline unsigned visit(Search& s, const Frame& f, const EllipsoidBlock& b, uint32_t kind,
+                      const Look& look) {
+  const Rays& r = *f.rays;
+  const auto& [mean, slack, size_of] = look.ellipsoid;
+  M maybe[8 * kGroups];
+  F met[8 * kGroups][4];
+  uint8_t pair_of[8 * kGroups];
+  int count = 0;
+  unsigned sets = 0;
+  those(look.pairs, [&](int j, int g) {
+    const float outer = 1 + slack[j];
+    const F dx = r.d[0][g], dy = r.d[1][g], dz = r.d[2][g];
+    const F vx = mean[0][j] - r.o[0][g], vy = mean[1][j] - r.o[1][g], vz = mean[2][j] - r.o[2][g];
+    const F t0 = muladd(vx, dx, muladd(vy, dy, vz * dz));
+    const F qx = muladd(-t0, dx, vx), qy = muladd(-t0, dy, vy), qz = muladd(-t0, dz, vz);
+    const F u_0 = all(b.u[0][j]), u_1 = all(b.u[1][j]), u_2 = all(b.u[2][j]);
+    const F u_3 = all(b.u[3][j]), u_4 = all(b.u[4][j]), u_5 = all(b.u[5][j]);
+    const F a0 = muladd(u_0, dx, muladd(u_1, dy, u_2 * dz)), a1 = muladd(u_3, dy, u_4 * dz),
+            a2 = u_5 * dz;
+    const F b0 = muladd(u_0, qx, muladd(u_1, qy, u_2 * qz)), b1 = muladd(u_3, qy, u_4 * qz),
+            b2 = u_5 * qz;
+    const F a = muladd(a0, a0, muladd(a1, a1, a2 * a2));
+    const F h = muladd(a0, b0, muladd(a1, b1, a2 * b2));
+    const F c = muladd(b0, b0, muladd(b1, b1, b2 * b2));
+    const F hh = h * h;
+    maybe[count] = le((c - outer * outer) * a, hh * 1.00001f);
+    met[count][0] = a;
+    met[count][1] = h;
+    met[count][2] = c;
+    met[count][3] = t0;
+    pair_of[count] = uint8_t(kGroups * j + g);
+    const bool met_any = bits(maybe[count]) != 0;
+    count += met_any;
+    return met_any;
+  });
+  for (int k = 0; k < count; ++k) {
+    const int pair = pair_of[k], j = pair / kGroups, g = pair % kGroups;
+    const float inner = slack[j] < 1 ? 1 - slack[j] : 0;
+    const F a = met[k][0], h = met[k][1], c = met[k][2], t0 = met[k][3], hh = h * h;
+    const F i = 1.0f / a, step = h * i, t = t0 + step, reach = root(i);
+    const F error = reach * muladd(all(size_of[j]), absolute(step) + reach, all(slack[j])) +
+                    (absolute(t0) + absolute(step)) * 6e-7f;
+    const F low = t - error, high = t + error;
+    M found = maybe[k] & le(all(f.t_min), high) &
+              le(low, kAsk == Ask::kAll ? all(f.t_max) : s.found.high[g]);
+    M sure = found;
+    if (kAsk == Ask::kAccepted && kind == kPathLength) {
+      const F m2 = c - hh * i,
+              m2_error = muladd(hh * i, all(1e-5f), all(slack[j] * (2 + slack[j])));
+      const Trial trial = path_length_trial(s, f, g, b.element[j], b.depth[j], reach,
+                                            all(size_of[j]) * reach, m2, m2_error);
+      found &= trial.maybe;
+      sure &= trial.sure;
+    } else if (kAsk == Ask::kAccepted) {
+      found &= accepted(s, f, g, b.element[j], b.accept_below[j]);
+      sure = kind == kCareful ? mask_of(0) : found;
+    }
+    if (!bits(found)) continue;
+    if (kAsk == Ask::kAccepted) {
+      sure &= le((c - inner * inner) * a, hh * 0.99999f) & le(high, s.found.low[g]) &
+              le(all(f.t_min), low);
+    }
+    keep<kAsk>(s, f, g, b.element[j], found, sure, low, high);
+    sets |= 1u << g / 8;
+  }
+  return sets;
+}
+
+}  // namespace
+}  // namespace underbrush::trace

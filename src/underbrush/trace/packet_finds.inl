@@ -1,0 +1,137 @@
+// Included by kernel.inl: what a packet searches for and what it has found, in the float bounds
+// that decide most and leave the rest to double.
+namespace underbrush::trace {
+namespace {
+
+// What a packet's rays have found so far. The range of the element held for a ray is certain to lie
+// in [low, high]; its rounding is what separates them.
+struct Found {
+  F low[kGroups], high[kGroups];
+  U element[kGroups], instance[kGroups];
+  unsigned exact[kGroups];  // lanes whose find stands in Batch::best
+  F8 reach[kSets];          // of each group the greatest of high
+  float farthest;           // of all
+};
+
+struct Keys {
+  U low[kGroups], high[kGroups];
+};
+
+// A frame to search: rays, the float halves of the centre, and whose elements they are.
+struct Frame {
+  const Rays* rays;
+  const Node* nodes;
+  const EllipsoidBlock* ellipsoids;
+  const TriangleBlock* triangles;
+  float high[3], low[3];
+  float lower[3], upper[3];  // the centre, moved so that boxes come out too large
+  uint32_t instance, salt_low, salt_high;
+  float scale, half_tau2;
+  float t_min, t_max;  // ranges that may count
+};
+
+struct Search {
+  const View* view;
+  Batch* batch;
+  const uint32_t* number;  // of the rays, counted from the batch's first
+  int count;               // the other places repeat the last ray
+  Keys keys;
+  Found found;
+};
+
+// Eight things that a packet has come to: a node's boxes or a block's elements.
+struct alignas(32) Look {
+  Outlines seen;
+  union {
+    float edge[6][8];  // of boxes: lo x y z, hi x y z, relative to the centre
+    struct {
+      float mean[3][8], slack[8], size[8];
+    } ellipsoid;
+    struct {
+      float corner[3][8], side1[3][8], side2[3][8], slack[8], range_slack[8];
+    } triangle;
+  };
+  Pairs pairs;
+};
+
+inline void store(float* to, F8 x) { *reinterpret_cast<F8*>(to) = x; }
+
+inline size_t ray_at(const Search& s, int place) { return s.batch->first + s.number[place]; }
+
+inline void set_centre(Frame& f, const double centre[3], float spread) {
+  for (int a = 0; a < 3; ++a) {
+    f.high[a] = float(centre[a]);
+    f.low[a] = float(centre[a] - double(f.high[a]));
+    const float pad = __builtin_fabsf(f.high[a]) * 2.5e-7f + spread * 3e-7f;
+    f.lower[a] = f.high[a] + pad;
+    f.upper[a] = f.high[a] - pad;
+  }
+}
+
+// What follows from what the groups of `sets` have found.
+inline void remember(Found& found, unsigned sets = ~0u) {
+  F8 farthest{};
+  for (int set = 0; set < kSets; ++set) {
+    if (sets >> set & 1) found.reach[set] = greatest_of_groups(found.high + 8 * set);
+    farthest = greater(farthest, found.reach[set]);
+  }
+  found.farthest = greatest(farthest);
+}
+
+// Lanes `maybe` of group g meet the element within [low, high]; `sure` of them beyond doubt, and
+// nearer than what they have.
+template <Ask kAsk>
+inline void keep(Search& s, const Frame& f, int g, uint32_t element, M maybe, M sure, F low,
+                 F high) {
+  Found& found = s.found;
+  unsigned lanes = bits(maybe);
+  if (kAsk == Ask::kAll) {
+    while (lanes) {
+      const int k = __builtin_ctz(lanes);
+      lanes &= lanes - 1;
+      const int place = g * kLanes + k;
+      if (place >= s.count) break;
+      add_candidate(*s.batch, ray_at(s, place), f.instance, element);
+    }
+    return;
+  }
+  const unsigned certain = bits(sure);
+  if (certain) {
+    found.low[g] = pick(sure, low, found.low[g]);
+    found.high[g] = pick(sure, high, found.high[g]);
+    found.element[g] = pick(sure, all(element), found.element[g]);
+    found.instance[g] = pick(sure, all(f.instance), found.instance[g]);
+    found.exact[g] &= ~certain;
+  }
+  lanes &= ~certain;
+  while (lanes) {
+    const int k = __builtin_ctz(lanes);
+    lanes &= lanes - 1;
+    const int place = g * kLanes + k;
+    if (place >= s.count) break;
+    const unsigned bit = 1u << k;
+    const uint32_t have = found.exact[g] & bit ? Met::kNone : uint32_t(found.element[g][k]);
+    const size_t i = ray_at(s, place);
+    if (found.element[g][k] == Met::kNone) s.batch->best[i] = Met{};
+    if (!settle_nearest(*s.view, kAsk, *s.batch, i, f.instance, element,
+                        uint32_t(found.instance[g][k]), have)) {
+      continue;
+    }
+    const float t = float(s.batch->best[i].t_m / f.scale);
+    found.low[g][k] = t * 0.9999999f;
+    found.high[g][k] = t * 1.0000001f;
+    found.element[g][k] = element;
+    found.instance[g][k] = f.instance;
+    found.exact[g] |= bit;
+  }
+}
+
+inline M accepted(const Search& s, const Frame& f, int g, uint32_t element, uint32_t accept_below) {
+  const M always = mask_of(accept_below == 0xffffffffu ? ~0u : 0);
+  return always |
+         below(accept_hash(all(element), s.keys.low[g] ^ f.salt_low, s.keys.high[g] ^ f.salt_high),
+               all(accept_below));
+}
+
+}  // namespace
+}  // namespace underbrush::trace
