@@ -58,7 +58,9 @@ template <Ask kAsk>
 inline unsigned visit(Search& s, const Frame& f, const EllipsoidBlock& b, uint32_t kind,
                       const Look& look) {
   const Rays& r = *f.rays;
-  const auto& [mean, slack, size_of] = look.ellipsoid;
+  const auto& mean = look.ellipsoid.mean;
+  const auto& slack = look.ellipsoid.slack;
+  const auto& size_of = look.ellipsoid.size;
   M maybe[8 * kGroups];
   F met[8 * kGroups][4];
   uint8_t pair_of[8 * kGroups];

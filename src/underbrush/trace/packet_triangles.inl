@@ -39,7 +39,11 @@ inline void look_at(const Search& s, const Frame& f, const TriangleBlock& b, uns
 template <Ask kAsk>
 inline unsigned visit(Search& s, const Frame& f, const TriangleBlock& b, const Look& look) {
   const Rays& r = *f.rays;
-  const auto& [corner, side1, side2, slack, range_slack] = look.triangle;
+  const auto& corner = look.triangle.corner;
+  const auto& side1 = look.triangle.side1;
+  const auto& side2 = look.triangle.side2;
+  const auto& slack = look.triangle.slack;
+  const auto& range_slack = look.triangle.range_slack;
   M maybe[8 * kGroups];
   F met[8 * kGroups][3];
   uint8_t pair_of[8 * kGroups];

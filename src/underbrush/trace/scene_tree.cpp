@@ -7,7 +7,7 @@
 namespace underbrush::trace {
 namespace {
 
-constexpr float kOpenAbove_m = 12;  // an unrotated instance is opened down to subtrees of this size
+constexpr float kOpenAbove = 12;  // m: an unrotated instance is opened down to such subtrees
 
 Box child_box(const Node& node, int k) {
   Box box;
@@ -60,7 +60,7 @@ class Opener {
   void open(uint32_t reference, const Box& box, std::vector<Entry>& entries,
             HugeVector<Ref>& refs) const {
     const Float4 extent = box.hi - box.lo;
-    if (!(reference & kLeaf) && placed_.scale * std::max(extent[0], extent[1]) > kOpenAbove_m) {
+    if (!(reference & kLeaf) && placed_.scale * std::max(extent[0], extent[1]) > kOpenAbove) {
       const Node& node = bvh_.nodes[reference];
       for (int k = 0; k < kWidth; ++k) {
         if (is_used(node, k)) open(node.child[k], child_box(node, k), entries, refs);
