@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <utility>
 
@@ -13,7 +14,7 @@ constexpr uint32_t kStrips = 4;
 constexpr size_t kMostBands = kOrdered / kTogether + 1;
 constexpr float kBunch = 0.5f;  // reach of a bunch, in sides of a tile
 constexpr uint32_t kLong = 7;
-static_assert(kOrdered <= 1u << 13);
+static_assert(std::has_single_bit(kOrdered) && kOrdered <= 1u << 13);
 
 float scale_of(float low, float high, uint32_t bins) {
   return high > low ? float(bins) * 0.9999f / (high - low) : 0;
