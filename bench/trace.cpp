@@ -23,8 +23,8 @@ namespace underbrush::bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
-constexpr double kMaxRange = 120;  // m
-constexpr size_t kCall = 8192;     // rays a call
+constexpr double kMaxRange = 120;          // m
+constexpr size_t kCall = trace::kOrdered;  // rays
 
 struct Rays {
   std::vector<Ray> firing, coherent;

@@ -49,7 +49,7 @@ TEST(Order, NamesEachRayOnce) {
 }
 
 TEST(Order, KeepsTheRaysOfABeamTogether) {
-  constexpr uint32_t kRays = 8192, kABeam = 16;
+  constexpr uint32_t kRays = kOrdered, kABeam = 16;
   const std::vector<uint32_t> order = order_of(*beams(3, kRays, kABeam), kRays);
   for (uint32_t k = 0; k < kRays; ++k) EXPECT_EQ(order[k] % kABeam, k % kABeam);
 }
@@ -57,7 +57,7 @@ TEST(Order, KeepsTheRaysOfABeamTogether) {
 // Of a tile of the sphere's patch: rays that point alike are traced together, in whatever order
 // they come.
 TEST(Order, MakesTilesAboutAsWideAsHigh) {
-  constexpr uint32_t kRays = 8192;
+  constexpr uint32_t kRays = kOrdered;
   const auto rays = beams(4, kRays, 1);
   const std::vector<uint32_t> order = order_of(*rays, kRays);
   double width = 0, height = 0;
