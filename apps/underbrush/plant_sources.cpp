@@ -29,8 +29,8 @@ primitives::PlantSource read_plant(const fs::path& file, const PlantFileOptions&
 
 }  // namespace
 
-std::vector<primitives::PlantSource> generated_plants(uint64_t seed) {
-  scene::PrototypeSet set = scene::make_prototypes(seed);
+std::vector<primitives::PlantSource> generated_plants(uint64_t seed, double variation) {
+  scene::PrototypeSet set = scene::make_prototypes(seed, variation);
   std::vector<primitives::PlantSource> plants;
   for (const scene::PrototypeRange& range : {set.trees, set.shrubs, set.tussocks}) {
     for (uint32_t k = range.begin; k < range.end; ++k) {

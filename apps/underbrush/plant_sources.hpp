@@ -14,8 +14,9 @@ struct PlantFileOptions {
   bool y_up = false;  ///< Their y axis points up, not z; that of glTF always does.
 };
 
-/// The plants that the test sites are grown from, of that seed: trees, shrubs, tussocks.
-std::vector<primitives::PlantSource> generated_plants(uint64_t seed);
+/// The plants that the test sites are grown from, of that seed: trees, shrubs, tussocks. Other
+/// species with a `variation` above 1 (`scene::make_prototypes`).
+std::vector<primitives::PlantSource> generated_plants(uint64_t seed, double variation = 1);
 
 /// Plants of a file, or of all files of meshes below a folder, in order of name. A file in a
 /// folder with the name of a class stands for that class, as large as it is. Throws `FormatError`,

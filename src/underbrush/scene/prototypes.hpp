@@ -16,7 +16,10 @@ struct PrototypeSet {
   std::vector<Prototype> prototypes;
   PrototypeRange trees, shrubs, tussocks, mowed;
 };
-/// The same set for the same seed.
-PrototypeSet make_prototypes(uint64_t seed);
+/// The same set for the same seed. With a `variation` above 1 the species are others than the
+/// site's: crown radius and base, trunk, leaf area index and leaf size of each are multiplied by
+/// factors drawn from [1 / variation, variation], evenly by their logarithm. Throws
+/// `std::invalid_argument` for a variation outside [1, 2].
+PrototypeSet make_prototypes(uint64_t seed, double variation = 1);
 
 }  // namespace underbrush::scene
