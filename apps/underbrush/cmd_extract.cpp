@@ -33,6 +33,11 @@ void add_options(CLI::App& app, Arguments& a) {
                  "lie among its points")
       ->check(CLI::IsMember({"own", "box"}))
       ->capture_default_str();
+  app.add_option("--free-space-below", a.extract.free_space_below,
+                 "Ellipsoids at which a smaller share of the beams ended that met them are left "
+                 "out")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
   app.add_option("--patch-cell", a.extract.measure.cell_m, "Side of the cells of patches, m")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
@@ -69,6 +74,7 @@ void run(const Verb& verb, Arguments& a) {
   j["primitives"] = result.primitives.size();
   j["elements"] = result.elements;
   j["elements_taken"] = result.taken;
+  j["free_space"] = result.free_space;
   j["empty"] = result.empty;
   j["few_points"] = m.few_points;
   j["off_ground"] = m.off_ground;
@@ -82,7 +88,8 @@ void run(const Verb& verb, Arguments& a) {
     text += fmt::format("  {:<19}{:>8}, {:.0f} elements each\n", name, n.first,
                         double(n.second) / double(n.first));
   }
-  text += left_out({{"objects without an element", result.empty},
+  text += left_out({{"ellipsoids of free space", result.free_space},
+                    {"objects without an element", result.empty},
                     {"objects or cells of few points", m.few_points},
                     {"objects off the ground", m.off_ground},
                     {"hits of an object's class without instance", m.without_instance}});

@@ -11,6 +11,7 @@ namespace {
 
 PairOutcome outcome(double cloud, double packet, double f1) {
   PairOutcome o;
+  o.rows = {"primitives", "meshes"};
   for (const char* row : {"primitives", "meshes"}) {
     metrics::Summary& s = o.score[row].all;
     const bool own = row == std::string("primitives");
@@ -92,9 +93,9 @@ class OnSites : public testing::Test {
     }
     primitives::MeshPrimitiveOptions meshes;
     meshes.most_scaling = 10;
-    options.meshes = folder / "meshes";
+    options.meshes = {{"meshes", folder / "meshes"}};
     options.work = folder / "primitives";
-    primitives::write_primitives(options.meshes, primitives::mesh_primitives(blocks, meshes), 2,
+    primitives::write_primitives(folder / "meshes", primitives::mesh_primitives(blocks, meshes), 2,
                                  "");
   }
   static SitePair* pair_;

@@ -11,9 +11,6 @@
 
 namespace underbrush::app {
 
-/// The rows of the table, by name and in order.
-inline constexpr const char* kPrimitiveRows[] = {"primitives", "meshes", "geospecific", "replay"};
-
 /// Logs of two sites, or of two stretches of one, labelled: columns `class` and `instance`.
 struct SitePair {
   std::string name;
@@ -22,11 +19,17 @@ struct SitePair {
   bool one_site = false;   ///< Primitives that the test's sensor could see are left out.
 };
 
+/// A set of mesh primitives, and what its row is called.
+struct MeshSet {
+  std::string name;
+  std::filesystem::path folder;
+};
+
 /// What a study does with a pair.
 struct PairOptions {
   uint64_t seed = 1;
-  std::filesystem::path meshes;  ///< The set of mesh primitives.
-  std::filesystem::path work;    ///< Folder for the primitives cut; replaced.
+  std::vector<MeshSet> meshes;  ///< At least one; the first is the verdict's.
+  std::filesystem::path work;   ///< Folder for the primitives cut; replaced.
   bool pictures = false;
   /// Changes the primitives before they are composed: so that tests can break them.
   std::function<void(std::vector<primitives::Primitive>&)> change = {};
@@ -35,15 +38,17 @@ struct PairOptions {
 /// What came of it.
 struct PairOutcome {
   std::string name;
+  /// Of the table: primitives, the sets of meshes, geospecific, replay.
+  std::vector<std::string> rows;
   std::map<std::string, metrics::Score> score;  ///< By row.
   size_t train_beams = 0, test_beams = 0;
   size_t primitives = 0, seen_by_both = 0, objects = 0, left_out = 0;
-  double box_distance_m = 0, mesh_box_distance_m = 0;
+  std::vector<double> box_distance_m;  ///< Of the rows that are composed.
   std::string pictures;
 };
 
-/// Fits to `train`, extracts, annotates `test`, composes with the primitives and with the meshes,
-/// fits `test` itself, replays `train`; answers the beams of `test` with each and scores.
+/// Fits to `train`, extracts, annotates `test`, composes with the primitives and each set of
+/// meshes, fits `test` itself, replays `train`; answers the beams of `test` with each and scores.
 PairOutcome run_pair(const SitePair& pair, const PairOptions& options);
 
 /// The beams of `test`, each answered by what the scan of `train` whose sensor stood nearest saw in
@@ -77,11 +82,16 @@ struct Spread {
 };
 Spread spread_of(std::span<const double> values);
 
-/// By how much the primitives beat the meshes: more than the paper's margins (0.07 m of cloud
-/// error, 0.21 m of packet error, 0.03 of F1), on average or, `confident`, at the lower end of the
-/// 95 % interval of the mean difference.
+/// By how much the primitives beat the first set of meshes: more than the paper's margins (0.07 m
+/// of cloud error, 0.21 m of packet error, 0.03 of F1), on average or, `confident`, at the lower
+/// end of the 95 % interval of the mean difference.
 std::vector<Check> primitive_checks(const std::string& where, std::span<const PairOutcome> outcomes,
                                     bool confident);
+
+/// Adds tables, figures, checks and pictures; of a table's figures ± is the reach of the 95 %
+/// interval of the mean if `confident`, else the standard deviation.
+void add_outcomes(const std::string& where, const std::vector<PairOutcome>& outcomes,
+                  bool confident, StudyResult& result);
 
 /// Pictures like Fig. 8 to 10.
 struct Composed {

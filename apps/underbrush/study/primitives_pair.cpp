@@ -71,33 +71,36 @@ PairOutcome run_pair(const SitePair& pair, const PairOptions& o) {
   std::vector<Primitive> cut = primitives::extract(model, train, {}).primitives;
   if (pair.one_site) out.seen_by_both = drop_seen(pair.test, model.max_range_m, cut);
   if (o.change) o.change(cut);
+  require(!o.meshes.empty(), "study: there are no meshes to compare with");
   require(!cut.empty(), "study: no primitive is left of the training log");
   out.primitives = cut.size();
   primitives::write_primitives(o.work, cut, primitives::MeasureOptions{}.cell_m, "");
 
   const Site site = annotated(pair.test, model.max_range_m);
-  const primitives::PrimitiveSet sets[] = {primitives::read_primitive_set(o.work),
-                                           primitives::read_primitive_set(o.meshes)};
+  std::vector<MeshSet> sets{{"primitives", o.work}};
+  sets.insert(sets.end(), o.meshes.begin(), o.meshes.end());
+  std::vector<primitives::PrimitiveSet> read(sets.size());
+  std::vector<primitives::Composition> composed(sets.size());
+  std::vector<BeamLog> logs(sets.size());
+  std::vector<Composed> shown;
   primitives::ComposeOptions compose;
   compose.seed = o.seed;
-  primitives::Composition composed[2];
-  BeamLog logs[2];
-  for (int k = 0; k < 2; ++k) {
-    composed[k] = primitives::compose(site.annotation, site.ground, sets[k], compose);
+  for (size_t k = 0; k < sets.size(); ++k) {
+    read[k] = primitives::read_primitive_set(sets[k].folder);
+    composed[k] = primitives::compose(site.annotation, site.ground, read[k], compose);
     logs[k] = answered(trace::World(composed[k].scene), pair.test, o.seed);
-    out.score[kPrimitiveRows[k]] = score_of(pair.test, logs[k]);
+    out.rows.push_back(sets[k].name);
+    out.score[sets[k].name] = score_of(pair.test, logs[k]);
+    out.box_distance_m.push_back(composed[k].mean_box_distance_m);
+    shown.push_back({sets[k].name, &read[k], &composed[k].scene, &logs[k]});
   }
   out.objects = composed[0].objects;
   out.left_out = composed[0].objects - composed[0].placed;
-  out.box_distance_m = composed[0].mean_box_distance_m;
-  out.mesh_box_distance_m = composed[1].mean_box_distance_m;
-  if (o.pictures) {
-    const Composed shown[] = {{"primitives", &sets[0], &composed[0].scene, &logs[0]},
-                              {"meshes", &sets[1], &composed[1].scene, &logs[1]}};
-    out.pictures = primitive_pictures(pair.name, pair.test, shown);
-  }
+  if (o.pictures)
+    out.pictures = primitive_pictures(pair.name, pair.test, std::span(shown).first(2));
   const elements::Model own = fitted(pair.test, pair.min_range_m, o.seed);
   out.score["geospecific"] = score_of(pair.test, answered(trace::World(own), pair.test, o.seed));
+  out.rows.insert(out.rows.end(), {"geospecific", "replay"});
   out.score["replay"] = score_of(pair.test, replay(pair.train, pair.test));
   return out;
 }

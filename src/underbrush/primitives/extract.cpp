@@ -6,6 +6,8 @@
 #include <optional>
 #include <unordered_map>
 
+#include "underbrush/core/check.hpp"
+
 namespace underbrush::primitives {
 namespace {
 
@@ -126,6 +128,13 @@ class Centres {
   std::map<std::array<int32_t, 2>, std::vector<uint32_t>> cells_;
 };
 
+/// Whether nearly all beams passed through the element.
+bool is_free_space(const Model& model, uint32_t k, double below) {
+  if (k < model.surface.size()) return false;
+  const elements::HitCount& h = model.ellipsoids[k - model.surface.size()].hit;
+  return h.hits < below * (double(h.hits) + h.misses);
+}
+
 /// The chosen elements (numbered surface first, then ellipsoids) in the object's frame.
 Model cut(const Model& model, const PlacedObject& o, const std::vector<uint32_t>& chosen) {
   Model out;
@@ -165,6 +174,8 @@ Model cut(const Model& model, const PlacedObject& o, const std::vector<uint32_t>
 
 ExtractResult extract(const Model& model, BeamSource& labelled, const ExtractOptions& options,
                       const MeasureProgress& progress) {
+  require(options.free_space_below >= 0 && options.free_space_below <= 1,
+          "extract: the share of free space must lie in [0, 1]");
   ExtractResult out;
   const GroundSurface ground(model);
   out.measured = measure_objects(labelled, ground, options.measure, progress);
@@ -181,6 +192,8 @@ ExtractResult extract(const Model& model, BeamSource& labelled, const ExtractOpt
         return owner && *owner != o.instance;
       });
     }
+    out.free_space += std::erase_if(
+        chosen, [&](uint32_t k) { return is_free_space(model, k, options.free_space_below); });
     if (chosen.empty()) {
       ++out.empty;
       continue;

@@ -28,6 +28,9 @@ enum class Membership {
 struct ExtractOptions {
   MeasureOptions measure;
   Membership membership = Membership::kOwn;
+  /// Ellipsoids at which a smaller share of the beams ended that met them are left out: where they
+  /// were fitted, others stood behind them; elsewhere they stop beams that nothing would stop.
+  double free_space_below = 0.1;
 };
 
 /// The primitives, and what was left out.
@@ -35,13 +38,14 @@ struct ExtractResult {
   std::vector<Primitive> primitives;
   MeasuredObjects measured;        ///< `objects` in the order of the log.
   size_t empty = 0;                ///< Objects that hold no element.
+  size_t free_space = 0;           ///< Ellipsoids left out as free space.
   size_t elements = 0, taken = 0;  ///< Elements of the model but its ground; those in a primitive.
 };
 
 /// Cuts the model along the objects of the labelled log from which it was fitted. Reads the log
 /// twice. An element counts by its centre (mean of an ellipsoid, centroid of a triangle); elements
 /// beneath a box but above the ground, on the lower side of a slope, count as within. Throws as
-/// `measure_objects` does.
+/// `measure_objects` does, and for a share outside [0, 1].
 ExtractResult extract(const elements::Model& model, BeamSource& labelled,
                       const ExtractOptions& options, const MeasureProgress& progress = {});
 
