@@ -14,6 +14,7 @@ namespace {
 struct Arguments {
   std::vector<std::string> plants;
   std::string output, up = "z";
+  double variation = 1;
   PlantFileOptions files;
   primitives::MeshPrimitiveOptions meshes;
 };
@@ -27,6 +28,13 @@ void add_options(CLI::App& app, Arguments& a) {
   app.add_option("-o,--output", a.output, "The folder of the set of primitives")
       ->required()
       ->type_name("PRIMITIVES");
+  app.add_option(
+         "--variation", a.variation,
+         "generated: other species than the demo's; crown radius and base, trunk, leaf area "
+         "and leaf size times factors from 1/F to F")
+      ->check(CLI::Range(1.0, 2.0))
+      ->type_name("F")
+      ->capture_default_str();
   app.add_option("--unit", a.files.unit_m, "Metres of one unit of length in the files")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
@@ -56,7 +64,8 @@ void run(const Verb& verb, Arguments& a) {
   std::vector<std::filesystem::path> inputs;
   for (const std::string& name : a.plants) {
     const bool generated = name == "generated";
-    auto some = generated ? generated_plants(verb.seed) : plants_of_files(name, a.files);
+    auto some =
+        generated ? generated_plants(verb.seed, a.variation) : plants_of_files(name, a.files);
     for (auto& plant : some) {
       if (!generated) inputs.emplace_back(plant.name);
       plants.push_back(std::move(plant));

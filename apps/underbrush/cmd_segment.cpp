@@ -5,13 +5,12 @@
 #include <optional>
 #include <set>
 
+#include "labelled_log.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/classes.hpp"
 #include "underbrush/elements/label_sets.hpp"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/log_file.hpp"
-#include "underbrush/metrics/agreement.hpp"
-#include "underbrush/metrics/instances.hpp"
 #include "underbrush/primitives/given_labels.hpp"
 #include "underbrush/primitives/segment_log.hpp"
 #include "verb.hpp"
@@ -21,7 +20,6 @@ namespace underbrush::app {
 namespace {
 
 using elements::Class;
-using elements::ClassKind;
 
 struct Arguments {
   std::string log, output, labels, truth = "instance";
@@ -87,13 +85,6 @@ void add_options(CLI::App& app, Arguments& a) {
   add_object_options(app, a.segment.objects);
 }
 
-/// Labels of each hit as they are written.
-struct Found {
-  std::vector<uint8_t> label;
-  std::vector<uint32_t> instance;
-  size_t objects = 0;
-};
-
 /// What is known of each hit by labels that are taken over.
 std::vector<primitives::Prior> priors_of(const primitives::GivenLabels& given) {
   using primitives::Prior;
@@ -107,8 +98,8 @@ std::vector<primitives::Prior> priors_of(const primitives::GivenLabels& given) {
   return prior;
 }
 
-Found found_of(const primitives::LogLabels& labels) {
-  Found out;
+LabelsOfHits found_of(const primitives::LogLabels& labels) {
+  LabelsOfHits out;
   out.instance = labels.object;
   out.objects = labels.objects.size();
   for (size_t k = 0; k < labels.object.size(); ++k) {
@@ -121,8 +112,8 @@ Found found_of(const primitives::LogLabels& labels) {
 }
 
 /// Classes and instances that are given stand; what is not given is found.
-Found taken_over(const primitives::GivenLabels& given, const primitives::LogLabels* labels) {
-  Found out = labels ? found_of(*labels) : Found{};
+LabelsOfHits taken_over(const primitives::GivenLabels& given, const primitives::LogLabels* labels) {
+  LabelsOfHits out = labels ? found_of(*labels) : LabelsOfHits{};
   if (!given.label.empty() && given.set == "underbrush") {
     out.label.assign(given.label.begin(), given.label.end());
   }
@@ -134,145 +125,14 @@ Found taken_over(const primitives::GivenLabels& given, const primitives::LogLabe
   return out;
 }
 
-/// What a pass over the log with its labels gives.
-struct Outcome {
-  size_t beams = 0, hits = 0, ground = 0, unlabelled = 0;
-  bool labelled = false, has_truth = false;
-  std::map<Class, size_t> points;
-  metrics::Agreement ground_score, vegetation;
-  metrics::InstanceCounter trees;
-};
-
-uint32_t number_at(const ExtraColumn& column, size_t i) {
-  return std::visit([&](const auto& c) { return c[i] > 0 ? uint32_t(c[i]) : 0u; }, column);
-}
-
-/// Puts the found labels into the chunk and counts; `next` goes on through the hits.
-void label(const Arguments& a, const Found& found, size_t& next, BeamLog& chunk, Outcome& out) {
-  std::vector<uint8_t> label(chunk.size());
-  std::vector<uint32_t> instance(chunk.size());
-  const auto given = chunk.extra.find("class"), truth = chunk.extra.find(a.truth);
-  const bool score = a.labels.empty();
-  out.labelled = score && given != chunk.extra.end();
-  out.has_truth = score && truth != chunk.extra.end();
-  const std::string& set = chunk.info.classes;
-  for (size_t i = 0; i < chunk.size(); ++i) {
-    ++out.beams;
-    if (!chunk.is_hit(i)) continue;
-    const size_t k = next++;
-    label[i] = found.label[k];
-    instance[i] = found.instance[k];
-    const auto c = Class(label[i]);
-    const bool ground = c == Class::kGround || c == Class::kGrass;
-    ++out.hits;
-    ++out.points[c];
-    out.ground += ground;
-    bool tree = true;  // where the log does not say, every number is a tree's
-    if (out.labelled) {
-      const uint32_t number = number_at(given->second, i);
-      const elements::GroundLabel known = elements::ground_label(set, number);
-      if (known == elements::GroundLabel::kUnknown) {
-        ++out.unlabelled;
-      } else {
-        out.ground_score.add(ground, known == elements::GroundLabel::kYes);
-        out.vegetation.add(elements::kind_of(c) != ClassKind::kOther,
-                           elements::is_vegetation(set, number));
-      }
-      tree = set == "underbrush" ? elements::kind_of(Class(number)) == ClassKind::kTree
-                                 : elements::is_vegetation(set, number);
-    }
-    if (out.has_truth && !ground) {
-      out.trees.add(elements::kind_of(c) == ClassKind::kTree ? instance[i] : 0,
-                    tree ? number_at(truth->second, i) : 0);
-    }
-  }
-  for (const char* name : {"class", "instance"}) {
-    const auto old = chunk.extra.find(name);
-    if (score && old != chunk.extra.end()) {
-      chunk.extra[std::string("given_") + name] = std::move(old->second);
-    }
-  }
-  chunk.extra["class"] = std::move(label);
-  chunk.extra["instance"] = std::move(instance);
-}
-
-constexpr size_t kTruePoints = 10;  // a true tree with fewer returns is not to be found
-
-Json json_of(const Arguments& a, const Found& found, const primitives::LogLabels* labels,
-             const Outcome& o, const std::map<std::string, size_t>& skipped) {
-  const auto number = [](double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); };
-  Json j;
-  j["ground_method"] = a.segment.ground.method;
-  j["beams"] = o.beams;
-  j["hits"] = o.hits;
-  j["ground"] = o.ground;
-  j["objects"] = found.objects;
-  for (const auto& [c, n] : o.points) j["points"][std::string(elements::name(c))] = n;
-  if (labels) {
-    std::map<Class, size_t> objects;
-    for (const auto& object : labels->objects) ++objects[object.label];
-    for (const auto& [c, n] : objects) j["classes"][std::string(elements::name(c))] = n;
-    j["cell_m"] = labels->cell_m;
-    j["off_ground"] = labels->off_ground;
-    j["near"] = labels->near;
-  }
-  j["skipped"] = skipped;
-  if (o.labelled) {
-    j["ground_score"] = {{"labelled", o.hits - o.unlabelled},
-                         {"unlabelled", o.unlabelled},
-                         {"true_positive", o.ground_score.true_positive},
-                         {"false_positive", o.ground_score.false_positive},
-                         {"false_negative", o.ground_score.false_negative},
-                         {"true_negative", o.ground_score.true_negative},
-                         {"iou", number(o.ground_score.iou())},
-                         {"precision", number(o.ground_score.precision())},
-                         {"recall", number(o.ground_score.recall())}};
-    j["vegetation_score"] = {{"precision", number(o.vegetation.precision())},
-                             {"recall", number(o.vegetation.recall())}};
-  }
-  if (o.has_truth) {
-    const metrics::InstanceScore s = o.trees.score(kTruePoints);
-    j["tree_score"] = {{"found", s.found},
-                       {"truth", s.truth},
-                       {"matched", s.matched},
-                       {"precision", number(s.precision())},
-                       {"recall", number(s.recall())},
-                       {"f1", number(s.f1())},
-                       {"mean_iou", s.mean_iou}};
-  }
-  return j;
-}
-
-std::string text_of(const Arguments& a, const Found& found, const Outcome& o) {
-  std::string text =
-      fmt::format("{} of {} hits are ground ({:.1f} %), {} objects\n", o.ground, o.hits,
-                  100.0 * double(o.ground) / double(std::max<size_t>(1, o.hits)), found.objects);
-  for (const auto& [c, n] : o.points) {
-    text += fmt::format("  {:<19}{:>12} points\n", elements::name(c), n);
-  }
-  if (o.labelled && o.hits == o.unlabelled) {
-    text += "  note: its column class has no label of a known set (see import --label-set)\n";
-  } else if (o.labelled) {
-    const metrics::Agreement& g = o.ground_score;
-    text += fmt::format(
-        "  ground against labels      IoU {:.4f}  precision {:.4f}  recall {:.4f}  ({} labelled, "
-        "{} not)\n",
-        g.iou(), g.precision(), g.recall(), o.hits - o.unlabelled, o.unlabelled);
-    if (std::isfinite(o.vegetation.recall())) {
-      text += fmt::format("  vegetation against labels  precision {:.4f}  recall {:.4f}\n",
-                          o.vegetation.precision(), o.vegetation.recall());
-    }
-  }
-  if (o.has_truth) {
-    const metrics::InstanceScore s = o.trees.score(kTruePoints);
-    if (s.truth) {
-      text += fmt::format(
-          "  trees against {:<12} {} found, {} true, {} matched  precision {:.3f}  recall {:.3f}  "
-          "mean IoU {:.3f}\n",
-          a.truth, s.found, s.truth, s.matched, s.precision(), s.recall(), s.mean_iou);
-    }
-  }
-  return text;
+/// What was found by search.
+void add_objects(const primitives::LogLabels& labels, Json& j) {
+  std::map<Class, size_t> objects;
+  for (const auto& object : labels.objects) ++objects[object.label];
+  for (const auto& [c, n] : objects) j["classes"][std::string(elements::name(c))] = n;
+  j["cell_m"] = labels.cell_m;
+  j["off_ground"] = labels.off_ground;
+  j["near"] = labels.near;
 }
 
 void run(const Verb& verb, const Arguments& a) {
@@ -297,7 +157,8 @@ void run(const Verb& verb, const Arguments& a) {
         progress);
   }
   bar.reset();
-  const Found found = given ? taken_over(*given, labels ? &*labels : nullptr) : found_of(*labels);
+  const LabelsOfHits found =
+      given ? taken_over(*given, labels ? &*labels : nullptr) : found_of(*labels);
 
   LogInfo info = log.info();
   info.classes = "underbrush";
@@ -305,16 +166,20 @@ void run(const Verb& verb, const Arguments& a) {
   if (given) inputs.emplace_back(a.labels);
   std::optional<io::LogWriter> writer;
   if (!a.output.empty()) writer.emplace(a.output, info, provenance(verb, inputs));
-  Outcome out;
+  LabelledCounts out(a.truth, a.labels.empty());
   size_t next = 0;
   log.rewind();
   for (BeamLog chunk; log.next(chunk);) {
-    label(a, found, next, chunk, out);
+    next = put_labels(found, next, chunk, out);
     if (writer) writer->write(chunk);
   }
   if (writer) writer->close();
-  std::string text = text_of(a, found, out);
-  Json j = json_of(a, found, labels ? &*labels : nullptr, out, log.skipped());
+  std::string text = text_of(out, found.objects);
+  Json j = json_of(out);
+  j["ground_method"] = a.segment.ground.method;
+  j["objects"] = found.objects;
+  j["skipped"] = log.skipped();
+  if (labels) add_objects(*labels, j);
   if (given) {
     j["labels"] = {{"set", given->set},
                    {"by_place", given->by_place},

@@ -122,6 +122,33 @@ TEST(Extract, MovedBackTheElementsAreThoseOfTheModelEachOnce) {
   EXPECT_GT(double(r.taken), 0.98 * double(r.elements));  // voxels on the border have one owner
 }
 
+TEST(Extract, LeavesOutWhatNearlyAllBeamsPassed) {
+  Site s = site({});
+  const auto count = [](const ExtractResult& r) {
+    size_t n = 0;
+    for (const Primitive& p : r.primitives) n += p.model.ellipsoids.size();
+    return n;
+  };
+  const size_t all = count(extract_from(s));  // met by no beam: nothing speaks against them
+  for (size_t k = 0; k < s.model.ellipsoids.size(); ++k) {
+    elements::HitCount& h = s.model.ellipsoids[k].hit;
+    h.hits = uint32_t(k % 4);
+    h.misses = 10 - h.hits;  // shares of 0, 0.1, 0.2 and 0.3
+  }
+  ExtractOptions options;
+  for (const auto& [below, kept] : {std::pair{0.0, 1.0}, {0.1, 0.75}, {0.11, 0.5}, {0.25, 0.25}}) {
+    options.free_space_below = below;
+    const ExtractResult r = extract_from(s, options);
+    EXPECT_NEAR(double(count(r)), kept * double(all), 8) << below;
+    EXPECT_EQ(count(r) + r.free_space, all) << below;
+    for (const Primitive& p : r.primitives) {
+      for (const auto& e : p.model.ellipsoids) EXPECT_GE(e.hit.hits, 10 * below);
+    }
+  }
+  options.free_space_below = 1.1;
+  EXPECT_THROW(extract_from(s, options), std::invalid_argument);
+}
+
 TEST(Extract, MeasuresPoseAndBox) {
   const ExtractResult r = extract_from(site(moved(0, 0, 4, 0.6)));
   const PlacedObject& tree = r.measured.objects.at(0);

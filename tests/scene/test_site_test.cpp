@@ -7,6 +7,7 @@
 #include <set>
 
 #include "underbrush/core/parallel.hpp"
+#include "underbrush/scene/prototypes.hpp"
 
 namespace underbrush::scene {
 namespace {
@@ -134,6 +135,25 @@ TEST(Site, RefusesNegativeNumbers) {
   SiteParameters p;
   p.shrubs = -1;
   EXPECT_THROW(make_site(p), std::invalid_argument);
+}
+
+TEST(Prototypes, OfOtherSpeciesAreAsHighButNotAsWide) {
+  const PrototypeSet own = make_prototypes(5), other = make_prototypes(5, 2);
+  ASSERT_EQ(own.prototypes.size(), other.prototypes.size());
+  size_t wider = 0, narrower = 0;
+  for (uint32_t k = own.trees.begin; k < own.shrubs.end; ++k) {
+    const Prototype &a = own.prototypes[k], &b = other.prototypes[k];
+    EXPECT_NEAR(b.height_m, a.height_m, 0.1 * a.height_m) << a.name;
+    EXPECT_GT(b.radius_m, 0.4 * a.radius_m) << a.name;
+    EXPECT_LT(b.radius_m, 2.5 * a.radius_m) << a.name;
+    wider += b.radius_m > 1.15 * a.radius_m;
+    narrower += b.radius_m < 0.85 * a.radius_m;
+  }
+  EXPECT_GT(wider, 2u);
+  EXPECT_GT(narrower, 2u);
+  EXPECT_EQ(make_prototypes(5, 1).prototypes[0].plant.mesh.vertices,
+            own.prototypes[0].plant.mesh.vertices);
+  EXPECT_THROW(make_prototypes(5, 0.5), std::invalid_argument);
 }
 
 }  // namespace

@@ -61,20 +61,9 @@ class OwnerMap {
 
 OwnerMap owners_of(BeamSource& labelled) {
   OwnerMap owners;
-  labelled.rewind();
-  for (BeamLog chunk; labelled.next(chunk);) {
-    require_labels(chunk);
-    const ExtraColumn& label = chunk.extra.at("class");
-    const ExtraColumn& instance = chunk.extra.at("instance");
-    for (size_t i = 0; i < chunk.size(); ++i) {
-      const uint32_t number = label_at(label, i);
-      if (!chunk.is_hit(i) || number >= elements::kClassNames.size() ||
-          elements::kind_of(elements::Class(number)) == elements::ClassKind::kOther) {
-        continue;
-      }
-      owners.add(chunk.end_point(i), label_at(instance, i));
-    }
-  }
+  for_each_object_hit(labelled, [&](const Vec3& p, elements::Class, uint32_t instance) {
+    owners.add(p, instance);
+  });
   return owners;
 }
 

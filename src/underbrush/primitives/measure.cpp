@@ -95,10 +95,27 @@ uint32_t label_at(const ExtraColumn& column, size_t i) {
   return std::visit([&](const auto& c) { return c[i] > 0 ? uint32_t(c[i]) : 0u; }, column);
 }
 
-void require_labels(const BeamLog& chunk) {
-  require(chunk.extra.count("class") && chunk.extra.count("instance") &&
-              chunk.info.classes == "underbrush",
-          "the log has no objects: it needs the columns class and instance that segment writes");
+void for_each_object_hit(BeamSource& labelled,
+                         const std::function<void(const Vec3&, Class, uint32_t)>& visit,
+                         const MeasureProgress& progress) {
+  size_t done = 0;
+  labelled.rewind();
+  for (BeamLog chunk; labelled.next(chunk);) {
+    require(chunk.extra.count("class") && chunk.extra.count("instance") &&
+                chunk.info.classes == "underbrush",
+            "the log has no objects: it needs the columns class and instance that segment writes");
+    const ExtraColumn& label = chunk.extra.at("class");
+    const ExtraColumn& instance = chunk.extra.at("instance");
+    for (size_t i = 0; i < chunk.size(); ++i) {
+      const uint32_t number = label_at(label, i);
+      if (!chunk.is_hit(i) || number >= elements::kClassNames.size() ||
+          elements::kind_of(Class(number)) == elements::ClassKind::kOther) {
+        continue;
+      }
+      visit(chunk.end_point(i), Class(number), label_at(instance, i));
+    }
+    if (progress) progress(done += chunk.size(), labelled.size());
+  }
 }
 
 MeasuredObjects measure_objects(BeamSource& labelled, const GroundSurface& ground,
@@ -108,33 +125,20 @@ MeasuredObjects measure_objects(BeamSource& labelled, const GroundSurface& groun
   MeasuredObjects out;
   std::map<Key, Cloud> clouds;
   std::map<uint32_t, std::map<Class, size_t>> votes;
-  size_t done = 0;
-  labelled.rewind();
-  for (BeamLog chunk; labelled.next(chunk);) {
-    require_labels(chunk);
-    const ExtraColumn& label = chunk.extra.at("class");
-    const ExtraColumn& instance = chunk.extra.at("instance");
-    for (size_t i = 0; i < chunk.size(); ++i) {
-      const uint32_t number = label_at(label, i);
-      if (!chunk.is_hit(i) || number >= elements::kClassNames.size()) continue;
-      const auto c = Class(number);
-      const elements::ClassKind kind = elements::kind_of(c);
-      if (kind == elements::ClassKind::kOther) continue;
-      Key key{label_at(instance, i)};
-      if (key.instance == 0) {
-        ++out.without_instance;
-        continue;
-      }
-      const Vec3 p = chunk.end_point(i);
-      if (kind == elements::ClassKind::kPatch) {
-        key.i = int32_t(std::floor(p.x() / o.cell_m));
-        key.j = int32_t(std::floor(p.y() / o.cell_m));
-      }
-      clouds[key].add(p);
-      ++votes[key.instance][c];
+  const auto gather = [&](const Vec3& p, Class c, uint32_t instance) {
+    if (instance == 0) {
+      ++out.without_instance;
+      return;
     }
-    if (progress) progress(done += chunk.size(), labelled.size());
-  }
+    Key key{instance};
+    if (elements::kind_of(c) == elements::ClassKind::kPatch) {
+      key.i = int32_t(std::floor(p.x() / o.cell_m));
+      key.j = int32_t(std::floor(p.y() / o.cell_m));
+    }
+    clouds[key].add(p);
+    ++votes[instance][c];
+  };
+  for_each_object_hit(labelled, gather, progress);
   for (const auto& [key, cloud] : clouds) {
     if (cloud.seen < o.min_points) {
       ++out.few_points;

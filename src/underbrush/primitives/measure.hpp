@@ -42,8 +42,11 @@ MeasuredObjects measure_objects(BeamSource& labelled, const GroundSurface& groun
 /// Column `name` at row i as a number, 0 below it.
 uint32_t label_at(const ExtraColumn& column, size_t i);
 
-/// Throws `std::invalid_argument` unless the chunk has the columns `class` and `instance` and its
-/// classes are ours.
-void require_labels(const BeamLog& chunk);
+/// Calls `visit` for each hit of a log with an object's class, in the log's order: its end point,
+/// class and instance (0 = none). Reads the log once, from its start. Throws
+/// `std::invalid_argument` for a log without the columns `class` (ours) and `instance`.
+void for_each_object_hit(BeamSource& labelled,
+                         const std::function<void(const Vec3&, elements::Class, uint32_t)>& visit,
+                         const MeasureProgress& progress = {});
 
 }  // namespace underbrush::primitives
