@@ -7,6 +7,7 @@
 #include <cmath>
 #include <set>
 
+#include "drive_past.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/simulate/simulate.hpp"
@@ -17,39 +18,11 @@ namespace {
 /// A log of a known world: flat ground under a permeable bush and a dense one, seen from a drive
 /// past. Every beam's truth is a hit on bush or ground, or a miss above.
 BeamLog drive_past_bushes(uint64_t seed, const Vec3& at = Vec3::Zero(), size_t beams = 60000) {
-  elements::Model truth;
-  truth.origin = at;
-  truth.tau = 3;
-  truth.ground.vertices = {{-60, -60, 0}, {60, -60, 0}, {60, 60, 0}, {-60, 60, 0}};
-  truth.ground.triangles = {{0, 1, 2}, {0, 2, 3}};
-  truth.ground.hit.resize(2);
-  truth.ground.range_sigma_m = 0.02;
+  elements::Model truth = test::flat_ground(60, at);
   for (int k = 0; k < 2; ++k) {
-    elements::Ellipsoid e;
-    e.mean = Vec3f(0, k ? 8.0f : -8.0f, 1.2f);
-    e.set_covariance(Vec3(0.3, 0.3, 0.2).asDiagonal());
-    e.hit.p = k ? 0.9f : 0.4f;
-    truth.ellipsoids.push_back(e);
+    test::add_bush(Vec3f(0, k ? 8.0f : -8.0f, 1.2f), Vec3(0.3, 0.3, 0.2), k ? 0.9f : 0.4f, truth);
   }
-  BeamLog log;
-  log.info.max_range_m = 50;
-  log.info.min_range_m = 0.5;
-  log.info.has_misses = true;
-  Stream random(seed);
-  log.resize(beams);
-  for (size_t i = 0; i < log.size(); ++i) {
-    const double azimuth = random.uniform(0, 2 * M_PI), elevation = random.uniform(-0.4, 0.1);
-    log.origin[i] = at + Vec3(-6 + 12 * double(i) / double(log.size()), 0, 1.8);
-    log.direction[i] =
-        Vec3f(float(std::cos(azimuth) * std::cos(elevation)),
-              float(std::sin(azimuth) * std::cos(elevation)), float(std::sin(elevation)));
-    log.scan[i] = uint32_t(i / 3000);
-  }
-  const trace::World world(truth);
-  simulate::Options options;
-  options.seed = seed;
-  simulate::simulate(world, options, 0, log);
-  return log;
+  return test::drive_past(truth, seed, beams, 3000, -0.4);
 }
 
 double opacity_towards(const elements::Model& model, const Vec3& target, const Vec3& at) {

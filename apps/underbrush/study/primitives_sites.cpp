@@ -5,11 +5,9 @@
 #include <set>
 
 #include "study/primitives.hpp"
+#include "study/site_drive.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/log_file.hpp"
-#include "underbrush/scene/test_site.hpp"
-#include "underbrush/sensor/pattern.hpp"
-#include "underbrush/simulate/footprint.hpp"
 
 namespace underbrush::app {
 namespace fs = std::filesystem;
@@ -29,32 +27,16 @@ BeamLog drive_through(uint64_t seed, bool quick) {
     parameters.tussocks_per_m2 = parameters.mowed_per_m2 = 0.5;
   }
   const uint32_t every = quick ? 8 : 10;
-  const scene::Site site = scene::make_site(parameters);
-  const scene::FlatSite flat = scene::flatten(site);
-  const trace::World world(flat.model);
-  const sensor::Sensor sensor = sensor::load(quick ? "velodyne-vlp16" : "velodyne-hdl32e");
-  const auto& poses = site.world_from_sensor.poses();
-  sensor::PatternSource pattern(sensor, site.world_from_sensor, poses.front().time_s,
-                                poses.back().time_s, 1 << 18);
-  simulate::FootprintOptions beam;
-  beam.seed = seed;
-  beam.shape = sensor.beam;
-  beam.range_sigma_m = sensor.range_sigma_m;
-  beam.element_ids = true;
+  const GeneratedSite site(parameters);
+  SiteDrive drive(site, sensor::load(quick ? "velodyne-vlp16" : "velodyne-hdl32e"), seed);
   BeamLog out;
-  out.info = pattern.info();
-  out.info.has_misses = true;
-  out.info.classes = "underbrush";
-  for (BeamLog chunk; pattern.next(chunk);) {
+  out.info = drive.info();
+  for (BeamLog chunk; drive.next(chunk);) {
     BeamLog part = chunk.like();
     for (size_t i = 0; i < chunk.size(); ++i) {
       if (chunk.scan[i] % every == 0) part.append(chunk, i);
     }
-    simulate::scan(world, flat.label, beam, out.size(), part);
-    auto& element = std::get<std::vector<uint32_t>>(part.extra.at("element"));
-    for (uint32_t& e : element) e = e < flat.instance.size() ? flat.instance[e] : 0;
-    part.extra["instance"] = std::move(element);
-    part.extra.erase("element");
+    drive.answer(out.size(), part);
     out.append(part, 0, part.size());
   }
   std::erase_if(out.info.scans, [&](const ScanInfo& s) { return s.scan % every != 0; });

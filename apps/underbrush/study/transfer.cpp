@@ -8,11 +8,9 @@
 #include <cmath>
 #include <map>
 
+#include "study/site_drive.hpp"
 #include "study/studies.hpp"
 #include "underbrush/metrics/score.hpp"
-#include "underbrush/scene/test_site.hpp"
-#include "underbrush/sensor/pattern.hpp"
-#include "underbrush/simulate/footprint.hpp"
 #include "underbrush/simulate/simulate.hpp"
 
 namespace underbrush::app {
@@ -47,27 +45,19 @@ Band common_band() {
 /// Of every 2 n scans the first trains and the middle one tests, n such that all sensors train on
 /// about as many beams. Test beams outside `band` are left out: another sensor may never have
 /// looked there.
-SensorLogs drive_through(const std::string& name, const Band& band, const scene::Site& site,
-                         const scene::FlatSite& flat, const trace::World& world, uint64_t seed) {
+SensorLogs drive_through(const std::string& name, const Band& band, const GeneratedSite& site,
+                         uint64_t seed) {
   const sensor::Sensor sensor = sensor::load(name);
   double least = sensor.beams_per_s();
   for (const char* other : kSensors) least = std::min(least, sensor::load(other).beams_per_s());
   const auto half = uint32_t(std::lround(sensor.beams_per_s() / least));
-  const auto& poses = site.world_from_sensor.poses();
-  sensor::PatternSource pattern(sensor, site.world_from_sensor, poses.front().time_s,
-                                poses.back().time_s, 1 << 18);
-  simulate::FootprintOptions beam;
-  beam.seed = seed;
-  beam.shape = sensor.beam;
-  beam.range_sigma_m = sensor.range_sigma_m;
+  SiteDrive drive(site, sensor, seed);
   SensorLogs out;
   out.range_sigma_m = sensor.range_sigma_m;
-  out.train.info = pattern.info();
-  out.train.info.has_misses = true;
-  out.test.info = out.train.info;
+  out.train.info = out.test.info = drive.info();
   BeamLog chunk;
   size_t done = 0;
-  while (pattern.next(chunk)) {
+  while (drive.next(chunk)) {
     BeamLog part[2] = {chunk.like(), chunk.like()};
     for (size_t i = 0; i < chunk.size(); ++i) {
       const double elevation = sensor.channels[chunk.ring[i]].elevation_rad;
@@ -77,7 +67,7 @@ SensorLogs drive_through(const std::string& name, const Band& band, const scene:
       if (phase == half && shared) part[1].append(chunk, i);
     }
     for (int k = 0; k < 2; ++k) {
-      simulate::scan(world, flat.label, beam, done, part[k]);
+      drive.answer(done, part[k]);
       part[k].extra.clear();
       (k ? out.test : out.train).append(part[k], 0, part[k].size());
     }
@@ -115,14 +105,12 @@ StudyResult study_transfer(const StudyRun& run) {
   parameters.terrain.size_y_m = run.quick ? 14 : 30;
   parameters.trees = run.quick ? 3 : 12;
   parameters.shrubs = run.quick ? 8 : 40;
-  const scene::Site site = scene::make_site(parameters);
-  const scene::FlatSite flat = scene::flatten(site);
-  const trace::World world(flat.model);
+  const GeneratedSite site(parameters);
   const Band band = common_band();
   std::map<std::string, SensorLogs> logs;
   std::map<std::string, elements::Model> models;
   for (const char* name : kSensors) {
-    logs[name] = drive_through(name, band, site, flat, world, run.seed);
+    logs[name] = drive_through(name, band, site, run.seed);
     run.say(fmt::format("{}: {} beams train, {} test", name, logs[name].train.size(),
                         logs[name].test.size()));
     fit::FitOptions options;
