@@ -185,6 +185,7 @@ TEST(Extract, TheCentreRuleSharesElementsOfOverlappingBoxes) {
 TEST(Extract, PatchesAreCutIntoCells) {
   Stream random(3);
   std::vector<Vec3> points;
+  points.reserve(6000);
   for (int k = 0; k < 6000; ++k) {
     points.emplace_back(random.uniform(0, 6), random.uniform(0, 4), random.uniform(0.1, 1));
   }

@@ -165,11 +165,12 @@ Spread spread_of(std::span<const double> values) {
   s.sd = std::sqrt(squares / (n - 1));
   // 97.5 % point of Student's t; beyond the table by the expansion about the normal's.
   constexpr double kFirst[] = {12.7062, 4.3027, 3.1824, 2.7764};
-  constexpr double z = 1.959964, z3 = z * z * z, z5 = z3 * z * z, z7 = z5 * z * z;
+  constexpr double kZ = 1.959964, kZ3 = kZ * kZ * kZ, kZ5 = kZ3 * kZ * kZ, kZ7 = kZ5 * kZ * kZ;
   const double nu = n - 1;
   const double t = nu <= 4 ? kFirst[size_t(nu) - 1]
-                           : z + (z3 + z) / (4 * nu) + (5 * z5 + 16 * z3 + 3 * z) / (96 * nu * nu) +
-                                 (3 * z7 + 19 * z5 + 17 * z3 - 15 * z) / (384 * nu * nu * nu);
+                           : kZ + (kZ3 + kZ) / (4 * nu) +
+                                 (5 * kZ5 + 16 * kZ3 + 3 * kZ) / (96 * nu * nu) +
+                                 (3 * kZ7 + 19 * kZ5 + 17 * kZ3 - 15 * kZ) / (384 * nu * nu * nu);
   s.reach = t * s.sd / std::sqrt(n);
   return s;
 }

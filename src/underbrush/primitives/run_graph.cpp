@@ -67,6 +67,7 @@ void RunGraph::choose_cell() {
     std::map<std::array<int32_t, 2>, uint32_t> square;  // of 1 m
     for (const Bin& b : bins_) square[{floor_div(b.y, 5), floor_div(b.x, 5)}] += b.points;
     std::vector<uint32_t> counts;
+    counts.reserve(square.size());
     for (const auto& [at, n] : square) counts.push_back(n);
     std::nth_element(counts.begin(), counts.begin() + long(counts.size() / 2), counts.end());
     const double per_m2 = counts[counts.size() / 2];
