@@ -1,6 +1,7 @@
 // Fitting speed of each method: whole fits as multiples of a real sensor's rate, at a quarter, half
-// and all of the log; the clusterings alone on the points of its tiles that are not ground. Fits a
-// log if one is given, else a scanned generated site.
+// and all of the log, with the exponent of growth from a quarter to all, time ∝ beams^e; the
+// clusterings alone on the points of its tiles that are not ground. Fits a log if one is given, else
+// a scanned generated site.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -92,15 +93,15 @@ int main(int argc, char** argv) {
   size_t points = 0;
   for (const Tile& t : tiles) points += t.point.size();
   std::printf("%zu beams, %zu points not ground, %d threads\n", log.size(), points, threads());
-  std::printf("%-28s %9s %9s %9s %8s %9s %12s %8s\n", "fit, M beams/s", "1/4", "1/2", "all",
-              "x HDL64E", "elements", "clustering", "x voxel");
+  std::printf("%-28s %9s %9s %9s %8s %8s %9s %12s %8s\n", "fit, M beams/s", "1/4", "1/2", "all",
+              "growth", "x HDL64E", "elements", "clustering", "x voxel");
   nlohmann::ordered_json results;
   const std::vector<std::string> volumetric = fit::volumetric_fitters();
   double voxel_s = 0;
   for (const Method& m : methods()) {
     nlohmann::ordered_json& j = results[m.label];
     std::printf("%-28s", m.label);
-    double rate = 0;
+    double rate = 0, quarter_s = 0, growth = 0;
     size_t elements = 0;
     for (const int part : {4, 2, 1}) {
       BeamLog some = log.like();
@@ -110,14 +111,17 @@ int main(int argc, char** argv) {
         const elements::Model model = fit::fit(source, m.options).model;
         elements = model.ellipsoids.size() + model.surface.size();
       });
+      if (part == 4) quarter_s = s;
+      growth = std::log(s / quarter_s) / std::log(4.0 / part);
       rate = double(some.size()) / s;
       j["fit_beams_per_s_of_1_" + std::to_string(part)] = rate;
       std::printf(" %9.3f", rate / 1e6);
       std::fflush(stdout);
     }
     j["hdl64e_realtime_multiple"] = rate / bench::kHdl64eBeamsPerS;
+    j["growth_exponent"] = growth;
     j["elements"] = elements;
-    std::printf(" %8.2f %9zu", rate / bench::kHdl64eBeamsPerS, elements);
+    std::printf(" %8.2f %8.2f %9zu", growth, rate / bench::kHdl64eBeamsPerS, elements);
     if (std::count(volumetric.begin(), volumetric.end(), m.options.fitter)) {
       const double s = least_seconds(runs, [&] {
         for (const Tile& t : tiles) {
