@@ -1,7 +1,7 @@
 // Fitting speed of each method: whole fits as multiples of a real sensor's rate, at a quarter, half
 // and all of the log, with the exponent of growth from a quarter to all, time ∝ beams^e; the
-// clusterings alone on the points of its tiles that are not ground. Fits a log if one is given, else
-// a scanned generated site.
+// clusterings alone on the points of its tiles that are not ground. Fits a log if one is given,
+// else a scanned generated site.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>

@@ -146,8 +146,8 @@ BeamLog rings(const std::filesystem::path& file, int parity) {
   return out;
 }
 
-/// The odd rings of real logs answered by a model learnt from the even ones, and by one from the odd
-/// ones: other elevations, but the same sensor. No part of the verdict.
+/// The odd rings of real logs answered by a model learnt from the even ones, and by one from the
+/// odd ones: other elevations, but the same sensor. No part of the verdict.
 void add_interlaced_logs(const StudyRun& run, StudyResult& result) {
   constexpr double kVehicleM = 2;  // returns nearer than this are of the vehicle that drives
   StudyTable table = empty_table(
