@@ -37,6 +37,7 @@ FITTERS = {"hybrid": ["--fitter", "hierarchical"], "surface": ["--fitter", "surf
            "voxel": ["--fitter", "voxel", "--voxel-side", "0.3"],
            "top_down": ["--fitter", "top_down"], "bottom_up": ["--fitter", "bottom_up"],
            "likelihood": ["--fitter", "likelihood"],
+           "likelihood_voxel": ["--fitter", "likelihood", "--start", "voxel", "--voxel-side", "0.3"],
            "likelihood_top_down": ["--fitter", "likelihood", "--start", "top_down"],
            "likelihood_bottom_up": ["--fitter", "likelihood", "--start", "bottom_up"]}
 # Models whose parameters optimize tunes first: its options, and on which seconds of the training half (so

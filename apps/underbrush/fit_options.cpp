@@ -9,7 +9,8 @@ void add_fit_options(CLI::App& app, fit::FitOptions& fit) {
   option("--fitter", fit.fitter, "How the model is made")
       ->check(CLI::IsMember(fit::fitter_names()));
   option("--start", fit.start, "likelihood: what it starts from, a fitter or a model's folder");
-  option("--rounds", fit.likelihood.rounds, "likelihood: most steps that are tried");
+  option("--rounds", fit.likelihood.rounds,
+         "likelihood: most rearrangements at first, and most steps after them");
   option("--held-out", fit.likelihood.held_out.one_in,
          "likelihood: one group of beams in so many judges the steps and is not learnt from");
   option("--dropout", fit.likelihood.dropout,

@@ -143,6 +143,34 @@ TEST(Likelihood, EveryAcceptedStepRaisesTheHeldOutLikelihoodAndAddsNoElements) {
   EXPECT_EQ(expect(r.model, source, likelihood_options(options).held_out, {}).held_out_nll, best);
 }
 
+TEST(Likelihood, MergesRedundantElementsBeforeTheyLearnNoise) {
+  elements::Model start = known_model();
+  for (int k = 0; k < 5; ++k) {
+    std::vector<elements::Ellipsoid> parts;
+    for (const elements::Ellipsoid& e : start.ellipsoids) {
+      for (const elements::Ellipsoid& half : halves(e)) parts.push_back(half);
+    }
+    start.ellipsoids = std::move(parts);
+  }
+  Stream random(19);
+  for (elements::Ellipsoid& e : start.ellipsoids) {  // as if fitted to a few beams each
+    for (int k = 0; k < 3; ++k) e.mean[k] += float(random.uniform(-0.2, 0.2));
+    e.density_per_m *= float(std::exp(random.uniform(-2, 2)));
+  }
+  const BeamLog log = log_of(known_model(), 17, 20000);
+  MemorySource source(log);
+  LikelihoodOptions options;
+  options.rounds = 2;  // none of the rearrangements that come later
+  const Refined merging = refine(start, source, options);
+  options.rearrangement.share = 0;
+  const Refined keeping = refine(start, source, options);
+  EXPECT_LE(merging.model.ellipsoids.size(), start.ellipsoids.size() / 2);
+  const BeamLog fresh = log_of(known_model(), 18, 20000);
+  MemorySource test(fresh);
+  EXPECT_LT(expect(merging.model, test, HeldOut{0}, {}).training_nll,
+            expect(keeping.model, test, HeldOut{0}, {}).training_nll);
+}
+
 TEST(Likelihood, ABrokenMStepIsNoticedAndUndone) {
   const elements::Model truth = known_model();
   const BeamLog log = log_of(truth, 13, 20000);

@@ -47,6 +47,17 @@ std::string verdict(std::span<const Check> checks) {
   return short_of.empty() ? "holds" : "falls short: " + short_of;
 }
 
+std::vector<fs::path> halved_logs(const fs::path& data) {
+  std::vector<fs::path> logs;
+  for (const auto& entry : fs::directory_iterator(data)) {
+    if (fs::exists(entry.path() / "train.ply") && fs::exists(entry.path() / "test.ply")) {
+      logs.push_back(entry.path());
+    }
+  }
+  std::sort(logs.begin(), logs.end());
+  return logs;
+}
+
 std::string text_of(const StudyTable& table) {
   std::vector<size_t> width(table.head.size());
   const auto widen = [&](const std::vector<std::string>& row) {

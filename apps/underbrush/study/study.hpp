@@ -40,6 +40,9 @@ struct StudyTable {
 std::string text_of(const StudyTable& table);
 std::string html_of(const StudyTable& table);
 
+/// Folders of `data` that hold the halves of a log, train.ply and test.ply, in order of name.
+std::vector<std::filesystem::path> halved_logs(const std::filesystem::path& data);
+
 /// What a study found.
 struct StudyResult {
   std::string lead;  ///< One sentence: what stands against what.

@@ -60,18 +60,6 @@ StudyTable table_of(const std::string& log, const std::vector<std::string>& name
   return table;
 }
 
-/// Logs: folders with a train.ply and a test.ply, in order of name.
-std::vector<fs::path> logs_in(const fs::path& data) {
-  std::vector<fs::path> logs;
-  for (const auto& entry : fs::directory_iterator(data)) {
-    if (fs::exists(entry.path() / "train.ply") && fs::exists(entry.path() / "test.ply")) {
-      logs.push_back(entry.path());
-    }
-  }
-  std::sort(logs.begin(), logs.end());
-  return logs;
-}
-
 /// `likelihood` must be the best of all on NLL, CRPS and F1.
 void add_checks(const std::string& log, const std::vector<std::string>& names,
                 const std::vector<MobileScore>& scores, std::vector<Check>& checks) {
@@ -95,7 +83,7 @@ void add_mobile_logs(const StudyRun& run, StudyResult& result) {
     result.notes.push_back("the mobile experiment was left out: no --data folder of logs");
     return;
   }
-  const std::vector<fs::path> logs = logs_in(run.data);
+  const std::vector<fs::path> logs = halved_logs(run.data);
   if (logs.empty()) {
     result.notes.push_back("the mobile experiment was left out: no folder in " + run.data.string() +
                            " holds train.ply and test.ply");

@@ -85,13 +85,16 @@ Refined refine(const elements::Model& start, BeamSource& source, const Likelihoo
   Climb climb(start, source, options, progress);
   const MaximisationOptions& m = options.maximisation;
   climb.attempt("density", with_densities(climb.model(), options.range_noise_m), 2);
+  const auto rearrange = [&](int m_steps) {
+    return climb.attempt("rearrange",
+                         rearranged(climb.model(), climb.sums(), options.rearrangement), m_steps);
+  };
+  // Redundant ellipsoids of a few beams each would take up those beams' noise in every M-step.
+  for (int round = 0; round < options.rounds && rearrange(2); ++round) {
+  }
   double stride = 0.5;
   for (int round = 0; round < options.rounds; ++round) {
-    if (round % 3 == 2 &&
-        climb.attempt("rearrange", rearranged(climb.model(), climb.sums(), options.rearrangement),
-                      1)) {
-      continue;
-    }
+    if (round % 3 == 2 && rearrange(1)) continue;
     if (climb.attempt("maximise", maximised(climb.model(), climb.sums(), m, stride), 0)) continue;
     if ((stride *= 0.3) < 0.05) break;
   }

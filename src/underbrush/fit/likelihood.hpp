@@ -14,7 +14,7 @@ namespace underbrush::fit {
 /// Options of `refine`.
 struct LikelihoodOptions {
   HeldOut held_out;
-  int rounds = 12;             ///< Most steps that are tried after the first.
+  int rounds = 12;             ///< Most rearrangements at first, and most steps after them.
   double least_gain = 0.0005;  ///< A step must lower the held-out −log f by this, nats a beam.
   /// Weight of "its return was lost" for a beam without one, when credit is given. Near 0 every
   /// lone miss makes what stands in its way permeable, which is the best likelihood; a simulation
@@ -48,8 +48,9 @@ struct Refined {
 };
 
 /// Refines `start` by steps, each of which must raise the likelihood of the beams held out or is
-/// undone: densities for hit probabilities; M-steps (`maximised`); rearrangements (`rearranged`),
-/// which never add to the number of elements. Reads the source once a step; memory grows with the
+/// undone: densities for hit probabilities; rearrangements (`rearranged`), which never add to the
+/// number of elements, for as long as they help; M-steps (`maximised`), every third time a
+/// rearrangement. Reads the source once a step; memory grows with the
 /// model. The same bits for any number of threads and any order of the beams. Ellipsoids bounded by
 /// voxels are refused (`std::invalid_argument`): their means move.
 /// `progress(stage, done, total)` may be empty.

@@ -8,7 +8,7 @@ namespace underbrush::fit {
 /// Options of `rearranged`.
 struct RearrangementOptions {
   double least_hits = 0.5;  ///< An ellipsoid with fewer soft hits is redundant.
-  double share = 0.05;      ///< Most merges at a time, as a share of the ellipsoids.
+  double share = 0.3;       ///< Most merges at a time, as a share of the ellipsoids.
   /// Most that a merge may cost the points, nats; ten parameters are saved by it.
   double largest_cost = 5;
   double split_share = 0.5;  ///< Splits for each ellipsoid that was removed or merged away.
