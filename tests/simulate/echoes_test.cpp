@@ -268,7 +268,11 @@ TEST(Reflection, TakesTheMaterialOfTheInstanceThenOfItsClassThenOfTheElement) {
     trace::Met met;
     met.element = element;
     met.instance = instance;
-    return double(asker.factor(met, Vec3::UnitX()));
+    const Ray ray{Vec3::Zero(), Vec3::UnitX()};
+    const uint32_t first = 0;
+    float got = 0;
+    asker.factors({&met, 1}, {&ray, 1}, {&first, 1}, {&got, 1});
+    return double(got);
   };
   EXPECT_NEAR(factor(0, 0), 0.99, 1e-6);
   EXPECT_NEAR(factor(2, 0), 2.0 / 3 * 0.86, 1e-6);

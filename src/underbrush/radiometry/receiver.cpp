@@ -6,7 +6,7 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/rng.hpp"
-#include "underbrush/radiometry/clones.hpp"
+#include "underbrush/core/clones.hpp"
 
 namespace underbrush::radiometry {
 namespace {

@@ -39,10 +39,11 @@ class Reflection {
     Asker(const Reflection& reflection, const Surroundings& surroundings);
     /// To be called before the sub-rays of a beam: its axis and time.
     void begin(const Vec3& axis, double time_s);
-    /// The factor of what a sub-ray with `direction` met: of a triangle ρ · `backscatter` at the
-    /// angle to its normal, whichever side is lit; of an ellipsoid ρ · `Foliage::backscatter` at
-    /// the zenith angle of the beam's axis.
-    float factor(const trace::Met& met, const Vec3& direction);
+    /// The factors of what some of a beam's `rays` met, those of the numbers `sub_ray`: of a
+    /// triangle ρ · `backscatter` at the angle to its normal, whichever side is lit; of an
+    /// ellipsoid ρ · `Foliage::backscatter` at the zenith angle of the beam's axis.
+    void factors(std::span<const trace::Met> met, std::span<const Ray> rays,
+                 std::span<const uint32_t> sub_ray, std::span<float> factor);
 
    private:
     struct Triangle {
@@ -52,8 +53,8 @@ class Reflection {
     };
     static constexpr size_t kRemembered = 256;
     void enter(uint32_t instance);
-    const Triangle& triangle(const trace::Met& met);
-    float leaves(uint32_t label);
+    void remember(const trace::Met& met, Triangle& t);
+    float leaves(size_t coat);
 
     const Reflection& reflection_;
     const Surroundings& surroundings_;
