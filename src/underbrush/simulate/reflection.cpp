@@ -60,10 +60,19 @@ Reflection::Asker::Asker(const Reflection& reflection, const Surroundings& surro
       leaves_(reflection.coats_.size(), -1) {}
 
 void Reflection::Asker::begin(const Vec3& axis, double time_s) {
-  cos_zenith_ = axis.z();
-  std::fill(leaves_.begin(), leaves_.end(), -1.0F);
-  if (surroundings_.moves() && time_s != time_s_) triangles_.assign(kRemembered, {});
+  if (surroundings_.moves() && time_s != time_s_) {
+    triangles_.assign(kRemembered, {});
+    instance_ = Met::kNone;
+  }
+  axis_ = axis;
   time_s_ = time_s;
+  set_zenith();
+}
+
+void Reflection::Asker::set_zenith() {
+  const double c = up_.dot(axis_);
+  if (c != cos_zenith_) std::fill(leaves_.begin(), leaves_.end(), -1.0F);
+  cos_zenith_ = c;
 }
 
 void Reflection::Asker::enter(uint32_t instance) {
@@ -71,6 +80,8 @@ void Reflection::Asker::enter(uint32_t instance) {
   model_ = &surroundings_.model(instance);
   first_ellipsoid_ = uint32_t(model_->ground.size() + model_->surface.size());
   coat_ = reflection_.coat_of(instance);
+  up_ = surroundings_.placed(instance, time_s_).world_from_model.rotation * Vec3::UnitZ();
+  set_zenith();
 }
 
 void Reflection::Asker::remember(const Met& met, Triangle& t) {
