@@ -1,6 +1,5 @@
 #!/usr/bin/env python3
 """From labels to scenes as users of the command line meet them; what is wrong with annotations."""
-import argparse
 import base64
 import csv
 import json
@@ -9,7 +8,6 @@ import pathlib
 import re
 import shutil
 import struct
-import sys
 import unittest
 
 import cli_test
@@ -192,8 +190,4 @@ class Scenes(cli_test.OnALog):
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--program", required=True, type=pathlib.Path)
-    options, rest = parser.parse_known_args()
-    cli_test.PROGRAM = str(options.program.resolve())
-    unittest.main(argv=[sys.argv[0], *rest])
+    cli_test.main()

@@ -1,11 +1,9 @@
 #!/usr/bin/env python3
 """`study`, and `info --leaves`, as their users meet them; run as cli_test.py is."""
-import argparse
 import json
 import math
 import pathlib
 import random
-import sys
 import tempfile
 import unittest
 
@@ -120,8 +118,4 @@ class Leaves(cli_test.Failing):
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--program", required=True, type=pathlib.Path)
-    options, rest = parser.parse_known_args()
-    cli_test.PROGRAM = str(options.program.resolve())
-    unittest.main(argv=[sys.argv[0], *rest])
+    cli_test.main()

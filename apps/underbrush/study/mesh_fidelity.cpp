@@ -20,7 +20,8 @@ constexpr size_t kMostOfBoards = 8;  // triangles; a cartoon has more
 StudyTable sweep_table(const std::vector<PlantFigures>& plants) {
   StudyTable table{
       "Plants in a box of 45 m³, two OS1-64 on an approaching vehicle",
-      "μ, σ: of arccos n_z, rad; ε from (1.65, 0.747), inside: ε ≤ 0.11. Gap: of the distribution to "
+      "μ, σ: of arccos n_z, rad; ε from (1.65, 0.747), inside: ε ≤ 0.11. Gap: of the distribution "
+      "to "
       "the Gaussian of that μ and σ. ≥ 5/8: as many elements "
       "as 5/8 of the points. Memory: of "
       "vertices and triangles, or of the ellipsoids. Poses exact, as a simulator knows them; "
@@ -138,9 +139,12 @@ Json json_of(const LeafInclination& l) {
 }
 
 std::vector<std::string> cells(const LeafInclination& l) {
-  return {fmt::format("{}", l.points), fmt::format("{:.3f}", l.mean_rad),
-          fmt::format("{:.3f}", l.sigma_rad), fmt::format("{:.3f}", l.epsilon()),
-          l.is_realistic() ? "inside" : "outside", fmt::format("{:.3f}", l.gaussian_gap())};
+  return {fmt::format("{}", l.points),
+          fmt::format("{:.3f}", l.mean_rad),
+          fmt::format("{:.3f}", l.sigma_rad),
+          fmt::format("{:.3f}", l.epsilon()),
+          l.is_realistic() ? "inside" : "outside",
+          fmt::format("{:.3f}", l.gaussian_gap())};
 }
 
 std::vector<Check> sweep_checks(const std::vector<PlantFigures>& plants,

@@ -26,10 +26,10 @@ std::vector<SweepPlant> given_plants(const std::filesystem::path& folder);
 
 /// How a vehicle comes near and how well its scans are registered.
 struct ApproachOptions {
-  double tilt_rad = 0.026;      ///< Amplitude of pitch and roll, about 1 Hz.
-  double heave_m = 0.03;        ///< Amplitude.
-  double registration_m = 0;    ///< σ of a scan's registration, each axis.
-  double registration_rad = 0;  ///< The same of its turn.
+  double tilt_rad = 0.026;               ///< Amplitude of pitch and roll, about 1 Hz.
+  double heave_m = 0.03;                 ///< Amplitude.
+  double registration_m = 0;             ///< σ of a scan's registration, each axis.
+  double registration_rad = 0;           ///< The same of its turn.
   const char* sensor = "ouster-os1-64";  ///< Of the catalogue.
   bool lower = true;                     ///< Whether there is one below the other.
   double from_m = 17, to_m = 2;          ///< Before the plant's front, at 2.5 m/s.

@@ -48,11 +48,12 @@ void add_conditions(const StudyRun& run, const SweepPlant& plant, StudyResult& r
 }
 
 void add_sensors(const StudyRun& run, const std::vector<SweepPlant>& plants, StudyResult& result) {
-  StudyTable table{"The same plants by other sensors",
-                   "Single sensors stand where the upper one of the sweep does; a single scan is "
-                   "taken so far before the plant. Seen: heights above the ground, 1 and 99 %.",
-                   {"plant", "sensor", "from", "seen, m", "points", "μ", "σ", "ε", "criterion", "gap"},
-                   {}};
+  StudyTable table{
+      "The same plants by other sensors",
+      "Single sensors stand where the upper one of the sweep does; a single scan is "
+      "taken so far before the plant. Seen: heights above the ground, 1 and 99 %.",
+      {"plant", "sensor", "from", "seen, m", "points", "μ", "σ", "ε", "criterion", "gap"},
+      {}};
   const auto add = [&](const SweepPlant& plant, const std::string& sensor, const std::string& from,
                        const ApproachOptions& options) {
     const BeamLog beams = approach_beams(plant.plant, run.quick, options);

@@ -23,8 +23,8 @@ struct LeafInclination {
   double epsilon() const;
   bool is_realistic() const { return epsilon() <= kLargest; }
   /// The largest difference between the shares below a bin's end and those of the Gaussian with the
-  /// same μ and σ. The paper calls real clouds Gaussian and billboards and cartoons not, by eye; its
-  /// criterion has μ and σ alone.
+  /// same μ and σ. The paper calls real clouds Gaussian and billboards and cartoons not, by eye;
+  /// its criterion has μ and σ alone.
   double gaussian_gap() const;
 };
 

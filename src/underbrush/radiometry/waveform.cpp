@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "underbrush/core/check.hpp"
-#include "underbrush/core/rng.hpp"
 #include "underbrush/core/clones.hpp"
+#include "underbrush/core/rng.hpp"
 
 namespace underbrush::radiometry {
 namespace {
@@ -101,7 +101,9 @@ template <uint32_t kTaps>
 }
 
 UNDERBRUSH_CLONES void superpose(size_t n, const Placed& p, const Target& t) {
-  t.taps == 16 ? add_rows<16>(n, p, t) : t.taps == 24 ? add_rows<24>(n, p, t) : add_rows<0>(n, p, t);
+  t.taps == 16   ? add_rows<16>(n, p, t)
+  : t.taps == 24 ? add_rows<24>(n, p, t)
+                 : add_rows<0>(n, p, t);
 }
 
 /// Adds the lanes to the first and clears them.

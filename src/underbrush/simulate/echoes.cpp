@@ -150,9 +150,9 @@ void EchoMaker::receive(const BeamLog& beams, size_t first_beam, size_t begin, s
     returns.collect(met, {&s.keys[at], fan_.size()}, fan_.weight(), limits);
     s.asker.begin(beams.direction[i].cast<double>(), beams.time_s[i]);
     s.asker.factors(met, {&s.rays[at], fan_.size()}, returns.sub_ray(), returns.factor());
-    const radiometry::Echoes echoes = receiver_.receive(
-        returns.range_m(), returns.weight(), returns.factor(), returns.signal(),
-        beam_key(options_.seed, beams.scan[i], first_beam + i), s.waveform);
+    const radiometry::Echoes echoes =
+        receiver_.receive(returns.range_m(), returns.weight(), returns.factor(), returns.signal(),
+                          beam_key(options_.seed, beams.scan[i], first_beam + i), s.waveform);
     block.count.push_back(uint8_t(echoes.count));
     block.echo.insert(block.echo.end(), echoes.begin(), echoes.end());
     if (options_.element_ids) {

@@ -7,7 +7,7 @@
 namespace underbrush::simulate {
 namespace {
 
-constexpr size_t kNumbers = 6;             // of a ray
+constexpr size_t kNumbers = 6;              // of a ray
 constexpr size_t kTogether = 2 * kNumbers;  // whole registers
 
 static_assert(sizeof(Ray) == kNumbers * sizeof(double));
@@ -32,8 +32,7 @@ UNDERBRUSH_CLONES void place(size_t n, const double* __restrict along,
   size_t k = 0;
   for (; k + kTogether <= n; k += kTogether) {
     for (size_t j = 0; j < kTogether; ++j) {
-      out[k + j] =
-          along[k + j] * f.start[j] + (right[k + j] * f.right[j] + up[k + j] * f.up[j]);
+      out[k + j] = along[k + j] * f.start[j] + (right[k + j] * f.right[j] + up[k + j] * f.up[j]);
     }
   }
   for (size_t j = 0; k < n; ++k, ++j) {

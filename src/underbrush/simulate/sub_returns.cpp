@@ -14,12 +14,7 @@ UNDERBRUSH_CLONES void mix(size_t n, uint64_t* keys) {
 }  // namespace
 
 SubReturns::SubReturns(size_t most)
-    : sub_ray_(most),
-      range_m_(most),
-      weight_(most),
-      factor_(most),
-      signal_(most),
-      bits_(most) {}
+    : sub_ray_(most), range_m_(most), weight_(most), factor_(most), signal_(most), bits_(most) {}
 
 void SubReturns::collect(std::span<const trace::Met> met, std::span<const uint64_t> keys,
                          std::span<const float> weight, const trace::RangeLimits& limits) {
