@@ -9,6 +9,7 @@
 #include "svg_plot.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/rng.hpp"
+#include "underbrush/io/export.hpp"
 
 namespace underbrush::app {
 namespace {
@@ -186,6 +187,10 @@ StudyResult study_mesh_fidelity(const StudyRun& run) {
   const auto kind = [](const SweepPlant& p) { return p.name.substr(0, p.name.find(' ')); };
   for (size_t k = 0; k < sweep.size(); ++k) {
     const BeamLog scan = scan_of(sweep[k]);
+    if (!run.keep.empty()) {
+      std::filesystem::create_directories(run.keep);
+      io::export_log(run.keep / (sweep[k].name + ".ply"), scan, "", "{}");
+    }
     plants.push_back(figures_of(sweep[k], scan, run.seed));
     told(plants.back());
     const bool finest = k + 1 == sweep.size() || kind(sweep[k + 1]) != kind(sweep[k]);
