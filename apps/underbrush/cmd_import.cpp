@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <optional>
 #include <set>
 
+#include "keep.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/label_sets.hpp"
 #include "underbrush/io/input.hpp"
@@ -106,56 +106,6 @@ LogInfo log_info(const Arguments& a, const io::Input& input, const sensor::BeamO
   return info;
 }
 
-/// `--keep COLUMN=VALUE`: which rows are taken.
-class Keep {
- public:
-  explicit Keep(const Arguments& a) : file_(a.source) {
-    if (a.keep.empty()) return;
-    const size_t equals = a.keep.find('=');
-    char* end = nullptr;
-    if (equals != std::string::npos) value_ = std::strtod(a.keep.c_str() + equals + 1, &end);
-    require(end && *end == 0 && equals > 0 && equals + 1 < a.keep.size(),
-            "import: --keep: expected COLUMN=NUMBER");
-    column_ = a.keep.substr(0, equals);
-  }
-  bool all() const { return column_.empty(); }
-  std::string reason() const { return column_ + fmt::format(" is not {:g} (--keep)", value_); }
-
-  std::vector<size_t> rows(const std::map<std::string, ExtraColumn>& extra) const {
-    const auto column = extra.find(column_);
-    if (column == extra.end()) throw FormatError(file_, "header", "no column " + column_);
-    std::vector<size_t> out;
-    std::visit(
-        [&](const auto& values) {
-          for (size_t i = 0; i < values.size(); ++i) {
-            if (double(values[i]) == value_) out.push_back(i);
-          }
-        },
-        column->second);
-    return out;
-  }
-
- private:
-  std::string file_, column_;
-  double value_ = 0;
-};
-
-void keep_rows(const Keep& keep, PointScan& scan, std::map<std::string, size_t>& skipped) {
-  if (keep.all()) return;
-  const std::vector<size_t> rows = keep.rows(scan.extra);
-  if (const size_t left_out = scan.size() - rows.size()) skipped[keep.reason()] += left_out;
-  const auto take = [&](auto& column) {
-    if (column.empty()) return;
-    for (size_t k = 0; k < rows.size(); ++k) column[k] = column[rows[k]];
-    column.resize(rows.size());
-  };
-  take(scan.point);
-  take(scan.intensity);
-  take(scan.time_s);
-  take(scan.ring);
-  for (auto& [name, column] : scan.extra) std::visit(take, column);
-}
-
 // A beam has one outcome: several returns of one pulse would count as several beams.
 void note_echoes(const Keep& keep, const std::map<std::string, ExtraColumn>& extra,
                  std::vector<std::string>& notes) {
@@ -173,7 +123,7 @@ Counts import_scans(const Keep& keep, io::Input& input, io::LogWriter& writer,
   Progress progress("import");
   for (size_t k = 0; k < input.scans->size(); ++k) {
     PointScan scan = input.scans->read(k);
-    keep_rows(keep, scan, counts.beam.skipped);
+    keep.apply(scan, counts.beam.skipped);
     note_echoes(keep, scan.extra, input.notes);
     const BeamLog beams =
         sensor::beams_from_scan(scan, input.scans->trajectory(), options, counts.beam);
@@ -272,7 +222,7 @@ std::string table_of(const io::Input& input, const Counts& c, const std::string&
 void run(const Verb& verb, Arguments& a) {
   if (!a.frames.empty()) a.input.frames = io::frames_from_text(a.frames);
   a.writer.double_coordinates = !a.float_coordinates;
-  const Keep keep(a);
+  const Keep keep(a.source, a.keep);
   io::Input input = io::open_input(a.source, a.input);
   std::vector<std::filesystem::path> sources{a.source};
   for (const auto& file : {a.input.poses, a.input.times, a.input.labels}) {

@@ -186,6 +186,7 @@ void report_leaves(const Verb& verb, const std::string& file, bool all) {
                   {"mean_rad", l.mean_rad},
                   {"sigma_rad", l.sigma_rad},
                   {"epsilon", l.epsilon()},
+                  {"gaussian_gap", l.gaussian_gap()},
                   {"realistic", l.is_realistic()},
                   {"histogram", l.count}};
   verb.report(

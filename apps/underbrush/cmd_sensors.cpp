@@ -3,14 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sensor_echo.hpp"
 #include "svg_plot.hpp"
 #include "underbrush/core/check.hpp"
-#include "underbrush/core/rng.hpp"
-#include "underbrush/io/atomic_file.hpp"
-#include "underbrush/io/text.hpp"
-#include "underbrush/radiometry/link.hpp"
-#include "underbrush/radiometry/materials.hpp"
-#include "underbrush/radiometry/receiver.hpp"
 #include "underbrush/sensor/angles.hpp"
 #include "underbrush/sensor/pattern.hpp"
 #include "verb.hpp"
@@ -19,16 +14,11 @@
 namespace underbrush::app {
 namespace {
 
+using Arguments = SensorsArguments;
 using sensor::Sensor;
 
 constexpr double kDegree = M_PI / 180;
 constexpr size_t kMostDots = 4000;
-
-struct Arguments {
-  std::string action, name, plot, csv;
-  std::vector<std::string> targets;
-  double visibility_m = 0, rain_mm_per_h = 0;
-};
 
 std::string kind_of(const Sensor& s) {
   switch (s.kind) {
@@ -177,103 +167,6 @@ void show(const Verb& verb, const Arguments& a) {
   verb.report(j, table_of(j));
 }
 
-/// RANGE[:MATERIAL[:SHARE]].
-struct Target {
-  float range_m = 0, share = 0, factor = 0;
-};
-
-std::vector<Target> targets_of(const Arguments& a, const Sensor& s) {
-  const radiometry::Materials materials = radiometry::load_materials();
-  std::vector<Target> targets;
-  for (const std::string& word : a.targets) {
-    const size_t first = word.find(':'),
-                 second = word.find(':', std::min(first, word.size() - 1) + 1);
-    const auto range = io::number_of(word.substr(0, first));
-    const bool shared = first != std::string::npos && second != std::string::npos;
-    const auto share =
-        shared ? io::number_of(word.substr(second + 1)) : 1.0 / double(a.targets.size());
-    require(
-        range && share && *range > 0 && *share > 0 && *share <= 1,
-        "sensors echo: a target is RANGE, RANGE:MATERIAL or RANGE:MATERIAL:SHARE, shares 0 to 1");
-    const std::string name = first == std::string::npos
-                                 ? "grey_target"
-                                 : word.substr(first + 1, shared ? second - first - 1 : second);
-    const radiometry::Material& m = materials.named(name);
-    targets.push_back(
-        {float(*range), float(*share),
-         float(m.reflectance_at(s.wavelength_m) * radiometry::backscatter(m.surface, 1))});
-  }
-  return targets;
-}
-
-void write_csv(const radiometry::Waveform& waveform, const std::string& file) {
-  std::string text = "range_m,signal\n";
-  for (const auto& [range, signal] : radiometry::table_of(waveform)) {
-    text += fmt::format("{:.4f},{:.4f}\n", range, signal);
-  }
-  io::write_atomically(file, text);
-}
-
-void plot_waveform(const Sensor& s, const radiometry::Waveform& waveform,
-                   const radiometry::Echoes& echoes, const std::string& file) {
-  SvgPlot::Points points;
-  double top = 2 * s.signal.threshold_snr;
-  for (const auto& [range, signal] : radiometry::table_of(waveform)) {
-    if (!points.empty() && range - points.back().first > 1.5 * waveform.cell_m()) {
-      points.emplace_back(range, NAN);
-    }
-    points.emplace_back(range, signal);
-    top = std::max(top, signal);
-  }
-  SvgPlot plot(s.title + ": received signal", "range (m)", "signal / noise");
-  const double from = points.empty() ? 0 : points.front().first - 1;
-  const double to = points.empty() ? s.max_range_m : points.back().first + 1;
-  plot.x_axis(from, to);
-  plot.y_axis(-0.1 * top, 1.1 * top);
-  plot.line(points, "#1f6f4a");
-  plot.line({{from, s.signal.threshold_snr}, {to, s.signal.threshold_snr}}, "#b03030", true);
-  for (const radiometry::Echo& e : echoes) {
-    plot.line({{e.range_m, 0}, {e.range_m, e.peak}}, "#2050a0", true);
-    plot.text(e.range_m, 1.03 * double(e.peak), fmt::format("{:.3f} m", e.range_m));
-  }
-  plot.write(file);
-}
-
-void echo(const Verb& verb, const Arguments& a) {
-  const Sensor s = sensor::load(a.name);
-  double air = radiometry::rain_extinction_per_m(a.rain_mm_per_h);
-  if (a.visibility_m > 0) air += radiometry::fog_extinction_per_m(a.visibility_m, s.wavelength_m);
-  const radiometry::Receiver receiver(radiometry::receiver_options(s, air));
-  radiometry::Waveform waveform = receiver.scratch();
-  std::vector<float> range, weight, factor;
-  for (const Target& t : targets_of(a, s)) {
-    range.push_back(t.range_m);
-    weight.push_back(t.share);
-    factor.push_back(t.factor);
-  }
-  std::vector<float> signal(range.size());
-  const radiometry::Echoes echoes =
-      receiver.receive(range, weight, factor, signal, beam_key(verb.seed, 0, 0), waveform);
-  if (!a.csv.empty()) write_csv(waveform, a.csv);
-  if (!a.plot.empty()) plot_waveform(s, waveform, echoes, a.plot);
-  Json j;
-  j["sensor"] = s.name;
-  j["extinction_per_m"] = air;
-  j["signals"] = signal;
-  j["echoes"] = Json::array();
-  std::string table = fmt::format("{}: {} of {} targets' light, {} echoes\n", s.name, s.title,
-                                  range.size(), echoes.count);
-  for (const radiometry::Echo& e : echoes) {
-    j["echoes"].push_back({{"range_m", e.range_m},
-                           {"intensity", e.intensity},
-                           {"signal_to_noise", e.peak},
-                           {"pulse_width_m", e.width_m}});
-    table += fmt::format("  {:9.3f} m  intensity {:g}  signal/noise {:.1f}  pulse width {:.3f} m\n",
-                         e.range_m, e.intensity, e.peak, e.width_m);
-  }
-  verb.report(j, table);
-}
-
 void run(const Verb& verb, const Arguments& a) {
   if (a.action == "list") {
     require(a.name.empty() && a.plot.empty(), "sensors list: takes no name and draws no plot");
@@ -283,7 +176,7 @@ void run(const Verb& verb, const Arguments& a) {
   require(a.plot.empty() || a.plot.ends_with(".svg"), "sensors: --plot writes .svg files");
   if (a.action == "show") return show(verb, a);
   require(!a.targets.empty(), "sensors echo: give at least one --target");
-  echo(verb, a);
+  echo_of_sensor(verb, a);
 }
 
 }  // namespace

@@ -384,7 +384,9 @@ class Interrupted(OnALog):
             self.assertEqual(os.listdir(pathlib.Path(scratch, "demo")), [])
 
 
-if __name__ == "__main__":
+def main():
+    """The tests of the file that is run; `--program` says of which binary."""
+    global PROGRAM
     parser = argparse.ArgumentParser()
     parser.add_argument("--program", required=True, type=pathlib.Path)
     parser.add_argument("--update", action="store_true")
@@ -394,3 +396,7 @@ if __name__ == "__main__":
         update()
     else:
         unittest.main(argv=[sys.argv[0], *rest])
+
+
+if __name__ == "__main__":
+    main()

@@ -1,14 +1,13 @@
 #!/usr/bin/env python3
 """From labels to scenes as users of the command line meet them; what is wrong with annotations."""
-import argparse
 import base64
+import csv
 import json
 import math
 import pathlib
 import re
 import shutil
 import struct
-import sys
 import unittest
 
 import cli_test
@@ -53,6 +52,22 @@ class Scenes(cli_test.OnALog):
         self.json_of("simulate", "model", "--like", "log.ply", "--element-ids", "-o", "sim.ply")
         raw = pathlib.Path(self.folder, "sim.ply").read_bytes()
         self.assertNotIn(b" instance\n", raw[:raw.index(b"end_header")])
+
+    def test_echoes_of_an_instrument_name_the_plant_too(self):
+        self.json_of("compose", "site.json", "primitives", "-o", "scene")
+        pathlib.Path(self.folder, "poses.txt").write_text("0 0 0 1.5 0 0 0 1\n0.1 1 0 1.5 0 0 0 1\n")
+        words = ["simulate", "scene", "--sensor", "velodyne-vlp16", "--trajectory", "poses.txt", "--super-sample", "9",
+                 "--returns", "3", "-o", "echoes.csv"]
+        self.json_of(*words, "--element-ids")
+        with open(pathlib.Path(self.folder, "echoes.csv"), newline="") as file:
+            rows = [{k: float(v) for k, v in row.items()} for row in csv.DictReader(file)]
+        rows = [row for row in rows if row["element"] != 2**32 - 1]  # neither misses nor echoes of noise
+        self.assertTrue({row["instance"] for row in rows} > {0})
+        self.assertTrue(any(row["echo"] == 2 for row in rows))
+        self.assertEqual({row["element_class"] for row in rows if row["instance"] == 0}, {1})  # the ground
+        self.json_of(*words)
+        head = pathlib.Path(self.folder, "echoes.csv").read_text().splitlines()[0]
+        self.assertNotIn("instance", head)
 
     def annotation(self, change):
         site = json.loads(pathlib.Path(self.folder, "site.json").read_text())
@@ -176,8 +191,4 @@ class Scenes(cli_test.OnALog):
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--program", required=True, type=pathlib.Path)
-    options, rest = parser.parse_known_args()
-    cli_test.PROGRAM = str(options.program.resolve())
-    unittest.main(argv=[sys.argv[0], *rest])
+    cli_test.main()

@@ -1,10 +1,8 @@
 #!/usr/bin/env python3
 """`sensors` and the instruments of `simulate`, as their users meet them; run as cli_test.py is."""
-import argparse
 import csv
 import json
 import pathlib
-import sys
 import tempfile
 import unittest
 import xml.etree.ElementTree
@@ -168,8 +166,4 @@ class Instruments(cli_test.OnALog):
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--program", required=True, type=pathlib.Path)
-    options, rest = parser.parse_known_args()
-    cli_test.PROGRAM = str(options.program.resolve())
-    unittest.main(argv=[sys.argv[0], *rest])
+    cli_test.main()

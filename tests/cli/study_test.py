@@ -1,11 +1,9 @@
 #!/usr/bin/env python3
 """`study`, and `info --leaves`, as their users meet them; run as cli_test.py is."""
-import argparse
 import json
 import math
 import pathlib
 import random
-import sys
 import tempfile
 import unittest
 
@@ -71,6 +69,12 @@ class Study(cli_test.Failing):
             self.assertEqual(pair["corners"], 5)
             self.assertIn("Your pair: distances", pathlib.Path(folder, "r", "index.html").read_text())
             self.assertNotIn("your pair, mean distance", found["verdict"])
+            done = call("study", "verification", "--quick", "--json", "own.json", "--keep", "kept", cwd=folder)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            kept = json.loads(call(*words[:3], "--data", "kept", "--json", "-", cwd=folder).stdout)
+            own = json.loads(pathlib.Path(folder, "own.json").read_text())
+            self.assertAlmostEqual(kept["figures"]["own_pair"]["mean_patch_distance_m"],
+                                   own["figures"]["miniature"]["mean_patch_distance_m"], delta=1e-6)
             write_pair(pathlib.Path(folder), scale=1.03)
             done = call(*words, cwd=folder)
             self.assertRegex(done.stdout, "verdict: falls short: .*your pair, mean distance")
@@ -85,7 +89,7 @@ class Study(cli_test.Failing):
             pathlib.Path(folder, "meshes", "tent.obj").write_text(
                 "v 0 0 0\nv 0 2 0\nv 1 1 2\nv 2 0 0\nf 1 2 3\nf 1 3 4\n")
             done = call("study", "mesh-fidelity", "--quick", "--data", ".", "--json", "s.json", "--report", "r",
-                        cwd=folder)
+                        "--keep", "kept", cwd=folder)
             self.assertEqual(done.returncode, 0, done.stderr)
             found = json.loads(pathlib.Path(folder, "s.json").read_text())
             self.assertRegex(found["verdict"], "^(holds$|falls short: )")
@@ -95,6 +99,8 @@ class Study(cli_test.Failing):
             self.assertEqual(figures["plants"]["tent, given"]["elements"], 2)
             self.assertLess(figures["real"]["cube"]["epsilon"], 0.11)
             self.assertLessEqual({"exact poses", "odometry"}, set(figures["regression"]))
+            kept = json.loads(call("info", "kept/billboard.ply", "--leaves", "all", "--json", "-", cwd=folder).stdout)
+            self.assertAlmostEqual(kept["epsilon"], figures["plants"]["billboard"]["epsilon"], delta=1e-3)
             page = pathlib.Path(folder, "r", "index.html").read_text()
             for text in ("Realism distance against the number of triangles", "<svg", "published", "cube"):
                 self.assertIn(text, page)
@@ -120,8 +126,4 @@ class Leaves(cli_test.Failing):
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--program", required=True, type=pathlib.Path)
-    options, rest = parser.parse_known_args()
-    cli_test.PROGRAM = str(options.program.resolve())
-    unittest.main(argv=[sys.argv[0], *rest])
+    cli_test.main()

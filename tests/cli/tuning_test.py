@@ -1,11 +1,9 @@
 #!/usr/bin/env python3
 """`optimize` as its users meet it: the configuration that it writes, interruption and resumption."""
-import argparse
 import json
 import pathlib
 import signal
 import subprocess
-import sys
 import unittest
 
 import cli_test
@@ -134,8 +132,4 @@ class Tuning(cli_test.OnALog):
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--program", required=True, type=pathlib.Path)
-    options, rest = parser.parse_known_args()
-    cli_test.PROGRAM = str(options.program.resolve())
-    unittest.main(argv=[sys.argv[0], *rest])
+    cli_test.main()

@@ -48,6 +48,26 @@ TEST(LeafInclination, OfPointsWithoutOrderIsSpherical) {
   EXPECT_NEAR(folded, 0.5, 0.02);
 }
 
+TEST(LeafInclination, TheGapIsSmallOfAGaussianAndThatOfTheStepsOtherwise) {
+  LeafInclination leaves;
+  leaves.points = 1000000;
+  leaves.mean_rad = M_PI / 2;
+  leaves.sigma_rad = 0.4;
+  const auto below = [&](size_t k) {
+    const double angle = double(k) * M_PI / double(LeafInclination::kBins);
+    return 0.5 * std::erfc((leaves.mean_rad - angle) / (leaves.sigma_rad * std::sqrt(2.0)));
+  };
+  for (size_t k = 0; k < LeafInclination::kBins; ++k) {
+    leaves.count[k] = uint64_t(1e6 * (below(k + 1) - below(k)));
+  }
+  EXPECT_LT(leaves.gaussian_gap(), 1e-3);
+  // Two directions, half of the points each, at ±σ: ½ where the Gaussian has Φ(−1) or less.
+  leaves.count = {};
+  leaves.count[13] = leaves.count[22] = 500000;
+  EXPECT_NEAR(leaves.gaussian_gap(), 0.5 - below(14), 1e-6);
+  EXPECT_NEAR(leaves.gaussian_gap(), 0.31, 0.05);
+}
+
 TEST(LeafInclination, EpsilonIsTheDistanceOfThePaper) {
   LeafInclination leaves;
   leaves.mean_rad = 1.65 - 0.06;

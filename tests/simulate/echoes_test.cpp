@@ -244,37 +244,40 @@ TEST(Echoes, WaveformsOfTheChosenBeamsAreKept) {
   }
 }
 
-TEST(Reflection, TakesTheMaterialOfTheInstanceThenOfItsClassThenOfTheElement) {
+TEST(Echoes, SayWhichElementOfWhichInstanceTheyCameFrom) {
+  elements::Model half, wall;
+  add_sheet(half, {10, 0, -5}, {0, 10, 0}, {0, 0, 10});
+  add_wall(wall, 20);
   elements::Scene scene;
-  elements::Model model;
-  add_wall(model, 20);
-  elements::Ellipsoid e;
-  e.mean = Vec3f(10, 0, 0);
-  e.label = uint32_t(elements::Class::kGrass);
-  model.ellipsoids.push_back(e);
-  scene.models.push_back(model);
-  scene.instances.resize(3);
+  scene.models = {half, wall};
+  scene.instances.resize(2);
+  scene.instances[1].model = 1;
   const trace::World world(scene);
   const Surroundings surroundings(world);
-  radiometry::Materials m = radiometry::load_materials();
-  m.of_class = {{"unknown", "white_target"}, {"grass", "snow"}, {"large_tree", "grey_target"}};
-  InstanceKinds kinds;
-  kinds.label = {elements::Class::kUnknown, elements::Class::kLargeTree, elements::Class::kUnknown};
-  kinds.material = {"", "", "asphalt"};
-  const Reflection reflection(m, 905e-9, kinds);
-  Reflection::Asker asker(reflection, surroundings);
-  asker.begin(Vec3::UnitX(), 0);
-  const auto factor = [&](uint32_t element, uint32_t instance) {
-    trace::Met met;
-    met.element = element;
-    met.instance = instance;
-    return double(asker.factor(met, Vec3::UnitX()));
-  };
-  EXPECT_NEAR(factor(0, 0), 0.99, 1e-6);
-  EXPECT_NEAR(factor(2, 0), 2.0 / 3 * 0.86, 1e-6);
-  EXPECT_NEAR(factor(1, 1), 0.10, 1e-6);
-  EXPECT_NEAR(factor(2, 1), 2.0 / 3 * 0.10, 1e-6);
-  EXPECT_NEAR(factor(0, 2), 0.15 * radiometry::backscatter(m.named("asphalt").surface, 1), 1e-6);
+  const Reflection reflection(all_of("white_target"), 905e-9);
+  const Instrument instrument = quiet_instrument(8, 8);
+  EchoOptions options;
+  options.element_ids = true;
+  options.instance_labels = {elements::Class::kSmallShrub, elements::Class::kLargeTree};
+  EchoMaker maker(surroundings, reflection, instrument, options);
+  BeamLog beams = beams_along_x(20);
+  beams.direction[7] = -beams.direction[7];  // meets nothing
+  maker.answer(0, beams);
+  ASSERT_EQ(beams.size(), 39u);
+  size_t hits = 0;
+  for (size_t i = 0; i < beams.size(); ++i) {
+    if (!beams.is_hit(i)) {
+      EXPECT_EQ(column<uint32_t>(beams, "element")[i], trace::Met::kNone);
+      continue;
+    }
+    ++hits;
+    const bool far = column<uint8_t>(beams, kEchoColumn)[i] == 2;
+    EXPECT_NEAR(beams.range_m[i], far ? 20 : 10, 0.02);
+    EXPECT_EQ(column<uint32_t>(beams, "instance")[i], far ? 1u : 0u);
+    EXPECT_LT(column<uint32_t>(beams, "element")[i], 2u);
+    EXPECT_EQ(column<uint16_t>(beams, "element_class")[i], uint16_t(options.instance_labels[far]));
+  }
+  EXPECT_EQ(hits, 38u);
 }
 
 }  // namespace

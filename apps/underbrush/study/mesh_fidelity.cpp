@@ -9,6 +9,7 @@
 #include "svg_plot.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/rng.hpp"
+#include "underbrush/io/export.hpp"
 
 namespace underbrush::app {
 namespace {
@@ -20,11 +21,13 @@ constexpr size_t kMostOfBoards = 8;  // triangles; a cartoon has more
 StudyTable sweep_table(const std::vector<PlantFigures>& plants) {
   StudyTable table{
       "Plants in a box of 45 m³, two OS1-64 on an approaching vehicle",
-      "μ, σ: of arccos n_z, rad; ε from (1.65, 0.747), inside: ε ≤ 0.11. ≥ 5/8: as many elements "
+      "μ, σ: of arccos n_z, rad; ε from (1.65, 0.747), inside: ε ≤ 0.11. Gap: of the distribution "
+      "to "
+      "the Gaussian of that μ and σ. ≥ 5/8: as many elements "
       "as 5/8 of the points. Memory: of "
       "vertices and triangles, or of the ellipsoids. Poses exact, as a simulator knows them; "
       "odometry: the same scans registered to 2 cm and 0.1°.",
-      {"plant", "elements", "per m³", "kB", "points", "μ", "σ", "ε", "criterion", "≥ 5/8",
+      {"plant", "elements", "per m³", "kB", "points", "μ", "σ", "ε", "criterion", "gap", "≥ 5/8",
        "ε, odometry"},
       {}};
   for (const PlantFigures& p : plants) {
@@ -67,13 +70,14 @@ metrics::LogRegression line_of(const std::vector<PlantFigures>& plants, Score sc
 StudyTable line_table(const std::vector<PlantFigures>& plants, Json& figures) {
   StudyTable table{"ε = a − b ln n",
                    "Minimum: the coarsest plant inside the criterion that is no cartoon; "
-                   "recommended: where the line is at 0.11, none if it rises. Triangles per m³. "
+                   "recommended: where the line is at 0.11, none below 10⁹. Triangles per m³. "
                    "Samples: median of "
                    "the plants; the rule asks for 5/8 of them in triangles.",
                    {"", "a", "b", "R²", "minimum", "recommended", "samples", "rule"},
                    {}};
   const auto density = [](double n) {
-    return std::isfinite(n) ? fmt::format("{:.0f}", n / kVolumeM3) : "none";
+    const double most = 1e9 * kVolumeM3;  // more than anyone could store
+    return n < most ? fmt::format("{:.0f}", n / kVolumeM3) : "none";
   };
   std::vector<double> samples;
   samples.reserve(plants.size());
@@ -131,13 +135,17 @@ Json json_of(const LeafInclination& l) {
           {"mean_rad", l.mean_rad},
           {"sigma_rad", l.sigma_rad},
           {"epsilon", l.epsilon()},
+          {"gaussian_gap", l.gaussian_gap()},
           {"realistic", l.is_realistic()}};
 }
 
 std::vector<std::string> cells(const LeafInclination& l) {
-  return {fmt::format("{}", l.points), fmt::format("{:.3f}", l.mean_rad),
-          fmt::format("{:.3f}", l.sigma_rad), fmt::format("{:.3f}", l.epsilon()),
-          l.is_realistic() ? "inside" : "outside"};
+  return {fmt::format("{}", l.points),
+          fmt::format("{:.3f}", l.mean_rad),
+          fmt::format("{:.3f}", l.sigma_rad),
+          fmt::format("{:.3f}", l.epsilon()),
+          l.is_realistic() ? "inside" : "outside",
+          fmt::format("{:.3f}", l.gaussian_gap())};
 }
 
 std::vector<Check> sweep_checks(const std::vector<PlantFigures>& plants,
@@ -162,45 +170,6 @@ std::vector<Check> sweep_checks(const std::vector<PlantFigures>& plants,
   return out;
 }
 
-void add_conditions(const StudyRun& run, const SweepPlant& plant, StudyResult& result) {
-  StudyTable table{"What the score of one plant depends on: " + plant.name,
-                   "The same plant and way; each row changes one thing.",
-                   {"condition", "points", "μ", "σ", "ε", "criterion"},
-                   {}};
-  const auto add = [&](const std::string& name, const std::vector<Vec3f>& cloud) {
-    const LeafInclination leaves = metrics::leaf_inclination(cloud);
-    std::vector<std::string> row{name};
-    for (std::string& cell : cells(leaves)) row.push_back(std::move(cell));
-    table.rows.push_back(std::move(row));
-    result.figures["conditions"][name] = json_of(leaves);
-  };
-  const BeamLog beams = approach_beams(plant.plant, run.quick, {});
-  const BeamLog scan = approach_scan(plant.plant, beams, run.seed);
-  const std::vector<Vec3f> cloud = registered(scan, {}, run.seed);
-  add("as in the sweep", cloud);
-  add("registered to 2 cm, 0.1°", registered(scan, kOdometry, run.seed));
-  ApproachOptions worse = kOdometry;
-  worse.registration_m *= 2, worse.registration_rad *= 2;
-  add("registered to 4 cm, 0.2°", registered(scan, worse, run.seed));
-  const BeamLog flat = approach_beams(plant.plant, run.quick, kSmooth);
-  add("no pitch, roll or heave", registered(approach_scan(plant.plant, flat, run.seed), {}, 0));
-  add("no noise of the range",
-      registered(approach_scan(plant.plant, beams, run.seed, {0, 9}), {}, 0));
-  add("one thin ray a beam, no noise",
-      registered(approach_scan(plant.plant, beams, run.seed, {0, 1}), {}, 0));
-  std::vector<Vec3f> few;
-  for (size_t i = 0; i < cloud.size(); ++i) {
-    if (random_bits(run.seed, uint32_t(i), Purpose::kSignal) % 8 == 0) few.push_back(cloud[i]);
-  }
-  add("every eighth point", few);
-  std::vector<Vec3f> surface = surface_points(plant.plant, cloud.size(), run.seed);
-  add("no lidar: as many points drawn from the surface", surface);
-  for (Vec3f& p : surface) p = {p.x(), -p.z(), p.y()};
-  add("the same, the plant lying on its side", surface);
-  add("no lidar: ten times the points", surface_points(plant.plant, 10 * cloud.size(), run.seed));
-  result.tables.push_back(table);
-}
-
 StudyResult study_mesh_fidelity(const StudyRun& run) {
   StudyResult result;
   result.lead =
@@ -218,6 +187,10 @@ StudyResult study_mesh_fidelity(const StudyRun& run) {
   const auto kind = [](const SweepPlant& p) { return p.name.substr(0, p.name.find(' ')); };
   for (size_t k = 0; k < sweep.size(); ++k) {
     const BeamLog scan = scan_of(sweep[k]);
+    if (!run.keep.empty()) {
+      std::filesystem::create_directories(run.keep);
+      io::export_log(run.keep / (sweep[k].name + ".ply"), scan, "", "{}");
+    }
     plants.push_back(figures_of(sweep[k], scan, run.seed));
     told(plants.back());
     const bool finest = k + 1 == sweep.size() || kind(sweep[k + 1]) != kind(sweep[k]);
@@ -249,6 +222,7 @@ StudyResult study_mesh_fidelity(const StudyRun& run) {
         return a.plant.mesh.size() < b.plant.mesh.size();
       });
   add_conditions(run, *finest, result);
+  add_sensors(run, sweep, result);
   add_real_vegetation(run, result);
   return result;
 }

@@ -26,21 +26,23 @@ std::vector<SweepPlant> given_plants(const std::filesystem::path& folder);
 
 /// How a vehicle comes near and how well its scans are registered.
 struct ApproachOptions {
-  double tilt_rad = 0.026;      ///< Amplitude of pitch and roll, about 1 Hz.
-  double heave_m = 0.03;        ///< Amplitude.
-  double registration_m = 0;    ///< σ of a scan's registration, each axis.
-  double registration_rad = 0;  ///< The same of its turn.
+  double tilt_rad = 0.026;               ///< Amplitude of pitch and roll, about 1 Hz.
+  double heave_m = 0.03;                 ///< Amplitude.
+  double registration_m = 0;             ///< σ of a scan's registration, each axis.
+  double registration_rad = 0;           ///< The same of its turn.
+  const char* sensor = "ouster-os1-64";  ///< Of the catalogue.
+  bool lower = true;                     ///< Whether there is one below the other.
+  double from_m = 17, to_m = 2;          ///< Before the plant's front, at 2.5 m/s.
 };
 /// Registration by lidar odometry: 2 cm and 0.1°.
 inline constexpr ApproachOptions kOdometry{0.026, 0.03, 0.02, 0.0017};
 /// A vehicle on a floor.
 inline constexpr ApproachOptions kSmooth{0, 0, 0, 0};
 
-/// The beams that two OS1-64 on an approaching vehicle send towards the plant: 2.5 m/s from 17 m to
-/// 2 m before it, the upper sensor one metre above and 1.4 m behind the lower one. `quick`: every
-/// eighth scan.
+/// The beams that two sensors on an approaching vehicle send towards the plant, the upper one a
+/// metre above and 1.4 m behind the lower one. `quick`: every eighth scan.
 BeamLog approach_beams(const scene::PlantMesh& plant, bool quick, const ApproachOptions& options);
-/// The beams answered by the plant, with footprint, σ and resolution of the sensor.
+/// The beams answered by the plant, with footprint, σ and resolution of their sensor.
 struct RangingOptions {
   std::optional<double> sigma_m;  ///< Noise of the range; none: the sensor's.
   int sub_rays = 9;
@@ -73,6 +75,9 @@ std::vector<Check> sweep_checks(const std::vector<PlantFigures>& plants,
 
 /// The score of one plant with and without what shapes its cloud.
 void add_conditions(const StudyRun& run, const SweepPlant& plant, StudyResult& result);
+
+/// The scores of one plant of each kind by other sensors, from a whole approach and one scan.
+void add_sensors(const StudyRun& run, const std::vector<SweepPlant>& plants, StudyResult& result);
 
 /// A score as JSON, and as cells: points, μ, σ, ε, inside or outside.
 Json json_of(const metrics::LeafInclination& l);

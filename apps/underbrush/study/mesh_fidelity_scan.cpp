@@ -11,7 +11,7 @@
 namespace underbrush::app {
 namespace {
 
-constexpr double kSpeedMS = 2.5, kFromM = 17, kToM = 2;  // before the plant's front
+constexpr double kSpeedMS = 2.5;
 constexpr double kFrontHeightM = 0.8, kAboveM = 1, kBehindM = 1.4;
 
 /// Where the lower sensor is over time.
@@ -22,7 +22,7 @@ Pose vehicle(double t, double plant_front_m, const ApproachOptions& options) {
   Pose pose;
   pose.rotation = Eigen::AngleAxisd(options.tilt_rad * wave(1.1, 0.4), Vec3::UnitY()) *
                   Eigen::AngleAxisd(options.tilt_rad * wave(0.8, 2.1), Vec3::UnitX());
-  pose.translation = {plant_front_m - kFromM + kSpeedMS * t, 0,
+  pose.translation = {plant_front_m - options.from_m + kSpeedMS * t, 0,
                       kFrontHeightM + options.heave_m * wave(1.3, 1.2)};
   return pose;
 }
@@ -30,7 +30,7 @@ Pose vehicle(double t, double plant_front_m, const ApproachOptions& options) {
 Trajectory way_of(bool top, double plant_front_m, const ApproachOptions& options) {
   const Vec3 mount = top ? Vec3(-kBehindM, 0, kAboveM) : Vec3(0, 0, 0);
   std::vector<StampedPose> poses;
-  for (double t = 0; t < (kFromM - kToM) / kSpeedMS + 0.02; t += 0.02) {
+  for (double t = 0; t < (options.from_m - options.to_m) / kSpeedMS + 0.02; t += 0.02) {
     const Pose at = vehicle(t, plant_front_m, options);
     poses.push_back({t, Pose{at.rotation, at * mount}});
   }
@@ -55,13 +55,14 @@ Pose misplaced(uint32_t scan, const ApproachOptions& options, uint64_t seed) {
 }  // namespace
 
 BeamLog approach_beams(const scene::PlantMesh& plant, bool quick, const ApproachOptions& options) {
-  const sensor::Sensor sensor = sensor::load("ouster-os1-64");
-  const double seconds = (kFromM - kToM) / kSpeedMS;
+  const sensor::Sensor sensor = sensor::load(options.sensor);
+  const double seconds = (options.from_m - options.to_m) / kSpeedMS;
   const auto box = scene::bounds(plant.mesh);
   const Vec3 middle = box.center();
   const double radius = box.diagonal().norm() / 2;
   BeamLog out;
   for (const bool top : {false, true}) {
+    if (!top && !options.lower) continue;
     const Trajectory way = way_of(top, box.min().x(), options);
     sensor::PatternSource pattern(sensor, way, 0, seconds - 0.1, 1 << 18);
     if (out.empty()) out.info = pattern.info();
@@ -81,7 +82,7 @@ BeamLog approach_beams(const scene::PlantMesh& plant, bool quick, const Approach
 
 BeamLog approach_scan(const scene::PlantMesh& plant, const BeamLog& beams, uint64_t seed,
                       const RangingOptions& ranging) {
-  const sensor::Sensor sensor = sensor::load("ouster-os1-64");
+  const sensor::Sensor sensor = sensor::load(beams.info.sensor);
   elements::Model model;
   model.surface = plant.mesh;
   const trace::World world(model);

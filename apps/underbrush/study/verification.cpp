@@ -183,6 +183,7 @@ void add_miniature(const StudyRun& run, StudyResult& result,
     pair.simulated.insert(pair.simulated.end(), ours.points.begin(), ours.points.end());
     for (const Vec3& p : seen[size_t(k) + size_t(scans)]) again.push_back(pose * p);
     if (k == 0) {
+      if (!run.keep.empty()) keep_pair(run.keep, pair);
       one = compare(target, scene::miniature_patches(), pair);
       one_again = compare(target, scene::miniature_patches(), {pair.real, again, guess});
       run.say(fmt::format("one scan: {} shots, {} points, simulated {}", ours.shots, real.size(),

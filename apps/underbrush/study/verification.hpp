@@ -1,6 +1,7 @@
 /// The parts of the study of [kim12]: clouds of one target compared by ranges and by planes.
 #pragma once
 #include <array>
+#include <filesystem>
 #include <functional>
 
 #include "study/study.hpp"
@@ -34,6 +35,9 @@ struct CloudPair {
   std::vector<Vec3> simulated;  ///< m, in the target's frame.
   Pose real_from_target;        ///< Roughly: to some degrees and 0.1 m.
 };
+
+/// Writes a pair as `--data` takes it: real.csv, simulated.csv, conjugates.csv.
+void keep_pair(const std::filesystem::path& folder, const CloudPair& pair);
 
 /// How the two compare.
 struct PairFigures {

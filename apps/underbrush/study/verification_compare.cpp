@@ -1,8 +1,11 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "study/verification.hpp"
 #include "underbrush/core/check.hpp"
+#include "underbrush/io/atomic_file.hpp"
 
 namespace underbrush::app {
 namespace {
@@ -147,6 +150,24 @@ Distances distances_from(const metrics::Plane& plane, const std::vector<Vec3>& p
 
 double PairFigures::mean_distance_m() const { return mean_over(patches, &PatchFigures::simulated); }
 double PairFigures::real_mean_distance_m() const { return mean_over(patches, &PatchFigures::real); }
+
+void keep_pair(const std::filesystem::path& folder, const CloudPair& pair) {
+  std::filesystem::create_directories(folder);
+  const auto row = [](const Vec3& p) {
+    return fmt::format("{:.6f},{:.6f},{:.6f}", p.x(), p.y(), p.z());
+  };
+  for (const auto& [name, cloud] :
+       {std::pair{"real.csv", &pair.real}, {"simulated.csv", &pair.simulated}}) {
+    std::string text = "x,y,z\n";
+    for (const Vec3& p : *cloud) text += row(p) + "\n";
+    io::write_atomically(folder / name, text);
+  }
+  std::string text = "x,y,z,x2,y2,z2\n";
+  for (const Vec3& p : {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)}) {
+    text += row(pair.real_from_target * p) + "," + row(p) + "\n";
+  }
+  io::write_atomically(folder / "conjugates.csv", text);
+}
 
 PairFigures compare(const scene::Solid& solid, const std::vector<size_t>& faces, CloudPair pair,
                     double histogram_bin_m) {

@@ -46,13 +46,9 @@ uint32_t corner(const fs::path& path, const std::string& place, std::string_view
 MeshData read_obj(const fs::path& path) {
   const std::string text = read_file(path, kMostBytes);
   MeshData mesh;
-  size_t line = 0;
-  for (size_t at = 0; at < text.size();) {
-    const size_t end = std::min(text.find('\n', at), text.size());
-    const auto words = words_of(std::string_view(text).substr(at, end - at));
-    at = end + 1;
-    ++line;
-    if (words.empty() || (words[0] != "v" && words[0] != "f")) continue;
+  for_each_line(text, [&](size_t line, std::string_view content) {
+    const auto words = words_of(content);
+    if (words.empty() || (words[0] != "v" && words[0] != "f")) return;
     const std::string place = "line " + std::to_string(line);
     if (words.size() < 4) {
       throw FormatError(path.string(), place,
@@ -61,7 +57,7 @@ MeshData read_obj(const fs::path& path) {
     if (words[0] == "v") {
       const float x = coordinate(path, place, words[1]), y = coordinate(path, place, words[2]);
       mesh.vertices.emplace_back(x, y, coordinate(path, place, words[3]));
-      continue;
+      return;
     }
     const size_t n = mesh.vertices.size();
     const uint32_t first = corner(path, place, words[1], n);
@@ -71,7 +67,7 @@ MeshData read_obj(const fs::path& path) {
       mesh.triangles.push_back({first, last, next});
       last = next;
     }
-  }
+  });
   return mesh;
 }
 

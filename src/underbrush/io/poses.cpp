@@ -108,18 +108,15 @@ std::vector<double> read_times(const fs::path& path) {
 std::vector<double> read_dates(const fs::path& path) {
   const std::string text = read_file(path, uint64_t(1) << 30);
   std::vector<double> times;
-  for (size_t at = 0; at < text.size();) {
-    const size_t end = std::min(text.find('\n', at), text.size());
-    const std::string_view line = std::string_view(text).substr(at, end - at);
-    at = end + 1;
-    if (words_of(line).empty()) continue;
+  for_each_line(text, [&](size_t, std::string_view line) {
+    if (words_of(line).empty()) return;
     const auto time = time_of_date(line);
     if (!time) {
       throw FormatError(path.string(), "row " + std::to_string(times.size() + 1),
                         "expected YYYY-MM-DD hh:mm:ss.nnnnnnnnn");
     }
     times.push_back(*time);
-  }
+  });
   check_rising(path, times);
   return times;
 }

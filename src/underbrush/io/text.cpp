@@ -38,14 +38,10 @@ NumberRows read_numbers(const std::filesystem::path& path) {
     if (c == ',') c = ' ';
   }
   NumberRows out;
-  size_t line = 0;
-  for (size_t at = 0; at < text.size();) {
-    const size_t end = std::min(text.find('\n', at), text.size());
-    const auto words = words_of(std::string_view(text).substr(at, end - at));
-    at = end + 1;
-    ++line;
-    if (words.empty() || words[0][0] == '#') continue;
-    if (out.rows.empty() && line == 1 && !number_of(words[0])) continue;  // a header
+  for_each_line(text, [&](size_t line, std::string_view content) {
+    const auto words = words_of(content);
+    if (words.empty() || words[0][0] == '#') return;
+    if (out.rows.empty() && line == 1 && !number_of(words[0])) return;  // a header
     std::vector<double> row;
     for (const auto& word : words) {
       const auto value = number_of(word);
@@ -57,7 +53,7 @@ NumberRows read_numbers(const std::filesystem::path& path) {
     }
     out.rows.push_back(std::move(row));
     out.line.push_back(line);
-  }
+  });
   if (out.rows.empty()) throw FormatError(path.string(), "", "no numbers in it");
   return out;
 }

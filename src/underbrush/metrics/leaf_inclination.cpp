@@ -18,6 +18,17 @@ double LeafInclination::epsilon() const {
   return std::hypot(mean_rad - kRealMean, sigma_rad - kRealSigma);
 }
 
+double LeafInclination::gaussian_gap() const {
+  double below = 0, gap = 0;
+  for (size_t k = 0; k < kBins && sigma_rad > 0; ++k) {
+    below += double(count[k]) / double(points);
+    const double end = double(k + 1) * M_PI / double(kBins);
+    const double normal = 0.5 * std::erfc((mean_rad - end) / (sigma_rad * M_SQRT2));
+    gap = std::max(gap, std::abs(below - normal));
+  }
+  return sigma_rad > 0 ? gap : 1;
+}
+
 LeafInclination leaf_inclination(std::span<const Vec3f> cloud) {
   require(cloud.size() >= kNeighbours, "leaf inclination: fewer than 30 points");
   LeafInclination out;

@@ -22,6 +22,10 @@ struct LeafInclination {
   /// ε = √((μ − 1.65)² + (σ − 0.747)²), rad.
   double epsilon() const;
   bool is_realistic() const { return epsilon() <= kLargest; }
+  /// The largest difference between the shares below a bin's end and those of the Gaussian with the
+  /// same μ and σ. The paper calls real clouds Gaussian and billboards and cartoons not, by eye;
+  /// its criterion has μ and σ alone.
+  double gaussian_gap() const;
 };
 
 /// Normals from the 30 nearest points, their signs those of `normals`: the distribution depends on

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/clones.hpp"
 #include "underbrush/core/rng.hpp"
-#include "underbrush/radiometry/clones.hpp"
 
 namespace underbrush::radiometry {
 namespace {

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/clones.hpp"
 #include "underbrush/core/rng.hpp"
-#include "underbrush/radiometry/clones.hpp"
 
 namespace underbrush::radiometry {
 namespace {
@@ -38,31 +38,72 @@ struct Target {
   uint64_t* blocks;
 };
 
-UNDERBRUSH_CLONES void superpose(size_t n, const float* range_m, const float* amplitude,
-                                 const Target& t) {
-  uint32_t at_word = 0;  // a word of blocks is kept at hand: most returns of a beam lie in one
-  uint64_t word = 0;
+/// Returns that are placed together.
+constexpr size_t kReturns = 64;
+
+/// Where returns begin, in places (`Response::kPhases` a sample); one that adds nothing has the
+/// amplitude 0.
+struct Placed {
+  uint32_t place[kReturns];
+  float amplitude[kReturns];
+};
+
+UNDERBRUSH_CLONES void place(size_t n, const float* range_m, const float* amplitude,
+                             const Target& t, Placed& out) {
   for (size_t i = 0; i < n; ++i) {
     const float r = range_m[i], a = amplitude[i];
-    if (!(a > 0) || !(r >= 0) || !(r <= t.max_range_m)) continue;
-    const auto place = uint32_t(int64_t(double(r) * t.places_per_m));
-    const uint32_t at = place / Response::kPhases, phase = place % Response::kPhases;
-    const float* __restrict row = t.rows + phase * t.taps;
-    float* __restrict to = t.lane[i % 4] + at;
-    for (size_t k = 0; k < t.taps; k += 8) {
-      for (size_t j = 0; j < 8; ++j) to[k + j] += a * row[k + j];
-    }
-    const uint32_t first = at / Waveform::kBlock, last = (at + t.taps - 1) / Waveform::kBlock;
-    if (first / 64 == at_word && last / 64 == at_word) {
-      word |= ((uint64_t(2) << (last - first)) - 1) << first % 64;
-      continue;
-    }
-    for (uint32_t b = first; b <= last; ++b) t.blocks[b / 64] |= uint64_t(1) << b % 64;
-    t.blocks[at_word] |= word;
-    at_word = first / 64;
-    word = 0;
+    const bool counts = (a > 0) & (r >= 0) & (r <= t.max_range_m);
+    out.amplitude[i] = counts ? a : 0;
+    out.place[i] = uint32_t(int32_t(double(counts ? r : 0) * t.places_per_m));
   }
-  t.blocks[at_word] |= word;
+}
+
+uint32_t first_block(uint32_t place) { return place / (Response::kPhases * Waveform::kBlock); }
+uint32_t last_block(uint32_t place, uint32_t taps) {
+  return (place / Response::kPhases + taps - 1) / Waveform::kBlock;
+}
+
+/// The blocks that returns reach, where there are no more than a word of them.
+UNDERBRUSH_CLONES uint64_t reached(size_t n, const Placed& p, uint32_t taps) {
+  uint64_t word = 0;
+  for (size_t i = 0; i < n; ++i) {
+    const uint64_t first = first_block(p.place[i]), last = last_block(p.place[i], taps);
+    const uint64_t run = ((uint64_t(2) << (last - first)) - 1) << first;
+    word |= p.amplitude[i] > 0 ? run : 0;
+  }
+  return word;
+}
+
+void mark(size_t n, const Placed& p, const Target& t) {
+  for (size_t i = 0; i < n; ++i) {
+    if (p.amplitude[i] == 0) continue;
+    const uint32_t last = last_block(p.place[i], t.taps);
+    for (uint32_t b = first_block(p.place[i]); b <= last; ++b) {
+      t.blocks[b / 64] |= uint64_t(1) << b % 64;
+    }
+  }
+}
+
+/// Eight samples anywhere in memory.
+using Eight = float __attribute__((vector_size(32), aligned(4), may_alias));
+
+/// `taps` is known where it is asked for most, so that the loop over them needs no branch.
+template <uint32_t kTaps>
+[[gnu::always_inline]] inline void add_rows(size_t n, const Placed& p, const Target& t) {
+  const uint32_t taps = kTaps > 0 ? kTaps : t.taps;
+  for (size_t i = 0; i < n; ++i) {
+    const uint32_t at = p.place[i] / Response::kPhases, phase = p.place[i] % Response::kPhases;
+    const float a = p.amplitude[i];
+    const auto* row = reinterpret_cast<const Eight*>(t.rows + phase * taps);
+    auto* to = reinterpret_cast<Eight*>(t.lane[i % 4] + at);
+    for (size_t k = 0; k < taps / 8; ++k) to[k] += a * row[k];
+  }
+}
+
+UNDERBRUSH_CLONES void superpose(size_t n, const Placed& p, const Target& t) {
+  t.taps == 16   ? add_rows<16>(n, p, t)
+  : t.taps == 24 ? add_rows<24>(n, p, t)
+                 : add_rows<0>(n, p, t);
 }
 
 /// Adds the lanes to the first and clears them.
@@ -107,13 +148,23 @@ void Waveform::clear() {
 
 void Waveform::add(std::span<const float> range_m, std::span<const float> amplitude) {
   require(range_m.size() == amplitude.size(), "waveform: one amplitude per range is needed");
-  superpose(range_m.size(), range_m.data(), amplitude.data(),
-            {response_.row(0),
-             uint32_t(response_.taps()),
-             places_per_m_,
-             float(max_range_m_),
-             {sample_.data(), lane(1), lane(2), lane(3)},
-             blocks_.data()});
+  const Target target{response_.row(0),
+                      uint32_t(response_.taps()),
+                      places_per_m_,
+                      float(max_range_m_),
+                      {sample_.data(), lane(1), lane(2), lane(3)},
+                      blocks_.data()};
+  Placed placed;
+  for (size_t first = 0; first < range_m.size(); first += kReturns) {
+    const size_t n = std::min(kReturns, range_m.size() - first);
+    place(n, range_m.data() + first, amplitude.data() + first, target, placed);
+    if (blocks_.size() == 1) {
+      blocks_[0] |= reached(n, placed, target.taps);
+    } else {
+      mark(n, placed, target);
+    }
+    superpose(n, placed, target);
+  }
   for_each_run([this](size_t begin, size_t end) {
     gather(end - begin, sample_.data() + begin, lane(1) + begin, lane(2) + begin, lane(3) + begin);
   });

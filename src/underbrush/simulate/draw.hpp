@@ -17,12 +17,11 @@ inline double drawn_on_ray(const trace::Met& met, uint64_t key, const trace::Ran
   return within(met.t_m + met.sigma_m * normal(key, met.element, Purpose::kRange), met, limits);
 }
 
-/// The same, faster and 2e-4 σ less exact: for many sub-rays.
-inline double drawn_on_ray(const trace::Met& met, uint64_t key, const trace::RangeLimits& limits,
+/// The same from the bits of that number, faster and 2e-4 σ less exact: for many sub-rays.
+inline double drawn_on_ray(const trace::Met& met, uint64_t bits, const trace::RangeLimits& limits,
                            const QuickNormal& normal) {
   if (met.sigma_m == 0) return met.t_m;
-  const double z = normal(random_bits(key, met.element, Purpose::kRange));
-  return within(met.t_m + met.sigma_m * z, met, limits);
+  return within(met.t_m + met.sigma_m * normal(bits), met, limits);
 }
 
 }  // namespace underbrush::simulate

@@ -7,8 +7,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
-#include "underbrush/radiometry/clones.hpp"
-#include "underbrush/simulate/draw.hpp"
+#include "underbrush/simulate/sub_returns.hpp"
 
 namespace underbrush::simulate {
 namespace {
@@ -17,9 +16,10 @@ using trace::Met;
 
 constexpr size_t kRaysACall = 8192;  // as many as the tracer brings into order at once
 
-/// The first sub-ray is the beam's own; the others decide for themselves.
-uint64_t sub_key(uint64_t key, size_t sub_ray) {
-  return sub_ray == 0 ? key : mix64(key + 0x9e3779b97f4a7c15ull * sub_ray);
+/// A direction turned about the vertical.
+Vec3 turned(double angle_rad, const Vec3& d) {
+  const double c = std::cos(angle_rad), s = std::sin(angle_rad);
+  return {c * d.x() - s * d.y(), s * d.x() + c * d.y(), d.z()};
 }
 
 uint16_t class_of(const elements::Model& model, const Met& met, const EchoOptions& options) {
@@ -27,31 +27,6 @@ uint16_t class_of(const elements::Model& model, const Met& met, const EchoOption
   if (!options.instance_labels.empty()) return uint16_t(options.instance_labels.at(met.instance));
   if (model.kind(element) != elements::Kind::kEllipsoid) return 0;
   return uint16_t(model.ellipsoids[element - model.ground.size() - model.surface.size()].label);
-}
-
-/// The rays of lines in the axes of a beam.
-UNDERBRUSH_CLONES void fan(const SubRayLine* lines, size_t n, const sensor::BeamAxes& axes,
-                           Ray* rays) {
-  static_assert(sizeof(Ray) == 6 * sizeof(double));
-  const double* o = axes.axis.origin.data();
-  const double* d = axes.axis.direction.data();
-  const double* r = axes.right.data();
-  const double* u = axes.up.data();
-  double start[6], right[6], up[6];
-  for (size_t c = 0; c < 3; ++c) {
-    start[c] = o[c];
-    start[3 + c] = d[c];
-    right[c] = right[3 + c] = r[c];
-    up[c] = up[3 + c] = u[c];
-  }
-  auto* out = reinterpret_cast<double*>(rays);
-  for (size_t k = 0; k < n; ++k, out += 6) {
-    const SubRayLine& l = lines[k];
-    for (size_t c = 0; c < 3; ++c) out[c] = start[c] + (l.right * right[c] + l.up * up[c]);
-    for (size_t c = 3; c < 6; ++c) {
-      out[c] = l.along * start[c] + (l.to_right * right[c] + l.to_up * up[c]);
-    }
-  }
 }
 
 /// Rows `row` of a column.
@@ -82,13 +57,15 @@ void repeat_beams(const std::vector<uint32_t>& beam, BeamLog& log) {
 
 }  // namespace
 
+/// What an echo came from.
+struct EchoMaker::Element {
+  uint32_t number = Met::kNone;
+  uint16_t label = 0;
+  uint32_t instance = 0;
+};
+
 /// What becomes of some beams.
 struct EchoMaker::Block {
-  struct Element {
-    uint32_t number = Met::kNone;
-    uint16_t label = 0;
-    uint32_t instance = 0;
-  };
   std::vector<uint8_t> count;  ///< Echoes of each beam.
   std::vector<radiometry::Echo> echo;
   std::vector<Element> element;  ///< Of each echo, if wanted.
@@ -98,21 +75,16 @@ struct EchoMaker::Block {
 /// What a thread works in.
 struct EchoMaker::Scratch {
   Scratch(const EchoMaker& m, size_t beams)
-      : rays(beams * m.lines_.size()),
+      : rays(beams * m.fan_.size()),
         keys(rays.size()),
         met(rays.size()),
-        range(m.lines_.size()),
-        weight(range.size()),
-        factor(range.size()),
-        signal(range.size()),
-        which(range.size()),
+        returns(m.fan_.size()),
         waveform(m.receiver_.scratch()),
         asker(m.reflection_, m.surroundings_) {}
   std::vector<Ray> rays;
   std::vector<uint64_t> keys;
   std::vector<Met> met;
-  std::vector<float> range, weight, factor, signal;
-  std::vector<uint32_t> which;  ///< Sub-ray of each return.
+  SubReturns returns;
   radiometry::Waveform waveform;
   Reflection::Asker asker;
 };
@@ -143,41 +115,27 @@ EchoMaker::EchoMaker(const Surroundings& surroundings, const Reflection& reflect
       reflection_(reflection),
       instrument_(instrument),
       options_(options),
+      fan_(instrument.beam, instrument.sub_rays),
       receiver_(instrument.receiver),
       scratches_(std::make_unique<Scratches>()) {
-  instrument.beam.check();
-  require(!instrument.sub_rays.empty(), "echoes: at least one sub-ray is needed");
   require(options.waveforms.every > 0, "echoes: waveforms of every zeroth beam");
-  const sensor::RayMaker maker(instrument.beam);
-  const sensor::BeamAxes axes{{Vec3::Zero(), Vec3::UnitX()}, Vec3::UnitY(), Vec3::UnitZ(), {}};
-  for (const sensor::SubRay& place : instrument.sub_rays) {
-    const Ray ray = maker.ray(axes, double(place.u), double(place.v));
-    lines_.push_back(
-        {ray.origin.y(), ray.origin.z(), ray.direction.x(), ray.direction.y(), ray.direction.z()});
-    weight_.push_back(place.weight);
-  }
 }
 
 EchoMaker::~EchoMaker() = default;
 
 void EchoMaker::trace(const BeamLog& beams, size_t first_beam, size_t begin, size_t end,
                       Scratch& s) const {
-  Ray* ray = s.rays.data();
-  uint64_t* sub = s.keys.data();
-  for (size_t i = begin; i < end; ++i) {
+  for (size_t i = begin, at = 0; i < end; ++i, at += fan_.size()) {
     Ray axis{beams.origin[i], beams.direction[i].cast<double>().normalized()};
     const uint64_t key = beam_key(options_.seed, beams.scan[i], first_beam + i);
     if (instrument_.beam.encoder_step_rad > 0) {
       const double off = uniform_from_bits(random_bits(key, 2, Purpose::kDirection)) - 0.5;
-      axis.direction = Eigen::AngleAxisd(off * instrument_.beam.encoder_step_rad, Vec3::UnitZ()) *
-                       axis.direction;
+      axis.direction = turned(off * instrument_.beam.encoder_step_rad, axis.direction);
     }
-    const sensor::BeamAxes axes = sensor::beam_axes(axis);
-    fan(lines_.data(), lines_.size(), axes, ray);
-    ray += lines_.size();
-    for (size_t k = 0; k < lines_.size(); ++k) *sub++ = sub_key(key, k);
+    fan_.spread(sensor::beam_axes(axis), &s.rays[at]);
+    fan_.keys(key, &s.keys[at]);
   }
-  const size_t n = (end - begin) * lines_.size();
+  const size_t n = (end - begin) * fan_.size();
   surroundings_.nearest_accepted(
       {s.rays.data(), n}, {s.keys.data(), n}, {&beams.time_s[begin], end - begin},
       {beams.info.min_range_m, beams.info.max_range_m}, {s.met.data(), n});
@@ -186,35 +144,20 @@ void EchoMaker::trace(const BeamLog& beams, size_t first_beam, size_t begin, siz
 void EchoMaker::receive(const BeamLog& beams, size_t first_beam, size_t begin, size_t end,
                         Scratch& s, Block& block) const {
   const trace::RangeLimits limits{beams.info.min_range_m, beams.info.max_range_m};
-  const QuickNormal normal;
-  for (size_t i = begin, at = 0; i < end; ++i, at += lines_.size()) {
-    size_t n = 0;
+  SubReturns& returns = s.returns;
+  for (size_t i = begin, at = 0; i < end; ++i, at += fan_.size()) {
+    const std::span<const Met> met{&s.met[at], fan_.size()};
+    returns.collect(met, {&s.keys[at], fan_.size()}, fan_.weight(), limits);
     s.asker.begin(beams.direction[i].cast<double>(), beams.time_s[i]);
-    for (size_t k = 0; k < lines_.size(); ++k) {
-      const Met& met = s.met[at + k];
-      if (met.none()) continue;
-      s.range[n] = float(drawn_on_ray(met, s.keys[at + k], limits, normal));
-      s.weight[n] = weight_[k];
-      s.factor[n] = s.asker.factor(met, s.rays[at + k].direction);
-      s.which[n++] = uint32_t(at + k);
-    }
-    const radiometry::Echoes echoes = receiver_.receive(
-        {s.range.data(), n}, {s.weight.data(), n}, {s.factor.data(), n}, {s.signal.data(), n},
-        beam_key(options_.seed, beams.scan[i], first_beam + i), s.waveform);
+    s.asker.factors(met, {&s.rays[at], fan_.size()}, returns.sub_ray(), returns.factor());
+    const radiometry::Echoes echoes =
+        receiver_.receive(returns.range_m(), returns.weight(), returns.factor(), returns.signal(),
+                          beam_key(options_.seed, beams.scan[i], first_beam + i), s.waveform);
     block.count.push_back(uint8_t(echoes.count));
     block.echo.insert(block.echo.end(), echoes.begin(), echoes.end());
     if (options_.element_ids) {
       for (const radiometry::Echo& e : echoes) {
-        Block::Element element;
-        for (size_t k = 0, best = n; k < n; ++k) {
-          if (best < n && std::abs(s.range[k] - e.range_m) >= std::abs(s.range[best] - e.range_m))
-            continue;
-          best = k;
-          const Met& met = s.met[s.which[k]];
-          element = {met.element, class_of(surroundings_.model(met.instance), met, options_),
-                     met.instance};
-        }
-        block.element.push_back(element);
+        block.element.push_back(element_at(e.range_m, returns, met));
       }
     }
     if (options_.waveforms.wants(first_beam + i)) {
@@ -224,6 +167,17 @@ void EchoMaker::receive(const BeamLog& beams, size_t first_beam, size_t begin, s
       block.waveforms.push_back(std::move(w));
     }
   }
+}
+
+EchoMaker::Element EchoMaker::element_at(float range_m, const SubReturns& returns,
+                                         std::span<const Met> met) const {
+  const std::span<const float> range = returns.range_m();
+  const auto off = [&](float r) { return std::abs(r - range_m); };
+  const auto best = std::min_element(range.begin(), range.end(),
+                                     [&](float a, float b) { return off(a) < off(b); });
+  if (best == range.end()) return {};
+  const Met& m = met[returns.sub_ray()[size_t(best - range.begin())]];
+  return {m.element, class_of(surroundings_.model(m.instance), m, options_), m.instance};
 }
 
 void EchoMaker::write(const std::vector<Block>& blocks, BeamLog& beams) const {
@@ -279,7 +233,7 @@ void EchoMaker::write(const std::vector<Block>& blocks, BeamLog& beams) const {
 }
 
 void EchoMaker::answer(size_t first_beam, BeamLog& beams) {
-  const size_t grain = std::max<size_t>(1, kRaysACall / lines_.size());
+  const size_t grain = std::max<size_t>(1, kRaysACall / fan_.size());
   std::vector<Block> blocks((beams.size() + grain - 1) / grain);
   parallel_for(beams.size(), grain, [&](size_t begin, size_t end) {
     std::unique_ptr<Scratch> s = scratches_->take(*this, grain);

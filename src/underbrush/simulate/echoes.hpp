@@ -9,7 +9,9 @@
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/radiometry/receiver.hpp"
 #include "underbrush/sensor/beam.hpp"
+#include "underbrush/simulate/fan.hpp"
 #include "underbrush/simulate/reflection.hpp"
+#include "underbrush/simulate/sub_returns.hpp"
 #include "underbrush/simulate/surroundings.hpp"
 
 namespace underbrush::simulate {
@@ -47,11 +49,6 @@ struct EchoOptions {
   WaveformChoice waveforms;
 };
 
-/// A sub-ray in the axes of its beam: origin and direction.
-struct SubRayLine {
-  double right = 0, up = 0, along = 1, to_right = 0, to_up = 0;
-};
-
 /// Answers beams with echoes.
 ///
 /// Of beam i the sub-rays are traced as rays of the model, each with trials and draws of its own:
@@ -77,19 +74,21 @@ class EchoMaker {
 
  private:
   struct Block;
+  struct Element;
   struct Scratch;
   class Scratches;
   void trace(const BeamLog& beams, size_t first_beam, size_t begin, size_t end, Scratch& s) const;
   void receive(const BeamLog& beams, size_t first_beam, size_t begin, size_t end, Scratch& s,
                Block& block) const;
+  Element element_at(float range_m, const SubReturns& returns,
+                     std::span<const trace::Met> met) const;
   void write(const std::vector<Block>& blocks, BeamLog& beams) const;
 
   const Surroundings& surroundings_;
   const Reflection& reflection_;
   const Instrument& instrument_;
   EchoOptions options_;
-  std::vector<SubRayLine> lines_;
-  std::vector<float> weight_;
+  Fan fan_;
   radiometry::Receiver receiver_;
   std::unique_ptr<Scratches> scratches_;
   std::vector<BeamWaveform> waveforms_;

@@ -60,10 +60,19 @@ Reflection::Asker::Asker(const Reflection& reflection, const Surroundings& surro
       leaves_(reflection.coats_.size(), -1) {}
 
 void Reflection::Asker::begin(const Vec3& axis, double time_s) {
-  cos_zenith_ = axis.z();
-  std::fill(leaves_.begin(), leaves_.end(), -1.0F);
-  if (surroundings_.moves() && time_s != time_s_) triangles_.assign(kRemembered, {});
+  if (surroundings_.moves() && time_s != time_s_) {
+    triangles_.assign(kRemembered, {});
+    instance_ = Met::kNone;
+  }
+  axis_ = axis;
   time_s_ = time_s;
+  set_zenith();
+}
+
+void Reflection::Asker::set_zenith() {
+  const double c = up_.dot(axis_);
+  if (c != cos_zenith_) std::fill(leaves_.begin(), leaves_.end(), -1.0F);
+  cos_zenith_ = c;
 }
 
 void Reflection::Asker::enter(uint32_t instance) {
@@ -71,11 +80,11 @@ void Reflection::Asker::enter(uint32_t instance) {
   model_ = &surroundings_.model(instance);
   first_ellipsoid_ = uint32_t(model_->ground.size() + model_->surface.size());
   coat_ = reflection_.coat_of(instance);
+  up_ = surroundings_.placed(instance, time_s_).world_from_model.rotation * Vec3::UnitZ();
+  set_zenith();
 }
 
-const Reflection::Asker::Triangle& Reflection::Asker::triangle(const Met& met) {
-  Triangle& t = triangles_[(met.element + 97 * met.instance) % kRemembered];
-  if (t.element == met.element && t.instance == met.instance) return t;
+void Reflection::Asker::remember(const Met& met, Triangle& t) {
   t.instance = met.instance;
   t.element = met.element;
   const Pose world_from_model = surroundings_.placed(met.instance, time_s_).world_from_model;
@@ -86,31 +95,36 @@ const Reflection::Asker::Triangle& Reflection::Asker::triangle(const Met& met) {
   const Class label = ground ? Class::kGround : Class::kUnknown;
   const bool own = coat_ >= 0 && (!ground || named);
   t.coat = &reflection_.coats_[own ? size_t(coat_) : reflection_.of_class_[size_t(label)]];
-  return t;
 }
 
-float Reflection::Asker::leaves(uint32_t label) {
+float Reflection::Asker::leaves(size_t coat) {
+  const Coat& c = reflection_.coats_[coat];
+  return leaves_[coat] = float(c.reflectance * c.foliage.backscatter(cos_zenith_));
+}
+
+void Reflection::Asker::factors(std::span<const Met> met, std::span<const Ray> rays,
+                                std::span<const uint32_t> sub_ray, std::span<float> factor) {
   const auto& of_class = reflection_.of_class_;
-  const size_t k = coat_ >= 0 ? size_t(coat_) : of_class[label < of_class.size() ? label : 0];
-  if (leaves_[k] < 0) {
-    const Coat& coat = reflection_.coats_[k];
-    leaves_[k] = float(coat.reflectance * coat.foliage.backscatter(cos_zenith_));
+  for (size_t k = 0; k < sub_ray.size(); ++k) {
+    const Met& m = met[sub_ray[k]];
+    if (m.instance != instance_) enter(m.instance);
+    if (m.element >= first_ellipsoid_) {
+      size_t coat = size_t(coat_);
+      if (coat_ < 0) {
+        const uint32_t label = model_->ellipsoids[m.element - first_ellipsoid_].label;
+        coat = of_class[label < of_class.size() ? label : 0];
+      }
+      factor[k] = leaves_[coat] < 0 ? leaves(coat) : leaves_[coat];
+      continue;
+    }
+    Triangle& t = triangles_[(m.element + 97 * m.instance) % kRemembered];
+    if (t.element != m.element || t.instance != m.instance) remember(m, t);
+    const Coat& coat = *t.coat;
+    const double c = std::min(1.0, std::abs(t.normal.dot(rays[sub_ray[k]].direction)));
+    factor[k] = coat.surface.brdf == radiometry::Brdf::kPhong
+                    ? float(coat.reflectance * radiometry::backscatter(coat.surface, c))
+                    : float(coat.reflectance * (coat.a * c + coat.b * (1 - c * c)));
   }
-  return leaves_[k];
-}
-
-float Reflection::Asker::factor(const Met& met, const Vec3& direction) {
-  if (met.instance != instance_) enter(met.instance);
-  if (met.element >= first_ellipsoid_) {
-    return leaves(model_->ellipsoids[met.element - first_ellipsoid_].label);
-  }
-  const Triangle& t = triangle(met);
-  const Coat& coat = *t.coat;
-  const double c = std::min(1.0, std::abs(t.normal.dot(direction)));
-  if (coat.surface.brdf == radiometry::Brdf::kPhong) {
-    return float(coat.reflectance * radiometry::backscatter(coat.surface, c));
-  }
-  return float(coat.reflectance * (coat.a * c + coat.b * (1 - c * c)));
 }
 
 }  // namespace underbrush::simulate

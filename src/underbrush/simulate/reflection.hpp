@@ -39,10 +39,12 @@ class Reflection {
     Asker(const Reflection& reflection, const Surroundings& surroundings);
     /// To be called before the sub-rays of a beam: its axis and time.
     void begin(const Vec3& axis, double time_s);
-    /// The factor of what a sub-ray with `direction` met: of a triangle ρ · `backscatter` at the
-    /// angle to its normal, whichever side is lit; of an ellipsoid ρ · `Foliage::backscatter` at
-    /// the zenith angle of the beam's axis.
-    float factor(const trace::Met& met, const Vec3& direction);
+    /// The factors of what some of a beam's `rays` met, those of the numbers `sub_ray`: of a
+    /// triangle ρ · `backscatter` at the angle to its normal, whichever side is lit; of an
+    /// ellipsoid ρ · `Foliage::backscatter` at the angle of the beam's axis to the instance's own
+    /// vertical: leaves tilt with what they grow on.
+    void factors(std::span<const trace::Met> met, std::span<const Ray> rays,
+                 std::span<const uint32_t> sub_ray, std::span<float> factor);
 
    private:
     struct Triangle {
@@ -52,18 +54,22 @@ class Reflection {
     };
     static constexpr size_t kRemembered = 256;
     void enter(uint32_t instance);
-    const Triangle& triangle(const trace::Met& met);
-    float leaves(uint32_t label);
+    void remember(const trace::Met& met, Triangle& t);
+    float leaves(size_t coat);
 
     const Reflection& reflection_;
     const Surroundings& surroundings_;
+    void set_zenith();
+
+    Vec3 axis_ = Vec3::UnitX();
     double time_s_ = 0, cos_zenith_ = 0;
-    uint32_t instance_ = trace::Met::kNone;  ///< That the next three are of.
+    uint32_t instance_ = trace::Met::kNone;  ///< That the next four are of.
+    Vec3 up_ = Vec3::UnitZ();                ///< Its vertical, world.
     const elements::Model* model_ = nullptr;
     uint32_t first_ellipsoid_ = 0;
     int coat_ = -1;  ///< Of all but the ground, or −1: as the element says.
     std::vector<Triangle> triangles_;
-    std::vector<float> leaves_;  ///< By coat, of this beam; < 0 = not yet asked for.
+    std::vector<float> leaves_;  ///< By coat, at `cos_zenith_`; < 0 = not yet asked for.
   };
 
  private:

@@ -1,0 +1,146 @@
+#include <filesystem>
+
+#include "underbrush/sensor/angles.hpp"
+#include "underbrush/sensor/catalogue.hpp"
+#include "underbrush/sensor/yaml_map.inl"
+
+namespace underbrush::sensor {
+namespace {
+
+// A list, or {first, last, count}: evenly spaced, both ends included.
+std::vector<double> read_elevations(const Map& channels) {
+  if (!channels.child("elevation_deg").IsMap())
+    return channels.get<std::vector<double>>("elevation_deg");
+  const Map even = channels.map("elevation_deg", {"first", "last", "count"});
+  const auto first = even.get<double>("first"), last = even.get<double>("last");
+  const auto count = even.get<int>("count");
+  if (count < 2 || count > 65535) even.fail("count", "must be 2 to 65535");
+  std::vector<double> out(static_cast<size_t>(count));
+  for (int i = 0; i < count; ++i) out[size_t(i)] = first + (last - first) * i / (count - 1);
+  return out;
+}
+
+std::vector<Channel> read_channels(const Map& root, std::vector<std::array<double, 2>>* windows) {
+  const Map map = root.map("channels", {"elevation_deg", "azimuth_deg", "time_us", "z_mm",
+                                        "azimuth_from_deg", "azimuth_to_deg"});
+  const std::vector<double> elevation = read_elevations(map);
+  std::vector<Channel> channels(elevation.size());
+  for (size_t i = 0; i < channels.size(); ++i) channels[i].elevation_rad = elevation[i] * kDegree;
+  const auto values_of = [&](const char* key) {
+    auto values = map.get<std::vector<double>>(key);
+    if (values.size() != channels.size()) map.fail(key, "needs one value per elevation");
+    return values;
+  };
+  const auto fill = [&](const char* key, double unit, double Channel::*field) {
+    if (!map.has(key)) return;
+    const std::vector<double> values = values_of(key);
+    for (size_t i = 0; i < values.size(); ++i) channels[i].*field = values[i] * unit;
+  };
+  fill("azimuth_deg", kDegree, &Channel::azimuth_rad);
+  fill("time_us", 1e-6, &Channel::time_s);
+  fill("z_mm", 1e-3, &Channel::z_m);
+  if (windows == nullptr) {
+    if (map.has("azimuth_from_deg")) map.fail("azimuth_from_deg", "only for a sweep");
+    if (map.has("azimuth_to_deg")) map.fail("azimuth_to_deg", "only for a sweep");
+    return channels;
+  }
+  const std::vector<double> from = values_of("azimuth_from_deg"), to = values_of("azimuth_to_deg");
+  for (size_t i = 0; i < channels.size(); ++i) {
+    windows->push_back({std::min(from[i], to[i]) * kDegree, std::max(from[i], to[i]) * kDegree});
+  }
+  return channels;
+}
+
+void read_rotation(const Map& map, Sensor& s) {
+  s.rate_hz = map.get<double>("rate_hz");
+  s.firing_period_s = map.get<double>("firing_period_us") * 1e-6;
+  s.clockwise = map.choice<bool>("rotation", {{"clockwise", true}, {"counterclockwise", false}});
+  s.start_azimuth_rad = map.get("start_azimuth_deg", 180.0) * kDegree;
+}
+
+// The firings of one turn, each channel within its own window.
+void read_sweep(const Map& map, Sensor& s) {
+  read_rotation(map, s);
+  std::vector<std::array<double, 2>> window;
+  s.channels = read_channels(map, &window);
+  s.cycle_s = 1 / s.rate_hz;
+  const double firings = s.firings_per_revolution();
+  if (!(firings >= 1 && firings < 1e6) || std::abs(firings - std::round(firings)) > 1e-3) {
+    map.fail("firing_period_us", "a sweep needs a whole number of firings a turn");
+  }
+  const double step = 2 * M_PI / std::round(firings);
+  for (size_t k = 0; k < size_t(std::round(firings)); ++k) {
+    for (const uint16_t ring : s.firing_order()) {
+      const Channel& c = s.channels[ring];
+      const double azimuth =
+          signed_angle(s.start_azimuth_rad + s.turn() * step * double(k)) + c.azimuth_rad;
+      if (azimuth < window[ring][0] - 1e-9 || azimuth > window[ring][1] + 1e-9) continue;
+      s.shots.push_back(
+          {azimuth, c.elevation_rad, double(k) / std::round(firings) * s.cycle_s + c.time_s, ring});
+    }
+  }
+}
+
+void read_raster(const Map& root, Sensor& s) {
+  const Map map =
+      root.map("raster", {"azimuth_deg", "elevation_deg", "step_deg", "order", "serpentine"});
+  const auto azimuth = map.pair("azimuth_deg"), elevation = map.pair("elevation_deg");
+  const auto step = map.pair("step_deg");
+  const auto lines = [&](const std::array<double, 2>& bounds, double by) {
+    const double n = std::abs(bounds[1] - bounds[0]) / by;
+    if (!(by > 0) || !(n < 65534))
+      map.fail("step_deg", "must be positive, for at most 65534 steps");
+    return uint32_t(std::lround(n)) + 1;
+  };
+  s.raster.columns = lines(azimuth, step[0]);
+  s.raster.rows = lines(elevation, step[1]);
+  const auto towards = [&](const std::array<double, 2>& bounds, uint32_t n, double by) {
+    return (bounds[0] + std::copysign((n - 1) * by, bounds[1] - bounds[0])) * kDegree;
+  };
+  s.raster.azimuth_from_rad = azimuth[0] * kDegree;
+  s.raster.azimuth_to_rad = towards(azimuth, s.raster.columns, step[0]);
+  s.raster.elevation_from_rad = elevation[0] * kDegree;
+  s.raster.elevation_to_rad = towards(elevation, s.raster.rows, step[1]);
+  s.raster.by_columns = map.choice<bool>("order", {{"rows", false}, {"columns", true}}, "rows");
+  s.raster.serpentine = map.get("serpentine", false);
+  s.firing_period_s = 1 / root.get<double>("shots_per_s");
+  s.rate_hz = 1 / (s.firing_period_s * double(s.raster.size()));
+}
+
+void read_directions(const Map& map, Sensor& s) {
+  s.rate_hz = map.get<double>("rate_hz");
+  s.cycle_s = map.get<double>("cycle_s");
+  if (!(s.cycle_s > 0)) map.fail("cycle_s", "must be positive");
+  const auto name = map.get<std::string>("directions");
+  for (const CatalogueEntry& entry : catalogue_tables()) {
+    if (entry.name == name) s.shots = shots_from_csv(name, entry.text, s.cycle_s);
+  }
+  if (s.shots.empty()) {
+    const auto path = (std::filesystem::path(map.file()).parent_path() / name).string();
+    s.shots = shots_from_csv(path, text_of(path), s.cycle_s);
+  }
+  s.firing_period_s = s.cycle_s / double(s.shots.size());
+}
+
+}  // namespace
+
+void read_pattern(const Map& root, Sensor& s) {
+  const auto kind = root.get<std::string>("kind");
+  s.kind = root.choice<Kind>("kind", {{"spinning", Kind::kSpinning},
+                                      {"raster", Kind::kRaster},
+                                      {"sweep", Kind::kSequence},
+                                      {"directions", Kind::kSequence}});
+  if (kind == "spinning") {
+    read_rotation(root, s);
+    s.channels = read_channels(root, nullptr);
+  } else if (kind == "sweep") {
+    read_sweep(root, s);
+  } else if (kind == "raster") {
+    read_raster(root, s);
+  } else {
+    read_directions(root, s);
+  }
+  s.firings_per_packet = root.get("firings_per_packet", 1);
+}
+
+}  // namespace underbrush::sensor

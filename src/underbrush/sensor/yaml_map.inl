@@ -1,0 +1,95 @@
+// The YAML files of sensors, key by key; for the sources that read them.
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <initializer_list>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "underbrush/core/check.hpp"
+#include "underbrush/sensor/sensor.hpp"
+
+namespace underbrush::sensor {
+
+inline constexpr double kDegree = M_PI / 180;
+
+/// A YAML map whose keys must all be used.
+class Map {
+ public:
+  Map(std::string file, std::string place, const YAML::Node& node,
+      std::initializer_list<std::string_view> keys)
+      : file_(std::move(file)), place_(std::move(place)), node_(node) {
+    if (!node_.IsMap()) fail("", "expected lines of KEY: VALUE");
+    for (const auto& entry : node_) {
+      const auto key = entry.first.as<std::string>();
+      if (std::find(keys.begin(), keys.end(), key) == keys.end()) fail(key, "unknown key");
+    }
+  }
+
+  YAML::Node child(const std::string& key) const {
+    if (!node_[key]) fail(key, "missing");
+    return node_[key];
+  }
+  bool has(const std::string& key) const { return bool(node_[key]); }
+
+  template <class T>
+  T get(const std::string& key) const {
+    const YAML::Node value = child(key);
+    try {
+      return value.as<T>();
+    } catch (const YAML::Exception&) {
+      fail(key, "not the expected kind of value");
+    }
+  }
+  template <class T>
+  T get(const std::string& key, T fallback) const {
+    return has(key) ? get<T>(key) : fallback;
+  }
+
+  /// The map under `key`.
+  Map map(const std::string& key, std::initializer_list<std::string_view> keys) const {
+    return Map(file_, place_.empty() ? key : place_ + "." + key, child(key), keys);
+  }
+  /// One of the named values; without the key, that of `fallback` (which may be none).
+  template <class T>
+  T choice(const std::string& key, std::initializer_list<std::pair<const char*, T>> values,
+           const char* fallback = nullptr) const {
+    const auto word = fallback ? get<std::string>(key, fallback) : get<std::string>(key);
+    std::string known;
+    for (const auto& [name, value] : values) {
+      if (word == name) return value;
+      known += std::string(known.empty() ? "" : ", ") + name;
+    }
+    fail(key, "must be one of " + known);
+  }
+  std::array<double, 2> pair(const std::string& key) const {
+    const auto values = get<std::vector<double>>(key);
+    if (values.size() != 2) fail(key, "needs two numbers");
+    return {values[0], values[1]};
+  }
+  std::array<double, 2> pair(const std::string& key, const std::array<double, 2>& fallback) const {
+    return has(key) ? pair(key) : fallback;
+  }
+  const std::string& file() const { return file_; }
+
+  [[noreturn]] void fail(const std::string& key, const std::string& reason) const {
+    throw FormatError(file_, place_.empty() || key.empty() ? place_ + key : place_ + "." + key,
+                      reason);
+  }
+
+ private:
+  std::string file_, place_;
+  YAML::Node node_;
+};
+
+/// Where the beams of the sensor go and when: kind, rates, channels, raster or table.
+void read_pattern(const Map& root, Sensor& s);
+
+/// A whole file. Throws `FormatError`.
+std::string text_of(const std::string& path);
+
+}  // namespace underbrush::sensor

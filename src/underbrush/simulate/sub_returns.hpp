@@ -1,0 +1,40 @@
+/// \file
+/// What comes back of a beam's sub-rays.
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "underbrush/core/rng.hpp"
+#include "underbrush/trace/element_math.hpp"
+
+namespace underbrush::simulate {
+
+/// The sub-rays of one beam that met something, in columns; used again beam by beam.
+class SubReturns {
+ public:
+  /// Room for so many.
+  explicit SubReturns(size_t most);
+
+  /// Takes those of `met` (one a sub-ray, as `keys` and `weight`) that met something and draws
+  /// their ranges as `drawn_on_ray` does, t ~ N(t_i, σ_i²) ([deschaud12] eq. 2–3), to 2e-4 σ.
+  void collect(std::span<const trace::Met> met, std::span<const uint64_t> keys,
+               std::span<const float> weight, const trace::RangeLimits& limits);
+
+  size_t size() const { return size_; }
+  std::span<const uint32_t> sub_ray() const { return {sub_ray_.data(), size_}; }
+  std::span<const float> range_m() const { return {range_m_.data(), size_}; }
+  std::span<const float> weight() const { return {weight_.data(), size_}; }
+  /// To be filled: what is sent back, and the receiver's signal.
+  std::span<float> factor() { return {factor_.data(), size_}; }
+  std::span<float> signal() { return {signal_.data(), size_}; }
+
+ private:
+  size_t size_ = 0;
+  std::vector<uint32_t> sub_ray_;
+  std::vector<float> range_m_, weight_, factor_, signal_;
+  std::vector<uint64_t> bits_;
+  QuickNormal normal_;
+};
+
+}  // namespace underbrush::simulate
