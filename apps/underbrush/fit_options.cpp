@@ -15,6 +15,9 @@ void add_fit_options(CLI::App& app, fit::FitOptions& fit) {
          "likelihood: one group of beams in so many judges the steps and is not learnt from");
   option("--dropout", fit.likelihood.dropout,
          "likelihood: how readily a lone miss is taken as a lost return, not as a way through");
+  option("--merge-cost", fit.likelihood.rearrangement.largest_cost,
+         "likelihood: most that merging two ellipsoids may cost their points, nats; 0: merge where "
+         "it costs nothing");
   option("--tau", fit.tau, "Mahalanobis distance within which a beam meets an ellipsoid");
   option("--clusters-per-point", fit.volumetric.hierarchical.clusters_per_point,
          "hierarchical: number of ellipsoids per point");

@@ -162,9 +162,10 @@ TEST(Likelihood, MergesRedundantElementsBeforeTheyLearnNoise) {
   LikelihoodOptions options;
   options.rounds = 2;  // none of the rearrangements that come later
   const Refined merging = refine(start, source, options);
-  options.rearrangement.share = 0;
+  options.rearrangement.largest_cost = -1e9;
   const Refined keeping = refine(start, source, options);
   EXPECT_LE(merging.model.ellipsoids.size(), start.ellipsoids.size() / 2);
+  EXPECT_GT(keeping.model.ellipsoids.size(), start.ellipsoids.size() / 2);
   const BeamLog fresh = log_of(known_model(), 18, 20000);
   MemorySource test(fresh);
   EXPECT_LT(expect(merging.model, test, HeldOut{0}, {}).training_nll,
