@@ -5,7 +5,8 @@
                          [--models NAME ...] [--reuse] [--markdown FILE]
 
 The models tuned and tuned_nll are the hybrid with what optimize found on a slice of the training half,
-tuned_likelihood the fitter likelihood with the same.
+tuned_likelihood the fitter likelihood with the same. mesh_primitives is a scene of plant meshes, not a
+model.
 
 DATA is a folder with the logs named in LOGS below (KITTI drives packed by its frames.py, which needs
 NumPy, or unpacked). WORK receives all intermediate files. Prints one Markdown table row a log and
@@ -36,6 +37,7 @@ FITTERS = {"hybrid": ["--fitter", "hierarchical"], "surface": ["--fitter", "surf
            "surface_carved": ["--fitter", "surface", "--surface-carve"],
            "voxel": ["--fitter", "voxel", "--voxel-side", "0.3"],
            "top_down": ["--fitter", "top_down"], "bottom_up": ["--fitter", "bottom_up"],
+           "mesh_primitives": ["--fitter", "mesh_primitives"],
            "likelihood": ["--fitter", "likelihood"],
            "likelihood_voxel": ["--fitter", "likelihood", "--start", "voxel", "--voxel-side", "0.3"],
            "likelihood_top_down": ["--fitter", "likelihood", "--start", "top_down"],
@@ -107,10 +109,14 @@ def score(program, work, name, models):
     return result
 
 
-def rows(work, name, result):
+def ellipsoids(program, model):
+    done = subprocess.run([program, "info", model, "--json", "-"], check=True, stdout=subprocess.PIPE)
+    return json.loads(done.stdout)["ellipsoids"]
+
+
+def rows(program, work, name, result):
     for label, s in result["models"].items():
-        manifest = json.loads((work / name / label / "model.json").read_text())
-        figures = [str(manifest["ellipsoids"]["count"])]
+        figures = [str(ellipsoids(program, work / name / label))]
         figures += [f"{s[key]:.{digits}f}" for key, _, digits in COLUMNS]
         yield f"| {name} | {label} | {s['beams']} | " + " | ".join(figures) + " |"
 
@@ -134,7 +140,7 @@ def main():
             continue
         if not args.reuse:
             halves(args.program, args.data, args.work / name, name)
-        for row in rows(args.work, name, score(args.program, args.work / name, name, args.models)):
+        for row in rows(args.program, args.work, name, score(args.program, args.work / name, name, args.models)):
             table.append(row)
             print(row, flush=True)
     if args.markdown:

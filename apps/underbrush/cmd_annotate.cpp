@@ -135,28 +135,13 @@ void run(const Verb& verb, Arguments& a) {
     a.generate.patch_cell_m = a.measure.cell_m;
     measured.objects = primitives::generate_objects(surface, a.generate);
   }
-  annotation.objects = std::move(measured.objects);
+  annotation.objects = measured.objects;
   write(a.ground.empty() ? &ground : nullptr, output, annotation);
 
-  std::map<elements::Class, size_t> classes;
-  for (const auto& o : annotation.objects) ++classes[o.label];
-  Json j;
-  j["objects"] = annotation.objects.size();
-  std::string text = fmt::format("{} objects\n", annotation.objects.size());
-  for (const auto& [label, n] : classes) {
-    const std::string name(elements::name(label));
-    j["classes"][name] = n;
-    text += fmt::format("  {:<19}{:>8}\n", name, n);
-  }
-  j["few_points"] = measured.few_points;
-  j["off_ground"] = measured.off_ground;
-  j["hits_without_instance"] = measured.without_instance;
-  if (annotation.objects.empty()) text += "  warning     nothing stands on this ground\n";
-  text += left_out({{"objects or cells of few points", measured.few_points},
-                    {"objects off the ground", measured.off_ground},
-                    {"hits of an object's class without instance", measured.without_instance}});
-  text += fmt::format("  ground      {} ({} triangles)\n  annotation  {}\n",
-                      annotation.ground.string(), ground.ground.size(), a.output);
+  const Json j = json_of(measured);
+  const std::string text =
+      text_of(measured) + fmt::format("  ground      {} ({} triangles)\n  annotation  {}\n",
+                                      annotation.ground.string(), ground.ground.size(), a.output);
   verb.report(j, text);
 }
 

@@ -2,12 +2,10 @@
 
 #include <chrono>
 
-#include "objects_of_log.hpp"
+#include "composing.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/names.hpp"
 #include "underbrush/elements/model_file.hpp"
-#include "underbrush/primitives/compose.hpp"
-#include "verb.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -22,7 +20,10 @@ struct Arguments {
 
 void add_options(CLI::App& app, Arguments& a) {
   app.add_option("ANNOTATION", a.annotation, "The annotation (JSON)")->required();
-  app.add_option("PRIMITIVES", a.primitives, "The set of primitives")->required();
+  app.add_option("PRIMITIVES", a.primitives,
+                 "The set of primitives; the name mesh_primitives: of generated plants, as "
+                 "'meshes generated' makes it")
+      ->required();
   app.add_option("-o,--output", a.output, "The scene's folder")->required()->type_name("SCENE");
   app.add_option("--ground", a.ground, "Model whose ground to take instead of the annotation's")
       ->type_name("MODEL");
@@ -84,52 +85,24 @@ void run(const Verb& verb, Arguments& a) {
   read_densities(a, a.compose);
   elements::check_scene_output(a.output);
   const primitives::Annotation annotation = primitives::read_annotation(a.annotation);
-  const primitives::PrimitiveSet set = primitives::read_primitive_set(a.primitives);
+  const NamedSet named = primitives_named(a.primitives, verb.seed);
   std::filesystem::path from = a.ground;
   if (from.empty()) from = annotation.ground.lexically_normal();
   const elements::Model ground = elements::read_model(from);
   if (ground.ground.size() == 0) throw FormatError(from.string(), "", "the model has no ground");
   a.compose.seed = verb.seed;
-  primitives::Composition c;
-  {
-    Progress progress("compose");
-    c = primitives::compose(annotation, ground, set, a.compose, std::ref(progress));
-  }
+  primitives::Composition c = composed(annotation, ground, named.set, a.compose);
   require_all_placed(a, c);
-  c.info.provenance = provenance(verb, {a.annotation, a.primitives, from});
+  std::vector<std::filesystem::path> inputs{a.annotation};
+  inputs.insert(inputs.end(), named.inputs.begin(), named.inputs.end());
+  inputs.push_back(from);
+  c.info.provenance = provenance(verb, inputs);
   elements::write_scene(a.output, c.scene, c.info);
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
-
-  size_t elements = 0;
-  for (const auto& m : c.scene.models) elements += m.size() - m.ground.size();
-  Json j;
-  j["objects"] = c.objects;
-  j["instances"] = c.placed;
-  j["models"] = c.scene.models.size() - 1;
-  j["elements"] = elements;
-  j["off_ground"] = c.off_ground;
-  j["left_out"] = c.left_out;
-  j["borrowed"] = c.borrowed;
-  j["mean_box_distance_m"] = c.mean_box_distance_m;
+  Json j = json_of(c);
+  j["warnings"] = named.warnings;
   j["seconds"] = seconds;
-  std::string text = fmt::format(
-      "{} objects: {} instances of {} primitives ({} elements), boxes {:.2f} m apart on average\n",
-      c.objects, c.placed, c.scene.models.size() - 1, elements, c.mean_box_distance_m);
-  if (c.objects == 0)
-    text += "  warning     the annotation has no objects: the scene is its ground\n";
-  for (const auto& [label, n] : c.borrowed) {
-    text += fmt::format(
-        "  warning     {} of class {}: no primitives, placed with those of another size\n", n,
-        label);
-  }
-  for (const auto& [label, n] : c.left_out) {
-    text +=
-        fmt::format("  warning     {} of class {} left out: no primitives of its kind\n", n, label);
-  }
-  if (c.off_ground) {
-    text +=
-        fmt::format("  warning     {} left out: they stand off the ground mesh\n", c.off_ground);
-  }
+  std::string text = text_of(c) + text_of_warnings(named.warnings);
   text += fmt::format("  all         {:.2f} s\n  scene       {}\n", seconds, a.output);
   verb.report(j, text);
 }
@@ -142,6 +115,7 @@ void add_compose(CLI::App& root) {
       root, "compose", "Compose a scene from primitives along an annotation; simulate takes it",
       "underbrush compose annotation.json primitives/ -o scene/\n"
       "  underbrush compose annotation.json primitives/ --nearest 5 --scale -o scene/\n"
+      "  underbrush compose annotation.json mesh_primitives -o baseline/\n"
       "  underbrush simulate scene/ --like log.ply -o sim.ply",
       [a](const Verb& v) { run(v, *a); });
   add_options(*verb->app, *a);

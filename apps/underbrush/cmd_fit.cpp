@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
 #include "fit_options.hpp"
-#include "steps.hpp"
+#include "mesh_fitter.hpp"
+#include "objects_of_log.hpp"
+#include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/atomic_file.hpp"
 #include "verbs.hpp"
@@ -10,32 +12,34 @@ namespace underbrush::app {
 namespace {
 
 struct Arguments {
-  std::string log, output, splat, ground_mesh;
+  std::string log, output, splat, ground_mesh, meshes = kMeshPrimitives;
   fit::FitOptions fit;
 };
 
 void add_options(CLI::App& app, Arguments& a) {
   app.add_option("LOG", a.log, "The log (ray cloud PLY, as import writes it)")->required();
-  app.add_option("-o,--output", a.output, "The model's folder")->required()->type_name("MODEL");
+  app.add_option("-o,--output", a.output, "The model's folder; mesh_primitives: a scene's")
+      ->required()
+      ->type_name("MODEL");
   add_fit_options(app, a.fit);
+  app.add_option("--meshes", a.meshes,
+                 "mesh_primitives: the set of primitives that meshes made; the name "
+                 "mesh_primitives: of generated plants")
+      ->type_name("PRIMITIVES")
+      ->capture_default_str();
   app.add_option("--export-splat", a.splat, "Also write the ellipsoids as a Gaussian splat PLY")
       ->type_name("FILE.ply");
   app.add_option("--export-ground", a.ground_mesh, "Also write the ground as a mesh")
       ->type_name("FILE.obj|.ply");
 }
 
-void run(const Verb& verb, Arguments& a) {
-  a.fit.seed = verb.seed;
-  for (const std::string& file : {a.splat, a.ground_mesh}) {
-    if (!file.empty()) io::check_output(file);
-  }
-  const FitStep step = fit_log(verb, a.log, a.fit, a.output);
+/// What every fit counts.
+Json json_of_fit(const std::string& fitter, const FitStep& step,
+                 const std::vector<std::string>& warnings) {
   const elements::Model& model = step.result.model;
-  if (!a.splat.empty()) elements::write_splat(a.splat, model);
-  if (!a.ground_mesh.empty()) elements::write_mesh(a.ground_mesh, model.ground);
   const fit::FitReport& r = step.result.report;
   Json j;
-  j["fitter"] = model.fitter;
+  j["fitter"] = fitter;
   j["beams"] = r.beams;
   j["hits"] = r.hits;
   j["misses"] = r.misses;
@@ -53,15 +57,21 @@ void run(const Verb& verb, Arguments& a) {
   j["ellipsoids"] = model.ellipsoids.size();
   j["ground_sigma_m"] = model.ground.range_sigma_m;
   j["skipped"] = step.skipped;
-  j["warnings"] = r.warnings;
+  j["warnings"] = warnings;
   if (!r.likelihood.steps.empty()) j["likelihood"] = json_of(r.likelihood);
   j["seconds"] = step.seconds;
   j["beams_per_s"] = double(r.beams) / step.seconds;
+  return j;
+}
+
+std::string text_of_fit(const std::string& fitter, const FitStep& step) {
+  const elements::Model& model = step.result.model;
+  const fit::FitReport& r = step.result.report;
   std::string text = fmt::format(
       "{}: {} beams ({} hits, {} misses) in {:.1f} s, {} beams/s\n"
       "  ground      {} points, {} triangles, sigma {:.3f} m\n"
       "  other       {} points",
-      model.fitter, r.beams, r.hits, r.misses, step.seconds, si(double(r.beams) / step.seconds),
+      fitter, r.beams, r.hits, r.misses, step.seconds, si(double(r.beams) / step.seconds),
       r.ground_points, model.ground.size(), model.ground.range_sigma_m, r.other_points);
   if (!model.ellipsoids.empty()) text += fmt::format(", {} ellipsoids", model.ellipsoids.size());
   if (model.surface.size()) text += fmt::format(", {} triangles", model.surface.size());
@@ -83,9 +93,40 @@ void run(const Verb& verb, Arguments& a) {
     text += fmt::format("  {:<11} {} elements, -log f {:.4f} training, {:.4f} held out{}\n", s.name,
                         s.elements, s.training_nll, s.held_out_nll, s.accepted ? "" : ", undone");
   }
-  for (const std::string& w : r.warnings) text += "  warning     " + w + "\n";
-  text += "  model       " + a.output + "\n";
-  verb.report(j, text);
+  return text;
+}
+
+void run_meshes(const Verb& verb, const Arguments& a) {
+  require(a.splat.empty(), "fit: mesh_primitives has no ellipsoids for --export-splat");
+  const MeshFitStep step = fit_meshes(verb, a.log, a.fit, a.meshes, a.output);
+  if (!a.ground_mesh.empty()) {
+    elements::write_mesh(a.ground_mesh, step.ground.result.model.ground);
+  }
+  Json j = json_of_fit(a.fit.fitter, step.ground, step.warnings);
+  j["annotation"] = json_of(step.measured);
+  j["scene"] = json_of(step.composition);
+  verb.report(j, text_of_fit(a.fit.fitter, step.ground) + text_of(step.measured) +
+                     text_of(step.composition) + text_of_warnings(step.warnings) +
+                     "  scene       " + a.output + "\n");
+}
+
+void run(const Verb& verb, Arguments& a) {
+  const bool meshes = a.fit.fitter == kMeshPrimitives;
+  require(meshes || a.meshes == kMeshPrimitives,
+          "fit: --meshes is of --fitter mesh_primitives alone");
+  a.fit.seed = verb.seed;
+  for (const std::string& file : {a.splat, a.ground_mesh}) {
+    if (!file.empty()) io::check_output(file);
+  }
+  if (meshes) return run_meshes(verb, a);
+  const FitStep step = fit_log(verb, a.log, a.fit, a.output);
+  const elements::Model& model = step.result.model;
+  if (!a.splat.empty()) elements::write_splat(a.splat, model);
+  if (!a.ground_mesh.empty()) elements::write_mesh(a.ground_mesh, model.ground);
+  const std::vector<std::string>& warnings = step.result.report.warnings;
+  verb.report(json_of_fit(model.fitter, step, warnings), text_of_fit(model.fitter, step) +
+                                                             text_of_warnings(warnings) +
+                                                             "  model       " + a.output + "\n");
 }
 
 }  // namespace
@@ -94,7 +135,8 @@ void add_fit(CLI::App& root) {
   auto a = std::make_shared<Arguments>();
   const auto verb = add_verb(
       root, "fit", "Learn a model from a log: ground mesh, ellipsoids, hit probabilities",
-      "underbrush fit log.ply -o model/\n  underbrush fit log.ply --fitter surface -o mesh/",
+      "underbrush fit log.ply -o model/\n  underbrush fit log.ply --fitter surface -o mesh/\n"
+      "  underbrush fit log.ply --fitter mesh_primitives -o plants/",
       [a](const Verb& v) { run(v, *a); });
   add_options(*verb->app, *a);
 }

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "leaf_cloud.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
+#include "underbrush/elements/scene_file.hpp"
 #include "underbrush/io/input.hpp"
 #include "underbrush/metrics/leaf_inclination.hpp"
 #include "underbrush/sensor/sensor.hpp"
@@ -173,6 +175,35 @@ void report_model(const Verb& verb, const std::string& path) {
                              model.origin.x(), model.origin.y(), model.origin.z()));
 }
 
+void report_scene(const Verb& verb, const std::string& path) {
+  elements::SceneInfo info;
+  const elements::Scene scene = elements::read_scene(path, &info);
+  size_t triangles = 0, ellipsoids = 0;
+  for (const elements::Model& m : scene.models) {
+    triangles += m.surface.size();
+    ellipsoids += m.ellipsoids.size();
+  }
+  std::map<elements::Class, size_t> classes;
+  for (const elements::Class c : info.labels) ++classes[c];
+  Json j;
+  j["kind"] = "scene";
+  j["models"] = scene.models.size();
+  j["instances"] = scene.instances.size();
+  for (const auto& [c, n] : classes) j["classes"][std::string(name(c))] = n;
+  j["movers"] = info.movers.size();
+  j["ground_triangles"] = scene.models.at(0).ground.size();
+  j["surface_triangles"] = triangles;
+  j["ellipsoids"] = ellipsoids;
+  j["provenance"] = Json::parse(info.provenance.empty() ? "null" : info.provenance);
+  std::string text = fmt::format(
+      "{}: scene of {} instances of {} models: {} ground triangles, {} surface triangles, {} "
+      "ellipsoids\n",
+      path, scene.instances.size(), scene.models.size(), scene.models.at(0).ground.size(),
+      triangles, ellipsoids);
+  for (const auto& [c, n] : classes) text += fmt::format("  {:<19}{:>8}\n", name(c), n);
+  verb.report(j, text);
+}
+
 /// How the leaves stand [goodin24].
 void report_leaves(const Verb& verb, const std::string& file, bool all) {
   const LeafCloud cloud = leaf_cloud(file, all);
@@ -204,6 +235,7 @@ void run(const Verb& verb, const Arguments& a) {
   const std::string& file = a.file;
   if (!a.leaves.empty()) return report_leaves(verb, file, a.leaves == "all");
   if (elements::is_model(file)) return report_model(verb, file);
+  if (elements::is_scene(file)) return report_scene(verb, file);
   io::Input input = io::open_input(file);
   if (!input.beams) {
     throw std::invalid_argument(file + ": scans without beams (" + input.format +
@@ -223,11 +255,11 @@ void run(const Verb& verb, const Arguments& a) {
 
 void add_info(CLI::App& root) {
   auto a = std::make_shared<Arguments>();
-  const auto verb = add_verb(root, "info", "What is in a log or a model",
+  const auto verb = add_verb(root, "info", "What is in a log, a model or a scene",
                              "underbrush info log.ply\n"
                              "  underbrush info log.ply --leaves vegetation",
                              [a](const Verb& v) { run(v, *a); });
-  verb->app->add_option("FILE", a->file, "A log, or the folder of a model")->required();
+  verb->app->add_option("FILE", a->file, "A log, or the folder of a model or scene")->required();
   verb->app
       ->add_option("--leaves", a->leaves,
                    "Instead: how the leaves of a log or point file stand, mean and sigma of arccos "

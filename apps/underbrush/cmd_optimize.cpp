@@ -3,6 +3,7 @@
 #include <chrono>
 #include <iostream>
 
+#include "composing.hpp"
 #include "fit_options.hpp"
 #include "report/report.hpp"
 #include "tuning.hpp"
@@ -68,7 +69,8 @@ void add_options(CLI::App& app, Arguments& a) {
                               "Tune the densities of a composed scene's classes instead: its "
                               "annotation; the result is for 'compose --config'")
                    ->type_name("SITE.json");
-  auto* set = app.add_option("--primitives", a.primitives, "The primitives to compose with")
+  auto* set = app.add_option("--primitives", a.primitives,
+                             "The primitives to compose with, as compose takes them")
                   ->type_name("PRIMITIVES");
   site->needs(set);
   set->needs(site);
@@ -88,6 +90,8 @@ struct Problem {
   Tuning tuning;
   std::vector<double> start;
   std::function<optimize::Outcome(std::span<const double>)> objective;
+  std::vector<fs::path> inputs = {};  ///< Beside the log.
+  std::vector<std::string> warnings = {};
 };
 
 Json given_options(const Arguments& a, const std::vector<optimize::Parameter>& tuned) {
@@ -136,7 +140,11 @@ Problem scene_problem(const Verb& verb, const Arguments& a, optimize::Slice slic
   const auto in = std::make_shared<SceneInputs>();
   in->annotation = primitives::read_annotation(a.annotation);
   in->ground = elements::read_model(in->annotation.ground.lexically_normal());
-  in->set = primitives::read_primitive_set(a.primitives);
+  NamedSet named = primitives_named(a.primitives, verb.seed);
+  in->set = std::move(named.set);
+  p.inputs = {a.annotation};
+  p.inputs.insert(p.inputs.end(), named.inputs.begin(), named.inputs.end());
+  p.warnings = std::move(named.warnings);
   in->beams = std::move(slice.fit);
   in->beams.append(slice.validation, 0, slice.validation.size());
   const std::vector<optimize::Parameter> all = optimize::density_parameters(in->annotation);
@@ -207,17 +215,20 @@ void run(const Verb& verb, Arguments& a) {
   io::check_output(a.output);
   io::check_output(a.checkpoint);
   if (!a.report.empty()) check_report_output(a.report);
+  require(!a.annotation.empty() || a.fit.fitter != kMeshPrimitives,
+          "optimize: plant meshes have no parameters that are fitted; their densities are tuned "
+          "with --annotation SITE.json --primitives mesh_primitives");
   if (a.annotation.empty()) optimize::chosen_fit_parameters(a.fit, a.tune);  // asked before reading
   io::LogReader reader(a.log);
   optimize::Slice slice = optimize::take_slice(reader, a.cut);
-  std::vector<fs::path> inputs{a.log};
-  if (!a.annotation.empty()) inputs.insert(inputs.end(), {a.annotation, a.primitives});
   Problem p = a.annotation.empty()
                   ? fit_problem(a, std::make_shared<optimize::Slice>(std::move(slice)))
                   : scene_problem(verb, a, std::move(slice));
   Tuning& t = p.tuning;
   t.log = a.log;
   t.objective = a.objective;
+  std::vector<fs::path> inputs{a.log};
+  inputs.insert(inputs.end(), p.inputs.begin(), p.inputs.end());
   t.provenance = provenance(verb, inputs);
   optimize::Checkpoint kept{identity_of(verb, a, p), false, {}};
   const std::vector<optimize::Evaluation> past = past_of(a, kept.run);
@@ -236,10 +247,11 @@ void run(const Verb& verb, Arguments& a) {
   kept.finished = true;
   optimize::write_checkpoint(a.checkpoint, kept);
   Json j = json_of(t);
+  j["warnings"] = p.warnings;
   j["resumed_from"] = past.size();
   j["skipped"] = reader.skipped();
   j["seconds"] = seconds();
-  std::string text = text_of(t) + "  written     " + a.output + "\n";
+  std::string text = text_of(t) + text_of_warnings(p.warnings) + "  written     " + a.output + "\n";
   if (!a.report.empty())
     text += "  report      " + write_tuning_report(a.report, t).string() + "\n";
   verb.report(j, text);

@@ -98,19 +98,6 @@ std::vector<primitives::Prior> priors_of(const primitives::GivenLabels& given) {
   return prior;
 }
 
-LabelsOfHits found_of(const primitives::LogLabels& labels) {
-  LabelsOfHits out;
-  out.instance = labels.object;
-  out.objects = labels.objects.size();
-  for (size_t k = 0; k < labels.object.size(); ++k) {
-    const uint32_t object = labels.object[k];
-    out.label.push_back(uint8_t(labels.ground[k] ? Class::kGround
-                                : object         ? labels.objects[object - 1].label
-                                                 : Class::kUnknown));
-  }
-  return out;
-}
-
 /// Classes and instances that are given stand; what is not given is found.
 LabelsOfHits taken_over(const primitives::GivenLabels& given, const primitives::LogLabels* labels) {
   LabelsOfHits out = labels ? found_of(*labels) : LabelsOfHits{};
@@ -138,12 +125,6 @@ void add_objects(const primitives::LogLabels& labels, Json& j) {
 void run(const Verb& verb, const Arguments& a) {
   io::LogReader log(a.log);
   if (!a.output.empty()) io::check_output(a.output);
-  std::unique_ptr<Progress> bar;
-  std::string stage;
-  const auto progress = [&](std::string_view s, size_t done, size_t total) {
-    if (s != stage) bar = std::make_unique<Progress>(stage = s);
-    (*bar)(done, total);
-  };
   std::optional<primitives::GivenLabels> given;
   std::optional<primitives::LogLabels> labels;
   if (!a.labels.empty()) given = primitives::read_given_labels(a.labels, log, a.given);
@@ -151,29 +132,25 @@ void run(const Verb& verb, const Arguments& a) {
   const bool whole =
       given && given->set == "underbrush" && !given->label.empty() && !given->instance.empty();
   if (!whole) {
+    StageProgress progress;
     labels = primitives::segment_log(
         log, a.segment,
         given && !given->label.empty() ? priors_of(*given) : std::vector<primitives::Prior>{},
-        progress);
+        std::ref(progress));
   }
-  bar.reset();
   const LabelsOfHits found =
       given ? taken_over(*given, labels ? &*labels : nullptr) : found_of(*labels);
 
-  LogInfo info = log.info();
-  info.classes = "underbrush";
   std::vector<std::filesystem::path> inputs{a.log};
   if (given) inputs.emplace_back(a.labels);
+  LabelledSource labelled(log, found, LabelledCounts(a.truth, a.labels.empty()));
   std::optional<io::LogWriter> writer;
-  if (!a.output.empty()) writer.emplace(a.output, info, provenance(verb, inputs));
-  LabelledCounts out(a.truth, a.labels.empty());
-  size_t next = 0;
-  log.rewind();
-  for (BeamLog chunk; log.next(chunk);) {
-    next = put_labels(found, next, chunk, out);
+  if (!a.output.empty()) writer.emplace(a.output, labelled.info(), provenance(verb, inputs));
+  for (BeamLog chunk; labelled.next(chunk);) {
     if (writer) writer->write(chunk);
   }
   if (writer) writer->close();
+  const LabelledCounts& out = labelled.counts();
   std::string text = text_of(out, found.objects);
   Json j = json_of(out);
   j["ground_method"] = a.segment.ground.method;

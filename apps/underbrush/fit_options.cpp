@@ -1,14 +1,32 @@
 #include "fit_options.hpp"
 
+#include "composing.hpp"
+#include "underbrush/elements/scene_file.hpp"
+
 namespace underbrush::app {
+namespace {
+
+std::vector<std::string> fitter_names() {
+  std::vector<std::string> names = fit::fitter_names();
+  names.emplace_back(kMeshPrimitives);
+  return names;
+}
+
+/// Empty, or what is wrong with where `likelihood` is to start.
+std::string wrong_start(const std::string& start) {
+  if (start != kMeshPrimitives && !elements::is_scene(start)) return {};
+  return "likelihood refines a model, but " + start + " is a scene of opaque plants";
+}
+
+}  // namespace
 
 void add_fit_options(CLI::App& app, fit::FitOptions& fit) {
   const auto option = [&](const char* name, auto& value, const char* text) {
     return app.add_option(name, value, text)->capture_default_str();
   };
-  option("--fitter", fit.fitter, "How the model is made")
-      ->check(CLI::IsMember(fit::fitter_names()));
-  option("--start", fit.start, "likelihood: what it starts from, a fitter or a model's folder");
+  option("--fitter", fit.fitter, "How the model is made")->check(CLI::IsMember(fitter_names()));
+  option("--start", fit.start, "likelihood: what it starts from, a fitter or a model's folder")
+      ->check(wrong_start);
   option("--rounds", fit.likelihood.rounds,
          "likelihood: most rearrangements at first, and most steps after them");
   option("--held-out", fit.likelihood.held_out.one_in,

@@ -18,6 +18,19 @@ constexpr size_t kTruePoints = 10;  // a true tree with fewer returns is not to 
 
 }  // namespace
 
+LabelsOfHits found_of(const primitives::LogLabels& labels) {
+  LabelsOfHits out;
+  out.instance = labels.object;
+  out.objects = labels.objects.size();
+  for (size_t k = 0; k < labels.object.size(); ++k) {
+    const uint32_t object = labels.object[k];
+    out.label.push_back(uint8_t(labels.ground[k] ? Class::kGround
+                                : object         ? labels.objects[object - 1].label
+                                                 : Class::kUnknown));
+  }
+  return out;
+}
+
 size_t put_labels(const LabelsOfHits& found, size_t next, BeamLog& chunk, LabelledCounts& out) {
   std::vector<uint8_t> label(chunk.size());
   std::vector<uint32_t> instance(chunk.size());
@@ -64,6 +77,25 @@ size_t put_labels(const LabelsOfHits& found, size_t next, BeamLog& chunk, Labell
   chunk.extra["class"] = std::move(label);
   chunk.extra["instance"] = std::move(instance);
   return next;
+}
+
+LabelledSource::LabelledSource(BeamSource& log, const LabelsOfHits& found, LabelledCounts counts)
+    : log_(log), found_(found), zero_(std::move(counts)), counts_(zero_), info_(log.info()) {
+  info_.classes = "underbrush";
+  rewind();
+}
+
+void LabelledSource::rewind() {
+  log_.rewind();
+  counts_ = zero_;
+  next_ = 0;
+}
+
+bool LabelledSource::next(BeamLog& chunk) {
+  if (!log_.next(chunk)) return false;
+  next_ = put_labels(found_, next_, chunk, counts_);
+  chunk.info.classes = info_.classes;
+  return true;
 }
 
 Json json_of(const LabelledCounts& o) {

@@ -2,16 +2,24 @@
 
 #include <fmt/format.h>
 
+#include <map>
 #include <optional>
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/classes.hpp"
 #include "underbrush/ground/height_grid.hpp"
 #include "underbrush/ground/triangulate.hpp"
-#include "underbrush/primitives/measure.hpp"
-#include "verb.hpp"
 
 namespace underbrush::app {
+namespace {
+
+std::map<elements::Class, size_t> classes_of(const primitives::MeasuredObjects& measured) {
+  std::map<elements::Class, size_t> classes;
+  for (const auto& o : measured.objects) ++classes[o.label];
+  return classes;
+}
+
+}  // namespace
 
 void require_objects(const std::string& file, BeamSource& log) {
   log.rewind();
@@ -53,6 +61,28 @@ elements::Model ground_of_log(const std::string& file, BeamSource& log, double s
   model.ground.range_sigma_m = map.sigma_m;
   model.fitter = "ground";
   return model;
+}
+
+Json json_of(const primitives::MeasuredObjects& measured) {
+  Json j;
+  j["objects"] = measured.objects.size();
+  for (const auto& [label, n] : classes_of(measured)) j["classes"][std::string(name(label))] = n;
+  j["few_points"] = measured.few_points;
+  j["off_ground"] = measured.off_ground;
+  j["hits_without_instance"] = measured.without_instance;
+  return j;
+}
+
+std::string text_of(const primitives::MeasuredObjects& measured) {
+  std::string text = fmt::format("{} objects\n", measured.objects.size());
+  for (const auto& [label, n] : classes_of(measured)) {
+    text += fmt::format("  {:<19}{:>8}\n", name(label), n);
+  }
+  if (measured.objects.empty()) text += "  warning     nothing stands on this ground\n";
+  return text +
+         left_out({{"objects or cells of few points", measured.few_points},
+                   {"objects off the ground", measured.off_ground},
+                   {"hits of an object's class without instance", measured.without_instance}});
 }
 
 std::string left_out(const std::vector<std::pair<std::string, size_t>>& counts) {

@@ -80,27 +80,31 @@ trace::World world_of(const elements::Scene& scene) {
   return scene.instances.empty() ? trace::World(scene.models.at(0)) : trace::World(scene);
 }
 
+FitStep fit_log(const fs::path& log, const fit::FitOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  io::BeamReader reader(log);
+  StageProgress progress;
+  FitStep step;
+  if (options.fitter == "likelihood" && elements::is_model(options.start)) {
+    step.result =
+        refine_model(elements::read_model(options.start), reader, options, std::ref(progress));
+  } else {
+    step.result = fit::fit(reader, options, std::ref(progress));
+  }
+  step.skipped = reader.skipped();
+  step.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return step;
+}
+
 FitStep fit_log(const Verb& verb, const fs::path& log, const fit::FitOptions& options,
                 const fs::path& model) {
   const auto start = std::chrono::steady_clock::now();
-  io::BeamReader reader(log);
   elements::check_model_output(model);
-  std::unique_ptr<Progress> bar;
-  std::string stage;
-  FitStep step;
-  const fit::FitProgress progress = [&](std::string_view s, size_t done, size_t total) {
-    if (s != stage || done == 0) bar = std::make_unique<Progress>(stage = s);
-    (*bar)(done, total);
-  };
+  FitStep step = fit_log(log, options);
   std::vector<fs::path> inputs{log};
   if (options.fitter == "likelihood" && elements::is_model(options.start)) {
     inputs.emplace_back(options.start);
-    step.result = refine_model(elements::read_model(options.start), reader, options, progress);
-  } else {
-    step.result = fit::fit(reader, options, progress);
   }
-  bar.reset();
-  step.skipped = reader.skipped();
   Json origin = Json::parse(provenance(verb, inputs));
   const fit::LikelihoodReport& refined = step.result.report.likelihood;
   if (!refined.steps.empty()) origin["likelihood"] = json_of(refined);

@@ -19,13 +19,15 @@ elements::Scene read_world(const std::filesystem::path& path, elements::SceneInf
 /// Its world. A model alone takes the shorter way, and gives the same bits as ever.
 trace::World world_of(const elements::Scene& scene);
 
-/// Fits a model to the log and writes it; `skipped` counts records of the log left out, by reason.
+/// A fit; `skipped` counts records of the log left out, by reason.
 struct FitStep {
   fit::FitResult result;
   std::map<std::string, size_t> skipped;
   double seconds = 0;
 };
-/// With `likelihood`, `options.start` may also be a model's folder.
+/// Fits a model to the log. With `likelihood`, `options.start` may also be a model's folder.
+FitStep fit_log(const std::filesystem::path& log, const fit::FitOptions& options);
+/// ... and writes it.
 FitStep fit_log(const Verb& verb, const std::filesystem::path& log, const fit::FitOptions& options,
                 const std::filesystem::path& model);
 

@@ -160,6 +160,15 @@ void Progress::operator()(size_t done, size_t total) {
   std::fputs(line.c_str(), stderr);
 }
 
+void StageProgress::operator()(std::string_view stage, size_t done, size_t total) {
+  if (stage != stage_ || done == 0) {
+    line_.reset();  // clears its line before the next begins
+    stage_ = stage;
+    line_ = std::make_unique<Progress>(stage_);
+  }
+  (*line_)(done, total);
+}
+
 std::string si(double value) {
   const char* units[] = {"", " k", " M", " G", " T"};
   int k = 0;

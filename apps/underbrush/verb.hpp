@@ -4,8 +4,10 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace underbrush::app {
@@ -48,6 +50,16 @@ class Progress {
   std::string what_;
   bool shown_ = false, terminal_;
   double last_s_ = 0, start_s_;
+};
+
+/// The same for work in stages, one line after another.
+class StageProgress {
+ public:
+  void operator()(std::string_view stage, size_t done, size_t total);
+
+ private:
+  std::string stage_;
+  std::unique_ptr<Progress> line_;
 };
 
 /// A number for people: 12 345 678 as "12.3 M".

@@ -158,7 +158,7 @@ class Scenes(cli_test.OnALog):
         name = self.annotation(lambda site: site.update(objects=[]))
         done = self.compose(name)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
-        self.assertIn("warning     the annotation has no objects", done.stdout)
+        self.assertIn("warning     there are no objects", done.stdout)
         answered = self.json_of("simulate", "bad", "--like", "log.ply", "-o", "bare.ply")
         self.assertGreater(answered["hits"], 0)  # of its ground
 

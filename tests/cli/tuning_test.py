@@ -42,7 +42,8 @@ class Tuning(cli_test.OnALog):
         self.assertIn("<svg", self.text("r/index.html"))
 
     def test_every_fitter_has_parameters(self):
-        for fitter in ("voxel", "top_down", "bottom_up", "surface", "rimls", "likelihood"):
+        for fitter in ("voxel", "top_down", "bottom_up", "ground_mesh", "surface", "rimls",
+                       "likelihood"):
             with self.subTest(fitter):
                 found = self.results("-o", "p.yaml", "--budget", "2", "--fitter", fitter)
                 self.assertGreaterEqual(len(found["parameters"]), 3)

@@ -86,6 +86,27 @@ TEST(Fit, GivesTheSameBitsForAnyThreadsAndChunks) {
   }
 }
 
+TEST(Fit, GroundMeshIsTheHybridWithoutItsEllipsoids) {
+  const BeamLog log = drive_past_bushes(3, Vec3::Zero(), 15000);
+  MemorySource source(log);
+  FitOptions options;
+  const FitResult hybrid = fit(source, options);
+  options.fitter = "ground_mesh";
+  const FitResult bare = fit(source, options);
+  EXPECT_EQ(bare.model.fitter, "ground_mesh");
+  EXPECT_TRUE(bare.model.ellipsoids.empty());
+  EXPECT_EQ(bare.model.surface.size(), 0u);
+  EXPECT_GT(bare.model.ground.size(), 0u);
+  EXPECT_EQ(bare.model.ground.vertices, hybrid.model.ground.vertices);
+  EXPECT_EQ(bare.model.ground.triangles, hybrid.model.ground.triangles);
+  EXPECT_EQ(bare.model.ground.range_sigma_m, hybrid.model.ground.range_sigma_m);
+  EXPECT_EQ(bare.model.max_range_m, hybrid.model.max_range_m);
+  EXPECT_EQ(bare.report.other_points, hybrid.report.other_points);
+  size_t hits = 0;
+  for (const auto& hit : bare.model.ground.hit) hits += hit.hits;
+  EXPECT_GT(hits, bare.report.ground_points / 2);
+}
+
 // The same drive far from where coordinates are small gives the same model about its own origin.
 TEST(Fit, MovesWithTheWorld) {
   const Vec3 far(5e5, 4e6, 200);

@@ -104,6 +104,41 @@ TEST(MeshPrimitives, AreComposedAndHitLikeAnyOther) {
   EXPECT_NEAR(met.t_m, 9, 1e-3);
 }
 
+// A set held in memory gives the scene that it gives from its folder, to the bit.
+TEST(MeshPrimitives, InMemoryAreThoseOfTheFolder) {
+  const std::vector<Primitive> set =
+      mesh_primitives({pyramid(1.2345678, 1, 8, 0.2), pyramid(0.5, 0.4321, 1, 0.3)});
+  const io::TemporaryFolder folder;
+  write_primitives(folder / "set", set, 1.5, "");
+  const PrimitiveSet held = primitive_set(set, 1.5), read = read_primitive_set(folder / "set");
+  EXPECT_EQ(held.cell_m, read.cell_m);
+  const elements::Model ground = test::plane(40, 0, 0);
+  Annotation site;
+  for (int k = 0; k < 6; ++k) {
+    site.objects.emplace_back();
+    site.objects[k].label = k % 2 ? Class::kMediumTree : Class::kSmallShrub;
+    site.objects[k].position = Vec3(4 * k, -15, 0);
+    site.objects[k].yaw_rad = 0.3 * k;
+    site.objects[k].box = {Vec3(-1, -1, 0), Vec3(1, 1, 0.5 + k)};
+  }
+  const Composition a = compose(site, ground, held, {}), b = compose(site, ground, read, {});
+  ASSERT_EQ(a.placed, 6u);
+  EXPECT_EQ(a.info.names, b.info.names);
+  EXPECT_EQ(a.mean_box_distance_m, b.mean_box_distance_m);
+  ASSERT_EQ(a.scene.instances.size(), b.scene.instances.size());
+  for (size_t k = 0; k < a.scene.instances.size(); ++k) {
+    const auto &one = a.scene.instances[k], &two = b.scene.instances[k];
+    EXPECT_EQ(one.world_from_model.translation, two.world_from_model.translation);
+    EXPECT_EQ(one.world_from_model.rotation.coeffs(), two.world_from_model.rotation.coeffs());
+    EXPECT_EQ(one.model, two.model);
+  }
+  for (size_t k = 0; k < a.scene.models.size(); ++k) {
+    EXPECT_EQ(a.scene.models[k].surface.vertices, b.scene.models[k].surface.vertices);
+    EXPECT_EQ(a.scene.models[k].surface.triangles, b.scene.models[k].surface.triangles);
+    EXPECT_EQ(a.scene.models[k].surface.range_sigma_m, b.scene.models[k].surface.range_sigma_m);
+  }
+}
+
 TEST(MeshPrimitives, RefusePlantsWithoutExtent) {
   EXPECT_THROW(mesh_primitives({PlantSource{"none", {}, {}}}), std::invalid_argument);
   PlantSource flat = pyramid(1, 1, 0, 0);

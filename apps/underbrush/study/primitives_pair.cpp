@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "labelled_log.hpp"
 #include "objects_of_log.hpp"
 #include "study/primitives.hpp"
 #include "underbrush/core/check.hpp"
@@ -154,20 +155,8 @@ void label_log(BeamLog& log, double min_range_m) {
   options.min_range_m = min_range_m;
   MemorySource source(log);
   const primitives::LogLabels labels = primitives::segment_log(source, options);
-  std::vector<uint8_t> label(log.size());
-  std::vector<uint32_t> instance(log.size());
-  size_t hit = 0;
-  for (size_t i = 0; i < log.size(); ++i) {
-    if (!log.is_hit(i)) continue;
-    const uint32_t object = labels.object[hit];
-    instance[i] = object;
-    label[i] = uint8_t(labels.ground[hit] ? elements::Class::kGround
-                       : object           ? labels.objects[object - 1].label
-                                          : elements::Class::kUnknown);
-    ++hit;
-  }
-  log.extra["class"] = std::move(label);
-  log.extra["instance"] = std::move(instance);
+  LabelledCounts unscored("", false);
+  put_labels(found_of(labels), 0, log, unscored);
   log.info.classes = "underbrush";
 }
 

@@ -14,6 +14,9 @@ namespace {
 /// Margin around a tile in which points help to tell its ground and its surfaces.
 constexpr double kMarginM = 10;
 
+/// The hybrid without its ellipsoids.
+constexpr std::string_view kGroundMesh = "ground_mesh";
+
 /// Points of all hits by tile, relative to `origin`.
 /// Gives the largest range among them.
 double gather(BeamSource& source, const Vec3& origin, double min_range_m, TileStore& store,
@@ -143,6 +146,7 @@ void fit_hybrid(const TileStore& store, const FitOptions& options, elements::Mod
     if (grid.points() > 0) model.ground = mesh_of_ground(grid.solve(), options);
   };
   const auto fit_volumes = [&] {
+    if (options.fitter == kGroundMesh) return;
     for_tiles_in_order<Volumes>(
         tiles, progress, "fit tiles",
         [&](size_t k) { return volumes_of_tile(store, tiles[k], is_ground[k], options); },
@@ -237,7 +241,7 @@ FitResult fit_likelihood(BeamSource& source, FitOptions options, const FitProgre
 
 std::vector<std::string> fitter_names() {
   std::vector<std::string> names = volumetric_fitters();
-  names.insert(names.end(), {"surface", "rimls", "likelihood"});
+  names.insert(names.end(), {std::string(kGroundMesh), "surface", "rimls", "likelihood"});
   return names;
 }
 
@@ -270,7 +274,8 @@ FitResult fit(BeamSource& source, const FitOptions& options, const FitProgress& 
         "--infer-misses SENSOR if its format drops them");
   }
   const std::vector<std::string> volumetric = volumetric_fitters();
-  if (std::count(volumetric.begin(), volumetric.end(), options.fitter)) {
+  if (options.fitter == kGroundMesh ||
+      std::count(volumetric.begin(), volumetric.end(), options.fitter)) {
     fit_hybrid(store, options, model, out.report, progress);
     count_hits(model, source, options.credit, [&](size_t done, size_t total) {
       if (progress) progress("count hits", done, total);

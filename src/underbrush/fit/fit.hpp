@@ -22,10 +22,9 @@ namespace underbrush::fit {
 /// Parameters θ of a fit.
 struct FitOptions {
   /// `hierarchical` ([tallavajhula18]), `voxel`, `top_down`, `bottom_up` ([deschaud12]): ground
-  /// mesh
-  /// + ellipsoids; `surface`: one opaque mesh over everything, the everyday baseline; `rimls`: the
-  /// same by the robust implicit of [deschaud12]; `likelihood`: what `start` gives, refined by
-  /// `refine`.
+  /// mesh + ellipsoids; `ground_mesh`: the same without ellipsoids; `surface`: one opaque mesh over
+  /// everything, the everyday baseline; `rimls`: the same by the robust implicit of [deschaud12];
+  /// `likelihood`: what `start` gives, refined by `refine`.
   std::string fitter = "hierarchical";
   std::string start = "hierarchical";  ///< `likelihood`: the fitter that comes first.
   uint64_t seed = 1;

@@ -70,6 +70,21 @@ std::vector<FitParameter> of_surface() {
               [](auto& o) -> auto& { return o.range_noise_m; })};
 }
 
+std::vector<FitParameter> of_ground() {
+  return {entry(
+              {"ground-spacing", 0.1, 4, Scale::kLog}, true,
+              [](auto& o) -> auto& { return o.ground.spacing_m; }),
+          entry(
+              {"ground-smoothness", 0.001, 10, Scale::kLog}, true,
+              [](auto& o) -> auto& { return o.ground.smoothness_m2; }),
+          entry(
+              {"max-residual-for-hit", 0.05, 3, Scale::kLog}, true,
+              [](auto& o) -> auto& { return o.credit.max_residual_for_hit_m; }),
+          entry(
+              {"range-noise", 0.005, 0.2, Scale::kLog}, false,
+              [](auto& o) -> auto& { return o.range_noise_m; })};
+}
+
 std::vector<FitParameter> of_ellipsoids() {
   return {entry(
               {"tau", 0.5, 5, Scale::kLinear}, true, [](auto& o) -> auto& { return o.tau; }),
@@ -98,6 +113,7 @@ std::vector<FitParameter> of_ellipsoids() {
 std::vector<FitParameter> fit_parameters(const fit::FitOptions& options) {
   const bool refined = options.fitter == "likelihood";
   const std::string& fitter = refined ? options.start : options.fitter;
+  if (fitter == "ground_mesh") return of_ground();
   if (fitter == "surface" || fitter == "rimls") return of_surface();
   std::vector<FitParameter> out = fitter == "voxel"       ? of_voxel()
                                   : fitter == "top_down"  ? of_top_down()

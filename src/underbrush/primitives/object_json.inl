@@ -84,23 +84,21 @@ inline Box box_of_json(const JsonPlace& place, const Json& j) {
   return box;
 }
 
-// To the millimetre: what was measured is known no better.
-inline double rounded(double m) { return std::round(m * 1000) / 1000; }
-inline Json json_of_vector(const Vec3& v) {
-  return {rounded(v.x()), rounded(v.y()), rounded(v.z())};
-}
-inline Json json_of_box(const Box& b) {
+inline Json json_of_vector(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+inline Json json_of_box(const Box& box) {
+  const Box b = as_written(box);
   Json j;
   j["min"] = json_of_vector(b.min);
   j["max"] = json_of_vector(b.max);
   return j;
 }
 
-inline Json json_of_object(const PlacedObject& o) {
+inline Json json_of_object(const PlacedObject& object) {
+  const PlacedObject o = as_written(object);
   Json j;
   j["class"] = elements::name(o.label);
   j["position_m"] = json_of_vector(o.position);
-  j["yaw_rad"] = std::round(o.yaw_rad * 1e5) / 1e5;
+  j["yaw_rad"] = o.yaw_rad;
   j["box_m"] = json_of_box(o.box);
   if (o.instance) j["instance"] = o.instance;
   if (o.points) j["points"] = o.points;

@@ -1,6 +1,7 @@
 /// \file
 /// An object of a site: class, pose and box.
 #pragma once
+#include <cmath>
 #include <filesystem>
 
 #include "underbrush/core/pose.hpp"
@@ -32,5 +33,15 @@ struct PlacedObject {
     return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Vec3::UnitZ())), position};
   }
 };
+
+/// As files hold it: to the millimetre, and 0.01 mrad; what was measured is known no better.
+inline Vec3 as_written(const Vec3& v) { return (v * 1000).array().round() / 1000; }
+inline Box as_written(const Box& box) { return {as_written(box.min), as_written(box.max)}; }
+inline PlacedObject as_written(PlacedObject o) {
+  o.position = as_written(o.position);
+  o.yaw_rad = std::round(o.yaw_rad * 1e5) / 1e5;
+  o.box = as_written(o.box);
+  return o;
+}
 
 }  // namespace underbrush::primitives

@@ -36,7 +36,7 @@ std::vector<PrimitiveEntry> entries_of(const std::vector<Primitive>& primitives)
   for (const Primitive& p : primitives) {
     char number[16];
     std::snprintf(number, sizeof number, "/%04d", ++count[p.label]);
-    entries.push_back({p.label, p.box, std::string(elements::name(p.label)) + number,
+    entries.push_back({p.label, as_written(p.box), std::string(elements::name(p.label)) + number,
                        p.model.size(), p.source.points});
   }
   return entries;
@@ -66,6 +66,14 @@ std::vector<double> heights_shown(const std::vector<Primitive>& primitives) {
 }
 
 }  // namespace
+
+PrimitiveSet primitive_set(std::vector<Primitive> primitives, double cell_m) {
+  PrimitiveSet set;
+  set.cell_m = cell_m;
+  set.entries = entries_of(primitives);
+  for (Primitive& p : primitives) set.models.push_back(std::move(p.model));
+  return set;
+}
 
 void check_primitives_output(const fs::path& path) {
   io::check_output(path, io::OutputKind::kFolder);
@@ -158,6 +166,7 @@ PrimitiveSet read_primitive_set(const fs::path& path) {
 }
 
 elements::Model read_primitive(const PrimitiveSet& set, size_t entry) {
+  if (!set.models.empty()) return set.models.at(entry);
   return elements::read_model(set.folder / set.entries.at(entry).name);
 }
 

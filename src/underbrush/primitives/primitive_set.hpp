@@ -27,7 +27,12 @@ struct PrimitiveSet {
   double cell_m = 2;  ///< Side of the cells of patches.
   std::vector<PrimitiveEntry> entries;
   std::string provenance;
+  /// One an entry, where the set is in memory and in no folder; else empty.
+  std::vector<elements::Model> models = {};
 };
+
+/// The set that `write_primitives` would write, in memory.
+PrimitiveSet primitive_set(std::vector<Primitive> primitives, double cell_m);
 
 /// Writes the folder `path`, atomically; a set that stood there is replaced: primitives.json,
 /// index.html (a contact sheet that loads nothing else), CLASS/NUMBER/ as a model folder with
@@ -43,7 +48,7 @@ void check_primitives_output(const std::filesystem::path& path);
 /// there.
 PrimitiveSet read_primitive_set(const std::filesystem::path& path);
 
-/// Reads the elements of an entry. Throws `FormatError`.
+/// The elements of an entry, read where they are not in memory. Throws `FormatError`.
 elements::Model read_primitive(const PrimitiveSet& set, size_t entry);
 
 }  // namespace underbrush::primitives
