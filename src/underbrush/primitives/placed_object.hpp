@@ -36,7 +36,9 @@ struct PlacedObject {
 
 /// As files hold it: to the millimetre, and 0.01 mrad; what was measured is known no better.
 inline Vec3 as_written(const Vec3& v) { return (v * 1000).array().round() / 1000; }
+/// ... its corners.
 inline Box as_written(const Box& box) { return {as_written(box.min), as_written(box.max)}; }
+/// ... its position, heading and box.
 inline PlacedObject as_written(PlacedObject o) {
   o.position = as_written(o.position);
   o.yaw_rad = std::round(o.yaw_rad * 1e5) / 1e5;
