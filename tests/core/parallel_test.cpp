@@ -4,6 +4,8 @@
 
 #include <atomic>
 #include <stdexcept>
+#include <string>
+#include <thread>
 #include <vector>
 
 namespace underbrush {
@@ -67,6 +69,47 @@ TEST(ParallelInOrder, PassesAnExceptionOn) {
   const auto nothing = [](size_t) {};
   EXPECT_THROW(parallel_in_order(100, 4, fails, nothing), std::runtime_error);
   EXPECT_THROW(parallel_in_order(100, 4, nothing, fails), std::runtime_error);
+}
+
+// A loop inside one call is whole though the other call throws meanwhile.
+TEST(ParallelInvoke, AnExceptionCutsNoOtherLoopShort) {
+  for (int round = 0; round < 100; ++round) {
+    std::atomic<bool> begun = false;
+    std::atomic<size_t> done = 0;
+    const auto loop = [&] {
+      parallel_for(1000, 1, [&](size_t, size_t) {
+        begun = true;
+        volatile double x = 0;
+        for (int i = 0; i < 1000; ++i) x = x + 1;
+        ++done;
+      });
+      EXPECT_EQ(done, 1000u);
+    };
+    const auto fail = [&] {
+      for (int k = 0; k < 100000 && !begun; ++k) std::this_thread::yield();
+      throw std::runtime_error("x");
+    };
+    EXPECT_THROW(parallel_invoke(loop, fail), std::runtime_error);
+    EXPECT_EQ(done, 1000u);
+  }
+}
+
+// Whoever throws first in time, the caller gets the first in order, and what stands before it is
+// finished; nothing crashes where many throw.
+TEST(ParallelInOrder, TheFirstExceptionInOrderCounts) {
+  for (int round = 0; round < 2000; ++round) {
+    std::vector<size_t> finished;
+    const auto fail = [](size_t k) {
+      if (k >= 11) throw std::runtime_error(std::to_string(k));
+    };
+    try {
+      parallel_in_order(200, 16, fail, [&](size_t k) { finished.push_back(k); });
+      FAIL();
+    } catch (const std::runtime_error& e) {
+      EXPECT_STREQ(e.what(), "11");
+    }
+    ASSERT_EQ(finished.size(), 11u);
+  }
 }
 
 }  // namespace

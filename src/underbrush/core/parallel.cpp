@@ -10,7 +10,10 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <atomic>
+#include <exception>
 #include <memory>
+#include <mutex>
 
 namespace underbrush {
 namespace {
@@ -18,6 +21,37 @@ std::unique_ptr<tbb::global_control>& limit() {
   static std::unique_ptr<tbb::global_control> control;
   return control;
 }
+
+/// The first exception in order of tasks. None may reach oneTBB: it would cancel the loops inside
+/// other tasks too, and these go on with what such a loop left undone.
+class FirstException {
+ public:
+  explicit FirstException(size_t tasks) : failed_(tasks) {}
+  /// Number of the first task that failed, or of tasks.
+  size_t failed() const { return failed_; }
+  /// Runs task k unless one before it has failed.
+  template <class Task>
+  void run(size_t k, const Task& task) {
+    if (k >= failed_) return;
+    try {
+      task();
+    } catch (...) {
+      const std::lock_guard lock(guard_);
+      if (k >= failed_) return;
+      failed_ = k;
+      error_ = std::current_exception();
+    }
+  }
+  void rethrow() const {
+    if (error_) std::rethrow_exception(error_);
+  }
+
+ private:
+  std::mutex guard_;
+  std::exception_ptr error_;
+  std::atomic<size_t> failed_;
+};
+
 }  // namespace
 
 void set_threads(int threads) {
@@ -39,34 +73,43 @@ void parallel_for(size_t n, size_t grain, const std::function<void(size_t, size_
   grain = std::max<size_t>(grain, 1);
   const size_t pieces = (n + grain - 1) / grain;
   if (pieces == 1) return body(0, n);
+  FirstException first(pieces);
   tbb::parallel_for(
       tbb::blocked_range<size_t>(0, pieces, 1),
       [&](const tbb::blocked_range<size_t>& r) {
-        for (size_t k = r.begin(); k < r.end(); ++k) body(k * grain, std::min(n, (k + 1) * grain));
+        for (size_t k = r.begin(); k < r.end(); ++k) {
+          first.run(k, [&] { body(k * grain, std::min(n, (k + 1) * grain)); });
+        }
       },
       tbb::simple_partitioner());
+  first.rethrow();
 }
 
 void parallel_in_order(size_t n, size_t ahead, const std::function<void(size_t)>& work,
                        const std::function<void(size_t)>& finish) {
+  FirstException first(n);
   size_t next = 0;
   const auto number = [&](tbb::flow_control& control) {
-    if (next == n) control.stop();
+    if (next >= first.failed()) control.stop();
     return next++;
   };
   const auto worked = [&](size_t k) {
-    work(k);
+    first.run(k, [&] { work(k); });
     return k;
   };
+  const auto finished = [&](size_t k) { first.run(k, [&] { finish(k); }); };
   tbb::parallel_pipeline(
       std::max<size_t>(ahead, 1),
       tbb::make_filter<void, size_t>(tbb::filter_mode::serial_in_order, number) &
           tbb::make_filter<size_t, size_t>(tbb::filter_mode::parallel, worked) &
-          tbb::make_filter<size_t, void>(tbb::filter_mode::serial_in_order, finish));
+          tbb::make_filter<size_t, void>(tbb::filter_mode::serial_in_order, finished));
+  first.rethrow();
 }
 
 void parallel_invoke(const std::function<void()>& a, const std::function<void()>& b) {
-  tbb::parallel_invoke(a, b);
+  FirstException first(2);
+  tbb::parallel_invoke([&] { first.run(0, a); }, [&] { first.run(1, b); });
+  first.rethrow();
 }
 
 }  // namespace underbrush
