@@ -20,6 +20,10 @@ std::string wrong_start(const std::string& start) {
 
 }  // namespace
 
+fit::Footprint footprint_of(const sensor::Sensor& sensor) {
+  return [beam = sensor.beam](double range_m) { return beam.sigma_m(range_m); };
+}
+
 void add_fit_options(CLI::App& app, fit::FitOptions& fit) {
   const auto option = [&](const char* name, auto& value, const char* text) {
     return app.add_option(name, value, text)->capture_default_str();
@@ -41,6 +45,16 @@ void add_fit_options(CLI::App& app, fit::FitOptions& fit) {
          "hierarchical: number of ellipsoids per point");
   option("--min-points", fit.volumetric.hierarchical.min_points,
          "hierarchical: fewest points of an ellipsoid");
+  option("--mixture-rounds", fit.volumetric.mixture.rounds,
+         "hierarchical: rounds in which ellipsoids share the points where clusters part them");
+  app.add_option_function<std::string>(
+         "--sensor",
+         [&fit](const std::string& name) {
+           fit.volumetric.mixture.footprint = footprint_of(sensor::load(name));
+         },
+         "hierarchical: the sensor of the log (of the catalogue, or a YAML file): ellipsoids are "
+         "narrowed by the footprint of its beam")
+      ->type_name("SENSOR");
   option("--voxel-side", fit.volumetric.voxel.side_m,
          "voxel: side of a voxel, m (0.05 suits a standing scanner)");
   app.add_flag("--voxel-bounded", fit.volumetric.voxel.bounded,

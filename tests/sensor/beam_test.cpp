@@ -127,6 +127,30 @@ TEST(SubRays, FootprintGrowsAsTheShapeSays) {
   }
 }
 
+TEST(BeamShape, SigmaIsThatOfItsRandomRays) {
+  const Ray axis{Vec3(1, 2, 3), unit_vector(0.7, -0.3)};
+  const BeamAxes beam = beam_axes(axis);
+  for (Profile profile : {Profile::kUniform, Profile::kGaussian, Profile::kTable}) {
+    const BeamShape s = shape_of(profile);
+    const double range = 12;
+    Vec3 sum = Vec3::Zero(), squares = Vec3::Zero();
+    const int n = 40000;
+    for (int k = 0; k < n; ++k) {
+      const Ray ray = random_ray(beam, s, beam_key(31, 0, uint64_t(k)));
+      const double t = (range - (ray.origin - axis.origin).dot(axis.direction)) /
+                       ray.direction.dot(axis.direction);
+      const Vec3 off = ray.at(t) - axis.at(range);
+      const Vec3 uv(off.dot(beam.right), off.dot(beam.up), 0);
+      sum += uv / n;
+      squares += uv.cwiseAbs2() / n;
+    }
+    const Vec3 sigma = (squares - sum.cwiseAbs2()).cwiseSqrt();
+    const auto [horizontal, vertical] = s.sigma_m(range);
+    EXPECT_NEAR(sigma.x(), horizontal, 0.02 * horizontal) << int(profile);
+    EXPECT_NEAR(sigma.y(), vertical, 0.02 * vertical) << int(profile);
+  }
+}
+
 TEST(RandomRay, FillsTheConeEvenlyAndTheEncodersStep) {
   BeamShape s = shape_of(Profile::kUniform);
   s.encoder_step_rad = 0.02;

@@ -75,6 +75,27 @@ TEST(Study, TransferMayLoseATenth) {
   }
 }
 
+// What falls short of the checks of transfer from a lidar.
+size_t short_from(const StudyResult& result, const std::string& lidar) {
+  return size_t(std::count_if(result.checks.begin(), result.checks.end(), [&](const Check& c) {
+    return c.what.starts_with(lidar + " to ") && !c.holds();
+  }));
+}
+
+TEST(Study, TransferFallsShortWhereAModelIsBroken) {
+  StudyRun run;
+  run.quick = true;
+  const StudyResult sound = transfer(run, {});
+  const StudyResult broken =
+      transfer(run, [](const std::string& lidar, elements::Model& model) {
+        if (lidar != "ouster-os1-64") return;
+        for (elements::Ellipsoid& e : model.ellipsoids) e.set_covariance(9 * e.covariance_matrix());
+      });
+  EXPECT_EQ(short_from(sound, "ouster-os1-64"), 0u) << verdict(sound.checks);
+  EXPECT_GE(short_from(broken, "ouster-os1-64"), 2u) << verdict(broken.checks);
+  EXPECT_NE(verdict(broken.checks).find("ouster-os1-64 to"), std::string::npos);
+}
+
 TEST(Study, TrainsOnAFifthAndTestsOnTheRest) {
   StaticScanOptions options;
   options.bearings = 4;

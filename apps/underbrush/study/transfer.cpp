@@ -8,6 +8,7 @@
 #include <cmath>
 #include <map>
 
+#include "fit_options.hpp"
 #include "study/site_drive.hpp"
 #include "study/studies.hpp"
 #include "underbrush/io/log_file.hpp"
@@ -18,6 +19,7 @@ namespace underbrush::app {
 namespace {
 
 constexpr double kTolerance = 0.1;
+constexpr int kRounds = 10;  // a mixture behind a footprint settles slowly
 
 /// The lidars: three of the catalogue, and one of them with four times the beam.
 std::vector<sensor::Sensor> lidars() {
@@ -174,7 +176,7 @@ std::vector<Check> transfer_checks(const std::string& from, const std::string& t
            transferred.cloud_error_m / native.cloud_error_m, 1 + kTolerance}};
 }
 
-StudyResult study_transfer(const StudyRun& run) {
+StudyResult transfer(const StudyRun& run, const ModelChange& change) {
   scene::SiteParameters parameters;
   parameters.seed = run.seed;
   parameters.terrain.size_x_m = run.quick ? 14 : 30;
@@ -196,8 +198,11 @@ StudyResult study_transfer(const StudyRun& run) {
                         logs[name].test.size()));
     fit::FitOptions options;
     options.seed = run.seed;
+    options.volumetric.mixture.footprint = footprint_of(s);
+    options.volumetric.mixture.rounds = kRounds;
     MemorySource train(logs[name].train);
     models[name] = fit::fit(train, options).model;
+    if (change) change(name, models[name]);
   }
   StudyResult result;
   result.lead =
@@ -221,5 +226,7 @@ StudyResult study_transfer(const StudyRun& run) {
   if (!run.data.empty()) add_interlaced_logs(run, result);
   return result;
 }
+
+StudyResult study_transfer(const StudyRun& run) { return transfer(run, {}); }
 
 }  // namespace underbrush::app

@@ -1,5 +1,8 @@
-/// The thresholds of cross-sensor transfer.
+/// Cross-sensor transfer: its run and its thresholds.
 #pragma once
+#include <functional>
+#include <string>
+
 #include "study/study.hpp"
 #include "underbrush/fit/fit.hpp"
 #include "underbrush/metrics/score.hpp"
@@ -11,5 +14,11 @@ namespace underbrush::app {
 std::vector<Check> transfer_checks(const std::string& from, const std::string& to,
                                    const metrics::Summary& transferred,
                                    const metrics::Summary& native);
+
+/// What a test does to the model that was learnt from a lidar.
+using ModelChange = std::function<void(const std::string& lidar, elements::Model& model)>;
+
+/// The study `transfer`; `change` may be empty.
+StudyResult transfer(const StudyRun& run, const ModelChange& change);
 
 }  // namespace underbrush::app

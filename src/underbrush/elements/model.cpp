@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <cmath>
 
 #include "underbrush/core/check.hpp"
@@ -70,8 +71,14 @@ void Model::check() const {
 }
 
 Mat3 floored_covariance(const Mat3& sigma, double floor_m) {
+  const Mat3 symmetric = 0.5 * (sigma + sigma.transpose());
+  const Mat3 above = symmetric - floor_m * floor_m * Mat3::Identity();
+  // Sylvester's criterion: nothing lies below the floor.
+  if (above(0, 0) > 0 && above.topLeftCorner<2, 2>().determinant() > 0 && above.determinant() > 0) {
+    return symmetric;
+  }
   Eigen::SelfAdjointEigenSolver<Mat3> eigen;
-  eigen.computeDirect(0.5 * (sigma + sigma.transpose()));
+  eigen.computeDirect(symmetric);
   const Vec3 values = eigen.eigenvalues().cwiseMax(floor_m * floor_m);
   const Mat3& v = eigen.eigenvectors();
   const Mat3 out = v * values.asDiagonal() * v.transpose();

@@ -15,19 +15,6 @@ struct Cluster {
   Mat3 scatter = Mat3::Zero();
 };
 
-// The variance of a sphere with the mean log-volume of the ellipsoids of enough points.
-double typical_variance(const std::vector<Cluster>& clusters, double floor_m) {
-  constexpr uint32_t kEnough = 5;
-  double logs = 0, count = 0;
-  for (const Cluster& c : clusters) {
-    if (c.n < kEnough) continue;
-    const Mat3 sigma = c.scatter / (c.n - 1) + floor_m * floor_m * Mat3::Identity();
-    logs += std::log(sigma.determinant()) / 3;
-    count += 1;
-  }
-  return count > 0 ? std::exp(logs / count) : 0;
-}
-
 }  // namespace
 
 void Moments::add(const Vec3& x) {
@@ -41,6 +28,15 @@ void Moments::add(const Moments& other) {
   sum += other.sum;
   squares += other.squares;
 }
+
+void TypicalVariance::add(double n, const Mat3& scatter) {
+  constexpr double kEnough = 5;
+  if (n < kEnough) return;
+  logs_ += std::log((scatter / (n - 1) + floor_ * Mat3::Identity()).determinant()) / 3;
+  count_ += 1;
+}
+
+double TypicalVariance::variance() const { return count_ > 0 ? std::exp(logs_ / count_) : 0; }
 
 std::vector<elements::Ellipsoid> ellipsoids_of(std::span<const Vec3f> points,
                                                const Clusters& clusters,
@@ -62,8 +58,9 @@ std::vector<elements::Ellipsoid> ellipsoids_of(std::span<const Vec3f> points,
     const Vec3 d = points[i].cast<double>() - c.mean;
     c.scatter += d * d.transpose();
   }
-  const Mat3 prior =
-      options.prior_points * typical_variance(found, options.floor_m) * Mat3::Identity();
+  TypicalVariance typical(options.floor_m);
+  for (const Cluster& c : found) typical.add(c.n, c.scatter);
+  const Mat3 prior = options.prior_points * typical.variance() * Mat3::Identity();
   std::vector<elements::Ellipsoid> out;
   out.reserve(found.size());
   for (const Cluster& c : found) {

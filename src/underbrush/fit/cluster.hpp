@@ -42,6 +42,20 @@ struct EllipsoidOptions {
   double prior_points = 1;
 };
 
+/// The variance of a sphere with the mean log-volume of clusters that have at least 5 points.
+class TypicalVariance {
+ public:
+  /// Every covariance is taken with `floor_m`² added.
+  explicit TypicalVariance(double floor_m) : floor_(floor_m * floor_m) {}
+  /// A cluster of n points with Σ (x − mean)(x − mean)ᵀ = `scatter`.
+  void add(double n, const Mat3& scatter);
+  /// m²; 0 without such clusters.
+  double variance() const;
+
+ private:
+  double floor_, logs_ = 0, count_ = 0;
+};
+
 /// One ellipsoid a cluster, in order of cluster: μ is the mean, Σ = (scatter + ν σ² I) / (n − 1 +
 /// ν) with ν = `prior_points` and σ² the variance of that sphere, then floored. ν = 0 gives the
 /// sample moments. p_hit is left at 1.

@@ -12,10 +12,10 @@
 
 namespace underbrush::fit {
 
-/// A point with the direction to the sensor that measured it.
+/// A point and from where it was seen.
 struct TilePoint {
   Vec3f point;      ///< m, relative to the store's origin.
-  Vec3f to_sensor;  ///< Unit vector.
+  Vec3f to_sensor;  ///< m, from the point to the sensor.
 };
 
 /// Options of `TileStore`.

@@ -147,7 +147,7 @@ class Splitter {
   // Density of the range of the beam that measured point i, if it meets `g`; else negative.
   float density(const Gaussian& g, uint32_t i) const {
     const Vec3f r = points_[i].head<3>() - g.mean;
-    const Vec3f& d = to_sensor_[index_[i]];
+    const Vec3f d = to_sensor_[index_[i]].normalized();
     const Vec3f q = g.precision * d;
     const float information = d.dot(q), t = q.dot(r) / information;
     const float along = t * t * information;

@@ -31,7 +31,7 @@ struct TopDownOptions {
 /// of points, and one point in a hundred is an outlier. Flat matter gains nothing from a split and
 /// stays whole; porous or bent matter is split for as long as its points tell where.
 ///
-/// `to_sensor` (unit vectors) is used by `range_likelihood` alone. No random numbers: the order of
+/// `to_sensor` (of any length) is used by `range_likelihood` alone. No random numbers: the order of
 /// the points (finite) does not matter but for the rounding of sums. Every point is in a cluster.
 /// Throws `std::invalid_argument` for an unknown rule or options out of range.
 Clusters top_down_clusters(std::span<const Vec3f> points, std::span<const Vec3f> to_sensor,

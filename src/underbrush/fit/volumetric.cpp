@@ -44,7 +44,9 @@ Clusters clusters_of(std::string_view name, const VolumetricPoints& points,
 Volumes volumes(std::string_view name, const VolumetricPoints& points,
                 const VolumetricOptions& options, uint64_t seed) {
   const Clusters clusters = clusters_of(name, points, options, seed);
-  return {ellipsoids_of(points.point, clusters, options.ellipsoid),
+  return {name == "hierarchical" ? mixture(points.point, points.to_sensor, clusters,
+                                           options.ellipsoid, options.mixture)
+                                 : ellipsoids_of(points.point, clusters, options.ellipsoid),
           size_t(std::count(clusters.group.begin(), clusters.group.end(), Clusters::kNone))};
 }
 

@@ -8,6 +8,7 @@
 
 #include "underbrush/fit/bottom_up.hpp"
 #include "underbrush/fit/hierarchical.hpp"
+#include "underbrush/fit/mixture.hpp"
 #include "underbrush/fit/top_down.hpp"
 #include "underbrush/fit/voxel.hpp"
 
@@ -17,15 +18,16 @@ namespace underbrush::fit {
 struct VolumetricOptions {
   EllipsoidOptions ellipsoid;
   HierarchicalOptions hierarchical;
+  MixtureOptions mixture;  ///< Of `hierarchical` alone.
   VoxelOptions voxel;
   TopDownOptions top_down;
   BottomUpOptions bottom_up;
 };
 
-/// Points that are not ground, with the directions of their beams.
+/// Points that are not ground, and from where they were seen.
 struct VolumetricPoints {
   std::span<const Vec3f> point;      ///< m, finite.
-  std::span<const Vec3f> to_sensor;  ///< Unit vectors, one a point.
+  std::span<const Vec3f> to_sensor;  ///< From each point to the sensor, m.
 };
 
 /// Names of the volumetric fitters.

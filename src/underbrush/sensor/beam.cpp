@@ -47,6 +47,30 @@ std::array<double, 2> place_in_table(const BeamShape& shape, double a, double b)
           2 * (double(cell / columns) + b) / double(rows) - 1};
 }
 
+/// Standard deviation of u and of v.
+std::array<double, 2> sigma_of_profile(const BeamShape& shape) {
+  if (shape.profile == Profile::kUniform) return {0.5, 0.5};
+  if (shape.profile == Profile::kGaussian) return {1 / std::sqrt(2 * M_LN2), 1 / std::sqrt(2 * M_LN2)};
+  const size_t columns = size_t(shape.table_columns), rows = shape.table.size() / columns;
+  const std::array<double, 2> cell{2 / double(columns), 2 / double(rows)};
+  double energy = 0;
+  std::array<double, 2> sum{}, squares{};
+  for (size_t i = 0; i < shape.table.size(); ++i) {
+    const std::array<size_t, 2> at{i % columns, i / columns};
+    energy += shape.table[i];
+    for (size_t k = 0; k < 2; ++k) {
+      const double x = cell[k] * (double(at[k]) + 0.5) - 1;
+      sum[k] += shape.table[i] * x;
+      squares[k] += shape.table[i] * (x * x + cell[k] * cell[k] / 12);
+    }
+  }
+  for (size_t k = 0; k < 2; ++k) {
+    sum[k] /= energy;
+    squares[k] = std::sqrt(squares[k] / energy - sum[k] * sum[k]);
+  }
+  return squares;
+}
+
 }  // namespace
 
 std::array<double, 2> BeamShape::half_width_m(double range_m) const {
@@ -56,6 +80,13 @@ std::array<double, 2> BeamShape::half_width_m(double range_m) const {
     width[k] = growth == Growth::kCone ? exit + cone : std::hypot(exit, cone);
   }
   return width;
+}
+
+std::array<double, 2> BeamShape::sigma_m(double range_m) const {
+  std::array<double, 2> sigma = half_width_m(range_m);
+  const std::array<double, 2> unit = sigma_of_profile(*this);
+  for (size_t k = 0; k < 2; ++k) sigma[k] *= unit[k];
+  return sigma;
 }
 
 void BeamShape::check() const {

@@ -39,6 +39,8 @@ struct BeamShape {
 
   /// Half-width (m) at range R: horizontal, vertical.
   std::array<double, 2> half_width_m(double range_m) const;
+  /// Standard deviation (m) of a place on the cross-section at range R: horizontal, vertical.
+  std::array<double, 2> sigma_m(double range_m) const;
   /// Throws `std::invalid_argument` where a value is negative or not finite, or the table is not a
   /// whole number of rows with some energy.
   void check() const;

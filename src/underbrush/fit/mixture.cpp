@@ -1,0 +1,244 @@
+#include "underbrush/fit/mixture.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <nanoflann.hpp>
+
+#include "underbrush/core/check.hpp"
+
+namespace underbrush::fit {
+namespace {
+
+constexpr size_t kMostShares = 8, kMostNeighbours = 12;
+
+/// An ellipsoid of the mixture, and what its density asks for, close together.
+struct Component {
+  Vec3f center;                    ///< Its mean, rounded.
+  std::array<float, 6> precision;  ///< Σ⁻¹: xx xy xz yy yz zz.
+  float log_weight;                ///< log(points / √|Σ|).
+  double points;                   ///< That it holds.
+  Vec3 mean;
+  Mat3 sigma;
+
+  void set(double holds, const Vec3& at, const Mat3& covariance) {
+    points = holds;
+    mean = at;
+    sigma = covariance;
+    center = at.cast<float>();
+    const Mat3 p = sigma.inverse();
+    precision = {float(p(0, 0)), float(p(0, 1)), float(p(0, 2)),
+                 float(p(1, 1)), float(p(1, 2)), float(p(2, 2))};
+    log_weight = float(std::log(points) - 0.5 * std::log(sigma.determinant()));
+  }
+  /// Log of its share of the density at x, but for a constant.
+  float log_density(const Vec3f& x) const {
+    const Vec3f d = x - center;
+    const auto& p = precision;
+    return log_weight - 0.5f * (p[0] * d[0] * d[0] + p[3] * d[1] * d[1] + p[5] * d[2] * d[2]) -
+           d[0] * (p[1] * d[1] + p[2] * d[2]) - p[4] * d[1] * d[2];
+  }
+};
+
+/// Means as nanoflann wants them.
+struct Means {
+  std::span<const elements::Ellipsoid> ellipsoids;
+  size_t kdtree_get_point_count() const { return ellipsoids.size(); }
+  float kdtree_get_pt(size_t i, size_t d) const { return ellipsoids[i].mean[Eigen::Index(d)]; }
+  template <class Box>
+  bool kdtree_get_bbox(Box&) const {
+    return false;
+  }
+};
+
+/// For each ellipsoid the `k` with the nearest means, itself among them.
+std::vector<uint32_t> neighbours(std::span<const elements::Ellipsoid> ellipsoids, size_t k) {
+  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Means>,
+                                                   Means, 3, uint32_t>;
+  const Means means{ellipsoids};
+  Tree tree(3, means, nanoflann::KDTreeSingleIndexAdaptorParams(10));
+  std::vector<uint32_t> out(ellipsoids.size() * k);
+  std::vector<float> squares(k);
+  for (size_t c = 0; c < ellipsoids.size(); ++c) {
+    tree.knnSearch(ellipsoids[c].mean.data(), k, &out[c * k], squares.data());
+  }
+  return out;
+}
+
+/// Puts into `out` as many of `among` as it holds: those with the means nearest to x.
+void nearest_of(std::span<const uint32_t> among, std::span<const elements::Ellipsoid> ellipsoids,
+                const Vec3f& x, std::span<uint32_t> out) {
+  std::array<float, kMostShares> square;
+  square.fill(INFINITY);
+  for (const uint32_t c : among) {
+    const float d = (x - ellipsoids[c].mean).squaredNorm();
+    size_t at = out.size();
+    for (; at > 0 && d < square[at - 1]; --at) {
+      if (at == out.size()) continue;
+      square[at] = square[at - 1];
+      out[at] = out[at - 1];
+    }
+    if (at == out.size()) continue;
+    square[at] = d;
+    out[at] = c;
+  }
+}
+
+/// S, the covariance of where across its beam a point was met.
+Mat3 across(const Footprint& footprint, const Vec3& to_sensor) {
+  const double range = to_sensor.norm();
+  const Vec3 back = to_sensor / range, level = Vec3::UnitZ().cross(back);
+  const Vec3 right = level.norm() > 1e-6 ? Vec3(level.normalized()) : back.unitOrthogonal();
+  const Vec3 up = back.cross(right);
+  const auto [horizontal, vertical] = footprint(range);
+  return horizontal * horizontal * right * right.transpose() +
+         vertical * vertical * up * up.transpose();
+}
+
+/// What the points say of a component: their number and first two moments about its mean.
+class Shares {
+ public:
+  void add(double q, const Vec3& y) {
+    Sums s;
+    s << 1, y, y[0] * y[0], y[0] * y[1], y[0] * y[2], y[1] * y[1], y[1] * y[2], y[2] * y[2];
+    sums_ += q * s;
+  }
+  /// A point that has mean y and covariance `open`, as far as is known.
+  void add(double q, const Vec3& y, const Mat3& open) {
+    add(q, y);
+    sums_.tail<6>() += q * Eigen::Matrix<double, 6, 1>(open(0, 0), open(0, 1), open(0, 2),
+                                                       open(1, 1), open(1, 2), open(2, 2));
+  }
+  double n() const { return sums_[0]; }
+  Vec3 mean() const { return sums_.segment<3>(1) / n(); }
+  Mat3 scatter() const {
+    Mat3 squares;
+    squares << sums_[4], sums_[5], sums_[6], sums_[5], sums_[7], sums_[8], sums_[6], sums_[8],
+        sums_[9];
+    return squares - n() * mean() * mean().transpose();
+  }
+
+ private:
+  using Sums = Eigen::Matrix<double, 10, 1>;
+  Sums sums_ = Sums::Zero();
+};
+
+/// Turns logs of densities into shares that sum to 1.
+void normalise(std::span<float> logs) {
+  constexpr float kLeast = -7;  // log of a share, by the largest, that is too small to count
+  const float most = *std::max_element(logs.begin(), logs.end());
+  float sum = 0;
+  for (float& x : logs) sum += x = x - most < kLeast ? 0 : std::exp(x - most);
+  for (float& x : logs) x /= sum;
+}
+
+/// Adds a point to the components that may hold it.
+void share(const Vec3f& x, std::span<const uint32_t> candidates,
+           std::span<const Component> components, std::span<Shares> shares) {
+  std::array<float, kMostShares> part;
+  const size_t k = candidates.size();
+  for (size_t j = 0; j < k; ++j) part[j] = components[candidates[j]].log_density(x);
+  normalise({part.data(), k});
+  for (size_t j = 0; j < k; ++j) {
+    if (part[j] == 0) continue;
+    shares[candidates[j]].add(part[j], x.cast<double>() - components[candidates[j]].mean);
+  }
+}
+
+/// The same for a point that was moved across its beam, with covariance `s`.
+void share(const Vec3& x, const Mat3& s, std::span<const uint32_t> candidates,
+           std::span<const Component> components, std::span<Shares> shares) {
+  std::array<float, kMostShares> part;
+  std::array<Mat3, kMostShares> precision;
+  const size_t k = candidates.size();
+  for (size_t j = 0; j < k; ++j) {
+    const Component& c = components[candidates[j]];
+    const Mat3 seen = c.sigma + s;
+    precision[j] = seen.inverse();
+    const Vec3 d = x - c.mean;
+    part[j] = float(std::log(c.points) - 0.5 * std::log(seen.determinant()) -
+                    0.5 * d.dot(precision[j] * d));
+  }
+  normalise({part.data(), k});
+  for (size_t j = 0; j < k; ++j) {
+    if (part[j] == 0) continue;
+    const Component& c = components[candidates[j]];
+    const Mat3 gain = c.sigma * precision[j];
+    shares[candidates[j]].add(part[j], gain * (x - c.mean), c.sigma - gain * c.sigma);
+  }
+}
+
+void maximise(std::span<const Shares> shares, const EllipsoidOptions& options,
+              std::span<Component> components) {
+  constexpr double kNone = 1e-6;
+  TypicalVariance typical(options.floor_m);
+  for (const Shares& s : shares) {
+    if (s.n() > kNone) typical.add(s.n(), s.scatter());
+  }
+  const Mat3 prior = options.prior_points * typical.variance() * Mat3::Identity();
+  for (size_t j = 0; j < components.size(); ++j) {
+    Component& c = components[j];
+    const Shares& s = shares[j];
+    if (s.n() > kNone) {
+      const Mat3 sigma = (s.scatter() + prior) / (s.n() + options.prior_points);
+      c.set(s.n(), c.mean + s.mean(), elements::floored_covariance(sigma, options.floor_m));
+    } else {
+      c.set(kNone, c.mean, c.sigma);
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<elements::Ellipsoid> mixture(std::span<const Vec3f> points,
+                                         std::span<const Vec3f> to_sensor, const Clusters& clusters,
+                                         const EllipsoidOptions& ellipsoid,
+                                         const MixtureOptions& options) {
+  require(to_sensor.size() == points.size(), "mixture: as many directions as points are needed");
+  require(options.rounds >= 0, "mixture: the number of rounds must not be negative");
+  require(options.shared_by >= 1 && size_t(options.shared_by) <= kMostShares,
+          "mixture: a point is shared by 1 to 8 ellipsoids");
+  std::vector<elements::Ellipsoid> out = ellipsoids_of(points, clusters, ellipsoid);
+  if (out.empty() || options.rounds == 0) return out;
+  std::vector<uint32_t> points_of(clusters.count);
+  for (const uint32_t c : clusters.group) {
+    if (c != Clusters::kNone) ++points_of[c];
+  }
+  require(out.size() == clusters.count, "mixture: a cluster has no points");
+  std::vector<Component> components(out.size());
+  for (size_t c = 0; c < out.size(); ++c) {
+    components[c].set(points_of[c], out[c].mean.cast<double>(), out[c].covariance_matrix());
+  }
+  const size_t k = std::min(size_t(options.shared_by), components.size());
+  const size_t among = std::min(kMostNeighbours, components.size());
+  const std::vector<uint32_t> around = neighbours(out, among);
+  std::vector<uint32_t> candidates(points.size() * k);
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (clusters.group[i] == Clusters::kNone) continue;
+    nearest_of({&around[clusters.group[i] * among], among}, out, points[i], {&candidates[i * k], k});
+  }
+  for (int round = 0; round < options.rounds; ++round) {
+    std::vector<Shares> shares(components.size());
+    for (size_t i = 0; i < points.size(); ++i) {
+      if (clusters.group[i] == Clusters::kNone) continue;
+      const std::span<const uint32_t> nearest(&candidates[i * k], k);
+      if (options.footprint) {
+        const Mat3 s = across(options.footprint, to_sensor[i].cast<double>());
+        share(points[i].cast<double>(), s, nearest, components, shares);
+      } else {
+        share(points[i], nearest, components, shares);
+      }
+    }
+    maximise(shares, ellipsoid, components);
+  }
+  out.clear();
+  for (const Component& c : components) {
+    if (c.points < options.least_points) continue;
+    elements::Ellipsoid& e = out.emplace_back();
+    e.mean = c.mean.cast<float>();
+    e.set_covariance(c.sigma);
+  }
+  return out;
+}
+
+}  // namespace underbrush::fit
