@@ -3,6 +3,7 @@
 import csv
 import json
 import pathlib
+import struct
 import tempfile
 import unittest
 import xml.etree.ElementTree
@@ -61,6 +62,35 @@ profile: uniform
 wavelength_nm: 905
 receiver: {pulse_ns: 5, detects: {range_m: 100, reflectance: 0.1}, returns: all, max_echoes: 3}
 """
+
+
+class Footprints(cli_test.OnALog):
+    """`fit --sensor`: the beam that measured a log makes its ellipsoids no wider than matter is."""
+
+    def mean_size(self, *words):
+        done = call("fit", "log.ply", "-o", "model", *words, "--json", "-", cwd=self.folder)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        path = pathlib.Path(self.folder, "model", "ellipsoids.ply")
+        data = path.read_bytes()
+        end = data.index(b"end_header\n") + len(b"end_header\n")
+        names = [line.split()[2].decode() for line in data[:end].splitlines() if line.startswith(b"property")]
+        rows = [  # all columns are 4 bytes wide
+            dict(zip(names, row)) for row in struct.iter_unpack(f"<{len(names)}f", data[end:])]
+        self.assertTrue(rows)
+        return sum(row["cov_xx"] + row["cov_yy"] + row["cov_zz"] for row in rows) / len(rows)
+
+    def test_ellipsoids_are_narrower_behind_a_wider_beam(self):
+        pathlib.Path(self.folder, "one.csv").write_text("azimuth_deg,elevation_deg\n0,0\n")
+        for name, width in (("narrow.yaml", 1), ("wide.yaml", 40)):
+            pathlib.Path(self.folder, name).write_text(ONE_BEAM.replace("[20, 20]", f"[{width}, {width}]"))
+        thin, narrow, wide = (self.mean_size(*words) for words in
+                              ([], ["--sensor", "narrow.yaml"], ["--sensor", "wide.yaml"]))
+        self.assertAlmostEqual(narrow, thin, delta=0.01 * thin)
+        self.assertLess(wide, 0.9 * thin)
+
+    def test_what_is_wrong(self):
+        self.assert_fails(call("fit", "log.ply", "--sensor", "vlp61", "-o", "m", cwd=self.folder), 2, "'velodyne-vlp16'")
+        self.assert_fails(call("fit", "log.ply", "--mixture-rounds", "-1", "-o", "m", cwd=self.folder), 2, "rounds")
 
 
 class Instruments(cli_test.OnALog):

@@ -92,7 +92,8 @@ TEST(Mixture, EveryRoundRaisesTheLikelihood) {
   }
 }
 
-// Matter of σ 0.05 m seen by a beam of σ 0.15 × 0.06 m: as wide as it is, from wherever it was seen.
+// Matter of σ 0.05 m seen by a beam of σ 0.15 × 0.06 m: as wide as it is, from wherever it was
+// seen.
 TEST(Mixture, TakesTheFootprintAway) {
   const Vec3 truth(0.05, 0.04, 0.1);
   for (const Vec3& from : {Vec3(0, -20, 0), Vec3(-15, 0, 4), Vec3(9, 9, 0)}) {

@@ -86,11 +86,10 @@ TEST(Study, TransferFallsShortWhereAModelIsBroken) {
   StudyRun run;
   run.quick = true;
   const StudyResult sound = transfer(run, {});
-  const StudyResult broken =
-      transfer(run, [](const std::string& lidar, elements::Model& model) {
-        if (lidar != "ouster-os1-64") return;
-        for (elements::Ellipsoid& e : model.ellipsoids) e.set_covariance(9 * e.covariance_matrix());
-      });
+  const StudyResult broken = transfer(run, [](const std::string& lidar, elements::Model& model) {
+    if (lidar != "ouster-os1-64") return;
+    for (elements::Ellipsoid& e : model.ellipsoids) e.set_covariance(9 * e.covariance_matrix());
+  });
   EXPECT_EQ(short_from(sound, "ouster-os1-64"), 0u) << verdict(sound.checks);
   EXPECT_GE(short_from(broken, "ouster-os1-64"), 2u) << verdict(broken.checks);
   EXPECT_NE(verdict(broken.checks).find("ouster-os1-64 to"), std::string::npos);

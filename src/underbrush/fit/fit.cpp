@@ -33,8 +33,8 @@ double gather(BeamSource& source, const Vec3& origin, double min_range_m, TileSt
         continue;
       }
       largest = std::max(largest, chunk.range_m[i]);
-      store.add({(chunk.end_point(i) - origin).cast<float>(),
-                 -chunk.range_m[i] * chunk.direction[i]});
+      store.add(
+          {(chunk.end_point(i) - origin).cast<float>(), -chunk.range_m[i] * chunk.direction[i]});
     }
     report.beams += chunk.size();
     if (progress) progress("gather", report.beams, source.size());

@@ -215,7 +215,8 @@ std::vector<elements::Ellipsoid> mixture(std::span<const Vec3f> points,
   std::vector<uint32_t> candidates(points.size() * k);
   for (size_t i = 0; i < points.size(); ++i) {
     if (clusters.group[i] == Clusters::kNone) continue;
-    nearest_of({&around[clusters.group[i] * among], among}, out, points[i], {&candidates[i * k], k});
+    nearest_of({&around[clusters.group[i] * among], among}, out, points[i],
+               {&candidates[i * k], k});
   }
   for (int round = 0; round < options.rounds; ++round) {
     std::vector<Shares> shares(components.size());

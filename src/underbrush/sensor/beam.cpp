@@ -50,7 +50,8 @@ std::array<double, 2> place_in_table(const BeamShape& shape, double a, double b)
 /// Standard deviation of u and of v.
 std::array<double, 2> sigma_of_profile(const BeamShape& shape) {
   if (shape.profile == Profile::kUniform) return {0.5, 0.5};
-  if (shape.profile == Profile::kGaussian) return {1 / std::sqrt(2 * M_LN2), 1 / std::sqrt(2 * M_LN2)};
+  if (shape.profile == Profile::kGaussian)
+    return {1 / std::sqrt(2 * M_LN2), 1 / std::sqrt(2 * M_LN2)};
   const size_t columns = size_t(shape.table_columns), rows = shape.table.size() / columns;
   const std::array<double, 2> cell{2 / double(columns), 2 / double(rows)};
   double energy = 0;
