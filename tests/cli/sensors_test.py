@@ -81,7 +81,7 @@ class Footprints(cli_test.OnALog):
 
     def test_ellipsoids_are_narrower_behind_a_wider_beam(self):
         pathlib.Path(self.folder, "one.csv").write_text("azimuth_deg,elevation_deg\n0,0\n")
-        for name, width in (("narrow.yaml", 1), ("wide.yaml", 40)):
+        for name, width in (("narrow.yaml", 1), ("wide.yaml", 400)):
             pathlib.Path(self.folder, name).write_text(ONE_BEAM.replace("[20, 20]", f"[{width}, {width}]"))
         thin, narrow, wide = (self.mean_size(*words) for words in
                               ([], ["--sensor", "narrow.yaml"], ["--sensor", "wide.yaml"]))
