@@ -2,9 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 
+#include "io/temporary.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/classes.hpp"
 #include "underbrush/radiometry/brdf.hpp"
@@ -186,7 +186,8 @@ TEST(Materials, EveryClassIsMadeOfOneAndReflectsSome) {
 }
 
 TEST(Materials, ErrorsNameFileAndPlace) {
-  const std::string path = testing::TempDir() + "materials_test.yaml";
+  const io::TemporaryFolder folder;
+  const std::string path = (folder / "materials.yaml").string();
   const std::string good =
       "wavelength_nm: [900, 1000]\nmaterials:\n  mud: {reflectance: [0.1, 0.2]}\n"
       "classes: {unknown: mud}\n";
@@ -213,10 +214,9 @@ TEST(Materials, ErrorsNameFileAndPlace) {
                                                      {"{unknown: mud}", "mud"},
                                                      {"[900", "[[900"}};
   for (const auto& [from, to] : bad) {
-    EXPECT_NE(error(from, to).find("materials_test.yaml"), std::string::npos) << to;
+    EXPECT_NE(error(from, to).find(path), std::string::npos) << to;
   }
   EXPECT_THROW(load_materials("/no/such/file.yaml"), FormatError);
-  std::filesystem::remove(path);
 }
 
 }  // namespace

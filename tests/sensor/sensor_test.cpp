@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 
+#include "io/temporary.hpp"
 #include "underbrush/core/check.hpp"
 
 namespace underbrush::sensor {
@@ -85,9 +85,9 @@ class SensorFile : public testing::Test {
     }
     return "";
   }
-  void TearDown() override { std::filesystem::remove(path_); }
 
-  std::string path_ = testing::TempDir() + "sensor_test_mine.yaml";
+  io::TemporaryFolder folder_;
+  std::string path_ = (folder_ / "mine.yaml").string();
   Sensor sensor_;
 };
 
@@ -156,8 +156,7 @@ TEST(Shots, FromATableOfDirections) {
 }
 
 TEST(Catalogue, OwnTableOfDirectionsLiesBesideItsFile) {
-  const std::filesystem::path folder = testing::TempDir() + "/sensor_test_directions";
-  std::filesystem::create_directories(folder);
+  const io::TemporaryFolder folder;
   const std::string yaml = (folder / "mine.yaml").string();
   std::ofstream(yaml) << "name: mine\nkind: directions\nrate_hz: 10\ncycle_s: 0.5\n"
                          "directions: mine.csv\nmin_range_m: 1\nmax_range_m: 50\n";
@@ -166,7 +165,6 @@ TEST(Catalogue, OwnTableOfDirectionsLiesBesideItsFile) {
   const Sensor s = load(yaml);
   EXPECT_EQ(s.shots.size(), 3u);
   EXPECT_NEAR(s.beams_per_s(), 6, 1e-9);
-  std::filesystem::remove_all(folder);
 }
 
 TEST(Catalogue, UnknownNameSaysWhatIsKnown) {
