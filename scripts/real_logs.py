@@ -2,7 +2,7 @@
 """Hybrid against surface mesh on real logs: import, fit on half, simulate and score the other half.
 
     scripts/real_logs.py DATA WORK [--program build/bin/underbrush] [--only NAME ...]
-                         [--models NAME ...] [--reuse] [--markdown FILE]
+                         [--models NAME ...] [--reuse] [--folds K] [--markdown FILE]
 
 The models tuned and tuned_nll are the hybrid with what optimize found on a slice of the training half,
 tuned_likelihood the fitter likelihood with the same. mesh_primitives is a scene of plant meshes, not a
@@ -35,6 +35,7 @@ CONFIGS = pathlib.Path(__file__).resolve().parent.parent / "share/configs"
 FITTERS = {"hybrid": ["--fitter", "hierarchical"], "surface": ["--fitter", "surface"],
            "surface_paper": ["--config", CONFIGS / "vegetation-surface-mobile.yaml"],
            "surface_carved": ["--fitter", "surface", "--surface-carve"],
+           "sharp": ["--config", CONFIGS / "likelihood-sharp.yaml"],
            "voxel": ["--fitter", "voxel", "--voxel-side", "0.3"],
            "top_down": ["--fitter", "top_down"], "bottom_up": ["--fitter", "bottom_up"],
            "mesh_primitives": ["--fitter", "mesh_primitives"],
@@ -114,9 +115,25 @@ def ellipsoids(program, model):
     return json.loads(done.stdout)["ellipsoids"]
 
 
+def fold_means(program, work, name, models, folds):
+    """Scores within the training half: each column in `folds` is held out once; beams of all, mean of the rest."""
+    results = []
+    for k in range(folds):
+        fold = work / f"fold{k}"
+        fold.mkdir(exist_ok=True)
+        run(program, "split", work / "train.ply", "--columns", folds, "--offset", k,
+            "--train", fold / "train.ply", "--test", fold / "test.ply")
+        results.append(score(program, fold, name, models)["models"])
+    means = {label: {key: sum(r[label][key] for r in results) / folds for key, _, _ in COLUMNS}
+             for label in models}
+    for label in models:
+        means[label]["beams"] = sum(r[label]["beams"] for r in results)
+    return {"models": means}
+
+
 def rows(program, work, name, result):
     for label, s in result["models"].items():
-        figures = [str(ellipsoids(program, work / name / label))]
+        figures = [str(ellipsoids(program, work / label))]
         figures += [f"{s[key]:.{digits}f}" for key, _, digits in COLUMNS]
         yield f"| {name} | {label} | {s['beams']} | " + " | ".join(figures) + " |"
 
@@ -129,6 +146,8 @@ def main():
     parser.add_argument("--only", nargs="*", default=list(LOGS), choices=list(LOGS))
     parser.add_argument("--models", nargs="*", default=DEFAULT, choices=[*FITTERS, *TUNED])
     parser.add_argument("--reuse", action="store_true", help="take train.ply and test.ply as they are in WORK")
+    parser.add_argument("--folds", type=int, help="of single scans: score within the training half, "
+                        "every K-th column held out in turn; the test half is not read")
     parser.add_argument("--markdown", type=pathlib.Path, help="also write the table here")
     args = parser.parse_args()
     table = ["| log | model | beams | ellipsoids | " + " | ".join(title for _, title, _ in COLUMNS) + " |",
@@ -140,7 +159,13 @@ def main():
             continue
         if not args.reuse:
             halves(args.program, args.data, args.work / name, name)
-        for row in rows(args.program, args.work, name, score(args.program, args.work / name, name, args.models)):
+        folder = args.work / name
+        if args.folds:
+            result = fold_means(args.program, folder, name, args.models, args.folds)
+            folder = folder / f"fold{args.folds - 1}"
+        else:
+            result = score(args.program, folder, name, args.models)
+        for row in rows(args.program, folder, name, result):
             table.append(row)
             print(row, flush=True)
     if args.markdown:

@@ -37,6 +37,9 @@ void add_fit_options(CLI::App& app, fit::FitOptions& fit) {
          "likelihood: one group of beams in so many judges the steps and is not learnt from");
   option("--dropout", fit.likelihood.dropout,
          "likelihood: how readily a lone miss is taken as a lost return, not as a way through");
+  option("--sharpness", fit.likelihood.sharpness,
+         "likelihood: how much more decided than the likeliest model: above 1 for smaller errors of "
+         "a draw, at the cost of likelihood");
   option("--merge-cost", fit.likelihood.rearrangement.largest_cost,
          "likelihood: most that merging two ellipsoids may cost their points, nats; 0: merge where "
          "it costs nothing");
@@ -82,6 +85,8 @@ void add_fit_options(CLI::App& app, fit::FitOptions& fit) {
       ->check(CLI::IsMember({"lower_envelope", "spherical_variance", "none"}));
   option("--ground-spacing", fit.ground.spacing_m, "Ground surface: distance of nodes, m");
   option("--ground-smoothness", fit.ground.smoothness_m2, "Ground surface: weight of bending, m²");
+  option("--ground-error", fit.triangulate.max_error_m,
+         "Ground surface: largest error of its triangles, m");
   option("--credit", fit.credit.rule, "Which elements a beam says something of")
       ->check(CLI::IsMember(fit::credit_rules()));
   option("--credit-tau", fit.credit.tau_m,

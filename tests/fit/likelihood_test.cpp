@@ -219,6 +219,56 @@ TEST(Likelihood, IsTheSameToTheBitForAnyOrderOfBeamsAndAnyNumberOfThreads) {
   EXPECT_EQ(a.model.ground.roughness_m, b.model.ground.roughness_m);
 }
 
+TEST(Likelihood, SharpenedDecidesMoreAtTheSamePlaces) {
+  constexpr double kSharpness = 2.5;
+  elements::Model model = known_model();
+  model.ellipsoids[0].set_covariance(0.2 * Mat3::Identity());  // a sphere
+  const elements::Model sharp = sharpened(model, kSharpness);
+  const BeamLog log = beams(21, 20000, model.origin);
+  size_t met = 0, halved = 0;
+  for (size_t i = 0; i < log.size(); ++i) {
+    const Vec3 origin = log.origin[i] - model.origin;
+    const Vec3 direction = log.direction[i].cast<double>().normalized();
+    for (uint32_t k = 0; k < 3; ++k) {
+      const trace::Met a = trace::meet(model, 2 + k, origin, direction, {0.2, 40});
+      const trace::Met b = trace::meet(sharp, 2 + k, origin, direction, {0.2, 40});
+      if (a.none() || b.none()) {
+        const double delta = a.none() ? b.delta2 / kSharpness : a.delta2;
+        EXPECT_TRUE(a.none() == b.none() || std::abs(delta - 16) < 1e-4);
+        continue;
+      }
+      ++met;
+      EXPECT_NEAR(b.t_m, a.t_m, 1e-5);
+      EXPECT_NEAR(b.sigma_m * std::sqrt(kSharpness), a.sigma_m, 1e-5);
+      if (k > 0) continue;
+      const double depth = -std::log1p(-a.p);
+      const double expected = -std::expm1(-M_LN2 * std::pow(depth / M_LN2, kSharpness));
+      EXPECT_NEAR(b.p, expected, 1e-4);
+      EXPECT_TRUE(a.p < 0.5 ? b.p <= a.p : b.p >= a.p - 1e-4) << a.p;
+      halved += a.p < 0.5 && b.p < a.p;
+    }
+  }
+  EXPECT_GT(met, 1000u);
+  EXPECT_GT(halved, 100u);
+}
+
+TEST(Likelihood, SharpnessNarrowsTheDrawAndLeavesTheStepsAlone) {
+  const BeamLog log = log_of(known_model(), 22, 20000);
+  MemorySource source(log);
+  LikelihoodOptions options;
+  options.rounds = 3;
+  const Refined plain = refine(wrong_start(), source, options);
+  options.sharpness = 2;
+  const Refined sharp = refine(wrong_start(), source, options);
+  ASSERT_EQ(sharp.report.steps.size(), plain.report.steps.size());
+  EXPECT_EQ(sharp.report.steps.back().held_out_nll, plain.report.steps.back().held_out_nll);
+  EXPECT_DOUBLE_EQ(sharp.model.tau, plain.model.tau * std::sqrt(2));
+  EXPECT_EQ(sharp.model.ellipsoids[0].mean, plain.model.ellipsoids[0].mean);
+  // Drawn from what was drawn likewise, likelihood can only be lost.
+  EXPECT_GT(expect(sharp.model, source, HeldOut{}, {}).held_out_nll,
+            expect(plain.model, source, HeldOut{}, {}).held_out_nll);
+}
+
 TEST(Likelihood, RefusesWhatItCannotRefine) {
   const BeamLog log = log_of(known_model(), 16, 200);
   MemorySource source(log);
@@ -228,6 +278,9 @@ TEST(Likelihood, RefusesWhatItCannotRefine) {
   LikelihoodOptions nothing_held_out;
   nothing_held_out.held_out.one_in = 0;
   EXPECT_THROW(refine(wrong_start(), source, nothing_held_out), std::invalid_argument);
+  LikelihoodOptions dull;
+  dull.sharpness = 0;
+  EXPECT_THROW(refine(wrong_start(), source, dull), std::invalid_argument);
   FitOptions circle;
   circle.fitter = circle.start = "likelihood";
   EXPECT_THROW(fit(source, circle), std::invalid_argument);

@@ -29,7 +29,8 @@ class Climb {
     report_.training_beams = best_.seen.training_beams;
     report_.held_out_beams = best_.seen.held_out_beams;
     report_.stray_hits = best_.seen.stray_hits;
-    return {std::move(*best_.model), std::move(report_)};
+    return {options_.sharpness == 1 ? std::move(*best_.model) : sharpened(*best_.model, options_.sharpness),
+            std::move(report_)};
   }
 
   /// Takes the candidate if it explains the held-out beams better, at once or after some M-steps.
@@ -82,6 +83,8 @@ Refined refine(const elements::Model& start, BeamSource& source, const Likelihoo
   require(start.voxel_m == 0, "likelihood: ellipsoids bounded by voxels cannot be refined");
   require(options.held_out.one_in > 1, "likelihood: some of the beams must be held out");
   require(options.dropout > 0 && options.dropout < 0.9, "likelihood: dropout must be in (0, 0.9)");
+  require(options.sharpness >= 0.1 && options.sharpness <= 10,
+          "likelihood: sharpness must be in [0.1, 10]");
   Climb climb(start, source, options, progress);
   const MaximisationOptions& m = options.maximisation;
   climb.attempt("density", with_densities(climb.model(), options.range_noise_m), 2);

@@ -84,6 +84,20 @@ elements::Model with_densities(const elements::Model& model, double range_noise_
   return out;
 }
 
+elements::Model sharpened(const elements::Model& model, double sharpness) {
+  elements::Model out = model;
+  out.tau *= std::sqrt(sharpness);
+  for (elements::Ellipsoid& e : out.ellipsoids) {
+    const Mat3 covariance = e.covariance_matrix(), narrow = covariance / sharpness;
+    e.set_covariance(narrow);
+    if (!(e.density_per_m > 0)) continue;
+    const double depth = double(e.density_per_m) * depth_m(covariance, 0);
+    const double sharp = M_LN2 * std::pow(depth / M_LN2, sharpness);
+    e.density_per_m = float(std::clamp(sharp / depth_m(narrow, 0), 1e-12, 1e12));
+  }
+  return out;
+}
+
 elements::Model maximised(const elements::Model& model, const ElementSums& sums,
                           const MaximisationOptions& options, double stride) {
   elements::Model out = model;

@@ -125,6 +125,9 @@ std::vector<FitParameter> fit_parameters(const fit::FitOptions& options) {
     out.push_back(entry(
         {"dropout", 0.01, 0.9, Scale::kLinear}, true,
         [](auto& o) -> auto& { return o.likelihood.dropout; }));
+    out.push_back(entry(
+        {"sharpness", 0.5, 5, Scale::kLog}, false,
+        [](auto& o) -> auto& { return o.likelihood.sharpness; }));
   }
   return out;
 }
