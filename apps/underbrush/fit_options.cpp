@@ -37,9 +37,10 @@ void add_fit_options(CLI::App& app, fit::FitOptions& fit) {
          "likelihood: one group of beams in so many judges the steps and is not learnt from");
   option("--dropout", fit.likelihood.dropout,
          "likelihood: how readily a lone miss is taken as a lost return, not as a way through");
-  option("--sharpness", fit.likelihood.sharpness,
-         "likelihood: how much more decided than the likeliest model: above 1 for smaller errors of "
-         "a draw, at the cost of likelihood");
+  option(
+      "--sharpness", fit.likelihood.sharpness,
+      "likelihood: how much more decided than the likeliest model: above 1 for smaller errors of "
+      "a draw, at the cost of likelihood");
   option("--merge-cost", fit.likelihood.rearrangement.largest_cost,
          "likelihood: most that merging two ellipsoids may cost their points, nats; 0: merge where "
          "it costs nothing");

@@ -29,7 +29,8 @@ class Climb {
     report_.training_beams = best_.seen.training_beams;
     report_.held_out_beams = best_.seen.held_out_beams;
     report_.stray_hits = best_.seen.stray_hits;
-    return {options_.sharpness == 1 ? std::move(*best_.model) : sharpened(*best_.model, options_.sharpness),
+    return {options_.sharpness == 1 ? std::move(*best_.model)
+                                    : sharpened(*best_.model, options_.sharpness),
             std::move(report_)};
   }
 

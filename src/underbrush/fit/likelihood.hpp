@@ -21,8 +21,8 @@ struct LikelihoodOptions {
   /// then loses beams of its own at places of its own, which is the worst F1. See
   /// docs/likelihood.md.
   double dropout = 0.4;
-  /// How much more decided than the likeliest model the result is (`sharpened`). Above 1 a draw lies
-  /// nearer to the measured return, and likelihood and CRPS get worse.
+  /// How much more decided than the likeliest model the result is (`sharpened`). Above 1 a draw
+  /// lies nearer to the measured return, and likelihood and CRPS get worse.
   double sharpness = 1;
   double range_noise_m = 0.02;
   MaximisationOptions maximisation;
@@ -53,9 +53,9 @@ struct Refined {
 /// Refines `start` by steps, each of which must raise the likelihood of the beams held out or is
 /// undone: densities for hit probabilities; rearrangements (`rearranged`), which never add to the
 /// number of elements, for as long as they help; M-steps (`maximised`), every third time a
-/// rearrangement. In the end the ellipsoids are `sharpened`. Reads the source once a step; memory grows with the
-/// model. The same bits for any number of threads and any order of the beams. Ellipsoids bounded by
-/// voxels are refused (`std::invalid_argument`): their means move.
+/// rearrangement. In the end the ellipsoids are `sharpened`. Reads the source once a step; memory
+/// grows with the model. The same bits for any number of threads and any order of the beams.
+/// Ellipsoids bounded by voxels are refused (`std::invalid_argument`): their means move.
 /// `progress(stage, done, total)` may be empty.
 Refined refine(const elements::Model& start, BeamSource& source, const LikelihoodOptions& options,
                const std::function<void(std::string_view, size_t, size_t)>& progress = {});

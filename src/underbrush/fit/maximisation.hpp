@@ -24,11 +24,11 @@ struct MaximisationOptions {
 /// given its range noise as roughness.
 elements::Model with_densities(const elements::Model& model, double range_noise_m);
 
-/// The model with its ellipsoids' answers more decided, `sharpness` γ > 0 times: a beam that found the
-/// optical depth a finds ln 2 (a / ln 2)^γ, so that what stopped half of the beams still does, what
-/// stopped most stops nearly all and the rest is passed; σ falls by √γ. As Σ / γ, a density that
-/// follows from it (for the ellipsoid's mean σ; exact for a sphere) and τ √γ: the same beams meet
-/// the same ellipsoids at the same ranges. Ellipsoids without a density keep their p.
+/// The model with its ellipsoids' answers more decided, `sharpness` γ > 0 times: a beam that found
+/// the optical depth a finds ln 2 (a / ln 2)^γ, so that what stopped half of the beams still does,
+/// what stopped most stops nearly all and the rest is passed; σ falls by √γ. As Σ / γ, a density
+/// that follows from it (for the ellipsoid's mean σ; exact for a sphere) and τ √γ: the same beams
+/// meet the same ellipsoids at the same ranges. Ellipsoids without a density keep their p.
 elements::Model sharpened(const elements::Model& model, double sharpness);
 
 /// One step of Fisher scoring for all elements at once, each by itself: κ (in its logarithm), μ and
