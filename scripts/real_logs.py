@@ -4,9 +4,8 @@
     scripts/real_logs.py DATA WORK [--program build/bin/underbrush] [--only NAME ...]
                          [--models NAME ...] [--reuse] [--folds K] [--markdown FILE]
 
-The models tuned and tuned_nll are the hybrid with what optimize found on a slice of the training half,
-tuned_likelihood the fitter likelihood with the same. mesh_primitives is a scene of plant meshes, not a
-model.
+sharp is share/configs/likelihood-sharp.yaml. The models tuned and tuned_nll are the hybrid with what
+optimize found on a slice of the training half. mesh_primitives is a scene of plant meshes, not a model.
 
 DATA is a folder with the logs named in LOGS below (KITTI drives packed by its frames.py, which needs
 NumPy, or unpacked). WORK receives all intermediate files. Prints one Markdown table row a log and
@@ -45,12 +44,9 @@ FITTERS = {"hybrid": ["--fitter", "hierarchical"], "surface": ["--fitter", "surf
            "likelihood_bottom_up": ["--fitter", "likelihood", "--start", "bottom_up"]}
 # Models whose parameters optimize tunes first: its options, and on which seconds of the training half (so
 # as to keep the time within bounds; the others are shorter than 10 s).
-TUNED = {"tuned": ["--objective", "packet_f1"], "tuned_nll": ["--objective", "nll"],
-         # One half of the beams of a single scan judges, as it is held out: the other half is as sparse.
-         "tuned_likelihood": ["--fitter", "likelihood", "--merge-cost", "0", "--validate", "2"]}
+TUNED = {"tuned": ["--objective", "packet_f1"], "tuned_nll": ["--objective", "nll"]}
 SLICES = {"kitti_0027_forest": ["--slice", "0", "4"]}
-SHORT_SLICES = {name: ["--slice", "0", "1"] for name in LOGS if name.startswith("kitti")}
-DEFAULT = ["hybrid", "surface", "surface_paper", "surface_carved"]
+DEFAULT = ["hybrid", "sharp", "surface", "surface_paper", "surface_carved"]
 COLUMNS = [("packet_error_m", "packet error, m", 3), ("precision", "precision", 4),
            ("recall", "recall", 4), ("f1", "F1", 4), ("cloud_error_m", "cloud error, m", 4),
            ("median_range_error_m", "median range error, m", 3), ("nll_per_beam", "NLL/beam", 3),
@@ -88,8 +84,7 @@ def fit_options(program, work, name, label):
     if label not in TUNED:
         return FITTERS[label]
     config = work / f"{label}.yaml"
-    slices = SHORT_SLICES if "likelihood" in TUNED[label] else SLICES
-    run(program, "optimize", work / "train.ply", *LOGS[name][3], *slices.get(name, []), *TUNED[label],
+    run(program, "optimize", work / "train.ply", *LOGS[name][3], *SLICES.get(name, []), *TUNED[label],
         "--report", work / f"{label}-report", "-o", config, "--resume")
     return ["--config", config]
 

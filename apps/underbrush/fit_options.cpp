@@ -50,7 +50,8 @@ void add_fit_options(CLI::App& app, fit::FitOptions& fit) {
   option("--min-points", fit.volumetric.hierarchical.min_points,
          "hierarchical: fewest points of an ellipsoid");
   option("--mixture-rounds", fit.volumetric.mixture.rounds,
-         "hierarchical: rounds in which ellipsoids share the points where clusters part them");
+         "hierarchical: rounds in which ellipsoids share the points where clusters part them; "
+         "likelihood does so itself");
   app.add_option_function<std::string>(
          "--sensor",
          [&fit](const std::string& name) {

@@ -228,6 +228,8 @@ void fit_surface(const TileStore& store, const FitOptions& options, const Signed
 FitResult fit_likelihood(BeamSource& source, FitOptions options, const FitProgress& progress) {
   require(options.start != "likelihood", "fit: likelihood needs another fitter to start with");
   options.fitter = options.start;
+  // Points are shared by what follows; only a footprint is for the start to take away.
+  if (!options.volumetric.mixture.footprint) options.volumetric.mixture.rounds = 0;
   const LikelihoodOptions refinement = likelihood_options(options);
   TrainingSource training(source, refinement.held_out);
   FitResult out = fit(training, options, progress);
