@@ -153,6 +153,24 @@ TEST(Mixture, WithoutARoundItIsTheClusters) {
   }
 }
 
+// Of one cluster: scatter / n, where the clusters' own is scatter / (n − 1).
+TEST(Mixture, OfOneClusterTakesTheMomentsOfItsPoints) {
+  Clusters one;
+  one.count = 1;
+  one.group.assign(4, 0);
+  Seen seen;
+  seen.point = {{1, 0, 0}, {-1, 0, 0}, {0, 2, 1}, {0, -2, -1}};
+  seen.to_sensor.assign(4, {9, 0, 0});
+  MixtureOptions options;
+  const Mat3 sigma = fitted(seen, one, options)[0].covariance_matrix();
+  options.rounds = 0;
+  const Mat3 of_cluster = fitted(seen, one, options)[0].covariance_matrix();
+  EXPECT_NEAR(sigma(0, 0), 0.5, 1e-5);
+  EXPECT_NEAR(sigma(1, 1), 2, 1e-5);
+  EXPECT_NEAR(sigma(1, 2), 1, 1e-5);
+  EXPECT_NEAR(of_cluster(1, 1), 8.0 / 3, 1e-5);
+}
+
 // An ellipsoid whose points all belong to its neighbours goes; points of no cluster say nothing.
 TEST(Mixture, DropsWhatHoldsNoPoints) {
   Clusters cut;
