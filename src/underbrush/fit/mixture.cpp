@@ -12,27 +12,27 @@ namespace {
 
 constexpr size_t kMostShares = 8, kMostNeighbours = 12;
 
-/// An ellipsoid of the mixture, and what its density asks for, close together.
+/// An ellipsoid of the mixture.
 struct Component {
+  double points = 0;  ///< That it holds.
+  Vec3 mean;
+  Mat3 sigma;
+};
+
+/// What the density of an ellipsoid of the mixture asks for, close together.
+struct Density {
   Vec3f center;                    ///< Its mean, rounded.
   std::array<float, 6> precision;  ///< Σ⁻¹: xx xy xz yy yz zz.
   float log_weight;                ///< log(points / √|Σ|).
-  double points;                   ///< That it holds.
-  Vec3 mean;
-  Mat3 sigma;
 
-  void set(double holds, const Vec3& at, const Mat3& covariance) {
-    points = holds;
-    mean = at;
-    sigma = covariance;
-    center = at.cast<float>();
-    const Mat3 p = sigma.inverse();
+  explicit Density(const Component& c) : center(c.mean.cast<float>()) {
+    const Mat3 p = c.sigma.inverse();
     precision = {float(p(0, 0)), float(p(0, 1)), float(p(0, 2)),
                  float(p(1, 1)), float(p(1, 2)), float(p(2, 2))};
-    log_weight = float(std::log(points) - 0.5 * std::log(sigma.determinant()));
+    log_weight = float(std::log(c.points) - 0.5 * std::log(c.sigma.determinant()));
   }
   /// Log of its share of the density at x, but for a constant.
-  float log_density(const Vec3f& x) const {
+  float log_of(const Vec3f& x) const {
     const Vec3f d = x - center;
     const auto& p = precision;
     return log_weight - 0.5f * (p[0] * d[0] * d[0] + p[3] * d[1] * d[1] + p[5] * d[2] * d[2]) -
@@ -42,9 +42,9 @@ struct Component {
 
 /// Means as nanoflann wants them.
 struct Means {
-  std::span<const elements::Ellipsoid> ellipsoids;
-  size_t kdtree_get_point_count() const { return ellipsoids.size(); }
-  float kdtree_get_pt(size_t i, size_t d) const { return ellipsoids[i].mean[Eigen::Index(d)]; }
+  std::span<const Vec3f> means;
+  size_t kdtree_get_point_count() const { return means.size(); }
+  float kdtree_get_pt(size_t i, size_t d) const { return means[i][Eigen::Index(d)]; }
   template <class Box>
   bool kdtree_get_bbox(Box&) const {
     return false;
@@ -52,26 +52,26 @@ struct Means {
 };
 
 /// For each ellipsoid the `k` with the nearest means, itself among them.
-std::vector<uint32_t> neighbours(std::span<const elements::Ellipsoid> ellipsoids, size_t k) {
+std::vector<uint32_t> neighbours(std::span<const Vec3f> mean, size_t k) {
   using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Means>,
                                                    Means, 3, uint32_t>;
-  const Means means{ellipsoids};
+  const Means means{mean};
   Tree tree(3, means, nanoflann::KDTreeSingleIndexAdaptorParams(10));
-  std::vector<uint32_t> out(ellipsoids.size() * k);
+  std::vector<uint32_t> out(mean.size() * k);
   std::vector<float> squares(k);
-  for (size_t c = 0; c < ellipsoids.size(); ++c) {
-    tree.knnSearch(ellipsoids[c].mean.data(), k, &out[c * k], squares.data());
+  for (size_t c = 0; c < mean.size(); ++c) {
+    tree.knnSearch(mean[c].data(), k, &out[c * k], squares.data());
   }
   return out;
 }
 
 /// Puts into `out` as many of `among` as it holds: those with the means nearest to x.
-void nearest_of(std::span<const uint32_t> among, std::span<const elements::Ellipsoid> ellipsoids,
-                const Vec3f& x, std::span<uint32_t> out) {
+void nearest_of(std::span<const uint32_t> among, std::span<const Vec3f> mean, const Vec3f& x,
+                std::span<uint32_t> out) {
   std::array<float, kMostShares> square;
   square.fill(INFINITY);
   for (const uint32_t c : among) {
-    const float d = (x - ellipsoids[c].mean).squaredNorm();
+    const float d = (x - mean[c]).squaredNorm();
     size_t at = out.size();
     for (; at > 0 && d < square[at - 1]; --at) {
       if (at == out.size()) continue;
@@ -99,9 +99,11 @@ Mat3 across(const Footprint& footprint, const Vec3& to_sensor) {
 class Shares {
  public:
   void add(double q, const Vec3& y) {
-    Sums s;
-    s << 1, y, y[0] * y[0], y[0] * y[1], y[0] * y[2], y[1] * y[1], y[1] * y[2], y[2] * y[2];
-    sums_ += q * s;
+    sums_[0] += q;
+    for (int a = 0, next = 4; a < 3; ++a) {
+      sums_[1 + a] += q * y[a];
+      for (int b = a; b < 3; ++b) sums_[next++] += q * (y[a] * y[b]);
+    }
   }
   /// A point that has mean y and covariance `open`, as far as is known.
   void add(double q, const Vec3& y, const Mat3& open) {
@@ -133,11 +135,11 @@ void normalise(std::span<float> logs) {
 }
 
 /// Adds a point to the components that may hold it.
-void share(const Vec3f& x, std::span<const uint32_t> candidates,
+void share(const Vec3f& x, std::span<const uint32_t> candidates, std::span<const Density> densities,
            std::span<const Component> components, std::span<Shares> shares) {
   std::array<float, kMostShares> part;
   const size_t k = candidates.size();
-  for (size_t j = 0; j < k; ++j) part[j] = components[candidates[j]].log_density(x);
+  for (size_t j = 0; j < k; ++j) part[j] = densities[candidates[j]].log_of(x);
   normalise({part.data(), k});
   for (size_t j = 0; j < k; ++j) {
     if (part[j] == 0) continue;
@@ -181,9 +183,9 @@ void maximise(std::span<const Shares> shares, const EllipsoidOptions& options,
     const Shares& s = shares[j];
     if (s.n() > kNone) {
       const Mat3 sigma = (s.scatter() + prior) / (s.n() + options.prior_points);
-      c.set(s.n(), c.mean + s.mean(), elements::floored_covariance(sigma, options.floor_m));
+      c = {s.n(), c.mean + s.mean(), elements::floored_covariance(sigma, options.floor_m)};
     } else {
-      c.set(kNone, c.mean, c.sigma);
+      c.points = kNone;
     }
   }
 }
@@ -205,21 +207,25 @@ std::vector<elements::Ellipsoid> mixture(std::span<const Vec3f> points,
     if (c != Clusters::kNone) ++points_of[c];
   }
   require(out.size() == clusters.count, "mixture: a cluster has no points");
-  std::vector<Component> components(out.size());
+  std::vector<Component> components;
+  std::vector<Vec3f> means;
   for (size_t c = 0; c < out.size(); ++c) {
-    components[c].set(points_of[c], out[c].mean.cast<double>(), out[c].covariance_matrix());
+    components.push_back(
+        {double(points_of[c]), out[c].mean.cast<double>(), out[c].covariance_matrix()});
+    means.push_back(out[c].mean);
   }
   const size_t k = std::min(size_t(options.shared_by), components.size());
   const size_t among = std::min(kMostNeighbours, components.size());
-  const std::vector<uint32_t> around = neighbours(out, among);
+  const std::vector<uint32_t> around = neighbours(means, among);
   std::vector<uint32_t> candidates(points.size() * k);
   for (size_t i = 0; i < points.size(); ++i) {
     if (clusters.group[i] == Clusters::kNone) continue;
-    nearest_of({&around[clusters.group[i] * among], among}, out, points[i],
+    nearest_of({&around[clusters.group[i] * among], among}, means, points[i],
                {&candidates[i * k], k});
   }
   for (int round = 0; round < options.rounds; ++round) {
     std::vector<Shares> shares(components.size());
+    std::vector<Density> densities(components.begin(), components.end());
     for (size_t i = 0; i < points.size(); ++i) {
       if (clusters.group[i] == Clusters::kNone) continue;
       const std::span<const uint32_t> nearest(&candidates[i * k], k);
@@ -227,7 +233,7 @@ std::vector<elements::Ellipsoid> mixture(std::span<const Vec3f> points,
         const Mat3 s = across(options.footprint, to_sensor[i].cast<double>());
         share(points[i].cast<double>(), s, nearest, components, shares);
       } else {
-        share(points[i], nearest, components, shares);
+        share(points[i], nearest, densities, components, shares);
       }
     }
     maximise(shares, ellipsoid, components);
