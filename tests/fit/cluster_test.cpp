@@ -65,6 +65,16 @@ TEST(HierarchicalClusters, OfFewOrEqualPointsIsClear) {
   EXPECT_EQ(hierarchical_clusters(many, {}, 1).count, 1u);
 }
 
+TEST(HierarchicalClusters, FindsTheFewAmongManyEqual) {
+  std::vector<Vec3f> points(100000, Vec3f(1, 2, 3));
+  std::fill_n(points.begin() + 777, 5, Vec3f(9, 2, 3));
+  const Clusters c = hierarchical_clusters(points, {}, 1);
+  ASSERT_EQ(c.count, 2u);
+  for (size_t i = 0; i < points.size(); ++i) {
+    ASSERT_EQ(c.group[i] == c.group[777], points[i] == points[777]);
+  }
+}
+
 TEST(EllipsoidsOf, HaveTheSampleMomentsAndAFloor) {
   Stream random(9);
   std::vector<Vec3f> points;

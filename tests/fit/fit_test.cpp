@@ -319,7 +319,12 @@ TEST(Fit, SaysWhatALogLacks) {
   BeamLog log = drive_past_bushes(3);
   log.info.has_misses = false;
   MemorySource source(log);
-  EXPECT_EQ(fit(source, {}).report.warnings.size(), 1u);
+  FitOptions options;
+  EXPECT_EQ(fit(source, options).report.warnings.size(), 1u);
+  options.volumetric.mixture.footprint = [](double) { return std::array<double, 2>{0.01, 0.01}; };
+  EXPECT_EQ(fit(source, options).report.warnings.size(), 1u);
+  options.fitter = "voxel";
+  EXPECT_EQ(fit(source, options).report.warnings.size(), 2u);
   BeamLog empty;
   MemorySource nothing(empty);
   EXPECT_THROW(fit(nothing, {}), std::invalid_argument);
@@ -327,7 +332,6 @@ TEST(Fit, SaysWhatALogLacks) {
   misses.resize(100);
   MemorySource only_misses(misses);
   EXPECT_THROW(fit(only_misses, {}), std::invalid_argument);
-  FitOptions options;
   options.fitter = "magic";
   MemorySource again(log);
   EXPECT_THROW(fit(again, options), std::invalid_argument);

@@ -276,6 +276,12 @@ FitResult fit(BeamSource& source, const FitOptions& options, const FitProgress& 
         "the log has no misses, so hit probabilities come out too high; import it with "
         "--infer-misses SENSOR if its format drops them");
   }
+  if (options.volumetric.mixture.footprint && options.fitter != "hierarchical") {
+    out.report.warnings.push_back(
+        "the sensor's footprint narrows the ellipsoids of hierarchical "
+        "alone: " +
+        options.fitter + " takes no notice of it");
+  }
   const std::vector<std::string> volumetric = volumetric_fitters();
   if (options.fitter == kGroundMesh ||
       std::count(volumetric.begin(), volumetric.end(), options.fitter)) {

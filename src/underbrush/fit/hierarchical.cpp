@@ -11,6 +11,9 @@
 namespace underbrush::fit {
 namespace {
 
+/// Points of which a large part's centres are found.
+constexpr size_t kSample = 512;
+
 /// A cluster during splitting: a range of the permuted points.
 struct Part {
   uint32_t begin, end;
@@ -42,45 +45,61 @@ class Splitter {
   std::vector<Part> split(const Part& part, int wanted) {
     const int k = std::min({options_.branching, wanted, int(part.size()) / options_.min_points});
     if (k < 2 || !(part.squares > 0)) return {part};
-    choose_centres(part, k);
-    assign_.resize(part.size());
+    const std::span<const Vec3f> points(&points_[part.begin], part.size());
+    Stream random(mix64(seed_ ^ (uint64_t(part.begin) << 32 | part.end)));
+    std::span<const Vec3f> sample = sample_of(points, random);
+    if (!choose_centres(sample, k, random)) choose_centres(sample = points, k, random);
+    assign_.assign(sample.size(), kNowhere);
     for (int iteration = 0; iteration < options_.iterations; ++iteration) {
-      if (!assign(part)) break;
-      move_centres(part);
+      if (!assign(sample)) break;
+      move_centres(sample);
     }
-    drop_small(part);
+    drop_small(points);
     return arrange(part);
   }
 
  private:
-  // k-means++ (Arthur & Vassilvitskii 2007): each centre with probability ∝ the squared distance to
-  // the nearest one so far.
-  void choose_centres(const Part& part, int k) {
-    Stream random(mix64(seed_ ^ (uint64_t(part.begin) << 32 | part.end)));
-    centre_.assign(1, points_[part.begin + random.below(part.size())]);
-    least_.assign(part.size(), INFINITY);
-    while (int(centre_.size()) < k) {
-      double sum = 0;
-      for (uint32_t i = 0; i < part.size(); ++i) {
-        least_[i] = std::min(least_[i], (points_[part.begin + i] - centre_.back()).squaredNorm());
-        sum += least_[i];
-      }
-      if (!(sum > 0)) return;
-      double at = random.uniform() * sum;
-      uint32_t i = 0;
-      while (i + 1 < part.size() && (at -= least_[i]) > 0) ++i;
-      centre_.push_back(points_[part.begin + i]);
+  static constexpr uint8_t kNowhere = 255;
+
+  // One of every few points of a large part, enough to find its centres.
+  std::span<const Vec3f> sample_of(std::span<const Vec3f> points, Stream& random) {
+    const size_t step = points.size() / kSample;
+    if (step < 2) return points;
+    sample_.clear();
+    for (size_t i = 0; i + step <= points.size(); i += step) {
+      sample_.push_back(points[i + random.below(step)]);
     }
+    return sample_;
   }
 
-  bool assign(const Part& part) {
+  // k-means++ (Arthur & Vassilvitskii 2007): each centre with probability ∝ the squared distance to
+  // the nearest one so far. False if all points are the same.
+  bool choose_centres(std::span<const Vec3f> points, int k, Stream& random) {
+    centre_.assign(1, points[random.below(points.size())]);
+    least_.assign(points.size(), INFINITY);
+    while (int(centre_.size()) < k) {
+      double sum = 0;
+      for (size_t i = 0; i < points.size(); ++i) {
+        least_[i] = std::min(least_[i], (points[i] - centre_.back()).squaredNorm());
+        sum += least_[i];
+      }
+      if (!(sum > 0)) break;
+      double at = random.uniform() * sum;
+      size_t i = 0;
+      while (i + 1 < points.size() && (at -= least_[i]) > 0) ++i;
+      centre_.push_back(points[i]);
+    }
+    return centre_.size() > 1;
+  }
+
+  /// Whether a point changed its centre.
+  bool assign(std::span<const Vec3f> points) {
     bool changed = false;
-    for (uint32_t i = 0; i < part.size(); ++i) {
-      const Vec3f& p = points_[part.begin + i];
+    for (size_t i = 0; i < points.size(); ++i) {
       uint8_t best = 0;
-      float least = (p - centre_[0]).squaredNorm();
+      float least = (points[i] - centre_[0]).squaredNorm();
       for (size_t c = 1; c < centre_.size(); ++c) {
-        const float d = (p - centre_[c]).squaredNorm();
+        const float d = (points[i] - centre_[c]).squaredNorm();
         if (d < least) {
           least = d;
           best = uint8_t(c);
@@ -92,11 +111,11 @@ class Splitter {
     return changed;
   }
 
-  void move_centres(const Part& part) {
+  void move_centres(std::span<const Vec3f> points) {
     std::vector<Vec3> sum(centre_.size(), Vec3::Zero());
     std::vector<uint32_t> count(centre_.size());
-    for (uint32_t i = 0; i < part.size(); ++i) {
-      sum[assign_[i]] += points_[part.begin + i].cast<double>();
+    for (size_t i = 0; i < points.size(); ++i) {
+      sum[assign_[i]] += points[i].cast<double>();
       ++count[assign_[i]];
     }
     for (size_t c = 0; c < centre_.size(); ++c) {
@@ -105,9 +124,10 @@ class Splitter {
   }
 
   // Centres with too few points go, the smallest first; their points join the nearest one left.
-  void drop_small(const Part& part) {
+  void drop_small(std::span<const Vec3f> points) {
+    assign_.resize(points.size());
     for (;;) {
-      assign(part);
+      assign(points);
       std::vector<uint32_t> count(centre_.size());
       for (uint8_t c : assign_) ++count[c];
       const auto smallest = std::min_element(count.begin(), count.end());
@@ -142,7 +162,7 @@ class Splitter {
   std::vector<uint32_t>& index_;
   const HierarchicalOptions& options_;
   uint64_t seed_;
-  std::vector<Vec3f> centre_, scratch_points_;
+  std::vector<Vec3f> centre_, scratch_points_, sample_;
   std::vector<float> least_;
   std::vector<uint8_t> assign_;
   std::vector<uint32_t> scratch_index_;
@@ -160,7 +180,9 @@ Clusters hierarchical_clusters(std::span<const Vec3f> points, const Hierarchical
   out.group.assign(points.size(), Clusters::kNone);
   if (points.size() < size_t(options.min_points)) return out;
 
-  std::vector<Vec3f> ordered(points.begin(), points.end());
+  std::vector<Vec3f> ordered;  // from one of them: far from the origin floats are coarse
+  ordered.reserve(points.size());
+  for (const Vec3f& p : points) ordered.push_back(p - points[0]);
   std::vector<uint32_t> index(points.size());
   std::iota(index.begin(), index.end(), 0u);
   Splitter splitter(ordered, index, options, seed);
