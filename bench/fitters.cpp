@@ -48,14 +48,12 @@ std::vector<Tile> tiles_of(const BeamLog& log) {
   std::vector<Tile> out;
   for (const fit::TileKey key : store.tiles()) {
     const auto loaded = store.load(key, 0);
-    std::vector<Vec3f> points;
-    for (const auto& p : loaded.points) points.push_back(p.point);
-    const std::vector<uint8_t> ground = ground::segment(points, {});
+    const std::vector<uint8_t> ground = ground::segment(loaded.point, {});
     Tile& tile = out.emplace_back();
-    for (size_t i = 0; i < points.size(); ++i) {
+    for (size_t i = 0; i < loaded.core; ++i) {
       if (ground[i]) continue;
-      tile.point.push_back(points[i]);
-      tile.to_sensor.push_back(loaded.points[i].to_sensor);
+      tile.point.push_back(loaded.point[i]);
+      tile.to_sensor.push_back(loaded.to_sensor[i]);
     }
   }
   return out;

@@ -20,7 +20,7 @@ std::vector<TilePoint> random_points(uint64_t seed, int n, double extent) {
 
 std::vector<float> ids(const TileStore::Loaded& loaded, size_t begin, size_t end) {
   std::vector<float> out;
-  for (size_t i = begin; i < end; ++i) out.push_back(loaded.points[i].point.z());
+  for (size_t i = begin; i < end; ++i) out.push_back(loaded.point[i].z());
   return out;
 }
 
@@ -31,13 +31,13 @@ TEST(TileStore, GivesEachPointOnceAsCoreInOrder) {
   size_t total = 0;
   for (const TileKey key : store.tiles()) {
     const auto loaded = store.load(key, 0);
-    EXPECT_EQ(loaded.core, loaded.points.size());
+    EXPECT_EQ(loaded.core, loaded.point.size());
     const auto z = ids(loaded, 0, loaded.core);
     EXPECT_TRUE(std::is_sorted(z.begin(), z.end()));
     const Eigen::Vector2d c = store.corner(key);
-    for (const TilePoint& p : loaded.points) {
-      EXPECT_TRUE(p.point.x() >= c.x() && p.point.x() < c.x() + 32);
-      EXPECT_TRUE(p.point.y() >= c.y() && p.point.y() < c.y() + 32);
+    for (const Vec3f& p : loaded.point) {
+      EXPECT_TRUE(p.x() >= c.x() && p.x() < c.x() + 32);
+      EXPECT_TRUE(p.y() >= c.y() && p.y() < c.y() + 32);
     }
     total += loaded.core;
   }
@@ -54,7 +54,7 @@ TEST(TileStore, MarginHoldsAllPointsWithinIt) {
   for (const TilePoint& p : points) {
     expected += p.point.x() >= -40 && p.point.x() < 72 && p.point.y() >= -40 && p.point.y() < 72;
   }
-  EXPECT_EQ(loaded.points.size(), expected);
+  EXPECT_EQ(loaded.point.size(), expected);
 }
 
 TEST(TileStore, GivesTheSameFromDiskAsFromMemoryEvenWhenThinned) {
@@ -75,7 +75,7 @@ TEST(TileStore, GivesTheSameFromDiskAsFromMemoryEvenWhenThinned) {
     EXPECT_LE(x.core, 1500u);
     EXPECT_GT(x.core, 500u);
     EXPECT_EQ(x.core, y.core);
-    EXPECT_EQ(ids(x, 0, x.points.size()), ids(y, 0, y.points.size()));
+    EXPECT_EQ(ids(x, 0, x.point.size()), ids(y, 0, y.point.size()));
   }
 }
 

@@ -93,13 +93,11 @@ struct TileGround {
 TileGround ground_of_tile(const TileStore& store, TileKey key, const Vec3& origin,
                           const FitOptions& options) {
   const TileStore::Loaded loaded = store.load(key, kMarginM);
-  std::vector<Vec3f> points(loaded.points.size());
-  for (size_t i = 0; i < points.size(); ++i) points[i] = loaded.points[i].point;
-  const std::vector<uint8_t> ground = ground::segment(points, options.segment);
+  const std::vector<uint8_t> ground = ground::segment(loaded.point, options.segment);
   TileGround out;
   out.is_ground.assign(ground.begin(), ground.begin() + ptrdiff_t(loaded.core));
   for (size_t i = 0; i < loaded.core; ++i) {
-    if (ground[i]) out.points.push_back(origin + points[i].cast<double>());
+    if (ground[i]) out.points.push_back(origin + loaded.point[i].cast<double>());
   }
   return out;
 }
@@ -110,8 +108,8 @@ Volumes volumes_of_tile(const TileStore& store, TileKey key, const std::vector<b
   std::vector<Vec3f> points, to_sensor;
   for (size_t i = 0; i < loaded.core; ++i) {
     if (is_ground[i]) continue;
-    points.push_back(loaded.points[i].point);
-    to_sensor.push_back(loaded.points[i].to_sensor);
+    points.push_back(loaded.point[i]);
+    to_sensor.push_back(loaded.to_sensor[i]);
   }
   const uint64_t seed =
       random_bits(options.seed, uint32_t(key.i) * 65537u + uint32_t(key.j), Purpose::kCluster);
@@ -196,15 +194,11 @@ void fit_surface(const TileStore& store, const FitOptions& options, const Signed
       tiles, progress, "fit tiles",
       [&](size_t k) {
         const TileStore::Loaded loaded = store.load(tiles[k], margin);
-        std::vector<Vec3f> position, to_sensor;
-        for (const TilePoint& p : loaded.points) {
-          position.push_back(p.point);
-          to_sensor.push_back(p.to_sensor);
-        }
         const Eigen::Vector2d lo = store.corner(tiles[k]);
         const double side = options.tiles.tile_m;
-        return surface_tile(position, to_sensor, {lo.x(), lo.y(), lo.x() + side, lo.y() + side},
-                            options.surface, distance);
+        return surface_tile(loaded.point, loaded.to_sensor,
+                            {lo.x(), lo.y(), lo.x() + side, lo.y() + side}, options.surface,
+                            distance);
       },
       [&](SurfaceTile tile) {
         elements::TriangleMesh& mesh = model.surface;

@@ -43,10 +43,7 @@ std::vector<uint8_t> ground_flags(BeamSource& source, const ground::SegmentOptio
     const size_t n = std::min(batch, keys.size() - at);
     parallel_for(n, 1, [&](size_t k, size_t) {
       const TileStore::Loaded loaded = store.load(keys[at + k], kMarginM);
-      std::vector<Vec3f> points;
-      points.reserve(loaded.points.size());
-      for (const TilePoint& p : loaded.points) points.push_back(p.point);
-      found[at + k] = ground::segment(points, options);
+      found[at + k] = ground::segment(loaded.point, options);
       found[at + k].resize(loaded.core);
       found[at + k].shrink_to_fit();
     });

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nanoflann.hpp>
+#include <numeric>
 
 #include "underbrush/core/check.hpp"
 
@@ -15,13 +16,13 @@ constexpr size_t kMostShares = 8, kMostNeighbours = 12;
 /// An ellipsoid of the mixture.
 struct Component {
   double points = 0;  ///< That it holds.
-  Vec3 mean;
+  Vec3 mean;          ///< As a float has it.
   Mat3 sigma;
 };
 
 /// What the density of an ellipsoid of the mixture asks for, close together.
 struct Density {
-  Vec3f center;                    ///< Its mean, rounded.
+  Vec3f center;                    ///< Its mean.
   std::array<float, 6> precision;  ///< Σ⁻¹: xx xy xz yy yz zz.
   float log_weight;                ///< log(points / √|Σ|).
 
@@ -37,6 +38,23 @@ struct Density {
     const auto& p = precision;
     return log_weight - 0.5f * (p[0] * d[0] * d[0] + p[3] * d[1] * d[1] + p[5] * d[2] * d[2]) -
            d[0] * (p[1] * d[1] + p[2] * d[2]) - p[4] * d[1] * d[2];
+  }
+};
+
+/// The numbers of the points, cluster by cluster: those of c from `start[c]` to `start[c + 1]`.
+struct ByCluster {
+  std::vector<uint32_t> order, start;
+
+  explicit ByCluster(const Clusters& clusters) : start(clusters.count + 1) {
+    for (const uint32_t c : clusters.group) {
+      if (c != Clusters::kNone) ++start[c + 1];
+    }
+    std::partial_sum(start.begin(), start.end(), start.begin());
+    order.resize(start.back());
+    std::vector<uint32_t> at(start.begin(), start.end() - 1);
+    for (size_t i = 0; i < clusters.group.size(); ++i) {
+      if (clusters.group[i] != Clusters::kNone) order[at[clusters.group[i]]++] = uint32_t(i);
+    }
   }
 };
 
@@ -136,14 +154,14 @@ void normalise(std::span<float> logs) {
 
 /// Adds a point to the components that may hold it.
 void share(const Vec3f& x, std::span<const uint32_t> candidates, std::span<const Density> densities,
-           std::span<const Component> components, std::span<Shares> shares) {
+           std::span<Shares> shares) {
   std::array<float, kMostShares> part;
   const size_t k = candidates.size();
   for (size_t j = 0; j < k; ++j) part[j] = densities[candidates[j]].log_of(x);
   normalise({part.data(), k});
   for (size_t j = 0; j < k; ++j) {
     if (part[j] == 0) continue;
-    shares[candidates[j]].add(part[j], x.cast<double>() - components[candidates[j]].mean);
+    shares[candidates[j]].add(part[j], (x - densities[candidates[j]].center).cast<double>());
   }
 }
 
@@ -183,7 +201,8 @@ void maximise(std::span<const Shares> shares, const EllipsoidOptions& options,
     const Shares& s = shares[j];
     if (s.n() > kNone) {
       const Mat3 sigma = (s.scatter() + prior) / (s.n() + options.prior_points);
-      c = {s.n(), c.mean + s.mean(), elements::floored_covariance(sigma, options.floor_m)};
+      c = {s.n(), (c.mean + s.mean()).cast<float>().cast<double>(),
+           elements::floored_covariance(sigma, options.floor_m)};
     } else {
       c.points = kNone;
     }
@@ -202,38 +221,37 @@ std::vector<elements::Ellipsoid> mixture(std::span<const Vec3f> points,
           "mixture: a point is shared by 1 to 8 ellipsoids");
   std::vector<elements::Ellipsoid> out = ellipsoids_of(points, clusters, ellipsoid);
   if (out.empty() || options.rounds == 0) return out;
-  std::vector<uint32_t> points_of(clusters.count);
-  for (const uint32_t c : clusters.group) {
-    if (c != Clusters::kNone) ++points_of[c];
-  }
   require(out.size() == clusters.count, "mixture: a cluster has no points");
+  const auto [order, start] = ByCluster(clusters);
+  std::vector<Vec3f> ordered;
+  ordered.reserve(order.size());
+  for (const uint32_t i : order) ordered.push_back(points[i]);
   std::vector<Component> components;
   std::vector<Vec3f> means;
   for (size_t c = 0; c < out.size(); ++c) {
     components.push_back(
-        {double(points_of[c]), out[c].mean.cast<double>(), out[c].covariance_matrix()});
+        {double(start[c + 1] - start[c]), out[c].mean.cast<double>(), out[c].covariance_matrix()});
     means.push_back(out[c].mean);
   }
   const size_t k = std::min(size_t(options.shared_by), components.size());
   const size_t among = std::min(kMostNeighbours, components.size());
   const std::vector<uint32_t> around = neighbours(means, among);
-  std::vector<uint32_t> candidates(points.size() * k);
-  for (size_t i = 0; i < points.size(); ++i) {
-    if (clusters.group[i] == Clusters::kNone) continue;
-    nearest_of({&around[clusters.group[i] * among], among}, means, points[i],
-               {&candidates[i * k], k});
+  std::vector<uint32_t> candidates(order.size() * k);
+  for (size_t c = 0; c < components.size(); ++c) {
+    for (size_t i = start[c]; i < start[c + 1]; ++i) {
+      nearest_of({&around[c * among], among}, means, ordered[i], {&candidates[i * k], k});
+    }
   }
   for (int round = 0; round < options.rounds; ++round) {
     std::vector<Shares> shares(components.size());
     std::vector<Density> densities(components.begin(), components.end());
-    for (size_t i = 0; i < points.size(); ++i) {
-      if (clusters.group[i] == Clusters::kNone) continue;
+    for (size_t i = 0; i < order.size(); ++i) {
       const std::span<const uint32_t> nearest(&candidates[i * k], k);
       if (options.footprint) {
-        const Mat3 s = across(options.footprint, to_sensor[i].cast<double>());
-        share(points[i].cast<double>(), s, nearest, components, shares);
+        const Mat3 s = across(options.footprint, to_sensor[order[i]].cast<double>());
+        share(ordered[i].cast<double>(), s, nearest, components, shares);
       } else {
-        share(points[i], nearest, densities, components, shares);
+        share(ordered[i], nearest, densities, shares);
       }
     }
     maximise(shares, ellipsoid, components);

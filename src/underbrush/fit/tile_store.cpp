@@ -145,9 +145,14 @@ TileStore::Loaded TileStore::load(TileKey key, double margin_m) const {
   Loaded out;
   const auto centre = tiles_.find(key);
   require(centre != tiles_.end(), "no such tile");
-  out.points.reserve(centre->second->kept);
-  for_each_point(*centre->second, [&](const Stored& s) { out.points.push_back(s.p); });
-  out.core = out.points.size();
+  const auto add = [&out](const Stored& s) {
+    out.point.push_back(s.p.point);
+    out.to_sensor.push_back(s.p.to_sensor);
+  };
+  out.point.reserve(centre->second->kept);
+  out.to_sensor.reserve(centre->second->kept);
+  for_each_point(*centre->second, add);
+  out.core = out.point.size();
   if (!(margin_m > 0)) return out;
   const Eigen::Vector2d lo = corner(key).array() - margin_m;
   const Eigen::Vector2d hi = corner(key).array() + options_.tile_m + margin_m;
@@ -158,7 +163,7 @@ TileStore::Loaded TileStore::load(TileKey key, double margin_m) const {
       if ((di == 0 && dj == 0) || other == tiles_.end()) continue;
       for_each_point(*other->second, [&](const Stored& s) {
         const double x = s.p.point.x(), y = s.p.point.y();
-        if (x >= lo.x() && x < hi.x() && y >= lo.y() && y < hi.y()) out.points.push_back(s.p);
+        if (x >= lo.x() && x < hi.x() && y >= lo.y() && y < hi.y()) add(s);
       });
     }
   }

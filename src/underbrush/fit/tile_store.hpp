@@ -52,7 +52,7 @@ class TileStore {
   /// The points of a tile in order of arrival, `core` in number, then those of other tiles within
   /// `margin_m` of it. May be called from several threads.
   struct Loaded {
-    std::vector<TilePoint> points;
+    std::vector<Vec3f> point, to_sensor;
     size_t core = 0;
   };
   Loaded load(TileKey key, double margin_m) const;
