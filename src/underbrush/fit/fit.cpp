@@ -272,9 +272,9 @@ FitResult fit(BeamSource& source, const FitOptions& options, const FitProgress& 
   }
   if (options.volumetric.mixture.footprint && options.fitter != "hierarchical") {
     out.report.warnings.push_back(
-        "the sensor's footprint narrows the ellipsoids of hierarchical "
-        "alone: " +
-        options.fitter + " takes no notice of it");
+        "the sensor's footprint is taken out of the ellipsoids of hierarchical alone, not of those "
+        "of " +
+        options.fitter);
   }
   const std::vector<std::string> volumetric = volumetric_fitters();
   if (options.fitter == kGroundMesh ||

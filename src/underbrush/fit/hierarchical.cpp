@@ -11,7 +11,7 @@
 namespace underbrush::fit {
 namespace {
 
-/// Points of which a large part's centres are found.
+/// About how many points of a large part are enough to find its centres.
 constexpr size_t kSample = 512;
 
 /// A cluster during splitting: a range of the permuted points.
@@ -61,7 +61,7 @@ class Splitter {
  private:
   static constexpr uint8_t kNowhere = 255;
 
-  // One of every few points of a large part, enough to find its centres.
+  // Of a large part one of every few points.
   std::span<const Vec3f> sample_of(std::span<const Vec3f> points, Stream& random) {
     const size_t step = points.size() / kSample;
     if (step < 2) return points;
@@ -180,7 +180,7 @@ Clusters hierarchical_clusters(std::span<const Vec3f> points, const Hierarchical
   out.group.assign(points.size(), Clusters::kNone);
   if (points.size() < size_t(options.min_points)) return out;
 
-  std::vector<Vec3f> ordered;  // from one of them: far from the origin floats are coarse
+  std::vector<Vec3f> ordered;  // about one of them: far from the origin floats are coarse
   ordered.reserve(points.size());
   for (const Vec3f& p : points) ordered.push_back(p - points[0]);
   std::vector<uint32_t> index(points.size());

@@ -15,8 +15,8 @@ struct HierarchicalOptions {
 
 /// Hierarchical k-means as in [tallavajhula18] §IV (FLANN's): starts from one cluster and splits
 /// the one of greatest sum of squares until there are `clusters_per_point` × n. Centres of large
-/// clusters come from evenly spaced points of theirs, some hundreds. `points` in metres; fewer than
-/// `min_points` points give no cluster. Deterministic for a seed and an order of points.
+/// clusters are found in a sample of their points. `points` in metres; fewer than `min_points`
+/// points give no cluster. Deterministic for a seed and an order of points.
 Clusters hierarchical_clusters(std::span<const Vec3f> points, const HierarchicalOptions& options,
                                uint64_t seed);
 
