@@ -86,20 +86,24 @@ class BetaPriors {
   std::map<Key, HitPrior> priors_;
 };
 
-/// Whether an element explains a measured range, and how well: log N(z; t, σ²), up to a constant.
-struct Explained {
-  bool holds = false;
-  double log_density = 0;
-};
-Explained explained(const elements::Model& model, const trace::Met& m, double range_m, double tau,
-                    const CreditOptions& options) {
+double sigma_of(const trace::Met& m) {
   constexpr double kLeastSigmaM = 1e-6;  // a mesh may say 0
-  const double sigma = std::max(m.sigma_m, kLeastSigmaM);
-  const double residual = range_m - m.t_m, s = residual / sigma;
-  const bool holds = model.kind(m.element) == elements::Kind::kEllipsoid
-                         ? m.delta2 + s * s < tau * tau
-                         : std::abs(residual) < options.max_residual_for_hit_m;
-  return {holds, -0.5 * s * s - std::log(sigma)};
+  return std::max(m.sigma_m, kLeastSigmaM);
+}
+
+/// Whether an element explains a measured range.
+bool explains(const elements::Model& model, const trace::Met& m, double range_m, double tau,
+              const CreditOptions& options) {
+  const double residual = range_m - m.t_m, s = residual / sigma_of(m);
+  return model.kind(m.element) == elements::Kind::kEllipsoid
+             ? m.delta2 + s * s < tau * tau
+             : std::abs(residual) < options.max_residual_for_hit_m;
+}
+
+/// How well: log N(z; t, σ²), up to a constant.
+double log_density(const trace::Met& m, double range_m) {
+  const double s = (range_m - m.t_m) / sigma_of(m);
+  return -0.5 * s * s - std::log(sigma_of(m));
 }
 
 }  // namespace
@@ -124,15 +128,16 @@ void credit(const elements::Model& model, std::span<const trace::Met> met, doubl
     if (range_m == kMiss) continue;
     const bool is_nearer = stopped == met.size() || m.before(met[stopped]);
     if (nearest && !is_nearer) continue;
-    const Explained e = explained(model, m, range_m, tau, options);
-    if (e.holds && !alone) {
+    if (!explains(model, m, range_m, tau, options)) {
+      if (range_m > m.t_m) out[k] = Credit::kMiss;
+    } else if (!alone) {
       out[k] = Credit::kHit;
-    } else if (e.holds &&
-               (nearest || e.log_density > best || (e.log_density == best && is_nearer))) {
-      best = e.log_density;
+    } else if (nearest) {
       stopped = k;
-    } else if (!e.holds && range_m > m.t_m) {
-      out[k] = Credit::kMiss;
+    } else if (const double density = log_density(m, range_m);
+               density > best || (density == best && is_nearer)) {
+      best = density;
+      stopped = k;
     }
   }
   if (stopped == met.size()) return;
@@ -175,9 +180,9 @@ void count_hits(elements::Model& model, BeamSource& source, const CreditOptions&
         const std::span<const trace::Met> list = met[i - begin];
         credit(model, list, chunk.range_m[i], options, said);
         for (size_t k = 0; k < list.size(); ++k) {
+          if (said[k] == Credit::kNothing) continue;
           elements::HitCount& h = model.hit(list[k].element);
-          if (said[k] == Credit::kHit) add_one(h.hits);
-          if (said[k] == Credit::kMiss) add_one(h.misses);
+          add_one(said[k] == Credit::kHit ? h.hits : h.misses);
         }
       }
     });
