@@ -244,7 +244,8 @@ std::vector<elements::Ellipsoid> mixture(std::span<const Vec3f> points,
   }
   for (int round = 0; round < options.rounds; ++round) {
     std::vector<Shares> shares(components.size());
-    std::vector<Density> densities(components.begin(), components.end());
+    std::vector<Density> densities;
+    if (!options.footprint) densities = {components.begin(), components.end()};
     for (size_t i = 0; i < order.size(); ++i) {
       const std::span<const uint32_t> nearest(&candidates[i * k], k);
       if (options.footprint) {
