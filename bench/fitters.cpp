@@ -38,7 +38,7 @@ struct Tile {
 };
 
 std::vector<Tile> tiles_of(const BeamLog& log) {
-  fit::TileStore store;
+  TileStore store;
   const Vec3 origin = log.origin.at(0).array().round();
   for (size_t i = 0; i < log.size(); ++i) {
     if (log.is_hit(i)) {
@@ -46,7 +46,7 @@ std::vector<Tile> tiles_of(const BeamLog& log) {
     }
   }
   std::vector<Tile> out;
-  for (const fit::TileKey key : store.tiles()) {
+  for (const TileKey key : store.tiles()) {
     const auto loaded = store.load(key, 0);
     const std::vector<uint8_t> ground = ground::segment(loaded.point, {});
     Tile& tile = out.emplace_back();
@@ -102,7 +102,6 @@ int main(int argc, char** argv) {
   std::printf("%-28s %9s %9s %9s %8s %8s %9s %12s %8s\n", "fit, M beams/s", "1/4", "1/2", "all",
               "growth", "x HDL64E", "elements", "clustering", "x voxel");
   nlohmann::ordered_json results;
-  const std::vector<std::string> volumetric = fit::volumetric_fitters();
   double voxel_s = 0;
   for (const Method& m : methods()) {
     nlohmann::ordered_json& j = results[m.label];
@@ -128,7 +127,7 @@ int main(int argc, char** argv) {
     j["growth_exponent"] = growth;
     j["elements"] = elements;
     std::printf(" %8.2f %8.2f %9zu", growth, rate / bench::kHdl64eBeamsPerS, elements);
-    if (std::count(volumetric.begin(), volumetric.end(), m.options.fitter)) {
+    if (fit::clustering_named(m.options.fitter)) {
       const double s = least_seconds(runs, processor, 1, [&] {
         for (const Tile& t : tiles) {
           fit::volumes(m.options.fitter, {t.point, t.to_sensor}, m.options.volumetric, 1);

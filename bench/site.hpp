@@ -1,7 +1,7 @@
 /// \file
 /// The generated site as a log, for benchmarks without a file.
 #pragma once
-#include "underbrush/scene/test_site.hpp"
+#include "underbrush/test_site/test_site.hpp"
 #include "underbrush/sensor/pattern.hpp"
 #include "underbrush/simulate/footprint.hpp"
 
@@ -9,8 +9,8 @@ namespace underbrush::bench {
 
 /// The generated site, scanned by a Velodyne HDL-64E for `seconds`.
 inline BeamLog scanned_site(double seconds) {
-  const scene::Site site = scene::make_site({});
-  const scene::FlatSite flat = scene::flatten(site);
+  const test_site::Site site = test_site::make_site({});
+  const test_site::FlatSite flat = test_site::flatten(site);
   const trace::World world(flat.model);
   const double start = site.world_from_sensor.poses().front().time_s;
   BeamLog log = sensor::beams(sensor::load("velodyne-hdl64e"), site.world_from_sensor, start,

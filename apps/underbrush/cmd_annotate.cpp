@@ -10,59 +10,56 @@
 #include "underbrush/primitives/annotation.hpp"
 #include "underbrush/primitives/generate.hpp"
 #include "underbrush/primitives/measure.hpp"
-#include "underbrush/scene/terrain.hpp"
-#include "verb.hpp"
+#include "underbrush/test_site/terrain.hpp"
+#include "cli/progress.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
 namespace fs = std::filesystem;
 namespace {
 
+constexpr double kGroundNoiseM = 0.03;  // σ of ranges on a generated ground
+
 struct Arguments {
   std::string log, output, ground, kind;
   std::vector<double> size{200, 200};
-  double spacing_m = 1, ground_noise_m = 0.03;
+  double spacing_m = 1;
   primitives::MeasureOptions measure;
   primitives::GenerateOptions generate;
-  scene::TerrainParameters terrain;
+  test_site::TerrainParameters terrain;
 };
 
-void add_options(CLI::App& app, Arguments& a) {
+void add_options(Verb& verb, Arguments& a) {
+  CLI::App& app = verb.app;
   auto* log = app.add_option("LABELLED", a.log, "The site's log, labelled by segment");
-  app.add_option("-o,--output", a.output, "The annotation")
+  verb.output("-o,--output", a.output, "The annotation")
       ->required()
       ->type_name("ANNOTATION.json");
   app.add_option("--ground", a.ground,
                  "Model whose ground the objects stand on. Without it, one is made from the log's "
                  "ground points, or generated, as the folder STEM.ground beside the annotation")
       ->type_name("MODEL");
+  verb.begin_group("A site that is made up");
   auto* kind = app.add_option("--generate", a.kind, "Make a site up")
                    ->check(CLI::IsMember(primitives::site_kinds()));
   kind->excludes(log);
   app.add_option(
          "--density", a.generate.density,
-         "generate: trees (meadow: shrubs) per m²; 0 = forest 0.05, savanna 0.003, meadow 0.01")
+         "Trees (meadow: shrubs) per m²; 0 = forest 0.05, savanna 0.003, meadow 0.01")
       ->check(CLI::Range(0.0, 10.0))
       ->capture_default_str();
-  app.add_option("--margin", a.generate.margin_m, "generate: bare border of the ground, m")
+  app.add_option("--margin", a.generate.margin_m, "Bare border of the ground, m")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  app.add_option("--size", a.size, "generate: length and width of a generated ground, m")
+  app.add_option("--size", a.size, "Length and width of a generated ground, m")
       ->expected(2)
       ->check(CLI::Range(1.0, 20000.0))
       ->type_name("X Y");
-  app.add_option("--relief", a.terrain.relief_m,
-                 "generate: standard deviation of the ground's height, m")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
+  verb.begin_rare_group();
   app.add_option("--ground-spacing", a.spacing_m,
                  "Side of a generated ground's triangles, m; distance of nodes of a fitted one is "
                  "half of it")
       ->check(CLI::Range(0.05, 100.0))
-      ->capture_default_str();
-  app.add_option("--ground-noise", a.ground_noise_m,
-                 "generate: σ of ranges on a generated ground, m")
-      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   app.add_option("--box-quantile", a.measure.quantile,
                  "A box holds the points from this quantile to 1 − it in each axis; 0 = all")
@@ -77,12 +74,12 @@ void add_options(CLI::App& app, Arguments& a) {
 }
 
 elements::Model generated_ground(const Arguments& a, uint64_t seed) {
-  scene::TerrainParameters p = a.terrain;
+  test_site::TerrainParameters p = a.terrain;
   p.size_x_m = a.size[0];
   p.size_y_m = a.size[1];
   elements::Model model;
-  model.ground = scene::Terrain(p, seed).mesh(a.spacing_m, 0);
-  model.ground.range_sigma_m = a.ground_noise_m;
+  model.ground = test_site::Terrain(p, seed).mesh(a.spacing_m, 0);
+  model.ground.range_sigma_m = kGroundNoiseM;
   model.fitter = "generated_ground";
   return model;
 }
@@ -147,15 +144,14 @@ void run(const Verb& verb, Arguments& a) {
 
 }  // namespace
 
-void add_annotate(CLI::App& root) {
+void add_annotate(Program& program) {
   auto a = std::make_shared<Arguments>();
-  const auto verb = add_verb(
-      root, "annotate", "Say what stands where: from a labelled log, or on a site that is made up",
+  const auto verb = add_verb(program, "Scenes", "annotate", "Say what stands where: from a labelled log, or on a site that is made up",
       "underbrush annotate labelled.ply -o annotation.json\n"
       "  underbrush annotate --generate savanna --density 0.005 --seed 7 -o annotation.json\n"
       "  underbrush annotate --generate forest --ground model/ -o annotation.json",
       [a](const Verb& v) { run(v, *a); });
-  add_options(*verb->app, *a);
+  add_options(*verb, *a);
 }
 
 }  // namespace underbrush::app

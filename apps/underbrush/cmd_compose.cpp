@@ -2,7 +2,8 @@
 
 #include <chrono>
 
-#include "composing.hpp"
+#include "composition.hpp"
+#include "stages.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/names.hpp"
 #include "underbrush/elements/model_file.hpp"
@@ -18,13 +19,14 @@ struct Arguments {
   primitives::ComposeOptions compose;
 };
 
-void add_options(CLI::App& app, Arguments& a) {
+void add_options(Verb& verb, Arguments& a) {
+  CLI::App& app = verb.app;
   app.add_option("ANNOTATION", a.annotation, "The annotation (JSON)")->required();
   app.add_option("PRIMITIVES", a.primitives,
                  "The set of primitives; the name mesh_primitives: of generated plants, as "
                  "'meshes generated' makes it")
       ->required();
-  app.add_option("-o,--output", a.output, "The scene's folder")->required()->type_name("SCENE");
+  verb.output("-o,--output", a.output, "The scene's folder")->required()->type_name("SCENE");
   app.add_option("--ground", a.ground, "Model whose ground to take instead of the annotation's")
       ->type_name("MODEL");
   app.add_option("--nearest", a.compose.nearest,
@@ -109,16 +111,15 @@ void run(const Verb& verb, Arguments& a) {
 
 }  // namespace
 
-void add_compose(CLI::App& root) {
+void add_compose(Program& program) {
   auto a = std::make_shared<Arguments>();
-  const auto verb = add_verb(
-      root, "compose", "Compose a scene from primitives along an annotation; simulate takes it",
+  const auto verb = add_verb(program, "Scenes", "compose", "Compose a scene from primitives along an annotation; simulate takes it",
       "underbrush compose annotation.json primitives/ -o scene/\n"
       "  underbrush compose annotation.json primitives/ --nearest 5 --scale -o scene/\n"
       "  underbrush compose annotation.json mesh_primitives -o baseline/\n"
       "  underbrush simulate scene/ --like log.ply -o sim.ply",
       [a](const Verb& v) { run(v, *a); });
-  add_options(*verb->app, *a);
+  add_options(*verb, *a);
 }
 
 }  // namespace underbrush::app

@@ -5,12 +5,13 @@
 
 #include "report/report.hpp"
 #include "score_json.hpp"
-#include "steps.hpp"
+#include "stages.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/log_file.hpp"
-#include "underbrush/scene/test_site.hpp"
+#include "underbrush/test_site/test_site.hpp"
 #include "underbrush/sensor/pattern.hpp"
 #include "underbrush/simulate/footprint.hpp"
+#include "cli/progress.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -19,7 +20,7 @@ namespace fs = std::filesystem;
 
 struct Arguments {
   std::string output = "demo", sensor = "velodyne-hdl32e";
-  scene::SiteParameters site;
+  test_site::SiteParameters site;
   simulate::FootprintOptions beam;
 };
 
@@ -29,7 +30,7 @@ constexpr const char* kSynthetic =
     "for reality. Nothing here was measured.";
 
 /// Replaces the column `element` by `instance`: the plant that was hit, 0 for ground and misses.
-void add_instances(const scene::FlatSite& flat, BeamLog& beams) {
+void add_instances(const test_site::FlatSite& flat, BeamLog& beams) {
   auto& element = std::get<std::vector<uint32_t>>(beams.extra.at("element"));
   for (uint32_t& e : element) e = e < flat.instance.size() ? flat.instance[e] : 0;
   beams.extra["instance"] = std::move(element);
@@ -39,8 +40,8 @@ void add_instances(const scene::FlatSite& flat, BeamLog& beams) {
 /// Scans the site along its drive; even scans go to `train`, odd ones to `test`. Returns the beams.
 size_t scan_site(const Verb& verb, const Arguments& a, const fs::path& train,
                  const fs::path& test) {
-  const scene::Site site = scene::make_site(a.site);
-  const scene::FlatSite flat = scene::flatten(site);
+  const test_site::Site site = test_site::make_site(a.site);
+  const test_site::FlatSite flat = test_site::flatten(site);
   const trace::World world(flat.model);
   const sensor::Sensor sensor = sensor::load(a.sensor);
   const auto& poses = site.world_from_sensor.poses();
@@ -110,7 +111,7 @@ void run(const Verb& verb, Arguments& a) {
   const std::vector<metrics::Score> scores = score_logs(test, candidates, true);
   std::vector<std::string> names;
   std::vector<fs::path> inputs{test};
-  ReportInput report;
+  report::ReportInput report;
   for (const Candidate& c : candidates) {
     names.push_back(c.name);
     inputs.push_back(c.log);
@@ -121,7 +122,7 @@ void run(const Verb& verb, Arguments& a) {
   report.note = kSynthetic;
   report.scores = results;
   report.real = test;
-  const fs::path page = write_report(folder / "report", report);
+  const fs::path page = report::write_report(folder / "report", report);
   results["seconds"] = std::chrono::duration<double>(Clock::now() - start).count();
   results["synthetic"] = true;
   say("scored on the held-out scans");
@@ -131,13 +132,13 @@ void run(const Verb& verb, Arguments& a) {
 
 }  // namespace
 
-void add_demo(CLI::App& root) {
+void add_demo(Program& program) {
   auto a = std::make_shared<Arguments>();
   const auto verb =
-      add_verb(root, "demo", "The whole pipeline on a generated test site; ends with a report",
+      add_verb(program, "Start", "demo", "The whole pipeline on a generated test site; ends with a report",
                "underbrush demo -o demo/", [a](const Verb& v) { run(v, *a); });
-  CLI::App& app = *verb->app;
-  app.add_option("-o,--output", a->output, "Folder for all that the demo makes")
+  CLI::App& app = verb->app;
+  verb->output("-o,--output", a->output, "Folder for all that the demo makes")
       ->capture_default_str();
   app.add_option("--sensor", a->sensor, "Sensor of the catalogue that scans the site")
       ->capture_default_str();

@@ -5,7 +5,7 @@
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/primitives/primitive_set.hpp"
-#include "verb.hpp"
+#include "cli/progress.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -16,13 +16,15 @@ struct Arguments {
   primitives::ExtractOptions extract;
 };
 
-void add_options(CLI::App& app, Arguments& a) {
+void add_options(Verb& verb, Arguments& a) {
+  CLI::App& app = verb.app;
   app.add_option("MODEL", a.model, "The model's folder")->required();
   app.add_option("LABELLED", a.log, "The log that it was fitted to, labelled by segment")
       ->required();
-  app.add_option("-o,--output", a.output, "The folder of the set of primitives")
+  verb.output("-o,--output", a.output, "The folder of the set of primitives")
       ->required()
       ->type_name("PRIMITIVES");
+  verb.begin_rare_group();
   app.add_option("--box-quantile", a.extract.measure.quantile,
                  "A box holds the points from this quantile to 1 − it in each axis; 0 = all "
                  "(0.05 as [tallavajhula18]'s authors have it)")
@@ -100,12 +102,12 @@ void run(const Verb& verb, Arguments& a) {
 
 }  // namespace
 
-void add_extract(CLI::App& root) {
+void add_extract(Program& program) {
   auto a = std::make_shared<Arguments>();
-  const auto verb = add_verb(root, "extract", "Cut a model into primitives along a labelled log",
+  const auto verb = add_verb(program, "Scenes", "extract", "Cut a model into primitives along a labelled log",
                              "underbrush extract model/ labelled.ply -o primitives/",
                              [a](const Verb& v) { run(v, *a); });
-  add_options(*verb->app, *a);
+  add_options(*verb, *a);
 }
 
 }  // namespace underbrush::app

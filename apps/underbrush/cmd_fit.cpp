@@ -1,35 +1,31 @@
 #include <fmt/format.h>
 
 #include "fit_options.hpp"
-#include "mesh_fitter.hpp"
-#include "objects_of_log.hpp"
+#include "stages.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/atomic_file.hpp"
+#include "cli/progress.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
 namespace {
 
 struct Arguments {
-  std::string log, output, splat, ground_mesh, meshes = kMeshPrimitives;
+  std::string log, output, splat, ground_mesh;
   fit::FitOptions fit;
 };
 
-void add_options(CLI::App& app, Arguments& a) {
+void add_options(Verb& verb, Arguments& a) {
+  CLI::App& app = verb.app;
   app.add_option("LOG", a.log, "The log (ray cloud PLY, as import writes it)")->required();
-  app.add_option("-o,--output", a.output, "The model's folder; mesh_primitives: a scene's")
+  verb.output("-o,--output", a.output, "The model's folder")
       ->required()
       ->type_name("MODEL");
-  add_fit_options(app, a.fit);
-  app.add_option("--meshes", a.meshes,
-                 "mesh_primitives: the set of primitives that meshes made; the name "
-                 "mesh_primitives: of generated plants")
-      ->type_name("PRIMITIVES")
-      ->capture_default_str();
-  app.add_option("--export-splat", a.splat, "Also write the ellipsoids as a Gaussian splat PLY")
+  add_fit_options(verb, a.fit);
+  verb.output("--export-splat", a.splat, "Write the ellipsoids as a splat, too")
       ->type_name("FILE.ply");
-  app.add_option("--export-ground", a.ground_mesh, "Also write the ground as a mesh")
+  verb.output("--export-ground", a.ground_mesh, "Write the ground as a mesh, too")
       ->type_name("FILE.obj|.ply");
 }
 
@@ -96,29 +92,11 @@ std::string text_of_fit(const std::string& fitter, const FitStep& step) {
   return text;
 }
 
-void run_meshes(const Verb& verb, const Arguments& a) {
-  require(a.splat.empty(), "fit: mesh_primitives has no ellipsoids for --export-splat");
-  const MeshFitStep step = fit_meshes(verb, a.log, a.fit, a.meshes, a.output);
-  if (!a.ground_mesh.empty()) {
-    elements::write_mesh(a.ground_mesh, step.ground.result.model.ground);
-  }
-  Json j = json_of_fit(a.fit.fitter, step.ground, step.warnings);
-  j["annotation"] = json_of(step.measured);
-  j["scene"] = json_of(step.composition);
-  verb.report(j, text_of_fit(a.fit.fitter, step.ground) + text_of(step.measured) +
-                     text_of(step.composition) + text_of_warnings(step.warnings) +
-                     "  scene       " + a.output + "\n");
-}
-
 void run(const Verb& verb, Arguments& a) {
-  const bool meshes = a.fit.fitter == kMeshPrimitives;
-  require(meshes || a.meshes == kMeshPrimitives,
-          "fit: --meshes is of --fitter mesh_primitives alone");
   a.fit.seed = verb.seed;
   for (const std::string& file : {a.splat, a.ground_mesh}) {
     if (!file.empty()) io::check_output(file);
   }
-  if (meshes) return run_meshes(verb, a);
   const FitStep step = fit_log(verb, a.log, a.fit, a.output);
   const elements::Model& model = step.result.model;
   if (!a.splat.empty()) elements::write_splat(a.splat, model);
@@ -131,14 +109,12 @@ void run(const Verb& verb, Arguments& a) {
 
 }  // namespace
 
-void add_fit(CLI::App& root) {
+void add_fit(Program& program) {
   auto a = std::make_shared<Arguments>();
-  const auto verb = add_verb(
-      root, "fit", "Learn a model from a log: ground mesh, ellipsoids, hit probabilities",
-      "underbrush fit log.ply -o model/\n  underbrush fit log.ply --fitter surface -o mesh/\n"
-      "  underbrush fit log.ply --fitter mesh_primitives -o plants/",
+  const auto verb = add_verb(program, "Models", "fit", "Learn a model from a log: ground mesh, ellipsoids, hit probabilities",
+      "underbrush fit log.ply -o model/\n  underbrush fit log.ply --fitter surface -o mesh/",
       [a](const Verb& v) { run(v, *a); });
-  add_options(*verb->app, *a);
+  add_options(*verb, *a);
 }
 
 }  // namespace underbrush::app

@@ -4,13 +4,13 @@
 #include <optional>
 #include <set>
 
-#include "keep.hpp"
+#include "row_filter.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/label_sets.hpp"
 #include "underbrush/io/input.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/sensor/beams_from_scan.hpp"
-#include "verb.hpp"
+#include "cli/progress.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -32,14 +32,16 @@ struct Counts {
   std::map<std::string, size_t> skipped;
 };
 
-void add_options(CLI::App& app, Arguments& a) {
+void add_options(Verb& verb, Arguments& a) {
+  CLI::App& app = verb.app;
   app.add_option("SOURCE", a.source, "The log: a file or folder")->required();
-  app.add_option("-o,--output", a.output, "The log as a ray cloud PLY")
+  verb.output("-o,--output", a.output, "The log as a ray cloud PLY")
       ->required()
       ->type_name("LOG.ply");
   app.add_option("--format", a.input.format, "Format of the source (default: by its look)")
       ->check(CLI::IsMember(io::input_formats()));
   app.add_option("--poses", a.input.poses, "Poses of the sensor: TUM or KITTI")->type_name("FILE");
+  verb.begin_rare_group();
   app.add_option("--times", a.input.times, "Times of the scans, one a line")->type_name("FILE");
   app.add_option("--labels", a.input.labels, "Labels of a single scan: SemanticKITTI's .label")
       ->type_name("FILE");
@@ -107,7 +109,7 @@ LogInfo log_info(const Arguments& a, const io::Input& input, const sensor::BeamO
 }
 
 // A beam has one outcome: several returns of one pulse would count as several beams.
-void note_echoes(const Keep& keep, const std::map<std::string, ExtraColumn>& extra,
+void note_echoes(const RowFilter& keep, const std::map<std::string, ExtraColumn>& extra,
                  std::vector<std::string>& notes) {
   for (const char* name : {"target_index", "return_number"}) {
     if (!keep.all() || !extra.count(name)) continue;
@@ -117,7 +119,7 @@ void note_echoes(const Keep& keep, const std::map<std::string, ExtraColumn>& ext
   }
 }
 
-Counts import_scans(const Keep& keep, io::Input& input, io::LogWriter& writer,
+Counts import_scans(const RowFilter& keep, io::Input& input, io::LogWriter& writer,
                     const sensor::BeamOptions& options) {
   Counts counts;
   Progress progress("import");
@@ -135,7 +137,7 @@ Counts import_scans(const Keep& keep, io::Input& input, io::LogWriter& writer,
   return counts;
 }
 
-Counts import_beams(const Arguments& a, const Keep& keep, io::Input& input, io::LogWriter& writer) {
+Counts import_beams(const Arguments& a, const RowFilter& keep, io::Input& input, io::LogWriter& writer) {
   Counts counts;
   Progress progress("import");
   size_t done = 0;
@@ -222,7 +224,7 @@ std::string table_of(const io::Input& input, const Counts& c, const std::string&
 void run(const Verb& verb, Arguments& a) {
   if (!a.frames.empty()) a.input.frames = io::frames_from_text(a.frames);
   a.writer.double_coordinates = !a.float_coordinates;
-  const Keep keep(a.source, a.keep);
+  const RowFilter keep(a.source, a.keep);
   io::Input input = io::open_input(a.source, a.input);
   std::vector<std::filesystem::path> sources{a.source};
   for (const auto& file : {a.input.poses, a.input.times, a.input.labels}) {
@@ -250,14 +252,14 @@ void run(const Verb& verb, Arguments& a) {
 
 }  // namespace
 
-void add_import(CLI::App& root) {
+void add_import(Program& program) {
   auto a = std::make_shared<Arguments>();
   const auto verb =
-      add_verb(root, "import", "Any supported log to a ray cloud PLY, misses kept or inferred",
+      add_verb(program, "Logs", "import", "Any supported log to a ray cloud PLY, misses kept or inferred",
                "underbrush import drive/ --poses drive/poses_velo.txt --deskew velodyne-hdl64e \\\n"
                "    --elevation-offset-deg 0.205 --infer-misses velodyne-hdl64e -o log.ply",
                [a](const Verb& v) { run(v, *a); });
-  add_options(*verb->app, *a);
+  add_options(*verb, *a);
 }
 
 }  // namespace underbrush::app

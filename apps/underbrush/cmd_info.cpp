@@ -12,7 +12,7 @@
 #include "underbrush/io/input.hpp"
 #include "underbrush/metrics/leaf_inclination.hpp"
 #include "underbrush/sensor/sensor.hpp"
-#include "verb.hpp"
+#include "cli/progress.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -253,15 +253,15 @@ void run(const Verb& verb, const Arguments& a) {
 
 }  // namespace
 
-void add_info(CLI::App& root) {
+void add_info(Program& program) {
   auto a = std::make_shared<Arguments>();
-  const auto verb = add_verb(root, "info", "What is in a log, a model or a scene",
+  const auto verb = add_verb(program, "Logs", "info", "What is in a log, a model or a scene",
                              "underbrush info log.ply\n"
                              "  underbrush info log.ply --leaves vegetation",
                              [a](const Verb& v) { run(v, *a); });
-  verb->app->add_option("FILE", a->file, "A log, or the folder of a model or scene")->required();
+  verb->app.add_option("FILE", a->file, "A log, or the folder of a model or scene")->required();
   verb->app
-      ->add_option("--leaves", a->leaves,
+      .add_option("--leaves", a->leaves,
                    "Instead: how the leaves of a log or point file stand, mean and sigma of arccos "
                    "n_z, and epsilon; of the vegetation of a log (by its labels, else what is not "
                    "ground, 3 to 25 m away), or of all points")

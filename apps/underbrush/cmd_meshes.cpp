@@ -5,7 +5,6 @@
 #include "plant_sources.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/primitives/primitive_set.hpp"
-#include "verb.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -19,13 +18,14 @@ struct Arguments {
   primitives::MeshPrimitiveOptions meshes;
 };
 
-void add_options(CLI::App& app, Arguments& a) {
+void add_options(Verb& verb, Arguments& a) {
+  CLI::App& app = verb.app;
   app.add_option(
          "PLANTS", a.plants,
          "Meshes of plants (.obj, .ply, .gltf, .glb), folders of them, or the word generated: the "
          "plants of the demo's site")
       ->required();
-  app.add_option("-o,--output", a.output, "The folder of the set of primitives")
+  verb.output("-o,--output", a.output, "The folder of the set of primitives")
       ->required()
       ->type_name("PRIMITIVES");
   app.add_option(
@@ -99,15 +99,15 @@ void run(const Verb& verb, Arguments& a) {
 
 }  // namespace
 
-void add_meshes(CLI::App& root) {
+void add_meshes(Program& program) {
   auto a = std::make_shared<Arguments>();
   const auto verb =
-      add_verb(root, "meshes", "Make primitives of plant meshes instead: the comparison simulator",
+      add_verb(program, "Scenes", "meshes", "Make primitives of plant meshes instead: the comparison simulator",
                "underbrush meshes generated -o meshes/\n"
                "  underbrush meshes plants/ fern.obj --up y -o meshes/\n"
                "  underbrush compose annotation.json meshes/ -o scene/",
                [a](const Verb& v) { run(v, *a); });
-  add_options(*verb->app, *a);
+  add_options(*verb, *a);
 }
 
 }  // namespace underbrush::app

@@ -3,7 +3,8 @@
 #include <chrono>
 #include <iostream>
 
-#include "composing.hpp"
+#include "composition.hpp"
+#include "stages.hpp"
 #include "fit_options.hpp"
 #include "report/report.hpp"
 #include "tuning.hpp"
@@ -31,9 +32,10 @@ struct Arguments {
   std::vector<const CLI::Option*> fit_options;
 };
 
-void add_options(CLI::App& app, Arguments& a) {
+void add_options(Verb& verb, Arguments& a) {
+  CLI::App& app = verb.app;
   app.add_option("LOG", a.log, "The training log")->required();
-  app.add_option("-o,--output", a.output, "The configuration that 'fit --config' takes")
+  verb.output("-o,--output", a.output, "The configuration that 'fit --config' takes")
       ->required()
       ->type_name("PARAMS.yaml");
   app.add_option("--objective", a.objective,
@@ -43,6 +45,9 @@ void add_options(CLI::App& app, Arguments& a) {
       ->capture_default_str();
   app.add_option("--tune", a.tune, "Options of fit to tune instead of the usual ones")
       ->type_name("NAME ...");
+  app.add_option("--budget", a.search.budget, "Most evaluations")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   app.add_option("--slice", a.slice, "Scans that begin in [FROM, TO), s after the log's start")
       ->expected(2)
       ->type_name("FROM TO")
@@ -52,19 +57,18 @@ void add_options(CLI::App& app, Arguments& a) {
                  "groups of beams of each)")
       ->check(CLI::Range(2, 1 << 30))
       ->capture_default_str();
-  app.add_option("--budget", a.search.budget, "Most evaluations")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
   app.add_option("--algorithm", a.search.algorithm, "How NLopt searches")
       ->check(CLI::IsMember(optimize::algorithms()))
       ->capture_default_str();
   app.add_option("--step", a.search.step, "First step, as a share of each parameter's range")
       ->check(CLI::Range(0.001, 0.5))
       ->capture_default_str();
-  app.add_option("--checkpoint", a.checkpoint,
+  verb.output("--checkpoint", a.checkpoint,
                  "Written after each evaluation; PARAMS.yaml.checkpoint if not given")
       ->type_name("FILE");
-  app.add_flag("--resume", a.resume, "Go on where the checkpoint ends, if there is one");
+  verb.not_of_result(
+      app.add_flag("--resume", a.resume, "Go on where the checkpoint ends, if there is one"));
+  verb.begin_group("Densities of a scene");
   auto* site = app.add_option("--annotation", a.annotation,
                               "Tune the densities of a composed scene's classes instead: its "
                               "annotation; the result is for 'compose --config'")
@@ -74,15 +78,10 @@ void add_options(CLI::App& app, Arguments& a) {
                   ->type_name("PRIMITIVES");
   site->needs(set);
   set->needs(site);
-  app.add_option("--report", a.report, "Write a report with the curve into this folder")
+  verb.begin_group("Options");
+  verb.output("--report", a.report, "Write a report with the curve into this folder")
       ->type_name("DIR");
-  const size_t own = app.get_options().size();
-  add_fit_options(app, a.fit);
-  const std::vector<CLI::Option*> all = app.get_options();
-  for (size_t k = own; k < all.size(); ++k) {
-    all[k]->group("Options of fit: where the search starts, and what stays as it is");
-    a.fit_options.push_back(all[k]);
-  }
+  a.fit_options = add_fit_options(verb, a.fit, kAllRare);
 }
 
 /// A search to be done: what is tuned, from where, and how it is judged.
@@ -112,7 +111,7 @@ Problem fit_problem(const Arguments& a, const std::shared_ptr<const optimize::Sl
   const auto chosen = std::make_shared<std::vector<optimize::FitParameter>>(
       optimize::chosen_fit_parameters(a.fit, a.tune));
   p.tuning.parameters.assign(chosen->begin(), chosen->end());
-  for (const auto& parameter : *chosen) p.start.push_back(parameter.get(a.fit));
+  for (const auto& parameter : *chosen) p.start.push_back(parameter.of->number(a.fit));
   p.tuning.fixed = given_options(a, p.tuning.parameters);
   p.tuning.what =
       fmt::format("{} scans from {:g} to {:g} s: {} beams fitted, {} beams ({}) judge.",
@@ -121,7 +120,7 @@ Problem fit_problem(const Arguments& a, const std::shared_ptr<const optimize::Sl
                                  : fmt::format("one group of beams in {}", a.cut.one_in));
   p.objective = [&a, chosen, slice](std::span<const double> value) {
     fit::FitOptions options = a.fit;
-    for (size_t k = 0; k < value.size(); ++k) (*chosen)[k].set(options, value[k]);
+    for (size_t k = 0; k < value.size(); ++k) (*chosen)[k].of->set_number(options, value[k]);
     return optimize::fit_outcome(a.objective, *slice, options);
   };
   return p;
@@ -214,10 +213,7 @@ void run(const Verb& verb, Arguments& a) {
   if (a.checkpoint.empty()) a.checkpoint = a.output + ".checkpoint";
   io::check_output(a.output);
   io::check_output(a.checkpoint);
-  if (!a.report.empty()) check_report_output(a.report);
-  require(!a.annotation.empty() || a.fit.fitter != kMeshPrimitives,
-          "optimize: plant meshes have no parameters that are fitted; their densities are tuned "
-          "with --annotation SITE.json --primitives mesh_primitives");
+  if (!a.report.empty()) report::check_report_output(a.report);
   if (a.annotation.empty()) optimize::chosen_fit_parameters(a.fit, a.tune);  // asked before reading
   io::LogReader reader(a.log);
   optimize::Slice slice = optimize::take_slice(reader, a.cut);
@@ -259,15 +255,15 @@ void run(const Verb& verb, Arguments& a) {
 
 }  // namespace
 
-void add_optimize(CLI::App& root) {
+void add_optimize(Program& program) {
   auto a = std::make_shared<Arguments>();
   const auto verb =
-      add_verb(root, "optimize", "Tune the parameters of a fit on a slice of the training log",
+      add_verb(program, "Models", "optimize", "Tune the parameters of a fit on a slice of the training log",
                "underbrush optimize train.ply -o params.yaml --report tuning/\n"
                "  underbrush optimize train.ply -o params.yaml --resume\n"
                "  underbrush fit train.ply --config params.yaml -o model/",
                [a](const Verb& v) { run(v, *a); });
-  add_options(*verb->app, *a);
+  add_options(*verb, *a);
 }
 
 }  // namespace underbrush::app

@@ -2,7 +2,7 @@
 
 #include "report/report.hpp"
 #include "score_json.hpp"
-#include "steps.hpp"
+#include "stages.hpp"
 #include "underbrush/core/check.hpp"
 #include "verbs.hpp"
 
@@ -13,10 +13,10 @@ namespace fs = std::filesystem;
 struct Arguments {
   std::string real, report;
   std::vector<std::string> simulated, models, names;
-  bool no_cloud = false;
 };
 
-void add_options(CLI::App& app, Arguments& a) {
+void add_options(Verb& verb, Arguments& a) {
+  CLI::App& app = verb.app;
   app.add_option("REAL", a.real, "The real log")->required();
   app.add_option("SIMULATED", a.simulated,
                  "Simulated logs of the same beams, one or several to compare")
@@ -27,10 +27,8 @@ void add_options(CLI::App& app, Arguments& a) {
       ->allow_extra_args(false);
   app.add_option("--name", a.names, "Name of each simulated log in the results, in order")
       ->allow_extra_args(false);
-  app.add_option("--report", a.report, "Write a report (one HTML file) into this folder")
+  verb.output("--report", a.report, "Write a report (one HTML file) into this folder")
       ->type_name("DIR");
-  app.add_flag("--no-cloud", a.no_cloud,
-               "Leave out the point cloud error, which takes the longest");
 }
 
 void run(const Verb& verb, const Arguments& a) {
@@ -49,29 +47,29 @@ void run(const Verb& verb, const Arguments& a) {
     inputs.push_back(a.simulated[k]);
     if (!a.models.empty()) inputs.push_back(a.models[k]);
   }
-  if (!a.report.empty()) check_report_output(a.report);
-  const std::vector<metrics::Score> scores = score_logs(a.real, candidates, !a.no_cloud);
+  if (!a.report.empty()) report::check_report_output(a.report);
+  const std::vector<metrics::Score> scores = score_logs(a.real, candidates, true);
   const Json results = json_of_scores(names, scores, provenance(verb, inputs));
   std::string text = table_of_scores(candidates, scores);
   if (!a.report.empty()) {
-    ReportInput report{
+    report::ReportInput report{
         "Simulated against real: " + fs::path(a.real).filename().string(), "", results, a.real, {}};
     for (const Candidate& c : candidates) report.simulated.push_back({c.name, c.log});
-    text += "report: " + write_report(a.report, report).string() + "\n";
+    text += "report: " + report::write_report(a.report, report).string() + "\n";
   }
   verb.report(results, text);
 }
 
 }  // namespace
 
-void add_score(CLI::App& root) {
+void add_score(Program& program) {
   auto a = std::make_shared<Arguments>();
   const auto verb =
-      add_verb(root, "score", "Compare simulated logs with the real one, beam by beam",
+      add_verb(program, "Simulation", "score", "Compare simulated logs with the real one, beam by beam",
                "underbrush score real.ply sim.ply --model model/ --json - --report report/\n"
                "  underbrush score real.ply hybrid.ply mesh.ply --name hybrid --name mesh",
                [a](const Verb& v) { run(v, *a); });
-  add_options(*verb->app, *a);
+  add_options(*verb, *a);
 }
 
 }  // namespace underbrush::app

@@ -13,7 +13,7 @@
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/primitives/given_labels.hpp"
 #include "underbrush/primitives/segment_log.hpp"
-#include "verb.hpp"
+#include "cli/progress.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -27,35 +27,36 @@ struct Arguments {
   primitives::SegmentLogOptions segment;
 };
 
-void add_object_options(CLI::App& app, primitives::ObjectOptions& o) {
+void add_object_options(Verb& verb, primitives::ObjectOptions& o) {
+  CLI::App& app = verb.app;
   const auto option = [&](const char* name, double& value, const char* text) {
     app.add_option(name, value, text)->check(CLI::NonNegativeNumber)->capture_default_str();
   };
-  option("--cell", o.cell_m, "Objects: side of a column, m; 0 = 0.4, more where points are sparse");
+  option("--cell", o.cell_m, "Side of a column, m; 0 = 0.4, more where points are sparse");
   option("--gap", o.gap_m,
-         "Objects: empty height that parts what stands in a column, m; 0 = by the cell");
-  option("--spacing", o.spacing_a_m, "Trees: nearer peaks are one crown, m, ...");
-  option("--spacing-per-m", o.spacing_b, "Trees: ... and this much more for each m of height");
+         "Empty height that parts what stands in a column, m; 0 = by the cell");
+  app.add_option("--min-points", o.min_points, "Fewest points of an object")
+      ->capture_default_str();
+  verb.begin_rare_group("Trees");
+  option("--spacing", o.spacing_a_m,
+         "Peaks that are nearer to each other are one crown, m; more for high trees");
   option("--prominence", o.prominence_a_m,
-         "Trees: a dip less deep than this parts no crowns, m, ...");
-  option("--prominence-per-m", o.prominence_b,
-         "Trees: ... and this much more for each m of height");
-  option("--radius", o.radius_a_m, "Trees: a crown reaches no farther from its peak, m, ...");
-  option("--radius-per-m", o.radius_b, "Trees: ... and this much more for each m of height");
-  option("--foot", o.trunk_m, "Trees: what is no wider under a crown is its foot, m");
-  option("--tree-height", o.sizes.tree_m, "Classes: height from which an object is a tree, m");
-  option("--small-shrub-height", o.sizes.small_shrub_m, "Classes: lower is a low shrub, m");
-  option("--medium-shrub-height", o.sizes.medium_shrub_m, "Classes: lower is a small shrub, m");
-  option("--large-shrub-height", o.sizes.large_shrub_m, "Classes: lower is a medium shrub, m");
-  option("--medium-tree-height", o.sizes.medium_tree_m, "Classes: lower is a small tree, m");
-  option("--large-tree-height", o.sizes.large_tree_m, "Classes: lower is a medium tree, m");
-  option("--patch-side", o.sizes.patch_m, "Classes: shrubs from this length on are a patch, m");
-  app.add_option("--min-points", o.min_points, "Objects: fewest points")->capture_default_str();
+         "A dip less deep than this parts no crowns, m; more for high trees");
+  option("--radius", o.radius_a_m,
+         "A crown reaches no farther from its peak, m; more for high trees");
+  option("--foot", o.trunk_m, "What is no wider under a crown is its foot, m");
+  verb.begin_rare_group("Classes by size");
+  option("--tree-height", o.sizes.tree_m, "Height from which an object is a tree, m");
+  option("--small-shrub-height", o.sizes.small_shrub_m, "A lower shrub is a low shrub, m");
+  option("--medium-tree-height", o.sizes.medium_tree_m, "A lower tree is a small tree, m");
+  option("--large-tree-height", o.sizes.large_tree_m, "A lower tree is at most medium, m");
+  option("--patch-side", o.sizes.patch_m, "Shrubs from this length on are a patch, m");
 }
 
-void add_options(CLI::App& app, Arguments& a) {
+void add_options(Verb& verb, Arguments& a) {
+  CLI::App& app = verb.app;
   app.add_option("LOG", a.log, "The log (ray cloud PLY, as import writes it)")->required();
-  app.add_option("-o,--output", a.output,
+  verb.output("-o,--output", a.output,
                  "The log with the columns class and instance. Those that it had are scored "
                  "against and kept as given_class and given_instance")
       ->type_name("LABELLED.ply");
@@ -65,10 +66,6 @@ void add_options(CLI::App& app, Arguments& a) {
       ->type_name("FILE");
   app.add_option("--label-set", a.given.set, "What the numbers of --labels mean")
       ->check(CLI::IsMember(elements::label_set_names()));
-  app.add_option("--label-tolerance", a.given.tolerance_m,
-                 "How far a point of --labels may lie from the hit that it labels, m")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
   app.add_option("--truth", a.truth,
                  "Column of the log with the true trees' numbers, to be scored against")
       ->capture_default_str();
@@ -79,10 +76,11 @@ void add_options(CLI::App& app, Arguments& a) {
                  "Hits nearer than this are nothing, m: the vehicle that carries the sensor")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
+  verb.begin_rare_group("Objects");
   app.add_option("--tile", a.segment.tile_m, "Side of a tile of the ground segmentation, m")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  add_object_options(app, a.segment.objects);
+  add_object_options(verb, a.segment.objects);
 }
 
 /// What is known of each hit by labels that are taken over.
@@ -175,15 +173,15 @@ void run(const Verb& verb, const Arguments& a) {
 
 }  // namespace
 
-void add_segment(CLI::App& root) {
+void add_segment(Program& program) {
   auto a = std::make_shared<Arguments>();
   const auto verb =
-      add_verb(root, "segment", "Label a log: ground, trees, shrubs, patches; or take labels over",
+      add_verb(program, "Scenes", "segment", "Label a log: ground, trees, shrubs, patches; or take labels over",
                "underbrush segment log.ply -o labelled.ply\n"
                "  underbrush segment log.ply --labels edited.ply -o labelled.ply\n"
                "  underbrush segment log.ply --ground-method spherical_variance --json -",
                [a](const Verb& v) { run(v, *a); });
-  add_options(*verb->app, *a);
+  add_options(*verb, *a);
 }
 
 }  // namespace underbrush::app

@@ -4,11 +4,10 @@
 #include <cmath>
 
 #include "sensor_echo.hpp"
-#include "svg_plot.hpp"
+#include "report/svg_plot.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/sensor/angles.hpp"
 #include "underbrush/sensor/pattern.hpp"
-#include "verb.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -47,12 +46,12 @@ std::string returns_of(const sensor::SignalChain& c) {
 }
 
 /// A scan as seen by the sensor itself: azimuth and elevation in degrees.
-SvgPlot::Points one_scan(const Sensor& s, size_t most) {
+report::SvgPlot::Points one_scan(const Sensor& s, size_t most) {
   const Trajectory still({{0, Pose{}}});
   sensor::PatternSource source(s, still, 0, 1 / s.rate_hz, most);
   BeamLog log;
   source.next(log);
-  SvgPlot::Points points;
+  report::SvgPlot::Points points;
   for (const Vec3f& d : log.direction) {
     const double z = std::clamp(double(d.z()), -1.0, 1.0);
     points.emplace_back(std::atan2(double(d.y()), double(d.x())) / kDegree, std::asin(z) / kDegree);
@@ -80,7 +79,7 @@ void list(const Verb& verb) {
   verb.report(j, table);
 }
 
-Json json_of(const Sensor& s, const SvgPlot::Points& scan) {
+Json json_of(const Sensor& s, const report::SvgPlot::Points& scan) {
   const auto by_second = [](auto& a, auto& b) { return a.second < b.second; };
   const auto [west, east] = std::minmax_element(scan.begin(), scan.end());
   const auto [low, high] = std::minmax_element(scan.begin(), scan.end(), by_second);
@@ -138,7 +137,7 @@ std::string table_of(const Json& j) {
 }
 
 /// Of a large scan only the part around straight ahead is drawn, so that single beams can be told.
-void plot_pattern(const Sensor& s, SvgPlot::Points scan, const std::string& file) {
+void plot_pattern(const Sensor& s, report::SvgPlot::Points scan, const std::string& file) {
   double half = 180;
   const auto inside = [&](const auto& p) { return std::abs(p.first) <= half; };
   while (half > 2 && size_t(std::count_if(scan.begin(), scan.end(), inside)) > kMostDots)
@@ -150,7 +149,7 @@ void plot_pattern(const Sensor& s, SvgPlot::Points scan, const std::string& file
     low = std::min(low, elevation);
     high = std::max(high, elevation);
   }
-  SvgPlot plot(fmt::format("{}: one scan{}", s.title,
+  report::SvgPlot plot(fmt::format("{}: one scan{}", s.title,
                            half < 180 ? fmt::format(", ±{:.0f}° ahead", half) : ""),
                "azimuth (degrees, left is positive)", "elevation (degrees)");
   plot.x_axis(1.02 * west, -1.02 * west);
@@ -161,7 +160,7 @@ void plot_pattern(const Sensor& s, SvgPlot::Points scan, const std::string& file
 
 void show(const Verb& verb, const Arguments& a) {
   const Sensor s = sensor::load(a.name);
-  const SvgPlot::Points scan = one_scan(s, size_t(1) << 18);
+  const report::SvgPlot::Points scan = one_scan(s, size_t(1) << 18);
   if (!a.plot.empty()) plot_pattern(s, scan, a.plot);
   const Json j = json_of(s, scan);
   verb.report(j, table_of(j));
@@ -181,21 +180,20 @@ void run(const Verb& verb, const Arguments& a) {
 
 }  // namespace
 
-void add_sensors(CLI::App& root) {
+void add_sensors(Program& program) {
   auto a = std::make_shared<Arguments>();
-  const auto verb = add_verb(
-      root, "sensors", "The catalogue of sensors, their patterns, and what they make of targets",
+  const auto verb = add_verb(program, "Simulation", "sensors", "The catalogue of sensors, their patterns, and what they make of targets",
       "underbrush sensors list\n"
       "  underbrush sensors show velodyne-vlp16 --plot pattern.svg\n"
       "  underbrush sensors echo ibeo-lux-2010 --target 30:leaf:0.4 --target 32:soil:0.6 "
       "--csv waveform.csv",
       [a](const Verb& v) { run(v, *a); });
-  CLI::App& app = *verb->app;
+  CLI::App& app = verb->app;
   app.add_option("ACTION", a->action, "list, show or echo")
       ->required()
       ->check(CLI::IsMember({"list", "show", "echo"}));
   app.add_option("NAME", a->name, "A sensor of the catalogue, or a YAML file");
-  app.add_option("--plot", a->plot, "Draw the pattern (show) or the waveform (echo)")
+  verb->output("--plot", a->plot, "Draw the pattern (show) or the waveform (echo)")
       ->type_name("FILE.svg");
   app.add_option("--target", a->targets,
                  "echo: what part of the beam meets, perpendicularly; may be repeated")

@@ -4,8 +4,8 @@
 #include <chrono>
 
 #include "instrument.hpp"
-#include "steps.hpp"
-#include "target.hpp"
+#include "stages.hpp"
+#include "traced_scene.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/io/export.hpp"
@@ -14,6 +14,7 @@
 #include "underbrush/io/profile.hpp"
 #include "underbrush/sensor/pattern.hpp"
 #include "underbrush/sensor/sensor.hpp"
+#include "cli/progress.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -23,13 +24,14 @@ struct Arguments {
   std::string model, like, sensor, trajectory, output, profile, draw = "on_ray", beam = "thin";
   simulate::Options simulate;
   InstrumentArguments instrument;
-  TargetArguments target;
+  SceneArguments target;
 };
 
-void add_options(CLI::App& app, Arguments& a) {
+void add_options(Verb& verb, Arguments& a) {
+  CLI::App& app = verb.app;
   app.add_option("MODEL", a.model, "The folder of a model, or of a scene that compose made")
       ->required();
-  app.add_option("-o,--output", a.output,
+  verb.output("-o,--output", a.output,
                  "Where the simulated log goes: .ply, .pcd, .csv, or a folder/ of KITTI .bin "
                  "(with --profile: of PCD)")
       ->required();
@@ -44,6 +46,11 @@ void add_options(CLI::App& app, Arguments& a) {
   like->excludes(sensor);
   sensor->needs(trajectory);
   trajectory->needs(sensor);
+  app.add_flag(
+      "--element-ids", a.simulate.element_ids,
+      "Write the element that stopped each beam, and its class; of a scene, which plant too "
+      "(column instance)");
+  verb.begin_rare_group("Thin rays");
   app.add_option("--draw", a.draw, "Where in an ellipsoid a range is drawn")
       ->check(CLI::IsMember({"on_ray", "volumetric"}))
       ->capture_default_str();
@@ -58,10 +65,6 @@ void add_options(CLI::App& app, Arguments& a) {
   app.add_option("--range-noise", a.simulate.range_noise_m, "Further noise on every range, m")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  app.add_flag(
-      "--element-ids", a.simulate.element_ids,
-      "Write the element that stopped each beam, and its class; of a scene, which plant too "
-      "(column instance)");
 }
 
 constexpr size_t kChunk = 1 << 18;  // beams; of each up to 16 echoes
@@ -168,7 +171,7 @@ void run(const Verb& verb, Arguments& a) {
   a.instrument.check();
   elements::SceneInfo info;
   const elements::Scene scene = scene_of(a.model, a.target, info);
-  const Target target = target_of(scene, info);
+  const TracedScene target = traced_scene(scene, info);
   if (elements::is_scene(a.model)) a.simulate.instance_labels = info.labels;
   Trajectory path;
   const std::unique_ptr<BeamSource> beams = beams_of(a, path);
@@ -196,10 +199,9 @@ void run(const Verb& verb, Arguments& a) {
 
 }  // namespace
 
-void add_simulate(CLI::App& root) {
+void add_simulate(Program& program) {
   auto a = std::make_shared<Arguments>();
-  const auto verb = add_verb(
-      root, "simulate",
+  const auto verb = add_verb(program, "Simulation", "simulate",
       "Answer beams from a model or scene: those of a log, or of a sensor on a trajectory",
       "underbrush simulate model/ --like log.ply -o sim.ply\n"
       "  underbrush simulate scene/ --like log.ply -o sim.ply\n"
@@ -207,9 +209,9 @@ void add_simulate(CLI::App& root) {
       "  underbrush simulate model/ --sensor ibeo-lux-2010 --trajectory poses.txt "
       "--super-sample sensor -o sim.ply",
       [a](const Verb& v) { run(v, *a); });
-  add_options(*verb->app, *a);
-  add_target_options(*verb->app, a->target);
-  add_instrument_options(*verb->app, a->instrument);
+  add_options(*verb, *a);
+  add_scene_options(*verb, a->target);
+  add_instrument_options(*verb, a->instrument);
 }
 
 }  // namespace underbrush::app

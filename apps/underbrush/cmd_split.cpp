@@ -8,7 +8,7 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/log_file.hpp"
-#include "verb.hpp"
+#include "cli/progress.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -21,10 +21,11 @@ struct Arguments {
   int columns = 0;
 };
 
-void add_options(CLI::App& app, Arguments& a) {
+void add_options(Verb& verb, Arguments& a) {
+  CLI::App& app = verb.app;
   app.add_option("LOG", a.log, "The log")->required();
-  app.add_option("--train", a.train, "Where the beams that are kept for fitting go")->required();
-  app.add_option("--test", a.test, "Where the beams that are held out go")->required();
+  verb.output("--train", a.train, "Where the beams that are kept for fitting go")->required();
+  verb.output("--test", a.test, "Where the beams that are held out go")->required();
   auto* group = app.add_option_group("What is held out (one of)");
   group->add_option("--every", a.every, "Every K-th scan")->check(CLI::Range(2, 1 << 30));
   group
@@ -155,13 +156,13 @@ void run(const Verb& verb, const Arguments& a) {
 
 }  // namespace
 
-void add_split(CLI::App& root) {
+void add_split(Program& program) {
   auto a = std::make_shared<Arguments>();
-  const auto verb = add_verb(root, "split",
+  const auto verb = add_verb(program, "Logs", "split",
                              "Hold out part of a log, so that training and test never share a beam",
                              "underbrush split log.ply --every 2 --train train.ply --test test.ply",
                              [a](const Verb& v) { run(v, *a); });
-  add_options(*verb->app, *a);
+  add_options(*verb, *a);
 }
 
 }  // namespace underbrush::app

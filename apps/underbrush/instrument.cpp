@@ -6,7 +6,7 @@
 #include <cmath>
 #include <fstream>
 
-#include "svg_plot.hpp"
+#include "report/svg_plot.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/text.hpp"
@@ -91,7 +91,7 @@ void plot(const std::string& file, const sensor::Sensor& s,
     to = std::max(to, w->signal.back().first);
   }
   if (shown.empty()) from = 0, to = s.max_range_m;
-  SvgPlot out(fmt::format("{}: {} waveforms", s.title, shown.size()), "range (m)",
+  report::SvgPlot out(fmt::format("{}: {} waveforms", s.title, shown.size()), "range (m)",
               "signal, each to its own scale");
   out.x_axis(from - 0.5, to + 0.5);
   out.y_axis(-0.2, std::max<double>(1, double(shown.size())));
@@ -99,7 +99,7 @@ void plot(const std::string& file, const sensor::Sensor& s,
     const double base = double(shown.size() - 1 - k);
     double top = 2 * s.signal.threshold_snr, before = NAN;
     for (const auto& [range, signal] : shown[k]->signal) top = std::max(top, signal);
-    SvgPlot::Points points;
+    report::SvgPlot::Points points;
     for (const auto& [range, signal] : shown[k]->signal) {
       if (range - before > 2) points.emplace_back(range, NAN);
       points.emplace_back(range, base + 0.85 * signal / top);
@@ -129,7 +129,9 @@ void InstrumentArguments::check() const {
   }
 }
 
-void add_instrument_options(CLI::App& app, InstrumentArguments& a) {
+void add_instrument_options(Verb& verb, InstrumentArguments& a) {
+  CLI::App& app = verb.app;
+  verb.begin_group("The whole instrument");
   app.add_option("--super-sample", a.super_sample,
                  "Sub-rays over the sensor's beam, their light, waveforms and echoes: a number, "
                  "COLUMNSxROWS, or sensor for what its data file says")
@@ -138,6 +140,11 @@ void add_instrument_options(CLI::App& app, InstrumentArguments& a) {
                  "Echoes that are reported: strongest, first, last or up to N; default: as the "
                  "sensor does")
       ->type_name("MODE|N");
+  verb.output("--waveforms", a.waveforms,
+                 "Write digitised waveforms: a table or a plot; may be repeated")
+      ->type_name("FILE.csv|FILE.svg")
+      ->take_all();
+  verb.begin_rare_group("Light and air");
   app.add_option("--materials", a.materials, "Table of materials instead of the one built in")
       ->type_name("FILE.yaml");
   app.add_option("--material", a.material, "What a class is made of; may be repeated")
@@ -153,10 +160,7 @@ void add_instrument_options(CLI::App& app, InstrumentArguments& a) {
                  "Share of the sunlight above the air that arrives, 0 = night: raises the noise")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  app.add_option("--waveforms", a.waveforms,
-                 "Write digitised waveforms: a table or a plot; may be repeated")
-      ->type_name("FILE.csv|FILE.svg")
-      ->take_all();
+  verb.begin_rare_group("Waveforms");
   app.add_option("--waveform-every", a.waveform.every, "Waveforms of beam 0, K, 2K, …")
       ->check(CLI::PositiveNumber)
       ->type_name("K")

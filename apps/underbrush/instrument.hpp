@@ -8,7 +8,7 @@
 #include "underbrush/elements/scene_file.hpp"
 #include "underbrush/sensor/sensor.hpp"
 #include "underbrush/simulate/echoes.hpp"
-#include "verb.hpp"
+#include "cli/verb.hpp"
 
 namespace underbrush::app {
 
@@ -25,7 +25,7 @@ struct InstrumentArguments {
   void check() const;
 };
 
-void add_instrument_options(CLI::App& app, InstrumentArguments& a);
+void add_instrument_options(Verb& verb, InstrumentArguments& a);
 
 /// The sensor's instrument: sub-rays, receiver in this air and light, return mode.
 simulate::Instrument instrument_of(const InstrumentArguments& a, const sensor::Sensor& sensor);

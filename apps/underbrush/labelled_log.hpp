@@ -9,7 +9,7 @@
 #include "underbrush/metrics/agreement.hpp"
 #include "underbrush/metrics/instances.hpp"
 #include "underbrush/primitives/segment_log.hpp"
-#include "verb.hpp"
+#include "cli/verb.hpp"
 
 namespace underbrush::app {
 

@@ -6,7 +6,7 @@
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/label_sets.hpp"
-#include "underbrush/fit/ground_flags.hpp"
+#include "underbrush/ground/ground_flags.hpp"
 #include "underbrush/io/input.hpp"
 #include "underbrush/io/table.hpp"
 
@@ -18,7 +18,7 @@ constexpr double kNearM = 3, kFarM = 25;
 LeafCloud of_log(BeamSource& log, bool all) {
   const bool labelled = !all && !log.info().classes.empty();
   std::vector<uint8_t> ground;
-  if (!all && !labelled) ground = fit::ground_flags(log, {});
+  if (!all && !labelled) ground = ground::ground_flags(log, {});
   LeafCloud out{{}, all ? "all points" : labelled ? "labels" : "not ground", 0};
   std::optional<Vec3> origin;
   std::optional<uint32_t> first;

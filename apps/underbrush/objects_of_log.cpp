@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 
+#include "cli/progress.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/classes.hpp"
 #include "underbrush/ground/height_grid.hpp"
@@ -37,10 +38,9 @@ elements::Model ground_of_log(const std::string& file, BeamSource& log, double s
   std::optional<ground::HeightGrid> grid;
   ground::HeightGridOptions options;
   options.spacing_m = 0.5 * spacing_m;
+  if (const auto origin = log_origin(log)) grid.emplace(*origin, options);
   size_t done = 0;
-  log.rewind();
   for (BeamLog chunk; log.next(chunk);) {
-    if (!grid && !chunk.empty()) grid.emplace(chunk.origin[0].array().round(), options);
     std::vector<Vec3> points;
     const ExtraColumn& label = chunk.extra.at("class");
     for (size_t i = 0; i < chunk.size(); ++i) {

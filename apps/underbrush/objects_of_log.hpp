@@ -7,7 +7,7 @@
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/elements/model.hpp"
 #include "underbrush/primitives/measure.hpp"
-#include "verb.hpp"
+#include "cli/verb.hpp"
 
 namespace underbrush::app {
 

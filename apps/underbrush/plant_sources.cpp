@@ -4,7 +4,7 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/mesh_file.hpp"
-#include "underbrush/scene/prototypes.hpp"
+#include "underbrush/test_site/prototypes.hpp"
 
 namespace underbrush::app {
 namespace fs = std::filesystem;
@@ -30,11 +30,11 @@ primitives::PlantSource read_plant(const fs::path& file, const PlantFileOptions&
 }  // namespace
 
 std::vector<primitives::PlantSource> generated_plants(uint64_t seed, double variation) {
-  scene::PrototypeSet set = scene::make_prototypes(seed, variation);
+  test_site::PrototypeSet set = test_site::make_prototypes(seed, variation);
   std::vector<primitives::PlantSource> plants;
-  for (const scene::PrototypeRange& range : {set.trees, set.shrubs, set.tussocks}) {
+  for (const test_site::PrototypeRange& range : {set.trees, set.shrubs, set.tussocks}) {
     for (uint32_t k = range.begin; k < range.end; ++k) {
-      scene::Prototype& p = set.prototypes[k];
+      test_site::Prototype& p = set.prototypes[k];
       plants.push_back(
           {p.name, std::move(p.plant.mesh.vertices), std::move(p.plant.mesh.triangles)});
     }

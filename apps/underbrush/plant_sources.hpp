@@ -15,7 +15,7 @@ struct PlantFileOptions {
 };
 
 /// The plants that the test sites are grown from, of that seed: trees, shrubs, tussocks. Other
-/// species with a `variation` above 1 (`scene::make_prototypes`).
+/// species with a `variation` above 1 (`test_site::make_prototypes`).
 std::vector<primitives::PlantSource> generated_plants(uint64_t seed, double variation = 1);
 
 /// Plants of a file, or of all files of meshes below a folder, in order of name. A file in a

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "svg_plot.hpp"
+#include "report/svg_plot.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/io/atomic_file.hpp"
@@ -58,7 +58,7 @@ void write_csv(const radiometry::Waveform& waveform, const std::string& file) {
 
 void plot_waveform(const Sensor& s, const radiometry::Waveform& waveform,
                    const radiometry::Echoes& echoes, const std::string& file) {
-  SvgPlot::Points points;
+  report::SvgPlot::Points points;
   double top = 2 * s.signal.threshold_snr;
   for (const auto& [range, signal] : radiometry::table_of(waveform)) {
     if (!points.empty() && range - points.back().first > 1.5 * waveform.cell_m()) {
@@ -67,7 +67,7 @@ void plot_waveform(const Sensor& s, const radiometry::Waveform& waveform,
     points.emplace_back(range, signal);
     top = std::max(top, signal);
   }
-  SvgPlot plot(s.title + ": received signal", "range (m)", "signal / noise");
+  report::SvgPlot plot(s.title + ": received signal", "range (m)", "signal / noise");
   const double from = points.empty() ? 0 : points.front().first - 1;
   const double to = points.empty() ? s.max_range_m : points.back().first + 1;
   plot.x_axis(from, to);

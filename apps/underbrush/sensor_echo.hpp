@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "verb.hpp"
+#include "cli/verb.hpp"
 
 namespace underbrush::app {
 

@@ -8,8 +8,9 @@
 #include <fstream>
 
 #include "report/page.hpp"
-#include "study/study.hpp"
-#include "svg_plot.hpp"
+#include "report/summary_page.hpp"
+#include "report/svg_plot.hpp"
+#include "report/table.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/atomic_file.hpp"
 
@@ -27,8 +28,8 @@ bool at_edge(const optimize::Parameter& p, double value) {
   return value == p.low || value == p.high;
 }
 
-StudyTable table_of(const Tuning& t) {
-  StudyTable table{fmt::format("{} evaluations of {}", t.evaluations.size(), t.objective),
+report::Table table_of(const Tuning& t) {
+  report::Table table{fmt::format("{} evaluations of {}", t.evaluations.size(), t.objective),
                    t.what,
                    {"", "start", "tuned", "range"},
                    {}};
@@ -46,8 +47,8 @@ StudyTable table_of(const Tuning& t) {
   return table;
 }
 
-StudyTable history_of(const Tuning& t) {
-  StudyTable table{"What was tried", "In order; the least objective is taken.", {"#"}, {}};
+report::Table history_of(const Tuning& t) {
+  report::Table table{"What was tried", "In order; the least objective is taken.", {"#"}, {}};
   for (const optimize::Parameter& p : t.parameters) table.head.push_back(p.name);
   table.head.emplace_back("objective");
   for (size_t i = 0; i < t.evaluations.size(); ++i) {
@@ -59,7 +60,7 @@ StudyTable history_of(const Tuning& t) {
 }
 
 std::string curve_of(const Tuning& t) {
-  SvgPlot::Points tried, best;
+  report::SvgPlot::Points tried, best;
   std::vector<double> objective;
   for (const Evaluation& e : t.evaluations) {
     const double x = double(objective.size() + 1);
@@ -73,7 +74,7 @@ std::string curve_of(const Tuning& t) {
   const double high = std::max(first, objective[objective.size() * 3 / 4]);
   const double room = std::max(0.1 * (high - low), 1e-3 * std::abs(low) + 1e-12);
   for (auto& [x, y] : tried) y = std::min(y, high + room);
-  SvgPlot plot("Objective by evaluation: tried (blue; at the top: beyond it) and best so far (red)",
+  report::SvgPlot plot("Objective by evaluation: tried (blue; at the top: beyond it) and best so far (red)",
                "evaluation", t.objective);
   plot.x_axis(0, double(t.evaluations.size() + 1));
   plot.y_axis(low - room, high + room);
@@ -171,26 +172,16 @@ void write_config(const fs::path& path, const Tuning& t) {
 
 fs::path write_tuning_report(const fs::path& folder, const Tuning& t) {
   const double from = t.start().outcome.objective, to = t.tuned().outcome.objective;
-  const std::string page = filled_study_page(
-      {{"title", "Tuning on " + escaped(fs::path(t.log).filename().string())},
-       {"lead", escaped(t.what)},
-       {"verdict",
-        escaped(to < from ? fmt::format("{} from {:.4f} to {:.4f}", t.objective, from, to)
-                          : "nothing tried was better than the start")},
-       {"checks", "<p>" + escaped(t.fixed.dump()) + "</p>\n"},
-       {"body",
-        html_of(table_of(t)) + "<figure>\n" + curve_of(t) + "</figure>\n" + html_of(history_of(t))},
-       {"provenance", escaped(Json::parse(t.provenance).dump(2))}});
-  std::error_code failed;
-  fs::create_directories(folder, failed);
-  if (failed) throw IoError(folder.string() + ": " + failed.message());
-  fs::path file = folder / "index.html";
-  io::write_atomically(file, [&](const fs::path& temporary) {
-    std::ofstream out(temporary, std::ios::binary);
-    out << page;
-    if (!out.flush()) throw IoError(file.string() + ": cannot write");
-  });
-  return file;
+  return report::write_summary_page(
+      folder,
+      {.title = "Tuning on " + fs::path(t.log).filename().string(),
+       .lead = t.what,
+       .verdict = to < from ? fmt::format("{} from {:.4f} to {:.4f}", t.objective, from, to)
+                            : "nothing tried was better than the start",
+       .asked = "<p>" + report::escaped(t.fixed.dump()) + "</p>\n",
+       .body = html_of(table_of(t)) + "<figure>\n" + curve_of(t) + "</figure>\n" +
+               html_of(history_of(t)),
+       .provenance = t.provenance});
 }
 
 }  // namespace underbrush::app

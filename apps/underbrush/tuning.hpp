@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "underbrush/optimize/search.hpp"
-#include "verb.hpp"
+#include "cli/verb.hpp"
 
 namespace underbrush::app {
 

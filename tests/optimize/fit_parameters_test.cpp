@@ -15,15 +15,15 @@ TEST(FitParameters, AreSetEachForItself) {
     std::set<std::string> names;
     for (const FitParameter& p : all) {
       EXPECT_TRUE(names.insert(p.name).second) << fitter << " " << p.name;
-      EXPECT_TRUE(p.get(options) >= p.low && p.get(options) <= p.high)
+      EXPECT_TRUE(p.of->number(options) >= p.low && p.of->number(options) <= p.high)
           << "the default is outside its range: " << fitter << " " << p.name;
       fit::FitOptions changed = options;
       const double value = value_at(p, 0.9);
-      p.set(changed, value);
-      EXPECT_EQ(p.get(changed), value) << p.name;
+      p.of->set_number(changed, value);
+      EXPECT_EQ(p.of->number(changed), value) << p.name;
       for (const FitParameter& other : all) {
         if (other.name == p.name) continue;
-        EXPECT_EQ(other.get(changed), other.get(options)) << p.name << " " << other.name;
+        EXPECT_EQ(other.of->number(changed), other.of->number(options)) << p.name << " " << other.name;
       }
     }
   }

@@ -8,7 +8,7 @@
 #include "report/survey.hpp"
 #include "underbrush/io/log_file.hpp"
 
-namespace underbrush::app {
+namespace underbrush::report {
 namespace {
 
 Rgb at(const io::Image& image, int x, int y) {
@@ -137,4 +137,4 @@ TEST(Survey, PointsAndErrorsOfTheView) {
 }
 
 }  // namespace
-}  // namespace underbrush::app
+}  // namespace underbrush::report

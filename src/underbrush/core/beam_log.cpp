@@ -122,4 +122,14 @@ void keep_first_echoes(BeamLog& log) {
   log = std::move(kept);
 }
 
+std::optional<Vec3> log_origin(BeamSource& source) {
+  std::optional<Vec3> origin;
+  source.rewind();
+  for (BeamLog chunk; !origin && source.next(chunk);) {
+    if (!chunk.empty()) origin = chunk.origin[0].array().round();
+  }
+  source.rewind();
+  return origin;
+}
+
 }  // namespace underbrush

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -109,6 +110,10 @@ class BeamSource {
   /// Replaces `chunk` with the next beams, in order; false at the end (and `chunk` is empty).
   virtual bool next(BeamLog& chunk) = 0;
 };
+
+/// The world origin for what is made of a log: that of its first beam on whole metres; none for an
+/// empty log. Rewinds the source before and after.
+std::optional<Vec3> log_origin(BeamSource& source);
 
 /// A log in memory as a source. The log must outlive it.
 class MemorySource : public BeamSource {

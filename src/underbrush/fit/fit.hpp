@@ -11,7 +11,7 @@
 #include "underbrush/fit/hit_probability.hpp"
 #include "underbrush/fit/likelihood.hpp"
 #include "underbrush/fit/surface.hpp"
-#include "underbrush/fit/tile_store.hpp"
+#include "underbrush/core/tile_store.hpp"
 #include "underbrush/fit/volumetric.hpp"
 #include "underbrush/ground/height_grid.hpp"
 #include "underbrush/ground/segment.hpp"
@@ -24,9 +24,10 @@ struct FitOptions {
   /// `hierarchical` ([tallavajhula18]), `voxel`, `top_down`, `bottom_up` ([deschaud12]): ground
   /// mesh + ellipsoids; `ground_mesh`: the same without ellipsoids; `surface`: one opaque mesh over
   /// everything, the everyday baseline; `rimls`: the same by the robust implicit of [deschaud12];
-  /// `likelihood`: what `start` gives, refined by `refine`.
+  /// `likelihood`: what `start` gives, refined by `refine`. See fit/fitters.hpp.
   std::string fitter = "hierarchical";
-  std::string start = "hierarchical";  ///< `likelihood`: the fitter that comes first.
+  /// `likelihood`: the fitter that comes first, or the folder of a model to begin with.
+  std::string start = "hierarchical";
   uint64_t seed = 1;
   double tau = 3;               ///< A beam meets an ellipsoid within this Mahalanobis distance.
   double range_noise_m = 0.02;  ///< σ of the sensor's range: the floor of every extent.

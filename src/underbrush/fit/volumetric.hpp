@@ -2,7 +2,7 @@
 /// The fitters of volumetric elements behind one interface: points of a tile in, ellipsoids out.
 /// Ground, tiles, hit probabilities and free space are `fit()`'s, the same for all.
 #pragma once
-#include <string>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -30,11 +30,21 @@ struct VolumetricPoints {
   std::span<const Vec3f> to_sensor;  ///< From each point to the sensor, m.
 };
 
-/// Names of the volumetric fitters.
-std::vector<std::string> volumetric_fitters();
+/// A clustering under the name of its fitter.
+struct Clustering {
+  std::string_view name;
+  /// Clusters of the points of a tile; the seed is for those that draw random numbers.
+  Clusters (*clusters)(const VolumetricPoints&, const VolumetricOptions&, uint64_t seed);
+  bool mixture = false;    ///< Its clusters begin a Gaussian mixture.
+  bool in_voxels = false;  ///< Its clusters are the voxels of a regular grid.
+};
 
-/// The clusters that the fitter `name` makes. `seed` is for those that draw random numbers. Throws
-/// `std::invalid_argument` for an unknown name.
+/// All clusterings.
+std::span<const Clustering> clusterings();
+/// The clustering of this name, or nullptr.
+const Clustering* clustering_named(std::string_view name);
+
+/// The clusters that the fitter `name` makes. Throws `std::invalid_argument` for an unknown name.
 Clusters clusters_of(std::string_view name, const VolumetricPoints& points,
                      const VolumetricOptions& options, uint64_t seed);
 

@@ -3,6 +3,7 @@
 #pragma once
 #include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -59,7 +60,7 @@ std::vector<uint8_t> lower_envelope(std::span<const Vec3f> points,
 /// All methods' parameters, and which method.
 struct SegmentOptions {
   /// Or "spherical_variance", or "none": no point is ground.
-  std::string_view method = "lower_envelope";
+  std::string method = "lower_envelope";
   LowerEnvelopeOptions lower_envelope;
   SphericalVarianceOptions spherical_variance;
 };

@@ -5,16 +5,13 @@
 #include <string>
 #include <vector>
 
+#include "underbrush/fit/parameters.hpp"
+
 namespace underbrush {
 /// Parameters tuned on a log.
 namespace optimize {
 
-/// How a range is walked.
-enum class Scale {
-  kLinear,
-  kLog,    ///< Equal factors are equal steps; `low` is positive.
-  kWhole,  ///< The same, rounded to whole numbers.
-};
+using fit::Scale;
 
 /// A parameter by its name on the command line, with the range in which it is looked for.
 struct Parameter {

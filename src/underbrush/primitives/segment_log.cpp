@@ -59,14 +59,6 @@ class CoarseGround {
   std::map<Key, std::pair<double, size_t>> squares_;
 };
 
-Vec3 first_origin(BeamSource& source) {
-  source.rewind();
-  for (BeamLog chunk; source.next(chunk);) {
-    if (!chunk.empty()) return chunk.origin[0].array().round();
-  }
-  return Vec3::Zero();
-}
-
 }  // namespace
 
 LogLabels segment_log(BeamSource& source, const SegmentLogOptions& o,
@@ -77,14 +69,14 @@ LogLabels segment_log(BeamSource& source, const SegmentLogOptions& o,
   LogLabels out;
   ObjectFinder finder(o.objects);
   if (prior.empty()) {
-    out.ground = fit::ground_flags(source, o.ground, o.tile_m,
+    out.ground = ground::ground_flags(source, o.ground, o.tile_m,
                                    [&](size_t done, size_t total) { tell("ground", done, total); });
   } else {
     out.ground.resize(prior.size());
     for (size_t k = 0; k < prior.size(); ++k) out.ground[k] = prior[k] == Prior::kGround;
   }
   const size_t hits = out.ground.size();
-  const Vec3 origin = first_origin(source);
+  const Vec3 origin = log_origin(source).value_or(Vec3::Zero());
 
   ground::HeightGrid grid(origin, o.height);
   CoarseGround coarse;

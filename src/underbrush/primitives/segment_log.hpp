@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "underbrush/core/beam_log.hpp"
-#include "underbrush/fit/ground_flags.hpp"
+#include "underbrush/ground/ground_flags.hpp"
 #include "underbrush/ground/height_grid.hpp"
 #include "underbrush/primitives/objects.hpp"
 

@@ -1,0 +1,94 @@
+#include "cli/program.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <new>
+#include <thread>
+
+#include "cli/config.hpp"
+#include "cli/help.hpp"
+#include "underbrush/core/check.hpp"
+#include "underbrush/core/temporary.hpp"
+#include "version.hpp"
+
+namespace underbrush::app {
+namespace {
+
+// On Ctrl-C and its like: no half-written output and no temporary file stays, one line, and then
+// the signal's own end, so that a shell stops its script too (it sees 128 + the signal's number).
+void clean_up_on_signals(const std::string& program) {
+  sigset_t signals;
+  sigemptyset(&signals);
+  for (const int s : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction now {};
+    sigaction(s, nullptr, &now);
+    if (now.sa_handler != SIG_IGN) sigaddset(&signals, s);  // nohup stays as it is
+  }
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);  // for all threads to come
+  std::thread([signals, program] {
+    int signal = 0;
+    if (sigwait(&signals, &signal) != 0) return;
+    remove_temporaries();
+    std::fprintf(stderr, "%s%s: %s\n", isatty(STDERR_FILENO) == 1 ? "\r\x1b[K" : "",
+                 program.c_str(), signal == SIGINT ? "interrupted" : "ended by a signal");
+    std::signal(signal, SIG_DFL);
+    pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
+    raise(signal);
+  }).detach();
+}
+
+}  // namespace
+
+Program::Program(const std::string& name, const std::string& summary) : app_(summary, name) {
+  app_.set_version_flag("--version", name + " " UNDERBRUSH_VERSION);
+  app_.formatter(std::make_shared<HelpFormatter>());
+  app_.set_help_all_flag("--help-all", "Print all options and exit");
+  app_.set_config("--config", "", "Read options from a YAML file; flags override it")
+      ->type_name("FILE.yaml");
+  app_.config_formatter(std::make_shared<YamlConfig>(app_));
+}
+
+int Program::parse() {
+  std::vector<std::string> words(words_.begin() + std::min<ptrdiff_t>(1, ssize(words_)),
+                                 words_.end());
+  std::reverse(words.begin(), words.end());  // as CLI11 wants them
+  app_.parse(std::move(words));
+  return 0;
+}
+
+int Program::run(int argc, char** argv) {
+  clean_up_on_signals(app_.get_name());
+  words_.assign(argv, argv + argc);
+  const auto fail = [&](const std::string& what, int code) {
+    std::fprintf(stderr, "%s: %s\n", app_.get_name().c_str(), what.c_str());
+    return code;
+  };
+  try {
+    return parse();
+  } catch (const CLI::FileError& e) {
+    return fail(app_.get_config_ptr()->as<std::string>() + ": cannot be read", 3);
+  } catch (const CLI::ParseError& e) {
+    if (e.get_exit_code() == 0) return app_.exit(e);  // --help, --version
+    std::string line = e.what();
+    line.erase(line.find_last_not_of('\n') + 1);
+    const auto verbs = app_.get_subcommands();
+    const std::string verb = verbs.empty() ? "" : " " + verbs.front()->get_name();
+    return fail(line + " (see " + app_.get_name() + verb + " --help)", 2);
+  } catch (const std::invalid_argument& e) {
+    return fail(e.what(), 2);
+  } catch (const FormatError& e) {
+    return fail(e.what(), 3);
+  } catch (const std::filesystem::filesystem_error& e) {
+    return fail(e.path1().string() + ": " + e.code().message(), 4);
+  } catch (const std::bad_alloc&) {
+    return fail("out of memory", 4);
+  } catch (const std::exception& e) {
+    return fail(e.what(), 4);
+  }
+}
+
+}  // namespace underbrush::app

@@ -1,0 +1,32 @@
+/// \file
+/// A program with a command line: it parses, catches, prints one line and gives the exit code.
+#pragma once
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+namespace underbrush::app {
+
+/// A program and its options or verbs.
+class Program {
+ public:
+  Program(const std::string& name, const std::string& summary);
+
+  CLI::App& app() { return app_; }
+  const CLI::App& app() const { return app_; }
+  /// The words of the command line; the first is the program's name.
+  const std::vector<std::string>& words() const { return words_; }
+
+  /// Parses the words and runs what they ask for. Exit codes: 0 done, 2 wrong usage, 3 bad input,
+  /// 4 failure while running. A signal ends the process itself, so that a shell sees 128 + its
+  /// number.
+  int run(int argc, char** argv);
+
+ private:
+  int parse();
+
+  CLI::App app_;
+  std::vector<std::string> words_;
+};
+
+}  // namespace underbrush::app

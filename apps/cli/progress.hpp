@@ -1,0 +1,38 @@
+/// \file
+/// Progress on standard error, and numbers for people.
+#pragma once
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <string_view>
+
+namespace underbrush::app {
+
+/// A line of progress on standard error, where that is a terminal.
+class Progress {
+ public:
+  explicit Progress(std::string what);
+  ~Progress();
+  /// `done` of `total`; draws at most ten times a second.
+  void operator()(size_t done, size_t total);
+
+ private:
+  std::string what_;
+  bool shown_ = false, terminal_;
+  double last_s_ = 0, start_s_;
+};
+
+/// Progress of work in stages, one line after another.
+class StageProgress {
+ public:
+  void operator()(std::string_view stage, size_t done, size_t total);
+
+ private:
+  std::string stage_;
+  std::unique_ptr<Progress> line_;
+};
+
+/// A number for people: 12 345 678 as "12.3 M".
+std::string si(double value);
+
+}  // namespace underbrush::app

@@ -1,0 +1,171 @@
+#include "cli/verb.hpp"
+
+#include <fmt/format.h>
+#include <xxhash.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iostream>
+
+#include "underbrush/core/check.hpp"
+#include "underbrush/core/parallel.hpp"
+#include "underbrush/io/atomic_file.hpp"
+#include "version.hpp"
+
+namespace underbrush::app {
+namespace fs = std::filesystem;
+namespace {
+
+void hash_into(XXH3_state_t& state, const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::vector<char> buffer(1 << 20);
+  while (in.read(buffer.data(), std::streamsize(buffer.size())) || in.gcount() > 0) {
+    XXH3_128bits_update(&state, buffer.data(), size_t(in.gcount()));
+  }
+}
+
+// Of a folder: of all files in it, in order of name.
+std::string hash_of(const fs::path& path) {
+  std::vector<fs::path> files;
+  if (fs::is_directory(path)) {
+    for (const auto& entry : fs::recursive_directory_iterator(path)) {
+      if (entry.is_regular_file()) files.push_back(entry.path());
+    }
+    std::sort(files.begin(), files.end());
+  } else {
+    files = {path};
+  }
+  const std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state(XXH3_createState(),
+                                                                              XXH3_freeState);
+  XXH3_128bits_reset(state.get());
+  for (const fs::path& file : files) hash_into(*state, file);
+  const XXH128_hash_t h = XXH3_128bits_digest(state.get());
+  return fmt::format("xxh3:{:016x}{:016x}", h.high64, h.low64);
+}
+
+// Devices and pipes are written to as they are; a file beside them makes no sense.
+bool is_device(const fs::path& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  return fs::is_character_file(status) || fs::is_fifo(status);
+}
+
+/// Whether a word of the command line is this option, with its value or without.
+bool is_word_of(const CLI::Option& option, const std::string& word) {
+  const std::string name = word.substr(0, word.find('='));
+  const auto among = [&](const std::vector<std::string>& names, const std::string& dashes) {
+    return std::any_of(names.begin(), names.end(),
+                       [&](const std::string& n) { return name == dashes + n; });
+  };
+  return among(option.get_lnames(), "--") || among(option.get_snames(), "-");
+}
+
+}  // namespace
+
+Verb::Verb(const Program& program, CLI::App& of)
+    : app(of), program_(program), help_(std::make_shared<HelpFormatter>()) {
+  app.formatter(help_);
+  app.fallthrough();  // to --config, which is the program's
+  begin_group(kCommonGroup);
+  app.add_option("--seed", seed, "Seed of all random numbers")->capture_default_str();
+  not_of_result(app.add_option("--threads", threads, "Threads to use, 0 = all"))
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  not_of_result(app.add_option("--json", json, "Write the results as JSON to FILE, - for standard "
+                                               "output"))
+      ->type_name("FILE|-")
+      ->configurable(false);
+  app.set_help_flag("-h,--help", "Print this help and exit")->group(kCommonGroup);
+  app.set_help_all_flag("--help-all", "Print the help of all options and exit")->group(kCommonGroup);
+  begin_group("Options");
+}
+
+CLI::Option* Verb::not_of_result(CLI::Option* option) {
+  not_of_result_.push_back(option);
+  return option;
+}
+
+void Verb::begin_rare_group(const std::string& title) {
+  help_->hide(title);
+  begin_group(title);
+}
+
+void Verb::report(const Json& results, const std::string& table) const {
+  if (json != "-" && !(std::cout << table << std::flush)) {
+    throw IoError("standard output: cannot write");
+  }
+  if (json.empty()) return;
+  const std::string text = results.dump(2) + "\n";
+  if (json == "-") {
+    if (!(std::cout << text << std::flush)) throw IoError("standard output: cannot write");
+    return;
+  }
+  if (is_device(json)) {
+    std::ofstream out(json);
+    if (!(out << text << std::flush)) throw IoError(json + ": cannot write");
+    return;
+  }
+  io::write_atomically(json, text);
+}
+
+std::vector<std::string> Verb::command_of_result() const {
+  const std::vector<std::string>& words = program_.words();
+  std::vector<std::string> out{program_.app().get_name()};
+  for (size_t i = 1; i < words.size(); ++i) {
+    const auto option =
+        std::find_if(not_of_result_.begin(), not_of_result_.end(),
+                     [&](const CLI::Option* o) { return is_word_of(*o, words[i]); });
+    if (option == not_of_result_.end()) {
+      out.push_back(words[i]);
+    } else if ((*option)->get_expected_max() > 0 && words[i].find('=') == std::string::npos) {
+      do ++i;  // and its values
+      while ((*option)->get_expected_max() > 1 && i + 1 < words.size() && words[i + 1][0] != '-');
+    }
+  }
+  return out;
+}
+
+std::string Verb::provenance(const std::vector<fs::path>& inputs) const {
+  Json p;
+  p["program"] = "underbrush " UNDERBRUSH_VERSION;
+  p["command"] = command_of_result();
+  p["seed"] = seed;
+  p["inputs"] = Json::object();
+  for (const fs::path& input : inputs) p["inputs"][input.string()] = hash_of(input);
+  for (const std::string& file : program_.app().get_config_ptr()->results()) {
+    p["inputs"][file] = hash_of(file);
+  }
+  return p.dump();
+}
+
+namespace {
+
+std::shared_ptr<Verb> made(const Program& program, CLI::App& app, const std::string& example,
+                           const std::function<void(const Verb&)>& run) {
+  auto verb = std::make_shared<Verb>(program, app);
+  app.footer("Example:\n  " + example);
+  app.callback([verb, run] {
+    set_threads(verb->threads);
+    if (!verb->json.empty() && verb->json != "-" && !is_device(verb->json)) {
+      io::check_output(verb->json);
+    }
+    run(*verb);
+  });
+  return verb;
+}
+
+}  // namespace
+
+std::shared_ptr<Verb> add_verb(Program& program, const std::string& stage, const std::string& name,
+                               const std::string& summary, const std::string& example,
+                               const std::function<void(const Verb&)>& run) {
+  CLI::App* app = program.app().add_subcommand(name, summary)->group(stage);
+  return made(program, *app, example, run);
+}
+
+std::shared_ptr<Verb> make_verb(Program& program, const std::string& example,
+                                const std::function<void(const Verb&)>& run) {
+  return made(program, program.app(), example, run);
+}
+
+}  // namespace underbrush::app

@@ -1,0 +1,171 @@
+#include "stages.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+
+#include "cli/progress.hpp"
+#include "underbrush/elements/model_file.hpp"
+#include "underbrush/elements/scene_file.hpp"
+#include "underbrush/fit/fitters.hpp"
+#include "underbrush/io/export.hpp"
+#include "underbrush/io/log_file.hpp"
+
+namespace underbrush::app {
+namespace fs = std::filesystem;
+namespace {
+
+/// Progress of a simulation as it is read.
+class Watched : public BeamSource {
+ public:
+  explicit Watched(simulate::SimulatedSource& source) : source_(source), progress_("simulate") {}
+  const LogInfo& info() const override { return source_.info(); }
+  size_t size() const override { return source_.size(); }
+  void rewind() override { source_.rewind(); }
+  bool next(BeamLog& chunk) override {
+    if (!source_.next(chunk)) return false;
+    progress_(source_.beams(), source_.size());
+    return true;
+  }
+
+ private:
+  simulate::SimulatedSource& source_;
+  Progress progress_;
+};
+
+std::string row(const char* label, const std::vector<metrics::Score>& scores,
+                double metrics::Summary::*value, int digits) {
+  std::string line = fmt::format("  {:<24}", label);
+  for (const auto& s : scores) {
+    const double x = s.all.*value;
+    line += std::isfinite(x) ? fmt::format("{:>14.{}f}", x, digits) : fmt::format("{:>14}", "n/a");
+  }
+  return line + "\n";
+}
+
+}  // namespace
+
+Json json_of(const fit::LikelihoodReport& report) {
+  Json j;
+  j["training_beams"] = report.training_beams;
+  j["held_out_beams"] = report.held_out_beams;
+  j["stray_hits"] = report.stray_hits;
+  for (const fit::LikelihoodStep& s : report.steps) {
+    j["steps"].push_back({{"name", s.name},
+                          {"elements", s.elements},
+                          {"training_nll", s.training_nll},
+                          {"held_out_nll", s.held_out_nll},
+                          {"accepted", s.accepted}});
+  }
+  return j;
+}
+
+elements::Scene read_world(const fs::path& path, elements::SceneInfo* info) {
+  if (elements::is_scene(path)) return elements::read_scene(path, info);
+  elements::Scene scene;
+  scene.models.push_back(elements::read_model(path));
+  return scene;
+}
+
+trace::World world_of(const elements::Scene& scene) {
+  return scene.instances.empty() ? trace::World(scene.models.at(0)) : trace::World(scene);
+}
+
+FitStep fit_log(const fs::path& log, const fit::FitOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  io::BeamReader reader(log);
+  StageProgress progress;
+  FitStep step;
+  step.result = fit::fit(reader, options, std::ref(progress));
+  step.skipped = reader.skipped();
+  step.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return step;
+}
+
+FitStep fit_log(const Verb& verb, const fs::path& log, const fit::FitOptions& options,
+                const fs::path& model) {
+  const auto start = std::chrono::steady_clock::now();
+  elements::check_model_output(model);
+  FitStep step = fit_log(log, options);
+  std::vector<fs::path> inputs{log};
+  if (fit::fitter_named(options.fitter).refines && elements::is_model(options.start)) {
+    inputs.emplace_back(options.start);
+  }
+  Json origin = Json::parse(provenance(verb, inputs));
+  const fit::LikelihoodReport& refined = step.result.report.likelihood;
+  if (!refined.steps.empty()) origin["likelihood"] = json_of(refined);
+  step.result.model.provenance = origin.dump();
+  elements::write_model(model, step.result.model);
+  step.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return step;
+}
+
+SimulateStep simulate_log(const Verb& verb, simulate::SimulatedSource& simulated,
+                          const WriteLog& write, const std::vector<fs::path>& inputs) {
+  Watched watched(simulated);
+  watched.rewind();
+  write(watched, provenance(verb, inputs));
+  return {simulated.beams(), simulated.rows(), simulated.hits(), simulated.seconds()};
+}
+
+SimulateStep simulate_log(const Verb& verb, const trace::World& world, BeamSource& beams,
+                          const simulate::Options& options, const fs::path& output,
+                          const std::vector<fs::path>& inputs) {
+  simulate::SimulatedSource simulated(world, beams, options);
+  const auto write = [&](BeamSource& log, const std::string& origin) {
+    io::export_log(output, log, "", origin);
+  };
+  return simulate_log(verb, simulated, write, inputs);
+}
+
+std::vector<metrics::Score> score_logs(const fs::path& real,
+                                       const std::vector<Candidate>& candidates, bool cloud) {
+  io::BeamReader real_log(real);
+  std::vector<metrics::Score> scores;
+  for (const Candidate& c : candidates) {
+    io::BeamReader simulated(c.log);
+    metrics::ScoreOptions options;
+    options.cloud = cloud;
+    elements::Scene scene;
+    std::unique_ptr<trace::World> world;
+    if (!c.model.empty()) {
+      scene = read_world(c.model);
+      world = std::make_unique<trace::World>(world_of(scene));
+      options.world = world.get();
+    }
+    Progress progress("score " + c.name);
+    scores.push_back(metrics::score(real_log, simulated, options, std::ref(progress)));
+  }
+  return scores;
+}
+
+std::string table_of_scores(const std::vector<Candidate>& candidates,
+                            const std::vector<metrics::Score>& scores) {
+  using metrics::Summary;
+  std::string text = fmt::format("  {:<24}", fmt::format("{} beams", scores.at(0).all.beams));
+  for (const Candidate& c : candidates) text += fmt::format("{:>14}", c.name);
+  text += "\n";
+  text += row("packet error, m", scores, &Summary::packet_error_m, 3);
+  text += row("precision", scores, &Summary::precision, 4);
+  text += row("recall", scores, &Summary::recall, 4);
+  text += row("F1", scores, &Summary::f1, 4);
+  text += row("median range error, m", scores, &Summary::median_range_error_m, 3);
+  if (scores[0].cloud) {
+    text += row("point cloud error, m", scores, &Summary::cloud_error_m, 4);
+    text += row("density-aware Chamfer", scores, &Summary::density_aware_chamfer, 4);
+  }
+  if (scores[0].likelihood) {
+    text += row("neg. log-likelihood", scores, &Summary::nll_per_beam, 4);
+    text += row("CRPS of the range, m", scores, &Summary::crps_m, 3);
+  }
+  return text;
+}
+
+std::string text_of_warnings(const std::vector<std::string>& warnings) {
+  std::string text;
+  for (const std::string& w : warnings) text += "  warning     " + w + "\n";
+  return text;
+}
+
+}  // namespace underbrush::app

@@ -1,0 +1,101 @@
+#include "traced_scene.hpp"
+
+#include "stages.hpp"
+#include "underbrush/core/check.hpp"
+#include "underbrush/elements/model_file.hpp"
+#include "underbrush/io/mesh_file.hpp"
+#include "underbrush/io/poses.hpp"
+
+namespace underbrush::app {
+namespace fs = std::filesystem;
+namespace {
+
+struct MoverWords {
+  std::string model, poses, material;
+};
+
+MoverWords words_of(const std::string& text) {
+  const size_t first = text.find(':');
+  const size_t second = first == std::string::npos ? first : text.find(':', first + 1);
+  require(first != std::string::npos && first > 0 && first + 1 < text.size(),
+          "simulate: --mover takes MODEL:POSES.txt or MODEL:POSES.txt:MATERIAL");
+  MoverWords w{text.substr(0, first), text.substr(first + 1, second - first - 1), ""};
+  if (second != std::string::npos) w.material = text.substr(second + 1);
+  return w;
+}
+
+/// A model's folder, or the mesh in an OBJ or PLY file.
+elements::Model model_of(const fs::path& path) {
+  if (fs::is_directory(path)) return elements::read_model(path);
+  const io::MeshData mesh = io::read_mesh(path);
+  elements::Model model;
+  model.fitter = "mesh";
+  model.surface.vertices = mesh.vertices;
+  model.surface.triangles = mesh.triangles;
+  model.surface.hit.resize(mesh.triangles.size());
+  return model;
+}
+
+}  // namespace
+
+void add_scene_options(Verb& verb, SceneArguments& a) {
+  CLI::App& app = verb.app;
+  app.add_option("--tau", a.tau,
+                 "Mahalanobis distance within which a beam meets an ellipsoid, 0 = the model's")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  verb.begin_group("Options");
+  app.add_option("--mover", a.movers,
+                 "A further object, a model's folder or an OBJ or PLY mesh, that moves along the "
+                 "poses (TUM format, world from object); may be repeated")
+      ->type_name("MODEL:POSES.txt[:MATERIAL]")
+      ->take_all();
+}
+
+elements::Scene scene_of(const fs::path& folder, const SceneArguments& a,
+                         elements::SceneInfo& info) {
+  elements::Scene scene = read_world(folder, &info);
+  if (scene.instances.empty() && !a.movers.empty()) {  // of a model
+    elements::Instance placed;
+    placed.world_from_model.translation = scene.models[0].origin;
+    scene.instances.push_back(placed);
+    info.labels.push_back(elements::Class::kUnknown);
+  }
+  info.materials.resize(scene.models.size());
+  for (const std::string& text : a.movers) {
+    const MoverWords w = words_of(text);
+    info.movers.push_back({uint32_t(scene.instances.size()), io::read_trajectory(w.poses)});
+    scene.instances.emplace_back();
+    scene.instances.back().model = uint32_t(scene.models.size());
+    scene.models.push_back(model_of(w.model));
+    info.labels.push_back(elements::Class::kUnknown);
+    info.materials.push_back(w.material);
+  }
+  for (elements::Model& model : scene.models) {
+    if (a.tau > 0) model.tau = a.tau;
+  }
+  return scene;
+}
+
+std::vector<fs::path> mover_files(const SceneArguments& a) {
+  std::vector<fs::path> files;
+  for (const std::string& text : a.movers) {
+    const MoverWords w = words_of(text);
+    files.emplace_back(w.model);
+    files.emplace_back(w.poses);
+  }
+  return files;
+}
+
+TracedScene traced_scene(const elements::Scene& scene, const elements::SceneInfo& info) {
+  TracedScene t;
+  if (!info.movers.empty()) {
+    t.surroundings = std::make_unique<simulate::Surroundings>(scene, info.movers);
+    return t;
+  }
+  t.world = std::make_unique<trace::World>(world_of(scene));
+  t.surroundings = std::make_unique<simulate::Surroundings>(*t.world);
+  return t;
+}
+
+}  // namespace underbrush::app

@@ -1,0 +1,211 @@
+#include "report/page.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <optional>
+
+#include "report_assets.hpp"
+#include "underbrush/core/check.hpp"
+#include "underbrush/io/atomic_file.hpp"
+
+namespace underbrush::report {
+namespace {
+
+struct Metric {
+  const char *key, *name, *meaning;
+  int digits;
+  bool higher_is_better;
+};
+constexpr Metric kMetrics[] = {
+    {"packet_error_m", "Packet error, m",
+     "Distance between real and simulated point of beams that hit in both: mean of the packets’ "
+     "means.",
+     3, false},
+    {"median_range_error_m", "Median range error, m",
+     "Half of the beams that hit in both are off by less.", 3, false},
+    {"precision", "Precision", "Share of the simulated hits where the real beam hit too.", 4, true},
+    {"recall", "Recall", "Share of the real hits where the simulated beam hits too.", 4, true},
+    {"f1", "F1", "Harmonic mean of precision and recall.", 4, true},
+    {"cloud_error_m", "Point cloud error, m",
+     "Mean distance to the nearest point of the other cloud, both ways.", 4, false},
+    {"density_aware_chamfer", "Density-aware Chamfer", "From 0 (same points, equally dense) to 1.",
+     4, false},
+    {"nll_per_beam", "Neg. log-likelihood",
+     "Mean −log density that the model gives the real outcome of a beam.", 4, false},
+    {"crps_m", "CRPS of the range, m",
+     "Distance between the predicted distribution of the range and the real one.", 3, false},
+};
+
+const Json& scores_of(const ReportInput& input, size_t k) {
+  return input.scores.at("models").at(input.simulated[k].name);
+}
+
+std::optional<double> value(const Json& scores, const char* key) {
+  const auto it = scores.find(key);
+  if (it == scores.end() || !it->is_number()) return std::nullopt;
+  return it->get<double>();
+}
+
+std::string cell(std::optional<double> x, int digits) {
+  return x ? fmt::format("{:.{}f}", *x, digits) : "n/a";
+}
+
+size_t count(const Json& scores, const char* key) { return scores.value(key, size_t(0)); }
+
+// As printed: values that look the same are equally good.
+std::string best_of(const Metric& m, const std::vector<std::optional<double>>& values) {
+  std::optional<double> best;
+  for (const auto& v : values) {
+    if (v && (!best || (m.higher_is_better ? *v > *best : *v < *best))) best = v;
+  }
+  return cell(best, m.digits);
+}
+
+std::string head(const ReportInput& input, const char* first) {
+  std::string html = fmt::format("<thead><tr><th>{}</th>", first);
+  for (const auto& m : input.simulated) html += fmt::format("<th>{}</th>", escaped(m.name));
+  return html + "</tr></thead>";
+}
+
+std::string filled(const std::string& page, const std::map<std::string, std::string>& values) {
+  const std::map<std::string, std::string> assets = {{"style", kReportStyle},
+                                                     {"script", kReportScript}};
+  std::string out;
+  size_t at = 0;
+  while (true) {
+    const size_t begin = page.find("@@", at), end = page.find("@@", begin + 2);
+    out += page.substr(at, begin - at);
+    if (begin == std::string::npos) return out;
+    const std::string key = page.substr(begin + 2, end - begin - 2);
+    out += assets.count(key) ? assets.at(key) : values.at(key);
+    at = end + 2;
+  }
+}
+
+}  // namespace
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (char c : text) {
+    if (c == '&')
+      out += "&amp;";
+    else if (c == '<')
+      out += "&lt;";
+    else if (c == '>')
+      out += "&gt;";
+    else if (c == '"')
+      out += "&quot;";
+    else
+      out += c;
+  }
+  return out;
+}
+
+std::string grouped(size_t n) {
+  const std::string digits = std::to_string(n);
+  std::string out;
+  for (size_t i = 0; i < digits.size(); ++i) {
+    if (i && (digits.size() - i) % 3 == 0) out += "\u202f";
+    out += digits[i];
+  }
+  return out;
+}
+
+std::string headline_table(const ReportInput& input) {
+  std::string html = "<div class=\"scroll\"><table class=\"headline\">" + head(input, "Metric");
+  html += "<tbody>\n";
+  for (const Metric& m : kMetrics) {
+    std::vector<std::optional<double>> values;
+    for (size_t k = 0; k < input.simulated.size(); ++k) {
+      values.push_back(value(scores_of(input, k), m.key));
+    }
+    if (!scores_of(input, 0).contains(m.key)) continue;  // not asked for
+    const std::string best = best_of(m, values);
+    html += fmt::format("<tr><th>{} <span class=\"better\">{}</span><small>{}</small></th>", m.name,
+                        m.higher_is_better ? "↑" : "↓", m.meaning);
+    for (const auto& v : values) {
+      const std::string text = cell(v, m.digits);
+      const bool bold = v && values.size() > 1 && text == best;
+      html += fmt::format("<td{}>{}</td>",
+                          bold ? " class=\"best\""
+                          : v  ? ""
+                               : " class=\"none\"",
+                          text);
+    }
+    html += "</tr>\n";
+  }
+  return html + "</tbody></table></div>\n";
+}
+
+std::string confusion_tables(const ReportInput& input) {
+  std::string html;
+  for (size_t k = 0; k < input.simulated.size(); ++k) {
+    const Json& s = scores_of(input, k);
+    const double beams = double(std::max<size_t>(count(s, "beams"), 1));
+    const auto box = [&](const char* key, const char* kind) {
+      const double share = double(count(s, key)) / beams;
+      // A root, so that the rare outcomes show as well.
+      return fmt::format(
+          "<td class=\"{}\" style=\"--a:{:.2f}\"><b>{:.2f} %</b><small>{}</small></td>", kind,
+          0.06 + 0.5 * std::sqrt(share), 100 * share, grouped(count(s, key)));
+    };
+    html += fmt::format(
+        "<table class=\"confusion\"><caption>{}</caption><thead><tr><td></td><th>simulated "
+        "hit</th><th>simulated miss</th></tr></thead><tbody><tr><th>real hit</th>{}{}</tr><tr>"
+        "<th>real miss</th>{}{}</tr></tbody></table>\n",
+        escaped(input.simulated[k].name), box("true_hits", "right"), box("false_misses", "wrong"),
+        box("false_hits", "wrong"), box("true_misses", "right"));
+  }
+  return html;
+}
+
+std::string class_table(const ReportInput& input) {
+  if (input.simulated.empty()) return "";
+  const Json classes = scores_of(input, 0).value("per_class", Json::object());
+  if (classes.empty()) return "";
+  std::string html =
+      "<h2>By class</h2>\n<div class=\"scroll\"><table><thead><tr><th>Class</th>"
+      "<th>Beams</th>";
+  for (const auto& m : input.simulated) {
+    html +=
+        fmt::format("<th>{0}<small>recall</small></th><th>{0}<small>packet error, m</small></th>",
+                    escaped(m.name));
+  }
+  html += "</tr></thead><tbody>\n";
+  for (const auto& [key, first] : classes.items()) {
+    html += fmt::format("<tr><th>{}</th><td>{}</td>", escaped(key), grouped(count(first, "beams")));
+    for (size_t k = 0; k < input.simulated.size(); ++k) {
+      const Json all = scores_of(input, k).value("per_class", Json::object());
+      const Json s = all.value(key, Json::object());
+      html += fmt::format("<td>{}</td><td>{}</td>", cell(value(s, "recall"), 4),
+                          cell(value(s, "packet_error_m"), 3));
+    }
+    html += "</tr>\n";
+  }
+  return html + "</tbody></table></div>\n";
+}
+
+std::string provenance_text(const ReportInput& input) {
+  const Json provenance = input.scores.value("provenance", Json::object());
+  return escaped(provenance.dump(2, ' ', false, Json::error_handler_t::replace));
+}
+
+std::string filled_page(const std::map<std::string, std::string>& values) {
+  return filled(kReportPage, values);
+}
+
+std::string filled_summary(const std::map<std::string, std::string>& values) {
+  return filled(kSummaryPage, values);
+}
+
+std::filesystem::path write_page(const std::filesystem::path& folder, const std::string& page) {
+  std::error_code failed;
+  std::filesystem::create_directories(folder, failed);
+  if (failed) throw IoError(folder.string() + ": " + failed.message());
+  std::filesystem::path file = folder / "index.html";
+  io::write_atomically(file, page);
+  return file;
+}
+
+}  // namespace underbrush::report

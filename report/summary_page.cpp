@@ -1,0 +1,20 @@
+#include "report/summary_page.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "report/page.hpp"
+
+namespace underbrush::report {
+
+std::filesystem::path write_summary_page(const std::filesystem::path& folder,
+                                         const SummaryPage& page) {
+  const auto provenance = nlohmann::ordered_json::parse(page.provenance);
+  return write_page(folder, filled_summary({{"title", escaped(page.title)},
+                                            {"lead", escaped(page.lead)},
+                                            {"verdict", escaped(page.verdict)},
+                                            {"checks", page.asked},
+                                            {"body", page.body},
+                                            {"provenance", escaped(provenance.dump(2))}}));
+}
+
+}  // namespace underbrush::report

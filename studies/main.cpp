@@ -1,0 +1,94 @@
+#include <fmt/format.h>
+
+#include <chrono>
+#include <iostream>
+
+#include "cli/verb.hpp"
+#include "report/report.hpp"
+#include "studies/study.hpp"
+#include "underbrush/core/check.hpp"
+
+namespace underbrush::studies {
+namespace {
+
+struct Arguments {
+  std::string name, report, data, keep;
+  bool quick = false;
+};
+
+const Study& study_named(const std::string& name) {
+  std::vector<std::string> names;
+  for (const Study& s : studies()) {
+    if (name == s.name) return s;
+    names.emplace_back(s.name);
+  }
+  throw std::invalid_argument(
+      fmt::format("study: no study '{}'; there are: {}", name, fmt::join(names, ", ")));
+}
+
+void list(const app::Verb& verb) {
+  Json j = Json::array();
+  std::string text;
+  for (const Study& s : studies()) {
+    j.push_back({{"name", s.name}, {"summary", s.summary}});
+    text += fmt::format("{:<14}{}\n", s.name, s.summary);
+  }
+  verb.report(j, text);
+}
+
+void run(const app::Verb& verb, const Arguments& a) {
+  if (a.name == "list") return list(verb);
+  const Study& study = study_named(a.name);
+  if (!a.report.empty()) report::check_report_output(a.report);
+  const auto start = std::chrono::steady_clock::now();
+  const auto seconds = [&] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  };
+  StudyRun asked{verb.seed, a.quick, a.data, a.keep, [&](const std::string& line) {
+                   if (verb.json != "-")
+                     std::cout << fmt::format("[{:5.1f} s] {}\n", seconds(), line) << std::flush;
+                 }};
+  const StudyResult result = study.run(asked);
+  const std::string origin = app::provenance(verb, result.inputs);
+  Json j = json_of(study, result);
+  j["quick"] = a.quick;
+  j["seconds"] = seconds();
+  j["provenance"] = Json::parse(origin);
+  std::string text = text_of(result);
+  if (!a.report.empty()) {
+    text +=
+        fmt::format("report: {}\n", write_study_report(a.report, study, result, origin).string());
+  }
+  verb.report(j, text);
+}
+
+void add_options(app::Verb& verb, Arguments& a) {
+  CLI::App& app = verb.app;
+  app.add_option("NAME", a.name, "The study, or list")->required();
+  app.add_flag("--quick", a.quick, "A small size, for tests: the figures are rougher");
+  verb.output("--report", a.report, "Write a report (one HTML file) into this folder")
+      ->type_name("DIR");
+  app.add_option(
+         "--data", a.data,
+         "Folder of real logs, each a folder with train.ply and test.ply, or as the study says")
+      ->type_name("DIR")
+      ->check(CLI::ExistingDirectory);
+  verb.output("--keep", a.keep, "Keep the logs and models made on the way in this folder")
+      ->type_name("DIR");
+}
+
+}  // namespace
+}  // namespace underbrush::studies
+
+int main(int argc, char** argv) {
+  using namespace underbrush;
+  app::Program program("underbrush-study",
+                       "Reproduce a paper's table or figure; ends with a verdict.");
+  studies::Arguments a;
+  const auto verb = app::make_verb(
+      program,
+      "underbrush-study list\n  underbrush-study vegetation --report study/ --json study.json",
+      [&a](const app::Verb& v) { studies::run(v, a); });
+  studies::add_options(*verb, a);
+  return program.run(argc, argv);
+}

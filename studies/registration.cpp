@@ -1,0 +1,112 @@
+#include "studies/registration.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "underbrush/core/check.hpp"
+#include "underbrush/metrics/nearest.hpp"
+#include "underbrush/metrics/normals.hpp"
+
+namespace underbrush::studies {
+namespace {
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+std::vector<Vec3f> about(std::span<const Vec3> points, const Vec3& centre) {
+  std::vector<Vec3f> out;
+  out.reserve(points.size());
+  for (const Vec3& p : points) out.push_back((p - centre).cast<float>());
+  return out;
+}
+
+Pose exponential(const Vector6& step) {
+  const double angle = step.head<3>().norm();
+  Pose out;
+  if (angle > 0)
+    out.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(angle, step.head<3>() / angle));
+  out.translation = step.tail<3>();
+  return out;
+}
+
+double median_of(std::vector<double> values) {
+  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// The pairs that count: distances along the normal, and how each grows with a small rotation
+/// about the origin and a translation.
+struct Step {
+  Matrix6 normal = Matrix6::Zero();
+  Vector6 right = Vector6::Zero();
+  double sum2 = 0;
+  size_t pairs = 0;
+};
+
+}  // namespace
+
+Similarity align(std::span<const Vec3> from, std::span<const Vec3> to, bool rigid) {
+  require(from.size() == to.size(), "conjugate points: as many on both sides are needed");
+  require(from.size() >= 3, "conjugate points: at least three are needed");
+  Eigen::Matrix3Xd a(3, from.size()), b(3, to.size());
+  for (size_t i = 0; i < from.size(); ++i) {
+    a.col(Eigen::Index(i)) = from[i];
+    b.col(Eigen::Index(i)) = to[i];
+  }
+  for (const Eigen::Matrix3Xd& side : {a, b}) {
+    const Eigen::Matrix3Xd about_mean = side.colwise() - side.rowwise().mean();
+    const Vec3 spread = Eigen::JacobiSVD<Eigen::Matrix3Xd>(about_mean).singularValues();
+    require(spread.y() > 1e-9 * spread.x(), "conjugate points: they lie on a line");
+  }
+  const Eigen::Matrix4d t = Eigen::umeyama(a, b, !rigid);
+  Similarity out;
+  out.scale = rigid ? 1 : std::cbrt(t.topLeftCorner<3, 3>().determinant());
+  out.pose.rotation = Eigen::Quaterniond(Mat3(t.topLeftCorner<3, 3>() / out.scale)).normalized();
+  out.pose.translation = t.topRightCorner<3, 1>();
+  return out;
+}
+
+IcpResult icp(std::span<const Vec3> from, std::span<const Vec3> to, const Pose& guess,
+              const IcpOptions& options) {
+  require(from.size() >= 10 && to.size() >= 10, "icp: clouds of at least ten points are needed");
+  const Vec3& centre = to[to.size() / 2];
+  const std::vector<Vec3f> cloud = about(to, centre);
+  const std::vector<Vec3f> normal = metrics::normals(cloud, size_t(options.neighbours));
+  IcpResult out;
+  out.to_from_from = guess;
+  std::vector<Vec3> moved(from.size());
+  while (out.iterations < options.most_iterations && !out.converged) {
+    for (size_t i = 0; i < from.size(); ++i) moved[i] = out.to_from_from * from[i];
+    const std::vector<Vec3f> query = about(moved, centre);
+    const metrics::Nearest pair = metrics::nearest(query, cloud);
+    std::vector<double> off(from.size());
+    for (size_t i = 0; i < from.size(); ++i) off[i] = double(pair.distance_m[i]);
+    const double gate = std::min(options.most_distance_m, std::max(1e-3, 3 * median_of(off)));
+    Step step;
+    for (size_t i = 0; i < from.size(); ++i) {
+      if (off[i] > gate) continue;
+      const Vec3 p = query[i].cast<double>(), n = normal[pair.index[i]].cast<double>();
+      const double r = n.dot(p - cloud[pair.index[i]].cast<double>());
+      Vector6 row;
+      row << p.cross(n), n;
+      step.normal += row * row.transpose();
+      step.right -= row * r;
+      step.sum2 += r * r;
+      ++step.pairs;
+    }
+    require(step.pairs >= 6, "icp: the clouds have nothing in common");
+    const Vector6 x = step.normal.completeOrthogonalDecomposition().solve(step.right);
+    const Pose shift{Eigen::Quaterniond::Identity(), centre};
+    out.to_from_from = shift * exponential(x) * shift.inverse() * out.to_from_from;
+    out.rms_m = std::sqrt(step.sum2 / double(step.pairs));
+    out.overlap = double(step.pairs) / double(from.size());
+    out.converged = x.head<3>().norm() < 1e-6 && x.tail<3>().norm() < 1e-6;
+    ++out.iterations;
+  }
+  return out;
+}
+
+}  // namespace underbrush::studies

@@ -1,0 +1,22 @@
+#include "studies/studies.hpp"
+
+namespace underbrush::studies {
+namespace {
+
+constexpr Study kStudies[] = {
+    {"vegetation", "Table I and the mobile experiment of Deschaud et al. 2012", study_vegetation},
+    {"primitives", "Table II of Tallavajhula et al. 2018: primitives against plant meshes",
+     study_primitives},
+    {"transfer", "Learnt from one lidar, simulated for another, on a generated site",
+     study_transfer},
+    {"mesh-fidelity", "Leaf inclinations of Goodin et al. 2024, from billboards to fine trees",
+     study_mesh_fidelity},
+    {"verification", "Histograms and planes of Kim et al. 2012, on its miniature and on real walls",
+     study_verification},
+};
+
+}  // namespace
+
+std::span<const Study> studies() { return kStudies; }
+
+}  // namespace underbrush::studies

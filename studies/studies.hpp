@@ -1,0 +1,13 @@
+/// Each study's door; a new one also needs its line in studies.cpp.
+#pragma once
+#include "studies/study.hpp"
+
+namespace underbrush::studies {
+
+StudyResult study_mesh_fidelity(const StudyRun& run);
+StudyResult study_primitives(const StudyRun& run);
+StudyResult study_transfer(const StudyRun& run);
+StudyResult study_vegetation(const StudyRun& run);
+StudyResult study_verification(const StudyRun& run);
+
+}  // namespace underbrush::studies

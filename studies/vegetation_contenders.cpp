@@ -1,0 +1,90 @@
+#include <algorithm>
+
+#include "studies/vegetation.hpp"
+
+namespace underbrush::studies {
+namespace {
+
+bool has_likelihood() {
+  const std::vector<std::string> names = fit::fitter_names();
+  return std::count(names.begin(), names.end(), "likelihood") > 0;
+}
+
+/// The surface of [deschaud12] §V.C; the weight of a point ends at `radius_m`.
+fit::FitOptions surface(double cell_m, double radius_m) {
+  fit::FitOptions f;
+  f.fitter = "rimls";
+  f.surface.cell_m = cell_m;
+  f.surface.kernel_m = f.surface.least_kernel_m = radius_m;
+  f.surface.noise_m = 0.005;
+  return f;
+}
+
+/// The voxels of [deschaud12] §III: share/configs/vegetation-paper.yaml.
+fit::FitOptions voxel(double side_m) {
+  fit::FitOptions f;
+  f.fitter = "voxel";
+  f.tau = 2;
+  f.volumetric.voxel = {side_m, 1, true};
+  f.volumetric.ellipsoid.prior_points = 0;
+  f.credit.rule = "mahalanobis";
+  f.credit.estimator = "plain";
+  f.free_space_below = 0;
+  return f;
+}
+
+/// Ours for many measurements of each direction: counts speak for themselves.
+fit::FitOptions dense(const std::string& fitter) {
+  fit::FitOptions f;
+  f.fitter = fitter;
+  f.tau = 2;
+  f.credit.rule = "best";
+  f.credit.estimator = "plain";
+  f.free_space_below = 0;
+  f.volumetric.top_down.min_points = 5;
+  f.volumetric.bottom_up.cell_m = 0.005;
+  f.volumetric.bottom_up.largest_m = 0.1;
+  return f;
+}
+
+}  // namespace
+
+std::vector<Contender> static_contenders(uint64_t seed) {
+  // The paper's kernel of 4 cm is taken as the width h of a Gaussian e^{−(r/h)²}, which the weight
+  // (1 − r²/(2h)²)⁴ follows. With a radius of 4 cm lasers 47 mm apart, as at 8 m, would not join.
+  const fit::FitOptions mesh = surface(0.01, 0.08);
+  std::vector<Contender> out{{"surface, cone", mesh, true},
+                             {"surface, axis", mesh, false},
+                             {"voxel, cone", voxel(0.05), true},
+                             {"voxel", voxel(0.05), false},
+                             {"top_down", dense("top_down"), false},
+                             {"bottom_up", dense("bottom_up"), false},
+                             {"hierarchical", dense("hierarchical"), false},
+                             {"hierarchical, first", dense("hierarchical"), false}};
+  out.back().fit.credit.rule = "first";
+  if (has_likelihood()) out.push_back({"likelihood", dense("likelihood"), false});
+  for (Contender& c : out) {
+    c.fit.seed = seed;
+    c.fit.segment.method = "none";
+    // The range count: the spread of hundreds of points holds the noise already, and a floor as
+    // wide as the noise would thicken what is flat and stands aslant.
+    c.fit.range_noise_m = 0.002;
+  }
+  return out;
+}
+
+std::vector<Contender> mobile_contenders(uint64_t seed) {
+  std::vector<Contender> out{{"surface", surface(0.3, 0.4), false}, {"voxel", voxel(0.3), false}};
+  std::vector<std::string> names{"top_down", "bottom_up", "hierarchical"};
+  if (has_likelihood()) names.emplace_back("likelihood");
+  for (const std::string& name : names) {
+    out.push_back({name, {}, false});
+    out.back().fit.fitter = name;
+  }
+  out.push_back({"hierarchical, best", {}, false});
+  out.back().fit.credit.rule = "best";
+  for (Contender& c : out) c.fit.seed = seed;
+  return out;
+}
+
+}  // namespace underbrush::studies
