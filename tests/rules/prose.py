@@ -9,8 +9,8 @@ import rules
 CPP = False  # Whether the comments of C++ files are judged, besides the bad examples.
 COLUMNS = 120
 LEANING = (r"(?:Of(?! course)|That|Those|Likewise|Such|Theirs|Ditto|The others|The latter|The former"
-           r"|(?:The s|S)ame(?= (?:as|for|holds|of|with|goes|is|are|to|by|against|in)\b|[,.:;])"
-           r"|As (?:above|before|there)|So (?:do|does|did|are|is|has|have)|Nor|Neither|Besides)\b)")
+           r"|As (?:above|before|there)|So (?:do|does|did|are|is|has|have)|Nor|Neither|Besides"
+           r"|(?:The s|S)ame(?= (?:as|for|holds|of|with|goes|is|are|to|by|against|in)\b|[,.:;]))\b")
 LEANING_CPP = r"(?:Of|That|Those|Likewise|Such|Theirs)\b"
 HISTORY = (r"\b(?:[Uu]ntil now|[Ff]ormerly|[Pp]reviously|used to be|[Ii]n an earlier version|the first version"
            r"|(?:the|this) issue|issue #?\d+|[Dd]evelopers?|program for development)\b")
