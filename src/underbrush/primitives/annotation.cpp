@@ -95,15 +95,11 @@ Annotation read_annotation(const fs::path& path) {
   }
   check_members(whole, j,
                 {"format", "version", "ground", "objects", "provenance", "comment", "$schema"});
-  if (member_of(whole, j, "format") != "underbrush-annotation") {
-    throw FormatError(path.string(), "format", "not an underbrush annotation");
-  }
-  if (const uint32_t version = count_of({path.string(), "version"}, member_of(whole, j, "version"));
-      int64_t(version) > kAnnotationVersion) {
-    throw FormatError(path.string(), "version",
-                      std::to_string(version) + " is newer than this program reads (" +
-                          std::to_string(kAnnotationVersion) + ")");
-  }
+  elements::check_format(path, member_of(whole, j, "format"), "underbrush-annotation",
+                         "an underbrush annotation");
+  elements::check_version(
+      path, int64_t(count_of({path.string(), "version"}, member_of(whole, j, "version"))),
+      kAnnotationVersion);
   Annotation a;
   const Json& ground = member_of(whole, j, "ground");
   if (!ground.is_string()) throw FormatError(path.string(), "ground", "expected a folder's name");
