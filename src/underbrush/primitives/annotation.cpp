@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <initializer_list>
 
+#include "underbrush/elements/manifest.inl"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/file.hpp"
 #include "underbrush/primitives/object_json.inl"
