@@ -34,12 +34,12 @@ void receive(const trace::World& world, const sensor::Sensor& sensor, uint64_t s
     radiometry::Waveform scratch = receiver.scratch();
     std::vector<float> range, weight, factor, signal;
     for (size_t i = begin; i < end; ++i) {
-      const Ray axis{beams.origin[i], beams.direction[i].cast<double>().normalized()};
+      const Ray axis = beams.ray(i);
       const sensor::BeamAxes axes = sensor::beam_axes(axis);
       range.clear(), weight.clear(), factor.clear();
       for (const auto& [u, v, share] : places) {
         const Ray ray = maker.ray(axes, u, v);
-        const trace::Met met = world.nearest_surface(ray, limits);
+        const trace::Intersection met = world.nearest_surface(ray, limits);
         if (met.none()) continue;
         const double cosine = std::abs(normal_of(mesh, met.element).dot(ray.direction));
         range.push_back(float(met.t_m));

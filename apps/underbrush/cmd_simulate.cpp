@@ -9,10 +9,10 @@
 #include "traced_scene.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
+#include "underbrush/io/driver_layout.hpp"
 #include "underbrush/io/export.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/io/poses.hpp"
-#include "underbrush/io/profile.hpp"
 #include "underbrush/sensor/pattern.hpp"
 #include "underbrush/sensor/sensor.hpp"
 #include "verbs.hpp"
@@ -108,7 +108,8 @@ SimulateStep write(const Verb& verb, const Arguments& a, simulate::SimulatedSour
       verb, simulated,
       [&](BeamSource& log, const std::string& origin) {
         if (a.profile.empty()) return io::export_log(a.output, log, "", origin);
-        io::export_profile(a.output, log, io::profile_from_name(a.profile), path, origin);
+        io::export_driver_layout(a.output, log, io::driver_layout_from_name(a.profile), path,
+                                 origin);
       },
       inputs);
 }
@@ -122,7 +123,7 @@ struct Answering {
 };
 
 void set_up(const Verb& verb, const Arguments& a, const BeamSource& beams,
-            const simulate::Surroundings& surroundings, const simulate::InstanceKinds& kinds,
+            const simulate::DynamicWorld& dynamic_world, const simulate::InstanceKinds& kinds,
             Answering& out) {
   require(a.beam == "thin" && a.draw == "on_ray" && a.simulate.range_noise_m == 0,
           "simulate: --beam, --draw and --range-noise are of thin rays, not of --super-sample");
@@ -136,8 +137,8 @@ void set_up(const Verb& verb, const Arguments& a, const BeamSource& beams,
   options.element_ids = a.simulate.element_ids;
   options.instance_labels = a.simulate.instance_labels;
   if (!a.instrument.waveforms.empty()) options.waveforms = a.instrument.waveform;
-  out.maker =
-      std::make_unique<simulate::EchoMaker>(surroundings, *out.reflection, out.instrument, options);
+  out.maker = std::make_unique<simulate::EchoMaker>(dynamic_world, *out.reflection, out.instrument,
+                                                    options);
 }
 
 void report(const Verb& verb, const Arguments& a, const SimulateStep& step, size_t sub_rays,
@@ -182,12 +183,12 @@ void run(const Verb& verb, Arguments& a) {
   if (a.beam == "random") a.simulate.random_ray = sensor_of(a, *beams, "--beam random").beam;
   Answering with;
   if (!a.instrument.super_sample.empty()) {
-    set_up(verb, a, *beams, *target.surroundings, kinds_of(scene, info), with);
+    set_up(verb, a, *beams, *target.dynamic_world, kinds_of(scene, info), with);
   }
   simulate::SimulatedSource simulated(
       [&](size_t first_beam, BeamLog& chunk) {
         if (with.maker) return with.maker->answer(first_beam, chunk);
-        simulate::simulate(*target.surroundings, a.simulate, first_beam, chunk);
+        simulate::simulate(*target.dynamic_world, a.simulate, first_beam, chunk);
       },
       *beams, a.simulate.max_range_m);
   std::string lost;
@@ -195,7 +196,7 @@ void run(const Verb& verb, Arguments& a) {
   if (with.maker) write_waveforms(a.instrument, with.sensor, with.maker->waveforms());
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
   report(verb, a, step, with.maker ? with.instrument.sub_rays.size() : 0, seconds,
-         target.surroundings->world().isa(), lost);
+         target.dynamic_world->world().isa(), lost);
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/text.hpp"
-#include "underbrush/radiometry/link.hpp"
+#include "underbrush/radiometry/link_budget.hpp"
 
 namespace underbrush::app {
 namespace {
@@ -56,7 +56,7 @@ void set_returns(const std::string& word, radiometry::ReceiverOptions& o) {
 /// How much the sun raises the noise of a receiver that sees the beam's divergence.
 double noise_in_sun(const sensor::Sensor& s, double share) {
   if (share == 0) return 1;
-  radiometry::Link link;
+  radiometry::LinkBudget link;
   if (s.wavelength_m > 0) link.wavelength_m = s.wavelength_m;
   const double view = std::max(s.beam.divergence_rad[0], s.beam.divergence_rad[1]);
   if (view > 0) link.view_rad = view;

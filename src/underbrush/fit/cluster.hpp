@@ -22,13 +22,13 @@ struct Clusters {
 
 /// Number of points and their first two moments, added up in double precision about a fixed point
 /// near by.
-struct Moments {
+struct PointMoments {
   double n = 0;
   Vec3 sum = Vec3::Zero();
   Mat3 squares = Mat3::Zero();  ///< Σ x xᵀ.
 
   void add(const Vec3& x);
-  void add(const Moments& other);
+  void add(const PointMoments& other);
   Vec3 mean() const { return sum / n; }
   /// Σ (x − mean)(x − mean)ᵀ.
   Mat3 scatter() const { return squares - sum * sum.transpose() / n; }

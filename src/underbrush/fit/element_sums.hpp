@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "underbrush/elements/model.hpp"
-#include "underbrush/fit/beam_shares.hpp"
+#include "underbrush/fit/responsibilities.hpp"
 
 namespace underbrush::fit {
 
@@ -57,8 +57,8 @@ class ElementSums {
 
   /// Adds one beam: `ray` and `met` as traced in world coordinates, `range_m` its outcome. From any
   /// number of threads at once.
-  void add(const Ray& ray, std::span<const trace::Met> met, double range_m,
-           const BeamShares& shares);
+  void add(const Ray& ray, std::span<const trace::Intersection> met, double range_m,
+           const Responsibilities& shares);
 
   TriangleSums triangle(size_t element) const;
   EllipsoidSums ellipsoid(size_t index) const;
@@ -71,8 +71,8 @@ class ElementSums {
     Vec3 mean;
     Mat3 whiten;  // L⁻¹
   };
-  void add_ellipsoid(const Ray& ray, const trace::Met& met, double range_m, double hit, double pass,
-                     double loss);
+  void add_ellipsoid(const Ray& ray, const trace::Intersection& met, double range_m, double hit,
+                     double pass, double loss);
 
   const elements::Model* model_ = nullptr;
   std::vector<Frame> frames_;

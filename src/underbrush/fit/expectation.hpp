@@ -35,7 +35,7 @@ class TrainingSource : public BeamSource {
   size_t size_ = 0;
 };
 
-/// Results of a pass. Likelihoods are means of −log f a beam, as `metrics::score` takes them.
+/// Results of a pass. Likelihoods are means of −log f a beam.
 struct Expectation {
   size_t training_beams = 0, held_out_beams = 0;
   double training_nll = 0, held_out_nll = 0;
@@ -43,10 +43,11 @@ struct Expectation {
   double stray_hits = 0;  ///< Share of the training beams that returned what no element explains.
 };
 
-/// Reads all beams of `source` once. `soft` are the shares that no element explains when credit is
-/// given; the likelihoods reported use those of the score. The model must outlive the sums.
+/// Reads all beams of `source` once. `soft` are the outlier shares under which credit is given; the
+/// likelihoods reported are under `trace::kReportedOutliers`, as the score's are. The model must
+/// outlive the sums.
 Expectation expect(const elements::Model& model, BeamSource& source, const HeldOut& held_out,
-                   const Unexplained& soft,
+                   const trace::OutlierShares& soft,
                    const std::function<void(size_t, size_t)>& progress = {});
 
 }  // namespace underbrush::fit

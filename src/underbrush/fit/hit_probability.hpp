@@ -52,7 +52,7 @@ enum class Credit : uint8_t { kNothing, kHit, kMiss };
 /// `mahalanobis`: each element by itself. Ellipsoids farther from the beam than τ_m say nothing;
 /// those that explain the point (threshold τ_m) get a hit, the others met before the range a miss:
 /// n and m of the permeability ρ = m / (m + n), p = 1 − ρ.
-void credit(const elements::Model& model, std::span<const trace::Met> met, double range_m,
+void credit(const elements::Model& model, std::span<const trace::Intersection> met, double range_m,
             const CreditOptions& options, std::vector<Credit>& out);
 
 /// Fills hits, misses and p of all elements of `model` from all beams of `source`. Elements that no

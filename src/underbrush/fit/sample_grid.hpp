@@ -2,11 +2,13 @@
 /// Thinned, oriented points of a tile in a dense grid of cells, for neighbour queries.
 #pragma once
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <span>
 #include <vector>
 
-#include "underbrush/fit/surface.hpp"
+#include "underbrush/fit/implicit.hpp"
 
 namespace underbrush::fit {
 

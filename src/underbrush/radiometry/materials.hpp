@@ -16,7 +16,7 @@ struct Material {
   /// (wavelength m, reflectance), in rising order of wavelength.
   std::vector<std::pair<double, double>> reflectance;
   SurfaceModel surface;
-  double leaf_shape = 1;  ///< χ of `Foliage`, where it fills ellipsoids.
+  double leaf_shape = 1;  ///< χ of `LeafAngleDistribution`, where it fills ellipsoids.
 
   /// By linear interpolation; the first or last value outside the table.
   double reflectance_at(double wavelength_m) const;

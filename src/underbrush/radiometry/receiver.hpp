@@ -54,7 +54,8 @@ double signal_from_detection_range(double range_m, double reflectance, double th
 ///
 /// A sub-ray's return is a range (m; infinite or NaN: none), the weight of the sub-ray (its share
 /// of the beam's energy) and a reflection factor: reflectance × what the incidence leaves of it (1
-/// = a white Lambertian surface seen perpendicularly; `backscatter`, `foliage_backscatter`).
+/// = a white Lambertian surface seen perpendicularly; `backscatter`,
+/// `LeafAngleDistribution::backscatter`).
 class Receiver {
  public:
   explicit Receiver(const ReceiverOptions& options);

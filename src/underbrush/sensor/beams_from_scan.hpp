@@ -52,7 +52,7 @@ struct BeamCounts {
 ///   channels, from the elevation (the index of the sensor's channel; counted). Without a sensor
 ///   a count above 256 is no ring order: all 0.
 /// - (0,0,0) and non-finite points of an organised scan are misses, their direction from
-/// `find_grid`;
+/// `find_organised_scan`;
 ///   where there is no grid they are skipped and counted.
 /// - origin: the sensor's origin (heights of single lasers and Ouster's 12 mm are left out). With
 ///   `deskew`, at the beam's own time; else all beams share the scan's pose.

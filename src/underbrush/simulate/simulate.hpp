@@ -10,7 +10,7 @@
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/elements/classes.hpp"
 #include "underbrush/sensor/beam.hpp"
-#include "underbrush/simulate/surroundings.hpp"
+#include "underbrush/simulate/dynamic_world.hpp"
 
 namespace underbrush {
 /// Beams answered by a world.
@@ -27,7 +27,7 @@ struct Options {
   uint64_t seed = 1;
   RangeDraw draw = RangeDraw::kOnRay;
   double range_noise_m = 0;  ///< σ of further noise on every range.
-  double max_range_m = 0;    ///< Of the source below: overrides that of the beams if positive.
+  double max_range_m = 0;    ///< Overrides the largest range of the beams if positive.
   bool element_ids = false;  ///< Add the extra columns `element` and `element_class`.
   /// Of a scene, one an instance: with `element_ids` `element_class` is taken from here instead of
   /// from the element, and there is a column `instance`, 0 for the ground and where nothing was
@@ -41,9 +41,11 @@ struct Options {
 /// Answers beams in place: the range of each becomes that of the first element which accepts it, or
 /// a miss. Beam i draws its random numbers from (seed, scan, first_beam + i), so neither chunks nor
 /// threads change the answer. Volumetric draws also turn the direction towards the point drawn.
-/// Ranges are limited to those of `beams.info`; a draw outside them is put at the element itself.
+/// Elements count at ranges within those of `beams.info` (or `options.max_range_m`) and up to the
+/// `max_range_m` of the model of instance 0, which in a composed scene is the ground: the other
+/// models' limits are not looked at. A draw outside these limits is put at the element itself.
 /// Intensities are those of no instrument: 0 (`EchoMaker` has one).
-void simulate(const Surroundings& world, const Options& options, size_t first_beam, BeamLog& beams);
+void simulate(const DynamicWorld& world, const Options& options, size_t first_beam, BeamLog& beams);
 
 /// The beams of a source, answered chunk by chunk. World and source must outlive it.
 class SimulatedSource : public BeamSource {

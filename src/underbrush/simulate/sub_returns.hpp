@@ -18,7 +18,7 @@ class SubReturns {
 
   /// Takes those of `met` (one a sub-ray, as `keys` and `weight`) that met something and draws
   /// their ranges as `drawn_on_ray` does, t ~ N(t_i, σ_i²) ([deschaud12] eq. 2–3), to 2e-4 σ.
-  void collect(std::span<const trace::Met> met, std::span<const uint64_t> keys,
+  void collect(std::span<const trace::Intersection> met, std::span<const uint64_t> keys,
                std::span<const float> weight, const trace::RangeLimits& limits);
 
   size_t size() const { return size_; }

@@ -9,16 +9,25 @@
 
 namespace underbrush::trace {
 
-/// What a leaf holds (bits 29 and 30 of its reference).
-inline constexpr uint32_t kEllipsoids = 0;
-/// Ellipsoids whose meetings and trials are decided in double, always: voxels, shapes too thin for
-/// floats.
-inline constexpr uint32_t kCareful = 0x20000000u;
-inline constexpr uint32_t kTriangles = 0x40000000u;
-/// Ellipsoids of path-length opacity.
-inline constexpr uint32_t kPathLength = 0x60000000u;
-/// Of the tree over instances, which has no elements: an entry of `SceneTree::entries`.
-inline constexpr uint32_t kInstance = 0x60000000u;
+/// What a leaf of a model's tree holds: bits 29 and 30 of its reference. (Leaves of the tree over
+/// instances have no kind: they hold subtrees of models.)
+enum class LeafKind : uint32_t {
+  kEllipsoids = 0,
+  /// Ellipsoids whose intersections and trials are always decided in double: voxels, and shapes too
+  /// thin for floats.
+  kCareful = 0x20000000u,
+  kTriangles = 0x40000000u,
+  kPathLength = 0x60000000u,  ///< Ellipsoids of path-length opacity.
+};
+
+/// The kind of the leaf behind a reference.
+__attribute__((always_inline)) constexpr LeafKind leaf_kind(uint32_t reference) {
+  return LeafKind(reference & kKindMask);
+}
+/// The reference of a leaf.
+constexpr uint32_t leaf_reference(LeafKind kind, uint32_t index) {
+  return kLeaf | uint32_t(kind) | index;
+}
 
 /// Eight ellipsoids: |U (x − mean)| ≤ 1 on the surface at Mahalanobis distance τ, U upper
 /// triangular (u00 u01 u02 u11 u12 u22). Lanes without an ellipsoid are NaN and never met.
@@ -27,7 +36,7 @@ struct alignas(32) EllipsoidBlock {
   float u[6][kWidth];
   union {
     uint32_t accept_below[kWidth];  ///< Accepted iff hash < this, or always where 0xffffffff.
-    float depth[kWidth];            ///< kPathLength: κ √(2π) / τ.
+    float depth[kWidth];            ///< `LeafKind::kPathLength`: κ √(2π) / τ.
   };
   uint32_t element[kWidth];
 };
@@ -51,8 +60,8 @@ struct Bvh {
 };
 
 /// Element numbers are the model's. Ellipsoids are found wherever |U (x − mean)| ≤ 1 in exact
-/// arithmetic, where U is the float nearest to the true factor; those of kCareful leaves may be
-/// inflated.
+/// arithmetic, where U is the float nearest to the true factor; those of `LeafKind::kCareful`
+/// leaves may be inflated.
 Bvh build_bvh(const elements::Model& model);
 
 }  // namespace underbrush::trace

@@ -15,7 +15,7 @@ namespace underbrush {
 namespace trace {
 
 /// A ray meeting an element.
-struct Met {
+struct Intersection {
   double t_m = 0;      ///< Range of the closest Mahalanobis approach, or of the intersection.
   double sigma_m = 0;  ///< σ of the range drawn on a hit.
   double delta2 = 0;   ///< Squared Mahalanobis distance of the closest approach; 0 for triangles.
@@ -26,7 +26,7 @@ struct Met {
   static constexpr uint32_t kNone = 0xffffffffu;
   bool none() const { return element == kNone; }
   /// The order of visiting: by range, ties by instance and element.
-  bool before(const Met& other) const {
+  bool before(const Intersection& other) const {
     if (t_m != other.t_m) return t_m < other.t_m;
     return instance != other.instance ? instance < other.instance : element < other.element;
   }
@@ -41,8 +41,8 @@ struct RangeLimits {
 /// The closest approach of a ray to a Gaussian, [deschaud12] eq. 1–3:
 /// t = dᵀΣ⁻¹(μ−o) / dᵀΣ⁻¹d, δ² = |o + t d − μ|²_Σ, σ² = 1 / dᵀΣ⁻¹d.
 /// `origin` and `mean` in one frame (m); `covariance` xx xy xz yy yz zz (m²), positive definite.
-Met approach(const Vec3& origin, const Vec3& direction, const Vec3f& mean,
-             const std::array<float, 6>& covariance);
+Intersection approach(const Vec3& origin, const Vec3& direction, const Vec3f& mean,
+                      const std::array<float, 6>& covariance);
 
 /// Range at which a ray crosses a triangle, either side, border included; none if it misses or runs
 /// in its plane. Watertight: vertices are placed once per ray and the edge tests have exact signs
@@ -69,7 +69,7 @@ constexpr uint64_t instance_key(uint64_t key, uint32_t instance) {
 }
 
 /// Whether the beam of this key accepts what it met.
-inline bool accepts(uint64_t key, const Met& met) {
+inline bool accepts(uint64_t key, const Intersection& met) {
   return accept_threshold(met.p).accepts(accept_bits(instance_key(key, met.instance), met.element));
 }
 
@@ -77,8 +77,8 @@ inline bool accepts(uint64_t key, const Met& met) {
 std::array<int64_t, 3> voxel_of(const Vec3& point, double voxel_m);
 
 /// Element `element` of the model as the ray (model frame) meets it within `limits`; none if not.
-Met meet(const elements::Model& model, uint32_t element, const Vec3& origin, const Vec3& direction,
-         const RangeLimits& limits);
+Intersection intersect(const elements::Model& model, uint32_t element, const Vec3& origin,
+                       const Vec3& direction, const RangeLimits& limits);
 
 /// Whether model and world coordinates differ by a translation alone.
 bool is_translation(const elements::Instance& placed);
@@ -88,8 +88,9 @@ Ray to_model(const elements::Instance& placed, const Ray& ray);
 
 /// Element `element` of an instance of `model`, the ray in world coordinates. Ranges and σ are in
 /// the world's metres; the hit probability is the model's own, however it is scaled.
-Met meet(const elements::Model& model, const elements::Instance& placed, uint32_t instance,
-         uint32_t element, const Ray& ray, const RangeLimits& limits);
+Intersection intersect(const elements::Model& model, const elements::Instance& placed,
+                       uint32_t instance, uint32_t element, const Ray& ray,
+                       const RangeLimits& limits);
 
 }  // namespace trace
 }  // namespace underbrush

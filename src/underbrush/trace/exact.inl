@@ -1,6 +1,9 @@
 // The arithmetic of the ray model, for one ray (D = double) or several at once (D a vector of
 // doubles): the same operations in the same order, so the same bits, as long as nothing contracts
 // them. Included by element_math.cpp and kernel.inl.
+#pragma once
+#include <cstdint>
+
 namespace underbrush::trace {
 namespace {
 

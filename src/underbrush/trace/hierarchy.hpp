@@ -23,7 +23,7 @@ struct alignas(64) Node {
   uint32_t unused[kWidth];
 };
 
-/// Four floats that vector instructions take at once.
+/// CandidateQuad floats that vector instructions take at once.
 typedef float Float4 __attribute__((vector_size(16)));
 
 /// An axis-aligned box; the fourth lane is not used.

@@ -1,5 +1,13 @@
-// Included by kernel.inl: vectors of floats for one instruction set. `F` holds kLanes rays, `F8`
+// For kernel_*.cpp: vectors of floats for one instruction set. `F` holds kLanes rays, `F8`
 // the eight children of a node or the eight elements of a block.
+#pragma once
+#include <immintrin.h>
+
+#include <cmath>
+#include <cstdint>
+
+#include "underbrush/trace/order.hpp"
+
 namespace underbrush::trace {
 namespace {
 
@@ -8,7 +16,7 @@ constexpr int kLanes = 16;
 #else
 constexpr int kLanes = 8;
 #endif
-constexpr int kPacket = int(kTogether);
+constexpr int kPacket = int(kPacketRays);
 constexpr int kGroups = kPacket / kLanes;
 constexpr int kSets = kGroups / 8;  // of eight groups
 constexpr unsigned kEveryGroup = (1u << kGroups) - 1;

@@ -1,5 +1,6 @@
 /// \file
-/// Leaves: the incidence where a beam ends in an ellipsoid, which has no surface of its own.
+/// The distribution of leaf angles, which gives the incidence where a beam ends in an ellipsoid
+/// (an ellipsoid has no surface of its own).
 #pragma once
 
 namespace underbrush::radiometry {
@@ -16,10 +17,10 @@ namespace underbrush::radiometry {
 /// both in closed form. A beam that is stopped by leaves has met them with a density ∝ |n·d|, so
 /// that of Lambertian leaves comes back M/G times what a perpendicular one returns: ⅔ for
 /// spherical leaves.
-class Foliage {
+class LeafAngleDistribution {
  public:
   /// Throws `std::invalid_argument` unless 0.01 ≤ χ ≤ 100.
-  explicit Foliage(double shape = 1);
+  explicit LeafAngleDistribution(double shape = 1);
 
   /// G, in (0, 1]; `cos_zenith` is that of the beam, up or down.
   double projection(double cos_zenith) const;

@@ -5,8 +5,8 @@
 
 namespace underbrush::radiometry {
 
-/// Transmitter, optics and detector of a lidar.
-struct Link {
+/// Transmitter, optics and detector of a lidar: what its link budget is computed from.
+struct LinkBudget {
   double peak_power_w = 25;
   double aperture_m = 0.025;  ///< Diameter D of the receiver.
   double transmission = 0.5;  ///< η_t η_r of the optics, out and back.
@@ -24,7 +24,7 @@ struct Link {
 /// Peak power at the detector (W) from a target that fills a share `fill` of the beam:
 /// P_t · fill · factor · D² / (4 R²) · η · e^{−2αR}, factor = reflectance × backscatter (1 = white,
 /// Lambertian, perpendicular). R > 0.
-double received_power_w(const Link& link, double range_m, double factor, double fill,
+double received_power_w(const LinkBudget& link, double range_m, double factor, double fill,
                         double extinction_per_m);
 
 /// Spectral irradiance of the sun above the atmosphere, W/m² per m: a black body of 5772 K over
@@ -34,19 +34,19 @@ double solar_irradiance(double wavelength_m);
 /// Sunlight at the detector (W) from a Lambertian scene of this reflectance that fills the view,
 /// `share` of the irradiance above the atmosphere arriving: E ρ/π · Ω · π D²/4 · η_r · Δλ, with
 /// half of the losses on the way back (η_r = √η).
-double solar_background_w(const Link& link, double reflectance, double share);
+double solar_background_w(const LinkBudget& link, double reflectance, double share);
 
 /// Noise as power at the detector (W, σ): √((i_dark² + 2 q 𝓡 P) B) / 𝓡 with background P (shot
 /// noise).
-double noise_power_w(const Link& link, double background_w);
+double noise_power_w(const LinkBudget& link, double background_w);
 
 /// How much sunlight raises the noise: `noise_power_w` over that in the dark, ≥ 1. For
 /// `ReceiverOptions::noise_sigma`.
-double noise_in_light(const Link& link, double background_w);
+double noise_in_light(const LinkBudget& link, double background_w);
 
 /// Signal-to-noise ratio in the dark of a white Lambertian perpendicular target at 1 m. For
 /// `ReceiverOptions::signal_at_1m`.
-double signal_at_1m(const Link& link);
+double signal_at_1m(const LinkBudget& link);
 
 /// Extinction of haze and fog (1/m) by the visibility V: 3.912/V · (λ/550 nm)^−q with q = 1.6
 /// beyond 50 km, 1.3 to 6 km, 0.16 V + 0.34 to 1 km, V − 0.5 to 0.5 km (V in km), 0 below

@@ -1,5 +1,5 @@
 /// \file
-/// The sub-rays of a beam about any axis.
+/// The bundle of sub-rays of a beam, placed about any axis.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -11,10 +11,10 @@ namespace underbrush::simulate {
 
 /// Sub-rays in the axes of their beam, ready to be turned into rays of the world: those of
 /// `sensor::RayMaker` to rounding, and a few operations a ray.
-class Fan {
+class SubRayBundle {
  public:
   /// At least one sub-ray. Throws `std::invalid_argument`.
-  Fan(const sensor::BeamShape& shape, std::span<const sensor::SubRay> places);
+  SubRayBundle(const sensor::BeamShape& shape, std::span<const sensor::SubRay> places);
 
   size_t size() const { return weight_.size(); }
   /// Share of the beam's energy of each.

@@ -1,5 +1,5 @@
 /// \file
-/// What beams are fired into: a world that stands, and objects that move through it.
+/// The world that beams are fired into: static elements and objects that move through it.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -10,24 +10,24 @@
 
 namespace underbrush::simulate {
 
-/// A world and the movers in it. Each beam meets a mover where that is at the beam's own time. With
-/// movers that stand still, the answers are those of the scene itself, to rounding: instances keep
-/// their numbers, and so their random numbers.
-class Surroundings {
+/// A static world and the movers in it. Each beam meets a mover where that is at the beam's own
+/// time. With movers that stand still, the answers are those of the scene itself, to rounding:
+/// instances keep their numbers, and so their random numbers.
+class DynamicWorld {
  public:
   /// Nothing moves. `world` must outlive this.
-  Surroundings(const trace::World& world);  // NOLINT(google-explicit-constructor)
+  DynamicWorld(const trace::World& world);  // NOLINT(google-explicit-constructor)
   /// The scene with some of its instances moving. Throws `std::invalid_argument` where a mover's
   /// instance does not exist or comes twice, or its trajectory is empty. `scene` must outlive this.
-  Surroundings(const elements::Scene& scene, std::vector<elements::Mover> movers);
-  Surroundings(Surroundings&&) noexcept;
-  ~Surroundings();
+  DynamicWorld(const elements::Scene& scene, std::vector<elements::Mover> movers);
+  DynamicWorld(DynamicWorld&&) noexcept;
+  ~DynamicWorld();
 
   /// As `World::nearest_accepted`, for beams of `rays.size() / time_s.size()` rays each, one beam
   /// after the other, fired at `time_s`.
   void nearest_accepted(std::span<const Ray> rays, std::span<const uint64_t> keys,
                         std::span<const double> time_s, const trace::RangeLimits& limits,
-                        std::span<trace::Met> met) const;
+                        std::span<trace::Intersection> met) const;
 
   const trace::World& world() const { return *world_; }
   bool moves() const { return !movers_.empty(); }
