@@ -10,7 +10,8 @@
 namespace underbrush::primitives {
 namespace {
 
-/// Calls `f(k, point, range)` for hit k (m, world), chunk by chunk; `g(k)` after each chunk.
+/// Calls `f(k, point, range)` for each hit k (m, world), chunk by chunk, and `g(k)` after each
+/// chunk.
 template <class F, class G>
 void for_each_hit(BeamSource& source, const F& f, const G& g) {
   source.rewind();
@@ -23,7 +24,8 @@ void for_each_hit(BeamSource& source, const F& f, const G& g) {
   }
 }
 
-/// Ground heights where the smooth surface does not reach: means of squares, the nearest counting.
+/// Ground heights where the smooth surface does not reach: means over squares, of which the nearest
+/// counts.
 class CoarseGround {
  public:
   void add(const Vec3& p) {
@@ -69,8 +71,9 @@ LogLabels segment_log(BeamSource& source, const SegmentLogOptions& o,
   LogLabels out;
   ObjectFinder finder(o.objects);
   if (prior.empty()) {
-    out.ground = ground::ground_flags(source, o.ground, o.tile_m,
-                                   [&](size_t done, size_t total) { tell("ground", done, total); });
+    out.ground = ground::ground_flags(source, o.ground, o.tile_m, [&](size_t done, size_t total) {
+      tell("ground", done, total);
+    });
   } else {
     out.ground.resize(prior.size());
     for (size_t k = 0; k < prior.size(); ++k) out.ground[k] = prior[k] == Prior::kGround;
@@ -102,7 +105,7 @@ LogLabels segment_log(BeamSource& source, const SegmentLogOptions& o,
   require(seen == hits, "segment: as many labels as hits are needed");
   out.height = grid.solve();
 
-  // x and y from the origin, z above the ground; nothing where no ground is within 30 m.
+  // Returns x and y from the origin and z above the ground; nothing where no ground is within 30 m.
   const auto place = [&](const Vec3& p) {
     std::optional<double> z = out.height.at(p.x(), p.y());
     if (!z) z = coarse.at(p.x(), p.y());
