@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kWidth = 900, kHeight = 480, kLeft = 70, kRight = 20, kTop = 40, kBottom = 55;
 
-/// A step of 1, 2 or 5 times a power of ten that divides `span` into four to ten parts.
+/// Returns a step of 1, 2 or 5 times a power of ten that divides `span` into four to ten parts.
 double tick_step(double span) {
   const double raw = span / 8, power = std::pow(10, std::floor(std::log10(raw)));
   for (const double m : {1.0, 2.0, 5.0}) {
