@@ -43,7 +43,7 @@ void keep_pair(const std::filesystem::path& folder, const CloudPair& pair);
 /// The comparison of two clouds.
 struct PairFigures {
   std::vector<PatchFigures> patches;
-  RangeHistograms histograms;                    ///< Of the real and the simulated cloud.
+  RangeHistograms histograms;  ///< Histograms of the real and the simulated cloud.
   size_t real_points = 0, simulated_points = 0;  ///< Number of points on the target.
   IcpResult icp;
   Pose real_from_target;             ///< The registration by `icp`.
