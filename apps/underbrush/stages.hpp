@@ -17,7 +17,8 @@ namespace underbrush::app {
 /// Reads a scene, or a model as a scene without instances. `info` receives what the scene's folder
 /// holds besides.
 elements::Scene read_world(const std::filesystem::path& path, elements::SceneInfo* info = nullptr);
-/// Returns the world of a scene. Without instances it is the world of the scene's model, to the bit.
+/// Returns the world of a scene. Without instances it is the world of the scene's model, to the
+/// bit.
 trace::World world_of(const elements::Scene& scene);
 
 /// A fit, with the number of records of the log left out by reason.

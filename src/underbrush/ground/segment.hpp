@@ -15,15 +15,14 @@ namespace ground {
 
 /// Options of `spherical_variance`. The defaults are those of [tallavajhula18]'s authors.
 struct SphericalVarianceOptions {
-  int neighbours = 10;  ///< The neighbourhood is at most this many nearest points (itself included)
-                        ///< ...
-  double radius_m = 5;  ///< ... within this distance (m): the ball d_φ.
+  int neighbours = 10;     ///< Most neighbours of a point, itself included; the nearest are taken.
+  double radius_m = 5;     ///< m; largest distance of a neighbour: the ball d_φ.
   int min_neighbours = 4;  ///< N_min: with fewer neighbours φ is `default_variance`.
   double default_variance = 0.01;
   int smooth_neighbours = 100;  ///< φ is averaged over this many neighbours; 0 = not smoothed.
-  double smooth_radius_m = 10;  ///< They lie at most this far (m) ...
-  double smooth_scale_m = 10;   ///< ... and have the weight exp(−d²/scale²), m.
-  double threshold = 0.09;      ///< A point is ground iff its φ is below this.
+  double smooth_radius_m = 10;  ///< m; largest distance of a neighbour in that average.
+  double smooth_scale_m = 10;  ///< m; a neighbour at distance d has the weight exp(−d²/scale²).
+  double threshold = 0.09;     ///< A point is ground iff its φ is below this.
 };
 
 /// Returns φ = λ1 / (λ1 + λ2 + λ3) of each point, where λ1 ≤ λ2 ≤ λ3 are the eigenvalues of the
@@ -45,8 +44,8 @@ struct LowerEnvelopeOptions {
                                ///< it is the lowest.
   double slope = 0.5;          ///< Steepest rise of the first guess; steeper ground is still found.
   double bend = 0.075;   ///< Tolerance s of a cell of side c: bend · c^1.5 (m), at least band_m.
-  double band_m = 0.15;  ///< m; ground is at most this far above the surface (along its normal) ...
-  double below_m = 0.4;  ///< m; ... and at most this far below it.
+  double band_m = 0.15;  ///< m; ground is at most this far above the surface, along its normal.
+  double below_m = 0.4;  ///< m; ground is at most this far below the surface, along its normal.
 };
 
 /// Flags as ground (1) the points in a band about the smooth lower envelope of a tile, others as 0.
