@@ -52,7 +52,10 @@ std::string entry(const std::string& name, const std::string& text) {
 std::string value_name(const CLI::Option& option) {
   if (option.get_expected_max() == 0) return "";
   std::string type = option.get_type_name();
-  type = type.substr(0, type.find_first_of(": "));
+  for (const char* check : {":{", ":FLOAT in", ":INT in", ":UINT in", ":POSITIVE", ":NONNEGATIVE",
+                            ":DIR(", ":FILE(", ":PATH("}) {
+    type = type.substr(0, type.find(check));  // CLI11 appends what it checks
+  }
   if (type == "INT" || type == "UINT") type = "N";
   if (type == "FLOAT") type = "X";
   if (type == "TEXT" || type.empty()) type = option.get_positional() ? "" : "NAME";
@@ -101,8 +104,9 @@ std::string HelpFormatter::make_help(const CLI::App* app, std::string name,
   if (mode == CLI::AppFormatMode::Sub) {
     return "\n" + make_usage(app, std::move(name)) + make_positionals(app) + groups(app, mode);
   }
-  return make_description(app) + "\n" + make_usage(app, std::move(name)) + make_positionals(app) +
-         groups(app, mode) + make_subcommands(app, mode) + "\n" + make_footer(app);
+  return wrapped(app->get_description(), 0, 0) + "\n\n" + make_usage(app, std::move(name)) +
+         make_positionals(app) + groups(app, mode) + make_subcommands(app, mode) + "\n" +
+         make_footer(app);
 }
 
 std::string HelpFormatter::make_usage(const CLI::App* app, std::string name) const {

@@ -33,16 +33,14 @@ void add_options(Verb& verb, Arguments& a) {
                    "Every K-th column of each scan: the beams fired at one time (for logs without "
                    "times of beams: those of one packet)")
       ->check(CLI::Range(2, 1 << 30));
-  group
-      ->add_option("--time", a.time, "Scans whose time lies in [FROM, TO), s after the log's start")
+  app.add_option("--time", a.time, "Scans whose time lies in [FROM, TO), s after the log's start")
       ->expected(2)
       ->type_name("FROM TO");
-  group
-      ->add_option("--region", a.region,
-                   "Scans whose sensor stands in this rectangle of the world, m")
+  app.add_option("--region", a.region,
+                 "Scans whose sensor stands in this rectangle of the world, m")
       ->expected(4)
       ->type_name("X0 Y0 X1 Y1");
-  group->require_option(1);
+  verb.begin_group("Options");
   app.add_option("--offset", a.offset,
                  "Number (mod K) of the scan or column to hold out, with --every or --columns")
       ->capture_default_str();
@@ -117,6 +115,8 @@ class HeldOut {
 };
 
 void run(const Verb& verb, const Arguments& a) {
+  require((a.every > 0) + (a.columns > 0) + !a.time.empty() + !a.region.empty() == 1,
+          "split: give one of --every, --columns, --time and --region");
   io::LogReader log(a.log);
   const HeldOut held_out(a, log);
   const std::string origin = provenance(verb, {a.log});
