@@ -1,7 +1,7 @@
-// The whole instrument: sub-rays, tracing, light, waveforms, echoes, rows of the log. An OS1-64 on
-// a vehicle in a forest of 100 000 ellipsoids on 100 000 triangles, 41 sub-rays a beam; its beams a
-// second beside those that the sensor fires (1024 columns at 10 Hz, and at 20 Hz). Misses count as
-// beams. Synthetic scene.
+// Speed of the whole instrument: sub-rays, tracing, light, waveforms, echoes, rows of the log. An
+// OS1-64 on a vehicle scans a forest of 100 000 ellipsoids on 100 000 triangles, with 41 sub-rays a
+// beam. Reports the beams per second beside those that the sensor fires (1024 columns at 10 Hz, and
+// at 20 Hz); misses count as beams. The scene is synthetic.
 #include "underbrush/simulate/echoes.hpp"
 
 #include <CLI/CLI.hpp>
@@ -26,7 +26,7 @@ elements::Model forest_on_ground(size_t ellipsoids, size_t triangles) {
   return model;
 }
 
-/// Time in the parts of the work, and its result, over all threads.
+/// Time of the parts of the work over all threads, and the result.
 struct Measured {
   double seconds = 0, cpu_s = 0;
   size_t beams = 0, hits = 0, echoes = 0;
@@ -94,14 +94,16 @@ int main(int argc, char** argv) {
   size_t ellipsoids = 100000, triangles = 100000;
   double seconds = 0.4;
   std::string json_file, returns = "strongest";
-  app.add_option("--sub-rays", sub_rays, "Sub-rays a beam")->capture_default_str();
-  app.add_option("--ellipsoids", ellipsoids, "Ellipsoids")->capture_default_str();
-  app.add_option("--triangles", triangles, "Triangles of the ground")->capture_default_str();
-  app.add_option("--threads", threads, "Threads, 0 = all")->capture_default_str();
-  app.add_option("--rounds", rounds, "Rounds, the median counts")->capture_default_str();
-  app.add_option("--seconds", seconds, "Of the drive")->capture_default_str();
-  app.add_option("--returns", returns, "strongest or all (up to 3)")->capture_default_str();
-  app.add_option("--json", json_file, "Write the figures here");
+  app.add_option("--sub-rays", sub_rays, "Sub-rays of each beam")->capture_default_str();
+  app.add_option("--ellipsoids", ellipsoids, "Number of ellipsoids")->capture_default_str();
+  app.add_option("--triangles", triangles, "Number of triangles of the ground")
+      ->capture_default_str();
+  app.add_option("--threads", threads, "Number of threads; 0 = all cores")->capture_default_str();
+  app.add_option("--rounds", rounds, "Number of rounds, of which the median counts")
+      ->capture_default_str();
+  app.add_option("--seconds", seconds, "Length of the drive, s")->capture_default_str();
+  app.add_option("--returns", returns, "strongest, or all (up to 3)")->capture_default_str();
+  app.add_option("--json", json_file, "Write the figures to this file as JSON");
   CLI11_PARSE(app, argc, argv);
   set_threads(threads);
 
@@ -119,7 +121,7 @@ int main(int argc, char** argv) {
 
   std::vector<double> rate, thin_rate, cpu_ns;
   Measured m;
-  answer(maker, {fired[0]});  // warm
+  answer(maker, {fired[0]});  // A first run to warm up.
   for (int r = 0; r < rounds; ++r) {
     m = answer(maker, fired);
     rate.push_back(double(m.beams) / m.seconds);

@@ -1,4 +1,4 @@
-// Embree's closest hit on triangles: the yardstick.
+// Embree's closest hit on triangles, as the reference for speed.
 #pragma once
 #include <embree3/rtcore.h>
 
@@ -11,12 +11,12 @@
 
 namespace underbrush::bench {
 
-/// How rays are handed over: singly, or 8 or 16 that lie next to each other together.
+/// How rays are handed over: singly, or 8 or 16 neighbours together.
 enum class EmbreeMode { kSingle = 1, kPacket8 = 8, kPacket16 = 16 };
 
 class Embree {
  public:
-  /// `config` as Embree takes it, such as "isa=avx2"; nullptr for its best.
+  /// `config` is in Embree's own form, such as "isa=avx2"; nullptr lets Embree choose.
   explicit Embree(const elements::TriangleMesh& mesh, const char* config = nullptr)
       : device_(rtcNewDevice(config)), scene_(rtcNewScene(device_)) {
     RTCGeometry g = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
@@ -38,7 +38,7 @@ class Embree {
     rtcReleaseDevice(device_);
   }
 
-  /// Ranges of the rays (relative to the mesh's origin), in their order.
+  /// Returns the ranges of the rays (relative to the mesh's origin), in their order.
   void closest_hits(std::span<const Ray> rays, EmbreeMode mode, float max_range_m,
                     std::span<float> range) const {
     RTCIntersectContext context;

@@ -1,7 +1,7 @@
 // Fitting speed of each method: whole fits as multiples of a real sensor's rate, at a quarter, half
-// and all of the log, with the exponent of growth from a quarter to all, time ∝ beams^e; the
-// clusterings alone on the points of its tiles that are not ground. Fits a log if one is given,
-// else a scanned generated site.
+// and all of the log, with the exponent e of growth from a quarter to all, time ∝ beams^e. The
+// clusterings are also timed alone, on the points of the log's tiles that are not ground. The log
+// is the one given, else a scanned generated site.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -19,7 +19,8 @@
 namespace {
 using namespace underbrush;
 
-/// The least of some runs, by the clock or, on a busy machine, as processor time over threads.
+/// Returns the least time of some runs, by the clock or, on a busy machine, as processor time over
+/// threads.
 template <class F>
 double least_seconds(int runs, bool processor, int used_threads, F f) {
   double least = INFINITY;
@@ -32,7 +33,7 @@ double least_seconds(int runs, bool processor, int used_threads, F f) {
   return least;
 }
 
-/// The points of a tile that are not ground.
+/// Returns the points of a tile that are not ground.
 struct Tile {
   std::vector<Vec3f> point, to_sensor;
 };
@@ -59,7 +60,7 @@ std::vector<Tile> tiles_of(const BeamLog& log) {
   return out;
 }
 
-/// A fitter and what to call it.
+/// A fitter and its name in the results.
 struct Method {
   const char* label;
   fit::FitOptions options;
@@ -101,10 +102,12 @@ int main(int argc, char** argv) {
   int runs = 3;
   bool quick = false, processor = false;
   app.add_option("LOG", log_file, "A log (ray cloud PLY); default: a generated site, scanned");
-  app.add_option("--json", json_file, "Write the figures here");
-  app.add_option("--runs", runs, "Runs of each, the fastest counts")->capture_default_str();
-  app.add_flag("--quick", quick, "A small case");
-  app.add_flag("--processor-time", processor, "Processor time over threads, not the clock's");
+  app.add_option("--json", json_file, "Write the figures to this file as JSON");
+  app.add_option("--runs", runs, "Number of runs, of which the fastest counts")
+      ->capture_default_str();
+  app.add_flag("--quick", quick, "Measure a small case");
+  app.add_flag("--processor-time", processor,
+               "Measure processor time over threads instead of the clock's time");
   CLI11_PARSE(app, argc, argv);
 
   const BeamLog log =

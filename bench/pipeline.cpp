@@ -1,6 +1,6 @@
-// Fitting and simulation as multiples of a real sensor's rate, with raw Embree closest-hit on the
-// same ground mesh and the same rays in the same run as the yardstick. Fits to a log if one is
-// given, else to a scanned generated site.
+// Speed of fitting and simulation as multiples of a real sensor's rate, with Embree's closest hit
+// on the same ground mesh and the same rays in the same run as the reference. The log is the one
+// given, else a scanned generated site.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
@@ -23,7 +23,7 @@ using namespace underbrush;
 using bench::kHdl64eBeamsPerS;
 using bench::seconds_of;
 
-/// Median of the rates (items/s) of several runs.
+/// Returns the median rate (items/s) of several runs.
 template <class F>
 double median_rate(size_t items, int runs, F f) {
   std::vector<double> rates;
@@ -40,9 +40,10 @@ int main(int argc, char** argv) {
   int runs = 5;
   bool quick = false;
   app.add_option("LOG", log_file, "A log (ray cloud PLY); default: a generated site, scanned");
-  app.add_option("--json", json_file, "Write the figures here");
-  app.add_option("--runs", runs, "Runs of each, the median counts")->capture_default_str();
-  app.add_flag("--quick", quick, "A small case");
+  app.add_option("--json", json_file, "Write the figures to this file as JSON");
+  app.add_option("--runs", runs, "Number of runs, of which the median counts")
+      ->capture_default_str();
+  app.add_flag("--quick", quick, "Measure a small case");
   CLI11_PARSE(app, argc, argv);
 
   const BeamLog log =

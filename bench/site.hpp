@@ -1,5 +1,5 @@
 /// \file
-/// The generated site as a log, for benchmarks without a file.
+/// The generated site as a log, for benchmarks that are given no file.
 #pragma once
 #include "underbrush/sensor/pattern.hpp"
 #include "underbrush/simulate/footprint.hpp"
@@ -7,7 +7,7 @@
 
 namespace underbrush::bench {
 
-/// The generated site, scanned by a Velodyne HDL-64E for `seconds`.
+/// Returns the beams of a Velodyne HDL-64E that scans the generated site for `seconds`.
 inline BeamLog scanned_site(double seconds) {
   const test_site::Site site = test_site::make_site({});
   const test_site::FlatSite flat = test_site::flatten(site);

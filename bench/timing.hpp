@@ -7,7 +7,7 @@
 namespace underbrush::bench {
 
 inline constexpr double kHdl64eBeamsPerS = 1.33e6;
-inline constexpr double kOs1BeamsPerS = 1.31072e6;  // 1024 × 64 at 20 Hz, 2048 × 64 at 10 Hz
+inline constexpr double kOs1BeamsPerS = 1.31072e6;  // 1024 × 64 at 20 Hz, or 2048 × 64 at 10 Hz
 
 template <class F>
 double seconds_of(F f) {

@@ -1,7 +1,7 @@
-// Beams a second against the number of elements, sub-rays a beam and kind of scene, with Embree's
-// closest hit on as many triangles and the same rays in the same run as the yardstick. Rays come in
-// firing order; ordering them and putting the answers back is inside our times and outside of
-// Embree's. Synthetic scenes.
+// Traced beams per second against the number of elements, sub-rays a beam and kind of scene. The
+// reference is Embree's closest hit on as many triangles with the same rays in the same run. Rays
+// come in firing order; our times include ordering them and putting the answers back, Embree's do
+// not. The scenes are synthetic.
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
@@ -59,7 +59,8 @@ struct Rays {
   }
 };
 
-/// Rays a second of each way, in turns, so that a busy machine slows all alike; the median counts.
+/// Measures the rays per second of each way in turns, so that a busy machine slows all alike; the
+/// median counts.
 class Contest {
  public:
   void add(std::string name, std::function<void()> f) {
@@ -105,7 +106,8 @@ class Bench {
         const elements::Model nothing;
         trace::World world(nothing, isa);
         isas_.push_back(isa);
-      } catch (const std::invalid_argument&) {  // not on this machine
+        // The instruction set is not available on this machine.
+      } catch (const std::invalid_argument&) {
       }
     }
   }
@@ -224,7 +226,8 @@ const Json* find(const Json& cases, const char* scene, size_t elements, int sub_
   return nullptr;
 }
 
-/// Figures that goals are set for, of the dense forest of 10⁶ ellipsoids (10⁵ when quick).
+/// Returns the figures that goals are set for, in the dense forest of 10⁶ ellipsoids (10⁵ when
+/// quick).
 Json summary(const Json& cases, size_t middle) {
   const Json &one = *find(cases, "forest", middle, 1), &sub = *find(cases, "forest", middle, 16);
   const Json &core = one["rays_per_s_per_core"], &two = one["rays_per_s_2_cores"];
@@ -255,7 +258,7 @@ Json summary(const Json& cases, size_t middle) {
   return j;
 }
 
-/// Rays a second a core against the number of ellipsoids, of the dense forest.
+/// Plots the rays per second and core against the number of ellipsoids, in the dense forest.
 void plot(const Json& cases, const std::string& file) {
   report::SvgPlot out("Dense forest, HDL-64E beams in firing order (Embree: ordered)",
                       "log10 of the number of ellipsoids", "million rays/s a core");
@@ -285,7 +288,7 @@ void plot(const Json& cases, const std::string& file) {
   out.write(file);
 }
 
-/// What bench/instructions.sh counts the instructions of.
+/// Runs the passes whose instructions bench/instructions.sh counts.
 __attribute__((noinline)) void counted_pass(const trace::World& world, const Rays& rays,
                                             std::vector<trace::Intersection>& met) {
   trace_all(world, rays, met);
@@ -323,14 +326,16 @@ int main(int argc, char** argv) {
   size_t elements = 100000;
   std::string isa = "avx2";
   bool quick = false;
-  app.add_option("--json", json_file, "Write the figures here");
+  app.add_option("--json", json_file, "Write the figures to this file as JSON");
   app.add_option("--plot", plot_file, "Draw rays/s against the number of elements (SVG)");
-  app.add_option("--rounds", rounds, "Runs of each, in turns; medians count")
+  app.add_option("--rounds", rounds, "Number of rounds in turns, of which the median counts")
       ->capture_default_str();
-  app.add_flag("--quick", quick, "Fewer and smaller cases (10^5 stands for 10^6)");
-  app.add_option("--passes", passes, "Only so many passes over one forest, for profilers");
-  app.add_option("--elements", elements, "Ellipsoids of that forest")->capture_default_str();
-  app.add_option("--sub-rays", sub_rays, "Rays a beam of these passes")->capture_default_str();
+  app.add_flag("--quick", quick, "Measure fewer and smaller cases (10^5 stands for 10^6)");
+  app.add_option("--passes", passes, "Only trace one forest this many times, for profilers");
+  app.add_option("--elements", elements, "Number of ellipsoids of that forest")
+      ->capture_default_str();
+  app.add_option("--sub-rays", sub_rays, "Sub-rays of each beam in these passes")
+      ->capture_default_str();
   app.add_option("--isa", isa, "Instruction set of these passes")
       ->check(CLI::IsMember({"sse2", "avx2", "avx512"}))
       ->capture_default_str();

@@ -28,7 +28,7 @@ elements::Ellipsoid leaf_cluster(Stream& random, const Vec3& mean) {
   return e;
 }
 
-/// A trunk and a crown denser at its shell, standing at the origin.
+/// Adds a trunk, and a crown denser at its shell, at the origin.
 std::vector<elements::Ellipsoid> tree(uint64_t seed, int ellipsoids) {
   Stream random(seed);
   std::vector<elements::Ellipsoid> out;
@@ -53,7 +53,7 @@ std::vector<elements::Ellipsoid> tree(uint64_t seed, int ellipsoids) {
 constexpr int kKinds = 16;
 int tree_size(int kind) { return 2000 + 200 * kind; }
 
-/// Where trees stand: on a jittered grid of `n` places, out of the corridor.
+/// Returns where trees stand: on a jittered grid of `n` places, outside the corridor.
 std::vector<Vec3> places(size_t n, double side_m, Stream& random) {
   const size_t across = size_t(std::ceil(std::sqrt(double(n))));
   const double cell = side_m / double(across);
@@ -111,7 +111,7 @@ elements::Model forest(size_t ellipsoids) {
   for (size_t sum = 0; sum < ellipsoids; ++trees) sum += kinds[trees * 7 % kKinds].size();
   Stream random(5);
   std::vector<Vec3> where = places(trees, kSideM, random);
-  // A few are put along the way, so that they are seen.
+  // A few trees stand along the way, so that they are seen.
   for (size_t i = 0; trees <= 40 && i < trees; ++i) {
     const double x = kSideM * (0.84 * (double(i) + 0.5) / double(trees) - 0.42);
     const double y = (i % 2 ? 1 : -1) * (4 + (trees > 4 ? 6 * random.uniform() : 0));

@@ -1,6 +1,6 @@
-// Cost of the waveform stage per beam, one thread: signals of 41 sub-rays, their superposition,
-// noise, detection, report. An OS1-64 fires 655 360 or 1 310 720 beams/s: 1526 or 763 ns a beam on
-// one core.
+// Cost of the waveform stage per beam on one thread: signals of 41 sub-rays, their superposition,
+// noise, detection, report. An OS1-64 fires 655 360 or 1 310 720 beams/s, which leaves 1526 or 763
+// ns a beam on one core.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -19,7 +19,8 @@ struct Returns {
   std::vector<float> range, weight, factor;
 };
 
-/// `kind` 0: a smooth surface, 1: an edge, 2: leaves over 2 m, 3: over 20 m, some lost.
+/// The `kind` of target is 0: a smooth surface, 1: an edge, 2: leaves over 2 m, 3: leaves over 20 m
+/// with some sub-rays lost.
 Returns returns_of(int kind, int beams, int sub_rays) {
   Stream random(uint64_t(7 + kind));
   Returns r;
@@ -39,7 +40,7 @@ Returns returns_of(int kind, int beams, int sub_rays) {
   return r;
 }
 
-/// CPU time of this thread: others may share the machine.
+/// Returns the CPU time of this thread, since others may share the machine.
 double now_s() {
   timespec t{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
@@ -63,10 +64,11 @@ int main(int argc, char** argv) {
   CLI::App app("Waveform and detection, ns per beam on one thread");
   int sub_rays = 41, beams = 2000, runs = 50;
   std::string sensor_name = "ouster-os1-64", json_file;
-  app.add_option("--sub-rays", sub_rays, "Sub-rays a beam")->capture_default_str();
-  app.add_option("--sensor", sensor_name, "Whose receiver")->capture_default_str();
-  app.add_option("--runs", runs, "Runs of each, the best counts")->capture_default_str();
-  app.add_option("--json", json_file, "Write the figures here");
+  app.add_option("--sub-rays", sub_rays, "Sub-rays of each beam")->capture_default_str();
+  app.add_option("--sensor", sensor_name, "Sensor whose receiver is used")->capture_default_str();
+  app.add_option("--runs", runs, "Number of runs, of which the fastest counts")
+      ->capture_default_str();
+  app.add_option("--json", json_file, "Write the figures to this file as JSON");
   CLI11_PARSE(app, argc, argv);
 
   radiometry::ReceiverOptions options =
@@ -112,7 +114,7 @@ int main(int argc, char** argv) {
     });
   }
   j["echoes_per_beam"] = echoes / (4.0 * beams * runs);
-  j["check"] = sum;  // so that nothing is left out
+  j["check"] = sum;  // Printing the sum keeps the compiler from leaving the work out.
   j["taps"] = receiver.response().taps();
   for (const auto& [key, value] : j.items())
     std::printf("%-32s %s\n", key.c_str(), value.dump().c_str());

@@ -53,7 +53,7 @@ std::string cell(std::optional<double> x, int digits) {
 
 size_t count(const Json& scores, const char* key) { return scores.value(key, size_t(0)); }
 
-// As printed: values that look the same are equally good.
+// Values are compared as printed, so that those that look the same are equally good.
 std::string best_of(const Metric& m, const std::vector<std::optional<double>>& values) {
   std::optional<double> best;
   for (const auto& v : values) {
@@ -103,7 +103,7 @@ std::string headline_table(const ReportInput& input) {
     for (size_t k = 0; k < input.simulated.size(); ++k) {
       values.push_back(value(scores_of(input, k), m.key));
     }
-    if (!scores_of(input, 0).contains(m.key)) continue;  // not asked for
+    if (!scores_of(input, 0).contains(m.key)) continue;  // The score was not asked for.
     const std::string best = best_of(m, values);
     html += fmt::format("<tr><th>{} <span class=\"better\">{}</span><small>{}</small></th>", m.name,
                         m.higher_is_better ? "↑" : "↓", m.meaning);
@@ -128,7 +128,7 @@ std::string confusion_tables(const ReportInput& input) {
     const double beams = double(std::max<size_t>(count(s, "beams"), 1));
     const auto box = [&](const char* key, const char* kind) {
       const double share = double(count(s, key)) / beams;
-      // A root, so that the rare outcomes show as well.
+      // The root makes rare outcomes visible as well.
       return fmt::format(
           "<td class=\"{}\" style=\"--a:{:.2f}\"><b>{:.2f} %</b><small>{}</small></td>", kind,
           0.06 + 0.5 * std::sqrt(share), 100 * share, grouped(count(s, key)));

@@ -9,8 +9,8 @@
 namespace underbrush::report {
 namespace {
 
-// Anchors of viridis, which keeps its order for the colour-blind and in grey; its dark end is
-// lifted off the background.
+// Anchors of viridis, which keeps its order for colour-blind readers and in grey. Its dark end is
+// lighter here, to stand out from the background.
 constexpr Rgb kScale[] = {{74, 60, 150},  {62, 89, 160},  {49, 117, 160}, {38, 144, 155},
                           {36, 170, 140}, {83, 194, 107}, {158, 213, 62}, {253, 231, 37}};
 constexpr Rgb kErrors[] = {
@@ -33,7 +33,7 @@ void put(io::Image& image, int x, int y, const Rgb& colour) {
             image.rgb.begin() + std::ptrdiff_t(3) * (std::ptrdiff_t(y) * image.width + x));
 }
 
-// Rows per ring, so that a picture of few rings is not a thin line.
+// Rows are several pixels high, so that a picture of few rings is not a thin line.
 int row_height(const ScanLayout& layout) { return std::clamp(160 / layout.rows, 2, 8); }
 
 template <class Colour>
@@ -62,7 +62,7 @@ Rgb scale_colour(double fraction) {
 }
 
 Rgb error_colour(double error_m) {
-  constexpr double kSteps = 16;  // to each side
+  constexpr double kSteps = 16;  // Steps on each side.
   return between(kErrors, 0.5 + 0.5 * std::round(error_m / kErrorScale * kSteps) / kSteps);
 }
 
@@ -109,7 +109,7 @@ io::Image TopPicture::image() const {
   for (int y = 0; y < view_.height; ++y) {
     for (int x = 0; x < view_.width; ++x) {
       const size_t at = size_t(y) * size_t(view_.width) + size_t(x);
-      float above = 0;  // how far the neighbours stand above, each up to 1 m
+      float above = 0;  // Sum of the neighbours' heights above this pixel, each up to 1 m.
       for (const auto& [dx, dy] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
         if (x + dx < 0 || x + dx >= view_.width || y + dy < 0 || y + dy >= view_.height) continue;
         const size_t n = at + size_t(std::ptrdiff_t(dy) * view_.width + dx);
@@ -117,7 +117,7 @@ io::Image TopPicture::image() const {
       }
       Rgb c = colour_[at];
       if (height_m_[at] > -INFINITY) {
-        const int shade = std::min(3, int(above * 1.5f));  // few steps: the file stays small
+        const int shade = std::min(3, int(above * 1.5f));  // Few steps keep the file small.
         for (uint8_t& channel : c) channel = uint8_t(channel * (8 - shade) / 8);
       }
       put(image, x, y, c);
@@ -129,7 +129,7 @@ io::Image TopPicture::image() const {
 ScanLayout layout_of(const std::vector<ScanBeam>& scan) {
   constexpr int kColumns = 1024, kElevationRows = 64;
   ScanLayout layout;
-  std::map<uint16_t, std::pair<double, size_t>> rings;  // sum of elevations, beams
+  std::map<uint16_t, std::pair<double, size_t>> rings;  // Sum of elevations, and number of beams.
   double left = -M_PI, right = M_PI, low = M_PI, high = -M_PI;
   for (const ScanBeam& b : scan) {
     auto& [sum, n] = rings[b.ring];

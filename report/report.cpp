@@ -14,7 +14,7 @@ namespace underbrush::report {
 namespace fs = std::filesystem;
 namespace {
 
-// The longest 1, 2 or 5 times a power of ten within a quarter of the picture.
+// Returns the longest 1, 2 or 5 times a power of ten within a quarter of the picture.
 double scale_bar_m(const TopView& view) {
   return round_step_below(view.width * view.metres_per_pixel / 4);
 }
@@ -35,7 +35,7 @@ std::string metres(double x) {
   return (x < 0 && text != "0.0" ? "−" : "") + text;
 }
 
-// The colours go with the root of the value, so a label stands at their middle too.
+// The colours follow the root of the value, so a label stands at their middle too.
 std::string scale_legend(double low, double high, const char* what, const char* more) {
   return fmt::format(
       "<p class=\"legend\"><span>{}</span><span class=\"ramp scale\">"
@@ -100,7 +100,7 @@ std::string one_scan(const Survey& s, const ReportInput& input) {
   return html;
 }
 
-// What the script draws from: scores and points.
+// Returns the scores and points that the page's script draws.
 Json data_of(const Survey& s, const ReportInput& input) {
   Json clouds = Json::array();
   for (size_t k = 0; k < s.points.size(); ++k) {
@@ -151,7 +151,7 @@ fs::path write_report(const fs::path& folder, const ReportInput& input) {
       input.note.empty() ? "" : "<p class=\"note\">" + escaped(input.note) + "</p>";
   std::string data = data_of(s, input).dump(-1, ' ', false, Json::error_handler_t::replace);
   for (size_t at = 0; (at = data.find("</", at)) != std::string::npos; at += 3) {
-    data.insert(at + 1, "\\");  // would end the script element
+    data.insert(at + 1, "\\");  // "</" would end the script element.
   }
   const std::string page = filled_page({
       {"title", escaped(input.title)},

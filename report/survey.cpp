@@ -12,11 +12,12 @@ namespace underbrush::report {
 namespace {
 
 constexpr size_t kChunk = 1 << 17, kSampled = 200000;
-constexpr size_t kViewPoints = 50000, kAllViewPoints = 200000;  // of a cloud, of all clouds
+// Points of one cloud, and of all clouds.
+constexpr size_t kViewPoints = 50000, kAllViewPoints = 200000;
 constexpr size_t kMostScanBeams = 1 << 20;
 constexpr double kViewRadius = 30;  // m
 
-// The same choice of beams in every log: a hash of their number.
+// Selects the same beams in every log, by a hash of their number.
 bool chosen(size_t beam, double rate) {
   return uniform_from_bits(mix64(beam + 0x9e3779b97f4a7c15ull)) < rate;
 }
@@ -28,7 +29,7 @@ double quantile(std::vector<double> v, double q) {
   return *at;
 }
 
-// A log beam by beam; its chunks need not begin where another log's do.
+// Reads a log beam by beam; its chunks need not begin where another log's do.
 class Cursor {
  public:
   explicit Cursor(const std::filesystem::path& path) : reader_(path, kChunk) {}
@@ -50,16 +51,16 @@ class Cursor {
   size_t at_ = 0;
 };
 
-// Thins the dense points near the sensor, so that a sample covers the ground evenly. A miss keeps
-// its full weight.
+// Weight of a beam for the sample: thins the dense points near the sensor, so that the sample
+// covers the ground evenly. A miss keeps its full weight.
 double weight(float range_m) { return std::clamp(range_m * range_m / 400.0, 0.05, 1.0); }
 
-// Where things are, from a sample of the real log's hits.
+// The extent of the scene, from a sample of the real log's hits.
 struct Extent {
   std::vector<double> axis[3], range;
-  Vec3 focus = Vec3::Zero();  // the sensor in the middle of the log
-  Pose sensor_from_world;     // there
-  double rate = 1;            // of the sample
+  Vec3 focus = Vec3::Zero();  // The sensor in the middle of the log.
+  Pose sensor_from_world;     // At the same place.
+  double rate = 1;            // Rate of the sample.
 };
 
 Extent extent_of(const std::filesystem::path& path, Survey& s) {
@@ -88,7 +89,8 @@ Extent extent_of(const std::filesystem::path& path, Survey& s) {
   return e;
 }
 
-// All but the outermost hits; the pictures' size keeps a page with many of them small.
+// Chooses the view, which holds all but the outermost hits. Its size keeps a page with many
+// pictures small.
 void choose_view(const Extent& e, size_t pictures, Survey& s) {
   double low[2], high[2];
   for (int k = 0; k < 2; ++k) {
@@ -156,7 +158,7 @@ Survey survey(const ReportInput& input) {
   std::vector<TopPicture> by_height(n + 1, TopPicture(s.view)), by_error(n, TopPicture(s.view));
   s.points.resize(n + 1);
   Cursor real(input.real);
-  std::deque<Cursor> simulated;  // cursors do not move
+  std::deque<Cursor> simulated;  // Cursors cannot be moved.
   for (const auto& m : input.simulated) simulated.emplace_back(m.log);
 
   for (size_t beam = 0; real.step(); ++beam) {

@@ -1,4 +1,4 @@
-/// Plots as SVG files: points and lines over two axes.
+/// Plots of points and lines over two axes, as SVG files.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -16,14 +16,16 @@ class SvgPlot {
   void x_axis(double left, double right) { x_ = {left, right}; }
   void y_axis(double bottom, double top) { y_ = {bottom, top}; }
 
+  /// Adds dots of one colour.
   void dots(const Points& points, const std::string& colour, double diameter_px);
-  /// Broken where a value is not finite.
+  /// Adds a line, which is interrupted where a value is not finite.
   void line(const Points& points, const std::string& colour, bool dashed = false);
+  /// Adds words at a place on the plot.
   void text(double x, double y, const std::string& words);
 
-  /// The plot as one `<svg>` element.
+  /// Returns the plot as one `<svg>` element.
   std::string svg() const;
-  /// Writes the file, whole or not at all.
+  /// Writes the plot to a file, atomically.
   void write(const std::filesystem::path& path) const;
 
  private:

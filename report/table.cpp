@@ -10,7 +10,7 @@
 namespace underbrush::report {
 namespace {
 
-/// Characters, not bytes, of UTF-8.
+/// Counts the characters, not the bytes, of UTF-8 text.
 size_t width_of(const std::string& text) {
   return size_t(std::count_if(text.begin(), text.end(),
                               [](char c) { return (static_cast<uint8_t>(c) & 0xc0) != 0x80; }));

@@ -10,7 +10,8 @@
 namespace underbrush::studies {
 namespace {
 
-/// A face ready for rays: its plane, and its outline without the axis along which it is largest.
+/// A face prepared for rays: its plane, and its outline without the axis along which the normal is
+/// largest.
 struct FlatFace {
   Vec3 normal;
   double offset;
@@ -37,7 +38,7 @@ std::vector<FlatFace> faces_of(const Solid& solid) {
   return out;
 }
 
-/// Crossing number; a border belongs to one of its sides.
+/// Tests by the crossing number, by which a border belongs to one of its two sides.
 bool inside(const FlatFace& face, const Vec3& p) {
   const double x = p[face.across], y = p[face.up];
   bool in = false;
@@ -58,19 +59,19 @@ Meeting nearest(const std::vector<FlatFace>& faces, const Vec3& from, const Vec3
   Meeting best;
   for (const FlatFace& face : faces) {
     const double slope = face.normal.dot(along);
-    if (slope >= 0) continue;  // from behind, or along it
+    if (slope >= 0) continue;  // The ray meets the face from behind, or runs along it.
     const double t = (face.offset - face.normal.dot(from)) / slope;
     if (t > 0 && t < best.range && inside(face, from + t * along)) best = {t, -slope};
   }
   return best;
 }
 
-/// A place on the cross-section, in half-widths at half power, and its share of the energy.
+/// A place on the beam's cross-section, in half-widths at half power, and its share of the energy.
 struct Place {
   double u, v, share;
 };
 
-/// Rings of equal width out to 3.4 σ of the Gaussian 2^−(u² + v²).
+/// Returns rings of equal width out to 3.4 σ of the Gaussian 2^−(u² + v²).
 std::vector<Place> footprint() {
   constexpr int kRings = 8, kSpokes = 12;
   constexpr double kReach = 2.9;
@@ -90,7 +91,7 @@ std::vector<Place> footprint() {
   return out;
 }
 
-/// Box and Muller on the Mersenne twister.
+/// Draws a normal number by Box and Muller's method on the Mersenne twister.
 double gaussian(std::mt19937_64& random) {
   const double a = (double(random() >> 11) + 0.5) * 0x1p-53;
   const double b = (double(random() >> 11) + 0.5) * 0x1p-53;
@@ -104,7 +105,7 @@ AnalyticScan analytic_scan(const Solid& solid, const Pose& target_from_scanner,
   const std::vector<FlatFace> faces = faces_of(solid);
   const std::vector<Place> places = footprint();
   std::mt19937_64 random(options.seed);
-  double bound = 0;  // of the target, seen from the origin of its frame
+  double bound = 0;  // Bound of the target about the origin of its frame.
   for (const Vec3& v : solid.vertices) bound = std::max(bound, v.norm() + 0.1);
   const Vec3 eye = target_from_scanner.translation;
   const Mat3 turn = target_from_scanner.rotation.toRotationMatrix();

@@ -64,13 +64,13 @@ void run(const app::Verb& verb, const Arguments& a) {
 
 void add_options(app::Verb& verb, Arguments& a) {
   CLI::App& app = verb.app;
-  app.add_option("NAME", a.name, "The study, or list")->required();
-  app.add_flag("--quick", a.quick, "A small size, for tests: the figures are rougher");
+  app.add_option("NAME", a.name, "The study, or list for a list of them")->required();
+  app.add_flag("--quick", a.quick, "Run at a small size, for tests; the figures are rougher");
   verb.output("--report", a.report, "Write a report (one HTML file) into this folder")
       ->type_name("DIR");
-  app.add_option(
-         "--data", a.data,
-         "Folder of real logs, each a folder with train.ply and test.ply, or as the study says")
+  app.add_option("--data", a.data,
+                 "Folder of real logs, each a folder with train.ply and test.ply, or as the study "
+                 "describes")
       ->type_name("DIR")
       ->check(CLI::ExistingDirectory);
   verb.output("--keep", a.keep, "Keep the logs and models made on the way in this folder")

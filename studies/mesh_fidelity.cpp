@@ -16,7 +16,7 @@ namespace {
 
 using metrics::LeafInclination;
 constexpr double kVolumeM3 = 45;
-constexpr size_t kMostOfBoards = 8;  // triangles; a cartoon has more
+constexpr size_t kMostOfBoards = 8;  // Triangles of a billboard at most; a cartoon has more.
 
 report::Table sweep_table(const std::vector<PlantFigures>& plants) {
   report::Table table{
@@ -44,7 +44,7 @@ report::Table sweep_table(const std::vector<PlantFigures>& plants) {
 
 using Score = LeafInclination PlantFigures::*;
 
-/// The least count of a plant inside the criterion, infinite if there is none.
+/// Returns the least element count of a plant inside the criterion, infinite if there is none.
 double least_inside(const std::vector<PlantFigures>& plants, Score score,
                     const std::string& kind = "") {
   double least = INFINITY;
@@ -55,7 +55,8 @@ double least_inside(const std::vector<PlantFigures>& plants, Score score,
   return least;
 }
 
-/// Over the plants whose name begins with `kind`, boards and cartoons with them; empty: over all.
+/// Fits a line over the plants whose name begins with `kind` (all if empty), billboards and
+/// cartoons included.
 metrics::LogRegression line_of(const std::vector<PlantFigures>& plants, Score score,
                                const std::string& kind = "") {
   std::vector<double> count, epsilon;
@@ -76,7 +77,7 @@ report::Table line_table(const std::vector<PlantFigures>& plants, Json& figures)
                       {"", "a", "b", "R²", "minimum", "recommended", "samples", "rule"},
                       {}};
   const auto density = [](double n) {
-    const double most = 1e9 * kVolumeM3;  // more than anyone could store
+    const double most = 1e9 * kVolumeM3;  // More elements than anyone could store count as none.
     return n < most ? fmt::format("{:.0f}", n / kVolumeM3) : "none";
   };
   std::vector<double> samples;

@@ -13,13 +13,14 @@ namespace {
 
 constexpr double kVolumeM3 = 45;
 
-/// Scales to a box of 45 m³.
+/// Scales a plant to a box of 45 m³.
 void scale(test_site::PlantMesh& plant) {
   const double factor = std::cbrt(kVolumeM3 / test_site::bounds(plant.mesh).volume());
   for (Vec3f& v : plant.mesh.vertices) v *= float(factor);
 }
 
-/// A flat picture of a tree, its plane turned by `turn_rad` from across the vehicle's way.
+/// Adds a flat picture of a tree, whose plane is turned by `turn_rad` from across the vehicle's
+/// path.
 void add_board(test_site::PlantMesh& out, double turn_rad) {
   const double half = std::sqrt(kVolumeM3 / 5.5) / 2;
   const Vec3 side = half * Vec3(-std::sin(turn_rad), std::cos(turn_rad), 0), up(0, 0, 5.5);
@@ -40,7 +41,7 @@ void add_stick(test_site::PlantMesh& out) {
   test_site::add_tube(out, stick, 8);
 }
 
-/// A ball of leaves on a stick.
+/// Returns a ball of leaves on a stick.
 test_site::PlantMesh ball_on_stick(int around, int up) {
   test_site::PlantMesh out;
   add_stick(out);
@@ -61,7 +62,7 @@ test_site::PlantMesh ball_on_stick(int around, int up) {
   return out;
 }
 
-/// Cones on a stick, one above the other, each with its underside.
+/// Returns cones on a stick, one above the other, each with its underside.
 test_site::PlantMesh cones_on_stick(int cones, int around) {
   test_site::PlantMesh out;
   add_stick(out);
@@ -83,7 +84,8 @@ test_site::PlantMesh cones_on_stick(int cones, int around) {
   return out;
 }
 
-/// Few large leaves on few twigs, or many small ones on many, of the same area in all.
+/// Returns a tree with few large leaves on few twigs, or with many small ones on many; the total
+/// leaf area is the same.
 test_site::PlantMesh tree_with(double leaf_length_m, test_site::Species species, uint64_t seed) {
   test_site::TreeParameters p = test_site::typical_tree(species, 5.5);
   p.crown_radius_m = 1.35;

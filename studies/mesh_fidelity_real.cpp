@@ -8,7 +8,7 @@ namespace underbrush::studies {
 namespace fs = std::filesystem;
 namespace {
 
-/// Point files of a folder, and the logs of its folders: log.ply, or train.ply without one.
+/// Returns the point files of a folder, and the logs of its folders: log.ply, or else train.ply.
 std::vector<fs::path> clouds_of(const fs::path& folder) {
   std::vector<fs::path> files;
   if (folder.empty()) return files;

@@ -14,7 +14,7 @@ namespace {
 constexpr double kSpeedMS = 2.5;
 constexpr double kFrontHeightM = 0.8, kAboveM = 1, kBehindM = 1.4;
 
-/// Where the lower sensor is over time.
+/// Returns the pose of the lower sensor at time t (s).
 Pose vehicle(double t, double plant_front_m, const ApproachOptions& options) {
   const auto wave = [t](double hertz, double phase) {
     return std::sin(2 * M_PI * hertz * t + phase);
@@ -37,7 +37,8 @@ Trajectory way_of(bool top, double plant_front_m, const ApproachOptions& options
   return Trajectory(std::move(poses));
 }
 
-/// Small turns and shifts that a registration leaves; the same for both sensors of a scan.
+/// Returns the small turn and shift that registration leaves; it is the same for both sensors of a
+/// scan.
 Pose misplaced(uint32_t scan, const ApproachOptions& options, uint64_t seed) {
   Stream random(mix64(seed) ^ mix64(scan + 1));
   Vec3 turn, shift;

@@ -12,7 +12,8 @@
 namespace underbrush::studies {
 namespace {
 
-/// The neighbours of all points within the gap, `k` places a point, unused ones its own index.
+/// The neighbours of all points within the gap, `k` entries for each point; unused entries hold the
+/// point's own index.
 struct Neighbours {
   size_t k;
   std::vector<uint32_t> index;
@@ -37,13 +38,13 @@ Neighbours neighbours_of(std::span<const Vec3f> cloud, const PatchOptions& optio
   return out;
 }
 
-/// Points by how much the normals around them differ, least first.
+/// Returns the points in order of how much the normals around them differ, least first.
 std::vector<uint32_t> seeds_in_order(const std::vector<Vec3f>& normal, const Neighbours& around) {
   std::vector<float> bend(normal.size());
   for (size_t i = 0; i < normal.size(); ++i) {
     for (const uint32_t j : around.of(i)) bend[i] += 1 - std::abs(normal[i].dot(normal[j]));
     const auto alone = std::count(around.of(i).begin(), around.of(i).end(), uint32_t(i));
-    bend[i] += float(alone - 1);  // neighbours that are too far away
+    bend[i] += float(alone - 1);  // Neighbours that are too far away count as different.
   }
   std::vector<uint32_t> order(normal.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -52,7 +53,7 @@ std::vector<uint32_t> seeds_in_order(const std::vector<Vec3f>& normal, const Nei
   return order;
 }
 
-/// The convex hull of points on the plane.
+/// Returns the convex hull of points on the plane.
 std::vector<Vec3> outline_of(const Plane& plane, const std::vector<Vec3>& points) {
   using Place = Eigen::Vector2d;
   std::vector<Place> flat;
@@ -89,7 +90,7 @@ std::vector<Vec3> chosen(std::span<const Vec3f> cloud, const std::vector<uint32_
   return out;
 }
 
-/// Grows one patch from `seed`; marks its points as taken.
+/// Grows one patch from `seed` and marks its points as taken.
 PlanarPatch grow(std::span<const Vec3f> cloud, const std::vector<Vec3f>& normal,
                  const Neighbours& around, const PatchOptions& options, uint32_t seed,
                  std::vector<bool>& taken) {

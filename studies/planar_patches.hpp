@@ -1,5 +1,5 @@
 /// \file
-/// Planar patches found in a cloud.
+/// Search for planar patches in a cloud.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -9,14 +9,14 @@
 
 namespace underbrush::studies {
 
-/// A plane, the points on it and the convex outline that they fill.
+/// A plane, the points on it and their convex outline.
 struct PlanarPatch {
   Plane plane;
   std::vector<uint32_t> points;  ///< Indices into the cloud.
   std::vector<Vec3> outline;     ///< Corners, counter-clockwise about the normal.
 };
 
-/// How patches are sought.
+/// Options of `planar_patches`.
 struct PatchOptions {
   int neighbours = 15;
   double most_angle_rad = 0.2;    ///< Between a point's normal and the plane's.
@@ -26,9 +26,10 @@ struct PatchOptions {
   size_t most_patches = 9;
 };
 
-/// Grows patches from the points whose surroundings are flattest, over neighbours near the plane
-/// and turned alike; the plane is fitted anew as the patch doubles. The largest come first. `cloud`
-/// in metres; keep it near its origin.
+/// Finds planar patches, the largest first. A patch grows from the points with the flattest
+/// surroundings over neighbours that lie near the plane and have a similar normal; the plane is
+/// fitted again each time the patch has doubled. `cloud` is in metres and should lie near its
+/// origin. Throws `std::invalid_argument` for too few neighbours or points.
 std::vector<PlanarPatch> planar_patches(std::span<const Vec3f> cloud, const PatchOptions& options);
 
 }  // namespace underbrush::studies

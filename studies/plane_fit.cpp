@@ -8,7 +8,8 @@
 namespace underbrush::studies {
 namespace {
 
-constexpr double kFlat = 1e-12;  // of the normal matrix: below it the points lie on a line
+constexpr double kFlat = 1e-12;  // Below this determinant of the normal matrix the points lie on a
+                                 // line.
 
 Vec3 mean_of(std::span<const Vec3> points) {
   Vec3 sum = Vec3::Zero();
@@ -25,7 +26,7 @@ double HeightPlane::distance(const Vec3& p) const {
 
 HeightPlane fit_height_plane(std::span<const Vec3> points) {
   require(points.size() > 3, "a plane needs more than three points");
-  // About the mean, where the normal matrix is well conditioned: c is uncorrelated there.
+  // About the mean the normal matrix is well conditioned, and c is uncorrelated there.
   const Vec3 centre = mean_of(points);
   Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
   Eigen::Vector2d right = Eigen::Vector2d::Zero();

@@ -1,5 +1,5 @@
-// Table II of [tallavajhula18]: primitives cut from one site simulate another, against plant
-// meshes, against a fit of the other site itself, and against replay.
+// This study is Table II of [tallavajhula18]: primitives cut from one site simulate another,
+// compared with plant meshes, with a fit of the other site itself, and with replay.
 #include "studies/primitives.hpp"
 
 #include <fmt/format.h>
@@ -19,8 +19,9 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr size_t kSitePairs = 10, kQuickSitePairs = 2;
-constexpr uint64_t kMeshSeed = 777;  // no site is grown from it
-constexpr double kOtherSpecies = 2;  // variation of the plants that are not the sites'
+constexpr uint64_t kMeshSeed = 777;  // No site is grown from this seed.
+constexpr double kOtherSpecies = 2;  // Variation of the plants whose species differ from the
+                                     // sites'.
 constexpr const char* kTrueSpecies = "meshes (true species)";
 
 std::string summary_of(const PairOutcome& o) {
@@ -46,7 +47,7 @@ void add_generated(const StudyRun& run, PairOptions options, StudyResult& result
 }
 
 void add_drives(const StudyRun& run, PairOptions options, StudyResult& result) {
-  options.meshes[0].name = "meshes";  // no drive is through the generated plants
+  options.meshes[0].name = "meshes";  // No drive leads through the generated plants.
   std::vector<fs::path> logs;
   if (!run.data.empty()) {
     for (const auto& entry : fs::directory_iterator(run.data)) {

@@ -1,4 +1,4 @@
-/// The pieces of the primitives study: protocol of [tallavajhula18] §V.
+/// The parts of the primitives study, which follows the protocol of [tallavajhula18] §V.
 #pragma once
 #include <map>
 #include <span>
@@ -11,95 +11,99 @@
 
 namespace underbrush::studies {
 
-/// Logs of two sites, or of two stretches of one, labelled: columns `class` and `instance`.
+/// Labelled logs (columns `class` and `instance`) of two sites, or of two stretches of one.
 struct SitePair {
   std::string name;
   BeamLog train, test;
   double min_range_m = 0;  ///< Nearer returns are of the vehicle that carries the sensor.
-  bool one_site = false;   ///< Primitives that the test's sensor could see are left out.
+  bool one_site = false;   ///< Primitives that the sensor of the test could see are left out.
 };
 
-/// A set of mesh primitives, and what its row is called.
+/// A set of mesh primitives, and the name of its row.
 struct MeshSet {
   std::string name;
   std::filesystem::path folder;
 };
 
-/// What a study does with a pair.
+/// Options of `run_pair`.
 struct PairOptions {
   uint64_t seed = 1;
-  std::vector<MeshSet> meshes;  ///< At least one; the first is the verdict's.
-  std::filesystem::path work;   ///< Folder for the primitives cut; replaced.
+  std::vector<MeshSet> meshes;  ///< At least one; the verdict uses the first.
+  std::filesystem::path work;   ///< Folder for the primitives that are cut; it is replaced.
   bool pictures = false;
-  /// Changes the primitives before they are composed: so that tests can break them.
+  /// Changes the primitives before they are composed, so that tests can break them.
   std::function<void(std::vector<primitives::Primitive>&)> change = {};
 };
 
-/// What came of it.
+/// The result of `run_pair`.
 struct PairOutcome {
   std::string name;
-  /// Of the table: primitives, the sets of meshes, geospecific, replay.
+  /// Rows of the table: primitives, the sets of meshes, geospecific, replay.
   std::vector<std::string> rows;
   std::map<std::string, metrics::Score> score;  ///< By row.
   size_t train_beams = 0, test_beams = 0;
   size_t primitives = 0, seen_by_both = 0, objects = 0, left_out = 0;
-  std::vector<double> box_distance_m;  ///< Of the rows that are composed.
+  std::vector<double> box_distance_m;  ///< m; one for each row that is composed.
   std::string pictures;
 };
 
-/// Fits to `train`, extracts, annotates `test`, composes with the primitives and each set of
-/// meshes, fits `test` itself, replays `train`; answers the beams of `test` with each and scores.
+/// Runs the protocol on a pair: fits a model to `train`, extracts primitives, annotates `test`,
+/// composes scenes with the primitives and with each set of meshes, fits `test` itself, and replays
+/// `train`. Simulates the beams of `test` with each of these and scores them.
 PairOutcome run_pair(const SitePair& pair, const PairOptions& options);
 
-/// The beams of `test`, each answered by what the scan of `train` whose sensor stood nearest saw in
-/// the same ring at the nearest azimuth of the sensor's frame.
+/// Answers each beam of `test` with what the scan of `train` whose sensor stood nearest saw in the
+/// same ring, at the nearest azimuth in the sensor's frame.
 BeamLog replay(const BeamLog& train, const BeamLog& test);
 
 /// Adds the columns `class` and `instance` as `segment` does.
 void label_log(BeamLog& log, double min_range_m);
 
-/// Two stretches of a drive by the numbers of their scans.
+/// Two stretches of a drive, by the numbers of their scans.
 struct StretchPair {
   std::string name;
   std::vector<uint32_t> train, test;
 };
-/// All pairs of a stretch of `train_m` and one of `test_m` along the path of the sensor, both
-/// begun every `test_m`, whose poses are all at least `apart_m` from each other.
+/// Returns all pairs of a stretch of `train_m` and one of `test_m` along the sensor's path that
+/// begin at multiples of `test_m` and whose poses are all at least `apart_m` from each other (m).
 std::vector<StretchPair> stretch_pairs(std::span<const ScanInfo> scans, double train_m,
                                        double test_m, double apart_m);
 
-/// Pairs of stretches of the folder's log.ply that are 100 m apart; says why where there are none.
+/// Returns the pairs of stretches of a drive's log that are 100 m apart; empty if there are none.
 std::vector<StretchPair> pairs_of_drive(const std::filesystem::path& log);
+/// Reads the two stretches of a log.
 SitePair read_stretches(const std::filesystem::path& log, const StretchPair& stretches);
 
-/// Two generated sites, with their true labels.
+/// Returns the logs of two generated sites, with their true labels.
 SitePair generated_pair(uint64_t train_seed, uint64_t test_seed, bool quick);
 
-/// Mean and standard deviation, and how far the 95 % confidence interval of the mean reaches to
-/// either side (Student's t); the latter two are NaN for fewer than two values.
+/// Mean, standard deviation, and half the 95 % confidence interval of the mean (Student's t). The
+/// latter two are NaN for fewer than two values.
 struct Spread {
   double mean = 0, sd = 0, reach = 0;
 };
+/// Returns the spread of some values.
 Spread spread_of(std::span<const double> values);
 
-/// By how much the primitives beat the first set of meshes: more than the paper's margins (0.07 m
-/// of cloud error, 0.21 m of packet error, 0.03 of F1), on average or, `confident`, at the lower
-/// end of the 95 % interval of the mean difference.
+/// Returns by how much the primitives beat the first set of meshes, against the paper's margins
+/// (0.07 m of cloud error, 0.21 m of packet error, 0.03 of F1). The difference counts on average
+/// or, if `confident`, at the lower end of the 95 % interval of its mean.
 std::vector<Check> primitive_checks(const std::string& where, std::span<const PairOutcome> outcomes,
                                     bool confident);
 
-/// Adds tables, figures, checks and pictures; of a table's figures ± is the reach of the 95 %
-/// interval of the mean if `confident`, else the standard deviation.
+/// Adds tables, figures, checks and pictures. In a table ± is half the 95 % interval of the mean if
+/// `confident`, else the standard deviation.
 void add_outcomes(const std::string& where, const std::vector<PairOutcome>& outcomes,
                   bool confident, StudyResult& result);
 
-/// Pictures like Fig. 8 to 10.
+/// A composed scene and its simulated log, for the pictures.
 struct Composed {
   std::string name;
   const primitives::PrimitiveSet* set;
   const elements::Scene* scene;
   const BeamLog* log;
 };
+/// Returns pictures like Fig. 8 to 10 of [tallavajhula18] as HTML.
 std::string primitive_pictures(const std::string& name, const BeamLog& test,
                                std::span<const Composed> composed);
 

@@ -34,7 +34,7 @@ elements::Model fitted(const BeamLog& log, double min_range_m, uint64_t seed) {
   return fit::fit(source, options).model;
 }
 
-/// Leaves out what the sensor of the test could see.
+/// Leaves out the primitives that the sensor of the test could see.
 size_t drop_seen(const BeamLog& test, double far_m, std::vector<Primitive>& primitives) {
   return std::erase_if(primitives, [&](const Primitive& p) {
     return std::any_of(test.info.scans.begin(), test.info.scans.end(), [&](const ScanInfo& s) {
@@ -43,7 +43,7 @@ size_t drop_seen(const BeamLog& test, double far_m, std::vector<Primitive>& prim
   });
 }
 
-/// The test site without its plants' elements.
+/// The test site without the elements of its plants.
 struct Site {
   elements::Model ground;
   primitives::Annotation annotation;
@@ -117,7 +117,7 @@ BeamLog replay(const BeamLog& train, const BeamLog& test) {
     for (const ScanInfo& s : log.info.scans) out[s.scan] = &s;
     return out;
   };
-  // What each ring of each training scan saw, by azimuth.
+  // Azimuth and range of what each ring of each training scan saw.
   std::map<std::pair<uint32_t, uint16_t>, std::vector<std::pair<double, float>>> seen;
   const auto train_scans = by_number(train), test_scans = by_number(test);
   for (size_t i = 0; i < train.size(); ++i) {
@@ -125,7 +125,7 @@ BeamLog replay(const BeamLog& train, const BeamLog& test) {
         azimuth(train, i, *train_scans.at(train.scan[i])), train.range_m[i]);
   }
   for (auto& [key, ring] : seen) std::sort(ring.begin(), ring.end());
-  std::map<uint32_t, uint32_t> nearest;  // training scan of each test scan
+  std::map<uint32_t, uint32_t> nearest;  // The training scan that belongs to each test scan.
   for (const auto& [number, scan] : test_scans) {
     double least = INFINITY;
     for (const auto& [other, there] : train_scans) {

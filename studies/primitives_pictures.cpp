@@ -23,7 +23,7 @@ std::string figure(const io::Image& image, const std::string& caption) {
                      report::data_url(image), report::escaped(caption), report::escaped(caption));
 }
 
-/// As Fig. 8: a few primitives of each class.
+/// Shows a few primitives of each class, as Fig. 8 does.
 std::string examples(const Composed& c) {
   std::string html =
       fmt::format("<h3>Primitives: {}</h3>\n<div class=\"pictures\">\n", report::escaped(c.name));
@@ -46,7 +46,7 @@ std::string examples(const Composed& c) {
   return html + "</div>\n";
 }
 
-/// As Fig. 9, from above: what was measured or simulated around the middle of the drive.
+/// Shows from above what was measured or simulated around the middle of the drive, as Fig. 9 does.
 std::string map_of(const BeamLog& log, const std::string& name) {
   report::TopView view;
   view.metres_per_pixel = kMapM / kMapPixels;
@@ -62,7 +62,8 @@ std::string map_of(const BeamLog& log, const std::string& name) {
   return figure(picture.closed().image(), name);
 }
 
-/// The vertical plane through a beam: x along it seen from above, y up, both from its origin.
+/// The vertical plane through a beam. From the beam's origin, x runs along the beam as seen from
+/// above, and y up.
 struct Slice {
   Vec3 origin, along, across;
   double from = 0, to = 0, low = 0, high = 0;
@@ -112,7 +113,7 @@ void draw(const Slice& slice, const elements::Model& model, const elements::Inst
   }
 }
 
-/// As Fig. 10: one beam, what it measured and what each simulator makes of it.
+/// Shows one beam, its measurement and the result of each simulator, as Fig. 10 does.
 std::string ray_figure(const BeamLog& real, size_t beam, const std::string& what,
                        std::span<const Composed> composed) {
   Slice s;
@@ -164,7 +165,8 @@ std::string primitive_pictures(const std::string& name, const BeamLog& test,
           map_of(test, "measured");
   for (const Composed& c : composed) html += map_of(*c.log, c.name);
   html += "</div>\n";
-  // As the paper's four examples, from beams in an order drawn by their number.
+  // The beams resemble the paper's four examples and are searched in an order that a hash of their
+  // number gives.
   const BeamLog &own = *composed[0].log, &mesh = *composed[1].log;
   const auto off = [&](const BeamLog& log, size_t i) {
     return double(log.range_m[i]) - double(test.range_m[i]);

@@ -1,4 +1,4 @@
-// Tables, figures and verdict of the primitives study.
+// The tables, figures and verdict of the primitives study.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -32,7 +32,7 @@ std::vector<double> values_of(std::span<const PairOutcome> outcomes, const std::
   return out;
 }
 
-/// mean ± `reach` of the mean, or ± standard deviation.
+/// Writes mean ± half the interval of the mean, or ± standard deviation.
 std::string text_of(const Spread& s, int digits, bool confident) {
   return fmt::format("{:.{}f} ± {:.{}f}", s.mean, digits, confident ? s.reach : s.sd, digits);
 }
@@ -163,7 +163,8 @@ Spread spread_of(std::span<const double> values) {
   double squares = 0;
   for (const double v : values) squares += (v - s.mean) * (v - s.mean);
   s.sd = std::sqrt(squares / (n - 1));
-  // 97.5 % point of Student's t; beyond the table by the expansion about the normal's.
+  // The 97.5 % point of Student's t is tabulated up to ν = 4; beyond, it is expanded about the
+  // normal's.
   constexpr double kFirst[] = {12.7062, 4.3027, 3.1824, 2.7764};
   constexpr double kZ = 1.959964, kZ3 = kZ * kZ * kZ, kZ5 = kZ3 * kZ * kZ, kZ7 = kZ5 * kZ * kZ;
   const double nu = n - 1;

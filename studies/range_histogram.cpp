@@ -10,7 +10,7 @@
 namespace underbrush::studies {
 namespace {
 
-/// Mean of `difference(k)` over the bins that hold anything.
+/// Returns the mean of `difference(k)` over the bins that hold anything.
 template <class F>
 double mean_over_used(const RangeHistograms& h, const F& difference) {
   double sum = 0;

@@ -1,5 +1,5 @@
 /// \file
-/// How the ranges of a cloud are distributed: the first comparison of [kim12].
+/// Histograms of the ranges of clouds, for the first comparison of [kim12].
 #pragma once
 #include <cstdint>
 #include <span>
@@ -17,22 +17,23 @@ struct RangeHistogram {
   double share(size_t k) const { return double(count[k]) / double(total()); }
 };
 
-/// Two clouds over the same bins.
+/// Histograms of two clouds over the same bins.
 struct RangeHistograms {
   RangeHistogram a, b;
-  /// Largest and mean difference of the shares of a bin (0 to 1), bins empty on both sides left
-  /// out of the mean.
+  /// Largest difference of the shares of a bin (0 to 1).
   double largest_difference() const;
+  /// Mean difference of the shares of a bin (0 to 1), over the bins that are not empty on both
+  /// sides.
   double mean_difference() const;
-  /// Mean difference of the counts.
+  /// Mean difference of the counts of a bin, over the same bins.
   double mean_count_difference() const;
 };
 
-/// The histograms of two sets of ranges (m) over the bins that hold both, bounded by multiples of
-/// `bin_m` plus `from_m`. Ranges are reported in steps: a bound that lies on a step moves the whole
-/// step from one bin to the other with any rounding, so lay it between two. Throws
-/// `std::invalid_argument` where a set is empty, a range is not finite or negative, `bin_m` is not
-/// positive, `from_m` is not finite or there would be more than 10⁷ bins.
+/// Returns the histograms of two sets of ranges (m) over the bins that hold both, whose bounds are
+/// multiples of `bin_m` plus `from_m`. Instruments report ranges in steps. A bound that lies on a
+/// step moves the whole step from one bin to the other with any rounding error, so it should lie
+/// between two steps. Throws `std::invalid_argument` where a set is empty, a range is not finite or
+/// negative, `bin_m` is not positive, `from_m` is not finite or there would be more than 10⁷ bins.
 RangeHistograms range_histograms(std::span<const double> a, std::span<const double> b, double bin_m,
                                  double from_m = 0);
 

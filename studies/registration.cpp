@@ -37,8 +37,8 @@ double median_of(std::vector<double> values) {
   return *middle;
 }
 
-/// The pairs that count: distances along the normal, and how each grows with a small rotation
-/// about the origin and a translation.
+/// The normal equations of a step over the pairs that count, from the distances along the normals
+/// and their derivatives by a small rotation about the origin and a translation.
 struct Step {
   Matrix6 normal = Matrix6::Zero();
   Vector6 right = Vector6::Zero();

@@ -1,4 +1,4 @@
-/// A lidar that is driven through a generated site.
+/// A drive of a lidar through a generated site.
 #pragma once
 #include "underbrush/sensor/pattern.hpp"
 #include "underbrush/simulate/footprint.hpp"
@@ -6,7 +6,7 @@
 
 namespace underbrush::studies {
 
-/// A site, ready to be scanned.
+/// A site that is ready to be scanned.
 struct GeneratedSite {
   explicit GeneratedSite(const test_site::SiteParameters& parameters)
       : site(test_site::make_site(parameters)), flat(test_site::flatten(site)), world(flat.model) {}
@@ -15,17 +15,17 @@ struct GeneratedSite {
   trace::World world;
 };
 
-/// The beams of a sensor along the site's track, in chunks. The site must outlive it.
+/// Yields the beams of a sensor along the site's track, in chunks. The site must outlive it.
 class SiteDrive {
  public:
   SiteDrive(const GeneratedSite& site, const sensor::Sensor& sensor, uint64_t seed);
 
-  /// Of a log that keeps misses; its classes are ours.
+  /// Returns the description of a log that keeps misses, with classes in the set "underbrush".
   LogInfo info() const;
-  /// The next beams, not answered yet; false at the end.
+  /// Yields the next beams, which have no ranges yet. Returns false at the end.
   bool next(BeamLog& beams) { return pattern_.next(beams); }
-  /// Answers beams, with the true `class` and `instance` of each hit. `first` numbers the first of
-  /// them for the random numbers.
+  /// Simulates the beams and adds the true `class` and `instance` of each hit. `first` is the
+  /// number of the first beam, for the random numbers.
   void answer(size_t first, BeamLog& beams) const;
 
  private:

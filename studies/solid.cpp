@@ -12,7 +12,7 @@ namespace {
 
 using Place = Eigen::Vector2d;
 
-/// Twice the vector area (Newell): along the normal, as long as twice the area.
+/// Returns twice the vector area (Newell), which is along the normal and as long as twice the area.
 Vec3 twice_area(const std::vector<Vec3>& corners) {
   Vec3 sum = Vec3::Zero();
   for (size_t i = 0; i < corners.size(); ++i) {
@@ -51,7 +51,7 @@ bool touches_itself(const std::vector<Place>& outline) {
   return false;
 }
 
-/// Cuts ears off `outline` until a triangle is left; gives indices into it.
+/// Cuts ears off `outline` until a triangle is left; returns indices into it.
 std::vector<std::array<size_t, 3>> ears(const std::vector<Place>& outline) {
   std::vector<size_t> left(outline.size());
   for (size_t i = 0; i < left.size(); ++i) left[i] = i;
@@ -71,7 +71,7 @@ std::vector<std::array<size_t, 3>> ears(const std::vector<Place>& outline) {
     const size_t n = left.size();
     size_t k = 0;
     while (k < n && !is_ear(k)) ++k;
-    if (k == n) k = 0;  // corners in line: an ear without area
+    if (k == n) k = 0;  // All corners lie on a line: this is an ear without area.
     out.push_back({left[(k + n - 1) % n], left[k], left[(k + 1) % n]});
     left.erase(left.begin() + std::ptrdiff_t(k));
   }
@@ -139,7 +139,8 @@ Solid miniature() {
 
 std::vector<size_t> miniature_patches() {
   std::vector<size_t> out;
-  constexpr size_t kFaces = 6, kTop = 1, kLeft = 5, kRight = 2;  // of a block, from (−1, −1)
+  // Faces of a block, as seen from (−1, −1).
+  constexpr size_t kFaces = 6, kTop = 1, kLeft = 5, kRight = 2;
   for (size_t cube = 0; cube < 3; ++cube) {
     for (const size_t face : {kTop, kLeft, kRight}) out.push_back(cube * kFaces + face);
   }

@@ -1,5 +1,5 @@
 /// \file
-/// Solids by their boundary: planar faces with straight edges, the targets of [kim12].
+/// Solids by their boundary: planar faces with straight edges, for the targets of [kim12].
 #pragma once
 #include <filesystem>
 #include <string>
@@ -9,8 +9,8 @@
 
 namespace underbrush::studies {
 
-/// Faces over shared corners. A face lists its corners counter-clockwise seen from outside; it may
-/// be non-convex but must not touch itself.
+/// Faces over shared corners. A face lists its corners counter-clockwise as seen from outside. It
+/// may be non-convex but must not touch itself.
 struct Solid {
   std::vector<Vec3> vertices;  ///< m.
   std::vector<std::vector<uint32_t>> faces;
@@ -19,42 +19,43 @@ struct Solid {
   /// exist or is not finite, a face has no area or touches itself, or a corner lies more than 10⁻⁶
   /// of the face's size (and 1 µm) off its plane.
   void check() const;
-  /// Unit, outwards, and a point of the face.
+  /// Returns the unit normal of a face, which points outwards.
   Vec3 normal(size_t face) const;
+  /// Returns the corners of a face (m).
   std::vector<Vec3> corners(size_t face) const;
 };
 
-/// A block with these sides, its foot's middle at `foot`; faces: bottom, top, then the sides
-/// towards −y, +x, +y, −x.
+/// Returns a block with these side lengths (m), whose bottom has its centre at `foot`. Its faces
+/// are the bottom, the top, and the sides towards −y, +x, +y, −x.
 Solid block(const Vec3& foot, const Vec3& sides);
 
 /// Appends all faces of `other`.
 void add_solid(Solid& solid, const Solid& other);
 
-/// The miniature of [kim12] fig. 4: a cube of 1 m, its foot's middle at the origin, and two cubes
-/// of 0.2 m on the ground that touch the middles of its sides towards −x and −y. A scanner on the
-/// diagonal before (−1, −1) sees nine faces, `miniature_patches`.
+/// Returns the miniature of [kim12] fig. 4: a cube of 1 m with the centre of its bottom at the
+/// origin, and two cubes of 0.2 m on the ground that touch the middles of its sides towards −x and
+/// −y. A scanner on the diagonal before (−1, −1) sees nine faces, `miniature_patches`.
 Solid miniature();
-/// Faces of the nine patches in the paper's order: of the large cube and each small one, top, left
-/// side, right side, as that scanner sees them.
+/// Returns the faces of the nine patches in the paper's order: top, left side and right side, as
+/// the scanner sees them, of the large cube and of each small one.
 std::vector<size_t> miniature_patches();
 
-/// Triangles of all faces (ears cut off), and of which face each is.
+/// Triangles of all faces, and the face that each belongs to.
 struct SolidMesh {
   elements::TriangleMesh mesh;  ///< Opaque.
-  std::vector<uint32_t> face;   ///< One per triangle.
+  std::vector<uint32_t> face;   ///< One for each triangle.
 };
-/// The solid as triangles.
+/// Cuts the solid into triangles, by ear clipping.
 SolidMesh triangulated(const Solid& solid);
 
-/// A face's outline in its own plane, ready for many points.
+/// The outline of a face in the face's own plane, prepared for testing many points.
 class FaceOutline {
  public:
-  /// Of a face of a solid that passes `Solid::check`.
+  /// Prepares the outline of a face. The solid must pass `Solid::check`.
   FaceOutline(const Solid& solid, size_t face);
-  /// As `over_face`.
+  /// Whether `p` lies over or under the face, with the tolerance of `over_face`.
   bool covers(const Vec3& p, double tolerance_m = 0) const;
-  /// Counter-clockwise.
+  /// Returns the corners, counter-clockwise.
   const std::vector<Eigen::Vector2d>& corners() const { return corner_; }
 
  private:
@@ -64,13 +65,13 @@ class FaceOutline {
   std::vector<Eigen::Vector2d> corner_;
 };
 
-/// Whether `p` lies over or under the face: inside its outline, or within `tolerance_m` of it; a
-/// negative tolerance asks for that much distance from the border. A point on an edge is inside.
+/// Whether `p` lies over or under the face: inside its outline, or within `tolerance_m` of it. A
+/// negative tolerance demands that distance from the border. A point on an edge is inside.
 bool over_face(const Solid& solid, size_t face, const Vec3& p, double tolerance_m = 0);
 
-/// Reads a solid: Wavefront OBJ (`v` and `f`; all else is passed over), or JSON (by the extension)
-/// {"vertices": [[x, y, z], …], "faces": [[0, 1, 2, …], …]} with indices from 0. Throws
-/// `FormatError` where the file is malformed or is no solid by `Solid::check`.
+/// Reads a solid from Wavefront OBJ (`v` and `f`; all else is ignored), or from JSON (by the
+/// extension) {"vertices": [[x, y, z], …], "faces": [[0, 1, 2, …], …]} with indices from 0. Throws
+/// `FormatError` where the file is malformed or fails `Solid::check`.
 Solid read_solid(const std::filesystem::path& path);
 
 }  // namespace underbrush::studies

@@ -36,7 +36,7 @@ Solid from_json(const std::string& file, const std::string& text) {
   return out;
 }
 
-/// The corner that "7", "7/1" or "-1" means, from 0.
+/// Returns the corner that "7", "7/1" or "-1" means, counted from 0.
 uint32_t obj_corner(const std::string& file, const std::string& place, std::string_view word,
                     size_t vertices) {
   long long i = 0;

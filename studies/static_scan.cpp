@@ -16,12 +16,13 @@ namespace {
 
 constexpr uint32_t kTrainEvery = 5;
 
-/// Lasers [first, end).
+/// The lasers [first, end).
 struct Lasers {
   int first = 0, end = 0;
 };
 
-/// Those whose beams meet the target at its distance, at most `most_lasers`, the middle ones.
+/// Returns the lasers whose beams meet the target at its distance; of more than `most_lasers` the
+/// middle ones.
 Lasers lasers_on(const StaticTarget& target, const sensor::Sensor& sensor,
                  const StaticScanOptions& options) {
   Lasers lasers{int(sensor.channels.size()), 0};
@@ -40,7 +41,8 @@ Lasers lasers_on(const StaticTarget& target, const sensor::Sensor& sensor,
   return lasers;
 }
 
-/// The beams of one measurement of all directions, as the encoder reports them, with `margin`.
+/// Returns the beams of one measurement of all directions as the encoder reports them, with the
+/// margin if `margin`.
 BeamLog one_measurement(const Lasers& lasers, const sensor::Sensor& sensor,
                         const StaticScanOptions& options, bool margin) {
   BeamLog beams;
@@ -69,7 +71,8 @@ BeamLog one_measurement(const Lasers& lasers, const sensor::Sensor& sensor,
   return beams;
 }
 
-/// `pattern` measured as often as asked for, where `wanted(measurement)`.
+/// Measures `pattern` as often as the options ask, for the numbers for which `wanted(measurement)`
+/// holds.
 template <class Wanted>
 BeamLog measured(const trace::World& world, const BeamLog& pattern, const sensor::Sensor& sensor,
                  const StaticScanOptions& options, const Wanted& wanted) {
@@ -132,7 +135,8 @@ double mean_distance_of_lasers(const metrics::BearingRangeHistogram& real,
 }
 
 BeamLog without_margin(const StaticScan& scan) {
-  std::set<std::pair<uint16_t, float>> tested;  // laser, direction's y: one a bearing
+  // Laser and y of the direction, of which each bearing has one.
+  std::set<std::pair<uint16_t, float>> tested;
   for (size_t i = 0; i < scan.directions; ++i) {
     tested.emplace(scan.test.ring[i], scan.test.direction[i].y());
   }

@@ -1,4 +1,4 @@
-/// A standing scanner before a target, many measurements of each direction: the experiment of
+/// A standing scanner that measures a target many times in each direction: the experiment of
 /// [deschaud12] §V.A and its score.
 #pragma once
 #include <string>
@@ -10,45 +10,48 @@
 
 namespace underbrush::studies {
 
-/// How a target is scanned.
+/// Options of `scan_target`.
 struct StaticScanOptions {
   std::string sensor = "velodyne-hdl64e";
   double distance_m = 8;
   double sensor_height_m = 2;
-  int bearings = 56;     ///< Directions of a laser, an encoder's count apart, about x: 5°.
-  int most_lasers = 64;  ///< Of those that meet the target, the middle ones.
-  /// Directions around those that test also train: lasers, bearings. No model ends in the picture.
+  int bearings = 56;     ///< Directions of each laser about x, one encoder count apart: 5°.
+  int most_lasers = 64;  ///< If more lasers meet the target, the middle ones are used.
+  /// Directions around those of the test that are in the training too, by lasers and by bearings,
+  /// so that no model ends within the picture.
   int margin_lasers = 2, margin_bearings = 4;
-  int measurements = 1500;       ///< Of each direction.
-  int sub_rays = 16;             ///< Of a beam in reality.
-  double range_sigma_m = 0.005;  ///< [deschaud12] §V.C, measured with this sensor on a plane.
+  int measurements = 1500;       ///< Measurements of each direction.
+  int sub_rays = 16;             ///< Sub-rays of each beam of the measurement.
+  double range_sigma_m = 0.005;  ///< m; measured by [deschaud12] §V.C with this sensor on a plane.
   uint64_t seed = 1;
 };
 
-/// Logs of one target: every fifth measurement trains, the others test. Directions are those that
-/// the encoder reports; the true azimuth lies evenly within a count about it.
+/// Logs of one target. Every fifth measurement is for training, the others are for testing.
+/// Directions are those that the encoder reports; the true azimuth is uniform within a count about
+/// it.
 struct StaticScan {
   std::string target;
   bool porous = true;
-  size_t directions = 0;  ///< Of the test log.
-  double step_rad = 0;    ///< Of the encoder.
+  size_t directions = 0;  ///< Number of directions in the test log.
+  double step_rad = 0;    ///< Angle of an encoder count.
   sensor::Sensor sensor;
   BeamLog train, test;
 };
+/// Scans a target.
 StaticScan scan_target(const std::string& target, const StaticScanOptions& options);
 
-/// Histogram of a scan's beams at encoder × range resolution.
+/// Returns the histogram of a scan's beams at the resolution of the encoder and of the range.
 metrics::BearingRangeHistogram histogram_of(const StaticScan& scan, const BeamLog& beams);
 
-/// Mean over the lasers of the distances of their own histograms.
+/// Returns the mean over the lasers of the distance between their own histograms.
 double mean_distance_of_lasers(const metrics::BearingRangeHistogram& real,
                                const metrics::BearingRangeHistogram& simulated);
 
-/// The training beams in the directions of the test log.
+/// Returns the training beams in the directions of the test log.
 BeamLog without_margin(const StaticScan& scan);
 
-/// The test beams answered by the model, `draws` times each: by rays on the axis, or drawn from the
-/// beam's cone.
+/// Simulates each test beam on the model `draws` times, by rays on its axis or drawn from its cone,
+/// and returns the histogram.
 metrics::BearingRangeHistogram simulated_histogram(const StaticScan& scan,
                                                    const elements::Model& model, bool random_ray,
                                                    int draws, uint64_t seed);

@@ -1,4 +1,4 @@
-/// Each study's door; a new one also needs its line in studies.cpp.
+/// The function of each study. A new study also needs a line in studies.cpp.
 #pragma once
 #include "studies/study.hpp"
 

@@ -1,4 +1,5 @@
-/// Studies: a paper's table or figure, reproduced by one command, with a verdict that can fail.
+/// Studies: each reproduces a table or figure of a paper by one command, with a verdict that can
+/// fail.
 #pragma once
 #include <filesystem>
 #include <functional>
@@ -13,32 +14,35 @@ namespace underbrush::studies {
 
 using Json = nlohmann::ordered_json;
 
-/// What a study is asked for.
+/// The options of a study.
 struct StudyRun {
   uint64_t seed = 1;
-  bool quick = false;          ///< A size for tests: seconds.
+  bool quick = false;          ///< Runs at a size for tests, which takes seconds.
   std::filesystem::path data;  ///< Folder of real logs; empty: none.
   std::filesystem::path keep;  ///< Folder for the logs and models made on the way; empty: none.
-  std::function<void(const std::string&)> say = [](const std::string&) {};  ///< Progress, a line.
+  /// Reports progress, a line at a time.
+  std::function<void(const std::string&)> say = [](const std::string&) {};
 };
 
-/// A threshold and what was reached.
+/// A threshold and the value that was reached.
 struct Check {
   std::string what;
   double value = 0, limit = 0;
   bool at_most = true;
-  bool holds() const { return at_most ? value <= limit : value >= limit; }  ///< Not of NaN.
+  /// A NaN does not hold.
+  bool holds() const { return at_most ? value <= limit : value >= limit; }
 };
 
-/// "holds", or "falls short: " and each check that does not hold.
+/// Returns "holds", or "falls short: " and each check that does not hold.
 std::string verdict(std::span<const Check> checks);
 
-/// Folders of `data` that hold the halves of a log, train.ply and test.ply, in order of name.
+/// Returns the folders of `data` that hold the halves of a log, train.ply and test.ply, in order of
+/// name.
 std::vector<std::filesystem::path> halved_logs(const std::filesystem::path& data);
 
-/// What a study found.
+/// The results of a study.
 struct StudyResult {
-  std::string lead;  ///< One sentence: what stands against what.
+  std::string lead;  ///< A sentence that says what is compared with what.
   Json figures = Json::object();
   std::vector<Check> checks;
   std::vector<report::Table> tables;
@@ -47,20 +51,20 @@ struct StudyResult {
   std::vector<std::filesystem::path> inputs;
 };
 
-/// A study under its name.
+/// A study with its name.
 struct Study {
   const char* name;
   const char* summary;
   StudyResult (*run)(const StudyRun&);
 };
-/// All studies.
+/// Returns all studies.
 std::span<const Study> studies();
 
-/// `verdict`, `checks`, `figures`, `notes`.
+/// Returns `verdict`, `checks`, `figures` and `notes` as JSON.
 Json json_of(const Study& study, const StudyResult& result);
-/// Tables, notes and verdict.
+/// Returns tables, notes and verdict as text.
 std::string text_of(const StudyResult& result);
-/// Writes `folder`/index.html, atomically: one file that loads nothing else; returns its path.
+/// Writes `folder`/index.html, atomically, as one file that loads no other, and returns its path.
 std::filesystem::path write_study_report(const std::filesystem::path& folder, const Study& study,
                                          const StudyResult& result, const std::string& provenance);
 

@@ -41,7 +41,7 @@ StaticTarget small_tree(double lai, uint64_t seed) {
   return out;
 }
 
-// A patch as wide as the view, on bare ground.
+// Returns a patch of grass as wide as the view, on bare ground.
 StaticTarget grass(const GrassParameters& p, double half_height_m, uint64_t seed) {
   StaticTarget out;
   out.geometry = grass_patch(p, seed);

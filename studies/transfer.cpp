@@ -1,5 +1,5 @@
-// Cross-sensor transfer on a generated site: a model learnt from one lidar answers for another, and
-// is held against the model that was learnt from that other lidar itself.
+// This study examines cross-sensor transfer on a generated site: a model learnt from one lidar
+// simulates another, and is compared with the model learnt from that other lidar itself.
 #include "studies/transfer.hpp"
 
 #include <fmt/format.h>
@@ -19,9 +19,9 @@ namespace underbrush::studies {
 namespace {
 
 constexpr double kTolerance = 0.1;
-constexpr int kRounds = 10;  // a mixture behind a footprint settles slowly
+constexpr int kRounds = 10;  // A mixture behind a footprint converges slowly.
 
-/// The lidars: three of the catalogue, and one of them with four times the beam.
+/// Returns the lidars: three of the catalogue, and one of them with four times the divergence.
 std::vector<sensor::Sensor> lidars() {
   std::vector<sensor::Sensor> out{sensor::load("velodyne-hdl64e"), sensor::load("velodyne-vlp16"),
                                   sensor::load("ouster-os1-64"), sensor::load("velodyne-vlp16")};
@@ -30,13 +30,13 @@ std::vector<sensor::Sensor> lidars() {
   return out;
 }
 
-/// One sensor's logs of the site.
+/// The logs of the site from one sensor.
 struct SensorLogs {
   BeamLog train, test;
   double range_sigma_m = 0;
 };
 
-/// Elevations that all sensors see, rad.
+/// Elevations (rad) that all sensors see.
 struct Band {
   double low = -M_PI, high = M_PI;
 };
@@ -53,8 +53,9 @@ Band common_band(const std::vector<sensor::Sensor>& sensors) {
   return band;
 }
 
-/// Of every 2 · `half` scans the first trains and the middle one tests. Test beams outside `band`
-/// are left out: another sensor may never have looked there.
+/// Drives through the site. Of every 2 · `half` scans the first is for training and the middle one
+/// for testing. Test beams outside `band` are left out, since another sensor may never have looked
+/// there.
 SensorLogs drive_through(const sensor::Sensor& sensor, uint32_t half, const Band& band,
                          const GeneratedSite& site, uint64_t seed) {
   SiteDrive drive(site, sensor, seed);
@@ -93,7 +94,8 @@ metrics::Summary score_on(const elements::Model& model, const BeamLog& test, uin
   return metrics::score(real, simulated, what).all;
 }
 
-using Scores = std::map<std::string, metrics::Summary>;  // by what was learnt from
+// By the lidar that the model was learnt from.
+using Scores = std::map<std::string, metrics::Summary>;
 
 Scores scores_on(const std::map<std::string, elements::Model>& models, const BeamLog& test,
                  uint64_t seed) {
@@ -124,7 +126,7 @@ void add_rows(const std::string& to, const Scores& scores, report::Table& table,
   }
 }
 
-/// The beams of a log's rings of one parity.
+/// Returns the beams of a log's rings of one parity.
 BeamLog rings(const std::filesystem::path& file, int parity) {
   io::LogReader reader(file);
   BeamLog chunk, out;
@@ -137,10 +139,10 @@ BeamLog rings(const std::filesystem::path& file, int parity) {
   return out;
 }
 
-/// The odd rings of real logs answered by a model learnt from the even ones, and by one from the
-/// odd ones: other elevations, but the same sensor. No part of the verdict.
+/// Simulates the odd rings of real logs with a model learnt from the even ones, and with one learnt
+/// from the odd ones: other elevations, but the same sensor. This is not part of the verdict.
 void add_interlaced_logs(const StudyRun& run, StudyResult& result) {
-  constexpr double kVehicleM = 2;  // returns nearer than this are of the vehicle that drives
+  constexpr double kVehicleM = 2;  // m; nearer returns are of the vehicle that drives.
   report::Table table = empty_table(
       "Every second ring of real logs",
       "No two sensors' logs of one place were given: rings of odd number stand for a second sensor "
@@ -186,7 +188,8 @@ StudyResult transfer(const StudyRun& run, const ModelChange& change) {
   const GeneratedSite site(parameters);
   const std::vector<sensor::Sensor> sensors = lidars();
   const Band band = common_band(sensors);
-  double least = INFINITY;  // beams/s: all train on about as many beams
+  double least = INFINITY;  // Least number of beams per second; all sensors train on about as many
+                            // beams.
   for (const sensor::Sensor& s : sensors) least = std::min(least, s.beams_per_s());
   std::map<std::string, SensorLogs> logs;
   std::map<std::string, elements::Model> models;

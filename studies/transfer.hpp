@@ -1,4 +1,4 @@
-/// Cross-sensor transfer: its run and its thresholds.
+/// The study of cross-sensor transfer, and its thresholds.
 #pragma once
 #include <functional>
 #include <string>
@@ -9,16 +9,16 @@
 
 namespace underbrush::studies {
 
-/// F1 and point cloud error of the transferred model within 10 % of the natively fitted one's; a
-/// better one is within.
+/// Returns the checks that F1 and point cloud error of the transferred model are within 10 % of
+/// those of the natively fitted one; a better one passes.
 std::vector<Check> transfer_checks(const std::string& from, const std::string& to,
                                    const metrics::Summary& transferred,
                                    const metrics::Summary& native);
 
-/// What a test does to the model that was learnt from a lidar.
+/// A change that a test makes to the model learnt from a lidar.
 using ModelChange = std::function<void(const std::string& lidar, elements::Model& model)>;
 
-/// The study `transfer`; `change` may be empty.
+/// Runs the study `transfer`; `change` may be empty.
 StudyResult transfer(const StudyRun& run, const ModelChange& change);
 
 }  // namespace underbrush::studies

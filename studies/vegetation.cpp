@@ -14,7 +14,8 @@
 namespace underbrush::studies {
 namespace {
 
-/// [deschaud12] Table I, and the least factor surface / volumetric asked of us.
+/// A row of Table I of [deschaud12], and the least factor surface / volumetric that the check
+/// demands.
 struct Published {
   const char *target, *title;
   double surface, volumetric, factor;
@@ -56,7 +57,7 @@ StaticScanOptions scan_options(const StudyRun& run) {
   return options;
 }
 
-/// Scores of all contenders on one target, and its pictures.
+/// Returns the scores of all contenders on one target, and adds its pictures.
 TargetScores score_target(const StudyRun& run, const StaticScan& scan,
                           const std::vector<Contender>& contenders, std::string& pictures,
                           const std::function<void(elements::Model&)>& change) {

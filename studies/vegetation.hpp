@@ -1,4 +1,5 @@
-/// The parts of the study of [deschaud12]: its Table I on generated targets, its mobile experiment.
+/// The parts of the study of [deschaud12]: its Table I on generated targets, and its mobile
+/// experiment.
 #pragma once
 #include <functional>
 #include <map>
@@ -9,60 +10,65 @@
 
 namespace underbrush::studies {
 
-/// A way to model and to simulate.
+/// A way to model and simulate vegetation.
 struct Contender {
   std::string name;
   fit::FitOptions fit;
-  bool random_ray = false;  ///< Rays drawn from the beam's cone instead of its axis.
+  bool random_ray = false;  ///< Whether rays are drawn from the beam's cone instead of lying on its
+                            ///< axis.
 };
 
-/// Those of the static targets; the surface and the voxels of [deschaud12] twice, with both rays.
+/// Returns the contenders for the static targets. The surface and the voxels of [deschaud12] are
+/// there twice, with both kinds of rays.
 std::vector<Contender> static_contenders(uint64_t seed);
-/// Those of the mobile experiment.
+/// Returns the contenders for the mobile experiment.
 std::vector<Contender> mobile_contenders(uint64_t seed);
+/// Whether a contender models vegetation as a surface.
 bool is_surface(const Contender& contender);
 
-/// What one contender reaches on one target.
+/// The score of one contender on one target.
 struct StaticScore {
-  double distance = 0;        ///< Bhattacharyya: simulated against measured.
+  double distance = 0;        ///< Bhattacharyya distance between simulation and measurement.
   double mean_of_lasers = 0;  ///< Mean of the distances of each laser's own histogram.
   size_t elements = 0;
   double fit_seconds = 0;
 };
 
-/// What all reach on one target.
+/// The scores of all contenders on one target.
 struct TargetScores {
   std::string target;
   bool porous = true;
   size_t directions = 0, train_beams = 0, test_beams = 0;
-  double lookup = 0;  ///< Distance of the training fifth itself: a table of what was measured.
+  double lookup = 0;  ///< Distance of the training fifth itself, as a table of what was measured.
   std::map<std::string, StaticScore> scores;  ///< By contender.
 };
 
-/// The volumetric contender of least mean distance over the targets.
+/// Returns the volumetric contender with the least mean distance over the targets.
 std::string best_volumetric(const std::vector<Contender>& contenders,
                             const std::vector<TargetScores>& targets);
 
-/// The thresholds of Table I for that contender: at most 0.02 on the planes; on each porous target
-/// the surface's distance (with the better of its rays) over its own at least the paper's factor.
+/// Returns the thresholds of Table I for the best volumetric contender: its distance is at most
+/// 0.02 on the planes; on each porous target the ratio of the surface's distance (with the better
+/// of its rays) to its own is at least the paper's factor.
 std::vector<Check> static_checks(const std::vector<Contender>& contenders,
                                  const std::vector<TargetScores>& targets);
 
-/// Scans, fits, simulates and scores the targets of these names (`static_target_names`).
-/// `change`, for tests, alters each volumetric model before it is scored.
+/// Scans, fits, simulates and scores the targets of these names (`static_target_names`). `change`,
+/// for tests, alters each volumetric model before it is scored.
 void add_static_targets(const StudyRun& run, const std::vector<std::string>& names,
                         StudyResult& result,
                         const std::function<void(elements::Model&)>& change = {});
 
-/// The mobile experiment on each folder of `run.data` that holds train.ply and test.ply.
+/// Runs the mobile experiment on each folder of `run.data` that holds train.ply and test.ply.
 void add_mobile_logs(const StudyRun& run, StudyResult& result);
 
-/// Pictures of one target as HTML: the 2-D histograms of one laser and the 1-D histogram of one
-/// beam, measured and simulated.
+/// A histogram and its name in the pictures.
 struct NamedHistogram {
   std::string name;
   const metrics::BearingRangeHistogram* histogram;
 };
+/// Returns pictures of one target as HTML: the 2-D histograms of one laser and the 1-D histogram of
+/// one beam, measured and simulated.
 std::string histogram_figures(const std::string& target, const std::vector<NamedHistogram>& shown);
 
 }  // namespace underbrush::studies

@@ -10,7 +10,7 @@ bool has_likelihood() {
   return std::count(names.begin(), names.end(), "likelihood") > 0;
 }
 
-/// The surface of [deschaud12] §V.C; the weight of a point ends at `radius_m`.
+/// Returns the surface of [deschaud12] §V.C. The weight of a point ends at `radius_m`.
 fit::FitOptions surface(double cell_m, double radius_m) {
   fit::FitOptions f;
   f.fitter = "rimls";
@@ -20,7 +20,7 @@ fit::FitOptions surface(double cell_m, double radius_m) {
   return f;
 }
 
-/// The voxels of [deschaud12] §III: share/configs/vegetation-paper.yaml.
+/// Returns the voxels of [deschaud12] §III, as in share/configs/vegetation-paper.yaml.
 fit::FitOptions voxel(double side_m) {
   fit::FitOptions f;
   f.fitter = "voxel";
@@ -33,7 +33,7 @@ fit::FitOptions voxel(double side_m) {
   return f;
 }
 
-/// Ours for many measurements of each direction: counts speak for themselves.
+/// Returns options for many measurements of each direction, where the counts need no prior.
 fit::FitOptions dense(const std::string& fitter) {
   fit::FitOptions f;
   f.fitter = fitter;
@@ -51,7 +51,8 @@ fit::FitOptions dense(const std::string& fitter) {
 
 std::vector<Contender> static_contenders(uint64_t seed) {
   // The paper's kernel of 4 cm is taken as the width h of a Gaussian e^{−(r/h)²}, which the weight
-  // (1 − r²/(2h)²)⁴ follows. With a radius of 4 cm lasers 47 mm apart, as at 8 m, would not join.
+  // (1 − r²/(2h)²)⁴ approximates. With a radius of 4 cm, lasers 47 mm apart, as at 8 m, would not
+  // join.
   const fit::FitOptions mesh = surface(0.01, 0.08);
   std::vector<Contender> out{{"surface, cone", mesh, true},
                              {"surface, axis", mesh, false},
@@ -66,8 +67,9 @@ std::vector<Contender> static_contenders(uint64_t seed) {
   for (Contender& c : out) {
     c.fit.seed = seed;
     c.fit.segment.method = "none";
-    // The range count: the spread of hundreds of points holds the noise already, and a floor as
-    // wide as the noise would thicken what is flat and stands aslant.
+    // This is the rounding of the range count. The spread of hundreds of points contains the noise
+    // already, and a floor as wide as the noise would thicken what is flat and stands oblique to
+    // the beam.
     c.fit.range_noise_m = 0.002;
   }
   return out;

@@ -13,7 +13,7 @@ namespace underbrush::studies {
 namespace fs = std::filesystem;
 namespace {
 
-/// A contender on one log.
+/// The score of a contender on one log.
 struct MobileScore {
   metrics::Summary all;
   size_t elements = 0;
@@ -21,7 +21,7 @@ struct MobileScore {
 };
 
 MobileScore score_log(Contender c, const fs::path& folder, uint64_t seed) {
-  constexpr double kVehicleM = 2;  // returns nearer than this are of the vehicle that drives
+  constexpr double kVehicleM = 2;  // m; nearer returns are of the vehicle that drives.
   MobileScore out;
   io::LogReader train(folder / "train.ply"), test(folder / "test.ply"), like(folder / "test.ply");
   if (train.info().scans.size() > 1) c.fit.min_range_m = kVehicleM;
@@ -61,7 +61,7 @@ report::Table table_of(const std::string& log, const std::vector<std::string>& n
   return table;
 }
 
-/// `likelihood` must be the best of all on NLL, CRPS and F1.
+/// Adds the checks that `likelihood` is the best of all in NLL, CRPS and F1.
 void add_checks(const std::string& log, const std::vector<std::string>& names,
                 const std::vector<MobileScore>& scores, std::vector<Check>& checks) {
   const auto own = std::find(names.begin(), names.end(), "likelihood");

@@ -15,18 +15,18 @@ namespace {
 using metrics::BearingRangeHistogram;
 using Bin = BearingRangeHistogram::Bin;
 
-constexpr double kWindowM = 0.6;         // of range, as [deschaud12] Fig. 6
-constexpr int kTall = 5, kMissWide = 8;  // pixels of a bearing, of the no-return bin
+constexpr double kWindowM = 0.6;         // Window of range, m, as in [deschaud12] Fig. 6.
+constexpr int kTall = 5, kMissWide = 8;  // Pixels of a bearing, and of the bin without a return.
 constexpr const char* kColours[] = {"#c33", "#27c", "#c80", "#2a2"};
 
-/// What of the histograms is shown: one laser, its bearings, a window of range.
+/// The part of the histograms that is shown: one laser, its bearings, a window of range.
 struct Window {
   uint16_t ring = 0;
-  std::vector<uint16_t> bearings;  ///< Left to right.
-  uint32_t first = 0, ranges = 1;  ///< Range bins.
+  std::vector<uint16_t> bearings;  ///< From left to right.
+  uint32_t first = 0, ranges = 1;  ///< First range bin and number of bins.
 };
 
-/// The middle laser; the window about the median range.
+/// Returns the middle laser, with a window about the median range.
 Window window_of(const BearingRangeHistogram& real) {
   Window w;
   std::vector<uint16_t> rings;
@@ -57,7 +57,7 @@ Window window_of(const BearingRangeHistogram& real) {
   return w;
 }
 
-/// Shares of the range bins of one direction, the no-return bin last.
+/// Returns the shares of the range bins of one direction; the bin without a return comes last.
 std::vector<double> shares(const BearingRangeHistogram& h, const Window& w, uint16_t bearing) {
   std::vector<double> out(w.ranges + 1);
   double sum = 0;
@@ -72,9 +72,10 @@ std::vector<double> shares(const BearingRangeHistogram& h, const Window& w, uint
   return out;
 }
 
-/// Bearings from top to bottom, ranges from left to right, then the share without a return.
+/// Draws bearings from top to bottom and ranges from left to right, then the share without a
+/// return.
 io::Image picture(const BearingRangeHistogram& h, const Window& w) {
-  constexpr double kFull = 0.1;  // share at the end of the colours, which go with its root
+  constexpr double kFull = 0.1;  // Share at the end of the colours, which follow its root.
   io::Image image(int(w.ranges) + kMissWide, int(w.bearings.size()) * kTall);
   for (size_t b = 0; b < w.bearings.size(); ++b) {
     const std::vector<double> share = shares(h, w, w.bearings[b]);

@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kMeanDistanceM = 0.0031, kHistogramShare = 0.001;
 
-/// [kim12] tables 3 and 4.
+/// Values of [kim12] tables 3 and 4.
 struct Published {
   double a, b, c, variance, simulated, simulated_sigma, real, real_sigma;
 };
@@ -144,7 +144,7 @@ Json json_of(const PairFigures& f) {
           {"icp_converged", f.icp.converged}};
 }
 
-/// The file of this stem that is a point file, or none.
+/// Returns the point file whose name without extension is `stem`, or none.
 fs::path cloud_file(const fs::path& folder, const std::string& stem) {
   for (const auto& entry : fs::directory_iterator(folder)) {
     if (entry.path().stem() == stem && io::is_table_file(entry.path())) return entry.path();
@@ -166,12 +166,13 @@ void add_miniature(const StudyRun& run, StudyResult& result,
   Solid simulated = target;
   if (change) change(simulated);
   const Pose pose = miniature_from_scanner();
-  // Known to 3° and 5 cm, as by a tape: the registration must find the rest.
+  // The pose is known to 3° and 5 cm, as with a tape measure; the registration must find the rest.
   Pose guess = pose.inverse();
   guess.rotation = Eigen::AngleAxisd(3 * M_PI / 180, Vec3::UnitZ()) * guess.rotation;
   guess.translation += Vec3(0.05, -0.05, 0.03);
   CloudPair pair{{}, {}, guess};
-  std::vector<Vec3> again;  // the same instrument once more, its raster shifted otherwise
+  std::vector<Vec3> again;  // A second scan by the same instrument, with its raster shifted
+                            // differently.
   const int scans = run.quick ? 2 : 16;
   PairFigures one, one_again;
   std::vector<std::vector<Vec3>> seen(2 * size_t(scans));

@@ -10,16 +10,16 @@
 namespace underbrush::studies {
 namespace {
 
-constexpr double kNearM = 0.04;        // of a face: five sigma of the instrument
-constexpr double kBorderM = 0.025;     // footprints nearer to an edge are on two faces
-constexpr double kHalfStepM = 0.0005;  // of the instrument's ranges
+constexpr double kNearM = 0.04;        // m, from a face: five sigma of the instrument.
+constexpr double kBorderM = 0.025;     // m; footprints nearer to an edge lie on two faces.
+constexpr double kHalfStepM = 0.0005;  // m; half a step of the instrument's ranges.
 constexpr size_t kLeastPoints = 30;
-constexpr size_t kMostPaired = 60000;  // points of either cloud in the registration
+constexpr size_t kMostPaired = 60000;  // Points of either cloud in the registration.
 
 using Segments = std::vector<std::vector<Vec3>>;
 
-/// Which face each point is of (`faces.size()`: none): the nearest one that it lies over, by
-/// `tolerance_m` beyond its border or, if negative, so much inside.
+/// Returns the face of each point (`faces.size()`: none): the nearest one that it lies over, up to
+/// `tolerance_m` beyond its border or, if negative, at least as far inside.
 std::vector<size_t> face_of(const Solid& solid, const std::vector<size_t>& faces,
                             const std::vector<Vec3>& cloud, const Pose& target_from_cloud,
                             double tolerance_m) {
@@ -44,7 +44,7 @@ std::vector<size_t> face_of(const Solid& solid, const std::vector<size_t>& faces
   return out;
 }
 
-/// The points of each face, in the cloud's own frame.
+/// Returns the points of each face, in the cloud's own frame.
 Segments segmented(const Solid& solid, const std::vector<size_t>& faces,
                    const std::vector<Vec3>& cloud, const Pose& target_from_cloud) {
   const std::vector<size_t> of = face_of(solid, faces, cloud, target_from_cloud, -kBorderM);
@@ -55,8 +55,8 @@ Segments segmented(const Solid& solid, const std::vector<size_t>& faces,
   return out;
 }
 
-/// Leaves out what is not of the target: background, and points beyond its silhouette, from beams
-/// that meet it with a part of their footprint.
+/// Leaves out points that are not on the target: the background, and points beyond its silhouette,
+/// from beams that meet it with a part of their footprint.
 void keep_target(const Solid& solid, const std::vector<size_t>& faces,
                  const Pose& target_from_cloud, std::vector<Vec3>& cloud) {
   const std::vector<size_t> of = face_of(solid, faces, cloud, target_from_cloud, 0);
@@ -67,7 +67,7 @@ void keep_target(const Solid& solid, const std::vector<size_t>& faces,
   cloud.resize(kept);
 }
 
-/// Triples of faces that meet in a point of all three.
+/// Returns the triples of faces that meet in one point of all three.
 std::vector<std::array<size_t, 3>> corners_of(const Solid& solid,
                                               const std::vector<size_t>& faces) {
   std::vector<std::array<size_t, 3>> out;
@@ -99,7 +99,7 @@ std::vector<Plane> planes_of(const Segments& segments) {
   return out;
 }
 
-/// Faces, and their segments, with enough points on both sides.
+/// Keeps the faces with enough points in both clouds, and their segments.
 void keep_seen(std::vector<size_t>& faces, Segments& real, Segments& simulated) {
   for (size_t k = faces.size(); k-- > 0;) {
     if (real[k].size() >= kLeastPoints && simulated[k].size() >= kLeastPoints) continue;
@@ -110,7 +110,7 @@ void keep_seen(std::vector<size_t>& faces, Segments& real, Segments& simulated) 
   require(faces.size() >= 3, "verification: fewer than three faces have points of both clouds");
 }
 
-/// Every n-th point, so that about `kMostPaired` are left.
+/// Returns every n-th point, so that about `kMostPaired` are left.
 std::vector<Vec3> some_of(const std::vector<Vec3>& cloud) {
   std::vector<Vec3> out;
   const size_t every = 1 + cloud.size() / kMostPaired;
@@ -205,7 +205,7 @@ PairFigures compare(const Solid& solid, const std::vector<size_t>& faces, CloudP
     PatchFigures patch;
     patch.face = seen[k];
     patch.plane = real_plane[k];
-    std::vector<Vec3> turned;  // x to the right, y forward
+    std::vector<Vec3> turned;  // x points right, y forward.
     for (const Vec3& p : real[k]) turned.emplace_back(-p.y(), p.x(), p.z());
     patch.height = fit_height_plane(turned);
     for (Vec3& p : simulated[k]) p = out.real_from_target * p;

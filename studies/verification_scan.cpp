@@ -12,7 +12,8 @@ namespace underbrush::studies {
 namespace {
 
 constexpr double kDistanceM = 24.0, kLookDownRad = 10 * M_PI / 180;
-constexpr double kReflectance = 0.6;  // of opaque PVC: only faint edges depend on it
+constexpr double kReflectance = 0.6;  // Reflectance of opaque PVC, on which only faint edges
+                                      // depend.
 
 Vec3 normal_of(const elements::TriangleMesh& mesh, uint32_t triangle) {
   const auto& [a, b, c] = mesh.triangles[triangle];
@@ -22,7 +23,7 @@ Vec3 normal_of(const elements::TriangleMesh& mesh, uint32_t triangle) {
       .normalized();
 }
 
-/// The first echo's range of every beam.
+/// Computes the range of the first echo of every beam.
 void receive(const trace::World& world, const sensor::Sensor& sensor, uint64_t seed,
              BeamLog& beams) {
   const radiometry::Receiver receiver(radiometry::receiver_options(sensor));
@@ -85,7 +86,7 @@ SimulatedScan simulated_scan(const Solid& solid, const Pose& target_from_scanner
   const sensor::Raster& raster = sensor.raster;
   const auto [across, up] = raster_phase(scan);
   const double step = std::abs(raster.azimuth_to_rad - raster.azimuth_from_rad) /
-                      (raster.columns - 1);  // the same upwards
+                      (raster.columns - 1);  // The same amount upwards.
   Pose pose = target_from_scanner;
   pose.rotation = pose.rotation * Eigen::AngleAxisd(across * step, Vec3::UnitZ()) *
                   Eigen::AngleAxisd(up * step, Vec3::UnitY());

@@ -13,11 +13,11 @@ namespace underbrush::studies {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr double kVehicleM = 3;     // nearer returns are of the vehicle itself
-constexpr double kFarM = 40;        // further away the rings lie too far apart to tell planes
-constexpr double kOnPlaneM = 0.15;  // a real return further off is of something else
+constexpr double kVehicleM = 3;     // m; nearer returns are of the vehicle itself.
+constexpr double kFarM = 40;        // m; farther away the rings lie too far apart to find planes.
+constexpr double kOnPlaneM = 0.15;  // m; a real return further off is of something else.
 
-/// The first scan of a log.
+/// Returns the first scan of a log.
 BeamLog first_scan(const fs::path& file) {
   io::LogReader reader(file);
   BeamLog chunk, out;

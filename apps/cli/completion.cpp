@@ -12,7 +12,7 @@
 namespace underbrush::app {
 namespace {
 
-/// The options of a verb and those of the program that it takes too.
+/// Returns the options of a verb and those of the program that the verb accepts too.
 std::vector<const CLI::Option*> options_of(const CLI::App& program, const CLI::App& verb) {
   auto options = verb.get_options([](const CLI::Option* o) { return o->nonpositional(); });
   if (&verb != &program) options.push_back(program.get_config_ptr());
@@ -26,7 +26,7 @@ std::vector<std::string> spellings(const CLI::Option& option) {
   return out;
 }
 
-/// The first positional's choices, such as the shells of `completion`.
+/// Returns the choices of the first positional, such as the shells of `completion`.
 std::vector<std::string> positional_choices(const CLI::App& verb) {
   for (const CLI::Option* o : verb.get_options()) {
     if (!o->nonpositional()) return choices_of(*o);
@@ -38,7 +38,7 @@ std::vector<const CLI::App*> verbs_of(const CLI::App& program) {
   return program.get_subcommands([](const CLI::App* a) { return !a->get_name().empty(); });
 }
 
-/// Text in single quotes, as a shell reads it.
+/// Puts text into single quotes for a shell.
 std::string quoted(std::string text) {
   for (size_t at = 0; (at = text.find('\'', at)) != std::string::npos; at += 4) {
     text.replace(at, 1, "'\\''");
@@ -97,7 +97,7 @@ complete -F _{0} {0}
                      name, quoted(verbs + "--help --help-all --version --config"), cases);
 }
 
-/// An option as zsh's _arguments wants it: '(-o --output)'{-o,--output}'[help]:VALUE:action'.
+/// Writes an option for zsh's _arguments: '(-o --output)'{-o,--output}'[help]:VALUE:action'.
 std::string zsh_option(const CLI::Option& option) {
   std::string help;
   for (const char c : option.get_description()) {
@@ -193,7 +193,7 @@ void add_completion(Program& program) {
       "completion", "Print a script that completes verbs, options and values in a shell");
   verb->group("Help");
   auto shell = std::make_shared<std::string>();
-  verb->add_option("SHELL", *shell, "The shell")
+  verb->add_option("SHELL", *shell, "The shell to complete for")
       ->required()
       ->check(CLI::IsMember({"bash", "zsh", "fish"}));
   verb->footer(

@@ -1,5 +1,5 @@
 /// \file
-/// Shell completion, made from the definitions of the options.
+/// Shell completion, generated from the definitions of the options.
 #pragma once
 #include <CLI/CLI.hpp>
 #include <string>
@@ -8,8 +8,8 @@ namespace underbrush::app {
 
 class Program;
 
-/// The completion script of `shell` ("bash", "zsh" or "fish") for a program: its verbs, their
-/// options, and the words of a choice; file names wherever a file is taken. Throws
+/// Returns the completion script of a program for `shell` ("bash", "zsh" or "fish"). It completes
+/// verbs, their options, the values of a choice, and file names wherever a file is expected. Throws
 /// `std::invalid_argument` for another shell.
 std::string completion_script(const CLI::App& program, const std::string& shell);
 

@@ -12,7 +12,7 @@
 namespace underbrush::app {
 namespace {
 
-// Options that name a run's inputs or belong to one call are left out of a configuration.
+// A configuration leaves out options that name a run's inputs or belong to a single call.
 bool configurable(const CLI::Option& option) {
   return option.get_configurable() && !option.get_lnames().empty() && !option.get_required();
 }
@@ -87,11 +87,10 @@ std::vector<CLI::ConfigItem> YamlConfig::from_config(std::istream& in) const {
 
 void add_dump_config(Program& program) {
   CLI::App* verb = program.app().add_subcommand(
-      "dump-config",
-      "Print the options of a verb with their defaults, to start a --config file from");
+      "dump-config", "Print the options of a verb with their defaults, as a file for --config");
   verb->group("Help");
   auto name = std::make_shared<std::string>();
-  verb->add_option("VERB", *name, "The verb")->required();
+  verb->add_option("VERB", *name, "The verb whose options are printed")->required();
   verb->footer("Example:\n  underbrush dump-config fit > fit.yaml");
   verb->callback([&program, name] {
     for (const CLI::App* other : program.app().get_subcommands({})) {

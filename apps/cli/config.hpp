@@ -1,5 +1,5 @@
 /// \file
-/// `--config FILE.yaml` for every verb, and `dump-config VERB`.
+/// The option `--config FILE.yaml` of every verb, and the verb `dump-config VERB`.
 #pragma once
 #include <CLI/CLI.hpp>
 #include <string>
@@ -9,18 +9,19 @@ namespace underbrush::app {
 
 class Program;
 
-/// Configurations as YAML: a flat map of a verb's options, lists for options of several values,
-/// true or false for flags.
+/// Reads and writes configurations as YAML: a flat map of a verb's options, with lists for options
+/// of several values and true or false for flags.
 class YamlConfig : public CLI::Config {
  public:
-  /// `root` is the program; the file is of the verb that it has parsed, or of itself without verbs.
+  /// `root` is the program. A file configures the verb that the program has parsed, or a program
+  /// without verbs itself.
   explicit YamlConfig(const CLI::App& root) : root_(root) {}
 
-  /// The options of a verb with their defaults and what they are for.
+  /// Returns the options of a verb with their defaults and help texts.
   std::string to_config(const CLI::App* verb, bool defaults, bool descriptions,
                         std::string prefix) const override;
-  /// Throws `FormatError` for a file that is not such a map, or that names an option which the verb
-  /// does not have.
+  /// Parses a configuration. Throws `FormatError` for a file that is not a flat map, or that names
+  /// an option which the verb does not have.
   std::vector<CLI::ConfigItem> from_config(std::istream& in) const override;
 
  private:

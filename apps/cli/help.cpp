@@ -11,14 +11,14 @@ namespace {
 
 constexpr size_t kWidth = 80, kTextColumn = 26;
 
-/// Characters, not bytes, of UTF-8.
+/// Counts the characters, not the bytes, of UTF-8 text.
 size_t width_of(std::string_view text) {
   return size_t(std::count_if(text.begin(), text.end(),
                               [](char c) { return (static_cast<uint8_t>(c) & 0xc0) != 0x80; }));
 }
 
-/// `text` in lines of at most `kWidth` columns, the first begun already at column `at`, the others
-/// indented by `indent`.
+/// Breaks `text` into lines of at most `kWidth` columns. The first line begins at column `at`; the
+/// others are indented by `indent`.
 std::string wrapped(const std::string& text, size_t at, size_t indent) {
   std::istringstream words(text);
   std::string out;
@@ -37,7 +37,7 @@ std::string wrapped(const std::string& text, size_t at, size_t indent) {
   return out;
 }
 
-/// A line of a list: what it is about, and the text beside or below it.
+/// Writes an entry of a list: a name, with the text beside or below it.
 std::string entry(const std::string& name, const std::string& text) {
   std::string line = "  " + name;
   if (width_of(line) + 2 > kTextColumn) {
@@ -48,7 +48,7 @@ std::string entry(const std::string& name, const std::string& text) {
   return line + wrapped(text, kTextColumn, kTextColumn) + "\n";
 }
 
-/// The kind of value that an option takes; empty for a flag.
+/// Returns the kind of value that an option takes; empty for a flag.
 std::string value_name(const CLI::Option& option) {
   if (option.get_expected_max() == 0) return "";
   std::string type = option.get_type_name();

@@ -1,5 +1,5 @@
 /// \file
-/// How `--help` and `--help-all` look.
+/// The layout of `--help` and `--help-all`.
 #pragma once
 #include <CLI/CLI.hpp>
 #include <set>
@@ -11,11 +11,11 @@ namespace underbrush::app {
 /// The group of the options that all verbs have; help texts show it last.
 inline constexpr const char* kCommonGroup = "Common";
 
-/// Help texts of 80 columns: usage, positionals, options by group, verbs by stage. The values of a
-/// choice and the default stand behind what an option is for.
+/// Writes help texts of 80 columns: usage, positionals, options by group, verbs by stage. The
+/// values of a choice and the default follow the help text of an option.
 class HelpFormatter : public CLI::Formatter {
  public:
-  /// Leaves the options of this group to `--help-all`.
+  /// Shows the options of this group only in `--help-all`.
   void hide(const std::string& group) { hidden_.insert(group); }
 
   std::string make_help(const CLI::App* app, std::string name,
@@ -30,11 +30,11 @@ class HelpFormatter : public CLI::Formatter {
   std::set<std::string> hidden_;
 };
 
-/// The words that an option may take, or none where any will do.
+/// Returns the values that an option may take; empty where any value will do.
 std::vector<std::string> choices_of(const CLI::Option& option);
-/// The option as it is written: "-o, --output MODEL", "LOG", "--carve".
+/// Returns an option as the user writes it: "-o, --output MODEL", "LOG", "--carve".
 std::string written(const CLI::Option& option);
-/// What the option is for, with its choices and its default.
+/// Returns the help text of an option with its choices and its default.
 std::string described(const CLI::Option& option);
 
 }  // namespace underbrush::app

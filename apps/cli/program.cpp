@@ -18,17 +18,19 @@
 namespace underbrush::app {
 namespace {
 
-// On Ctrl-C and its like: no half-written output and no temporary file stays, one line, and then
-// the signal's own end, so that a shell stops its script too (it sees 128 + the signal's number).
+// On SIGINT, SIGTERM or SIGHUP this removes half-written outputs and temporary files and prints one
+// line. Then it lets the signal end the process, so that a shell stops its script too (it sees 128
+// + the signal's number).
 void clean_up_on_signals(const std::string& program) {
   sigset_t signals;
   sigemptyset(&signals);
   for (const int s : {SIGINT, SIGTERM, SIGHUP}) {
     struct sigaction now {};
     sigaction(s, nullptr, &now);
-    if (now.sa_handler != SIG_IGN) sigaddset(&signals, s);  // nohup stays as it is
+    // A signal that is ignored stays ignored, as under nohup.
+    if (now.sa_handler != SIG_IGN) sigaddset(&signals, s);
   }
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);  // for all threads to come
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);  // Threads that start later inherit the mask.
   std::thread([signals, program] {
     int signal = 0;
     if (sigwait(&signals, &signal) != 0) return;
@@ -57,7 +59,7 @@ Program::Program(const std::string& name, const std::string& summary) : app_(sum
 int Program::parse() {
   std::vector<std::string> words(words_.begin() + std::min<ptrdiff_t>(1, ssize(words_)),
                                  words_.end());
-  std::reverse(words.begin(), words.end());  // as CLI11 wants them
+  std::reverse(words.begin(), words.end());  // CLI11 expects the words in reverse order.
   app_.parse(std::move(words));
   return 0;
 }

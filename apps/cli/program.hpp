@@ -1,5 +1,6 @@
 /// \file
-/// A program with a command line: it parses, catches, prints one line and gives the exit code.
+/// A program with a command line: it parses options, reports errors in one line and returns the
+/// exit code.
 #pragma once
 #include <CLI/CLI.hpp>
 #include <string>
@@ -7,22 +8,22 @@
 
 namespace underbrush::app {
 
-/// The version of the program, such as "0.1.0".
+/// Returns the version of the program, such as "0.1.0".
 std::string version();
 
-/// A program and its options or verbs.
+/// A program with its options or verbs.
 class Program {
  public:
   Program(const std::string& name, const std::string& summary);
 
   CLI::App& app() { return app_; }
   const CLI::App& app() const { return app_; }
-  /// The words of the command line; the first is the program's name.
+  /// Returns the words of the command line; the first is the program's name.
   const std::vector<std::string>& words() const { return words_; }
 
-  /// Parses the words and runs what they ask for. Exit codes: 0 done, 2 wrong usage, 3 bad input,
-  /// 4 failure while running. A signal ends the process itself, so that a shell sees 128 + its
-  /// number.
+  /// Parses the command line and runs the verb that it names. Exit codes: 0 success, 2 wrong usage,
+  /// 3 bad input, 4 failure while running. A signal ends the process itself, so that a shell sees
+  /// 128 + its number.
   int run(int argc, char** argv);
 
  private:

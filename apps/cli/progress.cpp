@@ -40,7 +40,7 @@ void Progress::operator()(size_t done, size_t total) {
 
 void StageProgress::operator()(std::string_view stage, size_t done, size_t total) {
   if (stage != stage_ || done == 0) {
-    line_.reset();  // clears its line before the next begins
+    line_.reset();  // The old line clears itself before the next begins.
     stage_ = stage;
     line_ = std::make_unique<Progress>(stage_);
   }

@@ -1,5 +1,5 @@
 /// \file
-/// Progress on standard error, and numbers for people.
+/// Progress on standard error, and numbers in a readable form.
 #pragma once
 #include <cstddef>
 #include <memory>
@@ -8,12 +8,12 @@
 
 namespace underbrush::app {
 
-/// A line of progress on standard error, where that is a terminal.
+/// A line of progress on standard error; nothing is printed unless that is a terminal.
 class Progress {
  public:
   explicit Progress(std::string what);
   ~Progress();
-  /// `done` of `total`; draws at most ten times a second.
+  /// Shows that `done` of `total` is done; draws at most ten times a second.
   void operator()(size_t done, size_t total);
 
  private:
@@ -22,7 +22,7 @@ class Progress {
   double last_s_ = 0, start_s_;
 };
 
-/// Progress of work in stages, one line after another.
+/// Progress of work in stages, with a line for each stage.
 class StageProgress {
  public:
   void operator()(std::string_view stage, size_t done, size_t total);
@@ -32,7 +32,7 @@ class StageProgress {
   std::unique_ptr<Progress> line_;
 };
 
-/// A number for people: 12 345 678 as "12.3 M".
+/// Writes a number with a prefix: 12 345 678 becomes "12.3 M".
 std::string si(double value);
 
 }  // namespace underbrush::app

@@ -20,7 +20,7 @@ std::vector<const CLI::Option*> options_of(const CLI::App& app, const std::strin
   });
 }
 
-/// Text as a cell of a Markdown table holds it.
+/// Escapes text for a cell of a Markdown table.
 std::string cell(std::string text) {
   for (size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2)
     text.insert(at, "\\");
@@ -36,7 +36,7 @@ std::string table(const std::string& title, const std::vector<const CLI::Option*
   return out;
 }
 
-/// Text as roff prints it: no hyphen becomes a dash, no line is a request.
+/// Escapes text for roff, so that no hyphen becomes a dash and no line a request.
 std::string roff(const std::string& text) {
   std::string out;
   for (const char c : text) {

@@ -24,7 +24,7 @@ void hash_into(XXH3_state_t& state, const fs::path& file) {
   }
 }
 
-// Of a folder: of all files in it, in order of name.
+// The hash of a folder is over all its files, in order of name.
 std::string hash_of(const fs::path& path) {
   std::vector<fs::path> files;
   if (fs::is_directory(path)) {
@@ -43,14 +43,14 @@ std::string hash_of(const fs::path& path) {
   return fmt::format("xxh3:{:016x}{:016x}", h.high64, h.low64);
 }
 
-// Devices and pipes are written to as they are; a file beside them makes no sense.
+// Devices and pipes are written to directly; a temporary file beside them makes no sense.
 bool is_device(const fs::path& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   return fs::is_character_file(status) || fs::is_fifo(status);
 }
 
-/// Whether a word of the command line is this option, with its value or without.
+/// Whether a word of the command line is this option, with or without its value.
 bool is_word_of(const CLI::Option& option, const std::string& word) {
   const std::string name = word.substr(0, word.find('='));
   const auto among = [&](const std::vector<std::string>& names, const std::string& dashes) {
@@ -65,15 +65,14 @@ bool is_word_of(const CLI::Option& option, const std::string& word) {
 Verb::Verb(const Program& program, CLI::App& of)
     : app(of), program_(program), help_(std::make_shared<HelpFormatter>()) {
   app.formatter(help_);
-  app.fallthrough();  // to --config, which is the program's
+  app.fallthrough();  // This passes --config on to the program, which owns it.
   begin_group(kCommonGroup);
   app.add_option("--seed", seed, "Seed of all random numbers")->capture_default_str();
-  not_of_result(app.add_option("--threads", threads, "Threads to use, 0 = all"))
+  not_of_result(app.add_option("--threads", threads, "Number of threads; 0 = all cores"))
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   not_of_result(app.add_option("--json", json,
-                               "Write the results as JSON to FILE, - for standard "
-                               "output"))
+                               "Write the results as JSON to FILE, or to standard output with -"))
       ->type_name("FILE|-")
       ->configurable(false);
   app.set_help_flag("-h,--help", "Print this help and exit")->group(kCommonGroup);
@@ -120,7 +119,7 @@ std::vector<std::string> Verb::command_of_result() const {
     if (option == not_of_result_.end()) {
       out.push_back(words[i]);
     } else if ((*option)->get_expected_max() > 0 && words[i].find('=') == std::string::npos) {
-      do ++i;  // and its values
+      do ++i;  // Skips the option's values, too.
       while ((*option)->get_expected_max() > 1 && i + 1 < words.size() && words[i + 1][0] != '-');
     }
   }

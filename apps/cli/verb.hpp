@@ -17,10 +17,10 @@ namespace underbrush::app {
 
 using Json = nlohmann::ordered_json;
 
-/// A verb: its options, those common to all verbs, and what it reports.
+/// A verb, with its own options and those common to all verbs.
 class Verb {
  public:
-  /// Gives `app` (a program of its own, or a verb of `program`) the common options.
+  /// Adds the common options to `app`, which is a program of its own or a verb of `program`.
   Verb(const Program& program, CLI::App& app);
   Verb(const Verb&) = delete;
   Verb& operator=(const Verb&) = delete;
@@ -28,8 +28,7 @@ class Verb {
   CLI::App& app;
   uint64_t seed = 1;
   int threads = 0;
-  std::string
-      json;  ///< Where the results go as JSON: a file, "-" for standard output, "" for none.
+  std::string json;  ///< File for the results as JSON, "-" for standard output, "" for none.
 
   /// Adds an option that names an output. The provenance leaves it out, so that equal results are
   /// equal files wherever they are written.
@@ -37,19 +36,19 @@ class Verb {
   CLI::Option* output(const std::string& name, T& place, const std::string& help) {
     return not_of_result(app.add_option(name, place, help));
   }
-  /// Notes that an option does not change the result: the provenance leaves it out.
+  /// Marks an option that does not change the result; the provenance leaves it out.
   CLI::Option* not_of_result(CLI::Option* option);
-  /// The options that are added next belong to this group.
+  /// Puts the options that are added next into this group.
   void begin_group(const std::string& title) { app.option_defaults()->group(title); }
-  /// As `begin_group`; only `--help-all` shows them.
+  /// Puts the options that are added next into a group that only `--help-all` shows.
   void begin_rare_group(const std::string& title = "More options");
 
-  /// Prints the results: `table` for people on standard output (unless JSON goes there), `results`
-  /// to `--json`.
+  /// Prints the results: `table` for people on standard output (unless JSON goes there), and
+  /// `results` to the destination of `--json`.
   void report(const Json& results, const std::string& table) const;
-  /// Provenance of an output: a JSON object with program version, command line (without what does
-  /// not change the result), seed and a hash (XXH3, 128 bits) of every input file, the `--config`
-  /// file among them.
+  /// Returns the provenance of an output: a JSON object with program version, command line (without
+  /// what does not change the result), seed, and a hash (XXH3, 128 bits) of every input file,
+  /// including the `--config` file.
   std::string provenance(const std::vector<std::filesystem::path>& inputs) const;
 
  private:
@@ -60,16 +59,18 @@ class Verb {
   std::vector<const CLI::Option*> not_of_result_;
 };
 
-/// Adds the verb `name` to the program, listed under `stage`. `run` is called after parsing; what
-/// it throws becomes one line and an exit code in `Program::run`. `example` ends its `--help`.
+/// Adds the verb `name` to the program, listed under `stage`. `run` is called after parsing;
+/// `Program::run` turns what it throws into one line and an exit code. `example` ends the verb's
+/// `--help`.
 std::shared_ptr<Verb> add_verb(Program& program, const std::string& stage, const std::string& name,
                                const std::string& summary, const std::string& example,
                                const std::function<void(const Verb&)>& run);
-/// Makes the program itself a verb; likewise.
+/// Makes the program itself a verb, for programs without verbs; `example` and `run` are as for
+/// `add_verb`.
 std::shared_ptr<Verb> make_verb(Program& program, const std::string& example,
                                 const std::function<void(const Verb&)>& run);
 
-/// Provenance of an output, as `Verb::provenance`.
+/// Returns `verb.provenance(inputs)`.
 inline std::string provenance(const Verb& verb, const std::vector<std::filesystem::path>& inputs) {
   return verb.provenance(inputs);
 }

@@ -18,7 +18,7 @@ namespace underbrush::app {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr double kGroundNoiseM = 0.03;  // σ of ranges on a generated ground
+constexpr double kGroundNoiseM = 0.03;  // m; standard deviation of ranges on a generated ground
 
 struct Arguments {
   std::string log, output, ground, kind;
@@ -32,20 +32,25 @@ struct Arguments {
 void add_options(Verb& verb, Arguments& a) {
   CLI::App& app = verb.app;
   auto* log = app.add_option("LABELLED", a.log, "The site's log, labelled by segment");
-  verb.output("-o,--output", a.output, "The annotation")->required()->type_name("ANNOTATION.json");
-  app.add_option("--ground", a.ground,
-                 "Model whose ground the objects stand on. Without it, one is made from the log's "
-                 "ground points, or generated, as the folder STEM.ground beside the annotation")
+  verb.output("-o,--output", a.output, "The annotation file")
+      ->required()
+      ->type_name("ANNOTATION.json");
+  app.add_option(
+         "--ground", a.ground,
+         "Model whose ground the objects stand on; by default the ground is made from the log's "
+         "ground points, or generated, as the folder STEM.ground beside the annotation")
       ->type_name("MODEL");
-  verb.begin_group("A site that is made up");
-  auto* kind = app.add_option("--generate", a.kind, "Make a site up")
-                   ->check(CLI::IsMember(primitives::site_kinds()));
+  verb.begin_group("Generated site");
+  auto* kind =
+      app.add_option("--generate", a.kind, "Generate a site of this kind instead of reading a log")
+          ->check(CLI::IsMember(primitives::site_kinds()));
   kind->excludes(log);
   app.add_option("--density", a.generate.density,
-                 "Trees (meadow: shrubs) per m²; 0 = forest 0.05, savanna 0.003, meadow 0.01")
+                 "Trees (in a meadow: shrubs) per m²; 0 = forest 0.05, savanna 0.003, meadow 0.01")
       ->check(CLI::Range(0.0, 10.0))
       ->capture_default_str();
-  app.add_option("--margin", a.generate.margin_m, "Bare border of the ground, m")
+  app.add_option("--margin", a.generate.margin_m,
+                 "Width of the border of the ground that stays empty, m")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   app.add_option("--size", a.size, "Length and width of a generated ground, m")
@@ -54,18 +59,21 @@ void add_options(Verb& verb, Arguments& a) {
       ->type_name("X Y");
   verb.begin_rare_group();
   app.add_option("--ground-spacing", a.spacing_m,
-                 "Side of a generated ground's triangles, m; distance of nodes of a fitted one is "
-                 "half of it")
+                 "Side of the triangles of a generated ground, m; a ground fitted to the log has "
+                 "nodes at half this distance")
       ->check(CLI::Range(0.05, 100.0))
       ->capture_default_str();
-  app.add_option("--box-quantile", a.measure.quantile,
-                 "A box holds the points from this quantile to 1 − it in each axis; 0 = all")
+  app.add_option(
+         "--box-quantile", a.measure.quantile,
+         "Fit boxes to the points from this quantile to 1 − it along each axis; 0 = all points")
       ->check(CLI::Range(0.0, 0.49))
       ->capture_default_str();
-  app.add_option("--patch-cell", a.measure.cell_m, "Side of the cells of patches, m")
+  app.add_option("--patch-cell", a.measure.cell_m,
+                 "Side of the cells that patches of shrubs are cut into, m")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app.add_option("--min-points", a.measure.min_points, "Fewest points of an object or cell")
+  app.add_option("--min-points", a.measure.min_points,
+                 "Leave out objects and cells with fewer points")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
 }
@@ -81,7 +89,7 @@ elements::Model generated_ground(const Arguments& a, uint64_t seed) {
   return model;
 }
 
-/// The annotation, and the ground beside it where it is a new one: both or none.
+/// Writes the annotation, and a new ground beside it; either both appear or none.
 void write(elements::Model* ground, const fs::path& output,
            const primitives::Annotation& annotation) {
   if (!ground) return primitives::write_annotation(output, annotation);
@@ -145,7 +153,7 @@ void add_annotate(Program& program) {
   auto a = std::make_shared<Arguments>();
   const auto verb = add_verb(
       program, "Scenes", "annotate",
-      "Say what stands where: from a labelled log, or on a site that is made up",
+      "List the objects of a site, from a labelled log or generated at random",
       "underbrush annotate labelled.ply -o annotation.json\n"
       "  underbrush annotate --generate savanna --density 0.005 --seed 7 -o annotation.json\n"
       "  underbrush annotate --generate forest --ground model/ -o annotation.json",

@@ -23,22 +23,22 @@ void add_options(Verb& verb, Arguments& a) {
   CLI::App& app = verb.app;
   app.add_option("ANNOTATION", a.annotation, "The annotation (JSON)")->required();
   app.add_option("PRIMITIVES", a.primitives,
-                 "The set of primitives; the name mesh_primitives: of generated plants, as "
-                 "'meshes generated' makes it")
+                 "The folder of the set of primitives, or mesh_primitives: for the generated "
+                 "plants that 'meshes generated' writes")
       ->required();
   verb.output("-o,--output", a.output, "The scene's folder")->required()->type_name("SCENE");
-  app.add_option("--ground", a.ground, "Model whose ground to take instead of the annotation's")
+  app.add_option("--ground", a.ground, "Model whose ground replaces the annotation's")
       ->type_name("MODEL");
   app.add_option("--nearest", a.compose.nearest,
-                 "Draw among this many primitives with the nearest boxes")
+                 "Draw each primitive among this many with the nearest boxes")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.add_flag("--scale", a.compose.scale, "Scale primitives to their boxes");
   app.add_option("--class-density", a.density,
-                 "Objects of a class for each annotated: below 1 leaves some out, above 1 adds "
-                 "others beside them")
+                 "Objects for each annotated one of a class: below 1 leaves some out, above 1 adds "
+                 "more beside them")
       ->type_name("CLASS=FACTOR ...");
-  app.add_flag("--strict", a.strict, "Fail where an object cannot be placed as it is annotated");
+  app.add_flag("--strict", a.strict, "Fail if an object cannot be placed as annotated");
 }
 
 void read_densities(const Arguments& a, primitives::ComposeOptions& o) {
@@ -115,7 +115,7 @@ void add_compose(Program& program) {
   auto a = std::make_shared<Arguments>();
   const auto verb =
       add_verb(program, "Scenes", "compose",
-               "Compose a scene from primitives along an annotation; simulate takes it",
+               "Compose a scene from primitives along an annotation, for simulate",
                "underbrush compose annotation.json primitives/ -o scene/\n"
                "  underbrush compose annotation.json primitives/ --nearest 5 --scale -o scene/\n"
                "  underbrush compose annotation.json mesh_primitives -o baseline/\n"

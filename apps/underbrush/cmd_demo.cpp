@@ -37,7 +37,8 @@ void add_instances(const test_site::FlatSite& flat, BeamLog& beams) {
   beams.extra.erase("element");
 }
 
-/// Scans the site along its drive; even scans go to `train`, odd ones to `test`. Returns the beams.
+/// Scans the site along its drive and writes even scans to `train`, odd ones to `test`. Returns the
+/// number of beams.
 size_t scan_site(const Verb& verb, const Arguments& a, const fs::path& train,
                  const fs::path& test) {
   const test_site::Site site = test_site::make_site(a.site);
@@ -135,14 +136,14 @@ void run(const Verb& verb, Arguments& a) {
 void add_demo(Program& program) {
   auto a = std::make_shared<Arguments>();
   const auto verb = add_verb(program, "Start", "demo",
-                             "The whole pipeline on a generated test site; ends with a report",
+                             "Run the whole pipeline on a generated test site and write a report",
                              "underbrush demo -o demo/", [a](const Verb& v) { run(v, *a); });
   CLI::App& app = verb->app;
-  verb->output("-o,--output", a->output, "Folder for all that the demo makes")
+  verb->output("-o,--output", a->output, "Folder for everything that the demo writes")
       ->capture_default_str();
   app.add_option("--sensor", a->sensor, "Sensor of the catalogue that scans the site")
       ->capture_default_str();
-  app.add_option("--sub-rays", a->beam.sub_rays, "Rays a beam when the site is scanned")
+  app.add_option("--sub-rays", a->beam.sub_rays, "Sub-rays for each beam when the site is scanned")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
 }

@@ -19,31 +19,32 @@ struct Arguments {
 void add_options(Verb& verb, Arguments& a) {
   CLI::App& app = verb.app;
   app.add_option("MODEL", a.model, "The model's folder")->required();
-  app.add_option("LABELLED", a.log, "The log that it was fitted to, labelled by segment")
+  app.add_option("LABELLED", a.log, "The log that the model was fitted to, labelled by segment")
       ->required();
   verb.output("-o,--output", a.output, "The folder of the set of primitives")
       ->required()
       ->type_name("PRIMITIVES");
   verb.begin_rare_group();
   app.add_option("--box-quantile", a.extract.measure.quantile,
-                 "A box holds the points from this quantile to 1 − it in each axis; 0 = all "
-                 "(0.05 as [tallavajhula18]'s authors have it)")
+                 "Fit boxes to the points from this quantile to 1 − it along each axis; 0 = all "
+                 "points (0.05 in the code of [tallavajhula18]'s authors)")
       ->check(CLI::Range(0.0, 0.49))
       ->capture_default_str();
   app.add_option("--elements", a.membership,
-                 "Elements of an object: those centred in its box, or of these its own only, which "
-                 "lie among its points")
+                 "Elements that an object takes: all those centred in its box, or only its own, "
+                 "which lie among its points")
       ->check(CLI::IsMember({"own", "box"}))
       ->capture_default_str();
   app.add_option("--free-space-below", a.extract.free_space_below,
-                 "Ellipsoids at which a smaller share of the beams ended that met them are left "
-                 "out")
+                 "Leave out ellipsoids at which a smaller share of the beams that met them ended")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  app.add_option("--patch-cell", a.extract.measure.cell_m, "Side of the cells of patches, m")
+  app.add_option("--patch-cell", a.extract.measure.cell_m,
+                 "Side of the cells that patches of shrubs are cut into, m")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app.add_option("--min-points", a.extract.measure.min_points, "Fewest points of an object or cell")
+  app.add_option("--min-points", a.extract.measure.min_points,
+                 "Leave out objects and cells with fewer points")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
 }
@@ -66,7 +67,8 @@ void run(const Verb& verb, Arguments& a) {
   }
   primitives::write_primitives(a.output, result.primitives, a.extract.measure.cell_m,
                                provenance(verb, {a.model, a.log}));
-  std::map<elements::Class, std::pair<size_t, size_t>> classes;  // primitives, elements
+  // Number of primitives and elements of each class.
+  std::map<elements::Class, std::pair<size_t, size_t>> classes;
   for (const auto& p : result.primitives) {
     ++classes[p.label].first;
     classes[p.label].second += p.model.size();
@@ -105,7 +107,7 @@ void run(const Verb& verb, Arguments& a) {
 void add_extract(Program& program) {
   auto a = std::make_shared<Arguments>();
   const auto verb = add_verb(
-      program, "Scenes", "extract", "Cut a model into primitives along a labelled log",
+      program, "Scenes", "extract", "Cut primitives out of a model along a labelled log",
       "underbrush extract model/ labelled.ply -o primitives/", [a](const Verb& v) { run(v, *a); });
   add_options(*verb, *a);
 }

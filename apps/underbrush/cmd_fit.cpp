@@ -27,7 +27,7 @@ void add_options(Verb& verb, Arguments& a) {
       ->type_name("FILE.obj|.ply");
 }
 
-/// What every fit counts.
+/// Returns the counts that every fit reports.
 Json json_of_fit(const std::string& fitter, const FitStep& step,
                  const std::vector<std::string>& warnings) {
   const elements::Model& model = step.result.model;

@@ -25,7 +25,7 @@ struct Arguments {
   std::optional<double> unknown_below_deg;
 };
 
-/// What became of the log's records.
+/// Counts of the log's records by what became of them.
 struct Counts {
   size_t scans = 0, beams = 0;
   sensor::BeamCounts beam;
@@ -38,41 +38,44 @@ void add_options(Verb& verb, Arguments& a) {
   verb.output("-o,--output", a.output, "The log as a ray cloud PLY")
       ->required()
       ->type_name("LOG.ply");
-  app.add_option("--format", a.input.format, "Format of the source (default: by its look)")
+  app.add_option("--format", a.input.format, "Format of the source (default: detected)")
       ->check(CLI::IsMember(io::input_formats()));
-  app.add_option("--poses", a.input.poses, "Poses of the sensor: TUM or KITTI")->type_name("FILE");
+  app.add_option("--poses", a.input.poses, "File of the sensor's poses, in TUM or KITTI format")
+      ->type_name("FILE");
   verb.begin_rare_group();
-  app.add_option("--times", a.input.times, "Times of the scans, one a line")->type_name("FILE");
-  app.add_option("--labels", a.input.labels, "Labels of a single scan: SemanticKITTI's .label")
+  app.add_option("--times", a.input.times, "File of the scans' times, one on each line, s")
+      ->type_name("FILE");
+  app.add_option("--labels", a.input.labels, "Labels of a single scan, a SemanticKITTI .label file")
       ->type_name("FILE");
   app.add_option("--label-set", a.label_set,
-                 "What the numbers in the column class mean (default: semantickitti for .label)")
+                 "Label set of the column class (default: semantickitti for .label files)")
       ->check(CLI::IsMember(elements::label_set_names()));
-  app.add_option("--keep", a.keep,
-                 "Take only points with this value of a column, such as first returns: "
-                 "target_index=1")
+  app.add_option(
+         "--keep", a.keep,
+         "Read only the points with this value of a column, such as first returns: target_index=1")
       ->type_name("COLUMN=VALUE");
-  app.add_option("--frames", a.frames, "Scans to take, by number, half-open: A:B or A:B:STEP")
+  app.add_option("--frames", a.frames, "Scans to read, by number, half-open: A:B or A:B:STEP")
       ->type_name("A:B[:STEP]");
   app.add_option("--deskew", a.deskew,
-                 "Scans are raw: give every beam its pose by this sensor's timing")
+                 "Give every beam its own pose by this sensor's timing, for raw scans")
       ->type_name("SENSOR");
+  app.add_option("--unknown-below-deg", a.unknown_below_deg,
+                 "Leave out beams without a return that point lower than this elevation, as at the "
+                 "own vehicle; by default inferred ones below -13 and no recorded ones");
   app.add_option(
-      "--unknown-below-deg", a.unknown_below_deg,
-      "Beams without a return that point lower than this tell nothing (own vehicle): leave "
-      "them out. Without it, inferred ones below -13, no recorded ones");
-  app.add_option("--elevation-offset-deg", a.elevation_offset_deg,
-                 "Known fault of the recording: turn every beam up by this (KITTI: 0.205)")
+         "--elevation-offset-deg", a.elevation_offset_deg,
+         "Turn every beam up by this angle, for a known fault of the recording (KITTI: 0.205)")
       ->capture_default_str();
   app.add_option("--infer-misses", a.infer_misses,
-                 "The format drops misses: infer them from this sensor's pattern")
+                 "Infer misses from this sensor's scan pattern, for formats that drop them")
       ->type_name("SENSOR");
   app.add_option("--max-range", a.max_range_m,
-                 "Range of a miss, m (0 = the sensor's, or the log's own)")
+                 "Range of a miss, m; 0 = the sensor's or the log's own")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  app.add_flag("--points-in-world", a.input.points_in_world,
-               "Points are in the world frame already, the poses say where the sensor was");
+  app.add_flag(
+      "--points-in-world", a.input.points_in_world,
+      "The points are in the world frame already, and the poses only say where the sensor was");
   app.add_flag("--float", a.float_coordinates, "Write coordinates as float instead of double");
 }
 
@@ -91,7 +94,7 @@ sensor::BeamOptions beam_options(const Arguments& a, const io::Input& input) {
   return options;
 }
 
-// What the log will say of itself. Whether it has misses is found while writing.
+// Returns the description of the log that is written. Whether it has misses is found while writing.
 LogInfo log_info(const Arguments& a, const io::Input& input, const sensor::BeamOptions& options) {
   LogInfo info;
   const auto& known = options.deskew ? options.deskew : options.infer_misses;
@@ -108,7 +111,7 @@ LogInfo log_info(const Arguments& a, const io::Input& input, const sensor::BeamO
   return info;
 }
 
-// A beam has one outcome: several returns of one pulse would count as several beams.
+// A beam has one outcome, so several returns of a pulse would count as several beams.
 void note_echoes(const RowFilter& keep, const std::map<std::string, ExtraColumn>& extra,
                  std::vector<std::string>& notes) {
   for (const char* name : {"target_index", "return_number"}) {
@@ -231,7 +234,8 @@ void run(const Verb& verb, Arguments& a) {
   for (const auto& file : {a.input.poses, a.input.times, a.input.labels}) {
     if (!file.empty()) sources.push_back(file);
   }
-  for (const auto& name : {a.deskew, a.infer_misses}) {  // of the catalogue, or files
+  // The sensors are names in the catalogue, or files, which are inputs.
+  for (const auto& name : {a.deskew, a.infer_misses}) {
     if (std::filesystem::is_regular_file(name)) sources.emplace_back(name);
   }
   const bool beams = input.beams != nullptr;
@@ -255,11 +259,12 @@ void run(const Verb& verb, Arguments& a) {
 
 void add_import(Program& program) {
   auto a = std::make_shared<Arguments>();
-  const auto verb = add_verb(
-      program, "Logs", "import", "Any supported log to a ray cloud PLY, misses kept or inferred",
-      "underbrush import drive/ --poses drive/poses_velo.txt --deskew velodyne-hdl64e \\\n"
-      "    --elevation-offset-deg 0.205 --infer-misses velodyne-hdl64e -o log.ply",
-      [a](const Verb& v) { run(v, *a); });
+  const auto verb =
+      add_verb(program, "Logs", "import",
+               "Convert any supported log to a ray cloud PLY, with misses kept or inferred",
+               "underbrush import drive/ --poses drive/poses_velo.txt --deskew velodyne-hdl64e \\\n"
+               "    --elevation-offset-deg 0.205 --infer-misses velodyne-hdl64e -o log.ply",
+               [a](const Verb& v) { run(v, *a); });
   add_options(*verb, *a);
 }
 

@@ -18,7 +18,7 @@
 namespace underbrush::app {
 namespace {
 
-/// What is in a log, gathered in one pass.
+/// The contents of a log, gathered in one pass.
 struct Contents {
   size_t beams = 0, hits = 0, recorded = 0, inferred = 0;
   size_t echoes = 0;  ///< Hits, and further echoes of their beams.
@@ -27,7 +27,7 @@ struct Contents {
   double low_intensity = INFINITY, high_intensity = -INFINITY;
   std::set<uint32_t> scans;
   std::set<uint16_t> rings;
-  std::vector<size_t> ranges;  ///< Histogram in steps of 1 cm up to 1 km, and beyond.
+  std::vector<size_t> ranges;  ///< Histogram in steps of 1 cm up to 1 km, and one bin beyond.
   std::vector<std::string> extra;
 };
 
@@ -69,7 +69,7 @@ double range_percentile(const Contents& c, double share) {
   return 0;
 }
 
-// Sensors of the catalogue with as many channels as the log has rings.
+// Returns the sensors of the catalogue with as many channels as the log has rings.
 std::vector<std::string> sensor_guess(const LogInfo& info, size_t rings) {
   if (!info.sensor.empty()) return {info.sensor};
   std::vector<std::string> names;
@@ -204,7 +204,7 @@ void report_scene(const Verb& verb, const std::string& path) {
   verb.report(j, text);
 }
 
-/// How the leaves stand [goodin24].
+/// Prints the distribution of the leaves' inclination [goodin24].
 void report_leaves(const Verb& verb, const std::string& file, bool all) {
   const LeafCloud cloud = leaf_cloud(file, all);
   if (cloud.points.size() < 30) {
@@ -255,16 +255,16 @@ void run(const Verb& verb, const Arguments& a) {
 
 void add_info(Program& program) {
   auto a = std::make_shared<Arguments>();
-  const auto verb = add_verb(program, "Logs", "info", "What is in a log, a model or a scene",
+  const auto verb = add_verb(program, "Logs", "info", "Describe a log, a model or a scene",
                              "underbrush info log.ply\n"
                              "  underbrush info log.ply --leaves vegetation",
                              [a](const Verb& v) { run(v, *a); });
   verb->app.add_option("FILE", a->file, "A log, or the folder of a model or scene")->required();
   verb->app
       .add_option("--leaves", a->leaves,
-                  "Instead: how the leaves of a log or point file stand, mean and sigma of arccos "
-                  "n_z, and epsilon; of the vegetation of a log (by its labels, else what is not "
-                  "ground, 3 to 25 m away), or of all points")
+                  "Print the inclination of the leaves instead (mean and sigma of arccos n_z, and "
+                  "epsilon): of a log's vegetation, which is what its labels say or else what is "
+                  "not ground, 3 to 25 m away; or of all points")
       ->check(CLI::IsMember({"vegetation", "all"}));
 }
 

@@ -20,38 +20,38 @@ struct Arguments {
 
 void add_options(Verb& verb, Arguments& a) {
   CLI::App& app = verb.app;
-  app.add_option(
-         "PLANTS", a.plants,
-         "Meshes of plants (.obj, .ply, .gltf, .glb), folders of them, or the word generated: the "
-         "plants of the demo's site")
+  app.add_option("PLANTS", a.plants,
+                 "Plant meshes (.obj, .ply, .gltf, .glb), folders of them, or the word generated "
+                 "for the plants of the demo's site")
       ->required();
   verb.output("-o,--output", a.output, "The folder of the set of primitives")
       ->required()
       ->type_name("PRIMITIVES");
-  app.add_option(
-         "--variation", a.variation,
-         "generated: other species than the demo's; crown radius and base, trunk, leaf area "
-         "and leaf size times factors from 1/F to F")
+  app.add_option("--variation", a.variation,
+                 "With generated: vary the demo's species by multiplying crown radius and base, "
+                 "trunk, leaf area and leaf size by factors from 1/F to F")
       ->check(CLI::Range(1.0, 2.0))
       ->type_name("F")
       ->capture_default_str();
-  app.add_option("--unit", a.files.unit_m, "Metres of one unit of length in the files")
+  app.add_option("--unit", a.files.unit_m, "Length of the files' unit, m")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app.add_option("--up", a.up, "The axis that points up in the files")
+  app.add_option("--up", a.up, "Axis that points up in the files")
       ->check(CLI::IsMember({"y", "z"}))
       ->capture_default_str();
-  app.add_option("--sizes", a.meshes.sizes_per_class, "Heights of a plant in each class")
+  app.add_option("--sizes", a.meshes.sizes_per_class,
+                 "Number of heights of each plant in each class")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
   app.add_option("--most-scaling", a.meshes.most_scaling,
-                 "A plant is made at most so many times larger or smaller")
+                 "Scale a plant by at most this factor, up or down")
       ->check(CLI::Range(1.0, 1e6))
       ->capture_default_str();
-  app.add_option("--patch-cell", a.meshes.cell_m, "Side of the cells of patches, m")
+  app.add_option("--patch-cell", a.meshes.cell_m, "Side of the cells of patches of shrubs, m")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app.add_option("--range-noise", a.meshes.range_sigma_m, "σ of the noise on ranges, m")
+  app.add_option("--range-noise", a.meshes.range_sigma_m,
+                 "Standard deviation of the noise on ranges, m")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
 }
@@ -73,7 +73,8 @@ void run(const Verb& verb, Arguments& a) {
   }
   const std::vector<primitives::Primitive> set = primitives::mesh_primitives(plants, a.meshes);
   primitives::write_primitives(a.output, set, a.meshes.cell_m, provenance(verb, inputs));
-  std::map<elements::Class, std::pair<size_t, size_t>> classes;  // primitives, triangles
+  // Number of primitives and triangles of each class.
+  std::map<elements::Class, std::pair<size_t, size_t>> classes;
   size_t triangles = 0;
   for (const auto& p : set) {
     ++classes[p.label].first;
@@ -102,7 +103,7 @@ void run(const Verb& verb, Arguments& a) {
 void add_meshes(Program& program) {
   auto a = std::make_shared<Arguments>();
   const auto verb = add_verb(program, "Scenes", "meshes",
-                             "Make primitives of plant meshes instead: the comparison simulator",
+                             "Make primitives from plant meshes, for the comparison simulator",
                              "underbrush meshes generated -o meshes/\n"
                              "  underbrush meshes plants/ fern.obj --up y -o meshes/\n"
                              "  underbrush compose annotation.json meshes/ -o scene/",

@@ -35,61 +35,62 @@ struct Arguments {
 void add_options(Verb& verb, Arguments& a) {
   CLI::App& app = verb.app;
   app.add_option("LOG", a.log, "The training log")->required();
-  verb.output("-o,--output", a.output, "The configuration that 'fit --config' takes")
+  verb.output("-o,--output", a.output, "The configuration file for 'fit --config'")
       ->required()
       ->type_name("PARAMS.yaml");
   app.add_option("--objective", a.objective,
-                 "What is minimised: mean packet error + 2 (1 - F1), or the negative "
-                 "log-likelihood a beam")
+                 "What is minimised: mean packet error + 2 (1 - F1), or the mean negative "
+                 "log-likelihood of a beam")
       ->check(CLI::IsMember(optimize::objectives()))
       ->capture_default_str();
   app.add_option("--tune", a.tune, "Options of fit to tune instead of the usual ones")
       ->type_name("NAME ...");
-  app.add_option("--budget", a.search.budget, "Most evaluations")
+  app.add_option("--budget", a.search.budget, "Largest number of evaluations")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app.add_option("--slice", a.slice, "Scans that begin in [FROM, TO), s after the log's start")
+  app.add_option("--slice", a.slice,
+                 "Use the scans that begin in [FROM, TO), s after the log's start")
       ->expected(2)
       ->type_name("FROM TO")
       ->capture_default_str();
   app.add_option("--validate", a.cut.one_in,
-                 "One scan of the slice in so many is not fitted but judges (of fewer scans: "
-                 "groups of beams of each)")
+                 "Hold one scan in this many out of the fit as its judge (with few scans: groups "
+                 "of beams of each scan)")
       ->check(CLI::Range(2, 1 << 30))
       ->capture_default_str();
-  app.add_option("--algorithm", a.search.algorithm, "How NLopt searches")
+  app.add_option("--algorithm", a.search.algorithm, "Search algorithm of NLopt")
       ->check(CLI::IsMember(optimize::algorithms()))
       ->capture_default_str();
   app.add_option("--step", a.search.step, "First step, as a share of each parameter's range")
       ->check(CLI::Range(0.001, 0.5))
       ->capture_default_str();
   verb.output("--checkpoint", a.checkpoint,
-              "Written after each evaluation; PARAMS.yaml.checkpoint if not given")
+              "File written after each evaluation (default: PARAMS.yaml.checkpoint)")
       ->type_name("FILE");
   verb.not_of_result(
-      app.add_flag("--resume", a.resume, "Go on where the checkpoint ends, if there is one"));
+      app.add_flag("--resume", a.resume, "Continue from the checkpoint if there is one"));
   verb.begin_group("Densities of a scene");
   auto* site = app.add_option("--annotation", a.annotation,
-                              "Tune the densities of a composed scene's classes instead: its "
-                              "annotation; the result is for 'compose --config'")
+                              "Tune the class densities of a scene composed along this annotation "
+                              "instead; the result is for 'compose --config'")
                    ->type_name("SITE.json");
   auto* set = app.add_option("--primitives", a.primitives,
-                             "The primitives to compose with, as compose takes them")
+                             "Primitives to compose the scene from, as for compose")
                   ->type_name("PRIMITIVES");
   site->needs(set);
   set->needs(site);
   verb.begin_group("Options");
-  verb.output("--report", a.report, "Write a report with the curve into this folder")
+  verb.output("--report", a.report, "Write a report with the search's progress into this folder")
       ->type_name("DIR");
   a.fit_options = add_fit_options(verb, a.fit, kAllRare);
 }
 
-/// A search to be done: what is tuned, from where, and how it is judged.
+/// A search: the parameters that are tuned, their start, and the function that judges them.
 struct Problem {
   Tuning tuning;
   std::vector<double> start;
   std::function<optimize::Outcome(std::span<const double>)> objective;
-  std::vector<fs::path> inputs = {};  ///< Beside the log.
+  std::vector<fs::path> inputs = {};  ///< Input files besides the log.
   std::vector<std::string> warnings = {};
 };
 
@@ -126,7 +127,7 @@ Problem fit_problem(const Arguments& a, const std::shared_ptr<const optimize::Sl
   return p;
 }
 
-/// What a scene is composed of, as read.
+/// The parts of a scene, as read from their files.
 struct SceneInputs {
   primitives::Annotation annotation;
   elements::Model ground;
@@ -163,7 +164,7 @@ Problem scene_problem(const Verb& verb, const Arguments& a, optimize::Slice slic
   return p;
 }
 
-/// All that makes the search what it is, but for its budget.
+/// Returns a text that identifies the search by all that determines it except its budget.
 std::string identity_of(const Verb& verb, const Arguments& a, const Problem& p) {
   Json run;
   run["objective"] = a.objective;
@@ -185,7 +186,7 @@ std::string identity_of(const Verb& verb, const Arguments& a, const Problem& p) 
   return run.dump();
 }
 
-/// The evaluations to go on from.
+/// Returns the evaluations of the checkpoint from which the search continues.
 std::vector<optimize::Evaluation> past_of(const Arguments& a, const std::string& identity) {
   if (!fs::exists(a.checkpoint)) return {};
   const optimize::Checkpoint found = optimize::read_checkpoint(a.checkpoint);
@@ -214,7 +215,8 @@ void run(const Verb& verb, Arguments& a) {
   io::check_output(a.output);
   io::check_output(a.checkpoint);
   if (!a.report.empty()) report::check_report_output(a.report);
-  if (a.annotation.empty()) optimize::chosen_fit_parameters(a.fit, a.tune);  // asked before reading
+  // This throws for unknown names before the log is read.
+  if (a.annotation.empty()) optimize::chosen_fit_parameters(a.fit, a.tune);
   io::LogReader reader(a.log);
   optimize::Slice slice = optimize::take_slice(reader, a.cut);
   Problem p = a.annotation.empty()

@@ -18,11 +18,10 @@ struct Arguments {
 void add_options(Verb& verb, Arguments& a) {
   CLI::App& app = verb.app;
   app.add_option("REAL", a.real, "The real log")->required();
-  app.add_option("SIMULATED", a.simulated,
-                 "Simulated logs of the same beams, one or several to compare")
+  app.add_option("SIMULATED", a.simulated, "One or several simulated logs of the same beams")
       ->required();
   app.add_option("--model", a.models,
-                 "The model or scene of each simulated log, in order: adds likelihood and CRPS")
+                 "Model or scene of each simulated log, in order; adds likelihood and CRPS")
       ->type_name("MODEL")
       ->allow_extra_args(false);
   app.add_option("--name", a.names, "Name of each simulated log in the results, in order")

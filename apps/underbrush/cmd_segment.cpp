@@ -33,45 +33,50 @@ void add_object_options(Verb& verb, primitives::ObjectOptions& o) {
     app.add_option(name, value, text)->check(CLI::NonNegativeNumber)->capture_default_str();
   };
   option("--cell", o.cell_m, "Side of a column, m; 0 = 0.4, more where points are sparse");
-  option("--gap", o.gap_m, "Empty height that parts what stands in a column, m; 0 = by the cell");
-  app.add_option("--min-points", o.min_points, "Fewest points of an object")->capture_default_str();
+  option("--gap", o.gap_m,
+         "Empty height that separates objects in a column, m; 0 = by the column's side");
+  app.add_option("--min-points", o.min_points, "Least number of points of an object")
+      ->capture_default_str();
   verb.begin_rare_group("Trees");
   option("--spacing", o.spacing_a_m,
-         "Peaks that are nearer to each other are one crown, m; more for high trees");
+         "Treat peaks nearer to each other than this as one crown, m; grows with height");
   option("--prominence", o.prominence_a_m,
-         "A dip less deep than this parts no crowns, m; more for high trees");
-  option("--radius", o.radius_a_m,
-         "A crown reaches no farther from its peak, m; more for high trees");
-  option("--foot", o.trunk_m, "What is no wider under a crown is its foot, m");
+         "Join crowns whose dip between them is less deep than this, m; grows with height");
+  option("--radius", o.radius_a_m, "Largest reach of a crown from its peak, m; grows with height");
+  option("--foot", o.trunk_m, "Largest width of a tree's foot under its crown, m");
   verb.begin_rare_group("Classes by size");
-  option("--tree-height", o.sizes.tree_m, "Height from which an object is a tree, m");
-  option("--small-shrub-height", o.sizes.small_shrub_m, "A lower shrub is a low shrub, m");
-  option("--medium-tree-height", o.sizes.medium_tree_m, "A lower tree is a small tree, m");
-  option("--large-tree-height", o.sizes.large_tree_m, "A lower tree is at most medium, m");
-  option("--patch-side", o.sizes.patch_m, "Shrubs from this length on are a patch, m");
+  option("--tree-height", o.sizes.tree_m, "Least height of a tree, m; lower objects are shrubs");
+  option("--small-shrub-height", o.sizes.small_shrub_m,
+         "Least height of a small shrub, m; lower ones are low shrubs");
+  option("--medium-tree-height", o.sizes.medium_tree_m,
+         "Least height of a medium tree, m; lower ones are small trees");
+  option("--large-tree-height", o.sizes.large_tree_m,
+         "Least height of a large tree, m; lower ones are medium trees at most");
+  option("--patch-side", o.sizes.patch_m, "Least length of a patch of shrubs, m");
 }
 
 void add_options(Verb& verb, Arguments& a) {
   CLI::App& app = verb.app;
   app.add_option("LOG", a.log, "The log (ray cloud PLY, as import writes it)")->required();
   verb.output("-o,--output", a.output,
-              "The log with the columns class and instance. Those that it had are scored "
-              "against and kept as given_class and given_instance")
+              "The log with the columns class and instance; columns of these names that it has "
+              "already are kept as given_class and given_instance and compared with")
       ->type_name("LABELLED.ply");
   app.add_option("--labels", a.labels,
-                 "Take these labels over: a SemanticKITTI .label file, or a PLY, PCD or CSV file "
-                 "with a column class or instance (the log itself, too)")
+                 "Take labels from this file: a SemanticKITTI .label file, or a PLY, PCD or CSV "
+                 "file with a column class or instance (also the log itself)")
       ->type_name("FILE");
-  app.add_option("--label-set", a.given.set, "What the numbers of --labels mean")
+  app.add_option("--label-set", a.given.set,
+                 "Label set that gives the numbers of --labels their meaning")
       ->check(CLI::IsMember(elements::label_set_names()));
   app.add_option("--truth", a.truth,
-                 "Column of the log with the true trees' numbers, to be scored against")
+                 "Column of the log with the numbers of the true trees, to score against")
       ->capture_default_str();
-  app.add_option("--ground-method", a.segment.ground.method, "Ground segmentation")
+  app.add_option("--ground-method", a.segment.ground.method, "Method of ground segmentation")
       ->check(CLI::IsMember({"lower_envelope", "spherical_variance"}))
       ->capture_default_str();
   app.add_option("--min-range", a.segment.min_range_m,
-                 "Hits nearer than this are nothing, m: the vehicle that carries the sensor")
+                 "Ignore hits nearer than this, m, such as those on the own vehicle")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   verb.begin_rare_group("Objects");
@@ -81,7 +86,7 @@ void add_options(Verb& verb, Arguments& a) {
   add_object_options(verb, a.segment.objects);
 }
 
-/// What is known of each hit by labels that are taken over.
+/// Returns what the given labels say of each hit.
 std::vector<primitives::Prior> priors_of(const primitives::GivenLabels& given) {
   using primitives::Prior;
   std::vector<Prior> prior;
@@ -94,7 +99,7 @@ std::vector<primitives::Prior> priors_of(const primitives::GivenLabels& given) {
   return prior;
 }
 
-/// Classes and instances that are given stand; what is not given is found.
+/// Keeps classes and instances that are given and takes the others from the search.
 LabelsOfHits taken_over(const primitives::GivenLabels& given, const primitives::LogLabels* labels) {
   LabelsOfHits out = labels ? found_of(*labels) : LabelsOfHits{};
   if (!given.label.empty() && given.set == "underbrush") {
@@ -108,7 +113,7 @@ LabelsOfHits taken_over(const primitives::GivenLabels& given, const primitives::
   return out;
 }
 
-/// What was found by search.
+/// Adds what the search found to the results.
 void add_objects(const primitives::LogLabels& labels, Json& j) {
   std::map<Class, size_t> objects;
   for (const auto& object : labels.objects) ++objects[object.label];
@@ -124,7 +129,7 @@ void run(const Verb& verb, const Arguments& a) {
   std::optional<primitives::GivenLabels> given;
   std::optional<primitives::LogLabels> labels;
   if (!a.labels.empty()) given = primitives::read_given_labels(a.labels, log, a.given);
-  // Classes and instances of ours need no search.
+  // Labels of our own set with instances need no search.
   const bool whole =
       given && given->set == "underbrush" && !given->label.empty() && !given->instance.empty();
   if (!whole) {
@@ -175,7 +180,7 @@ void add_segment(Program& program) {
   auto a = std::make_shared<Arguments>();
   const auto verb =
       add_verb(program, "Scenes", "segment",
-               "Label a log: ground, trees, shrubs, patches; or take labels over",
+               "Label a log as ground, trees, shrubs and patches, or take labels from a file",
                "underbrush segment log.ply -o labelled.ply\n"
                "  underbrush segment log.ply --labels edited.ply -o labelled.ply\n"
                "  underbrush segment log.ply --ground-method spherical_variance --json -",

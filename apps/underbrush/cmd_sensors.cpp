@@ -45,7 +45,7 @@ std::string returns_of(const sensor::SignalChain& c) {
   return fmt::format("up to {}", c.max_echoes);
 }
 
-/// A scan as seen by the sensor itself: azimuth and elevation in degrees.
+/// Returns a scan in the sensor's frame, as azimuths and elevations in degrees.
 report::SvgPlot::Points one_scan(const Sensor& s, size_t most) {
   const Trajectory still({{0, Pose{}}});
   sensor::PatternSource source(s, still, 0, 1 / s.rate_hz, most);
@@ -136,7 +136,8 @@ std::string table_of(const Json& j) {
   return text;
 }
 
-/// Of a large scan only the part around straight ahead is drawn, so that single beams can be told.
+/// Draws the pattern of a scan. A large scan is cut to the part around straight ahead, so that
+/// single beams are visible.
 void plot_pattern(const Sensor& s, report::SvgPlot::Points scan, const std::string& file) {
   double half = 180;
   const auto inside = [&](const auto& p) { return std::abs(p.first) <= half; };
@@ -184,7 +185,7 @@ void add_sensors(Program& program) {
   auto a = std::make_shared<Arguments>();
   const auto verb =
       add_verb(program, "Simulation", "sensors",
-               "The catalogue of sensors, their patterns, and what they make of targets",
+               "List sensors, draw their patterns, and compute their echoes of targets",
                "underbrush sensors list\n"
                "  underbrush sensors show velodyne-vlp16 --plot pattern.svg\n"
                "  underbrush sensors echo ibeo-lux-2010 --target 30:leaf:0.4 --target 32:soil:0.6 "
@@ -198,14 +199,15 @@ void add_sensors(Program& program) {
   verb->output("--plot", a->plot, "Draw the pattern (show) or the waveform (echo)")
       ->type_name("FILE.svg");
   app.add_option("--target", a->targets,
-                 "echo: what part of the beam meets, perpendicularly; may be repeated")
+                 "echo: a target that a share of the beam meets perpendicularly; may be repeated")
       ->type_name("RANGE[:MATERIAL[:SHARE]]")
       ->take_all();
-  app.add_option("--csv", a->csv, "echo: write the waveform")->type_name("FILE");
-  app.add_option("--visibility", a->visibility_m, "echo: in haze or fog, m, 0 = clear air")
+  app.add_option("--csv", a->csv, "echo: write the waveform to this file")->type_name("FILE");
+  app.add_option("--visibility", a->visibility_m,
+                 "echo: visibility in haze or fog, m; 0 = clear air")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  app.add_option("--rain", a->rain_mm_per_h, "echo: in rain, mm/h")
+  app.add_option("--rain", a->rain_mm_per_h, "echo: rain rate, mm/h")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
 }

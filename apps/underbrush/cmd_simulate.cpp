@@ -32,43 +32,43 @@ void add_options(Verb& verb, Arguments& a) {
   app.add_option("MODEL", a.model, "The folder of a model, or of a scene that compose made")
       ->required();
   verb.output("-o,--output", a.output,
-              "Where the simulated log goes: .ply, .pcd, .csv, or a folder/ of KITTI .bin "
-              "(with --profile: of PCD)")
+              "The simulated log: .ply, .pcd, .csv, or a folder/ of KITTI .bin files (with "
+              "--profile: of PCD files)")
       ->required();
-  auto* like = app.add_option("--like", a.like, "Answer the beams of this log")->type_name("LOG");
+  auto* like = app.add_option("--like", a.like, "Simulate the beams of this log")->type_name("LOG");
   auto* sensor =
-      app.add_option("--sensor", a.sensor, "Fire a sensor of the catalogue (or a YAML file)");
+      app.add_option("--sensor", a.sensor, "Simulate a sensor of the catalogue (or a YAML file)");
   auto* trajectory = app.add_option("--trajectory", a.trajectory, "Poses of the sensor, TUM format")
                          ->type_name("POSES.txt");
+  app.add_option(
+         "--profile", a.profile,
+         "Write a folder with a PCD file for each scan, in this driver's PointCloud2 layout")
+      ->check(CLI::IsMember({"velodyne", "ouster", "autoware"}));
   like->excludes(sensor);
   sensor->needs(trajectory);
   trajectory->needs(sensor);
-  app.add_flag(
-      "--element-ids", a.simulate.element_ids,
-      "Write the element that stopped each beam, and its class; of a scene, which plant too "
-      "(column instance)");
-  verb.begin_rare_group();
-  app.add_option("--profile", a.profile,
-                 "Write a folder of PCD files, one a scan, as this driver's PointCloud2")
-      ->check(CLI::IsMember({"velodyne", "ouster", "autoware"}));
+  app.add_flag("--element-ids", a.simulate.element_ids,
+               "Write the element that stopped each beam, and its class; for a scene also the "
+               "plant (column instance)");
   verb.begin_rare_group("Thin rays");
   app.add_option("--draw", a.draw, "Where in an ellipsoid a range is drawn")
       ->check(CLI::IsMember({"on_ray", "volumetric"}))
       ->capture_default_str();
   app.add_option("--beam", a.beam,
-                 "The ray that is traced: the beam's axis, or drawn from the sensor's cone")
+                 "Trace a ray on the beam's axis, or one drawn from the sensor's cone")
       ->check(CLI::IsMember({"thin", "random"}))
       ->capture_default_str();
   app.add_option("--max-range", a.simulate.max_range_m,
-                 "Maximum range, m, 0 = the log's or the sensor's")
+                 "Maximum range, m; 0 = the log's or the sensor's")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  app.add_option("--range-noise", a.simulate.range_noise_m, "Further noise on every range, m")
+  app.add_option("--range-noise", a.simulate.range_noise_m,
+                 "Standard deviation of additional noise on every range, m")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
 }
 
-constexpr size_t kChunk = 1 << 18;  // beams; of each up to 16 echoes
+constexpr size_t kChunk = 1 << 18;  // Number of beams; each may have up to 16 echoes.
 
 std::unique_ptr<BeamSource> beams_of(const Arguments& a, Trajectory& path) {
   if (!a.like.empty()) return std::make_unique<io::BeamReader>(a.like, kChunk);
@@ -82,7 +82,7 @@ std::unique_ptr<BeamSource> beams_of(const Arguments& a, Trajectory& path) {
                                                  path.poses().back().time_s, kChunk);
 }
 
-/// The sensor that the beams are of, where it is needed.
+/// Returns the sensor of the beams, where one is needed.
 sensor::Sensor sensor_of(const Arguments& a, const BeamSource& beams, const char* what) {
   const std::string name = a.like.empty() ? a.sensor : beams.info().sensor;
   if (name.empty()) {
@@ -92,7 +92,7 @@ sensor::Sensor sensor_of(const Arguments& a, const BeamSource& beams, const char
   return sensor::load(name);
 }
 
-/// Writes the log, and says what of it the format cannot hold.
+/// Writes the log, and reports what the format cannot hold of it.
 SimulateStep write(const Verb& verb, const Arguments& a, simulate::SimulatedSource& simulated,
                    const Trajectory& path, std::string& lost) {
   std::vector<std::filesystem::path> inputs{a.model, a.like.empty() ? a.trajectory : a.like};
@@ -114,7 +114,7 @@ SimulateStep write(const Verb& verb, const Arguments& a, simulate::SimulatedSour
       inputs);
 }
 
-/// The instrument at work; no maker where thin rays are traced.
+/// The parts of the instrument; there is no ray maker where thin rays are traced.
 struct Answering {
   sensor::Sensor sensor;
   simulate::Instrument instrument;
@@ -205,7 +205,7 @@ void add_simulate(Program& program) {
   auto a = std::make_shared<Arguments>();
   const auto verb = add_verb(
       program, "Simulation", "simulate",
-      "Answer beams from a model or scene: those of a log, or of a sensor on a trajectory",
+      "Simulate beams on a model or scene: those of a log, or of a sensor on a trajectory",
       "underbrush simulate model/ --like log.ply -o sim.ply\n"
       "  underbrush simulate scene/ --like log.ply -o sim.ply\n"
       "  underbrush simulate model/ --sensor velodyne-hdl32e --trajectory poses.txt -o sim.ply\n"

@@ -24,14 +24,14 @@ struct Arguments {
 void add_options(Verb& verb, Arguments& a) {
   CLI::App& app = verb.app;
   app.add_option("LOG", a.log, "The log")->required();
-  verb.output("--train", a.train, "Where the beams that are kept for fitting go")->required();
-  verb.output("--test", a.test, "Where the beams that are held out go")->required();
-  verb.begin_group("What is held out (one of)");
-  app.add_option("--every", a.every, "Every K-th scan")->check(CLI::Range(2, 1 << 30));
-  app.add_option(
-         "--columns", a.columns,
-         "Every K-th column of each scan: the beams fired at one time (where the log has no "
-         "times of beams: in one packet)")
+  verb.output("--train", a.train, "File for the beams that are kept for fitting")->required();
+  verb.output("--test", a.test, "File for the beams that are held out")->required();
+  auto* group = app.add_option_group("Held out (one of)");
+  group->add_option("--every", a.every, "Every K-th scan")->check(CLI::Range(2, 1 << 30));
+  group
+      ->add_option("--columns", a.columns,
+                   "Every K-th column of each scan: the beams fired at one time (for logs without "
+                   "times of beams: those of one packet)")
       ->check(CLI::Range(2, 1 << 30));
   app.add_option("--time", a.time, "Scans whose time lies in [FROM, TO), s after the log's start")
       ->expected(2)
@@ -42,11 +42,11 @@ void add_options(Verb& verb, Arguments& a) {
       ->type_name("X0 Y0 X1 Y1");
   verb.begin_group("Options");
   app.add_option("--offset", a.offset,
-                 "With --every and --columns: number (mod K) that is held out")
+                 "Number (mod K) of the scan or column to hold out, with --every or --columns")
       ->capture_default_str();
 }
 
-/// Decides for whole scans (or packets), so that the two parts never share a beam.
+/// Decides for whole scans, packets or columns, so that the two parts never share a beam.
 class HeldOut {
  public:
   HeldOut(const Arguments& a, BeamSource& log) : a_(a) {
@@ -86,8 +86,8 @@ class HeldOut {
   }
 
  private:
-  // A column: the beams of a scan that were fired at one time; where all times are the same (a
-  // tripod's scan), the beams of one packet.
+  // A column is the set of beams of a scan that were fired at one time. Where all times are equal
+  // (a tripod's scan), it is the beams of one packet.
   using Column = std::pair<double, uint32_t>;
   static Column column_of(const BeamLog& log, size_t i) { return {log.time_s[i], log.packet[i]}; }
 
@@ -158,7 +158,7 @@ void run(const Verb& verb, const Arguments& a) {
 void add_split(Program& program) {
   auto a = std::make_shared<Arguments>();
   const auto verb = add_verb(program, "Logs", "split",
-                             "Hold out part of a log, so that training and test never share a beam",
+                             "Split a log into training and test parts that never share a beam",
                              "underbrush split log.ply --every 2 --train train.ply --test test.ply",
                              [a](const Verb& v) { run(v, *a); });
   add_options(*verb, *a);

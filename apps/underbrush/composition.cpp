@@ -9,7 +9,7 @@ namespace underbrush::app {
 namespace fs = std::filesystem;
 namespace {
 
-/// But those of the ground.
+/// Counts the elements except those of the ground.
 size_t elements_of(const primitives::Composition& c) {
   size_t elements = 0;
   for (const auto& m : c.scene.models) elements += m.size() - m.ground.size();

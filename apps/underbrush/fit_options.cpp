@@ -8,7 +8,7 @@
 namespace underbrush::app {
 namespace {
 
-/// Empty, or what is wrong with where `likelihood` is to start.
+/// Returns "", or what is wrong with `start` as the model from which `likelihood` starts.
 std::string wrong_start(const std::string& start) {
   if (!elements::is_scene(start)) return {};
   return "likelihood refines a model, but " + start + " is a scene";
@@ -42,8 +42,7 @@ CLI::Option* add_sensor_option(CLI::App& app, fit::FitOptions& fit) {
           [&fit](const std::string& name) {
             fit.volumetric.mixture.footprint = footprint_of(sensor::load(name));
           },
-          "hierarchical: take the footprint of this sensor out of the "
-          "ellipsoids")
+          "hierarchical: remove the footprint of this sensor's beam from the ellipsoids")
       ->type_name("SENSOR");
 }
 

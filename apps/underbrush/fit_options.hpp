@@ -9,14 +9,15 @@
 
 namespace underbrush::app {
 
-/// Whether `--help` shows what most users need, or leaves all to `--help-all`.
+/// Whether `--help` shows the options that most users need, or `--help-all` alone shows them.
 enum FitHelp { kUsualShown, kAllRare };
 
 /// Adds an option for each row of the table of fit parameters (`fit::parameters`), and `--sensor`.
+/// Returns the options.
 std::vector<const CLI::Option*> add_fit_options(Verb& verb, fit::FitOptions& fit,
                                                 FitHelp help = kUsualShown);
 
-/// The footprint of a sensor's beam, as a fit takes it.
+/// Returns the footprint of a sensor's beam as a fit needs it.
 fit::Footprint footprint_of(const sensor::Sensor& sensor);
 
 }  // namespace underbrush::app

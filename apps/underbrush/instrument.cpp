@@ -15,10 +15,10 @@
 namespace underbrush::app {
 namespace {
 
-constexpr double kSceneReflectance = 0.3;  // of what the sun shines on
+constexpr double kSceneReflectance = 0.3;  // Reflectance of what the sun shines on.
 constexpr size_t kMostPlotted = 12;
 
-/// A whole number of 1 to `most`.
+/// Parses a whole number from 1 to `most`.
 int whole(std::string_view word, int most) {
   const auto n = io::number_of(word);
   require(n && *n == std::floor(*n) && *n >= 1 && *n <= most,
@@ -53,7 +53,8 @@ void set_returns(const std::string& word, radiometry::ReceiverOptions& o) {
   }
 }
 
-/// How much the sun raises the noise of a receiver that sees the beam's divergence.
+/// Returns the factor by which the sun raises the noise of a receiver that sees the beam's
+/// divergence.
 double noise_in_sun(const sensor::Sensor& s, double share) {
   if (share == 0) return 1;
   radiometry::LinkBudget link;
@@ -78,7 +79,8 @@ void write_csv(const std::string& file, const std::vector<simulate::BeamWaveform
   });
 }
 
-/// One waveform above the other, each scaled to its own peak (but at least twice the threshold).
+/// Draws one waveform above the other, each scaled to its own peak (but at least twice the
+/// threshold).
 void plot(const std::string& file, const sensor::Sensor& s,
           const std::vector<simulate::BeamWaveform>& waveforms) {
   std::vector<const simulate::BeamWaveform*> shown;
@@ -131,41 +133,41 @@ void InstrumentArguments::check() const {
 
 void add_instrument_options(Verb& verb, InstrumentArguments& a) {
   CLI::App& app = verb.app;
-  verb.begin_group("The whole instrument");
+  verb.begin_group("Instrument");
   app.add_option("--super-sample", a.super_sample,
-                 "Sub-rays over the sensor's beam, their light, waveforms and echoes: a number, "
-                 "COLUMNSxROWS, or sensor for what its data file says")
+                 "Trace sub-rays over the sensor's beam, with light, waveforms and echoes: a "
+                 "number, COLUMNSxROWS, or sensor for what its data file says")
       ->type_name("N|NxM|sensor");
-  app.add_option("--returns", a.returns,
-                 "Echoes that are reported: strongest, first, last or up to N; default: as the "
-                 "sensor does")
+  app.add_option(
+         "--returns", a.returns,
+         "Echoes to report: strongest, first, last or up to N (default: as the sensor does)")
       ->type_name("MODE|N");
   verb.output("--waveforms", a.waveforms,
-              "Write digitised waveforms: a table or a plot; may be repeated")
+              "Write digitised waveforms as a table or a plot; may be repeated")
       ->type_name("FILE.csv|FILE.svg")
       ->take_all();
   verb.begin_rare_group("Light and air");
-  app.add_option("--materials", a.materials, "Table of materials instead of the one built in")
+  app.add_option("--materials", a.materials, "Table of materials that replaces the built-in one")
       ->type_name("FILE.yaml");
-  app.add_option("--material", a.material, "What a class is made of; may be repeated")
+  app.add_option("--material", a.material, "Material of a class; may be repeated")
       ->type_name("CLASS=MATERIAL")
       ->take_all();
-  app.add_option("--visibility", a.visibility_m, "In haze or fog, m, 0 = clear air")
+  app.add_option("--visibility", a.visibility_m, "Visibility in haze or fog, m; 0 = clear air")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  app.add_option("--rain", a.rain_mm_per_h, "In rain, mm/h")
+  app.add_option("--rain", a.rain_mm_per_h, "Rain rate, mm/h")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   app.add_option("--sun", a.sun,
-                 "Share of the sunlight above the air that arrives, 0 = night: raises the noise")
+                 "Share of the sunlight that passes the air, which raises the noise; 0 = night")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   verb.begin_rare_group("Waveforms");
-  app.add_option("--waveform-every", a.waveform.every, "Waveforms of beam 0, K, 2K, …")
+  app.add_option("--waveform-every", a.waveform.every, "Write the waveforms of beams 0, K, 2K, …")
       ->check(CLI::PositiveNumber)
       ->type_name("K")
       ->capture_default_str();
-  app.add_option("--waveform-count", a.waveform.count, "The most waveforms that are kept")
+  app.add_option("--waveform-count", a.waveform.count, "Largest number of waveforms to keep")
       ->check(CLI::Range(size_t(1), size_t(1000000)))
       ->type_name("N")
       ->capture_default_str();
@@ -189,7 +191,7 @@ radiometry::Materials materials_of(const InstrumentArguments& a) {
     require(equals != std::string::npos && elements::class_from_name(word.substr(0, equals)),
             "simulate: --material takes CLASS=MATERIAL with a class that `info` names");
     const std::string label = word.substr(0, equals), name = word.substr(equals + 1);
-    m.named(name);  // throws where there is none
+    m.named(name);  // This throws for an unknown name.
     std::erase_if(m.of_class, [&](const auto& entry) { return entry.first == label; });
     m.of_class.emplace_back(label, name);
   }

@@ -1,5 +1,5 @@
 /// \file
-/// `simulate`'s instrument: its options on the command line, and what they make.
+/// The instrument of `simulate`: its options on the command line, and the objects made from them.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -12,31 +12,33 @@
 
 namespace underbrush::app {
 
-/// What the user says of the instrument.
+/// The options of the instrument.
 struct InstrumentArguments {
-  std::string super_sample;  ///< "" = none: thin rays without light.
+  std::string super_sample;  ///< "" means none: thin rays without light.
   std::string returns, materials;
-  std::vector<std::string> material;  ///< CLASS=MATERIAL.
+  std::vector<std::string> material;  ///< Each is CLASS=MATERIAL.
+  /// Visibility (m; 0 = clear air), rain (mm/h), and share of the sunlight that arrives.
   double visibility_m = 0, rain_mm_per_h = 0, sun = 0;
   std::vector<std::string> waveforms;
   simulate::WaveformChoice waveform{1, 100};
 
-  /// Throws `std::invalid_argument` where an option makes no sense without `--super-sample`.
+  /// Throws `std::invalid_argument` where an option has no effect without `--super-sample`.
   void check() const;
 };
 
+/// Adds the options of the instrument to a verb.
 void add_instrument_options(Verb& verb, InstrumentArguments& a);
 
-/// The sensor's instrument: sub-rays, receiver in this air and light, return mode.
+/// Returns the sensor's instrument: sub-rays, receiver in this air and light, and return mode.
 simulate::Instrument instrument_of(const InstrumentArguments& a, const sensor::Sensor& sensor);
 
-/// The materials, with the user's changes.
+/// Returns the materials with the user's changes.
 radiometry::Materials materials_of(const InstrumentArguments& a);
 
-/// Class and material of each instance.
+/// Returns the class and material of each instance.
 simulate::InstanceKinds kinds_of(const elements::Scene& scene, const elements::SceneInfo& info);
 
-/// Writes the waveforms to every file asked for: .csv or .svg. `sensor` for the plot's title.
+/// Writes the waveforms to every file asked for (.csv or .svg). `sensor` gives the title of a plot.
 void write_waveforms(const InstrumentArguments& a, const sensor::Sensor& sensor,
                      const std::vector<simulate::BeamWaveform>& waveforms);
 

@@ -14,7 +14,7 @@ namespace {
 using elements::Class;
 using elements::ClassKind;
 
-constexpr size_t kTruePoints = 10;  // a true tree with fewer returns is not to be found
+constexpr size_t kTruePoints = 10;  // True trees with fewer returns need not be found.
 
 }  // namespace
 
@@ -49,7 +49,7 @@ size_t put_labels(const LabelsOfHits& found, size_t next, BeamLog& chunk, Labell
     ++out.hits;
     ++out.points[c];
     out.ground += ground;
-    bool tree = true;  // where the log does not say, every number is a tree's
+    bool tree = true;  // Where the log does not say, every number counts as a tree's.
     if (out.labelled) {
       const uint32_t number = primitives::label_at(given->second, i);
       const elements::GroundLabel known = elements::ground_label(set, number);

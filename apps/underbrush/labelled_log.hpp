@@ -1,4 +1,4 @@
-/// The pass of `segment` over a log: puts labels in, counts, and scores against those given.
+/// The pass of `segment` over a log, which writes labels, counts, and scores against given labels.
 #pragma once
 #include <map>
 #include <string>
@@ -13,22 +13,22 @@
 
 namespace underbrush::app {
 
-/// Labels of each hit as they are written.
+/// Labels with one entry for each hit, as they are written.
 struct LabelsOfHits {
   std::vector<uint8_t> label;
   std::vector<uint32_t> instance;
   size_t objects = 0;
 };
 
-/// Those that `segment_log` found.
+/// Returns the labels that `segment_log` found.
 LabelsOfHits found_of(const primitives::LogLabels& labels);
 
-/// What a pass over the log gives.
+/// Counts and scores of a pass over the log.
 struct LabelledCounts {
   LabelledCounts(std::string truth_column, bool scored)
       : truth(std::move(truth_column)), score(scored) {}
-  std::string truth;  ///< Column with the true trees' numbers.
-  bool score;         ///< Against the labels that the log has.
+  std::string truth;  ///< Column with the numbers of the true trees.
+  bool score;         ///< Whether to score against the labels that the log has.
   size_t beams = 0, hits = 0, ground = 0, unlabelled = 0;
   bool labelled = false, has_truth = false;
   std::map<elements::Class, size_t> points;
@@ -36,13 +36,13 @@ struct LabelledCounts {
   metrics::InstanceCounter trees;
 };
 
-/// Puts the labels from hit number `next` on into the chunk's columns `class` and `instance`, and
-/// counts; those that it had, where they are scored against, become `given_class` and
-/// `given_instance`. Returns the number of the hit that comes next.
+/// Writes the labels from hit number `next` on into the columns `class` and `instance` of the
+/// chunk, and counts them. If the chunk's own labels are scored against, they become `given_class`
+/// and `given_instance`. Returns the number of the hit that comes next.
 size_t put_labels(const LabelsOfHits& found, size_t next, BeamLog& chunk, LabelledCounts& out);
 
-/// A log as `segment` writes it: each chunk with labels put in, and counted. Must not outlive what
-/// it is made of.
+/// Source that yields a log as `segment` writes it: each chunk has its labels, and they are
+/// counted. The log and the labels must outlive it.
 class LabelledSource : public BeamSource {
  public:
   LabelledSource(BeamSource& log, const LabelsOfHits& found, LabelledCounts counts);
@@ -50,7 +50,7 @@ class LabelledSource : public BeamSource {
   size_t size() const override { return log_.size(); }
   void rewind() override;
   bool next(BeamLog& chunk) override;
-  /// Of what was read since the last `rewind`.
+  /// Returns the counts of what was read since the last `rewind`.
   const LabelledCounts& counts() const { return counts_; }
 
  private:
@@ -61,7 +61,9 @@ class LabelledSource : public BeamSource {
   size_t next_ = 0;
 };
 
+/// Returns the counts and scores as JSON.
 Json json_of(const LabelledCounts& counts);
+/// Returns the counts and scores as text.
 std::string text_of(const LabelledCounts& counts, size_t objects);
 
 }  // namespace underbrush::app

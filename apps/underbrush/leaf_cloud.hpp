@@ -8,20 +8,21 @@
 
 namespace underbrush::app {
 
-/// Points of vegetation, and how they were told.
+/// Points of vegetation, and how they were selected.
 struct LeafCloud {
-  std::vector<Vec3f> points;  ///< z up, m, from a point of the cloud.
+  std::vector<Vec3f> points;  ///< m, z up, relative to a point of the cloud.
   std::string by;             ///< `labels`, `not ground` or `all points`.
-  size_t first_scan = 0;      ///< So many, the first ones, are of a log's first scan.
+  size_t first_scan = 0;      ///< Number of points at the beginning that are of a log's first scan.
 };
 
-/// Of a log, the hits 3 to 25 m from their sensor that its labels (extra column `class`) call trees
-/// or shrubs; without labels those that are not ground, as `fit` tells it. Of another point file
-/// (PLY, PCD, CSV, …) every point but (0, 0, 0), which stands for a miss; with `all` every hit of a
-/// log. Throws `FormatError`.
+/// Returns the vegetation in a file. In a log it consists of the hits 3 to 25 m from their sensor
+/// that the labels (extra column `class`) call trees or shrubs; without labels, of those that are
+/// not ground by the segmentation of `fit`; with `all`, of every hit. In another point file (PLY,
+/// PCD, CSV, …) it is every point except (0, 0, 0), which stands for a miss. Throws `FormatError`.
 LeafCloud leaf_cloud(const std::filesystem::path& file, bool all = false);
 
-/// The points of a point file that are finite. Throws `FormatError`, also without x, y and z.
+/// Returns the finite points of a point file. Throws `FormatError`, also where x, y or z is
+/// missing.
 std::vector<Vec3> points_of(const std::filesystem::path& file);
 
 }  // namespace underbrush::app

@@ -1,4 +1,4 @@
-/// Where plant meshes come from: files, folders of files, or the generator.
+/// Sources of plant meshes: files, folders of files, or the generator.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -8,19 +8,19 @@
 
 namespace underbrush::app {
 
-/// How files are to be read.
+/// How files of plant meshes are read.
 struct PlantFileOptions {
-  double unit_m = 1;  ///< Metres of one unit of length in them.
-  bool y_up = false;  ///< Their y axis points up, not z; that of glTF always does.
+  double unit_m = 1;  ///< m; length of the files' unit.
+  bool y_up = false;  ///< The files' y axis points up, not z. In glTF it always does.
 };
 
-/// The plants that the test sites are grown from, of that seed: trees, shrubs, tussocks. Other
-/// species with a `variation` above 1 (`test_site::make_prototypes`).
+/// Returns the plants from which test sites of that seed are grown: trees, shrubs, tussocks. A
+/// `variation` above 1 changes the species (`test_site::make_prototypes`).
 std::vector<primitives::PlantSource> generated_plants(uint64_t seed, double variation = 1);
 
-/// Plants of a file, or of all files of meshes below a folder, in order of name. A file in a
-/// folder with the name of a class stands for that class, as large as it is. Throws `FormatError`,
-/// also for a folder without any.
+/// Returns the plants of a file, or of all mesh files below a folder in order of name. A file in a
+/// folder that is named like a class stands for that class at its own size. Throws `FormatError`,
+/// also for a folder without meshes.
 std::vector<primitives::PlantSource> plants_of_files(const std::filesystem::path& path,
                                                      const PlantFileOptions& options);
 

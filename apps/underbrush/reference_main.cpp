@@ -1,5 +1,6 @@
-// underbrush-reference PAGE: the pages of the reference that are made from the program's tables,
-// and its manual page. Part of the build of the documentation, not installed.
+// The program underbrush-reference PAGE prints the pages of the reference that are generated from
+// the program's tables, and its manual page. It belongs to the build of the documentation and is
+// not installed.
 #include <fmt/format.h>
 
 #include <iostream>
@@ -22,7 +23,7 @@ std::string fitters_table() {
   return out;
 }
 
-/// "0.005 to 0.5, logarithmic", or nothing.
+/// Returns a range such as "0.005 to 0.5, logarithmic", or nothing.
 std::string range_of(const fit::Parameter& p) {
   if (!p.tuning) return "";
   const char* scale = p.tuning->scale == fit::Scale::kLinear ? "linear"

@@ -1,4 +1,4 @@
-/// `import --keep`.
+/// The option `import --keep`.
 #pragma once
 #include <map>
 #include <string>
@@ -9,18 +9,19 @@
 
 namespace underbrush::app {
 
-/// `COLUMN=VALUE`: which rows are taken.
+/// Selects rows by `COLUMN=VALUE`.
 class RowFilter {
  public:
-  /// `words` may be empty: all. Throws `std::invalid_argument`.
+  /// If `words` is empty, all rows are selected. Throws `std::invalid_argument` for text of another
+  /// form.
   RowFilter(std::string file, const std::string& words);
 
   bool all() const { return column_.empty(); }
-  /// Why a row is left out.
+  /// Returns the reason for which a row is left out.
   std::string reason() const;
-  /// Throws `FormatError` where there is no such column.
+  /// Returns the selected rows. Throws `FormatError` where there is no such column.
   std::vector<size_t> rows(const std::map<std::string, ExtraColumn>& extra) const;
-  /// Leaves out the other points and counts them.
+  /// Removes the other points and counts them in `skipped`.
   void apply(PointScan& scan, std::map<std::string, size_t>& skipped) const;
 
  private:

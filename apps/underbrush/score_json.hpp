@@ -1,12 +1,13 @@
-/// Scores as JSON: the keys other programs rely on.
+/// Scores as JSON, whose keys other programs rely on.
 #pragma once
 #include "cli/verb.hpp"
 #include "underbrush/metrics/score.hpp"
 
 namespace underbrush::app {
 
-/// The first log's scores at the top, those of every log under `models` by name; each with
-/// `per_class` and `per_range`. Scores without data are null, those not asked for have no key.
+/// Returns the first log's scores at the top and those of every log under `models` by name, each
+/// with `per_class` and `per_range`. Scores without data are null; scores that were not asked for
+/// have no key.
 Json json_of_scores(const std::vector<std::string>& names,
                     const std::vector<metrics::Score>& scores, const std::string& provenance);
 

@@ -19,7 +19,7 @@ namespace {
 
 using sensor::Sensor;
 
-/// RANGE[:MATERIAL[:SHARE]].
+/// A target given as RANGE[:MATERIAL[:SHARE]].
 struct Target {
   float range_m = 0, share = 0, factor = 0;
 };

@@ -16,7 +16,7 @@ namespace underbrush::app {
 namespace fs = std::filesystem;
 namespace {
 
-/// Progress of a simulation as it is read.
+/// Source that shows progress as a simulation is read.
 class Watched : public BeamSource {
  public:
   explicit Watched(simulate::SimulatedSource& source) : source_(source), progress_("simulate") {}

@@ -1,4 +1,4 @@
-/// The steps of the main job as the verbs and the demo run them: files in, files out, with
+/// The stages of the pipeline as the verbs and the demo run them: files in, files out, with
 /// progress.
 #pragma once
 #include <filesystem>
@@ -14,54 +14,58 @@
 
 namespace underbrush::app {
 
-/// A scene's folder, or a model's as a scene without instances.
+/// Reads a scene, or a model as a scene without instances. `info` receives what the scene's folder
+/// holds besides.
 elements::Scene read_world(const std::filesystem::path& path, elements::SceneInfo* info = nullptr);
-/// Its world. A model alone takes the shorter way, and gives the same bits as ever.
+/// Returns the world of a scene. Without instances it is the world of the scene's model, to the
+/// bit.
 trace::World world_of(const elements::Scene& scene);
 
-/// A fit; `skipped` counts records of the log left out, by reason.
+/// A fit, with the number of records of the log left out by reason.
 struct FitStep {
   fit::FitResult result;
   std::map<std::string, size_t> skipped;
   double seconds = 0;
 };
-/// Fits a model to the log. With `likelihood`, `options.start` may also be a model's folder.
+/// Fits a model to the log. For the fitter `likelihood`, `options.start` may also be a model's
+/// folder.
 FitStep fit_log(const std::filesystem::path& log, const fit::FitOptions& options);
-/// ... and writes it.
+/// Fits a model to the log and writes it to the folder `model`.
 FitStep fit_log(const Verb& verb, const std::filesystem::path& log, const fit::FitOptions& options,
                 const std::filesystem::path& model);
 
-/// The steps of a refinement, for the manifest and `--json`.
+/// Returns the steps of a refinement, for the manifest and `--json`.
 Json json_of(const fit::LikelihoodReport& report);
 
-/// Answers the beams and writes the log.
+/// Counts of a simulated log.
 struct SimulateStep {
-  size_t beams = 0, rows = 0, hits = 0;  ///< Rows: echoes and misses.
+  size_t beams = 0, rows = 0, hits = 0;  ///< Rows are echoes and misses.
   double seconds_tracing = 0;
 };
-/// `write` is given the source, with progress, and the provenance.
+/// Writes a log from the source that it is given, with the provenance.
 using WriteLog = std::function<void(BeamSource&, const std::string& provenance)>;
+/// Simulates the beams and writes the log by `write`, with progress.
 SimulateStep simulate_log(const Verb& verb, simulate::SimulatedSource& simulated,
                           const WriteLog& write, const std::vector<std::filesystem::path>& inputs);
-/// The beams of thin rays, written by the output's extension.
+/// Simulates beams as thin rays and writes the log in the format of the output's extension.
 SimulateStep simulate_log(const Verb& verb, const trace::World& world, BeamSource& beams,
                           const simulate::Options& options, const std::filesystem::path& output,
                           const std::vector<std::filesystem::path>& inputs);
 
-/// A simulated log to be scored, with the model that made it (or none).
+/// A simulated log to be scored, and the model that made it (or none).
 struct Candidate {
   std::string name;
   std::filesystem::path log, model;  ///< `model` may be a scene.
 };
-/// Scores of each candidate against the real log.
+/// Scores each candidate against the real log.
 std::vector<metrics::Score> score_logs(const std::filesystem::path& real,
                                        const std::vector<Candidate>& candidates, bool cloud);
 
-/// Scores side by side, for people.
+/// Returns the scores side by side as text.
 std::string table_of_scores(const std::vector<Candidate>& candidates,
                             const std::vector<metrics::Score>& scores);
 
-/// Warnings, a line each.
+/// Returns the warnings, one on each line.
 std::string text_of_warnings(const std::vector<std::string>& warnings);
 
 }  // namespace underbrush::app

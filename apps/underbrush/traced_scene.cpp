@@ -24,7 +24,7 @@ MoverWords words_of(const std::string& text) {
   return w;
 }
 
-/// A model's folder, or the mesh in an OBJ or PLY file.
+/// Reads a model's folder, or a mesh from an OBJ or PLY file.
 elements::Model model_of(const fs::path& path) {
   if (fs::is_directory(path)) return elements::read_model(path);
   const io::MeshData mesh = io::read_mesh(path);
@@ -41,13 +41,13 @@ elements::Model model_of(const fs::path& path) {
 void add_scene_options(Verb& verb, SceneArguments& a) {
   CLI::App& app = verb.app;
   app.add_option("--tau", a.tau,
-                 "Mahalanobis distance within which a beam meets an ellipsoid, 0 = the model's")
+                 "Mahalanobis distance within which a beam meets an ellipsoid; 0 = the model's")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   verb.begin_group("Options");
   app.add_option("--mover", a.movers,
-                 "A further object, a model's folder or an OBJ or PLY mesh, that moves along the "
-                 "poses (TUM format, world from object); may be repeated")
+                 "Add an object (a model's folder, or an OBJ or PLY mesh) that moves along poses "
+                 "(TUM format, world from object); may be repeated")
       ->type_name("MODEL:POSES.txt[:MATERIAL]")
       ->take_all();
 }
@@ -55,7 +55,7 @@ void add_scene_options(Verb& verb, SceneArguments& a) {
 elements::Scene scene_of(const fs::path& folder, const SceneArguments& a,
                          elements::SceneInfo& info) {
   elements::Scene scene = read_world(folder, &info);
-  if (scene.instances.empty() && !a.movers.empty()) {  // of a model
+  if (scene.instances.empty() && !a.movers.empty()) {  // The scene is a model.
     elements::Instance placed;
     placed.world_from_model.translation = scene.models[0].origin;
     scene.instances.push_back(placed);

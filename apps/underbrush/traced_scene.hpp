@@ -1,5 +1,5 @@
 /// \file
-/// What `simulate` fires into: a model or a scene, and movers.
+/// The world that `simulate` traces: a model or a scene, with movers.
 #pragma once
 #include <filesystem>
 #include <memory>
@@ -12,27 +12,30 @@
 
 namespace underbrush::app {
 
-/// What the user says of it.
+/// The options of the scene.
 struct SceneArguments {
   double tau = 0;
-  std::vector<std::string> movers;  ///< MODEL:POSES[:MATERIAL].
+  std::vector<std::string> movers;  ///< Each is MODEL:POSES[:MATERIAL].
 };
 
+/// Adds the options of the scene to a verb.
 void add_scene_options(Verb& verb, SceneArguments& a);
 
-/// The scene in a folder, or a model as a scene of no instances; with movers, one of one instance
-/// and the movers. Throws as the readers do, `std::invalid_argument` for a mover that is misspelt.
+/// Reads the scene in a folder, or a model as a scene without instances. With movers, a model
+/// becomes a scene of one instance and the movers. Throws as the readers do, and
+/// `std::invalid_argument` for a malformed mover.
 elements::Scene scene_of(const std::filesystem::path& folder, const SceneArguments& a,
                          elements::SceneInfo& info);
 
-/// The files that movers come from.
+/// Returns the files that the movers come from.
 std::vector<std::filesystem::path> mover_files(const SceneArguments& a);
 
-/// A scene to be fired into, which must outlive it.
+/// A scene prepared for tracing. The scene must outlive it.
 struct TracedScene {
   std::unique_ptr<trace::World> world;
   std::unique_ptr<simulate::DynamicWorld> dynamic_world;
 };
+/// Prepares a scene for tracing.
 TracedScene traced_scene(const elements::Scene& scene, const elements::SceneInfo& info);
 
 }  // namespace underbrush::app

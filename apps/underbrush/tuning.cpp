@@ -68,7 +68,7 @@ std::string curve_of(const Tuning& t) {
     tried.emplace_back(x, e.outcome.objective);
     best.emplace_back(x, *std::min_element(objective.begin(), objective.end()));
   }
-  // Far worse tries would leave nothing to see of the rest.
+  // The worst evaluations would hide the rest of the curve.
   std::sort(objective.begin(), objective.end());
   const double low = objective.front(), first = t.start().outcome.objective;
   const double high = std::max(first, objective[objective.size() * 3 / 4]);

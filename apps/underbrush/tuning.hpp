@@ -1,4 +1,4 @@
-/// What came of a search for parameters: for people, for programs, and as a configuration.
+/// The result of a parameter search, as text, as JSON and as a configuration.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -11,26 +11,29 @@ namespace underbrush::app {
 
 /// A search that has ended.
 struct Tuning {
-  std::string log, objective, what;  ///< `what`: one sentence on slice and parts.
+  std::string log, objective, what;  ///< `what` is a sentence on the slice and its parts.
   std::vector<optimize::Parameter> parameters;
-  std::vector<optimize::Evaluation> evaluations;  ///< The first is the start.
-  Json fixed = Json::object();  ///< Options that were given and stay: NAME: VALUE or [VALUES].
-  bool densities = false;       ///< Parameters are classes of a scene, for `compose`.
+  std::vector<optimize::Evaluation> evaluations;  ///< The first is that of the start.
+  Json fixed = Json::object();  ///< Options that were given and stay fixed, as NAME: VALUE or
+                                ///< [VALUES].
+  bool densities = false;  ///< The parameters are densities of a scene's classes, for `compose`.
   std::string provenance;
 
   const optimize::Evaluation& start() const { return evaluations.front(); }
   const optimize::Evaluation& tuned() const { return evaluations[optimize::best_of(evaluations)]; }
 };
 
+/// Returns the search as JSON.
 Json json_of(const Tuning& tuning);
-/// A table of the parameters and scores, before and after.
+/// Returns a table of the parameters and scores before and after.
 std::string text_of(const Tuning& tuning);
-/// One line on an evaluation, with the best so far.
+/// Returns one line on the last evaluation, with the best so far.
 std::string line_of(const Tuning& tuning, std::span<const optimize::Evaluation> so_far,
                     size_t budget);
-/// Writes the file that `fit --config` takes (with `densities`: `compose --config`), atomically.
+/// Writes the configuration for `fit --config` (with `densities`: for `compose --config`),
+/// atomically.
 void write_config(const std::filesystem::path& path, const Tuning& tuning);
-/// Writes `folder`/index.html, atomically, with the curve; returns its path.
+/// Writes `folder`/index.html with the curve of the search, atomically, and returns its path.
 std::filesystem::path write_tuning_report(const std::filesystem::path& folder,
                                           const Tuning& tuning);
 

@@ -1,4 +1,4 @@
-/// All verbs of the command line, one `cmd_*.cpp` each.
+/// All verbs of the command line; each is in a file `cmd_*.cpp`.
 #pragma once
 #include "cli/completion.hpp"
 #include "cli/config.hpp"

@@ -65,7 +65,7 @@ void BeamLog::append(const BeamLog& other, size_t begin, size_t end) {
         },
         theirs);
   }
-  // A column that `other` lacks (or holds in another type) is filled with zeros.
+  // An extra column that `other` lacks, or holds in another type, is filled with zeros.
   for (auto& [name, column] : extra) {
     std::visit([n = size()](auto& mine) { mine.resize(n); }, column);
   }

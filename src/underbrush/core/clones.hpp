@@ -1,6 +1,6 @@
 /// \file
-/// Loops compiled for several instruction sets, chosen when the program starts. They give the same
-/// bits: no operation is reordered or fused.
+/// `UNDERBRUSH_CLONES` compiles a function for several instruction sets and chooses one when the
+/// program starts. All of them give the same bits, because no operation is reordered or fused.
 #pragma once
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \

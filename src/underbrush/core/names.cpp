@@ -6,7 +6,7 @@
 namespace underbrush {
 namespace {
 
-/// Levenshtein's distance.
+/// Returns the Levenshtein distance.
 size_t distance(std::string_view a, std::string_view b) {
   std::vector<size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), size_t(0));
@@ -29,7 +29,7 @@ std::string nearest_name(std::string_view name, const std::vector<std::string>& 
   std::string best;
   for (const std::string& k : known) {
     size_t d = distance(name, k);
-    // A part of the name, from a dash on, with a mistake or two.
+    // `name` may be the part of a known name behind a dash, with a mistake or two.
     for (size_t dash = k.find('-'); dash != std::string::npos; dash = k.find('-', dash + 1)) {
       const size_t part = distance(name, std::string_view(k).substr(dash + 1));
       if (2 * part <= name.size()) d = std::min(d, part + 1);

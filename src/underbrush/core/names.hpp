@@ -1,5 +1,5 @@
 /// \file
-/// Names that people mistype.
+/// Suggestions for mistyped names.
 #pragma once
 #include <string>
 #include <string_view>
@@ -7,9 +7,10 @@
 
 namespace underbrush {
 
-/// The one of `known` that takes the fewest insertions, deletions and replacements of letters to
-/// become `name` (the first of equals), or "" if that is more than half of its letters. What
-/// follows a dash may stand for the whole.
+/// Returns the name in `known` that takes the fewest insertions, deletions and replacements of
+/// letters to become `name` (the first of equals), or "" if these are more than half of the known
+/// name's letters. Where a known name has a dash, the part behind it may match in place of the
+/// whole.
 std::string nearest_name(std::string_view name, const std::vector<std::string>& known);
 
 }  // namespace underbrush

@@ -22,14 +22,14 @@ std::unique_ptr<tbb::global_control>& limit() {
   return control;
 }
 
-/// The first exception in order of tasks. None may reach oneTBB: it would cancel the loops inside
-/// other tasks too, and these go on with what such a loop left undone.
+/// Holds the exception of the first task (in order) that failed. No exception may reach oneTBB: it
+/// would also cancel loops inside other tasks, and these would go on with half-done results.
 class FirstException {
  public:
   explicit FirstException(size_t tasks) : failed_(tasks) {}
-  /// Number of the first task that failed, or of tasks.
+  /// Returns the number of the first task that failed; if none did, the number of tasks.
   size_t failed() const { return failed_; }
-  /// Runs task k unless one before it has failed.
+  /// Runs task k unless a task before it has failed.
   template <class Task>
   void run(size_t k, const Task& task) {
     if (k >= failed_) return;

@@ -1,5 +1,5 @@
 /// \file
-/// Rigid transforms. Frames are right-handed, z up, metres; names say `to_from_from` as in
+/// Rigid transforms. Frames are right-handed, z up, in metres. A name says `to_from_from`, as in
 /// `world_from_sensor`.
 #pragma once
 #include <Eigen/Core>
@@ -14,7 +14,7 @@ using Vec3f = Eigen::Vector3f;
 using Mat3 = Eigen::Matrix3d;
 using Mat3f = Eigen::Matrix3f;
 
-/// A rigid transform x ↦ R x + t; `rotation` is kept at unit norm.
+/// A rigid transform x ↦ R x + t. `rotation` is kept at unit norm.
 struct Pose {
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
   Vec3 translation = Vec3::Zero();
@@ -29,29 +29,30 @@ struct Pose {
   }
 };
 
-/// The pose a fraction `s` of the way from `a` (s = 0) to `b` (s = 1): slerp of the rotation, a
-/// straight line for the translation. `s` outside [0, 1] extrapolates at the same rate.
+/// Interpolates from `a` (s = 0) to `b` (s = 1): the rotation by slerp, the translation along a
+/// straight line. Outside [0, 1] it extrapolates at the same rate.
 Pose interpolate(const Pose& a, const Pose& b, double s);
 
-/// A pose with its time (s).
+/// A pose and its time (s).
 struct StampedPose {
   double time_s = 0;
   Pose world_from_sensor;
 };
 
-/// Poses over time, in rising order of time.
+/// Poses over time, in ascending order of time.
 class Trajectory {
  public:
   Trajectory() = default;
-  /// Sorts by time. Throws `std::invalid_argument` if two poses share a time or a value is not
-  /// finite.
+  /// Sorts the poses by time. Throws `std::invalid_argument` if two poses share a time or a value
+  /// is not finite.
   explicit Trajectory(std::vector<StampedPose> poses);
 
   bool empty() const { return poses_.empty(); }
   const std::vector<StampedPose>& poses() const { return poses_; }
 
-  /// The pose at `time_s`, interpolated; outside the recorded span it is extrapolated from the
-  /// first or last two poses by at most `kMaxExtrapolation` intervals, beyond which there is none.
+  /// Returns the interpolated pose at `time_s`. Outside the recorded span it is extrapolated from
+  /// the first or last two poses, by at most `kMaxExtrapolation` of their interval; farther out
+  /// there is none.
   std::optional<Pose> at(double time_s) const;
 
   static constexpr double kMaxExtrapolation = 1.0;

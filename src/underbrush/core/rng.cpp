@@ -5,8 +5,8 @@
 
 namespace underbrush {
 
-// Algorithm AS 241, routine PPND16 (M. J. Wichura, Applied Statistics 37, 1988): rational
-// approximations on |p − 0.5| ≤ 0.425 and in the two tails.
+// This is algorithm AS 241, routine PPND16 (M. J. Wichura, Applied Statistics 37, 1988): a rational
+// approximation on |p − 0.5| ≤ 0.425 and one in each of two parts of the tails.
 // long: the coefficients of six polynomials.
 double normal_from_uniform(double u) {
   const double q = u - 0.5;

@@ -12,7 +12,7 @@ struct Registry {
   std::set<fs::path> paths;
 };
 
-// Never destroyed: threads may outlive main.
+// The registry is never destroyed, because threads may outlive `main`.
 Registry& registry() {
   static Registry& all = *new Registry;
   return all;
@@ -27,7 +27,7 @@ TemporaryPath::TemporaryPath(fs::path path) : path_(std::move(path)) {
 
 TemporaryPath::~TemporaryPath() {
   const std::lock_guard lock(registry().mutex);
-  if (registry().paths.erase(path_) == 0) return;  // kept
+  if (registry().paths.erase(path_) == 0) return;  // The path was kept, or removed already.
   std::error_code ignored;
   fs::remove_all(path_, ignored);
 }
@@ -48,7 +48,7 @@ void make_temporary_folders(const fs::path& path) {
 }
 
 void remove_temporaries() noexcept {
-  registry().mutex.lock();  // for good
+  registry().mutex.lock();  // The lock is never released, so that no path can be added any more.
   for (const fs::path& path : registry().paths) {
     std::error_code error;
     // Other threads may still be adding files to a folder.

@@ -1,13 +1,13 @@
 /// \file
-/// Files and folders that must not outlive the work they belong to.
+/// Temporary files and folders, which are removed even if the program is ended by a signal.
 #pragma once
 #include <filesystem>
 #include <functional>
 
 namespace underbrush {
 
-/// A file or folder that is removed, with all in it, when this object ends, or before that by
-/// `remove_temporaries()`. It need not exist.
+/// Path of a file or folder that is removed, with its contents, when this object is destroyed or
+/// when `remove_temporaries()` runs. The path need not exist.
 class TemporaryPath {
  public:
   explicit TemporaryPath(std::filesystem::path path);
@@ -16,22 +16,23 @@ class TemporaryPath {
   TemporaryPath& operator=(const TemporaryPath&) = delete;
 
   const std::filesystem::path& path() const { return path_; }
-  /// Runs `move`, which gives the path its last place, undisturbed by `remove_temporaries()`;
-  /// afterwards it is nobody's to remove. What `move` throws passes through.
+  /// Runs `move`, which renames the path to its final place, while `remove_temporaries()` waits.
+  /// Afterwards the path is no longer removed. What `move` throws is passed on.
   void keep(const std::function<void()>& move);
 
  private:
   std::filesystem::path path_;
 };
 
-/// Calls `make`, which makes a file or a folder at a `TemporaryPath` or in one; once
-/// `remove_temporaries` has begun it is not called, and this does not return.
+/// Calls `make`, which creates a file or folder at or below a `TemporaryPath`. Once
+/// `remove_temporaries` has begun, `make` is not called and this function never returns.
 void make_temporary(const std::function<void()>& make);
-/// `std::filesystem::create_directories`, likewise.
+/// Calls `std::filesystem::create_directories(path)` under the rule of `make_temporary`.
 void make_temporary_folders(const std::filesystem::path& path);
 
-/// Removes what all `TemporaryPath`s of the process hold, and lets none begin or end any more: for
-/// a program that a signal is about to end. The one list of the library that is not passed down.
+/// Removes the files and folders of all `TemporaryPath`s of the process; from then on none can be
+/// created or destroyed. A program calls it when a signal is about to end it. The list of these
+/// paths is the only global state of the library.
 void remove_temporaries() noexcept;
 
 }  // namespace underbrush

@@ -14,7 +14,7 @@ namespace underbrush {
 namespace fs = std::filesystem;
 
 namespace {
-/// A point and its number among its tile's, which decides whether it survives thinning.
+/// A point and its number within its tile. The number decides whether the point survives thinning.
 struct Stored {
   TilePoint p;
   uint32_t number;
@@ -66,8 +66,8 @@ void TileStore::add(const TilePoint& p) {
   if (++in_memory_ * sizeof(Stored) > options_.memory_bytes) spill();
 }
 
-// Halves the share of points kept until they fit again. The hash decides which, so the choice is
-// even over time and does not depend on what is in memory.
+// Halves the share of points that are kept until they fit again. A hash selects them, so that the
+// choice is even over time and does not depend on what is in memory.
 void TileStore::thin(Tile& tile) {
   tile.limit /= 2;
   const size_t before = tile.memory.size();

@@ -1,5 +1,5 @@
 /// \file
-/// The points of a log by tile, so that a log larger than memory can be fitted.
+/// Storage of a log's points by tile, so that a log larger than memory can be processed.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -12,31 +12,33 @@
 
 namespace underbrush {
 
-/// A point and from where it was seen.
+/// A point and the direction from which it was seen.
 struct TilePoint {
   Vec3f point;      ///< m, relative to the store's origin.
   Vec3f to_sensor;  ///< m, from the point to the sensor.
 };
 
-/// Margin around a tile in which points help to tell its ground, m.
+/// Width (m) of the margin around a tile. Points in it help to segment the tile's ground.
 inline constexpr double kTileMarginM = 10;
 
 /// Options of `TileStore`.
 struct TileOptions {
-  double tile_m = 32;                      ///< Side of a square tile in x and y.
-  size_t max_points_per_tile = 4'000'000;  ///< More are thinned out evenly (and counted).
-  size_t memory_bytes = size_t(1) << 30;   ///< Held in memory; what exceeds it goes to disk.
-  std::filesystem::path spill_folder;      ///< Default: the system's folder for temporary files.
+  double tile_m = 32;  ///< m; side of a square tile in x and y.
+  /// A fuller tile is thinned out evenly; what it loses is counted.
+  size_t max_points_per_tile = 4'000'000;
+  size_t memory_bytes = size_t(1) << 30;  ///< Points held in memory, in bytes; further points go to
+                                          ///< disk.
+  std::filesystem::path spill_folder;     ///< Empty: the system's folder for temporary files.
 };
 
-/// A tile's place: it covers [i, i+1) × [j, j+1) tile sides.
+/// Index of a tile, which covers [i, i+1) × [j, j+1) in units of the tile's side.
 struct TileKey {
   int32_t i = 0, j = 0;
   auto operator<=>(const TileKey&) const = default;
 };
 
-/// Collects points by tile, spilling to disk as needed; then gives them back tile by tile. What it
-/// gives depends only on the points and their order, not on the memory allowed.
+/// Collects points by tile, moves them to disk where memory runs short, and gives them back tile by
+/// tile. The result depends only on the points and their order, not on the memory allowed.
 class TileStore {
  public:
   explicit TileStore(const TileOptions& options = {});
@@ -46,22 +48,24 @@ class TileStore {
 
   void add(const TilePoint& p);
 
-  /// The tile in which a point lies.
+  /// Returns the tile in which a point lies.
   TileKey key_of(const Vec3f& point) const;
-  /// All tiles with points, in order.
+  /// Returns all tiles that hold points, in ascending order.
   std::vector<TileKey> tiles() const;
-  /// Lower corner of a tile (m).
+  /// Returns the corner of a tile with the least x and y (m).
   Eigen::Vector2d corner(TileKey key) const;
-  /// The points of a tile in order of arrival, `core` in number, then those of other tiles within
-  /// `margin_m` of it. May be called from several threads.
+  /// The points of one tile and of its margin: first the `core` points of the tile in order of
+  /// arrival, then points of other tiles.
   struct Loaded {
     std::vector<Vec3f> point, to_sensor;
     size_t core = 0;
   };
+  /// Loads a tile and the points of other tiles within `margin_m` of it. Several threads may call
+  /// it at once. Throws `std::invalid_argument` for a tile without points.
   Loaded load(TileKey key, double margin_m) const;
 
   size_t size() const { return size_; }
-  /// Points left out so far because their tile was full.
+  /// Returns how many points were left out so far because their tile was full.
   size_t thinned() const;
 
  private:
@@ -74,9 +78,10 @@ class TileStore {
 
   TileOptions options_;
   std::map<TileKey, std::unique_ptr<Tile>> tiles_;
-  Tile* latest_ = nullptr;  ///< That of the last point added.
+  Tile* latest_ = nullptr;  ///< The tile of the last point added.
   size_t size_ = 0, in_memory_ = 0;
-  std::unique_ptr<TemporaryPath> folder_;  ///< Once something was spilled.
+  /// Folder of the spilled points; created with the first spill.
+  std::unique_ptr<TemporaryPath> folder_;
 };
 
 }  // namespace underbrush

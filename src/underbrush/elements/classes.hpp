@@ -1,5 +1,5 @@
 /// \file
-/// What a beam, a point, an element or an object belongs to: one list for all stages.
+/// Classes of beams, points, elements and objects: one list for all stages.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -8,8 +8,8 @@
 
 namespace underbrush::elements {
 
-/// The object classes of [tallavajhula18] §III, with ground and grass. The numbers are stored in
-/// files: append, never renumber.
+/// The object classes of [tallavajhula18] §III, together with ground and grass. The numbers are
+/// stored in files: append to the list, never renumber it.
 enum class Class : uint8_t {
   kUnknown,
   kGround,
@@ -43,10 +43,10 @@ inline constexpr std::array<std::string_view, 14> kClassNames = {"unknown",
                                                                  "medium_shrub_patch",
                                                                  "large_shrub_patch"};
 
-/// The name of a class.
+/// Returns the name of a class.
 constexpr std::string_view name(Class c) { return kClassNames.at(size_t(c)); }
 
-/// The class of that name, or none.
+/// Returns the class of that name, or nothing.
 constexpr std::optional<Class> class_from_name(std::string_view name) {
   for (size_t i = 0; i < kClassNames.size(); ++i) {
     if (kClassNames[i] == name) return Class(i);
@@ -54,24 +54,24 @@ constexpr std::optional<Class> class_from_name(std::string_view name) {
   return std::nullopt;
 }
 
-/// What a class is a size of.
+/// The kind of object that a class is a size of.
 enum class ClassKind : uint8_t { kOther, kShrub, kTree, kPatch };
 
-/// Shrub, tree or patch of shrubs; `kOther` for the classes that are no objects.
+/// Returns shrub, tree or patch of shrubs; `kOther` for the classes that are not objects.
 constexpr ClassKind kind_of(Class c) {
   if (c >= Class::kLowShrubPatch) return ClassKind::kPatch;
   if (c >= Class::kSmallTree) return ClassKind::kTree;
   return c >= Class::kLowShrub ? ClassKind::kShrub : ClassKind::kOther;
 }
 
-/// Class of a shrub by its height (m): low < 0.5 ≤ small < 1 ≤ medium < 2 ≤ large.
+/// Returns the class of a shrub by its height (m): low < 0.5 ≤ small < 1 ≤ medium < 2 ≤ large.
 constexpr Class shrub_class(double height_m) {
   if (height_m < 0.5) return Class::kLowShrub;
   if (height_m < 1) return Class::kSmallShrub;
   return height_m < 2 ? Class::kMediumShrub : Class::kLargeShrub;
 }
 
-/// Class of a tree by its height (m): small < 6 ≤ medium < 10 ≤ large.
+/// Returns the class of a tree by its height (m): small < 6 ≤ medium < 10 ≤ large.
 constexpr Class tree_class(double height_m) {
   if (height_m < 6) return Class::kSmallTree;
   return height_m < 10 ? Class::kMediumTree : Class::kLargeTree;

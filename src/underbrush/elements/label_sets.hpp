@@ -1,5 +1,5 @@
 /// \file
-/// What the numbers mean by which people label points.
+/// Label sets: the meaning of the numbers with which data sets label points.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -9,33 +9,34 @@
 
 namespace underbrush::elements {
 
-/// What a label says of the ground.
+/// Whether a label means ground.
 enum class GroundLabel : uint8_t { kNo, kYes, kUnknown };
 
-/// One label of a set.
+/// A label of a set.
 struct Label {
   uint32_t number;
   std::string_view name;
   GroundLabel ground;
 };
 
-/// Names of the label sets: "underbrush" (`Class`), "semantickitti", "rellis".
+/// Returns the names of the label sets: "underbrush" (`Class`), "semantickitti", "rellis".
 std::vector<std::string> label_set_names();
 
-/// The labels of the set of that name; none for another name.
+/// Returns the labels of the set of that name; nothing for another name.
 ///
-/// Ground in SemanticKITTI: road, parking, sidewalk, other ground, lane marking, terrain; in
-/// RELLIS: dirt, grass, asphalt, concrete, puddle, mud; of ours: ground, grass.
+/// Ground means road, parking, sidewalk, other ground, lane marking and terrain in SemanticKITTI;
+/// dirt, grass, asphalt, concrete, puddle and mud in RELLIS; ground and grass in Underbrush's own
+/// set.
 std::span<const Label> labels_of(std::string_view set);
 
-/// The label's name in the set, or its number as text.
+/// Returns the label's name in the set, or its number as text where the set does not have it.
 std::string label_name(std::string_view set, uint32_t number);
 
-/// What the label says of the ground: `kUnknown` where the set does not have it.
+/// Returns whether the label means ground; `kUnknown` where the set does not have it.
 GroundLabel ground_label(std::string_view set, uint32_t number);
 
-/// Whether the label is one of trees or shrubs (grass is not): vegetation and trunk in
-/// SemanticKITTI, tree and bush in RELLIS, shrubs, trees and patches of ours.
+/// Whether the label means trees or shrubs (grass does not count): vegetation and trunk in
+/// SemanticKITTI, tree and bush in RELLIS, and shrubs, trees and patches in Underbrush's own set.
 bool is_vegetation(std::string_view set, uint32_t number);
 
 }  // namespace underbrush::elements

@@ -71,7 +71,7 @@ void Model::check() const {
 Mat3 floored_covariance(const Mat3& sigma, double floor_m) {
   Mat3 symmetric = 0.5 * (sigma + sigma.transpose());
   const Mat3 above = symmetric - floor_m * floor_m * Mat3::Identity();
-  // Sylvester's criterion: nothing lies below the floor.
+  // By Sylvester's criterion no eigenvalue lies below the floor.
   if (above(0, 0) > 0 && above.topLeftCorner<2, 2>().determinant() > 0 && above.determinant() > 0) {
     return symmetric;
   }

@@ -1,6 +1,6 @@
 /// \file
-/// The world model that a fitter learns and a simulator answers from: scene elements e = (ρ, ω)
-/// with geometry ρ and sensor parameters ω ([tallavajhula18] §III).
+/// The world model that a fitter learns and the simulator traces: scene elements e = (ρ, ω) with
+/// geometry ρ and sensor parameters ω ([tallavajhula18] §III).
 #pragma once
 #include <array>
 #include <cstdint>
@@ -14,22 +14,22 @@ namespace underbrush {
 /// Scene elements and the model that holds them.
 namespace elements {
 
-/// How often beams that met an element ended at it (hits) or went on (misses), and the hit
-/// probability learnt from that; permeability ([deschaud12] §III) = 1 − p.
+/// Counts of the beams that met an element and ended at it (hits) or went on (misses), and the hit
+/// probability p learnt from them. The permeability of [deschaud12] §III is 1 − p.
 struct HitCount {
   float p = 1;
   uint32_t hits = 0;
   uint32_t misses = 0;
 };
 
-/// Triangles with one hit probability each and one range noise for all.
+/// Triangles, each with a hit probability, and one range noise for all of them.
 struct TriangleMesh {
   std::vector<Vec3f> vertices;                     ///< m, relative to the model's origin.
   std::vector<std::array<uint32_t, 3>> triangles;  ///< Indices into `vertices`.
   std::vector<HitCount> hit;                       ///< One per triangle.
-  double range_sigma_m = 0;                        ///< σ of the range about the surface.
-  /// h: σ of what the surface rises and falls about the mesh, along its normal. A beam at angle of
-  /// incidence θ then has the range σ² = range_sigma_m² + (h / max(|cos θ|, 0.01))².
+  double range_sigma_m = 0;  ///< m; standard deviation σ of the range about the surface.
+  /// h (m): standard deviation, along the normal, of the surface about the mesh. A beam at the
+  /// angle of incidence θ has the range variance σ² = range_sigma_m² + (h / max(|cos θ|, 0.01))².
   double roughness_m = 0;
 
   size_t size() const { return triangles.size(); }
@@ -40,17 +40,17 @@ struct Ellipsoid {
   Vec3f mean = Vec3f::Zero();                         ///< μ, m, relative to the model's origin.
   std::array<float, 6> covariance{1, 0, 0, 1, 0, 1};  ///< Σ, m²: xx xy xz yy yz zz.
   HitCount hit;
-  uint32_t label = 0;  ///< Class of the points it was fitted to, 0 = unknown.
-  /// κ (1/m): if positive, the hit probability depends on how much of the volume a beam crosses,
-  /// p(δ) = 1 − exp(−κ √(2π) σ e^{−δ²/2}) with σ the standard deviation along the beam, and `hit.p`
-  /// is not used.
+  uint32_t label = 0;  ///< Class of the points that it was fitted to; 0 = unknown.
+  /// κ (1/m). If it is positive, the hit probability depends on how much of the volume a beam
+  /// crosses, p(δ) = 1 − exp(−κ √(2π) σ e^{−δ²/2}) with the standard deviation σ along the beam,
+  /// and `hit.p` is not used.
   float density_per_m = 0;
 
   Mat3 covariance_matrix() const;
   void set_covariance(const Mat3& sigma);
 };
 
-/// Kind of a scene element, in the order in which a model numbers its elements.
+/// Kinds of scene elements, in the order in which a model numbers its elements.
 enum class Kind : uint8_t { kGround, kSurface, kEllipsoid };
 
 /// Where a model keeps an element: the array of its kind and its index there.
@@ -62,20 +62,20 @@ struct ElementPlace {
 /// A learnt world. Elements are numbered: ground triangles, then surface triangles, then
 /// ellipsoids.
 struct Model {
-  Vec3 origin = Vec3::Zero();  ///< m, world; all coordinates below are relative to it.
+  Vec3 origin = Vec3::Zero();  ///< m, world; all coordinates of the model are relative to it.
   TriangleMesh ground;
   TriangleMesh surface;  ///< Opaque or permeable triangles that are not ground.
   std::vector<Ellipsoid> ellipsoids;
-  double tau = 3.5;  ///< A beam meets an ellipsoid within this Mahalanobis distance.
-  /// Side (m) of the cells of a voxel model ([deschaud12] §III.C.1), 0 for none: an ellipsoid then
-  /// counts only where the closest approach lies in the cell that holds its mean, the cells being
-  /// those of a grid through the model's origin.
+  double tau = 3.5;  ///< A beam meets an ellipsoid if it comes within this Mahalanobis distance.
+  /// Side (m) of the cells of a voxel model ([deschaud12] §III.C.1); 0 for other models. In a voxel
+  /// model an ellipsoid counts only where the beam's closest approach lies in the cell that holds
+  /// its mean; the cells form a grid through the model's origin.
   double voxel_m = 0;
-  /// Largest range (m) at which the log that it was fitted to has a return: where sensor or format
-  /// end. Infinite where nothing is known.
+  /// m; largest range at which the log that it was fitted to has a return, beyond which the sensor
+  /// or the format does not reach. Infinite if unknown.
   double max_range_m = std::numeric_limits<double>::infinity();
-  std::string fitter;      ///< Name of the fitter that made it.
-  std::string provenance;  ///< JSON object: program version, command, seed, input hashes.
+  std::string fitter;      ///< Name of the fitter that made the model.
+  std::string provenance;  ///< JSON object: program version, command, seed, hashes of the inputs.
 
   size_t size() const { return ground.size() + surface.size() + ellipsoids.size(); }
   /// Number of triangles, and so of the first ellipsoid.
@@ -92,12 +92,13 @@ struct Model {
   HitCount& hit(size_t element);
   const HitCount& hit(size_t element) const;
   /// Throws `std::invalid_argument` where a value is not finite, an index is out of range, a
-  /// probability outside [0, 1] or a covariance not positive definite.
+  /// probability lies outside [0, 1] or a covariance is not positive definite.
   void check() const;
 };
 
-/// The covariance with its eigenvalues raised to at least `floor_m`² (flat, thin or few points):
-/// the noise of the sensor, below which no extent can be told. Symmetric in, symmetric out.
+/// Returns the covariance with its eigenvalues raised to at least `floor_m`². The floor is the
+/// noise of the sensor, below which no extent can be measured; flat or thin elements and those of
+/// few points reach it. The result is symmetric if `sigma` is.
 Mat3 floored_covariance(const Mat3& sigma, double floor_m);
 
 }  // namespace elements

@@ -52,7 +52,7 @@ PlyData ply_of_mesh(const TriangleMesh& mesh, bool with_hits) {
 
 PlyData ply_of_ellipsoids(const std::vector<Ellipsoid>& ellipsoids) {
   PlyElement e;
-  e.name = "vertex";  // so that point viewers show the means
+  e.name = "vertex";  // Point viewers show the means of an element with this name.
   e.count = ellipsoids.size();
   const char* axes[3] = {"x", "y", "z"};
   for (int d = 0; d < 3; ++d) {

@@ -1,5 +1,5 @@
 /// \file
-/// A world composed of models: each stored once, placed as often as wanted.
+/// A world composed of models. Each model is stored once and can be placed many times.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -8,28 +8,27 @@
 
 namespace underbrush::elements {
 
-/// A model placed in a scene: x_world = translation + scale · R x, with x relative to the model's
-/// origin.
+/// A placed model: x_world = translation + scale · R x, with x relative to the model's origin.
 struct Instance {
   Pose world_from_model;
   float scale = 1;
-  uint32_t model = 0;  ///< Index into the scene's models.
+  uint32_t model = 0;  ///< Index into the models of the scene.
 };
 
-/// An instance of a scene that moves: its pose is that of `world_from_object` (instead of the
-/// instance's own), before the first pose and after the last it stands there.
+/// The motion of an instance. `world_from_object` takes the place of the instance's own pose;
+/// before its first pose and after its last the instance stands still.
 struct Mover {
   uint32_t instance = 0;
   Trajectory world_from_object;
 };
 
-/// Models and where they stand. An opaque or permeable ground is a model like any other.
+/// Models and their placements. The ground is a model like any other.
 struct Scene {
   std::vector<Model> models;
   std::vector<Instance> instances;
 
-  /// Throws `std::invalid_argument` where a model is bad, an instance names none, a pose or scale
-  /// is not finite or a scale is not positive.
+  /// Throws `std::invalid_argument` where a model is inconsistent, an instance names no model, a
+  /// pose or scale is not finite, or a scale is not positive.
   void check() const;
 };
 

@@ -1,5 +1,5 @@
 /// \file
-/// A scene on disk: a folder with a small JSON manifest, a folder a model, and the table of
+/// Scenes on disk: a folder with a small JSON manifest, a folder for each model, and the table of
 /// instances. Layout: docs/reference/formats.md.
 #pragma once
 #include <filesystem>
@@ -12,31 +12,35 @@
 
 namespace underbrush::elements {
 
-/// Version of the layout that is written; newer ones are refused.
+/// Version of the layout that is written; newer versions are refused.
 inline constexpr int kSceneVersion = 1;
 
-/// What a scene's file holds beside the scene.
+/// What a scene's folder holds besides the scene.
 struct SceneInfo {
-  std::vector<std::string> names;  ///< One a model.
-  std::vector<Class> labels;       ///< One an instance; `kGround` for the ground.
-  /// One a model: what it is made of (radiometry), "" = as its class says. Empty = all "".
+  std::vector<std::string> names;  ///< One for each model.
+  std::vector<Class> labels;       ///< One for each instance; `kGround` for the ground.
+  /// One for each model: its material (radiometry), where "" means that its class decides. Empty =
+  /// all "".
   std::vector<std::string> materials;
+  /// Instances that move.
   std::vector<Mover> movers;
   std::string provenance;  ///< JSON object.
 };
 
-/// Writes the folder `path` (scene.json, models/NNNN/, instances.ply, movers/NNNN.txt), atomically;
-/// a scene that stood there is replaced. Throws `IoError`, also if a folder that is no scene stands
-/// there.
+/// Writes the folder `path` (scene.json, models/NNNN/, instances.ply, movers/NNNN.txt), atomically,
+/// replacing a scene that stood there. Throws `IoError`, also if a folder that is not a scene
+/// stands there.
 void write_scene(const std::filesystem::path& path, const Scene& scene, const SceneInfo& info);
 
-/// Throws the `IoError` that `write_scene` would end with now: to be asked before long work.
+/// Throws the `IoError` that `write_scene` would end with. Callers use it before a long
+/// computation.
 void check_scene_output(const std::filesystem::path& path);
 
-/// Reads a scene folder. Throws `FormatError` on anything that is not a whole, consistent scene.
+/// Reads a scene folder, and into `info` (unless null) what it holds besides the scene. Throws
+/// `FormatError` for anything that is not a whole, consistent scene.
 Scene read_scene(const std::filesystem::path& path, SceneInfo* info = nullptr);
 
-/// Whether `path` is a scene folder (has a manifest).
+/// Whether `path` is a scene folder, which has a manifest.
 bool is_scene(const std::filesystem::path& path);
 
 }  // namespace underbrush::elements

@@ -8,7 +8,8 @@
 namespace underbrush::elements {
 
 void write_splat(const std::filesystem::path& path, const Model& model) {
-  // Column names and encodings of the original 3-D Gaussian splatting (Kerbl et al. 2023).
+  // Column names and encodings are those of the original 3-D Gaussian splatting (Kerbl et al.
+  // 2023).
   static constexpr const char* kNames[] = {
       "x",       "y",       "z",       "nx",      "ny",    "nz",    "f_dc_0", "f_dc_1", "f_dc_2",
       "opacity", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2",  "rot_3"};
@@ -20,7 +21,8 @@ void write_splat(const std::filesystem::path& path, const Model& model) {
     if (axes.determinant() < 0) axes.col(0) = -axes.col(0);
     const Eigen::Quaterniond q(axes);
     const float p = std::clamp(e.hit.p, 0.01f, 0.99f);
-    const float colour = (p - 0.5f) / 0.28209479f;  // the constant spherical harmonic
+    // The divisor is the constant spherical harmonic.
+    const float colour = (p - 0.5f) / 0.28209479f;
     const float values[] = {e.mean.x(),
                             e.mean.y(),
                             e.mean.z(),

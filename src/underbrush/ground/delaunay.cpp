@@ -7,13 +7,14 @@ namespace {
 
 using Point = GridDelaunay::Point;
 
-/// Twice the area of a, b, c: positive if counter-clockwise.
+/// Returns twice the area of the triangle a, b, c: positive if it is counter-clockwise.
 int64_t turn(const Point& a, const Point& b, const Point& c) {
   return int64_t(b[0] - a[0]) * (c[1] - a[1]) - int64_t(b[1] - a[1]) * (c[0] - a[0]);
 }
 
-/// Positive if `p` lies inside the circle through a, b, c (counter-clockwise). For a, b, c in line
-/// it is positive on one side of the line, as in the limit.
+/// Returns a positive number if `p` lies inside the circle through a, b, c (counter-clockwise). If
+/// these lie on a line, the number is positive on one side of it, which is the limit of a large
+/// circle.
 int64_t in_circle(const Point& a, const Point& b, const Point& c, const Point& p) {
   const int64_t ax = a[0] - p[0], ay = a[1] - p[1], bx = b[0] - p[0], by = b[1] - p[1];
   const int64_t cx = c[0] - p[0], cy = c[1] - p[1];
@@ -30,7 +31,7 @@ GridDelaunay::GridDelaunay(int side)
   require(side > 0 && side <= 1 << 14, "grid triangulation: the side must be in [1, 2^14]");
 }
 
-/// The triangle that holds `p`, inside or on a side: a walk from the last one.
+/// Returns the triangle that holds `p`, inside or on a side, by a walk from the last one found.
 uint32_t GridDelaunay::locate(const Point& p) const {
   uint32_t t = last_;
   for (bool moved = true; moved;) {
@@ -45,7 +46,7 @@ uint32_t GridDelaunay::locate(const Point& p) const {
   return t;
 }
 
-/// Makes `triangle` know its neighbour `to` where it knew `from`.
+/// Replaces the neighbour `from` of `triangle` by `to`.
 void GridDelaunay::link(int32_t triangle, uint32_t from, uint32_t to) {
   if (triangle < 0) return;
   for (int32_t& n : triangles_[size_t(triangle)].neighbour) {
@@ -56,8 +57,8 @@ void GridDelaunay::link(int32_t triangle, uint32_t from, uint32_t to) {
   }
 }
 
-/// Triangle t = (p, a, b) and its neighbour (a, d, b) across a–b: if d lies in t's circle, they
-/// become (p, a, d) and (p, d, b).
+/// Considers triangle t = (p, a, b) and its neighbour (a, d, b) across a–b. If d lies in the circle
+/// of t, the two become (p, a, d) and (p, d, b).
 bool GridDelaunay::flip(uint32_t t) {
   const int32_t other = triangles_[t].neighbour[0];
   if (other < 0) return false;
@@ -67,7 +68,7 @@ bool GridDelaunay::flip(uint32_t t) {
   while (next.neighbour[k] != int32_t(t)) ++k;
   const uint32_t p = old.point[0], a = old.point[1], b = old.point[2], d = next.point[k];
   if (in_circle(points_[p], points_[a], points_[b], points_[d]) <= 0) return false;
-  // next = (d, b, a) from k on: across b's opposite lies a–d, across a's opposite d–b.
+  // From k on, `next` reads (d, b, a): a–d lies opposite to b, and d–b opposite to a.
   const int32_t beyond_ad = next.neighbour[(k + 1) % 3], beyond_db = next.neighbour[(k + 2) % 3];
   const int32_t beyond_bp = old.neighbour[1], beyond_pa = old.neighbour[2];
   triangles_[t] = {{p, a, d}, {beyond_ad, int32_t(u), beyond_pa}};
@@ -87,7 +88,8 @@ const std::vector<uint32_t>& GridDelaunay::insert(const Point& point) {
   for (uint32_t v : old.point) {
     if (points_[v] == point) return around_;
   }
-  // One triangle becomes three. On a side, one of them has no area until the flip below.
+  // One triangle becomes three. If the point lies on a side, one of them has no area until the
+  // flips below.
   const uint32_t p = uint32_t(points_.size());
   const uint32_t n = uint32_t(triangles_.size());
   points_.push_back(point);

@@ -1,5 +1,5 @@
 /// \file
-/// Delaunay triangulation of nodes of a square grid, node by node.
+/// Incremental Delaunay triangulation of the nodes of a square grid.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -7,28 +7,30 @@
 
 namespace underbrush::ground {
 
-/// The Delaunay triangulation of integer points in [0, side]² and of the four corners of a frame
-/// one step around them. Predicates are exact, so grids, whose points lie on common circles and
-/// lines, are no special case; which way such points are split depends on the order of insertion
-/// only. A point costs about a microsecond when near the one before it.
+/// Delaunay triangulation of integer points in [0, side]² and of the four corners of a frame one
+/// step around them. Its predicates are exact, so that grids, whose points lie on common circles
+/// and lines, are no special case. How four points on one circle are split depends only on the
+/// order of insertion. A point takes about a microsecond if it lies near the one before it.
 class GridDelaunay {
  public:
   using Point = std::array<int, 2>;
+  /// A triangle and its neighbours, by index.
   struct Triangle {
-    std::array<uint32_t, 3> point;     ///< Counter-clockwise.
-    std::array<int32_t, 3> neighbour;  ///< Across the side opposite to each point; −1: none.
+    std::array<uint32_t, 3> point;     ///< Indices of the corners, counter-clockwise.
+    std::array<int32_t, 3> neighbour;  ///< The triangle across the side opposite to each corner;
+                                       ///< −1: none.
   };
 
   /// Throws `std::invalid_argument` unless 0 < side ≤ 2¹⁴.
   explicit GridDelaunay(int side);
 
-  /// Inserts a point (nothing happens if it is there already). The triangles changed: those around
-  /// it.
+  /// Inserts a point, unless it is there already. Returns the triangles around it, which are those
+  /// that changed.
   const std::vector<uint32_t>& insert(const Point& p);
 
-  /// The frame's corners (0–3), then the points in order of insertion.
+  /// Returns the frame's corners (0–3), followed by the points in order of insertion.
   const std::vector<Point>& points() const { return points_; }
-  /// Triangles that cover the frame.
+  /// Returns the triangles, which cover the frame.
   const std::vector<Triangle>& triangles() const { return triangles_; }
   /// Whether a triangle touches no corner of the frame.
   static bool inner(const Triangle& t) {

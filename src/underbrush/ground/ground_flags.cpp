@@ -8,7 +8,7 @@
 namespace underbrush::ground {
 namespace {
 
-/// Calls `f(point)` for each hit, relative to the log's origin.
+/// Calls `f(point)` for each hit (m, relative to `origin`).
 template <class F>
 void for_each_hit(BeamSource& source, const Vec3& origin, F f) {
   source.rewind();
@@ -26,7 +26,7 @@ std::vector<uint8_t> ground_flags(BeamSource& source, const ground::SegmentOptio
                                   const std::function<void(size_t, size_t)>& progress) {
   TileOptions tiles;
   tiles.tile_m = tile_m;
-  tiles.max_points_per_tile = SIZE_MAX;  // every hit gets its flag
+  tiles.max_points_per_tile = SIZE_MAX;  // No tile is thinned, because every hit needs a flag.
   TileStore store(tiles);
   const Vec3 origin = log_origin(source).value_or(Vec3::Zero());
   for_each_hit(source, origin, [&](const Vec3f& point) { store.add({point, Vec3f::UnitZ()}); });
@@ -45,7 +45,7 @@ std::vector<uint8_t> ground_flags(BeamSource& source, const ground::SegmentOptio
     if (progress) progress(at + n, keys.size());
   }
 
-  // A tile holds its points in the order in which they came.
+  // A tile holds its points in the order of the log.
   struct Cursor {
     const std::vector<uint8_t>* flags;
     size_t next = 0;

@@ -1,5 +1,5 @@
 /// \file
-/// Ground of a whole log, tile by tile.
+/// Ground segmentation of a whole log, tile by tile.
 #pragma once
 #include <functional>
 
@@ -8,10 +8,10 @@
 
 namespace underbrush::ground {
 
-/// One flag a hit, in the log's order: 1 = ground. Tiles of `tile_m` see the points within 10 m
-/// around them, as in `fit`. Reads the log twice from its beginning and keeps a byte a hit; points
-/// that do not fit into memory go to disk. `progress(done, total)` may be empty. Throws as
-/// `ground::segment` does.
+/// Returns one flag for each hit, in the log's order: 1 = ground. Each tile of side `tile_m` is
+/// segmented with the points up to `kTileMarginM` around it, as `fit` does. Reads the log twice
+/// from its beginning and keeps one byte for each hit; points that do not fit into memory go to
+/// disk. `progress(done, total)` may be empty. Throws as `ground::segment` does.
 std::vector<uint8_t> ground_flags(BeamSource& source, const ground::SegmentOptions& options,
                                   double tile_m = 32,
                                   const std::function<void(size_t, size_t)>& progress = {});

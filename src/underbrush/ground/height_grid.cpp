@@ -11,12 +11,12 @@
 namespace underbrush::ground {
 namespace {
 
-/// Half of a row of the symmetric matrix: a node's coefficients with itself and with the nodes that
-/// follow it row by row. The first five come from points, all seven from bending.
+/// The couplings of half a row of the symmetric matrix: a node's coefficients with itself and with
+/// the nodes that follow it row by row. Points contribute to the first five, bending to all seven.
 enum Coupling { kSelf, kEast, kNorth, kNorthEast, kNorthWest, kEast2, kNorth2, kCouplings };
 constexpr int kStep[kCouplings][2] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}, {-1, 1}, {2, 0}, {0, 2}};
 
-/// Which coupling leads `dx, dy` on (dy > 0, or dy = 0 and dx ≥ 0).
+/// Returns the coupling that leads by (dx, dy); dy > 0, or dy = 0 and dx ≥ 0.
 constexpr int coupling_of(int dx, int dy) {
   for (int c = 0; c < kCouplings; ++c) {
     if (kStep[c][0] == dx && kStep[c][1] == dy) return c;
@@ -24,7 +24,7 @@ constexpr int coupling_of(int dx, int dy) {
   return -1;
 }
 
-/// Normal equations of the points: Σ w wᵀ and Σ w z.
+/// Normal equations of the points at one node: Σ w wᵀ and Σ w z.
 struct NodeSums {
   double a[5] = {}, b = 0;
   void operator+=(const NodeSums& o) {
@@ -33,7 +33,7 @@ struct NodeSums {
   }
 };
 
-/// Those of a block's cells reach one node beyond the block to the north and the east.
+/// The sums of a block's cells reach one node beyond the block to the north and to the east.
 constexpr int kSumSide = kBlockSide + 1;
 using BlockSums = std::array<NodeSums, kSumSide * kSumSide>;
 
@@ -111,7 +111,8 @@ void HeightGrid::merge(const HeightGrid& other) {
   sums_->zz += o.zz;
 }
 
-/// The nodes that exist: near points, and in gaps that a closing by half of `bridge_m` fills.
+/// Returns the nodes that exist: those near points, and those in gaps that a closing by half of
+/// `bridge_m` fills.
 NodeMask HeightGrid::Sums::nodes() const {
   NodeMask data;
   for (const auto& [key, block] : blocks) {
@@ -151,7 +152,7 @@ BlockMap<int32_t> numbered(const NodeMask& nodes, int32_t& count) {
   return number;
 }
 
-/// Adds weight · (Σ k_m h_m)² over nodes in row-by-row order, unless one does not exist.
+/// Adds weight · (Σ k_m h_m)² over nodes in row-by-row order, unless one of them does not exist.
 template <size_t M>
 void add_square(Coefficients& a, const std::array<int32_t, M>& nodes,
                 const std::array<std::array<int, 2>, M>& offsets, const std::array<double, M>& k,
@@ -167,8 +168,8 @@ void add_square(Coefficients& a, const std::array<int32_t, M>& nodes,
   }
 }
 
-/// Bending energy, and a trace of membrane energy that settles what points leave open (the tilt
-/// about a single line of points).
+/// Adds the bending energy, and a trace of membrane energy that settles what the points leave open
+/// (the tilt about a single line of points).
 void add_bending(Coefficients& a, const BlockMap<int32_t>& number, double weight) {
   constexpr int kSide = kBlockSide + 4;
   constexpr double kMembrane = 1e-8;
@@ -190,7 +191,8 @@ void add_bending(Coefficients& a, const BlockMap<int32_t>& number, double weight
   }
 }
 
-/// The lower triangle; `number` leads from a node to the nodes it is coupled with.
+/// Returns the lower triangle of the matrix. `number` leads from a node to the nodes that it is
+/// coupled with.
 Matrix matrix_of(const Coefficients& a, const BlockMap<int32_t>& number) {
   constexpr int kSide = kBlockSide + 4;
   constexpr int kAscending[kCouplings] = {kSelf,  kEast,      kEast2, kNorthWest,
@@ -244,7 +246,7 @@ HeightMap HeightGrid::solve() const {
       }
     }
   }
-  // Heights count from the mean: less to lose in the sum of squares.
+  // Heights count from their mean, so that the sum of squares loses fewer digits.
   const Matrix data = matrix_of(a, number);
   const double mean = s.z / double(s.n);
   const Eigen::VectorXd weights =

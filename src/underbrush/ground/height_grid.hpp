@@ -1,6 +1,6 @@
 /// \file
-/// A smooth surface through ground points that come in a stream. Memory follows the area, not the
-/// number of points; grids of different tiles merge.
+/// A smooth surface through ground points that come as a stream. Its memory grows with the area,
+/// not with the number of points. Grids of different tiles can be merged.
 #pragma once
 #include <memory>
 #include <span>
@@ -9,22 +9,24 @@
 
 namespace underbrush::ground {
 
-/// Parameters of `HeightGrid`.
+/// Options of `HeightGrid`.
 struct HeightGridOptions {
-  double spacing_m = 0.5;       ///< Distance s of the nodes.
-  double smoothness_m2 = 0.05;  ///< λ: how much bending counts against misfit.
-  double padding_m = 1.5;  ///< Nodes exist this far around a point ([tallavajhula18]'s code) ...
-  double bridge_m = 10;    ///< ... and across gaps up to this width: ground under crowns and in
-                           ///< shadows, which other beams will meet. The authors keep triangles
-                           ///< with sides up to 10 m to the same end.
+  double spacing_m = 0.5;       ///< m; distance s of the nodes.
+  double smoothness_m2 = 0.05;  ///< λ (m²): weight of the bending against the misfit.
+  double padding_m = 1.5;       ///< m; nodes exist up to this far from a point ([tallavajhula18]'s
+                                ///< code).
+  double bridge_m = 10;  ///< m; nodes also fill gaps up to this width, where there is ground under
+                         ///< crowns or in shadows that other beams will meet. The authors of
+                         ///< [tallavajhula18] keep triangles with sides up to 10 m to the same end.
 };
 
-/// Normal equations of the surface h that minimises
+/// Collects the normal equations of the surface h that minimises
 ///
 ///     Σ_points (h(x, y) − z)² + λ ∫ h_xx² + 2 h_xy² + h_yy² dA,
 ///
-/// h bilinear between nodes, second derivatives by second differences: a thin plate on a grid,
-/// which does the work of [tallavajhula18]'s regularised radial basis functions.
+/// where h is bilinear between nodes and the second derivatives are second differences. It is a
+/// thin plate on a grid and takes the place of [tallavajhula18]'s regularised radial basis
+/// functions.
 class HeightGrid {
  public:
   /// Node (0, 0) lies at `origin` (m, world), which should be near the points. Throws
@@ -35,17 +37,19 @@ class HeightGrid {
   HeightGrid& operator=(HeightGrid&&) noexcept;
   ~HeightGrid();
 
-  /// Adds ground points (m, world). Throws `std::invalid_argument` for one that is not finite or
-  /// lies more than 2²⁸ nodes away.
+  /// Adds ground points (m, world). Throws `std::invalid_argument` for a point that is not finite
+  /// or lies more than 2²⁸ nodes from the origin.
   void add(std::span<const Vec3> points);
-  /// Adds what `other` holds. Throws `std::invalid_argument` if its origin or options differ. Sums
-  /// in the order of the calls: merge in a fixed order for the same bits.
+  /// Adds the points of `other`. Sums are taken in the order of the calls, so grids must be merged
+  /// in a fixed order for the same bits. Throws `std::invalid_argument` if the origins or options
+  /// differ.
   void merge(const HeightGrid& other);
-  /// Number of points so far.
+  /// Returns the number of points added so far.
   size_t points() const;
 
-  /// The surface, by conjugate gradients (incomplete Cholesky) to a relative residual of 1e-10.
-  /// Empty without points. `sigma_m` falls out of the normal equations without a second pass.
+  /// Solves for the surface by conjugate gradients (incomplete Cholesky) to a relative residual of
+  /// 1e-10. Without points the surface is empty. `sigma_m` follows from the normal equations,
+  /// without a second pass over the points.
   HeightMap solve() const;
 
  private:

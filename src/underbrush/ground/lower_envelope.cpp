@@ -11,17 +11,18 @@
 namespace underbrush::ground {
 namespace {
 
-constexpr double kPriorWeight = 3;  // In low points.
-constexpr double kBelow = 4;        // Weight of a low point well below the surface.
+constexpr double kPriorWeight = 3;  // Weight of the prior, in numbers of low points.
+constexpr double kBelow = 4;        // Weight of a low point that lies well below the surface.
 constexpr uint32_t kNoCell = std::numeric_limits<uint32_t>::max();
 
-/// The points sorted by the finest cell they lie in; x and y count from the tile's lower corner.
+/// The points sorted by the finest cell that they lie in; x and y count from the tile's lower
+/// corner.
 struct SortedTile {
   int nx = 0, ny = 0;
   double cell_m = 0;
   std::vector<Vec3f> points;
-  std::vector<uint32_t> source;  ///< Index of each in the caller's points.
-  std::vector<uint32_t> start;   ///< Of each cell, and one past the last.
+  std::vector<uint32_t> source;  ///< Index of each point in the caller's points.
+  std::vector<uint32_t> start;   ///< First point of each cell; one entry more marks the end.
 
   std::span<Vec3f> cell(size_t c) { return {points.data() + start[c], start[c + 1] - start[c]}; }
 };
@@ -70,8 +71,8 @@ SortedTile sort_by_cell(std::span<const Vec3f> points, double cell_m) {
   return tile;
 }
 
-/// Refits `grid` (in place; it holds the prior) to points sorted by finest cell. `row_start[r]` is
-/// the first point of finest row r; `weight(residual)` says how much a point counts.
+/// Refits `grid`, which holds the prior, in place to points sorted by finest cell. `row_start[r]`
+/// is the first point of finest row r. A point counts with the weight `weight(residual)`.
 template <class Weight>
 void refit(PlaneGrid& grid, int level, const std::vector<Vec3f>& points,
            const std::vector<uint32_t>& row_start, const Weight& weight) {
@@ -109,7 +110,7 @@ void refit(PlaneGrid& grid, int level, const std::vector<Vec3f>& points,
   grid.planes.swap(fitted);
 }
 
-/// The low point of each occupied cell, by cell; pits left out.
+/// The low point of each occupied cell, ordered by cell, without pits.
 struct LowPoints {
   std::vector<Vec3f> points;
   std::vector<uint32_t> row_start;
@@ -162,8 +163,8 @@ LowPoints low_points(SortedTile& tile, double quantile) {
   return result;
 }
 
-/// A first guess on the coarsest cells: a low quantile of the low points, cut so that it rises
-/// by no more than `slope` from any other cell.
+/// Makes a first guess on the coarsest cells: a low quantile of the low points, cut so that it
+/// rises by no more than `slope` from any other cell.
 PlaneGrid first_guess(const SortedTile& tile, int level, const LowPoints& low, double slope) {
   PlaneGrid grid(tile.nx, tile.ny, tile.cell_m, level);
   std::vector<std::vector<float>> heights(grid.planes.size());
@@ -180,7 +181,8 @@ PlaneGrid first_guess(const SortedTile& tile, int level, const LowPoints& low, d
     std::nth_element(h.begin(), at, h.end());
     grid.planes[c].h = *at;
   }
-  // Two sweeps of the chamfer distance transform: h(c) = min over c' of h(c') + slope |c − c'|.
+  // These are two sweeps of the chamfer distance transform: h(c) = min over c' of h(c') + slope |c
+  // − c'|.
   const double step = slope * grid.cell_m;
   const auto relax = [&](int x, int y, int dx, int dy) {
     if (x + dx < 0 || x + dx >= grid.nx || y + dy < 0 || y + dy >= grid.ny) return;
@@ -201,7 +203,7 @@ PlaneGrid first_guess(const SortedTile& tile, int level, const LowPoints& low, d
   return grid;
 }
 
-/// The smooth lower envelope, on the finest cells.
+/// Returns the smooth lower envelope on the finest cells.
 PlaneGrid envelope(SortedTile& tile, const LowerEnvelopeOptions& o) {
   const LowPoints low = low_points(tile, o.low_quantile);
   int level = 0;
@@ -209,8 +211,9 @@ PlaneGrid envelope(SortedTile& tile, const LowerEnvelopeOptions& o) {
   PlaneGrid grid = first_guess(tile, level, low, o.slope);
   const int coarsest = level;
   for (;; --level) {
-    // A plane misses ground that bends by about cell²; vegetation asks for less. Twice the
-    // tolerance first, then once; from the rough first guess, from far more.
+    // A plane of a large cell misses curved ground by about cell²; vegetation demands a smaller
+    // tolerance. A level therefore starts with twice its tolerance and ends with once; after the
+    // rough first guess it starts with four times.
     for (double wide = level == coarsest ? 4 : 2; wide >= 1; wide /= level == coarsest ? 1.5 : 2) {
       const double s = std::max(o.band_m, wide * o.bend * std::pow(grid.cell_m, 1.5));
       const auto weight = [s](double r) {

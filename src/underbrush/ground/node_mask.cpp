@@ -9,12 +9,12 @@
 namespace underbrush::ground {
 namespace {
 
-/// Whether each node of a block is within `radius` of a node whose mask is `value`.
+/// Tells for each node of a block whether it lies within `radius` of a node whose mask is `value`.
 std::array<uint8_t, kBlockNodes> near_value(const NodeMask& mask, BlockKey key, double radius,
                                             uint8_t value) {
   const int halo = int(std::floor(radius)), side = kBlockSide + 2 * halo;
   const std::vector<uint8_t> set = window<uint8_t>(mask, key, halo, 0);
-  // Per row the distance to the nearest such node of the row, then the nearest over the rows.
+  // First the distance to the nearest such node in the same row, then the nearest over all rows.
   const int far = side + 1;
   std::vector<int> along(set.size());
   for (int y = 0; y < side; ++y) {

@@ -1,5 +1,5 @@
 /// \file
-/// A smooth surface as a plane for each cell of a grid, and the fit of such a plane.
+/// A smooth surface made of one plane for each cell of a grid, and the fit of such a plane.
 #pragma once
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -10,25 +10,28 @@
 
 namespace underbrush::ground {
 
-/// A plane a cell: z = h + gx (x − cx) + gy (y − cy) about the cell's centre; between centres the
-/// planes are blended bilinearly.
+/// A grid of planes z = h + gx (x − cx) + gy (y − cy) about the centres (cx, cy) of its cells.
+/// Between centres the planes are blended bilinearly.
 struct PlaneGrid {
+  /// Height (m) and gradient at a cell's centre.
   struct Plane {
     double h = 0, gx = 0, gy = 0;
   };
-  int nx = 0, ny = 0;
-  double cell_m = 0;
+  int nx = 0, ny = 0;  ///< Number of cells along x.
+  double cell_m = 0;   ///< m; side of a cell.
   std::vector<Plane> planes;
 
   PlaneGrid() = default;
-  /// Level `level` of a pyramid over `fine_nx` × `fine_ny` cells of side `fine_cell_m`.
+  /// Makes level `level` of a pyramid over `fine_nx` × `fine_ny` cells of side `fine_cell_m`: its
+  /// cells are 2^level times as long.
   PlaneGrid(int fine_nx, int fine_ny, double fine_cell_m, int level)
       : nx((fine_nx - 1) / (1 << level) + 1),
         ny((fine_ny - 1) / (1 << level) + 1),
         cell_m(fine_cell_m * (1 << level)),
         planes(size_t(nx) * size_t(ny)) {}
 
-  /// Height and gradient at (x, y), extrapolated beyond the outer centres.
+  /// Returns height and gradient at (x, y) (m, from the grid's corner), extrapolated beyond the
+  /// outer centres.
   Plane at(double x, double y) const {
     const double u = x / cell_m - 0.5, v = y / cell_m - 0.5;
     const int i = std::clamp(int(std::floor(u)), 0, std::max(0, nx - 2));
@@ -53,6 +56,7 @@ struct PlaneGrid {
 struct PlaneMoments {
   double w = 0, x = 0, y = 0, z = 0, xx = 0, xy = 0, yy = 0, xz = 0, yz = 0;
 
+  /// Adds a point, relative to the centre.
   void add(double px, double py, double pz, double weight) {
     w += weight, x += weight * px, y += weight * py, z += weight * pz;
     xx += weight * px * px, xy += weight * px * py, yy += weight * py * py;
@@ -74,7 +78,7 @@ inline PlaneGrid::Plane fit_plane(const PlaneMoments& m, const PlaneGrid::Plane&
   const double gradient_weight = weight * cell_m * cell_m;
   Mat3 a;
   a << m.w + weight, m.x, m.y, m.x, m.xx + gradient_weight, m.xy, m.y, m.xy, m.yy + gradient_weight;
-  // Solved for the change from the prior.
+  // The system is solved for the change from the prior.
   const Vec3 p(prior.h, prior.gx, prior.gy);
   const Vec3 b(m.z - m.w * p[0] - m.x * p[1] - m.y * p[2],
                m.xz - m.x * p[0] - m.xx * p[1] - m.xy * p[2],

@@ -11,7 +11,7 @@
 namespace underbrush::ground {
 namespace {
 
-/// The finite points of a tile.
+/// The finite points of a tile, as nanoflann's data set.
 struct Cloud {
   std::span<const Vec3f> points;
   std::vector<uint32_t> finite;
@@ -26,13 +26,13 @@ struct FiniteCoordinate {
 };
 using Tree = KdTree<FiniteCoordinate>;
 
-/// The at most `k` nearest neighbours within a radius of each point, itself included.
+/// Finds the at most `k` nearest neighbours of a point within a radius, the point itself included.
 class Neighbours {
  public:
   Neighbours(const Cloud& cloud, int k, double radius_m)
       : cloud_(cloud), index_(k), distance2_(k), radius2_(float(radius_m * radius_m)) {}
 
-  /// Finds those of `query`; `index(j)` counts in the cloud's points.
+  /// Finds the neighbours of `query`; `index(j)` refers to the cloud's points.
   void find(const Tree& tree, const Vec3f& query) {
     const size_t found =
         tree.nearest(query.data(), index_.size(), index_.data(), distance2_.data());
@@ -51,7 +51,8 @@ class Neighbours {
   size_t size_ = 0;
 };
 
-/// Calls `body(i, neighbours)` for each finite point, near ones after one another.
+/// Calls `body(i, neighbours)` for each finite point; points that lie near each other follow each
+/// other.
 template <class Body>
 void for_each_point(const Cloud& cloud, const Tree& tree, int k, double radius_m,
                     const Body& body) {

@@ -17,17 +17,17 @@ constexpr int kTile = 256;        // cells
 constexpr int kSide = kTile + 1;  // nodes
 using Triangle = std::array<uint32_t, 3>;
 
-/// Triangles of a tile's nodes.
+/// Triangles over the nodes of a tile.
 struct TileMesh {
   std::vector<std::array<int, 2>> nodes;  ///< (x, y) in the tile.
   std::vector<float> height;
   std::vector<Triangle> triangles;
 };
 
-/// One tile: its heights, and the nodes chosen so far. Why the triangles that lie on covered cells
-/// cover them exactly: every side of a cell between covered and other cells has both its nodes
-/// chosen, no other grid node lies in the circle about it, so it is a side of the Delaunay
-/// triangulation.
+/// The heights of a tile, and the nodes chosen so far. The triangles on covered cells cover them
+/// exactly, for this reason: every side of a cell between a covered cell and another has both its
+/// nodes chosen, and no other grid node lies in the circle about it, so it is a side of the
+/// Delaunay triangulation.
 class Tile {
  public:
   Tile(const HeightMap& map, int i0, int j0)
@@ -35,7 +35,7 @@ class Tile {
         exists_(window<uint8_t>(map.exists, i0, j0, kSide, 0)),
         chosen_(exists_.size(), 0) {}
 
-  /// Chooses nodes and triangulates until none is off by more than `max_error`.
+  /// Chooses nodes and triangulates until no node is off by more than `max_error`.
   TileMesh run(double max_error, int coarsest) {
     for (int y = 0; y < kTile; y += coarsest) {
       for (int x = 0; x < kTile; x += coarsest) split(x, y, coarsest, max_error);
@@ -54,7 +54,8 @@ class Tile {
            exists_[at(x + 1, y)] && exists_[at(x, y + 1)] && exists_[at(x + 1, y + 1)];
   }
 
-  /// Quadtree: keeps a square's corners if the square is covered and bends less than the error.
+  /// Splits as a quadtree does: keeps a square's corners if it is covered and bends less than the
+  /// error.
   void split(int x, int y, int side, double max_error) {
     if (side == 1 ? covered(x, y) : flat(x, y, side, max_error)) {
       for (int k = 0; k < 4; ++k) chosen_[at(x + (k & 1) * side, y + (k >> 1) * side)] = 1;
@@ -77,7 +78,8 @@ class Tile {
     return true;
   }
 
-  /// Both nodes of each cell side between a covered cell and one that is not, or of another tile.
+  /// Chooses both nodes of each cell side between a covered cell and one that is not covered or
+  /// belongs to another tile.
   void choose_edges() {
     for (int y = 0; y <= kTile; ++y) {
       for (int x = 0; x <= kTile; ++x) {
@@ -88,7 +90,8 @@ class Tile {
     }
   }
 
-  /// From coarse to fine, to and fro: each point near the one before.
+  /// Inserts the nodes from coarse to fine, row by row to and fro, so that each lies near the one
+  /// before.
   void insert_chosen() {
     for (int step = kTile; step >= 1; step /= 2) {
       for (int y = 0; y <= kTile; y += step) {
@@ -101,7 +104,7 @@ class Tile {
     }
   }
 
-  /// Inserts the worst node of a triangle that is off by more than the error, until none is.
+  /// Inserts the worst node of a triangle that is off by more than the error, until there is none.
   void refine(double max_error) {
     std::deque<uint32_t> open;
     for (uint32_t t = 0; t < delaunay_.triangles().size(); ++t) open.push_back(t);
@@ -124,13 +127,13 @@ class Tile {
     return covered(x / 3, y / 3);
   }
 
-  /// The node of a covered triangle that is off most, if by more than the error.
+  /// Returns the node of a covered triangle that is off most, if by more than the error.
   std::optional<GridDelaunay::Point> worst(const GridDelaunay::Triangle& t,
                                            double max_error) const {
     const auto &a = point(t.point[0]), &b = point(t.point[1]), &c = point(t.point[2]);
     const int bx = b[0] - a[0], by = b[1] - a[1], cx = c[0] - a[0], cy = c[1] - a[1];
     const int area = bx * cy - by * cx;
-    if (area == 1) return std::nullopt;  // holds no other node
+    if (area == 1) return std::nullopt;  // Such a triangle holds no other node.
     const double za = z(a[0], a[1]), db = z(b[0], b[1]) - za, dc = z(c[0], c[1]) - za;
     std::optional<GridDelaunay::Point> found;
     const auto [y0, y1] = std::minmax({0, by, cy});
@@ -149,7 +152,7 @@ class Tile {
     return found;
   }
 
-  /// The covered triangles, and the nodes that they use.
+  /// Returns the covered triangles and the nodes that they use.
   TileMesh mesh() const {
     TileMesh m;
     std::vector<int32_t> number(delaunay_.points().size(), -1);
@@ -175,7 +178,7 @@ class Tile {
   GridDelaunay delaunay_{kTile};
 };
 
-/// The tiles' triangles with one number for each node they share.
+/// Joins the tiles' triangles, with one number for each node that they share.
 GroundMesh joined(const HeightMap& map, const std::vector<std::array<int, 2>>& corners,
                   const std::vector<TileMesh>& tiles) {
   GroundMesh mesh{map.origin, {}, {}};
@@ -210,7 +213,8 @@ GroundMesh triangulate(const HeightMap& map, const TriangulateOptions& options) 
   int coarsest = 1;
   while (2 * coarsest <= std::min(longest, double(kTile))) coarsest *= 2;
   constexpr int kBlocks = kTile / kBlockSide;
-  std::vector<std::array<int, 2>> corners;  // of the tiles, (j, i) so that they sort row by row
+  // Corners of the tiles as (j, i), so that they sort row by row.
+  std::vector<std::array<int, 2>> corners;
   for (const auto& [key, block] : map.exists) {
     corners.push_back({key.y & ~(kBlocks - 1), key.x & ~(kBlocks - 1)});
   }

@@ -12,7 +12,7 @@ namespace underbrush::io {
 namespace fs = std::filesystem;
 namespace {
 
-// "model/" names the folder.
+// Strips a trailing slash: "model/" names the folder "model".
 fs::path without_slash(const fs::path& path) {
   return path.filename().empty() ? path.parent_path() : path;
 }
@@ -37,7 +37,7 @@ AtomicFile::AtomicFile(const fs::path& path, OutputKind kind)
   }
   if (kind == OutputKind::kFile && fs::is_directory(status)) refuse("is a folder");
   if (kind == OutputKind::kFolder && !fs::is_directory(status)) refuse("is not a folder");
-  // A rename would put a file in the place of a device.
+  // A rename would replace a device by a file.
   if (kind == OutputKind::kFile && !fs::is_regular_file(status)) refuse("is not a regular file");
 }
 

@@ -1,5 +1,5 @@
 /// \file
-/// Writes that appear whole or not at all.
+/// Output files and folders that appear whole or not at all.
 #pragma once
 #include <filesystem>
 #include <functional>
@@ -8,21 +8,23 @@
 #include "underbrush/core/temporary.hpp"
 
 namespace underbrush {
-/// Others' file formats, and our own log files.
+/// Readers and writers of third-party file formats and of Underbrush's own log files.
 namespace io {
 
-/// What an output is to be.
+/// Whether an output is a file or a folder.
 enum class OutputKind { kFile, kFolder };
 
-/// A file or folder under way: made under the name `temporary()`, which lies beside `path`.
+/// A file or folder that is being written. It is created under the name `temporary()`, which lies
+/// beside `path`, and renamed by `commit()`.
 class AtomicFile {
  public:
-  /// Throws `IoError` where something of the other kind, a device or a pipe stands at `path`.
+  /// Throws `IoError` where `path` exists as the other kind, or as a device or pipe.
   explicit AtomicFile(const std::filesystem::path& path, OutputKind kind = OutputKind::kFile);
 
-  /// Without `commit()`, what was made is removed, also by `remove_temporaries()`.
+  /// Returns the path to write to. Without `commit()` what lies there is removed when this object
+  /// is destroyed, or by `remove_temporaries()`.
   const std::filesystem::path& temporary() const { return temporary_.path(); }
-  /// Renames the result to `path`; an existing folder there is replaced. Throws `IoError`.
+  /// Renames the result to `path`, replacing a file or folder there. Throws `IoError`.
   void commit();
 
  private:
@@ -31,18 +33,18 @@ class AtomicFile {
   TemporaryPath temporary_;
 };
 
-/// Calls `write(temporary)` with a name beside `path`, then renames the result to `path`; removes
-/// it if `write` throws. `write` makes a file or a folder; an existing folder at `path` is
-/// replaced. Throws `IoError` (one line, names the file) where the file system refuses.
+/// Calls `write(temporary)` with a name beside `path`, then renames the file or folder that `write`
+/// made to `path`, replacing what stood there. If `write` throws, its output is removed. Throws
+/// `IoError` (one line that names the file) where the file system refuses.
 void write_atomically(const std::filesystem::path& path,
                       const std::function<void(const std::filesystem::path&)>& write,
                       OutputKind kind = OutputKind::kFile);
 
-/// Likewise a file of these bytes.
+/// Writes a file that consists of `bytes`, atomically. Throws `IoError`.
 void write_atomically(const std::filesystem::path& path, std::string_view bytes);
 
-/// Throws the `IoError` that writing to `path` would end with now (no such folder, no permission,
-/// something else stands there): to be asked before long work.
+/// Throws the `IoError` that writing to `path` would end with (no such folder, no permission, path
+/// exists as another kind). Callers use it before a long computation.
 void check_output(const std::filesystem::path& path, OutputKind kind = OutputKind::kFile);
 
 }  // namespace io

@@ -21,7 +21,7 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-// Cells of a line; `separator` ' ' stands for any run of spaces and tabs.
+// Splits a line into cells. The separator ' ' stands for any run of spaces and tabs.
 void split(std::string_view line, char separator, std::vector<std::string_view>& cells) {
   if (separator == ' ') {
     cells = words_of(line);
@@ -43,7 +43,7 @@ char separator_of(std::string_view header) {
   return ' ';
 }
 
-// Whole numbers get a type of whole numbers.
+// Whole numbers become int32, or uint32 where that is too narrow; other columns stay double.
 ExtraColumn narrowed(std::vector<double> values) {
   const auto fits = [&](double least, double most) {
     return std::all_of(values.begin(), values.end(),

@@ -1,5 +1,5 @@
 /// \file
-/// Beams in a table that gives each its origin.
+/// Tables in which every beam has its own origin.
 #pragma once
 #include <map>
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace underbrush::io {
 
-/// A log that owns its beams, as a source.
+/// Source that owns the log that it reads from.
 class LogInMemory : public BeamSource {
  public:
   explicit LogInMemory(BeamLog log) : log_(std::move(log)), source_(log_) {}
@@ -25,13 +25,14 @@ class LogInMemory : public BeamSource {
   MemorySource source_;
 };
 
-/// Whether the table has columns ox, oy and oz.
+/// Whether the table has the columns ox, oy and oz.
 bool has_origins(const Table& table);
 
-/// Beams from end points x y z and origins ox oy oz (m, world). Where a column `hit` is 0 the beam
-/// is a miss that points at x y z. Further columns: time, intensity, ring, scan, packet, flags; all
-/// others are extra. The maximum range is the longest beam. Beams that are not finite or have no
-/// length are counted in `skipped`. Throws `FormatError`.
+/// Makes a log from a table of end points x y z and origins ox oy oz (m, world). Where a column
+/// `hit` is 0, the beam is a miss that points at x y z. The columns time, intensity, ring, scan,
+/// packet and flags are understood; all others become extra columns. The maximum range is the
+/// longest beam. Beams that are not finite or have no length are counted in `skipped`. Throws
+/// `FormatError`, naming `file`.
 BeamLog beams_from_table(const std::string& file, Table table,
                          std::map<std::string, size_t>& skipped);
 

@@ -47,13 +47,13 @@ void put(std::string& out, T value) {
   out.append(reinterpret_cast<const char*>(&value), sizeof(T));
 }
 
-/// Rounded, and cut to what the type holds.
+/// Rounds a value and clamps it to the range of the type.
 template <class T>
 T whole(double value) {
   return T(std::clamp(std::round(value), 0.0, double(std::numeric_limits<T>::max())));
 }
 
-/// A point as its sensor sees it.
+/// A point in the sensor's frame.
 struct Point {
   Vec3f at = Vec3f::Zero();
   double range_m = 0, after_s = 0;
@@ -91,7 +91,7 @@ void put_point(DriverLayout driver, const Point& p, std::string& out) {
   }
 }
 
-/// A column as whole numbers; empty if the log has none of that name.
+/// Returns a column as whole numbers; empty if the log has none of that name.
 std::vector<uint8_t> small_numbers(const BeamLog& log, const char* name) {
   const auto found = log.extra.find(name);
   if (found == log.extra.end()) return {};
@@ -104,7 +104,7 @@ std::vector<uint8_t> small_numbers(const BeamLog& log, const char* name) {
       found->second);
 }
 
-/// Numbers of return types as of Autoware's pointcloud_preprocessor.
+/// Returns the return types, numbered as in Autoware's pointcloud_preprocessor.
 std::vector<uint8_t> return_types(const BeamLog& log) {
   const std::vector<uint8_t> echo = small_numbers(log, kEchoColumn),
                              echoes = small_numbers(log, kEchoesColumn);
@@ -172,7 +172,7 @@ class DriverFolder {
     return p;
   }
 
-  /// Beams of an organised cloud, ring by ring; nothing where rings differ in length.
+  /// Returns the beams of an organised cloud, ring by ring; empty where rings differ in length.
   std::vector<size_t> organised() const {
     std::map<uint16_t, std::vector<size_t>> rings;
     for (size_t i = 0; i < scan_.size(); ++i) rings[scan_.ring[i]].push_back(i);
@@ -227,7 +227,7 @@ class DriverFolder {
   Trajectory path_;
   std::map<uint32_t, ScanInfo> scans_;
   std::set<uint32_t> done_;
-  BeamLog scan_;  ///< Under way.
+  BeamLog scan_;  ///< The scan that is being collected.
   std::ofstream times_, poses_;
 };
 

@@ -1,6 +1,6 @@
 /// \file
-/// Scans as the drivers of lidars publish them: one PCD file a scan, with the fields of their
-/// PointCloud2 messages.
+/// Export of scans as lidar drivers publish them: one PCD file for each scan, with the fields of
+/// the driver's PointCloud2 messages.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -15,14 +15,14 @@ namespace underbrush::io {
 enum class DriverLayout {
   kVelodyne,  ///< x y z, intensity float32, ring uint16, time float32 (s); hits only.
   kOuster,    ///< x y z, intensity float32, t uint32 (ns), reflectivity uint16 (the intensity,
-            ///< rounded), ring uint16, ambient uint16 (0), range uint32 (mm). A beam's first echo;
-            ///< misses are zeros, and the cloud is organised, a row a ring, where all rings of
-            ///< the scan have as many beams, else hits only.
+              ///< rounded), ring uint16, ambient uint16 (0), range uint32 (mm); the first echo of
+              ///< each beam. Where all rings of the scan have equally many beams, the cloud is
+              ///< organised with a row for each ring and zeros for misses, else it holds hits only.
   kAutoware,  ///< x y z, intensity uint8 (rounded, at most 255), return_type uint8, channel uint16,
               ///< azimuth, elevation float32 (rad), distance float32 (m), time_stamp uint32 (ns);
-              ///< hits only. Return types: 1 the only echo; of several the first is 3 or 5, the
-              ///< last 4 or 6, the lower number where it is the stronger of the two; 0 between
-              ///< them.
+              ///< hits only. The return type is 1 for a single echo. Of several, the first is 3 or
+              ///< 5 and the last 4 or 6, the lower number where it is the stronger of the two;
+              ///< those between are 0.
 };
 
 /// The layout of that name ("velodyne", "ouster", "autoware"). Throws `std::invalid_argument`.

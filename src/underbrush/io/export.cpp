@@ -18,7 +18,8 @@ namespace underbrush::io {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr const char* kKittiMark = "underbrush.json";  // beside the data: provenance
+// File beside the data that holds the provenance.
+constexpr const char* kKittiMark = "underbrush.json";
 
 template <class T>
 void put(std::string& out, T value) {
@@ -32,7 +33,7 @@ void put_number(std::string& out, T value, char after) {
   out += after;
 }
 
-/// Extra columns as fields of a PCD file: those whose names are words.
+/// Returns the names of the extra columns that can be fields of a PCD file: those without blanks.
 std::vector<std::string> pcd_extras(const BeamLog& log) {
   std::vector<std::string> names;
   for (const auto& [name, column] : log.extra) {
@@ -41,7 +42,8 @@ std::vector<std::string> pcd_extras(const BeamLog& log) {
   return names;
 }
 
-// The number of points is patched in once it is known: twenty digits, padded with zeros.
+// Writes the header. The number of points is a field of twenty digits that is overwritten once it
+// is known.
 std::string pcd_header(size_t points, const BeamLog& log) {
   char count[32];
   std::snprintf(count, sizeof count, "%020zu", points);
@@ -70,7 +72,7 @@ void write_pcd(const fs::path& temporary, const std::string& name, BeamSource& s
   std::string bytes;
   size_t points = 0;
   bool first = true;
-  BeamLog columns;  // the first chunk's, empty
+  BeamLog columns;  // Columns of the first chunk, without beams.
   for (BeamLog chunk; source.next(chunk);) {
     if (first) {
       columns = chunk.like();
@@ -139,7 +141,8 @@ void write_text(const fs::path& path, const std::string& text) {
   file.close();
 }
 
-// Scans come one after the other or mixed; a file is appended to each time its scan comes up.
+// Writes the files of the scans. Scans may come one after the other or interleaved; beams are
+// appended to their scan's file as they come.
 class KittiFolder {
  public:
   KittiFolder(const fs::path& folder, const LogInfo& info) : folder_(folder) {
@@ -176,7 +179,7 @@ class KittiFolder {
     for (Entry* entry : touched) append(*entry);
   }
 
-  /// Scans without a hit get an empty file.
+  /// Creates the files of scans without a hit, too; they are empty.
   void close() {
     for (auto& [scan, entry] : scans_) append(entry);
   }
@@ -185,7 +188,8 @@ class KittiFolder {
   struct Entry {
     Pose sensor_from_world;
     std::string bytes;
-    size_t number = 0;  ///< Poses and times go by file number.
+    size_t number = 0;  ///< Number of the file, which is also the row in the files of poses and
+                        ///< times.
   };
   void append(Entry& entry) const {
     char name[32];
@@ -194,7 +198,7 @@ class KittiFolder {
     std::ofstream out(path, std::ios::binary | std::ios::app);
     out.write(entry.bytes.data(), std::streamsize(entry.bytes.size()));
     if (!out.flush()) throw IoError(path.string() + ": cannot write");
-    entry.bytes = std::string();  // gives its memory back: there may be many scans
+    entry.bytes = std::string();  // Frees the memory, since there may be many scans.
   }
 
   fs::path folder_;
@@ -224,7 +228,7 @@ void export_log(const fs::path& path, BeamSource& source, const std::string& for
                                 ": no such format; name it .ply, .pcd, .csv, or a folder");
   }
   if (kind == "kitti") {
-    // Nobody's drive is overwritten: only what an earlier run has made.
+    // Only a folder that an earlier export wrote may be replaced, never a user's data set.
     if (fs::exists(path) && !fs::exists(path / kKittiMark) && !fs::is_empty(path)) {
       throw IoError(path.string() +
                     ": cannot write: exists and is not ours; remove it or name another");

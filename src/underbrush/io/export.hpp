@@ -1,5 +1,5 @@
 /// \file
-/// Logs in others' formats.
+/// Export of logs to third-party formats.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -8,21 +8,22 @@
 
 namespace underbrush::io {
 
-/// Writes a log atomically. Formats:
-/// - "pcd": one binary PCD file; x y z of the hits (world, double), intensity, time, ring, scan,
-/// packet, and the extra columns whose names are single words.
-/// - "kitti": a folder with one velodyne/NNNNNN.bin a scan (float32 x y z intensity of the hits, in
-/// the
-///   sensor's frame at the scan's pose in `info.scans`), times.txt and poses_velo.txt.
-/// - "csv": one row a beam, misses too (hit = 0, x y z at the maximum range), and the extra
-/// columns.
-/// - "ply": a ray cloud, as `LogWriter`.
-/// An empty `format` chooses by the extension: .pcd .csv .ply, none = kitti.
-/// Throws `std::invalid_argument` for an unknown format, or for "kitti" where a beam's scan has no
-/// pose; `IoError`.
+/// Writes a log atomically, in one of these formats:
+/// - "pcd": one binary PCD file with x y z of the hits (world, double), intensity, time, ring,
+///   scan, packet, and the extra columns whose names are single words.
+/// - "kitti": a folder with one file velodyne/NNNNNN.bin for each scan (float32 x y z intensity of
+///   the hits, in the sensor's frame at the scan's pose in `info.scans`), times.txt and
+///   poses_velo.txt.
+/// - "csv": one row for each beam, misses included (hit = 0, x y z at the maximum range), with the
+///   extra columns.
+/// - "ply": a ray cloud, as `LogWriter` writes it.
+///
+/// An empty `format` is chosen by the extension: .pcd, .csv or .ply; a path without one means
+/// "kitti". Throws `std::invalid_argument` for an unknown format, and for "kitti" where a beam's
+/// scan has no pose; throws `IoError` where the file system refuses.
 void export_log(const std::filesystem::path& path, BeamSource& source,
                 const std::string& format = {}, const std::string& provenance = {});
-/// The same of a log in memory.
+/// Writes a log that is in memory, under the rules of the overload for a source.
 void export_log(const std::filesystem::path& path, const BeamLog& log,
                 const std::string& format = {}, const std::string& provenance = {});
 

@@ -1,5 +1,5 @@
 /// \file
-/// Files as bytes, with one clear line for everything that can go wrong.
+/// Files as bytes, with a clear one-line error for whatever goes wrong.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -7,10 +7,10 @@
 
 namespace underbrush::io {
 
-/// A regular file open for reading at any place; usable from several threads.
+/// A regular file, open for reading at any offset; several threads may share it.
 class InputFile {
  public:
-  /// Throws `FormatError` if there is no such file, no permission, or it is a folder.
+  /// Throws `FormatError` if the file does not exist, is a folder, or may not be read.
   explicit InputFile(const std::filesystem::path& path);
   ~InputFile();
   InputFile(const InputFile&) = delete;
@@ -18,7 +18,8 @@ class InputFile {
 
   uint64_t size() const { return size_; }
   const std::string& name() const { return name_; }
-  /// Fills `to` with bytes [offset, offset + n); `FormatError` where the file ends before.
+  /// Fills `to` with the bytes [offset, offset + n). Throws `FormatError` where the file ends
+  /// before.
   void read(uint64_t offset, void* to, size_t n) const;
 
  private:
@@ -27,13 +28,15 @@ class InputFile {
   std::string name_;
 };
 
-/// The whole file; `FormatError` as `InputFile`, and where it is larger than `limit` bytes.
+/// Reads a whole file. Throws `FormatError` as `InputFile` does, and where the file is larger than
+/// `limit` bytes.
 std::string read_file(const std::filesystem::path& path, uint64_t limit = uint64_t(1) << 36);
 
-/// A new file, written from the front; earlier bytes can be overwritten. `IoError` where refused.
+/// A new file, written from its beginning; bytes written before can be overwritten. Its functions
+/// throw `IoError` where the file system refuses.
 class OutputFile {
  public:
-  /// `name` is what errors call the file.
+  /// Creates the file. Error messages call it `name`.
   OutputFile(const std::filesystem::path& path, std::string name);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
@@ -41,7 +44,7 @@ class OutputFile {
 
   void append(const void* bytes, size_t n);
   void overwrite(uint64_t offset, const void* bytes, size_t n);
-  /// Completes the file; errors that the system kept back show here.
+  /// Closes the file. Errors that the system has delayed are thrown here.
   void close();
 
  private:

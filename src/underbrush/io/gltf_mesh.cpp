@@ -16,7 +16,7 @@ constexpr uint64_t kMostBytes = uint64_t(1) << 31;
 constexpr size_t kMostTriangles = size_t(1) << 28;
 constexpr int kDeepest = 64;
 
-/// What tinygltf has parsed, its numbers checked where they are used.
+/// Extracts a mesh from what tinygltf has parsed. Numbers are checked where they are used.
 class GltfReader {
  public:
   explicit GltfReader(const fs::path& path) : path_(path) {
@@ -77,7 +77,8 @@ class GltfReader {
   static Eigen::Affine3d transform_of(const tinygltf::Node& n) {
     Eigen::Affine3d t = Eigen::Affine3d::Identity();
     if (n.matrix.size() == 16) {
-      t.matrix() = Eigen::Map<const Eigen::Matrix4d>(n.matrix.data());  // both by columns
+      // Both libraries store matrices by columns.
+      t.matrix() = Eigen::Map<const Eigen::Matrix4d>(n.matrix.data());
       return t;
     }
     if (n.translation.size() == 3) t.translate(Eigen::Map<const Vec3>(n.translation.data()));
@@ -101,7 +102,7 @@ class GltfReader {
     for (const int child : n.children) add_node(child, here, depth + 1);
   }
 
-  /// The bytes of an accessor's elements, one every `stride`.
+  /// The bytes of an accessor's elements, `stride` bytes apart.
   struct View {
     const unsigned char* data;
     size_t stride, count;
@@ -141,7 +142,7 @@ class GltfReader {
                                                                                 : 0;
     if (size == 0) fail("indices", "they are no whole numbers from 0 on");
     for (size_t k = 0; k < v.count; ++k) {
-      uint32_t index = 0;  // little-endian, as this machine
+      uint32_t index = 0;  // Both the file and this machine are little-endian.
       std::memcpy(&index, v.data + k * v.stride, size);
       if (index >= vertices) fail("indices", "an index names no vertex");
       out.push_back(index);

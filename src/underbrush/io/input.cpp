@@ -41,7 +41,7 @@ std::string format_of(const fs::path& path) {
   return "scan";
 }
 
-/// Opens a log of one format after the other.
+/// Opens a log, trying one format after the other.
 class Opener {
  public:
   Opener(const fs::path& path, const InputOptions& options) : path_(path), options_(options) {
@@ -122,7 +122,7 @@ class Opener {
     } else {
       input_.notes.push_back("no poses given: the sensor stands at the origin");
     }
-    // The scanner stands still; its clock is the file's.
+    // The scanner stands still, and its time is the time that the file gives.
     std::map<std::string, size_t> ignored;
     const PointScan scan = scan_from_table(path_.string(), std::move(table), {}, ignored);
     double start = placing_.times.empty() ? 0 : placing_.times[0];

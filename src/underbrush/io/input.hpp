@@ -1,5 +1,5 @@
 /// \file
-/// Any supported log, opened: what it is, its scans or beams, and what is worth a remark.
+/// Opens a log of any supported format.
 #pragma once
 #include <filesystem>
 #include <functional>
@@ -12,7 +12,7 @@
 
 namespace underbrush::io {
 
-/// Frames first, first + step, … below `end`.
+/// Selects the frames first, first + step, … below `end`.
 struct FrameRange {
   uint32_t first = 0;
   uint32_t end = UINT32_MAX;
@@ -21,40 +21,44 @@ struct FrameRange {
     return frame >= first && frame < end && (frame - first) % step == 0;
   }
 };
-/// From "A:B", "A:B:STEP", "A:" or ":B", half-open; `std::invalid_argument` otherwise.
+/// Parses "A:B", "A:B:STEP", "A:" or ":B" (half-open). Throws `std::invalid_argument` for any other
+/// text.
 FrameRange frames_from_text(const std::string& text);
 
-/// How a log is to be read.
+/// Options of `open_input`.
 struct InputOptions {
-  std::string format;            ///< One of `input_formats()`, empty = by the look of it.
-  std::filesystem::path poses;   ///< TUM or KITTI; empty = the format's own.
-  std::filesystem::path times;   ///< One number a line; empty = the format's own.
-  std::filesystem::path labels;  ///< Of a single scan, as SemanticKITTI has them: extra `class`.
-  FrameRange frames;             ///< Scans to take, by number.
-  bool points_in_world = false;  ///< Points have been moved to the world frame by the poses.
+  std::string format;            ///< One of `input_formats()`; empty: it is detected.
+  std::filesystem::path poses;   ///< File of poses, TUM or KITTI; empty: the format's own.
+  std::filesystem::path times;   ///< File with one time (s) for each line; empty: the format's own.
+  std::filesystem::path labels;  ///< SemanticKITTI labels of a single scan; they become the extra
+                                 ///< column `class`.
+  FrameRange frames;             ///< Scans to read, by number.
+  bool points_in_world = false;  ///< The points are in the world frame already; by default they are
+                                 ///< in the sensor's.
 };
 
-/// An open log: either `beams` (every beam has its origin) or `scans` (points in the sensor's
-/// frame).
+/// An open log. Either `beams` is set (every beam has its own origin) or `scans` (points in the
+/// sensor's frame).
 struct Input {
-  std::string format;
+  std::string format;  ///< Name of the format, one of `input_formats()`.
   std::unique_ptr<BeamSource> beams;
   std::unique_ptr<ScanSource> scans;
-  std::vector<ScanInfo> scan_infos;  ///< Of the scans that `scans` will give.
-  bool compensated = false;          ///< The scans' motion has been taken out already.
-  std::vector<std::string> notes;    ///< What was assumed, one line each.
-  std::string provenance;            ///< Of a log of ours.
-  std::string classes;               ///< The label set of `scans`, as `LogInfo::classes`.
-  /// Records left out so far, by reason.
+  std::vector<ScanInfo> scan_infos;  ///< Number, time and pose of each scan that `scans` will
+                                     ///< yield.
+  bool compensated = false;          ///< The scans are compensated for the sensor's motion already.
+  std::vector<std::string> notes;    ///< Assumptions that the reader made, one line each.
+  std::string provenance;            ///< Provenance JSON; only Underbrush's own logs have one.
+  std::string classes;               ///< Label set of the scans' labels, as in `LogInfo::classes`.
+  /// Returns how many records were left out so far, by reason.
   std::function<std::map<std::string, size_t>()> skipped;
 };
 
-/// Names of the formats: ray-cloud, csv, scan (one file), kitti (velodyne/NNNNNN.bin),
-/// kitti-odometry, kitti-raw, folder (one file a scan).
+/// Returns the names of the formats: ray-cloud, csv, scan (one file), kitti (velodyne/NNNNNN.bin),
+/// kitti-odometry, kitti-raw, and folder (one file for each scan).
 std::vector<std::string> input_formats();
 
-/// Opens a log; docs/reference/formats.md says what is looked for and where. Throws `FormatError`
-/// where the path is no supported log, or a selected scan has no pose or time;
+/// Opens a log. docs/reference/formats.md says which files are looked for, and where. Throws
+/// `FormatError` where the path is no supported log or a selected scan has no pose or time, and
 /// `std::invalid_argument` for an unknown format name.
 Input open_input(const std::filesystem::path& path, const InputOptions& options = {});
 

@@ -1,6 +1,6 @@
 /// \file
-/// Our log on disk: a ray cloud PLY (CSIRO raycloudtools, binary) that others' tools read, with
-/// further columns and comments of ours. Layout: docs/reference/formats.md.
+/// Underbrush's log on disk: a binary ray cloud PLY (CSIRO raycloudtools) that other tools can
+/// read, with additional columns and comments. Layout: docs/reference/formats.md.
 #pragma once
 #include <filesystem>
 #include <memory>
@@ -10,7 +10,7 @@
 
 namespace underbrush::io {
 
-/// Reads a ray cloud PLY in chunks. Throws `FormatError` at the first sign of damage.
+/// Reads a ray cloud PLY in chunks. Throws `FormatError` as soon as it finds damage.
 class LogReader : public BeamSource {
  public:
   explicit LogReader(const std::filesystem::path& path, size_t chunk_size = 1 << 20);
@@ -19,9 +19,10 @@ class LogReader : public BeamSource {
   size_t size() const override;
   void rewind() override;
   bool next(BeamLog& chunk) override;
-  /// The provenance JSON of the program that wrote it; empty if none.
+  /// Returns the provenance JSON of the program that wrote the log; empty if there is none.
   const std::string& provenance() const;
-  /// Records left out so far and why (count by reason), e.g. "not finite", "zero-length ray".
+  /// Returns how many records were left out so far, by reason (e.g. "not finite", "zero-length
+  /// ray").
   const std::map<std::string, size_t>& skipped() const;
 
  private:
@@ -29,8 +30,8 @@ class LogReader : public BeamSource {
   std::unique_ptr<State> state_;
 };
 
-/// The beams of a log, one row each: of several echoes the first (`keep_first_echoes`). To count
-/// the beams, a log with several echoes a beam is read twice.
+/// Reads a log with one row for each beam: its first echo, or its miss (`keep_first_echoes`). A log
+/// with several echoes a beam is read once more at the start, to count the beams.
 class BeamReader : public LogReader {
  public:
   explicit BeamReader(const std::filesystem::path& path, size_t chunk_size = 1 << 20);
@@ -41,21 +42,22 @@ class BeamReader : public LogReader {
   size_t beams_ = 0;
 };
 
-/// How a log is written.
+/// Options of `LogWriter`.
 struct LogWriterOptions {
-  bool double_coordinates = true;  ///< End points as double (millimetres at any distance) or float.
+  bool double_coordinates = true;  ///< Stores end points as double (millimetres at any distance),
+                                   ///< else as float.
 };
 
-/// Writes a ray cloud PLY in chunks. Nothing stands at `path` until `close()`.
+/// Writes a ray cloud PLY in chunks. Nothing appears at `path` before `close()`.
 class LogWriter {
  public:
   LogWriter(const std::filesystem::path& path, const LogInfo& info, const std::string& provenance,
             const LogWriterOptions& options = {});
-  /// Without `close()`, removes what was written.
+  /// Removes what was written if `close()` was not called.
   ~LogWriter();
-  /// Appends beams. All chunks must carry the same extra columns as the first.
+  /// Appends beams. All chunks must carry the same extra columns as the first one.
   void write(const BeamLog& chunk);
-  /// Completes the header and renames the file into place.
+  /// Completes the header and renames the file to its final path. Throws `IoError`.
   void close();
 
  private:
@@ -63,9 +65,9 @@ class LogWriter {
   std::unique_ptr<State> state_;
 };
 
-/// The whole log in memory.
+/// Reads a whole log into memory. Throws `FormatError`.
 BeamLog read_log(const std::filesystem::path& path);
-/// Writes the whole log.
+/// Writes a whole log, atomically. Throws `IoError`.
 void write_log(const std::filesystem::path& path, const BeamLog& log, const std::string& provenance,
                const LogWriterOptions& options = {});
 

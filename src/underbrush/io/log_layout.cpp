@@ -13,16 +13,16 @@ namespace underbrush::io {
 namespace {
 
 using Json = nlohmann::ordered_json;
-constexpr size_t kLineLength = 200;  // some readers have short lines
+constexpr size_t kLineLength = 200;  // Some readers have short line buffers.
 
-// CSIRO's reader takes any line with these words for the property of that name.
+// CSIRO's reader takes any line with one of these words for the property of that name.
 constexpr std::array<std::string_view, 2> kTrapWords = {"time", "intensity"};
 
 std::string compact(const Json& json) {
   return json.dump(-1, ' ', true, Json::error_handler_t::replace);
 }
 
-// In JSON these words stand inside strings, where \u0069 is an i.
+// Replaces these words in JSON, where they only occur inside strings and \u0069 means i.
 std::string without_traps(std::string text) {
   for (const std::string_view word : kTrapWords) {
     for (size_t at; (at = text.find(word)) != std::string::npos;) {
@@ -47,7 +47,7 @@ std::string scan_line(const ScanInfo& scan) {
   return line + "\n";
 }
 
-/// Takes the comments of a header apart.
+/// Parses the comments of a header.
 class CommentReader {
  public:
   explicit CommentReader(const std::string& file) : file_(file) {}
@@ -186,7 +186,7 @@ std::string stored_name(const std::string& name) {
       escape[at + word.find('i')] = true;
     }
   }
-  // Its older versions look at the beginning of the name only.
+  // Older versions of CSIRO's reader compare only the beginning of the name.
   for (const char* beginning : {"x", "nx", "rayx", "red"}) {
     if (name.rfind(beginning, 0) == 0) escape[0] = true;
   }

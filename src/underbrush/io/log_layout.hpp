@@ -1,6 +1,7 @@
 /// \file
-/// What the reader and the writer of log files share: names, comments and the rounding of rays.
-/// Not part of the library's face; the layout itself is told in docs/reference/formats.md.
+/// What the reader and the writer of log files share: names of columns, comments in the header, and
+/// the rounding of rays. It is internal to the module; the layout is described in
+/// docs/reference/formats.md.
 #pragma once
 #include <algorithm>
 #include <bit>
@@ -13,28 +14,29 @@
 
 namespace underbrush::io {
 
-/// What our comments in a header say.
+/// What Underbrush's own comments in a log's header say.
 struct LogComments {
-  bool ours = false;  ///< Whether the file is one of ours at all.
+  bool ours = false;  ///< Whether Underbrush wrote the file.
   LogInfo info;
-  bool colours = false;  ///< red, green and blue are columns of the log, not a grey of ours.
+  bool colours = false;  ///< red, green and blue are columns of the log, not a grey derived from
+                         ///< the intensity.
   std::string provenance;
-  std::map<std::string, ValueType> narrow;  ///< Columns stored wider than they are in memory.
+  /// Columns that are stored in a wider type than they have in memory.
+  std::map<std::string, ValueType> narrow;
 };
 
-/// The header's lines of comment for a log, each ending in a newline. `has_misses` and `colours`
-/// are written with a fixed width, so that the text can be written again in place once they are
-/// known.
+/// Writes the header's comment lines for a log, each ending in a newline. `has_misses` and
+/// `colours` have a fixed width, so that the text can be overwritten in place once they are known.
 std::string text_from_comments(const LogComments& comments);
-/// The reverse; throws `FormatError` where a comment of ours is damaged.
+/// Parses the comments of a header. Throws `FormatError` where one of Underbrush's own is damaged.
 LogComments comments_from_header(const std::string& file, const PlyHeader& header);
 
-/// A column's name in the file: characters that would make CSIRO's reader, or ours, take the column
-/// for another one are written as %XX.
+/// Returns the name of a column as the file stores it. Characters that would make a reader
+/// (CSIRO's, or this one) mistake the column for another are written as %XX.
 std::string stored_name(const std::string& name);
-/// The reverse.
+/// Returns the name of the column that the file stores as `stored`.
 std::string name_from_stored(const std::string& stored);
-/// Whether a property of that name is one of the fixed columns of our files.
+/// Whether `name` is one of the fixed columns of a log file.
 bool is_fixed_column(const std::string& name);
 
 /// Rounds to a multiple of 1/`scale`, a power of two; |x|·scale < 2⁵¹.
@@ -44,17 +46,18 @@ inline double rounded(double x, double scale) {
 }
 
 inline constexpr double kOriginScale = 0x1p24;    ///< Origins lie on a grid of 2⁻²⁴ m = 60 nm.
-inline constexpr double kMaxCoordinate = 0x1p26;  ///< m; beyond, the grid does not fit.
+inline constexpr double kMaxCoordinate = 0x1p26;  ///< m; larger coordinates do not fit on the grid.
 
-/// 2ᵏ for the k with 2ᵏ <= x < 2ᵏ⁺¹; x > 0, normal.
+/// Returns 2ᵏ for the k with 2ᵏ <= x < 2ᵏ⁺¹; x > 0 and normal.
 inline double power_below(double x) {
   return std::bit_cast<double>(std::bit_cast<uint64_t>(x) & 0x7ff0000000000000ull);
 }
 
-/// The vector from end to origin as it is stored: −r d on a grid of 2⁻²¹ of r's power of two (but
-/// at least 2⁻²⁴ m), 0.25 µm at 1 m and 16 µm at 100 m at most. Direction and range as floats,
-/// computed back from it, are nearer than half a step, so that writing them again gives the same
-/// vector; and end and origin stay on the origins' grid, where sums are exact.
+/// Returns the vector from the end point to the origin as it is stored: −r d, rounded to a grid of
+/// 2⁻²¹ of r's power of two (but at least 2⁻²⁴ m), which is 0.25 µm at 1 m and at most 16 µm at 100
+/// m. The direction and range (float) computed back from it are exact to less than half a step, so
+/// that writing them again gives the same vector. End point and origin stay on the grid of the
+/// origins, where sums are exact.
 inline Vec3 stored_ray(const Vec3f& direction, double range_m) {
   double power = power_below(range_m);
   while (true) {
@@ -63,7 +66,7 @@ inline Vec3 stored_ray(const Vec3f& direction, double range_m) {
              rounded(-range_m * double(direction.y()), scale),
              rounded(-range_m * double(direction.z()), scale));
     if (!(float(ray.norm()) >= 2 * power)) return ray;
-    power *= 2;  // rounded across the power of two: the coarser grid, that of the stored length
+    power *= 2;  // Rounding crossed a power of two: the stored length demands the coarser grid.
   }
 }
 

@@ -11,9 +11,9 @@
 namespace underbrush::io {
 namespace {
 
-constexpr size_t kPiece = 4096;  // rows decoded at a time by one thread
+constexpr size_t kPiece = 4096;  // Rows that one thread decodes at a time.
 
-/// Where a value stands in a row.
+/// Place and type of a value in a row.
 struct Field {
   size_t offset = 0;
   ValueType type = ValueType::kF32;
@@ -41,7 +41,7 @@ enum Fault : uint8_t { kNone, kNotFinite, kZeroLength };
 struct LogReader::State {
   struct Extra {
     Field field;
-    ExtraColumn empty;  ///< Of the type it has in memory.
+    ExtraColumn empty;  ///< Empty column of the type that it has in memory.
   };
 
   State(const std::filesystem::path& path, size_t chunk)
@@ -144,7 +144,8 @@ void LogReader::State::find_columns() {
   }
 }
 
-// One of others' ray clouds does not say how far its sensor saw, nor whether misses are in it.
+// Finds the maximum range and whether there are misses, which the ray clouds of other programs do
+// not say.
 void LogReader::State::look_through() {
   const size_t pieces = (rows + kPiece - 1) / kPiece;
   std::vector<double> longest(pieces, 0);
@@ -183,7 +184,8 @@ uint8_t LogReader::State::decode_ray(const char* row, BeamLog& out, size_t i) co
     return kNotFinite;
   }
   if (!(length > 0)) return kZeroLength;
-  // A miss of ours is exactly as long as the maximum range: its stored length adds only rounding.
+  // A miss in a log of ours is exactly as long as the maximum range; its stored length differs only
+  // by rounding.
   const double max = comments.info.max_range_m;
   const bool exact = comments.ours && !hit && std::abs(length - max) < 1e-6 * max;
   out.direction[i] = (back * (-1 / (exact ? max : length))).cast<float>();
@@ -252,7 +254,7 @@ bool LogReader::next(BeamLog& chunk) {
   State& s = *state_;
   do {
     const size_t n = std::min(s.chunk_size, s.rows - s.at);
-    // Columns that stand are used again: a pass over a long log allocates once.
+    // Existing columns are used again, so that a pass over a long log allocates only once.
     if (chunk.extra.size() != s.extra.size() ||
         !std::equal(s.extra.begin(), s.extra.end(), chunk.extra.begin(),
                     [](const auto& a, const auto& b) {
@@ -289,7 +291,9 @@ BeamReader::BeamReader(const std::filesystem::path& path, size_t chunk_size)
 bool BeamReader::next(BeamLog& chunk) {
   while (LogReader::next(chunk)) {
     keep_first_echoes(chunk);
-    if (!chunk.empty()) return true;  // a chunk may hold nothing but further echoes
+    if (!chunk.empty())
+      return true;  // A chunk may hold nothing but further echoes; then the next
+                    // one is read.
   }
   return false;
 }

@@ -13,9 +13,9 @@
 namespace underbrush::io {
 namespace {
 
-constexpr size_t kPiece = 4096;         // rows encoded at a time by one thread
-constexpr size_t kBlock = 64 * kPiece;  // rows written at a time
-constexpr double kMinRange = 1e-6;      // m; shorter rays have no direction on the grid
+constexpr size_t kPiece = 4096;         // Rows that one thread encodes at a time.
+constexpr size_t kBlock = 64 * kPiece;  // Rows that are written at a time.
+constexpr double kMinRange = 1e-6;      // m; shorter rays have no direction on the grid.
 constexpr std::array<const char*, 3> kColours = {"red", "green", "blue"};
 
 bool has_colours(const BeamLog& log) {
@@ -30,7 +30,7 @@ void store(char* to, T value) {
   std::memcpy(to, &value, sizeof(T));
 }
 
-// CSIRO's reader knows no char and short: they are written as int.
+// CSIRO's reader does not know char and short, so they are written as int.
 ValueType stored_type(ValueType type) {
   return type == ValueType::kI8 || type == ValueType::kI16 ? ValueType::kI32 : type;
 }
@@ -100,7 +100,7 @@ void LogWriter::State::begin(const BeamLog& first) {
     row_size += size_of(stored_type(type));
     if (stored_type(type) != type) comments.narrow[stored_name(name)] = type;
   }
-  // Sensors say 0 to 1 or 0 to 255; alpha holds 1 to 255.
+  // Sensors give intensities from 0 to 1 or from 0 to 255; alpha holds 1 to 255.
   const auto brightest = std::max_element(first.intensity.begin(), first.intensity.end());
   alpha_scale = brightest != first.intensity.end() && *brightest <= 1 ? 255 : 1;
   const std::string text = header();
@@ -120,7 +120,7 @@ void LogWriter::State::check(const BeamLog& chunk) const {
   require(same, "log: the chunks' extra columns differ");
 }
 
-// Everything of a beam that is the same for all logs; returns nothing, moves nothing.
+// Encodes the columns that every log has; extra columns follow elsewhere.
 void LogWriter::State::encode_beam(const BeamLog& log, size_t i, char* row) {
   const bool hit = log.is_hit(i);
   const double range = hit ? double(log.range_m[i]) : comments.info.max_range_m;

@@ -31,8 +31,8 @@ float coordinate(const fs::path& path, const std::string& place, std::string_vie
   return float(*value);
 }
 
-/// Number of the vertex that a corner "v", "v/t" or "v/t/n" of a face names: from 1, or from the
-/// last one back where negative.
+/// Returns the vertex that a corner "v", "v/t" or "v/t/n" of a face names. Numbers count from 1;
+/// negative ones count back from the last vertex.
 uint32_t corner(const fs::path& path, const std::string& place, std::string_view word, size_t n) {
   const auto value = number_of(word.substr(0, word.find('/')));
   const double index = !value ? 0 : *value < 0 ? double(n) + *value + 1 : *value;

@@ -15,7 +15,7 @@ struct NumpyField {
   size_t size = 4;
 };
 
-/// The dictionary that describes a .npy array: {'descr': …, 'fortran_order': …, 'shape': …}.
+/// Parses the dictionary that describes a .npy array: {'descr': …, 'fortran_order': …, 'shape': …}.
 class NumpyHeader {
  public:
   NumpyHeader(const std::string& file, std::string_view text) : file_(file), text_(text) {
@@ -148,7 +148,7 @@ Table read_array(const std::string& file, std::string_view bytes) {
   return table;
 }
 
-// The one array of a .npz file: a zip whose entries are stored as they are.
+// Returns the single array of a .npz file: a zip archive whose entries are not compressed.
 std::string_view only_entry(const std::string& file, std::string_view zip) {
   constexpr size_t kDirectory = 46, kLocal = 30, kEnd = 22;
   const auto fail = [&](const char* reason) { throw FormatError(file, "zip", reason); };

@@ -34,7 +34,7 @@ struct PcdHeader {
   }
 };
 
-/// Reads the lines of a PCD header.
+/// Parses a PCD header.
 class PcdParser {
  public:
   PcdParser(const std::string& file, std::string_view bytes) : file_(file), bytes_(bytes) {}
@@ -139,7 +139,7 @@ class PcdParser {
   bool points_seen_ = false;
 };
 
-// The nearest type that a column can have.
+// Returns the type of a column that comes nearest to the field's.
 ValueType column_type(const PcdField& field) {
   if (field.size == 8) return ValueType::kF64;
   if (field.type == 'F') return ValueType::kF32;
@@ -152,7 +152,7 @@ double load_wide(const char* at, char type) {
   return type == 'U' ? double(load<uint64_t>(at)) : double(load<int64_t>(at));
 }
 
-/// Adds the columns of a body in which element `i` of a field lies at `first + i * stride`.
+/// Adds the columns of a field. Element `i` lies at `first + i * stride`.
 void add_columns(const PcdField& field, const char* first, size_t element_step, size_t stride,
                  size_t n, Table& table) {
   if (field.name == "_") return;  // padding
@@ -174,7 +174,7 @@ void add_columns(const PcdField& field, const char* first, size_t element_step, 
 }
 
 std::string decompressed(const std::string& file, std::string_view body, uint64_t expected) {
-  constexpr uint64_t kLargestRatio = 100;  // LZF: 264 bytes from 3 at most
+  constexpr uint64_t kLargestRatio = 100;  // LZF makes at most 264 bytes from 3.
   if (body.size() < 8) throw FormatError(file, "DATA", "the file ends here, truncated");
   const uint32_t packed = load<uint32_t>(body.data()), whole = load<uint32_t>(body.data() + 4);
   if (packed > body.size() - 8) throw FormatError(file, "DATA", "compressed data truncated");
@@ -190,7 +190,7 @@ std::string decompressed(const std::string& file, std::string_view body, uint64_
 
 Table read_ascii(const std::string& file, const PcdHeader& header, std::string_view body) {
   Table table;
-  std::vector<size_t> places;  // column of each value in a line
+  std::vector<size_t> places;  // Column of each value in a line.
   for (const PcdField& f : header.fields) {
     for (size_t k = 0; k < f.count; ++k) places.push_back(f.name == "_" ? SIZE_MAX : 0);
     add_columns(f, nullptr, 0, 0, 0, table);
@@ -252,7 +252,7 @@ Table read_pcd(const std::filesystem::path& path) {
     const size_t n = size_t(header.points);
     const char* at = body.data();
     for (const PcdField& f : header.fields) {
-      // Compressed: all values of a field together, else row by row.
+      // Compressed data holds all values of a field together; other data goes row by row.
       const size_t width = f.size * f.count;
       add_columns(f, at, f.size, packed ? width : size_t(row), n, table);
       at += packed ? width * n : width;

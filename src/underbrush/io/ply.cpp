@@ -26,14 +26,14 @@ class Body {
   Body(const std::string& name, std::string_view bytes, Format format)
       : name_(name), bytes_(bytes), format_(format) {}
 
-  std::string place;  ///< For errors.
+  std::string place;  ///< What is being read, for error messages.
 
   template <class T>
   T next() {
     return format_ == Format::kAscii ? next_text<T>() : next_binary<T>();
   }
 
-  /// A value of a type known only now, as an integer that must not be negative.
+  /// Reads a value of a type known only at run time, as an integer that must not be negative.
   uint64_t next_index(ValueType type) {
     return with_type(type, [&](auto zero) {
       const auto value = next<decltype(zero)>();
@@ -70,7 +70,7 @@ class Body {
   T next_text() {
     skip_space();
     if (at_ == bytes_.size()) fail("the file ends here, truncated");
-    double value = 0;  // holds every type's values exactly
+    double value = 0;  // A double holds the values of every type exactly.
     const char* begin = bytes_.data() + at_;
     const char* end = bytes_.data() + bytes_.size();
     if (*begin == '+') ++begin;
@@ -93,7 +93,7 @@ class Body {
   Format format_;
 };
 
-// Rows of fixed width: column after column, without a look at each value's type.
+// Reads rows of fixed width, column after column, without looking up the type of each value.
 void read_fixed(Body& body, const PlyHeader::Element& element, bool swap, PlyElement& out) {
   const size_t row = element.row_size(), n = size_t(element.count);
   const char* rows = body.take(row * n);

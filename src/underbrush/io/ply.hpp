@@ -1,5 +1,6 @@
 /// \file
-/// PLY as a table of columns: ASCII and both binary byte orders in; binary little-endian out.
+/// Reader of PLY files (ASCII, and binary in both byte orders) as tables of columns, and a writer
+/// (binary, little-endian).
 #pragma once
 #include <array>
 #include <cstdint>
@@ -11,16 +12,16 @@
 
 namespace underbrush::io {
 
-/// One PLY element. `columns` keeps the file's order and types; a list property `vertex_indices`
-/// (or `vertex_index`) comes as `triangles`, polygons being split into fans. Other lists are
-/// skipped.
+/// An element of a PLY file. `columns` keeps the file's order and types. A list property
+/// `vertex_indices` (or `vertex_index`) becomes `triangles`, with polygons split into fans; other
+/// lists are skipped.
 struct PlyElement {
   std::string name;
   size_t count = 0;
   std::vector<std::pair<std::string, ExtraColumn>> columns;
   std::vector<std::array<uint32_t, 3>> triangles;
 
-  /// The column, or nullptr.
+  /// Returns the column of that name, or nullptr.
   const ExtraColumn* find(const std::string& column) const;
 };
 
@@ -31,10 +32,11 @@ struct PlyData {
   const PlyElement* find(const std::string& element) const;
 };
 
-/// Throws `FormatError` (file, place, reason) on anything that is not a whole PLY file.
+/// Reads a PLY file. Throws `FormatError` (file, place, reason) for anything that is not a whole
+/// PLY file.
 PlyData read_ply(const std::filesystem::path& path);
-/// Written atomically. `triangles`, where not empty, are written as `list uchar int
-/// vertex_indices`.
+/// Writes a PLY file, atomically. `triangles`, where not empty, become `list uchar int
+/// vertex_indices`. Throws `IoError`.
 void write_ply(const std::filesystem::path& path, const PlyData& data);
 
 }  // namespace underbrush::io

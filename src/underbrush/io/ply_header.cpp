@@ -25,7 +25,7 @@ std::optional<ValueType> type_named(std::string_view name) {
   return std::nullopt;
 }
 
-// The header's text up to and with the line end_header, read block by block.
+// Reads the header's text block by block, up to and including the line end_header.
 std::string header_text(const InputFile& file) {
   std::string text;
   constexpr size_t kBlock = 1 << 16;
@@ -171,7 +171,7 @@ PlyHeader read_ply_header(const InputFile& file) {
   PlyHeader header = Parser(file).parse();
   uint64_t left = file.size() - header.body;
   for (const auto& element : header.elements) {
-    // A value in text takes at least one digit and one separator (the last may lack it).
+    // In ASCII a value takes at least one digit and one separator, which the last value may lack.
     const bool ascii = header.format == PlyHeader::Format::kAscii;
     const uint64_t row = ascii ? 2 * element.properties.size() : element.row_size();
     if (row > 0 && element.count > (left + (ascii ? 1 : 0)) / row) {

@@ -1,5 +1,5 @@
 /// \file
-/// The header of a PLY file, and its values by type.
+/// The header of a PLY file, and its types of values.
 #pragma once
 #include <bit>
 #include <cstdint>
@@ -15,23 +15,23 @@ namespace underbrush::io {
 /// Types of values, in the order of the alternatives of `ExtraColumn`.
 enum class ValueType : uint8_t { kU8, kU16, kU32, kI8, kI16, kI32, kF32, kF64 };
 
-/// Bytes of one value.
+/// Returns the size (bytes) of a value.
 constexpr size_t size_of(ValueType type) {
   constexpr size_t kSizes[] = {1, 2, 4, 1, 2, 4, 4, 8};
   return kSizes[size_t(type)];
 }
-/// The type of a column's values.
+/// Returns the type of a column's values.
 inline ValueType type_of(const ExtraColumn& column) { return ValueType(column.index()); }
-/// An empty column of that type.
+/// Returns an empty column of that type.
 ExtraColumn column_of(ValueType type);
-/// A column's length.
+/// Returns a column's length.
 inline size_t length_of(const ExtraColumn& column) {
   return std::visit([](const auto& c) { return c.size(); }, column);
 }
-/// The PLY name ("uchar", "double", …).
+/// Returns the PLY name of a type ("uchar", "double", …).
 const char* ply_name(ValueType type);
 
-/// The value at `bytes`, little-endian unless `swap`.
+/// Reads the value at `bytes`, which is big-endian if `swap`, else little-endian.
 template <class T>
 T load(const char* bytes, bool swap = false) {
   static_assert(std::endian::native == std::endian::little);
@@ -65,7 +65,7 @@ auto with_type(ValueType type, F f) {
   }
 }
 
-/// One property of an element: a value, or a list of values preceded by their number.
+/// A property of an element: a value, or a list of values preceded by their number.
 struct PlyProperty {
   std::string name;
   ValueType type = ValueType::kF32;
@@ -73,25 +73,26 @@ struct PlyProperty {
   ValueType count_type = ValueType::kU8;
 };
 
-/// What the header says.
+/// The content of a PLY header.
 struct PlyHeader {
   enum class Format { kAscii, kLittle, kBig };
-  /// One element of the header.
+  /// An element that the header declares.
   struct Element {
     std::string name;
     uint64_t count = 0;
     std::vector<PlyProperty> properties;
-    /// Bytes of a row; of a list only its count.
+    /// Returns the size (bytes) of a row; a list counts with its length field alone.
     size_t row_size() const;
     bool has_list() const;
   };
   Format format = Format::kLittle;
   std::vector<std::string> comments;  ///< The text behind "comment ".
   std::vector<Element> elements;
-  uint64_t body = 0;  ///< Where the values begin.
+  uint64_t body = 0;  ///< Offset (bytes) at which the values begin.
 };
 
-/// Throws `FormatError`, also for an element whose rows cannot fit into the file.
+/// Reads the header. Throws `FormatError` where it is damaged, or an element's rows cannot fit into
+/// the file.
 PlyHeader read_ply_header(const InputFile& file);
 
 }  // namespace underbrush::io

@@ -11,7 +11,7 @@ namespace underbrush::io {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr double kRotationError = 5e-3;  // files print as few as three decimals
+constexpr double kRotationError = 5e-3;  // Files print as few as three decimals.
 
 void check_rising(const fs::path& path, const std::vector<double>& times) {
   for (size_t i = 1; i < times.size(); ++i) {
@@ -144,7 +144,7 @@ std::optional<std::vector<double>> read_calibration(const fs::path& path, const 
 
 OxtsPoses read_oxts(const fs::path& folder) {
   constexpr double kEarthRadius = 6378137,
-                   kDegree = M_PI / 180;  // m, as in KITTI's development kit
+                   kDegree = M_PI / 180;  // Radius of the earth (m) as in KITTI's development kit.
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(folder / "oxts" / "data")) {
     if (entry.path().extension() == ".txt") files.push_back(entry.path());

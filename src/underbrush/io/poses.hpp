@@ -1,5 +1,5 @@
 /// \file
-/// Files of poses: TUM, KITTI, and KITTI's GPS/INS (OXTS).
+/// Readers of pose files: TUM, KITTI, and KITTI's GPS/INS (OXTS).
 #pragma once
 #include <array>
 #include <filesystem>
@@ -11,42 +11,47 @@
 
 namespace underbrush::io {
 
-/// Poses in the file's order.
+/// Poses in the order of a file.
 struct PoseList {
   std::vector<Pose> pose;
-  std::vector<double> time_s;  ///< As long as `pose`; empty where the format has no times.
+  std::vector<double> time_s;  ///< s; as long as `pose`; empty where the format has no times.
 };
 
-/// Told apart by the number of columns: 8 is TUM (t tx ty tz qx qy qz qw), 12 KITTI (row-major
-/// 3×4), 13 a time and then KITTI's. Throws `FormatError` on other rows, quaternions whose length
-/// is not 1 within 0.005, matrices that are not rotations within 0.005, and a time given twice.
+/// Reads a file of poses. The number of columns tells the format: 8 is TUM (t tx ty tz qx qy qz
+/// qw), 12 is KITTI (row-major 3×4), 13 is a time followed by KITTI's. Throws `FormatError` for
+/// other rows, for quaternions whose length is not 1 within 0.005, for matrices that are not
+/// rotations within 0.005, and for a time that occurs twice.
 PoseList read_poses(const std::filesystem::path& path);
 
-/// The poses of a file with times, as a trajectory. Throws `FormatError` where there are no times,
+/// Reads a file of poses with times as a trajectory. Throws `FormatError` where there are no times
 /// or no poses.
 Trajectory read_trajectory(const std::filesystem::path& path);
 
-/// The rigid transform in 12 numbers, row-major 3×4; nothing if it is not one within 0.005.
+/// Returns the rigid transform that 12 numbers (row-major 3×4) describe; nothing if they are not
+/// one within 0.005.
 std::optional<Pose> pose_from_rows(const std::array<double, 12>& rows);
 
-/// One number a line. Throws `FormatError` unless they rise.
+/// Reads a file with one time (s) for each line. Throws `FormatError` unless they ascend.
 std::vector<double> read_times(const std::filesystem::path& path);
-/// One date a line ("YYYY-MM-DD hh:mm:ss.nnnnnnnnn"), as seconds since 1970. As `read_times`.
+/// Reads a file with one date for each line ("YYYY-MM-DD hh:mm:ss.nnnnnnnnn") as seconds since
+/// 1970. Throws `FormatError` unless they ascend.
 std::vector<double> read_dates(const std::filesystem::path& path);
 
-/// A line "KEY: numbers…" of a KITTI calibration file; nothing without the file or the key.
+/// Reads the numbers of the line "KEY: numbers…" of a KITTI calibration file. Returns nothing if
+/// the file or the key does not exist.
 std::optional<std::vector<double>> read_calibration(const std::filesystem::path& path,
                                                     const std::string& key);
 
-/// Poses of a KITTI raw drive.
+/// Poses of a KITTI raw drive, and whether they are those of the lidar.
 struct OxtsPoses {
   PoseList poses;
-  bool calibrated = false;
+  bool calibrated = false;  ///< World from velodyne if true, else world from INS.
 };
-/// Poses of a KITTI raw drive: FOLDER/oxts/data/*.txt (lat lon alt roll pitch yaw …), the Mercator
-/// projection of KITTI's development kit at the scale of the first latitude; world: x east, y
-/// north, z up, origin at the first INS position. World from velodyne where calib_imu_to_velo.txt
-/// lies in FOLDER or above it, else world from INS (`calibrated` false).
+/// Reads the poses of a KITTI raw drive from FOLDER/oxts/data/*.txt (lat lon alt roll pitch yaw …),
+/// by the Mercator projection of KITTI's development kit at the scale of the first latitude. In the
+/// world x points east, y north and z up; its origin is the first INS position. If
+/// calib_imu_to_velo.txt lies in FOLDER or above it, the poses are world from velodyne, else world
+/// from INS. Throws `FormatError`.
 OxtsPoses read_oxts(const std::filesystem::path& folder);
 
 }  // namespace underbrush::io

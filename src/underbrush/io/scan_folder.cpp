@@ -14,7 +14,7 @@ namespace underbrush::io {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr double kFramePeriod = 0.1;  // s, where no times are known
+constexpr double kFramePeriod = 0.1;  // s; assumed where no times are known.
 
 bool all_digits(const std::string& text) {
   return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
@@ -26,7 +26,7 @@ std::optional<double> time_in_name(const std::string& stem) {
   if (mark == std::string::npos || mark < 9) return std::nullopt;
   const std::string seconds = stem.substr(0, mark), fraction = stem.substr(mark + 1);
   if (!all_digits(seconds) || !all_digits(fraction)) return std::nullopt;
-  // After _ stands a number of nanoseconds, after a point a decimal fraction.
+  // Digits behind "_" are nanoseconds; digits behind "." are a decimal fraction.
   if (stem[mark] == '_') return std::stod(seconds) + std::stod(fraction) * 1e-9;
   return std::stod(stem);
 }
@@ -70,7 +70,7 @@ class ScanFolder : public ScanSource {
   }
 
  private:
-  // All scans of a log carry the same columns.
+  // All scans of a log must carry the same columns.
   void check_columns(const fs::path& path, const PointScan& scan) {
     std::map<std::string, ValueType> columns;
     for (const auto& [name, column] : scan.extra) columns[name] = type_of(column);
@@ -80,7 +80,8 @@ class ScanFolder : public ScanSource {
   }
 
   std::vector<ScanFile> files_;
-  std::optional<std::map<std::string, ValueType>> columns_;  ///< Of the first scan read.
+  /// Columns of the first scan that was read.
+  std::optional<std::map<std::string, ValueType>> columns_;
   std::vector<ScanInfo> infos_;
   Trajectory trajectory_;
   bool points_in_world_;

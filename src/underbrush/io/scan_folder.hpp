@@ -1,5 +1,5 @@
 /// \file
-/// Scans in files, one each, with their poses and times.
+/// Folders with one file for each scan, and their poses and times.
 #pragma once
 #include <filesystem>
 #include <optional>
@@ -10,34 +10,36 @@
 
 namespace underbrush::io {
 
-/// A scan's file.
+/// The file of a scan.
 struct ScanFile {
   std::filesystem::path path;
-  std::filesystem::path labels;  ///< SemanticKITTI .label; empty = none.
-  uint32_t frame = 0;            ///< From its name, or its place in the order of names.
-  std::optional<double> time_s;  ///< From its name.
+  std::filesystem::path labels;  ///< SemanticKITTI .label file; empty if there is none.
+  uint32_t frame = 0;            ///< From the name, or else the position in the order of names.
+  std::optional<double> time_s;  ///< s; from the name.
 };
 
-/// One file, its frame number and time as `list_scans` reads them from the name (else 0 and none).
+/// Describes one file. Frame number and time come from its name, as `list_scans` reads them; else
+/// they are 0 and none.
 ScanFile scan_file(const std::filesystem::path& path);
 
-/// The point files of a folder in order of number or name. A name of at most nine digits, or ten
-/// beginning with 0, is a frame number; "SECONDS_FRACTION", "SECONDS.FRACTION" and 19 digits (ns)
-/// are times. Throws `FormatError` where there is none, or a number comes twice.
+/// Lists the point files of a folder in order of number or name. A name of at most nine digits, or
+/// of ten beginning with 0, is a frame number; "SECONDS_FRACTION", "SECONDS.FRACTION" and 19 digits
+/// (ns) are times. Throws `FormatError` where there is no file, or a number occurs twice.
 std::vector<ScanFile> list_scans(const std::filesystem::path& folder);
 
-/// What is known of all scans besides their files.
+/// Poses and times of the scans of a folder.
 struct ScanPlacing {
-  PoseList poses;             ///< By frame number where they have no times.
-  std::string poses_name;     ///< For errors.
-  std::vector<double> times;  ///< By frame number; empty = unknown.
-  std::string times_name;
-  bool points_in_world = false;
-  FrameRange frames;
+  PoseList poses;                ///< By frame number where they have no times.
+  std::string poses_name;        ///< File of the poses, for error messages.
+  std::vector<double> times;     ///< s, by frame number; empty if unknown.
+  std::string times_name;        ///< File of the times, for error messages.
+  bool points_in_world = false;  ///< The points are in the world frame, else in the sensor's.
+  FrameRange frames;             ///< Scans to read, by number.
 };
 
-/// Joins files with poses and times into a source; fills `scans`, `scan_infos`, `skipped`, and adds
-/// to `notes`. Throws `FormatError` where a selected scan has no pose or no time.
+/// Joins the files with their poses and times into a source. Sets `scans`, `scan_infos` and
+/// `skipped` of `input` and adds to its `notes`. Throws `FormatError` where a selected scan has no
+/// pose or no time.
 void place_scans(std::vector<ScanFile> files, const ScanPlacing& placing, Input& input);
 
 }  // namespace underbrush::io

@@ -13,8 +13,8 @@ namespace underbrush::io {
 namespace {
 
 constexpr double kFarthest = 1e6;       // m from the sensor
-constexpr double kNearest = 1e-5;       // m
-constexpr double kLongestOffset = 100;  // s; a larger time is no offset within a scan
+constexpr double kNearest = 1e-5;       // m; nearer points have no direction
+constexpr double kLongestOffset = 100;  // s; a larger time is not an offset within a scan
 
 std::string without_prefix(const std::string& name) {
   return name.rfind("scalar_", 0) == 0 ? name.substr(7) : name;
@@ -58,7 +58,8 @@ void fill_points(const std::string& file, Table& table, const ScanContext& conte
       ++absurd;
       p.setConstant(NAN);
     }
-    if (p.squaredNorm() < kNearest * kNearest) p.setZero();  // no direction: as good as (0,0,0)
+    // Such a point has no direction and counts as a miss.
+    if (p.squaredNorm() < kNearest * kNearest) p.setZero();
     scan.point[i] = p.cast<float>();
   }
   if (absurd) skipped["farther than 1000 km from the sensor"] += absurd;
@@ -76,7 +77,7 @@ void fill_times(Table& table, PointScan& scan) {
   for (const double t : scan.time_s) {
     if (std::isfinite(t)) largest = std::max(largest, std::abs(t));
   }
-  // A 64-bit count of nanoseconds comes as double.
+  // A 64-bit count of nanoseconds was read as double.
   if (largest > 1e15) {
     for (double& t : scan.time_s) t *= 1e-9;
   }
@@ -91,7 +92,7 @@ void fill_rings(Table& table, PointScan& scan) {
   const bool whole = std::all_of(values.begin(), values.end(), [](double v) {
     return v >= 0 && v <= 65535 && v == std::floor(v);
   });
-  if (!whole) return;  // something else of that name: stays an extra column
+  if (!whole) return;  // The column means something else and stays an extra column.
   scan.ring.assign(values.begin(), values.end());
   take(table, {"ring", "row", "channel"});
 }

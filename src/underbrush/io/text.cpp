@@ -41,7 +41,8 @@ NumberRows read_numbers(const std::filesystem::path& path) {
   for_each_line(text, [&](size_t line, std::string_view content) {
     const auto words = words_of(content);
     if (words.empty() || words[0][0] == '#') return;
-    if (out.rows.empty() && line == 1 && !number_of(words[0])) return;  // a header
+    // The first line may be a header.
+    if (out.rows.empty() && line == 1 && !number_of(words[0])) return;
     std::vector<double> row;
     for (const auto& word : words) {
       const auto value = number_of(word);
@@ -74,7 +75,8 @@ std::optional<double> time_of_date(std::string_view text) {
     return std::nullopt;
   }
   second = *s;
-  // Days since 1970-01-01 in the proleptic Gregorian calendar, years beginning in March.
+  // Counts the days since 1970-01-01 in the proleptic Gregorian calendar, with years that begin in
+  // March.
   const int y = month <= 2 ? year - 1 : year, era = (y >= 0 ? y : y - 399) / 400;
   const int of_era = y - era * 400,
             of_year = (153 * (month + (month > 2 ? -3 : 9)) + 2) / 5 + day - 1;

@@ -1,5 +1,5 @@
 /// \file
-/// Numbers and words in text files.
+/// Parsers of numbers and words in text files.
 #pragma once
 #include <algorithm>
 #include <filesystem>
@@ -10,13 +10,13 @@
 
 namespace underbrush::io {
 
-/// The words of a line, separated by spaces and tabs; a carriage return at its end is left out.
+/// Splits a line into words at spaces and tabs, without a carriage return at its end.
 std::vector<std::string_view> words_of(std::string_view line);
-/// The whole word as a number (nan and inf are numbers), or nothing.
+/// Parses the whole word as a number (nan and inf are numbers); nothing if it is none.
 std::optional<double> number_of(std::string_view word);
 
-/// Calls `f(number, line)` for each line of a text, numbers from 1, without its end; a last empty
-/// one is left out.
+/// Calls `f(number, line)` for each line of a text. Numbers count from 1; the line comes without
+/// its end. An empty last line is left out.
 template <class F>
 void for_each_line(std::string_view text, F f) {
   size_t number = 0;
@@ -27,16 +27,17 @@ void for_each_line(std::string_view text, F f) {
   }
 }
 
-/// A text file of numbers: one row a line, separated by spaces, tabs or commas. Empty lines and
-/// those that begin with # are left out, and so is a first line that does not begin with a number.
+/// Rows of numbers in a text file, separated by spaces, tabs or commas. Empty lines and lines that
+/// begin with # are left out, as is a first line that does not begin with a number.
 struct NumberRows {
   std::vector<std::vector<double>> rows;
-  std::vector<size_t> line;  ///< Of each row, from 1.
+  std::vector<size_t> line;  ///< Line number of each row, from 1.
 };
-/// Throws `FormatError` where a word is not a finite number.
+/// Reads a text file of numbers. Throws `FormatError` where a word is not a finite number.
 NumberRows read_numbers(const std::filesystem::path& path);
 
-/// Seconds since 1970 (UTC) from "YYYY-MM-DD hh:mm:ss.nnnnnnnnn", or nothing.
+/// Parses "YYYY-MM-DD hh:mm:ss.nnnnnnnnn" into seconds since 1970 (UTC); nothing for any other
+/// text.
 std::optional<double> time_of_date(std::string_view text);
 
 }  // namespace underbrush::io

@@ -38,7 +38,7 @@ PlacedObject object_of(const JsonPlace& place, const Json& j) {
   o.label = class_of_json(place, j);
   const Json& position = member_of(place, j, "position_m");
   const JsonPlace at = place.at("position_m");
-  if (position.is_array() && position.size() == 2) {  // z is the ground's
+  if (position.is_array() && position.size() == 2) {  // The ground gives z.
     o.position = Vec3(number_of_json(at, position[0]), number_of_json(at, position[1]), 0);
   } else {
     o.position = vector_of_json(at, position);
@@ -64,7 +64,7 @@ void write_annotation(const fs::path& path, const Annotation& a) {
   j["ground"] =
       fs::absolute(a.ground).lexically_normal().lexically_relative(folder).generic_string();
   j["provenance"] = a.provenance.empty() ? Json::object() : Json::parse(a.provenance);
-  // An object a line: such a file can be read, compared and edited.
+  // Each object is a line, so that the file can be read, compared and edited.
   std::string text = j.dump(1);
   text.erase(text.find_last_of('}') - 1);
   text += ",\n \"objects\": [";
@@ -91,7 +91,7 @@ Annotation read_annotation(const fs::path& path) {
     throw FormatError(path.string(),
                       "line " + std::to_string(1 + std::count(text.begin(), end, '\n')),
                       "not JSON (a NaN is none either): " + std::string(e.what()).substr(0, 160));
-  } catch (const nlohmann::json::exception& e) {  // a number beyond all bounds
+  } catch (const nlohmann::json::exception& e) {  // A number beyond all bounds ends here.
     throw FormatError(path.string(), "", "not JSON: " + std::string(e.what()).substr(0, 160));
   }
   check_members(whole, j,

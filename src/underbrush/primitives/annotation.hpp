@@ -1,5 +1,6 @@
 /// \file
-/// What stands where on a site: a = {(c_k, q_k, box_k)} of [tallavajhula18] §IV.
+/// Annotations: the classes, poses and boxes of a site's objects, a = {(c_k, q_k, box_k)} of
+/// [tallavajhula18] §IV.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -9,23 +10,23 @@
 
 namespace underbrush::primitives {
 
-/// Version of the file that is written; newer ones are refused.
+/// Version of the file that is written; newer versions are refused.
 inline constexpr int kAnnotationVersion = 1;
 
-/// A site without its plants' elements.
+/// The objects of a site and its ground, without the elements of the objects.
 struct Annotation {
-  std::filesystem::path ground;  ///< A model folder, of which the ground is taken.
+  std::filesystem::path ground;  ///< A model folder, whose ground is taken.
   std::vector<PlacedObject> objects;
   std::string provenance;  ///< JSON object.
 };
 
-/// Writes the annotation as JSON (share/schemas/annotation.json), atomically; `ground` as it is
-/// seen from the file's folder.
+/// Writes the annotation as JSON (share/schemas/annotation.json), atomically. The path `ground` is
+/// written relative to the file's folder. Throws `IoError`.
 void write_annotation(const std::filesystem::path& path, const Annotation& annotation);
 
-/// Reads and validates. Throws `FormatError` with the place in the file ("objects[3].class") for an
-/// unknown class, a box without extent, a value that is no finite number, a member that is missing
-/// or that the schema does not know.
+/// Reads and validates an annotation. Throws `FormatError` with the place in the file
+/// ("objects[3].class") for an unknown class, a box without extent, a value that is not a finite
+/// number, and a member that is missing or unknown to the schema.
 Annotation read_annotation(const std::filesystem::path& path);
 
 }  // namespace underbrush::primitives

@@ -19,7 +19,7 @@ double uniform(uint64_t seed, size_t object, size_t copy, Draw what) {
       random_bits(beam_key(seed, object, copy), uint32_t(what), Purpose::kPlace));
 }
 
-/// Cells of a patch that is annotated as a whole; any other object as it is.
+/// Adds the cells of a patch that is annotated as a whole; any other object is added as it is.
 void add_cells(const PlacedObject& o, double cell_m, std::vector<PlacedObject>& out) {
   const Vec3 size = o.box.size();
   if (elements::kind_of(o.label) != elements::ClassKind::kPatch ||
@@ -40,13 +40,13 @@ void add_cells(const PlacedObject& o, double cell_m, std::vector<PlacedObject>& 
   }
 }
 
-/// The primitives of a set by class.
+/// Chooses among the primitives of a set.
 class Chooser {
  public:
   explicit Chooser(const PrimitiveSet& set) : set_(set) {
     for (uint32_t k = 0; k < set.entries.size(); ++k) by_class_[set.entries[k].label].push_back(k);
   }
-  /// Those that may stand for the class; empty where there is none of its kind.
+  /// Returns the primitives that may stand for the class; empty where the set has none of its kind.
   const std::vector<uint32_t>& candidates(Class c) {
     auto& found = by_class_[c];
     if (!found.empty()) return found;
@@ -58,7 +58,8 @@ class Chooser {
     }
     return kind;
   }
-  /// Number `rank` (from 0) by distance of the boxes, ties by number.
+  /// Returns the primitive with the `rank`-th nearest box (from 0); equal distances keep the set's
+  /// order.
   uint32_t choose(const std::vector<uint32_t>& from, const Vec3& size, size_t rank) {
     order_.clear();
     for (const uint32_t k : from) {
@@ -76,7 +77,7 @@ class Chooser {
   std::vector<std::pair<double, uint32_t>> order_;
 };
 
-/// Composes object by object.
+/// Composes a scene object by object.
 class Composer {
  public:
   Composer(const elements::Model& ground, const PrimitiveSet& set, const ComposeOptions& o)
@@ -102,7 +103,7 @@ class Composer {
     const auto copies = size_t(wanted + uniform(options_.seed, number, 0, kKeep));
     for (size_t copy = 0; copy < copies; ++copy) {
       PlacedObject one = o;
-      if (copy) {  // beside the first, within two of its sides
+      if (copy) {  // An added object stands within two of its sides from the annotated one.
         const double reach = 2 * o.box.size().head<2>().maxCoeff();
         one.position.x() += reach * (2 * uniform(options_.seed, number, copy, kShiftX) - 1);
         one.position.y() += reach * (2 * uniform(options_.seed, number, copy, kShiftY) - 1);
@@ -141,7 +142,7 @@ class Composer {
     const Vec3 a = entry.box.size(), b = o.box.size();
     if (options_.scale) instance.scale = float(a.dot(b) / a.dot(a));
     out_.mean_box_distance_m += (double(instance.scale) * a - b).norm();
-    // Box upon box: the middles agree, the bottoms stand on the ground.
+    // The boxes are aligned: their middles agree and their bottoms stand on the ground.
     const Pose pose = o.world_from_object();
     const Vec3 middle = 0.5 * (o.box.min + o.box.max) -
                         double(instance.scale) * 0.5 * (entry.box.min + entry.box.max);
@@ -158,7 +159,7 @@ class Composer {
     ++out_.placed;
   }
 
-  /// Of the instance that comes next.
+  /// Adds the motion of the instance that is added next.
   void add_mover(const std::filesystem::path& file, const Pose& foot_from_model) {
     std::vector<StampedPose> poses = io::read_trajectory(file).poses();
     for (StampedPose& p : poses) p.world_from_sensor = p.world_from_sensor * foot_from_model;
@@ -171,7 +172,7 @@ class Composer {
     if (model == 0) {
       model = uint32_t(out_.scene.models.size());
       out_.scene.models.push_back(read_primitive(set_, entry));
-      // The sensor that saw the primitives is the one whose range ends the scene.
+      // The scene reaches as far as the sensor that saw the primitives.
       double& far = out_.scene.models[0].max_range_m;
       far = std::min(far, out_.scene.models.back().max_range_m);
       out_.info.names.push_back(set_.entries[entry].name);

@@ -1,5 +1,5 @@
 /// \file
-/// Scenes composed of primitives along an annotation.
+/// Composition of scenes from primitives along an annotation.
 #pragma once
 #include <functional>
 #include <map>
@@ -15,33 +15,37 @@ namespace underbrush::primitives {
 /// Options of `compose`.
 struct ComposeOptions {
   uint64_t seed = 1;
-  size_t nearest = 1;  ///< Draw among this many primitives with the nearest boxes.
-  bool scale = false;  ///< Scale the primitive to the box, by the factor of least squares.
-  /// How many objects of a class stand for each that is annotated: below 1 some are left out; above
-  /// 1 others are added beside them.
+  size_t nearest = 1;  ///< Each object draws one of this many primitives with the nearest boxes.
+  bool scale = false;  ///< Scales the primitive to the box, by the factor of least squares.
+  /// Number of objects that stand for each annotated object of the class. Below 1 some objects are
+  /// left out; above 1 more are added beside the annotated ones.
   std::map<elements::Class, double> density;
 };
 
-/// A scene, and what happened.
+/// A composed scene, and counts of what was placed and left out.
 struct Composition {
   elements::Scene scene;
   elements::SceneInfo info;
-  size_t objects = 0;                      ///< Annotated objects, patches counted by their cells.
-  size_t placed = 0;                       ///< Instances but the ground.
-  size_t off_ground = 0;                   ///< Left out: they stand off the ground mesh.
-  std::map<std::string, size_t> left_out;  ///< By class: the set has no primitive of its kind.
-  std::map<std::string, size_t> borrowed;  ///< By "CLASS": placed with primitives of another size.
-  double mean_box_distance_m = 0;          ///< Between the boxes asked for and those placed.
+  size_t objects = 0;     ///< Annotated objects; a patch counts as its cells.
+  size_t placed = 0;      ///< Instances without the ground.
+  size_t off_ground = 0;  ///< Objects left out because there is no ground mesh beneath them.
+  /// Objects left out because the set has no primitive of their kind, by class.
+  std::map<std::string, size_t> left_out;
+  /// Objects placed with a primitive of another size, by class.
+  std::map<std::string, size_t> borrowed;
+  double mean_box_distance_m = 0;  ///< m; mean distance between the boxes asked for and those
+                                   ///< placed.
 };
 
-/// Called with (done, total).
+/// Reports the progress of `compose`, called with (done, total).
 using ComposeProgress = std::function<void(size_t, size_t)>;
 
-/// For each (class, pose, box) the primitive of that class with the nearest box ‖extents −
-/// extents'‖ ([tallavajhula18] §IV) as an instance, its foot on the ground. Where the set has no
-/// primitive of the class, one of the same kind (shrub, tree, patch) is taken. A patch larger than
-/// a cell is filled cell by cell. Instance 0 and model 0 are the ground. Throws `FormatError` where
-/// a primitive cannot be read, `std::invalid_argument` for a density that is negative or above 100.
+/// Composes a scene: for each (class, pose, box) of the annotation it places the primitive of the
+/// class with the nearest box ‖extents − extents'‖ ([tallavajhula18] §IV), with its foot on the
+/// ground. Where the set has no primitive of the class, one of the same kind (shrub, tree, patch)
+/// is taken. A patch larger than a cell is filled cell by cell. Instance 0 and model 0 are the
+/// ground. Throws `FormatError` where a primitive cannot be read, and `std::invalid_argument` for a
+/// density that is negative or above 100.
 Composition compose(const Annotation& annotation, const elements::Model& ground,
                     const PrimitiveSet& set, const ComposeOptions& options,
                     const ComposeProgress& progress = {});

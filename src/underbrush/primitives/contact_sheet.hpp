@@ -1,5 +1,5 @@
 /// \file
-/// All primitives of a set on one page.
+/// A page that shows all primitives of a set.
 #pragma once
 #include <span>
 #include <string>
@@ -9,8 +9,9 @@
 
 namespace underbrush::primitives {
 
-/// An HTML page that loads nothing else and needs no script: a figure for each entry, by class.
-/// `pictures` are PNG bytes, one an entry; `metres` what each of them shows from top to bottom.
+/// Returns an HTML page with a figure for each entry, sorted by class. The page loads no other file
+/// and needs no script. `pictures` are PNG bytes, one for each entry; `metres` are the heights that
+/// they show from top to bottom.
 std::string contact_sheet(std::span<const PrimitiveEntry> entries,
                           std::span<const std::vector<uint8_t>> pictures,
                           std::span<const double> metres);

@@ -14,7 +14,7 @@ namespace {
 
 using elements::Model;
 
-/// Whose points fill a voxel: by majority vote (Boyer and Moore), in the log's order.
+/// Finds the instance that owns each voxel, by majority vote (Boyer and Moore) in the log's order.
 class OwnerMap {
  public:
   void add(const Vec3& p, uint32_t instance) {
@@ -22,7 +22,8 @@ class OwnerMap {
     if (v.count == 0) v.instance = instance;
     v.count += v.instance == instance ? 1 : -1;
   }
-  /// The owner at p or of most voxels around; none where no points are near.
+  /// Returns the owner of the voxel at p, or else of most voxels around; nothing where no points
+  /// are near.
   std::optional<uint32_t> at(const Vec3& p) const {
     const Cell3 c = cell_of(p, kSideM);
     if (const auto found = votes_.find(c); found != votes_.end()) {
@@ -56,7 +57,7 @@ OwnerMap owners_of(BeamSource& labelled) {
   return owners;
 }
 
-/// The model's elements but its ground, by their centres, in cells of a grid.
+/// The centres of a model's elements (without the ground) in the cells of a grid.
 class Centres {
  public:
   explicit Centres(const Model& model) {
@@ -70,7 +71,7 @@ class Centres {
   size_t size() const { return centre_.size(); }
   const Vec3& operator[](size_t k) const { return centre_[k]; }
 
-  /// Those in the object's box, in order of number.
+  /// Returns the elements in the object's box, in order of number.
   std::vector<uint32_t> within(const PlacedObject& o) const {
     const Pose object_from_world = o.world_from_object().inverse();
     const double reach = std::max(o.box.min.head<2>().norm(), o.box.max.head<2>().norm());
@@ -110,7 +111,7 @@ bool is_free_space(const Model& model, uint32_t k, double below) {
   return h.hits < below * (double(h.hits) + h.misses);
 }
 
-/// The chosen elements (numbered surface first, then ellipsoids) in the object's frame.
+/// Returns the chosen elements (numbered surface first, then ellipsoids) in the object's frame.
 Model cut(const Model& model, const PlacedObject& o, const std::vector<uint32_t>& chosen) {
   Model out;
   out.tau = model.tau;

@@ -1,5 +1,5 @@
 /// \file
-/// Primitives cut out of a model along the objects of a labelled log.
+/// Extraction of primitives from a model, along the objects of a labelled log.
 #pragma once
 #include <string>
 #include <vector>
@@ -9,43 +9,47 @@
 
 namespace underbrush::primitives {
 
-/// π = (c, M) of [tallavajhula18] §IV: the elements of an object at the identity pose, with the box
-/// that it was cut along.
+/// A primitive π = (c, M) of [tallavajhula18] §IV: the elements of an object at the identity pose,
+/// with the object's box.
 struct Primitive {
   elements::Class label = elements::Class::kUnknown;
   Box box;
-  elements::Model model;  ///< No ground; its origin is the object's foot.
-  PlacedObject source;    ///< Where it stood.
+  elements::Model model;  ///< It has no ground; its origin is the object's foot.
+  PlacedObject source;    ///< The object as it was measured in the log.
 };
 
-/// Which elements an object takes.
+/// The elements that an object takes.
 enum class Membership {
-  kBox,  ///< Those whose centre lies in its box ([tallavajhula18]): neighbours may share some.
-  kOwn,  ///< Of these, those that lie among its own points, so that no element is taken twice.
+  kBox,  ///< Elements whose centre lies in the object's box ([tallavajhula18]); neighbours may
+         ///< share some.
+  kOwn,  ///< Elements of the box that lie among the object's own points, so that none is taken
+         ///< twice.
 };
 
 /// Options of `extract`.
 struct ExtractOptions {
   MeasureOptions measure;
   Membership membership = Membership::kOwn;
-  /// Ellipsoids at which a smaller share of the beams ended that met them are left out: where they
-  /// were fitted, others stood behind them; elsewhere they stop beams that nothing would stop.
+  /// Ellipsoids at which a smaller share of the beams that met them ended are left out. Where they
+  /// were fitted, other elements stood behind them; elsewhere they would stop beams in free space.
   double free_space_below = 0.1;
 };
 
-/// The primitives, and what was left out.
+/// The primitives, and counts of what was left out.
 struct ExtractResult {
   std::vector<Primitive> primitives;
-  MeasuredObjects measured;        ///< `objects` in the order of the log.
+  MeasuredObjects measured;        ///< `objects` are in the order of the log.
   size_t empty = 0;                ///< Objects that hold no element.
-  size_t free_space = 0;           ///< Ellipsoids left out as free space.
-  size_t elements = 0, taken = 0;  ///< Elements of the model but its ground; those in a primitive.
+  size_t free_space = 0;           ///< Ellipsoids left out because they are free space.
+  size_t elements = 0, taken = 0;  ///< Elements of the model without its ground, and how many of
+                                   ///< them a primitive took.
 };
 
-/// Cuts the model along the objects of the labelled log from which it was fitted. Reads the log
-/// twice. An element counts by its centre (mean of an ellipsoid, centroid of a triangle); elements
-/// beneath a box but above the ground, on the lower side of a slope, count as within. Throws as
-/// `measure_objects` does, and for a share outside [0, 1].
+/// Cuts primitives out of the model, along the objects of the labelled log from which it was
+/// fitted. Reads the log twice. An element is located by its centre (mean of an ellipsoid, centroid
+/// of a triangle). Elements below a box but above the ground, on the lower side of a slope, count
+/// as within. Throws as `measure_objects` does, and `std::invalid_argument` for a share that is not
+/// in [0, 1].
 ExtractResult extract(const elements::Model& model, BeamSource& labelled,
                       const ExtractOptions& options, const MeasureProgress& progress = {});
 

@@ -12,15 +12,15 @@
 namespace underbrush::primitives {
 namespace {
 
-/// Plants of one kind: how many, how high (median, spread of the logarithm, limits), how wide.
+/// Plants of one kind: density, height (median, spread of the logarithm, limits), and width.
 struct Plants {
   double per_m2, median_m, spread, low_m, high_m, width_of_height;
 };
 struct Kind {
   const char* name;
   Plants trees, shrubs;
-  double patch_share, patch_m;  // of the area; usual height
-  bool shrubs_lead;             // the density given is that of the shrubs
+  double patch_share, patch_m;  // Share of the area, and usual height (m).
+  bool shrubs_lead;             // Whether the option `density` is that of the shrubs.
 };
 
 constexpr Kind kKinds[] = {
@@ -29,7 +29,7 @@ constexpr Kind kKinds[] = {
     {"meadow", {0.0003, 7, 0.3, 3, 15, 0.6}, {0.01, 0.6, 0.4, 0.25, 2.5, 1}, 0.5, 0.6, true},
 };
 
-/// Places that keep apart.
+/// Finds places that keep apart from each other.
 class Spacing {
  public:
   explicit Spacing(double cell_m) : cell_m_(cell_m) {}
@@ -73,7 +73,7 @@ class Generator {
     if (inner_.isEmpty()) return;
     Stream random(seed);
     const auto wanted = size_t(std::llround(p.per_m2 * inner_.volume()));
-    // Where plants are asked for more densely than their crowns allow, crowns overlap.
+    // Where plants are denser than their crowns allow, crowns overlap.
     const double radius = 0.5 * p.width_of_height * p.median_m;
     const double crowding = p.per_m2 * 4 * radius * radius;
     const double keep = std::min(0.9, 0.7 / std::sqrt(std::max(crowding, 1e-9)));
@@ -109,7 +109,8 @@ class Generator {
       const double azimuth = random.uniform(0, 2 * M_PI), k = 2 * M_PI / random.uniform(12, 50);
       w = Vec3(k * std::cos(azimuth), k * std::sin(azimuth), random.uniform(0, 2 * M_PI));
     }
-    // A sum of many waves is normal: the share of the area above a level is known.
+    // The sum of many waves is normal, so the level that a given share of the area exceeds is
+    // known.
     const double level = std::sqrt(0.5 * waves.size()) * normal_from_uniform(1 - share);
     const double side = o_.patch_cell_m;
     const auto first = [&](double v) { return int64_t(std::ceil(v / side)); };

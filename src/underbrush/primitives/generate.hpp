@@ -1,5 +1,5 @@
 /// \file
-/// Annotations of sites that nobody has seen.
+/// Generation of annotations for sites that do not exist.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -10,16 +10,16 @@
 
 namespace underbrush::primitives {
 
-/// What grows on a generated site.
+/// Options of `generate_objects`.
 struct GenerateOptions {
-  std::string kind = "forest";  ///< Or "savanna", "meadow": `site_kinds()`.
-  double density = 0;           ///< Of the kind's main plants, per m²; 0 = the kind's own.
+  std::string kind = "forest";  ///< One of `site_kinds()`.
+  double density = 0;           ///< Number per m² of the kind's main plants; 0 = the kind's own.
   uint64_t seed = 1;
-  double margin_m = 0;      ///< Nothing stands nearer than this to the ground's border.
-  double patch_cell_m = 2;  ///< Side of the cells of patches.
+  double margin_m = 0;      ///< m; nothing stands nearer than this to the border of the ground.
+  double patch_cell_m = 2;  ///< m; side of the cells of patches.
 };
 
-/// Names of the kinds.
+/// Returns the names of the kinds of sites.
 ///
 /// | kind | trees per m² | shrubs per m² | patches |
 /// |---|---|---|---|
@@ -27,13 +27,14 @@ struct GenerateOptions {
 /// | savanna | **0.003**, small and medium | 0.015 | 5 % |
 /// | meadow | 0.0003 | **0.01**, low and small | 50 % |
 ///
-/// The density given replaces the bold figure.
+/// The option `density` replaces the bold figure.
 std::vector<std::string> site_kinds();
 
-/// Objects over the ground: trees and shrubs as Poisson points that keep apart by their crowns (a
-/// tenth of the crowns' radii may overlap in a forest), patches where a smooth random field is
-/// high. Boxes follow height-to-crown relations of the kind. The same for the same seed. Throws
-/// `std::invalid_argument` for an unknown kind, or a density that is negative or above 10.
+/// Generates objects on the ground. Trees and shrubs are Poisson points that keep apart by their
+/// crowns (in a forest, a tenth of the crowns' radii may overlap); patches grow where a smooth
+/// random field is high. Boxes follow the kind's relations between height and crown. The same seed
+/// gives the same objects. Throws `std::invalid_argument` for an unknown kind, or a density that is
+/// negative or above 10.
 std::vector<PlacedObject> generate_objects(const GroundSurface& ground,
                                            const GenerateOptions& options);
 

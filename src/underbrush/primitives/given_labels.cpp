@@ -18,15 +18,15 @@ namespace underbrush::primitives {
 namespace fs = std::filesystem;
 namespace {
 
-/// What the file holds, one entry a row.
+/// The content of the file, with one entry for each row.
 struct Rows {
   std::vector<uint32_t> label, instance;
-  std::vector<Vec3> point;  // empty for .label
+  std::vector<Vec3> point;  // Empty for .label files.
   size_t not_numbers = 0;
   size_t size() const { return std::max(label.size(), instance.size()); }
 };
 
-/// The log's hits, and which beams they are.
+/// The log's hits, and the beams that they belong to.
 struct Hits {
   std::vector<Vec3> point;
   std::vector<uint64_t> beam;
@@ -100,7 +100,8 @@ Rows read_point_file(const fs::path& file) {
   return rows;
 }
 
-// Row of each hit by order, or nothing where number or place say otherwise.
+// Returns the row of each hit by order, or nothing where the number of rows or their places
+// disagree.
 std::optional<std::vector<size_t>> rows_by_order(const Rows& rows, const Hits& hits,
                                                  double tolerance_m) {
   if (rows.size() != hits.beams && rows.size() != hits.point.size()) return std::nullopt;
@@ -132,7 +133,7 @@ std::vector<size_t> rows_by_place(const Rows& rows, const Hits& hits, double tol
   return row;
 }
 
-// What a log of ours says of its column `class`; empty of any other file.
+// Returns the label set that a log of ours names for its column `class`; empty for any other file.
 std::string set_of_log(const fs::path& file) {
   if (file.extension() != ".ply") return {};
   try {

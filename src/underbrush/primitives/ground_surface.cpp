@@ -14,7 +14,7 @@ GroundSurface::GroundSurface(const elements::Model& model) : model_(model) {
   const Eigen::Vector2d origin = model.origin.head<2>();
   for (const Vec3f& v : mesh.vertices) bounds_.extend(origin + v.head<2>().cast<double>());
   const Eigen::Vector2d size = bounds_.sizes();
-  // About one triangle a cell, and no more cells than four a triangle.
+  // A cell holds about one triangle; long meshes are limited to 4096 cells along a side.
   cell_m_ = std::max(std::sqrt(size.x() * size.y() / double(mesh.size())), size.maxCoeff() / 4096);
   cell_m_ = std::max(cell_m_, 1e-3);
   columns_ = int(size.x() / cell_m_) + 1;

@@ -13,9 +13,10 @@ namespace {
 
 using elements::Class;
 
-constexpr size_t kMostPoints = 1 << 15;  // of an object; beyond that every other one is dropped
+constexpr size_t kMostPoints = 1 << 15;  // Points of an object; beyond that number every other one
+                                         // is dropped.
 
-/// An object or a cell: its number and, for a cell, its place.
+/// Key of an object or a cell: its number and, for a cell, its place.
 struct Key {
   uint32_t instance;
   int32_t i = INT32_MIN, j = INT32_MIN;
@@ -53,9 +54,9 @@ PlacedObject measure_one(const Cloud& cloud, double quantile) {
     square += d * d.transpose();
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(square);
-  const Eigen::Vector2d axis = solver.eigenvectors().col(1);  // of the larger
+  const Eigen::Vector2d axis = solver.eigenvectors().col(1);  // Axis of the larger eigenvalue.
   o.yaw_rad = std::atan2(axis.y(), axis.x());
-  if (o.yaw_rad > M_PI_2) o.yaw_rad -= M_PI;  // an axis has no sign
+  if (o.yaw_rad > M_PI_2) o.yaw_rad -= M_PI;  // An axis has no sign.
   if (o.yaw_rad <= -M_PI_2) o.yaw_rad += M_PI;
   const Pose object_from_world = o.world_from_object().inverse();
   std::vector<double> values(cloud.points.size());
@@ -77,7 +78,7 @@ PlacedObject measure_cell(const Cloud& cloud, const Key& key, double cell_m, dou
   return o;
 }
 
-// Lets the object stand on the ground, its box reaching down to it.
+// Moves the object's foot onto the ground and extends its box down to it.
 bool ground_it(const GroundSurface& ground, PlacedObject& o) {
   const std::optional<double> z = ground.at(o.position.x(), o.position.y());
   if (!z) return false;
@@ -87,7 +88,7 @@ bool ground_it(const GroundSurface& ground, PlacedObject& o) {
   return true;
 }
 
-/// A box without height or width is none: what is lower than the ground is nothing.
+/// A box has at least this height and width (m), even where the object lies below the ground.
 constexpr double kLeastSide = 0.05;
 
 }  // namespace
@@ -148,7 +149,7 @@ MeasuredObjects measure_objects(BeamSource& labelled, const GroundSurface& groun
     const bool cell = key.i != INT32_MIN;
     PlacedObject object =
         cell ? measure_cell(cloud, key, o.cell_m, o.quantile) : measure_one(cloud, o.quantile);
-    // Most of the points that are of its kind decide.
+    // Most of the points of the right kind decide.
     size_t most = 0;
     for (const auto& [c, n] : votes[key.instance]) {
       if ((elements::kind_of(c) == elements::ClassKind::kPatch) == cell && n > most) {

@@ -1,5 +1,5 @@
 /// \file
-/// The objects of a labelled log: where they stand and how large they are.
+/// Measurement of the objects of a labelled log: where they stand and how large they are.
 #pragma once
 #include <functional>
 #include <map>
@@ -13,38 +13,41 @@ namespace underbrush::primitives {
 
 /// Options of `measure_objects`.
 struct MeasureOptions {
-  double quantile = 0;    ///< The box holds the points from this quantile to 1 − it, in each axis
-                          ///< (0.05 in the code of [tallavajhula18]'s authors); 0 holds all.
-  double cell_m = 2;      ///< Patches are cut into cells of this side, along the axes of the world.
+  double quantile = 0;  ///< The box holds the points from this quantile to 1 − it along each axis
+                        ///< (0.05 in the code of [tallavajhula18]'s authors); 0 holds all points.
+  double cell_m = 2;  ///< m; patches are cut into cells of this side, along the axes of the world.
   size_t min_points = 5;  ///< Objects and cells with fewer points are left out.
 };
 
-/// The objects, and what was left out.
+/// The measured objects, and counts of what was left out.
 struct MeasuredObjects {
-  std::vector<PlacedObject> objects;  ///< By instance; cells of a patch by place.
-  size_t without_instance = 0;        ///< Hits of an object's class that belong to no object.
-  size_t few_points = 0;              ///< Objects and cells left out.
-  size_t off_ground = 0;              ///< Objects and cells that stand off the ground mesh.
+  std::vector<PlacedObject> objects;  ///< In order of instance; the cells of a patch in order of
+                                      ///< place.
+  size_t without_instance = 0;        ///< Hits with an object's class that belong to no object.
+  size_t few_points = 0;  ///< Objects and cells left out because they have too few points.
+  size_t off_ground = 0;  ///< Objects and cells left out because there is no ground mesh beneath
+                          ///< them.
 };
 
-/// Called with (done, total).
+/// Reports the progress of a pass over a log, called with (done, total).
 using MeasureProgress = std::function<void(size_t, size_t)>;
 
-/// Measures the objects of a log that has the columns `class` (ours) and `instance`. An object has
-/// the class of most of its points. The box of a cell is the cell's square, up to its highest
-/// point. Reads the log once; memory grows with the number of objects. Throws
-/// `std::invalid_argument` for a log without these columns, a quantile outside [0, 0.5) or a cell
-/// that is not positive.
+/// Measures the objects of a log that has the columns `class` (in the set "underbrush") and
+/// `instance`. An object has the class of most of its points. The box of a cell is the cell's
+/// square, up to its highest point. Reads the log once; memory grows with the number of objects.
+/// Throws `std::invalid_argument` for a log without these columns, a quantile outside [0, 0.5) or a
+/// cell that is not positive.
 MeasuredObjects measure_objects(BeamSource& labelled, const GroundSurface& ground,
                                 const MeasureOptions& options,
                                 const MeasureProgress& progress = {});
 
-/// Column `name` at row i as a number, 0 below it.
+/// Returns the number in row i of a column; 0 for a negative one.
 uint32_t label_at(const ExtraColumn& column, size_t i);
 
-/// Calls `visit` for each hit of a log with an object's class, in the log's order: its end point,
-/// class and instance (0 = none). Reads the log once, from its start. Throws
-/// `std::invalid_argument` for a log without the columns `class` (ours) and `instance`.
+/// Calls `visit` with the end point (m, world), class and instance (0 = none) of each hit that has
+/// an object's class, in the log's order. Reads the log once, from its beginning. Throws
+/// `std::invalid_argument` for a log without the columns `class` (in the set "underbrush") and
+/// `instance`.
 void for_each_object_hit(BeamSource& labelled,
                          const std::function<void(const Vec3&, elements::Class, uint32_t)>& visit,
                          const MeasureProgress& progress = {});

@@ -12,7 +12,7 @@ namespace {
 
 using elements::Class;
 
-/// A class with the heights (m) at which it begins and ends.
+/// A class and the heights (m) at which it begins and ends.
 struct ClassRange {
   Class label;
   double low, high;
@@ -105,12 +105,12 @@ Primitive one_plant(Class label, const Upright& plant, double scale,
   return p;
 }
 
-/// How many times larger or smaller, at least 1.
+/// Returns the factor by which the plant must be enlarged or reduced, at least 1.
 double strain(const Upright& plant, double height_m) {
   return std::max(height_m / plant.height_m, plant.height_m / height_m);
 }
 
-/// The plants that can be brought to that height.
+/// Returns the plants that can be scaled to that height.
 std::vector<const Upright*> plants_for(const std::vector<Upright>& plants, double height_m,
                                        const MeshPrimitiveOptions& o) {
   std::vector<const Upright*> out;
@@ -134,7 +134,7 @@ Primitive patch_cell(Class label, const std::vector<const Upright*>& plants, dou
   while (covered < o.cell_m * o.cell_m && p.model.surface.size() < o.most_triangles) {
     const Upright& plant =
         *plants[std::min(plants.size() - 1, size_t(random.uniform() * double(plants.size())))];
-    // The first is as high as the cell, others down to two thirds of it.
+    // The first plant is as high as the cell, others down to two thirds of it.
     const double share = p.model.surface.size() ? random.uniform(2.0 / 3, 1) : 1;
     const double scale = share * height_m / plant.height_m;
     const double x = random.uniform(-half, half), y = random.uniform(-half, half);

@@ -1,5 +1,5 @@
 /// \file
-/// Objects and boxes as JSON, for the sources of this module alone.
+/// Objects and boxes as JSON. This file is internal to the module.
 #pragma once
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -14,7 +14,7 @@ namespace underbrush::primitives {
 
 using Json = nlohmann::ordered_json;
 
-/// Where something stands, for errors.
+/// A place in a file, for error messages.
 struct JsonPlace {
   std::string file, place;
   JsonPlace at(const std::string& member) const { return {file, place + "." + member}; }
@@ -66,8 +66,8 @@ inline elements::Class class_of_json(const JsonPlace& place, const Json& j) {
                          (near.empty() ? "" : "; did you mean '" + near + "'?"));
 }
 
-/// {"min": [x, y, z], "max": [x, y, z]} in the object's frame, or {"size": [length, width, height]}
-/// about its foot.
+/// Reads a box: {"min": [x, y, z], "max": [x, y, z]} in the object's frame, or {"size": [length,
+/// width, height]} about its foot.
 inline Box box_of_json(const JsonPlace& place, const Json& j) {
   const JsonPlace here = place.at("box_m");
   const Json& b = member_of(place, j, "box_m");

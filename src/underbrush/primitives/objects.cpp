@@ -11,7 +11,7 @@ namespace underbrush::primitives {
 struct ObjectFinder::State {
   ObjectOptions o;
   RunGraph graph;
-  std::vector<uint32_t> object;  // of each run
+  std::vector<uint32_t> object;  // Object of each run.
   std::vector<FoundObject> objects;
 
   void number(Groups groups);
@@ -36,7 +36,7 @@ void ObjectFinder::State::number(Groups groups) {
   }
   for (auto& [group, s] : sums) {
     if (s.points < o.min_points) continue;
-    // Objects are as high as their top; a patch, as nine tenths of its columns.
+    // An object is as high as its top, a patch as nine tenths of its columns.
     std::sort(s.tops.begin(), s.tops.end());
     FoundObject found;
     found.points = s.points;

@@ -1,5 +1,5 @@
 /// \file
-/// Trees, shrubs and patches of shrubs among the points that are not ground.
+/// Finds trees, shrubs and patches of shrubs among the points that are not ground.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -11,60 +11,67 @@
 
 namespace underbrush::primitives {
 
-/// Parameters of `ObjectFinder`. Lengths that grow with a crown are given as a + b · height.
+/// Options of `ObjectFinder`. Lengths that grow with a crown are given as a + b · height (m).
 struct ObjectOptions {
-  double cell_m = 0;  ///< Side of a column; 0 = by the points' density, 0.4 to 1 m.
-  /// Empty height that parts what stands in one column; 0 = by the columns' side: 1 m, or 12 m
+  double cell_m = 0;  ///< m; side of a column; 0 = by the density of the points, 0.4 to 1 m.
+  /// Empty height (m) that separates objects in one column; 0 = by the columns' side: 1 m, or 12 m
   /// where they are wider than 0.5 m (a scan from above, which shows little below the tops).
   double gap_m = 0;
-  double spacing_a_m = 1.2;  ///< Peaks nearer together than a + b · height are one crown ...
+  double spacing_a_m = 1.2;  ///< m; peaks nearer to each other than a + b · height are one crown.
   double spacing_b = 0.06;
-  double prominence_a_m = 0.3;  ///< ... and so are those parted by a dip less deep than this
-  double prominence_b = 0.04;   ///< (half of it where columns are wider than 0.5 m), ...
-  double radius_a_m = 1.5;      ///< ... unless a crown would reach farther than this from its peak.
+  /// Peaks separated by a dip less deep than a + b · height (m) are one crown, too. Half of that
+  /// depth counts where columns are wider than 0.5 m.
+  double prominence_a_m = 0.3;
+  double prominence_b = 0.04;
+  double radius_a_m = 1.5;  ///< m; no crown reaches farther than a + b · height from its peak.
   double radius_b = 0.3;
-  double trunk_m = 1;      ///< Width up to which what stands under a crown is its foot.
-  size_t min_points = 10;  ///< Fewer are no object.
+  double trunk_m = 1;      ///< m; what stands under a crown and is at most this wide is the tree's
+                           ///< foot.
+  size_t min_points = 10;  ///< Groups with fewer points are not objects.
   SizeRules sizes;
 };
 
-/// An object found.
+/// An object that was found.
 struct FoundObject {
   elements::Class label = elements::Class::kUnknown;
-  double height_m = 0;  ///< Of its top above the ground.
-  double side_m = 0;    ///< The longer side of its box seen from above.
+  double height_m = 0;  ///< m; height of its top above the ground.
+  double side_m = 0;    ///< m; the longer side of its box seen from above.
   size_t points = 0;
 };
 
-/// Gathers points, then finds objects in them: memory grows with the columns that hold points, not
-/// with the points.
+/// Collects points, then finds objects among them. Memory grows with the number of columns that
+/// hold points, not with the number of points.
 ///
 /// Points are sorted into columns, and in each column into runs without an empty gap, so that a
-/// shrub under a crown is not the crown. Runs of neighbouring columns that overlap in height are
-/// joined in a graph. Trees are found by flooding that graph from the top: each run joins the crown
-/// of its highest neighbour, and where two crowns meet they become one if the lower peak rises too
-/// little above the saddle or stands too near (a watershed with merging by persistence). Narrow
-/// groups that stand in a crown's columns join it: trunks parted from their crowns by the scan's
-/// shadows, tips. What is lower than a tree becomes connected groups: a narrow one under a crown is
-/// the tree's foot, one that hems a crown reaching to the ground is part of it, any other is a
-/// shrub or, if it extends, a patch.
+/// shrub under a crown is separate from the crown. Runs of neighbouring columns that overlap in
+/// height are joined in a graph.
+///
+/// Trees are found by flooding that graph from the top: each run joins the crown of its highest
+/// neighbour. Where two crowns meet, they become one if the lower peak rises too little above the
+/// saddle or stands too near (a watershed with merging by persistence). Narrow groups in the
+/// columns of a crown join it; they are tips, and trunks that the scan's shadows separate from
+/// their crowns.
+///
+/// Runs lower than a tree form connected groups. A narrow group under a crown is the foot of the
+/// tree, a group around a crown that reaches to the ground is part of it, and any other group is a
+/// shrub or, if it is wide, a patch.
 class ObjectFinder {
  public:
-  /// Throws `std::invalid_argument` for lengths that are not positive.
+  /// Throws `std::invalid_argument` for negative lengths or size limits that do not rise.
   explicit ObjectFinder(const ObjectOptions& options = {});
   ~ObjectFinder();
 
   /// Adds points that are not ground: x and y (m) in any frame, z (m) above the ground. Points that
-  /// are not finite are passed over.
+  /// are not finite are ignored.
   void add(std::span<const Vec3f> points);
-  /// Finds the objects of all points added. Numbers are given from 1 in the order of place.
+  /// Finds the objects among all points added and numbers them from 1 in order of place.
   void find();
 
-  /// The object of a point that was added, 0 for none. After `find()`.
+  /// Returns the object of a point that was added, 0 for none. Call `find()` first.
   uint32_t object_of(const Vec3f& point) const;
-  /// Object i has number i + 1.
+  /// Returns the objects; object i has the number i + 1.
   const std::vector<FoundObject>& objects() const;
-  /// Side of the columns that was used.
+  /// Returns the side (m) of the columns in use.
   double cell_m() const;
 
  private:

@@ -1,5 +1,5 @@
 /// \file
-/// An object of a site: class, pose and box.
+/// An object of a site: its class, pose and box.
 #pragma once
 #include <cmath>
 #include <filesystem>
@@ -15,18 +15,18 @@ struct Box {
   Vec3 size() const { return max - min; }
 };
 
-/// (c, q, box) of [tallavajhula18] §IV. The pose stands on the ground under the centroid of the
-/// object's points and is turned about z alone, x along the longer principal axis of the points
-/// seen from above; the box's bottom is the ground (z = 0).
+/// An object (c, q, box) of [tallavajhula18] §IV. Its pose stands on the ground under the centroid
+/// of the object's points and is turned about z alone, with x along the longer principal axis of
+/// the points seen from above. The bottom of the box is the ground (z = 0).
 struct PlacedObject {
   elements::Class label = elements::Class::kUnknown;
   Vec3 position = Vec3::Zero();  ///< m, world.
   double yaw_rad = 0;
   Box box;
-  uint32_t instance = 0;  ///< Number in the labelled log, 0 = none. Cells of a patch share it.
-  size_t points = 0;      ///< That it was measured from.
-  /// Poses of the foot over time (TUM, world from object), for an object that moves; empty =
-  /// stands.
+  uint32_t instance = 0;  ///< Number in the labelled log, 0 = none. The cells of a patch share it.
+  size_t points = 0;      ///< Number of points that it was measured from.
+  /// File of the poses of the foot over time (TUM, world from object), for an object that moves;
+  /// empty if it stands still.
   std::filesystem::path trajectory;
 
   Pose world_from_object() const {
@@ -34,11 +34,11 @@ struct PlacedObject {
   }
 };
 
-/// As files hold it: to the millimetre, and 0.01 mrad; what was measured is known no better.
+/// Rounds a position (m) to the millimetre, as files store it; measurements are no more exact.
 inline Vec3 as_written(const Vec3& v) { return (v * 1000).array().round() / 1000; }
-/// ... its corners.
+/// Rounds the corners of a box to the millimetre.
 inline Box as_written(const Box& box) { return {as_written(box.min), as_written(box.max)}; }
-/// ... its position, heading and box.
+/// Rounds an object's position and box to the millimetre and its heading to 0.01 mrad.
 inline PlacedObject as_written(PlacedObject o) {
   o.position = as_written(o.position);
   o.yaw_rad = std::round(o.yaw_rad * 1e5) / 1e5;

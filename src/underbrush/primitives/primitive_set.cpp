@@ -53,7 +53,7 @@ Json json_of(const PrimitiveEntry& e) {
   return j;
 }
 
-// What the pictures of a class show from top to bottom: its largest box.
+// Returns the height (m) that the pictures of each primitive show: that of its class's largest box.
 std::vector<double> heights_shown(const std::vector<Primitive>& primitives) {
   std::map<elements::Class, double> largest;
   for (const Primitive& p : primitives) {

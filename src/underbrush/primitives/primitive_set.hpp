@@ -1,6 +1,6 @@
 /// \file
-/// A set of primitives on disk, which a person can browse: one folder a class, in it one a
-/// primitive. Layout: docs/reference/formats.md.
+/// Sets of primitives on disk, which a person can browse: a folder for each class, and in it a
+/// folder for each primitive. Layout: docs/reference/formats.md.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -10,45 +10,47 @@
 
 namespace underbrush::primitives {
 
-/// Version of the layout that is written; newer ones are refused.
+/// Version of the layout that is written; newer versions are refused.
 inline constexpr int kPrimitiveSetVersion = 1;
 
-/// What the manifest says of a primitive.
+/// A primitive as the manifest lists it.
 struct PrimitiveEntry {
   elements::Class label = elements::Class::kUnknown;
   Box box;
-  std::string name;  ///< CLASS/NUMBER: its folder in the set.
+  std::string name;  ///< CLASS/NUMBER, which is its folder in the set.
   size_t elements = 0, points = 0;
 };
 
-/// A set's manifest; the elements are read when they are needed.
+/// The manifest of a set. The elements of its primitives are read when they are needed.
 struct PrimitiveSet {
   std::filesystem::path folder;
-  double cell_m = 2;  ///< Side of the cells of patches.
+  double cell_m = 2;  ///< m; side of the cells of patches.
   std::vector<PrimitiveEntry> entries;
   std::string provenance;
-  /// One an entry, where the set is in memory and in no folder; else empty.
+  /// One for each entry if the set is in memory and has no folder; else empty.
   std::vector<elements::Model> models = {};
 };
 
-/// The set that `write_primitives` would write, in memory.
+/// Returns in memory the set that `write_primitives` would write.
 PrimitiveSet primitive_set(std::vector<Primitive> primitives, double cell_m);
 
-/// Writes the folder `path`, atomically; a set that stood there is replaced: primitives.json,
-/// index.html (a contact sheet that loads nothing else), CLASS/NUMBER/ as a model folder with
-/// primitive.json and thumbnail.png. Throws `IoError`, also if a folder that is no set stands
-/// there.
+/// Writes the folder `path`, atomically, replacing a set that stood there: primitives.json,
+/// index.html (a contact sheet that loads no other file), and for each primitive the model folder
+/// CLASS/NUMBER/ with primitive.json and thumbnail.png. Throws `IoError`, also if a folder that is
+/// not a set stands there.
 void write_primitives(const std::filesystem::path& path, const std::vector<Primitive>& primitives,
                       double cell_m, const std::string& provenance);
 
-/// Throws the `IoError` that `write_primitives` would end with now.
+/// Throws the `IoError` that `write_primitives` would end with. Callers use it before a long
+/// computation.
 void check_primitives_output(const std::filesystem::path& path);
 
-/// Reads the manifest. Throws `FormatError` where it is not whole, or names a folder that is not
-/// there.
+/// Reads the manifest of a set. Throws `FormatError` where it is damaged or names a folder that
+/// does not exist.
 PrimitiveSet read_primitive_set(const std::filesystem::path& path);
 
-/// The elements of an entry, read where they are not in memory. Throws `FormatError`.
+/// Returns the elements of an entry, read from disk unless they are in memory. Throws
+/// `FormatError`.
 elements::Model read_primitive(const PrimitiveSet& set, size_t entry);
 
 }  // namespace underbrush::primitives

@@ -9,7 +9,7 @@
 namespace underbrush::primitives {
 namespace {
 
-constexpr double kBaseM = 0.2;  // side of the columns that points are gathered in
+constexpr double kBaseM = 0.2;  // m; side of the columns that points are collected in
 
 int32_t floor_div(int32_t a, int32_t b) { return (a >= 0 ? a : a - b + 1) / b; }
 
@@ -25,7 +25,7 @@ bool RunGraph::before(const Bin& a, const Bin& b) {
   return std::tie(a.y, a.x, a.z) < std::tie(b.y, b.x, b.z);
 }
 
-// Sorts and adds up bins of one place.
+// Sorts bins and adds up those of one place.
 void RunGraph::merge(std::vector<Bin>& bins) {
   std::sort(bins.begin(), bins.end(), before);
   size_t n = 0;
@@ -61,7 +61,7 @@ void RunGraph::build() {
   make_runs();
 }
 
-// A column should hold two points or more where there are any.
+// Chooses columns so wide that those with points usually hold two or more.
 void RunGraph::choose_cell() {
   cells_ = 1;
   if (!is_cell_given_ && !bins_.empty()) {

@@ -1,6 +1,6 @@
 /// \file
-/// Points sorted into columns, and in each column into runs without an empty gap: what the search
-/// for objects works on.
+/// Points sorted into columns, and in each column into runs without an empty gap. The search for
+/// objects works on these runs.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -15,42 +15,46 @@ namespace underbrush::primitives {
 /// Height (m) of a bin.
 inline constexpr double kLayerM = 0.2;
 
-/// Points of one column without an empty gap.
+/// The points of a column between two empty gaps.
 struct Run {
   int32_t y, x, low, high;  ///< Column; lowest and highest bin, both included.
   uint32_t points;
-  float top_m;  ///< Above the ground.
+  float top_m;  ///< m above the ground.
 };
 
-/// Gathers points, then sorts them into runs: memory grows with the columns that hold points.
+/// Collects points, then sorts them into runs. Memory grows with the number of columns that hold
+/// points.
 class RunGraph {
  public:
+  /// Index that stands for no run.
   static constexpr uint32_t kNone = UINT32_MAX;
 
-  /// Columns of `cell_m`, and empty heights of `gap_m` between runs; 0 as `ObjectOptions` says.
+  /// Sets the side (m) of the columns and the empty height (m) between runs; 0 means what
+  /// `ObjectOptions` says.
   RunGraph(double cell_m, double gap_m);
 
-  /// Adds points: x and y (m) in any frame, z (m) above the ground. Those that are not finite, or
-  /// beyond 1000 km, are passed over.
+  /// Adds points: x and y (m) in any frame, z (m) above the ground. Points that are not finite or
+  /// lie beyond 1000 km are ignored.
   void add(std::span<const Vec3f> points);
   /// Sorts all points added into runs, by row (y), column (x) and height.
   void build();
 
   const std::vector<Run>& runs() const { return runs_; }
-  /// Side of the columns (m).
+  /// Returns the side of the columns (m).
   double cell_m() const { return cell_m_; }
-  /// Columns are so wide because the scan is from far above.
+  /// Whether columns are wide, which means that the scan is from far above.
   bool is_sparse() const { return cell_m_ >= 0.5; }
+  /// Returns the horizontal distance (m) of two runs' columns.
   double distance_m(const Run& a, const Run& b) const {
     return cell_m_ * std::hypot(double(a.x) - b.x, double(a.y) - b.y);
   }
-  /// Those of a column, from the ground up.
+  /// Returns the runs of a column, from the ground up.
   std::span<const Run> column(int32_t x, int32_t y) const;
   uint32_t index_of(const Run& run) const { return uint32_t(&run - runs_.data()); }
-  /// The run that holds the point, or `kNone`. After `build()`.
+  /// Returns the run that holds the point, or `kNone`. Call `build()` first.
   uint32_t run_at(const Vec3f& point) const;
 
-  /// Calls f(j) for each run j in the eight columns around run i, within the gap in height.
+  /// Calls f(j) for each run j in the eight columns around run i that is within the gap in height.
   template <class F>
   void for_each_neighbour(uint32_t i, const F& f) const {
     const Run& r = runs_[i];
@@ -78,7 +82,7 @@ class RunGraph {
 
   double base_m_, cell_m_, gap_m_;
   bool is_cell_given_;
-  int32_t cells_ = 1;  // base columns along a side of a column
+  int32_t cells_ = 1;  // Number of base columns along a side of a column.
   std::vector<Bin> bins_;
   size_t merged_ = 0;
   std::vector<Run> runs_;

@@ -35,10 +35,10 @@ class Grouping {
   const std::vector<Run>& runs_;
   const ObjectOptions& o_;
   Groups groups_;
-  std::vector<float> smooth_m_;  // of the tops around each run
+  std::vector<float> smooth_m_;  // m; mean of the tops around each run.
 };
 
-// Tops averaged with the higher ones around, so that neither a leaf is a peak nor a hole a pit.
+// Averages each top with the higher ones around it, so that no leaf is a peak and no hole a pit.
 void Grouping::smooth() {
   constexpr double kHigher = 0.4;
   std::vector<float> tops;
@@ -56,7 +56,7 @@ void Grouping::smooth() {
   }
 }
 
-// From the highest run down. The root of a crown's group is its peak.
+// Floods the crowns from the highest run down. The root of a crown's group is its peak.
 void Grouping::flood() {
   std::vector<uint32_t> order;
   for (uint32_t i = 0; i < runs_.size(); ++i) {
@@ -66,7 +66,7 @@ void Grouping::flood() {
                    [&](uint32_t a, uint32_t b) { return smooth_m_[a] > smooth_m_[b]; });
   std::vector<uint8_t> wet(runs_.size(), 0);
   std::vector<uint32_t> crowns;
-  const double shallow = graph_.is_sparse() ? 0.5 : 1;  // wide columns smooth dips away
+  const double shallow = graph_.is_sparse() ? 0.5 : 1;  // Wide columns smooth dips away.
   for (const uint32_t i : order) {
     crowns.clear();
     uint32_t best = RunGraph::kNone;
@@ -102,7 +102,7 @@ void Grouping::flood() {
   }
 }
 
-// What is lower becomes connected groups.
+// Joins the runs that are lower than a tree to connected groups.
 void Grouping::join_low() {
   for (uint32_t i = 0; i < runs_.size(); ++i) {
     if (is_high(runs_[i])) continue;
@@ -114,15 +114,15 @@ void Grouping::join_low() {
   }
 }
 
-// Narrow groups, trees' own or others, with most of their columns below, above or beside another
-// crown join it: feet, trunks that end in the shade of the scan, tips that stand apart.
+// Lets narrow groups (trees if `trees`, else others) join a crown that most of their columns lie
+// below, above or beside: feet, trunks that end in the scan's shadow, and tips that stand apart.
 void Grouping::adopt(bool trees) {
   struct Extent {
     int32_t x0 = INT32_MAX, x1 = INT32_MIN, y0 = INT32_MAX, y1 = INT32_MIN;
-    std::map<uint32_t, uint32_t> crowns;  // how often each was seen
+    std::map<uint32_t, uint32_t> crowns;  // Number of columns that saw each crown.
     uint32_t columns = 0, covered = 0;
   };
-  const int32_t reach = trees ? 0 : 1;  // a tree needs the crown in its very columns
+  const int32_t reach = trees ? 0 : 1;  // A tree needs the crown in its own columns.
   std::map<uint32_t, Extent> extents;
   for (uint32_t i = 0; i < runs_.size(); ++i) {
     const Run& r = runs_[i];
@@ -157,8 +157,8 @@ void Grouping::adopt(bool trees) {
   }
 }
 
-// A low group of which nine tenths touch one crown that reaches down to it, within the width of a
-// foot, is the hem of that crown.
+// Joins a low group to a crown as its hem if nine tenths of the group touch the crown, which
+// reaches down to it, within the width of a foot.
 void Grouping::hem() {
   const auto steps = int(std::max(1.0, std::round(o_.trunk_m / graph_.cell_m())));
   std::vector<uint32_t> crown(runs_.size(), RunGraph::kNone), front, next;
@@ -178,10 +178,10 @@ void Grouping::hem() {
       });
     }
   }
-  std::map<uint32_t, std::map<uint32_t, uint32_t>> claims;  // columns by group and crown
+  std::map<uint32_t, std::map<uint32_t, uint32_t>> claims;  // Columns by group and crown.
   for (uint32_t i = 0; i < runs_.size(); ++i) {
     const uint32_t group = groups_.find(i);
-    if (!is_high(runs_[group])) ++claims[group][crown[i]];  // a foot is its tree's already
+    if (!is_high(runs_[group])) ++claims[group][crown[i]];  // A foot belongs to its tree already.
   }
   for (const auto& [group, by_crown] : claims) {
     uint32_t all = 0;

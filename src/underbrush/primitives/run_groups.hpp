@@ -1,5 +1,5 @@
 /// \file
-/// Runs of points joined to trees and to what is lower.
+/// Grouping of runs into trees and lower objects.
 #pragma once
 #include <cstdint>
 #include <numeric>
@@ -10,7 +10,7 @@
 
 namespace underbrush::primitives {
 
-/// Union-find; the root of a group is its member that came first.
+/// Disjoint sets (union-find). The root of a set is the member that came first.
 struct Groups {
   std::vector<uint32_t> parent;
   explicit Groups(size_t n) : parent(n) { std::iota(parent.begin(), parent.end(), 0u); }
@@ -20,13 +20,13 @@ struct Groups {
   }
 };
 
-/// Tall enough to be part of a crown.
+/// Whether a run is high enough to be part of a crown.
 inline bool is_high(const Run& run, const SizeRules& sizes) {
   return double(run.top_m) >= 0.7 * sizes.tree_m;
 }
 
-/// Joins the runs of a graph that is built to objects, as `ObjectFinder` describes. The root of a
-/// tree is its peak.
+/// Joins the runs of a graph (after `build()`) to objects, as `ObjectFinder` describes. The root of
+/// a tree is its peak.
 Groups group_runs(const RunGraph& graph, const ObjectOptions& options);
 
 }  // namespace underbrush::primitives

@@ -11,7 +11,8 @@
 namespace underbrush::primitives {
 namespace {
 
-/// Calls `f(k, point, range)` for hit k (m, world), chunk by chunk; `g(k)` after each chunk.
+/// Calls `f(k, point, range)` for each hit k (m, world), chunk by chunk, and `g(k)` after each
+/// chunk.
 template <class F, class G>
 void for_each_hit(BeamSource& source, const F& f, const G& g) {
   source.rewind();
@@ -24,7 +25,8 @@ void for_each_hit(BeamSource& source, const F& f, const G& g) {
   }
 }
 
-/// Ground heights where the smooth surface does not reach: means of squares, the nearest counting.
+/// Ground heights where the smooth surface does not reach: means over squares, of which the nearest
+/// counts.
 class CoarseGround {
  public:
   void add(const Vec3& p) {
@@ -114,7 +116,7 @@ LogLabels segment_log(BeamSource& source, const SegmentLogOptions& o,
   const Vec3 origin = log_origin(source).value_or(Vec3::Zero());
   const CoarseGround coarse = fit_heights(source, o, origin, tell, out);
 
-  // x and y from the origin, z above the ground; nothing where no ground is within 30 m.
+  // Returns x and y from the origin and z above the ground; nothing where no ground is within 30 m.
   const auto place = [&](const Vec3& p) {
     std::optional<double> z = out.height.at(p.x(), p.y());
     if (!z) z = coarse.at(p.x(), p.y());

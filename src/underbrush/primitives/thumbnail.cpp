@@ -9,7 +9,8 @@
 namespace underbrush::primitives {
 namespace {
 
-/// Pixels from the lower middle, x right and z up, painted from far to near.
+/// A picture whose coordinates count from the lower middle, x right and z up (m). It is painted
+/// from far to near.
 class Canvas {
  public:
   Canvas(int pixels, double metres)
@@ -27,7 +28,7 @@ class Canvas {
       to[c] = uint8_t(std::lround(to[c] + opacity * (colour[c] - to[c])));
     }
   }
-  /// Calls f(x, y, offset from the middle in m) for the pixels within `reach_m`.
+  /// Calls f(x, y, offset from the middle in m) for the pixels within the reach.
   template <class F>
   void around(double x, double z, double reach_x, double reach_z, const F& f) {
     const int x0 = std::max(0, int(column(x - reach_x))), y0 = std::max(0, int(row(z + reach_z)));
@@ -46,7 +47,8 @@ class Canvas {
   double scale_, foot_;
 };
 
-// Brown at the foot over green to pale green at the top; darker at the back.
+// Returns brown at the foot, green in the middle and pale green at the top; farther points are
+// darker.
 std::array<double, 3> colour_of(double height_m, double top_m, double depth) {
   const double f = std::clamp(height_m / std::max(top_m, 0.1), 0.0, 1.0);
   const std::array<double, 3> low{96, 72, 48}, middle{52, 120, 60}, high{168, 205, 96};

@@ -1,5 +1,5 @@
 /// \file
-/// The space that a crown fills.
+/// The space that a tree crown fills.
 #pragma once
 #include <vector>
 
@@ -8,20 +8,21 @@
 
 namespace underbrush::test_site {
 
-/// An egg about the z axis: half-ellipses above and below its widest height.
+/// An egg-shaped crown about the z axis: half-ellipses above and below its widest height.
 struct Crown {
-  double base_m = 0;  ///< Height of its lowest point.
-  double top_m = 1;
-  double radius_m = 1;  ///< At the widest height.
-  double widest = 0.4;  ///< Fraction of the way from base to top.
-  double bare = 0.3;    ///< Fraction of the radius, about the axis, that shade keeps thin.
+  double base_m = 0;    ///< m; height of its lowest point.
+  double top_m = 1;     ///< m; height of its highest point.
+  double radius_m = 1;  ///< m; at the widest height.
+  double widest = 0.4;  ///< Widest height, as a fraction of the way from base to top.
+  double bare = 0.3;    ///< Fraction of the radius, about the axis, in which shade keeps branches
+                        ///< thin.
 
-  /// Radius (m) at height `z_m`, 0 outside.
+  /// Returns the radius (m) at height `z_m`, 0 outside the crown.
   double radius_at(double z_m) const;
 };
 
-/// Markers of free space in the crown, about `spacing_m` apart, in lumps a third of its size with
-/// gaps between them, as the light shapes them.
+/// Returns markers of free space in the crown (m), about `spacing_m` apart. They form lumps a third
+/// of the crown's size with gaps between them, as light shapes crowns.
 std::vector<Vec3> crown_markers(const Crown& crown, double spacing_m, Stream& random);
 
 }  // namespace underbrush::test_site

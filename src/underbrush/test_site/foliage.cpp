@@ -38,7 +38,7 @@ Leaf draw_leaf(const Vec3& at, const Vec3& twig, double roll, const Foliage& fol
 
 void add_wood(PlantMesh& plant, const Skeleton& skeleton, const std::vector<double>& radii) {
   const size_t n = skeleton.size();
-  // The thickest child carries the branch on; the others start branches of their own.
+  // The thickest child continues the branch; the others start branches of their own.
   std::vector<int32_t> main_child(n, -1), children(n, 0);
   for (size_t i = 0; i < n; ++i) {
     if (skeleton.parent[i] < 0) continue;
@@ -55,7 +55,8 @@ void add_wood(PlantMesh& plant, const Skeleton& skeleton, const std::vector<doub
     bool left_out = false;
     for (auto k = int32_t(i); k >= 0; k = main_child[size_t(k)]) {
       const auto at = size_t(k);
-      // Every other node of a thin unbranched twig may go: fewer triangles, same shape.
+      // In a thin unbranched twig every other node is left out, which saves triangles and keeps the
+      // shape.
       left_out = !left_out && !axis.empty() && children[at] == 1 && radii[at] < 0.006;
       if (!left_out) axis.push_back({skeleton.position[at], radii[at]});
     }

@@ -15,8 +15,8 @@ void check(const GrassParameters& p) {
           "grass: impossible size");
 }
 
-// A quadratic Bézier curve from the root over a point above it to the tip; narrower towards the
-// tip.
+// Adds a blade along a quadratic Bézier curve from the root over a point above it to the tip; it
+// narrows towards the tip.
 void add_blade(PlantMesh& plant, const GrassParameters& p, const Vec3& root, double azimuth,
                Stream& random) {
   const double height_m = p.height_m * (1 + 0.2 * std::clamp(random.normal(), -3.0, 3.0));
@@ -42,7 +42,7 @@ void add_blade(PlantMesh& plant, const GrassParameters& p, const Vec3& root, dou
   plant.add_triangle(left, right, plant.add_vertex(tip), Part::kBlade);
 }
 
-// A blade of a tussock roots near its middle and leans away from it.
+// Adds a blade that roots near the middle of its tussock and leans away from it.
 void add_tussock_blade(PlantMesh& plant, const GrassParameters& p, const Vec3& middle,
                        Stream& random) {
   const double azimuth = random.uniform(0, 2 * M_PI);

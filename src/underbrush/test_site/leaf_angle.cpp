@@ -54,7 +54,8 @@ double leaf_angle_quantile(LeafAngle angles, double u) {
   return 0.5 * (low + high);
 }
 
-// Mean over azimuth of |cos| between a leaf normal at zenith t and a beam at zenith b, then over g.
+// Averages |cos| between a leaf normal at zenith t and a beam at zenith b over the azimuth, then
+// over g.
 double leaf_projection(LeafAngle angles, double beam_zenith_rad) {
   const double cos_b = std::abs(std::cos(beam_zenith_rad)), sin_b = std::sin(beam_zenith_rad);
   constexpr int kSteps = 2000;

@@ -1,5 +1,6 @@
 /// \file
-/// A plant as triangles that know which part of it they are, and the shapes it is built from.
+/// A plant as triangles with the part of the plant they belong to, and the shapes that plants are
+/// built from.
 #pragma once
 #include <Eigen/Geometry>
 #include <cstdint>
@@ -10,13 +11,13 @@
 
 namespace underbrush::test_site {
 
-/// What a triangle is made of (reflectance differs).
+/// The part of a plant, or the ground, that a triangle belongs to. Their reflectances differ.
 enum class Part : uint8_t { kGround, kWood, kLeaf, kBlade };
 
 /// Opaque triangles (p = 1) at the identity pose: base at the origin, z up.
 struct PlantMesh {
   elements::TriangleMesh mesh;
-  std::vector<Part> part;  ///< One per triangle.
+  std::vector<Part> part;  ///< One for each triangle.
 
   uint32_t add_vertex(const Vec3& v) {
     mesh.vertices.push_back(v.cast<float>());
@@ -29,26 +30,26 @@ struct PlantMesh {
   }
 };
 
-/// One point of a tube's axis.
+/// A point of the axis of a tube.
 struct TubePoint {
   Vec3 centre;
   double radius_m;
 };
 
-/// A tube of wood along the axis, open at its first point and drawn to a point at its last. At
-/// least two points, no two neighbours equal.
+/// Adds a tube of wood along the axis, open at its first point and tapered to a tip at its last.
+/// The axis must have at least two points, and neighbours must differ.
 void add_tube(PlantMesh& plant, std::span<const TubePoint> axis, int sides);
 
-/// A flat kite of two triangles and area length·width/2 from `base` along the unit vector `axis`;
-/// `normal` is a unit vector orthogonal to it.
+/// Adds a flat kite of two triangles and area length·width/2 from `base` along the unit vector
+/// `axis`. `normal` is a unit vector orthogonal to it.
 void add_leaf(PlantMesh& plant, const Vec3& base, const Vec3& axis, const Vec3& normal,
               double length_m, double width_m);
 
-/// One-sided area (m²) of a triangle.
+/// Returns the one-sided area (m²) of a triangle.
 double triangle_area(const elements::TriangleMesh& mesh, size_t triangle);
-/// Total one-sided area (m²) of the triangles of one part.
+/// Returns the total one-sided area (m²) of the triangles of one part.
 double part_area(const PlantMesh& plant, Part part);
-/// Of the vertices; empty for an empty mesh.
+/// Returns the bounding box of the vertices; empty for an empty mesh.
 Eigen::AlignedBox3d bounds(const elements::TriangleMesh& mesh);
 
 }  // namespace underbrush::test_site

@@ -19,7 +19,7 @@ struct Recipe {
   std::function<PlantMesh(uint64_t)> make;
 };
 
-/// Factors between 1 / variation and variation, evenly by their logarithm.
+/// Draws factors between 1 / variation and variation, uniformly in the logarithm.
 class Habit {
  public:
   Habit(double variation, uint64_t seed) : reach_(std::log(variation)), random_(seed) {}

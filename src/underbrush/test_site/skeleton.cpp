@@ -9,11 +9,12 @@ namespace {
 
 struct Marker {
   Vec3 at;
-  int32_t node = -1;  // Nearest.
+  int32_t node = -1;  // Nearest node.
   double square = std::numeric_limits<double>::infinity();
 };
 
-// Lets nodes [begin, end) compete for the markers; removes those reached.
+// Assigns the markers to the nearest node, with [begin, end) as new candidates, and removes those
+// reached.
 void update(std::vector<Marker>& markers, const Skeleton& skeleton, size_t begin,
             double reached_m) {
   for (Marker& m : markers) {
@@ -62,7 +63,8 @@ void grow_into(Skeleton& skeleton, std::vector<Vec3> points, const GrowthOptions
       }
       if (to.norm() < 1e-3) continue;
       to.normalize();
-      // A node drawn twice the same way is caught between two markers: it has done what it can.
+      // A node attracted twice in the same direction is caught between two markers and stops
+      // growing.
       if (last_step[i].dot(to) > 0.95) continue;
       last_step[i] = to;
       skeleton.add(skeleton.position[i] + options.step_m * to, int32_t(i));

@@ -10,15 +10,16 @@
 namespace underbrush::test_site {
 namespace {
 
-constexpr double kCut = 0.08;  // Depth of the track, m.
+constexpr double kCut = 0.08;  // m; depth of the track.
 
-// 1 at 0, 0 at 1 and beyond, smooth.
+// Falls smoothly from 1 at 0 to 0 at 1 and beyond.
 double fade(double t) {
   t = std::clamp(t, 0.0, 1.0);
   return 1 - t * t * (3 - 2 * t);
 }
 
-// Waves of random direction, wavelength spread evenly over octaves, height in proportion to length.
+// Draws waves with random directions, wavelengths spread evenly over octaves, and heights in
+// proportion to their lengths.
 template <class Waves>
 void draw(Waves& waves, double shortest_m, double longest_m, double sigma_m, Stream& random) {
   double power = 0;
@@ -80,7 +81,7 @@ double Terrain::track_slope(double x) const {
 }
 
 double Terrain::distance_to_track(double x, double y) const {
-  double u = x;  // Abscissa of the nearest point: Gauss–Newton.
+  double u = x;  // Abscissa of the nearest point, by Gauss–Newton.
   for (int i = 0; i < 4; ++i) {
     const double slope = track_slope(u);
     u -= ((u - x) + (track_y(u) - y) * slope) / (1 + slope * slope);

@@ -1,5 +1,5 @@
 /// \file
-/// The ground of the test site: rolling relief with a track through it.
+/// The ground of the test site: hilly relief with a track through it.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -8,37 +8,43 @@
 
 namespace underbrush::test_site {
 
-/// Extent and shape of the ground.
+/// Parameters of `Terrain`.
 struct TerrainParameters {
-  double size_x_m = 60;  ///< The site is centred at the origin; the track crosses it along x.
+  double size_x_m = 60;  ///< m; the site is centred at the origin, and the track crosses it along
+                         ///< x.
   double size_y_m = 40;
-  double relief_m = 0.7;       ///< Standard deviation of the height.
-  double slope = 0.04;         ///< Of the mean plane, towards a direction drawn from the seed.
-  double roughness_m = 0.015;  ///< Standard deviation of the part shorter than 3 m, off the track.
+  double relief_m = 0.7;  ///< m; standard deviation of the height.
+  double slope = 0.04;    ///< Slope of the mean plane, towards a direction drawn from the seed.
+  double roughness_m = 0.015;  ///< m; standard deviation of the waves shorter than 3 m, off the
+                               ///< track.
   double track_half_width_m = 1.5;
 };
 
-/// A height field over the whole plane, smooth, with wavelengths in [0.8, 45] m; on the track it is
-/// cut in by 8 cm and the short waves are damped.
+/// A smooth height field over the whole plane, with wavelengths in [0.8, 45] m. The track is cut in
+/// by 8 cm, and short waves are damped on it.
 class Terrain {
  public:
-  /// Throws `std::invalid_argument` on sizes that are not positive.
+  /// Throws `std::invalid_argument` for sizes that are not positive or deviations that are
+  /// negative.
   Terrain(const TerrainParameters& parameters, uint64_t seed);
 
   const TerrainParameters& parameters() const { return parameters_; }
-  /// m.
+  /// Returns the height (m) at (x, y).
   double height(double x, double y) const;
-  /// Unit, upwards.
+  /// Returns the unit normal at (x, y), which points upwards.
   Vec3 normal(double x, double y) const;
 
-  /// y (m) of the track's middle line at x; it meanders over a quarter of the site's width.
+  /// Returns y (m) of the track's middle line at x. The track meanders over a quarter of the site's
+  /// width.
   double track_y(double x) const;
-  /// dy/dx of the middle line.
+  /// Returns dy/dx of the middle line at x.
   double track_slope(double x) const;
-  /// Distance (m) to the middle line.
+  /// Returns the distance (m) from (x, y) to the middle line.
   double distance_to_track(double x, double y) const;
 
-  /// The ground within `margin_m` around the site as a grid of triangles of side `spacing_m`.
+  /// Returns the ground of the site and of `margin_m` around it as a grid of triangles of side
+  /// `spacing_m`. Throws `std::invalid_argument` for a spacing that is not positive, a negative
+  /// margin, or 10⁹ cells and more.
   elements::TriangleMesh mesh(double spacing_m, double margin_m) const;
 
  private:

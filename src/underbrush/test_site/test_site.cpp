@@ -23,7 +23,7 @@ struct Spot {
   double x, y, yaw, scale;
 };
 
-// Where plants may stand, and those that stand already.
+// Places plants where they may stand, and keeps those that stand already.
 class Planter {
  public:
   explicit Planter(Site& site) : site_(site) {}
@@ -58,7 +58,7 @@ class Planter {
     trunks_.insert(trunks_.end(), standing.begin(), standing.end());
   }
 
-  // Grass on a jittered grid with the probability `density` (of x, y and the distance to the
+  // Sows grass on a jittered grid with the probability `density` (of x, y and the distance to the
   // track's edge).
   template <class Density>
   void sow(PrototypeRange range, double per_m2, const Density& density, uint64_t seed) {
@@ -77,7 +77,7 @@ class Planter {
   }
 
  private:
-  // The `nth` plant takes the range's prototypes in turn.
+  // Draws a placement; the `nth` plant takes the range's prototypes in turn.
   static Spot draw(PrototypeRange range, size_t nth, double x, double y, Stream& random) {
     Spot spot{range.begin + uint32_t(nth % (range.end - range.begin)), x, y, 0, 0};
     spot.yaw = random.uniform(0, 2 * M_PI);
@@ -85,13 +85,13 @@ class Planter {
     return spot;
   }
 
-  // Gap (m) between a plant's crown and the edge of the track.
+  // Returns the gap (m) between a plant's crown and the edge of the track.
   double beside_track(const Spot& s) const {
     return site_.terrain.distance_to_track(s.x, s.y) - site_.parameters.terrain.track_half_width_m -
            s.scale * site_.prototypes[s.prototype].radius_m;
   }
 
-  // The foot goes to the lowest ground within `foot_m`, so that no slope lifts it.
+  // Places a plant with its foot on the lowest ground within `foot_m`, so that no slope lifts it.
   void plant(const Spot& s, double foot_m, elements::Class label) {
     double z = site_.terrain.height(s.x, s.y);
     for (int k = 0; k < 4; ++k) {
@@ -107,7 +107,7 @@ class Planter {
   std::vector<Vec3> trunks_;
 };
 
-// Patches of meadow 5 to 15 m across: positive where grass stands high.
+// Patches of meadow 5 to 15 m across; the value is positive where grass stands high.
 class Meadows {
  public:
   explicit Meadows(uint64_t seed) {
@@ -127,7 +127,7 @@ class Meadows {
   std::array<Vec3, 6> waves_;
 };
 
-// Appends a placed plant's triangles at their places in the flat world.
+// Writes the triangles of a placed plant to their places in the flat world.
 void place(const Site& site, const Placement& p, size_t vertex, size_t triangle, FlatSite& flat) {
   const PlantMesh& plant = site.prototypes[p.prototype].plant;
   elements::TriangleMesh& surface = flat.model.surface;

@@ -1,5 +1,6 @@
 /// \file
-/// A generated off-road site whose truth is known to the leaf: what `underbrush demo` scans.
+/// A generated off-road site whose truth is known down to the single leaf; `underbrush demo` scans
+/// it.
 #pragma once
 #include <string>
 #include <vector>
@@ -10,19 +11,19 @@
 #include "underbrush/test_site/terrain.hpp"
 
 namespace underbrush {
-/// Scenes: generated sites and plants of fine triangles.
+/// Generated sites, and plants made of fine triangles.
 namespace test_site {
 
-/// What the site holds.
+/// Parameters of a site.
 struct SiteParameters {
   TerrainParameters terrain;
   DriveParameters drive;
-  int trees = 25;              ///< 4 to 15 m high.
-  int shrubs = 80;             ///< 0.3 to 3 m high.
-  double tussocks_per_m2 = 4;  ///< Where tall grass stands.
-  double mowed_per_m2 = 3;     ///< Tufts of short grass on the verges.
-  double ground_spacing_m = 0.25;
-  double ground_margin_m = 10;  ///< Bare ground around the site.
+  int trees = 25;                  ///< Number of trees, 4 to 15 m high.
+  int shrubs = 80;                 ///< Number of shrubs, 0.3 to 3 m high.
+  double tussocks_per_m2 = 4;      ///< Density where tall grass stands.
+  double mowed_per_m2 = 3;         ///< Tufts of short grass on the verges.
+  double ground_spacing_m = 0.25;  ///< m; spacing of the ground mesh.
+  double ground_margin_m = 10;     ///< m; width of the bare ground around the site.
   uint64_t seed = 1;
 };
 
@@ -30,40 +31,42 @@ struct SiteParameters {
 struct Prototype {
   std::string name;
   PlantMesh plant;
-  double height_m = 0;  ///< Of its highest vertex.
-  double radius_m = 0;  ///< Of the vertical cylinder about the origin that holds it.
+  double height_m = 0;  ///< m; height of its highest vertex.
+  double radius_m = 0;  ///< m; radius of the vertical cylinder about the origin that holds it.
 };
 
-/// A prototype in the world: x ↦ pose · (scale · x).
+/// A prototype placed in the world: x ↦ pose · (scale · x).
 struct Placement {
   uint32_t prototype = 0;
-  Pose world_from_plant;  ///< Upright; turned about z only.
+  Pose world_from_plant;  ///< Upright: turned about z only.
   double scale = 1;
-  elements::Class label = elements::Class::kUnknown;  ///< By the height as placed.
-  uint32_t instance = 0;                              ///< From 1; 0 is the ground.
+  elements::Class label = elements::Class::kUnknown;  ///< Class of the height as placed.
+  uint32_t instance = 0;                              ///< Counts from 1; 0 is the ground.
 };
 
-/// The site in parts: plants are prototypes placed many times.
+/// A site in parts: its plants are prototypes that are placed many times.
 struct Site {
   SiteParameters parameters;
   Terrain terrain;
   std::vector<Prototype> prototypes;
   std::vector<Placement> placements;
-  Trajectory world_from_sensor;  ///< The drive.
+  Trajectory world_from_sensor;  ///< The drive of the sensor.
 };
 
-/// The same site for the same parameters on any number of threads. Trees and shrubs keep clear of
-/// the track with their whole crown; where there is no room left, fewer are placed than asked for.
+/// Makes a site; the same parameters give the same site on any number of threads. The crowns of
+/// trees and shrubs keep clear of the track. Where no room is left, fewer plants are placed than
+/// asked for. Throws `std::invalid_argument` for negative numbers of plants, and as `Terrain` and
+/// `drive` do.
 Site make_site(const SiteParameters& parameters);
 
-/// The site as one world of opaque triangles, and whose each of them is.
+/// A site as one world of opaque triangles, with the class, instance and part of each triangle.
 struct FlatSite {
-  elements::Model model;               ///< `ground` and `surface`, no ellipsoids.
-  std::vector<elements::Class> label;  ///< One per element of the model, in its numbering.
-  std::vector<uint32_t> instance;      ///< Likewise; 0 for ground.
-  std::vector<Part> part;              ///< Likewise.
+  elements::Model model;               ///< Has `ground` and `surface`, but no ellipsoids.
+  std::vector<elements::Class> label;  ///< One for each element of the model, in its numbering.
+  std::vector<uint32_t> instance;      ///< One for each element of the model; 0 for the ground.
+  std::vector<Part> part;              ///< One for each element of the model.
 };
-/// Every placement as triangles of its own.
+/// Turns a site into one model, with every placement as triangles of its own.
 FlatSite flatten(const Site& site);
 
 }  // namespace test_site

@@ -16,7 +16,8 @@ Vec3 direction(double azimuth, double elevation) {
           std::sin(elevation)};
 }
 
-// A trunk that leans and wavers a little; indices of its nodes from the foot to the top.
+// Adds a trunk that leans and wavers a little. Returns the indices of its nodes from the foot to
+// the top.
 std::vector<int32_t> add_trunk(Skeleton& skeleton, double height_m, double step_m, double waver,
                                Stream& random) {
   std::vector<int32_t> trunk = {skeleton.add(Vec3::Zero(), -1)};
@@ -45,7 +46,8 @@ Skeleton broadleaf(const TreeParameters& p, Stream& random) {
   const int limbs = 7 + int(random.below(4));
   double azimuth = random.uniform(0, 2 * M_PI);
   for (int i = 0; i < limbs; ++i) {
-    const double up = (i + random.uniform(0, 0.7)) / limbs;  // From the crown's base upwards.
+    // Fraction of the way up from the crown's base.
+    const double up = (i + random.uniform(0, 0.7)) / limbs;
     const double z = p.crown_base_m + 0.55 * up * crown_m;
     const size_t k =
         size_t(z / skeleton.position[size_t(trunk.back())].z() * double(trunk.size() - 1));
@@ -60,7 +62,7 @@ Skeleton broadleaf(const TreeParameters& p, Stream& random) {
   return skeleton;
 }
 
-// Side twigs of one branch of a conifer, alternating left and right.
+// Adds side twigs to one branch of a conifer, alternating left and right.
 void add_side_twigs(Skeleton& skeleton, int32_t tip, int32_t foot, double length_m, double step_m,
                     Stream& random) {
   std::vector<int32_t> nodes;
@@ -107,8 +109,8 @@ Skeleton conifer(const TreeParameters& p, Stream& random) {
   return skeleton;
 }
 
-// Which segments bear leaves: the outer twigs; on a conifer all but the stem and the shaded inner
-// part.
+// Tells which segments bear leaves: the outer twigs, and on a conifer all but the stem and the
+// shaded inner part.
 std::vector<bool> leafy_segments(const TreeParameters& p, const Skeleton& skeleton) {
   std::vector<bool> leafy = twigs(skeleton, 8);
   for (size_t i = 0; p.species == Species::kConifer && i < skeleton.size(); ++i) {
@@ -158,7 +160,7 @@ PlantMesh tree(const TreeParameters& p, uint64_t seed) {
   const Skeleton skeleton = tree_skeleton(p, random);
   const std::vector<uint32_t> tips = carried_tips(skeleton);
   std::vector<double> radii = pipe_radii(tips, p.trunk_radius_m, kTwigRadius);
-  for (size_t i = 0; i < radii.size(); ++i) {  // The bare stem tapers, its foot flares.
+  for (size_t i = 0; i < radii.size(); ++i) {  // The bare stem tapers, and its foot flares.
     const double z = std::max(0.0, skeleton.position[i].z());
     const double flare = tips[i] == tips[0] ? 0.4 * std::exp(-z / 0.15) : 0;
     radii[i] =

@@ -1,35 +1,39 @@
 /// \file
-/// Trees.
+/// Meshes of trees.
 #pragma once
 #include "underbrush/test_site/foliage.hpp"
 
 namespace underbrush::test_site {
 
-/// The two habits of growth.
+/// The two growth forms of trees.
 enum class Species : uint8_t {
-  kBroadleaf,  ///< Limbs at the golden angle, twigs by space colonisation of a lumpy crown.
+  kBroadleaf,  ///< Limbs at the golden angle, and twigs by space colonisation of a lumpy crown.
   kConifer,    ///< One straight stem with whorls of drooping branches.
 };
 
-/// Lengths are those of the whole plant, leaves included, to within a few per cent.
+/// Parameters of a tree. Lengths are those of the whole plant with its leaves, to within a few per
+/// cent.
 struct TreeParameters {
   Species species = Species::kBroadleaf;
   double height_m = 9;
   double crown_radius_m = 2.2;
-  double crown_base_m = 2;       ///< Height of the lowest branches.
-  double trunk_radius_m = 0.13;  ///< At the foot, above the flare of the roots.
-  double twig_spacing_m = 0.3;   ///< Distance between neighbouring twigs: how finely it branches.
+  double crown_base_m = 2;       ///< m; height of the lowest branches.
+  double trunk_radius_m = 0.13;  ///< m; at the foot, above the flare of the roots.
+  double twig_spacing_m = 0.3;   ///< m; distance between neighbouring twigs, which says how finely
+                                 ///< the tree branches.
   Foliage foliage;
 };
 
-/// A tree of typical proportions: crown, trunk and leaf area (leaf area index `lai` over the
-/// crown's disc) from its height; leaves of 8 cm, or shoots of 11 × 3 cm.
+/// Returns the parameters of a tree of typical proportions: crown, trunk and leaf area (leaf area
+/// index `lai` over the crown's disc) follow from its height; leaves are 8 cm long, shoots 11 × 3
+/// cm.
 TreeParameters typical_tree(Species species, double height_m, double lai = 3);
 
-/// The mesh at the identity pose. Throws `std::invalid_argument` on impossible sizes.
+/// Returns a tree at the identity pose. Throws `std::invalid_argument` for sizes that are too
+/// small, or a crown that does not begin between ground and top.
 PlantMesh tree(const TreeParameters& parameters, uint64_t seed);
 
-/// The branches alone.
+/// Returns the branches of a tree, without wood and leaves.
 Skeleton tree_skeleton(const TreeParameters& parameters, Stream& random);
 
 }  // namespace underbrush::test_site
