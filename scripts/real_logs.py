@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Hybrid against surface mesh on real logs: import, fit on half, simulate and score the other half.
+"""Ellipsoids against surface mesh on real logs: import, fit on half, simulate and score the other half.
 
     scripts/real_logs.py DATA WORK [--program build/bin/underbrush] [--only NAME ...]
                          [--models NAME ...] [--reuse] [--folds K] [--markdown FILE]
 
-sharp is share/configs/likelihood-sharp.yaml. The models tuned and tuned_nll are the hybrid with what
-optimize found on a slice of the training half. mesh_primitives is a scene of plant meshes, not a model.
+default is fit without options, sharp is share/configs/likelihood-sharp.yaml. tuned and tuned_nll are the
+default with what optimize found on a slice of the training half. mesh_primitives is a scene of plant meshes,
+not a model.
 
 DATA is a folder with the logs named in LOGS below (KITTI drives packed by its frames.py, which needs
 NumPy, or unpacked). WORK receives all intermediate files. Prints one Markdown table row a log and
@@ -31,7 +32,7 @@ LOGS = {
                     ["--columns", "2"], []),
 }
 CONFIGS = pathlib.Path(__file__).resolve().parent.parent / "share/configs"
-FITTERS = {"hybrid": ["--fitter", "hierarchical"], "surface": ["--fitter", "surface"],
+FITTERS = {"default": ["--fitter", "hierarchical"], "surface": ["--fitter", "surface"],
            "surface_paper": ["--config", CONFIGS / "vegetation-surface-mobile.yaml"],
            "surface_carved": ["--fitter", "surface", "--surface-carve"],
            "sharp": ["--config", CONFIGS / "likelihood-sharp.yaml"],
@@ -46,7 +47,7 @@ FITTERS = {"hybrid": ["--fitter", "hierarchical"], "surface": ["--fitter", "surf
 # as to keep the time within bounds; the others are shorter than 10 s).
 TUNED = {"tuned": ["--objective", "packet_f1"], "tuned_nll": ["--objective", "nll"]}
 SLICES = {"kitti_0027_forest": ["--slice", "0", "4"]}
-DEFAULT = ["hybrid", "sharp", "surface", "surface_paper", "surface_carved"]
+DEFAULT = ["default", "sharp", "surface", "surface_paper", "surface_carved"]
 COLUMNS = [("packet_error_m", "packet error, m", 3), ("precision", "precision", 4),
            ("recall", "recall", 4), ("f1", "F1", 4), ("cloud_error_m", "cloud error, m", 4),
            ("median_range_error_m", "median range error, m", 3), ("nll_per_beam", "NLL/beam", 3),

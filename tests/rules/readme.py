@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
-"""The commands of README.md run. A comment before a fenced block says how:
+"""The commands of one page (--page FILE) are run. A comment before a fenced block says how:
 
-  <!-- run -->         this block, with bash, in one temporary folder for all blocks, the program in PATH
-  <!-- run: make -->   lines `make TARGET`: the target exists (make -n); .ci/run and people run it
-  <!-- run: hidden     ... commands on the following lines, hidden from the reader, that put small data
-                       where the blocks expect the demo's; $SOURCE is the repository; exit status 77
-                       skips the rest and says so -->
-Every block of sh or console must carry one of these, or <!-- no run: REASON -->."""
+  <!-- run -->         this block, with bash, in one temporary folder for all blocks of the page. The PATH
+                       begins with the program's folder, and $SOURCE is the repository.
+  <!-- run: make -->   lines `make TARGET`: it is checked that the target exists (make -n)
+  <!-- run: hidden     commands on the following lines, which the reader does not see: they put small data
+                       where the blocks expect large ones. Exit status 77 skips the rest of the page. -->
+  <!-- no run: REASON -->   this block is not run.
+
+Every block of sh or console carries one of these marks."""
 import argparse
 import os
 import pathlib
@@ -37,7 +39,7 @@ def steps(text):
     return out
 
 
-def complaints(text, source, bin_folder):
+def complaints(text, source, bin_folder, page="the page"):
     found, ran = [], 0
     environment = dict(os.environ, SOURCE=str(source))
     environment["PATH"] = f"{bin_folder}{os.pathsep}{environment['PATH']}"
@@ -60,7 +62,7 @@ def complaints(text, source, bin_folder):
                                       env=environment, text=True, stdin=subprocess.DEVNULL,
                                       stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
                 if done.returncode == 77:
-                    print("skipped: README.md's commands from here on:", script.splitlines()[0])
+                    print(f"skipped: the commands of {page} from here on:\n{done.stdout}")
                     sys.exit(77)
                 if done.returncode:
                     found.append(f"exit status {done.returncode}:\n{done.stdout}")
@@ -78,7 +80,7 @@ GOOD = ("<!-- run: hidden\necho 1 > a\n-->\n<!-- run: make -->\n```sh\nmake help
 if __name__ == "__main__":
     parser = argparse.ArgumentParser()
     parser.add_argument("--program", required=True, type=pathlib.Path)
-    parser.add_argument("--readme", default=rules.ROOT / "README.md", type=pathlib.Path)
+    parser.add_argument("--page", default=rules.ROOT / "README.md", type=pathlib.Path)
     options = parser.parse_args()
     bin_folder = options.program.resolve().parent
     for bad, word in BAD:
@@ -87,6 +89,6 @@ if __name__ == "__main__":
     wrong = complaints(GOOD, rules.ROOT, bin_folder)
     if wrong:
         sys.exit(f"this check is wrong: {wrong}")
-    lines = complaints(options.readme.read_text(), rules.ROOT, bin_folder)
+    lines = complaints(options.page.read_text(), rules.ROOT, bin_folder, options.page)
     print("\n".join(lines))
     sys.exit(1 if lines else 0)
