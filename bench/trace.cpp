@@ -11,7 +11,7 @@
 #include <optional>
 
 #include "embree.hpp"
-#include "svg_plot.hpp"
+#include "report/svg_plot.hpp"
 #include "timing.hpp"
 #include "trace_scenes.hpp"
 #include "underbrush/core/parallel.hpp"
@@ -257,7 +257,7 @@ Json summary(const Json& cases, size_t middle) {
 
 /// Rays a second a core against the number of ellipsoids, of the dense forest.
 void plot(const Json& cases, const std::string& file) {
-  app::SvgPlot out("Dense forest, HDL-64E beams in firing order (Embree: ordered)",
+  report::SvgPlot out("Dense forest, HDL-64E beams in firing order (Embree: ordered)",
                    "log10 of the number of ellipsoids", "million rays/s a core");
   const std::vector<std::pair<const char*, const char*>> ways{
       {"ours_avx512", "#0a7d33"},         {"ours_avx2", "#4cb86a"},
@@ -272,7 +272,7 @@ void plot(const Json& cases, const std::string& file) {
   out.x_axis(4, last + 0.7);
   out.y_axis(0, most);
   for (const auto& [name, colour] : ways) {
-    app::SvgPlot::Points points;
+    report::SvgPlot::Points points;
     for (const Json& c : cases) {
       if (c["scene"] != "forest" || c["sub_rays"] != 1 || rate_of(c, name) == 0) continue;
       points.emplace_back(std::log10(c["elements"].get<double>()), 1e-6 * rate_of(c, name));

@@ -14,6 +14,7 @@ model; a log that is absent is skipped with one line.
 """
 import argparse
 import json
+import os
 import pathlib
 import subprocess
 import sys
@@ -31,6 +32,7 @@ LOGS = {
     "marv_forest": ("marv_forest/1727353472_601360559.npz", ["--unknown-below-deg", "-13"],
                     ["--columns", "2"], []),
 }
+SCENE_SCRIPT = pathlib.Path(__file__).resolve().parent / "mesh_primitives.sh"
 CONFIGS = pathlib.Path(__file__).resolve().parent.parent / "share/configs"
 FITTERS = {"default": ["--fitter", "hierarchical"], "surface": ["--fitter", "surface"],
            "surface_paper": ["--config", CONFIGS / "vegetation-surface-mobile.yaml"],
@@ -38,7 +40,7 @@ FITTERS = {"default": ["--fitter", "hierarchical"], "surface": ["--fitter", "sur
            "sharp": ["--config", CONFIGS / "likelihood-sharp.yaml"],
            "voxel": ["--fitter", "voxel", "--voxel-side", "0.3"],
            "top_down": ["--fitter", "top_down"], "bottom_up": ["--fitter", "bottom_up"],
-           "mesh_primitives": ["--fitter", "mesh_primitives"],
+           "mesh_primitives": None,  # scripts/mesh_primitives.sh
            "likelihood": ["--fitter", "likelihood"],
            "likelihood_voxel": ["--fitter", "likelihood", "--start", "voxel", "--voxel-side", "0.3"],
            "likelihood_top_down": ["--fitter", "likelihood", "--start", "top_down"],
@@ -95,8 +97,11 @@ def score(program, work, name, models):
     train, test = work / "train.ply", work / "test.ply"
     words = ["score", test]
     for label in models:
-        fitter = fit_options(program, work, name, label)
-        run(program, "fit", train, *fitter, *fit, "-o", work / label)
+        if label == "mesh_primitives":
+            subprocess.run([SCENE_SCRIPT, train, work / label, *fit], check=True, stdout=subprocess.DEVNULL,
+                           env={**os.environ, "UNDERBRUSH": str(program)})
+        else:
+            run(program, "fit", train, *fit_options(program, work, name, label), *fit, "-o", work / label)
         run(program, "simulate", work / label, "--like", test, "-o", work / f"{label}.ply")
         words += [work / f"{label}.ply", "--model", work / label, "--name", label]
     run(program, *words, "--json", work / "score.json", "--report", work / "report")

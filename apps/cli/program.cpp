@@ -43,6 +43,8 @@ void clean_up_on_signals(const std::string& program) {
 
 }  // namespace
 
+std::string version() { return UNDERBRUSH_VERSION; }
+
 Program::Program(const std::string& name, const std::string& summary) : app_(summary, name) {
   app_.set_version_flag("--version", name + " " UNDERBRUSH_VERSION);
   app_.formatter(std::make_shared<HelpFormatter>());

@@ -7,6 +7,9 @@
 
 namespace underbrush::app {
 
+/// The version of the program, such as "0.1.0".
+std::string version();
+
 /// A program and its options or verbs.
 class Program {
  public:

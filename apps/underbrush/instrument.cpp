@@ -187,7 +187,7 @@ radiometry::Materials materials_of(const InstrumentArguments& a) {
   for (const std::string& word : a.material) {
     const size_t equals = word.find('=');
     require(equals != std::string::npos && elements::class_from_name(word.substr(0, equals)),
-            "simulate: --material takes CLASS=MATERIAL with a class of docs/formats.md");
+            "simulate: --material takes CLASS=MATERIAL with a class that `info` names");
     const std::string label = word.substr(0, equals), name = word.substr(equals + 1);
     m.named(name);  // throws where there is none
     std::erase_if(m.of_class, [&](const auto& entry) { return entry.first == label; });

@@ -1,8 +1,13 @@
 /// All verbs of the command line, one `cmd_*.cpp` each.
 #pragma once
+#include "cli/completion.hpp"
+#include "cli/config.hpp"
 #include "cli/verb.hpp"
 
 namespace underbrush::app {
+
+inline constexpr const char* kSummary =
+    "Underbrush: a lidar simulator learnt from logs of off-road terrain.";
 
 void add_demo(Program& program);
 void add_import(Program& program);
@@ -19,8 +24,9 @@ void add_sensors(Program& program);
 void add_simulate(Program& program);
 void add_score(Program& program);
 
-/// In the order of the stages.
+/// Adds all verbs, in the order of the stages.
 inline void add_all_verbs(Program& program) {
+  program.app().require_subcommand(1);
   add_demo(program);
   add_import(program);
   add_info(program);
@@ -35,6 +41,8 @@ inline void add_all_verbs(Program& program) {
   add_sensors(program);
   add_simulate(program);
   add_score(program);
+  add_dump_config(program);
+  add_completion(program);
 }
 
 }  // namespace underbrush::app

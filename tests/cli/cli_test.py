@@ -20,23 +20,25 @@ GOLDEN = pathlib.Path(__file__).parent / "golden"
 PROGRAM = None
 
 
-def call(*words, cwd=None):
+def call(*words, cwd=None, program=None):
     # A terminal's width or language must not change what is compared.
     environment = {k: v for k, v in os.environ.items() if k not in ("COLUMNS", "LANG", "LC_ALL")}
-    return subprocess.run([PROGRAM, *map(str, words)], cwd=cwd, env=environment, text=True,
+    return subprocess.run([program or PROGRAM, *map(str, words)], cwd=cwd, env=environment, text=True,
                           stdin=subprocess.DEVNULL, capture_output=True, check=False, timeout=120)
 
 
 def verbs():
     """The verbs that the root's help lists."""
-    listed = call("--help").stdout.partition("Subcommands:\n")[2]
-    return re.findall(r"^  ([a-z][a-z-]*) ", listed, re.MULTILINE)
+    return re.findall(r"^  ([a-z][a-z-]*) ", call("--help").stdout, re.MULTILINE)
 
 
 def help_texts():
-    """{golden file: help text} of the root and of each verb."""
+    """{golden file: help text} of the root and of each verb, and all options of a verb that hides some."""
     texts = {"underbrush.txt": call("--help").stdout}
-    texts.update({f"{verb}.txt": call(verb, "--help").stdout for verb in verbs()})
+    for verb in verbs():
+        texts[f"{verb}.txt"] = usual = call(verb, "--help").stdout
+        if "more options:" in usual:
+            texts[f"{verb}.all.txt"] = call(verb, "--help-all").stdout
     return texts
 
 
@@ -56,9 +58,30 @@ class Help(unittest.TestCase):
         for name in sorted(set(texts) | set(golden)):
             changes += difflib.unified_diff(golden.get(name, "").splitlines(),
                                             texts.get(name, "").splitlines(),
-                                            f"golden/{name}", f"--help of {name[:-4]}", lineterm="")
+                                            f"golden/{name}", f"help of {name[:-4]}", lineterm="")
         if changes:
             self.fail("\n".join(changes) + "\nIf that is meant: tests/cli/cli_test.py --update")
+
+    def test_help_fits_on_a_screen(self):
+        for name, text in help_texts().items():
+            with self.subTest(name):
+                self.assertLessEqual(max(map(len, text.splitlines())), 80)
+                if ".all." not in name:
+                    self.assertLessEqual(len(text.splitlines()), 60 if name == "underbrush.txt" else 48)
+        self.assertLessEqual(len(call("fit", "--help").stdout.splitlines()), 40)
+
+    def test_all_options_are_in_the_help_of_all(self):
+        for verb in verbs():
+            with self.subTest(verb):
+                usual, everything = (set(re.findall(r"^  (?:-\w, )?(--[a-z-]+)", call(verb, h).stdout, re.MULTILINE))
+                                     for h in ("--help", "--help-all"))
+                self.assertLessEqual(usual, everything)
+                hidden = re.search(r"^(\d+) more options", call(verb, "--help").stdout, re.MULTILINE)
+                self.assertEqual(len(everything - usual), int(hidden.group(1)) if hidden else 0)
+
+    def test_the_root_groups_its_verbs_by_stage(self):
+        stages = re.findall(r"^(\w+):$", call("--help").stdout, re.MULTILINE)
+        self.assertEqual(stages, ["Options", "Start", "Logs", "Models", "Scenes", "Simulation", "Help"])
 
     def test_every_verb_shows_an_example_of_itself(self):
         for verb in verbs():
@@ -83,7 +106,7 @@ class Failing(unittest.TestCase):
         """One line on standard error, nothing on standard output, the exit code of the contract."""
         where = " ".join(map(str, done.args[1:]))
         self.assertEqual(done.returncode, code, f"{where}\n{done.stderr}")
-        self.assertRegex(done.stderr, r"\Aunderbrush: [^\n]+\n\Z", where)
+        self.assertRegex(done.stderr, r"\Aunderbrush(-study)?: [^\n]+\n\Z", where)
         self.assertEqual(done.stdout, "", where)
         for word in words:
             self.assertIn(word, done.stderr, where)
@@ -99,7 +122,7 @@ class WrongUsage(Failing):
         for verb in verbs():
             with self.subTest(verb):
                 self.assert_fails(call(verb, "--no-such-option"), 2, f"underbrush {verb} --help")
-                if "REQUIRED" in call(verb, "--help").stdout:
+                if not re.search(rf"Usage: underbrush {verb} \[", call(verb, "--help").stdout):
                     self.assert_fails(call(verb), 2)
 
     def test_of_the_common_options(self):
@@ -184,7 +207,6 @@ JOBS = {
     "compose": ["site.json", "primitives", "-o", "scene"],
     "simulate": ["model", "--like", "log.ply", "-o", "sim.ply"],
     "score": ["log.ply", "sim.ply", "--model", "model", "--report", "report"],
-    "study": ["list"],
 }
 
 
@@ -210,7 +232,7 @@ class OnALog(Failing):
 
 class Configuration(OnALog):
     def test_every_verb_has_a_job_here(self):
-        self.assertEqual(set(verbs()) - set(JOBS), {"demo", "dump-config", "sensors"})
+        self.assertEqual(set(verbs()) - set(JOBS), {"demo", "dump-config", "sensors", "completion"})
 
     def test_of_the_defaults_changes_nothing(self):
         for verb, words in JOBS.items():

@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
-"""The comparison simulator by its name, `mesh_primitives`: as a set of primitives and as a fitter."""
+"""The comparison simulator: the set of primitives `mesh_primitives`, and the script of four verbs."""
 import json
 import math
+import os
 import pathlib
+import subprocess
 
 import cli_test
 
-FIT = ["fit", "log.ply", "--fitter", "mesh_primitives"]
-# Options that the steps by hand share with the fitter; each finds other objects in the log.
+SCRIPT = pathlib.Path(__file__).resolve().parents[2] / "scripts/mesh_primitives.sh"
+# Options that the steps by hand share with the script; each finds other objects in the log.
 SHARED = ([], ["--tile", "16", "--min-range", "6.65"], ["--ground-method", "spherical_variance"])
 
 
@@ -33,6 +35,16 @@ class MeshPrimitives(cli_test.OnALog):
         self.assertEqual((done.returncode, done.stderr), (0, ""), words)
         return json.loads(done.stdout)
 
+    def script(self, *words):
+        environment = dict(os.environ, UNDERBRUSH=str(pathlib.Path(cli_test.PROGRAM).resolve()))
+        return subprocess.run([SCRIPT, *words], cwd=self.folder, env=environment, text=True,
+                              stdin=subprocess.DEVNULL, capture_output=True, check=False, timeout=120)
+
+    def make(self, scene, *words):
+        done = self.script("log.ply", scene, *words)
+        self.assertEqual((done.returncode, done.stderr), (0, ""), words)
+        return self.json_of("info", scene)
+
     def scene(self, name):
         folder = pathlib.Path(self.folder, name)
         return {str(p.relative_to(folder)): without_provenance(p) for p in folder.rglob("*") if p.is_file()}
@@ -49,21 +61,18 @@ class MeshPrimitives(cli_test.OnALog):
         (folder / "bush.obj").write_bytes(pathlib.Path(self.folder, "tree.obj").read_bytes())
         self.json_of("meshes", "large_shrub", "-o", name)
 
-    def test_the_fitter_is_the_chain_of_verbs(self):
+    def test_the_script_is_the_chain_of_verbs(self):
         counts = set()
         for words in SHARED:
-            site = self.annotate(*words)
-            by_hand = self.json_of("compose", "site.json", "mesh_primitives", "-o", "by-hand", "--seed", "3")
-            fitted = self.json_of(*FIT, "-o", "scene", "--seed", "3", *words)
-            counts.add(fitted["scene"]["instances"])
-            self.assertEqual(fitted["annotation"], site)
-            self.assertEqual(fitted["scene"], {k: v for k, v in by_hand.items() if k not in ("seconds", "warnings")})
+            self.annotate(*words)
+            self.json_of("compose", "site.json", "mesh_primitives", "-o", "by-hand", "--seed", "3")
+            counts.add(self.make("scene", "--seed", "3", *words)["instances"])
             self.assertEqual(self.scene("scene"), self.scene("by-hand"))
         self.assertEqual(len(counts), len(SHARED), counts)
 
     def test_threads_change_nothing(self):
         for threads in ("1", "2"):
-            self.json_of(*FIT, "-o", threads, "--threads", threads)
+            self.make(threads, "--threads", threads)
         one, two = (pathlib.Path(self.folder, name) for name in ("1", "2"))
         names = sorted(str(p.relative_to(one)) for p in one.rglob("*") if p.is_file())
         self.assertEqual(names, sorted(str(p.relative_to(two)) for p in two.rglob("*") if p.is_file()))
@@ -90,44 +99,46 @@ class MeshPrimitives(cli_test.OnALog):
         self.own_set("meshes")
         self.annotate()
         self.json_of("compose", "site.json", "meshes", "-o", "by-hand")
-        fitted = self.json_of(*FIT, "--meshes", "meshes", "-o", "scene")
+        self.make("scene", "--primitives", "meshes")
         self.assertEqual(self.scene("scene"), self.scene("by-hand"))
-        self.assertEqual(fitted["scene"]["borrowed"], {})
-        inputs = json.loads(pathlib.Path(self.folder, "scene/scene.json").read_text())["provenance"]["inputs"]
-        self.assertEqual(set(inputs), {"log.ply", "meshes"})
-        self.assert_fails(self.call("fit", "log.ply", "--meshes", "meshes", "-o", "bad"), 2, "--meshes")
-        self.assert_fails(self.call(*FIT, "--meshes", "nowhere", "-o", "bad"), 3, "nowhere")
+        done = self.script("log.ply", "bad", "--primitives", "nowhere")
+        self.assertEqual(done.returncode, 3)
+        self.assertIn("nowhere", done.stderr)
+        self.assertFalse(pathlib.Path(self.folder, "bad").exists())
+
+    def test_wrong_usage_of_the_script(self):
+        for words in ([], ["log.ply"], ["log.ply", "bad", "--meshes", "x"], ["log.ply", "bad", "--seed"]):
+            done = self.script(*words)
+            self.assertEqual(done.returncode, 2, words)
+            self.assertRegex(done.stderr, r"\Amesh_primitives: [^\n]+\n\Z")
         self.assertFalse(pathlib.Path(self.folder, "bad").exists())
 
     def test_it_is_a_model_to_all_that_take_one(self):
-        fitted = self.json_of(*FIT, "-o", "scene", "--export-ground", "ground.obj")
-        self.assertGreater(pathlib.Path(self.folder, "ground.obj").stat().st_size, 1000)
-        self.assertEqual(fitted["fitter"], "mesh_primitives")
-        known = self.json_of("info", "scene")
-        self.assertEqual((known["kind"], known["instances"] - 1, known["surface_triangles"], known["ellipsoids"]),
-                         ("scene", fitted["scene"]["instances"], fitted["scene"]["elements"], 0))
+        known = self.make("scene")
+        self.assertEqual((known["kind"], known["ellipsoids"]), ("scene", 0))
+        self.assertGreater(known["surface_triangles"], 100)
         answered = self.json_of("simulate", "scene", "--like", "log.ply", "-o", "sim.ply")
         self.assertGreater(answered["hits"], 0)
         scores = self.json_of("score", "log.ply", "sim.ply", "--model", "scene")
         self.assertTrue(math.isfinite(scores["nll_per_beam"]) and scores["crps_m"] > 0)
         # No return beyond the range limit that the log shows.
         manifest = json.loads(pathlib.Path(self.folder, "scene/models/0000/model.json").read_text())
-        self.assertEqual(manifest["max_range_m"], fitted["max_range_m"])
         self.annotate()
+        ground = json.loads(pathlib.Path(self.folder, "ground/model.json").read_text())
+        self.assertEqual(manifest["max_range_m"], ground["max_range_m"])
         tuned = self.json_of("optimize", "log.ply", "--annotation", "site.json", "--primitives", "mesh_primitives",
                              "--budget", "2", "-o", "densities.yaml")
         self.assertTrue(tuned["parameters"])
 
     def test_what_it_is_not(self):
-        self.assert_fails(self.call("optimize", "log.ply", "--fitter", "mesh_primitives", "-o", "p.yaml"), 2,
-                          "mesh_primitives", "densities")
-        self.assert_fails(self.call(*FIT, "-o", "bad", "--export-splat", "a.ply"), 2, "--export-splat")
-        self.json_of(*FIT, "-o", "scene")
-        for start in ("mesh_primitives", "scene"):
-            self.assert_fails(self.call("fit", "log.ply", "--fitter", "likelihood", "--start", start, "-o", "bad"), 2,
-                              "--start", start)
+        self.assert_fails(self.call("fit", "log.ply", "--fitter", "mesh_primitives", "-o", "bad"), 2, "--fitter")
+        self.make("scene")
+        self.assert_fails(self.call("fit", "log.ply", "--fitter", "likelihood", "--start", "scene", "-o", "bad"), 2,
+                          "--start", "scene")
         self.json_of("fit", "log.ply", "-o", "model")
-        self.assert_fails(self.call(*FIT, "-o", "model"), 4, "model", "not a scene")
+        done = self.script("log.ply", "model")
+        self.assertEqual(done.returncode, 4)
+        self.assertIn("not a scene", done.stderr)
         self.assert_fails(self.call("fit", "log.ply", "-o", "scene"), 4, "scene", "not a model")
 
     def log_of(self, name, keep):
@@ -136,21 +147,24 @@ class MeshPrimitives(cli_test.OnALog):
         kept = [row for row in rows if keep(dict(zip(head.split(","), map(float, row.split(",")))))]
         pathlib.Path(self.folder, name + ".csv").write_text("\n".join([head, *kept]) + "\n")
         self.assertEqual(self.call("import", name + ".csv", "-o", name + ".ply").returncode, 0)
-        return ["fit", name + ".ply", "--fitter", "mesh_primitives", "-o", "scene"]
+        return [name + ".ply", "scene"]
 
     def test_a_log_of_ground_alone(self):
         words = self.log_of("bare", lambda row: row["hit"] == 0 or abs(row["z"]) < 0.01)
-        found = self.json_of(*words)
-        self.assertEqual((found["annotation"]["objects"], found["scene"]["instances"]), (0, 0))
-        self.assertIn("warning     there are no objects: the scene is its ground", self.call(*words).stdout)
+        done = self.script(*words)
+        self.assertIn("warning     there are no objects: the scene is its ground", done.stdout)
+        self.assertEqual(self.json_of("info", "scene")["instances"], 1)
         self.assertGreater(self.json_of("simulate", "scene", "--like", "bare.ply", "-o", "sim.ply")["hits"], 0)
 
     def test_a_log_without_ground(self):
-        self.assert_fails(self.call(*FIT, "--ground-method", "none", "-o", "scene"), 3, "log.ply", "ground")
+        done = self.script("log.ply", "scene", "--ground-method", "none")
+        self.assertNotEqual(done.returncode, 0)
         self.assertFalse(pathlib.Path(self.folder, "scene").exists())
 
     def test_a_log_without_returns(self):
-        self.assert_fails(self.call(*self.log_of("misses", lambda row: row["hit"] == 0)), 2, "no return")
+        done = self.script(*self.log_of("misses", lambda row: row["hit"] == 0))
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("no return", done.stderr)
         self.assertFalse(pathlib.Path(self.folder, "scene").exists())
 
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""`study`, and `info --leaves`, as their users meet them; run as cli_test.py is."""
+"""`underbrush-study`, and `info --leaves`, as their users meet them; run as cli_test.py is."""
 import json
 import math
 import pathlib
@@ -9,6 +9,10 @@ import unittest
 
 import cli_test
 from cli_test import call
+
+
+def study(*words, cwd=None):
+    return call(*words, cwd=cwd, program=pathlib.Path(cli_test.PROGRAM).with_name("underbrush-study"))
 
 
 def write_cloud(path, points):
@@ -45,7 +49,7 @@ def write_pair(folder, scale):
 class Study(cli_test.Failing):
     def test_ends_with_a_verdict(self):
         with tempfile.TemporaryDirectory() as folder:
-            done = call("study", "vegetation", "--quick", "--json", "s.json", "--report", "r", cwd=folder)
+            done = study("vegetation", "--quick", "--json", "s.json", "--report", "r", cwd=folder)
             self.assertEqual(done.returncode, 0, done.stderr)
             found = json.loads(pathlib.Path(folder, "s.json").read_text())
             self.assertRegex(found["verdict"], "^(holds$|falls short: )")
@@ -54,7 +58,7 @@ class Study(cli_test.Failing):
             self.assertTrue(pathlib.Path(folder, "r", "index.html").is_file())
 
     def test_of_no_such_name(self):
-        self.assert_fails(call("study", "vegetatoin"), 2, "vegetation")
+        self.assert_fails(study("vegetatoin"), 2, "vegetation")
 
     def test_verification_of_ones_own_pair(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -69,7 +73,7 @@ class Study(cli_test.Failing):
             self.assertEqual(pair["corners"], 5)
             self.assertIn("Your pair: distances", pathlib.Path(folder, "r", "index.html").read_text())
             self.assertNotIn("your pair, mean distance", found["verdict"])
-            done = call("study", "verification", "--quick", "--json", "own.json", "--keep", "kept", cwd=folder)
+            done = study("verification", "--quick", "--json", "own.json", "--keep", "kept", cwd=folder)
             self.assertEqual(done.returncode, 0, done.stderr)
             kept = json.loads(call(*words[:3], "--data", "kept", "--json", "-", cwd=folder).stdout)
             own = json.loads(pathlib.Path(folder, "own.json").read_text())
@@ -88,7 +92,7 @@ class Study(cli_test.Failing):
             pathlib.Path(folder, "meshes").mkdir()
             pathlib.Path(folder, "meshes", "tent.obj").write_text(
                 "v 0 0 0\nv 0 2 0\nv 1 1 2\nv 2 0 0\nf 1 2 3\nf 1 3 4\n")
-            done = call("study", "mesh-fidelity", "--quick", "--data", ".", "--json", "s.json", "--report", "r",
+            done = study("mesh-fidelity", "--quick", "--data", ".", "--json", "s.json", "--report", "r",
                         "--keep", "kept", cwd=folder)
             self.assertEqual(done.returncode, 0, done.stderr)
             found = json.loads(pathlib.Path(folder, "s.json").read_text())

@@ -1,6 +1,6 @@
 /// \file
 /// A model on disk: a folder with a small JSON manifest and PLY files that standard tools read.
-/// Layout: docs/formats.md.
+/// Layout: docs/reference/formats.md.
 #pragma once
 #include <filesystem>
 

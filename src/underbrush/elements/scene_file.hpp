@@ -1,6 +1,6 @@
 /// \file
 /// A scene on disk: a folder with a small JSON manifest, a folder a model, and the table of
-/// instances. Layout: docs/formats.md.
+/// instances. Layout: docs/reference/formats.md.
 #pragma once
 #include <filesystem>
 #include <span>

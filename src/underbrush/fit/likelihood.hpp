@@ -19,7 +19,7 @@ struct LikelihoodOptions {
   /// Weight of "its return was lost" for a beam without one, when credit is given. Near 0 every
   /// lone miss makes what stands in its way permeable, which is the best likelihood; a simulation
   /// then loses beams of its own at places of its own, which is the worst F1. See
-  /// docs/likelihood.md.
+  /// docs/explanation/likelihood.md.
   double dropout = 0.4;
   /// How much more decided than the likeliest model the result is (`sharpened`). Above 1 a draw
   /// lies nearer to the measured return, and likelihood and CRPS get worse.

@@ -164,6 +164,13 @@ const Parameter kParameters[] = {
 
 }  // namespace
 
+std::span<const ParameterGroup> parameter_groups() {
+  static constexpr ParameterGroup kAll[] = {kCommon,   kHierarchical, kVoxel,      kTopDown,
+                                            kBottomUp, kSurface,      kGround,     kEllipsoids,
+                                            kHitProbability, kLikelihood};
+  return kAll;
+}
+
 std::string_view name_of(ParameterGroup group) {
   switch (group) {
     case kCommon: return "every fitter";

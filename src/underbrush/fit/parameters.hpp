@@ -28,6 +28,9 @@ enum class ParameterGroup {
   kLikelihood,      ///< The refinement of `likelihood`.
 };
 
+/// All groups, in the order of the enumeration.
+std::span<const ParameterGroup> parameter_groups();
+
 /// The name of a group as help texts head it, such as "hit probability".
 std::string_view name_of(ParameterGroup group);
 

@@ -1,6 +1,6 @@
 /// \file
 /// Our log on disk: a ray cloud PLY (CSIRO raycloudtools, binary) that others' tools read, with
-/// further columns and comments of ours. Layout: docs/formats.md.
+/// further columns and comments of ours. Layout: docs/reference/formats.md.
 #pragma once
 #include <filesystem>
 #include <memory>

@@ -1,6 +1,6 @@
 /// \file
 /// What the reader and the writer of log files share: names, comments and the rounding of rays.
-/// Not part of the library's face; the layout itself is told in docs/formats.md.
+/// Not part of the library's face; the layout itself is told in docs/reference/formats.md.
 #pragma once
 #include <algorithm>
 #include <bit>

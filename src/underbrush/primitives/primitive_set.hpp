@@ -1,6 +1,6 @@
 /// \file
 /// A set of primitives on disk, which a person can browse: one folder a class, in it one a
-/// primitive. Layout: docs/formats.md.
+/// primitive. Layout: docs/reference/formats.md.
 #pragma once
 #include <filesystem>
 #include <string>
