@@ -20,7 +20,7 @@ double tick_step(double span) {
   return 10 * power;
 }
 
-std::string escaped(const std::string& text) {
+std::string text_element(const std::string& text) {
   std::string out;
   for (const char c : text) {
     c == '&' ? out += "&amp;" : c == '<' ? out += "&lt;" : c == '>' ? out += "&gt;" : out += c;
@@ -66,7 +66,7 @@ void SvgPlot::line(const Points& points, const std::string& colour, bool dashed)
 
 void SvgPlot::text(double x, double y, const std::string& words) {
   const auto [px, py] = pixel(x, y);
-  body_ += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", px, py, escaped(words));
+  body_ += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", px, py, text_element(words));
 }
 
 std::string SvgPlot::axes() const {
@@ -74,8 +74,8 @@ std::string SvgPlot::axes() const {
       "<text x=\"{}\" y=\"22\" font-size=\"15\" text-anchor=\"middle\">{}</text>\n"
       "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n"
       "<text transform=\"translate(16 {}) rotate(-90)\" text-anchor=\"middle\">{}</text>\n",
-      kWidth / 2, escaped(title_), kWidth / 2, kHeight - 12, escaped(x_label_), kHeight / 2,
-      escaped(y_label_));
+      kWidth / 2, text_element(title_), kWidth / 2, kHeight - 12, text_element(x_label_),
+      kHeight / 2, text_element(y_label_));
   for (const bool horizontal : {true, false}) {
     const auto [from, to] = horizontal ? x_ : y_;
     const double step = tick_step(std::abs(to - from)), low = std::min(from, to);

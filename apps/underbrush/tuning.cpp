@@ -22,7 +22,7 @@ using optimize::Evaluation;
 
 constexpr const char *kBest = "#c33", *kTried = "#36c";
 
-std::string number(double x) { return std::isfinite(x) ? fmt::format("{:.4g}", x) : "n/a"; }
+std::string rounded(double x) { return std::isfinite(x) ? fmt::format("{:.4g}", x) : "n/a"; }
 
 bool at_edge(const optimize::Parameter& p, double value) {
   return value == p.low || value == p.high;
@@ -30,19 +30,19 @@ bool at_edge(const optimize::Parameter& p, double value) {
 
 report::Table table_of(const Tuning& t) {
   report::Table table{fmt::format("{} evaluations of {}", t.evaluations.size(), t.objective),
-                   t.what,
-                   {"", "start", "tuned", "range"},
-                   {}};
+                      t.what,
+                      {"", "start", "tuned", "range"},
+                      {}};
   for (size_t k = 0; k < t.parameters.size(); ++k) {
     const optimize::Parameter& p = t.parameters[k];
-    table.rows.push_back({p.name, number(t.start().value[k]), number(t.tuned().value[k]),
+    table.rows.push_back({p.name, rounded(t.start().value[k]), rounded(t.tuned().value[k]),
                           fmt::format("{:g} to {:g}{}", p.low, p.high,
                                       at_edge(p, t.tuned().value[k]) ? ", at its end" : "")});
   }
-  table.rows.push_back(
-      {"objective", number(t.start().outcome.objective), number(t.tuned().outcome.objective), ""});
+  table.rows.push_back({"objective", rounded(t.start().outcome.objective),
+                        rounded(t.tuned().outcome.objective), ""});
   for (const auto& [name, value] : t.start().outcome.score) {
-    table.rows.push_back({name, number(value), number(t.tuned().outcome.score.at(name)), ""});
+    table.rows.push_back({name, rounded(value), rounded(t.tuned().outcome.score.at(name)), ""});
   }
   return table;
 }
@@ -53,8 +53,8 @@ report::Table history_of(const Tuning& t) {
   table.head.emplace_back("objective");
   for (size_t i = 0; i < t.evaluations.size(); ++i) {
     table.rows.push_back({std::to_string(i + 1)});
-    for (const double v : t.evaluations[i].value) table.rows.back().push_back(number(v));
-    table.rows.back().push_back(number(t.evaluations[i].outcome.objective));
+    for (const double v : t.evaluations[i].value) table.rows.back().push_back(rounded(v));
+    table.rows.back().push_back(rounded(t.evaluations[i].outcome.objective));
   }
   return table;
 }
@@ -74,8 +74,9 @@ std::string curve_of(const Tuning& t) {
   const double high = std::max(first, objective[objective.size() * 3 / 4]);
   const double room = std::max(0.1 * (high - low), 1e-3 * std::abs(low) + 1e-12);
   for (auto& [x, y] : tried) y = std::min(y, high + room);
-  report::SvgPlot plot("Objective by evaluation: tried (blue; at the top: beyond it) and best so far (red)",
-               "evaluation", t.objective);
+  report::SvgPlot plot(
+      "Objective by evaluation: tried (blue; at the top: beyond it) and best so far (red)",
+      "evaluation", t.objective);
   plot.x_axis(0, double(t.evaluations.size() + 1));
   plot.y_axis(low - room, high + room);
   plot.line(best, kBest);
@@ -173,15 +174,14 @@ void write_config(const fs::path& path, const Tuning& t) {
 fs::path write_tuning_report(const fs::path& folder, const Tuning& t) {
   const double from = t.start().outcome.objective, to = t.tuned().outcome.objective;
   return report::write_summary_page(
-      folder,
-      {.title = "Tuning on " + fs::path(t.log).filename().string(),
-       .lead = t.what,
-       .verdict = to < from ? fmt::format("{} from {:.4f} to {:.4f}", t.objective, from, to)
-                            : "nothing tried was better than the start",
-       .asked = "<p>" + report::escaped(t.fixed.dump()) + "</p>\n",
-       .body = html_of(table_of(t)) + "<figure>\n" + curve_of(t) + "</figure>\n" +
-               html_of(history_of(t)),
-       .provenance = t.provenance});
+      folder, {.title = "Tuning on " + fs::path(t.log).filename().string(),
+               .lead = t.what,
+               .verdict = to < from ? fmt::format("{} from {:.4f} to {:.4f}", t.objective, from, to)
+                                    : "nothing tried was better than the start",
+               .asked = "<p>" + report::escaped(t.fixed.dump()) + "</p>\n",
+               .body = html_of(table_of(t)) + "<figure>\n" + curve_of(t) + "</figure>\n" +
+                       html_of(history_of(t)),
+               .provenance = t.provenance});
 }
 
 }  // namespace underbrush::app

@@ -1,4 +1,5 @@
 // Included by sources of this module: a k-d tree over a cloud, which shows nanoflann.
+#pragma once
 #include <nanoflann.hpp>
 #include <span>
 

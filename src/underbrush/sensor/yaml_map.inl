@@ -1,4 +1,5 @@
 // The YAML files of sensors, key by key; for the sources that read them.
+#pragma once
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
