@@ -4,28 +4,30 @@ JOBS ?= $(shell nproc)
 program := $(BUILD)/bin/underbrush
 ccache := $(if $(shell command -v ccache),-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
 configure = cmake -S . -B $(BUILD) -G Ninja -DCMAKE_BUILD_TYPE=Release $(ccache)
+everything = -DUNDERBRUSH_TESTS=ON -DUNDERBRUSH_BENCH=ON -DUNDERBRUSH_STUDIES=ON
+program_only = -DUNDERBRUSH_TESTS=OFF -DUNDERBRUSH_BENCH=OFF -DUNDERBRUSH_STUDIES=OFF
 # Shows a command's output only if it fails.
 quiet = log=$$(mktemp); if $(1) > $$log 2>&1; then rm $$log; else cat $$log; rm $$log; exit 1; fi
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build test demo bench docs clean
+.PHONY: help setup build test demo bench docs deb check-deb clean
 
 help:     ## This list
-	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):[^#]*## /  make \1\t/' | expand -t 16
+	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):[^#]*## /  make \1\t/' | expand -t 16
 
 setup:    ## Install what is missing (apt, as root or through sudo)
 	@scripts/setup.sh build test
 
-# The program alone needs no test packages: a first configuration leaves tests and benchmarks out.
+# The program alone needs no test packages: a first configuration leaves tests, benchmarks and studies out.
 build:    ## Build the program in Release: build/bin/underbrush
 	@scripts/setup.sh build
-	@test -f $(BUILD)/CMakeCache.txt && first= || first="-DUNDERBRUSH_TESTS=OFF -DUNDERBRUSH_BENCH=OFF"; \
+	@test -f $(BUILD)/CMakeCache.txt && first= || first="$(program_only)"; \
 	  $(call quiet,$(configure) $$first)
 	@cmake --build $(BUILD) --target underbrush -j $(JOBS)
 	@echo "built $(program)"
 
 test: setup    ## Build everything and pass all tests
-	@$(call quiet,$(configure) -DUNDERBRUSH_TESTS=ON -DUNDERBRUSH_BENCH=ON)
+	@$(call quiet,$(configure) $(everything))
 	@cmake --build $(BUILD) -j $(JOBS)
 	@ctest --test-dir $(BUILD) --output-on-failure --progress -j $(JOBS)
 
@@ -33,13 +35,21 @@ demo: build    ## The whole pipeline on a generated test site; ends with a repor
 	@$(program) demo -o demo
 
 bench: setup   ## Build and run the benchmarks
-	@$(call quiet,$(configure) -DUNDERBRUSH_TESTS=ON -DUNDERBRUSH_BENCH=ON)
+	@$(call quiet,$(configure) $(everything))
 	@cmake --build $(BUILD) -j $(JOBS)
 	@set -e; for b in $$(find $(BUILD)/bin -maxdepth 1 -name 'bench_*' -type f | sort); do echo "== $$b"; $$b; done
 
-docs: setup    ## The library's reference: build/docs/html/index.html
-	@$(call quiet,BUILD=$(BUILD) python3 tests/rules/docs.py --html $(BUILD)/docs)
-	@echo "written $(BUILD)/docs/html/index.html"
+docs: build    ## The documentation as a site: build/docs/site/index.html
+	@scripts/setup.sh docs
+	@cmake --build $(BUILD) --target underbrush-reference -j $(JOBS)
+	@scripts/build_site.py --build $(BUILD)
+
+deb: build     ## A Debian package of the program: build/underbrush_VERSION_amd64.deb
+	@scripts/setup.sh package
+	@cmake --build $(BUILD) --target deb -j $(JOBS)
+
+check-deb: deb ## Install the package on a bare Debian and run it there (root, minutes)
+	@scripts/check_deb.sh $(BUILD)/underbrush_*.deb
 
 clean:    ## Remove what was built and the demo's output
 	@rm -rf $(BUILD) demo

@@ -4,7 +4,7 @@ include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/underbrush)
 
-install(TARGETS underbrush RUNTIME)
+install(TARGETS underbrush RUNTIME COMPONENT program)
 get_property(modules GLOBAL PROPERTY UNDERBRUSH_MODULES)
 set(finds "")
 foreach(module IN LISTS modules)

@@ -32,4 +32,5 @@ function(underbrush_module name)
   set_target_properties(underbrush_${name} PROPERTIES
     EXPORT_NAME ${name} UNDERBRUSH_DEPENDS "${M_DEPENDS}")
   set_property(GLOBAL APPEND PROPERTY UNDERBRUSH_MODULES ${name})
+  underbrush_fast_build(underbrush_${name} library)
 endfunction()

@@ -2,6 +2,7 @@
 # Installs what is missing on Debian 12, with apt, as root or through sudo.
 #   scripts/setup.sh build          what the program needs
 #   scripts/setup.sh build test     what the tests need as well (the default)
+#   scripts/setup.sh docs package   what the documentation site and the Debian package need
 set -euo pipefail
 
 build="g++ cmake ninja-build make git pkg-config
@@ -9,7 +10,9 @@ build="g++ cmake ninja-build make git pkg-config
   nlohmann-json3-dev libyaml-cpp-dev libfmt-dev libxxhash-dev libpng-dev liblzf-dev libnlopt-dev
   libtinygltf-dev"
 test="libembree-dev chromium libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev liblzma-dev
-  clang clang-tidy clang-format libclang-rt-14-dev doxygen jq valgrind python3"
+  clang clang-tidy clang-format libclang-rt-14-dev doxygen jq valgrind python3 python3-venv"
+docs="doxygen python3 python3-venv"
+package="dpkg-dev file debootstrap"
 
 wanted=""
 for group in "${@:-build test}"; do
@@ -17,7 +20,9 @@ for group in "${@:-build test}"; do
     case $name in
       build) wanted+=" $build" ;;
       test) wanted+=" $test" ;;
-      *) echo "setup: no group '$name'; there are: build test" >&2; exit 2 ;;
+      docs) wanted+=" $docs" ;;
+      package) wanted+=" $package" ;;
+      *) echo "setup: no group '$name'; there are: build test docs package" >&2; exit 2 ;;
     esac
   done
 done

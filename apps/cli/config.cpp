@@ -67,7 +67,7 @@ std::vector<CLI::ConfigItem> YamlConfig::from_config(std::istream& in) const {
   const auto verbs = root_.get_subcommands();
   const CLI::App& verb = verbs.empty() ? root_ : *verbs.front();
   const auto options = verb.get_options([](const CLI::Option* o) { return configurable(*o); });
-  std::vector<CLI::ConfigItem> items;
+  std::vector<CLI::ConfigItem> settings;
   for (const auto& entry : read(in, file)) {
     CLI::ConfigItem item;
     item.name = entry.first.as<std::string>();
@@ -80,9 +80,9 @@ std::vector<CLI::ConfigItem> YamlConfig::from_config(std::istream& in) const {
     }
     if (!verbs.empty()) item.parents = {verb.get_name()};
     item.inputs = values_of(file, item.name, entry.second, **option);
-    if (!is_flag(**option) || item.inputs.front() == "true") items.push_back(std::move(item));
+    if (!is_flag(**option) || item.inputs.front() == "true") settings.push_back(std::move(item));
   }
-  return items;
+  return settings;
 }
 
 void add_dump_config(Program& program) {

@@ -22,7 +22,7 @@ using optimize::Evaluation;
 
 constexpr const char *kBest = "#c33", *kTried = "#36c";
 
-std::string number(double x) { return std::isfinite(x) ? fmt::format("{:.4g}", x) : "n/a"; }
+std::string rounded(double x) { return std::isfinite(x) ? fmt::format("{:.4g}", x) : "n/a"; }
 
 bool at_edge(const optimize::Parameter& p, double value) {
   return value == p.low || value == p.high;
@@ -35,14 +35,14 @@ report::Table table_of(const Tuning& t) {
                       {}};
   for (size_t k = 0; k < t.parameters.size(); ++k) {
     const optimize::Parameter& p = t.parameters[k];
-    table.rows.push_back({p.name, number(t.start().value[k]), number(t.tuned().value[k]),
+    table.rows.push_back({p.name, rounded(t.start().value[k]), rounded(t.tuned().value[k]),
                           fmt::format("{:g} to {:g}{}", p.low, p.high,
                                       at_edge(p, t.tuned().value[k]) ? ", at its end" : "")});
   }
-  table.rows.push_back(
-      {"objective", number(t.start().outcome.objective), number(t.tuned().outcome.objective), ""});
+  table.rows.push_back({"objective", rounded(t.start().outcome.objective),
+                        rounded(t.tuned().outcome.objective), ""});
   for (const auto& [name, value] : t.start().outcome.score) {
-    table.rows.push_back({name, number(value), number(t.tuned().outcome.score.at(name)), ""});
+    table.rows.push_back({name, rounded(value), rounded(t.tuned().outcome.score.at(name)), ""});
   }
   return table;
 }
@@ -53,8 +53,8 @@ report::Table history_of(const Tuning& t) {
   table.head.emplace_back("objective");
   for (size_t i = 0; i < t.evaluations.size(); ++i) {
     table.rows.push_back({std::to_string(i + 1)});
-    for (const double v : t.evaluations[i].value) table.rows.back().push_back(number(v));
-    table.rows.back().push_back(number(t.evaluations[i].outcome.objective));
+    for (const double v : t.evaluations[i].value) table.rows.back().push_back(rounded(v));
+    table.rows.back().push_back(rounded(t.evaluations[i].outcome.objective));
   }
   return table;
 }

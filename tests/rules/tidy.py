@@ -38,15 +38,26 @@ def changed(root):
     return {re.sub(r"\.(hpp|inl)$", ".cpp", name) for name in names if name}
 
 
+def single_sources(root, build):
+    """A folder whose compile database has a command for each source: the build itself compiles several at once,
+    after a precompiled header. So it also shows where a source lacks an include."""
+    folder = build / "single_sources"
+    subprocess.run(["cmake", "-S", str(root), "-B", str(folder), "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
+                    "-DUNDERBRUSH_UNITY=OFF", "-DUNDERBRUSH_PCH=OFF"],
+                   check=True, stdout=subprocess.DEVNULL)
+    return folder
+
+
 def check(root, options):
     if root == options.root:
-        known = {e["file"] for e in rules.compile_database(options.build)}
+        database = single_sources(root, options.build)
+        known = {e["file"] for e in rules.compile_database(database)}
         wanted = rules.tracked(root, ".cpp")
         if not options.all:
             wanted = sorted(set(wanted) & changed(root))
         files = [f for f in wanted if str(root / f) in known]
         print(f"clang-tidy on {len(files)} sources")
-        tail = ["-p", str(options.build)]
+        tail = ["-p", str(database)]
     else:
         files, tail = rules.tracked(root, ".cpp"), ["--", "-std=c++20"]
     failed = rules.run_in_parallel(

@@ -88,7 +88,8 @@ io::PlyData ply_of(const Scene& scene, const SceneInfo& info) {
 }
 
 template <class T>
-const std::vector<T>& column_of(const fs::path& file, const io::PlyElement& e, const char* name) {
+const std::vector<T>& instance_column(const fs::path& file, const io::PlyElement& e,
+                                      const char* name) {
   const ExtraColumn* column = e.find(name);
   const auto* values = column ? std::get_if<std::vector<T>>(column) : nullptr;
   if (!values) throw FormatError(file.string(), "", std::string("no column ") + name);
@@ -100,10 +101,10 @@ void read_instances(const fs::path& file, Scene& scene, SceneInfo& info) {
   const io::PlyElement* e = data.find("vertex");
   if (!e) throw FormatError(file.string(), "", "no element vertex");
   const std::vector<double>* numbers[7];
-  for (int k = 0; k < 7; ++k) numbers[k] = &column_of<double>(file, *e, kNumbers[k]);
-  const auto& scale = column_of<float>(file, *e, "scale");
-  const auto& model = column_of<uint32_t>(file, *e, "model");
-  const auto& label = column_of<uint8_t>(file, *e, "class");
+  for (int k = 0; k < 7; ++k) numbers[k] = &instance_column<double>(file, *e, kNumbers[k]);
+  const auto& scale = instance_column<float>(file, *e, "scale");
+  const auto& model = instance_column<uint32_t>(file, *e, "model");
+  const auto& label = instance_column<uint8_t>(file, *e, "class");
   scene.instances.resize(e->count);
   for (size_t i = 0; i < e->count; ++i) {
     Instance& instance = scene.instances[i];

@@ -11,7 +11,7 @@
 namespace underbrush::io {
 namespace {
 
-constexpr size_t kPiece = 4096;  // Rows that one thread decodes at a time.
+constexpr size_t kDecodedRows = 4096;  // rows decoded at a time by one thread
 
 /// Place and type of a value in a row.
 struct Field {
@@ -147,17 +147,17 @@ void LogReader::State::find_columns() {
 // Finds the maximum range and whether there are misses, which the ray clouds of other programs do
 // not say.
 void LogReader::State::look_through() {
-  const size_t pieces = (rows + kPiece - 1) / kPiece;
+  const size_t pieces = (rows + kDecodedRows - 1) / kDecodedRows;
   std::vector<double> longest(pieces, 0);
   std::vector<uint8_t> misses(pieces, 0);
-  parallel_for(rows, kPiece, [&](size_t begin, size_t finish) {
+  parallel_for(rows, kDecodedRows, [&](size_t begin, size_t finish) {
     std::vector<char> bytes((finish - begin) * row_size);
     file.read(header.body + uint64_t(begin) * row_size, bytes.data(), bytes.size());
     for (const char* row = bytes.data(); row != bytes.data() + bytes.size(); row += row_size) {
       const double length = Vec3(real(row, ray[0]), real(row, ray[1]), real(row, ray[2])).norm();
       if (!std::isfinite(length)) continue;
-      longest[begin / kPiece] = std::max(longest[begin / kPiece], length);
-      if (alpha && row[alpha->offset] == 0) misses[begin / kPiece] = 1;
+      longest[begin / kDecodedRows] = std::max(longest[begin / kDecodedRows], length);
+      if (alpha && row[alpha->offset] == 0) misses[begin / kDecodedRows] = 1;
     }
   });
   comments.info.max_range_m = *std::max_element(longest.begin(), longest.end());
@@ -214,7 +214,7 @@ void LogReader::State::decode(const char* rows_at, size_t first, size_t n, BeamL
 
 void LogReader::State::read_rows(size_t begin, size_t n, BeamLog& out,
                                  std::vector<uint8_t>& fault) const {
-  parallel_for(n, kPiece, [&](size_t first, size_t last) {
+  parallel_for(n, kDecodedRows, [&](size_t first, size_t last) {
     std::vector<char> bytes((last - first) * row_size);
     file.read(header.body + uint64_t(begin + first) * row_size, bytes.data(), bytes.size());
     decode(bytes.data(), first, last - first, out, fault.data());

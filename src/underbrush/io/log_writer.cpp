@@ -13,9 +13,9 @@
 namespace underbrush::io {
 namespace {
 
-constexpr size_t kPiece = 4096;         // Rows that one thread encodes at a time.
-constexpr size_t kBlock = 64 * kPiece;  // Rows that are written at a time.
-constexpr double kMinRange = 1e-6;      // m; shorter rays have no direction on the grid.
+constexpr size_t kEncodedRows = 4096;               // rows encoded at a time by one thread
+constexpr size_t kWrittenRows = 64 * kEncodedRows;  // rows written at a time
+constexpr double kMinRange = 1e-6;                  // m; shorter rays have no direction on the grid
 constexpr std::array<const char*, 3> kColours = {"red", "green", "blue"};
 
 bool has_colours(const BeamLog& log) {
@@ -203,10 +203,10 @@ void LogWriter::write(const BeamLog& chunk) {
   if (chunk.empty()) return;
   if (s.header_size == 0) s.begin(chunk);
   s.check(chunk);
-  for (size_t begin = 0; begin < chunk.size(); begin += kBlock) {
-    const size_t n = std::min(kBlock, chunk.size() - begin);
+  for (size_t begin = 0; begin < chunk.size(); begin += kWrittenRows) {
+    const size_t n = std::min(kWrittenRows, chunk.size() - begin);
     s.buffer.resize(n * s.row_size);
-    parallel_for(n, kPiece, [&](size_t first, size_t last) {
+    parallel_for(n, kEncodedRows, [&](size_t first, size_t last) {
       s.encode(chunk, begin + first, last - first, s.buffer.data() + first * s.row_size);
     });
     s.out.append(s.buffer.data(), s.buffer.size());

@@ -28,11 +28,11 @@ std::optional<ValueType> type_named(std::string_view name) {
 // Reads the header's text block by block, up to and including the line end_header.
 std::string header_text(const InputFile& file) {
   std::string text;
-  constexpr size_t kBlock = 1 << 16;
+  constexpr size_t kHeaderBlock = 1 << 16;
   if (file.size() < 4) throw FormatError(file.name(), "", "is not a PLY file: too short");
   while (true) {
     const size_t old = text.size();
-    const size_t more = size_t(std::min<uint64_t>(kBlock, file.size() - old));
+    const size_t more = size_t(std::min<uint64_t>(kHeaderBlock, file.size() - old));
     text.resize(old + more);
     file.read(old, text.data() + old, more);
     if (old == 0 && (text.compare(0, 3, "ply") != 0 || (text[3] != '\n' && text[3] != '\r'))) {
@@ -96,14 +96,13 @@ class Parser {
   }
 
   void take_format(const std::vector<std::string_view>& words) {
-    using Format = PlyHeader::Format;
     if (words.size() < 2) fail("incomplete format");
     if (words[1] == "ascii") {
-      header_.format = Format::kAscii;
+      header_.format = PlyHeader::Format::kAscii;
     } else if (words[1] == "binary_little_endian") {
-      header_.format = Format::kLittle;
+      header_.format = PlyHeader::Format::kLittle;
     } else if (words[1] == "binary_big_endian") {
-      header_.format = Format::kBig;
+      header_.format = PlyHeader::Format::kBig;
     } else {
       fail("unknown format");
     }

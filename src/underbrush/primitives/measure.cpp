@@ -23,7 +23,7 @@ struct Key {
   auto operator<=>(const Key&) const = default;
 };
 
-struct Cloud {
+struct CellCloud {
   std::vector<Vec3> points;
   size_t seen = 0, step = 1;
 
@@ -43,7 +43,7 @@ double quantile_of(std::vector<double>& values, double q) {
   return *at;
 }
 
-PlacedObject measure_one(const Cloud& cloud, double quantile) {
+PlacedObject measure_one(const CellCloud& cloud, double quantile) {
   PlacedObject o;
   Vec3 sum = Vec3::Zero();
   for (const Vec3& p : cloud.points) sum += p;
@@ -68,7 +68,7 @@ PlacedObject measure_one(const Cloud& cloud, double quantile) {
   return o;
 }
 
-PlacedObject measure_cell(const Cloud& cloud, const Key& key, double cell_m, double quantile) {
+PlacedObject measure_cell(const CellCloud& cloud, const Key& key, double cell_m, double quantile) {
   PlacedObject o;
   std::vector<double> z;
   for (const Vec3& p : cloud.points) z.push_back(p.z());
@@ -125,7 +125,7 @@ MeasuredObjects measure_objects(BeamSource& labelled, const GroundSurface& groun
   require(o.quantile >= 0 && o.quantile < 0.5, "the quantile must lie in [0, 0.5)");
   require(o.cell_m > 0 && o.min_points > 0, "cells and numbers of points must be positive");
   MeasuredObjects out;
-  std::map<Key, Cloud> clouds;
+  std::map<Key, CellCloud> clouds;
   std::map<uint32_t, std::map<Class, size_t>> votes;
   const auto gather = [&](const Vec3& p, Class c, uint32_t instance) {
     if (instance == 0) {

@@ -1,0 +1,34 @@
+#!/usr/bin/env bash
+# Installs a package on a bare Debian 12 (a folder made by debootstrap) and runs the demo there. As root; minutes.
+#   scripts/check_deb.sh build/underbrush_0.1.0_amd64.deb [FOLDER]
+# FOLDER is a bare Debian that is there already, or where to keep a new one; without it a temporary one.
+# MIRROR names another mirror of Debian.
+set -euo pipefail
+deb=$(realpath "$1")
+root=${2:-$(mktemp -d)}
+[ -n "${2:-}" ] || trap 'rm -rf --one-file-system "$root"' EXIT
+mirror=${MIRROR:-http://deb.debian.org/debian}
+[ "$(id -u)" = 0 ] || { echo "check_deb: needs root, for debootstrap and chroot" >&2; exit 1; }
+
+[ -e "$root/usr/bin/apt-get" ] || debootstrap --variant=minbase bookworm "$root" "$mirror" > "$root.log" 2>&1 ||
+  { tail "$root.log" >&2; exit 1; }
+cp /etc/resolv.conf /etc/hosts "$root/etc/"
+cp "$deb" "$root/tmp/"
+inside() { chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root DEBIAN_FRONTEND=noninteractive "$@"; }
+inside apt-get -q -y update > /dev/null
+inside apt-get -q -y install --no-install-recommends "/tmp/$(basename "$deb")" | tail -n 3
+
+small=/tmp/small.yaml
+sed -e 's/^name: .*/name: small/' -e 's/^rate_hz: .*/rate_hz: 2/' -e 's/^firing_period_us: .*/firing_period_us: 4000/' \
+  "$root/usr/share/underbrush/sensors/velodyne-vlp16.yaml" > "$root$small"
+inside underbrush --version
+inside rm -rf /tmp/demo
+inside underbrush demo -o /tmp/demo --sensor "$small" --sub-rays 1
+for file in /tmp/demo/report/index.html /usr/share/man/man1/underbrush.1.gz /usr/share/doc/underbrush/copyright \
+  /usr/share/bash-completion/completions/underbrush /usr/share/zsh/site-functions/_underbrush \
+  /usr/share/fish/vendor_completions.d/underbrush.fish /usr/share/underbrush/materials/materials.yaml; do
+  [ -s "$root$file" ] || { echo "check_deb: $file is missing" >&2; exit 1; }
+done
+inside apt-get -q -y remove underbrush > /dev/null
+[ ! -e "$root/usr/share/underbrush" ] || { echo "check_deb: files are left after removal" >&2; exit 1; }
+echo "check_deb: $(basename "$deb") installs, runs its demo and is removed without a trace"
