@@ -52,7 +52,10 @@ std::string entry(const std::string& name, const std::string& text) {
 std::string value_name(const CLI::Option& option) {
   if (option.get_expected_max() == 0) return "";
   std::string type = option.get_type_name();
-  type = type.substr(0, type.find_first_of(": "));
+  for (const char* check : {":{", ":FLOAT in", ":INT in", ":UINT in", ":POSITIVE", ":NONNEGATIVE",
+                            ":DIR(", ":FILE(", ":PATH("}) {
+    type = type.substr(0, type.find(check));  // CLI11 appends what it checks
+  }
   if (type == "INT" || type == "UINT") type = "N";
   if (type == "FLOAT") type = "X";
   if (type == "TEXT" || type.empty()) type = option.get_positional() ? "" : "NAME";
@@ -101,8 +104,9 @@ std::string HelpFormatter::make_help(const CLI::App* app, std::string name,
   if (mode == CLI::AppFormatMode::Sub) {
     return "\n" + make_usage(app, std::move(name)) + make_positionals(app) + groups(app, mode);
   }
-  return make_description(app) + "\n" + make_usage(app, std::move(name)) + make_positionals(app) +
-         groups(app, mode) + make_subcommands(app, mode) + "\n" + make_footer(app);
+  return wrapped(app->get_description(), 0, 0) + "\n\n" + make_usage(app, std::move(name)) +
+         make_positionals(app) + groups(app, mode) + make_subcommands(app, mode) + "\n" +
+         make_footer(app);
 }
 
 std::string HelpFormatter::make_usage(const CLI::App* app, std::string name) const {
@@ -121,8 +125,7 @@ std::string HelpFormatter::make_usage(const CLI::App* app, std::string name) con
 }
 
 std::string HelpFormatter::make_positionals(const CLI::App* app) const {
-  const auto options =
-      app->get_options([](const CLI::Option* o) { return !o->nonpositional(); });
+  const auto options = app->get_options([](const CLI::Option* o) { return !o->nonpositional(); });
   std::string out = options.empty() ? "" : "\n";
   for (const CLI::Option* o : options) out += entry(written(*o), described(*o));
   return out;
@@ -135,9 +138,8 @@ std::string HelpFormatter::groups(const CLI::App* app, CLI::AppFormatMode mode) 
   std::stable_partition(titles.begin(), titles.end(),
                         [](const std::string& title) { return title != kCommonGroup; });
   for (const std::string& group : titles) {
-    auto options = app->get_options([&](const CLI::Option* o) {
-      return o->nonpositional() && o->get_group() == group;
-    });
+    auto options = app->get_options(
+        [&](const CLI::Option* o) { return o->nonpositional() && o->get_group() == group; });
     if (group.empty() || options.empty()) continue;
     if (mode == CLI::AppFormatMode::Normal && hidden_.count(group)) {
       left_out += options.size();

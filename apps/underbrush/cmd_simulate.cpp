@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "cli/progress.hpp"
 #include "instrument.hpp"
 #include "stages.hpp"
 #include "traced_scene.hpp"
@@ -14,7 +15,6 @@
 #include "underbrush/io/profile.hpp"
 #include "underbrush/sensor/pattern.hpp"
 #include "underbrush/sensor/sensor.hpp"
-#include "cli/progress.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -32,17 +32,14 @@ void add_options(Verb& verb, Arguments& a) {
   app.add_option("MODEL", a.model, "The folder of a model, or of a scene that compose made")
       ->required();
   verb.output("-o,--output", a.output,
-                 "Where the simulated log goes: .ply, .pcd, .csv, or a folder/ of KITTI .bin "
-                 "(with --profile: of PCD)")
+              "Where the simulated log goes: .ply, .pcd, .csv, or a folder/ of KITTI .bin "
+              "(with --profile: of PCD)")
       ->required();
   auto* like = app.add_option("--like", a.like, "Answer the beams of this log")->type_name("LOG");
   auto* sensor =
       app.add_option("--sensor", a.sensor, "Fire a sensor of the catalogue (or a YAML file)");
   auto* trajectory = app.add_option("--trajectory", a.trajectory, "Poses of the sensor, TUM format")
                          ->type_name("POSES.txt");
-  app.add_option("--profile", a.profile,
-                 "Write a folder of PCD files, one a scan, as this driver's PointCloud2")
-      ->check(CLI::IsMember({"velodyne", "ouster", "autoware"}));
   like->excludes(sensor);
   sensor->needs(trajectory);
   trajectory->needs(sensor);
@@ -50,6 +47,10 @@ void add_options(Verb& verb, Arguments& a) {
       "--element-ids", a.simulate.element_ids,
       "Write the element that stopped each beam, and its class; of a scene, which plant too "
       "(column instance)");
+  verb.begin_rare_group();
+  app.add_option("--profile", a.profile,
+                 "Write a folder of PCD files, one a scan, as this driver's PointCloud2")
+      ->check(CLI::IsMember({"velodyne", "ouster", "autoware"}));
   verb.begin_rare_group("Thin rays");
   app.add_option("--draw", a.draw, "Where in an ellipsoid a range is drawn")
       ->check(CLI::IsMember({"on_ray", "volumetric"}))
@@ -201,7 +202,8 @@ void run(const Verb& verb, Arguments& a) {
 
 void add_simulate(Program& program) {
   auto a = std::make_shared<Arguments>();
-  const auto verb = add_verb(program, "Simulation", "simulate",
+  const auto verb = add_verb(
+      program, "Simulation", "simulate",
       "Answer beams from a model or scene: those of a log, or of a sensor on a trajectory",
       "underbrush simulate model/ --like log.ply -o sim.ply\n"
       "  underbrush simulate scene/ --like log.ply -o sim.ply\n"

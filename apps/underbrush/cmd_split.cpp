@@ -6,9 +6,9 @@
 #include <set>
 #include <vector>
 
+#include "cli/progress.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/log_file.hpp"
-#include "cli/progress.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -26,24 +26,21 @@ void add_options(Verb& verb, Arguments& a) {
   app.add_option("LOG", a.log, "The log")->required();
   verb.output("--train", a.train, "Where the beams that are kept for fitting go")->required();
   verb.output("--test", a.test, "Where the beams that are held out go")->required();
-  auto* group = app.add_option_group("What is held out (one of)");
-  group->add_option("--every", a.every, "Every K-th scan")->check(CLI::Range(2, 1 << 30));
-  group
-      ->add_option(
-          "--columns", a.columns,
-          "Every K-th column of each scan: the beams fired at one time (where the log has no "
-          "times of beams: in one packet)")
+  verb.begin_group("What is held out (one of)");
+  app.add_option("--every", a.every, "Every K-th scan")->check(CLI::Range(2, 1 << 30));
+  app.add_option(
+         "--columns", a.columns,
+         "Every K-th column of each scan: the beams fired at one time (where the log has no "
+         "times of beams: in one packet)")
       ->check(CLI::Range(2, 1 << 30));
-  group
-      ->add_option("--time", a.time, "Scans whose time lies in [FROM, TO), s after the log's start")
+  app.add_option("--time", a.time, "Scans whose time lies in [FROM, TO), s after the log's start")
       ->expected(2)
       ->type_name("FROM TO");
-  group
-      ->add_option("--region", a.region,
-                   "Scans whose sensor stands in this rectangle of the world, m")
+  app.add_option("--region", a.region,
+                 "Scans whose sensor stands in this rectangle of the world, m")
       ->expected(4)
       ->type_name("X0 Y0 X1 Y1");
-  group->require_option(1);
+  verb.begin_group("Options");
   app.add_option("--offset", a.offset,
                  "With --every and --columns: number (mod K) that is held out")
       ->capture_default_str();
@@ -118,6 +115,8 @@ class HeldOut {
 };
 
 void run(const Verb& verb, const Arguments& a) {
+  require((a.every > 0) + (a.columns > 0) + !a.time.empty() + !a.region.empty() == 1,
+          "split: give one of --every, --columns, --time and --region");
   io::LogReader log(a.log);
   const HeldOut held_out(a, log);
   const std::string origin = provenance(verb, {a.log});

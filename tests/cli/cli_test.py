@@ -65,7 +65,8 @@ class Help(unittest.TestCase):
     def test_help_fits_on_a_screen(self):
         for name, text in help_texts().items():
             with self.subTest(name):
-                self.assertLessEqual(max(map(len, text.splitlines())), 80)
+                prose = text.partition("Example:")[0].splitlines()  # commands are not broken
+                self.assertLessEqual(max(map(len, prose)), 80)
                 if ".all." not in name:
                     self.assertLessEqual(len(text.splitlines()), 60 if name == "underbrush.txt" else 48)
         self.assertLessEqual(len(call("fit", "--help").stdout.splitlines()), 40)

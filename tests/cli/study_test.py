@@ -63,8 +63,8 @@ class Study(cli_test.Failing):
     def test_verification_of_ones_own_pair(self):
         with tempfile.TemporaryDirectory() as folder:
             write_pair(pathlib.Path(folder), scale=1)
-            words = ("study", "verification", "--quick", "--data", ".", "--json", "s.json")
-            done = call(*words, "--report", "r", cwd=folder)
+            words = ("verification", "--quick", "--data", ".", "--json", "s.json")
+            done = study(*words, "--report", "r", cwd=folder)
             self.assertEqual(done.returncode, 0, done.stderr)
             found = json.loads(pathlib.Path(folder, "s.json").read_text())
             pair = found["figures"]["own_pair"]
@@ -75,15 +75,15 @@ class Study(cli_test.Failing):
             self.assertNotIn("your pair, mean distance", found["verdict"])
             done = study("verification", "--quick", "--json", "own.json", "--keep", "kept", cwd=folder)
             self.assertEqual(done.returncode, 0, done.stderr)
-            kept = json.loads(call(*words[:3], "--data", "kept", "--json", "-", cwd=folder).stdout)
+            kept = json.loads(study(*words[:2], "--data", "kept", "--json", "-", cwd=folder).stdout)
             own = json.loads(pathlib.Path(folder, "own.json").read_text())
             self.assertAlmostEqual(kept["figures"]["own_pair"]["mean_patch_distance_m"],
                                    own["figures"]["miniature"]["mean_patch_distance_m"], delta=1e-6)
             write_pair(pathlib.Path(folder), scale=1.03)
-            done = call(*words, cwd=folder)
+            done = study(*words, cwd=folder)
             self.assertRegex(done.stdout, "verdict: falls short: .*your pair, mean distance")
             pathlib.Path(folder, "conjugates.csv").write_text("1,2,3\n")
-            self.assert_fails(call(*words, cwd=folder), 3, "conjugates.csv", "line 1")
+            self.assert_fails(study(*words, cwd=folder), 3, "conjugates.csv", "line 1")
 
     def test_mesh_fidelity_with_a_report_and_ones_own_clouds(self):
         with tempfile.TemporaryDirectory() as folder:

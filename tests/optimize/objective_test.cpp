@@ -61,13 +61,14 @@ TEST(Objective, OfABadStartIsMuchBetterAfterASearch) {
   const std::vector<FitParameter> tuned = chosen_fit_parameters(bad, names);
   std::vector<double> start;
   start.reserve(tuned.size());
-  for (const FitParameter& p : tuned) start.push_back(p.get(bad));
+  for (const FitParameter& p : tuned) start.push_back(p.of->number(bad));
   for (const std::string& objective : objectives()) {
     const std::vector<Evaluation> tried =
         search(std::vector<Parameter>(tuned.begin(), tuned.end()), start, {"cobyla", 15, 0.25},
                [&](std::span<const double> value) {
                  fit::FitOptions options = bad;
-                 for (size_t k = 0; k < value.size(); ++k) tuned[k].set(options, value[k]);
+                 for (size_t k = 0; k < value.size(); ++k)
+                   tuned[k].of->set_number(options, value[k]);
                  return fit_outcome(objective, slice, options);
                });
     const double from = tried.front().outcome.objective,

@@ -16,7 +16,7 @@ namespace {
 
 double area(const elements::TriangleMesh& mesh) {
   double sum = 0;
-  for (size_t i = 0; i < mesh.size(); ++i) sum += triangle_area(mesh, i);
+  for (size_t i = 0; i < mesh.size(); ++i) sum += test_site::triangle_area(mesh, i);
   return sum;
 }
 

@@ -44,7 +44,7 @@ TEST(StaticTarget, StandsWhereItIsAskedForAndIsTheSameForASeed) {
   for (const std::string& name : static_target_names()) {
     const StaticTarget a = static_target(name, 8, 3), b = static_target(name, 8, 3);
     EXPECT_EQ(a.geometry.mesh.vertices, b.geometry.mesh.vertices) << name;
-    const auto box = bounds(a.geometry.mesh);
+    const auto box = test_site::bounds(a.geometry.mesh);
     EXPECT_GT(box.min().x(), 5) << name;
     EXPECT_LT(box.max().x(), 11) << name;
   }

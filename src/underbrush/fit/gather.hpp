@@ -12,8 +12,8 @@
 namespace underbrush::fit {
 
 /// Reads the log once: fills `store` with the points of its hits relative to the model's origin,
-/// and begins the model (fitter, τ, origin, maximum range) and the report (counts, warnings). Throws
-/// `std::invalid_argument` for options out of range and for a log without any return.
+/// and begins the model (fitter, τ, origin, maximum range) and the report (counts, warnings).
+/// Throws `std::invalid_argument` for options out of range and for a log without any return.
 void gather(BeamSource& source, const FitOptions& options, TileStore& store, FitResult& out,
             const FitProgress& progress);
 

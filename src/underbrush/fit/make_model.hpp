@@ -11,7 +11,7 @@ FitResult fit_ellipsoids(BeamSource& source, const FitOptions& options,
                          const FitProgress& progress);
 
 /// One opaque mesh through all points, the zero surface of `distance`. Throws as `fit`.
-FitResult fit_surface(BeamSource& source, const FitOptions& options,
-                      const SignedDistance& distance, const FitProgress& progress);
+FitResult fit_surface(BeamSource& source, const FitOptions& options, const SignedDistance& distance,
+                      const FitProgress& progress);
 
 }  // namespace underbrush::fit

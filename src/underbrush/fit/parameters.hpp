@@ -60,9 +60,9 @@ struct Parameter {
   std::string_view unit;  ///< "m", "nats", …; empty where there is none.
   std::string_view help;
   ParameterField field;
-  bool usual = false;                                   ///< Most users need it.
-  std::optional<TuningRange> tuning = std::nullopt;     ///< None: not tuned.
-  std::vector<std::string> (*choices)() = nullptr;      ///< The values that a word may have.
+  bool usual = false;                                ///< Most users need it.
+  std::optional<TuningRange> tuning = std::nullopt;  ///< None: not tuned.
+  std::vector<std::string> (*choices)() = nullptr;   ///< The values that a word may have.
 
   /// The value as a number. Throws `std::invalid_argument` for a word.
   double number(const FitOptions& options) const;

@@ -9,9 +9,9 @@
 
 namespace underbrush::fit {
 
-/// Parameters of `surface_tile`. The defaults are tuned like those of the default fitter (docs/notebook/2026-11.md);
-/// [deschaud12] §V: cell 0.3 m and kernel 0.4 m for a mobile log, 0.01 m and 0.04 m for a standing
-/// scanner, σ = 5 mm (share/configs/vegetation-*.yaml).
+/// Parameters of `surface_tile`. The defaults are tuned like those of the default fitter
+/// (docs/notebook/2026-11.md); [deschaud12] §V: cell 0.3 m and kernel 0.4 m for a mobile log, 0.01
+/// m and 0.04 m for a standing scanner, σ = 5 mm (share/configs/vegetation-*.yaml).
 struct SurfaceOptions {
   double cell_m = 0.1;  ///< Cell of the marching cubes.
   /// The radius within which a point's neighbours make its normal, and its say in the surface, is
