@@ -31,7 +31,7 @@ test: setup    ## Build everything and pass all tests
 	@cmake --build $(BUILD) -j $(JOBS)
 	@ctest --test-dir $(BUILD) --output-on-failure --progress -j $(JOBS)
 
-demo: build    ## The whole pipeline on a generated test site; ends with a report in demo/
+demo: build    ## The whole pipeline on a generated site and a real scan; ends with a report in demo/
 	@$(program) demo -o demo
 
 bench: setup   ## Build and run the benchmarks

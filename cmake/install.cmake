@@ -27,6 +27,9 @@ endforeach()
 list(REMOVE_DUPLICATES finds)
 list(JOIN finds "\n" UNDERBRUSH_FIND_DEPENDENCIES)
 
+# The real scan that `underbrush demo` looks for beside the program.
+install(DIRECTORY share/examples DESTINATION ${CMAKE_INSTALL_DATADIR}/underbrush)
+
 install(EXPORT underbrush NAMESPACE underbrush:: FILE underbrushTargets.cmake
   DESTINATION ${package_dir})
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/underbrushConfig.cmake.in

@@ -34,10 +34,12 @@ constexpr Metric kMetrics[] = {
     {"nll_per_beam", "Neg. log-likelihood",
      "Mean −log density that the model gives the real outcome of a beam.", 4, false},
     {"crps_m", "CRPS of the range, m",
-     "Distance between the predicted distribution of the range and the real one.", 3, false},
+     "Distance between the predicted distribution of the range and the real one; a miss counts as "
+     "the maximum range, so a wrong one costs many metres.",
+     3, false},
 };
 
-const Json& scores_of(const ReportInput& input, size_t k) {
+const Json& scores_of(const Comparison& input, size_t k) {
   return input.scores.at("models").at(input.simulated[k].name);
 }
 
@@ -62,7 +64,7 @@ std::string best_of(const Metric& m, const std::vector<std::optional<double>>& v
   return cell(best, m.digits);
 }
 
-std::string head(const ReportInput& input, const char* first) {
+std::string head(const Comparison& input, const char* first) {
   std::string html = fmt::format("<thead><tr><th>{}</th>", first);
   for (const auto& m : input.simulated) html += fmt::format("<th>{}</th>", escaped(m.name));
   return html + "</tr></thead>";
@@ -95,7 +97,7 @@ std::string grouped(size_t n) {
   return out;
 }
 
-std::string headline_table(const ReportInput& input) {
+std::string headline_table(const Comparison& input) {
   std::string html = "<div class=\"scroll\"><table class=\"headline\">" + head(input, "Metric");
   html += "<tbody>\n";
   for (const Metric& m : kMetrics) {
@@ -121,7 +123,7 @@ std::string headline_table(const ReportInput& input) {
   return html + "</tbody></table></div>\n";
 }
 
-std::string confusion_tables(const ReportInput& input) {
+std::string confusion_tables(const Comparison& input) {
   std::string html;
   for (size_t k = 0; k < input.simulated.size(); ++k) {
     const Json& s = scores_of(input, k);
@@ -143,13 +145,13 @@ std::string confusion_tables(const ReportInput& input) {
   return html;
 }
 
-std::string class_table(const ReportInput& input) {
+std::string class_table(const Comparison& input, const std::string& heading) {
   if (input.simulated.empty()) return "";
   const Json classes = scores_of(input, 0).value("per_class", Json::object());
   if (classes.empty()) return "";
-  std::string html =
-      "<h2>By class</h2>\n<div class=\"scroll\"><table><thead><tr><th>Class</th>"
-      "<th>Beams</th>";
+  std::string html = heading +
+                     "<div class=\"scroll\"><table><thead><tr><th>Class</th>"
+                     "<th>Beams</th>";
   for (const auto& m : input.simulated) {
     html +=
         fmt::format("<th>{0}<small>recall</small></th><th>{0}<small>packet error, m</small></th>",
@@ -169,13 +171,17 @@ std::string class_table(const ReportInput& input) {
   return html + "</tbody></table></div>\n";
 }
 
-std::string provenance_text(const ReportInput& input) {
+std::string provenance_text(const Comparison& input) {
   const Json provenance = input.scores.value("provenance", Json::object());
   return escaped(provenance.dump(2, ' ', false, Json::error_handler_t::replace));
 }
 
 std::string filled_page(const std::map<std::string, std::string>& values) {
   return filled(kReportPage, values);
+}
+
+std::string filled_section(const std::map<std::string, std::string>& values) {
+  return filled(kReportSection, values);
 }
 
 std::string filled_summary(const std::map<std::string, std::string>& values) {

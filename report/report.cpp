@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include "report/page.hpp"
@@ -14,7 +15,22 @@ namespace underbrush::report {
 namespace fs = std::filesystem;
 namespace {
 
-// Returns the longest 1, 2 or 5 times a power of ten within a quarter of the picture.
+// A comparison in the making: its id in the page and the level of the headings within it.
+struct Section {
+  const Comparison& input;
+  const Survey& survey;
+  std::string id;
+  int level = 2;
+};
+
+// A heading that the table of contents leads to.
+std::string heading(const Section& section, const std::string& text) {
+  std::string name;
+  for (char c : text) name += c == ' ' ? '-' : char(std::tolower(c));
+  return fmt::format("<h{0} id=\"{1}-{2}\">{3}</h{0}>\n", section.level, section.id, name, text);
+}
+
+// The longest 1, 2 or 5 times a power of ten within a quarter of the picture.
 double scale_bar_m(const TopView& view) {
   return round_step_below(view.width * view.metres_per_pixel / 4);
 }
@@ -48,8 +64,10 @@ constexpr const char* kErrorLegend =
     "<b>−1</b><b>0</b><b>+1 m</b></span><span class=\"key false-hit\">false hit</span>"
     "<span class=\"key false-miss\">false miss</span></p>\n";
 
-std::string from_above(const Survey& s, const ReportInput& input) {
-  std::string html = "<h2>From above</h2>\n<div class=\"pictures\">\n";
+std::string from_above(const Section& section) {
+  const Comparison& input = section.input;
+  const Survey& s = section.survey;
+  std::string html = heading(section, "From above") + "<div class=\"pictures\">\n";
   html += top_figure(s.by_height[0], s, "real", false);
   for (size_t k = 0; k < input.simulated.size(); ++k) {
     html += top_figure(s.by_height[k + 1], s, input.simulated[k].name, true);
@@ -62,7 +80,7 @@ std::string from_above(const Survey& s, const ReportInput& input) {
       "<span class=\"script\"> Press a simulated picture and hold to see the real "
       "one.</span></p>\n",
       grouped(s.beams), s.view.metres_per_pixel);
-  html += "<h2>Range error from above</h2>\n<div class=\"pictures\">\n";
+  html += heading(section, "Range error from above") + "<div class=\"pictures\">\n";
   for (size_t k = 0; k < input.simulated.size(); ++k) {
     html += top_figure(s.by_error[k], s, input.simulated[k].name, false);
   }
@@ -73,10 +91,12 @@ std::string from_above(const Survey& s, const ReportInput& input) {
          "point.</p>\n";
 }
 
-std::string one_scan(const Survey& s, const ReportInput& input) {
+std::string one_scan(const Section& section) {
+  const Comparison& input = section.input;
+  const Survey& s = section.survey;
   const ScanLayout layout = layout_of(s.scan_beams);
   if (layout.beam.empty()) return "";
-  std::string html = "<h2>One scan</h2>\n<div class=\"scroll strips\">\n";
+  std::string html = heading(section, "One scan") + "<div class=\"scroll strips\">\n";
   const auto add = [&](const io::Image& image, const std::string& name) {
     html += fmt::format(
         "<figure><figcaption><span>{}</span></figcaption><img src=\"{}\" alt=\"range image: {}\">"
@@ -100,8 +120,8 @@ std::string one_scan(const Survey& s, const ReportInput& input) {
   return html;
 }
 
-// Returns the scores and points that the page's script draws.
-Json data_of(const Survey& s, const ReportInput& input) {
+// What the script draws from: scores and points.
+Json data_of(const Survey& s, const Comparison& input) {
   Json clouds = Json::array();
   for (size_t k = 0; k < s.points.size(); ++k) {
     const ViewPoints& p = s.points[k];
@@ -120,7 +140,7 @@ Json data_of(const Survey& s, const ReportInput& input) {
   return {{"models", models},
           {"clouds", clouds},
           {"box_m", s.box_m},
-          {"floor_m", kBelowLow},
+          {"floor_m", s.floor_m()},
           {"height_m", s.high_m - s.low_m}};
 }
 
@@ -128,10 +148,76 @@ std::string view_caption(const Survey& s) {
   size_t most = 0;
   for (const ViewPoints& p : s.points) most = std::max(most, p.error.size());
   return fmt::format(
-      "{:.0f} m × {:.0f} m around the sensor in the middle of the log; a sample of the beams, "
-      "thinner near "
-      "the sensor and the same for all, at most {} points a cloud.",
-      s.box_m, s.box_m, grouped(most));
+      "{:.0f} m × {:.0f} m {}; a sample of the beams, thinner near the sensor and the same for "
+      "all, "
+      "at most {} points a cloud.",
+      s.box_m, s.box_m,
+      s.box_holds_all ? "with all but the outermost points"
+                      : "around the sensor in the middle of the log",
+      grouped(most));
+}
+
+std::string lead_of(const Section& section) {
+  return fmt::format("{}: {} beams, {} of them hits",
+                     escaped(section.input.real.filename().string()), grouped(section.survey.beams),
+                     grouped(section.survey.hits));
+}
+
+std::string note_of(const Comparison& input) {
+  return input.note.empty() ? "" : "<p class=\"note\">" + escaped(input.note) + "</p>";
+}
+
+// Stands above the scores of a comparison that has a title.
+std::string section_header(const Section& section) {
+  if (section.input.title.empty()) return "";
+  return fmt::format("<header>\n<h2>{}</h2>\n<p class=\"lead\">{}</p>\n{}\n</header>\n",
+                     escaped(section.input.title), lead_of(section), note_of(section.input));
+}
+
+std::string html_of(const Section& section) {
+  const Comparison& input = section.input;
+  const Survey& s = section.survey;
+  return filled_section({
+      {"id", section.id},
+      {"section-header", section_header(section)},
+      {"headline", headline_table(input)},
+      {"pictures", from_above(section)},
+      {"scan", one_scan(section)},
+      {"view-heading", heading(section, "In three dimensions")},
+      {"confusion-heading", heading(section, "Hits and misses")},
+      {"confusion", confusion_tables(input)},
+      {"histogram-heading", heading(section, "Range error")},
+      {"bands-heading", heading(section, "By range")},
+      {"classes", class_table(input, heading(section, "By class"))},
+      {"view-caption", view_caption(s)},
+      {"height-legend", scale_legend(s.low_m, s.high_m, "height (z)", "")},
+      {"error-legend", kErrorLegend},
+      {"provenance", provenance_text(input)},
+  });
+}
+
+// An entry of the table of contents: the comparison and the headings in its HTML.
+std::string contents_entry(const Section& section, const std::string& html) {
+  std::string links;
+  const std::string begin = fmt::format("<h{} id=\"", section.level);
+  for (size_t at = 0; (at = html.find(begin, at)) != std::string::npos;) {
+    const size_t id = at + begin.size(), id_end = html.find('"', id);
+    const size_t text = id_end + 2, text_end = html.find("</h", text);
+    links += fmt::format(" <a href=\"#{}\">{}</a>", html.substr(id, id_end - id),
+                         html.substr(text, text_end - text));
+    at = text_end;
+  }
+  return fmt::format("<li><a href=\"#{}\">{}</a><span class=\"script\">{}</span></li>\n",
+                     section.id, escaped(section.input.title), links);
+}
+
+// JSON that cannot end its script element.
+std::string embedded(const Json& data) {
+  std::string text = data.dump(-1, ' ', false, Json::error_handler_t::replace);
+  for (size_t at = 0; (at = text.find("</", at)) != std::string::npos; at += 3) {
+    text.insert(at + 1, "\\");
+  }
+  return text;
 }
 
 }  // namespace
@@ -142,34 +228,34 @@ void check_report_output(fs::path folder) {
 }
 
 fs::path write_report(const fs::path& folder, const ReportInput& input) {
-  for (const auto& m : input.simulated) {
-    require(input.scores.contains("models") && input.scores["models"].contains(m.name),
-            "report: a simulated log has no scores");
+  require(!input.comparisons.empty(), "report: nothing to compare");
+  for (const Comparison& c : input.comparisons) {
+    for (const auto& m : c.simulated) {
+      require(c.scores.contains("models") && c.scores["models"].contains(m.name),
+              "report: a simulated log has no scores");
+    }
   }
-  const Survey s = survey(input);
-  const std::string note =
-      input.note.empty() ? "" : "<p class=\"note\">" + escaped(input.note) + "</p>";
-  std::string data = data_of(s, input).dump(-1, ' ', false, Json::error_handler_t::replace);
-  for (size_t at = 0; (at = data.find("</", at)) != std::string::npos; at += 3) {
-    data.insert(at + 1, "\\");  // "</" would end the script element.
+  std::string lead = escaped(input.lead), note, contents, sections;
+  Json data = Json::array();
+  for (const Comparison& c : input.comparisons) {
+    const Survey s = survey(c);
+    const std::string id = fmt::format("part-{}", data.size() + 1);
+    const Section section{c, s, id, c.title.empty() ? 2 : 3};
+    const std::string html = html_of(section);
+    if (lead.empty()) lead = lead_of(section);
+    if (c.title.empty()) note += note_of(c);
+    contents += contents_entry(section, html);
+    sections += html;
+    data.push_back(data_of(s, c));
   }
-  const std::string page = filled_page({
-      {"title", escaped(input.title)},
-      {"note", note},
-      {"lead", fmt::format("{}: {} beams, {} of them hits", escaped(input.real.filename().string()),
-                           grouped(s.beams), grouped(s.hits))},
-      {"headline", headline_table(input)},
-      {"pictures", from_above(s, input)},
-      {"scan", one_scan(s, input)},
-      {"confusion", confusion_tables(input)},
-      {"classes", class_table(input)},
-      {"view-caption", view_caption(s)},
-      {"height-legend", scale_legend(s.low_m, s.high_m, "height (z)", "")},
-      {"error-legend", kErrorLegend},
-      {"provenance", provenance_text(input)},
-      {"data", data},
-  });
-  return write_page(folder, page);
+  if (input.comparisons.size() > 1) {
+    note += "<nav aria-label=\"Contents\"><ol>\n" + contents + "</ol></nav>";
+  }
+  return write_page(folder, filled_page({{"title", escaped(input.title)},
+                                         {"lead", lead},
+                                         {"note", note},
+                                         {"sections", sections},
+                                         {"data", embedded(data)}}));
 }
 
 }  // namespace underbrush::report

@@ -9,11 +9,11 @@ namespace underbrush::report {
 
 using Json = nlohmann::ordered_json;
 
-/// The input of a report.
-struct ReportInput {
-  std::string title;
-  std::string note;  ///< A banner, e.g. "Synthetic data: …"; may be empty.
-  Json scores;       ///< Result of `json_of_scores()`, with the names of `simulated` as models.
+/// A real log, the logs simulated from its beams, and their scores.
+struct Comparison {
+  std::string title;           ///< Heading of its section; empty where the page has no other.
+  std::string note;            ///< A banner, e.g. "Synthetic data: …"; may be empty.
+  Json scores;                 ///< `json_of_scores()`, with the names of `simulated` as models.
   std::filesystem::path real;  ///< The real log.
   /// A simulated log and its name.
   struct Simulated {
@@ -23,9 +23,17 @@ struct ReportInput {
   std::vector<Simulated> simulated;  ///< Logs of the same beams, in the order of the columns.
 };
 
-/// Writes `folder`/index.html, atomically, as one file that loads no other, and returns its path.
-/// Reads each log in chunks. Throws as `io::LogReader` does, `std::invalid_argument` where a model
-/// has no scores or a simulated log ends early, and `IoError` where the file system refuses.
+/// What a report is made of. A page of several comparisons begins with a table of contents.
+struct ReportInput {
+  std::string title;  ///< Of the page.
+  std::string lead;   ///< The line below the title; if empty, what the first real log holds.
+  std::vector<Comparison> comparisons;
+};
+
+/// Writes `folder`/index.html, atomically: one file that loads nothing else; returns its path.
+/// Reads each log in chunks. Throws as `io::LogReader` does, `std::invalid_argument` where there is
+/// no comparison, a model has no scores or a simulated log ends early, `IoError` where the file
+/// system refuses.
 std::filesystem::path write_report(const std::filesystem::path& folder, const ReportInput& input);
 
 /// Throws the `IoError` that `write_report` would end with. Callers use it before a long

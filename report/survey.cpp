@@ -15,7 +15,7 @@ constexpr size_t kChunk = 1 << 17, kSampled = 200000;
 // Points of one cloud, and of all clouds.
 constexpr size_t kViewPoints = 50000, kAllViewPoints = 200000;
 constexpr size_t kMostScanBeams = 1 << 20;
-constexpr double kViewRadius = 30;  // m
+constexpr double kLargestBox = 60;  // m
 
 // Selects the same beams in every log, by a hash of their number.
 bool chosen(size_t beam, double rate) {
@@ -51,16 +51,23 @@ class Cursor {
   size_t at_ = 0;
 };
 
-// Weight of a beam for the sample: thins the dense points near the sensor, so that the sample
-// covers the ground evenly. A miss keeps its full weight.
-double weight(float range_m) { return std::clamp(range_m * range_m / 400.0, 0.05, 1.0); }
+// Thins the dense points near the sensor, so that a sample covers the ground evenly up to a third
+// of the box. A miss keeps its full weight.
+double weight(float range_m, double box_m) {
+  const double full_m = box_m / 3;
+  return std::clamp(range_m * range_m / (full_m * full_m), 0.05, 1.0);
+}
 
 // The extent of the scene, from a sample of the real log's hits.
 struct Extent {
   std::vector<double> axis[3], range;
-  Vec3 focus = Vec3::Zero();  // The sensor in the middle of the log.
-  Pose sensor_from_world;     // At the same place.
-  double rate = 1;            // Rate of the sample.
+  Vec3 focus = Vec3::Zero();  // the sensor in the middle of the log
+  Pose sensor_from_world;     // there
+  double rate = 1;            // of the sample
+
+  double quantile_of(int k, double q) const {
+    return axis[k].empty() ? focus[k] : quantile(axis[k], q);
+  }
 };
 
 Extent extent_of(const std::filesystem::path& path, Survey& s) {
@@ -94,8 +101,8 @@ Extent extent_of(const std::filesystem::path& path, Survey& s) {
 void choose_view(const Extent& e, size_t pictures, Survey& s) {
   double low[2], high[2];
   for (int k = 0; k < 2; ++k) {
-    low[k] = e.axis[k].empty() ? e.focus[k] : quantile(e.axis[k], 0.01);
-    high[k] = e.axis[k].empty() ? e.focus[k] : quantile(e.axis[k], 0.99);
+    low[k] = e.quantile_of(k, 0.01);
+    high[k] = e.quantile_of(k, 0.99);
   }
   const double wide = std::max({high[0] - low[0], high[1] - low[1], 1.0});
   double size[2];
@@ -110,10 +117,10 @@ void choose_view(const Extent& e, size_t pictures, Survey& s) {
   s.far_m = std::max(1.0, quantile(e.range, 0.98));
 }
 
-// The box around the middle of the log that the 3-D view shows.
+// The box that the 3-D view shows.
 struct Box {
   Vec3 low = Vec3::Zero();
-  double side = 2 * kViewRadius, rate = 1;
+  double side = kLargestBox, rate = 1;
   size_t most = kViewPoints;
 
   void add(const Vec3& point, uint8_t error, ViewPoints& out) const {
@@ -125,18 +132,33 @@ struct Box {
   }
 };
 
+// A cube as large as a log of one place needs; of a larger log what is near the sensor in its
+// middle.
 Box choose_box(const Extent& e, size_t clouds, Survey& s) {
   Box box;
-  box.most = std::min(kViewPoints, kAllViewPoints / clouds);
+  Vec3 middle = e.focus, centre = e.focus;
+  double side = 1.1 * (s.high_m - s.low_m);  // the floor takes 1/20 of it
+  for (int k = 0; k < 2; ++k) {
+    const double low = e.quantile_of(k, 0.01), high = e.quantile_of(k, 0.99);
+    centre[k] = (low + high) / 2;
+    side = std::max(side, 1.04 * (high - low));
+  }
+  s.box_holds_all = side < kLargestBox;
+  if (s.box_holds_all) {
+    middle = centre;
+    box.side = std::max(side, 1.0);
+  }
+  s.box_m = box.side;
+  const double half = box.side / 2;
   double inside = 0;
   for (size_t i = 0; i < e.range.size(); ++i) {
-    const bool in = std::abs(e.axis[0][i] - e.focus.x()) < kViewRadius &&
-                    std::abs(e.axis[1][i] - e.focus.y()) < kViewRadius;
-    if (in) inside += weight(float(e.range[i]));
+    const bool in =
+        std::abs(e.axis[0][i] - middle.x()) < half && std::abs(e.axis[1][i] - middle.y()) < half;
+    if (in) inside += weight(float(e.range[i]), box.side);
   }
-  box.low = {e.focus.x() - kViewRadius, e.focus.y() - kViewRadius, s.low_m - kBelowLow};
+  box.most = std::min(kViewPoints, kAllViewPoints / clouds);
+  box.low = {middle.x() - half, middle.y() - half, s.low_m - s.floor_m()};
   box.rate = 0.97 * double(box.most) * e.rate / std::max(inside, 1.0);
-  s.box_m = box.side;
   return box;
 }
 
@@ -146,7 +168,7 @@ uint8_t error_code(double error_m) {
 
 }  // namespace
 
-Survey survey(const ReportInput& input) {
+Survey survey(const Comparison& input) {
   Survey s;
   const Extent extent = extent_of(input.real, s);
   const size_t n = input.simulated.size();
@@ -162,7 +184,7 @@ Survey survey(const ReportInput& input) {
   for (const auto& m : input.simulated) simulated.emplace_back(m.log);
 
   for (size_t beam = 0; real.step(); ++beam) {
-    const bool in_view = chosen(beam, box.rate * weight(real.range_m()));
+    const bool in_view = chosen(beam, box.rate * weight(real.range_m(), box.side));
     const bool in_scan =
         real.log().scan[real.index()] == s.scan && s.scan_beams.size() < kMostScanBeams;
     const Vec3 point = real.point();

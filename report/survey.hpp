@@ -14,9 +14,7 @@ struct ViewPoints {
 };
 inline constexpr uint8_t kFalseHitCode = 254, kFalseMissCode = 255;
 
-inline constexpr double kBelowLow = 3;  ///< m; the floor of the cube lies this far below `low_m`.
-
-/// Pictures and points of the real log and the simulated ones.
+/// The real and the simulated logs, drawn.
 struct Survey {
   size_t beams = 0, hits = 0;
   TopView view;
@@ -30,11 +28,15 @@ struct Survey {
                                       ///< world's.
   double far_m = 1;                   ///< m; the range at the end of the colours.
   std::vector<ScanBeam> scan_beams;
-  double box_m = 1;                ///< m; side of the cube that the 3-D view shows.
-  std::vector<ViewPoints> points;  ///< The real log's, then each simulated log's.
+  double box_m = 1;                ///< Side of the cube that the 3-D view shows.
+  bool box_holds_all = false;      ///< All but the outermost points; else what is near the sensor.
+  std::vector<ViewPoints> points;  ///< Real, then each simulated.
+
+  /// The cube's floor lies so far below `low_m`.
+  double floor_m() const { return box_m / 20; }
 };
 
-/// Draws the logs of a report. Reads the real log twice, the simulated ones once.
-Survey survey(const ReportInput& input);
+/// Reads the logs: the real one twice, the simulated ones once.
+Survey survey(const Comparison& input);
 
 }  // namespace underbrush::report

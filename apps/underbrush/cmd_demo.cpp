@@ -2,11 +2,14 @@
 
 #include <chrono>
 #include <iostream>
+#include <optional>
 
 #include "cli/progress.hpp"
+#include "example_scan.hpp"
 #include "report/report.hpp"
 #include "score_json.hpp"
 #include "stages.hpp"
+#include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/sensor/pattern.hpp"
@@ -19,15 +22,20 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Arguments {
-  std::string output = "demo", sensor = "velodyne-hdl32e";
+  std::string output = "demo", sensor = "velodyne-hdl32e", only;
   test_site::SiteParameters site;
   simulate::FootprintOptions beam;
 };
 
 constexpr const char* kSynthetic =
     "Synthetic data: a generated site of fine triangles, scanned by a beam with divergence, stands "
-    "in "
-    "for reality. Nothing here was measured.";
+    "in for reality. Nothing here was measured.";
+constexpr const char* kReal =
+    "Real data: one scan of an Ouster OS0-128 in a forest (ROUGH data set, Czech Technical "
+    "University in Prague, BSD-3-Clause). The models know its even columns and are scored on the "
+    "odd ones.";
+constexpr const char* kNoExample =
+    "not found beside the program; UNDERBRUSH_SHARE may name the folder that holds examples/";
 
 /// Replaces the column `element` by `instance`: the plant that was hit, 0 for ground and misses.
 void add_instances(const test_site::FlatSite& flat, BeamLog& beams) {
@@ -72,75 +80,138 @@ size_t scan_site(const Verb& verb, const Arguments& a, const fs::path& train,
   return done;
 }
 
-void run(const Verb& verb, Arguments& a) {
-  using Clock = std::chrono::steady_clock;
-  const auto start = Clock::now();
-  const auto say = [&](const std::string& line) {
-    if (verb.json == "-") return;
-    std::cout << fmt::format("[{:5.1f} s] {}\n",
-                             std::chrono::duration<double>(Clock::now() - start).count(), line)
-              << std::flush;
-  };
-  const fs::path folder = a.output;
-  fs::create_directories(folder);
-  const fs::path train = folder / "train.ply", test = folder / "test.ply";
-  a.site.seed = a.beam.seed = verb.seed;
-  a.beam.element_ids = true;
-  say(kSynthetic);
-  const size_t beams = scan_site(verb, a, train, test);
-  say(fmt::format("scanned the site with {}: {} beams; even scans train, odd scans are held out",
-                  a.sensor, beams));
+/// Lines of progress, with the time since the start.
+class Diary {
+ public:
+  double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+  void operator()(const std::string& line) const {
+    std::cerr << fmt::format("[{:5.1f} s] {}\n", seconds(), line) << std::flush;
+  }
 
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// Two models of one log, scored.
+struct Part {
+  std::string title, note;
+  fs::path test;
   std::vector<Candidate> candidates;
+  std::vector<metrics::Score> scores;
+  Json results;
+
+  report::Comparison comparison() const {
+    report::Comparison c{title, note, results, test, {}};
+    for (const Candidate& m : candidates) c.simulated.push_back({m.name, m.log});
+    return c;
+  }
+  std::string table() const { return title + "\n" + table_of_scores(candidates, scores); }
+};
+
+/// Fits the default and a surface mesh to `folder`/train.ply, and scores both on `folder`/test.ply.
+void fit_and_score(const Verb& verb, const Diary& say, const fs::path& folder, Part& part) {
+  const fs::path train = folder / "train.ply";
+  part.test = folder / "test.ply";
+  std::vector<std::string> names;
+  std::vector<fs::path> inputs{part.test};
   for (const char* fitter : {"hierarchical", "surface"}) {
     fit::FitOptions options;
     options.fitter = fitter;
     options.seed = verb.seed;
     const fs::path model = folder / fitter, log = folder / (std::string(fitter) + ".ply");
     const FitStep fitted = fit_log(verb, train, options, model);
-    io::LogReader like(test);
+    io::LogReader like(part.test);
     simulate::Options simulate;
     simulate.seed = verb.seed;
-    const SimulateStep simulated =
-        simulate_log(verb, trace::World(fitted.result.model), like, simulate, log, {model, test});
+    const SimulateStep simulated = simulate_log(verb, trace::World(fitted.result.model), like,
+                                                simulate, log, {model, part.test});
     const elements::Model& m = fitted.result.model;
     say(fmt::format("{}: fitted {} ellipsoids, {} triangles ({:.1f} s), simulated {} beams", fitter,
                     m.ellipsoids.size(), m.ground.size() + m.surface.size(), fitted.seconds,
                     simulated.beams));
-    candidates.push_back({fitter, log, model});
+    part.candidates.push_back({fitter, log, model});
+    names.push_back(fitter);
+    inputs.push_back(log);
   }
-  const std::vector<metrics::Score> scores = score_logs(test, candidates, true);
-  std::vector<std::string> names;
-  std::vector<fs::path> inputs{test};
-  report::ReportInput report;
-  for (const Candidate& c : candidates) {
-    names.push_back(c.name);
-    inputs.push_back(c.log);
-    report.simulated.push_back({c.name, c.log});
-  }
-  Json results = json_of_scores(names, scores, provenance(verb, inputs));
-  report.title = "Underbrush demo: a generated test site";
-  report.note = kSynthetic;
-  report.scores = results;
-  report.real = test;
-  const fs::path page = report::write_report(folder / "report", report);
-  results["seconds"] = std::chrono::duration<double>(Clock::now() - start).count();
-  results["synthetic"] = true;
+  part.scores = score_logs(part.test, part.candidates, true);
+  part.results = json_of_scores(names, part.scores, provenance(verb, inputs));
+}
+
+Part site_part(const Verb& verb, const Diary& say, const Arguments& a) {
+  const fs::path folder = a.output;
+  say(kSynthetic);
+  const size_t beams = scan_site(verb, a, folder / "train.ply", folder / "test.ply");
+  say(fmt::format("scanned the site with {}: {} beams; even scans train, odd scans are held out",
+                  a.sensor, beams));
+  Part part{"Synthetic: a generated site", kSynthetic, {}, {}, {}, {}};
+  fit_and_score(verb, say, folder, part);
   say("scored on the held-out scans");
-  verb.report(results,
-              table_of_scores(candidates, scores) + fmt::format("report: {}\n", page.string()));
+  return part;
+}
+
+Part real_part(const Verb& verb, const Diary& say, const fs::path& scan, const fs::path& folder) {
+  fs::create_directories(folder);
+  say(kReal);
+  const SplitStep split = import_example(verb, scan, folder);
+  say(fmt::format("imported {}: {} beams; even columns train, odd columns are held out",
+                  scan.filename().string(), split.train_beams + split.test_beams));
+  Part part{"Real: one scan under trees", kReal, {}, {}, {}, {}};
+  fit_and_score(verb, say, folder, part);
+  say("scored on the held-out columns");
+  return part;
+}
+
+void run(const Verb& verb, Arguments& a) {
+  const Diary say;
+  const fs::path folder = a.output;
+  const std::optional<fs::path> scan = a.only == "site" ? std::nullopt : example_scan();
+  if (!scan && a.only == "real") throw FormatError(kExampleScan, "", kNoExample);
+  fs::create_directories(folder);
+  a.site.seed = a.beam.seed = verb.seed;
+  a.beam.element_ids = true;
+  std::optional<Part> site, real;
+  if (a.only != "real") site = site_part(verb, say, a);
+  if (scan) real = real_part(verb, say, *scan, folder / "real");
+  if (!scan && a.only.empty()) say(fmt::format("no real scan: {}: {}", kExampleScan, kNoExample));
+
+  report::ReportInput report{
+      "Underbrush demo", "Models learnt from one half of a log, scored on the other half.", {}};
+  Json results = Json::object();
+  std::string text;
+  if (site) {
+    results = site->results;
+    results["synthetic"] = true;
+  }
+  if (real) {
+    results["real"] = real->results;
+    results["real"]["synthetic"] = false;
+  }
+  for (const std::optional<Part>* part : {&site, &real}) {
+    if (!*part) continue;
+    report.comparisons.push_back((*part)->comparison());
+    text += (*part)->table();
+  }
+  const fs::path page = report::write_report(folder / "report", report);
+  results["seconds"] = say.seconds();
+  verb.report(results, text + fmt::format("report: {}\n", page.string()));
 }
 
 }  // namespace
 
 void add_demo(Program& program) {
   auto a = std::make_shared<Arguments>();
-  const auto verb = add_verb(program, "Start", "demo",
-                             "Run the whole pipeline on a generated test site and write a report",
-                             "underbrush demo -o demo/", [a](const Verb& v) { run(v, *a); });
+  const auto verb =
+      add_verb(program, "Start", "demo",
+               "The whole pipeline on a generated site and on a real scan; ends with a report",
+               "underbrush demo -o demo/\n  underbrush demo --only real",
+               [a](const Verb& v) { run(v, *a); });
   CLI::App& app = verb->app;
   verb->output("-o,--output", a->output, "Folder for everything that the demo writes")
       ->capture_default_str();
+  verb->not_of_result(app.add_option("--only", a->only, "Leave the other part out"))
+      ->check(CLI::IsMember({"site", "real"}));
   app.add_option("--sensor", a->sensor, "Sensor of the catalogue that scans the site")
       ->capture_default_str();
   app.add_option("--sub-rays", a->beam.sub_rays, "Sub-rays for each beam when the site is scanned")

@@ -51,9 +51,10 @@ void run(const Verb& verb, const Arguments& a) {
   const Json results = json_of_scores(names, scores, provenance(verb, inputs));
   std::string text = table_of_scores(candidates, scores);
   if (!a.report.empty()) {
-    report::ReportInput report{
-        "Simulated against real: " + fs::path(a.real).filename().string(), "", results, a.real, {}};
-    for (const Candidate& c : candidates) report.simulated.push_back({c.name, c.log});
+    report::Comparison comparison{"", "", results, a.real, {}};
+    for (const Candidate& c : candidates) comparison.simulated.push_back({c.name, c.log});
+    const report::ReportInput report{
+        "Simulated against real: " + fs::path(a.real).filename().string(), "", {comparison}};
     text += "report: " + report::write_report(a.report, report).string() + "\n";
   }
   verb.report(results, text);

@@ -8,7 +8,6 @@ function show_error(message) {
 }
 window.onerror = (message, source, line) => show_error(`Script error: ${message} (line ${line})`);
 
-const data = JSON.parse(by_id('data').textContent);
 const colour = (k) => `var(--m${k % 6})`;
 const escaped = (text) => text.replace(/[&<>"]/g, (c) => `&#${c.charCodeAt(0)};`);
 
@@ -53,8 +52,8 @@ function grid_line(f, y, label) {
 }
 
 // --- Histogram of range errors -----------------------------------------------------------------
-function histogram_plot() {
-  const place = by_id('histogram');
+function histogram_plot(root, data) {
+  const place = root.querySelector('.histogram');
   const models = data.models.map((m, k) => ({k, name: m.name, ...m.histogram}))
       .filter((m) => m.below_bins_above)
       .map((m) => {
@@ -146,8 +145,8 @@ const BAND_SCORES = [
   ['cloud_error_m', 'Point cloud error', 'Point cloud error, m.', 4],
   ['recall', 'Recall', 'Recall: share of the real hits that are simulated as hits.', 4],
 ];
-function bands_plot() {
-  const place = by_id('bands');
+function bands_plot(root, data) {
+  const place = root.querySelector('.bands');
   const bands = [...new Set(data.models.flatMap((m) => Object.keys(m.per_range)))]
       .filter((b) => b !== 'miss').sort((a, b) => parseFloat(a) - parseFloat(b));
   const names = bands.map((b) => escaped(b.endsWith('-') ? `> ${b.slice(0, -1)}` : b.replace('-', '–')));
@@ -230,11 +229,11 @@ void main() {
 }`;
 const bytes_of = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
 
-function points_view() {
-  const canvas = by_id('view-canvas');
+function points_view(root, data) {
+  const view = root.querySelector('.view'), canvas = view.querySelector('canvas');
   const gl = canvas.getContext('webgl', {antialias: false, preserveDrawingBuffer: true});
   if (!gl || !data.clouds.some((c) => c.xyz.length)) return;
-  by_id('view').hidden = false;
+  view.hidden = false;
   const program = gl.createProgram();
   for (const [kind, text] of [[gl.VERTEX_SHADER, SHADER_OF_POINTS], [gl.FRAGMENT_SHADER, SHADER_OF_COLOUR]]) {
     const shader = gl.createShader(kind);
@@ -245,7 +244,7 @@ function points_view() {
   gl.linkProgram(program);
   if (!gl.getProgramParameter(program, gl.LINK_STATUS)) {
     if (!gl.isContextLost()) show_error(`Script error: WebGL: ${gl.getProgramInfoLog(program)}`);
-    by_id('view').hidden = true;
+    view.hidden = true;
     return;
   }
   gl.useProgram(program);
@@ -308,7 +307,7 @@ function points_view() {
   }
   const ask = () => { if (!asked) { asked = true; requestAnimationFrame(draw); } };
 
-  const row = by_id('view-clouds');
+  const row = view.querySelector('.view-clouds');
   choice(row, data.clouds.map((c) => c.name), 0, (k) => { shown = k; say(); });
   div(row, 'gap');
   const colouring = button(row, 'Colour by error', () => { by_error = !by_error; say(); });
@@ -316,8 +315,8 @@ function points_view() {
     colouring.disabled = shown === 0;
     colouring.style.opacity = shown === 0 ? 0.45 : 1;
     colouring.setAttribute('aria-pressed', String(by_error && shown > 0));
-    by_id('view-error').hidden = !(by_error && shown > 0);
-    by_id('view-height').hidden = by_error && shown > 0;
+    view.querySelector('.view-error').hidden = !(by_error && shown > 0);
+    view.querySelector('.view-height').hidden = by_error && shown > 0;
     ask();
   }
   handle_pointers(canvas, {
@@ -335,7 +334,7 @@ function points_view() {
     zoom(factor) { eye.far = Math.min(3, Math.max(0.02, eye.far * factor)); ask(); },
     reset() { eye = {...start}; ask(); },
   });
-  canvas.addEventListener('webglcontextlost', () => { by_id('view').hidden = true; });
+  canvas.addEventListener('webglcontextlost', () => { view.hidden = true; });
   say();
   draw();
   return ask;
@@ -406,7 +405,13 @@ function hold_pictures() {
 
 document.documentElement.classList.add('scripted');
 hold_pictures();
-const redraws = [histogram_plot(), bands_plot(), points_view()].filter(Boolean);
+const roots = document.querySelectorAll('.comparison');
+const redraws = JSON.parse(by_id('data').textContent).flatMap((data, k) =>
+    [histogram_plot, bands_plot, points_view].map((draw) => draw(roots[k], data))).filter(Boolean);
+// The contents lead to nothing that this browser does not show.
+for (const link of document.querySelectorAll('nav span a')) {
+  if (!by_id(link.hash.slice(1)).getClientRects().length) link.remove();
+}
 let last_width = window.innerWidth;
 window.addEventListener('resize', () => {
   if (window.innerWidth === last_width) return;

@@ -135,7 +135,9 @@ class Interrupted(cli_test.OnALog):
                 self.fail("the demo writes nothing")
             process.send_signal(signal.SIGINT)
             _, errors = process.communicate(timeout=60)
-            self.assertEqual((process.returncode, errors), (-signal.SIGINT, "underbrush: interrupted\n"))
+            *progress, last = errors.splitlines()
+            self.assertEqual((process.returncode, last), (-signal.SIGINT, "underbrush: interrupted"))
+            self.assertTrue(all(line.startswith("[") for line in progress), errors)
             self.assertEqual(os.listdir(pathlib.Path(scratch, "demo")), [])
 
 

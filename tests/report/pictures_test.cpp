@@ -132,7 +132,7 @@ TEST(Survey, PointsAndErrorsOfTheView) {
     const double x = s.points[0].xyz[3 * i] / 65535.0 - 0.5;
     const double y = s.points[0].xyz[3 * i + 1] / 65535.0 - 0.5;
     ASSERT_NEAR(std::hypot(x, y) * s.box_m, 20, 0.002);
-    ASSERT_NEAR(s.points[0].xyz[3 * i + 2] / 65535.0 * s.box_m + s.low_m - kBelowLow, 100, 0.001);
+    ASSERT_NEAR(s.points[0].xyz[3 * i + 2] / 65535.0 * s.box_m + s.low_m - s.floor_m(), 100, 0.001);
   }
 }
 

@@ -1,11 +1,14 @@
 // The report of `underbrush score --report`: one file that loads nothing, whatever the logs hold,
 // and whose script runs in a browser without errors.
+#include "report/report.hpp"
+
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
 #include <cmath>
 #include <cstdlib>
 #include <regex>
+#include <set>
 
 #include "io/temporary.hpp"
 #include "underbrush/core/rng.hpp"
@@ -80,6 +83,20 @@ class Report : public testing::Test {
                          " > stdout");
     EXPECT_EQ(code, 0) << bytes_of(folder_ / "stderr");
     return bytes_of(folder_ / "page/index.html");
+  }
+  // Scores the logs without a page.
+  report::Comparison comparison(const std::string& title, const BeamLog& real,
+                                const BeamLog& simulated, const std::string& name) {
+    io::write_log(folder_ / (name + "-real.ply"), real, "{}");
+    io::write_log(folder_ / (name + ".ply"), simulated, "{}");
+    const int code = run(UNDERBRUSH_PROGRAM " score " + name + "-real.ply " + name +
+                         ".ply --json " + name + ".json > stdout");
+    EXPECT_EQ(code, 0) << bytes_of(folder_ / "stderr");
+    return {title,
+            "note on " + name,
+            report::Json::parse(bytes_of(folder_ / (name + ".json"))),
+            folder_ / (name + "-real.ply"),
+            {{name, folder_ / (name + ".ply")}}};
   }
   // The page as the browser's script leaves it; empty where there is no browser.
   std::string drawn(const std::string& after = "") {
@@ -178,6 +195,51 @@ TEST_F(Report, DrawsInABrowser) {
     std::regex_search(html, error, std::regex("id=\"script-error\"[^>]*>([^<]*)"));
     EXPECT_EQ(error[1].str(), "");
   }
+}
+
+// All matches of the first group.
+std::vector<std::string> all_of(const std::string& text, const char* pattern) {
+  const std::regex regex(pattern);
+  std::vector<std::string> found;
+  for (std::sregex_iterator at(text.begin(), text.end(), regex), end; at != end; ++at) {
+    found.push_back((*at)[1].str());
+  }
+  return found;
+}
+
+TEST_F(Report, SeveralComparisonsOnOnePage) {
+  const BeamLog near = round_wall(3, 90), far = round_wall(2, 60);
+  report::ReportInput input{"Two <logs>", "What they are.", {}};
+  input.comparisons.push_back(comparison("First: \"near\"", near, disturbed(near, 1), "one"));
+  input.comparisons.push_back(comparison("Second & last", far, disturbed(far, 2), "two"));
+  report::write_report(folder_ / "page", input);
+  const std::string html = bytes_of(folder_ / "page/index.html");
+  expect_self_contained(html);
+  EXPECT_EQ(all_of(html, "<h1>([^<]*)</h1>"), std::vector<std::string>{"Two &lt;logs&gt;"});
+  EXPECT_EQ(all_of(html, "<h2>([^<]*)</h2>"),
+            (std::vector<std::string>{"First: &quot;near&quot;", "Second &amp; last"}));
+  for (const char* text :
+       {"What they are.", "note on one", "note on two", "one-real.ply: ", "two-real.ply: "}) {
+    EXPECT_NE(html.find(text), std::string::npos) << text;
+  }
+  const std::string body = html.substr(0, html.find("<script"));
+  const std::vector<std::string> ids = all_of(body, " id=\"([^\"]*)\""),
+                                 links = all_of(body, "href=\"#([^\"]*)\"");
+  const std::set<std::string> different(ids.begin(), ids.end());
+  EXPECT_EQ(different.size(), ids.size());
+  EXPECT_GE(links.size(), 14u);
+  for (const std::string& link : links) EXPECT_TRUE(different.count(link)) << link;
+
+  const std::string shown = drawn(
+      "for (const b of document.querySelectorAll('button')) b.click();"
+      "document.documentElement.dataset.parts = [...document.querySelectorAll('.comparison')]"
+      ".map((c) => [c.querySelectorAll('.plot svg').length, c.querySelector('.view').hidden,"
+      "c.querySelectorAll('.buttons button').length].join()).join(';');");
+  if (shown.empty()) GTEST_SKIP() << "no chromium: the report's script was not run";
+  EXPECT_NE(shown.find("data-drawn=\"yes\""), std::string::npos);
+  EXPECT_EQ(all_of(shown, "data-parts=\"([^\"]*)\""),
+            std::vector<std::string>{"2,false,9;2,false,9"});
+  EXPECT_EQ(all_of(shown, "id=\"script-error\"[^>]*>([^<]*)"), std::vector<std::string>{""});
 }
 
 TEST_F(Report, AnErrorOfTheScriptIsSeen) {

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """What is installed is whole: a stranger's project finds the package, compiles every header, links,
-runs; and the installed program answers."""
+runs; and the installed program answers and finds its example scan."""
 import argparse
 import os
 import pathlib
@@ -35,3 +35,5 @@ with tempfile.TemporaryDirectory() as folder:
     run(options.cmake, "--build", consumer, env=environment)
     print(run(consumer / "consumer"), end="")
     print(run(prefix / "bin/underbrush", "--version"), end="")
+    environment.pop("UNDERBRUSH_SHARE", None)
+    print(run(prefix / "bin/underbrush", "demo", "--only", "real", cwd=folder, env=environment), end="")

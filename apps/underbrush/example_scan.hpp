@@ -1,0 +1,25 @@
+/// \file
+/// The real scan that travels with the program (share/examples), as a log.
+#pragma once
+#include <filesystem>
+#include <optional>
+
+#include "cli/verb.hpp"
+#include "split_log.hpp"
+
+namespace underbrush::app {
+
+/// The scan, below the folder of files that travel with the program.
+inline constexpr const char* kExampleScan = "examples/marv_forest.pcd";
+
+/// The scan's file: in the folder of the environment variable UNDERBRUSH_SHARE or, where
+/// that is not set, of share/underbrush/ beside an installed program's bin/, or of share/ in the
+/// source tree that holds the program's build folder. None where it is absent.
+std::optional<std::filesystem::path> example_scan();
+
+/// Imports the scan to `folder`/log.ply and splits it: its odd columns go to test.ply, the others
+/// to train.ply.
+SplitStep import_example(const Verb& verb, const std::filesystem::path& scan,
+                         const std::filesystem::path& folder);
+
+}  // namespace underbrush::app
