@@ -39,18 +39,18 @@ struct Rays {
       const auto azimuth = [](const Ray& r) {
         return std::atan2(r.direction.y(), r.direction.x());
       };
-      float_rays->turn_low = float_rays->up_low = 4;
-      float_rays->turn_high = float_rays->up_high = -4;
+      float_rays->azimuth_low = float_rays->sin_elevation_low = 4;
+      float_rays->azimuth_high = float_rays->sin_elevation_high = -4;
       for (size_t k = 0; k < n; ++k) {
         const double turned = azimuth(part[k]) - azimuth(part[0]);
         const float turn = float(std::remainder(turned, 2 * M_PI) / (M_PI / 2));
         const float up = float(part[k].direction.z());
-        float_rays->turn[k] = turn;
-        float_rays->up[k] = up;
-        float_rays->turn_low = std::min(float_rays->turn_low, turn);
-        float_rays->turn_high = std::max(float_rays->turn_high, turn);
-        float_rays->up_low = std::min(float_rays->up_low, up);
-        float_rays->up_high = std::max(float_rays->up_high, up);
+        float_rays->azimuth[k] = turn;
+        float_rays->sin_elevation[k] = up;
+        float_rays->azimuth_low = std::min(float_rays->azimuth_low, turn);
+        float_rays->azimuth_high = std::max(float_rays->azimuth_high, turn);
+        float_rays->sin_elevation_low = std::min(float_rays->sin_elevation_low, up);
+        float_rays->sin_elevation_high = std::max(float_rays->sin_elevation_high, up);
       }
       trace::order_by_direction(*float_rays, {order.data(), n});
       for (size_t k = 0; k < n; ++k) coherent.push_back(part[order[k]]);

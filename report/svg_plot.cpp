@@ -58,8 +58,8 @@ std::string SvgPlot::axes() const {
       "<text x=\"{}\" y=\"22\" font-size=\"15\" text-anchor=\"middle\">{}</text>\n"
       "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n"
       "<text transform=\"translate(16 {}) rotate(-90)\" text-anchor=\"middle\">{}</text>\n",
-      kWidth / 2, escaped(title_), kWidth / 2, kHeight - 12, escaped(x_label_),
-      kHeight / 2, escaped(y_label_));
+      kWidth / 2, escaped(title_), kWidth / 2, kHeight - 12, escaped(x_label_), kHeight / 2,
+      escaped(y_label_));
   for (const bool horizontal : {true, false}) {
     const auto [from, to] = horizontal ? x_ : y_;
     const double step = round_step_above(std::abs(to - from) / 8), low = std::min(from, to);

@@ -7,7 +7,7 @@ set -euo pipefail
 deb=$(realpath "$1")
 root=${2:-$(mktemp -d)}
 [ -n "${2:-}" ] || trap 'rm -rf --one-file-system "$root"' EXIT
-mirror=${MIRROR:-http://deb.debian.org/debian}
+mirror=${MIRROR:-$(apt-get indextargets --format '$(REPO_URI)' | grep -m 1 '/debian/\?$')}   # as this machine has it
 [ "$(id -u)" = 0 ] || { echo "check_deb: needs root, for debootstrap and chroot" >&2; exit 1; }
 
 [ -e "$root/usr/bin/apt-get" ] || debootstrap --variant=minbase bookworm "$root" "$mirror" > "$root.log" 2>&1 ||

@@ -11,18 +11,18 @@
 namespace underbrush::studies {
 namespace {
 
-constexpr double kVolumeM3 = 45;
+constexpr double kPlantVolumeM3 = 45;
 
 /// Scales a plant to a box of 45 m³.
 void scale(test_site::PlantMesh& plant) {
-  const double factor = std::cbrt(kVolumeM3 / test_site::bounds(plant.mesh).volume());
+  const double factor = std::cbrt(kPlantVolumeM3 / test_site::bounds(plant.mesh).volume());
   for (Vec3f& v : plant.mesh.vertices) v *= float(factor);
 }
 
 /// Adds a flat picture of a tree, whose plane is turned by `turn_rad` from across the vehicle's
 /// path.
 void add_board(test_site::PlantMesh& out, double turn_rad) {
-  const double half = std::sqrt(kVolumeM3 / 5.5) / 2;
+  const double half = std::sqrt(kPlantVolumeM3 / 5.5) / 2;
   const Vec3 side = half * Vec3(-std::sin(turn_rad), std::cos(turn_rad), 0), up(0, 0, 5.5);
   const uint32_t a = out.add_vertex(-side), b = out.add_vertex(side);
   const uint32_t c = out.add_vertex(side + up), d = out.add_vertex(up - side);

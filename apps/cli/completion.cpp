@@ -34,10 +34,6 @@ std::vector<std::string> positional_choices(const CLI::App& verb) {
   return {};
 }
 
-std::vector<const CLI::App*> verbs_of(const CLI::App& program) {
-  return program.get_subcommands([](const CLI::App* a) { return !a->get_name().empty(); });
-}
-
 /// Puts text into single quotes for a shell.
 std::string quoted(std::string text) {
   for (size_t at = 0; (at = text.find('\'', at)) != std::string::npos; at += 4) {

@@ -99,6 +99,10 @@ std::string described(const CLI::Option& option) {
   return text;
 }
 
+std::vector<const CLI::App*> verbs_of(const CLI::App& program) {
+  return program.get_subcommands([](const CLI::App* a) { return !a->get_name().empty(); });
+}
+
 std::string HelpFormatter::make_help(const CLI::App* app, std::string name,
                                      CLI::AppFormatMode mode) const {
   if (mode == CLI::AppFormatMode::Sub) {

@@ -36,5 +36,7 @@ std::vector<std::string> choices_of(const CLI::Option& option);
 std::string written(const CLI::Option& option);
 /// Returns the help text of an option with its choices and its default.
 std::string described(const CLI::Option& option);
+/// The verbs of a program, in the order in which they were added.
+std::vector<const CLI::App*> verbs_of(const CLI::App& program);
 
 }  // namespace underbrush::app

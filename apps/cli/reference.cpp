@@ -9,10 +9,6 @@
 namespace underbrush::app {
 namespace {
 
-std::vector<const CLI::App*> verbs_of(const CLI::App& program) {
-  return program.get_subcommands([](const CLI::App* a) { return !a->get_name().empty(); });
-}
-
 std::vector<const CLI::Option*> options_of(const CLI::App& app, const std::string& group,
                                            bool positional) {
   return app.get_options([&](const CLI::Option* o) {

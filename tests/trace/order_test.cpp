@@ -22,13 +22,13 @@ std::unique_ptr<FloatRays> beams(uint64_t seed, uint32_t rays, uint32_t a_beam) 
       turn = float(random.uniform(-0.5, 0.5));
       up = float(random.uniform(-0.4, 0.4));
     }
-    u->turn[i] = turn + float(random.uniform(-5e-4, 5e-4));
-    u->up[i] = up + float(random.uniform(-5e-4, 5e-4));
+    u->azimuth[i] = turn + float(random.uniform(-5e-4, 5e-4));
+    u->sin_elevation[i] = up + float(random.uniform(-5e-4, 5e-4));
   }
-  u->turn_low = *std::min_element(u->turn, u->turn + rays);
-  u->turn_high = *std::max_element(u->turn, u->turn + rays);
-  u->up_low = *std::min_element(u->up, u->up + rays);
-  u->up_high = *std::max_element(u->up, u->up + rays);
+  u->azimuth_low = *std::min_element(u->azimuth, u->azimuth + rays);
+  u->azimuth_high = *std::max_element(u->azimuth, u->azimuth + rays);
+  u->sin_elevation_low = *std::min_element(u->sin_elevation, u->sin_elevation + rays);
+  u->sin_elevation_high = *std::max_element(u->sin_elevation, u->sin_elevation + rays);
   return u;
 }
 
@@ -64,7 +64,7 @@ TEST(Order, MakesTilesAboutAsWideAsHigh) {
   for (uint32_t tile = 0; tile < kRays; tile += kPacketRays) {
     float low[2] = {9, 9}, high[2] = {-9, -9};
     for (uint32_t k = tile; k < tile + kPacketRays; ++k) {
-      const float at[2] = {rays->turn[order[k]], rays->up[order[k]]};
+      const float at[2] = {rays->azimuth[order[k]], rays->sin_elevation[order[k]]};
       for (int a = 0; a < 2; ++a) {
         low[a] = std::min(low[a], at[a]);
         high[a] = std::max(high[a], at[a]);
