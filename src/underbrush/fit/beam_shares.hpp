@@ -1,5 +1,6 @@
 /// \file
-/// Soft credits: how much of a beam's outcome each element explains under the ray model.
+/// This file defines soft credits: the share of a beam's outcome that each element explains under
+/// the ray model.
 #pragma once
 #include <span>
 #include <vector>
@@ -8,26 +9,32 @@
 
 namespace underbrush::fit {
 
-/// Shares of the beams that no element explains: returns anywhere in [0, max range], and returns
-/// that were lost.
+/// Probabilities that no element explains a beam: ε_h of a return at a range spread evenly over [0,
+/// maximum range], and ε_m of a return that was lost.
 struct Unexplained {
   double hit = 0.005, miss = 0.005;
 };
 
-/// One beam shared out over the m elements that it meets in order of range.
+/// A beam shared out over the m elements that it meets, in order of range.
 struct BeamShares {
-  /// r_k: probability that element k returned it. r_k ∝ w_k N(z; t_k, σ_k²), 0 for a miss.
+  /// r_k ∝ w_k N(z; t_k, σ_k²): the probability that element k returned the beam. It is 0 for a
+  /// miss.
   std::vector<double> hit;
-  /// Probability that it went through element k: Σ_{j>k} r_j, and for a miss that it met nothing.
+  /// The probability that the beam went through element k: Σ_{j>k} r_j for a return, and for a miss
+  /// the probability that it met nothing.
   std::vector<double> pass;
-  double unexplained = 0;  ///< 1 − Σ r_k, for a miss 1 − the probability that it met nothing.
-  double log_likelihood = 0;
+  /// The part of the outcome that no element explains: 1 − Σ r_k for a return, 1 − `pass` for a
+  /// miss.
+  double unexplained = 0;
+  double log_likelihood = 0;  ///< The log of f(z) or of P(miss) below.
 };
 
-/// Replaces `out` with the shares of a beam of range `range_m` (m; kMiss without a return) under
+/// Computes the shares of one beam under the ray model with outliers:
 ///   f(z) = (1 − ε_h − ε_m) Σ_k w_k N(z; t_k, σ_k²) + ε_h / R
 ///   P(miss) = (1 − ε_h − ε_m) ∏_k (1 − p_k) + ε_m,   w_k = p_k ∏_{j<k} (1 − p_j)
-/// with ε of `unexplained` and R = `max_range_m`.
+/// `met` lists the elements in order of range, z is `range_m` (m; kMiss without a return), ε_h and
+/// ε_m are those of `unexplained`, and R is `max_range_m`. The result replaces `out`, whose memory
+/// is used again.
 void share_out(std::span<const trace::Met> met, double range_m, const Unexplained& unexplained,
                double max_range_m, BeamShares& out);
 

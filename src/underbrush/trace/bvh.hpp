@@ -1,6 +1,6 @@
 /// \file
-/// The bounding volume hierarchy over the elements of one model, laid out for vector instructions:
-/// leaves of at most eight elements of one kind.
+/// This file has the bounding volume hierarchy over the elements of one model. It is laid out for
+/// vector instructions: a leaf is a block of up to eight elements of one kind.
 #pragma once
 #include <cstdint>
 
@@ -9,37 +9,40 @@
 
 namespace underbrush::trace {
 
-/// What a leaf holds (bits 29 and 30 of its reference).
+/// The kinds of leaf, in bits 29 and 30 of its reference. `kEllipsoids` are ellipsoids with a hit
+/// probability of their own.
 inline constexpr uint32_t kEllipsoids = 0;
-/// Ellipsoids whose meetings and trials are decided in double, always: voxels, shapes too thin for
-/// floats.
+/// Ellipsoids that are always decided in double precision, because they are bounded by voxels or
+/// too thin for floats.
 inline constexpr uint32_t kCareful = 0x20000000u;
 inline constexpr uint32_t kTriangles = 0x40000000u;
-/// Ellipsoids of path-length opacity.
+/// Ellipsoids with a path-length opacity.
 inline constexpr uint32_t kPathLength = 0x60000000u;
-/// Of the tree over instances, which has no elements: an entry of `SceneTree::entries`.
+/// A leaf of the tree over instances: an index into `SceneTree::entries`. That tree has no
+/// elements.
 inline constexpr uint32_t kInstance = 0x60000000u;
 
-/// Eight ellipsoids: |U (x − mean)| ≤ 1 on the surface at Mahalanobis distance τ, U upper
-/// triangular (u00 u01 u02 u11 u12 u22). Lanes without an ellipsoid are NaN and never met.
+/// Eight ellipsoids in columns. The surface at Mahalanobis distance τ is |U (x − mean)| = 1 with U
+/// upper triangular (u00 u01 u02 u11 u12 u22). Lanes without an ellipsoid are NaN, so that no ray
+/// meets them.
 struct alignas(32) EllipsoidBlock {
   float mean[3][kWidth];
   float u[6][kWidth];
   union {
-    uint32_t accept_below[kWidth];  ///< Accepted iff hash < this, or always where 0xffffffff.
-    float depth[kWidth];            ///< kPathLength: κ √(2π) / τ.
+    uint32_t accept_below[kWidth];  ///< A hit iff hash < this, or always if 0xffffffff.
+    float depth[kWidth];  ///< For kPathLength: κ √(2π) / τ.
   };
   uint32_t element[kWidth];
 };
 
-/// Eight triangles by their corners; lanes without one are NaN.
+/// Eight triangles in columns, by their corners. Lanes without a triangle are NaN.
 struct alignas(32) TriangleBlock {
   float corner[3][3][kWidth];  ///< corner[vertex][axis][lane]
   uint32_t accept_below[kWidth];
   uint32_t element[kWidth];
 };
 
-/// The hierarchy over all elements of a model; coordinates relative to the model's origin.
+/// The hierarchy over all elements of a model. Coordinates are relative to the model's origin, m.
 struct Bvh {
   HugeVector<Node> nodes;
   HugeVector<EllipsoidBlock> ellipsoids;
@@ -50,9 +53,10 @@ struct Bvh {
   size_t bytes() const;
 };
 
-/// Element numbers are the model's. Ellipsoids are found wherever |U (x − mean)| ≤ 1 in exact
-/// arithmetic, where U is the float nearest to the true factor; those of kCareful leaves may be
-/// inflated.
+/// Builds the hierarchy of a model; element numbers are those of the model. Bounds are
+/// conservative: a ray is tested against an ellipsoid wherever it enters |U (x − mean)| ≤ 1 in
+/// exact arithmetic, with U the float nearest to the true factor. The ellipsoids of kCareful leaves
+/// may be inflated.
 Bvh build_bvh(const elements::Model& model);
 
 }  // namespace underbrush::trace

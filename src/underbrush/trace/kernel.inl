@@ -1,10 +1,10 @@
-// Included by kernel_*.cpp, one for each instruction set; UB_KERNELS names the table it defines. No
-// inline function of a shared header that could be compiled apart may be called here: the linker
-// could keep the copy that was compiled for a larger instruction set than the machine has.
+// This file is included by kernel_*.cpp, once for each instruction set; UB_KERNELS names the table
+// that it defines. The kernels must not call an inline function of a shared header, because the
+// linker could keep the copy that was compiled for a larger instruction set than the machine has.
 #include <immintrin.h>
 
 #include "underbrush/trace/kernel.hpp"
-// Each builds on those before it.
+// Each file uses those before it.
 // clang-format off
 #include "underbrush/trace/exact.inl"
 #include "underbrush/trace/simd.inl"

@@ -1,5 +1,6 @@
-// Included by kernel.inl: `meet` for many rays and elements, four of a kind at a time. Answers go
-// to out[i], one a candidate, or if there is no `out` to the best of each candidate's ray.
+// `meet` for many rays and elements, four elements of one kind at a time. Answers go to out[i], one
+// a candidate, or, if `out` is null, to the best of each candidate's ray. kernel.inl includes this
+// file.
 namespace underbrush::trace {
 namespace {
 
@@ -28,7 +29,7 @@ inline unsigned bits(L mask) {
 }
 #endif
 
-// Rows to columns and back.
+// Transposes rows to columns or columns to rows.
 inline void transpose(D x[4]) {
   const D a = __builtin_shufflevector(x[0], x[1], 0, 4, 2, 6);
   const D b = __builtin_shufflevector(x[0], x[1], 1, 5, 3, 7);
@@ -40,7 +41,7 @@ inline void transpose(D x[4]) {
   x[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
 }
 
-// Up to kRun candidates, triangles apart from ellipsoids.
+// Up to kRun candidates, with triangles apart from ellipsoids.
 constexpr size_t kRun = 256;
 struct Sorted {
   struct Triangle {
@@ -55,7 +56,7 @@ struct Sorted {
   size_t triangles = 0, ellipsoids = 0;
 };
 
-// Calls the memory of their elements.
+// Sorts candidates by kind, and prefetches their rays and elements.
 inline void sort_out(const View& view, const Batch& batch, const Candidate* list, size_t count,
                      Sorted& out) {
   for (size_t i = 0; i < count; ++i) {
@@ -96,7 +97,7 @@ inline void sort_out(const View& view, const Batch& batch, const Candidate* list
   }
 }
 
-// Four candidates that are decided together, the rays in their models' frames.
+// Four candidates that are decided together, with the rays in their models' frames.
 struct Four {
   uint32_t index[kFour];
   size_t count = 0;
@@ -104,7 +105,7 @@ struct Four {
   Stand at;
   uint32_t at_instance = Met::kNone;
 
-  // Adds candidate i; its model.
+  // Adds candidate i and gives its model.
   const ModelView& add(const View& view, const Batch& batch, const Candidate* list, uint32_t i) {
     const Candidate& c = list[i];
     if (c.instance != at_instance) {
@@ -126,7 +127,7 @@ struct Four {
     return *at.model;
   }
 
-  // Columns: o, d, scale, τ². Places without a candidate repeat the last.
+  // Gives the columns o, d, scale and τ². Places without a candidate repeat the last one.
   void columns(D o[3], D d[3], D& scale, D& tau2) {
     for (size_t k = count; k < kFour; ++k) {
       near_end[k] = near_end[count - 1];
@@ -161,7 +162,7 @@ struct Four {
 };
 
 struct Ellipsoids : Four {
-  D e[3][kFour];  // rows: mean, Σ xx; Σ xy xz yy yz; κ, nothing, Σ zz, p
+  D e[3][kFour];  // rows: mean, Σ xx; Σ xy xz yy yz; κ, unused, Σ zz, p
 
   void add(const View& view, const Batch& batch, const Candidate* list,
            const Sorted::Ellipsoid& entry, Met* out) {
@@ -201,7 +202,7 @@ struct Ellipsoids : Four {
 };
 
 struct Triangles : Four {
-  D corner[3][kFour];  // rows: x y z and, of the second and third, p and σ
+  D corner[3][kFour];  // rows: x y z, then unused, p and σ for the three corners
 
   void add(const View& view, const Batch& batch, const Candidate* list, const Sorted::Triangle& t,
            Met* out) {
@@ -224,7 +225,7 @@ struct Triangles : Four {
     }
     columns(o, d, scale, tau2);
     for (auto& row : corner) transpose(row);
-    // The direction's greatest component is the third axis, as of `crossing`.
+    // The direction's greatest component becomes the third axis, as in `crossing`.
     const D x = absolute(d[0]), y = absolute(d[1]), z = absolute(d[2]);
     const L is_y = y > x, is_z = z > pick(is_y, y, x);
     const auto turn = [&](D v[3]) {
@@ -257,7 +258,7 @@ struct Triangles : Four {
           corner[1][3], out);
     if (certain == 0xf) return;
     for (size_t k = 0; k < written; ++k) {
-      // On an edge, as far as plain arithmetic goes.
+      // Rays that plain arithmetic finds on an edge are decided by the exact test.
       if (certain >> k & 1) continue;
       const Candidate& c = list[index[k]];
       (out ? out[index[k]] : batch.best[c.ray]) = meet_placed(view, batch, c);

@@ -1,9 +1,9 @@
-// Included by kernel.inl: a packet's way through the tree, and into the instances.
+// The traversal of a packet through the tree and into the instances. kernel.inl includes this file.
 namespace underbrush::trace {
 namespace {
 
-// If a ray of group g enters box k (edges lo x y z, hi x y z relative to the centre) before what it
-// has found.
+// Whether a ray of group g enters box k before what it has found. `edge` has the box edges lo x y
+// z, hi x y z relative to the centre.
 template <bool kMixed>
 inline bool enters(const Rays& r, const Found& found, float t_min, const float edge[6][8], int k,
                    int g) {
@@ -61,7 +61,7 @@ inline void look_at(const Search& s, const Frame& f, const Node& node, unsigned 
   look.pairs = pairs_of(r, s.found.reach, look.seen, groups);
 }
 
-// Pushes what the packet may reach of the node's children, the nearest last.
+// Pushes the children of a node that the packet may reach, the nearest last.
 template <bool kMixed>
 inline void open(const Search& s, const Frame& f, const Node& node, const Look& look,
                  PacketEntry* stack, int& top) {
@@ -82,7 +82,7 @@ inline void open(const Search& s, const Frame& f, const Node& node, const Look& 
   top += __builtin_popcount(left);
 }
 
-// Ranges in units of another frame, apart by the rounding.
+// Converts found ranges to the units of another frame. The bounds move apart by the rounding.
 inline void rescale(Found& found, float factor) {
   for (int g = 0; g < kGroups; ++g) {
     found.low[g] *= factor * 0.9999998f;
@@ -91,7 +91,8 @@ inline void rescale(Found& found, float factor) {
   remember(found);
 }
 
-// Back to the frame of `before`, in which what was not found since stays as it was.
+// Converts found ranges back to the frame of `before`. Elements that were found before keep their
+// bounds.
 inline void scale_back(Found& found, const Found& before, const Frame& f) {
   rescale(found, f.scale);
   for (int g = 0; g < kGroups; ++g) {
@@ -102,18 +103,19 @@ inline void scale_back(Found& found, const Found& before, const Frame& f) {
   remember(found);
 }
 
-// A packet on its way through the tree. Several take turns, a step each, so that what one will need
-// comes from memory while the others work.
+// The state of a packet on its way through the tree. Several packets take turns, one step each, so
+// that the memory which one needs arrives while the others work.
 struct Walk {
   Search search;
-  Rays rays, turned;  // in the world's frame and, if rotated or scaled, the instance's
+  // in the world's frame, and in the instance's frame if that is rotated or scaled
+  Rays rays, turned;
   Frame world, model;
-  Found before;  // of scaled instances: what was found before them, in the world's units
-  uint32_t at;   // reference of what `look` has seen
+  Found before;  // for a scaled instance: what was found before it, in the world's units
+  uint32_t at;  // the reference that `look` has examined
   Look look;
   PacketEntry stack[512];
-  int top, base;  // entries from `base` on are of the model
-  bool inside;    // an instance
+  int top, base;  // entries from `base` on belong to the model
+  bool inside;  // whether the walk is in an instance
   bool scaled;
 };
 
@@ -152,7 +154,7 @@ inline void leave_instance(Walk& w) {
   w.inside = false;
 }
 
-// Goes to the next node or block and looks at it; false if there is none left.
+// Goes to the next node or block and examines it. Gives false if there is none left.
 inline bool look(Walk& w) {
   const Search& s = w.search;
   while (true) {
@@ -177,7 +179,7 @@ inline bool look(Walk& w) {
   }
 }
 
-// Does there what is to be done.
+// Processes the node or block that `look` has examined.
 template <Ask kAsk>
 inline void visit(Walk& w) {
   Search& s = w.search;

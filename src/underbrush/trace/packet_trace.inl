@@ -1,8 +1,8 @@
-// Included by kernel.inl: packets taking turns, from the rays in order to their ends.
+// Traces ordered rays in packets that take turns. kernel.inl includes this file.
 namespace underbrush::trace {
 namespace {
 
-// False if the rays spread too far to be traced together.
+// Starts a packet. Gives false if its rays spread too far to be traced together.
 template <Ask kAsk>
 bool begin(Walk& w, const View& view, Batch& batch, const uint32_t* number, int count) {
   Search& s = w.search;
@@ -68,7 +68,7 @@ void end(const Walk& w) {
   }
 }
 
-constexpr size_t kFew = 4;  // rays for which a packet does not pay
+constexpr size_t kFew = 4;  // packets of fewer rays do not pay
 constexpr int kWalks = 6;
 
 template <Ask kAsk>
@@ -90,7 +90,7 @@ void trace_all(const View& view, Batch& batch, const uint32_t* order, size_t cou
   for (Walk& w : walks) {
     if (next(w)) busy[busy_count++] = &w;
   }
-  // All look before one acts: what they saw is known by then.
+  // Every packet looks before any of them acts, so that what they look at has been fetched by then.
   while (busy_count > 0) {
     for (int k = 0; k < busy_count;) {
       Walk& w = *busy[k];

@@ -1,4 +1,5 @@
-// Included by kernel.inl: a packet's rays against a block of triangles, as against ellipsoids.
+// Tests the rays of a packet against a block of triangles, as packet_ellipsoids.inl does for
+// ellipsoids. kernel.inl includes this file.
 namespace underbrush::trace {
 namespace {
 
