@@ -4,8 +4,8 @@
 #include <sstream>
 #include <string_view>
 
-#include "underbrush/core/check.hpp"
 #include "studies/solid.hpp"
+#include "underbrush/core/check.hpp"
 
 namespace underbrush::studies {
 namespace {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "underbrush/primitives/compose.hpp"
 #include "cli/verb.hpp"
+#include "underbrush/primitives/compose.hpp"
 
 namespace underbrush::app {
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "underbrush/optimize/search.hpp"
 #include "cli/verb.hpp"
+#include "underbrush/optimize/search.hpp"
 
 namespace underbrush::app {
 

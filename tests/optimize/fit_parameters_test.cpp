@@ -23,7 +23,8 @@ TEST(FitParameters, AreSetEachForItself) {
       EXPECT_EQ(p.of->number(changed), value) << p.name;
       for (const FitParameter& other : all) {
         if (other.name == p.name) continue;
-        EXPECT_EQ(other.of->number(changed), other.of->number(options)) << p.name << " " << other.name;
+        EXPECT_EQ(other.of->number(changed), other.of->number(options))
+            << p.name << " " << other.name;
       }
     }
   }

@@ -12,7 +12,7 @@ struct BottomUpOptions {
   /// A merged ellipsoid must have at least this share of the points per volume that its two parts
   /// have together. A value of 1 allows only mergers that lose no density, and 0 allows all.
   double least_density = 0.6;
-  int min_points = 1;  ///< Points of smaller clusters are left out at the end.
+  int min_points = 1;    ///< Points of smaller clusters are left out at the end.
   double largest_m = 1;  ///< Longest extent of a merged ellipsoid, √12 σ, m.
 };
 

@@ -25,7 +25,7 @@ struct Clusters {
 /// fixed point nearby, which keeps rounding small.
 struct Moments {
   double n = 0;
-  Vec3 sum = Vec3::Zero();  ///< Σ x.
+  Vec3 sum = Vec3::Zero();      ///< Σ x.
   Mat3 squares = Mat3::Zero();  ///< Σ x xᵀ.
 
   void add(const Vec3& x);

@@ -28,13 +28,13 @@ class FixedSum {
 /// L Lᵀ, in which the ellipsoid moves to μ + L s, L (I + E) and κ e^k: s is a shift, E a symmetric
 /// stretch, and k changes the density κ (1/m).
 struct EllipsoidSums {
-  double hits = 0;  ///< Σ r: sum of the shares returned by the ellipsoid.
+  double hits = 0;    ///< Σ r: sum of the shares returned by the ellipsoid.
   double passes = 0;  ///< Sum of the shares that went through the ellipsoid.
-  double loss = 0;  ///< Σ r × −log-likelihood of the beam, nats.
+  double loss = 0;    ///< Σ r × −log-likelihood of the beam, nats.
   double density_slope = 0, density_curvature = 0;  ///< By k.
-  Vec3 shift_slope = Vec3::Zero();  ///< By s.
-  Mat3 shift_curvature = Mat3::Zero();  ///< By s.
-  Mat3 stretch_slope = Mat3::Zero();  ///< By E.
+  Vec3 shift_slope = Vec3::Zero();                  ///< By s.
+  Mat3 shift_curvature = Mat3::Zero();              ///< By s.
+  Mat3 stretch_slope = Mat3::Zero();                ///< By E.
   /// By E; entry (i, j) belongs to entry (i, j) of E alone.
   Mat3 stretch_curvature = Mat3::Zero();
   /// Σ r x² n nᵀ, with the misfit x = (z − t)/σ and the whitened direction n of a beam.

@@ -41,29 +41,49 @@ FitResult fit_likelihood(BeamSource& source, const FitOptions& options,
   out.model.fitter = options.fitter;
   out.report.likelihood = std::move(refined.report);
   if (!counted) {
-    out.report.beams =
-        out.report.likelihood.training_beams + out.report.likelihood.held_out_beams;
+    out.report.beams = out.report.likelihood.training_beams + out.report.likelihood.held_out_beams;
   }
   return out;
 }
 
 const Fitter kFitters[] = {
-    {"hierarchical", "Permeable ellipsoids of hierarchical clusters on a ground mesh (the default)",
-     {kHierarchical, kEllipsoids, kHitProbability}, {kGround}, fit_ellipsoids},
-    {"voxel", "Permeable ellipsoids, one an occupied voxel, on a ground mesh",
-     {kVoxel, kEllipsoids, kHitProbability}, {kGround}, fit_ellipsoids},
-    {"top_down", "Permeable ellipsoids of recursive 2-means on a ground mesh",
-     {kTopDown, kEllipsoids, kHitProbability}, {kGround}, fit_ellipsoids},
-    {"bottom_up", "Permeable ellipsoids merged from small ones on a ground mesh",
-     {kBottomUp, kEllipsoids, kHitProbability}, {kGround}, fit_ellipsoids},
-    {"ground_mesh", "The ground mesh alone",
-     {kGround, kHitProbability}, {}, fit_ellipsoids},
-    {"surface", "One opaque mesh over all points: the everyday baseline",
-     {kSurface}, {kHitProbability}, surface_by_imls},
-    {"rimls", "One opaque mesh over all points, by a robust implicit surface",
-     {kSurface}, {kHitProbability}, surface_by_rimls},
-    {"likelihood", "The model of another fitter, refined by expectation and maximisation",
-     {kLikelihood}, {}, fit_likelihood, /*refines=*/true},
+    {"hierarchical",
+     "Permeable ellipsoids of hierarchical clusters on a ground mesh (the default)",
+     {kHierarchical, kEllipsoids, kHitProbability},
+     {kGround},
+     fit_ellipsoids},
+    {"voxel",
+     "Permeable ellipsoids, one an occupied voxel, on a ground mesh",
+     {kVoxel, kEllipsoids, kHitProbability},
+     {kGround},
+     fit_ellipsoids},
+    {"top_down",
+     "Permeable ellipsoids of recursive 2-means on a ground mesh",
+     {kTopDown, kEllipsoids, kHitProbability},
+     {kGround},
+     fit_ellipsoids},
+    {"bottom_up",
+     "Permeable ellipsoids merged from small ones on a ground mesh",
+     {kBottomUp, kEllipsoids, kHitProbability},
+     {kGround},
+     fit_ellipsoids},
+    {"ground_mesh", "The ground mesh alone", {kGround, kHitProbability}, {}, fit_ellipsoids},
+    {"surface",
+     "One opaque mesh over all points: the everyday baseline",
+     {kSurface},
+     {kHitProbability},
+     surface_by_imls},
+    {"rimls",
+     "One opaque mesh over all points, by a robust implicit surface",
+     {kSurface},
+     {kHitProbability},
+     surface_by_rimls},
+    {"likelihood",
+     "The model of another fitter, refined by expectation and maximisation",
+     {kLikelihood},
+     {},
+     fit_likelihood,
+     /*refines=*/true},
 };
 
 }  // namespace

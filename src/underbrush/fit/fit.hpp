@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "underbrush/core/beam_log.hpp"
+#include "underbrush/core/tile_store.hpp"
 #include "underbrush/elements/model.hpp"
 #include "underbrush/fit/hit_probability.hpp"
 #include "underbrush/fit/likelihood.hpp"
 #include "underbrush/fit/surface.hpp"
-#include "underbrush/core/tile_store.hpp"
 #include "underbrush/fit/volumetric.hpp"
 #include "underbrush/ground/height_grid.hpp"
 #include "underbrush/ground/segment.hpp"
@@ -33,7 +33,7 @@ struct FitOptions {
   /// For `likelihood` only: the fitter that makes the first model, or the folder of a model.
   std::string start = "hierarchical";
   uint64_t seed = 1;
-  double tau = 3;  ///< A beam meets an ellipsoid within this Mahalanobis distance.
+  double tau = 3;               ///< A beam meets an ellipsoid within this Mahalanobis distance.
   double range_noise_m = 0.02;  ///< σ of the sensor's range, m: the least extent of any element.
   /// Returns nearer than this are left out (m), because they come from the vehicle that carries the
   /// sensor. The vehicle soon stands where its sensor was before, and an opaque model of it would
@@ -61,10 +61,10 @@ struct FitOptions {
 struct FitReport {
   size_t beams = 0, hits = 0, misses = 0;
   size_t ground_points = 0, other_points = 0;
-  size_t near_points = 0;  ///< Left out because they are nearer than `min_range_m`.
-  size_t carved_triangles = 0;  ///< Dropped because of `surface.carve`.
-  size_t thinned_points = 0;  ///< Left out because their tile was full.
-  size_t unclustered_points = 0;  ///< In no cluster of at least `min_points`.
+  size_t near_points = 0;            ///< Left out because they are nearer than `min_range_m`.
+  size_t carved_triangles = 0;       ///< Dropped because of `surface.carve`.
+  size_t thinned_points = 0;         ///< Left out because their tile was full.
+  size_t unclustered_points = 0;     ///< In no cluster of at least `min_points`.
   size_t free_space_ellipsoids = 0;  ///< Dropped as free space.
   size_t tiles = 0;
   LikelihoodReport likelihood;  ///< Has steps only if the fitter is `likelihood`.

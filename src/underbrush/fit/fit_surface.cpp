@@ -57,8 +57,8 @@ void fit_mesh(const TileStore& store, const FitOptions& options, const SignedDis
 
 }  // namespace
 
-FitResult fit_surface(BeamSource& source, const FitOptions& options,
-                      const SignedDistance& distance, const FitProgress& progress) {
+FitResult fit_surface(BeamSource& source, const FitOptions& options, const SignedDistance& distance,
+                      const FitProgress& progress) {
   TileStore store(options.tiles);
   FitResult out;
   gather(source, options, store, out, progress);

@@ -8,9 +8,9 @@ namespace underbrush::fit {
 /// The options of `hierarchical_clusters`.
 struct HierarchicalOptions {
   double clusters_per_point = 0.1;  ///< Number of clusters divided by the number of points.
-  int min_points = 3;  ///< Splitting makes no cluster smaller than this.
-  int branching = 2;  ///< k of the k-means at each split; 2 follows the data best.
-  int iterations = 6;  ///< Most iterations of each k-means.
+  int min_points = 3;               ///< Splitting makes no cluster smaller than this.
+  int branching = 2;                ///< k of the k-means at each split; 2 follows the data best.
+  int iterations = 6;               ///< Most iterations of each k-means.
 };
 
 /// Clusters points by hierarchical k-means, as [tallavajhula18] §IV does with FLANN. It starts from

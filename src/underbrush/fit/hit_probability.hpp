@@ -30,7 +30,7 @@ struct CreditOptions {
   /// Prior counts of a triangle. Ground is opaque; its misses come from grazing beams.
   HitPrior triangle{1e4, 0};
   double max_residual_for_hit_m =
-      0.75;  ///< A triangle explains a point nearer than this along the beam, m.
+      0.75;              ///< A triangle explains a point nearer than this along the beam, m.
   double region_m = 32;  ///< For `empirical_bayes`: side of the square regions, m.
   /// For `empirical_bayes`: a class has its own prior in a region if at least this many of its
   /// ellipsoids there were met by a beam. Otherwise the prior of the class in the whole log is

@@ -16,9 +16,9 @@ namespace fit {
 /// (first + (i, j, k)) · cell, so that grids of neighbouring tiles share the same nodes to the bit.
 struct ScalarGrid {
   std::array<int, 3> first{};  ///< Place of the array's first node, in cells from zero.
-  std::array<int, 3> size{};  ///< Number of nodes along each axis.
-  double cell_m = 0;  ///< Side of a cell, m.
-  std::vector<float> value;  ///< NaN where the field is unknown.
+  std::array<int, 3> size{};   ///< Number of nodes along each axis.
+  double cell_m = 0;           ///< Side of a cell, m.
+  std::vector<float> value;    ///< NaN where the field is unknown.
 
   /// The index in `value` of node (i, j, k) of the array.
   size_t at(int i, int j, int k) const {

@@ -8,7 +8,7 @@ namespace underbrush::fit {
 
 /// The options of `maximised`: the floor and the priors.
 struct MaximisationOptions {
-  double floor_m = 0.02;  ///< Least σ of an ellipsoid along any axis, m.
+  double floor_m = 0.02;    ///< Least σ of an ellipsoid along any axis, m.
   double prior_points = 4;  ///< Weight in Σ of a sphere of the ellipsoid's size, in points.
   /// Prior evidence for opacity: this many hits by beams that pass at Mahalanobis distance
   /// `opaque_distance`.

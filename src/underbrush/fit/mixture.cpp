@@ -16,7 +16,7 @@ constexpr size_t kMostShares = 8, kMostNeighbours = 12;
 /// An ellipsoid of the mixture.
 struct Component {
   double points = 0;  ///< Number of points that it holds.
-  Vec3 mean;  ///< Rounded to float, as models store it.
+  Vec3 mean;          ///< Rounded to float, as models store it.
   Mat3 sigma;
 };
 

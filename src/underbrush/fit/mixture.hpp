@@ -15,7 +15,7 @@ using Footprint = std::function<std::array<double, 2>(double range_m)>;
 
 /// The options of `mixture`.
 struct MixtureOptions {
-  int rounds = 2;  ///< Rounds of expectation and maximisation.
+  int rounds = 2;     ///< Rounds of expectation and maximisation.
   int shared_by = 3;  ///< Number of ellipsoids that share a point: those that began nearest to it.
   double least_points = 1;  ///< An ellipsoid that holds fewer points in the end is dropped.
   Footprint footprint;

@@ -165,24 +165,34 @@ const Parameter kParameters[] = {
 }  // namespace
 
 std::span<const ParameterGroup> parameter_groups() {
-  static constexpr ParameterGroup kAll[] = {kCommon,   kHierarchical, kVoxel,      kTopDown,
-                                            kBottomUp, kSurface,      kGround,     kEllipsoids,
+  static constexpr ParameterGroup kAll[] = {kCommon,         kHierarchical, kVoxel,  kTopDown,
+                                            kBottomUp,       kSurface,      kGround, kEllipsoids,
                                             kHitProbability, kLikelihood};
   return kAll;
 }
 
 std::string_view name_of(ParameterGroup group) {
   switch (group) {
-    case kCommon: return "every fitter";
-    case kHierarchical: return "hierarchical";
-    case kVoxel: return "voxel";
-    case kTopDown: return "top_down";
-    case kBottomUp: return "bottom_up";
-    case kSurface: return "surface, rimls";
-    case kGround: return "ground";
-    case kEllipsoids: return "ellipsoids";
-    case kHitProbability: return "hit probability";
-    case kLikelihood: return "likelihood";
+    case kCommon:
+      return "every fitter";
+    case kHierarchical:
+      return "hierarchical";
+    case kVoxel:
+      return "voxel";
+    case kTopDown:
+      return "top_down";
+    case kBottomUp:
+      return "bottom_up";
+    case kSurface:
+      return "surface, rimls";
+    case kGround:
+      return "ground";
+    case kEllipsoids:
+      return "ellipsoids";
+    case kHitProbability:
+      return "hit probability";
+    case kLikelihood:
+      return "likelihood";
   }
   return "";
 }

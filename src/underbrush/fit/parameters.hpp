@@ -37,7 +37,7 @@ std::string_view name_of(ParameterGroup group);
 /// The scale on which a tuning range is walked.
 enum class Scale {
   kLinear,
-  kLog,  ///< Equal steps are equal factors; `low` is positive.
+  kLog,    ///< Equal steps are equal factors; `low` is positive.
   kWhole,  ///< Linear, rounded to whole numbers.
 };
 
@@ -60,7 +60,7 @@ struct Parameter {
   std::string_view unit;  ///< Such as "m" or "nats"; empty for a pure number.
   std::string_view help;
   ParameterField field;
-  bool usual = false;  ///< Whether `--help` shows it.
+  bool usual = false;                                ///< Whether `--help` shows it.
   std::optional<TuningRange> tuning = std::nullopt;  ///< Empty for a parameter that is not tuned.
   /// Lists the values that a text may have, or null.
   std::vector<std::string> (*choices)() = nullptr;

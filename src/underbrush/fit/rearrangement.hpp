@@ -9,11 +9,11 @@ namespace underbrush::fit {
 /// The options of `rearranged`.
 struct RearrangementOptions {
   double least_hits = 0.5;  ///< An ellipsoid with fewer soft hits is removed.
-  double share = 0.3;  ///< Largest number of merges at a time, as a share of the ellipsoids.
+  double share = 0.3;       ///< Largest number of merges at a time, as a share of the ellipsoids.
   /// The largest loss of the points' log-likelihood at a merge, nats. A merge saves ten parameters.
   double largest_cost = 5;
   double split_share = 0.5;  ///< Splits for each ellipsoid that was removed or merged away.
-  double split_hits = 16;  ///< Least soft hits of an ellipsoid that is split.
+  double split_hits = 16;    ///< Least soft hits of an ellipsoid that is split.
 };
 
 /// Rearranges the ellipsoids of a model and returns the result, which never has more ellipsoids

@@ -45,8 +45,8 @@ class SampleGrid {
   /// The oriented samples that have the same radius.
   struct Level {
     float radius_m = 0;
-    CellBox box;  ///< Cells as wide as the radius.
-    std::vector<uint32_t> start;  ///< Where each cell's samples begin.
+    CellBox box;                         ///< Cells as wide as the radius.
+    std::vector<uint32_t> start;         ///< Where each cell's samples begin.
     std::vector<OrientedPoint> samples;  ///< Sorted by cell.
   };
   const std::vector<Level>& levels() const { return levels_; }

@@ -41,7 +41,7 @@ struct Area {
 struct SurfaceTile {
   IsoMesh mesh;
   double sum_squares_m2 = 0;  ///< Sum of the points' squared distances to the surface.
-  size_t points = 0;  ///< Number of these points. Points far from the surface do not count.
+  size_t points = 0;          ///< Number of these points. Points far from the surface do not count.
 };
 
 /// Computes how far beyond a tile's area its points must reach so that neighbouring tiles join, m.

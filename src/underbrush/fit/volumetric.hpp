@@ -27,7 +27,7 @@ struct VolumetricOptions {
 
 /// Points that are not ground, and the directions from which they were seen.
 struct VolumetricPoints {
-  std::span<const Vec3f> point;  ///< Finite, m.
+  std::span<const Vec3f> point;      ///< Finite, m.
   std::span<const Vec3f> to_sensor;  ///< The vector from each point to the sensor, m.
 };
 
@@ -36,7 +36,7 @@ struct Clustering {
   std::string_view name;
   /// Clusters the points of a tile. The seed is for clusterings that draw random numbers.
   Clusters (*clusters)(const VolumetricPoints&, const VolumetricOptions&, uint64_t seed);
-  bool mixture = false;  ///< Whether its clusters are the start of a Gaussian mixture.
+  bool mixture = false;    ///< Whether its clusters are the start of a Gaussian mixture.
   bool in_voxels = false;  ///< Whether its clusters are the voxels of a regular grid.
 };
 

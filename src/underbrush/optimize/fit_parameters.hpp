@@ -12,10 +12,10 @@ struct FitParameter : Parameter {
   const fit::Parameter* of = nullptr;
 };
 
-/// The parameters with a tuning range that the fitter of `options` has (of `likelihood`: its own and
-/// those of its start). The usual ones are clusters per point, τ and the largest residual, which
-/// [tallavajhula18] tuned, the other parameters of the clustering, which it wished for, and the
-/// prior of p.
+/// The parameters with a tuning range that the fitter of `options` has (of `likelihood`: its own
+/// and those of its start). The usual ones are clusters per point, τ and the largest residual,
+/// which [tallavajhula18] tuned, the other parameters of the clustering, which it wished for, and
+/// the prior of p.
 std::vector<FitParameter> fit_parameters(const fit::FitOptions& options);
 
 /// The parameters with the given names; the usual ones where there is none. Throws as `chosen`.

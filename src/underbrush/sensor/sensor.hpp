@@ -77,8 +77,8 @@ struct Sensor {
 };
 
 /// The sensor of the catalogue with this name, or the one described by the YAML file at this path
-/// (docs/reference/sensor-files.md has the schema). Throws `std::invalid_argument`, naming the nearest sensor, if
-/// it is neither, `FormatError` if the file is malformed.
+/// (docs/reference/sensor-files.md has the schema). Throws `std::invalid_argument`, naming the
+/// nearest sensor, if it is neither, `FormatError` if the file is malformed.
 Sensor load(std::string_view name_or_yaml_path);
 
 /// Names of the catalogue, sorted.

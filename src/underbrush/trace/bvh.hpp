@@ -30,7 +30,7 @@ struct alignas(32) EllipsoidBlock {
   float u[6][kWidth];
   union {
     uint32_t accept_below[kWidth];  ///< A hit iff hash < this, or always if 0xffffffff.
-    float depth[kWidth];  ///< For kPathLength: κ √(2π) / τ.
+    float depth[kWidth];            ///< For kPathLength: κ √(2π) / τ.
   };
   uint32_t element[kWidth];
 };

@@ -19,8 +19,8 @@ struct Met {
   /// Range of the closest approach in Mahalanobis distance, or of the intersection, m.
   double t_m = 0;
   double sigma_m = 0;  ///< σ of the range that is drawn on a hit, m.
-  double delta2 = 0;  ///< Squared Mahalanobis distance at the closest approach; 0 for triangles.
-  double p = 0;  ///< Probability that the ray ends here, given that it came so far.
+  double delta2 = 0;   ///< Squared Mahalanobis distance at the closest approach; 0 for triangles.
+  double p = 0;        ///< Probability that the ray ends here, given that it came so far.
   uint32_t element = kNone;  ///< Element number within its model; kNone if nothing is met.
   uint32_t instance = 0;  ///< Number of the instance in the scene; 0 where the world is one model.
 

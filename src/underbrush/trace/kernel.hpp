@@ -51,8 +51,8 @@ struct View {
 /// The question that a query asks for each ray.
 enum class Ask {
   kAccepted,  ///< The nearest element that stops the beam.
-  kSurface,  ///< The nearest triangle, whatever its hit probability.
-  kAll,  ///< Every element met.
+  kSurface,   ///< The nearest triangle, whatever its hit probability.
+  kAll,       ///< Every element met.
 };
 
 /// A ray of a batch and an element that it may meet.
@@ -63,7 +63,7 @@ struct Candidate {
 /// A query: its rays, and what has been found for them.
 struct Batch {
   const Ray* rays;
-  const uint64_t* keys;  ///< One a ray, for kAccepted.
+  const uint64_t* keys;          ///< One a ray, for kAccepted.
   const double* entry_limits_m;  ///< For kAll: boxes entered beyond this range may be left out.
   RangeLimits limits;
   const Unfolded* unfolded;  ///< The rays from `first` on, in single precision.
@@ -79,12 +79,12 @@ struct Batch {
 
 /// The transformation from the tree's frame to that of an instance.
 struct Placement {
-  const Bvh* bvh;  ///< The hierarchy of the instance's model.
+  const Bvh* bvh;      ///< The hierarchy of the instance's model.
   double rotation[9];  ///< From world to model, row by row.
-  double centre[3];  ///< Centre of the packet in the model's frame, m.
+  double centre[3];    ///< Centre of the packet in the model's frame, m.
   double scale;
-  double tau2;  ///< Square of the model's τ.
-  uint64_t salt;  ///< Combined with the keys of the beams.
+  double tau2;       ///< Square of the model's τ.
+  uint64_t salt;     ///< Combined with the keys of the beams.
   bool translation;  ///< Whether the transformation is a translation alone.
 };
 
@@ -105,7 +105,7 @@ void place_ray(const View& view, const Batch& batch, const Candidate& candidate,
 struct Stand {
   const ModelView* model;
   double translation[4];  ///< m; the fourth is 0.
-  double scale_tau2[2];  ///< Scale, and square of the model's τ.
+  double scale_tau2[2];   ///< Scale, and square of the model's τ.
   bool is_translation;
 };
 /// Finds the model of an instance and its place in the world.

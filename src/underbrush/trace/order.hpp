@@ -19,9 +19,9 @@ struct Unfolded {
   /// 2); a quarter turn is 1.
   alignas(64) float turn[kOrdered];
   alignas(64) float up[kOrdered];  ///< Third component of the direction.
-  double centre[3];  ///< Centre of the origins, relative to the tree's origin, m.
+  double centre[3];                ///< Centre of the origins, relative to the tree's origin, m.
   float turn_low, turn_high, up_low, up_high;  ///< Extremes of `turn` and `up`.
-  float spread;  ///< Greatest length of a relative origin, m.
+  float spread;                                ///< Greatest length of a relative origin, m.
 };
 
 /// Computes an order of the rays (up to `kOrdered`), such that runs of kTogether rays make compact

@@ -111,11 +111,11 @@ struct Walk {
   Rays rays, turned;
   Frame world, model;
   Found before;  // for a scaled instance: what was found before it, in the world's units
-  uint32_t at;  // the reference that `look` has examined
+  uint32_t at;   // the reference that `look` has examined
   Look look;
   PacketEntry stack[512];
   int top, base;  // entries from `base` on belong to the model
-  bool inside;  // whether the walk is in an instance
+  bool inside;    // whether the walk is in an instance
   bool scaled;
 };
 

@@ -9,8 +9,8 @@ struct Found {
   F low[kGroups], high[kGroups];
   U element[kGroups], instance[kGroups];
   unsigned exact[kGroups];  // lanes whose element is in Batch::best
-  F8 reach[kSets];  // the greatest `high` of each group
-  float farthest;  // the greatest `high` of all
+  F8 reach[kSets];          // the greatest `high` of each group
+  float farthest;           // the greatest `high` of all
 };
 
 struct Keys {
@@ -34,7 +34,7 @@ struct Search {
   const View* view;
   Batch* batch;
   const uint32_t* number;  // numbers of the rays, counted from the batch's first
-  int count;  // further places repeat the last ray
+  int count;               // further places repeat the last ray
   Keys keys;
   Found found;
 };

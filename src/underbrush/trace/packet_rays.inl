@@ -15,9 +15,9 @@ struct alignas(64) Rays {
   // greatest extent along the axis.
   uint32_t least[3][3], most[3][3];
   float o_least[3], o_most[3];  // bounds of o along the axes
-  F8 tile[kSets][4];  // of each group: slope across from, to; slope up from, to
-  float spread;  // greatest |o|
-  bool mixed;  // whether the signs of the directions differ
+  F8 tile[kSets][4];            // of each group: slope across from, to; slope up from, to
+  float spread;                 // greatest |o|
+  bool mixed;                   // whether the signs of the directions differ
   bool negative[3];
 };
 

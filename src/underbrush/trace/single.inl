@@ -5,7 +5,7 @@ namespace {
 
 struct RayF {
   float o[3], o_low[3], d[3];  // the origin as a sum of two floats
-  float lower[3], upper[3];  // the origin, moved outwards so that boxes come out too large
+  float lower[3], upper[3];    // the origin, moved outwards so that boxes come out too large
   float inverse[3];
   int near[3];  // 0 if lo is nearer along this axis, 1 if hi is
   uint32_t key_low, key_high;
