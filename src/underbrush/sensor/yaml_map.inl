@@ -1,4 +1,4 @@
-// The YAML files of sensors, key by key; for the sources that read them.
+// Access to the YAML files of sensors by key, for the sources that read them.
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
@@ -54,7 +54,7 @@ class Map {
   Map map(const std::string& key, std::initializer_list<std::string_view> keys) const {
     return Map(file_, place_.empty() ? key : place_ + "." + key, child(key), keys);
   }
-  /// One of the named values; without the key, that of `fallback` (which may be none).
+  /// Reads one of the named values. Without the key it takes that of `fallback`, which may be null.
   template <class T>
   T choice(const std::string& key, std::initializer_list<std::pair<const char*, T>> values,
            const char* fallback = nullptr) const {
@@ -86,10 +86,10 @@ class Map {
   YAML::Node node_;
 };
 
-/// Where the beams of the sensor go and when: kind, rates, channels, raster or table.
+/// Reads the pattern of the beams: kind, rates, and channels, raster or table.
 void read_pattern(const Map& root, Sensor& s);
 
-/// A whole file. Throws `FormatError`.
+/// Reads a whole file. Throws `FormatError`.
 std::string text_of(const std::string& path);
 
 }  // namespace underbrush::sensor
