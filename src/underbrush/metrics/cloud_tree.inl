@@ -1,4 +1,4 @@
-// Included by sources of this module: a k-d tree over a cloud, which shows nanoflann.
+// A k-d tree over a cloud. Only sources of this module include it, because it includes nanoflann.
 #include <nanoflann.hpp>
 #include <span>
 
@@ -6,7 +6,7 @@
 
 namespace underbrush::metrics {
 
-/// Points as nanoflann wants them.
+/// Presents points to nanoflann.
 struct CloudPoints {
   std::span<const Vec3f> points;
   size_t kdtree_get_point_count() const { return points.size(); }

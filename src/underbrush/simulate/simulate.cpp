@@ -13,7 +13,7 @@ namespace {
 
 using trace::Met;
 
-// A point of the element's Gaussian, in the world frame.
+// Draws a point of the element's Gaussian, world frame.
 Vec3 drawn_in_volume(const elements::Model& model, const elements::Instance& placed, const Met& met,
                      uint64_t key) {
   const elements::Ellipsoid& e =
