@@ -1,5 +1,5 @@
-// The report of `underbrush score --report`: one file that loads nothing, whatever the logs hold,
-// and whose script runs in a browser without errors.
+// Tests of the report of `underbrush score --report`: it is one file that loads nothing, whatever
+// the logs hold, and its script runs in a browser without errors.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
@@ -16,7 +16,7 @@ namespace {
 
 using io::bytes_of;
 
-// `scans` turns of 8 rings inside a round wall of 12 m; misses upwards.
+// Makes `scans` turns of 8 rings inside a round wall of 12 m, with misses upwards.
 BeamLog round_wall(int scans, int columns) {
   BeamLog log;
   log.info.has_misses = true;
@@ -41,7 +41,7 @@ BeamLog round_wall(int scans, int columns) {
   return log;
 }
 
-// The same beams with errors of every kind.
+// Makes the same beams with errors of every kind.
 BeamLog disturbed(const BeamLog& log, uint64_t seed) {
   BeamLog out = log;
   Stream random(seed);
@@ -66,7 +66,7 @@ class Report : public testing::Test {
     const std::string all = "cd " + folder_.path().string() + " && " + command + " 2> stderr";
     return WEXITSTATUS(std::system(all.c_str()));
   }
-  // Scores the logs and returns the page; empty where the program fails.
+  // Scores the logs and gives the page; empty where the program fails.
   std::string page(const BeamLog& real, const std::vector<BeamLog>& simulated,
                    const std::string& options = "") {
     io::write_log(folder_ / "real.ply", real, "{}");
@@ -81,7 +81,7 @@ class Report : public testing::Test {
     EXPECT_EQ(code, 0) << bytes_of(folder_ / "stderr");
     return bytes_of(folder_ / "page/index.html");
   }
-  // The page as the browser's script leaves it; empty where there is no browser.
+  // Gives the page as the browser's script leaves it; empty where there is no browser.
   std::string drawn(const std::string& after = "") {
     const char* browser =
         std::system("command -v chromium > /dev/null") == 0 ? "chromium" : nullptr;
@@ -105,7 +105,7 @@ void expect_self_contained(const std::string& page) {
   const std::regex loads(
       "https?://|(src|href|srcset|data)\\s*=\\s*[\"']?(?!data:)[a-z./]|@import|url\\(",
       std::regex::icase);
-  // Without the script's own text and without pictures, which are too long for a regex.
+  // The script and the pictures are left out, because they are too long for a regular expression.
   std::string text = page.substr(0, page.find("<script"));
   for (size_t at = 0; (at = text.find("base64,", at)) != std::string::npos; ++at) {
     text.erase(at + 7, text.find('"', at) - at - 7);

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""What is installed is whole: a stranger's project finds the package, compiles every header, links,
-runs; and the installed program answers."""
+"""Checks that the installation is complete: another project finds the package, compiles every header, links and
+runs, and the installed program answers."""
 import argparse
 import os
 import pathlib

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""The layers: what a module includes is what its CMakeLists.txt declares; each heavy third party stays
-in its module's sources; the library neither prints nor exits."""
+"""Checks the layers: a module includes what its CMakeLists.txt declares, each large third party is used only in its
+module's sources, and the library neither prints nor exits."""
 import re
 
 import rules
 
 LIBRARY = "src/underbrush/"
-# Third parties and where they may be included; headers of the library show only Eigen.
+# Third parties and where they may be included. Headers of the library include only Eigen.
 THIRD_PARTY = {
     "embree": ("trace",), "tbb": ("core",), "oneapi": ("core",), "png": ("io",),
     "nanoflann": None, "libqhull": None, "nlohmann": None, "yaml-cpp": None, "zlib": None,
