@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "studies/solid.hpp"
 #include "underbrush/core/pose.hpp"
+#include "studies/solid.hpp"
 
 namespace underbrush::studies {
 

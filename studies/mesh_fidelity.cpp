@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "report/svg_plot.hpp"
 #include "studies/studies.hpp"
+#include "report/svg_plot.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/io/export.hpp"
@@ -69,12 +69,12 @@ metrics::LogRegression line_of(const std::vector<PlantFigures>& plants, Score sc
 
 report::Table line_table(const std::vector<PlantFigures>& plants, Json& figures) {
   report::Table table{"ε = a − b ln n",
-                      "Minimum: the coarsest plant inside the criterion that is no cartoon; "
-                      "recommended: where the line is at 0.11, none below 10⁹. Triangles per m³. "
-                      "Samples: median of "
-                      "the plants; the rule asks for 5/8 of them in triangles.",
-                      {"", "a", "b", "R²", "minimum", "recommended", "samples", "rule"},
-                      {}};
+                   "Minimum: the coarsest plant inside the criterion that is no cartoon; "
+                   "recommended: where the line is at 0.11, none below 10⁹. Triangles per m³. "
+                   "Samples: median of "
+                   "the plants; the rule asks for 5/8 of them in triangles.",
+                   {"", "a", "b", "R²", "minimum", "recommended", "samples", "rule"},
+                   {}};
   const auto density = [](double n) {
     const double most = 1e9 * kVolumeM3;  // more than anyone could store
     return n < most ? fmt::format("{:.0f}", n / kVolumeM3) : "none";

@@ -41,8 +41,7 @@ inline constexpr ApproachOptions kSmooth{0, 0, 0, 0};
 
 /// The beams that two sensors on an approaching vehicle send towards the plant, the upper one a
 /// metre above and 1.4 m behind the lower one. `quick`: every eighth scan.
-BeamLog approach_beams(const test_site::PlantMesh& plant, bool quick,
-                       const ApproachOptions& options);
+BeamLog approach_beams(const test_site::PlantMesh& plant, bool quick, const ApproachOptions& options);
 /// The beams answered by the plant, with footprint, σ and resolution of their sensor.
 struct RangingOptions {
   std::optional<double> sigma_m;  ///< Noise of the range; none: the sensor's.

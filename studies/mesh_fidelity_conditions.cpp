@@ -10,9 +10,9 @@ namespace underbrush::studies {
 
 void add_conditions(const StudyRun& run, const SweepPlant& plant, StudyResult& result) {
   report::Table table{"What the score of one plant depends on: " + plant.name,
-                      "The same plant and way; each row changes one thing.",
-                      {"condition", "points", "μ", "σ", "ε", "criterion", "gap"},
-                      {}};
+                   "The same plant and way; each row changes one thing.",
+                   {"condition", "points", "μ", "σ", "ε", "criterion", "gap"},
+                   {}};
   const auto add = [&](const std::string& name, const std::vector<Vec3f>& cloud) {
     const metrics::LeafInclination leaves = metrics::leaf_inclination(cloud);
     std::vector<std::string> row{name};

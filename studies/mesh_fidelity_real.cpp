@@ -27,13 +27,12 @@ std::vector<fs::path> clouds_of(const fs::path& folder) {
 }  // namespace
 
 void add_real_vegetation(const StudyRun& run, StudyResult& result) {
-  report::Table table{
-      "Real clouds",
-      "Vegetation of logs: trees and shrubs by the labels of the log, or else what is "
-      "not ground (as `fit` tells it), 3 to 25 m from the sensor; first: of the first "
-      "scan alone. Point files: all points.",
-      {"cloud", "told by", "points", "μ", "σ", "ε", "criterion", "gap"},
-      {}};
+  report::Table table{"Real clouds",
+                   "Vegetation of logs: trees and shrubs by the labels of the log, or else what is "
+                   "not ground (as `fit` tells it), 3 to 25 m from the sensor; first: of the first "
+                   "scan alone. Point files: all points.",
+                   {"cloud", "told by", "points", "μ", "σ", "ε", "criterion", "gap"},
+                   {}};
   for (const fs::path& file : clouds_of(run.data)) {
     const bool log = file.filename() == "train.ply" || file.filename() == "log.ply";
     const std::string name = log ? file.parent_path().filename().string() : file.stem().string();

@@ -54,8 +54,7 @@ Pose misplaced(uint32_t scan, const ApproachOptions& options, uint64_t seed) {
 
 }  // namespace
 
-BeamLog approach_beams(const test_site::PlantMesh& plant, bool quick,
-                       const ApproachOptions& options) {
+BeamLog approach_beams(const test_site::PlantMesh& plant, bool quick, const ApproachOptions& options) {
   const sensor::Sensor sensor = sensor::load(options.sensor);
   const double seconds = (options.from_m - options.to_m) / kSpeedMS;
   const auto box = test_site::bounds(plant.mesh);

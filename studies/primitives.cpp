@@ -94,8 +94,7 @@ StudyResult study_primitives(const StudyRun& run) {
     primitives::write_primitives(folder / where, primitives::mesh_primitives(plants), 2, "");
   };
   add_meshes(kTrueSpecies, "meshes", app::generated_plants(kMeshSeed));
-  add_meshes("meshes (other species)", "meshes-other",
-             app::generated_plants(kMeshSeed, kOtherSpecies));
+  add_meshes("meshes (other species)", "meshes-other", app::generated_plants(kMeshSeed, kOtherSpecies));
   const fs::path files = run.data / "meshes";
   if (!run.data.empty() && fs::is_directory(files)) {
     add_meshes("meshes (files)", "meshes-files", app::plants_of_files(files, {}));

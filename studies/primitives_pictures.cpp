@@ -6,8 +6,8 @@
 
 #include "report/page.hpp"
 #include "report/pictures.hpp"
-#include "report/svg_plot.hpp"
 #include "studies/primitives.hpp"
+#include "report/svg_plot.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/primitives/thumbnail.hpp"
 

@@ -38,7 +38,7 @@ std::string text_of(const Spread& s, int digits, bool confident) {
 }
 
 report::Table table_two(const std::string& where, std::span<const PairOutcome> outcomes,
-                        bool confident) {
+                     bool confident) {
   report::Table table{
       fmt::format("Table II: {}", where),
       fmt::format("Mean over {} pairs ± {}. geospecific: fitted to the test log itself, the "
@@ -62,12 +62,12 @@ report::Table table_two(const std::string& where, std::span<const PairOutcome> o
 
 report::Table pair_table(const std::string& where, std::span<const PairOutcome> outcomes) {
   report::Table table{fmt::format("Pair by pair: {}", where),
-                      "Of each figure: the rows of the table above, in order. Objects: of the "
-                      "annotation, those left out in brackets. Boxes: mean distance between those "
-                      "asked for and those placed, of the rows that are composed.",
-                      {"train and test", "cloud error, m", "packet error, m", "F1", "primitives",
-                       "objects", "boxes, m"},
-                      {}};
+                   "Of each figure: the rows of the table above, in order. Objects: of the "
+                   "annotation, those left out in brackets. Boxes: mean distance between those "
+                   "asked for and those placed, of the rows that are composed.",
+                   {"train and test", "cloud error, m", "packet error, m", "F1", "primitives",
+                    "objects", "boxes, m"},
+                   {}};
   for (const PairOutcome& o : outcomes) {
     const auto each = [&](double Summary::*value, int digits) {
       std::vector<std::string> text;

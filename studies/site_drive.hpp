@@ -1,8 +1,8 @@
 /// A lidar that is driven through a generated site.
 #pragma once
+#include "underbrush/test_site/test_site.hpp"
 #include "underbrush/sensor/pattern.hpp"
 #include "underbrush/simulate/footprint.hpp"
-#include "underbrush/test_site/test_site.hpp"
 
 namespace underbrush::studies {
 

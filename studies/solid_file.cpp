@@ -4,8 +4,8 @@
 #include <sstream>
 #include <string_view>
 
-#include "studies/solid.hpp"
 #include "underbrush/core/check.hpp"
+#include "studies/solid.hpp"
 
 namespace underbrush::studies {
 namespace {

@@ -5,9 +5,9 @@
 #include <map>
 #include <set>
 
-#include "studies/targets.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
+#include "studies/targets.hpp"
 #include "underbrush/simulate/footprint.hpp"
 #include "underbrush/simulate/simulate.hpp"
 

@@ -20,8 +20,7 @@ std::string sentence(const Check& c) {
 std::string checks_html(const StudyResult& result) {
   std::string html = "<ul>\n";
   for (const Check& c : result.checks) {
-    html +=
-        fmt::format("<li>{} {}</li>\n", c.holds() ? "✓" : "<b>✗</b>", report::escaped(sentence(c)));
+    html += fmt::format("<li>{} {}</li>\n", c.holds() ? "✓" : "<b>✗</b>", report::escaped(sentence(c)));
   }
   return html + "</ul>\n";
 }

@@ -208,11 +208,10 @@ StudyResult transfer(const StudyRun& run, const ModelChange& change) {
   result.lead =
       "A generated site driven through with four lidars: each one's model answers the held-out "
       "beams of all. Nothing there was measured.";
-  report::Table table =
-      empty_table("Cross-sensor transfer",
-                  "Native: learnt from the sensor that is simulated. All train on "
-                  "about as many beams; beams that test lie in the elevations that "
-                  "all sensors see.");
+  report::Table table = empty_table("Cross-sensor transfer",
+                                 "Native: learnt from the sensor that is simulated. All train on "
+                                 "about as many beams; beams that test lie in the elevations that "
+                                 "all sensors see.");
   for (const auto& [to, beams] : logs) {
     const Scores scores = scores_on(models, beams.test, run.seed);
     add_rows(to, scores, table, result.figures);

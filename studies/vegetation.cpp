@@ -7,9 +7,9 @@
 #include <cmath>
 
 #include "studies/studies.hpp"
-#include "studies/targets.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/export.hpp"
+#include "studies/targets.hpp"
 
 namespace underbrush::studies {
 namespace {
@@ -97,7 +97,7 @@ TargetScores score_target(const StudyRun& run, const StaticScan& scan,
 }
 
 report::Table distance_table(const std::vector<Contender>& contenders,
-                             const std::vector<TargetScores>& targets) {
+                          const std::vector<TargetScores>& targets) {
   report::Table table;
   table.title = "Bhattacharyya distance, simulated against measured (Table I)";
   table.caption =
@@ -126,12 +126,12 @@ report::Table distance_table(const std::vector<Contender>& contenders,
 }
 
 report::Table size_table(const std::vector<Contender>& contenders,
-                         const std::vector<TargetScores>& targets, double sensor_beams_per_s) {
+                      const std::vector<TargetScores>& targets, double sensor_beams_per_s) {
   report::Table table{"Elements and fitting speed",
-                      "Speed: training beams a second, as a multiple of "
-                      "what the sensor fires.",
-                      {"model", "elements, all targets", "× sensor's rate"},
-                      {}};
+                   "Speed: training beams a second, as a multiple of "
+                   "what the sensor fires.",
+                   {"model", "elements, all targets", "× sensor's rate"},
+                   {}};
   for (const Contender& c : contenders) {
     size_t elements = 0, beams = 0;
     double seconds = 0;

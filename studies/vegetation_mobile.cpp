@@ -42,14 +42,13 @@ MobileScore score_log(Contender c, const fs::path& folder, uint64_t seed) {
 }
 
 report::Table table_of(const std::string& log, const std::vector<std::string>& names,
-                       const std::vector<MobileScore>& scores) {
-  report::Table table{
-      "Mobile log " + log,
-      "Fitted on one half of the log, scored on the other; the volumes as `fit` makes "
-      "them, surface and voxels as Deschaud et al. 2012.",
-      {"model", "packet error, m", "F1", "median range error, m", "NLL/beam", "CRPS, m", "elements",
-       "fit, beams/s"},
-      {}};
+                    const std::vector<MobileScore>& scores) {
+  report::Table table{"Mobile log " + log,
+                   "Fitted on one half of the log, scored on the other; the volumes as `fit` makes "
+                   "them, surface and voxels as Deschaud et al. 2012.",
+                   {"model", "packet error, m", "F1", "median range error, m", "NLL/beam",
+                    "CRPS, m", "elements", "fit, beams/s"},
+                   {}};
   for (size_t k = 0; k < names.size(); ++k) {
     const metrics::Summary& s = scores[k].all;
     table.rows.push_back(

@@ -6,8 +6,8 @@
 
 #include "report/page.hpp"
 #include "report/pictures.hpp"
-#include "report/svg_plot.hpp"
 #include "studies/vegetation.hpp"
+#include "report/svg_plot.hpp"
 
 namespace underbrush::studies {
 namespace {
@@ -125,14 +125,12 @@ std::string plot(const std::string& target, const std::vector<NamedHistogram>& s
 
 std::string histogram_figures(const std::string& target, const std::vector<NamedHistogram>& shown) {
   const Window w = window_of(*shown.at(0).histogram);
-  std::string html =
-      fmt::format("<h2>{}</h2>\n<div class=\"pictures\">\n", report::escaped(target));
+  std::string html = fmt::format("<h2>{}</h2>\n<div class=\"pictures\">\n", report::escaped(target));
   for (const NamedHistogram& n : shown) {
     html += fmt::format(
         "<figure><img src=\"{}\" alt=\"bearing by range: "
         "{}\"><figcaption>{}</figcaption></figure>\n",
-        report::data_url(picture(*n.histogram, w)), report::escaped(n.name),
-        report::escaped(n.name));
+        report::data_url(picture(*n.histogram, w)), report::escaped(n.name), report::escaped(n.name));
   }
   return html + "</div>\n" +
          fmt::format(

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "leaf_cloud.hpp"
-#include "report/svg_plot.hpp"
 #include "studies/studies.hpp"
+#include "report/svg_plot.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/io/table.hpp"
@@ -37,14 +37,13 @@ constexpr Published kPublished[] = {
 std::string millimetres(double m) { return fmt::format("{:.1f}", 1e3 * m); }
 
 report::Table plane_table(const std::string& title, const PairFigures& f, bool published) {
-  report::Table table{
-      title,
-      "z = a x + b y + c of the real cloud, x to the right, y forward, z up, by least "
-      "squares with errors in z alone; σ̂₀² in m². b⊥: the same slope from the "
-      "perpendicular fit, which the distances are taken from; σ of the perpendicular "
-      "distances in mm.",
-      {"patch", "a", "b", "c", "σ̂₀²", "σ_a", "σ_b", "σ_c", "b⊥", "σ⊥"},
-      {}};
+  report::Table table{title,
+                   "z = a x + b y + c of the real cloud, x to the right, y forward, z up, by least "
+                   "squares with errors in z alone; σ̂₀² in m². b⊥: the same slope from the "
+                   "perpendicular fit, which the distances are taken from; σ of the perpendicular "
+                   "distances in mm.",
+                   {"patch", "a", "b", "c", "σ̂₀²", "σ_a", "σ_b", "σ_c", "b⊥", "σ⊥"},
+                   {}};
   for (size_t k = 0; k < f.patches.size(); ++k) {
     const PatchFigures& p = f.patches[k];
     const Vec3 x = p.height.parameters, s = p.height.covariance.diagonal().cwiseSqrt();
@@ -65,10 +64,10 @@ report::Table plane_table(const std::string& title, const PairFigures& f, bool p
 
 report::Table distance_table(const std::string& title, const PairFigures& f, bool published) {
   report::Table table{title,
-                      "Absolute distance from the planes of the real cloud, mean ± standard "
-                      "deviation, mm; offset: mean of the signed distance of the simulated points.",
-                      {"patch", "real points", "simulated points", "simulated", "offset", "real"},
-                      {}};
+                   "Absolute distance from the planes of the real cloud, mean ± standard "
+                   "deviation, mm; offset: mean of the signed distance of the simulated points.",
+                   {"patch", "real points", "simulated points", "simulated", "offset", "real"},
+                   {}};
   if (published) table.head.insert(table.head.end(), {"published simulated", "published real"});
   const auto both = [](double mean, double sigma) {
     return fmt::format("{:.1f} ± {:.1f}", 1e3 * mean, 1e3 * sigma);
@@ -91,17 +90,16 @@ report::Table distance_table(const std::string& title, const PairFigures& f, boo
 }
 
 report::Table histogram_table(const std::string& title, const std::vector<std::string>& names,
-                              const std::vector<const PairFigures*>& all) {
-  report::Table table{
-      title,
-      "Ranges in intervals of 5 cm, real against simulated after co-registration. "
-      ""
-      "Published: counts differ by about 100 an interval, shares by about 0.1 %. Real "
-      "against real: the instrument against itself with its raster shifted, the least "
-      "that so many scans can show.",
-      {"clouds", "real points", "simulated points", "mean |Δcount|", "mean |Δshare|",
-       "largest |Δshare|", "ICP, steps", "corners", "corners − ICP, mm"},
-      {}};
+                           const std::vector<const PairFigures*>& all) {
+  report::Table table{title,
+                   "Ranges in intervals of 5 cm, real against simulated after co-registration. "
+                   ""
+                   "Published: counts differ by about 100 an interval, shares by about 0.1 %. Real "
+                   "against real: the instrument against itself with its raster shifted, the least "
+                   "that so many scans can show.",
+                   {"clouds", "real points", "simulated points", "mean |Δcount|", "mean |Δshare|",
+                    "largest |Δshare|", "ICP, steps", "corners", "corners − ICP, mm"},
+                   {}};
   for (size_t k = 0; k < all.size(); ++k) {
     const PairFigures& f = *all[k];
     table.rows.push_back(

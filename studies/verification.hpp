@@ -4,12 +4,12 @@
 #include <filesystem>
 #include <functional>
 
+#include "studies/study.hpp"
+#include "underbrush/core/beam_log.hpp"
 #include "studies/plane_fit.hpp"
 #include "studies/range_histogram.hpp"
 #include "studies/registration.hpp"
 #include "studies/solid.hpp"
-#include "studies/study.hpp"
-#include "underbrush/core/beam_log.hpp"
 
 namespace underbrush::studies {
 
@@ -42,7 +42,7 @@ void keep_pair(const std::filesystem::path& folder, const CloudPair& pair);
 /// How the two compare.
 struct PairFigures {
   std::vector<PatchFigures> patches;
-  RangeHistograms histograms;                    ///< Real, simulated.
+  RangeHistograms histograms;           ///< Real, simulated.
   size_t real_points = 0, simulated_points = 0;  ///< On the target.
   IcpResult icp;
   Pose real_from_target;             ///< That of `icp`.
@@ -75,8 +75,8 @@ SimulatedScan simulated_scan(const Solid& solid, const Pose& target_from_scanner
                              uint64_t seed);
 /// A scan by the independent caster, in place of the real instrument's, in the scanner's frame; its
 /// raster is shifted likewise.
-std::vector<Vec3> instrument_scan(const Solid& target, const Pose& target_from_scanner, int scan,
-                                  uint64_t seed);
+std::vector<Vec3> instrument_scan(const Solid& target, const Pose& target_from_scanner,
+                                  int scan, uint64_t seed);
 /// Where within a step the raster of scan 0, 1, … begins: evenly spread, the first at (0, 0).
 std::array<double, 2> raster_phase(int scan);
 

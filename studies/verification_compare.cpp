@@ -174,7 +174,8 @@ PairFigures compare(const Solid& solid, const std::vector<size_t>& faces, CloudP
   PairFigures out;
   IcpOptions closest;
   closest.neighbours = 60;
-  out.icp = icp(some_of(pair.simulated), some_of(pair.real), pair.real_from_target, closest);
+  out.icp =
+      icp(some_of(pair.simulated), some_of(pair.real), pair.real_from_target, closest);
   out.real_from_target = out.icp.to_from_from;
   keep_target(solid, faces, out.real_from_target.inverse(), pair.real);
   keep_target(solid, faces, {}, pair.simulated);
@@ -184,14 +185,17 @@ PairFigures compare(const Solid& solid, const std::vector<size_t>& faces, CloudP
   Segments real = segmented(solid, faces, pair.real, out.icp.to_from_from.inverse());
   Segments simulated = segmented(solid, faces, pair.simulated, Pose{});
   keep_seen(seen, real, simulated);
-  const std::vector<Plane> real_plane = planes_of(real), simulated_plane = planes_of(simulated);
+  const std::vector<Plane> real_plane = planes_of(real),
+                                    simulated_plane = planes_of(simulated);
   std::vector<Vec3> conjugate;
   for (const auto& [a, b, c] : corners_of(solid, seen)) {
-    out.conjugate_real.push_back(intersection(real_plane[a], real_plane[b], real_plane[c]));
-    conjugate.push_back(intersection(simulated_plane[a], simulated_plane[b], simulated_plane[c]));
+    out.conjugate_real.push_back(
+        intersection(real_plane[a], real_plane[b], real_plane[c]));
+    conjugate.push_back(
+        intersection(simulated_plane[a], simulated_plane[b], simulated_plane[c]));
   }
-  out.from_corners =
-      conjugate.size() < 3 ? out.real_from_target : align(conjugate, out.conjugate_real).pose;
+  out.from_corners = conjugate.size() < 3 ? out.real_from_target
+                                          : align(conjugate, out.conjugate_real).pose;
   for (size_t k = 0; k < conjugate.size(); ++k) {
     const double n = double(conjugate.size());
     const Vec3 left = out.from_corners * conjugate[k] - out.conjugate_real[k];

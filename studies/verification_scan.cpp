@@ -70,7 +70,8 @@ std::array<double, 2> raster_phase(int scan) {
   return {part(scan * 0.7548776662466927), part(scan * 0.5698402909980532)};
 }
 
-std::vector<Vec3> instrument_scan(const Solid& target, const Pose& pose, int scan, uint64_t seed) {
+std::vector<Vec3> instrument_scan(const Solid& target, const Pose& pose, int scan,
+                                  uint64_t seed) {
   AnalyticScanOptions instrument;
   instrument.seed = seed + 1000 + uint64_t(scan);
   const auto [across, up] = raster_phase(scan);

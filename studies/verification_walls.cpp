@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "studies/planar_patches.hpp"
 #include "studies/verification.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/log_file.hpp"
+#include "studies/planar_patches.hpp"
 #include "underbrush/simulate/simulate.hpp"
 
 namespace underbrush::studies {
@@ -37,18 +37,17 @@ bool is_used(const BeamLog& log, size_t i) {
 }
 
 report::Table table_of(const std::string& log, const WallFigures& f) {
-  report::Table table{
-      "Planes of a real scan: " + log,
-      fmt::format("The nine largest planar patches of the train half's first scan, as "
-                  "faces; beams of the test half's first scan answered by them with "
-                  "σ = {:.0f} mm. Absolute distance from the train half's planes, "
-                  "mean ± standard deviation, mm. Range histograms of the same beams: "
-                  "mean |Δshare| {:.3f} %, largest {:.3f} %.",
-                  1e3 * f.range_sigma_m, 100 * f.histograms.mean_difference(),
-                  100 * f.histograms.largest_difference()),
-      {"patch", "tilt of the normal, deg", "train points", "test points", "real", "real offset",
-       "simulated", "simulated offset"},
-      {}};
+  report::Table table{"Planes of a real scan: " + log,
+                   fmt::format("The nine largest planar patches of the train half's first scan, as "
+                               "faces; beams of the test half's first scan answered by them with "
+                               "σ = {:.0f} mm. Absolute distance from the train half's planes, "
+                               "mean ± standard deviation, mm. Range histograms of the same beams: "
+                               "mean |Δshare| {:.3f} %, largest {:.3f} %.",
+                               1e3 * f.range_sigma_m, 100 * f.histograms.mean_difference(),
+                               100 * f.histograms.largest_difference()),
+                   {"patch", "tilt of the normal, deg", "train points", "test points", "real",
+                    "real offset", "simulated", "simulated offset"},
+                   {}};
   for (size_t k = 0; k < f.patches.size(); ++k) {
     const WallFigures::Patch& p = f.patches[k];
     const double tilt = std::acos(std::min(1.0, std::abs(p.plane.normal.z()))) * 180 / M_PI;

@@ -61,8 +61,7 @@ std::string bash_case(const CLI::App& program, const CLI::App& verb) {
   }
   const auto first = positional_choices(verb);
   return fmt::format(
-      "    {})\n      case $previous in\n{}        *) case $current in -*) words={} ;; *) words={} "
-      ";; "
+      "    {})\n      case $previous in\n{}        *) case $current in -*) words={} ;; *) words={} ;; "
       "esac ;;\n      esac ;;\n",
       verb.get_name(), choices, quoted(words), quoted(fmt::format("{}", fmt::join(first, " "))));
 }
@@ -126,8 +125,8 @@ std::string zsh_script(const CLI::App& program) {
     const auto first = positional_choices(*verb);
     const std::string positional =
         first.empty() ? "_files" : fmt::format("({})", fmt::join(first, " "));
-    cases += fmt::format("    {})\n      _arguments \\\n{}        {} ;;\n", verb->get_name(),
-                         options, quoted("*:file:" + positional));
+    cases += fmt::format("    {})\n      _arguments \\\n{}        {} ;;\n", verb->get_name(), options,
+                         quoted("*:file:" + positional));
   }
   return fmt::format(R"(#compdef {0}
 # zsh completion of {0}: a file _{0} in a folder of $fpath, or  source <({0} completion zsh)
@@ -196,9 +195,8 @@ void add_completion(Program& program) {
   verb->add_option("SHELL", *shell, "The shell")
       ->required()
       ->check(CLI::IsMember({"bash", "zsh", "fish"}));
-  verb->footer(
-      "Example:\n  underbrush completion bash > ~/.local/share/bash-completion/completions/"
-      "underbrush\n  source <(underbrush completion bash)");
+  verb->footer("Example:\n  underbrush completion bash > ~/.local/share/bash-completion/completions/"
+               "underbrush\n  source <(underbrush completion bash)");
   verb->callback([&program, shell] { std::cout << completion_script(program.app(), *shell); });
 }
 

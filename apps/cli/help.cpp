@@ -121,7 +121,8 @@ std::string HelpFormatter::make_usage(const CLI::App* app, std::string name) con
 }
 
 std::string HelpFormatter::make_positionals(const CLI::App* app) const {
-  const auto options = app->get_options([](const CLI::Option* o) { return !o->nonpositional(); });
+  const auto options =
+      app->get_options([](const CLI::Option* o) { return !o->nonpositional(); });
   std::string out = options.empty() ? "" : "\n";
   for (const CLI::Option* o : options) out += entry(written(*o), described(*o));
   return out;
@@ -134,8 +135,9 @@ std::string HelpFormatter::groups(const CLI::App* app, CLI::AppFormatMode mode) 
   std::stable_partition(titles.begin(), titles.end(),
                         [](const std::string& title) { return title != kCommonGroup; });
   for (const std::string& group : titles) {
-    auto options = app->get_options(
-        [&](const CLI::Option* o) { return o->nonpositional() && o->get_group() == group; });
+    auto options = app->get_options([&](const CLI::Option* o) {
+      return o->nonpositional() && o->get_group() == group;
+    });
     if (group.empty() || options.empty()) continue;
     if (mode == CLI::AppFormatMode::Normal && hidden_.count(group)) {
       left_out += options.size();

@@ -22,8 +22,7 @@ std::vector<const CLI::Option*> options_of(const CLI::App& app, const std::strin
 
 /// Text as a cell of a Markdown table holds it.
 std::string cell(std::string text) {
-  for (size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2)
-    text.insert(at, "\\");
+  for (size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) text.insert(at, "\\");
   return text;
 }
 
@@ -72,10 +71,8 @@ std::string roff_options(const CLI::App& app) {
 
 std::string command_line_page(const CLI::App& program) {
   std::string out = fmt::format(
-      "# Command line\n\nThis page is made from the program's own definitions. `{0} VERB --help` "
-      "shows "
-      "what most people\nneed, `{0} VERB --help-all` all of it.\n\n| verb | what it does "
-      "|\n|---|---|\n",
+      "# Command line\n\nThis page is made from the program's own definitions. `{0} VERB --help` shows "
+      "what most people\nneed, `{0} VERB --help-all` all of it.\n\n| verb | what it does |\n|---|---|\n",
       program.get_name());
   const auto verbs = verbs_of(program);
   for (const CLI::App* v : verbs) {
@@ -98,10 +95,8 @@ std::string command_line_page(const CLI::App& program) {
 
 std::string manual_page(const CLI::App& program, const std::string& version) {
   const std::string name = program.get_name();
-  std::string out =
-      fmt::format(".TH {} 1 \"\" \"{} {}\" \"User Commands\"\n", roff(name), name, version);
-  out += fmt::format(".SH NAME\n{} \\- a lidar simulator learnt from logs of off\\-road terrain\n",
-                     name);
+  std::string out = fmt::format(".TH {} 1 \"\" \"{} {}\" \"User Commands\"\n", roff(name), name, version);
+  out += fmt::format(".SH NAME\n{} \\- a lidar simulator learnt from logs of off\\-road terrain\n", name);
   out += fmt::format(".SH SYNOPSIS\n.B {}\n.I VERB\n[OPTIONS]\n", name);
   out += ".SH COMMON OPTIONS\n";
   const auto verbs = verbs_of(program);
@@ -117,8 +112,7 @@ std::string manual_page(const CLI::App& program, const std::string& version) {
     out += fmt::format(".PP\n.nf\n{}\n.fi\n", roff(v->get_footer()));
   }
   return out +
-         ".SH EXIT STATUS\n0 done, 2 wrong usage, 3 bad input, 4 failure while running, 128 + N "
-         "ended "
+         ".SH EXIT STATUS\n0 done, 2 wrong usage, 3 bad input, 4 failure while running, 128 + N ended "
          "by signal N.\n";
 }
 

@@ -71,14 +71,12 @@ Verb::Verb(const Program& program, CLI::App& of)
   not_of_result(app.add_option("--threads", threads, "Threads to use, 0 = all"))
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  not_of_result(app.add_option("--json", json,
-                               "Write the results as JSON to FILE, - for standard "
-                               "output"))
+  not_of_result(app.add_option("--json", json, "Write the results as JSON to FILE, - for standard "
+                                               "output"))
       ->type_name("FILE|-")
       ->configurable(false);
   app.set_help_flag("-h,--help", "Print this help and exit")->group(kCommonGroup);
-  app.set_help_all_flag("--help-all", "Print the help of all options and exit")
-      ->group(kCommonGroup);
+  app.set_help_all_flag("--help-all", "Print the help of all options and exit")->group(kCommonGroup);
   begin_group("Options");
 }
 

@@ -60,8 +60,8 @@ class Verb {
   std::vector<const CLI::Option*> not_of_result_;
 };
 
-/// Adds the verb `name` to the program, listed under `stage`. `run` is called after parsing; what
-/// it throws becomes one line and an exit code in `Program::run`. `example` ends its `--help`.
+/// Adds the verb `name` to the program, listed under `stage`. `run` is called after parsing; what it
+/// throws becomes one line and an exit code in `Program::run`. `example` ends its `--help`.
 std::shared_ptr<Verb> add_verb(Program& program, const std::string& stage, const std::string& name,
                                const std::string& summary, const std::string& example,
                                const std::function<void(const Verb&)>& run);

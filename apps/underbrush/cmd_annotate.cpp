@@ -2,7 +2,6 @@
 
 #include <optional>
 
-#include "cli/progress.hpp"
 #include "objects_of_log.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
@@ -12,6 +11,7 @@
 #include "underbrush/primitives/generate.hpp"
 #include "underbrush/primitives/measure.hpp"
 #include "underbrush/test_site/terrain.hpp"
+#include "cli/progress.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -32,7 +32,9 @@ struct Arguments {
 void add_options(Verb& verb, Arguments& a) {
   CLI::App& app = verb.app;
   auto* log = app.add_option("LABELLED", a.log, "The site's log, labelled by segment");
-  verb.output("-o,--output", a.output, "The annotation")->required()->type_name("ANNOTATION.json");
+  verb.output("-o,--output", a.output, "The annotation")
+      ->required()
+      ->type_name("ANNOTATION.json");
   app.add_option("--ground", a.ground,
                  "Model whose ground the objects stand on. Without it, one is made from the log's "
                  "ground points, or generated, as the folder STEM.ground beside the annotation")
@@ -41,8 +43,9 @@ void add_options(Verb& verb, Arguments& a) {
   auto* kind = app.add_option("--generate", a.kind, "Make a site up")
                    ->check(CLI::IsMember(primitives::site_kinds()));
   kind->excludes(log);
-  app.add_option("--density", a.generate.density,
-                 "Trees (meadow: shrubs) per m²; 0 = forest 0.05, savanna 0.003, meadow 0.01")
+  app.add_option(
+         "--density", a.generate.density,
+         "Trees (meadow: shrubs) per m²; 0 = forest 0.05, savanna 0.003, meadow 0.01")
       ->check(CLI::Range(0.0, 10.0))
       ->capture_default_str();
   app.add_option("--margin", a.generate.margin_m, "Bare border of the ground, m")
@@ -143,9 +146,7 @@ void run(const Verb& verb, Arguments& a) {
 
 void add_annotate(Program& program) {
   auto a = std::make_shared<Arguments>();
-  const auto verb = add_verb(
-      program, "Scenes", "annotate",
-      "Say what stands where: from a labelled log, or on a site that is made up",
+  const auto verb = add_verb(program, "Scenes", "annotate", "Say what stands where: from a labelled log, or on a site that is made up",
       "underbrush annotate labelled.ply -o annotation.json\n"
       "  underbrush annotate --generate savanna --density 0.005 --seed 7 -o annotation.json\n"
       "  underbrush annotate --generate forest --ground model/ -o annotation.json",

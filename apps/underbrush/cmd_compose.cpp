@@ -113,14 +113,12 @@ void run(const Verb& verb, Arguments& a) {
 
 void add_compose(Program& program) {
   auto a = std::make_shared<Arguments>();
-  const auto verb =
-      add_verb(program, "Scenes", "compose",
-               "Compose a scene from primitives along an annotation; simulate takes it",
-               "underbrush compose annotation.json primitives/ -o scene/\n"
-               "  underbrush compose annotation.json primitives/ --nearest 5 --scale -o scene/\n"
-               "  underbrush compose annotation.json mesh_primitives -o baseline/\n"
-               "  underbrush simulate scene/ --like log.ply -o sim.ply",
-               [a](const Verb& v) { run(v, *a); });
+  const auto verb = add_verb(program, "Scenes", "compose", "Compose a scene from primitives along an annotation; simulate takes it",
+      "underbrush compose annotation.json primitives/ -o scene/\n"
+      "  underbrush compose annotation.json primitives/ --nearest 5 --scale -o scene/\n"
+      "  underbrush compose annotation.json mesh_primitives -o baseline/\n"
+      "  underbrush simulate scene/ --like log.ply -o sim.ply",
+      [a](const Verb& v) { run(v, *a); });
   add_options(*verb, *a);
 }
 

@@ -3,15 +3,15 @@
 #include <chrono>
 #include <iostream>
 
-#include "cli/progress.hpp"
 #include "report/report.hpp"
 #include "score_json.hpp"
 #include "stages.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/log_file.hpp"
+#include "underbrush/test_site/test_site.hpp"
 #include "underbrush/sensor/pattern.hpp"
 #include "underbrush/simulate/footprint.hpp"
-#include "underbrush/test_site/test_site.hpp"
+#include "cli/progress.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -134,9 +134,9 @@ void run(const Verb& verb, Arguments& a) {
 
 void add_demo(Program& program) {
   auto a = std::make_shared<Arguments>();
-  const auto verb = add_verb(program, "Start", "demo",
-                             "The whole pipeline on a generated test site; ends with a report",
-                             "underbrush demo -o demo/", [a](const Verb& v) { run(v, *a); });
+  const auto verb =
+      add_verb(program, "Start", "demo", "The whole pipeline on a generated test site; ends with a report",
+               "underbrush demo -o demo/", [a](const Verb& v) { run(v, *a); });
   CLI::App& app = verb->app;
   verb->output("-o,--output", a->output, "Folder for all that the demo makes")
       ->capture_default_str();

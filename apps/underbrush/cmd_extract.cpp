@@ -1,11 +1,11 @@
 #include <fmt/format.h>
 
-#include "cli/progress.hpp"
 #include "objects_of_log.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/primitives/primitive_set.hpp"
+#include "cli/progress.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -104,9 +104,9 @@ void run(const Verb& verb, Arguments& a) {
 
 void add_extract(Program& program) {
   auto a = std::make_shared<Arguments>();
-  const auto verb = add_verb(
-      program, "Scenes", "extract", "Cut a model into primitives along a labelled log",
-      "underbrush extract model/ labelled.ply -o primitives/", [a](const Verb& v) { run(v, *a); });
+  const auto verb = add_verb(program, "Scenes", "extract", "Cut a model into primitives along a labelled log",
+                             "underbrush extract model/ labelled.ply -o primitives/",
+                             [a](const Verb& v) { run(v, *a); });
   add_options(*verb, *a);
 }
 

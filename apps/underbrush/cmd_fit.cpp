@@ -1,11 +1,11 @@
 #include <fmt/format.h>
 
-#include "cli/progress.hpp"
 #include "fit_options.hpp"
 #include "stages.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/atomic_file.hpp"
+#include "cli/progress.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -19,7 +19,9 @@ struct Arguments {
 void add_options(Verb& verb, Arguments& a) {
   CLI::App& app = verb.app;
   app.add_option("LOG", a.log, "The log (ray cloud PLY, as import writes it)")->required();
-  verb.output("-o,--output", a.output, "The model's folder")->required()->type_name("MODEL");
+  verb.output("-o,--output", a.output, "The model's folder")
+      ->required()
+      ->type_name("MODEL");
   add_fit_options(verb, a.fit);
   verb.output("--export-splat", a.splat, "Write the ellipsoids as a splat, too")
       ->type_name("FILE.ply");
@@ -109,9 +111,7 @@ void run(const Verb& verb, Arguments& a) {
 
 void add_fit(Program& program) {
   auto a = std::make_shared<Arguments>();
-  const auto verb = add_verb(
-      program, "Models", "fit",
-      "Learn a model from a log: ground mesh, ellipsoids, hit probabilities",
+  const auto verb = add_verb(program, "Models", "fit", "Learn a model from a log: ground mesh, ellipsoids, hit probabilities",
       "underbrush fit log.ply -o model/\n  underbrush fit log.ply --fitter surface -o mesh/",
       [a](const Verb& v) { run(v, *a); });
   add_options(*verb, *a);

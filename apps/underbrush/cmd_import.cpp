@@ -4,13 +4,13 @@
 #include <optional>
 #include <set>
 
-#include "cli/progress.hpp"
 #include "row_filter.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/label_sets.hpp"
 #include "underbrush/io/input.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/sensor/beams_from_scan.hpp"
+#include "cli/progress.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -137,8 +137,7 @@ Counts import_scans(const RowFilter& keep, io::Input& input, io::LogWriter& writ
   return counts;
 }
 
-Counts import_beams(const Arguments& a, const RowFilter& keep, io::Input& input,
-                    io::LogWriter& writer) {
+Counts import_beams(const Arguments& a, const RowFilter& keep, io::Input& input, io::LogWriter& writer) {
   Counts counts;
   Progress progress("import");
   size_t done = 0;
@@ -255,11 +254,11 @@ void run(const Verb& verb, Arguments& a) {
 
 void add_import(Program& program) {
   auto a = std::make_shared<Arguments>();
-  const auto verb = add_verb(
-      program, "Logs", "import", "Any supported log to a ray cloud PLY, misses kept or inferred",
-      "underbrush import drive/ --poses drive/poses_velo.txt --deskew velodyne-hdl64e \\\n"
-      "    --elevation-offset-deg 0.205 --infer-misses velodyne-hdl64e -o log.ply",
-      [a](const Verb& v) { run(v, *a); });
+  const auto verb =
+      add_verb(program, "Logs", "import", "Any supported log to a ray cloud PLY, misses kept or inferred",
+               "underbrush import drive/ --poses drive/poses_velo.txt --deskew velodyne-hdl64e \\\n"
+               "    --elevation-offset-deg 0.205 --infer-misses velodyne-hdl64e -o log.ply",
+               [a](const Verb& v) { run(v, *a); });
   add_options(*verb, *a);
 }
 

@@ -5,7 +5,6 @@
 #include <map>
 #include <set>
 
-#include "cli/progress.hpp"
 #include "leaf_cloud.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
@@ -13,6 +12,7 @@
 #include "underbrush/io/input.hpp"
 #include "underbrush/metrics/leaf_inclination.hpp"
 #include "underbrush/sensor/sensor.hpp"
+#include "cli/progress.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -262,9 +262,9 @@ void add_info(Program& program) {
   verb->app.add_option("FILE", a->file, "A log, or the folder of a model or scene")->required();
   verb->app
       .add_option("--leaves", a->leaves,
-                  "Instead: how the leaves of a log or point file stand, mean and sigma of arccos "
-                  "n_z, and epsilon; of the vegetation of a log (by its labels, else what is not "
-                  "ground, 3 to 25 m away), or of all points")
+                   "Instead: how the leaves of a log or point file stand, mean and sigma of arccos "
+                   "n_z, and epsilon; of the vegetation of a log (by its labels, else what is not "
+                   "ground, 3 to 25 m away), or of all points")
       ->check(CLI::IsMember({"vegetation", "all"}));
 }
 

@@ -101,12 +101,12 @@ void run(const Verb& verb, Arguments& a) {
 
 void add_meshes(Program& program) {
   auto a = std::make_shared<Arguments>();
-  const auto verb = add_verb(program, "Scenes", "meshes",
-                             "Make primitives of plant meshes instead: the comparison simulator",
-                             "underbrush meshes generated -o meshes/\n"
-                             "  underbrush meshes plants/ fern.obj --up y -o meshes/\n"
-                             "  underbrush compose annotation.json meshes/ -o scene/",
-                             [a](const Verb& v) { run(v, *a); });
+  const auto verb =
+      add_verb(program, "Scenes", "meshes", "Make primitives of plant meshes instead: the comparison simulator",
+               "underbrush meshes generated -o meshes/\n"
+               "  underbrush meshes plants/ fern.obj --up y -o meshes/\n"
+               "  underbrush compose annotation.json meshes/ -o scene/",
+               [a](const Verb& v) { run(v, *a); });
   add_options(*verb, *a);
 }
 

@@ -4,9 +4,9 @@
 #include <iostream>
 
 #include "composition.hpp"
+#include "stages.hpp"
 #include "fit_options.hpp"
 #include "report/report.hpp"
-#include "stages.hpp"
 #include "tuning.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
@@ -64,7 +64,7 @@ void add_options(Verb& verb, Arguments& a) {
       ->check(CLI::Range(0.001, 0.5))
       ->capture_default_str();
   verb.output("--checkpoint", a.checkpoint,
-              "Written after each evaluation; PARAMS.yaml.checkpoint if not given")
+                 "Written after each evaluation; PARAMS.yaml.checkpoint if not given")
       ->type_name("FILE");
   verb.not_of_result(
       app.add_flag("--resume", a.resume, "Go on where the checkpoint ends, if there is one"));
@@ -257,12 +257,12 @@ void run(const Verb& verb, Arguments& a) {
 
 void add_optimize(Program& program) {
   auto a = std::make_shared<Arguments>();
-  const auto verb = add_verb(program, "Models", "optimize",
-                             "Tune the parameters of a fit on a slice of the training log",
-                             "underbrush optimize train.ply -o params.yaml --report tuning/\n"
-                             "  underbrush optimize train.ply -o params.yaml --resume\n"
-                             "  underbrush fit train.ply --config params.yaml -o model/",
-                             [a](const Verb& v) { run(v, *a); });
+  const auto verb =
+      add_verb(program, "Models", "optimize", "Tune the parameters of a fit on a slice of the training log",
+               "underbrush optimize train.ply -o params.yaml --report tuning/\n"
+               "  underbrush optimize train.ply -o params.yaml --resume\n"
+               "  underbrush fit train.ply --config params.yaml -o model/",
+               [a](const Verb& v) { run(v, *a); });
   add_options(*verb, *a);
 }
 

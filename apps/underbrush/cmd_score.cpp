@@ -64,11 +64,11 @@ void run(const Verb& verb, const Arguments& a) {
 
 void add_score(Program& program) {
   auto a = std::make_shared<Arguments>();
-  const auto verb = add_verb(
-      program, "Simulation", "score", "Compare simulated logs with the real one, beam by beam",
-      "underbrush score real.ply sim.ply --model model/ --json - --report report/\n"
-      "  underbrush score real.ply hybrid.ply mesh.ply --name default --name mesh",
-      [a](const Verb& v) { run(v, *a); });
+  const auto verb =
+      add_verb(program, "Simulation", "score", "Compare simulated logs with the real one, beam by beam",
+               "underbrush score real.ply sim.ply --model model/ --json - --report report/\n"
+               "  underbrush score real.ply hybrid.ply mesh.ply --name default --name mesh",
+               [a](const Verb& v) { run(v, *a); });
   add_options(*verb, *a);
 }
 

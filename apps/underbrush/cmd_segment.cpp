@@ -5,7 +5,6 @@
 #include <optional>
 #include <set>
 
-#include "cli/progress.hpp"
 #include "labelled_log.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/classes.hpp"
@@ -14,6 +13,7 @@
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/primitives/given_labels.hpp"
 #include "underbrush/primitives/segment_log.hpp"
+#include "cli/progress.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -33,8 +33,10 @@ void add_object_options(Verb& verb, primitives::ObjectOptions& o) {
     app.add_option(name, value, text)->check(CLI::NonNegativeNumber)->capture_default_str();
   };
   option("--cell", o.cell_m, "Side of a column, m; 0 = 0.4, more where points are sparse");
-  option("--gap", o.gap_m, "Empty height that parts what stands in a column, m; 0 = by the cell");
-  app.add_option("--min-points", o.min_points, "Fewest points of an object")->capture_default_str();
+  option("--gap", o.gap_m,
+         "Empty height that parts what stands in a column, m; 0 = by the cell");
+  app.add_option("--min-points", o.min_points, "Fewest points of an object")
+      ->capture_default_str();
   verb.begin_rare_group("Trees");
   option("--spacing", o.spacing_a_m,
          "Peaks that are nearer to each other are one crown, m; more for high trees");
@@ -55,8 +57,8 @@ void add_options(Verb& verb, Arguments& a) {
   CLI::App& app = verb.app;
   app.add_option("LOG", a.log, "The log (ray cloud PLY, as import writes it)")->required();
   verb.output("-o,--output", a.output,
-              "The log with the columns class and instance. Those that it had are scored "
-              "against and kept as given_class and given_instance")
+                 "The log with the columns class and instance. Those that it had are scored "
+                 "against and kept as given_class and given_instance")
       ->type_name("LABELLED.ply");
   app.add_option("--labels", a.labels,
                  "Take these labels over: a SemanticKITTI .label file, or a PLY, PCD or CSV file "
@@ -174,8 +176,7 @@ void run(const Verb& verb, const Arguments& a) {
 void add_segment(Program& program) {
   auto a = std::make_shared<Arguments>();
   const auto verb =
-      add_verb(program, "Scenes", "segment",
-               "Label a log: ground, trees, shrubs, patches; or take labels over",
+      add_verb(program, "Scenes", "segment", "Label a log: ground, trees, shrubs, patches; or take labels over",
                "underbrush segment log.ply -o labelled.ply\n"
                "  underbrush segment log.ply --labels edited.ply -o labelled.ply\n"
                "  underbrush segment log.ply --ground-method spherical_variance --json -",

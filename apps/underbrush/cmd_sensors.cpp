@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "report/svg_plot.hpp"
 #include "sensor_echo.hpp"
+#include "report/svg_plot.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/sensor/angles.hpp"
 #include "underbrush/sensor/pattern.hpp"
@@ -150,8 +150,8 @@ void plot_pattern(const Sensor& s, report::SvgPlot::Points scan, const std::stri
     high = std::max(high, elevation);
   }
   report::SvgPlot plot(fmt::format("{}: one scan{}", s.title,
-                                   half < 180 ? fmt::format(", ±{:.0f}° ahead", half) : ""),
-                       "azimuth (degrees, left is positive)", "elevation (degrees)");
+                           half < 180 ? fmt::format(", ±{:.0f}° ahead", half) : ""),
+               "azimuth (degrees, left is positive)", "elevation (degrees)");
   plot.x_axis(1.02 * west, -1.02 * west);
   plot.y_axis(low - 0.05 * (high - low) - 0.1, high + 0.05 * (high - low) + 0.1);
   plot.dots(scan, "#1f6f4a", 2);
@@ -182,14 +182,12 @@ void run(const Verb& verb, const Arguments& a) {
 
 void add_sensors(Program& program) {
   auto a = std::make_shared<Arguments>();
-  const auto verb =
-      add_verb(program, "Simulation", "sensors",
-               "The catalogue of sensors, their patterns, and what they make of targets",
-               "underbrush sensors list\n"
-               "  underbrush sensors show velodyne-vlp16 --plot pattern.svg\n"
-               "  underbrush sensors echo ibeo-lux-2010 --target 30:leaf:0.4 --target 32:soil:0.6 "
-               "--csv waveform.csv",
-               [a](const Verb& v) { run(v, *a); });
+  const auto verb = add_verb(program, "Simulation", "sensors", "The catalogue of sensors, their patterns, and what they make of targets",
+      "underbrush sensors list\n"
+      "  underbrush sensors show velodyne-vlp16 --plot pattern.svg\n"
+      "  underbrush sensors echo ibeo-lux-2010 --target 30:leaf:0.4 --target 32:soil:0.6 "
+      "--csv waveform.csv",
+      [a](const Verb& v) { run(v, *a); });
   CLI::App& app = verb->app;
   app.add_option("ACTION", a->action, "list, show or echo")
       ->required()

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 
-#include "cli/progress.hpp"
 #include "instrument.hpp"
 #include "stages.hpp"
 #include "traced_scene.hpp"
@@ -15,6 +14,7 @@
 #include "underbrush/io/profile.hpp"
 #include "underbrush/sensor/pattern.hpp"
 #include "underbrush/sensor/sensor.hpp"
+#include "cli/progress.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -32,8 +32,8 @@ void add_options(Verb& verb, Arguments& a) {
   app.add_option("MODEL", a.model, "The folder of a model, or of a scene that compose made")
       ->required();
   verb.output("-o,--output", a.output,
-              "Where the simulated log goes: .ply, .pcd, .csv, or a folder/ of KITTI .bin "
-              "(with --profile: of PCD)")
+                 "Where the simulated log goes: .ply, .pcd, .csv, or a folder/ of KITTI .bin "
+                 "(with --profile: of PCD)")
       ->required();
   auto* like = app.add_option("--like", a.like, "Answer the beams of this log")->type_name("LOG");
   auto* sensor =
@@ -201,8 +201,7 @@ void run(const Verb& verb, Arguments& a) {
 
 void add_simulate(Program& program) {
   auto a = std::make_shared<Arguments>();
-  const auto verb = add_verb(
-      program, "Simulation", "simulate",
+  const auto verb = add_verb(program, "Simulation", "simulate",
       "Answer beams from a model or scene: those of a log, or of a sensor on a trajectory",
       "underbrush simulate model/ --like log.ply -o sim.ply\n"
       "  underbrush simulate scene/ --like log.ply -o sim.ply\n"

@@ -6,9 +6,9 @@
 #include <set>
 #include <vector>
 
-#include "cli/progress.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/log_file.hpp"
+#include "cli/progress.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {

@@ -1,8 +1,9 @@
 #include "composition.hpp"
 
+#include "cli/progress.hpp"
+
 #include <fmt/format.h>
 
-#include "cli/progress.hpp"
 #include "plant_sources.hpp"
 
 namespace underbrush::app {

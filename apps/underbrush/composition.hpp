@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "cli/verb.hpp"
 #include "underbrush/primitives/compose.hpp"
+#include "cli/verb.hpp"
 
 namespace underbrush::app {
 

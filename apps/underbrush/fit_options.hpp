@@ -14,7 +14,7 @@ enum FitHelp { kUsualShown, kAllRare };
 
 /// Adds an option for each row of the table of fit parameters (`fit::parameters`), and `--sensor`.
 std::vector<const CLI::Option*> add_fit_options(Verb& verb, fit::FitOptions& fit,
-                                                FitHelp help = kUsualShown);
+                                          FitHelp help = kUsualShown);
 
 /// The footprint of a sensor's beam, as a fit takes it.
 fit::Footprint footprint_of(const sensor::Sensor& sensor);

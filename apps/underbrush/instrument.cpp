@@ -92,7 +92,7 @@ void plot(const std::string& file, const sensor::Sensor& s,
   }
   if (shown.empty()) from = 0, to = s.max_range_m;
   report::SvgPlot out(fmt::format("{}: {} waveforms", s.title, shown.size()), "range (m)",
-                      "signal, each to its own scale");
+              "signal, each to its own scale");
   out.x_axis(from - 0.5, to + 0.5);
   out.y_axis(-0.2, std::max<double>(1, double(shown.size())));
   for (size_t k = 0; k < shown.size(); ++k) {
@@ -141,7 +141,7 @@ void add_instrument_options(Verb& verb, InstrumentArguments& a) {
                  "sensor does")
       ->type_name("MODE|N");
   verb.output("--waveforms", a.waveforms,
-              "Write digitised waveforms: a table or a plot; may be repeated")
+                 "Write digitised waveforms: a table or a plot; may be repeated")
       ->type_name("FILE.csv|FILE.svg")
       ->take_all();
   verb.begin_rare_group("Light and air");

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "cli/verb.hpp"
 #include "underbrush/elements/scene_file.hpp"
 #include "underbrush/sensor/sensor.hpp"
 #include "underbrush/simulate/echoes.hpp"
+#include "cli/verb.hpp"
 
 namespace underbrush::app {
 

@@ -4,12 +4,12 @@
 #include <string>
 #include <vector>
 
-#include "cli/verb.hpp"
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/elements/classes.hpp"
 #include "underbrush/metrics/agreement.hpp"
 #include "underbrush/metrics/instances.hpp"
 #include "underbrush/primitives/segment_log.hpp"
+#include "cli/verb.hpp"
 
 namespace underbrush::app {
 

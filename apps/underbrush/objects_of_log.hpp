@@ -4,10 +4,10 @@
 #include <utility>
 #include <vector>
 
-#include "cli/verb.hpp"
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/elements/model.hpp"
 #include "underbrush/primitives/measure.hpp"
+#include "cli/verb.hpp"
 
 namespace underbrush::app {
 

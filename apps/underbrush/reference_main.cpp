@@ -1,5 +1,5 @@
-// underbrush-reference PAGE: the pages of the reference that are made from the program's tables,
-// and its manual page. Part of the build of the documentation, not installed.
+// underbrush-reference PAGE: the pages of the reference that are made from the program's tables, and
+// its manual page. Part of the build of the documentation, not installed.
 #include <fmt/format.h>
 
 #include <iostream>
@@ -34,8 +34,7 @@ std::string range_of(const fit::Parameter& p) {
 
 std::string parameters_page() {
   std::string out =
-      "# Parameters of a fit\n\nThis page is made from the table that the command line, "
-      "configurations "
+      "# Parameters of a fit\n\nThis page is made from the table that the command line, configurations "
       "and `optimize` share.\nA parameter is the option `--NAME` of `fit` and the key `NAME` of a "
       "configuration. A range is where\n`optimize` looks for the best value; it takes parameters "
       "marked *if named* only with `--tune`.\n\n" +
@@ -43,16 +42,15 @@ std::string parameters_page() {
   const fit::FitOptions defaults;
   std::string group;
   for (const auto kind : fit::parameter_groups()) {
-    out += fmt::format(
-        "\n## {}\n\n| name | unit | default | what it does | range of tuning |\n"
-        "|---|---|---|---|---|\n",
-        fit::name_of(kind));
+    out += fmt::format("\n## {}\n\n| name | unit | default | what it does | range of tuning |\n"
+                       "|---|---|---|---|---|\n",
+                       fit::name_of(kind));
     for (const fit::Parameter& p : fit::parameters()) {
       if (p.group != kind) continue;
       const std::string choices =
           p.choices ? fmt::format("; one of {}", fmt::join(p.choices(), ", ")) : "";
-      out += fmt::format("| `{}` | {} | {} | {}{} | {} |\n", p.name, p.unit, p.text(defaults),
-                         p.help, choices, range_of(p));
+      out += fmt::format("| `{}` | {} | {} | {}{} | {} |\n", p.name, p.unit, p.text(defaults), p.help,
+                         choices, range_of(p));
     }
   }
   return out;
@@ -60,12 +58,9 @@ std::string parameters_page() {
 
 std::string sensors_page() {
   std::string out =
-      "# Sensor catalogue\n\nThis page is made from the files of `share/sensors`, which are built "
-      "into "
-      "the program.\n`underbrush sensors show NAME` prints one. [Sensor files](sensor-files.md) "
-      "has "
-      "the keys.\n\n| name | maker and model | kind | rings | ring 0 | beams/s | range, m | "
-      "divergence, mrad | σ of the "
+      "# Sensor catalogue\n\nThis page is made from the files of `share/sensors`, which are built into "
+      "the program.\n`underbrush sensors show NAME` prints one. [Sensor files](sensor-files.md) has "
+      "the keys.\n\n| name | maker and model | kind | rings | ring 0 | beams/s | range, m | divergence, mrad | σ of the "
       "range, m |\n|---|---|---|---:|---|---:|---|---|---:|\n";
   for (const std::string& name : sensor::names()) {
     const sensor::Sensor s = sensor::load(name);
@@ -80,10 +75,10 @@ std::string sensors_page() {
                         : s.channels.front().elevation_rad < s.channels.back().elevation_rad
                             ? "lowest"
                             : "highest";
-    out += fmt::format(
-        "| `{}` | {} | {} | {} | {} | {:.0f} | {:g} to {:g} | {:.3g} × {:.3g} | {:g} |\n", name,
-        s.title, kind, rings, first, s.beams_per_s(), s.min_range_m, s.max_range_m,
-        1e3 * s.beam.divergence_rad[0], 1e3 * s.beam.divergence_rad[1], s.range_sigma_m);
+    out += fmt::format("| `{}` | {} | {} | {} | {} | {:.0f} | {:g} to {:g} | {:.3g} × {:.3g} | {:g} |\n", name,
+                       s.title, kind, rings, first, s.beams_per_s(), s.min_range_m, s.max_range_m,
+                       1e3 * s.beam.divergence_rad[0], 1e3 * s.beam.divergence_rad[1],
+                       s.range_sigma_m);
   }
   return out;
 }
@@ -91,10 +86,8 @@ std::string sensors_page() {
 std::string materials_page() {
   const radiometry::Materials all = radiometry::load_materials();
   std::string out =
-      "# Materials\n\nThis page is made from `share/materials/materials.yaml`, which is built into "
-      "the "
-      "program.\n[From light to echoes](../explanation/radiometry.md#materials) has the keys of a "
-      "table "
+      "# Materials\n\nThis page is made from `share/materials/materials.yaml`, which is built into the "
+      "program.\n[From light to echoes](../explanation/radiometry.md#materials) has the keys of a table "
       "of your own.\n\n| material | reflectance at 532 | 850 | 905 | 1064 | 1550 nm |\n"
       "|---|---:|---:|---:|---:|---:|\n";
   for (const radiometry::Material& m : all.material) {
@@ -127,8 +120,7 @@ int main(int argc, char** argv) {
   };
   const auto page = pages.find(argc == 2 ? argv[1] : "");
   if (page == pages.end()) {
-    std::cerr
-        << "usage: underbrush-reference command-line|man|materials|parameters|sensor-catalogue\n";
+    std::cerr << "usage: underbrush-reference command-line|man|materials|parameters|sensor-catalogue\n";
     return 2;
   }
   std::cout << page->second();

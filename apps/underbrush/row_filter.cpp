@@ -18,9 +18,7 @@ RowFilter::RowFilter(std::string file, const std::string& words) : file_(std::mo
   column_ = words.substr(0, equals);
 }
 
-std::string RowFilter::reason() const {
-  return column_ + fmt::format(" is not {:g} (--keep)", value_);
-}
+std::string RowFilter::reason() const { return column_ + fmt::format(" is not {:g} (--keep)", value_); }
 
 std::vector<size_t> RowFilter::rows(const std::map<std::string, ExtraColumn>& extra) const {
   const auto column = extra.find(column_);

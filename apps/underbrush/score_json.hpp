@@ -1,7 +1,7 @@
 /// Scores as JSON: the keys other programs rely on.
 #pragma once
-#include "cli/verb.hpp"
 #include "underbrush/metrics/score.hpp"
+#include "cli/verb.hpp"
 
 namespace underbrush::app {
 

@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "cli/verb.hpp"
 #include "underbrush/elements/scene_file.hpp"
 #include "underbrush/fit/fit.hpp"
 #include "underbrush/metrics/score.hpp"
 #include "underbrush/simulate/simulate.hpp"
+#include "cli/verb.hpp"
 
 namespace underbrush::app {
 

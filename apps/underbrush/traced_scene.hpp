@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "cli/verb.hpp"
 #include "underbrush/elements/scene_file.hpp"
 #include "underbrush/simulate/surroundings.hpp"
+#include "cli/verb.hpp"
 
 namespace underbrush::app {
 

@@ -30,9 +30,9 @@ bool at_edge(const optimize::Parameter& p, double value) {
 
 report::Table table_of(const Tuning& t) {
   report::Table table{fmt::format("{} evaluations of {}", t.evaluations.size(), t.objective),
-                      t.what,
-                      {"", "start", "tuned", "range"},
-                      {}};
+                   t.what,
+                   {"", "start", "tuned", "range"},
+                   {}};
   for (size_t k = 0; k < t.parameters.size(); ++k) {
     const optimize::Parameter& p = t.parameters[k];
     table.rows.push_back({p.name, number(t.start().value[k]), number(t.tuned().value[k]),
@@ -74,9 +74,8 @@ std::string curve_of(const Tuning& t) {
   const double high = std::max(first, objective[objective.size() * 3 / 4]);
   const double room = std::max(0.1 * (high - low), 1e-3 * std::abs(low) + 1e-12);
   for (auto& [x, y] : tried) y = std::min(y, high + room);
-  report::SvgPlot plot(
-      "Objective by evaluation: tried (blue; at the top: beyond it) and best so far (red)",
-      "evaluation", t.objective);
+  report::SvgPlot plot("Objective by evaluation: tried (blue; at the top: beyond it) and best so far (red)",
+               "evaluation", t.objective);
   plot.x_axis(0, double(t.evaluations.size() + 1));
   plot.y_axis(low - room, high + room);
   plot.line(best, kBest);
@@ -174,14 +173,15 @@ void write_config(const fs::path& path, const Tuning& t) {
 fs::path write_tuning_report(const fs::path& folder, const Tuning& t) {
   const double from = t.start().outcome.objective, to = t.tuned().outcome.objective;
   return report::write_summary_page(
-      folder, {.title = "Tuning on " + fs::path(t.log).filename().string(),
-               .lead = t.what,
-               .verdict = to < from ? fmt::format("{} from {:.4f} to {:.4f}", t.objective, from, to)
-                                    : "nothing tried was better than the start",
-               .asked = "<p>" + report::escaped(t.fixed.dump()) + "</p>\n",
-               .body = html_of(table_of(t)) + "<figure>\n" + curve_of(t) + "</figure>\n" +
-                       html_of(history_of(t)),
-               .provenance = t.provenance});
+      folder,
+      {.title = "Tuning on " + fs::path(t.log).filename().string(),
+       .lead = t.what,
+       .verdict = to < from ? fmt::format("{} from {:.4f} to {:.4f}", t.objective, from, to)
+                            : "nothing tried was better than the start",
+       .asked = "<p>" + report::escaped(t.fixed.dump()) + "</p>\n",
+       .body = html_of(table_of(t)) + "<figure>\n" + curve_of(t) + "</figure>\n" +
+               html_of(history_of(t)),
+       .provenance = t.provenance});
 }
 
 }  // namespace underbrush::app

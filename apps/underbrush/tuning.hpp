@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "cli/verb.hpp"
 #include "underbrush/optimize/search.hpp"
+#include "cli/verb.hpp"
 
 namespace underbrush::app {
 

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <vector>
 
-#include "studies/planar_patches.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/metrics/normals.hpp"
+#include "studies/planar_patches.hpp"
 
 namespace underbrush::studies {
 namespace {

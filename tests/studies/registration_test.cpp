@@ -5,8 +5,8 @@
 #include <cmath>
 #include <vector>
 
-#include "studies/range_histogram.hpp"
 #include "underbrush/core/rng.hpp"
+#include "studies/range_histogram.hpp"
 
 namespace underbrush::studies {
 namespace {

@@ -6,9 +6,9 @@
 #include <fstream>
 
 #include "io/temporary.hpp"
-#include "studies/targets.hpp"
 #include "studies/transfer.hpp"
 #include "studies/vegetation.hpp"
+#include "studies/targets.hpp"
 
 namespace underbrush::studies {
 namespace {

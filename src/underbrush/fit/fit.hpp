@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "underbrush/core/beam_log.hpp"
-#include "underbrush/core/tile_store.hpp"
 #include "underbrush/elements/model.hpp"
 #include "underbrush/fit/hit_probability.hpp"
 #include "underbrush/fit/likelihood.hpp"
 #include "underbrush/fit/surface.hpp"
+#include "underbrush/core/tile_store.hpp"
 #include "underbrush/fit/volumetric.hpp"
 #include "underbrush/ground/height_grid.hpp"
 #include "underbrush/ground/segment.hpp"

@@ -57,7 +57,7 @@ using ParameterField =
 struct Parameter {
   std::string_view name;  ///< The name of the command line's option and of the configuration's key.
   ParameterGroup group;
-  std::string_view unit;  ///< Such as "m" or "nats"; empty for a pure number.
+  std::string_view unit;  ///< For example "m" or "nats"; empty for a pure number.
   std::string_view help;
   ParameterField field;
   bool usual = false;                                ///< Whether `--help` shows it.

@@ -53,9 +53,9 @@ struct Input {
 /// kitti-odometry, kitti-raw, folder (one file a scan).
 std::vector<std::string> input_formats();
 
-/// Opens a log; docs/reference/formats.md says what is looked for and where. Throws `FormatError`
-/// where the path is no supported log, or a selected scan has no pose or time;
-/// `std::invalid_argument` for an unknown format name.
+/// Opens a log; docs/reference/formats.md says what is looked for and where. Throws `FormatError` where the
+/// path is no supported log, or a selected scan has no pose or time; `std::invalid_argument` for an
+/// unknown format name.
 Input open_input(const std::filesystem::path& path, const InputOptions& options = {});
 
 }  // namespace underbrush::io

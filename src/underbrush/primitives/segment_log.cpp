@@ -69,9 +69,8 @@ LogLabels segment_log(BeamSource& source, const SegmentLogOptions& o,
   LogLabels out;
   ObjectFinder finder(o.objects);
   if (prior.empty()) {
-    out.ground = ground::ground_flags(source, o.ground, o.tile_m, [&](size_t done, size_t total) {
-      tell("ground", done, total);
-    });
+    out.ground = ground::ground_flags(source, o.ground, o.tile_m,
+                                   [&](size_t done, size_t total) { tell("ground", done, total); });
   } else {
     out.ground.resize(prior.size());
     for (size_t k = 0; k < prior.size(); ++k) out.ground[k] = prior[k] == Prior::kGround;

@@ -13,7 +13,7 @@ struct Link {
   double wavelength_m = 905e-9;
   double view_rad = 0.003;            ///< Full angle of the receiver's field of view.
   double filter_m = 20e-9;            ///< Width of the optical filter.
-  double responsivity_a_per_w = 0.5;  ///< Of the detector alone.
+  double responsivity_a_per_w = 0.5;  ///< The detector's own responsivity.
   double bandwidth_hz = 200e6;
   double dark_a_per_rt_hz = 2e-12;  ///< Noise of the dark detector and its amplifier.
 
