@@ -1,9 +1,9 @@
 /// \file
 /// The generated site as a log, for benchmarks without a file.
 #pragma once
-#include "underbrush/test_site/test_site.hpp"
 #include "underbrush/sensor/pattern.hpp"
 #include "underbrush/simulate/footprint.hpp"
+#include "underbrush/test_site/test_site.hpp"
 
 namespace underbrush::bench {
 

@@ -258,7 +258,7 @@ Json summary(const Json& cases, size_t middle) {
 /// Rays a second a core against the number of ellipsoids, of the dense forest.
 void plot(const Json& cases, const std::string& file) {
   report::SvgPlot out("Dense forest, HDL-64E beams in firing order (Embree: ordered)",
-                   "log10 of the number of ellipsoids", "million rays/s a core");
+                      "log10 of the number of ellipsoids", "million rays/s a core");
   const std::vector<std::pair<const char*, const char*>> ways{
       {"ours_avx512", "#0a7d33"},         {"ours_avx2", "#4cb86a"},
       {"ours_sse2", "#a9dcb5"},           {"embree_packet16", "#b3261e"},

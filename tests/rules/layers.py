@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
-"""Checks the layers: a module includes what its CMakeLists.txt declares, each large third party is used only in its
-module's sources, and the library neither prints nor exits."""
+"""Checks the layers: a module includes what its CMakeLists.txt declares, no less and no more; each large third party is
+used only in its module's sources; the library neither prints nor exits; each folder above the library uses only the
+folders below it."""
+import posixpath
 import re
 
 import rules
@@ -8,58 +10,171 @@ import rules
 LIBRARY = "src/underbrush/"
 # Third parties and where they may be included. Headers of the library include only Eigen.
 THIRD_PARTY = {
-    "embree": ("trace",), "tbb": ("core",), "oneapi": ("core",), "png": ("io",),
+    "embree": (), "tbb": ("core",), "oneapi": ("core",), "png": ("io",),
     "nanoflann": None, "libqhull": None, "nlohmann": None, "yaml-cpp": None, "zlib": None,
-    "zstd": None, "lz4": None, "pcap": None, "nlopt": ("optimize",), "tiny_gltf": ("io",),
-    "fmt": (), "CLI": (), "spdlog": (),
+    "zstd": None, "lz4": None, "lzf": ("io",), "pcap": None, "nlopt": ("optimize",), "tiny_gltf": ("io",),
+    "fmt": (), "CLI": (), "spdlog": (), "xxhash": (),
 }
+# The target that stands for each third party in the CMake lists.
+TARGETS = {
+    "nanoflann": "nanoflann::nanoflann", "nlohmann": "nlohmann_json::nlohmann_json", "png": "PNG::PNG",
+    "yaml-cpp": "yaml-cpp", "lzf": "PkgConfig::LZF", "tiny_gltf": "TinyGLTF::TinyGLTF", "tbb": "TBB::tbb",
+    "oneapi": "TBB::tbb", "nlopt": "NLopt::nlopt", "fmt": "fmt::fmt", "CLI": "CLI11::CLI11",
+    "embree": "embree", "xxhash": "PkgConfig::XXHASH",
+}
+# The folders above the library, and which of them each may include beside itself and the library.
+ABOVE = {"report": (), "apps/cli": (), "apps/underbrush": ("report", "apps/cli"),
+         "studies": ("report", "apps/cli", "apps/underbrush"), "bench": ("report",)}
+OWN_TARGETS = {"underbrush_report": "report", "underbrush_cli": "apps/cli",
+               "underbrush_app": "apps/underbrush", "underbrush_studies": "studies"}
 FORBIDDEN = (
     r"#\s*include\s*<(?P<header>iostream|syncstream)>|\b(?:std::)?(?P<call>printf|puts|putchar|fprintf|"
     r"fputs|perror|exit|_Exit|quick_exit|abort|terminate)\s*\(|\bstd::(?P<stream>cout|cerr|clog)\b")
+SOURCES = (".hpp", ".cpp", ".inl", ".cpp.in", ".hpp.in")
+INCLUDE = r'^\s*#\s*include\s*[<"]([^>"]+)[>"]'
+
+
+def words_after(keyword, text):
+    """The words that follow an upper-case keyword of a CMake call, up to the next keyword."""
+    found = re.search(rf"\b{keyword}\b((?:\s+(?![A-Z_]+(?:\s|$))\S+)*)", text)
+    return set(found.group(1).split()) if found else set()
+
+
+def cmake_text(root, path):
+    return re.sub(r"#[^\n]*", "", rules.read(root, path))
 
 
 def declared(root):
-    """{module: modules it DEPENDS on}, from the CMakeLists.txt of each."""
+    """{module: (modules it DEPENDS on, targets it LINKs)}, from the CMakeLists.txt of each."""
     found = {}
     for path in rules.tracked(root, "CMakeLists.txt"):
-        m = re.search(r"underbrush_module\((\w+)([^)]*)\)", rules.read(root, path))
+        m = re.search(r"underbrush_module\((\w+)([^)]*)\)", cmake_text(root, path))
         if path.startswith(LIBRARY) and m:
-            words = re.search(r"\bDEPENDS\b((?:\s+[a-z]+)*)", m.group(2))
-            found[m.group(1)] = set(words.group(1).split()) if words else set()
+            found[m.group(1)] = (words_after("DEPENDS", m.group(2)), words_after("LINK", m.group(2)))
     return found
 
 
+def folder_of(path):
+    """'report', 'apps/cli', ... or None for files of the library and of the tests."""
+    return next((f for f in ABOVE if path.startswith(f + "/")), None)
+
+
+def module_of(path):
+    return path[len(LIBRARY):].split("/")[0] if path.startswith(LIBRARY) else None
+
+
+def party_of(name):
+    return next((p for p in THIRD_PARTY if name.lstrip("/").startswith(p)), None)
+
+
+class Includes:
+    """Who includes what: file names are resolved as the compiler does."""
+
+    def __init__(self, root):
+        self.root = root
+        self.files = set(rules.tracked(root, *SOURCES))
+        self.of = {}
+        for path in sorted(self.files):
+            code, _ = rules.split_cpp(rules.read(root, path))
+            self.of[path] = [(line, m.group(1)) for line, m in rules.lines_with(INCLUDE, code)]
+
+    def resolve(self, path, name):
+        tries = [posixpath.join(posixpath.dirname(path), name)]
+        tries += [posixpath.join(folder, name) for folder in ("src", "", "apps", "apps/underbrush")]
+        return next((t for t in map(posixpath.normpath, tries) if t in self.files), None)
+
+    def parties(self, path, seen=()):
+        """Third parties of a file, with those of the .inl files that it includes."""
+        found = set()
+        for _, name in self.of[path]:
+            target = self.resolve(path, name)
+            if target and target.endswith(".inl") and target not in seen:
+                found |= self.parties(target, (*seen, path))
+            elif not target and party_of(name):
+                found.add(party_of(name))
+        return found
+
+
+def check_module_file(path, includes, depends):
+    mine = module_of(path)
+    for line, name in includes.of[path]:
+        at = f"{path}:{line}: "
+        top, _, rest = name.partition("/")
+        other = rest.split("/")[0]
+        if top == "underbrush" and other != mine and other not in depends.get(mine, (set(),))[0]:
+            yield at + f"'{mine}' includes '{other}' but does not DEPEND on it"
+        if top != "underbrush" and folder_of(includes.resolve(path, name) or ""):
+            yield at + f"the library includes '{name}', which stands above it"
+        party = None if top == "underbrush" else party_of(name)
+        if party and THIRD_PARTY[party] is not None and mine not in THIRD_PARTY[party]:
+            yield at + f"<{name}> does not belong in '{mine}'"
+        elif party and path.endswith(".hpp"):
+            yield at + f"<{name}> in a header: keep a third party in a .cpp or a private .inl"
+    code, _ = rules.split_cpp(rules.read(includes.root, path))
+    for line, m in rules.lines_with(FORBIDDEN, code):
+        what = m.group("header") or m.group("call") or m.group("stream")
+        yield f"{path}:{line}: {what} in the library, which never prints or exits"
+
+
+def check_declarations(includes, depends):
+    """What a module declares and does not include, and third parties that it includes without LINK."""
+    for module, (modules, links) in depends.items():
+        at = f"{LIBRARY}{module}/CMakeLists.txt: "
+        files = [p for p in includes.files if module_of(p) == module]
+        names = {name.split("/")[1] for p in files for _, name in includes.of[p]
+                 if name.startswith("underbrush/")}
+        for other in sorted(modules - names):
+            yield at + f"'{module}' DEPENDS on '{other}' but includes nothing of it"
+        sources = [p for p in files if p.endswith((".cpp", ".cpp.in"))]
+        used = {TARGETS[q] for p in sources for q in includes.parties(p) if q in TARGETS}
+        for target in sorted(used ^ (links & set(TARGETS.values()))):
+            yield at + (f"'{module}' does not LINK {target}, which it includes" if target in used else
+                        f"'{module}' LINKs {target} but includes nothing of it")
+
+
+def check_above(path, includes):
+    mine = folder_of(path)
+    for line, name in includes.of[path]:
+        other = folder_of(includes.resolve(path, name) or "")
+        if other and other != mine and other not in ABOVE[mine]:
+            yield f"{path}:{line}: {mine} may not include '{name}' of {other}"
+        if name.startswith("embree") and mine != "bench":
+            yield f"{path}:{line}: Embree belongs to bench alone"
+
+
+def check_links_above(folder, includes):
+    """What a folder above the library links and none of its files includes."""
+    if not (includes.root / folder / "CMakeLists.txt").is_file():
+        return
+    text = cmake_text(includes.root, f"{folder}/CMakeLists.txt")
+    linked = {w for call in re.findall(r"target_link_libraries\(([^)]*)\)", text) for w in call.split()[1:]}
+    used = set()
+    for path in (p for p in includes.files if folder_of(p) == folder):
+        for _, name in includes.of[path]:
+            target = includes.resolve(path, name)
+            used.add(folder_of(target or "") or name)
+    for target in sorted(linked):
+        if target.startswith("underbrush::"):
+            wanted = "underbrush/" + target.partition("::")[2] + "/"
+        elif target in OWN_TARGETS:
+            wanted = OWN_TARGETS[target]
+        else:
+            wanted = next((p for p, t in TARGETS.items() if t == target), None)
+        if wanted and wanted != folder and not any(u.startswith(wanted) for u in used):
+            yield f"{folder}/CMakeLists.txt: links {target} but includes nothing of it"
+
+
 def check(root):
+    includes, depends = Includes(root), declared(root)
     out = []
-    depends = declared(root)
-    for path in rules.tracked(root, ".hpp", ".cpp", ".inl", ".in"):
-        if not path.startswith((LIBRARY, "apps/", "bindings/")):
-            continue
-        code, _ = rules.split_cpp(rules.read(root, path))
-        mine = path[len(LIBRARY):].split("/")[0] if path.startswith(LIBRARY) else None
-        for line, m in rules.lines_with(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', code):
-            name = m.group(1)
-            at = f"{path}:{line}: "
-            if mine is None:
-                if name.lstrip("/").startswith("embree"):
-                    out.append(at + "Embree belongs to trace alone")
-                continue
-            top, _, rest = name.partition("/")
-            if top == "underbrush":
-                other = rest.split("/")[0]
-                if other != mine and other not in depends.get(mine, ()):
-                    out.append(at + f"'{mine}' includes '{other}' but does not DEPEND on it")
-            for party, modules in THIRD_PARTY.items():
-                if not name.startswith(party):
-                    continue
-                if modules is not None and mine not in modules:
-                    out.append(at + f"<{name}> does not belong in '{mine}'")
-                elif path.endswith(".hpp"):
-                    out.append(at + f"<{name}> in a header: keep a third party in a .cpp")
-        if mine is not None:
-            for line, m in rules.lines_with(FORBIDDEN, code):
-                what = m.group("header") or m.group("call") or m.group("stream")
-                out.append(f"{path}:{line}: {what} in the library, which never prints or exits")
+    for path in sorted(includes.files):
+        if module_of(path):
+            out += check_module_file(path, includes, depends)
+        elif folder_of(path):
+            out += check_above(path, includes)
+    out += check_declarations(includes, depends)
+    for folder in ABOVE:
+        out += check_links_above(folder, includes)
     return out
 
 
@@ -69,18 +184,44 @@ def module(name, source, depends=""):
 
 
 BAD = [
-    (module("trace", '#include "underbrush/core/pose.hpp"\n', "  DEPENDS elements\n"), "DEPEND"),
+    (module("trace", '#include "underbrush/core/pose.hpp"\n', "  DEPENDS elements\n"), "does not DEPEND"),
+    (module("trace", '#include "underbrush/core/pose.hpp"\n', "  DEPENDS core elements\n"),
+     "DEPENDS on 'elements' but includes nothing"),
+    (module("trace", "int x;\n", "  LINK nanoflann::nanoflann\n"), "LINKs nanoflann::nanoflann but"),
+    (module("trace", "#include <nanoflann.hpp>\n"), "does not LINK nanoflann::nanoflann"),
+    ({**module("core", "int x;\n"), f"{LIBRARY}core/k.inl": "#include <nanoflann.hpp>\n",
+      **module("fit", '#include "underbrush/core/k.inl"\n', "  DEPENDS core\n")}, "does not LINK nanoflann"),
     (module("trace", '#include "underbrush/fit/cluster.hpp"\n', "  DEPENDS core"), "'fit'"),
     (module("fit", "#include <embree3/rtcore.h>\n"), "embree3"),
     (module("metrics", "#include <iostream>\n"), "iostream"),
     (module("metrics", 'void f() { std::printf("hello"); }\n'), "printf"),
     (module("metrics", "void f() { exit(1); }\n"), "exit"),
+    ({**module("core", '#include "report/a.hpp"\n'), "report/a.hpp": ""}, "stands above it"),
     ({f"{LIBRARY}io/a.hpp": "#include <nlohmann/json.hpp>\n"}, "in a header"),
     ({"apps/underbrush/a.cpp": "#include <embree3/rtcore.h>\n"}, "Embree"),
+    ({"report/a.cpp": '#include "cli/verb.hpp"\n', "apps/cli/verb.hpp": ""}, "report may not include"),
+    ({"report/a.cpp": '#include "studies/study.hpp"\n', "studies/study.hpp": ""}, "report may not include"),
+    ({"apps/cli/a.cpp": '#include "fit_options.hpp"\n', "apps/underbrush/fit_options.hpp": ""},
+     "apps/cli may not include"),
+    ({"apps/underbrush/a.cpp": '#include "studies/study.hpp"\n', "studies/study.hpp": ""},
+     "apps/underbrush may not include"),
+    ({"bench/a.cpp": '#include "cli/verb.hpp"\n', "apps/cli/verb.hpp": ""}, "bench may not include"),
+    ({"bench/a.cpp": '#include "studies/study.hpp"\n', "studies/study.hpp": ""}, "bench may not include"),
+    ({"report/a.cpp": "int x;\n", "report/CMakeLists.txt": "target_link_libraries(r PUBLIC underbrush::io)\n"},
+     "links underbrush::io but"),
+    ({"bench/a.cpp": "int x;\n", "bench/CMakeLists.txt": "target_link_libraries(b PRIVATE underbrush_app)\n"},
+     "links underbrush_app but"),
+    ({"bench/a.cpp": "int x;\n", "bench/CMakeLists.txt": "target_link_libraries(b PRIVATE CLI11::CLI11)\n"},
+     "links CLI11::CLI11 but"),
 ]
-GOOD = {**module("core", '#include <tbb/tbb.h>\n// printf( is a word here\nauto s = "exit(";\n'),
-        **module("trace", '#include "underbrush/core/pose.hpp"\n#include <embree3/rtcore.h>\n'
-                 'void f(char* s) { std::snprintf(s, 1, "x"); }\n', "  DEPENDS core\n  LINK embree")}
+GOOD = {**module("core", '#include <tbb/tbb.h>\n// printf( is a word here\nauto s = "exit(";\n',
+                 "  LINK TBB::tbb"),
+        f"{LIBRARY}core/k.inl": "#include <nanoflann.hpp>\n",
+        **module("trace", '#include "underbrush/core/pose.hpp"\n#include "underbrush/core/k.inl"\n'
+                 'void f(char* s) { std::snprintf(s, 1, "x"); }\n',
+                 "  DEPENDS core  # the bottom\n  LINK nanoflann::nanoflann"),
+        "report/a.hpp": "", "bench/a.cpp": '#include "report/a.hpp"\n#include <embree3/rtcore.h>\n',
+        "bench/CMakeLists.txt": "target_link_libraries(b PRIVATE underbrush_report embree)\n"}
 
 if __name__ == "__main__":
     rules.main(check, BAD, GOOD)
