@@ -24,10 +24,10 @@ namespace underbrush::fit {
 struct FitOptions {
   /// The name of a fitter in the table of fit/fitters.hpp:
   /// - `hierarchical` ([tallavajhula18]), `voxel`, `top_down` and `bottom_up` ([deschaud12]) make a
-  /// ground mesh and ellipsoids;
+  ///   ground mesh and ellipsoids;
   /// - `ground_mesh` makes the ground mesh alone;
   /// - `surface` makes one opaque mesh through all points, the everyday baseline, and `rimls` does
-  /// so with the robust implicit surface of [deschaud12];
+  ///   so with the robust implicit surface of [deschaud12];
   /// - `likelihood` refines the model of `start` by `refine`.
   std::string fitter = "hierarchical";
   /// For `likelihood` only: the fitter that makes the first model, or the folder of a model.

@@ -50,16 +50,16 @@ enum class Credit : uint8_t { kNothing, kHit, kMiss };
 /// who gets the hit:
 ///
 /// - `first` [tallavajhula18]: the first element that explains the point (threshold τ) gets the
-/// hit, and all before it a miss. Where no element explains the point, all elements before the
-/// measured range get a miss. One beam gives at most one hit, which overlapping ellipsoids compete
-/// for.
+///   hit, and all before it a miss. Where no element explains the point, all elements before the
+///   measured range get a miss. One beam gives at most one hit, which overlapping ellipsoids
+///   compete for.
 /// - `best`: among the elements that explain the point (threshold τ), the one with the greatest
-/// range density N(z; t, σ²) there gets the hit, and all before it a miss. Where elements overlap
-/// along a beam, this avoids giving the points of farther elements to the nearest one.
+///   range density N(z; t, σ²) there gets the hit, and all before it a miss. Where elements overlap
+///   along a beam, this avoids giving the points of farther elements to the nearest one.
 /// - `mahalanobis` [deschaud12] eq. 1: each element is judged by itself. Ellipsoids farther from
-/// the beam than τ_m get nothing; elements that explain the point (threshold τ_m) get a hit; others
-/// before the measured range get a miss. The counts n of hits and m of misses give the permeability
-/// ρ = m / (m + n) and p = 1 − ρ.
+///   the beam than τ_m get nothing; elements that explain the point (threshold τ_m) get a hit;
+///   others before the measured range get a miss. The counts n of hits and m of misses give the
+///   permeability ρ = m / (m + n) and p = 1 − ρ.
 void credit(const elements::Model& model, std::span<const trace::Met> met, double range_m,
             const CreditOptions& options, std::vector<Credit>& out);
 

@@ -21,10 +21,10 @@ struct RearrangementOptions {
 ///
 /// - ellipsoids with fewer than `least_hits` soft hits are removed;
 /// - pairs of near neighbours are merged, the cheapest first. A merge keeps the moments and the
-/// optical mass κ |Σ|^½, and costs what n ln(n / |Σ|^½) of the two exceeds that of the merged
-/// ellipsoid;
+///   optical mass κ |Σ|^½, and costs what n ln(n / |Σ|^½) of the two exceeds that of the merged
+///   ellipsoid;
 /// - the ellipsoids whose beams are explained worst in total, by Σ r (−log f − its mean), are split
-/// in two along their longest axis.
+///   in two along their longest axis.
 elements::Model rearranged(const elements::Model& model, const ElementSums& sums,
                            const RearrangementOptions& options);
 

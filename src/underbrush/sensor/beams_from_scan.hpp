@@ -18,8 +18,9 @@ struct BeamOptions {
   /// follows from the azimuth: the scan's time is the instant at which the scanner faces forward,
   /// so that t = t_scan ± azimuth/2π · revolution.
   std::optional<Sensor> deskew;
-  /// Duration of a revolution, s. With 0 it is the mean spacing of the trajectory's poses, of which
-  /// those within 15 % of the sensor's revolution count (KITTI: 0.1036), or else the sensor's own.
+  /// Duration of a revolution, s. With 0 it is the mean spacing of those neighbouring poses of the
+  /// trajectory that are within 15 % of the sensor's revolution apart (KITTI: 0.1036), or, where
+  /// there are none, the sensor's own.
   double revolution_s = 0;
   /// A fault of the recording: every ray is rotated up by about this angle about p × z (KITTI:
   /// 0.205°).
@@ -51,20 +52,20 @@ struct BeamCounts {
 /// Makes the beams of one scan and adds to `counts`.
 ///
 /// - Ring: it is the file's own number. An organised scan without one gives its row. Otherwise
-/// rings are recovered from the file's order (KITTI: 0 = top), or, if that gives another number of
-/// rings than the sensor has channels, from the elevation (index of the channel; counted). Without
-/// a sensor, more than 256 recovered rings are not taken for rings, and all are 0.
+///   rings are recovered from the file's order (KITTI: 0 = top), or, if that gives another number
+///   of rings than the sensor has channels, from the elevation (index of the channel; counted).
+///   Without a sensor, more than 256 recovered rings are not taken for rings, and all are 0.
 /// - Misses: points of an organised scan that are (0,0,0) or not finite are misses, and their
-/// directions come from `find_grid`. Where there is no grid they are skipped and counted.
+///   directions come from `find_grid`. Where there is no grid they are skipped and counted.
 /// - Origin: it is the sensor's origin; heights of single lasers and Ouster's 12 mm are ignored.
-/// With `deskew` it is taken at the beam's own time, else all beams share the scan's pose.
+///   With `deskew` it is taken at the beam's own time, else all beams share the scan's pose.
 /// - Order: with `deskew` beams are sorted by time, then ring. Otherwise they are in the file's
-/// order, and an inferred miss follows the return before its gap.
+///   order, and an inferred miss follows the return before its gap.
 /// - Packet: beams are divided by firing time into bins of the sensor's `firings_per_packet`
-/// firings, from 0 in each scan. Without per-point time the azimuth from the rear takes its place,
-/// and without a sensor bins are 2° of azimuth.
+///   firings, from 0 in each scan. Without per-point time the azimuth from the rear takes its
+///   place, and without a sensor bins are 2° of azimuth.
 /// - Intensity and extra columns: they are the file's, and 0 for an inferred miss, which is flagged
-/// `kInferred`. Returns beyond the maximum range are kept.
+///   `kInferred`. Returns beyond the maximum range are kept.
 ///
 /// Throws `std::invalid_argument` where columns differ in length or a sensor is not valid.
 BeamLog beams_from_scan(const PointScan& scan, const Trajectory& trajectory,

@@ -3,7 +3,7 @@
 /// and chosen at run time.
 ///
 /// Rays are traced in packets of kTogether rays that point alike. A packet descends the tree as a
-/// whole. At each node, one vector test compares eight boxes with the cone that encloses the
+/// whole. At each node, one vector test compares eight boxes with the frustum that encloses the
 /// packet's rays; only boxes that pass are tested against single rays. Blocks of eight ellipsoids
 /// or triangles are tested in the same way.
 ///
@@ -120,8 +120,8 @@ struct Kernels {
   void (*unfold)(const View&, const Ray* rays, const uint64_t* keys, size_t count,
                  Unfolded& unfolded);
   /// Traces the rays with the numbers `order`, counted from the batch's first ray, in packets of
-  /// kTogether where they point alike. After `count` numbers, as many copies of the last one must
-  /// follow as fill a packet.
+  /// kTogether where they point alike. After `count` numbers, kTogether copies of the last one must
+  /// follow.
   void (*trace)(const View&, Ask, Batch&, const uint32_t* order, size_t count);
   /// Computes `meet` of each candidate with the batch's limits into out[i], or into the best of the
   /// candidate's ray if `out` is null.
