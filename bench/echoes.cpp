@@ -52,6 +52,37 @@ Measured answer(simulate::EchoMaker& maker, const std::vector<BeamLog>& fired) {
   return m;
 }
 
+/// The beams of a drive of so many seconds, in chunks.
+std::vector<BeamLog> fired_beams(const sensor::Sensor& sensor, double seconds) {
+  const Trajectory path({{0, {{1, 0, 0, 0}, {-20, 0, 2}}}, {4, {{1, 0, 0, 0}, {20, 0, 2}}}});
+  sensor::PatternSource source(sensor, path, 1, 1 + seconds, 1 << 16);
+  std::vector<BeamLog> fired;
+  for (BeamLog chunk; source.next(chunk);) fired.push_back(chunk);
+  return fired;
+}
+
+/// The sensor's beam and receiver.
+simulate::Instrument instrument_of(const sensor::Sensor& sensor, int sub_rays,
+                                   const std::string& returns) {
+  simulate::Instrument instrument;
+  instrument.beam = sensor.beam;
+  instrument.sub_rays = sensor::spread_sub_rays(sensor.beam, sub_rays);
+  instrument.receiver = radiometry::receiver_options(sensor, 1e-4);
+  if (returns == "all") {
+    instrument.receiver.mode = radiometry::ReturnMode::kAll;
+    instrument.receiver.max_echoes = 3;
+  }
+  return instrument;
+}
+
+/// Prints the figures, and writes them where a file is named.
+void report(const nlohmann::ordered_json& j, const std::string& json_file) {
+  for (const auto& [key, value] : j.items()) {
+    std::printf("%-26s %s\n", key.c_str(), value.dump().c_str());
+  }
+  if (!json_file.empty()) std::ofstream(json_file) << j.dump(2) << "\n";
+}
+
 }  // namespace
 }  // namespace underbrush::bench
 
@@ -76,26 +107,15 @@ int main(int argc, char** argv) {
 
   const elements::Model model = forest_on_ground(ellipsoids, triangles);
   const trace::World world(model);
-  const simulate::Surroundings surroundings(world);
+  const simulate::DynamicWorld dynamic_world(world);
   const sensor::Sensor sensor = sensor::load("ouster-os1-64");
-  const Trajectory path({{0, {{1, 0, 0, 0}, {-20, 0, 2}}}, {4, {{1, 0, 0, 0}, {20, 0, 2}}}});
-  sensor::PatternSource source(sensor, path, 1, 1 + seconds, 1 << 16);
-  std::vector<BeamLog> fired;
-  for (BeamLog chunk; source.next(chunk);) fired.push_back(chunk);
-
-  simulate::Instrument instrument;
-  instrument.beam = sensor.beam;
-  instrument.sub_rays = sensor::spread_sub_rays(sensor.beam, sub_rays);
-  instrument.receiver = radiometry::receiver_options(sensor, 1e-4);
-  if (returns == "all") {
-    instrument.receiver.mode = radiometry::ReturnMode::kAll;
-    instrument.receiver.max_echoes = 3;
-  }
+  const std::vector<BeamLog> fired = fired_beams(sensor, seconds);
+  const simulate::Instrument instrument = instrument_of(sensor, sub_rays, returns);
   const simulate::Reflection reflection(radiometry::load_materials(), sensor.wavelength_m);
-  simulate::EchoMaker maker(surroundings, reflection, instrument, {});
+  simulate::EchoMaker maker(dynamic_world, reflection, instrument, {});
   simulate::Instrument thin = instrument;
   thin.sub_rays = {{}};
-  simulate::EchoMaker thin_maker(surroundings, reflection, thin, {});
+  simulate::EchoMaker thin_maker(dynamic_world, reflection, thin, {});
 
   std::vector<double> rate, thin_rate, cpu_ns;
   Measured m;
@@ -123,9 +143,6 @@ int main(int argc, char** argv) {
   j["times_os1_10hz"] = median(rate) / sensor.beams_per_s();
   j["times_os1_20hz"] = median(rate) / kOs1BeamsPerS;
   j["one_sub_ray_beams_per_s"] = median(thin_rate);
-  for (const auto& [key, value] : j.items()) {
-    std::printf("%-26s %s\n", key.c_str(), value.dump().c_str());
-  }
-  if (!json_file.empty()) std::ofstream(json_file) << j.dump(2) << "\n";
+  report(j, json_file);
   return 0;
 }

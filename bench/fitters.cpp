@@ -78,6 +78,21 @@ std::vector<Method> methods() {
   return out;
 }
 
+/// Times the clustering of all tiles on one thread; `voxel_s` is the time of the first method,
+/// which is that of the voxels.
+void time_clustering(const Method& m, const std::vector<Tile>& tiles, size_t points, int runs,
+                     bool processor, double& voxel_s, nlohmann::ordered_json& j) {
+  const double s = least_seconds(runs, processor, 1, [&] {
+    for (const Tile& t : tiles) {
+      fit::volumes(m.options.fitter, {t.point, t.to_sensor}, m.options.volumetric, 1);
+    }
+  });
+  if (voxel_s == 0) voxel_s = s;
+  j["clustering_points_per_s_one_thread"] = double(points) / s;
+  j["clustering_time_of_voxel"] = s / voxel_s;
+  std::printf(" %7.2f Mp/s %8.2f", double(points) / s / 1e6, s / voxel_s);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -127,17 +142,8 @@ int main(int argc, char** argv) {
     j["growth_exponent"] = growth;
     j["elements"] = elements;
     std::printf(" %8.2f %8.2f %9zu", growth, rate / bench::kHdl64eBeamsPerS, elements);
-    if (fit::clustering_named(m.options.fitter)) {
-      const double s = least_seconds(runs, processor, 1, [&] {
-        for (const Tile& t : tiles) {
-          fit::volumes(m.options.fitter, {t.point, t.to_sensor}, m.options.volumetric, 1);
-        }
-      });
-      if (voxel_s == 0) voxel_s = s;
-      j["clustering_points_per_s_one_thread"] = double(points) / s;
-      j["clustering_time_of_voxel"] = s / voxel_s;
-      std::printf(" %7.2f Mp/s %8.2f", double(points) / s / 1e6, s / voxel_s);
-    }
+    if (fit::clustering_named(m.options.fitter))
+      time_clustering(m, tiles, points, runs, processor, voxel_s, j);
     std::printf("\n");
   }
   if (!json_file.empty()) std::ofstream(json_file) << results.dump(2) << "\n";

@@ -23,15 +23,15 @@ namespace underbrush::bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
-constexpr double kMaxRange = 120;          // m
-constexpr size_t kCall = trace::kOrdered;  // rays
+constexpr double kMaxRange = 120;            // m
+constexpr size_t kCall = trace::kBatchRays;  // rays
 
 struct Rays {
   std::vector<Ray> firing, coherent;
   std::vector<uint64_t> keys;
 
   explicit Rays(std::vector<Ray> rays) : firing(std::move(rays)) {
-    const auto unfolded = std::make_unique<trace::Unfolded>();
+    const auto float_rays = std::make_unique<trace::FloatRays>();
     std::vector<uint32_t> order(kCall);
     for (size_t begin = 0; begin < firing.size(); begin += kCall) {
       const size_t n = std::min(kCall, firing.size() - begin);
@@ -39,20 +39,20 @@ struct Rays {
       const auto azimuth = [](const Ray& r) {
         return std::atan2(r.direction.y(), r.direction.x());
       };
-      unfolded->turn_low = unfolded->up_low = 4;
-      unfolded->turn_high = unfolded->up_high = -4;
+      float_rays->turn_low = float_rays->up_low = 4;
+      float_rays->turn_high = float_rays->up_high = -4;
       for (size_t k = 0; k < n; ++k) {
         const double turned = azimuth(part[k]) - azimuth(part[0]);
         const float turn = float(std::remainder(turned, 2 * M_PI) / (M_PI / 2));
         const float up = float(part[k].direction.z());
-        unfolded->turn[k] = turn;
-        unfolded->up[k] = up;
-        unfolded->turn_low = std::min(unfolded->turn_low, turn);
-        unfolded->turn_high = std::max(unfolded->turn_high, turn);
-        unfolded->up_low = std::min(unfolded->up_low, up);
-        unfolded->up_high = std::max(unfolded->up_high, up);
+        float_rays->turn[k] = turn;
+        float_rays->up[k] = up;
+        float_rays->turn_low = std::min(float_rays->turn_low, turn);
+        float_rays->turn_high = std::max(float_rays->turn_high, turn);
+        float_rays->up_low = std::min(float_rays->up_low, up);
+        float_rays->up_high = std::max(float_rays->up_high, up);
       }
-      trace::order_by_direction(*unfolded, {order.data(), n});
+      trace::order_by_direction(*float_rays, {order.data(), n});
       for (size_t k = 0; k < n; ++k) coherent.push_back(part[order[k]]);
     }
     for (size_t i = 0; i < firing.size(); ++i) keys.push_back(beam_key(1, 0, i));
@@ -83,7 +83,7 @@ class Contest {
   std::vector<std::function<void()>> runs_;
 };
 
-void trace_all(const trace::World& world, const Rays& rays, std::vector<trace::Met>& met) {
+void trace_all(const trace::World& world, const Rays& rays, std::vector<trace::Intersection>& met) {
   parallel_for(rays.firing.size(), kCall, [&](size_t begin, size_t end) {
     const size_t n = end - begin;
     world.nearest_accepted({&rays.firing[begin], n}, {&rays.keys[begin], n}, {0, kMaxRange},
@@ -148,7 +148,7 @@ class Bench {
   template <class MakeWorld>
   Json finish(const Case& c, Contest& contest, const Rays& rays, MakeWorld make,
               size_t elements) const {
-    std::vector<trace::Met> met(rays.firing.size());
+    std::vector<trace::Intersection> met(rays.firing.size());
     std::vector<trace::World> worlds;
     set_threads(1);
     std::vector<double> builds;
@@ -179,7 +179,7 @@ class Bench {
       j["build_s_1_thread"] = build_s;
     }
     size_t hits = 0;
-    for (const trace::Met& m : met) hits += !m.none();
+    for (const trace::Intersection& m : met) hits += !m.none();
     j["hit_share"] = double(hits) / double(met.size());
     return j;
   }
@@ -287,7 +287,7 @@ void plot(const Json& cases, const std::string& file) {
 
 /// What bench/instructions.sh counts the instructions of.
 __attribute__((noinline)) void counted_pass(const trace::World& world, const Rays& rays,
-                                            std::vector<trace::Met>& met) {
+                                            std::vector<trace::Intersection>& met) {
   trace_all(world, rays, met);
 }
 
@@ -303,7 +303,7 @@ int trace_passes(int passes, size_t elements, int sub_rays, const std::string& i
               1e6 * build_s / double(model.size()));
   const trace::World& world = *built;
   const Rays rays(drive("velodyne-hdl64e", 1, sub_rays));
-  std::vector<trace::Met> met(rays.firing.size());
+  std::vector<trace::Intersection> met(rays.firing.size());
   for (int k = 0; k < passes; ++k) {
     const double s = seconds_of([&] { counted_pass(world, rays, met); });
     std::printf("%zu rays, %.2f M rays/s\n", met.size(), 1e-6 * double(met.size()) / s);

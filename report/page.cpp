@@ -85,23 +85,6 @@ std::string filled(const std::string& page, const std::map<std::string, std::str
 
 }  // namespace
 
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (char c : text) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else if (c == '"')
-      out += "&quot;";
-    else
-      out += c;
-  }
-  return out;
-}
-
 std::string grouped(size_t n) {
   const std::string digits = std::to_string(n);
   std::string out;

@@ -4,12 +4,11 @@
 #include <map>
 #include <string>
 
+#include "report/markup.hpp"
 #include "report/report.hpp"
 
 namespace underbrush::report {
 
-/// Text as HTML shows it.
-std::string escaped(const std::string& text);
 /// 1234567 as "1 234 567", with thin spaces that do not break.
 std::string grouped(size_t n);
 

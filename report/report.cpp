@@ -16,9 +16,7 @@ namespace {
 
 // The longest 1, 2 or 5 times a power of ten within a quarter of the picture.
 double scale_bar_m(const TopView& view) {
-  const double most = view.width * view.metres_per_pixel / 4;
-  const double power = std::pow(10, std::floor(std::log10(most)));
-  return power * (most >= 5 * power ? 5 : most >= 2 * power ? 2 : 1);
+  return round_step_below(view.width * view.metres_per_pixel / 4);
 }
 
 std::string top_figure(const io::Image& image, const Survey& s, const std::string& name,

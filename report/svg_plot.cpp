@@ -4,29 +4,13 @@
 
 #include <cmath>
 
+#include "report/markup.hpp"
 #include "underbrush/io/atomic_file.hpp"
 
 namespace underbrush::report {
 namespace {
 
 constexpr double kWidth = 900, kHeight = 480, kLeft = 70, kRight = 20, kTop = 40, kBottom = 55;
-
-/// A step of 1, 2 or 5 times a power of ten that divides `span` into four to ten parts.
-double tick_step(double span) {
-  const double raw = span / 8, power = std::pow(10, std::floor(std::log10(raw)));
-  for (const double m : {1.0, 2.0, 5.0}) {
-    if (raw <= m * power) return m * power;
-  }
-  return 10 * power;
-}
-
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    c == '&' ? out += "&amp;" : c == '<' ? out += "&lt;" : c == '>' ? out += "&gt;" : out += c;
-  }
-  return out;
-}
 
 }  // namespace
 
@@ -78,7 +62,7 @@ std::string SvgPlot::axes() const {
       escaped(y_label_));
   for (const bool horizontal : {true, false}) {
     const auto [from, to] = horizontal ? x_ : y_;
-    const double step = tick_step(std::abs(to - from)), low = std::min(from, to);
+    const double step = round_step_above(std::abs(to - from) / 8), low = std::min(from, to);
     for (double k = std::ceil(low / step - 1e-9); k * step <= std::max(from, to) + 1e-9 * step;
          ++k) {
       const auto [px, py] = horizontal ? pixel(k * step, y_.first) : pixel(x_.first, k * step);

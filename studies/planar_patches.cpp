@@ -5,8 +5,8 @@
 #include <numeric>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/kd_tree.inl"
 #include "underbrush/core/parallel.hpp"
-#include "underbrush/metrics/cloud_tree.inl"
 #include "underbrush/metrics/normals.hpp"
 
 namespace underbrush::studies {
@@ -22,14 +22,13 @@ struct Neighbours {
 Neighbours neighbours_of(std::span<const Vec3f> cloud, const PatchOptions& options) {
   Neighbours out{std::min(size_t(options.neighbours), cloud.size()), {}};
   out.index.resize(cloud.size() * out.k);
-  const metrics::CloudPoints points{cloud};
-  const metrics::CloudTree tree(3, points, nanoflann::KDTreeSingleIndexAdaptorParams(12));
+  const CloudTree tree(cloud);
   const auto gap2 = float(options.most_gap_m * options.most_gap_m);
   parallel_for(cloud.size(), 2048, [&](size_t begin, size_t end) {
     std::vector<float> squared(out.k);
     for (size_t i = begin; i < end; ++i) {
       uint32_t* own = out.index.data() + i * out.k;
-      tree.knnSearch(cloud[i].data(), out.k, own, squared.data());
+      tree.nearest(cloud[i].data(), out.k, own, squared.data());
       for (size_t j = 0; j < out.k; ++j) {
         if (squared[j] > gap2) own[j] = uint32_t(i);
       }

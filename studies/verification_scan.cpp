@@ -34,12 +34,12 @@ void receive(const trace::World& world, const sensor::Sensor& sensor, uint64_t s
     radiometry::Waveform scratch = receiver.scratch();
     std::vector<float> range, weight, factor, signal;
     for (size_t i = begin; i < end; ++i) {
-      const Ray axis{beams.origin[i], beams.direction[i].cast<double>().normalized()};
+      const Ray axis = beams.ray(i);
       const sensor::BeamAxes axes = sensor::beam_axes(axis);
       range.clear(), weight.clear(), factor.clear();
       for (const auto& [u, v, share] : places) {
         const Ray ray = maker.ray(axes, u, v);
-        const trace::Met met = world.nearest_surface(ray, limits);
+        const trace::Intersection met = world.nearest_surface(ray, limits);
         if (met.none()) continue;
         const double cosine = std::abs(normal_of(mesh, met.element).dot(ray.direction));
         range.push_back(float(met.t_m));
@@ -70,8 +70,7 @@ std::array<double, 2> raster_phase(int scan) {
   return {part(scan * 0.7548776662466927), part(scan * 0.5698402909980532)};
 }
 
-std::vector<Vec3> instrument_scan(const Solid& target, const Pose& pose, int scan,
-                                  uint64_t seed) {
+std::vector<Vec3> instrument_scan(const Solid& target, const Pose& pose, int scan, uint64_t seed) {
   AnalyticScanOptions instrument;
   instrument.seed = seed + 1000 + uint64_t(scan);
   const auto [across, up] = raster_phase(scan);

@@ -3,18 +3,18 @@
 #include <algorithm>
 #include <chrono>
 
+#include "cli/progress.hpp"
 #include "instrument.hpp"
 #include "stages.hpp"
 #include "traced_scene.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
+#include "underbrush/io/driver_layout.hpp"
 #include "underbrush/io/export.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/io/poses.hpp"
-#include "underbrush/io/profile.hpp"
 #include "underbrush/sensor/pattern.hpp"
 #include "underbrush/sensor/sensor.hpp"
-#include "cli/progress.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -32,8 +32,8 @@ void add_options(Verb& verb, Arguments& a) {
   app.add_option("MODEL", a.model, "The folder of a model, or of a scene that compose made")
       ->required();
   verb.output("-o,--output", a.output,
-                 "Where the simulated log goes: .ply, .pcd, .csv, or a folder/ of KITTI .bin "
-                 "(with --profile: of PCD)")
+              "Where the simulated log goes: .ply, .pcd, .csv, or a folder/ of KITTI .bin "
+              "(with --profile: of PCD)")
       ->required();
   auto* like = app.add_option("--like", a.like, "Answer the beams of this log")->type_name("LOG");
   auto* sensor =
@@ -107,7 +107,8 @@ SimulateStep write(const Verb& verb, const Arguments& a, simulate::SimulatedSour
       verb, simulated,
       [&](BeamSource& log, const std::string& origin) {
         if (a.profile.empty()) return io::export_log(a.output, log, "", origin);
-        io::export_profile(a.output, log, io::profile_from_name(a.profile), path, origin);
+        io::export_driver_layout(a.output, log, io::driver_layout_from_name(a.profile), path,
+                                 origin);
       },
       inputs);
 }
@@ -121,7 +122,7 @@ struct Answering {
 };
 
 void set_up(const Verb& verb, const Arguments& a, const BeamSource& beams,
-            const simulate::Surroundings& surroundings, const simulate::InstanceKinds& kinds,
+            const simulate::DynamicWorld& dynamic_world, const simulate::InstanceKinds& kinds,
             Answering& out) {
   require(a.beam == "thin" && a.draw == "on_ray" && a.simulate.range_noise_m == 0,
           "simulate: --beam, --draw and --range-noise are of thin rays, not of --super-sample");
@@ -135,8 +136,8 @@ void set_up(const Verb& verb, const Arguments& a, const BeamSource& beams,
   options.element_ids = a.simulate.element_ids;
   options.instance_labels = a.simulate.instance_labels;
   if (!a.instrument.waveforms.empty()) options.waveforms = a.instrument.waveform;
-  out.maker =
-      std::make_unique<simulate::EchoMaker>(surroundings, *out.reflection, out.instrument, options);
+  out.maker = std::make_unique<simulate::EchoMaker>(dynamic_world, *out.reflection, out.instrument,
+                                                    options);
 }
 
 void report(const Verb& verb, const Arguments& a, const SimulateStep& step, size_t sub_rays,
@@ -181,12 +182,12 @@ void run(const Verb& verb, Arguments& a) {
   if (a.beam == "random") a.simulate.random_ray = sensor_of(a, *beams, "--beam random").beam;
   Answering with;
   if (!a.instrument.super_sample.empty()) {
-    set_up(verb, a, *beams, *target.surroundings, kinds_of(scene, info), with);
+    set_up(verb, a, *beams, *target.dynamic_world, kinds_of(scene, info), with);
   }
   simulate::SimulatedSource simulated(
       [&](size_t first_beam, BeamLog& chunk) {
         if (with.maker) return with.maker->answer(first_beam, chunk);
-        simulate::simulate(*target.surroundings, a.simulate, first_beam, chunk);
+        simulate::simulate(*target.dynamic_world, a.simulate, first_beam, chunk);
       },
       *beams, a.simulate.max_range_m);
   std::string lost;
@@ -194,14 +195,15 @@ void run(const Verb& verb, Arguments& a) {
   if (with.maker) write_waveforms(a.instrument, with.sensor, with.maker->waveforms());
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
   report(verb, a, step, with.maker ? with.instrument.sub_rays.size() : 0, seconds,
-         target.surroundings->world().isa(), lost);
+         target.dynamic_world->world().isa(), lost);
 }
 
 }  // namespace
 
 void add_simulate(Program& program) {
   auto a = std::make_shared<Arguments>();
-  const auto verb = add_verb(program, "Simulation", "simulate",
+  const auto verb = add_verb(
+      program, "Simulation", "simulate",
       "Answer beams from a model or scene: those of a log, or of a sensor on a trajectory",
       "underbrush simulate model/ --like log.ply -o sim.ply\n"
       "  underbrush simulate scene/ --like log.ply -o sim.ply\n"

@@ -10,7 +10,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/text.hpp"
-#include "underbrush/radiometry/link.hpp"
+#include "underbrush/radiometry/link_budget.hpp"
 
 namespace underbrush::app {
 namespace {
@@ -56,7 +56,7 @@ void set_returns(const std::string& word, radiometry::ReceiverOptions& o) {
 /// How much the sun raises the noise of a receiver that sees the beam's divergence.
 double noise_in_sun(const sensor::Sensor& s, double share) {
   if (share == 0) return 1;
-  radiometry::Link link;
+  radiometry::LinkBudget link;
   if (s.wavelength_m > 0) link.wavelength_m = s.wavelength_m;
   const double view = std::max(s.beam.divergence_rad[0], s.beam.divergence_rad[1]);
   if (view > 0) link.view_rad = view;
@@ -92,7 +92,7 @@ void plot(const std::string& file, const sensor::Sensor& s,
   }
   if (shown.empty()) from = 0, to = s.max_range_m;
   report::SvgPlot out(fmt::format("{}: {} waveforms", s.title, shown.size()), "range (m)",
-              "signal, each to its own scale");
+                      "signal, each to its own scale");
   out.x_axis(from - 0.5, to + 0.5);
   out.y_axis(-0.2, std::max<double>(1, double(shown.size())));
   for (size_t k = 0; k < shown.size(); ++k) {
@@ -141,7 +141,7 @@ void add_instrument_options(Verb& verb, InstrumentArguments& a) {
                  "sensor does")
       ->type_name("MODE|N");
   verb.output("--waveforms", a.waveforms,
-                 "Write digitised waveforms: a table or a plot; may be repeated")
+              "Write digitised waveforms: a table or a plot; may be repeated")
       ->type_name("FILE.csv|FILE.svg")
       ->take_all();
   verb.begin_rare_group("Light and air");

@@ -10,7 +10,7 @@
 #include "underbrush/core/rng.hpp"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/text.hpp"
-#include "underbrush/radiometry/link.hpp"
+#include "underbrush/radiometry/link_budget.hpp"
 #include "underbrush/radiometry/materials.hpp"
 #include "underbrush/radiometry/receiver.hpp"
 

@@ -90,11 +90,11 @@ std::vector<fs::path> mover_files(const SceneArguments& a) {
 TracedScene traced_scene(const elements::Scene& scene, const elements::SceneInfo& info) {
   TracedScene t;
   if (!info.movers.empty()) {
-    t.surroundings = std::make_unique<simulate::Surroundings>(scene, info.movers);
+    t.dynamic_world = std::make_unique<simulate::DynamicWorld>(scene, info.movers);
     return t;
   }
   t.world = std::make_unique<trace::World>(world_of(scene));
-  t.surroundings = std::make_unique<simulate::Surroundings>(*t.world);
+  t.dynamic_world = std::make_unique<simulate::DynamicWorld>(*t.world);
   return t;
 }
 

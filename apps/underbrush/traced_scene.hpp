@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "underbrush/elements/scene_file.hpp"
-#include "underbrush/simulate/surroundings.hpp"
 #include "cli/verb.hpp"
+#include "underbrush/elements/scene_file.hpp"
+#include "underbrush/simulate/dynamic_world.hpp"
 
 namespace underbrush::app {
 
@@ -31,7 +31,7 @@ std::vector<std::filesystem::path> mover_files(const SceneArguments& a);
 /// A scene to be fired into, which must outlive it.
 struct TracedScene {
   std::unique_ptr<trace::World> world;
-  std::unique_ptr<simulate::Surroundings> surroundings;
+  std::unique_ptr<simulate::DynamicWorld> dynamic_world;
 };
 TracedScene traced_scene(const elements::Scene& scene, const elements::SceneInfo& info);
 

@@ -12,8 +12,8 @@
 namespace underbrush::fit {
 namespace {
 
-std::vector<trace::Met> random_mets(Stream& random, size_t n) {
-  std::vector<trace::Met> met;
+std::vector<trace::Intersection> random_mets(Stream& random, size_t n) {
+  std::vector<trace::Intersection> met;
   double t = 2;
   for (uint32_t k = 0; k < n; ++k) {
     t += random.uniform(0, 3);
@@ -23,13 +23,13 @@ std::vector<trace::Met> random_mets(Stream& random, size_t n) {
   return met;
 }
 
-TEST(BeamShares, SumToOneAndTheirLikelihoodIsThatOfTheScore) {
+TEST(Responsibilities, SumToOneAndTheirLikelihoodIsThatOfTheScore) {
   Stream random(21);
   for (int i = 0; i < 200; ++i) {
-    const std::vector<trace::Met> met = random_mets(random, i % 7);
+    const std::vector<trace::Intersection> met = random_mets(random, i % 7);
     const double range = i % 3 ? random.uniform(0, 20) : double(kMiss);
-    BeamShares shares;
-    share_out(met, range, {}, 100, shares);
+    Responsibilities shares;
+    find_responsibilities(met, range, {}, 100, shares);
     double sum = shares.unexplained;
     for (size_t k = 0; k < met.size(); ++k) sum += shares.hit[k];
     if (range == kMiss && !met.empty()) sum += shares.pass[0];
@@ -38,25 +38,25 @@ TEST(BeamShares, SumToOneAndTheirLikelihoodIsThatOfTheScore) {
     for (size_t k = 1; k < met.size(); ++k) {
       EXPECT_NEAR(shares.pass[k - 1], shares.pass[k] + shares.hit[k], 1e-12);
     }
-    metrics::Predictive p;
-    metrics::predict(met, 0, p);
+    trace::RangeMixture p;
+    trace::mix_ranges(met, 1, 0, p);
     EXPECT_NEAR(-shares.log_likelihood, metrics::negative_log_likelihood(p, range, 100), 1e-9);
   }
 }
 
-TEST(BeamShares, OfTwoElementsByHand) {
-  const std::vector<trace::Met> met{{10, 0.1, 0, 0.5, 0}, {10.2, 0.2, 0, 0.8, 1}};
+TEST(Responsibilities, OfTwoElementsByHand) {
+  const std::vector<trace::Intersection> met{{10, 0.1, 0, 0.5, 0}, {10.2, 0.2, 0, 0.8, 1}};
   const auto density = [](double x, double s) {
     return std::exp(-0.5 * x * x / (s * s)) / (s * std::sqrt(2 * M_PI));
   };
   const double a = 0.9 * 0.5 * density(0.1, 0.1), b = 0.9 * 0.5 * 0.8 * density(-0.1, 0.2);
-  BeamShares shares;
-  share_out(met, 10.1, {0.06, 0.04}, 50, shares);
+  Responsibilities shares;
+  find_responsibilities(met, 10.1, {0.06, 0.04}, 50, shares);
   const double total = a + b + 0.06 / 50;
   EXPECT_NEAR(shares.hit[0], a / total, 1e-12);
   EXPECT_NEAR(shares.pass[0], b / total, 1e-12);
   EXPECT_NEAR(shares.pass[1], 0, 1e-12);
-  share_out(met, kMiss, {0.06, 0.04}, 50, shares);
+  find_responsibilities(met, kMiss, {0.06, 0.04}, 50, shares);
   EXPECT_NEAR(shares.pass[1], 0.9 * 0.1 / (0.9 * 0.1 + 0.04), 1e-12);
 }
 
@@ -66,7 +66,8 @@ double expected(const elements::Model& model, const std::vector<Ray>& rays,
                 const std::vector<std::array<double, 2>>& shares) {
   double sum = 0;
   for (size_t i = 0; i < rays.size(); ++i) {
-    const trace::Met m = trace::meet(model, 0, rays[i].origin, rays[i].direction, {-100, 100});
+    const trace::Intersection m =
+        trace::intersect(model, 0, rays[i].origin, rays[i].direction, {-100, 100});
     if (m.none()) continue;
     const double x = (ranges[i] - m.t_m) / m.sigma_m;
     sum += shares[i][0] * (std::log(m.p) - std::log(m.sigma_m) - 0.5 * x * x) +
@@ -96,7 +97,8 @@ TEST(ElementSums, SlopesAreTheDerivativesOfTheExpectedLogLikelihood) {
     from = 6 * from.normalized();
     const Vec3 to(0.8 * random.normal(), 0.8 * random.normal(), 1 + 0.8 * random.normal());
     rays.push_back({from, (to - from).normalized()});
-    trace::Met met = trace::meet(model, 0, rays.back().origin, rays.back().direction, {-100, 100});
+    trace::Intersection met =
+        trace::intersect(model, 0, rays.back().origin, rays.back().direction, {-100, 100});
     ASSERT_FALSE(met.none());
     ranges.push_back(met.t_m + met.sigma_m * random.normal());
     const double hit = random.uniform(), pass = random.uniform(0, 1 - hit);
@@ -157,7 +159,7 @@ TEST(Rearrangement, RemovesTheEmptyMergesTwinsAndNeverAdds) {
     model.ellipsoids.push_back(e);
   }
   ElementSums sums(model);
-  trace::Met met{10, 0.2, 0.5, 0.3, 0};
+  trace::Intersection met{10, 0.2, 0.5, 0.3, 0};
   for (uint32_t k = 0; k < 40; ++k) {
     if (k < 4) continue;  // no beam meets the first four
     met.element = k;

@@ -28,8 +28,8 @@ BeamLog drive_past_bushes(uint64_t seed, const Vec3& at = Vec3::Zero(), size_t b
 double opacity_towards(const elements::Model& model, const Vec3& target, const Vec3& at) {
   const trace::World world(model);
   const Vec3 origin = at + Vec3(0, 0, 1.4);
-  std::vector<trace::Met> met;
-  world.all_met({origin, (target + at - origin).normalized()}, {0, 20}, 20, met);
+  std::vector<trace::Intersection> met;
+  world.all_intersections({origin, (target + at - origin).normalized()}, {0, 20}, 20, met);
   double through = 1;
   for (const auto& m : met) {
     if (model.kind(m.element) == elements::Kind::kEllipsoid) through *= 1 - model.hit(m.element).p;

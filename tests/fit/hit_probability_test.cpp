@@ -20,10 +20,10 @@ elements::Model row_of_ellipsoids(const std::vector<double>& at) {
   return model;
 }
 
-std::vector<trace::Met> met_along_x(const elements::Model& model) {
+std::vector<trace::Intersection> met_along_x(const elements::Model& model) {
   const trace::World world(model);
-  std::vector<trace::Met> met;
-  world.all_met({}, {0, 100}, 100, met);
+  std::vector<trace::Intersection> met;
+  world.all_intersections({}, {0, 100}, 100, met);
   return met;
 }
 

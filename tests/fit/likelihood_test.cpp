@@ -231,8 +231,8 @@ TEST(Likelihood, SharpenedDecidesMoreAtTheSamePlaces) {
     const Vec3 origin = log.origin[i] - model.origin;
     const Vec3 direction = log.direction[i].cast<double>().normalized();
     for (uint32_t k = 0; k < 3; ++k) {
-      const trace::Met a = trace::meet(model, 2 + k, origin, direction, {0.2, 40});
-      const trace::Met b = trace::meet(sharp, 2 + k, origin, direction, {0.2, 40});
+      const trace::Intersection a = trace::intersect(model, 2 + k, origin, direction, {0.2, 40});
+      const trace::Intersection b = trace::intersect(sharp, 2 + k, origin, direction, {0.2, 40});
       if (a.none() || b.none()) {
         const double delta = a.none() ? b.delta2 / kSharpness : a.delta2;
         EXPECT_TRUE(a.none() == b.none() || std::abs(delta - 16) < 1e-4);

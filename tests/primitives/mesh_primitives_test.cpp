@@ -99,7 +99,8 @@ TEST(MeshPrimitives, AreComposedAndHitLikeAnyOther) {
   ASSERT_EQ(c.placed, 1u);
   const trace::World world(c.scene);
   // At 2 m above the ground (z = 3) the pyramid reaches 1 m about its axis.
-  const trace::Met met = world.nearest_accepted({Vec3(-5, -15, 5), Vec3(1, 0, 0)}, 1, {0, 100});
+  const trace::Intersection met =
+      world.nearest_accepted({Vec3(-5, -15, 5), Vec3(1, 0, 0)}, 1, {0, 100});
   ASSERT_GT(met.instance, 0u);
   EXPECT_NEAR(met.t_m, 9, 1e-3);
 }

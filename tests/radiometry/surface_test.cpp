@@ -8,8 +8,8 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/classes.hpp"
 #include "underbrush/radiometry/brdf.hpp"
-#include "underbrush/radiometry/foliage.hpp"
-#include "underbrush/radiometry/link.hpp"
+#include "underbrush/radiometry/leaf_angle_distribution.hpp"
+#include "underbrush/radiometry/link_budget.hpp"
 #include "underbrush/radiometry/materials.hpp"
 
 namespace underbrush::radiometry {
@@ -78,9 +78,9 @@ TEST(Brdf, BackscatterIsTheBrdfWithBothDirectionsOne) {
 }
 
 // The slow references are sums over the density of leaf angles and over azimuth.
-TEST(Foliage, ClosedFormsAreTheIntegralsOverTheLeafAngles) {
+TEST(LeafAngleDistribution, ClosedFormsAreTheIntegralsOverTheLeafAngles) {
   for (const double shape : {0.1, 0.7, 0.99999, 1.0, 1.00002, 1.001, 2.5, 10.0}) {
-    const Foliage leaves(shape);
+    const LeafAngleDistribution leaves(shape);
     for (const double beam : {0.0, 0.5, 1.1, M_PI_2}) {
       double area = 0, shown = 0, square = 0;
       constexpr int kN = 2000, kTurns = 64;
@@ -101,31 +101,32 @@ TEST(Foliage, ClosedFormsAreTheIntegralsOverTheLeafAngles) {
   }
 }
 
-TEST(Foliage, SphericalLeavesShowHalfTheirAreaAndReturnTwoThirds) {
-  const Foliage leaves;
+TEST(LeafAngleDistribution, SphericalLeavesShowHalfTheirAreaAndReturnTwoThirds) {
+  const LeafAngleDistribution leaves;
   for (double c = 0; c <= 1; c += 0.1) {
     EXPECT_NEAR(leaves.projection(c), 0.5, 1e-12);
     EXPECT_NEAR(leaves.backscatter(c), 2.0 / 3, 1e-12);
   }
   // Flat leaves seen from above are perpendicular to the beam.
-  EXPECT_NEAR(Foliage(100).backscatter(1), 1, 2e-3);
-  EXPECT_NEAR(Foliage(100).projection(1), 1, 2e-3);
-  EXPECT_THROW(Foliage(0), std::invalid_argument);
-  EXPECT_THROW(Foliage(NAN), std::invalid_argument);
+  EXPECT_NEAR(LeafAngleDistribution(100).backscatter(1), 1, 2e-3);
+  EXPECT_NEAR(LeafAngleDistribution(100).projection(1), 1, 2e-3);
+  EXPECT_THROW(LeafAngleDistribution(0), std::invalid_argument);
+  EXPECT_THROW(LeafAngleDistribution(NAN), std::invalid_argument);
 }
 
 // Whatever the leaf angles, the projected area averaged over all directions is half of the leaf
 // area (Cauchy).
-TEST(Foliage, ProjectionAveragesToOneHalfOverTheSphere) {
+TEST(LeafAngleDistribution, ProjectionAveragesToOneHalfOverTheSphere) {
   for (const double shape : {0.05, 0.5, 3.0, 30.0}) {
     double mean = 0;
-    for (int i = 0; i < 4000; ++i) mean += Foliage(shape).projection((i + 0.5) / 4000) / 4000;
+    for (int i = 0; i < 4000; ++i)
+      mean += LeafAngleDistribution(shape).projection((i + 0.5) / 4000) / 4000;
     EXPECT_NEAR(mean, 0.5, 1e-4) << shape;
   }
 }
 
-TEST(Link, PowerFollowsTheLidarEquation) {
-  const Link link;
+TEST(LinkBudget, PowerFollowsTheLidarEquation) {
+  const LinkBudget link;
   const double p = received_power_w(link, 20, 0.5, 1, 0);
   EXPECT_NEAR(p, 25 * 0.5 * 0.025 * 0.025 / (4 * 400) * 0.5, 1e-15);
   EXPECT_NEAR(received_power_w(link, 40, 0.5, 1, 0), p / 4, 1e-15);
@@ -136,12 +137,12 @@ TEST(Link, PowerFollowsTheLidarEquation) {
               1e-12);
 }
 
-TEST(Link, SunlightRaisesTheNoiseAsItsShotNoiseDoes) {
+TEST(LinkBudget, SunlightRaisesTheNoiseAsItsShotNoiseDoes) {
   // The irradiance over all wavelengths is the solar constant.
   double total = 0;
   for (double l = 100e-9; l < 30e-6; l += 2e-9) total += solar_irradiance(l) * 2e-9;
   EXPECT_NEAR(total, 1361, 15);
-  const Link link;
+  const LinkBudget link;
   const double sun = solar_background_w(link, 0.5, 0.75);
   EXPECT_GT(sun, 1e-10);
   EXPECT_LT(sun, 1e-7);

@@ -153,6 +153,7 @@ def check_links_above(folder, includes):
         for _, name in includes.of[path]:
             target = includes.resolve(path, name)
             used.add(folder_of(target or "") or name)
+        used |= includes.parties(path)
     for target in sorted(linked):
         if target.startswith("underbrush::"):
             wanted = "underbrush/" + target.partition("::")[2] + "/"

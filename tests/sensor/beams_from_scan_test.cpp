@@ -126,6 +126,17 @@ TEST(BeamsFromScan, DeskewBringsAPlaneSeenWhileDrivingBackToThePlane) {
   }
 }
 
+// Computes the distance of `a` to the nearest of sorted azimuths, or infinity if it is above 0.01.
+double distance_to_nearest(const std::vector<double>& sorted, double a) {
+  double nearest = INFINITY;
+  for (auto it = std::lower_bound(sorted.begin(), sorted.end(), a - 0.01); it != sorted.end();
+       ++it) {
+    nearest = std::min(nearest, std::abs(*it - a));
+    if (*it > a + 0.01) break;
+  }
+  return nearest;
+}
+
 // A full scan sees a wall all around and loses some returns. The inferred misses must be the lost
 // returns.
 TEST(BeamsFromScan, InferredMissesAreTheDroppedOnes) {
@@ -179,13 +190,8 @@ TEST(BeamsFromScan, InferredMissesAreTheDroppedOnes) {
   for (size_t i = 0; i < s.truth.size(); ++i) {
     if (s.truth.is_hit(i)) continue;
     ++total;
-    const auto& ring = inferred[s.truth.ring[i]];
-    const double a = mod_azimuth(s.truth.direction[i]);
-    double nearest = INFINITY;
-    for (auto it = std::lower_bound(ring.begin(), ring.end(), a - 0.01); it != ring.end(); ++it) {
-      nearest = std::min(nearest, std::abs(*it - a));
-      if (*it > a + 0.01) break;
-    }
+    const double nearest =
+        distance_to_nearest(inferred[s.truth.ring[i]], mod_azimuth(s.truth.direction[i]));
     found += nearest < 0.5 * sensor.azimuth_step_rad();
   }
   EXPECT_EQ(counts.misses_inferred, misses);

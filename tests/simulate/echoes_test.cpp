@@ -177,7 +177,7 @@ TEST(Echoes, KeepsMissesAndOtherColumnsBesideSeveralEchoes) {
   const auto& element = column<uint32_t>(log, "element");
   EXPECT_LT(element[0], 2u);
   EXPECT_GE(element[1], 2u);
-  EXPECT_EQ(element[2], trace::Met::kNone);
+  EXPECT_EQ(element[2], trace::Intersection::kNone);
   keep_first_echoes(log);
   EXPECT_EQ(log.ring, beams.ring);
   EXPECT_NEAR(log.range_m[2], 20, 0.002);
@@ -203,9 +203,9 @@ TEST(Echoes, GivesTheSameBitsForAnyThreadsAndChunksAndOthersForAnotherSeed) {
   EXPECT_EQ(whole.intensity, alone.intensity);
 
   const trace::World world(model);
-  const Surroundings surroundings(world);
+  const DynamicWorld dynamic_world(world);
   const Reflection reflection(all_of("white_target"), 905e-9);
-  EchoMaker maker(surroundings, reflection, instrument, {});
+  EchoMaker maker(dynamic_world, reflection, instrument, {});
   BeamLog joined;
   for (size_t begin = 0; begin < beams.size(); begin += 700) {
     BeamLog part = beams.like();
@@ -225,10 +225,10 @@ TEST(Echoes, WaveformsOfTheChosenBeamsAreKept) {
   EchoOptions options;
   options.waveforms = {3, 4};
   const trace::World world(model);
-  const Surroundings surroundings(world);
+  const DynamicWorld dynamic_world(world);
   const Reflection reflection(all_of("white_target"), 905e-9);
   const Instrument instrument = quiet_instrument();
-  EchoMaker maker(surroundings, reflection, instrument, options);
+  EchoMaker maker(dynamic_world, reflection, instrument, options);
   BeamLog beams = beams_along_x(50);
   maker.answer(0, beams);
   ASSERT_EQ(maker.waveforms().size(), 4u);
@@ -254,13 +254,13 @@ TEST(Echoes, SayWhichElementOfWhichInstanceTheyCameFrom) {
   scene.instances.resize(2);
   scene.instances[1].model = 1;
   const trace::World world(scene);
-  const Surroundings surroundings(world);
+  const DynamicWorld dynamic_world(world);
   const Reflection reflection(all_of("white_target"), 905e-9);
   const Instrument instrument = quiet_instrument(8, 8);
   EchoOptions options;
   options.element_ids = true;
   options.instance_labels = {elements::Class::kSmallShrub, elements::Class::kLargeTree};
-  EchoMaker maker(surroundings, reflection, instrument, options);
+  EchoMaker maker(dynamic_world, reflection, instrument, options);
   BeamLog beams = beams_along_x(20);
   beams.direction[7] = -beams.direction[7];  // meets nothing
   maker.answer(0, beams);
@@ -268,7 +268,7 @@ TEST(Echoes, SayWhichElementOfWhichInstanceTheyCameFrom) {
   size_t hits = 0;
   for (size_t i = 0; i < beams.size(); ++i) {
     if (!beams.is_hit(i)) {
-      EXPECT_EQ(column<uint32_t>(beams, "element")[i], trace::Met::kNone);
+      EXPECT_EQ(column<uint32_t>(beams, "element")[i], trace::Intersection::kNone);
       continue;
     }
     ++hits;

@@ -81,7 +81,7 @@ TEST(Motion, ABeamMeetsAMovingObjectWhereItIsAtTheBeamsOwnTime) {
     return Pose{Eigen::Quaterniond(Eigen::AngleAxisd(w * t, Vec3::UnitZ())),
                 Vec3(30 - 20 * t, 0, 0)};
   };
-  const Surroundings surroundings(scene, {{1, Trajectory({{0, pose(0)}, {1, pose(1)}})}});
+  const DynamicWorld dynamic_world(scene, {{1, Trajectory({{0, pose(0)}, {1, pose(1)}})}});
   BeamLog beams = beams_along_x(1200);
   for (size_t i = 0; i < beams.size(); ++i) {
     beams.time_s[i] = double(i) / 1000;
@@ -89,7 +89,7 @@ TEST(Motion, ABeamMeetsAMovingObjectWhereItIsAtTheBeamsOwnTime) {
   }
   Options options;
   options.element_ids = true;
-  simulate(surroundings, options, 0, beams);
+  simulate(dynamic_world, options, 0, beams);
   for (size_t i = 0; i < beams.size(); ++i) {
     const double t = std::min(1.0, beams.time_s[i]);  // it stands still afterwards
     ASSERT_NEAR(beams.range_m[i], 30 - 20 * t - 0.1 * std::tan(w * t), 1e-5) << i;
@@ -101,13 +101,13 @@ TEST(Motion, AWholeInstrumentSeesTheMoverAndItsIncidence) {
   const auto pose = [&](double t) {
     return Pose{Eigen::Quaterniond(Eigen::AngleAxisd(t, Vec3::UnitZ())), Vec3(20, 0, 0)};
   };
-  const Surroundings surroundings(scene, {{1, Trajectory({{0, pose(0)}, {1, pose(1)}})}});
+  const DynamicWorld dynamic_world(scene, {{1, Trajectory({{0, pose(0)}, {1, pose(1)}})}});
   Instrument instrument = quiet_instrument();
   instrument.beam.divergence_rad = {1e-4, 1e-4};
   const Reflection reflection(all_of("white_target"), 905e-9);
   BeamLog beams = beams_along_x(11);
   for (size_t i = 0; i < beams.size(); ++i) beams.time_s[i] = 0.1 * double(i);
-  EchoMaker(surroundings, reflection, instrument, {}).answer(0, beams);
+  EchoMaker(dynamic_world, reflection, instrument, {}).answer(0, beams);
   ASSERT_EQ(beams.size(), 11u);
   for (size_t i = 0; i < 11; ++i) {
     EXPECT_NEAR(beams.range_m[i], 20, 2e-3);
@@ -137,7 +137,7 @@ TEST(Motion, AMoverThatStandsIsTheInstanceItself) {
   options.element_ids = true;
   simulate(trace::World(scene), options, 0, beams);
   const Trajectory stands({{0, scene.instances[1].world_from_model}});
-  simulate(Surroundings(scene, {{1, stands}}), options, 0, moved);
+  simulate(DynamicWorld(scene, {{1, stands}}), options, 0, moved);
   size_t differ = 0;
   for (size_t i = 0; i < beams.size(); ++i) {
     if (beams.is_hit(i) != moved.is_hit(i) ||
@@ -152,9 +152,9 @@ TEST(Motion, AMoverThatStandsIsTheInstanceItself) {
 TEST(Motion, WrongMoversAreRefused) {
   const elements::Scene scene = two_sheets();
   const Trajectory stands({{0, Pose{}}});
-  EXPECT_THROW(Surroundings(scene, {{2, stands}}), std::invalid_argument);
-  EXPECT_THROW(Surroundings(scene, {{1, Trajectory()}}), std::invalid_argument);
-  EXPECT_THROW(Surroundings(scene, {{1, stands}, {1, stands}}), std::invalid_argument);
+  EXPECT_THROW(DynamicWorld(scene, {{2, stands}}), std::invalid_argument);
+  EXPECT_THROW(DynamicWorld(scene, {{1, Trajectory()}}), std::invalid_argument);
+  EXPECT_THROW(DynamicWorld(scene, {{1, stands}, {1, stands}}), std::invalid_argument);
 }
 
 }  // namespace

@@ -18,23 +18,23 @@ TEST(Reflection, TakesTheMaterialOfTheInstanceThenOfItsClassThenOfTheElement) {
   scene.models.push_back(model);
   scene.instances.resize(3);
   const trace::World world(scene);
-  const Surroundings surroundings(world);
+  const DynamicWorld dynamic_world(world);
   radiometry::Materials m = radiometry::load_materials();
   m.of_class = {{"unknown", "white_target"}, {"grass", "snow"}, {"large_tree", "grey_target"}};
   InstanceKinds kinds;
   kinds.label = {elements::Class::kUnknown, elements::Class::kLargeTree, elements::Class::kUnknown};
   kinds.material = {"", "", "asphalt"};
   const Reflection reflection(m, 905e-9, kinds);
-  Reflection::Asker asker(reflection, surroundings);
-  asker.begin(Vec3::UnitX(), 0);
+  Reflection::Evaluator evaluator(reflection, dynamic_world);
+  evaluator.begin(Vec3::UnitX(), 0);
   const auto factor = [&](uint32_t element, uint32_t instance) {
-    trace::Met met;
+    trace::Intersection met;
     met.element = element;
     met.instance = instance;
     const Ray ray{Vec3::Zero(), Vec3::UnitX()};
     const uint32_t first = 0;
     float got = 0;
-    asker.factors({&met, 1}, {&ray, 1}, {&first, 1}, {&got, 1});
+    evaluator.factors({&met, 1}, {&ray, 1}, {&first, 1}, {&got, 1});
     return double(got);
   };
   EXPECT_NEAR(factor(0, 0), 0.99, 1e-6);
@@ -61,19 +61,19 @@ TEST(Reflection, LeavesTiltWithTheirObject) {
   radiometry::Materials m = all_of("leaf");
   for (radiometry::Material& material : m.material) material.leaf_shape = 5;  // flat
   const double rho = m.named("leaf").reflectance_at(905e-9);
-  const radiometry::Foliage flat(5);
+  const radiometry::LeafAngleDistribution flat(5);
   const Reflection reflection(m, 905e-9);
-  const auto factors = [&](const Surroundings& s, const Vec3& axis, double time_s) {
-    Reflection::Asker asker(reflection, s);
-    std::vector<trace::Met> met(4);
+  const auto factors = [&](const DynamicWorld& s, const Vec3& axis, double time_s) {
+    Reflection::Evaluator evaluator(reflection, s);
+    std::vector<trace::Intersection> met(4);
     for (size_t k = 0; k < met.size(); ++k) met[k].element = 0, met[k].instance = uint32_t(k % 3);
     const std::vector<Ray> rays(4, Ray{Vec3::Zero(), axis});
     const std::vector<uint32_t> which{0, 1, 2, 3};
     std::vector<float> got(4);
-    asker.begin(Vec3::UnitX(), 0.5);
-    asker.factors(met, rays, which, got);
-    asker.begin(axis, time_s);
-    asker.factors(met, rays, which, got);
+    evaluator.begin(Vec3::UnitX(), 0.5);
+    evaluator.factors(met, rays, which, got);
+    evaluator.begin(axis, time_s);
+    evaluator.factors(met, rays, which, got);
     return got;
   };
   const Vec3 axis = Vec3(0.5, -0.3, -0.8).normalized();
@@ -85,7 +85,7 @@ TEST(Reflection, LeavesTiltWithTheirObject) {
     for (size_t k = 0; k < 4; ++k) EXPECT_NEAR(double(got[k]), want[k], 1e-6) << k;
   };
   expect(factors(world, axis, 0), {level, tilted, level, level});
-  const Surroundings moving(scene, {mover});
+  const DynamicWorld moving(scene, {mover});
   expect(factors(moving, axis, 0), {level, tilted, level, level});
   expect(factors(moving, axis, 1), {tilted, tilted, level, tilted});
 }

@@ -91,6 +91,23 @@ TEST(Simulate, OfASceneSaysWhichInstanceStoppedABeam) {
   EXPECT_FALSE(beams.is_hit(0));
 }
 
+TEST(Simulate, AMaximumRangeOfItsOwnReplacesThatOfTheBeams) {
+  const elements::Model model = one_ellipsoid(1, 0.1);  // 20 m away
+  const trace::World world(model);
+  Options options;
+  for (const double max_range_m : {0.0, 15.0, 25.0}) {
+    BeamLog beams = beams_along_x(1);
+    options.max_range_m = max_range_m;
+    simulate(world, options, 0, beams);
+    EXPECT_EQ(beams.is_hit(0), max_range_m != 15) << max_range_m;
+  }
+  BeamLog beams = beams_along_x(1);
+  beams.info.max_range_m = 15;
+  options.max_range_m = 25;
+  simulate(world, options, 0, beams);
+  EXPECT_TRUE(beams.is_hit(0));
+}
+
 TEST(Simulate, RangeNoiseAddsItsVariance) {
   const elements::Model model = one_ellipsoid(1, 0.1);
   const trace::World world(model);
@@ -148,7 +165,7 @@ TEST(Simulate, NamesTheElementThatStoppedTheBeam) {
   const auto& element = std::get<std::vector<uint32_t>>(beams.extra.at("element"));
   const auto& label = std::get<std::vector<uint16_t>>(beams.extra.at("element_class"));
   for (size_t i = 0; i < beams.size(); ++i) {
-    EXPECT_EQ(element[i], beams.is_hit(i) ? 0u : trace::Met::kNone);
+    EXPECT_EQ(element[i], beams.is_hit(i) ? 0u : trace::Intersection::kNone);
     EXPECT_EQ(label[i], beams.is_hit(i) ? 7 : 0);
   }
 }

@@ -4,13 +4,13 @@
 
 #include "underbrush/core/rng.hpp"
 #include "underbrush/simulate/draw.hpp"
-#include "underbrush/simulate/fan.hpp"
+#include "underbrush/simulate/sub_ray_bundle.hpp"
 #include "underbrush/simulate/sub_returns.hpp"
 
 namespace underbrush::simulate {
 namespace {
 
-TEST(Fan, HasTheRaysOfTheRayMakerAndTheBeamsKeyFirst) {
+TEST(SubRayBundle, HasTheRaysOfTheRayMakerAndTheBeamsKeyFirst) {
   for (const sensor::Growth growth : {sensor::Growth::kCone, sensor::Growth::kWaist}) {
     sensor::BeamShape shape = sensor::round_beam(3e-3, 0.02);
     shape.divergence_rad[1] = 1e-3;
@@ -18,23 +18,23 @@ TEST(Fan, HasTheRaysOfTheRayMakerAndTheBeamsKeyFirst) {
     const sensor::RayMaker maker(shape);
     for (const int n : {1, 2, 3, 41}) {
       const auto places = sensor::spread_sub_rays(shape, n);
-      const Fan fan(shape, places);
-      ASSERT_EQ(fan.size(), size_t(n));
+      const SubRayBundle bundle(shape, places);
+      ASSERT_EQ(bundle.size(), size_t(n));
       Stream random(5);
       for (int beam = 0; beam < 50; ++beam) {
         Vec3 d;
         for (double& c : d) c = random.normal();
         const sensor::BeamAxes axes = sensor::beam_axes({Vec3(100, -7, 2), d.normalized()});
-        std::vector<Ray> rays(fan.size());
-        fan.spread(axes, rays.data());
+        std::vector<Ray> rays(bundle.size());
+        bundle.spread(axes, rays.data());
         for (size_t k = 0; k < rays.size(); ++k) {
           const Ray want = maker.ray(axes, double(places[k].u), double(places[k].v));
           EXPECT_LT((rays[k].origin - want.origin).norm(), 1e-13);
           EXPECT_LT((rays[k].direction - want.direction).norm(), 1e-15);
         }
       }
-      std::vector<uint64_t> keys(fan.size());
-      fan.keys(77, keys.data());
+      std::vector<uint64_t> keys(bundle.size());
+      bundle.keys(77, keys.data());
       EXPECT_EQ(keys[0], 77u);
       std::sort(keys.begin(), keys.end());
       EXPECT_EQ(std::adjacent_find(keys.begin(), keys.end()), keys.end());
@@ -48,7 +48,7 @@ TEST(SubReturns, AreThoseThatMetSomethingAtTheRangesOfTheirDraws) {
   SubReturns returns(100);
   Stream random(9);
   for (int beam = 0; beam < 200; ++beam) {
-    std::vector<trace::Met> met(100);
+    std::vector<trace::Intersection> met(100);
     std::vector<uint64_t> keys(met.size());
     std::vector<float> weight(met.size());
     for (size_t k = 0; k < met.size(); ++k) {

@@ -55,9 +55,9 @@ inline radiometry::Materials all_of(const char* material) {
 inline BeamLog answered(const elements::Model& model, const Instrument& instrument, BeamLog beams,
                         const char* material = "white_target", const EchoOptions& options = {}) {
   const trace::World world(model);
-  const Surroundings surroundings(world);
+  const DynamicWorld dynamic_world(world);
   const Reflection reflection(all_of(material), 905e-9);
-  EchoMaker(surroundings, reflection, instrument, options).answer(0, beams);
+  EchoMaker(dynamic_world, reflection, instrument, options).answer(0, beams);
   return beams;
 }
 

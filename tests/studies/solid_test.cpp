@@ -66,7 +66,8 @@ TEST(Solid, BeamsThroughEdgesAndCornersHit) {
   for (const Vec3& to :
        {Vec3(-0.5, -0.5, 0.5), Vec3(-0.5, 0.2, 1), Vec3(-0.5, -0.5, 1), Vec3(0, 0, 1)}) {
     const Vec3 from(-8, -8, 9);
-    const trace::Met met = world.nearest_surface({from, (to - from).normalized()}, {0, 100});
+    const trace::Intersection met =
+        world.nearest_surface({from, (to - from).normalized()}, {0, 100});
     ASSERT_FALSE(met.none()) << to.transpose();
     EXPECT_NEAR(met.t_m, (to - from).norm(), 1e-5) << to.transpose();
   }

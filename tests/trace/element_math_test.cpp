@@ -19,7 +19,7 @@ TEST(Approach, IsTheMinimumOfTheMahalanobisDistanceAlongTheRay) {
     Ray ray;
     for (int k = 0; k < 3; ++k) ray.direction[k] = random.normal();
     ray.direction.normalize();
-    const Met m = approach(ray.origin, ray.direction, e.mean, e.covariance);
+    const Intersection m = approach(ray.origin, ray.direction, e.mean, e.covariance);
     const Mat3 inverse = e.covariance_matrix().inverse();
     const auto distance2 = [&](double t) {
       const Vec3 r = ray.at(t) - e.mean.cast<double>();
@@ -78,7 +78,7 @@ TEST(Meet, ARoughTriangleSpreadsTheRangeByTheAngleOfIncidence) {
   model.ground.roughness_m = 0.04;
   for (const double cosine : {1.0, 0.5, 0.1, 0.011, 0.005}) {
     const Vec3 d(std::sqrt(1 - cosine * cosine), 0, -cosine);
-    const Met met = meet(model, 0, Vec3(0, 0, 1), d, {0, 1000});
+    const Intersection met = intersect(model, 0, Vec3(0, 0, 1), d, {0, 1000});
     ASSERT_FALSE(met.none());
     const double rise = 0.04 / std::max(cosine, 0.01);
     EXPECT_NEAR(met.sigma_m, std::sqrt(0.03 * 0.03 + rise * rise), 1e-9 * rise / cosine);

@@ -97,7 +97,7 @@ std::vector<Ray> rays_of(const elements::Scene& scene, Stream& random) {
   return rays;
 }
 
-bool same(const Met& a, const Met& b) {
+bool same(const Intersection& a, const Intersection& b) {
   return a.element == b.element && (a.none() || (a.instance == b.instance && a.t_m == b.t_m &&
                                                  a.sigma_m == b.sigma_m && a.p == b.p));
 }
@@ -116,26 +116,28 @@ TEST_P(Exact, EveryQueryGivesWhatBruteForceInDoubleGives) {
     std::vector<World> worlds;
     for (Isa isa : instruction_sets()) worlds.emplace_back(scene, isa);
     const size_t sets = worlds.size();
-    std::vector<std::vector<Met>> nearest(sets, std::vector<Met>(rays.size())), surface = nearest;
-    std::vector<MetLists> all(sets);
+    std::vector<std::vector<Intersection>> nearest(sets, std::vector<Intersection>(rays.size())),
+        surface = nearest;
+    std::vector<IntersectionLists> all(sets);
     const std::vector<double> everywhere(rays.size(), limits.max_m);
     for (size_t w = 0; w < sets; ++w) {
       worlds[w].nearest_accepted(rays, keys, limits, nearest[w]);
       worlds[w].nearest_surface(rays, limits, surface[w]);
-      worlds[w].all_met(rays, limits, everywhere, all[w]);
+      worlds[w].all_intersections(rays, limits, everywhere, all[w]);
     }
     for (size_t i = 0; i < rays.size(); ++i) {
-      std::vector<Met> met;
+      std::vector<Intersection> met;
       for (uint32_t n = 0; n < scene.instances.size(); ++n) {
         const elements::Model& model = scene.models[scene.instances[n].model];
         for (uint32_t e = 0; e < model.size(); ++e) {
-          const Met m = meet(model, scene.instances[n], n, e, rays[i], limits);
+          const Intersection m = intersect(model, scene.instances[n], n, e, rays[i], limits);
           if (!m.none()) met.push_back(m);
         }
       }
-      std::sort(met.begin(), met.end(), [](const Met& a, const Met& b) { return a.before(b); });
-      Met first, wall;
-      for (const Met& m : met) {
+      std::sort(met.begin(), met.end(),
+                [](const Intersection& a, const Intersection& b) { return a.before(b); });
+      Intersection first, wall;
+      for (const Intersection& m : met) {
         if (first.none() && accepts(keys[i], m)) first = m;
         const elements::Model& model = scene.models[scene.instances[m.instance].model];
         if (wall.none() && model.kind(m.element) != elements::Kind::kEllipsoid) wall = m;
@@ -166,7 +168,7 @@ TEST(Exact, DoesNotDependOnHowTheRaysAreCutIntoCallsNorOnThreads) {
   const std::vector<Ray> rays = rays_of(scene, random);
   std::vector<uint64_t> keys(rays.size());
   for (size_t i = 0; i < keys.size(); ++i) keys[i] = beam_key(1, 2, i);
-  std::vector<Met> whole(rays.size()), pieces(rays.size());
+  std::vector<Intersection> whole(rays.size()), pieces(rays.size());
   world.nearest_accepted(rays, keys, {}, whole);
   for (int threads : {1, 2}) {
     set_threads(threads);

@@ -39,7 +39,7 @@ TEST(Ground, LetsNoneOfTenMillionRaysThrough) {
   Stream random(77);
   size_t leaks = 0, shot = 0;
   std::vector<Ray> rays(8192);
-  std::vector<Met> met(rays.size());
+  std::vector<Intersection> met(rays.size());
   const std::vector<uint64_t> keys(rays.size(), 1);
   while (shot < 10000000) {
     // Rays are so steep that one which only touches a ridge comes down again within the mesh.
@@ -63,7 +63,7 @@ TEST(Ground, LetsNoneOfTenMillionRaysThrough) {
       ray = {origin, (target - origin).normalized()};
     }
     world.nearest_accepted(rays, keys, {0, 200}, met);
-    for (const Met& m : met) leaks += m.none();
+    for (const Intersection& m : met) leaks += m.none();
     shot += rays.size();
   }
   EXPECT_EQ(leaks, 0u);
@@ -86,7 +86,7 @@ TEST(World, FindsFarFromTheOriginWhatItFindsThere) {
     moved.push_back({ray.origin + far, ray.direction});
     keys.push_back(beam_key(3, 0, uint64_t(i)));
   }
-  std::vector<Met> a(rays.size()), b(rays.size());
+  std::vector<Intersection> a(rays.size()), b(rays.size());
   here.nearest_accepted(rays, keys, {0, 100}, a);
   there.nearest_accepted(moved, keys, {0, 100}, b);
   for (size_t i = 0; i < rays.size(); ++i) {
@@ -115,8 +115,8 @@ TEST(Voxels, AreMetAsAWalkThroughTheGridMeetsThem) {
   size_t met_any = 0;
   for (int i = 0; i < 20000; ++i) {
     const Ray ray = random_ray(random, model);
-    std::vector<Met> met;
-    world.all_met(ray, {0, 60}, 60, met);
+    std::vector<Intersection> met;
+    world.all_intersections(ray, {0, 60}, 60, met);
     std::vector<uint32_t> walked;
     auto cell = voxel_of(ray.origin, model.voxel_m);
     Vec3 next, step;  // ranges to the next wall along each axis, and between walls
@@ -129,7 +129,7 @@ TEST(Voxels, AreMetAsAWalkThroughTheGridMeetsThem) {
     for (double t = 0; t < 60;) {
       if (const auto found = element_of.find(cell); found != element_of.end()) {
         const elements::Ellipsoid& e = model.ellipsoids[found->second];
-        const Met m = approach(ray.origin, ray.direction, e.mean, e.covariance);
+        const Intersection m = approach(ray.origin, ray.direction, e.mean, e.covariance);
         if (m.delta2 <= 4 && m.t_m >= t && m.t_m < next.minCoeff()) walked.push_back(found->second);
       }
       int axis;
@@ -160,8 +160,8 @@ TEST(PathLengthOpacity, IsThatOfTheLineThroughTheGaussian) {
       const double x = (t + 5e-4 - 10) / 0.2, y = offset / 0.3;
       optical += 1.5 * std::exp(-0.5 * (x * x + y * y)) * 1e-3;
     }
-    std::vector<Met> met;
-    world.all_met(ray, {0, 50}, 50, met);
+    std::vector<Intersection> met;
+    world.all_intersections(ray, {0, 50}, 50, met);
     ASSERT_EQ(met.size(), 1u);
     EXPECT_NEAR(met[0].p, 1 - std::exp(-optical), 1e-6);
     // The same share of beams must be stopped.
@@ -170,9 +170,9 @@ TEST(PathLengthOpacity, IsThatOfTheLineThroughTheGaussian) {
     const std::vector<Ray> rays(n, ray);
     std::vector<uint64_t> keys(n);
     for (size_t i = 0; i < n; ++i) keys[i] = beam_key(5, 0, i);
-    std::vector<Met> ends(n);
+    std::vector<Intersection> ends(n);
     world.nearest_accepted(rays, keys, {0, 50}, ends);
-    for (const Met& m : ends) stopped += !m.none();
+    for (const Intersection& m : ends) stopped += !m.none();
     const double p = met[0].p, sigma = std::sqrt(p * (1 - p) / double(n));
     EXPECT_NEAR(double(stopped) / double(n), p, 4 * sigma);
   }
@@ -194,7 +194,7 @@ TEST(Instances, OfOnePrimitiveDecideIndependently) {
   double count[2] = {};
   const int n = 100000;
   for (int i = 0; i < n; ++i) {
-    const Met m = world.nearest_accepted({}, beam_key(6, 0, uint64_t(i)), {0, 50});
+    const Intersection m = world.nearest_accepted({}, beam_key(6, 0, uint64_t(i)), {0, 50});
     if (!m.none()) ++count[m.instance];
   }
   EXPECT_NEAR(count[0] / n, 0.5, 0.008);

@@ -13,9 +13,9 @@ namespace underbrush::trace {
 namespace {
 
 // Makes random beams in a tenth of the sphere, with `a_beam` rays within a milliradian each.
-std::unique_ptr<Unfolded> beams(uint64_t seed, uint32_t rays, uint32_t a_beam) {
+std::unique_ptr<FloatRays> beams(uint64_t seed, uint32_t rays, uint32_t a_beam) {
   Stream random(seed);
-  auto u = std::make_unique<Unfolded>();
+  auto u = std::make_unique<FloatRays>();
   float turn = 0, up = 0;
   for (uint32_t i = 0; i < rays; ++i) {
     if (i % a_beam == 0) {
@@ -32,7 +32,7 @@ std::unique_ptr<Unfolded> beams(uint64_t seed, uint32_t rays, uint32_t a_beam) {
   return u;
 }
 
-std::vector<uint32_t> order_of(const Unfolded& rays, uint32_t count) {
+std::vector<uint32_t> order_of(const FloatRays& rays, uint32_t count) {
   std::vector<uint32_t> order(count, ~0u);
   order_by_direction(rays, order);
   return order;
@@ -40,7 +40,7 @@ std::vector<uint32_t> order_of(const Unfolded& rays, uint32_t count) {
 
 TEST(Order, NamesEachRayOnce) {
   for (uint32_t a_beam : {1u, 2u, 9u, 16u, 41u, 8192u}) {
-    for (uint32_t count : {2u, 63u, 1000u, uint32_t(kOrdered)}) {
+    for (uint32_t count : {2u, 63u, 1000u, uint32_t(kBatchRays)}) {
       std::vector<uint32_t> order = order_of(*beams(a_beam, count, a_beam), count);
       std::sort(order.begin(), order.end());
       for (uint32_t i = 0; i < count; ++i) ASSERT_EQ(order[i], i) << a_beam << " " << count;
@@ -49,7 +49,7 @@ TEST(Order, NamesEachRayOnce) {
 }
 
 TEST(Order, KeepsTheRaysOfABeamTogether) {
-  constexpr uint32_t kRays = kOrdered, kABeam = 16;
+  constexpr uint32_t kRays = kBatchRays, kABeam = 16;
   const std::vector<uint32_t> order = order_of(*beams(3, kRays, kABeam), kRays);
   for (uint32_t k = 0; k < kRays; ++k) EXPECT_EQ(order[k] % kABeam, k % kABeam);
 }
@@ -57,13 +57,13 @@ TEST(Order, KeepsTheRaysOfABeamTogether) {
 // Each run of rays is a tile of the patch of the sphere, so that rays which point alike are traced
 // together, in whatever order they come.
 TEST(Order, MakesTilesAboutAsWideAsHigh) {
-  constexpr uint32_t kRays = kOrdered;
+  constexpr uint32_t kRays = kBatchRays;
   const auto rays = beams(4, kRays, 1);
   const std::vector<uint32_t> order = order_of(*rays, kRays);
   double width = 0, height = 0;
-  for (uint32_t tile = 0; tile < kRays; tile += kTogether) {
+  for (uint32_t tile = 0; tile < kRays; tile += kPacketRays) {
     float low[2] = {9, 9}, high[2] = {-9, -9};
-    for (uint32_t k = tile; k < tile + kTogether; ++k) {
+    for (uint32_t k = tile; k < tile + kPacketRays; ++k) {
       const float at[2] = {rays->turn[order[k]], rays->up[order[k]]};
       for (int a = 0; a < 2; ++a) {
         low[a] = std::min(low[a], at[a]);

@@ -11,14 +11,15 @@ namespace underbrush::trace {
 namespace {
 
 // Applies the definition by brute force in double precision.
-std::vector<Met> reference(const elements::Model& model, const Ray& ray,
-                           const RangeLimits& limits) {
-  std::vector<Met> met;
+std::vector<Intersection> reference(const elements::Model& model, const Ray& ray,
+                                    const RangeLimits& limits) {
+  std::vector<Intersection> met;
   for (uint32_t i = 0; i < model.size(); ++i) {
-    const Met m = meet(model, i, ray.origin - model.origin, ray.direction, limits);
+    const Intersection m = intersect(model, i, ray.origin - model.origin, ray.direction, limits);
     if (!m.none()) met.push_back(m);
   }
-  std::sort(met.begin(), met.end(), [](const Met& a, const Met& b) { return a.before(b); });
+  std::sort(met.begin(), met.end(),
+            [](const Intersection& a, const Intersection& b) { return a.before(b); });
   return met;
 }
 
@@ -35,21 +36,22 @@ TEST_P(Instructions, AllThreeQueriesEqualBruteForceElementByElement) {
     const elements::Model model = random_model(seed, 300, origin);
     World world(model, GetParam());
     Stream random(seed + 1000);
-    std::vector<Met> met;
+    std::vector<Intersection> met;
     const RangeLimits limits{random.uniform(0, 2), random.uniform(20, 80)};
     for (int i = 0; i < 250; ++i) {
       const Ray ray = random_ray(random, model);
-      const std::vector<Met> expected = reference(model, ray, limits);
-      world.all_met(ray, limits, limits.max_m, met);
+      const std::vector<Intersection> expected = reference(model, ray, limits);
+      world.all_intersections(ray, limits, limits.max_m, met);
       ASSERT_EQ(met.size(), expected.size()) << "seed " << seed << " ray " << i;
       const uint64_t key = beam_key(seed, 0, uint64_t(i));
-      uint32_t first = Met::kNone, surface = Met::kNone;
+      uint32_t first = Intersection::kNone, surface = Intersection::kNone;
       for (size_t k = 0; k < met.size(); ++k) {
         EXPECT_EQ(met[k].element, expected[k].element);
         EXPECT_EQ(met[k].t_m, expected[k].t_m);
         const uint32_t e = expected[k].element;
-        if (first == Met::kNone && accepts(model, key, e)) first = e;
-        if (surface == Met::kNone && model.kind(e) != elements::Kind::kEllipsoid) surface = e;
+        if (first == Intersection::kNone && accepts(model, key, e)) first = e;
+        if (surface == Intersection::kNone && model.kind(e) != elements::Kind::kEllipsoid)
+          surface = e;
       }
       EXPECT_EQ(world.nearest_accepted(ray, key, limits).element, first);
       EXPECT_EQ(world.nearest_surface(ray, limits).element, surface);
@@ -74,9 +76,9 @@ TEST_P(Instructions, GroundHasNoGapsAlongItsEdges) {
     ray.origin = Vec3(random.uniform(-10, 10), random.uniform(-10, 10), random.uniform(12, 20));
     ray.direction = (target - ray.origin).normalized();
     bool ground = false;
-    std::vector<Met> met;
-    world.all_met(ray, {0, 200}, 200, met);
-    for (const Met& m : met) ground |= model.kind(m.element) == elements::Kind::kGround;
+    std::vector<Intersection> met;
+    world.all_intersections(ray, {0, 200}, 200, met);
+    for (const Intersection& m : met) ground |= model.kind(m.element) == elements::Kind::kGround;
     EXPECT_TRUE(ground) << "leak at ray " << i;
   }
 }
@@ -86,8 +88,8 @@ INSTANTIATE_TEST_SUITE_P(Trace, Instructions, testing::Values(Isa::kBase, Isa::k
 TEST(World, OfNothingAnswersNothing) {
   const elements::Model model;
   World world(model);
-  std::vector<Met> met;
-  world.all_met({}, {}, 100, met);
+  std::vector<Intersection> met;
+  world.all_intersections({}, {}, 100, met);
   EXPECT_TRUE(met.empty());
   EXPECT_TRUE(world.nearest_accepted({}, 1, {}).none());
 }
@@ -108,7 +110,7 @@ TEST(World, AcceptsAsTrialsInOrderWould) {
   const int n = 200000;
   std::vector<double> count(4);
   for (int i = 0; i < n; ++i) {
-    const Met m = world.nearest_accepted({}, beam_key(9, 0, uint64_t(i)), {0, 100});
+    const Intersection m = world.nearest_accepted({}, beam_key(9, 0, uint64_t(i)), {0, 100});
     ++count[m.none() ? 3 : 2 - m.element];
   }
   double through = 1, chi2 = 0;

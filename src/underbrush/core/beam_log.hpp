@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "underbrush/core/pose.hpp"
+#include "underbrush/core/ray.hpp"
 
 namespace underbrush {
 
@@ -76,6 +77,8 @@ struct BeamLog {
     const double r = is_hit(i) ? double(range_m[i]) : info.max_range_m;
     return origin[i] + r * direction[i].cast<double>();
   }
+  /// The ray of a beam (world frame), its direction normalised in double precision.
+  Ray ray(size_t i) const { return {origin[i], direction[i].cast<double>().normalized()}; }
   /// Whether beams without a return are in the log (otherwise hit probabilities cannot be learnt).
   bool has_misses() const { return info.has_misses; }
 

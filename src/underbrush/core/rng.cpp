@@ -7,6 +7,7 @@ namespace underbrush {
 
 // Algorithm AS 241, routine PPND16 (M. J. Wichura, Applied Statistics 37, 1988): rational
 // approximations on |p − 0.5| ≤ 0.425 and in the two tails.
+// long: the coefficients of six polynomials.
 double normal_from_uniform(double u) {
   const double q = u - 0.5;
   if (std::abs(q) <= 0.425) {

@@ -45,10 +45,8 @@ HitCount& Model::hit(size_t element) {
 }
 
 const HitCount& Model::hit(size_t element) const {
-  if (element < ground.size()) return ground.hit[element];
-  element -= ground.size();
-  if (element < surface.size()) return surface.hit[element];
-  return ellipsoids.at(element - surface.size()).hit;
+  const ElementPlace at = place(element);
+  return at.kind == Kind::kEllipsoid ? ellipsoids.at(at.index).hit : mesh(at.kind).hit[at.index];
 }
 
 void Model::check() const {

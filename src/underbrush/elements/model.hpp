@@ -53,6 +53,12 @@ struct Ellipsoid {
 /// Kind of a scene element, in the order in which a model numbers its elements.
 enum class Kind : uint8_t { kGround, kSurface, kEllipsoid };
 
+/// Where a model keeps an element: the array of its kind and its index there.
+struct ElementPlace {
+  Kind kind = Kind::kGround;
+  uint32_t index = 0;
+};
+
 /// A learnt world. Elements are numbered: ground triangles, then surface triangles, then
 /// ellipsoids.
 struct Model {
@@ -72,10 +78,17 @@ struct Model {
   std::string provenance;  ///< JSON object: program version, command, seed, input hashes.
 
   size_t size() const { return ground.size() + surface.size() + ellipsoids.size(); }
-  Kind kind(size_t element) const {
-    if (element < ground.size()) return Kind::kGround;
-    return element < ground.size() + surface.size() ? Kind::kSurface : Kind::kEllipsoid;
+  /// Number of triangles, and so of the first ellipsoid.
+  size_t triangle_count() const { return ground.size() + surface.size(); }
+  /// The place of the element of this number; numbers are not checked.
+  ElementPlace place(size_t element) const {
+    if (element < ground.size()) return {Kind::kGround, uint32_t(element)};
+    if (element < triangle_count()) return {Kind::kSurface, uint32_t(element - ground.size())};
+    return {Kind::kEllipsoid, uint32_t(element - triangle_count())};
   }
+  Kind kind(size_t element) const { return place(element).kind; }
+  /// The mesh of `Kind::kGround` or `Kind::kSurface`.
+  const TriangleMesh& mesh(Kind kind) const { return kind == Kind::kGround ? ground : surface; }
   HitCount& hit(size_t element);
   const HitCount& hit(size_t element) const;
   /// Throws `std::invalid_argument` where a value is not finite, an index is out of range, a

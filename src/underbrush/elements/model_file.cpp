@@ -7,6 +7,7 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/temporary.hpp"
+#include "underbrush/elements/manifest.inl"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/ply.hpp"
 
@@ -193,14 +194,7 @@ Model read_model(const fs::path& path) {
   Model model;
   try {
     const Json j = Json::parse(in);
-    if (j.at("format") != "underbrush-model") {
-      throw FormatError(file.string(), "format", "not an underbrush model");
-    }
-    if (const int version = j.at("version"); version > kModelVersion) {
-      throw FormatError(file.string(), "version",
-                        std::to_string(version) + " is newer than this program reads (" +
-                            std::to_string(kModelVersion) + ")");
-    }
+    check_manifest(file, j, "underbrush-model", kModelVersion, "an underbrush model");
     for (Eigen::Index d = 0; d < 3; ++d) model.origin[d] = j.at("origin_m").at(size_t(d));
     model.tau = j.at("tau");
     model.voxel_m = j.value("voxel_m", 0.0);

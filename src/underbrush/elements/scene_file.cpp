@@ -7,6 +7,7 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/temporary.hpp"
+#include "underbrush/elements/manifest.inl"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/ply.hpp"
@@ -179,14 +180,7 @@ Scene read_scene(const fs::path& path, SceneInfo* info) {
   SceneInfo read;
   try {
     const Json j = Json::parse(in);
-    if (j.at("format") != "underbrush-scene") {
-      throw FormatError(file.string(), "format", "not an underbrush scene");
-    }
-    if (const int version = j.at("version"); version > kSceneVersion) {
-      throw FormatError(file.string(), "version",
-                        std::to_string(version) + " is newer than this program reads (" +
-                            std::to_string(kSceneVersion) + ")");
-    }
+    check_manifest(file, j, "underbrush-scene", kSceneVersion, "an underbrush scene");
     for (const Json& m : j.at("models")) {
       read.names.push_back(m.at("name"));
       read.materials.push_back(m.value("material", ""));

@@ -26,7 +26,7 @@ struct Merger {
 
 /// A cluster while mergers go on.
 struct Node {
-  Moments moments;  // about the tile's first point
+  PointMoments moments;  // about the tile's first point
   double volume = 0;
   uint32_t version = 0, merged_into;
   std::vector<uint32_t> neighbours;  // ascending, without those merged away
@@ -67,10 +67,10 @@ class Merging {
   }
 
  private:
-  Mat3 covariance(const Moments& m) const {
+  Mat3 covariance(const PointMoments& m) const {
     return (m.scatter() + 3 * prior_ * Mat3::Identity()) / (m.n + 3);
   }
-  double volume(const Moments& m) const { return std::sqrt(covariance(m).determinant()); }
+  double volume(const PointMoments& m) const { return std::sqrt(covariance(m).determinant()); }
 
   uint32_t root(uint32_t k) const {
     while (nodes_[k].merged_into != k) k = nodes_[k].merged_into;
@@ -99,7 +99,7 @@ class Merging {
 
   void propose(uint32_t a, uint32_t b) {
     if (a > b) std::swap(a, b);
-    Moments both = nodes_[a].moments;
+    PointMoments both = nodes_[a].moments;
     both.add(nodes_[b].moments);
     if (12 * both.scatter().trace() > both.n * options_.largest_m * options_.largest_m) return;
     const double apart = nodes_[a].volume + nodes_[b].volume;

@@ -17,13 +17,13 @@ struct Cluster {
 
 }  // namespace
 
-void Moments::add(const Vec3& x) {
+void PointMoments::add(const Vec3& x) {
   n += 1;
   sum += x;
   squares += x * x.transpose();
 }
 
-void Moments::add(const Moments& other) {
+void PointMoments::add(const PointMoments& other) {
   n += other.n;
   sum += other.sum;
   squares += other.squares;

@@ -23,13 +23,13 @@ struct Clusters {
 
 /// The number of points and their first two moments. Sums are in double precision and relative to a
 /// fixed point nearby, which keeps rounding small.
-struct Moments {
+struct PointMoments {
   double n = 0;
   Vec3 sum = Vec3::Zero();      ///< Σ x.
   Mat3 squares = Mat3::Zero();  ///< Σ x xᵀ.
 
   void add(const Vec3& x);
-  void add(const Moments& other);
+  void add(const PointMoments& other);
   Vec3 mean() const { return sum / n; }
   /// The scatter matrix Σ (x − mean)(x − mean)ᵀ.
   Mat3 scatter() const { return squares - sum * sum.transpose() / n; }

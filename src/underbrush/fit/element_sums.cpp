@@ -59,11 +59,11 @@ ElementSums::ElementSums(const elements::Model& model)
   });
 }
 
-void ElementSums::add(const Ray& ray, std::span<const trace::Met> met, double range_m,
-                      const BeamShares& shares) {
+void ElementSums::add(const Ray& ray, std::span<const trace::Intersection> met, double range_m,
+                      const Responsibilities& shares) {
   const size_t meshes = triangles_.size();
   for (size_t k = 0; k < met.size(); ++k) {
-    const trace::Met& m = met[k];
+    const trace::Intersection& m = met[k];
     const double hit = shares.hit[k], pass = shares.pass[k];
     if (hit < kNegligible && pass < kNegligible) continue;
     if (m.element >= meshes) {
@@ -91,8 +91,8 @@ void ElementSums::add(const Ray& ray, std::span<const trace::Met> met, double ra
 // with the whitened direction n and the whitened point of closest approach c. The misfit x = (z −
 // t)/σ changes by ∂x = −n·s − 2 nᵀEc − x nᵀEn, and σ by ∂ ln σ = nᵀEn. The log-likelihood of the
 // beam is r [ln(1 − e^{−a}) − ln σ − x²/2] − (the share that went through) a.
-void ElementSums::add_ellipsoid(const Ray& ray, const trace::Met& met, double range_m, double hit,
-                                double pass, double loss) {
+void ElementSums::add_ellipsoid(const Ray& ray, const trace::Intersection& met, double range_m,
+                                double hit, double pass, double loss) {
   const size_t at = met.element - triangles_.size();
   const Frame& frame = frames_[at];
   const double depth = double(model_->ellipsoids[at].density_per_m) * std::sqrt(2 * M_PI) *

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "underbrush/elements/model.hpp"
-#include "underbrush/fit/beam_shares.hpp"
+#include "underbrush/fit/responsibilities.hpp"
 
 namespace underbrush::fit {
 
@@ -60,10 +60,10 @@ class ElementSums {
   explicit ElementSums(const elements::Model& model);
 
   /// Adds one beam. `ray` and `met` are as traced in world coordinates, `range_m` is the beam's
-  /// outcome (m, or kMiss), and `shares` are those of `share_out`. Any number of threads may call
-  /// it at once.
-  void add(const Ray& ray, std::span<const trace::Met> met, double range_m,
-           const BeamShares& shares);
+  /// outcome (m, or kMiss), and `shares` are those of `find_responsibilities`. Any number of
+  /// threads may call it at once.
+  void add(const Ray& ray, std::span<const trace::Intersection> met, double range_m,
+           const Responsibilities& shares);
 
   /// The sums of a triangle by its element number.
   TriangleSums triangle(size_t element) const;
@@ -80,8 +80,8 @@ class ElementSums {
     Vec3 mean;
     Mat3 whiten;  // L⁻¹
   };
-  void add_ellipsoid(const Ray& ray, const trace::Met& met, double range_m, double hit, double pass,
-                     double loss);
+  void add_ellipsoid(const Ray& ray, const trace::Intersection& met, double range_m, double hit,
+                     double pass, double loss);
 
   const elements::Model* model_ = nullptr;
   std::vector<Frame> frames_;

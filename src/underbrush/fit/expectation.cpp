@@ -16,7 +16,8 @@ constexpr double kBeyondM = 4;
 
 /// Keeps the elements met up to `reach_m`. The tracer may list more, and how many depends on how
 /// rays were batched.
-std::span<const trace::Met> up_to(std::span<const trace::Met> met, double reach_m) {
+std::span<const trace::Intersection> up_to(std::span<const trace::Intersection> met,
+                                           double reach_m) {
   size_t n = met.size();
   while (n > 0 && met[n - 1].t_m > reach_m) --n;
   return met.first(n);
@@ -29,7 +30,7 @@ struct Totals {
 };
 
 void add_beams(const trace::World& world, const BeamLog& chunk, size_t begin, size_t end,
-               const HeldOut& held_out, const Unexplained& soft, Totals& totals,
+               const HeldOut& held_out, const trace::OutlierShares& soft, Totals& totals,
                ElementSums& sums) {
   const double max_range = chunk.info.max_range_m;
   const trace::RangeLimits limits{chunk.info.min_range_m,
@@ -37,21 +38,21 @@ void add_beams(const trace::World& world, const BeamLog& chunk, size_t begin, si
   std::vector<Ray> rays;
   std::vector<double> reach;
   for (size_t i = begin; i < end; ++i) {
-    rays.push_back({chunk.origin[i], chunk.direction[i].cast<double>().normalized()});
+    rays.push_back(chunk.ray(i));
     reach.push_back(std::min(double(chunk.range_m[i]) + kBeyondM, limits.max_m));
   }
-  trace::MetLists met;
-  world.all_met(rays, limits, reach, met);
-  BeamShares shares;
+  trace::IntersectionLists met;
+  world.all_intersections(rays, limits, reach, met);
+  Responsibilities shares;
   for (size_t i = begin; i < end; ++i) {
     const double range = chunk.range_m[i];
-    const std::span<const trace::Met> list = up_to(met[i - begin], reach[i - begin]);
+    const std::span<const trace::Intersection> list = up_to(met[i - begin], reach[i - begin]);
     const bool kept_back = held_out(chunk, i);
-    share_out(list, range, Unexplained{}, max_range, shares);
+    find_responsibilities(list, range, trace::kReportedOutliers, max_range, shares);
     (kept_back ? totals.held_out : totals.training).add(-shares.log_likelihood);
     (kept_back ? totals.held_out_beams : totals.training_beams).add(1);
     if (kept_back) continue;
-    share_out(list, range, soft, max_range, shares);
+    find_responsibilities(list, range, soft, max_range, shares);
     if (range != kMiss) totals.stray_hits.add(shares.unexplained);
     sums.add(rays[i - begin], list, range, shares);
   }
@@ -94,7 +95,8 @@ bool TrainingSource::next(BeamLog& chunk) {
 }
 
 Expectation expect(const elements::Model& model, BeamSource& source, const HeldOut& held_out,
-                   const Unexplained& soft, const std::function<void(size_t, size_t)>& progress) {
+                   const trace::OutlierShares& soft,
+                   const std::function<void(size_t, size_t)>& progress) {
   const trace::World world(model);
   Expectation out;
   out.sums = ElementSums(model);

@@ -47,11 +47,11 @@ struct Expectation {
 };
 
 /// Reads all beams of `source` once and evaluates them under `model`. `soft` has the outlier
-/// probabilities by which credit is given to elements; the likelihoods use those of the score
-/// instead, so that they compare with it. `progress(done, total)` may be empty. The model must
-/// outlive the sums of the result.
+/// shares under which credit is given to elements; the likelihoods are under
+/// `trace::kReportedOutliers`, as those of the score are. `progress(done, total)` may be empty. The
+/// model must outlive the sums of the result.
 Expectation expect(const elements::Model& model, BeamSource& source, const HeldOut& held_out,
-                   const Unexplained& soft,
+                   const trace::OutlierShares& soft,
                    const std::function<void(size_t, size_t)>& progress = {});
 
 }  // namespace underbrush::fit

@@ -6,6 +6,7 @@
 #include <map>
 #include <tuple>
 
+#include "underbrush/core/cells.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
 
@@ -67,8 +68,7 @@ class BetaPriors {
   using Key = std::tuple<int, uint32_t, int, int>;  // level, class, i and j of the region
 
   std::array<Key, 3> keys(const elements::Ellipsoid& e) const {
-    const int i = int(std::floor(e.mean.x() / options_.region_m));
-    const int j = int(std::floor(e.mean.y() / options_.region_m));
+    const auto [i, j] = cell_of(double(e.mean.x()), double(e.mean.y()), options_.region_m);
     return {Key{kRegion, e.label, i, j}, Key{kClass, e.label, 0, 0}, Key{kAll, 0, 0, 0}};
   }
 
@@ -86,14 +86,14 @@ class BetaPriors {
   std::map<Key, HitPrior> priors_;
 };
 
-double sigma_of(const trace::Met& m) {
+double sigma_of(const trace::Intersection& m) {
   constexpr double kLeastSigmaM = 1e-6;  // a mesh may say 0
   return std::max(m.sigma_m, kLeastSigmaM);
 }
 
 /// Whether an element explains a measured range.
-bool explains(const elements::Model& model, const trace::Met& m, double range_m, double tau,
-              const CreditOptions& options) {
+bool explains(const elements::Model& model, const trace::Intersection& m, double range_m,
+              double tau, const CreditOptions& options) {
   const double residual = range_m - m.t_m, s = residual / sigma_of(m);
   return model.kind(m.element) == elements::Kind::kEllipsoid
              ? m.delta2 + s * s < tau * tau
@@ -101,7 +101,7 @@ bool explains(const elements::Model& model, const trace::Met& m, double range_m,
 }
 
 /// Computes log N(z; t, σ²) of a measured range, up to a constant.
-double log_density(const trace::Met& m, double range_m) {
+double log_density(const trace::Intersection& m, double range_m) {
   const double s = (range_m - m.t_m) / sigma_of(m);
   return -0.5 * s * s - std::log(sigma_of(m));
 }
@@ -111,7 +111,7 @@ double log_density(const trace::Met& m, double range_m) {
 std::vector<std::string> credit_rules() { return {"first", "best", "mahalanobis"}; }
 std::vector<std::string> hit_estimators() { return {"plain", "prior", "empirical_bayes"}; }
 
-void credit(const elements::Model& model, std::span<const trace::Met> met, double range_m,
+void credit(const elements::Model& model, std::span<const trace::Intersection> met, double range_m,
             const CreditOptions& options, std::vector<Credit>& out) {
   out.assign(met.size(), range_m == kMiss ? Credit::kMiss : Credit::kNothing);
   const bool alone = options.rule != "mahalanobis";  // one beam gives at most one hit
@@ -120,7 +120,7 @@ void credit(const elements::Model& model, std::span<const trace::Met> met, doubl
   size_t stopped = met.size();  // the entry of the element that gets the only hit
   double best = -INFINITY;
   for (size_t k = 0; k < met.size(); ++k) {
-    const trace::Met& m = met[k];
+    const trace::Intersection& m = met[k];
     if (m.delta2 > tau * tau) {
       out[k] = Credit::kNothing;
       continue;
@@ -167,18 +167,18 @@ void count_hits(elements::Model& model, BeamSource& source, const CreditOptions&
       std::vector<Ray> rays;
       std::vector<double> reach;
       for (size_t i = begin; i < end; ++i) {
-        rays.push_back({chunk.origin[i], chunk.direction[i].cast<double>().normalized()});
+        rays.push_back(chunk.ray(i));
         // The tracer lists an element if the ray enters its bounds before the reach. For an
         // ellipsoid that holds the point this is so at the point, for a triangle within the largest
         // residual.
         reach.push_back(
             std::min(double(chunk.range_m[i]) + options.max_residual_for_hit_m, limits.max_m));
       }
-      trace::MetLists met;
-      world.all_met(rays, limits, reach, met, trace::World::Sequence::kAny);
+      trace::IntersectionLists met;
+      world.all_intersections(rays, limits, reach, met, trace::World::Sequence::kAny);
       std::vector<Credit> said;
       for (size_t i = begin; i < end; ++i) {
-        const std::span<const trace::Met> list = met[i - begin];
+        const std::span<const trace::Intersection> list = met[i - begin];
         credit(model, list, chunk.range_m[i], options, said);
         for (size_t k = 0; k < list.size(); ++k) {
           if (said[k] == Credit::kNothing) continue;

@@ -60,7 +60,7 @@ enum class Credit : uint8_t { kNothing, kHit, kMiss };
 ///   the beam than τ_m get nothing; elements that explain the point (threshold τ_m) get a hit;
 ///   others before the measured range get a miss. The counts n of hits and m of misses give the
 ///   permeability ρ = m / (m + n) and p = 1 − ρ.
-void credit(const elements::Model& model, std::span<const trace::Met> met, double range_m,
+void credit(const elements::Model& model, std::span<const trace::Intersection> met, double range_m,
             const CreditOptions& options, std::vector<Credit>& out);
 
 /// Counts the hits and misses of all elements of `model` over all beams of `source`, and estimates

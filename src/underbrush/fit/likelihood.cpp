@@ -12,10 +12,10 @@ namespace {
 using Progress = std::function<void(std::string_view, size_t, size_t)>;
 
 /// The best model so far, and trials of other models against it.
-class Climb {
+class ModelSearch {
  public:
-  Climb(const elements::Model& start, BeamSource& source, const LikelihoodOptions& options,
-        const Progress& progress)
+  ModelSearch(const elements::Model& start, BeamSource& source, const LikelihoodOptions& options,
+              const Progress& progress)
       : source_(source), options_(options), progress_(progress) {
     soft_.miss = options.dropout;
     best_.model = std::make_unique<elements::Model>(start);
@@ -74,7 +74,7 @@ class Climb {
   BeamSource& source_;
   const LikelihoodOptions& options_;
   const Progress& progress_;
-  Unexplained soft_;
+  trace::OutlierShares soft_;
   State best_;
   LikelihoodReport report_;
 };
@@ -88,12 +88,12 @@ Refined refine(const elements::Model& start, BeamSource& source, const Likelihoo
   require(options.dropout > 0 && options.dropout < 0.9, "likelihood: dropout must be in (0, 0.9)");
   require(options.sharpness >= 0.1 && options.sharpness <= 10,
           "likelihood: sharpness must be in [0.1, 10]");
-  Climb climb(start, source, options, progress);
+  ModelSearch search(start, source, options, progress);
   const MaximisationOptions& m = options.maximisation;
-  climb.attempt("density", with_densities(climb.model(), options.range_noise_m), 2);
+  search.attempt("density", with_densities(search.model(), options.range_noise_m), 2);
   const auto rearrange = [&](int m_steps) {
-    return climb.attempt("rearrange",
-                         rearranged(climb.model(), climb.sums(), options.rearrangement), m_steps);
+    return search.attempt(
+        "rearrange", rearranged(search.model(), search.sums(), options.rearrangement), m_steps);
   };
   // In an M-step, redundant ellipsoids of a few beams each would fit those beams' noise, so
   // rearrangements come first.
@@ -102,10 +102,11 @@ Refined refine(const elements::Model& start, BeamSource& source, const Likelihoo
   double stride = 0.5;
   for (int round = 0; round < options.rounds; ++round) {
     if (round % 3 == 2 && rearrange(1)) continue;
-    if (climb.attempt("maximise", maximised(climb.model(), climb.sums(), m, stride), 0)) continue;
+    if (search.attempt("maximise", maximised(search.model(), search.sums(), m, stride), 0))
+      continue;
     if ((stride *= 0.3) < 0.05) break;
   }
-  return climb.result();
+  return search.result();
 }
 
 }  // namespace underbrush::fit

@@ -3,10 +3,10 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <nanoflann.hpp>
 #include <numeric>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/kd_tree.inl"
 
 namespace underbrush::fit {
 namespace {
@@ -59,27 +59,13 @@ struct ByCluster {
   }
 };
 
-/// Presents means to nanoflann.
-struct Means {
-  std::span<const Vec3f> means;
-  size_t kdtree_get_point_count() const { return means.size(); }
-  float kdtree_get_pt(size_t i, size_t d) const { return means[i][Eigen::Index(d)]; }
-  template <class Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
-  }
-};
-
 /// Finds for each ellipsoid the `k` ellipsoids with the nearest means, itself among them.
 std::vector<uint32_t> neighbours(std::span<const Vec3f> mean, size_t k) {
-  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Means>,
-                                                   Means, 3, uint32_t>;
-  const Means means{mean};
-  Tree tree(3, means, nanoflann::KDTreeSingleIndexAdaptorParams(10));
+  const CloudTree tree(mean, 10);
   std::vector<uint32_t> out(mean.size() * k);
   std::vector<float> squares(k);
   for (size_t c = 0; c < mean.size(); ++c) {
-    tree.knnSearch(mean[c].data(), k, &out[c * k], squares.data());
+    tree.nearest(mean[c].data(), k, &out[c * k], squares.data());
   }
   return out;
 }

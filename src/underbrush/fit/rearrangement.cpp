@@ -3,26 +3,14 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <nanoflann.hpp>
 
+#include "underbrush/core/kd_tree.inl"
 #include "underbrush/core/parallel.hpp"
 
 namespace underbrush::fit {
 namespace {
 
 constexpr uint32_t kNobody = 0xffffffffu;
-
-struct Cloud {
-  const std::vector<elements::Ellipsoid>& ellipsoids;
-  size_t kdtree_get_point_count() const { return ellipsoids.size(); }
-  float kdtree_get_pt(size_t i, size_t d) const { return ellipsoids[i].mean[Eigen::Index(d)]; }
-  template <class Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
-  }
-};
-using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Cloud>, Cloud,
-                                                 3, uint32_t>;
 
 double root_of_volume(const elements::Ellipsoid& e) {
   return std::sqrt(e.covariance_matrix().determinant());
@@ -43,15 +31,16 @@ struct Merge {
 std::vector<Merge> possible_merges(const std::vector<elements::Ellipsoid>& ellipsoids,
                                    const std::vector<double>& hits,
                                    const RearrangementOptions& options) {
-  const Cloud cloud{ellipsoids};
-  const Tree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(12));
+  const KdTree tree(
+      ellipsoids.size(),
+      [&](size_t i, size_t axis) { return ellipsoids[i].mean[Eigen::Index(axis)]; }, 12);
   std::vector<Merge> best(ellipsoids.size(), {options.largest_cost, kNobody, kNobody});
   parallel_for(best.size(), 1024, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       if (hits[i] < options.least_hits) continue;
       uint32_t near[5];
       float squared[5];
-      const size_t found = tree.knnSearch(ellipsoids[i].mean.data(), 5, near, squared);
+      const size_t found = tree.nearest(ellipsoids[i].mean.data(), 5, near, squared);
       for (size_t k = 0; k < found; ++k) {
         const uint32_t j = near[k];
         if (j == i || hits[j] < options.least_hits || ellipsoids[i].label != ellipsoids[j].label) {

@@ -22,11 +22,10 @@ struct Sum {
   int64_t n = 0;
 };
 
-}  // namespace
-
-SampleGrid::SampleGrid(std::span<const Vec3f> points, std::span<const Vec3f> to_sensor,
-                       const CellBox& box, double cell_m)
-    : box_(box), cell_m_(cell_m) {
+/// The cell of each point, counted with x fastest; kOutside for points outside `box` and where a
+/// number is not finite.
+std::vector<uint32_t> cells_of(std::span<const Vec3f> points, std::span<const Vec3f> to_sensor,
+                               const CellBox& box, double cell_m) {
   std::vector<uint32_t> cell_of(points.size(), kOutside);
   parallel_for(points.size(), 1 << 14, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
@@ -35,25 +34,40 @@ SampleGrid::SampleGrid(std::span<const Vec3f> points, std::span<const Vec3f> to_
       size_t cell = 0;
       bool inside = true;
       for (size_t a = 3; a-- > 0;) {
-        const double at = std::floor(double(p[int(a)]) / cell_m_) - box_.first[a];
-        inside &= at >= 0 && at < box_.size[a];
-        cell = cell * size_t(box_.size[a]) + size_t(inside ? at : 0);
+        const double at = std::floor(double(p[int(a)]) / cell_m) - box.first[a];
+        inside &= at >= 0 && at < box.size[a];
+        cell = cell * size_t(box.size[a]) + size_t(inside ? at : 0);
       }
       if (inside) cell_of[i] = uint32_t(cell);
     }
   });
+  return cell_of;
+}
+
+/// The points of each cell in turn, in their order; `start[c]` (one more than cells) is the place
+/// of the first of cell c.
+std::vector<uint32_t> sorted_by_cell(const std::vector<uint32_t>& cell_of,
+                                     std::vector<uint32_t>& start) {
+  for (const uint32_t c : cell_of) {
+    if (c != kOutside) ++start[size_t(c) + 1];
+  }
+  for (size_t c = 1; c < start.size(); ++c) start[c] += start[c - 1];
+  std::vector<uint32_t> sorted(start.back());
+  std::vector<uint32_t> next(start.begin(), start.end() - 1);
+  for (size_t i = 0; i < cell_of.size(); ++i) {
+    if (cell_of[i] != kOutside) sorted[next[cell_of[i]]++] = uint32_t(i);
+  }
+  return sorted;
+}
+
+}  // namespace
+
+SampleGrid::SampleGrid(std::span<const Vec3f> points, std::span<const Vec3f> to_sensor,
+                       const CellBox& box, double cell_m)
+    : box_(box), cell_m_(cell_m) {
   start_.assign(size_t(box_.count()) + 1, 0);
-  for (uint32_t c : cell_of) {
-    if (c != kOutside) ++start_[size_t(c) + 1];
-  }
-  for (size_t c = 1; c < start_.size(); ++c) start_[c] += start_[c - 1];
-  std::vector<uint32_t> sorted(start_.back());
-  {
-    std::vector<uint32_t> next(start_.begin(), start_.end() - 1);
-    for (size_t i = 0; i < points.size(); ++i) {
-      if (cell_of[i] != kOutside) sorted[next[cell_of[i]]++] = uint32_t(i);
-    }
-  }
+  const std::vector<uint32_t> sorted =
+      sorted_by_cell(cells_of(points, to_sensor, box_, cell_m_), start_);
   // The samples of each cell are first written where its points are, then moved together.
   std::vector<OrientedPoint> sample(sorted.size());
   std::vector<uint8_t> count(size_t(box_.count()));

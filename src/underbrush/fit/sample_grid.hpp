@@ -3,11 +3,13 @@
 /// queries.
 #pragma once
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <span>
 #include <vector>
 
-#include "underbrush/fit/surface.hpp"
+#include "underbrush/fit/implicit.hpp"
 
 namespace underbrush::fit {
 

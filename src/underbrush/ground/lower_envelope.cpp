@@ -77,7 +77,7 @@ void refit(PlaneGrid& grid, int level, const std::vector<Vec3f>& points,
            const std::vector<uint32_t>& row_start, const Weight& weight) {
   const double c = grid.cell_m;
   const int fine_rows = int(row_start.size()) - 1;
-  std::vector<Moments> moments(grid.planes.size());
+  std::vector<PlaneMoments> moments(grid.planes.size());
   parallel_for(size_t(grid.ny), 4, [&](size_t begin, size_t end) {
     const int first = int(begin) << level, last = std::min(fine_rows, int(end) << level);
     for (uint32_t i = row_start[first]; i < row_start[last]; ++i) {
@@ -94,10 +94,10 @@ void refit(PlaneGrid& grid, int level, const std::vector<Vec3f>& points,
     constexpr double kKernel[3] = {0.5, 1, 0.5};
     for (int j = int(begin); j < int(end); ++j) {
       for (int i = 0; i < grid.nx; ++i) {
-        Moments sum;
+        PlaneMoments sum;
         for (int dj = std::max(-1, -j); dj <= std::min(1, grid.ny - 1 - j); ++dj) {
           for (int di = std::max(-1, -i); di <= std::min(1, grid.nx - 1 - i); ++di) {
-            const Moments& m = moments[size_t(j + dj) * grid.nx + i + di];
+            const PlaneMoments& m = moments[size_t(j + dj) * grid.nx + i + di];
             if (m.w > 0) sum.add(m, di * c, dj * c, kKernel[di + 1] * kKernel[dj + 1]);
           }
         }

@@ -50,7 +50,7 @@ struct PlaneGrid {
 };
 
 /// Weighted moments of points about a cell's centre, for the fit of a plane.
-struct Moments {
+struct PlaneMoments {
   double w = 0, x = 0, y = 0, z = 0, xx = 0, xy = 0, yy = 0, xz = 0, yz = 0;
 
   void add(double px, double py, double pz, double weight) {
@@ -59,7 +59,7 @@ struct Moments {
     xz += weight * px * pz, yz += weight * py * pz;
   }
   /// Adds `k` times the moments `m` of a cell whose centre lies (dx, dy) away.
-  void add(const Moments& m, double dx, double dy, double k) {
+  void add(const PlaneMoments& m, double dx, double dy, double k) {
     w += k * m.w, x += k * (m.x + dx * m.w), y += k * (m.y + dy * m.w), z += k * m.z;
     xx += k * (m.xx + 2 * dx * m.x + dx * dx * m.w);
     xy += k * (m.xy + dx * m.y + dy * m.x + dx * dy * m.w);
@@ -69,8 +69,8 @@ struct Moments {
 };
 
 /// argmin over planes of Σ w (z − plane)² + prior weight · (distance from the prior plane)².
-inline PlaneGrid::Plane fit_plane(const Moments& m, const PlaneGrid::Plane& prior, double weight,
-                                  double cell_m) {
+inline PlaneGrid::Plane fit_plane(const PlaneMoments& m, const PlaneGrid::Plane& prior,
+                                  double weight, double cell_m) {
   const double gradient_weight = weight * cell_m * cell_m;
   Mat3 a;
   a << m.w + weight, m.x, m.y, m.x, m.xx + gradient_weight, m.xy, m.y, m.xy, m.yy + gradient_weight;

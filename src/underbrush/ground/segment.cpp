@@ -2,29 +2,29 @@
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
-#include <nanoflann.hpp>
 #include <string>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/kd_tree.inl"
 #include "underbrush/core/parallel.hpp"
 
 namespace underbrush::ground {
 namespace {
 
-/// The finite points of a tile for nanoflann.
+/// The finite points of a tile.
 struct Cloud {
   std::span<const Vec3f> points;
   std::vector<uint32_t> finite;
+};
 
-  size_t kdtree_get_point_count() const { return finite.size(); }
-  float kdtree_get_pt(size_t i, size_t axis) const { return points[finite[i]][axis]; }
-  template <class Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
+/// A coordinate of a finite point.
+struct FiniteCoordinate {
+  const Cloud* cloud;
+  float operator()(size_t i, size_t axis) const {
+    return cloud->points[cloud->finite[i]][Eigen::Index(axis)];
   }
 };
-using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Cloud>, Cloud,
-                                                 3, uint32_t>;
+using Tree = KdTree<FiniteCoordinate>;
 
 /// The at most `k` nearest neighbours within a radius of each point, itself included.
 class Neighbours {
@@ -35,7 +35,7 @@ class Neighbours {
   /// Finds those of `query`; `index(j)` counts in the cloud's points.
   void find(const Tree& tree, const Vec3f& query) {
     const size_t found =
-        tree.knnSearch(query.data(), index_.size(), index_.data(), distance2_.data());
+        tree.nearest(query.data(), index_.size(), index_.data(), distance2_.data());
     size_ = 0;
     while (size_ < found && distance2_[size_] <= radius2_) ++size_;
   }
@@ -58,7 +58,7 @@ void for_each_point(const Cloud& cloud, const Tree& tree, int k, double radius_m
   parallel_for(cloud.finite.size(), 2048, [&](size_t begin, size_t end) {
     Neighbours neighbours(cloud, k, radius_m);
     for (size_t at = begin; at < end; ++at) {
-      const uint32_t i = cloud.finite[tree.vAcc[at]];
+      const uint32_t i = cloud.finite[tree.order()[at]];
       neighbours.find(tree, cloud.points[i]);
       body(i, neighbours);
     }
@@ -96,7 +96,7 @@ std::vector<float> spherical_variances(std::span<const Vec3f> points,
     if (points[i].allFinite()) cloud.finite.push_back(uint32_t(i));
   }
   if (cloud.finite.empty()) return phi;
-  Tree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16));
+  const Tree tree(cloud.finite.size(), {&cloud}, 16);
   for_each_point(cloud, tree, o.neighbours, o.radius_m, [&](uint32_t i, const Neighbours& near) {
     phi[i] = int(near.size()) < o.min_neighbours ? float(o.default_variance)
                                                  : variance_of(points, points[i], near);

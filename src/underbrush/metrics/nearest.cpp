@@ -3,15 +3,14 @@
 #include <cmath>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/kd_tree.inl"
 #include "underbrush/core/parallel.hpp"
-#include "underbrush/metrics/cloud_tree.inl"
 
 namespace underbrush::metrics {
 
 Nearest nearest(std::span<const Vec3f> queries, std::span<const Vec3f> cloud) {
   require(!cloud.empty(), "nearest: the cloud is empty");
-  const CloudPoints adaptor{cloud};
-  const CloudTree tree(3, adaptor, nanoflann::KDTreeSingleIndexAdaptorParams(12));
+  const CloudTree tree(cloud);
   Nearest out;
   out.distance_m.resize(queries.size());
   out.index.resize(queries.size());
@@ -19,7 +18,7 @@ Nearest nearest(std::span<const Vec3f> queries, std::span<const Vec3f> cloud) {
     for (size_t i = begin; i < end; ++i) {
       uint32_t index = 0;
       float squared = 0;
-      tree.knnSearch(queries[i].data(), 1, &index, &squared);
+      tree.nearest(queries[i].data(), 1, &index, &squared);
       out.index[i] = index;
       out.distance_m[i] = std::sqrt(squared);
     }

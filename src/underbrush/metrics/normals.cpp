@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/kd_tree.inl"
 #include "underbrush/core/parallel.hpp"
-#include "underbrush/metrics/cloud_tree.inl"
 
 namespace underbrush::metrics {
 namespace {
@@ -62,13 +62,12 @@ std::vector<Vec3f> normals(std::span<const Vec3f> cloud, size_t k) {
   std::vector<Vec3f> out(cloud.size(), Vec3f::UnitZ());
   if (cloud.size() < 3) return out;
   k = std::min(k, cloud.size());
-  const CloudPoints points{cloud};
-  const CloudTree tree(3, points, nanoflann::KDTreeSingleIndexAdaptorParams(12));
+  const CloudTree tree(cloud);
   parallel_for(cloud.size(), 2048, [&](size_t begin, size_t end) {
     std::vector<uint32_t> index(k);
     std::vector<float> squared(k);
     for (size_t i = begin; i < end; ++i) {
-      const size_t found = tree.knnSearch(cloud[i].data(), k, index.data(), squared.data());
+      const size_t found = tree.nearest(cloud[i].data(), k, index.data(), squared.data());
       Vec3 mean = Vec3::Zero();
       for (size_t j = 0; j < found; ++j) mean += cloud[index[j]].cast<double>();
       mean /= double(found);

@@ -41,29 +41,13 @@ double mean_absolute(double mean, double variance) {
 
 }  // namespace
 
-void predict(std::span<const trace::Met> met, double negligible, Predictive& out) {
-  out.components.clear();
-  out.miss = 1;
-  for (const trace::Met& m : met) {
-    if (m.p > 0) out.components.push_back({out.miss * m.p, m.t_m, m.sigma_m});
-    out.miss *= 1 - m.p;
-    if (out.miss < negligible) break;
-  }
+double negative_log_likelihood(const trace::RangeMixture& p, double range_m, double max_range_m) {
+  constexpr trace::OutlierShares kOutliers = trace::kReportedOutliers;
+  return -std::log(kOutliers.explained() * p.likelihood(range_m) +
+                   kOutliers.likelihood(range_m != kMiss, max_range_m));
 }
 
-double negative_log_likelihood(const Predictive& p, double range_m, double max_range_m) {
-  if (range_m == kMiss) return -std::log((1 - kOutlierShare) * p.miss + 0.5 * kOutlierShare);
-  double density = 0;
-  for (const auto& c : p.components) {
-    const double x = (range_m - c.t_m) / c.sigma_m;
-    if (std::abs(x) < 12) {
-      density += c.weight / (std::sqrt(2 * M_PI) * c.sigma_m) * std::exp(-0.5 * x * x);
-    }
-  }
-  return -std::log((1 - kOutlierShare) * density + 0.5 * kOutlierShare / max_range_m);
-}
-
-double crps(const Predictive& p, double range_m, double max_range_m) {
+double crps(const trace::RangeMixture& p, double range_m, double max_range_m) {
   const double z = range_m == kMiss ? max_range_m : range_m;
   double to_z = p.miss * std::abs(max_range_m - z), among = 0;
   for (size_t i = 0; i < p.components.size(); ++i) {

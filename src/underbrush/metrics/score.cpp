@@ -168,14 +168,14 @@ class Scorer {
     parallel_for(real.size(), 2048, [&](size_t begin, size_t end) {
       std::vector<Ray> rays;
       for (size_t i = begin; i < end; ++i) {
-        rays.push_back({real.origin[i], real.direction[i].cast<double>().normalized()});
+        rays.push_back(real.ray(i));
       }
-      trace::MetLists met;
+      trace::IntersectionLists met;
       const std::vector<double> everywhere(rays.size(), reach);
-      options_.world->all_met(rays, {real.info.min_range_m, reach}, everywhere, met);
-      Predictive p;
+      options_.world->all_intersections(rays, {real.info.min_range_m, reach}, everywhere, met);
+      trace::RangeMixture p;
       for (size_t i = begin; i < end; ++i) {
-        predict(met[i - begin], 1e-4, p);
+        trace::mix_ranges(met[i - begin], 1, 1e-4, p);
         nll_[i] = negative_log_likelihood(p, real.range_m[i], max_range);
         crps_[i] = crps(p, real.range_m[i], max_range);
       }

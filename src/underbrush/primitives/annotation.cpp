@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <initializer_list>
 
+#include "underbrush/elements/manifest.inl"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/file.hpp"
 #include "underbrush/primitives/object_json.inl"
@@ -95,15 +96,11 @@ Annotation read_annotation(const fs::path& path) {
   }
   check_members(whole, j,
                 {"format", "version", "ground", "objects", "provenance", "comment", "$schema"});
-  if (member_of(whole, j, "format") != "underbrush-annotation") {
-    throw FormatError(path.string(), "format", "not an underbrush annotation");
-  }
-  if (const uint32_t version = count_of({path.string(), "version"}, member_of(whole, j, "version"));
-      int64_t(version) > kAnnotationVersion) {
-    throw FormatError(path.string(), "version",
-                      std::to_string(version) + " is newer than this program reads (" +
-                          std::to_string(kAnnotationVersion) + ")");
-  }
+  elements::check_format(path, member_of(whole, j, "format"), "underbrush-annotation",
+                         "an underbrush annotation");
+  elements::check_version(
+      path, int64_t(count_of({path.string(), "version"}, member_of(whole, j, "version"))),
+      kAnnotationVersion);
   Annotation a;
   const Json& ground = member_of(whole, j, "ground");
   if (!ground.is_string()) throw FormatError(path.string(), "ground", "expected a folder's name");

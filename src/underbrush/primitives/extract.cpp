@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <optional>
-#include <unordered_map>
 
+#include "underbrush/core/cells.hpp"
 #include "underbrush/core/check.hpp"
 
 namespace underbrush::primitives {
@@ -17,20 +18,19 @@ using elements::Model;
 class OwnerMap {
  public:
   void add(const Vec3& p, uint32_t instance) {
-    Vote& v = votes_[key(cell(p))];
+    Vote& v = votes_[cell_of(p, kSideM)];
     if (v.count == 0) v.instance = instance;
     v.count += v.instance == instance ? 1 : -1;
   }
   /// The owner at p or of most voxels around; none where no points are near.
   std::optional<uint32_t> at(const Vec3& p) const {
-    const auto c = cell(p);
-    if (const auto found = votes_.find(key(c)); found != votes_.end()) {
+    const Cell3 c = cell_of(p, kSideM);
+    if (const auto found = votes_.find(c); found != votes_.end()) {
       return found->second.instance;
     }
     std::map<uint32_t, int> seen;
     for (int k = 0; k < 27; ++k) {
-      const auto found =
-          votes_.find(key({c[0] + k % 3 - 1, c[1] + k / 3 % 3 - 1, c[2] + k / 9 - 1}));
+      const auto found = votes_.find(Cell3{c.x + k % 3 - 1, c.y + k / 3 % 3 - 1, c.z + k / 9 - 1});
       if (found != votes_.end()) ++seen[found->second.instance];
     }
     if (seen.empty()) return std::nullopt;
@@ -45,18 +45,7 @@ class OwnerMap {
     uint32_t instance = 0;
     int32_t count = 0;
   };
-  using Cell = std::array<int64_t, 3>;
-  static Cell cell(const Vec3& p) {
-    Cell c;
-    for (size_t d = 0; d < 3; ++d) c[d] = int64_t(std::floor(p[Eigen::Index(d)] / kSideM));
-    return c;
-  }
-  static uint64_t key(const Cell& c) {
-    constexpr uint64_t kMask = (1u << 21) - 1;
-    return (uint64_t(c[0]) & kMask) << 42 | (uint64_t(c[1]) & kMask) << 21 |
-           (uint64_t(c[2]) & kMask);
-  }
-  std::unordered_map<uint64_t, Vote> votes_;
+  CellMap<Cell3, Vote> votes_;
 };
 
 OwnerMap owners_of(BeamSource& labelled) {
@@ -86,11 +75,11 @@ class Centres {
     const Pose object_from_world = o.world_from_object().inverse();
     const double reach = std::max(o.box.min.head<2>().norm(), o.box.max.head<2>().norm());
     std::vector<uint32_t> out;
-    const auto [x0, y0] = cell(o.position - Vec3(reach, reach, 0));
-    const auto [x1, y1] = cell(o.position + Vec3(reach, reach, 0));
+    const auto [x0, y0] = cell_of(o.position.x() - reach, o.position.y() - reach, kCellM);
+    const auto [x1, y1] = cell_of(o.position.x() + reach, o.position.y() + reach, kCellM);
     for (int32_t y = y0; y <= y1; ++y) {
       for (int32_t x = x0; x <= x1; ++x) {
-        const auto found = cells_.find({x, y});
+        const auto found = cells_.find(Cell2{x, y});
         if (found == cells_.end()) continue;
         for (const uint32_t k : found->second) {
           const Vec3 p = object_from_world * centre_[k];
@@ -106,15 +95,12 @@ class Centres {
 
  private:
   static constexpr double kCellM = 2;
-  static std::array<int32_t, 2> cell(const Vec3& p) {
-    return {int32_t(std::floor(p.x() / kCellM)), int32_t(std::floor(p.y() / kCellM))};
-  }
   void add(const Vec3& p) {
-    cells_[cell(p)].push_back(uint32_t(centre_.size()));
+    cells_[cell_of(p.x(), p.y(), kCellM)].push_back(uint32_t(centre_.size()));
     centre_.push_back(p);
   }
   std::vector<Vec3> centre_;
-  std::map<std::array<int32_t, 2>, std::vector<uint32_t>> cells_;
+  CellMap<Cell2, std::vector<uint32_t>> cells_;
 };
 
 /// Whether nearly all beams passed through the element.

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <unordered_map>
 
+#include "underbrush/core/cells.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/primitives/size_rules.hpp"
@@ -34,11 +34,11 @@ class Spacing {
  public:
   explicit Spacing(double cell_m) : cell_m_(cell_m) {}
   bool free(double x, double y, double radius_m) const {
-    const auto [i, j] = cell(x, y);
+    const auto [i, j] = cell_of(x, y, cell_m_);
     const auto reach = int32_t(std::ceil((radius_m + largest_m_) / cell_m_));
     for (int32_t a = i - reach; a <= i + reach; ++a) {
       for (int32_t b = j - reach; b <= j + reach; ++b) {
-        const auto found = cells_.find(key(a, b));
+        const auto found = cells_.find(Cell2{a, b});
         if (found == cells_.end()) continue;
         for (const Vec3& p : found->second) {
           if (std::hypot(p.x() - x, p.y() - y) < radius_m + p.z()) return false;
@@ -48,18 +48,13 @@ class Spacing {
     return true;
   }
   void add(double x, double y, double radius_m) {
-    const auto [i, j] = cell(x, y);
-    cells_[key(i, j)].emplace_back(x, y, radius_m);
+    cells_[cell_of(x, y, cell_m_)].emplace_back(x, y, radius_m);
     largest_m_ = std::max(largest_m_, radius_m);
   }
 
  private:
-  std::array<int32_t, 2> cell(double x, double y) const {
-    return {int32_t(std::floor(x / cell_m_)), int32_t(std::floor(y / cell_m_))};
-  }
-  static uint64_t key(int32_t i, int32_t j) { return uint64_t(uint32_t(i)) << 32 | uint32_t(j); }
   double cell_m_, largest_m_ = 0;
-  std::unordered_map<uint64_t, std::vector<Vec3>> cells_;
+  CellMap<Cell2, std::vector<Vec3>> cells_;
 };
 
 Box box_of(double length_m, double width_m, double height_m) {

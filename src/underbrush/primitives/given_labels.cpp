@@ -4,10 +4,10 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <nanoflann.hpp>
 #include <optional>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/kd_tree.inl"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/elements/label_sets.hpp"
 #include "underbrush/io/file.hpp"
@@ -114,29 +114,18 @@ std::optional<std::vector<size_t>> rows_by_order(const Rows& rows, const Hits& h
   return row;
 }
 
-struct Cloud {
-  const std::vector<Vec3>& points;
-  size_t kdtree_get_point_count() const { return points.size(); }
-  double kdtree_get_pt(size_t i, size_t axis) const { return points[i][Eigen::Index(axis)]; }
-  template <class Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
-  }
-};
-
 // Row of each hit by place, SIZE_MAX where none is near.
 std::vector<size_t> rows_by_place(const Rows& rows, const Hits& hits, double tolerance_m) {
-  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Cloud>,
-                                                   Cloud, 3, size_t>;
   std::vector<size_t> row(hits.point.size(), SIZE_MAX);
   if (rows.point.empty()) return row;
-  const Cloud cloud{rows.point};
-  const Tree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16));
+  const KdTree tree(
+      rows.point.size(), [&](size_t i, size_t axis) { return rows.point[i][Eigen::Index(axis)]; },
+      16);
   parallel_for(row.size(), 4096, [&](size_t begin, size_t end) {
     for (size_t k = begin; k < end; ++k) {
-      size_t nearest = 0;
+      uint32_t nearest = 0;
       double distance2 = 0;
-      tree.knnSearch(hits.point[k].data(), 1, &nearest, &distance2);
+      tree.nearest(hits.point[k].data(), 1, &nearest, &distance2);
       if (distance2 <= tolerance_m * tolerance_m) row[k] = nearest;
     }
   });

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "underbrush/core/cells.hpp"
 #include "underbrush/core/check.hpp"
 
 namespace underbrush::primitives {
@@ -132,8 +133,8 @@ MeasuredObjects measure_objects(BeamSource& labelled, const GroundSurface& groun
     }
     Key key{instance};
     if (elements::kind_of(c) == elements::ClassKind::kPatch) {
-      key.i = int32_t(std::floor(p.x() / o.cell_m));
-      key.j = int32_t(std::floor(p.y() / o.cell_m));
+      key.i = cell_index(p.x(), o.cell_m);
+      key.j = cell_index(p.y(), o.cell_m);
     }
     clouds[key].add(p);
     ++votes[instance][c];

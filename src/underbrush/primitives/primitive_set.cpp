@@ -10,6 +10,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/temporary.hpp"
+#include "underbrush/elements/manifest.inl"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/primitives/contact_sheet.hpp"
@@ -135,14 +136,8 @@ PrimitiveSet read_primitive_set(const fs::path& path) {
   set.folder = path;
   try {
     const Json j = Json::parse(in);
-    if (j.at("format") != "underbrush-primitives") {
-      throw FormatError(file.string(), "format", "not a set of primitives");
-    }
-    if (const int version = j.at("version"); version > kPrimitiveSetVersion) {
-      throw FormatError(file.string(), "version",
-                        std::to_string(version) + " is newer than this program reads (" +
-                            std::to_string(kPrimitiveSetVersion) + ")");
-    }
+    elements::check_manifest(file, j, "underbrush-primitives", kPrimitiveSetVersion,
+                             "a set of primitives");
     set.cell_m = j.at("cell_m");
     set.provenance = j.at("provenance").dump();
     for (size_t k = 0; k < j.at("primitives").size(); ++k) {

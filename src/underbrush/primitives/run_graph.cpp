@@ -1,9 +1,10 @@
 #include "underbrush/primitives/run_graph.hpp"
 
 #include <array>
-#include <map>
 #include <numeric>
 #include <tuple>
+
+#include "underbrush/core/cells.hpp"
 
 namespace underbrush::primitives {
 namespace {
@@ -64,8 +65,8 @@ void RunGraph::build() {
 void RunGraph::choose_cell() {
   cells_ = 1;
   if (!is_cell_given_ && !bins_.empty()) {
-    std::map<std::array<int32_t, 2>, uint32_t> square;  // of 1 m
-    for (const Bin& b : bins_) square[{floor_div(b.y, 5), floor_div(b.x, 5)}] += b.points;
+    CellMap<Cell2, uint32_t> square;  // of 1 m
+    for (const Bin& b : bins_) square[{floor_div(b.x, 5), floor_div(b.y, 5)}] += b.points;
     std::vector<uint32_t> counts;
     counts.reserve(square.size());
     for (const auto& [at, n] : square) counts.push_back(n);

@@ -1,10 +1,11 @@
 #include "underbrush/primitives/segment_log.hpp"
 
 #include <cmath>
-#include <map>
+#include <functional>
 #include <optional>
 #include <utility>
 
+#include "underbrush/core/cells.hpp"
 #include "underbrush/core/check.hpp"
 
 namespace underbrush::primitives {
@@ -27,18 +28,18 @@ void for_each_hit(BeamSource& source, const F& f, const G& g) {
 class CoarseGround {
  public:
   void add(const Vec3& p) {
-    auto& [sum, n] = squares_[key(p.x(), p.y())];
+    auto& [sum, n] = squares_[cell_of(p.x(), p.y(), kSideM)];
     sum += p.z(), ++n;
   }
   std::optional<double> at(double x, double y) const {
-    const auto [j, i] = key(x, y);
+    const auto [i, j] = cell_of(x, y, kSideM);
     for (int ring = 0; ring <= kRings; ++ring) {
       double sum = 0;
       int n = 0;
       for (int b = -ring; b <= ring; ++b) {
         for (int a = -ring; a <= ring; ++a) {
           if (std::max(std::abs(a), std::abs(b)) != ring) continue;
-          const auto found = squares_.find({j + b, i + a});
+          const auto found = squares_.find(Cell2{i + a, j + b});
           if (found == squares_.end()) continue;
           sum += found->second.first / double(found->second.second);
           ++n;
@@ -52,32 +53,27 @@ class CoarseGround {
  private:
   static constexpr double kSideM = 5;
   static constexpr int kRings = 6;
-  using Key = std::pair<int64_t, int64_t>;
-  static Key key(double x, double y) {
-    return {int64_t(std::floor(y / kSideM)), int64_t(std::floor(x / kSideM))};
-  }
-  std::map<Key, std::pair<double, size_t>> squares_;
+  CellMap<Cell2, std::pair<double, size_t>> squares_;
 };
 
-}  // namespace
+using Tell = std::function<void(std::string_view stage, size_t done, size_t total)>;
 
-LogLabels segment_log(BeamSource& source, const SegmentLogOptions& o,
-                      const std::vector<Prior>& prior, const SegmentProgress& progress) {
-  const auto tell = [&](std::string_view stage, size_t done, size_t total) {
-    if (progress) progress(stage, done, total);
-  };
-  LogLabels out;
-  ObjectFinder finder(o.objects);
+/// Which hits are ground: as `prior` says, or as found.
+std::vector<uint8_t> ground_of(BeamSource& source, const SegmentLogOptions& o,
+                               const std::vector<Prior>& prior, const Tell& tell) {
   if (prior.empty()) {
-    out.ground = ground::ground_flags(source, o.ground, o.tile_m,
-                                   [&](size_t done, size_t total) { tell("ground", done, total); });
-  } else {
-    out.ground.resize(prior.size());
-    for (size_t k = 0; k < prior.size(); ++k) out.ground[k] = prior[k] == Prior::kGround;
+    return ground::ground_flags(source, o.ground, o.tile_m,
+                                [&](size_t done, size_t total) { tell("ground", done, total); });
   }
-  const size_t hits = out.ground.size();
-  const Vec3 origin = log_origin(source).value_or(Vec3::Zero());
+  std::vector<uint8_t> ground(prior.size());
+  for (size_t k = 0; k < prior.size(); ++k) ground[k] = prior[k] == Prior::kGround;
+  return ground;
+}
 
+/// Fits the heights to the ground's points; takes hits that are too near off the ground.
+CoarseGround fit_heights(BeamSource& source, const SegmentLogOptions& o, const Vec3& origin,
+                         const Tell& tell, LogLabels& out) {
+  const size_t hits = out.ground.size();
   ground::HeightGrid grid(origin, o.height);
   CoarseGround coarse;
   std::vector<Vec3> points;
@@ -101,6 +97,22 @@ LogLabels segment_log(BeamSource& source, const SegmentLogOptions& o,
       });
   require(seen == hits, "segment: as many labels as hits are needed");
   out.height = grid.solve();
+  return coarse;
+}
+
+}  // namespace
+
+LogLabels segment_log(BeamSource& source, const SegmentLogOptions& o,
+                      const std::vector<Prior>& prior, const SegmentProgress& progress) {
+  const auto tell = [&](std::string_view stage, size_t done, size_t total) {
+    if (progress) progress(stage, done, total);
+  };
+  LogLabels out;
+  ObjectFinder finder(o.objects);
+  out.ground = ground_of(source, o, prior, tell);
+  const size_t hits = out.ground.size();
+  const Vec3 origin = log_origin(source).value_or(Vec3::Zero());
+  const CoarseGround coarse = fit_heights(source, o, origin, tell, out);
 
   // x and y from the origin, z above the ground; nothing where no ground is within 30 m.
   const auto place = [&](const Vec3& p) {

@@ -10,7 +10,7 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/names.hpp"
-#include "underbrush/radiometry/foliage.hpp"
+#include "underbrush/radiometry/leaf_angle_distribution.hpp"
 #include "underbrush/radiometry/materials_data.hpp"
 
 namespace underbrush::radiometry {

@@ -16,7 +16,7 @@ struct Material {
   /// Pairs of wavelength (m) and reflectance, in rising order of wavelength.
   std::vector<std::pair<double, double>> reflectance;
   SurfaceModel surface;
-  double leaf_shape = 1;  ///< χ of `Foliage`, for ellipsoids of this material.
+  double leaf_shape = 1;  ///< χ of `LeafAngleDistribution`, for ellipsoids of this material.
 
   /// The reflectance at a wavelength, by linear interpolation; outside the table, its first or last
   /// value.

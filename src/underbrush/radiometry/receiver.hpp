@@ -60,7 +60,7 @@ double signal_from_detection_range(double range_m, double reflectance, double th
 /// The return of a sub-ray is a range (m; infinite or NaN for none), the weight of the sub-ray (its
 /// share of the beam's energy) and a reflection factor. The factor is the reflectance times the
 /// effect of the incidence; it is 1 for a white Lambertian surface that is hit perpendicularly
-/// (`backscatter`, `Foliage::backscatter`).
+/// (`backscatter`, `LeafAngleDistribution::backscatter`).
 class Receiver {
  public:
   explicit Receiver(const ReceiverOptions& options);

@@ -6,7 +6,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/sensor/angles.hpp"
-#include "underbrush/sensor/grid.hpp"
+#include "underbrush/sensor/organised_scan.hpp"
 #include "underbrush/sensor/rays.hpp"
 #include "underbrush/sensor/rings.hpp"
 
@@ -79,7 +79,7 @@ double time_at(const Job& job, double azimuth) {
 }
 
 // Makes the rays of all stored points that are a return or a known miss.
-std::vector<SensorRay> stored_rays(const Job& job, const std::optional<Grid>& grid) {
+std::vector<SensorRay> stored_rays(const Job& job, const std::optional<OrganisedScan>& grid) {
   const PointScan& scan = job.scan;
   const std::vector<uint16_t> rings =
       grid && scan.ring.empty() ? std::vector<uint16_t>() : rings_of(job);
@@ -244,7 +244,7 @@ BeamLog beams_from_scan(const PointScan& scan, const Trajectory& trajectory,
   const bool gaps = std::any_of(scan.point.begin(), scan.point.end(), [](const Vec3f& p) {
     return kind_of(p, 0) == PointKind::kNothing;
   });
-  const std::optional<Grid> grid = gaps ? find_grid(scan, sensor) : std::nullopt;
+  const std::optional<OrganisedScan> grid = gaps ? find_organised_scan(scan, sensor) : std::nullopt;
   std::vector<SensorRay> rays = stored_rays(job, grid);
   if (options.infer_misses && !grid) infer(job, rays);
   std::stable_sort(rays.begin(), rays.end(), [&](const SensorRay& a, const SensorRay& b) {

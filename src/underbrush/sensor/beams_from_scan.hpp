@@ -56,7 +56,8 @@ struct BeamCounts {
 ///   of rings than the sensor has channels, from the elevation (index of the channel; counted).
 ///   Without a sensor, more than 256 recovered rings are not taken for rings, and all are 0.
 /// - Misses: points of an organised scan that are (0,0,0) or not finite are misses, and their
-///   directions come from `find_grid`. Where there is no grid they are skipped and counted.
+///   directions come from `find_organised_scan`. Where there is no grid they are skipped and
+///   counted.
 /// - Origin: it is the sensor's origin; heights of single lasers and Ouster's 12 mm are ignored.
 ///   With `deskew` it is taken at the beam's own time, else all beams share the scan's pose.
 /// - Order: with `deskew` beams are sorted by time, then ring. Otherwise they are in the file's

@@ -9,7 +9,7 @@
 namespace underbrush::sensor {
 namespace {
 
-void read_beam(const Map& map, Sensor& s) {
+void read_beam(const YamlMap& map, Sensor& s) {
   const auto divergence = map.pair("divergence_mrad", {0, 0});
   s.beam.divergence_rad = {divergence[0] * 1e-3, divergence[1] * 1e-3};
   s.beam.exit_diameter_m = map.get("aperture_mm", 0.0) * 1e-3;
@@ -37,9 +37,9 @@ void read_beam(const Map& map, Sensor& s) {
   s.wavelength_m = map.get("wavelength_nm", 0.0) * 1e-9;
 }
 
-void read_receiver(const Map& root, SignalChain& c) {
+void read_receiver(const YamlMap& root, SignalChain& c) {
   if (!root.has("receiver")) return;
-  const Map map = root.map(
+  const YamlMap map = root.map(
       "receiver", {"pulse", "pulse_ns", "response_ns", "sample_ns", "timing", "threshold_snr",
                    "detects", "min_gap_m", "saturation_snr", "returns", "max_echoes", "intensity",
                    "intensity_scale", "intensity_step", "intensity_max", "width_step_m"});
@@ -55,7 +55,7 @@ void read_receiver(const Map& root, SignalChain& c) {
                                 "peak");
   c.threshold_snr = map.get("threshold_snr", c.threshold_snr);
   if (map.has("detects")) {
-    const Map detects = map.map("detects", {"range_m", "reflectance"});
+    const YamlMap detects = map.map("detects", {"range_m", "reflectance"});
     c.detection_range_m = detects.get<double>("range_m");
     c.detection_reflectance = detects.get<double>("reflectance");
   }
@@ -78,34 +78,34 @@ void read_receiver(const Map& root, SignalChain& c) {
 }
 
 Sensor read_sensor(const std::string& file, const YAML::Node& root) {
-  const Map map(file, "", root,
-                {"name",
-                 "title",
-                 "kind",
-                 "rate_hz",
-                 "firing_period_us",
-                 "firings_per_packet",
-                 "rotation",
-                 "start_azimuth_deg",
-                 "shots_per_s",
-                 "raster",
-                 "directions",
-                 "cycle_s",
-                 "min_range_m",
-                 "max_range_m",
-                 "range_sigma_m",
-                 "range_resolution_m",
-                 "divergence_mrad",
-                 "aperture_mm",
-                 "encoder_step_deg",
-                 "growth",
-                 "profile",
-                 "profile_table",
-                 "sub_rays",
-                 "wavelength_nm",
-                 "receiver",
-                 "channels",
-                 "sources"});
+  const YamlMap map(file, "", root,
+                    {"name",
+                     "title",
+                     "kind",
+                     "rate_hz",
+                     "firing_period_us",
+                     "firings_per_packet",
+                     "rotation",
+                     "start_azimuth_deg",
+                     "shots_per_s",
+                     "raster",
+                     "directions",
+                     "cycle_s",
+                     "min_range_m",
+                     "max_range_m",
+                     "range_sigma_m",
+                     "range_resolution_m",
+                     "divergence_mrad",
+                     "aperture_mm",
+                     "encoder_step_deg",
+                     "growth",
+                     "profile",
+                     "profile_table",
+                     "sub_rays",
+                     "wavelength_nm",
+                     "receiver",
+                     "channels",
+                     "sources"});
   Sensor s;
   s.name = map.get<std::string>("name");
   s.title = map.get("title", s.name);

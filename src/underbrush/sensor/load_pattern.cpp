@@ -8,10 +8,10 @@ namespace underbrush::sensor {
 namespace {
 
 // Reads elevations: a list, or {first, last, count} for evenly spaced ones with both ends included.
-std::vector<double> read_elevations(const Map& channels) {
+std::vector<double> read_elevations(const YamlMap& channels) {
   if (!channels.child("elevation_deg").IsMap())
     return channels.get<std::vector<double>>("elevation_deg");
-  const Map even = channels.map("elevation_deg", {"first", "last", "count"});
+  const YamlMap even = channels.map("elevation_deg", {"first", "last", "count"});
   const auto first = even.get<double>("first"), last = even.get<double>("last");
   const auto count = even.get<int>("count");
   if (count < 2 || count > 65535) even.fail("count", "must be 2 to 65535");
@@ -20,9 +20,10 @@ std::vector<double> read_elevations(const Map& channels) {
   return out;
 }
 
-std::vector<Channel> read_channels(const Map& root, std::vector<std::array<double, 2>>* windows) {
-  const Map map = root.map("channels", {"elevation_deg", "azimuth_deg", "time_us", "z_mm",
-                                        "azimuth_from_deg", "azimuth_to_deg"});
+std::vector<Channel> read_channels(const YamlMap& root,
+                                   std::vector<std::array<double, 2>>* windows) {
+  const YamlMap map = root.map("channels", {"elevation_deg", "azimuth_deg", "time_us", "z_mm",
+                                            "azimuth_from_deg", "azimuth_to_deg"});
   const std::vector<double> elevation = read_elevations(map);
   std::vector<Channel> channels(elevation.size());
   for (size_t i = 0; i < channels.size(); ++i) channels[i].elevation_rad = elevation[i] * kDegree;
@@ -51,7 +52,7 @@ std::vector<Channel> read_channels(const Map& root, std::vector<std::array<doubl
   return channels;
 }
 
-void read_rotation(const Map& map, Sensor& s) {
+void read_rotation(const YamlMap& map, Sensor& s) {
   s.rate_hz = map.get<double>("rate_hz");
   s.firing_period_s = map.get<double>("firing_period_us") * 1e-6;
   s.clockwise = map.choice<bool>("rotation", {{"clockwise", true}, {"counterclockwise", false}});
@@ -59,7 +60,7 @@ void read_rotation(const Map& map, Sensor& s) {
 }
 
 // Reads a sweep: the firings of one turn, of each channel within its own window.
-void read_sweep(const Map& map, Sensor& s) {
+void read_sweep(const YamlMap& map, Sensor& s) {
   read_rotation(map, s);
   std::vector<std::array<double, 2>> window;
   s.channels = read_channels(map, &window);
@@ -81,8 +82,8 @@ void read_sweep(const Map& map, Sensor& s) {
   }
 }
 
-void read_raster(const Map& root, Sensor& s) {
-  const Map map =
+void read_raster(const YamlMap& root, Sensor& s) {
+  const YamlMap map =
       root.map("raster", {"azimuth_deg", "elevation_deg", "step_deg", "order", "serpentine"});
   const auto azimuth = map.pair("azimuth_deg"), elevation = map.pair("elevation_deg");
   const auto step = map.pair("step_deg");
@@ -107,7 +108,7 @@ void read_raster(const Map& root, Sensor& s) {
   s.rate_hz = 1 / (s.firing_period_s * double(s.raster.size()));
 }
 
-void read_directions(const Map& map, Sensor& s) {
+void read_directions(const YamlMap& map, Sensor& s) {
   s.rate_hz = map.get<double>("rate_hz");
   s.cycle_s = map.get<double>("cycle_s");
   if (!(s.cycle_s > 0)) map.fail("cycle_s", "must be positive");
@@ -124,7 +125,7 @@ void read_directions(const Map& map, Sensor& s) {
 
 }  // namespace
 
-void read_pattern(const Map& root, Sensor& s) {
+void read_pattern(const YamlMap& root, Sensor& s) {
   const auto kind = root.get<std::string>("kind");
   s.kind = root.choice<Kind>("kind", {{"spinning", Kind::kSpinning},
                                       {"raster", Kind::kRaster},

@@ -1,4 +1,5 @@
 // Access to the YAML files of sensors by key, for the sources that read them.
+#pragma once
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
@@ -18,10 +19,10 @@ namespace underbrush::sensor {
 inline constexpr double kDegree = M_PI / 180;
 
 /// A YAML map whose keys must all be used.
-class Map {
+class YamlMap {
  public:
-  Map(std::string file, std::string place, const YAML::Node& node,
-      std::initializer_list<std::string_view> keys)
+  YamlMap(std::string file, std::string place, const YAML::Node& node,
+          std::initializer_list<std::string_view> keys)
       : file_(std::move(file)), place_(std::move(place)), node_(node) {
     if (!node_.IsMap()) fail("", "expected lines of KEY: VALUE");
     for (const auto& entry : node_) {
@@ -51,8 +52,8 @@ class Map {
   }
 
   /// The map under `key`.
-  Map map(const std::string& key, std::initializer_list<std::string_view> keys) const {
-    return Map(file_, place_.empty() ? key : place_ + "." + key, child(key), keys);
+  YamlMap map(const std::string& key, std::initializer_list<std::string_view> keys) const {
+    return YamlMap(file_, place_.empty() ? key : place_ + "." + key, child(key), keys);
   }
   /// Reads one of the named values. Without the key it takes that of `fallback`, which may be null.
   template <class T>
@@ -87,7 +88,7 @@ class Map {
 };
 
 /// Reads the pattern of the beams: kind, rates, and channels, raster or table.
-void read_pattern(const Map& root, Sensor& s);
+void read_pattern(const YamlMap& root, Sensor& s);
 
 /// Reads a whole file. Throws `FormatError`.
 std::string text_of(const std::string& path);

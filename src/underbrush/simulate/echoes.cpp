@@ -7,12 +7,13 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
+#include "underbrush/simulate/element_class.hpp"
 #include "underbrush/simulate/sub_returns.hpp"
 
 namespace underbrush::simulate {
 namespace {
 
-using trace::Met;
+using trace::Intersection;
 
 constexpr size_t kRaysACall = 8192;  // as many as the tracer orders at a time
 
@@ -20,13 +21,6 @@ constexpr size_t kRaysACall = 8192;  // as many as the tracer orders at a time
 Vec3 turned(double angle_rad, const Vec3& d) {
   const double c = std::cos(angle_rad), s = std::sin(angle_rad);
   return {c * d.x() - s * d.y(), s * d.x() + c * d.y(), d.z()};
-}
-
-uint16_t class_of(const elements::Model& model, const Met& met, const EchoOptions& options) {
-  const uint32_t element = met.element;
-  if (!options.instance_labels.empty()) return uint16_t(options.instance_labels.at(met.instance));
-  if (model.kind(element) != elements::Kind::kEllipsoid) return 0;
-  return uint16_t(model.ellipsoids[element - model.ground.size() - model.surface.size()].label);
 }
 
 /// Gathers the rows `row` of a column.
@@ -59,7 +53,7 @@ void repeat_beams(const std::vector<uint32_t>& beam, BeamLog& log) {
 
 /// The element that an echo came from.
 struct EchoMaker::Element {
-  uint32_t number = Met::kNone;
+  uint32_t number = Intersection::kNone;
   uint16_t label = 0;
   uint32_t instance = 0;
 };
@@ -75,18 +69,18 @@ struct EchoMaker::Block {
 /// The working memory of a thread.
 struct EchoMaker::Scratch {
   Scratch(const EchoMaker& m, size_t beams)
-      : rays(beams * m.fan_.size()),
+      : rays(beams * m.sub_rays_.size()),
         keys(rays.size()),
         met(rays.size()),
-        returns(m.fan_.size()),
+        returns(m.sub_rays_.size()),
         waveform(m.receiver_.scratch()),
-        asker(m.reflection_, m.surroundings_) {}
+        evaluator(m.reflection_, m.world_) {}
   std::vector<Ray> rays;
   std::vector<uint64_t> keys;
-  std::vector<Met> met;
+  std::vector<Intersection> met;
   SubReturns returns;
   radiometry::Waveform waveform;
-  Reflection::Asker asker;
+  Reflection::Evaluator evaluator;
 };
 
 /// A pool of working memories, as many as threads that ask at the same time.
@@ -109,13 +103,13 @@ class EchoMaker::Scratches {
   std::vector<std::unique_ptr<Scratch>> free_;
 };
 
-EchoMaker::EchoMaker(const Surroundings& surroundings, const Reflection& reflection,
+EchoMaker::EchoMaker(const DynamicWorld& world, const Reflection& reflection,
                      const Instrument& instrument, const EchoOptions& options)
-    : surroundings_(surroundings),
+    : world_(world),
       reflection_(reflection),
       instrument_(instrument),
       options_(options),
-      fan_(instrument.beam, instrument.sub_rays),
+      sub_rays_(instrument.beam, instrument.sub_rays),
       receiver_(instrument.receiver),
       scratches_(std::make_unique<Scratches>()) {
   require(options.waveforms.every > 0, "echoes: waveforms of every zeroth beam");
@@ -125,31 +119,31 @@ EchoMaker::~EchoMaker() = default;
 
 void EchoMaker::trace(const BeamLog& beams, size_t first_beam, size_t begin, size_t end,
                       Scratch& s) const {
-  for (size_t i = begin, at = 0; i < end; ++i, at += fan_.size()) {
-    Ray axis{beams.origin[i], beams.direction[i].cast<double>().normalized()};
+  for (size_t i = begin, at = 0; i < end; ++i, at += sub_rays_.size()) {
+    Ray axis = beams.ray(i);
     const uint64_t key = beam_key(options_.seed, beams.scan[i], first_beam + i);
     if (instrument_.beam.encoder_step_rad > 0) {
       const double off = uniform_from_bits(random_bits(key, 2, Purpose::kDirection)) - 0.5;
       axis.direction = turned(off * instrument_.beam.encoder_step_rad, axis.direction);
     }
-    fan_.spread(sensor::beam_axes(axis), &s.rays[at]);
-    fan_.keys(key, &s.keys[at]);
+    sub_rays_.spread(sensor::beam_axes(axis), &s.rays[at]);
+    sub_rays_.keys(key, &s.keys[at]);
   }
-  const size_t n = (end - begin) * fan_.size();
-  surroundings_.nearest_accepted(
-      {s.rays.data(), n}, {s.keys.data(), n}, {&beams.time_s[begin], end - begin},
-      {beams.info.min_range_m, beams.info.max_range_m}, {s.met.data(), n});
+  const size_t n = (end - begin) * sub_rays_.size();
+  world_.nearest_accepted({s.rays.data(), n}, {s.keys.data(), n},
+                          {&beams.time_s[begin], end - begin},
+                          {beams.info.min_range_m, beams.info.max_range_m}, {s.met.data(), n});
 }
 
 void EchoMaker::receive(const BeamLog& beams, size_t first_beam, size_t begin, size_t end,
                         Scratch& s, Block& block) const {
   const trace::RangeLimits limits{beams.info.min_range_m, beams.info.max_range_m};
   SubReturns& returns = s.returns;
-  for (size_t i = begin, at = 0; i < end; ++i, at += fan_.size()) {
-    const std::span<const Met> met{&s.met[at], fan_.size()};
-    returns.collect(met, {&s.keys[at], fan_.size()}, fan_.weight(), limits);
-    s.asker.begin(beams.direction[i].cast<double>(), beams.time_s[i]);
-    s.asker.factors(met, {&s.rays[at], fan_.size()}, returns.sub_ray(), returns.factor());
+  for (size_t i = begin, at = 0; i < end; ++i, at += sub_rays_.size()) {
+    const std::span<const Intersection> met{&s.met[at], sub_rays_.size()};
+    returns.collect(met, {&s.keys[at], sub_rays_.size()}, sub_rays_.weight(), limits);
+    s.evaluator.begin(beams.direction[i].cast<double>(), beams.time_s[i]);
+    s.evaluator.factors(met, {&s.rays[at], sub_rays_.size()}, returns.sub_ray(), returns.factor());
     const radiometry::Echoes echoes =
         receiver_.receive(returns.range_m(), returns.weight(), returns.factor(), returns.signal(),
                           beam_key(options_.seed, beams.scan[i], first_beam + i), s.waveform);
@@ -170,14 +164,15 @@ void EchoMaker::receive(const BeamLog& beams, size_t first_beam, size_t begin, s
 }
 
 EchoMaker::Element EchoMaker::element_at(float range_m, const SubReturns& returns,
-                                         std::span<const Met> met) const {
+                                         std::span<const Intersection> met) const {
   const std::span<const float> range = returns.range_m();
   const auto off = [&](float r) { return std::abs(r - range_m); };
   const auto best = std::min_element(range.begin(), range.end(),
                                      [&](float a, float b) { return off(a) < off(b); });
   if (best == range.end()) return {};
-  const Met& m = met[returns.sub_ray()[size_t(best - range.begin())]];
-  return {m.element, class_of(surroundings_.model(m.instance), m, options_), m.instance};
+  const Intersection& m = met[returns.sub_ray()[size_t(best - range.begin())]];
+  return {m.element, element_class(world_.model(m.instance), m, options_.instance_labels),
+          m.instance};
 }
 
 void EchoMaker::write(const std::vector<Block>& blocks, BeamLog& beams) const {
@@ -192,7 +187,7 @@ void EchoMaker::write(const std::vector<Block>& blocks, BeamLog& beams) const {
   std::vector<uint32_t> beam(rows == beams.size() ? 0 : rows);
   std::vector<float> width(rows);
   std::vector<uint8_t> echo(rows), echoes(rows);
-  std::vector<uint32_t> element(options_.element_ids ? rows : 0, Met::kNone);
+  std::vector<uint32_t> element(options_.element_ids ? rows : 0, Intersection::kNone);
   std::vector<uint16_t> label(element.size());
   std::vector<uint32_t> instance(options_.instance_labels.empty() ? 0 : element.size());
   std::vector<float> range(rows, kMiss), intensity(rows, 0);
@@ -233,7 +228,7 @@ void EchoMaker::write(const std::vector<Block>& blocks, BeamLog& beams) const {
 }
 
 void EchoMaker::answer(size_t first_beam, BeamLog& beams) {
-  const size_t grain = std::max<size_t>(1, kRaysACall / fan_.size());
+  const size_t grain = std::max<size_t>(1, kRaysACall / sub_rays_.size());
   std::vector<Block> blocks((beams.size() + grain - 1) / grain);
   parallel_for(beams.size(), grain, [&](size_t begin, size_t end) {
     std::unique_ptr<Scratch> s = scratches_->take(*this, grain);

@@ -10,10 +10,10 @@
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/radiometry/receiver.hpp"
 #include "underbrush/sensor/beam.hpp"
-#include "underbrush/simulate/fan.hpp"
+#include "underbrush/simulate/dynamic_world.hpp"
 #include "underbrush/simulate/reflection.hpp"
+#include "underbrush/simulate/sub_ray_bundle.hpp"
 #include "underbrush/simulate/sub_returns.hpp"
-#include "underbrush/simulate/surroundings.hpp"
 
 namespace underbrush::simulate {
 
@@ -66,8 +66,8 @@ struct EchoOptions {
 class EchoMaker {
  public:
   /// Everything passed must outlive it. Throws `std::invalid_argument` for options out of range.
-  EchoMaker(const Surroundings& surroundings, const Reflection& reflection,
-            const Instrument& instrument, const EchoOptions& options);
+  EchoMaker(const DynamicWorld& world, const Reflection& reflection, const Instrument& instrument,
+            const EchoOptions& options);
   ~EchoMaker();
 
   /// Replaces `beams` (one row a beam) by their echoes (one or more rows a beam). `first_beam` is
@@ -88,14 +88,14 @@ class EchoMaker {
   void receive(const BeamLog& beams, size_t first_beam, size_t begin, size_t end, Scratch& s,
                Block& block) const;
   Element element_at(float range_m, const SubReturns& returns,
-                     std::span<const trace::Met> met) const;
+                     std::span<const trace::Intersection> met) const;
   void write(const std::vector<Block>& blocks, BeamLog& beams) const;
 
-  const Surroundings& surroundings_;
+  const DynamicWorld& world_;
   const Reflection& reflection_;
   const Instrument& instrument_;
   EchoOptions options_;
-  Fan fan_;
+  SubRayBundle sub_rays_;
   radiometry::Receiver receiver_;
   std::unique_ptr<Scratches> scratches_;
   std::vector<BeamWaveform> waveforms_;

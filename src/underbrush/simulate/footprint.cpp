@@ -12,11 +12,11 @@
 namespace underbrush::simulate {
 namespace {
 
-using trace::Met;
+using trace::Intersection;
 
 /// Finds the strongest group of hits that lie within a pulse of each other, as the range [begin,
 /// end) of `hits`.
-std::array<size_t, 2> strongest_echo(const std::vector<Met>& hits, double pulse_m) {
+std::array<size_t, 2> strongest_echo(const std::vector<Intersection>& hits, double pulse_m) {
   std::array<size_t, 2> best{0, 0};
   for (size_t begin = 0; begin < hits.size();) {
     size_t end = begin + 1;
@@ -38,11 +38,11 @@ void scan(const trace::World& world, std::span<const elements::Class> label,
   require(label.size() == world.model().size(), "one label per element of the world is needed");
   const trace::RangeLimits limits{beams.info.min_range_m, beams.info.max_range_m};
   std::vector<uint16_t> classes(beams.size());
-  std::vector<uint32_t> element(options.element_ids ? beams.size() : 0, Met::kNone);
+  std::vector<uint32_t> element(options.element_ids ? beams.size() : 0, Intersection::kNone);
   parallel_for(beams.size(), 1024, [&](size_t begin, size_t end) {
-    std::vector<Met> hits;
+    std::vector<Intersection> hits;
     for (size_t i = begin; i < end; ++i) {
-      Ray axis{beams.origin[i], beams.direction[i].cast<double>().normalized()};
+      Ray axis = beams.ray(i);
       const uint64_t key = beam_key(options.seed, beams.scan[i], first_beam + i);
       const double turn = 2 * M_PI * uniform_from_bits(random_bits(key, 0, Purpose::kDirection));
       if (options.shape.encoder_step_rad > 0) {
@@ -55,10 +55,11 @@ void scan(const trace::World& world, std::span<const elements::Class> label,
       hits.clear();
       for (const auto& [u, v, weight] : places) {
         const Ray ray = maker.ray(axes, c * u - s * v, s * u + c * v);
-        const Met met = world.nearest_surface(ray, limits);
+        const Intersection met = world.nearest_surface(ray, limits);
         if (!met.none()) hits.push_back(met);
       }
-      std::sort(hits.begin(), hits.end(), [](const Met& a, const Met& b) { return a.before(b); });
+      std::sort(hits.begin(), hits.end(),
+                [](const Intersection& a, const Intersection& b) { return a.before(b); });
       const auto [from, to] = strongest_echo(hits, options.pulse_m);
       beams.range_m[i] = kMiss;
       beams.intensity[i] = 0;

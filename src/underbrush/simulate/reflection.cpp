@@ -9,13 +9,13 @@ namespace underbrush::simulate {
 namespace {
 
 using elements::Class;
-using trace::Met;
+using trace::Intersection;
 
 /// Computes the normal of a triangle in the model frame.
 Vec3 normal_of(const elements::Model& model, uint32_t element) {
-  const bool ground = element < model.ground.size();
-  const elements::TriangleMesh& mesh = ground ? model.ground : model.surface;
-  const auto& corner = mesh.triangles[ground ? element : element - model.ground.size()];
+  const elements::ElementPlace at = model.place(element);
+  const elements::TriangleMesh& mesh = model.mesh(at.kind);
+  const auto& corner = mesh.triangles[at.index];
   const Vec3 a = mesh.vertices[corner[0]].cast<double>();
   const Vec3 b = mesh.vertices[corner[1]].cast<double>();
   const Vec3 c = mesh.vertices[corner[2]].cast<double>();
@@ -35,8 +35,8 @@ Reflection::Reflection(const radiometry::Materials& materials, double wavelength
     // Lambert and Oren–Nayar both have the form a cos θ + b sin² θ.
     const double a = radiometry::backscatter(m.surface, 1);
     const double b = (radiometry::backscatter(m.surface, 0.5) - 0.5 * a) / 0.75;
-    coats_.push_back(
-        {m.reflectance_at(wavelength_m), a, b, m.surface, radiometry::Foliage(m.leaf_shape)});
+    materials_.push_back({m.reflectance_at(wavelength_m), a, b, m.surface,
+                          radiometry::LeafAngleDistribution(m.leaf_shape)});
   }
   for (const std::string_view name : elements::kClassNames) {
     of_class_.push_back(uint8_t(index(materials.of(name))));
@@ -46,84 +46,85 @@ Reflection::Reflection(const radiometry::Materials& materials, double wavelength
   }
 }
 
-int Reflection::coat_of(uint32_t instance) const {
+int Reflection::material_of(uint32_t instance) const {
   if (instance < of_instance_.size() && of_instance_[instance] >= 0) return of_instance_[instance];
   if (instance >= label_.size()) return -1;
   const Class label = label_[instance];
   return label == Class::kUnknown || label == Class::kGround ? -1 : of_class_[size_t(label)];
 }
 
-Reflection::Asker::Asker(const Reflection& reflection, const Surroundings& surroundings)
+Reflection::Evaluator::Evaluator(const Reflection& reflection, const DynamicWorld& world)
     : reflection_(reflection),
-      surroundings_(surroundings),
+      world_(world),
       triangles_(kRemembered),
-      leaves_(reflection.coats_.size(), -1) {}
+      leaves_(reflection.materials_.size(), -1) {}
 
-void Reflection::Asker::begin(const Vec3& axis, double time_s) {
-  if (surroundings_.moves() && time_s != time_s_) {
+void Reflection::Evaluator::begin(const Vec3& axis, double time_s) {
+  if (world_.moves() && time_s != time_s_) {
     triangles_.assign(kRemembered, {});
-    instance_ = Met::kNone;
+    instance_ = Intersection::kNone;
   }
   axis_ = axis;
   time_s_ = time_s;
   set_zenith();
 }
 
-void Reflection::Asker::set_zenith() {
+void Reflection::Evaluator::set_zenith() {
   const double c = up_.dot(axis_);
   if (c != cos_zenith_) std::fill(leaves_.begin(), leaves_.end(), -1.0F);
   cos_zenith_ = c;
 }
 
-void Reflection::Asker::enter(uint32_t instance) {
+void Reflection::Evaluator::enter(uint32_t instance) {
   instance_ = instance;
-  model_ = &surroundings_.model(instance);
-  first_ellipsoid_ = uint32_t(model_->ground.size() + model_->surface.size());
-  coat_ = reflection_.coat_of(instance);
-  up_ = surroundings_.placed(instance, time_s_).world_from_model.rotation * Vec3::UnitZ();
+  model_ = &world_.model(instance);
+  first_ellipsoid_ = uint32_t(model_->triangle_count());
+  material_ = reflection_.material_of(instance);
+  up_ = world_.placed(instance, time_s_).world_from_model.rotation * Vec3::UnitZ();
   set_zenith();
 }
 
-void Reflection::Asker::remember(const Met& met, Triangle& t) {
+void Reflection::Evaluator::remember(const Intersection& met, Triangle& t) {
   t.instance = met.instance;
   t.element = met.element;
-  const Pose world_from_model = surroundings_.placed(met.instance, time_s_).world_from_model;
+  const Pose world_from_model = world_.placed(met.instance, time_s_).world_from_model;
   t.normal = world_from_model.rotation * normal_of(*model_, met.element);
   const bool ground = met.element < model_->ground.size();
   const bool named =
       !reflection_.of_instance_.empty() && reflection_.of_instance_[met.instance] >= 0;
   const Class label = ground ? Class::kGround : Class::kUnknown;
-  const bool own = coat_ >= 0 && (!ground || named);
-  t.coat = &reflection_.coats_[own ? size_t(coat_) : reflection_.of_class_[size_t(label)]];
+  const bool own = material_ >= 0 && (!ground || named);
+  t.material =
+      &reflection_.materials_[own ? size_t(material_) : reflection_.of_class_[size_t(label)]];
 }
 
-float Reflection::Asker::leaves(size_t coat) {
-  const Coat& c = reflection_.coats_[coat];
-  return leaves_[coat] = float(c.reflectance * c.foliage.backscatter(cos_zenith_));
+float Reflection::Evaluator::leaves(size_t material) {
+  const Material& c = reflection_.materials_[material];
+  return leaves_[material] = float(c.reflectance * c.leaf_angles.backscatter(cos_zenith_));
 }
 
-void Reflection::Asker::factors(std::span<const Met> met, std::span<const Ray> rays,
-                                std::span<const uint32_t> sub_ray, std::span<float> factor) {
+void Reflection::Evaluator::factors(std::span<const Intersection> met, std::span<const Ray> rays,
+                                    std::span<const uint32_t> sub_ray, std::span<float> factor) {
   const auto& of_class = reflection_.of_class_;
   for (size_t k = 0; k < sub_ray.size(); ++k) {
-    const Met& m = met[sub_ray[k]];
+    const Intersection& m = met[sub_ray[k]];
     if (m.instance != instance_) enter(m.instance);
     if (m.element >= first_ellipsoid_) {
-      size_t coat = size_t(coat_);
-      if (coat_ < 0) {
+      size_t material = size_t(material_);
+      if (material_ < 0) {
         const uint32_t label = model_->ellipsoids[m.element - first_ellipsoid_].label;
-        coat = of_class[label < of_class.size() ? label : 0];
+        material = of_class[label < of_class.size() ? label : 0];
       }
-      factor[k] = leaves_[coat] < 0 ? leaves(coat) : leaves_[coat];
+      factor[k] = leaves_[material] < 0 ? leaves(material) : leaves_[material];
       continue;
     }
     Triangle& t = triangles_[(m.element + 97 * m.instance) % kRemembered];
     if (t.element != m.element || t.instance != m.instance) remember(m, t);
-    const Coat& coat = *t.coat;
+    const Material& material = *t.material;
     const double c = std::min(1.0, std::abs(t.normal.dot(rays[sub_ray[k]].direction)));
-    factor[k] = coat.surface.brdf == radiometry::Brdf::kPhong
-                    ? float(coat.reflectance * radiometry::backscatter(coat.surface, c))
-                    : float(coat.reflectance * (coat.a * c + coat.b * (1 - c * c)));
+    factor[k] = material.surface.brdf == radiometry::Brdf::kPhong
+                    ? float(material.reflectance * radiometry::backscatter(material.surface, c))
+                    : float(material.reflectance * (material.a * c + material.b * (1 - c * c)));
   }
 }
 

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "underbrush/elements/classes.hpp"
-#include "underbrush/radiometry/foliage.hpp"
+#include "underbrush/radiometry/leaf_angle_distribution.hpp"
 #include "underbrush/radiometry/materials.hpp"
-#include "underbrush/simulate/surroundings.hpp"
+#include "underbrush/simulate/dynamic_world.hpp"
 
 namespace underbrush::simulate {
 
@@ -26,66 +26,68 @@ struct InstanceKinds {
 /// that says nothing (`unknown`, `ground`), an ellipsoid has the class of its own label and a
 /// surface triangle `unknown`.
 class Reflection {
-  struct Coat;
+  struct Material;
 
  public:
   /// Throws `std::invalid_argument` where a material does not exist.
   Reflection(const radiometry::Materials& materials, double wavelength_m,
              const InstanceKinds& kinds = {});
 
-  /// A query for the factors of beams one after another, which caches what it has seen. It serves a
-  /// single thread.
-  class Asker {
+  /// An evaluation of the factors of beams one after another, which keeps the elements that it has
+  /// evaluated lately. It serves a single thread.
+  class Evaluator {
    public:
-    Asker(const Reflection& reflection, const Surroundings& surroundings);
+    Evaluator(const Reflection& reflection, const DynamicWorld& world);
     /// Starts a beam by its axis (unit vector, world) and time (s). It must be called before
     /// `factors`.
     void begin(const Vec3& axis, double time_s);
     /// Computes the factors of what some of a beam's `rays` met. `met` has the meetings of the rays
     /// with the numbers `sub_ray`. A triangle has ρ · `backscatter` at the angle to its normal,
-    /// whichever side is lit. An ellipsoid has ρ · `Foliage::backscatter` at the angle between the
-    /// beam's axis and the instance's own vertical, because leaves tilt with what they grow on.
-    void factors(std::span<const trace::Met> met, std::span<const Ray> rays,
+    /// whichever side is lit. An ellipsoid has ρ · `LeafAngleDistribution::backscatter` at the
+    /// angle between the beam's axis and the instance's own vertical, because leaves tilt with what
+    /// they grow on.
+    void factors(std::span<const trace::Intersection> met, std::span<const Ray> rays,
                  std::span<const uint32_t> sub_ray, std::span<float> factor);
 
    private:
     struct Triangle {
-      uint32_t instance = trace::Met::kNone, element = 0;
+      uint32_t instance = trace::Intersection::kNone, element = 0;
       Vec3 normal = Vec3::Zero();  ///< World.
-      const Coat* coat = nullptr;
+      const Material* material = nullptr;
     };
     static constexpr size_t kRemembered = 256;
     void enter(uint32_t instance);
-    void remember(const trace::Met& met, Triangle& t);
-    float leaves(size_t coat);
+    void remember(const trace::Intersection& met, Triangle& t);
+    float leaves(size_t material);
 
     const Reflection& reflection_;
-    const Surroundings& surroundings_;
+    const DynamicWorld& world_;
     void set_zenith();
 
     Vec3 axis_ = Vec3::UnitX();
     double time_s_ = 0, cos_zenith_ = 0;
-    uint32_t instance_ = trace::Met::kNone;  ///< The instance that the next four fields describe.
-    Vec3 up_ = Vec3::UnitZ();                ///< Its vertical, world.
+    uint32_t instance_ =
+        trace::Intersection::kNone;  ///< The instance that the next four fields describe.
+    Vec3 up_ = Vec3::UnitZ();        ///< Its vertical, world.
     const elements::Model* model_ = nullptr;
     uint32_t first_ellipsoid_ = 0;
-    int coat_ = -1;  ///< Material of all elements but the ground; −1 = by element.
+    int material_ = -1;  ///< Material of all elements but the ground; −1 = by element.
     std::vector<Triangle> triangles_;
     std::vector<float> leaves_;  ///< Factors by material at `cos_zenith_`; < 0 = not yet computed.
   };
 
  private:
-  struct Coat {
+  struct Material {
     double reflectance;
     double a, b;  ///< Backscatter a cos θ + b sin² θ; unused for Phong.
     radiometry::SurfaceModel surface;
-    radiometry::Foliage foliage;
+    radiometry::LeafAngleDistribution leaf_angles;
   };
   /// The material of all elements of an instance but the ground, or −1 if it depends on the
   /// element.
-  int coat_of(uint32_t instance) const;
+  int material_of(uint32_t instance) const;
 
-  std::vector<Coat> coats_;
+  std::vector<Material> materials_;
   std::vector<uint8_t> of_class_;  ///< Index of the material, by class.
   std::vector<elements::Class> label_;
   std::vector<int> of_instance_;  ///< Index of the material, or −1.

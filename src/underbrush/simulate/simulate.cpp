@@ -7,17 +7,17 @@
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/simulate/draw.hpp"
+#include "underbrush/simulate/element_class.hpp"
 
 namespace underbrush::simulate {
 namespace {
 
-using trace::Met;
+using trace::Intersection;
 
 // Draws a point of the element's Gaussian, world frame.
-Vec3 drawn_in_volume(const elements::Model& model, const elements::Instance& placed, const Met& met,
-                     uint64_t key) {
-  const elements::Ellipsoid& e =
-      model.ellipsoids[met.element - model.ground.size() - model.surface.size()];
+Vec3 drawn_in_volume(const elements::Model& model, const elements::Instance& placed,
+                     const Intersection& met, uint64_t key) {
+  const elements::Ellipsoid& e = model.ellipsoids[model.place(met.element).index];
   Vec3 n;
   for (uint32_t k = 0; k < 3; ++k) {
     n[k] = normal(mix64(key + k), met.element, Purpose::kRange);
@@ -26,31 +26,25 @@ Vec3 drawn_in_volume(const elements::Model& model, const elements::Instance& pla
   return placed.world_from_model * Vec3(double(placed.scale) * (e.mean.cast<double>() + root * n));
 }
 
-uint16_t class_of(const elements::Model& model, uint32_t element, uint32_t instance,
-                  const Options& options) {
-  if (!options.instance_labels.empty()) return uint16_t(options.instance_labels.at(instance));
-  if (model.kind(element) != elements::Kind::kEllipsoid) return 0;
-  return uint16_t(model.ellipsoids[element - model.ground.size() - model.surface.size()].label);
-}
-
 }  // namespace
 
-void simulate(const Surroundings& world, const Options& options, size_t first_beam,
+void simulate(const DynamicWorld& world, const Options& options, size_t first_beam,
               BeamLog& beams) {
   if (options.random_ray) options.random_ray->check();
+  const double farthest = options.max_range_m > 0 ? options.max_range_m : beams.info.max_range_m;
   const trace::RangeLimits limits{beams.info.min_range_m,
-                                  std::min(beams.info.max_range_m, world.model(0).max_range_m)};
-  std::vector<uint32_t> element(options.element_ids ? beams.size() : 0, Met::kNone);
+                                  std::min(farthest, world.model(0).max_range_m)};
+  std::vector<uint32_t> element(options.element_ids ? beams.size() : 0, Intersection::kNone);
   std::vector<uint16_t> label(element.size());
   std::vector<uint32_t> instance(options.instance_labels.empty() ? 0 : element.size());
   parallel_for(beams.size(), 8192, [&](size_t begin, size_t end) {
     const size_t n = end - begin;
     std::vector<Ray> rays(n);
     std::vector<uint64_t> keys(n);
-    std::vector<Met> met(n);
+    std::vector<Intersection> met(n);
     for (size_t k = 0; k < n; ++k) {
       const size_t i = begin + k;
-      rays[k] = {beams.origin[i], beams.direction[i].cast<double>().normalized()};
+      rays[k] = beams.ray(i);
       keys[k] = beam_key(options.seed, beams.scan[i], first_beam + i);
       if (options.random_ray) {
         rays[k] = sensor::random_ray(sensor::beam_axes(rays[k]), *options.random_ray, keys[k]);
@@ -66,7 +60,7 @@ void simulate(const Surroundings& world, const Options& options, size_t first_be
       const elements::Model& model = world.model(met[k].instance);
       if (options.element_ids) {
         element[i] = met[k].element;
-        label[i] = class_of(model, met[k].element, met[k].instance, options);
+        label[i] = element_class(model, met[k], options.instance_labels);
         if (!instance.empty()) instance[i] = met[k].instance;
       }
       double range = drawn_on_ray(met[k], keys[k], limits);
@@ -78,7 +72,7 @@ void simulate(const Surroundings& world, const Options& options, size_t first_be
         beams.direction[i] = to.normalized().cast<float>();
       }
       if (options.range_noise_m > 0) {
-        range += options.range_noise_m * normal(keys[k], Met::kNone, Purpose::kNoise);
+        range += options.range_noise_m * normal(keys[k], Intersection::kNone, Purpose::kNoise);
       }
       beams.range_m[i] = float(std::clamp(range, limits.min_m, limits.max_m));
     }

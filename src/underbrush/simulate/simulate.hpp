@@ -10,7 +10,7 @@
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/elements/classes.hpp"
 #include "underbrush/sensor/beam.hpp"
-#include "underbrush/simulate/surroundings.hpp"
+#include "underbrush/simulate/dynamic_world.hpp"
 
 namespace underbrush {
 /// Simulation: it answers beams from a world.
@@ -27,7 +27,7 @@ struct Options {
   uint64_t seed = 1;
   RangeDraw draw = RangeDraw::kOnRay;
   double range_noise_m = 0;  ///< σ of further noise on every range.
-  /// For `SimulatedSource`: if positive, replaces the maximum range of the beams.
+  /// If positive, it replaces the maximum range of the beams.
   double max_range_m = 0;
   bool element_ids = false;  ///< Whether to add the extra columns `element` and `element_class`.
   /// The classes of a scene's instances, one an instance. With `element_ids`, `element_class` is
@@ -44,10 +44,12 @@ struct Options {
 ///
 /// Beam i draws its random numbers from (seed, scan, first_beam + i), so neither chunks nor threads
 /// change the answer. Volumetric draws also turn the beam's direction towards the drawn point.
-/// Range limits are those of `beams.info`; where a drawn range lies outside them, the element's own
+/// Elements count at ranges within those of `beams.info` (or `options.max_range_m`) and up to the
+/// `max_range_m` of the model of instance 0, which is the ground of a composed scene; limits of the
+/// other models have no effect. Where a drawn range lies outside these limits, the element's own
 /// range is taken. Intensities are 0, because they depend on an instrument (`EchoMaker` has one).
 /// Throws `std::invalid_argument` for options out of range.
-void simulate(const Surroundings& world, const Options& options, size_t first_beam, BeamLog& beams);
+void simulate(const DynamicWorld& world, const Options& options, size_t first_beam, BeamLog& beams);
 
 /// A source that answers the beams of another source chunk by chunk. The world and the other source
 /// must outlive it.

@@ -17,7 +17,7 @@ UNDERBRUSH_CLONES void mix(size_t n, uint64_t* keys) {
 SubReturns::SubReturns(size_t most)
     : sub_ray_(most), range_m_(most), weight_(most), factor_(most), signal_(most), bits_(most) {}
 
-void SubReturns::collect(std::span<const trace::Met> met, std::span<const uint64_t> keys,
+void SubReturns::collect(std::span<const trace::Intersection> met, std::span<const uint64_t> keys,
                          std::span<const float> weight, const trace::RangeLimits& limits) {
   size_t n = 0;
   for (size_t k = 0; k < met.size(); ++k) {
@@ -29,7 +29,7 @@ void SubReturns::collect(std::span<const trace::Met> met, std::span<const uint64
   size_ = n;
   mix(n, bits_.data());
   for (size_t k = 0; k < n; ++k) {
-    const trace::Met& m = met[sub_ray_[k]];
+    const trace::Intersection& m = met[sub_ray_[k]];
     range_m_[k] = float(drawn_on_ray(m, bits_[k], limits, normal_));
   }
 }

@@ -20,7 +20,7 @@ class SubReturns {
   /// Takes the sub-rays that met something and draws their ranges as `drawn_on_ray` does with a
   /// `QuickNormal`, t ~ N(t_i, σ_i²) ([deschaud12] eq. 2–3). `met`, `keys` and `weight` have one
   /// entry a sub-ray.
-  void collect(std::span<const trace::Met> met, std::span<const uint64_t> keys,
+  void collect(std::span<const trace::Intersection> met, std::span<const uint64_t> keys,
                std::span<const float> weight, const trace::RangeLimits& limits);
 
   size_t size() const { return size_; }

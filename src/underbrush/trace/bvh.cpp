@@ -72,9 +72,11 @@ Factor factor_of(const elements::Ellipsoid& e, double tau, double inflate_m2) {
 
 constexpr double kThin = 1e4;  // beyond this condition floats cannot decide
 
-uint32_t kind_of(const elements::Model& model, const elements::Ellipsoid& e) {
-  if (model.voxel_m > 0 || !(factor_of(e, model.tau, 0).condition < kThin)) return kCareful;
-  return e.density_per_m > 0 ? kPathLength : kEllipsoids;
+LeafKind kind_of(const elements::Model& model, const elements::Ellipsoid& e) {
+  if (model.voxel_m > 0 || !(factor_of(e, model.tau, 0).condition < kThin)) {
+    return LeafKind::kCareful;
+  }
+  return e.density_per_m > 0 ? LeafKind::kPathLength : LeafKind::kEllipsoids;
 }
 
 uint32_t block_threshold(double p) {
@@ -93,7 +95,7 @@ template <class Block>
 Block block_of_nothing() {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   Block block{};
-  std::fill_n(&block.element[0], kWidth, Met::kNone);
+  std::fill_n(&block.element[0], kWidth, Intersection::kNone);
   if constexpr (std::is_same_v<Block, EllipsoidBlock>) {
     std::fill_n(&block.mean[0][0], 3 * kWidth, kNan);
   } else {
@@ -103,22 +105,21 @@ Block block_of_nothing() {
 }
 
 EllipsoidBlock ellipsoid_block(const elements::Model& model, const Ref* refs, uint32_t count,
-                               uint32_t kind) {
+                               LeafKind kind) {
   EllipsoidBlock block = block_of_nothing<EllipsoidBlock>();
   for (uint32_t k = 0; k < count; ++k) {
     const uint32_t id = refs[k].id();
-    const elements::Ellipsoid& e =
-        model.ellipsoids[id - model.ground.size() - model.surface.size()];
+    const elements::Ellipsoid& e = model.ellipsoids[model.place(id).index];
     // Thin shapes are thickened, so that their float tests stay meaningful and err towards finding
     // them.
     const double size2 = double(e.covariance[0]) + e.covariance[3] + e.covariance[5];
     const double inflate =
-        kind == kCareful ? size2 * model.tau * model.tau / (0.25 * kThin * kThin) : 0;
+        kind == LeafKind::kCareful ? size2 * model.tau * model.tau / (0.25 * kThin * kThin) : 0;
     const Factor f = factor_of(e, model.tau, inflate);
     for (int c = 0; c < 6; ++c) block.u[c][k] = float(f.u[c]);
     for (int d = 0; d < 3; ++d) block.mean[d][k] = e.mean[d];
     block.element[k] = id;
-    if (kind == kPathLength) {
+    if (kind == LeafKind::kPathLength) {
       block.depth[k] = float(double(e.density_per_m) * std::sqrt(2 * M_PI) / model.tau);
     } else {
       block.accept_below[k] = block_threshold(largest_p(e));
@@ -131,9 +132,9 @@ TriangleBlock triangle_block(const elements::Model& model, const Ref* refs, uint
   TriangleBlock block = block_of_nothing<TriangleBlock>();
   for (uint32_t k = 0; k < count; ++k) {
     const uint32_t id = refs[k].id();
-    const bool ground = id < model.ground.size();
-    const elements::TriangleMesh& mesh = ground ? model.ground : model.surface;
-    const size_t at = ground ? id : id - model.ground.size();
+    const elements::ElementPlace place = model.place(id);
+    const elements::TriangleMesh& mesh = model.mesh(place.kind);
+    const size_t at = place.index;
     for (int v = 0; v < 3; ++v) {
       for (int d = 0; d < 3; ++d) {
         block.corner[v][d][k] = mesh.vertices[mesh.triangles[at][size_t(v)]][d];
@@ -146,17 +147,16 @@ TriangleBlock triangle_block(const elements::Model& model, const Ref* refs, uint
 }
 
 HugeVector<Ref> refs_of(const elements::Model& model) {
-  const size_t ground = model.ground.size(), triangles = ground + model.surface.size();
   HugeVector<Ref> refs(model.size());
   parallel_for(refs.size(), 4096, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
-      if (i < triangles) {
-        const Box box =
-            i < ground ? triangle_box(model.ground, i) : triangle_box(model.surface, i - ground);
-        refs[i] = Ref(box, uint32_t(i), kTriangles);
+      const elements::ElementPlace place = model.place(i);
+      if (place.kind != elements::Kind::kEllipsoid) {
+        const Box box = triangle_box(model.mesh(place.kind), place.index);
+        refs[i] = Ref(box, uint32_t(i), uint32_t(LeafKind::kTriangles));
       } else {
-        const elements::Ellipsoid& e = model.ellipsoids[i - triangles];
-        refs[i] = Ref(ellipsoid_box(e, model.tau), uint32_t(i), kind_of(model, e));
+        const elements::Ellipsoid& e = model.ellipsoids[place.index];
+        refs[i] = Ref(ellipsoid_box(e, model.tau), uint32_t(i), uint32_t(kind_of(model, e)));
       }
     }
   });
@@ -166,12 +166,12 @@ HugeVector<Ref> refs_of(const elements::Model& model) {
 constexpr size_t kAhead = 4;  // leaves whose elements are prefetched
 
 // Prefetches the elements of a leaf, which lie far apart in memory.
-void call_elements(const elements::Model& model, const HugeVector<Ref>& refs, const Leaf& leaf) {
-  const size_t triangles = model.ground.size() + model.surface.size();
+void prefetch_elements(const elements::Model& model, const HugeVector<Ref>& refs,
+                       const Leaf& leaf) {
   for (uint32_t k = 0; k < leaf.count; ++k) {
-    const uint32_t id = refs[leaf.begin + k].id();
-    if (id < triangles) continue;
-    const char* e = reinterpret_cast<const char*>(&model.ellipsoids[id - triangles]);
+    const elements::ElementPlace place = model.place(refs[leaf.begin + k].id());
+    if (place.kind != elements::Kind::kEllipsoid) continue;
+    const char* e = reinterpret_cast<const char*>(&model.ellipsoids[place.index]);
     __builtin_prefetch(e);
     __builtin_prefetch(e + sizeof(elements::Ellipsoid) - 1);
   }
@@ -193,20 +193,21 @@ Bvh build_bvh(const elements::Model& model) {
   std::vector<uint32_t> reference(tree.leaves.size());
   uint32_t ellipsoids = 0, triangles = 0;
   for (size_t i = 0; i < reference.size(); ++i) {
-    const uint32_t kind = refs[tree.leaves[i].begin].kind();
-    reference[i] = kLeaf | kind | (kind == kTriangles ? triangles++ : ellipsoids++);
+    const LeafKind kind = LeafKind(refs[tree.leaves[i].begin].kind());
+    reference[i] = leaf_reference(kind, kind == LeafKind::kTriangles ? triangles++ : ellipsoids++);
   }
   bvh.ellipsoids.resize(ellipsoids);
   bvh.triangles.resize(triangles);
   parallel_for(reference.size(), 512, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
-      if (i + kAhead < end) call_elements(model, refs, tree.leaves[i + kAhead]);
+      if (i + kAhead < end) prefetch_elements(model, refs, tree.leaves[i + kAhead]);
       const Leaf leaf = tree.leaves[i];
       Ref* first = refs.data() + leaf.begin;
       std::sort(first, first + leaf.count,
                 [](const Ref& a, const Ref& b) { return a.id() < b.id(); });
-      const uint32_t kind = first->kind(), index = reference[i] & kIndexMask;
-      if (kind == kTriangles) {
+      const LeafKind kind = leaf_kind(reference[i]);
+      const uint32_t index = reference[i] & kIndexMask;
+      if (kind == LeafKind::kTriangles) {
         bvh.triangles[index] = triangle_block(model, first, leaf.count);
       } else {
         bvh.ellipsoids[index] = ellipsoid_block(model, first, leaf.count, kind);

@@ -9,18 +9,25 @@
 
 namespace underbrush::trace {
 
-/// The kinds of leaf, in bits 29 and 30 of its reference. `kEllipsoids` are ellipsoids with a hit
-/// probability of their own.
-inline constexpr uint32_t kEllipsoids = 0;
-/// Ellipsoids that are always decided in double precision, because they are bounded by voxels or
-/// too thin for floats.
-inline constexpr uint32_t kCareful = 0x20000000u;
-inline constexpr uint32_t kTriangles = 0x40000000u;
-/// Ellipsoids with a path-length opacity.
-inline constexpr uint32_t kPathLength = 0x60000000u;
-/// A leaf of the tree over instances: an index into `SceneTree::entries`. That tree has no
-/// elements.
-inline constexpr uint32_t kInstance = 0x60000000u;
+/// The kinds of leaf of a model's tree, in bits 29 and 30 of a leaf's reference. Leaves of the tree
+/// over instances have no kind, because they hold subtrees of models.
+enum class LeafKind : uint32_t {
+  kEllipsoids = 0,
+  /// Ellipsoids that are always decided in double precision, because they are bounded by voxels or
+  /// too thin for floats.
+  kCareful = 0x20000000u,
+  kTriangles = 0x40000000u,
+  kPathLength = 0x60000000u,  ///< Ellipsoids with a path-length opacity.
+};
+
+/// The kind of the leaf behind a reference.
+__attribute__((always_inline)) constexpr LeafKind leaf_kind(uint32_t reference) {
+  return LeafKind(reference & kKindMask);
+}
+/// The reference of a leaf.
+constexpr uint32_t leaf_reference(LeafKind kind, uint32_t index) {
+  return kLeaf | uint32_t(kind) | index;
+}
 
 /// Eight ellipsoids in columns. The surface at Mahalanobis distance τ is |U (x − mean)| = 1 with U
 /// upper triangular (u00 u01 u02 u11 u12 u22). Lanes without an ellipsoid are NaN, so that no ray
@@ -55,8 +62,8 @@ struct Bvh {
 
 /// Builds the hierarchy of a model; element numbers are those of the model. Bounds are
 /// conservative: a ray is tested against an ellipsoid wherever it enters |U (x − mean)| ≤ 1 in
-/// exact arithmetic, with U the float nearest to the true factor. The ellipsoids of kCareful leaves
-/// may be inflated.
+/// exact arithmetic, with U the float nearest to the true factor. The ellipsoids of
+/// `LeafKind::kCareful` leaves may be inflated.
 Bvh build_bvh(const elements::Model& model);
 
 }  // namespace underbrush::trace

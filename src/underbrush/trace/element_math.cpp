@@ -7,13 +7,13 @@
 
 namespace underbrush::trace {
 
-Met approach(const Vec3& origin, const Vec3& direction, const Vec3f& mean,
-             const std::array<float, 6>& covariance) {
+Intersection approach(const Vec3& origin, const Vec3& direction, const Vec3f& mean,
+                      const std::array<float, 6>& covariance) {
   double m[3], s[6];
   std::copy_n(mean.data(), 3, m);
   std::copy_n(covariance.data(), 6, s);
   const Approach<double> a = approach_of(origin.data(), direction.data(), m, s);
-  Met met;
+  Intersection met;
   met.t_m = a.t;
   met.sigma_m = std::sqrt(a.sigma2);
   met.delta2 = a.delta2;
@@ -66,9 +66,9 @@ std::array<int64_t, 3> voxel_of(const Vec3& point, double voxel_m) {
 
 namespace {
 
-Met meet_ellipsoid(const elements::Model& model, const elements::Ellipsoid& e, const Vec3& origin,
-                   const Vec3& direction) {
-  Met met = approach(origin, direction, e.mean, e.covariance);
+Intersection intersect_ellipsoid(const elements::Model& model, const elements::Ellipsoid& e,
+                                 const Vec3& origin, const Vec3& direction) {
+  Intersection met = approach(origin, direction, e.mean, e.covariance);
   if (!(met.delta2 <= model.tau * model.tau)) return {};
   if (model.voxel_m > 0 && voxel_of(origin + met.t_m * direction, model.voxel_m) !=
                                voxel_of(e.mean.cast<double>(), model.voxel_m)) {
@@ -81,19 +81,16 @@ Met meet_ellipsoid(const elements::Model& model, const elements::Ellipsoid& e, c
   return met;
 }
 
-Met meet_anywhere(const elements::Model& model, uint32_t element, const Vec3& origin,
-                  const Vec3& direction) {
-  const elements::Kind kind = model.kind(element);
-  Met met;
-  if (kind == elements::Kind::kEllipsoid) {
-    const size_t at = element - model.ground.size() - model.surface.size();
-    met = meet_ellipsoid(model, model.ellipsoids[at], origin, direction);
+Intersection intersect_unlimited(const elements::Model& model, uint32_t element, const Vec3& origin,
+                                 const Vec3& direction) {
+  const elements::ElementPlace at = model.place(element);
+  Intersection met;
+  if (at.kind == elements::Kind::kEllipsoid) {
+    met = intersect_ellipsoid(model, model.ellipsoids[at.index], origin, direction);
     if (met.sigma_m == 0) return {};
   } else {
-    const bool ground = kind == elements::Kind::kGround;
-    const elements::TriangleMesh& mesh = ground ? model.ground : model.surface;
-    const size_t at = ground ? element : element - model.ground.size();
-    const auto& corner = mesh.triangles[at];
+    const elements::TriangleMesh& mesh = model.mesh(at.kind);
+    const auto& corner = mesh.triangles[at.index];
     const auto t = crossing(origin, direction, mesh.vertices[corner[0]], mesh.vertices[corner[1]],
                             mesh.vertices[corner[2]]);
     if (!t) return {};
@@ -101,7 +98,7 @@ Met meet_anywhere(const elements::Model& model, uint32_t element, const Vec3& or
     met.sigma_m = rough_sigma(mesh.range_sigma_m, mesh.roughness_m, mesh.vertices[corner[0]].data(),
                               mesh.vertices[corner[1]].data(), mesh.vertices[corner[2]].data(),
                               direction.data());
-    met.p = mesh.hit[at].p;
+    met.p = mesh.hit[at.index].p;
   }
   met.element = element;
   return met;
@@ -113,10 +110,10 @@ bool within(const RangeLimits& limits, double t_m) {
 
 }  // namespace
 
-Met meet(const elements::Model& model, uint32_t element, const Vec3& origin, const Vec3& direction,
-         const RangeLimits& limits) {
-  const Met met = meet_anywhere(model, element, origin, direction);
-  return within(limits, met.t_m) ? met : Met{};
+Intersection intersect(const elements::Model& model, uint32_t element, const Vec3& origin,
+                       const Vec3& direction, const RangeLimits& limits) {
+  const Intersection met = intersect_unlimited(model, element, origin, direction);
+  return within(limits, met.t_m) ? met : Intersection{};
 }
 
 Ray to_model(const elements::Instance& placed, const Ray& ray) {
@@ -131,15 +128,16 @@ bool is_translation(const elements::Instance& placed) {
          placed.world_from_model.rotation.vec().isZero(0);
 }
 
-Met meet(const elements::Model& model, const elements::Instance& placed, uint32_t instance,
-         uint32_t element, const Ray& ray, const RangeLimits& limits) {
+Intersection intersect(const elements::Model& model, const elements::Instance& placed,
+                       uint32_t instance, uint32_t element, const Ray& ray,
+                       const RangeLimits& limits) {
   const Ray local = to_model(placed, ray);
-  Met met = meet_anywhere(model, element, local.origin, local.direction);
+  Intersection met = intersect_unlimited(model, element, local.origin, local.direction);
   if (met.none()) return met;
   met.instance = instance;
   met.t_m *= double(placed.scale);
   met.sigma_m *= double(placed.scale);
-  return within(limits, met.t_m) ? met : Met{};
+  return within(limits, met.t_m) ? met : Intersection{};
 }
 
 }  // namespace underbrush::trace

@@ -15,7 +15,7 @@ namespace underbrush {
 namespace trace {
 
 /// The meeting of a ray and an element.
-struct Met {
+struct Intersection {
   /// Range of the closest approach in Mahalanobis distance, or of the intersection, m.
   double t_m = 0;
   double sigma_m = 0;  ///< σ of the range that is drawn on a hit, m.
@@ -28,7 +28,7 @@ struct Met {
   bool none() const { return element == kNone; }
   /// Whether this meeting comes first on the ray. The order is by range, then by instance and
   /// element.
-  bool before(const Met& other) const {
+  bool before(const Intersection& other) const {
     if (t_m != other.t_m) return t_m < other.t_m;
     return instance != other.instance ? instance < other.instance : element < other.element;
   }
@@ -44,8 +44,8 @@ struct RangeLimits {
 ///   t = dᵀΣ⁻¹(μ−o) / dᵀΣ⁻¹d,   δ² = |o + t d − μ|²_Σ,   σ² = 1 / dᵀΣ⁻¹d
 /// `origin` (o) and `mean` (μ) are in one frame (m), `direction` (d) is a unit vector, and
 /// `covariance` (Σ) is positive definite, in the order xx xy xz yy yz zz (m²).
-Met approach(const Vec3& origin, const Vec3& direction, const Vec3f& mean,
-             const std::array<float, 6>& covariance);
+Intersection approach(const Vec3& origin, const Vec3& direction, const Vec3f& mean,
+                      const std::array<float, 6>& covariance);
 
 /// Computes the range at which a ray crosses a triangle (m), or nothing if it misses or runs in the
 /// triangle's plane. Both sides count, and so does the border. The test is watertight (Woop,
@@ -74,7 +74,7 @@ constexpr uint64_t instance_key(uint64_t key, uint32_t instance) {
 }
 
 /// Whether a beam of this key ends at what it met.
-inline bool accepts(uint64_t key, const Met& met) {
+inline bool accepts(uint64_t key, const Intersection& met) {
   return accept_threshold(met.p).accepts(accept_bits(instance_key(key, met.instance), met.element));
 }
 
@@ -83,8 +83,8 @@ std::array<int64_t, 3> voxel_of(const Vec3& point, double voxel_m);
 
 /// Computes where a ray (model frame) meets an element of the model within `limits`. The result is
 /// none() if it does not. This function is the definition of the ray model.
-Met meet(const elements::Model& model, uint32_t element, const Vec3& origin, const Vec3& direction,
-         const RangeLimits& limits);
+Intersection intersect(const elements::Model& model, uint32_t element, const Vec3& origin,
+                       const Vec3& direction, const RangeLimits& limits);
 
 /// Whether an instance's model frame differs from the world's by a translation alone.
 bool is_translation(const elements::Instance& placed);
@@ -95,8 +95,9 @@ Ray to_model(const elements::Instance& placed, const Ray& ray);
 
 /// Computes where a ray (world frame) meets an element of an instance of `model` within `limits`.
 /// Ranges and σ are in the world's metres. The hit probability is that of the unscaled model.
-Met meet(const elements::Model& model, const elements::Instance& placed, uint32_t instance,
-         uint32_t element, const Ray& ray, const RangeLimits& limits);
+Intersection intersect(const elements::Model& model, const elements::Instance& placed,
+                       uint32_t instance, uint32_t element, const Ray& ray,
+                       const RangeLimits& limits);
 
 }  // namespace trace
 }  // namespace underbrush

@@ -221,6 +221,44 @@ struct Pending {
   int child;
 };
 
+/// Joins the top of the tree and the subtrees below it in one array.
+void join(std::vector<Node> top, const std::vector<Pending>& small,
+          const std::vector<uint32_t>& root, std::vector<Part>& part, Hierarchy& tree) {
+  std::vector<uint32_t> first_node(part.size()), first_leaf(part.size());
+  uint32_t nodes = uint32_t(top.size()), leaves = 0;
+  for (size_t i = 0; i < part.size(); ++i) {
+    first_node[i] = nodes;
+    first_leaf[i] = leaves;
+    nodes += uint32_t(part[i].nodes.size());
+    leaves += uint32_t(part[i].leaves.size());
+  }
+  const auto moved = [&](uint32_t reference, size_t i) {
+    return reference + (reference & kLeaf ? first_leaf[i] : first_node[i]);
+  };
+  for (size_t i = 0; i < part.size(); ++i) {
+    const uint32_t reference = moved(root[i], i);
+    if (small[i].node == kEmpty) {
+      tree.root = reference;
+    } else {
+      set_child(top[small[i].node], small[i].child, small[i].range, reference);
+    }
+  }
+  if (!top.empty()) tree.root = 0;
+  tree.nodes.resize(nodes);
+  tree.leaves.resize(leaves);
+  std::copy(top.begin(), top.end(), tree.nodes.begin());
+  parallel_for(part.size(), 1, [&](size_t i, size_t) {
+    std::copy(part[i].leaves.begin(), part[i].leaves.end(), tree.leaves.begin() + first_leaf[i]);
+    for (size_t k = 0; k < part[i].nodes.size(); ++k) {
+      Node& node = tree.nodes[first_node[i] + k] = part[i].nodes[k];
+      for (int c = 0; c < kWidth; ++c) {
+        if (node.lo[0][c] <= node.hi[0][c]) node.child[c] = moved(node.child[c], i);
+      }
+    }
+    part[i] = {};
+  });
+}
+
 }  // namespace
 
 Hierarchy build_hierarchy(HugeVector<Ref>& refs, uint32_t leaf_size) {
@@ -258,40 +296,7 @@ Hierarchy build_hierarchy(HugeVector<Ref>& refs, uint32_t leaf_size) {
   std::vector<uint32_t> root(small.size());
   parallel_for(small.size(), 1,
                [&](size_t i, size_t) { root[i] = grow(splitter, small[i].range, part[i]); });
-  // The subtrees are joined in one array.
-  std::vector<uint32_t> first_node(part.size()), first_leaf(part.size());
-  uint32_t nodes = uint32_t(top.size()), leaves = 0;
-  for (size_t i = 0; i < part.size(); ++i) {
-    first_node[i] = nodes;
-    first_leaf[i] = leaves;
-    nodes += uint32_t(part[i].nodes.size());
-    leaves += uint32_t(part[i].leaves.size());
-  }
-  const auto moved = [&](uint32_t reference, size_t i) {
-    return reference + (reference & kLeaf ? first_leaf[i] : first_node[i]);
-  };
-  for (size_t i = 0; i < part.size(); ++i) {
-    const uint32_t reference = moved(root[i], i);
-    if (small[i].node == kEmpty) {
-      tree.root = reference;
-    } else {
-      set_child(top[small[i].node], small[i].child, small[i].range, reference);
-    }
-  }
-  if (!top.empty()) tree.root = 0;
-  tree.nodes.resize(nodes);
-  tree.leaves.resize(leaves);
-  std::copy(top.begin(), top.end(), tree.nodes.begin());
-  parallel_for(part.size(), 1, [&](size_t i, size_t) {
-    std::copy(part[i].leaves.begin(), part[i].leaves.end(), tree.leaves.begin() + first_leaf[i]);
-    for (size_t k = 0; k < part[i].nodes.size(); ++k) {
-      Node& node = tree.nodes[first_node[i] + k] = part[i].nodes[k];
-      for (int c = 0; c < kWidth; ++c) {
-        if (node.lo[0][c] <= node.hi[0][c]) node.child[c] = moved(node.child[c], i);
-      }
-    }
-    part[i] = {};
-  });
+  join(std::move(top), small, root, part, tree);
   return tree;
 }
 

@@ -2,14 +2,14 @@
 /// This file is the interface to the inner loops, which are compiled once for each instruction set
 /// and chosen at run time.
 ///
-/// Rays are traced in packets of kTogether rays that point alike. A packet descends the tree as a
+/// Rays are traced in packets of kPacketRays rays that point alike. A packet descends the tree as a
 /// whole. At each node, one vector test compares eight boxes with the frustum that encloses the
 /// packet's rays; only boxes that pass are tested against single rays. Blocks of eight ellipsoids
 /// or triangles are tested in the same way.
 ///
 /// The loops compute in floats with bounds on their rounding. Whatever these bounds do not decide
-/// goes to `settle_nearest`, in double precision, so that every instruction set gives the answer of
-/// `meet`.
+/// goes to `resolve_nearest`, in double precision, so that every instruction set gives the answer
+/// of `intersect`.
 #pragma once
 #include <array>
 #include <vector>
@@ -39,7 +39,7 @@ struct ModelView {
 /// The parts of a world that the kernels use.
 struct View {
   const Node* nodes;
-  const Entry* entries;
+  const Subtree* entries;
   uint32_t root;
   double origin[3];  ///< Origin of the tree in the world, m.
   const elements::Instance* instances;
@@ -49,7 +49,7 @@ struct View {
 };
 
 /// The question that a query asks for each ray.
-enum class Ask {
+enum class Query {
   kAccepted,  ///< The nearest element that stops the beam.
   kSurface,   ///< The nearest triangle, whatever its hit probability.
   kAll,       ///< Every element met.
@@ -66,12 +66,12 @@ struct Batch {
   const uint64_t* keys;          ///< One a ray, for kAccepted.
   const double* entry_limits_m;  ///< For kAll: boxes entered beyond this range may be left out.
   RangeLimits limits;
-  const Unfolded* unfolded;  ///< The rays from `first` on, in single precision.
+  const FloatRays* float_rays;  ///< The rays from `first` on, in single precision.
   size_t first;
 
-  Met* best;  ///< Output for kAccepted and kSurface, one a ray; else null.
+  Intersection* best;  ///< Output for kAccepted and kSurface, one a ray; else null.
   /// Output: pairs of a ray and the element where it ends, certain but not yet in `best`. It has
-  /// room for kOrdered.
+  /// room for kBatchRays.
   Candidate* known;
   size_t known_count;
   std::vector<Candidate> candidates;  ///< Output for kAll: undecided pairs, in no order.
@@ -94,38 +94,39 @@ Placement place(const View& view, uint32_t instance, const double centre[3]);
 /// Decides in double precision whether ray `ray` of the batch ends at an element or at what it had
 /// before. `have_element` and `have_instance` are what the kernel holds for the ray, certain but
 /// not yet in `best`, or kNone. Gives true if the new element is nearer; it is then in `best`.
-bool settle_nearest(const View& view, Ask ask, Batch& batch, size_t ray, uint32_t instance,
-                    uint32_t element, uint32_t have_instance, uint32_t have_element);
-/// Computes `meet` for a candidate.
-Met meet_placed(const View& view, const Batch& batch, const Candidate& candidate);
+bool resolve_nearest(const View& view, Query query, Batch& batch, size_t ray, uint32_t instance,
+                     uint32_t element, uint32_t have_instance, uint32_t have_element);
+/// Computes `intersect` for a candidate.
+Intersection intersect_placed(const View& view, const Batch& batch, const Candidate& candidate);
 /// Transforms the ray of a candidate into the frame of the instance's model.
 void place_ray(const View& view, const Batch& batch, const Candidate& candidate, double origin[3],
                double direction[3]);
-/// A model and its place in the world.
-struct Stand {
+/// A model and the transform of one of its instances.
+struct InstanceTransform {
   const ModelView* model;
   double translation[4];  ///< m; the fourth is 0.
   double scale_tau2[2];   ///< Scale, and square of the model's τ.
   bool is_translation;
 };
 /// Finds the model of an instance and its place in the world.
-Stand stand_of(const View& view, uint32_t instance);
+InstanceTransform transform_of(const View& view, uint32_t instance);
 /// Adds a candidate to the batch.
 void add_candidate(Batch& batch, size_t ray, uint32_t instance, uint32_t element);
 
 /// The kernels of one instruction set. Their tree must not be empty.
 struct Kernels {
   const char* name;
-  /// Converts up to kOrdered rays to single precision; `keys` may be null.
-  void (*unfold)(const View&, const Ray* rays, const uint64_t* keys, size_t count,
-                 Unfolded& unfolded);
+  /// Converts up to kBatchRays rays to single precision; `keys` may be null.
+  void (*convert_rays)(const View&, const Ray* rays, const uint64_t* keys, size_t count,
+                       FloatRays& float_rays);
   /// Traces the rays with the numbers `order`, counted from the batch's first ray, in packets of
-  /// kTogether where they point alike. After `count` numbers, kTogether copies of the last one must
-  /// follow.
-  void (*trace)(const View&, Ask, Batch&, const uint32_t* order, size_t count);
-  /// Computes `meet` of each candidate with the batch's limits into out[i], or into the best of the
-  /// candidate's ray if `out` is null.
-  void (*meet_many)(const View&, const Batch&, const Candidate*, size_t count, Met* out);
+  /// kPacketRays where they point alike. After `count` numbers, kPacketRays copies of the last one
+  /// must follow.
+  void (*trace)(const View&, Query, Batch&, const uint32_t* order, size_t count);
+  /// Computes `intersect` of each candidate with the batch's limits into out[i], or into the best
+  /// of the candidate's ray if `out` is null.
+  void (*intersect_many)(const View&, const Batch&, const Candidate*, size_t count,
+                         Intersection* out);
 };
 
 extern const Kernels kKernelsBase, kKernelsAvx2, kKernelsAvx512;

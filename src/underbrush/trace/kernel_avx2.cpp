@@ -1,3 +1,7 @@
-#define UB_KERNELS kKernelsAvx2
-#define UB_KERNELS_NAME "avx2"
 #include "underbrush/trace/kernel.inl"
+
+namespace underbrush::trace {
+
+constinit const Kernels kKernelsAvx2 = kernels_named("avx2");
+
+}  // namespace underbrush::trace

@@ -1,3 +1,7 @@
-#define UB_KERNELS kKernelsAvx512
-#define UB_KERNELS_NAME "avx512"
 #include "underbrush/trace/kernel.inl"
+
+namespace underbrush::trace {
+
+constinit const Kernels kKernelsAvx512 = kernels_named("avx512");
+
+}  // namespace underbrush::trace

@@ -1,3 +1,7 @@
-#define UB_KERNELS kKernelsBase
-#define UB_KERNELS_NAME "sse2"
 #include "underbrush/trace/kernel.inl"
+
+namespace underbrush::trace {
+
+constinit const Kernels kKernelsBase = kernels_named("sse2");
+
+}  // namespace underbrush::trace

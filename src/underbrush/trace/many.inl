@@ -1,6 +1,16 @@
-// `meet` for many rays and elements, four elements of one kind at a time. Answers go to out[i], one
-// a candidate, or, if `out` is null, to the best of each candidate's ray. kernel.inl includes this
-// file.
+// `intersect` for many rays and elements, four elements of one kind at a time. Answers go to
+// out[i], one a candidate, or, if `out` is null, to the best of each candidate's ray. kernel_*.cpp
+// use this file.
+#pragma once
+#include <immintrin.h>
+
+#include <cstddef>
+#include <cstdint>
+
+#include "underbrush/trace/exact.inl"
+#include "underbrush/trace/kernel.hpp"
+#include "underbrush/trace/simd.inl"
+
 namespace underbrush::trace {
 namespace {
 
@@ -43,7 +53,7 @@ inline void transpose(D x[4]) {
 
 // Up to kRun candidates, with triangles apart from ellipsoids.
 constexpr size_t kRun = 256;
-struct Sorted {
+struct CandidatesByKind {
   struct Triangle {
     uint32_t index, at;
     const ModelView::Mesh* mesh;
@@ -57,19 +67,19 @@ struct Sorted {
 };
 
 // Sorts candidates by kind, and prefetches their rays and elements.
-inline void sort_out(const View& view, const Batch& batch, const Candidate* list, size_t count,
-                     Sorted& out) {
+inline void split_by_kind(const View& view, const Batch& batch, const Candidate* list, size_t count,
+                          CandidatesByKind& out) {
   for (size_t i = 0; i < count; ++i) {
     const char* ray = reinterpret_cast<const char*>(batch.rays + list[i].ray);
     __builtin_prefetch(ray);
     __builtin_prefetch(ray + sizeof(Ray) - 1);
     const char* best = reinterpret_cast<const char*>(batch.best + list[i].ray);
     __builtin_prefetch(best, 1);
-    __builtin_prefetch(best + sizeof(Met) - 1, 1);
+    __builtin_prefetch(best + sizeof(Intersection) - 1, 1);
     const ModelView& m = view.model_views[view.instances[list[i].instance].model];
     const uint32_t element = list[i].element;
     const bool is_triangle = element < m.triangle_count, on_ground = element < m.ground_count;
-    Sorted::Triangle& t = out.triangle[out.triangles];
+    CandidatesByKind::Triangle& t = out.triangle[out.triangles];
     t.index = uint32_t(i);
     t.mesh = on_ground ? &m.ground : &m.surface;
     t.at = element - (on_ground ? 0 : m.ground_count);
@@ -78,7 +88,7 @@ inline void sort_out(const View& view, const Batch& batch, const Candidate* list
     out.ellipsoids += !is_triangle;
   }
   for (size_t k = 0; k < out.triangles; ++k) {
-    const Sorted::Triangle& t = out.triangle[k];
+    const CandidatesByKind::Triangle& t = out.triangle[k];
     __builtin_prefetch(t.mesh->triangles + 3 * size_t(t.at));
     __builtin_prefetch(t.mesh->hit + t.at);
   }
@@ -88,7 +98,7 @@ inline void sort_out(const View& view, const Batch& batch, const Candidate* list
     __builtin_prefetch(e + sizeof(elements::Ellipsoid) - 1);
   }
   for (size_t k = 0; k < out.triangles; ++k) {
-    Sorted::Triangle& t = out.triangle[k];
+    CandidatesByKind::Triangle& t = out.triangle[k];
     const uint32_t* corners = t.mesh->triangles + 3 * size_t(t.at);
     for (int v = 0; v < 3; ++v) {
       t.corner[v] = t.mesh->vertices + 3 * size_t(corners[v]);
@@ -98,19 +108,19 @@ inline void sort_out(const View& view, const Batch& batch, const Candidate* list
 }
 
 // Four candidates that are decided together, with the rays in their models' frames.
-struct Four {
+struct CandidateQuad {
   uint32_t index[kFour];
   size_t count = 0;
-  D near_end[kFour], far_end[kFour];  // rows: o x y z, d x; d y z, scale, τ²
-  Stand at;
-  uint32_t at_instance = Met::kNone;
+  D first_half[kFour], second_half[kFour];  // rows: o x y z, d x; d y z, scale, τ²
+  InstanceTransform at;
+  uint32_t instance_of_transform = Intersection::kNone;
 
   // Adds candidate i and gives its model.
   const ModelView& add(const View& view, const Batch& batch, const Candidate* list, uint32_t i) {
     const Candidate& c = list[i];
-    if (c.instance != at_instance) {
-      at = stand_of(view, c.instance);
-      at_instance = c.instance;
+    if (c.instance != instance_of_transform) {
+      at = transform_of(view, c.instance);
+      instance_of_transform = c.instance;
     }
     const double* ray = batch.rays[c.ray].origin.data();
     double placed[6];
@@ -118,11 +128,11 @@ struct Four {
       place_ray(view, batch, c, placed, placed + 3);
       ray = placed;
     }
-    near_end[count] = *reinterpret_cast<const D4*>(ray);
-    if (at.is_translation) near_end[count] -= *reinterpret_cast<const D4*>(at.translation);
+    first_half[count] = *reinterpret_cast<const D4*>(ray);
+    if (at.is_translation) first_half[count] -= *reinterpret_cast<const D4*>(at.translation);
     const D2 d = *reinterpret_cast<const D2*>(ray + 4),
              s = *reinterpret_cast<const D2*>(at.scale_tau2);
-    far_end[count] = __builtin_shufflevector(d, s, 0, 1, 2, 3);
+    second_half[count] = __builtin_shufflevector(d, s, 0, 1, 2, 3);
     index[count++] = i;
     return *at.model;
   }
@@ -130,47 +140,47 @@ struct Four {
   // Gives the columns o, d, scale and τ². Places without a candidate repeat the last one.
   void columns(D o[3], D d[3], D& scale, D& tau2) {
     for (size_t k = count; k < kFour; ++k) {
-      near_end[k] = near_end[count - 1];
-      far_end[k] = far_end[count - 1];
+      first_half[k] = first_half[count - 1];
+      second_half[k] = second_half[count - 1];
     }
-    transpose(near_end);
-    transpose(far_end);
-    for (int a = 0; a < 3; ++a) o[a] = near_end[a];
-    d[0] = near_end[3];
-    d[1] = far_end[0];
-    d[2] = far_end[1];
-    scale = far_end[2];
-    tau2 = far_end[3];
+    transpose(first_half);
+    transpose(second_half);
+    for (int a = 0; a < 3; ++a) o[a] = first_half[a];
+    d[0] = first_half[3];
+    d[1] = second_half[0];
+    d[2] = second_half[1];
+    scale = second_half[2];
+    tau2 = second_half[3];
   }
 
   void write(const Batch& batch, const Candidate* list, L inside, D scale, D t, D sigma, D delta2,
-             D p, Met* out) {
+             D p, Intersection* out) {
     D row[4] = {t * scale, sigma * scale, delta2, p};
     inside &= (row[0] >= batch.limits.min_m) & (row[0] <= batch.limits.max_m);
     transpose(row);
     const unsigned met = bits(inside);
     for (size_t k = 0; k < count; ++k) {
       const Candidate& c = list[index[k]];
-      Met& to = out ? out[index[k]] : batch.best[c.ray];
+      Intersection& to = out ? out[index[k]] : batch.best[c.ray];
       const bool is_met = met >> k & 1;
       *reinterpret_cast<D4*>(&to.t_m) = is_met ? row[k] : D{};
-      to.element = is_met ? c.element : Met::kNone;
+      to.element = is_met ? c.element : Intersection::kNone;
       to.instance = is_met ? c.instance : 0;
     }
     count = 0;
   }
 };
 
-struct Ellipsoids : Four {
+struct Ellipsoids : CandidateQuad {
   D e[3][kFour];  // rows: mean, Σ xx; Σ xy xz yy yz; κ, unused, Σ zz, p
 
   void add(const View& view, const Batch& batch, const Candidate* list,
-           const Sorted::Ellipsoid& entry, Met* out) {
+           const CandidatesByKind::Ellipsoid& entry, Intersection* out) {
     const size_t k = count;
-    const ModelView& m = Four::add(view, batch, list, entry.index);
+    const ModelView& m = CandidateQuad::add(view, batch, list, entry.index);
     if (m.voxels) {
       const Candidate& c = list[entry.index];
-      (out ? out[entry.index] : batch.best[c.ray]) = meet_placed(view, batch, c);
+      (out ? out[entry.index] : batch.best[c.ray]) = intersect_placed(view, batch, c);
       --count;
       return;
     }
@@ -184,7 +194,7 @@ struct Ellipsoids : Four {
     if (count == kFour) decide(batch, list, out);
   }
 
-  void decide(const Batch& batch, const Candidate* list, Met* out) {
+  void decide(const Batch& batch, const Candidate* list, Intersection* out) {
     if (count == 0) return;
     D o[3], d[3], scale, tau2;
     for (size_t k = count; k < kFour; ++k) {
@@ -201,23 +211,23 @@ struct Ellipsoids : Four {
   }
 };
 
-struct Triangles : Four {
+struct Triangles : CandidateQuad {
   D corner[3][kFour];  // rows: x y z, then unused, p and σ for the three corners
 
-  void add(const View& view, const Batch& batch, const Candidate* list, const Sorted::Triangle& t,
-           Met* out) {
+  void add(const View& view, const Batch& batch, const Candidate* list,
+           const CandidatesByKind::Triangle& t, Intersection* out) {
     const size_t k = count;
-    Four::add(view, batch, list, t.index);
+    CandidateQuad::add(view, batch, list, t.index);
     const float *a = t.corner[0], *b = t.corner[1], *c = t.corner[2];
     corner[0][k] = D{a[0], a[1], a[2], a[2]};
     corner[1][k] = D{b[0], b[1], b[2], t.mesh->hit[t.at].p};
-    const double d[3] = {near_end[k][3], far_end[k][0], far_end[k][1]};
+    const double d[3] = {first_half[k][3], second_half[k][0], second_half[k][1]};
     const double sigma = rough_sigma(t.mesh->sigma_m, t.mesh->roughness_m, a, b, c, d);
     corner[2][k] = D{c[0], c[1], c[2], sigma};
     if (count == kFour) decide(view, batch, list, out);
   }
 
-  void decide(const View& view, const Batch& batch, const Candidate* list, Met* out) {
+  void decide(const View& view, const Batch& batch, const Candidate* list, Intersection* out) {
     if (count == 0) return;
     D o[3], d[3], scale, tau2;
     for (size_t k = count; k < kFour; ++k) {
@@ -261,14 +271,15 @@ struct Triangles : Four {
       // Rays that plain arithmetic finds on an edge are decided by the exact test.
       if (certain >> k & 1) continue;
       const Candidate& c = list[index[k]];
-      (out ? out[index[k]] : batch.best[c.ray]) = meet_placed(view, batch, c);
+      (out ? out[index[k]] : batch.best[c.ray]) = intersect_placed(view, batch, c);
     }
   }
 };
 
-void meet_run(const View& view, const Batch& batch, const Candidate* list, size_t count, Met* out) {
-  Sorted sorted;
-  sort_out(view, batch, list, count, sorted);
+[[maybe_unused]] void intersect_run(const View& view, const Batch& batch, const Candidate* list,
+                                    size_t count, Intersection* out) {
+  CandidatesByKind sorted;
+  split_by_kind(view, batch, list, count, sorted);
   Ellipsoids ellipsoids;
   for (size_t k = 0; k < sorted.ellipsoids; ++k) {
     ellipsoids.add(view, batch, list, sorted.ellipsoid[k], out);
@@ -281,11 +292,11 @@ void meet_run(const View& view, const Batch& batch, const Candidate* list, size_
   triangles.decide(view, batch, list, out);
 }
 
-void meet_many(const View& view, const Batch& batch, const Candidate* list, size_t count,
-               Met* out) {
+[[maybe_unused]] void intersect_many(const View& view, const Batch& batch, const Candidate* list,
+                                     size_t count, Intersection* out) {
   for (size_t from = 0; from < count; from += kRun) {
-    meet_run(view, batch, list + from, count - from < kRun ? count - from : kRun,
-             out ? out + from : nullptr);
+    intersect_run(view, batch, list + from, count - from < kRun ? count - from : kRun,
+                  out ? out + from : nullptr);
   }
 }
 

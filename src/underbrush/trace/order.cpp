@@ -11,10 +11,10 @@ namespace {
 
 constexpr uint32_t kAzimuthBins = 1024, kElevationBins = 512;
 constexpr uint32_t kStrips = 4;
-constexpr size_t kMostBands = kOrdered / kTogether + 1;
+constexpr size_t kMostBands = kBatchRays / kPacketRays + 1;
 constexpr float kBunch = 0.5f;  // reach of a bunch, in sides of a tile
 constexpr uint32_t kLong = 7;
-static_assert(std::has_single_bit(kOrdered) && kOrdered <= 1u << 13);
+static_assert(std::has_single_bit(kBatchRays) && kBatchRays <= 1u << 13);
 
 float scale_of(float low, float high, uint32_t bins) {
   return high > low ? float(bins) * 0.9999f / (high - low) : 0;
@@ -29,15 +29,15 @@ float occupied(const std::array<uint32_t, kSize>& count) {
 struct Items {
   uint32_t count;
   bool bunched;
-  std::array<uint32_t, kOrdered + 1> first;  // first ray of each bunch
+  std::array<uint32_t, kBatchRays + 1> first;  // first ray of each bunch
 };
 
 // Decides whether rays come in bunches: many must lie within `turn` and `up` of the ray kLong
 // before them. If so, cuts them into bunches that reach as far from their first ray.
-void bunch(const Unfolded& rays, uint32_t n, float turn, float up, Items& items) {
+void bunch(const FloatRays& rays, uint32_t n, float turn, float up, Items& items) {
   const auto alike = [&](uint32_t i, uint32_t j) {
-    return (std::abs(rays.turn[i] - rays.turn[j]) < turn) &
-           (std::abs(rays.up[i] - rays.up[j]) < up);
+    return (std::abs(rays.azimuth[i] - rays.azimuth[j]) < turn) &
+           (std::abs(rays.sin_elevation[i] - rays.sin_elevation[j]) < up);
   };
   uint32_t close = 0, looked_at = 0;
   for (uint32_t i = kLong; i < n; i += 37, ++looked_at) close += alike(i, i - kLong);
@@ -71,13 +71,13 @@ void cut(const Rows& rows, float bands, uint32_t n, Rows& strip) {
 // Sorts the rays within each tile by strip, so that the rays of one vector form a compact tile,
 // too.
 void sort_tiles(std::span<const uint32_t> by_band, std::span<uint32_t> order) {
-  for (size_t tile = 0; tile < order.size(); tile += kTogether) {
-    const size_t end = std::min(order.size(), tile + kTogether);
+  for (size_t tile = 0; tile < order.size(); tile += kPacketRays) {
+    const size_t end = std::min(order.size(), tile + kPacketRays);
     std::array<uint32_t, kStrips> at{};
     for (size_t k = tile; k < end; ++k) ++at[(by_band[k] >> 13) % kStrips];
     to_starts(at);
     for (size_t k = tile; k < end; ++k) {
-      order[tile + at[(by_band[k] >> 13) % kStrips]++] = by_band[k] & (kOrdered - 1);
+      order[tile + at[(by_band[k] >> 13) % kStrips]++] = by_band[k] & (kBatchRays - 1);
     }
   }
 }
@@ -85,29 +85,29 @@ void sort_tiles(std::span<const uint32_t> by_band, std::span<uint32_t> order) {
 }  // namespace
 
 // Packs the directions as a packed R-tree does: it makes bands of elevation with equally many rays
-// each. The number of bands is such that runs of kTogether rays along a band's azimuth are about as
-// wide as high.
-void order_by_direction(const Unfolded& rays, std::span<uint32_t> order) {
+// each. The number of bands is such that runs of kPacketRays rays along a band's azimuth are about
+// as wide as high.
+void order_by_direction(const FloatRays& rays, std::span<uint32_t> order) {
   const uint32_t n = uint32_t(order.size());
-  const float to_column = scale_of(rays.turn_low, rays.turn_high, kAzimuthBins);
-  const float to_row = scale_of(rays.up_low, rays.up_high, kElevationBins);
+  const float to_column = scale_of(rays.azimuth_low, rays.azimuth_high, kAzimuthBins);
+  const float to_row = scale_of(rays.sin_elevation_low, rays.sin_elevation_high, kElevationBins);
   std::array<uint32_t, kAzimuthBins> columns{};
   std::array<uint32_t, kMostBands> of_band{};
   Rows rows{}, strip_of_row;
-  std::array<uint32_t, kOrdered> cell, by_column;
+  std::array<uint32_t, kBatchRays> cell, by_column;
   for (uint32_t i = 0; i < n; ++i) {
-    const int column = int((rays.turn[i] - rays.turn_low) * to_column);
-    const int row = int((rays.up[i] - rays.up_low) * to_row);
+    const int column = int((rays.azimuth[i] - rays.azimuth_low) * to_column);
+    const int row = int((rays.sin_elevation[i] - rays.sin_elevation_low) * to_row);
     cell[i] = uint32_t(row << 16 | column);
   }
   for (uint32_t i = 0; i < n; ++i) {
     ++columns[cell[i] & 0xffff];
     ++rows[cell[i] >> 16];
   }
-  // A quarter turn is 1 in `turn` and π/2 in angle. Elevation is measured by its sine.
+  // A quarter turn is 1 in `azimuth` and π/2 in angle. Elevation is measured by its sine.
   const float width = to_column > 0 ? occupied(columns) / to_column * float(M_PI / 2) : 1e-6f;
   const float height = to_row > 0 ? occupied(rows) / to_row : 1e-6f;
-  const float tiles = std::max(1.0f, float(n) / float(kTogether));
+  const float tiles = std::max(1.0f, float(n) / float(kPacketRays));
   const float bands = std::clamp(std::round(std::sqrt(tiles * height / width)), 1.0f, tiles);
   cut(rows, bands, n, strip_of_row);
   const float reach = kBunch * std::sqrt(width * height / tiles);
@@ -130,14 +130,14 @@ void order_by_direction(const Unfolded& rays, std::span<uint32_t> order) {
     at[b] = uint32_t(b % 2 ? sum + of_band[b] : sum);
     sum += of_band[b];
   }
-  std::array<uint32_t, kOrdered>& by_band = cell;
+  std::array<uint32_t, kBatchRays>& by_band = cell;
   for (uint32_t k = 0; k < count; ++k) {
     const uint32_t band = (by_column[k] >> 13) / kStrips;
     by_band[band % 2 ? --at[band] : at[band]++] = by_column[k];
   }
   if (!items.bunched) return sort_tiles({by_band.data(), n}, order);
   for (uint32_t k = 0, to = 0; k < count; ++k) {
-    const uint32_t item = by_band[k] & (kOrdered - 1);
+    const uint32_t item = by_band[k] & (kBatchRays - 1);
     for (uint32_t i = items.first[item]; i < items.first[item + 1]; ++i) order[to++] = i;
   }
 }

@@ -1,4 +1,10 @@
-// The traversal of a packet through the tree and into the instances. kernel.inl includes this file.
+// The traversal of a packet through the tree and into the instances. kernel_*.cpp use this file.
+#pragma once
+#include "underbrush/trace/packet_ellipsoids.inl"
+#include "underbrush/trace/packet_finds.inl"
+#include "underbrush/trace/packet_rays.inl"
+#include "underbrush/trace/packet_triangles.inl"
+
 namespace underbrush::trace {
 namespace {
 
@@ -18,7 +24,7 @@ inline bool enters(const Rays& r, const Found& found, float t_min, const float e
   return bits(le(enter * 0.999997f, leave)) != 0;
 }
 
-struct PacketEntry {
+struct PacketStackEntry {
   float depth;
   uint32_t reference, groups;
 };
@@ -31,21 +37,21 @@ __attribute__((always_inline)) inline void prefetch(const Frame& f, uint32_t ref
   const uint32_t index = reference & kIndexMask;
   if (!(reference & kLeaf)) {
     prefetch(&f.nodes[reference], 4);
-  } else if ((reference & kKindMask) == kTriangles) {
+  } else if (leaf_kind(reference) == LeafKind::kTriangles) {
     prefetch(&f.triangles[index], 6);
   } else if (f.ellipsoids) {
     prefetch(&f.ellipsoids[index], 6);
   }
 }
 
-inline void look_at(const Search& s, const Frame& f, const Node& node, unsigned groups,
-                    Look& look) {
+inline void test_children(const PacketQuery& s, const Frame& f, const Node& node, unsigned groups,
+                          ChildTests& tests) {
   const Rays& r = *f.rays;
   F8 size{};
   for (int a = 0; a < 3; ++a) {
     const F8 lo = load8(node.lo[a]) - f.lower[a], hi = load8(node.hi[a]) - f.upper[a];
-    store(look.edge[a], lo);
-    store(look.edge[3 + a], hi);
+    store(tests.edge[a], lo);
+    store(tests.edge[3 + a], hi);
     size += greater(absolute(lo), absolute(hi));
   }
   F8 from[3], to[3];
@@ -53,23 +59,23 @@ inline void look_at(const Search& s, const Frame& f, const Node& node, unsigned 
     from[p] = size * -1e-6f;
     to[p] = size * 1e-6f;
     for (int a = 0; a < 3; ++a) {
-      from[p] = muladd(load8(look.edge[r.least[p][a]]), all8(r.axis[p][a]), from[p]);
-      to[p] = muladd(load8(look.edge[r.most[p][a]]), all8(r.axis[p][a]), to[p]);
+      from[p] = muladd(load8(tests.edge[r.least[p][a]]), all8(r.axis[p][a]), from[p]);
+      to[p] = muladd(load8(tests.edge[r.most[p][a]]), all8(r.axis[p][a]), to[p]);
     }
   }
-  outline(r, from, to, look.seen);
-  look.pairs = pairs_of(r, s.found.reach, look.seen, groups);
+  bound_slopes(r, from, to, tests.seen);
+  tests.pairs = pairs_of(r, s.found.reach, tests.seen, groups);
 }
 
 // Pushes the children of a node that the packet may reach, the nearest last.
 template <bool kMixed>
-inline void open(const Search& s, const Frame& f, const Node& node, const Look& look,
-                 PacketEntry* stack, int& top) {
-  const Pairs entered = those(look.pairs, [&](int k, int g) {
-    return enters<kMixed>(*f.rays, s.found, f.t_min, look.edge, k, g);
+inline void open(const PacketQuery& s, const Frame& f, const Node& node, const ChildTests& tests,
+                 PacketStackEntry* stack, int& top) {
+  const Pairs entered = filter(tests.pairs, [&](int k, int g) {
+    return enters<kMixed>(*f.rays, s.found, f.t_min, tests.edge, k, g);
   });
-  const unsigned left = things_in(entered);
-  const float* depths = look.seen.depth;
+  const unsigned left = children_in(entered);
+  const float* depths = tests.seen.depth;
   const F8 depth = load8(depths);
   for (unsigned more = left; more; more &= more - 1) {
     const int k = __builtin_ctz(more);
@@ -88,7 +94,7 @@ inline void rescale(Found& found, float factor) {
     found.low[g] *= factor * 0.9999998f;
     found.high[g] *= factor * 1.0000002f;
   }
-  remember(found);
+  update_reach(found);
 }
 
 // Converts found ranges back to the frame of `before`. Elements that were found before keep their
@@ -100,26 +106,26 @@ inline void scale_back(Found& found, const Found& before, const Frame& f) {
     found.low[g] = pick(is_new, found.low[g], before.low[g]);
     found.high[g] = pick(is_new, found.high[g], before.high[g]);
   }
-  remember(found);
+  update_reach(found);
 }
 
 // The state of a packet on its way through the tree. Several packets take turns, one step each, so
 // that the memory which one needs arrives while the others work.
-struct Walk {
-  Search search;
+struct PacketTraversal {
+  PacketQuery search;
   // in the world's frame, and in the instance's frame if that is rotated or scaled
   Rays rays, turned;
   Frame world, model;
   Found before;  // for a scaled instance: what was found before it, in the world's units
-  uint32_t at;   // the reference that `look` has examined
-  Look look;
-  PacketEntry stack[512];
+  uint32_t at;   // the reference that `tests` is of
+  ChildTests tests;
+  PacketStackEntry stack[512];
   int top, base;  // entries from `base` on belong to the model
   bool inside;    // whether the walk is in an instance
   bool scaled;
 };
 
-inline void enter_instance(Walk& w, const Entry& entry) {
+inline void enter_instance(PacketTraversal& w, const Subtree& entry) {
   const Placement p = place(*w.search.view, entry.instance, w.rays.centre);
   const Bvh& bvh = *p.bvh;
   Frame& f = w.model;
@@ -149,57 +155,59 @@ inline void enter_instance(Walk& w, const Entry& entry) {
   w.stack[w.top++] = {-1, entry.node, kEveryGroup};
 }
 
-inline void leave_instance(Walk& w) {
+inline void leave_instance(PacketTraversal& w) {
   if (w.scaled) scale_back(w.search.found, w.before, w.model);
   w.inside = false;
 }
 
 // Goes to the next node or block and examines it. Gives false if there is none left.
-inline bool look(Walk& w) {
-  const Search& s = w.search;
+inline bool advance(PacketTraversal& w) {
+  const PacketQuery& s = w.search;
   while (true) {
     if (w.inside && w.top == w.base) leave_instance(w);
     if (w.top == 0) return false;
-    const PacketEntry at = w.stack[--w.top];
+    const PacketStackEntry at = w.stack[--w.top];
     if (at.depth > s.found.farthest) continue;
     const Frame& f = w.inside ? w.model : w.world;
-    const uint32_t index = at.reference & kIndexMask, kind = at.reference & kKindMask;
+    const uint32_t index = at.reference & kIndexMask;
+    const LeafKind kind = leaf_kind(at.reference);
     w.at = at.reference;
     if (!(at.reference & kLeaf)) {
-      look_at(s, f, f.nodes[index], at.groups, w.look);
+      test_children(s, f, f.nodes[index], at.groups, w.tests);
     } else if (!w.inside) {
       enter_instance(w, s.view->entries[index]);
       continue;
-    } else if (kind == kTriangles) {
-      look_at(s, f, f.triangles[index], at.groups, w.look);
+    } else if (kind == LeafKind::kTriangles) {
+      test_children(s, f, f.triangles[index], at.groups, w.tests);
     } else {
-      look_at(s, f, f.ellipsoids[index], at.groups, w.look);
+      test_children(s, f, f.ellipsoids[index], at.groups, w.tests);
     }
     return true;
   }
 }
 
-// Processes the node or block that `look` has examined.
-template <Ask kAsk>
-inline void visit(Walk& w) {
-  Search& s = w.search;
+// Processes the node or block that `advance` has examined.
+template <Query kQuery>
+inline void visit(PacketTraversal& w) {
+  PacketQuery& s = w.search;
   const Frame& f = w.inside ? w.model : w.world;
-  const uint32_t index = w.at & kIndexMask, kind = w.at & kKindMask;
+  const uint32_t index = w.at & kIndexMask;
+  const LeafKind kind = leaf_kind(w.at);
   if (!(w.at & kLeaf)) {
     if (f.rays->mixed) {
-      open<true>(s, f, f.nodes[index], w.look, w.stack, w.top);
+      open<true>(s, f, f.nodes[index], w.tests, w.stack, w.top);
     } else {
-      open<false>(s, f, f.nodes[index], w.look, w.stack, w.top);
+      open<false>(s, f, f.nodes[index], w.tests, w.stack, w.top);
     }
     return;
   }
   unsigned sets = 0;
-  if (kind == kTriangles) {
-    sets = visit<kAsk>(s, f, f.triangles[index], w.look);
-  } else if (kAsk != Ask::kSurface) {
-    sets = visit<kAsk>(s, f, f.ellipsoids[index], kind, w.look);
+  if (kind == LeafKind::kTriangles) {
+    sets = visit<kQuery>(s, f, f.triangles[index], w.tests);
+  } else if (kQuery != Query::kSurface) {
+    sets = visit<kQuery>(s, f, f.ellipsoids[index], kind, w.tests);
   }
-  if (sets && kAsk != Ask::kAll) remember(s.found, sets);
+  if (sets && kQuery != Query::kAll) update_reach(s.found, sets);
 }
 
 }  // namespace

@@ -1,17 +1,21 @@
 // Tests the rays of a packet against a block of ellipsoids. A frustum test of eight ellipsoids
-// comes first; what is left is tested against the rays, kLanes at a time. kernel.inl includes this
+// comes first; what is left is tested against the rays, kLanes at a time. kernel_*.cpp use this
 // file.
+#pragma once
+#include "underbrush/trace/packet_finds.inl"
+
 namespace underbrush::trace {
 namespace {
 
 // The random trial at an ellipsoid of path-length opacity: the lanes that may accept it, and those
 // that certainly do. `m2` is δ²/τ² and `m2_error` a bound on its error; `reach` is τσ and
 // `reach_error` a bound on its relative error.
-struct Trial {
+struct PathLengthTrial {
   M maybe, sure;
 };
-inline Trial path_length_trial(const Search& s, const Frame& f, int g, uint32_t element,
-                               float depth, F reach, F reach_error, F m2, F m2_error) {
+inline PathLengthTrial path_length_trial(const PacketQuery& s, const Frame& f, int g,
+                                         uint32_t element, float depth, F reach, F reach_error,
+                                         F m2, F m2_error) {
   const F one = all(1.0f), slack = all(1e-6f);
   const F x = all(depth) * reach * exp_below_zero(-all(f.half_tau2) * greater(m2, all(0.0f)));
   const F error = muladd(all(f.half_tau2), m2_error, reach_error) + 1e-5f;
@@ -24,8 +28,8 @@ inline Trial path_length_trial(const Search& s, const Frame& f, int g, uint32_t 
   return {le(trial, high + slack), le(trial + 2.0f * slack, low)};
 }
 
-inline void look_at(const Search& s, const Frame& f, const EllipsoidBlock& b, unsigned groups,
-                    Look& look) {
+inline void test_children(const PacketQuery& s, const Frame& f, const EllipsoidBlock& b,
+                          unsigned groups, ChildTests& tests) {
   const Rays& r = *f.rays;
   F8 m[3];
   for (int a = 0; a < 3; ++a) m[a] = (load8(b.mean[a]) - f.high[a]) - f.low[a];
@@ -44,31 +48,32 @@ inline void look_at(const Search& s, const Frame& f, const EllipsoidBlock& b, un
     from[p] = at - half;
     to[p] = at + half;
   }
-  outline(r, from, to, look.seen);
-  look.pairs = pairs_of(r, s.found.reach, look.seen, groups);
+  bound_slopes(r, from, to, tests.seen);
+  tests.pairs = pairs_of(r, s.found.reach, tests.seen, groups);
   // Bounds on the rounding: of the Mahalanobis distance (`slack`), and of the same for each metre
   // of range (`size`).
   const F8 size =
       absolute(u00) + absolute(u01) + absolute(u02) + absolute(u11) + absolute(u12) + absolute(u22);
-  store(look.ellipsoid.slack, muladd(away, size * 6e-7f, all8(4e-4f)));
-  store(look.ellipsoid.size, size * 1e-6f);
-  for (int a = 0; a < 3; ++a) store(look.ellipsoid.mean[a], m[a]);
+  store(tests.ellipsoid.slack, muladd(away, size * 6e-7f, all8(4e-4f)));
+  store(tests.ellipsoid.size, size * 1e-6f);
+  for (int a = 0; a < 3; ++a) store(tests.ellipsoid.mean[a], m[a]);
 }
 
 // Tests the packet against a block, and gives the sets of groups that found something.
-template <Ask kAsk>
-inline unsigned visit(Search& s, const Frame& f, const EllipsoidBlock& b, uint32_t kind,
-                      const Look& look) {
+// long: one kernel, whose two loops share the block's numbers and the arrays of a pair.
+template <Query kQuery>
+inline unsigned visit(PacketQuery& s, const Frame& f, const EllipsoidBlock& b, LeafKind kind,
+                      const ChildTests& tests) {
   const Rays& r = *f.rays;
-  const auto& mean = look.ellipsoid.mean;
-  const auto& slack = look.ellipsoid.slack;
-  const auto& size_of = look.ellipsoid.size;
+  const auto& mean = tests.ellipsoid.mean;
+  const auto& slack = tests.ellipsoid.slack;
+  const auto& size_of = tests.ellipsoid.size;
   M maybe[8 * kGroups];
   F met[8 * kGroups][4];
   uint8_t pair_of[8 * kGroups];
   int count = 0;
   unsigned sets = 0;
-  those(look.pairs, [&](int j, int g) {
+  filter(tests.pairs, [&](int j, int g) {
     const float outer = 1 + slack[j];
     const F dx = r.d[0][g], dy = r.d[1][g], dz = r.d[2][g];
     const F vx = mean[0][j] - r.o[0][g], vy = mean[1][j] - r.o[1][g], vz = mean[2][j] - r.o[2][g];
@@ -103,25 +108,25 @@ inline unsigned visit(Search& s, const Frame& f, const EllipsoidBlock& b, uint32
                     (absolute(t0) + absolute(step)) * 6e-7f;
     const F low = t - error, high = t + error;
     M found = maybe[k] & le(all(f.t_min), high) &
-              le(low, kAsk == Ask::kAll ? all(f.t_max) : s.found.high[g]);
+              le(low, kQuery == Query::kAll ? all(f.t_max) : s.found.high[g]);
     M sure = found;
-    if (kAsk == Ask::kAccepted && kind == kPathLength) {
+    if (kQuery == Query::kAccepted && kind == LeafKind::kPathLength) {
       const F m2 = c - hh * i,
               m2_error = muladd(hh * i, all(1e-5f), all(slack[j] * (2 + slack[j])));
-      const Trial trial = path_length_trial(s, f, g, b.element[j], b.depth[j], reach,
-                                            all(size_of[j]) * reach, m2, m2_error);
+      const PathLengthTrial trial = path_length_trial(s, f, g, b.element[j], b.depth[j], reach,
+                                                      all(size_of[j]) * reach, m2, m2_error);
       found &= trial.maybe;
       sure &= trial.sure;
-    } else if (kAsk == Ask::kAccepted) {
+    } else if (kQuery == Query::kAccepted) {
       found &= accepted(s, f, g, b.element[j], b.accept_below[j]);
-      sure = kind == kCareful ? mask_of(0) : found;
+      sure = kind == LeafKind::kCareful ? mask_of(0) : found;
     }
     if (!bits(found)) continue;
-    if (kAsk == Ask::kAccepted) {
+    if (kQuery == Query::kAccepted) {
       sure &= le((c - inner * inner) * a, hh * 0.99999f) & le(high, s.found.low[g]) &
               le(all(f.t_min), low);
     }
-    keep<kAsk>(s, f, g, b.element[j], found, sure, low, high);
+    record<kQuery>(s, f, g, b.element[j], found, sure, low, high);
     sets |= 1u << g / 8;
   }
   return sets;

@@ -1,5 +1,13 @@
 // What a packet searches for and what it has found. Float bounds decide most cases, and the rest is
-// decided in double precision. kernel.inl includes this file.
+// decided in double precision. kernel_*.cpp use this file.
+#pragma once
+#include <cstdint>
+
+#include "underbrush/trace/bvh.hpp"
+#include "underbrush/trace/kernel.hpp"
+#include "underbrush/trace/packet_rays.inl"
+#include "underbrush/trace/simd.inl"
+
 namespace underbrush::trace {
 namespace {
 
@@ -30,7 +38,7 @@ struct Frame {
   float t_min, t_max;  // limits of the ranges that count
 };
 
-struct Search {
+struct PacketQuery {
   const View* view;
   Batch* batch;
   const uint32_t* number;  // numbers of the rays, counted from the batch's first
@@ -40,8 +48,8 @@ struct Search {
 };
 
 // The eight boxes of a node, or the eight elements of a block, that a packet examines.
-struct alignas(32) Look {
-  Outlines seen;
+struct alignas(32) ChildTests {
+  SlopeBounds seen;
   union {
     float edge[6][8];  // of boxes: lo x y z, hi x y z, relative to the centre
     struct {
@@ -56,7 +64,7 @@ struct alignas(32) Look {
 
 inline void store(float* to, F8 x) { *reinterpret_cast<F8*>(to) = x; }
 
-inline size_t ray_at(const Search& s, int place) { return s.batch->first + s.number[place]; }
+inline size_t ray_at(const PacketQuery& s, int place) { return s.batch->first + s.number[place]; }
 
 inline void set_centre(Frame& f, const double centre[3], float spread) {
   for (int a = 0; a < 3; ++a) {
@@ -69,7 +77,7 @@ inline void set_centre(Frame& f, const double centre[3], float spread) {
 }
 
 // Updates the reaches after the groups of `sets` have found something.
-inline void remember(Found& found, unsigned sets = ~0u) {
+inline void update_reach(Found& found, unsigned sets = ~0u) {
   F8 farthest{};
   for (int set = 0; set < kSets; ++set) {
     if (sets >> set & 1) found.reach[set] = greatest_of_groups(found.high + 8 * set);
@@ -80,12 +88,12 @@ inline void remember(Found& found, unsigned sets = ~0u) {
 
 // Notes that lanes `maybe` of group g may meet the element within [low, high]. Lanes `sure`
 // certainly meet it, nearer than what they have found.
-template <Ask kAsk>
-inline void keep(Search& s, const Frame& f, int g, uint32_t element, M maybe, M sure, F low,
-                 F high) {
+template <Query kQuery>
+inline void record(PacketQuery& s, const Frame& f, int g, uint32_t element, M maybe, M sure, F low,
+                   F high) {
   Found& found = s.found;
   unsigned lanes = bits(maybe);
-  if (kAsk == Ask::kAll) {
+  if (kQuery == Query::kAll) {
     while (lanes) {
       const int k = __builtin_ctz(lanes);
       lanes &= lanes - 1;
@@ -110,11 +118,12 @@ inline void keep(Search& s, const Frame& f, int g, uint32_t element, M maybe, M 
     const int place = g * kLanes + k;
     if (place >= s.count) break;
     const unsigned bit = 1u << k;
-    const uint32_t have = found.exact[g] & bit ? Met::kNone : uint32_t(found.element[g][k]);
+    const uint32_t have =
+        found.exact[g] & bit ? Intersection::kNone : uint32_t(found.element[g][k]);
     const size_t i = ray_at(s, place);
-    if (found.element[g][k] == Met::kNone) s.batch->best[i] = Met{};
-    if (!settle_nearest(*s.view, kAsk, *s.batch, i, f.instance, element,
-                        uint32_t(found.instance[g][k]), have)) {
+    if (found.element[g][k] == Intersection::kNone) s.batch->best[i] = Intersection{};
+    if (!resolve_nearest(*s.view, kQuery, *s.batch, i, f.instance, element,
+                         uint32_t(found.instance[g][k]), have)) {
       continue;
     }
     const float t = float(s.batch->best[i].t_m / f.scale);
@@ -126,7 +135,8 @@ inline void keep(Search& s, const Frame& f, int g, uint32_t element, M maybe, M 
   }
 }
 
-inline M accepted(const Search& s, const Frame& f, int g, uint32_t element, uint32_t accept_below) {
+inline M accepted(const PacketQuery& s, const Frame& f, int g, uint32_t element,
+                  uint32_t accept_below) {
   const M always = mask_of(accept_below == 0xffffffffu ? ~0u : 0);
   return always |
          below(accept_hash(all(element), s.keys.low[g] ^ f.salt_low, s.keys.high[g] ^ f.salt_high),

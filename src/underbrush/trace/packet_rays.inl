@@ -1,5 +1,13 @@
 // A packet of rays in columns, the slopes that bound it, and its transformation between frames.
-// kernel.inl includes this file.
+// kernel_*.cpp use this file.
+#pragma once
+#include <cmath>
+#include <cstdint>
+
+#include "underbrush/trace/kernel.hpp"
+#include "underbrush/trace/many.inl"
+#include "underbrush/trace/simd.inl"
+
 namespace underbrush::trace {
 namespace {
 
@@ -84,11 +92,11 @@ inline bool enclose(Rays& r) {
 
 // Bounds of eight boxes or elements along the axes, relative to the centre, as slopes that the rays
 // see.
-struct alignas(32) Outlines {
+struct alignas(32) SlopeBounds {
   float across_from[8], across_to[8], up_from[8], up_to[8], depth[8];
 };
 
-inline void outline(const Rays& r, const F8 from[3], const F8 to[3], Outlines& out) {
+inline void bound_slopes(const Rays& r, const F8 from[3], const F8 to[3], SlopeBounds& out) {
   const F8 near_by = from[2] - r.o_most[2], far_away = to[2] - r.o_least[2];
   const F8 tiny = all8(1e-30f);
   const F8 by_near = 1.0f / greater(near_by, tiny), by_far = 1.0f / greater(far_away, tiny);
@@ -109,7 +117,7 @@ struct Pairs {
 
 // Selects the pairs of k and g for which `test(k, g)` is true.
 template <class Test>
-__attribute__((always_inline)) inline Pairs those(const Pairs& pairs, Test test) {
+__attribute__((always_inline)) inline Pairs filter(const Pairs& pairs, Test test) {
   Pairs found;
   for (int set = 0; set < kSets; ++set) {
     uint64_t true_of = 0;
@@ -123,7 +131,7 @@ __attribute__((always_inline)) inline Pairs those(const Pairs& pairs, Test test)
 }
 
 // Selects the boxes or elements that occur in a pair.
-inline unsigned things_in(const Pairs& pairs) {
+inline unsigned children_in(const Pairs& pairs) {
   uint64_t any = 0;
   for (const uint64_t of_set : pairs.of) any |= of_set;
   return bytes_in(any);
@@ -139,7 +147,8 @@ inline unsigned groups_of(const Pairs& pairs, int k) {
 }
 
 // Finds the pairs among `groups` that may meet. `reach` is how far each group looks.
-inline Pairs pairs_of(const Rays& r, const F8 reach[kSets], const Outlines& out, unsigned groups) {
+inline Pairs pairs_of(const Rays& r, const F8 reach[kSets], const SlopeBounds& out,
+                      unsigned groups) {
   Pairs pairs{};
   for (int set = 0; set < kSets; ++set) {
     const unsigned of_set = groups >> (8 * set) & 0xff;
@@ -213,8 +222,8 @@ inline void rotate(const Rays& world, const Placement& p, Rays& local) {
   finish(local);
 }
 
-inline void unfold(const View& view, const Ray* rays, const uint64_t* keys, size_t count,
-                   Unfolded& out) {
+inline void convert_rays(const View& view, const Ray* rays, const uint64_t* keys, size_t count,
+                         FloatRays& out) {
   for (int a = 0; a < 3; ++a) out.centre[a] = rays[0].origin.data()[a] - view.origin[a];
   const D centre{view.origin[0] + out.centre[0], view.origin[1] + out.centre[1],
                  view.origin[2] + out.centre[2], 0};
@@ -227,7 +236,8 @@ inline void unfold(const View& view, const Ray* rays, const uint64_t* keys, size
     const uint64_t key = keys ? keys[i] : 0;
     __builtin_memcpy(&out.row[i][6], &key, 8);
   }
-  F8 low = all8(INFINITY), high = -low, up_low = low, up_high = high, far2 = all8(0.0f);
+  F8 low = all8(INFINITY), high = -low, sin_elevation_low = low, sin_elevation_high = high,
+     far2 = all8(0.0f);
   float first = 0;
   for (size_t i = 0; i < count; i += 8) {
     F8 x[8];
@@ -240,18 +250,18 @@ inline void unfold(const View& view, const Ray* rays, const uint64_t* keys, size
     turn -= first;
     turn = turn <= -2.0f ? turn + 4.0f : turn;
     turn = turn >= 2.0f ? turn - 4.0f : turn;
-    *reinterpret_cast<F8*>(&out.turn[i]) = turn;
-    *reinterpret_cast<F8*>(&out.up[i]) = x[5];
+    *reinterpret_cast<F8*>(&out.azimuth[i]) = turn;
+    *reinterpret_cast<F8*>(&out.sin_elevation[i]) = x[5];
     low = lesser(low, turn);
     high = greater(high, turn);
-    up_low = lesser(up_low, x[5]);
-    up_high = greater(up_high, x[5]);
+    sin_elevation_low = lesser(sin_elevation_low, x[5]);
+    sin_elevation_high = greater(sin_elevation_high, x[5]);
     far2 = greater(far2, muladd(x[0], x[0], muladd(x[1], x[1], x[2] * x[2])));
   }
-  out.turn_low = least(low);
-  out.turn_high = greatest(high);
-  out.up_low = least(up_low);
-  out.up_high = greatest(up_high);
+  out.azimuth_low = least(low);
+  out.azimuth_high = greatest(high);
+  out.sin_elevation_low = least(sin_elevation_low);
+  out.sin_elevation_high = greatest(sin_elevation_high);
   out.spread = __builtin_sqrtf(greatest(far2)) * 1.00001f;
 }
 

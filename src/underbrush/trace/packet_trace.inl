@@ -1,16 +1,20 @@
-// Traces ordered rays in packets that take turns. kernel.inl includes this file.
+// Traces ordered rays in packets that take turns. kernel_*.cpp use this file.
+#pragma once
+#include "underbrush/trace/packet.inl"
+#include "underbrush/trace/single.inl"
+
 namespace underbrush::trace {
 namespace {
 
 // Starts a packet. Gives false if its rays spread too far to be traced together.
-template <Ask kAsk>
-bool begin(Walk& w, const View& view, Batch& batch, const uint32_t* number, int count) {
-  Search& s = w.search;
+template <Query kQuery>
+bool begin(PacketTraversal& w, const View& view, Batch& batch, const uint32_t* number, int count) {
+  PacketQuery& s = w.search;
   s.view = &view;
   s.batch = &batch;
   s.number = number;
   s.count = count;
-  const Unfolded& from = *batch.unfolded;
+  const FloatRays& from = *batch.float_rays;
   for (int a = 0; a < 3; ++a) w.rays.centre[a] = from.centre[a];
   for (int k = 0; k < kPacket; k += 8) {
     F8 x[8];
@@ -28,16 +32,16 @@ bool begin(Walk& w, const View& view, Batch& batch, const uint32_t* number, int 
   finish(w.rays);
   const float t_max = float(batch.limits.max_m) * 1.000001f;
   for (int g = 0; g < kGroups; ++g) {
-    s.found.element[g] = s.found.instance[g] = all(Met::kNone);
+    s.found.element[g] = s.found.instance[g] = all(Intersection::kNone);
     s.found.low[g] = all(float(batch.limits.max_m) * 0.999999f);
     s.found.high[g] = all(t_max);
     s.found.exact[g] = 0;
   }
-  for (int k = 0; kAsk == Ask::kAll && k < kPacket; ++k) {
+  for (int k = 0; kQuery == Query::kAll && k < kPacket; ++k) {
     reinterpret_cast<float*>(s.found.high)[k] =
         float(batch.entry_limits_m[ray_at(s, k)]) * 1.000001f;
   }
-  remember(s.found);
+  update_reach(s.found);
   w.world.rays = &w.rays;
   w.world.nodes = view.nodes;
   w.world.ellipsoids = nullptr;
@@ -51,16 +55,16 @@ bool begin(Walk& w, const View& view, Batch& batch, const uint32_t* number, int 
   return true;
 }
 
-template <Ask kAsk>
-void end(const Walk& w) {
-  if (kAsk == Ask::kAll) return;
-  const Search& s = w.search;
+template <Query kQuery>
+void end(const PacketTraversal& w) {
+  if (kQuery == Query::kAll) return;
+  const PacketQuery& s = w.search;
   Batch& batch = *s.batch;
   for (int k = 0; k < s.count; ++k) {
     const uint32_t element = reinterpret_cast<const uint32_t*>(s.found.element)[k];
     if (s.found.exact[k / kLanes] >> k % kLanes & 1) continue;
-    if (element == Met::kNone) {
-      batch.best[ray_at(s, k)] = Met{};
+    if (element == Intersection::kNone) {
+      batch.best[ray_at(s, k)] = Intersection{};
       continue;
     }
     const uint32_t instance = reinterpret_cast<const uint32_t*>(s.found.instance)[k];
@@ -69,39 +73,39 @@ void end(const Walk& w) {
 }
 
 constexpr size_t kFew = 4;  // packets of fewer rays do not pay
-constexpr int kWalks = 6;
+constexpr int kTraversals = 6;
 
-template <Ask kAsk>
+template <Query kQuery>
 void trace_all(const View& view, Batch& batch, const uint32_t* order, size_t count) {
-  Walk walks[kWalks];
+  PacketTraversal traversals[kTraversals];
   size_t at = 0;
-  const auto next = [&](Walk& w) {
+  const auto next = [&](PacketTraversal& w) {
     while (at < count) {
       const uint32_t* number = order + at;
       const size_t n = count - at < size_t(kPacket) ? count - at : size_t(kPacket);
       at += n;
-      if (n > kFew && begin<kAsk>(w, view, batch, number, int(n))) return true;
-      for (size_t k = 0; k < n; ++k) trace_one(view, kAsk, batch, batch.first + number[k]);
+      if (n > kFew && begin<kQuery>(w, view, batch, number, int(n))) return true;
+      for (size_t k = 0; k < n; ++k) trace_one(view, kQuery, batch, batch.first + number[k]);
     }
     return false;
   };
-  Walk* busy[kWalks];
+  PacketTraversal* busy[kTraversals];
   int busy_count = 0;
-  for (Walk& w : walks) {
+  for (PacketTraversal& w : traversals) {
     if (next(w)) busy[busy_count++] = &w;
   }
-  // Every packet looks before any of them acts, so that what they look at has been fetched by then.
+  // Every packet advances before any of them visits, so that the memory has been fetched by then.
   while (busy_count > 0) {
     for (int k = 0; k < busy_count;) {
-      Walk& w = *busy[k];
-      if (look(w)) {
+      PacketTraversal& w = *busy[k];
+      if (advance(w)) {
         ++k;
         continue;
       }
-      end<kAsk>(w);
+      end<kQuery>(w);
       if (!next(w)) busy[k] = busy[--busy_count];
     }
-    for (int k = 0; k < busy_count; ++k) visit<kAsk>(*busy[k]);
+    for (int k = 0; k < busy_count; ++k) visit<kQuery>(*busy[k]);
   }
 }
 

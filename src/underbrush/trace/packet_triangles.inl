@@ -1,10 +1,13 @@
 // Tests the rays of a packet against a block of triangles, as packet_ellipsoids.inl does for
-// ellipsoids. kernel.inl includes this file.
+// ellipsoids. kernel_*.cpp use this file.
+#pragma once
+#include "underbrush/trace/packet_finds.inl"
+
 namespace underbrush::trace {
 namespace {
 
-inline void look_at(const Search& s, const Frame& f, const TriangleBlock& b, unsigned groups,
-                    Look& look) {
+inline void test_children(const PacketQuery& s, const Frame& f, const TriangleBlock& b,
+                          unsigned groups, ChildTests& tests) {
   const Rays& r = *f.rays;
   F8 v[3], e1[3], e2[3];
   for (int a = 0; a < 3; ++a) {
@@ -26,31 +29,32 @@ inline void look_at(const Search& s, const Frame& f, const TriangleBlock& b, uns
     from[p] = at + lesser(F8{}, lesser(along1, along2)) - pad;
     to[p] = at + greater(F8{}, greater(along1, along2)) + pad;
   }
-  outline(r, from, to, look.seen);
-  look.pairs = pairs_of(r, s.found.reach, look.seen, groups);
-  store(look.triangle.slack, (away + l1 + l2) * (l1 + l2) * 8e-7f);
-  store(look.triangle.range_slack, (away + l1 + l2) * l1 * l2 * 1e-6f);
+  bound_slopes(r, from, to, tests.seen);
+  tests.pairs = pairs_of(r, s.found.reach, tests.seen, groups);
+  store(tests.triangle.slack, (away + l1 + l2) * (l1 + l2) * 8e-7f);
+  store(tests.triangle.range_slack, (away + l1 + l2) * l1 * l2 * 1e-6f);
   for (int a = 0; a < 3; ++a) {
-    store(look.triangle.corner[a], v[a]);
-    store(look.triangle.side1[a], e1[a]);
-    store(look.triangle.side2[a], e2[a]);
+    store(tests.triangle.corner[a], v[a]);
+    store(tests.triangle.side1[a], e1[a]);
+    store(tests.triangle.side2[a], e2[a]);
   }
 }
 
-template <Ask kAsk>
-inline unsigned visit(Search& s, const Frame& f, const TriangleBlock& b, const Look& look) {
+template <Query kQuery>
+inline unsigned visit(PacketQuery& s, const Frame& f, const TriangleBlock& b,
+                      const ChildTests& tests) {
   const Rays& r = *f.rays;
-  const auto& corner = look.triangle.corner;
-  const auto& side1 = look.triangle.side1;
-  const auto& side2 = look.triangle.side2;
-  const auto& slack = look.triangle.slack;
-  const auto& range_slack = look.triangle.range_slack;
+  const auto& corner = tests.triangle.corner;
+  const auto& side1 = tests.triangle.side1;
+  const auto& side2 = tests.triangle.side2;
+  const auto& slack = tests.triangle.slack;
+  const auto& range_slack = tests.triangle.range_slack;
   M maybe[8 * kGroups];
   F met[8 * kGroups][3];
   uint8_t pair_of[8 * kGroups];
   int count = 0;
   unsigned sets = 0;
-  those(look.pairs, [&](int j, int g) {
+  filter(tests.pairs, [&](int j, int g) {
     const F e1x = all(side1[0][j]), e1y = all(side1[1][j]), e1z = all(side1[2][j]);
     const F e2x = all(side2[0][j]), e2y = all(side2[1][j]), e2z = all(side2[2][j]);
     const F dx = r.d[0][g], dy = r.d[1][g], dz = r.d[2][g];
@@ -82,16 +86,16 @@ inline unsigned visit(Search& s, const Frame& f, const TriangleBlock& b, const L
     const F t = met[k][1] * i;
     const F error = muladd(all(range_slack[j]), i, absolute(t) * 6e-7f);
     const F low = t - error, high = t + error;
-    const F limit = kAsk == Ask::kAll ? all(f.t_max) : s.found.high[g];
+    const F limit = kQuery == Query::kAll ? all(f.t_max) : s.found.high[g];
     M found = maybe[k] & (M(le(all(f.t_min), high) & le(low, limit)) | le(det, doubtful));
-    if (kAsk == Ask::kAccepted) found &= accepted(s, f, g, b.element[j], b.accept_below[j]);
+    if (kQuery == Query::kAccepted) found &= accepted(s, f, g, b.element[j], b.accept_below[j]);
     if (!bits(found)) continue;
     M sure = found;
-    if (kAsk != Ask::kAll) {
+    if (kQuery != Query::kAll) {
       sure = found & le(all(slack[j]), least_weight) & le(high, s.found.low[g]) &
              le(all(f.t_min), low);
     }
-    keep<kAsk>(s, f, g, b.element[j], found, sure, low, high);
+    record<kQuery>(s, f, g, b.element[j], found, sure, low, high);
     sets |= 1u << g / 8;
   }
   return sets;

@@ -58,7 +58,7 @@ class Opener {
   Opener(const elements::Instance& placed, uint32_t instance, const Vec3& origin, const Bvh& bvh)
       : placed_(placed), instance_(instance), origin_(origin), bvh_(bvh) {}
 
-  void open(uint32_t reference, const Box& box, std::vector<Entry>& entries,
+  void open(uint32_t reference, const Box& box, std::vector<Subtree>& entries,
             HugeVector<Ref>& refs) const {
     const Float4 extent = box.hi - box.lo;
     if (!(reference & kLeaf) && placed_.scale * std::max(extent[0], extent[1]) > kOpenAbove) {
@@ -69,7 +69,7 @@ class Opener {
       return;
     }
     const Box world = placed_box(placed_, Mat3::Identity(), origin_, box);
-    refs.emplace_back(world, uint32_t(entries.size()), kInstance);
+    refs.emplace_back(world, uint32_t(entries.size()), 0);
     entries.push_back({instance_, reference});
   }
 
@@ -90,7 +90,7 @@ SceneTree build_scene_tree(std::span<const elements::Instance> instances,
   if (instances.size() == 1) {  // a single instance needs no tree above it
     if (bvhs[instances[0].model].root == kEmpty) return tree;
     tree.entries = {{0, bvhs[instances[0].model].root}};
-    tree.root = kLeaf | kInstance;
+    tree.root = kLeaf;
     return tree;
   }
   HugeVector<Ref> refs;
@@ -103,15 +103,14 @@ SceneTree build_scene_tree(std::span<const elements::Instance> instances,
     if (is_translation(placed)) {
       Opener(placed, i, tree.origin, bvh).open(bvh.root, bvh.box, tree.entries, refs);
     } else {
-      refs.emplace_back(instance_box(placed, tree.origin, bvh), uint32_t(tree.entries.size()),
-                        kInstance);
+      refs.emplace_back(instance_box(placed, tree.origin, bvh), uint32_t(tree.entries.size()), 0);
       tree.entries.push_back({i, bvh.root});
     }
   }
   Hierarchy hierarchy = build_hierarchy(refs, 1);
   const auto renamed = [&](uint32_t child) {
     return child != kEmpty && child & kLeaf
-               ? kLeaf | kInstance | refs[hierarchy.leaves[child & ~kLeaf].begin].id()
+               ? kLeaf | refs[hierarchy.leaves[child & ~kLeaf].begin].id()
                : child;
   };
   tree.root = renamed(hierarchy.root);

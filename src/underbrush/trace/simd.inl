@@ -1,5 +1,13 @@
 // Vectors of floats for one instruction set. `F` holds kLanes rays, and `F8` the eight children of
-// a node or the eight elements of a block. kernel.inl includes this file.
+// a node or the eight elements of a block. kernel_*.cpp use this file.
+#pragma once
+#include <immintrin.h>
+
+#include <cmath>
+#include <cstdint>
+
+#include "underbrush/trace/order.hpp"
+
 namespace underbrush::trace {
 namespace {
 
@@ -8,7 +16,7 @@ constexpr int kLanes = 16;
 #else
 constexpr int kLanes = 8;
 #endif
-constexpr int kPacket = int(kTogether);
+constexpr int kPacket = int(kPacketRays);
 constexpr int kGroups = kPacket / kLanes;
 constexpr int kSets = kGroups / 8;  // sets of eight groups
 constexpr unsigned kEveryGroup = (1u << kGroups) - 1;

@@ -1,5 +1,12 @@
 // Traces one ray through the tree, eight boxes or elements at a time, for rays that do not point
-// alike. Every candidate is decided in double precision. kernel.inl includes this file.
+// alike. Every candidate is decided in double precision. kernel_*.cpp use this file.
+#pragma once
+#include <cstdint>
+
+#include "underbrush/trace/bvh.hpp"
+#include "underbrush/trace/kernel.hpp"
+#include "underbrush/trace/simd.inl"
+
 namespace underbrush::trace {
 namespace {
 
@@ -103,15 +110,15 @@ inline unsigned enter(const RayF& r, const Node& n, float t_min, float limit, F8
 template <class Limit, class Leaf>
 inline void visit(const Node* nodes, uint32_t root, const RayF& ray, float t_min, Limit limit,
                   Leaf leaf) {
-  struct Entered {
+  struct StackEntry {
     uint32_t reference;
     float t;
   };
-  Entered stack[256];
+  StackEntry stack[256];
   int top = 0;
   stack[top++] = {root, 0};
   while (top > 0) {
-    const Entered at = stack[--top];
+    const StackEntry at = stack[--top];
     if (at.t > limit()) continue;
     if (at.reference & kLeaf) {
       leaf(at.reference);
@@ -143,17 +150,17 @@ inline unsigned accepted(const uint32_t* below, const uint32_t* element, const R
   return bits((I8)(h < b) | (I8)(b == 0xffffffffu));
 }
 
-inline void trace_one(const View& view, Ask ask, Batch& batch, size_t i) {
+inline void trace_one(const View& view, Query query, Batch& batch, size_t i) {
   const Ray& r = batch.rays[i];
-  if (ask != Ask::kAll) batch.best[i] = Met{};
+  if (query != Query::kAll) batch.best[i] = Intersection{};
   const float t_min = float(batch.limits.min_m) * 0.999999f;
   const float t_max = float(batch.limits.max_m) * 1.000001f;
-  float limit = ask == Ask::kAll ? float(batch.entry_limits_m[i]) * 1.000001f : t_max;
+  float limit = query == Query::kAll ? float(batch.entry_limits_m[i]) * 1.000001f : t_max;
   double origin[3];
   for (int a = 0; a < 3; ++a) origin[a] = r.origin.data()[a] - view.origin[a];
   const RayF world(origin, r.direction.data(), 0);
   const auto in_instance = [&](uint32_t reference) {
-    const Entry entry = view.entries[reference & kIndexMask];
+    const Subtree entry = view.entries[reference & kIndexMask];
     const Placement p = place(view, entry.instance, origin);
     const Bvh& bvh = *p.bvh;
     double d[3];
@@ -162,36 +169,38 @@ inline void trace_one(const View& view, Ask ask, Batch& batch, size_t i) {
       d[a] = row[0] * r.direction.data()[0] + row[1] * r.direction.data()[1] +
              row[2] * r.direction.data()[2];
     }
-    const RayF ray(p.centre, d, (ask == Ask::kAccepted ? batch.keys[i] : 0) ^ p.salt);
+    const RayF ray(p.centre, d, (query == Query::kAccepted ? batch.keys[i] : 0) ^ p.salt);
     const float shrink = float(1 / p.scale);
     const float least = t_min * shrink * 0.999999f, most = t_max * shrink * 1.000001f;
     const auto reach = [&] { return limit * shrink * 1.000001f; };
-    const auto settle = [&](unsigned lanes, const uint32_t* element) {
+    const auto resolve = [&](unsigned lanes, const uint32_t* element) {
       while (lanes) {
         const int k = __builtin_ctz(lanes);
         lanes &= lanes - 1;
-        if (ask == Ask::kAll) {
+        if (query == Query::kAll) {
           add_candidate(batch, i, entry.instance, element[k]);
-        } else if (settle_nearest(view, ask, batch, i, entry.instance, element[k], 0, Met::kNone)) {
+        } else if (resolve_nearest(view, query, batch, i, entry.instance, element[k], 0,
+                                   Intersection::kNone)) {
           limit = float(batch.best[i].t_m) * 1.000001f;
         }
       }
     };
     visit(bvh.nodes.data(), entry.node, ray, least, reach, [&](uint32_t leaf) {
-      const uint32_t index = leaf & kIndexMask, kind = leaf & kKindMask;
-      const float end = ask == Ask::kAll ? most : reach();
-      if (kind == kTriangles) {
+      const uint32_t index = leaf & kIndexMask;
+      const LeafKind kind = leaf_kind(leaf);
+      const float end = query == Query::kAll ? most : reach();
+      if (kind == LeafKind::kTriangles) {
         const TriangleBlock& b = bvh.triangles[index];
         unsigned lanes = triangle_candidates(ray, b, end);
-        if (lanes && ask == Ask::kAccepted) lanes &= accepted(b.accept_below, b.element, ray);
-        settle(lanes, b.element);
-      } else if (ask != Ask::kSurface) {
+        if (lanes && query == Query::kAccepted) lanes &= accepted(b.accept_below, b.element, ray);
+        resolve(lanes, b.element);
+      } else if (query != Query::kSurface) {
         const EllipsoidBlock& b = bvh.ellipsoids[index];
         unsigned lanes = ellipsoid_candidates(ray, b, least, end);
-        if (lanes && ask == Ask::kAccepted && kind != kPathLength) {
+        if (lanes && query == Query::kAccepted && kind != LeafKind::kPathLength) {
           lanes &= accepted(b.accept_below, b.element, ray);
         }
-        settle(lanes, b.element);
+        resolve(lanes, b.element);
       }
     });
   };

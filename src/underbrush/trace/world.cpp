@@ -36,7 +36,7 @@ ModelView view_of(const elements::Model& m) {
           view_of(m.surface),
           m.ellipsoids.data(),
           uint32_t(m.ground.size()),
-          uint32_t(m.ground.size() + m.surface.size()),
+          uint32_t(m.triangle_count()),
           m.tau * m.tau,
           m.voxel_m > 0};
 }
@@ -44,10 +44,10 @@ ModelView view_of(const elements::Model& m) {
 /// The working memory of a thread's queries. It is large, and is kept from call to call.
 struct Workspace {
   Batch batch;
-  Unfolded unfolded;
-  std::array<uint32_t, kOrdered + kTogether> order;
-  std::array<Candidate, kOrdered> known;
-  std::vector<Met> mets;
+  FloatRays float_rays;
+  std::array<uint32_t, kBatchRays + kPacketRays> order;
+  std::array<Candidate, kBatchRays> known;
+  std::vector<Intersection> mets;
 };
 
 Workspace& workspace() {
@@ -84,39 +84,39 @@ struct World::Impl {
   }
 
   /// Traces `count` rays of the batch.
-  void trace(Ask ask, Workspace& w, size_t count) const {
+  void trace(Query query, Workspace& w, size_t count) const {
     const View v = view();
     Batch& batch = w.batch;
     if (tree.root == kEmpty) {
-      if (batch.best) std::fill_n(batch.best, count, Met{});
+      if (batch.best) std::fill_n(batch.best, count, Intersection{});
       return;
     }
-    for (batch.first = 0; batch.first < count; batch.first += kOrdered) {
-      const size_t n = std::min(kOrdered, count - batch.first);
-      batch.unfolded = &w.unfolded;
+    for (batch.first = 0; batch.first < count; batch.first += kBatchRays) {
+      const size_t n = std::min(kBatchRays, count - batch.first);
+      batch.float_rays = &w.float_rays;
       batch.known = w.known.data();
       batch.known_count = 0;
       if (n > 1) {
         const uint64_t* keys = batch.keys ? batch.keys + batch.first : nullptr;
-        kernels->unfold(v, batch.rays + batch.first, keys, n, w.unfolded);
-        order_by_direction(w.unfolded, {w.order.data(), n});
+        kernels->convert_rays(v, batch.rays + batch.first, keys, n, w.float_rays);
+        order_by_direction(w.float_rays, {w.order.data(), n});
       } else {
         w.order[0] = 0;
       }
-      std::fill_n(w.order.begin() + long(n), kTogether, w.order[n - 1]);
-      kernels->trace(v, ask, batch, w.order.data(), n);
-      kernels->meet_many(v, batch, batch.known, batch.known_count, nullptr);
+      std::fill_n(w.order.begin() + long(n), kPacketRays, w.order[n - 1]);
+      kernels->trace(v, query, batch, w.order.data(), n);
+      kernels->intersect_many(v, batch, batch.known, batch.known_count, nullptr);
     }
   }
 
-  void nearest(Ask ask, std::span<const Ray> rays, std::span<const uint64_t> keys,
-               const RangeLimits& limits, std::span<Met> met) const {
+  void nearest(Query query, std::span<const Ray> rays, std::span<const uint64_t> keys,
+               const RangeLimits& limits, std::span<Intersection> met) const {
     Workspace& w = workspace();
     w.batch.rays = rays.data();
     w.batch.keys = keys.data();
     w.batch.limits = limits;
     w.batch.best = met.data();
-    trace(ask, w, rays.size());
+    trace(query, w, rays.size());
   }
 };
 
@@ -150,33 +150,34 @@ const elements::Instance& World::instance(uint32_t instance) const {
 }
 
 void World::nearest_accepted(std::span<const Ray> rays, std::span<const uint64_t> keys,
-                             const RangeLimits& limits, std::span<Met> met) const {
+                             const RangeLimits& limits, std::span<Intersection> met) const {
   require(keys.size() == rays.size() && met.size() == rays.size(),
           "rays, keys and answers differ in number");
-  impl_->nearest(Ask::kAccepted, rays, keys, limits, met);
+  impl_->nearest(Query::kAccepted, rays, keys, limits, met);
 }
 
 void World::nearest_surface(std::span<const Ray> rays, const RangeLimits& limits,
-                            std::span<Met> met) const {
+                            std::span<Intersection> met) const {
   require(met.size() == rays.size(), "rays and answers differ in number");
-  impl_->nearest(Ask::kSurface, rays, {}, limits, met);
+  impl_->nearest(Query::kSurface, rays, {}, limits, met);
 }
 
-Met World::nearest_accepted(const Ray& ray, uint64_t key, const RangeLimits& limits) const {
-  Met met;
+Intersection World::nearest_accepted(const Ray& ray, uint64_t key,
+                                     const RangeLimits& limits) const {
+  Intersection met;
   nearest_accepted({&ray, 1}, {&key, 1}, limits, {&met, 1});
   return met;
 }
 
-Met World::nearest_surface(const Ray& ray, const RangeLimits& limits) const {
-  Met met;
+Intersection World::nearest_surface(const Ray& ray, const RangeLimits& limits) const {
+  Intersection met;
   nearest_surface({&ray, 1}, limits, {&met, 1});
   return met;
 }
 
-void World::all_met(std::span<const Ray> rays, const RangeLimits& limits,
-                    std::span<const double> entry_limits_m, MetLists& lists,
-                    Sequence sequence) const {
+void World::all_intersections(std::span<const Ray> rays, const RangeLimits& limits,
+                              std::span<const double> entry_limits_m, IntersectionLists& lists,
+                              Sequence sequence) const {
   require(entry_limits_m.size() == rays.size(), "rays and limits differ in number");
   Workspace& w = workspace();
   Batch& batch = w.batch;
@@ -187,10 +188,10 @@ void World::all_met(std::span<const Ray> rays, const RangeLimits& limits,
   batch.entry_limits_m = entry_limits_m.data();
   batch.candidates.clear();
   lists.first_.assign(rays.size() + 1, 0);
-  impl_->trace(Ask::kAll, w, rays.size());
+  impl_->trace(Query::kAll, w, rays.size());
   w.mets.resize(batch.candidates.size());
-  impl_->kernels->meet_many(impl_->view(), batch, batch.candidates.data(), w.mets.size(),
-                            w.mets.data());
+  impl_->kernels->intersect_many(impl_->view(), batch, batch.candidates.data(), w.mets.size(),
+                                 w.mets.data());
   for (size_t k = 0; k < w.mets.size(); ++k) {
     if (!w.mets[k].none()) ++lists.first_[batch.candidates[k].ray + 1];
   }
@@ -203,14 +204,14 @@ void World::all_met(std::span<const Ray> rays, const RangeLimits& limits,
   for (size_t i = 0; sequence == Sequence::kByRange && i < rays.size(); ++i) {
     std::sort(lists.met_.begin() + long(lists.first_[i]),
               lists.met_.begin() + long(lists.first_[i + 1]),
-              [](const Met& a, const Met& b) { return a.before(b); });
+              [](const Intersection& a, const Intersection& b) { return a.before(b); });
   }
 }
 
-void World::all_met(const Ray& ray, const RangeLimits& limits, double entry_limit_m,
-                    std::vector<Met>& met) const {
-  MetLists lists;
-  all_met({&ray, 1}, limits, {&entry_limit_m, 1}, lists);
+void World::all_intersections(const Ray& ray, const RangeLimits& limits, double entry_limit_m,
+                              std::vector<Intersection>& met) const {
+  IntersectionLists lists;
+  all_intersections({&ray, 1}, limits, {&entry_limit_m, 1}, lists);
   met.assign(lists[0].begin(), lists[0].end());
 }
 

@@ -16,30 +16,29 @@ namespace underbrush::trace {
 enum class Isa { kBest, kBase, kAvx2, kAvx512 };
 
 /// Lists of what each of several rays meets.
-class MetLists {
+class IntersectionLists {
  public:
   size_t size() const { return first_.empty() ? 0 : first_.size() - 1; }
-  std::span<const Met> operator[](size_t ray) const {
+  std::span<const Intersection> operator[](size_t ray) const {
     return {met_.data() + first_[ray], first_[ray + 1] - first_[ray]};
   }
 
  private:
   friend class World;
   std::vector<size_t> first_;
-  std::vector<Met> met_;
+  std::vector<Intersection> met_;
 };
 
 /// All elements of a model or a scene behind one query interface.
 ///
 /// Rays are in world coordinates, and ranges are in metres along the unit direction. Every answer
-/// is that of `meet` applied to each element, whatever the instruction set and however the rays are
-/// divided into calls. Calls with thousands of rays are the fastest, because rays that point alike
-/// are traced together.
+/// is that of `intersect` applied to each element, whatever the instruction set and however the
+/// rays are divided into calls. Calls with thousands of rays are the fastest, because rays that
+/// point alike are traced together.
 ///
 /// The model or scene must outlive the world, and its geometry and hit probabilities must not
 /// change in that time. Any number of threads may run queries at once; each query runs on the
 /// thread that calls it.
-/// brings, the faster (thousands: rays that point alike are traced together).
 class World {
  public:
   explicit World(const elements::Model& model, Isa isa = Isa::kBest);
@@ -58,23 +57,23 @@ class World {
   /// < p·2³²` succeeds. Over random keys, this is the distribution of trials in order of range:
   /// P(k) = p_k ∏_{j<k} (1 − p_j). `met[i]` is the answer for `rays[i]` with `keys[i]`.
   void nearest_accepted(std::span<const Ray> rays, std::span<const uint64_t> keys,
-                        const RangeLimits& limits, std::span<Met> met) const;
-  Met nearest_accepted(const Ray& ray, uint64_t key, const RangeLimits& limits) const;
+                        const RangeLimits& limits, std::span<Intersection> met) const;
+  Intersection nearest_accepted(const Ray& ray, uint64_t key, const RangeLimits& limits) const;
 
   /// Finds the nearest triangle on each ray, whatever its hit probability, or none().
   void nearest_surface(std::span<const Ray> rays, const RangeLimits& limits,
-                       std::span<Met> met) const;
-  Met nearest_surface(const Ray& ray, const RangeLimits& limits) const;
+                       std::span<Intersection> met) const;
+  Intersection nearest_surface(const Ray& ray, const RangeLimits& limits) const;
 
-  /// Finds all elements that each ray meets within `limits`. kByRange sorts them as `Met::before`
-  /// does; kAny leaves them in an order that depends on the machine. Elements whose bounds a ray
-  /// enters only beyond its `entry_limits_m` (m) may be left out.
+  /// Finds all elements that each ray meets within `limits`. kByRange sorts them as
+  /// `Intersection::before` does; kAny leaves them in an order that depends on the machine.
+  /// Elements whose bounds a ray enters only beyond its `entry_limits_m` (m) may be left out.
   enum class Sequence { kByRange, kAny };
-  void all_met(std::span<const Ray> rays, const RangeLimits& limits,
-               std::span<const double> entry_limits_m, MetLists& met,
-               Sequence sequence = Sequence::kByRange) const;
-  void all_met(const Ray& ray, const RangeLimits& limits, double entry_limit_m,
-               std::vector<Met>& met) const;
+  void all_intersections(std::span<const Ray> rays, const RangeLimits& limits,
+                         std::span<const double> entry_limits_m, IntersectionLists& met,
+                         Sequence sequence = Sequence::kByRange) const;
+  void all_intersections(const Ray& ray, const RangeLimits& limits, double entry_limit_m,
+                         std::vector<Intersection>& met) const;
 
   /// The memory of the search structure without models and instances, bytes.
   size_t bytes() const;

@@ -11,11 +11,11 @@ namespace underbrush::simulate {
 
 /// The sub-rays of a beam shape in the axes of the beam, prepared for rotation to rays of the
 /// world. They equal those of `sensor::RayMaker` up to rounding, at a few operations a ray.
-class Fan {
+class SubRayBundle {
  public:
   /// Prepares at least one sub-ray. Throws `std::invalid_argument` for none and for an invalid
   /// shape.
-  Fan(const sensor::BeamShape& shape, std::span<const sensor::SubRay> places);
+  SubRayBundle(const sensor::BeamShape& shape, std::span<const sensor::SubRay> places);
 
   size_t size() const { return weight_.size(); }
   /// The share of the beam's energy of each sub-ray.

@@ -1,4 +1,4 @@
-#include "underbrush/io/profile.hpp"
+#include "underbrush/io/driver_layout.hpp"
 
 #include <gtest/gtest.h>
 
@@ -44,10 +44,10 @@ BeamLog drive() {
 
 Trajectory path() { return Trajectory({{7, pose_at(0)}, {7.3, pose_at(0.3)}}); }
 
-Table written(const TemporaryFolder& folder, const BeamLog& log, Profile profile,
+Table written(const TemporaryFolder& folder, const BeamLog& log, DriverLayout profile,
               const char* file) {
   MemorySource source(log, 5);
-  export_profile(folder / "out", source, profile, path(), "{}");
+  export_driver_layout(folder / "out", source, profile, path(), "{}");
   return read_pcd(folder / "out" / file);
 }
 
@@ -62,9 +62,9 @@ std::vector<std::string> fields(const Table& t) {
   return names;
 }
 
-TEST(Profile, VelodynePointsAreRawInTheSensorsFrame) {
+TEST(DriverLayout, VelodynePointsAreRawInTheSensorsFrame) {
   const TemporaryFolder folder;
-  const Table t = written(folder, drive(), Profile::kVelodyne, "000000.pcd");
+  const Table t = written(folder, drive(), DriverLayout::kVelodyne, "000000.pcd");
   EXPECT_EQ(fields(t), (std::vector<std::string>{"x", "y", "z", "intensity", "ring", "time"}));
   ASSERT_EQ(t.size(), 5u);  // the miss is left out
   for (size_t i = 0; i < 5; ++i) {
@@ -79,9 +79,9 @@ TEST(Profile, VelodynePointsAreRawInTheSensorsFrame) {
   EXPECT_NEAR(read_poses(folder / "out/poses.txt").pose[1].translation.x(), 101.5, 1e-12);
 }
 
-TEST(Profile, OusterCloudsAreOrganisedAndKeepMissesAsZeros) {
+TEST(DriverLayout, OusterCloudsAreOrganisedAndKeepMissesAsZeros) {
   const TemporaryFolder folder;
-  const Table t = written(folder, drive(), Profile::kOuster, "000000.pcd");
+  const Table t = written(folder, drive(), DriverLayout::kOuster, "000000.pcd");
   EXPECT_EQ(fields(t), (std::vector<std::string>{"x", "y", "z", "intensity", "t", "reflectivity",
                                                  "ring", "ambient", "range"}));
   EXPECT_EQ(values(t, "ring"), (std::vector<double>{0, 0, 0, 1, 1, 1}));
@@ -91,13 +91,13 @@ TEST(Profile, OusterCloudsAreOrganisedAndKeepMissesAsZeros) {
   EXPECT_NE(bytes_of(folder / "out/000000.pcd").find("WIDTH 3\nHEIGHT 2\n"), std::string::npos);
 }
 
-TEST(Profile, AutowareHasPolarCoordinatesAndReturnTypes) {
+TEST(DriverLayout, AutowareHasPolarCoordinatesAndReturnTypes) {
   BeamLog log = drive();
   log.extra[kEchoColumn] = std::vector<uint8_t>{1, 2, 1, 0, 1, 2, 1, 2, 3, 1, 1, 1};
   log.extra[kEchoesColumn] = std::vector<uint8_t>{2, 2, 1, 0, 2, 2, 3, 3, 3, 1, 1, 1};
   log.intensity[4] = 300;
   const TemporaryFolder folder;
-  const Table t = written(folder, log, Profile::kAutoware, "000000.pcd");
+  const Table t = written(folder, log, DriverLayout::kAutoware, "000000.pcd");
   EXPECT_EQ(fields(t),
             (std::vector<std::string>{"x", "y", "z", "intensity", "return_type", "channel",
                                       "azimuth", "elevation", "distance", "time_stamp"}));
@@ -111,14 +111,15 @@ TEST(Profile, AutowareHasPolarCoordinatesAndReturnTypes) {
             (std::vector<double>{5, 0, 4, 1, 1, 1}));
 }
 
-TEST(Profile, OthersFoldersAndScansInPiecesAreRefused) {
+TEST(DriverLayout, OthersFoldersAndScansInPiecesAreRefused) {
   const TemporaryFolder folder;
   put_bytes(folder / "out/precious.txt", "mine");
   BeamLog log = drive();
   MemorySource source(log);
-  EXPECT_THROW(export_profile(folder / "out", source, Profile::kOuster, path(), ""), IoError);
+  EXPECT_THROW(export_driver_layout(folder / "out", source, DriverLayout::kOuster, path(), ""),
+               IoError);
   log.scan[11] = 0;
-  EXPECT_THROW(export_profile(folder / "new", source, Profile::kOuster, path(), ""),
+  EXPECT_THROW(export_driver_layout(folder / "new", source, DriverLayout::kOuster, path(), ""),
                std::invalid_argument);
   EXPECT_FALSE(std::filesystem::exists(folder / "new"));
 }

@@ -1,6 +1,6 @@
 /// \file
-/// This file has the surroundings that beams are fired into: a static world and objects that move
-/// through it.
+/// This file has the world that beams are fired into: static elements and objects that move through
+/// it.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -11,25 +11,25 @@
 
 namespace underbrush::simulate {
 
-/// A world and the moving objects in it. Each beam meets an object where that is at the beam's own
-/// time. Instances keep their numbers, and so their random numbers. Where all objects stand still,
-/// the answers are therefore those of the scene, up to rounding.
-class Surroundings {
+/// A static world and the moving objects in it. Each beam meets an object where that is at the
+/// beam's own time. Instances keep their numbers, and so their random numbers. Where all objects
+/// stand still, the answers are therefore those of the scene, up to rounding.
+class DynamicWorld {
  public:
-  /// Surroundings without movement. `world` must outlive this.
-  Surroundings(const trace::World& world);  // NOLINT(google-explicit-constructor)
+  /// A world without moving objects. `world` must outlive this.
+  DynamicWorld(const trace::World& world);  // NOLINT(google-explicit-constructor)
   /// A scene of which some instances move. Throws `std::invalid_argument` where a mover's instance
   /// does not exist or occurs twice, or where its trajectory is empty. `scene` must outlive this.
-  Surroundings(const elements::Scene& scene, std::vector<elements::Mover> movers);
-  Surroundings(Surroundings&&) noexcept;
-  ~Surroundings();
+  DynamicWorld(const elements::Scene& scene, std::vector<elements::Mover> movers);
+  DynamicWorld(DynamicWorld&&) noexcept;
+  ~DynamicWorld();
 
   /// Finds the element at which each ray ends, as `World::nearest_accepted` does. Each of the times
   /// `time_s` (s) is that of a beam, and the rays of one beam follow those of another, `rays.size()
   /// / time_s.size()` each.
   void nearest_accepted(std::span<const Ray> rays, std::span<const uint64_t> keys,
                         std::span<const double> time_s, const trace::RangeLimits& limits,
-                        std::span<trace::Met> met) const;
+                        std::span<trace::Intersection> met) const;
 
   const trace::World& world() const { return *world_; }
   bool moves() const { return !movers_.empty(); }

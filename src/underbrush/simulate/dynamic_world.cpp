@@ -1,4 +1,4 @@
-#include "underbrush/simulate/surroundings.hpp"
+#include "underbrush/simulate/dynamic_world.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 namespace underbrush::simulate {
 namespace {
 
-using trace::Met;
+using trace::Intersection;
 
 /// A ball around all that a ray can meet of a model, in the frame of its instance.
 struct Ball {
@@ -40,7 +40,7 @@ Pose pose_at(const Trajectory& path, double time_s) {
 }  // namespace
 
 /// A moving object, alone in a world of its own frame.
-struct Surroundings::Object {
+struct DynamicWorld::Object {
   Object(elements::Mover m, const elements::Model& model, elements::Instance placed)
       : mover(std::move(m)), ball(ball_around(model, double(placed.scale))) {
     placed.world_from_model = {};
@@ -55,11 +55,11 @@ struct Surroundings::Object {
   Ball ball;
 };
 
-Surroundings::Surroundings(const trace::World& world) : world_(&world) {}
-Surroundings::Surroundings(Surroundings&&) noexcept = default;
-Surroundings::~Surroundings() = default;
+DynamicWorld::DynamicWorld(const trace::World& world) : world_(&world) {}
+DynamicWorld::DynamicWorld(DynamicWorld&&) noexcept = default;
+DynamicWorld::~DynamicWorld() = default;
 
-Surroundings::Surroundings(const elements::Scene& scene, std::vector<elements::Mover> movers) {
+DynamicWorld::DynamicWorld(const elements::Scene& scene, std::vector<elements::Mover> movers) {
   still_ = std::make_unique<elements::Scene>(scene);
   const auto nothing = uint32_t(still_->models.size());
   still_->models.emplace_back();
@@ -76,19 +76,19 @@ Surroundings::Surroundings(const elements::Scene& scene, std::vector<elements::M
   world_ = own_.get();
 }
 
-const Surroundings::Object* Surroundings::object(uint32_t instance) const {
+const DynamicWorld::Object* DynamicWorld::object(uint32_t instance) const {
   for (const auto& o : movers_) {
     if (o->mover.instance == instance) return o.get();
   }
   return nullptr;
 }
 
-const elements::Model& Surroundings::model(uint32_t instance) const {
+const elements::Model& DynamicWorld::model(uint32_t instance) const {
   const Object* o = object(instance);
   return o ? o->scene.models[0] : world_->model(instance);
 }
 
-elements::Instance Surroundings::placed(uint32_t instance, double time_s) const {
+elements::Instance DynamicWorld::placed(uint32_t instance, double time_s) const {
   elements::Instance placed = world_->instance(instance);
   if (const Object* o = object(instance)) {
     placed.world_from_model = pose_at(o->mover.world_from_object, time_s);
@@ -96,18 +96,19 @@ elements::Instance Surroundings::placed(uint32_t instance, double time_s) const 
   return placed;
 }
 
-void Surroundings::nearest_accepted(std::span<const Ray> rays, std::span<const uint64_t> keys,
+void DynamicWorld::nearest_accepted(std::span<const Ray> rays, std::span<const uint64_t> keys,
                                     std::span<const double> time_s,
-                                    const trace::RangeLimits& limits, std::span<Met> met) const {
+                                    const trace::RangeLimits& limits,
+                                    std::span<Intersection> met) const {
   require(time_s.empty() ? rays.empty() : rays.size() % time_s.size() == 0,
-          "surroundings: a whole number of rays a beam is needed");
+          "dynamic world: a whole number of rays a beam is needed");
   world_->nearest_accepted(rays, keys, limits, met);
   if (movers_.empty() || rays.empty()) return;
   const size_t width = rays.size() / time_s.size();
   std::vector<Ray> near;
   std::vector<uint64_t> near_keys;
   std::vector<size_t> number;
-  std::vector<Met> found;
+  std::vector<Intersection> found;
   for (const auto& o : movers_) {
     near.clear();
     near_keys.clear();
@@ -137,7 +138,7 @@ void Surroundings::nearest_accepted(std::span<const Ray> rays, std::span<const u
     for (size_t k = 0; k < near.size(); ++k) {
       if (found[k].none()) continue;
       found[k].instance = o->mover.instance;
-      Met& best = met[number[k]];
+      Intersection& best = met[number[k]];
       if (best.none() || found[k].before(best)) best = found[k];
     }
   }

@@ -1,4 +1,4 @@
-#include "underbrush/radiometry/foliage.hpp"
+#include "underbrush/radiometry/leaf_angle_distribution.hpp"
 
 #include <cmath>
 
@@ -6,7 +6,7 @@
 
 namespace underbrush::radiometry {
 
-Foliage::Foliage(double shape) : shape2_(shape * shape) {
+LeafAngleDistribution::LeafAngleDistribution(double shape) : shape2_(shape * shape) {
   require(shape >= 0.01 && shape <= 100, "foliage: the shape must be 0.01 to 100");
   const double b = 1 - shape2_;  // positive for upright leaves
   if (std::abs(b) < 1e-4) {      // where the closed forms below are 0/0
@@ -21,17 +21,17 @@ Foliage::Foliage(double shape) : shape2_(shape * shape) {
   vertical2_ = 2 * shape2_ * shape / lambda_ * (j - 1) / (2 * b);
 }
 
-double Foliage::projection(double cos_zenith) const {
+double LeafAngleDistribution::projection(double cos_zenith) const {
   const double c2 = cos_zenith * cos_zenith;
   return std::sqrt(shape2_ * c2 + (1 - c2)) / lambda_;
 }
 
-double Foliage::backscatter(double cos_zenith) const {
+double LeafAngleDistribution::backscatter(double cos_zenith) const {
   const double c2 = cos_zenith * cos_zenith;
   return (c2 * vertical2_ + 0.5 * (1 - c2) * (1 - vertical2_)) / projection(cos_zenith);
 }
 
-double Foliage::density(double zenith_rad) const {
+double LeafAngleDistribution::density(double zenith_rad) const {
   const double c = std::cos(zenith_rad), s = std::sin(zenith_rad), d = c * c + shape2_ * s * s;
   return 2 * shape2_ * std::sqrt(shape2_) * s / (lambda_ * d * d);
 }

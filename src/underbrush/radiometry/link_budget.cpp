@@ -1,4 +1,4 @@
-#include "underbrush/radiometry/link.hpp"
+#include "underbrush/radiometry/link_budget.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@ constexpr double kCharge = 1.602176634e-19;
 constexpr double kSunTemperature = 5772, kSunSolidAngle = 6.794e-5;
 }  // namespace
 
-void Link::check() const {
+void LinkBudget::check() const {
   for (const double v : {peak_power_w, aperture_m, transmission, wavelength_m, view_rad, filter_m,
                          responsivity_a_per_w, bandwidth_hz, dark_a_per_rt_hz}) {
     require(std::isfinite(v) && v > 0, "link: all values must be positive");
@@ -20,7 +20,7 @@ void Link::check() const {
   require(transmission <= 1, "link: optics that amplify");
 }
 
-double received_power_w(const Link& link, double range_m, double factor, double fill,
+double received_power_w(const LinkBudget& link, double range_m, double factor, double fill,
                         double extinction_per_m) {
   return link.peak_power_w * fill * factor * link.aperture_m * link.aperture_m /
          (4 * range_m * range_m) * link.transmission * std::exp(-2 * extinction_per_m * range_m);
@@ -32,25 +32,25 @@ double solar_irradiance(double wavelength_m) {
   return kSunSolidAngle * 2 * kPlanck * kLight * kLight / (l5 * std::expm1(x));
 }
 
-double solar_background_w(const Link& link, double reflectance, double share) {
+double solar_background_w(const LinkBudget& link, double reflectance, double share) {
   const double radiance = share * solar_irradiance(link.wavelength_m) * reflectance / M_PI;
   const double solid_angle = M_PI / 4 * link.view_rad * link.view_rad;
   const double area = M_PI / 4 * link.aperture_m * link.aperture_m;
   return radiance * solid_angle * area * std::sqrt(link.transmission) * link.filter_m;
 }
 
-double noise_power_w(const Link& link, double background_w) {
+double noise_power_w(const LinkBudget& link, double background_w) {
   const double r = link.responsivity_a_per_w;
   const double square =
       link.dark_a_per_rt_hz * link.dark_a_per_rt_hz + 2 * kCharge * r * background_w;
   return std::sqrt(square * link.bandwidth_hz) / r;
 }
 
-double noise_in_light(const Link& link, double background_w) {
+double noise_in_light(const LinkBudget& link, double background_w) {
   return noise_power_w(link, background_w) / noise_power_w(link, 0);
 }
 
-double signal_at_1m(const Link& link) {
+double signal_at_1m(const LinkBudget& link) {
   link.check();
   return received_power_w(link, 1, 1, 1, 0) / noise_power_w(link, 0);
 }

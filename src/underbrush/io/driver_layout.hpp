@@ -9,9 +9,10 @@
 
 namespace underbrush::io {
 
-/// Whose conventions. All: x y z float32, m, in the sensor's frame at the point's own firing (not
-/// compensated for motion); times since the scan's, which stands in times.txt.
-enum class Profile {
+/// The layout of a driver's point clouds. All have x y z as float32, m, in the sensor's frame at
+/// the point's own firing (not compensated for motion); times count from the scan's, which stands
+/// in times.txt.
+enum class DriverLayout {
   kVelodyne,  ///< x y z, intensity float32, ring uint16, time float32 (s); hits only.
   kOuster,    ///< x y z, intensity float32, t uint32 (ns), reflectivity uint16 (the intensity,
             ///< rounded), ring uint16, ambient uint16 (0), range uint32 (mm). A beam's first echo;
@@ -24,8 +25,8 @@ enum class Profile {
               ///< them.
 };
 
-/// The profile of that name ("velodyne", "ouster", "autoware"). Throws `std::invalid_argument`.
-Profile profile_from_name(const std::string& name);
+/// The layout of that name ("velodyne", "ouster", "autoware"). Throws `std::invalid_argument`.
+DriverLayout driver_layout_from_name(const std::string& name);
 
 /// Writes the folder `path`, atomically: NNNNNN.pcd a scan, numbered from 0, times.txt (s),
 /// poses.txt (TUM, world from sensor at these times) and underbrush.json (provenance; marks the
@@ -33,11 +34,12 @@ Profile profile_from_name(const std::string& name);
 /// scans, or, where beams share their scan's pose, that pose. Holds one scan in memory. Throws
 /// `std::invalid_argument` where a beam's scan has no pose, or a scan is not in one piece;
 /// `IoError`, also if another's folder stands there.
-void export_profile(const std::filesystem::path& path, BeamSource& source, Profile profile,
-                    const Trajectory& world_from_sensor, const std::string& provenance);
+void export_driver_layout(const std::filesystem::path& path, BeamSource& source,
+                          DriverLayout driver, const Trajectory& world_from_sensor,
+                          const std::string& provenance);
 
 /// What a format cannot hold of a log with echoes, for people; empty if it holds all. `format` as
-/// for `export_log`, or a profile's name.
+/// for `export_log`, or the name of a driver's layout.
 std::string lost_in(const std::string& format);
 
 }  // namespace underbrush::io

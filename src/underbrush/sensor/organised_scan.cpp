@@ -1,4 +1,4 @@
-#include "underbrush/sensor/grid.hpp"
+#include "underbrush/sensor/organised_scan.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -24,7 +24,7 @@ struct Row {
   std::vector<double> column, azimuth, elevation;
 };
 
-std::vector<Row> rows_of(const Grid& grid, const Angles& angles) {
+std::vector<Row> rows_of(const OrganisedScan& grid, const Angles& angles) {
   std::vector<Row> rows(grid.rows);
   for (size_t c = 0; c < grid.columns; ++c) {
     for (size_t r = 0; r < grid.rows; ++r) {
@@ -38,7 +38,7 @@ std::vector<Row> rows_of(const Grid& grid, const Angles& angles) {
   return rows;
 }
 
-bool fit_elevation(Grid& grid, const std::vector<Row>& rows) {
+bool fit_elevation(OrganisedScan& grid, const std::vector<Row>& rows) {
   grid.elevation_rad.assign(grid.rows, NAN);
   size_t near = 0, all = 0;
   for (size_t r = 0; r < grid.rows; ++r) {
@@ -67,7 +67,7 @@ double row_azimuth(const Row& row, double step) {
   return mean + median(rest);
 }
 
-bool fit_azimuth(Grid& grid, const std::vector<Row>& rows) {
+bool fit_azimuth(OrganisedScan& grid, const std::vector<Row>& rows) {
   std::vector<double> steps;
   for (const Row& row : rows) {
     for (size_t k = 1; k < row.column.size(); ++k) {
@@ -126,7 +126,7 @@ double line_at(size_t r, std::vector<size_t> filled, const std::vector<double>& 
   return y + (xx > 0 ? xy / xx * (double(r) - x) : 0);
 }
 
-void fill_empty_rows(Grid& grid, const Sensor* sensor) {
+void fill_empty_rows(OrganisedScan& grid, const Sensor* sensor) {
   std::vector<size_t> filled;
   std::vector<double> shifts;
   const bool known = sensor && sensor->channels.size() == grid.rows;
@@ -155,7 +155,7 @@ void fill_empty_rows(Grid& grid, const Sensor* sensor) {
 }
 
 // Whether the scan's own ring numbers, if any, are constant in each row.
-bool rings_agree(const Grid& grid, const std::vector<uint16_t>& ring) {
+bool rings_agree(const OrganisedScan& grid, const std::vector<uint16_t>& ring) {
   for (size_t i = 0; i < ring.size(); ++i) {
     const size_t first = grid.column_major ? grid.row(i) : grid.row(i) * grid.columns;
     if (ring[i] != ring[first]) return false;
@@ -165,7 +165,7 @@ bool rings_agree(const Grid& grid, const std::vector<uint16_t>& ring) {
 
 }  // namespace
 
-std::optional<Grid> find_grid(const PointScan& scan, const Sensor* sensor) {
+std::optional<OrganisedScan> find_organised_scan(const PointScan& scan, const Sensor* sensor) {
   const size_t n = scan.size();
   Angles angles{std::vector<double>(n, NAN), std::vector<double>(n, NAN)};
   for (size_t i = 0; i < n; ++i) {
@@ -178,7 +178,7 @@ std::optional<Grid> find_grid(const PointScan& scan, const Sensor* sensor) {
   for (size_t rows : candidates) {
     if (n == 0 || n % rows != 0 || n / rows < 2) continue;
     for (bool column_major : {true, false}) {
-      Grid grid{rows, n / rows, column_major, 0, {}, {}};
+      OrganisedScan grid{rows, n / rows, column_major, 0, {}, {}};
       if (!rings_agree(grid, scan.ring)) continue;
       const std::vector<Row> split = rows_of(grid, angles);
       if (!fit_elevation(grid, split) || !fit_azimuth(grid, split)) continue;

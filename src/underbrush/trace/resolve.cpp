@@ -3,10 +3,10 @@
 #include "underbrush/trace/kernel.hpp"
 
 namespace underbrush::trace {
-Met meet_placed(const View& view, const Batch& batch, const Candidate& c) {
+Intersection intersect_placed(const View& view, const Batch& batch, const Candidate& c) {
   const elements::Instance& placed = view.instances[c.instance];
-  return meet(*view.models[placed.model], placed, c.instance, c.element, batch.rays[c.ray],
-              batch.limits);
+  return intersect(*view.models[placed.model], placed, c.instance, c.element, batch.rays[c.ray],
+                   batch.limits);
 }
 
 void place_ray(const View& view, const Batch& batch, const Candidate& c, double origin[3],
@@ -16,9 +16,9 @@ void place_ray(const View& view, const Batch& batch, const Candidate& c, double 
   std::copy_n(local.direction.data(), 3, direction);
 }
 
-Stand stand_of(const View& view, uint32_t instance) {
+InstanceTransform transform_of(const View& view, uint32_t instance) {
   const elements::Instance& placed = view.instances[instance];
-  Stand s;
+  InstanceTransform s;
   s.model = &view.model_views[placed.model];
   std::copy_n(placed.world_from_model.translation.data(), 3, s.translation);
   s.translation[3] = 0;
@@ -47,14 +47,14 @@ Placement place(const View& view, uint32_t instance, const double centre[3]) {
   return p;
 }
 
-bool settle_nearest(const View& view, Ask ask, Batch& batch, size_t ray, uint32_t instance,
-                    uint32_t element, uint32_t have_instance, uint32_t have_element) {
-  const Met met = meet_placed(view, batch, {uint32_t(ray), instance, element});
+bool resolve_nearest(const View& view, Query query, Batch& batch, size_t ray, uint32_t instance,
+                     uint32_t element, uint32_t have_instance, uint32_t have_element) {
+  const Intersection met = intersect_placed(view, batch, {uint32_t(ray), instance, element});
   if (met.none()) return false;
-  if (ask == Ask::kAccepted && !accepts(batch.keys[ray], met)) return false;
-  Met& best = batch.best[ray];
-  if (have_element != Met::kNone) {
-    best = meet_placed(view, batch, {uint32_t(ray), have_instance, have_element});
+  if (query == Query::kAccepted && !accepts(batch.keys[ray], met)) return false;
+  Intersection& best = batch.best[ray];
+  if (have_element != Intersection::kNone) {
+    best = intersect_placed(view, batch, {uint32_t(ray), have_instance, have_element});
   }
   if (!best.none() && !met.before(best)) return false;
   best = met;

@@ -18,10 +18,10 @@ namespace underbrush::radiometry {
 /// both in closed form. A beam that is stopped by leaves hit a leaf with a density ∝ |n·d|.
 /// Lambertian leaves therefore return M/G times what a perpendicular one returns, which is ⅔ for
 /// spherical leaves.
-class Foliage {
+class LeafAngleDistribution {
  public:
   /// Throws `std::invalid_argument` unless 0.01 ≤ χ ≤ 100.
-  explicit Foliage(double shape = 1);
+  explicit LeafAngleDistribution(double shape = 1);
 
   /// G, in (0, 1]. `cos_zenith` is that of the beam, upwards or downwards.
   double projection(double cos_zenith) const;

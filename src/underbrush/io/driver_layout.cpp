@@ -1,4 +1,4 @@
-#include "underbrush/io/profile.hpp"
+#include "underbrush/io/driver_layout.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -30,8 +30,8 @@ constexpr Layout kLayouts[] = {
     {"x y z intensity return_type channel azimuth elevation distance time_stamp",
      "4 4 4 1 1 2 4 4 4 4", "F F F U U U F F F U"}};
 
-std::string header_of(Profile profile, size_t width, size_t height) {
-  const Layout& layout = kLayouts[size_t(profile)];
+std::string header_of(DriverLayout driver, size_t width, size_t height) {
+  const Layout& layout = kLayouts[size_t(driver)];
   std::string count;
   for (const char* c = layout.fields; *c; ++c) {
     if (*c == ' ') count += " 1";
@@ -62,16 +62,16 @@ struct Point {
   uint8_t return_type = 1;
 };
 
-void put_point(Profile profile, const Point& p, std::string& out) {
+void put_point(DriverLayout driver, const Point& p, std::string& out) {
   for (int c = 0; c < 3; ++c) put(out, p.at[c]);
   const auto ns = whole<uint32_t>(p.after_s * 1e9);
-  switch (profile) {
-    case Profile::kVelodyne:
+  switch (driver) {
+    case DriverLayout::kVelodyne:
       put(out, p.intensity);
       put(out, p.ring);
       put(out, float(p.after_s));
       return;
-    case Profile::kOuster:
+    case DriverLayout::kOuster:
       put(out, p.intensity);
       put(out, ns);
       put(out, whole<uint16_t>(double(p.intensity)));
@@ -79,7 +79,7 @@ void put_point(Profile profile, const Point& p, std::string& out) {
       put(out, uint16_t(0));
       put(out, whole<uint32_t>(p.range_m * 1e3));
       return;
-    case Profile::kAutoware:
+    case DriverLayout::kAutoware:
       put(out, whole<uint8_t>(double(p.intensity)));
       put(out, p.return_type);
       put(out, p.ring);
@@ -121,11 +121,11 @@ std::vector<uint8_t> return_types(const BeamLog& log) {
   return type;
 }
 
-class ProfileFolder {
+class DriverFolder {
  public:
-  ProfileFolder(const fs::path& folder, const LogInfo& info, Profile profile,
-                const Trajectory& path)
-      : folder_(folder), profile_(profile), path_(path) {
+  DriverFolder(const fs::path& folder, const LogInfo& info, DriverLayout driver,
+               const Trajectory& path)
+      : folder_(folder), driver_(driver), path_(path) {
     std::vector<StampedPose> poses;
     for (const ScanInfo& s : info.scans) {
       scans_[s.scan] = s;
@@ -192,7 +192,7 @@ class ProfileFolder {
     require(done_.insert(found->first).second, "export: a scan is not in one piece");
     const ScanInfo& info = found->second;
     std::vector<size_t> order;
-    if (profile_ == Profile::kOuster) {
+    if (driver_ == DriverLayout::kOuster) {
       keep_first_echoes(scan_);
       order = organised();
     }
@@ -205,11 +205,11 @@ class ProfileFolder {
     const std::vector<uint8_t> type = return_types(scan_);
     const std::set<uint16_t> rings(scan_.ring.begin(), scan_.ring.end());
     const size_t height = whole ? rings.size() : 1;
-    std::string bytes = header_of(profile_, order.size() / height, height);
+    std::string bytes = header_of(driver_, order.size() / height, height);
     for (const size_t i : order) {
       Point p = point_of(info, i);
       p.return_type = type[i];
-      put_point(profile_, p, bytes);
+      put_point(driver_, p, bytes);
     }
     char name[32];
     std::snprintf(name, sizeof name, "%06zu.pcd", done_.size() - 1);
@@ -223,7 +223,7 @@ class ProfileFolder {
   }
 
   fs::path folder_;
-  Profile profile_;
+  DriverLayout driver_;
   Trajectory path_;
   std::map<uint32_t, ScanInfo> scans_;
   std::set<uint32_t> done_;
@@ -233,15 +233,15 @@ class ProfileFolder {
 
 }  // namespace
 
-Profile profile_from_name(const std::string& name) {
-  if (name == "velodyne") return Profile::kVelodyne;
-  if (name == "ouster") return Profile::kOuster;
-  if (name == "autoware") return Profile::kAutoware;
+DriverLayout driver_layout_from_name(const std::string& name) {
+  if (name == "velodyne") return DriverLayout::kVelodyne;
+  if (name == "ouster") return DriverLayout::kOuster;
+  if (name == "autoware") return DriverLayout::kAutoware;
   throw std::invalid_argument("no profile '" + name + "': velodyne, ouster or autoware");
 }
 
-void export_profile(const fs::path& path, BeamSource& source, Profile profile,
-                    const Trajectory& world_from_sensor, const std::string& provenance) {
+void export_driver_layout(const fs::path& path, BeamSource& source, DriverLayout driver,
+                          const Trajectory& world_from_sensor, const std::string& provenance) {
   if (fs::exists(path) && !fs::exists(path / kMark) && !fs::is_empty(path)) {
     throw IoError(path.string() +
                   ": cannot write: exists and is not ours; remove it or name another");
@@ -251,7 +251,7 @@ void export_profile(const fs::path& path, BeamSource& source, Profile profile,
       path,
       [&](const fs::path& temporary) {
         make_temporary_folders(temporary);
-        ProfileFolder folder(temporary, source.info(), profile, world_from_sensor);
+        DriverFolder folder(temporary, source.info(), driver, world_from_sensor);
         for (BeamLog chunk; source.next(chunk);) folder.write(chunk);
         folder.close();
         std::ofstream mark(temporary / kMark);

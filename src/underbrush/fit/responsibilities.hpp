@@ -1,22 +1,16 @@
 /// \file
-/// This file defines soft credits: the share of a beam's outcome that each element explains under
-/// the ray model.
+/// This file computes responsibilities: the share of a beam's outcome that each element explains
+/// under the ray model.
 #pragma once
 #include <span>
 #include <vector>
 
-#include "underbrush/trace/element_math.hpp"
+#include "underbrush/trace/ray_likelihood.hpp"
 
 namespace underbrush::fit {
 
-/// Probabilities that no element explains a beam: ε_h of a return at a range spread evenly over [0,
-/// maximum range], and ε_m of a return that was lost.
-struct Unexplained {
-  double hit = 0.005, miss = 0.005;
-};
-
 /// A beam shared out over the m elements that it meets, in order of range.
-struct BeamShares {
+struct Responsibilities {
   /// r_k ∝ w_k N(z; t_k, σ_k²): the probability that element k returned the beam. It is 0 for a
   /// miss.
   std::vector<double> hit;
@@ -27,15 +21,18 @@ struct BeamShares {
   /// miss.
   double unexplained = 0;
   double log_likelihood = 0;  ///< The log of f(z) or of P(miss) below.
+  trace::RangeMixture
+      mixture;  ///< Mixture of the elements; its weights sum to the explained share.
 };
 
-/// Computes the shares of one beam under the ray model with outliers:
+/// Computes the responsibilities for one beam under the ray model with outliers:
 ///   f(z) = (1 − ε_h − ε_m) Σ_k w_k N(z; t_k, σ_k²) + ε_h / R
 ///   P(miss) = (1 − ε_h − ε_m) ∏_k (1 − p_k) + ε_m,   w_k = p_k ∏_{j<k} (1 − p_j)
 /// `met` lists the elements in order of range, z is `range_m` (m; kMiss without a return), ε_h and
-/// ε_m are those of `unexplained`, and R is `max_range_m`. The result replaces `out`, whose memory
+/// ε_m are those of `outliers`, and R is `max_range_m`. The result replaces `out`, whose memory
 /// is used again.
-void share_out(std::span<const trace::Met> met, double range_m, const Unexplained& unexplained,
-               double max_range_m, BeamShares& out);
+void find_responsibilities(std::span<const trace::Intersection> met, double range_m,
+                           const trace::OutlierShares& outliers, double max_range_m,
+                           Responsibilities& out);
 
 }  // namespace underbrush::fit

@@ -1,4 +1,4 @@
-#include "underbrush/simulate/fan.hpp"
+#include "underbrush/simulate/sub_ray_bundle.hpp"
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/clones.hpp"
@@ -47,7 +47,7 @@ UNDERBRUSH_CLONES void mix_keys(uint64_t key, size_t n, uint64_t* keys) {
 
 }  // namespace
 
-Fan::Fan(const sensor::BeamShape& shape, std::span<const sensor::SubRay> places) {
+SubRayBundle::SubRayBundle(const sensor::BeamShape& shape, std::span<const sensor::SubRay> places) {
   shape.check();
   require(!places.empty(), "echoes: at least one sub-ray is needed");
   const sensor::RayMaker maker(shape);
@@ -63,12 +63,12 @@ Fan::Fan(const sensor::BeamShape& shape, std::span<const sensor::SubRay> places)
   }
 }
 
-void Fan::spread(const sensor::BeamAxes& axes, Ray* rays) const {
+void SubRayBundle::spread(const sensor::BeamAxes& axes, Ray* rays) const {
   place(along_.size(), along_.data(), right_.data(), up_.data(), Frame(axes),
         reinterpret_cast<double*>(rays));
 }
 
-void Fan::keys(uint64_t beam_key, uint64_t* keys) const {
+void SubRayBundle::keys(uint64_t beam_key, uint64_t* keys) const {
   mix_keys(beam_key, size(), keys);
   keys[0] = beam_key;
 }
