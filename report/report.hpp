@@ -25,7 +25,7 @@ struct Comparison {
 
 /// What a report is made of. A page of several comparisons begins with a table of contents.
 struct ReportInput {
-  std::string title;  ///< Of the page.
+  std::string title;  ///< Title of the page.
   std::string lead;   ///< The line below the title; if empty, what the first real log holds.
   std::vector<Comparison> comparisons;
 };

@@ -1,6 +1,6 @@
 /// \file
-/// Real data for tests: the folder in the environment variable UNDERBRUSH_DATA, else shared/data
-/// beside the repository. Tests that need it skip where it is absent.
+/// This file finds real data for tests: in the folder of the environment variable UNDERBRUSH_DATA,
+/// else in shared/data beside the repository. Tests that need it are skipped where it is absent.
 #pragma once
 #include <gtest/gtest.h>
 
@@ -36,8 +36,8 @@ inline std::string read_file(const std::filesystem::path& path) {
 }
 
 #ifdef UNDERBRUSH_TEST_LZMA
-/// Frame `index` of a `velodyne.kfx` archive: x y z intensity per point; empty if it has no such
-/// frame. The format is that of the data folder's frames.py.
+/// Reads frame `index` of a `velodyne.kfx` archive, whose format is that of frames.py in the data
+/// folder. It gives x y z intensity of each point, or nothing if there is no such frame.
 inline std::vector<float> kitti_frame(const std::string& drive, uint32_t index) {
   std::ifstream in(data_folder() / drive / "velodyne.kfx", std::ios::binary);
   in.seekg(4);
@@ -64,7 +64,8 @@ inline std::vector<float> kitti_frame(const std::string& drive, uint32_t index) 
       std::memcpy(out.data(), raw.data() + 1, 16 * n);
       return out;
     }
-    // Byte planes: axis, byte of the little-endian difference in mm, point; then the intensity's.
+    // The data are planes of bytes: for each axis and each byte of the little-endian difference in
+    // mm, one byte a point. The planes of the intensity follow.
     const auto word = [&](size_t plane, size_t i) {
       uint32_t v = 0;
       for (size_t b = 0; b < 4; ++b) v |= uint32_t(raw[1 + (plane * 4 + b) * n + i]) << (8 * b);

@@ -1,5 +1,5 @@
 /// \file
-/// Logs of a drive past known bushes.
+/// This file makes logs of a drive past known bushes.
 #pragma once
 #include <cmath>
 
@@ -8,7 +8,7 @@
 
 namespace underbrush::test {
 
-/// Flat ground, 2 `half_m` wide about `origin`; τ = 3.
+/// Makes flat ground, 2 `half_m` wide about `origin`, with τ = 3.
 inline elements::Model flat_ground(float half_m, const Vec3& origin = Vec3::Zero()) {
   elements::Model truth;
   truth.origin = origin;
@@ -29,8 +29,9 @@ inline void add_bush(const Vec3f& mean, const Vec3& variance_m2, float p, elemen
   truth.ellipsoids.push_back(e);
 }
 
-/// What a sensor sees of `truth` that drives 12 m along x past its origin, 1.8 m high: directions
-/// drawn evenly in azimuth and in elevation, from `lowest_rad` to 0.1; a scan a second.
+/// Makes the log of a sensor that drives 12 m along x past the origin of `truth`, 1.8 m high.
+/// Directions are drawn evenly in azimuth and in elevation from `lowest_rad` to 0.1; a scan lasts a
+/// second.
 inline BeamLog drive_past(const elements::Model& truth, uint64_t seed, size_t beams,
                           size_t beams_of_scan, double lowest_rad) {
   BeamLog log;

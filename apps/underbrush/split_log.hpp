@@ -15,7 +15,7 @@ namespace underbrush::app {
 struct HoldOut {
   int every = 0;             ///< Every K-th scan.
   int columns = 0;           ///< Every K-th column of each scan.
-  int offset = 1;            ///< Of `every` and `columns`: the number (mod K) that is held out.
+  int offset = 1;            ///< Number (mod K) that is held out, with `every` and `columns`.
   std::vector<double> time;  ///< Scans from `time[0]` to before `time[1]`, s after the log's start.
   std::vector<double> region;  ///< Scans whose sensor stands in x0 y0 x1 y1, m.
 };

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The command line as its users meet it: help texts against golden files, exit codes, one-line errors.
+"""Tests of the command line as users see it: help texts against golden files, exit codes, one-line errors.
 
   cli_test.py --program build/bin/underbrush             runs all checks
   cli_test.py --program build/bin/underbrush --update    rewrites tests/cli/golden from the program
@@ -21,14 +21,14 @@ PROGRAM = None
 
 
 def call(*words, cwd=None, program=None):
-    # A terminal's width or language must not change what is compared.
+    # The texts must not depend on a terminal's width or language.
     environment = {k: v for k, v in os.environ.items() if k not in ("COLUMNS", "LANG", "LC_ALL")}
     return subprocess.run([program or PROGRAM, *map(str, words)], cwd=cwd, env=environment, text=True,
                           stdin=subprocess.DEVNULL, capture_output=True, check=False, timeout=120)
 
 
 def verbs():
-    """The verbs that the root's help lists."""
+    """Lists the verbs in the root's help."""
     return re.findall(r"^  ([a-z][a-z-]*) ", call("--help").stdout, re.MULTILINE)
 
 
@@ -104,7 +104,7 @@ class Help(unittest.TestCase):
 
 class Failing(unittest.TestCase):
     def assert_fails(self, done, code, *words):
-        """One line on standard error, nothing on standard output, the exit code of the contract."""
+        """A failure gives one line on standard error, nothing on standard output, and its exit code."""
         where = " ".join(map(str, done.args[1:]))
         self.assertEqual(done.returncode, code, f"{where}\n{done.stderr}")
         self.assertRegex(done.stderr, r"\Aunderbrush(-study)?: [^\n]+\n\Z", where)
@@ -134,7 +134,7 @@ class WrongUsage(Failing):
                     self.assert_fails(call(verb, "--seed", "many"), 2)
 
 
-# What each verb is told; BAD stands for the bad input. Nothing may stand at `out` afterwards.
+# Arguments of each verb, in which BAD stands for the bad input. No file may be at `out` afterwards.
 READERS = {
     "import": ["BAD", "-o", "out"],
     "info": ["BAD"],
@@ -182,7 +182,7 @@ def write_log(folder, scans=2):
     for k in range(400 * scans):
         scan, beam = divmod(k, 400)
         azimuth, ring = 2 * math.pi * (beam // 8) / 50, beam % 8
-        slope = 0.3 - 0.05 * ring  # downwards, but for the last rings
+        slope = 0.3 - 0.05 * ring  # all but the last rings point downwards
         post = beam // 8 % 10 == 3
         far = 6.6 if post else 2 / slope if slope > 0.05 else 30
         x, y = far * math.cos(azimuth), far * math.sin(azimuth)
@@ -194,7 +194,7 @@ def write_log(folder, scans=2):
     assert done.returncode == 0, done.stderr
 
 
-# Each verb on that log, in an order in which all inputs are there. -o names what it makes.
+# Commands on that log, in an order in which all inputs exist. -o names the output.
 JOBS = {
     "import": ["log.csv", "-o", "again.ply"],
     "split": ["log.ply", "--every", "2", "--train", "train.ply", "--test", "test.ply"],
@@ -246,7 +246,7 @@ class Configuration(OnALog):
                 timeless = [re.sub(r"[0-9.]+ (s\b|k? ?beams/s)|[0-9.]+ [kM] beams/s", "", t.stdout)
                             for t in (plain, again)]
                 self.assertEqual(*timeless)
-                for path, content in before.items():  # only provenance differs: the file is named
+                for path, content in before.items():  # only the file's name in the provenance differs
                     tail = len(content) // 2
                     self.assertEqual(path.read_bytes()[-tail:], content[-tail:], path)
 
@@ -279,7 +279,7 @@ class Configuration(OnALog):
 
 
 def main():
-    """The tests of the file that is run; `--program` says of which binary."""
+    """Runs the tests of the calling file on the binary that `--program` names."""
     global PROGRAM
     parser = argparse.ArgumentParser()
     parser.add_argument("--program", required=True, type=pathlib.Path)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Shell completion: in a real bash, and in zsh and fish where they are installed."""
+"""Tests of shell completion in a real bash, and in zsh and fish where they are installed."""
 import os
 import pathlib
 import shutil
@@ -11,7 +11,7 @@ import cli_test
 
 
 def bash(folder, *words):
-    """What bash offers for the last of `words`."""
+    """Gives what bash offers for the last of `words`."""
     line = " ".join(words)
     script = """
 source <("$PROGRAM" completion bash)

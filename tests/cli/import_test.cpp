@@ -1,4 +1,4 @@
-// `underbrush import` and `underbrush info`: counts, exit codes, and nothing half-written.
+// Tests of `underbrush import` and `underbrush info`: counts, exit codes, and no partial outputs.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
@@ -32,7 +32,8 @@ class Import : public testing::Test {
     }
     return false;
   }
-  // A drive of a rotating 64-ring scanner in the manner of KITTI: a tube around the road.
+  // Writes the drive of a rotating 64-ring scanner in KITTI's format, through a tube around the
+  // road.
   void put_drive(int frames) {
     for (int f = 0; f < frames; ++f) {
       std::string scan;
@@ -102,7 +103,7 @@ TEST_F(Import, RawScansStayRaw) {
   EXPECT_NE(bytes_of(folder_ / "stdout").find("no misses"), std::string::npos);
 }
 
-// A tripod's scan as foresters have it: X Y Z and which return of its pulse a point is.
+// A tripod's scan as used in forestry has X Y Z and the number of the return within its pulse.
 TEST_F(Import, ReturnsOfAPulseAreChosenByAColumn) {
   std::string csv = "X Y Z target_count target_index\n";
   for (int k = 0; k < 360; ++k) {
@@ -124,7 +125,7 @@ TEST_F(Import, ReturnsOfAPulseAreChosenByAColumn) {
   EXPECT_EQ(counts["skipped"].at("target_index is not 1 (--keep)"), 360);
   const BeamLog log = io::read_log(folder_ / "log.ply");
   EXPECT_LT(*std::max_element(log.range_m.begin(), log.range_m.end()), 6);
-  // No times and no rings: columns are packets by azimuth.
+  // Without times and rings, packets are columns of azimuth.
   ASSERT_EQ(run("split log.ply --columns 2 --train a.ply --test b.ply"), 0) << errors();
   EXPECT_NEAR(double(io::read_log(folder_ / "a.ply").size()), 180, 4);
   EXPECT_EQ(run("import tripod.csv --keep target=1 -o bad.ply"), 3);
@@ -154,7 +155,8 @@ TEST_F(Import, BadTablesAreOneLine) {
 }
 
 TEST_F(Import, GroundIsScoredAgainstLabels) {
-  // Level ground (40, road) with a box on it (50, building), and points without a label (0).
+  // The cloud has level ground (40, road) with a box on it (50, building), and points without a
+  // label (0).
   std::string points, labels;
   for (int k = 0; k < 6000; ++k) {
     const double x = 3 + 0.2 * (k % 60), y = 0.2 * (k / 60) - 10;
@@ -204,7 +206,7 @@ TEST_F(Import, BadInputIsOneLineAndLeavesNothing) {
   std::string zeros(160, '\0');
   put_bytes(folder_ / "zeros.bin", zeros);
   refuses("import zeros.bin -o log.ply", 3, "no usable beams");
-  // A full disk.
+  // The limit of the file size acts like a full disk.
   refuses("--version; trap '' XFSZ; ulimit -f 100; " UNDERBRUSH_PROGRAM
           " import drive --frames 0:1 -o log.ply",
           4, "cannot write");

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The comparison simulator: the set of primitives `mesh_primitives`, and the script of four verbs."""
+"""Tests of the comparison simulator: the set of primitives `mesh_primitives`, and the script of four verbs."""
 import json
 import math
 import os
@@ -14,7 +14,7 @@ SHARED = ([], ["--tile", "16", "--min-range", "6.65"], ["--ground-method", "sphe
 
 
 def without_provenance(path):
-    """A file's content; JSON without where it came from."""
+    """Reads a file; JSON is returned without its provenance."""
     if path.suffix != ".json":
         return path.read_bytes()
     manifest = json.loads(path.read_text())
@@ -55,7 +55,7 @@ class MeshPrimitives(cli_test.OnALog):
         return self.json_of("annotate", "labelled.ply", "--ground", "ground", "-o", "site.json")
 
     def own_set(self, name):
-        """Of one plant, of the class of the log's posts."""
+        """Makes a set of one plant that has the class of the log's posts."""
         folder = pathlib.Path(self.folder, "large_shrub")
         folder.mkdir()
         (folder / "bush.obj").write_bytes(pathlib.Path(self.folder, "tree.obj").read_bytes())
@@ -142,7 +142,7 @@ class MeshPrimitives(cli_test.OnALog):
         self.assert_fails(self.call("fit", "log.ply", "-o", "scene"), 4, "scene", "not a model")
 
     def log_of(self, name, keep):
-        """Another log, of the rows (as {column: number}) that `keep` lets through."""
+        """Makes a log of the rows (as {column: number}) that `keep` lets through."""
         head, *rows = pathlib.Path(self.folder, "log.csv").read_text().splitlines()
         kept = [row for row in rows if keep(dict(zip(head.split(","), map(float, row.split(",")))))]
         pathlib.Path(self.folder, name + ".csv").write_text("\n".join([head, *kept]) + "\n")

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Runs that cannot write or are interrupted: one line, the right exit code, and nothing left or lost."""
+"""Tests of runs that cannot write or are interrupted: they give one line and the right exit code, and neither leave
+nor lose a file."""
 import os
 import pathlib
 import resource
@@ -12,7 +13,7 @@ import cli_test
 
 
 class Outputs(cli_test.OnALog):
-    """What cannot be written: exit 4, one line, at once, and nothing is left or lost."""
+    """An output that cannot be written gives exit 4 and one line at once, and no file is left or lost."""
     def writers(self):
         for verb, words in cli_test.JOBS.items():
             for option in ("-o", "--train", "--test", "--report"):
@@ -84,14 +85,14 @@ class Outputs(cli_test.OnALog):
                     words = ["log.ply", *words[1:]]
                 words = [*words[:at], target, *words[at + 1:]]
                 before = self.left()
-                # A limit of the size of files, which the system reports as it reports a full disk.
+                # The system reports a file beyond the size limit as it reports a full disk.
                 done = subprocess.run(
                     [cli_test.PROGRAM, verb, *words], cwd=self.folder, text=True, capture_output=True, timeout=60,
                     check=False, preexec_fn=lambda: (
                         signal.signal(signal.SIGXFSZ, signal.SIG_IGN),
                         resource.setrlimit(resource.RLIMIT_FSIZE, (limit << 10, limit << 10))))
                 if done.returncode == 0:
-                    continue  # what it writes is smaller
+                    continue  # its outputs are smaller than the limit
                 self.assert_fails(done, 4, "cannot write")
                 allowed = before | {"new"} if verb == "score" else before
                 self.assertLessEqual(self.left(), allowed)
@@ -116,7 +117,7 @@ class Interrupted(cli_test.OnALog):
                     self.assertEqual(self.left(), before)
                     self.assertEqual(os.listdir(scratch), [])
                     if process.returncode == -signal.SIGINT:  # 130 to a shell
-                        # Before main has begun the system ends it, without a line.
+                        # The system ends a process without a line before main has begun.
                         self.assertIn(errors, ("", "underbrush: interrupted\n"))
                         interrupted |= {verb} if errors else set()
                     else:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""From labels to scenes as users of the command line meet them; what is wrong with annotations."""
+"""Tests of the verbs from labels to scenes, and of invalid annotations."""
 import base64
 import csv
 import json
@@ -83,9 +83,9 @@ class Scenes(cli_test.OnALog):
             self.assertEqual(scene["instances"] + sum(scene["left_out"].values()), made["objects"])
 
     def test_labels_come_back_from_another_program(self):
-        # As CloudCompare saves them: text, float numbers, other names, other order.
+        # CloudCompare saves text with float numbers, other names and another order.
         def labels(file):
-            cli_test.call("info", file, cwd=self.folder)  # it is a log
+            cli_test.call("info", file, cwd=self.folder)  # the file is a log
             raw = pathlib.Path(self.folder, file).read_bytes()
             return raw[raw.index(b"end_header"):]
         before = labels("labelled.ply")
@@ -100,7 +100,7 @@ class Scenes(cli_test.OnALog):
         return cli_test.call("compose", name, primitives, "-o", "bad", *words, cwd=self.folder)
 
     def assert_refused(self, name, *words):
-        """Bad input: one line that names the file and the place; no scene is left."""
+        """Bad input gives one line that names the file and the place, and leaves no scene."""
         self.assert_fails(self.compose(name), 3, name, *words)
         self.assertFalse(pathlib.Path(self.folder, "bad").exists())
 
@@ -136,7 +136,7 @@ class Scenes(cli_test.OnALog):
         self.assert_fails(self.compose(name, "--strict"), 3, name, "1 objects stand off the ground")
 
     def test_a_class_without_primitives(self):
-        # Another size of its kind stands in, and is counted.
+        # Another size of the same kind replaces it, and is counted.
         name = self.first(**{"class": "low_shrub"})
         counted = self.json_of("compose", name, "primitives", "-o", "some")
         self.assertEqual(counted["borrowed"], {"low_shrub": 1})
@@ -144,7 +144,7 @@ class Scenes(cli_test.OnALog):
         self.assertRegex(self.compose(name).stdout, "warning     1 of class low_shrub: no primitives")
         shutil.rmtree(pathlib.Path(self.folder, "bad"))
         self.assert_fails(self.compose(name, "--strict"), 3, "low_shrub")
-        # Where its kind has none at all it is left out.
+        # Without any primitive of its kind it is left out.
         name = self.first(**{"class": "small_tree"})
         counted = self.json_of("compose", name, "primitives", "-o", "some")
         self.assertEqual(counted["left_out"], {"small_tree": 1})
@@ -160,7 +160,7 @@ class Scenes(cli_test.OnALog):
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         self.assertIn("warning     there are no objects", done.stdout)
         answered = self.json_of("simulate", "bad", "--like", "log.ply", "-o", "bare.ply")
-        self.assertGreater(answered["hits"], 0)  # of its ground
+        self.assertGreater(answered["hits"], 0)  # the ground answers
 
     def test_a_plant_of_gltf_stands_upright(self):
         corners = [(0, 0, 0), (1, 0, 0), (0, 0, 1), (0, 4, 0)]  # y is up

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""`sensors` and the instruments of `simulate`, as their users meet them; run as cli_test.py is."""
+"""Tests of `sensors` and of the instruments of `simulate`; run as cli_test.py is."""
 import csv
 import json
 import pathlib
@@ -65,7 +65,7 @@ receiver: {pulse_ns: 5, detects: {range_m: 100, reflectance: 0.1}, returns: all,
 
 
 class Footprints(cli_test.OnALog):
-    """`fit --sensor`: the beam that measured a log makes its ellipsoids no wider than matter is."""
+    """`fit --sensor` makes the ellipsoids of a log as wide as the matter, without the width of the beam."""
 
     def mean_size(self, *words):
         done = call("fit", "log.ply", "-o", "model", *words, "--json", "-", cwd=self.folder)
@@ -94,7 +94,7 @@ class Footprints(cli_test.OnALog):
 
 
 class Instruments(cli_test.OnALog):
-    """A beam that half of a near wall and, beside it, a far wall stop; far from all else."""
+    """Makes a wall for half of a beam and a farther wall for the other half, far from everything else."""
 
     def setUp(self):
         super().setUp()

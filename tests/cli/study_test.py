@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""`underbrush-study`, and `info --leaves`, as their users meet them; run as cli_test.py is."""
+"""Tests of `underbrush-study` and of `info --leaves`; run as cli_test.py is."""
 import json
 import math
 import pathlib
@@ -20,7 +20,7 @@ def write_cloud(path, points):
 
 
 def write_pair(folder, scale):
-    """Two clouds of the miniature's nine patches, the simulated one `scale` times as large, and five corners."""
+    """Makes two clouds of the miniature's nine patches, the simulated one `scale` times as large, and five corners."""
     draw = random.Random(3)
     cubes = (((0, 0), 1), ((-0.6, 0), 0.2), ((0, -0.6), 0.2))
 
@@ -35,7 +35,7 @@ def write_pair(folder, scale):
                         yield x - side / 2 - off, y - side / 2 + u, v
                         yield x - side / 2 + u, y - side / 2 - off, v
 
-    def seen(p):  # turned by 40 degrees, 24 m ahead of the scanner
+    def seen(p):  # rotated by 40 degrees, 24 m ahead of the scanner
         c, s = math.cos(0.7), math.sin(0.7)
         return 24 + c * p[0] - s * p[1], s * p[0] + c * p[1], p[2] - 0.5
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""`optimize` as its users meet it: the configuration that it writes, interruption and resumption."""
+"""Tests of `optimize`: the configuration that it writes, interruption and resumption."""
 import json
 import pathlib
 import signal
@@ -87,7 +87,7 @@ class Tuning(cli_test.OnALog):
         self.assertGreaterEqual(again["resumed_from"], 3)
         self.assertEqual(again["evaluations"], whole["evaluations"])
         self.assertEqual(self.text("p.yaml"), text)
-        # With a larger budget it goes on from its end.
+        # With a larger budget it continues from the end.
         more = self.results("-o", "p.yaml", "--budget", "44", "--resume")
         self.assertEqual(more["resumed_from"], len(whole["evaluations"]))
         self.assertEqual(more["evaluations"][:len(whole["evaluations"])], whole["evaluations"])

@@ -1,4 +1,5 @@
-// Fires a thousand beams at one half-permeable ellipsoid; exits 0 if about half of them end there.
+// Fires a thousand beams at one half-permeable ellipsoid. It exits with 0 if about half of them end
+// there.
 #include <cstdio>
 
 #include "underbrush/simulate/simulate.hpp"

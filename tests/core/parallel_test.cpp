@@ -47,7 +47,7 @@ TEST(ParallelInOrder, FinishesInOrderAndKeepsFewWaiting) {
         500, 7,
         [&](size_t k) {
           ++begun;
-          volatile double x = 0;  // the first of each ten takes longest
+          volatile double x = 0;  // the first of every ten takes longest
           for (int i = 0; i < (k % 10 ? 10 : 20000); ++i) x = x + 1;
         },
         [&](size_t k) {
@@ -71,7 +71,7 @@ TEST(ParallelInOrder, PassesAnExceptionOn) {
   EXPECT_THROW(parallel_in_order(100, 4, nothing, fails), std::runtime_error);
 }
 
-// A loop inside one call is whole though the other call throws meanwhile.
+// An exception in one call does not cut short a loop inside another call.
 TEST(ParallelInvoke, AnExceptionCutsNoOtherLoopShort) {
   for (int round = 0; round < 100; ++round) {
     std::atomic<bool> begun = false;
@@ -94,8 +94,8 @@ TEST(ParallelInvoke, AnExceptionCutsNoOtherLoopShort) {
   }
 }
 
-// Whoever throws first in time, the caller gets the first in order, and what stands before it is
-// finished; nothing crashes where many throw.
+// Whichever call throws first in time, the caller gets the exception that is first in order, and
+// everything before it is finished. Nothing crashes where many calls throw.
 TEST(ParallelInOrder, TheFirstExceptionInOrderCounts) {
   for (int round = 0; round < 2000; ++round) {
     std::vector<size_t> finished;

@@ -18,8 +18,8 @@ TEST(Normal, InvertsTheNormalDistribution) {
   EXPECT_EQ(normal_from_uniform(0.5), 0.0);
 }
 
-// χ² of the accept bits in 256 cells over (beam, element) pairs: low-entropy keys and elements are
-// the case that weak hashes fail.
+// The accept bits pass a χ² test in 256 cells over (beam, element) pairs. Weak hashes fail for such
+// keys and elements of low entropy.
 TEST(AcceptBits, AreUniformOverNeighbouringBeamsAndElements) {
   for (int shift : {0, 8, 16, 24}) {
     std::vector<double> cell(256);

@@ -43,7 +43,7 @@ TEST(SceneFile, ComesBackToTheBit) {
   const Scene s = scene(info);
   write_scene(folder / "scene", s, info);
   EXPECT_TRUE(is_scene(folder / "scene"));
-  EXPECT_TRUE(is_model(folder / "scene/models/0002"));  // each can be looked at by itself
+  EXPECT_TRUE(is_model(folder / "scene/models/0002"));  // each model is readable by itself
   const Scene t = read_scene(folder / "scene", &back);
   ASSERT_EQ(t.instances.size(), s.instances.size());
   for (size_t k = 0; k < s.instances.size(); ++k) {
@@ -94,11 +94,11 @@ TEST(SceneFile, ThatIsDamagedIsRefused) {
   io::put_bytes(folder / "scene/instances.ply", table.substr(0, table.size() - 9));
   EXPECT_THROW(read_scene(folder / "scene"), FormatError);
   std::string bad = table;
-  bad.back() = char(200);  // class of the last
+  bad.back() = char(200);  // the class of the last instance
   io::put_bytes(folder / "scene/instances.ply", bad);
   EXPECT_THROW(read_scene(folder / "scene"), FormatError);
   bad = table;
-  bad[bad.size() - 3] = 9;  // its model
+  bad[bad.size() - 3] = 9;  // the model of the last instance
   io::put_bytes(folder / "scene/instances.ply", bad);
   EXPECT_THROW(read_scene(folder / "scene"), FormatError);
   io::put_bytes(folder / "scene/instances.ply", table);

@@ -17,7 +17,8 @@ struct Drawn {
   std::vector<Trials> trials;
 };
 
-// Gamma(k) for integer k as a sum of exponentials; Beta(a, b) from two of them.
+// Draws from Beta(a, b) by two Gamma variates, each of which is a sum of exponentials for an
+// integer parameter.
 double beta(int a, int b, Stream& random) {
   double x = 0, y = 0;
   for (int k = 0; k < a; ++k) x -= std::log(random.uniform());
@@ -53,7 +54,8 @@ Error error_of(const Drawn& d, const HitPrior& prior) {
   return e;
 }
 
-// Vegetation with p ~ Beta(2, 1), seen by few rays: bias and root mean square error of p.
+// Vegetation with p ~ Beta(2, 1) is seen by few rays; the test measures bias and root mean square
+// error of p.
 TEST(BetaPrior, IsUnbiasedWithFewRaysAndBeatsTheOthers) {
   std::printf(
       "  p ~ Beta(2, 1)   bias / RMSE of p\n  rays   plain           "
@@ -84,7 +86,7 @@ TEST(BetaPrior, RecoversWhatMadeTheTrials) {
   }
 }
 
-// Log-marginal likelihood, the slow way: the fit must stand at its top.
+// The log-marginal likelihood is computed the slow way, and the fit must be at its maximum.
 TEST(BetaPrior, HasTheGreatestMarginalLikelihood) {
   const Drawn d = draw(3, 2, 6, 2000, 3);
   const auto likelihood = [&](double a, double b) {

@@ -55,7 +55,7 @@ TEST(HierarchicalClusters, IsTheSameForTheSameSeedAndMovesWithTheCloud) {
   const Clusters m = hierarchical_clusters(moved, {}, 5);
   size_t differ = 0;
   for (size_t i = 0; i < points.size(); ++i) differ += a.group[i] != m.group[i];
-  EXPECT_LT(differ, points.size() / 10);  // rounding may turn single points
+  EXPECT_LT(differ, points.size() / 10);  // rounding may move single points to another cluster
 }
 
 TEST(HierarchicalClusters, OfFewOrEqualPointsIsClear) {
@@ -80,7 +80,7 @@ TEST(EllipsoidsOf, HaveTheSampleMomentsAndAFloor) {
   std::vector<Vec3f> points;
   for (int i = 0; i < 1000; ++i) {
     const double x = random.normal(), y = random.normal();
-    points.emplace_back(float(2 * x), float(y), 3.0f);  // a pancake without any thickness
+    points.emplace_back(float(2 * x), float(y), 3.0f);  // a disc without any thickness
   }
   Clusters c;
   c.group.assign(points.size(), 0);
@@ -96,7 +96,7 @@ TEST(EllipsoidsOf, HaveTheSampleMomentsAndAFloor) {
   EXPECT_LT((e[0].mean.cast<double>() - mean).norm(), 1e-5);
 }
 
-// The lone point gets the volume that is usual; many points keep their own shape.
+// The ellipsoid of a single point gets the usual volume, while many points keep their own shape.
 TEST(EllipsoidsOf, TakeFromTheOthersWhatFewPointsDoNotSay) {
   std::vector<Vec3f> points = blobs(11, 1, 2000, 0.3);
   Clusters c;

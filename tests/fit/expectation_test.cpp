@@ -60,7 +60,7 @@ TEST(Responsibilities, OfTwoElementsByHand) {
   EXPECT_NEAR(shares.pass[1], 0.9 * 0.1 / (0.9 * 0.1 + 0.04), 1e-12);
 }
 
-/// The expected log-likelihood of fixed shares as the one ellipsoid moves.
+/// Computes the expected log-likelihood of fixed shares as the one ellipsoid moves.
 double expected(const elements::Model& model, const std::vector<Ray>& rays,
                 const std::vector<double>& ranges,
                 const std::vector<std::array<double, 2>>& shares) {
@@ -76,7 +76,7 @@ double expected(const elements::Model& model, const std::vector<Ray>& rays,
   return sum;
 }
 
-/// The slopes are the derivatives, by finite differences in all ten parameters.
+/// The slopes are compared with finite differences in all ten parameters.
 TEST(ElementSums, SlopesAreTheDerivativesOfTheExpectedLogLikelihood) {
   Stream random(22);
   elements::Model model;
@@ -152,7 +152,8 @@ TEST(Rearrangement, RemovesTheEmptyMergesTwinsAndNeverAdds) {
   elements::Model model;
   for (int k = 0; k < 40; ++k) {
     elements::Ellipsoid e;
-    e.mean = Vec3f(float(k / 2) * 5, k % 2 ? 0.01f : 0.0f, 0);  // twins, far from other twins
+    // pairs of near ellipsoids, far from other pairs
+    e.mean = Vec3f(float(k / 2) * 5, k % 2 ? 0.01f : 0.0f, 0);
     e.set_covariance(0.04 * Mat3::Identity());
     e.density_per_m = 1;
     model.ellipsoids.push_back(e);
@@ -160,7 +161,7 @@ TEST(Rearrangement, RemovesTheEmptyMergesTwinsAndNeverAdds) {
   ElementSums sums(model);
   trace::Intersection met{10, 0.2, 0.5, 0.3, 0};
   for (uint32_t k = 0; k < 40; ++k) {
-    if (k < 4) continue;  // no beam says anything of the first four
+    if (k < 4) continue;  // no beam meets the first four
     met.element = k;
     for (int i = 0; i < 30; ++i) {
       sums.add({Vec3(-10, 0, 0), Vec3(1, 0, 0)}, {&met, 1}, 10, {{0.9}, {0.1}, 0, -double(k)});

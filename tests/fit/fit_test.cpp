@@ -15,8 +15,8 @@
 namespace underbrush::fit {
 namespace {
 
-/// A log of a known world: flat ground under a permeable bush and a dense one, seen from a drive
-/// past. Every beam's truth is a hit on bush or ground, or a miss above.
+/// Makes a log of a known world, flat ground under a permeable bush and a dense one, seen from a
+/// drive past. Every beam hits a bush or the ground, or is a miss above them.
 BeamLog drive_past_bushes(uint64_t seed, const Vec3& at = Vec3::Zero(), size_t beams = 60000) {
   elements::Model truth = test::flat_ground(60, at);
   for (int k = 0; k < 2; ++k) {
@@ -107,7 +107,7 @@ TEST(Fit, GroundMeshIsTheHybridWithoutItsEllipsoids) {
   EXPECT_GT(hits, bare.report.ground_points / 2);
 }
 
-// The same drive far from where coordinates are small gives the same model about its own origin.
+// The same drive far from the origin gives the same model about its own origin.
 TEST(Fit, MovesWithTheWorld) {
   const Vec3 far(5e5, 4e6, 200);
   const BeamLog near_log = drive_past_bushes(9, Vec3::Zero(), 12000);
@@ -130,7 +130,7 @@ TEST(Fit, MovesWithTheWorld) {
   }
 }
 
-// Each return is fitted once, whatever the tiles, and what is fitted explains the returns.
+// Each return is fitted once, whatever the tiles, and the fitted elements explain the returns.
 TEST(Fit, TilesDoubleNoPointAndEveryVolumetricFitterExplainsTheHits) {
   const BeamLog log = drive_past_bushes(7, Vec3::Zero(), 12000);
   for (const Clustering& clustering : clusterings()) {
@@ -153,7 +153,7 @@ TEST(Fit, TilesDoubleNoPointAndEveryVolumetricFitterExplainsTheHits) {
   }
 }
 
-// No voxel is cut by a tile's border: no two ellipsoids stand in one cube.
+// The border of a tile cuts no voxel, so no two ellipsoids are in one cube.
 TEST(Fit, VoxelsDoNotDependOnTheTiles) {
   const BeamLog log = drive_past_bushes(8, Vec3::Zero(), 20000);
   FitOptions options;
@@ -171,7 +171,7 @@ TEST(Fit, VoxelsDoNotDependOnTheTiles) {
   EXPECT_GT(cubes.size(), 100u);
 }
 
-// A cloud that stood there for one scan only: all later beams pass through it.
+// A cloud is there in one scan only, and all later beams pass through it.
 TEST(Fit, DropsWhatOnlyOnceStoodInFreeSpace) {
   BeamLog log = drive_past_bushes(4);
   Stream random(5);
@@ -197,7 +197,7 @@ TEST(Fit, DropsWhatOnlyOnceStoodInFreeSpace) {
   EXPECT_GT(ghosts(0.05).second, 0u);
 }
 
-/// A log of a wall, a box on the ground before it and the ground, from a drive along them.
+/// Makes a log of a wall, a box on the ground before it and the ground, from a drive along them.
 BeamLog drive_past_box(uint64_t seed) {
   elements::Model truth;
   truth.ground.vertices = {{-60, -60, 0}, {60, -60, 0}, {60, 60, 0}, {-60, 60, 0}};
@@ -224,8 +224,8 @@ BeamLog drive_past_box(uint64_t seed) {
   return log;
 }
 
-/// Half the beams of `log` as a model answers them, less what they really measured: the share of
-/// ranges that differ by more than 0.1 m.
+/// Computes the share of ranges that differ by more than 0.1 m when the model answers half of the
+/// beams of `log`.
 double wrong_share(const FitResult& r, const BeamLog& log) {
   BeamLog answer = log;
   simulate::simulate(trace::World(r.model), {.seed = 9}, 0, answer);
@@ -259,8 +259,8 @@ TEST(Fit, TheNoiseOfASurfaceCanBeSet) {
   EXPECT_EQ(fit(source, options).model.surface.range_sigma_m, 0.005);
 }
 
-// The vehicle's own mast, 1.5 m from the sensor: it goes with it, so where the sensor comes later
-// an opaque model has a wall.
+// The vehicle's own mast stands 1.5 m from the sensor and moves with it. An opaque model has a wall
+// where the sensor comes later.
 TEST(Fit, LeavesOutTheVehicleThatCarriesTheSensor) {
   BeamLog train = drive_past_box(7);
   const BeamLog test = drive_past_box(8);
@@ -283,7 +283,7 @@ TEST(Fit, LeavesOutTheVehicleThatCarriesTheSensor) {
   EXPECT_LT(wrong_share(without, test), 0.08);
 }
 
-// Something stood between the sensor and the wall for the first tenth of the log.
+// An object stood between the sensor and the wall for the first tenth of the log.
 TEST(Fit, CarvingDropsWhatMoreBeamsPassedThanMet) {
   BeamLog train = drive_past_box(7);
   const BeamLog test = drive_past_box(8);

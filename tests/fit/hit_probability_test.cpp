@@ -38,7 +38,8 @@ std::string said(const elements::Model& model, double range_m, const CreditOptio
 TEST(Credit, GoesToTheFirstElementThatExplainsThePoint) {
   const elements::Model model = row_of_ellipsoids({5, 10, 10.1, 20});
   ASSERT_EQ(met_along_x(model).size(), 4u);
-  EXPECT_EQ(said(model, 10.2), "mh--");  // 10 explains it (1 σ), before 10.1 does
+  // the element at 10 explains it (1 σ) and comes before that at 10.1
+  EXPECT_EQ(said(model, 10.2), "mh--");
 }
 
 TEST(Credit, GoesToTheElementThatExplainsThePointBest) {
@@ -53,8 +54,8 @@ TEST(Credit, GoesToTheElementThatExplainsThePointBest) {
 }
 
 TEST(Credit, OfTheBestGivesTheProbabilitiesThatMadeTheRanges) {
-  // Two elements that overlap along the beam; the ray model draws the log. `first` hands the nearer
-  // one most of the farther one's points, `best` few.
+  // Two elements overlap along the beam, and the ray model draws the log. `first` gives the nearer
+  // one most of the farther one's points, `best` gives it few.
   elements::Model truth = row_of_ellipsoids({10, 10.5});
   truth.ellipsoids[0].hit.p = 0.3f;
   truth.ellipsoids[1].hit.p = 0.5f;
@@ -102,19 +103,21 @@ TEST(Credit, OfATriangleTakesTheResidualInBothDirections) {
     CreditOptions options;
     options.rule = rule;
     for (double z : {9.3, 10.7}) EXPECT_EQ(said(model, z, options), "h") << z;
-    EXPECT_EQ(said(model, 9.2, options), "-");   // ended before it
-    EXPECT_EQ(said(model, 10.8, options), "m");  // went through it
+    EXPECT_EQ(said(model, 9.2, options), "-");   // the beam ended before it
+    EXPECT_EQ(said(model, 10.8, options), "m");  // the beam went through it
   }
 }
 
-// The example of [deschaud12] Fig. 2: 4 beams enter, 3 end inside, 1 goes on: ρ = 1/4.
+// In the example of [deschaud12] Fig. 2, four beams enter, three end inside and one goes on, so
+// that ρ = 1/4.
 TEST(Credit, MahalanobisTakesEachElementByItself) {
   elements::Model model = row_of_ellipsoids({5, 10, 10.1, 20});
   model.tau = 3;
   CreditOptions options;
   options.rule = "mahalanobis";
-  EXPECT_EQ(said(model, 10.2, options), "mhh-");   // both that hold the point
-  EXPECT_EQ(said(model, 10.45, options), "mmh-");  // 2.25 σ of one: behind it; 1.75 σ of the other
+  EXPECT_EQ(said(model, 10.2, options), "mhh-");  // both elements that hold the point
+  // behind one by 2.25 σ, within 1.75 σ of the other
+  EXPECT_EQ(said(model, 10.45, options), "mmh-");
   EXPECT_EQ(said(model, kMiss, options), "mmmm");
   model.ellipsoids[1].mean.y() = 0.5f;  // met within τ = 3, but beyond τ_m = 2
   EXPECT_EQ(met_along_x(model).size(), 4u);
@@ -170,8 +173,8 @@ TEST(CountHits, RefusesWhatHasNoName) {
   EXPECT_THROW(count_hits(model, source, estimator), std::invalid_argument);
 }
 
-// Two kinds of matter, few beams on each element: each kind gets the prior of its own kind, and p
-// is right on average for both.
+// Two kinds of matter are seen by few beams an element. Each kind gets a prior of its own, and p is
+// right on average for both.
 TEST(EstimateHitProbabilities, EmpiricalBayesTellsRegionsAndClassesApart) {
   for (const bool by_class : {false, true}) {
     elements::Model model = row_of_ellipsoids(std::vector<double>(4000, 1.0));
@@ -198,7 +201,7 @@ TEST(EstimateHitProbabilities, EmpiricalBayesTellsRegionsAndClassesApart) {
   }
 }
 
-// Beams drawn from a known permeability must give it back.
+// Beams that are drawn from a known permeability must give it back.
 TEST(CountHits, RecoversThePermeabilityThatMadeTheBeams) {
   elements::Model model = row_of_ellipsoids({5, 10});
   Stream random(12);

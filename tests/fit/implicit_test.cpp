@@ -14,7 +14,7 @@ namespace {
 using Implicit = float (*)(const Vec3f&, std::span<const OrientedPoint>);
 constexpr Implicit kAll[] = {imls, rimls};
 
-/// Points on z = 0 for |x|, |y| ≤ 1, their radius 1.
+/// Makes points on z = 0 for |x|, |y| ≤ 1, with radius 1.
 std::vector<OrientedPoint> flat(size_t n, double noise = 0) {
   Stream random(31);
   std::vector<OrientedPoint> points;
@@ -25,7 +25,7 @@ std::vector<OrientedPoint> flat(size_t n, double noise = 0) {
   return points;
 }
 
-/// Where f crosses zero along z at (x, y), between −a and a.
+/// Finds where f crosses zero along z at (x, y), between −a and a.
 double height(Implicit f, const std::vector<OrientedPoint>& points, float x, float y, float a) {
   float low = -a, high = a;
   for (int k = 0; k < 40; ++k) {
@@ -69,7 +69,7 @@ TEST(Implicit, RimlsPassesOverOutliersThatBendImls) {
   EXPECT_LT(std::abs(robust), plain / 5);
 }
 
-// The ridge of a roof whose halves are inclined by 45°, z = −|x|.
+// The surface is the ridge of a roof whose halves are inclined by 45°, z = −|x|.
 TEST(Implicit, RimlsKeepsAnEdgeThatImlsRounds) {
   auto points = flat(3000);
   for (OrientedPoint& p : points) {

@@ -23,7 +23,7 @@ elements::Ellipsoid ellipsoid(const Vec3f& mean, const Mat3& covariance, float d
   return e;
 }
 
-/// A rough ground under a thin, a tilted and a dense volume.
+/// Makes a rough ground under a thin, a tilted and a dense volume.
 elements::Model known_model() {
   elements::Model m;
   m.origin = Vec3(4e5, 5e6, 100);
@@ -41,7 +41,7 @@ elements::Model known_model() {
   return m;
 }
 
-/// Beams of a sensor that drives among the volumes, without outcomes.
+/// Makes beams of a sensor that drives among the volumes, without outcomes.
 BeamLog beams(uint64_t seed, size_t n, const Vec3& at) {
   BeamLog log;
   log.info.max_range_m = 40;
@@ -69,7 +69,8 @@ BeamLog log_of(const elements::Model& truth, uint64_t seed, size_t n) {
   return log;
 }
 
-/// The known model, moved and swollen, with hit probabilities instead of densities.
+/// Makes the known model with moved and swollen ellipsoids, and with hit probabilities instead of
+/// densities.
 elements::Model wrong_start() {
   elements::Model m = known_model();
   for (elements::Ellipsoid& e : m.ellipsoids) {
@@ -83,7 +84,7 @@ elements::Model wrong_start() {
   return m;
 }
 
-/// Nothing known beforehand.
+/// Makes options without prior knowledge.
 LikelihoodOptions plain_options() {
   LikelihoodOptions o;
   o.rounds = 60;
@@ -109,7 +110,7 @@ TEST(Likelihood, RecoversAKnownModelFromItsBeams) {
   }
   EXPECT_NEAR(r.model.ground.roughness_m, 0.02, 0.003);
   EXPECT_GT(r.model.ground.hit[0].p, 0.99);
-  // And explains held-out beams as well as the truth does.
+  // The fit explains held-out beams as well as the truth does.
   const Expectation at_truth = expect(truth, source, HeldOut{}, {});
   EXPECT_NEAR(r.report.steps.back().held_out_nll, at_truth.held_out_nll, 0.02);
 }
@@ -139,7 +140,7 @@ TEST(Likelihood, EveryAcceptedStepRaisesTheHeldOutLikelihoodAndAddsNoElements) {
   EXPECT_GT(accepted, 2u);
   EXPECT_EQ(r.model.size(), elements);
   EXPECT_EQ(r.model.fitter, "likelihood");
-  // The model handed back is the one that was judged best.
+  // The model that is returned is the one that was judged best.
   EXPECT_EQ(expect(r.model, source, likelihood_options(options).held_out, {}).held_out_nll, best);
 }
 
@@ -160,7 +161,7 @@ TEST(Likelihood, MergesRedundantElementsBeforeTheyLearnNoise) {
   const BeamLog log = log_of(known_model(), 17, 20000);
   MemorySource source(log);
   LikelihoodOptions options;
-  options.rounds = 2;  // none of the rearrangements that come later
+  options.rounds = 2;  // excludes rearrangements in later rounds
   const Refined merging = refine(start, source, options);
   options.rearrangement.largest_cost = -1e9;
   const Refined keeping = refine(start, source, options);
@@ -179,7 +180,7 @@ TEST(Likelihood, ABrokenMStepIsNoticedAndUndone) {
   LikelihoodOptions options = plain_options();
   options.rounds = 3;
   const double honest = refine(wrong_start(), source, options).report.steps.back().held_out_nll;
-  // As if every ellipsoid were four metres wide: the prior overrules the beams.
+  // With a floor of four metres, the prior overrules the beams.
   options.maximisation.floor_m = 4;
   const Refined broken = refine(truth, source, options);
   EXPECT_EQ(broken.model.ellipsoids[0].mean, truth.ellipsoids[0].mean);
@@ -264,7 +265,8 @@ TEST(Likelihood, SharpnessNarrowsTheDrawAndLeavesTheStepsAlone) {
   EXPECT_EQ(sharp.report.steps.back().held_out_nll, plain.report.steps.back().held_out_nll);
   EXPECT_DOUBLE_EQ(sharp.model.tau, plain.model.tau * std::sqrt(2));
   EXPECT_EQ(sharp.model.ellipsoids[0].mean, plain.model.ellipsoids[0].mean);
-  // Drawn from what was drawn likewise, likelihood can only be lost.
+  // The log was drawn from the model without sharpening, so sharpening can only lower the
+  // likelihood.
   EXPECT_GT(expect(sharp.model, source, HeldOut{}, {}).held_out_nll,
             expect(plain.model, source, HeldOut{}, {}).held_out_nll);
 }

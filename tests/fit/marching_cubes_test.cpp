@@ -25,7 +25,7 @@ ScalarGrid sampled(int n, double cell_m, const Field& field) {
   return g;
 }
 
-/// Directed sides that are not met by exactly one opposite side.
+/// Counts directed sides that are not matched by exactly one opposite side.
 size_t open_sides(const IsoMesh& mesh) {
   std::map<std::array<uint32_t, 2>, int> sides;
   for (const auto& t : mesh.triangles) {
@@ -56,7 +56,7 @@ TEST(CubeTriangles, EachPatternUsesExactlyItsCrossedEdges) {
 }
 
 TEST(MarchingCubes, SurfacesOfRandomFieldsAreClosedManifolds) {
-  for (uint64_t seed : {1, 2, 3}) {  // White noise meets every pattern.
+  for (uint64_t seed : {1, 2, 3}) {  // White noise produces every pattern.
     Stream random(seed);
     constexpr int n = 24;
     ScalarGrid g{{0, 0, 0}, {n, n, n}, 0.1, {}};
@@ -82,12 +82,12 @@ TEST(MarchingCubes, SphereConvergesAndPointsOutwards) {
     for (const auto& t : mesh.triangles) {
       const Vec3f &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
       area += 0.5 * double((b - a).cross(c - a).norm());
-      volume += double(a.dot(b.cross(c))) / 6;  // positive: outwards
+      volume += double(a.dot(b.cross(c))) / 6;  // positive for outward faces
     }
     const double area_error = std::abs(area / (4 * std::numbers::pi) - 1);
     const double volume_error = std::abs(volume / (4 / 3.0 * std::numbers::pi) - 1);
     if (last_area > 0) {
-      EXPECT_LT(area_error, last_area / 3);  // second order
+      EXPECT_LT(area_error, last_area / 3);  // second-order convergence
       EXPECT_LT(volume_error, last_volume / 3);
     }
     last_area = area_error;

@@ -20,8 +20,8 @@ Vec3 normal3(Stream& random) {
   return {x, y, z};
 }
 
-// Points of ellipsoids along x at distances of `apart`, Σ = diag(σ²); two halves cut them at the
-// middles between them, as a clustering would.
+// Makes points of ellipsoids along x, `apart` from one another, Σ = diag(σ²). Planes half-way
+// between them cut the points into clusters.
 Seen row_of_ellipsoids(int count, double apart, const Vec3& sigma, int points, Clusters& cut) {
   Stream random(11);
   Seen out;
@@ -59,7 +59,7 @@ double log_likelihood(const Seen& seen, const std::vector<elements::Ellipsoid>& 
   return sum / double(seen.point.size());
 }
 
-// Clusters cut the tails of ellipsoids that reach into each other; the mixture gives them back.
+// Clusters cut the tails of ellipsoids that overlap, and the mixture restores them.
 TEST(Mixture, FindsEllipsoidsThatOverlap) {
   Clusters cut;
   const Seen seen = row_of_ellipsoids(3, 1.0, {0.4, 0.1, 0.2}, 4000, cut);
@@ -78,7 +78,7 @@ TEST(Mixture, FindsEllipsoidsThatOverlap) {
   }
 }
 
-// What expectation–maximisation promises.
+// Expectation–maximisation guarantees that the likelihood never falls.
 TEST(Mixture, EveryRoundRaisesTheLikelihood) {
   Clusters cut;
   const Seen seen = row_of_ellipsoids(3, 1.0, {0.4, 0.1, 0.2}, 500, cut);
@@ -92,8 +92,8 @@ TEST(Mixture, EveryRoundRaisesTheLikelihood) {
   }
 }
 
-// Matter of σ 0.05 m seen by a beam of σ 0.15 × 0.06 m: as wide as it is, from wherever it was
-// seen.
+// Matter of σ 0.05 m is seen by a beam of σ 0.15 × 0.06 m. The mixture gives it its own width, from
+// whatever direction it was seen.
 TEST(Mixture, TakesTheFootprintAway) {
   const Vec3 truth(0.05, 0.04, 0.1);
   for (const Vec3& from : {Vec3(0, -20, 0), Vec3(-15, 0, 4), Vec3(9, 9, 0)}) {
@@ -121,7 +121,7 @@ TEST(Mixture, TakesTheFootprintAway) {
   }
 }
 
-// The footprint is asked for at the range of each point.
+// The footprint is evaluated at the range of each point.
 TEST(Mixture, TheFootprintGrowsWithTheRange) {
   Clusters cut;
   const Seen seen = row_of_ellipsoids(1, 1.0, {0.1, 0.1, 0.1}, 300, cut);
@@ -153,7 +153,8 @@ TEST(Mixture, WithoutARoundItIsTheClusters) {
   }
 }
 
-// Of one cluster: scatter / n, where the clusters' own is scatter / (n − 1).
+// For one cluster the mixture has scatter / n, where the cluster's own covariance is scatter / (n −
+// 1).
 TEST(Mixture, OfOneClusterTakesTheMomentsOfItsPoints) {
   Clusters one;
   one.count = 1;
@@ -171,12 +172,13 @@ TEST(Mixture, OfOneClusterTakesTheMomentsOfItsPoints) {
   EXPECT_NEAR(of_cluster(1, 1), 8.0 / 3, 1e-5);
 }
 
-// An ellipsoid whose points all belong to its neighbours goes; points of no cluster say nothing.
+// An ellipsoid whose points all belong to its neighbours is dropped, and points of no cluster have
+// no effect.
 TEST(Mixture, DropsWhatHoldsNoPoints) {
   Clusters cut;
   Seen seen = row_of_ellipsoids(1, 1.0, {0.3, 0.3, 0.3}, 400, cut);
   cut.count = 2;
-  cut.group[7] = 1;  // one point in the midst of the others
+  cut.group[7] = 1;  // one point in the middle of the others
   for (int i = 0; i < 5; ++i) {
     seen.point.push_back({100, 0, 0});
     seen.to_sensor.push_back({1, 0, 0});

@@ -31,7 +31,7 @@ Cloud sphere(size_t n, double radius, double noise = 0) {
   return c;
 }
 
-/// A patch 12 m × 12 m of a plane, seen from above.
+/// Makes a patch of a plane, 12 m × 12 m, seen from above.
 Cloud plane(size_t n, const Vec3f& normal, double noise = 0) {
   Stream random(22);
   const Vec3f u = normal.unitOrthogonal(), v = normal.cross(u);
@@ -59,7 +59,7 @@ TEST(Surface, PlanesOfAnySlopeAreExactAndHaveNoHoles) {
     const Vec3f normal = n.normalized();
     const Cloud c = plane(40000, normal);
     const SurfaceTile tile = surface_tile(c.points, c.to_sensor, kAll, kCoarse);
-    EXPECT_GT(area(tile.mesh), 135);  // of 144 m² and its border trimmed
+    EXPECT_GT(area(tile.mesh), 135);  // of 144 m², with a trimmed border
     EXPECT_LT(area(tile.mesh), 12.8 * 12.8);
     for (const Vec3f& v : tile.mesh.vertices) ASSERT_NEAR(normal.dot(v), 0, 2e-5);
     for (const auto& t : tile.mesh.triangles) {
@@ -111,13 +111,13 @@ TEST(Surface, EndsWhereThePointsEnd) {
     EXPECT_GT(v.head<2>().norm(), 1.85f);
     EXPECT_LT(v.cwiseAbs().maxCoeff(), 6.1f);
   }
-  // A lone pair of points makes no surface.
+  // An isolated pair of points makes no surface.
   c.points = {{0, 0, 0}, {0.2f, 0, 0}};
   c.to_sensor.resize(2);
   EXPECT_TRUE(surface_tile(c.points, c.to_sensor, kNear).mesh.triangles.empty());
 }
 
-// A pole 10 cm wide and 4 m high, as a scanner sees it: one side.
+// A scanner sees one side of a pole 10 cm wide and 4 m high.
 TEST(Surface, ThinThingsGetNoRim) {
   Cloud c;
   for (int i = 0; i <= 10; ++i) {
@@ -132,7 +132,7 @@ TEST(Surface, ThinThingsGetNoRim) {
   for (const Vec3f& v : tile.mesh.vertices) EXPECT_NEAR(v.x(), 0.05, 0.13);
 }
 
-/// Rows of points 2 cm apart in a row, the rows `spacing_m` apart: far ground.
+/// Makes rows of points 2 cm apart, with `spacing_m` between the rows, as on far ground.
 Cloud rows(int n, float spacing_m) {
   Cloud c;
   for (int i = 0; i < n; ++i) {
@@ -150,12 +150,12 @@ TEST(Surface, JoinsSparseRowsButNotFarOnes) {
                part = area(surface_tile(near.points, near.to_sensor, kNear).mesh);
   EXPECT_GT(part, 0.95 * whole);
   EXPECT_LT(part, 1.2 * whole);
-  // A row alone has no normal, so no fin stands up there.
+  // A single row has no normal, so no triangle stands up there.
   EXPECT_TRUE(surface_tile(far.points, far.to_sensor, kNear).mesh.triangles.empty());
 }
 
-// The corner between two walls, with noise: the mean distance of the surface from the corner's
-// planes near its edge.
+// The surface is a corner between two walls, with noise. The test compares the mean distance of the
+// surface near the edge from the walls' planes.
 TEST(Surface, RimlsKeepsTheEdgeOfABox) {
   Stream random(23);
   Cloud c;
@@ -205,7 +205,7 @@ TEST(Surface, TilesJoinToTheWholeInAnyOrderOfPoints) {
   const double margin = surface_margin_m(kCoarse);
   for (const Area& core :
        {Area{-10, -10, 0.77, 10}, Area{0.77, -10, 10, 1}, Area{0.77, 1, 10, 10}}) {
-    Cloud part;  // with its margin, backwards
+    Cloud part;  // with its margin, in reverse order
     for (size_t i = c.points.size(); i-- > 0;) {
       const Vec3 p = c.points[i].cast<double>();
       if (p.x() < core.x0 - margin || p.x() > core.x1 + margin || p.y() < core.y0 - margin ||

@@ -1,4 +1,4 @@
-// What every volumetric fitter promises, one body for all of them.
+// The promises of every fitter of ellipsoids, in one test body for all of them.
 #include "underbrush/fit/volumetric.hpp"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ namespace {
 std::atomic<size_t> live{0}, peak{0};
 }  // namespace
 
-// Counts the heap of this program, for the memory bound.
+// Counts the heap of this program to test the memory bound.
 [[gnu::noinline]] void* operator new(size_t n) {
   void* p = std::malloc(n);
   if (!p) throw std::bad_alloc();
@@ -38,11 +38,11 @@ void operator delete(void* p, size_t) noexcept { operator delete(p); }
 namespace underbrush::fit {
 namespace {
 
-/// A fitter with a setting of it.
+/// A fitter with settings.
 struct Case {
   std::string label, fitter;
   VolumetricOptions options;
-  bool any_order;  // promises the same for any order of the points
+  bool any_order;  // whether the result is the same for any order of the points
 };
 
 std::ostream& operator<<(std::ostream& out, const Case& c) { return out << c.label; }
@@ -157,7 +157,8 @@ TEST_P(Volumetric, AMixtureIsRecovered) {
   const Volumes v = fitted(cloud);
   std::vector<double> share(found.count);
   for (uint32_t g : found.group) share[g] += 1 / double(cloud.point.size());
-  // Kullback–Leibler divergence of the fitted mixture from the true one, on fresh points.
+  // The Kullback–Leibler divergence of the fitted mixture from the true one is estimated from new
+  // points.
   Stream random(5);
   double divergence = 0;
   const int n = 1200;
@@ -203,7 +204,8 @@ TEST_P(Volumetric, RunsAreTheSameToTheBit) {
   }
 }
 
-// Share of `a` that `b` has too, at most `tolerance` off after a shift.
+// Computes the share of the ellipsoids of `a` that are in `b` after a shift, with errors up to
+// `tolerance`.
 double share_found(const Volumes& a, const Volumes& b, const Vec3f& shift, float tolerance) {
   size_t n = 0;
   for (const auto& e : a.ellipsoids) {
@@ -232,7 +234,8 @@ TEST_P(Volumetric, OrderOfThePointsDoesNotMatterWherePromised) {
   EXPECT_EQ(share_found(a, b, Vec3f::Zero(), 1e-5f), 1);
 }
 
-// A shift by whole voxels of every fitter, far enough to cost digits.
+// Points move by a shift that is a multiple of every fitter's voxels and large enough to cost
+// digits.
 TEST_P(Volumetric, AShiftMovesTheEllipsoids) {
   Cloud cloud = cloud_of(blobs(12), 200, 13);
   for (Vec3f& p : cloud.point) p = (p * 1024).array().round() / 1024;  // exact after the shift
@@ -289,7 +292,7 @@ TEST(VolumetricFitters, AreFoundByNameAndRefuseBadOptions) {
   VolumetricOptions o;
   o.voxel.side_m = 0;
   EXPECT_THROW(volumes("voxel", cloud, o, 1), std::invalid_argument);
-  o.voxel.side_m = 1e-6;  // more cubes than the codes hold
+  o.voxel.side_m = 1e-6;  // more cubes than the codes can number
   EXPECT_THROW(volumes("voxel", cloud, o, 1), std::invalid_argument);
   o.top_down.stop = "never";
   EXPECT_THROW(volumes("top_down", cloud, o, 1), std::invalid_argument);
@@ -299,7 +302,7 @@ TEST(VolumetricFitters, AreFoundByNameAndRefuseBadOptions) {
   EXPECT_THROW(volumes("hierarchical", cloud, o, 1), std::invalid_argument);
 }
 
-// The rule's reason: what is flat needs no more elements however many points it has.
+// Flat matter needs no more elements however many points it has.
 TEST(TopDown, RangeLikelihoodLeavesFlatMatterWholeAndSplitsPorousMatter) {
   Stream random(16);
   Cloud wall, bush;
@@ -307,7 +310,7 @@ TEST(TopDown, RangeLikelihoodLeavesFlatMatterWholeAndSplitsPorousMatter) {
     const double x = random.uniform(), y = random.uniform(), z = random.uniform(),
                  noise = 0.01 * random.normal();
     wall.add({noise, 2 * y, 2 * z});
-    // Leaves on twigs: dense lines in a thin cloud.
+    // Leaves on twigs make dense lines in a thin cloud.
     const double twig = std::floor(8 * x) / 8;
     bush.add({2 * twig + noise, 2 * y, 1 + 0.5 * std::sin(20 * twig) + (i % 2 ? noise : 0.5 * z)});
   }

@@ -1,4 +1,5 @@
-// Whatever bytes a reader is given: a result or a FormatError. Which reader: FUZZ_… from CMake.
+// Whatever bytes a reader gets, it must give a result or a FormatError. CMake chooses the reader by
+// FUZZ_….
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -73,7 +74,7 @@ std::string seed([[maybe_unused]] const Path& folder) {
 }  // namespace
 }  // namespace underbrush::io
 
-// The last argument is the corpus' folder: starts it.
+// Fills the folder of the corpus, which is the last argument, with a first file.
 extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
   const std::filesystem::path folder = (*argv)[*argc - 1];
   underbrush::io::put_bytes(folder / "seed", underbrush::io::seed(folder));

@@ -10,7 +10,8 @@
 namespace underbrush::ground {
 namespace {
 
-// Gentle ground over 90 m with blobs 1 to 3 m above it, far from zero; every 7th beam is a miss.
+// Makes gentle ground over 90 m with blobs 1 to 3 m above it, far from the origin; every 7th beam
+// is a miss.
 BeamLog site(std::vector<uint8_t>& truth) {
   Stream random(5);
   BeamLog log;

@@ -13,7 +13,7 @@
 namespace underbrush::ground {
 namespace {
 
-/// Points of z(x, y) on [0, side]², seed 3.
+/// Makes points of z(x, y) on [0, side]², with seed 3.
 template <class Height>
 std::vector<Vec3> scatter(const Height& height, size_t n, double side, double noise = 0,
                           const Vec3& at = Vec3::Zero()) {
@@ -48,7 +48,8 @@ TEST(HeightGrid, ReproducesAPlaneAlsoWhereThereAreNoPoints) {
 }
 
 TEST(HeightGrid, MinimisesWhatItSays) {
-  // Every change of a node's height raises the energy; h is the stationary point of a quadratic.
+  // h is the stationary point of a quadratic energy, so every change of a node's height must raise
+  // the energy.
   const std::vector<Vec3> points =
       scatter([](double x, double y) { return std::sin(x) * y; }, 60, 3);
   const HeightGridOptions o{.spacing_m = 0.5, .smoothness_m2 = 0.2};
@@ -129,7 +130,7 @@ TEST(HeightGrid, ConvergesWithTheSpacing) {
         worst = std::max(worst, std::abs(*map.at(x, y) - wave(x, y)));
     }
     if (last > 0) {
-      EXPECT_NEAR(last / worst, 4, 1.6);  // second order
+      EXPECT_NEAR(last / worst, 4, 1.6);  // second-order convergence
     }
     last = worst;
   }
@@ -182,8 +183,8 @@ TEST(HeightGrid, ReachesAsFarAsPaddingAndBridgeSay) {
     }
   }
   const HeightMap map = fitted(points);
-  EXPECT_TRUE(map.at(14, 20));   // an 8 m gap is bridged,
-  EXPECT_FALSE(map.at(30, 20));  // a 12 m gap is not;
+  EXPECT_TRUE(map.at(14, 20));   // an 8 m gap is bridged
+  EXPECT_FALSE(map.at(30, 20));  // a 12 m gap is not
   EXPECT_TRUE(map.at(-1.2, 20));
   EXPECT_FALSE(map.at(-2.1, 20));
   EXPECT_TRUE(map.at(25.2, 20));

@@ -21,8 +21,8 @@ struct Site {
   std::vector<uint8_t> ground;
 };
 
-/// 60 m × 60 m of ground z(x, y) with noise, and boxes of scattered points that start 0.5 m above
-/// it and hide the ground below themselves, as crowns and hedges do. Seed 7.
+/// Makes 60 m × 60 m of ground z(x, y) with noise, and boxes of scattered points that start 0.5 m
+/// above it. The boxes hide the ground below them, as crowns and hedges do. The seed is 7.
 template <class Height>
 Site site(const Height& height, double box_m = 5) {
   Site s;
@@ -55,7 +55,8 @@ TEST(LowerEnvelope, FollowsHillsAndDitches) {
       site([](double x, double y) { return 3 * std::sin(x / 8) + 2 * std::cos(y / 10); });
   EXPECT_GT(agreement(lower_envelope(s.points), s.ground), 0.99);
   const Site ditch = site([](double x, double) { return x > 8 && x < 11 ? -1.0 : 0.0; });
-  EXPECT_GT(agreement(lower_envelope(ditch.points), ditch.ground), 0.93);  // its edges are lost
+  // the edges of the ditch are lost
+  EXPECT_GT(agreement(lower_envelope(ditch.points), ditch.ground), 0.93);
 }
 
 TEST(LowerEnvelope, ReachesUnderObjectsAsWideAsTheCoarsestCell) {
@@ -99,7 +100,8 @@ TEST(LowerEnvelope, DegenerateTiles) {
 }
 
 TEST(SphericalVariance, IsThatOfThePopulation) {
-  // A flat disk: 0. A ball: 1/3. Ellipsoid with σ² = 1, 4, 4: 1/9. All neighbours are used.
+  // A flat disc has 0, a ball 1/3, and an ellipsoid with σ² = 1, 4, 4 has 1/9. All neighbours are
+  // used.
   Stream random(9);
   for (const auto& [scale, phi] : std::vector<std::pair<Vec3f, double>>{
            {{1, 1, 0}, 0}, {{1, 1, 1}, 1 / 3.0}, {{2, 1, 2}, 1 / 9.0}}) {
@@ -120,7 +122,7 @@ TEST(SphericalVariance, SmoothingIsTheWeightedMean) {
                                   {0, 0, 1}, {3, 3, 3}, {50, 0, 0}};
   SphericalVarianceOptions o{.neighbours = 4, .smooth_neighbours = 0};
   const std::vector<float> raw = spherical_variances(points, o);
-  EXPECT_FLOAT_EQ(raw[5], 0.01f);  // alone: the default
+  EXPECT_FLOAT_EQ(raw[5], 0.01f);  // an isolated point has the default
   o.smooth_neighbours = 100;
   const std::vector<float> smooth = spherical_variances(points, o);
   double sum = 0, weights = 0;
@@ -139,7 +141,7 @@ TEST(SphericalVariance, DegenerateClouds) {
   const std::vector<float> phi = spherical_variances(
       std::vector<Vec3f>{{0, 0, nan}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}});
   EXPECT_TRUE(std::isnan(phi[0]));
-  EXPECT_EQ(phi[1], 0);  // no extent at all: flat
+  EXPECT_EQ(phi[1], 0);  // a point without extent counts as flat
   EXPECT_THROW(spherical_variances({}, {.neighbours = 0}), std::invalid_argument);
 }
 

@@ -20,7 +20,8 @@ double doubled_area(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Ei
   return (b - a).x() * (c - a).y() - (b - a).y() * (c - a).x();
 }
 
-/// Every triangle counter-clockwise, no point inside its circumcircle; the sum of the areas.
+/// Checks that every triangle is counter-clockwise and that no point lies inside its circumcircle.
+/// Gives the sum of the areas.
 double checked_area(const Points& points, const std::vector<std::array<uint32_t, 3>>& triangles) {
   double sum = 0;
   for (const auto& t : triangles) {
@@ -38,7 +39,7 @@ double checked_area(const Points& points, const std::vector<std::array<uint32_t,
   return sum;
 }
 
-/// The points and all triangles, the frame's included.
+/// Gives the points and all triangles, those of the frame included.
 std::pair<Points, std::vector<std::array<uint32_t, 3>>> all_of(const GridDelaunay& d) {
   Points points;
   std::vector<std::array<uint32_t, 3>> triangles;
@@ -59,7 +60,8 @@ TEST(GridDelaunay, CircumcirclesAreEmptyAndTheFrameIsCovered) {
       }
       const auto [points, triangles] = all_of(d);
       EXPECT_EQ(checked_area(points, triangles), double(side + 2) * (side + 2));
-      EXPECT_EQ(triangles.size(), 2 * points.size() - 6);  // Euler, a hull of four
+      // Euler's formula with a hull of four points
+      EXPECT_EQ(triangles.size(), 2 * points.size() - 6);
     }
   }
 }
@@ -95,7 +97,7 @@ TEST(GridDelaunay, DegeneratePoints) {
   EXPECT_THROW(GridDelaunay(0), std::invalid_argument);
 }
 
-/// A height map of spacing 0.5 m whose nodes are those of [i0, i1] × [j0, j1] that `has` keeps.
+/// Makes a height map of spacing 0.5 m with the nodes of [i0, i1] × [j0, j1] that `has` keeps.
 template <class Has, class Height>
 HeightMap map_of(int i0, int i1, int j0, int j1, const Has& has, const Height& height) {
   HeightMap map;
@@ -114,7 +116,7 @@ HeightMap map_of(int i0, int i1, int j0, int j1, const Has& has, const Height& h
 
 struct Check {
   double area = 0, longest = 0;
-  std::map<std::array<uint32_t, 2>, int> sides;  ///< How many triangles have each directed side.
+  std::map<std::array<uint32_t, 2>, int> sides;  ///< Number of triangles at each directed side.
 };
 
 Check checked(const GroundMesh& mesh) {
@@ -133,7 +135,7 @@ Check checked(const GroundMesh& mesh) {
   return c;
 }
 
-/// Area of the cells whose nodes exist, and the length of that area's edge.
+/// Computes the area of the cells whose nodes exist, and the length of that area's edge.
 std::pair<double, double> covered(const HeightMap& m, int i0, int i1, int j0, int j1) {
   const auto cell = [&](int i, int j) {
     return m.has(i, j) && m.has(i + 1, j) && m.has(i, j + 1) && m.has(i + 1, j + 1);
@@ -149,7 +151,7 @@ std::pair<double, double> covered(const HeightMap& m, int i0, int i1, int j0, in
 }
 
 TEST(Triangulate, CoversWhatExistsWithoutCracks) {
-  // Across tiles' borders, with holes and a ragged edge.
+  // The area spans the borders of tiles, and has holes and a ragged edge.
   Stream random(6);
   std::set<std::pair<int, int>> missing;
   for (int k = 0; k < 300; ++k) {

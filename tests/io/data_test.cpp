@@ -1,4 +1,4 @@
-// Real files: what their READMEs say must come out.
+// Tests on real files, whose README files state what must come out.
 #include "data.hpp"
 
 #include <gtest/gtest.h>

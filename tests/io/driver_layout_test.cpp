@@ -14,8 +14,8 @@
 namespace underbrush::io {
 namespace {
 
-/// Two scans of 2 rings × 3 firings by a sensor that drives along x at 10 m/s and turns; every
-/// point lies 5 m ahead of the sensor and 1 m up as it stands at the firing.
+/// Gives the pose of a sensor that drives along x at 10 m/s and turns. It measures two scans of 2
+/// rings × 3 firings; every point lies 5 m ahead of the sensor and 1 m up at its firing.
 Pose pose_at(double t) {
   return {Eigen::Quaterniond(Eigen::AngleAxisd(2 * t, Vec3::UnitZ())), Vec3(100 + 10 * t, 3, 2)};
 }
@@ -66,9 +66,9 @@ TEST(DriverLayout, VelodynePointsAreRawInTheSensorsFrame) {
   const TemporaryFolder folder;
   const Table t = written(folder, drive(), DriverLayout::kVelodyne, "000000.pcd");
   EXPECT_EQ(fields(t), (std::vector<std::string>{"x", "y", "z", "intensity", "ring", "time"}));
-  ASSERT_EQ(t.size(), 5u);  // a miss is left out
+  ASSERT_EQ(t.size(), 5u);  // the miss is left out
   for (size_t i = 0; i < 5; ++i) {
-    EXPECT_NEAR(values(t, "x")[i], 5, 1e-5) << i;  // where a compensated scan would be 0.5 m off
+    EXPECT_NEAR(values(t, "x")[i], 5, 1e-5) << i;  // a motion-compensated scan would be 0.5 m off
     EXPECT_NEAR(values(t, "y")[i], 0, 1e-5) << i;
     EXPECT_NEAR(values(t, "z")[i], 1, 1e-5) << i;
   }

@@ -1,4 +1,5 @@
-/// Small files of every point format, made by hand: x y z intensity ring t of the same five points.
+/// This file makes small files of every point format, with x y z intensity ring t of the same five
+/// points.
 #pragma once
 #include <array>
 #include <functional>
@@ -58,7 +59,7 @@ inline std::string sample_text(char separator) {
 
 inline std::string sample_pcd_ascii() { return pcd_header("ascii") + sample_text(' '); }
 
-// LZF of literal runs only: a byte n−1 and then n bytes.
+// Compresses by LZF with literal runs only: a byte n−1 and then n bytes.
 inline std::string sample_pcd_packed() {
   std::string columns, packed;
   for (int c = 0; c < 6; ++c) {

@@ -23,7 +23,8 @@ std::string base64(const std::string& bytes) {
   return out;
 }
 
-/// Four corners of a square and two triangles: 48 bytes of floats, 12 bytes of indices.
+/// Makes the buffer of a square: four corners in 48 bytes of floats, and two triangles in 12 bytes
+/// of indices.
 std::string square(float side = 1) {
   std::string bytes;
   for (const float x : {0.f, 0.f, 0.f, side, 0.f, 0.f, side, side, 0.f, 0.f, side, 0.f}) {
@@ -33,7 +34,7 @@ std::string square(float side = 1) {
   return bytes;
 }
 
-/// A glTF of that buffer; `nodes`, `mesh` and `more` are JSON.
+/// Makes a glTF of a buffer; `nodes`, `mesh` and `more` are JSON.
 std::string gltf(const std::string& buffer, const std::string& nodes,
                  const std::string& primitive = R"({"attributes":{"POSITION":0},"indices":1})",
                  const std::string& accessors = "", size_t bytes = 60) {
@@ -92,9 +93,9 @@ TEST_F(Gltf, NodesMoveTheirMeshes) {
       {"mesh":0,"rotation":[0,0,0.7071067811865476,0.7071067811865476]},
       {"mesh":0,"matrix":[1,0,0,0, 0,0,1,0, 0,-1,0,0, 0,5,0,1]}])"));
   ASSERT_EQ(m.vertices.size(), 8u);
-  EXPECT_LT((m.vertices[1] - Vec3f(10, 2, 0)).norm(), 1e-5f);   // x, turned to y
-  EXPECT_LT((m.vertices[3] - Vec3f(8, 0, 0)).norm(), 1e-5f);    // y, turned to −x
-  EXPECT_LT((m.vertices[7] - Vec3f(10, 10, 2)).norm(), 1e-5f);  // y, turned to z, and moved
+  EXPECT_LT((m.vertices[1] - Vec3f(10, 2, 0)).norm(), 1e-5f);   // x, rotated to y
+  EXPECT_LT((m.vertices[3] - Vec3f(8, 0, 0)).norm(), 1e-5f);    // y, rotated to −x
+  EXPECT_LT((m.vertices[7] - Vec3f(10, 10, 2)).norm(), 1e-5f);  // y, rotated to z, and moved
   EXPECT_EQ(m.triangles[3], (std::array<uint32_t, 3>{4, 6, 7}));
 }
 
@@ -133,7 +134,7 @@ TEST_F(Gltf, WhatIsWrongIsRefused) {
   }
 }
 
-// Every byte changed and every cut: refused or read, never worse.
+// Every byte is changed and the file is cut at every place; it must be refused or read.
 TEST_F(Gltf, DamageIsRefusedOrHarmless) {
   const std::string whole = glb(gltf("", R"([{"mesh":0}])"), square());
   size_t refused = 0;

@@ -99,7 +99,7 @@ TEST(Input, MissingPosesAndTimesAreNamed) {
     EXPECT_NE(std::string(e.what()).find("no pose for scan 000003.bin"), std::string::npos);
   }
   put_bytes(folder / "poses_velo.txt", kitti_poses(4));
-  EXPECT_EQ(open_input(folder.path()).notes.size(), 1u);  // times assumed
+  EXPECT_EQ(open_input(folder.path()).notes.size(), 1u);  // the note says that times are assumed
   put_bytes(folder / "times.txt", "1\n2\n");
   EXPECT_THROW(open_input(folder.path()), FormatError);
   EXPECT_THROW(open_input(folder / "absent"), FormatError);
@@ -108,9 +108,10 @@ TEST(Input, MissingPosesAndTimesAreNamed) {
 TEST(Input, OdometryPosesMoveToTheVelodyneAndLabelsStay) {
   const TemporaryFolder folder;
   put_scans(folder / "velodyne", {"000000.bin", "000001.bin"});
-  // Camera: x right, y down, z forward; 0.5 m before the velodyne.
+  // The camera has x right, y down and z forward, and is 0.5 m in front of the velodyne.
   put_bytes(folder / "calib.txt", "P0: 1 2\nTr: 0 -1 0 0 0 0 -1 0 1 0 0 -0.5\n");
-  put_bytes(folder / "poses.txt", kIdentity + "0 0 1 0 0 1 0 0 -1 0 0 2\n");  // turns to the right
+  // rotated to the right
+  put_bytes(folder / "poses.txt", kIdentity + "0 0 1 0 0 1 0 0 -1 0 0 2\n");
   std::string labels;
   for (uint32_t i = 0; i < 5; ++i) add(labels, (i + 7) << 16 | (70 + i));
   put_bytes(folder / "labels" / "000000.label", labels);
@@ -120,7 +121,7 @@ TEST(Input, OdometryPosesMoveToTheVelodyneAndLabelsStay) {
   EXPECT_TRUE(input.compensated);
   const PointScan scan = input.scans->read(1);
   const Pose& pose = scan.info.world_from_sensor;
-  // The camera stands at x = 0.5 + 2 and looks to −y; the velodyne 0.5 m behind it.
+  // The camera is at x = 0.5 + 2 and looks to −y; the velodyne is 0.5 m behind it.
   EXPECT_NEAR((pose.translation - Vec3(2.5, 0.5, 0)).norm(), 0, 1e-9);
   EXPECT_NEAR((pose.rotation * Vec3::UnitX() - Vec3(0, -1, 0)).norm(), 0, 1e-9);
   EXPECT_EQ(std::get<std::vector<uint16_t>>(scan.extra.at("class"))[2], 72);
@@ -161,7 +162,7 @@ TEST(Input, FolderOfScansMatchedByTime) {
   options.poses = folder / "p.txt";
   Input input = open_input(folder / "s", options);
   EXPECT_EQ(input.format, "folder");
-  ASSERT_EQ(input.notes.size(), 1u);  // sorted
+  ASSERT_EQ(input.notes.size(), 1u);  // the note says that files were sorted
   EXPECT_NEAR(input.scans->read(0).info.world_from_sensor.translation.x(), 1, 1e-6);
   EXPECT_NEAR(input.scans->read(0).time_s[1], 1000000100.5 + 1e-7, 1e-9);
   put_bytes(folder / "s" / "1000000200_0.pcd", sample_pcd());

@@ -44,7 +44,7 @@ BeamLog random_log(uint64_t seed, size_t n, double far, bool colours = false) {
     for (int c = 0; c < 3; ++c) log.origin[i][c] = far + random.normal(), d[c] = random.normal();
     log.direction[i] = d.normalized().cast<float>();
     log.range_m[i] = random.uniform() < 0.2 ? kMiss : float(std::exp2(random.uniform(-8, 10)));
-    // Ranges about powers of two are where the grid changes.
+    // The grid of ranges changes at powers of two.
     if (i % 16 == 0) log.range_m[i] = std::nextafter(float(1 << (i / 16 % 9)), i % 32 ? 0.f : 1e9f);
     log.intensity[i] = log.is_hit(i) ? float(random.uniform()) : 0.f;
     log.time_s[i] = 1.3e9 + random.uniform();
@@ -92,7 +92,7 @@ struct Case {
 };
 class RoundTrip : public testing::TestWithParam<Case> {};
 
-// What has been through a file once comes through every further one unchanged, to the byte.
+// A log that was written and read once comes unchanged through every further round, to the byte.
 TEST_P(RoundTrip, WriteReadWriteIsTheSameToTheByte) {
   const TemporaryFolder folder;
   const LogWriterOptions options{GetParam().double_coordinates};
@@ -172,7 +172,7 @@ TEST(LogFile, HeaderKeepsClearOfTheTraps) {
             nlohmann::json::parse(kProvenance));
 }
 
-// One of CSIRO's own, made by hand: 36-byte rows, zero-padded count.
+// Makes a file in the style of CSIRO's own: rows of 36 bytes and a zero-padded count.
 std::string foreign_cloud(bool doubles) {
   const std::string real = doubles ? "double" : "float";
   std::string s =
@@ -214,7 +214,7 @@ TEST(LogFile, ReadsForeignRayClouds) {
     EXPECT_EQ(log.intensity[0], 200);
     EXPECT_FALSE(log.is_hit(1));
     EXPECT_EQ(log.direction[1], Vec3f(0, 1, 0));
-    EXPECT_EQ(log.time_s[1], 5.0);  // repeated times stay
+    EXPECT_EQ(log.time_s[1], 5.0);  // repeated times are kept
     EXPECT_EQ(std::get<std::vector<uint8_t>>(log.extra.at("green")), (std::vector<uint8_t>{2, 5}));
     EXPECT_FALSE(reader.next(log));
   }

@@ -13,13 +13,13 @@
 namespace underbrush::io {
 namespace {
 
-/// One reader: a good file of it, and where its points' bytes begin.
+/// A reader with a valid file.
 struct Reader {
   const char* name;
   const char* file;
   std::string good;
-  bool binary;     ///< Every truncation can be told.
-  bool has_magic;  ///< Other kinds of file can be told.
+  bool binary;     ///< Whether every truncation can be detected.
+  bool has_magic;  ///< Whether other kinds of file can be detected.
   bool has_ring;
 };
 
@@ -77,7 +77,7 @@ TEST_P(EveryReader, ReadsTheSample) {
 }
 
 TEST_P(EveryReader, TellsEveryTruncation) {
-  if (!reader_.binary) return;  // a text file may end at any line
+  if (!reader_.binary) return;  // a text file may end after any line
   for (size_t n = 0; n < reader_.good.size(); ++n) {
     if (reader_.name == std::string("kitti") && n > 0 && n % 16 == 0) continue;
     refuses(reader_.good.substr(0, n), "truncated");
@@ -115,7 +115,7 @@ TEST_P(EveryReader, RefusesWithoutPermission) {
   EXPECT_THROW(read_table(path_), FormatError);
 }
 
-// Whatever single byte is wrong: a scan or one line, nothing else. Seed 5.
+// Whichever single byte is wrong, the reader gives a scan or an error of one line. The seed is 5.
 TEST_P(EveryReader, SurvivesEveryWrongByte) {
   Stream random(5);
   for (size_t i = 0; i < reader_.good.size(); ++i) {
@@ -180,7 +180,7 @@ TEST(ScanFromTable, CountsWhatItCannotUse) {
   EXPECT_THROW(from({}, {}, skipped), FormatError);
 }
 
-// Points in UTM, moved back to the sensor in double before they become float.
+// Points in UTM are moved back to the sensor in double precision before they become float.
 TEST(ScanFromTable, LargeWorldCoordinatesKeepMillimetres) {
   std::map<std::string, size_t> skipped;
   ScanContext context;

@@ -1,4 +1,4 @@
-/// A folder for one test, removed afterwards, and bytes in and out of files.
+/// This file has a temporary folder for one test, and functions that read and write files as bytes.
 #pragma once
 #include <cstring>
 #include <filesystem>

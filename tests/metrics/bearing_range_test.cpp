@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kStep = 2 * M_PI / 4000;
 
-/// Beams of one laser at a bearing, with the ranges given.
+/// Makes beams of one laser at a bearing, with the given ranges.
 BeamLog beams_at(int bearing, const std::vector<float>& ranges, uint16_t ring = 0) {
   BeamLog log;
   log.info.has_misses = true;
@@ -29,7 +29,7 @@ BearingRangeHistogram histogram(const std::vector<BeamLog>& logs) {
   return h;
 }
 
-/// `n` ranges of N(mean, sigma), by quantiles: no sampling error.
+/// Makes `n` ranges of N(mean, sigma) from quantiles, without sampling error.
 std::vector<float> gaussian(double mean, double sigma, int n) {
   std::vector<float> out(size_t(n), 0);
   for (int k = 0; k < n; ++k) {
@@ -58,7 +58,8 @@ TEST(BearingRange, IsSymmetricAndKnowsLaserBearingAndRange) {
 }
 
 TEST(BearingRange, TwoGaussiansHaveTheirClosedForm) {
-  // D = ¼ (μ₁−μ₂)² / (σ₁²+σ₂²) + ½ ln((σ₁²+σ₂²) / (2 σ₁σ₂)), bins much narrower than σ.
+  // The distance is D = ¼ (μ₁−μ₂)² / (σ₁²+σ₂²) + ½ ln((σ₁²+σ₂²) / (2 σ₁σ₂)) for bins much narrower
+  // than σ.
   for (const auto& [m, s, t] :
        {std::array{0.0, 0.02, 0.03}, {0.05, 0.02, 0.02}, {0.03, 0.02, 0.05}}) {
     const auto a = histogram({beams_at(0, gaussian(8, s, 200000))});

@@ -16,8 +16,8 @@ TEST(Instances, AreMatchedFromHalfOfTheirUnionOn) {
   add(c, 1, 11, 10), add(c, 1, 0, 5), add(c, 0, 11, 5);  // IoU 10 / 20
   add(c, 2, 12, 10), add(c, 2, 0, 6), add(c, 0, 12, 5);  // 10 / 21
   add(c, 3, 13, 9);
-  add(c, 4, 0, 30);   // nothing is there
-  add(c, 0, 15, 40);  // and this one was missed
+  add(c, 4, 0, 30);   // there is no true object here
+  add(c, 0, 15, 40);  // this object was not found
   const InstanceScore s = c.score();
   EXPECT_EQ(s.found, 4u);
   EXPECT_EQ(s.truth, 4u);
@@ -26,7 +26,7 @@ TEST(Instances, AreMatchedFromHalfOfTheirUnionOn) {
   EXPECT_DOUBLE_EQ(s.recall(), 0.5);
   EXPECT_DOUBLE_EQ(s.f1(), 0.5);
   EXPECT_DOUBLE_EQ(s.mean_iou, 0.75);
-  EXPECT_EQ(c.score(10).found, 3u);  // without the small one
+  EXPECT_EQ(c.score(10).found, 3u);  // the smallest object does not count
 }
 
 TEST(Instances, AreMatchedOneToOne) {

@@ -20,7 +20,7 @@ TEST(LeafInclination, OfPlanesIsThatOfThePlane) {
       cloud.push_back((turn * Vec3(random.uniform(), random.uniform(), 0)).cast<float>());
     }
     const LeafInclination leaves = leaf_inclination(cloud);
-    // Either sign may come: all angles are the tilt or its supplement.
+    // Both signs occur, so every angle is the tilt or its supplement.
     const double width = M_PI / double(LeafInclination::kBins);
     for (size_t k = 0; k < LeafInclination::kBins; ++k) {
       const double angle = (double(k) + 0.5) * width;
@@ -30,8 +30,8 @@ TEST(LeafInclination, OfPlanesIsThatOfThePlane) {
   }
 }
 
-// Normals all over the sphere have σ = √(π²/4 − 2) = 0.684 about π/2: points without any order are
-// near to what is measured of leaves.
+// Normals that are uniform over the sphere have σ = √(π²/4 − 2) = 0.684 about π/2. Points without
+// order thus come near to what is measured on leaves.
 TEST(LeafInclination, OfPointsWithoutOrderIsSpherical) {
   Stream random(2);
   std::vector<Vec3f> cloud;
@@ -40,7 +40,7 @@ TEST(LeafInclination, OfPointsWithoutOrderIsSpherical) {
     cloud.emplace_back(float(random.uniform()), float(random.uniform()), float(random.uniform()));
   }
   const LeafInclination leaves = leaf_inclination(cloud);
-  double folded = 0;  // the sign apart
+  double folded = 0;  // without regard to the sign
   for (size_t k = 0; k < LeafInclination::kBins; ++k) {
     const double angle = (double(k) + 0.5) * M_PI / double(LeafInclination::kBins);
     folded += std::abs(std::cos(angle)) * double(leaves.count[k]) / 20000;
@@ -61,7 +61,8 @@ TEST(LeafInclination, TheGapIsSmallOfAGaussianAndThatOfTheStepsOtherwise) {
     leaves.count[k] = uint64_t(1e6 * (below(k + 1) - below(k)));
   }
   EXPECT_LT(leaves.gaussian_gap(), 1e-3);
-  // Two directions, half of the points each, at ±σ: ½ where the Gaussian has Φ(−1) or less.
+  // With two directions at ±σ and half of the points each, the share is ½ where the Gaussian has at
+  // most Φ(−1).
   leaves.count = {};
   leaves.count[13] = leaves.count[22] = 500000;
   EXPECT_NEAR(leaves.gaussian_gap(), 0.5 - below(14), 1e-6);

@@ -49,7 +49,7 @@ TEST(NegativeLogLikelihood, IsThatOfANormalizedDensity) {
   const RangeMixture p = random_mixture(random);
   double total = std::exp(-negative_log_likelihood(p, kMiss, 100));
   for (double z = -20; z < 120; z += 0.002) {
-    // The outliers' share outside [0, 100] is not theirs: subtract it.
+    // Outliers have no share outside [0, 100], where their density must be subtracted.
     const double density = std::exp(-negative_log_likelihood(p, z, 100));
     total += 0.002 * (density - (z < 0 || z > 100 ? trace::kReportedOutliers.hit / 100 : 0));
   }
@@ -66,7 +66,7 @@ TEST(NegativeLogLikelihood, OfAnUnexplainedBeamIsFinite) {
               1e-12);
 }
 
-// E|X − z| − ½ E|X − X'| by simulation.
+// The score is compared with a simulation of E|X − z| − ½ E|X − X'|.
 TEST(Crps, EqualsItsDefinitionByMonteCarlo) {
   Stream random(4);
   for (int trial = 0; trial < 5; ++trial) {
@@ -90,7 +90,7 @@ TEST(Crps, OfAPointForecastIsTheAbsoluteError) {
   EXPECT_DOUBLE_EQ(crps(p, 13, 100), 3);
 }
 
-// Of a single Gaussian, Gneiting and Raftery 2007 eq. 21.
+// The closed form for a single Gaussian is [gneiting07] eq. 21.
 TEST(Crps, OfAGaussianInClosedForm) {
   for (const double sigma : {0.02, 0.3, 4.0}) {
     const RangeMixture p{{{1, 20, sigma}}, 0};

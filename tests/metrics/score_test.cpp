@@ -49,7 +49,7 @@ TEST(Score, CountsAndErrorsAreThoseOfThePaperByHand) {
   EXPECT_DOUBLE_EQ(s.precision, 4.0 / 5);
   EXPECT_DOUBLE_EQ(s.recall, 4.0 / 6);
   EXPECT_DOUBLE_EQ(s.f1, 2 * 0.8 * (4.0 / 6) / (0.8 + 4.0 / 6));
-  // Packets: (1, 3) → 2; none; (0) → 0; (0.5) → 0.5.
+  // The packets have errors (1, 3), none, (0) and (0.5), with means 2, none, 0 and 0.5.
   EXPECT_NEAR(s.packet_error_m, (2 + 0 + 0.5) / 3, 1e-6);
 }
 
@@ -123,7 +123,7 @@ TEST(Score, LikelihoodPrefersTheModelThatMadeTheBeams) {
   const Summary b = score_of(real, real, options).all;
   EXPECT_LT(a.nll_per_beam, b.nll_per_beam);
   EXPECT_LT(a.crps_m, b.crps_m);
-  // The entropy of the truth, the outliers' share aside: ½(ln 2 + ln 2 + ½ ln(2πe σ²)).
+  // The entropy of the truth without outliers is ½(ln 2 + ln 2 + ½ ln(2πe σ²)).
   EXPECT_NEAR(a.nll_per_beam, std::log(2) + 0.25 * std::log(2 * M_PI * M_E * 0.04), 0.06);
 }
 

@@ -1,10 +1,10 @@
-/// Logs for the tests of the tuning.
+/// This file makes logs for the tests of tuning.
 #pragma once
 #include "drive_past.hpp"
 
 namespace underbrush::test {
 
-/// `scans` turns of a sensor that drives past two rows of permeable bushes, one a second.
+/// Makes `scans` turns, one a second, of a sensor that drives past two rows of permeable bushes.
 inline BeamLog drive_past_bushes(uint64_t seed, uint32_t scans, size_t beams_of_scan = 1500) {
   elements::Model truth = flat_ground(40);
   for (int k = 0; k < 24; ++k) {

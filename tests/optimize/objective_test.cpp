@@ -23,7 +23,7 @@ TEST(Objective, IsPacketErrorAndTwiceWhatF1Lacks) {
 }
 
 TEST(Objective, IsFiniteAndWorstWhereNothingIsReturnedByBoth) {
-  const metrics::Summary s;  // all unknown
+  const metrics::Summary s;  // all scores are unknown
   EXPECT_EQ(objective_of("packet_f1", s, 80), 82);
   EXPECT_THROW(objective_of("nll", s, 80), std::invalid_argument);
   EXPECT_THROW(objective_of("chamfer", s, 80), std::invalid_argument);
@@ -105,10 +105,10 @@ TEST(Densities, AreThoseOfTheAnnotationsClassesAndReachTheScene) {
     return scene_outcome("packet_f1", parts, {}, densities, std::vector<double>{density},
                          test::drive_past_bushes(3, 2));
   };
-  // The beams are those of another world; what counts is that fewer trees answer otherwise.
+  // The beams come from another world; the test only asks that fewer trees give other answers.
   EXPECT_NE(answered(1).objective, answered(0.1).objective);
   EXPECT_EQ(answered(1).objective, answered(1).objective);
-  // The log of the composed scene itself is answered best by the density that made it.
+  // The density that made the composed scene answers the log of that scene best.
   const primitives::Composition truth = primitives::compose(site, ground, read, {});
   BeamLog log = test::drive_past_bushes(4, 4);
   simulate::Options options;

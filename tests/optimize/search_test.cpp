@@ -14,8 +14,8 @@ const std::vector<Parameter> kThree = {
     {"a", 0.01, 10, Scale::kLog}, {"b", -3, 5, Scale::kLinear}, {"c", 1, 100, Scale::kWhole}};
 const std::vector<double> kStart = {5, -2, 80};
 
-/// A bowl over the places of the ranges, its bottom at a = 0.1, b = 1, c = 10; `rough` adds noise
-/// that is a function of the values.
+/// Computes a bowl over the places of the ranges with its bottom at a = 0.1, b = 1, c = 10. `rough`
+/// adds noise that is a function of the values.
 Outcome bowl(std::span<const double> v, double rough = 0) {
   const double x = std::log10(v[0] / 0.1), y = (v[1] - 1) / 4, z = std::log10(v[2] / 10);
   uint64_t bits = 7;

@@ -47,13 +47,13 @@ TEST(Annotation, ComesBack) {
     EXPECT_EQ(b.objects[k].points, a.objects[k].points);
     EXPECT_EQ(b.objects[k].trajectory, a.objects[k].trajectory);
   }
-  write_annotation(folder / "b.json", b);  // written again, it is the same
+  write_annotation(folder / "b.json", b);  // a second writing gives the same bytes
   std::ifstream first(folder / "a.json"), second(folder / "b.json");
   EXPECT_EQ(std::string(std::istreambuf_iterator<char>(first), {}),
             std::string(std::istreambuf_iterator<char>(second), {}));
 }
 
-// The published schema and the program know the same classes.
+// The published schema and the program have the same classes.
 TEST(Annotation, SchemaListsTheClasses) {
   std::string schema = io::bytes_of(UNDERBRUSH_TEST_SCHEMAS "/annotation.json");
   const size_t begin = schema.find("\"enum\"");

@@ -13,7 +13,7 @@ namespace {
 
 using elements::Class;
 
-/// Primitives of one ellipsoid each, whose label is their number.
+/// A fixture with primitives of one ellipsoid each, whose label is the primitive's number.
 class Composing : public testing::Test {
  protected:
   Composing() {
@@ -44,7 +44,7 @@ class Composing : public testing::Test {
       annotation.objects.push_back(o);
     }
   }
-  // Number of the primitive that an instance is made of.
+  // Gives the number of the primitive that an instance is made of.
   uint32_t number(const Composition& c, size_t instance) const {
     return c.scene.models[c.scene.instances[instance].model].ellipsoids.at(0).label;
   }
@@ -60,7 +60,7 @@ TEST_F(Composing, AnObjectWithATrajectoryMovesFromWhereItWouldStand) {
   PlacedObject& o = annotation.objects[3];
   const Composition still = compose(annotation, ground, set, {});
   o.trajectory = folder / "poses.txt";
-  // The foot where compose puts it, and 2 m along x a second later.
+  // The foot starts where compose puts it, and is 2 m further along x after a second.
   const Pose foot = o.world_from_object();
   const double z = still.scene.instances[4].world_from_model.translation.z();  // boxes begin at 0
   std::ofstream poses(o.trajectory);
@@ -134,7 +134,7 @@ TEST_F(Composing, InstancesShareTheirModels) {
   const Composition c = compose(annotation, ground, set, {});
   EXPECT_LE(c.scene.models.size(), 26u);
   EXPECT_EQ(c.scene.models[0].ground.size(), ground.ground.size());
-  EXPECT_EQ(c.scene.models[0].max_range_m, 80);  // where the primitives' sensor ended
+  EXPECT_EQ(c.scene.models[0].max_range_m, 80);  // the range limit of the primitives' sensor
   EXPECT_NO_THROW(c.scene.check());
   EXPECT_EQ(c.info.names.size(), c.scene.models.size());
 }
@@ -166,8 +166,8 @@ TEST_F(Composing, DrawsAmongTheNearest) {
 
 TEST_F(Composing, CountsWhatCannotBePlaced) {
   annotation.objects[0].position = Vec3(1000, 0, 0);
-  annotation.objects[1].label = Class::kMediumTree;  // other trees will do
-  annotation.objects[2].label = Class::kLargeShrub;  // and other shrubs
+  annotation.objects[1].label = Class::kMediumTree;  // other trees serve
+  annotation.objects[2].label = Class::kLargeShrub;  // other shrubs serve
   const Composition c = compose(annotation, ground, set, {});
   EXPECT_EQ(c.off_ground, 1u);
   EXPECT_EQ(c.placed, 299u);
@@ -179,7 +179,7 @@ TEST_F(Composing, CountsWhatCannotBePlaced) {
   EXPECT_EQ(bare.left_out.at("large_shrub"), 1u);
   EXPECT_EQ(bare.placed, 298u);
   annotation.objects.clear();
-  EXPECT_EQ(compose(annotation, ground, set, {}).scene.instances.size(), 1u);  // the ground
+  EXPECT_EQ(compose(annotation, ground, set, {}).scene.instances.size(), 1u);  // the ground remains
 }
 
 TEST_F(Composing, FillsAPatchCellByCell) {
@@ -202,7 +202,7 @@ TEST_F(Composing, FillsAPatchCellByCell) {
 TEST_F(Composing, ThinsAndThickensByClass) {
   ComposeOptions options;
   options.density = {{Class::kSmallTree, 0.3}, {Class::kLargeTree, 2.5}};
-  std::erase_if(annotation.objects, [&](const PlacedObject& o) {  // copies stay on the mesh
+  std::erase_if(annotation.objects, [&](const PlacedObject& o) {  // copies must stay on the mesh
     return (o.position - Vec3(10, -20, 0)).head<2>().cwiseAbs().maxCoeff() > 25;
   });
   const Composition c = compose(annotation, ground, set, options);

@@ -14,8 +14,8 @@ namespace {
 
 using elements::Class;
 
-/// An oblong tree and a patch on sloping ground, with an ellipsoid for every tenth point; turned
-/// and moved by `move`.
+/// An oblong tree and a patch on sloping ground, with an ellipsoid for every tenth point, all
+/// transformed by `move`.
 struct Site {
   elements::Model model;
   BeamLog log;
@@ -35,7 +35,7 @@ Site site(const Pose& move, uint64_t seed = 1) {
     add(Vec3(random.uniform(-3, 3), random.uniform(-1, 1), random.uniform(0.2, 5)),
         Class::kSmallTree, 5);
   }
-  for (int k = 0; k < 300; ++k) {  // another beside it, whose box overlaps when it is turned
+  for (int k = 0; k < 300; ++k) {  // another beside it, whose box overlaps when rotated
     add(Vec3(random.uniform(-1, 1), random.uniform(1, 2), random.uniform(0.2, 5)),
         Class::kSmallTree, 6);
   }
@@ -53,7 +53,8 @@ Site site(const Pose& move, uint64_t seed = 1) {
   for (size_t i = 0; i < points.size(); ++i) {
     if (i % 10 == 0) {
       elements::Ellipsoid e;
-      const Vec3 middle(0, instance[i] == 6 ? 1.5 : 0, 2.6);  // none on the border of a box
+      // keeps means off the borders of boxes
+      const Vec3 middle(0, instance[i] == 6 ? 1.5 : 0, 2.6);
       const Vec3 at = middle + 0.97 * (points[i] - middle);
       e.mean = (move * at - s.model.origin).cast<float>();
       const Mat3 spread = Vec3(0.04, 0.01, 0.0025).asDiagonal();
@@ -76,7 +77,7 @@ Pose moved(double x, double y, double z, double yaw) {
   return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Vec3::UnitZ())), Vec3(x, y, z)};
 }
 
-// The point of a primitive: it does not know where its object stood.
+// A primitive must not depend on where its object stood.
 TEST(Extract, GivesTheSamePrimitiveWhereverTheObjectStands) {
   ExtractOptions options;
   options.membership = Membership::kBox;
@@ -89,7 +90,7 @@ TEST(Extract, GivesTheSamePrimitiveWhereverTheObjectStands) {
       const Primitive &a = here.primitives[k], &b = there.primitives[k];
       EXPECT_LT((a.box.size() - b.box.size()).norm(), 1e-3);
       ASSERT_EQ(a.model.ellipsoids.size(), b.model.ellipsoids.size());
-      // An axis has no sign: the primitive may come out turned by half a turn.
+      // An axis has no sign, so the primitive may be rotated by half a turn.
       const double sign = std::cos(b.source.yaw_rad - yaw - a.source.yaw_rad) > 0 ? 1 : -1;
       for (size_t i = 0; i < a.model.ellipsoids.size(); ++i) {
         const auto &e = a.model.ellipsoids[i], &f = b.model.ellipsoids[i];
@@ -119,7 +120,8 @@ TEST(Extract, MovedBackTheElementsAreThoseOfTheModelEachOnce) {
     }
   }
   EXPECT_EQ(r.elements, times.size());
-  EXPECT_GT(double(r.taken), 0.98 * double(r.elements));  // voxels on the border have one owner
+  // voxels on the border belong to one object
+  EXPECT_GT(double(r.taken), 0.98 * double(r.elements));
 }
 
 TEST(Extract, LeavesOutWhatNearlyAllBeamsPassed) {
@@ -129,11 +131,11 @@ TEST(Extract, LeavesOutWhatNearlyAllBeamsPassed) {
     for (const Primitive& p : r.primitives) n += p.model.ellipsoids.size();
     return n;
   };
-  const size_t all = count(extract_from(s));  // met by no beam: nothing speaks against them
+  const size_t all = count(extract_from(s));  // ellipsoids that no beam met are kept
   for (size_t k = 0; k < s.model.ellipsoids.size(); ++k) {
     elements::HitCount& h = s.model.ellipsoids[k].hit;
     h.hits = uint32_t(k % 4);
-    h.misses = 10 - h.hits;  // shares of 0, 0.1, 0.2 and 0.3
+    h.misses = 10 - h.hits;  // shares of hits are 0, 0.1, 0.2 and 0.3
   }
   ExtractOptions options;
   for (const auto& [below, kept] : {std::pair{0.0, 1.0}, {0.1, 0.75}, {0.11, 0.5}, {0.25, 0.25}}) {
@@ -234,7 +236,7 @@ TEST(PrimitiveSet, ComesBackAndCanBeBrowsed) {
     EXPECT_EQ(png.substr(1, 3), "PNG");
   }
   const std::string page = io::bytes_of(folder / "set/index.html");
-  for (const char* word : {"http:", "https:", "<script", "url("}) {  // nothing else is loaded
+  for (const char* word : {"http:", "https:", "<script", "url("}) {  // the page must load nothing
     EXPECT_EQ(page.find(word), std::string::npos) << word;
   }
   EXPECT_NE(page.find("small_tree/0002"), std::string::npos);

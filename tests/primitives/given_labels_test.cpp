@@ -16,7 +16,7 @@ namespace {
 
 using Folder = io::TemporaryFolder;
 
-// Scattered hits with a miss after each third of them.
+// Scattered returns, with a miss after every third of them.
 struct Site {
   std::vector<Vec3> points;
   std::vector<uint32_t> label, instance;
@@ -42,7 +42,7 @@ Site site(uint64_t seed) {
   return s;
 }
 
-/// As CloudCompare writes it: float coordinates, scalar fields of float.
+/// Writes the file as CloudCompare does, with float coordinates and float scalar fields.
 void write_like_cloud_compare(const std::filesystem::path& path, const Site& s,
                               const std::vector<size_t>& order) {
   io::PlyElement e;
@@ -80,7 +80,7 @@ TEST(GivenLabels, ComeBackWithoutLossHoweverTheyWereShuffled) {
     EXPECT_EQ(given.instance, s.instance);
     EXPECT_EQ(given.set, "underbrush");
   }
-  order.resize(order.size() / 2);  // somebody cut half of it away
+  order.resize(order.size() / 2);  // half of the points are cut away
   write_like_cloud_compare(folder / "half.ply", s, order);
   const GivenLabels half = read_given_labels(folder / "half.ply", source);
   EXPECT_EQ(half.unmatched, s.points.size() - order.size());

@@ -21,7 +21,7 @@ TEST(GroundSurface, IsThePlaneThatItsTrianglesAre) {
   }
 }
 
-// Against each triangle in turn, on a bumpy mesh with a hole.
+// The reference tests each triangle in turn, on a bumpy mesh with a hole.
 TEST(GroundSurface, AgreesWithASlowReference) {
   elements::Model m;
   Stream random(2);
@@ -64,7 +64,7 @@ TEST(GroundSurface, AgreesWithASlowReference) {
       ASSERT_NEAR(*fast, *slow, 1e-9);
     }
   }
-  EXPECT_GT(none, 0);  // in the hole
+  EXPECT_GT(none, 0);  // points in the hole have no ground
 }
 
 TEST(GroundSurface, NeedsTriangles) {

@@ -15,7 +15,7 @@ namespace {
 
 using elements::Class;
 
-/// A four-sided pyramid that stands aside, turned by `yaw`: 2a × 2b × height.
+/// Makes a four-sided pyramid of 2a × 2b × height, beside the origin and rotated by `yaw`.
 PlantSource pyramid(double a, double b, double height, double yaw) {
   PlantSource p{"pyramid", {}, {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}};
   const double c = std::cos(yaw), s = std::sin(yaw);
@@ -28,7 +28,7 @@ PlantSource pyramid(double a, double b, double height, double yaw) {
 
 TEST(MeshPrimitives, StandOnTheirFeetAlongTheirLongerAxis) {
   PlantSource plant = pyramid(2, 1, 4, 0.6);
-  plant.label = Class::kMediumTree;  // as large as it is, whatever its height
+  plant.label = Class::kMediumTree;  // keeps its size, whatever its height
   const auto set = mesh_primitives({plant});
   ASSERT_EQ(set.size(), 1u);
   EXPECT_EQ(set[0].label, Class::kMediumTree);
@@ -65,7 +65,7 @@ TEST(MeshPrimitives, AreScaledOnlySoFar) {
     const double own = slim < 3 ? 4 : 12;
     EXPECT_LE(std::max(h / own, own / h), 2 + 1e-6);
   }
-  // A lone plant must fill all.
+  // A single plant must serve all classes.
   EXPECT_EQ(mesh_primitives({pyramid(1, 1, 4, 0)}).size(), 9u);
 }
 
@@ -105,7 +105,7 @@ TEST(MeshPrimitives, AreComposedAndHitLikeAnyOther) {
   EXPECT_NEAR(met.t_m, 9, 1e-3);
 }
 
-// A set held in memory gives the scene that it gives from its folder, to the bit.
+// A set in memory gives the same scene as its folder, to the bit.
 TEST(MeshPrimitives, InMemoryAreThoseOfTheFolder) {
   const std::vector<Primitive> set =
       mesh_primitives({pyramid(1.2345678, 1, 8, 0.2), pyramid(0.5, 0.4321, 1, 0.3)});

@@ -33,7 +33,8 @@ Found find(const std::vector<Vec3f>& points, const ObjectOptions& options = {}) 
   return out;
 }
 
-// A grid of trees of rising height; truth: the number of the cone.
+// Makes a grid of cone-shaped trees of rising height. `truth` gets the number of the cone of each
+// point.
 std::vector<Vec3f> trees(std::vector<uint32_t>& truth, uint64_t seed) {
   Stream random(seed);
   std::vector<Vec3f> points;
@@ -129,7 +130,7 @@ TEST(Objects, AShrubUnderACrownIsNotTheTree) {
   add_cone(points, 0, 0, 3, 4, 10, 20000, random);   // crown
   add_cone(points, 0, 0, 0.15, 0, 6, 1500, random);  // trunk
   const size_t tree = points.size();
-  add_cone(points, 1.9, 0, 0.9, 0.05, 1.2, 3000, random);  // beneath
+  add_cone(points, 1.9, 0, 0.9, 0.05, 1.2, 3000, random);  // a shrub beneath the crown
   const Found found = find(points);
   ASSERT_EQ(found.objects.size(), 2u);
   size_t wrong = 0;
@@ -169,7 +170,7 @@ std::string unpacked(const std::filesystem::path& path) {
   return out;
 }
 
-// Airborne, heights normalised, trees numbered by the people of lidR.
+// The cloud is airborne and its heights are normalised; the authors of lidR numbered the trees.
 TEST(Objects, MatchTheTreesOfMixedConifer) {
   UNDERBRUSH_NEEDS_DATA("trees_laz/lidr_MixedConifer.ply.xz");
   const std::string ply = unpacked(test::data_folder() / "trees_laz/lidr_MixedConifer.ply.xz");

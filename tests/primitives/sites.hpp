@@ -1,5 +1,5 @@
 /// \file
-/// Small sites for the tests of this module.
+/// This file makes small sites for the tests of this module.
 #pragma once
 #include <cmath>
 #include <vector>
@@ -10,11 +10,11 @@
 
 namespace underbrush::test {
 
-/// Points in a cone standing on its base, or hanging from `low` on: `n` of them.
+/// Adds `n` points in a cone that stands on its base, or that hangs from `low`.
 inline void add_cone(std::vector<Vec3f>& points, double x, double y, double radius, double low,
                      double high, size_t n, Stream& random) {
   for (size_t k = 0; k < n; ++k) {
-    const double up = std::cbrt(random.uniform());  // more of it where it is wide
+    const double up = std::cbrt(random.uniform());  // more points where the cone is wide
     const double r = radius * up * std::sqrt(random.uniform());
     const double a = random.uniform(0, 2 * M_PI);
     points.emplace_back(float(x + r * std::cos(a)), float(y + r * std::sin(a)),
@@ -22,7 +22,7 @@ inline void add_cone(std::vector<Vec3f>& points, double x, double y, double radi
   }
 }
 
-/// A plane z = a x + b y of two triangles over [−side, side]².
+/// Makes a plane z = a x + b y of two triangles over [−side, side]².
 inline elements::Model plane(double side, double a, double b) {
   elements::Model m;
   m.origin = Vec3(10, -20, 3);
@@ -35,7 +35,8 @@ inline elements::Model plane(double side, double a, double b) {
   return m;
 }
 
-/// A log of the points, each seen from 10 m above it, with their classes and instances.
+/// Makes a log of the points with their classes and instances. Each point is seen from 10 m above
+/// it.
 inline BeamLog labelled_log(const std::vector<Vec3>& points, const std::vector<uint8_t>& label,
                             const std::vector<uint32_t>& instance) {
   BeamLog log;

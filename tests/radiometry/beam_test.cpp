@@ -1,4 +1,4 @@
-// A whole beam on plain shapes, against closed forms.
+// Tests of a whole beam on simple shapes, against closed forms.
 #include "underbrush/sensor/beam.hpp"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ using sensor::SubRay;
 
 constexpr double kSignal = 1e7;  // at 1 m
 
-/// What the sub-rays of a beam along +x bring back from a surface: `meet(ray)` gives the range (or
+/// The returns of the sub-rays of a beam along +x from a surface. `meet(ray)` gives the range (or
 /// infinity) and the cosine of the incidence.
 struct Shot {
   std::vector<float> range, weight, factor;
@@ -45,7 +45,7 @@ Shot shoot(const BeamShape& shape, const std::vector<SubRay>& places, F meet) {
   return shot;
 }
 
-/// The plane through (distance, 0, 0) with this normal.
+/// Makes the plane through (distance, 0, 0) with this normal.
 auto plane(double distance, const Vec3& normal) {
   return [=](const Ray& ray) {
     const double cosine = -ray.direction.dot(normal);
@@ -69,20 +69,23 @@ TEST(Beam, PlaneAtAnyAngleHasItsRangeItsCosineAndAStretchedPulse) {
           shoot(shape, places, plane(distance, Vec3(-std::cos(angle), std::sin(angle), 0)));
       ASSERT_EQ(shot.echoes.count, 1) << distance << " m, " << degrees;
       const Echo& e = shot.echoes.echo[0];
-      // To second order of the footprint the far side is larger and dimmer.
-      const double width = shape.half_width_m(distance)[0];  // on the ground: stretched by tan
+      // To second order of the footprint, the far side is larger and dimmer.
+      // on the plane it is stretched by the tangent
+      const double width = shape.half_width_m(distance)[0];
       const double variance = std::pow(width * std::tan(angle) / 2, 2);  // of the ranges
       EXPECT_NEAR(e.range_m, distance, 2e-3 + 8 * variance / distance);
       const double energy = kSignal * std::cos(angle) / (distance * distance);
       EXPECT_NEAR(e.energy, energy, 0.01 * energy) << distance << " m, " << degrees;
-      // Peak of a Gaussian blurred by the footprint's ranges, as if they were Gaussian as well.
+      // The reference is the peak of a Gaussian blurred by the footprint's ranges, as if these were
+      // Gaussian.
       const double blurred = std::sqrt(sigma * sigma + variance);
       EXPECT_NEAR(e.peak / e.energy, sigma / blurred, 0.12 * sigma / blurred);
     }
   }
 }
 
-// A sphere of radius a in a parallel beam of half-width w ≥ a: ∫ cos dA over the disc is ⅔ π a².
+// For a sphere of radius a in a parallel beam of half-width w ≥ a, ∫ cos dA over the disc is ⅔ π
+// a².
 TEST(Beam, SphereSendsTwoThirdsOfTheLightThatMeetsIt) {
   const BeamShape shape = beam_of(0, 0.8);
   const auto places = sensor::spread_sub_rays(shape, 20000);
@@ -100,7 +103,8 @@ TEST(Beam, SphereSendsTwoThirdsOfTheLightThatMeetsIt) {
     const double share = 2.0 / 3 * radius * radius / (0.4 * 0.4);
     const double energy = kSignal * share / std::pow(distance, 2);
     EXPECT_NEAR(shot.echoes.echo[0].energy, energy, 0.03 * energy) << radius;
-    // Mean range, weighted by the cosine: with c = cos, depth a(1−c), weight c · 2c dc → ¼ a.
+    // With c the cosine, the depth is a(1−c) and the weight c · 2c dc, so that the mean depth is ¼
+    // a.
     EXPECT_NEAR(shot.echoes.echo[0].range_m, distance + radius / 4, 3e-3 + 0.02 * radius);
   }
 }
@@ -115,7 +119,7 @@ TEST(Beam, StepOfTwoSurfacesSharesTheEnergyAsTheyShareTheFootprint) {
         const double t = near / ray.direction.x();
         return std::pair(ray.at(t).y() < at ? t : (near + depth) / ray.direction.x(), 1.0);
       });
-      // Share of a disc's area on the side of a chord; u runs to the right, −y.
+      // The share is that of a disc's area on one side of a chord; u points right, to −y.
       const double share = 1 - (std::acos(edge) - edge * std::sqrt(1 - edge * edge)) / M_PI;
       const double a = kSignal * share / (near * near);
       const double b = kSignal * (1 - share) / std::pow(near + depth, 2);
@@ -135,8 +139,8 @@ TEST(Beam, StepOfTwoSurfacesSharesTheEnergyAsTheyShareTheFootprint) {
   }
 }
 
-// However a beam is divided into sub-rays, a surface that takes all of it returns all of it; one
-// that takes a part returns that part.
+// However a beam is divided into sub-rays, a surface that takes all of its light returns all of it,
+// and a surface that takes a part returns that part.
 TEST(Beam, EnergyIsConservedOverSubRays) {
   for (const auto profile : {sensor::Profile::kUniform, sensor::Profile::kGaussian}) {
     BeamShape shape = beam_of(0.002, 0.01);
@@ -152,8 +156,8 @@ TEST(Beam, EnergyIsConservedOverSubRays) {
   }
 }
 
-// A target smaller than the beam returns its share of the footprint, which grows with the range:
-// beyond the range where it is filled, power falls as R⁻⁴.
+// A target smaller than the beam returns the share of the footprint that it fills. Beyond the range
+// where it fills the footprint, power falls as R⁻⁴.
 TEST(Beam, SmallTargetFadesWithTheFourthPowerOfTheRange) {
   const BeamShape shape = beam_of(0.01, 0);
   const auto places = sensor::spread_sub_rays(shape, 20000);

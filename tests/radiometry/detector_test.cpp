@@ -25,8 +25,8 @@ Echoes echoes_of(const Response& h, const DetectorOptions& options, std::vector<
 
 class Timings : public testing::TestWithParam<std::tuple<Timing, Pulse>> {};
 
-// Over all places within a cell and all strengths, no range is biased; the published chain, which
-// puts a return into cells of 0.03 m by rounding up, is half a cell too far.
+// No range is biased, over all places within a cell and all strengths. The published chain rounds
+// returns up to cells of 0.03 m and is half a cell too far.
 TEST_P(Timings, AreUnbiasedInRange) {
   const auto [timing, pulse] = GetParam();
   const Response h({pulse, 5e-9, 2e-9, 1e-9});
@@ -49,8 +49,8 @@ TEST_P(Timings, AreUnbiasedInRange) {
       rounded_up += (0.03 * std::ceil(double(range) / 0.03) - double(range)) / kN;
       EXPECT_NEAR(found.echo[0].peak, peak, 0.02f * peak);
     }
-    // The steep front of a Q-switched pulse lies between two samples: its single crossings are
-    // coarse, their mean is not.
+    // The steep front of a Q-switched pulse lies between two samples. Its single crossings are
+    // coarse, but their mean is not.
     const bool coarse = timing == Timing::kLeadingEdge && pulse == Pulse::kQSwitched;
     EXPECT_NEAR(bias, 0, coarse ? 2e-3 : 5e-4) << peak;
     EXPECT_LT(worst, coarse ? 0.05 : 0.012) << peak;
@@ -75,8 +75,8 @@ TEST(Detector, PulseWidthIsThatOfTheGaussianAboveTheThreshold) {
   }
 }
 
-// A step of depth d that takes a share s of the beam: two echoes with the ranges and energies of
-// the two surfaces where the pulse can separate them, else one mixed pixel at their mean.
+// A step of depth d takes a share s of the beam. It gives two echoes with the ranges and energies
+// of both surfaces where the pulse can separate them, else one mixed pixel at their mean.
 TEST(Detector, AnEdgeGivesTwoEchoesOrAMixedPixel) {
   const Response h(kPulse);
   for (const double share : {0.3, 0.5, 0.8}) {
@@ -99,8 +99,8 @@ TEST(Detector, AnEdgeGivesTwoEchoesOrAMixedPixel) {
   }
 }
 
-// Two equal Gaussians have two maxima from d = 2 σ on; with a valley of 0.7 from where
-// 2 exp(−d²/8σ²) < 0.7 (1 + exp(−d²/2σ²)).
+// Two equal Gaussians have two maxima from d = 2 σ on. With a valley of 0.7 they are separated from
+// where 2 exp(−d²/8σ²) < 0.7 (1 + exp(−d²/2σ²)).
 TEST(Detector, SeparatesWhereTheValleyIsDeepEnough) {
   const Response h(kPulse);
   double limit = 2 * kSigma;
@@ -118,7 +118,7 @@ TEST(Detector, SeparatesWhereTheValleyIsDeepEnough) {
     EXPECT_EQ(two, d < limit ? 0 : 20) << d;
   }
   DetectorOptions wide;
-  wide.min_gap_m = 5;  // as the published chain
+  wide.min_gap_m = 5;  // as in the published chain
   const Echoes one = echoes_of(h, wide, {20, 24}, {100, 120});
   ASSERT_EQ(one.count, 1);
   EXPECT_NEAR(one.echo[0].range_m, 24, 2e-3);
@@ -126,8 +126,8 @@ TEST(Detector, SeparatesWhereTheValleyIsDeepEnough) {
   EXPECT_EQ(echoes_of(h, wide, {20, 26}, {100, 120}).count, 2);
 }
 
-// The parabola through three samples of an asymmetric pulse is off by an amount that depends on
-// where the target lies between them; the tables take it away. Seen without them, it is there.
+// The parabola through three samples of an asymmetric pulse errs by an amount that depends on where
+// the target lies between them. The tables remove the error, which is there without them.
 TEST(Detector, TheBiasOfInterpolationIsTabulatedAway) {
   for (const ResponseOptions& pulse : kPulses) {
     const Response h(pulse);
@@ -157,9 +157,8 @@ TEST(Detector, TheBiasOfInterpolationIsTabulatedAway) {
   }
 }
 
-// From the threshold to a hundred times saturation, whatever the timing and the pulse: unbiased
-// over the places within a cell. The middle of the plateau, which is no timing, is up to ten cells
-// late.
+// From the threshold to a hundred times saturation, every timing of every pulse is unbiased over
+// the places within a cell. The middle of the plateau would be up to ten cells late.
 TEST(Detector, SaturatedPulsesKeepTheirRange) {
   constexpr float kSaturation = 1000;
   for (const ResponseOptions& pulse : kPulses) {
@@ -192,7 +191,8 @@ TEST(Detector, SaturatedPulsesKeepTheirRange) {
           middle = std::max(middle, w.range_m(half) - double(range));
         }
         const std::string where = testing::PrintToString(peak);
-        // A front that rises within one sample from nothing to saturation is known to half of it.
+        // A front that rises from nothing to saturation within one sample is known to half a
+        // sample.
         EXPECT_LT(std::abs(bias), 0.03 * h.cell_m()) << where;
         EXPECT_LT(worst, 0.5 * h.cell_m()) << where;
       }

@@ -9,7 +9,7 @@
 namespace underbrush::radiometry {
 namespace {
 
-/// The echoes of point targets, one per range, each of weight 1 and factor `factor`.
+/// The echoes of point targets, one a range, each of weight 1 and factor `factor`.
 struct Bench {
   explicit Bench(const ReceiverOptions& options) : receiver(options), scratch(receiver.scratch()) {}
 
@@ -40,7 +40,7 @@ TEST(Receiver, PowerFallsWithTheSquareOfTheRangeAndTheAir) {
     EXPECT_NEAR(e.echo[0].peak, expected, 0.01 * expected) << range;
     EXPECT_NEAR(e.echo[0].energy, expected, 0.005 * expected + 0.05) << range;
   }
-  // The signals themselves, against the standard library.
+  // The signals are compared with those of the standard library.
   std::vector<float> range, ones(500, 1), signal(500);
   for (int k = 0; k < 500; ++k) range.push_back(0.02f + 2.3f * float(k));
   bench.receiver.signals(range, ones, ones, signal);
@@ -68,7 +68,7 @@ TEST(Receiver, ReflectanceIsRestoredAtAnyRange) {
   }
 }
 
-// The histogram of the ranges: mean and standard deviation as configured.
+// The mean and the standard deviation of the ranges must be those configured.
 TEST(Receiver, RangesHaveTheConfiguredAccuracyAndNoBias) {
   for (const double sigma : {0.007, 0.03}) {
     for (const double step : {0.0, 0.004, 0.05}) {
@@ -104,8 +104,8 @@ TEST(Receiver, RangesIntensitiesAndWidthsAreWholeSteps) {
   EXPECT_EQ(e.width_m * 8, std::round(e.width_m * 8));
 }
 
-// At the range from which the signal was calibrated half of the targets are found, well before it
-// nearly all, well beyond nearly none.
+// Half of the targets are found at the range of the calibration, nearly all well before it, and
+// nearly none well beyond.
 TEST(Receiver, DetectionRangeIsThatOfTheCalibration) {
   ReceiverOptions o;
   o.max_range_m = 250;
@@ -119,14 +119,14 @@ TEST(Receiver, DetectionRangeIsThatOfTheCalibration) {
     return n / 2000.0;
   };
   EXPECT_GT(found(70), 0.99);
-  // Noise lifts one of several samples near the peak: somewhat more than half.
+  // Noise lifts one of several samples near the peak, so somewhat more than half are found.
   EXPECT_GT(found(100), 0.45);
   EXPECT_LT(found(100), 0.85);
   EXPECT_LT(found(140), 0.02);
 }
 
-// Every sensor of the catalogue finds its stated target nearer than stated and loses it beyond; its
-// echoes are in its own steps and its pulses unbiased.
+// Every sensor of the catalogue finds its stated target nearer than stated and loses it beyond. Its
+// echoes are in its own steps, and its pulses are unbiased.
 TEST(Receiver, EverySensorOfTheCatalogueDetectsAsItsFileSays) {
   for (const std::string& name : sensor::names()) {
     const sensor::Sensor s = sensor::load(name);

@@ -7,7 +7,7 @@
 namespace underbrush::radiometry {
 namespace {
 
-/// The width at half height, by bisection on both flanks.
+/// Computes the width at half height by bisection on both flanks.
 double width_m(const Response& h) {
   double sum = 0;
   for (const double sign : {-1.0, 1.0}) {
@@ -48,12 +48,13 @@ TEST(Response, OfAnyPulsePeaksAtTheTargetAndHasItsWidth) {
         EXPECT_NEAR(h->row(100)[k], h->at(x), 1e-6);
       }
     }
-    // The receiver's response changes no energy: its own area times the pulse's, over the peak.
+    // The receiver's response conserves energy: the area is the product of its own and the pulse's,
+    // divided by the peak.
     EXPECT_NEAR(blurred.area_m() / sharp.area_m(), pulse == Pulse::kGaussian ? M_SQRT2 : 1.44,
                 0.01);
   }
   const Response q({Pulse::kQSwitched, 6e-9, 0, 1e-9});
-  EXPECT_GT(q.at(0.5), 2 * q.at(-0.5));  // rises faster than it falls
+  EXPECT_GT(q.at(0.5), 2 * q.at(-0.5));  // it rises faster than it falls
 }
 
 TEST(Response, RefusesTimesThatAreNone) {

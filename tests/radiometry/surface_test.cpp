@@ -1,4 +1,4 @@
-// What surfaces, leaves and the air leave of the light.
+// Tests of reflection by surfaces and leaves, and of attenuation by air.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -68,16 +68,16 @@ TEST(Brdf, BackscatterIsTheBrdfWithBothDirectionsOne) {
     EXPECT_EQ(backscatter(s, -0.3), 0);
   }
   EXPECT_DOUBLE_EQ(backscatter({}, 0.5), 0.5);
-  // Without roughness Oren–Nayar is Lambert; with it a grazing beam gets more back.
+  // Without roughness Oren–Nayar is Lambert. With it a grazing beam gets more back.
   EXPECT_NEAR(backscatter({Brdf::kOrenNayar, 0, 0, 0}, 0.3), 0.3, 1e-12);
   EXPECT_GT(backscatter({Brdf::kOrenNayar, 0.5, 0, 0}, 0.1), 0.3);
   EXPECT_LT(backscatter({Brdf::kOrenNayar, 0.5, 0, 0}, 1), 0.9);
-  // A mirror-like surface: bright when perpendicular, dark otherwise.
+  // A mirror-like surface is bright when perpendicular and dark otherwise.
   EXPECT_NEAR(backscatter({Brdf::kPhong, 0, 1, 100}, 1), 51, 1e-9);
   EXPECT_LT(backscatter({Brdf::kPhong, 0, 1, 100}, std::cos(30 * kDegree)), 1e-3);
 }
 
-// Slow references: sums over the density of leaf angles and over azimuth.
+// The slow references are sums over the density of leaf angles and over azimuth.
 TEST(LeafAngleDistribution, ClosedFormsAreTheIntegralsOverTheLeafAngles) {
   for (const double shape : {0.1, 0.7, 0.99999, 1.0, 1.00002, 1.001, 2.5, 10.0}) {
     const LeafAngleDistribution leaves(shape);
@@ -114,7 +114,8 @@ TEST(LeafAngleDistribution, SphericalLeavesShowHalfTheirAreaAndReturnTwoThirds) 
   EXPECT_THROW(LeafAngleDistribution(NAN), std::invalid_argument);
 }
 
-// However leaves stand, over all directions they show half of their area (Cauchy).
+// Whatever the leaf angles, the projected area averaged over all directions is half of the leaf
+// area (Cauchy).
 TEST(LeafAngleDistribution, ProjectionAveragesToOneHalfOverTheSphere) {
   for (const double shape : {0.05, 0.5, 3.0, 30.0}) {
     double mean = 0;
@@ -137,7 +138,7 @@ TEST(LinkBudget, PowerFollowsTheLidarEquation) {
 }
 
 TEST(LinkBudget, SunlightRaisesTheNoiseAsItsShotNoiseDoes) {
-  // All wavelengths together are the solar constant.
+  // The irradiance over all wavelengths is the solar constant.
   double total = 0;
   for (double l = 100e-9; l < 30e-6; l += 2e-9) total += solar_irradiance(l) * 2e-9;
   EXPECT_NEAR(total, 1361, 15);
@@ -147,12 +148,12 @@ TEST(LinkBudget, SunlightRaisesTheNoiseAsItsShotNoiseDoes) {
   EXPECT_LT(sun, 1e-7);
   EXPECT_DOUBLE_EQ(noise_in_light(link, 0), 1);
   EXPECT_GT(noise_in_light(link, sun), 1);
-  // Far in the light it grows with the root.
+  // In strong light the noise grows with the square root.
   EXPECT_NEAR(noise_in_light(link, 4.0) / noise_in_light(link, 1.0), 2, 1e-3);
 }
 
 TEST(Air, ExtinctionFallsWithVisibilityAndGrowsWithRain) {
-  // At 550 nm the definition of visibility: 2 % of the contrast is left.
+  // At 550 nm, visibility is defined by a remaining contrast of 2 %.
   EXPECT_NEAR(std::exp(-fog_extinction_per_m(2000, 550e-9) * 2000), 0.02, 1e-4);
   EXPECT_NEAR(fog_extinction_per_m(400, 905e-9), 3.912 / 400, 1e-12);
   EXPECT_NEAR(fog_extinction_per_m(10e3, 905e-9), 3.912e-4 * std::pow(905.0 / 550, -1.3), 1e-12);

@@ -9,13 +9,13 @@
 namespace underbrush::radiometry {
 namespace {
 
-// The sum Σ a h(r − r_i) in double precision over the whole range.
+// The reference is the sum Σ a h(r − r_i) in double precision over the whole range.
 TEST(Waveform, IsTheSumOfItsReturnsEverywhere) {
   Stream random(4);
   for (const Pulse pulse : {Pulse::kGaussian, Pulse::kQSwitched}) {
     const Response h({pulse, 5e-9, 2e-9, 1e-9});
     Waveform w(h, 120);
-    for (int trial = 0; trial < 20; ++trial) {  // the same scratch for all: clear must clear
+    for (int trial = 0; trial < 20; ++trial) {  // all use the same scratch, so clear must clear
       const size_t n = 1 + random.below(41);
       std::vector<float> range(n), amplitude(n);
       double most = 0;
@@ -35,7 +35,7 @@ TEST(Waveform, IsTheSumOfItsReturnsEverywhere) {
             sum += double(amplitude[i]) * h.at(w.range_m(double(k)) - double(range[i]));
           }
         }
-        // A place is rounded by at most 1/512 of a cell; h falls by at most 0.6 % over that.
+        // A place is rounded by at most 1/512 of a cell, over which h changes by at most 0.6 %.
         ASSERT_NEAR(w.samples()[k], sum, 2e-3 * most + 1e-6) << k;
       }
     }

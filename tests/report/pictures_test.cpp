@@ -1,5 +1,5 @@
-// What the report's pictures show: colours mean what their legend says, and every beam is where it
-// was.
+// Tests of the report's pictures: colours mean what the legend says, and every beam is in its
+// place.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -55,7 +55,8 @@ TEST(TopPicture, GapsBetweenPointsAreClosed) {
   EXPECT_EQ(at(picture.closed().image(), 1, 1), (Rgb{20, 20, 20}));
 }
 
-// Four rings, four azimuths; beam (ring, column) looks left of ahead by π/2·(1.5 − column).
+// Makes a scan of four rings and four azimuths. Beam (ring, column) points left of ahead by
+// π/2·(1.5 − column).
 std::vector<ScanBeam> small_scan() {
   std::vector<ScanBeam> scan;
   for (uint16_t ring = 0; ring < 4; ++ring) {

@@ -19,7 +19,7 @@ namespace {
 
 using io::bytes_of;
 
-// `scans` turns of 8 rings inside a round wall of 12 m; misses upwards.
+// Makes `scans` turns of 8 rings inside a round wall of 12 m, with misses upwards.
 BeamLog round_wall(int scans, int columns) {
   BeamLog log;
   log.info.has_misses = true;
@@ -44,7 +44,7 @@ BeamLog round_wall(int scans, int columns) {
   return log;
 }
 
-// The same beams with errors of every kind.
+// Makes the same beams with errors of every kind.
 BeamLog disturbed(const BeamLog& log, uint64_t seed) {
   BeamLog out = log;
   Stream random(seed);
@@ -69,7 +69,7 @@ class Report : public testing::Test {
     const std::string all = "cd " + folder_.path().string() + " && " + command + " 2> stderr";
     return WEXITSTATUS(std::system(all.c_str()));
   }
-  // Scores the logs and returns the page; empty where the program fails.
+  // Scores the logs and gives the page; empty where the program fails.
   std::string page(const BeamLog& real, const std::vector<BeamLog>& simulated,
                    const std::string& options = "") {
     io::write_log(folder_ / "real.ply", real, "{}");
@@ -122,7 +122,7 @@ void expect_self_contained(const std::string& page) {
   const std::regex loads(
       "https?://|(src|href|srcset|data)\\s*=\\s*[\"']?(?!data:)[a-z./]|@import|url\\(",
       std::regex::icase);
-  // Without the script's own text and without pictures, which are too long for a regex.
+  // The script and the pictures are left out, because they are too long for a regular expression.
   std::string text = page.substr(0, page.find("<script"));
   for (size_t at = 0; (at = text.find("base64,", at)) != std::string::npos; ++at) {
     text.erase(at + 7, text.find('"', at) - at - 7);

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Every [key] cited in a comment or a text stands in docs/references.bib."""
+"""Checks that every [key] cited in a comment or a text is in docs/references.bib."""
 import re
 
 import rules

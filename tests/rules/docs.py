@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""The library's reference: every namespace, type and free function of the public headers is documented,
-and Doxygen has nothing else to complain about. Fields and members may speak for themselves.
---html FOLDER writes the reference instead."""
+"""Checks the library's reference: every namespace, type and free function of the public headers is documented,
+and Doxygen has no other complaint. Fields and members may be undocumented. --html FOLDER writes the
+reference instead."""
 import pathlib
 import re
 import subprocess
@@ -28,7 +28,7 @@ def doxygen(root, settings):
 
 
 def undocumented_namespaces(xml):
-    """Doxygen says nothing about these, and leaves their free functions out of the reference."""
+    """Lists undocumented namespaces, about which Doxygen is silent though it omits their free functions."""
     out = []
     for path in sorted(xml.glob("namespace*.xml")):
         namespace = ElementTree.parse(path).find("compounddef")

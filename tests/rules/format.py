@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""All C++ is formatted as .clang-format says. --fix formats it."""
+"""Checks that all C++ is formatted as .clang-format says. --fix formats it."""
 import shutil
 import subprocess
 
 import rules
 
-CLANG_FORMAT = shutil.which("clang-format-14") or "clang-format"  # versions differ in taste
+CLANG_FORMAT = shutil.which("clang-format-14") or "clang-format"  # versions format differently
 
 
 def arguments(parser):

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Functions that one reads in one go: up to 60 lines, signature included. A longer one says why in a
-comment `// long: REASON` above its signature or in its body."""
+"""Checks the length of functions: up to 60 lines, signature included. A longer one gives its reason in a comment
+`// long: REASON` above its signature or in its body."""
 import re
 
 import rules

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""The layers: what a module includes is what its CMakeLists.txt declares, no less and no more; each
-heavy third party stays in its module's sources; the library neither prints nor exits; of the folders
-above the library each uses only what stands below it."""
+"""Checks the layers: a module includes what its CMakeLists.txt declares, no less and no more; each large third party is
+used only in its module's sources; the library neither prints nor exits; each folder above the library uses only the
+folders below it."""
 import posixpath
 import re
 
 import rules
 
 LIBRARY = "src/underbrush/"
-# Third parties and where they may be included; headers of the library show only Eigen.
+# Third parties and where they may be included. Headers of the library include only Eigen.
 THIRD_PARTY = {
     "embree": (), "tbb": ("core",), "oneapi": ("core",), "png": ("io",),
     "nanoflann": None, "libqhull": None, "nlohmann": None, "yaml-cpp": None, "zlib": None,

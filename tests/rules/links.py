@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""The pages hang together: every relative link of a Markdown file leads to a file that is there and, after #, to a
-heading of it; every page of docs/ is reached from docs/README.md; and every block of commands says whether it is run
-(readme.py explains the marks)."""
+"""Checks the links between pages: every relative link of a Markdown file leads to a file that is there and, after #,
+to a heading of it; every page of docs/ is reached from docs/README.md; and every block of commands says whether it
+is run (readme.py explains the marks)."""
 import pathlib
 import posixpath
 import re
@@ -18,14 +18,14 @@ INDENTED_COMMAND = re.compile(r"(?:\A|\n)\n    (?:underbrush|scripts/|build/bin|
 
 
 def without_code(text):
-    """The text with fenced blocks and code spans blanked, so that a line keeps its number."""
+    """Blanks fenced blocks and code spans, so that lines keep their numbers."""
     def blank(m):
         return re.sub(r"[^\n]", " ", m.group())
     return re.sub(r"`[^`\n]*`", blank, FENCE.sub(blank, text))
 
 
 def anchors(text):
-    """The names by which headings can be reached, as GitHub makes them."""
+    """Lists the anchors of headings, as GitHub makes them."""
     out = set()
     for heading in re.findall(r"^#+ +(.*?)\s*$", FENCE.sub("", text), re.MULTILINE):
         heading = re.sub(r"[`*]|\]\([^)]*\)", "", heading).lower()
@@ -34,7 +34,7 @@ def anchors(text):
 
 
 def links(page, text):
-    """(line, file, anchor) of every relative link; the file relative to the root."""
+    """Lists (line, file, anchor) of every relative link, with the file relative to the root."""
     for line, m in rules.lines_with(LINK.pattern, without_code(text)):
         target = m.group(1) or m.group(2)
         if re.match(r"[a-z]+:", target):

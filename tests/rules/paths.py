@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""No tracked file names a place of somebody's machine; scripts and build files name no host."""
+"""Checks that no tracked file names a path of somebody's machine, and that scripts and build files name no host."""
 import re
 
 import rules

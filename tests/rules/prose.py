@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Sentences stand by themselves. In Markdown: no paragraph opens by leaning on the line before, no line is longer
-than 120 columns (rows of tables and lines with an address are as long as they are), and no page but those of
-docs/notebook tells how things were before. In C++: no paragraph of a /// comment opens by leaning."""
+"""Checks that sentences stand by themselves. In Markdown: no paragraph opens by leaning on the line before, no line
+is longer than 120 columns (rows of tables and lines with an address are as long as they are), and no page but those
+of docs/notebook tells how things were before. In C++: no paragraph of a /// comment opens by leaning."""
 import re
 
 import rules
 
-CPP = False  # Whether the comments of C++ files are judged, besides the bad examples.
+CPP = True  # Whether the comments of C++ files are judged, besides the bad examples.
 COLUMNS = 120
 LEANING = (r"(?:Of(?! course)|That|Those|Likewise|Such|Theirs|Ditto|The others|The latter|The former"
            r"|As (?:above|before|there)|So (?:do|does|did|are|is|has|have)|Nor|Neither|Besides"
@@ -20,7 +20,7 @@ ITEM = re.compile(r"^\s*(?:[-*+]|\d+\.)\s+")
 
 
 def paragraphs(text):
-    """(line number, text) of each paragraph or list item; code, comments, headings and tables are left out."""
+    """Lists (line number, text) of each paragraph or list item; code, comments, headings and tables are left out."""
     out, start, words, fenced = [], 0, [], False
     lines = re.sub(r"<!--.*?-->", lambda m: re.sub(r"[^\n]", " ", m.group()), text, flags=re.DOTALL).split("\n")
     for number, line in enumerate(lines + [""], 1):

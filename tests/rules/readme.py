@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The commands of one page (--page FILE) are run. A comment before a fenced block says how:
+"""Runs the commands of one page (--page FILE). A comment before a fenced block says how:
 
   <!-- run -->         this block, with bash, in one temporary folder for all blocks of the page. The PATH
                        begins with the program's folder, and $SOURCE is the repository.
@@ -25,7 +25,7 @@ STEP = re.compile(r"<!--\s*(?P<hidden>run: hidden)\n(?P<commands>.*?)-->"
 
 
 def steps(text):
-    """[(how, script)] in order; `how` is run, make, none or unmarked."""
+    """Lists [(how, script)] in order; `how` is run, make, none or unmarked."""
     out = []
     for m in STEP.finditer(text):
         if m.group("hidden"):

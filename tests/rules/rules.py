@@ -1,5 +1,5 @@
-"""What the rule checks share. A check is a function from a tree of files to a list of complaints, and
-brings bad examples: before it judges the repository it must complain about each of them."""
+"""Functions that the rule checks share. A check is a function from a tree of files to a list of complaints. It has
+bad examples, and must complain about each of them before it judges the repository."""
 import argparse
 import os
 import pathlib
@@ -12,7 +12,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
 def tracked(root, *suffixes):
-    """Files of the tree (relative, sorted): git's view where it is a checkout, else all."""
+    """Lists the files of the tree (relative, sorted): those known to git in a checkout, else all."""
     if (root / ".git").exists():
         git = ["git", "-c", "safe.directory=*", "-C", str(root), "ls-files", "-z"]
         files = subprocess.run(git + ["--cached", "--others", "--exclude-standard"],
@@ -33,7 +33,7 @@ _TOKEN = re.compile(r'//[^\n]*|/\*.*?\*/|R"(\w*)\(.*?\)\1"|"(?:\\.|[^"\\\n])*"|'
 
 
 def split_cpp(text):
-    """(code, comments) of C++ text, line numbers kept: in `code` comments and strings are blank, except
+    """Divides C++ text into (code, comments) and keeps line numbers: in `code` comments and strings are blank, except
     the file name of an #include; in `comments` all but comments is blank."""
     def blank(s):
         return re.sub(r"[^\n]", " ", s)
@@ -50,13 +50,13 @@ def split_cpp(text):
 
 
 def lines_with(pattern, text):
-    """(line number, match) of every match."""
+    """Yields (line number, match) of every match."""
     for m in re.compile(pattern, re.MULTILINE).finditer(text):
         yield text.count("\n", 0, m.start()) + 1, m
 
 
 def in_tree(files, act):
-    """`act(folder)` on a temporary tree of {path: text}."""
+    """Calls `act(folder)` on a temporary tree of {path: text}."""
     with tempfile.TemporaryDirectory() as folder:
         for path, text in files.items():
             target = pathlib.Path(folder, path)
@@ -66,7 +66,7 @@ def in_tree(files, act):
 
 
 def run_in_parallel(commands):
-    """Runs [(name, command)] on all cores; the (name, output) of those that failed, in order."""
+    """Runs [(name, command)] on all cores and lists (name, output) of those that failed, in order."""
     from concurrent.futures import ThreadPoolExecutor
 
     def one(item):

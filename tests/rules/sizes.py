@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Files that one reads in one go: headers up to 200 lines, sources up to 400. Longer ones are listed;
-at half as much again the test fails."""
+"""Checks the length of files: headers up to 200 lines, sources up to 400. Longer ones are listed, and the test
+fails at 1.5 times these limits."""
 import rules
 
 LIMITS = {".hpp": 200, ".inl": 400, ".cpp": 400, ".py": 400}

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""clang-tidy on the sources that changed: since the branch left main, or in main's last commit, and
+"""Runs clang-tidy on the sources that changed: since the branch left main, or in main's last commit, and
 what is not committed. A changed header counts for the source beside it. --all takes every source."""
 import pathlib
 import re

@@ -55,7 +55,8 @@ TEST(SubRays, WeightsSumToExactlyOneInAnyOrder) {
   }
 }
 
-// Σ w u² of a profile in units of its half-width: uniform disc 1/4, Gaussian 1/(2 ln 2).
+// Σ w u² of a profile in units of its half-width is 1/4 for a uniform disc and 1/(2 ln 2) for a
+// Gaussian.
 TEST(SubRays, HaveTheSecondMomentsOfTheirProfile) {
   const auto moment = [](const std::vector<SubRay>& rays) {
     std::array<double, 4> m{};  // mean of u, of v, of u², of v²
@@ -92,7 +93,7 @@ TEST(SubRays, OfATableAreItsCells) {
   }
 }
 
-// Footprint growth: the edge of the beam at any range, and the RMS radius of the sub-rays there.
+// The footprint's edge and the RMS radius of the sub-rays grow with the range as the shape says.
 TEST(SubRays, FootprintGrowsAsTheShapeSays) {
   const Ray axis{Vec3(1, 2, 3), unit_vector(0.7, -0.3)};
   for (Growth growth : {Growth::kCone, Growth::kWaist}) {
@@ -114,14 +115,15 @@ TEST(SubRays, FootprintGrowsAsTheShapeSays) {
       for (const SubRay& sub : spread_sub_rays(s, 4000)) {
         const Ray ray = maker.ray(beam, sub.u, sub.v);
         ASSERT_NEAR(ray.direction.norm(), 1, 1e-14);
-        // Where it crosses the plane at that range.
+        // The ray is evaluated where it crosses the plane at that range.
         const double t = (range - (ray.origin - axis.origin).dot(axis.direction)) /
                          ray.direction.dot(axis.direction);
         const Vec3 off = ray.at(t) - axis.at(range);
         right += double(sub.weight) * std::pow(off.dot(beam.right), 2);
         up += double(sub.weight) * std::pow(off.dot(beam.up), 2);
       }
-      EXPECT_NEAR(2 * std::sqrt(right), w, 0.005 * w);  // RMS of a uniform disc: half its radius
+      // the RMS of a uniform disc is half its radius
+      EXPECT_NEAR(2 * std::sqrt(right), w, 0.005 * w);
       EXPECT_NEAR(2 * std::sqrt(up), h, 0.005 * h);
     }
   }
@@ -167,7 +169,7 @@ TEST(RandomRay, FillsTheConeEvenlyAndTheEncodersStep) {
     ASSERT_LE(ray.origin.norm(), 0.01 + 1e-12);
   }
   EXPECT_NEAR(azimuth, 0, 1e-4);
-  const double spread = std::pow(0.002 / std::cos(0.5), 2) / 4;  // of the cone, seen as azimuth
+  const double spread = std::pow(0.002 / std::cos(0.5), 2) / 4;  // the width of the cone as azimuth
   EXPECT_NEAR(azimuth2, 0.02 * 0.02 / 12 + spread, 0.02 * azimuth2);
   EXPECT_NEAR(up2, 0.0005 * 0.0005 / 4, 0.02 * up2);
 
@@ -190,7 +192,7 @@ TEST(RandomRay, FillsTheConeEvenlyAndTheEncodersStep) {
 }
 
 TEST(RandomRay, IsUniformOverTheDiscOfTheTruncatedCone) {
-  // χ² over rings × sectors of equal area of the disc that the cone cuts at 8 m.
+  // The test is χ² over rings × sectors of equal area of the disc that the cone cuts at 8 m.
   constexpr int kRings = 5, kSectors = 8, kRays = 40000;
   const BeamShape shape = round_beam(0.002, 0.0095);
   const BeamAxes beam = beam_axes({{1, 2, 3}, Vec3(0.8, 0, -0.6)});
@@ -227,7 +229,7 @@ TEST(Beam, RefusesWhatIsNoShape) {
   EXPECT_THROW(s.check(), std::invalid_argument);
   EXPECT_THROW(grid_sub_rays(s, 0, 3), std::invalid_argument);
   EXPECT_THROW(exact_weights(std::vector<double>{0, 0}), std::invalid_argument);
-  // Straight up: any pair of axes will do, but a sound one.
+  // Straight up, any pair of perpendicular axes is correct.
   const BeamAxes beam = beam_axes({Vec3::Zero(), Vec3::UnitZ()});
   EXPECT_NEAR(beam.right.norm(), 1, 1e-15);
   EXPECT_NEAR(beam.right.dot(beam.up), 0, 1e-15);

@@ -31,9 +31,9 @@ double mod_azimuth(const Vec3f& p) {
   return a < 0 ? a + 2 * M_PI : a;
 }
 
-// What a format without poses keeps of a revolution: the end points of its beams in the frame of
-// the sensor at each beam's own time, ring by ring with rising azimuth, as KITTI stores them.
-// `range` gives the range of a beam, or infinity.
+// A revolution as a format without poses stores it: the end points of the beams in the frame of the
+// sensor at each beam's own time, ring by ring with rising azimuth, as in KITTI. `range` gives the
+// range of a beam, or infinity.
 struct Synthetic {
   PointScan scan;
   BeamLog truth;               // in the same order, misses included
@@ -113,7 +113,7 @@ TEST(BeamsFromScan, DeskewBringsAPlaneSeenWhileDrivingBackToThePlane) {
     EXPECT_LT(worst, 1e-5);
     EXPECT_NEAR(travelled, 1.9, 0.01);
 
-    // Without deskewing all share a pose, and the ground is not a plane any more.
+    // Without deskewing all beams share a pose, and the ground is no longer a plane.
     options.deskew.reset();
     const BeamLog skewed = beams_from_scan(scan, trajectory, options, counts);
     EXPECT_FALSE(skewed.info.deskewed);
@@ -126,7 +126,7 @@ TEST(BeamsFromScan, DeskewBringsAPlaneSeenWhileDrivingBackToThePlane) {
   }
 }
 
-// Distance of `a` to the nearest of sorted azimuths, if that is within 0.01.
+// Computes the distance of `a` to the nearest of sorted azimuths, or infinity if it is above 0.01.
 double distance_to_nearest(const std::vector<double>& sorted, double a) {
   double nearest = INFINITY;
   for (auto it = std::lower_bound(sorted.begin(), sorted.end(), a - 0.01); it != sorted.end();
@@ -137,7 +137,8 @@ double distance_to_nearest(const std::vector<double>& sorted, double a) {
   return nearest;
 }
 
-// A full scan of a wall all around, some returns dropped: what is inferred is what was dropped.
+// A full scan sees a wall all around and loses some returns. The inferred misses must be the lost
+// returns.
 TEST(BeamsFromScan, InferredMissesAreTheDroppedOnes) {
   const Sensor sensor = load("velodyne-hdl64e");
   const Trajectory still({{0, Pose{}}});
@@ -164,7 +165,8 @@ TEST(BeamsFromScan, InferredMissesAreTheDroppedOnes) {
   EXPECT_EQ(log.info.scans[0].scan, 7u);
   EXPECT_TRUE(log.has_misses());
 
-  // Both by ring and azimuth; each dropped beam looks for the nearest inferred one.
+  // Both are sorted by ring and azimuth, and each lost beam is compared with the nearest inferred
+  // one.
   std::vector<std::vector<double>> inferred(64);
   size_t misses = 0;
   for (size_t i = 0; i < log.size(); ++i) {
@@ -173,11 +175,11 @@ TEST(BeamsFromScan, InferredMissesAreTheDroppedOnes) {
     ++misses;
     ASSERT_EQ(log.intensity[i], 0);
     inferred[log.ring[i]].push_back(mod_azimuth(log.direction[i]));
-    // A miss is raised towards its neighbours' apparent elevation.
+    // A miss is raised to the apparent elevation of its neighbours.
     const Channel& c = sensor.channels[log.ring[i]];
     ASSERT_NEAR(std::asin(log.direction[i].z()),
                 c.elevation_rad + std::asin(c.z_m * std::cos(c.elevation_rad) / 20), 1e-3);
-    // Fired when the head looked there.
+    // The miss was fired when the head pointed there.
     ASSERT_NEAR(log.time_s[i],
                 s.scan.info.time_s -
                     std::remainder(mod_azimuth(log.direction[i]), 2 * M_PI) / (2 * M_PI) * 0.1,
@@ -200,7 +202,7 @@ TEST(BeamsFromScan, InferredMissesAreTheDroppedOnes) {
 TEST(BeamsFromScan, RingsBelowTheThresholdAreUnknownNotMisses) {
   const Sensor sensor = load("velodyne-hdl64e");
   const Trajectory still({{0, Pose{}}});
-  const auto range = [](const BeamLog& log, size_t i) {  // one block of 0.2 rad lost in each ring
+  const auto range = [](const BeamLog& log, size_t i) {  // a block of 0.2 rad is lost in each ring
     return std::abs(std::atan2(log.direction[i].y(), log.direction[i].x()) - 1) < 0.1 ? INFINITY
                                                                                       : 9.0;
   };
@@ -223,7 +225,7 @@ TEST(Rings, ByElevationAreTheSensorsEvenCloseToIt) {
   const std::vector<uint16_t> rings = rings_from_elevation(s.scan.point, sensor, 0);
   for (size_t k = 0; k < rings.size(); ++k) ASSERT_EQ(rings[k], s.truth.ring[s.stored[k]]);
 
-  // An order that is no ring order leads there, and is counted.
+  // Points in an order that is no ring order are assigned by elevation, and counted.
   std::reverse(s.scan.point.begin(), s.scan.point.end());
   BeamOptions options;
   options.deskew = sensor;
@@ -235,8 +237,8 @@ TEST(Rings, ByElevationAreTheSensorsEvenCloseToIt) {
   for (size_t n : count) EXPECT_NEAR(double(n), sensor.firings_per_revolution(), 2);
 }
 
-// A small organised cloud, its azimuths in counts of 0.01°, some returns blanked: their directions
-// come back.
+// A small organised cloud has azimuths in counts of 0.01°, and some returns are blanked. Their
+// directions must be recovered.
 TEST(BeamsFromScan, MissesOfAnOrganisedCloudGetTheirDirectionFromTheGrid) {
   const size_t rows = 16, columns = 210;
   Stream random(5);
@@ -253,7 +255,7 @@ TEST(BeamsFromScan, MissesOfAnOrganisedCloudGetTheirDirectionFromTheGrid) {
       const double range = random.uniform(3, 50), counts = std::round(a / kDegree * 100);
       const double stored = counts / 100 * kDegree;
       const Vec3 seen(std::cos(e) * std::cos(stored), std::cos(e) * std::sin(stored), std::sin(e));
-      blank.push_back(random.uniform() < 0.5 || r == 13);  // and one ring without any return
+      blank.push_back(random.uniform() < 0.5 || r == 13);  // one ring is without any return
       scan.point.push_back(blank.back() ? (column_major ? Vec3f::Zero() : Vec3f::Constant(NAN))
                                         : Vec3f((range * seen).cast<float>()));
     }

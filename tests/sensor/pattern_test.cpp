@@ -98,7 +98,7 @@ TEST(Pattern, PacketsHoldTheMakersNumberOfBeams) {
 TEST(Pattern, ChunksAndThreadsChangeNothing) {
   const Sensor s = load("velodyne-vlp32c");
   const Trajectory trajectory = path(0, 1);
-  const double end = 0.2 + 40 * s.firing_period_s + 10e-6;  // stops within a firing
+  const double end = 0.2 + 40 * s.firing_period_s + 10e-6;  // ends within a firing
   const BeamLog whole = beams(s, trajectory, 0.2, end);
   EXPECT_LT(whole.time_s.back(), end);
   EXPECT_EQ(whole.size(), 40 * 32 + 10u);  // pairs at 0, 2.304, … 9.216 µs
@@ -118,7 +118,7 @@ TEST(Pattern, ChunksAndThreadsChangeNothing) {
   set_threads(0);
 }
 
-// Shots of a cycle repeat, each at its own time, whatever the chunks; a scan is 1/rate of them.
+// The shots of a cycle repeat, each at its own time, whatever the chunks. A scan is 1/rate long.
 TEST(Pattern, SensorsThatDoNotSpinRepeatTheirCycle) {
   const Trajectory trajectory = path(0, 200);
   for (const std::string& name : names()) {
@@ -129,7 +129,7 @@ TEST(Pattern, SensorsThatDoNotSpinRepeatTheirCycle) {
     const BeamLog log = beams(s, trajectory, 3, end);
     log.check();
     const uint64_t n = s.shots_per_cycle();
-    // Evenly spaced shots; a sweep rests for the rest of its turn.
+    // Shots are evenly spaced, except that a sweep pauses for the rest of its turn.
     if (name != "ibeo-lux-2010") {
       EXPECT_NEAR(double(log.size()), cycles * double(n), 1) << name;
     }
@@ -182,7 +182,7 @@ TEST(Pattern, LayersOfASweepKeepToTheirWindows) {
     low[s.ring] = std::min(low[s.ring], s.azimuth_rad * 180 / M_PI);
     high[s.ring] = std::max(high[s.ring], s.azimuth_rad * 180 / M_PI);
     ++count[s.ring];
-    // The head turns evenly: 0.5 degrees in 1/720 of 80 ms.
+    // The head turns at a constant rate: 0.5 degrees in 1/720 of 80 ms.
     EXPECT_NEAR(s.time_s, (50.25 * M_PI / 180 - s.azimuth_rad) / (2 * M_PI) * 0.08, 1e-9);
   }
   EXPECT_EQ(count[0], 202u);

@@ -1,4 +1,4 @@
-// Recorded scans; figures from the data folder's own README files.
+// Tests on recorded scans, with figures from the README files of the data folder.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -52,8 +52,8 @@ TEST(RealScan, KittiHas64RingsAndOneNumberOfBeams) {
   }
 }
 
-// The catalogue's table of the HDL-64E, which was measured on other frames, names the ring of a
-// return from its elevation alone.
+// The catalogue's table of the HDL-64E was measured on other frames. It tells the ring of a return
+// from its elevation alone.
 TEST(RealScan, KittiElevationsAreTheCatalogues) {
   UNDERBRUSH_NEEDS_DATA("kitti_0027_forest");
   const PointScan scan = kitti_scan("kitti_0027_forest", 33);
@@ -103,7 +103,7 @@ TEST(RealScan, RellisKeepsItsMisses) {
   ASSERT_EQ(log.size(), 131072u);
   EXPECT_EQ(counts.misses_recorded, 53364u);
   EXPECT_TRUE(counts.skipped.empty());
-  // Blank every third return: its direction must come back from the rest of the grid.
+  // Every third return is blanked, and its direction must be recovered from the rest of the grid.
   double worst = 0;
   PointScan thinned = scan;
   for (size_t i = 0; i < scan.size(); i += 3) thinned.point[i].setZero();
@@ -119,7 +119,8 @@ TEST(RealScan, MarvKeepsItsMisses) {
   UNDERBRUSH_NEEDS_DATA("marv_forest");
   const std::string npz =
       test::read_file(test::data_folder() / "marv_forest/1727353472_601360559.npz");
-  // Stored, not compressed: zip local header, then the .npy header, then records of 24 bytes.
+  // The archive is not compressed: after the zip's local header come the .npy header and records of
+  // 24 bytes.
   const size_t npy = npz.find("\x93NUMPY");
   ASSERT_NE(npy, std::string::npos);
   const size_t data = npy + 10 + at<uint16_t>(npz, npy + 8), record = 24;

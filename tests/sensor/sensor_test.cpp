@@ -49,7 +49,7 @@ TEST(Catalogue, RatesAgreeWithTheMakersFigures) {
   EXPECT_NEAR(vlp16.beams_per_s(), 289351, 1);
   EXPECT_NEAR(hdl32.beams_per_s(), 694444, 1);
   EXPECT_NEAR(hdl64.beams_per_s(), 1.3333e6, 1e2);
-  EXPECT_NEAR(os1.beams_per_s(), 1310720.0 / 2, 1);  // the maker counts the 20 Hz mode
+  EXPECT_NEAR(os1.beams_per_s(), 1310720.0 / 2, 1);  // the maker states the 20 Hz mode
   EXPECT_NEAR(vlp16.azimuth_step_rad() / kDegree, 0.199, 1e-3);
   EXPECT_NEAR(hdl32.azimuth_step_rad() / kDegree, 0.1659, 1e-4);
   EXPECT_NEAR(os1.firings_per_revolution(), 1024, 1e-6);
@@ -70,8 +70,8 @@ TEST(Catalogue, FiringOrderIsTheMakers) {
 
 class SensorFile : public testing::Test {
  protected:
-  // Loads a copy of the generic sensor's file with `from` replaced by `to`; the message of the
-  // error.
+  // Loads a copy of the generic sensor's file with `from` replaced by `to`, and gives the message
+  // of the error.
   std::string error_with(const std::string& from, const std::string& to) {
     std::string text =
         "name: mine\nkind: spinning\nrotation: clockwise\nrate_hz: 10\nfiring_period_us: 50\n"

@@ -9,7 +9,7 @@
 namespace underbrush::simulate {
 namespace {
 
-constexpr double kRho = 0.99;  // white_target
+constexpr double kRho = 0.99;  // reflectance of white_target
 
 TEST(Echoes, APlaneAtAnyRangeAndAngleHasTheSignalOfTheLidarEquation) {
   for (const double range : {3.0, 10.0, 47.3, 90.0}) {
@@ -17,7 +17,7 @@ TEST(Echoes, APlaneAtAnyRangeAndAngleHasTheSignalOfTheLidarEquation) {
       elements::Model model;
       add_wall(model, range, -20, 20, tilt);
       Instrument instrument = quiet_instrument();
-      instrument.beam.divergence_rad = {1e-4, 1e-4};  // no footprint to speak of
+      instrument.beam.divergence_rad = {1e-4, 1e-4};  // a negligible footprint
       const BeamLog log = answered(model, instrument, beams_along_x(1));
       ASSERT_EQ(log.size(), 1u);
       EXPECT_NEAR(log.range_m[0], range, 1e-3) << tilt;
@@ -42,7 +42,7 @@ TEST(Echoes, EnergyOverSubRaysIsConserved) {
 TEST(Echoes, AnEdgeGivesTwoEchoesWithItsSharesOfTheEnergy) {
   elements::Model model;
   add_wall(model, 20, 0, 20);    // the left half of the beam
-  add_wall(model, 23, -20, 20);  // behind it, what is left
+  add_wall(model, 23, -20, 20);  // behind it, in the other half
   const BeamLog log = answered(model, quiet_instrument(20, 20), beams_along_x(1));
   ASSERT_EQ(log.size(), 2u);
   EXPECT_EQ(column<uint8_t>(log, kEchoColumn), (std::vector<uint8_t>{1, 2}));
@@ -60,7 +60,7 @@ TEST(Echoes, AStepThatThePulseCannotSeparateIsOneMixedPixel) {
   add_wall(model, 20.4, -20, 20);
   const BeamLog log = answered(model, quiet_instrument(20, 20), beams_along_x(1));
   ASSERT_EQ(log.size(), 1u);
-  EXPECT_GT(log.range_m[0], 20.1f);  // where nothing is
+  EXPECT_GT(log.range_m[0], 20.1f);  // between the surfaces
   EXPECT_LT(log.range_m[0], 20.3f);
   elements::Model alone;
   add_wall(alone, 20);
@@ -70,7 +70,8 @@ TEST(Echoes, AStepThatThePulseCannotSeparateIsOneMixedPixel) {
 }
 
 TEST(Echoes, ATargetOfHalfTheFootprintFadesAsTheFootprintGrows) {
-  // A disc-like beam of 20 mrad: half-width 0.1 m at 10 m, 0.2 m at 20 m; the sheet is 0.1 m wide.
+  // The disc-like beam of 20 mrad has a half-width of 0.1 m at 10 m and 0.2 m at 20 m; the sheet is
+  // 0.1 m wide.
   std::vector<float> share;
   for (const double range : {10.0, 20.0, 40.0}) {
     elements::Model model;

@@ -15,10 +15,11 @@ sensor::Sensor spinning() {
   return s;
 }
 
-// The reference is written from the sensor's description alone: no pattern, pose or tracing code.
+// The reference follows from the sensor's description alone and uses no pattern, pose or tracing
+// code.
 TEST(Motion, ASensorThatTurnsAndMovesPastAPlaneMeasuresTheAnalyticRanges) {
   const sensor::Sensor s = spinning();
-  const double turn = 0.7, tilt = 0.2;  // rad/s about z; the sensor leans about y
+  const double turn = 0.7, tilt = 0.2;  // rad/s about z; the sensor is tilted about y
   const Vec3 start(1, -4, 0.5), velocity(3, 11, -0.7);
   const Eigen::Quaterniond lean(Eigen::AngleAxisd(tilt, Vec3::UnitY()));
   const auto turned = [&](double t) {
@@ -47,16 +48,16 @@ TEST(Motion, ASensorThatTurnsAndMovesPastAPlaneMeasuresTheAnalyticRanges) {
     if (range <= 0 || cosine < 0.1 || range > 200) continue;
     ASSERT_TRUE(log.is_hit(i)) << i;
     ++hits;
-    // Directions are floats (6e-8): at incidence θ that is 6e-8 R tan θ of range, and the range
-    // itself is a float; vertices, 2 km away, are floats of 1e-4 m.
+    // Directions are floats (6e-8), which at incidence θ gives 6e-8 R tan θ of range. The range is
+    // a float, too, and vertices 2 km away are floats of 1e-4 m.
     worst = std::max(worst, std::abs(log.range_m[i] - range) / (range / cosine));
     const Vec3 d0 = turned(0) * local;
     still =
         std::max(still, std::abs(log.range_m[i] - (distance - start.dot(normal)) / d0.dot(normal)));
   }
   EXPECT_GT(hits, 20000u);
-  EXPECT_LT(worst, 4e-7);  // float: 1.2e-7 between neighbours
-  EXPECT_GT(still, 1);     // a sensor that stood would be metres off
+  EXPECT_LT(worst, 4e-7);  // neighbouring floats differ by 1.2e-7
+  EXPECT_GT(still, 1);     // without motion, ranges would be metres off
 }
 
 elements::Scene two_sheets() {
@@ -64,7 +65,7 @@ elements::Scene two_sheets() {
   elements::Model wall, target;
   add_wall(wall, 50);
   add_sheet(target, Vec3(0, -1, -1), Vec3(0, 2, 0), Vec3(0, 0, 2));
-  target.origin = Vec3(7, 7, 7);  // does not count in a scene
+  target.origin = Vec3(7, 7, 7);  // has no effect in a scene
   scene.models = {wall, target};
   scene.instances.resize(2);
   scene.instances[1].model = 1;
@@ -73,7 +74,8 @@ elements::Scene two_sheets() {
 
 TEST(Motion, ABeamMeetsAMovingObjectWhereItIsAtTheBeamsOwnTime) {
   const elements::Scene scene = two_sheets();
-  // Comes nearer at 20 m/s from 30 m while it turns about z: seen at x = 30 − 20 t.
+  // The object approaches at 20 m/s from 30 m while it turns about z, so that it is seen at x = 30
+  // − 20 t.
   const double w = 0.5;
   const auto pose = [&](double t) {
     return Pose{Eigen::Quaterniond(Eigen::AngleAxisd(w * t, Vec3::UnitZ())),
@@ -89,7 +91,7 @@ TEST(Motion, ABeamMeetsAMovingObjectWhereItIsAtTheBeamsOwnTime) {
   options.element_ids = true;
   simulate(dynamic_world, options, 0, beams);
   for (size_t i = 0; i < beams.size(); ++i) {
-    const double t = std::min(1.0, beams.time_s[i]);  // afterwards it stands
+    const double t = std::min(1.0, beams.time_s[i]);  // it stands still afterwards
     ASSERT_NEAR(beams.range_m[i], 30 - 20 * t - 0.1 * std::tan(w * t), 1e-5) << i;
   }
 }
@@ -143,7 +145,7 @@ TEST(Motion, AMoverThatStandsIsTheInstanceItself) {
       ++differ;
     }
   }
-  EXPECT_LE(differ, 2u);  // a beam may graze an element by less than the rounding
+  EXPECT_LE(differ, 2u);  // beams can graze an element by less than the rounding
   EXPECT_EQ(column<uint32_t>(beams, "element").size(), beams.size());
 }
 

@@ -55,7 +55,7 @@ TEST(Reflection, LeavesTiltWithTheirObject) {
   const Eigen::Quaterniond tilt(Eigen::AngleAxisd(0.6, Vec3(1, 2, 0).normalized()));
   scene.instances[1].world_from_model.rotation = tilt;
   scene.instances[2].world_from_model.rotation = Eigen::AngleAxisd(2, Vec3::UnitZ());
-  elements::Mover mover;  // the first one tips over within a second
+  elements::Mover mover;  // the first instance tips over within a second
   mover.instance = 0;
   mover.world_from_object = Trajectory({{0, {}}, {1, {tilt, Vec3::Zero()}}});
   radiometry::Materials m = all_of("leaf");

@@ -75,7 +75,7 @@ TEST(Simulate, OfASceneSaysWhichInstanceStoppedABeam) {
   const trace::World world(scene);
   BeamLog beams = beams_along_x(3);
   for (size_t i = 0; i < 3; ++i) beams.origin[i] = Vec3(0, 5.0 * double(i), 0);
-  beams.extra["instance"] = std::vector<uint8_t>{9, 9, 9};  // of the log that is answered
+  beams.extra["instance"] = std::vector<uint8_t>{9, 9, 9};  // a column of the log that is answered
   Options options;
   options.instance_labels = {elements::Class::kGround, elements::Class::kLowShrub,
                              elements::Class::kLargeTree};
@@ -171,7 +171,7 @@ TEST(Simulate, NamesTheElementThatStoppedTheBeam) {
 }
 
 TEST(Simulate, RandomRaysMeetWhatTheConeMeets) {
-  // Half the disc of the beam at 10 m lies on a wall that ends at y = 0: half the beams return.
+  // A wall that ends at y = 0 covers half of the beam's disc at 10 m, so half of the beams return.
   elements::Model model;
   model.surface.vertices = {{10, 0, -5}, {10, 5, -5}, {10, 5, 5}, {10, 0, 5}};
   model.surface.triangles = {{0, 1, 2}, {0, 2, 3}};
@@ -184,14 +184,15 @@ TEST(Simulate, RandomRaysMeetWhatTheConeMeets) {
     double hits = 0;
     for (size_t i = 0; i < beams.size(); ++i) {
       hits += beams.is_hit(i);
-      EXPECT_EQ(beams.direction[i], Vec3f::UnitX());  // what the log reports stays the axis
+      // the reported direction stays that of the axis
+      EXPECT_EQ(beams.direction[i], Vec3f::UnitX());
     }
     return hits / double(beams.size());
   };
   EXPECT_EQ(share({}), 1);
   Options options;
   options.random_ray = sensor::round_beam(0.002, 0.01);
-  // A chord of the disc of 15 mm at 1 mm from its middle.
+  // The chord is 1 mm from the middle of a disc of 15 mm radius.
   const double x = 1.0 / 15, below = (std::acos(x) - x * std::sqrt(1 - x * x)) / M_PI;
   EXPECT_NEAR(share(options), 1 - below, 0.01);
   options.random_ray->encoder_step_rad = -1;
@@ -199,7 +200,7 @@ TEST(Simulate, RandomRaysMeetWhatTheConeMeets) {
 }
 
 TEST(Footprint, TrueAzimuthLiesEvenlyWithinTheEncodersStep) {
-  // A thin beam 2 cm inside the edge of a wall at 10 m, a step of ±5 cm there.
+  // A thin beam points 2 cm inside the edge of a wall at 10 m, where the step is ±5 cm.
   elements::Model model;
   model.surface.vertices = {{10, 0, -5}, {10, 5, -5}, {10, 5, 5}, {10, 0, 5}};
   model.surface.triangles = {{0, 1, 2}, {0, 2, 3}};
@@ -218,7 +219,7 @@ TEST(Footprint, TrueAzimuthLiesEvenlyWithinTheEncodersStep) {
   EXPECT_NEAR(hits, 0.7, 0.01);
 }
 
-// An instance answers as its elements would, moved to where it stands.
+// An instance gives the answers of its elements, moved to its place.
 TEST(Simulate, AnswersFromTheInstancesOfAScene) {
   elements::Model tree = one_ellipsoid(1, 0.5);
   tree.ellipsoids[0].mean = Vec3f(0, 0, 2);

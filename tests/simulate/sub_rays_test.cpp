@@ -67,7 +67,7 @@ TEST(SubReturns, AreThoseThatMetSomethingAtTheRangesOfTheirDraws) {
       EXPECT_EQ(returns.sub_ray()[n], k);
       EXPECT_EQ(returns.weight()[n], weight[k]);
       const double slow = drawn_on_ray(met[k], keys[k], limits);
-      if (slow > 1.01 && slow < 49.99) {  // off the limits, where 2e-4 σ could decide
+      if (slow > 1.01 && slow < 49.99) {  // at the limits, 2e-4 σ could decide
         EXPECT_NEAR(double(returns.range_m()[n]), slow, 3e-4 * met[k].sigma_m + 4e-6);
       }
       ++n;

@@ -1,4 +1,4 @@
-// Worlds of rectangles and instruments without noise.
+// This file makes worlds of rectangles, and instruments without noise.
 #pragma once
 #include "underbrush/simulate/echoes.hpp"
 #include "underbrush/simulate/simulate.hpp"
@@ -17,7 +17,7 @@ inline void add_sheet(elements::Model& model, const Vec3& corner, const Vec3& a,
   mesh.hit.resize(mesh.triangles.size());
 }
 
-/// A wall at x = `range`, from y0 to y1, 40 m high, its top turned away by `tilt_rad`.
+/// Adds a wall at x = `range`, from y0 to y1, 40 m high, whose top leans away by `tilt_rad`.
 inline void add_wall(elements::Model& model, double range, double y0 = -20, double y1 = 20,
                      double tilt_rad = 0) {
   const Vec3 up(std::sin(tilt_rad), 0, std::cos(tilt_rad));
@@ -31,7 +31,8 @@ inline BeamLog beams_along_x(size_t n, double max_range = 100) {
   return log;
 }
 
-/// 20 mrad wide, samples of 0.15 m, no noise, no rounding, all echoes, intensity = signal.
+/// Makes an instrument 20 mrad wide with samples of 0.15 m, without noise and rounding. It reports
+/// all echoes, and their signal as intensity.
 inline Instrument quiet_instrument(int columns = 9, int rows = 9) {
   Instrument i;
   i.beam = sensor::round_beam(0.02, 0);
@@ -44,7 +45,7 @@ inline Instrument quiet_instrument(int columns = 9, int rows = 9) {
   return i;
 }
 
-/// Everything is made of `material`.
+/// Makes a table in which everything is made of `material`.
 inline radiometry::Materials all_of(const char* material) {
   radiometry::Materials m = radiometry::load_materials();
   m.of_class = {{"unknown", material}};

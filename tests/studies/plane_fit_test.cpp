@@ -13,7 +13,7 @@
 namespace underbrush::studies {
 namespace {
 
-/// A 2 m × 1 m rectangle, its points off it along the normal by N(0, σ²).
+/// Makes points of a 2 m × 1 m rectangle that are off it along the normal by N(0, σ²).
 std::vector<Vec3> rectangle(const Pose& pose, int n, double sigma, Stream& random) {
   std::vector<Vec3> out;
   for (int i = 0; i < n; ++i) {
@@ -41,7 +41,7 @@ TEST(PlaneFit, FindsAnExactPlane) {
   }
 }
 
-// The law: E σ̂₀² = σ², and the scatter of the estimates is their stated covariance.
+// By law, E σ̂₀² = σ², and the estimates scatter by their stated covariance.
 TEST(PlaneFit, CovarianceIsThatOfTheEstimates) {
   constexpr double kSigma = 0.01;
   constexpr int kRuns = 3000, kPoints = 40;
@@ -56,7 +56,7 @@ TEST(PlaneFit, CovarianceIsThatOfTheEstimates) {
     variance += p.variance / kRuns;
     const double sign = p.normal.dot(n) > 0 ? 1 : -1;
     const double about = sign * n.dot(p.centre - pose.translation);
-    // Slopes along the rectangle's own axes; the stated ones turned into them.
+    // Slopes are taken along the rectangle's own axes, and the stated ones are rotated to them.
     const Vec3 error(about, -sign * p.normal.dot(x), -sign * p.normal.dot(y));
     scatter += error.cwiseProduct(error) / kRuns;
     const Eigen::Vector2d ax(x.dot(p.u), x.dot(p.v)), ay(y.dot(p.u), y.dot(p.v));
@@ -91,7 +91,7 @@ TEST(PlaneFit, HeightPlaneIsTheNormalEquations) {
   EXPECT_NEAR(plane.variance, 1e-4, 2e-5);
 }
 
-// [kim12] table 3: a steep patch's slope comes out too flat where the errors are along the beam.
+// In [kim12] table 3, a steep patch's slope comes out too flat where errors are along the beam.
 TEST(PlaneFit, HeightPlaneFlattensWhatIsSteepAndThePerpendicularFitDoesNot) {
   Stream random(4);
   std::vector<Vec3> points;

@@ -32,7 +32,7 @@ TEST(PrimitivesStudy, VerdictAsksForThePapersMargins) {
     EXPECT_EQ(verdict(primitive_checks("x", one, false)) == "holds", holds) << cloud << packet;
     EXPECT_NE(verdict(primitive_checks("x", one, true)), "holds");  // one pair has no interval
   }
-  // A good mean is not enough where confidence is asked for.
+  // A good mean does not suffice where confidence is required.
   const std::vector<PairOutcome> mixed{outcome(0.1, 1, 0.9), outcome(0.54, 3, 0.66)};
   EXPECT_EQ(verdict(primitive_checks("x", mixed, false)), "holds");
   EXPECT_NE(verdict(primitive_checks("x", mixed, true)), "holds");
@@ -53,7 +53,7 @@ TEST(PrimitivesStudy, SpreadIsStudents) {
 
 TEST(PrimitivesStudy, StretchesLieApartByTheirPoses) {
   std::vector<ScanInfo> scans(80);
-  for (uint32_t k = 0; k < 80; ++k) {  // a bend, and a car that speeds up
+  for (uint32_t k = 0; k < 80; ++k) {  // a bend, and a car that accelerates
     const double s = 1.2 * k + 0.004 * k * k;
     scans[k].scan = 5 + k;
     scans[k].world_from_sensor.translation = Vec3(s, 20 * std::sin(s / 60), 0);
@@ -74,7 +74,8 @@ TEST(PrimitivesStudy, StretchesLieApartByTheirPoses) {
   EXPECT_TRUE(stretch_pairs({}, 10, 5, 10).empty());
 }
 
-/// A pair of small sites and a set of meshes that are no plants: blocks as large as their boxes.
+/// A fixture with a pair of small sites and a set of meshes that are blocks as large as the plants'
+/// boxes.
 class OnSites : public testing::Test {
  protected:
   static void SetUpTestSuite() { pair_ = new SitePair(generated_pair(51, 52, true)); }
@@ -112,7 +113,8 @@ TEST_F(OnSites, VerdictFailsOnABrokenModel) {
   EXPECT_LT(score.at("geospecific").all.cloud_error_m, score.at("primitives").all.cloud_error_m);
   EXPECT_GT(score.at("primitives").all.f1, score.at("replay").all.f1);
   EXPECT_EQ(good[0].left_out, 0u);
-  options.change = [](std::vector<primitives::Primitive>& all) {  // everything 3 m too wide
+  // all primitives become 3 m too wide
+  options.change = [](std::vector<primitives::Primitive>& all) {
     for (auto& p : all) {
       for (auto& e : p.model.ellipsoids) {
         e.set_covariance(e.covariance_matrix() + 9 * Mat3::Identity());

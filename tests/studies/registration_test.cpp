@@ -43,7 +43,7 @@ TEST(Align, NeverMirrors) {
   EXPECT_THROW(align(std::span(from).first(2), std::span(to).first(2)), std::invalid_argument);
 }
 
-/// Points on three faces of a cube of 1 m, with noise.
+/// Makes points with noise on three faces of a cube of 1 m.
 std::vector<Vec3> cube(uint64_t seed, int n, double sigma) {
   Stream random(seed);
   std::vector<Vec3> out;
@@ -86,7 +86,8 @@ TEST(RangeHistograms, CountInTheSameBins) {
   EXPECT_DOUBLE_EQ(h.mean_difference(), (2.0 / 3 + 1.0 / 12 + 0.75) / 3);
   EXPECT_DOUBLE_EQ(h.mean_count_difference(), 5.0 / 3);
   EXPECT_EQ(range_histograms(a, a, 0.05).largest_difference(), 0);
-  // Ranges in steps of 1 mm: with bounds between two steps a shift of 0.2 mm moves none of them.
+  // Ranges are in steps of 1 mm. With bounds between two steps, a shift of 0.2 mm moves no range to
+  // another bin.
   std::vector<double> steps, shifted;
   for (int k = 0; k < 500; ++k) {
     steps.push_back(24 + 0.001 * k);

@@ -25,7 +25,7 @@ TEST(Solid, MiniatureIsThreeClosedCubes) {
   solid.check();
   EXPECT_EQ(solid.faces.size(), 18u);
   EXPECT_NEAR(area(triangulated(solid).mesh), 6 + 2 * 6 * 0.04, 1e-6);
-  // Gauss: the volume from the outward faces.
+  // By Gauss's theorem, the volume follows from the outward faces.
   double volume = 0;
   const SolidMesh mesh = triangulated(solid);
   for (const auto& t : mesh.mesh.triangles) {
@@ -42,7 +42,7 @@ TEST(Solid, ThePatchesAreWhatAScannerOnTheDiagonalSees) {
     EXPECT_GT(solid.normal(face).dot(eye - solid.corners(face)[0]), 0) << face;
   }
   EXPECT_EQ(solid.normal(miniature_patches()[0]), Vec3::UnitZ());
-  EXPECT_EQ(solid.normal(miniature_patches()[4]), -Vec3::UnitX());  // left seen from (−1, −1)
+  EXPECT_EQ(solid.normal(miniature_patches()[4]), -Vec3::UnitX());  // left as seen from (−1, −1)
   EXPECT_EQ(solid.normal(miniature_patches()[8]), -Vec3::UnitY());
 }
 

@@ -75,7 +75,7 @@ TEST(Study, TransferMayLoseATenth) {
   }
 }
 
-// What falls short of the checks of transfer from a lidar.
+// Counts the checks of transfer from a lidar that fail.
 size_t short_from(const StudyResult& result, const std::string& lidar) {
   return size_t(std::count_if(result.checks.begin(), result.checks.end(), [&](const Check& c) {
     return c.what.starts_with(lidar + " to ") && !c.holds();

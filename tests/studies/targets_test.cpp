@@ -9,7 +9,8 @@
 namespace underbrush::studies {
 namespace {
 
-/// Share of parallel rays along +x through the middle metre of the target that end at it.
+/// Computes the share of parallel rays along +x through the middle metre of the target that end at
+/// it.
 double opacity(const StaticTarget& target) {
   elements::Model model;
   model.surface = target.geometry.mesh;

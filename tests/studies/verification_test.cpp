@@ -35,7 +35,7 @@ TEST(Verification, TwoSimulatorsAgreeAndAWrongTargetFallsShort) {
 }
 
 TEST(Verification, TheIndependentScannerMeasuresAWallAtItsDistance) {
-  // A wall perpendicular to the axis, 24 m away, wider than the view.
+  // A wall stands perpendicular to the axis at 24 m and is wider than the field of view.
   Solid wall = block({1, 0, -5}, {2, 10, 10});
   AnalyticScanOptions options;
   options.half_field_rad = 0.01;
@@ -73,8 +73,8 @@ TEST(MeshFidelity, VerdictFailsWhereFineTreesLookFlatOrCartoonsReal) {
   EXPECT_NE(verdict(sweep_checks(plants, {})), "holds");
 }
 
-// Trees and bushes of an off-road scan by people's labels lie inside the criterion, the same scan
-// with its ground does not.
+// Trees and bushes of an off-road scan, chosen by human labels, lie within the criterion. The same
+// scan with its ground does not.
 TEST(MeshFidelity, RealOffRoadVegetationLiesInside) {
   UNDERBRUSH_NEEDS_DATA("rellis_000104");
   const std::filesystem::path folder = test::data_folder() / "rellis_000104";
@@ -94,7 +94,8 @@ TEST(MeshFidelity, RealOffRoadVegetationLiesInside) {
   ASSERT_GT(vegetation.size(), 10000u);
   const metrics::LeafInclination leaves = metrics::leaf_inclination(vegetation);
   EXPECT_LT(leaves.epsilon(), 0.05);
-  EXPECT_NEAR(leaves.mean_rad, metrics::LeafInclination::kRealMean, 0.05);  // not π/2: the signs
+  // not π/2, because of the signs of the normals
+  EXPECT_NEAR(leaves.mean_rad, metrics::LeafInclination::kRealMean, 0.05);
   EXPECT_FALSE(metrics::leaf_inclination(all).is_realistic());
 }
 
@@ -138,7 +139,7 @@ TEST(MeshFidelity, RegistrationErrorsAreTheSameForAScanAndAsLargeAsAsked) {
   EXPECT_NEAR(std::sqrt(squares / 3), 0.02, 0.001);
 }
 
-/// The returns of one KITTI frame as beams from the origin.
+/// Reads the returns of one KITTI frame as beams from the origin.
 BeamLog frame(uint32_t index) {
   BeamLog log;
   log.info.max_range_m = 120;
@@ -152,7 +153,7 @@ BeamLog frame(uint32_t index) {
   return log;
 }
 
-// Two scans from a standing vehicle: the second measures the planes of the first.
+// Both scans are from a standing vehicle; the second one measures the planes of the first.
 TEST(Verification, RunsOnAPairOfRealScans) {
   UNDERBRUSH_NEEDS_DATA("kitti_0052_static");
   const WallFigures f = compare_walls(frame(0), frame(1), 1);

@@ -27,7 +27,8 @@ TEST_P(LeafAngles, QuantileInvertsTheDistribution) {
   }
 }
 
-// However leaves stand, their projection averaged over all directions is half their area (Cauchy).
+// Whatever the leaf angles, the projected area averaged over all directions is half of the leaf
+// area (Cauchy).
 TEST_P(LeafAngles, ProjectionAveragesToOneHalfOverTheSphere) {
   double mean = 0;
   const int n = 400;

@@ -90,7 +90,7 @@ TEST_P(Trees, BranchFromOneFootWithoutGaps) {
   EXPECT_LT(longest_m, 1.5 * p.twig_spacing_m);
 }
 
-// The wood covers the whole skeleton: tubes start on the foot or on the axis of another branch, and
+// The wood covers the whole skeleton: tubes start at the foot or on the axis of another branch, and
 // each end of a branch is the apex of a tube.
 TEST_P(Trees, HaveWoodUpToEveryTip) {
   Stream random(kSeed);
@@ -139,7 +139,7 @@ INSTANTIATE_TEST_SUITE_P(All, Leaves,
                                          LeafAngle::kPlanophile, LeafAngle::kErectophile,
                                          LeafAngle::kPlagiophile, LeafAngle::kExtremophile));
 
-// χ² of the normals' zenith angles in 24 classes of equal probability; seed 20.
+// The test is χ² of the normals' zenith angles in 24 classes of equal probability, with seed 20.
 TEST_P(Leaves, StandAtTheAnglesOfTheirDistribution) {
   ShrubParameters p = typical_shrub(1.5);
   p.foliage.angles = GetParam();
@@ -148,7 +148,7 @@ TEST_P(Leaves, StandAtTheAnglesOfTheirDistribution) {
   double n = 0;
   for (size_t i = 0; i < plant.mesh.size(); ++i) {
     if (plant.part[i] != Part::kLeaf) continue;
-    ++i;  // The second half of the same leaf.
+    ++i;  // the second half of the same leaf
     const double zenith = std::acos(std::min(1.0, std::abs(unit_normal(plant.mesh, i).z())));
     const double u = leaf_angle_cdf(GetParam(), zenith);
     ++cell[std::min<size_t>(size_t(u * double(cell.size())), cell.size() - 1)];
@@ -160,8 +160,9 @@ TEST_P(Leaves, StandAtTheAnglesOfTheirDistribution) {
   EXPECT_LT(chi2, 23 + 5 * std::sqrt(2 * 23.0));
 }
 
-// Beer–Lambert: where leaves stand at random within a cell of 20 cm, a beam passes the crown with
-// probability exp(−G Σ λ l), λ the leaf area density of each cell and l the path in it.
+// Where leaves are at random places within a cell of 20 cm, a beam passes the crown with
+// probability exp(−G Σ λ l) by the law of Beer and Lambert. λ is the leaf area density of each cell
+// and l the path in it.
 TEST_P(Leaves, LetBeamsThroughByBeerLambert) {
   ShrubParameters p = typical_shrub(1.6);
   p.foliage.angles = GetParam();
@@ -201,7 +202,7 @@ TEST_P(Leaves, LetBeamsThroughByBeerLambert) {
   }
   EXPECT_GT(expected, 0.1);
   EXPECT_LT(expected, 0.6);
-  // Leaves gather along twigs, which lets a little more light through, never less.
+  // Leaves gather along twigs, which lets a little more light through, but never less.
   EXPECT_GT(passed, expected - 0.02);
   EXPECT_LT(passed, expected + 0.08);
 }

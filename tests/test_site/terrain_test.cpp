@@ -28,8 +28,8 @@ TEST(Terrain, HasTheReliefAskedFor) {
     }
   }
   EXPECT_NEAR(std::sqrt(square / n - mean * mean / n / n), p.relief_m, 0.15 * p.relief_m);
-  EXPECT_GT(steepest, 0.15);  // Slopes to drive on,
-  EXPECT_LT(steepest, 0.75);  // not cliffs.
+  EXPECT_GT(steepest, 0.15);  // slopes that vehicles can drive on
+  EXPECT_LT(steepest, 0.75);  // no cliffs
 }
 
 TEST(Terrain, HasTheNormalOfItsMesh) {

@@ -69,8 +69,7 @@ TEST(FlatSite, IsAValidModelOfTheSizeStated) {
   EXPECT_EQ(flat.part.size(), flat.model.size());
 }
 
-// Every vertex of every plant stays off the track, and no plant hovers: its foot is at or under the
-// ground.
+// No vertex of any plant is on the track, and no plant hovers: its foot is at or below the ground.
 TEST(FlatSite, KeepsTheTrackFree) {
   const Site& site = default_site();
   const FlatSite& flat = default_flat();

@@ -27,7 +27,7 @@ TEST(Approach, IsTheMinimumOfTheMahalanobisDistanceAlongTheRay) {
     };
     const double scale = 1 + distance2(m.t_m);
     EXPECT_NEAR(m.delta2, distance2(m.t_m), 1e-7 * scale);
-    // δ²(t) = δ² + (t − t_i)²/σ²: the Gaussian constrained to the ray.
+    // The Gaussian along the ray has δ²(t) = δ² + (t − t_i)²/σ².
     EXPECT_NEAR(distance2(m.t_m + 2 * m.sigma_m), m.delta2 + 4, 1e-6 * scale);
   }
 }

@@ -1,5 +1,6 @@
-// The engine against its definition: every query, every instruction set, bundles of rays from
-// needle-thin to the whole sphere, scenes of instances, variants of elements, far coordinates.
+// Tests of the engine against its definition, for every query and instruction set: bundles of rays
+// from very narrow ones to the whole sphere, scenes of instances, all kinds of elements, and large
+// coordinates.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -61,7 +62,7 @@ elements::Scene scene_of(uint64_t seed) {
     for (int i = 0; i < 5; ++i) {
       scene.instances.push_back(placed(random, origin, 1 + uint32_t(i % 2), i % 3));
     }
-    scene.instances.push_back(scene.instances.back());  // twice in one place
+    scene.instances.push_back(scene.instances.back());  // two instances in the same place
   }
   if (seed % 8 >= 5) {
     for (elements::Ellipsoid& e : scene.models[0].ellipsoids) {
@@ -73,7 +74,8 @@ elements::Scene scene_of(uint64_t seed) {
   return scene;
 }
 
-/// Bundles of 64 to a thousand rays, from a point, a beam's mouth or a moving car.
+/// Makes bundles of 64 to a thousand rays from a point, from the exit of a beam or from a moving
+/// car.
 std::vector<Ray> rays_of(const elements::Scene& scene, Stream& random) {
   std::vector<Ray> rays;
   while (rays.size() < kRays) {
@@ -100,7 +102,7 @@ bool same(const Intersection& a, const Intersection& b) {
                                                  a.sigma_m == b.sigma_m && a.p == b.p));
 }
 
-class Exact : public testing::TestWithParam<int> {};  // an eighth of the scenes each
+class Exact : public testing::TestWithParam<int> {};  // each test has an eighth of the scenes
 
 TEST_P(Exact, EveryQueryGivesWhatBruteForceInDoubleGives) {
   size_t asked = 0, met_any = 0, wrong = 0;

@@ -1,5 +1,6 @@
-// What must hold whatever the scene: no leaks, no dependence on where the world lies, voxels as a
-// walk through the grid finds them, copies that decide independently, memory within its bounds.
+// Tests of laws that hold for every scene: meshes have no leaks, answers do not depend on where the
+// world lies, voxels are met as by a walk through the grid, copies have independent trials, and
+// memory is bounded.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -41,13 +42,13 @@ TEST(Ground, LetsNoneOfTenMillionRaysThrough) {
   std::vector<Intersection> met(rays.size());
   const std::vector<uint64_t> keys(rays.size(), 1);
   while (shot < 10000000) {
-    // So steep that a ray which only touches a ridge comes down again within the mesh.
+    // Rays are so steep that one which only touches a ridge comes down again within the mesh.
     const Vec3 origin(random.uniform(-5, 5), random.uniform(-5, 5), random.uniform(4, 9));
     const Vec3 centre(random.uniform(-9, 9), random.uniform(-9, 9), 0);
     const double spread = random.uniform(0.2, 6);
     for (Ray& ray : rays) {
       Vec3 target = centre;
-      if (random.below(4) > 0) {  // an edge, or one of its ends, of a triangle near the centre
+      if (random.below(4) > 0) {  // an edge, or an end of an edge, of a triangle near the centre
         const int i = std::clamp(int((centre.x() + spread * random.normal()) / 0.4) + 50, 25, 74);
         const int j = std::clamp(int((centre.y() + spread * random.normal()) / 0.4) + 50, 25, 74);
         const auto& t = model.ground.triangles[size_t(2 * (100 * i + j)) + random.below(2)];
@@ -79,7 +80,8 @@ TEST(World, FindsFarFromTheOriginWhatItFindsThere) {
   std::vector<uint64_t> keys;
   for (int i = 0; i < 200000; ++i) {
     Ray ray = random_ray(random, near_model);
-    for (double& x : ray.origin) x = std::round(x * 0x1p20) * 0x1p-20;  // exact there too
+    // exact at that distance, too
+    for (double& x : ray.origin) x = std::round(x * 0x1p20) * 0x1p-20;
     rays.push_back(ray);
     moved.push_back({ray.origin + far, ray.direction});
     keys.push_back(beam_key(3, 0, uint64_t(i)));
@@ -93,8 +95,8 @@ TEST(World, FindsFarFromTheOriginWhatItFindsThere) {
   }
 }
 
-// The voxel model by a walk from cell to cell ([deschaud12] §III.C.1; Amanatides & Woo 1987): in
-// each cell that the ray passes its ellipsoid is met if the closest approach lies in the cell.
+// The reference walks from cell to cell ([deschaud12] §III.C.1; Amanatides & Woo 1987). In each
+// cell that the ray passes, it meets the cell's ellipsoid if the closest approach lies in the cell.
 TEST(Voxels, AreMetAsAWalkThroughTheGridMeetsThem) {
   Stream random(31);
   elements::Model model;
@@ -152,7 +154,7 @@ TEST(PathLengthOpacity, IsThatOfTheLineThroughTheGaussian) {
   const World world(model);
   for (double offset : {0.0, 0.3, 0.6}) {
     const Ray ray{Vec3(0, offset, 0), Vec3::UnitX()};
-    // ∫ κ exp(−δ²(t)/2) dt along the ray, by the midpoint rule.
+    // The optical depth is ∫ κ exp(−δ²(t)/2) dt along the ray, by the midpoint rule.
     double optical = 0;
     for (double t = 8; t < 12; t += 1e-3) {
       const double x = (t + 5e-4 - 10) / 0.2, y = offset / 0.3;
@@ -162,7 +164,7 @@ TEST(PathLengthOpacity, IsThatOfTheLineThroughTheGaussian) {
     world.all_intersections(ray, {0, 50}, 50, met);
     ASSERT_EQ(met.size(), 1u);
     EXPECT_NEAR(met[0].p, 1 - std::exp(-optical), 1e-6);
-    // And beams are stopped as often.
+    // The same share of beams must be stopped.
     size_t stopped = 0;
     const size_t n = 40000;
     const std::vector<Ray> rays(n, ray);

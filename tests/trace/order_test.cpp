@@ -12,7 +12,7 @@
 namespace underbrush::trace {
 namespace {
 
-// Beams at random in a tenth of the sphere, so many rays within a milliradian each.
+// Makes random beams in a tenth of the sphere, with `a_beam` rays within a milliradian each.
 std::unique_ptr<FloatRays> beams(uint64_t seed, uint32_t rays, uint32_t a_beam) {
   Stream random(seed);
   auto u = std::make_unique<FloatRays>();
@@ -54,8 +54,8 @@ TEST(Order, KeepsTheRaysOfABeamTogether) {
   for (uint32_t k = 0; k < kRays; ++k) EXPECT_EQ(order[k] % kABeam, k % kABeam);
 }
 
-// Of a tile of the sphere's patch: rays that point alike are traced together, in whatever order
-// they come.
+// Each run of rays is a tile of the patch of the sphere, so that rays which point alike are traced
+// together, in whatever order they come.
 TEST(Order, MakesTilesAboutAsWideAsHigh) {
   constexpr uint32_t kRays = kBatchRays;
   const auto rays = beams(4, kRays, 1);
@@ -73,7 +73,7 @@ TEST(Order, MakesTilesAboutAsWideAsHigh) {
     width += double(high[0] - low[0]) * M_PI / 2;
     height += double(high[1] - low[1]);
   }
-  // Tiles of equal squares without gaps: 64 of them share π/2 × 0.8.
+  // 64 equal squares without gaps would share π/2 × 0.8.
   const double side = std::sqrt(M_PI / 2 * 0.8 / 64) * 64;
   EXPECT_LT(width, 1.4 * side);
   EXPECT_LT(height, 1.4 * side);

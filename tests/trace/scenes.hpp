@@ -1,4 +1,4 @@
-// Random and adversarial scenes for the tracing tests.
+// This file makes random and adversarial scenes for the tracing tests.
 #pragma once
 #include <Eigen/Geometry>
 #include <cmath>
@@ -18,7 +18,7 @@ inline Mat3 random_covariance(Stream& random, double smallest, double largest) {
   return r * s.cwiseAbs2().asDiagonal() * r.transpose();
 }
 
-/// Ellipsoids from needles to pancakes, some of them twice, over a bumpy permeable ground, with
+/// Makes ellipsoids from needles to discs, some of them twice, over a bumpy permeable ground, with
 /// some loose surface triangles.
 inline elements::Model random_model(uint64_t seed, int ellipsoids = 300,
                                     const Vec3& origin = {0, 0, 0}) {
@@ -72,7 +72,7 @@ inline elements::Model random_model(uint64_t seed, int ellipsoids = 300,
   return model;
 }
 
-/// Rays from all around and from inside, some along axes, some aimed to graze.
+/// Makes a ray from around or inside the model. Some run along axes, and some graze an element.
 inline Ray random_ray(Stream& random, const elements::Model& model) {
   Ray ray;
   for (int k = 0; k < 3; ++k) ray.origin[k] = random.uniform(-25, 25);
@@ -85,7 +85,7 @@ inline Ray random_ray(Stream& random, const elements::Model& model) {
     const auto& e = model.ellipsoids[random.below(model.ellipsoids.size())];
     Vec3 side;
     for (int k = 0; k < 3; ++k) side[k] = random.normal();
-    // About at the isosurface seen from the ray's origin.
+    // This is about the isosurface as seen from the ray's origin.
     const double r = model.tau * std::sqrt(double(e.covariance[0]));
     if (kind < 0.2) ray.origin = e.mean.cast<double>() + 0.1 * r * side;
     d = e.mean.cast<double>() + r * side.normalized() - ray.origin;

@@ -10,7 +10,7 @@
 namespace underbrush::trace {
 namespace {
 
-// The definition, by brute force in double.
+// Applies the definition by brute force in double precision.
 std::vector<Intersection> reference(const elements::Model& model, const Ray& ray,
                                     const RangeLimits& limits) {
   std::vector<Intersection> met;
@@ -94,11 +94,12 @@ TEST(World, OfNothingAnswersNothing) {
   EXPECT_TRUE(world.nearest_accepted({}, 1, {}).none());
 }
 
-// P(first = k) = p_k ∏_{j<k} (1 − p_j), over the beams' keys.
+// P(first = k) = p_k ∏_{j<k} (1 − p_j) must hold over the beams' keys.
 TEST(World, AcceptsAsTrialsInOrderWould) {
   elements::Model model;
   const double p[3] = {0.3, 0.5, 0.8};
-  for (int k = 2; k >= 0; --k) {  // numbered back to front: the order must come from the range
+  // numbered from back to front, so that the order must come from the range
+  for (int k = 2; k >= 0; --k) {
     elements::Ellipsoid e;
     e.mean = Vec3f(float(10 + k), 0, 0);
     e.set_covariance(0.01 * Mat3::Identity());

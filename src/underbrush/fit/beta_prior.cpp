@@ -9,7 +9,8 @@ namespace {
 
 constexpr double kLeast = 1e-3, kMost = 1e4;
 
-// ψ(x), x > 0: the asymptotic series, after steps up to where it holds to 1e-10.
+// The digamma function ψ(x), x > 0. The recurrence raises x to where the asymptotic series is exact
+// to 1e-10.
 double digamma(double x) {
   double out = 0;
   for (; x < 8; ++x) out -= 1 / x;
@@ -23,7 +24,8 @@ HitPrior limited(double a, double b) {
   return {std::clamp(a * shrink, kLeast, kMost), std::clamp(b * shrink, kLeast, kMost)};
 }
 
-// Mean and variance of p from hits / n: Var = m (1 − m) (1 + (n − 1) r) / n, r = 1 / (a + b + 1).
+// Estimates the prior from the mean m and the variance of the shares hits / n, by Var = m (1 − m)
+// (1 + (n − 1) r) / n with r = 1 / (a + b + 1).
 HitPrior by_moments(std::span<const Trials> trials) {
   double hits = 0, n = 0;
   for (const Trials& t : trials) {

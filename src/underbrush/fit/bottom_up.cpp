@@ -12,12 +12,12 @@
 namespace underbrush::fit {
 namespace {
 
-/// A possible merger; out of date once one of the two has changed.
+/// A possible merger of two clusters. It is out of date once one of them has changed.
 struct Merger {
-  double density;  // of the merged ellipsoid, as a share of that of the two
+  double density;  // density of the merged ellipsoid as a share of that of the two
   uint32_t a, b;   // a < b
   uint32_t version_a, version_b;
-  // The greatest density first; ties by number, so that the order is total.
+  // The greatest density comes first; numbers break ties, so that the order is total.
   bool operator<(const Merger& o) const {
     if (density != o.density) return density < o.density;
     return a != o.a ? a > o.a : b > o.b;
@@ -49,7 +49,8 @@ class Merging {
     link(cells);
   }
 
-  /// The cluster of each cell, numbered by their first cells.
+  /// Merges, and gives the cluster of each cell. Clusters are numbered in the order of their first
+  /// cells.
   std::vector<uint32_t> run(uint32_t& count) {
     while (!queue_.empty()) {
       const Merger m = queue_.top();
@@ -78,7 +79,7 @@ class Merging {
 
   void link(const Voxels& cells) {
     for (uint32_t k = 0; k < nodes_.size(); ++k) {
-      for (int step = 0; step < 13; ++step) {  // half of the 26: the codes that come after
+      for (int step = 0; step < 13; ++step) {  // the 13 of 26 neighbours with a greater code
         const int n = step + 14, di = n / 9 - 1, dj = n / 3 % 3 - 1, dk = n % 3 - 1;
         const uint64_t code = cells.code[k] + uint64_t(voxel_step(di, dj, dk));
         const auto at = std::lower_bound(cells.code.begin() + k, cells.code.end(), code);

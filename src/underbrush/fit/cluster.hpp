@@ -1,5 +1,6 @@
 /// \file
-/// From groups of points to ellipsoids: the part that all clusterings share.
+/// This file turns clusters of points into ellipsoids, which is the step that all clusterings
+/// share.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -9,61 +10,64 @@
 #include "underbrush/elements/model.hpp"
 
 namespace underbrush {
-/// From logs to models.
+/// The fitters, which turn logs into models.
 namespace fit {
 
-/// Clusters of points: `group[i]` is the cluster of point i, in [0, count), or `kNone` for a point
-/// whose cluster would have too few.
+/// A partition of points: `group[i]` is the cluster of point i, in [0, count), or `kNone` for a
+/// point in no cluster, because its cluster would have too few points.
 struct Clusters {
   std::vector<uint32_t> group;
   uint32_t count = 0;
   static constexpr uint32_t kNone = 0xffffffffu;
 };
 
-/// Number of points and their first two moments, added up in double precision about a fixed point
-/// near by.
+/// The number of points and their first two moments. Sums are in double precision and relative to a
+/// fixed point nearby, which keeps rounding small.
 struct PointMoments {
   double n = 0;
-  Vec3 sum = Vec3::Zero();
+  Vec3 sum = Vec3::Zero();      ///< Σ x.
   Mat3 squares = Mat3::Zero();  ///< Σ x xᵀ.
 
   void add(const Vec3& x);
   void add(const PointMoments& other);
   Vec3 mean() const { return sum / n; }
-  /// Σ (x − mean)(x − mean)ᵀ.
+  /// The scatter matrix Σ (x − mean)(x − mean)ᵀ.
   Mat3 scatter() const { return squares - sum * sum.transpose() / n; }
 };
 
-/// How a cluster becomes an ellipsoid.
+/// Options for turning a cluster into an ellipsoid.
 struct EllipsoidOptions {
-  double floor_m = 0.02;  ///< Least standard deviation in any direction: the sensor's range noise.
-  /// Weight, in points, of a sphere with the mean log-volume of all clusters of the call that have
-  /// at least 5 points: what few points do not say is taken from the rest. 0: none.
+  /// Least standard deviation in any direction, m: the sensor's range noise.
+  double floor_m = 0.02;
+  /// Weight of the prior covariance, in points; 0 uses none. The prior is a sphere of the usual
+  /// size: its log-volume is the mean over all clusters of the call with at least 5 points.
   double prior_points = 1;
 };
 
-/// The variance of a sphere with the mean log-volume of clusters that have at least 5 points.
+/// An average of covariances: the variance of a sphere whose log-volume is the mean over clusters
+/// with at least 5 points.
 class TypicalVariance {
  public:
-  /// Every covariance is taken with `floor_m`² added.
+  /// Starts without clusters. `floor_m`² (m²) is added to every variance.
   explicit TypicalVariance(double floor_m) : floor_(floor_m * floor_m) {}
-  /// A cluster of n points with Σ (x − mean)(x − mean)ᵀ = `scatter`.
+  /// Adds a cluster of n points with the scatter matrix Σ (x − mean)(x − mean)ᵀ (m²).
   void add(double n, const Mat3& scatter);
-  /// m²; 0 without such clusters.
+  /// The variance of the sphere, m²; 0 where no cluster has 5 points.
   double variance() const;
 
  private:
   double floor_, logs_ = 0, count_ = 0;
 };
 
-/// One ellipsoid a cluster, in order of cluster: μ is the mean, Σ = (scatter + ν σ² I) / (n − 1 +
-/// ν) with ν = `prior_points` and σ² the variance of that sphere, then floored. ν = 0 gives the
-/// sample moments. p_hit is left at 1.
+/// Makes one ellipsoid for each cluster, in the order of the clusters. μ is the mean and Σ =
+/// (scatter + ν σ² I) / (n − 1 + ν), with ν = `prior_points` and σ² the `TypicalVariance` of all
+/// clusters; then `floor_m` is applied. ν = 0 gives the sample moments. `points` are in metres;
+/// p_hit is left at 1.
 std::vector<elements::Ellipsoid> ellipsoids_of(std::span<const Vec3f> points,
                                                const Clusters& clusters,
                                                const EllipsoidOptions& options);
 
-/// Takes clusters with fewer than `min_points` points away and numbers the others anew, in order.
+/// Removes clusters with fewer than `min_points` points and renumbers the others in their order.
 void drop_small(Clusters& clusters, int min_points);
 
 }  // namespace fit

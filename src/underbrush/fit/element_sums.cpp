@@ -10,9 +10,10 @@
 namespace underbrush::fit {
 namespace {
 
-constexpr double kNegligible = 1e-7;  // a share of a beam that says nothing
+constexpr double kNegligible = 1e-7;  // a share of a beam too small to count
 
-// Upper triangle of a symmetric matrix, as a model stores covariances.
+// Row and column of the entries of a symmetric matrix's upper triangle, in the order in which a
+// model stores covariances.
 constexpr int kRow[6] = {0, 0, 0, 1, 1, 2}, kColumn[6] = {0, 1, 2, 1, 2, 2};
 
 enum Field : size_t {
@@ -84,18 +85,19 @@ void ElementSums::add(const Ray& ray, std::span<const trace::Intersection> met, 
   }
 }
 
-// The terms of a beam in ln κ, s and E. Its optical depth a = κ √(2π) σ e^{−δ²/2} changes by
+// Adds the derivatives of a beam's log-likelihood by ln κ, s and E. Its optical depth a = κ √(2π) σ
+// e^{−δ²/2} changes by
 //   ∂ ln a = k + c·s + nᵀEn + cᵀEc
-// with n the whitened direction and c the whitened point of closest approach; the misfit
-// x = (z − t)/σ and σ by ∂x = −n·s − 2 nᵀEc − x nᵀEn, ∂ ln σ = nᵀEn. The beam counts
-// r [ln(1 − e^{−a}) − ln σ − x²/2] − (its share that went through) a.
+// with the whitened direction n and the whitened point of closest approach c. The misfit x = (z −
+// t)/σ changes by ∂x = −n·s − 2 nᵀEc − x nᵀEn, and σ by ∂ ln σ = nᵀEn. The log-likelihood of the
+// beam is r [ln(1 − e^{−a}) − ln σ − x²/2] − (the share that went through) a.
 void ElementSums::add_ellipsoid(const Ray& ray, const trace::Intersection& met, double range_m,
                                 double hit, double pass, double loss) {
   const size_t at = met.element - triangles_.size();
   const Frame& frame = frames_[at];
   const double depth = double(model_->ellipsoids[at].density_per_m) * std::sqrt(2 * M_PI) *
                        met.sigma_m * std::exp(-0.5 * met.delta2);
-  // a / (eᵃ − 1) and the Fisher information a² / (eᵃ − 1) of a trial of p = 1 − e⁻ᵃ in ln a.
+  // `odds` is a / (eᵃ − 1); odds × a is the Fisher information in ln a of a trial with p = 1 − e⁻ᵃ.
   const double odds = depth < 1e-8 ? 1 : depth / std::expm1(depth);
   const double slope = hit * odds - pass * depth, weight = (hit + pass) * odds * depth;
   const Vec3 direction = frame.whiten * ray.direction;

@@ -10,11 +10,12 @@
 namespace underbrush::fit {
 namespace {
 
-/// Beyond its range a beam still meets elements whose Gaussian reaches back to the return: those of
-/// closest approach up to so much farther count.
+/// Elements beyond a return count if their closest approach lies up to this much farther, because
+/// their Gaussians reach back to the return, m.
 constexpr double kBeyondM = 4;
 
-/// The elements met up to `reach_m`. What the tracer gives beyond depends on how rays were batched.
+/// Keeps the elements met up to `reach_m`. The tracer may list more, and how many depends on how
+/// rays were batched.
 std::span<const trace::Intersection> up_to(std::span<const trace::Intersection> met,
                                            double reach_m) {
   size_t n = met.size();
@@ -22,7 +23,7 @@ std::span<const trace::Intersection> up_to(std::span<const trace::Intersection> 
   return met.first(n);
 }
 
-/// Totals over the beams; a −log f is below 20, so its fixed sum does not overflow.
+/// Totals over the beams. A −log f is below 20, so its fixed-point sum does not overflow.
 struct Totals {
   FixedSum training, held_out, stray_hits;
   FixedSum training_beams, held_out_beams;

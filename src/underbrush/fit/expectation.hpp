@@ -1,6 +1,6 @@
 /// \file
-/// One pass over a log under a model: the likelihood of the beams held out, and what the others say
-/// of each element.
+/// This file has the expectation step: one pass over a log under a model, which gives the
+/// likelihood of the held-out beams and sums what the other beams say about each element.
 #pragma once
 #include <functional>
 
@@ -10,17 +10,18 @@
 
 namespace underbrush::fit {
 
-/// Which beams of a log are kept back: all those that point into the same 1/256 of a quarter turn
-/// in the same packet of the same scan go together, one such group in `one_in` by a hash. The order
-/// of the beams does not matter.
+/// The rule by which beams are held out from learning. Beams are grouped by scan, packet and
+/// azimuth in steps of 1/256 of a quarter turn; about one group in `one_in` is held out, chosen by
+/// a hash. Neighbouring beams thus stay together, and the order of the beams has no effect.
 struct HeldOut {
-  unsigned one_in = 20;  ///< 0: none.
+  unsigned one_in = 20;  ///< 0 holds out nothing.
   uint64_t seed = 1;
+  /// Whether beam `i` of the log is held out.
   bool operator()(const BeamLog& log, size_t i) const;
 };
 
-/// The beams of a source that are not held out. The source must outlive it; it is read once to
-/// count them.
+/// A source that leaves out the held-out beams of another source. The other source must outlive it,
+/// and is read once by the constructor to count the beams.
 class TrainingSource : public BeamSource {
  public:
   TrainingSource(BeamSource& source, const HeldOut& held_out);
@@ -35,17 +36,20 @@ class TrainingSource : public BeamSource {
   size_t size_ = 0;
 };
 
-/// Results of a pass. Likelihoods are means of −log f a beam.
+/// The result of a pass over a log. Likelihoods are means of −log f over beams, in nats, as in
+/// `metrics::score`.
 struct Expectation {
   size_t training_beams = 0, held_out_beams = 0;
   double training_nll = 0, held_out_nll = 0;
-  ElementSums sums;       ///< Of the training beams.
-  double stray_hits = 0;  ///< Share of the training beams that returned what no element explains.
+  ElementSums sums;  ///< Sums over the training beams.
+  /// Share of the training beams that returned from what no element explains.
+  double stray_hits = 0;
 };
 
-/// Reads all beams of `source` once. `soft` are the outlier shares under which credit is given; the
-/// likelihoods reported are under `trace::kReportedOutliers`, as the score's are. The model must
-/// outlive the sums.
+/// Reads all beams of `source` once and evaluates them under `model`. `soft` has the outlier
+/// shares under which credit is given to elements; the likelihoods are under
+/// `trace::kReportedOutliers`, as those of the score are. `progress(done, total)` may be empty. The
+/// model must outlive the sums of the result.
 Expectation expect(const elements::Model& model, BeamSource& source, const HeldOut& held_out,
                    const trace::OutlierShares& soft,
                    const std::function<void(size_t, size_t)>& progress = {});

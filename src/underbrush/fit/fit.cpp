@@ -20,12 +20,12 @@ FitResult surface_by_rimls(BeamSource& source, const FitOptions& options,
   return fit_surface(source, options, rimls, progress);
 }
 
-/// The model that `likelihood` begins with, fitted to the beams that are not held out.
+/// Makes the model that `likelihood` starts from, fitted to the beams that are not held out.
 FitResult start_model(BeamSource& source, FitOptions options, const HeldOut& held_out,
                       const FitProgress& progress) {
   if (elements::is_model(options.start)) return {elements::read_model(options.start), {}};
   options.fitter = start_of(options).name;
-  // Points are shared by what follows; only a footprint is for the start to take away.
+  // Refinement shares points between ellipsoids anyway, but only the mixture removes a footprint.
   if (!options.volumetric.mixture.footprint) options.volumetric.mixture.rounds = 0;
   TrainingSource training(source, held_out);
   return fit(training, options, progress);

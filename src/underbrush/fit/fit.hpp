@@ -1,5 +1,6 @@
 /// \file
-/// From a log to a model: gather points by tile, tell ground from the rest, fit each, count hits.
+/// This file declares `fit`, which turns a log into a model: it sorts points into tiles, tells
+/// ground from the rest, makes elements of both, and estimates hit probabilities from the beams.
 #pragma once
 #include <functional>
 #include <string>
@@ -19,69 +20,77 @@
 
 namespace underbrush::fit {
 
-/// Parameters θ of a fit.
+/// The parameters θ of a fit.
 struct FitOptions {
-  /// `hierarchical` ([tallavajhula18]), `voxel`, `top_down`, `bottom_up` ([deschaud12]): ground
-  /// mesh + ellipsoids; `ground_mesh`: the same without ellipsoids; `surface`: one opaque mesh over
-  /// everything, the everyday baseline; `rimls`: the same by the robust implicit of [deschaud12];
-  /// `likelihood`: what `start` gives, refined by `refine`. See fit/fitters.hpp.
+  /// The name of a fitter in the table of fit/fitters.hpp:
+  /// - `hierarchical` ([tallavajhula18]), `voxel`, `top_down` and `bottom_up` ([deschaud12]) make a
+  ///   ground mesh and ellipsoids;
+  /// - `ground_mesh` makes the ground mesh alone;
+  /// - `surface` makes one opaque mesh through all points, the everyday baseline, and `rimls` does
+  ///   so with the robust implicit surface of [deschaud12];
+  /// - `likelihood` refines the model of `start` by `refine`.
   std::string fitter = "hierarchical";
-  /// `likelihood`: the fitter that comes first, or the folder of a model to begin with.
+  /// For `likelihood` only: the fitter that makes the first model, or the folder of a model.
   std::string start = "hierarchical";
   uint64_t seed = 1;
   double tau = 3;               ///< A beam meets an ellipsoid within this Mahalanobis distance.
-  double range_noise_m = 0.02;  ///< σ of the sensor's range: the floor of every extent.
-  /// Nearer returns are left out: the vehicle that carries the sensor. It stands where its sensor
-  /// was a moment ago, and an opaque model would enclose the sensor there.
+  double range_noise_m = 0.02;  ///< σ of the sensor's range, m: the least extent of any element.
+  /// Returns nearer than this are left out (m), because they come from the vehicle that carries the
+  /// sensor. The vehicle soon stands where its sensor was before, and an opaque model of it would
+  /// enclose the sensor there.
   double min_range_m = 0;
-  /// Ellipsoids through which nearly all beams passed are free space that something crossed once:
-  /// dropped where hits / (hits + misses) is below this, with at least `free_space_beams` beams.
+  /// Ellipsoids through which nearly all beams passed are dropped as free space: something moved
+  /// through it once. An ellipsoid is dropped where hits / (hits + misses) is below this and at
+  /// least `free_space_beams` beams met it.
   double free_space_below = 0.05;
   uint32_t free_space_beams = 20;
   TileOptions tiles;
   ground::SegmentOptions segment;
   ground::HeightGridOptions ground;
   ground::TriangulateOptions triangulate;
-  /// The floor of the covariances, the noise and the τ of `top_down` are set from the above.
+  /// `fit` sets the floor of the covariances, and the noise and τ of `top_down`, from the fields
+  /// above.
   VolumetricOptions volumetric;
   CreditOptions credit;
   SurfaceOptions surface;
-  /// The range noise and the floor are set from the above.
+  /// `fit` sets its range noise and its floor from the fields above.
   LikelihoodOptions likelihood;
 };
 
-/// What happened during a fit.
+/// Counts and warnings of a fit.
 struct FitReport {
   size_t beams = 0, hits = 0, misses = 0;
   size_t ground_points = 0, other_points = 0;
   size_t near_points = 0;            ///< Left out because they are nearer than `min_range_m`.
-  size_t carved_triangles = 0;       ///< Dropped by `surface.carve`.
+  size_t carved_triangles = 0;       ///< Dropped because of `surface.carve`.
   size_t thinned_points = 0;         ///< Left out because their tile was full.
   size_t unclustered_points = 0;     ///< In no cluster of at least `min_points`.
   size_t free_space_ellipsoids = 0;  ///< Dropped as free space.
   size_t tiles = 0;
-  LikelihoodReport likelihood;  ///< Steps: none but those of `likelihood`.
+  LikelihoodReport likelihood;  ///< Has steps only if the fitter is `likelihood`.
   std::vector<std::string> warnings;
 };
 
-/// A model and how it came to be.
+/// A model and the report of its fit.
 struct FitResult {
   elements::Model model;
   FitReport report;
 };
 
-/// Called as a fit goes on: stage, done, total.
+/// Receives the progress of a fit: the name of the stage, the work done and the total.
 using FitProgress = std::function<void(std::string_view, size_t, size_t)>;
 
-/// Names of the fitters.
+/// The names of the fitters, in the order of the table.
 std::vector<std::string> fitter_names();
 
-/// Fits a model to a log; reads it twice, memory grows with a tile and the model, not with the log.
-/// The same bits for any number of threads. Throws `std::invalid_argument` for an unknown fitter or
-/// a log without any return.
+/// Fits a model to a log. The log is read twice (`likelihood` reads it once more for each step),
+/// and memory grows with a tile and the model, not with the log. The result has the same bits for
+/// any number of threads. `progress` may be empty. Throws `std::invalid_argument` for an unknown
+/// fitter, for options out of range and for a log without returns.
 FitResult fit(BeamSource& source, const FitOptions& options, const FitProgress& progress = {});
 
-/// The options with which `fit` refines a model.
+/// The options that `fit` passes to `refine`: `options.likelihood` with the range noise, the floor
+/// and the seed filled in.
 LikelihoodOptions likelihood_options(const FitOptions& options);
 
 }  // namespace underbrush::fit

@@ -15,7 +15,7 @@ VolumetricOptions volumetric_options(const FitOptions& options) {
   return out;
 }
 
-/// Tiles of whole voxels, so that no border cuts one.
+/// Rounds the side of the tiles to whole voxels, so that no border cuts a voxel.
 TileOptions tile_options(const FitOptions& options, const Clustering* clustering) {
   TileOptions out = options.tiles;
   const double side = options.volumetric.voxel.side_m;
@@ -25,7 +25,7 @@ TileOptions tile_options(const FitOptions& options, const Clustering* clustering
   return out;
 }
 
-/// Which of a tile's points are ground, and where those lie (world).
+/// Which of a tile's points are ground, and where the ground points lie in the world, m.
 struct TileGround {
   std::vector<bool> is_ground;
   std::vector<Vec3> points;
@@ -63,12 +63,12 @@ elements::TriangleMesh mesh_of_ground(const ground::HeightMap& heights, const Fi
   mesh.vertices = std::move(ground.vertices);
   mesh.triangles = std::move(ground.triangles);
   mesh.hit.resize(mesh.triangles.size());
-  // The residuals already hold the sensor's noise.
+  // The residuals include the sensor's noise.
   mesh.range_sigma_m = std::max(heights.sigma_m, options.range_noise_m);
   return mesh;
 }
 
-/// Tells ground from the rest in each tile; the ground's points go to the height map.
+/// Tells ground from the rest in each tile, and adds the ground points to the height map.
 std::vector<std::vector<bool>> find_ground(const TileStore& store, const FitOptions& options,
                                            const Vec3& origin, ground::HeightGrid& grid,
                                            FitReport& report, const FitProgress& progress) {

@@ -6,7 +6,7 @@
 namespace underbrush::fit {
 namespace {
 
-/// Drops surface triangles that more beams passed than ended at; the others stay opaque.
+/// Drops surface triangles that more beams passed than ended at. The others stay opaque.
 void carve(BeamSource& source, const FitOptions& options, elements::Model& model, FitReport& report,
            const FitProgress& progress) {
   count_hits(model, source, options.credit, stage_of(progress, "carve"));

@@ -1,5 +1,5 @@
 /// \file
-/// The table of the fitters.
+/// This file declares the table of fitters.
 #pragma once
 #include <span>
 #include <string_view>
@@ -10,24 +10,27 @@
 
 namespace underbrush::fit {
 
-/// A way to make a model of a log.
+/// A fitter: a named function that makes a model from a log, with the parameters that affect it.
 struct Fitter {
   std::string_view name, summary;
-  std::vector<ParameterGroup> tuned;  ///< Parameters of these groups shape what is its own.
-  std::vector<ParameterGroup> fixed;  ///< These have an effect too, and a search leaves them alone.
+  /// Parameters that shape the fitter's own elements; a search tunes them.
+  std::vector<ParameterGroup> tuned;
+  /// Parameters that also have an effect but that a search leaves alone.
+  std::vector<ParameterGroup> fixed;
   FitResult (*fit)(BeamSource&, const FitOptions&, const FitProgress&);
-  bool refines = false;  ///< It begins with the model of another fitter, `FitOptions::start`.
+  /// Whether it starts from the model of another fitter, `FitOptions::start`.
+  bool refines = false;
 };
 
-/// All fitters; the first is the default.
+/// All fitters. The first one is the default.
 std::span<const Fitter> fitters();
 
-/// The fitter of this name. Throws `std::invalid_argument` where there is none.
+/// Finds a fitter by name. Throws `std::invalid_argument` for an unknown name.
 const Fitter& fitter_named(std::string_view name);
 
-/// The fitter that makes the model which the fitter of `options` begins with; where that model is
-/// read from a folder, the fitter of `options` itself. Throws `std::invalid_argument` for an
-/// unknown fitter and for one that refines itself.
+/// Finds the fitter that makes the first model of a refinement, `options.start`. Where
+/// `options.start` is the folder of a model, it gives the fitter of `options` itself. Throws
+/// `std::invalid_argument` for an unknown fitter and for a start that itself refines.
 const Fitter& start_of(const FitOptions& options);
 
 }  // namespace underbrush::fit

@@ -7,7 +7,7 @@
 namespace underbrush::fit {
 namespace {
 
-/// Adds all hits to the store; gives the largest range among them.
+/// Adds the points of all returns to the store, and gives the largest range among them, m.
 double add_hits(BeamSource& source, const Vec3& origin, double min_range_m, TileStore& store,
                 FitReport& report, const FitProgress& progress) {
   float largest = 0;

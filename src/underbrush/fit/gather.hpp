@@ -1,5 +1,5 @@
 /// \file
-/// The first pass of every fit: the points of a log by tile.
+/// This file has the first pass of every fit, which sorts the points of a log into tiles.
 #pragma once
 #include <string_view>
 #include <utility>
@@ -11,14 +11,15 @@
 
 namespace underbrush::fit {
 
-/// Reads the log once: fills `store` with the points of its hits relative to the model's origin,
-/// and begins the model (fitter, τ, origin, maximum range) and the report (counts, warnings).
-/// Throws `std::invalid_argument` for options out of range and for a log without any return.
+/// Reads the log once. It fills `store` with the points of all returns, relative to the model's
+/// origin, and begins the model (fitter, τ, origin, maximum range) and the report (counts,
+/// warnings) of `out`. Throws `std::invalid_argument` for an empty log and for a log without
+/// returns.
 void gather(BeamSource& source, const FitOptions& options, TileStore& store, FitResult& out,
             const FitProgress& progress);
 
-/// Runs `work` for the numbers of all tiles on all threads and `merge` for what it gives, in order,
-/// holding only a few results at a time.
+/// Runs `work(k)` for every tile number k on all threads, and `merge(result)` on the results in the
+/// order of the tiles. Only a few results are held in memory at a time.
 template <class Result, class Work, class Merge>
 void for_tiles_in_order(const std::vector<TileKey>& tiles, const FitProgress& progress,
                         std::string_view stage, Work work, Merge merge) {
@@ -31,7 +32,8 @@ void for_tiles_in_order(const std::vector<TileKey>& tiles, const FitProgress& pr
       });
 }
 
-/// The progress of one stage as the functions of the library take it.
+/// Binds a stage name to `progress`, which gives the callback (done, total) that other modules
+/// take.
 inline std::function<void(size_t, size_t)> stage_of(const FitProgress& progress,
                                                     std::string_view stage) {
   return [&progress, stage](size_t done, size_t total) {

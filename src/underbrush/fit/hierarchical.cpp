@@ -11,7 +11,7 @@
 namespace underbrush::fit {
 namespace {
 
-/// About how many points of a large part are enough to find its centres.
+/// Number of points from which the centres of a large cluster are found, about.
 constexpr size_t kSample = 512;
 
 /// A cluster during splitting: a range of the permuted points.
@@ -19,7 +19,7 @@ struct Part {
   uint32_t begin, end;
   double squares;  // sum of squared distances from the mean
   uint32_t size() const { return end - begin; }
-  // Greatest sum first; ties by place, so that the order is total.
+  // The greatest sum comes first; places break ties, so that the order is total.
   bool operator<(const Part& o) const {
     return squares != o.squares ? squares < o.squares : begin > o.begin;
   }
@@ -34,14 +34,14 @@ double sum_of_squares(const Vec3f* p, size_t n) {
   return sum;
 }
 
-/// Splits one part by k-means, in place.
+/// Splits clusters by k-means, in place.
 class Splitter {
  public:
   Splitter(std::vector<Vec3f>& points, std::vector<uint32_t>& index,
            const HierarchicalOptions& options, uint64_t seed)
       : points_(points), index_(index), options_(options), seed_(seed) {}
 
-  /// The parts that `part` falls into; one if it cannot be split.
+  /// Gives the parts that `part` is split into, or `part` alone if it cannot be split.
   std::vector<Part> split(const Part& part, int wanted) {
     const int k = std::min({options_.branching, wanted, int(part.size()) / options_.min_points});
     if (k < 2 || !(part.squares > 0)) return {part};
@@ -61,7 +61,7 @@ class Splitter {
  private:
   static constexpr uint8_t kNowhere = 255;
 
-  // Of a large part one of every few points.
+  // Takes every n-th point of a large cluster, so that about `kSample` remain.
   std::span<const Vec3f> sample_of(std::span<const Vec3f> points, Stream& random) {
     const size_t step = points.size() / kSample;
     if (step < 2) return points;
@@ -72,8 +72,9 @@ class Splitter {
     return sample_;
   }
 
-  // k-means++ (Arthur & Vassilvitskii 2007): each centre with probability ∝ the squared distance to
-  // the nearest one so far. False if all points are the same.
+  // Chooses centres by k-means++ (Arthur & Vassilvitskii 2007): each with a probability
+  // proportional to the squared distance to the nearest centre so far. Gives false if all points
+  // are the same.
   bool choose_centres(std::span<const Vec3f> points, int k, Stream& random) {
     centre_.assign(1, points[random.below(points.size())]);
     least_.assign(points.size(), INFINITY);
@@ -92,7 +93,7 @@ class Splitter {
     return centre_.size() > 1;
   }
 
-  /// Whether a point changed its centre.
+  /// Assigns each point to its nearest centre, and gives whether one changed its centre.
   bool assign(std::span<const Vec3f> points) {
     bool changed = false;
     for (size_t i = 0; i < points.size(); ++i) {
@@ -123,7 +124,8 @@ class Splitter {
     }
   }
 
-  // Centres with too few points go, the smallest first; their points join the nearest one left.
+  // Removes centres with too few points, the smallest first. Their points join the nearest centre
+  // left.
   void drop_small(std::span<const Vec3f> points) {
     assign_.resize(points.size());
     for (;;) {
@@ -136,7 +138,7 @@ class Splitter {
     }
   }
 
-  // Makes each centre's points contiguous, keeping their order.
+  // Makes each centre's points contiguous and keeps their order.
   std::vector<Part> arrange(const Part& part) {
     std::vector<uint32_t> start(centre_.size() + 1);
     for (uint8_t c : assign_) ++start[c + 1];
@@ -180,7 +182,8 @@ Clusters hierarchical_clusters(std::span<const Vec3f> points, const Hierarchical
   out.group.assign(points.size(), Clusters::kNone);
   if (points.size() < size_t(options.min_points)) return out;
 
-  std::vector<Vec3f> ordered;  // about one of them: far from the origin floats are coarse
+  // relative to one of them, because floats far from the origin are coarse
+  std::vector<Vec3f> ordered;
   ordered.reserve(points.size());
   for (const Vec3f& p : points) ordered.push_back(p - points[0]);
   std::vector<uint32_t> index(points.size());

@@ -35,7 +35,7 @@ void check(const CreditOptions& options) {
 
 Trials trials_of(const elements::HitCount& h) { return {h.hits, h.misses}; }
 
-/// Beta priors by place and class, by class, and for all.
+/// Beta priors for each class in each region, for each class, and for all elements.
 class BetaPriors {
  public:
   BetaPriors(const elements::Model& model, const CreditOptions& options)
@@ -65,14 +65,14 @@ class BetaPriors {
 
  private:
   enum Level { kRegion, kClass, kAll };
-  using Key = std::tuple<int, uint32_t, int, int>;  // level, class, region
+  using Key = std::tuple<int, uint32_t, int, int>;  // level, class, i and j of the region
 
   std::array<Key, 3> keys(const elements::Ellipsoid& e) const {
     const auto [i, j] = cell_of(double(e.mean.x()), double(e.mean.y()), options_.region_m);
     return {Key{kRegion, e.label, i, j}, Key{kClass, e.label, 0, 0}, Key{kAll, 0, 0, 0}};
   }
 
-  // Two parameters need no more than some thousand elements, taken evenly.
+  // Takes some thousand elements evenly, which is enough to estimate two parameters.
   static std::vector<Trials> thinned(const std::vector<Trials>& trials) {
     constexpr size_t kEnough = 4000;
     if (trials.size() <= kEnough) return trials;
@@ -100,7 +100,7 @@ bool explains(const elements::Model& model, const trace::Intersection& m, double
              : std::abs(residual) < options.max_residual_for_hit_m;
 }
 
-/// How well: log N(z; t, σ²), up to a constant.
+/// Computes log N(z; t, σ²) of a measured range, up to a constant.
 double log_density(const trace::Intersection& m, double range_m) {
   const double s = (range_m - m.t_m) / sigma_of(m);
   return -0.5 * s * s - std::log(sigma_of(m));
@@ -114,10 +114,10 @@ std::vector<std::string> hit_estimators() { return {"plain", "prior", "empirical
 void credit(const elements::Model& model, std::span<const trace::Intersection> met, double range_m,
             const CreditOptions& options, std::vector<Credit>& out) {
   out.assign(met.size(), range_m == kMiss ? Credit::kMiss : Credit::kNothing);
-  const bool alone = options.rule != "mahalanobis";  // one hit a beam
+  const bool alone = options.rule != "mahalanobis";  // one beam gives at most one hit
   const double tau = alone ? model.tau : std::min(options.tau_m, model.tau);
   const bool nearest = options.rule == "first";
-  size_t stopped = met.size();  // by the element that gets the only hit
+  size_t stopped = met.size();  // the entry of the element that gets the only hit
   double best = -INFINITY;
   for (size_t k = 0; k < met.size(); ++k) {
     const trace::Intersection& m = met[k];
@@ -141,8 +141,8 @@ void credit(const elements::Model& model, std::span<const trace::Intersection> m
     }
   }
   if (stopped == met.size()) return;
-  // What comes before the hit but beyond the range has its closest approach there: the beam's way
-  // to the element that stopped it led through it.
+  // Elements before the hit can have their closest approach beyond the measured range. They get a
+  // miss, because the beam passed them on its way to the element that stopped it.
   for (size_t k = 0; k < met.size(); ++k) {
     if (met[k].delta2 > tau * tau) continue;
     out[k] = k == stopped                  ? Credit::kHit
@@ -168,8 +168,9 @@ void count_hits(elements::Model& model, BeamSource& source, const CreditOptions&
       std::vector<double> reach;
       for (size_t i = begin; i < end; ++i) {
         rays.push_back(chunk.ray(i));
-        // An ellipsoid that holds the point has its bounds entered before the point, a triangle
-        // that explains it before the greatest residual.
+        // The tracer lists an element if the ray enters its bounds before the reach. For an
+        // ellipsoid that holds the point this is so at the point, for a triangle within the largest
+        // residual.
         reach.push_back(
             std::min(double(chunk.range_m[i]) + options.max_residual_for_hit_m, limits.max_m));
       }

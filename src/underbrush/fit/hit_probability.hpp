@@ -1,5 +1,6 @@
 /// \file
-/// Hit probabilities from the beams of a log: who is credited, and what p follows from few counts.
+/// This file estimates hit probabilities from the beams of a log: which elements each beam credits
+/// with a hit or a miss, and how p follows from the counts.
 #pragma once
 #include <functional>
 #include <span>
@@ -11,62 +12,70 @@
 
 namespace underbrush::fit {
 
-/// Options of `count_hits`.
+/// The options of `count_hits`.
 struct CreditOptions {
-  /// `first`: the rule of [tallavajhula18]; `mahalanobis`: that of [deschaud12] eq. 1; `best`:
-  /// ours. See `credit`.
+  /// The crediting rule, `first` ([tallavajhula18]), `mahalanobis` ([deschaud12] eq. 1) or `best`;
+  /// see `credit`.
   std::string rule = "first";
-  double tau_m = 2;  ///< τ_m of `mahalanobis`; at most the model's τ counts.
-  /// How p of an ellipsoid follows from its counts: `plain`, hits / (hits + misses), 1 where there
-  /// is none; `prior`, with the counts of `ellipsoid` added; `empirical_bayes`, with a Beta prior
-  /// fitted to the log for each class and each region.
+  /// For `mahalanobis`: the threshold τ_m. The model's τ is used where it is less.
+  double tau_m = 2;
+  /// How p of an ellipsoid follows from its counts. `plain` gives hits / (hits + misses), or 1
+  /// without counts; `prior` adds the prior counts of `ellipsoid`; `empirical_bayes` fits a Beta
+  /// prior to the log for each class and region.
   std::string estimator = "prior";
-  /// Opaque until beams are seen to pass: tuned, as [tallavajhula18] tunes θ, for the least packet
-  /// error + 2(1 − F1). Table I of the paper has (0, 1) for ellipsoids and (1, 2) for triangles.
+  /// Prior counts of an ellipsoid: it stops beams until beams are seen to pass. The value is tuned
+  /// for the least packet error + 2 (1 − F1). Table I of [tallavajhula18] has (0, 1) for ellipsoids
+  /// and (1, 2) for triangles.
   HitPrior ellipsoid{50, 0};
-  HitPrior triangle{1e4, 0};  ///< The earth lets nothing through; misses there are grazing beams.
+  /// Prior counts of a triangle. Ground is opaque; its misses come from grazing beams.
+  HitPrior triangle{1e4, 0};
   double max_residual_for_hit_m =
-      0.75;              ///< A triangle explains a point nearer than this along the beam.
-  double region_m = 32;  ///< `empirical_bayes`: side of the square regions.
-  /// `empirical_bayes`: a class has a prior of its own in a region with as many ellipsoids that a
-  /// beam met; else the one of the class in the whole log, and else the one of all ellipsoids.
+      0.75;              ///< A triangle explains a point nearer than this along the beam, m.
+  double region_m = 32;  ///< For `empirical_bayes`: side of the square regions, m.
+  /// For `empirical_bayes`: a class has its own prior in a region if at least this many of its
+  /// ellipsoids there were met by a beam. Otherwise the prior of the class in the whole log is
+  /// used, and else the prior of all ellipsoids.
   size_t region_elements = 100;
 };
 
-/// What a beam says of an element that it meets.
+/// The credit that one beam gives to an element that it meets.
 enum class Credit : uint8_t { kNothing, kHit, kMiss };
 
-/// Replaces `out` with what one beam says of each element of `met` (in any order; `range_m` =
-/// kMiss for a beam without a return, which is a miss for all). An ellipsoid explains the measured
-/// point if its Mahalanobis distance to it is below a threshold, a triangle if its residual is
-/// below `max_residual_for_hit_m`.
+/// Computes the credit of one beam for each element of `met`, which may be in any order. `range_m`
+/// is the measured range (m); a beam without a return (kMiss) gives every element a miss. The
+/// result replaces `out`, with one entry for each entry of `met`.
 ///
-/// `first`: the first that explains the point (threshold τ) gets the hit, all before it a miss;
-/// where none does, all met before the range get a miss. One beam, one hit: overlapping ellipsoids
-/// share them.
+/// An ellipsoid explains the measured point if its Mahalanobis distance to it is below a threshold,
+/// a triangle if its residual along the beam is below `max_residual_for_hit_m`. The rules differ in
+/// who gets the hit:
 ///
-/// `best`: likewise, but the hit goes to the one of those that explain the point whose range
-/// density N(z; t, σ²) is greatest there: the likeliest by the ray model. Where elements overlap
-/// along a beam, `first` takes the points of the farther ones for the nearest.
-///
-/// `mahalanobis`: each element by itself. Ellipsoids farther from the beam than τ_m say nothing;
-/// those that explain the point (threshold τ_m) get a hit, the others met before the range a miss:
-/// n and m of the permeability ρ = m / (m + n), p = 1 − ρ.
+/// - `first` [tallavajhula18]: the first element that explains the point (threshold τ) gets the
+///   hit, and all before it a miss. Where no element explains the point, all elements before the
+///   measured range get a miss. One beam gives at most one hit, which overlapping ellipsoids
+///   compete for.
+/// - `best`: among the elements that explain the point (threshold τ), the one with the greatest
+///   range density N(z; t, σ²) there gets the hit, and all before it a miss. Where elements overlap
+///   along a beam, this avoids giving the points of farther elements to the nearest one.
+/// - `mahalanobis` [deschaud12] eq. 1: each element is judged by itself. Ellipsoids farther from
+///   the beam than τ_m get nothing; elements that explain the point (threshold τ_m) get a hit;
+///   others before the measured range get a miss. The counts n of hits and m of misses give the
+///   permeability ρ = m / (m + n) and p = 1 − ρ.
 void credit(const elements::Model& model, std::span<const trace::Intersection> met, double range_m,
             const CreditOptions& options, std::vector<Credit>& out);
 
-/// Fills hits, misses and p of all elements of `model` from all beams of `source`. Elements that no
-/// beam met keep the prior's mean (1 under `plain`). `progress(done, total)` may be empty. Throws
-/// `std::invalid_argument` for an unknown rule or estimator and for options out of range.
+/// Counts the hits and misses of all elements of `model` over all beams of `source`, and estimates
+/// p from them. Elements that no beam met get the prior's mean, or 1 under `plain`. `progress(done,
+/// total)` may be empty. Throws `std::invalid_argument` for an unknown rule or estimator and for
+/// options out of range.
 void count_hits(elements::Model& model, BeamSource& source, const CreditOptions& options,
                 const std::function<void(size_t, size_t)>& progress = {});
 
-/// Fills p of all elements from their counts.
+/// Estimates p of all elements from the counts that the model holds.
 void estimate_hit_probabilities(elements::Model& model, const CreditOptions& options);
 
-/// Names of the crediting rules.
+/// The names of the crediting rules.
 std::vector<std::string> credit_rules();
-/// Names of the estimators of p.
+/// The names of the estimators of p.
 std::vector<std::string> hit_estimators();
 
 }  // namespace underbrush::fit

@@ -6,9 +6,9 @@ namespace underbrush::fit {
 namespace {
 
 constexpr float kSigmaNormal = 0.75f;
-constexpr float kSigmaResidual = 0.25f;  // Of the mean radius.
+constexpr float kSigmaResidual = 0.25f;  // As a share of the mean radius.
 constexpr int kFits = 8;
-constexpr float kSettled = 1e-3f;  // Of the mean radius.
+constexpr float kSettled = 1e-3f;  // As a share of the mean radius.
 
 }  // namespace
 
@@ -57,7 +57,7 @@ float rimls(const Vec3f& x, std::span<const OrientedPoint> near) {
       sum_slope += slope * height;
       normals += w * p.normal;
     }
-    if (!(weights > 0)) return f;  // No point is trusted any more: the last fit stands.
+    if (!(weights > 0)) return f;  // All points are outliers to the last fit, which stands.
     const float before = f;
     f = sum / weights;
     gradient = (sum_slope - f * weights_slope + normals) / weights;

@@ -1,5 +1,6 @@
 /// \file
-/// Implicit surfaces through oriented points: functions whose zero set is the surface.
+/// This file has implicit surfaces through oriented points: functions whose zero set is the
+/// surface.
 #pragma once
 #include <functional>
 #include <span>
@@ -8,26 +9,30 @@
 
 namespace underbrush::fit {
 
-/// A point of the surface with the unit normal of its neighbourhood, towards the sensor.
+/// A point of the surface with the unit normal of its neighbourhood, which points towards the
+/// sensor.
 struct OrientedPoint {
   Vec3f position = Vec3f::Zero();  ///< m.
   Vec3f normal = Vec3f::Zero();
-  float radius_m = 0;  ///< How far it has a say.
+  float radius_m = 0;  ///< Radius within which the point has weight, m.
 };
 
-/// Weight of a point at `x`: (1 − |x − p|²/r²)⁴ within its radius r, zero beyond [oztireli09].
+/// Computes the weight of a point at `x`: (1 − |x − p|²/r²)⁴ within its radius r, 0 beyond
+/// [oztireli09].
 float weight(const Vec3f& x, const OrientedPoint& point);
 
-/// Signed distance (m, positive on the sensor's side) of `x` to the surface of the points `near`,
-/// which are all those nearer than their radius; NaN where there is none.
+/// A function that computes the signed distance of `x` to the surface (m, positive on the sensor's
+/// side). `near` has all points that are nearer to `x` than their radius. It gives NaN where there
+/// are none.
 using SignedDistance = std::function<float(const Vec3f& x, std::span<const OrientedPoint> near)>;
 
-/// Implicit moving least squares: f(x) = Σ wᵢ nᵢ·(x − pᵢ) / Σ wᵢ.
+/// Computes implicit moving least squares, f(x) = Σ wᵢ nᵢ·(x − pᵢ) / Σ wᵢ.
 float imls(const Vec3f& x, std::span<const OrientedPoint> near);
 
-/// Its robust version [oztireli09], which keeps edges: f is fitted again, up to eight times, with
-/// each weight multiplied by exp(−(rᵢ/σ_r)²) exp(−(|nᵢ − ∇f|/σ_n)²), rᵢ = nᵢ·(x − pᵢ) − f. σ_n =
-/// 0.75; σ_r is a quarter of the points' mean radius (the authors: half their spacing).
+/// Computes robust implicit moving least squares [oztireli09], which keeps edges sharp. f is fitted
+/// up to eight times; each time the weights are multiplied by exp(−(rᵢ/σ_r)²) exp(−(|nᵢ −
+/// ∇f|/σ_n)²) with the residual rᵢ = nᵢ·(x − pᵢ) − f of the last fit. σ_n is 0.75, and σ_r is a
+/// quarter of the points' mean radius, where the authors take half the points' spacing.
 float rimls(const Vec3f& x, std::span<const OrientedPoint> near);
 
 }  // namespace underbrush::fit

@@ -11,7 +11,7 @@ namespace {
 
 using Progress = std::function<void(std::string_view, size_t, size_t)>;
 
-/// The best model so far, and trials of others.
+/// The best model so far, and trials of other models against it.
 class ModelSearch {
  public:
   ModelSearch(const elements::Model& start, BeamSource& source, const LikelihoodOptions& options,
@@ -34,7 +34,8 @@ class ModelSearch {
             std::move(report_)};
   }
 
-  /// Takes the candidate if it explains the held-out beams better, at once or after some M-steps.
+  /// Keeps the candidate if it explains the held-out beams better, at once or after up to `m_steps`
+  /// M-steps.
   bool attempt(const char* name, elements::Model candidate, int m_steps) {
     for (;; --m_steps) {
       State trial;
@@ -54,7 +55,8 @@ class ModelSearch {
 
  private:
   struct State {
-    std::unique_ptr<elements::Model> model;  // where its sums find it
+    // on the heap, so that the sums' pointer to it stays valid
+    std::unique_ptr<elements::Model> model;
     Expectation seen;
   };
 
@@ -93,7 +95,8 @@ Refined refine(const elements::Model& start, BeamSource& source, const Likelihoo
     return search.attempt(
         "rearrange", rearranged(search.model(), search.sums(), options.rearrangement), m_steps);
   };
-  // Redundant ellipsoids of a few beams each would take up those beams' noise in every M-step.
+  // In an M-step, redundant ellipsoids of a few beams each would fit those beams' noise, so
+  // rearrangements come first.
   for (int round = 0; round < options.rounds && rearrange(2); ++round) {
   }
   double stride = 0.5;

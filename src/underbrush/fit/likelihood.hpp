@@ -1,5 +1,6 @@
 /// \file
-/// The fitter `likelihood`: any model refined by expectation–maximisation on the ray model.
+/// This file has the fitter `likelihood`, which refines a model by expectation–maximisation on the
+/// ray model.
 #pragma once
 #include <string>
 #include <string_view>
@@ -11,52 +12,59 @@
 
 namespace underbrush::fit {
 
-/// Options of `refine`.
+/// The options of `refine`.
 struct LikelihoodOptions {
   HeldOut held_out;
-  int rounds = 12;             ///< Most rearrangements at first, and most steps after them.
-  double least_gain = 0.0005;  ///< A step must lower the held-out −log f by this, nats a beam.
-  /// Weight of "its return was lost" for a beam without one, when credit is given. Near 0 every
-  /// lone miss makes what stands in its way permeable, which is the best likelihood; a simulation
-  /// then loses beams of its own at places of its own, which is the worst F1. See
+  int rounds = 12;  ///< Largest number of rearrangements at the start, and of steps after them.
+  /// A step is kept if it lowers the held-out −log f by this, nats a beam.
+  double least_gain = 0.0005;
+  /// The probability ε_m that a return was lost, as the expectation step uses it. Near 0, each
+  /// single miss makes the elements in its way permeable. This gives the best likelihood but the
+  /// worst F1, because a simulation then loses other beams than the log did. See
   /// docs/explanation/likelihood.md.
   double dropout = 0.4;
-  /// How much more decided than the likeliest model the result is (`sharpened`). Above 1 a draw
-  /// lies nearer to the measured return, and likelihood and CRPS get worse.
+  /// The exponent γ of `sharpened`, applied to the final model; 1 leaves it as it is. Above 1, a
+  /// simulated range lies nearer to the measured one, while likelihood and CRPS get worse.
   double sharpness = 1;
-  double range_noise_m = 0.02;
+  double range_noise_m = 0.02;  ///< σ of the sensor's range, m.
   MaximisationOptions maximisation;
   RearrangementOptions rearrangement;
 };
 
-/// One step that was tried.
+/// A step that was tried.
 struct LikelihoodStep {
-  std::string name;  ///< start, density, maximise, rearrange
+  std::string name;  ///< `start`, `density`, `maximise` or `rearrange`.
   size_t elements = 0;
-  double training_nll = 0, held_out_nll = 0;  ///< Mean −log f a beam, as `metrics::score` takes it.
+  /// Mean −log f over beams, nats, as in `metrics::score`.
+  double training_nll = 0, held_out_nll = 0;
   bool accepted = false;
 };
 
-/// How a refinement went.
+/// The report of a refinement.
 struct LikelihoodReport {
   size_t training_beams = 0, held_out_beams = 0;
   double stray_hits = 0;  ///< Estimated share of returns that no element explains.
   std::vector<LikelihoodStep> steps;
 };
 
-/// A refined model.
+/// A refined model and its report.
 struct Refined {
   elements::Model model;
   LikelihoodReport report;
 };
 
-/// Refines `start` by steps, each of which must raise the likelihood of the beams held out or is
-/// undone: densities for hit probabilities; rearrangements (`rearranged`), which never add to the
-/// number of elements, for as long as they help; M-steps (`maximised`), every third time a
-/// rearrangement. In the end the ellipsoids are `sharpened`. Reads the source once a step; memory
-/// grows with the model. The same bits for any number of threads and any order of the beams.
-/// Ellipsoids bounded by voxels are refused (`std::invalid_argument`): their means move.
-/// `progress(stage, done, total)` may be empty.
+/// Refines a model by steps. A step is kept only if it raises the likelihood of the held-out beams.
+/// The steps are:
+///
+/// 1. hit probabilities are turned into densities (`with_densities`);
+/// 2. ellipsoids are rearranged (`rearranged`) for as long as it helps;
+/// 3. M-steps (`maximised`) follow, and every third step is a rearrangement.
+///
+/// Rearrangements never add to the number of elements. The final ellipsoids are `sharpened`. The
+/// source is read once a step, and memory grows with the model. The result has the same bits for
+/// any number of threads and any order of the beams. `progress(stage, done, total)` may be empty.
+/// Throws `std::invalid_argument` for ellipsoids bounded by voxels, because their means would leave
+/// the voxels, and for options out of range.
 Refined refine(const elements::Model& start, BeamSource& source, const LikelihoodOptions& options,
                const std::function<void(std::string_view, size_t, size_t)>& progress = {});
 

@@ -1,16 +1,18 @@
 /// \file
-/// The two kinds of model that a log is made into; the table of fitters names their callers.
+/// This file declares the two ways to make a model from a log. The table of fitters names the
+/// functions that call them.
 #pragma once
 #include "underbrush/fit/fit.hpp"
 
 namespace underbrush::fit {
 
-/// A ground mesh and the ellipsoids of the clustering `options.fitter` (none where no clustering
-/// has that name), with hit probabilities, without free space. Throws as `fit`.
+/// Makes a ground mesh and the ellipsoids of the clustering `options.fitter`, or the ground mesh
+/// alone where no clustering has that name. Hit probabilities are estimated and free space is
+/// removed. Throws as `fit` does.
 FitResult fit_ellipsoids(BeamSource& source, const FitOptions& options,
                          const FitProgress& progress);
 
-/// One opaque mesh through all points, the zero surface of `distance`. Throws as `fit`.
+/// Makes one opaque mesh through all points, the zero surface of `distance`. Throws as `fit` does.
 FitResult fit_surface(BeamSource& source, const FitOptions& options, const SignedDistance& distance,
                       const FitProgress& progress);
 

@@ -11,7 +11,7 @@
 namespace underbrush::fit {
 namespace {
 
-/// The corners of each face in order, counter-clockwise seen from outside.
+/// Lists the corners of each face in order, counter-clockwise seen from outside.
 std::array<std::array<int, 4>, 6> cube_faces() {
   std::array<std::array<int, 4>, 6> faces{};
   for (int axis = 0; axis < 3; ++axis) {
@@ -43,8 +43,8 @@ bool on_one_face(int e, int f) {
   return false;
 }
 
-/// Cuts a loop of edges into triangles; no cut runs along a face of the cell, where the next cell
-/// might cut too.
+/// Cuts a loop of edges into triangles. No cut runs along a face of the cell, where the next cell
+/// might cut too. Gives whether such cuts exist.
 bool cut_loop(std::vector<int> loop, CubeTriangles& triangles) {
   if (loop.size() < 3) return true;
   const size_t n = loop.size(), had = triangles.size();
@@ -62,8 +62,8 @@ bool cut_loop(std::vector<int> loop, CubeTriangles& triangles) {
 
 CubeTriangles triangles_of(int pattern) {
   const auto negative = [pattern](int corner) { return (pattern >> corner & 1) != 0; };
-  // On each face, walked counter-clockwise from outside, a segment leaves through the edge where
-  // the walk enters the negative part and returns through the next one where it leaves it.
+  // Each face is walked counter-clockwise from outside. A segment leaves through the edge where the
+  // walk enters the negative part, and returns through the next edge where the walk leaves it.
   std::array<int, 12> next;
   next.fill(-1);
   for (const auto& face : cube_faces()) {
@@ -106,12 +106,13 @@ const std::array<CubeTriangles, 256>& cube_triangles() {
 
 namespace {
 
-/// Where an edge of the grid is crossed: the fraction from its lower node; NaN if nowhere.
+/// Finds where an edge of the grid is crossed, as the fraction from its lower node; NaN where it is
+/// not.
 float crossing(float a, float b) {
   return (a < 0) != (b < 0) && !std::isnan(a) && !std::isnan(b) ? a / (a - b) : NAN;
 }
 
-/// Sign pattern of the cell with lowest node (i, j, k); 0 if a corner is NaN.
+/// Computes the sign pattern of the cell with the lowest node (i, j, k); 0 if a corner is NaN.
 int pattern_of(const ScalarGrid& g, int i, int j, int k) {
   int pattern = 0;
   for (int c = 0; c < 8; ++c) {
@@ -122,8 +123,8 @@ int pattern_of(const ScalarGrid& g, int i, int j, int k) {
   return pattern;
 }
 
-/// One row of nodes (all x for one y, z): its vertices and its cells' triangles as (node · 3 +
-/// axis).
+/// A row of nodes, which are all x of one y and z. It has its vertices, and its cells' triangles by
+/// the numbers (node · 3 + axis) of edges.
 struct Row {
   std::vector<size_t> edges;
   std::vector<Vec3f> vertices;
@@ -174,7 +175,7 @@ IsoMesh marching_cubes(const ScalarGrid& grid) {
       row[r] = march_row(grid, int(r % size_t(grid.size[1])), int(r / size_t(grid.size[1])));
     }
   });
-  // Vertices are numbered row by row; those that no triangle uses (beside cells left out) go.
+  // Vertices are numbered row by row. Unused ones, beside cells that were left out, are removed.
   const auto place = [&](size_t id) {
     const Row& r = row[id / 3 / size_t(grid.size[0])];
     return size_t(std::lower_bound(r.edges.begin(), r.edges.end(), id) - r.edges.begin());

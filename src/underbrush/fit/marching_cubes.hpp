@@ -1,5 +1,6 @@
 /// \file
-/// The zero surface of a scalar field on a regular grid, as triangles.
+/// This file has marching cubes, which turn the zero surface of a scalar field on a regular grid
+/// into triangles.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -8,44 +9,49 @@
 #include "underbrush/core/pose.hpp"
 
 namespace underbrush {
-/// Fitting of scene elements to logs.
+/// The fitters, which turn logs into models.
 namespace fit {
 
-/// Values at the nodes of a regular grid, x fastest. Node (i, j, k) of the array lies at
-/// ((first + (i, j, k)) · cell), so that grids of neighbouring tiles share nodes bit for bit.
+/// Values at the nodes of a regular grid, with x fastest. Node (i, j, k) of the array lies at
+/// (first + (i, j, k)) · cell, so that grids of neighbouring tiles share the same nodes to the bit.
 struct ScalarGrid {
-  std::array<int, 3> first{};  ///< Of the array's first node, in cells.
-  std::array<int, 3> size{};   ///< Nodes along each axis.
-  double cell_m = 0;
-  std::vector<float> value;  ///< NaN where the field is not known.
+  std::array<int, 3> first{};  ///< Place of the array's first node, in cells from zero.
+  std::array<int, 3> size{};   ///< Number of nodes along each axis.
+  double cell_m = 0;           ///< Side of a cell, m.
+  std::vector<float> value;    ///< NaN where the field is unknown.
 
+  /// The index in `value` of node (i, j, k) of the array.
   size_t at(int i, int j, int k) const {
     return (size_t(k) * size_t(size[1]) + size_t(j)) * size_t(size[0]) + size_t(i);
   }
-  /// Coordinate of node `i` of the array along `axis`, m.
+  /// The coordinate of node `i` of the array along `axis`, m.
   float place(int axis, int i) const { return float((first[size_t(axis)] + i) * cell_m); }
 };
 
-/// Triangles that share vertices, counter-clockwise seen from the side of positive values.
+/// A mesh whose triangles share vertices. Triangles are counter-clockwise seen from the side of
+/// positive values.
 struct IsoMesh {
   std::vector<Vec3f> vertices;  ///< m.
   std::vector<std::array<uint32_t, 3>> triangles;
 };
 
-/// Triangles of one of the 256 sign patterns of a cell: triples of edges. Corner c lies at (c & 1,
-/// c >> 1 & 1, c >> 2); bit c of the pattern is set where the value is negative. Edge 4 a + m runs
-/// along axis a; bits 0 and 1 of m are its place along the two axes after a (cyclic).
+/// The triangles of a cell for one of the 256 sign patterns of its corners; each is a triple of
+/// edges. Corner c lies at (c & 1, c >> 1 & 1, c >> 2), and bit c of the pattern is set where the
+/// value is negative. Edge 4 a + m runs along axis a; bits 0 and 1 of m are its place along the
+/// next two axes in cyclic order.
 using CubeTriangles = std::vector<std::array<uint8_t, 3>>;
 
-/// All patterns. Made by joining, on each face, the crossed edges so that negative corners of an
-/// ambiguous face stay apart: the two cells at a face see the same segments, so no cracks.
+/// The triangles of all patterns. On each face, the crossed edges are joined so that negative
+/// corners of an ambiguous face stay apart. The two cells at a face therefore see the same
+/// segments, and the surface has no cracks.
 const std::array<CubeTriangles, 256>& cube_triangles();
 
-/// Corners (lower, upper) of an edge of the numbering above.
+/// Computes the lower and the upper corner of an edge.
 std::array<int, 2> cube_edge(int edge);
 
-/// Marching cubes with linear interpolation along the edges. Cells with a corner that is NaN are
-/// left out. Zero counts as positive.
+/// Computes the zero surface by marching cubes with linear interpolation along the edges. Cells
+/// with a NaN corner are left out, and zero counts as positive. Throws `std::invalid_argument` for
+/// a grid whose sizes are negative or do not fit its values.
 IsoMesh marching_cubes(const ScalarGrid& grid);
 
 }  // namespace fit

@@ -9,7 +9,7 @@
 namespace underbrush::fit {
 namespace {
 
-// Longest moves of one step: of ln κ, of the mean in standard deviations, of E.
+// The longest moves of one step: of ln κ, of the mean in standard deviations, and of an entry of E.
 constexpr double kLongestDensity = 1, kLongestShift = 0.5, kLongestStretch = 0.3;
 constexpr double kLeastDensity = 1e-4, kMostDensity = 1e4;  // 1/m
 
@@ -17,7 +17,8 @@ uint32_t count(double x) { return uint32_t(std::llround(std::clamp(x, 0.0, 4e9))
 
 double clamped(double value, double longest) { return std::clamp(value, -longest, longest); }
 
-/// √(2π) σ e^{−δ²/2} of a beam at distance δ through a sphere of the ellipsoid's volume.
+/// Computes √(2π) σ e^{−δ²/2}, m, of a beam at distance δ through a sphere of the ellipsoid's
+/// volume.
 double depth_m(const Mat3& covariance, double delta) {
   return std::sqrt(2 * M_PI) * std::pow(covariance.determinant(), 1.0 / 6) *
          std::exp(-0.5 * delta * delta);
@@ -41,7 +42,7 @@ void move_geometry(elements::Ellipsoid& e, const Mat3& covariance, const Ellipso
   if (shift.norm() > kLongestShift) shift *= kLongestShift / shift.norm();
   const double n = sums.hits, k = o.spent_points;
   const double spread = std::min((n + k) / std::max(n - k, 1e-9), 4.0) - 1;
-  // −ν/2 (ln |Σ| + v tr Σ⁻¹), v the mean variance.
+  // The prior adds −ν/2 (ln |Σ| + v tr Σ⁻¹) with the mean variance v.
   const double variance = covariance.trace() / 3, nu = o.prior_points;
   const Mat3 slope = sums.stretch_slope + spread * sums.along -
                      nu * (identity - variance * whiten * whiten.transpose());

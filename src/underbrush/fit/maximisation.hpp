@@ -1,39 +1,45 @@
 /// \file
-/// The M-step: the model that follows from what the beams say of each element.
+/// This file has the maximisation step, which moves a model to where its beams are more likely.
 #pragma once
 #include "underbrush/fit/beta_prior.hpp"
 #include "underbrush/fit/element_sums.hpp"
 
 namespace underbrush::fit {
 
-/// Options of `maximised`: what is held to be likely before any beam is seen.
+/// The options of `maximised`: the floor and the priors.
 struct MaximisationOptions {
-  double floor_m = 0.02;    ///< Least σ of an ellipsoid along any axis.
-  double prior_points = 4;  ///< Points' worth of a sphere of the ellipsoid's size in its Σ.
-  /// Hits' worth of evidence that matter is opaque to beams that pass at Mahalanobis distance
+  double floor_m = 0.02;    ///< Least σ of an ellipsoid along any axis, m.
+  double prior_points = 4;  ///< Weight in Σ of a sphere of the ellipsoid's size, in points.
+  /// Prior evidence for opacity: this many hits by beams that pass at Mahalanobis distance
   /// `opaque_distance`.
   double opaque_hits = 4, opaque_distance = 2;
-  /// Parameters that an ellipsoid's own points were spent on: n points spread about what was fitted
-  /// to them less than new ones by (n − k) / (n + k), at most to a quarter.
+  /// Number k of parameters that an ellipsoid's own n points were fitted with. Such points spread
+  /// less about the fit than new points will, so squared misfits are raised by (n + k) / (n − k),
+  /// at most fourfold.
   double spent_points = 3;
-  HitPrior triangle{20, 0};  ///< Hits and misses of a triangle before any beam.
+  HitPrior triangle{20, 0};  ///< Prior hits and misses of a triangle.
 };
 
-/// The model with each ellipsoid given a density κ such that a beam through it at a usual distance
-/// finds the hit probability that it had; where it has one, it stays. A mesh without roughness is
-/// given its range noise as roughness.
+/// Gives each ellipsoid without a density a density κ (1/m), such that a beam through it at a usual
+/// distance has the hit probability that the ellipsoid had. Ellipsoids with a density keep it. A
+/// mesh without roughness gets its range noise, at least `range_noise_m` (m), as roughness, and
+/// `range_noise_m` as range noise. Returns the changed model.
 elements::Model with_densities(const elements::Model& model, double range_noise_m);
 
-/// The model with its ellipsoids' answers more decided, `sharpness` γ > 0 times: a beam that found
-/// the optical depth a finds ln 2 (a / ln 2)^γ, so that what stopped half of the beams still does,
-/// what stopped most stops nearly all and the rest is passed; σ falls by √γ. As Σ / γ, a density
-/// that follows from it (for the ellipsoid's mean σ; exact for a sphere) and τ √γ: the same beams
-/// meet the same ellipsoids at the same ranges. Ellipsoids without a density keep their p.
+/// Makes the outcomes at the ellipsoids more certain, by an exponent γ = `sharpness` > 0, and
+/// returns the changed model. A beam with the optical depth a through an ellipsoid then has the
+/// depth ln 2 (a / ln 2)^γ, so that p = ½ stays and other p move towards 0 or 1, and σ becomes σ /
+/// √γ.
+///
+/// To this end Σ becomes Σ / γ, τ becomes τ √γ, and the density follows for the ellipsoid's mean σ,
+/// which is exact for a sphere. The same beams meet the same ellipsoids at the same ranges.
+/// Ellipsoids without a density keep their p.
 elements::Model sharpened(const elements::Model& model, double sharpness);
 
-/// One step of Fisher scoring for all elements at once, each by itself: κ (in its logarithm), μ and
-/// Σ of the ellipsoids, p of the triangles, range noise and roughness of the meshes. `stride` in
-/// (0, 1] shortens all moves. Hits and misses of an element become its soft counts.
+/// Takes one step of Fisher scoring for each element separately and returns the changed model. The
+/// step changes ln κ, μ and Σ of the ellipsoids, p of the triangles, and range noise and roughness
+/// of the meshes. `stride` in (0, 1] scales all moves. Hits and misses of an element become its
+/// soft counts.
 elements::Model maximised(const elements::Model& model, const ElementSums& sums,
                           const MaximisationOptions& options, double stride);
 

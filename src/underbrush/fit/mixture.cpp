@@ -15,12 +15,12 @@ constexpr size_t kMostShares = 8, kMostNeighbours = 12;
 
 /// An ellipsoid of the mixture.
 struct Component {
-  double points = 0;  ///< That it holds.
-  Vec3 mean;          ///< As a float has it.
+  double points = 0;  ///< Number of points that it holds.
+  Vec3 mean;          ///< Rounded to float, as models store it.
   Mat3 sigma;
 };
 
-/// What the density of an ellipsoid of the mixture asks for, close together.
+/// The density of an ellipsoid of the mixture, in compact form.
 struct Density {
   Vec3f center;                    ///< Its mean.
   std::array<float, 6> precision;  ///< Σ⁻¹: xx xy xz yy yz zz.
@@ -32,7 +32,7 @@ struct Density {
                  float(p(1, 1)), float(p(1, 2)), float(p(2, 2))};
     log_weight = float(std::log(c.points) - 0.5 * std::log(c.sigma.determinant()));
   }
-  /// Log of its share of the density at x, but for a constant.
+  /// Computes the log of the component's density at x, up to a constant.
   float log_of(const Vec3f& x) const {
     const Vec3f d = x - center;
     const auto& p = precision;
@@ -41,7 +41,8 @@ struct Density {
   }
 };
 
-/// The numbers of the points, cluster by cluster: those of c from `start[c]` to `start[c + 1]`.
+/// The indices of the points, sorted by cluster. Cluster c has those from `start[c]` to `start[c +
+/// 1]`.
 struct ByCluster {
   std::vector<uint32_t> order, start;
 
@@ -58,7 +59,7 @@ struct ByCluster {
   }
 };
 
-/// For each ellipsoid the `k` with the nearest means, itself among them.
+/// Finds for each ellipsoid the `k` ellipsoids with the nearest means, itself among them.
 std::vector<uint32_t> neighbours(std::span<const Vec3f> mean, size_t k) {
   const CloudTree tree(mean, 10);
   std::vector<uint32_t> out(mean.size() * k);
@@ -69,7 +70,7 @@ std::vector<uint32_t> neighbours(std::span<const Vec3f> mean, size_t k) {
   return out;
 }
 
-/// Puts into `out` as many of `among` as it holds: those with the means nearest to x.
+/// Fills `out` with the ellipsoids of `among` whose means are nearest to x.
 void nearest_of(std::span<const uint32_t> among, std::span<const Vec3f> mean, const Vec3f& x,
                 std::span<uint32_t> out) {
   std::array<float, kMostShares> square;
@@ -88,7 +89,7 @@ void nearest_of(std::span<const uint32_t> among, std::span<const Vec3f> mean, co
   }
 }
 
-/// S, the covariance of where across its beam a point was met.
+/// Computes S, the covariance of a point's displacement across its beam.
 Mat3 across(const Footprint& footprint, const Vec3& to_sensor) {
   const double range = to_sensor.norm();
   const Vec3 back = to_sensor / range, level = Vec3::UnitZ().cross(back);
@@ -99,7 +100,7 @@ Mat3 across(const Footprint& footprint, const Vec3& to_sensor) {
          vertical * vertical * up * up.transpose();
 }
 
-/// What the points say of a component: their number and first two moments about its mean.
+/// Sums of a component's points: their number and first two moments about its mean.
 class Shares {
  public:
   void add(double q, const Vec3& y) {
@@ -109,7 +110,7 @@ class Shares {
       for (int b = a; b < 3; ++b) sums_[next++] += q * (y[a] * y[b]);
     }
   }
-  /// A point that has mean y and covariance `open`, as far as is known.
+  /// Adds a point of which only the mean y and the covariance `open` are known.
   void add(double q, const Vec3& y, const Mat3& open) {
     add(q, y);
     sums_.tail<6>() += q * Eigen::Matrix<double, 6, 1>(open(0, 0), open(0, 1), open(0, 2),
@@ -131,14 +132,14 @@ class Shares {
 
 /// Turns logs of densities into shares that sum to 1.
 void normalise(std::span<float> logs) {
-  constexpr float kLeast = -7;  // log of a share, by the largest, that is too small to count
+  constexpr float kLeast = -7;  // shares below e⁻⁷ of the largest count as 0
   const float most = *std::max_element(logs.begin(), logs.end());
   float sum = 0;
   for (float& x : logs) sum += x = x - most < kLeast ? 0 : std::exp(x - most);
   for (float& x : logs) x /= sum;
 }
 
-/// Adds a point to the components that may hold it.
+/// Shares a point among the components that may hold it.
 void share(const Vec3f& x, std::span<const uint32_t> candidates, std::span<const Density> densities,
            std::span<Shares> shares) {
   std::array<float, kMostShares> part;
@@ -151,7 +152,7 @@ void share(const Vec3f& x, std::span<const uint32_t> candidates, std::span<const
   }
 }
 
-/// The same for a point that was moved across its beam, with covariance `s`.
+/// Shares a point that was moved across its beam with covariance `s` among the components.
 void share(const Vec3& x, const Mat3& s, std::span<const uint32_t> candidates,
            std::span<const Component> components, std::span<Shares> shares) {
   std::array<float, kMostShares> part;

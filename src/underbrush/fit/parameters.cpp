@@ -21,7 +21,7 @@ std::vector<std::string> ground_methods() {
   return {"lower_envelope", "spherical_variance", "none"};
 }
 
-/// The fields of the table, each a function of the options.
+/// Converts a function of the options to the type that the table holds.
 template <class F>
 constexpr ParameterField at(F field) {
   using Value = std::remove_reference_t<std::invoke_result_t<F, Options&>>;
@@ -217,7 +217,7 @@ std::vector<FitterParameter> parameters_of(const FitOptions& options) {
 double Parameter::number(const FitOptions& options) const {
   return std::visit(
       [&](const auto get) -> double {
-        // The fields are functions of options that may be written to; here they are only read.
+        // A field's function takes options that may be written to, but is only read through here.
         const auto& value = get(const_cast<FitOptions&>(options));
         if constexpr (std::is_same_v<std::decay_t<decltype(value)>, std::string>) {
           throw std::invalid_argument("fit: " + std::string(name) + " is not a number");

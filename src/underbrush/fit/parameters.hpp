@@ -1,6 +1,6 @@
 /// \file
-/// The table of the parameters of a fit: the command line, configurations, the search for
-/// parameters and the reference page all loop over it.
+/// This file has the table of the parameters of a fit. The command line, configuration files, the
+/// parameter search and the reference page loop over it.
 #pragma once
 #include <optional>
 #include <span>
@@ -14,7 +14,7 @@
 
 namespace underbrush::fit {
 
-/// The part of a fit that a parameter belongs to. A fitter has the parameters of some groups.
+/// The part of a fit that a parameter belongs to. Each fitter has the parameters of some groups.
 enum class ParameterGroup {
   kCommon,          ///< Every fitter.
   kHierarchical,    ///< The clustering of `hierarchical`.
@@ -31,42 +31,44 @@ enum class ParameterGroup {
 /// All groups, in the order of the enumeration.
 std::span<const ParameterGroup> parameter_groups();
 
-/// The name of a group as help texts head it, such as "hit probability".
+/// The name of a group as a heading of help texts, such as "hit probability".
 std::string_view name_of(ParameterGroup group);
 
-/// How the range of a parameter is walked when it is tuned.
+/// The scale on which a tuning range is walked.
 enum class Scale {
   kLinear,
-  kLog,    ///< Equal factors are equal steps; `low` is positive.
-  kWhole,  ///< The same, rounded to whole numbers.
+  kLog,    ///< Equal steps are equal factors; `low` is positive.
+  kWhole,  ///< Linear, rounded to whole numbers.
 };
 
-/// The range in which a parameter is looked for.
+/// The range in which a search looks for the value of a parameter.
 struct TuningRange {
   double low = 0, high = 1;
   Scale scale = Scale::kLinear;
-  bool usual = true;  ///< Tuned unless names are given.
+  bool usual = true;  ///< Tuned unless the user names the parameters to tune.
 };
 
-/// Where a parameter lies in `FitOptions`.
+/// A function that gives the parameter's field in a `FitOptions`.
 using ParameterField =
     std::variant<double& (*)(FitOptions&), int& (*)(FitOptions&), unsigned& (*)(FitOptions&),
                  bool& (*)(FitOptions&), std::string& (*)(FitOptions&)>;
 
 /// A parameter of a fit.
 struct Parameter {
-  std::string_view name;  ///< As an option of the command line and a key of a configuration.
+  std::string_view name;  ///< The name of the command line's option and of the configuration's key.
   ParameterGroup group;
-  std::string_view unit;  ///< "m", "nats", …; empty where there is none.
+  std::string_view unit;  ///< For example "m" or "nats"; empty for a pure number.
   std::string_view help;
   ParameterField field;
-  bool usual = false;                                ///< Most users need it.
-  std::optional<TuningRange> tuning = std::nullopt;  ///< None: not tuned.
-  std::vector<std::string> (*choices)() = nullptr;   ///< The values that a word may have.
+  bool usual = false;                                ///< Whether `--help` shows it.
+  std::optional<TuningRange> tuning = std::nullopt;  ///< Empty for a parameter that is not tuned.
+  /// Lists the values that a text may have, or null.
+  std::vector<std::string> (*choices)() = nullptr;
 
-  /// The value as a number. Throws `std::invalid_argument` for a word.
+  /// The value as a number. Throws `std::invalid_argument` for a text parameter.
   double number(const FitOptions& options) const;
-  /// Sets a number, truncated where the field is whole. Throws likewise.
+  /// Sets the value from a number, which is truncated where the field is whole. Throws
+  /// `std::invalid_argument` for a text parameter.
   void set_number(FitOptions& options, double value) const;
   /// The value as text, such as "0.1", "true" or "first".
   std::string text(const FitOptions& options) const;
@@ -75,13 +77,13 @@ struct Parameter {
 /// All parameters, in the order in which a search walks them.
 std::span<const Parameter> parameters();
 
-/// A parameter as one fitter has it.
+/// A parameter of one fitter.
 struct FitterParameter {
   const Parameter* parameter = nullptr;
-  bool usually_tuned = false;  ///< A search tunes it unless names are given.
+  bool usually_tuned = false;  ///< Whether a search tunes it unless the user names the parameters.
 };
 
-/// The parameters that have an effect with the fitter of `options`; for `likelihood` these are its
+/// The parameters that have an effect with the fitter of `options`. For `likelihood` these are its
 /// own and those of its start. Throws `std::invalid_argument` for an unknown fitter.
 std::vector<FitterParameter> parameters_of(const FitOptions& options);
 

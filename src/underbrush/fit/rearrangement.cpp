@@ -16,7 +16,7 @@ double root_of_volume(const elements::Ellipsoid& e) {
   return std::sqrt(e.covariance_matrix().determinant());
 }
 
-/// Log-likelihood of an ellipsoid's own points, but for what a merge leaves as it is.
+/// Computes the log-likelihood of an ellipsoid's own points, without the terms that a merge keeps.
 double evidence(double hits, const elements::Ellipsoid& e) {
   return hits * std::log(hits / root_of_volume(e));
 }
@@ -27,7 +27,7 @@ struct Merge {
   bool operator<(const Merge& o) const { return cost != o.cost ? cost < o.cost : a < o.a; }
 };
 
-/// The cheapest merge of each ellipsoid with one of its four nearest, once for each pair.
+/// Finds the cheapest merge of each ellipsoid with one of its four nearest, once for each pair.
 std::vector<Merge> possible_merges(const std::vector<elements::Ellipsoid>& ellipsoids,
                                    const std::vector<double>& hits,
                                    const RearrangementOptions& options) {

@@ -10,12 +10,13 @@
 namespace underbrush::fit {
 namespace {
 
-constexpr double kUnit = double(1 << 20);  // Integer steps of a cell, and of a unit vector.
-/// Points with less variance across than this share of that along are on a line.
+// Integer steps to a cell, and to a unit vector's length.
+constexpr double kUnit = double(1 << 20);
+/// Points whose variance across is less than this share of that along lie on a line.
 constexpr double kLine = 0.02;
 constexpr uint32_t kOutside = std::numeric_limits<uint32_t>::max();
 
-/// The points of one half cell.
+/// Sums over the points of one half cell.
 struct Sum {
   std::array<int64_t, 3> position{}, to_sensor{};
   int64_t n = 0;
@@ -67,7 +68,7 @@ SampleGrid::SampleGrid(std::span<const Vec3f> points, std::span<const Vec3f> to_
   start_.assign(size_t(box_.count()) + 1, 0);
   const std::vector<uint32_t> sorted =
       sorted_by_cell(cells_of(points, to_sensor, box_, cell_m_), start_);
-  // Each cell's half cells are written over its points' places, then moved together.
+  // The samples of each cell are first written where its points are, then moved together.
   std::vector<OrientedPoint> sample(sorted.size());
   std::vector<uint8_t> count(size_t(box_.count()));
   parallel_for(size_t(box_.count()), 1 << 12, [&](size_t begin, size_t end) {

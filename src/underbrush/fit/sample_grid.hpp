@@ -1,5 +1,6 @@
 /// \file
-/// Thinned, oriented points of a tile in a dense grid of cells, for neighbour queries.
+/// This file has a dense grid of cells with thinned, oriented points of a tile, for neighbour
+/// queries.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -12,39 +13,43 @@
 
 namespace underbrush::fit {
 
-/// Cells [first, first + size) along each axis, counted from zero at coordinate 0.
+/// A box of cells, [first, first + size) along each axis. Cell 0 begins at coordinate 0.
 struct CellBox {
   std::array<int, 3> first{}, size{};
 
   bool empty() const { return size[0] == 0; }
+  /// The number of cells; a double, because it may exceed any integer type.
   double count() const { return double(size[0]) * size[1] * size[2]; }
 };
 
-/// At most one sample for each half cell; then, with normals and radii, sorted for the question
-/// which samples reach a place.
+/// Samples of a tile's points, with at most one sample for each half cell. `find_normals` gives
+/// them normals and radii and sorts them, so that the samples whose radius reaches a place are
+/// found quickly.
 class SampleGrid {
  public:
-  /// Means of the points in each half cell, within `box`. Sums are of integers: the same bits for
-  /// any order of the points.
+  /// Averages the points in each half cell within `box`. Positions and directions are summed as
+  /// integers, so that the result has the same bits for any order of the points. `points` and
+  /// `cell_m` are in metres; `to_sensor` are directions towards the sensor.
   SampleGrid(std::span<const Vec3f> points, std::span<const Vec3f> to_sensor, const CellBox& box,
              double cell_m);
 
-  /// Gives each sample the first of `radii_m` (rising) within which at least `min_neighbours`
-  /// samples, itself included, spread over a plane and not only along a line; replaces its
-  /// direction to the sensor by the normal of that plane, turned that way. Drops the others.
+  /// Computes the radius and the normal of each sample. The radius is the first of `radii_m` (m,
+  /// rising) within which at least `min_neighbours` samples, itself included, spread over a plane
+  /// and not only along a line. The normal is that of this plane, turned towards the sensor.
+  /// Samples without such a radius are dropped.
   void find_normals(std::span<const double> radii_m, int min_neighbours);
 
-  /// Calls `visit(sample)` for each that lies nearer to `x` than its radius, in an order that does
-  /// not depend on the tile.
+  /// Calls `visit(sample)` for each sample that is nearer to `x` (m) than its own radius. The order
+  /// does not depend on the tile.
   template <class Visit>
   void reaching(const Vec3f& x, const Visit& visit) const;
 
-  /// The oriented samples of one radius.
+  /// The oriented samples that have the same radius.
   struct Level {
     float radius_m = 0;
-    CellBox box;                  ///< Of cells as wide as the radius.
-    std::vector<uint32_t> start;  ///< Of each cell's samples.
-    std::vector<OrientedPoint> samples;
+    CellBox box;                         ///< Cells as wide as the radius.
+    std::vector<uint32_t> start;         ///< Where each cell's samples begin.
+    std::vector<OrientedPoint> samples;  ///< Sorted by cell.
   };
   const std::vector<Level>& levels() const { return levels_; }
 
@@ -60,7 +65,8 @@ class SampleGrid {
   std::vector<Level> levels_;
 };
 
-/// Calls `visit(sample)` for those of a dense grid of cells (x fastest) within `radius_m` of `x`.
+/// Calls `visit(sample)` for each sample of a dense grid of cells (x fastest) that is nearer to `x`
+/// than `radius_m` (m). `samples[start[c]]` is the first sample of cell c.
 template <class Visit>
 void for_each_near(const CellBox& box, double cell_m, std::span<const uint32_t> start,
                    std::span<const OrientedPoint> samples, const Vec3f& x, float radius_m,

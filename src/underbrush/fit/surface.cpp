@@ -11,13 +11,14 @@
 namespace underbrush::fit {
 namespace {
 
-constexpr double kCellsAtOnce = 1 << 25;  // About 0.4 GiB.
+constexpr double kCellsAtOnce = 1 << 25;  // They take about 0.4 GiB.
 constexpr double kMostCells = 1 << 27;
 
-/// No radius is less than this: a cell that the surface cuts has its corners within √3 cells of it.
+/// Computes the least radius. A cell that the surface cuts has its corners within √3 cells of the
+/// surface, so two cells suffice.
 double least_radius_m(const SurfaceOptions& o) { return 2 * o.cell_m; }
 
-/// The radii from which each sample takes the first that holds enough neighbours, rising.
+/// Lists the radii in rising order. Each sample takes the first one with enough neighbours.
 std::vector<double> radii_m(const SurfaceOptions& o) {
   const double least = std::max(o.least_kernel_m, least_radius_m(o));
   std::vector<double> radii{std::max(o.kernel_m, least_radius_m(o))};
@@ -26,7 +27,8 @@ std::vector<double> radii_m(const SurfaceOptions& o) {
   return radii;
 }
 
-/// The cells of a tile: those of `core`, and as many around them as decide its surface.
+/// Computes the box of cells that decides a tile's surface: those of `core` and a margin around
+/// them.
 CellBox box_of(std::span<const Vec3f> points, const Area& core, const SurfaceOptions& o) {
   const double margin = surface_margin_m(o);
   float low = std::numeric_limits<float>::infinity(), high = -low;
@@ -53,10 +55,11 @@ CellBox box_of(std::span<const Vec3f> points, const Area& core, const SurfaceOpt
   return box;
 }
 
-/// Number of the first cell whose lower corner is at or beyond `x`.
+/// Gives the number of the first cell whose lower corner is at or beyond `x`.
 int cell_from(double x, double cell_m) { return int(std::ceil(x / cell_m)); }
 
-/// The nodes of the core's cells, over all heights of the samples; none known yet.
+/// Makes a field of the nodes of the core's cells, over all heights of the samples. No value is
+/// known yet.
 ScalarGrid empty_field(const CellBox& box, const Area& core, double cell_m) {
   ScalarGrid field;
   field.cell_m = cell_m;
@@ -68,7 +71,7 @@ ScalarGrid empty_field(const CellBox& box, const Area& core, double cell_m) {
   return field;
 }
 
-/// Nodes that a sample may reach.
+/// Marks the nodes that a sample may reach.
 std::vector<uint8_t> nodes_near(const SampleGrid& grid, const ScalarGrid& field) {
   std::vector<uint8_t> near(field.value.size(), 0);
   for (const SampleGrid::Level& level : grid.levels()) {
@@ -105,7 +108,7 @@ void evaluate(const SampleGrid& grid, const SignedDistance& distance, ScalarGrid
   });
 }
 
-/// Whether the samples surround `x` ([adamson04]): |Σ w (p − x) / r| ≤ border Σ w.
+/// Whether the samples surround `x` [adamson04]: |Σ w (p − x) / r| ≤ border Σ w.
 bool inside(const SampleGrid& grid, double border, const Vec3f& x) {
   Vec3f offset = Vec3f::Zero();
   float weights = 0;
@@ -142,7 +145,8 @@ void trim(const SampleGrid& grid, double border, IsoMesh& mesh) {
   }
 }
 
-/// Distance of a point of the core to the surface: the field, trilinear in its cell; NaN outside.
+/// Computes the signed distance of a point of the core to the surface by trilinear interpolation of
+/// the field; NaN outside.
 float field_at(const ScalarGrid& field, const Vec3f& p) {
   std::array<int, 3> cell{};
   Vec3f s;
@@ -161,7 +165,8 @@ float field_at(const ScalarGrid& field, const Vec3f& p) {
   return sum;
 }
 
-/// Adds up the residuals of the core's points, in pieces of fixed size.
+/// Adds up the residuals of the core's points, in pieces of a fixed size, so that the order of sums
+/// is fixed.
 void add_residuals(std::span<const Vec3f> points, const ScalarGrid& field, double farthest,
                    SurfaceTile& tile) {
   constexpr size_t kGrain = 1 << 14;
@@ -185,7 +190,7 @@ void add_residuals(std::span<const Vec3f> points, const ScalarGrid& field, doubl
   }
 }
 
-/// Appends `other`, the tile beside it.
+/// Appends the surface of a neighbouring piece.
 void append(SurfaceTile other, SurfaceTile& tile) {
   const uint32_t first = uint32_t(tile.mesh.vertices.size());
   tile.mesh.vertices.insert(tile.mesh.vertices.end(), other.mesh.vertices.begin(),
@@ -197,7 +202,7 @@ void append(SurfaceTile other, SurfaceTile& tile) {
   tile.points += other.points;
 }
 
-/// The surface over `core`, in pieces small enough for memory.
+/// Computes the surface over `core` in pieces that are small enough for memory.
 SurfaceTile surface_over(std::span<const Vec3f> points, std::span<const Vec3f> to_sensor,
                          const Area& core, const SurfaceOptions& o,
                          const SignedDistance& distance) {

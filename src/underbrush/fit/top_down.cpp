@@ -10,19 +10,19 @@
 namespace underbrush::fit {
 namespace {
 
-/// A point (x, y, z, 1) relative to the first; ranges of them are the clusters.
+/// A point (x, y, z, 1) relative to the first one. Clusters are ranges of such points.
 using Point = Eigen::Vector4f;
 
-/// A cluster's Gaussian, its extents floored.
+/// The Gaussian of a cluster, with floored extents.
 struct Gaussian {
   Vec3f mean;
-  Vec3f axis;  // of the greatest extent
+  Vec3f axis;  // direction of the greatest extent
   Mat3f precision;
   double largest_sigma;
   float points;
 };
 
-constexpr float kOutliers = 0.01f;  // share of points that stand anywhere within 20 m
+constexpr float kOutliers = 0.01f;  // share of points that are outliers, spread evenly over 20 m
 
 class Splitter {
  public:
@@ -40,10 +40,10 @@ class Splitter {
     }
   }
 
-  /// Number, as they came, of the point that now stands at `i`.
+  /// Gives the original index of the point that now stands at `i`.
   uint32_t index(uint32_t i) const { return index_[i]; }
 
-  /// End of the first half after a split of [begin, end); `end` if it stays whole.
+  /// Splits [begin, end) and gives the end of the first half, or `end` if the cluster stays whole.
   uint32_t split(uint32_t begin, uint32_t end) {
     const uint32_t n = end - begin;
     if (n < 2 || (!by_likelihood_ && n < 2 * least_)) return end;
@@ -57,8 +57,8 @@ class Splitter {
   }
 
  private:
-  // Mean and scatter of [begin, end): sums of few points in four float lanes about one of them,
-  // those in double.
+  // Computes the Gaussian of [begin, end). Blocks of points are summed in four float lanes relative
+  // to one point, and the blocks in double.
   Gaussian gaussian(uint32_t begin, uint32_t end) const {
     Point about = points_[begin];
     about[3] = 0;
@@ -90,7 +90,7 @@ class Splitter {
     return g;
   }
 
-  // Number of projections at or above `border`, and by how much together.
+  // Gives the number of projections at or above `border`, and the sum of what they exceed it by.
   std::pair<uint32_t, double> above(float border) const {
     uint32_t count = 0;
     for (const float a : along_) count += a >= border;
@@ -107,8 +107,9 @@ class Splitter {
     return {count, excess};
   }
 
-  // Lloyd's iteration in one dimension, then the items of the lower half moved to the front, both
-  // halves in their order. Without branches, which nothing could predict.
+  // Runs Lloyd's iteration in one dimension and moves the points of the lower half to the front;
+  // both halves keep their order. It has no branches on the data, because the processor could not
+  // predict them.
   uint32_t two_means(const Gaussian& whole, uint32_t begin, uint32_t end) {
     const uint32_t n = end - begin;
     along_.resize(n);
@@ -120,7 +121,7 @@ class Splitter {
     for (int iteration = 0; iteration < 4; ++iteration) {
       const auto [upper, excess] = above(border);
       if (upper == 0 || upper == n) break;
-      const double sum = excess + upper * double(border);  // of the upper half; of all it is 0
+      const double sum = excess + upper * double(border);  // of the upper half; the total is 0
       const float next = float(0.5 * (sum / upper - sum / (n - upper)));
       if (std::abs(next - border) < 1e-3f * whole.largest_sigma) break;
       border = next;
@@ -144,7 +145,8 @@ class Splitter {
     return begin + lower;
   }
 
-  // Density of the range of the beam that measured point i, if it meets `g`; else negative.
+  // Computes the density at the range of the beam that measured point i if the beam meets `g`, else
+  // a negative number.
   float density(const Gaussian& g, uint32_t i) const {
     const Vec3f r = points_[i].head<3>() - g.mean;
     const Vec3f d = to_sensor_[index_[i]].normalized();
@@ -176,7 +178,7 @@ class Splitter {
   }
 
   std::vector<Point> points_;
-  std::vector<uint32_t> index_;  // of the points as they came
+  std::vector<uint32_t> index_;  // original indices of the points
   const std::span<const Vec3f> to_sensor_;
   const uint32_t least_;
   const bool by_likelihood_;

@@ -1,6 +1,7 @@
 /// \file
-/// The fitters of volumetric elements behind one interface: points of a tile in, ellipsoids out.
-/// Ground, tiles, hit probabilities and free space are `fit()`'s, the same for all.
+/// This file has the fitters of ellipsoids behind one interface: the points of a tile go in,
+/// ellipsoids come out. `fit` does the rest for all of them: tiles, ground, hit probabilities and
+/// free space.
 #pragma once
 #include <span>
 #include <string_view>
@@ -14,47 +15,48 @@
 
 namespace underbrush::fit {
 
-/// Parameters of the volumetric fitters.
+/// The parameters of the fitters of ellipsoids.
 struct VolumetricOptions {
   EllipsoidOptions ellipsoid;
   HierarchicalOptions hierarchical;
-  MixtureOptions mixture;  ///< Of `hierarchical` alone.
+  MixtureOptions mixture;  ///< Used by `hierarchical` only.
   VoxelOptions voxel;
   TopDownOptions top_down;
   BottomUpOptions bottom_up;
 };
 
-/// Points that are not ground, and from where they were seen.
+/// Points that are not ground, and the directions from which they were seen.
 struct VolumetricPoints {
-  std::span<const Vec3f> point;      ///< m, finite.
-  std::span<const Vec3f> to_sensor;  ///< From each point to the sensor, m.
+  std::span<const Vec3f> point;      ///< Finite, m.
+  std::span<const Vec3f> to_sensor;  ///< The vector from each point to the sensor, m.
 };
 
-/// A clustering under the name of its fitter.
+/// A clustering and the name of its fitter.
 struct Clustering {
   std::string_view name;
-  /// Clusters of the points of a tile; the seed is for those that draw random numbers.
+  /// Clusters the points of a tile. The seed is for clusterings that draw random numbers.
   Clusters (*clusters)(const VolumetricPoints&, const VolumetricOptions&, uint64_t seed);
-  bool mixture = false;    ///< Its clusters begin a Gaussian mixture.
-  bool in_voxels = false;  ///< Its clusters are the voxels of a regular grid.
+  bool mixture = false;    ///< Whether its clusters are the start of a Gaussian mixture.
+  bool in_voxels = false;  ///< Whether its clusters are the voxels of a regular grid.
 };
 
 /// All clusterings.
 std::span<const Clustering> clusterings();
-/// The clustering of this name, or nullptr.
+/// Finds a clustering by name, or gives nullptr.
 const Clustering* clustering_named(std::string_view name);
 
-/// The clusters that the fitter `name` makes. Throws `std::invalid_argument` for an unknown name.
+/// Clusters points by the clustering `name`. Throws `std::invalid_argument` for an unknown name.
 Clusters clusters_of(std::string_view name, const VolumetricPoints& points,
                      const VolumetricOptions& options, uint64_t seed);
 
-/// The ellipsoids of one tile.
+/// The ellipsoids of a tile.
 struct Volumes {
   std::vector<elements::Ellipsoid> ellipsoids;
   size_t unclustered_points = 0;  ///< Points in no cluster.
 };
 
-/// The ellipsoids that the fitter `name` makes of the points of one tile.
+/// Makes the ellipsoids of the points of a tile with the fitter `name`. Throws
+/// `std::invalid_argument` for an unknown name.
 Volumes volumes(std::string_view name, const VolumetricPoints& points,
                 const VolumetricOptions& options, uint64_t seed);
 

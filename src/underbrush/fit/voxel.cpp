@@ -12,7 +12,8 @@
 namespace underbrush::fit {
 namespace {
 
-/// Numbers codes in order of arrival: open addressing, grown at half load.
+/// Numbers codes in order of arrival. It is a hash table with open addressing that grows at half
+/// load.
 class CodeTable {
  public:
   CodeTable() : slots_(1024, kEmpty) {}
@@ -57,7 +58,7 @@ Voxels occupied_voxels(std::span<const Vec3f> points, double side_m) {
     low = low.cwiseMin(p);
     high = high.cwiseMax(p);
   }
-  // One empty layer all around, so that a step from an occupied cube stays within the numbers.
+  // One empty layer all around keeps the codes of an occupied cube's neighbours within the box.
   const Eigen::Array3d base = (low.cast<double>().array() / side_m).floor() - 1;
   require(((high.cast<double>().array() / side_m).floor() - base).maxCoeff() < 2e6,
           "the points span too many voxels: make them larger");

@@ -1,39 +1,45 @@
 /// \file
-/// The regular grid of [deschaud12] §III.C.1: one cluster an occupied cube.
+/// This file has the clustering of [deschaud12] §III.C.1: a regular grid with one cluster for each
+/// occupied cube.
 #pragma once
 #include "underbrush/fit/cluster.hpp"
 
 namespace underbrush::fit {
 
-/// Options of `voxel_clusters`.
+/// The options of `voxel_clusters`.
 struct VoxelOptions {
-  /// Side of a cube, m. [deschaud12] §VI: 0.3 for a mobile log, 0.05 for a standing scanner.
+  /// The side of a cube, m. [deschaud12] §VI has 0.3 for a mobile log and 0.05 for a standing
+  /// scanner.
   double side_m = 0.3;
-  int min_points = 1;  ///< Points of cubes with fewer are left out.
-  /// Whether a beam meets a Gaussian only where its closest approach lies in the Gaussian's own
-  /// cube (`Model::voxel_m`), for counts and in simulation. Else its τ-isosurface is its only
-  /// bound.
+  int min_points = 1;  ///< Points of cubes with fewer points are left out.
+  /// Whether a beam meets a Gaussian only if its point of closest approach lies in the Gaussian's
+  /// own cube (`Model::voxel_m`). It applies to counting and to simulation. Otherwise only τ bounds
+  /// the Gaussian.
   bool bounded = false;
 };
 
-/// Occupied cubes [i, i+1) × [j, j+1) × [k, k+1) sides about the origin of the points' frame.
+/// The cubes that hold points: [i, i+1) × [j, j+1) × [k, k+1) sides from the origin of the points'
+/// frame.
 struct Voxels {
-  Clusters clusters;           ///< Numbered by (i, j, k): the order of the points does not matter.
-  std::vector<uint64_t> code;  ///< Place of each cluster, ascending: `voxel_step` leads on.
+  Clusters clusters;  ///< Numbered by (i, j, k), so that the order of the points has no effect.
+  /// Code of each cluster's cube, ascending; `voxel_step` leads to other cubes.
+  std::vector<uint64_t> code;
 };
 
-/// Difference of the codes of cubes (di, dj, dk) apart. Cubes at the border of what is occupied
-/// have neighbours too: no step leads around to the other side.
+/// Computes the difference between the codes of two cubes that are (di, dj, dk) cubes apart. Codes
+/// leave room around the occupied cubes, so that a step from a cube at the border never reaches the
+/// opposite side.
 constexpr int64_t voxel_step(int di, int dj, int dk) {
   return int64_t(di) * (int64_t(1) << 42) + int64_t(dj) * (int64_t(1) << 21) + dk;
 }
 
-/// The cubes that hold points (finite, m). Throws `std::invalid_argument` where the side is not
-/// positive or an axis spans more than 2 000 000 cubes.
+/// Finds the cubes that hold points (finite, m). Throws `std::invalid_argument` where the side is
+/// not positive or an axis spans more than 2 000 000 cubes.
 Voxels occupied_voxels(std::span<const Vec3f> points, double side_m);
 
-/// One cluster a cube with at least `min_points` points, which are finite. The order of the points
-/// does not matter, and a shift by whole sides changes nothing.
+/// Makes one cluster for each cube with at least `min_points` points. Points are finite, in metres.
+/// Their order has no effect, and a shift by whole sides changes nothing. Throws
+/// `std::invalid_argument` as `occupied_voxels` does.
 Clusters voxel_clusters(std::span<const Vec3f> points, const VoxelOptions& options);
 
 }  // namespace underbrush::fit

@@ -1,5 +1,5 @@
 /// \file
-/// How well a yes-or-no answer agrees with labels.
+/// This file measures how well yes-or-no answers agree with labels.
 #pragma once
 #include <cstddef>
 #include <limits>
@@ -13,10 +13,10 @@ struct Agreement {
   void add(bool found, bool truth) {
     ++(found ? (truth ? true_positive : false_positive) : (truth ? false_negative : true_negative));
   }
-  /// The scores; NaN where nothing was there to score.
+  /// The scores. Each is NaN where there was nothing to score.
   double precision() const { return share(true_positive, true_positive + false_positive); }
   double recall() const { return share(true_positive, true_positive + false_negative); }
-  /// Intersection over union.
+  /// The intersection over union.
   double iou() const {
     return share(true_positive, true_positive + false_positive + false_negative);
   }

@@ -32,7 +32,7 @@ std::vector<Bin> merged(const std::vector<Bin>& a, const std::vector<uint64_t>& 
   return out;
 }
 
-/// Calls `visit(bin of a, bin of b)` for the bins that both hold.
+/// Calls `visit(bin of a, bin of b)` for the bins that are in both.
 template <class Visit>
 void for_each_shared(std::span<const Bin> a, std::span<const Bin> b, const Visit& visit) {
   size_t j = 0;

@@ -37,7 +37,7 @@ InstanceScore InstanceCounter::score(size_t min_points, double min_iou) const {
     const double iou = share(n, found[pair.first] + truth[pair.second] - n);
     if (iou >= min_iou) pairs.emplace_back(-iou, pair.first, pair.second);
   }
-  std::sort(pairs.begin(), pairs.end());  // the best first
+  std::sort(pairs.begin(), pairs.end());  // the best pairs come first
   std::set<uint32_t> used_found, used_truth;
   for (const auto& [iou, f, t] : pairs) {
     if (used_found.count(f) || used_truth.count(t)) continue;

@@ -1,5 +1,5 @@
 /// \file
-/// How well objects that were found agree with true ones.
+/// This file measures how well objects that were found agree with true ones.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -8,25 +8,28 @@
 
 namespace underbrush::metrics {
 
-/// Objects matched one to one: a found and a true object are the same if they share at least half
-/// of the points that either has (IoU ≥ 0.5; above 0.5 the match is unique by itself).
+/// The score of objects that are matched one to one. A found and a true object match if they share
+/// at least half of the points that either has (IoU ≥ 0.5); above 0.5, at most one match is
+/// possible.
 struct InstanceScore {
   size_t found = 0, truth = 0, matched = 0;
-  double mean_iou = 0;  ///< Of the matched ones, 0 without any.
+  double mean_iou = 0;  ///< Mean over the matched objects, 0 without any.
 
-  /// Shares of the found and of the true ones that are matched, NaN where there are none.
+  /// The shares of the found and of the true objects that are matched, and their harmonic mean.
+  /// Each is NaN without objects.
   double precision() const;
   double recall() const;
   double f1() const;
 };
 
-/// Counts points by found and true object; 0 is none.
+/// Counts points by found and by true object; 0 is none.
 class InstanceCounter {
  public:
   void add(uint32_t found, uint32_t truth) {
     if (found || truth) ++points_[{found, truth}];
   }
-  /// Of the objects with at least `min_points` points. `min_iou` must exceed 0.
+  /// Computes the score of the objects with at least `min_points` points. `min_iou` > 0 is the
+  /// least IoU of a match.
   InstanceScore score(size_t min_points = 1, double min_iou = 0.5) const;
 
  private:

@@ -1,5 +1,5 @@
 /// \file
-/// Nearest neighbours between two clouds.
+/// This file finds nearest neighbours between two clouds.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -9,13 +9,14 @@
 
 namespace underbrush::metrics {
 
-/// For each query point, its nearest point of a cloud and how far it is.
+/// For each query point, the index of its nearest point in a cloud and the distance to it.
 struct Nearest {
   std::vector<float> distance_m;
   std::vector<uint32_t> index;
 };
 
-/// Exact; ties by the search's order. `cloud` must not be empty. One frame, metres.
+/// Finds nearest neighbours exactly. Among equally near points the search's order decides. Both
+/// clouds are in one frame, m; `cloud` must not be empty.
 Nearest nearest(std::span<const Vec3f> queries, std::span<const Vec3f> cloud);
 
 }  // namespace underbrush::metrics

@@ -11,8 +11,8 @@
 namespace underbrush::metrics {
 namespace {
 
-/// The eigenvector of a single eigenvalue: of the cross products of the rows of Σ − λ 1, which are
-/// all along it, the longest.
+/// Computes the eigenvector of a single eigenvalue. All cross products of rows of Σ − λ 1 are along
+/// it, and the longest one is taken.
 Vec3 single_eigenvector(const Mat3& sigma, double lambda) {
   const Mat3 m = sigma - lambda * Mat3::Identity();
   const Vec3 a = m.row(0), b = m.row(1), c = m.row(2);
@@ -23,7 +23,7 @@ Vec3 single_eigenvector(const Mat3& sigma, double lambda) {
   return longest.normalized();
 }
 
-/// The eigenvector of `lambda` in the plane perpendicular to the eigenvector `first`.
+/// Computes the eigenvector of `lambda` in the plane perpendicular to the eigenvector `first`.
 Vec3 second_eigenvector(const Mat3& sigma, const Vec3& first, double lambda) {
   Vec3 u = std::abs(first.x()) > std::abs(first.y()) ? Vec3(-first.z(), 0, first.x()).normalized()
                                                      : Vec3(0, first.z(), -first.y()).normalized();
@@ -38,8 +38,8 @@ Vec3 second_eigenvector(const Mat3& sigma, const Vec3& first, double lambda) {
   return (upper ? Vec3(m01 * u - m00 * v) : Vec3(m11 * u - m01 * v)) / length;
 }
 
-/// The direction of least spread. From the well separated end of the spectrum: the middle
-/// eigenvalue lies nearer to the least one than to the greatest iff det(Σ − tr Σ/3) ≥ 0.
+/// Computes the direction of least spread. It begins with the well separated end of the spectrum:
+/// the middle eigenvalue is nearer to the least than to the greatest one iff det(Σ − tr Σ/3) ≥ 0.
 Vec3 least_spread(Mat3 sigma) {
   const double most = sigma.maxCoeff();
   if (!(most > 0)) return Vec3::UnitZ();

@@ -1,5 +1,5 @@
 /// \file
-/// Normals of a cloud from its nearest neighbours.
+/// This file estimates the normals of a cloud from nearest neighbours.
 #pragma once
 #include <cstddef>
 #include <span>
@@ -9,10 +9,12 @@
 
 namespace underbrush::metrics {
 
-/// For each point the unit direction of least spread of its `k` nearest points, itself among them
-/// (all points if there are fewer). The sign says nothing of inside and outside: it is that of
-/// Open3D's closed-form eigenvectors, on which [goodin24] rests (docs/explanation/validation.md);
-/// points that all coincide give (0, 0, 1). One frame, m; keep the cloud near its origin. Throws
+/// Computes the normal of each point: the unit direction of least spread of its `k` nearest points,
+/// itself among them, or of all points if there are fewer. Points that all coincide give (0, 0, 1).
+/// The cloud is in metres and should be near its origin.
+///
+/// The sign does not tell inside from outside. It is that of Open3D's closed-form eigenvectors, on
+/// which the figures of [goodin24] rest (docs/explanation/validation.md). Throws
 /// `std::invalid_argument` for k < 3.
 std::vector<Vec3f> normals(std::span<const Vec3f> cloud, size_t k);
 

@@ -7,8 +7,9 @@
 namespace underbrush::metrics {
 namespace {
 
-// E|x + Z| − x for x ≥ 0 and a standard normal Z: 2 (φ(x) − x Φ(−x)). A cubic through values and
-// slopes of a table, good to 1e−11; beyond the table less than 1e−15.
+// Computes E|x + Z| − x = 2 (φ(x) − x Φ(−x)) for x ≥ 0 and a standard normal Z. It interpolates
+// values and slopes of a table by a cubic, with an error of 1e−11; beyond the table the value is
+// below 1e−15.
 double excess(double x) {
   constexpr size_t kPerUnit = 128, kEnd = 8;
   struct Table {
@@ -30,7 +31,7 @@ double excess(double x) {
          t * t * ((1 + 2 * u) * table.value[k + 1] - u * table.slope[k + 1]);
 }
 
-// E|X| of X ~ N(mean, variance).
+// Computes E|X| of X ~ N(mean, variance).
 double mean_absolute(double mean, double variance) {
   const double size = std::abs(mean);
   if (!(variance > 0)) return size;

@@ -13,7 +13,7 @@
 namespace underbrush::metrics {
 namespace {
 
-/// Mean of the means of consecutive runs of one packet.
+/// The mean over packets of the mean over a packet's consecutive beams.
 struct PacketMeans {
   uint64_t packet = ~uint64_t(0);
   double sum = 0, total = 0;
@@ -31,7 +31,7 @@ struct PacketMeans {
   }
 };
 
-/// What is summed up for one set of beams.
+/// The sums over a set of beams.
 struct Sums {
   Summary counts;
   PacketMeans packets;
@@ -67,7 +67,7 @@ struct Sums {
   }
 };
 
-/// Class of each beam, as numbers; empty where the log has no such column.
+/// Reads the class of each beam as a number; empty where the log has no such column.
 std::vector<uint32_t> classes_of(const BeamLog& log) {
   std::vector<uint32_t> out;
   const auto it = log.extra.find("class");

@@ -1,5 +1,5 @@
 /// \file
-/// How real a simulation of a log's beams is.
+/// This file scores how realistic a simulation of a log's beams is.
 #pragma once
 #include <functional>
 #include <limits>
@@ -12,55 +12,59 @@
 
 namespace underbrush::metrics {
 
+/// The value of a score without data.
 inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-/// The scores of a set of beams. A score without data (or that was not asked for) is NaN.
+/// The scores of a set of beams. A score that has no data or was not asked for is NaN.
 struct Summary {
   size_t beams = 0;
   size_t true_hits = 0, false_hits = 0, false_misses = 0, true_misses = 0;
-  double precision = kUnknown;       ///< True hits / all simulated hits, [tallavajhula18] eq. 2.
-  double recall = kUnknown;          ///< True hits / all real hits, eq. 3.
-  double f1 = kUnknown;              ///< Harmonic mean of the two.
-  double packet_error_m = kUnknown;  ///< Mean over packets of the mean |y − ŷ| of true hits, eq. 1.
+  double precision = kUnknown;  ///< True hits / all simulated hits, [tallavajhula18] eq. 2.
+  double recall = kUnknown;     ///< True hits / all real hits, [tallavajhula18] eq. 3.
+  double f1 = kUnknown;         ///< Harmonic mean of precision and recall.
+  /// Mean over packets of the mean |y − ŷ| of true hits, [tallavajhula18] eq. 1.
+  double packet_error_m = kUnknown;
   double median_range_error_m = kUnknown;  ///< Median |ẑ − z| of true hits.
-  /// Mean distance to the nearest point of the other cloud, averaged over both directions, eq. 4–5,
-  /// in metres (not squared). For a part of the beams: of that part's points to the whole other
-  /// cloud.
+  /// Mean distance to the nearest point of the other cloud, averaged over both directions, in
+  /// metres and not squared, [tallavajhula18] eq. 4–5. For a subset of the beams, it is taken from
+  /// the subset's points to the whole other cloud.
   double cloud_error_m = kUnknown;
-  /// Density-aware Chamfer distance (Wu et al. 2021) in [0, 1] with α = 10/m: ½ Σ over directions
-  /// of the mean of 1 − e^{−α d}/n, n = how many points share the same nearest point.
+  /// Density-aware Chamfer distance (Wu et al. 2021) in [0, 1] with α = 10/m: ½ Σ over both
+  /// directions of the mean of 1 − e^{−α d}/n, where n points share the same nearest point.
   double density_aware_chamfer = kUnknown;
   double nll_per_beam =
       kUnknown;              ///< Mean negative log-likelihood of the real outcome (density 1/m).
   double crps_m = kUnknown;  ///< Mean continuous ranked probability score of the range.
 };
 
-/// Counts of ẑ − z in bins of equal width, the outer ones open.
+/// Counts of ẑ − z in bins of equal width. The first and the last bin are open.
 struct RangeErrorHistogram {
   static constexpr double kHalfWidth = 2.0, kBin = 0.05;  // m
   std::vector<size_t> count = std::vector<size_t>(size_t(2 * kHalfWidth / kBin + 0.5) + 2);
   void add(double error_m);
 };
 
-/// All scores.
+/// The scores of a simulation.
 struct Score {
   Summary all;
   bool cloud = false, likelihood = false;  ///< Which scores were asked for.
-  /// By the real log's column `class`: its name in the log's label set, or its number as text.
+  /// Scores by the real log's column `class`. The key is the class's name in the log's label set,
+  /// or its number as text.
   std::map<std::string, Summary> per_class;
-  std::map<std::string, Summary> per_range;  ///< By real range ("0-10", … m, "miss").
+  std::map<std::string, Summary> per_range;  ///< Scores by real range ("0-10", … m, "miss").
   RangeErrorHistogram range_error;
 };
 
-/// Options of `score`.
+/// The options of `score`.
 struct ScoreOptions {
-  bool cloud = true;                    ///< Cloud error and density-aware Chamfer distance.
-  const trace::World* world = nullptr;  ///< Adds likelihood and CRPS from the ray model.
+  bool cloud = true;  ///< Whether to compute cloud error and density-aware Chamfer distance.
+  /// If not null, likelihood and CRPS under the ray model are computed.
+  const trace::World* world = nullptr;
   std::vector<double> range_edges_m = {0, 10, 20, 30, 50, 80};
 };
 
-/// Compares two logs of the same beams. Throws `std::invalid_argument` where the beams differ
-/// (number, scan, ring or origin). `progress(done, total)` may be empty.
+/// Compares a simulated log with the real log of the same beams. `progress(done, total)` may be
+/// empty. Throws `std::invalid_argument` where the beams differ in number, scan, ring or origin.
 Score score(BeamSource& real, BeamSource& simulated, const ScoreOptions& options,
             const std::function<void(size_t, size_t)>& progress = {});
 

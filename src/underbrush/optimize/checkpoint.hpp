@@ -1,5 +1,5 @@
 /// \file
-/// The evaluations of a search on disk, so that it can be taken up again.
+/// This file stores the evaluations of a search, so that the search can be resumed.
 #pragma once
 #include <filesystem>
 
@@ -7,9 +7,9 @@
 
 namespace underbrush::optimize {
 
-/// A search as far as it went.
+/// The state of a search.
 struct Checkpoint {
-  std::string run;  ///< JSON object: all that makes the search what it is, but for its budget.
+  std::string run;  ///< JSON object of all that defines the search, except its budget.
   bool finished = false;
   std::vector<Evaluation> evaluations;
 };
@@ -17,7 +17,7 @@ struct Checkpoint {
 /// Writes the file, whole or not at all. Throws `IoError`.
 void write_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint);
 
-/// Reads it. Throws `FormatError`.
+/// Reads a checkpoint. Throws `FormatError`.
 Checkpoint read_checkpoint(const std::filesystem::path& path);
 
 }  // namespace underbrush::optimize

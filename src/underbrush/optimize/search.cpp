@@ -15,13 +15,13 @@ namespace {
 struct Algorithm {
   const char* name;
   nlopt_algorithm number;
-  unsigned fewest;  // parameters
+  unsigned fewest;  // least number of parameters
 };
 constexpr Algorithm kAlgorithms[] = {
     {"cobyla", NLOPT_LN_COBYLA, 1}, {"bobyqa", NLOPT_LN_BOBYQA, 2}, {"sbplx", NLOPT_LN_SBPLX, 1}};
-constexpr double kLeastStep = 0.1;    // of the first
-constexpr double kConverged = 0.125;  // of a run's step
-// A run that only repeats what is known costs nothing, but must end.
+constexpr double kLeastStep = 0.1;    // as a share of the first step
+constexpr double kConverged = 0.125;  // as a share of a run's step
+// A run that only repeats known evaluations costs nothing, but it must end.
 constexpr int kCallsOfRun = 1000;
 
 using Optimizer = std::unique_ptr<nlopt_opt_s, decltype(&nlopt_destroy)>;
@@ -38,7 +38,7 @@ class Searcher {
         past_(past),
         after_(after) {}
 
-  /// Of the values at these places: known, or from the past, or new.
+  /// Gives the objective at a place of the ranges: known, from the past, or newly evaluated.
   double at(const double* place) {
     std::vector<double> value(parameters_.size());
     for (size_t k = 0; k < value.size(); ++k) value[k] = value_at(parameters_[k], place[k]);
@@ -61,7 +61,7 @@ class Searcher {
   bool spent() const { return done_.size() >= options_.budget; }
   const std::vector<Evaluation>& done() const { return done_; }
 
-  /// One run of the algorithm from the best so far.
+  /// Runs the algorithm once from the best evaluation so far.
   void run(const Algorithm& algorithm, double step) {
     const unsigned n = unsigned(parameters_.size());
     optimizer_ = Optimizer(nlopt_create(algorithm.number, n), nlopt_destroy);
@@ -84,7 +84,7 @@ class Searcher {
   }
 
  private:
-  // C stands between: nothing may be thrown through it.
+  // NLopt is a C library, so no exception may pass through it.
   static double call(unsigned, const double* place, double*, void* self) {
     Searcher& s = *static_cast<Searcher*>(self);
     try {

@@ -8,7 +8,7 @@
 namespace underbrush::optimize {
 namespace {
 
-/// Number of each scan of the slice, in the order in which they begin.
+/// Numbers the scans of the slice in the order in which they begin.
 std::map<uint32_t, size_t> scans_of(BeamSource& source, const SliceOptions& options) {
   std::map<uint32_t, size_t> out;
   std::map<uint32_t, bool> seen;

@@ -6,7 +6,7 @@
 namespace underbrush::radiometry {
 namespace {
 
-/// A and B of Oren–Nayar for the roughness σ.
+/// The coefficients A and B of Oren–Nayar for the roughness σ.
 struct Rough {
   explicit Rough(double sigma)
       : a(1 - 0.5 * sigma * sigma / (sigma * sigma + 0.33)),
@@ -20,7 +20,8 @@ double oren_nayar(double sigma, const Vec3& in, const Vec3& out, const Vec3& nor
   const Vec3 flat_in = in - cos_in * normal, flat_out = out - cos_out * normal;
   const double sines = flat_in.norm() * flat_out.norm();
   const double turn = sines > 1e-12 ? std::max(0.0, flat_in.dot(flat_out) / sines) : 0;
-  // sin α tan β, α the larger angle: sin θ_in sin θ_out over the cosine of the smaller.
+  // sin α tan β with α the larger angle is sin θ_in sin θ_out divided by the cosine of the smaller
+  // angle.
   return (rough.a + rough.b * turn * sines / std::max(cos_in, cos_out)) / M_PI;
 }
 

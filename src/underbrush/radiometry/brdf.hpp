@@ -1,5 +1,6 @@
 /// \file
-/// How surfaces send light back: bidirectional reflectance distribution functions.
+/// This file has bidirectional reflectance distribution functions, which say how surfaces reflect
+/// light.
 #pragma once
 #include <cstdint>
 
@@ -10,27 +11,28 @@ namespace underbrush::radiometry {
 /// The kinds of surface.
 enum class Brdf : uint8_t {
   kLambert,    ///< ρ/π.
-  kOrenNayar,  ///< Rough, of Lambertian facets: the qualitative model of [oren94] §4.4.
+  kOrenNayar,  ///< Rough, made of Lambertian facets: the qualitative model of [oren94] §4.4.
   kPhong,      ///< Diffuse with a glossy lobe about the mirrored ray: the modified Phong model of
                ///< [lafortune94] eq. 1, which conserves energy.
 };
 
-/// A surface, its reflectance ρ apart.
+/// The reflection of a surface without its reflectance ρ.
 struct SurfaceModel {
   Brdf brdf = Brdf::kLambert;
-  double roughness_rad = 0;  ///< Oren–Nayar: σ of the slopes of the facets.
-  double gloss = 0;          ///< Phong: share of ρ that goes into the lobe, 0 to 1.
-  double exponent = 20;      ///< Phong: n of cosⁿ α.
+  double roughness_rad = 0;  ///< For Oren–Nayar: σ of the slopes of the facets.
+  double gloss = 0;          ///< For Phong: share of ρ in the lobe, 0 to 1.
+  double exponent = 20;      ///< For Phong: n of cosⁿ α.
 };
 
-/// f(ω_in, ω_out), 1/sr, of a surface of reflectance 1; 0 where one of the directions is below it.
-/// All three vectors are unit; `to_light` and `to_eye` point away from the surface.
+/// Computes f(ω_in, ω_out), 1/sr, of a surface of reflectance 1. All three vectors are unit
+/// vectors; `to_light` and `to_eye` point away from the surface. It is 0 where one of them is below
+/// the surface.
 double brdf(const SurfaceModel& surface, const Vec3& to_light, const Vec3& to_eye,
             const Vec3& normal);
 
-/// What a lidar gets back, emitter and receiver in one place: π f cos θ, with θ the incidence. A
-/// perpendicular Lambertian surface of reflectance 1 has 1. Lambert: cos θ; Oren–Nayar:
-/// A cos θ + B sin² θ; Phong: cos θ ((1 − g) + g (n + 2)/2 cosⁿ 2θ).
+/// Computes what a lidar gets back, with emitter and receiver in one place: π f cos θ at the angle
+/// of incidence θ. A perpendicular Lambertian surface of reflectance 1 gives 1. Lambert gives cos
+/// θ, Oren–Nayar A cos θ + B sin² θ, and Phong cos θ ((1 − g) + g (n + 2)/2 cosⁿ 2θ).
 double backscatter(const SurfaceModel& surface, double cos_incidence);
 
 }  // namespace underbrush::radiometry

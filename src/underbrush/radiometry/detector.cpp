@@ -11,11 +11,11 @@ void Echoes::push(const Echo& e) {
   echo[size_t(count++)] = e;
 }
 
-/// A pulse under way.
+/// A pulse that is being followed.
 struct Detector::Pulse : PulseSpan {
   size_t low = 0;   // lowest sample since its top
   size_t end = 0;   // one past its last sample
-  double fall = 0;  // where it passes the threshold, or its valley
+  double fall = 0;  // where it passes the threshold, or where its valley is
   bool open = false, to_valley = false;
 
   static Pulse from(size_t begin, size_t k, double rise) {
@@ -46,7 +46,7 @@ void Detector::close(const Waveform& w, const Pulse& p, float threshold, Echoes&
   e.range_m = float(at.range_m);
   e.peak = float(at.height);
   e.width_m = float((p.fall - p.rise) * w.cell_m());
-  // The flanks below the threshold belong to the pulse as long as they fall away from it.
+  // A flank below the threshold belongs to the pulse for as long as it falls away from it.
   size_t begin = p.begin, end = p.end;
   if (!p.from_valley) {
     while (begin > 0 && s[begin - 1] > 0 && s[begin - 1] < s[begin]) --begin;
@@ -88,7 +88,7 @@ Echoes Detector::detect(const Waveform& w, float threshold) const {
         p = Pulse::from(k, k, k == 0 ? 0 : PulseTiming::crossing(s, k, threshold));
         continue;
       }
-      // A rise out of a valley that is deep enough on both sides begins the next pulse.
+      // A rise out of a valley that is deep enough on both sides begins a new pulse.
       if (v * options_.valley > s[p.low] && s[p.top] * options_.valley > s[p.low]) {
         p.end = p.low;
         p.fall = double(p.low);
@@ -106,7 +106,7 @@ Echoes Detector::detect(const Waveform& w, float threshold) const {
         p.low = k;
       }
     }
-    if (p.open) {  // the run ends above the threshold: only at the end of the range
+    if (p.open) {  // a run ends above the threshold only at the end of the range
       p.end = end;
       p.fall = double(end);
       close(w, p, threshold, echoes);

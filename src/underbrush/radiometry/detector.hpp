@@ -1,5 +1,6 @@
 /// \file
-/// Echoes in a waveform: threshold, separation, pulse width.
+/// This file finds echoes in a waveform by a threshold, tells them apart, and measures their pulse
+/// widths.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -9,16 +10,16 @@
 
 namespace underbrush::radiometry {
 
-/// What a sensor reports of one echo.
+/// An echo as a sensor reports it.
 struct Echo {
   float range_m = 0;
   float peak = 0;       ///< Highest signal, in units of the noise in the dark.
-  float width_m = 0;    ///< Echo pulse width: length of the signal above the threshold.
-  float energy = 0;     ///< ∫ s dr / ∫ h dr: of a separate surface, the sum of its amplitudes.
-  float intensity = 0;  ///< In the sensor's unit; the receiver sets it.
+  float width_m = 0;    ///< Echo pulse width: the length of the signal above the threshold.
+  float energy = 0;     ///< ∫ s dr / ∫ h dr; for a separate surface, the sum of its amplitudes.
+  float intensity = 0;  ///< In the sensor's unit; set by the receiver.
 };
 
-/// The echoes of one beam in order of range.
+/// The echoes of a beam in order of range.
 struct Echoes {
   static constexpr int kMost = 16;
   std::array<Echo, kMost> echo;
@@ -26,18 +27,18 @@ struct Echoes {
 
   const Echo* begin() const { return echo.data(); }
   const Echo* end() const { return echo.data() + count; }
-  /// Appends; beyond `kMost` the last place is overwritten, so that the last echo is kept.
+  /// Appends an echo. Beyond `kMost` it overwrites the last place, so that the last echo is kept.
   void push(const Echo& e);
 };
 
-/// How echoes are told.
+/// The options of echo detection.
 struct DetectorOptions {
   Timing timing = Timing::kPeak;
-  float threshold = 5;  ///< Of the signal.
-  /// Two maxima are two echoes where the signal between falls below this share of the lower one.
+  float threshold = 5;  ///< Least signal of an echo, in units of the waveform.
+  /// Two maxima are two echoes if the signal between them falls below this share of the lower one.
   float valley = 0.7F;
-  float min_gap_m = 0;  ///< Of two echoes nearer together than this the stronger one stays.
-  /// Level at which the signal is cut.
+  float min_gap_m = 0;  ///< Where two echoes are nearer together, the stronger one stays.
+  /// Level at which the signal is cut, in units of the waveform.
   float saturation = std::numeric_limits<float>::infinity();
 
   /// Throws `std::invalid_argument` unless threshold, valley and saturation are positive and valley
@@ -45,14 +46,14 @@ struct DetectorOptions {
   void check() const;
 };
 
-/// Finds echoes. All timings are unbiased for a point target: the published code's range cells
-/// ([rosenberger20], rounded up) are not.
+/// A detector of echoes. All timings are unbiased for a point target, unlike the published code of
+/// [rosenberger20], which rounds range cells up.
 class Detector {
  public:
-  /// Calibrates its timing on the response. Throws as `DetectorOptions::check`.
+  /// Calibrates the timing for a response. Throws as `DetectorOptions::check` does.
   Detector(const Response& response, const DetectorOptions& options);
 
-  /// All echoes of the waveform at `threshold` (≥ 0 replaces that of the options).
+  /// Finds all echoes of the waveform. A `threshold` ≥ 0 replaces that of the options.
   Echoes detect(const Waveform& waveform, float threshold = -1) const;
 
  private:

@@ -8,8 +8,8 @@ namespace underbrush::radiometry {
 
 LeafAngleDistribution::LeafAngleDistribution(double shape) : shape2_(shape * shape) {
   require(shape >= 0.01 && shape <= 100, "foliage: the shape must be 0.01 to 100");
-  const double b = 1 - shape2_;  // > 0: upright leaves
-  if (std::abs(b) < 1e-4) {      // the closed forms below end in 0/0
+  const double b = 1 - shape2_;  // positive for upright leaves
+  if (std::abs(b) < 1e-4) {      // where the closed forms below are 0/0
     lambda_ = 2 + 2.0 / 3 * (shape - 1);
     vertical2_ = 1.0 / 3 + 16.0 / 45 * (shape - 1);
     return;

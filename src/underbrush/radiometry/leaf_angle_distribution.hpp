@@ -1,32 +1,33 @@
 /// \file
-/// The distribution of leaf angles, which gives the incidence where a beam ends in an ellipsoid
-/// (an ellipsoid has no surface of its own).
+/// This file models leaves. It gives the incidence at which a beam ends in an ellipsoid, which has
+/// no surface of its own.
 #pragma once
 
 namespace underbrush::radiometry {
 
-/// Leaves whose angles are distributed as the surface of a spheroid ([campbell86]), even in azimuth
-/// about the vertical. The shape χ is the ratio of its horizontal to its vertical axis: 1 =
-/// spherical, any direction alike; large = flat leaves, small = upright ones.
+/// Leaves whose normals are distributed like those of a spheroid's surface [campbell86], evenly in
+/// azimuth about the vertical. The shape χ is the ratio of the spheroid's horizontal to its
+/// vertical axis: 1 is spherical, with all directions equally likely; large values are flat leaves,
+/// small ones upright leaves.
 ///
-/// With n a leaf's normal and d the beam at zenith angle β, over the leaf area:
+/// With n the normal of a leaf and d a beam at zenith angle β, means over the leaf area are
 ///
-///     G(β) = E|n·d| = √(χ² cos² β + sin² β) / Λ(χ)           the area that 1 m² of leaves shows
+///     G(β) = E|n·d| = √(χ² cos² β + sin² β) / Λ(χ)           the projected area of 1 m² of leaves
 ///     M(β) = E(n·d)² = cos² β q + ½ sin² β (1 − q),  q = E(n_z)²
 ///
-/// both in closed form. A beam that is stopped by leaves has met them with a density ∝ |n·d|, so
-/// that of Lambertian leaves comes back M/G times what a perpendicular one returns: ⅔ for
+/// both in closed form. A beam that is stopped by leaves hit a leaf with a density ∝ |n·d|.
+/// Lambertian leaves therefore return M/G times what a perpendicular one returns, which is ⅔ for
 /// spherical leaves.
 class LeafAngleDistribution {
  public:
   /// Throws `std::invalid_argument` unless 0.01 ≤ χ ≤ 100.
   explicit LeafAngleDistribution(double shape = 1);
 
-  /// G, in (0, 1]; `cos_zenith` is that of the beam, up or down.
+  /// G, in (0, 1]. `cos_zenith` is that of the beam, upwards or downwards.
   double projection(double cos_zenith) const;
-  /// M/G, in (0, 1]: the factor for `Receiver::signals`, reflectance apart.
+  /// M/G, in (0, 1], the factor for `Receiver::signals` without the reflectance.
   double backscatter(double cos_zenith) const;
-  /// Density of leaf area over the zenith angle of its normal, [0, π/2]: ∫ g dθ = 1.
+  /// The density of leaf area over the zenith angle of its normal, in [0, π/2]: ∫ g dθ = 1.
   double density(double zenith_rad) const;
 
  private:

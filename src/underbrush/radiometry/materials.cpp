@@ -16,7 +16,7 @@
 namespace underbrush::radiometry {
 namespace {
 
-/// The file under way: errors name it.
+/// A file that is being read; errors name it.
 struct Reader {
   std::string file;
 

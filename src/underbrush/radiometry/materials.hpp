@@ -1,5 +1,5 @@
 /// \file
-/// What things are made of: reflectance by wavelength, and how they send light back.
+/// This file has materials: their reflectance by wavelength, and how they reflect light.
 #pragma once
 #include <string>
 #include <string_view>
@@ -13,29 +13,31 @@ namespace underbrush::radiometry {
 /// A material.
 struct Material {
   std::string name;
-  /// (wavelength m, reflectance), in rising order of wavelength.
+  /// Pairs of wavelength (m) and reflectance, in rising order of wavelength.
   std::vector<std::pair<double, double>> reflectance;
   SurfaceModel surface;
-  double leaf_shape = 1;  ///< χ of `LeafAngleDistribution`, where it fills ellipsoids.
+  double leaf_shape = 1;  ///< χ of `LeafAngleDistribution`, for ellipsoids of this material.
 
-  /// By linear interpolation; the first or last value outside the table.
+  /// The reflectance at a wavelength, by linear interpolation; outside the table, its first or last
+  /// value.
   double reflectance_at(double wavelength_m) const;
 };
 
-/// Materials, and which of them each class of object is made of.
+/// A set of materials, and the material of each class of objects.
 struct Materials {
   std::vector<Material> material;
   std::vector<std::pair<std::string, std::string>> of_class;  ///< Class name, material name.
   std::vector<std::string> sources;
 
-  /// Throws `std::invalid_argument`, naming the nearest one, if there is none of that name.
+  /// Finds a material by name. Throws `std::invalid_argument`, which names the most similar one,
+  /// for an unknown name.
   const Material& named(std::string_view name) const;
-  /// That of the class, or that of `unknown`.
+  /// Finds the material of a class, or else that of the class `unknown`.
   const Material& of(std::string_view class_name) const;
 };
 
-/// The table built in (share/materials/materials.yaml), or that of the YAML file at `path`. Throws
-/// `FormatError` where it is malformed.
+/// Loads materials from the YAML file at `path`, or, if that is empty, the table built in
+/// (share/materials/materials.yaml). Throws `FormatError` where the file is malformed.
 Materials load_materials(std::string_view path = {});
 
 }  // namespace underbrush::radiometry

@@ -9,9 +9,9 @@ namespace {
 
 constexpr int kWalkPerOctave = 8, kWalkOctaves = 12;
 constexpr int kBiasPlaces = 64;
-constexpr double kFraction = 0.5;  // of the peak: where the flanks are steep and clear of noise
+constexpr double kFraction = 0.5;  // of the peak: flanks are steep there and clear of noise
 
-/// log₂ x for normal x > 0, error below 10⁻⁷.
+/// Computes log₂ x for normal x > 0 with an error below 10⁻⁷.
 double log2_of(double x) {
   const uint64_t bits = std::bit_cast<uint64_t>(x);
   const double m = std::bit_cast<double>((bits & 0xFFFFFFFFFFFFFull) | 0x3FF0000000000000ull);
@@ -20,15 +20,16 @@ double log2_of(double x) {
   return double(int(bits >> 52) - 1023) + 0.5 + 2 / M_LN2 * series;
 }
 
-/// 2^x for 0 ≤ x ≤ 1, relative error below 10⁻⁶.
+/// Computes 2^x for 0 ≤ x ≤ 1 with a relative error below 10⁻⁶.
 double exp2_of(double x) {
   const double y = x * M_LN2;
   return 1 + y * (1 + y / 2 * (1 + y / 3 * (1 + y / 4 * (1 + y / 5 * (1 + y / 6 * (1 + y / 7))))));
 }
 
-/// The maximum of a bell through three samples, the middle one highest: exact for a Gaussian.
+/// The maximum of a bell curve through three samples, of which the middle one is the highest. It is
+/// exact for a Gaussian.
 struct Vertex {
-  double place = 0;  // from the middle sample, in samples
+  double place = 0;  // in samples from the middle one
   double height = 0;
 };
 Vertex vertex(double a, double b, double c) {
@@ -40,14 +41,15 @@ Vertex vertex(double a, double b, double c) {
   return {place, b * exp2_of(std::min(1.0, -0.25 * (a - c) * place))};
 }
 
-/// What a noiseless target gives, `range_m` behind the waveform's start.
+/// Fills the waveform with the noiseless return of a target at `range_m` behind the waveform's
+/// start.
 void send(Waveform& w, float range_m, float peak) {
   w.clear();
   w.add({&range_m, 1}, {&peak, 1});
 }
 
-/// x where h(x) / h(x + width) = a / b: how far before the target, as a negative number, the
-/// front's sample lies.
+/// Finds x where h(x) / h(x + width) = a / b. It is negative: the front's sample lies before the
+/// target.
 double front_place_m(const Response& h, double width_m, double a, double b) {
   double low = -width_m, high = 0;
   for (int k = 0; k < 30; ++k) {
@@ -137,7 +139,8 @@ double PulseTiming::saturated_m(const Waveform& w, const PulseSpan& pulse, doubl
   return sum / 4;
 }
 
-// What the leading edge makes of noiseless pulses, mean over the target's place in a cell.
+// Tabulates the error of the leading edge for noiseless pulses, as the mean over places of the
+// target in a cell.
 PulseTiming::Table PulseTiming::walk_table(const Response& response, float threshold) {
   constexpr int kPlaces = 32;
   Table walk(size_t(kWalkOctaves) * kWalkPerOctave + 1, 0);

@@ -1,5 +1,5 @@
 /// \file
-/// Which range a pulse in a waveform stands for.
+/// This file computes the range that a pulse in a waveform stands for.
 #pragma once
 #include <vector>
 
@@ -10,41 +10,45 @@ namespace underbrush::radiometry {
 
 using sensor::Timing;
 
-/// A pulse, in samples of its waveform.
+/// The extent of a pulse, in samples of its waveform.
 struct PulseSpan {
-  size_t begin = 0;             ///< First sample of it.
+  size_t begin = 0;             ///< First sample of the pulse.
   size_t top = 0, top_end = 0;  ///< First and last sample of its highest level.
-  double rise = 0;              ///< Where it passes the threshold, or its valley.
-  bool from_valley = false;     ///< It rises out of another pulse.
+  double rise = 0;              ///< Where it passes the threshold, or where its valley is.
+  bool from_valley = false;     ///< Whether it rises out of another pulse.
 };
 
-/// A pulse's range, and its height in units of the waveform.
+/// The range of a pulse, and its height in units of the waveform.
 struct PulseTime {
   double range_m = 0;
   double height = 0;
 };
 
-/// Gives pulses their ranges, unbiased for a point target. Peak and constant fraction are exact up
-/// to the bias of interpolating between samples, which depends only on where between two samples
-/// the interpolated place lies: it is tabulated from the response. The leading edge is corrected
-/// by the height of the pulse.
+/// Computes ranges of pulses without bias for a point target.
 ///
-/// A saturated pulse has no maximum. Its flanks are left: with the last sample before and the first
-/// after the plateau, s_a and s_b at distance d, the target lies where h(x) / h(x + d) = s_a / s_b,
-/// x = r_a − r. The ratio rises with x for every pulse whose logarithm is concave, as all of
-/// `Pulse` are; bisection finds x. It is the correction by pulse width of real receivers, with the
-/// width known to a fraction of a sample. Where a flank's sample is below the threshold, the pulse
-/// passes from below it to saturation within one sample: the middle of what that leaves.
+/// Timing at the peak and at a constant fraction interpolates between samples. Its bias depends
+/// only on where between two samples the interpolated place lies, and is tabulated from the
+/// response. The leading edge is corrected by the height of the pulse.
+///
+/// A saturated pulse has no maximum, but its flanks remain. Let s_a be the last sample before the
+/// plateau and s_b the first one after it, at distance d. The target lies where h(x) / h(x + d) =
+/// s_a / s_b with x = r_a − r. The ratio rises with x for every pulse whose logarithm is concave,
+/// which holds for all of `Pulse`, so bisection finds x. Real receivers correct by the pulse width
+/// in the same way; here the width is known to a fraction of a sample. Where a flank's sample is
+/// below the threshold, the pulse rises from there to saturation within one sample, and the middle
+/// of the possible places is taken.
 class PulseTiming {
  public:
-  /// Calibrates on the response. `saturation`: level at which the signal is cut; infinite: never.
+  /// Calibrates the timing for a response. `saturation` is the level at which the signal is cut;
+  /// infinity means never.
   PulseTiming(const Response& response, Timing timing, float threshold, float saturation);
 
-  /// Of a pulse of a waveform with the same response, above `threshold`.
+  /// Computes the range and height of a pulse above `threshold`. The waveform must have the
+  /// response of the calibration.
   PulseTime time(const Waveform& w, const PulseSpan& pulse, double threshold) const;
 
-  /// Where between samples k−1 and k the signal passes `level`: linear in its logarithm, as the
-  /// flanks of a pulse nearly are.
+  /// Finds where between samples k−1 and k the signal passes `level`. It interpolates the logarithm
+  /// linearly, which flanks of pulses nearly follow.
   static double crossing(const float* s, size_t k, double level);
 
  private:
@@ -56,7 +60,8 @@ class PulseTiming {
 
   double walk_m(double peak, double threshold) const;
   double saturated_m(const Waveform& w, const PulseSpan& pulse, double threshold) const;
-  /// Where the front passes half of `height`, if it does so within the pulse.
+  /// Finds where the front passes half of `height`. Gives false if it does not do so within the
+  /// pulse.
   static bool half_height(const float* s, const PulseSpan& pulse, double height, Place& place);
   static Table walk_table(const Response& response, float threshold);
   static Table bias_table(const Response& response, Timing timing);
@@ -64,9 +69,9 @@ class PulseTiming {
 
   Timing timing_;
   float saturation_;
-  Table walk_m_;       ///< Target − crossing over log₂(peak/threshold).
-  Table peak_bias_m_;  ///< Parabola − target over where its vertex lies, −½ to ½ sample.
-  Table half_bias_m_;  ///< Crossing of half the peak − target over the part of a sample.
+  Table walk_m_;       ///< Target − crossing, by log₂(peak/threshold).
+  Table peak_bias_m_;  ///< Parabola − target, by the place of the vertex, −½ to ½ sample.
+  Table half_bias_m_;  ///< Crossing of half the peak − target, by the part of a sample.
 };
 
 }  // namespace underbrush::radiometry

@@ -14,14 +14,14 @@ namespace {
 // Elements of `Purpose::kSignal` besides the numbers of samples.
 constexpr uint32_t kFalseAlarm = 0xFFFF0000, kJitter = 0xFFFF1000;
 
-/// k w f e^{−a r} / r², e^−x with a relative error below 3·10⁻⁷.
+/// Computes k w f e^{−a r} / r². Its e^−x has a relative error below 3·10⁻⁷.
 UNDERBRUSH_CLONES void signal_of(size_t n, const float* __restrict range,
                                  const float* __restrict weight, const float* __restrict factor,
                                  float k, float a, float* __restrict signal) {
   for (size_t i = 0; i < n; ++i) {
-    const float far = range[i] < 1e9f ? range[i] : 1e9f;  // of NaN as well
+    const float far = range[i] < 1e9f ? range[i] : 1e9f;  // also replaces NaN
     const float r = far > 0.01f ? far : 0.01f;
-    const float x = a * 1.44269504f * r, y = x < 60 ? x : 60;  // no denormal numbers
+    const float x = a * 1.44269504f * r, y = x < 60 ? x : 60;  // avoids denormal numbers
     const int whole = int(y);
     const float f = 0.5f - (y - float(whole));  // 2^(f − ½), f in (−½, ½]
     const float p =
@@ -39,7 +39,7 @@ double rounded(double value, double step) {
   return step > 0 ? step * std::floor(value / step + 0.5) : value;
 }
 
-/// With the highest level that the converter gives.
+/// Makes the detector's options, with the converter's highest level as its saturation.
 DetectorOptions detector_options(const ReceiverOptions& o) {
   DetectorOptions out = o.detector;
   out.saturation =
@@ -47,7 +47,7 @@ DetectorOptions detector_options(const ReceiverOptions& o) {
   return out;
 }
 
-/// The echoes that a sensor in this mode reports, in place.
+/// Selects the echoes that a sensor in this mode reports, in place.
 void select(ReturnMode mode, int most, Echoes& echoes) {
   if (echoes.count == 0) return;
   auto& echo = echoes.echo;
@@ -161,8 +161,8 @@ Echoes Receiver::receive(std::span<const float> range_m, std::span<const float> 
   return echoes;
 }
 
-// The samples that nothing came back to are noise alone: instead of drawing them all, one number
-// decides whether one of them passes the threshold, a second which, a third how far.
+// Samples that no return reaches are noise alone. They are not all drawn: one random number decides
+// whether one of them passes the threshold, a second one which, and a third one how far.
 void Receiver::add_false_alarm(const Waveform& waveform, uint64_t key, Echoes& echoes) const {
   const double u = uniform_from_bits(random_bits(key, kFalseAlarm, Purpose::kSignal));
   const double free = double(waveform.size() - waveform.touched());

@@ -19,8 +19,8 @@ double emitted(const ResponseOptions& o, double t) {
   return x > 0 ? x * x * std::exp(-x) : 0;
 }
 
-/// The convolution at time t: closed form for two Gaussians, else by the trapezium rule, which is
-/// exact to rounding for smooth functions that vanish at both ends.
+/// Computes the convolution at time t. Two Gaussians have a closed form. Else the trapezium rule is
+/// used, which is exact to rounding for smooth functions that vanish at both ends.
 double convolved(const ResponseOptions& o, double t) {
   if (o.receiver_fwhm_s == 0) return emitted(o, t);
   if (o.pulse == Pulse::kGaussian) {
@@ -35,7 +35,7 @@ double convolved(const ResponseOptions& o, double t) {
   return sum;
 }
 
-/// Where the convolution has its maximum, by golden sections.
+/// Finds the maximum of the convolution by golden-section search.
 double peak_time(const ResponseOptions& o, double from, double to) {
   const double golden = (std::sqrt(5.0) - 1) / 2;
   for (int k = 0; k < 80; ++k) {

@@ -12,7 +12,8 @@
 namespace underbrush::radiometry {
 namespace {
 
-/// Quantiles of the standard normal at (k + ½)/4096, scaled to variance 1.
+/// A table of the quantiles of the standard normal distribution at (k + ½)/4096, scaled to variance
+/// 1.
 const std::array<float, 4096>& normal_table() {
   static const std::array<float, 4096> table = [] {
     std::array<double, 4096> exact{};
@@ -28,7 +29,7 @@ const std::array<float, 4096>& normal_table() {
   return table;
 }
 
-/// What `superpose` adds to.
+/// The arrays that `superpose` adds to, and what it needs to know about them.
 struct Target {
   const float* rows;
   uint32_t taps;
@@ -38,11 +39,11 @@ struct Target {
   uint64_t* blocks;
 };
 
-/// Returns that are placed together.
+/// The number of returns that are placed together.
 constexpr size_t kReturns = 64;
 
-/// Where returns begin, in places (`Response::kPhases` a sample); one that adds nothing has the
-/// amplitude 0.
+/// The places where returns begin, in units of 1/`Response::kPhases` sample. A return that adds
+/// nothing has the amplitude 0.
 struct Placed {
   uint32_t place[kReturns];
   float amplitude[kReturns];
@@ -63,7 +64,7 @@ uint32_t last_block(uint32_t place, uint32_t taps) {
   return (place / Response::kPhases + taps - 1) / Waveform::kBlock;
 }
 
-/// The blocks that returns reach, where there are no more than a word of them.
+/// Finds the blocks that returns reach, for waveforms with at most a word of blocks.
 UNDERBRUSH_CLONES uint64_t reached(size_t n, const Placed& p, uint32_t taps) {
   uint64_t word = 0;
   for (size_t i = 0; i < n; ++i) {
@@ -87,7 +88,8 @@ void mark(size_t n, const Placed& p, const Target& t) {
 /// Eight samples anywhere in memory.
 using Eight = float __attribute__((vector_size(32), aligned(4), may_alias));
 
-/// `taps` is known where it is asked for most, so that the loop over them needs no branch.
+/// Adds returns to the lanes. The most frequent numbers of taps are template arguments, so that the
+/// inner loop needs no branch.
 template <uint32_t kTaps>
 [[gnu::always_inline]] inline void add_rows(size_t n, const Placed& p, const Target& t) {
   const uint32_t taps = kTaps > 0 ? kTaps : t.taps;
@@ -106,7 +108,7 @@ UNDERBRUSH_CLONES void superpose(size_t n, const Placed& p, const Target& t) {
                  : add_rows<0>(n, p, t);
 }
 
-/// Adds the lanes to the first and clears them.
+/// Adds all lanes to the first one and clears them.
 UNDERBRUSH_CLONES void gather(size_t n, float* __restrict sum, float* __restrict a,
                               float* __restrict b, float* __restrict c) {
   for (size_t k = 0; k < n; ++k) {
@@ -116,7 +118,7 @@ UNDERBRUSH_CLONES void gather(size_t n, float* __restrict sum, float* __restrict
 }
 
 UNDERBRUSH_CLONES void round_and_cut(float* sample, size_t n, float step, float most) {
-  constexpr float kMagic = 12582912;  // 1.5 · 2²³: adding it leaves no place for a fraction
+  constexpr float kMagic = 12582912;  // 1.5 · 2²³: adding it leaves no bits for a fraction
   const float per_step = 1 / step;
   for (size_t k = 0; k < n; ++k) {
     const float v = sample[k] < most ? sample[k] : most;

@@ -1,5 +1,6 @@
 /// \file
-/// The received signal over range, evaluated only where something comes back.
+/// This file has the received signal over range, which is evaluated only where something comes
+/// back.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -10,35 +11,36 @@
 
 namespace underbrush::radiometry {
 
-/// The sampled signal of one beam: s(r) = Σ a_i h(r − r_i) over its returns, plus noise. Sample k
-/// is at `range_m(k)`. The unit of amplitude is the caller's; here it is the standard deviation of
-/// the receiver's noise in the dark.
+/// The sampled signal of one beam, s(r) = Σ a_i h(r − r_i) over its returns, plus noise. Sample k
+/// is at `range_m(k)`. The caller chooses the unit of amplitude; in this library it is the standard
+/// deviation of the receiver's noise in the dark.
 ///
-/// Kept from beam to beam as a thread's scratch: a beam touches only the blocks of samples that its
-/// returns reach, and `clear` clears only those. Returns outside [0, max_range] and those whose
+/// A thread keeps a waveform from beam to beam. A beam touches only the blocks of samples that its
+/// returns reach, and `clear` clears only those. Returns outside [0, max_range] and returns whose
 /// amplitude is not positive add nothing. Ranges are rounded to 1/256 cell, without bias.
 class Waveform {
  public:
   static constexpr int kBlock = 16;  ///< Samples in a block.
 
-  /// Both must outlive the waveform. Throws `std::invalid_argument` for more than 2²³ samples.
+  /// Makes an empty waveform. `response` must outlive it. Throws `std::invalid_argument` for more
+  /// than 2²³ samples.
   Waveform(const Response& response, double max_range_m);
 
   void clear();
-  /// Superposes returns at `range_m` with peaks `amplitude`; both of equal length.
+  /// Adds returns at `range_m` with the peaks `amplitude`; both spans are equally long.
   void add(std::span<const float> range_m, std::span<const float> amplitude);
-  /// Adds independent normal noise of standard deviation `sigma` to all touched samples. The
-  /// distribution is a table of 4096 quantiles: no value beyond 3.7 σ.
+  /// Adds independent normal noise of standard deviation `sigma` to all touched samples. Values
+  /// come from a table of 4096 quantiles, so none is beyond 3.7 σ.
   void add_noise(uint64_t key, float sigma);
-  /// Rounds the touched samples to multiples of `step` (0: not) and cuts them at `most`.
+  /// Rounds the touched samples to multiples of `step` (0 for no rounding) and cuts them at `most`.
   void quantise(float step, float most);
 
-  /// Runs of touched samples, [begin, end), in order.
+  /// Calls `f(begin, end)` for each run [begin, end) of touched samples, in order.
   template <class F>
   void for_each_run(F f) const;
   const float* samples() const { return sample_.data(); }
   size_t size() const { return sample_.size(); }
-  /// Number of touched samples.
+  /// The number of touched samples.
   size_t touched() const;
   double cell_m() const { return response_.cell_m(); }
   double range_m(double sample) const { return (sample - response_.before()) * cell_m(); }
@@ -51,18 +53,18 @@ class Waveform {
   float* lane(size_t k) { return lanes_.data() + (k - 1) * sample_.size(); }
 
   std::vector<float> sample_;
-  /// Returns go to four lanes in turn, so that a sum need not wait for the one before; all zero
-  /// between calls.
+  /// Returns go to four lanes in turn, so that a sum need not wait for the one before. All lanes
+  /// are zero between calls.
   std::vector<float> lanes_;
-  std::vector<uint64_t> blocks_;  ///< A bit per touched block.
+  std::vector<uint64_t> blocks_;  ///< One bit for each block: whether it is touched.
 };
 
-/// The signal as a table, gaps between runs left out: range (m) and signal.
+/// Makes a table of range (m) and signal, without the gaps between runs.
 std::vector<std::pair<double, double>> table_of(const Waveform& waveform);
 
 template <class F>
 void Waveform::for_each_run(F f) const {
-  size_t begin = 0, end = 0;  // samples of the run under way
+  size_t begin = 0, end = 0;  // samples of the current run
   for (size_t w = 0; w < blocks_.size(); ++w) {
     for (uint64_t bits = blocks_[w]; bits != 0; bits &= bits - 1) {
       const size_t at = (w * 64 + size_t(__builtin_ctzll(bits))) * kBlock;

@@ -11,10 +11,10 @@ namespace underbrush::sensor {
 namespace {
 
 constexpr double kGoldenAngle = 2.399963229728653;
-constexpr double kGaussianExtent = 2.5;  // half-widths: 99.7 % of the energy of each axis
-constexpr int kFine = 16;                // points across a cell when its energy is summed
+constexpr double kGaussianExtent = 2.5;  // in half-widths; holds 99.7 % of the energy of each axis
+constexpr int kFine = 16;                // points across a cell at which its energy is summed
 
-/// Energy per area at (u, v), up to a factor.
+/// Computes the energy per area at (u, v), up to a factor.
 double density(const BeamShape& shape, double u, double v) {
   switch (shape.profile) {
     case Profile::kUniform:
@@ -31,12 +31,13 @@ double density(const BeamShape& shape, double u, double v) {
   return 0;
 }
 
-/// The radius within which a share `q` of a round profile lies.
+/// Computes the radius within which a share `q` of a round profile's energy lies.
 double radius_of_share(Profile profile, double q) {
   return profile == Profile::kGaussian ? std::sqrt(-std::log2(1 - q)) : std::sqrt(q);
 }
 
-/// A place of the table whose energy below is a share `a` of all, `b` within the cell.
+/// Finds a place of the table from two numbers in [0, 1): `a` is the share of the energy that comes
+/// before it in the order of the cells, `b` its place v within the cell.
 std::array<double, 2> place_in_table(const BeamShape& shape, double a, double b) {
   const size_t columns = size_t(shape.table_columns), rows = shape.table.size() / columns;
   double left = a * std::accumulate(shape.table.begin(), shape.table.end(), 0.0);
@@ -47,7 +48,7 @@ std::array<double, 2> place_in_table(const BeamShape& shape, double a, double b)
           2 * (double(cell / columns) + b) / double(rows) - 1};
 }
 
-/// Standard deviation of u and of v.
+/// Computes the standard deviation of u and of v.
 std::array<double, 2> sigma_of_profile(const BeamShape& shape) {
   if (shape.profile == Profile::kUniform) return {0.5, 0.5};
   if (shape.profile == Profile::kGaussian)
@@ -126,7 +127,7 @@ std::vector<float> exact_weights(std::span<const double> shares) {
   }
   std::sort(rest.begin(), rest.end());
   for (size_t k = 0; left > 0; ++k, --left) ++units[rest[k % rest.size()].second];
-  for (size_t k = 0; left < 0; ++k) {  // rounding of the sum can overdraw by a unit or two
+  for (size_t k = 0; left < 0; ++k) {  // rounding can make the sum too large by a unit or two
     int64_t& u = units[rest[rest.size() - 1 - k % rest.size()].second];
     if (u > 0) --u, ++left;
   }
@@ -190,7 +191,7 @@ RayMaker::RayMaker(const BeamShape& shape)
       cone_(shape.growth == Growth::kCone) {}
 
 Ray RayMaker::ray(const BeamAxes& beam, double u, double v) const {
-  // In a waist a line starts a quarter turn ahead of where it points, so that the squares add.
+  // In a waist, a line starts a quarter turn ahead of where it points, so that the squares add.
   const double x = exit_m_ * (cone_ ? u : -v), y = exit_m_ * (cone_ ? v : u);
   const double a = slope_u_ * u, b = slope_v_ * v, shrink = 1 / std::sqrt(1 + a * a + b * b);
   return {beam.axis.origin + x * beam.right + y * beam.up,

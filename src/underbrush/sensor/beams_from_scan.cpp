@@ -13,7 +13,7 @@
 namespace underbrush::sensor {
 namespace {
 
-/// One call's inputs with what is derived from them.
+/// The inputs of one call and what is derived from them.
 struct Job {
   const PointScan& scan;
   const Trajectory& trajectory;
@@ -68,17 +68,17 @@ std::vector<uint16_t> rings_of(const Job& job) {
   return rings_from_elevation(job.scan.point, *job.sensor, job.options.elevation_offset_rad);
 }
 
-// Of a revolution; the share of twelve firings of an HDL-32E.
+// Packets of a revolution, as of an HDL-32E with its twelve firings a packet.
 constexpr int kPacketsOfUnknownSensor = 180;
 
-// Time of a beam whose scan has none of its own: from where the scanner looks.
+// Computes the time of a beam whose scan has no per-point time, from where the scanner looks.
 double time_at(const Job& job, double azimuth) {
   if (!job.options.deskew) return job.scan.info.time_s;
   return job.scan.info.time_s +
          job.sensor->turn() * std::remainder(azimuth, 2 * M_PI) / (2 * M_PI) * job.revolution_s;
 }
 
-// Rays of all stored points that say something.
+// Makes the rays of all stored points that are a return or a known miss.
 std::vector<SensorRay> stored_rays(const Job& job, const std::optional<OrganisedScan>& grid) {
   const PointScan& scan = job.scan;
   const std::vector<uint16_t> rings =
@@ -128,7 +128,8 @@ void infer(const Job& job, std::vector<SensorRay>& rays) {
   for (size_t i = stored; i < rays.size(); ++i) rays[i].time_s = time_at(job, rays[i].azimuth_rad);
 }
 
-// Drops points that only kept their place in the grid, and beams without a pose.
+// Finds the pose of each ray. Drops points that only keep their place in the grid, and beams
+// without a pose.
 std::vector<Pose> poses_and_drops(const Job& job, std::vector<SensorRay>& rays) {
   size_t near = 0, lost = 0;
   std::erase_if(rays, [&](const SensorRay& ray) {

@@ -1,6 +1,6 @@
 /// \file
-/// A raw scan turned into beams: moved to where each was fired, known faults corrected, misses kept
-/// or inferred, all counted.
+/// This file turns raw scans into beams. Each beam gets the pose at its own time, known faults are
+/// corrected, misses are kept or inferred, and everything is counted.
 #pragma once
 #include <map>
 #include <optional>
@@ -11,57 +11,61 @@
 
 namespace underbrush::sensor {
 
-/// How to read a raw scan.
+/// Options for reading a raw scan.
 struct BeamOptions {
-  /// Give every beam its own origin and orientation along the trajectory; the scan must not have
-  /// been motion-compensated. Time: the scan's own per point, else from the azimuth: the scan's
-  /// time is the instant at which the scanner faces forward, t = t_scan ± azimuth/2π · revolution.
+  /// If set, every beam gets its own origin and orientation along the trajectory; the scan must not
+  /// have been motion-compensated. A beam's time is the scan's own per-point time. Without one it
+  /// follows from the azimuth: the scan's time is the instant at which the scanner faces forward,
+  /// so that t = t_scan ± azimuth/2π · revolution.
   std::optional<Sensor> deskew;
-  /// Duration of a revolution (s). 0: the mean spacing of those poses of the trajectory that are
-  /// within 15 % of the sensor's revolution apart (KITTI: 0.1036), else the sensor's own.
+  /// Duration of a revolution, s. With 0 it is the mean spacing of those neighbouring poses of the
+  /// trajectory that are within 15 % of the sensor's revolution apart (KITTI: 0.1036), or, where
+  /// there are none, the sensor's own.
   double revolution_s = 0;
-  /// Fault of the recording: every ray is rotated up by this about p × z (KITTI: 0.205°).
+  /// A fault of the recording: every ray is rotated up by about this angle about p × z (KITTI:
+  /// 0.205°).
   double elevation_offset_rad = 0;
-  /// Insert the misses that the format dropped (see `insert_misses`), if it keeps none itself.
+  /// If set, the misses that the format dropped are inserted (`insert_misses`), unless it keeps
+  /// some itself.
   std::optional<Sensor> infer_misses;
-  /// A dropped beam of a ring whose elevation is below this is not a miss but unknown: it must have
-  /// met the ground or the own vehicle. −13°: in KITTI scans the rings from 41 down have gaps at
-  /// azimuths fixed to the vehicle, those above have not.
+  /// A dropped beam of a ring whose elevation is below this counts as unknown and not as a miss,
+  /// because it must have hit the ground or the own vehicle. The default of −13° fits KITTI, where
+  /// the rings from 41 downwards have gaps at azimuths fixed to the vehicle and those above have
+  /// none.
   double unknown_below_rad = -13 * 0.017453292519943295;
-  /// The same for misses that the format recorded; by default all are kept. Beams that the own
-  /// robot blocked, or whose returns were filtered out, look like misses there and cannot be told
-  /// apart.
+  /// Recorded misses of rings below this elevation count as unknown; by default all are kept.
+  /// Formats do not tell misses from beams that the own robot blocked or whose returns were
+  /// filtered out.
   double recorded_unknown_below_rad = -2;
 };
 
-/// What became of the points of all scans so far.
+/// Counts of the points of all scans read so far.
 struct BeamCounts {
   size_t hits = 0;
-  size_t misses_recorded = 0;             ///< In the file; direction from its grid.
-  size_t misses_inferred = 0;             ///< Inserted.
-  size_t unknown = 0;                     ///< Beams without a return that tell nothing; left out.
-  size_t scans_ringed_by_elevation = 0;   ///< Rings could not be told from the file's order.
+  size_t misses_recorded = 0;  ///< In the file; their directions come from its grid.
+  size_t misses_inferred = 0;  ///< Inserted.
+  size_t unknown = 0;          ///< Beams without a return that may not be misses; left out.
+  size_t scans_ringed_by_elevation = 0;  ///< Scans whose rings do not follow from the file's order.
   std::map<std::string, size_t> skipped;  ///< Points left out, by reason.
 };
 
-/// The beams of one scan; `counts` is added to.
+/// Makes the beams of one scan and adds to `counts`.
 ///
-/// - ring: the file's own number; in an organised scan without one, its row; else recovered from
-/// the
-///   file's order (KITTI: 0 = top), or, if that does not give as many rings as the sensor has
-///   channels, from the elevation (the index of the sensor's channel; counted). Without a sensor
-///   a count above 256 is no ring order: all 0.
-/// - (0,0,0) and non-finite points of an organised scan are misses, their direction from
-/// `find_organised_scan`;
-///   where there is no grid they are skipped and counted.
-/// - origin: the sensor's origin (heights of single lasers and Ouster's 12 mm are left out). With
-///   `deskew`, at the beam's own time; else all beams share the scan's pose.
-/// - order: with `deskew` by time, then ring; else the file's, an inferred miss after the return
-///   before its gap.
-/// - packet: by firing time (without per-point time: by azimuth, from the rear), in bins of the
-///   sensor's `firings_per_packet` firings, from 0 in each scan; by azimuth in bins of 2° where no
-///   sensor is given.
-/// - intensity and extra columns: the file's, 0 for an inferred miss. Inferred misses are flagged
+/// - Ring: it is the file's own number. An organised scan without one gives its row. Otherwise
+///   rings are recovered from the file's order (KITTI: 0 = top), or, if that gives another number
+///   of rings than the sensor has channels, from the elevation (index of the channel; counted).
+///   Without a sensor, more than 256 recovered rings are not taken for rings, and all are 0.
+/// - Misses: points of an organised scan that are (0,0,0) or not finite are misses, and their
+///   directions come from `find_organised_scan`. Where there is no grid they are skipped and
+///   counted.
+/// - Origin: it is the sensor's origin; heights of single lasers and Ouster's 12 mm are ignored.
+///   With `deskew` it is taken at the beam's own time, else all beams share the scan's pose.
+/// - Order: with `deskew` beams are sorted by time, then ring. Otherwise they are in the file's
+///   order, and an inferred miss follows the return before its gap.
+/// - Packet: beams are divided by firing time into bins of the sensor's `firings_per_packet`
+///   firings, from 0 in each scan. Without per-point time the azimuth from the rear takes its
+///   place, and without a sensor bins are 2° of azimuth.
+/// - Intensity and extra columns: they are the file's, and 0 for an inferred miss, which is flagged
 ///   `kInferred`. Returns beyond the maximum range are kept.
 ///
 /// Throws `std::invalid_argument` where columns differ in length or a sensor is not valid.

@@ -7,7 +7,7 @@
 namespace underbrush::sensor {
 namespace {
 
-// A list, or {first, last, count}: evenly spaced, both ends included.
+// Reads elevations: a list, or {first, last, count} for evenly spaced ones with both ends included.
 std::vector<double> read_elevations(const YamlMap& channels) {
   if (!channels.child("elevation_deg").IsMap())
     return channels.get<std::vector<double>>("elevation_deg");
@@ -59,7 +59,7 @@ void read_rotation(const YamlMap& map, Sensor& s) {
   s.start_azimuth_rad = map.get("start_azimuth_deg", 180.0) * kDegree;
 }
 
-// The firings of one turn, each channel within its own window.
+// Reads a sweep: the firings of one turn, of each channel within its own window.
 void read_sweep(const YamlMap& map, Sensor& s) {
   read_rotation(map, s);
   std::vector<std::array<double, 2>> window;

@@ -11,15 +11,15 @@ namespace underbrush::sensor {
 namespace {
 
 constexpr double kMaxSpread = 0.15 * M_PI / 180;
-constexpr double kMostReturns = 0.95;  // a majority is not enough: it may be one of two mixed rows
+constexpr double kMostReturns = 0.95;  // more than a majority, which may be one of two mixed rows
 constexpr size_t kMinReturns = 3;
 
-/// Angles of all points; NaN where there is none.
+/// The angles of all points, NaN for points that are no return.
 struct Angles {
   std::vector<double> azimuth, elevation;
 };
 
-/// Columns and angles of the returns of one row.
+/// The columns and angles of the returns of one row.
 struct Row {
   std::vector<double> column, azimuth, elevation;
 };
@@ -51,7 +51,8 @@ bool fit_elevation(OrganisedScan& grid, const std::vector<Row>& rows) {
   return all > 0 && double(near) >= kMostReturns * double(all);
 }
 
-// Azimuth residuals of a row about column · step: their median, found about their circular mean.
+// Computes the azimuth of a row, the median of azimuth − column · step. Differences are taken from
+// the circular mean.
 double row_azimuth(const Row& row, double step) {
   double c = 0, s = 0;
   for (size_t k = 0; k < row.column.size(); ++k) {
@@ -106,7 +107,7 @@ bool fit_azimuth(OrganisedScan& grid, const std::vector<Row>& rows) {
   return double(near) >= kMostReturns * double(all);
 }
 
-// Elevation of row r from the line through up to 8 filled rows nearest to it.
+// Extrapolates the elevation of row r by a line through up to 8 filled rows nearest to it.
 double line_at(size_t r, std::vector<size_t> filled, const std::vector<double>& elevation) {
   const auto distance = [r](size_t q) { return q > r ? q - r : r - q; };
   std::stable_sort(filled.begin(), filled.end(),
@@ -153,7 +154,7 @@ void fill_empty_rows(OrganisedScan& grid, const Sensor* sensor) {
   }
 }
 
-// Whether the scan's own ring numbers, if any, are one per row.
+// Whether the scan's own ring numbers, if any, are constant in each row.
 bool rings_agree(const OrganisedScan& grid, const std::vector<uint16_t>& ring) {
   for (size_t i = 0; i < ring.size(); ++i) {
     const size_t first = grid.column_major ? grid.row(i) : grid.row(i) * grid.columns;

@@ -10,7 +10,7 @@
 namespace underbrush::sensor {
 namespace {
 
-// A firing within this fraction of a firing of a boundary counts as on it.
+// A firing within this fraction of a firing period from a boundary counts as on it.
 constexpr double kSlack = 1e-6;
 
 uint64_t revolution(const Sensor& sensor, size_t firing) {
@@ -49,7 +49,7 @@ void PatternSource::start_spinning() {
   order_ = sensor_.firing_order();
   firings_ = size_t(std::ceil((end_s_ - start_s_) / sensor_.firing_period_s - kSlack));
   if (firings_ == 0) return;
-  // Only the last firing can reach past the end.
+  // Only the last firing can extend past the end.
   const double last = start_s_ + double(firings_ - 1) * sensor_.firing_period_s;
   size_ = (firings_ - 1) * order_.size() +
           size_t(std::count_if(order_.begin(), order_.end(), [&](uint16_t c) {

@@ -1,20 +1,21 @@
 /// \file
-/// The beams that a sensor fires along a trajectory.
+/// This file makes the beams that a sensor fires along a trajectory.
 #pragma once
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/sensor/sensor.hpp"
 
 namespace underbrush::sensor {
 
-/// Every beam that a sensor fires in [start_s, end_s), as misses, in chunks.
+/// A source of every beam that a sensor fires in [start_s, end_s), as misses, in chunks.
 ///
-/// Spinning sensors: firing f = 0, 1, … is at t = start_s + f·period; channel c fires at t +
-/// c.time, at azimuth start_azimuth ± 2π·rate·(t + c.time − start_s) + c.azimuth, from the pose
-/// interpolated at that time, c.z above the sensor's origin. Others: the shots of cycle after cycle
-/// from start_s on, each from the pose at its time. `scan` counts revolutions or frames (1/rate)
-/// from 0, `packet` packets within the scan. A scan's reference time and pose are those of its
-/// first beam. Beams are in order of time, then ring. Memory: a chunk and one `ScanInfo` per
-/// revolution.
+/// A spinning sensor has its firing f = 0, 1, … at t = start_s + f·period. Channel c fires at t +
+/// c.time, at azimuth start_azimuth ± 2π·rate·(t + c.time − start_s) + c.azimuth, from c.z above
+/// the sensor's origin. Other sensors repeat the shots of a cycle from start_s on. Every beam has
+/// the pose that is interpolated at its time.
+///
+/// `scan` counts revolutions or frames (1/rate) from 0, and `packet` counts packets within the
+/// scan. A scan's reference time and pose are those of its first beam. Beams are in order of time,
+/// then ring. Memory is a chunk and one `ScanInfo` for each revolution.
 class PatternSource : public BeamSource {
  public:
   /// Throws `std::invalid_argument` where end_s < start_s, a value is not finite, there are more
@@ -40,13 +41,14 @@ class PatternSource : public BeamSource {
   const Trajectory& trajectory_;
   double start_s_, end_s_;
   size_t chunk_size_, firings_ = 0, size_ = 0;
-  size_t firing_ = 0;  ///< Next one, or next shot.
+  size_t firing_ = 0;  ///< The next firing, or the next shot.
   std::vector<uint16_t> order_;
-  std::vector<uint64_t> first_shot_;  ///< Of each scan.
+  std::vector<uint64_t> first_shot_;  ///< The first shot of each scan.
   LogInfo info_;
 };
 
-/// The same in memory.
+/// Makes every beam that a sensor fires in [start_s, end_s), in memory. Throws as `PatternSource`
+/// does.
 BeamLog beams(const Sensor& sensor, const Trajectory& trajectory, double start_s, double end_s);
 
 }  // namespace underbrush::sensor

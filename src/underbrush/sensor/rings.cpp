@@ -12,7 +12,7 @@ constexpr double kGapSteps = 1.8;  // 0.30° at the HDL-64E's 0.167°
 
 using Ring = std::vector<SensorRay>;
 
-// Gap from ray i to the next one counter-clockwise, around the seam of the ring.
+// Computes the gap from ray i to the next one counter-clockwise, across the seam of the ring.
 double gap_after(const Ring& ring, size_t i) {
   return i + 1 < ring.size() ? ring[i + 1].azimuth_rad - ring[i].azimuth_rad
                              : ring[0].azimuth_rad + 2 * M_PI - ring[i].azimuth_rad;
@@ -25,7 +25,7 @@ double measured_step(const std::vector<Ring>& rings, double nominal) {
     size_t n = 0;
     for (size_t i = 0; i + 1 < ring.size(); ++i) {
       const double gap = gap_after(ring, i);
-      // Second echoes and doubled points are no step.
+      // Second echoes and repeated points make gaps that are no steps.
       if (gap < 0.05 * nominal || gap > kGapSteps * nominal) continue;
       sum += gap;
       ++n;
@@ -35,7 +35,7 @@ double measured_step(const std::vector<Ring>& rings, double nominal) {
   return steps.empty() ? nominal : median(steps);
 }
 
-// The elevation that decides whether a ring's gaps tell anything.
+// Finds the elevation of each ring, which decides whether its gaps count as misses.
 std::vector<double> ring_elevations(const std::vector<Ring>& rings, const Sensor& sensor,
                                     double fault) {
   std::vector<double> measured(rings.size());
@@ -57,8 +57,8 @@ std::vector<double> ring_elevations(const std::vector<Ring>& rings, const Sensor
   return measured;
 }
 
-// Time of a miss a fraction s of the way from a to b. Where the scan begins and ends inside the
-// gap, times jump there: each side then keeps the pace of its own neighbour.
+// Computes the time of a miss, a fraction s of the way from a to b. If the scan begins and ends
+// within the gap, times jump there, and each side continues at the pace of its own neighbour.
 double time_between(const SensorRay& a, const SensorRay& b, double gap, double s, double pace) {
   const double expected = gap * pace;
   if (std::abs(b.time_s - a.time_s - expected) < 0.5 * std::abs(2 * M_PI * pace)) {
@@ -121,7 +121,7 @@ InsertedMisses insert_misses(std::vector<SensorRay>& rays, const Sensor& sensor,
   const double step = measured_step(rings, nominal_step_rad);
   const std::vector<double> elevations = ring_elevations(rings, sensor, fault_rad);
   const double pace = sensor.turn() * revolution_s / (2 * M_PI);
-  // A few rings may have seen only sky; where most are absent, the scan is not this sensor's.
+  // A few rings may have seen only sky. If most are absent, the scan is not of this sensor.
   const auto filled = std::count_if(rings.begin(), rings.end(), [](auto& r) { return !r.empty(); });
   const bool whole_rings = 2 * size_t(filled) >= sensor.channels.size();
   InsertedMisses done;

@@ -1,5 +1,5 @@
 /// \file
-/// Rings and misses of scans whose format keeps neither (KITTI and its kin).
+/// This file recovers rings and misses of scans whose format keeps neither, such as KITTI's.
 #pragma once
 #include <cstddef>
 #include <vector>
@@ -9,30 +9,33 @@
 
 namespace underbrush::sensor {
 
-/// Rings of points stored ring by ring with rising azimuth (mod 2π): a new ring starts where that
-/// azimuth falls by more than π. One number per point, from 0. Points that are no return keep the
-/// ring of the point before.
+/// Recovers the rings of points that are stored ring by ring with rising azimuth (mod 2π). A new
+/// ring starts where the azimuth falls by more than π. The result has one number for each point,
+/// from 0; points that are no return take the ring of the point before.
 std::vector<uint16_t> rings_from_order(const std::vector<Vec3f>& points);
 
-/// Rings by elevation: the channel whose beam, from its height z and raised by −`fault_rad`, comes
-/// nearest to the point: elevation = e + asin(z cos(e) / r) − fault.
+/// Assigns points to rings by elevation: the ring is the channel whose beam, from its height z,
+/// comes nearest to the point, elevation = e + asin(z cos(e) / r) − fault.
 std::vector<uint16_t> rings_from_elevation(const std::vector<Vec3f>& points, const Sensor& sensor,
                                            double fault_rad);
 
-/// What `insert_misses` did.
+/// Counts of `insert_misses`.
 struct InsertedMisses {
   size_t inserted = 0;
-  size_t unknown = 0;  ///< Not inserted: their ring points below `unknown_below_rad`.
+  size_t unknown = 0;  ///< Not inserted, because their ring points below `unknown_below_rad`.
 };
 
-/// Appends to `rays` the misses that the format dropped. Within a ring, neighbours (also across
-/// azimuth 0) more than 1.8 steps apart have round(gap/step) − 1 misses between them, evenly
-/// spaced, with elevation and time interpolated. The step is the scan's own: the median over rings
-/// of the mean gap below 1.8 `nominal_step_rad`. A ring of `sensor` without any return is one whole
-/// turn of misses at its catalogue elevation and `time_s`, provided that half of its rings have
-/// some. Whether a ring is unknown is decided by its catalogue elevation, where `sensor` has its
-/// rings in the same sense as the scan, else by the median elevation of its returns plus
-/// `fault_rad`. `revolution_s` is used to tell a gap at the scan's own seam, where times jump.
+/// Appends to `rays` the misses that the format dropped.
+///
+/// Within a ring, neighbours (also across azimuth 0) that are more than 1.8 steps apart get
+/// round(gap/step) − 1 misses between them, evenly spaced, with interpolated elevation and time.
+/// The step is the scan's own: the median over rings of the mean gap below 1.8 `nominal_step_rad`.
+/// A ring of `sensor` without any return becomes a whole turn of misses at its catalogue elevation
+/// and `time_s`, provided that at least half of the sensor's rings have returns.
+///
+/// Whether a ring is unknown depends on its catalogue elevation if `sensor` numbers its rings in
+/// the same direction as the scan, else on the median elevation of its returns plus `fault_rad`.
+/// `revolution_s` serves to recognise a gap at the scan's own seam, where times jump.
 InsertedMisses insert_misses(std::vector<SensorRay>& rays, const Sensor& sensor,
                              double nominal_step_rad, double unknown_below_rad, double fault_rad,
                              double revolution_s, double time_s);

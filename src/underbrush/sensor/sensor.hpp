@@ -1,5 +1,6 @@
 /// \file
-/// What a lidar is: its channels, its timing, its limits; and the catalogue of known ones.
+/// This file describes a lidar, with its channels, timing and limits, and gives access to the
+/// catalogue of known ones.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -12,10 +13,10 @@
 #include "underbrush/sensor/signal.hpp"
 
 namespace underbrush {
-/// Sensors, their scan patterns, and raw scans turned into beams.
+/// Sensors: their properties, their scan patterns, and the conversion of raw scans to beams.
 namespace sensor {
 
-/// One laser–detector pair of a sensor.
+/// A channel of a sensor, one laser with its detector.
 struct Channel {
   double elevation_rad = 0;  ///< Above the sensor's horizontal plane.
   double azimuth_rad = 0;    ///< Counter-clockwise from the azimuth of the firing.
@@ -23,65 +24,71 @@ struct Channel {
   double z_m = 0;            ///< Height of the beam's origin above the sensor's origin.
 };
 
-/// How the beams of a sensor cover its field of view.
+/// The way in which the beams of a sensor cover its field of view.
 enum class Kind {
   kSpinning,  ///< All channels fire again and again while the head turns.
   kRaster,    ///< Lines of a raster, from a sensor that stands or moves.
   kSequence,  ///< A list of shots: a sweep over part of a turn, or directions from a file.
 };
 
-/// A lidar. Its frame: x forward, y left, z up; azimuth 0 = forward, counter-clockwise positive.
+/// A lidar. Its frame has x forward, y left and z up; azimuth 0 is forward, and counter-clockwise
+/// is positive.
 struct Sensor {
   std::string name;                  ///< Catalogue name.
   std::string title;                 ///< Maker and model.
   std::vector<std::string> sources;  ///< Where the values come from; [memory] = unchecked.
   Kind kind = Kind::kSpinning;
   double rate_hz = 10;  ///< Revolutions or frames a second.
-  /// Of spinning sensors and sweeps. Index = ring. Which end is ring 0: the data file says.
+  /// The channels of a spinning sensor or a sweep. The index is the ring; the data file says which
+  /// end is ring 0.
   std::vector<Channel> channels;
-  double firing_period_s = 0;    ///< All channels fire once in it; without channels, a shot.
+  /// Time in which all channels fire once; without channels, time of a shot.
+  double firing_period_s = 0;
   bool clockwise = true;         ///< Direction of rotation, seen from above.
   double start_azimuth_rad = 0;  ///< Where a revolution begins.
-  int firings_per_packet = 1;    ///< Firings sent in one data packet, taken to share a pose.
-  Raster raster;                 ///< Of `kRaster`.
-  std::vector<Shot> shots;       ///< Of `kSequence`: a cycle, in order of time.
-  double cycle_s = 0;            ///< Of `kSequence`: the shots repeat after it.
+  int firings_per_packet = 1;    ///< Firings in a data packet, which are taken to share a pose.
+  Raster raster;                 ///< For `kRaster`.
+  std::vector<Shot> shots;       ///< For `kSequence`: the shots of a cycle, in order of time.
+  double cycle_s = 0;            ///< For `kSequence`: the duration of a cycle.
   double min_range_m = 0;
   double max_range_m = 120;
   double range_sigma_m = 0;       ///< σ of the range.
   double range_resolution_m = 0;  ///< Step of the reported range.
   BeamShape beam;
-  std::array<int, 2> sub_rays{9, 9};  ///< Suggested for super-sampling: columns, rows.
+  std::array<int, 2> sub_rays{9, 9};  ///< Columns and rows suggested for super-sampling.
   SignalChain signal;
   double wavelength_m = 0;
 
   double firings_per_revolution() const { return 1 / (rate_hz * firing_period_s); }
-  /// Azimuth between firings (rad, positive).
+  /// Angle between firings, rad, positive.
   double azimuth_step_rad() const;
   double beams_per_s() const;
-  /// Spinning sensors: channels · firings; others: `firings_per_packet` shots.
+  /// For spinning sensors, channels · firings; for others, `firings_per_packet` shots.
   size_t beams_per_packet() const;
-  /// +1 or −1: the sign of the azimuth's change with time.
+  /// The sign of the azimuth's change with time, +1 or −1.
   double turn() const { return clockwise ? -1 : 1; }
-  /// Channels in the order in which they fire: by time, then ring.
+  /// The channels in the order in which they fire: by time, then ring.
   std::vector<uint16_t> firing_order() const;
 
-  /// Sensors that do not spin: their cycle's duration and number of shots, shot `k` of it, and how
-  /// many shots come before `time_s` after the start of a first cycle.
+  /// The duration of a cycle of shots, s. This function and the next three are for sensors that do
+  /// not spin.
   double shot_cycle_s() const;
+  /// The number of shots of a cycle.
   uint64_t shots_per_cycle() const;
+  /// Shot `k` of a cycle.
   Shot shot(uint64_t k) const;
+  /// The number of shots before `time_s` after the start of the first cycle.
   uint64_t shots_before(double time_s) const;
   /// Throws `std::invalid_argument` where a value is not finite or out of its range.
   void check() const;
 };
 
-/// The sensor of the catalogue with this name, or the one described by the YAML file at this path
-/// (docs/reference/sensor-files.md has the schema). Throws `std::invalid_argument`, naming the
-/// nearest sensor, if it is neither, `FormatError` if the file is malformed.
+/// Loads a sensor: from the catalogue by name, or else from the YAML file at this path, whose
+/// schema is in docs/reference/sensor-files.md. Throws `std::invalid_argument`, which names the
+/// most similar sensor, if there is neither, and `FormatError` if the file is malformed.
 Sensor load(std::string_view name_or_yaml_path);
 
-/// Names of the catalogue, sorted.
+/// The names of the catalogue, sorted.
 std::vector<std::string> names();
 
 }  // namespace sensor

@@ -15,7 +15,7 @@ double place(double from, double to, uint32_t k, uint32_t n) {
   return n < 2 ? from : from + (to - from) * k / (n - 1);
 }
 
-/// The numbers of a line; none where it holds something else.
+/// Reads the numbers of a line; gives none where the line has something else.
 std::vector<double> numbers_of(std::string_view line) {
   std::vector<double> numbers;
   const char *at = line.data(), *end = at + line.size();

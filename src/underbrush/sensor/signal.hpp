@@ -1,18 +1,19 @@
 /// \file
-/// The receiving end of a sensor as its data file describes it; `radiometry` acts on it.
+/// This file has the receiving end of a sensor as its data file describes it. The module
+/// `radiometry` simulates it.
 #pragma once
 #include <cstdint>
 
 namespace underbrush::sensor {
 
-/// Shape of the emitted pulse over time.
+/// The shape of the emitted pulse over time.
 enum class Pulse : uint8_t {
   kGaussian,
   kQSwitched,  ///< (t/τ)² exp(−t/τ), the fast rise and slow fall of Q-switched lasers
                ///< ([steinvall00]).
 };
 
-/// Where in a pulse its range is taken.
+/// The way in which the range of a pulse is measured.
 enum class Timing : uint8_t {
   kPeak,              ///< At the maximum, by a parabola through the logarithms of three samples.
   kLeadingEdge,       ///< Where it rises through the threshold, corrected for the height of the
@@ -21,36 +22,37 @@ enum class Timing : uint8_t {
                       ///< higher valley, the peak.
 };
 
-/// Which echoes of a beam a sensor reports.
+/// The echoes of a beam that a sensor reports.
 enum class ReturnMode : uint8_t {
-  kStrongest,  ///< The one of most energy.
+  kStrongest,  ///< The one with the most energy.
   kFirst,
   kLast,
   kAll,  ///< The first `max_echoes`.
 };
 
-/// What the intensity of an echo stands for.
+/// The quantity that the intensity of an echo stands for.
 enum class Intensity : uint8_t {
-  kSignal,       ///< The peak of the signal.
-  kReflectance,  ///< The peak over that of a white, perpendicular target at the echo's range.
+  kSignal,       ///< Peak of the signal.
+  kReflectance,  ///< Peak divided by that of a white, perpendicular target at the echo's range.
 };
 
-/// From light to echoes.
+/// The signal chain of a sensor, from the emitted pulse to the reported echoes.
 struct SignalChain {
   Pulse pulse = Pulse::kGaussian;
   double pulse_fwhm_s = 5e-9;
-  double receiver_fwhm_s = 0;  ///< Of the receiver's Gaussian impulse response; 0 = ideal.
-  double sample_s = 1e-9;      ///< Between samples of the analog–digital converter.
+  double receiver_fwhm_s = 0;  ///< Width of the receiver's Gaussian impulse response; 0 = ideal.
+  double sample_s = 1e-9;      ///< Time between samples of the analog–digital converter.
   Timing timing = Timing::kPeak;
-  double threshold_snr = 5;      ///< Signal-to-noise ratio from which an echo is reported.
-  double detection_range_m = 0;  ///< A target of `detection_reflectance` is just detected here;
-  double detection_reflectance = 0.1;  ///< 0 m: at the maximum range.
-  double min_gap_m = 0;                ///< Of two echoes nearer together the stronger one stays.
-  double saturation_snr = 4000;        ///< Where the converter ends.
+  double threshold_snr = 5;  ///< Least signal-to-noise ratio of a reported echo.
+  /// Where a target of `detection_reflectance` is just detected; 0 = maximum range.
+  double detection_range_m = 0;
+  double detection_reflectance = 0.1;
+  double min_gap_m = 0;          ///< Where two echoes are nearer together, the stronger one stays.
+  double saturation_snr = 4000;  ///< Signal-to-noise ratio at the converter's upper limit.
   ReturnMode mode = ReturnMode::kStrongest;
-  int max_echoes = 1;  ///< With `kAll`.
+  int max_echoes = 1;  ///< For `kAll`.
   Intensity intensity = Intensity::kReflectance;
-  double intensity_scale = 100;  ///< Reported intensity of a signal, or a reflectance, of 1.
+  double intensity_scale = 100;  ///< Reported intensity of a signal, or of a reflectance, of 1.
   double intensity_resolution = 1;
   double intensity_most = 255;
   double width_resolution_m = 0;  ///< Step of the echo pulse width.

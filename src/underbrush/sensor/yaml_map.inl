@@ -1,4 +1,4 @@
-// The YAML files of sensors, key by key; for the sources that read them.
+// Access to the YAML files of sensors by key, for the sources that read them.
 #pragma once
 #include <yaml-cpp/yaml.h>
 
@@ -55,7 +55,7 @@ class YamlMap {
   YamlMap map(const std::string& key, std::initializer_list<std::string_view> keys) const {
     return YamlMap(file_, place_.empty() ? key : place_ + "." + key, child(key), keys);
   }
-  /// One of the named values; without the key, that of `fallback` (which may be none).
+  /// Reads one of the named values. Without the key it takes that of `fallback`, which may be null.
   template <class T>
   T choice(const std::string& key, std::initializer_list<std::pair<const char*, T>> values,
            const char* fallback = nullptr) const {
@@ -87,10 +87,10 @@ class YamlMap {
   YAML::Node node_;
 };
 
-/// Where the beams of the sensor go and when: kind, rates, channels, raster or table.
+/// Reads the pattern of the beams: kind, rates, and channels, raster or table.
 void read_pattern(const YamlMap& root, Sensor& s);
 
-/// A whole file. Throws `FormatError`.
+/// Reads a whole file. Throws `FormatError`.
 std::string text_of(const std::string& path);
 
 }  // namespace underbrush::sensor

@@ -39,7 +39,7 @@ Pose pose_at(const Trajectory& path, double time_s) {
 
 }  // namespace
 
-/// A mover, alone in a world of its own frame.
+/// A moving object, alone in a world of its own frame.
 struct DynamicWorld::Object {
   Object(elements::Mover m, const elements::Model& model, elements::Instance placed)
       : mover(std::move(m)), ball(ball_around(model, double(placed.scale))) {

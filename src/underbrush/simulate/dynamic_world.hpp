@@ -1,5 +1,6 @@
 /// \file
-/// The world that beams are fired into: static elements and objects that move through it.
+/// This file has the world that beams are fired into: static elements and objects that move through
+/// it.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -10,21 +11,22 @@
 
 namespace underbrush::simulate {
 
-/// A static world and the movers in it. Each beam meets a mover where that is at the beam's own
-/// time. With movers that stand still, the answers are those of the scene itself, to rounding:
-/// instances keep their numbers, and so their random numbers.
+/// A static world and the moving objects in it. Each beam meets an object where that is at the
+/// beam's own time. Instances keep their numbers, and so their random numbers. Where all objects
+/// stand still, the answers are therefore those of the scene, up to rounding.
 class DynamicWorld {
  public:
-  /// Nothing moves. `world` must outlive this.
+  /// A world without moving objects. `world` must outlive this.
   DynamicWorld(const trace::World& world);  // NOLINT(google-explicit-constructor)
-  /// The scene with some of its instances moving. Throws `std::invalid_argument` where a mover's
-  /// instance does not exist or comes twice, or its trajectory is empty. `scene` must outlive this.
+  /// A scene of which some instances move. Throws `std::invalid_argument` where a mover's instance
+  /// does not exist or occurs twice, or where its trajectory is empty. `scene` must outlive this.
   DynamicWorld(const elements::Scene& scene, std::vector<elements::Mover> movers);
   DynamicWorld(DynamicWorld&&) noexcept;
   ~DynamicWorld();
 
-  /// As `World::nearest_accepted`, for beams of `rays.size() / time_s.size()` rays each, one beam
-  /// after the other, fired at `time_s`.
+  /// Finds the element at which each ray ends, as `World::nearest_accepted` does. Each of the times
+  /// `time_s` (s) is that of a beam, and the rays of one beam follow those of another, `rays.size()
+  /// / time_s.size()` each.
   void nearest_accepted(std::span<const Ray> rays, std::span<const uint64_t> keys,
                         std::span<const double> time_s, const trace::RangeLimits& limits,
                         std::span<trace::Intersection> met) const;
@@ -32,7 +34,7 @@ class DynamicWorld {
   const trace::World& world() const { return *world_; }
   bool moves() const { return !movers_.empty(); }
   const elements::Model& model(uint32_t instance) const;
-  /// Where an instance is at a time.
+  /// The place of an instance at a time (s).
   elements::Instance placed(uint32_t instance, double time_s) const;
 
  private:
@@ -40,7 +42,8 @@ class DynamicWorld {
   const Object* object(uint32_t instance) const;
 
   const trace::World* world_ = nullptr;
-  std::unique_ptr<elements::Scene> still_;  ///< The scene, an empty model in place of each mover.
+  /// The scene with an empty model in place of each mover.
+  std::unique_ptr<elements::Scene> still_;
   std::unique_ptr<trace::World> own_;
   std::vector<std::unique_ptr<Object>> movers_;
 };

@@ -15,15 +15,15 @@ namespace {
 
 using trace::Intersection;
 
-constexpr size_t kRaysACall = 8192;  // as many as the tracer brings into order at once
+constexpr size_t kRaysACall = 8192;  // as many as the tracer orders at a time
 
-/// A direction turned about the vertical.
+/// Rotates a direction about the vertical.
 Vec3 turned(double angle_rad, const Vec3& d) {
   const double c = std::cos(angle_rad), s = std::sin(angle_rad);
   return {c * d.x() - s * d.y(), s * d.x() + c * d.y(), d.z()};
 }
 
-/// Rows `row` of a column.
+/// Gathers the rows `row` of a column.
 template <class T>
 std::vector<T> gathered(const std::vector<T>& column, const std::vector<uint32_t>& row) {
   std::vector<T> out(row.size());
@@ -33,7 +33,7 @@ std::vector<T> gathered(const std::vector<T>& column, const std::vector<uint32_t
   return out;
 }
 
-/// The log with beam `beam[i]` in row i.
+/// Rewrites the log so that row i has beam `beam[i]`.
 void repeat_beams(const std::vector<uint32_t>& beam, BeamLog& log) {
   log.origin = gathered(log.origin, beam);
   log.direction = gathered(log.direction, beam);
@@ -51,22 +51,22 @@ void repeat_beams(const std::vector<uint32_t>& beam, BeamLog& log) {
 
 }  // namespace
 
-/// What an echo came from.
+/// The element that an echo came from.
 struct EchoMaker::Element {
   uint32_t number = Intersection::kNone;
   uint16_t label = 0;
   uint32_t instance = 0;
 };
 
-/// What becomes of some beams.
+/// The results of a block of beams.
 struct EchoMaker::Block {
-  std::vector<uint8_t> count;  ///< Echoes of each beam.
+  std::vector<uint8_t> count;  ///< Number of echoes of each beam.
   std::vector<radiometry::Echo> echo;
-  std::vector<Element> element;  ///< Of each echo, if wanted.
+  std::vector<Element> element;  ///< One an echo, if element ids are asked for.
   std::vector<BeamWaveform> waveforms;
 };
 
-/// What a thread works in.
+/// The working memory of a thread.
 struct EchoMaker::Scratch {
   Scratch(const EchoMaker& m, size_t beams)
       : rays(beams * m.sub_rays_.size()),
@@ -83,7 +83,7 @@ struct EchoMaker::Scratch {
   Reflection::Evaluator evaluator;
 };
 
-/// Scratches that are used again; as many as threads ask at once.
+/// A pool of working memories, as many as threads that ask at the same time.
 class EchoMaker::Scratches {
  public:
   std::unique_ptr<Scratch> take(const EchoMaker& m, size_t beams) {

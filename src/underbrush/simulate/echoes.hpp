@@ -1,5 +1,6 @@
 /// \file
-/// Beams as an instrument sees them: sub-rays over the beam, their light, the waveform, echoes.
+/// This file simulates beams as an instrument sees them: sub-rays over the beam, the light that
+/// they bring back, the waveform, and its echoes.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -19,57 +20,63 @@ namespace underbrush::simulate {
 /// An instrument, from the beam that leaves it to the echoes that it reports.
 struct Instrument {
   sensor::BeamShape beam;
-  /// `sensor::spread_sub_rays` or `grid_sub_rays`; one in the middle is a thin ray.
+  /// Made by `sensor::spread_sub_rays` or `sensor::grid_sub_rays`. A single sub-ray in the middle
+  /// is a thin ray.
   std::vector<sensor::SubRay> sub_rays{{}};
   radiometry::ReceiverOptions receiver;
 };
 
-/// Which beams' waveforms are wanted: number 0, `every`, 2 `every` …, of those the first `count`.
+/// A choice of the beams whose waveforms are kept: the first `count` of beams 0, `every`, 2
+/// `every`, …
 struct WaveformChoice {
   size_t every = 1, count = 0;
   bool wants(size_t beam) const { return beam % every == 0 && beam / every < count; }
 };
 
-/// A beam's waveform as its receiver digitised it, in units of the noise in the dark.
+/// The waveform of a beam as its receiver digitised it, in units of the noise in the dark.
 struct BeamWaveform {
   size_t beam = 0;  ///< Number in the log of beams.
   uint32_t scan = 0;
   uint16_t ring = 0;
   double time_s = 0;
-  std::vector<std::pair<double, double>> signal;  ///< Range (m), signal; gaps left out.
+  std::vector<std::pair<double, double>> signal;  ///< Range (m) and signal; gaps are left out.
   std::vector<double> echo_m;                     ///< Ranges of the echoes.
 };
 
-/// Options of `EchoMaker`.
+/// The options of `EchoMaker`.
 struct EchoOptions {
   uint64_t seed = 1;
-  bool element_ids = false;  ///< Add the columns `element` and `element_class`: of an echo the
-                             ///< sub-return nearest to it.
-  std::vector<elements::Class> instance_labels{};  ///< As those of `Options`.
+  /// Whether to add the columns `element` and `element_class`, which are those of the sub-return
+  /// nearest to the echo.
+  bool element_ids = false;
+  std::vector<elements::Class> instance_labels{};  ///< One an instance, as in `Options`.
   WaveformChoice waveforms;
 };
 
-/// Answers beams with echoes.
+/// A simulation that answers beams with echoes.
 ///
-/// Of beam i the sub-rays are traced as rays of the model, each with trials and draws of its own:
-/// the hit probability of an element is the share of the light that it stops. The beam's azimuth is
-/// off within the encoder's step by a draw of its own. Every return has the power of the lidar
-/// equation (`Receiver::signals` with `Reflection`'s factors); from their sum the receiver makes
-/// echoes. Random numbers: key (seed, scan, number of the beam), so neither chunks nor threads
-/// change the answer; the first sub-ray has the beam's key, with which a thin ray is traced.
+/// The sub-rays of a beam are traced as rays of the model, each with random trials and ranges of
+/// its own, so that the hit probability of an element is the share of the light that it stops. The
+/// beam's azimuth is off by a random angle within the encoder's step. Each return has the power
+/// that the lidar equation gives (`Receiver::signals` with the factors of `Reflection`), and the
+/// receiver makes echoes of their sum.
+///
+/// Random numbers have the key (seed, scan, number of the beam), so neither chunks nor threads
+/// change the answer. The first sub-ray has the key with which a thin ray of the beam is traced.
 class EchoMaker {
  public:
-  /// Everything must outlive it. Throws `std::invalid_argument`.
+  /// Everything passed must outlive it. Throws `std::invalid_argument` for options out of range.
   EchoMaker(const DynamicWorld& world, const Reflection& reflection, const Instrument& instrument,
             const EchoOptions& options);
   ~EchoMaker();
 
-  /// Replaces `beams` (one row a beam) by their echoes (one or more rows a beam). Other extra
-  /// columns are kept. `first_beam` is the number of the first. Ranges count within those of
-  /// `beams.info`: the receiver, not the log that a model was fitted to, says how far it sees.
+  /// Replaces `beams` (one row a beam) by their echoes (one or more rows a beam). `first_beam` is
+  /// the number of the first beam. Extra columns of the beams are kept. Range limits are those of
+  /// `beams.info`, because the receiver says how far the instrument sees, not the log that a model
+  /// was fitted to.
   void answer(size_t first_beam, BeamLog& beams);
 
-  /// The waveforms asked for, of the beams so far.
+  /// The waveforms of the chosen beams so far.
   const std::vector<BeamWaveform>& waveforms() const { return waveforms_; }
 
  private:

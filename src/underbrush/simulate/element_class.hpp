@@ -1,5 +1,5 @@
 /// \file
-/// The class that a simulated log states for what a beam met.
+/// This file finds the class that a simulated log reports for what a beam met.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -10,9 +10,9 @@
 
 namespace underbrush::simulate {
 
-/// The value of the column `element_class`: the class of the instance if there are
-/// `instance_labels` (one an instance), else the label of the ellipsoid, else 0. `model` is that of
-/// the instance.
+/// Finds the value of the column `element_class`: the class of the instance if `instance_labels`
+/// (one an instance) is not empty, else the label of the ellipsoid, else 0. `model` is that of the
+/// instance.
 inline uint16_t element_class(const elements::Model& model, const trace::Intersection& met,
                               const std::vector<elements::Class>& instance_labels) {
   if (!instance_labels.empty()) return uint16_t(instance_labels.at(met.instance));

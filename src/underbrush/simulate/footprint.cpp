@@ -14,7 +14,8 @@ namespace {
 
 using trace::Intersection;
 
-/// The strongest group of hits that lie within a pulse of each other: [begin, end) of `hits`.
+/// Finds the strongest group of hits that lie within a pulse of each other, as the range [begin,
+/// end) of `hits`.
 std::array<size_t, 2> strongest_echo(const std::vector<Intersection>& hits, double pulse_m) {
   std::array<size_t, 2> best{0, 0};
   for (size_t begin = 0; begin < hits.size();) {

@@ -1,5 +1,6 @@
 /// \file
-/// A lidar in a world of fine opaque geometry: the "reality" of generated sites and studies.
+/// This file simulates a lidar in a world of fine opaque geometry, which serves as the reality of
+/// generated sites and studies.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -14,20 +15,25 @@ namespace underbrush::simulate {
 /// A beam with a footprint, and a receiver that reports the strongest echo.
 struct FootprintOptions {
   uint64_t seed = 1;
-  sensor::BeamShape shape = sensor::round_beam(0.003, 0.01);  ///< Of 3 mrad, from 10 mm.
-  int sub_rays = 9;             ///< Rays a beam: `sensor::spread_sub_rays`, turned at random.
-  double pulse_m = 0.3;         ///< Hits nearer together than this along the beam are one echo.
-  double threshold = 0.2;       ///< An echo is seen if it holds this share of the footprint.
+  sensor::BeamShape shape = sensor::round_beam(0.003, 0.01);  ///< 3 mrad wide, 10 mm at the exit.
+  int sub_rays = 9;        ///< Rays a beam: those of `sensor::spread_sub_rays`, rotated at random.
+  double pulse_m = 0.3;    ///< Hits nearer together than this along the beam are one echo.
+  double threshold = 0.2;  ///< Least share of the footprint in a reported echo.
   double range_sigma_m = 0.02;  ///< Noise of the range.
-  bool element_ids = false;     ///< Add the extra column `element`: of the echo's first hit.
+  /// Whether to add the extra column `element`, which is that of the echo's first hit.
+  bool element_ids = false;
 };
 
-/// Answers beams in place from the triangles of `world`, whatever their hit probability: sub-rays
-/// over the footprint, hits grouped into echoes, the one with most sub-rays reported (the nearer of
-/// equals) at its mean range plus noise; a miss if none holds `threshold` of the sub-rays. `label`,
-/// one per element of the world, comes out as the extra column `class` (of the echo's first hit; 0
-/// for a miss). With an encoder's step in `shape` the true azimuth lies within it, evenly, and the
-/// direction in the log is what the encoder says. Random numbers as in `simulate`.
+/// Answers beams in place from the triangles of `world`, whatever their hit probability.
+///
+/// Sub-rays sample the footprint, and their hits are grouped into echoes. The echo with the most
+/// sub-rays (the nearer of equals) is reported at its mean range plus noise; if it holds less than
+/// `threshold` of the sub-rays, the beam is a miss. With an encoder's step in `shape`, the true
+/// azimuth is spread evenly within it, and the direction in the log is that of the encoder.
+///
+/// `label` has one entry for each element of the world. The extra column `class` gets that of the
+/// echo's first hit, 0 for a miss. `first_beam` is the number of the first beam. Beam i draws its
+/// random numbers from (seed, scan, first_beam + i), as in `simulate`.
 void scan(const trace::World& world, std::span<const elements::Class> label,
           const FootprintOptions& options, size_t first_beam, BeamLog& beams);
 

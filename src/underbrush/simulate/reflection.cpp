@@ -11,7 +11,7 @@ namespace {
 using elements::Class;
 using trace::Intersection;
 
-/// Normal of a triangle, model frame.
+/// Computes the normal of a triangle in the model frame.
 Vec3 normal_of(const elements::Model& model, uint32_t element) {
   const elements::ElementPlace at = model.place(element);
   const elements::TriangleMesh& mesh = model.mesh(at.kind);
@@ -32,7 +32,7 @@ Reflection::Reflection(const radiometry::Materials& materials, double wavelength
   };
   require(materials.material.size() <= 256, "reflection: more than 256 materials");
   for (const radiometry::Material& m : materials.material) {
-    // Lambert and Oren–Nayar are both a cos θ + b sin² θ.
+    // Lambert and Oren–Nayar both have the form a cos θ + b sin² θ.
     const double a = radiometry::backscatter(m.surface, 1);
     const double b = (radiometry::backscatter(m.surface, 0.5) - 0.5 * a) / 0.75;
     materials_.push_back({m.reflectance_at(wavelength_m), a, b, m.surface,

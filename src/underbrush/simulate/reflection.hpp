@@ -1,5 +1,5 @@
 /// \file
-/// What share of the light the elements of a world send back.
+/// This file computes the share of the light that the elements of a world reflect.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -13,17 +13,18 @@
 
 namespace underbrush::simulate {
 
-/// What the instances of a scene are made of; both may be empty.
+/// The classes and materials of a scene's instances. Both vectors may be empty.
 struct InstanceKinds {
   std::vector<elements::Class> label;  ///< One an instance.
   std::vector<std::string> material;   ///< One an instance; "" = that of the class.
 };
 
-/// Reflection factors at one wavelength: reflectance × what the incidence leaves of it.
+/// Reflection factors at one wavelength: the reflectance times the effect of the incidence.
 ///
-/// The material of an element is the one named for its instance; else that of its class: ground
-/// triangles are `ground`; anything else is of its instance's class, or, where that says nothing
-/// (`unknown`, `ground`), an ellipsoid of its own label and a surface triangle `unknown`.
+/// The material of an element is that of its instance if one is named, else that of its class.
+/// Ground triangles have the class `ground`. Other elements have the class of their instance; where
+/// that says nothing (`unknown`, `ground`), an ellipsoid has the class of its own label and a
+/// surface triangle `unknown`.
 class Reflection {
   struct Material;
 
@@ -32,17 +33,19 @@ class Reflection {
   Reflection(const radiometry::Materials& materials, double wavelength_m,
              const InstanceKinds& kinds = {});
 
-  /// Evaluates the factors of the sub-rays of one beam after another and keeps the elements that it
-  /// has evaluated lately. One thread at a time may use it.
+  /// An evaluation of the factors of beams one after another, which keeps the elements that it has
+  /// evaluated lately. It serves a single thread.
   class Evaluator {
    public:
     Evaluator(const Reflection& reflection, const DynamicWorld& world);
-    /// To be called before the sub-rays of a beam: its axis and time.
+    /// Starts a beam by its axis (unit vector, world) and time (s). It must be called before
+    /// `factors`.
     void begin(const Vec3& axis, double time_s);
-    /// The factors of what some of a beam's `rays` met, those of the numbers `sub_ray`: of a
-    /// triangle ρ · `backscatter` at the angle to its normal, whichever side is lit; of an
-    /// ellipsoid ρ · `LeafAngleDistribution::backscatter` at the angle of the beam's axis to the
-    /// instance's own vertical: leaves tilt with what they grow on.
+    /// Computes the factors of what some of a beam's `rays` met. `met` has the meetings of the rays
+    /// with the numbers `sub_ray`. A triangle has ρ · `backscatter` at the angle to its normal,
+    /// whichever side is lit. An ellipsoid has ρ · `LeafAngleDistribution::backscatter` at the
+    /// angle between the beam's axis and the instance's own vertical, because leaves tilt with what
+    /// they grow on.
     void factors(std::span<const trace::Intersection> met, std::span<const Ray> rays,
                  std::span<const uint32_t> sub_ray, std::span<float> factor);
 
@@ -63,13 +66,14 @@ class Reflection {
 
     Vec3 axis_ = Vec3::UnitX();
     double time_s_ = 0, cos_zenith_ = 0;
-    uint32_t instance_ = trace::Intersection::kNone;  ///< That the next four are of.
-    Vec3 up_ = Vec3::UnitZ();                         ///< Its vertical, world.
+    uint32_t instance_ =
+        trace::Intersection::kNone;  ///< The instance that the next four fields describe.
+    Vec3 up_ = Vec3::UnitZ();        ///< Its vertical, world.
     const elements::Model* model_ = nullptr;
     uint32_t first_ellipsoid_ = 0;
-    int material_ = -1;  ///< Of all but the ground, or −1: as the element says.
+    int material_ = -1;  ///< Material of all elements but the ground; −1 = by element.
     std::vector<Triangle> triangles_;
-    std::vector<float> leaves_;  ///< By material, at `cos_zenith_`; < 0 = not yet evaluated.
+    std::vector<float> leaves_;  ///< Factors by material at `cos_zenith_`; < 0 = not yet computed.
   };
 
  private:
@@ -79,7 +83,8 @@ class Reflection {
     radiometry::SurfaceModel surface;
     radiometry::LeafAngleDistribution leaf_angles;
   };
-  /// Of all elements of an instance but the ground, or −1.
+  /// The material of all elements of an instance but the ground, or −1 if it depends on the
+  /// element.
   int material_of(uint32_t instance) const;
 
   std::vector<Material> materials_;

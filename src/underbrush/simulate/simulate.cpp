@@ -14,7 +14,7 @@ namespace {
 
 using trace::Intersection;
 
-// A point of the element's Gaussian, in the world frame.
+// Draws a point of the element's Gaussian, world frame.
 Vec3 drawn_in_volume(const elements::Model& model, const elements::Instance& placed,
                      const Intersection& met, uint64_t key) {
   const elements::Ellipsoid& e = model.ellipsoids[model.place(met.element).index];

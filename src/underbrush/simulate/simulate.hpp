@@ -1,5 +1,5 @@
 /// \file
-/// The main job: beams in, ranges out.
+/// This file has the main job of the library: beams go in, ranges come out.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -13,60 +13,66 @@
 #include "underbrush/simulate/dynamic_world.hpp"
 
 namespace underbrush {
-/// Beams answered by a world.
+/// Simulation: it answers beams from a world.
 namespace simulate {
 
-/// How the range is drawn when a beam ends at an ellipsoid.
+/// The way in which the range is drawn when a beam ends at an ellipsoid.
 enum class RangeDraw {
-  kOnRay,  ///< t ~ N(t_i, σ_i²): the Gaussian constrained to the ray, [deschaud12] eq. 2–3.
-  kVolumetric,  ///< A point from N(μ, Σ), [tallavajhula18] §IV: it may lie off the beam.
+  kOnRay,       ///< t ~ N(t_i, σ_i²), the Gaussian along the ray, [deschaud12] eq. 2–3.
+  kVolumetric,  ///< A point from N(μ, Σ), which may lie off the beam, [tallavajhula18] §IV.
 };
 
-/// Options of `simulate`.
+/// The options of `simulate`.
 struct Options {
   uint64_t seed = 1;
   RangeDraw draw = RangeDraw::kOnRay;
   double range_noise_m = 0;  ///< σ of further noise on every range.
-  double max_range_m = 0;    ///< Overrides the largest range of the beams if positive.
-  bool element_ids = false;  ///< Add the extra columns `element` and `element_class`.
-  /// Of a scene, one an instance: with `element_ids` `element_class` is taken from here instead of
-  /// from the element, and there is a column `instance`, 0 for the ground and where nothing was
-  /// hit.
+  /// If positive, it replaces the maximum range of the beams.
+  double max_range_m = 0;
+  bool element_ids = false;  ///< Whether to add the extra columns `element` and `element_class`.
+  /// The classes of a scene's instances, one an instance. With `element_ids`, `element_class` is
+  /// taken from here instead of from the element, and there is a column `instance`, which is 0 for
+  /// the ground and for a miss.
   std::vector<elements::Class> instance_labels{};
-  /// The ray that is traced, drawn from this shape about each beam's axis ([deschaud12] §IV); the
-  /// direction in the log stays that of the axis. Unset: the axis itself.
+  /// If set, the ray that is traced is drawn from this shape about each beam's axis ([deschaud12]
+  /// §IV). The direction in the log stays that of the axis. If not, the axis is traced.
   std::optional<sensor::BeamShape> random_ray{};
 };
 
-/// Answers beams in place: the range of each becomes that of the first element which accepts it, or
-/// a miss. Beam i draws its random numbers from (seed, scan, first_beam + i), so neither chunks nor
-/// threads change the answer. Volumetric draws also turn the direction towards the point drawn.
+/// Answers beams in place: the range of each becomes that of the nearest element that accepts it,
+/// or a miss.
+///
+/// Beam i draws its random numbers from (seed, scan, first_beam + i), so neither chunks nor threads
+/// change the answer. Volumetric draws also turn the beam's direction towards the drawn point.
 /// Elements count at ranges within those of `beams.info` (or `options.max_range_m`) and up to the
-/// `max_range_m` of the model of instance 0, which in a composed scene is the ground: the other
-/// models' limits are not looked at. A draw outside these limits is put at the element itself.
-/// Intensities are those of no instrument: 0 (`EchoMaker` has one).
+/// `max_range_m` of the model of instance 0, which is the ground of a composed scene; limits of the
+/// other models have no effect. Where a drawn range lies outside these limits, the element's own
+/// range is taken. Intensities are 0, because they depend on an instrument (`EchoMaker` has one).
+/// Throws `std::invalid_argument` for options out of range.
 void simulate(const DynamicWorld& world, const Options& options, size_t first_beam, BeamLog& beams);
 
-/// The beams of a source, answered chunk by chunk. World and source must outlive it.
+/// A source that answers the beams of another source chunk by chunk. The world and the other source
+/// must outlive it.
 class SimulatedSource : public BeamSource {
  public:
-  /// Answers beams in place, of which the first has this number; may make several rows of a beam.
+  /// A function that answers beams in place. `first_beam` is the number of the first beam; the
+  /// answer may have several rows a beam.
   using Answer = std::function<void(size_t first_beam, BeamLog& beams)>;
 
-  /// A positive `max_range_m` overrides that of the beams.
+  /// If positive, `max_range_m` replaces the maximum range of the beams.
   SimulatedSource(Answer answer, BeamSource& beams, double max_range_m = 0);
   SimulatedSource(const trace::World& world, BeamSource& beams, const Options& options);
   const LogInfo& info() const override { return info_; }
-  /// Of the beams; rows may be more.
+  /// The number of beams. There may be more rows.
   size_t size() const override { return beams_.size(); }
   void rewind() override;
   bool next(BeamLog& chunk) override;
 
-  /// Since the last rewind.
+  /// Counts since the last rewind.
   size_t hits() const { return hits_; }
   size_t beams() const { return done_; }
   size_t rows() const { return rows_; }
-  /// Time spent answering (s), reading and writing apart.
+  /// The time spent on answers without reading and writing, s.
   double seconds() const { return seconds_; }
 
  private:

@@ -7,12 +7,13 @@
 namespace underbrush::simulate {
 namespace {
 
-constexpr size_t kNumbers = 6;              // of a ray
-constexpr size_t kTogether = 2 * kNumbers;  // whole registers
+constexpr size_t kNumbers = 6;              // numbers of a ray
+constexpr size_t kTogether = 2 * kNumbers;  // fills whole registers
 
 static_assert(sizeof(Ray) == kNumbers * sizeof(double));
 
-/// Origin and direction of the axis, and what stands across them, over and over.
+/// The origin and direction of a beam's axis and the directions across it, repeated to fill
+/// registers.
 struct Frame {
   explicit Frame(const sensor::BeamAxes& axes) {
     for (size_t c = 0; c < 3; ++c) {

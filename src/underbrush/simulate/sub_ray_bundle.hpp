@@ -1,5 +1,5 @@
 /// \file
-/// The bundle of sub-rays of a beam, placed about any axis.
+/// This file makes the sub-rays of a beam about any axis.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -9,25 +9,27 @@
 
 namespace underbrush::simulate {
 
-/// Sub-rays in the axes of their beam, ready to be turned into rays of the world: those of
-/// `sensor::RayMaker` to rounding, and a few operations a ray.
+/// The sub-rays of a beam shape in the axes of the beam, prepared for rotation to rays of the
+/// world. They equal those of `sensor::RayMaker` up to rounding, at a few operations a ray.
 class SubRayBundle {
  public:
-  /// At least one sub-ray. Throws `std::invalid_argument`.
+  /// Prepares at least one sub-ray. Throws `std::invalid_argument` for none and for an invalid
+  /// shape.
   SubRayBundle(const sensor::BeamShape& shape, std::span<const sensor::SubRay> places);
 
   size_t size() const { return weight_.size(); }
-  /// Share of the beam's energy of each.
+  /// The share of the beam's energy of each sub-ray.
   std::span<const float> weight() const { return weight_; }
 
-  /// The rays of a beam; room for `size()` of them.
+  /// Computes the rays of a beam. `rays` has room for `size()` rays.
   void spread(const sensor::BeamAxes& axes, Ray* rays) const;
-  /// Their keys: the first sub-ray has the beam's own, the others decide for themselves.
+  /// Computes the keys of the sub-rays. The first one has the beam's own key, and the others have
+  /// independent keys.
   void keys(uint64_t beam_key, uint64_t* keys) const;
 
  private:
-  /// Of the six numbers of each ray in turn, origin and direction: its part along the axis, to the
-  /// right, upward.
+  /// The six numbers of each ray in turn, three of the origin and three of the direction, as
+  /// coefficients of the beam's axis, right and up.
   std::vector<double> along_, right_, up_;
   std::vector<float> weight_;
 };

@@ -6,7 +6,8 @@
 namespace underbrush::simulate {
 namespace {
 
-/// `random_bits(key, element, Purpose::kRange)` of keys that hold the element and the purpose.
+/// Computes `random_bits(key, element, Purpose::kRange)` for numbers in which key, element and
+/// purpose are already combined.
 UNDERBRUSH_CLONES void mix(size_t n, uint64_t* keys) {
   for (size_t k = 0; k < n; ++k) keys[k] = mix64(mix64(keys[k]) + 0x9e3779b97f4a7c15ull);
 }

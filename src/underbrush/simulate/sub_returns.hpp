@@ -1,5 +1,5 @@
 /// \file
-/// What comes back of a beam's sub-rays.
+/// This file collects what comes back of a beam's sub-rays.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -10,14 +10,16 @@
 
 namespace underbrush::simulate {
 
-/// The sub-rays of one beam that met something, in columns; used again beam by beam.
+/// The sub-rays of one beam that met something, in columns. The memory is used again for the next
+/// beam.
 class SubReturns {
  public:
-  /// Room for so many.
+  /// Makes room for `most` sub-rays.
   explicit SubReturns(size_t most);
 
-  /// Takes those of `met` (one a sub-ray, as `keys` and `weight`) that met something and draws
-  /// their ranges as `drawn_on_ray` does, t ~ N(t_i, σ_i²) ([deschaud12] eq. 2–3), to 2e-4 σ.
+  /// Takes the sub-rays that met something and draws their ranges as `drawn_on_ray` does with a
+  /// `QuickNormal`, t ~ N(t_i, σ_i²) ([deschaud12] eq. 2–3). `met`, `keys` and `weight` have one
+  /// entry a sub-ray.
   void collect(std::span<const trace::Intersection> met, std::span<const uint64_t> keys,
                std::span<const float> weight, const trace::RangeLimits& limits);
 
@@ -25,7 +27,7 @@ class SubReturns {
   std::span<const uint32_t> sub_ray() const { return {sub_ray_.data(), size_}; }
   std::span<const float> range_m() const { return {range_m_.data(), size_}; }
   std::span<const float> weight() const { return {weight_.data(), size_}; }
-  /// To be filled: what is sent back, and the receiver's signal.
+  /// Columns for the caller to fill: the reflection factors, and the receiver's signals.
   std::span<float> factor() { return {factor_.data(), size_}; }
   std::span<float> signal() { return {signal_.data(), size_}; }
 

@@ -10,7 +10,7 @@
 namespace underbrush::trace {
 namespace {
 
-// Boxes are widened by the rounding of the float box test at the model's largest coordinate.
+// Widens a box by the rounding of the float box test at the box's largest coordinate.
 Box widened(Box b) {
   for (int d = 0; d < 3; ++d) {
     const float margin = 1e-6f * std::max(std::abs(b.lo[d]), std::abs(b.hi[d])) + 1e-6f;
@@ -41,11 +41,11 @@ Box ellipsoid_box(const elements::Ellipsoid& e, double tau) {
   return widened(box);
 }
 
-/// Upper triangular U with UᵀU = (τ²Σ)⁻¹, by the Cholesky factor of τ²Σ taken from its last row:
-/// τ²Σ = R Rᵀ, R upper triangular, U = R⁻¹. Order: u00 u01 u02 u11 u12 u22.
+/// An upper triangular U with UᵀU = (τ²Σ)⁻¹, in the order u00 u01 u02 u11 u12 u22. It is the
+/// inverse of R in τ²Σ = R Rᵀ, a Cholesky factor that is computed from the last row upwards.
 struct Factor {
   double u[6];
-  /// Largest over smallest extent, bounded from above: ‖U‖ ‖R‖.
+  /// An upper bound on the ratio of the largest to the smallest extent, ‖U‖ ‖R‖.
   double condition;
 };
 
@@ -84,7 +84,7 @@ uint32_t block_threshold(double p) {
   return t.always ? 0xffffffffu : std::min(t.below, 0xfffffffeu);
 }
 
-/// A bound on the hit probability of any beam through the ellipsoid.
+/// Computes an upper bound on the hit probability of any beam through the ellipsoid.
 double largest_p(const elements::Ellipsoid& e) {
   if (e.density_per_m <= 0) return e.hit.p;
   const double sigma = std::sqrt(double(e.covariance[0]) + e.covariance[3] + e.covariance[5]);
@@ -110,7 +110,8 @@ EllipsoidBlock ellipsoid_block(const elements::Model& model, const Ref* refs, ui
   for (uint32_t k = 0; k < count; ++k) {
     const uint32_t id = refs[k].id();
     const elements::Ellipsoid& e = model.ellipsoids[model.place(id).index];
-    // Thin shapes are thickened, so that their float tests stay meaningful and find too much.
+    // Thin shapes are thickened, so that their float tests stay meaningful and err towards finding
+    // them.
     const double size2 = double(e.covariance[0]) + e.covariance[3] + e.covariance[5];
     const double inflate =
         kind == LeafKind::kCareful ? size2 * model.tau * model.tau / (0.25 * kThin * kThin) : 0;
@@ -162,9 +163,9 @@ HugeVector<Ref> refs_of(const elements::Model& model) {
   return refs;
 }
 
-constexpr size_t kAhead = 4;  // leaves
+constexpr size_t kAhead = 4;  // leaves whose elements are prefetched
 
-// Prefetches the ellipsoids of a leaf, which lie far apart in memory.
+// Prefetches the elements of a leaf, which lie far apart in memory.
 void prefetch_elements(const elements::Model& model, const HugeVector<Ref>& refs,
                        const Leaf& leaf) {
   for (uint32_t k = 0; k < leaf.count; ++k) {
@@ -188,7 +189,7 @@ Bvh build_bvh(const elements::Model& model) {
   Hierarchy tree = build_hierarchy(refs, kWidth);
   Bvh bvh;
   bvh.box = tree.box;
-  // Leaves become blocks, numbered for each kind in the order of the tree.
+  // Leaves become blocks, which are numbered within each kind in the order of the tree.
   std::vector<uint32_t> reference(tree.leaves.size());
   uint32_t ellipsoids = 0, triangles = 0;
   for (size_t i = 0; i < reference.size(); ++i) {

@@ -1,6 +1,6 @@
 /// \file
-/// The bounding volume hierarchy over the elements of one model, laid out for vector instructions:
-/// leaves of at most eight elements of one kind.
+/// This file has the bounding volume hierarchy over the elements of one model. It is laid out for
+/// vector instructions: a leaf is a block of up to eight elements of one kind.
 #pragma once
 #include <cstdint>
 
@@ -9,15 +9,15 @@
 
 namespace underbrush::trace {
 
-/// What a leaf of a model's tree holds: bits 29 and 30 of its reference. (Leaves of the tree over
-/// instances have no kind: they hold subtrees of models.)
+/// The kinds of leaf of a model's tree, in bits 29 and 30 of a leaf's reference. Leaves of the tree
+/// over instances have no kind, because they hold subtrees of models.
 enum class LeafKind : uint32_t {
   kEllipsoids = 0,
-  /// Ellipsoids whose intersections and trials are always decided in double: voxels, and shapes too
-  /// thin for floats.
+  /// Ellipsoids that are always decided in double precision, because they are bounded by voxels or
+  /// too thin for floats.
   kCareful = 0x20000000u,
   kTriangles = 0x40000000u,
-  kPathLength = 0x60000000u,  ///< Ellipsoids of path-length opacity.
+  kPathLength = 0x60000000u,  ///< Ellipsoids with a path-length opacity.
 };
 
 /// The kind of the leaf behind a reference.
@@ -29,26 +29,27 @@ constexpr uint32_t leaf_reference(LeafKind kind, uint32_t index) {
   return kLeaf | uint32_t(kind) | index;
 }
 
-/// Eight ellipsoids: |U (x − mean)| ≤ 1 on the surface at Mahalanobis distance τ, U upper
-/// triangular (u00 u01 u02 u11 u12 u22). Lanes without an ellipsoid are NaN and never met.
+/// Eight ellipsoids in columns. The surface at Mahalanobis distance τ is |U (x − mean)| = 1 with U
+/// upper triangular (u00 u01 u02 u11 u12 u22). Lanes without an ellipsoid are NaN, so that no ray
+/// meets them.
 struct alignas(32) EllipsoidBlock {
   float mean[3][kWidth];
   float u[6][kWidth];
   union {
-    uint32_t accept_below[kWidth];  ///< Accepted iff hash < this, or always where 0xffffffff.
-    float depth[kWidth];            ///< `LeafKind::kPathLength`: κ √(2π) / τ.
+    uint32_t accept_below[kWidth];  ///< A hit iff hash < this, or always if 0xffffffff.
+    float depth[kWidth];            ///< For kPathLength: κ √(2π) / τ.
   };
   uint32_t element[kWidth];
 };
 
-/// Eight triangles by their corners; lanes without one are NaN.
+/// Eight triangles in columns, by their corners. Lanes without a triangle are NaN.
 struct alignas(32) TriangleBlock {
   float corner[3][3][kWidth];  ///< corner[vertex][axis][lane]
   uint32_t accept_below[kWidth];
   uint32_t element[kWidth];
 };
 
-/// The hierarchy over all elements of a model; coordinates relative to the model's origin.
+/// The hierarchy over all elements of a model. Coordinates are relative to the model's origin, m.
 struct Bvh {
   HugeVector<Node> nodes;
   HugeVector<EllipsoidBlock> ellipsoids;
@@ -59,9 +60,10 @@ struct Bvh {
   size_t bytes() const;
 };
 
-/// Element numbers are the model's. Ellipsoids are found wherever |U (x − mean)| ≤ 1 in exact
-/// arithmetic, where U is the float nearest to the true factor; those of `LeafKind::kCareful`
-/// leaves may be inflated.
+/// Builds the hierarchy of a model; element numbers are those of the model. Bounds are
+/// conservative: a ray is tested against an ellipsoid wherever it enters |U (x − mean)| ≤ 1 in
+/// exact arithmetic, with U the float nearest to the true factor. The ellipsoids of
+/// `LeafKind::kCareful` leaves may be inflated.
 Bvh build_bvh(const elements::Model& model);
 
 }  // namespace underbrush::trace

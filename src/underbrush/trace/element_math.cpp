@@ -22,7 +22,8 @@ Intersection approach(const Vec3& origin, const Vec3& direction, const Vec3f& me
 
 namespace {
 
-// x·y − z·w with the right sign always: exact where rounding could turn it.
+// Computes x·y − z·w with a sign that is always right. Products are exact where rounding could
+// change the sign.
 double difference_of_products(double x, double y, double z, double w) {
   const double xy = x * y, zw = z * w, plain = xy - zw;
   if (std::abs(plain) > 1e-15 * (std::abs(xy) + std::abs(zw))) return plain;
@@ -53,7 +54,7 @@ std::optional<double> crossing(const Vec3& origin, const Vec3& direction, const 
     above &= weight[k] >= 0;
     below &= weight[k] <= 0;
   }
-  if (above == below) return std::nullopt;  // outside, or nothing but zeros
+  if (above == below) return std::nullopt;  // outside, or all weights are zero
   return range_at(s, weight, d[2]);
 }
 

@@ -1,13 +1,13 @@
-// The arithmetic of the ray model, for one ray (D = double) or several at once (D a vector of
-// doubles): the same operations in the same order, so the same bits, as long as nothing contracts
-// them. Included by element_math.cpp and kernel.inl.
+// The arithmetic of the ray model, for one ray (D = double) or for several at once (D a vector of
+// doubles). Both do the same operations in the same order and so give the same bits, as long as the
+// compiler does not contract them. element_math.cpp and kernel.inl include this file.
 #pragma once
 #include <cstdint>
 
 namespace underbrush::trace {
 namespace {
 
-/// [deschaud12] eq. 1–3; `s` is Σ (xx xy xz yy yz zz).
+/// The closest approach by [deschaud12] eq. 1–3. `s` is Σ (xx xy xz yy yz zz).
 template <class D>
 struct Approach {
   D t, sigma2, delta2;
@@ -20,13 +20,14 @@ inline D dot(const D a[3], const D b[3]) {
 
 template <class D>
 inline Approach<D> approach_of(const D o[3], const D d[3], const D mean[3], const D s[6]) {
-  // Σ⁻¹ up to the factor 1/det, by cofactors.
+  // The cofactors give Σ⁻¹ up to the factor 1/det.
   const D i00 = s[3] * s[5] - s[4] * s[4], i01 = s[2] * s[4] - s[1] * s[5],
           i02 = s[1] * s[4] - s[2] * s[3];
   const D i11 = s[0] * s[5] - s[2] * s[2], i12 = s[1] * s[2] - s[0] * s[4],
           i22 = s[0] * s[3] - s[1] * s[1];
   const D det = s[0] * i00 + s[1] * i01 + s[2] * i02;
-  // From the foot point of the mean on the ray, so that far means lose no digits.
+  // Positions are relative to the foot point of the mean on the ray, so that far means lose no
+  // digits.
   const D to_mean[3] = {mean[0] - o[0], mean[1] - o[1], mean[2] - o[2]};
   const D t0 = dot(to_mean, d);
   const D q[3] = {to_mean[0] - t0 * d[0], to_mean[1] - t0 * d[1], to_mean[2] - t0 * d[2]};
@@ -39,15 +40,15 @@ inline Approach<D> approach_of(const D o[3], const D d[3], const D mean[3], cons
   return {t0 + step, det / dd, dot(rw, r) / det};
 }
 
-/// eˣ = power · (1 + rest) for x ≤ 0, to about 1e-16: x = k ln 2 + r, power = 2ᵏ, rest = eʳ − 1 by
-/// its series.
+/// Computes eˣ = power · (1 + rest) for x ≤ 0 to about 1e-16: x = k ln 2 + r, power = 2ᵏ, and rest
+/// = eʳ − 1 by its series.
 template <class D>
 struct Exponential {
   D power, rest;
 
   explicit Exponential(D x) {
     typedef int64_t L __attribute__((vector_size(sizeof(D))));
-    constexpr double kRound = 6755399441055744.0;  // a sum with it holds an integer in its low bits
+    constexpr double kRound = 6755399441055744.0;  // adding it rounds to an integer in the low bits
     x = x < -700.0 ? D{} - 700.0 : x;
     const D rounded = x * 1.4426950408889634 + kRound, k = rounded - kRound;
     const D r = (x - k * 0.69314718036912382) - k * 1.9082149292705877e-10;
@@ -64,22 +65,24 @@ struct Exponential {
   D less_one() const { return power * rest + (power - 1.0); }
 };
 
-/// p = 1 − exp(−κ √(2π) σ e^{−δ²/2}): elements::Ellipsoid::density_per_m.
+/// Computes p = 1 − exp(−κ √(2π) σ e^{−δ²/2}), where κ is elements::Ellipsoid::density_per_m.
 template <class D>
 inline D opacity_of(const D& density, const D& sigma, const D& delta2) {
   const D depth = 2.5066282746310002 * sigma * Exponential<D>(-0.5 * delta2).value();
   return -Exponential<D>(-density * depth).less_one();
 }
 
-/// A triangle in the frame of a ray: sheared so that the ray runs along the third axis through the
-/// origin, which is the axis of the direction's largest component; x and y follow it in order. A
-/// vertex has one place there for all triangles that share it (Woop, Benthin & Wald 2013).
+/// A triangle in the sheared frame of a ray, in which the ray runs along the third axis through the
+/// origin (Woop, Benthin & Wald 2013). The third axis is that of the direction's largest component,
+/// and x and y follow it in cyclic order. A vertex has the same place there in all triangles that
+/// share it.
 template <class D>
 struct Sheared {
   D x[3], y[3], z[3];
 };
 
-/// `d`, `o` and `corner[v]` with their components in the order x, y, z of the sheared frame.
+/// Computes the sheared triangle. `d`, `o` and `corner[v]` have their components in the order x, y,
+/// z of the sheared frame.
 template <class D>
 inline Sheared<D> shear(const D o[3], const D d[3], const D corner[3][3]) {
   const D inverse = 1.0 / d[2], sx = d[0] * inverse, sy = d[1] * inverse;
@@ -93,7 +96,8 @@ inline Sheared<D> shear(const D o[3], const D d[3], const D corner[3][3]) {
   return s;
 }
 
-/// σ of the range at a rough triangle: σ² = σ_range² + h² / cos²θ, |cos θ| at least 0.01.
+/// Computes σ of the range at a rough triangle: σ² = σ_range² + h² / cos²θ, with |cos θ| at least
+/// 0.01.
 inline double rough_sigma(double sigma, double roughness, const float* a, const float* b,
                           const float* c, const double d[3]) {
   if (!(roughness > 0)) return sigma;
@@ -109,7 +113,7 @@ inline double rough_sigma(double sigma, double roughness, const float* a, const 
   return __builtin_sqrt(sigma * sigma + rise2);
 }
 
-/// Range at weights u, v, w of the corners, of which not all are zero.
+/// Computes the range at the weights u, v, w of the corners, of which not all are zero.
 template <class D>
 inline D range_at(const Sheared<D>& s, const D weight[3], const D& direction_z) {
   const D sum = weight[0] + weight[1] + weight[2];

@@ -11,7 +11,7 @@ namespace {
 
 struct Range {
   uint32_t begin = 0, end = 0;
-  Box box, centres;  // of the refs, of twice their centres
+  Box box, centres;  // of the references, and of twice their centres
   bool mixed = false;
   uint32_t size() const { return end - begin; }
 };
@@ -41,7 +41,7 @@ class Splitter {
     }
   }
 
-  /// Opens the child of largest area until there are eight.
+  /// Splits the child of the largest area until there are eight children.
   Children open(const Range& range) const {
     Children c;
     c.range[size_t(c.count++)] = range;
@@ -66,7 +66,7 @@ class Splitter {
     Box before, after;
   };
 
-  /// Leaves in `r` what comes before the split and in `after` the rest.
+  /// Splits a range. `r` keeps the part before the split, and `after` gets the rest.
   void split(Range& r, Range& after) const {
     after.end = r.end;
     uint32_t middle = r.begin + r.size() / 2;
@@ -83,7 +83,8 @@ class Splitter {
     measure(after);
   }
 
-  /// Both sides in one pass without branches, measured on the way.
+  /// Partitions a range and measures both sides in the same pass. The loop has no branches on the
+  /// data.
   void divide(Range& r, Range& after, const Cut& cut) const {
     const uint32_t kind = refs_[r.begin].kind();
     const float base = cut.base[cut.axis], scale = cut.scale[cut.axis];
@@ -120,7 +121,7 @@ class Splitter {
     return bin > kBins - 1 ? Int4{} + (kBins - 1) : bin;
   }
 
-  /// The least surface-area cost, counted in leaves.
+  /// Finds the cut with the least surface-area cost, which counts leaves.
   Cut best_cut(const Range& r) const {
     Cut cut;
     cut.base = r.centres.lo;
@@ -170,7 +171,7 @@ class Splitter {
   uint32_t leaf_size_;
 };
 
-/// A subtree grown by one thread, its references counted from its own first node and leaf.
+/// A subtree that one thread grows. Its references count from its own first node and leaf.
 struct Part {
   std::vector<Node> nodes;
   std::vector<Leaf> leaves;
@@ -212,14 +213,15 @@ uint32_t grow(const Splitter& splitter, const Range& range, Part& part) {
   return me;
 }
 
-/// A range that waits to be opened or grown, and the place in the tree's top that refers to it.
+/// A range that is still to be split or grown, and the place in the top of the tree that refers to
+/// it.
 struct Pending {
   Range range;
   uint32_t node;
   int child;
 };
 
-/// Puts the tree's top and the parts that hang from it side by side in one array.
+/// Joins the top of the tree and the subtrees below it in one array.
 void join(std::vector<Node> top, const std::vector<Pending>& small,
           const std::vector<uint32_t>& root, std::vector<Part>& part, Hierarchy& tree) {
   std::vector<uint32_t> first_node(part.size()), first_leaf(part.size());
@@ -267,7 +269,8 @@ Hierarchy build_hierarchy(HugeVector<Ref>& refs, uint32_t leaf_size) {
   all.end = uint32_t(refs.size());
   splitter.measure(all);
   tree.box = all.box;
-  // The top, level by level; what is small enough waits to be grown by one thread each.
+  // The top of the tree is built level by level. Ranges that are small enough wait, to be grown by
+  // one thread each.
   constexpr uint32_t kGrain = 16384;
   std::vector<Node> top;
   std::vector<Pending> level{{all, kEmpty, 0}}, small;

@@ -1,5 +1,5 @@
 /// \file
-/// A tree of boxes with eight children a node, over anything that has a box.
+/// This file has a tree of boxes with eight children a node, over anything that has a box.
 #pragma once
 #include <cstdint>
 #include <cstring>
@@ -11,22 +11,23 @@ namespace underbrush::trace {
 
 inline constexpr int kWidth = 8;
 
-/// A child reference: an inner node's index, or kLeaf | kind | index.
+/// The bits of a child reference. It is either the index of an inner node, or kLeaf | kind | index.
 inline constexpr uint32_t kLeaf = 0x80000000u, kKindMask = 0x60000000u, kIndexMask = 0x1fffffffu;
-/// A tree of nothing.
+/// The reference to the root of an empty tree.
 inline constexpr uint32_t kEmpty = 0xffffffffu;
 
-/// Boxes of eight children: lo[axis][child], hi[axis][child]; unused children are inverted boxes.
+/// A node: the boxes of eight children as lo[axis][child] and hi[axis][child], with inverted boxes
+/// where there is no child.
 struct alignas(64) Node {
   float lo[3][kWidth], hi[3][kWidth];
   uint32_t child[kWidth];
   uint32_t unused[kWidth];
 };
 
-/// CandidateQuad floats that vector instructions take at once.
+/// Four floats for vector instructions.
 typedef float Float4 __attribute__((vector_size(16)));
 
-/// An axis-aligned box; the fourth lane is not used.
+/// An axis-aligned box. Its fourth lane is unused.
 struct Box {
   Float4 lo{__builtin_inff(), __builtin_inff(), __builtin_inff(), 0};
   Float4 hi{-__builtin_inff(), -__builtin_inff(), -__builtin_inff(), 0};
@@ -36,14 +37,14 @@ struct Box {
     hi = high > hi ? high : hi;
   }
   void add(const Box& b) { add(b.lo, b.hi); }
-  /// Half of the surface.
+  /// Half of the surface area; 0 for an empty box.
   float area() const {
     const Float4 d = hi - lo;
     return d[0] >= 0 ? d[0] * d[1] + d[1] * d[2] + d[2] * d[0] : 0;
   }
 };
 
-/// Something with a box: its number and kind ride in the fourth lanes.
+/// A reference to something with a box. Its number and its kind are stored in the fourth lanes.
 struct Ref {
   Float4 lo, hi;
 
@@ -54,10 +55,10 @@ struct Ref {
   }
   uint32_t id() const { return word(lo); }
   uint32_t kind() const { return word(hi); }
-  /// Twice the centre; the fourth lane is zero.
+  /// Twice the centre, with zero in the fourth lane.
   Float4 centre2() const {
     typedef uint32_t Bits __attribute__((vector_size(16)));
-    constexpr Bits kPlace{~0u, ~0u, ~0u, 0};  // without, the words would be added as denormals
+    constexpr Bits kPlace{~0u, ~0u, ~0u, 0};  // else their bits would be added as denormals
     return (Float4)((Bits)lo & kPlace) + (Float4)((Bits)hi & kPlace);
   }
 
@@ -69,12 +70,13 @@ struct Ref {
   }
 };
 
-/// A run of refs, all of one kind.
+/// A run of references of one kind.
 struct Leaf {
   uint32_t begin, count;
 };
 
-/// The tree; leaf children are kLeaf | index into `leaves`, to be renamed by whoever stores them.
+/// A tree. Its leaf children are kLeaf | index into `leaves`; whoever stores the leaves rewrites
+/// these references.
 struct Hierarchy {
   HugeVector<Node> nodes;
   std::vector<Leaf> leaves;
@@ -82,8 +84,9 @@ struct Hierarchy {
   Box box;
 };
 
-/// Builds by binned surface-area splits straight to eight children; a leaf holds up to `leaf_size`
-/// refs of one kind. Reorders `refs`. The tree does not depend on the number of threads.
+/// Builds a tree by binned surface-area splits, directly with eight children a node. A leaf holds
+/// up to `leaf_size` references of one kind. `refs` is reordered. The tree does not depend on the
+/// number of threads.
 Hierarchy build_hierarchy(HugeVector<Ref>& refs, uint32_t leaf_size);
 
 }  // namespace underbrush::trace

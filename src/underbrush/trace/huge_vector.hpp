@@ -1,6 +1,6 @@
 /// \file
-/// A vector on huge pages where the system grants them: a traversal touches memory at random, and
-/// with small pages half of its time would go into address translation.
+/// This file has a vector on huge pages. A traversal accesses memory at random and would spend half
+/// of its time on address translation with small pages.
 #pragma once
 #include <sys/mman.h>
 
@@ -12,7 +12,8 @@
 
 namespace underbrush::trace {
 
-/// Aligns to 64 bytes, large blocks to 2 MiB and asks for huge pages there.
+/// An allocator that aligns to 64 bytes, and blocks of 2 MiB or more to 2 MiB. It asks for huge
+/// pages for the latter.
 template <class T>
 struct HugeAllocator {
   using value_type = T;  // NOLINT(readability-identifier-naming): the standard's name
@@ -26,11 +27,12 @@ struct HugeAllocator {
     const size_t bytes = (n * sizeof(T) + align - 1) / align * align;
     void* p = std::aligned_alloc(align, bytes);
     if (!p) throw std::bad_alloc();
-    if (align == kHuge) madvise(p, bytes, MADV_HUGEPAGE);  // a hint: refused is fine
+    if (align == kHuge) madvise(p, bytes, MADV_HUGEPAGE);  // a hint, which the system may refuse
     return static_cast<T*>(p);
   }
   void deallocate(T* p, size_t) { std::free(p); }
-  /// Nothing is written before its owner writes it.
+  /// Leaves an element uninitialised, so that the thread that fills it is the first to touch its
+  /// memory.
   template <class U>
   void construct(U* p) {
     ::new (static_cast<void*>(p)) U;
@@ -42,6 +44,7 @@ struct HugeAllocator {
   bool operator==(const HugeAllocator&) const { return true; }
 };
 
+/// A vector whose memory comes from `HugeAllocator`. Its elements begin uninitialised.
 template <class T>
 using HugeVector = std::vector<T, HugeAllocator<T>>;
 

@@ -1,7 +1,15 @@
 /// \file
-/// The inner loops, compiled once per instruction set and chosen at run time. They decide in float
-/// what floats can decide beyond doubt, by bounds on their rounding, and leave the rest to
-/// `settle_*`, in double: every instruction set gives the same answer, that of `intersect`.
+/// This file is the interface to the inner loops, which are compiled once for each instruction set
+/// and chosen at run time.
+///
+/// Rays are traced in packets of kPacketRays rays that point alike. A packet descends the tree as a
+/// whole. At each node, one vector test compares eight boxes with the frustum that encloses the
+/// packet's rays; only boxes that pass are tested against single rays. Blocks of eight ellipsoids
+/// or triangles are tested in the same way.
+///
+/// The loops compute in floats with bounds on their rounding. Whatever these bounds do not decide
+/// goes to `resolve_nearest`, in double precision, so that every instruction set gives the answer
+/// of `intersect`.
 #pragma once
 #include <array>
 #include <vector>
@@ -12,8 +20,9 @@
 
 namespace underbrush::trace {
 
-/// A model's arrays, bare: inline functions of the standard library must not be compiled into the
-/// kernels.
+/// The arrays of a model as bare pointers. The kernels must not use inline functions of the
+/// standard library, because the linker could keep the copy that was compiled for a larger
+/// instruction set.
 struct ModelView {
   struct Mesh {
     const float* vertices;      // x y z
@@ -27,21 +36,21 @@ struct ModelView {
   bool voxels;
 };
 
-/// What the kernels need of a world.
+/// The parts of a world that the kernels use.
 struct View {
   const Node* nodes;
   const Subtree* entries;
   uint32_t root;
-  double origin[3];  ///< Of the tree, world (m).
+  double origin[3];  ///< Origin of the tree in the world, m.
   const elements::Instance* instances;
   const elements::Model* const* models;
   const ModelView* model_views;
   const Bvh* bvhs;
 };
 
-/// The kinds of query.
+/// The question that a query asks for each ray.
 enum class Query {
-  kAccepted,  ///< The nearest element that accepts it.
+  kAccepted,  ///< The nearest element that stops the beam.
   kSurface,   ///< The nearest triangle, whatever its hit probability.
   kAll,       ///< Every element met.
 };
@@ -51,68 +60,71 @@ struct Candidate {
   uint32_t ray, instance, element;
 };
 
-/// The rays of a query and what it has found.
+/// A query: its rays, and what has been found for them.
 struct Batch {
   const Ray* rays;
-  const uint64_t* keys;          ///< kAccepted
-  const double* entry_limits_m;  ///< kAll: boxes entered beyond this may be left out.
+  const uint64_t* keys;          ///< One a ray, for kAccepted.
+  const double* entry_limits_m;  ///< For kAll: boxes entered beyond this range may be left out.
   RangeLimits limits;
-  const FloatRays* float_rays;  ///< Of the rays from `first` on.
+  const FloatRays* float_rays;  ///< The rays from `first` on, in single precision.
   size_t first;
 
-  Intersection* best;  ///< Out, one a ray: kAccepted, kSurface; else null.
-  /// Out: ends of rays that are certain but not yet in `best`; room for kBatchRays.
+  Intersection* best;  ///< Output for kAccepted and kSurface, one a ray; else null.
+  /// Output: pairs of a ray and the element where it ends, certain but not yet in `best`. It has
+  /// room for kBatchRays.
   Candidate* known;
   size_t known_count;
-  std::vector<Candidate> candidates;  ///< Out: kAll; undecided, in no order; rays as in `rays`.
+  std::vector<Candidate> candidates;  ///< Output for kAll: undecided pairs, in no order.
 };
 
-/// How an instance's frame is reached from the tree's.
+/// The transformation from the tree's frame to that of an instance.
 struct Placement {
-  const Bvh* bvh;
-  double rotation[9];  ///< model from world, row by row
-  double centre[3];    ///< The packet's centre in the model's frame.
+  const Bvh* bvh;      ///< The hierarchy of the instance's model.
+  double rotation[9];  ///< From world to model, row by row.
+  double centre[3];    ///< Centre of the packet in the model's frame, m.
   double scale;
-  double tau2;    ///< The model's τ².
-  uint64_t salt;  ///< Of the beams' keys.
-  bool translation;
+  double tau2;       ///< Square of the model's τ.
+  uint64_t salt;     ///< Combined with the keys of the beams.
+  bool translation;  ///< Whether the transformation is a translation alone.
 };
 
-/// Places a point (relative to the tree's origin) in an instance.
+/// Computes the transformation to an instance, and transforms `centre` (relative to the tree's
+/// origin, m).
 Placement place(const View& view, uint32_t instance, const double centre[3]);
-/// Decides in double whether ray `ray` of the batch ends at the element or at what it has. `have`:
-/// the element and instance that the kernel holds for it, known to be met and accepted but not yet
-/// in `best`, or kNone. True if the new one is nearer.
+/// Decides in double precision whether ray `ray` of the batch ends at an element or at what it had
+/// before. `have_element` and `have_instance` are what the kernel holds for the ray, certain but
+/// not yet in `best`, or kNone. Gives true if the new element is nearer; it is then in `best`.
 bool resolve_nearest(const View& view, Query query, Batch& batch, size_t ray, uint32_t instance,
                      uint32_t element, uint32_t have_instance, uint32_t have_element);
-/// `intersect` of a candidate.
+/// Computes `intersect` for a candidate.
 Intersection intersect_placed(const View& view, const Batch& batch, const Candidate& candidate);
-/// The ray in the instance's model.
+/// Transforms the ray of a candidate into the frame of the instance's model.
 void place_ray(const View& view, const Batch& batch, const Candidate& candidate, double origin[3],
                double direction[3]);
 /// A model and the transform of one of its instances.
 struct InstanceTransform {
   const ModelView* model;
-  double translation[4];  ///< The fourth is 0.
-  double scale_tau2[2];   ///< Scale, and the square of the model's τ.
+  double translation[4];  ///< m; the fourth is 0.
+  double scale_tau2[2];   ///< Scale, and square of the model's τ.
   bool is_translation;
 };
-/// The transform of an instance.
+/// Finds the model of an instance and its place in the world.
 InstanceTransform transform_of(const View& view, uint32_t instance);
-/// Notes that a ray may meet an element.
+/// Adds a candidate to the batch.
 void add_candidate(Batch& batch, size_t ray, uint32_t instance, uint32_t element);
 
-/// The kernels of one instruction set; the tree must not be empty.
+/// The kernels of one instruction set. Their tree must not be empty.
 struct Kernels {
   const char* name;
-  /// Fills `float_rays` from up to kBatchRays rays; keys may be null.
+  /// Converts up to kBatchRays rays to single precision; `keys` may be null.
   void (*convert_rays)(const View&, const Ray* rays, const uint64_t* keys, size_t count,
                        FloatRays& float_rays);
-  /// Traces the rays numbered from the batch's first in `order`, runs of kPacketRays where they
-  /// point alike; as many numbers more must follow, copies of the last.
+  /// Traces the rays with the numbers `order`, counted from the batch's first ray, in packets of
+  /// kPacketRays where they point alike. After `count` numbers, kPacketRays copies of the last one
+  /// must follow.
   void (*trace)(const View&, Query, Batch&, const uint32_t* order, size_t count);
-  /// out[i] = `intersect` of candidate i with the batch's limits, or the best of its ray if `out`
-  /// is null.
+  /// Computes `intersect` of each candidate with the batch's limits into out[i], or into the best
+  /// of the candidate's ray if `out` is null.
   void (*intersect_many)(const View&, const Batch&, const Candidate*, size_t count,
                          Intersection* out);
 };

@@ -1,6 +1,6 @@
-// For kernel_*.cpp, one for each instruction set: the table of its kernels. No inline function of a
-// shared header that could be compiled apart may be called here: the linker could keep the copy
-// that was compiled for a larger instruction set than the machine has.
+// The table of the kernels, for kernel_*.cpp of each instruction set. The kernels must not call an
+// inline function of a shared header, because the linker could keep the copy that was compiled for
+// a larger instruction set than the machine has.
 #pragma once
 #include "underbrush/trace/kernel.hpp"
 #include "underbrush/trace/many.inl"

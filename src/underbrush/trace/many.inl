@@ -1,5 +1,6 @@
-// For kernel_*.cpp: `intersect` for many rays and elements, four of a kind at a time. Answers
-// go to out[i], one a candidate, or if there is no `out` to the best of each candidate's ray.
+// `intersect` for many rays and elements, four elements of one kind at a time. Answers go to
+// out[i], one a candidate, or, if `out` is null, to the best of each candidate's ray. kernel_*.cpp
+// use this file.
 #pragma once
 #include <immintrin.h>
 
@@ -38,7 +39,7 @@ inline unsigned bits(L mask) {
 }
 #endif
 
-// Rows to columns and back.
+// Transposes rows to columns or columns to rows.
 inline void transpose(D x[4]) {
   const D a = __builtin_shufflevector(x[0], x[1], 0, 4, 2, 6);
   const D b = __builtin_shufflevector(x[0], x[1], 1, 5, 3, 7);
@@ -50,7 +51,7 @@ inline void transpose(D x[4]) {
   x[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
 }
 
-// Up to kRun candidates, triangles apart from ellipsoids.
+// Up to kRun candidates, with triangles apart from ellipsoids.
 constexpr size_t kRun = 256;
 struct CandidatesByKind {
   struct Triangle {
@@ -65,7 +66,7 @@ struct CandidatesByKind {
   size_t triangles = 0, ellipsoids = 0;
 };
 
-// Calls the memory of their elements.
+// Sorts candidates by kind, and prefetches their rays and elements.
 inline void split_by_kind(const View& view, const Batch& batch, const Candidate* list, size_t count,
                           CandidatesByKind& out) {
   for (size_t i = 0; i < count; ++i) {
@@ -106,7 +107,7 @@ inline void split_by_kind(const View& view, const Batch& batch, const Candidate*
   }
 }
 
-// CandidateQuad candidates that are decided together, the rays in their models' frames.
+// Four candidates that are decided together, with the rays in their models' frames.
 struct CandidateQuad {
   uint32_t index[kFour];
   size_t count = 0;
@@ -114,7 +115,7 @@ struct CandidateQuad {
   InstanceTransform at;
   uint32_t instance_of_transform = Intersection::kNone;
 
-  // Adds candidate i; its model.
+  // Adds candidate i and gives its model.
   const ModelView& add(const View& view, const Batch& batch, const Candidate* list, uint32_t i) {
     const Candidate& c = list[i];
     if (c.instance != instance_of_transform) {
@@ -136,7 +137,7 @@ struct CandidateQuad {
     return *at.model;
   }
 
-  // Columns: o, d, scale, τ². Places without a candidate repeat the last.
+  // Gives the columns o, d, scale and τ². Places without a candidate repeat the last one.
   void columns(D o[3], D d[3], D& scale, D& tau2) {
     for (size_t k = count; k < kFour; ++k) {
       first_half[k] = first_half[count - 1];
@@ -171,7 +172,7 @@ struct CandidateQuad {
 };
 
 struct Ellipsoids : CandidateQuad {
-  D e[3][kFour];  // rows: mean, Σ xx; Σ xy xz yy yz; κ, nothing, Σ zz, p
+  D e[3][kFour];  // rows: mean, Σ xx; Σ xy xz yy yz; κ, unused, Σ zz, p
 
   void add(const View& view, const Batch& batch, const Candidate* list,
            const CandidatesByKind::Ellipsoid& entry, Intersection* out) {
@@ -211,7 +212,7 @@ struct Ellipsoids : CandidateQuad {
 };
 
 struct Triangles : CandidateQuad {
-  D corner[3][kFour];  // rows: x y z and, of the second and third, p and σ
+  D corner[3][kFour];  // rows: x y z, then unused, p and σ for the three corners
 
   void add(const View& view, const Batch& batch, const Candidate* list,
            const CandidatesByKind::Triangle& t, Intersection* out) {
@@ -234,7 +235,7 @@ struct Triangles : CandidateQuad {
     }
     columns(o, d, scale, tau2);
     for (auto& row : corner) transpose(row);
-    // The direction's greatest component is the third axis, as of `crossing`.
+    // The direction's greatest component becomes the third axis, as in `crossing`.
     const D x = absolute(d[0]), y = absolute(d[1]), z = absolute(d[2]);
     const L is_y = y > x, is_z = z > pick(is_y, y, x);
     const auto turn = [&](D v[3]) {
@@ -267,7 +268,7 @@ struct Triangles : CandidateQuad {
           corner[1][3], out);
     if (certain == 0xf) return;
     for (size_t k = 0; k < written; ++k) {
-      // On an edge, as far as plain arithmetic goes.
+      // Rays that plain arithmetic finds on an edge are decided by the exact test.
       if (certain >> k & 1) continue;
       const Candidate& c = list[index[k]];
       (out ? out[index[k]] : batch.best[c.ray]) = intersect_placed(view, batch, c);

@@ -25,15 +25,15 @@ float occupied(const std::array<uint32_t, kSize>& count) {
   return float(kSize - size_t(std::count(count.begin(), count.end(), 0u)));
 }
 
-// What is put in order: rays or, where they come in bunches that point alike, bunches.
+// The items that are put in order: rays or, where consecutive rays point alike, bunches of them.
 struct Items {
   uint32_t count;
   bool bunched;
-  std::array<uint32_t, kBatchRays + 1> first;  // ray of each bunch
+  std::array<uint32_t, kBatchRays + 1> first;  // first ray of each bunch
 };
 
-// Bunched if many rays lie within `turn` and `up` of the one kLong before. A bunch reaches as far
-// from its first ray.
+// Decides whether rays come in bunches: many must lie within `turn` and `up` of the ray kLong
+// before them. If so, cuts them into bunches that reach as far from their first ray.
 void bunch(const FloatRays& rays, uint32_t n, float turn, float up, Items& items) {
   const auto alike = [&](uint32_t i, uint32_t j) {
     return (std::abs(rays.azimuth[i] - rays.azimuth[j]) < turn) &
@@ -58,7 +58,7 @@ void to_starts(Counts& count) {
   for (uint32_t& c : count) sum += std::exchange(c, sum);
 }
 
-// The strip of each row, for bands that hold as many rays each.
+// Assigns each row of elevation to a strip, so that all bands hold equally many rays.
 void cut(const Rows& rows, float bands, uint32_t n, Rows& strip) {
   uint32_t below = 0;
   for (size_t r = 0; r < kElevationBins; ++r) {
@@ -68,7 +68,8 @@ void cut(const Rows& rows, float bands, uint32_t n, Rows& strip) {
   }
 }
 
-// Within each tile by strip, so that the rays of one vector are a compact tile too.
+// Sorts the rays within each tile by strip, so that the rays of one vector form a compact tile,
+// too.
 void sort_tiles(std::span<const uint32_t> by_band, std::span<uint32_t> order) {
   for (size_t tile = 0; tile < order.size(); tile += kPacketRays) {
     const size_t end = std::min(order.size(), tile + kPacketRays);
@@ -83,8 +84,9 @@ void sort_tiles(std::span<const uint32_t> by_band, std::span<uint32_t> order) {
 
 }  // namespace
 
-// As an R-tree is packed: bands of elevation that hold as many rays each, so many that the runs of
-// kPacketRays rays along a band's azimuth come out about as wide as high.
+// Packs the directions as a packed R-tree does: it makes bands of elevation with equally many rays
+// each. The number of bands is such that runs of kPacketRays rays along a band's azimuth are about
+// as wide as high.
 void order_by_direction(const FloatRays& rays, std::span<uint32_t> order) {
   const uint32_t n = uint32_t(order.size());
   const float to_column = scale_of(rays.azimuth_low, rays.azimuth_high, kAzimuthBins);
@@ -102,7 +104,7 @@ void order_by_direction(const FloatRays& rays, std::span<uint32_t> order) {
     ++columns[cell[i] & 0xffff];
     ++rows[cell[i] >> 16];
   }
-  // A quarter turn is 1 in `turn` and π/2 in angle; elevation counts as its sine.
+  // A quarter turn is 1 in `azimuth` and π/2 in angle. Elevation is measured by its sine.
   const float width = to_column > 0 ? occupied(columns) / to_column * float(M_PI / 2) : 1e-6f;
   const float height = to_row > 0 ? occupied(rows) / to_row : 1e-6f;
   const float tiles = std::max(1.0f, float(n) / float(kPacketRays));
@@ -122,7 +124,7 @@ void order_by_direction(const FloatRays& rays, std::span<uint32_t> order) {
     ++of_band[strip / kStrips];
     by_column[columns[cell[i] & 0xffff]++] = strip << 13 | i;
   }
-  // There along one band and back along the next: a tile across their ends is one place.
+  // Every other band runs backwards, so that a tile across the ends of two bands is in one place.
   std::array<uint32_t, kMostBands> at;
   for (size_t b = 0, sum = 0; b < kMostBands; ++b) {
     at[b] = uint32_t(b % 2 ? sum + of_band[b] : sum);

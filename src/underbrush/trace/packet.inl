@@ -1,4 +1,4 @@
-// For kernel_*.cpp: a packet's way through the tree, and into the instances.
+// The traversal of a packet through the tree and into the instances. kernel_*.cpp use this file.
 #pragma once
 #include "underbrush/trace/packet_ellipsoids.inl"
 #include "underbrush/trace/packet_finds.inl"
@@ -8,8 +8,8 @@
 namespace underbrush::trace {
 namespace {
 
-// If a ray of group g enters box k (edges lo x y z, hi x y z relative to the centre) before what it
-// has found.
+// Whether a ray of group g enters box k before what it has found. `edge` has the box edges lo x y
+// z, hi x y z relative to the centre.
 template <bool kMixed>
 inline bool enters(const Rays& r, const Found& found, float t_min, const float edge[6][8], int k,
                    int g) {
@@ -67,7 +67,7 @@ inline void test_children(const PacketQuery& s, const Frame& f, const Node& node
   tests.pairs = pairs_of(r, s.found.reach, tests.seen, groups);
 }
 
-// Pushes what the packet may reach of the node's children, the nearest last.
+// Pushes the children of a node that the packet may reach, the nearest last.
 template <bool kMixed>
 inline void open(const PacketQuery& s, const Frame& f, const Node& node, const ChildTests& tests,
                  PacketStackEntry* stack, int& top) {
@@ -88,7 +88,7 @@ inline void open(const PacketQuery& s, const Frame& f, const Node& node, const C
   top += __builtin_popcount(left);
 }
 
-// Ranges in units of another frame, apart by the rounding.
+// Converts found ranges to the units of another frame. The bounds move apart by the rounding.
 inline void rescale(Found& found, float factor) {
   for (int g = 0; g < kGroups; ++g) {
     found.low[g] *= factor * 0.9999998f;
@@ -97,7 +97,8 @@ inline void rescale(Found& found, float factor) {
   update_reach(found);
 }
 
-// Back to the frame of `before`, in which what was not found since stays as it was.
+// Converts found ranges back to the frame of `before`. Elements that were found before keep their
+// bounds.
 inline void scale_back(Found& found, const Found& before, const Frame& f) {
   rescale(found, f.scale);
   for (int g = 0; g < kGroups; ++g) {
@@ -108,18 +109,19 @@ inline void scale_back(Found& found, const Found& before, const Frame& f) {
   update_reach(found);
 }
 
-// A packet on its way through the tree. Several take turns, a step each, so that what one will need
-// comes from memory while the others work.
+// The state of a packet on its way through the tree. Several packets take turns, one step each, so
+// that the memory which one needs arrives while the others work.
 struct PacketTraversal {
   PacketQuery search;
-  Rays rays, turned;  // in the world's frame and, if rotated or scaled, the instance's
+  // in the world's frame, and in the instance's frame if that is rotated or scaled
+  Rays rays, turned;
   Frame world, model;
-  Found before;  // of scaled instances: what was found before them, in the world's units
-  uint32_t at;   // reference of what `tests` has seen
+  Found before;  // for a scaled instance: what was found before it, in the world's units
+  uint32_t at;   // the reference that `tests` is of
   ChildTests tests;
   PacketStackEntry stack[512];
-  int top, base;  // entries from `base` on are of the model
-  bool inside;    // an instance
+  int top, base;  // entries from `base` on belong to the model
+  bool inside;    // whether the walk is in an instance
   bool scaled;
 };
 
@@ -158,7 +160,7 @@ inline void leave_instance(PacketTraversal& w) {
   w.inside = false;
 }
 
-// Goes to the next node or block and looks at it; false if there is none left.
+// Goes to the next node or block and examines it. Gives false if there is none left.
 inline bool advance(PacketTraversal& w) {
   const PacketQuery& s = w.search;
   while (true) {
@@ -184,7 +186,7 @@ inline bool advance(PacketTraversal& w) {
   }
 }
 
-// Does there what is to be done.
+// Processes the node or block that `advance` has examined.
 template <Query kQuery>
 inline void visit(PacketTraversal& w) {
   PacketQuery& s = w.search;

@@ -1,14 +1,15 @@
-// For kernel_*.cpp: a packet's rays against a block of ellipsoids. A frustum test of eight
-// first; what is left meets the rays, kLanes at a time.
+// Tests the rays of a packet against a block of ellipsoids. A frustum test of eight ellipsoids
+// comes first; what is left is tested against the rays, kLanes at a time. kernel_*.cpp use this
+// file.
 #pragma once
 #include "underbrush/trace/packet_finds.inl"
 
 namespace underbrush::trace {
 namespace {
 
-// Lanes that may accept an ellipsoid of path-length opacity, and those that do beyond doubt. `m2`
-// is δ²/τ² and `m2_error` a bound on its error, `reach_error` one on that of `reach` = τσ,
-// relative.
+// The random trial at an ellipsoid of path-length opacity: the lanes that may accept it, and those
+// that certainly do. `m2` is δ²/τ² and `m2_error` a bound on its error; `reach` is τσ and
+// `reach_error` a bound on its relative error.
 struct PathLengthTrial {
   M maybe, sure;
 };
@@ -34,7 +35,7 @@ inline void test_children(const PacketQuery& s, const Frame& f, const EllipsoidB
   for (int a = 0; a < 3; ++a) m[a] = (load8(b.mean[a]) - f.high[a]) - f.low[a];
   const F8 u00 = load8(b.u[0]), u01 = load8(b.u[1]), u02 = load8(b.u[2]);
   const F8 u11 = load8(b.u[3]), u12 = load8(b.u[4]), u22 = load8(b.u[5]);
-  // The support along a direction n is |U⁻ᵀ n|.
+  // The extent of the ellipsoid along a direction n is |U⁻ᵀ n|.
   const F8 r0 = 1.0f / u00, r1 = 1.0f / u11, r2 = 1.0f / u22;
   const F8 away = root(muladd(m[0], m[0], muladd(m[1], m[1], m[2] * m[2]))) + r.spread;
   F8 from[3], to[3];
@@ -49,7 +50,8 @@ inline void test_children(const PacketQuery& s, const Frame& f, const EllipsoidB
   }
   bound_slopes(r, from, to, tests.seen);
   tests.pairs = pairs_of(r, s.found.reach, tests.seen, groups);
-  // Bounds on the rounding: of the Mahalanobis distance, and per unit of range.
+  // Bounds on the rounding: of the Mahalanobis distance (`slack`), and of the same for each metre
+  // of range (`size`).
   const F8 size =
       absolute(u00) + absolute(u01) + absolute(u02) + absolute(u11) + absolute(u12) + absolute(u22);
   store(tests.ellipsoid.slack, muladd(away, size * 6e-7f, all8(4e-4f)));
@@ -57,7 +59,7 @@ inline void test_children(const PacketQuery& s, const Frame& f, const EllipsoidB
   for (int a = 0; a < 3; ++a) store(tests.ellipsoid.mean[a], m[a]);
 }
 
-// What the packet meets of a block; the sets of groups that found something.
+// Tests the packet against a block, and gives the sets of groups that found something.
 // long: one kernel, whose two loops share the block's numbers and the arrays of a pair.
 template <Query kQuery>
 inline unsigned visit(PacketQuery& s, const Frame& f, const EllipsoidBlock& b, LeafKind kind,

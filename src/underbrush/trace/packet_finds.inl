@@ -1,5 +1,5 @@
-// For kernel_*.cpp: what a packet searches for and what it has found, in the float bounds
-// that decide most and leave the rest to double.
+// What a packet searches for and what it has found. Float bounds decide most cases, and the rest is
+// decided in double precision. kernel_*.cpp use this file.
 #pragma once
 #include <cstdint>
 
@@ -11,43 +11,43 @@
 namespace underbrush::trace {
 namespace {
 
-// What a packet's rays have found so far. The range of the element held for a ray is certain to lie
-// in [low, high]; its rounding is what separates them.
+// What the rays of a packet have found so far. The range of the element held for a ray certainly
+// lies in [low, high], an interval that covers the rounding.
 struct Found {
   F low[kGroups], high[kGroups];
   U element[kGroups], instance[kGroups];
-  unsigned exact[kGroups];  // lanes whose find stands in Batch::best
-  F8 reach[kSets];          // of each group the greatest of high
-  float farthest;           // of all
+  unsigned exact[kGroups];  // lanes whose element is in Batch::best
+  F8 reach[kSets];          // the greatest `high` of each group
+  float farthest;           // the greatest `high` of all
 };
 
 struct Keys {
   U low[kGroups], high[kGroups];
 };
 
-// A frame to search: rays, the float halves of the centre, and whose elements they are.
+// A frame to search in: the rays, the packet's centre in floats, and the elements.
 struct Frame {
   const Rays* rays;
   const Node* nodes;
   const EllipsoidBlock* ellipsoids;
   const TriangleBlock* triangles;
   float high[3], low[3];
-  float lower[3], upper[3];  // the centre, moved so that boxes come out too large
+  float lower[3], upper[3];  // the centre, moved outwards so that boxes come out too large
   uint32_t instance, salt_low, salt_high;
   float scale, half_tau2;
-  float t_min, t_max;  // ranges that may count
+  float t_min, t_max;  // limits of the ranges that count
 };
 
 struct PacketQuery {
   const View* view;
   Batch* batch;
-  const uint32_t* number;  // of the rays, counted from the batch's first
-  int count;               // the other places repeat the last ray
+  const uint32_t* number;  // numbers of the rays, counted from the batch's first
+  int count;               // further places repeat the last ray
   Keys keys;
   Found found;
 };
 
-// Eight things that a packet has come to: a node's boxes or a block's elements.
+// The eight boxes of a node, or the eight elements of a block, that a packet examines.
 struct alignas(32) ChildTests {
   SlopeBounds seen;
   union {
@@ -76,7 +76,7 @@ inline void set_centre(Frame& f, const double centre[3], float spread) {
   }
 }
 
-// What follows from what the groups of `sets` have found.
+// Updates the reaches after the groups of `sets` have found something.
 inline void update_reach(Found& found, unsigned sets = ~0u) {
   F8 farthest{};
   for (int set = 0; set < kSets; ++set) {
@@ -86,8 +86,8 @@ inline void update_reach(Found& found, unsigned sets = ~0u) {
   found.farthest = greatest(farthest);
 }
 
-// Lanes `maybe` of group g meet the element within [low, high]; `sure` of them beyond doubt, and
-// nearer than what they have.
+// Notes that lanes `maybe` of group g may meet the element within [low, high]. Lanes `sure`
+// certainly meet it, nearer than what they have found.
 template <Query kQuery>
 inline void record(PacketQuery& s, const Frame& f, int g, uint32_t element, M maybe, M sure, F low,
                    F high) {

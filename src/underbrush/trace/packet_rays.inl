@@ -1,4 +1,5 @@
-// For kernel_*.cpp: a packet of rays as columns, the slopes they span, their change of frame.
+// A packet of rays in columns, the slopes that bound it, and its transformation between frames.
+// kernel_*.cpp use this file.
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -15,20 +16,20 @@ struct alignas(64) Rays {
   F d[3][kGroups], o[3][kGroups], inverse[3][kGroups];
   F start[3][kGroups];  // −o·inverse
   double centre[3];
-  // Three axes: across, up and along the rays. A ray's slopes are its direction's components across
-  // and up by that along.
+  // The three axes point across, up and along the rays. The slopes of a ray are the components of
+  // its direction across and up, divided by the component along.
   float axis[3][3];
-  // Which edges of a box (lo x y z, hi x y z) make its corners that lie least and most along each
-  // axis.
+  // For each axis, the edges of a box (lo x y z, hi x y z) that make its corner of least and of
+  // greatest extent along the axis.
   uint32_t least[3][3], most[3][3];
   float o_least[3], o_most[3];  // bounds of o along the axes
   F8 tile[kSets][4];            // of each group: slope across from, to; slope up from, to
   float spread;                 // greatest |o|
-  bool mixed;                   // signs of the directions differ
+  bool mixed;                   // whether the signs of the directions differ
   bool negative[3];
 };
 
-// Axes along the mean of the directions; false if they have none.
+// Sets the axes by the mean of the directions. Gives false if that is zero.
 inline bool set_axes(Rays& r) {
   F sum[3];
   for (int a = 0; a < 3; ++a) {
@@ -55,7 +56,8 @@ inline bool set_axes(Rays& r) {
   return true;
 }
 
-// Axes, slopes and what bounds them; false if the rays spread too far for that.
+// Computes the axes, the slopes and their bounds. Gives false if the rays spread too far for
+// slopes.
 inline bool enclose(Rays& r) {
   if (!set_axes(r)) return false;
   F slope[2][kGroups], w0 = all(1e30f), low[3], high[3];
@@ -88,8 +90,8 @@ inline bool enclose(Rays& r) {
   return true;
 }
 
-// Bounds of eight things along the axes, relative to the centre, and so of their slopes as the rays
-// see them.
+// Bounds of eight boxes or elements along the axes, relative to the centre, as slopes that the rays
+// see.
 struct alignas(32) SlopeBounds {
   float across_from[8], across_to[8], up_from[8], up_to[8], depth[8];
 };
@@ -107,13 +109,13 @@ inline void bound_slopes(const Rays& r, const F8 from[3], const F8 to[3], SlopeB
   *reinterpret_cast<F8*>(out.depth) = far_away >= F8{} ? near_by : all8(INFINITY);
 }
 
-// Things, eight at most, and the groups that may meet them: bit 8 k + g for thing k and group g of
-// each set.
+// Pairs of one of eight boxes or elements and a group of rays that may meet it: bit 8 k + g of each
+// set stands for box or element k and group g.
 struct Pairs {
   uint64_t of[kSets];
 };
 
-// The pairs of thing k and group g for which `test(k, g)` is true.
+// Selects the pairs of k and g for which `test(k, g)` is true.
 template <class Test>
 __attribute__((always_inline)) inline Pairs filter(const Pairs& pairs, Test test) {
   Pairs found;
@@ -128,14 +130,14 @@ __attribute__((always_inline)) inline Pairs filter(const Pairs& pairs, Test test
   return found;
 }
 
-// The things that are in a pair.
+// Selects the boxes or elements that occur in a pair.
 inline unsigned children_in(const Pairs& pairs) {
   uint64_t any = 0;
   for (const uint64_t of_set : pairs.of) any |= of_set;
   return bytes_in(any);
 }
 
-// The groups of thing k.
+// Selects the groups that are paired with box or element k.
 inline unsigned groups_of(const Pairs& pairs, int k) {
   unsigned groups = 0;
   for (int set = 0; set < kSets; ++set) {
@@ -144,7 +146,7 @@ inline unsigned groups_of(const Pairs& pairs, int k) {
   return groups;
 }
 
-// The pairs that may meet, among `groups`. `reach`: how far each group looks.
+// Finds the pairs among `groups` that may meet. `reach` is how far each group looks.
 inline Pairs pairs_of(const Rays& r, const F8 reach[kSets], const SlopeBounds& out,
                       unsigned groups) {
   Pairs pairs{};
@@ -165,7 +167,7 @@ inline Pairs pairs_of(const Rays& r, const F8 reach[kSets], const SlopeBounds& o
   return pairs;
 }
 
-// What follows from the directions and axes.
+// Computes what follows from the directions and axes.
 inline void finish(Rays& r) {
   for (int p = 0; p < 3; ++p) {
     for (uint32_t a = 0; a < 3; ++a) {
@@ -191,7 +193,7 @@ inline void finish(Rays& r) {
   }
 }
 
-// The rays in the frame of a rotated or scaled instance.
+// Transforms the rays into the frame of a rotated or scaled instance.
 inline void rotate(const Rays& world, const Placement& p, Rays& local) {
   F m[9];
   for (int k = 0; k < 9; ++k) m[k] = all(float(p.rotation[k]));

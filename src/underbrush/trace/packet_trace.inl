@@ -1,4 +1,4 @@
-// For kernel_*.cpp: packets taking turns, from the rays in order to their ends.
+// Traces ordered rays in packets that take turns. kernel_*.cpp use this file.
 #pragma once
 #include "underbrush/trace/packet.inl"
 #include "underbrush/trace/single.inl"
@@ -6,7 +6,7 @@
 namespace underbrush::trace {
 namespace {
 
-// False if the rays spread too far to be traced together.
+// Starts a packet. Gives false if its rays spread too far to be traced together.
 template <Query kQuery>
 bool begin(PacketTraversal& w, const View& view, Batch& batch, const uint32_t* number, int count) {
   PacketQuery& s = w.search;
@@ -72,7 +72,7 @@ void end(const PacketTraversal& w) {
   }
 }
 
-constexpr size_t kFew = 4;  // rays for which a packet does not pay
+constexpr size_t kFew = 4;  // packets of fewer rays do not pay
 constexpr int kTraversals = 6;
 
 template <Query kQuery>
@@ -94,7 +94,7 @@ void trace_all(const View& view, Batch& batch, const uint32_t* order, size_t cou
   for (PacketTraversal& w : traversals) {
     if (next(w)) busy[busy_count++] = &w;
   }
-  // All look before one acts: what they saw is known by then.
+  // Every packet advances before any of them visits, so that the memory has been fetched by then.
   while (busy_count > 0) {
     for (int k = 0; k < busy_count;) {
       PacketTraversal& w = *busy[k];

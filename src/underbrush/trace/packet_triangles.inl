@@ -1,4 +1,5 @@
-// For kernel_*.cpp: a packet's rays against a block of triangles, as against ellipsoids.
+// Tests the rays of a packet against a block of triangles, as packet_ellipsoids.inl does for
+// ellipsoids. kernel_*.cpp use this file.
 #pragma once
 #include "underbrush/trace/packet_finds.inl"
 

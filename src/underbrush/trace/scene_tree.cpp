@@ -7,7 +7,7 @@
 namespace underbrush::trace {
 namespace {
 
-constexpr float kOpenAbove = 12;  // m: an unrotated instance is opened down to such subtrees
+constexpr float kOpenAbove = 12;  // m: subtrees larger than this are opened in unrotated instances
 
 Box child_box(const Node& node, int k) {
   Box box;
@@ -20,8 +20,8 @@ Box child_box(const Node& node, int k) {
 
 bool is_used(const Node& node, int k) { return node.lo[0][k] <= node.hi[0][k]; }
 
-/// The world box, relative to `origin`, of a box of a model; with room for the rounding of the
-/// traversal in either frame.
+/// Computes the world box, relative to `origin`, of a box of a model. It has a margin for the
+/// rounding of the traversal in either frame.
 Box placed_box(const elements::Instance& placed, const Mat3& rotation, const Vec3& origin,
                const Box& box) {
   Vec3 centre, half;
@@ -40,7 +40,8 @@ Box placed_box(const elements::Instance& placed, const Mat3& rotation, const Vec
   return out;
 }
 
-/// The box of a whole instance: of its root's children, which is tighter than that of its box.
+/// Computes the box of a whole instance from the boxes of its root's children, which is tighter
+/// than from the root's box.
 Box instance_box(const elements::Instance& placed, const Vec3& origin, const Bvh& bvh) {
   const Mat3 rotation = placed.world_from_model.rotation.toRotationMatrix();
   if (bvh.root & kLeaf) return placed_box(placed, rotation, origin, bvh.box);
@@ -86,7 +87,7 @@ SceneTree build_scene_tree(std::span<const elements::Instance> instances,
   SceneTree tree;
   if (instances.empty()) return tree;
   tree.origin = instances.front().world_from_model.translation;
-  if (instances.size() == 1) {  // as it is, however far it reaches
+  if (instances.size() == 1) {  // a single instance needs no tree above it
     if (bvhs[instances[0].model].root == kEmpty) return tree;
     tree.entries = {{0, bvhs[instances[0].model].root}};
     tree.root = kLeaf;

@@ -1,5 +1,5 @@
 /// \file
-/// The hierarchy over the instances of a scene.
+/// This file has the hierarchy over the instances of a scene.
 #pragma once
 #include <span>
 #include <vector>
@@ -12,12 +12,13 @@ namespace underbrush::trace {
 /// A subtree of an instance's model.
 struct Subtree {
   uint32_t instance;
-  uint32_t node;  ///< A reference within the model's Bvh.
+  uint32_t node;  ///< Reference within the model's Bvh.
 };
 
-/// Boxes relative to `origin`; leaves are kLeaf | index of an entry. Large instances
-/// that stand unrotated, such as a ground, are entered by several subtrees, so that their parts and
-/// the instances upon them are visited from near to far.
+/// The hierarchy over the instances of a scene. Boxes are relative to `origin` (m), and leaves are
+/// kLeaf | index of an entry. A large unrotated instance, such as the ground, has
+/// several entries, one for each of its subtrees, so that its parts and the instances on it are
+/// visited from near to far.
 struct SceneTree {
   HugeVector<Node> nodes;
   std::vector<Subtree> entries;
@@ -27,7 +28,7 @@ struct SceneTree {
   size_t bytes() const { return nodes.size() * sizeof(Node) + entries.size() * sizeof(Subtree); }
 };
 
-/// `bvhs[i]` is that of the scene's model i.
+/// Builds the hierarchy. `bvhs[i]` is the hierarchy of the scene's model i.
 SceneTree build_scene_tree(std::span<const elements::Instance> instances,
                            std::span<const Bvh> bvhs);
 

@@ -1,5 +1,5 @@
-// For kernel_*.cpp: vectors of floats for one instruction set. `F` holds kLanes rays, `F8`
-// the eight children of a node or the eight elements of a block.
+// Vectors of floats for one instruction set. `F` holds kLanes rays, and `F8` the eight children of
+// a node or the eight elements of a block. kernel_*.cpp use this file.
 #pragma once
 #include <immintrin.h>
 
@@ -18,7 +18,7 @@ constexpr int kLanes = 8;
 #endif
 constexpr int kPacket = int(kPacketRays);
 constexpr int kGroups = kPacket / kLanes;
-constexpr int kSets = kGroups / 8;  // of eight groups
+constexpr int kSets = kGroups / 8;  // sets of eight groups
 constexpr unsigned kEveryGroup = (1u << kGroups) - 1;
 constexpr uint64_t kEachByte = 0x0101010101010101u;
 
@@ -95,7 +95,7 @@ inline U all(uint32_t x) { return U{x, x, x, x, x, x, x, x}; }
 inline F sign_of(F a) { return (F)((U)a & 0x80000000u); }
 inline F flip(F a, F sign) { return (F)((U)a ^ (U)sign); }
 
-// eˣ for x ≤ 0, to about 1e-6 of its value.
+// Computes eˣ for x ≤ 0 with a relative error of about 1e-6.
 inline F exp_below_zero(F x) {
   x = greater(x, all(-80.0f));
   const F rounded = muladd(x, all(1.44269504f), all(12582912.0f)), k = rounded - 12582912.0f;
@@ -120,7 +120,7 @@ inline float least(V v) {
   return m;
 }
 
-// Rows to columns.
+// Transposes rows to columns.
 inline void transpose(F8 x[8]) {
   F8 a[8], b[8];
   for (int k = 0; k < 8; k += 2) {
@@ -140,7 +140,7 @@ inline void transpose(F8 x[8]) {
   }
 }
 
-// What `pick(a, b)` leaves of the values of each of eight groups.
+// Reduces the values of each of eight groups to one by `pick(a, b)`.
 template <class Pick>
 inline F8 of_groups(const F v[8], Pick pick) {
   F8 each[8];
@@ -170,13 +170,13 @@ inline F8 greatest_of_groups(const F v[8]) {
   return of_groups(v, [](F8 a, F8 b) { return greater(a, b); });
 }
 
-// Which bytes are not zero.
+// Gives a bit for each byte that is not zero.
 inline unsigned bytes_in(uint64_t bytes) {
   const __m128i zero = _mm_cmpeq_epi8(_mm_cvtsi64_si128(int64_t(bytes)), _mm_setzero_si128());
   return ~unsigned(_mm_movemask_epi8(zero)) & 0xff;
 }
 
-// The hash of core/rng.hpp's accept_bits.
+// Computes the hash `accept_bits` of core/rng.hpp.
 template <class V>
 inline V accept_hash(V element, V key_low, V key_high) {
   V x = element ^ key_low;

@@ -1,5 +1,5 @@
-// For kernel_*.cpp: one ray through the tree, eight boxes or elements at a time; for rays
-// that have nothing in common. Every candidate is settled in double.
+// Traces one ray through the tree, eight boxes or elements at a time, for rays that do not point
+// alike. Every candidate is decided in double precision. kernel_*.cpp use this file.
 #pragma once
 #include <cstdint>
 
@@ -12,9 +12,9 @@ namespace {
 
 struct RayF {
   float o[3], o_low[3], d[3];  // the origin as a sum of two floats
-  float lower[3], upper[3];    // the origin, moved so that boxes come out too large
+  float lower[3], upper[3];    // the origin, moved outwards so that boxes come out too large
   float inverse[3];
-  int near[3];  // 0: lo is nearer along this axis, 1: hi
+  int near[3];  // 0 if lo is nearer along this axis, 1 if hi is
   uint32_t key_low, key_high;
 
   RayF(const double origin[3], const double direction[3], uint64_t key) {
@@ -33,8 +33,8 @@ struct RayF {
   }
 };
 
-// Lanes whose Mahalanobis approach may be within τ and in [t_min, limit]: a superset by a margin
-// that covers the rounding of single precision.
+// Finds the lanes whose closest approach may be within τ and in [t_min, limit]. A margin covers the
+// rounding of single precision, so some lanes are too many and none is missing.
 inline unsigned ellipsoid_candidates(const RayF& r, const EllipsoidBlock& b, float t_min,
                                      float limit) {
   F8 q[3], t0{};
@@ -56,7 +56,7 @@ inline unsigned ellipsoid_candidates(const RayF& r, const EllipsoidBlock& b, flo
   const F8 c = b0 * b0 + b1 * b1 + b2 * b2;
   const F8 size =
       absolute(u00) + absolute(u01) + absolute(u02) + absolute(u11) + absolute(u12) + absolute(u22);
-  // |δ(Uq)| ≲ ε |t0| Σ|U|; the bound on |Uq|² grows by twice that where |Uq| is near 1.
+  // |δ(Uq)| ≲ ε |t0| Σ|U|, and the bound on |Uq|² grows by twice that where |Uq| is near 1.
   const F8 slack = (absolute(t0) + 1.0f) * size * 1e-6f + 4e-4f;
   const F8 bound = (1.0f + slack) * (1.0f + slack);
   const F8 step = h / a, t = t0 + step, reach = root(1.0f / a);
@@ -67,7 +67,7 @@ inline unsigned ellipsoid_candidates(const RayF& r, const EllipsoidBlock& b, flo
   return bits(inside);
 }
 
-// Lanes whose triangle the ray may cross before `limit`, by a margin.
+// Finds the lanes whose triangle the ray may cross before `limit`, with a margin.
 inline unsigned triangle_candidates(const RayF& r, const TriangleBlock& b, float limit) {
   F8 p[3][3];
   for (int v = 0; v < 3; ++v) {
@@ -94,7 +94,7 @@ inline unsigned triangle_candidates(const RayF& r, const TriangleBlock& b, float
   return bits(((smallest >= -slack) | (largest <= slack)) & (t0 - size <= limit + 1e-3f));
 }
 
-// Slab test of eight boxes: lanes entered in [t_min, limit], and where.
+// Tests eight boxes by slabs. Gives the lanes that are entered in [t_min, limit], and where.
 inline unsigned enter(const RayF& r, const Node& n, float t_min, float limit, F8& entry) {
   F8 near = all8(t_min), far = all8(limit);
   for (int k = 0; k < 3; ++k) {
@@ -106,7 +106,7 @@ inline unsigned enter(const RayF& r, const Node& n, float t_min, float limit, F8
   return bits(entry <= far * 1.000002f);
 }
 
-// Visits the leaves that the ray enters before limit(), nearer ones first.
+// Visits the leaves that the ray enters before limit(), the nearer ones first.
 template <class Limit, class Leaf>
 inline void visit(const Node* nodes, uint32_t root, const RayF& ray, float t_min, Limit limit,
                   Leaf leaf) {

@@ -41,7 +41,7 @@ ModelView view_of(const elements::Model& m) {
           m.voxel_m > 0};
 }
 
-/// What a thread needs for its queries; large, and it keeps its memory from call to call.
+/// The working memory of a thread's queries. It is large, and is kept from call to call.
 struct Workspace {
   Batch batch;
   FloatRays float_rays;
@@ -60,7 +60,7 @@ Workspace& workspace() {
 struct World::Impl {
   std::vector<const elements::Model*> models;
   std::span<const elements::Instance> instances;
-  elements::Instance alone;  // of a world that is one model
+  elements::Instance alone;  // the only instance of a world that is one model
   std::vector<ModelView> views;
   std::vector<Bvh> bvhs;
   SceneTree tree;

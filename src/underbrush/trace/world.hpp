@@ -1,5 +1,5 @@
 /// \file
-/// A world that beams can be fired into.
+/// This file declares `World`, the interface for firing rays at a model or a scene.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -12,10 +12,10 @@
 
 namespace underbrush::trace {
 
-/// Instruction sets of the kernels. `kBest` takes the best that the machine has.
+/// The instruction sets of the kernels. `kBest` is the best one that the machine has.
 enum class Isa { kBest, kBase, kAvx2, kAvx512 };
 
-/// What each of several rays meets, in order of range.
+/// Lists of what each of several rays meets.
 class IntersectionLists {
  public:
   size_t size() const { return first_.empty() ? 0 : first_.size() - 1; }
@@ -29,12 +29,16 @@ class IntersectionLists {
   std::vector<Intersection> met_;
 };
 
-/// All elements of a model or a scene behind one query interface. Model or scene must outlive the
-/// world, and geometry and hit probabilities must not change meanwhile. Queries may run on any
-/// number of threads at once; each uses the thread that asks. Rays are in world coordinates; ranges
-/// are in metres along the unit direction. Every answer is that of `intersect`, element by element,
-/// whatever the instruction set and however the rays are cut into calls; the more rays a call
-/// brings, the faster (thousands: rays that point alike are traced together).
+/// All elements of a model or a scene behind one query interface.
+///
+/// Rays are in world coordinates, and ranges are in metres along the unit direction. Every answer
+/// is that of `intersect` applied to each element, whatever the instruction set and however the
+/// rays are divided into calls. Calls with thousands of rays are the fastest, because rays that
+/// point alike are traced together.
+///
+/// The model or scene must outlive the world, and its geometry and hit probabilities must not
+/// change in that time. Any number of threads may run queries at once; each query runs on the
+/// thread that calls it.
 class World {
  public:
   explicit World(const elements::Model& model, Isa isa = Isa::kBest);
@@ -43,27 +47,27 @@ class World {
   World& operator=(World&&) noexcept;
   ~World();
 
-  /// The model of an instance; of instance 0 where the world is one model.
+  /// The model of an instance. Where the world is one model, it is that of instance 0.
   const elements::Model& model(uint32_t instance = 0) const;
-  /// Where that model stands.
+  /// The place of an instance in the world.
   const elements::Instance& instance(uint32_t instance) const;
 
-  /// The element at which a beam ends: the nearest that it meets and whose trial
-  /// `accept_bits(instance_key(key, instance), element) < p·2³²` succeeds; none if there is no such
-  /// element. Distributed as trials in order of range: P(k) = p_k ∏_{j<k} (1 − p_j). `met[i]` is
-  /// the answer for `rays[i]` with `keys[i]`.
+  /// Finds the element at which each beam ends, or none() if there is none. It is the nearest
+  /// element that the beam meets and whose trial `accept_bits(instance_key(key, instance), element)
+  /// < p·2³²` succeeds. Over random keys, this is the distribution of trials in order of range:
+  /// P(k) = p_k ∏_{j<k} (1 − p_j). `met[i]` is the answer for `rays[i]` with `keys[i]`.
   void nearest_accepted(std::span<const Ray> rays, std::span<const uint64_t> keys,
                         const RangeLimits& limits, std::span<Intersection> met) const;
   Intersection nearest_accepted(const Ray& ray, uint64_t key, const RangeLimits& limits) const;
 
-  /// The nearest triangle, whatever its hit probability.
+  /// Finds the nearest triangle on each ray, whatever its hit probability, or none().
   void nearest_surface(std::span<const Ray> rays, const RangeLimits& limits,
                        std::span<Intersection> met) const;
   Intersection nearest_surface(const Ray& ray, const RangeLimits& limits) const;
 
-  /// All elements that each ray meets within `limits`, in the order of `Intersection::before` or in
-  /// one that depends on the machine. Those whose bounds a ray enters only beyond its
-  /// `entry_limits_m` may be left out.
+  /// Finds all elements that each ray meets within `limits`. kByRange sorts them as
+  /// `Intersection::before` does; kAny leaves them in an order that depends on the machine.
+  /// Elements whose bounds a ray enters only beyond its `entry_limits_m` (m) may be left out.
   enum class Sequence { kByRange, kAny };
   void all_intersections(std::span<const Ray> rays, const RangeLimits& limits,
                          std::span<const double> entry_limits_m, IntersectionLists& met,
@@ -71,9 +75,9 @@ class World {
   void all_intersections(const Ray& ray, const RangeLimits& limits, double entry_limit_m,
                          std::vector<Intersection>& met) const;
 
-  /// Bytes of the search structure (models and instances not counted).
+  /// The memory of the search structure without models and instances, bytes.
   size_t bytes() const;
-  /// Name of the instruction set in use.
+  /// The name of the instruction set in use.
   std::string_view isa() const;
 
  private:
