@@ -86,6 +86,7 @@ void report(const nlohmann::ordered_json& j, const std::string& json_file) {
 }  // namespace
 }  // namespace underbrush::bench
 
+// long: a list of options and one table of figures.
 int main(int argc, char** argv) {
   using namespace underbrush;
   using namespace underbrush::bench;

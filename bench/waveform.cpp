@@ -60,6 +60,7 @@ double ns_per_beam(int beams, int runs, F f) {
 
 }  // namespace
 
+// long: a list of options and one table of figures.
 int main(int argc, char** argv) {
   CLI::App app("Waveform and detection, ns per beam on one thread");
   int sub_rays = 41, beams = 2000, runs = 50;

@@ -14,17 +14,17 @@ mirror=${MIRROR:-$(apt-get indextargets --format '$(REPO_URI)' | grep -m 1 '/deb
   { tail "$root.log" >&2; exit 1; }
 cp /etc/resolv.conf /etc/hosts "$root/etc/"
 cp "$deb" "$root/tmp/"
-inside() { chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root DEBIAN_FRONTEND=noninteractive "$@"; }
+inside() { chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/ DEBIAN_FRONTEND=noninteractive "$@"; }
 inside apt-get -q -y update > /dev/null
 inside apt-get -q -y install --no-install-recommends "/tmp/$(basename "$deb")" | tail -n 3
 
-small=/tmp/small.yaml
+small=/srv/small.yaml
 sed -e 's/^name: .*/name: small/' -e 's/^rate_hz: .*/rate_hz: 2/' -e 's/^firing_period_us: .*/firing_period_us: 4000/' \
   "$root/usr/share/underbrush/sensors/velodyne-vlp16.yaml" > "$root$small"
 inside underbrush --version
-inside rm -rf /tmp/demo
-inside underbrush demo -o /tmp/demo --sensor "$small" --sub-rays 1
-for file in /tmp/demo/report/index.html /usr/share/man/man1/underbrush.1.gz /usr/share/doc/underbrush/copyright \
+inside rm -rf /srv/demo
+inside underbrush demo -o /srv/demo --sensor "$small" --sub-rays 1
+for file in /srv/demo/report/index.html /usr/share/man/man1/underbrush.1.gz /usr/share/doc/underbrush/copyright \
   /usr/share/bash-completion/completions/underbrush /usr/share/zsh/site-functions/_underbrush \
   /usr/share/fish/vendor_completions.d/underbrush.fish /usr/share/underbrush/materials/materials.yaml; do
   [ -s "$root$file" ] || { echo "check_deb: $file is missing" >&2; exit 1; }
