@@ -31,8 +31,9 @@ function(underbrush_fast_build target kind)
       UNITY_BUILD_BATCH_SIZE ${UNDERBRUSH_UNITY_BATCH})
     # A class whose private struct has a field of an unnamed namespace is as safe as in its own file.
     # GCC 12 takes a string literal in a moved std::string for one out of bounds, once all is inlined.
-    target_compile_options(${target} PRIVATE
-      $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage> $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds>)
+    foreach(warning IN ITEMS subobject-linkage array-bounds stringop-overflow stringop-overread restrict)
+      target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-${warning}>)
+    endforeach()
   endif()
   if(UNDERBRUSH_PCH)
     get_property(owner GLOBAL PROPERTY UNDERBRUSH_PCH_OWNER_${kind})

@@ -8,6 +8,7 @@
 #include "report_assets.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/atomic_file.hpp"
+#include "underbrush/io/json_file.hpp"
 
 namespace underbrush::report {
 namespace {
@@ -173,7 +174,7 @@ std::string class_table(const Comparison& input, const std::string& heading) {
 
 std::string provenance_text(const Comparison& input) {
   const Json provenance = input.scores.value("provenance", Json::object());
-  return escaped(provenance.dump(2, ' ', false, Json::error_handler_t::replace));
+  return escaped(io::text_of_json(provenance, 2));
 }
 
 std::string filled_page(const std::map<std::string, std::string>& values) {

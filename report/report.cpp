@@ -10,6 +10,7 @@
 #include "report/survey.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/atomic_file.hpp"
+#include "underbrush/io/json_file.hpp"
 
 namespace underbrush::report {
 namespace fs = std::filesystem;
@@ -213,7 +214,7 @@ std::string contents_entry(const Section& section, const std::string& html) {
 
 // JSON that cannot end its script element.
 std::string embedded(const Json& data) {
-  std::string text = data.dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string text = io::text_of_json(data);
   for (size_t at = 0; (at = text.find("</", at)) != std::string::npos; at += 3) {
     text.insert(at + 1, "\\");
   }

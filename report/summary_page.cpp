@@ -3,18 +3,20 @@
 #include <nlohmann/json.hpp>
 
 #include "report/page.hpp"
+#include "underbrush/io/json_file.hpp"
 
 namespace underbrush::report {
 
 std::filesystem::path write_summary_page(const std::filesystem::path& folder,
                                          const SummaryPage& page) {
-  const auto provenance = nlohmann::ordered_json::parse(page.provenance);
-  return write_page(folder, filled_summary({{"title", escaped(page.title)},
-                                            {"lead", escaped(page.lead)},
-                                            {"verdict", escaped(page.verdict)},
-                                            {"checks", page.asked},
-                                            {"body", page.body},
-                                            {"provenance", escaped(provenance.dump(2))}}));
+  const auto provenance = io::json_of_text(page.provenance);
+  return write_page(folder,
+                    filled_summary({{"title", escaped(page.title)},
+                                    {"lead", escaped(page.lead)},
+                                    {"verdict", escaped(page.verdict)},
+                                    {"checks", page.asked},
+                                    {"body", page.body},
+                                    {"provenance", escaped(io::text_of_json(provenance, 2))}}));
 }
 
 }  // namespace underbrush::report

@@ -3,7 +3,6 @@
 #include "studies/primitives.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -81,10 +80,8 @@ StudyResult study_primitives(const StudyRun& run) {
   result.lead =
       "Primitives cut from one site simulate another, against plant meshes composed along the same "
       "annotation (Table II of Tallavajhula et al. 2018).";
-  const fs::path work =
-      fs::temp_directory_path() / fmt::format("underbrush_study_primitives_{}", getpid());
-  const TemporaryPath temporary(work);
-  const fs::path folder = run.keep.empty() ? work : run.keep;
+  const TemporaryPath temporary(fs::temp_directory_path(), "study");
+  const fs::path folder = run.keep.empty() ? temporary.path() : run.keep;
   fs::create_directories(folder);
   PairOptions options;
   options.seed = run.seed;

@@ -35,7 +35,7 @@ std::vector<std::string> positional_choices(const CLI::App& verb) {
 }
 
 /// Puts text into single quotes for a shell.
-std::string quoted(std::string text) {
+std::string in_quotes(std::string text) {
   for (size_t at = 0; (at = text.find('\'', at)) != std::string::npos; at += 4) {
     text.replace(at, 1, "'\\''");
   }
@@ -50,7 +50,7 @@ std::string bash_case(const CLI::App& program, const CLI::App& verb) {
     const auto values = choices_of(*o);
     if (!values.empty()) {
       choices += fmt::format("        {}) words={} ;;\n", fmt::join(names, "|"),
-                             quoted(fmt::format("{}", fmt::join(values, " "))));
+                             in_quotes(fmt::format("{}", fmt::join(values, " "))));
     } else if (o->get_expected_max() > 0) {
       choices += fmt::format("        {}) words='' ;;\n", fmt::join(names, "|"));
     }
@@ -60,7 +60,8 @@ std::string bash_case(const CLI::App& program, const CLI::App& verb) {
       "    {})\n      case $previous in\n{}        *) case $current in -*) words={} ;; *) words={} "
       ";; "
       "esac ;;\n      esac ;;\n",
-      verb.get_name(), choices, quoted(words), quoted(fmt::format("{}", fmt::join(first, " "))));
+      verb.get_name(), choices, in_quotes(words),
+      in_quotes(fmt::format("{}", fmt::join(first, " "))));
 }
 
 std::string bash_script(const CLI::App& program) {
@@ -90,7 +91,7 @@ _{0}() {{
 }}
 complete -F _{0} {0}
 )",
-                     name, quoted(verbs + "--help --help-all --version --config"), cases);
+                     name, in_quotes(verbs + "--help --help-all --version --config"), cases);
 }
 
 /// Writes an option for zsh's _arguments: '(-o --output)'{-o,--output}'[help]:VALUE:action'.
@@ -107,7 +108,7 @@ std::string zsh_option(const CLI::Option& option) {
   }
   std::string out;
   for (const std::string& name : spellings(option)) {
-    out += fmt::format("        {} \\\n", quoted(fmt::format("*{}[{}]{}", name, help, value)));
+    out += fmt::format("        {} \\\n", in_quotes(fmt::format("*{}[{}]{}", name, help, value)));
   }
   return out;
 }
@@ -116,14 +117,14 @@ std::string zsh_script(const CLI::App& program) {
   const std::string name = program.get_name();
   std::string verbs, cases;
   for (const CLI::App* verb : verbs_of(program)) {
-    verbs += fmt::format("    {}\n", quoted(verb->get_name() + ":" + verb->get_description()));
+    verbs += fmt::format("    {}\n", in_quotes(verb->get_name() + ":" + verb->get_description()));
     std::string options;
     for (const CLI::Option* o : options_of(program, *verb)) options += zsh_option(*o);
     const auto first = positional_choices(*verb);
     const std::string positional =
         first.empty() ? "_files" : fmt::format("({})", fmt::join(first, " "));
     cases += fmt::format("    {})\n      _arguments \\\n{}        {} ;;\n", verb->get_name(),
-                         options, quoted("*:file:" + positional));
+                         options, in_quotes("*:file:" + positional));
   }
   return fmt::format(R"(#compdef {0}
 # zsh completion of {0}: a file _{0} in a folder of $fpath, or  source <({0} completion zsh)
@@ -152,12 +153,12 @@ std::string fish_script(const CLI::App& program) {
       "# fish completion of {0}:  {0} completion fish | source\ncomplete -c {0} -e\n", name);
   for (const CLI::App* verb : verbs_of(program)) {
     out += fmt::format("complete -c {} -n __fish_use_subcommand -f -a {} -d {}\n", name,
-                       verb->get_name(), quoted(verb->get_description()));
-    const std::string condition = quoted("__fish_seen_subcommand_from " + verb->get_name());
+                       verb->get_name(), in_quotes(verb->get_description()));
+    const std::string condition = in_quotes("__fish_seen_subcommand_from " + verb->get_name());
     const auto first = positional_choices(*verb);
     if (!first.empty()) {
       out += fmt::format("complete -c {} -n {} -f -a {}\n", name, condition,
-                         quoted(fmt::format("{}", fmt::join(first, " "))));
+                         in_quotes(fmt::format("{}", fmt::join(first, " "))));
     }
     for (const CLI::Option* o : options_of(program, *verb)) {
       std::string line = fmt::format("complete -c {} -n {}", name, condition);
@@ -165,11 +166,11 @@ std::string fish_script(const CLI::App& program) {
       for (const std::string& l : o->get_lnames()) line += " -l " + l;
       const auto values = choices_of(*o);
       if (!values.empty()) {
-        line += " -x -a " + quoted(fmt::format("{}", fmt::join(values, " ")));
+        line += " -x -a " + in_quotes(fmt::format("{}", fmt::join(values, " ")));
       } else if (o->get_expected_max() > 0) {
         line += " -r";
       }
-      out += line + " -d " + quoted(o->get_description()) + "\n";
+      out += line + " -d " + in_quotes(o->get_description()) + "\n";
     }
   }
   return out;

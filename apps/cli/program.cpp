@@ -66,9 +66,13 @@ int Program::parse() {
 
 int Program::run(int argc, char** argv) {
   clean_up_on_signals(app_.get_name());
+  on_remains_removed([name = app_.get_name()](const std::filesystem::path& folder, size_t count) {
+    std::fprintf(stderr, "%s: removed from %s what %zu killed run%s left\n", name.c_str(),
+                 printable(folder.string()).c_str(), count, count == 1 ? "" : "s");
+  });
   words_.assign(argv, argv + argc);
   const auto fail = [&](const std::string& what, int code) {
-    std::fprintf(stderr, "%s: %s\n", app_.get_name().c_str(), what.c_str());
+    std::fprintf(stderr, "%s: %s\n", app_.get_name().c_str(), printable(what).c_str());
     return code;
   };
   try {

@@ -10,6 +10,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/io/atomic_file.hpp"
+#include "underbrush/io/json_file.hpp"
 #include "version.hpp"
 
 namespace underbrush::app {
@@ -96,7 +97,7 @@ void Verb::report(const Json& results, const std::string& table) const {
     throw IoError("standard output: cannot write");
   }
   if (json.empty()) return;
-  const std::string text = results.dump(2) + "\n";
+  const std::string text = io::text_of_json(results, 2) + "\n";
   if (json == "-") {
     if (!(std::cout << text << std::flush)) throw IoError("standard output: cannot write");
     return;
@@ -136,7 +137,7 @@ std::string Verb::provenance(const std::vector<fs::path>& inputs) const {
   for (const std::string& file : program_.app().get_config_ptr()->results()) {
     p["inputs"][file] = hash_of(file);
   }
-  return p.dump();
+  return io::text_of_json(p);
 }
 
 namespace {

@@ -17,6 +17,7 @@
 namespace underbrush::app {
 namespace fs = std::filesystem;
 namespace {
+namespace annotate_verb {
 
 constexpr double kGroundNoiseM = 0.03;  // m; standard deviation of ranges on a generated ground
 
@@ -147,9 +148,11 @@ void run(const Verb& verb, Arguments& a) {
   verb.report(j, text);
 }
 
+}  // namespace annotate_verb
 }  // namespace
 
 void add_annotate(Program& program) {
+  using namespace annotate_verb;
   auto a = std::make_shared<Arguments>();
   const auto verb = add_verb(
       program, "Scenes", "annotate",

@@ -11,6 +11,7 @@
 
 namespace underbrush::app {
 namespace {
+namespace compose_verb {
 
 struct Arguments {
   std::string annotation, primitives, output, ground;
@@ -109,9 +110,11 @@ void run(const Verb& verb, Arguments& a) {
   verb.report(j, text);
 }
 
+}  // namespace compose_verb
 }  // namespace
 
 void add_compose(Program& program) {
+  using namespace compose_verb;
   auto a = std::make_shared<Arguments>();
   const auto verb =
       add_verb(program, "Scenes", "compose",

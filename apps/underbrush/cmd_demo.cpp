@@ -19,6 +19,7 @@
 
 namespace underbrush::app {
 namespace {
+namespace demo_verb {
 namespace fs = std::filesystem;
 
 struct Arguments {
@@ -198,9 +199,11 @@ void run(const Verb& verb, Arguments& a) {
   verb.report(results, text + fmt::format("report: {}\n", page.string()));
 }
 
+}  // namespace demo_verb
 }  // namespace
 
 void add_demo(Program& program) {
+  using namespace demo_verb;
   auto a = std::make_shared<Arguments>();
   const auto verb =
       add_verb(program, "Start", "demo",

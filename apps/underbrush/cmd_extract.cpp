@@ -10,6 +10,7 @@
 
 namespace underbrush::app {
 namespace {
+namespace extract_verb {
 
 struct Arguments {
   std::string model, log, output, membership = "own";
@@ -102,9 +103,11 @@ void run(const Verb& verb, Arguments& a) {
   verb.report(j, text);
 }
 
+}  // namespace extract_verb
 }  // namespace
 
 void add_extract(Program& program) {
+  using namespace extract_verb;
   auto a = std::make_shared<Arguments>();
   const auto verb = add_verb(
       program, "Scenes", "extract", "Cut primitives out of a model along a labelled log",

@@ -10,6 +10,7 @@
 
 namespace underbrush::app {
 namespace {
+namespace fit_verb {
 
 struct Arguments {
   std::string log, output, splat, ground_mesh;
@@ -105,9 +106,11 @@ void run(const Verb& verb, Arguments& a) {
                                                              "  model       " + a.output + "\n");
 }
 
+}  // namespace fit_verb
 }  // namespace
 
 void add_fit(Program& program) {
+  using namespace fit_verb;
   auto a = std::make_shared<Arguments>();
   const auto verb = add_verb(
       program, "Models", "fit",

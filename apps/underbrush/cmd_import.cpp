@@ -15,6 +15,7 @@
 
 namespace underbrush::app {
 namespace {
+namespace import_verb {
 
 struct Arguments {
   std::string source, output, frames, deskew, infer_misses, label_set, keep;
@@ -255,9 +256,11 @@ void run(const Verb& verb, Arguments& a) {
   verb.report(json_of(input, counts), table_of(input, counts, a.output));
 }
 
+}  // namespace import_verb
 }  // namespace
 
 void add_import(Program& program) {
+  using namespace import_verb;
   auto a = std::make_shared<Arguments>();
   const auto verb =
       add_verb(program, "Logs", "import",

@@ -11,12 +11,14 @@
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/elements/scene_file.hpp"
 #include "underbrush/io/input.hpp"
+#include "underbrush/io/json_file.hpp"
 #include "underbrush/metrics/leaf_inclination.hpp"
 #include "underbrush/sensor/sensor.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
 namespace {
+namespace info_verb {
 
 /// The contents of a log, gathered in one pass.
 struct Contents {
@@ -109,7 +111,7 @@ Json json_of(const LogInfo& info, const Contents& c, const io::Input& input) {
   j["deskewed"] = info.deskewed;
   j["extra_columns"] = c.extra;
   j["skipped"] = input.skipped();
-  j["provenance"] = input.provenance.empty() ? Json(nullptr) : Json::parse(input.provenance);
+  j["provenance"] = input.provenance.empty() ? Json(nullptr) : io::json_of_text(input.provenance);
   return j;
 }
 
@@ -166,7 +168,7 @@ void report_model(const Verb& verb, const std::string& path) {
   j["tau"] = model.tau;
   j["origin_m"] = vector_json(model.origin);
   j["ground_sigma_m"] = model.ground.range_sigma_m;
-  j["provenance"] = model.provenance.empty() ? Json(nullptr) : Json::parse(model.provenance);
+  j["provenance"] = model.provenance.empty() ? Json(nullptr) : io::json_of_text(model.provenance);
   verb.report(j, fmt::format("{}: model by {}: {} ground triangles, {} surface triangles, {} "
                              "ellipsoids\n  tau {:g}, ground sigma {:.3f} m, origin {:.1f} {:.1f} "
                              "{:.1f} m\n",
@@ -194,7 +196,7 @@ void report_scene(const Verb& verb, const std::string& path) {
   j["ground_triangles"] = scene.models.at(0).ground.size();
   j["surface_triangles"] = triangles;
   j["ellipsoids"] = ellipsoids;
-  j["provenance"] = Json::parse(info.provenance.empty() ? "null" : info.provenance);
+  j["provenance"] = io::json_of_text(info.provenance.empty() ? "null" : info.provenance);
   std::string text = fmt::format(
       "{}: scene of {} instances of {} models: {} ground triangles, {} surface triangles, {} "
       "ellipsoids\n",
@@ -251,9 +253,11 @@ void run(const Verb& verb, const Arguments& a) {
   verb.report(j, table_of(file, input.beams->info(), contents, j));
 }
 
+}  // namespace info_verb
 }  // namespace
 
 void add_info(Program& program) {
+  using namespace info_verb;
   auto a = std::make_shared<Arguments>();
   const auto verb = add_verb(program, "Logs", "info", "Describe a log, a model or a scene",
                              "underbrush info log.ply\n"

@@ -9,6 +9,7 @@
 
 namespace underbrush::app {
 namespace {
+namespace meshes_verb {
 
 struct Arguments {
   std::vector<std::string> plants;
@@ -98,9 +99,11 @@ void run(const Verb& verb, Arguments& a) {
   verb.report(j, text);
 }
 
+}  // namespace meshes_verb
 }  // namespace
 
 void add_meshes(Program& program) {
+  using namespace meshes_verb;
   auto a = std::make_shared<Arguments>();
   const auto verb = add_verb(program, "Scenes", "meshes",
                              "Make primitives from plant meshes, for the comparison simulator",

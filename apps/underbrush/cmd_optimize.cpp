@@ -11,6 +11,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/atomic_file.hpp"
+#include "underbrush/io/json_file.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/optimize/checkpoint.hpp"
 #include "underbrush/optimize/densities.hpp"
@@ -19,6 +20,7 @@
 
 namespace underbrush::app {
 namespace {
+namespace optimize_verb {
 namespace fs = std::filesystem;
 
 struct Arguments {
@@ -178,12 +180,12 @@ std::string identity_of(const Verb& verb, const Arguments& a, const Problem& p) 
     run["parameters"].push_back({q.name, q.low, q.high, int(q.scale), p.start[k]});
   }
   run["fixed"] = p.tuning.fixed;
-  const Json origin = Json::parse(p.tuning.provenance);
+  const Json origin = io::json_of_text(p.tuning.provenance);
   run["program"] = origin["program"];
   for (const auto& [file, hash] : origin["inputs"].items()) {
     if (!file.ends_with(".yaml")) run["inputs"].push_back(hash);
   }
-  return run.dump();
+  return io::text_of_json(run);
 }
 
 /// Returns the evaluations of the checkpoint from which the search continues.
@@ -197,7 +199,7 @@ std::vector<optimize::Evaluation> past_of(const Arguments& a, const std::string&
         "or remove it",
         a.checkpoint, found.evaluations.size()));
   }
-  if (Json::parse(found.run) != Json::parse(identity)) {
+  if (io::json_of_text(found.run) != io::json_of_text(identity)) {
     throw FormatError(a.checkpoint, "", "it is of another search (log, options or seed differ)");
   }
   return found.evaluations;
@@ -255,9 +257,11 @@ void run(const Verb& verb, Arguments& a) {
   verb.report(j, text);
 }
 
+}  // namespace optimize_verb
 }  // namespace
 
 void add_optimize(Program& program) {
+  using namespace optimize_verb;
   auto a = std::make_shared<Arguments>();
   const auto verb = add_verb(program, "Models", "optimize",
                              "Tune the parameters of a fit on a slice of the training log",

@@ -8,6 +8,7 @@
 
 namespace underbrush::app {
 namespace {
+namespace score_verb {
 namespace fs = std::filesystem;
 
 struct Arguments {
@@ -60,9 +61,11 @@ void run(const Verb& verb, const Arguments& a) {
   verb.report(results, text);
 }
 
+}  // namespace score_verb
 }  // namespace
 
 void add_score(Program& program) {
+  using namespace score_verb;
   auto a = std::make_shared<Arguments>();
   const auto verb = add_verb(
       program, "Simulation", "score", "Compare simulated logs with the real one, beam by beam",

@@ -18,6 +18,7 @@
 
 namespace underbrush::app {
 namespace {
+namespace segment_verb {
 
 using elements::Class;
 
@@ -174,9 +175,11 @@ void run(const Verb& verb, const Arguments& a) {
   verb.report(j, text);
 }
 
+}  // namespace segment_verb
 }  // namespace
 
 void add_segment(Program& program) {
+  using namespace segment_verb;
   auto a = std::make_shared<Arguments>();
   const auto verb =
       add_verb(program, "Scenes", "segment",

@@ -12,6 +12,7 @@
 
 namespace underbrush::app {
 namespace {
+namespace sensors_verb {
 
 using Arguments = SensorsArguments;
 using sensor::Sensor;
@@ -179,9 +180,11 @@ void run(const Verb& verb, const Arguments& a) {
   echo_of_sensor(verb, a);
 }
 
+}  // namespace sensors_verb
 }  // namespace
 
 void add_sensors(Program& program) {
+  using namespace sensors_verb;
   auto a = std::make_shared<Arguments>();
   const auto verb =
       add_verb(program, "Simulation", "sensors",

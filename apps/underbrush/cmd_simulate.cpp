@@ -19,6 +19,7 @@
 
 namespace underbrush::app {
 namespace {
+namespace simulate_verb {
 
 struct Arguments {
   std::string model, like, sensor, trajectory, output, profile, draw = "on_ray", beam = "thin";
@@ -199,9 +200,11 @@ void run(const Verb& verb, Arguments& a) {
          target.dynamic_world->world().isa(), lost);
 }
 
+}  // namespace simulate_verb
 }  // namespace
 
 void add_simulate(Program& program) {
+  using namespace simulate_verb;
   auto a = std::make_shared<Arguments>();
   const auto verb = add_verb(
       program, "Simulation", "simulate",

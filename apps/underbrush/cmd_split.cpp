@@ -5,6 +5,7 @@
 
 namespace underbrush::app {
 namespace {
+namespace split_verb {
 
 struct Arguments {
   std::string log, train, test;
@@ -47,9 +48,11 @@ void run(const Verb& verb, const Arguments& a) {
                              a.train, step.test_beams, a.test));
 }
 
+}  // namespace split_verb
 }  // namespace
 
 void add_split(Program& program) {
+  using namespace split_verb;
   auto a = std::make_shared<Arguments>();
   const auto verb = add_verb(program, "Logs", "split",
                              "Split a log into training and test parts that never share a beam",

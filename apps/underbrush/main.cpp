@@ -1,8 +1,3 @@
-#include "verbs.hpp"
+#include "run.hpp"
 
-int main(int argc, char** argv) {
-  using namespace underbrush;
-  app::Program program("underbrush", app::kSummary);
-  app::add_all_verbs(program);
-  return program.run(argc, argv);
-}
+int main(int argc, char** argv) { return underbrush::app::run_underbrush(argc, argv); }

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "underbrush/io/json_file.hpp"
+
 namespace underbrush::app {
 namespace {
 
@@ -50,7 +52,7 @@ Json json_of_scores(const std::vector<std::string>& names,
   Json j = json_of(scores.at(0));
   j["models"] = Json::object();
   for (size_t k = 0; k < scores.size(); ++k) j["models"][names[k]] = json_of(scores[k]);
-  j["provenance"] = Json::parse(provenance);
+  j["provenance"] = io::json_of_text(provenance);
   return j;
 }
 

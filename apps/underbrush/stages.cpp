@@ -10,6 +10,7 @@
 #include "underbrush/elements/scene_file.hpp"
 #include "underbrush/fit/fitters.hpp"
 #include "underbrush/io/export.hpp"
+#include "underbrush/io/json_file.hpp"
 #include "underbrush/io/log_file.hpp"
 
 namespace underbrush::app {
@@ -92,10 +93,10 @@ FitStep fit_log(const Verb& verb, const fs::path& log, const fit::FitOptions& op
   if (fit::fitter_named(options.fitter).refines && elements::is_model(options.start)) {
     inputs.emplace_back(options.start);
   }
-  Json origin = Json::parse(provenance(verb, inputs));
+  Json origin = io::json_of_text(provenance(verb, inputs));
   const fit::LikelihoodReport& refined = step.result.report.likelihood;
   if (!refined.steps.empty()) origin["likelihood"] = json_of(refined);
-  step.result.model.provenance = origin.dump();
+  step.result.model.provenance = io::text_of_json(origin);
   elements::write_model(model, step.result.model);
   step.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return step;

@@ -13,6 +13,7 @@
 #include "report/table.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/atomic_file.hpp"
+#include "underbrush/io/json_file.hpp"
 
 namespace underbrush::app {
 namespace fs = std::filesystem;
@@ -92,7 +93,7 @@ void emit(YAML::Emitter& out, const Json& value) {
   } else if (value.is_string()) {
     out << value.get<std::string>();
   } else {
-    out << value.dump();
+    out << io::text_of_json(value);
   }
 }
 
@@ -120,7 +121,7 @@ Json json_of(const Tuning& t) {
   for (const Evaluation& e : t.evaluations) {
     j["evaluations"].push_back({{"value", e.value}, {"objective", e.outcome.objective}});
   }
-  j["provenance"] = Json::parse(t.provenance);
+  j["provenance"] = io::json_of_text(t.provenance);
   return j;
 }
 
@@ -149,7 +150,7 @@ void write_config(const fs::path& path, const Tuning& t) {
     if (t.densities) {
       options["class-density"].push_back(fmt::format("{}={}", name, value));
     } else {
-      options[name] = Json::parse(fmt::format("{}", value));
+      options[name] = io::json_of_text(fmt::format("{}", value));
     }
   }
   YAML::Emitter yaml;
@@ -178,7 +179,7 @@ fs::path write_tuning_report(const fs::path& folder, const Tuning& t) {
                .lead = t.what,
                .verdict = to < from ? fmt::format("{} from {:.4f} to {:.4f}", t.objective, from, to)
                                     : "nothing tried was better than the start",
-               .asked = "<p>" + report::escaped(t.fixed.dump()) + "</p>\n",
+               .asked = "<p>" + report::escaped(io::text_of_json(t.fixed)) + "</p>\n",
                .body = html_of(table_of(t)) + "<figure>\n" + curve_of(t) + "</figure>\n" +
                        html_of(history_of(t)),
                .provenance = t.provenance});

@@ -25,24 +25,6 @@ void add_simulate(Program& program);
 void add_score(Program& program);
 
 /// Adds all verbs, in the order of the stages.
-inline void add_all_verbs(Program& program) {
-  program.app().require_subcommand(1);
-  add_demo(program);
-  add_import(program);
-  add_info(program);
-  add_split(program);
-  add_fit(program);
-  add_optimize(program);
-  add_segment(program);
-  add_extract(program);
-  add_meshes(program);
-  add_annotate(program);
-  add_compose(program);
-  add_sensors(program);
-  add_simulate(program);
-  add_score(program);
-  add_dump_config(program);
-  add_completion(program);
-}
+void add_all_verbs(Program& program);
 
 }  // namespace underbrush::app

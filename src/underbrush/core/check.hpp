@@ -22,6 +22,14 @@ class IoError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Returns `text` as one line that a terminal can show: control characters, bidirectional overrides
+/// and bytes that are not UTF-8 are written as `\\xNN`, and of a text longer than `limit` bytes the
+/// start and the end remain around "…".
+std::string printable(std::string_view text, size_t limit = 400);
+/// Returns a word of a file in quotation marks, for an error message: `printable` with at most 24
+/// bytes, so that a message gives little of a file away that was read by mistake.
+std::string in_quotes(std::string_view word);
+
 /// Throws `std::invalid_argument(message)` unless `ok`. Public functions check their arguments with
 /// it.
 inline void require(bool ok, const char* message) {

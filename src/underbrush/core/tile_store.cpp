@@ -1,8 +1,5 @@
 #include "underbrush/core/tile_store.hpp"
 
-#include <unistd.h>
-
-#include <atomic>
 #include <cmath>
 #include <fstream>
 #include <string>
@@ -89,14 +86,14 @@ fs::path TileStore::file_of(TileKey key) const {
 
 void TileStore::spill() {
   if (!folder_) {
-    static std::atomic<unsigned> count{0};
-    const fs::path parent =
-        options_.spill_folder.empty() ? fs::temp_directory_path() : options_.spill_folder;
-    folder_ = std::make_unique<TemporaryPath>(
-        parent / ("underbrush-" + std::to_string(getpid()) + "-" + std::to_string(count++)));
-    std::error_code error;
-    fs::create_directories(folder_->path(), error);
-    if (error) throw IoError(folder_->path().string() + ": cannot create: " + error.message());
+    const fs::path& wanted = options_.spill_folder;
+    const fs::path parent = wanted.empty() ? fs::temp_directory_path() : wanted;
+    try {
+      folder_ = std::make_unique<TemporaryPath>(parent, "tiles");
+      make_temporary_folders(folder_->path());
+    } catch (const fs::filesystem_error& e) {
+      throw IoError(parent.string() + ": cannot write: " + e.code().message());
+    }
   }
   for (auto& [key, tile] : tiles_) {
     if (tile->memory.empty()) continue;

@@ -6,9 +6,10 @@
 #include <nlohmann/json.hpp>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/file.hpp"
 #include "underbrush/core/temporary.hpp"
-#include "underbrush/elements/manifest.inl"
 #include "underbrush/io/atomic_file.hpp"
+#include "underbrush/io/json_file.hpp"
 #include "underbrush/io/ply.hpp"
 
 namespace underbrush::elements {
@@ -96,7 +97,13 @@ std::vector<HitCount> read_hits(const fs::path& file, const PlyElement& element)
   return out;
 }
 
-TriangleMesh read_mesh(const fs::path& file, const Json& manifest) {
+double number_or(const io::JsonValue& object, const char* member, double otherwise) {
+  const auto found = object.find(member);
+  return found ? found->number() : otherwise;
+}
+
+TriangleMesh read_mesh(const io::JsonValue& manifest) {
+  const fs::path file = manifest.at("file").path();
   const PlyData data = io::read_ply(file);
   const PlyElement& vertex = element_of(file, data, "vertex");
   const PlyElement& face = element_of(file, data, "face");
@@ -104,8 +111,8 @@ TriangleMesh read_mesh(const fs::path& file, const Json& manifest) {
   const auto& y = column_of<float>(file, vertex, "y");
   const auto& z = column_of<float>(file, vertex, "z");
   TriangleMesh mesh;
-  mesh.range_sigma_m = manifest.at("range_sigma_m");
-  mesh.roughness_m = manifest.value("roughness_m", 0.0);
+  mesh.range_sigma_m = manifest.at("range_sigma_m").number();
+  mesh.roughness_m = number_or(manifest, "roughness_m", 0);
   for (size_t i = 0; i < vertex.count; ++i) mesh.vertices.emplace_back(x[i], y[i], z[i]);
   mesh.triangles = face.triangles;
   mesh.hit = read_hits(file, face);
@@ -153,7 +160,7 @@ Json manifest_of(const Model& m) {
   j["ground"] = manifest_of_mesh(m.ground, "ground.ply");
   j["surface"] = manifest_of_mesh(m.surface, "surface.ply");
   j["ellipsoids"] = {{"file", "ellipsoids.ply"}, {"count", m.ellipsoids.size()}};
-  j["provenance"] = m.provenance.empty() ? Json::object() : Json::parse(m.provenance);
+  j["provenance"] = m.provenance.empty() ? Json::object() : io::json_of_text(m.provenance);
   return j;
 }
 
@@ -179,9 +186,7 @@ void write_model(const fs::path& path, const Model& model) {
         io::write_ply(folder / "ground.ply", ply_of_mesh(model.ground, true));
         io::write_ply(folder / "surface.ply", ply_of_mesh(model.surface, true));
         io::write_ply(folder / "ellipsoids.ply", ply_of_ellipsoids(model.ellipsoids));
-        std::ofstream out(folder / "model.json");
-        out << manifest_of(model).dump(2) << "\n";
-        if (!out.flush()) throw IoError((folder / "model.json").string() + ": cannot write");
+        write_file(folder / "model.json", io::text_of_json(manifest_of(model), 2) + "\n");
       },
       io::OutputKind::kFolder);
 }
@@ -190,28 +195,27 @@ Model read_model(const fs::path& path) {
   const fs::path file = path / "model.json";
   if (!fs::exists(path)) throw FormatError(path.string(), "", "no such model");
   if (!is_model(path)) throw FormatError(path.string(), "", "not a model (no model.json in it)");
-  std::ifstream in(file);
+  const io::JsonFile json(file);
+  const io::JsonValue j = json.manifest("underbrush-model", kModelVersion, "an underbrush model");
   Model model;
+  model.origin = j.at("origin_m").vector();
+  model.tau = j.at("tau").number();
+  model.voxel_m = number_or(j, "voxel_m", 0);
+  model.max_range_m = number_or(j, "max_range_m", model.max_range_m);
+  model.fitter = j.at("fitter").text();
+  model.provenance = j.at("provenance").dump();
+  const io::JsonValue ground = j.at("ground"), surface = j.at("surface"),
+                      ellipsoids = j.at("ellipsoids");
+  model.ground = read_mesh(ground);
+  model.surface = read_mesh(surface);
+  model.ellipsoids = read_ellipsoids(ellipsoids.at("file").path());
+  if (model.ground.size() != ground.at("triangles").count() ||
+      model.surface.size() != surface.at("triangles").count() ||
+      model.ellipsoids.size() != ellipsoids.at("count").count()) {
+    throw FormatError(file.string(), "", "its counts and its files disagree");
+  }
   try {
-    const Json j = Json::parse(in);
-    check_manifest(file, j, "underbrush-model", kModelVersion, "an underbrush model");
-    for (Eigen::Index d = 0; d < 3; ++d) model.origin[d] = j.at("origin_m").at(size_t(d));
-    model.tau = j.at("tau");
-    model.voxel_m = j.value("voxel_m", 0.0);
-    model.max_range_m = j.value("max_range_m", model.max_range_m);
-    model.fitter = j.at("fitter");
-    model.provenance = j.at("provenance").dump();
-    model.ground = read_mesh(path / "ground.ply", j.at("ground"));
-    model.surface = read_mesh(path / "surface.ply", j.at("surface"));
-    model.ellipsoids = read_ellipsoids(path / "ellipsoids.ply");
-    if (model.ground.size() != j.at("ground").at("triangles") ||
-        model.surface.size() != j.at("surface").at("triangles") ||
-        model.ellipsoids.size() != j.at("ellipsoids").at("count")) {
-      throw FormatError(file.string(), "", "its counts and its files disagree");
-    }
     model.check();
-  } catch (const nlohmann::json::exception& e) {
-    throw FormatError(file.string(), "", e.what());
   } catch (const std::invalid_argument& e) {
     throw FormatError(path.string(), "", e.what());
   }

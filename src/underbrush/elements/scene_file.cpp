@@ -6,10 +6,11 @@
 #include <nlohmann/json.hpp>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/file.hpp"
 #include "underbrush/core/temporary.hpp"
-#include "underbrush/elements/manifest.inl"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/atomic_file.hpp"
+#include "underbrush/io/json_file.hpp"
 #include "underbrush/io/ply.hpp"
 #include "underbrush/io/poses.hpp"
 
@@ -46,14 +47,11 @@ void write_movers(const fs::path& folder, const std::vector<Mover>& movers) {
   }
 }
 
-Mover read_mover(const fs::path& folder, const Json& j, size_t instances) {
+Mover read_mover(const io::JsonValue& j, size_t instances) {
   Mover mover;
-  mover.instance = j.at("instance");
-  const fs::path file = folder / j.at("trajectory").get<std::string>();
-  mover.world_from_object = io::read_trajectory(file);
-  if (mover.instance >= instances) {
-    throw FormatError((folder / "scene.json").string(), "movers", "there is no such instance");
-  }
+  mover.instance = uint32_t(j.at("instance").count(UINT32_MAX));
+  if (mover.instance >= instances) j.at("instance").fail("there is no such instance");
+  mover.world_from_object = io::read_trajectory(j.at("trajectory").path());
   return mover;
 }
 
@@ -156,7 +154,7 @@ void write_scene(const fs::path& path, const Scene& scene, const SceneInfo& info
     j["movers"].push_back(
         {{"instance", info.movers[k].instance}, {"trajectory", trajectory_file(k)}});
   }
-  j["provenance"] = info.provenance.empty() ? Json::object() : Json::parse(info.provenance);
+  j["provenance"] = info.provenance.empty() ? Json::object() : io::json_of_text(info.provenance);
   io::write_atomically(
       path,
       [&](const fs::path& folder) {
@@ -166,9 +164,7 @@ void write_scene(const fs::path& path, const Scene& scene, const SceneInfo& info
         }
         io::write_ply(folder / "instances.ply", ply_of(scene, info));
         write_movers(folder, info.movers);
-        std::ofstream out(folder / "scene.json");
-        out << j.dump(1) << "\n";
-        if (!out.flush()) throw IoError((folder / "scene.json").string() + ": cannot write");
+        write_file(folder / "scene.json", io::text_of_json(j, 1) + "\n");
       },
       io::OutputKind::kFolder);
 }
@@ -176,30 +172,31 @@ void write_scene(const fs::path& path, const Scene& scene, const SceneInfo& info
 Scene read_scene(const fs::path& path, SceneInfo* info) {
   const fs::path file = path / "scene.json";
   if (!is_scene(path)) throw FormatError(path.string(), "", "not a scene (no scene.json in it)");
-  std::ifstream in(file);
+  const io::JsonFile json(file);
+  const io::JsonValue j = json.manifest("underbrush-scene", kSceneVersion, "an underbrush scene");
   Scene scene;
   SceneInfo read;
+  for (const io::JsonValue& m : j.at("models").values()) {
+    const auto material = m.find("material");
+    read.names.push_back(m.at("name").text());
+    read.materials.push_back(material ? material->text() : "");
+    scene.models.push_back(read_model(m.at("folder").path()));
+  }
+  read.provenance = j.at("provenance").dump();
+  const io::JsonValue instances = j.at("instances");
+  read_instances(instances.at("file").path(), scene, read);
+  if (scene.instances.size() != instances.at("count").count()) {
+    throw FormatError(file.string(), "", "its counts and its files disagree");
+  }
   try {
-    const Json j = Json::parse(in);
-    check_manifest(file, j, "underbrush-scene", kSceneVersion, "an underbrush scene");
-    for (const Json& m : j.at("models")) {
-      read.names.push_back(m.at("name"));
-      read.materials.push_back(m.value("material", ""));
-      scene.models.push_back(read_model(path / m.at("folder").get<std::string>()));
-    }
-    read.provenance = j.at("provenance").dump();
-    read_instances(path / "instances.ply", scene, read);
-    if (scene.instances.size() != j.at("instances").at("count")) {
-      throw FormatError(file.string(), "", "its counts and its files disagree");
-    }
     scene.check();
-    for (const Json& m : j.value("movers", Json::array())) {
-      read.movers.push_back(read_mover(path, m, scene.instances.size()));
-    }
-  } catch (const nlohmann::json::exception& e) {
-    throw FormatError(file.string(), "", e.what());
   } catch (const std::invalid_argument& e) {
     throw FormatError(path.string(), "", e.what());
+  }
+  if (const auto movers = j.find("movers")) {
+    for (const io::JsonValue& m : movers->values()) {
+      read.movers.push_back(read_mover(m, scene.instances.size()));
+    }
   }
   if (info) *info = std::move(read);
   return scene;

@@ -1,12 +1,9 @@
 #include "underbrush/io/atomic_file.hpp"
 
-#include <unistd.h>
-
-#include <atomic>
 #include <string>
 
 #include "underbrush/core/check.hpp"
-#include "underbrush/io/file.hpp"
+#include "underbrush/core/file.hpp"
 
 namespace underbrush::io {
 namespace fs = std::filesystem;
@@ -17,45 +14,45 @@ fs::path without_slash(const fs::path& path) {
   return path.filename().empty() ? path.parent_path() : path;
 }
 
-fs::path temporary_beside(const fs::path& path) {
-  static std::atomic<unsigned> count{0};
-  return path.string() + ".part-" + std::to_string(getpid()) + "-" + std::to_string(count++);
-}
-
-}  // namespace
-
-AtomicFile::AtomicFile(const fs::path& path, OutputKind kind)
-    : target_(without_slash(path)), kind_(kind), temporary_(temporary_beside(target_)) {
-  std::error_code error;
-  const fs::file_status status = fs::status(target_, error);
-  const auto refuse = [&](const char* reason) {
+// Returns the path to rename to. Throws `IoError` where an output of this kind cannot stand.
+fs::path checked_target(const fs::path& path, OutputKind kind) {
+  const auto refuse = [&](const std::string& reason) {
     throw IoError(path.string() + ": cannot write: " + reason);
   };
+  const fs::path target = without_slash(path);
+  const fs::path name = target.filename();
+  if (name.empty() || name == "." || name == "..") refuse("an output needs a name of its own");
+  std::error_code error;
+  const fs::file_status status = fs::status(target, error);
   if (!fs::exists(status)) {
     if (kind == OutputKind::kFile && path.filename().empty()) refuse("names a folder");
-    return;
+    return target;
   }
   if (kind == OutputKind::kFile && fs::is_directory(status)) refuse("is a folder");
   if (kind == OutputKind::kFolder && !fs::is_directory(status)) refuse("is not a folder");
   // A rename would replace a device by a file.
   if (kind == OutputKind::kFile && !fs::is_regular_file(status)) refuse("is not a regular file");
+  return target;
 }
+
+std::unique_ptr<TemporaryPath> temporary_beside(const fs::path& path, const fs::path& target) {
+  try {
+    return std::make_unique<TemporaryPath>(target.parent_path(), target.filename().string());
+  } catch (const fs::filesystem_error& e) {
+    throw IoError(path.string() + ": cannot write: " + e.code().message());
+  }
+}
+
+}  // namespace
+
+AtomicFile::AtomicFile(const fs::path& path, OutputKind kind)
+    : name_(path.string()), temporary_(temporary_beside(path, checked_target(path, kind))) {}
 
 void AtomicFile::commit() {
   try {
-    temporary_.keep([&] {
-      if (kind_ == OutputKind::kFolder && fs::exists(target_)) {
-        const fs::path old = temporary().string() + ".old";
-        fs::rename(target_, old);
-        fs::rename(temporary(), target_);
-        std::error_code ignored;
-        fs::remove_all(old, ignored);
-      } else {
-        fs::rename(temporary(), target_);
-      }
-    });
+    temporary_->commit();
   } catch (const fs::filesystem_error& e) {
-    throw IoError(target_.string() + ": cannot write: " + e.code().message());
+    throw IoError(name_ + ": cannot write: " + e.code().message());
   }
 }
 
@@ -78,9 +75,6 @@ void write_atomically(const fs::path& path, std::string_view bytes) {
   });
 }
 
-void check_output(const fs::path& path, OutputKind kind) {
-  const AtomicFile file(path, kind);
-  OutputFile(file.temporary(), path.string()).close();
-}
+void check_output(const fs::path& path, OutputKind kind) { const AtomicFile file(path, kind); }
 
 }  // namespace underbrush::io

@@ -3,6 +3,8 @@
 #pragma once
 #include <filesystem>
 #include <functional>
+#include <memory>
+#include <string>
 #include <string_view>
 
 #include "underbrush/core/temporary.hpp"
@@ -14,28 +16,28 @@ namespace io {
 /// Whether an output is a file or a folder.
 enum class OutputKind { kFile, kFolder };
 
-/// A file or folder that is being written. It is created under the name `temporary()`, which lies
+/// A file or folder that is being written. It is created as `temporary()`, in a private folder
 /// beside `path`, and renamed by `commit()`.
 class AtomicFile {
  public:
-  /// Throws `IoError` where `path` exists as the other kind, or as a device or pipe.
+  /// Throws `IoError` where nothing can be written beside `path`, and where `path` exists as the
+  /// other kind, or as a device or pipe.
   explicit AtomicFile(const std::filesystem::path& path, OutputKind kind = OutputKind::kFile);
 
   /// Returns the path to write to. Without `commit()` what lies there is removed when this object
   /// is destroyed, or by `remove_temporaries()`.
-  const std::filesystem::path& temporary() const { return temporary_.path(); }
+  const std::filesystem::path& temporary() const { return temporary_->path(); }
   /// Renames the result to `path`, replacing a file or folder there. Throws `IoError`.
   void commit();
 
  private:
-  std::filesystem::path target_;
-  OutputKind kind_;
-  TemporaryPath temporary_;
+  std::string name_;
+  std::unique_ptr<TemporaryPath> temporary_;
 };
 
-/// Calls `write(temporary)` with a name beside `path`, then renames the file or folder that `write`
-/// made to `path`, replacing what stood there. If `write` throws, its output is removed. Throws
-/// `IoError` (one line that names the file) where the file system refuses.
+/// Calls `write(temporary)` with a place beside `path`, then renames the file or folder that
+/// `write` made to `path`, replacing what stood there. If `write` throws, its output is removed.
+/// Throws `IoError` (one line that names the file) where the file system refuses.
 void write_atomically(const std::filesystem::path& path,
                       const std::function<void(const std::filesystem::path&)>& write,
                       OutputKind kind = OutputKind::kFile);

@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "underbrush/core/check.hpp"
-#include "underbrush/io/file.hpp"
+#include "underbrush/core/file.hpp"
 #include "underbrush/io/table.hpp"
 #include "underbrush/io/text.hpp"
 

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/file.hpp"
 #include "underbrush/core/temporary.hpp"
 #include "underbrush/io/atomic_file.hpp"
-#include "underbrush/io/file.hpp"
 
 namespace underbrush::io {
 namespace fs = std::filesystem;

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/file.hpp"
 #include "underbrush/core/temporary.hpp"
 #include "underbrush/io/atomic_file.hpp"
-#include "underbrush/io/file.hpp"
 #include "underbrush/io/log_file.hpp"
 
 namespace underbrush::io {
@@ -135,12 +135,6 @@ void write_csv(const fs::path& temporary, const std::string& name, BeamSource& s
   file.close();
 }
 
-void write_text(const fs::path& path, const std::string& text) {
-  OutputFile file(path, path.string());
-  file.append(text.data(), text.size());
-  file.close();
-}
-
 // Writes the files of the scans. Scans may come one after the other or interleaved; beams are
 // appended to their scan's file as they come.
 class KittiFolder {
@@ -160,8 +154,8 @@ class KittiFolder {
     }
     size_t number = 0;
     for (auto& [scan, entry] : scans_) entry.number = number++;
-    write_text(folder / "poses_velo.txt", poses);
-    write_text(folder / "times.txt", times);
+    write_file(folder / "poses_velo.txt", poses);
+    write_file(folder / "times.txt", times);
   }
 
   void write(const BeamLog& chunk) {
@@ -237,7 +231,7 @@ void export_log(const fs::path& path, BeamSource& source, const std::string& for
         path,
         [&](const fs::path& temporary) {
           write_kitti(temporary, source);
-          write_text(temporary / kKittiMark, (provenance.empty() ? "{}" : provenance) + "\n");
+          write_file(temporary / kKittiMark, (provenance.empty() ? "{}" : provenance) + "\n");
         },
         OutputKind::kFolder);
   }

@@ -6,7 +6,7 @@
 #include <cstring>
 
 #include "underbrush/core/check.hpp"
-#include "underbrush/io/file.hpp"
+#include "underbrush/core/file.hpp"
 
 namespace underbrush::io {
 namespace fs = std::filesystem;

@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "underbrush/core/check.hpp"
-#include "underbrush/io/file.hpp"
+#include "underbrush/core/file.hpp"
 #include "underbrush/io/gltf_mesh.hpp"
 #include "underbrush/io/ply.hpp"
 #include "underbrush/io/text.hpp"
@@ -25,8 +25,7 @@ std::string extension_of(const fs::path& path) {
 float coordinate(const fs::path& path, const std::string& place, std::string_view word) {
   const auto value = number_of(word);
   if (!value || !std::isfinite(*value)) {
-    throw FormatError(path.string(), place,
-                      "'" + std::string(word.substr(0, 40)) + "' is not a finite number");
+    throw FormatError(path.string(), place, in_quotes(word) + " is not a finite number");
   }
   return float(*value);
 }
@@ -37,8 +36,7 @@ uint32_t corner(const fs::path& path, const std::string& place, std::string_view
   const auto value = number_of(word.substr(0, word.find('/')));
   const double index = !value ? 0 : *value < 0 ? double(n) + *value + 1 : *value;
   if (!(index >= 1 && index <= double(n)) || index != std::floor(index)) {
-    throw FormatError(path.string(), place,
-                      "'" + std::string(word.substr(0, 40)) + "' names no vertex");
+    throw FormatError(path.string(), place, in_quotes(word) + " names no vertex");
   }
   return uint32_t(index) - 1;
 }

@@ -2,7 +2,7 @@
 #include <string_view>
 
 #include "underbrush/core/check.hpp"
-#include "underbrush/io/file.hpp"
+#include "underbrush/core/file.hpp"
 #include "underbrush/io/ply_header.hpp"
 #include "underbrush/io/table.hpp"
 
@@ -28,7 +28,7 @@ class NumpyHeader {
     } else {
       constexpr const char* kNames[] = {"x", "y", "z", "intensity", "ring"};
       if (width < 3 || width > 5) fail("expected an array of shape (n, 3 to 5)");
-      for (size_t k = 0; k < width; ++k) add(kNames[k], quoted(descr));
+      for (size_t k = 0; k < width; ++k) add(kNames[k], in_quotes(descr));
     }
   }
 
@@ -46,7 +46,7 @@ class NumpyHeader {
     return text_.substr(begin);
   }
 
-  std::string_view quoted(std::string_view text) const {
+  std::string_view in_quotes(std::string_view text) const {
     const size_t begin = text.find('\'');
     const size_t end = begin == text.npos ? begin : text.find('\'', begin + 1);
     if (end == text.npos) fail("not a .npy header");
@@ -72,8 +72,8 @@ class NumpyHeader {
       if (close == text.npos) fail("not a .npy header");
       const std::string_view pair = text.substr(0, close);
       if (pair.find('(') != pair.npos) fail("fields that are arrays are not read");
-      const std::string_view name = quoted(pair);
-      add(name, quoted(pair.substr(size_t(name.data() - pair.data()) + name.size() + 1)));
+      const std::string_view name = in_quotes(pair);
+      add(name, in_quotes(pair.substr(size_t(name.data() - pair.data()) + name.size() + 1)));
       text.remove_prefix(close + 1);
     }
     if (fields.empty()) fail("no fields");

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "underbrush/core/check.hpp"
-#include "underbrush/io/file.hpp"
+#include "underbrush/core/file.hpp"
 #include "underbrush/io/ply_header.hpp"
 #include "underbrush/io/table.hpp"
 #include "underbrush/io/text.hpp"

@@ -7,8 +7,8 @@
 #include <string_view>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/file.hpp"
 #include "underbrush/io/atomic_file.hpp"
-#include "underbrush/io/file.hpp"
 #include "underbrush/io/ply_header.hpp"
 
 namespace underbrush::io {

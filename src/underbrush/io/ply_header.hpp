@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "underbrush/core/beam_log.hpp"
-#include "underbrush/io/file.hpp"
+#include "underbrush/core/file.hpp"
 
 namespace underbrush::io {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "underbrush/core/check.hpp"
-#include "underbrush/io/file.hpp"
+#include "underbrush/core/file.hpp"
 #include "underbrush/io/text.hpp"
 
 namespace underbrush::io {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "underbrush/core/check.hpp"
-#include "underbrush/io/file.hpp"
+#include "underbrush/core/file.hpp"
 #include "underbrush/io/ply.hpp"
 #include "underbrush/io/ply_header.hpp"
 

@@ -5,7 +5,7 @@
 #include <cstdio>
 
 #include "underbrush/core/check.hpp"
-#include "underbrush/io/file.hpp"
+#include "underbrush/core/file.hpp"
 
 namespace underbrush::io {
 namespace {
@@ -48,7 +48,7 @@ NumberRows read_numbers(const std::filesystem::path& path) {
       const auto value = number_of(word);
       if (!value || !std::isfinite(*value)) {
         throw FormatError(path.string(), "line " + std::to_string(line),
-                          "'" + std::string(word.substr(0, 40)) + "' is not a finite number");
+                          in_quotes(word) + " is not a finite number");
       }
       row.push_back(*value);
     }

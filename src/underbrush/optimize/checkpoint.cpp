@@ -1,13 +1,12 @@
 #include "underbrush/optimize/checkpoint.hpp"
 
-#include <cmath>
 #include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/atomic_file.hpp"
-#include "underbrush/io/file.hpp"
+#include "underbrush/io/json_file.hpp"
 
 namespace underbrush::optimize {
 namespace fs = std::filesystem;
@@ -15,11 +14,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 constexpr const char* kFormat = "underbrush-optimize";
-constexpr uint64_t kLargest = 1 << 28;
-
-double number_of(const Json& j) {
-  return j.is_null() ? std::numeric_limits<double>::quiet_NaN() : j.get<double>();
-}
 
 }  // namespace
 
@@ -28,7 +22,7 @@ void write_checkpoint(const fs::path& path, const Checkpoint& checkpoint) {
   j["format"] = kFormat;
   j["version"] = 1;
   j["finished"] = checkpoint.finished;
-  j["run"] = Json::parse(checkpoint.run);
+  j["run"] = io::json_of_text(checkpoint.run);
   j["evaluations"] = Json::array();
   for (const Evaluation& e : checkpoint.evaluations) {
     Json one;
@@ -37,34 +31,24 @@ void write_checkpoint(const fs::path& path, const Checkpoint& checkpoint) {
     for (const auto& [name, x] : e.outcome.score) one["score"][name] = x;  // NaN becomes null
     j["evaluations"].push_back(std::move(one));
   }
-  io::write_atomically(path, [&](const fs::path& temporary) {
-    std::ofstream out(temporary);
-    out << j.dump(1) << "\n";
-    if (!out.flush()) throw IoError(path.string() + ": cannot write");
-  });
+  io::write_atomically(path, io::text_of_json(j, 1) + "\n");
 }
 
 Checkpoint read_checkpoint(const fs::path& path) {
-  const std::string text = io::read_file(path, kLargest);
+  const io::JsonFile json(path);
+  const io::JsonValue j = json.manifest(kFormat, 1, "a checkpoint");
   Checkpoint out;
-  try {
-    const Json j = Json::parse(text);
-    if (j.value("format", "") != kFormat) throw FormatError(path.string(), "", "not a checkpoint");
-    if (j.at("version") != 1) throw FormatError(path.string(), "version", "only 1 can be read");
-    out.finished = j.at("finished");
-    out.run = j.at("run").dump();
-    for (const Json& one : j.at("evaluations")) {
-      Evaluation e{one.at("value").get<std::vector<double>>(), {one.at("objective"), {}}};
-      if (!std::isfinite(e.outcome.objective)) {
-        throw FormatError(path.string(), "evaluations", "an objective is not finite");
+  out.finished = j.at("finished").boolean();
+  out.run = j.at("run").dump();
+  for (const io::JsonValue& one : j.at("evaluations").values()) {
+    Evaluation e{one.at("value").numbers(), {one.at("objective").number(), {}}};
+    if (const auto score = one.find("score")) {
+      for (const std::string& name : score->member_names()) {
+        const io::JsonValue x = score->at(name.c_str());
+        e.outcome.score[name] = x.is_null() ? std::numeric_limits<double>::quiet_NaN() : x.number();
       }
-      if (one.contains("score")) {
-        for (const auto& [name, x] : one["score"].items()) e.outcome.score[name] = number_of(x);
-      }
-      out.evaluations.push_back(std::move(e));
     }
-  } catch (const nlohmann::json::exception& e) {
-    throw FormatError(path.string(), "", e.what());
+    out.evaluations.push_back(std::move(e));
   }
   return out;
 }

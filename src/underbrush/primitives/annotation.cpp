@@ -1,56 +1,29 @@
 #include "underbrush/primitives/annotation.hpp"
 
-#include <algorithm>
-#include <initializer_list>
-
-#include "underbrush/elements/manifest.inl"
 #include "underbrush/io/atomic_file.hpp"
-#include "underbrush/io/file.hpp"
+#include "underbrush/io/json_file.hpp"
 #include "underbrush/primitives/object_json.inl"
 
 namespace underbrush::primitives {
 namespace fs = std::filesystem;
 namespace {
 
-void check_members(const JsonPlace& place, const Json& j,
-                   std::initializer_list<const char*> known) {
-  if (!j.is_object()) place.fail("expected an object { … }");
-  for (const auto& [name, value] : j.items()) {
-    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-    const std::string near = nearest_name(name, {known.begin(), known.end()});
-    place.fail("unknown member '" + name + "'" +
-               (near.empty() ? "" : "; did you mean '" + near + "'?"));
-  }
-}
-
-uint32_t count_of(const JsonPlace& place, const Json& j) {
-  if (!j.is_number_unsigned() || j.get<uint64_t>() > UINT32_MAX) {
-    place.fail("expected a whole number from 0 on, found " + j.dump().substr(0, 40));
-  }
-  return j;
-}
-
-PlacedObject object_of(const JsonPlace& place, const Json& j) {
-  check_members(
-      place, j,
+PlacedObject object_of(const io::JsonValue& j, bool outside) {
+  j.check_members(
       {"class", "position_m", "yaw_rad", "box_m", "instance", "points", "trajectory", "comment"});
   PlacedObject o;
-  o.label = class_of_json(place, j);
-  const Json& position = member_of(place, j, "position_m");
-  const JsonPlace at = place.at("position_m");
-  if (position.is_array() && position.size() == 2) {  // The ground gives z.
-    o.position = Vec3(number_of_json(at, position[0]), number_of_json(at, position[1]), 0);
-  } else {
-    o.position = vector_of_json(at, position);
+  o.label = class_of_json(j);
+  const std::vector<double> position = j.at("position_m").numbers();
+  if (position.size() != 2 && position.size() != 3) {
+    j.at("position_m").fail("expected two or three numbers");
   }
-  if (j.contains("yaw_rad")) o.yaw_rad = number_of_json(place.at("yaw_rad"), j["yaw_rad"]);
-  o.box = box_of_json(place, j);
-  if (j.contains("instance")) o.instance = count_of(place.at("instance"), j["instance"]);
-  if (j.contains("points")) o.points = count_of(place.at("points"), j["points"]);
-  if (j.contains("trajectory")) {
-    if (!j["trajectory"].is_string()) place.at("trajectory").fail("expected a file's name");
-    o.trajectory = fs::path(place.file).parent_path() / j["trajectory"].get<std::string>();
-  }
+  // Of two numbers, the ground gives z.
+  o.position = Vec3(position[0], position[1], position.size() == 3 ? position[2] : 0);
+  if (const auto yaw = j.find("yaw_rad")) o.yaw_rad = yaw->number();
+  o.box = box_of_json(j);
+  if (const auto n = j.find("instance")) o.instance = uint32_t(n->count(UINT32_MAX));
+  if (const auto n = j.find("points")) o.points = uint32_t(n->count(UINT32_MAX));
+  if (const auto poses = j.find("trajectory")) o.trajectory = poses->path(outside);
   return o;
 }
 
@@ -63,9 +36,9 @@ void write_annotation(const fs::path& path, const Annotation& a) {
   const fs::path folder = fs::absolute(path).parent_path();
   j["ground"] =
       fs::absolute(a.ground).lexically_normal().lexically_relative(folder).generic_string();
-  j["provenance"] = a.provenance.empty() ? Json::object() : Json::parse(a.provenance);
+  j["provenance"] = a.provenance.empty() ? Json::object() : io::json_of_text(a.provenance);
   // Each object is a line, so that the file can be read, compared and edited.
-  std::string text = j.dump(1);
+  std::string text = io::text_of_json(j, 1);
   text.erase(text.find_last_of('}') - 1);
   text += ",\n \"objects\": [";
   for (size_t k = 0; k < a.objects.size(); ++k) {
@@ -74,44 +47,24 @@ void write_annotation(const fs::path& path, const Annotation& a) {
       object["trajectory"] =
           fs::absolute(poses).lexically_normal().lexically_relative(folder).generic_string();
     }
-    text += (k ? ",\n  " : "\n  ") + object.dump();
+    text += (k ? ",\n  " : "\n  ") + io::text_of_json(object);
   }
   text += a.objects.empty() ? "]\n}\n" : "\n ]\n}\n";
   io::write_atomically(path, text);
 }
 
-Annotation read_annotation(const fs::path& path) {
-  const std::string text = io::read_file(path);
-  const JsonPlace whole{path.string(), ""};
-  Json j;
-  try {
-    j = Json::parse(text);
-  } catch (const nlohmann::json::parse_error& e) {
-    const auto end = text.begin() + long(std::min(e.byte, text.size()));
-    throw FormatError(path.string(),
-                      "line " + std::to_string(1 + std::count(text.begin(), end, '\n')),
-                      "not JSON (a NaN is none either): " + std::string(e.what()).substr(0, 160));
-  } catch (const nlohmann::json::exception& e) {  // A number beyond all bounds ends here.
-    throw FormatError(path.string(), "", "not JSON: " + std::string(e.what()).substr(0, 160));
-  }
-  check_members(whole, j,
-                {"format", "version", "ground", "objects", "provenance", "comment", "$schema"});
-  elements::check_format(path, member_of(whole, j, "format"), "underbrush-annotation",
-                         "an underbrush annotation");
-  elements::check_version(
-      path, int64_t(count_of({path.string(), "version"}, member_of(whole, j, "version"))),
-      kAnnotationVersion);
+Annotation read_annotation(const fs::path& path, bool outside) {
+  const io::JsonFile json(path);
+  json.root().check_members(
+      {"format", "version", "ground", "objects", "provenance", "comment", "$schema"});
+  const io::JsonValue j =
+      json.manifest("underbrush-annotation", kAnnotationVersion, "an underbrush annotation");
   Annotation a;
-  const Json& ground = member_of(whole, j, "ground");
-  if (!ground.is_string()) throw FormatError(path.string(), "ground", "expected a folder's name");
-  a.ground = path.parent_path() / ground.get<std::string>();
-  const Json& objects = member_of(whole, j, "objects");
-  if (!objects.is_array()) throw FormatError(path.string(), "objects", "expected a list [ … ]");
-  for (size_t k = 0; k < objects.size(); ++k) {
-    a.objects.push_back(
-        object_of({path.string(), "objects[" + std::to_string(k) + "]"}, objects[k]));
+  a.ground = j.at("ground").path(outside);
+  for (const io::JsonValue& object : j.at("objects").values()) {
+    a.objects.push_back(object_of(object, outside));
   }
-  if (j.contains("provenance")) a.provenance = j["provenance"].dump();
+  if (const auto provenance = j.find("provenance")) a.provenance = provenance->dump();
   return a;
 }
 

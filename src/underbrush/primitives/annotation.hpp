@@ -26,7 +26,8 @@ void write_annotation(const std::filesystem::path& path, const Annotation& annot
 
 /// Reads and validates an annotation. Throws `FormatError` with the place in the file
 /// ("objects[3].class") for an unknown class, a box without extent, a value that is not a finite
-/// number, and a member that is missing or unknown to the schema.
-Annotation read_annotation(const std::filesystem::path& path);
+/// number, and a member that is missing or unknown to the schema; unless `outside`, also for a
+/// ground or trajectory that lies outside the annotation's folder.
+Annotation read_annotation(const std::filesystem::path& path, bool outside = false);
 
 }  // namespace underbrush::primitives

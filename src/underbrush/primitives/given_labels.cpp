@@ -7,10 +7,10 @@
 #include <optional>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/file.hpp"
 #include "underbrush/core/kd_tree.inl"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/elements/label_sets.hpp"
-#include "underbrush/io/file.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/io/table.hpp"
 
@@ -65,7 +65,7 @@ std::vector<uint32_t> whole_numbers(const fs::path& file, const ExtraColumn& col
 }
 
 Rows read_label_file(const fs::path& file) {
-  const std::string bytes = io::read_file(file);
+  const std::string bytes = read_file(file);
   if (bytes.size() % 4 != 0) throw FormatError(file.string(), "", "ends inside a label: truncated");
   Rows rows;
   for (size_t at = 0; at < bytes.size(); at += 4) {

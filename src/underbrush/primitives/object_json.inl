@@ -1,58 +1,22 @@
 /// \file
 /// Objects and boxes as JSON. This file is internal to the module.
 #pragma once
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/names.hpp"
+#include "underbrush/io/json_file.hpp"
 #include "underbrush/primitives/placed_object.hpp"
 
 namespace underbrush::primitives {
 
 using Json = nlohmann::ordered_json;
 
-/// A place in a file, for error messages.
-struct JsonPlace {
-  std::string file, place;
-  JsonPlace at(const std::string& member) const { return {file, place + "." + member}; }
-  [[noreturn]] void fail(const std::string& reason) const {
-    throw FormatError(file, place, reason);
-  }
-};
-
-inline const Json& member_of(const JsonPlace& place, const Json& j, const char* name) {
-  if (!j.is_object()) place.fail("expected an object { … }");
-  const auto found = j.find(name);
-  if (found == j.end()) place.fail(std::string("has no member '") + name + "'");
-  return *found;
-}
-
-inline double number_of_json(const JsonPlace& place, const Json& j) {
-  if (!j.is_number() || !std::isfinite(j.get<double>())) {
-    place.fail("expected a finite number, found " + j.dump().substr(0, 40));
-  }
-  return j;
-}
-
-inline Vec3 vector_of_json(const JsonPlace& place, const Json& j) {
-  if (!j.is_array() || j.size() != 3)
-    place.fail("expected three numbers, found " + j.dump().substr(0, 40));
-  Vec3 v;
-  for (size_t d = 0; d < 3; ++d) {
-    v[Eigen::Index(d)] =
-        number_of_json({place.file, place.place + "[" + std::to_string(d) + "]"}, j[d]);
-  }
-  return v;
-}
-
-inline elements::Class class_of_json(const JsonPlace& place, const Json& j) {
-  const Json& name = member_of(place, j, "class");
-  if (!name.is_string())
-    place.at("class").fail("expected a name, found " + name.dump().substr(0, 40));
-  const auto text = name.get<std::string>();
+inline elements::Class class_of_json(const io::JsonValue& object) {
+  const io::JsonValue name = object.at("class");
+  const std::string text = name.text("a name");
   const auto label = elements::class_from_name(text);
   if (label && elements::kind_of(*label) != elements::ClassKind::kOther) return *label;
   std::vector<std::string> known;
@@ -62,25 +26,24 @@ inline elements::Class class_of_json(const JsonPlace& place, const Json& j) {
     }
   }
   const std::string near = nearest_name(text, known);
-  place.at("class").fail("no class of objects '" + text + "'" +
-                         (near.empty() ? "" : "; did you mean '" + near + "'?"));
+  name.fail("no class of objects " + in_quotes(text) +
+            (near.empty() ? "" : "; did you mean '" + near + "'?"));
 }
 
 /// Reads a box: {"min": [x, y, z], "max": [x, y, z]} in the object's frame, or {"size": [length,
 /// width, height]} about its foot.
-inline Box box_of_json(const JsonPlace& place, const Json& j) {
-  const JsonPlace here = place.at("box_m");
-  const Json& b = member_of(place, j, "box_m");
+inline Box box_of_json(const io::JsonValue& object) {
+  const io::JsonValue b = object.at("box_m");
   Box box;
-  if (b.is_object() && b.contains("size")) {
-    const Vec3 size = vector_of_json(here.at("size"), b["size"]);
+  if (const auto size_m = b.find("size")) {
+    const Vec3 size = size_m->vector();
     box.min = Vec3(-0.5 * size.x(), -0.5 * size.y(), 0);
     box.max = Vec3(0.5 * size.x(), 0.5 * size.y(), size.z());
   } else {
-    box.min = vector_of_json(here.at("min"), member_of(here, b, "min"));
-    box.max = vector_of_json(here.at("max"), member_of(here, b, "max"));
+    box.min = b.at("min").vector();
+    box.max = b.at("max").vector();
   }
-  if (!(box.size().minCoeff() > 0)) here.fail("a box without extent: every side must be positive");
+  if (!(box.size().minCoeff() > 0)) b.fail("a box without extent: every side must be positive");
   return box;
 }
 

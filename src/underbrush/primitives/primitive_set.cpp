@@ -8,11 +8,12 @@
 #include <nlohmann/json.hpp>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/file.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/temporary.hpp"
-#include "underbrush/elements/manifest.inl"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/atomic_file.hpp"
+#include "underbrush/io/json_file.hpp"
 #include "underbrush/primitives/contact_sheet.hpp"
 #include "underbrush/primitives/object_json.inl"
 #include "underbrush/primitives/thumbnail.hpp"
@@ -24,12 +25,6 @@ namespace {
 constexpr int kThumbnailPixels = 160;
 
 bool is_set(const fs::path& path) { return fs::is_regular_file(path / "primitives.json"); }
-
-void write_text(const fs::path& path, const std::string& text) {
-  std::ofstream out(path, std::ios::binary);
-  out << text;
-  if (!out.flush()) throw IoError(path.string() + ": cannot write");
-}
 
 std::vector<PrimitiveEntry> entries_of(const std::vector<Primitive>& primitives) {
   std::vector<PrimitiveEntry> entries;
@@ -101,7 +96,7 @@ void write_primitives(const fs::path& path, const std::vector<Primitive>& primit
   j["cell_m"] = cell_m;
   j["primitives"] = Json::array();
   for (const PrimitiveEntry& e : entries) j["primitives"].push_back(json_of(e));
-  const Json origin = provenance.empty() ? Json::object() : Json::parse(provenance);
+  const Json origin = provenance.empty() ? Json::object() : io::json_of_text(provenance);
   j["provenance"] = origin;
   io::write_atomically(
       path,
@@ -116,11 +111,12 @@ void write_primitives(const fs::path& path, const std::vector<Primitive>& primit
           Json about = json_of(entries[k]);
           about["source"] = json_of_object(primitives[k].source);
           about["provenance"] = origin;
-          write_text(one / "primitive.json", about.dump(1) + "\n");
-          write_text(one / "thumbnail.png", {pictures[k].begin(), pictures[k].end()});
+          write_file(one / "primitive.json", io::text_of_json(about, 1) + "\n");
+          write_file(one / "thumbnail.png",
+                     {reinterpret_cast<const char*>(pictures[k].data()), pictures[k].size()});
         }
-        write_text(folder / "index.html", contact_sheet(entries, pictures, metres));
-        write_text(folder / "primitives.json", j.dump(1) + "\n");
+        write_file(folder / "index.html", contact_sheet(entries, pictures, metres));
+        write_file(folder / "primitives.json", io::text_of_json(j, 1) + "\n");
       },
       io::OutputKind::kFolder);
 }
@@ -131,31 +127,23 @@ PrimitiveSet read_primitive_set(const fs::path& path) {
   if (!is_set(path)) {
     throw FormatError(path.string(), "", "no set of primitives (no primitives.json in it)");
   }
-  std::ifstream in(file);
+  const io::JsonFile json(file);
+  const io::JsonValue j =
+      json.manifest("underbrush-primitives", kPrimitiveSetVersion, "a set of primitives");
   PrimitiveSet set;
   set.folder = path;
-  try {
-    const Json j = Json::parse(in);
-    elements::check_manifest(file, j, "underbrush-primitives", kPrimitiveSetVersion,
-                             "a set of primitives");
-    set.cell_m = j.at("cell_m");
-    set.provenance = j.at("provenance").dump();
-    for (size_t k = 0; k < j.at("primitives").size(); ++k) {
-      const Json& p = j["primitives"][k];
-      const JsonPlace place{file.string(), "primitives[" + std::to_string(k) + "]"};
-      PrimitiveEntry e;
-      e.label = class_of_json(place, p);
-      e.box = box_of_json(place, p);
-      e.name = p.at("folder");
-      e.elements = p.at("elements");
-      e.points = p.at("points");
-      if (!elements::is_model(path / e.name)) {
-        throw FormatError(file.string(), place.place, "its folder " + e.name + " is not there");
-      }
-      set.entries.push_back(std::move(e));
-    }
-  } catch (const nlohmann::json::exception& e) {
-    throw FormatError(file.string(), "", e.what());
+  set.cell_m = j.at("cell_m").number();
+  set.provenance = j.at("provenance").dump();
+  for (const io::JsonValue& p : j.at("primitives").values()) {
+    PrimitiveEntry e;
+    e.label = class_of_json(p);
+    e.box = box_of_json(p);
+    const io::JsonValue folder = p.at("folder");
+    e.name = folder.text();
+    e.elements = p.at("elements").count();
+    e.points = p.at("points").count();
+    if (!elements::is_model(folder.path())) folder.fail("is not there");
+    set.entries.push_back(std::move(e));
   }
   return set;
 }

@@ -1,4 +1,4 @@
-#include "underbrush/io/file.hpp"
+#include "underbrush/core/file.hpp"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -10,7 +10,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/temporary.hpp"
 
-namespace underbrush::io {
+namespace underbrush {
 
 InputFile::InputFile(const std::filesystem::path& path) : name_(path.string()) {
   const auto refuse = [&](const char* reason) {
@@ -51,10 +51,16 @@ std::string read_file(const std::filesystem::path& path, uint64_t limit) {
   return bytes;
 }
 
+void write_file(const std::filesystem::path& path, std::string_view bytes) {
+  OutputFile file(path, path.string());
+  file.append(bytes.data(), bytes.size());
+  file.close();
+}
+
 OutputFile::OutputFile(const std::filesystem::path& path, std::string name)
     : name_(std::move(name)) {
-  make_temporary(
-      [&] { fd_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666); });
+  const int flags = O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC;
+  make_temporary([&] { fd_ = ::open(path.c_str(), flags, 0666); });
   if (fd_ < 0) fail("cannot write");
 }
 
@@ -92,4 +98,4 @@ void OutputFile::close() {
   if (::close(fd) != 0) fail("cannot write");
 }
 
-}  // namespace underbrush::io
+}  // namespace underbrush

@@ -4,8 +4,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 
-namespace underbrush::io {
+namespace underbrush {
 
 /// A regular file, open for reading at any offset; several threads may share it.
 class InputFile {
@@ -32,11 +33,14 @@ class InputFile {
 /// `limit` bytes.
 std::string read_file(const std::filesystem::path& path, uint64_t limit = uint64_t(1) << 36);
 
+/// Writes a new file that consists of `bytes`. Throws `IoError`; also if the file exists.
+void write_file(const std::filesystem::path& path, std::string_view bytes);
+
 /// A new file, written from its beginning; bytes written before can be overwritten. Its functions
 /// throw `IoError` where the file system refuses.
 class OutputFile {
  public:
-  /// Creates the file. Error messages call it `name`.
+  /// Creates the file, which must not exist. Error messages call it `name`.
   OutputFile(const std::filesystem::path& path, std::string name);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
@@ -55,4 +59,4 @@ class OutputFile {
   std::string name_;
 };
 
-}  // namespace underbrush::io
+}  // namespace underbrush

@@ -1,0 +1,174 @@
+#include "underbrush/io/json_file.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "underbrush/core/check.hpp"
+#include "underbrush/core/file.hpp"
+#include "underbrush/core/names.hpp"
+
+namespace underbrush::io {
+namespace fs = std::filesystem;
+namespace {
+
+using Json = nlohmann::ordered_json;
+constexpr uint64_t kMostJson = uint64_t(1) << 31;
+
+Json parsed(const fs::path& path) {
+  const std::string text = read_file(path, kMostJson);
+  try {
+    return Json::parse(text);
+  } catch (const nlohmann::json::parse_error& e) {
+    const auto end = text.begin() + ptrdiff_t(std::min(e.byte, text.size()));
+    throw FormatError(path.string(),
+                      "line " + std::to_string(1 + std::count(text.begin(), end, '\n')),
+                      "not JSON (a NaN is none either)");
+  } catch (const nlohmann::json::exception&) {  // A number beyond all bounds ends here.
+    throw FormatError(path.string(), "", "not JSON: a number is too large");
+  }
+}
+
+bool leads_out(const fs::path& folder, const fs::path& name) {
+  const fs::path normal = name.lexically_normal();
+  if (name.is_absolute() || (!normal.empty() && *normal.begin() == "..")) return true;
+  std::error_code error;
+  const fs::path base = fs::weakly_canonical(folder.empty() ? "." : folder, error);
+  const fs::path full = fs::weakly_canonical(base / name, error);
+  const auto end = std::mismatch(base.begin(), base.end(), full.begin(), full.end()).first;
+  return error || end != base.end();
+}
+
+}  // namespace
+
+std::string text_of_json(const Json& json, int indent) {
+  return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
+Json json_of_text(const std::string& text) {
+  Json json = Json::parse(text, nullptr, false);
+  require(!json.is_discarded(), "a provenance is not JSON");
+  return json;
+}
+
+void JsonValue::fail(std::string_view reason) const {
+  throw FormatError(file_->string(), place_, reason);
+}
+
+void JsonValue::expected(const char* what) const {
+  fail(std::string("expected ") + what + ", found " +
+       in_quotes(value_->dump(-1, ' ', true, Json::error_handler_t::replace)));
+}
+
+JsonValue JsonValue::member(const char* name, const Json& value) const {
+  return {*file_, place_.empty() ? name : place_ + "." + name, value};
+}
+
+JsonValue JsonValue::at(const char* name) const {
+  const std::optional<JsonValue> found = find(name);
+  if (!found) fail(std::string("has no member '") + name + "'");
+  return *found;
+}
+
+std::optional<JsonValue> JsonValue::find(const char* name) const {
+  if (!value_->is_object()) expected("an object { … }");
+  const auto found = value_->find(name);
+  if (found == value_->end()) return std::nullopt;
+  return member(name, *found);
+}
+
+void JsonValue::check_members(std::initializer_list<const char*> known) const {
+  for (const std::string& name : member_names()) {
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    const std::string near = nearest_name(name, {known.begin(), known.end()});
+    fail("unknown member " + in_quotes(name) +
+         (near.empty() ? "" : "; did you mean '" + near + "'?"));
+  }
+}
+
+bool JsonValue::is_null() const { return value_->is_null(); }
+
+bool JsonValue::is_object() const { return value_->is_object(); }
+
+double JsonValue::number() const {
+  if (!value_->is_number() || !std::isfinite(value_->get<double>())) expected("a finite number");
+  return value_->get<double>();
+}
+
+uint64_t JsonValue::count(uint64_t most) const {
+  if (!value_->is_number_unsigned() || value_->get<uint64_t>() > most) {
+    expected("a whole number from 0 on");
+  }
+  return value_->get<uint64_t>();
+}
+
+bool JsonValue::boolean() const {
+  if (!value_->is_boolean()) expected("true or false");
+  return value_->get<bool>();
+}
+
+std::string JsonValue::text(const char* what) const {
+  if (!value_->is_string()) expected(what);
+  return value_->get<std::string>();
+}
+
+Vec3 JsonValue::vector() const {
+  if (!value_->is_array() || value_->size() != 3) expected("three numbers");
+  const std::vector<double> v = numbers();
+  return {v[0], v[1], v[2]};
+}
+
+std::vector<double> JsonValue::numbers() const {
+  std::vector<double> out;
+  for (const JsonValue& v : values()) out.push_back(v.number());
+  return out;
+}
+
+std::vector<JsonValue> JsonValue::values() const {
+  if (!value_->is_array()) expected("a list [ … ]");
+  std::vector<JsonValue> out;
+  out.reserve(value_->size());
+  for (size_t k = 0; k < value_->size(); ++k) {
+    out.push_back({*file_, place_ + "[" + std::to_string(k) + "]", (*value_)[k]});
+  }
+  return out;
+}
+
+std::vector<std::string> JsonValue::member_names() const {
+  if (!value_->is_object()) expected("an object { … }");
+  std::vector<std::string> out;
+  for (const auto& [name, value] : value_->items()) out.push_back(name);
+  return out;
+}
+
+std::string JsonValue::dump() const { return text_of_json(*value_); }
+
+fs::path JsonValue::path(bool outside) const {
+  const fs::path name = text("a path"), folder = file_->parent_path();
+  if (name.empty()) expected("a path");
+  if (!outside && leads_out(folder, name)) {
+    fail(in_quotes(name.string()) + " leads out of the folder of this file");
+  }
+  return folder / name;
+}
+
+JsonFile::JsonFile(const fs::path& path)
+    : path_(path), json_(std::make_unique<Json>(parsed(path))) {}
+
+JsonFile::~JsonFile() = default;
+
+JsonValue JsonFile::root() const { return {path_, "", *json_}; }
+
+JsonValue JsonFile::manifest(const char* format, uint64_t newest, const char* what) const {
+  const JsonValue j = root();
+  const JsonValue said = j.at("format");
+  if (said.text() != format) said.fail(std::string("not ") + what);
+  const JsonValue version = j.at("version");
+  if (version.count() > newest) {
+    version.fail(std::to_string(version.count()) + " is newer than this program reads (" +
+                 std::to_string(newest) + ")");
+  }
+  return j;
+}
+
+}  // namespace underbrush::io
