@@ -8,7 +8,7 @@
 #include "report_assets.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/atomic_file.hpp"
-#include "underbrush/io/json_file.hpp"
+#include "underbrush/io/json_text.inl"
 
 namespace underbrush::report {
 namespace {

@@ -10,7 +10,7 @@
 #include "report/survey.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/atomic_file.hpp"
-#include "underbrush/io/json_file.hpp"
+#include "underbrush/io/json_text.inl"
 
 namespace underbrush::report {
 namespace fs = std::filesystem;

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "report/page.hpp"
-#include "underbrush/io/json_file.hpp"
+#include "underbrush/io/json_text.inl"
 
 namespace underbrush::report {
 

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <iostream>
 
@@ -36,8 +37,12 @@ void list(const app::Verb& verb) {
   verb.report(j, text);
 }
 
-void run(const app::Verb& verb, const Arguments& a) {
-  if (a.name == "list") return list(verb);
+// Returns whether the study holds.
+bool run(const app::Verb& verb, const Arguments& a) {
+  if (a.name == "list") {
+    list(verb);
+    return true;
+  }
   const Study& study = study_named(a.name);
   if (!a.report.empty()) report::check_report_output(a.report);
   const auto start = std::chrono::steady_clock::now();
@@ -45,8 +50,7 @@ void run(const app::Verb& verb, const Arguments& a) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   };
   StudyRun asked{verb.seed, a.quick, a.data, a.keep, [&](const std::string& line) {
-                   if (verb.json != "-")
-                     std::cout << fmt::format("[{:5.1f} s] {}\n", seconds(), line) << std::flush;
+                   std::cerr << fmt::format("[{:5.1f} s] {}\n", seconds(), line) << std::flush;
                  }};
   const StudyResult result = study.run(asked);
   const std::string origin = app::provenance(verb, result.inputs);
@@ -60,20 +64,24 @@ void run(const app::Verb& verb, const Arguments& a) {
         fmt::format("report: {}\n", write_study_report(a.report, study, result, origin).string());
   }
   verb.report(j, text);
+  return std::all_of(result.checks.begin(), result.checks.end(),
+                     [](const Check& c) { return c.holds(); });
 }
 
 void add_options(app::Verb& verb, Arguments& a) {
   CLI::App& app = verb.app;
   app.add_option("NAME", a.name, "The study, or list for a list of them")->required();
   app.add_flag("--quick", a.quick, "Run at a small size, for tests; the figures are rougher");
-  verb.output("--report", a.report, "Write a report (one HTML file) into this folder")
+  verb.output("--report", a.report, "Write a report (one HTML file) into this folder",
+              {"index.html"})
       ->type_name("DIR");
   app.add_option("--data", a.data,
                  "Folder of real logs, each a folder with train.ply and test.ply, or as the study "
                  "describes")
       ->type_name("DIR")
       ->check(CLI::ExistingDirectory);
-  verb.output("--keep", a.keep, "Keep the logs and models made on the way in this folder")
+  verb.output("--keep", a.keep, "Keep the logs and models made on the way in this folder",
+              {"train.ply"})
       ->type_name("DIR");
 }
 
@@ -82,13 +90,16 @@ void add_options(app::Verb& verb, Arguments& a) {
 
 int main(int argc, char** argv) {
   using namespace underbrush;
-  app::Program program("underbrush-study",
-                       "Reproduce a paper's table or figure; ends with a verdict.");
+  app::Program program(
+      "underbrush-study",
+      "Reproduce a paper's table or figure; ends with a verdict: exit code 1 if it falls short.");
   studies::Arguments a;
+  bool holds = true;
   const auto verb = app::make_verb(
       program,
       "underbrush-study list\n  underbrush-study vegetation --report study/ --json study.json",
-      [&a](const app::Verb& v) { studies::run(v, a); });
+      [&](const app::Verb& v) { holds = studies::run(v, a); });
   studies::add_options(*verb, a);
-  return program.run(argc, argv);
+  const int code = program.run(argc, argv);
+  return code == 0 && !holds ? 1 : code;
 }

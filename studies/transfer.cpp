@@ -11,6 +11,7 @@
 #include "fit_options.hpp"
 #include "studies/site_drive.hpp"
 #include "studies/studies.hpp"
+#include "underbrush/core/check.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/metrics/score.hpp"
 #include "underbrush/simulate/simulate.hpp"
@@ -231,6 +232,9 @@ StudyResult transfer(const StudyRun& run, const ModelChange& change) {
   return result;
 }
 
-StudyResult study_transfer(const StudyRun& run) { return transfer(run, {}); }
+StudyResult study_transfer(const StudyRun& run) {
+  require(run.keep.empty(), "study: transfer has nothing for --keep");
+  return transfer(run, {});
+}
 
 }  // namespace underbrush::studies

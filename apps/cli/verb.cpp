@@ -10,7 +10,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/io/atomic_file.hpp"
-#include "underbrush/io/json_file.hpp"
+#include "underbrush/io/json_text.inl"
 #include "version.hpp"
 
 namespace underbrush::app {
@@ -44,6 +44,9 @@ std::string hash_of(const fs::path& path) {
   return fmt::format("xxh3:{:016x}{:016x}", h.high64, h.low64);
 }
 
+constexpr int kMostThreads = 1024;
+constexpr const char* kForceGroup = "Outputs";
+
 // Devices and pipes are written to directly; a temporary file beside them makes no sense.
 bool is_device(const fs::path& path) {
   std::error_code error;
@@ -61,6 +64,15 @@ bool is_word_of(const CLI::Option& option, const std::string& word) {
   return among(option.get_lnames(), "--") || among(option.get_snames(), "-");
 }
 
+/// CLI11 would read -1 as the largest number of its type.
+CLI::Validator whole_number() {
+  return {[](std::string& word) {
+            const bool digits = !word.empty() && word.find_first_not_of("0123456789") > word.size();
+            return digits ? std::string() : "expected a whole number from 0 on";
+          },
+          "UINT"};
+}
+
 }  // namespace
 
 Verb::Verb(const Program& program, CLI::App& of)
@@ -68,17 +80,25 @@ Verb::Verb(const Program& program, CLI::App& of)
   app.formatter(help_);
   app.fallthrough();  // This passes --config on to the program, which owns it.
   begin_group(kCommonGroup);
-  app.add_option("--seed", seed, "Seed of all random numbers")->capture_default_str();
+  app.add_option("--seed", seed, "Seed of all random numbers")
+      ->check(whole_number())
+      ->capture_default_str();
   not_of_result(app.add_option("--threads", threads, "Number of threads; 0 = all cores"))
-      ->check(CLI::NonNegativeNumber)
+      ->check(CLI::Range(0, kMostThreads))
       ->capture_default_str();
   not_of_result(app.add_option("--json", json,
                                "Write the results as JSON to FILE, or to standard output with -"))
       ->type_name("FILE|-")
       ->configurable(false);
+  output_options_.push_back(
+      {"--json", [this] { return std::vector<fs::path>{json == "-" ? "" : json}; }, {}});
   app.set_help_flag("-h,--help", "Print this help and exit")->group(kCommonGroup);
   app.set_help_all_flag("--help-all", "Print the help of all options and exit")
       ->group(kCommonGroup);
+  help_->hide(kForceGroup);
+  not_of_result(app.add_flag("--force", force, "Replace files that underbrush did not write"))
+      ->group(kForceGroup)
+      ->configurable(false);
   begin_group("Options");
 }
 
@@ -92,12 +112,41 @@ void Verb::begin_rare_group(const std::string& title) {
   begin_group(title);
 }
 
+void Verb::check_all_outputs() const {
+  std::vector<fs::path> inputs;
+  const auto add = [&](const std::string& word) {
+    std::error_code error;
+    if (!word.empty() && fs::exists(word, error)) inputs.emplace_back(word);
+  };
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->get_type_size() == 0 ||
+        std::find(not_of_result_.begin(), not_of_result_.end(), option) != not_of_result_.end()) {
+      continue;
+    }
+    for (const std::string& word : option->results()) {
+      add(word);
+      add(word.substr(word.find('=') + 1));  // NAME=FILE
+    }
+  }
+  for (const std::string& word : program_.app().get_config_ptr()->results()) add(word);
+  std::vector<Output> outputs;
+  for (const OutputOption& option : output_options_) {
+    for (const fs::path& path : option.paths()) {
+      outputs.push_back({option.name, path, option.files});
+    }
+  }
+  check_outputs(outputs, inputs, force);
+}
+
 void Verb::report(const Json& results, const std::string& table) const {
   if (json != "-" && !(std::cout << table << std::flush)) {
     throw IoError("standard output: cannot write");
   }
   if (json.empty()) return;
-  const std::string text = io::text_of_json(results, 2) + "\n";
+  Json all = results;
+  if (all.is_object() && !all.contains("program"))
+    all["program"] = "underbrush " UNDERBRUSH_VERSION;
+  const std::string text = io::text_of_json(all, 2) + "\n";
   if (json == "-") {
     if (!(std::cout << text << std::flush)) throw IoError("standard output: cannot write");
     return;
@@ -148,6 +197,7 @@ std::shared_ptr<Verb> made(const Program& program, CLI::App& app, const std::str
   app.footer("Example:\n  " + example);
   app.callback([verb, run] {
     set_threads(verb->threads);
+    verb->check_all_outputs();
     if (!verb->json.empty() && verb->json != "-" && !is_device(verb->json)) {
       io::check_output(verb->json);
     }

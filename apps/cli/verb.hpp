@@ -8,9 +8,11 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "cli/help.hpp"
+#include "cli/outputs.hpp"
 #include "cli/program.hpp"
 
 namespace underbrush::app {
@@ -30,10 +32,23 @@ class Verb {
   int threads = 0;
   std::string json;  ///< File for the results as JSON, "-" for standard output, "" for none.
 
+  bool force = false;  ///< Whether outputs may replace files that are not ours.
+
   /// Adds an option that names an output. The provenance leaves it out, so that equal results are
-  /// equal files wherever they are written.
+  /// equal files wherever they are written. Before the verb runs, `check_outputs` holds all outputs
+  /// against each other and against the files and folders that the other options name. `files` are
+  /// what is written into a folder that is not replaced as a whole.
   template <class T>
-  CLI::Option* output(const std::string& name, T& place, const std::string& help) {
+  CLI::Option* output(const std::string& name, T& place, const std::string& help,
+                      const std::vector<std::string>& files = {}) {
+    const auto paths = [&place]() -> std::vector<std::filesystem::path> {
+      if constexpr (std::is_constructible_v<std::filesystem::path, T>) {
+        return {place};
+      } else {
+        return {place.begin(), place.end()};
+      }
+    };
+    output_options_.push_back({name.substr(0, name.find(',')), paths, files});
     return not_of_result(app.add_option(name, place, help));
   }
   /// Marks an option that does not change the result; the provenance leaves it out.
@@ -43,6 +58,8 @@ class Verb {
   /// Puts the options that are added next into a group that only `--help-all` shows.
   void begin_rare_group(const std::string& title = "More options");
 
+  /// Throws as `check_outputs` does.
+  void check_all_outputs() const;
   /// Prints the results: `table` for people on standard output (unless JSON goes there), and
   /// `results` to the destination of `--json`.
   void report(const Json& results, const std::string& table) const;
@@ -52,11 +69,18 @@ class Verb {
   std::string provenance(const std::vector<std::filesystem::path>& inputs) const;
 
  private:
+  struct OutputOption {
+    std::string name;
+    std::function<std::vector<std::filesystem::path>()> paths;
+    std::vector<std::string> files;
+  };
+
   std::vector<std::string> command_of_result() const;
 
   const Program& program_;
   std::shared_ptr<HelpFormatter> help_;
   std::vector<const CLI::Option*> not_of_result_;
+  std::vector<OutputOption> output_options_;
 };
 
 /// Adds the verb `name` to the program, listed under `stage`. `run` is called after parsing;

@@ -28,6 +28,8 @@ struct Arguments {
   simulate::FootprintOptions beam;
 };
 
+constexpr double kSpeedMS = 7;  // fewer scans than at a walker's speed, in less time
+
 constexpr const char* kSynthetic =
     "Synthetic data: a generated site of fine triangles, scanned by a beam with divergence, stands "
     "in for reality. Nothing here was measured.";
@@ -171,6 +173,7 @@ void run(const Verb& verb, Arguments& a) {
   if (!scan && a.only == "real") throw FormatError(kExampleScan, "", kNoExample);
   fs::create_directories(folder);
   a.site.seed = a.beam.seed = verb.seed;
+  a.site.drive.speed_m_s = kSpeedMS;
   a.beam.element_ids = true;
   std::optional<Part> site, real;
   if (a.only != "real") site = site_part(verb, say, a);
@@ -211,7 +214,8 @@ void add_demo(Program& program) {
                "underbrush demo -o demo/\n  underbrush demo --only real",
                [a](const Verb& v) { run(v, *a); });
   CLI::App& app = verb->app;
-  verb->output("-o,--output", a->output, "Folder for everything that the demo writes")
+  verb->output("-o,--output", a->output, "Folder for everything that the demo writes",
+               {"train.ply", "test.ply", "report/index.html"})
       ->capture_default_str();
   verb->not_of_result(app.add_option("--only", a->only, "Leave the other part out"))
       ->check(CLI::IsMember({"site", "real"}));

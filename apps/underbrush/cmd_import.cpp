@@ -1,11 +1,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iostream>
 #include <optional>
 #include <set>
 
 #include "cli/progress.hpp"
 #include "row_filter.hpp"
+#include "stages.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/label_sets.hpp"
 #include "underbrush/io/input.hpp"
@@ -16,6 +18,8 @@
 namespace underbrush::app {
 namespace {
 namespace import_verb {
+
+constexpr double kFewMisses = 0.03;  // of all recorded
 
 struct Arguments {
   std::string source, output, frames, deskew, infer_misses, label_set, keep;
@@ -191,7 +195,19 @@ LogInfo beams_info(const Arguments& a, const io::Input& input) {
   return info;
 }
 
-Json json_of(const io::Input& input, const Counts& c) {
+// Hit probabilities are learnt from misses, so a loss of many is said where nobody can overlook it.
+std::vector<std::string> warnings_of(const Counts& c) {
+  const auto lost = c.skipped.find(sensor::kNoGrid);
+  if (lost == c.skipped.end()) return {};
+  const size_t recorded = c.beam.misses_recorded + lost->second;
+  if (double(lost->second) <= kFewMisses * double(recorded)) return {};
+  return {
+      fmt::format("{} of {} recorded misses are lost ({}): a model fitted to this log takes "
+                  "plants for denser than they are",
+                  lost->second, recorded, sensor::kNoGrid)};
+}
+
+Json json_of(const io::Input& input, const Counts& c, const std::vector<std::string>& warnings) {
   Json j;
   j["format"] = input.format;
   j["scans"] = c.scans;
@@ -204,6 +220,7 @@ Json json_of(const io::Input& input, const Counts& c) {
   j["scans_ringed_by_elevation"] = c.beam.scans_ringed_by_elevation;
   j["skipped"] = c.skipped;
   j["notes"] = input.notes;
+  j["warnings"] = warnings;
   return j;
 }
 
@@ -253,7 +270,10 @@ void run(const Verb& verb, Arguments& a) {
         "the log has no misses: hit probabilities cannot be learnt from it (see --infer-misses)");
   }
   writer.close();
-  verb.report(json_of(input, counts), table_of(input, counts, a.output));
+  const std::vector<std::string> warnings = warnings_of(counts);
+  for (const std::string& w : warnings) std::cerr << "underbrush: warning: " << w << "\n";
+  verb.report(json_of(input, counts, warnings),
+              table_of(input, counts, a.output) + text_of_warnings(warnings));
 }
 
 }  // namespace import_verb

@@ -11,7 +11,7 @@
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/elements/scene_file.hpp"
 #include "underbrush/io/input.hpp"
-#include "underbrush/io/json_file.hpp"
+#include "underbrush/io/json_text.inl"
 #include "underbrush/metrics/leaf_inclination.hpp"
 #include "underbrush/sensor/sensor.hpp"
 #include "verbs.hpp"

@@ -11,7 +11,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/atomic_file.hpp"
-#include "underbrush/io/json_file.hpp"
+#include "underbrush/io/json_text.inl"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/optimize/checkpoint.hpp"
 #include "underbrush/optimize/densities.hpp"
@@ -82,7 +82,8 @@ void add_options(Verb& verb, Arguments& a) {
   site->needs(set);
   set->needs(site);
   verb.begin_group("Options");
-  verb.output("--report", a.report, "Write a report with the search's progress into this folder")
+  verb.output("--report", a.report, "Write a report with the search's progress into this folder",
+              {"index.html"})
       ->type_name("DIR");
   a.fit_options = add_fit_options(verb, a.fit, kAllRare);
 }
@@ -236,11 +237,9 @@ void run(const Verb& verb, Arguments& a) {
                                    [&](std::span<const optimize::Evaluation> so_far) {
                                      kept.evaluations.assign(so_far.begin(), so_far.end());
                                      optimize::write_checkpoint(a.checkpoint, kept);
-                                     if (verb.json != "-") {
-                                       std::cout << fmt::format("[{:.1f} s] {}\n", seconds(),
-                                                                line_of(t, so_far, a.search.budget))
-                                                 << std::flush;
-                                     }
+                                     std::cerr << fmt::format("[{:.1f} s] {}\n", seconds(),
+                                                              line_of(t, so_far, a.search.budget))
+                                               << std::flush;
                                    });
   write_config(a.output, t);
   kept.evaluations = t.evaluations;

@@ -27,7 +27,8 @@ void add_options(Verb& verb, Arguments& a) {
       ->allow_extra_args(false);
   app.add_option("--name", a.names, "Name of each simulated log in the results, in order")
       ->allow_extra_args(false);
-  verb.output("--report", a.report, "Write a report (one HTML file) into this folder")
+  verb.output("--report", a.report, "Write a report (one HTML file) into this folder",
+              {"index.html"})
       ->type_name("DIR");
 }
 

@@ -68,7 +68,7 @@ double noise_in_sun(const sensor::Sensor& s, double share) {
 void write_csv(const std::string& file, const std::vector<simulate::BeamWaveform>& waveforms) {
   io::write_atomically(file, [&](const std::filesystem::path& temporary) {
     std::ofstream out(temporary);
-    out << "beam,scan,ring,time,range_m,signal\n";
+    out << kWaveformColumns << "\n";
     for (const simulate::BeamWaveform& w : waveforms) {
       for (const auto& [range, signal] : w.signal) {
         out << fmt::format("{},{},{},{:.9f},{:.4f},{:.4f}\n", w.beam, w.scan, w.ring, w.time_s,

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "underbrush/io/json_file.hpp"
+#include "underbrush/io/json_text.inl"
 
 namespace underbrush::app {
 namespace {

@@ -10,7 +10,7 @@
 #include "underbrush/elements/scene_file.hpp"
 #include "underbrush/fit/fitters.hpp"
 #include "underbrush/io/export.hpp"
-#include "underbrush/io/json_file.hpp"
+#include "underbrush/io/json_text.inl"
 #include "underbrush/io/log_file.hpp"
 
 namespace underbrush::app {

@@ -13,7 +13,7 @@
 #include "report/table.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/atomic_file.hpp"
-#include "underbrush/io/json_file.hpp"
+#include "underbrush/io/json_text.inl"
 
 namespace underbrush::app {
 namespace fs = std::filesystem;

@@ -19,12 +19,18 @@ import unittest
 GOLDEN = pathlib.Path(__file__).parent / "golden"
 PROGRAM = None
 
+PROGRESS = r"^\[ *[0-9.]+ s\] .*\n"
+
 
 def call(*words, cwd=None, program=None):
+    """Runs the program; progress ("[1.2 s] ...") goes from `stderr` to `progress`."""
     # The texts must not depend on a terminal's width or language.
     environment = {k: v for k, v in os.environ.items() if k not in ("COLUMNS", "LANG", "LC_ALL")}
-    return subprocess.run([program or PROGRAM, *map(str, words)], cwd=cwd, env=environment, text=True,
+    done = subprocess.run([program or PROGRAM, *map(str, words)], cwd=cwd, env=environment, text=True,
                           stdin=subprocess.DEVNULL, capture_output=True, check=False, timeout=120)
+    done.progress = "".join(re.findall(PROGRESS, done.stderr, re.MULTILINE))
+    done.stderr = re.sub(PROGRESS, "", done.stderr, flags=re.MULTILINE)
+    return done
 
 
 def verbs():

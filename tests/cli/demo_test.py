@@ -53,7 +53,7 @@ class Demo(unittest.TestCase):
             real = site.pop("real")
             self.assertIs(site["synthetic"], True)
             self.assertIs(real["synthetic"], False)
-            self.assertEqual(set(site) - set(real), {"seconds"})
+            self.assertEqual(set(site) - set(real), {"seconds", "program"})
             self.assertEqual(set(real) - set(site), set())
             for part in (site, real):
                 self.assertEqual(list(part["models"]), MODELS)
@@ -88,7 +88,7 @@ class Demo(unittest.TestCase):
     def test_only_the_scan(self):
         done = demo(self.folder, "--only", "real", "--json", "-")
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertEqual(set(json.loads(done.stdout)), {"real", "seconds"})
+        self.assertEqual(set(json.loads(done.stdout)), {"real", "seconds", "program"})
         self.assertEqual({p.name for p in (self.folder / "demo").iterdir()}, {"real", "report"})
         absent = demo(self.folder, "--only", "real", "-o", "absent", share="/nonexistent")
         self.assertEqual(absent.returncode, 3)

@@ -3,7 +3,9 @@
 nor lose a file."""
 import os
 import pathlib
+import random
 import resource
+import shutil
 import signal
 import subprocess
 import tempfile
@@ -129,7 +131,7 @@ class Interrupted(cli_test.OnALog):
             process = subprocess.Popen([cli_test.PROGRAM, "demo", "-o", "demo"], cwd=scratch, text=True,
                                        stdout=subprocess.PIPE, stderr=subprocess.PIPE)
             for _ in range(600):  # until it writes its first log
-                if list(pathlib.Path(scratch).glob("demo/*.part-*")):
+                if list(pathlib.Path(scratch).glob("demo/.underbrush-*")):
                     break
                 time.sleep(0.05)
             else:
@@ -140,6 +142,146 @@ class Interrupted(cli_test.OnALog):
             self.assertEqual((process.returncode, last), (-signal.SIGINT, "underbrush: interrupted"))
             self.assertTrue(all(line.startswith("[") for line in progress), errors)
             self.assertEqual(os.listdir(pathlib.Path(scratch, "demo")), [])
+
+
+class Killed(cli_test.OnALog):
+    """A run that is killed (-9) leaves each output as it was or as it should be, and the next run cleans up."""
+    MOMENTS = 20
+
+    def outputs(self, verb):
+        """The bytes of each file of each output, by the output's name."""
+        words = cli_test.JOBS[verb]
+        names = [words[k + 1] for k, word in enumerate(words) if word in ("-o", "--train", "--test", "--report")]
+        found = {}
+        for name in names:
+            path = pathlib.Path(self.folder, name)
+            files = [path] if path.is_file() else sorted(p for p in path.rglob("*") if p.is_file())
+            found[name] = {str(p.relative_to(self.folder)): p.read_bytes() for p in files}
+        return found
+
+    def run_whole(self, verb, seed):
+        done = cli_test.call(verb, *cli_test.JOBS[verb], "--seed", str(seed), cwd=self.folder)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return self.outputs(verb), done.stderr
+
+    def remains(self):
+        return list(self.folder.rglob(".underbrush-*"))
+
+    def check(self, prefix, moments):
+        self.run_all()
+        chance = random.Random(15)
+        left = cleaned = 0
+        for verb in cli_test.JOBS:
+            if verb == "info":
+                continue
+            new, _ = self.run_whole(verb, 2)
+            begin = time.monotonic()
+            old, _ = self.run_whole(verb, 1)
+            took = time.monotonic() - begin
+            for _ in range(moments):
+                process = subprocess.Popen([*prefix, cli_test.PROGRAM, verb, *cli_test.JOBS[verb], "--seed", "2"],
+                                           cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+                time.sleep(chance.uniform(0, took))
+                process.kill()
+                process.wait()
+                for name, files in self.outputs(verb).items():
+                    self.assertTrue(files in (old[name], new[name]), f"{verb}: {name} is neither the old nor the new")
+                remains = len(self.remains())
+                left += remains
+                again, errors = self.run_whole(verb, 1)
+                self.assertEqual(again, old, verb)
+                self.assertEqual(self.remains(), [], verb)
+                if remains and verb != "optimize":  # writes to one folder after the other
+                    self.assertIn("killed run", errors)
+                    cleaned += 1
+        self.assertGreater(left, 0, "no run was killed while it wrote")
+        self.assertGreater(cleaned, 0)
+
+    def test_at_any_moment(self):
+        self.check([], self.MOMENTS)
+
+    def test_at_any_moment_as_the_first_process_of_a_container(self):
+        first = ["unshare", "--pid", "--fork", "--kill-child"]
+        if shutil.which("unshare") is None or subprocess.run([*first, "true"], check=False,
+                                                             capture_output=True).returncode:
+            self.skipTest("needs unshare, as root")
+        self.check(first, 3)
+
+    def test_links_where_a_temporary_file_might_be_are_not_followed(self):
+        important = self.folder / "important.txt"
+        important.write_text("years")
+        for k in range(50):
+            (self.folder / f"again.ply.part-{k}-0").symlink_to(important)
+        self.run_all()
+        self.assertEqual(important.read_text(), "years")
+
+
+class Distinct(cli_test.OnALog):
+    """Outputs differ from each other and from the inputs, and what others wrote is not replaced."""
+    def setUp(self):
+        super().setUp()
+        self.run_all()
+        os.symlink("log.ply", self.folder / "link.ply")
+        os.link(self.folder / "log.ply", self.folder / "hard.ply")
+
+    def test_from_each_other_and_from_inputs(self):
+        split = ["split", "log.ply", "--every", "2"]
+        for words in (
+                [*split, "--train", "c.ply", "--test", "c.ply"],
+                [*split, "--train", "c.ply", "--test", "./c.ply"],
+                [*split, "--train", "c.ply", "--test", "model/../c.ply"],
+                [*split, "--train", "log.ply", "--test", "c.ply"],
+                [*split, "--train", "link.ply", "--test", "c.ply"],
+                [*split, "--train", "hard.ply", "--test", "c.ply"],
+                [*split, "--train", "c.ply", "--test", "d.ply", "--json", "d.ply"],
+                ["optimize", "log.ply", "-o", "log.ply", "--budget", "2"],
+                ["annotate", "labelled.ply", "-o", "labelled.ply"],
+                ["import", "log.csv", "-o", "log.csv"],
+                ["segment", "log.ply", "-o", "log.ply"],
+                ["fit", "log.ply", "-o", "model", "--json", "model/ground.ply"],
+                ["fit", "log.ply", "-o", "model", "--export-splat", "model/model.json"],
+                ["fit", "log.ply", "-o", "m2", "--export-splat", "s.ply", "--export-ground", "s.ply"],
+                ["fit", "log.ply", "-o", "-"],
+                ["simulate", "model", "--like", "log.ply", "-o", "log.ply"],
+                ["simulate", "model", "--like", "log.ply", "-o", "model/ground.ply"],
+                ["simulate", "model", "--like", "log.ply", "-o", "model"],
+                ["extract", "model", "labelled.ply", "-o", "model"],
+                ["compose", "site.json", "primitives", "-o", "primitives"],
+                ["score", "log.ply", "sim.ply", "--json", "sim.ply"],
+        ):
+            with self.subTest(" ".join(words)):
+                before = self.contents()
+                self.assert_fails(cli_test.call(*words, cwd=self.folder), 2, "")
+                self.assertEqual(self.contents(), before)
+
+    def test_a_model_that_holds_the_log_is_not_replaced(self):
+        os.rename(self.folder / "log.ply", self.folder / "model/log.ply")
+        before = self.contents()
+        self.assert_fails(cli_test.call("fit", "model/log.ply", "-o", "model", cwd=self.folder), 2, "model/log.ply")
+        self.assertEqual(self.contents(), before)
+
+    def test_files_of_others_stay_unless_forced(self):
+        (self.folder / "report").mkdir(exist_ok=True)
+        for verb, words in cli_test.JOBS.items():
+            for option in ("-o", "--train", "--report"):
+                if option not in words or verb in ("fit", "extract", "meshes", "compose"):
+                    continue
+                with self.subTest(verb):
+                    at = words.index(option) + 1
+                    mine = self.folder / "mine" / "index.html"
+                    mine.parent.mkdir(exist_ok=True)
+                    mine.write_text("years")
+                    out = "mine" if option == "--report" else "mine/index.html"
+                    call = [verb, *words[:at], out, *words[at + 1:]]
+                    self.assert_fails(cli_test.call(*call, cwd=self.folder), 4, "--force")
+                    self.assertEqual(mine.read_text(), "years")
+                    done = cli_test.call(*call, "--force", cwd=self.folder)
+                    if verb not in ("import", "split", "segment", "simulate"):  # .html is no kind of log
+                        self.assertEqual(done.returncode, 0, done.stderr)
+                        self.assertNotEqual(mine.read_text(), "years")
+
+    def contents(self):
+        return {p: p.read_bytes() for p in self.folder.rglob("*") if p.is_file()}
 
 
 if __name__ == "__main__":

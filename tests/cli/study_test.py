@@ -81,7 +81,9 @@ class Study(cli_test.Failing):
                                    own["figures"]["miniature"]["mean_patch_distance_m"], delta=1e-6)
             write_pair(pathlib.Path(folder), scale=1.03)
             done = study(*words, cwd=folder)
+            self.assertEqual(done.returncode, 1, "a study that falls short")
             self.assertRegex(done.stdout, "verdict: falls short: .*your pair, mean distance")
+            self.assertRegex(done.progress, r"^\[")
             pathlib.Path(folder, "conjugates.csv").write_text("1,2,3\n")
             self.assert_fails(study(*words, cwd=folder), 3, "conjugates.csv", "line 1")
 

@@ -64,10 +64,11 @@ class Tuning(cli_test.OnALog):
         process = subprocess.Popen([cli_test.PROGRAM, "optimize", "log.ply", *words], cwd=self.folder, text=True,
                                    stdout=subprocess.PIPE, stderr=subprocess.PIPE)
         for _ in range(after):
-            process.stdout.readline()
+            process.stderr.readline()
         process.send_signal(signal.SIGINT)
         _, errors = process.communicate(timeout=60)
-        self.assertEqual((process.returncode, errors), (-signal.SIGINT, "underbrush: interrupted\n"))
+        last = errors.splitlines()[-1]
+        self.assertEqual((process.returncode, last), (-signal.SIGINT, "underbrush: interrupted"))
 
     def test_interrupted_and_resumed_is_as_uninterrupted(self):
         words = ["-o", "p.yaml", "--budget", "40"]

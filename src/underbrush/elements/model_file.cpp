@@ -10,6 +10,7 @@
 #include "underbrush/core/temporary.hpp"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/json_file.hpp"
+#include "underbrush/io/json_text.inl"
 #include "underbrush/io/ply.hpp"
 
 namespace underbrush::elements {

@@ -11,6 +11,7 @@
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/json_file.hpp"
+#include "underbrush/io/json_text.inl"
 #include "underbrush/io/ply.hpp"
 #include "underbrush/io/poses.hpp"
 

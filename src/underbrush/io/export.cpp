@@ -59,9 +59,7 @@ std::string pcd_header(size_t points, const BeamLog& log) {
         },
         log.extra.at(name));
   }
-  return std::string(
-             "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\n"
-             "FIELDS x y z intensity time ring scan packet") +
+  return std::string("# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\n") + kPcdFields +
          fields + "\nSIZE 8 8 8 4 8 2 4 4" + sizes + "\nTYPE F F F F F U U U" + types +
          "\nCOUNT 1 1 1 1 1 1 1 1" + counts + "\nWIDTH " + count +
          "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + count + "\nDATA binary\n";
@@ -108,7 +106,7 @@ void write_csv(const fs::path& temporary, const std::string& name, BeamSource& s
   bool first = true;
   for (BeamLog chunk; source.next(chunk);) {
     if (first) {
-      text = "x,y,z,ox,oy,oz,hit,time,intensity,ring,scan,packet,flags";
+      text = kCsvColumns;
       for (const auto& [key, column] : chunk.extra) text += "," + key;
       text += "\n";
       first = false;

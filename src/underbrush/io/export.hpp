@@ -8,6 +8,11 @@
 
 namespace underbrush::io {
 
+/// The columns with which every exported file of these formats begins.
+inline constexpr const char* kCsvColumns =
+    "x,y,z,ox,oy,oz,hit,time,intensity,ring,scan,packet,flags";
+inline constexpr const char* kPcdFields = "FIELDS x y z intensity time ring scan packet";
+
 /// Writes a log atomically, in one of these formats:
 /// - "pcd": one binary PCD file with x y z of the hits (world, double), intensity, time, ring,
 ///   scan, packet, and the extra columns whose names are single words.

@@ -7,6 +7,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/file.hpp"
 #include "underbrush/core/names.hpp"
+#include "underbrush/io/json_text.inl"
 
 namespace underbrush::io {
 namespace fs = std::filesystem;
@@ -28,6 +29,8 @@ Json parsed(const fs::path& path) {
     throw FormatError(path.string(), "", "not JSON: a number is too large");
   }
 }
+
+const Json& json_at(const void* value) { return *static_cast<const Json*>(value); }
 
 bool leads_out(const fs::path& folder, const fs::path& name) {
   const fs::path normal = name.lexically_normal();
@@ -57,11 +60,7 @@ void JsonValue::fail(std::string_view reason) const {
 
 void JsonValue::expected(const char* what) const {
   fail(std::string("expected ") + what + ", found " +
-       in_quotes(value_->dump(-1, ' ', true, Json::error_handler_t::replace)));
-}
-
-JsonValue JsonValue::member(const char* name, const Json& value) const {
-  return {*file_, place_.empty() ? name : place_ + "." + name, value};
+       in_quotes(json_at(value_).dump(-1, ' ', true, Json::error_handler_t::replace)));
 }
 
 JsonValue JsonValue::at(const char* name) const {
@@ -71,10 +70,10 @@ JsonValue JsonValue::at(const char* name) const {
 }
 
 std::optional<JsonValue> JsonValue::find(const char* name) const {
-  if (!value_->is_object()) expected("an object { … }");
-  const auto found = value_->find(name);
-  if (found == value_->end()) return std::nullopt;
-  return member(name, *found);
+  if (!json_at(value_).is_object()) expected("an object { … }");
+  const auto found = json_at(value_).find(name);
+  if (found == json_at(value_).end()) return std::nullopt;
+  return JsonValue(*file_, place_.empty() ? name : place_ + "." + name, &*found);
 }
 
 void JsonValue::check_members(std::initializer_list<const char*> known) const {
@@ -86,34 +85,35 @@ void JsonValue::check_members(std::initializer_list<const char*> known) const {
   }
 }
 
-bool JsonValue::is_null() const { return value_->is_null(); }
+bool JsonValue::is_null() const { return json_at(value_).is_null(); }
 
-bool JsonValue::is_object() const { return value_->is_object(); }
+bool JsonValue::is_object() const { return json_at(value_).is_object(); }
 
 double JsonValue::number() const {
-  if (!value_->is_number() || !std::isfinite(value_->get<double>())) expected("a finite number");
-  return value_->get<double>();
+  if (!json_at(value_).is_number() || !std::isfinite(json_at(value_).get<double>()))
+    expected("a finite number");
+  return json_at(value_).get<double>();
 }
 
 uint64_t JsonValue::count(uint64_t most) const {
-  if (!value_->is_number_unsigned() || value_->get<uint64_t>() > most) {
+  if (!json_at(value_).is_number_unsigned() || json_at(value_).get<uint64_t>() > most) {
     expected("a whole number from 0 on");
   }
-  return value_->get<uint64_t>();
+  return json_at(value_).get<uint64_t>();
 }
 
 bool JsonValue::boolean() const {
-  if (!value_->is_boolean()) expected("true or false");
-  return value_->get<bool>();
+  if (!json_at(value_).is_boolean()) expected("true or false");
+  return json_at(value_).get<bool>();
 }
 
 std::string JsonValue::text(const char* what) const {
-  if (!value_->is_string()) expected(what);
-  return value_->get<std::string>();
+  if (!json_at(value_).is_string()) expected(what);
+  return json_at(value_).get<std::string>();
 }
 
 Vec3 JsonValue::vector() const {
-  if (!value_->is_array() || value_->size() != 3) expected("three numbers");
+  if (!json_at(value_).is_array() || json_at(value_).size() != 3) expected("three numbers");
   const std::vector<double> v = numbers();
   return {v[0], v[1], v[2]};
 }
@@ -125,23 +125,24 @@ std::vector<double> JsonValue::numbers() const {
 }
 
 std::vector<JsonValue> JsonValue::values() const {
-  if (!value_->is_array()) expected("a list [ … ]");
+  const Json& json = json_at(value_);
+  if (!json_at(value_).is_array()) expected("a list [ … ]");
   std::vector<JsonValue> out;
-  out.reserve(value_->size());
-  for (size_t k = 0; k < value_->size(); ++k) {
-    out.push_back({*file_, place_ + "[" + std::to_string(k) + "]", (*value_)[k]});
+  out.reserve(json_at(value_).size());
+  for (size_t k = 0; k < json_at(value_).size(); ++k) {
+    out.push_back(JsonValue(*file_, place_ + "[" + std::to_string(k) + "]", &json[k]));
   }
   return out;
 }
 
 std::vector<std::string> JsonValue::member_names() const {
-  if (!value_->is_object()) expected("an object { … }");
+  if (!json_at(value_).is_object()) expected("an object { … }");
   std::vector<std::string> out;
-  for (const auto& [name, value] : value_->items()) out.push_back(name);
+  for (const auto& [name, value] : json_at(value_).items()) out.push_back(name);
   return out;
 }
 
-std::string JsonValue::dump() const { return text_of_json(*value_); }
+std::string JsonValue::dump() const { return text_of_json(json_at(value_)); }
 
 fs::path JsonValue::path(bool outside) const {
   const fs::path name = text("a path"), folder = file_->parent_path();
@@ -152,12 +153,16 @@ fs::path JsonValue::path(bool outside) const {
   return folder / name;
 }
 
+struct JsonFile::Content {
+  Json json;
+};
+
 JsonFile::JsonFile(const fs::path& path)
-    : path_(path), json_(std::make_unique<Json>(parsed(path))) {}
+    : path_(path), content_(std::make_unique<Content>(Content{parsed(path)})) {}
 
 JsonFile::~JsonFile() = default;
 
-JsonValue JsonFile::root() const { return {path_, "", *json_}; }
+JsonValue JsonFile::root() const { return JsonValue(path_, "", &content_->json); }
 
 JsonValue JsonFile::manifest(const char* format, uint64_t newest, const char* what) const {
   const JsonValue j = root();

@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <initializer_list>
 #include <memory>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -14,12 +13,6 @@
 #include "underbrush/core/ray.hpp"
 
 namespace underbrush::io {
-
-/// Returns JSON as text, on one line unless `indent` is at least 0. Bytes that are not UTF-8 are
-/// replaced.
-std::string text_of_json(const nlohmann::ordered_json& json, int indent = -1);
-/// Parses JSON that the program itself wrote. Throws `std::invalid_argument`.
-nlohmann::ordered_json json_of_text(const std::string& text);
 
 /// A value in a JSON file. What a caller expects of it and does not find is thrown as a
 /// `FormatError` with the value's place, such as "objects[3].box_m".
@@ -56,15 +49,14 @@ class JsonValue {
 
  private:
   friend class JsonFile;
-  JsonValue(const std::filesystem::path& file, std::string place,
-            const nlohmann::ordered_json& value)
-      : file_(&file), place_(std::move(place)), value_(&value) {}
+  /// `value` is a `nlohmann::ordered_json`.
+  JsonValue(const std::filesystem::path& file, std::string place, const void* value)
+      : file_(&file), place_(std::move(place)), value_(value) {}
   [[noreturn]] void expected(const char* what) const;
-  JsonValue member(const char* name, const nlohmann::ordered_json& value) const;
 
   const std::filesystem::path* file_;
   std::string place_;
-  const nlohmann::ordered_json* value_;
+  const void* value_;
 };
 
 /// A JSON file in memory; it must outlive its values.
@@ -84,7 +76,8 @@ class JsonFile {
 
  private:
   std::filesystem::path path_;
-  std::unique_ptr<nlohmann::ordered_json> json_;
+  struct Content;
+  std::unique_ptr<Content> content_;
 };
 
 }  // namespace underbrush::io

@@ -7,6 +7,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/json_file.hpp"
+#include "underbrush/io/json_text.inl"
 
 namespace underbrush::optimize {
 namespace fs = std::filesystem;

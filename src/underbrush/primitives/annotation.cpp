@@ -2,6 +2,7 @@
 
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/json_file.hpp"
+#include "underbrush/io/json_text.inl"
 #include "underbrush/primitives/object_json.inl"
 
 namespace underbrush::primitives {

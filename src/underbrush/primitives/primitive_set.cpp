@@ -14,6 +14,7 @@
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/json_file.hpp"
+#include "underbrush/io/json_text.inl"
 #include "underbrush/primitives/contact_sheet.hpp"
 #include "underbrush/primitives/object_json.inl"
 #include "underbrush/primitives/thumbnail.hpp"

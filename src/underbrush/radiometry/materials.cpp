@@ -4,17 +4,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <initializer_list>
-#include <sstream>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/file.hpp"
 #include "underbrush/core/names.hpp"
 #include "underbrush/radiometry/leaf_angle_distribution.hpp"
 #include "underbrush/radiometry/materials_data.hpp"
 
 namespace underbrush::radiometry {
 namespace {
+
+constexpr uint64_t kMostBytes = uint64_t(1) << 24;
 
 /// A file that is being read; errors name it.
 struct Reader {
@@ -141,14 +142,8 @@ const Material& Materials::of(std::string_view class_name) const {
 
 Materials load_materials(std::string_view path) {
   const Reader reader{path.empty() ? "materials.yaml" : std::string(path)};
-  std::string text(materials_yaml());
-  if (!path.empty()) {
-    std::ifstream in(reader.file, std::ios::binary);
-    if (!in) reader.fail("", "no such file, or it cannot be read");
-    std::ostringstream all;
-    all << in.rdbuf();
-    text = all.str();
-  }
+  const std::string text =
+      path.empty() ? std::string(materials_yaml()) : read_file(reader.file, kMostBytes);
   try {
     return reader.materials(YAML::Load(text));
   } catch (const YAML::Exception& e) {

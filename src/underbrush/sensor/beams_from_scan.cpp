@@ -95,15 +95,15 @@ std::vector<SensorRay> stored_rays(const Job& job, const std::optional<Organised
       ray.azimuth_rad = azimuth_of(scan.point[i]);
       ray.elevation_rad = elevation_of(scan.point[i]);
     } else if (grid) {
-      const size_t row = grid->row(i);
-      ray.azimuth_rad = grid->azimuth_rad[row] + grid->step_rad * double(grid->column(i));
-      ray.elevation_rad = grid->elevation_rad[row];
+      const Angles fired = grid->direction(i);
+      ray.azimuth_rad = fired.azimuth_rad;
+      ray.elevation_rad = fired.elevation_rad;
       if (ray.elevation_rad + fault < job.options.recorded_unknown_below_rad) {
         ++job.counts.unknown;
         continue;
       }
     } else {
-      ++job.counts.skipped["no coordinates and no grid to tell the direction"];
+      ++job.counts.skipped[kNoGrid];
       continue;
     }
     ray.time_s = scan.time_s.empty() ? time_at(job, ray.azimuth_rad) : scan.time_s[i];

@@ -39,6 +39,9 @@ struct BeamOptions {
   double recorded_unknown_below_rad = -2;
 };
 
+/// The reason for which recorded misses are skipped.
+inline constexpr const char* kNoGrid = "no coordinates and no grid to tell the direction";
+
 /// Counts of the points of all scans read so far.
 struct BeamCounts {
   size_t hits = 0;

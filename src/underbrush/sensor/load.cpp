@@ -1,13 +1,14 @@
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
+#include "underbrush/core/file.hpp"
 #include "underbrush/core/names.hpp"
 #include "underbrush/sensor/catalogue.hpp"
 #include "underbrush/sensor/yaml_map.inl"
 
 namespace underbrush::sensor {
 namespace {
+
+constexpr uint64_t kMostBytes = uint64_t(1) << 28;
 
 void read_beam(const YamlMap& map, Sensor& s) {
   const auto divergence = map.pair("divergence_mrad", {0, 0});
@@ -135,13 +136,7 @@ Sensor parse(const std::string& file, const std::string& text) {
 
 }  // namespace
 
-std::string text_of(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw FormatError(path, "", "no such file, or it cannot be read");
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
+std::string text_of(const std::string& path) { return read_file(path, kMostBytes); }
 
 Sensor load(std::string_view name_or_yaml_path) {
   const std::string name(name_or_yaml_path);

@@ -11,11 +11,17 @@ namespace underbrush::sensor {
 namespace {
 
 constexpr double kMaxSpread = 0.15 * M_PI / 180;
+constexpr double kFineSpread = 0.5 * kMaxSpread;
 constexpr double kMostReturns = 0.95;  // more than a majority, which may be one of two mixed rows
 constexpr size_t kMinReturns = 3;
 
+constexpr double kMaxBend = 3 * M_PI / 180;  // by motion, before it is known
+constexpr double kMostBent = 0.8;
+constexpr int kMostSteps = 12;  // of least squares
+constexpr size_t kMostSamples = 20000;
+
 /// The angles of all points, NaN for points that are no return.
-struct Angles {
+struct PointAngles {
   std::vector<double> azimuth, elevation;
 };
 
@@ -24,7 +30,7 @@ struct Row {
   std::vector<double> column, azimuth, elevation;
 };
 
-std::vector<Row> rows_of(const OrganisedScan& grid, const Angles& angles) {
+std::vector<Row> rows_of(const OrganisedScan& grid, const PointAngles& angles) {
   std::vector<Row> rows(grid.rows);
   for (size_t c = 0; c < grid.columns; ++c) {
     for (size_t r = 0; r < grid.rows; ++r) {
@@ -38,7 +44,7 @@ std::vector<Row> rows_of(const OrganisedScan& grid, const Angles& angles) {
   return rows;
 }
 
-bool fit_elevation(OrganisedScan& grid, const std::vector<Row>& rows) {
+bool fit_elevation(OrganisedScan& grid, const std::vector<Row>& rows, double spread) {
   grid.elevation_rad.assign(grid.rows, NAN);
   size_t near = 0, all = 0;
   for (size_t r = 0; r < grid.rows; ++r) {
@@ -46,7 +52,7 @@ bool fit_elevation(OrganisedScan& grid, const std::vector<Row>& rows) {
     if (values.size() < kMinReturns) continue;
     grid.elevation_rad[r] = median(values);
     all += values.size();
-    for (double v : values) near += std::abs(v - grid.elevation_rad[r]) < kMaxSpread;
+    for (double v : values) near += std::abs(v - grid.elevation_rad[r]) < spread;
   }
   return all > 0 && double(near) >= kMostReturns * double(all);
 }
@@ -154,6 +160,67 @@ void fill_empty_rows(OrganisedScan& grid, const Sensor* sensor) {
   }
 }
 
+// Fits the layout; true if it holds within `spread` of elevation.
+bool fit(OrganisedScan& grid, const PointAngles& angles, double spread = kMaxSpread) {
+  const std::vector<Row> rows = rows_of(grid, angles);
+  const bool elevation = fit_elevation(grid, rows, spread);
+  return fit_azimuth(grid, rows) && elevation;
+}
+
+PointAngles angles_of(const PointScan& scan, const OrganisedScan* grid) {
+  const size_t n = scan.size();
+  PointAngles angles{std::vector<double>(n, NAN), std::vector<double>(n, NAN)};
+  for (size_t i = 0; i < n; ++i) {
+    if (kind_of(scan.point[i], 0) != PointKind::kReturn) continue;
+    const Vec3f p =
+        grid ? grid->motion
+                   ->point_of_beams(grid->share(grid->column(i)), scan.point[i].cast<double>())
+                   .cast<float>()
+             : scan.point[i];
+    angles.azimuth[i] = azimuth_of(p);
+    angles.elevation[i] = elevation_of(p);
+  }
+  return angles;
+}
+
+// Whether the layout may hold but for a motion: most returns lie near their row and line.
+bool is_near(const OrganisedScan& grid, const PointAngles& angles) {
+  if (grid.azimuth_rad.empty()) return false;
+  size_t near = 0, all = 0;
+  for (size_t i = 0; i < angles.azimuth.size(); ++i) {
+    const size_t row = grid.row(i);
+    if (std::isnan(angles.azimuth[i]) || std::isnan(grid.azimuth_rad[row])) continue;
+    const double line = grid.azimuth_rad[row] + double(grid.column(i)) * grid.step_rad;
+    ++all;
+    near += std::abs(angles.elevation[i] - grid.elevation_rad[row]) < kMaxBend &&
+            std::abs(signed_angle(angles.azimuth[i] - line)) < kMaxBend;
+  }
+  return all > 0 && double(near) >= kMostBent * double(all);
+}
+
+// Fits the layout and the motion in turns; true if the layout then holds.
+bool fit_with_motion(OrganisedScan& grid, const PointScan& scan, PointAngles angles) {
+  if (!is_near(grid, angles)) return false;
+  grid.motion.emplace();
+  const size_t stride = scan.size() / kMostSamples + 1;
+  bool holds = false;
+  for (int step = 0, more = 2; step < kMostSteps && more > 0; ++step) {
+    std::vector<ScanMotion::Sample> samples;
+    for (size_t i = 0; i < scan.size(); i += stride) {
+      const size_t row = grid.row(i), column = grid.column(i);
+      if (std::isnan(angles.azimuth[i]) || std::isnan(grid.azimuth_rad[row])) continue;
+      samples.push_back({grid.share(column), scan.point[i].cast<double>(),
+                         unit_vector(grid.azimuth_rad[row] + double(column) * grid.step_rad,
+                                     grid.elevation_rad[row])});
+    }
+    grid.motion->improve(samples);
+    angles = angles_of(scan, &grid);
+    holds = fit(grid, angles);
+    if (holds) --more;  // two more steps make it precise
+  }
+  return holds;
+}
+
 // Whether the scan's own ring numbers, if any, are constant in each row.
 bool rings_agree(const OrganisedScan& grid, const std::vector<uint16_t>& ring) {
   for (size_t i = 0; i < ring.size(); ++i) {
@@ -165,28 +232,42 @@ bool rings_agree(const OrganisedScan& grid, const std::vector<uint16_t>& ring) {
 
 }  // namespace
 
+Angles OrganisedScan::direction(size_t i) const {
+  const size_t r = row(i), c = column(i);
+  const Angles fired{azimuth_rad[r] + step_rad * double(c), elevation_rad[r]};
+  if (!motion) return fired;
+  const Vec3 d =
+      motion->direction_of_points(share(c), unit_vector(fired.azimuth_rad, fired.elevation_rad));
+  return {std::atan2(d.y(), d.x()), std::atan2(d.z(), std::hypot(d.x(), d.y()))};
+}
+
 std::optional<OrganisedScan> find_organised_scan(const PointScan& scan, const Sensor* sensor) {
   const size_t n = scan.size();
-  Angles angles{std::vector<double>(n, NAN), std::vector<double>(n, NAN)};
-  for (size_t i = 0; i < n; ++i) {
-    if (kind_of(scan.point[i], 0) != PointKind::kReturn) continue;
-    angles.azimuth[i] = azimuth_of(scan.point[i]);
-    angles.elevation[i] = elevation_of(scan.point[i]);
-  }
+  const PointAngles angles = angles_of(scan, nullptr);
   std::set<size_t> candidates{16, 20, 32, 40, 64, 80, 96, 128};
   if (sensor) candidates.insert(sensor->channels.size());
+  std::vector<OrganisedScan> layouts;
+  std::optional<OrganisedScan> rough;  // holds without a motion, but may hold better with one
   for (size_t rows : candidates) {
     if (n == 0 || n % rows != 0 || n / rows < 2) continue;
     for (bool column_major : {true, false}) {
-      OrganisedScan grid{rows, n / rows, column_major, 0, {}, {}};
+      OrganisedScan grid{rows, n / rows, column_major, 0, {}, {}, {}};
       if (!rings_agree(grid, scan.ring)) continue;
-      const std::vector<Row> split = rows_of(grid, angles);
-      if (!fit_elevation(grid, split) || !fit_azimuth(grid, split)) continue;
-      fill_empty_rows(grid, sensor);
-      return grid;
+      if (fit(grid, angles, kFineSpread)) {
+        fill_empty_rows(grid, sensor);
+        return grid;
+      }
+      if (!rough && fit(grid, angles)) rough = grid;
+      layouts.push_back(std::move(grid));
     }
   }
-  return std::nullopt;
+  for (OrganisedScan& grid : layouts) {
+    if (!fit_with_motion(grid, scan, angles)) continue;
+    fill_empty_rows(grid, sensor);
+    return grid;
+  }
+  if (rough) fill_empty_rows(*rough, sensor);
+  return rough;
 }
 
 }  // namespace underbrush::sensor
