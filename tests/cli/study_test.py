@@ -50,8 +50,9 @@ class Study(cli_test.Failing):
     def test_ends_with_a_verdict(self):
         with tempfile.TemporaryDirectory() as folder:
             done = study("vegetation", "--quick", "--json", "s.json", "--report", "r", cwd=folder)
-            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn(done.returncode, (0, 1), done.stderr)
             found = json.loads(pathlib.Path(folder, "s.json").read_text())
+            self.assertEqual(done.returncode, 0 if found["verdict"] == "holds" else 1)
             self.assertRegex(found["verdict"], "^(holds$|falls short: )")
             self.assertIn(f"verdict: {found['verdict']}\n", done.stdout)
             self.assertIn("mobile experiment was left out", done.stdout)
@@ -65,8 +66,9 @@ class Study(cli_test.Failing):
             write_pair(pathlib.Path(folder), scale=1)
             words = ("verification", "--quick", "--data", ".", "--json", "s.json")
             done = study(*words, "--report", "r", cwd=folder)
-            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn(done.returncode, (0, 1), done.stderr)
             found = json.loads(pathlib.Path(folder, "s.json").read_text())
+            self.assertEqual(done.returncode, 0 if found["verdict"] == "holds" else 1)
             pair = found["figures"]["own_pair"]
             self.assertEqual(len(pair["patches"]), 9)
             self.assertLess(pair["mean_patch_distance_m"], 0.0031)
@@ -74,7 +76,7 @@ class Study(cli_test.Failing):
             self.assertIn("Your pair: distances", pathlib.Path(folder, "r", "index.html").read_text())
             self.assertNotIn("your pair, mean distance", found["verdict"])
             done = study("verification", "--quick", "--json", "own.json", "--keep", "kept", cwd=folder)
-            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn(done.returncode, (0, 1), done.stderr)
             kept = json.loads(study(*words[:2], "--data", "kept", "--json", "-", cwd=folder).stdout)
             own = json.loads(pathlib.Path(folder, "own.json").read_text())
             self.assertAlmostEqual(kept["figures"]["own_pair"]["mean_patch_distance_m"],
@@ -83,7 +85,6 @@ class Study(cli_test.Failing):
             done = study(*words, cwd=folder)
             self.assertEqual(done.returncode, 1, "a study that falls short")
             self.assertRegex(done.stdout, "verdict: falls short: .*your pair, mean distance")
-            self.assertRegex(done.progress, r"^\[")
             pathlib.Path(folder, "conjugates.csv").write_text("1,2,3\n")
             self.assert_fails(study(*words, cwd=folder), 3, "conjugates.csv", "line 1")
 
@@ -96,8 +97,9 @@ class Study(cli_test.Failing):
                 "v 0 0 0\nv 0 2 0\nv 1 1 2\nv 2 0 0\nf 1 2 3\nf 1 3 4\n")
             done = study("mesh-fidelity", "--quick", "--data", ".", "--json", "s.json", "--report", "r",
                         "--keep", "kept", cwd=folder)
-            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn(done.returncode, (0, 1), done.stderr)
             found = json.loads(pathlib.Path(folder, "s.json").read_text())
+            self.assertEqual(done.returncode, 0 if found["verdict"] == "holds" else 1)
             self.assertRegex(found["verdict"], "^(holds$|falls short: )")
             figures = found["figures"]
             self.assertGreater(figures["plants"]["billboard"]["epsilon"], 0.11)
