@@ -223,9 +223,16 @@ std::string embedded(const Json& data) {
 
 }  // namespace
 
-void check_report_output(fs::path folder) {
-  while (!fs::exists(folder) && folder.has_relative_path()) folder = folder.parent_path();
-  io::check_output((folder.empty() ? "." : folder) / "index.html");
+void check_report_output(const fs::path& folder) {
+  std::error_code error;
+  fs::path there = folder;
+  while (!fs::exists(there, error) && there.has_relative_path()) there = there.parent_path();
+  try {
+    io::check_output((there.empty() ? "." : there) / "index.html");
+  } catch (const IoError& e) {
+    const std::string what = e.what();
+    throw IoError(folder.string() + what.substr(what.find(": cannot write")));
+  }
 }
 
 fs::path write_report(const fs::path& folder, const ReportInput& input) {

@@ -38,6 +38,6 @@ std::filesystem::path write_report(const std::filesystem::path& folder, const Re
 
 /// Throws the `IoError` that `write_report` would end with. Callers use it before a long
 /// computation.
-void check_report_output(std::filesystem::path folder);
+void check_report_output(const std::filesystem::path& folder);
 
 }  // namespace underbrush::report

@@ -78,7 +78,9 @@ int Program::run(int argc, char** argv) {
   try {
     return parse();
   } catch (const CLI::FileError& e) {
-    return fail(app_.get_config_ptr()->as<std::string>() + ": cannot be read", 3);
+    const auto file = app_.get_config_ptr()->as<std::string>();
+    const bool folder = std::filesystem::is_directory(file);
+    return fail(file + (folder ? ": is a folder, expected a file" : ": cannot be read"), 3);
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() == 0) return app_.exit(e);  // --help, --version
     std::string line = e.what();

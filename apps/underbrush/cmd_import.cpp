@@ -105,6 +105,7 @@ LogInfo log_info(const Arguments& a, const io::Input& input, const sensor::BeamO
   const auto& known = options.deskew ? options.deskew : options.infer_misses;
   if (known) {
     info.sensor = known->name;
+    info.sensor_file = known->file;
     info.min_range_m = known->min_range_m;
     info.max_range_m = known->max_range_m;
   }
@@ -195,6 +196,22 @@ LogInfo beams_info(const Arguments& a, const io::Input& input) {
   return info;
 }
 
+// Says what became of all records, and what to do where the points are those of a world.
+std::string nothing_usable(const Arguments& a, const Counts& c) {
+  std::string text = "no usable beams in it";
+  const char* separator = ": ";
+  for (const auto& [reason, n] : c.skipped) {
+    text += fmt::format("{}{} {}", separator, n, reason);
+    separator = ", ";
+  }
+  if (c.skipped.count(io::kFarFromSensor) && !a.input.points_in_world) {
+    text +=
+        "; are its coordinates those of the world? Then --poses must say where the sensor stood, "
+        "and --points-in-world";
+  }
+  return text;
+}
+
 // Hit probabilities are learnt from misses, so a loss of many is said where nobody can overlook it.
 std::vector<std::string> warnings_of(const Counts& c) {
   const auto lost = c.skipped.find(sensor::kNoGrid);
@@ -264,7 +281,7 @@ void run(const Verb& verb, Arguments& a) {
       beams ? import_beams(a, keep, input, writer) : import_scans(keep, input, writer, options);
   counts.skipped = input.skipped();
   for (const auto& [reason, n] : counts.beam.skipped) counts.skipped[reason] += n;
-  if (counts.beams == 0) throw FormatError(a.source, "", "no usable beams in it");
+  if (counts.beams == 0) throw FormatError(a.source, "", nothing_usable(a, counts));
   if (!beams && counts.beam.misses_recorded + counts.beam.misses_inferred == 0) {
     input.notes.push_back(
         "the log has no misses: hit probabilities cannot be learnt from it (see --infer-misses)");

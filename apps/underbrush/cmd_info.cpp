@@ -13,6 +13,8 @@
 #include "underbrush/io/input.hpp"
 #include "underbrush/io/json_text.inl"
 #include "underbrush/metrics/leaf_inclination.hpp"
+#include "underbrush/primitives/annotation.hpp"
+#include "underbrush/primitives/primitive_set.hpp"
 #include "underbrush/sensor/sensor.hpp"
 #include "verbs.hpp"
 
@@ -177,6 +179,16 @@ void report_model(const Verb& verb, const std::string& path) {
                              model.origin.x(), model.origin.y(), model.origin.z()));
 }
 
+// Returns a table of the objects of each class, and puts it into `j`.
+std::string table_of_classes(const std::map<elements::Class, size_t>& classes, Json& j) {
+  std::string text;
+  for (const auto& [c, n] : classes) {
+    j["classes"][std::string(name(c))] = n;
+    text += fmt::format("  {:<19}{:>8}\n", name(c), n);
+  }
+  return text;
+}
+
 void report_scene(const Verb& verb, const std::string& path) {
   elements::SceneInfo info;
   const elements::Scene scene = elements::read_scene(path, &info);
@@ -191,7 +203,7 @@ void report_scene(const Verb& verb, const std::string& path) {
   j["kind"] = "scene";
   j["models"] = scene.models.size();
   j["instances"] = scene.instances.size();
-  for (const auto& [c, n] : classes) j["classes"][std::string(name(c))] = n;
+  const std::string table = table_of_classes(classes, j);
   j["movers"] = info.movers.size();
   j["ground_triangles"] = scene.models.at(0).ground.size();
   j["surface_triangles"] = triangles;
@@ -202,8 +214,46 @@ void report_scene(const Verb& verb, const std::string& path) {
       "ellipsoids\n",
       path, scene.instances.size(), scene.models.size(), scene.models.at(0).ground.size(),
       triangles, ellipsoids);
-  for (const auto& [c, n] : classes) text += fmt::format("  {:<19}{:>8}\n", name(c), n);
-  verb.report(j, text);
+  verb.report(j, text + table);
+}
+
+void report_primitives(const Verb& verb, const std::string& path) {
+  const primitives::PrimitiveSet set = primitives::read_primitive_set(path);
+  std::map<elements::Class, size_t> classes;
+  size_t elements = 0, points = 0;
+  for (const primitives::PrimitiveEntry& e : set.entries) {
+    ++classes[e.label];
+    elements += e.elements;
+    points += e.points;
+  }
+  Json j{{"kind", "primitives"}, {"primitives", set.entries.size()}};
+  j["elements"] = elements;
+  j["points"] = points;
+  j["cell_m"] = set.cell_m;
+  const std::string table = table_of_classes(classes, j);
+  j["provenance"] = io::json_of_text(set.provenance);
+  verb.report(j, fmt::format("{}: {} primitives of {} elements, cut from {} points\n{}"
+                             "  pictures    {}/index.html\n",
+                             path, set.entries.size(), elements, points, table,
+                             std::filesystem::path(path).lexically_normal().string()));
+}
+
+void report_annotation(const Verb& verb, const std::string& path) {
+  const primitives::Annotation annotation = primitives::read_annotation(path, true);
+  std::map<elements::Class, size_t> classes;
+  size_t moving = 0;
+  for (const primitives::PlacedObject& o : annotation.objects) {
+    ++classes[o.label];
+    moving += !o.trajectory.empty();
+  }
+  Json j{{"kind", "annotation"}, {"objects", annotation.objects.size()}};
+  j["moving"] = moving;
+  j["ground"] = annotation.ground.string();
+  const std::string table = table_of_classes(classes, j);
+  if (!annotation.provenance.empty()) j["provenance"] = io::json_of_text(annotation.provenance);
+  verb.report(
+      j, fmt::format("{}: annotation of {} objects, {} of them moving, on the ground of {}\n{}",
+                     path, annotation.objects.size(), moving, annotation.ground.string(), table));
 }
 
 /// Prints the distribution of the leaves' inclination [goodin24].
@@ -238,6 +288,8 @@ void run(const Verb& verb, const Arguments& a) {
   if (!a.leaves.empty()) return report_leaves(verb, file, a.leaves == "all");
   if (elements::is_model(file)) return report_model(verb, file);
   if (elements::is_scene(file)) return report_scene(verb, file);
+  if (primitives::is_primitive_set(file)) return report_primitives(verb, file);
+  if (std::filesystem::path(file).extension() == ".json") return report_annotation(verb, file);
   io::Input input = io::open_input(file);
   if (!input.beams) {
     throw std::invalid_argument(file + ": scans without beams (" + input.format +
@@ -259,11 +311,15 @@ void run(const Verb& verb, const Arguments& a) {
 void add_info(Program& program) {
   using namespace info_verb;
   auto a = std::make_shared<Arguments>();
-  const auto verb = add_verb(program, "Logs", "info", "Describe a log, a model or a scene",
+  const auto verb = add_verb(program, "Logs", "info",
+                             "Describe a log, model, scene, set of primitives or annotation",
                              "underbrush info log.ply\n"
                              "  underbrush info log.ply --leaves vegetation",
                              [a](const Verb& v) { run(v, *a); });
-  verb->app.add_option("FILE", a->file, "A log, or the folder of a model or scene")->required();
+  verb->app
+      .add_option("FILE", a->file,
+                  "A log, the folder of a model, scene or set of primitives, or an annotation")
+      ->required();
   verb->app
       .add_option("--leaves", a->leaves,
                   "Print the inclination of the leaves instead (mean and sigma of arccos n_z, and "

@@ -78,19 +78,23 @@ std::unique_ptr<BeamSource> beams_of(const Arguments& a, Trajectory& path) {
   if (path.poses().size() < 2) {
     throw FormatError(a.trajectory, "", "a trajectory needs at least two poses");
   }
-  return std::make_unique<sensor::PatternSource>(sensor::load(a.sensor), path,
-                                                 path.poses().front().time_s,
-                                                 path.poses().back().time_s, kChunk);
+  const sensor::Sensor sensor = sensor::load(a.sensor);
+  try {
+    return std::make_unique<sensor::PatternSource>(sensor, path, path.poses().front().time_s,
+                                                   path.poses().back().time_s, kChunk);
+  } catch (const std::invalid_argument& e) {
+    throw FormatError(a.trajectory, "", e.what());
+  }
 }
 
 /// Returns the sensor of the beams, where one is needed.
 sensor::Sensor sensor_of(const Arguments& a, const BeamSource& beams, const char* what) {
-  const std::string name = a.like.empty() ? a.sensor : beams.info().sensor;
-  if (name.empty()) {
+  if (a.like.empty()) return sensor::load(a.sensor);
+  if (beams.info().sensor.empty()) {
     throw std::invalid_argument(std::string("simulate: ") + what +
                                 ", but the log does not name its sensor");
   }
-  return sensor::load(name);
+  return sensor::sensor_of_log(a.like, beams.info());
 }
 
 /// Writes the log, and reports what the format cannot hold of it.
@@ -105,6 +109,9 @@ SimulateStep write(const Verb& verb, const Arguments& a, simulate::SimulatedSour
   lost = io::lost_in(!a.profile.empty()  ? a.profile
                      : extension.empty() ? "kitti"
                                          : extension.substr(1));
+  if (a.simulate.element_ids && !lost.empty() && extension != ".pcd") {
+    lost += ", element, class and instance numbers";
+  }
   return simulate_log(
       verb, simulated,
       [&](BeamSource& log, const std::string& origin) {
@@ -175,7 +182,13 @@ void run(const Verb& verb, Arguments& a) {
   elements::SceneInfo info;
   const elements::Scene scene = scene_of(a.model, a.target, info);
   const TracedScene target = traced_scene(scene, info);
-  if (elements::is_scene(a.model)) a.simulate.instance_labels = info.labels;
+  if (elements::is_scene(a.model) || !info.movers.empty()) {
+    a.simulate.instance_labels = info.labels;
+  }
+  const radiometry::Materials materials = materials_of(a.instrument);
+  for (const std::string& name : info.materials) {
+    if (!name.empty()) materials.named(name);  // throws for an unknown name
+  }
   Trajectory path;
   const std::unique_ptr<BeamSource> beams = beams_of(a, path);
   a.simulate.seed = verb.seed;

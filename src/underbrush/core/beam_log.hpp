@@ -46,7 +46,9 @@ struct ScanInfo {
 
 /// Facts about a log as a whole.
 struct LogInfo {
-  std::string sensor;        ///< Name in the sensor catalogue; empty where unknown.
+  std::string sensor;  ///< Name in the sensor catalogue; empty where unknown.
+  /// The data file (YAML) of a sensor that is not in the catalogue.
+  std::string sensor_file;
   double min_range_m = 0;    ///< m; the sensor reports no return nearer than this.
   double max_range_m = 120;  ///< m; a miss means that there was no return up to this range.
   bool has_misses = false;   ///< Whether the log holds beams without a return at all.

@@ -25,6 +25,9 @@ struct FrameRange {
 /// text.
 FrameRange frames_from_text(const std::string& text);
 
+/// The reason for which points are skipped that are nowhere near the sensor.
+inline constexpr const char* kFarFromSensor = "farther than 1000 km from the sensor";
+
 /// Options of `open_input`.
 struct InputOptions {
   std::string format;            ///< One of `input_formats()`; empty: it is detected.

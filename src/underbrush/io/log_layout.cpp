@@ -65,12 +65,19 @@ class CommentReader {
       take_scan(value);
     } else if (key == "provenance") {
       provenance_ += value;
+    } else if (key == "sensor") {
+      sensor_file_ += value;
     } else if (key == "column") {
       take_column(value);
     }
   }
 
   LogComments finish() {
+    if (!sensor_file_.empty()) {
+      const Json json = Json::parse(sensor_file_, nullptr, false);
+      if (!json.is_string()) fail("sensor", "damaged");
+      out_.info.sensor_file = json.get<std::string>();
+    }
     if (!provenance_.empty()) {
       const Json json = Json::parse(provenance_, nullptr, false);
       if (json.is_discarded()) fail("provenance", "not JSON");
@@ -95,7 +102,7 @@ class CommentReader {
     info.classes = json.value("classes", "");
     out_.colours = json.at("colours");
     if (!(info.max_range_m > info.min_range_m && info.min_range_m >= 0 &&
-          std::isfinite(info.max_range_m))) {
+          info.max_range_m >= kMinRange && info.max_range_m < kMaxCoordinate)) {
       fail("log", "minimum and maximum range make no sense");
     }
     out_.ours = true;
@@ -134,7 +141,7 @@ class CommentReader {
 
   const std::string& file_;
   LogComments out_;
-  std::string provenance_;
+  std::string provenance_, sensor_file_;
 };
 
 }  // namespace
@@ -152,6 +159,12 @@ std::string text_from_comments(const LogComments& comments) {
   for (const ScanInfo& scan : info.scans) text += scan_line(scan);
   for (const auto& [name, type] : comments.narrow) {
     text += "comment underbrush column " + name + " " + ply_name(type) + "\n";
+  }
+  if (!info.sensor_file.empty()) {
+    const std::string line = without_traps(compact(info.sensor_file));
+    for (size_t at = 0; at < line.size(); at += kLineLength) {
+      text += "comment underbrush sensor " + line.substr(at, kLineLength) + "\n";
+    }
   }
   if (comments.provenance.empty()) return text;
   const Json json = Json::parse(comments.provenance, nullptr, false);

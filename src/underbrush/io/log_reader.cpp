@@ -34,7 +34,7 @@ void read_column(const char* rows, size_t row_size, size_t n, const Field& field
   });
 }
 
-enum Fault : uint8_t { kNone, kNotFinite, kZeroLength };
+enum Fault : uint8_t { kNone, kNotFinite, kZeroLength, kTooLarge };
 
 }  // namespace
 
@@ -155,7 +155,7 @@ void LogReader::State::look_through() {
     file.read(header.body + uint64_t(begin) * row_size, bytes.data(), bytes.size());
     for (const char* row = bytes.data(); row != bytes.data() + bytes.size(); row += row_size) {
       const double length = Vec3(real(row, ray[0]), real(row, ray[1]), real(row, ray[2])).norm();
-      if (!std::isfinite(length)) continue;
+      if (!(length < kMaxCoordinate)) continue;
       longest[begin / kDecodedRows] = std::max(longest[begin / kDecodedRows], length);
       if (alpha && row[alpha->offset] == 0) misses[begin / kDecodedRows] = 1;
     }
@@ -183,7 +183,11 @@ uint8_t LogReader::State::decode_ray(const char* row, BeamLog& out, size_t i) co
       !std::isfinite(out.intensity[i])) {
     return kNotFinite;
   }
-  if (!(length > 0)) return kZeroLength;
+  if (length < kMinRange) return kZeroLength;
+  // What a log cannot hold must not come out of one either.
+  if (!(length < kMaxCoordinate && out.origin[i].cwiseAbs().maxCoeff() < kMaxCoordinate)) {
+    return kTooLarge;
+  }
   // A miss in a log of ours is exactly as long as the maximum range; its stored length differs only
   // by rounding.
   const double max = comments.info.max_range_m;
@@ -225,9 +229,11 @@ void LogReader::State::drop(const std::vector<uint8_t>& fault, BeamLog& chunk) {
   const size_t n = fault.size();
   const size_t not_finite = size_t(std::count(fault.begin(), fault.end(), kNotFinite));
   const size_t zero_length = size_t(std::count(fault.begin(), fault.end(), kZeroLength));
+  const size_t too_large = size_t(std::count(fault.begin(), fault.end(), kTooLarge));
   if (not_finite) skipped["not finite"] += not_finite;
   if (zero_length) skipped["zero-length ray"] += zero_length;
-  if (not_finite + zero_length == 0) return;
+  if (too_large) skipped["coordinates beyond 67 108 km"] += too_large;
+  if (not_finite + zero_length + too_large == 0) return;
   BeamLog kept = chunk.like();
   for (size_t i = 0; i < n; ++i) {
     if (fault[i] == kNone) kept.append(chunk, i);

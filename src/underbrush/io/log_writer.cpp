@@ -15,7 +15,6 @@ namespace {
 
 constexpr size_t kEncodedRows = 4096;               // rows encoded at a time by one thread
 constexpr size_t kWrittenRows = 64 * kEncodedRows;  // rows written at a time
-constexpr double kMinRange = 1e-6;                  // m; shorter rays have no direction on the grid
 constexpr std::array<const char*, 3> kColours = {"red", "green", "blue"};
 
 bool has_colours(const BeamLog& log) {

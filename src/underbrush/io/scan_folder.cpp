@@ -8,6 +8,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/file.hpp"
 #include "underbrush/io/ply_header.hpp"
+#include "underbrush/io/table.hpp"
 #include "underbrush/io/text.hpp"
 
 namespace underbrush::io {
@@ -180,7 +181,10 @@ std::vector<ScanFile> list_scans(const fs::path& folder) {
     }
   }
   if (error) throw FormatError(folder.string(), "", error.message());
-  if (files.empty()) throw FormatError(folder.string(), "", "no scans in it");
+  if (files.empty()) {
+    const bool recording = fs::exists(folder / "metadata.yaml", error);
+    throw FormatError(folder.string(), "", recording ? kRecording : "no scans in it");
+  }
   std::sort(files.begin(), files.end(),
             [](const auto& a, const auto& b) { return a.path < b.path; });
   const bool numbered = std::all_of(files.begin(), files.end(), [](const ScanFile& file) {

@@ -6,6 +6,7 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/file.hpp"
+#include "underbrush/io/input.hpp"
 #include "underbrush/io/ply.hpp"
 #include "underbrush/io/ply_header.hpp"
 
@@ -62,7 +63,7 @@ void fill_points(const std::string& file, Table& table, const ScanContext& conte
     if (p.squaredNorm() < kNearest * kNearest) p.setZero();
     scan.point[i] = p.cast<float>();
   }
-  if (absurd) skipped["farther than 1000 km from the sensor"] += absurd;
+  if (absurd) skipped[kFarFromSensor] += absurd;
 }
 
 void fill_times(Table& table, PointScan& scan) {
@@ -147,7 +148,16 @@ Table read_table(const std::filesystem::path& path) {
   if (ext == ".bin") return read_kitti_bin(path);
   if (ext == ".npy" || ext == ".npz") return read_numpy(path);
   if (ext == ".csv" || ext == ".txt" || ext == ".xyz") return read_csv(path);
-  if (ext != ".ply") throw FormatError(path.string(), "", "unknown kind of file: '" + ext + "'");
+  if (ext != ".ply") {
+    const bool recording = ext == ".bag" || ext == ".db3" || ext == ".mcap";
+    const bool las = ext == ".las" || ext == ".laz";
+    throw FormatError(path.string(), "",
+                      recording ? kRecording
+                      : las ? "LAS and LAZ are not read: convert it to PLY or CSV, with x y z as "
+                              "double"
+                            : "unknown kind of file: " + in_quotes(ext) +
+                                  "; known are .ply .pcd .bin .npy .npz .csv .txt .xyz");
+  }
   PlyData data = read_ply(path);
   for (PlyElement& element : data.elements) {
     if (element.name == "vertex") return {std::move(element.columns), std::nullopt};

@@ -45,6 +45,12 @@ Table read_table(const std::filesystem::path& path);
 /// Whether `read_table` knows the extension of `path`.
 bool is_table_file(const std::filesystem::path& path);
 
+/// What is said of a recording of ROS.
+inline constexpr const char* kRecording =
+    "a rosbag recording, which is not read: write its point clouds as PCD or PLY files first, one "
+    "a "
+    "scan (pcl_ros bag_to_pcd, or the Python package rosbags)";
+
 /// What must be known to turn a table into a scan.
 struct ScanContext {
   ScanInfo info;

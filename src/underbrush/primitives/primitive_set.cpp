@@ -25,8 +25,6 @@ namespace {
 
 constexpr int kThumbnailPixels = 160;
 
-bool is_set(const fs::path& path) { return fs::is_regular_file(path / "primitives.json"); }
-
 std::vector<PrimitiveEntry> entries_of(const std::vector<Primitive>& primitives) {
   std::vector<PrimitiveEntry> entries;
   std::map<elements::Class, int> count;
@@ -64,6 +62,10 @@ std::vector<double> heights_shown(const std::vector<Primitive>& primitives) {
 
 }  // namespace
 
+bool is_primitive_set(const fs::path& path) {
+  return fs::is_regular_file(path / "primitives.json");
+}
+
 PrimitiveSet primitive_set(std::vector<Primitive> primitives, double cell_m) {
   PrimitiveSet set;
   set.cell_m = cell_m;
@@ -74,7 +76,7 @@ PrimitiveSet primitive_set(std::vector<Primitive> primitives, double cell_m) {
 
 void check_primitives_output(const fs::path& path) {
   io::check_output(path, io::OutputKind::kFolder);
-  if (fs::exists(path) && !is_set(path) && !fs::is_empty(path)) {
+  if (fs::exists(path) && !is_primitive_set(path) && !fs::is_empty(path)) {
     throw IoError(path.string() +
                   ": cannot write: exists and is no set of primitives; remove it or name another");
   }
@@ -125,7 +127,7 @@ void write_primitives(const fs::path& path, const std::vector<Primitive>& primit
 PrimitiveSet read_primitive_set(const fs::path& path) {
   const fs::path file = path / "primitives.json";
   if (!fs::exists(path)) throw FormatError(path.string(), "", "no such set of primitives");
-  if (!is_set(path)) {
+  if (!is_primitive_set(path)) {
     throw FormatError(path.string(), "", "no set of primitives (no primitives.json in it)");
   }
   const io::JsonFile json(file);

@@ -41,6 +41,8 @@ PrimitiveSet primitive_set(std::vector<Primitive> primitives, double cell_m);
 void write_primitives(const std::filesystem::path& path, const std::vector<Primitive>& primitives,
                       double cell_m, const std::string& provenance);
 
+/// Whether a path is the folder of a set of primitives.
+bool is_primitive_set(const std::filesystem::path& path);
 /// Throws the `IoError` that `write_primitives` would end with. Callers use it before a long
 /// computation.
 void check_primitives_output(const std::filesystem::path& path);

@@ -260,6 +260,7 @@ BeamLog beams_from_scan(const PointScan& scan, const Trajectory& trajectory,
                                   : counts.misses_recorded);
   }
   log.info.sensor = sensor ? sensor->name : "";
+  log.info.sensor_file = sensor ? sensor->file : "";
   if (sensor) {
     log.info.min_range_m = sensor->min_range_m;
     log.info.max_range_m = sensor->max_range_m;

@@ -143,13 +143,26 @@ Sensor load(std::string_view name_or_yaml_path) {
   for (const CatalogueEntry& entry : catalogue()) {
     if (entry.name == name) return parse(name, std::string(entry.text));
   }
-  if (std::filesystem::is_regular_file(name)) return parse(name, text_of(name));
+  if (std::filesystem::is_regular_file(name)) {
+    const std::string text = text_of(name);
+    Sensor s = parse(name, text);
+    s.file = text;
+    return s;
+  }
   std::string known;
   for (const std::string& n : names()) known += " " + n;
   const std::string near = nearest_name(name, names());
   throw std::invalid_argument("no sensor '" + name + "', nor such a file; " +
                               (near.empty() ? "" : "did you mean '" + near + "'? ") +
                               "known:" + known);
+}
+
+Sensor sensor_of_log(const std::string& log, const LogInfo& info) {
+  if (info.sensor.empty()) throw FormatError(log, "", "does not name its sensor");
+  if (info.sensor_file.empty()) return load(info.sensor);
+  Sensor s = parse(log + ": sensor " + info.sensor, info.sensor_file);
+  s.file = info.sensor_file;
+  return s;
 }
 
 std::vector<std::string> names() {

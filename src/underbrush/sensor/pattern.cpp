@@ -35,6 +35,7 @@ PatternSource::PatternSource(Sensor sensor, const Trajectory& trajectory, double
           "beams: needs finite times, start <= end");
   require((end_s - start_s) * sensor_.rate_hz < 4e9, "beams: too long a time");
   info_.sensor = sensor_.name;
+  info_.sensor_file = sensor_.file;
   info_.min_range_m = sensor_.min_range_m;
   info_.max_range_m = sensor_.max_range_m;
   info_.has_misses = info_.deskewed = true;

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "underbrush/core/beam_log.hpp"
 #include "underbrush/sensor/beam.hpp"
 #include "underbrush/sensor/shots.hpp"
 #include "underbrush/sensor/signal.hpp"
@@ -35,6 +36,7 @@ enum class Kind {
 /// is positive.
 struct Sensor {
   std::string name;                  ///< Catalogue name.
+  std::string file;                  ///< The data file (YAML), if not of the catalogue.
   std::string title;                 ///< Maker and model.
   std::vector<std::string> sources;  ///< Where the values come from; [memory] = unchecked.
   Kind kind = Kind::kSpinning;
@@ -87,6 +89,10 @@ struct Sensor {
 /// schema is in docs/reference/sensor-files.md. Throws `std::invalid_argument`, which names the
 /// most similar sensor, if there is neither, and `FormatError` if the file is malformed.
 Sensor load(std::string_view name_or_yaml_path);
+
+/// Loads the sensor that a log names: the data file that the log carries, or else as `load`. Throws
+/// `FormatError`, which names `log`, if there is no name or the data file is malformed.
+Sensor sensor_of_log(const std::string& log, const LogInfo& info);
 
 /// The names of the catalogue, sorted.
 std::vector<std::string> names();

@@ -11,11 +11,14 @@
 namespace underbrush::simulate {
 
 /// Finds the value of the column `element_class`: the class of the instance if `instance_labels`
-/// (one an instance) is not empty, else the label of the ellipsoid, else 0. `model` is that of the
-/// instance.
+/// (one an instance) has one for it, else the label of the ellipsoid, else 0. `model` is that of
+/// the instance.
 inline uint16_t element_class(const elements::Model& model, const trace::Intersection& met,
                               const std::vector<elements::Class>& instance_labels) {
-  if (!instance_labels.empty()) return uint16_t(instance_labels.at(met.instance));
+  if (!instance_labels.empty()) {
+    const elements::Class label = instance_labels.at(met.instance);
+    if (label != elements::Class::kUnknown) return uint16_t(label);
+  }
   const elements::ElementPlace place = model.place(met.element);
   return place.kind == elements::Kind::kEllipsoid ? uint16_t(model.ellipsoids[place.index].label)
                                                   : 0;
