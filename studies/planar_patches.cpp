@@ -55,31 +55,31 @@ std::vector<uint32_t> seeds_in_order(const std::vector<Vec3f>& normal, const Nei
 
 /// Returns the convex hull of points on the plane.
 std::vector<Vec3> outline_of(const Plane& plane, const std::vector<Vec3>& points) {
-  using Place = Eigen::Vector2d;
-  std::vector<Place> flat;
+  using Point2 = Eigen::Vector2d;
+  std::vector<Point2> flat;
   flat.reserve(points.size());
   for (const Vec3& p : points) {
     flat.emplace_back(plane.u.dot(p - plane.centre), plane.v.dot(p - plane.centre));
   }
-  std::sort(flat.begin(), flat.end(), [](const Place& a, const Place& b) {
+  std::sort(flat.begin(), flat.end(), [](const Point2& a, const Point2& b) {
     return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y();
   });
-  std::vector<Place> hull;
-  const auto add = [&](const Place& p, size_t least) {
+  std::vector<Point2> hull;
+  const auto add = [&](const Point2& p, size_t least) {
     const auto turns_right = [&] {
-      const Place a = hull.back() - hull[hull.size() - 2], b = p - hull.back();
+      const Point2 a = hull.back() - hull[hull.size() - 2], b = p - hull.back();
       return a.x() * b.y() - a.y() * b.x() <= 0;
     };
     while (hull.size() > least && turns_right()) hull.pop_back();
     hull.push_back(p);
   };
-  for (const Place& p : flat) add(p, 1);
+  for (const Point2& p : flat) add(p, 1);
   const size_t lower = hull.size();
   for (size_t i = flat.size() - 1; i-- > 0;) add(flat[i], lower);
   hull.pop_back();
   std::vector<Vec3> out;
   out.reserve(hull.size());
-  for (const Place& p : hull) out.push_back(plane.centre + p.x() * plane.u + p.y() * plane.v);
+  for (const Point2& p : hull) out.push_back(plane.centre + p.x() * plane.u + p.y() * plane.v);
   return out;
 }
 

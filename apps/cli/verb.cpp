@@ -70,7 +70,7 @@ CLI::Validator whole_number() {
             const bool digits = !word.empty() && word.find_first_not_of("0123456789") > word.size();
             return digits ? std::string() : "expected a whole number from 0 on";
           },
-          "UINT"};
+          ""};
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ namespace compose_verb {
 struct Arguments {
   std::string annotation, primitives, output, ground;
   std::vector<std::string> density;
-  bool strict = false;
+  bool strict = false, allow_outside = false;
   primitives::ComposeOptions compose;
 };
 
@@ -39,6 +39,7 @@ void add_options(Verb& verb, Arguments& a) {
                  "Objects for each annotated one of a class: below 1 leaves some out, above 1 adds "
                  "more beside them")
       ->type_name("CLASS=FACTOR ...");
+  app.add_flag("--allow-outside", a.allow_outside, kAllowOutsideHelp);
   app.add_flag("--strict", a.strict, "Fail if an object cannot be placed as annotated");
 }
 
@@ -87,7 +88,7 @@ void run(const Verb& verb, Arguments& a) {
   const auto start = Clock::now();
   read_densities(a, a.compose);
   elements::check_scene_output(a.output);
-  const primitives::Annotation annotation = primitives::read_annotation(a.annotation);
+  const primitives::Annotation annotation = primitives::read_annotation(a.annotation, a.allow_outside);
   const NamedSet named = primitives_named(a.primitives, verb.seed);
   std::filesystem::path from = a.ground;
   if (from.empty()) from = annotation.ground.lexically_normal();

@@ -29,7 +29,7 @@ struct Arguments {
   std::vector<double> slice{0, 10};
   optimize::SliceOptions cut;
   optimize::SearchOptions search;
-  bool resume = false;
+  bool resume = false, allow_outside = false;
   fit::FitOptions fit;
   std::vector<const CLI::Option*> fit_options;
 };
@@ -60,12 +60,15 @@ void add_options(Verb& verb, Arguments& a) {
                  "of beams of each scan)")
       ->check(CLI::Range(2, 1 << 30))
       ->capture_default_str();
+  verb.begin_rare_group("Search");
   app.add_option("--algorithm", a.search.algorithm, "Search algorithm of NLopt")
       ->check(CLI::IsMember(optimize::algorithms()))
       ->capture_default_str();
   app.add_option("--step", a.search.step, "First step, as a share of each parameter's range")
       ->check(CLI::Range(0.001, 0.5))
       ->capture_default_str();
+  app.add_flag("--allow-outside", a.allow_outside, kAllowOutsideHelp);
+  verb.begin_group("Options");
   verb.output("--checkpoint", a.checkpoint,
               "File written after each evaluation (default: PARAMS.yaml.checkpoint)")
       ->type_name("FILE");
@@ -141,7 +144,7 @@ struct SceneInputs {
 Problem scene_problem(const Verb& verb, const Arguments& a, optimize::Slice slice) {
   Problem p;
   const auto in = std::make_shared<SceneInputs>();
-  in->annotation = primitives::read_annotation(a.annotation);
+  in->annotation = primitives::read_annotation(a.annotation, a.allow_outside);
   in->ground = elements::read_model(in->annotation.ground.lexically_normal());
   NamedSet named = primitives_named(a.primitives, verb.seed);
   in->set = std::move(named.set);

@@ -41,16 +41,17 @@ void add_options(Verb& verb, Arguments& a) {
       app.add_option("--sensor", a.sensor, "Simulate a sensor of the catalogue (or a YAML file)");
   auto* trajectory = app.add_option("--trajectory", a.trajectory, "Poses of the sensor, TUM format")
                          ->type_name("POSES.txt");
-  app.add_option(
-         "--profile", a.profile,
-         "Write a folder with a PCD file for each scan, in this driver's PointCloud2 layout")
-      ->check(CLI::IsMember({"velodyne", "ouster", "autoware"}));
   like->excludes(sensor);
   sensor->needs(trajectory);
   trajectory->needs(sensor);
   app.add_flag("--element-ids", a.simulate.element_ids,
                "Write the element that stopped each beam, and its class; for a scene also the "
                "plant (column instance)");
+  verb.begin_rare_group("Drivers");
+  app.add_option(
+         "--profile", a.profile,
+         "Write a folder with a PCD file for each scan, in this driver's PointCloud2 layout")
+      ->check(CLI::IsMember({"velodyne", "ouster", "autoware"}));
   verb.begin_rare_group("Thin rays");
   app.add_option("--draw", a.draw, "Where in an ellipsoid a range is drawn")
       ->check(CLI::IsMember({"on_ray", "volumetric"}))

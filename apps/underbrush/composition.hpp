@@ -9,6 +9,10 @@
 
 namespace underbrush::app {
 
+/// Help of the option --allow-outside.
+inline constexpr const char* kAllowOutsideHelp =
+    "Follow paths of the annotation that lead out of its folder";
+
 /// The name for the set of primitives of generated plants, with which the comparison simulator of
 /// [tallavajhula18] §V composes.
 inline constexpr const char* kMeshPrimitives = "mesh_primitives";

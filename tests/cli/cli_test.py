@@ -74,7 +74,7 @@ class Help(unittest.TestCase):
                 prose = text.partition("Example:")[0].splitlines()  # commands are not broken
                 self.assertLessEqual(max(map(len, prose)), 80)
                 if ".all." not in name:
-                    self.assertLessEqual(len(text.splitlines()), 60 if name == "underbrush.txt" else 52)
+                    self.assertLessEqual(len(text.splitlines()), 60 if name == "underbrush.txt" else 48)
         self.assertLessEqual(len(call("fit", "--help").stdout.splitlines()), 40)
 
     def test_all_options_are_in_the_help_of_all(self):

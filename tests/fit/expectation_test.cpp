@@ -103,7 +103,7 @@ TEST(ElementSums, SlopesAreTheDerivativesOfTheExpectedLogLikelihood) {
     ranges.push_back(met.t_m + met.sigma_m * random.normal());
     const double hit = random.uniform(), pass = random.uniform(0, 1 - hit);
     given.push_back({hit, pass});
-    sums.add(rays.back(), {&met, 1}, ranges.back(), {{hit}, {pass}, 0, 0});
+    sums.add(rays.back(), {&met, 1}, ranges.back(), {{hit}, {pass}, 0, 0, {}});
   }
   const EllipsoidSums s = sums.ellipsoid(0);
   const auto slope = [&](const std::function<void(elements::Ellipsoid&, double)>& move) {
@@ -164,7 +164,7 @@ TEST(Rearrangement, RemovesTheEmptyMergesTwinsAndNeverAdds) {
     if (k < 4) continue;  // no beam meets the first four
     met.element = k;
     for (int i = 0; i < 30; ++i) {
-      sums.add({Vec3(-10, 0, 0), Vec3(1, 0, 0)}, {&met, 1}, 10, {{0.9}, {0.1}, 0, -double(k)});
+      sums.add({Vec3(-10, 0, 0), Vec3(1, 0, 0)}, {&met, 1}, 10, {{0.9}, {0.1}, 0, -double(k), {}});
     }
   }
   RearrangementOptions options;

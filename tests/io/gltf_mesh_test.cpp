@@ -129,6 +129,7 @@ TEST_F(Gltf, WhatIsWrongIsRefused) {
         replaced(R"("byteOffset":48)", R"("byteOffset":49)"),
         replaced(R"("byteLength":60)", R"("byteLength":600)"),
         replaced(R"("indices":1)", R"("indices":7)"), gltf(R"("uri":"none.bin",)", node),
+        gltf(R"("uri":"../outside.bin",)", node), gltf(R"("uri":"/etc/passwd",)", node),
         gltf(inlined(square(INFINITY)), node)}) {
     EXPECT_THROW(read("bad.gltf", text), FormatError) << text;
   }

@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 
@@ -49,6 +50,16 @@ std::string read_file(const std::filesystem::path& path, uint64_t limit) {
   std::string bytes(size_t(file.size()), '\0');
   file.read(0, bytes.data(), bytes.size());
   return bytes;
+}
+
+bool leads_out(const std::filesystem::path& folder, const std::filesystem::path& name) {
+  const std::filesystem::path normal = name.lexically_normal();
+  if (name.is_absolute() || (!normal.empty() && *normal.begin() == "..")) return true;
+  std::error_code error;
+  const std::filesystem::path base = std::filesystem::weakly_canonical(folder.empty() ? "." : folder, error);
+  const std::filesystem::path full = std::filesystem::weakly_canonical(base / name, error);
+  const auto end = std::mismatch(base.begin(), base.end(), full.begin(), full.end()).first;
+  return error || end != base.end();
 }
 
 void write_file(const std::filesystem::path& path, std::string_view bytes) {

@@ -33,6 +33,10 @@ class InputFile {
 /// `limit` bytes.
 std::string read_file(const std::filesystem::path& path, uint64_t limit = uint64_t(1) << 36);
 
+/// Whether `name`, relative to `folder`, leads out of that folder: it is absolute, or goes up by
+/// "..", or a symbolic link leads out.
+bool leads_out(const std::filesystem::path& folder, const std::filesystem::path& name);
+
 /// Writes a new file that consists of `bytes`. Throws `IoError`; also if the file exists.
 void write_file(const std::filesystem::path& path, std::string_view bytes);
 

@@ -16,6 +16,23 @@ constexpr uint64_t kMostBytes = uint64_t(1) << 31;
 constexpr size_t kMostTriangles = size_t(1) << 28;
 constexpr int kDeepest = 64;
 
+bool read_inside(std::vector<unsigned char>* to, std::string* error, const std::string& name,
+                 void* folder) {
+  const fs::path base = *static_cast<const std::string*>(folder);
+  try {
+    if (leads_out(base, fs::path(name).lexically_relative(base))) {
+      *error = "uri " + in_quotes(name) + " leads out of the folder of this file";
+      return false;
+    }
+    const std::string bytes = read_file(name, kMostBytes);
+    to->assign(bytes.begin(), bytes.end());
+    return true;
+  } catch (const FormatError& e) {
+    *error = e.what();
+    return false;
+  }
+}
+
 /// Extracts a mesh from what tinygltf has parsed. Numbers are checked where they are used.
 class GltfReader {
  public:
@@ -27,6 +44,9 @@ class GltfReader {
                           nullptr);
     std::string error, warning;
     const std::string folder = fs::absolute(path).parent_path().string();
+    // What the file refers to lies in its folder, which may come from somebody else.
+    loader.SetFsCallbacks({&tinygltf::FileExists, [](const std::string& name, void*) { return name; },
+                           read_inside, nullptr, const_cast<std::string*>(&folder)});
     bool read = false;
     try {
       read = bytes.starts_with("glTF")

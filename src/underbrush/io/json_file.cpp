@@ -32,16 +32,6 @@ Json parsed(const fs::path& path) {
 
 const Json& json_at(const void* value) { return *static_cast<const Json*>(value); }
 
-bool leads_out(const fs::path& folder, const fs::path& name) {
-  const fs::path normal = name.lexically_normal();
-  if (name.is_absolute() || (!normal.empty() && *normal.begin() == "..")) return true;
-  std::error_code error;
-  const fs::path base = fs::weakly_canonical(folder.empty() ? "." : folder, error);
-  const fs::path full = fs::weakly_canonical(base / name, error);
-  const auto end = std::mismatch(base.begin(), base.end(), full.begin(), full.end()).first;
-  return error || end != base.end();
-}
-
 }  // namespace
 
 std::string text_of_json(const Json& json, int indent) {
@@ -144,11 +134,11 @@ std::vector<std::string> JsonValue::member_names() const {
 
 std::string JsonValue::dump() const { return text_of_json(json_at(value_)); }
 
-fs::path JsonValue::path(bool outside) const {
+fs::path JsonValue::path(bool outside, const char* advice) const {
   const fs::path name = text("a path"), folder = file_->parent_path();
   if (name.empty()) expected("a path");
   if (!outside && leads_out(folder, name)) {
-    fail(in_quotes(name.string()) + " leads out of the folder of this file");
+    fail(in_quotes(name.string()) + " leads out of the folder of this file" + advice);
   }
   return folder / name;
 }

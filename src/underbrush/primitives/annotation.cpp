@@ -9,6 +9,8 @@ namespace underbrush::primitives {
 namespace fs = std::filesystem;
 namespace {
 
+constexpr const char* kAdvice = "; --allow-outside follows it";
+
 PlacedObject object_of(const io::JsonValue& j, bool outside) {
   j.check_members(
       {"class", "position_m", "yaw_rad", "box_m", "instance", "points", "trajectory", "comment"});
@@ -24,7 +26,7 @@ PlacedObject object_of(const io::JsonValue& j, bool outside) {
   o.box = box_of_json(j);
   if (const auto n = j.find("instance")) o.instance = uint32_t(n->count(UINT32_MAX));
   if (const auto n = j.find("points")) o.points = uint32_t(n->count(UINT32_MAX));
-  if (const auto poses = j.find("trajectory")) o.trajectory = poses->path(outside);
+  if (const auto poses = j.find("trajectory")) o.trajectory = poses->path(outside, kAdvice);
   return o;
 }
 
@@ -61,7 +63,7 @@ Annotation read_annotation(const fs::path& path, bool outside) {
   const io::JsonValue j =
       json.manifest("underbrush-annotation", kAnnotationVersion, "an underbrush annotation");
   Annotation a;
-  a.ground = j.at("ground").path(outside);
+  a.ground = j.at("ground").path(outside, kAdvice);
   for (const io::JsonValue& object : j.at("objects").values()) {
     a.objects.push_back(object_of(object, outside));
   }
