@@ -10,7 +10,7 @@ program_only = -DUNDERBRUSH_TESTS=OFF -DUNDERBRUSH_BENCH=OFF -DUNDERBRUSH_STUDIE
 quiet = log=$$(mktemp); if $(1) > $$log 2>&1; then rm $$log; else cat $$log; rm $$log; exit 1; fi
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build test demo bench docs deb check-deb clean
+.PHONY: help setup build test fuzz demo bench docs deb check-deb clean
 
 help:     ## This list
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):[^#]*## /  make \1\t/' | expand -t 16
@@ -30,6 +30,11 @@ test: setup    ## Build everything and pass all tests
 	@$(call quiet,$(configure) $(everything))
 	@cmake --build $(BUILD) -j $(JOBS)
 	@ctest --test-dir $(BUILD) --output-on-failure --progress -j $(JOBS)
+
+fuzz: setup    ## Mutate inputs of every kind, 10 000 a kind (hours)
+	@$(call quiet,$(configure) $(everything))
+	@cmake --build $(BUILD) --target underbrush -j $(JOBS)
+	@tests/fuzz/mutate.py --program $(program) --mutants 10000 --jobs $(JOBS) --keep $(BUILD)/mutants
 
 demo: build    ## The whole pipeline on a generated site and a real scan; ends with a report in demo/
 	@$(program) demo -o demo
