@@ -41,7 +41,10 @@ std::vector<std::string> values_of(const std::string& file, const std::string& n
   }
   if (value.IsScalar()) return {value.Scalar()};
   std::vector<std::string> values;
-  for (const auto& item : value) values.push_back(item.as<std::string>());
+  for (const auto& item : value) {
+    if (!item.IsScalar()) throw FormatError(file, name, "expected a value or a list of values");
+    values.push_back(item.Scalar());
+  }
   return values;
 }
 
@@ -69,6 +72,7 @@ std::vector<CLI::ConfigItem> YamlConfig::from_config(std::istream& in) const {
   const auto options = verb.get_options([](const CLI::Option* o) { return configurable(*o); });
   std::vector<CLI::ConfigItem> settings;
   for (const auto& entry : read(in, file)) {
+    if (!entry.first.IsScalar()) throw FormatError(file, "", "expected lines of NAME: VALUE");
     CLI::ConfigItem item;
     item.name = entry.first.as<std::string>();
     const auto option = std::find_if(options.begin(), options.end(), [&](const CLI::Option* o) {

@@ -112,6 +112,13 @@ void Verb::begin_rare_group(const std::string& title) {
   begin_group(title);
 }
 
+std::string Verb::main_input() const {
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->get_positional() && !option->results().empty()) return option->results().front();
+  }
+  return program_.app().get_name();
+}
+
 void Verb::check_all_outputs() const {
   std::vector<fs::path> inputs;
   const auto add = [&](const std::string& word) {
@@ -201,7 +208,11 @@ std::shared_ptr<Verb> made(const Program& program, CLI::App& app, const std::str
     if (!verb->json.empty() && verb->json != "-" && !is_device(verb->json)) {
       io::check_output(verb->json);
     }
-    run(*verb);
+    try {
+      run(*verb);
+    } catch (const DataError& e) {
+      throw FormatError(verb->main_input(), "", e.what());
+    }
   });
   return verb;
 }

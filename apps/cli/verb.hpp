@@ -58,6 +58,8 @@ class Verb {
   /// Puts the options that are added next into a group that only `--help-all` shows.
   void begin_rare_group(const std::string& title = "More options");
 
+  /// Returns the first word of the command line that is not an option: what the verb works on.
+  std::string main_input() const;
   /// Throws as `check_outputs` does.
   void check_all_outputs() const;
   /// Prints the results: `table` for people on standard output (unless JSON goes there), and

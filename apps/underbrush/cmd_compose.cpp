@@ -88,7 +88,8 @@ void run(const Verb& verb, Arguments& a) {
   const auto start = Clock::now();
   read_densities(a, a.compose);
   elements::check_scene_output(a.output);
-  const primitives::Annotation annotation = primitives::read_annotation(a.annotation, a.allow_outside);
+  const primitives::Annotation annotation =
+      primitives::read_annotation(a.annotation, a.allow_outside);
   const NamedSet named = primitives_named(a.primitives, verb.seed);
   std::filesystem::path from = a.ground;
   if (from.empty()) from = annotation.ground.lexically_normal();

@@ -260,7 +260,7 @@ void report_annotation(const Verb& verb, const std::string& path) {
 void report_leaves(const Verb& verb, const std::string& file, bool all) {
   const LeafCloud cloud = leaf_cloud(file, all);
   if (cloud.points.size() < 30) {
-    throw std::invalid_argument(file + ": fewer than 30 points of vegetation");
+    throw DataError("fewer than 30 points of vegetation");
   }
   const metrics::LeafInclination l = metrics::leaf_inclination(cloud.points);
   const Json j = {{"kind", "leaves"},
@@ -292,8 +292,8 @@ void run(const Verb& verb, const Arguments& a) {
   if (std::filesystem::path(file).extension() == ".json") return report_annotation(verb, file);
   io::Input input = io::open_input(file);
   if (!input.beams) {
-    throw std::invalid_argument(file + ": scans without beams (" + input.format +
-                                "): import it first, then ask for info on the result");
+    throw DataError("scans without beams (" + input.format +
+                    "): import it first, then ask for info on the result");
   }
   Contents contents;
   Progress progress("info");

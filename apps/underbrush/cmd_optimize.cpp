@@ -236,14 +236,18 @@ void run(const Verb& verb, Arguments& a) {
   t.provenance = provenance(verb, inputs);
   optimize::Checkpoint kept{identity_of(verb, a, p), false, {}};
   const std::vector<optimize::Evaluation> past = past_of(a, kept.run);
-  t.evaluations = optimize::search(t.parameters, p.start, a.search, p.objective, past,
-                                   [&](std::span<const optimize::Evaluation> so_far) {
-                                     kept.evaluations.assign(so_far.begin(), so_far.end());
-                                     optimize::write_checkpoint(a.checkpoint, kept);
-                                     std::cerr << fmt::format("[{:.1f} s] {}\n", seconds(),
-                                                              line_of(t, so_far, a.search.budget))
-                                               << std::flush;
-                                   });
+  try {
+    t.evaluations = optimize::search(t.parameters, p.start, a.search, p.objective, past,
+                                     [&](std::span<const optimize::Evaluation> so_far) {
+                                       kept.evaluations.assign(so_far.begin(), so_far.end());
+                                       optimize::write_checkpoint(a.checkpoint, kept);
+                                       std::cerr << fmt::format("[{:.1f} s] {}\n", seconds(),
+                                                                line_of(t, so_far, a.search.budget))
+                                                 << std::flush;
+                                     });
+  } catch (const DataError& e) {
+    throw FormatError(past.empty() ? a.log : a.checkpoint, "", e.what());
+  }
   write_config(a.output, t);
   kept.evaluations = t.evaluations;
   kept.finished = true;

@@ -136,7 +136,11 @@ std::vector<metrics::Score> score_logs(const fs::path& real,
       options.world = world.get();
     }
     Progress progress("score " + c.name);
-    scores.push_back(metrics::score(real_log, simulated, options, std::ref(progress)));
+    try {
+      scores.push_back(metrics::score(real_log, simulated, options, std::ref(progress)));
+    } catch (const DataError& e) {
+      throw FormatError(c.log.string(), "", e.what());
+    }
   }
   return scores;
 }

@@ -22,6 +22,13 @@ class IoError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Data that a function cannot work with, although nothing is wrong with their format. `what()`
+/// says why; a program puts the file's name before it.
+class DataError : public std::invalid_argument {
+ public:
+  using std::invalid_argument::invalid_argument;
+};
+
 /// Returns `text` as one line that a terminal can show: control characters, bidirectional overrides
 /// and bytes that are not UTF-8 are written as `\\xNN`, and of a text longer than `limit` bytes the
 /// start and the end remain around "…".
@@ -34,6 +41,10 @@ std::string in_quotes(std::string_view word);
 /// it.
 inline void require(bool ok, const char* message) {
   if (!ok) throw std::invalid_argument(message);
+}
+/// Throws `DataError(message)` unless `ok`.
+inline void require_data(bool ok, const char* message) {
+  if (!ok) throw DataError(message);
 }
 
 }  // namespace underbrush

@@ -18,7 +18,8 @@ InputFile::InputFile(const std::filesystem::path& path) : name_(path.string()) {
     if (fd_ >= 0) ::close(fd_);
     throw FormatError(name_, "", reason);
   };
-  fd_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  fd_ =
+      ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // a pipe is refused, not waited for
   if (fd_ < 0) refuse(errno == ENOENT ? "no such file" : std::strerror(errno));
   struct stat status {};
   if (::fstat(fd_, &status) != 0) refuse(std::strerror(errno));
@@ -56,7 +57,8 @@ bool leads_out(const std::filesystem::path& folder, const std::filesystem::path&
   const std::filesystem::path normal = name.lexically_normal();
   if (name.is_absolute() || (!normal.empty() && *normal.begin() == "..")) return true;
   std::error_code error;
-  const std::filesystem::path base = std::filesystem::weakly_canonical(folder.empty() ? "." : folder, error);
+  const std::filesystem::path base =
+      std::filesystem::weakly_canonical(folder.empty() ? "." : folder, error);
   const std::filesystem::path full = std::filesystem::weakly_canonical(base / name, error);
   const auto end = std::mismatch(base.begin(), base.end(), full.begin(), full.end()).first;
   return error || end != base.end();

@@ -19,7 +19,7 @@ void check_mesh(const TriangleMesh& mesh) {
           "model: triangles and hit probabilities differ in number");
   require(std::isfinite(mesh.range_sigma_m) && mesh.range_sigma_m >= 0, "model: bad range noise");
   require(std::isfinite(mesh.roughness_m) && mesh.roughness_m >= 0, "model: bad roughness");
-  for (const Vec3f& v : mesh.vertices) require(v.allFinite(), "model: a vertex is not finite");
+  for (const Vec3f& v : mesh.vertices) require_data(v.allFinite(), "model: a vertex is not finite");
   for (const auto& t : mesh.triangles) {
     for (uint32_t k : t) require(k < mesh.vertices.size(), "model: a triangle names no vertex");
   }

@@ -45,7 +45,7 @@ void gather(BeamSource& source, const FitOptions& options, TileStore& store, Fit
   model.origin = *origin;
   model.max_range_m =
       add_hits(source, model.origin, options.min_range_m, store, out.report, progress);
-  require(store.size() > 0, "fit: the log has no return to fit a model to");
+  require_data(store.size() > 0, "fit: the log has no return to fit a model to");
   if (!source.info().has_misses) {
     out.report.warnings.push_back(
         "the log has no misses, so hit probabilities come out too high; import it with "

@@ -60,8 +60,8 @@ Voxels occupied_voxels(std::span<const Vec3f> points, double side_m) {
   }
   // One empty layer all around keeps the codes of an occupied cube's neighbours within the box.
   const Eigen::Array3d base = (low.cast<double>().array() / side_m).floor() - 1;
-  require(((high.cast<double>().array() / side_m).floor() - base).maxCoeff() < 2e6,
-          "the points span too many voxels: make them larger");
+  require_data(((high.cast<double>().array() / side_m).floor() - base).maxCoeff() < 2e6,
+               "the points span too many voxels: make them larger");
   CodeTable table;
   for (size_t i = 0; i < points.size(); ++i) {
     const Eigen::Array3d cube = (points[i].cast<double>().array() / side_m).floor() - base;

@@ -71,8 +71,9 @@ void HeightGrid::add(std::span<const Vec3> points) {
   for (const Vec3& point : points) {
     const Vec3 p = point - s.origin;
     const double u = p.x() / s.options.spacing_m, v = p.y() / s.options.spacing_m;
-    require(std::abs(u) < double(1 << 28) && std::abs(v) < double(1 << 28) && std::isfinite(p.z()),
-            "height grid: a point is not finite or too far from the origin");
+    require_data(
+        std::abs(u) < double(1 << 28) && std::abs(v) < double(1 << 28) && std::isfinite(p.z()),
+        "height grid: a point is not finite or too far from the origin");
     const int i = int(std::floor(u)), j = int(std::floor(v));
     const BlockKey key = block_of(i, j);
     if (!last || key != last_key) {

@@ -39,7 +39,7 @@ SortedTile sort_by_cell(std::span<const Vec3f> points, double cell_m) {
   if (!(low.x() <= high.x())) return tile;
   const double nx = std::floor(double(high.x() - low.x()) / cell_m) + 1;
   const double ny = std::floor(double(high.y() - low.y()) / cell_m) + 1;
-  require(nx * ny <= double(1 << 26), "lower envelope: the tile exceeds 2^26 cells");
+  require_data(nx * ny <= double(1 << 26), "lower envelope: the tile exceeds 2^26 cells");
   tile.nx = int(nx);
   tile.ny = int(ny);
   std::vector<uint32_t> cell_of(points.size());

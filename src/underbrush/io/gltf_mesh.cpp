@@ -7,6 +7,7 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/file.hpp"
+#include "underbrush/io/json_text.inl"
 
 namespace underbrush::io {
 namespace fs = std::filesystem;
@@ -15,6 +16,14 @@ namespace {
 constexpr uint64_t kMostBytes = uint64_t(1) << 31;
 constexpr size_t kMostTriangles = size_t(1) << 28;
 constexpr int kDeepest = 64;
+
+// Returns the JSON of a GLB file: the first chunk, behind a header of 12 bytes and its own of 8.
+std::string json_chunk(const std::string& bytes) {
+  uint32_t size = 0;
+  if (bytes.size() < 20) return "";
+  std::memcpy(&size, bytes.data() + 12, 4);
+  return bytes.substr(20, size);
+}
 
 bool read_inside(std::vector<unsigned char>* to, std::string* error, const std::string& name,
                  void* folder) {
@@ -42,11 +51,13 @@ class GltfReader {
     loader.SetImageLoader([](tinygltf::Image*, int, std::string*, std::string*, int, int,
                              const unsigned char*, int, void*) { return true; },
                           nullptr);
+    check_json(path, bytes.starts_with("glTF") ? json_chunk(bytes) : bytes);
     std::string error, warning;
     const std::string folder = fs::absolute(path).parent_path().string();
     // What the file refers to lies in its folder, which may come from somebody else.
-    loader.SetFsCallbacks({&tinygltf::FileExists, [](const std::string& name, void*) { return name; },
-                           read_inside, nullptr, const_cast<std::string*>(&folder)});
+    loader.SetFsCallbacks({&tinygltf::FileExists,
+                           [](const std::string& name, void*) { return name; }, read_inside,
+                           nullptr, const_cast<std::string*>(&folder)});
     bool read = false;
     try {
       read = bytes.starts_with("glTF")
@@ -55,8 +66,8 @@ class GltfReader {
                                                unsigned(bytes.size()), folder)
                  : loader.LoadASCIIFromString(&model_, &error, &warning, bytes.data(),
                                               unsigned(bytes.size()), folder);
-    } catch (const std::exception& e) {
-      error = e.what();
+    } catch (const std::exception&) {
+      error = "not glTF 2.0";
     }
     if (!read) fail("", error.empty() ? "not glTF 2.0" : error.substr(0, error.find('\n')));
     for (const std::string& extension : model_.extensionsRequired) {
@@ -78,6 +89,7 @@ class GltfReader {
       const int scene = std::max(0, model_.defaultScene);
       roots = model_.scenes[at(scene, model_.scenes.size(), "scene")].nodes;
     }
+    seen_.assign(model_.nodes.size(), false);
     for (const int n : roots) add_node(n, Eigen::Affine3d::Identity(), 0);
     return std::move(mesh_);
   }
@@ -112,7 +124,10 @@ class GltfReader {
 
   void add_node(int number, const Eigen::Affine3d& parent, int depth) {
     if (depth > kDeepest) fail("nodes", "nested deeper than 64, or in a circle");
-    const tinygltf::Node& n = model_.nodes[at(number, model_.nodes.size(), "nodes")];
+    const size_t k = at(number, model_.nodes.size(), "nodes");
+    if (seen_[k]) fail("nodes", "number " + std::to_string(k) + " has two parents");
+    seen_[k] = true;
+    const tinygltf::Node& n = model_.nodes[k];
     const Eigen::Affine3d here = parent * transform_of(n);
     if (n.mesh >= 0) {
       for (const auto& p : model_.meshes[at(n.mesh, model_.meshes.size(), "meshes")].primitives) {
@@ -195,6 +210,7 @@ class GltfReader {
 
   fs::path path_;
   tinygltf::Model model_;
+  std::vector<bool> seen_;  // One a node.
   MeshData mesh_;
 };
 

@@ -14,12 +14,22 @@ namespace fs = std::filesystem;
 namespace {
 
 using Json = nlohmann::ordered_json;
+constexpr int kDeepestJson = 64;
 constexpr uint64_t kMostJson = uint64_t(1) << 31;
 
-Json parsed(const fs::path& path) {
-  const std::string text = read_file(path, kMostJson);
+struct TooDeep {};
+
+// Functions that go through a value call themselves for each level of it.
+bool limit_depth(int depth, Json::parse_event_t, Json&) {
+  if (depth > kDeepestJson) throw TooDeep();
+  return true;
+}
+
+Json parsed(const fs::path& path, const std::string& text) {
   try {
-    return Json::parse(text);
+    return Json::parse(text, limit_depth);
+  } catch (const TooDeep&) {
+    throw FormatError(path.string(), "", "nested too deep");
   } catch (const nlohmann::json::parse_error& e) {
     const auto end = text.begin() + ptrdiff_t(std::min(e.byte, text.size()));
     throw FormatError(path.string(),
@@ -38,10 +48,22 @@ std::string text_of_json(const Json& json, int indent) {
   return json.dump(indent, ' ', false, Json::error_handler_t::replace);
 }
 
+std::optional<Json> json_if_valid(const std::string& text) {
+  try {
+    Json json = Json::parse(text, limit_depth);
+    return json;
+  } catch (const TooDeep&) {
+  } catch (const nlohmann::json::exception&) {
+  }
+  return std::nullopt;
+}
+
+void check_json(const fs::path& file, const std::string& text) { parsed(file, text); }
+
 Json json_of_text(const std::string& text) {
-  Json json = Json::parse(text, nullptr, false);
-  require(!json.is_discarded(), "a provenance is not JSON");
-  return json;
+  std::optional<Json> json = json_if_valid(text);
+  require(json.has_value(), "a provenance is not JSON");
+  return *std::move(json);
 }
 
 void JsonValue::fail(std::string_view reason) const {
@@ -148,7 +170,8 @@ struct JsonFile::Content {
 };
 
 JsonFile::JsonFile(const fs::path& path)
-    : path_(path), content_(std::make_unique<Content>(Content{parsed(path)})) {}
+    : path_(path),
+      content_(std::make_unique<Content>(Content{parsed(path, read_file(path, kMostJson))})) {}
 
 JsonFile::~JsonFile() = default;
 

@@ -44,7 +44,8 @@ class JsonValue {
   std::string dump() const;
   /// Returns the path of a file or folder that the text names, relative to the folder of this JSON
   /// file. Unless `outside`, a path that leads out of that folder (absolute, by "..", or by a
-  /// symbolic link) is refused, because the folder may come from somebody else; the error ends with `advice`.
+  /// symbolic link) is refused, because the folder may come from somebody else; the error ends with
+  /// `advice`.
   std::filesystem::path path(bool outside = false, const char* advice = "") const;
 
  private:

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/io/json_text.inl"
 
 namespace underbrush::io {
 namespace {
@@ -74,14 +75,14 @@ class CommentReader {
 
   LogComments finish() {
     if (!sensor_file_.empty()) {
-      const Json json = Json::parse(sensor_file_, nullptr, false);
-      if (!json.is_string()) fail("sensor", "damaged");
-      out_.info.sensor_file = json.get<std::string>();
+      const std::optional<Json> json = json_if_valid(sensor_file_);
+      if (!json || !json->is_string()) fail("sensor", "damaged");
+      out_.info.sensor_file = json->get<std::string>();
     }
     if (!provenance_.empty()) {
-      const Json json = Json::parse(provenance_, nullptr, false);
-      if (json.is_discarded()) fail("provenance", "not JSON");
-      out_.provenance = json.dump();
+      const std::optional<Json> json = json_if_valid(provenance_);
+      if (!json) fail("provenance", "not JSON");
+      out_.provenance = text_of_json(*json);
     }
     return std::move(out_);
   }
@@ -92,7 +93,9 @@ class CommentReader {
   }
 
   void take_log(std::string_view text) try {
-    const Json json = Json::parse(text);
+    const std::optional<Json> found = json_if_valid(std::string(text));
+    if (!found) fail("log", "damaged");
+    const Json& json = *found;
     LogInfo& info = out_.info;
     info.sensor = json.at("sensor");
     info.min_range_m = json.at("min_range_m");
@@ -167,9 +170,7 @@ std::string text_from_comments(const LogComments& comments) {
     }
   }
   if (comments.provenance.empty()) return text;
-  const Json json = Json::parse(comments.provenance, nullptr, false);
-  require(!json.is_discarded(), "log: provenance must be JSON");
-  const std::string line = without_traps(compact(json));
+  const std::string line = without_traps(compact(json_of_text(comments.provenance)));
   for (size_t at = 0; at < line.size(); at += kLineLength) {
     text += "comment underbrush provenance " + line.substr(at, kLineLength) + "\n";
   }

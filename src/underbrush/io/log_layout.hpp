@@ -47,7 +47,8 @@ inline double rounded(double x, double scale) {
 
 inline constexpr double kOriginScale = 0x1p24;    ///< Origins lie on a grid of 2⁻²⁴ m = 60 nm.
 inline constexpr double kMaxCoordinate = 0x1p26;  ///< m; larger coordinates do not fit on the grid.
-inline constexpr double kMinRange = 1e-6;  ///< m; shorter rays have no direction on the grid.
+inline constexpr double kMinRange =
+    kLeastRangeM;  ///< m; shorter rays have no direction on the grid.
 
 /// Returns 2ᵏ for the k with 2ᵏ <= x < 2ᵏ⁺¹; x > 0 and normal.
 inline double power_below(double x) {

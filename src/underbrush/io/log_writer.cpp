@@ -93,7 +93,7 @@ void LogWriter::State::begin(const BeamLog& first) {
     if (comments.colours && std::find(kColours.begin(), kColours.end(), name) != kColours.end()) {
       continue;
     }
-    require(!name.empty(), "log: an extra column without a name");
+    require_data(!name.empty(), "log: an extra column without a name");
     const ValueType type = type_of(column);
     extra.push_back({name, type});
     row_size += size_of(stored_type(type));
@@ -124,10 +124,11 @@ void LogWriter::State::encode_beam(const BeamLog& log, size_t i, char* row) {
   const bool hit = log.is_hit(i);
   const double range = hit ? double(log.range_m[i]) : comments.info.max_range_m;
   const Vec3& o = log.origin[i];
-  require(range >= kMinRange && range < kMaxCoordinate, "log: a range is not above 0 and finite");
-  require(o.cwiseAbs().maxCoeff() < kMaxCoordinate && std::isfinite(log.time_s[i]) &&
-              std::isfinite(log.intensity[i]),
-          "log: an origin, time or intensity is not finite or too large");
+  require_data(range >= kMinRange && range < kMaxCoordinate,
+               "log: a range is not above 0 and finite");
+  require_data(o.cwiseAbs().maxCoeff() < kMaxCoordinate && std::isfinite(log.time_s[i]) &&
+                   std::isfinite(log.intensity[i]),
+               "log: an origin, time or intensity is not finite or too large");
   const Vec3 ray = stored_ray(log.direction[i], range);
   require(std::abs(ray.norm() - range) <= 1e-4 * range + 1e-6,
           "log: a direction is not of length 1");

@@ -24,7 +24,7 @@ std::string extension_of(const fs::path& path) {
 
 float coordinate(const fs::path& path, const std::string& place, std::string_view word) {
   const auto value = number_of(word);
-  if (!value || !std::isfinite(*value)) {
+  if (!value || !std::isfinite(float(*value))) {
     throw FormatError(path.string(), place, in_quotes(word) + " is not a finite number");
   }
   return float(*value);

@@ -5,6 +5,7 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/file.hpp"
+#include "underbrush/io/log_layout.hpp"
 #include "underbrush/io/text.hpp"
 
 namespace underbrush::io {
@@ -28,9 +29,15 @@ void check_unique(const fs::path& path, std::vector<double> times) {
   throw FormatError(path.string(), "time " + std::to_string(*twice), "more than one pose");
 }
 
+// A log cannot hold positions beyond this.
+bool is_near_enough(const Vec3& position) {
+  return position.allFinite() && position.cwiseAbs().maxCoeff() < kMaxCoordinate;
+}
+
 std::optional<Pose> pose_from_tum(const double* v) {
   Pose pose{{v[6], v[3], v[4], v[5]}, {v[0], v[1], v[2]}};
   if (!(std::abs(pose.rotation.norm() - 1) < kRotationError)) return std::nullopt;
+  if (!is_near_enough(pose.translation)) return std::nullopt;
   pose.rotation.normalize();
   return pose;
 }
@@ -45,7 +52,8 @@ std::optional<Pose> pose_from_rows(const std::array<double, 12>& rows) {
     t[i] = rows[4 * size_t(i) + 3];
   }
   const double error = (r.transpose() * r - Mat3::Identity()).cwiseAbs().maxCoeff();
-  if (!t.allFinite() || !(error < 2 * kRotationError) || r.determinant() < 0) return std::nullopt;
+  if (!is_near_enough(t) || !(error < 2 * kRotationError) || r.determinant() < 0)
+    return std::nullopt;
   return Pose{Eigen::Quaterniond(r).normalized(), t};
 }
 

@@ -89,8 +89,8 @@ class Scorer {
     for (size_t i = 0; i < real.size(); ++i) {
       if (real.scan[i] != sim.scan[i] || real.ring[i] != sim.ring[i] ||
           (real.origin[i] - sim.origin[i]).squaredNorm() > 1e-4) {
-        throw std::invalid_argument("score: the logs are not of the same beams (beam " +
-                                    std::to_string(first + i) + ")");
+        throw DataError("score: the logs are not of the same beams (beam " +
+                        std::to_string(first + i) + ")");
       }
       const size_t of_class = label.empty() ? kNoSet : set_of_class(label[i]);
       const size_t set[3] = {0, set_of_range(real.range_m[i]), of_class};
@@ -237,8 +237,8 @@ void RangeErrorHistogram::add(double error_m) {
 Score score(BeamSource& real, BeamSource& simulated, const ScoreOptions& options,
             const std::function<void(size_t, size_t)>& progress) {
   if (real.size() != simulated.size()) {
-    throw std::invalid_argument("score: " + std::to_string(real.size()) + " real beams but " +
-                                std::to_string(simulated.size()) + " simulated ones");
+    throw DataError("score: " + std::to_string(real.size()) + " real beams but " +
+                    std::to_string(simulated.size()) + " simulated ones");
   }
   Scorer scorer(options, real.info().classes);
   BeamLog a, b, rest;
@@ -260,7 +260,7 @@ Score score(BeamSource& real, BeamSource& simulated, const ScoreOptions& options
       rest.append(sim, a.size(), sim.size());
       sim.resize(a.size());
     }
-    require(sim.size() == a.size(), "score: the simulated log ends early");
+    require_data(sim.size() == a.size(), "score: the simulated log ends early");
     scorer.add(a, sim, done);
     done += a.size();
     if (progress) progress(done, real.size());

@@ -46,8 +46,8 @@ class Searcher {
       if (e.value == value) return e.outcome.objective;
     }
     if (done_.size() < past_.size()) {
-      require(past_[done_.size()].value == value,
-              "optimize: the evaluations to go on from are not of this search");
+      require_data(past_[done_.size()].value == value,
+                   "optimize: the evaluations to go on from are not of this search");
       done_.push_back(past_[done_.size()]);
     } else {
       Outcome outcome = objective_(value);

@@ -29,7 +29,8 @@ struct Reader {
                   std::initializer_list<std::string_view> keys) const {
     if (!map.IsMap()) fail(place, "expected KEY: VALUE");
     for (const auto& entry : map) {
-      const auto key = entry.first.as<std::string>();
+      if (!entry.first.IsScalar()) fail(place, "expected KEY: VALUE");
+      const auto key = entry.first.Scalar();
       if (std::find(keys.begin(), keys.end(), key) == keys.end()) fail(place + key, "unknown key");
     }
   }
@@ -90,10 +91,14 @@ struct Reader {
     Materials all;
     if (!root["materials"] || !root["materials"].IsMap()) fail("materials", "expected NAME: {...}");
     for (const auto& entry : root["materials"]) {
+      if (!entry.first.IsScalar()) fail("materials", "expected NAME: {...}");
       all.material.push_back(material(entry.first.as<std::string>(), entry.second, wavelength_nm));
     }
     if (!root["classes"] || !root["classes"].IsMap()) fail("classes", "expected CLASS: MATERIAL");
     for (const auto& entry : root["classes"]) {
+      if (!entry.first.IsScalar() || !entry.second.IsScalar()) {
+        fail("classes", "expected CLASS: MATERIAL");
+      }
       all.of_class.emplace_back(entry.first.as<std::string>(), entry.second.as<std::string>());
       try {
         all.named(all.of_class.back().second);

@@ -134,7 +134,7 @@ Waveform::Waveform(const Response& response, double max_range_m)
       places_per_m_(Response::kPhases / response.cell_m()) {
   require(std::isfinite(max_range_m) && max_range_m > 0, "waveform: maximum range not positive");
   const double samples = max_range_m / response.cell_m() + response.taps();
-  require(samples < 1 << 23, "waveform: too many samples");
+  require_data(samples < 1 << 23, "waveform: too many samples");
   const size_t blocks = size_t(samples) / kBlock + 2;
   sample_.assign(blocks * kBlock, 0);
   lanes_.assign(3 * blocks * kBlock, 0);

@@ -33,7 +33,7 @@ PatternSource::PatternSource(Sensor sensor, const Trajectory& trajectory, double
   sensor_.check();
   require(std::isfinite(start_s) && std::isfinite(end_s) && start_s <= end_s,
           "beams: needs finite times, start <= end");
-  require((end_s - start_s) * sensor_.rate_hz < 4e9, "beams: too long a time");
+  require_data((end_s - start_s) * sensor_.rate_hz < 4e9, "beams: too long a time");
   info_.sensor = sensor_.name;
   info_.sensor_file = sensor_.file;
   info_.min_range_m = sensor_.min_range_m;

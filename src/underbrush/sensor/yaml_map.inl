@@ -26,7 +26,8 @@ class YamlMap {
       : file_(std::move(file)), place_(std::move(place)), node_(node) {
     if (!node_.IsMap()) fail("", "expected lines of KEY: VALUE");
     for (const auto& entry : node_) {
-      const auto key = entry.first.as<std::string>();
+      if (!entry.first.IsScalar()) fail("", "expected lines of KEY: VALUE");
+      const auto key = entry.first.Scalar();
       if (std::find(keys.begin(), keys.end(), key) == keys.end()) fail(key, "unknown key");
     }
   }

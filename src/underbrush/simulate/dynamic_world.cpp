@@ -66,7 +66,7 @@ DynamicWorld::DynamicWorld(const elements::Scene& scene, std::vector<elements::M
   for (elements::Mover& m : movers) {
     require(m.instance < scene.instances.size(), "movers: there is no such instance");
     require(!m.world_from_object.empty(), "movers: a trajectory without poses");
-    require(!object(m.instance), "movers: an instance moves twice");
+    require_data(!object(m.instance), "movers: an instance moves twice");
     const elements::Instance& placed = scene.instances[m.instance];
     still_->instances[m.instance].model = nothing;
     const elements::Model& model = scene.models[placed.model];

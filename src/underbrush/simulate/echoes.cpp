@@ -130,14 +130,15 @@ void EchoMaker::trace(const BeamLog& beams, size_t first_beam, size_t begin, siz
     sub_rays_.keys(key, &s.keys[at]);
   }
   const size_t n = (end - begin) * sub_rays_.size();
-  world_.nearest_accepted({s.rays.data(), n}, {s.keys.data(), n},
-                          {&beams.time_s[begin], end - begin},
-                          {beams.info.min_range_m, beams.info.max_range_m}, {s.met.data(), n});
+  world_.nearest_accepted(
+      {s.rays.data(), n}, {s.keys.data(), n}, {&beams.time_s[begin], end - begin},
+      {std::max(beams.info.min_range_m, kLeastRangeM), beams.info.max_range_m}, {s.met.data(), n});
 }
 
 void EchoMaker::receive(const BeamLog& beams, size_t first_beam, size_t begin, size_t end,
                         Scratch& s, Block& block) const {
-  const trace::RangeLimits limits{beams.info.min_range_m, beams.info.max_range_m};
+  const trace::RangeLimits limits{std::max(beams.info.min_range_m, kLeastRangeM),
+                                  beams.info.max_range_m};
   SubReturns& returns = s.returns;
   for (size_t i = begin, at = 0; i < end; ++i, at += sub_rays_.size()) {
     const std::span<const Intersection> met{&s.met[at], sub_rays_.size()};

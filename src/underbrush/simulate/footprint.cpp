@@ -36,7 +36,8 @@ void scan(const trace::World& world, std::span<const elements::Class> label,
   const std::vector<sensor::SubRay> places =
       sensor::spread_sub_rays(options.shape, options.sub_rays);
   require(label.size() == world.model().size(), "one label per element of the world is needed");
-  const trace::RangeLimits limits{beams.info.min_range_m, beams.info.max_range_m};
+  const trace::RangeLimits limits{std::max(beams.info.min_range_m, kLeastRangeM),
+                                  beams.info.max_range_m};
   std::vector<uint16_t> classes(beams.size());
   std::vector<uint32_t> element(options.element_ids ? beams.size() : 0, Intersection::kNone);
   parallel_for(beams.size(), 1024, [&](size_t begin, size_t end) {

@@ -32,7 +32,7 @@ void simulate(const DynamicWorld& world, const Options& options, size_t first_be
               BeamLog& beams) {
   if (options.random_ray) options.random_ray->check();
   const double farthest = options.max_range_m > 0 ? options.max_range_m : beams.info.max_range_m;
-  const trace::RangeLimits limits{beams.info.min_range_m,
+  const trace::RangeLimits limits{std::max(beams.info.min_range_m, kLeastRangeM),
                                   std::min(farthest, world.model(0).max_range_m)};
   std::vector<uint32_t> element(options.element_ids ? beams.size() : 0, Intersection::kNone);
   std::vector<uint16_t> label(element.size());
