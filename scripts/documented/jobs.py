@@ -53,7 +53,7 @@ class Failed(Exception):
 
 
 class Runner:
-    """Runs jobs, each at most once, below work/results. A job whose `done` is newer than its programs, and whose
+    """Runs jobs, each at most once, below work/jobs. A job whose `done` is newer than its programs, and whose
     commands are those it was made by, is not run again."""
 
     def __init__(self, source, bin_folder, data, work, say=lambda line: print(line, file=sys.stderr, flush=True)):
@@ -61,7 +61,7 @@ class Runner:
         self.ran = {}
 
     def folder(self, job):
-        return self.work / "results" / job.name
+        return self.work / "jobs" / job.name
 
     def absent(self, job):
         """What the job or one before it lacks, or None."""
@@ -105,9 +105,10 @@ class Runner:
             return folder
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
-        environment = dict(os.environ, DATA=str(self.data), UNDERBRUSH_DATA=str(self.data), WORK=str(self.work), SOURCE=str(self.source),
-                           BIN=str(self.bin), JOBS=str(self.work / "results"), PYTHON=sys.executable,
-                           PATH=f"{self.bin}{os.pathsep}{os.environ['PATH']}", PYTHONDONTWRITEBYTECODE="1")
+        environment = dict(os.environ, DATA=str(self.data), UNDERBRUSH_DATA=str(self.data), WORK=str(self.work),
+                           SOURCE=str(self.source), BIN=str(self.bin), JOBS=str(self.work / "jobs"),
+                           PYTHON=sys.executable, PYTHONDONTWRITEBYTECODE="1",
+                           PATH=f"{self.bin}{os.pathsep}{os.environ['PATH']}")
         begin = time.monotonic()
         self.say(f"{job.name} ...")
         with open(folder / "log", "wb") as log:

@@ -196,9 +196,13 @@ def epsilon(row):
     return lambda folder: [(row, "ε", [read_json(folder / "info.json")["epsilon"]])]
 
 
-def leaves_job(name, importing, *needs):
+def leaves_job(name, importing, *after, needs=()):
     return Job(f"leaves.{name}", f"{importing}\nunderbrush info log.ply --leaves vegetation --json info.json\n"
-               "rm log.ply", needs)
+               "rm log.ply", needs, after)
+
+
+FOUR_SCANS = """underbrush import "{0}" --poses "{0}/poses_velo.txt" --deskew velodyne-hdl64e \\
+  --elevation-offset-deg 0.205 --infer-misses velodyne-hdl64e --frames 0:4 -o log.ply"""
 
 
 # ----------------------------------------------------------------------------------------------- segmentation
@@ -267,6 +271,13 @@ def terrestrial(folder):
     for column, model in (("default", "default"), ("sharp", "sharp"), ("surface", "mesh")):
         for row, key in KEYS.items():
             yield row, column, [result["models"][model][key]]
+
+
+def terrestrial_parameters(folder):
+    scored = {**read_json(folder / "scores.json")["models"], **read_json(folder / "parameters.json")["models"]}
+    for row, model in (("--tau 4", "default"), ("none", "narrow"), ("--tau 4 --range-noise 0.005", "thin")):
+        for column in ("packet error, m", "recall", "F1"):
+            yield row, column, [scored[model][KEYS[column]]]
 
 
 def bench(name, options="", case="", **more):
@@ -338,10 +349,15 @@ MEASURED = {
         Part((study("mesh-fidelity"),), leaves_of_plants),
         Part((leaves_job("rellis_000104", 'underbrush import "$DATA/rellis_000104/000104.bin" --label-set rellis '
                          '--labels "$DATA/rellis_000104/000104.label" -o log.ply',
-                         "rellis_000104/000104.bin"),), epsilon("rellis_000104")),
-        Part((leaves_job("marv_forest", 'ln -s "$WORK/marv_forest/log.ply" log.ply', LOGS["marv_forest"]),),
-             epsilon("marv_forest")))),
+                         needs=("rellis_000104/000104.bin",)),), epsilon("rellis_000104")),
+        Part((leaves_job("marv_forest", 'ln -s "$WORK/marv_forest/log.ply" log.ply', HALVES["marv_forest"]),),
+             epsilon("marv_forest")),
+        Part((leaves_job("tls_conifers", 'ln -s "$JOBS/page.terrestrial-scan/conifers.ply" log.ply', TERRESTRIAL),),
+             epsilon("tls_conifers")),
+        *(Part((leaves_job(log, FOUR_SCANS.format(f"$WORK/{log}/raw"), HALVES[log]),), epsilon(log))
+          for log in LOGS if log.startswith("kitti")))),
     "terrestrial-scan": Measured((Part((TERRESTRIAL,), terrestrial),)),
+    "terrestrial-scan-parameters": Measured((Part((TERRESTRIAL,), terrestrial_parameters),)),
     "bench-pipeline": Measured(
         (Part((bench("pipeline"),), pipeline("generated site")),
          Part((bench("pipeline", f'"$WORK/{DRIVE}/log.ply"', f".{DRIVE}", **DRIVE_LOG),), pipeline(DRIVE))),

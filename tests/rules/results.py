@@ -83,7 +83,7 @@ def measure(folder):
 
 def try_measuring(folder):
     """Lists what is wrong with the comparison: figures that agree pass, others are noticed, no job is done twice."""
-    program, done = folder / "bin/underbrush", folder / "work/results/fake/done"
+    program, done = folder / "bin/underbrush", folder / "work/jobs/fake/done"
     for path in ("bin", "work", "docs"):
         (folder / path).mkdir()
     (folder / "README.md").write_text(GOOD["README.md"])
