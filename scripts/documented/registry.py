@@ -121,9 +121,8 @@ def options_of_fit():
 
 # ------------------------------------------------------------------------------------------------- the studies
 
-def study(name, options="", **more):
-    return Job(f"study.{name}", f"underbrush-study {name} {options} --json study.json",
-               **{"programs": (STUDY,), **more})
+def study(name, options="", before="", **more):
+    return Job(f"study.{name}", f"{before}{STUDY} {name} {options} --json study.json", programs=(STUDY,), **more)
 
 
 def vegetation(folder):
@@ -163,10 +162,8 @@ def scenes(where, group, spread):
     return cells
 
 
-PRIMITIVES = study("primitives", "--data drive", needs=(LOGS["kitti_0027_forest"],),
-                   after=(HALVES["kitti_0027_forest"],), programs=("underbrush", STUDY))
-PRIMITIVES = Job(PRIMITIVES.name, 'mkdir drive\nln -s "$WORK/kitti_0027_forest" drive/\n' + PRIMITIVES.commands,
-                 PRIMITIVES.needs, PRIMITIVES.after, PRIMITIVES.programs)
+PRIMITIVES = study("primitives", "--data drive", 'mkdir drive\nln -s "$WORK/kitti_0027_forest" drive/\n',
+                   needs=(LOGS["kitti_0027_forest"],), after=(HALVES["kitti_0027_forest"],))
 
 
 def verification(folder):
@@ -179,17 +176,16 @@ def verification(folder):
                             f[which]["histogram_largest_share_difference"]]
 
 
-def leaves_of_plants(folder):
-    plants = read_json(folder / "study.json")["figures"]["plants"]
-    for row in ("cartoon of three cones", "cartoon of a ball", "shrub, leaves of 1 m", "shrub, leaves of 0.25 m",
-                "shrub, leaves of 20 mm", "conifer, needles of 0.15 m", "conifer, needles of 8.5 mm"):
-        yield row, "ε", [plants[PLANTS[row]]["epsilon"]]
-
-
 PLANTS = {"cartoon of three cones": "cartoon, three cones", "cartoon of a ball": "cartoon, a ball",
           "shrub, leaves of 1 m": "shrub 1000 mm", "shrub, leaves of 0.25 m": "shrub 250 mm",
           "shrub, leaves of 20 mm": "shrub 20 mm", "conifer, needles of 0.15 m": "conifer 150 mm",
           "conifer, needles of 8.5 mm": "conifer 8.5 mm"}
+
+
+def leaves_of_plants(folder):
+    plants = read_json(folder / "study.json")["figures"]["plants"]
+    for row, plant in PLANTS.items():
+        yield row, "ε", [plants[plant]["epsilon"]]
 
 
 def epsilon(row):
@@ -206,10 +202,6 @@ FOUR_SCANS = """underbrush import "{0}" --poses "{0}/poses_velo.txt" --deskew ve
 
 
 # ----------------------------------------------------------------------------------------------- segmentation
-
-def segment_job(name, commands, *needs):
-    return Job(f"segment.{name}", commands, needs)
-
 
 def ground(row, *methods):
     def cells(folder):
@@ -238,27 +230,27 @@ def sites(*folders):
 METHODS = ("lower_envelope", "spherical_variance")
 BOTH_METHODS = "\n".join(f"underbrush segment log.ply --ground-method {name} --json {name}.json" for name in METHODS)
 SEGMENTATION = (
-    Part((segment_job("kitti00_labelled", 'underbrush import "$DATA/kitti00_labelled/kitti00_000000.bin" '
+    Part((Job("segment.kitti00_labelled", 'underbrush import "$DATA/kitti00_labelled/kitti00_000000.bin" '
                       '--labels "$DATA/kitti00_labelled/kitti00_000000.label" -o log.ply\n' + BOTH_METHODS,
-                      "kitti00_labelled/kitti00_000000.bin"),), ground("kitti00_labelled", *METHODS)),
-    Part((segment_job("rellis_000104", 'underbrush import "$DATA/rellis_000104/000104.bin" --label-set rellis '
+                      ("kitti00_labelled/kitti00_000000.bin",)),), ground("kitti00_labelled", *METHODS)),
+    Part((Job("segment.rellis_000104", 'underbrush import "$DATA/rellis_000104/000104.bin" --label-set rellis '
                       '--labels "$DATA/rellis_000104/000104.label" -o log.ply\n' + BOTH_METHODS,
-                      "rellis_000104/000104.bin"),), ground("rellis_000104", *METHODS)),
-    Part((segment_job("MixedConifer", """xz -dc "$DATA/trees_laz/lidr_MixedConifer.ply.xz" > lidr_MixedConifer.ply
+                      ("rellis_000104/000104.bin",)),), ground("rellis_000104", *METHODS)),
+    Part((Job("segment.MixedConifer", """xz -dc "$DATA/trees_laz/lidr_MixedConifer.ply.xz" > lidr_MixedConifer.ply
 echo "0 481306 3812970 1000 0 0 0 1" > above.txt
 underbrush import lidr_MixedConifer.ply --poses above.txt --points-in-world --max-range 2000 -o log.ply
-underbrush segment log.ply --truth tree_id --json trees.json""", "trees_laz/lidr_MixedConifer.ply.xz"),), conifers),
-    Part(tuple(segment_job(f"site{seed}", f"""underbrush demo --only site --seed {seed} -o demo
+underbrush segment log.ply --truth tree_id --json trees.json""", ("trees_laz/lidr_MixedConifer.ply.xz",)),), conifers),
+    Part(tuple(Job(f"segment.site{seed}", f"""underbrush demo --only site --seed {seed} -o demo
 underbrush segment demo/train.ply --json site.json
 rm -r demo""") for seed in (1, 2, 3)), sites))
 
 # -------------------------------------------------------------------------------------------- pages and benchmarks
 
 
-def page_job(name, page, more="", needs=()):
-    """The commands of a page, as its readers type them, and then more."""
+def page_job(name, page, needs=()):
+    """The commands of a page, as its readers type them."""
     steps = readme.steps((SOURCE / page).read_text(encoding="utf-8"))
-    return Job(name, "\n".join([script for how, script in steps if how == "run"] + [more]), needs)
+    return Job(name, "".join(f"{script}\n" for how, script in steps if how == "run"), needs)
 
 
 TERRESTRIAL = page_job("page.terrestrial-scan", "docs/how-to/terrestrial-scan.md",
@@ -281,8 +273,7 @@ def terrestrial_parameters(folder):
 
 
 def bench(name, options="", case="", **more):
-    return Job(f"bench.{name}{case}", f"bench_{name} {options} --json bench.json",
-               **{"programs": (f"bench_{name}",), **more})
+    return Job(f"bench.{name}{case}", f"bench_{name} {options} --json bench.json", programs=(f"bench_{name}",), **more)
 
 
 def pipeline(column):

@@ -20,9 +20,15 @@ def is_page(path):
     return path == "README.md" or any(pathlib.PurePath(path).match(pattern) for pattern in command.PAGES[1:])
 
 
-def check(root, names=None):
+def unknown_labels(table, measured):
+    labels = [*measured.relative, *measured.absolute, *measured.uncompared]
+    return [f"no row or column '{words}', which scripts/documented/registry.py names" for words in labels
+            if words != "*" and table.row(words) is None and table.column(words) is None]
+
+
+def check(root):
     out, used = [], {}
-    names = set(registry.MEASURED) if names is None and root == rules.ROOT else names or {"one", "two"}
+    names = set(registry.MEASURED) if root == rules.ROOT else {"one", "two"}
     for path in filter(is_page, rules.tracked(root, ".md")):
         for table in tables.tables(rules.read(root, path)):
             place = f"{path}:{table.line}"
@@ -39,6 +45,8 @@ def check(root, names=None):
                 used[table.name] = place
                 out += [f"{place}: what does '{line}' mean?" for line in table.unknown]
                 out += [f"{place}: {line}" for line in tables.broken_claims(table)]
+                if root == rules.ROOT and table.name in names:
+                    out += [f"{place}: {line}" for line in unknown_labels(table, registry.MEASURED[table.name])]
     if root == rules.ROOT:
         out += [f"no page has the table '{name}'" for name in sorted(names - set(used))]
     return out
