@@ -1,6 +1,9 @@
 # Everything a newcomer needs; each target installs what is missing, builds and runs. `make help`.
 BUILD ?= build
 JOBS ?= $(shell nproc)
+# The real logs, and where `make results` keeps what it made. TABLES=NAME makes one table only.
+DATA ?= $(or $(UNDERBRUSH_DATA),../shared/data)
+WORK ?= $(BUILD)/results
 program := $(BUILD)/bin/underbrush
 ccache := $(if $(shell command -v ccache),-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
 configure = cmake -S . -B $(BUILD) -G Ninja -DCMAKE_BUILD_TYPE=Release $(ccache)
@@ -10,7 +13,7 @@ program_only = -DUNDERBRUSH_TESTS=OFF -DUNDERBRUSH_BENCH=OFF -DUNDERBRUSH_STUDIE
 quiet = log=$$(mktemp); if $(1) > $$log 2>&1; then rm $$log; else cat $$log; rm $$log; exit 1; fi
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build test fuzz demo bench docs deb check-deb clean
+.PHONY: help setup build test fuzz demo bench results docs deb check-deb clean
 
 help:     ## This list
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):[^#]*## /  make \1\t/' | expand -t 16
@@ -43,6 +46,12 @@ bench: setup   ## Build and run the benchmarks
 	@$(call quiet,$(configure) $(everything))
 	@cmake --build $(BUILD) -j $(JOBS)
 	@set -e; for b in $$(find $(BUILD)/bin -maxdepth 1 -name 'bench_*' -type f | sort); do echo "== $$b"; $$b; done
+
+results:  ## Make every table of figures in the documentation anew and compare it (hours)
+	@scripts/setup.sh build test results
+	@$(call quiet,$(configure) $(everything))
+	@cmake --build $(BUILD) -j $(JOBS)
+	@scripts/results.py --data $(DATA) --work $(WORK) --bin $(BUILD)/bin $(if $(TABLES),--only $(TABLES))
 
 docs: build    ## The documentation as a site: build/docs/site/index.html
 	@scripts/setup.sh docs

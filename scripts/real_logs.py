@@ -145,7 +145,8 @@ def main():
     parser.add_argument("work", type=pathlib.Path)
     parser.add_argument("--program", default="build/bin/underbrush")
     parser.add_argument("--only", nargs="*", default=list(LOGS), choices=list(LOGS))
-    parser.add_argument("--models", nargs="*", default=DEFAULT, choices=[*FITTERS, *TUNED])
+    parser.add_argument("--models", nargs="*", default=DEFAULT, choices=[*FITTERS, *TUNED],
+                        help="none: import and split only")
     parser.add_argument("--reuse", action="store_true", help="take train.ply and test.ply as they are in WORK")
     parser.add_argument("--folds", type=int, help="of single scans: score within the training half, "
                         "every K-th column held out in turn; the test half is not read")
@@ -161,6 +162,8 @@ def main():
         if not args.reuse:
             halves(args.program, args.data, args.work / name, name)
         folder = args.work / name
+        if not args.models:
+            continue
         if args.folds:
             result = fold_means(args.program, folder, name, args.models, args.folds)
             folder = folder / f"fold{args.folds - 1}"

@@ -3,6 +3,7 @@
 #   scripts/setup.sh build          what the program needs
 #   scripts/setup.sh build test     what the tests need as well (the default)
 #   scripts/setup.sh docs package   what the documentation site and the Debian package need
+#   scripts/setup.sh results        what the comparison of documented figures needs besides the tests
 set -euo pipefail
 
 build="g++ cmake ninja-build make git pkg-config
@@ -13,6 +14,7 @@ test="libembree-dev chromium libgtest-dev libgmock-dev librapidcheck-dev libbenc
   clang clang-tidy clang-format libclang-rt-14-dev doxygen jq valgrind python3 python3-venv"
 docs="doxygen python3 python3-venv"
 package="dpkg-dev file debootstrap"
+results="python3-numpy xz-utils"
 
 wanted=""
 for group in "${@:-build test}"; do
@@ -22,7 +24,8 @@ for group in "${@:-build test}"; do
       test) wanted+=" $test" ;;
       docs) wanted+=" $docs" ;;
       package) wanted+=" $package" ;;
-      *) echo "setup: no group '$name'; there are: build test docs package" >&2; exit 2 ;;
+      results) wanted+=" $results" ;;
+      *) echo "setup: no group '$name'; there are: build test docs package results" >&2; exit 2 ;;
     esac
   done
 done

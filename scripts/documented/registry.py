@@ -1,0 +1,372 @@
+"""Which commands make each documented table, which figure of their results stands in which cell, and the tolerances.
+
+Scores do not depend on the machine, so their tables have no tolerance beyond the last digit. Rates do, so of the
+benchmarks only counts and ratios of times from one run are compared.
+"""
+import pathlib
+import sys
+
+from .jobs import Job, Measured, Part, read_json, read_rows
+from .tables import HEADING
+
+SOURCE = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(SOURCE / "tests/rules"))
+import readme  # noqa: E402
+
+LOGS = {  # name: what of DATA it needs
+    "kitti_0027_forest": "kitti_0027_forest/velodyne.kfx",
+    "kitti_0005_city": "kitti_0005_city/velodyne.kfx",
+    "kitti_0052_static": "kitti_0052_static/velodyne.kfx",
+    "rellis_000104": "rellis_000104/frame000104-1581624663_170.ply",
+    "marv_forest": "marv_forest/1727353472_601360559.npz",
+}
+REAL_LOGS = '"$PYTHON" "$SOURCE/scripts/real_logs.py" "$DATA" "$WORK" --program "$BIN/underbrush"'
+STUDY = "underbrush-study"
+
+# ---------------------------------------------------------------------------------------------- the real logs
+
+HALVES = {log: Job(f"halves.{log}", f"{REAL_LOGS} --only {log} --models\ntest -s \"$WORK/{log}/test.ply\"", (path,))
+          for log, path in LOGS.items()}
+
+
+def model_job(log, model):
+    """The scores of one model on one log, as `scripts/real_logs.py` prints them."""
+    return Job(f"real_logs.{log}.{model}", f"{REAL_LOGS} --reuse --only {log} --models {model} --markdown table.md",
+               (LOGS[log],), (HALVES[log],))
+
+
+SCORES = ["packet error, m", "precision", "recall", "F1", "cloud error, m", "median range error, m", "NLL/beam",
+          "CRPS, m"]
+OBJECTIVE = "packet error + 2(1 − F1)"
+
+
+def scores(folder):
+    """{heading: figure} of the one row that `scripts/real_logs.py` printed."""
+    row = read_rows(folder / "table.md")[0]
+    return {heading: float(cell) for heading, cell in row.items() if heading not in ("log", "model")}
+
+
+def real_logs(models):
+    def part(log, model):
+        def cells(folder):
+            s = scores(folder)
+            yield f"{log}/{models[0]}", "log", [s["beams"]]
+            for heading in SCORES:
+                yield f"{log}/{model}", heading, [s[heading]]
+        return Part((model_job(log, model),), cells)
+    return tuple(part(log, model) for log in LOGS for model in models)
+
+
+def readme_rows():
+    rows = {"KITTI 0027": "kitti_0027_forest", "KITTI 0005": "kitti_0005_city", "KITTI 0052": "kitti_0052_static",
+            "RELLIS-3D": "rellis_000104", "ROUGH": "marv_forest"}
+
+    def part(row, log, model, column):
+        def cells(folder):
+            s = scores(folder)
+            yield row, f"packet error, m: {column}", [s["packet error, m"]]
+            yield row, f"F1 of hits: {column}", [s["F1"]]
+        return Part((model_job(log, model),), cells)
+    return tuple(part(row, log, model, column) for row, log in rows.items()
+                 for model, column in (("default", "default"), ("sharp", "sharp"), ("surface", "mesh")))
+
+
+def fitters(models):
+    def part(log, model):
+        def cells(folder):
+            s = scores(folder)
+            yield model, log, [s["packet error, m"], s["F1"], s["NLL/beam"], s["ellipsoids"]]
+        return Part((model_job(log, model),), cells)
+    return tuple(part(log, model) for log in LOGS for model in models)
+
+
+def tuning():
+    def part(log):
+        def cells(default, tuned):
+            before, after = scores(default), scores(tuned)
+            yield log, "objective", [before[OBJECTIVE], after[OBJECTIVE]]
+            for heading in ("packet error, m", "F1", "NLL/beam", "CRPS, m"):
+                yield log, heading, [before[heading], after[heading]]
+        return Part((model_job(log, "default"), model_job(log, "tuned")), cells)
+    return tuple(part(log) for log in LOGS)
+
+
+def score_job(name, log, fit):
+    """Fits a log of WORK with these options, and scores it."""
+    return Job(name, f"""underbrush fit "$WORK/{log}/train.ply" --min-range 2 {fit} -o model
+underbrush simulate model --like "$WORK/{log}/test.ply" -o sim.ply
+underbrush score "$WORK/{log}/test.ply" sim.ply --model model --name model --json scores.json
+rm -r model sim.ply""", (LOGS[log],), (HALVES[log],))
+
+
+KEYS = {"packet error, m": "packet_error_m", "precision": "precision", "recall": "recall", "F1": "f1",
+        "median range error, m": "median_range_error_m", "cloud error, m": "cloud_error_m",
+        "density-aware Chamfer": "density_aware_chamfer", "NLL": "nll_per_beam", "CRPS": "crps_m"}
+
+
+def options_of_fit():
+    rows = {"none": "", "--mixture-rounds 0": "--mixture-rounds 0",
+            "--ellipsoid-prior-hits 1": "--ellipsoid-prior-hits 1",
+            "--config share/configs/primitives-paper.yaml":
+                '--config "$SOURCE/share/configs/primitives-paper.yaml"'}
+
+    def part(number, row, fit):
+        def cells(folder):
+            s = read_json(folder / "scores.json")["models"]["model"]
+            for column in ("packet error, m", "F1", "cloud error, m", "median range error, m", "NLL", "CRPS"):
+                yield row, column, [s[KEYS[column]]]
+        return Part((score_job(f"options_of_fit.{number}", "kitti_0027_forest", fit),), cells)
+    return tuple(part(number, row, fit) for number, (row, fit) in enumerate(rows.items()))
+
+
+# ------------------------------------------------------------------------------------------------- the studies
+
+def study(name, options="", before="", **more):
+    return Job(f"study.{name}", f"{before}{STUDY} {name} {options} --json study.json", programs=(STUDY,), **more)
+
+
+def vegetation(folder):
+    targets = {"planes": "planes", "high tree": "tree_high", "medium tree": "tree_medium", "low tree": "tree_low",
+               "tall grass": "tall_grass", "short grass": "short_grass"}
+    rows = {"surface, cone / axis": ("surface, cone", "surface, axis"), "voxel": ("voxel",), "top_down": ("top_down",),
+            "bottom_up": ("bottom_up",), "hierarchical": ("hierarchical",), "likelihood": ("likelihood",)}
+    figures = read_json(folder / "study.json")["figures"]["static"]
+    for column, target in targets.items():
+        yield "look-up", column, [figures[target]["lookup"]]
+        for row, models in rows.items():
+            yield row, column, [figures[target]["models"][model]["distance"] for model in models]
+
+
+def transfer(folder):
+    sensors = {"HDL-64E": "velodyne-hdl64e", "VLP-16": "velodyne-vlp16", "OS1-64": "ouster-os1-64",
+               "wide": "velodyne-vlp16 of 4 x the divergence"}
+    figures = read_json(folder / "study.json")["figures"]
+    for row, to in sensors.items():
+        for column, learnt in sensors.items():
+            s = figures[to][learnt]
+            yield f"simulated {row}", column, [s["f1"], s["cloud_error_m"]]
+
+
+def scenes(where, group, spread):
+    rows = {"primitives": ["primitives"], "meshes (generated sites": ["meshes", "meshes (true species)"],
+            "meshes (other species)": ["meshes (other species)"], "fit of the test log": ["geospecific"],
+            "replay": ["replay"]}
+
+    def cells(folder):
+        figures = read_json(folder / "study.json")["figures"][where]["mean"]
+        for row, names in rows.items():
+            s = next(figures[name] for name in names if name in figures)
+            for column, key in (("cloud error, m", "cloud_error_m"), ("packet error, m", "packet_error_m"),
+                                ("F1", "f1")):
+                yield row, f"{group}: {column}", [s[key]["mean"]] + ([s[key]["reach_95"]] if spread else [])
+    return cells
+
+
+PRIMITIVES = study("primitives", "--data drive", 'mkdir drive\nln -s "$WORK/kitti_0027_forest" drive/\n',
+                   needs=(LOGS["kitti_0027_forest"],), after=(HALVES["kitti_0027_forest"],))
+
+
+def verification(folder):
+    f = read_json(folder / "study.json")["figures"]
+    yield "simulated, mean patch distance, mm", "ours", [1000 * f["miniature"]["mean_patch_distance_m"]]
+    yield "real (here a second ray caster), mm", "ours", [1000 * f["miniature"]["real_mean_patch_distance_m"]]
+    for row, which in (("histograms, one scan", "miniature"), ("the same, instrument", "miniature_again"),
+                       ("histograms, 16 scans", "miniature_scans")):
+        yield row, "ours", [f[which]["histogram_mean_share_difference"],
+                            f[which]["histogram_largest_share_difference"]]
+
+
+PLANTS = {"cartoon of three cones": "cartoon, three cones", "cartoon of a ball": "cartoon, a ball",
+          "shrub, leaves of 1 m": "shrub 1000 mm", "shrub, leaves of 0.25 m": "shrub 250 mm",
+          "shrub, leaves of 20 mm": "shrub 20 mm", "conifer, needles of 0.15 m": "conifer 150 mm",
+          "conifer, needles of 8.5 mm": "conifer 8.5 mm"}
+
+
+def leaves_of_plants(folder):
+    plants = read_json(folder / "study.json")["figures"]["plants"]
+    for row, plant in PLANTS.items():
+        yield row, "ε", [plants[plant]["epsilon"]]
+
+
+def epsilon(row):
+    return lambda folder: [(row, "ε", [read_json(folder / "info.json")["epsilon"]])]
+
+
+def leaves_job(name, importing, *after, needs=()):
+    return Job(f"leaves.{name}", f"{importing}\nunderbrush info log.ply --leaves vegetation --json info.json\n"
+               "rm log.ply", needs, after)
+
+
+FOUR_SCANS = """underbrush import "{0}" --poses "{0}/poses_velo.txt" --deskew velodyne-hdl64e \\
+  --elevation-offset-deg 0.205 --infer-misses velodyne-hdl64e --frames 0:4 -o log.ply"""
+
+
+# ----------------------------------------------------------------------------------------------- segmentation
+
+def ground(row, *methods):
+    def cells(folder):
+        for method in methods:
+            yield row, method, [read_json(folder / f"{method}.json")["ground_score"]["iou"]]
+    return cells
+
+
+def conifers(folder):
+    s = read_json(folder / "trees.json")["tree_score"]
+    yield "MixedConifer", "trees found", [s["found"], s["truth"], s["matched"]]
+    yield "MixedConifer", "precision", [s["precision"]]
+    yield "MixedConifer", "recall", [s["recall"]]
+
+
+def sites(*folders):
+    trees = [read_json(folder / "site.json") for folder in folders]
+    row = "generated site"
+    yield row, "lower_envelope", [s["ground_score"]["iou"] for s in trees]
+    yield row, "trees found", ([s["tree_score"]["found"] for s in trees] + [trees[0]["tree_score"]["truth"]]
+                               + [s["tree_score"]["matched"] for s in trees])
+    for key in ("precision", "recall"):
+        yield row, key, [s["tree_score"][key] for s in trees]
+
+
+METHODS = ("lower_envelope", "spherical_variance")
+BOTH_METHODS = "\n".join(f"underbrush segment log.ply --ground-method {name} --json {name}.json" for name in METHODS)
+SEGMENTATION = (
+    Part((Job("segment.kitti00_labelled", 'underbrush import "$DATA/kitti00_labelled/kitti00_000000.bin" '
+                      '--labels "$DATA/kitti00_labelled/kitti00_000000.label" -o log.ply\n' + BOTH_METHODS,
+                      ("kitti00_labelled/kitti00_000000.bin",)),), ground("kitti00_labelled", *METHODS)),
+    Part((Job("segment.rellis_000104", 'underbrush import "$DATA/rellis_000104/000104.bin" --label-set rellis '
+                      '--labels "$DATA/rellis_000104/000104.label" -o log.ply\n' + BOTH_METHODS,
+                      ("rellis_000104/000104.bin",)),), ground("rellis_000104", *METHODS)),
+    Part((Job("segment.MixedConifer", """xz -dc "$DATA/trees_laz/lidr_MixedConifer.ply.xz" > lidr_MixedConifer.ply
+echo "0 481306 3812970 1000 0 0 0 1" > above.txt
+underbrush import lidr_MixedConifer.ply --poses above.txt --points-in-world --max-range 2000 -o log.ply
+underbrush segment log.ply --truth tree_id --json trees.json""", ("trees_laz/lidr_MixedConifer.ply.xz",)),), conifers),
+    Part(tuple(Job(f"segment.site{seed}", f"""underbrush demo --only site --seed {seed} -o demo
+underbrush segment demo/train.ply --json site.json
+rm -r demo""") for seed in (1, 2, 3)), sites))
+
+# -------------------------------------------------------------------------------------------- pages and benchmarks
+
+
+def page_job(name, page, needs=()):
+    """The commands of a page, as its readers type them."""
+    steps = readme.steps((SOURCE / page).read_text(encoding="utf-8"))
+    return Job(name, "".join(f"{script}\n" for how, script in steps if how == "run"), needs)
+
+
+TERRESTRIAL = page_job("page.terrestrial-scan", "docs/how-to/terrestrial-scan.md",
+                       needs=("tls_conifers/tls_scan.f32.xz",))
+
+
+def terrestrial(folder):
+    result = read_json(folder / "scores.json")
+    yield HEADING, "524 158 odd beams", [result["beams"]]
+    for column, model in (("default", "default"), ("sharp", "sharp"), ("surface", "mesh")):
+        for row, key in KEYS.items():
+            yield row, column, [result["models"][model][key]]
+
+
+def terrestrial_parameters(folder):
+    scored = {**read_json(folder / "scores.json")["models"], **read_json(folder / "parameters.json")["models"]}
+    for row, model in (("--tau 4", "default"), ("none", "narrow"), ("--tau 4 --range-noise 0.005", "thin")):
+        for column in ("packet error, m", "recall", "F1"):
+            yield row, column, [scored[model][KEYS[column]]]
+
+
+def bench(name, options="", case="", **more):
+    return Job(f"bench.{name}{case}", f"bench_{name} {options} --json bench.json", programs=(f"bench_{name}",), **more)
+
+
+def pipeline(column):
+    def cells(folder):
+        b = read_json(folder / "bench.json")
+        yield "beams", column, [b["beams"]]
+        yield "ellipsoids", column, [b["ellipsoids"]]
+        yield "ground triangles", column, [b["ground_triangles"]]
+        yield "simulate / Embree", column, [b["simulate_to_embree_ground_ratio"]]
+    return cells
+
+
+def bench_fitters(folder):
+    rows = {"top_down, range_likelihood": "top_down (range_likelihood)"}
+    for label in ("voxel", "top_down", "top_down, range_likelihood", "bottom_up", "hierarchical", "likelihood",
+                  "surface", "rimls"):
+        b = read_json(folder / "bench.json")[rows.get(label, label)]
+        yield label, "growth", [b["growth_exponent"]]
+        yield label, "elements", [b["elements"]]
+        if "clustering_time_of_voxel" in b:
+            yield label, "clustering", [b["clustering_time_of_voxel"]]
+
+
+def memory(folder):
+    rows = read_json(folder / "memory.json")
+    for row, measured in zip(("once", "twice", "four times"), rows):
+        yield row, "beams", [measured["beams"]]
+        yield row, "peak", [measured["peak_mib"]]
+        yield row, "of the first", [measured["factor"]]
+
+
+def trace_goals(folder):
+    b = read_json(folder / "bench.json")
+    yield "AVX2 / Embree's AVX2 packets", "measured", [b["ratio_to_embree_packets_avx2_1e6"]]
+    yield "best / Embree's best", "measured", [b["ratio_to_embree_best_1e6"]]
+    yield "bytes an ellipsoid", "measured", [b["bytes_per_element"]]
+    yield "bytes an instance", "measured", [next(c["bytes_per_instance"] for c in b["cases"] if
+                                                 (c["scene"], c["elements"]) == ("planted", 1000000))]
+
+
+RATE = "a rate of one machine"
+DRIVE = "kitti_0027_forest"
+DRIVE_LOG = {"needs": (LOGS[DRIVE],), "after": (HALVES[DRIVE],)}
+
+# --------------------------------------------------------------------------------------------------- the tables
+
+MEASURED = {
+    "readme": Measured(readme_rows()),
+    "real-logs": Measured(real_logs(("default", "sharp", "surface", "surface_carved", "mesh_primitives"))),
+    "fitters": Measured(fitters(("default", "voxel", "top_down", "bottom_up", "likelihood"))),
+    "options-of-fit": Measured(options_of_fit()),
+    "tuning": Measured(tuning()),
+    "vegetation": Measured((Part((study("vegetation"),), vegetation),),
+                           uncompared={"published surface / volumetric": "figures of the paper"}),
+    "transfer": Measured((Part((study("transfer"),), transfer),)),
+    "scenes": Measured((Part((PRIMITIVES,), scenes(DRIVE, "drive", False)),
+                        Part((PRIMITIVES,), scenes("generated sites", "generated", True))),
+                       uncompared={"published": "figures of the paper",
+                                   "meshes (files)": "the files of the meshes are the user's"}),
+    "segmentation": Measured(SEGMENTATION),
+    "verification": Measured((Part((study("verification"),), verification),),
+                             uncompared={"published": "figures of the paper"}),
+    "leaf-inclinations": Measured((
+        Part((study("mesh-fidelity"),), leaves_of_plants),
+        Part((leaves_job("rellis_000104", 'underbrush import "$DATA/rellis_000104/000104.bin" --label-set rellis '
+                         '--labels "$DATA/rellis_000104/000104.label" -o log.ply',
+                         needs=("rellis_000104/000104.bin",)),), epsilon("rellis_000104")),
+        Part((leaves_job("marv_forest", 'ln -s "$WORK/marv_forest/log.ply" log.ply', HALVES["marv_forest"]),),
+             epsilon("marv_forest")),
+        Part((leaves_job("tls_conifers", 'ln -s "$JOBS/page.terrestrial-scan/conifers.ply" log.ply', TERRESTRIAL),),
+             epsilon("tls_conifers")),
+        *(Part((leaves_job(log, FOUR_SCANS.format(f"$WORK/{log}/raw"), HALVES[log]),), epsilon(log))
+          for log in LOGS if log.startswith("kitti")))),
+    "terrestrial-scan": Measured((Part((TERRESTRIAL,), terrestrial),)),
+    "terrestrial-scan-parameters": Measured((Part((TERRESTRIAL,), terrestrial_parameters),)),
+    "bench-pipeline": Measured(
+        (Part((bench("pipeline"),), pipeline("generated site")),
+         Part((bench("pipeline", f'"$WORK/{DRIVE}/log.ply"', f".{DRIVE}", **DRIVE_LOG),), pipeline(DRIVE))),
+        relative={"simulate / Embree": 0.35},
+        uncompared={row: RATE for row in ("fit, beams/s", "fit, ×", "simulate, beams/s", "simulate, ×",
+                                          "Embree closest hit")}),
+    "bench-fitters": Measured(
+        (Part((bench("fitters", "--runs 1"),), bench_fitters),),
+        absolute={"growth": 0.25}, relative={"clustering": 0.4},
+        uncompared={column: RATE for column in ("M beams/s", "of ½", "of all", "× HDL-64E")}),
+    "fit-memory": Measured(
+        (Part((Job("bench.fit_memory", f'"$PYTHON" "$SOURCE/bench/fit_memory.py" "$WORK/{DRIVE}/log.ply" '
+                   '--program "$BIN/underbrush" --json memory.json', **DRIVE_LOG),), memory),),
+        relative={"peak": 0.25, "of the first": 0.15}),
+    "trace-goals": Measured(
+        (Part((bench("trace"),), trace_goals),),
+        relative={"AVX2 / Embree's AVX2 packets": 0.35, "best / Embree's best": 0.35},
+        uncompared={"goal": "goals are set, not measured", **{row: RATE for row in (
+            "AVX2, beams/s", "AVX2, × HDL-64E", "AVX-512, × HDL-64E", "16 sub-rays", "AVX2 at 10⁷",
+            "AVX2 at 10⁶ instances", "build")}}),
+}
