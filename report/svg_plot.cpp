@@ -86,6 +86,8 @@ std::string SvgPlot::svg() const {
          axes() + body_ + "</svg>\n";
 }
 
-void SvgPlot::write(const std::filesystem::path& path) const { io::write_atomically(path, svg()); }
+void SvgPlot::write(const std::filesystem::path& path) const {
+  io::write_atomically(path, svg() + "<!-- Underbrush -->\n");
+}
 
 }  // namespace underbrush::report

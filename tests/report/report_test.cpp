@@ -175,7 +175,8 @@ TEST_F(Report, AFailureLeavesTheOldPage) {
   page(real, {real});
   io::put_bytes(folder_ / "page/index.html", "old");
   io::write_log(folder_ / "real.ply", round_wall(1, 31), "{}");
-  EXPECT_EQ(run(UNDERBRUSH_PROGRAM " score real.ply model-0.ply --report page > stdout"), 2);
+  EXPECT_EQ(run(UNDERBRUSH_PROGRAM " score real.ply model-0.ply --report page --force > stdout"),
+            3);
   EXPECT_EQ(bytes_of(folder_ / "page/index.html"), "old");
 }
 

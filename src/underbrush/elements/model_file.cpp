@@ -224,10 +224,15 @@ Model read_model(const fs::path& path) {
 }
 
 void write_mesh(const fs::path& path, const TriangleMesh& mesh) {
-  if (path.extension() != ".obj") return io::write_ply(path, ply_of_mesh(mesh, false));
+  if (path.extension() != ".obj") {
+    io::PlyData data = ply_of_mesh(mesh, false);
+    data.comments = {"Underbrush"};
+    return io::write_ply(path, data);
+  }
   io::write_atomically(path, [&](const fs::path& temporary) {
     std::ofstream out(temporary);
     out.precision(9);
+    out << "# Underbrush\n";
     for (const Vec3f& v : mesh.vertices) {
       out << "v " << v.x() << ' ' << v.y() << ' ' << v.z() << '\n';
     }

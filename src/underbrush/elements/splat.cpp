@@ -50,6 +50,7 @@ void write_splat(const std::filesystem::path& path, const Model& model) {
   }
   io::PlyData data;
   data.elements = {std::move(element)};
+  data.comments = {"Underbrush"};
   io::write_ply(path, data);
 }
 

@@ -25,6 +25,12 @@ std::string json_chunk(const std::string& bytes) {
   return bytes.substr(20, size);
 }
 
+// A pipe would be waited for.
+bool exists_as_file(const std::string& name, void*) {
+  std::error_code error;
+  return fs::is_regular_file(name, error);
+}
+
 bool read_inside(std::vector<unsigned char>* to, std::string* error, const std::string& name,
                  void* folder) {
   const fs::path base = *static_cast<const std::string*>(folder);
@@ -55,9 +61,8 @@ class GltfReader {
     std::string error, warning;
     const std::string folder = fs::absolute(path).parent_path().string();
     // What the file refers to lies in its folder, which may come from somebody else.
-    loader.SetFsCallbacks({&tinygltf::FileExists,
-                           [](const std::string& name, void*) { return name; }, read_inside,
-                           nullptr, const_cast<std::string*>(&folder)});
+    loader.SetFsCallbacks({exists_as_file, [](const std::string& name, void*) { return name; },
+                           read_inside, nullptr, const_cast<std::string*>(&folder)});
     bool read = false;
     try {
       read = bytes.starts_with("glTF")

@@ -29,6 +29,8 @@ void check_unique(const fs::path& path, std::vector<double> times) {
   throw FormatError(path.string(), "time " + std::to_string(*twice), "more than one pose");
 }
 
+constexpr const char* kTooFar = "a position beyond 67 108 km";
+
 // A log cannot hold positions beyond this.
 bool is_near_enough(const Vec3& position) {
   return position.allFinite() && position.cwiseAbs().maxCoeff() < kMaxCoordinate;
@@ -73,12 +75,13 @@ PoseList read_poses(const fs::path& path) {
     std::optional<Pose> pose;
     if (n == 8) {
       pose = pose_from_tum(&row[1]);
+      if (!is_near_enough({row[1], row[2], row[3]})) fail(kTooFar);
       if (!pose) fail("the quaternion's length is not 1");
     } else {
       std::array<double, 12> rows{};
       std::copy_n(row.end() - 12, 12, rows.begin());
       pose = pose_from_rows(rows);
-      if (!pose) fail("not a rotation");
+      if (!pose) fail("not a rotation, or a position beyond 67 108 km");
     }
     out.pose.push_back(*pose);
     if (n != 12) out.time_s.push_back(row[0]);
