@@ -163,7 +163,7 @@ class MeshPrimitives(cli_test.OnALog):
 
     def test_a_log_without_returns(self):
         done = self.script(*self.log_of("misses", lambda row: row["hit"] == 0))
-        self.assertEqual(done.returncode, 2)
+        self.assertEqual(done.returncode, 3)
         self.assertIn("no return", done.stderr)
         self.assertFalse(pathlib.Path(self.folder, "scene").exists())
 

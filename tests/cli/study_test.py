@@ -128,7 +128,7 @@ class Leaves(cli_test.Failing):
                 found = json.loads(done.stdout)
                 self.assertEqual((found["points"], found["realistic"]), (4000, realistic))
                 self.assertEqual(sum(found["histogram"]), 4000)
-            self.assert_fails(call("info", "few.csv", "--leaves", "all", cwd=folder), 2, "30 points")
+            self.assert_fails(call("info", "few.csv", "--leaves", "all", cwd=folder), 3, "30 points")
             self.assert_fails(call("info", "none.csv", "--leaves", "all", cwd=folder), 3, "none.csv")
             self.assert_fails(call("info", "cube.csv", "--leaves", "some", cwd=folder), 2, "--leaves")
 

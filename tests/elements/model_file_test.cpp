@@ -116,7 +116,10 @@ TEST_F(ModelFile, MeshesGoOutAsObjAndPly) {
   write_mesh(folder_ / "g.obj", model_.ground);
   std::ifstream in(folder_ / "g.obj");
   size_t v = 0, f = 0;
-  for (std::string line; std::getline(in, line);) (line[0] == 'v' ? v : f)++;
+  for (std::string line; std::getline(in, line);) {
+    v += line[0] == 'v';
+    f += line[0] == 'f';
+  }
   EXPECT_EQ(v, model_.ground.vertices.size());
   EXPECT_EQ(f, model_.ground.size());
 }

@@ -81,8 +81,9 @@ void Sensor::check() const {
   require(positive(rate_hz) && positive(firing_period_s),
           "sensor: rate and period must be positive");
   require(firings_per_packet > 0, "sensor: firings per packet must be positive");
-  require(kind != Kind::kSequence || shots.empty() || rate_hz * cycle_s <= double(shots.size()),
-          "sensor: more frames than shots");
+  require(
+      kind != Kind::kSequence || shots.empty() || rate_hz * cycle_s <= 1000 * double(shots.size()),
+      "sensor: many more frames than shots");
   require(not_negative(min_range_m) && positive(max_range_m) && min_range_m < max_range_m,
           "sensor: needs 0 <= minimum range < maximum range");
   require(
