@@ -23,9 +23,9 @@ TARGETS = {
     "embree": "embree", "xxhash": "PkgConfig::XXHASH",
 }
 # The folders above the library, and which of them each may include beside itself and the library.
-ABOVE = {"report": (), "apps/cli": (), "apps/underbrush": ("report", "apps/cli"),
-         "studies": ("report", "apps/cli", "apps/underbrush"), "bench": ("report",)}
-OWN_TARGETS = {"underbrush_report": "report", "underbrush_cli": "apps/cli",
+ABOVE = {"report": (), "cli": (), "apps/underbrush": ("report", "cli"),
+         "studies": ("report", "cli", "apps/underbrush"), "bench": ("report",)}
+OWN_TARGETS = {"underbrush_report": "report", "underbrush_cli": "cli",
                "underbrush_app": "apps/underbrush", "underbrush_studies": "studies"}
 FORBIDDEN = (
     r"#\s*include\s*<(?P<header>iostream|syncstream)>|\b(?:std::)?(?P<call>printf|puts|putchar|fprintf|"
@@ -55,7 +55,7 @@ def declared(root):
 
 
 def folder_of(path):
-    """'report', 'apps/cli', ... or None for files of the library and of the tests."""
+    """'report', 'cli', ... or None for files of the library and of the tests."""
     return next((f for f in ABOVE if path.startswith(f + "/")), None)
 
 
@@ -200,13 +200,13 @@ BAD = [
     ({**module("core", '#include "report/a.hpp"\n'), "report/a.hpp": ""}, "stands above it"),
     ({f"{LIBRARY}io/a.hpp": "#include <nlohmann/json.hpp>\n"}, "in a header"),
     ({"apps/underbrush/a.cpp": "#include <embree3/rtcore.h>\n"}, "Embree"),
-    ({"report/a.cpp": '#include "cli/verb.hpp"\n', "apps/cli/verb.hpp": ""}, "report may not include"),
+    ({"report/a.cpp": '#include "cli/verb.hpp"\n', "cli/verb.hpp": ""}, "report may not include"),
     ({"report/a.cpp": '#include "studies/study.hpp"\n', "studies/study.hpp": ""}, "report may not include"),
-    ({"apps/cli/a.cpp": '#include "fit_options.hpp"\n', "apps/underbrush/fit_options.hpp": ""},
-     "apps/cli may not include"),
+    ({"cli/a.cpp": '#include "fit_options.hpp"\n', "apps/underbrush/fit_options.hpp": ""},
+     "cli may not include"),
     ({"apps/underbrush/a.cpp": '#include "studies/study.hpp"\n', "studies/study.hpp": ""},
      "apps/underbrush may not include"),
-    ({"bench/a.cpp": '#include "cli/verb.hpp"\n', "apps/cli/verb.hpp": ""}, "bench may not include"),
+    ({"bench/a.cpp": '#include "cli/verb.hpp"\n', "cli/verb.hpp": ""}, "bench may not include"),
     ({"bench/a.cpp": '#include "studies/study.hpp"\n', "studies/study.hpp": ""}, "bench may not include"),
     ({"report/a.cpp": "int x;\n", "report/CMakeLists.txt": "target_link_libraries(r PUBLIC underbrush::io)\n"},
      "links underbrush::io but"),
