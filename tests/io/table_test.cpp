@@ -221,6 +221,10 @@ TEST(Pcd, RefusesAbsurdCountsAndReadsSideFields) {
   s.replace(s.find("0 0 0 1\n"), 7, "0 0 0 2");
   put_bytes(path, s);
   EXPECT_THROW(read_pcd(path), FormatError);
+  s.replace(s.find("0 0 0 2\n"), 7, "0 0 0 1");
+  s.replace(s.find("TYPE F F F U I U"), 16, "TYPE F F F U F U");  // two bytes are no float
+  put_bytes(path, s);
+  EXPECT_THROW(read_pcd(path), FormatError);
 }
 
 }  // namespace

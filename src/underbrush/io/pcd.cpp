@@ -52,6 +52,9 @@ class PcdParser {
       if (!words.empty()) take(std::string(words[0]), {words.begin() + 1, words.end()});
     }
     if (header_.fields.empty()) fail("no line FIELDS");
+    for (const PcdField& f : header_.fields) {
+      if (f.name != "_" && f.type == 'F' && f.size < 4) fail("a field of TYPE F needs SIZE 4 or 8");
+    }
     if (!points_seen_) header_.points = width_ * height_;
     header_.body = at_;
     if (header_.row_size() == 0) fail("fields without a size");
