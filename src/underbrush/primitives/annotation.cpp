@@ -20,7 +20,7 @@ PlacedObject object_of(const io::JsonValue& j, bool outside) {
   if (position.size() != 2 && position.size() != 3) {
     j.at("position_m").fail("expected two or three numbers");
   }
-  // Of two numbers, the ground gives z.
+  // The ground gives z where only x and y are given.
   o.position = Vec3(position[0], position[1], position.size() == 3 ? position[2] : 0);
   if (const auto yaw = j.find("yaw_rad")) o.yaw_rad = yaw->number();
   o.box = box_of_json(j);
