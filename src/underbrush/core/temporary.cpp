@@ -41,8 +41,8 @@ Registry& registry() {
 
 // Opens and locks the lock file of a private folder; -1 if a process holds it, it does not exist or
 // was removed meanwhile.
-int take_lock(const fs::path& folder, int flags) {
-  const int fd = ::open((folder / kLock).c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | flags, 0600);
+int take_lock(const fs::path& folder) {
+  const int fd = ::open((folder / kLock).c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW);
   if (fd < 0) return -1;
   struct stat status {};
   if (::flock(fd, LOCK_EX | LOCK_NB) == 0 && ::fstat(fd, &status) == 0 && status.st_nlink > 0) {
@@ -83,7 +83,7 @@ void put_back(const fs::path& folder) {
 // Removes the private folder of a process that is no more; false if the process lives.
 bool remove_remains(const fs::path& folder) {
   std::error_code error;
-  const int lock = take_lock(folder, 0);
+  const int lock = take_lock(folder);
   if (lock < 0) return ::rmdir(folder.c_str()) == 0;  // killed before it had a lock
   put_back(folder);
   remove_private(folder, error);
@@ -111,15 +111,22 @@ std::pair<fs::path, int> make_private_folder(const fs::path& folder) {
   for (int tries = 0; tries < 100; ++tries) {
     std::string name = (folder / (std::string(kPrefix) + std::string(kUnique))).string();
     if (!::mkdtemp(name.data())) fail(folder);
-    const int lock = take_lock(name, O_CREAT | O_EXCL);
-    if (lock >= 0) return {name, lock};
-    if (errno != ENOENT && errno != EWOULDBLOCK) {
+    const fs::path file = fs::path(name) / kLock;
+    const int lock = ::open(file.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_CREAT | O_EXCL, 0600);
+    if (lock < 0) {
+      if (errno == ENOENT) continue;
       const int reason = errno;
       std::error_code ignored;
       fs::remove_all(name, ignored);
       errno = reason;
       fail(folder);
     }
+    // A file system without locks is written to without one; nobody then takes the folder for
+    // remains, because nobody can lock it.
+    const bool taken = ::flock(lock, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+    struct stat status {};
+    if (!taken && ::fstat(lock, &status) == 0 && status.st_nlink > 0) return {name, lock};
+    ::close(lock);
   }
   errno = EBUSY;
   fail(folder);
