@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "cli/progress.hpp"
 #include "objects_of_log.hpp"
 #include "underbrush/core/check.hpp"
@@ -11,6 +13,8 @@
 namespace underbrush::app {
 namespace {
 namespace extract_verb {
+
+constexpr size_t kPoor = 3;  // elements
 
 struct Arguments {
   std::string model, log, output, membership = "own";
@@ -44,10 +48,24 @@ void add_options(Verb& verb, Arguments& a) {
                  "Side of the cells that patches of shrubs are cut into, m")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  app.add_option("--min-elements", a.extract.min_elements,
+                 "Leave out objects and cells with fewer elements")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   app.add_option("--min-points", a.extract.measure.min_points,
                  "Leave out objects and cells with fewer points")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+}
+
+std::string note_of_poor(const std::vector<primitives::Primitive>& primitives) {
+  const auto poor = std::count_if(primitives.begin(), primitives.end(),
+                                  [](const auto& p) { return p.model.size() < kPoor; });
+  if (poor == 0) return "";
+  return fmt::format(
+      "  note: {} of them have fewer than {} elements and hardly look like a plant; "
+      "--min-elements leaves such out\n",
+      poor, kPoor);
 }
 
 void run(const Verb& verb, Arguments& a) {
@@ -81,6 +99,7 @@ void run(const Verb& verb, Arguments& a) {
   j["elements_taken"] = result.taken;
   j["free_space"] = result.free_space;
   j["empty"] = result.empty;
+  j["few_elements"] = result.few_elements;
   j["few_points"] = m.few_points;
   j["off_ground"] = m.off_ground;
   j["hits_without_instance"] = m.without_instance;
@@ -93,8 +112,10 @@ void run(const Verb& verb, Arguments& a) {
     text += fmt::format("  {:<19}{:>8}, {:.0f} elements each\n", name, n.first,
                         double(n.second) / double(n.first));
   }
+  text += note_of_poor(result.primitives);
   text += left_out({{"ellipsoids of free space", result.free_space},
                     {"objects without an element", result.empty},
+                    {"objects or cells of few elements", result.few_elements},
                     {"objects or cells of few points", m.few_points},
                     {"objects off the ground", m.off_ground},
                     {"hits of an object's class without instance", m.without_instance}});

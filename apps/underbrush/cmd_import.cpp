@@ -6,6 +6,7 @@
 #include <set>
 
 #include "cli/progress.hpp"
+#include "import_report.hpp"
 #include "row_filter.hpp"
 #include "stages.hpp"
 #include "underbrush/core/check.hpp"
@@ -19,8 +20,6 @@ namespace underbrush::app {
 namespace {
 namespace import_verb {
 
-constexpr double kFewMisses = 0.03;  // of all recorded
-
 struct Arguments {
   std::string source, output, frames, deskew, infer_misses, label_set, keep;
   io::InputOptions input;
@@ -28,13 +27,6 @@ struct Arguments {
   bool float_coordinates = false;
   double elevation_offset_deg = 0, max_range_m = 0;
   std::optional<double> unknown_below_deg;
-};
-
-/// Counts of the log's records by what became of them.
-struct Counts {
-  size_t scans = 0, beams = 0;
-  sensor::BeamCounts beam;
-  std::map<std::string, size_t> skipped;
 };
 
 void add_options(Verb& verb, Arguments& a) {
@@ -128,9 +120,9 @@ void note_echoes(const RowFilter& keep, const std::map<std::string, ExtraColumn>
   }
 }
 
-Counts import_scans(const RowFilter& keep, io::Input& input, io::LogWriter& writer,
-                    const sensor::BeamOptions& options) {
-  Counts counts;
+ImportCounts import_scans(const RowFilter& keep, io::Input& input, io::LogWriter& writer,
+                          const sensor::BeamOptions& options) {
+  ImportCounts counts;
   Progress progress("import");
   for (size_t k = 0; k < input.scans->size(); ++k) {
     PointScan scan = input.scans->read(k);
@@ -146,9 +138,9 @@ Counts import_scans(const RowFilter& keep, io::Input& input, io::LogWriter& writ
   return counts;
 }
 
-Counts import_beams(const Arguments& a, const RowFilter& keep, io::Input& input,
-                    io::LogWriter& writer) {
-  Counts counts;
+ImportCounts import_beams(const Arguments& a, const RowFilter& keep, io::Input& input,
+                          io::LogWriter& writer) {
+  ImportCounts counts;
   Progress progress("import");
   size_t done = 0;
   std::set<uint32_t> scans;
@@ -196,70 +188,6 @@ LogInfo beams_info(const Arguments& a, const io::Input& input) {
   return info;
 }
 
-// Says what became of all records, and what to do where the points are those of a world.
-std::string nothing_usable(const Arguments& a, const Counts& c) {
-  std::string text = "no usable beams in it";
-  const char* separator = ": ";
-  for (const auto& [reason, n] : c.skipped) {
-    text += fmt::format("{}{} {}", separator, n, reason);
-    separator = ", ";
-  }
-  if (c.skipped.count(io::kFarFromSensor) && !a.input.points_in_world) {
-    text +=
-        "; are its coordinates those of the world? Then --poses must say where the sensor stood, "
-        "and --points-in-world";
-  }
-  return text;
-}
-
-// Hit probabilities are learnt from misses, so a loss of many is said where nobody can overlook it.
-std::vector<std::string> warnings_of(const Counts& c) {
-  const auto lost = c.skipped.find(sensor::kNoGrid);
-  if (lost == c.skipped.end()) return {};
-  const size_t recorded = c.beam.misses_recorded + lost->second;
-  if (double(lost->second) <= kFewMisses * double(recorded)) return {};
-  return {
-      fmt::format("{} of {} recorded misses are lost ({}): a model fitted to this log takes "
-                  "plants for denser than they are",
-                  lost->second, recorded, sensor::kNoGrid)};
-}
-
-Json json_of(const io::Input& input, const Counts& c, const std::vector<std::string>& warnings) {
-  Json j;
-  j["format"] = input.format;
-  j["scans"] = c.scans;
-  j["beams"] = c.beams;
-  j["hits"] = c.beam.hits;
-  j["misses"] = c.beam.misses_recorded + c.beam.misses_inferred;
-  j["misses_recorded"] = c.beam.misses_recorded;
-  j["misses_inferred"] = c.beam.misses_inferred;
-  j["unknown"] = c.beam.unknown;
-  j["scans_ringed_by_elevation"] = c.beam.scans_ringed_by_elevation;
-  j["skipped"] = c.skipped;
-  j["notes"] = input.notes;
-  j["warnings"] = warnings;
-  return j;
-}
-
-std::string table_of(const io::Input& input, const Counts& c, const std::string& output) {
-  std::string text = fmt::format(
-      "{} ({}): {} scans, {} beams\n"
-      "  hits             {}\n"
-      "  misses recorded  {}\n"
-      "  misses inferred  {}\n"
-      "  unknown          {}  (beams that tell nothing: left out)\n",
-      output, input.format, c.scans, c.beams, c.beam.hits, c.beam.misses_recorded,
-      c.beam.misses_inferred, c.beam.unknown);
-  for (const auto& [reason, n] : c.skipped)
-    text += fmt::format("  skipped          {}  ({})\n", n, reason);
-  if (c.beam.scans_ringed_by_elevation > 0) {
-    text += fmt::format("  note: rings of {} scans told by elevation\n",
-                        c.beam.scans_ringed_by_elevation);
-  }
-  for (const std::string& note : input.notes) text += "  note: " + note + "\n";
-  return text;
-}
-
 void run(const Verb& verb, Arguments& a) {
   if (!a.frames.empty()) a.input.frames = io::frames_from_text(a.frames);
   a.writer.double_coordinates = !a.float_coordinates;
@@ -277,11 +205,12 @@ void run(const Verb& verb, Arguments& a) {
   const sensor::BeamOptions options = beams ? sensor::BeamOptions{} : beam_options(a, input);
   const LogInfo info = beams ? beams_info(a, input) : log_info(a, input, options);
   io::LogWriter writer(a.output, info, provenance(verb, sources), a.writer);
-  Counts counts =
+  ImportCounts counts =
       beams ? import_beams(a, keep, input, writer) : import_scans(keep, input, writer, options);
   counts.skipped = input.skipped();
   for (const auto& [reason, n] : counts.beam.skipped) counts.skipped[reason] += n;
-  if (counts.beams == 0) throw FormatError(a.source, "", nothing_usable(a, counts));
+  if (counts.beams == 0)
+    throw FormatError(a.source, "", nothing_usable(counts, a.input.points_in_world));
   if (!beams && counts.beam.misses_recorded + counts.beam.misses_inferred == 0) {
     input.notes.push_back(
         "the log has no misses: hit probabilities cannot be learnt from it (see --infer-misses)");

@@ -95,7 +95,9 @@ void plot(const std::string& file, const sensor::Sensor& s,
   if (shown.empty()) from = 0, to = s.max_range_m;
   report::SvgPlot out(fmt::format("{}: {} waveforms", s.title, shown.size()), "range (m)",
                       "signal, each to its own scale");
-  out.x_axis(from - 0.5, to + 0.5);
+  // Labels stand to the left of all signals.
+  const double label_m = 0.1 * (to - from) + 0.5;
+  out.x_axis(from - label_m, to + 0.5);
   out.y_axis(-0.2, std::max<double>(1, double(shown.size())));
   for (size_t k = 0; k < shown.size(); ++k) {
     const double base = double(shown.size() - 1 - k);
@@ -112,7 +114,7 @@ void plot(const std::string& file, const sensor::Sensor& s,
     out.line({{from, level}, {to, level}}, "#b03030", true);
     for (const double r : shown[k]->echo_m)
       out.line({{r, base}, {r, base + 0.85}}, "#2050a0", true);
-    out.text(from, base + 0.3, fmt::format("beam {}", shown[k]->beam));
+    out.text(from - 0.95 * label_m, base + 0.3, fmt::format("beam {}", shown[k]->beam));
   }
   out.write(file);
 }

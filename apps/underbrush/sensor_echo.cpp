@@ -56,6 +56,30 @@ void write_csv(const radiometry::Waveform& waveform, const std::string& file) {
   io::write_atomically(file, text);
 }
 
+/// Returns a height for the label of each echo, above its peak and above the labels that it would
+/// cover.
+std::vector<double> label_heights(const std::vector<radiometry::Echo>& echoes, double width_m,
+                                  double top) {
+  const double wide = 0.08 * width_m, high = 0.045 * top;  // of a label, with its margin
+  std::vector<double> heights;
+  for (size_t k = 0; k < echoes.size(); ++k) {
+    double height = 1.03 * double(echoes[k].peak);
+    for (bool moved = true; moved;) {
+      moved = false;
+      for (size_t j = 0; j < k; ++j) {
+        const bool covers =
+            std::abs(double(echoes[k].range_m) - double(echoes[j].range_m)) < wide &&
+            std::abs(height - heights[j]) < high;
+        if (!covers) continue;
+        height = heights[j] + 1.01 * high;
+        moved = true;
+      }
+    }
+    heights.push_back(height);
+  }
+  return heights;
+}
+
 void plot_waveform(const Sensor& s, const radiometry::Waveform& waveform,
                    const radiometry::Echoes& echoes, const std::string& file) {
   report::SvgPlot::Points points;
@@ -70,13 +94,18 @@ void plot_waveform(const Sensor& s, const radiometry::Waveform& waveform,
   report::SvgPlot plot(s.title + ": received signal", "range (m)", "signal / noise");
   const double from = points.empty() ? 0 : points.front().first - 1;
   const double to = points.empty() ? s.max_range_m : points.back().first + 1;
+  const std::vector<radiometry::Echo> shown(echoes.begin(), echoes.end());
+  const std::vector<double> labels = label_heights(shown, to - from, top);
+  double highest = 1.1 * top;
+  for (const double height : labels) highest = std::max(highest, height + 0.07 * top);
   plot.x_axis(from, to);
-  plot.y_axis(-0.1 * top, 1.1 * top);
+  plot.y_axis(-0.1 * top, highest);
   plot.line(points, "#1f6f4a");
   plot.line({{from, s.signal.threshold_snr}, {to, s.signal.threshold_snr}}, "#b03030", true);
-  for (const radiometry::Echo& e : echoes) {
+  for (size_t k = 0; k < shown.size(); ++k) {
+    const radiometry::Echo& e = shown[k];
     plot.line({{e.range_m, 0}, {e.range_m, e.peak}}, "#2050a0", true);
-    plot.text(e.range_m, 1.03 * double(e.peak), fmt::format("{:.3f} m", e.range_m));
+    plot.text(e.range_m, labels[k], fmt::format("{:.3f} m", e.range_m));
   }
   plot.write(file);
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "cli/progress.hpp"
+#include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/elements/scene_file.hpp"
 #include "underbrush/fit/fitters.hpp"
@@ -163,6 +164,7 @@ std::string table_of_scores(const std::vector<Candidate>& candidates,
   if (scores[0].likelihood) {
     text += row("neg. log-likelihood", scores, &Summary::nll_per_beam, 4);
     text += row("CRPS of the range, m", scores, &Summary::crps_m, 3);
+    text += "    (a miss counts as the maximum range there, so a wrong one costs many metres)\n";
   }
   return text;
 }

@@ -69,6 +69,36 @@ class Scenes(cli_test.OnALog):
         head = pathlib.Path(self.folder, "echoes.csv").read_text().splitlines()[0]
         self.assertNotIn("instance", head)
 
+    def simulate_mover(self, *words, material="", output="sim.csv"):
+        """Simulates a shrub as a mover, 3 m from a sensor that sees all else beyond 4 m."""
+        for name, pose in (("shrub.txt", "3 0 0 0 0 0.70710678 0.70710678"),
+                           ("poses.txt", "0 0 1.5 0 0 0 1")):
+            pathlib.Path(self.folder, name).write_text(f"0 {pose}\n0.1 {pose}\n")
+        mover = f"primitives/large_shrub/0001:shrub.txt{material}"
+        return cli_test.call("simulate", "model", "--sensor", "velodyne-vlp16", "--trajectory",
+                             "poses.txt", "--mover", mover, "--element-ids", "-o", output, *words,
+                             cwd=self.folder)
+
+    def test_a_mover_on_a_plain_model_has_a_number_and_its_own_class(self):
+        for words in ([], ["--super-sample", "9"]):
+            with self.subTest(words):
+                done = self.simulate_mover(*words, material=":leaf")
+                self.assertEqual((done.returncode, done.stderr), (0, ""))
+                with open(pathlib.Path(self.folder, "sim.csv"), newline="") as file:
+                    rows = [{k: float(v) for k, v in row.items()} for row in csv.DictReader(file)]
+                # The model has no classes; 6 is that of a large shrub.
+                found = {(row["hit"] == 1 and math.hypot(row["x"], row["y"]) < 4, row["instance"],
+                          row["element_class"]) for row in rows}
+                self.assertEqual(found, {(True, 1, 6), (False, 0, 0)})
+                self.assertEqual({row["hit"] for row in rows if row["instance"] == 0}, {0, 1})
+
+    def test_a_movers_material_is_known_or_refused(self):
+        for words in ([], ["--super-sample", "9"]):
+            with self.subTest(words):
+                done = self.simulate_mover(*words, material=":laef", output="bad.csv")
+                self.assert_fails(done, 2, "'laef'", "'leaf'")
+                self.assertFalse(pathlib.Path(self.folder, "bad.csv").exists())
+
     def annotation(self, change):
         site = json.loads(pathlib.Path(self.folder, "site.json").read_text())
         change(site)

@@ -3,6 +3,7 @@
 import csv
 import json
 import pathlib
+import re
 import struct
 import tempfile
 import unittest
@@ -10,6 +11,8 @@ import xml.etree.ElementTree
 
 import cli_test
 from cli_test import call
+
+SHARE = pathlib.Path(__file__).resolve().parents[2] / "share"
 
 
 class Sensors(cli_test.Failing):
@@ -91,6 +94,48 @@ class Footprints(cli_test.OnALog):
     def test_what_is_wrong(self):
         self.assert_fails(call("fit", "log.ply", "--sensor", "vlp61", "-o", "m", cwd=self.folder), 2, "'velodyne-vlp16'")
         self.assert_fails(call("fit", "log.ply", "--mixture-rounds", "-1", "-o", "m", cwd=self.folder), 2, "rounds")
+
+
+class OwnSensors(cli_test.OnALog):
+    """A log carries the sensor file that it is made with, and needs that file no more."""
+
+    def setUp(self):
+        super().setUp()
+        self.run_all(until="segment")
+        own = (SHARE / "sensors/velodyne-vlp16.yaml").read_text()
+        for name, value in (("name", "small"), ("firing_period_us", "2000"),
+                            ("sub_rays", "[2, 3]")):
+            own = re.sub(rf"^{name}: .*", f"{name}: {value}", own, flags=re.MULTILINE)
+        pathlib.Path(self.folder, "own.yaml").write_text(own)
+        pathlib.Path(self.folder, "poses.txt").write_text("0 0 0 2 0 0 0 1\n0.2 0 0 2 0 0 0 1\n")
+        self.json_of("fit", "log.ply", "-o", "model", "--min-points", "4")
+        self.json_of("simulate", "model", "--sensor", "./own.yaml", "--trajectory", "poses.txt",
+                     "-o", "own.ply")
+        pathlib.Path(self.folder, "own.yaml").unlink()
+        pathlib.Path(self.folder, "elsewhere").mkdir()
+
+    def json_of(self, *words, below="."):
+        done = call(*words, "--json", "-", cwd=pathlib.Path(self.folder, below))
+        self.assertEqual((done.returncode, done.stderr), (0, ""), words)
+        return json.loads(done.stdout)
+
+    def test_the_beams_of_a_log_keep_their_sensor_in_another_folder(self):
+        self.assertEqual(self.json_of("info", "own.ply")["sensor"], "small")
+        self.assertRegex(call("info", "own.ply", cwd=self.folder).stdout, r"\n  sensor +small\n")
+        self.json_of("split", "own.ply", "--every", "2", "--train", "even.ply", "--test", "odd.ply")
+        self.json_of("import", "own.ply", "-o", "again.ply")
+        for log in ("own.ply", "again.ply", "even.ply", "odd.ply"):
+            like = ["simulate", "../model", "--like", f"../{log}"]
+            with self.subTest(log):
+                echoes = self.json_of(*like, "--super-sample", "3", "-o", "echoes.ply",
+                                      below="elsewhere")
+                self.assertEqual(echoes["sub_rays"], 3)
+                self.assertGreater(echoes["hits"], 0)
+                self.json_of(*like, "--beam", "random", "-o", "thin.ply", below="elsewhere")
+                for made in ("echoes.ply", "thin.ply"):  # both carry it on
+                    told = self.json_of("simulate", "../model", "--like", made, "--super-sample",
+                                        "sensor", "-o", "last.ply", below="elsewhere")
+                    self.assertEqual(told["sub_rays"], 6, made)  # 45 if the catalogue's were taken
 
 
 class Instruments(cli_test.OnALog):

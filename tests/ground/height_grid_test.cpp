@@ -8,6 +8,7 @@
 
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
+#include "underbrush/ground/height_sums.hpp"
 #include "underbrush/ground/node_mask.hpp"
 
 namespace underbrush::ground {
@@ -166,6 +167,55 @@ TEST(HeightGrid, PiecesMergeToTheWhole) {
   EXPECT_THROW(merged.merge(HeightGrid(Vec3::Zero())), std::invalid_argument);
 }
 
+TEST(HeightSums, CoarsenedAreThoseOfNodesTwiceAsFarApart) {
+  const std::vector<Vec3> points = scatter([](double x, double y) { return std::sin(x) + y / 9; },
+                                           3000, 70, 0.1, Vec3(-31.3, -17.7, 5));
+  HeightSums fine{Vec3::Zero(), {.spacing_m = 0.4}, {}},
+      coarse{Vec3::Zero(), {.spacing_m = 0.8}, {}};
+  fine.add(points);
+  coarse.add(points);
+  // A node on a block's border has sums in several blocks; they add up at the node.
+  const auto at_nodes = [](const HeightSums& sums) {
+    std::map<std::pair<int, int>, NodeSums> nodes;
+    for (const auto& [key, block] : sums.blocks) {
+      for (size_t k = 0; k < block.size(); ++k) {
+        if (block[k].a[kSelf] == 0) continue;
+        nodes[{key.x * kBlockSide + int(k % kSumSide), key.y * kBlockSide + int(k / kSumSide)}] +=
+            block[k];
+      }
+    }
+    return nodes;
+  };
+  const HeightSums made = fine.coarsened();
+  EXPECT_EQ(made.options.spacing_m, 0.8);
+  EXPECT_EQ(made.n, coarse.n);
+  EXPECT_EQ(made.cells(), coarse.cells());
+  const auto a = at_nodes(made), b = at_nodes(coarse);
+  ASSERT_EQ(a.size(), b.size());
+  for (const auto& [node, sums] : b) {
+    ASSERT_TRUE(a.contains(node)) << node.first << " " << node.second;
+    for (int c = 0; c < kPointCouplings; ++c) {
+      EXPECT_NEAR(a.at(node).a[c], sums.a[c], 1e-12)
+          << node.first << " " << node.second << " " << c;
+    }
+    EXPECT_NEAR(a.at(node).b, sums.b, 1e-11);
+  }
+}
+
+TEST(HeightGrid, NodesAreNoFinerThanThePoints) {
+  const auto plane = [](double x, double y) { return 3 + 0.4 * x - 0.2 * y; };
+  // points, on 60 m × 60 m: 12, 1, 0.25, 0.06 and 0.004 a square metre
+  const std::pair<size_t, double> cases[] = {{43200, 0.5}, {3600, 1}, {900, 2}, {225, 4}, {15, 4}};
+  for (const auto& [n, spacing] : cases) {
+    const std::vector<Vec3> points = scatter(plane, n, 60);
+    const HeightMap map = fitted(points);
+    EXPECT_EQ(map.spacing_m, spacing) << n;
+    for (const Vec3& p : points) ASSERT_NEAR(*map.at(p.x(), p.y()), p.z(), 1e-6) << n;
+  }
+  EXPECT_EQ(fitted(scatter(plane, 225, 60), {.spacing_m = 3}).spacing_m, 3);
+  EXPECT_EQ(fitted(scatter(plane, 225, 60), {.coarsest_m = 0.5}).spacing_m, 0.5);
+}
+
 TEST(HeightGrid, ThreadsChangeNothing) {
   const std::vector<Vec3> points = scatter([](double x, double) { return x / 9; }, 5000, 90, 0.1);
   set_threads(1);
@@ -193,6 +243,7 @@ TEST(HeightGrid, ReachesAsFarAsPaddingAndBridgeSay) {
 TEST(HeightGrid, MemoryFollowsTheAreaNotTheBoundingBox) {
   HeightGrid grid(Vec3::Zero());
   std::vector<Vec3> points;
+  points.reserve(1000);
   for (int k = 0; k < 1000; ++k) points.emplace_back(100 * k, 37 * k, k);  // 107 km
   grid.add(points);
   const HeightMap map = grid.solve();
@@ -209,6 +260,7 @@ TEST(HeightGrid, DegenerateInput) {
   EXPECT_NEAR(*two.at(1, 1), 8, 1e-5);
   EXPECT_NEAR(two.sigma_m, 1, 1e-9);
   std::vector<Vec3> line;
+  line.reserve(100);
   for (int k = 0; k < 100; ++k) line.emplace_back(0.1 * k, 0.2 * k, 0.3 * k);
   const HeightMap lined = fitted(line);
   EXPECT_NEAR(*lined.at(5, 10), 15, 1e-5);

@@ -151,6 +151,23 @@ TEST(Extract, LeavesOutWhatNearlyAllBeamsPassed) {
   EXPECT_THROW(extract_from(s, options), std::invalid_argument);
 }
 
+TEST(Extract, LeavesOutObjectsOfFewElements) {
+  const Site s = site({});
+  const ExtractResult all = extract_from(s);
+  ASSERT_EQ(all.few_elements, 0u);
+  ASSERT_FALSE(all.primitives.empty());
+  size_t least = SIZE_MAX, with_least = 0;
+  for (const Primitive& p : all.primitives) least = std::min(least, p.model.size());
+  for (const Primitive& p : all.primitives) with_least += p.model.size() == least;
+  ExtractOptions options;
+  options.min_elements = least;
+  EXPECT_EQ(extract_from(s, options).primitives.size(), all.primitives.size());
+  options.min_elements = least + 1;
+  const ExtractResult some = extract_from(s, options);
+  EXPECT_EQ(some.few_elements, with_least);
+  EXPECT_EQ(some.primitives.size(), all.primitives.size() - with_least);
+}
+
 TEST(Extract, MeasuresPoseAndBox) {
   const ExtractResult r = extract_from(site(moved(0, 0, 4, 0.6)));
   const PlacedObject& tree = r.measured.objects.at(0);

@@ -98,7 +98,7 @@ const Parameter kParameters[] = {
 
     {"ground-method", kGround, "", "Ground segmentation",
      at([](Options& o) -> auto& { return o.segment.method; }), kUsual, {}, ground_methods},
-    {"ground-spacing", kGround, "m", "Distance of the nodes of the ground's height map",
+    {"ground-spacing", kGround, "m", "Least distance of the nodes of the ground's height map",
      at([](Options& o) -> auto& { return o.ground.spacing_m; }), kRare,
      TuningRange{0.1, 4, kLog, kTuned}},
     {"ground-smoothness", kGround, "m²", "Weight of bending of the ground's height map",

@@ -6,57 +6,29 @@
 #include <vector>
 
 #include "underbrush/core/check.hpp"
-#include "underbrush/ground/node_mask.hpp"
+#include "underbrush/ground/height_sums.hpp"
 
 namespace underbrush::ground {
 namespace {
 
-/// The couplings of half a row of the symmetric matrix: a node's coefficients with itself and with
-/// the nodes that follow it row by row. Points contribute to the first five, bending to all seven.
-enum Coupling { kSelf, kEast, kNorth, kNorthEast, kNorthWest, kEast2, kNorth2, kCouplings };
-constexpr int kStep[kCouplings][2] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}, {-1, 1}, {2, 0}, {0, 2}};
-
-/// Returns the coupling that leads by (dx, dy); dy > 0, or dy = 0 and dx ≥ 0.
-constexpr int coupling_of(int dx, int dy) {
-  for (int c = 0; c < kCouplings; ++c) {
-    if (kStep[c][0] == dx && kStep[c][1] == dy) return c;
-  }
-  return -1;
-}
-
-/// Normal equations of the points at one node: Σ w wᵀ and Σ w z.
-struct NodeSums {
-  double a[5] = {}, b = 0;
-  void operator+=(const NodeSums& o) {
-    for (int c = 0; c < 5; ++c) a[c] += o.a[c];
-    b += o.b;
-  }
-};
-
-/// The sums of a block's cells reach one node beyond the block to the north and to the east.
-constexpr int kSumSide = kBlockSide + 1;
-using BlockSums = std::array<NodeSums, kSumSide * kSumSide>;
-
 using Matrix = Eigen::SparseMatrix<double>;  // lower triangle
 using Coefficients = std::vector<std::array<double, kCouplings>>;
 
+/// Returns whether points are so sparse that most are alone in their cell, and nodes may be twice
+/// as far apart.
+bool is_sparse(const HeightSums& sums) {
+  constexpr double kPointsPerCell = 1.5;
+  return 2 * sums.options.spacing_m <= sums.options.coarsest_m &&
+         double(sums.n) < kPointsPerCell * double(sums.cells());
+}
+
 }  // namespace
 
-struct HeightGrid::Sums {
-  Vec3 origin;
-  HeightGridOptions options;
-  std::map<BlockKey, BlockSums> blocks;
-  size_t n = 0;
-  double z = 0, zz = 0;
-
-  NodeMask nodes() const;
-};
-
 HeightGrid::HeightGrid(const Vec3& origin, const HeightGridOptions& options)
-    : sums_(new Sums{origin, options, {}, 0, 0, 0}) {
+    : sums_(new HeightSums{origin, options, {}, 0, 0, 0}) {
   require(options.spacing_m > 0 && options.smoothness_m2 > 0 && options.padding_m >= 0 &&
-              options.bridge_m >= 0 && origin.allFinite(),
-          "height grid: spacing and smoothness must be positive, padding and bridge not negative");
+              options.bridge_m >= 0 && options.coarsest_m >= 0 && origin.allFinite(),
+          "height grid: spacing and smoothness must be positive, other lengths not negative");
 }
 HeightGrid::HeightGrid(HeightGrid&&) noexcept = default;
 HeightGrid& HeightGrid::operator=(HeightGrid&&) noexcept = default;
@@ -64,70 +36,15 @@ HeightGrid::~HeightGrid() = default;
 
 size_t HeightGrid::points() const { return sums_->n; }
 
-void HeightGrid::add(std::span<const Vec3> points) {
-  Sums& s = *sums_;
-  BlockKey last_key;
-  BlockSums* last = nullptr;
-  for (const Vec3& point : points) {
-    const Vec3 p = point - s.origin;
-    const double u = p.x() / s.options.spacing_m, v = p.y() / s.options.spacing_m;
-    require_data(
-        std::abs(u) < double(1 << 28) && std::abs(v) < double(1 << 28) && std::isfinite(p.z()),
-        "height grid: a point is not finite or too far from the origin");
-    const int i = int(std::floor(u)), j = int(std::floor(v));
-    const BlockKey key = block_of(i, j);
-    if (!last || key != last_key) {
-      last = &s.blocks[key];
-      last_key = key;
-    }
-    const double a = u - i, b = v - j, z = p.z();
-    const double w00 = (1 - a) * (1 - b), w10 = a * (1 - b), w01 = (1 - a) * b, w11 = a * b;
-    NodeSums* at = last->data() + (j & 31) * kSumSide + (i & 31);
-    NodeSums &n00 = at[0], &n10 = at[1], &n01 = at[kSumSide], &n11 = at[kSumSide + 1];
-    n00.a[kSelf] += w00 * w00, n10.a[kSelf] += w10 * w10;
-    n01.a[kSelf] += w01 * w01, n11.a[kSelf] += w11 * w11;
-    n00.a[kEast] += w00 * w10, n01.a[kEast] += w01 * w11;
-    n00.a[kNorth] += w00 * w01, n10.a[kNorth] += w10 * w11;
-    n00.a[kNorthEast] += w00 * w11, n10.a[kNorthWest] += w10 * w01;
-    n00.b += w00 * z, n10.b += w10 * z, n01.b += w01 * z, n11.b += w11 * z;
-    s.z += z;
-    s.zz += z * z;
-    ++s.n;
-  }
-}
+void HeightGrid::add(std::span<const Vec3> points) { sums_->add(points); }
 
 void HeightGrid::merge(const HeightGrid& other) {
-  const Sums& o = *other.sums_;
-  const HeightGridOptions &a = sums_->options, &b = o.options;
-  require(sums_->origin == o.origin && a.spacing_m == b.spacing_m &&
+  const HeightGridOptions &a = sums_->options, &b = other.sums_->options;
+  require(sums_->origin == other.sums_->origin && a.spacing_m == b.spacing_m &&
               a.smoothness_m2 == b.smoothness_m2 && a.padding_m == b.padding_m &&
-              a.bridge_m == b.bridge_m,
+              a.bridge_m == b.bridge_m && a.coarsest_m == b.coarsest_m,
           "height grid: only grids of the same origin and options merge");
-  for (const auto& [key, theirs] : o.blocks) {
-    BlockSums& mine = sums_->blocks[key];
-    for (size_t k = 0; k < theirs.size(); ++k) mine[k] += theirs[k];
-  }
-  sums_->n += o.n;
-  sums_->z += o.z;
-  sums_->zz += o.zz;
-}
-
-/// Returns the nodes that exist: those near points, and those in gaps that a closing by half of
-/// `bridge_m` fills.
-NodeMask HeightGrid::Sums::nodes() const {
-  NodeMask data;
-  for (const auto& [key, block] : blocks) {
-    for (int y = 0; y < kSumSide; ++y) {
-      for (int x = 0; x < kSumSide; ++x) {
-        if (block[size_t(y * kSumSide + x)].a[kSelf] == 0) continue;
-        const int i = key.x * kBlockSide + x, j = key.y * kBlockSide + y;
-        data[block_of(i, j)][size_t(place_in_block(i, j))] = 1;
-      }
-    }
-  }
-  const double half = 0.5 * options.bridge_m / options.spacing_m;
-  return united(dilated(data, options.padding_m / options.spacing_m),
-                eroded(dilated(data, half), half));
+  sums_->merge(*other.sums_);
 }
 
 namespace {
@@ -227,7 +144,13 @@ Matrix matrix_of(const Coefficients& a, const BlockMap<int32_t>& number) {
 }  // namespace
 
 HeightMap HeightGrid::solve() const {
-  const Sums& s = *sums_;
+  HeightSums coarse;
+  const HeightSums* at = sums_.get();
+  while (is_sparse(*at)) {
+    coarse = at->coarsened();
+    at = &coarse;
+  }
+  const HeightSums& s = *at;
   HeightMap map{s.origin, s.options.spacing_m, 0, s.n, {}, {}};
   if (s.n == 0) return map;
   map.exists = s.nodes();
@@ -239,10 +162,10 @@ HeightMap HeightGrid::solve() const {
     const std::vector<int32_t> n = window<int32_t>(number, key, 1, -1);
     for (int y = 0; y < kSumSide; ++y) {
       for (int x = 0; x < kSumSide; ++x) {
-        const NodeSums& from = block[size_t(y * kSumSide + x)];
+        const NodeSums& from = block[place_in_sums(x, y)];
         if (from.a[kSelf] == 0) continue;
-        const int32_t to = n[size_t((y + 1) * (kBlockSide + 2) + x + 1)];
-        for (size_t c = 0; c < 5; ++c) a[size_t(to)][c] += from.a[c];
+        const int32_t to = n[size_t(y + 1) * (kBlockSide + 2) + size_t(x + 1)];
+        for (size_t c = 0; c < kPointCouplings; ++c) a[size_t(to)][c] += from.a[c];
         b[to] += from.b;
       }
     }

@@ -11,7 +11,10 @@ namespace underbrush::ground {
 
 /// Options of `HeightGrid`.
 struct HeightGridOptions {
-  double spacing_m = 0.5;       ///< m; distance s of the nodes.
+  double spacing_m = 0.5;       ///< m; least distance s of the nodes.
+  double coarsest_m = 4;        ///< m; where fewer than 1.25 points lie in a cell that has one, in
+                                ///< the mean over the map, s doubles, at most up to this. Airborne
+                                ///< logs have such ground.
   double smoothness_m2 = 0.05;  ///< λ (m²): weight of the bending against the misfit.
   double padding_m = 1.5;       ///< m; nodes exist up to this far from a point ([tallavajhula18]'s
                                 ///< code).
@@ -19,6 +22,8 @@ struct HeightGridOptions {
                          ///< crowns or in shadows that other beams will meet. The authors of
                          ///< [tallavajhula18] keep triangles with sides up to 10 m to the same end.
 };
+
+struct HeightSums;
 
 /// Collects the normal equations of the surface h that minimises
 ///
@@ -53,8 +58,7 @@ class HeightGrid {
   HeightMap solve() const;
 
  private:
-  struct Sums;
-  std::unique_ptr<Sums> sums_;
+  std::unique_ptr<HeightSums> sums_;
 };
 
 }  // namespace underbrush::ground

@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kPriorWeight = 3;  // Weight of the prior, in numbers of low points.
 constexpr double kBelow = 4;        // Weight of a low point that lies well below the surface.
+constexpr double kFar2 = 9.21;  // (residual / s)² from which on a low point has no weight: 1e-4.
 constexpr uint32_t kNoCell = std::numeric_limits<uint32_t>::max();
 
 /// The points sorted by the finest cell that they lie in; x and y count from the tile's lower
@@ -84,7 +85,7 @@ void refit(PlaneGrid& grid, int level, const std::vector<Vec3f>& points,
     for (uint32_t i = row_start[first]; i < row_start[last]; ++i) {
       const double x = points[i].x(), y = points[i].y(), z = points[i].z();
       const double w = weight(z - grid.at(x, y).h);
-      if (w < 1e-4) continue;
+      if (w == 0) continue;
       const int cx = std::min(grid.nx - 1, int(x / c));
       const int cy = std::clamp(int(y / c), int(begin), int(end) - 1);
       moments[size_t(cy) * grid.nx + cx].add(x - (cx + 0.5) * c, y - (cy + 0.5) * c, z, w);
@@ -140,8 +141,9 @@ LowPoints low_points(SortedTile& tile, double quantile) {
         const Vec3f& p = low[size_t(y) * tile.nx + x];
         if (p.z() == kNone) continue;
         int others = 0, shared = 0;
-        for (int v = std::max(0, y - kReach); v <= std::min(tile.ny - 1, y + kReach); ++v) {
-          for (int u = std::max(0, x - kReach); u <= std::min(tile.nx - 1, x + kReach); ++u) {
+        const int v1 = std::min(tile.ny - 1, y + kReach), u1 = std::min(tile.nx - 1, x + kReach);
+        for (int v = std::max(0, y - kReach); v <= v1 && shared < 2; ++v) {
+          for (int u = std::max(0, x - kReach); u <= u1; ++u) {
             const Vec3f& q = low[size_t(v) * tile.nx + u];
             if (q.z() == kNone || (u == x && v == y)) continue;
             ++others;
@@ -217,8 +219,9 @@ PlaneGrid envelope(SortedTile& tile, const LowerEnvelopeOptions& o) {
     for (double wide = level == coarsest ? 4 : 2; wide >= 1; wide /= level == coarsest ? 1.5 : 2) {
       const double s = std::max(o.band_m, wide * o.bend * std::pow(grid.cell_m, 1.5));
       const auto weight = [s](double r) {
-        const double q = r / s;
-        return r > 0 ? std::exp(-q * q) : 1 + (kBelow - 1) * std::min(1.0, q * q);
+        const double q2 = r * r / (s * s);
+        if (r <= 0) return 1 + (kBelow - 1) * std::min(1.0, q2);
+        return q2 < kFar2 ? std::exp(-q2) : 0.0;
       };
       refit(grid, level, low.points, low.row_start, weight);
     }

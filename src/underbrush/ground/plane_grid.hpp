@@ -1,12 +1,8 @@
 /// \file
 /// A smooth surface made of one plane for each cell of a grid, and the fit of such a plane.
 #pragma once
-#include <Eigen/Cholesky>
 #include <algorithm>
-#include <cmath>
 #include <vector>
-
-#include "underbrush/core/pose.hpp"
 
 namespace underbrush::ground {
 
@@ -34,8 +30,8 @@ struct PlaneGrid {
   /// outer centres.
   Plane at(double x, double y) const {
     const double u = x / cell_m - 0.5, v = y / cell_m - 0.5;
-    const int i = std::clamp(int(std::floor(u)), 0, std::max(0, nx - 2));
-    const int j = std::clamp(int(std::floor(v)), 0, std::max(0, ny - 2));
+    const int i = std::clamp(int(u), 0, std::max(0, nx - 2));
+    const int j = std::clamp(int(v), 0, std::max(0, ny - 2));
     const double a = nx > 1 ? std::clamp(u - i, 0.0, 1.0) : 0;
     const double b = ny > 1 ? std::clamp(v - j, 0.0, 1.0) : 0;
     Plane sum;
@@ -76,15 +72,17 @@ struct PlaneMoments {
 inline PlaneGrid::Plane fit_plane(const PlaneMoments& m, const PlaneGrid::Plane& prior,
                                   double weight, double cell_m) {
   const double gradient_weight = weight * cell_m * cell_m;
-  Mat3 a;
-  a << m.w + weight, m.x, m.y, m.x, m.xx + gradient_weight, m.xy, m.y, m.xy, m.yy + gradient_weight;
-  // The system is solved for the change from the prior.
-  const Vec3 p(prior.h, prior.gx, prior.gy);
-  const Vec3 b(m.z - m.w * p[0] - m.x * p[1] - m.y * p[2],
-               m.xz - m.x * p[0] - m.xx * p[1] - m.xy * p[2],
-               m.yz - m.y * p[0] - m.xy * p[1] - m.yy * p[2]);
-  const Vec3 s = p + a.ldlt().solve(b);
-  return {s[0], s[1], s[2]};
+  // The system is solved for the change from the prior. Its matrix L D Lᵀ is positive definite by
+  // the prior's weight, so that no pivot is needed.
+  const double b0 = m.z - m.w * prior.h - m.x * prior.gx - m.y * prior.gy;
+  const double b1 = m.xz - m.x * prior.h - m.xx * prior.gx - m.xy * prior.gy;
+  const double b2 = m.yz - m.y * prior.h - m.xy * prior.gx - m.yy * prior.gy;
+  const double d0 = m.w + weight, l10 = m.x / d0, l20 = m.y / d0;
+  const double d1 = m.xx + gradient_weight - l10 * m.x, l21 = (m.xy - l10 * m.y) / d1;
+  const double d2 = m.yy + gradient_weight - l20 * m.y - l21 * l21 * d1;
+  const double y1 = b1 - l10 * b0, y2 = b2 - l20 * b0 - l21 * y1;
+  const double s2 = y2 / d2, s1 = y1 / d1 - l21 * s2, s0 = b0 / d0 - l10 * s1 - l20 * s2;
+  return {prior.h + s0, prior.gx + s1, prior.gy + s2};
 }
 
 }  // namespace underbrush::ground

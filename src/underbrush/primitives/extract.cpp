@@ -174,6 +174,10 @@ ExtractResult extract(const Model& model, BeamSource& labelled, const ExtractOpt
       ++out.empty;
       continue;
     }
+    if (chosen.size() < options.min_elements) {
+      ++out.few_elements;
+      continue;
+    }
     for (const uint32_t k : chosen) taken[k] = 1;
     out.primitives.push_back({o.label, o.box, cut(model, o, chosen), o});
   }

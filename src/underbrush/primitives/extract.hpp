@@ -33,6 +33,7 @@ struct ExtractOptions {
   /// Ellipsoids at which a smaller share of the beams that met them ended are left out. Where they
   /// were fitted, other elements stood behind them; elsewhere they would stop beams in free space.
   double free_space_below = 0.1;
+  size_t min_elements = 1;  ///< Objects of fewer elements are left out.
 };
 
 /// The primitives, and counts of what was left out.
@@ -40,6 +41,7 @@ struct ExtractResult {
   std::vector<Primitive> primitives;
   MeasuredObjects measured;        ///< `objects` are in the order of the log.
   size_t empty = 0;                ///< Objects that hold no element.
+  size_t few_elements = 0;         ///< Objects left out because they hold fewer than asked for.
   size_t free_space = 0;           ///< Ellipsoids left out because they are free space.
   size_t elements = 0, taken = 0;  ///< Elements of the model without its ground, and how many of
                                    ///< them a primitive took.

@@ -1,0 +1,72 @@
+#include "import_report.hpp"
+
+#include <fmt/format.h>
+
+namespace underbrush::app {
+
+constexpr double kFewMisses = 0.03;  // of all recorded
+
+std::string nothing_usable(const ImportCounts& c, bool points_in_world) {
+  std::string text = "no usable beams in it";
+  const char* separator = ": ";
+  for (const auto& [reason, n] : c.skipped) {
+    text += fmt::format("{}{} {}", separator, n, reason);
+    separator = ", ";
+  }
+  if (c.skipped.count(io::kFarFromSensor) && !points_in_world) {
+    text +=
+        "; are its coordinates those of the world? Then --poses must say where the sensor stood, "
+        "and --points-in-world";
+  }
+  return text;
+}
+
+std::vector<std::string> warnings_of(const ImportCounts& c) {
+  const auto lost = c.skipped.find(sensor::kNoGrid);
+  if (lost == c.skipped.end()) return {};
+  const size_t recorded = c.beam.misses_recorded + lost->second;
+  if (double(lost->second) <= kFewMisses * double(recorded)) return {};
+  return {
+      fmt::format("{} of {} recorded misses are lost ({}): a model fitted to this log takes "
+                  "plants for denser than they are",
+                  lost->second, recorded, sensor::kNoGrid)};
+}
+
+Json json_of(const io::Input& input, const ImportCounts& c,
+             const std::vector<std::string>& warnings) {
+  Json j;
+  j["format"] = input.format;
+  j["scans"] = c.scans;
+  j["beams"] = c.beams;
+  j["hits"] = c.beam.hits;
+  j["misses"] = c.beam.misses_recorded + c.beam.misses_inferred;
+  j["misses_recorded"] = c.beam.misses_recorded;
+  j["misses_inferred"] = c.beam.misses_inferred;
+  j["unknown"] = c.beam.unknown;
+  j["scans_ringed_by_elevation"] = c.beam.scans_ringed_by_elevation;
+  j["skipped"] = c.skipped;
+  j["notes"] = input.notes;
+  j["warnings"] = warnings;
+  return j;
+}
+
+std::string table_of(const io::Input& input, const ImportCounts& c, const std::string& output) {
+  std::string text = fmt::format(
+      "{} ({}): {} scans, {} beams\n"
+      "  hits             {}\n"
+      "  misses recorded  {}\n"
+      "  misses inferred  {}\n"
+      "  unknown          {}  (beams that tell nothing: left out)\n",
+      output, input.format, c.scans, c.beams, c.beam.hits, c.beam.misses_recorded,
+      c.beam.misses_inferred, c.beam.unknown);
+  for (const auto& [reason, n] : c.skipped)
+    text += fmt::format("  skipped          {}  ({})\n", n, reason);
+  if (c.beam.scans_ringed_by_elevation > 0) {
+    text += fmt::format("  note: rings of {} scans told by elevation\n",
+                        c.beam.scans_ringed_by_elevation);
+  }
+  for (const std::string& note : input.notes) text += "  note: " + note + "\n";
+  return text;
+}
+
+}  // namespace underbrush::app
