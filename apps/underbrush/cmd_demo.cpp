@@ -128,8 +128,9 @@ void fit_and_score(const Verb& verb, const Diary& say, const fs::path& folder, P
     io::LogReader like(part.test);
     simulate::Options simulate;
     simulate.seed = verb.seed;
-    const SimulateStep simulated = simulate_log(verb, trace::World(fitted.result.model), like,
-                                                simulate, log, {model, part.test});
+    const SimulateStep simulated = simulate_log(
+        verb, trace::World(fitted.result.model, trace::Isa::kBest, trace::Draws::kOnce), like,
+        simulate, log, {model, part.test});
     const elements::Model& m = fitted.result.model;
     say(fmt::format("{}: fitted {} ellipsoids, {} triangles ({:.1f} s), simulated {} beams", fitter,
                     m.ellipsoids.size(), m.ground.size() + m.surface.size(), fitted.seconds,

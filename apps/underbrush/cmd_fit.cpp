@@ -51,6 +51,13 @@ Json json_of_fit(const std::string& fitter, const FitStep& step,
   j["surface_triangles"] = model.surface.size();
   j["ellipsoids"] = model.ellipsoids.size();
   j["ground_sigma_m"] = model.ground.range_sigma_m;
+  j["range_noise_m"] = model.range_noise_m;
+  j["grain_m"] = {{"ellipsoids", model.grain.ellipsoid_m}, {"meshes", model.grain.mesh_m}};
+  if (step.grain.ellipsoids || step.grain.meshes) {
+    j["roughness_m"] = {{"log", step.grain.real_m},
+                        {"simulated", step.grain.simulated_m},
+                        {"simulated_anew", step.grain.anew_m}};
+  }
   j["skipped"] = step.skipped;
   j["warnings"] = warnings;
   if (!r.likelihood.steps.empty()) j["likelihood"] = json_of(r.likelihood);
@@ -82,6 +89,13 @@ std::string text_of_fit(const std::string& fitter, const FitStep& step) {
     text += fmt::format("  left out    {} points near the sensor\n", r.near_points);
   if (r.thinned_points)
     text += fmt::format("  left out    {} points of full tiles\n", r.thinned_points);
+  if (step.grain.ellipsoids || step.grain.meshes) {
+    text += fmt::format(
+        "  grain       {:.3f} m of ellipsoids, {:.3f} m of meshes: {:.1f} cm rough along rings, "
+        "the log {:.1f} cm\n",
+        model.grain.ellipsoid_m, model.grain.mesh_m, 100 * step.grain.simulated_m,
+        100 * step.grain.real_m);
+  }
   for (const auto& [why, n] : step.skipped)
     text += fmt::format("  skipped     {} beams: {}\n", n, why);
   for (const fit::LikelihoodStep& s : r.likelihood.steps) {

@@ -22,7 +22,8 @@ namespace {
 namespace simulate_verb {
 
 struct Arguments {
-  std::string model, like, sensor, trajectory, output, profile, draw = "on_ray", beam = "thin";
+  std::string model, like, sensor, trajectory, output, profile, draw = "on_ray", beam = "thin",
+                                                                matter = "once";
   simulate::Options simulate;
   InstrumentArguments instrument;
   SceneArguments target;
@@ -36,13 +37,14 @@ void add_options(Verb& verb, Arguments& a) {
               "The simulated log: .ply, .pcd, .csv, or a folder/ of KITTI .bin files (with "
               "--profile: of PCD files)")
       ->required();
-  auto* like = app.add_option("--like", a.like, "Simulate the beams of this log")->type_name("LOG");
+  auto* like =
+      app.add_option("--like", a.like, "Simulate the beams of this log (by --sensor or its own)")
+          ->type_name("LOG");
   auto* sensor =
       app.add_option("--sensor", a.sensor, "Simulate a sensor of the catalogue (or a YAML file)");
   auto* trajectory = app.add_option("--trajectory", a.trajectory, "Poses of the sensor, TUM format")
                          ->type_name("POSES.txt");
-  like->excludes(sensor);
-  sensor->needs(trajectory);
+  like->excludes(trajectory);
   trajectory->needs(sensor);
   app.add_flag("--element-ids", a.simulate.element_ids,
                "Write the element that stopped each beam, and its class; for a scene also the "
@@ -52,6 +54,17 @@ void add_options(Verb& verb, Arguments& a) {
          "--profile", a.profile,
          "Write a folder with a PCD file for each scan, in this driver's PointCloud2 layout")
       ->check(CLI::IsMember({"velodyne", "ouster", "autoware"}));
+  verb.begin_rare_group("Matter");
+  app.add_option(
+         "--matter", a.matter,
+         "Draw the world's matter once, so that beams which pass near each other meet the same "
+         "leaf, or anew for each beam")
+      ->check(CLI::IsMember({"once", "anew"}))
+      ->capture_default_str();
+  app.add_option("--grain", a.target.grain_m,
+                 "Size of what beams meet as one, with --matter once, m; 0 = the model's")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   verb.begin_rare_group("Thin rays");
   app.add_option("--draw", a.draw, "Where in an ellipsoid a range is drawn")
       ->check(CLI::IsMember({"on_ray", "volumetric"}))
@@ -74,7 +87,7 @@ constexpr size_t kChunk = 1 << 18;  // Number of beams; each may have up to 16 e
 
 std::unique_ptr<BeamSource> beams_of(const Arguments& a, Trajectory& path) {
   if (!a.like.empty()) return std::make_unique<io::BeamReader>(a.like, kChunk);
-  require(!a.sensor.empty(), "simulate: give --like LOG, or --sensor NAME --trajectory POSES");
+  require(!a.trajectory.empty(), "simulate: give --like LOG, or --sensor NAME --trajectory POSES");
   path = io::read_trajectory(a.trajectory);
   if (path.poses().size() < 2) {
     throw FormatError(a.trajectory, "", "a trajectory needs at least two poses");
@@ -90,7 +103,7 @@ std::unique_ptr<BeamSource> beams_of(const Arguments& a, Trajectory& path) {
 
 /// Returns the sensor of the beams, where one is needed.
 sensor::Sensor sensor_of(const Arguments& a, const BeamSource& beams, const char* what) {
-  if (a.like.empty()) return sensor::load(a.sensor);
+  if (!a.sensor.empty()) return sensor::load(a.sensor);
   if (beams.info().sensor.empty()) {
     throw std::invalid_argument(std::string("simulate: ") + what +
                                 ", but the log does not name its sensor");
@@ -182,7 +195,8 @@ void run(const Verb& verb, Arguments& a) {
   a.instrument.check();
   elements::SceneInfo info;
   const elements::Scene scene = scene_of(a.model, a.target, info);
-  const TracedScene target = traced_scene(scene, info);
+  const TracedScene target =
+      traced_scene(scene, info, a.matter == "once" ? trace::Draws::kOnce : trace::Draws::kAnew);
   if (elements::is_scene(a.model) || !info.movers.empty()) {
     a.simulate.instance_labels = info.labels;
   }

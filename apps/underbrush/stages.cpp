@@ -70,26 +70,23 @@ elements::Scene read_world(const fs::path& path, elements::SceneInfo* info) {
   return scene;
 }
 
-trace::World world_of(const elements::Scene& scene) {
-  return scene.instances.empty() ? trace::World(scene.models.at(0)) : trace::World(scene);
-}
-
-FitStep fit_log(const fs::path& log, const fit::FitOptions& options) {
-  const auto start = std::chrono::steady_clock::now();
-  io::BeamReader reader(log);
-  StageProgress progress;
-  FitStep step;
-  step.result = fit::fit(reader, options, std::ref(progress));
-  step.skipped = reader.skipped();
-  step.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  return step;
+trace::World world_of(const elements::Scene& scene, trace::Draws draws) {
+  return scene.instances.empty() ? trace::World(scene.models.at(0), trace::Isa::kBest, draws)
+                                 : trace::World(scene, trace::Isa::kBest, draws);
 }
 
 FitStep fit_log(const Verb& verb, const fs::path& log, const fit::FitOptions& options,
                 const fs::path& model) {
   const auto start = std::chrono::steady_clock::now();
   elements::check_model_output(model);
-  FitStep step = fit_log(log, options);
+  FitStep step;
+  {
+    io::BeamReader reader(log);
+    StageProgress progress;
+    step.result = fit::fit(reader, options, std::ref(progress));
+    step.skipped = reader.skipped();
+    step.grain = optimize::learn_grain(step.result.model, reader, options.seed);
+  }
   std::vector<fs::path> inputs{log};
   if (fit::fitter_named(options.fitter).refines && elements::is_model(options.start)) {
     inputs.emplace_back(options.start);

@@ -10,6 +10,7 @@
 #include "underbrush/elements/scene_file.hpp"
 #include "underbrush/fit/fit.hpp"
 #include "underbrush/metrics/score.hpp"
+#include "underbrush/optimize/grain.hpp"
 #include "underbrush/simulate/simulate.hpp"
 
 namespace underbrush::app {
@@ -19,18 +20,17 @@ namespace underbrush::app {
 elements::Scene read_world(const std::filesystem::path& path, elements::SceneInfo* info = nullptr);
 /// Returns the world of a scene. Without instances it is the world of the scene's model, to the
 /// bit.
-trace::World world_of(const elements::Scene& scene);
+trace::World world_of(const elements::Scene& scene, trace::Draws draws = trace::Draws::kAnew);
 
 /// A fit, with the number of records of the log left out by reason.
 struct FitStep {
   fit::FitResult result;
+  optimize::GrainReport grain;
   std::map<std::string, size_t> skipped;
   double seconds = 0;
 };
-/// Fits a model to the log. For the fitter `likelihood`, `options.start` may also be a model's
-/// folder.
-FitStep fit_log(const std::filesystem::path& log, const fit::FitOptions& options);
-/// Fits a model to the log and writes it to the folder `model`.
+/// Fits a model to the log, learns its grain and writes it to the folder `model`. For the fitter
+/// `likelihood`, `options.start` may also be a model's folder.
 FitStep fit_log(const Verb& verb, const std::filesystem::path& log, const fit::FitOptions& options,
                 const std::filesystem::path& model);
 

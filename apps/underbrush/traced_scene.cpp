@@ -73,6 +73,7 @@ elements::Scene scene_of(const fs::path& folder, const SceneArguments& a,
   }
   for (elements::Model& model : scene.models) {
     if (a.tau > 0) model.tau = a.tau;
+    if (a.grain_m > 0) model.grain = {a.grain_m, a.grain_m};
   }
   return scene;
 }
@@ -87,13 +88,14 @@ std::vector<fs::path> mover_files(const SceneArguments& a) {
   return files;
 }
 
-TracedScene traced_scene(const elements::Scene& scene, const elements::SceneInfo& info) {
+TracedScene traced_scene(const elements::Scene& scene, const elements::SceneInfo& info,
+                         trace::Draws draws) {
   TracedScene t;
   if (!info.movers.empty()) {
-    t.dynamic_world = std::make_unique<simulate::DynamicWorld>(scene, info.movers);
+    t.dynamic_world = std::make_unique<simulate::DynamicWorld>(scene, info.movers, draws);
     return t;
   }
-  t.world = std::make_unique<trace::World>(world_of(scene));
+  t.world = std::make_unique<trace::World>(world_of(scene, draws));
   t.dynamic_world = std::make_unique<simulate::DynamicWorld>(*t.world);
   return t;
 }

@@ -14,7 +14,7 @@ namespace underbrush::app {
 
 /// The options of the scene.
 struct SceneArguments {
-  double tau = 0;
+  double tau = 0, grain_m = 0;
   std::vector<std::string> movers;  ///< Each is MODEL:POSES[:MATERIAL].
 };
 
@@ -36,6 +36,7 @@ struct TracedScene {
   std::unique_ptr<simulate::DynamicWorld> dynamic_world;
 };
 /// Prepares a scene for tracing.
-TracedScene traced_scene(const elements::Scene& scene, const elements::SceneInfo& info);
+TracedScene traced_scene(const elements::Scene& scene, const elements::SceneInfo& info,
+                         trace::Draws draws);
 
 }  // namespace underbrush::app

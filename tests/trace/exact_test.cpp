@@ -70,6 +70,10 @@ elements::Scene scene_of(uint64_t seed) {
     }
   }
   if (seed % 8 == 4 || seed % 8 == 5) scene.models[0].voxel_m = random.uniform(0.5, 4);
+  for (elements::Model& m : scene.models) {
+    constexpr double kSides[4] = {0.004, 0.03, 0.2, 1.7};
+    m.grain = {kSides[random.below(4)], kSides[random.below(4)]};
+  }
   scene.check();
   return scene;
 }
@@ -111,10 +115,14 @@ TEST_P(Exact, EveryQueryGivesWhatBruteForceInDoubleGives) {
     Stream random(seed + 500);
     const std::vector<Ray> rays = rays_of(scene, random);
     const RangeLimits limits{random.uniform(0, 2), random.uniform(15, 60)};
+    // In every second scene the matter is drawn once; there half of the rays have one key.
+    const Draws draws = seed / 8 % 2 ? Draws::kOnce : Draws::kAnew;
     std::vector<uint64_t> keys;
-    for (size_t i = 0; i < rays.size(); ++i) keys.push_back(beam_key(seed, 0, i));
+    for (size_t i = 0; i < rays.size(); ++i) {
+      keys.push_back(beam_key(seed, 0, draws == Draws::kOnce && i % 2 ? 0 : i));
+    }
     std::vector<World> worlds;
-    for (Isa isa : instruction_sets()) worlds.emplace_back(scene, isa);
+    for (Isa isa : instruction_sets()) worlds.emplace_back(scene, isa, draws);
     const size_t sets = worlds.size();
     std::vector<std::vector<Intersection>> nearest(sets, std::vector<Intersection>(rays.size())),
         surface = nearest;
@@ -138,8 +146,10 @@ TEST_P(Exact, EveryQueryGivesWhatBruteForceInDoubleGives) {
                 [](const Intersection& a, const Intersection& b) { return a.before(b); });
       Intersection first, wall;
       for (const Intersection& m : met) {
-        if (first.none() && accepts(keys[i], m)) first = m;
-        const elements::Model& model = scene.models[scene.instances[m.instance].model];
+        const elements::Instance& at = scene.instances[m.instance];
+        const elements::Model& model = scene.models[at.model];
+        const uint32_t cell = draws == Draws::kOnce ? grain_cell(model, at, rays[i], m) : 0;
+        if (first.none() && accepts(keys[i], m, cell)) first = m;
         if (wall.none() && model.kind(m.element) != elements::Kind::kEllipsoid) wall = m;
       }
       for (size_t w = 0; w < sets; ++w) {

@@ -54,6 +54,9 @@ void Model::check() const {
   require(std::isfinite(tau) && tau > 0, "model: tau must be positive");
   require(max_range_m > 0, "model: the maximum range must be positive");
   require(std::isfinite(voxel_m) && voxel_m >= 0, "model: the voxels' side must not be negative");
+  require(grain.ellipsoid_m > 0 && grain.mesh_m > 0, "model: the grain must be positive");
+  require(std::isfinite(range_noise_m) && range_noise_m >= 0,
+          "model: the range noise must not be negative");
   check_mesh(ground);
   check_mesh(surface);
   for (const Ellipsoid& e : ellipsoids) {

@@ -59,6 +59,14 @@ struct ElementPlace {
   uint32_t index = 0;
 };
 
+/// The grain of the matter: the size of what a beam meets as one, such as a leaf, a twig or a
+/// stone. Where the matter of a world is drawn once (`trace::Draws`), rays that pass an element
+/// within a cell of this size meet the same matter at the same depth.
+struct Grain {
+  double ellipsoid_m = 0.05;  ///< m; side of the cells of ellipsoids.
+  double mesh_m = 0.05;       ///< m; side of the cells of triangles.
+};
+
 /// A learnt world. Elements are numbered: ground triangles, then surface triangles, then
 /// ellipsoids.
 struct Model {
@@ -71,6 +79,10 @@ struct Model {
   /// model an ellipsoid counts only where the beam's closest approach lies in the cell that holds
   /// its mean; the cells form a grid through the model's origin.
   double voxel_m = 0;
+  Grain grain;
+  /// m; the sensor's part of every element's σ, which each beam draws anew where the matter is
+  /// drawn once.
+  double range_noise_m = 0;
   /// m; largest range at which the log that it was fitted to has a return, beyond which the sensor
   /// or the format does not reach. Infinite if unknown.
   double max_range_m = std::numeric_limits<double>::infinity();

@@ -158,6 +158,8 @@ Json manifest_of(const Model& m) {
   j["tau"] = m.tau;
   if (m.voxel_m > 0) j["voxel_m"] = m.voxel_m;
   if (std::isfinite(m.max_range_m)) j["max_range_m"] = m.max_range_m;
+  j["grain_m"] = {{"ellipsoids", m.grain.ellipsoid_m}, {"meshes", m.grain.mesh_m}};
+  j["range_noise_m"] = m.range_noise_m;
   j["ground"] = manifest_of_mesh(m.ground, "ground.ply");
   j["surface"] = manifest_of_mesh(m.surface, "surface.ply");
   j["ellipsoids"] = {{"file", "ellipsoids.ply"}, {"count", m.ellipsoids.size()}};
@@ -203,6 +205,10 @@ Model read_model(const fs::path& path) {
   model.tau = j.at("tau").number();
   model.voxel_m = number_or(j, "voxel_m", 0);
   model.max_range_m = number_or(j, "max_range_m", model.max_range_m);
+  if (const auto grain = j.find("grain_m")) {
+    model.grain = {grain->at("ellipsoids").number(), grain->at("meshes").number()};
+  }
+  model.range_noise_m = number_or(j, "range_noise_m", 0);
   model.fitter = j.at("fitter").text();
   model.provenance = j.at("provenance").dump();
   const io::JsonValue ground = j.at("ground"), surface = j.at("surface"),

@@ -124,6 +124,7 @@ FitResult fit(BeamSource& source, const FitOptions& options, const FitProgress& 
   require(options.range_noise_m > 0, "fit: the range noise must be positive");
   const Fitter& fitter = fitter_named(options.fitter);
   FitResult out = fitter.fit(source, options, progress);
+  out.model.range_noise_m = options.range_noise_m;
   const Clustering* clustering = clustering_named(fitter.name);
   if (options.volumetric.mixture.footprint && !fitter.refines &&
       !(clustering && clustering->mixture)) {

@@ -41,13 +41,14 @@ Pose pose_at(const Trajectory& path, double time_s) {
 
 /// A moving object, alone in a world of its own frame.
 struct DynamicWorld::Object {
-  Object(elements::Mover m, const elements::Model& model, elements::Instance placed)
+  Object(elements::Mover m, const elements::Model& model, elements::Instance placed,
+         trace::Draws draws)
       : mover(std::move(m)), ball(ball_around(model, double(placed.scale))) {
     placed.world_from_model = {};
     placed.model = 0;
     scene.models.push_back(model);
     scene.instances.push_back(placed);
-    world = std::make_unique<trace::World>(scene);
+    world = std::make_unique<trace::World>(scene, trace::Isa::kBest, draws);
   }
   elements::Mover mover;
   elements::Scene scene;
@@ -59,7 +60,8 @@ DynamicWorld::DynamicWorld(const trace::World& world) : world_(&world) {}
 DynamicWorld::DynamicWorld(DynamicWorld&&) noexcept = default;
 DynamicWorld::~DynamicWorld() = default;
 
-DynamicWorld::DynamicWorld(const elements::Scene& scene, std::vector<elements::Mover> movers) {
+DynamicWorld::DynamicWorld(const elements::Scene& scene, std::vector<elements::Mover> movers,
+                           trace::Draws draws) {
   still_ = std::make_unique<elements::Scene>(scene);
   const auto nothing = uint32_t(still_->models.size());
   still_->models.emplace_back();
@@ -70,9 +72,9 @@ DynamicWorld::DynamicWorld(const elements::Scene& scene, std::vector<elements::M
     const elements::Instance& placed = scene.instances[m.instance];
     still_->instances[m.instance].model = nothing;
     const elements::Model& model = scene.models[placed.model];
-    movers_.push_back(std::make_unique<Object>(std::move(m), model, placed));
+    movers_.push_back(std::make_unique<Object>(std::move(m), model, placed, draws));
   }
-  own_ = std::make_unique<trace::World>(*still_);
+  own_ = std::make_unique<trace::World>(*still_, trace::Isa::kBest, draws);
   world_ = own_.get();
 }
 
@@ -94,6 +96,17 @@ elements::Instance DynamicWorld::placed(uint32_t instance, double time_s) const 
     placed.world_from_model = pose_at(o->mover.world_from_object, time_s);
   }
   return placed;
+}
+
+uint32_t DynamicWorld::grain_cell(const Ray& ray, double time_s, const Intersection& met) const {
+  const Object* o = object(met.instance);
+  if (!o) {
+    return trace::grain_cell(world_->model(met.instance), world_->instance(met.instance), ray, met);
+  }
+  const Pose object_from_world = pose_at(o->mover.world_from_object, time_s).inverse();
+  return trace::grain_cell(
+      o->scene.models[0], o->scene.instances[0],
+      {object_from_world * ray.origin, object_from_world.rotation * ray.direction}, met);
 }
 
 void DynamicWorld::nearest_accepted(std::span<const Ray> rays, std::span<const uint64_t> keys,

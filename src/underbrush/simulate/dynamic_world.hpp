@@ -20,7 +20,8 @@ class DynamicWorld {
   DynamicWorld(const trace::World& world);  // NOLINT(google-explicit-constructor)
   /// A scene of which some instances move. Throws `std::invalid_argument` where a mover's instance
   /// does not exist or occurs twice, or where its trajectory is empty. `scene` must outlive this.
-  DynamicWorld(const elements::Scene& scene, std::vector<elements::Mover> movers);
+  DynamicWorld(const elements::Scene& scene, std::vector<elements::Mover> movers,
+               trace::Draws draws = trace::Draws::kAnew);
   DynamicWorld(DynamicWorld&&) noexcept;
   ~DynamicWorld();
 
@@ -30,6 +31,10 @@ class DynamicWorld {
   void nearest_accepted(std::span<const Ray> rays, std::span<const uint64_t> keys,
                         std::span<const double> time_s, const trace::RangeLimits& limits,
                         std::span<trace::Intersection> met) const;
+
+  /// Computes the cell of the grain in which a ray of the time `time_s` (s) met an element, as
+  /// `trace::grain_cell` does. The grain of a moving object moves with it.
+  uint32_t grain_cell(const Ray& ray, double time_s, const trace::Intersection& met) const;
 
   const trace::World& world() const { return *world_; }
   bool moves() const { return !movers_.empty(); }

@@ -7,6 +7,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
+#include "underbrush/simulate/draw.hpp"
 #include "underbrush/simulate/element_class.hpp"
 #include "underbrush/simulate/sub_returns.hpp"
 
@@ -109,6 +110,8 @@ EchoMaker::EchoMaker(const DynamicWorld& world, const Reflection& reflection,
       reflection_(reflection),
       instrument_(instrument),
       options_(options),
+      once_(world.world().draws() == trace::Draws::kOnce),
+      matter_(matter_key(options.seed)),
       sub_rays_(instrument.beam, instrument.sub_rays),
       receiver_(instrument.receiver),
       scratches_(std::make_unique<Scratches>()) {
@@ -127,7 +130,11 @@ void EchoMaker::trace(const BeamLog& beams, size_t first_beam, size_t begin, siz
       axis.direction = turned(off * instrument_.beam.encoder_step_rad, axis.direction);
     }
     sub_rays_.spread(sensor::beam_axes(axis), &s.rays[at]);
-    sub_rays_.keys(key, &s.keys[at]);
+    if (once_) {
+      std::fill_n(&s.keys[at], sub_rays_.size(), matter_);
+    } else {
+      sub_rays_.keys(key, &s.keys[at]);
+    }
   }
   const size_t n = (end - begin) * sub_rays_.size();
   world_.nearest_accepted(
@@ -142,6 +149,7 @@ void EchoMaker::receive(const BeamLog& beams, size_t first_beam, size_t begin, s
   SubReturns& returns = s.returns;
   for (size_t i = begin, at = 0; i < end; ++i, at += sub_rays_.size()) {
     const std::span<const Intersection> met{&s.met[at], sub_rays_.size()};
+    if (once_) key_matter(beams.time_s[i], at, s);
     returns.collect(met, {&s.keys[at], sub_rays_.size()}, sub_rays_.weight(), limits);
     s.evaluator.begin(beams.direction[i].cast<double>(), beams.time_s[i]);
     s.evaluator.factors(met, {&s.rays[at], sub_rays_.size()}, returns.sub_ray(), returns.factor());
@@ -161,6 +169,17 @@ void EchoMaker::receive(const BeamLog& beams, size_t first_beam, size_t begin, s
       for (const radiometry::Echo& e : echoes) w.echo_m.push_back(double(e.range_m));
       block.waveforms.push_back(std::move(w));
     }
+  }
+}
+
+/// Keys the sub-rays of a beam by the matter that they met, and leaves the sensor's noise to the
+/// receiver.
+void EchoMaker::key_matter(double time_s, size_t at, Scratch& s) const {
+  for (size_t k = at; k < at + sub_rays_.size(); ++k) {
+    Intersection& m = s.met[k];
+    if (m.none()) continue;
+    s.keys[k] = trace::instance_key(matter_, m.instance) ^ world_.grain_cell(s.rays[k], time_s, m);
+    m.sigma_m = matter_sigma(m.sigma_m, world_.model(m.instance).range_noise_m);
   }
 }
 

@@ -87,6 +87,7 @@ class EchoMaker {
   void trace(const BeamLog& beams, size_t first_beam, size_t begin, size_t end, Scratch& s) const;
   void receive(const BeamLog& beams, size_t first_beam, size_t begin, size_t end, Scratch& s,
                Block& block) const;
+  void key_matter(double time_s, size_t at, Scratch& s) const;
   Element element_at(float range_m, const SubReturns& returns,
                      std::span<const trace::Intersection> met) const;
   void write(const std::vector<Block>& blocks, BeamLog& beams) const;
@@ -95,6 +96,8 @@ class EchoMaker {
   const Reflection& reflection_;
   const Instrument& instrument_;
   EchoOptions options_;
+  bool once_;  ///< Whether the matter of the world is drawn once.
+  uint64_t matter_;
   SubRayBundle sub_rays_;
   radiometry::Receiver receiver_;
   std::unique_ptr<Scratches> scratches_;

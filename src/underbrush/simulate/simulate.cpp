@@ -34,13 +34,15 @@ void simulate(const DynamicWorld& world, const Options& options, size_t first_be
   const double farthest = options.max_range_m > 0 ? options.max_range_m : beams.info.max_range_m;
   const trace::RangeLimits limits{std::max(beams.info.min_range_m, kLeastRangeM),
                                   std::min(farthest, world.model(0).max_range_m)};
+  const bool once = world.world().draws() == trace::Draws::kOnce;
+  const uint64_t matter = matter_key(options.seed);
   std::vector<uint32_t> element(options.element_ids ? beams.size() : 0, Intersection::kNone);
   std::vector<uint16_t> label(element.size());
   std::vector<uint32_t> instance(options.instance_labels.empty() ? 0 : element.size());
   parallel_for(beams.size(), 8192, [&](size_t begin, size_t end) {
     const size_t n = end - begin;
     std::vector<Ray> rays(n);
-    std::vector<uint64_t> keys(n);
+    std::vector<uint64_t> keys(n), trials(once ? n : 0, matter);
     std::vector<Intersection> met(n);
     for (size_t k = 0; k < n; ++k) {
       const size_t i = begin + k;
@@ -50,7 +52,7 @@ void simulate(const DynamicWorld& world, const Options& options, size_t first_be
         rays[k] = sensor::random_ray(sensor::beam_axes(rays[k]), *options.random_ray, keys[k]);
       }
     }
-    world.nearest_accepted(rays, keys, {&beams.time_s[begin], n}, limits, met);
+    world.nearest_accepted(rays, once ? trials : keys, {&beams.time_s[begin], n}, limits, met);
     for (size_t k = 0; k < n; ++k) {
       const size_t i = begin + k;
       beams.range_m[i] = kMiss;
@@ -63,7 +65,11 @@ void simulate(const DynamicWorld& world, const Options& options, size_t first_be
         label[i] = element_class(model, met[k], options.instance_labels);
         if (!instance.empty()) instance[i] = met[k].instance;
       }
-      double range = drawn_on_ray(met[k], keys[k], limits);
+      double range = once ? drawn_in_matter(met[k],
+                                            trace::instance_key(matter, met[k].instance) ^
+                                                world.grain_cell(rays[k], beams.time_s[i], met[k]),
+                                            keys[k], model.range_noise_m, limits)
+                          : drawn_on_ray(met[k], keys[k], limits);
       if (options.draw == RangeDraw::kVolumetric &&
           model.kind(met[k].element) == elements::Kind::kEllipsoid) {
         const elements::Instance placed = world.placed(met[k].instance, beams.time_s[i]);

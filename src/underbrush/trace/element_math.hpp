@@ -73,10 +73,17 @@ constexpr uint64_t instance_key(uint64_t key, uint32_t instance) {
   return key ^ mix64(uint64_t(instance) * 0x9e3779b97f4a7c15ull);
 }
 
-/// Whether a beam of this key ends at what it met.
-inline bool accepts(uint64_t key, const Intersection& met) {
-  return accept_threshold(met.p).accepts(accept_bits(instance_key(key, met.instance), met.element));
+/// Whether a beam of this key ends at what it met. `cell` is that of `grain_cell`, or 0 where every
+/// beam draws anew.
+inline bool accepts(uint64_t key, const Intersection& met, uint32_t cell = 0) {
+  return accept_threshold(met.p).accepts(
+      accept_bits(instance_key(key, met.instance) ^ cell, met.element));
 }
+
+/// Factors by which the numbers of a cell along x, y and z are mixed to 32 bits.
+inline constexpr uint32_t kCellFactor[3] = {0x9e3779b1u, 0x85ebca77u, 0xc2b2ae3du};
+/// Where the cells begin, in cells, so that a plane through the origin is not a border of cells.
+inline constexpr double kCellOffset[3] = {0.3719, 0.6127, 0.4301};
 
 /// Computes the cell of a voxel model that holds a point (model frame, m).
 std::array<int64_t, 3> voxel_of(const Vec3& point, double voxel_m);
@@ -92,6 +99,12 @@ bool is_translation(const elements::Instance& placed);
 /// Transforms a ray into the frame of an instance's model. Ranges there are those of the world
 /// divided by the instance's scale.
 Ray to_model(const elements::Instance& placed, const Ray& ray);
+
+/// Computes the cell of the model's grain in which a ray (world frame) met an element: the numbers
+/// of the cell of the model's frame that holds the point at `met.t_m`, mixed to 32 bits. `model` is
+/// that of the instance `placed`, and `met` what was met in it.
+uint32_t grain_cell(const elements::Model& model, const elements::Instance& placed, const Ray& ray,
+                    const Intersection& met);
 
 /// Computes where a ray (world frame) meets an element of an instance of `model` within `limits`.
 /// Ranges and σ are in the world's metres. The hit probability is that of the unscaled model.

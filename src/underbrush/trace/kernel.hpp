@@ -34,6 +34,8 @@ struct ModelView {
   uint32_t ground_count, triangle_count;
   double tau2;
   bool voxels;
+  double cells_per_m[2];  // of the grain: of triangles, and of ellipsoids; 0 where trials are drawn
+                          // anew
 };
 
 /// The parts of a world that the kernels use.
@@ -83,9 +85,10 @@ struct Placement {
   double rotation[9];  ///< From world to model, row by row.
   double centre[3];    ///< Centre of the packet in the model's frame, m.
   double scale;
-  double tau2;       ///< Square of the model's τ.
-  uint64_t salt;     ///< Combined with the keys of the beams.
-  bool translation;  ///< Whether the transformation is a translation alone.
+  double tau2;            ///< Square of the model's τ.
+  uint64_t salt;          ///< Combined with the keys of the beams.
+  double cells_per_m[2];  ///< Those of the model.
+  bool translation;       ///< Whether the transformation is a translation alone.
 };
 
 /// Computes the transformation to an instance, and transforms `centre` (relative to the tree's

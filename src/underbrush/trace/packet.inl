@@ -135,6 +135,7 @@ inline void enter_instance(PacketTraversal& w, const Subtree& entry) {
   f.instance = entry.instance;
   f.salt_low = uint32_t(p.salt);
   f.salt_high = uint32_t(p.salt >> 32);
+  for (int k = 0; k < 2; ++k) f.grain[k] = lattice_of(p.cells_per_m[k], p.centre);
   f.scale = float(p.scale);
   f.half_tau2 = float(0.5 * p.tau2);
   f.t_min = w.world.t_min / f.scale * 0.9999999f;

@@ -7,25 +7,21 @@
 namespace underbrush::trace {
 namespace {
 
-// The random trial at an ellipsoid of path-length opacity: the lanes that may accept it, and those
-// that certainly do. `m2` is δ²/τ² and `m2_error` a bound on its error; `reach` is τσ and
-// `reach_error` a bound on its relative error.
-struct PathLengthTrial {
-  M maybe, sure;
-};
-inline PathLengthTrial path_length_trial(const PacketQuery& s, const Frame& f, int g,
-                                         uint32_t element, float depth, F reach, F reach_error,
-                                         F m2, F m2_error) {
+// The random trials at an ellipsoid of path-length opacity. `m2` is δ²/τ² and `m2_error` a bound on
+// its error; `reach` is τσ and `reach_error` a bound on its relative error.
+inline Trial path_length_trial(const PacketQuery& s, const Frame& f, int g, uint32_t element,
+                               const Cells& cells, float depth, F reach, F reach_error, F m2,
+                               F m2_error) {
   const F one = all(1.0f), slack = all(1e-6f);
   const F x = all(depth) * reach * exp_below_zero(-all(f.half_tau2) * greater(m2, all(0.0f)));
   const F error = muladd(all(f.half_tau2), m2_error, reach_error) + 1e-5f;
   const F low = one - exp_below_zero(-x * greater(one - error, all(0.0f)));
   const F high =
       pick(le(error, one), one - exp_below_zero(-x * muladd(all(2.0f), error, one)), one);
-  const U hash =
-      accept_hash(all(element), s.keys.low[g] ^ f.salt_low, s.keys.high[g] ^ f.salt_high);
+  const U hash = accept_hash(all(element), s.keys.low[g] ^ f.salt_low ^ cells.mixed,
+                             s.keys.high[g] ^ f.salt_high);
   const F trial = __builtin_convertvector((I)(hash >> 8), F) * 0x1p-24f;
-  return {le(trial, high + slack), le(trial + 2.0f * slack, low)};
+  return {M(le(trial, high + slack) | ~cells.sure), M(le(trial + 2.0f * slack, low) & cells.sure)};
 }
 
 inline void test_children(const PacketQuery& s, const Frame& f, const EllipsoidBlock& b,
@@ -113,13 +109,15 @@ inline unsigned visit(PacketQuery& s, const Frame& f, const EllipsoidBlock& b, L
     if (kQuery == Query::kAccepted && kind == LeafKind::kPathLength) {
       const F m2 = c - hh * i,
               m2_error = muladd(hh * i, all(1e-5f), all(slack[j] * (2 + slack[j])));
-      const PathLengthTrial trial = path_length_trial(s, f, g, b.element[j], b.depth[j], reach,
-                                                      all(size_of[j]) * reach, m2, m2_error);
+      const Trial trial =
+          path_length_trial(s, f, g, b.element[j], cells_of(f, f.grain[1], g, t, error), b.depth[j],
+                            reach, all(size_of[j]) * reach, m2, m2_error);
       found &= trial.maybe;
       sure &= trial.sure;
     } else if (kQuery == Query::kAccepted) {
-      found &= accepted(s, f, g, b.element[j], b.accept_below[j]);
-      sure = kind == LeafKind::kCareful ? mask_of(0) : found;
+      const Trial trial = trial_at(s, f, f.grain[1], g, b.element[j], b.accept_below[j], t, error);
+      sure &= kind == LeafKind::kCareful ? mask_of(0) : trial.sure;
+      found &= trial.maybe;
     }
     if (!bits(found)) continue;
     if (kQuery == Query::kAccepted) {

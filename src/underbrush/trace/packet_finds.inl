@@ -25,6 +25,26 @@ struct Keys {
   U low[kGroups], high[kGroups];
 };
 
+// The cells of a grain about the packet's centre: centre · cells_per_m + kCellOffset = cell + part.
+struct Lattice {
+  float cells_per_m;  // 0 without a grain
+  float part[3];
+  uint32_t cell[3];
+};
+
+inline Lattice lattice_of(double cells_per_m, const double centre[3]) {
+  Lattice l;
+  l.cells_per_m = float(cells_per_m);
+  for (int a = 0; a < 3; ++a) {
+    const double at = centre[a] * cells_per_m + kCellOffset[a];
+    int64_t cell = int64_t(at);
+    cell -= double(cell) > at;
+    l.part[a] = float(at - double(cell));
+    l.cell[a] = uint32_t(cell);
+  }
+  return l;
+}
+
 // A frame to search in: the rays, the packet's centre in floats, and the elements.
 struct Frame {
   const Rays* rays;
@@ -35,6 +55,7 @@ struct Frame {
   float lower[3], upper[3];  // the centre, moved outwards so that boxes come out too large
   uint32_t instance, salt_low, salt_high;
   float scale, half_tau2;
+  Lattice grain[2];    // of triangles, and of ellipsoids
   float t_min, t_max;  // limits of the ranges that count
 };
 
@@ -135,12 +156,46 @@ inline void record(PacketQuery& s, const Frame& f, int g, uint32_t element, M ma
   }
 }
 
-inline M accepted(const PacketQuery& s, const Frame& f, int g, uint32_t element,
-                  uint32_t accept_below) {
-  const M always = mask_of(accept_below == 0xffffffffu ? ~0u : 0);
-  return always |
-         below(accept_hash(all(element), s.keys.low[g] ^ f.salt_low, s.keys.high[g] ^ f.salt_high),
-               all(accept_below));
+// The cells of the grain in which the rays of a group meet an element, mixed to 32 bits, and the
+// lanes for which these are certain.
+struct Cells {
+  U mixed;
+  M sure;
+};
+
+// Computes the cells at the ranges t, of which `error` bounds the rounding.
+inline Cells cells_of(const Frame& f, const Lattice& l, int g, F t, F error) {
+  Cells cells{all(0u), mask_of(~0u)};
+  if (l.cells_per_m == 0) return cells;
+  const Rays& r = *f.rays;
+  const F slack =
+      muladd(error + (absolute(t) + all(r.spread)) * 1e-6f, all(l.cells_per_m * 1.01f), all(1e-5f));
+  for (int a = 0; a < 3; ++a) {
+    const F at = muladd(muladd(t, r.d[a][g], r.o[a][g]), all(l.cells_per_m), all(l.part[a]));
+    const I whole = __builtin_convertvector(at, I);
+    const F above = __builtin_convertvector(whole, F);
+    // The conversion rounds towards 0, so the cell is one less where it rounded up.
+    const M up = ~le(above, at);
+    const F fraction = at - pick(up, above - 1.0f, above);
+    cells.sure &= le(slack, fraction) & le(fraction, 1.0f - slack);
+    cells.mixed += ((U)whole - pick(up, all(1u), all(0u)) + l.cell[a]) * kCellFactor[a];
+  }
+  return cells;
+}
+
+// The random trials of a group at an element: the lanes that may accept it, and those that
+// certainly do.
+struct Trial {
+  M maybe, sure;
+};
+inline Trial trial_at(const PacketQuery& s, const Frame& f, const Lattice& l, int g,
+                      uint32_t element, uint32_t accept_below, F t, F error) {
+  if (accept_below == 0xffffffffu) return {mask_of(~0u), mask_of(~0u)};
+  const Cells cells = cells_of(f, l, g, t, error);
+  const M accepted = below(accept_hash(all(element), s.keys.low[g] ^ f.salt_low ^ cells.mixed,
+                                       s.keys.high[g] ^ f.salt_high),
+                           all(accept_below));
+  return {M(accepted | ~cells.sure), M(accepted & cells.sure)};
 }
 
 }  // namespace

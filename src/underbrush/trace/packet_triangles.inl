@@ -88,12 +88,15 @@ inline unsigned visit(PacketQuery& s, const Frame& f, const TriangleBlock& b,
     const F low = t - error, high = t + error;
     const F limit = kQuery == Query::kAll ? all(f.t_max) : s.found.high[g];
     M found = maybe[k] & (M(le(all(f.t_min), high) & le(low, limit)) | le(det, doubtful));
-    if (kQuery == Query::kAccepted) found &= accepted(s, f, g, b.element[j], b.accept_below[j]);
-    if (!bits(found)) continue;
     M sure = found;
+    if (kQuery == Query::kAccepted) {
+      const Trial trial = trial_at(s, f, f.grain[0], g, b.element[j], b.accept_below[j], t, error);
+      sure &= trial.sure;
+      found &= trial.maybe;
+    }
+    if (!bits(found)) continue;
     if (kQuery != Query::kAll) {
-      sure = found & le(all(slack[j]), least_weight) & le(high, s.found.low[g]) &
-             le(all(f.t_min), low);
+      sure &= le(all(slack[j]), least_weight) & le(high, s.found.low[g]) & le(all(f.t_min), low);
     }
     record<kQuery>(s, f, g, b.element[j], found, sure, low, high);
     sets |= 1u << g / 8;

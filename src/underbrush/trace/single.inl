@@ -192,12 +192,15 @@ inline void trace_one(const View& view, Query query, Batch& batch, size_t i) {
       if (kind == LeafKind::kTriangles) {
         const TriangleBlock& b = bvh.triangles[index];
         unsigned lanes = triangle_candidates(ray, b, end);
-        if (lanes && query == Query::kAccepted) lanes &= accepted(b.accept_below, b.element, ray);
+        if (lanes && query == Query::kAccepted && p.cells_per_m[0] == 0) {
+          lanes &= accepted(b.accept_below, b.element, ray);
+        }
         resolve(lanes, b.element);
       } else if (query != Query::kSurface) {
         const EllipsoidBlock& b = bvh.ellipsoids[index];
         unsigned lanes = ellipsoid_candidates(ray, b, least, end);
-        if (lanes && query == Query::kAccepted && kind != LeafKind::kPathLength) {
+        if (lanes && query == Query::kAccepted && kind != LeafKind::kPathLength &&
+            p.cells_per_m[1] == 0) {
           lanes &= accepted(b.accept_below, b.element, ray);
         }
         resolve(lanes, b.element);

@@ -31,14 +31,16 @@ ModelView::Mesh view_of(const elements::TriangleMesh& mesh) {
           mesh.range_sigma_m, mesh.roughness_m};
 }
 
-ModelView view_of(const elements::Model& m) {
+ModelView view_of(const elements::Model& m, Draws draws) {
+  const auto cells_per_m = [&](double side_m) { return draws == Draws::kOnce ? 1 / side_m : 0; };
   return {view_of(m.ground),
           view_of(m.surface),
           m.ellipsoids.data(),
           uint32_t(m.ground.size()),
           uint32_t(m.triangle_count()),
           m.tau * m.tau,
-          m.voxel_m > 0};
+          m.voxel_m > 0,
+          {cells_per_m(m.grain.mesh_m), cells_per_m(m.grain.ellipsoid_m)}};
 }
 
 /// The working memory of a thread's queries. It is large, and is kept from call to call.
@@ -65,11 +67,13 @@ struct World::Impl {
   std::vector<Bvh> bvhs;
   SceneTree tree;
   const Kernels* kernels;
+  Draws draws = Draws::kAnew;
 
-  void build() {
+  void build(Draws how) {
+    draws = how;
     for (const elements::Model* m : models) {
       require(m->size() < kIndexMask, "world: a model has more than 2^29 elements");
-      views.push_back(view_of(*m));
+      views.push_back(view_of(*m, draws));
       bvhs.push_back(build_bvh(*m));
     }
     tree = build_scene_tree(instances, bvhs);
@@ -120,20 +124,20 @@ struct World::Impl {
   }
 };
 
-World::World(const elements::Model& model, Isa isa) : impl_(std::make_unique<Impl>()) {
+World::World(const elements::Model& model, Isa isa, Draws draws) : impl_(std::make_unique<Impl>()) {
   impl_->kernels = &kernels_of(isa);
   impl_->models = {&model};
   impl_->alone.world_from_model.translation = model.origin;
   impl_->instances = {&impl_->alone, 1};
-  impl_->build();
+  impl_->build(draws);
 }
 
-World::World(const elements::Scene& scene, Isa isa) : impl_(std::make_unique<Impl>()) {
+World::World(const elements::Scene& scene, Isa isa, Draws draws) : impl_(std::make_unique<Impl>()) {
   scene.check();
   impl_->kernels = &kernels_of(isa);
   for (const elements::Model& m : scene.models) impl_->models.push_back(&m);
   impl_->instances = scene.instances;
-  impl_->build();
+  impl_->build(draws);
 }
 
 World::World(World&&) noexcept = default;
@@ -214,6 +218,8 @@ void World::all_intersections(const Ray& ray, const RangeLimits& limits, double 
   all_intersections({&ray, 1}, limits, {&entry_limit_m, 1}, lists);
   met.assign(lists[0].begin(), lists[0].end());
 }
+
+Draws World::draws() const { return impl_->draws; }
 
 size_t World::bytes() const {
   size_t bytes = impl_->tree.bytes();

@@ -29,6 +29,11 @@ class IntersectionLists {
   std::vector<Intersection> met_;
 };
 
+/// How beams draw their trials. With `kOnce` the matter of the world is drawn once, in cells of its
+/// grain (`elements::Model::grain`): beams of the same key that pass an element in the same cell
+/// have the same trial. With `kAnew` every key draws anew, as if there were no grain.
+enum class Draws { kAnew, kOnce };
+
 /// All elements of a model or a scene behind one query interface.
 ///
 /// Rays are in world coordinates, and ranges are in metres along the unit direction. Every answer
@@ -41,8 +46,8 @@ class IntersectionLists {
 /// thread that calls it.
 class World {
  public:
-  explicit World(const elements::Model& model, Isa isa = Isa::kBest);
-  explicit World(const elements::Scene& scene, Isa isa = Isa::kBest);
+  explicit World(const elements::Model& model, Isa isa = Isa::kBest, Draws draws = Draws::kAnew);
+  explicit World(const elements::Scene& scene, Isa isa = Isa::kBest, Draws draws = Draws::kAnew);
   World(World&&) noexcept;
   World& operator=(World&&) noexcept;
   ~World();
@@ -53,9 +58,10 @@ class World {
   const elements::Instance& instance(uint32_t instance) const;
 
   /// Finds the element at which each beam ends, or none() if there is none. It is the nearest
-  /// element that the beam meets and whose trial `accept_bits(instance_key(key, instance), element)
-  /// < p·2³²` succeeds. Over random keys, this is the distribution of trials in order of range:
-  /// P(k) = p_k ∏_{j<k} (1 − p_j). `met[i]` is the answer for `rays[i]` with `keys[i]`.
+  /// element that the beam meets and whose trial `accept_bits(instance_key(key, instance) ^ cell,
+  /// element) < p·2³²` succeeds, where `cell` is that of the grain. Over random keys, this is the
+  /// distribution of trials in order of range: P(k) = p_k ∏_{j<k} (1 − p_j). `met[i]` is the answer
+  /// for `rays[i]` with `keys[i]`.
   void nearest_accepted(std::span<const Ray> rays, std::span<const uint64_t> keys,
                         const RangeLimits& limits, std::span<Intersection> met) const;
   Intersection nearest_accepted(const Ray& ray, uint64_t key, const RangeLimits& limits) const;
@@ -75,6 +81,8 @@ class World {
   void all_intersections(const Ray& ray, const RangeLimits& limits, double entry_limit_m,
                          std::vector<Intersection>& met) const;
 
+  /// How the trials are drawn.
+  Draws draws() const;
   /// The memory of the search structure without models and instances, bytes.
   size_t bytes() const;
   /// The name of the instruction set in use.

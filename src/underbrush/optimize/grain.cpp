@@ -1,0 +1,109 @@
+#include "underbrush/optimize/grain.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "underbrush/core/rng.hpp"
+#include "underbrush/metrics/ring_roughness.hpp"
+#include "underbrush/simulate/simulate.hpp"
+#include "underbrush/trace/world.hpp"
+
+namespace underbrush::optimize {
+namespace {
+
+constexpr size_t kBeams = 30000, kLeastDifferences = 500;
+constexpr double kFinest = 0.005, kCoarsest = 0.5;  // m
+constexpr int kRounds = 6;
+/// Three beams count as of a mesh only if all of them end there.
+enum Group : uint8_t { kMesh, kOther };
+
+/// Keeps whole scans, chosen by their number, or the beginning of a log of few scans.
+BeamLog sample_of(BeamSource& log, uint64_t seed) {
+  log.rewind();
+  const double share = double(kBeams) / double(std::max<size_t>(1, log.size()));
+  const double rate = double(log.info().scans.size()) * share < 4 ? 1 : share;
+  BeamLog sample, chunk;
+  bool first = true;
+  while (sample.size() < 2 * kBeams && log.next(chunk)) {
+    if (first) sample = chunk.like();
+    first = false;
+    for (size_t i = 0; i < chunk.size() && sample.size() < 2 * kBeams; ++i) {
+      const uint64_t bits = random_bits(seed, chunk.scan[i], Purpose::kCluster);
+      if (uniform_from_bits(bits) < rate) sample.append(chunk, i);
+    }
+    if (rate == 1 && sample.size() >= kBeams) break;
+  }
+  return sample;
+}
+
+/// Answers the beams, and gives the group of each.
+BeamLog answered(const elements::Model& model, trace::Draws draws, uint64_t seed, BeamLog beams,
+                 std::vector<uint8_t>* groups = nullptr) {
+  const trace::World world(model, trace::Isa::kBest, draws);
+  simulate::Options options;
+  options.seed = seed;
+  options.element_ids = groups != nullptr;
+  simulate::simulate(world, options, 0, beams);
+  if (!groups) return beams;
+  const auto& element = std::get<std::vector<uint32_t>>(beams.extra.at("element"));
+  groups->resize(beams.size());
+  for (size_t i = 0; i < beams.size(); ++i) {
+    (*groups)[i] = beams.is_hit(i) && element[i] < model.triangle_count() ? kMesh : kOther;
+  }
+  return beams;
+}
+
+metrics::RingRoughness roughness_of(const BeamLog& beams, std::span<const uint8_t> groups) {
+  metrics::RingRoughness r;
+  r.add(beams, groups);
+  return r;
+}
+
+double median_of_all(const BeamLog& beams) { return roughness_of(beams, {}).median(); }
+
+/// Makes a grain coarser where the simulated log is rougher than the real one. The logarithm of the
+/// roughness falls by a third to two thirds of that of the grain, so the step converges.
+void adjust(double& side_m, Group group, const metrics::RingRoughness& real,
+            const metrics::RingRoughness& simulated) {
+  if (real.count(group) < kLeastDifferences) return;
+  const double ratio = simulated.geometric_mean(group) / real.geometric_mean(group);
+  if (std::isfinite(ratio)) side_m = std::clamp(side_m * ratio * ratio, kFinest, kCoarsest);
+}
+
+/// Adjusts the noise to the smoothest quarter of the log, in which hardly anything else is left.
+void adjust_noise(double& noise_m, double most_m, const metrics::RingRoughness& real,
+                  const metrics::RingRoughness& simulated) {
+  const Group group = real.count(kMesh) >= kLeastDifferences ? kMesh : kOther;
+  const double ratio = real.quantile(0.25, group) / simulated.quantile(0.25, group);
+  if (std::isfinite(ratio)) noise_m = std::min(most_m, noise_m * ratio);
+}
+
+}  // namespace
+
+GrainReport learn_grain(elements::Model& model, BeamSource& log, uint64_t seed) {
+  GrainReport report;
+  const BeamLog beams = sample_of(log, seed);
+  if (beams.size() == 0 || model.size() == 0) return report;
+  std::vector<uint8_t> groups;
+  const BeamLog anew = answered(model, trace::Draws::kAnew, seed, beams, &groups);
+  const metrics::RingRoughness real = roughness_of(beams, groups);
+  report.meshes = real.count(kMesh) >= kLeastDifferences;
+  report.ellipsoids = real.count(kOther) >= kLeastDifferences;
+  if (!report.meshes && !report.ellipsoids) return report;
+  report.real_m = median_of_all(beams);
+  report.anew_m = median_of_all(anew);
+  const double most_noise_m = model.range_noise_m;
+  for (int k = 0;; ++k) {
+    const BeamLog once = answered(model, trace::Draws::kOnce, seed, beams);
+    if (k == kRounds) {
+      report.simulated_m = median_of_all(once);
+      return report;
+    }
+    const metrics::RingRoughness simulated = roughness_of(once, groups);
+    adjust(model.grain.ellipsoid_m, kOther, real, simulated);
+    adjust(model.grain.mesh_m, kMesh, real, simulated);
+    adjust_noise(model.range_noise_m, most_noise_m, real, simulated);
+  }
+}
+
+}  // namespace underbrush::optimize

@@ -1,0 +1,105 @@
+#include "underbrush/optimize/grain.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "underbrush/simulate/simulate.hpp"
+
+namespace underbrush::optimize {
+namespace {
+
+/// Makes a hedge of ellipsoids 10 m away, 2 m high, with a rough wall above it.
+elements::Model hedge_and_wall() {
+  elements::Model model;
+  model.tau = 3;
+  for (double y = -5; y <= 5; y += 0.3) {
+    for (double z = -2; z <= 0; z += 0.3) {
+      elements::Ellipsoid e;
+      e.mean = Vec3(10.03, y, z).cast<float>();
+      e.set_covariance(0.0225 * Mat3::Identity());
+      e.hit.p = 0.6f;
+      model.ellipsoids.push_back(e);
+    }
+  }
+  auto& mesh = model.surface;
+  mesh.vertices = {{10.03f, -6, 0.5f}, {10.03f, 6, 0.5f}, {10.03f, 6, 4}, {10.03f, -6, 4}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  mesh.hit.resize(2);
+  mesh.range_sigma_m = 0.1;
+  return model;
+}
+
+/// Makes 40 rings of 1000 beams towards it, 5 mm apart there, in firing order.
+BeamLog beams_to_it() {
+  BeamLog log;
+  log.info.max_range_m = 60;
+  constexpr size_t kRings = 40, kColumns = 1000;
+  log.resize(kRings * kColumns);
+  for (size_t i = 0; i < log.size(); ++i) {
+    const double y = 0.005 * (double(i / kRings) - kColumns / 2.0);
+    const double z = -1.8 + 0.1 * double(i % kRings);
+    log.direction[i] = Vec3(10, y, z).normalized().cast<float>();
+    log.ring[i] = uint16_t(i % kRings);
+  }
+  return log;
+}
+
+class MemorySource : public BeamSource {
+ public:
+  explicit MemorySource(BeamLog log) : log_(std::move(log)) {}
+  const LogInfo& info() const override { return log_.info; }
+  size_t size() const override { return log_.size(); }
+  void rewind() override { done_ = false; }
+  bool next(BeamLog& chunk) override {
+    if (done_) return false;
+    done_ = true;
+    chunk = log_;
+    return true;
+  }
+
+ private:
+  BeamLog log_;
+  bool done_ = false;
+};
+
+TEST(LearnGrain, FindsTheGrainAndTheNoiseOfTheWorldThatTheLogIsOf) {
+  for (const auto& [ellipsoid_m, mesh_m] : {std::pair{0.02, 0.1}, {0.06, 0.03}}) {
+    elements::Model model = hedge_and_wall();
+    model.grain = {ellipsoid_m, mesh_m};
+    model.range_noise_m = 0.01;
+    BeamLog log = beams_to_it();
+    const trace::World world(model, trace::Isa::kBest, trace::Draws::kOnce);
+    simulate::Options options;
+    options.seed = 42;
+    simulate::simulate(world, options, 0, log);
+    MemorySource source(log);
+    elements::Model learnt = hedge_and_wall();
+    learnt.range_noise_m = 0.02;
+    const GrainReport report = learn_grain(learnt, source, 1);
+    EXPECT_TRUE(report.ellipsoids);
+    EXPECT_TRUE(report.meshes);
+    EXPECT_NEAR(std::log(learnt.grain.ellipsoid_m / ellipsoid_m), 0, std::log(1.5));
+    EXPECT_NEAR(std::log(learnt.grain.mesh_m / mesh_m), 0, std::log(1.5));
+    EXPECT_NEAR(report.simulated_m, report.real_m, 0.15 * report.real_m);
+    EXPECT_GT(report.anew_m, 1.5 * report.real_m);
+    EXPECT_LE(learnt.range_noise_m, 0.02);
+  }
+}
+
+TEST(LearnGrain, KeepsWhatTheModelHadWhereTheLogTellsNothing) {
+  elements::Model model = hedge_and_wall();
+  const elements::Grain before = model.grain;
+  BeamLog log = beams_to_it();
+  for (size_t i = 0; i < log.size(); ++i) log.ring[i] = uint16_t(i);  // no two beams of a ring
+  MemorySource source(log);
+  const GrainReport report = learn_grain(model, source, 1);
+  EXPECT_FALSE(report.ellipsoids || report.meshes);
+  EXPECT_EQ(model.grain.ellipsoid_m, before.ellipsoid_m);
+  EXPECT_EQ(model.grain.mesh_m, before.mesh_m);
+  MemorySource nothing{BeamLog{}};
+  learn_grain(model, nothing, 1);
+}
+
+}  // namespace
+}  // namespace underbrush::optimize
