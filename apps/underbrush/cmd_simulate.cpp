@@ -38,7 +38,7 @@ void add_options(Verb& verb, Arguments& a) {
               "--profile: of PCD files)")
       ->required();
   auto* like =
-      app.add_option("--like", a.like, "Simulate the beams of this log (by --sensor or its own)")
+      app.add_option("--like", a.like, "Simulate this log's beams (by --sensor or its own)")
           ->type_name("LOG");
   auto* sensor =
       app.add_option("--sensor", a.sensor, "Simulate a sensor of the catalogue (or a YAML file)");

@@ -32,9 +32,9 @@ class RingRoughness {
   struct Last {
     uint32_t scan = 0;
     uint8_t group[2] = {};
-    float range_m[2] = {kMiss, kMiss};  ///< Of the last beam, and of the one before.
+    float range_m[2] = {kMiss, kMiss};  ///< The last beam's, and that of the one before.
   };
-  std::unordered_map<uint16_t, Last> last_;  ///< Of each ring.
+  std::unordered_map<uint16_t, Last> last_;  ///< The last beams of each ring.
   std::vector<std::vector<float>> differences_;
 };
 

@@ -87,7 +87,7 @@ struct Placement {
   double scale;
   double tau2;            ///< Square of the model's τ.
   uint64_t salt;          ///< Combined with the keys of the beams.
-  double cells_per_m[2];  ///< Those of the model.
+  double cells_per_m[2];  ///< As in `ModelView`.
   bool translation;       ///< Whether the transformation is a translation alone.
 };
 

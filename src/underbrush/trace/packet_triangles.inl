@@ -40,6 +40,8 @@ inline void test_children(const PacketQuery& s, const Frame& f, const TriangleBl
   }
 }
 
+// Tests the packet against a block, and gives the sets of groups that found something.
+// long: one kernel, whose two loops share the block's numbers and the arrays of a pair.
 template <Query kQuery>
 inline unsigned visit(PacketQuery& s, const Frame& f, const TriangleBlock& b,
                       const ChildTests& tests) {
