@@ -78,8 +78,8 @@ TEST(Waveform, TouchesOnlyWhatReturnsReach) {
   EXPECT_TRUE(table_of(w).empty());
 }
 
-TEST(Waveform, NoiseIsNormalIndependentAndTheKeysOwn) {
-  const Response h({Pulse::kGaussian, 5e-9, 0, 1e-9});
+TEST(Waveform, NoiseIsNormalFilteredByTheReceiverAndTheKeysOwn) {
+  const Response h({Pulse::kGaussian, 5e-9, 2e-9, 1e-9});
   Waveform w(h, 100);
   const float range = 50, amplitude = 1e-6f;
   double n = 0, mean = 0, square = 0, fourth = 0, neighbours = 0;
@@ -97,11 +97,25 @@ TEST(Waveform, NoiseIsNormalIndependentAndTheKeysOwn) {
       if (k > 0) neighbours += v * table[k - 1].second / 2;
     }
   }
-  const double sigma = 1 / std::sqrt(n);
+  // The filter makes neighbours alike, and so the numbers that count fewer.
+  double correlation = 0, alike = 0;
+  const std::span<const float> filter = h.noise_filter();
+  for (size_t lag = 0; lag < filter.size(); ++lag) {
+    double sum = 0;
+    for (size_t k = lag; k < filter.size(); ++k) sum += double(filter[k - lag] * filter[k]);
+    if (lag == 0) {
+      EXPECT_NEAR(sum, 1, 1e-6);
+    }
+    if (lag == 1) correlation = sum;
+    alike += (lag == 0 ? 1 : 2) * sum;
+  }
+  EXPECT_GT(correlation, 0.5);
+  const double sigma = std::sqrt(alike / n);
   EXPECT_NEAR(mean / n, 0, 4 * sigma);
   EXPECT_NEAR(square / n, 1, 4 * M_SQRT2 * sigma);
   EXPECT_NEAR(fourth / n, 3, 0.1);
-  EXPECT_NEAR(neighbours / n, 0, 4 * sigma);
+  const double runs = 3000;  // of which each has a pair of neighbours less than samples
+  EXPECT_NEAR(neighbours / (n - runs), correlation, 4 * M_SQRT2 * sigma);
 }
 
 TEST(Waveform, DigitisedIsInStepsAndCut) {

@@ -1,10 +1,16 @@
 #include "underbrush/radiometry/detector.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "underbrush/core/check.hpp"
 
 namespace underbrush::radiometry {
+namespace {
+
+constexpr float kRelease = 3, kDepth = 5;  // in standard deviations of the noise
+
+}  // namespace
 
 void Echoes::push(const Echo& e) {
   if (count == kMost) --count;
@@ -17,6 +23,7 @@ struct Detector::Pulse : PulseSpan {
   size_t end = 0;   // one past its last sample
   double fall = 0;  // where it passes the threshold, or where its valley is
   bool open = false, to_valley = false;
+  bool under = false;  // whether the signal is below the threshold, but not by enough to end it
 
   static Pulse from(size_t begin, size_t k, double rise) {
     Pulse p;
@@ -39,7 +46,8 @@ Detector::Detector(const Response& response, const DetectorOptions& options)
     : options_((options.check(), options)),
       timing_(response, options.timing, options.threshold, options.saturation) {}
 
-void Detector::close(const Waveform& w, const Pulse& p, float threshold, Echoes& echoes) const {
+void Detector::close(const Waveform& w, const Pulse& p, float threshold, double& joined,
+                     Echoes& echoes) const {
   const float* s = w.samples();
   const PulseTime at = timing_.time(w, p, threshold);
   Echo e;
@@ -60,27 +68,46 @@ void Detector::close(const Waveform& w, const Pulse& p, float threshold, Echoes&
   if (echoes.count > 0) {
     Echo& last = echoes.echo[size_t(echoes.count) - 1];
     if (e.range_m - last.range_m < options_.min_gap_m) {
+      const float width = float(p.fall * w.cell_m() - joined), energy = last.energy + e.energy;
       if (e.peak > last.peak) last = e;
+      last.width_m = width;
+      last.energy = energy;
       return;
     }
   }
+  joined = p.rise * w.cell_m();
   echoes.push(e);
+}
+
+bool Detector::is_valley(float low, float peak) const {
+  return peak * options_.valley > low && peak - low > kDepth * options_.noise;
 }
 
 Echoes Detector::detect(const Waveform& w, float threshold) const {
   if (threshold < 0) threshold = options_.threshold;
   const float* s = w.samples();
+  const float release = threshold - kRelease * options_.noise;
   Echoes echoes;
   Pulse p;
+  double joined = 0;  // where the last echo's pulse begins, m
+  const auto finish = [&] {
+    close(w, p, threshold, joined, echoes);
+    p.open = false;
+  };
   w.for_each_run([&](size_t begin, size_t end) {
     for (size_t k = begin; k < end; ++k) {
       const float v = s[k];
-      if (!(v >= threshold)) {
-        if (p.open) {
+      if (v < threshold) {
+        if (!p.open) continue;
+        if (!p.under) {
           p.end = k;
           p.fall = PulseTiming::crossing(s, k, threshold);
-          close(w, p, threshold, echoes);
-          p.open = false;
+          p.under = true;
+        }
+        if (v < release || options_.noise == 0) {
+          finish();
+        } else if (v < s[p.low]) {
+          p.low = k;
         }
         continue;
       }
@@ -88,12 +115,13 @@ Echoes Detector::detect(const Waveform& w, float threshold) const {
         p = Pulse::from(k, k, k == 0 ? 0 : PulseTiming::crossing(s, k, threshold));
         continue;
       }
+      p.under = false;
       // A rise out of a valley that is deep enough on both sides begins a new pulse.
-      if (v * options_.valley > s[p.low] && s[p.top] * options_.valley > s[p.low]) {
+      if (is_valley(s[p.low], std::min(v, s[p.top]))) {
         p.end = p.low;
         p.fall = double(p.low);
         p.to_valley = true;
-        close(w, p, threshold, echoes);
+        finish();
         p = Pulse::from(p.low, k, double(p.low));
         p.from_valley = true;
         continue;
@@ -106,12 +134,12 @@ Echoes Detector::detect(const Waveform& w, float threshold) const {
         p.low = k;
       }
     }
-    if (p.open) {  // a run ends above the threshold only at the end of the range
+    if (!p.open) return;
+    if (!p.under) {  // the signal is above the threshold at the end of the range
       p.end = end;
       p.fall = double(end);
-      close(w, p, threshold, echoes);
-      p.open = false;
     }
+    finish();
   });
   return echoes;
 }

@@ -37,7 +37,12 @@ struct DetectorOptions {
   float threshold = 5;  ///< Least signal of an echo, in units of the waveform.
   /// Two maxima are two echoes if the signal between them falls below this share of the lower one.
   float valley = 0.7F;
-  float min_gap_m = 0;  ///< Where two echoes are nearer together, the stronger one stays.
+  float min_gap_m = 0;  ///< Where two echoes are nearer together, they are one: the range is that
+                        ///< of the stronger, and the pulse reaches from one to the other.
+  /// σ of the noise, in units of the waveform. A pulse ends only where the signal falls 3 σ below
+  /// the threshold, and two maxima are two echoes only where they rise 5 σ above the signal between
+  /// them.
+  float noise = 0;
   /// Level at which the signal is cut, in units of the waveform.
   float saturation = std::numeric_limits<float>::infinity();
 
@@ -58,7 +63,11 @@ class Detector {
 
  private:
   struct Pulse;
-  void close(const Waveform& w, const Pulse& pulse, float threshold, Echoes& echoes) const;
+  void close(const Waveform& w, const Pulse& pulse, float threshold, double& joined,
+             Echoes& echoes) const;
+
+  /// Whether the signal falls enough from the lower of two maxima, `peak`, for two echoes.
+  bool is_valley(float low, float peak) const;
 
   DetectorOptions options_;
   PulseTiming timing_;

@@ -44,6 +44,7 @@ DetectorOptions detector_options(const ReceiverOptions& o) {
   DetectorOptions out = o.detector;
   out.saturation =
       o.adc_step > 0 ? o.adc_step * std::nearbyint(o.adc_most / o.adc_step) : o.adc_most;
+  out.noise = float(o.noise_sigma);
   return out;
 }
 
@@ -52,9 +53,16 @@ void select(ReturnMode mode, int most, Echoes& echoes) {
   if (echoes.count == 0) return;
   auto& echo = echoes.echo;
   const auto end = echo.begin() + echoes.count;
+  const auto stronger = [](const Echo& a, const Echo& b) {
+    return a.energy != b.energy ? a.energy > b.energy : a.range_m < b.range_m;
+  };
   switch (mode) {
     case ReturnMode::kAll:
-      echoes.count = std::min(echoes.count, most);
+      if (echoes.count <= most) return;
+      std::nth_element(echo.begin(), echo.begin() + most, end, stronger);
+      std::sort(echo.begin(), echo.begin() + most,
+                [](const Echo& a, const Echo& b) { return a.range_m < b.range_m; });
+      echoes.count = most;
       return;
     case ReturnMode::kFirst:
       break;
@@ -62,11 +70,29 @@ void select(ReturnMode mode, int most, Echoes& echoes) {
       echo[0] = *(end - 1);
       break;
     case ReturnMode::kStrongest:
-      echo[0] = *std::max_element(echo.begin(), end,
-                                  [](const Echo& a, const Echo& b) { return a.energy < b.energy; });
+      echo[0] = *std::min_element(echo.begin(), end, stronger);
       break;
   }
   echoes.count = 1;
+}
+
+/// Computes the probability that noise, which the filter has made, passes the threshold upwards
+/// from one sample to the next: of two correlated normal numbers the first is below it and the
+/// second is not.
+double crossing_rate(double threshold, std::span<const float> filter) {
+  double correlation = 0;
+  for (size_t k = 1; k < filter.size(); ++k) correlation += double(filter[k - 1] * filter[k]);
+  const double spread = std::sqrt(1 - correlation * correlation);
+  constexpr int kSteps = 400;
+  constexpr double kStep = 8.0 / kSteps;  // of the second number above the threshold, by Simpson
+  double sum = 0;
+  for (int k = 0; k <= kSteps; ++k) {
+    const double x = threshold + k * kStep;
+    const double below = 0.5 * std::erfc((correlation * x - threshold) / spread / M_SQRT2);
+    const double weight = k == 0 || k == kSteps ? 1 : k % 2 ? 4 : 2;
+    sum += weight * below * std::exp(-0.5 * x * x) / std::sqrt(2 * M_PI);
+  }
+  return sum * kStep / 3;
 }
 
 }  // namespace
@@ -107,6 +133,7 @@ ReceiverOptions receiver_options(const sensor::Sensor& s, double extinction_per_
   o.extinction_per_m = extinction_per_m;
   o.noise_sigma = noise_sigma;
   o.adc_most = float(c.saturation_snr);
+  o.adc_step = float(c.adc_step_snr);
   o.range_sigma_m = s.range_sigma_m;
   o.range_resolution_m = s.range_resolution_m;
   o.intensity = c.intensity;
@@ -128,7 +155,9 @@ Receiver::Receiver(const ReceiverOptions& options)
   options.check();
   if (options.false_alarms && options.noise_sigma > 0) {
     exceedance_ = 0.5 * std::erfc(double(options.detector.threshold) / M_SQRT2);
+    alarms_ = crossing_rate(double(options.detector.threshold), response_.noise_filter());
   }
+  if (options.range_sigma_m > 0 && options.noise_sigma > 0) measure_jitter();
 }
 
 void Receiver::signals(std::span<const float> range_m, std::span<const float> weight,
@@ -156,7 +185,7 @@ Echoes Receiver::receive(std::span<const float> range_m, std::span<const float> 
     scratch.quantise(options_.adc_step, options_.adc_most);
   }
   Echoes echoes = detector_.detect(scratch, threshold_);
-  if (exceedance_ > 0) add_false_alarm(scratch, key, echoes);
+  if (alarms_ > 0) add_false_alarm(scratch, key, echoes);
   report(key, echoes);
   return echoes;
 }
@@ -166,7 +195,7 @@ Echoes Receiver::receive(std::span<const float> range_m, std::span<const float> 
 void Receiver::add_false_alarm(const Waveform& waveform, uint64_t key, Echoes& echoes) const {
   const double u = uniform_from_bits(random_bits(key, kFalseAlarm, Purpose::kSignal));
   const double free = double(waveform.size() - waveform.touched());
-  if (u >= free * exceedance_) return;
+  if (u >= free * alarms_) return;
   const double where = uniform_from_bits(random_bits(key, kFalseAlarm + 1, Purpose::kSignal));
   const double tail = uniform_from_bits(random_bits(key, kFalseAlarm + 2, Purpose::kSignal));
   Echo e;
@@ -179,13 +208,52 @@ void Receiver::add_false_alarm(const Waveform& waveform, uint64_t key, Echoes& e
             [](const Echo& a, const Echo& b) { return a.range_m < b.range_m; });
 }
 
+// The range of a flat target varies with its place within a sample, and with the noise on its
+// waveform in inverse proportion to its signal. Both are measured once, on pulses at many places,
+// of a strong and of a weaker signal.
+void Receiver::measure_jitter() {
+  constexpr double kWeak = 50, kStrong = 2000;  // times the noise
+  const double strong = std::min(kStrong, 0.9 * double(options_.adc_most) / options_.noise_sigma);
+  const double weak = std::min(kWeak, 0.5 * strong);
+  const double a = range_variance(weak), b = range_variance(strong);
+  const double per_noise = std::max(0.0, (a - b) / (1 / (weak * weak) - 1 / (strong * strong)));
+  noise_variance_m2_ = per_noise * options_.noise_sigma * options_.noise_sigma;
+  sampling_variance_m2_ = std::max(0.0, b - per_noise / (strong * strong));
+}
+
+// Computes the variance of the range of a target whose signal is `snr` times the noise.
+double Receiver::range_variance(double snr) const {
+  constexpr int kPulses = 400;
+  const float reach = std::min(100.0f, float(options_.max_range_m));
+  const float peak = float(snr * options_.noise_sigma);
+  Waveform w(response_, double(reach));
+  double sum = 0, square = 0;
+  int n = 0;
+  for (int k = 0; k < kPulses; ++k) {
+    const float range = reach * (0.4f + 0.1f * float(k) / kPulses);
+    w.clear();
+    w.add({&range, 1}, {&peak, 1});
+    w.add_noise(mix64(uint64_t(k)), float(options_.noise_sigma));
+    const Echoes echoes = detector_.detect(w, threshold_);
+    if (echoes.count != 1) continue;
+    const double error = double(echoes.echo[0].range_m) - double(range);
+    sum += error, square += error * error, ++n;
+  }
+  return n == 0 ? 0 : std::max(0.0, square / n - sum / n * (sum / n));
+}
+
+double Receiver::jitter_m(double peak) const {
+  const double all = options_.range_sigma_m, p = std::max(peak, 1e-9);
+  return std::sqrt(std::max(0.0, all * all - sampling_variance_m2_ - noise_variance_m2_ / (p * p)));
+}
+
 void Receiver::report(uint64_t key, Echoes& echoes) const {
   int kept = 0;
   for (int k = 0; k < echoes.count; ++k) {
     Echo e = echoes.echo[size_t(k)];
     double range = e.range_m;
     if (options_.range_sigma_m > 0) {
-      range += options_.range_sigma_m * normal(key, kJitter + uint32_t(k), Purpose::kSignal);
+      range += jitter_m(double(e.peak)) * normal(key, kJitter + uint32_t(k), Purpose::kSignal);
     }
     if (range < options_.min_range_m || range > options_.max_range_m) continue;
     double value = e.peak;

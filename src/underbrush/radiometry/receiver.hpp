@@ -29,7 +29,9 @@ struct ReceiverOptions {
   float adc_step = 0;           ///< Step of the digitised signal; 0 = none.
   /// Signal at which the converter saturates.
   float adc_most = std::numeric_limits<float>::infinity();
-  double range_sigma_m = 0;  ///< Jitter of the range, added to the effect of noise on the pulse.
+  double range_sigma_m =
+      0;  ///< Standard deviation of the range of a flat target, the effect of noise
+          ///< on its pulse included; a weak pulse may have more from noise alone.
   double range_resolution_m = 0;  ///< Ranges are rounded to the nearest multiple.
   Intensity intensity = Intensity::kSignal;
   double intensity_scale = 1;  ///< Reported intensity of a signal, or of a reflectance, of 1.
@@ -90,12 +92,18 @@ class Receiver {
  private:
   void add_false_alarm(const Waveform& waveform, uint64_t key, Echoes& echoes) const;
   void report(uint64_t key, Echoes& echoes) const;
+  void measure_jitter();
+  double range_variance(double snr) const;
+  double jitter_m(double peak) const;
 
   ReceiverOptions options_;
   Response response_;
   Detector detector_;
   float threshold_;
-  double exceedance_ = 0;  ///< Probability that a sample of noise passes the threshold.
+  double exceedance_ = 0;  ///< Probability that a sample of noise is above the threshold.
+  double alarms_ = 0;      ///< Probability that noise passes the threshold upwards at a sample.
+  double noise_variance_m2_ = 0;     ///< Variance of the range by noise, times the signal squared.
+  double sampling_variance_m2_ = 0;  ///< Variance of the range by the place within a sample.
 };
 
 }  // namespace underbrush::radiometry

@@ -45,6 +45,21 @@ double peak_time(const ResponseOptions& o, double from, double to) {
   return 0.5 * (from + to);
 }
 
+/// Makes the filter of `Response::noise_filter`.
+std::vector<float> noise_taps(const ResponseOptions& o) {
+  const double fwhm_s = o.receiver_fwhm_s > 0 ? o.receiver_fwhm_s : o.pulse_fwhm_s;
+  const int half = int(1.5 * fwhm_s / o.sample_s);  // it falls to 0.2 % there
+  std::vector<double> taps;
+  double square = 0;
+  for (int k = -half; k <= half; ++k) {
+    taps.push_back(gaussian(k * o.sample_s, fwhm_s));
+    square += taps.back() * taps.back();
+  }
+  std::vector<float> filter;
+  for (const double tap : taps) filter.push_back(float(tap / std::sqrt(square)));
+  return filter;
+}
+
 }  // namespace
 
 Response::Response(const ResponseOptions& o) {
@@ -69,6 +84,7 @@ Response::Response(const ResponseOptions& o) {
     fine_.push_back(h(x) > kCut ? h(x) : 0);
     area_m_ += fine_.back() * step_m_;
   }
+  noise_filter_ = noise_taps(o);
   before_ = int(std::ceil(-low / cell_m_));
   taps_ = (before_ + int(std::ceil(high / cell_m_)) + 2 + 7) / 8 * 8;
   rows_.resize(size_t(kPhases) * size_t(taps_));

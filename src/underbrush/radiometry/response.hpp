@@ -48,11 +48,14 @@ class Response {
   int before() const { return before_; }
   /// h at the taps for a target that lies (`phase` + ½)/kPhases of a cell behind its cell's start.
   const float* row(int phase) const { return rows_.data() + size_t(phase) * size_t(taps_); }
+  /// The filter that the receiver is for noise, an odd number of taps, whose squares sum to 1. It
+  /// is the receiver's impulse response; an ideal receiver is taken to be as fast as the pulse.
+  std::span<const float> noise_filter() const { return noise_filter_; }
 
  private:
   double cell_m_, first_m_ = 0, step_m_ = 0, area_m_ = 0;
   std::vector<double> fine_;  ///< h at first + k · step.
-  std::vector<float> rows_;
+  std::vector<float> rows_, noise_filter_;
   int taps_ = 0, before_ = 0;
 };
 

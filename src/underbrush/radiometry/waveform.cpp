@@ -117,6 +117,14 @@ UNDERBRUSH_CLONES void gather(size_t n, float* __restrict sum, float* __restrict
   }
 }
 
+/// Adds the convolution of the white noise with the filter.
+UNDERBRUSH_CLONES void add_filtered(size_t n, const float* __restrict white, size_t taps,
+                                    const float* __restrict filter, float* __restrict sample) {
+  for (size_t j = 0; j < taps; ++j) {
+    for (size_t k = 0; k < n; ++k) sample[k] += filter[j] * white[k + j];
+  }
+}
+
 UNDERBRUSH_CLONES void round_and_cut(float* sample, size_t n, float step, float most) {
   constexpr float kMagic = 12582912;  // 1.5 · 2²³: adding it leaves no bits for a fraction
   const float per_step = 1 / step;
@@ -176,12 +184,17 @@ void Waveform::add_noise(uint64_t key, float sigma) {
   if (!(sigma > 0)) return;
   const auto& normal = normal_table();
   const uint64_t start = random_bits(key, 0, Purpose::kSignal);
+  const std::span<const float> filter = response_.noise_filter();
   static_assert(kBlock % 4 == 0);
   for_each_run([&](size_t begin, size_t end) {
-    for (size_t k = begin; k < end; k += 4) {
-      const uint64_t bits = mix64(start + k * 0x9e3779b97f4a7c15ull);
-      for (size_t j = 0; j < 4; ++j) sample_[k + j] += sigma * normal[bits >> (16 * j) & 4095];
+    // White noise k belongs to sample k − filter.size() / 2, so that numbers begin at 0.
+    const size_t needed = end - begin + filter.size() - 1;
+    white_.resize((needed + 3) / 4 * 4);
+    for (size_t k = 0; k < white_.size(); k += 4) {
+      const uint64_t bits = mix64(start + (begin + k) * 0x9e3779b97f4a7c15ull);
+      for (size_t j = 0; j < 4; ++j) white_[k + j] = sigma * normal[bits >> (16 * j) & 4095];
     }
+    add_filtered(end - begin, white_.data(), filter.size(), filter.data(), &sample_[begin]);
   });
 }
 

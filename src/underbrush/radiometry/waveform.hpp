@@ -29,8 +29,9 @@ class Waveform {
   void clear();
   /// Adds returns at `range_m` with the peaks `amplitude`; both spans are equally long.
   void add(std::span<const float> range_m, std::span<const float> amplitude);
-  /// Adds independent normal noise of standard deviation `sigma` to all touched samples. Values
-  /// come from a table of 4096 quantiles, so none is beyond 3.7 σ.
+  /// Adds normal noise of standard deviation `sigma` to all touched samples, filtered by the
+  /// receiver
+  /// (`Response::noise_filter`). The noise before the filter comes from a table of 4096 quantiles.
   void add_noise(uint64_t key, float sigma);
   /// Rounds the touched samples to multiples of `step` (0 for no rounding) and cuts them at `most`.
   void quantise(float step, float most);
@@ -56,6 +57,7 @@ class Waveform {
   /// Returns go to four lanes in turn, so that a sum need not wait for the one before. All lanes
   /// are zero between calls.
   std::vector<float> lanes_;
+  std::vector<float> white_;      ///< Noise before the filter.
   std::vector<uint64_t> blocks_;  ///< One bit for each block: whether it is touched.
 };
 

@@ -40,10 +40,11 @@ void read_beam(const YamlMap& map, Sensor& s) {
 
 void read_receiver(const YamlMap& root, SignalChain& c) {
   if (!root.has("receiver")) return;
-  const YamlMap map = root.map(
-      "receiver", {"pulse", "pulse_ns", "response_ns", "sample_ns", "timing", "threshold_snr",
-                   "detects", "min_gap_m", "saturation_snr", "returns", "max_echoes", "intensity",
-                   "intensity_scale", "intensity_step", "intensity_max", "width_step_m"});
+  const YamlMap map =
+      root.map("receiver",
+               {"pulse", "pulse_ns", "response_ns", "sample_ns", "timing", "threshold_snr",
+                "detects", "min_gap_m", "saturation_snr", "adc_step_snr", "returns", "max_echoes",
+                "intensity", "intensity_scale", "intensity_step", "intensity_max", "width_step_m"});
   c.pulse = map.choice<Pulse>(
       "pulse", {{"gaussian", Pulse::kGaussian}, {"q_switched", Pulse::kQSwitched}}, "gaussian");
   c.pulse_fwhm_s = map.get("pulse_ns", c.pulse_fwhm_s * 1e9) * 1e-9;
@@ -62,6 +63,7 @@ void read_receiver(const YamlMap& root, SignalChain& c) {
   }
   c.min_gap_m = map.get("min_gap_m", c.min_gap_m);
   c.saturation_snr = map.get("saturation_snr", c.saturation_snr);
+  c.adc_step_snr = map.get("adc_step_snr", c.adc_step_snr);
   c.mode = map.choice<ReturnMode>("returns",
                                   {{"strongest", ReturnMode::kStrongest},
                                    {"first", ReturnMode::kFirst},

@@ -69,6 +69,7 @@ void SignalChain::check() const {
   require(not_negative(detection_range_m) && positive(detection_reflectance),
           "sensor: detection range or reflectance is not positive");
   require(not_negative(min_gap_m) && not_negative(width_resolution_m), "sensor: a negative length");
+  require(not_negative(adc_step_snr), "sensor: a negative step of the converter");
   require(max_echoes >= 1 && max_echoes <= 16, "sensor: 1 to 16 echoes");
   require(
       positive(intensity_scale) && not_negative(intensity_resolution) && positive(intensity_most),

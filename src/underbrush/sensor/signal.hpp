@@ -49,6 +49,7 @@ struct SignalChain {
   double detection_reflectance = 0.1;
   double min_gap_m = 0;          ///< Where two echoes are nearer together, the stronger one stays.
   double saturation_snr = 4000;  ///< Signal-to-noise ratio at the converter's upper limit.
+  double adc_step_snr = 0;       ///< Step of the converter, in units of the noise; 0 = none.
   ReturnMode mode = ReturnMode::kStrongest;
   int max_echoes = 1;  ///< For `kAll`.
   Intensity intensity = Intensity::kReflectance;
