@@ -25,6 +25,8 @@ constexpr Metric kMetrics[] = {
      3, false},
     {"median_range_error_m", "Median range error, m",
      "Half of the beams that hit in both are off by less.", 3, false},
+    {"capped_error_m", "Capped error, m",
+     "Mean error of all beams, at most 2 m each; a wrong hit or miss counts as 2 m.", 3, false},
     {"precision", "Precision", "Share of the simulated hits where the real beam hit too.", 4, true},
     {"recall", "Recall", "Share of the real hits where the simulated beam hits too.", 4, true},
     {"f1", "F1", "Harmonic mean of precision and recall.", 4, true},

@@ -20,7 +20,8 @@ Json json_of(const metrics::Summary& s, const metrics::Score& all) {
             {"precision", number(s.precision)},
             {"recall", number(s.recall)},
             {"f1", number(s.f1)},
-            {"median_range_error_m", number(s.median_range_error_m)}};
+            {"median_range_error_m", number(s.median_range_error_m)},
+            {"capped_error_m", number(s.capped_error_m)}};
   if (all.cloud) {
     j["cloud_error_m"] = number(s.cloud_error_m);
     j["density_aware_chamfer"] = number(s.density_aware_chamfer);
@@ -34,6 +35,8 @@ Json json_of(const metrics::Summary& s, const metrics::Score& all) {
 
 Json json_of(const metrics::Score& s) {
   Json j = json_of(s.all, s);
+  j["roughness_m"] = number(s.roughness_m);
+  j["roughness_real_m"] = number(s.real_roughness_m);
   j["per_class"] = Json::object();
   for (const auto& [name, part] : s.per_class) j["per_class"][name] = json_of(part, s);
   j["per_range"] = Json::object();

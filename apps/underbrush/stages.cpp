@@ -154,9 +154,17 @@ std::string table_of_scores(const std::vector<Candidate>& candidates,
   text += row("recall", scores, &Summary::recall, 4);
   text += row("F1", scores, &Summary::f1, 4);
   text += row("median range error, m", scores, &Summary::median_range_error_m, 3);
+  text += row("capped error, m", scores, &Summary::capped_error_m, 3);
   if (scores[0].cloud) {
     text += row("point cloud error, m", scores, &Summary::cloud_error_m, 4);
     text += row("density-aware Chamfer", scores, &Summary::density_aware_chamfer, 4);
+  }
+  if (std::isfinite(scores[0].real_roughness_m)) {
+    text +=
+        fmt::format("  {:<24}", fmt::format("roughness, m ({:.3f})", scores[0].real_roughness_m));
+    for (const metrics::Score& s : scores) text += fmt::format("{:>14.3f}", s.roughness_m);
+    text +=
+        "\n    (median second difference of ranges along a ring; of the real log in brackets)\n";
   }
   if (scores[0].likelihood) {
     text += row("neg. log-likelihood", scores, &Summary::nll_per_beam, 4);

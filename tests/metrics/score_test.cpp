@@ -51,6 +51,23 @@ TEST(Score, CountsAndErrorsAreThoseOfThePaperByHand) {
   EXPECT_DOUBLE_EQ(s.f1, 2 * 0.8 * (4.0 / 6) / (0.8 + 4.0 / 6));
   // The packets have errors (1, 3), none, (0) and (0.5), with means 2, none, 0 and 0.5.
   EXPECT_NEAR(s.packet_error_m, (2 + 0 + 0.5) / 3, 1e-6);
+  // Errors 1, 3 (counts as 2), 2 for each of three wrong hits and misses, 0, 0 and 0.5 of eight
+  // beams.
+  EXPECT_NEAR(s.capped_error_m, (1 + 2 + 2 + 2 + 0 + 0 + 0.5 + 2) / 8, 1e-6);
+}
+
+TEST(Score, NoChoiceOfHitsFlattersTheCappedError) {
+  // To miss where one is unsure makes the packet error smaller, but not the capped one.
+  const BeamLog real = fan({10, 10, 10, 10}), brave = fan({10, 10, 10, 14});
+  const BeamLog shy = fan({10, 10, 10, kMiss});
+  EXPECT_LT(score_of(real, shy).all.packet_error_m, score_of(real, brave).all.packet_error_m);
+  EXPECT_EQ(score_of(real, shy).all.capped_error_m, score_of(real, brave).all.capped_error_m);
+}
+
+TEST(Score, TellsTheRoughnessOfBothLogs) {
+  const Score s = score_of(fan({10, 10, 10.1f}), fan({10, 11, 10}));
+  EXPECT_NEAR(s.real_roughness_m, 0.1, 1e-5);
+  EXPECT_NEAR(s.roughness_m, 2, 1e-5);
 }
 
 TEST(Score, CloudErrorIsInMetresNotSquared) {
@@ -68,6 +85,7 @@ TEST(Score, DoesNotDependOnHowTheLogsAreChunked) {
       EXPECT_EQ(s.true_hits, one.true_hits);
       EXPECT_EQ(s.packet_error_m, one.packet_error_m);
       EXPECT_EQ(s.cloud_error_m, one.cloud_error_m);
+      EXPECT_EQ(s.capped_error_m, one.capped_error_m);
     }
   }
 }

@@ -9,6 +9,7 @@
 #include "underbrush/elements/label_sets.hpp"
 #include "underbrush/metrics/nearest.hpp"
 #include "underbrush/metrics/predictive.hpp"
+#include "underbrush/metrics/ring_roughness.hpp"
 
 namespace underbrush::metrics {
 namespace {
@@ -36,7 +37,7 @@ struct Sums {
   Summary counts;
   PacketMeans packets;
   std::vector<float> range_errors;
-  double nll = 0, crps = 0;
+  double nll = 0, crps = 0, capped = 0;
   size_t likelihoods = 0;
   double cloud[2] = {0, 0}, chamfer[2] = {0, 0};
   size_t points[2] = {0, 0};
@@ -54,6 +55,7 @@ struct Sums {
       std::nth_element(range_errors.begin(), middle, range_errors.end());
       s.median_range_error_m = *middle;
     }
+    if (s.beams) s.capped_error_m = capped / double(s.beams);
     if (points[0] && points[1]) {
       const double a = double(points[0]), b = double(points[1]);
       s.cloud_error_m = 0.5 * (cloud[0] / a + cloud[1] / b);
@@ -86,6 +88,8 @@ class Scorer {
   void add(const BeamLog& real, const BeamLog& sim, size_t first) {
     const std::vector<uint32_t> label = classes_of(real);
     predict_all(real);
+    roughness_[0].add(real);
+    roughness_[1].add(sim);
     for (size_t i = 0; i < real.size(); ++i) {
       if (real.scan[i] != sim.scan[i] || real.ring[i] != sim.ring[i] ||
           (real.origin[i] - sim.origin[i]).squaredNorm() > 1e-4) {
@@ -107,6 +111,8 @@ class Scorer {
     score.cloud = options_.cloud;
     score.likelihood = options_.world != nullptr;
     score.range_error = histogram_;
+    score.roughness_m = roughness_[1].median();
+    score.real_roughness_m = roughness_[0].median();
     score.all = sets_[0].finish();
     const auto& edges = options_.range_edges_m;
     for (size_t k = 0; k < edges.size(); ++k) {
@@ -126,6 +132,7 @@ class Scorer {
 
  private:
   static constexpr size_t kNoSet = ~size_t(0);
+  static constexpr double kMostError = 2;  // m
 
   size_t set_of_range(float range) const {
     const auto& edges = options_.range_edges_m;
@@ -148,10 +155,12 @@ class Scorer {
     if (hit && sim_hit) {
       const double error = (real.end_point(i) - sim.end_point(i)).norm();
       s.packets.add(uint64_t(real.scan[i]) << 32 | real.packet[i], error);
+      s.capped += std::min(error, kMostError);
       const double range_error = double(sim.range_m[i]) - double(real.range_m[i]);
       s.range_errors.push_back(float(std::abs(range_error)));
       if (&s == &sets_[0]) histogram_.add(range_error);
     }
+    if (hit != sim_hit) s.capped += kMostError;
     if (options_.world) {
       s.nll += nll_[i];
       s.crps += crps_[i];
@@ -219,6 +228,7 @@ class Scorer {
   std::vector<Sums> sets_;
   std::map<uint32_t, size_t> class_set_;
   RangeErrorHistogram histogram_;
+  RingRoughness roughness_[2];  // of the real log, and of the simulated one
   std::vector<double> nll_, crps_;
   bool have_origin_ = false;
   Vec3 origin_ = Vec3::Zero();

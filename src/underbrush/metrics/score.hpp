@@ -25,6 +25,9 @@ struct Summary {
   /// Mean over packets of the mean |y − ŷ| of true hits, [tallavajhula18] eq. 1.
   double packet_error_m = kUnknown;
   double median_range_error_m = kUnknown;  ///< Median |ẑ − z| of true hits.
+  /// Mean over all beams of |y − ŷ|, at most 2 m; a false hit or miss counts as 2 m, a true miss as
+  /// 0. No choice of which beams hit can flatter it.
+  double capped_error_m = kUnknown;
   /// Mean distance to the nearest point of the other cloud, averaged over both directions, in
   /// metres and not squared, [tallavajhula18] eq. 4–5. For a subset of the beams, it is taken from
   /// the subset's points to the whole other cloud.
@@ -53,6 +56,9 @@ struct Score {
   std::map<std::string, Summary> per_class;
   std::map<std::string, Summary> per_range;  ///< Scores by real range ("0-10", … m, "miss").
   RangeErrorHistogram range_error;
+  /// Roughness along the rings (`RingRoughness::median`, m) of the simulated and of the real log;
+  /// NaN for logs without rings.
+  double roughness_m = kUnknown, real_roughness_m = kUnknown;
 };
 
 /// The options of `score`.
