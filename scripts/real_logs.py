@@ -102,7 +102,7 @@ def score(program, work, name, models):
                            env={**os.environ, "UNDERBRUSH": str(program)})
         else:
             run(program, "fit", train, *fit_options(program, work, name, label), *fit, "-o", work / label)
-        run(program, "simulate", work / label, "--like", test, "-o", work / f"{label}.ply")
+        run(program, "simulate", work / label, "--like", test, "--matter", "anew", "-o", work / f"{label}.ply")
         words += [work / f"{label}.ply", "--model", work / label, "--name", label]
     run(program, *words, "--json", work / "score.json", "--report", work / "report")
     result = json.loads((work / "score.json").read_text())

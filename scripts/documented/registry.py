@@ -94,7 +94,7 @@ def tuning():
 def score_job(name, log, fit):
     """Fits a log of WORK with these options, and scores it."""
     return Job(name, f"""underbrush fit "$WORK/{log}/train.ply" --min-range 2 {fit} -o model
-underbrush simulate model --like "$WORK/{log}/test.ply" -o sim.ply
+underbrush simulate model --like "$WORK/{log}/test.ply" --matter anew -o sim.ply
 underbrush score "$WORK/{log}/test.ply" sim.ply --model model --name model --json scores.json
 rm -r model sim.ply""", (LOGS[log],), (HALVES[log],))
 
@@ -117,6 +117,27 @@ def options_of_fit():
                 yield row, column, [s[KEYS[column]]]
         return Part((score_job(f"options_of_fit.{number}", "kitti_0027_forest", fit),), cells)
     return tuple(part(number, row, fit) for number, (row, fit) in enumerate(rows.items()))
+
+
+def grain():
+    def part(log):
+        job = Job(f"grain.{log}", f"""underbrush fit "$WORK/{log}/train.ply" -o model
+underbrush simulate model --like "$WORK/{log}/test.ply" --matter anew -o anew.ply
+underbrush simulate model --like "$WORK/{log}/test.ply" -o once.ply
+underbrush score "$WORK/{log}/test.ply" anew.ply once.ply --json scores.json
+rm -r model anew.ply once.ply""", (LOGS[log],), (HALVES[log],))
+
+        def cells(folder):
+            models = read_json(folder / "scores.json")["models"]
+            yield log, "roughness, cm: log", [100 * models["once"]["roughness_real_m"]]
+            for model in ("anew", "once"):
+                s = models[model]
+                yield log, f"roughness, cm: {model}", [100 * s["roughness_m"]]
+                yield log, f"packet error, m: {model}", [s["packet_error_m"]]
+                yield log, f"F1: {model}", [s["f1"]]
+                yield log, f"cloud error, m: {model}", [s["cloud_error_m"]]
+        return Part((job,), cells)
+    return tuple(part(log) for log in LOGS)
 
 
 # ------------------------------------------------------------------------------------------------- the studies
@@ -325,6 +346,7 @@ MEASURED = {
     "real-logs": Measured(real_logs(("default", "sharp", "surface", "surface_carved", "mesh_primitives"))),
     "fitters": Measured(fitters(("default", "voxel", "top_down", "bottom_up", "likelihood"))),
     "options-of-fit": Measured(options_of_fit()),
+    "grain": Measured(grain()),
     "tuning": Measured(tuning()),
     "vegetation": Measured((Part((study("vegetation"),), vegetation),),
                            uncompared={"published surface / volumetric": "figures of the paper"}),
