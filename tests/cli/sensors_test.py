@@ -119,6 +119,17 @@ class OwnSensors(cli_test.OnALog):
         self.assertEqual((done.returncode, done.stderr), (0, ""), words)
         return json.loads(done.stdout)
 
+    def test_a_log_that_names_no_sensor_is_answered_by_the_instrument_that_is_named(self):
+        like = ["simulate", "model", "--like", "log.ply", "--super-sample", "3", "-o", "told.ply"]
+        refused = call(*like, cwd=self.folder)
+        self.assertEqual(refused.returncode, 2)
+        self.assertIn("sensor", refused.stderr)
+        told = self.json_of(*like, "--sensor", "velodyne-vlp16")
+        self.assertEqual(told["sub_rays"], 3)
+        self.assertGreater(told["hits"], 0)
+        both = call(*like, "--sensor", "velodyne-vlp16", "--trajectory", "poses.txt", cwd=self.folder)
+        self.assertEqual(both.returncode, 2)
+
     def test_the_beams_of_a_log_keep_their_sensor_in_another_folder(self):
         self.assertEqual(self.json_of("info", "own.ply")["sensor"], "small")
         self.assertRegex(call("info", "own.ply", cwd=self.folder).stdout, r"\n  sensor +small\n")
