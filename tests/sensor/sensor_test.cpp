@@ -50,6 +50,11 @@ TEST(Catalogue, RatesAgreeWithTheMakersFigures) {
   EXPECT_NEAR(hdl32.beams_per_s(), 694444, 1);
   EXPECT_NEAR(hdl64.beams_per_s(), 1.3333e6, 1e2);
   EXPECT_NEAR(os1.beams_per_s(), 1310720.0 / 2, 1);  // the maker states the 20 Hz mode
+  EXPECT_NEAR(load("ouster-os1-128").beams_per_s(), 1310720, 1);
+  EXPECT_NEAR(load("ouster-os2-128").beams_per_s(), 2621440, 1);
+  EXPECT_NEAR(load("velodyne-vls128").beams_per_s(), 2401498, 20);
+  EXPECT_NEAR(load("hesai-pandar64").beams_per_s(), 1152000, 1);
+  EXPECT_NEAR(load("hesai-xt32").beams_per_s(), 640000, 1);
   EXPECT_NEAR(vlp16.azimuth_step_rad() / kDegree, 0.199, 1e-3);
   EXPECT_NEAR(hdl32.azimuth_step_rad() / kDegree, 0.1659, 1e-4);
   EXPECT_NEAR(os1.firings_per_revolution(), 1024, 1e-6);
