@@ -11,6 +11,8 @@ constexpr Study kStudies[] = {
      study_transfer},
     {"mesh-fidelity", "Leaf inclinations of Goodin et al. 2024, from billboards to fine trees",
      study_mesh_fidelity},
+    {"look-up", "Real logs answered by their own training beams, the baseline of any simulator",
+     study_look_up},
     {"verification", "Histograms and planes of Kim et al. 2012, on its miniature and on real walls",
      study_verification},
 };

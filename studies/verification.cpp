@@ -20,10 +20,10 @@ namespace {
 constexpr double kMeanDistanceM = 0.0031, kHistogramShare = 0.001;
 
 /// Values of [kim12] tables 3 and 4.
-struct Published {
+struct PublishedPlanes {
   double a, b, c, variance, simulated, simulated_sigma, real, real_sigma;
 };
-constexpr Published kPublished[] = {
+constexpr PublishedPlanes kPublished[] = {
     {-0.0068, 0.1758, -4.6609, 0.000007, 0.0033, 0.0023, 0.0020, 0.0016},
     {-5.2942, -5.3171, 127.8994, 0.003285, 0.0013, 0.0009, 0.0060, 0.0047},
     {5.3384, -5.0953, 118.0402, 0.002470, 0.0017, 0.0016, 0.0053, 0.0041},
@@ -55,7 +55,7 @@ report::Table plane_table(const std::string& title, const PairFigures& f, bool p
                           fmt::format("{:.3f}", -p.plane.normal.x() / p.plane.normal.z()),
                           millimetres(std::sqrt(p.plane.variance))});
     if (!published) continue;
-    const Published& q = kPublished[k];
+    const PublishedPlanes& q = kPublished[k];
     table.rows.push_back({fmt::format("{} published", k + 1), fmt::format("{:.4f}", q.a),
                           fmt::format("{:.4f}", q.b), fmt::format("{:.4f}", q.c),
                           fmt::format("{:.6f}", q.variance), "", "", "", "", ""});
@@ -80,7 +80,7 @@ report::Table distance_table(const std::string& title, const PairFigures& f, boo
          fmt::format("{}", p.simulated.points), both(p.simulated.mean_m, p.simulated.sigma_m),
          fmt::format("{:+.2f}", 1e3 * p.simulated.offset_m), both(p.real.mean_m, p.real.sigma_m)});
     if (!published) continue;
-    const Published& q = kPublished[k];
+    const PublishedPlanes& q = kPublished[k];
     table.rows.back().push_back(both(q.simulated, q.simulated_sigma));
     table.rows.back().push_back(both(q.real, q.real_sigma));
   }

@@ -21,34 +21,34 @@ enum Group : uint8_t { kMesh, kOther };
 BeamLog sample_of(BeamSource& log, uint64_t seed) {
   log.rewind();
   const double share = double(kBeams) / double(std::max<size_t>(1, log.size()));
-  const double rate = double(log.info().scans.size()) * share < 4 ? 1 : share;
+  // Scans are taken from the first quarter of a long log, which is quick to read.
+  const double rate = double(log.info().scans.size()) * share < 4 ? 1 : std::min(1.0, 4 * share);
   BeamLog sample, chunk;
   bool first = true;
-  while (sample.size() < 2 * kBeams && log.next(chunk)) {
+  while (sample.size() < kBeams && log.next(chunk)) {
     if (first) sample = chunk.like();
     first = false;
     for (size_t i = 0; i < chunk.size() && sample.size() < 2 * kBeams; ++i) {
       const uint64_t bits = random_bits(seed, chunk.scan[i], Purpose::kCluster);
       if (uniform_from_bits(bits) < rate) sample.append(chunk, i);
     }
-    if (rate == 1 && sample.size() >= kBeams) break;
   }
   return sample;
 }
 
 /// Answers the beams, and gives the group of each.
-BeamLog answered(const elements::Model& model, trace::Draws draws, uint64_t seed, BeamLog beams,
+BeamLog answered(const trace::World& world, uint64_t seed, BeamLog beams,
                  std::vector<uint8_t>* groups = nullptr) {
-  const trace::World world(model, trace::Isa::kBest, draws);
   simulate::Options options;
   options.seed = seed;
   options.element_ids = groups != nullptr;
   simulate::simulate(world, options, 0, beams);
   if (!groups) return beams;
   const auto& element = std::get<std::vector<uint32_t>>(beams.extra.at("element"));
+  const size_t triangles = world.model().triangle_count();
   groups->resize(beams.size());
   for (size_t i = 0; i < beams.size(); ++i) {
-    (*groups)[i] = beams.is_hit(i) && element[i] < model.triangle_count() ? kMesh : kOther;
+    (*groups)[i] = beams.is_hit(i) && element[i] < triangles ? kMesh : kOther;
   }
   return beams;
 }
@@ -85,7 +85,7 @@ GrainReport learn_grain(elements::Model& model, BeamSource& log, uint64_t seed) 
   const BeamLog beams = sample_of(log, seed);
   if (beams.size() == 0 || model.size() == 0) return report;
   std::vector<uint8_t> groups;
-  const BeamLog anew = answered(model, trace::Draws::kAnew, seed, beams, &groups);
+  const BeamLog anew = answered(trace::World(model), seed, beams, &groups);
   const metrics::RingRoughness real = roughness_of(beams, groups);
   report.meshes = real.count(kMesh) >= kLeastDifferences;
   report.ellipsoids = real.count(kOther) >= kLeastDifferences;
@@ -93,8 +93,10 @@ GrainReport learn_grain(elements::Model& model, BeamSource& log, uint64_t seed) 
   report.real_m = median_of_all(beams);
   report.anew_m = median_of_all(anew);
   const double most_noise_m = model.range_noise_m;
+  trace::World world(model, trace::Isa::kBest, trace::Draws::kOnce);
   for (int k = 0;; ++k) {
-    const BeamLog once = answered(model, trace::Draws::kOnce, seed, beams);
+    world.update_grain();
+    const BeamLog once = answered(world, seed, beams);
     if (k == kRounds) {
       report.simulated_m = median_of_all(once);
       return report;

@@ -31,8 +31,13 @@ ModelView::Mesh view_of(const elements::TriangleMesh& mesh) {
           mesh.range_sigma_m, mesh.roughness_m};
 }
 
-ModelView view_of(const elements::Model& m, Draws draws) {
+void set_grain(const elements::Model& m, Draws draws, ModelView& view) {
   const auto cells_per_m = [&](double side_m) { return draws == Draws::kOnce ? 1 / side_m : 0; };
+  view.cells_per_m[0] = cells_per_m(m.grain.mesh_m);
+  view.cells_per_m[1] = cells_per_m(m.grain.ellipsoid_m);
+}
+
+ModelView view_of(const elements::Model& m) {
   return {view_of(m.ground),
           view_of(m.surface),
           m.ellipsoids.data(),
@@ -40,7 +45,7 @@ ModelView view_of(const elements::Model& m, Draws draws) {
           uint32_t(m.triangle_count()),
           m.tau * m.tau,
           m.voxel_m > 0,
-          {cells_per_m(m.grain.mesh_m), cells_per_m(m.grain.ellipsoid_m)}};
+          {0, 0}};
 }
 
 /// The working memory of a thread's queries. It is large, and is kept from call to call.
@@ -73,11 +78,16 @@ struct World::Impl {
     draws = how;
     for (const elements::Model* m : models) {
       require(m->size() < kIndexMask, "world: a model has more than 2^29 elements");
-      views.push_back(view_of(*m, draws));
+      views.push_back(view_of(*m));
       bvhs.push_back(build_bvh(*m));
     }
+    update_grain();
     tree = build_scene_tree(instances, bvhs);
     require(tree.entries.size() < kIndexMask, "world: too many instances");
+  }
+
+  void update_grain() {
+    for (size_t k = 0; k < models.size(); ++k) set_grain(*models[k], draws, views[k]);
   }
 
   View view() const {
@@ -220,6 +230,8 @@ void World::all_intersections(const Ray& ray, const RangeLimits& limits, double 
 }
 
 Draws World::draws() const { return impl_->draws; }
+
+void World::update_grain() { impl_->update_grain(); }
 
 size_t World::bytes() const {
   size_t bytes = impl_->tree.bytes();

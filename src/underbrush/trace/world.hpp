@@ -83,6 +83,8 @@ class World {
 
   /// How the trials are drawn.
   Draws draws() const;
+  /// Takes over the grain of the models, which may have changed. No query may run meanwhile.
+  void update_grain();
   /// The memory of the search structure without models and instances, bytes.
   size_t bytes() const;
   /// The name of the instruction set in use.

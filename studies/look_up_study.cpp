@@ -1,0 +1,108 @@
+// This study puts the look-up, the obvious baseline of a simulator that is fitted to a log, beside
+// the default and the mesh.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "studies/look_up.hpp"
+#include "studies/studies.hpp"
+#include "underbrush/fit/fit.hpp"
+#include "underbrush/io/log_file.hpp"
+#include "underbrush/metrics/score.hpp"
+#include "underbrush/optimize/grain.hpp"
+#include "underbrush/simulate/simulate.hpp"
+
+namespace underbrush::studies {
+namespace {
+
+namespace fs = std::filesystem;
+
+metrics::Score score_of(const BeamLog& test, BeamSource& simulated) {
+  MemorySource real(test);
+  return metrics::score(real, simulated, {});
+}
+
+metrics::Score score_of_look_up(const BeamLog& train, const BeamLog& test, LookUp how) {
+  const BeamLog answered = looked_up(train, test, how);
+  MemorySource simulated(answered);
+  return score_of(test, simulated);
+}
+
+/// Scores a fitted model as `fit` and `simulate` make it.
+metrics::Score score_of_fit(const BeamLog& train, const BeamLog& test, const char* fitter,
+                            uint64_t seed) {
+  fit::FitOptions options;
+  options.fitter = fitter;
+  options.seed = seed;
+  MemorySource source(train);
+  elements::Model model = fit::fit(source, options).model;
+  optimize::learn_grain(model, source, seed);
+  const trace::World world(model, trace::Isa::kBest, trace::Draws::kOnce);
+  MemorySource like(test);
+  simulate::Options simulate;
+  simulate.seed = seed;
+  simulate::SimulatedSource simulated(world, like, simulate);
+  return score_of(test, simulated);
+}
+
+void add_row(const std::string& log, const char* name, const metrics::Score& s,
+             report::Table& table, Json& figures) {
+  const metrics::Summary& a = s.all;
+  table.rows.push_back(
+      {fmt::format("{}/{}", log, name), fmt::format("{:.3f}", a.packet_error_m),
+       fmt::format("{:.4f}", a.f1), fmt::format("{:.3f}", a.capped_error_m),
+       fmt::format("{:.4f}", a.cloud_error_m), fmt::format("{:.3f}", a.median_range_error_m),
+       fmt::format("{:.1f} ({:.1f})", 100 * s.roughness_m, 100 * s.real_roughness_m)});
+  figures[log][name] = {{"packet_error_m", a.packet_error_m},
+                        {"f1", a.f1},
+                        {"capped_error_m", a.capped_error_m},
+                        {"cloud_error_m", a.cloud_error_m},
+                        {"median_range_error_m", a.median_range_error_m},
+                        {"roughness_m", s.roughness_m},
+                        {"roughness_real_m", s.real_roughness_m}};
+}
+
+}  // namespace
+
+StudyResult study_look_up(const StudyRun& run) {
+  StudyResult out;
+  out.lead =
+      "Held-out beams answered by what the training beams near them measured, by a mesh, and "
+      "by the default.";
+  report::Table table{
+      "Look-up",
+      "Raw: the nearest beam of the nearest training scan. Warped: the end points of "
+      "the one or two nearest training scans, seen from the test pose. In brackets "
+      "the real log's roughness.",
+      {"log/source", "packet error, m", "F1", "capped error, m", "cloud error, m",
+       "median range error, m", "roughness, cm"},
+      {}};
+  const std::vector<fs::path> logs =
+      run.data.empty() ? std::vector<fs::path>{} : halved_logs(run.data);
+  for (const fs::path& folder : logs) {
+    const std::string log = folder.filename().string();
+    run.say(log);
+    const BeamLog train = io::read_log(folder / "train.ply"),
+                  test = io::read_log(folder / "test.ply");
+    out.inputs.insert(out.inputs.end(), {folder / "train.ply", folder / "test.ply"});
+    const std::pair<const char*, LookUp> ways[] = {{"look-up, raw", LookUp::kRaw},
+                                                   {"look-up, 1 scan", LookUp::kWarped1},
+                                                   {"look-up, 2 scans", LookUp::kWarped2}};
+    double best = INFINITY;
+    for (const auto& [name, how] : ways) {
+      const metrics::Score s = score_of_look_up(train, test, how);
+      best = std::min(best, s.all.capped_error_m);
+      add_row(log, name, s, table, out.figures);
+    }
+    add_row(log, "mesh", score_of_fit(train, test, "surface", run.seed), table, out.figures);
+    const metrics::Score ours = score_of_fit(train, test, "hierarchical", run.seed);
+    add_row(log, "default", ours, table, out.figures);
+    out.checks.push_back({log + ": capped error of the default over the best look-up's",
+                          ours.all.capped_error_m / best, 1.0});
+  }
+  if (out.inputs.empty()) out.notes.push_back("no logs: --data DIR names their folder");
+  out.tables.push_back(std::move(table));
+  return out;
+}
+
+}  // namespace underbrush::studies
