@@ -99,16 +99,15 @@ underbrush score "$WORK/{log}/test.ply" sim.ply --model model --name model --jso
 rm -r model sim.ply""", (LOGS[log],), (HALVES[log],))
 
 
-KEYS = {"packet error, m": "packet_error_m", "precision": "precision", "recall": "recall", "F1": "f1",
-        "median range error, m": "median_range_error_m", "cloud error, m": "cloud_error_m",
-        "density-aware Chamfer": "density_aware_chamfer", "NLL": "nll_per_beam", "CRPS": "crps_m"}
+KEYS = {"packet error, m": "packet_error_m", "capped error, m": "capped_error_m", "precision": "precision",
+        "recall": "recall", "F1": "f1", "median range error, m": "median_range_error_m",
+        "cloud error, m": "cloud_error_m", "density-aware Chamfer": "density_aware_chamfer", "NLL": "nll_per_beam", "CRPS": "crps_m"}
 
 
 def options_of_fit():
     rows = {"none": "", "--mixture-rounds 0": "--mixture-rounds 0",
             "--ellipsoid-prior-hits 1": "--ellipsoid-prior-hits 1",
-            "--config share/configs/primitives-paper.yaml":
-                '--config "$SOURCE/share/configs/primitives-paper.yaml"'}
+            "--config share/configs/primitives-paper.yaml": '--config "$SOURCE/share/configs/primitives-paper.yaml"'}
 
     def part(number, row, fit):
         def cells(folder):
@@ -122,8 +121,7 @@ def options_of_fit():
 def grain():
     def part(log):
         job = Job(f"grain.{log}", f"""underbrush fit "$WORK/{log}/train.ply" -o model
-underbrush simulate model --like "$WORK/{log}/test.ply" --matter anew -o anew.ply
-underbrush simulate model --like "$WORK/{log}/test.ply" -o once.ply
+for m in anew once; do underbrush simulate model --like "$WORK/{log}/test.ply" --matter $m -o $m.ply; done
 underbrush score "$WORK/{log}/test.ply" anew.ply once.ply --json scores.json
 rm -r model anew.ply once.ply""", (LOGS[log],), (HALVES[log],))
 
@@ -131,11 +129,9 @@ rm -r model anew.ply once.ply""", (LOGS[log],), (HALVES[log],))
             models = read_json(folder / "scores.json")["models"]
             yield log, "roughness, cm: log", [100 * models["once"]["roughness_real_m"]]
             for model in ("anew", "once"):
-                s = models[model]
-                yield log, f"roughness, cm: {model}", [100 * s["roughness_m"]]
-                yield log, f"packet error, m: {model}", [s["packet_error_m"]]
-                yield log, f"F1: {model}", [s["f1"]]
-                yield log, f"cloud error, m: {model}", [s["cloud_error_m"]]
+                yield log, f"roughness, cm: {model}", [100 * models[model]["roughness_m"]]
+                yield from ((log, f"{column}: {model}", [models[model][KEYS[column]]])
+                            for column in ("packet error, m", "F1", "cloud error, m"))
         return Part((job,), cells)
     return tuple(part(log) for log in LOGS)
 
@@ -156,12 +152,8 @@ LOOK_UP = study("look-up", "--data logs",
 def look_up(folder):
     for log, sources in read_json(folder / "study.json")["figures"].items():
         for source, s in sources.items():
-            yield f"{log}/{source}", "packet error, m", [s["packet_error_m"]]
-            yield f"{log}/{source}", "F1", [s["f1"]]
-            yield f"{log}/{source}", "capped error, m", [s["capped_error_m"]]
-            yield f"{log}/{source}", "cloud error, m", [s["cloud_error_m"]]
-            yield f"{log}/{source}", "median range error, m", [s["median_range_error_m"]]
             yield f"{log}/{source}", "roughness, cm", [100 * s["roughness_m"]]
+            yield from ((f"{log}/{source}", column, [s[key]]) for column, key in KEYS.items() if key in s)
 
 
 def vegetation(folder):
@@ -240,8 +232,6 @@ FOUR_SCANS = """underbrush import "{0}" --poses "{0}/poses_velo.txt" --deskew ve
   --elevation-offset-deg 0.205 --infer-misses velodyne-hdl64e --frames 0:4 -o log.ply"""
 
 
-# ----------------------------------------------------------------------------------------------- segmentation
-
 def ground(row, *methods):
     def cells(folder):
         for method in methods:
@@ -282,8 +272,6 @@ underbrush segment log.ply --truth tree_id --json trees.json""", ("trees_laz/lid
     Part(tuple(Job(f"segment.site{seed}", f"""underbrush demo --only site --seed {seed} -o demo
 underbrush segment demo/train.ply --json site.json
 rm -r demo""") for seed in (1, 2, 3)), sites))
-
-# -------------------------------------------------------------------------------------------- pages and benchmarks
 
 
 def page_job(name, page, needs=()):
@@ -356,8 +344,6 @@ def trace_goals(folder):
 RATE = "a rate of one machine"
 DRIVE = "kitti_0027_forest"
 DRIVE_LOG = {"needs": (LOGS[DRIVE],), "after": (HALVES[DRIVE],)}
-
-# --------------------------------------------------------------------------------------------------- the tables
 
 MEASURED = {
     "readme": Measured(readme_rows()),
