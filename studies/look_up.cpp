@@ -43,6 +43,7 @@ std::vector<const Scan*> nearest_scans(const std::map<uint32_t, Scan>& train, co
                                        size_t count) {
   constexpr double kMetresASecond = 0.01;  // Time decides where the sensor stands.
   std::vector<std::pair<double, const Scan*>> order;
+  order.reserve(train.size());
   for (const auto& [number, s] : train) {
     order.emplace_back(
         (s.origin - of.origin).norm() + kMetresASecond * std::abs(s.time_s - of.time_s), &s);
@@ -109,7 +110,8 @@ BeamLog looked_up(const BeamLog& train, const BeamLog& test, LookUp how) {
   const double within = 2 * std::sin(half_spacing(test, to) / 2), most = within * within;
   BeamLog out = test;
   std::fill(out.range_m.begin(), out.range_m.end(), kMiss);
-  for (const auto& [number, scan] : to) {
+  for (const auto& entry : to) {
+    const Scan& scan = entry.second;
     const auto scans = nearest_scans(from, scan, how == LookUp::kWarped2 ? 2 : 1);
     const Candidates c = candidates_of(train, scans, scan, warped);
     if (c.direction.empty()) continue;

@@ -83,7 +83,7 @@ void adjust_noise(double& noise_m, double most_m, const metrics::RingRoughness& 
 GrainReport learn_grain(elements::Model& model, BeamSource& log, uint64_t seed) {
   GrainReport report;
   const BeamLog beams = sample_of(log, seed);
-  if (beams.size() == 0 || model.size() == 0) return report;
+  if (beams.empty() || model.size() == 0) return report;
   std::vector<uint8_t> groups;
   const BeamLog anew = answered(trace::World(model), seed, beams, &groups);
   const metrics::RingRoughness real = roughness_of(beams, groups);
