@@ -85,6 +85,11 @@ int Program::run(int argc, char** argv) {
     if (e.get_exit_code() == 0) return app_.exit(e);  // --help, --version
     std::string line = e.what();
     line.erase(line.find_last_not_of('\n') + 1);
+    // An option without an upper bound would print the largest number, 309 digits long.
+    const size_t range = line.find(" not in range ");
+    if (range != std::string::npos && line.size() - range > 300) {
+      line.replace(range, std::string::npos, " is too small");
+    }
     const auto verbs = app_.get_subcommands();
     const std::string verb = verbs.empty() ? "" : " " + verbs.front()->get_name();
     return fail(line + " (see " + app_.get_name() + verb + " --help)", 2);

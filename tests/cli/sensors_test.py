@@ -127,6 +127,9 @@ class OwnSensors(cli_test.OnALog):
         told = self.json_of(*like, "--sensor", "velodyne-vlp16")
         self.assertEqual(told["sub_rays"], 3)
         self.assertGreater(told["hits"], 0)
+        small = call(*like, "--grain", "-1", cwd=self.folder)
+        self.assertEqual(small.returncode, 2)
+        self.assertIn("--grain: Value -1 is too small (see", small.stderr)
         both = call(*like, "--sensor", "velodyne-vlp16", "--trajectory", "poses.txt", cwd=self.folder)
         self.assertEqual(both.returncode, 2)
 

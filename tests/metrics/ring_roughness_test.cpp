@@ -60,7 +60,7 @@ TEST(RingRoughness, ChunksChangeNothingAndOfEchoesTheFirstCounts) {
   }
   EXPECT_EQ(one.count(), pieces.count());
   EXPECT_EQ(one.median(), pieces.median());
-  // Of independent normal numbers the median is 0.6745 √6 σ.
+  // The median for independent normal numbers is 0.6745 √6 σ.
   EXPECT_NEAR(one.median(), 1.652, 0.15);
 }
 
