@@ -48,8 +48,8 @@ TEST(RingRoughness, RingsScansAndGroupsAreApart) {
 
 TEST(RingRoughness, ChunksChangeNothingAndOfEchoesTheFirstCounts) {
   Stream random(4);
-  std::vector<float> ranges;
-  for (int k = 0; k < 1000; ++k) ranges.push_back(float(10 + random.normal()));
+  std::vector<float> ranges(1000);
+  for (float& range : ranges) range = float(10 + random.normal());
   const BeamLog whole = ring_of(ranges);
   RingRoughness one, pieces;
   one.add(whole);
