@@ -13,7 +13,7 @@ namespace {
 namespace fit_verb {
 
 struct Arguments {
-  std::string log, output, splat, ground_mesh;
+  std::string log, output, splat, ground_mesh, echoes = "first";
   fit::FitOptions fit;
 };
 
@@ -22,6 +22,11 @@ void add_options(Verb& verb, Arguments& a) {
   app.add_option("LOG", a.log, "The log (ray cloud PLY, as import writes it)")->required();
   verb.output("-o,--output", a.output, "The model's folder")->required()->type_name("MODEL");
   add_fit_options(verb, a.fit);
+  app.add_option("--echoes", a.echoes,
+                 "Take the first echo of a beam for its end, or all echoes for beams of their own; "
+                 "hit probabilities are then shares of the light")
+      ->check(CLI::IsMember({"first", "all"}))
+      ->capture_default_str();
   verb.output("--export-splat", a.splat, "Write the ellipsoids as a splat, too")
       ->type_name("FILE.ply");
   verb.output("--export-ground", a.ground_mesh, "Write the ground as a mesh, too")
@@ -57,6 +62,9 @@ Json json_of_fit(const std::string& fitter, const FitStep& step,
     j["roughness_m"] = {{"log", step.grain.real_m},
                         {"simulated", step.grain.simulated_m},
                         {"simulated_anew", step.grain.anew_m}};
+  }
+  if (step.echoes.learnt) {
+    j["echoes_per_return"] = {{"log", step.echoes.real}, {"simulated", step.echoes.simulated}};
   }
   j["skipped"] = step.skipped;
   j["warnings"] = warnings;
@@ -96,6 +104,10 @@ std::string text_of_fit(const std::string& fitter, const FitStep& step) {
         model.grain.ellipsoid_m, model.grain.mesh_m, 100 * step.grain.simulated_m,
         100 * step.grain.real_m);
   }
+  if (step.echoes.learnt) {
+    text += fmt::format("  echoes      {:.3f} of a beam that returns, the log {:.3f}\n",
+                        step.echoes.simulated, step.echoes.real);
+  }
   for (const auto& [why, n] : step.skipped)
     text += fmt::format("  skipped     {} beams: {}\n", n, why);
   for (const fit::LikelihoodStep& s : r.likelihood.steps) {
@@ -110,7 +122,7 @@ void run(const Verb& verb, Arguments& a) {
   for (const std::string& file : {a.splat, a.ground_mesh}) {
     if (!file.empty()) io::check_output(file);
   }
-  const FitStep step = fit_log(verb, a.log, a.fit, a.output);
+  const FitStep step = fit_log(verb, a.log, a.fit, a.output, a.echoes == "all");
   const elements::Model& model = step.result.model;
   if (!a.splat.empty()) elements::write_splat(a.splat, model);
   if (!a.ground_mesh.empty()) elements::write_mesh(a.ground_mesh, model.ground);

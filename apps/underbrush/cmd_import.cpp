@@ -14,6 +14,7 @@
 #include "underbrush/io/input.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/sensor/beams_from_scan.hpp"
+#include "underbrush/sensor/pulse_returns.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -109,7 +110,7 @@ LogInfo log_info(const Arguments& a, const io::Input& input, const sensor::BeamO
   return info;
 }
 
-// A beam has one outcome, so several returns of a pulse would count as several beams.
+// Returns that are not known to be of one pulse count as several beams.
 void note_echoes(const RowFilter& keep, const std::map<std::string, ExtraColumn>& extra,
                  std::vector<std::string>& notes) {
   for (const char* name : {"target_index", "return_number"}) {
@@ -120,6 +121,19 @@ void note_echoes(const RowFilter& keep, const std::map<std::string, ExtraColumn>
   }
 }
 
+/// Makes the beams of a scan, with all returns of each pulse.
+BeamLog beams_with_echoes(const PointScan& scan, const Trajectory& path,
+                          const sensor::BeamOptions& options, ImportCounts& counts) {
+  const std::optional<sensor::PulseReturns> pulses = sensor::pulse_returns(scan);
+  if (!pulses) return sensor::beams_from_scan(scan, path, options, counts.beam);
+  BeamLog beams = sensor::beams_from_scan(pulses->first, path, options, counts.beam);
+  const size_t fired = beams.size();
+  sensor::insert_later_returns(*pulses, beams);
+  counts.later_returns += beams.size() - fired;
+  if (pulses->lost > 0) counts.beam.skipped[sensor::kNoPulse] += pulses->lost;
+  return beams;
+}
+
 ImportCounts import_scans(const RowFilter& keep, io::Input& input, io::LogWriter& writer,
                           const sensor::BeamOptions& options) {
   ImportCounts counts;
@@ -127,11 +141,14 @@ ImportCounts import_scans(const RowFilter& keep, io::Input& input, io::LogWriter
   for (size_t k = 0; k < input.scans->size(); ++k) {
     PointScan scan = input.scans->read(k);
     keep.apply(scan, counts.beam.skipped);
-    note_echoes(keep, scan.extra, input.notes);
-    const BeamLog beams =
-        sensor::beams_from_scan(scan, input.scans->trajectory(), options, counts.beam);
+    const Trajectory& path = input.scans->trajectory();
+    const size_t later = counts.later_returns;
+    // Who keeps some rows only has chosen what a beam is.
+    const BeamLog beams = keep.all() ? beams_with_echoes(scan, path, options, counts)
+                                     : sensor::beams_from_scan(scan, path, options, counts.beam);
+    if (!beams.extra.count(kEchoColumn)) note_echoes(keep, scan.extra, input.notes);
     writer.write(beams);
-    counts.beams += beams.size();
+    counts.beams += beams.size() - (counts.later_returns - later);
     ++counts.scans;
     progress(k + 1, input.scans->size());
   }

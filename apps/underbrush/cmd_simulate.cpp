@@ -145,15 +145,15 @@ struct Answering {
 };
 
 void set_up(const Verb& verb, const Arguments& a, const BeamSource& beams,
-            const simulate::DynamicWorld& dynamic_world, const simulate::InstanceKinds& kinds,
-            Answering& out) {
+            const simulate::DynamicWorld& dynamic_world, const elements::Scene& scene,
+            const elements::SceneInfo& info, Answering& out) {
   require(a.beam == "thin" && a.draw == "on_ray" && a.simulate.range_noise_m == 0,
           "simulate: --beam, --draw and --range-noise are of thin rays, not of --super-sample");
   out.sensor = sensor_of(a, beams, "--super-sample");
-  out.instrument = instrument_of(a.instrument, out.sensor);
+  out.instrument = instrument_of(a.instrument, out.sensor, recorder_of(scene));
   if (a.simulate.max_range_m > 0) out.instrument.receiver.max_range_m = a.simulate.max_range_m;
-  out.reflection = std::make_unique<simulate::Reflection>(materials_of(a.instrument),
-                                                          out.sensor.wavelength_m, kinds);
+  out.reflection = std::make_unique<simulate::Reflection>(
+      materials_of(a.instrument), out.sensor.wavelength_m, kinds_of(scene, info));
   simulate::EchoOptions options;
   options.seed = verb.seed;
   options.element_ids = a.simulate.element_ids;
@@ -212,7 +212,7 @@ void run(const Verb& verb, Arguments& a) {
   if (a.beam == "random") a.simulate.random_ray = sensor_of(a, *beams, "--beam random").beam;
   Answering with;
   if (!a.instrument.super_sample.empty()) {
-    set_up(verb, a, *beams, *target.dynamic_world, kinds_of(scene, info), with);
+    set_up(verb, a, *beams, *target.dynamic_world, scene, info, with);
   }
   simulate::SimulatedSource simulated(
       [&](size_t first_beam, BeamLog& chunk) {

@@ -40,9 +40,12 @@ CLI::Option* add_sensor_option(CLI::App& app, fit::FitOptions& fit) {
       .add_option_function<std::string>(
           "--sensor",
           [&fit](const std::string& name) {
-            fit.volumetric.mixture.footprint = footprint_of(sensor::load(name));
+            const sensor::Sensor sensor = sensor::load(name);
+            fit.sensor = sensor.name;
+            fit.sensor_file = sensor.file;
+            fit.volumetric.mixture.footprint = footprint_of(sensor);
           },
-          "hierarchical: remove the footprint of this sensor's beam from the ellipsoids")
+          "The sensor that recorded the log; hierarchical removes its footprint from ellipsoids")
       ->type_name("SENSOR");
 }
 

@@ -42,6 +42,7 @@ Json json_of(const io::Input& input, const ImportCounts& c,
   j["misses"] = c.beam.misses_recorded + c.beam.misses_inferred;
   j["misses_recorded"] = c.beam.misses_recorded;
   j["misses_inferred"] = c.beam.misses_inferred;
+  j["later_returns"] = c.later_returns;
   j["unknown"] = c.beam.unknown;
   j["scans_ringed_by_elevation"] = c.beam.scans_ringed_by_elevation;
   j["skipped"] = c.skipped;
@@ -59,6 +60,12 @@ std::string table_of(const io::Input& input, const ImportCounts& c, const std::s
       "  unknown          {}  (beams that tell nothing: left out)\n",
       output, input.format, c.scans, c.beams, c.beam.hits, c.beam.misses_recorded,
       c.beam.misses_inferred, c.beam.unknown);
+  if (c.later_returns > 0) {
+    text += fmt::format(
+        "  later returns    {}  (of the same pulses; fit reads the first ones, or "
+        "all with --echoes all)\n",
+        c.later_returns);
+  }
   for (const auto& [reason, n] : c.skipped)
     text += fmt::format("  skipped          {}  ({})\n", n, reason);
   if (c.beam.scans_ringed_by_elevation > 0) {

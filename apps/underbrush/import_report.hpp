@@ -14,6 +14,7 @@ namespace underbrush::app {
 /// Counts of the log's records by what became of them.
 struct ImportCounts {
   size_t scans = 0, beams = 0;
+  size_t later_returns = 0;  ///< Rows of `beams` that are no first return.
   sensor::BeamCounts beam;
   std::map<std::string, size_t> skipped;
 };

@@ -149,6 +149,12 @@ void add_instrument_options(Verb& verb, InstrumentArguments& a) {
       ->type_name("FILE.csv|FILE.svg")
       ->take_all();
   verb.begin_rare_group("Light and air");
+  app.add_option(
+         "--footprint", a.footprint,
+         "Spread sub-rays by what the beam is wider than that of the log that the model was "
+         "fitted to, whose footprint is in the model, or by the whole beam")
+      ->check(CLI::IsMember({"excess", "whole"}))
+      ->capture_default_str();
   app.add_option("--materials", a.materials, "Table of materials that replaces the built-in one")
       ->type_name("FILE.yaml");
   app.add_option("--material", a.material, "Material of a class; may be repeated")
@@ -175,12 +181,40 @@ void add_instrument_options(Verb& verb, InstrumentArguments& a) {
       ->capture_default_str();
 }
 
-simulate::Instrument instrument_of(const InstrumentArguments& a, const sensor::Sensor& s) {
+std::optional<sensor::Sensor> recorder_of(const elements::Scene& scene) {
+  constexpr double kTypicalRange = 20;  // m; where the widths of several beams are compared
+  const auto has_volumes = [](const elements::Model& m) { return !m.ellipsoids.empty(); };
+  const bool volumes = std::any_of(scene.models.begin(), scene.models.end(), has_volumes);
+  std::optional<sensor::Sensor> narrowest;
+  for (const elements::Model& m : scene.models) {
+    if (m.size() == 0 || (volumes && !has_volumes(m))) continue;
+    if (m.sensor.empty() || m.all_echoes) return std::nullopt;
+    LogInfo info;
+    info.sensor = m.sensor;
+    info.sensor_file = m.sensor_file;
+    sensor::Sensor s = sensor::sensor_of_log("model", info);
+    s.range_sigma_m = std::min(s.range_sigma_m, m.range_noise_m);
+    if (!narrowest || s.beam.sigma_m(kTypicalRange) < narrowest->beam.sigma_m(kTypicalRange)) {
+      narrowest = std::move(s);
+    }
+  }
+  return narrowest;
+}
+
+simulate::Instrument instrument_of(const InstrumentArguments& a, sensor::Sensor s,
+                                   const std::optional<sensor::Sensor>& recorder) {
   double air = radiometry::rain_extinction_per_m(a.rain_mm_per_h);
   if (a.visibility_m > 0) air += radiometry::fog_extinction_per_m(a.visibility_m, s.wavelength_m);
   simulate::Instrument instrument;
-  instrument.beam = s.beam;
   instrument.sub_rays = sub_rays_of(a.super_sample, s);
+  if (recorder && a.footprint == "excess") {
+    s.beam = sensor::wider_by(s.beam, recorder->beam);
+    const bool thin =
+        s.beam.exit_diameter_m == 0 && s.beam.divergence_rad == std::array<double, 2>{0, 0};
+    if (thin) instrument.sub_rays = {{}};
+  }
+  if (recorder && recorder->name == s.name) s.range_sigma_m = recorder->range_sigma_m;
+  instrument.beam = s.beam;
   instrument.receiver = radiometry::receiver_options(s, air, noise_in_sun(s, a.sun));
   set_returns(a.returns, instrument.receiver);
   return instrument;

@@ -2,6 +2,7 @@
 /// The instrument of `simulate`: its options on the command line, and the objects made from them.
 #pragma once
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@ namespace underbrush::app {
 /// The options of the instrument.
 struct InstrumentArguments {
   std::string super_sample;  ///< "" means none: thin rays without light.
+  std::string footprint = "excess";
   std::string returns, materials;
   std::vector<std::string> material;  ///< Each is CLASS=MATERIAL.
   /// Visibility (m; 0 = clear air), rain (mm/h), and share of the sunlight that arrives.
@@ -30,7 +32,16 @@ struct InstrumentArguments {
 void add_instrument_options(Verb& verb, InstrumentArguments& a);
 
 /// Returns the sensor's instrument: sub-rays, receiver in this air and light, and return mode.
-simulate::Instrument instrument_of(const InstrumentArguments& a, const sensor::Sensor& sensor);
+/// `recorder` is what `recorder_of` gives: the models answer as for its beam, so that sub-rays are
+/// spread by what the sensor's is wider (`sensor::wider_by`) unless the whole footprint is asked
+/// for, and the same sensor has its range noise.
+simulate::Instrument instrument_of(const InstrumentArguments& a, sensor::Sensor sensor,
+                                   const std::optional<sensor::Sensor>& recorder);
+
+/// Returns the sensor that recorded the logs to which the models of a scene were fitted, with the
+/// range noise that they showed; of several that with the narrowest beam. There is none where a
+/// model with ellipsoids (or any, if none has) does not know its own, or has shares of the light.
+std::optional<sensor::Sensor> recorder_of(const elements::Scene& scene);
 
 /// Returns the materials with the user's changes.
 radiometry::Materials materials_of(const InstrumentArguments& a);

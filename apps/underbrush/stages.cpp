@@ -76,16 +76,22 @@ trace::World world_of(const elements::Scene& scene, trace::Draws draws) {
 }
 
 FitStep fit_log(const Verb& verb, const fs::path& log, const fit::FitOptions& options,
-                const fs::path& model) {
+                const fs::path& model, bool all_echoes) {
   const auto start = std::chrono::steady_clock::now();
   elements::check_model_output(model);
   FitStep step;
   {
-    io::BeamReader reader(log);
+    io::BeamReader beams(log);
+    io::LogReader rows(log);
+    io::LogReader& reader = all_echoes ? rows : beams;
     StageProgress progress;
     step.result = fit::fit(reader, options, std::ref(progress));
     step.skipped = reader.skipped();
-    step.grain = optimize::learn_grain(step.result.model, reader, options.seed);
+    step.result.model.all_echoes = all_echoes;
+    step.grain = optimize::learn_grain(step.result.model, beams, options.seed);
+    if (all_echoes) {
+      step.echoes = optimize::learn_grain_of_echoes(step.result.model, rows, options.seed);
+    }
   }
   std::vector<fs::path> inputs{log};
   if (fit::fitter_named(options.fitter).refines && elements::is_model(options.start)) {

@@ -26,13 +26,15 @@ trace::World world_of(const elements::Scene& scene, trace::Draws draws = trace::
 struct FitStep {
   fit::FitResult result;
   optimize::GrainReport grain;
+  optimize::EchoGrainReport echoes;
   std::map<std::string, size_t> skipped;
   double seconds = 0;
 };
-/// Fits a model to the log, learns its grain and writes it to the folder `model`. For the fitter
+/// Fits a model to the log, learns its grain and writes it to the folder `model`. Each beam ends at
+/// its first echo, or, with `all_echoes`, every echo is a beam of its own. For the fitter
 /// `likelihood`, `options.start` may also be a model's folder.
 FitStep fit_log(const Verb& verb, const std::filesystem::path& log, const fit::FitOptions& options,
-                const std::filesystem::path& model);
+                const std::filesystem::path& model, bool all_echoes = false);
 
 /// Returns the steps of a refinement, for the manifest and `--json`.
 Json json_of(const fit::LikelihoodReport& report);

@@ -110,6 +110,23 @@ class Imports(cli_test.Failing):
         with zipfile.ZipFile(self.folder / "rolled.npz", "w") as archive:
             archive.writestr(name, bytes(array))
 
+    def test_returns_of_a_pulse_become_echoes_of_a_beam(self):
+        rows = ["X,Y,Z,return_number,number_of_returns"]
+        for k in range(40):
+            x, y = math.cos(0.01 * k), math.sin(0.01 * k)
+            rows += [f"{r * x:.4f},{r * y:.4f},0,{n},3" for n, r in ((1, 5), (2, 6.5), (3, 9))]
+        rows.append("0,-20,0,2,2")  # its first return is not there
+        (self.folder / "pulses.csv").write_text("\n".join(rows) + "\n")
+        done = self.call("pulses.csv", "-o", "log.ply", "--json", "-")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        found = json.loads(done.stdout)
+        self.assertEqual((found["beams"], found["hits"], found["later_returns"]), (40, 40, 80))
+        self.assertEqual(found["skipped"], {"later return whose first return is not there": 1})
+        self.assertEqual([row["echo"] for row in rows_of(self.folder / "log.ply")], [1, 2, 3] * 40)
+        self.assertEqual({row["echoes"] for row in rows_of(self.folder / "log.ply")}, {3})
+        first = self.call("pulses.csv", "--keep", "return_number=1", "-o", "first.ply", "--json", "-")
+        self.assertEqual(json.loads(first.stdout)["beams"], 40)
+
     def test_recorded_misses_are_kept_when_a_real_scan_rolls_while_it_turns(self):
         scan = data_folder() / "marv_forest/1727353472_601360559.npz"
         if not scan.is_file():

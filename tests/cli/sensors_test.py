@@ -152,6 +152,44 @@ class OwnSensors(cli_test.OnALog):
                     self.assertEqual(told["sub_rays"], 6, made)  # 45 if the catalogue's were taken
 
 
+class Footprints(cli_test.OnALog):
+    """A model answers as for the beam of its log, and an instrument spreads its sub-rays by what its own is wider."""
+
+    def setUp(self):
+        super().setUp()
+        self.run_all(until="segment")
+        self.write("poses.txt", "0 0 0 2 0 0 0 1\n0.2 0 0 2 0 0 0 1\n")
+        self.json_of("fit", "log.ply", "--sensor", "velodyne-vlp16", "--min-points", "4", "-o", "model")
+
+    def write(self, name, text):
+        pathlib.Path(self.folder, name).write_text(text)
+
+    def json_of(self, *words):
+        done = call(*words, "--json", "-", cwd=self.folder)
+        self.assertEqual((done.returncode, done.stderr), (0, ""), words)
+        return json.loads(done.stdout)
+
+    def sub_rays(self, sensor, *words):
+        return self.json_of("simulate", "model", "--sensor", sensor, "--trajectory", "poses.txt",
+                            "--super-sample", "9", "-o", "out.ply", "--force", *words)["sub_rays"]
+
+    def test_the_sensor_of_the_log_answers_by_one_ray_unless_all_of_its_footprint_is_asked_for(self):
+        manifest = json.loads(pathlib.Path(self.folder, "model", "model.json").read_text())
+        self.assertEqual(manifest["sensor"], "velodyne-vlp16")
+        self.assertEqual(self.sub_rays("velodyne-vlp16"), 1)
+        self.assertEqual(self.sub_rays("velodyne-vlp16", "--footprint", "whole"), 9)
+
+    def test_a_wider_beam_has_its_sub_rays(self):
+        wide = (SHARE / "sensors/velodyne-vlp16.yaml").read_text()
+        self.write("wide.yaml", re.sub(r"^divergence_mrad: .*", "divergence_mrad: [9, 9]", wide, flags=re.MULTILINE))
+        self.assertEqual(self.sub_rays("./wide.yaml"), 9)
+
+    def test_shares_of_the_light_leave_the_footprint_to_the_instrument(self):
+        self.json_of("fit", "log.ply", "--sensor", "velodyne-vlp16", "--echoes", "all", "--min-points", "4", "-o", "model",
+                     "--force")
+        self.assertEqual(self.sub_rays("velodyne-vlp16"), 9)
+
+
 class Instruments(cli_test.OnALog):
     """Makes a wall for half of a beam and a farther wall for the other half, far from everything else."""
 

@@ -24,6 +24,11 @@ class ModelFile : public testing::Test {
     model_ = trace::random_model(4, 50, Vec3(5e5, -4e6, 123.456));
     model_.fitter = "hierarchical";
     model_.max_range_m = 80;
+    model_.grain = {0.03, 0.07};
+    model_.range_noise_m = 0.011;
+    model_.sensor = "own";
+    model_.sensor_file = "name: own\nkind: \"spinning\"\n";
+    model_.all_echoes = true;
     model_.provenance = R"({"seed":1})";
   }
   void TearDown() override { fs::remove_all(folder_); }
@@ -47,6 +52,12 @@ TEST_F(ModelFile, ComesBackWhole) {
   EXPECT_EQ(back.origin, model_.origin);
   EXPECT_EQ(back.tau, model_.tau);
   EXPECT_EQ(back.max_range_m, 80);
+  EXPECT_EQ(back.grain.ellipsoid_m, 0.03);
+  EXPECT_EQ(back.grain.mesh_m, 0.07);
+  EXPECT_EQ(back.range_noise_m, 0.011);
+  EXPECT_EQ(back.sensor, model_.sensor);
+  EXPECT_EQ(back.sensor_file, model_.sensor_file);
+  EXPECT_TRUE(back.all_echoes);
   EXPECT_EQ(back.fitter, model_.fitter);
   EXPECT_EQ(back.provenance, model_.provenance);
   EXPECT_EQ(back.ground.vertices, model_.ground.vertices);

@@ -4,6 +4,9 @@
 
 #include <cmath>
 
+#include "underbrush/radiometry/materials.hpp"
+#include "underbrush/sensor/sensor.hpp"
+#include "underbrush/simulate/echoes.hpp"
 #include "underbrush/simulate/simulate.hpp"
 
 namespace underbrush::optimize {
@@ -85,6 +88,48 @@ TEST(LearnGrain, FindsTheGrainAndTheNoiseOfTheWorldThatTheLogIsOf) {
     EXPECT_GT(report.anew_m, 1.5 * report.real_m);
     EXPECT_LE(learnt.range_noise_m, 0.02);
   }
+}
+
+TEST(LearnGrainOfEchoes, FindsTheGrainThatMadeThem) {
+  for (const double grain_m : {0.005, 0.01, 0.02}) {
+    elements::Model model = hedge_and_wall();
+    model.sensor = "riegl-vz400i";
+    model.grain.ellipsoid_m = grain_m;
+    BeamLog log = beams_to_it();
+    const sensor::Sensor sensor = sensor::load(model.sensor);
+    simulate::Instrument instrument;
+    instrument.beam = sensor.beam;
+    instrument.sub_rays = sensor::spread_sub_rays(sensor.beam, 25);
+    instrument.receiver = radiometry::receiver_options(sensor);
+    const simulate::Reflection reflection(radiometry::load_materials(""), sensor.wavelength_m);
+    // A second hedge behind the first one, for second echoes.
+    for (size_t k = 0, n = model.ellipsoids.size(); k < n; ++k) {
+      model.ellipsoids.push_back(model.ellipsoids[k]);
+      model.ellipsoids.back().mean.x() += 3;
+    }
+    elements::Model learnt = model;
+    const trace::World world(model, trace::Isa::kBest, trace::Draws::kOnce);
+    const simulate::DynamicWorld still(world);
+    simulate::EchoOptions echoes;
+    echoes.seed = 42;
+    simulate::EchoMaker(still, reflection, instrument, echoes).answer(0, log);
+    MemorySource source(log);
+    const EchoGrainReport report = learn_grain_of_echoes(learnt, source, 1);
+    EXPECT_TRUE(report.learnt);
+    EXPECT_NEAR(report.simulated, report.real, 0.25 * (report.real - 1));
+    EXPECT_NEAR(std::log(learnt.grain.ellipsoid_m / grain_m), 0, std::log(1.3));
+    EXPECT_EQ(learnt.grain.mesh_m, model.grain.mesh_m);
+  }
+}
+
+TEST(LearnGrainOfEchoes, LearnsNothingFromOneEchoABeamOrAnUnknownSensor) {
+  elements::Model model = hedge_and_wall();
+  model.sensor = "riegl-vz400i";
+  MemorySource source(beams_to_it());
+  EXPECT_FALSE(learn_grain_of_echoes(model, source, 1).learnt);
+  model.sensor.clear();
+  EXPECT_FALSE(learn_grain_of_echoes(model, source, 1).learnt);
+  EXPECT_EQ(model.grain.ellipsoid_m, hedge_and_wall().grain.ellipsoid_m);
 }
 
 TEST(LearnGrain, KeepsWhatTheModelHadWhereTheLogTellsNothing) {

@@ -103,6 +103,22 @@ TEST(Extract, GivesTheSamePrimitiveWhereverTheObjectStands) {
   }
 }
 
+TEST(Extract, APrimitiveHasTheGrainAndTheSensorOfItsModel) {
+  Site s = site({});
+  s.model.grain = {0.03, 0.07};
+  s.model.range_noise_m = 0.011;
+  s.model.sensor = "velodyne-vlp16";
+  s.model.surface.roughness_m = 0.2;
+  const ExtractResult out = extract_from(s);
+  ASSERT_FALSE(out.primitives.empty());
+  const elements::Model& m = out.primitives[0].model;
+  EXPECT_EQ(m.grain.ellipsoid_m, 0.03);
+  EXPECT_EQ(m.grain.mesh_m, 0.07);
+  EXPECT_EQ(m.range_noise_m, 0.011);
+  EXPECT_EQ(m.sensor, "velodyne-vlp16");
+  EXPECT_EQ(m.surface.roughness_m, 0.2);
+}
+
 TEST(Extract, MovedBackTheElementsAreThoseOfTheModelEachOnce) {
   const Site s = site(moved(5, 6, 7, 0.8));
   const ExtractResult r = extract_from(s);

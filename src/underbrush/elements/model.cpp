@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <cmath>
+#include <utility>
 
 #include "underbrush/core/check.hpp"
 
@@ -47,6 +48,25 @@ HitCount& Model::hit(size_t element) {
 const HitCount& Model::hit(size_t element) const {
   const ElementPlace at = place(element);
   return at.kind == Kind::kEllipsoid ? ellipsoids.at(at.index).hit : mesh(at.kind).hit[at.index];
+}
+
+Model Model::like() const {
+  Model out;
+  out.origin = origin;
+  for (const auto& [from, to] : {std::pair{&ground, &out.ground}, {&surface, &out.surface}}) {
+    to->range_sigma_m = from->range_sigma_m;
+    to->roughness_m = from->roughness_m;
+  }
+  out.tau = tau;
+  out.voxel_m = voxel_m;
+  out.grain = grain;
+  out.range_noise_m = range_noise_m;
+  out.max_range_m = max_range_m;
+  out.sensor = sensor;
+  out.sensor_file = sensor_file;
+  out.all_echoes = all_echoes;
+  out.fitter = fitter;
+  return out;
 }
 
 void Model::check() const {

@@ -86,6 +86,12 @@ struct Model {
   /// m; largest range at which the log that it was fitted to has a return, beyond which the sensor
   /// or the format does not reach. Infinite if unknown.
   double max_range_m = std::numeric_limits<double>::infinity();
+  /// The sensor that recorded the log that the model was fitted to, as in `LogInfo`; empty if
+  /// unknown. Its footprint is in the extents of the elements and in their hit probabilities.
+  std::string sensor, sensor_file;
+  /// Whether every echo of the log counted as a beam of its own, so that hit probabilities are
+  /// shares of the light and the footprint is not in them.
+  bool all_echoes = false;
   std::string fitter;      ///< Name of the fitter that made the model.
   std::string provenance;  ///< JSON object: program version, command, seed, hashes of the inputs.
 
@@ -103,6 +109,8 @@ struct Model {
   const TriangleMesh& mesh(Kind kind) const { return kind == Kind::kGround ? ground : surface; }
   HitCount& hit(size_t element);
   const HitCount& hit(size_t element) const;
+  /// Returns a model without elements that is otherwise the same; it has no provenance.
+  Model like() const;
   /// Throws `std::invalid_argument` where a value is not finite, an index is out of range, a
   /// probability lies outside [0, 1] or a covariance is not positive definite.
   void check() const;

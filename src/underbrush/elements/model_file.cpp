@@ -160,6 +160,9 @@ Json manifest_of(const Model& m) {
   if (std::isfinite(m.max_range_m)) j["max_range_m"] = m.max_range_m;
   j["grain_m"] = {{"ellipsoids", m.grain.ellipsoid_m}, {"meshes", m.grain.mesh_m}};
   j["range_noise_m"] = m.range_noise_m;
+  if (!m.sensor.empty()) j["sensor"] = m.sensor;
+  if (!m.sensor_file.empty()) j["sensor_file"] = m.sensor_file;
+  if (m.all_echoes) j["all_echoes"] = true;
   j["ground"] = manifest_of_mesh(m.ground, "ground.ply");
   j["surface"] = manifest_of_mesh(m.surface, "surface.ply");
   j["ellipsoids"] = {{"file", "ellipsoids.ply"}, {"count", m.ellipsoids.size()}};
@@ -209,6 +212,9 @@ Model read_model(const fs::path& path) {
     model.grain = {grain->at("ellipsoids").number(), grain->at("meshes").number()};
   }
   model.range_noise_m = number_or(j, "range_noise_m", 0);
+  if (const auto sensor = j.find("sensor")) model.sensor = sensor->text();
+  if (const auto text = j.find("sensor_file")) model.sensor_file = text->text();
+  if (const auto all = j.find("all_echoes")) model.all_echoes = all->boolean();
   model.fitter = j.at("fitter").text();
   model.provenance = j.at("provenance").dump();
   const io::JsonValue ground = j.at("ground"), surface = j.at("surface"),

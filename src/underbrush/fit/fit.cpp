@@ -125,6 +125,9 @@ FitResult fit(BeamSource& source, const FitOptions& options, const FitProgress& 
   const Fitter& fitter = fitter_named(options.fitter);
   FitResult out = fitter.fit(source, options, progress);
   out.model.range_noise_m = options.range_noise_m;
+  const bool given = !options.sensor.empty();
+  out.model.sensor = given ? options.sensor : source.info().sensor;
+  out.model.sensor_file = given ? options.sensor_file : source.info().sensor_file;
   const Clustering* clustering = clustering_named(fitter.name);
   if (options.volumetric.mixture.footprint && !fitter.refines &&
       !(clustering && clustering->mixture)) {

@@ -32,6 +32,8 @@ struct FitOptions {
   std::string fitter = "hierarchical";
   /// For `likelihood` only: the fitter that makes the first model, or the folder of a model.
   std::string start = "hierarchical";
+  /// The sensor that recorded the log, as in `LogInfo`; empty: as the log says.
+  std::string sensor, sensor_file;
   uint64_t seed = 1;
   double tau = 3;               ///< A beam meets an ellipsoid within this Mahalanobis distance.
   double range_noise_m = 0.02;  ///< σ of the sensor's range, m: the least extent of any element.

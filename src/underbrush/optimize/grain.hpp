@@ -23,4 +23,16 @@ struct GrainReport {
 /// scans.
 GrainReport learn_grain(elements::Model& model, BeamSource& log, uint64_t seed);
 
+/// What was learnt from echoes: the mean number of echoes of a beam that has any.
+struct EchoGrainReport {
+  bool learnt = false;
+  double real = 0, simulated = 0;
+};
+
+/// Sets the grain of the ellipsoids, between 1 mm and 0.5 m, so that the instrument of
+/// `model.sensor` answers about 20 000 beams of the log with as many echoes as they have. A finer
+/// grain makes more of them. Nothing is learnt where the sensor is unknown, the log has no echoes,
+/// or the model no ellipsoids. Reads the log once; its rows are echoes.
+EchoGrainReport learn_grain_of_echoes(elements::Model& model, BeamSource& log, uint64_t seed);
+
 }  // namespace underbrush::optimize

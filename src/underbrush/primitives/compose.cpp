@@ -82,12 +82,8 @@ class Composer {
  public:
   Composer(const elements::Model& ground, const PrimitiveSet& set, const ComposeOptions& o)
       : set_(set), options_(o), surface_(ground), chooser_(set), model_(set.entries.size(), 0) {
-    elements::Model bare;
-    bare.origin = ground.origin;
+    elements::Model bare = ground.like();
     bare.ground = ground.ground;
-    bare.tau = ground.tau;
-    bare.max_range_m = ground.max_range_m;
-    bare.fitter = ground.fitter;
     out_.scene.models.push_back(std::move(bare));
     out_.info.names.emplace_back("ground");
     elements::Instance foot;

@@ -113,11 +113,9 @@ bool is_free_space(const Model& model, uint32_t k, double below) {
 
 /// Returns the chosen elements (numbered surface first, then ellipsoids) in the object's frame.
 Model cut(const Model& model, const PlacedObject& o, const std::vector<uint32_t>& chosen) {
-  Model out;
-  out.tau = model.tau;
-  out.fitter = model.fitter;
-  out.max_range_m = model.max_range_m;
-  out.surface.range_sigma_m = model.surface.range_sigma_m;
+  Model out = model.like();
+  out.origin = Vec3::Zero();
+  out.voxel_m = 0;  // Its cells lie on a grid of the world.
   const Pose object_from_world = o.world_from_object().inverse();
   const Mat3 turn = object_from_world.rotation.toRotationMatrix();
   const auto moved = [&](const Vec3f& p) {

@@ -55,8 +55,8 @@ std::vector<float> noise_taps(const ResponseOptions& o) {
     taps.push_back(gaussian(k * o.sample_s, fwhm_s));
     square += taps.back() * taps.back();
   }
-  std::vector<float> filter;
-  for (const double tap : taps) filter.push_back(float(tap / std::sqrt(square)));
+  std::vector<float> filter(taps.size());
+  for (size_t k = 0; k < taps.size(); ++k) filter[k] = float(taps[k] / std::sqrt(square));
   return filter;
 }
 
