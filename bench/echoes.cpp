@@ -52,6 +52,43 @@ Measured answer(simulate::EchoMaker& maker, const std::vector<BeamLog>& fired) {
   return m;
 }
 
+/// How the first echoes of two makers differ: the share of beams with an echo of one alone, and of
+/// those with two echoes the mean absolute difference of range and the share beyond 5 cm.
+struct Difference {
+  size_t beams = 0, one_alone = 0, both = 0, far = 0;
+  double sum_m = 0;
+};
+
+Difference difference(simulate::EchoMaker& a, simulate::EchoMaker& b,
+                      const std::vector<BeamLog>& fired) {
+  Difference d;
+  for (const BeamLog& chunk : fired) {
+    BeamLog x = chunk, y = chunk;
+    a.answer(d.beams, x);
+    b.answer(d.beams, y);
+    keep_first_echoes(x);
+    keep_first_echoes(y);
+    for (size_t i = 0; i < x.size(); ++i) {
+      if (!x.is_hit(i) || !y.is_hit(i)) {
+        d.one_alone += x.is_hit(i) != y.is_hit(i);
+        continue;
+      }
+      const double off = std::abs(double(x.range_m[i]) - double(y.range_m[i]));
+      ++d.both;
+      d.sum_m += off;
+      d.far += off > 0.05;
+    }
+    d.beams += x.size();
+  }
+  return d;
+}
+
+nlohmann::ordered_json json_of(const Difference& d) {
+  return {{"one_alone", double(d.one_alone) / double(d.beams)},
+          {"mean_m", d.sum_m / double(d.both)},
+          {"beyond_5_cm", double(d.far) / double(d.both)}};
+}
+
 /// The beams of a drive of so many seconds, in chunks.
 std::vector<BeamLog> fired_beams(const sensor::Sensor& sensor, double seconds) {
   const Trajectory path({{0, {{1, 0, 0, 0}, {-20, 0, 2}}}, {4, {{1, 0, 0, 0}, {20, 0, 2}}}});
@@ -109,27 +146,39 @@ int main(int argc, char** argv) {
   set_threads(threads);
 
   const elements::Model model = forest_on_ground(ellipsoids, triangles);
-  const trace::World world(model);
-  const simulate::DynamicWorld dynamic_world(world);
+  const trace::World world(model, trace::Isa::kBest, trace::Draws::kOnce);
+  const trace::World world_anew(model);
+  const simulate::DynamicWorld once(world), anew(world_anew);
   const sensor::Sensor sensor = sensor::load("ouster-os1-64");
   const std::vector<BeamLog> fired = fired_beams(sensor, seconds);
   const simulate::Instrument instrument = instrument_of(sensor, sub_rays, returns);
   const simulate::Reflection reflection(radiometry::load_materials(), sensor.wavelength_m);
-  simulate::EchoMaker maker(dynamic_world, reflection, instrument, {});
   simulate::Instrument thin = instrument;
   thin.sub_rays = {{}};
-  simulate::EchoMaker thin_maker(dynamic_world, reflection, thin, {});
+  simulate::EchoOptions all;
+  all.all_sub_rays = true;
+  simulate::EchoMaker maker(once, reflection, instrument, {});
+  simulate::EchoMaker all_maker(once, reflection, instrument, all);
+  simulate::EchoMaker anew_maker(anew, reflection, instrument, {});
+  simulate::EchoMaker thin_maker(once, reflection, thin, {});
 
-  std::vector<double> rate, thin_rate, cpu_ns;
+  std::vector<double> rate, all_rate, anew_rate, thin_rate, cpu_ns;
   Measured m;
   answer(maker, {fired[0]});  // A first run to warm up.
+  const size_t warm = maker.rays();
+  const auto rate_of = [&](simulate::EchoMaker& other) {
+    const Measured one = answer(other, fired);
+    return double(one.beams) / one.seconds;
+  };
   for (int r = 0; r < rounds; ++r) {
     m = answer(maker, fired);
     rate.push_back(double(m.beams) / m.seconds);
     cpu_ns.push_back(1e9 * m.cpu_s / double(m.beams));
-    const Measured one = answer(thin_maker, fired);
-    thin_rate.push_back(double(one.beams) / one.seconds);
+    all_rate.push_back(rate_of(all_maker));
+    anew_rate.push_back(rate_of(anew_maker));
+    thin_rate.push_back(rate_of(thin_maker));
   }
+  const double traced = double(maker.rays() - warm) / double(rounds) / double(m.beams);
   nlohmann::ordered_json j;
   j["ellipsoids"] = model.ellipsoids.size();
   j["triangles"] = model.ground.size();
@@ -140,12 +189,15 @@ int main(int argc, char** argv) {
   j["hits"] = m.hits;
   j["echoes"] = m.echoes;
   j["beams_per_s"] = median(rate);
-  j["sub_rays_per_s"] = median(rate) * sub_rays;
+  j["sub_rays_traced"] = traced;
   j["cpu_ns_per_beam"] = median(cpu_ns);
   j["least_cpu_ns_per_beam"] = *std::min_element(cpu_ns.begin(), cpu_ns.end());
   j["times_os1_10hz"] = median(rate) / sensor.beams_per_s();
   j["times_os1_20hz"] = median(rate) / kOs1BeamsPerS;
+  j["all_sub_rays_beams_per_s"] = median(all_rate);
+  j["all_sub_rays_anew_beams_per_s"] = median(anew_rate);
   j["one_sub_ray_beams_per_s"] = median(thin_rate);
+  j["unlike_all"] = json_of(difference(maker, all_maker, fired));
   report(j, json_file);
   return 0;
 }

@@ -22,15 +22,16 @@ void add_options(Verb& verb, Arguments& a) {
   app.add_option("LOG", a.log, "The log (ray cloud PLY, as import writes it)")->required();
   verb.output("-o,--output", a.output, "The model's folder")->required()->type_name("MODEL");
   add_fit_options(verb, a.fit);
+  verb.output("--export-splat", a.splat, "Write the ellipsoids as a splat, too")
+      ->type_name("FILE.ply");
+  verb.output("--export-ground", a.ground_mesh, "Write the ground as a mesh, too")
+      ->type_name("FILE.obj|.ply");
+  verb.begin_rare_group("Echoes");
   app.add_option("--echoes", a.echoes,
                  "Take the first echo of a beam for its end, or all echoes for beams of their own; "
                  "hit probabilities are then shares of the light")
       ->check(CLI::IsMember({"first", "all"}))
       ->capture_default_str();
-  verb.output("--export-splat", a.splat, "Write the ellipsoids as a splat, too")
-      ->type_name("FILE.ply");
-  verb.output("--export-ground", a.ground_mesh, "Write the ground as a mesh, too")
-      ->type_name("FILE.obj|.ply");
 }
 
 /// Returns the counts that every fit reports.

@@ -157,6 +157,7 @@ void set_up(const Verb& verb, const Arguments& a, const BeamSource& beams,
   simulate::EchoOptions options;
   options.seed = verb.seed;
   options.element_ids = a.simulate.element_ids;
+  options.all_sub_rays = a.instrument.all_sub_rays;
   options.instance_labels = a.simulate.instance_labels;
   if (!a.instrument.waveforms.empty()) options.waveforms = a.instrument.waveform;
   out.maker = std::make_unique<simulate::EchoMaker>(dynamic_world, *out.reflection, out.instrument,
@@ -164,7 +165,7 @@ void set_up(const Verb& verb, const Arguments& a, const BeamSource& beams,
 }
 
 void report(const Verb& verb, const Arguments& a, const SimulateStep& step, size_t sub_rays,
-            double seconds, std::string_view isa, const std::string& lost) {
+            size_t traced, double seconds, std::string_view isa, const std::string& lost) {
   const double rate = double(step.beams) / std::max(step.seconds_tracing, 1e-9);
   const size_t misses = step.rows - step.hits;
   Json j;
@@ -173,6 +174,7 @@ void report(const Verb& verb, const Arguments& a, const SimulateStep& step, size
   j["misses"] = misses;
   if (sub_rays) j["echoes"] = step.hits;
   if (sub_rays) j["sub_rays"] = sub_rays;
+  if (sub_rays) j["sub_rays_traced"] = double(traced) / double(std::max<size_t>(1, step.beams));
   if (!lost.empty()) j["lost"] = lost;
   j["seconds_tracing"] = step.seconds_tracing;
   j["seconds"] = seconds;
@@ -180,7 +182,9 @@ void report(const Verb& verb, const Arguments& a, const SimulateStep& step, size
   std::string text =
       fmt::format("{} beams: {} hits, {} misses\n", step.beams, step.beams - misses, misses);
   if (sub_rays) {
-    text += fmt::format("  echoes      {}, of {} sub-rays a beam\n", step.hits, sub_rays);
+    text += fmt::format("  echoes      {}, of {} sub-rays a beam", step.hits, sub_rays);
+    const double mean = double(traced) / double(std::max<size_t>(1, step.beams));
+    text += mean < double(sub_rays) ? fmt::format(" ({:.1f} traced)\n", mean) : "\n";
   }
   text += fmt::format("  {}     {:.2f} s, {} beams/s ({} threads, {})\n  all         {:.2f} s\n",
                       sub_rays ? "answers" : "tracing", step.seconds_tracing, si(rate), threads(),
@@ -224,8 +228,8 @@ void run(const Verb& verb, Arguments& a) {
   const SimulateStep step = write(verb, a, simulated, path, lost);
   if (with.maker) write_waveforms(a.instrument, with.sensor, with.maker->waveforms());
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
-  report(verb, a, step, with.maker ? with.instrument.sub_rays.size() : 0, seconds,
-         target.dynamic_world->world().isa(), lost);
+  report(verb, a, step, with.maker ? with.instrument.sub_rays.size() : 0,
+         with.maker ? with.maker->rays() : 0, seconds, target.dynamic_world->world().isa(), lost);
 }
 
 }  // namespace simulate_verb

@@ -15,7 +15,6 @@
 namespace underbrush::app {
 namespace {
 
-constexpr double kSceneReflectance = 0.3;  // Reflectance of what the sun shines on.
 constexpr size_t kMostPlotted = 12;
 
 /// Parses a whole number from 1 to `most`.
@@ -53,16 +52,17 @@ void set_returns(const std::string& word, radiometry::ReceiverOptions& o) {
   }
 }
 
-/// Returns the factor by which the sun raises the noise of a receiver that sees the beam's
-/// divergence.
-double noise_in_sun(const sensor::Sensor& s, double share) {
-  if (share == 0) return 1;
+/// Returns the variance that sunlight from a white scene adds to the noise of a receiver that sees
+/// the beam's divergence.
+double sunlit_variance(const sensor::Sensor& s, double share) {
+  if (share == 0) return 0;
   radiometry::LinkBudget link;
   if (s.wavelength_m > 0) link.wavelength_m = s.wavelength_m;
   const double view = std::max(s.beam.divergence_rad[0], s.beam.divergence_rad[1]);
   if (view > 0) link.view_rad = view;
-  return radiometry::noise_in_light(link,
-                                    radiometry::solar_background_w(link, kSceneReflectance, share));
+  const double noise =
+      radiometry::noise_in_light(link, radiometry::solar_background_w(link, 1, share));
+  return noise * noise - 1;
 }
 
 void write_csv(const std::string& file, const std::vector<simulate::BeamWaveform>& waveforms) {
@@ -148,13 +148,16 @@ void add_instrument_options(Verb& verb, InstrumentArguments& a) {
               "Write digitised waveforms as a table or a plot; may be repeated")
       ->type_name("FILE.csv|FILE.svg")
       ->take_all();
-  verb.begin_rare_group("Light and air");
+  verb.begin_rare_group("Sub-rays");
+  app.add_flag("--all-sub-rays", a.all_sub_rays,
+               "Trace all sub-rays of every beam, also where 13 of 26 or more agree");
   app.add_option(
          "--footprint", a.footprint,
          "Spread sub-rays by what the beam is wider than that of the log that the model was "
          "fitted to, whose footprint is in the model, or by the whole beam")
       ->check(CLI::IsMember({"excess", "whole"}))
       ->capture_default_str();
+  verb.begin_rare_group("Light and air");
   app.add_option("--materials", a.materials, "Table of materials that replaces the built-in one")
       ->type_name("FILE.yaml");
   app.add_option("--material", a.material, "Material of a class; may be repeated")
@@ -205,6 +208,7 @@ simulate::Instrument instrument_of(const InstrumentArguments& a, sensor::Sensor 
                                    const std::optional<sensor::Sensor>& recorder) {
   double air = radiometry::rain_extinction_per_m(a.rain_mm_per_h);
   if (a.visibility_m > 0) air += radiometry::fog_extinction_per_m(a.visibility_m, s.wavelength_m);
+  const double sunlit = sunlit_variance(s, a.sun);
   simulate::Instrument instrument;
   instrument.sub_rays = sub_rays_of(a.super_sample, s);
   if (recorder && a.footprint == "excess") {
@@ -215,7 +219,7 @@ simulate::Instrument instrument_of(const InstrumentArguments& a, sensor::Sensor 
   }
   if (recorder && recorder->name == s.name) s.range_sigma_m = recorder->range_sigma_m;
   instrument.beam = s.beam;
-  instrument.receiver = radiometry::receiver_options(s, air, noise_in_sun(s, a.sun));
+  instrument.receiver = radiometry::receiver_options(s, air, sunlit);
   set_returns(a.returns, instrument.receiver);
   return instrument;
 }

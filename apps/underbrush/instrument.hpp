@@ -16,6 +16,7 @@ namespace underbrush::app {
 /// The options of the instrument.
 struct InstrumentArguments {
   std::string super_sample;  ///< "" means none: thin rays without light.
+  bool all_sub_rays = false;
   std::string footprint = "excess";
   std::string returns, materials;
   std::vector<std::string> material;  ///< Each is CLASS=MATERIAL.

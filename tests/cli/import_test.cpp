@@ -109,15 +109,15 @@ TEST_F(Import, ReturnsOfAPulseAreChosenByAColumn) {
   for (int k = 0; k < 360; ++k) {
     const double a = k * M_PI / 180;
     const auto row = [&](double r, int index) {
-      csv += std::to_string(r * std::cos(a)) + " " + std::to_string(r * std::sin(a)) + " 1 2 " +
-             std::to_string(index) + "\n";
+      csv += std::to_string(r * std::cos(a)) + " " + std::to_string(r * std::sin(a)) + " " +
+             std::to_string(r / 5) + " 2 " + std::to_string(index) + "\n";
     };
     row(5, 1);
     row(8, 2);
   }
   put_bytes(folder_ / "tripod.csv", csv);
   ASSERT_EQ(run("import tripod.csv -o log.ply"), 0) << errors();
-  EXPECT_NE(bytes_of(folder_ / "stdout").find("--keep target_index=1"), std::string::npos);
+  EXPECT_NE(bytes_of(folder_ / "stdout").find("later returns    360"), std::string::npos);
   ASSERT_EQ(run("import tripod.csv --keep target_index=1 -o log.ply --json counts.json"), 0)
       << errors();
   const Json counts = Json::parse(bytes_of(folder_ / "counts.json"));

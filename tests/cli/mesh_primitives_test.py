@@ -64,7 +64,7 @@ class MeshPrimitives(cli_test.OnALog):
     def test_the_script_is_the_chain_of_verbs(self):
         counts = set()
         for words in SHARED:
-            self.annotate(*words)
+            self.annotate("--seed", "3", *words)
             self.json_of("compose", "site.json", "mesh_primitives", "-o", "by-hand", "--seed", "3")
             counts.add(self.make("scene", "--seed", "3", *words)["instances"])
             self.assertEqual(self.scene("scene"), self.scene("by-hand"))

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "simulate/targets.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/simulate/draw.hpp"
 #include "underbrush/simulate/sub_ray_bundle.hpp"
@@ -74,6 +75,68 @@ TEST(SubReturns, AreThoseThatMetSomethingAtTheRangesOfTheirDraws) {
     }
     EXPECT_EQ(returns.size(), n);
   }
+}
+
+/// Answers `n` beams across an edge: a wall 20 m away for y < 0, and one 30 m away.
+struct Answered {
+  BeamLog log;
+  double rays = 0;  ///< Sub-rays traced for each beam.
+};
+Answered across_an_edge(bool all, size_t n) {
+  elements::Model model;
+  add_wall(model, 20, -20, 0);
+  add_wall(model, 30, -20, 20);
+  const trace::World world(model, trace::Isa::kBest, trace::Draws::kOnce);
+  const DynamicWorld still(world);
+  const Reflection reflection(all_of("white_target"), 905e-9);
+  const Instrument instrument = quiet_instrument();
+  EchoOptions options;
+  options.all_sub_rays = all;
+  Answered out{beams_along_x(n)};
+  for (size_t i = 0; i < n; ++i) {
+    const double y = 4 * (double(i) / double(n) - 0.5);
+    out.log.direction[i] = Vec3(20, y, 0).normalized().cast<float>();
+  }
+  EchoMaker maker(still, reflection, instrument, options);
+  maker.answer(0, out.log);
+  out.rays = double(maker.rays()) / double(n);
+  return out;
+}
+
+TEST(SubRayTracer, AFewSubRaysSpeakForAllButAtAnEdge) {
+  constexpr size_t kBeams = 400;
+  const Answered all = across_an_edge(true, kBeams), few = across_an_edge(false, kBeams);
+  const double sub_rays = double(quiet_instrument().sub_rays.size());
+  EXPECT_EQ(all.rays, sub_rays);
+  // The beam is 0.4 m of the 4 m wide, so a tenth of the beams are on the edge.
+  EXPECT_NEAR(few.rays, 13 + 0.1 * (sub_rays - 13), 2);
+  BeamLog a = all.log, b = few.log;
+  keep_first_echoes(a);
+  keep_first_echoes(b);
+  size_t unlike = 0;
+  for (size_t i = 0; i < kBeams; ++i) {
+    unlike += std::abs(a.range_m[i] - b.range_m[i]) > 1e-3f ||
+              std::abs(a.intensity[i] / b.intensity[i] - 1) > 1e-3f;
+  }
+  EXPECT_LE(unlike, 2u);  // those of which a single sub-ray meets the other wall
+}
+
+TEST(SubRayTracer, WhereSubRaysAreFewOrDrawAnewAllAreTraced) {
+  elements::Model model;
+  add_wall(model, 20);
+  const Reflection reflection(all_of("white_target"), 905e-9);
+  const auto rays_of = [&](trace::Draws draws, const Instrument& instrument) {
+    const trace::World world(model, trace::Isa::kBest, draws);
+    const DynamicWorld still(world);
+    EchoMaker maker(still, reflection, instrument, {});
+    BeamLog beams = beams_along_x(10);
+    maker.answer(0, beams);
+    return maker.rays() / 10;
+  };
+  const Instrument fine = quiet_instrument(), coarse = quiet_instrument(5, 5);
+  EXPECT_EQ(rays_of(trace::Draws::kOnce, fine), 13u);
+  EXPECT_EQ(rays_of(trace::Draws::kAnew, fine), fine.sub_rays.size());
+  EXPECT_EQ(rays_of(trace::Draws::kOnce, coarse), coarse.sub_rays.size());
 }
 
 }  // namespace

@@ -79,14 +79,14 @@ void Detector::close(const Waveform& w, const Pulse& p, float threshold, double&
   echoes.push(e);
 }
 
-bool Detector::is_valley(float low, float peak) const {
-  return peak * options_.valley > low && peak - low > kDepth * options_.noise;
+bool Detector::is_valley(float low, float peak, float noise) const {
+  return peak * options_.valley > low && peak - low > kDepth * noise;
 }
 
-Echoes Detector::detect(const Waveform& w, float threshold) const {
-  if (threshold < 0) threshold = options_.threshold;
+Echoes Detector::detect(const Waveform& w, float scale) const {
+  const float threshold = options_.threshold * scale, noise = options_.noise * scale;
   const float* s = w.samples();
-  const float release = threshold - kRelease * options_.noise;
+  const float release = threshold - kRelease * noise;
   Echoes echoes;
   Pulse p;
   double joined = 0;  // where the last echo's pulse begins, m
@@ -104,7 +104,7 @@ Echoes Detector::detect(const Waveform& w, float threshold) const {
           p.fall = PulseTiming::crossing(s, k, threshold);
           p.under = true;
         }
-        if (v < release || options_.noise == 0) {
+        if (v < release || noise == 0) {
           finish();
         } else if (v < s[p.low]) {
           p.low = k;
@@ -117,7 +117,7 @@ Echoes Detector::detect(const Waveform& w, float threshold) const {
       }
       p.under = false;
       // A rise out of a valley that is deep enough on both sides begins a new pulse.
-      if (is_valley(s[p.low], std::min(v, s[p.top]))) {
+      if (is_valley(s[p.low], std::min(v, s[p.top]), noise)) {
         p.end = p.low;
         p.fall = double(p.low);
         p.to_valley = true;

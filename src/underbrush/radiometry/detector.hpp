@@ -58,8 +58,9 @@ class Detector {
   /// Calibrates the timing for a response. Throws as `DetectorOptions::check` does.
   Detector(const Response& response, const DetectorOptions& options);
 
-  /// Finds all echoes of the waveform. A `threshold` ≥ 0 replaces that of the options.
-  Echoes detect(const Waveform& waveform, float threshold = -1) const;
+  /// Finds all echoes of a waveform whose noise, and with it the threshold, is `scale` times that
+  /// of the options.
+  Echoes detect(const Waveform& waveform, float scale = 1) const;
 
  private:
   struct Pulse;
@@ -67,7 +68,7 @@ class Detector {
              Echoes& echoes) const;
 
   /// Whether the signal falls enough from the lower of two maxima, `peak`, for two echoes.
-  bool is_valley(float low, float peak) const;
+  bool is_valley(float low, float peak, float noise) const;
 
   DetectorOptions options_;
   PulseTiming timing_;

@@ -13,6 +13,7 @@ namespace {
 
 // Elements of `Purpose::kSignal` besides the numbers of samples.
 constexpr uint32_t kFalseAlarm = 0xFFFF0000, kJitter = 0xFFFF1000;
+constexpr double kSkyBrightness = 0.03;  // of clear sky away from the sun, in the near infrared
 
 /// Computes k w f e^{−a r} / r². Its e^−x has a relative error below 3·10⁻⁷.
 UNDERBRUSH_CLONES void signal_of(size_t n, const float* __restrict range,
@@ -44,6 +45,7 @@ DetectorOptions detector_options(const ReceiverOptions& o) {
   DetectorOptions out = o.detector;
   out.saturation =
       o.adc_step > 0 ? o.adc_step * std::nearbyint(o.adc_most / o.adc_step) : o.adc_most;
+  out.threshold *= float(o.noise_sigma > 0 ? o.noise_sigma : 1);
   out.noise = float(o.noise_sigma);
   return out;
 }
@@ -102,7 +104,8 @@ void ReceiverOptions::check() const {
   require(not_negative(min_range_m) && std::isfinite(max_range_m) && min_range_m < max_range_m,
           "receiver: needs 0 <= minimum range < maximum range");
   require(not_negative(signal_at_1m) && not_negative(extinction_per_m) &&
-              not_negative(noise_sigma) && not_negative(range_sigma_m),
+              not_negative(noise_sigma) && not_negative(sunlit_variance) &&
+              not_negative(range_sigma_m),
           "receiver: signal, extinction, noise or jitter is negative or not finite");
   require(not_negative(range_resolution_m) && not_negative(intensity_resolution) &&
               not_negative(width_resolution_m) && adc_step >= 0 && std::isfinite(adc_step),
@@ -118,7 +121,7 @@ double signal_from_detection_range(double range_m, double reflectance, double th
 }
 
 ReceiverOptions receiver_options(const sensor::Sensor& s, double extinction_per_m,
-                                 double noise_sigma) {
+                                 double sunlit_variance) {
   const sensor::SignalChain& c = s.signal;
   ReceiverOptions o;
   o.response = {c.pulse, c.pulse_fwhm_s, c.receiver_fwhm_s, c.sample_s};
@@ -131,7 +134,7 @@ ReceiverOptions receiver_options(const sensor::Sensor& s, double extinction_per_
       signal_from_detection_range(c.detection_range_m > 0 ? c.detection_range_m : s.max_range_m,
                                   c.detection_reflectance, c.threshold_snr, 0);
   o.extinction_per_m = extinction_per_m;
-  o.noise_sigma = noise_sigma;
+  o.sunlit_variance = sunlit_variance;
   o.adc_most = float(c.saturation_snr);
   o.adc_step = float(c.adc_step_snr);
   o.range_sigma_m = s.range_sigma_m;
@@ -149,9 +152,7 @@ ReceiverOptions receiver_options(const sensor::Sensor& s, double extinction_per_
 Receiver::Receiver(const ReceiverOptions& options)
     : options_(options),
       response_(options.response),
-      detector_(response_, detector_options(options)),
-      threshold_(options.detector.threshold *
-                 float(options.noise_sigma > 0 ? options.noise_sigma : 1)) {
+      detector_(response_, detector_options(options)) {
   options.check();
   if (options.false_alarms && options.noise_sigma > 0) {
     exceedance_ = 0.5 * std::erfc(double(options.detector.threshold) / M_SQRT2);
@@ -173,26 +174,43 @@ Echoes Receiver::receive(std::span<const float> range_m, std::span<const float> 
                          std::span<const float> factor, std::span<float> signal, uint64_t key,
                          Waveform& scratch) const {
   signals(range_m, weight, factor, signal);
-  return receive(range_m, signal, key, scratch);
+  return receive(range_m, signal, key, scratch, noise_scale(range_m, weight, factor));
+}
+
+float Receiver::noise_scale(std::span<const float> range_m, std::span<const float> weight,
+                            std::span<const float> factor) const {
+  if (options_.sunlit_variance == 0) return 1;
+  double brightness = 0, sky = 1;
+  for (size_t k = 0; k < range_m.size(); ++k) {
+    if (!std::isfinite(range_m[k])) continue;
+    const double seen =
+        double(weight[k]) * std::exp(-options_.extinction_per_m * double(range_m[k]));
+    brightness += seen * double(factor[k]);
+    sky -= double(weight[k]);
+  }
+  brightness += kSkyBrightness * std::max(0.0, sky);
+  return float(std::sqrt(1 + options_.sunlit_variance * brightness));
 }
 
 Echoes Receiver::receive(std::span<const float> range_m, std::span<const float> signal,
-                         uint64_t key, Waveform& scratch) const {
+                         uint64_t key, Waveform& scratch, float noise_scale) const {
+  const float noise = float(options_.noise_sigma) * noise_scale;
   scratch.clear();
   scratch.add(range_m, signal);
-  scratch.add_noise(key, float(options_.noise_sigma));
+  scratch.add_noise(key, noise);
   if (options_.adc_step > 0 || std::isfinite(options_.adc_most)) {
     scratch.quantise(options_.adc_step, options_.adc_most);
   }
-  Echoes echoes = detector_.detect(scratch, threshold_);
-  if (alarms_ > 0) add_false_alarm(scratch, key, echoes);
-  report(key, echoes);
+  Echoes echoes = detector_.detect(scratch, noise_scale);
+  if (alarms_ > 0) add_false_alarm(scratch, key, double(noise), echoes);
+  report(key, noise_scale, echoes);
   return echoes;
 }
 
 // Samples that no return reaches are noise alone. They are not all drawn: one random number decides
 // whether one of them passes the threshold, a second one which, and a third one how far.
-void Receiver::add_false_alarm(const Waveform& waveform, uint64_t key, Echoes& echoes) const {
+void Receiver::add_false_alarm(const Waveform& waveform, uint64_t key, double noise,
+                               Echoes& echoes) const {
   const double u = uniform_from_bits(random_bits(key, kFalseAlarm, Purpose::kSignal));
   const double free = double(waveform.size() - waveform.touched());
   if (u >= free * alarms_) return;
@@ -200,7 +218,7 @@ void Receiver::add_false_alarm(const Waveform& waveform, uint64_t key, Echoes& e
   const double tail = uniform_from_bits(random_bits(key, kFalseAlarm + 2, Purpose::kSignal));
   Echo e;
   e.range_m = float(where * options_.max_range_m);
-  e.peak = float(-options_.noise_sigma * normal_from_uniform(tail * exceedance_));
+  e.peak = float(-noise * normal_from_uniform(tail * exceedance_));
   e.width_m = float(waveform.cell_m());
   e.energy = float(e.peak * waveform.cell_m() / response_.area_m());
   echoes.push(e);
@@ -234,7 +252,7 @@ double Receiver::range_variance(double snr) const {
     w.clear();
     w.add({&range, 1}, {&peak, 1});
     w.add_noise(mix64(uint64_t(k)), float(options_.noise_sigma));
-    const Echoes echoes = detector_.detect(w, threshold_);
+    const Echoes echoes = detector_.detect(w);
     if (echoes.count != 1) continue;
     const double error = double(echoes.echo[0].range_m) - double(range);
     sum += error, square += error * error, ++n;
@@ -242,18 +260,19 @@ double Receiver::range_variance(double snr) const {
   return n == 0 ? 0 : std::max(0.0, square / n - sum / n * (sum / n));
 }
 
-double Receiver::jitter_m(double peak) const {
-  const double all = options_.range_sigma_m, p = std::max(peak, 1e-9);
+double Receiver::jitter_m(double peak, double noise_scale) const {
+  const double all = options_.range_sigma_m, p = std::max(peak, 1e-9) / noise_scale;
   return std::sqrt(std::max(0.0, all * all - sampling_variance_m2_ - noise_variance_m2_ / (p * p)));
 }
 
-void Receiver::report(uint64_t key, Echoes& echoes) const {
+void Receiver::report(uint64_t key, float noise_scale, Echoes& echoes) const {
   int kept = 0;
   for (int k = 0; k < echoes.count; ++k) {
     Echo e = echoes.echo[size_t(k)];
     double range = e.range_m;
     if (options_.range_sigma_m > 0) {
-      range += jitter_m(double(e.peak)) * normal(key, kJitter + uint32_t(k), Purpose::kSignal);
+      range += jitter_m(double(e.peak), double(noise_scale)) *
+               normal(key, kJitter + uint32_t(k), Purpose::kSignal);
     }
     if (range < options_.min_range_m || range > options_.max_range_m) continue;
     double value = e.peak;

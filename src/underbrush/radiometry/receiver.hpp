@@ -17,16 +17,19 @@ using sensor::ReturnMode;
 /// The options of a receiver. Signals are in units of the noise in the dark.
 struct ReceiverOptions {
   ResponseOptions response;
-  /// Its threshold is a signal-to-noise ratio, which is multiplied by `noise_sigma`; its saturation
-  /// is set from the converter.
+  /// Its threshold is a signal-to-noise ratio, which is multiplied by the noise of each beam; its
+  /// saturation is set from the converter.
   DetectorOptions detector;
   double min_range_m = 0, max_range_m = 120;  ///< Echoes outside are not reported.
   /// Signal of a white, Lambertian, perpendicular target that all of the beam hits.
   double signal_at_1m = 1e5;
   double extinction_per_m = 0;  ///< Extinction of the air, one way.
-  double noise_sigma = 1;       ///< Above 1 in sunlight (`noise_in_light`); 0 = no noise.
-  bool false_alarms = true;     ///< Whether noise alone passes the threshold as often as it should.
-  float adc_step = 0;           ///< Step of the digitised signal; 0 = none.
+  double noise_sigma = 1;       ///< In the dark; 0 = no noise.
+  /// The variance that sunlight from a white scene in all of the view adds to the noise, in units
+  /// of its variance in the dark.
+  double sunlit_variance = 0;
+  bool false_alarms = true;  ///< Whether noise alone passes the threshold as often as it should.
+  float adc_step = 0;        ///< Step of the digitised signal; 0 = none.
   /// Signal at which the converter saturates.
   float adc_most = std::numeric_limits<float>::infinity();
   double range_sigma_m =
@@ -46,10 +49,10 @@ struct ReceiverOptions {
 };
 
 /// Makes the options of a sensor's receiver from its signal chain, ranges, accuracy and steps, in
-/// air of this extinction and in light of this noise. The signal is calibrated to the sensor's
-/// detection range in clear air and in the dark.
+/// air of this extinction and in light of this `ReceiverOptions::sunlit_variance`. The signal is
+/// calibrated to the sensor's detection range in clear air and in the dark.
 ReceiverOptions receiver_options(const sensor::Sensor& sensor, double extinction_per_m = 0,
-                                 double noise_sigma = 1);
+                                 double sunlit_variance = 0);
 
 /// Computes the signal at 1 m of a sensor that just detects (signal = `threshold`) a perpendicular
 /// Lambertian target of this reflectance ρ at this range R: threshold · R² e^{2αR} / ρ.
@@ -79,27 +82,33 @@ class Receiver {
   void signals(std::span<const float> range_m, std::span<const float> weight,
                std::span<const float> factor, std::span<float> signal) const;
 
+  /// The noise of a beam, in units of that of the options: √(1 + v b) with the sunlit variance v.
+  /// The brightness b of what the beam sees is the sum of the returns' weights times their factors,
+  /// dimmed by the air on the way back, as if the sun stood behind the sensor; the rest of the view
+  /// is clear sky, of 3 % of a white scene's brightness.
+  float noise_scale(std::span<const float> range_m, std::span<const float> weight,
+                    std::span<const float> factor) const;
+
   /// Computes the echoes of one beam. The four spans are equally long, and `signal` is overwritten.
   /// `scratch` holds the beam's digitised waveform afterwards. Random numbers are those of
   /// `Purpose::kSignal` of `key`.
   Echoes receive(std::span<const float> range_m, std::span<const float> weight,
                  std::span<const float> factor, std::span<float> signal, uint64_t key,
                  Waveform& scratch) const;
-  /// Computes the echoes of one beam from signals that are known.
+  /// Computes the echoes of one beam from signals that are known, and its `noise_scale`.
   Echoes receive(std::span<const float> range_m, std::span<const float> signal, uint64_t key,
-                 Waveform& scratch) const;
+                 Waveform& scratch, float noise_scale = 1) const;
 
  private:
-  void add_false_alarm(const Waveform& waveform, uint64_t key, Echoes& echoes) const;
-  void report(uint64_t key, Echoes& echoes) const;
+  void add_false_alarm(const Waveform& waveform, uint64_t key, double noise, Echoes& echoes) const;
+  void report(uint64_t key, float noise_scale, Echoes& echoes) const;
   void measure_jitter();
   double range_variance(double snr) const;
-  double jitter_m(double peak) const;
+  double jitter_m(double peak, double noise_scale) const;
 
   ReceiverOptions options_;
   Response response_;
   Detector detector_;
-  float threshold_;
   double exceedance_ = 0;  ///< Probability that a sample of noise is above the threshold.
   double alarms_ = 0;      ///< Probability that noise passes the threshold upwards at a sample.
   double noise_variance_m2_ = 0;     ///< Variance of the range by noise, times the signal squared.

@@ -7,7 +7,6 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
-#include "underbrush/simulate/draw.hpp"
 #include "underbrush/simulate/element_class.hpp"
 #include "underbrush/simulate/sub_returns.hpp"
 
@@ -17,11 +16,12 @@ namespace {
 using trace::Intersection;
 
 constexpr size_t kRaysACall = 8192;  // as many as the tracer orders at a time
+/// Returns no farther apart than so many pulses are one echo.
+constexpr double kSamePulse = 1;
 
-/// Rotates a direction about the vertical.
-Vec3 turned(double angle_rad, const Vec3& d) {
-  const double c = std::cos(angle_rad), s = std::sin(angle_rad);
-  return {c * d.x() - s * d.y(), s * d.x() + c * d.y(), d.z()};
+/// The length of a pulse along the beam, m.
+double pulse_m(const Instrument& instrument) {
+  return instrument.receiver.response.pulse_fwhm_s * radiometry::kSpeedOfLight / 2;
 }
 
 /// Gathers the rows `row` of a column.
@@ -69,16 +69,11 @@ struct EchoMaker::Block {
 
 /// The working memory of a thread.
 struct EchoMaker::Scratch {
-  Scratch(const EchoMaker& m, size_t beams)
-      : rays(beams * m.sub_rays_.size()),
-        keys(rays.size()),
-        met(rays.size()),
-        returns(m.sub_rays_.size()),
+  explicit Scratch(const EchoMaker& m)
+      : returns(m.tracer_.most()),
         waveform(m.receiver_.scratch()),
         evaluator(m.reflection_, m.world_) {}
-  std::vector<Ray> rays;
-  std::vector<uint64_t> keys;
-  std::vector<Intersection> met;
+  TracedBeams traced;
   SubReturns returns;
   radiometry::Waveform waveform;
   Reflection::Evaluator evaluator;
@@ -87,9 +82,9 @@ struct EchoMaker::Scratch {
 /// A pool of working memories, as many as threads that ask at the same time.
 class EchoMaker::Scratches {
  public:
-  std::unique_ptr<Scratch> take(const EchoMaker& m, size_t beams) {
+  std::unique_ptr<Scratch> take(const EchoMaker& m) {
     const std::lock_guard lock(mutex_);
-    if (free_.empty()) return std::make_unique<Scratch>(m, beams);
+    if (free_.empty()) return std::make_unique<Scratch>(m);
     std::unique_ptr<Scratch> s = std::move(free_.back());
     free_.pop_back();
     return s;
@@ -110,9 +105,8 @@ EchoMaker::EchoMaker(const DynamicWorld& world, const Reflection& reflection,
       reflection_(reflection),
       instrument_(instrument),
       options_(options),
-      once_(world.world().draws() == trace::Draws::kOnce),
-      matter_(matter_key(options.seed)),
-      sub_rays_(instrument.beam, instrument.sub_rays),
+      tracer_(world, instrument.beam, instrument.sub_rays, options.seed,
+              options.all_sub_rays ? 0 : kSamePulse * pulse_m(instrument)),
       receiver_(instrument.receiver),
       scratches_(std::make_unique<Scratches>()) {
   require(options.waveforms.every > 0, "echoes: waveforms of every zeroth beam");
@@ -120,39 +114,16 @@ EchoMaker::EchoMaker(const DynamicWorld& world, const Reflection& reflection,
 
 EchoMaker::~EchoMaker() = default;
 
-void EchoMaker::trace(const BeamLog& beams, size_t first_beam, size_t begin, size_t end,
-                      Scratch& s) const {
-  for (size_t i = begin, at = 0; i < end; ++i, at += sub_rays_.size()) {
-    Ray axis = beams.ray(i);
-    const uint64_t key = beam_key(options_.seed, beams.scan[i], first_beam + i);
-    if (instrument_.beam.encoder_step_rad > 0) {
-      const double off = uniform_from_bits(random_bits(key, 2, Purpose::kDirection)) - 0.5;
-      axis.direction = turned(off * instrument_.beam.encoder_step_rad, axis.direction);
-    }
-    sub_rays_.spread(sensor::beam_axes(axis), &s.rays[at]);
-    if (once_) {
-      std::fill_n(&s.keys[at], sub_rays_.size(), matter_);
-    } else {
-      sub_rays_.keys(key, &s.keys[at]);
-    }
-  }
-  const size_t n = (end - begin) * sub_rays_.size();
-  world_.nearest_accepted(
-      {s.rays.data(), n}, {s.keys.data(), n}, {&beams.time_s[begin], end - begin},
-      {std::max(beams.info.min_range_m, kLeastRangeM), beams.info.max_range_m}, {s.met.data(), n});
-}
-
 void EchoMaker::receive(const BeamLog& beams, size_t first_beam, size_t begin, size_t end,
                         Scratch& s, Block& block) const {
   const trace::RangeLimits limits{std::max(beams.info.min_range_m, kLeastRangeM),
                                   beams.info.max_range_m};
   SubReturns& returns = s.returns;
-  for (size_t i = begin, at = 0; i < end; ++i, at += sub_rays_.size()) {
-    const std::span<const Intersection> met{&s.met[at], sub_rays_.size()};
-    if (once_) key_matter(beams.time_s[i], at, s);
-    returns.collect(met, {&s.keys[at], sub_rays_.size()}, sub_rays_.weight(), limits);
+  for (size_t i = begin; i < end; ++i) {
+    const TracedBeams::Beam beam = s.traced[i - begin];
+    returns.collect(beam.met, beam.keys, beam.weight, limits);
     s.evaluator.begin(beams.direction[i].cast<double>(), beams.time_s[i]);
-    s.evaluator.factors(met, {&s.rays[at], sub_rays_.size()}, returns.sub_ray(), returns.factor());
+    s.evaluator.factors(beam.met, beam.rays, returns.sub_ray(), returns.factor());
     const radiometry::Echoes echoes =
         receiver_.receive(returns.range_m(), returns.weight(), returns.factor(), returns.signal(),
                           beam_key(options_.seed, beams.scan[i], first_beam + i), s.waveform);
@@ -160,7 +131,7 @@ void EchoMaker::receive(const BeamLog& beams, size_t first_beam, size_t begin, s
     block.echo.insert(block.echo.end(), echoes.begin(), echoes.end());
     if (options_.element_ids) {
       for (const radiometry::Echo& e : echoes) {
-        block.element.push_back(element_at(e.range_m, returns, met));
+        block.element.push_back(element_at(e.range_m, returns, beam.met));
       }
     }
     if (options_.waveforms.wants(first_beam + i)) {
@@ -169,17 +140,6 @@ void EchoMaker::receive(const BeamLog& beams, size_t first_beam, size_t begin, s
       for (const radiometry::Echo& e : echoes) w.echo_m.push_back(double(e.range_m));
       block.waveforms.push_back(std::move(w));
     }
-  }
-}
-
-/// Keys the sub-rays of a beam by the matter that they met, and leaves the sensor's noise to the
-/// receiver.
-void EchoMaker::key_matter(double time_s, size_t at, Scratch& s) const {
-  for (size_t k = at; k < at + sub_rays_.size(); ++k) {
-    Intersection& m = s.met[k];
-    if (m.none()) continue;
-    s.keys[k] = trace::instance_key(matter_, m.instance) ^ world_.grain_cell(s.rays[k], time_s, m);
-    m.sigma_m = matter_sigma(m.sigma_m, world_.model(m.instance).range_noise_m);
   }
 }
 
@@ -248,11 +208,12 @@ void EchoMaker::write(const std::vector<Block>& blocks, BeamLog& beams) const {
 }
 
 void EchoMaker::answer(size_t first_beam, BeamLog& beams) {
-  const size_t grain = std::max<size_t>(1, kRaysACall / sub_rays_.size());
+  const size_t grain = std::max<size_t>(1, kRaysACall / tracer_.most());
   std::vector<Block> blocks((beams.size() + grain - 1) / grain);
   parallel_for(beams.size(), grain, [&](size_t begin, size_t end) {
-    std::unique_ptr<Scratch> s = scratches_->take(*this, grain);
-    trace(beams, first_beam, begin, end, *s);
+    std::unique_ptr<Scratch> s = scratches_->take(*this);
+    tracer_.trace(beams, first_beam, begin, end, s->traced);
+    rays_ += s->traced.rays();
     receive(beams, first_beam, begin, end, *s, blocks[begin / grain]);
     scratches_->give_back(std::move(s));
   });

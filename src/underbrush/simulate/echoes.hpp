@@ -3,6 +3,7 @@
 /// they bring back, the waveform, and its echoes.
 #pragma once
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -12,8 +13,7 @@
 #include "underbrush/sensor/beam.hpp"
 #include "underbrush/simulate/dynamic_world.hpp"
 #include "underbrush/simulate/reflection.hpp"
-#include "underbrush/simulate/sub_ray_bundle.hpp"
-#include "underbrush/simulate/sub_returns.hpp"
+#include "underbrush/simulate/sub_ray_tracer.hpp"
 
 namespace underbrush::simulate {
 
@@ -51,6 +51,9 @@ struct EchoOptions {
   bool element_ids = false;
   std::vector<elements::Class> instance_labels{};  ///< One an instance, as in `Options`.
   WaveformChoice waveforms;
+  /// Whether to trace all sub-rays of every beam, where the matter is drawn once and a few could
+  /// speak for all (`SubRayTracer`).
+  bool all_sub_rays = false;
 };
 
 /// A simulation that answers beams with echoes.
@@ -78,16 +81,16 @@ class EchoMaker {
 
   /// The waveforms of the chosen beams so far.
   const std::vector<BeamWaveform>& waveforms() const { return waveforms_; }
+  /// The number of sub-rays that were traced so far.
+  size_t rays() const { return rays_; }
 
  private:
   struct Block;
   struct Element;
   struct Scratch;
   class Scratches;
-  void trace(const BeamLog& beams, size_t first_beam, size_t begin, size_t end, Scratch& s) const;
   void receive(const BeamLog& beams, size_t first_beam, size_t begin, size_t end, Scratch& s,
                Block& block) const;
-  void key_matter(double time_s, size_t at, Scratch& s) const;
   Element element_at(float range_m, const SubReturns& returns,
                      std::span<const trace::Intersection> met) const;
   void write(const std::vector<Block>& blocks, BeamLog& beams) const;
@@ -96,12 +99,11 @@ class EchoMaker {
   const Reflection& reflection_;
   const Instrument& instrument_;
   EchoOptions options_;
-  bool once_;  ///< Whether the matter of the world is drawn once.
-  uint64_t matter_;
-  SubRayBundle sub_rays_;
+  SubRayTracer tracer_;
   radiometry::Receiver receiver_;
   std::unique_ptr<Scratches> scratches_;
   std::vector<BeamWaveform> waveforms_;
+  std::atomic<size_t> rays_ = 0;
 };
 
 }  // namespace underbrush::simulate
