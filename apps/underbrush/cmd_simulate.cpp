@@ -65,6 +65,12 @@ void add_options(Verb& verb, Arguments& a) {
                  "Size of what beams meet as one, with --matter once, m; 0 = the model's")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
+  verb.begin_rare_group("Wind");
+  app.add_option("--wind", a.simulate.sway_s,
+                 "Time in which the leaves that a beam meets become others, with --matter once, s; "
+                 "0 = they stand still")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   verb.begin_rare_group("Thin rays");
   app.add_option("--draw", a.draw, "Where in an ellipsoid a range is drawn")
       ->check(CLI::IsMember({"on_ray", "volumetric"}))
@@ -158,6 +164,7 @@ void set_up(const Verb& verb, const Arguments& a, const BeamSource& beams,
   options.seed = verb.seed;
   options.element_ids = a.simulate.element_ids;
   options.all_sub_rays = a.instrument.all_sub_rays;
+  options.sway_s = a.simulate.sway_s;
   options.instance_labels = a.simulate.instance_labels;
   if (!a.instrument.waveforms.empty()) options.waveforms = a.instrument.waveform;
   out.maker = std::make_unique<simulate::EchoMaker>(dynamic_world, *out.reflection, out.instrument,
@@ -193,14 +200,20 @@ void report(const Verb& verb, const Arguments& a, const SimulateStep& step, size
   verb.report(j, text + fmt::format("  log         {}\n", a.output));
 }
 
+trace::Draws draws_of(const Arguments& a) {
+  require(a.matter == "once" || a.simulate.sway_s == 0,
+          "simulate: --wind moves matter that is drawn once, not --matter anew");
+  if (a.matter == "anew") return trace::Draws::kAnew;
+  return a.simulate.sway_s > 0 ? trace::Draws::kSwaying : trace::Draws::kOnce;
+}
+
 void run(const Verb& verb, Arguments& a) {
   using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
   a.instrument.check();
   elements::SceneInfo info;
   const elements::Scene scene = scene_of(a.model, a.target, info);
-  const TracedScene target =
-      traced_scene(scene, info, a.matter == "once" ? trace::Draws::kOnce : trace::Draws::kAnew);
+  const TracedScene target = traced_scene(scene, info, draws_of(a));
   if (elements::is_scene(a.model) || !info.movers.empty()) {
     a.simulate.instance_labels = info.labels;
   }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "scenes.hpp"
@@ -106,6 +107,17 @@ bool same(const Intersection& a, const Intersection& b) {
                                                  a.sigma_m == b.sigma_m && a.p == b.p));
 }
 
+/// Whether a ray ends at what it met.
+bool ends(Draws draws, const elements::Model& model, const elements::Instance& at, const Ray& ray,
+          uint64_t key, const Intersection& m) {
+  if (draws == Draws::kAnew) return accepts(key, m);
+  const uint32_t cell = grain_cell(model, at, ray, m);
+  if (draws == Draws::kOnce) return accepts(key, m, cell);
+  const bool ellipsoid = model.kind(m.element) == elements::Kind::kEllipsoid;
+  return accepts(uint32_t(key), m,
+                 ellipsoid ? swaying_cell(cell, m.element, uint32_t(key >> 32)) : cell);
+}
+
 class Exact : public testing::TestWithParam<int> {};  // each test has an eighth of the scenes
 
 TEST_P(Exact, EveryQueryGivesWhatBruteForceInDoubleGives) {
@@ -115,11 +127,14 @@ TEST_P(Exact, EveryQueryGivesWhatBruteForceInDoubleGives) {
     Stream random(seed + 500);
     const std::vector<Ray> rays = rays_of(scene, random);
     const RangeLimits limits{random.uniform(0, 2), random.uniform(15, 60)};
-    // In every second scene the matter is drawn once; there half of the rays have one key.
-    const Draws draws = seed / 8 % 2 ? Draws::kOnce : Draws::kAnew;
+    // In some scenes the matter is drawn once, where half of the rays have one key, or sways, where
+    // all have one draw and the times of a second.
+    const Draws draws = std::array{Draws::kAnew, Draws::kOnce, Draws::kSwaying}[seed / 8 % 3];
     std::vector<uint64_t> keys;
     for (size_t i = 0; i < rays.size(); ++i) {
       keys.push_back(beam_key(seed, 0, draws == Draws::kOnce && i % 2 ? 0 : i));
+      if (draws != Draws::kSwaying) continue;
+      keys.back() = uint64_t(ticks_of(random.uniform(1e9, 1e9 + 1), 0.2)) << 32 | uint32_t(seed);
     }
     std::vector<World> worlds;
     for (Isa isa : instruction_sets()) worlds.emplace_back(scene, isa, draws);
@@ -148,8 +163,7 @@ TEST_P(Exact, EveryQueryGivesWhatBruteForceInDoubleGives) {
       for (const Intersection& m : met) {
         const elements::Instance& at = scene.instances[m.instance];
         const elements::Model& model = scene.models[at.model];
-        const uint32_t cell = draws == Draws::kOnce ? grain_cell(model, at, rays[i], m) : 0;
-        if (first.none() && accepts(keys[i], m, cell)) first = m;
+        if (first.none() && ends(draws, model, at, rays[i], keys[i], m)) first = m;
         if (wall.none() && model.kind(m.element) != elements::Kind::kEllipsoid) wall = m;
       }
       for (size_t w = 0; w < sets; ++w) {

@@ -24,6 +24,13 @@ inline double drawn_on_ray(const trace::Intersection& met, uint64_t key,
 /// The key of matter that is drawn once for all beams.
 constexpr uint64_t matter_key(uint64_t seed) { return mix64(seed ^ 0x6d61747465720000ull); }
 
+/// The key of matter at a time: where it sways, with its correlation time in seconds, the upper
+/// half of the key is the time (`trace::Draws::kSwaying`).
+inline uint64_t matter_at(uint64_t matter, double time_s, double sway_s) {
+  if (sway_s == 0) return matter;
+  return uint64_t(trace::ticks_of(time_s, sway_s)) << 32 | uint32_t(matter);
+}
+
 /// The part of an element's σ (m) that is its matter's, where `noise_m` is the sensor's part.
 inline double matter_sigma(double sigma_m, double noise_m) {
   return std::sqrt(std::max(0.0, sigma_m * sigma_m - noise_m * noise_m));

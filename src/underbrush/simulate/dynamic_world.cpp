@@ -98,7 +98,15 @@ elements::Instance DynamicWorld::placed(uint32_t instance, double time_s) const 
   return placed;
 }
 
-uint32_t DynamicWorld::grain_cell(const Ray& ray, double time_s, const Intersection& met) const {
+uint32_t DynamicWorld::grain_cell(const Ray& ray, double time_s, const Intersection& met,
+                                  uint64_t key) const {
+  const uint32_t cell = still_cell(ray, time_s, met);
+  const bool sways = world_->draws() == trace::Draws::kSwaying &&
+                     met.element >= model(met.instance).triangle_count();
+  return sways ? trace::swaying_cell(cell, met.element, uint32_t(key >> 32)) : cell;
+}
+
+uint32_t DynamicWorld::still_cell(const Ray& ray, double time_s, const Intersection& met) const {
   const Object* o = object(met.instance);
   if (!o) {
     return trace::grain_cell(world_->model(met.instance), world_->instance(met.instance), ray, met);

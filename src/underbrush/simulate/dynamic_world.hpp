@@ -33,8 +33,10 @@ class DynamicWorld {
                         std::span<trace::Intersection> met) const;
 
   /// Computes the cell of the grain in which a ray of the time `time_s` (s) met an element, as
-  /// `trace::grain_cell` does. The grain of a moving object moves with it.
-  uint32_t grain_cell(const Ray& ray, double time_s, const trace::Intersection& met) const;
+  /// `trace::grain_cell` does. The grain of a moving object moves with it. Where matter sways, the
+  /// cell is the `swaying_cell` at the time of the ray's `key`.
+  uint32_t grain_cell(const Ray& ray, double time_s, const trace::Intersection& met,
+                      uint64_t key) const;
 
   const trace::World& world() const { return *world_; }
   bool moves() const { return !movers_.empty(); }
@@ -45,6 +47,7 @@ class DynamicWorld {
  private:
   struct Object;
   const Object* object(uint32_t instance) const;
+  uint32_t still_cell(const Ray& ray, double time_s, const trace::Intersection& met) const;
 
   const trace::World* world_ = nullptr;
   /// The scene with an empty model in place of each mover.

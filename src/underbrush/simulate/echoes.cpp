@@ -106,7 +106,7 @@ EchoMaker::EchoMaker(const DynamicWorld& world, const Reflection& reflection,
       instrument_(instrument),
       options_(options),
       tracer_(world, instrument.beam, instrument.sub_rays, options.seed,
-              options.all_sub_rays ? 0 : kSamePulse * pulse_m(instrument)),
+              options.all_sub_rays ? 0 : kSamePulse * pulse_m(instrument), options.sway_s),
       receiver_(instrument.receiver),
       scratches_(std::make_unique<Scratches>()) {
   require(options.waveforms.every > 0, "echoes: waveforms of every zeroth beam");

@@ -51,6 +51,7 @@ struct EchoOptions {
   bool element_ids = false;
   std::vector<elements::Class> instance_labels{};  ///< One an instance, as in `Options`.
   WaveformChoice waveforms;
+  double sway_s = 0;  ///< s; as in `Options`.
   /// Whether to trace all sub-rays of every beam, where the matter is drawn once and a few could
   /// speak for all (`SubRayTracer`).
   bool all_sub_rays = false;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/simulate/draw.hpp"
@@ -26,15 +27,25 @@ Vec3 drawn_in_volume(const elements::Model& model, const elements::Instance& pla
   return placed.world_from_model * Vec3(double(placed.scale) * (e.mean.cast<double>() + root * n));
 }
 
+void check(const DynamicWorld& world, const Options& options) {
+  if (options.random_ray) options.random_ray->check();
+  require((world.world().draws() == trace::Draws::kSwaying) == (options.sway_s > 0),
+          "simulate: a world sways if it is given a correlation time");
+}
+
+trace::RangeLimits limits_of(const DynamicWorld& world, const Options& options,
+                             const LogInfo& info) {
+  const double farthest = options.max_range_m > 0 ? options.max_range_m : info.max_range_m;
+  return {std::max(info.min_range_m, kLeastRangeM), std::min(farthest, world.model(0).max_range_m)};
+}
+
 }  // namespace
 
 void simulate(const DynamicWorld& world, const Options& options, size_t first_beam,
               BeamLog& beams) {
-  if (options.random_ray) options.random_ray->check();
-  const double farthest = options.max_range_m > 0 ? options.max_range_m : beams.info.max_range_m;
-  const trace::RangeLimits limits{std::max(beams.info.min_range_m, kLeastRangeM),
-                                  std::min(farthest, world.model(0).max_range_m)};
-  const bool once = world.world().draws() == trace::Draws::kOnce;
+  check(world, options);
+  const trace::RangeLimits limits = limits_of(world, options, beams.info);
+  const bool once = world.world().draws() != trace::Draws::kAnew;
   const uint64_t matter = matter_key(options.seed);
   std::vector<uint32_t> element(options.element_ids ? beams.size() : 0, Intersection::kNone);
   std::vector<uint16_t> label(element.size());
@@ -42,12 +53,13 @@ void simulate(const DynamicWorld& world, const Options& options, size_t first_be
   parallel_for(beams.size(), 8192, [&](size_t begin, size_t end) {
     const size_t n = end - begin;
     std::vector<Ray> rays(n);
-    std::vector<uint64_t> keys(n), trials(once ? n : 0, matter);
+    std::vector<uint64_t> keys(n), trials(once ? n : 0);
     std::vector<Intersection> met(n);
     for (size_t k = 0; k < n; ++k) {
       const size_t i = begin + k;
       rays[k] = beams.ray(i);
       keys[k] = beam_key(options.seed, beams.scan[i], first_beam + i);
+      if (once) trials[k] = matter_at(matter, beams.time_s[i], options.sway_s);
       if (options.random_ray) {
         rays[k] = sensor::random_ray(sensor::beam_axes(rays[k]), *options.random_ray, keys[k]);
       }
@@ -65,11 +77,12 @@ void simulate(const DynamicWorld& world, const Options& options, size_t first_be
         label[i] = element_class(model, met[k], options.instance_labels);
         if (!instance.empty()) instance[i] = met[k].instance;
       }
-      double range = once ? drawn_in_matter(met[k],
-                                            trace::instance_key(matter, met[k].instance) ^
-                                                world.grain_cell(rays[k], beams.time_s[i], met[k]),
-                                            keys[k], model.range_noise_m, limits)
-                          : drawn_on_ray(met[k], keys[k], limits);
+      double range =
+          once ? drawn_in_matter(met[k],
+                                 trace::instance_key(matter, met[k].instance) ^
+                                     world.grain_cell(rays[k], beams.time_s[i], met[k], trials[k]),
+                                 keys[k], model.range_noise_m, limits)
+               : drawn_on_ray(met[k], keys[k], limits);
       if (options.draw == RangeDraw::kVolumetric &&
           model.kind(met[k].element) == elements::Kind::kEllipsoid) {
         const elements::Instance placed = world.placed(met[k].instance, beams.time_s[i]);

@@ -29,6 +29,9 @@ struct Options {
   double range_noise_m = 0;  ///< σ of further noise on every range.
   /// If positive, it replaces the maximum range of the beams.
   double max_range_m = 0;
+  /// s; correlation time of matter that sways, for worlds of `trace::Draws::kSwaying`, and 0 for
+  /// all others.
+  double sway_s = 0;
   bool element_ids = false;  ///< Whether to add the extra columns `element` and `element_class`.
   /// The classes of a scene's instances, one an instance. With `element_ids`, `element_class` is
   /// taken from here instead of from the element, and there is a column `instance`, which is 0 for

@@ -68,13 +68,15 @@ TracedBeams::Beam TracedBeams::operator[](size_t beam) const {
 }
 
 SubRayTracer::SubRayTracer(const DynamicWorld& world, const sensor::BeamShape& beam,
-                           std::span<const SubRay> sub_rays, uint64_t seed, double same_m)
+                           std::span<const SubRay> sub_rays, uint64_t seed, double same_m,
+                           double sway_s)
     : world_(world),
       seed_(seed),
       matter_(matter_key(seed)),
-      once_(world.world().draws() == trace::Draws::kOnce),
+      once_(world.world().draws() != trace::Draws::kAnew),
       encoder_step_rad_(beam.encoder_step_rad),
       same_m_(same_m),
+      sway_s_(sway_s),
       all_(beam, sub_rays) {
   if (!once_ || same_m <= 0 || sub_rays.size() < kFewest) return;
   const std::vector<SubRay> places = probes_first({sub_rays.begin(), sub_rays.end()});
@@ -113,7 +115,7 @@ void SubRayTracer::trace_all(const BeamLog& beams, size_t first_beam, size_t beg
     all_.spread(sensor::beam_axes(axis_of(beams, i, key)), &out.rays_[at]);
     out.first_[i - begin] = at;
     if (once_) {
-      std::fill_n(&out.keys_[at], each, matter_);
+      std::fill_n(&out.keys_[at], each, matter_at(matter_, beams.time_s[i], sway_s_));
     } else {
       all_.keys(key, &out.keys_[at]);
     }
@@ -136,7 +138,7 @@ void SubRayTracer::trace_probes(const BeamLog& beams, size_t first_beam, size_t 
   const size_t n = end - begin, probes = probes_->size(), rest = rest_->size();
   if (!out.returns_) out.returns_ = std::make_unique<SubReturns>(probes);
   out.probe_rays_.resize(n * probes);
-  out.probe_keys_.assign(n * probes, matter_);
+  out.probe_keys_.resize(n * probes);
   out.probe_met_.resize(n * probes);
   out.all_weight_ = all_.weight();
   out.probe_weight_ = probes_->weight();
@@ -147,7 +149,11 @@ void SubRayTracer::trace_probes(const BeamLog& beams, size_t first_beam, size_t 
     const size_t i = begin + b;
     return sensor::beam_axes(axis_of(beams, i, beam_key(seed_, beams.scan[i], first_beam + i)));
   };
-  for (size_t b = 0; b < n; ++b) probes_->spread(axes(b), &out.probe_rays_[b * probes]);
+  for (size_t b = 0; b < n; ++b) {
+    probes_->spread(axes(b), &out.probe_rays_[b * probes]);
+    std::fill_n(&out.probe_keys_[b * probes], probes,
+                matter_at(matter_, beams.time_s[begin + b], sway_s_));
+  }
   world_.nearest_accepted(out.probe_rays_, out.probe_keys_, {&beams.time_s[begin], n}, limits,
                           out.probe_met_);
   for (size_t b = 0; b < n; ++b) {
@@ -159,17 +165,16 @@ void SubRayTracer::trace_probes(const BeamLog& beams, size_t first_beam, size_t 
   // their probes' beams afterwards.
   const size_t total = out.first_.back(), open = out.time_s_.size() * rest;
   out.rays_.resize(total + open);
-  out.keys_.assign(total + open, matter_);
+  out.keys_.resize(total + open);
   out.met_.resize(total + open);
   for (size_t b = 0, at = total; b < n; ++b) {
     if (!out.all_[b]) continue;
     rest_->spread(axes(b), &out.rays_[at]);
+    std::fill_n(&out.keys_[at], rest, matter_at(matter_, beams.time_s[begin + b], sway_s_));
     at += rest;
   }
-  if (open > 0) {
-    world_.nearest_accepted({&out.rays_[total], open}, {&out.keys_[total], open}, out.time_s_,
-                            limits, {&out.met_[total], open});
-  }
+  world_.nearest_accepted({out.rays_.data() + total, open}, {out.keys_.data() + total, open},
+                          out.time_s_, limits, {out.met_.data() + total, open});
   for (size_t b = 0, at = total; b < n; ++b) {
     const size_t to = out.first_[b];
     std::copy_n(&out.probe_rays_[b * probes], probes, &out.rays_[to]);
@@ -192,7 +197,8 @@ void SubRayTracer::key_matter(double time_s, std::span<const Ray> rays, std::spa
   for (size_t k = 0; k < rays.size(); ++k) {
     trace::Intersection& m = met[k];
     if (m.none()) continue;
-    keys[k] = trace::instance_key(matter_, m.instance) ^ world_.grain_cell(rays[k], time_s, m);
+    keys[k] =
+        trace::instance_key(matter_, m.instance) ^ world_.grain_cell(rays[k], time_s, m, keys[k]);
     m.sigma_m = matter_sigma(m.sigma_m, world_.model(m.instance).range_noise_m);
   }
 }

@@ -50,8 +50,10 @@ class TracedBeams {
 class SubRayTracer {
  public:
   /// `world` must outlive it. `same_m` (m): 0 = always trace all sub-rays.
+  /// `sway_s`: as in `Options`.
   SubRayTracer(const DynamicWorld& world, const sensor::BeamShape& beam,
-               std::span<const sensor::SubRay> sub_rays, uint64_t seed, double same_m);
+               std::span<const sensor::SubRay> sub_rays, uint64_t seed, double same_m,
+               double sway_s = 0);
 
   /// The largest number of sub-rays of a beam.
   size_t most() const { return all_.size(); }
@@ -73,7 +75,7 @@ class SubRayTracer {
   const DynamicWorld& world_;
   uint64_t seed_, matter_;
   bool once_;  ///< Whether the matter of the world is drawn once.
-  double encoder_step_rad_, same_m_;
+  double encoder_step_rad_, same_m_, sway_s_;
   SubRayBundle all_;
   std::unique_ptr<SubRayBundle> probes_, rest_;  ///< Together they are `all_`, in this order.
 };

@@ -73,6 +73,22 @@ constexpr uint64_t instance_key(uint64_t key, uint32_t instance) {
   return key ^ mix64(uint64_t(instance) * 0x9e3779b97f4a7c15ull);
 }
 
+/// Factors by which `swaying_cell` mixes elements, cells and intervals.
+inline constexpr uint32_t kPhaseFactor[2] = {0x85ebca77u, 0x9e3779b1u}, kTimeFactor = 0x27d4eb2fu;
+
+/// The time in ticks, of which 2¹⁶ are an interval of so many seconds, modulo 2³².
+inline uint32_t ticks_of(double time_s, double interval_s) {
+  return uint32_t(int64_t(std::floor(time_s / interval_s * 65536)));
+}
+
+/// Computes the cell whose matter stands in `cell` at a time. Once in every interval of 2¹⁶ ticks
+/// other matter takes its place, in each cell at a time of its own. The matter at two times Δ
+/// intervals apart is therefore the same with the probability max(0, 1 − Δ).
+constexpr uint32_t swaying_cell(uint32_t cell, uint32_t element, uint32_t ticks) {
+  const uint32_t phase = ((cell ^ element * kPhaseFactor[0]) * kPhaseFactor[1]) >> 16;
+  return cell + kTimeFactor * ((ticks + phase) >> 16);
+}
+
 /// Whether a beam of this key ends at what it met. `cell` is that of `grain_cell`, or 0 where every
 /// beam draws anew.
 inline bool accepts(uint64_t key, const Intersection& met, uint32_t cell = 0) {

@@ -36,6 +36,7 @@ struct ModelView {
   bool voxels;
   double cells_per_m[2];  // of the grain: of triangles, and of ellipsoids; 0 where trials are drawn
                           // anew
+  bool sways;             // whether the matter of ellipsoids moves with the time (`kSwaying`)
 };
 
 /// The parts of a world that the kernels use.
@@ -88,6 +89,7 @@ struct Placement {
   double tau2;            ///< Square of the model's τ.
   uint64_t salt;          ///< Combined with the keys of the beams.
   double cells_per_m[2];  ///< As in `ModelView`.
+  bool sways;             ///< As in `ModelView`.
   bool translation;       ///< Whether the transformation is a translation alone.
 };
 

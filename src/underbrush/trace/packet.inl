@@ -136,6 +136,8 @@ inline void enter_instance(PacketTraversal& w, const Subtree& entry) {
   f.salt_low = uint32_t(p.salt);
   f.salt_high = uint32_t(p.salt >> 32);
   for (int k = 0; k < 2; ++k) f.grain[k] = lattice_of(p.cells_per_m[k], p.centre);
+  f.grain[1].sways = p.sways;
+  f.high_mask = p.sways ? 0 : ~0u;
   f.scale = float(p.scale);
   f.half_tau2 = float(0.5 * p.tau2);
   f.t_min = w.world.t_min / f.scale * 0.9999999f;

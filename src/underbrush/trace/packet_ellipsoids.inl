@@ -10,17 +10,16 @@ namespace {
 // The random trials at an ellipsoid of path-length opacity. `m2` is δ²/τ² and `m2_error` a bound on
 // its error; `reach` is τσ and `reach_error` a bound on its relative error.
 inline Trial path_length_trial(const PacketQuery& s, const Frame& f, int g, uint32_t element,
-                               const Cells& cells, float depth, F reach, F reach_error, F m2,
-                               F m2_error) {
+                               Cells cells, float depth, F reach, F reach_error, F m2, F m2_error) {
+  sway(s, f.grain[1], g, element, cells);
   const F one = all(1.0f), slack = all(1e-6f);
   const F x = all(depth) * reach * exp_below_zero(-all(f.half_tau2) * greater(m2, all(0.0f)));
   const F error = muladd(all(f.half_tau2), m2_error, reach_error) + 1e-5f;
   const F low = one - exp_below_zero(-x * greater(one - error, all(0.0f)));
   const F high =
       pick(le(error, one), one - exp_below_zero(-x * muladd(all(2.0f), error, one)), one);
-  const U hash = accept_hash(all(element), s.keys.low[g] ^ f.salt_low ^ cells.mixed,
-                             s.keys.high[g] ^ f.salt_high);
-  const F trial = __builtin_convertvector((I)(hash >> 8), F) * 0x1p-24f;
+  const F trial =
+      __builtin_convertvector((I)(trial_bits(s, f, g, element, cells) >> 8), F) * 0x1p-24f;
   return {M(le(trial, high + slack) | ~cells.sure), M(le(trial + 2.0f * slack, low) & cells.sure)};
 }
 

@@ -30,10 +30,12 @@ struct Lattice {
   float cells_per_m;  // 0 without a grain
   float part[3];
   uint32_t cell[3];
+  bool sways;
 };
 
 inline Lattice lattice_of(double cells_per_m, const double centre[3]) {
   Lattice l;
+  l.sways = false;
   l.cells_per_m = float(cells_per_m);
   for (int a = 0; a < 3; ++a) {
     const double at = centre[a] * cells_per_m + kCellOffset[a];
@@ -54,6 +56,7 @@ struct Frame {
   float high[3], low[3];
   float lower[3], upper[3];  // the centre, moved outwards so that boxes come out too large
   uint32_t instance, salt_low, salt_high;
+  uint32_t high_mask;  // of the keys' upper half, which is the time where matter sways
   float scale, half_tau2;
   Lattice grain[2];    // of triangles, and of ellipsoids
   float t_min, t_max;  // limits of the ranges that count
@@ -183,6 +186,20 @@ inline Cells cells_of(const Frame& f, const Lattice& l, int g, F t, F error) {
   return cells;
 }
 
+// Moves the matter of the cells with the time (`swaying_cell`).
+inline void sway(const PacketQuery& s, const Lattice& l, int g, uint32_t element, Cells& cells) {
+  if (!l.sways) return;
+  const U phase = ((cells.mixed ^ all(element * kPhaseFactor[0])) * kPhaseFactor[1]) >> 16;
+  cells.mixed += ((s.keys.high[g] + phase) >> 16) * kTimeFactor;
+}
+
+// The random bits of the trials of a group at an element.
+inline U trial_bits(const PacketQuery& s, const Frame& f, int g, uint32_t element,
+                    const Cells& cells) {
+  return accept_hash(all(element), s.keys.low[g] ^ f.salt_low ^ cells.mixed,
+                     (s.keys.high[g] & f.high_mask) ^ f.salt_high);
+}
+
 // The random trials of a group at an element: the lanes that may accept it, and those that
 // certainly do.
 struct Trial {
@@ -191,10 +208,9 @@ struct Trial {
 inline Trial trial_at(const PacketQuery& s, const Frame& f, const Lattice& l, int g,
                       uint32_t element, uint32_t accept_below, F t, F error) {
   if (accept_below == 0xffffffffu) return {mask_of(~0u), mask_of(~0u)};
-  const Cells cells = cells_of(f, l, g, t, error);
-  const M accepted = below(accept_hash(all(element), s.keys.low[g] ^ f.salt_low ^ cells.mixed,
-                                       s.keys.high[g] ^ f.salt_high),
-                           all(accept_below));
+  Cells cells = cells_of(f, l, g, t, error);
+  sway(s, l, g, element, cells);
+  const M accepted = below(trial_bits(s, f, g, element, cells), all(accept_below));
   return {M(accepted | ~cells.sure), M(accepted & cells.sure)};
 }
 

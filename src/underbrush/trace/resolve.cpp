@@ -36,6 +36,7 @@ Placement place(const View& view, uint32_t instance, const double centre[3]) {
   p.scale = placed.scale;
   p.tau2 = view.model_views[placed.model].tau2;
   std::copy_n(view.model_views[placed.model].cells_per_m, 2, p.cells_per_m);
+  p.sways = view.model_views[placed.model].sways;
   p.salt = instance_key(0, instance);
   const Mat3 back = placed.world_from_model.rotation.conjugate().toRotationMatrix();
   const Vec3 world =
@@ -48,21 +49,24 @@ Placement place(const View& view, uint32_t instance, const double centre[3]) {
   return p;
 }
 
-/// Computes the cell of the grain, or 0 where every beam draws anew.
-static uint32_t cell_of(const View& view, const Batch& batch, size_t ray, const Intersection& met) {
+/// Whether a ray ends at what it met.
+static bool ends(const View& view, const Batch& batch, size_t ray, const Intersection& met) {
   const elements::Instance& placed = view.instances[met.instance];
   const ModelView& model = view.model_views[placed.model];
-  if (model.cells_per_m[met.element >= model.triangle_count] == 0) return 0;
-  return grain_cell(*view.models[placed.model], placed, batch.rays[ray], met);
+  const bool ellipsoid = met.element >= model.triangle_count;
+  const uint64_t key = batch.keys[ray];
+  if (model.cells_per_m[ellipsoid] == 0) return accepts(key, met);
+  const uint32_t cell = grain_cell(*view.models[placed.model], placed, batch.rays[ray], met);
+  if (!model.sways) return accepts(key, met, cell);
+  return accepts(uint32_t(key), met,
+                 ellipsoid ? swaying_cell(cell, met.element, uint32_t(key >> 32)) : cell);
 }
 
 bool resolve_nearest(const View& view, Query query, Batch& batch, size_t ray, uint32_t instance,
                      uint32_t element, uint32_t have_instance, uint32_t have_element) {
   const Intersection met = intersect_placed(view, batch, {uint32_t(ray), instance, element});
   if (met.none()) return false;
-  if (query == Query::kAccepted && !accepts(batch.keys[ray], met, cell_of(view, batch, ray, met))) {
-    return false;
-  }
+  if (query == Query::kAccepted && !ends(view, batch, ray, met)) return false;
   Intersection& best = batch.best[ray];
   if (have_element != Intersection::kNone) {
     best = intersect_placed(view, batch, {uint32_t(ray), have_instance, have_element});

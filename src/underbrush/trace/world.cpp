@@ -32,9 +32,10 @@ ModelView::Mesh view_of(const elements::TriangleMesh& mesh) {
 }
 
 void set_grain(const elements::Model& m, Draws draws, ModelView& view) {
-  const auto cells_per_m = [&](double side_m) { return draws == Draws::kOnce ? 1 / side_m : 0; };
+  const auto cells_per_m = [&](double side_m) { return draws == Draws::kAnew ? 0 : 1 / side_m; };
   view.cells_per_m[0] = cells_per_m(m.grain.mesh_m);
   view.cells_per_m[1] = cells_per_m(m.grain.ellipsoid_m);
+  view.sways = draws == Draws::kSwaying;
 }
 
 ModelView view_of(const elements::Model& m) {
@@ -45,7 +46,8 @@ ModelView view_of(const elements::Model& m) {
           uint32_t(m.triangle_count()),
           m.tau * m.tau,
           m.voxel_m > 0,
-          {0, 0}};
+          {0, 0},
+          false};
 }
 
 /// The working memory of a thread's queries. It is large, and is kept from call to call.

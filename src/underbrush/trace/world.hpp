@@ -31,8 +31,10 @@ class IntersectionLists {
 
 /// How beams draw their trials. With `kOnce` the matter of the world is drawn once, in cells of its
 /// grain (`elements::Model::grain`): beams of the same key that pass an element in the same cell
-/// have the same trial. With `kAnew` every key draws anew, as if there were no grain.
-enum class Draws { kAnew, kOnce };
+/// have the same trial. With `kAnew` every key draws anew, as if there were no grain. With
+/// `kSwaying` the matter of ellipsoids moves with the time: the lower half of a key is the draw,
+/// and the upper one the time in ticks (`swaying_cell`).
+enum class Draws { kAnew, kOnce, kSwaying };
 
 /// All elements of a model or a scene behind one query interface.
 ///
