@@ -6,6 +6,8 @@ benchmarks only counts and ratios of times from one run are compared.
 import pathlib
 import sys
 
+from . import matter
+from .common import HALVES, KEYS, LOGS, REAL_LOGS, STUDY, study
 from .jobs import Job, Measured, Part, read_json, read_rows
 from .tables import HEADING
 
@@ -13,20 +15,7 @@ SOURCE = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(SOURCE / "tests/rules"))
 import readme  # noqa: E402
 
-LOGS = {  # name: what of DATA it needs
-    "kitti_0027_forest": "kitti_0027_forest/velodyne.kfx",
-    "kitti_0005_city": "kitti_0005_city/velodyne.kfx",
-    "kitti_0052_static": "kitti_0052_static/velodyne.kfx",
-    "rellis_000104": "rellis_000104/frame000104-1581624663_170.ply",
-    "marv_forest": "marv_forest/1727353472_601360559.npz",
-}
-REAL_LOGS = '"$PYTHON" "$SOURCE/scripts/real_logs.py" "$DATA" "$WORK" --program "$BIN/underbrush"'
-STUDY = "underbrush-study"
-
 # ---------------------------------------------------------------------------------------------- the real logs
-
-HALVES = {log: Job(f"halves.{log}", f"{REAL_LOGS} --only {log} --models\ntest -s \"$WORK/{log}/test.ply\"", (path,))
-          for log, path in LOGS.items()}
 
 
 def model_job(log, model):
@@ -99,11 +88,6 @@ underbrush score "$WORK/{log}/test.ply" sim.ply --model model --name model --jso
 rm -r model sim.ply""", (LOGS[log],), (HALVES[log],))
 
 
-KEYS = {"packet error, m": "packet_error_m", "capped error, m": "capped_error_m", "precision": "precision",
-        "recall": "recall", "F1": "f1", "median range error, m": "median_range_error_m",
-        "cloud error, m": "cloud_error_m", "density-aware Chamfer": "density_aware_chamfer", "NLL": "nll_per_beam", "CRPS": "crps_m"}
-
-
 def options_of_fit():
     rows = {"none": "", "--mixture-rounds 0": "--mixture-rounds 0",
             "--ellipsoid-prior-hits 1": "--ellipsoid-prior-hits 1",
@@ -118,30 +102,7 @@ def options_of_fit():
     return tuple(part(number, row, fit) for number, (row, fit) in enumerate(rows.items()))
 
 
-def grain():
-    def part(log):
-        job = Job(f"grain.{log}", f"""underbrush fit "$WORK/{log}/train.ply" -o model
-for m in anew once; do underbrush simulate model --like "$WORK/{log}/test.ply" --matter $m -o $m.ply; done
-underbrush score "$WORK/{log}/test.ply" anew.ply once.ply --json scores.json
-rm -r model anew.ply once.ply""", (LOGS[log],), (HALVES[log],))
-
-        def cells(folder):
-            models = read_json(folder / "scores.json")["models"]
-            yield log, "roughness, cm: log", [100 * models["once"]["roughness_real_m"]]
-            for model in ("anew", "once"):
-                yield log, f"roughness, cm: {model}", [100 * models[model]["roughness_m"]]
-                yield from ((log, f"{column}: {model}", [models[model][KEYS[column]]])
-                            for column in ("packet error, m", "F1", "cloud error, m"))
-        return Part((job,), cells)
-    return tuple(part(log) for log in LOGS)
-
-
 # ------------------------------------------------------------------------------------------------- the studies
-
-def study(name, options="", before="", **more):
-    # A study whose verdict falls short exits 1, and its figures count all the same.
-    return Job(f"study.{name}", f"{before}{STUDY} {name} {options} --json study.json || test -s study.json",
-               programs=(STUDY,), **more)
 
 
 LOOK_UP = study("look-up", "--data logs",
@@ -350,7 +311,8 @@ MEASURED = {
     "real-logs": Measured(real_logs(("default", "sharp", "surface", "surface_carved", "mesh_primitives"))),
     "fitters": Measured(fitters(("default", "voxel", "top_down", "bottom_up", "likelihood"))),
     "options-of-fit": Measured(options_of_fit()),
-    "grain": Measured(grain()),
+    **matter.MEASURED,
+    "echoes": Measured((Part((TERRESTRIAL,), matter.echoes),)),
     "tuning": Measured(tuning()),
     "vegetation": Measured((Part((study("vegetation"),), vegetation),),
                            uncompared={"published surface / volumetric": "figures of the paper"}),

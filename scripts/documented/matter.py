@@ -1,0 +1,64 @@
+"""The tables of matter that is drawn once, and of the instrument that meets it."""
+from .common import HALVES, KEYS, LOGS
+from .jobs import Job, Measured, Part, read_json
+
+THREE = ("packet error, m", "F1", "cloud error, m")
+
+
+def grain():
+    def part(log):
+        job = Job(f"grain.{log}", f"""underbrush fit "$WORK/{log}/train.ply" -o model
+for m in anew once; do underbrush simulate model --like "$WORK/{log}/test.ply" --matter $m -o $m.ply; done
+underbrush score "$WORK/{log}/test.ply" anew.ply once.ply --json scores.json
+rm -r model anew.ply once.ply""", (LOGS[log],), (HALVES[log],))
+
+        def cells(folder):
+            models = read_json(folder / "scores.json")["models"]
+            yield log, "roughness, cm: log", [100 * models["once"]["roughness_real_m"]]
+            for model in ("anew", "once"):
+                yield log, f"roughness, cm: {model}", [100 * models[model]["roughness_m"]]
+                yield from ((log, f"{column}: {model}", [models[model][KEYS[column]]])
+                            for column in THREE)
+        return Part((job,), cells)
+    return tuple(part(log) for log in LOGS)
+
+
+SENSORS = {"rellis_000104": "ouster-os1-64", "marv_forest": "ouster-os0-128"}  # of the others: velodyne-hdl64e
+
+
+def instrument():
+    """Thin rays beside the instrument of the log's own sensor, as it is and with all of its footprint."""
+    def part(log):
+        sensor = SENSORS.get(log, "velodyne-hdl64e")
+        like = f'simulate model --like "$WORK/{log}/test.ply"'
+        job = Job(f"instrument.{log}", f"""underbrush fit "$WORK/{log}/train.ply" --sensor {sensor} -o model
+underbrush {like} -o thin.ply
+underbrush {like} --sensor {sensor} --super-sample 9 -o instrument.ply
+underbrush {like} --sensor {sensor} --super-sample 9 --footprint whole -o whole.ply
+underbrush score "$WORK/{log}/test.ply" thin.ply instrument.ply whole.ply --json scores.json
+rm -r model thin.ply instrument.ply whole.ply""", (LOGS[log],), (HALVES[log],))
+
+        def cells(folder):
+            models = read_json(folder / "scores.json")["models"]
+            yield from ((log, f"{column}: {model}", [models[model][KEYS[column]]])
+                        for column in THREE for model in ("thin", "instrument", "whole"))
+        return Part((job,), cells)
+    return tuple(part(log) for log in LOGS)
+
+
+def echoes(folder):
+    """The study of the page on terrestrial scans."""
+    for row, s in read_json(folder / "study.json")["figures"].items():
+        row = row.removeprefix("conifers/")
+        for column, key in (("2 or more, %", "two"), ("3 or more, %", "three"), ("above ground", "two_above_ground")):
+            yield row, column, [100 * s[key]]
+        for column, share in zip(("0 to 2 m", "2 to 4 m", "4 to 8 m", "from 8 m"), s["two_in_band"]):
+            yield row, column, [100 * share]
+        yield row, "gaps, m", s["gap_m"]
+        yield row, "distance", [s["distance"]]
+
+
+MEASURED = {
+    "grain": Measured(grain()),
+    "instrument": Measured(instrument()),
+}
