@@ -197,6 +197,7 @@ std::optional<sensor::Sensor> recorder_of(const elements::Scene& scene) {
     info.sensor_file = m.sensor_file;
     sensor::Sensor s = sensor::sensor_of_log("model", info);
     s.range_sigma_m = std::min(s.range_sigma_m, m.range_noise_m);
+    s.max_range_m = std::min(s.max_range_m, m.max_range_m);
     if (!narrowest || s.beam.sigma_m(kTypicalRange) < narrowest->beam.sigma_m(kTypicalRange)) {
       narrowest = std::move(s);
     }
@@ -217,7 +218,10 @@ simulate::Instrument instrument_of(const InstrumentArguments& a, sensor::Sensor 
         s.beam.exit_diameter_m == 0 && s.beam.divergence_rad == std::array<double, 2>{0, 0};
     if (thin) instrument.sub_rays = {{}};
   }
-  if (recorder && recorder->name == s.name) s.range_sigma_m = recorder->range_sigma_m;
+  if (recorder && recorder->name == s.name) {
+    s.range_sigma_m = recorder->range_sigma_m;
+    s.max_range_m = recorder->max_range_m;
+  }
   instrument.beam = s.beam;
   instrument.receiver = radiometry::receiver_options(s, air, sunlit);
   set_returns(a.returns, instrument.receiver);

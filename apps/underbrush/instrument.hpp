@@ -35,13 +35,14 @@ void add_instrument_options(Verb& verb, InstrumentArguments& a);
 /// Returns the sensor's instrument: sub-rays, receiver in this air and light, and return mode.
 /// `recorder` is what `recorder_of` gives: the models answer as for its beam, so that sub-rays are
 /// spread by what the sensor's is wider (`sensor::wider_by`) unless the whole footprint is asked
-/// for, and the same sensor has its range noise.
+/// for, and the same sensor has the range noise and the farthest range of its log.
 simulate::Instrument instrument_of(const InstrumentArguments& a, sensor::Sensor sensor,
                                    const std::optional<sensor::Sensor>& recorder);
 
 /// Returns the sensor that recorded the logs to which the models of a scene were fitted, with the
-/// range noise that they showed; of several that with the narrowest beam. There is none where a
-/// model with ellipsoids (or any, if none has) does not know its own, or has shares of the light.
+/// range noise and the farthest range that they showed; of several that with the narrowest beam.
+/// There is none where a model with ellipsoids (or any, if none has) does not know its own, or has
+/// shares of the light.
 std::optional<sensor::Sensor> recorder_of(const elements::Scene& scene);
 
 /// Returns the materials with the user's changes.
