@@ -20,7 +20,7 @@ from underbrush.formats.clock import Clock
 from underbrush.formats.scans import Scan
 
 Floats = npt.NDArray[np.float64]
-Packets = npt.NDArray[np.void]
+Packets = npt.NDArray[Any]  #: Of `Metadata.packet`, or its columns.
 
 
 @dataclasses.dataclass(frozen=True)
@@ -99,7 +99,7 @@ class Metadata:
         return len(self.elevation)
 
     @property
-    def packet(self) -> np.dtype[np.void]:
+    def packet(self) -> np.dtype[Any]:
         """Layout of a packet."""
         profile, rows = self.profile, self.rows
         names, types, offsets = zip(*profile.fields)
@@ -109,10 +109,10 @@ class Metadata:
                                ("pixels", pixel, (rows,)), ("status", "<u4")])
             return np.dtype([("columns", column, (self.columns_per_packet,))])
         column = np.dtype([("time_ns", "<u8"), ("id", "<u2"), ("status", "<u2"), ("pixels", pixel, (rows,))])
-        header = {"names": ["kind", "frame", "serial"], "formats": ["u1", "<u4", "<u8"], "offsets": [0, 4, 8]} \
-            if self.fusa else {"names": ["kind", "frame", "serial"], "formats": ["u1", "<u2", "<u8"], "offsets": [0, 2, 4]}
-        return np.dtype([("header", np.dtype({**header, "itemsize": 32})),  # type: ignore[call-overload]
-                         ("columns", column, (self.columns_per_packet,)), ("footer", "V32")])
+        frame, places = ("<u4", [0, 4, 8]) if self.fusa else ("<u2", [0, 2, 4])
+        header = np.dtype({"names": ["kind", "frame", "serial"], "formats": ["u1", frame, "<u8"], "offsets": places,
+                           "itemsize": 32})  # The serial number fills the upper five bytes.
+        return np.dtype([("header", header), ("columns", column, (self.columns_per_packet,)), ("footer", "V32")])
 
     @classmethod
     def read(cls, path: str | pathlib.Path) -> Metadata:
@@ -123,7 +123,8 @@ class Metadata:
                 raise ValueError("it is no object")
             return _metadata(_Values(file))
         except (ValueError, TypeError, KeyError, RecursionError, OverflowError) as error:
-            raise FormatError(path, "", f"is no metadata of an Ouster sensor: {' '.join(str(error).split())}") from error
+            reason = " ".join(str(error).split())[:200]
+            raise FormatError(path, "", f"is no metadata of an Ouster sensor: {reason}") from error
 
 
 class _Values:
@@ -169,10 +170,11 @@ def _metadata(values: _Values) -> Metadata:
     if len(window) != 2 or not all(0 <= column < columns for column in window):
         raise ValueError("'column_window' is not two columns of a frame")
     serial = str(values.get("prod_sn", "0"))
-    return Metadata(
-        product, int(serial) if serial.isdigit() else 0, profile, columns, per_packet, (window[0], window[1]),
-        str(values.get("header_type", "")) == "FUSA" or profile.startswith("FUSA"), int(values.get("udp_port_lidar", 0)),
-        np.radians(elevation), np.radians(azimuth), (float(beam_mm[0, 3]) * 0.001, float(beam_mm[2, 3]) * 0.001), transform)
+    fusa = str(values.get("header_type", "")) == "FUSA" or profile.startswith("FUSA")
+    origin_m = (float(beam_mm[0, 3]) * 0.001, float(beam_mm[2, 3]) * 0.001)
+    return Metadata(product, int(serial) if serial.isdecimal() else 0, profile, columns, per_packet,
+                    (window[0], window[1]), fusa, int(values.get("udp_port_lidar", 0)), np.radians(elevation),
+                    np.radians(azimuth), origin_m, transform)
 
 
 class Decoder:
@@ -186,8 +188,8 @@ class Decoder:
         self.skipped = skipped
         self.packet = metadata.packet
         self.packet_bytes = self.packet.itemsize
-        known = metadata.product.lower().replace("os-", "ouster-os") if metadata.product else f"ouster-os1-{metadata.rows}"
-        self.sensor = known if known in catalogue.names() else ""
+        known = "ouster-" + metadata.product.lower().replace("os-", "os") if metadata.product else "ouster-os1-64"
+        self.sensor = known if known in catalogue.names() and known.endswith(f"-{metadata.rows}") else ""
         self.title = f"Ouster {metadata.product or f'with {metadata.rows} rows'}"
         self.modes = {"dual return" if metadata.profile.returns == 2 else "single return"}
         self.clock = Clock()
@@ -281,9 +283,9 @@ class _Table:
         azimuth = encoder - metadata.azimuth
         axis_m, height_m = metadata.origin_m
         self._before_m = float(np.hypot(axis_m, height_m))  #: Ranges are from the axis; the beam begins here.
-        direction = np.stack([np.cos(azimuth) * np.cos(metadata.elevation), np.sin(azimuth) * np.cos(metadata.elevation),
-                              np.broadcast_to(np.sin(metadata.elevation), azimuth.shape)], axis=-1)
-        origin = np.stack([axis_m * np.cos(encoder), axis_m * np.sin(encoder), np.full_like(encoder, height_m)], axis=-1)
+        flat, up = np.cos(metadata.elevation), np.sin(metadata.elevation)
+        direction = np.stack([np.cos(azimuth) * flat, np.sin(azimuth) * flat, np.broadcast_to(up, azimuth.shape)], -1)
+        origin = np.stack([axis_m * np.cos(encoder), axis_m * np.sin(encoder), np.full_like(encoder, height_m)], -1)
         rotation, shift = metadata.sensor_from_lidar[:3, :3], metadata.sensor_from_lidar[:3, 3]
         self.direction = direction @ rotation.T  #: (columns, rows, 3)
         self.origin = np.broadcast_to(origin @ rotation.T + shift, direction.shape)  #: (columns, rows, 3), m.
@@ -325,5 +327,6 @@ class _Table:
         intensity = np.where(count > 0, extra.get("signal", extra["reflectivity"]), 0).astype(np.float32)
         return Scan(
             number=number, time_s=float(time_s[0]), direction=self.direction[column, pixel],
-            range_m=range_m.astype(np.float32), origin=self.origin[column, pixel], beam_time_s=np.repeat(time_s, rows)[row_beam],
+            range_m=range_m.astype(np.float32), origin=self.origin[column, pixel],
+            beam_time_s=np.repeat(time_s, rows)[row_beam],
             intensity=intensity, ring=pixel.astype(np.uint16), echo=echo, echoes=echoes, extra=extra)

@@ -17,6 +17,7 @@ from underbrush.errors import FormatError
 from underbrush.formats import ouster, velodyne
 from underbrush.formats.pcap import Capture, Datagram
 from underbrush.formats.scans import Poses, Scan
+from underbrush.formats.velodyne_calibration import Calibration
 
 Floats = npt.NDArray[np.float64]
 _Decoder = velodyne.Decoder | ouster.Decoder
@@ -66,15 +67,15 @@ class PacketRecording:
         self._sensor_given = sensor
         self._wanted = stream
         self._totals = _Totals()
-        self._capture = Capture(self.path)
-        self.bytes_total = self._capture.bytes_total
-        self._probe()
+        self._capture: Capture | None = None
+        self.bytes_total = self.path.stat().st_size
+        self._probe(Capture(self.path))
         self.sensor: str = self._open(collections.Counter()).sensor
 
     @property
     def bytes_done(self) -> int:
         """Bytes read so far, for progress."""
-        return self._capture.bytes_done
+        return self._capture.bytes_done if self._capture is not None else 0
 
     def found(self) -> list[str]:
         """Lines that say what is in the recording.
@@ -116,8 +117,8 @@ class PacketRecording:
         for reason in [reason for reason, count in skipped.items() if not count]:
             del skipped[reason]
 
-    def _batches(self, capture: Capture, decoder: _Decoder, skipped: collections.Counter[str], limit: float) -> Iterator[
-            list[Datagram]]:
+    def _batches(self, capture: Capture, decoder: _Decoder, skipped: collections.Counter[str],
+                 limit: float) -> Iterator[list[Datagram]]:
         """The stream's packets, without those that were captured twice in a row, many at a time."""
         batch: list[Datagram] = []
         last, count = b"", 0
@@ -139,7 +140,7 @@ class PacketRecording:
         if batch:
             yield batch
 
-    def _probe(self) -> None:
+    def _probe(self, capture: Capture) -> None:
         """Reads the beginning of the file: finds the sensor's stream, metadata and reference of time."""
         given = self._metadata_path
         beside = self.path.with_suffix(".json")
@@ -148,7 +149,7 @@ class PacketRecording:
         self._ouster = None
         calibration = None
         if given is not None and given.suffix.lower() != ".json":
-            calibration = velodyne.Calibration.read(given)
+            calibration = Calibration.read(given)
         elif given is not None or beside.is_file():
             self._ouster = ouster.Metadata.read(given or beside)
         size = self._ouster.packet.itemsize if self._ouster is not None else 0
@@ -156,7 +157,7 @@ class PacketRecording:
         streams: dict[_Stream, list[Datagram]] = {}
         lengths: collections.Counter[tuple[int, int]] = collections.Counter()
         with_metadata = set()
-        for datagram in itertools.islice(self._capture.datagrams(), _PROBE_DATAGRAMS):
+        for datagram in itertools.islice(capture.datagrams(), _PROBE_DATAGRAMS):
             key, data = _Stream(datagram.source, datagram.port), datagram.data
             lengths[datagram.port, len(data)] += 1
             if len(data) == 512 and not self._reference_s:
@@ -169,7 +170,7 @@ class PacketRecording:
                 streams.setdefault(key, []).append(datagram)
                 if len(streams[key]) >= _PROBE_PACKETS or len(streams[key]) * len(data) > 16 << 20:
                     break
-        self._stream = self._choose(streams, lengths, with_metadata)
+        self._stream = self._choose(streams, lengths, with_metadata, capture.skipped)
         probe = [datagram for datagram in streams[self._stream] if len(datagram.data) == velodyne.PACKET.itemsize]
         if self._stream in with_metadata:
             assert self._ouster is not None
@@ -189,7 +190,7 @@ class PacketRecording:
                               f"metadata: metadata='{beside.name}'{hint}")
 
     def _choose(self, streams: dict[_Stream, list[Datagram]], lengths: collections.Counter[tuple[int, int]],
-                with_metadata: set[_Stream]) -> _Stream:
+                with_metadata: set[_Stream], skipped: collections.Counter[str]) -> _Stream:
         if self._wanted is not None:
             streams = {key: value for key, value in streams.items()
                        if self._wanted in (str(key), str(key.port), str(ipaddress.ip_address(key.source)))}
@@ -203,9 +204,9 @@ class PacketRecording:
             usual = ", ".join(f"{count} of {length} bytes to port {port}"
                               for (port, length), count in lengths.most_common(3))
             wanted = f" of '{self._wanted}'" if self._wanted is not None else ""
-            skipped = "".join(f"; {count} {reason}" for reason, count in self._capture.skipped.items())
+            reasons = "".join(f"; {count} {reason}" for reason, count in skipped.items())
             raise self._error(f"has no packets{wanted} of a Velodyne or an Ouster; it has {usual or 'no UDP datagrams'}"
-                              + skipped)
+                              + reasons)
         if len(streams) > 1:
             names = [str(key) for key in streams]
             raise self._error(f"has {len(names)} sensors ({', '.join(names)}); choose one with stream='{names[0]}'")
@@ -218,7 +219,8 @@ class PacketRecording:
                 decoder: _Decoder = ouster.Decoder(self._ouster, skipped)
             else:
                 probe, captured_s, calibration = self._velodyne
-                decoder = velodyne.Decoder(probe, captured_s, skipped, self._sensor_given, calibration, self._reference_s)
+                decoder = velodyne.Decoder(probe, captured_s, skipped, self._sensor_given, calibration,
+                                           self._reference_s)
         except FormatError:
             raise
         except ValueError as error:

@@ -10,6 +10,7 @@ import collections
 import dataclasses
 import datetime
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -21,10 +22,11 @@ from underbrush.formats.velodyne_calibration import Calibration
 
 Floats = npt.NDArray[np.float64]
 Counts = npt.NDArray[np.uint16]
-Packets = npt.NDArray[np.void]
+Packets = npt.NDArray[Any]  #: Of `PACKET`.
 
 PACKET = np.dtype([
-    ("blocks", [("flag", "<u2"), ("azimuth", "<u2"), ("lasers", [("range", "<u2"), ("intensity", "u1")], (32,))], (12,)),
+    ("blocks", [("flag", "<u2"), ("azimuth", "<u2"),
+                ("lasers", [("range", "<u2"), ("intensity", "u1")], (32,))], (12,)),
     ("stamp_us", "<u4"), ("mode", "u1"), ("product", "u1")])
 MODES = {0x37: "strongest return", 0x38: "last return", 0x39: "dual return"}
 _DUAL, _HOUR_S, _POSITION_BYTES = 0x39, 3600.0, 512
@@ -57,7 +59,8 @@ MODELS = (
     Model("velodyne-hdl64e", None, (_UPPER, _LOWER)),
 )
 
-#: HDL-64E: rings of the lasers 0, 2, 4, … of the upper block; the next laser has the ring above, the lower block 32 more.
+#: HDL-64E: rings of the lasers 0, 2, 4, … of the upper block. The next laser has the ring above; the lower block's
+#: rings are 32 more.
 _HDL64E_RINGS = (27, 5, 25, 31, 23, 29, 15, 21, 13, 19, 11, 17, 3, 9, 1, 7)
 #: HDL-64E: times in a firing of 48 µs at which four lasers of a block fire, one group of them every 6 µs.
 _HDL64E_TIMES_US = (0.0, 1.26, 2.46, 3.66)
@@ -103,7 +106,7 @@ def utc_of(position: bytes) -> float | None:
         fields = position[206:].split(b"\0")[0].decode("ascii").split(",")
         if not fields[0].endswith("RMC") or fields[2] != "A":
             return None
-        when = datetime.datetime.strptime(fields[9] + fields[1][:6], "%d%m%y%H%M%S").replace(tzinfo=datetime.timezone.utc)
+        when = datetime.datetime.strptime(fields[9] + fields[1][:6] + "+0000", "%d%m%y%H%M%S%z")
     except (ValueError, IndexError):
         return None
     after_hour = int.from_bytes(position[198:202], "little") * 1e-6
@@ -214,7 +217,7 @@ class Decoder:
     def _firings(self, packets: Packets, captured_s: Floats, dual: bool) -> _Firings:
         n, lasers, flags = len(packets), self._lasers, self.model.flags
         banks, firings = len(flags), self._firings_per_packet(dual)
-        blocks = packets["blocks"]
+        blocks: Packets = packets["blocks"]
         if dual and banks == 4:
             blocks = blocks[:, :8]  # The last four blocks are empty.
         returns = 2 if dual else 1
@@ -237,8 +240,8 @@ class Decoder:
         time_s = (start_s[:, None] + group_s)[sound]
         rate, turn = self._rotation.advance(azimuth[sound], time_s)
 
-        def values(name: str) -> npt.NDArray[np.generic]:
-            column = np.ascontiguousarray(blocks["lasers"][name][sound])  # (groups, returns, banks, 32)
+        def values(name: str) -> npt.NDArray[Any]:
+            column: npt.NDArray[Any] = blocks["lasers"][name][sound]  # (groups, returns, banks, 32)
             column = column.reshape(-1, returns, halves, lasers).swapaxes(1, 2)
             return column.reshape(-1, returns, lasers)
 
@@ -285,8 +288,9 @@ class Decoder:
         if laser is not None:
             direction, range_m = self.calibration.corrected(direction, range_m, laser)
         self._scans += 1
-        return Scan(number=self._scans - 1, time_s=float(time_s[0]), direction=direction, range_m=range_m, origin=origin,
-                    beam_time_s=time_s, intensity=intensity.astype(np.float32), ring=ring, echo=echo, echoes=echoes)
+        return Scan(number=self._scans - 1, time_s=float(time_s[0]), direction=direction, range_m=range_m,
+                    origin=origin, beam_time_s=time_s, intensity=intensity.astype(np.float32), ring=ring, echo=echo,
+                    echoes=echoes)
 
 
 class _Rotation:

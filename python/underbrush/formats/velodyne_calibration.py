@@ -129,8 +129,8 @@ def _from_yaml(text: str, source: str) -> Calibration:
     file = yaml.safe_load(text)
     lasers = sorted(file["lasers"], key=lambda laser: int(laser["laser_id"]))
     columns = {field: np.array([float(laser.get(key, 0)) for laser in lasers]) for field, (key, _, _) in _KEYS.items()}
-    return _calibration(columns, [int(laser["laser_id"]) for laser in lasers], float(file.get("distance_resolution", 0)),
-                        source)
+    ids = [int(laser["laser_id"]) for laser in lasers]
+    return _calibration(columns, ids, float(file.get("distance_resolution", 0)), source)
 
 
 def _from_xml(text: str, source: str) -> Calibration:
