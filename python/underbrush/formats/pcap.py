@@ -51,6 +51,7 @@ class Capture:
         """Opens `path`. Raises OSError, or FormatError where the file is no capture."""
         self.path = pathlib.Path(path)
         self.skipped: collections.Counter[str] = collections.Counter()
+        self._ahead = b""  # Bytes that were read and given back.
         self._raw = self.path.open("rb")
         self.bytes_total = self.path.stat().st_size
         magic = self._raw.read(4)
@@ -65,7 +66,6 @@ class Capture:
         if not self._is_ng and not self._order:
             self._raw.close()
             raise FormatError(path, "byte 0", "is no capture (pcap or pcapng)")
-        self._ahead = b""  # Bytes that were read and given back.
         self._fragments: dict[bytes, _Fragments] = {}
         self._fragment_bytes = 0
 
@@ -104,7 +104,8 @@ class Capture:
         data = damaged[1:] + self._read(_MAX_SEARCH - len(damaged))
         place = next((place for place in range(len(data) - 16) if sound(data, place)), None)
         if place is None:
-            self.skipped["damaged file; its rest is left out"] += bool(self._read(1))
+            if self._read(1):
+                self.skipped["damaged file; its rest is left out"] += 1
             return False
         self._ahead = data[place:] + self._ahead
         return True

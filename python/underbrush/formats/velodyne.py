@@ -31,6 +31,7 @@ PACKET = np.dtype([
 MODES = {0x37: "strongest return", 0x38: "last return", 0x39: "dual return"}
 _DUAL, _HOUR_S, _POSITION_BYTES = 0x39, 3600.0, 512
 _MAX_DEG_PER_S = 12_000.0  #: A little above 30 revolutions a second, which no model exceeds.
+_LONGEST_S = 0.4  #: A scan of a sensor that stands still ends then; the slowest revolution takes 0.2 s.
 _UPPER, _LOWER = 0xEEFF, 0xDDFF
 
 
@@ -221,10 +222,11 @@ class Decoder:
         if dual and banks == 4:
             blocks = blocks[:, :8]  # The last four blocks are empty.
         returns = 2 if dual else 1
-        # Blocks as (n, groups, returns, banks): the HDL-64E has all banks of a return together, others both returns.
+        # Blocks as (n, groups, returns, banks), the strongest return first. The HDL-64E has all banks of a return
+        # together, others both returns of a bank, and the last return first.
         blocks = blocks.reshape((n, -1, returns, banks) if self.model.is_hdl64e else (n, -1, banks, returns))
         if not self.model.is_hdl64e:
-            blocks = blocks.swapaxes(2, 3)
+            blocks = blocks.swapaxes(2, 3)[:, :, ::-1]
         groups = blocks.shape[1]
         azimuth = blocks["azimuth"][:, :, 0, 0].astype(np.float64) * 0.01
         sound = (blocks["flag"] == np.array(flags, dtype=np.uint16)).all(axis=(2, 3)) & (azimuth < 360)
@@ -260,7 +262,7 @@ class Decoder:
                 last = self._pending[-1]
                 held = sum(len(pending) for pending in self._pending)
                 if (last.turn[-1] != part.turn[0] or last.range.shape[1] != part.range.shape[1]
-                        or held * self._period_s > 1.0):  # A sensor that stands still.
+                        or held * self._period_s > _LONGEST_S):
                     yield self._scan()
             if len(part):
                 self._pending.append(part)
