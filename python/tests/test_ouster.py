@@ -48,12 +48,12 @@ NEAR_MM: npt.NDArray[np.int64] = np.where(
 FAR_MM = np.where((np.arange(ROWS) % 3 == 0) & ~MISS, NEAR_MM + 480, np.where(np.arange(ROWS) % 3 == 1, NEAR_MM, 0))
 
 
-def pixels(column: int) -> list[Pixel]:
-    """The strongest return is the far one in odd columns."""
+def pixels(column: int, dual: bool) -> list[Pixel]:
+    """With dual returns the strongest one is the far one in odd columns."""
     out: list[Pixel] = []
     for row in range(ROWS):
         pair = [int(NEAR_MM[column, row]), int(FAR_MM[column, row])]
-        if column % 2:
+        if column % 2 and dual:
             pair.reverse()
         out.append((pair[0], pair[1], (pair[0] // 10, pair[1] // 10), (pair[0] % 251, pair[1] % 251), 16 * (row % 7)))
     return out
@@ -68,9 +68,8 @@ def packets(profile: str, frames: list[int], lost: tuple[tuple[int, int], ...] =
             columns = []
             for column in range(begin, begin + 16):
                 time_s = 1000 + (place + column / COLUMNS) * period_s
-                single = [(pixel if "DUAL" in profile else (max(pixel[:2]) if pixel[1] == 0 else pixel[0], *pixel[1:]))
-                          for pixel in pixels(column)]
-                columns.append((round(time_s * 1e9), column, single, (place, column) not in lost))
+                columns.append((round(time_s * 1e9), column, pixels(column, "DUAL" in profile),
+                                (place, column) not in lost))
             sent_s = T0 + (place + (begin + 15) / COLUMNS) * period_s  # With the last column.
             out.append((sent_s, pf.ouster_packet(profile, frame, columns, **options)))
     return out
@@ -118,7 +117,7 @@ def test_every_beam_in_a_room(tmp_path: pathlib.Path, profile: str) -> None:
             mm = np.where(scan.echo == 2, far, near)
             assert (scan.echo == 2).sum() == (two & (scan.echo == 1)).sum() > 0
         else:
-            mm = np.where((column % 2 == 1) & (far > 0), far, near)
+            mm = near
             assert (scan.echo == (mm > 0)).all()
         assert scan.range_m == pytest.approx(np.where(mm > 0, mm / 1000 - N_M, np.inf), abs=1e-5)
         wall = mm == near
