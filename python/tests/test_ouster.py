@@ -225,14 +225,19 @@ def test_what_is_missing_is_told_in_one_line(tmp_path: pathlib.Path) -> None:
         PacketRecording(path)
     assert PacketRecording(path, tmp_path / "other.json").sensor == ""  # The catalogue has no OS0-32.
     (tmp_path / "other.json").write_text(meta("RNG15_RFL8_NIR8"))
-    with pytest.raises(FormatError, match=r"packets of 6464 bytes do not fit the metadata .*other.json"):
+    with pytest.raises(FormatError, match=r"packets of 6464 bytes from .* do not fit the metadata .*other.json"):
         PacketRecording(path, tmp_path / "other.json")
+    (tmp_path / "a_0.json").write_text(meta("LEGACY"))
+    assert sum(map(len, PacketRecording(path).scans())) == ROWS * COLUMNS
+    (tmp_path / "a_0.json").write_text("no metadata")
+    with pytest.raises(FormatError, match=r"a_0.json: is no metadata"):
+        PacketRecording(path)
 
 
 @pytest.mark.parametrize("text, reason", [
     ("", "Expecting value"), ("[]", "no object"), ("{}", "'beam_altitude_angles' is missing"),
     ('{"beam_altitude_angles": [1, 2], "beam_azimuth_angles": [1]}', "same length"),
-    ('{"beam_altitude_angles": [NaN], "beam_azimuth_angles": [1]}', "no number"),
+    ('{"beam_altitude_angles": [NaN], "beam_azimuth_angles": [1]}', "no sound number"),
     ('{"beam_altitude_angles": [1], "beam_azimuth_angles": [1], "lidar_mode": "10x10"}', "out of range"),
     ('{"beam_altitude_angles": [1], "beam_azimuth_angles": [1], "columns_per_frame": 99999999}', "out of range"),
     ('{"beam_altitude_angles": [1], "beam_azimuth_angles": [1], "udp_profile_lidar": "X"}', "profile X is not known"),
@@ -293,9 +298,9 @@ def test_real_fields_have_the_makers_hashes() -> None:
     assert scan.range_m is not None and scan.echo is not None and scan.ring is not None
     images = [np.zeros((32, 1024), dtype=np.uint32) for _ in range(2)]
     hit = scan.echo > 0
-    for echo, image in zip((1, 2), images):
+    for echo, ranges in zip((1, 2), images):
         rows = scan.echo == echo
-        image[scan.ring[rows], scan.extra["column"][rows]] = np.round((scan.range_m[rows] + 0.02767) * 1000)
+        ranges[scan.ring[rows], scan.extra["column"][rows]] = np.round((scan.range_m[rows] + 0.02767) * 1000)
     assert (scan.range_m[~hit] == np.inf).all()
     both = np.sort(np.stack([fields[key].transpose(2, 0, 1).reshape(32, 1024) for key in ("RANGE", "RANGE2")]), axis=0)
     once = (both[0] == both[1]) | (both[0] == 0)

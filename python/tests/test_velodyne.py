@@ -118,9 +118,8 @@ def packets_of(unit: Unit, truth: Truth, mode: int, rate_deg_s: float = 3600.0, 
         mode = -1 if dual else 0
     per_packet = {"vlp16": 24, "hdl32": 12, "hdl64": 6, "vls128": 3}[unit.layout] // (2 if dual else 1)
     beams = np.stack([truth.strongest, truth.strongest % 200, truth.last, truth.last % 199], axis=-1)
-    firings: list[list[Beam]] = [[tuple(beam) for beam in firing]  # type: ignore[misc]
-                                 for firing in beams.reshape(-1, lasers, 4).tolist()]
-    out = []
+    firings: list[list[Beam]] = [[tuple(beam) for beam in firing] for firing in beams.reshape(-1, lasers, 4).tolist()]
+    out: list[tuple[float, bytes]] = []
     for begin in range(0, len(firings) // per_packet * per_packet, per_packet):
         time_us = begin * unit.period_us
         azimuths = [start_deg + rate_deg_s * (time_us + k * unit.period_us) * 1e-6 for k in range(per_packet)]
@@ -386,6 +385,29 @@ def test_a_sensor_that_stands_still_gives_bounded_scans(tmp_path: pathlib.Path) 
     scans = list(PacketRecording(save(tmp_path / "a.pcap", packets)).scans())
     assert sum(map(len, scans)) == 384 * 4000
     assert max(np.ptp(scan.beam_time_s) for scan in scans if scan.beam_time_s is not None) < 1.0
+
+
+def test_a_sector_without_firings(tmp_path: pathlib.Path) -> None:
+    """A sensor that is told to fire from 90 to 270 degrees only jumps on within a packet; stamps go on meanwhile."""
+    unit = UNITS["hdl32e"]
+    truth = observe(unit, 12 * 1200, start_deg=0)
+    packets = packets_of(unit, truth, 0x37, start_deg=0)
+    fired = [(time_s, data) for time_s, data in packets if 9000 <= int.from_bytes(data[2:4], "little") <= 27000]
+    jump = bytearray(fired[100][1])
+    for block in range(6, 12):  # As a whole turn of blocks that were not sent.
+        jump[100 * block + 2:100 * block + 4] = struct.pack("<H", 9000 + 17 * block)
+    fired[100] = (fired[100][0], bytes(jump))
+    scans = list(PacketRecording(save(tmp_path / "a.pcap", fired)).scans())
+    assert sum(map(len, scans)) == 384 * len(fired)
+    assert 8 <= len(scans) <= 9 and max(map(len, scans)) < 40_000
+
+
+def test_a_file_beside_that_is_no_metadata_does_not_matter(tmp_path: pathlib.Path) -> None:
+    path = save(tmp_path / "a.pcap", packets_of(UNITS["vlp16"], observe(UNITS["vlp16"], 48), 0x37))
+    (tmp_path / "a.json").write_text("notes on the drive")
+    assert sum(map(len, PacketRecording(path).scans())) == 48 * 16
+    with pytest.raises(FormatError, match="a.json: is no metadata"):
+        PacketRecording(path, tmp_path / "a.json")
 
 
 def test_what_is_left_out_is_counted(tmp_path: pathlib.Path) -> None:

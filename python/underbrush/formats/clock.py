@@ -13,7 +13,8 @@ _JUMP_S = 1.0  #: A greater change of the difference between the clocks, from pa
 class Clock:
     """Turns a sensor's own stamps into absolute times, given the times at which packets were captured.
 
-    A clock that agrees with the capture's to a minute is set (by GPS or PTP), and its stamps are taken as they are.
+    A clock that agrees with the capture's to a minute is set (by GPS or PTP), and its stamps are taken as they are,
+    also those in TAI, which is 37 s ahead of UTC.
     Any other one only counts, so that its stamps are shifted: its first packet gets the time of its capture. After a
     jump the same choice is made anew. `period_s` is the time after which stamps begin again at 0 (Velodyne: an hour);
     `reference_s` is the true time minus the time of capture, where something tells it (GPS).

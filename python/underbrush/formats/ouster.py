@@ -141,8 +141,8 @@ class _Values:
         if value is None:
             raise ValueError(f"'{name}' is missing")
         array = np.asarray(value, dtype=np.float64)
-        if not np.isfinite(array).all():
-            raise ValueError(f"'{name}' has a value that is no number")
+        if not (np.abs(array) < 1e6).all():
+            raise ValueError(f"'{name}' has a value that is no sound number")
         return array
 
 
@@ -164,6 +164,9 @@ def _metadata(values: _Values) -> Metadata:
     axis_mm = float(values.get("lidar_origin_to_beam_origin_mm", _ORIGIN_MM.get(product[:4], _FIRST_GENERATION_MM)))
     beam_mm = values.numbers("beam_to_lidar_transform", [1, 0, 0, axis_mm, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1])
     transform = values.numbers("lidar_to_sensor_transform", list(map(float, _LIDAR_TO_SENSOR))).reshape(4, 4)
+    rotation = transform[:3, :3]
+    if not np.allclose(rotation @ rotation.T, np.eye(3), atol=1e-3) or not (transform[3] == [0, 0, 0, 1]).all():
+        raise ValueError("'lidar_to_sensor_transform' is no rigid transform")
     transform[:3, 3] *= 0.001
     beam_mm = beam_mm.reshape(4, 4)
     window = [int(column) for column in values.get("column_window", (0, columns - 1))]
@@ -287,7 +290,8 @@ class _Table:
         direction = np.stack([np.cos(azimuth) * flat, np.sin(azimuth) * flat, np.broadcast_to(up, azimuth.shape)], -1)
         origin = np.stack([axis_m * np.cos(encoder), axis_m * np.sin(encoder), np.full_like(encoder, height_m)], -1)
         rotation, shift = metadata.sensor_from_lidar[:3, :3], metadata.sensor_from_lidar[:3, 3]
-        self.direction = direction @ rotation.T  #: (columns, rows, 3)
+        direction = direction @ rotation.T
+        self.direction = direction / np.linalg.norm(direction, axis=-1, keepdims=True)  #: (columns, rows, 3)
         self.origin = np.broadcast_to(origin @ rotation.T + shift, direction.shape)  #: (columns, rows, 3), m.
 
     def scan(self, number: int, columns: Packets, time_s: Floats) -> Scan:

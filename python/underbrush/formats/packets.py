@@ -8,7 +8,7 @@ import itertools
 import math
 import pathlib
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -24,6 +24,7 @@ _Decoder = velodyne.Decoder | ouster.Decoder
 
 _PROBE_PACKETS = 9_000  #: The calibration of an HDL-64E takes 4160 packets to come, wherever it begins.
 _PROBE_DATAGRAMS = 100_000
+_PROBE_BYTES = 16 << 20
 _BATCH_BYTES = 1 << 20
 
 
@@ -56,10 +57,10 @@ class PacketRecording:
                  stream: str | None = None) -> None:
         """Opens the capture and finds its sensor.
 
-        `metadata` is the JSON file of an Ouster (default: FILE.json beside the capture) or the calibration of a
-        Velodyne (XML of VeloView or YAML of the ROS driver). `sensor` is a name of the catalogue, for Velodynes whose
-        packets do not tell their model. `stream` is 'ADDRESS:PORT', 'ADDRESS' or 'PORT', where several sensors are
-        in one capture. Raises OSError, or FormatError with one line that says what is missing.
+        `metadata` is the JSON file of an Ouster (default: FILE.json or FILE_0.json beside the capture) or the
+        calibration of a Velodyne (XML of VeloView or YAML of the ROS driver). `sensor` is a name of the catalogue, for
+        Velodynes whose packets do not tell their model. `stream` is 'ADDRESS:PORT', 'ADDRESS' or 'PORT', where several
+        sensors are in one capture. Raises OSError, or FormatError with one line that says what is missing.
         """
         self.path = pathlib.Path(path)
         self.skipped: collections.Counter[str] = collections.Counter()
@@ -69,8 +70,12 @@ class PacketRecording:
         self._totals = _Totals()
         self._capture: Capture | None = None
         self.bytes_total = self.path.stat().st_size
+        self._ouster: ouster.Metadata | None = None
+        self._layout: np.dtype[Any] = velodyne.PACKET
+        self._reference_s = 0.0
         self._probe(Capture(self.path))
-        self.sensor: str = self._open(collections.Counter()).sensor
+        self._decoder = self._open(collections.Counter())
+        self.sensor: str = sensor or self._decoder.sensor
 
     @property
     def bytes_done(self) -> int:
@@ -142,60 +147,72 @@ class PacketRecording:
 
     def _probe(self, capture: Capture) -> None:
         """Reads the beginning of the file: finds the sensor's stream, metadata and reference of time."""
-        given = self._metadata_path
-        beside = self.path.with_suffix(".json")
-        if self.path.suffix == ".gz":
-            beside = self.path.with_suffix("").with_suffix(".json")
-        self._ouster = None
-        calibration = None
-        if given is not None and given.suffix.lower() != ".json":
-            calibration = Calibration.read(given)
-        elif given is not None or beside.is_file():
-            self._ouster = ouster.Metadata.read(given or beside)
+        calibration, unread = self._read_metadata()
         size = self._ouster.packet.itemsize if self._ouster is not None else 0
-        self._reference_s = 0.0
         streams: dict[_Stream, list[Datagram]] = {}
         lengths: collections.Counter[tuple[int, int]] = collections.Counter()
-        with_metadata = set()
+        fitting = set()
         for datagram in itertools.islice(capture.datagrams(), _PROBE_DATAGRAMS):
             key, data = _Stream(datagram.source, datagram.port), datagram.data
             lengths[datagram.port, len(data)] += 1
-            if len(data) == 512 and not self._reference_s:
+            if len(data) == velodyne.POSITION_BYTES and not self._reference_s:
                 utc = velodyne.utc_of(data)
                 self._reference_s = 0.0 if utc is None else utc - datagram.time_s
-            is_ouster = len(data) == size
-            if is_ouster:
-                with_metadata.add(key)
-            if is_ouster or velodyne.recognise(data) or len(data) in ouster.SIZES:
-                streams.setdefault(key, []).append(datagram)
-                if len(streams[key]) >= _PROBE_PACKETS or len(streams[key]) * len(data) > 16 << 20:
-                    break
-        self._stream = self._choose(streams, lengths, with_metadata, capture.skipped)
-        probe = [datagram for datagram in streams[self._stream] if len(datagram.data) == velodyne.PACKET.itemsize]
-        if self._stream in with_metadata:
+            if len(data) == size:
+                fitting.add(key)
+            elif not velodyne.recognise(data) and len(data) not in ouster.SIZES:
+                continue
+            streams.setdefault(key, []).append(datagram)
+            if len(streams[key]) >= _PROBE_PACKETS or len(streams[key]) * len(data) > _PROBE_BYTES:
+                break
+        self._stream = self._choose(streams, lengths, fitting, capture.skipped)
+        first = streams[self._stream]
+        probe = [datagram for datagram in first if velodyne.recognise(datagram.data)]
+        if self._stream in fitting:
             assert self._ouster is not None
             self._layout = self._ouster.packet
+        elif self._ouster is not None and (not probe or self._metadata_path is not None):
+            raise self._error(f"packets of {len(first[0].data)} bytes from {self._stream} do not fit the metadata "
+                              f"{self._metadata_path or self._beside()[0].name}, whose packets "
+                              f"({self._ouster.profile_name}, {self._ouster.rows} rows) have {size} bytes")
         elif probe:
-            self._ouster, self._layout = None, velodyne.PACKET
+            self._ouster = None
             self._velodyne = (np.frombuffer(b"".join(datagram.data for datagram in probe), dtype=velodyne.PACKET),
                               np.array([datagram.time_s for datagram in probe]), calibration)
         else:
-            length = len(streams[self._stream][0].data)
-            if self._ouster is not None:
-                raise self._error(f"packets of {length} bytes do not fit the metadata {given or beside}, whose packets "
-                                  f"({self._ouster.profile_name}, {self._ouster.rows} rows) have {size} bytes")
-            candidates = sorted(path.name for path in self.path.parent.glob("*.json"))[:4]
-            hint = f" (beside it lie {', '.join(candidates)})" if candidates else ""
-            raise self._error(f"packets of {length} bytes from {self._stream} look like an Ouster's, which need its "
-                              f"metadata: metadata='{beside.name}'{hint}")
+            hint = ", ".join(sorted(path.name for path in self.path.parent.glob("*.json"))[:4])
+            raise unread or self._error(
+                f"packets of {len(first[0].data)} bytes from {self._stream} look like an Ouster's, which need its "
+                f"metadata: metadata='{self._beside()[0].name}'" + (f" (beside it lie {hint})" if hint else ""))
+
+    def _beside(self) -> list[pathlib.Path]:
+        """Where the metadata of an Ouster lie by default."""
+        stem = self.path.name.removesuffix(".gz").rpartition(".")[0] or self.path.name
+        return [self.path.with_name(stem + end) for end in (".json", "_0.json")]
+
+    def _read_metadata(self) -> tuple[Calibration | None, FormatError | None]:
+        """Reads what was given, or lies beside the capture; an error of the latter matters for an Ouster only."""
+        given = self._metadata_path
+        if given is not None and given.suffix.lower() != ".json":
+            return Calibration.read(given), None
+        if given is not None:
+            self._ouster = ouster.Metadata.read(given)
+        for path in self._beside() if given is None else []:
+            if path.is_file():
+                try:
+                    self._ouster = ouster.Metadata.read(path)
+                except FormatError as error:
+                    return None, error
+                break
+        return None, None
 
     def _choose(self, streams: dict[_Stream, list[Datagram]], lengths: collections.Counter[tuple[int, int]],
-                with_metadata: set[_Stream], skipped: collections.Counter[str]) -> _Stream:
+                fitting: set[_Stream], skipped: collections.Counter[str]) -> _Stream:
         if self._wanted is not None:
             streams = {key: value for key, value in streams.items()
                        if self._wanted in (str(key), str(key.port), str(ipaddress.ip_address(key.source)))}
         elif self._ouster is not None:
-            ported = {key for key in with_metadata if key.port == self._ouster.port} or with_metadata
+            ported = {key for key in fitting if key.port == self._ouster.port} or fitting
             streams = {key: value for key, value in streams.items() if key in ported} or streams
         # A few packets that only have the right length are no sensor.
         most = max(map(len, streams.values()), default=0)
@@ -225,7 +242,6 @@ class PacketRecording:
             raise
         except ValueError as error:
             raise self._error(str(error)) from error
-        self._decoder = decoder
         return decoder
 
     def _error(self, reason: str) -> FormatError:

@@ -29,7 +29,8 @@ PACKET = np.dtype([
                 ("lasers", [("range", "<u2"), ("intensity", "u1")], (32,))], (12,)),
     ("stamp_us", "<u4"), ("mode", "u1"), ("product", "u1")])
 MODES = {0x37: "strongest return", 0x38: "last return", 0x39: "dual return"}
-_DUAL, _HOUR_S, _POSITION_BYTES = 0x39, 3600.0, 512
+POSITION_BYTES = 512  #: Size of a position packet, which may have GPS's time.
+_DUAL, _HOUR_S = 0x39, 3600.0
 _MAX_DEG_PER_S = 12_000.0  #: A little above 30 revolutions a second, which no model exceeds.
 _LONGEST_S = 0.4  #: A scan of a sensor that stands still ends then; the slowest revolution takes 0.2 s.
 _UPPER, _LOWER = 0xEEFF, 0xDDFF
@@ -311,7 +312,8 @@ class _Rotation:
         if self._azimuth_deg is None:
             self._azimuth_deg, self._time_s = float(azimuth_deg[0]), float(time_s[0])
             self._way_deg = (self._azimuth_deg - self._start_deg) % 360
-        step = (np.diff(azimuth_deg, prepend=self._azimuth_deg) + 180) % 360 - 180
+        # It turns clockwise only. Less than a degree back is jitter; more is a sector in which it does not fire.
+        step = (np.diff(azimuth_deg, prepend=self._azimuth_deg) + 1) % 360 - 1
         interval = np.diff(time_s, prepend=self._time_s)
         with np.errstate(divide="ignore", invalid="ignore"):
             rate = step / interval  # From the firing before to this one.
