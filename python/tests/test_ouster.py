@@ -11,10 +11,11 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
+import mutate_packets
 import packet_files as pf
 from packet_files import T0, Floats, Pixel
 from underbrush.errors import FormatError
-from underbrush.formats import ouster
+from underbrush.formats.ouster_metadata import Metadata
 from underbrush.formats.packets import PacketRecording
 from underbrush.formats.pcap import Capture
 from underbrush.formats.scans import Scan
@@ -175,8 +176,8 @@ def test_new_metadata_and_headers(tmp_path: pathlib.Path) -> None:
     scans = list(recording.scans())
     assert len(scans) == 2 and not recording.skipped
     assert joined(scans, "direction")[0] == pytest.approx(DIRECTION[0, 0])
-    flat = ouster.Metadata.read(save(tmp_path, data, meta(profile), name="b").with_suffix(".json"))
-    again = ouster.Metadata.read(tmp_path / "a.json")
+    flat = Metadata.read(save(tmp_path, data, meta(profile), name="b").with_suffix(".json"))
+    again = Metadata.read(tmp_path / "a.json")
     assert repr(flat) == repr(again)
     full = json.loads(meta("LEGACY"))
     full["beam_to_lidar_transform"] = [1, 0, 0, 27.67, 0, 1, 0, 0, 0, 0, 1, 10, 0, 0, 0, 1]
@@ -248,8 +249,13 @@ def test_bad_metadata_has_one_line(tmp_path: pathlib.Path, text: str, reason: st
     path = tmp_path / "m.json"
     path.write_text(text)
     with pytest.raises(FormatError, match=reason) as error:
-        ouster.Metadata.read(path)
+        Metadata.read(path)
     assert "m.json" in str(error.value) and "\n" not in str(error.value)
+
+
+def test_mutants_are_read_or_refused(tmp_path: pathlib.Path) -> None:
+    """A few of those that `mutate_packets.py` makes."""
+    assert sum(mutate_packets.run("ouster", 90, 20, tmp_path).values()) == 90
 
 
 # Real captures.
@@ -278,7 +284,7 @@ def test_real_fields_have_the_makers_hashes() -> None:
     """The maker's digest has the MD5 of every field, pixel rows of each packet after each other, and of the images."""
     folder, name = pf.data_folder(), "OS-0-32-U1_v2.2.0_1024x10"
     digest = json.loads((folder / f"{name}_digest.json").read_text())
-    metadata = ouster.Metadata.read(folder / f"{name}.json")
+    metadata = Metadata.read(folder / f"{name}.json")
     data = [datagram.data for datagram in Capture(folder / f"{name}.pcap").datagrams()
             if len(datagram.data) == metadata.packet.itemsize]
     columns = np.frombuffer(b"".join(data), dtype=metadata.packet)["columns"]

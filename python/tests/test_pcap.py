@@ -7,6 +7,7 @@ import struct
 
 import pytest
 
+import mutate_packets
 from packet_files import LINKS, T0, pcap, pcapng, udp
 from underbrush.errors import FormatError
 from underbrush.formats.pcap import Capture, Datagram
@@ -117,3 +118,8 @@ def test_other_files_are_refused(tmp_path: pathlib.Path, data: bytes) -> None:
     path.write_bytes(data)
     with pytest.raises(FormatError, match="x.pcap: byte 0: is no capture"):
         Capture(path)
+
+
+def test_mutants_are_read_or_refused(tmp_path: pathlib.Path) -> None:
+    """A few of those that `mutate_packets.py` makes."""
+    assert sum(mutate_packets.run("container", 90, 20, tmp_path).values()) == 90

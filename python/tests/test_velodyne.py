@@ -1,7 +1,6 @@
 """Velodyne's packets: closed forms in a room for all models and modes, clocks, damage, and real captures."""
 from __future__ import annotations
 
-import collections
 import dataclasses
 import json
 import math
@@ -13,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
+import mutate_packets
 import packet_files as pf
 from packet_files import T0, Beam, Floats
 from underbrush.errors import FormatError
@@ -475,6 +475,11 @@ def test_other_traffic_has_one_line(tmp_path: pathlib.Path) -> None:
     path.write_bytes(pf.pcap([(T0, pf.udp(b"hello", port=53)[0])] * 3))
     with pytest.raises(FormatError, match="no packets of a Velodyne or an Ouster; it has 3 of 5 bytes to port 53"):
         PacketRecording(path)
+
+
+def test_mutants_are_read_or_refused(tmp_path: pathlib.Path) -> None:
+    """A few of those that `mutate_packets.py` makes."""
+    assert sum(mutate_packets.run("velodyne", 90, 20, tmp_path).values()) == 90
 
 
 # Real captures.

@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from underbrush.errors import FormatError
 from underbrush.formats import ouster, velodyne
+from underbrush.formats.ouster_metadata import SIZES, Metadata
 from underbrush.formats.pcap import Capture, Datagram
 from underbrush.formats.scans import Poses, Scan
 from underbrush.formats.velodyne_calibration import Calibration
@@ -70,7 +71,7 @@ class PacketRecording:
         self._totals = _Totals()
         self._capture: Capture | None = None
         self.bytes_total = self.path.stat().st_size
-        self._ouster: ouster.Metadata | None = None
+        self._ouster: Metadata | None = None
         self._layout: np.dtype[Any] = velodyne.PACKET
         self._reference_s = 0.0
         self._probe(Capture(self.path))
@@ -160,7 +161,7 @@ class PacketRecording:
                 self._reference_s = 0.0 if utc is None else utc - datagram.time_s
             if len(data) == size:
                 fitting.add(key)
-            elif not velodyne.recognise(data) and len(data) not in ouster.SIZES:
+            elif not velodyne.recognise(data) and len(data) not in SIZES:
                 continue
             streams.setdefault(key, []).append(datagram)
             if len(streams[key]) >= _PROBE_PACKETS or len(streams[key]) * len(data) > _PROBE_BYTES:
@@ -196,11 +197,11 @@ class PacketRecording:
         if given is not None and given.suffix.lower() != ".json":
             return Calibration.read(given), None
         if given is not None:
-            self._ouster = ouster.Metadata.read(given)
+            self._ouster = Metadata.read(given)
         for path in self._beside() if given is None else []:
             if path.is_file():
                 try:
-                    self._ouster = ouster.Metadata.read(path)
+                    self._ouster = Metadata.read(path)
                 except FormatError as error:
                     return None, error
                 break

@@ -17,6 +17,8 @@ import numpy.typing as npt
 
 from underbrush.formats import catalogue
 from underbrush.formats.clock import Clock
+from underbrush.formats.returns import rows_of
+from underbrush.formats.rotation import Rotation
 from underbrush.formats.scans import Scan
 from underbrush.formats.velodyne_calibration import Calibration
 
@@ -31,7 +33,6 @@ PACKET = np.dtype([
 MODES = {0x37: "strongest return", 0x38: "last return", 0x39: "dual return"}
 POSITION_BYTES = 512  #: Size of a position packet, which may have GPS's time.
 _DUAL, _HOUR_S = 0x39, 3600.0
-_MAX_DEG_PER_S = 12_000.0  #: A little above 30 revolutions a second, which no model exceeds.
 _LONGEST_S = 0.4  #: A scan of a sensor that stands still ends then; the slowest revolution takes 0.2 s.
 _UPPER, _LOWER = 0xEEFF, 0xDDFF
 
@@ -152,8 +153,9 @@ class Decoder:
         self.skipped = skipped
         self.clock = Clock(_HOUR_S, reference_s)
         self.modes: set[str] = set()
-        self._ring = rings_of_lasers(self.model, file)
-        self._lasers = len(self._ring)
+        order = rings_of_lasers(self.model, file)
+        self._ring = order.astype(np.uint16)
+        self._lasers = len(order)
         self._start_deg = 360.0 - file.start_azimuth_deg
         self._has_modes = bool((probe["product"] == (self.model.product or -1)).mean() > 0.5)
         if self.model.is_hdl64e and calibration is None:
@@ -162,19 +164,19 @@ class Decoder:
                 raise ValueError("an HDL-64E needs its calibration, which the packets do not contain in full; give it "
                                  "with metadata='db.xml' (VeloView) or metadata='calibration.yaml' (ROS driver)")
         self.calibration = calibration or Calibration.of_angles(
-            np.radians(file.elevation_deg[self._ring] * self.model.elevation_scale),
-            np.radians(file.azimuth_deg[self._ring]))
+            np.radians(file.elevation_deg[order] * self.model.elevation_scale),
+            np.radians(file.azimuth_deg[order]))
         if len(self.calibration.elevation) != self._lasers:
             raise ValueError(f"the calibration has {len(self.calibration.elevation)} lasers, but a {self.title} has "
                              f"{self._lasers}")
         self._resolution_m = self.calibration.resolution_m or file.resolution_m
         self._period_s, self.stamped = _firing_period(probe, captured_s, self._firings_per_packet(self._is_dual(probe)),
                                                       file.period_s)
-        laser_s = file.time_s[self._ring]
+        laser_s = file.time_s[order]
         if self.model.is_hdl64e:
             laser_s = np.array([6.0 * group + time for group in range(8) for time in _HDL64E_TIMES_US] * 2) * 1e-6
         self._laser_s: Floats = laser_s * (self._period_s / file.period_s)
-        self._rotation = _Rotation(self._start_deg, self._period_s * (2 if self._lasers == 16 else 1))
+        self._rotation = Rotation(self._start_deg, self._period_s * (2 if self._lasers == 16 else 1))
         self._pending: list[_Firings] = []
         self._scans = 0
 
@@ -275,90 +277,23 @@ class Decoder:
                             for field in dataclasses.fields(_Firings)))
         time_s = (joined.time_s[:, None] + self._laser_s).ravel()
         clockwise = np.radians(joined.azimuth_deg[:, None] + joined.rate_deg_s[:, None] * self._laser_s)
-        counts, intensity, echo, echoes, rows = _echoes(joined.range, joined.intensity)
-        n = len(time_s)
-        ring = np.broadcast_to(self._ring.astype(np.uint16), (len(joined), self._lasers)).reshape(n)
         direction, origin = self.calibration.beams(-clockwise)
-        if rows is not None:
-            time_s, ring, direction = time_s[rows], ring[rows], direction[rows]
-            origin = None if origin is None else origin[rows]
-        laser = None
+        counts, shades = (values.swapaxes(0, 1).reshape(values.shape[1], -1)
+                          for values in (joined.range, joined.intensity))
+        rows = rows_of(counts)
+        count = counts[rows.which, rows.beam]
+        laser = np.tile(np.arange(self._lasers), len(joined))[rows.beam]
+        direction, origin = direction[rows.beam], None if origin is None else origin[rows.beam]
+        range_m = count * np.float32(self._resolution_m)
+        range_m[count == 0] = np.inf
         if self.calibration.has_ranges:
-            laser = np.tile(np.arange(self._lasers), len(joined))
-            laser = laser if rows is None else laser[rows]
-        range_m = counts * np.float32(self._resolution_m)
-        range_m[counts == 0] = np.inf
-        if laser is not None:
             direction, range_m = self.calibration.corrected(direction, range_m, laser)
+        intensity = np.where(count > 0, shades[rows.which, rows.beam], 0).astype(np.float32)
+        time_s = time_s[rows.beam]
         self._scans += 1
         return Scan(number=self._scans - 1, time_s=float(time_s[0]), direction=direction, range_m=range_m,
-                    origin=origin, beam_time_s=time_s, intensity=intensity.astype(np.float32), ring=ring, echo=echo,
-                    echoes=echoes)
-
-
-class _Rotation:
-    """Follows the azimuth: speed of rotation and number of the revolution."""
-
-    def __init__(self, start_deg: float, step_s: float) -> None:
-        """`start_deg` (clockwise) is where a revolution begins, `step_s` the time between two azimuths."""
-        self._start_deg, self._step_s = start_deg, step_s
-        self._azimuth_deg: float | None = None
-        self._time_s = self._rate = self._way_deg = self._turn = 0.0
-
-    def advance(self, azimuth_deg: Floats, time_s: Floats) -> tuple[Floats, Floats]:
-        """Rate (deg/s) and number of the revolution, (n,), of firings at (n,) clockwise azimuths and times."""
-        if not len(azimuth_deg):
-            return np.zeros(0), np.zeros(0)
-        if self._azimuth_deg is None:
-            self._azimuth_deg, self._time_s = float(azimuth_deg[0]), float(time_s[0])
-            self._way_deg = (self._azimuth_deg - self._start_deg) % 360
-        # It turns clockwise only. Less than a degree back is jitter; more is a sector in which it does not fire.
-        step = (np.diff(azimuth_deg, prepend=self._azimuth_deg) + 1) % 360 - 1
-        interval = np.diff(time_s, prepend=self._time_s)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            rate = step / interval  # From the firing before to this one.
-        steady = (interval > 0) & (interval < 2.5 * self._step_s) & (rate >= 0) & (rate < _MAX_DEG_PER_S)
-        before = _filled(rate, steady, self._rate)
-        gap = interval > 2.5 * self._step_s
-        step = step + np.where(gap, np.round((before * interval - step) / 360) * 360, 0)
-        way = self._way_deg + np.cumsum(step)
-        turn = np.maximum(np.maximum.accumulate(np.floor(way / 360)), self._turn)
-        after = _filled(np.append(rate[1:], 0.0), np.append(steady[1:], False), float(before[0]))
-        self._azimuth_deg, self._time_s = float(azimuth_deg[-1]), float(time_s[-1])
-        self._rate, self._way_deg, self._turn = float(after[-1]), float(way[-1]), float(turn[-1])
-        return after, turn
-
-
-def _filled(values: Floats, valid: npt.NDArray[np.bool_], first: float) -> Floats:
-    """`values`, where one that is not valid is the last valid one before it, or `first`, or else the next valid one."""
-    index = np.maximum.accumulate(np.where(valid, np.arange(len(values)), -1))
-    if first == 0 and valid.any():
-        first = float(values[np.argmax(valid)])
-    return np.where(index >= 0, values[index], first)
-
-
-def _echoes(counts: Counts, intensity: npt.NDArray[np.uint8]) -> tuple[
-        Counts, npt.NDArray[np.uint8], npt.NDArray[np.uint8], npt.NDArray[np.uint8], npt.NDArray[np.int64] | None]:
-    """Rows of all returns: range, intensity, echo, echoes, and the beam of each row (None: as many rows as beams).
-
-    Both returns of a beam are rows in order of range. Equal ranges are one row, and so is a miss.
-    """
-    if counts.shape[1] == 1:
-        hit = (counts > 0).astype(np.uint8).ravel()
-        return counts.ravel(), np.where(hit > 0, intensity.ravel(), 0), hit, hit, None
-    first, last = counts[:, 0].ravel(), counts[:, 1].ravel()
-    shade_0, shade_1 = intensity[:, 0].ravel(), intensity[:, 1].ravel()
-    number = ((first > 0) | (last > 0)).astype(np.uint8) + ((first > 0) & (last > 0) & (first != last))
-    rows = np.repeat(np.arange(len(number)), np.maximum(number, 1))
-    second = np.zeros(len(rows), dtype=bool)
-    second[1:] = rows[1:] == rows[:-1]
-    swap = np.where(number == 2, first > last, first == 0)  # Whether the first row is that of `last`.
-    use_last = swap[rows] ^ second
-    ranges = np.where(use_last, last[rows], first[rows])
-    shades = np.where(ranges > 0, np.where(use_last, shade_1[rows], shade_0[rows]), 0)
-    echoes = number[rows]
-    echo = np.minimum(echoes, 1) + second
-    return ranges, shades.astype(np.uint8), echo.astype(np.uint8), echoes, rows
+                    origin=origin, beam_time_s=time_s, intensity=intensity, ring=self._ring[laser], echo=rows.echo,
+                    echoes=rows.echoes)
 
 
 def _firing_period(packets: Packets, captured_s: Floats, firings: int, nominal_s: float) -> tuple[float, bool]:
