@@ -410,6 +410,23 @@ def test_a_file_beside_that_is_no_metadata_does_not_matter(tmp_path: pathlib.Pat
         PacketRecording(path, tmp_path / "a.json")
 
 
+def test_a_long_capture_is_read_piece_by_piece(tmp_path: pathlib.Path) -> None:
+    one = packets_of(UNITS["vlp16"], observe(UNITS["vlp16"], 24), 0x37)[0][1]
+    packets = [(T0 + k * 1327.104e-6, b"".join(
+        one[100 * block:100 * block + 2] + struct.pack("<H", (40 * (12 * k + block)) % 36000)
+        + one[100 * block + 4:100 * block + 100] for block in range(12))
+        + struct.pack("<IBB", round(200e6 + k * 1327.104), 0x37, 0x22)) for k in range(9000)]
+    recording = PacketRecording(save(tmp_path / "a.pcap", packets))
+    assert recording.bytes_done == 0
+    assert "of the file's beginning" in " ".join(recording.found())
+    scans = recording.scans()
+    number = len(next(scans))
+    assert 0 < recording.bytes_done < recording.bytes_total / 4
+    number += sum(map(len, scans))
+    assert number == 9000 * 384 and recording.bytes_done == recording.bytes_total
+    assert "9000 packets in 11.94" in recording.found()[1]
+
+
 def test_what_is_left_out_is_counted(tmp_path: pathlib.Path) -> None:
     packets = packets_of(UNITS["vlp16"], observe(UNITS["vlp16"], 24 * 40), 0x37)
     damaged = [

@@ -163,9 +163,9 @@ class Decoder:
             if calibration is None:
                 raise ValueError("an HDL-64E needs its calibration, which the packets do not contain in full; give it "
                                  "with metadata='db.xml' (VeloView) or metadata='calibration.yaml' (ROS driver)")
-        self.calibration = calibration or Calibration.of_angles(
+        self.calibration = calibration or Calibration.nominal(
             np.radians(file.elevation_deg[order] * self.model.elevation_scale),
-            np.radians(file.azimuth_deg[order]))
+            np.radians(file.azimuth_deg[order]), file.z_m[order])
         if len(self.calibration.elevation) != self._lasers:
             raise ValueError(f"the calibration has {len(self.calibration.elevation)} lasers, but a {self.title} has "
                              f"{self._lasers}")
@@ -216,7 +216,9 @@ class Decoder:
     def found(self) -> list[str]:
         """Lines about clock and calibration."""
         lines = [self.clock.found() if self.stamped else "clock: the capture's, because the packets have no stamps"]
-        return lines + [f"calibration: {self.calibration.source}"] if self.calibration.source else lines
+        if self.calibration.source:
+            lines.append(f"calibration: {self.calibration.source}")
+        return lines
 
     def _firings(self, packets: Packets, captured_s: Floats, dual: bool) -> _Firings:
         n, lasers, flags = len(packets), self._lasers, self.model.flags

@@ -43,10 +43,10 @@ class Calibration:
     source: str = ""  #: Where it comes from; empty for the catalogue.
 
     @classmethod
-    def of_angles(cls, elevation: Floats, azimuth: Floats) -> Calibration:
-        """Nothing but angles, rad."""
+    def nominal(cls, elevation: Floats, azimuth: Floats, up_m: Floats) -> Calibration:
+        """That of the catalogue: angles, rad, and heights of the beams' origins, m."""
         zero = np.zeros(len(elevation))
-        return cls(elevation, azimuth, zero, zero, zero, zero, zero)
+        return cls(elevation, azimuth, zero, zero, zero, up_m, zero)
 
     @classmethod
     def read(cls, path: str | pathlib.Path) -> Calibration:
