@@ -390,16 +390,16 @@ def test_a_sensor_that_stands_still_gives_bounded_scans(tmp_path: pathlib.Path) 
 def test_a_sector_without_firings(tmp_path: pathlib.Path) -> None:
     """A sensor that is told to fire from 90 to 270 degrees only jumps on within a packet; stamps go on meanwhile."""
     unit = UNITS["hdl32e"]
-    truth = observe(unit, 12 * 1200, start_deg=0)
-    packets = packets_of(unit, truth, 0x37, start_deg=0)
+    truth = observe(unit, 12 * 400, 7200, start_deg=0)
+    packets = packets_of(unit, truth, 0x37, 7200, start_deg=0)
     fired = [(time_s, data) for time_s, data in packets if 9000 <= int.from_bytes(data[2:4], "little") <= 27000]
-    jump = bytearray(fired[100][1])
+    jump = bytearray(fired[60][1])
     for block in range(6, 12):  # As a whole turn of blocks that were not sent.
-        jump[100 * block + 2:100 * block + 4] = struct.pack("<H", 9000 + 17 * block)
-    fired[100] = (fired[100][0], bytes(jump))
+        jump[100 * block + 2:100 * block + 4] = struct.pack("<H", 9000 + 33 * block)
+    fired[60] = (fired[60][0], bytes(jump))
     scans = list(PacketRecording(save(tmp_path / "a.pcap", fired)).scans())
     assert sum(map(len, scans)) == 384 * len(fired)
-    assert 8 <= len(scans) <= 9 and max(map(len, scans)) < 40_000
+    assert 6 <= len(scans) <= 7 and max(map(len, scans)) < 20_000
 
 
 def test_a_file_beside_that_is_no_metadata_does_not_matter(tmp_path: pathlib.Path) -> None:
@@ -525,7 +525,7 @@ def plane(points: Floats, level: bool) -> tuple[int, float]:
     """Number of points within 8 cm of the largest upright or level plane, and their RMS distance (m); seed 0."""
     random = np.random.default_rng(0)
     best = np.zeros(len(points), dtype=bool)
-    for _ in range(1000):
+    for _ in range(300):
         a, b, c = points[random.choice(len(points), 3, replace=False)]
         normal = np.cross(b - a, c - a)
         normal /= max(float(np.linalg.norm(normal)), 1e-9)
