@@ -142,12 +142,12 @@ class _Values:
 
 def _metadata(values: _Values) -> Metadata:
     elevation, azimuth = values.numbers("beam_altitude_angles"), values.numbers("beam_azimuth_angles")
-    if elevation.ndim != 1 or elevation.shape != azimuth.shape or not 1 <= len(elevation) <= 1024:
+    if elevation.ndim != 1 or elevation.shape != azimuth.shape or not 1 <= len(elevation) <= 256:
         raise ValueError("'beam_altitude_angles' and 'beam_azimuth_angles' are not two lists of the same length")
     mode = str(values.get("lidar_mode", "1024x10"))
     columns = int(values.get("columns_per_frame", mode.split("x")[0]))
     per_packet = int(values.get("columns_per_packet", 16))
-    if not 1 <= per_packet <= 1024 or not per_packet <= columns <= 1 << 15:
+    if not 1 <= per_packet <= 256 or not per_packet <= columns <= 4096:
         raise ValueError(f"{columns} columns in a frame and {per_packet} in a packet are out of range")
     if int(values.get("pixels_per_column", len(elevation))) != len(elevation):
         raise ValueError("'pixels_per_column' is not the number of angles")

@@ -24,7 +24,7 @@ Floats = npt.NDArray[np.float64]
 _Decoder = velodyne.Decoder | ouster.Decoder
 
 _PROBE_PACKETS = 9_000  #: The calibration of an HDL-64E takes 4160 packets to come, wherever it begins.
-_PROBE_DATAGRAMS = 100_000
+_PROBE_DATAGRAMS = 1_000_000
 _PROBE_BYTES = 16 << 20
 _BATCH_BYTES = 1 << 20
 
