@@ -139,6 +139,9 @@ def test_lost_packets_and_columns_are_counted(tmp_path: pathlib.Path) -> None:
     scans = list(recording.scans())
     assert [len(scan) // ROWS for scan in scans] == [48, 63, 47, 48]
     assert recording.skipped == {"missing columns (lost packets or marked as not valid)": 1 + 17}
+    recording = PacketRecording(save(tmp_path, packets("LEGACY", [4, 8, 9]), meta("LEGACY")))
+    assert len(list(recording.scans())) == 3
+    assert recording.skipped == {"frames that were lost whole": 3}
 
 
 def test_late_and_doubled_packets(tmp_path: pathlib.Path) -> None:

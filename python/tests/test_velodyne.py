@@ -338,6 +338,18 @@ def test_a_jump_of_the_clock_is_told(tmp_path: pathlib.Path) -> None:
     assert "it jumped 1 times" in " ".join(recording.found())
 
 
+def test_a_damaged_stamp_moves_its_own_packet_only(tmp_path: pathlib.Path) -> None:
+    truth = observe(UNITS["vlp16"], 24 * 80)
+    packets = [(time_s + 1e-3 * (k % 3), data[:-6] + struct.pack(
+        "<I", round((time_s - T0 + 400) * 1e6) ^ (k == 40) << 30) + data[-2:])
+        for k, (time_s, data) in enumerate(packets_of(UNITS["vlp16"], truth, 0x37))]
+    times, recording = times_of(tmp_path, packets)
+    keep = np.repeat(np.arange(80) != 40, 384)
+    assert times[keep] == pytest.approx(truth.time_s[keep] + packets[0][0] - T0, abs=3e-6)
+    assert np.abs(times - truth.time_s).max() < 0.01
+    assert "it jumped 2 times" in " ".join(recording.found())
+
+
 def test_the_hour_comes_from_gps(tmp_path: pathlib.Path) -> None:
     """The clock of the recording computer is wrong by 5 hours, 50 minutes."""
     unit, wrong = UNITS["vlp16"], 21000.0

@@ -1,6 +1,8 @@
 """Absolute times from the clocks of sensors."""
 from __future__ import annotations
 
+import collections
+
 import numpy as np
 import numpy.typing as npt
 
@@ -26,6 +28,7 @@ class Clock:
         self.reference_s = reference_s
         self._period_s = period_s
         self._last: float | None = None
+        self._shifts: collections.deque[float] = collections.deque(maxlen=8)  # Shifts so far, if it was not set.
 
     def shift(self, stamp_s: Floats, captured_s: Floats) -> Floats:
         """(n,) seconds to add to the stamps of n packets, of which both times are given, (n,) s."""
@@ -43,11 +46,21 @@ class Clock:
         self.jumps += len(jumps)
         for begin, end in zip([0, *jumps], [*jumps, len(offset)]):
             if first or begin in jumps:
-                self.shift_s = 0.0 if abs(offset[begin]) <= _AGREES_S else -float(offset[begin])
+                self.shift_s = self._shift_of(float(offset[begin]))
             first = False
             shift[begin:end] += self.shift_s
         self._last = float(offset[-1])
         return shift
+
+    def _shift_of(self, offset: float) -> float:
+        """The shift of a clock that is ahead of the true time by `offset`."""
+        if abs(offset) <= _AGREES_S:
+            return 0.0
+        for shift in self._shifts:
+            if abs(offset + shift) <= _JUMP_S:  # It has come back, say after a single damaged stamp.
+                return shift
+        self._shifts.append(-offset)
+        return -offset
 
     def _periods(self, offset: Floats) -> Floats:
         assert self._period_s is not None

@@ -50,15 +50,15 @@ class Decoder:
                 (serial != self.metadata.serial) & (serial != 0) & (self.metadata.serial != 0))
             self.skipped["packets of another sensor or kind"] += int(other.sum())
             packets, captured_s = packets[~other], captured_s[~other]
-        if not len(packets):
-            return
         columns = packets["columns"]
         frame = columns["frame"] if self.metadata.profile.legacy else np.broadcast_to(
             packets["header"]["frame"][:, None], columns.shape)
         valid = (columns["status"] == 0xFFFFFFFF) if self.metadata.profile.legacy else (columns["status"] & 1) == 1
         sound = valid & (columns["id"] < self.metadata.columns)
         self.skipped["columns with a wrong number"] += int((valid & ~sound).sum())
-        stamp_s = np.where(sound, columns["time_ns"], 0).max(axis=1) * 1e-9
+        used = sound.any(axis=1)
+        columns, frame, sound, captured_s = columns[used], frame[used], sound[used], captured_s[used]
+        stamp_s = np.where(sound, columns["time_ns"], 0).max(axis=1, initial=0) * 1e-9
         shift = self.clock.shift(stamp_s, captured_s)
         time_s = columns["time_ns"] * 1e-9 + shift[:, None]
         columns, frame, time_s = columns[sound], frame[sound].astype(np.int64), time_s[sound]
@@ -88,9 +88,12 @@ class Decoder:
                     self._frames.remove(frame)
                     yield self._scan(frame, last=False)
                 return
-        if self._frames and -8 <= number - self._frames[-1].number < 0:
+        step = number - self._frames[-1].number if self._frames else 1
+        if -8 <= step < 0:
             self.skipped["columns that came more than a frame late"] += len(time_s)
             return
+        if 1 < step < 1000:  # More is a sensor that was started again.
+            self.skipped["frames that were lost whole"] += step - 1
         if len(self._frames) == 2:
             yield self._scan(self._frames.pop(0), last=False)
         self._frames.append(_Frame(number, [columns], [time_s], len(time_s)))

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import collections
 import gzip
+import io
 import pathlib
 import struct
 import zlib
@@ -51,7 +52,7 @@ class Capture:
         """Opens `path`. Raises OSError, or FormatError where the file is no capture."""
         self.path = pathlib.Path(path)
         self.skipped: collections.Counter[str] = collections.Counter()
-        self._ahead = b""  # Bytes that were read and given back.
+        self._ahead = io.BytesIO()  # Bytes that were read and given back.
         self._raw = self.path.open("rb")
         self.bytes_total = self.path.stat().st_size
         magic = self._raw.read(4)
@@ -90,13 +91,14 @@ class Capture:
 
     def _read(self, size: int) -> bytes:
         try:
-            if not self._ahead:
-                return self._file.read(size)
-            data, self._ahead = self._ahead[:size], self._ahead[size:]
-            return data if len(data) == size else data + self._file.read(size - len(data))
+            data = self._ahead.read(size)
+            return data + self._file.read(size - len(data)) if len(data) < size else data
         except (EOFError, zlib.error, gzip.BadGzipFile):
             self.skipped["damaged gzip stream; the rest of the file is left out"] += 1
             return b""
+
+    def _give_back(self, data: bytes) -> None:
+        self._ahead = io.BytesIO(data + self._ahead.read())
 
     def _resume(self, damaged: bytes, sound: Callable[[bytes, int], bool], reason: str) -> bool:
         """Goes on where `sound(data, place)` first holds after the start of a damaged record; False: nowhere."""
@@ -107,7 +109,7 @@ class Capture:
             if self._read(1):
                 self.skipped["damaged file; its rest is left out"] += 1
             return False
-        self._ahead = data[place:] + self._ahead
+        self._give_back(data[place:])
         return True
 
     def _packets(self) -> Iterator[tuple[float, int, bytes, int]]:
@@ -156,7 +158,7 @@ class Capture:
             if head[:4] == _PCAPNG:
                 mark = self._read(4)
                 order, interfaces = ">" if mark == b"\x1a\x2b\x3c\x4d" else "<", []
-                self._ahead = mark + self._ahead
+                self._give_back(mark)
             if len(head) < 8:
                 self.skipped[_CUT_OFF] += 1
                 return
