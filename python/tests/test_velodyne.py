@@ -329,6 +329,18 @@ def test_a_clock_that_is_not_set_starts_at_the_capture(tmp_path: pathlib.Path, o
     assert "is not set" in " ".join(recording.found())
 
 
+@pytest.mark.parametrize("off", [-13.0, 700.0])
+def test_which_clock_is_believed(tmp_path: pathlib.Path, off: float) -> None:
+    truth = observe(UNITS["vlp16"], 24 * 40)
+    path = save(tmp_path / "a.pcap", [(time_s - off, data) for time_s, data in packets_of(UNITS["vlp16"], truth, 0x37)])
+    begins = {clock: next(PacketRecording(path, clock=clock).scans()).time_s for clock in ("auto", "sensor", "capture")}
+    captured = T0 - off + 24 * 55.296e-6
+    expected = {"sensor": T0, "capture": captured, "auto": T0 if abs(off) < 60 else captured}
+    assert begins == pytest.approx(expected, abs=2e-6)
+    with pytest.raises(FormatError, match="clock 'x' is none of auto, sensor, capture"):
+        PacketRecording(path, clock="x")
+
+
 def test_a_jump_of_the_clock_is_told(tmp_path: pathlib.Path) -> None:
     truth = observe(UNITS["vlp16"], 24 * 80)
     packets = [(time_s, data[:-6] + struct.pack("<I", round((time_s - T0 + 400 + 400 * (k > 40)) * 1e6)) + data[-2:])

@@ -28,7 +28,7 @@ class Decoder:
     Columns that were not received or that the sensor marks as not valid have no rows; `skipped` counts them.
     """
 
-    def __init__(self, metadata: Metadata, skipped: collections.Counter[str]) -> None:
+    def __init__(self, metadata: Metadata, skipped: collections.Counter[str], clock: str = "auto") -> None:
         self.metadata = metadata
         self.skipped = skipped
         self.packet = metadata.packet
@@ -37,7 +37,7 @@ class Decoder:
         self.sensor = known if known in catalogue.names() and known.endswith(f"-{metadata.rows}") else ""
         self.title = f"Ouster {metadata.product or f'with {metadata.rows} rows'}"
         self.modes = {"dual return" if metadata.profile.returns == 2 else "single return"}
-        self.clock = Clock()
+        self.clock = Clock(believed=clock)
         self._table = _Table(metadata)
         self._frames: list[_Frame] = []
         self._scans = 0

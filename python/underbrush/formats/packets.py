@@ -55,19 +55,22 @@ class PacketRecording:
     poses: Poses | None = None
 
     def __init__(self, path: str | pathlib.Path, metadata: str | pathlib.Path | None = None, sensor: str | None = None,
-                 stream: str | None = None) -> None:
+                 stream: str | None = None, clock: str = "auto") -> None:
         """Opens the capture and finds its sensor.
 
         `metadata` is the JSON file of an Ouster (default: FILE.json or FILE_0.json beside the capture) or the
         calibration of a Velodyne (XML of VeloView or YAML of the ROS driver). `sensor` is a name of the catalogue, for
         Velodynes whose packets do not tell their model. `stream` is 'ADDRESS:PORT', 'ADDRESS' or 'PORT', where several
-        sensors are in one capture. Raises OSError, or FormatError with one line that says what is missing.
+        sensors are in one capture. `clock` 'sensor' takes the sensor's stamps as they are, 'capture' takes their
+        intervals only and begins with the time of capture, and 'auto' chooses as `Clock` says. Raises OSError, or
+        FormatError with one line that says what is missing.
         """
         self.path = pathlib.Path(path)
         self.skipped: collections.Counter[str] = collections.Counter()
         self._metadata_path = pathlib.Path(metadata) if metadata is not None else None
         self._sensor_given = sensor
         self._wanted = stream
+        self._clock = clock
         self._totals = _Totals()
         self._capture: Capture | None = None
         self.bytes_total = self.path.stat().st_size
@@ -234,11 +237,11 @@ class PacketRecording:
         """A new decoder, which counts in `skipped` what it leaves out."""
         try:
             if self._ouster is not None:
-                decoder: _Decoder = ouster.Decoder(self._ouster, skipped)
+                decoder: _Decoder = ouster.Decoder(self._ouster, skipped, self._clock)
             else:
                 probe, captured_s, calibration = self._velodyne
                 decoder = velodyne.Decoder(probe, captured_s, skipped, self._sensor_given, calibration,
-                                           self._reference_s)
+                                           self._reference_s, self._clock)
         except FormatError:
             raise
         except ValueError as error:

@@ -144,14 +144,14 @@ class Decoder:
     packet_bytes = PACKET.itemsize
 
     def __init__(self, probe: Packets, captured_s: Floats, skipped: collections.Counter[str], sensor: str | None = None,
-                 calibration: Calibration | None = None, reference_s: float = 0.0) -> None:
+                 calibration: Calibration | None = None, reference_s: float = 0.0, clock: str = "auto") -> None:
         """`probe` and `captured_s` are the first packets, which tell the model, and their times of capture."""
         self.model = model_of(probe, sensor)
         file = catalogue.load(self.model.sensor)
         self.sensor = self.model.sensor if self.model.elevation_scale == 1 else ""
         self.title = self.model.name or file.title
         self.skipped = skipped
-        self.clock = Clock(_HOUR_S, reference_s)
+        self.clock = Clock(_HOUR_S, reference_s, clock)
         self.modes: set[str] = set()
         order = rings_of_lasers(self.model, file)
         self._ring = order.astype(np.uint16)
