@@ -1,4 +1,4 @@
-"""Speed and revolutions of a spinning sensor from its azimuths."""
+"""Speed, revolutions and firings of a spinning sensor from its azimuths and stamps."""
 from __future__ import annotations
 
 import numpy as np
@@ -48,3 +48,19 @@ def _filled(values: Floats, valid: npt.NDArray[np.bool_], first: float) -> Float
     if first == 0 and valid.any():
         first = float(values[np.argmax(valid)])
     return np.where(index >= 0, values[index], first)
+
+
+def firing_period(steps: Floats, captured_s: Floats, firings: int, nominal_s: float) -> tuple[float, bool]:
+    """Time of a firing (s) and whether the packets have stamps at all.
+
+    Firmware differs: the period that the stamps show is taken where it is more than 1 % off the nominal one. `steps`
+    (n - 1,) are the times between the stamps of n packets of `firings` each, which were captured at (n,) `captured_s`.
+    """
+    if len(steps) < 8:
+        return nominal_s, True
+    usual = steps[np.abs(steps / (firings * nominal_s) - 1) < 0.25]
+    if len(usual) < len(steps) / 2:
+        captured_steps = np.diff(captured_s)
+        return nominal_s, bool(abs(np.median(steps) - np.median(captured_steps)) < 0.5 * np.median(captured_steps))
+    period_s = float(usual.mean()) / firings
+    return (period_s if abs(period_s / nominal_s - 1) > 0.01 else nominal_s), True

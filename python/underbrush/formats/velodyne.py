@@ -18,7 +18,7 @@ import numpy.typing as npt
 from underbrush.formats import catalogue
 from underbrush.formats.clock import Clock
 from underbrush.formats.returns import rows_of
-from underbrush.formats.rotation import Rotation
+from underbrush.formats.rotation import Rotation, firing_period
 from underbrush.formats.scans import Scan
 from underbrush.formats.velodyne_calibration import Calibration
 
@@ -170,8 +170,9 @@ class Decoder:
             raise ValueError(f"the calibration has {len(self.calibration.elevation)} lasers, but a {self.title} has "
                              f"{self._lasers}")
         self._resolution_m = self.calibration.resolution_m or file.resolution_m
-        self._period_s, self.stamped = _firing_period(probe, captured_s, self._firings_per_packet(self._is_dual(probe)),
-                                                      file.period_s)
+        steps = np.diff(probe["stamp_us"].astype(np.float64) * 1e-6) % _HOUR_S
+        self._period_s, self.stamped = firing_period(
+            steps, captured_s, self._firings_per_packet(self._is_dual(probe)), file.period_s)
         laser_s = file.time_s[order]
         if self.model.is_hdl64e:
             laser_s = np.array([6.0 * group + time for group in range(8) for time in _HDL64E_TIMES_US] * 2) * 1e-6
@@ -296,20 +297,3 @@ class Decoder:
         return Scan(number=self._scans - 1, time_s=float(time_s[0]), direction=direction, range_m=range_m,
                     origin=origin, beam_time_s=time_s, intensity=intensity, ring=self._ring[laser], echo=rows.echo,
                     echoes=rows.echoes)
-
-
-def _firing_period(packets: Packets, captured_s: Floats, firings: int, nominal_s: float) -> tuple[float, bool]:
-    """Time of a firing (s) and whether the packets have stamps at all.
-
-    Firmware differs: the period that the stamps show is taken where it is more than 1 % off the nominal one.
-    """
-    stamps = packets["stamp_us"].astype(np.float64) * 1e-6
-    steps = np.diff(stamps) % _HOUR_S
-    if len(steps) < 8:
-        return nominal_s, True
-    usual = steps[np.abs(steps / (firings * nominal_s) - 1) < 0.25]
-    if len(usual) < len(steps) / 2:
-        captured_steps = np.diff(captured_s)
-        return nominal_s, bool(abs(np.median(steps) - np.median(captured_steps)) < 0.5 * np.median(captured_steps))
-    period_s = float(usual.mean()) / firings
-    return (period_s if abs(period_s / nominal_s - 1) > 0.01 else nominal_s), True
