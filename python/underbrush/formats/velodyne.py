@@ -1,0 +1,299 @@
+"""Decoder of Velodyne's data packets: HDL-32E, VLP-16 (also Hi-Res), VLP-32C, HDL-64E S2 and S3, VLS-128.
+
+Angles, times and range steps are those of the sensor catalogue; what only packets know stands in `MODELS`.
+Sources: the makers' manuals, the public ROS driver (VLS-128: place of the stamp), VeloView and the manuals of the
+HDL-64E S2 and S3 (times of the lasers, calibration in the status bytes).
+"""
+from __future__ import annotations
+
+import collections
+import dataclasses
+import datetime
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from underbrush.formats import catalogue
+from underbrush.formats.clock import Clock
+from underbrush.formats.returns import rows_of
+from underbrush.formats.rotation import Rotation, firing_period
+from underbrush.formats.scans import Scan
+from underbrush.formats.velodyne_calibration import Calibration
+
+Floats = npt.NDArray[np.float64]
+Counts = npt.NDArray[np.uint16]
+Packets = npt.NDArray[Any]  #: Of `PACKET`.
+
+PACKET = np.dtype([
+    ("blocks", [("flag", "<u2"), ("azimuth", "<u2"),
+                ("lasers", [("range", "<u2"), ("intensity", "u1")], (32,))], (12,)),
+    ("stamp_us", "<u4"), ("mode", "u1"), ("product", "u1")])
+MODES = {0x37: "strongest return", 0x38: "last return", 0x39: "dual return"}
+POSITION_BYTES = 512  #: Size of a position packet, which may have GPS's time.
+_DUAL, _HOUR_S = 0x39, 3600.0
+_LONGEST_S = 0.4  #: A scan of a sensor that stands still ends then; the slowest revolution takes 0.2 s.
+_UPPER, _LOWER = 0xEEFF, 0xDDFF
+
+
+@dataclasses.dataclass(frozen=True)
+class Model:
+    """What the packets of a model have besides its sensor file."""
+
+    sensor: str  #: Name in the catalogue.
+    product: int | None  #: Last byte of the packet; None where it is a status byte.
+    flags: tuple[int, ...] = (_UPPER,)  #: Flags of the blocks of one firing, in order.
+    stamp_s: float = 0.0  #: Time of the packet's stamp after the start of its first firing.
+    elevation_scale: float = 1.0  #: Elevations are those of the sensor file times this.
+    name: str = ""  #: Name for people, where it is not the sensor file's title.
+
+    @property
+    def is_hdl64e(self) -> bool:
+        return self.product is None
+
+
+MODELS = (
+    Model("velodyne-hdl32e", 0x21),
+    Model("velodyne-vlp16", 0x22),
+    Model("velodyne-vlp16", 0x24, elevation_scale=2 / 3, name="Velodyne Puck Hi-Res"),
+    Model("velodyne-vlp32c", 0x28),
+    Model("velodyne-vls128", 0xA1, (_UPPER, _LOWER, 0xCCFF, 0xBBFF), stamp_s=8.7e-6),
+    Model("velodyne-hdl64e", None, (_UPPER, _LOWER)),
+)
+
+#: HDL-64E: rings of the lasers 0, 2, 4, … of the upper block. The next laser has the ring above; the lower block's
+#: rings are 32 more.
+_HDL64E_RINGS = (27, 5, 25, 31, 23, 29, 15, 21, 13, 19, 11, 17, 3, 9, 1, 7)
+#: HDL-64E: times in a firing of 48 µs at which four lasers of a block fire, one group of them every 6 µs.
+_HDL64E_TIMES_US = (0.0, 1.26, 2.46, 3.66)
+
+
+def recognise(data: bytes) -> bool:
+    """Whether a datagram is a data packet of Velodyne."""
+    return len(data) == PACKET.itemsize and data[0] == 0xFF and data[1] in (0xEE, 0xDD)
+
+
+def model_of(packets: Packets, sensor: str | None = None) -> Model:
+    """The model that sent most of `packets`, or the one named `sensor`. Raises ValueError where it is not known."""
+    if sensor is not None:
+        named = [model for model in MODELS if model.sensor == sensor]
+        if not named:
+            raise ValueError(f"sensor '{sensor}' is no Velodyne whose packets are known")
+        return next((model for model in named if model.product in packets["product"]), named[0])
+    flags = packets["blocks"]["flag"]
+    product, _ = collections.Counter(packets["product"].tolist()).most_common(1)[0]
+    if ((flags[:, ::2] == _UPPER) & (flags[:, 1::2] == _LOWER)).all(axis=1).mean() > 0.5:
+        return MODELS[-1]
+    for model in MODELS:
+        if model.product == product:
+            return model
+    raise ValueError(f"Velodyne packets with the unknown product number 0x{product:02x}; name the sensor with "
+                     f"sensor='{MODELS[0].sensor}' or another of {', '.join(sorted({m.sensor for m in MODELS}))}")
+
+
+def rings_of_lasers(model: Model, file: catalogue.SpinningSensor) -> npt.NDArray[np.int64]:
+    """(lasers,) ring of each laser in the order of the packet, which is that of firing.
+
+    Of lasers that fire together, the packet has the one with the most clockwise offset first.
+    """
+    if model.is_hdl64e:
+        upper = [ring - odd for ring in _HDL64E_RINGS for odd in (0, 1)]
+        return np.array(upper + [ring + 32 for ring in upper])
+    return np.lexsort((file.azimuth_deg, file.time_s))
+
+
+def utc_of(position: bytes) -> float | None:
+    """Time (s since 1970) at which a position packet was sent, if GPS tells it (a valid $GPRMC); None otherwise."""
+    try:
+        fields = position[206:].split(b"\0")[0].decode("ascii").split(",")
+        if not fields[0].endswith("RMC") or fields[2] != "A":
+            return None
+        when = datetime.datetime.strptime(fields[9] + fields[1][:6] + "+0000", "%d%m%y%H%M%S%z")
+    except (ValueError, IndexError):
+        return None
+    after_hour = int.from_bytes(position[198:202], "little") * 1e-6
+    sentence = when.timestamp()
+    return float(after_hour + np.round((sentence - after_hour) / _HOUR_S) * _HOUR_S)
+
+
+@dataclasses.dataclass
+class _Firings:
+    """Firings of all lasers, in order of time."""
+
+    azimuth_deg: Floats  #: (n,), clockwise from forward, at the start.
+    rate_deg_s: Floats  #: (n,)
+    time_s: Floats  #: (n,)
+    turn: Floats  #: (n,), number of the revolution.
+    range: Counts  #: (n, returns, lasers), in steps of the range; 0 is a miss.
+    intensity: npt.NDArray[np.uint8]  #: (n, returns, lasers)
+
+    def __len__(self) -> int:
+        return len(self.turn)
+
+    def part(self, begin: int, end: int) -> _Firings:
+        return _Firings(*(getattr(self, field.name)[begin:end] for field in dataclasses.fields(self)))
+
+
+class Decoder:
+    """Turns packets into scans, one a revolution. Partial revolutions at the ends and at gaps are scans, too.
+
+    Rows are in order of firing. Raises ValueError where model or calibration are missing.
+    """
+
+    packet_bytes = PACKET.itemsize
+
+    def __init__(self, probe: Packets, captured_s: Floats, skipped: collections.Counter[str], sensor: str | None = None,
+                 calibration: Calibration | None = None, reference_s: float = 0.0, clock: str = "auto") -> None:
+        """`probe` and `captured_s` are the first packets, which tell the model, and their times of capture."""
+        self.model = model_of(probe, sensor)
+        file = catalogue.load(self.model.sensor)
+        self.sensor = self.model.sensor if self.model.elevation_scale == 1 else ""
+        self.title = self.model.name or file.title
+        self.skipped = skipped
+        self.clock = Clock(_HOUR_S, reference_s, clock)
+        self.modes: set[str] = set()
+        order = rings_of_lasers(self.model, file)
+        self._ring = order.astype(np.uint16)
+        self._lasers = len(order)
+        self._start_deg = 360.0 - file.start_azimuth_deg
+        self._has_modes = bool((probe["product"] == (self.model.product or -1)).mean() > 0.5)
+        if self.model.is_hdl64e and calibration is None:
+            calibration = Calibration.from_status(probe["mode"], probe["product"])
+            if calibration is None:
+                raise ValueError("an HDL-64E needs its calibration, which the packets do not contain in full; give it "
+                                 "with metadata='db.xml' (VeloView) or metadata='calibration.yaml' (ROS driver)")
+        self.calibration = calibration or Calibration.nominal(
+            np.radians(file.elevation_deg[order] * self.model.elevation_scale),
+            np.radians(file.azimuth_deg[order]), file.z_m[order])
+        if len(self.calibration.elevation) != self._lasers:
+            raise ValueError(f"the calibration has {len(self.calibration.elevation)} lasers, but a {self.title} has "
+                             f"{self._lasers}")
+        self._resolution_m = self.calibration.resolution_m or file.resolution_m
+        steps = np.diff(probe["stamp_us"].astype(np.float64) * 1e-6) % _HOUR_S
+        self._period_s, self.stamped = firing_period(
+            steps, captured_s, self._firings_per_packet(self._is_dual(probe)), file.period_s)
+        laser_s = file.time_s[order]
+        if self.model.is_hdl64e:
+            laser_s = np.array([6.0 * group + time for group in range(8) for time in _HDL64E_TIMES_US] * 2) * 1e-6
+        self._laser_s: Floats = laser_s * (self._period_s / file.period_s)
+        self._rotation = Rotation(self._start_deg, self._period_s * (2 if self._lasers == 16 else 1))
+        self._pending: list[_Firings] = []
+        self._scans = 0
+
+    def _firings_per_packet(self, dual: bool) -> int:
+        return (12 if not dual else 6 if self._lasers < 128 else 4) * 32 // self._lasers
+
+    def _is_dual(self, packets: Packets) -> bool:
+        """Whether most packets have both returns. Where no byte tells it, two firings of the same azimuth do."""
+        if self._has_modes:
+            return bool((packets["mode"] == _DUAL).mean() > 0.5)
+        azimuth, banks = packets["blocks"]["azimuth"], len(self.model.flags)
+        return bool(((azimuth[:, 0] == azimuth[:, banks]) & (azimuth[:, 0] != azimuth[:, 2 * banks])).mean() > 0.5)
+
+    def decode(self, packets: Packets, captured_s: Floats) -> Iterator[Scan]:
+        """Yields the scans that end in the (n,) `packets`, which were captured at (n,) `captured_s`."""
+        if not len(packets):
+            return
+        dual = np.full(len(packets), self._is_dual(packets))
+        if self._has_modes:
+            keep = np.isin(packets["mode"], list(MODES)) & (packets["product"] == self.model.product)
+            self.skipped["packets of another model or with an unknown return mode"] += int((~keep).sum())
+            packets, captured_s = packets[keep], captured_s[keep]
+            dual = packets["mode"] == _DUAL
+            self.modes |= {MODES[mode] for mode in np.unique(packets["mode"]).tolist()}
+        elif dual[0]:
+            self.modes.add(MODES[_DUAL])
+        edges = [0, *(np.flatnonzero(np.diff(dual)) + 1), len(packets)]
+        for begin, end in zip(edges[:-1], edges[1:]):
+            if end > begin:
+                yield from self._cut(self._firings(packets[begin:end], captured_s[begin:end], bool(dual[begin])))
+
+    def finish(self) -> Iterator[Scan]:
+        """Yields the last scan."""
+        if self._pending:
+            yield self._scan()
+
+    def found(self) -> list[str]:
+        """Lines about clock and calibration."""
+        lines = [self.clock.found() if self.stamped else "clock: the capture's, because the packets have no stamps"]
+        if self.calibration.source:
+            lines.append(f"calibration: {self.calibration.source}")
+        return lines
+
+    def _firings(self, packets: Packets, captured_s: Floats, dual: bool) -> _Firings:
+        n, lasers, flags = len(packets), self._lasers, self.model.flags
+        banks, firings = len(flags), self._firings_per_packet(dual)
+        blocks: Packets = packets["blocks"]
+        if dual and banks == 4:
+            blocks = blocks[:, :8]  # The last four blocks are empty.
+        returns = 2 if dual else 1
+        # Blocks as (n, groups, returns, banks), the strongest return first. The HDL-64E has all banks of a return
+        # together, others both returns of a bank, and the last return first.
+        blocks = blocks.reshape((n, -1, returns, banks) if self.model.is_hdl64e else (n, -1, banks, returns))
+        if not self.model.is_hdl64e:
+            blocks = blocks.swapaxes(2, 3)[:, :, ::-1]
+        groups = blocks.shape[1]
+        azimuth = blocks["azimuth"][:, :, 0, 0].astype(np.float64) * 0.01
+        sound = (blocks["flag"] == np.array(flags, dtype=np.uint16)).all(axis=(2, 3)) & (azimuth < 360)
+        self.skipped["blocks with a wrong flag or azimuth"] += int((~sound).sum()) * returns * banks
+
+        halves = firings // groups  # 2 for the VLP-16, whose blocks have two firings.
+        group_s = np.arange(groups) * halves * self._period_s
+        if self.stamped:
+            stamp_s = packets["stamp_us"] * 1e-6
+            start_s = stamp_s + self.clock.shift(stamp_s, captured_s) - self.model.stamp_s
+        else:
+            start_s = captured_s - firings * self._period_s
+        time_s = (start_s[:, None] + group_s)[sound]
+        rate, turn = self._rotation.advance(azimuth[sound], time_s)
+
+        def values(name: str) -> npt.NDArray[Any]:
+            column: npt.NDArray[Any] = blocks["lasers"][name][sound]  # (groups, returns, banks, 32)
+            column = column.reshape(-1, returns, halves, lasers).swapaxes(1, 2)
+            return column.reshape(-1, returns, lasers)
+
+        half_s = np.arange(halves) * self._period_s
+        return _Firings(
+            (azimuth[sound][:, None] + rate[:, None] * half_s).ravel(), np.repeat(rate, halves),
+            (time_s[:, None] + half_s).ravel(), np.repeat(turn, halves),
+            values("range").astype(np.uint16), values("intensity").astype(np.uint8))
+
+    def _cut(self, firings: _Firings) -> Iterator[Scan]:
+        """Yields the scans that end before or in `firings`; keeps the rest."""
+        edges = [0, *(np.flatnonzero(np.diff(firings.turn)) + 1), len(firings)]
+        for begin, end in zip(edges[:-1], edges[1:]):
+            part = firings.part(int(begin), int(end))
+            if self._pending and len(part):
+                last = self._pending[-1]
+                held = sum(len(pending) for pending in self._pending)
+                if (last.turn[-1] != part.turn[0] or last.range.shape[1] != part.range.shape[1]
+                        or held * self._period_s > _LONGEST_S):
+                    yield self._scan()
+            if len(part):
+                self._pending.append(part)
+
+    def _scan(self) -> Scan:
+        """The pending firings as a scan."""
+        parts, self._pending = self._pending, []
+        joined = _Firings(*(np.concatenate([getattr(part, field.name) for part in parts])
+                            for field in dataclasses.fields(_Firings)))
+        time_s = (joined.time_s[:, None] + self._laser_s).ravel()
+        clockwise = np.radians(joined.azimuth_deg[:, None] + joined.rate_deg_s[:, None] * self._laser_s)
+        direction, origin = self.calibration.beams(-clockwise)
+        counts, shades = (values.swapaxes(0, 1).reshape(values.shape[1], -1)
+                          for values in (joined.range, joined.intensity))
+        rows = rows_of(counts)
+        count = counts[rows.which, rows.beam]
+        laser = np.tile(np.arange(self._lasers), len(joined))[rows.beam]
+        direction, origin = direction[rows.beam], None if origin is None else origin[rows.beam]
+        range_m = count * np.float32(self._resolution_m)
+        range_m[count == 0] = np.inf
+        if self.calibration.has_ranges:
+            direction, range_m = self.calibration.corrected(direction, range_m, laser)
+        intensity = np.where(count > 0, shades[rows.which, rows.beam], 0).astype(np.float32)
+        time_s = time_s[rows.beam]
+        self._scans += 1
+        return Scan(number=self._scans - 1, time_s=float(time_s[0]), direction=direction, range_m=range_m,
+                    origin=origin, beam_time_s=time_s, intensity=intensity, ring=self._ring[laser], echo=rows.echo,
+                    echoes=rows.echoes)
