@@ -1,0 +1,313 @@
+"""ROS recordings: ROS 1 bags, ROS 2 bags of SQLite files and of MCAP files."""
+from __future__ import annotations
+
+import collections
+import logging
+import pathlib
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..errors import FormatError
+from ._files import OptionMissing, PathLike, guarded, need, size_of, with_thousands
+from .layouts import guess_sensor, scan_from_points
+from .scans import Poses, Scan
+from .trajectory import read_poses
+from .transforms import POSE_TYPES, FrameTree, frame_name, seconds
+
+CLOUD = "sensor_msgs/msg/PointCloud2"
+CUSTOM = ("livox_ros_driver/msg/CustomMsg", "livox_ros_driver2/msg/CustomMsg")
+_FORMATS = ("", "i1", "u1", "i2", "u2", "i4", "u4", "f4", "f8")  # By sensor_msgs/PointField's number.
+_JUMP_S = 10.0
+_MOST_BREAKS = 1000
+_CLOCK = "scans whose clock jumps (--clock bag takes the times of the recording)"
+
+
+def kind_of_bag(path: pathlib.Path) -> str:
+    """"ros1", "mcap", "sqlite3", "folder" or "" by the content."""
+    if path.is_dir():
+        return "folder" if (path / "metadata.yaml").is_file() else ""
+    with path.open("rb") as file:
+        head = file.read(16)
+    for kind, magic in (("ros1", b"#ROSBAG V"), ("mcap", b"\x89MCAP0\r\n"), ("sqlite3", b"SQLite format 3\0")):
+        if head.startswith(magic):
+            return kind
+    return ""
+
+
+class BagRecording:
+    """A ROS recording. It holds one message at a time; poses are read in a pass of their own, when first asked for.
+
+    `topic` is the point cloud to read; `frame` the sensor, where several publish there; `poses` a topic of the
+    recording or a file of poses; `clock` "stamp" (the messages' stamps) or "bag" (the times of recording).
+    """
+
+    organised = False
+    crs = ""
+    world = False
+
+    def __init__(self, path: PathLike, *, topic: str | None = None, frame: str | None = None,
+                 poses: PathLike | None = None, clock: str = "stamp") -> None:
+        self.path, self.frame, self.clock = pathlib.Path(path), frame, clock
+        if clock not in ("stamp", "bag"):
+            raise ValueError(f"no clock '{clock}': stamp or bag")
+        self._poses_from, self._poses = poses, list[Poses | None]()
+        self.skipped: collections.Counter[str] = collections.Counter()
+        self.sensor, self.bytes_total, self.bytes_done = "", size_of(path), 0
+        self._kind = kind_of_bag(self.path)
+        self._ros1 = self._kind == "ros1"
+        self._store = self._typestore()
+        with self._open() as reader, guarded(path, "index"):
+            self._connections = sorted(
+                ((str(c.topic), str(c.msgtype), int(c.msgcount)) for c in reader.connections), key=lambda c: c[0])
+            self._duration_s = max(0.0, float(reader.duration) * 1e-9)
+            self._first = {t: self._peek(reader, t) for t, kind, n in self._connections if n and _is_cloud(kind)}
+        clouds = sorted(self._first)
+        if not clouds:
+            raise FormatError(path, "", "no topic with point clouds (sensor_msgs/PointCloud2, Livox CustomMsg)")
+        if topic is not None and topic not in clouds:
+            raise ValueError(f"{path}: no point clouds in {topic}: {', '.join(clouds)}")
+        self.topic = topic if topic is not None else clouds[0] if len(clouds) == 1 else None
+        if self.topic is not None:
+            _, self.sensor, self.organised, _, _ = self._first[self.topic]
+
+    def found(self) -> list[str]:
+        names = {"ros1": "ROS 1 bag", "mcap": "ROS 2 MCAP file", "sqlite3": "ROS 2 SQLite file", "folder": "ROS 2 bag"}
+        lines = [f"{names[self._kind]}, {self._duration_s:.1f} s, {self.bytes_total / 1e6:.1f} MB"]
+        for topic, kind, count in self._connections:
+            rate = f"{(count - 1) / self._duration_s:.1f} Hz" if count > 1 and self._duration_s > 0 else "once"
+            text = f"{topic}: {kind}, {with_thousands(count)} messages, {rate}"
+            if topic in self._first:
+                layout, sensor, organised, frame, points = self._first[topic]
+                misses = "organised, with misses" if organised else "no misses"
+                text += (f"; layout {layout}, {with_thousands(points)} points a scan, {misses}, frame {frame or '-'}"
+                         + (f", probably {sensor}" if sensor else ""))
+            lines.append(text)
+        if self.topic is None:
+            return [*lines, self._ask_topic()]
+        return [*lines, "poses from " + self._poses_text if self.poses is not None else self._ask_poses()]
+
+    @property
+    def poses(self) -> Poses | None:
+        """World from the lidar's frame; None where the recording has none."""
+        if not self._poses:
+            self._poses = [self._read_poses()]
+        return self._poses[0]
+
+    @poses.setter
+    def poses(self, poses: Poses | None) -> None:
+        self._poses = [poses]
+
+    def scans(self) -> Iterator[Scan]:
+        if self.topic is None:
+            raise OptionMissing(self._ask_topic())
+        frames: set[str] = set()
+        number, seen, last = 0, 0, None
+        total = sum(n for topic, _, n in self._connections if topic == self.topic)
+        with self._open() as reader:
+            for kind, bag_ns, raw in self._messages(reader, self.topic):
+                seen += 1
+                self.bytes_done = min(self.bytes_total, self.bytes_total * seen // max(1, total))
+                try:
+                    with guarded(self.path, "message"):
+                        scan, _, frame = self._scan(kind, raw, number)
+                except FormatError:
+                    self.skipped["messages that cannot be read"] += 1
+                    continue
+                frames.add(frame)
+                if self.frame is not None and frame != frame_name(self.frame):
+                    continue
+                if self.frame is None and len(frames) > 1:
+                    raise OptionMissing(f"{self.path}: two sensors publish in {self.topic}: add "
+                                        + " or ".join(f"--frame {name}" for name in sorted(frames)))
+                bag_s = bag_ns * 1e-9
+                if self.clock == "bag":
+                    _shift(scan, bag_s)
+                elif last is not None:
+                    step = scan.time_s - last[0]
+                    if step <= 0 or abs(step - (bag_s - last[1])) > _JUMP_S:
+                        self.skipped[_CLOCK] += 1
+                        continue
+                last = (scan.time_s, bag_s)
+                number += 1
+                yield scan
+        if seen < total:
+            self.skipped["messages in parts of the file that cannot be read"] += total - seen
+        if not number and total:
+            raise FormatError(self.path, str(self.topic), f"none of {total} messages can be read"
+                              if not frames else f"none of {total} scans can be used")
+        self.bytes_done = self.bytes_total
+
+    def _ask_topic(self) -> str:
+        return f"{self.path}: several topics with point clouds: add " + " or ".join(
+            f"--topic {t}" + (f" ({self._first[t][1]})" if self._first[t][1] else "") for t in sorted(self._first))
+
+    def _ask_poses(self) -> str:
+        if self._poses_text.startswith("several: "):
+            topics = self._poses_text.removeprefix("several: ").split(" or ")
+            return f"{self.path}: several topics with poses: add " + " or ".join(f"--poses {t}" for t in topics)
+        return f"{self.path}: no poses in it: add --poses FILE (t x y z qx qy qz qw, world from sensor)"
+
+    def _typestore(self) -> Any:
+        # The file's own definitions are not used: these types do not change, and foreign text is not made into code.
+        types = need("rosbags.typesys")
+        store = types.get_typestore(types.Stores.ROS1_NOETIC if self._ros1 else types.Stores.ROS2_HUMBLE)
+        if self._ros1:
+            for name in ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage"):
+                store.register(types.get_types_from_msg("geometry_msgs/TransformStamped[] transforms", name))
+        return store
+
+    def _open(self) -> Any:
+        with guarded(self.path, "open"):
+            if self._ros1:
+                return _Opened(need("rosbags.rosbag1").Reader(self.path), self.path)
+            name = {"mcap": ("storage_mcap", "McapReader"), "sqlite3": ("storage_sqlite3", "Sqlite3Reader"),
+                    "folder": ("reader", "DirectoryReader")}.get(self._kind)
+            if name is None:
+                raise FormatError(self.path, "", "is no ROS bag")
+            logging.getLogger("rosbags").addHandler(logging.NullHandler())
+            return _Opened(getattr(need("rosbags.rosbag2." + name[0]), name[1])(self.path), self.path)
+
+    def _messages(self, reader: Any, topic: str) -> Iterator[tuple[str, int, bytes]]:
+        """Type, time (ns) and bytes of a topic's messages. A part of the file that cannot be read is left out."""
+        for connection in [c for c in reader.connections if c.topic == topic]:
+            start, step = None, 1_000_000
+            end = int(reader.end_time)
+            for _ in range(_MOST_BREAKS):
+                try:
+                    with guarded(self.path, "messages"):
+                        for found, time_ns, raw in reader.messages([connection], start=start):
+                            yield str(found.msgtype), int(time_ns), raw
+                            start, step = int(time_ns), 1_000_000
+                    break
+                except FormatError:
+                    self.skipped["breaks in the file"] += 1
+                    start = (int(reader.start_time) if start is None else start) + step
+                    step *= 2
+                    if start >= end:
+                        break
+
+    def _peek(self, reader: Any, topic: str) -> tuple[str, str, bool, str, int]:
+        """Layout, sensor, whether misses are kept, frame and points of a topic's first cloud that can be read."""
+        for kind, _, raw in self._messages(reader, topic):
+            try:
+                with guarded(self.path, topic):
+                    kept, self.skipped = self.skipped, collections.Counter()
+                    scan, layout, frame = self._scan(kind, raw, 0)
+            except FormatError:
+                continue
+            finally:
+                self.skipped = kept
+            return layout, guess_sensor(layout, scan), scan.shape is not None, frame, len(scan)
+        return "unknown", "", False, "", 0
+
+    def _scan(self, kind: str, raw: bytes, number: int) -> tuple[Scan, str, str]:
+        if kind != CLOUD:
+            points, stamp, frame = livox_points(raw, self._ros1)
+        else:
+            read = self._store.deserialize_ros1 if self._ros1 else self._store.deserialize_cdr
+            message = read(raw, CLOUD)
+            points, stamp, frame = cloud_points(message), seconds(message.header.stamp), message.header.frame_id
+        scan, layout = scan_from_points(points, stamp, number, self.skipped)
+        times = scan.beam_time_s
+        if times is not None and len(times) and np.isfinite(times[0]) and abs(times[0] - stamp) > _JUMP_S:
+            times += stamp - float(np.nanmin(times))  # The sensor's clock is not the messages'.
+        return scan, layout, frame_name(frame)
+
+    def _read_poses(self) -> Poses | None:
+        self._poses_text = "none"
+        topics = {topic: POSE_TYPES[kind] for topic, kind, n in self._connections if kind in POSE_TYPES and n}
+        asked = None if self._poses_from is None else str(self._poses_from)
+        if asked is not None and asked not in topics:
+            self._poses_text = asked
+            return read_poses(asked)
+        if self.topic is None or not topics:
+            return None
+        tree = FrameTree()
+        read = self._store.deserialize_ros1 if self._ros1 else self._store.deserialize_cdr
+        with self._open() as reader:
+            for topic, kind in topics.items():
+                for msgtype, _, raw in self._messages(reader, topic):
+                    try:
+                        with guarded(self.path, topic):
+                            tree.add(kind, topic, read(raw, msgtype))
+                    except FormatError:
+                        self.skipped["poses that cannot be read"] += 1
+        lidar = frame_name(self.frame) if self.frame is not None else self._first[self.topic][3]
+        poses, self._poses_text = tree.poses_of(lidar, asked)
+        return poses
+
+    _poses_text = "none"
+
+
+class _Opened:
+    """A reader that is open within a `with` and whose errors on opening are `FormatError`."""
+
+    def __init__(self, reader: Any, path: PathLike) -> None:
+        self._reader, self._path = reader, path
+
+    def __enter__(self) -> Any:
+        with guarded(self._path, "open"):
+            self._reader.open()
+        facts = getattr(self._reader, "metadata", self._reader)
+        for name in ("duration", "start_time", "end_time"):
+            if not hasattr(self._reader, name):
+                setattr(self._reader, name, getattr(facts, name))
+        return self._reader
+
+    def __exit__(self, *_: object) -> None:
+        self._reader.close()
+
+
+def _is_cloud(msgtype: str) -> bool:
+    return msgtype == CLOUD or msgtype in CUSTOM
+
+
+def _shift(scan: Scan, time_s: float) -> None:
+    if scan.beam_time_s is not None:
+        scan.beam_time_s += time_s - scan.time_s
+    scan.time_s = time_s
+
+
+def cloud_points(message: Any) -> npt.NDArray[np.void]:
+    """The points of a sensor_msgs/PointCloud2 as a structured array (rows, columns), a view of its bytes.
+
+    `ValueError` where the message's sizes contradict each other.
+    """
+    order = ">" if message.is_bigendian else "<"
+    fields = [f for f in message.fields if f.count <= 1 and 0 < f.datatype < len(_FORMATS)]
+    dtype = np.dtype({"names": [f.name for f in fields], "formats": [order + _FORMATS[f.datatype] for f in fields],
+                      "offsets": [f.offset for f in fields], "itemsize": message.point_step})
+    rows, columns, row_step = int(message.height), int(message.width), int(message.row_step)
+    if rows == 1 or row_step == 0:
+        row_step = columns * dtype.itemsize
+    if not dtype.itemsize or row_step < columns * dtype.itemsize or rows * row_step > len(message.data):
+        raise ValueError(f"{rows} x {columns} points of {dtype.itemsize} bytes do not fit {len(message.data)} bytes")
+    return np.ndarray((rows, columns), dtype, message.data, 0, (row_step, dtype.itemsize))
+
+
+def livox_points(raw: bytes, ros1: bool) -> tuple[npt.NDArray[np.void], float, str]:
+    """The points of a Livox CustomMsg (1, n), its stamp (s) and its frame. `ValueError` where it is too short."""
+    at = 8 if not ros1 else 12  # Past the representation and the seconds, or the sequence number and the seconds.
+    if len(raw) < 48:
+        raise ValueError("too short for a Livox message")
+    sec, nsec, length = np.frombuffer(raw, "<u4", 3, at - 4)
+    frame = bytes(raw[at + 8:at + 8 + int(length)]).rstrip(b"\0").decode(errors="replace")
+    at += 8 + int(length)
+    if not ros1:
+        at = 4 + (at - 4 + 7) // 8 * 8
+    at += 8 + 4 + 4
+    step = 19 if ros1 else 20
+    if len(raw) < at + 4:
+        raise ValueError("too short for a Livox message")
+    count = int(np.frombuffer(raw, "<u4", 1, at)[0])
+    if count and at + 4 + count * step - (step - 19) > len(raw):
+        raise ValueError(f"{count} points do not fit {len(raw)} bytes")
+    dtype = np.dtype({"names": ["offset_time", "x", "y", "z", "reflectivity", "tag", "line"],
+                      "formats": ["<u4", "<f4", "<f4", "<f4", "u1", "u1", "u1"],
+                      "offsets": [0, 4, 8, 12, 16, 17, 18], "itemsize": step})
+    padded = bytes(raw) + b"\0" if step == 20 else raw  # The last point has no padding.
+    points = np.ndarray((1, count), dtype, padded, at + 4)
+    return points, float(sec) + float(nsec) * 1e-9, frame
