@@ -290,12 +290,12 @@ def cloud_points(message: Any) -> npt.NDArray[np.void]:
 
 def livox_points(raw: bytes, ros1: bool) -> tuple[npt.NDArray[np.void], float, str]:
     """The points of a Livox CustomMsg (1, n), its stamp (s) and its frame. `ValueError` where it is too short."""
-    at = 8 if not ros1 else 12  # Past the representation and the seconds, or the sequence number and the seconds.
     if len(raw) < 48:
         raise ValueError("too short for a Livox message")
-    sec, nsec, length = np.frombuffer(raw, "<u4", 3, at - 4)
-    frame = bytes(raw[at + 8:at + 8 + int(length)]).rstrip(b"\0").decode(errors="replace")
-    at += 8 + int(length)
+    # Both begin with four bytes (sequence number or representation), then s, ns and the frame's length.
+    sec, nsec, length = (int(v) for v in np.frombuffer(raw, "<u4", 3, 4))
+    frame = bytes(raw[16:16 + length]).rstrip(b"\0").decode(errors="replace")
+    at = 16 + length
     if not ros1:
         at = 4 + (at - 4 + 7) // 8 * 8
     at += 8 + 4 + 4

@@ -16,7 +16,7 @@ from .trajectory import in_order
 _CHUNK = 1 << 20  # Points a scan.
 _TYPES = {"cartesianX": "d", "cartesianY": "d", "cartesianZ": "d", "sphericalRange": "d", "sphericalAzimuth": "d",
           "sphericalElevation": "d", "cartesianInvalidState": "b", "sphericalInvalidState": "b", "intensity": "f",
-          "rowIndex": "i", "columnIndex": "i", "returnIndex": "b", "returnCount": "b", "timeStamp": "d",
+          "rowIndex": "q", "columnIndex": "q", "returnIndex": "b", "returnCount": "b", "timeStamp": "d",
           "colorRed": "H", "colorGreen": "H", "colorBlue": "H"}
 _EXTRA = {"timeStamp": "time_stamp", "rowIndex": "row", "columnIndex": "column",
           "colorRed": "red", "colorGreen": "green", "colorBlue": "blue"}
@@ -149,6 +149,7 @@ class E57Recording:
             count = c["returnCount"][keep].astype(np.uint8)
             scan.echo = np.where(state == 1, 0, c["returnIndex"][keep] + 1).astype(np.uint8)
             scan.echoes = np.where(state == 1, 0, count).astype(np.uint8)
-        scan.extra = {new: c[name][keep] for name, new in _EXTRA.items() if name in c}
+        scan.extra = {new: c[name][keep].astype(np.int32 if c[name].dtype == np.int64 else c[name].dtype)
+                      for name, new in _EXTRA.items() if name in c}
         scan.extra["station"] = np.full(len(scan), station, np.uint16)
         return scan
