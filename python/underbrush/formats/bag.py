@@ -15,7 +15,7 @@ from ._files import OptionMissing, PathLike, guarded, need, size_of, with_thousa
 from .layouts import guess_sensor, scan_from_points
 from .scans import Poses, Scan
 from .trajectory import read_poses
-from .transforms import POSE_TYPES, FrameTree, frame_name, seconds
+from .transforms import POSE_TYPES, FrameTree, frame_name, seconds, typestore
 
 CLOUD = "sensor_msgs/msg/PointCloud2"
 CUSTOM = ("livox_ros_driver/msg/CustomMsg", "livox_ros_driver2/msg/CustomMsg")
@@ -58,7 +58,7 @@ class BagRecording:
         self.sensor, self.bytes_total, self.bytes_done = "", size_of(path), 0
         self._kind = kind_of_bag(self.path)
         self._ros1 = self._kind == "ros1"
-        self._store = self._typestore()
+        self._store = typestore(self._ros1)
         with self._open() as reader, guarded(path, "index"):
             self._connections = sorted(
                 ((str(c.topic), str(c.msgtype), int(c.msgcount)) for c in reader.connections), key=lambda c: c[0])
@@ -149,15 +149,6 @@ class BagRecording:
             topics = self._poses_text.removeprefix("several: ").split(" or ")
             return f"{self.path}: several topics with poses: add " + " or ".join(f"--poses {t}" for t in topics)
         return f"{self.path}: no poses in it: add --poses FILE (t x y z qx qy qz qw, world from sensor)"
-
-    def _typestore(self) -> Any:
-        # The file's own definitions are not used: these types do not change, and foreign text is not made into code.
-        types = need("rosbags.typesys")
-        store = types.get_typestore(types.Stores.ROS1_NOETIC if self._ros1 else types.Stores.ROS2_HUMBLE)
-        if self._ros1:
-            for name in ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage"):
-                store.register(types.get_types_from_msg("geometry_msgs/TransformStamped[] transforms", name))
-        return store
 
     def _open(self) -> Any:
         with guarded(self.path, "open"):

@@ -3,10 +3,12 @@ from __future__ import annotations
 
 import array
 import collections
+import functools
 from typing import Any
 
 import numpy as np
 
+from ._files import need
 from .scans import Poses
 from .trajectory import compose, in_order
 
@@ -14,6 +16,20 @@ from .trajectory import compose, in_order
 POSE_TYPES = {"tf2_msgs/msg/TFMessage": "tf", "tf/msg/tfMessage": "tf", "nav_msgs/msg/Odometry": "odometry",
               "geometry_msgs/msg/PoseStamped": "pose"}
 _FIXED = ("map", "world", "odom", "earth", "local", "utm")  # Names of frames that do not move.
+
+
+@functools.cache
+def typestore(ros1: bool) -> Any:
+    """The message types of ROS, as rosbags decodes and encodes them.
+
+    A recording's own definitions are not used: these types do not change, and foreign text is not made into code.
+    """
+    types = need("rosbags.typesys")
+    store = types.get_typestore(types.Stores.ROS1_NOETIC if ros1 else types.Stores.ROS2_HUMBLE)
+    if ros1:
+        for name in ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage"):
+            store.register(types.get_types_from_msg("geometry_msgs/TransformStamped[] transforms", name))
+    return store
 
 
 def seconds(stamp: Any) -> float:

@@ -17,6 +17,7 @@ from .bag import CLOUD, _FORMATS
 from .layouts import LAYOUTS, points_from_columns
 from .scans import Poses
 from .trajectory import conjugate, pose_at, rotate
+from .transforms import typestore
 
 _TF = "tf2_msgs/msg/TFMessage"
 _LATER = "echoes after the first"
@@ -26,7 +27,7 @@ class BagWriter:
     """Writes a log of beams, scan by scan, with its poses as /tf.
 
     The name tells the kind: `.mcap` and `.db3` are single ROS 2 files, `.bag` is a ROS 1 bag, any other a ROS 2 folder
-    (of MCAP). `layout` is one of `LAYOUTS`. Points are in the sensor's frame at their own firing; times count from the
+    (of MCAP); `compress` packs chunks (lz4 in ROS 1 bags, zstd in MCAP). `layout` is one of `LAYOUTS`. Points are in the sensor's frame at their own firing; times count from the
     scan's first beam. A cloud is organised, its misses kept, where the driver's is and all rings of the scan have as
     many beams: ouster then writes the first echo of each beam; velodyne does so only where no beam has several. Use it
     in a `with`; the file appears at its end, whole. `lost` counts what the layout cannot hold, `written` points and
@@ -34,7 +35,8 @@ class BagWriter:
     """
 
     def __init__(self, path: PathLike, poses: Poses, *, layout: str = "ouster", topic: str = "/points",
-                 frame: str = "lidar", world: str = "map") -> None:
+                 frame: str = "lidar", world: str = "map", compress: bool = False) -> None:
+        self._compress = compress
         if layout not in LAYOUTS:
             raise ValueError(f"no layout '{layout}': {', '.join(LAYOUTS)}")
         self.path, self.layout, self._poses = pathlib.Path(path), LAYOUTS[layout], _from_zero(poses)
@@ -48,17 +50,19 @@ class BagWriter:
 
     def __enter__(self) -> BagWriter:
         temporary = self._exit.enter_context(written_whole(self.path))
-        types = need("rosbags.typesys")
-        store = types.get_typestore(types.Stores.ROS1_NOETIC if self._ros1 else types.Stores.ROS2_HUMBLE)
+        store = typestore(self._ros1)
         if self._ros1:
-            store.register(types.get_types_from_msg("geometry_msgs/TransformStamped[] transforms", _TF))
             self._writer = need("rosbags.rosbag1").Writer(temporary)
+            if self._compress:
+                self._writer.set_compression(self._writer.CompressionFormat.LZ4)
         else:
             bag2 = need("rosbags.rosbag2")
             plugin = bag2.StoragePlugin.SQLITE3 if self.path.suffix == ".db3" else bag2.StoragePlugin.MCAP
             self._single = self.path.suffix if self.path.suffix in (".mcap", ".db3") else ""
             self._folder = temporary.with_suffix("") if self._single else temporary
             self._writer = bag2.Writer(self._folder, version=9, storage_plugin=plugin)
+            if self._compress and plugin == bag2.StoragePlugin.MCAP:
+                self._writer.set_compression(bag2.CompressionMode.STORAGE, bag2.CompressionFormat.ZSTD)
         self._temporary, self._store = temporary, store
         self._writer.open()
         self._clouds = self._writer.add_connection(self._topic, CLOUD, typestore=store)
