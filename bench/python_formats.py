@@ -5,8 +5,8 @@
 
 Files of every format are written from a generated log (128 rings, 1024 columns, 30 % misses; about 2.6 million beams).
 Each measurement runs in a process of its own, ours and the library's in turn; the fastest of the repeats counts. Speeds
-are per second of CPU (user and system, all threads), because wall seconds depend on what else the machine does. "Library
-alone" decodes all points or messages and does nothing with them; ours yields scans with all columns, and "placed" also
+are per second of CPU (user and system, all threads), because wall seconds depend on what else the machine does.
+"Library alone" decodes all points or messages and does nothing with them; ours yields scans with all columns, and "placed" also
 gives each beam its pose in the world. Memory is the growth of the process.
 """
 import argparse
@@ -175,8 +175,8 @@ def main():
         points = runs[0][0][0]
         speed = [points / min(run[k][1] for run in runs) / 1e6 for k in range(3)]
         memory = [min(run[k][2] for run in runs) for k in (0, 2)]
-        print(f"| {name} | {kept} | {library} | {points / 1e6:.2f} | {speed[0]:.2f} | {speed[1]:.2f} | {speed[2]:.2f} | "
-              f"{memory[0]:.0f} | {memory[1]:.0f} |", flush=True)
+        print(f"| {name} | {kept} | {library} | {points / 1e6:.2f} | " + " | ".join(f"{v:.2f}" for v in speed)
+              + f" | {memory[0]:.0f} | {memory[1]:.0f} |", flush=True)
 
 
 if __name__ == "__main__":

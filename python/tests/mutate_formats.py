@@ -11,11 +11,13 @@ from __future__ import annotations
 
 import argparse
 import collections
+import importlib
 import logging
 import os
 import pathlib
 import resource
-import signal
+import select
+import subprocess
 import sys
 import tempfile
 import time
@@ -43,13 +45,13 @@ def seed_las(folder: pathlib.Path, name: str) -> pathlib.Path:
 
 def seed_old_laz(folder: pathlib.Path) -> pathlib.Path:
     """Point format 3 in chunks of 500 points, so that there are several."""
-    import laspy
-    import lazrs
+    laspy, lazrs = importlib.import_module("laspy"), importlib.import_module("lazrs")
     rng = np.random.default_rng(1)
     las = laspy.LasData(laspy.LasHeader(point_format=3, version="1.2"))
     n = 2000
     las.x, las.y, las.z = rng.normal(size=(3, n))
-    las.gps_time, las.return_number, las.number_of_returns = np.arange(n) * 0.1, np.ones(n, np.uint8), np.ones(n, np.uint8)
+    las.gps_time = np.arange(n) * 0.1
+    las.return_number = las.number_of_returns = np.ones(n, np.uint8)
     vlr = lazrs.LazVlr.new_for_compression(3, 0, False)
     record = bytearray(vlr.record_data())
     record[12:16] = (500).to_bytes(4, "little")
@@ -166,8 +168,8 @@ def read_all(path: pathlib.Path) -> str:
         recording.found()
         for scan in recording.scans():
             n = len(scan)
-            for column in (scan.xyz, scan.direction, scan.range_m, scan.origin, scan.beam_time_s, scan.intensity, scan.ring,
-                           scan.echo, scan.echoes, *scan.extra.values()):
+            for column in (scan.xyz, scan.direction, scan.range_m, scan.origin, scan.beam_time_s, scan.intensity,
+                           scan.ring, scan.echo, scan.echoes, *scan.extra.values()):
                 assert column is None or len(column) == n, "columns of different lengths"
             with np.errstate(all="ignore"):
                 place(scan, None, world=recording.world, position=(0.0, 0.0, 0.0))
@@ -185,27 +187,29 @@ def _grown_to(allowed: int) -> None:
     resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
 
 
-def _child(kind: str, seed: bytes, good: pathlib.Path, numbers: range, main_seed: int, out: int) -> None:
-    """Reads mutants; writes "NUMBER what" lines to the pipe, "NUMBER" alone before each."""
+def child(kind: str, good: pathlib.Path, numbers: range, main_seed: int) -> None:
+    """Reads mutants of a file and prints a line "NUMBER what" for each, the number before it is read."""
     null = os.open(os.devnull, os.O_WRONLY)
     os.dup2(null, 2)  # Rust's panics and libE57's reports go there.
     logging.disable()
     warnings.simplefilter("ignore")
+    seed = good.read_bytes()
     read_all(good)  # Libraries and threads are there before the limit is set.
     _grown_to(2 * len(seed) + _ALLOWANCE)
     path = good.with_name("mutant" + good.suffix)
     for number in numbers:
-        os.write(out, f"{number} ".encode())
+        print(number, end=" ", flush=True)
         path.write_bytes(mutant(seed, kind, number, main_seed))
         try:
             what = read_all(path)
         except BaseException as error:  # noqa: BLE001
             what = f"! {type(error).__name__}: {str(error)[:150]}"
-        os.write(out, (what.replace("\n", " ") + "\n").encode())
+        print(what.replace("\n", " "), flush=True)
     os._exit(0)
 
 
-def run(kind: str, count: int, main_seed: int, keep: pathlib.Path | None = None) -> tuple[collections.Counter[str], list[str]]:
+def run(kind: str, count: int, main_seed: int,
+        keep: pathlib.Path | None = None) -> tuple[collections.Counter[str], list[str]]:
     """Reads `count` mutants of a kind; returns what became of them, and the failures."""
     results: collections.Counter[str] = collections.Counter()
     failures: list[str] = []
@@ -214,45 +218,32 @@ def run(kind: str, count: int, main_seed: int, keep: pathlib.Path | None = None)
         seed = good.read_bytes()
         number = 0
         while number < count:
-            number = _batch(kind, seed, good, range(number, count), main_seed, results, failures)
-            if keep is not None and failures:
-                keep.mkdir(exist_ok=True)
+            number = _batch(kind, good, range(number, count), main_seed, results, failures)
         for line in failures if keep is not None else []:
-            n = int(line.split()[1])
             assert keep is not None
-            (keep / f"{kind}-{n}{good.suffix}").write_bytes(mutant(seed, kind, n, main_seed))
+            keep.mkdir(exist_ok=True)
+            damaged = int(line.split()[1])
+            (keep / f"{kind}-{damaged}{good.suffix}").write_bytes(mutant(seed, kind, damaged, main_seed))
     return results, failures
 
 
-def _batch(kind: str, seed: bytes, good: pathlib.Path, numbers: range, main_seed: int,
-           results: collections.Counter[str], failures: list[str]) -> int:
-    """Runs a child until it ends, crashes or hangs; returns the next number."""
-    inward, outward = os.pipe()
-    child = os.fork()
-    if child == 0:
-        os.close(inward)
-        try:
-            _child(kind, seed, good, numbers, main_seed, outward)
-        finally:
-            os._exit(3)
-    os.close(outward)
-    text, last = b"", time.monotonic()
-    hung = False
-    os.set_blocking(inward, False)
-    while True:
-        try:
-            data = os.read(inward, 1 << 16)
+def _batch(kind: str, good: pathlib.Path, numbers: range, main_seed: int, results: collections.Counter[str],
+           failures: list[str]) -> int:
+    """Runs a process until it ends, crashes or hangs; returns the next number."""
+    command = [sys.executable, __file__, "--child", kind, str(good), str(numbers.start), str(numbers.stop),
+               str(main_seed)]
+    text, hung = b"", False
+    with subprocess.Popen(command, stdout=subprocess.PIPE) as process:
+        assert process.stdout is not None
+        while select.select([process.stdout], [], [], _HANG_S)[0]:
+            data = os.read(process.stdout.fileno(), 1 << 16)
             if not data:
                 break
-            text, last = text + data, time.monotonic()
-        except BlockingIOError:
-            if time.monotonic() - last > _HANG_S:
-                hung = True
-                os.kill(child, signal.SIGKILL)
-                break
-            time.sleep(0.002)
-    os.close(inward)
-    status = os.waitpid(child, 0)[1]
+            text += data
+        else:
+            hung = True
+            process.kill()
+    status = process.returncode
     *lines, rest = text.decode(errors="replace").split("\n")
     for line in lines:
         number, _, what = line.partition(" ")
@@ -265,12 +256,15 @@ def _batch(kind: str, seed: bytes, good: pathlib.Path, numbers: range, main_seed
             return numbers.stop
         number = rest.split()[0]
         results["failed"] += 1
-        failures.append(f"{kind} {number} " + ("hangs" if hung else f"ends the process: signal {status & 127}"))
+        failures.append(f"{kind} {number} " + ("hangs" if hung else f"ends the process: status {status}"))
         return int(number) + 1
     return numbers.stop
 
 
 def main() -> int:
+    if sys.argv[1:2] == ["--child"]:
+        kind, good, begin, end, seed = sys.argv[2:]
+        child(kind, pathlib.Path(good), range(int(begin), int(end)), int(seed))
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--count", type=int, default=10_000, help="mutants of each kind")
     parser.add_argument("--seed", type=int, default=1)

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import pytest
 
 pytest.importorskip("rosbags", reason="rosbags is not installed: pip install 'underbrush[formats]'")
@@ -54,8 +55,8 @@ class Bag:
         serialize = self.store.serialize_ros1 if self.ros1 else self.store.serialize_cdr
         self.raw(topic, kind, time_s, bytes(serialize(message, kind)))
 
-    def cloud(self, topic: str, time_s: float, points: np.ndarray, frame: str = "lidar", bag_s: float | None = None,
-              row_padding: int = 0) -> None:
+    def cloud(self, topic: str, time_s: float, points: npt.NDArray[Any], frame: str = "lidar",
+              bag_s: float | None = None, row_padding: int = 0) -> None:
         grid = points.reshape(1, -1) if points.ndim == 1 else points
         dtype = points.dtype
         assert dtype.fields is not None
@@ -66,9 +67,10 @@ class Bag:
         self.send(topic, CLOUD, time_s if bag_s is None else bag_s, self.store.types[CLOUD](
             header=self.header(time_s, frame), height=grid.shape[0], width=grid.shape[1], fields=fields,
             is_bigendian=dtype["x"].byteorder == ">", point_step=dtype.itemsize,
-            row_step=dtype.itemsize * grid.shape[1] + row_padding, data=np.frombuffer(content, np.uint8), is_dense=False))
+            row_step=dtype.itemsize * grid.shape[1] + row_padding, data=np.frombuffer(content, np.uint8),
+            is_dense=False))
 
-    def pose_parts(self, position: np.ndarray, q: np.ndarray) -> tuple[Any, Any]:
+    def pose_parts(self, position: npt.NDArray[Any], q: npt.NDArray[Any]) -> tuple[Any, Any]:
         return [float(v) for v in position], self.store.types["geometry_msgs/msg/Quaternion"](*(float(v) for v in q))
 
     def transform(self, topic: str, time_s: float, parent: str, child: str, position: Any, q: Any) -> None:
@@ -104,7 +106,8 @@ def bag(path: pathlib.Path, storage: str = "mcap") -> Iterator[Bag]:
 
 
 def some_points(n: int = 64, kind: str = "f4", order: str = "<") -> np.ndarray:
-    points = np.zeros(n, [(name, order + kind) for name in "xyz"] + [("intensity", order + "f4"), ("ring", order + "u2")])
+    fields = [(name, order + kind) for name in "xyz"] + [("intensity", order + "f4"), ("ring", order + "u2")]
+    points = np.zeros(n, fields)
     points["x"], points["y"], points["ring"] = np.linspace(1, 5, n), 2, np.arange(n) % 4
     points["intensity"] = np.arange(n)
     return points
@@ -205,8 +208,8 @@ def test_a_real_scan_with_its_misses(tmp_path: pathlib.Path) -> None:
 @pytest.mark.parametrize("storage", ["ros1", "mcap"])
 def test_livox_custom_messages(tmp_path: pathlib.Path, storage: str) -> None:
     n, ros1 = 100, storage == "ros1"
-    rows = np.zeros(n, np.dtype([("offset_time", "<u4"), ("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("reflectivity", "u1"),
-                                 ("tag", "u1"), ("line", "u1")] + ([] if ros1 else [("pad", "u1")])))
+    rows = np.zeros(n, [("offset_time", "<u4"), ("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("reflectivity", "u1"),
+                        ("tag", "u1"), ("line", "u1")] + ([] if ros1 else [("pad", "u1")]))
     rows["offset_time"], rows["x"], rows["line"] = np.arange(n) * 1000, np.arange(n) + 1, np.arange(n) % 4
     rows["reflectivity"] = np.arange(n)
     head = struct.pack("<III", 1, 50, 5000) if ros1 else b"\0\1\0\0" + struct.pack("<II", 50, 5000)
@@ -219,11 +222,13 @@ def test_livox_custom_messages(tmp_path: pathlib.Path, storage: str) -> None:
         out.store.register(get_types_from_msg(
             "std_msgs/Header header\nuint64 timebase\nuint32 point_num\nuint8 lidar_id\nuint8[3] rsvd\n"
             "livox_ros_driver2/CustomPoint[] points\n", "livox_ros_driver2/msg/CustomMsg"))
-        out.store.register(get_types_from_msg("uint32 offset_time\nfloat32 x\nfloat32 y\nfloat32 z\nuint8 reflectivity\n"
-                                              "uint8 tag\nuint8 line\n", "livox_ros_driver2/msg/CustomPoint"))
+        out.store.register(get_types_from_msg(
+            "uint32 offset_time\nfloat32 x\nfloat32 y\nfloat32 z\nuint8 reflectivity\nuint8 tag\nuint8 line\n",
+            "livox_ros_driver2/msg/CustomPoint"))
         out.raw("/livox/lidar", "livox_ros_driver2/msg/CustomMsg", 50.0, body)
     scan = next(open_recording(tmp_path / "livox").scans())
-    assert scan.xyz is not None and scan.beam_time_s is not None and scan.ring is not None and scan.intensity is not None
+    assert scan.xyz is not None and scan.beam_time_s is not None
+    assert scan.ring is not None and scan.intensity is not None
     np.testing.assert_array_equal(scan.xyz[:, 0], np.arange(n) + 1)
     np.testing.assert_allclose(scan.beam_time_s, 50.000005 + np.arange(n) * 1e-6, atol=1e-12)
     np.testing.assert_array_equal(scan.ring, np.arange(n) % 4)
@@ -304,7 +309,7 @@ def test_what_is_missing_is_one_line_with_the_option(tmp_path: pathlib.Path) -> 
         out.cloud("/b", 1.1, some_points(), "right")
     with pytest.raises(OptionMissing, match="several topics with point clouds: add --topic /a or --topic /b"):
         next(open_recording(tmp_path / "two").scans())
-    with pytest.raises(OptionMissing, match="two sensors publish in /b: add --frame left or --frame right"):
+    with pytest.raises(OptionMissing, match="several sensors publish in /b: add --frame left or --frame right"):
         list(open_recording(tmp_path / "two", topic="/b").scans())
     assert len(list(open_recording(tmp_path / "two", topic="/b", frame="right").scans())) == 1
     with pytest.raises(ValueError, match="no point clouds in /c: /a, /b"):
@@ -339,6 +344,7 @@ def test_a_sensor_with_a_clock_of_its_own(tmp_path: pathlib.Path) -> None:
     with bag(tmp_path / "clock") as out:
         out.cloud("/points", 1.7e9, points)
     scan = next(open_recording(tmp_path / "clock").scans())
+    assert scan.beam_time_s is not None
     np.testing.assert_allclose(scan.beam_time_s, 1.7e9 + np.arange(10) * 1e-3, atol=1e-6)
 
 

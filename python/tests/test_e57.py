@@ -2,8 +2,10 @@
 from __future__ import annotations
 
 import pathlib
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import pytest
 
 pye57 = pytest.importorskip("pye57", reason="pye57 is not installed: pip install 'underbrush[formats]'")
@@ -13,8 +15,8 @@ from format_data import end_points  # noqa: E402
 from underbrush.formats import FormatError, beams, open_recording  # noqa: E402
 
 
-def written(path: pathlib.Path, stations: int = 2) -> list[np.ndarray]:
-    """Writes stations with points, misses of state 1 (every 7th row) and of state 2 (every 11th); returns the points."""
+def written(path: pathlib.Path, stations: int = 2) -> list[npt.NDArray[Any]]:
+    """Writes stations; every 7th row is a miss of state 1, every 11th one of state 2. Returns the points."""
     rng = np.random.default_rng(2)
     file = pye57.E57(str(path), mode="w")
     clouds = []
@@ -27,7 +29,8 @@ def written(path: pathlib.Path, stations: int = 2) -> list[np.ndarray]:
         half = 0.25 * k
         file.write_scan_raw(
             {"cartesianX": xyz[:, 0], "cartesianY": xyz[:, 1], "cartesianZ": xyz[:, 2], "cartesianInvalidState": state,
-             "intensity": np.arange(n, dtype=np.float32), "rowIndex": np.arange(n) % 40, "columnIndex": np.arange(n) // 40},
+             "intensity": np.arange(n, dtype=np.float32), "rowIndex": np.arange(n) % 40,
+             "columnIndex": np.arange(n) // 40},
             rotation=np.array([np.cos(half), 0, 0, np.sin(half)]), translation=np.array([100.0 * k, 5, 1.5]))
     file.close()
     return clouds
@@ -39,7 +42,7 @@ def test_stations_in_the_world(tmp_path: pathlib.Path) -> None:
     assert recording.organised and len(recording.found()) == 4
     placed = list(beams(recording))
     assert len(placed) == 2 and recording.bytes_done == recording.bytes_total
-    lost = 0
+    lost = np.intp(0)
     for k, (cloud, back) in enumerate(zip(clouds, placed)):
         rows = np.arange(len(cloud))
         directed = rows % 11 != 0

@@ -9,14 +9,14 @@ import pytest
 
 laspy = pytest.importorskip("laspy", reason="laspy is not installed: pip install 'underbrush[formats]'")
 
-from format_data import data, end_points, generated_log, joined, pieces  # noqa: E402
+from format_data import Columns, data, end_points, generated_log, joined, pieces  # noqa: E402
 
-from underbrush.formats import FormatError, OptionMissing, beams, open_recording  # noqa: E402
+from underbrush.formats import FormatError, OptionMissing, Poses, beams, open_recording  # noqa: E402
 from underbrush.formats.las import LasRecording  # noqa: E402
 from underbrush.formats.write_las import LasWriter  # noqa: E402
 
 
-def written(path: pathlib.Path, echoes: int = 1, crs: str = "") -> tuple[dict[str, np.ndarray], object, LasWriter]:
+def written(path: pathlib.Path, echoes: int = 1, crs: str = "") -> tuple[Columns, Poses, LasWriter]:
     log, poses = generated_log(echoes=echoes)
     log["class"] = (log["ring"] % 7).astype(np.uint8)
     with LasWriter(path, crs=crs) as writer:

@@ -3,8 +3,10 @@ from __future__ import annotations
 
 import collections
 import pathlib
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import pytest
 from format_data import data, end_points, generated_log, straight_path
 
@@ -16,10 +18,10 @@ from underbrush.formats.trajectory import (compose, conjugate, from_angles, from
 
 def random_turns(n: int, seed: int = 3) -> np.ndarray:
     q = np.random.default_rng(seed).normal(size=(n, 4))
-    return q / np.linalg.norm(q, axis=1, keepdims=True)
+    return np.asarray(q / np.linalg.norm(q, axis=1, keepdims=True))
 
 
-def matrices(q: np.ndarray) -> np.ndarray:
+def matrices(q: npt.NDArray[Any]) -> np.ndarray:
     return np.stack([rotate(q, np.tile(axis, (len(q), 1))) for axis in np.eye(3)], axis=-1)
 
 
@@ -59,7 +61,7 @@ def test_order_of_poses() -> None:
     assert poses.time_s.tolist() == [1, 2, 3] and poses.position[1].tolist() == [9, 10, 11]
 
 
-def moving_scan() -> tuple[Scan, Poses, dict[str, np.ndarray]]:
+def moving_scan() -> tuple[Scan, Poses, dict[str, npt.NDArray[Any]]]:
     """A scan in the sensor's frame, its poses, and its beams in the world."""
     log, poses = generated_log(scans=1, misses=False)
     position, rotation, _ = pose_at(poses, log["time_s"])
@@ -120,8 +122,8 @@ def test_world_coordinates_need_only_the_position() -> None:
     np.testing.assert_allclose(end_points(tripod), xyz, atol=3e-5)
 
 
-def angle(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    return np.rad2deg(2 * np.arcsin(np.clip(np.linalg.norm(a - b, axis=1) / 2, 0, 1)))
+def angle(a: npt.NDArray[Any], b: npt.NDArray[Any]) -> np.ndarray:
+    return np.asarray(np.rad2deg(2 * np.arcsin(np.clip(np.linalg.norm(a - b, axis=1) / 2, 0, 1))))
 
 
 @pytest.mark.parametrize("by_firing", [False, True])

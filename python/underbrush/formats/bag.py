@@ -2,9 +2,12 @@
 from __future__ import annotations
 
 import collections
+import contextlib
+import dataclasses
+import itertools
 import logging
 import pathlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -22,6 +25,7 @@ CUSTOM = ("livox_ros_driver/msg/CustomMsg", "livox_ros_driver2/msg/CustomMsg")
 _FORMATS = ("", "i1", "u1", "i2", "u2", "i4", "u4", "f4", "f8")  # By sensor_msgs/PointField's number.
 _JUMP_S = 10.0
 _MOST_BREAKS = 1000
+_PEEKED = 10  # Messages of each topic that are looked at first.
 _CLOCK = "scans whose clock jumps (--clock bag takes the times of the recording)"
 
 
@@ -35,6 +39,18 @@ def kind_of_bag(path: pathlib.Path) -> str:
         if head.startswith(magic):
             return kind
     return ""
+
+
+@dataclasses.dataclass
+class _Topic:
+    """What the first messages of a topic with point clouds tell."""
+
+    layout: str = "unknown"
+    sensor: str = ""
+    organised: bool = False
+    points: int = 0
+    fields: tuple[str, ...] = ()
+    frames: tuple[str, ...] = ()
 
 
 class BagRecording:
@@ -65,13 +81,14 @@ class BagRecording:
             self._duration_s = max(0.0, float(reader.duration) * 1e-9)
             self._first = {t: self._peek(reader, t) for t, kind, n in self._connections if n and _is_cloud(kind)}
         clouds = sorted(self._first)
+        self.skipped.clear()  # What was counted while peeking is counted again.
         if not clouds:
             raise FormatError(path, "", "no topic with point clouds (sensor_msgs/PointCloud2, Livox CustomMsg)")
         if topic is not None and topic not in clouds:
             raise ValueError(f"{path}: no point clouds in {topic}: {', '.join(clouds)}")
         self.topic = topic if topic is not None else clouds[0] if len(clouds) == 1 else None
         if self.topic is not None:
-            _, self.sensor, self.organised, _, _ = self._first[self.topic]
+            self.sensor, self.organised = self._first[self.topic].sensor, self._first[self.topic].organised
 
     def found(self) -> list[str]:
         names = {"ros1": "ROS 1 bag", "mcap": "ROS 2 MCAP file", "sqlite3": "ROS 2 SQLite file", "folder": "ROS 2 bag"}
@@ -80,13 +97,16 @@ class BagRecording:
             rate = f"{(count - 1) / self._duration_s:.1f} Hz" if count > 1 and self._duration_s > 0 else "once"
             text = f"{topic}: {kind}, {with_thousands(count)} messages, {rate}"
             if topic in self._first:
-                layout, sensor, organised, frame, points = self._first[topic]
-                misses = "organised, with misses" if organised else "no misses"
-                text += (f"; layout {layout}, {with_thousands(points)} points a scan, {misses}, frame {frame or '-'}"
-                         + (f", probably {sensor}" if sensor else ""))
+                first = self._first[topic]
+                text += (f"; layout {first.layout} ({' '.join(first.fields)}), {with_thousands(first.points)} points a "
+                         f"scan, {'organised, with misses' if first.organised else 'no misses'}, "
+                         f"frame {' and '.join(first.frames) or '-'}"
+                         + (f", probably {first.sensor}" if first.sensor else ""))
             lines.append(text)
         if self.topic is None:
             return [*lines, self._ask_topic()]
+        if self.frame is None and len(self._first[self.topic].frames) > 1:
+            return [*lines, self._ask_frame(self._first[self.topic].frames)]
         return [*lines, "poses from " + self._poses_text if self.poses is not None else self._ask_poses()]
 
     @property
@@ -103,7 +123,7 @@ class BagRecording:
     def scans(self) -> Iterator[Scan]:
         if self.topic is None:
             raise OptionMissing(self._ask_topic())
-        frames: set[str] = set()
+        frames = set(self._first[self.topic].frames)
         number, seen, last = 0, 0, None
         total = sum(n for topic, _, n in self._connections if topic == self.topic)
         with self._open() as reader:
@@ -112,16 +132,16 @@ class BagRecording:
                 self.bytes_done = min(self.bytes_total, self.bytes_total * seen // max(1, total))
                 try:
                     with guarded(self.path, "message"):
-                        scan, _, frame = self._scan(kind, raw, number)
+                        points, stamp, frame = self._points(kind, raw)
+                        frames.add(frame)
+                        if self.frame is None and len(frames) > 1:
+                            raise OptionMissing(self._ask_frame(sorted(frames)))
+                        if self.frame is not None and frame != frame_name(self.frame):
+                            continue
+                        scan, _ = self._scan(points, stamp, number)
                 except FormatError:
                     self.skipped["messages that cannot be read"] += 1
                     continue
-                frames.add(frame)
-                if self.frame is not None and frame != frame_name(self.frame):
-                    continue
-                if self.frame is None and len(frames) > 1:
-                    raise OptionMissing(f"{self.path}: two sensors publish in {self.topic}: add "
-                                        + " or ".join(f"--frame {name}" for name in sorted(frames)))
                 bag_s = bag_ns * 1e-9
                 if self.clock == "bag":
                     _shift(scan, bag_s)
@@ -142,7 +162,11 @@ class BagRecording:
 
     def _ask_topic(self) -> str:
         return f"{self.path}: several topics with point clouds: add " + " or ".join(
-            f"--topic {t}" + (f" ({self._first[t][1]})" if self._first[t][1] else "") for t in sorted(self._first))
+            f"--topic {t}" + (f" ({f.sensor})" if f.sensor else "") for t, f in sorted(self._first.items()))
+
+    def _ask_frame(self, frames: Sequence[str]) -> str:
+        return f"{self.path}: several sensors publish in {self.topic}: add " + " or ".join(
+            f"--frame {name}" for name in frames)
 
     def _ask_poses(self) -> str:
         if self._poses_text.startswith("several: "):
@@ -180,32 +204,34 @@ class BagRecording:
                     if start >= end:
                         break
 
-    def _peek(self, reader: Any, topic: str) -> tuple[str, str, bool, str, int]:
-        """Layout, sensor, whether misses are kept, frame and points of a topic's first cloud that can be read."""
-        for kind, _, raw in self._messages(reader, topic):
-            try:
-                with guarded(self.path, topic):
-                    kept, self.skipped = self.skipped, collections.Counter()
-                    scan, layout, frame = self._scan(kind, raw, 0)
-            except FormatError:
-                continue
-            finally:
-                self.skipped = kept
-            return layout, guess_sensor(layout, scan), scan.shape is not None, frame, len(scan)
-        return "unknown", "", False, "", 0
+    def _peek(self, reader: Any, topic: str) -> _Topic:
+        """What the first messages of a topic tell."""
+        first = _Topic()
+        for kind, _, raw in itertools.islice(self._messages(reader, topic), _PEEKED):
+            with contextlib.suppress(FormatError), guarded(self.path, topic):
+                points, stamp, frame = self._points(kind, raw)
+                if not first.frames:
+                    scan, first.layout = self._scan(points, stamp, 0)
+                    first.fields, first.points = points.dtype.names or (), points.size
+                    first.sensor, first.organised = guess_sensor(first.layout, scan), scan.shape is not None
+                first.frames = tuple(sorted({*first.frames, frame}))
+        return first
 
-    def _scan(self, kind: str, raw: bytes, number: int) -> tuple[Scan, str, str]:
+    def _points(self, kind: str, raw: bytes) -> tuple[npt.NDArray[np.void], float, str]:
+        """The points of a message, its stamp (s) and its frame."""
         if kind != CLOUD:
             points, stamp, frame = livox_points(raw, self._ros1)
-        else:
-            read = self._store.deserialize_ros1 if self._ros1 else self._store.deserialize_cdr
-            message = read(raw, CLOUD)
-            points, stamp, frame = cloud_points(message), seconds(message.header.stamp), message.header.frame_id
+            return points, stamp, frame_name(frame)
+        read = self._store.deserialize_ros1 if self._ros1 else self._store.deserialize_cdr
+        message = read(raw, CLOUD)
+        return cloud_points(message), seconds(message.header.stamp), frame_name(message.header.frame_id)
+
+    def _scan(self, points: npt.NDArray[np.void], stamp: float, number: int) -> tuple[Scan, str]:
         scan, layout = scan_from_points(points, stamp, number, self.skipped)
         times = scan.beam_time_s
         if times is not None and len(times) and np.isfinite(times[0]) and abs(times[0] - stamp) > _JUMP_S:
             times += stamp - float(np.nanmin(times))  # The sensor's clock is not the messages'.
-        return scan, layout, frame_name(frame)
+        return scan, layout
 
     def _read_poses(self) -> Poses | None:
         self._poses_text = "none"
@@ -226,7 +252,7 @@ class BagRecording:
                             tree.add(kind, topic, read(raw, msgtype))
                     except FormatError:
                         self.skipped["poses that cannot be read"] += 1
-        lidar = frame_name(self.frame) if self.frame is not None else self._first[self.topic][3]
+        lidar = frame_name(self.frame) if self.frame is not None else next(iter(self._first[self.topic].frames), "")
         poses, self._poses_text = tree.poses_of(lidar, asked)
         return poses
 

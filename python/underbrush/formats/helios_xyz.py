@@ -17,7 +17,7 @@ from .layouts import ranks
 from .scans import Poses, Scan
 
 _COLUMNS = 11  # x y z intensity echo_width return_number returns fullwave_index hit_object class gps_time
-_BLOCK = 8 << 20  # Bytes of text a scan.
+_BLOCK = 4 << 20  # Bytes of text a scan.
 _LONGEST_LINE = 4096
 
 

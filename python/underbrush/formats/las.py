@@ -17,7 +17,7 @@ from .layouts import ranks, take_rows
 from .scans import Poses, Scan
 
 NS_PER_M = 2 / 0.299792458  # Of a pulse's way there and back.
-CHUNK = 1 << 20  # Points a scan.
+_CHUNK_BYTES = 32 << 20  # Points of a scan, as the file stores them.
 _WITHHELD = 4
 _LACKING = "returns that the file lacks, of pulses with several"
 _OWN = ("X", "Y", "Z", "intensity", "bit_fields", "raw_classification", "classification", "classification_flags",
@@ -25,7 +25,7 @@ _OWN = ("X", "Y", "Z", "intensity", "bit_fields", "raw_classification", "classif
 
 
 class LasRecording:
-    """A LAS, LAZ or COPC file. A scan is a piece of about a million points, in the file's order.
+    """A LAS, LAZ or COPC file. A scan is a piece of `chunk` points (as many as 32 MiB hold), in the file's order.
 
     `xyz` are the file's coordinates. Returns of a pulse (equal times, rising return numbers) are joined to a beam and
     numbered anew if some are not in the file; these are counted. Pulses without a return are not in such files.
@@ -36,19 +36,19 @@ class LasRecording:
     organised = False
     world = True
 
-    def __init__(self, path: PathLike, *, chunk: int = CHUNK) -> None:
-        self.path, self._chunk = pathlib.Path(path), chunk
+    def __init__(self, path: PathLike, *, chunk: int | None = None) -> None:
+        self.path = pathlib.Path(path)
         self.poses: Poses | None = None
         self.skipped: collections.Counter[str] = collections.Counter()
         self.bytes_total, self.bytes_done = self.path.stat().st_size, 0
         self._laspy = need("laspy")
-        need("lazrs")
         logging.getLogger("laspy").addHandler(logging.NullHandler())
         with self.path.open("rb") as file:
             self._facts = check_las(path, file, self.bytes_total)
             file.seek(0)
             with guarded(path, "header"):
                 header = self._laspy.LasHeader.read_from(file)
+                self._chunk = chunk or max(1, _CHUNK_BYTES // header.point_format.size)
                 self.crs = _crs(header, self._facts)
                 self.has_time = "gps_time" in header.point_format.dimension_names
                 self._describe(header)
