@@ -6,8 +6,8 @@
 Files of every format are written from a generated log (128 rings, 1024 columns, 30 % misses; about 2.6 million beams).
 Each measurement runs in a process of its own, ours and the library's in turn; the fastest of the repeats counts. Speeds
 are per second of CPU (user and system, all threads), because wall seconds depend on what else the machine does.
-"Library alone" decodes all points or messages and does nothing with them; ours yields scans with all columns, and "placed" also
-gives each beam its pose in the world. Memory is the growth of the process.
+"Library alone" decodes all points or messages and does nothing with them; ours yields scans with all columns, and
+"placed" also gives each beam its pose in the world. Memory is the growth of the process.
 """
 import argparse
 import importlib

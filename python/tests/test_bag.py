@@ -320,6 +320,16 @@ def test_what_is_missing_is_one_line_with_the_option(tmp_path: pathlib.Path) -> 
         open_recording(tmp_path / "empty")
 
 
+def test_poses_that_are_none_are_counted(tmp_path: pathlib.Path) -> None:
+    with bag(tmp_path / "bag") as out:
+        out.cloud("/points", 1.0, some_points())
+        for k in range(4):
+            out.transform("/tf", 1.0 + 0.1 * k, "map", "lidar", [k, 0, 0], [0, 0, 0, 1] if k != 2 else [0, 0, 0, 0.5])
+    recording = open_recording(tmp_path / "bag")
+    assert recording.poses is not None and len(recording.poses.time_s) == 3
+    assert recording.skipped == {"poses that are no rotations or not finite": 1}
+
+
 def test_poses_of_a_file(tmp_path: pathlib.Path) -> None:
     moving_bag(tmp_path / "bag", "mcap", "")
     (tmp_path / "poses.txt").write_text("# t x y z qx qy qz qw\n99 0 0 0 0 0 0 1\n102 3 0 0 0 0 0 1\n")

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import contextlib
 import pathlib
+import tracemalloc
 from typing import Any
 
 import numpy as np
@@ -48,6 +49,29 @@ def test_an_output_is_whole_or_absent(tmp_path: pathlib.Path, name: str) -> None
         out.write(broken)
     assert [p.name for p in tmp_path.iterdir()] == [name]
     assert open_recording(path).bytes_total == before
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_memory_does_not_follow_the_log(tmp_path: pathlib.Path, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """More than three times the scans take the same memory, in writing as in reading."""
+    monkeypatch.setattr("underbrush.formats.numpy_log._CHUNK", 2000)
+    monkeypatch.setattr("underbrush.formats.las._CHUNK_BYTES", 100_000)
+    log, poses = generated_log(scans=1)
+    peaks = []
+    for scans in (12, 40):
+        with writer((tmp_path / f"{scans}{name}"), poses) as out:
+            tracemalloc.start()
+            for number in range(scans):
+                out.write({**log, "time_s": log["time_s"] + 0.1 * number, "scan": log["scan"] + number})
+            written = tracemalloc.get_traced_memory()[1]
+        tracemalloc.reset_peak()
+        recording = open_recording(tmp_path / f"{scans}{name}")
+        rows = sum(len(scan) for scan in recording.scans())
+        peaks.append((written, tracemalloc.get_traced_memory()[1]))
+        tracemalloc.stop()
+        assert rows == out.written
+    for few, many in zip(*peaks):
+        assert many < 1.6 * few + 200_000
 
 
 @pytest.mark.parametrize("name", NAMES)

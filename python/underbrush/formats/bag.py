@@ -4,6 +4,7 @@ from __future__ import annotations
 import collections
 import contextlib
 import dataclasses
+import datetime
 import itertools
 import logging
 import pathlib
@@ -16,13 +17,11 @@ import numpy.typing as npt
 from ..errors import FormatError
 from ._files import OptionMissing, PathLike, guarded, need, size_of, with_thousands
 from .layouts import guess_sensor, scan_from_points
+from .ros_messages import CLOUD, CUSTOM, cloud_points, frame_name, livox_points, seconds, typestore
 from .scans import Poses, Scan
 from .trajectory import read_poses
-from .transforms import POSE_TYPES, FrameTree, frame_name, seconds, typestore
+from .transforms import POSE_TYPES, FrameTree
 
-CLOUD = "sensor_msgs/msg/PointCloud2"
-CUSTOM = ("livox_ros_driver/msg/CustomMsg", "livox_ros_driver2/msg/CustomMsg")
-_FORMATS = ("", "i1", "u1", "i2", "u2", "i4", "u4", "f4", "f8")  # By sensor_msgs/PointField's number.
 _JUMP_S = 10.0
 _MOST_BREAKS = 1000
 _PEEKED = 10  # Messages of each topic that are looked at first.
@@ -79,6 +78,7 @@ class BagRecording:
             self._connections = sorted(
                 ((str(c.topic), str(c.msgtype), int(c.msgcount)) for c in reader.connections), key=lambda c: c[0])
             self._duration_s = max(0.0, float(reader.duration) * 1e-9)
+            self._start = _date(int(reader.start_time))
             self._first = {t: self._peek(reader, t) for t, kind, n in self._connections if n and _is_cloud(kind)}
         clouds = sorted(self._first)
         self.skipped.clear()  # What was counted while peeking is counted again.
@@ -92,7 +92,7 @@ class BagRecording:
 
     def found(self) -> list[str]:
         names = {"ros1": "ROS 1 bag", "mcap": "ROS 2 MCAP file", "sqlite3": "ROS 2 SQLite file", "folder": "ROS 2 bag"}
-        lines = [f"{names[self._kind]}, {self._duration_s:.1f} s, {self.bytes_total / 1e6:.1f} MB"]
+        lines = [f"{names[self._kind]}, {self._duration_s:.1f} s{self._start}, {self.bytes_total / 1e6:.1f} MB"]
         for topic, kind, count in self._connections:
             rate = f"{(count - 1) / self._duration_s:.1f} Hz" if count > 1 and self._duration_s > 0 else "once"
             text = f"{topic}: {kind}, {with_thousands(count)} messages, {rate}"
@@ -254,6 +254,8 @@ class BagRecording:
                         self.skipped["poses that cannot be read"] += 1
         lidar = frame_name(self.frame) if self.frame is not None else next(iter(self._first[self.topic].frames), "")
         poses, self._poses_text = tree.poses_of(lidar, asked)
+        if tree.bad:
+            self.skipped["poses that are no rotations or not finite"] += tree.bad
         return poses
 
     _poses_text = "none"
@@ -278,6 +280,14 @@ class _Opened:
         self._reader.close()
 
 
+def _date(time_ns: int) -> str:
+    """" from DATE" of a recording's beginning; empty where the clock counts from something else."""
+    if not 10**18 < time_ns < 4 * 10**18:
+        return ""
+    date = datetime.datetime.fromtimestamp(time_ns // 10**9, datetime.timezone.utc)
+    return date.strftime(" from %Y-%m-%d %H:%M:%S UTC")
+
+
 def _is_cloud(msgtype: str) -> bool:
     return msgtype == CLOUD or msgtype in CUSTOM
 
@@ -286,45 +296,3 @@ def _shift(scan: Scan, time_s: float) -> None:
     if scan.beam_time_s is not None:
         scan.beam_time_s += time_s - scan.time_s
     scan.time_s = time_s
-
-
-def cloud_points(message: Any) -> npt.NDArray[np.void]:
-    """The points of a sensor_msgs/PointCloud2 as a structured array (rows, columns), a view of its bytes.
-
-    `ValueError` where the message's sizes contradict each other.
-    """
-    order = ">" if message.is_bigendian else "<"
-    fields = [f for f in message.fields if f.count <= 1 and 0 < f.datatype < len(_FORMATS)]
-    dtype = np.dtype({"names": [f.name for f in fields], "formats": [order + _FORMATS[f.datatype] for f in fields],
-                      "offsets": [f.offset for f in fields], "itemsize": message.point_step})
-    rows, columns, row_step = int(message.height), int(message.width), int(message.row_step)
-    if rows == 1 or row_step == 0:
-        row_step = columns * dtype.itemsize
-    if not dtype.itemsize or row_step < columns * dtype.itemsize or rows * row_step > len(message.data):
-        raise ValueError(f"{rows} x {columns} points of {dtype.itemsize} bytes do not fit {len(message.data)} bytes")
-    return np.ndarray((rows, columns), dtype, message.data, 0, (row_step, dtype.itemsize))
-
-
-def livox_points(raw: bytes, ros1: bool) -> tuple[npt.NDArray[np.void], float, str]:
-    """The points of a Livox CustomMsg (1, n), its stamp (s) and its frame. `ValueError` where it is too short."""
-    if len(raw) < 48:
-        raise ValueError("too short for a Livox message")
-    # Both begin with four bytes (sequence number or representation), then s, ns and the frame's length.
-    sec, nsec, length = (int(v) for v in np.frombuffer(raw, "<u4", 3, 4))
-    frame = bytes(raw[16:16 + length]).rstrip(b"\0").decode(errors="replace")
-    at = 16 + length
-    if not ros1:
-        at = 4 + (at - 4 + 7) // 8 * 8
-    at += 8 + 4 + 4
-    step = 19 if ros1 else 20
-    if len(raw) < at + 4:
-        raise ValueError("too short for a Livox message")
-    count = int(np.frombuffer(raw, "<u4", 1, at)[0])
-    if count and at + 4 + count * step - (step - 19) > len(raw):
-        raise ValueError(f"{count} points do not fit {len(raw)} bytes")
-    dtype = np.dtype({"names": ["offset_time", "x", "y", "z", "reflectivity", "tag", "line"],
-                      "formats": ["<u4", "<f4", "<f4", "<f4", "u1", "u1", "u1"],
-                      "offsets": [0, 4, 8, 12, 16, 17, 18], "itemsize": step})
-    padded = bytes(raw) + b"\0" if step == 20 else raw  # The last point has no padding.
-    points = np.ndarray((1, count), dtype, padded, at + 4)
-    return points, float(sec) + float(nsec) * 1e-9, frame

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import collections
+import contextlib
 import logging
 import pathlib
 from collections.abc import Iterator
@@ -70,22 +71,40 @@ class LasRecording:
         self._found.append(f"times: {clock}" if self.has_time else "no times (gps_time)")
         self._found.append(f"CRS {self.crs}" if self.crs else "no CRS")
 
+    def _time_span(self) -> str:
+        """Times of the first and the last point; empty where they cannot be read."""
+        if not self.has_time or not self._facts.points:
+            return ""
+        with contextlib.suppress(FormatError), self._reader() as reader, guarded(self.path, "points"):
+            first = float(reader.read_points(1).array["gps_time"][0])
+            reader.seek(self._facts.points - 1)
+            last = float(reader.read_points(1).array["gps_time"][0])
+            return f"first point at {first:.6f} s, last at {last:.6f} s"
+        return ""
+
     def found(self) -> list[str]:
         lines = [*self._found, "no misses in this format"]
+        if span := self._time_span():
+            lines.insert(-2, span)
         if self.poses is None:
             lines.append(f"{self.path}: the sensor's place is not in it: add "
                          + ("--poses FILE (GPS time x y z) or, for a tripod, " if self.has_time else "")
                          + "--position X,Y,Z")
         return lines
 
-    def scans(self) -> Iterator[Scan]:
+    @contextlib.contextmanager
+    def _reader(self) -> Iterator[Any]:
         laspy = self._laspy
         backend = laspy.LazBackend.LazrsParallel if self._facts.parallel else laspy.LazBackend.Lazrs
-        self.bytes_done = read = number = 0
-        rest: Any = None
         with self.path.open("rb") as file:
             with guarded(self.path, "header"):
                 reader = laspy.LasReader(file, closefd=False, laz_backend=backend, read_evlrs=False)
+            yield reader
+
+    def scans(self) -> Iterator[Scan]:
+        self.bytes_done = read = number = 0
+        rest: Any = None
+        with self._reader() as reader:
             while read < self._facts.points:
                 wanted = min(self._chunk, self._facts.points - read)
                 with guarded(self.path, f"point {read}"):
@@ -147,21 +166,26 @@ class LasRecording:
 
     def _number(self, scan: Scan, raw: Any, begins: npt.NDArray[np.bool_]) -> None:
         """Numbers the returns of each beam and counts those that the file lacks."""
-        said = _returns(raw)[1][begins]
+        said = _returns(raw)[1][begins].astype(np.int16)
         scan.echo, scan.echoes = ranks(begins)
-        lacking = int(np.maximum(said.astype(np.int64) - scan.echoes[begins], 0).sum())
+        lacking = int(np.maximum(said - scan.echoes[begins], 0).sum())
         if lacking:
             self.skipped[_LACKING] += lacking
         if scan.beam_time_s is not None and len(scan.beam_time_s):
             scan.time_s = float(scan.beam_time_s[0])
 
+    @np.errstate(over="ignore", invalid="ignore")
     def _without_bad(self, scan: Scan) -> Scan:
         assert scan.xyz is not None
+        withheld = (np.asarray(scan.extra["las_flags"], np.uint8) & _WITHHELD) != 0
+        # A sum is finite only if all its terms are, and is made faster than a mask.
+        total = float(scan.xyz.sum()) + (0.0 if scan.beam_time_s is None else float(scan.beam_time_s.sum()))
+        if np.isfinite(total) and not withheld.any():
+            return scan
         lost = np.zeros(len(scan), bool)
         finite = np.isfinite(scan.xyz).all(axis=1)
         if scan.beam_time_s is not None:
             finite &= np.isfinite(scan.beam_time_s)
-        withheld = (np.asarray(scan.extra["las_flags"], np.uint8) & _WITHHELD) != 0
         for bad, reason in ((~finite, "points whose coordinates or times are not finite"),
                             (finite & withheld, "points flagged as withheld")):
             if bad.any():

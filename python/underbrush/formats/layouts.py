@@ -168,6 +168,8 @@ def _number_echoes(scan: Scan) -> None:
 
 def ranks(begins: npt.NDArray[np.bool_]) -> tuple[npt.NDArray[np.uint8], npt.NDArray[np.uint8]]:
     """Number of each row in its beam (1, 2, …) and the rows of its beam, from the rows that begin a beam."""
+    if begins.all():
+        return np.ones(len(begins), np.uint8), np.ones(len(begins), np.uint8)
     starts = np.flatnonzero(begins)
     count = np.diff(np.append(starts, len(begins)))
     number = np.arange(len(begins)) - np.repeat(starts, count) + 1

@@ -3,12 +3,11 @@ from __future__ import annotations
 
 import array
 import collections
-import functools
 from typing import Any
 
 import numpy as np
 
-from ._files import need
+from .ros_messages import frame_name, seconds
 from .scans import Poses
 from .trajectory import compose, in_order
 
@@ -16,29 +15,6 @@ from .trajectory import compose, in_order
 POSE_TYPES = {"tf2_msgs/msg/TFMessage": "tf", "tf/msg/tfMessage": "tf", "nav_msgs/msg/Odometry": "odometry",
               "geometry_msgs/msg/PoseStamped": "pose"}
 _FIXED = ("map", "world", "odom", "earth", "local", "utm")  # Names of frames that do not move.
-
-
-@functools.cache
-def typestore(ros1: bool) -> Any:
-    """The message types of ROS, as rosbags decodes and encodes them.
-
-    A recording's own definitions are not used: these types do not change, and foreign text is not made into code.
-    """
-    types = need("rosbags.typesys")
-    store = types.get_typestore(types.Stores.ROS1_NOETIC if ros1 else types.Stores.ROS2_HUMBLE)
-    if ros1:
-        for name in ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage"):
-            store.register(types.get_types_from_msg("geometry_msgs/TransformStamped[] transforms", name))
-    return store
-
-
-def seconds(stamp: Any) -> float:
-    """A ROS time as seconds."""
-    return float(stamp.sec) + float(stamp.nanosec) * 1e-9
-
-
-def frame_name(name: str) -> str:
-    return str(name).strip("/")
 
 
 class _Samples:
@@ -52,14 +28,23 @@ class _Samples:
 
     def poses(self) -> Poses:
         table = np.array(self.rows).reshape(-1, 8)
-        return in_order(table[-1:, 0] if self.static else table[:, 0], *(
-            (table[-1:, 1:4], table[-1:, 4:]) if self.static else (table[:, 1:4], table[:, 4:])))
+        if self.static:
+            table = table[-1:]
+        return in_order(table[:, 0], table[:, 1:4], table[:, 4:])
+
+    def bad(self) -> int:
+        """Number of poses that are no rotations or not finite."""
+        table = np.array(self.rows).reshape(-1, 8)
+        with np.errstate(over="ignore"):
+            norm = np.linalg.norm(table[:, 4:], axis=1)
+        return int(np.count_nonzero(~(np.isfinite(table).all(axis=1) & (np.abs(norm - 1) < 0.005))))
 
 
 class FrameTree:
     """Collects pose messages and answers with the poses of a lidar's frame in the world."""
 
     def __init__(self) -> None:
+        self.bad = 0  #: Poses left out because they are no rotations or not finite.
         self._edges: dict[str, dict[str, _Samples]] = collections.defaultdict(dict)  # child: {parent: samples}
         self._topics: dict[str, tuple[str, str, _Samples]] = {}  # topic: parent, child, samples
 
@@ -101,7 +86,7 @@ class FrameTree:
         moving = any(not samples.static for _, samples in chain)
         fixed = bool(chain) and chain[-1][0] in _FIXED
         if topic in (None, "/tf", "tf") and (moving or (fixed and not self._topics)):
-            return _joined(chain), "/tf: " + " -> ".join([parent for parent, _ in reversed(chain)] + [lidar])
+            return self._joined(chain), "/tf: " + " -> ".join([parent for parent, _ in reversed(chain)] + [lidar])
         if topic is None and len(self._topics) != 1:
             return None, "several: " + " or ".join(self.choices()) if self._topics else "none"
         chosen = topic if topic is not None else self.choices()[0]
@@ -115,14 +100,14 @@ class FrameTree:
             text += f" (no transform from {child} to {lidar}: taken for the same)"
         elif lower:
             text += "".join(f" -> {name}" for name, _ in reversed(lower[:-1])) + f" -> {lidar}"
-        return _joined([*lower, (parent, samples)]), text
+        return self._joined([*lower, (parent, samples)]), text
 
-
-def _joined(chain: list[tuple[str, _Samples]]) -> Poses | None:
-    total: Poses | None = None
-    for _, samples in chain:
-        poses = samples.poses()
-        if not len(poses.time_s):
-            return None
-        total = poses if total is None else compose(poses, total)
-    return total if total is not None and len(total.time_s) else None
+    def _joined(self, chain: list[tuple[str, _Samples]]) -> Poses | None:
+        total: Poses | None = None
+        self.bad = sum(samples.bad() for _, samples in chain)
+        for _, samples in chain:
+            poses = samples.poses()
+            if not len(poses.time_s):
+                return None
+            total = poses if total is None else compose(poses, total)
+        return total if total is not None and len(total.time_s) else None

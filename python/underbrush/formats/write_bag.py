@@ -13,11 +13,10 @@ import numpy as np
 import numpy.typing as npt
 
 from ._files import Array, PathLike, need, written_whole
-from .bag import CLOUD, _FORMATS
 from .layouts import LAYOUTS, points_from_columns
+from .ros_messages import CLOUD, FIELD_TYPES, typestore
 from .scans import Poses
 from .trajectory import conjugate, pose_at, rotate
-from .transforms import typestore
 
 _TF = "tf2_msgs/msg/TFMessage"
 _LATER = "echoes after the first"
@@ -27,11 +26,13 @@ class BagWriter:
     """Writes a log of beams, scan by scan, with its poses as /tf.
 
     The name tells the kind: `.mcap` and `.db3` are single ROS 2 files, `.bag` is a ROS 1 bag, any other a ROS 2 folder
-    (of MCAP); `compress` packs chunks (lz4 in ROS 1 bags, zstd in MCAP). `layout` is one of `LAYOUTS`. Points are in the sensor's frame at their own firing; times count from the
-    scan's first beam. A cloud is organised, its misses kept, where the driver's is and all rings of the scan have as
-    many beams: ouster then writes the first echo of each beam; velodyne does so only where no beam has several. Use it
-    in a `with`; the file appears at its end, whole. `lost` counts what the layout cannot hold, `written` points and
-    `scans` scans. It holds one scan in memory.
+    (of MCAP); `compress` packs chunks (lz4 in ROS 1 bags, zstd in MCAP). `layout` is one of `LAYOUTS`. Points are in
+    the sensor's frame at their own firing; times count from the scan's first beam.
+
+    A cloud is organised, its misses kept, where the driver's is and all rings of the scan have as many beams: ouster
+    then writes the first echo of each beam; velodyne does so only where no beam has several. Use it in a `with`; the
+    file appears at its end, whole. `lost` counts what the layout cannot hold, `written` points and `scans` scans. It
+    holds one scan in memory.
     """
 
     def __init__(self, path: PathLike, poses: Poses, *, layout: str = "ouster", topic: str = "/points",
@@ -141,8 +142,8 @@ class BagWriter:
     def _write_cloud(self, points: npt.NDArray[np.void], shape: tuple[int, int], stamp_ns: int) -> None:
         types, dtype = self._store.types, self.layout.dtype
         field = types["sensor_msgs/msg/PointField"]
-        fields = [field(name=name, offset=dtype.fields[name][1], datatype=_FORMATS.index(dtype[name].str[1:]), count=1)
-                  for name in dtype.names or () if dtype.fields is not None]
+        fields = [field(name=name, offset=dtype.fields[name][1], datatype=FIELD_TYPES.index(dtype[name].str[1:]),
+                        count=1) for name in dtype.names or () if dtype.fields is not None]
         misses = shape[0] > 1 and bool(np.any(~(np.abs(points["x"]) + np.abs(points["y"]) + np.abs(points["z"]) > 0)))
         message = types[CLOUD](
             header=self._header(stamp_ns, self._frame), height=shape[0], width=shape[1], fields=fields,
