@@ -151,40 +151,30 @@ def directions_of_misses(scan: Scan) -> Floats:
         if not np.all(ring == ring[:1]):
             return nothing
         grid = grid.T  # A row is a firing.
-    x, y, z = np.moveaxis(scan.xyz[grid], -1, 0)
-    weight = np.nan_to_num(x * x + y * y + z * z)
-    hit = weight > 0
-    elevation, azimuth = np.arctan2(z, np.hypot(x, y)), np.arctan2(y, x)
-    both = hit[:, 1:] & hit[:, :-1]
-    used = hit.any(axis=1)
-    if np.count_nonzero(used) < 2 or not both.any():
+    points = np.nan_to_num(scan.xyz[grid])
+    range_m = np.sqrt(np.einsum("rci,rci->rc", points, points))
+    hit = range_m > 0
+    used, seen, rings, column = hit.any(axis=1), hit.any(axis=0), np.arange(len(hit)), np.arange(hit.shape[1])
+    flat = points[..., 0] + 1j * points[..., 1]  # As a complex number; its square length is the weight.
+    beside = (flat[:, 1:] * flat[:, :-1].conj())[hit[:, 1:] & hit[:, :-1]]
+    if np.count_nonzero(used) < 2 or not len(beside):
         return nothing
-    step = float(np.median(_wrapped(np.diff(azimuth, axis=1)[both])))
-    column = np.arange(hit.shape[1])
-    phasor = np.where(hit, weight, 0) * np.exp(1j * np.nan_to_num(azimuth - step * column))
-    of_ring = np.angle(phasor.sum(axis=1))
-    of_ring[~used] = np.angle(np.interp(np.flatnonzero(~used), np.flatnonzero(used), np.exp(1j * of_ring[used])))
-    rest = np.angle((phasor * np.exp(-1j * of_ring)[:, None]).sum(axis=0))
-    seen = hit.any(axis=0)
-    of_column = step * column + np.interp(column, column[seen], rest[seen])
-    rings = np.arange(len(hit))
-    of_elevation = np.zeros(len(hit))
-    of_elevation[used] = (np.where(hit, weight * np.nan_to_num(elevation), 0).sum(axis=1)[used]
-                          / np.where(hit, weight, 0).sum(axis=1)[used])
-    slope = np.polyfit(rings[used], of_elevation[used], 1)[0]
+    step = float(np.median(np.angle(beside)))
+    phasor = flat * np.abs(flat) * np.exp(-1j * step * column)
+    of_ring = np.exp(1j * np.angle(phasor.sum(axis=1)))
+    of_ring[~used] = np.interp(rings[~used], rings[used], of_ring[used])
+    rest = np.angle((phasor * of_ring.conj()[:, None]).sum(axis=0))
+    of_column = np.exp(1j * (step * column + np.interp(column, column[seen], rest[seen])))
+    elevation = np.arctan2((points[..., 2] * range_m).sum(axis=1), (np.abs(flat) * range_m).sum(axis=1))
+    slope = np.polyfit(rings[used], elevation[used], 1)[0]
     first, last = rings[used][0], rings[used][-1]
-    of_elevation[~used] = (np.interp(rings[~used], rings[used], of_elevation[used])
-                           + slope * (np.minimum(rings[~used] - first, 0) + np.maximum(rings[~used] - last, 0)))
-    azimuths = of_ring[:, None] + of_column
-    elevations = np.broadcast_to(of_elevation[:, None], azimuths.shape)
-    error = np.hypot(_wrapped(azimuths - azimuth)[hit] * np.cos(elevation[hit]), (elevations - elevation)[hit])
-    if np.average(error, weights=weight[hit]) > _WORST_FIT_RAD:
+    elevation[~used] = (np.interp(rings[~used], rings[used], elevation[used])
+                        + slope * (np.minimum(rings[~used] - first, 0) + np.maximum(rings[~used] - last, 0)))
+    level = (of_ring / np.abs(of_ring) * np.cos(elevation))[:, None] * of_column
+    found = np.empty(points.shape)
+    found[..., 0], found[..., 1], found[..., 2] = level.real, level.imag, np.sin(elevation)[:, None]
+    error = found * range_m[..., None] - points
+    if (np.sqrt(np.einsum("rci,rci->rc", error, error)) * range_m).sum() > _WORST_FIT_RAD * (range_m**2).sum():
         return nothing
-    flat = np.cos(elevations)
-    found = np.stack([flat * np.cos(azimuths), flat * np.sin(azimuths), np.sin(elevations)], axis=-1)
     nothing[grid.reshape(-1)] = found.reshape(-1, 3)
     return nothing
-
-
-def _wrapped(angle: Floats) -> Floats:
-    return np.asarray((angle + np.pi) % (2 * np.pi) - np.pi)

@@ -28,9 +28,11 @@ def conjugate(q: Floats) -> Floats:
 
 def rotate(q: Floats, v: Floats) -> Floats:
     """Vectors (n, 3) turned by unit quaternions (n, 4)."""
-    axis, w = q[..., :3], q[..., 3:]
-    t = 2 * np.cross(axis, v)
-    return np.asarray(v + w * t + np.cross(axis, t), dtype=np.float64)
+    x, y, z, w = np.moveaxis(q, -1, 0)
+    a, b, c = np.moveaxis(v, -1, 0)
+    # v + 2 w (axis × v) + 2 axis × (axis × v); numpy.cross takes three times as long.
+    r, s, t = 2 * (y * c - z * b), 2 * (z * a - x * c), 2 * (x * b - y * a)
+    return np.stack([a + w * r + y * t - z * s, b + w * s + z * r - x * t, c + w * t + x * s - y * r], axis=-1)
 
 
 def slerp(a: Floats, b: Floats, share: Floats) -> Floats:
