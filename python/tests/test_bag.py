@@ -303,6 +303,8 @@ def test_what_is_missing_is_one_line_with_the_option(tmp_path: pathlib.Path) -> 
     assert recording.poses is None
     assert recording.found()[-1].endswith("add --poses /odometry or --poses /second")
     assert open_recording(tmp_path / "many", poses="/second").poses is not None
+    with pytest.raises(ValueError, match="no topic and no file '/third' with poses: /odometry, /second, /tf_static"):
+        next(beams(open_recording(tmp_path / "many", poses="/third")))
     with bag(tmp_path / "two") as out:
         out.cloud("/a", 1.0, some_points(), "left")
         out.cloud("/b", 1.0, some_points(), "left")
@@ -353,7 +355,9 @@ def test_a_sensor_with_a_clock_of_its_own(tmp_path: pathlib.Path) -> None:
     points["x"], points["timestamp"] = 1, 1.5e9 + np.arange(10) * 1e-3
     with bag(tmp_path / "clock") as out:
         out.cloud("/points", 1.7e9, points)
-    scan = next(open_recording(tmp_path / "clock").scans())
+    recording = open_recording(tmp_path / "clock")
+    assert any("clock of its own" in line for line in recording.found())
+    scan = next(recording.scans())
     assert scan.beam_time_s is not None
     np.testing.assert_allclose(scan.beam_time_s, 1.7e9 + np.arange(10) * 1e-3, atol=1e-6)
 

@@ -72,7 +72,7 @@ class BagRecording:
         self.skipped: collections.Counter[str] = collections.Counter()
         self.sensor, self.bytes_total, self.bytes_done = "", size_of(path), 0
         self._kind = kind_of_bag(self.path)
-        self._ros1 = self._kind == "ros1"
+        self._ros1, self._own_clock = self._kind == "ros1", False
         self._store = typestore(self._ros1)
         with self._open() as reader, guarded(path, "index"):
             self._connections = sorted(
@@ -103,6 +103,8 @@ class BagRecording:
                          f"frame {' and '.join(first.frames) or '-'}"
                          + (f", probably {first.sensor}" if first.sensor else ""))
             lines.append(text)
+        if self._own_clock:
+            lines.append("the sensor has a clock of its own: its times count from the messages' stamps")
         if self.topic is None:
             return [*lines, self._ask_topic()]
         if self.frame is None and len(self._first[self.topic].frames) > 1:
@@ -231,6 +233,7 @@ class BagRecording:
         times = scan.beam_time_s
         if times is not None and len(times) and np.isfinite(times[0]) and abs(times[0] - stamp) > _JUMP_S:
             times += stamp - float(np.nanmin(times))  # The sensor's clock is not the messages'.
+            self._own_clock = True
         return scan, layout
 
     def _read_poses(self) -> Poses | None:
@@ -238,6 +241,8 @@ class BagRecording:
         topics = {topic: POSE_TYPES[kind] for topic, kind, n in self._connections if kind in POSE_TYPES and n}
         asked = None if self._poses_from is None else str(self._poses_from)
         if asked is not None and asked not in topics:
+            if topics and not pathlib.Path(asked).exists():
+                raise ValueError(f"{self.path}: no topic and no file '{asked}' with poses: {', '.join(sorted(topics))}")
             self._poses_text = asked
             return read_poses(asked)
         if self.topic is None or not topics:
