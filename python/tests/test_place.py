@@ -183,7 +183,8 @@ def test_files_of_poses(tmp_path: pathlib.Path) -> None:
         np.testing.assert_allclose(poses.rotation, [[0, 0, 0, 1], [0, 0, s, s]], atol=1e-12)
     path.write_text("time,x,y,z\n0,1,2,3\n1,4,5,6\n")
     assert read_poses(path).position[1].tolist() == [4, 5, 6]
-    for text in ("", "1 2 3\n", "0 1 2 3\n1 2\n", "0 1 2 3\n0 1 2 3\n", "0 1 2 3 0 0 0 2\n", "0 1 x 3\n0 1 x 3\n"):
+    for text in ("", "1 2 3\n", "0 1 2 3\n1 2\n", "0 1 2 3\n0 1 2 3\n", "0 1 2 3 0 0 0 2\n",
+                 "0 1 0 0 1 0 1 0 2 0 1 1 3\n", "0 1 x 3\n0 1 x 3\n"):
         path.write_text(text)
         with pytest.raises(FormatError):
             read_poses(path)

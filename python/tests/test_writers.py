@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import contextlib
 import pathlib
+import sys
 import tracemalloc
 from typing import Any
 
@@ -12,6 +13,7 @@ from format_data import generated_log, joined, pieces
 
 from underbrush.formats import FormatError, beams, open_recording
 from underbrush.formats.numpy_log import NumpyLogWriter
+from underbrush.formats.ros_messages import typestore
 
 
 def writer(path: pathlib.Path, poses: Any) -> Any:
@@ -143,6 +145,19 @@ def test_damaged_numpy_logs_are_refused(tmp_path: pathlib.Path) -> None:
         path.write_bytes(content)
         with pytest.raises(FormatError):
             list(open_recording(path).scans())
+
+
+@pytest.mark.parametrize(("name", "module"), [("log.mcap", "rosbags"), ("log.las", "laspy"), ("log.laz", "lazrs")])
+def test_a_missing_library_is_named(tmp_path: pathlib.Path, name: str, module: str,
+                                    monkeypatch: pytest.MonkeyPatch) -> None:
+    log, poses = generated_log(scans=1)
+    with writer(tmp_path / name, poses) as out:
+        out.write(log)
+    for loaded in [key for key in sys.modules if key.partition(".")[0] == module]:
+        monkeypatch.setitem(sys.modules, loaded, None)
+    typestore.cache_clear()
+    with pytest.raises(ImportError, match=f"^{module} is not installed: pip install 'underbrush\\[formats\\]'$"):
+        open_recording(tmp_path / name)
 
 
 def test_values_that_a_field_cannot_hold_are_counted(tmp_path: pathlib.Path) -> None:

@@ -12,6 +12,8 @@ from .scans import Poses
 
 Floats = npt.NDArray[np.float64]
 
+_LONGEST_LINE = 4096
+
 
 def multiply(a: Floats, b: Floats) -> Floats:
     """Product of quaternions x y z w, (n, 4) each: first `b`, then `a`."""
@@ -129,7 +131,7 @@ def read_poses(path: PathLike) -> Poses:
     """
     rows: list[list[float]] = []
     with pathlib.Path(path).open(encoding="utf-8", errors="replace") as file:
-        for number, line in enumerate(file, 1):
+        for number, line in enumerate(iter(lambda: file.readline(_LONGEST_LINE), ""), 1):
             words = line.partition("#")[0].replace(",", " ").split()
             try:
                 values = [float(word) for word in words]
@@ -153,7 +155,11 @@ def read_poses(path: PathLike) -> Poses:
         poses = in_order(table[:, 0], table[:, 1:4], table[:, 4:])
     elif table.shape[1] == 13:
         m = table[:, 1:].reshape(-1, 3, 4)
-        poses = in_order(table[:, 0], m[:, :, 3], from_matrices(m[:, :, :3]))
+        turn = m[:, :, :3]
+        off = np.abs(turn @ np.swapaxes(turn, 1, 2) - np.eye(3)).max(axis=(1, 2))
+        rotation = from_matrices(turn)
+        rotation[~((off < 0.02) & (np.linalg.det(turn) > 0))] = np.nan  # No rotation.
+        poses = in_order(table[:, 0], m[:, :, 3], rotation)
     else:
         raise FormatError(path, "line 1", f"{table.shape[1]} columns: poses have 4, 7, 8 or 13")
     if len(poses.time_s) < len(table):
