@@ -1,15 +1,22 @@
-"""Logs for the tests of formats: a real scan where the data folder is there, and generated ones."""
+"""Logs for the tests of formats: files of the real data where they are there, and generated logs.
+
+Import this before the package: where the package is not installed, its sources in this checkout are taken.
+"""
 from __future__ import annotations
 
+import importlib.util
 import os
 import pathlib
+import sys
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import pytest
 
-from underbrush.formats.scans import Poses
+if importlib.util.find_spec("underbrush") is None:
+    sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from underbrush.formats.scans import Poses  # noqa: E402
 
 Columns = dict[str, npt.NDArray[Any]]
 

@@ -24,7 +24,6 @@ import time
 import warnings
 from collections.abc import Callable
 
-import conftest  # noqa: F401  It finds the package.
 import numpy as np
 from format_data import generated_log
 

@@ -10,11 +10,12 @@ from typing import Any
 
 from ..errors import FormatError
 from ._files import OptionMissing, PathLike
+from .log import beams_of_recording
 from .place import beams, place
 from .scans import Poses, Recording, Scan
 from .trajectory import read_poses
 
-__all__ = ["FormatError", "OptionMissing", "Poses", "Recording", "Scan", "beams", "open_recording", "place",
+__all__ = ["FormatError", "OptionMissing", "Poses", "Recording", "Scan", "beams", "beams_of_recording", "open_recording", "place",
            "read_poses"]
 
 _PCAP = (b"\xd4\xc3\xb2\xa1", b"\xa1\xb2\xc3\xd4", b"\x4d\x3c\xb2\xa1", b"\xa1\xb2\x3c\x4d", b"\x0a\x0d\x0d\x0a")
@@ -22,8 +23,8 @@ _PCAP = (b"\xd4\xc3\xb2\xa1", b"\xa1\xb2\xc3\xd4", b"\x4d\x3c\xb2\xa1", b"\xa1\x
 
 def kind_of(path: PathLike) -> str:
     """"las", "e57", "pcap", "npz", "bag" or "xyz", by the content. Raises `FormatError` where it is none of these."""
-    from .bag import kind_of_bag
     from .helios_xyz import is_helios_xyz
+    from .ros_files import kind_of_bag
 
     file = pathlib.Path(path)
     if kind_of_bag(file):
@@ -50,15 +51,16 @@ def open_recording(path: PathLike, *, topic: str | None = None, poses: PathLike 
                    clock: str = "stamp") -> Recording:
     """Opens a recording, of the kind that its content tells.
 
-    `topic`, `frame` and `clock` say what to read of a ROS recording (see `BagRecording`), `metadata` and `sensor` how
-    to decode packets. `poses` is a file of poses (see `read_poses`) or a topic. Raises `FormatError` where the file
+    `topic`, `frame` and `clock` say what to read of a ROS recording (see `BagRecording`); for packets `topic` is the
+    stream, and `metadata` and `sensor` say how to decode them. `poses` is a file of poses (see `read_poses`) or a
+    topic. Raises `FormatError` where the file
     cannot be read, `OptionMissing` where an option is needed, `ImportError` where a library is, and `OSError`.
     """
     kind = kind_of(path)
     recording: Any
     if kind == "bag":
         from .bag import BagRecording
-        return BagRecording(path, topic=topic, frame=frame, poses=poses, clock=clock)
+        return BagRecording(path, topic=topic or None, frame=frame or None, poses=poses or None, clock=clock)
     if kind == "las":
         from .las import LasRecording
         recording = LasRecording(path)
@@ -72,9 +74,9 @@ def open_recording(path: PathLike, *, topic: str | None = None, poses: PathLike 
         from .helios_xyz import HeliosRecording
         recording = HeliosRecording(path)
     else:
-        from .pcap import PacketRecording  # type: ignore[import-not-found, unused-ignore]
-        recording = PacketRecording(path, metadata=metadata, sensor=sensor)
-    if poses is not None:
+        from .packets import PacketRecording  # type: ignore[import-not-found, unused-ignore]
+        recording = PacketRecording(path, metadata=metadata or None, sensor=sensor or None, stream=topic or None)
+    if poses:
         recording.poses = read_poses(poses)
     result: Recording = recording
     return result

@@ -6,7 +6,6 @@ import contextlib
 import dataclasses
 import datetime
 import itertools
-import logging
 import pathlib
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -15,8 +14,9 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import FormatError
-from ._files import OptionMissing, PathLike, guarded, need, size_of, with_thousands
+from ._files import OptionMissing, PathLike, guarded, size_of, with_thousands
 from .layouts import guess_sensor, scan_from_points
+from .ros_files import kind_of_bag, opened
 from .ros_messages import CLOUD, CUSTOM, cloud_points, frame_name, livox_points, seconds, typestore
 from .scans import Poses, Scan
 from .trajectory import read_poses
@@ -25,19 +25,8 @@ from .transforms import POSE_TYPES, FrameTree
 _JUMP_S = 10.0
 _MOST_BREAKS = 1000
 _PEEKED = 10  # Messages of each topic that are looked at first.
+_UNREADABLE = "messages that cannot be read"
 _CLOCK = "scans whose clock jumps (--clock bag takes the times of the recording)"
-
-
-def kind_of_bag(path: pathlib.Path) -> str:
-    """"ros1", "mcap", "sqlite3", "folder" or "" by the content."""
-    if path.is_dir():
-        return "folder" if (path / "metadata.yaml").is_file() else ""
-    with path.open("rb") as file:
-        head = file.read(16)
-    for kind, magic in (("ros1", b"#ROSBAG V"), ("mcap", b"\x89MCAP0\r\n"), ("sqlite3", b"SQLite format 3\0")):
-        if head.startswith(magic):
-            return kind
-    return ""
 
 
 @dataclasses.dataclass
@@ -74,7 +63,7 @@ class BagRecording:
         self._kind = kind_of_bag(self.path)
         self._ros1, self._own_clock = self._kind == "ros1", False
         self._store = typestore(self._ros1)
-        with self._open() as reader, guarded(path, "index"):
+        with opened(self.path, self._kind) as reader, guarded(path, "index"):
             self._connections = sorted(
                 ((str(c.topic), str(c.msgtype), int(c.msgcount)) for c in reader.connections), key=lambda c: c[0])
             self._duration_s = max(0.0, float(reader.duration) * 1e-9)
@@ -122,45 +111,67 @@ class BagRecording:
     def poses(self, poses: Poses | None) -> None:
         self._poses = [poses]
 
+    def take_poses(self, source: PathLike) -> None:
+        """Takes the poses from a topic of the recording or from a file."""
+        self._poses_from, self._poses = source, []
+
     def scans(self) -> Iterator[Scan]:
+        number = 0
+        for points, stamp, shift in self._clouds():
+            try:
+                with guarded(self.path, "message"):
+                    scan, _ = self._scan(points, stamp, number)
+            except FormatError:
+                self.skipped[_UNREADABLE] += 1
+                continue
+            if shift:
+                scan.time_s += shift
+                if scan.beam_time_s is not None:
+                    scan.beam_time_s += shift
+            number += 1
+            yield scan
+        if not number:
+            raise FormatError(self.path, str(self.topic), "no message of this topic can be read")
+        self.bytes_done = self.bytes_total
+
+    def scan_times(self) -> list[float]:
+        """Reference times (s) of the scans that `scans` yields; a pass over the messages that decodes no points."""
+        kept, self.skipped = self.skipped, collections.Counter()
+        times = [stamp + shift for _, stamp, shift in self._clouds()]
+        self.skipped = kept
+        return times
+
+    def _clouds(self) -> Iterator[tuple[npt.NDArray[np.void], float, float]]:
+        """Points, stamp (s) and what to add to the times (s) of the sensor's clouds whose clock does not jump."""
         if self.topic is None:
             raise OptionMissing(self._ask_topic())
-        frames = set(self._first[self.topic].frames)
-        number, seen, last = 0, 0, None
+        frames, seen, last = set(self._first[self.topic].frames), 0, None
         total = sum(n for topic, _, n in self._connections if topic == self.topic)
-        with self._open() as reader:
+        with opened(self.path, self._kind) as reader:
             for kind, bag_ns, raw in self._messages(reader, self.topic):
                 seen += 1
                 self.bytes_done = min(self.bytes_total, self.bytes_total * seen // max(1, total))
                 try:
                     with guarded(self.path, "message"):
                         points, stamp, frame = self._points(kind, raw)
-                        frames.add(frame)
-                        if self.frame is None and len(frames) > 1:
-                            raise OptionMissing(self._ask_frame(sorted(frames)))
-                        if self.frame is not None and frame != frame_name(self.frame):
-                            continue
-                        scan, _ = self._scan(points, stamp, number)
                 except FormatError:
-                    self.skipped["messages that cannot be read"] += 1
+                    self.skipped[_UNREADABLE] += 1
+                    continue
+                frames.add(frame)
+                if self.frame is None and len(frames) > 1:
+                    raise OptionMissing(self._ask_frame(sorted(frames)))
+                if self.frame is not None and frame != frame_name(self.frame):
                     continue
                 bag_s = bag_ns * 1e-9
-                if self.clock == "bag":
-                    _shift(scan, bag_s)
-                elif last is not None:
-                    step = scan.time_s - last[0]
-                    if step <= 0 or abs(step - (bag_s - last[1])) > _JUMP_S:
-                        self.skipped[_CLOCK] += 1
-                        continue
-                last = (scan.time_s, bag_s)
-                number += 1
-                yield scan
+                shift = bag_s - stamp if self.clock == "bag" else 0.0
+                step = np.inf if last is None else stamp + shift - last[0]
+                if last is not None and (step <= 0 or abs(step - (bag_s - last[1])) > _JUMP_S):
+                    self.skipped[_CLOCK] += 1
+                    continue
+                last = (stamp + shift, bag_s)
+                yield points, stamp, shift
         if seen < total:
             self.skipped["messages in parts of the file that cannot be read"] += total - seen
-        if not number and total:
-            raise FormatError(self.path, str(self.topic), f"none of {total} messages can be read"
-                              if not frames else f"none of {total} scans can be used")
-        self.bytes_done = self.bytes_total
 
     def _ask_topic(self) -> str:
         return f"{self.path}: several topics with point clouds: add " + " or ".join(
@@ -175,17 +186,6 @@ class BagRecording:
             topics = self._poses_text.removeprefix("several: ").split(" or ")
             return f"{self.path}: several topics with poses: add " + " or ".join(f"--poses {t}" for t in topics)
         return f"{self.path}: no poses in it: add --poses FILE (t x y z qx qy qz qw, world from sensor)"
-
-    def _open(self) -> Any:
-        with guarded(self.path, "open"):
-            if self._ros1:
-                return _Opened(need("rosbags.rosbag1").Reader(self.path), self.path)
-            name = {"mcap": ("storage_mcap", "McapReader"), "sqlite3": ("storage_sqlite3", "Sqlite3Reader"),
-                    "folder": ("reader", "DirectoryReader")}.get(self._kind)
-            if name is None:
-                raise FormatError(self.path, "", "is no ROS bag")
-            logging.getLogger("rosbags").addHandler(logging.NullHandler())
-            return _Opened(getattr(need("rosbags.rosbag2." + name[0]), name[1])(self.path), self.path)
 
     def _messages(self, reader: Any, topic: str) -> Iterator[tuple[str, int, bytes]]:
         """Type, time (ns) and bytes of a topic's messages. A part of the file that cannot be read is left out."""
@@ -249,7 +249,7 @@ class BagRecording:
             return None
         tree = FrameTree()
         read = self._store.deserialize_ros1 if self._ros1 else self._store.deserialize_cdr
-        with self._open() as reader:
+        with opened(self.path, self._kind) as reader:
             for topic, kind in topics.items():
                 for msgtype, _, raw in self._messages(reader, topic):
                     try:
@@ -266,25 +266,6 @@ class BagRecording:
     _poses_text = "none"
 
 
-class _Opened:
-    """A reader that is open within a `with` and whose errors on opening are `FormatError`."""
-
-    def __init__(self, reader: Any, path: PathLike) -> None:
-        self._reader, self._path = reader, path
-
-    def __enter__(self) -> Any:
-        with guarded(self._path, "open"):
-            self._reader.open()
-        facts = getattr(self._reader, "metadata", self._reader)
-        for name in ("duration", "start_time", "end_time"):
-            if not hasattr(self._reader, name):
-                setattr(self._reader, name, getattr(facts, name))
-        return self._reader
-
-    def __exit__(self, *_: object) -> None:
-        self._reader.close()
-
-
 def _date(time_ns: int) -> str:
     """" from DATE" of a recording's beginning; empty where the clock counts from something else."""
     if not 10**18 < time_ns < 4 * 10**18:
@@ -295,9 +276,3 @@ def _date(time_ns: int) -> str:
 
 def _is_cloud(msgtype: str) -> bool:
     return msgtype == CLOUD or msgtype in CUSTOM
-
-
-def _shift(scan: Scan, time_s: float) -> None:
-    if scan.beam_time_s is not None:
-        scan.beam_time_s += time_s - scan.time_s
-    scan.time_s = time_s

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ._files import Array, OptionMissing, PathLike
+from .bag import BagRecording
 from .scans import Poses, Recording, Scan
 from .trajectory import pose_at, read_poses, rotate
 
@@ -22,14 +23,12 @@ def beams(recording: Recording, *, poses: Poses | PathLike | None = None,
           position: Sequence[float] | None = None) -> Iterator[dict[str, Array]]:
     """Beams of all scans of a recording in the world frame, a mapping of columns a scan (see `place`).
 
-    `poses` (or a file of them, see `read_poses`) take the place of the recording's own; `position` (x y z, m, world)
+    `poses` (or a file of them, see `read_poses`, or a topic) take the place of the recording's own; `position` (x y z, m, world)
     is the place of a sensor that stands still. What is left out is counted in `recording.skipped`. Raises
     `OptionMissing` with one line that names the option to add where neither says where the sensor was.
     """
     path = getattr(recording, "path", "recording")
-    if poses is not None and not isinstance(poses, Poses):
-        poses = read_poses(poses)
-    known = poses if poses is not None else recording.poses
+    known = poses_of(recording, poses)
     first = True
     for scan in recording.scans():
         if first and recording.world and scan.direction is None and position is None:
@@ -43,6 +42,18 @@ def beams(recording: Recording, *, poses: Poses | PathLike | None = None,
                                 "or, for a sensor that stands still, --position X,Y,Z")
         first = False
         yield place(scan, known, world=recording.world, position=position, skipped=recording.skipped)
+
+
+def poses_of(recording: Recording, given: Poses | PathLike | None) -> Poses | None:
+    """The poses given, those of a file or of a topic of the recording, or the recording's own."""
+    if isinstance(given, Poses):
+        return given
+    if not given:
+        return recording.poses
+    if isinstance(recording, BagRecording):
+        recording.take_poses(given)
+        return recording.poses
+    return read_poses(given)
 
 
 def place(scan: Scan, poses: Poses | None, *, world: bool = False, position: Sequence[float] | None = None,
