@@ -1,7 +1,9 @@
 """Recordings as logs of the library, which must be installed."""
 from __future__ import annotations
 
+import importlib
 import pathlib
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,11 +11,11 @@ from format_data import end_points, generated_log, joined
 
 pytest.importorskip("underbrush._core", reason="the library is not built: pip install .")
 pytest.importorskip("rosbags", reason="rosbags is not installed: pip install 'underbrush[formats]'")
-import underbrush  # noqa: E402
-
 from underbrush.formats import open_recording  # noqa: E402
 from underbrush.formats.log import beams_of_recording  # noqa: E402
 from underbrush.formats.write_bag import BagWriter  # noqa: E402
+
+underbrush: Any = importlib.import_module("underbrush")
 
 
 def test_a_bag_becomes_a_log(tmp_path: pathlib.Path) -> None:

@@ -23,8 +23,8 @@ def beams(recording: Recording, *, poses: Poses | PathLike | None = None,
           position: Sequence[float] | None = None) -> Iterator[dict[str, Array]]:
     """Beams of all scans of a recording in the world frame, a mapping of columns a scan (see `place`).
 
-    `poses` (or a file of them, see `read_poses`, or a topic) take the place of the recording's own; `position` (x y z, m, world)
-    is the place of a sensor that stands still. What is left out is counted in `recording.skipped`. Raises
+    `poses` (or a file of them, see `read_poses`, or a topic) take the place of the recording's own; `position` (x y z,
+    m, world) is the place of a sensor that stands still. What is left out is counted in `recording.skipped`. Raises
     `OptionMissing` with one line that names the option to add where neither says where the sensor was.
     """
     path = getattr(recording, "path", "recording")
