@@ -1,0 +1,69 @@
+"""E57: stations, poses, misses with and without a direction."""
+from __future__ import annotations
+
+import pathlib
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+pye57 = pytest.importorskip("pye57", reason="pye57 is not installed: pip install 'underbrush[formats]'")
+
+from format_data import end_points  # noqa: E402
+
+from underbrush.formats import FormatError, beams, open_recording  # noqa: E402
+
+
+def written(path: pathlib.Path, stations: int = 2) -> list[npt.NDArray[Any]]:
+    """Writes stations; every 7th row is a miss of state 1, every 11th one of state 2. Returns the points."""
+    rng = np.random.default_rng(2)
+    file = pye57.E57(str(path), mode="w")
+    clouds = []
+    for k in range(stations):
+        n = 2000 + k
+        xyz = rng.normal(size=(n, 3)) * 10
+        state = np.zeros(n, np.int8)
+        state[::7], state[::11] = 1, 2
+        clouds.append(xyz)
+        half = 0.25 * k
+        file.write_scan_raw(
+            {"cartesianX": xyz[:, 0], "cartesianY": xyz[:, 1], "cartesianZ": xyz[:, 2], "cartesianInvalidState": state,
+             "intensity": np.arange(n, dtype=np.float32), "rowIndex": np.arange(n) % 40,
+             "columnIndex": np.arange(n) // 40},
+            rotation=np.array([np.cos(half), 0, 0, np.sin(half)]), translation=np.array([100.0 * k, 5, 1.5]))
+    file.close()
+    return clouds
+
+
+def test_stations_in_the_world(tmp_path: pathlib.Path) -> None:
+    clouds = written(tmp_path / "stations.e57")
+    recording = open_recording(tmp_path / "stations.e57")
+    assert recording.organised and len(recording.found()) == 4
+    placed = list(beams(recording))
+    assert len(placed) == 2 and recording.bytes_done == recording.bytes_total
+    lost = np.intp(0)
+    for k, (cloud, back) in enumerate(zip(clouds, placed)):
+        rows = np.arange(len(cloud))
+        directed = rows % 11 != 0
+        hit = directed & (rows % 7 != 0)
+        lost += np.count_nonzero(~directed)
+        np.testing.assert_array_equal(np.isfinite(back["range_m"]), hit[directed])
+        c, s = np.cos(0.5 * k), np.sin(0.5 * k)
+        turned = cloud @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]])
+        np.testing.assert_allclose(end_points(back), turned[hit] + [100 * k, 5, 1.5], atol=1e-4)
+        np.testing.assert_allclose(back["direction"], (turned / np.linalg.norm(turned, axis=1)[:, None])[directed],
+                                   atol=1e-6)
+        np.testing.assert_array_equal(back["row"], rows[directed] % 40)
+        assert set(back["station"]) == {k}
+    assert recording.skipped == {"beams without a point or a direction": lost}
+
+
+def test_damaged_files_are_refused(tmp_path: pathlib.Path) -> None:
+    written(tmp_path / "good.e57")
+    good = (tmp_path / "good.e57").read_bytes()
+    for content in (good[:100], good[:len(good) // 2], good[:3000] + bytes(2000) + good[5000:]):
+        (tmp_path / "bad.e57").write_bytes(content)
+        with pytest.raises(FormatError, match=r"^[^\n]*bad\.e57: [^\n]*$"):
+            list(open_recording(tmp_path / "bad.e57").scans())
+    assert (tmp_path / "bad.e57").exists()

@@ -1,0 +1,190 @@
+"""Scans in the world: laws of interpolation, de-skewing against the closed form, misses and what is left out."""
+from __future__ import annotations
+
+import collections
+import pathlib
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from format_data import data, end_points, generated_log, straight_path
+
+from underbrush.formats import FormatError, Poses, Scan, place, read_poses
+from underbrush.formats.place import directions_of_misses
+from underbrush.formats.trajectory import (compose, conjugate, from_angles, from_matrices, in_order, multiply, pose_at,
+                                           rotate, slerp)
+
+
+def random_turns(n: int, seed: int = 3) -> np.ndarray:
+    q = np.random.default_rng(seed).normal(size=(n, 4))
+    return np.asarray(q / np.linalg.norm(q, axis=1, keepdims=True))
+
+
+def matrices(q: npt.NDArray[Any]) -> np.ndarray:
+    return np.stack([rotate(q, np.tile(axis, (len(q), 1))) for axis in np.eye(3)], axis=-1)
+
+
+def test_rotations_agree_with_matrices() -> None:
+    a, b = random_turns(50), random_turns(50, 4)
+    np.testing.assert_allclose(matrices(multiply(a, b)), matrices(a) @ matrices(b), atol=1e-14)
+    np.testing.assert_allclose(matrices(conjugate(a)), np.swapaxes(matrices(a), 1, 2), atol=1e-14)
+    again = from_matrices(matrices(a))
+    np.testing.assert_allclose(np.abs(np.sum(again * a, axis=1)), 1, atol=1e-14)
+
+
+def test_slerp_turns_at_a_constant_rate() -> None:
+    a = random_turns(20)
+    turn = from_angles(np.zeros(20), np.zeros(20), np.full(20, 1.2))
+    for share in (0.0, 0.25, 1.0):
+        part = from_angles(np.zeros(20), np.zeros(20), np.full(20, 1.2 * share))
+        for sign in (1, -1):  # Both quaternions of a rotation are the same rotation.
+            found = slerp(a, sign * multiply(a, turn), np.full(20, share))
+            np.testing.assert_allclose(np.abs(np.sum(found * multiply(a, part), axis=1)), 1, atol=1e-12)
+    close = multiply(a, from_angles(np.zeros(20), np.zeros(20), np.full(20, 1e-9)))
+    assert np.isfinite(slerp(a, close, np.full(20, 0.5))).all()
+
+
+def test_poses_of_a_chain() -> None:
+    outer, inner = straight_path(0, 1), straight_path(0.25, 2, 30)
+    both = compose(outer, inner)
+    assert both.time_s[0] == pytest.approx(0.25) and both.time_s[-1] == pytest.approx(1)
+    p, q, _ = pose_at(outer, both.time_s)
+    a, b, _ = pose_at(inner, both.time_s)
+    np.testing.assert_allclose(both.position, p + rotate(q, a), atol=1e-9)
+    np.testing.assert_allclose(both.rotation, multiply(q, b), atol=1e-12)
+
+
+def test_order_of_poses() -> None:
+    time = np.array([3.0, 1.0, 2.0, 2.0, np.nan])
+    poses = in_order(time, np.arange(15.0).reshape(5, 3), np.tile([0, 0, 0, 1.0], (5, 1)))
+    assert poses.time_s.tolist() == [1, 2, 3] and poses.position[1].tolist() == [9, 10, 11]
+
+
+def moving_scan() -> tuple[Scan, Poses, dict[str, npt.NDArray[Any]]]:
+    """A scan in the sensor's frame, its poses, and its beams in the world."""
+    log, poses = generated_log(scans=1, misses=False)
+    position, rotation, _ = pose_at(poses, log["time_s"])
+    xyz = rotate(conjugate(rotation), end_points(log) - position)
+    return Scan(4, 0.0, xyz=xyz, beam_time_s=log["time_s"], intensity=log["intensity"], ring=log["ring"]), poses, log
+
+
+def test_each_beam_has_the_pose_of_its_own_time() -> None:
+    scan, poses, log = moving_scan()
+    back = place(scan, poses)
+    for name, kind in (("origin", "f8"), ("direction", "f4"), ("range_m", "f4"), ("intensity", "f4"), ("time_s", "f8"),
+                       ("ring", "u2"), ("scan", "u4"), ("packet", "u4"), ("flags", "u1")):
+        assert back[name].dtype == kind and len(back[name]) == len(scan)
+    np.testing.assert_allclose(back["origin"], log["origin"], atol=1e-9)
+    np.testing.assert_allclose(back["direction"], log["direction"], atol=2e-7)
+    np.testing.assert_allclose(end_points(back), end_points(log), atol=2e-5)
+    assert set(back["scan"]) == {4} and back["packet"].max() == 99
+    smeared = place(scan, Poses(poses.time_s[:1], poses.position[:1], poses.rotation[:1]))
+    assert np.abs(end_points(smeared) - end_points(log)).max() > 0.1  # Without the motion it would be wrong.
+
+
+def test_order_of_time_whatever_the_order_of_rows() -> None:
+    scan, poses, _ = moving_scan()
+    rows = np.random.default_rng(5).permutation(len(scan))
+    mixed = Scan(4, 0.0, xyz=scan.xyz[rows], beam_time_s=scan.beam_time_s[rows], ring=scan.ring[rows])  # type: ignore
+    a, b = place(scan, poses), place(mixed, poses)
+    assert np.all(np.diff(b["time_s"]) >= 0)
+    for c in (a, b):
+        c["order"] = np.lexsort((c["ring"], c["time_s"]))
+    np.testing.assert_array_equal(a["range_m"][a["order"]], b["range_m"][b["order"]])
+
+
+def test_what_cannot_be_placed_is_counted() -> None:
+    scan, poses, _ = moving_scan()
+    assert scan.xyz is not None
+    scan.xyz[0] = np.nan
+    scan.xyz[5] = 0
+    short = Poses(poses.time_s[:6], poses.position[:6], poses.rotation[:6])
+    skipped: collections.Counter[str] = collections.Counter()
+    back = place(scan, short, skipped=skipped)
+    assert skipped["misses whose direction cannot be found"] == 1 and skipped["points at the sensor itself"] == 1
+    assert len(back["range_m"]) + sum(skipped.values()) == len(scan)
+    assert skipped["beams outside the times of the poses"] > 0
+    with pytest.raises(ValueError, match="neither poses nor a position"):
+        place(scan, None)
+
+
+def test_world_coordinates_need_only_the_position() -> None:
+    rng = np.random.default_rng(7)
+    time = np.sort(rng.uniform(0, 1, 500))
+    xyz = rng.uniform(-100, 100, (500, 3)) + [5e5, 4e6, 0]
+    poses = straight_path()
+    back = place(Scan(0, 0.0, xyz=xyz, beam_time_s=time), poses, world=True)
+    np.testing.assert_allclose(back["origin"], pose_at(poses, time)[0])
+    np.testing.assert_allclose(end_points(back), xyz, atol=3e-5)
+    tripod = place(Scan(0, 0.0, xyz=xyz), None, world=True, position=(5e5, 4e6, 1.7))
+    assert np.all(tripod["origin"] == [5e5, 4e6, 1.7])
+    np.testing.assert_allclose(end_points(tripod), xyz, atol=3e-5)
+
+
+def angle(a: npt.NDArray[Any], b: npt.NDArray[Any]) -> np.ndarray:
+    return np.asarray(np.rad2deg(2 * np.arcsin(np.clip(np.linalg.norm(a - b, axis=1) / 2, 0, 1))))
+
+
+@pytest.mark.parametrize("by_firing", [False, True])
+def test_directions_of_misses_in_a_grid(by_firing: bool) -> None:
+    rings, columns = 32, 360
+    azimuth = -np.deg2rad(np.arange(columns))[None, :] + np.deg2rad(np.tile([3.2, 1.0, -1.0, -3.2], 8))[:, None] + 2.0
+    elevation = np.deg2rad(np.linspace(20, -20, rings))[:, None] + 0 * azimuth
+    d = np.stack([np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)], -1)
+    rng = np.random.default_rng(11)
+    xyz = d * rng.uniform(2, 50, (rings, columns, 1))
+    miss = rng.random((rings, columns)) < 0.4
+    miss[:, 100:180] = True  # The open sky on one side,
+    miss[[0, 17, 31]] = True  # rings without any return,
+    xyz[miss] = np.nan
+    ring = np.repeat(np.arange(rings), columns).reshape(rings, columns).astype(np.uint16)
+    if by_firing:
+        xyz, d, ring, miss = xyz.swapaxes(0, 1), d.swapaxes(0, 1), ring.T, miss.T
+    scan = Scan(0, 0.0, xyz=xyz.reshape(-1, 3), ring=ring.reshape(-1), shape=(xyz.shape[0], xyz.shape[1]))
+    error = angle(directions_of_misses(scan), d.reshape(-1, 3))
+    without = np.isin(ring.reshape(-1), [0, 17, 31])
+    assert error[~without].max() < 1e-6
+    assert error[without].max() < 7  # Their offsets from the column are those of other rings.
+
+
+def test_directions_of_hidden_returns_of_a_real_scan() -> None:
+    cloud = np.load(data("marv_forest", "1727353472_601360559.npz"))["cloud"].reshape(-1)
+    true = np.stack([cloud[name] for name in "xyz"], -1).astype(np.float64)
+    hit = np.isfinite(true[:, 0])
+    hidden = hit & (np.random.default_rng(13).random(len(true)) < 0.2) & (np.nan_to_num(true) ** 2).sum(1).__gt__(9)
+    seen = true.copy()
+    seen[hidden] = np.nan
+    scan = Scan(0, 0.0, xyz=seen, ring=np.repeat(np.arange(128), 1024).astype(np.uint16), shape=(128, 1024))
+    found = directions_of_misses(scan)
+    assert np.isfinite(found).all()
+    error = angle(found[hidden], true[hidden] / np.linalg.norm(true[hidden], axis=1, keepdims=True))
+    assert np.median(error) < 0.1 and np.quantile(error, 0.95) < 0.5
+
+
+def test_no_grid_no_directions() -> None:
+    rng = np.random.default_rng(17)
+    xyz = rng.normal(size=(400, 3))
+    xyz[::7] = np.nan
+    assert np.isnan(directions_of_misses(Scan(0, 0.0, xyz=xyz, shape=(20, 20)))).all()
+    assert np.isnan(directions_of_misses(Scan(0, 0.0, xyz=xyz))).all()
+
+
+def test_files_of_poses(tmp_path: pathlib.Path) -> None:
+    path = tmp_path / "poses.txt"
+    s = np.sqrt(0.5)
+    for text in (f"# TUM\n1 4 5 6 0 0 {s} {s}\n0 1 2 3 0 0 0 1\n",
+                 "0 1 0 0 1 0 1 0 2 0 0 1 3\n1, 0, -1, 0, 4, 1, 0, 0, 5, 0, 0, 1, 6\n",
+                 "1 2 3 0 0 0 0\n4 5 6 1 0 0 90\n"):
+        path.write_text(text)
+        poses = read_poses(path)
+        assert poses.time_s.tolist() == [0, 1]
+        np.testing.assert_allclose(poses.position, [[1, 2, 3], [4, 5, 6]])
+        np.testing.assert_allclose(poses.rotation, [[0, 0, 0, 1], [0, 0, s, s]], atol=1e-12)
+    path.write_text("time,x,y,z\n0,1,2,3\n1,4,5,6\n")
+    assert read_poses(path).position[1].tolist() == [4, 5, 6]
+    for text in ("", "1 2 3\n", "0 1 2 3\n1 2\n", "0 1 2 3\n0 1 2 3\n", "0 1 2 3 0 0 0 2\n",
+                 "0 1 0 0 1 0 1 0 2 0 1 1 3\n", "0 1 x 3\n0 1 x 3\n"):
+        path.write_text(text)
+        with pytest.raises(FormatError):
+            read_poses(path)

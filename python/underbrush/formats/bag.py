@@ -1,0 +1,278 @@
+"""ROS recordings: ROS 1 bags, ROS 2 bags of SQLite files and of MCAP files."""
+from __future__ import annotations
+
+import collections
+import contextlib
+import dataclasses
+import datetime
+import itertools
+import pathlib
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..errors import FormatError
+from ._files import OptionMissing, PathLike, guarded, size_of, with_thousands
+from .layouts import guess_sensor, scan_from_points
+from .ros_files import kind_of_bag, opened
+from .ros_messages import CLOUD, CUSTOM, cloud_points, frame_name, livox_points, seconds, typestore
+from .scans import Poses, Scan
+from .trajectory import read_poses
+from .transforms import POSE_TYPES, FrameTree
+
+_JUMP_S = 10.0
+_MOST_BREAKS = 1000
+_PEEKED = 10  # Messages of each topic that are looked at first.
+_UNREADABLE = "messages that cannot be read"
+_CLOCK = "scans whose clock jumps (--clock bag takes the times of the recording)"
+
+
+@dataclasses.dataclass
+class _Topic:
+    """What the first messages of a topic with point clouds tell."""
+
+    layout: str = "unknown"
+    sensor: str = ""
+    organised: bool = False
+    points: int = 0
+    fields: tuple[str, ...] = ()
+    frames: tuple[str, ...] = ()
+
+
+class BagRecording:
+    """A ROS recording. It holds one message at a time; poses are read in a pass of their own, when first asked for.
+
+    `topic` is the point cloud to read; `frame` the sensor, where several publish there; `poses` a topic of the
+    recording or a file of poses; `clock` "stamp" (the messages' stamps) or "bag" (the times of recording).
+    """
+
+    organised = False
+    crs = ""
+    world = False
+
+    def __init__(self, path: PathLike, *, topic: str | None = None, frame: str | None = None,
+                 poses: PathLike | None = None, clock: str = "stamp") -> None:
+        self.path, self.frame, self.clock = pathlib.Path(path), frame, clock
+        if clock not in ("stamp", "bag"):
+            raise ValueError(f"no clock '{clock}': stamp or bag")
+        self._poses_from, self._poses = poses, list[Poses | None]()
+        self.skipped: collections.Counter[str] = collections.Counter()
+        self.sensor, self.bytes_total, self.bytes_done = "", size_of(path), 0
+        self._kind = kind_of_bag(self.path)
+        self._ros1, self._own_clock = self._kind == "ros1", False
+        self._store = typestore(self._ros1)
+        with opened(self.path, self._kind) as reader, guarded(path, "index"):
+            self._connections = sorted(
+                ((str(c.topic), str(c.msgtype), int(c.msgcount)) for c in reader.connections), key=lambda c: c[0])
+            self._duration_s = max(0.0, float(reader.duration) * 1e-9)
+            self._start = _date(int(reader.start_time))
+            self._first = {t: self._peek(reader, t) for t, kind, n in self._connections if n and _is_cloud(kind)}
+        clouds = sorted(self._first)
+        self.skipped.clear()  # What was counted while peeking is counted again.
+        if not clouds:
+            raise FormatError(path, "", "no topic with point clouds (sensor_msgs/PointCloud2, Livox CustomMsg)")
+        if topic is not None and topic not in clouds:
+            raise ValueError(f"{path}: no point clouds in {topic}: {', '.join(clouds)}")
+        self.topic = topic if topic is not None else clouds[0] if len(clouds) == 1 else None
+        if self.topic is not None:
+            self.sensor, self.organised = self._first[self.topic].sensor, self._first[self.topic].organised
+
+    def found(self) -> list[str]:
+        names = {"ros1": "ROS 1 bag", "mcap": "ROS 2 MCAP file", "sqlite3": "ROS 2 SQLite file", "folder": "ROS 2 bag"}
+        lines = [f"{names[self._kind]}, {self._duration_s:.1f} s{self._start}, {self.bytes_total / 1e6:.1f} MB"]
+        for topic, kind, count in self._connections:
+            rate = f"{(count - 1) / self._duration_s:.1f} Hz" if count > 1 and self._duration_s > 0 else "once"
+            text = f"{topic}: {kind}, {with_thousands(count)} messages, {rate}"
+            if topic in self._first:
+                first = self._first[topic]
+                text += (f"; layout {first.layout} ({' '.join(first.fields)}), {with_thousands(first.points)} points a "
+                         f"scan, {'organised, with misses' if first.organised else 'no misses'}, "
+                         f"frame {' and '.join(first.frames) or '-'}"
+                         + (f", probably {first.sensor}" if first.sensor else ""))
+            lines.append(text)
+        if self._own_clock:
+            lines.append("the sensor has a clock of its own: its times count from the messages' stamps")
+        if self.topic is None:
+            return [*lines, self._ask_topic()]
+        if self.frame is None and len(self._first[self.topic].frames) > 1:
+            return [*lines, self._ask_frame(self._first[self.topic].frames)]
+        return [*lines, "poses from " + self._poses_text if self.poses is not None else self._ask_poses()]
+
+    @property
+    def poses(self) -> Poses | None:
+        """World from the lidar's frame; None where the recording has none."""
+        if not self._poses:
+            self._poses = [self._read_poses()]
+        return self._poses[0]
+
+    @poses.setter
+    def poses(self, poses: Poses | None) -> None:
+        self._poses = [poses]
+
+    def take_poses(self, source: PathLike) -> None:
+        """Takes the poses from a topic of the recording or from a file."""
+        self._poses_from, self._poses = source, []
+
+    def scans(self) -> Iterator[Scan]:
+        number = 0
+        for points, stamp, shift in self._clouds():
+            try:
+                with guarded(self.path, "message"):
+                    scan, _ = self._scan(points, stamp, number)
+            except FormatError:
+                self.skipped[_UNREADABLE] += 1
+                continue
+            if shift:
+                scan.time_s += shift
+                if scan.beam_time_s is not None:
+                    scan.beam_time_s += shift
+            number += 1
+            yield scan
+        if not number:
+            raise FormatError(self.path, str(self.topic), "no message of this topic can be read")
+        self.bytes_done = self.bytes_total
+
+    def scan_times(self) -> list[float]:
+        """Reference times (s) of the scans that `scans` yields; a pass over the messages that decodes no points."""
+        kept, self.skipped = self.skipped, collections.Counter()
+        times = [stamp + shift for _, stamp, shift in self._clouds()]
+        self.skipped = kept
+        return times
+
+    def _clouds(self) -> Iterator[tuple[npt.NDArray[np.void], float, float]]:
+        """Points, stamp (s) and what to add to the times (s) of the sensor's clouds whose clock does not jump."""
+        if self.topic is None:
+            raise OptionMissing(self._ask_topic())
+        frames, seen, last = set(self._first[self.topic].frames), 0, None
+        total = sum(n for topic, _, n in self._connections if topic == self.topic)
+        with opened(self.path, self._kind) as reader:
+            for kind, bag_ns, raw in self._messages(reader, self.topic):
+                seen += 1
+                self.bytes_done = min(self.bytes_total, self.bytes_total * seen // max(1, total))
+                try:
+                    with guarded(self.path, "message"):
+                        points, stamp, frame = self._points(kind, raw)
+                except FormatError:
+                    self.skipped[_UNREADABLE] += 1
+                    continue
+                frames.add(frame)
+                if self.frame is None and len(frames) > 1:
+                    raise OptionMissing(self._ask_frame(sorted(frames)))
+                if self.frame is not None and frame != frame_name(self.frame):
+                    continue
+                bag_s = bag_ns * 1e-9
+                shift = bag_s - stamp if self.clock == "bag" else 0.0
+                step = np.inf if last is None else stamp + shift - last[0]
+                if last is not None and (step <= 0 or abs(step - (bag_s - last[1])) > _JUMP_S):
+                    self.skipped[_CLOCK] += 1
+                    continue
+                last = (stamp + shift, bag_s)
+                yield points, stamp, shift
+        if seen < total:
+            self.skipped["messages in parts of the file that cannot be read"] += total - seen
+
+    def _ask_topic(self) -> str:
+        return f"{self.path}: several topics with point clouds: add " + " or ".join(
+            f"--topic {t}" + (f" ({f.sensor})" if f.sensor else "") for t, f in sorted(self._first.items()))
+
+    def _ask_frame(self, frames: Sequence[str]) -> str:
+        return f"{self.path}: several sensors publish in {self.topic}: add " + " or ".join(
+            f"--frame {name}" for name in frames)
+
+    def _ask_poses(self) -> str:
+        if self._poses_text.startswith("several: "):
+            topics = self._poses_text.removeprefix("several: ").split(" or ")
+            return f"{self.path}: several topics with poses: add " + " or ".join(f"--poses {t}" for t in topics)
+        return f"{self.path}: no poses in it: add --poses FILE (t x y z qx qy qz qw, world from sensor)"
+
+    def _messages(self, reader: Any, topic: str) -> Iterator[tuple[str, int, bytes]]:
+        """Type, time (ns) and bytes of a topic's messages. A part of the file that cannot be read is left out."""
+        for connection in [c for c in reader.connections if c.topic == topic]:
+            start, step = None, 1_000_000
+            end = int(reader.end_time)
+            for _ in range(_MOST_BREAKS):
+                try:
+                    with guarded(self.path, "messages"):
+                        for found, time_ns, raw in reader.messages([connection], start=start):
+                            yield str(found.msgtype), int(time_ns), raw
+                            start, step = int(time_ns), 1_000_000
+                    break
+                except FormatError:
+                    self.skipped["breaks in the file"] += 1
+                    start = (int(reader.start_time) if start is None else start) + step
+                    step *= 2
+                    if start >= end:
+                        break
+
+    def _peek(self, reader: Any, topic: str) -> _Topic:
+        """What the first messages of a topic tell."""
+        first = _Topic()
+        for kind, _, raw in itertools.islice(self._messages(reader, topic), _PEEKED):
+            with contextlib.suppress(FormatError), guarded(self.path, topic):
+                points, stamp, frame = self._points(kind, raw)
+                if not first.frames:
+                    scan, first.layout = self._scan(points, stamp, 0)
+                    first.fields, first.points = points.dtype.names or (), points.size
+                    first.sensor, first.organised = guess_sensor(first.layout, scan), scan.shape is not None
+                first.frames = tuple(sorted({*first.frames, frame}))
+        return first
+
+    def _points(self, kind: str, raw: bytes) -> tuple[npt.NDArray[np.void], float, str]:
+        """The points of a message, its stamp (s) and its frame."""
+        if kind != CLOUD:
+            points, stamp, frame = livox_points(raw, self._ros1)
+            return points, stamp, frame_name(frame)
+        read = self._store.deserialize_ros1 if self._ros1 else self._store.deserialize_cdr
+        message = read(raw, CLOUD)
+        return cloud_points(message), seconds(message.header.stamp), frame_name(message.header.frame_id)
+
+    def _scan(self, points: npt.NDArray[np.void], stamp: float, number: int) -> tuple[Scan, str]:
+        scan, layout = scan_from_points(points, stamp, number, self.skipped)
+        times = scan.beam_time_s
+        if times is not None and len(times) and np.isfinite(times[0]) and abs(times[0] - stamp) > _JUMP_S:
+            times += stamp - float(np.nanmin(times))  # The sensor's clock is not the messages'.
+            self._own_clock = True
+        return scan, layout
+
+    def _read_poses(self) -> Poses | None:
+        self._poses_text = "none"
+        topics = {topic: POSE_TYPES[kind] for topic, kind, n in self._connections if kind in POSE_TYPES and n}
+        asked = None if self._poses_from is None else str(self._poses_from)
+        if asked is not None and asked not in topics:
+            if topics and not pathlib.Path(asked).exists():
+                raise ValueError(f"{self.path}: no topic and no file '{asked}' with poses: {', '.join(sorted(topics))}")
+            self._poses_text = asked
+            return read_poses(asked)
+        if self.topic is None or not topics:
+            return None
+        tree = FrameTree()
+        read = self._store.deserialize_ros1 if self._ros1 else self._store.deserialize_cdr
+        with opened(self.path, self._kind) as reader:
+            for topic, kind in topics.items():
+                for msgtype, _, raw in self._messages(reader, topic):
+                    try:
+                        with guarded(self.path, topic):
+                            tree.add(kind, topic, read(raw, msgtype))
+                    except FormatError:
+                        self.skipped["poses that cannot be read"] += 1
+        lidar = frame_name(self.frame) if self.frame is not None else next(iter(self._first[self.topic].frames), "")
+        poses, self._poses_text = tree.poses_of(lidar, asked)
+        if tree.bad:
+            self.skipped["poses that are no rotations or not finite"] += tree.bad
+        return poses
+
+    _poses_text = "none"
+
+
+def _date(time_ns: int) -> str:
+    """" from DATE" of a recording's beginning; empty where the clock counts from something else."""
+    if not 10**18 < time_ns < 4 * 10**18:
+        return ""
+    date = datetime.datetime.fromtimestamp(time_ns // 10**9, datetime.timezone.utc)
+    return date.strftime(" from %Y-%m-%d %H:%M:%S UTC")
+
+
+def _is_cloud(msgtype: str) -> bool:
+    return msgtype == CLOUD or msgtype in CUSTOM

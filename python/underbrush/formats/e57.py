@@ -1,0 +1,155 @@
+"""E57 files of terrestrial scanners."""
+from __future__ import annotations
+
+import collections
+import pathlib
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from ..errors import FormatError
+from ._files import Array, PathLike, guarded, need, with_thousands
+from .scans import Poses, Scan
+from .trajectory import in_order
+
+_CHUNK = 1 << 20  # Points a scan.
+_TYPES = {"cartesianX": "d", "cartesianY": "d", "cartesianZ": "d", "sphericalRange": "d", "sphericalAzimuth": "d",
+          "sphericalElevation": "d", "cartesianInvalidState": "b", "sphericalInvalidState": "b", "intensity": "f",
+          "rowIndex": "q", "columnIndex": "q", "returnIndex": "b", "returnCount": "b", "timeStamp": "d",
+          "colorRed": "H", "colorGreen": "H", "colorBlue": "H"}
+_EXTRA = {"timeStamp": "time_stamp", "rowIndex": "row", "columnIndex": "column",
+          "colorRed": "red", "colorGreen": "green", "colorBlue": "blue"}
+_BASE = (("cartesianX", "cartesianY", "cartesianZ"), ("sphericalRange", "sphericalAzimuth", "sphericalElevation"))
+
+
+class E57Recording:
+    """An E57 file. A scan is a piece of about a million points of one station, in the station's frame.
+
+    Beams whose point is given as a direction only (invalid state 1) are misses and kept; those without a direction
+    (state 2) are left out and counted. Each station's pose comes from the file; its time is the number of the station,
+    since stations seldom have one: `poses` has a pose for each.
+    """
+
+    sensor = ""
+    crs = ""
+    world = False
+
+    def __init__(self, path: PathLike) -> None:
+        self.path = pathlib.Path(path)
+        self.skipped: collections.Counter[str] = collections.Counter()
+        self.bytes_total, self.bytes_done = self.path.stat().st_size, 0
+        self._lib = need("pye57").libe57
+        with guarded(path, "header"):
+            file = self._lib.ImageFile(str(self.path), "r")
+            try:
+                self._describe(file)
+            finally:
+                file.close()
+
+    def _describe(self, file: Any) -> None:
+        root = file.root()
+        if root.isDefined("coordinateMetadata"):
+            self.crs = str(root["coordinateMetadata"].value())
+        self._stations = []
+        rows = []
+        for number in range(len(root["data3D"])):
+            node = root["data3D"][number]
+            prototype = self._lib.StructureNode(node["points"].prototype())
+            names = [prototype.get(k).elementName() for k in range(prototype.childCount())]
+            count = int(node["points"].childCount())
+            if count and not any(set(base) <= set(names) for base in _BASE):
+                raise FormatError(self.path, f"station {number}", "neither Cartesian nor spherical coordinates")
+            self._stations.append((count, names, str(node["name"].value()) if node.isDefined("name") else ""))
+            position, q = [0.0] * 3, [1.0, 0.0, 0.0, 0.0]
+            if node.isDefined("pose"):
+                pose = node["pose"]
+                if pose.isDefined("translation"):
+                    position = [pose["translation"][axis].value() for axis in "xyz"]
+                if pose.isDefined("rotation"):
+                    q = [pose["rotation"][axis].value() for axis in "wxyz"]
+            rows.append([float(number), *position, *q[1:], q[0]])
+        if not rows:
+            raise FormatError(self.path, "", "no scans in it")
+        table = np.array(rows)
+        self.poses: Poses | None = in_order(table[:, 0], table[:, 1:4], table[:, 4:])
+        if len(self.poses.time_s) < len(rows):
+            raise FormatError(self.path, "pose", "a station's pose is no rotation or not finite")
+        self.organised = any("InvalidState" in name for _, names, _ in self._stations for name in names)
+
+    def found(self) -> list[str]:
+        lines = [f"E57, {len(self._stations)} stations, {self.bytes_total / 1e6:.1f} MB"]
+        for number, (count, names, title) in enumerate(self._stations):
+            lines.append(f"station {number} {title}: {with_thousands(count)} points; " + ", ".join(names))
+        return [*lines, f"CRS {self.crs}" if self.crs else "no CRS"]
+
+    def scans(self) -> Iterator[Scan]:
+        self.bytes_done = number = done = 0
+        total = max(1, sum(count for count, _, _ in self._stations))
+        with guarded(self.path, "open"):
+            file = self._lib.ImageFile(str(self.path), "r")
+        try:
+            for station, (count, names, _) in enumerate(self._stations):
+                for columns in self._pieces(file, station, count, names):
+                    scan = self._scan(columns, number, station)
+                    done += len(columns[next(iter(columns))])
+                    self.bytes_done = self.bytes_total * done // total
+                    if len(scan):
+                        yield scan
+                        number += 1
+        finally:
+            file.close()
+
+    def _pieces(self, file: Any, station: int, count: int, names: list[str]) -> Iterator[dict[str, Array]]:
+        """Columns of a station's points, piece by piece."""
+        size = min(_CHUNK, max(1, count))
+        buffers, arrays = self._lib.VectorSourceDestBuffer(), {}
+        place = f"station {station}"
+        with guarded(self.path, place):
+            for name in names:
+                if name in _TYPES:
+                    arrays[name] = np.empty(size, _TYPES[name])
+                    buffers.append(self._lib.SourceDestBuffer(file, name, arrays[name], size, True, True))
+            reader = file.root()["data3D"][station]["points"].reader(buffers)
+        read = 0
+        try:
+            while read < count:
+                with guarded(self.path, place):
+                    got = int(reader.read())
+                    if not got:
+                        raise ValueError(f"{count} points are promised, {read} are there: truncated")
+                read += got
+                yield {name: array[:got].copy() for name, array in arrays.items()}
+        finally:
+            reader.close()
+
+    def _scan(self, c: dict[str, Array], number: int, station: int) -> Scan:
+        n = len(next(iter(c.values())))
+        if set(_BASE[0]) <= set(c):
+            vector = np.column_stack([c[name] for name in _BASE[0]])
+            state = c.get("cartesianInvalidState", np.zeros(n, np.int8))
+        else:
+            distance, azimuth, elevation = (c[name] for name in _BASE[1])
+            state = c.get("sphericalInvalidState", np.zeros(n, np.int8))
+            distance = np.where(state == 1, 1.0, distance)
+            flat = distance * np.cos(elevation)
+            vector = np.column_stack([flat * np.cos(azimuth), flat * np.sin(azimuth), distance * np.sin(elevation)])
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            length = np.sqrt(np.einsum("ij,ij->i", vector, vector))
+            keep = (length > 1e-9) & (length < 1e9) & ((state == 0) | (state == 1))
+            if not keep.all():
+                self.skipped["beams without a point or a direction"] += int(np.count_nonzero(~keep))
+            vector, length, state = vector[keep], length[keep], state[keep]
+            scan = Scan(number, float(station), direction=vector / length[:, None],
+                        range_m=np.where(state == 1, np.inf, length).astype(np.float32))
+        scan.beam_time_s = np.full(len(scan), float(station))
+        if "intensity" in c:
+            scan.intensity = np.where(state == 1, 0, c["intensity"][keep]).astype(np.float32)
+        if "returnIndex" in c and "returnCount" in c:
+            count = c["returnCount"][keep].astype(np.uint8)
+            scan.echo = np.where(state == 1, 0, c["returnIndex"][keep] + 1).astype(np.uint8)
+            scan.echoes = np.where(state == 1, 0, count).astype(np.uint8)
+        scan.extra = {new: c[name][keep].astype(np.int32 if c[name].dtype == np.int64 else c[name].dtype)
+                      for name, new in _EXTRA.items() if name in c}
+        scan.extra["station"] = np.full(len(scan), station, np.uint16)
+        return scan

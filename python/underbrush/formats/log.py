@@ -1,0 +1,57 @@
+"""Recordings as logs of the library: `underbrush.LogInfo` and `underbrush.BeamLog`."""
+from __future__ import annotations
+
+import importlib
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from ._files import Array, PathLike
+from .place import beams, poses_of
+from .scans import Poses, Recording
+from .trajectory import pose_at
+
+_NAMED = ("origin", "direction", "range_m", "intensity", "time_s", "ring", "scan", "packet", "flags")
+
+
+def beams_of_recording(recording: Recording, *, poses: Poses | PathLike | None = None,
+                       position: Sequence[float] | None = None, sensor: str | None = None) -> tuple[Any, Iterator[Any]]:
+    """The facts of a recording as a `LogInfo`, and its beams as `BeamLog`s, one for each scan or piece.
+
+    `poses` and `position` are as for `beams`; `sensor` is a name of the catalogue, by default the recording's. The
+    scans' poses stand at the head of a log: a ROS recording is read twice, the first time without its points. Raises
+    what `beams` raises.
+    """
+    library: Any = importlib.import_module("underbrush")
+    known = poses_of(recording, poses)
+    name = sensor or recording.sensor
+    limits = {}
+    if name:
+        found = library.Sensor(name)
+        limits = {"min_range_m": found.min_range_m, "max_range_m": found.max_range_m}
+    info = library.LogInfo(sensor=name, has_misses=recording.organised, deskewed=True,
+                           scans=_scan_infos(library, recording, known), **limits)
+    columns = beams(recording, poses=known, position=position)
+    return info, (_log(library, info, one) for one in columns)
+
+
+def _scan_infos(library: Any, recording: Recording, poses: Poses | None) -> list[Any]:
+    times_of = getattr(recording, "scan_times", None)
+    if times_of is None or poses is None or not len(poses.time_s):
+        return []
+    times = np.array(times_of())
+    position, rotation, inside = pose_at(poses, times)
+    return [library.ScanInfo(k, float(times[k]), library.Pose(position[k], rotation[k]))
+            for k in np.flatnonzero(inside).tolist()]
+
+
+def _log(library: Any, info: Any, columns: dict[str, Array]) -> Any:
+    extra = {name: _held(column) for name, column in columns.items() if name not in _NAMED}
+    return library.log_from_columns(**{name: columns[name] for name in _NAMED}, extra=extra, info=info)
+
+
+def _held(column: Array) -> Array:
+    """A column of a type that a log holds: whole numbers of 64 bits and other types become double."""
+    held = column.dtype.kind in "iu" and column.dtype.itemsize <= 4 or column.dtype in (np.float32, np.float64)
+    return column.astype(column.dtype.newbyteorder("=")) if held else column.astype(np.float64)

@@ -1,0 +1,191 @@
+"""Places scans in the world: each beam gets the sensor's pose at its own time, and each miss its direction."""
+from __future__ import annotations
+
+import collections
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from ._files import Array, OptionMissing, PathLike
+from .bag import BagRecording
+from .scans import Poses, Recording, Scan
+from .trajectory import pose_at, read_poses, rotate
+
+Floats = npt.NDArray[np.float64]
+
+_LEAST_RANGE_M = 1e-6  # A shorter range has no direction.
+_PACKET_S = 1e-3  # Beams within a millisecond share a packet.
+_WORST_FIT_RAD = np.deg2rad(0.5)
+
+
+def beams(recording: Recording, *, poses: Poses | PathLike | None = None,
+          position: Sequence[float] | None = None) -> Iterator[dict[str, Array]]:
+    """Beams of all scans of a recording in the world frame, a mapping of columns a scan (see `place`).
+
+    `poses` (or a file of them, see `read_poses`, or a topic) take the place of the recording's own; `position` (x y z,
+    m, world) is the place of a sensor that stands still. What is left out is counted in `recording.skipped`. Raises
+    `OptionMissing` with one line that names the option to add where neither says where the sensor was.
+    """
+    path = getattr(recording, "path", "recording")
+    known = poses_of(recording, poses)
+    first = True
+    for scan in recording.scans():
+        if first and recording.world and scan.direction is None and position is None:
+            if known is None:
+                raise OptionMissing(f"{path}: world coordinates need the sensor's place: add --poses FILE "
+                                    "(GPS time x y z) or, for a tripod, --position X,Y,Z")
+            if scan.beam_time_s is None:
+                raise OptionMissing(f"{path}: no gps_time, so a trajectory cannot be used: add --position X,Y,Z")
+        elif first and known is None and not recording.world and position is None:
+            raise OptionMissing(f"{path}: no poses in it: add --poses FILE (t x y z qx qy qz qw, world from sensor) "
+                                "or, for a sensor that stands still, --position X,Y,Z")
+        first = False
+        yield place(scan, known, world=recording.world, position=position, skipped=recording.skipped)
+
+
+def poses_of(recording: Recording, given: Poses | PathLike | None) -> Poses | None:
+    """The poses given, those of a file or of a topic of the recording, or the recording's own."""
+    if isinstance(given, Poses):
+        return given
+    if not given:
+        return recording.poses
+    if isinstance(recording, BagRecording):
+        recording.take_poses(given)
+        return recording.poses
+    return read_poses(given)
+
+
+def place(scan: Scan, poses: Poses | None, *, world: bool = False, position: Sequence[float] | None = None,
+          skipped: collections.Counter[str] | None = None) -> dict[str, Array]:
+    """The beams of a scan in the world frame, in order of time.
+
+    Columns, n entries each: `origin` (n, 3) float64, m; `direction` (n, 3) float32, unit vectors; `range_m` float32,
+    infinity for a miss; `intensity` float32; `time_s` float64; `ring` uint16; `scan` and `packet` (ms after the
+    scan's first beam) uint32; `flags` uint8; `echo` and `echoes` uint8 where the scan has them; the scan's further
+    columns by name. With `world`, `xyz` are world coordinates and only the sensor's positions are used. Beams outside
+    the poses' times and misses without a direction are left out and counted in `skipped`.
+    """
+    skipped = collections.Counter() if skipped is None else skipped
+    n = len(scan)
+    time = scan.beam_time_s if scan.beam_time_s is not None else np.full(n, scan.time_s)
+    inside = np.ones(n, bool)
+    rotation = np.tile([0.0, 0.0, 0.0, 1.0], (n, 1))
+    if position is not None:
+        origin = np.tile(np.asarray(position, np.float64), (n, 1))
+    elif poses is not None and len(poses.time_s):
+        # Beams of equal time, and there are many, share an interpolated pose.
+        times, group = _distinct(time)
+        places, turns, within = pose_at(poses, times)
+        origin, rotation, inside = places[group], turns[group], within[group]
+    elif world and scan.origin is not None:
+        origin = scan.origin
+    else:
+        raise ValueError("neither poses nor a position")
+    if world:
+        rotation = rotation[:0]
+    if scan.direction is not None and scan.range_m is not None:
+        direction, distance = scan.direction.astype(np.float64), scan.range_m.astype(np.float64)
+    else:
+        direction, distance = _to_points(scan, origin if world else None)
+    if len(rotation):
+        if scan.origin is not None:
+            origin = origin + rotate(rotation, scan.origin)
+        direction = rotate(rotation, direction)
+    directed = np.isfinite(direction[:, 0])
+    near = ~(distance > _LEAST_RANGE_M)
+    for count, reason in ((~inside, "beams outside the times of the poses"),
+                          (inside & ~directed, "misses whose direction cannot be found"),
+                          (inside & directed & near, "points at the sensor itself")):
+        if count.any():
+            skipped[reason] += int(np.count_nonzero(count))
+    rows = np.flatnonzero(inside & directed & ~near)
+    if not np.all(np.diff(time[rows]) >= 0):
+        rows = rows[np.argsort(time[rows], kind="stable")]
+    time = time[rows]
+    hit = np.isfinite(distance[rows])
+    columns: dict[str, Array] = {
+        "origin": origin[rows], "direction": direction[rows].astype(np.float32),
+        "range_m": distance[rows].astype(np.float32), "time_s": time,
+        "intensity": np.where(hit, scan.intensity[rows], np.float32(0)) if scan.intensity is not None
+        else np.zeros(len(rows), np.float32),
+        "ring": scan.ring[rows] if scan.ring is not None else np.zeros(len(rows), np.uint16),
+        "scan": scan.extra["scan"][rows].astype(np.uint32) if "scan" in scan.extra
+        else np.full(len(rows), scan.number, np.uint32),
+        "packet": ((time - time[0]) / _PACKET_S if len(rows) else time).astype(np.uint32),
+        "flags": np.zeros(len(rows), np.uint8)}
+    if scan.echo is not None:
+        columns["echo"] = scan.echo[rows]
+    if scan.echoes is not None:
+        columns["echoes"] = scan.echoes[rows]
+    columns.update((name, column[rows]) for name, column in scan.extra.items() if name not in columns)
+    return columns
+
+
+def _distinct(time: Floats) -> tuple[Floats, npt.NDArray[np.int64]]:
+    """The distinct times, or all where they are in no order, and for each row its number among them."""
+    step = np.diff(time)
+    if np.all(step >= 0):
+        begins = np.append(True, step > 0)[:len(time)]
+        return time[begins], np.cumsum(begins) - 1
+    times, group = np.unique(time, return_inverse=True)
+    return times, group.reshape(-1)
+
+
+def _to_points(scan: Scan, origin: Floats | None) -> tuple[Floats, Floats]:
+    """Unit directions (n, 3) to a scan's points and their distances (n,); misses get those of the grid."""
+    assert scan.xyz is not None
+    vector = scan.xyz if origin is None else scan.xyz - origin
+    distance = np.sqrt(np.einsum("ij,ij->i", vector, vector))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        direction = vector / distance[:, None]
+    miss = ~np.isfinite(distance)
+    if miss.any():
+        distance[miss] = np.inf
+        direction[miss] = directions_of_misses(scan)[miss] if origin is None else np.nan
+    direction[distance == 0] = 0
+    return direction, distance
+
+
+def directions_of_misses(scan: Scan) -> Floats:
+    """Directions (n, 3) of the beams of an organised scan in the sensor's frame, found from its hits.
+
+    In a spinning sensor's grid the elevation is that of the ring and the azimuth is the column's plus the ring's.
+    Both are means over the hits, weighted by the range squared because lasers do not start at the origin. All are
+    NaN where there is no grid, or where it does not explain the hits to half a degree.
+    """
+    nothing = np.full((len(scan), 3), np.nan)
+    if scan.xyz is None or scan.shape is None or scan.shape[0] * scan.shape[1] != len(scan):
+        return nothing
+    grid = np.arange(len(scan)).reshape(scan.shape)
+    if scan.ring is not None and not np.all((ring := scan.ring.reshape(scan.shape)) == ring[:, :1]):
+        if not np.all(ring == ring[:1]):
+            return nothing
+        grid = grid.T  # A row is a firing.
+    points = np.nan_to_num(scan.xyz[grid])
+    range_m = np.sqrt(np.einsum("rci,rci->rc", points, points))
+    hit = range_m > 0
+    used, seen, rings, column = hit.any(axis=1), hit.any(axis=0), np.arange(len(hit)), np.arange(hit.shape[1])
+    flat = points[..., 0] + 1j * points[..., 1]  # As a complex number; its square length is the weight.
+    beside = (flat[:, 1:] * flat[:, :-1].conj())[hit[:, 1:] & hit[:, :-1]]
+    if np.count_nonzero(used) < 2 or not len(beside):
+        return nothing
+    step = float(np.median(np.angle(beside)))
+    phasor = flat * np.abs(flat) * np.exp(-1j * step * column)
+    of_ring = np.exp(1j * np.angle(phasor.sum(axis=1)))
+    of_ring[~used] = np.interp(rings[~used], rings[used], of_ring[used])
+    rest = np.angle((phasor * of_ring.conj()[:, None]).sum(axis=0))
+    of_column = np.exp(1j * (step * column + np.interp(column, column[seen], rest[seen])))
+    elevation = np.arctan2((points[..., 2] * range_m).sum(axis=1), (np.abs(flat) * range_m).sum(axis=1))
+    slope = np.polyfit(rings[used], elevation[used], 1)[0]
+    first, last = rings[used][0], rings[used][-1]
+    elevation[~used] = (np.interp(rings[~used], rings[used], elevation[used])
+                        + slope * (np.minimum(rings[~used] - first, 0) + np.maximum(rings[~used] - last, 0)))
+    level = (of_ring / np.abs(of_ring) * np.cos(elevation))[:, None] * of_column
+    found = np.empty(points.shape)
+    found[..., 0], found[..., 1], found[..., 2] = level.real, level.imag, np.sin(elevation)[:, None]
+    error = found * range_m[..., None] - points
+    if (np.sqrt(np.einsum("rci,rci->rc", error, error)) * range_m).sum() > _WORST_FIT_RAD * (range_m**2).sum():
+        return nothing
+    nothing[grid.reshape(-1)] = found.reshape(-1, 3)
+    return nothing

@@ -1,0 +1,167 @@
+"""Poses of a sensor: interpolation in time, composition, and files of poses."""
+from __future__ import annotations
+
+import pathlib
+
+import numpy as np
+import numpy.typing as npt
+
+from ..errors import FormatError
+from ._files import PathLike
+from .scans import Poses
+
+Floats = npt.NDArray[np.float64]
+
+_LONGEST_LINE = 4096
+
+
+def multiply(a: Floats, b: Floats) -> Floats:
+    """Product of quaternions x y z w, (n, 4) each: first `b`, then `a`."""
+    ax, ay, az, aw = np.moveaxis(a, -1, 0)
+    bx, by, bz, bw = np.moveaxis(b, -1, 0)
+    return np.stack([aw * bx + ax * bw + ay * bz - az * by, aw * by - ax * bz + ay * bw + az * bx,
+                     aw * bz + ax * by - ay * bx + az * bw, aw * bw - ax * bx - ay * by - az * bz], axis=-1)
+
+
+def conjugate(q: Floats) -> Floats:
+    """Inverse rotations of unit quaternions, (n, 4)."""
+    return np.asarray(q * np.array([-1.0, -1.0, -1.0, 1.0]))
+
+
+def rotate(q: Floats, v: Floats) -> Floats:
+    """Vectors (n, 3) turned by unit quaternions (n, 4)."""
+    x, y, z, w = np.moveaxis(q, -1, 0)
+    a, b, c = np.moveaxis(v, -1, 0)
+    # v + 2 w (axis × v) + 2 axis × (axis × v); numpy.cross takes three times as long.
+    r, s, t = 2 * (y * c - z * b), 2 * (z * a - x * c), 2 * (x * b - y * a)
+    return np.stack([a + w * r + y * t - z * s, b + w * s + z * r - x * t, c + w * t + x * s - y * r], axis=-1)
+
+
+def slerp(a: Floats, b: Floats, share: Floats) -> Floats:
+    """Rotations at the shares (n,), 0 to 1, of the shorter way from `a` to `b`, (n, 4)."""
+    dot = np.sum(a * b, axis=-1)
+    b = np.where(dot[:, None] < 0, -b, b)
+    angle = np.arccos(np.clip(np.abs(dot), 0, 1))
+    sine = np.sin(angle)
+    near = sine < 1e-6  # The chord equals the arc to 1e-13 there.
+    with np.errstate(invalid="ignore", divide="ignore"):
+        wa = np.where(near, 1 - share, np.sin((1 - share) * angle) / sine)
+        wb = np.where(near, share, np.sin(share * angle) / sine)
+    q = wa[:, None] * a + wb[:, None] * b
+    return np.asarray(q / np.linalg.norm(q, axis=1, keepdims=True), dtype=np.float64)
+
+
+def pose_at(poses: Poses, time_s: Floats) -> tuple[Floats, Floats, npt.NDArray[np.bool_]]:
+    """Positions (n, 3), rotations (n, 4), and whether the time lies within the poses' times.
+
+    Positions are interpolated linearly and rotations by slerp. Outside, the nearest pose is given. A
+    single pose holds at all times.
+    """
+    times = poses.time_s
+    if len(times) == 1:
+        n = len(time_s)
+        return np.tile(poses.position, (n, 1)), np.tile(poses.rotation, (n, 1)), np.ones(n, bool)
+    after = np.clip(np.searchsorted(times, time_s, side="right"), 1, len(times) - 1)
+    before = after - 1
+    share = np.clip((time_s - times[before]) / (times[after] - times[before]), 0, 1)
+    position = poses.position[before] * (1 - share[:, None]) + poses.position[after] * share[:, None]
+    rotation = slerp(poses.rotation[before], poses.rotation[after], share)
+    return position, rotation, (time_s >= times[0]) & (time_s <= times[-1])
+
+
+def in_order(time_s: Floats, position: Floats, rotation: Floats) -> Poses:
+    """Poses sorted by time; of equal times the last is kept, rows that are not finite are left out."""
+    norm = np.linalg.norm(rotation, axis=1)
+    good = np.isfinite(time_s) & np.isfinite(position).all(axis=1) & (np.abs(norm - 1) < 0.005)
+    rows = np.flatnonzero(good)
+    rows = rows[np.argsort(time_s[rows], kind="stable")]
+    if len(rows):
+        rows = rows[np.append(np.diff(time_s[rows]) > 0, True)]
+    return Poses(time_s[rows], position[rows], rotation[rows] / norm[rows, None])
+
+
+def compose(outer: Poses, inner: Poses) -> Poses:
+    """Poses of a chain of two: `outer` is world from middle, `inner` is middle from sensor.
+
+    The times are all of both between the later start and the earlier end; a single pose holds always.
+    """
+    moving = [p for p in (outer, inner) if len(p.time_s) > 1]
+    times = np.unique(np.concatenate([p.time_s for p in moving])) if moving else outer.time_s
+    for p in moving:
+        times = times[(times >= p.time_s[0]) & (times <= p.time_s[-1])]
+    position, rotation, _ = pose_at(outer, times)
+    offset, turn, _ = pose_at(inner, times)
+    return Poses(times, position + rotate(rotation, offset), multiply(rotation, turn))
+
+
+def from_matrices(m: Floats) -> Floats:
+    """Quaternions (n, 4) of rotation matrices (n, 3, 3)."""
+    # The largest of the four ways to take the root, so that no digits are lost.
+    trace = np.trace(m, axis1=1, axis2=2)
+    d = np.stack([m[:, 0, 0], m[:, 1, 1], m[:, 2, 2]], axis=1)
+    size = np.column_stack([1 - trace[:, None] + 2 * d, 1 + trace])
+    off = m - np.swapaxes(m, 1, 2)
+    both = m + np.swapaxes(m, 1, 2)
+    w = np.stack([off[:, 2, 1], off[:, 0, 2], off[:, 1, 0]], axis=1)
+    rows = np.stack([
+        np.stack([size[:, 0], both[:, 0, 1], both[:, 0, 2], w[:, 0]], axis=1),
+        np.stack([both[:, 0, 1], size[:, 1], both[:, 1, 2], w[:, 1]], axis=1),
+        np.stack([both[:, 0, 2], both[:, 1, 2], size[:, 2], w[:, 2]], axis=1),
+        np.column_stack([w, size[:, 3]])], axis=1)
+    q = rows[np.arange(len(m)), np.argmax(size, axis=1)]
+    return np.asarray(q / np.linalg.norm(q, axis=1, keepdims=True), dtype=np.float64)
+
+
+def from_angles(roll: Floats, pitch: Floats, yaw: Floats) -> Floats:
+    """Quaternions (n, 4) of turns about x, then y, then z, rad."""
+    def about(axis: int, angle: Floats) -> Floats:
+        q = np.zeros((len(angle), 4))
+        q[:, axis], q[:, 3] = np.sin(angle / 2), np.cos(angle / 2)
+        return q
+
+    return multiply(about(2, yaw), multiply(about(1, pitch), about(0, roll)))
+
+
+def read_poses(path: PathLike) -> Poses:
+    """Reads a text file of poses, world from sensor; `#` begins a comment, commas are blanks.
+
+    The number of columns tells the format: 4 is `t x y z` (no rotation), 7 a HELIOS++ trajectory
+    (`x y z t roll pitch yaw`, degrees), 8 TUM (`t x y z qx qy qz qw`), 13 a time and a row-major 3×4
+    matrix. Raises `FormatError`.
+    """
+    rows: list[list[float]] = []
+    with pathlib.Path(path).open(encoding="utf-8", errors="replace") as file:
+        for number, line in enumerate(iter(lambda: file.readline(_LONGEST_LINE), ""), 1):
+            words = line.partition("#")[0].replace(",", " ").split()
+            try:
+                values = [float(word) for word in words]
+            except ValueError:
+                if not rows and number == 1:
+                    continue  # A line of column names.
+                raise FormatError(path, f"line {number}", "is not a row of numbers") from None
+            if values and rows and len(values) != len(rows[0]):
+                raise FormatError(path, f"line {number}", f"{len(values)} columns instead of {len(rows[0])}")
+            if values:
+                rows.append(values)
+    if not rows:
+        raise FormatError(path, "", "no poses")
+    table = np.array(rows)
+    none = np.tile([0.0, 0.0, 0.0, 1.0], (len(table), 1))
+    if table.shape[1] == 4:
+        poses = in_order(table[:, 0], table[:, 1:4], none)
+    elif table.shape[1] == 7:
+        poses = in_order(table[:, 3], table[:, :3], from_angles(*np.deg2rad(table[:, 4:]).T))
+    elif table.shape[1] == 8:
+        poses = in_order(table[:, 0], table[:, 1:4], table[:, 4:])
+    elif table.shape[1] == 13:
+        m = table[:, 1:].reshape(-1, 3, 4)
+        turn = m[:, :, :3]
+        off = np.abs(turn @ np.swapaxes(turn, 1, 2) - np.eye(3)).max(axis=(1, 2))
+        rotation = from_matrices(turn)
+        rotation[~((off < 0.02) & (np.linalg.det(turn) > 0))] = np.nan  # No rotation.
+        poses = in_order(table[:, 0], m[:, :, 3], rotation)
+    else:
+        raise FormatError(path, "line 1", f"{table.shape[1]} columns: poses have 4, 7, 8 or 13")
+    if len(poses.time_s) < len(table):
+        raise FormatError(path, "", f"{len(table) - len(poses.time_s)} rows are no pose or have a time twice")
+    return poses
