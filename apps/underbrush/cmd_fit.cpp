@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "cli/progress.hpp"
+#include "fit_json.hpp"
 #include "fit_options.hpp"
 #include "stages.hpp"
 #include "underbrush/core/check.hpp"
@@ -26,44 +27,6 @@ void add_options(Verb& verb, Arguments& a) {
       ->type_name("FILE.ply");
   verb.output("--export-ground", a.ground_mesh, "Write the ground as a mesh, too")
       ->type_name("FILE.obj|.ply");
-}
-
-/// Returns the counts that every fit reports.
-Json json_of_fit(const std::string& fitter, const FitStep& step,
-                 const std::vector<std::string>& warnings) {
-  const elements::Model& model = step.result.model;
-  const fit::FitReport& r = step.result.report;
-  Json j;
-  j["fitter"] = fitter;
-  j["beams"] = r.beams;
-  j["hits"] = r.hits;
-  j["misses"] = r.misses;
-  j["ground_points"] = r.ground_points;
-  j["other_points"] = r.other_points;
-  j["near_points"] = r.near_points;
-  j["carved_triangles"] = r.carved_triangles;
-  j["thinned_points"] = r.thinned_points;
-  j["unclustered_points"] = r.unclustered_points;
-  j["free_space_ellipsoids"] = r.free_space_ellipsoids;
-  j["max_range_m"] = model.max_range_m;
-  j["tiles"] = r.tiles;
-  j["ground_triangles"] = model.ground.size();
-  j["surface_triangles"] = model.surface.size();
-  j["ellipsoids"] = model.ellipsoids.size();
-  j["ground_sigma_m"] = model.ground.range_sigma_m;
-  j["range_noise_m"] = model.range_noise_m;
-  j["grain_m"] = {{"ellipsoids", model.grain.ellipsoid_m}, {"meshes", model.grain.mesh_m}};
-  if (step.grain.ellipsoids || step.grain.meshes) {
-    j["roughness_m"] = {{"log", step.grain.real_m},
-                        {"simulated", step.grain.simulated_m},
-                        {"simulated_anew", step.grain.anew_m}};
-  }
-  j["skipped"] = step.skipped;
-  j["warnings"] = warnings;
-  if (!r.likelihood.steps.empty()) j["likelihood"] = json_of(r.likelihood);
-  j["seconds"] = step.seconds;
-  j["beams_per_s"] = double(r.beams) / step.seconds;
-  return j;
 }
 
 std::string text_of_fit(const std::string& fitter, const FitStep& step) {
@@ -115,9 +78,8 @@ void run(const Verb& verb, Arguments& a) {
   if (!a.splat.empty()) elements::write_splat(a.splat, model);
   if (!a.ground_mesh.empty()) elements::write_mesh(a.ground_mesh, model.ground);
   const std::vector<std::string>& warnings = step.result.report.warnings;
-  verb.report(json_of_fit(model.fitter, step, warnings), text_of_fit(model.fitter, step) +
-                                                             text_of_warnings(warnings) +
-                                                             "  model       " + a.output + "\n");
+  verb.report(json_of(step), text_of_fit(model.fitter, step) + text_of_warnings(warnings) +
+                                 "  model       " + a.output + "\n");
 }
 
 }  // namespace fit_verb

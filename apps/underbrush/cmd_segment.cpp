@@ -87,33 +87,6 @@ void add_options(Verb& verb, Arguments& a) {
   add_object_options(verb, a.segment.objects);
 }
 
-/// Returns what the given labels say of each hit.
-std::vector<primitives::Prior> priors_of(const primitives::GivenLabels& given) {
-  using primitives::Prior;
-  std::vector<Prior> prior;
-  for (const uint32_t label : given.label) {
-    prior.push_back(elements::ground_label(given.set, label) == elements::GroundLabel::kYes
-                        ? Prior::kGround
-                    : elements::is_vegetation(given.set, label) ? Prior::kObject
-                                                                : Prior::kOther);
-  }
-  return prior;
-}
-
-/// Keeps classes and instances that are given and takes the others from the search.
-LabelsOfHits taken_over(const primitives::GivenLabels& given, const primitives::LogLabels* labels) {
-  LabelsOfHits out = labels ? found_of(*labels) : LabelsOfHits{};
-  if (!given.label.empty() && given.set == "underbrush") {
-    out.label.assign(given.label.begin(), given.label.end());
-  }
-  if (!given.instance.empty() && (given.set == "underbrush" || given.label.empty())) {
-    out.instance = given.instance;
-    out.objects = std::set<uint32_t>(given.instance.begin(), given.instance.end()).size();
-    out.objects -= std::count(given.instance.begin(), given.instance.end(), 0u) > 0;
-  }
-  return out;
-}
-
 /// Adds what the search found to the results.
 void add_objects(const primitives::LogLabels& labels, Json& j) {
   std::map<Class, size_t> objects;

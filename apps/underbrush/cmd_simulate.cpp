@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <chrono>
 
+#include "answer.hpp"
 #include "cli/progress.hpp"
-#include "instrument.hpp"
 #include "stages.hpp"
 #include "traced_scene.hpp"
 #include "underbrush/core/check.hpp"
@@ -22,10 +22,8 @@ namespace {
 namespace simulate_verb {
 
 struct Arguments {
-  std::string model, like, sensor, trajectory, output, profile, draw = "on_ray", beam = "thin",
-                                                                matter = "once";
-  simulate::Options simulate;
-  InstrumentArguments instrument;
+  std::string model, like, sensor, trajectory, output, profile, matter = "once";
+  AnswerArguments answer;
   SceneArguments target;
 };
 
@@ -46,7 +44,7 @@ void add_options(Verb& verb, Arguments& a) {
                          ->type_name("POSES.txt");
   like->excludes(trajectory);
   trajectory->needs(sensor);
-  app.add_flag("--element-ids", a.simulate.element_ids,
+  app.add_flag("--element-ids", a.answer.simulate.element_ids,
                "Write the element that stopped each beam, and its class; for a scene also the "
                "plant (column instance)");
   verb.begin_rare_group("Drivers");
@@ -66,18 +64,18 @@ void add_options(Verb& verb, Arguments& a) {
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   verb.begin_rare_group("Thin rays");
-  app.add_option("--draw", a.draw, "Where in an ellipsoid a range is drawn")
+  app.add_option("--draw", a.answer.draw, "Where in an ellipsoid a range is drawn")
       ->check(CLI::IsMember({"on_ray", "volumetric"}))
       ->capture_default_str();
-  app.add_option("--beam", a.beam,
+  app.add_option("--beam", a.answer.beam,
                  "Trace a ray on the beam's axis, or one drawn from the sensor's cone")
       ->check(CLI::IsMember({"thin", "random"}))
       ->capture_default_str();
-  app.add_option("--max-range", a.simulate.max_range_m,
+  app.add_option("--max-range", a.answer.simulate.max_range_m,
                  "Maximum range, m; 0 = the log's or the sensor's")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  app.add_option("--range-noise", a.simulate.range_noise_m,
+  app.add_option("--range-noise", a.answer.simulate.range_noise_m,
                  "Standard deviation of additional noise on every range, m")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
@@ -116,14 +114,14 @@ SimulateStep write(const Verb& verb, const Arguments& a, simulate::SimulatedSour
                    const Trajectory& path, std::string& lost) {
   std::vector<std::filesystem::path> inputs{a.model, a.like.empty() ? a.trajectory : a.like};
   for (const auto& file : mover_files(a.target)) inputs.push_back(file);
-  for (const std::string& file : {a.sensor, a.instrument.materials}) {
+  for (const std::string& file : {a.sensor, a.answer.instrument.materials}) {
     if (std::filesystem::is_regular_file(file)) inputs.emplace_back(file);
   }
   const std::string extension = std::filesystem::path(a.output).extension().string();
   lost = io::lost_in(!a.profile.empty()  ? a.profile
                      : extension.empty() ? "kitti"
                                          : extension.substr(1));
-  if (a.simulate.element_ids && !lost.empty() && extension != ".pcd") {
+  if (a.answer.simulate.element_ids && !lost.empty() && extension != ".pcd") {
     lost += ", element, class and instance numbers";
   }
   return simulate_log(
@@ -134,33 +132,6 @@ SimulateStep write(const Verb& verb, const Arguments& a, simulate::SimulatedSour
                                  origin);
       },
       inputs);
-}
-
-/// The parts of the instrument; there is no ray maker where thin rays are traced.
-struct Answering {
-  sensor::Sensor sensor;
-  simulate::Instrument instrument;
-  std::unique_ptr<simulate::Reflection> reflection;
-  std::unique_ptr<simulate::EchoMaker> maker;
-};
-
-void set_up(const Verb& verb, const Arguments& a, const BeamSource& beams,
-            const simulate::DynamicWorld& dynamic_world, const simulate::InstanceKinds& kinds,
-            Answering& out) {
-  require(a.beam == "thin" && a.draw == "on_ray" && a.simulate.range_noise_m == 0,
-          "simulate: --beam, --draw and --range-noise are of thin rays, not of --super-sample");
-  out.sensor = sensor_of(a, beams, "--super-sample");
-  out.instrument = instrument_of(a.instrument, out.sensor);
-  if (a.simulate.max_range_m > 0) out.instrument.receiver.max_range_m = a.simulate.max_range_m;
-  out.reflection = std::make_unique<simulate::Reflection>(materials_of(a.instrument),
-                                                          out.sensor.wavelength_m, kinds);
-  simulate::EchoOptions options;
-  options.seed = verb.seed;
-  options.element_ids = a.simulate.element_ids;
-  options.instance_labels = a.simulate.instance_labels;
-  if (!a.instrument.waveforms.empty()) options.waveforms = a.instrument.waveform;
-  out.maker = std::make_unique<simulate::EchoMaker>(dynamic_world, *out.reflection, out.instrument,
-                                                    options);
 }
 
 void report(const Verb& verb, const Arguments& a, const SimulateStep& step, size_t sub_rays,
@@ -192,40 +163,29 @@ void report(const Verb& verb, const Arguments& a, const SimulateStep& step, size
 void run(const Verb& verb, Arguments& a) {
   using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
-  a.instrument.check();
+  a.answer.instrument.check();
   elements::SceneInfo info;
   const elements::Scene scene = scene_of(a.model, a.target, info);
   const TracedScene target =
       traced_scene(scene, info, a.matter == "once" ? trace::Draws::kOnce : trace::Draws::kAnew);
   if (elements::is_scene(a.model) || !info.movers.empty()) {
-    a.simulate.instance_labels = info.labels;
+    a.answer.simulate.instance_labels = info.labels;
   }
-  const radiometry::Materials materials = materials_of(a.instrument);
+  const radiometry::Materials materials = materials_of(a.answer.instrument);
   for (const std::string& name : info.materials) {
     if (!name.empty()) materials.named(name);  // throws for an unknown name
   }
   Trajectory path;
   const std::unique_ptr<BeamSource> beams = beams_of(a, path);
-  a.simulate.seed = verb.seed;
-  a.simulate.draw =
-      a.draw == "on_ray" ? simulate::RangeDraw::kOnRay : simulate::RangeDraw::kVolumetric;
-  if (a.beam == "random") a.simulate.random_ray = sensor_of(a, *beams, "--beam random").beam;
-  Answering with;
-  if (!a.instrument.super_sample.empty()) {
-    set_up(verb, a, *beams, *target.dynamic_world, kinds_of(scene, info), with);
-  }
-  simulate::SimulatedSource simulated(
-      [&](size_t first_beam, BeamLog& chunk) {
-        if (with.maker) return with.maker->answer(first_beam, chunk);
-        simulate::simulate(*target.dynamic_world, a.simulate, first_beam, chunk);
-      },
-      *beams, a.simulate.max_range_m);
+  a.answer.simulate.seed = verb.seed;
+  Answer answer(a.answer, *target.dynamic_world, kinds_of(scene, info),
+                [&](const char* what) { return sensor_of(a, *beams, what); });
+  simulate::SimulatedSource simulated(std::ref(answer), *beams, a.answer.simulate.max_range_m);
   std::string lost;
   const SimulateStep step = write(verb, a, simulated, path, lost);
-  if (with.maker) write_waveforms(a.instrument, with.sensor, with.maker->waveforms());
+  answer.write_waveforms();
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
-  report(verb, a, step, with.maker ? with.instrument.sub_rays.size() : 0, seconds,
-         target.dynamic_world->world().isa(), lost);
+  report(verb, a, step, answer.sub_rays(), seconds, target.dynamic_world->world().isa(), lost);
 }
 
 }  // namespace simulate_verb
@@ -245,7 +205,7 @@ void add_simulate(Program& program) {
       [a](const Verb& v) { run(v, *a); });
   add_options(*verb, *a);
   add_scene_options(*verb, a->target);
-  add_instrument_options(*verb, a->instrument);
+  add_instrument_options(*verb, a->answer.instrument);
 }
 
 }  // namespace underbrush::app

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "underbrush/elements/label_sets.hpp"
 #include "underbrush/primitives/measure.hpp"
@@ -27,6 +28,31 @@ LabelsOfHits found_of(const primitives::LogLabels& labels) {
     out.label.push_back(uint8_t(labels.ground[k] ? Class::kGround
                                 : object         ? labels.objects[object - 1].label
                                                  : Class::kUnknown));
+  }
+  return out;
+}
+
+std::vector<primitives::Prior> priors_of(const primitives::GivenLabels& given) {
+  using primitives::Prior;
+  std::vector<Prior> prior;
+  for (const uint32_t label : given.label) {
+    prior.push_back(elements::ground_label(given.set, label) == elements::GroundLabel::kYes
+                        ? Prior::kGround
+                    : elements::is_vegetation(given.set, label) ? Prior::kObject
+                                                                : Prior::kOther);
+  }
+  return prior;
+}
+
+LabelsOfHits taken_over(const primitives::GivenLabels& given, const primitives::LogLabels* labels) {
+  LabelsOfHits out = labels ? found_of(*labels) : LabelsOfHits{};
+  if (!given.label.empty() && given.set == "underbrush") {
+    out.label.assign(given.label.begin(), given.label.end());
+  }
+  if (!given.instance.empty() && (given.set == "underbrush" || given.label.empty())) {
+    out.instance = given.instance;
+    out.objects = std::set<uint32_t>(given.instance.begin(), given.instance.end()).size();
+    out.objects -= std::count(given.instance.begin(), given.instance.end(), 0u) > 0;
   }
   return out;
 }

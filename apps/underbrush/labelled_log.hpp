@@ -9,6 +9,7 @@
 #include "underbrush/elements/classes.hpp"
 #include "underbrush/metrics/agreement.hpp"
 #include "underbrush/metrics/instances.hpp"
+#include "underbrush/primitives/given_labels.hpp"
 #include "underbrush/primitives/segment_log.hpp"
 
 namespace underbrush::app {
@@ -22,6 +23,12 @@ struct LabelsOfHits {
 
 /// Returns the labels that `segment_log` found.
 LabelsOfHits found_of(const primitives::LogLabels& labels);
+
+/// Returns what the given labels say of each hit.
+std::vector<primitives::Prior> priors_of(const primitives::GivenLabels& given);
+
+/// Keeps classes and instances that are given and takes the others from the search.
+LabelsOfHits taken_over(const primitives::GivenLabels& given, const primitives::LogLabels* labels);
 
 /// Counts and scores of a pass over the log.
 struct LabelledCounts {

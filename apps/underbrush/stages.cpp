@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "cli/progress.hpp"
+#include "fit_json.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/elements/scene_file.hpp"
@@ -47,21 +48,6 @@ std::string row(const char* label, const std::vector<metrics::Score>& scores,
 }
 
 }  // namespace
-
-Json json_of(const fit::LikelihoodReport& report) {
-  Json j;
-  j["training_beams"] = report.training_beams;
-  j["held_out_beams"] = report.held_out_beams;
-  j["stray_hits"] = report.stray_hits;
-  for (const fit::LikelihoodStep& s : report.steps) {
-    j["steps"].push_back({{"name", s.name},
-                          {"elements", s.elements},
-                          {"training_nll", s.training_nll},
-                          {"held_out_nll", s.held_out_nll},
-                          {"accepted", s.accepted}});
-  }
-  return j;
-}
 
 elements::Scene read_world(const fs::path& path, elements::SceneInfo* info) {
   if (elements::is_scene(path)) return elements::read_scene(path, info);

@@ -34,9 +34,6 @@ struct FitStep {
 FitStep fit_log(const Verb& verb, const std::filesystem::path& log, const fit::FitOptions& options,
                 const std::filesystem::path& model);
 
-/// Returns the steps of a refinement, for the manifest and `--json`.
-Json json_of(const fit::LikelihoodReport& report);
-
 /// Counts of a simulated log.
 struct SimulateStep {
   size_t beams = 0, rows = 0, hits = 0;  ///< Rows are echoes and misses.

@@ -24,18 +24,6 @@ MoverWords words_of(const std::string& text) {
   return w;
 }
 
-/// Reads a model's folder, or a mesh from an OBJ or PLY file.
-elements::Model model_of(const fs::path& path) {
-  if (fs::is_directory(path)) return elements::read_model(path);
-  const io::MeshData mesh = io::read_mesh(path);
-  elements::Model model;
-  model.fitter = "mesh";
-  model.surface.vertices = mesh.vertices;
-  model.surface.triangles = mesh.triangles;
-  model.surface.hit.resize(mesh.triangles.size());
-  return model;
-}
-
 }  // namespace
 
 void add_scene_options(Verb& verb, SceneArguments& a) {
@@ -52,29 +40,50 @@ void add_scene_options(Verb& verb, SceneArguments& a) {
       ->take_all();
 }
 
-elements::Scene scene_of(const fs::path& folder, const SceneArguments& a,
-                         elements::SceneInfo& info) {
-  elements::Scene scene = read_world(folder, &info);
-  if (scene.instances.empty() && !a.movers.empty()) {  // The scene is a model.
+elements::Model read_mover_model(const fs::path& path) {
+  if (fs::is_directory(path)) return elements::read_model(path);
+  const io::MeshData mesh = io::read_mesh(path);
+  elements::Model model;
+  model.fitter = "mesh";
+  model.surface.vertices = mesh.vertices;
+  model.surface.triangles = mesh.triangles;
+  model.surface.hit.resize(mesh.triangles.size());
+  return model;
+}
+
+void add_mover(elements::Scene& scene, elements::SceneInfo& info, elements::Model model,
+               Trajectory world_from_object, const std::string& material) {
+  if (scene.instances.empty()) {  // The scene is a model.
     elements::Instance placed;
     placed.world_from_model.translation = scene.models[0].origin;
     scene.instances.push_back(placed);
     info.labels.push_back(elements::Class::kUnknown);
   }
   info.materials.resize(scene.models.size());
+  info.movers.push_back({uint32_t(scene.instances.size()), std::move(world_from_object)});
+  scene.instances.emplace_back();
+  scene.instances.back().model = uint32_t(scene.models.size());
+  scene.models.push_back(std::move(model));
+  info.labels.push_back(elements::Class::kUnknown);
+  info.materials.push_back(material);
+}
+
+void set_matter(elements::Scene& scene, double tau, double grain_m) {
+  for (elements::Model& model : scene.models) {
+    if (tau > 0) model.tau = tau;
+    if (grain_m > 0) model.grain = {grain_m, grain_m};
+  }
+}
+
+elements::Scene scene_of(const fs::path& folder, const SceneArguments& a,
+                         elements::SceneInfo& info) {
+  elements::Scene scene = read_world(folder, &info);
   for (const std::string& text : a.movers) {
     const MoverWords w = words_of(text);
-    info.movers.push_back({uint32_t(scene.instances.size()), io::read_trajectory(w.poses)});
-    scene.instances.emplace_back();
-    scene.instances.back().model = uint32_t(scene.models.size());
-    scene.models.push_back(model_of(w.model));
-    info.labels.push_back(elements::Class::kUnknown);
-    info.materials.push_back(w.material);
+    add_mover(scene, info, read_mover_model(w.model), io::read_trajectory(w.poses), w.material);
   }
-  for (elements::Model& model : scene.models) {
-    if (a.tau > 0) model.tau = a.tau;
-    if (a.grain_m > 0) model.grain = {a.grain_m, a.grain_m};
-  }
+  info.materials.resize(scene.models.size());
+  set_matter(scene, a.tau, a.grain_m);
   return scene;
 }
 

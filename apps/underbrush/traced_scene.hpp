@@ -27,6 +27,14 @@ void add_scene_options(Verb& verb, SceneArguments& a);
 elements::Scene scene_of(const std::filesystem::path& folder, const SceneArguments& a,
                          elements::SceneInfo& info);
 
+/// Reads a model's folder, or a mesh from an OBJ or PLY file.
+elements::Model read_mover_model(const std::filesystem::path& path);
+/// Adds an object that moves. A scene that is a model becomes a scene of one instance before.
+void add_mover(elements::Scene& scene, elements::SceneInfo& info, elements::Model model,
+               Trajectory world_from_object, const std::string& material);
+/// Replaces τ and the grain of all models, each unless it is 0.
+void set_matter(elements::Scene& scene, double tau, double grain_m);
+
 /// Returns the files that the movers come from.
 std::vector<std::filesystem::path> mover_files(const SceneArguments& a);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
+#include <memory>
 
 namespace underbrush {
 namespace {
@@ -78,6 +79,9 @@ std::string printable(std::string_view text, size_t limit) {
 std::string in_quotes(std::string_view word) { return "'" + printable(word, 24) + "'"; }
 
 FormatError::FormatError(std::string_view file, std::string_view place, std::string_view reason)
-    : std::runtime_error(joined(file, place, reason)) {}
+    : std::runtime_error(joined(file, place, reason)),
+      file_(std::make_shared<std::string>(file)),
+      place_(std::make_shared<std::string>(place)),
+      reason_(std::make_shared<std::string>(reason)) {}
 
 }  // namespace underbrush

@@ -2,6 +2,7 @@
 /// There are three kinds of error: a caller's mistake, bad data from outside, and an expected
 /// absence (which is a `std::optional` or an explicit miss, not an exception).
 #pragma once
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -13,6 +14,13 @@ namespace underbrush {
 class FormatError : public std::runtime_error {
  public:
   FormatError(std::string_view file, std::string_view place, std::string_view reason);
+  const std::string& file() const { return *file_; }
+  const std::string& place() const { return *place_; }
+  const std::string& reason() const { return *reason_; }
+
+ private:
+  // Shared, so that a copy of the exception cannot throw.
+  std::shared_ptr<const std::string> file_, place_, reason_;
 };
 
 /// A failure of the machine at run time (disk full, no permission). `what()` is one line and names

@@ -1,0 +1,42 @@
+#include "answer.hpp"
+
+#include "underbrush/core/check.hpp"
+
+namespace underbrush::app {
+
+Answer::Answer(AnswerArguments a, const simulate::DynamicWorld& world,
+               const simulate::InstanceKinds& kinds, const SensorOf& sensor_of)
+    : a_(std::move(a)), world_(world) {
+  a_.simulate.draw =
+      a_.draw == "on_ray" ? simulate::RangeDraw::kOnRay : simulate::RangeDraw::kVolumetric;
+  if (a_.beam == "random") a_.simulate.random_ray = sensor_of("--beam random").beam;
+  if (!a_.instrument.super_sample.empty()) set_up(world, kinds, sensor_of);
+}
+
+void Answer::set_up(const simulate::DynamicWorld& world, const simulate::InstanceKinds& kinds,
+                    const SensorOf& sensor_of) {
+  require(a_.beam == "thin" && a_.draw == "on_ray" && a_.simulate.range_noise_m == 0,
+          "simulate: --beam, --draw and --range-noise are of thin rays, not of --super-sample");
+  sensor_ = sensor_of("--super-sample");
+  instrument_ = instrument_of(a_.instrument, sensor_);
+  if (a_.simulate.max_range_m > 0) instrument_.receiver.max_range_m = a_.simulate.max_range_m;
+  reflection_ = std::make_unique<simulate::Reflection>(materials_of(a_.instrument),
+                                                       sensor_.wavelength_m, kinds);
+  simulate::EchoOptions options;
+  options.seed = a_.simulate.seed;
+  options.element_ids = a_.simulate.element_ids;
+  options.instance_labels = a_.simulate.instance_labels;
+  if (!a_.instrument.waveforms.empty()) options.waveforms = a_.instrument.waveform;
+  maker_ = std::make_unique<simulate::EchoMaker>(world, *reflection_, instrument_, options);
+}
+
+void Answer::operator()(size_t first_beam, BeamLog& beams) {
+  if (maker_) return maker_->answer(first_beam, beams);
+  simulate::simulate(world_, a_.simulate, first_beam, beams);
+}
+
+void Answer::write_waveforms() const {
+  if (maker_) app::write_waveforms(a_.instrument, sensor_, maker_->waveforms());
+}
+
+}  // namespace underbrush::app

@@ -1,0 +1,13 @@
+/// \file
+/// The report of a fit as JSON, whose keys other programs rely on.
+#pragma once
+#include "stages.hpp"
+
+namespace underbrush::app {
+
+/// Returns the steps of a refinement, for the manifest and `--json`.
+Json json_of(const fit::LikelihoodReport& report);
+/// Returns the counts, warnings and times of a fit.
+Json json_of(const FitStep& step);
+
+}  // namespace underbrush::app
