@@ -1,0 +1,70 @@
+"""Scans as all readers of recordings yield them."""
+from __future__ import annotations
+
+import collections
+import dataclasses
+from collections.abc import Iterator
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.generic]
+
+
+@dataclasses.dataclass
+class Scan:
+    """One revolution or frame in the sensor's frame (x forward, y left, z up; m), a row for each return or miss.
+
+    A scan has either points (`xyz`, a miss is NaN and needs `shape` so that its direction can be found) or beams
+    (`direction` and `range_m`, a miss has the range infinity). All columns have the same length n.
+    """
+
+    number: int  #: Number of the scan in its recording.
+    time_s: float  #: Reference time, s.
+    xyz: npt.NDArray[np.float64] | None = None  #: (n, 3), m.
+    direction: npt.NDArray[np.float64] | None = None  #: (n, 3), unit vectors.
+    range_m: npt.NDArray[np.float32] | None = None  #: (n,), m, from `origin`; infinity is a miss.
+    origin: npt.NDArray[np.float64] | None = None  #: (n, 3), m, where beams do not start at the sensor's origin.
+    beam_time_s: npt.NDArray[np.float64] | None = None  #: (n,), s, absolute; None where the format has no times.
+    intensity: npt.NDArray[np.float32] | None = None  #: (n,), in the sensor's unit; 0 for a miss.
+    ring: npt.NDArray[np.uint16] | None = None  #: (n,), channel, numbered from 0 in the sensor's own order.
+    echo: npt.NDArray[np.uint8] | None = None  #: (n,), number of the return in order of range, 1, 2, …; 0 for a miss.
+    echoes: npt.NDArray[np.uint8] | None = None  #: (n,), number of returns of the row's beam.
+    shape: tuple[int, int] | None = None  #: (rows, columns) of an organised scan, stored row by row.
+    extra: dict[str, Array] = dataclasses.field(default_factory=dict)  #: Further columns of n entries by name.
+
+    def __len__(self) -> int:
+        column = self.xyz if self.xyz is not None else self.range_m
+        return 0 if column is None else len(column)
+
+
+@dataclasses.dataclass
+class Poses:
+    """Poses of a sensor along its way, in order of time."""
+
+    time_s: npt.NDArray[np.float64]  #: (m,), s.
+    position: npt.NDArray[np.float64]  #: (m, 3), m, world frame.
+    rotation: npt.NDArray[np.float64]  #: (m, 4), world from sensor, quaternion x y z w.
+
+
+class Recording(Protocol):
+    """What a reader of recordings offers. It reads in bounded memory: one scan at a time."""
+
+    sensor: str  #: Name in the sensor catalogue; empty where unknown.
+    organised: bool  #: Whether its scans keep misses.
+    crs: str  #: Coordinate reference system as the file gives it (WKT or EPSG:N); empty where there is none.
+    world: bool  #: Whether `xyz` are world coordinates (survey files), and not the sensor's frame.
+    poses: Poses | None  #: Poses that the recording itself contains.
+    skipped: collections.Counter[str]  #: Records left out so far, by reason.
+    bytes_total: int  #: Size of the recording, bytes.
+    bytes_done: int  #: Bytes read so far, for progress.
+
+    def found(self) -> list[str]:
+        """Lines that say what is in the recording: topics, sensors, rates, counts, time span."""
+
+    def scans(self) -> Iterator[Scan]:
+        """Yields all scans in order. Broken records are counted in `skipped`.
+
+        Raises `underbrush.FormatError` where the file as a whole cannot be read.
+        """
