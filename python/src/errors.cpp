@@ -1,5 +1,7 @@
 /// \file
 /// Exceptions of the library as those of Python.
+#include <nanobind/stl/string.h>
+
 #include <filesystem>
 #include <system_error>
 

@@ -58,34 +58,6 @@ nb::object add_column(const Self& self, const std::string& name, nb::handle dtyp
   return view_of(log.extra.at(name), self);
 }
 
-nb::object from_columns(const nb::dict& columns, const nb::dict& extra, const LogInfo& info) {
-  const nb::module_ np = nb::module_::import_("numpy");
-  const nb::object asarray = np.attr("asarray"), copyto = np.attr("copyto");
-  const size_t n = nb::len(asarray(columns["range_m"]));
-  auto made = std::make_unique<BeamLog>();
-  made->info = info;
-  made->resize(n);
-  const nb::object log = nb::cast(made.release(), nb::rv_policy::take_ownership);
-  const auto copy = [&](const nb::object& to, nb::handle from, const std::string& name) {
-    const nb::object values = asarray(from);
-    if (!values.attr("shape").equal(to.attr("shape"))) {
-      throw std::invalid_argument("log: the column " + name + " has the shape " +
-                                  nb::str(values.attr("shape")).c_str() + ", expected " +
-                                  nb::str(to.attr("shape")).c_str());
-    }
-    copyto(to, values, "casting"_a = "same_kind");
-  };
-  for (const auto& [key, values] : columns) {
-    if (values.is_none()) continue;
-    copy(log.attr(key), values, nb::cast<std::string>(key));
-  }
-  for (const auto& [key, values] : extra) {
-    const nb::object given = asarray(values);
-    copy(log.attr("add_column")(key, given.attr("dtype")), given, nb::cast<std::string>(key));
-  }
-  return log;
-}
-
 Rows<double, 3> end_points(const BeamLog& log) {
   double* at = nullptr;
   Rows<double, 3> out = new_rows<3>(log.size(), at);
@@ -174,11 +146,6 @@ void bind_log(nb::module_& m) {
                (log.info.sensor.empty() ? "" : ", " + log.info.sensor) + ")";
       });
   bind_columns(c);
-  m.def("log_from_columns", &from_columns, "columns"_a, "extra"_a, "info"_a,
-        nb::sig("def log_from_columns(columns: dict[str, object], extra: dict[str, object], info: "
-                "LogInfo) -> "
-                "BeamLog"),
-        "Makes a log from arrays, which are copied.");
 }
 
 }  // namespace underbrush::python

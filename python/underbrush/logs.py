@@ -6,7 +6,6 @@ from collections.abc import Mapping
 import numpy as np
 import numpy.typing as npt
 
-from underbrush import _core
 from underbrush._core import BeamLog, EllipsoidTable, LogInfo
 
 
@@ -27,9 +26,23 @@ def log_from_columns(*, origin: npt.ArrayLike, direction: npt.ArrayLike, range_m
     ranges = np.asarray(range_m)
     if info is None:
         info = LogInfo(has_misses=bool(np.isinf(ranges).any()))
-    columns: dict[str, object] = {"origin": origin, "direction": direction, "range_m": ranges, "time_s": time_s,
-                                  "intensity": intensity, "ring": ring, "scan": scan, "packet": packet, "flags": flags}
-    return _core.log_from_columns(columns, dict(extra or {}), info)
+    log = BeamLog(len(ranges), info)
+    columns = {"origin": origin, "direction": direction, "range_m": ranges, "time_s": time_s, "intensity": intensity,
+               "ring": ring, "scan": scan, "packet": packet, "flags": flags}
+    for name, given in columns.items():
+        if given is not None:
+            _fill(getattr(log, name), given, name)
+    for name, given in (extra or {}).items():
+        values = np.asarray(given)
+        _fill(log.add_column(name, values.dtype), values, name)
+    return log
+
+
+def _fill(view: npt.NDArray[np.generic], given: npt.ArrayLike, name: str) -> None:
+    values = np.asarray(given)
+    if values.shape != view.shape:
+        raise ValueError(f"log: the column {name} has the shape {values.shape}, expected {view.shape}")
+    np.copyto(view, values, casting="same_kind")
 
 
 def ellipsoid_axes(ellipsoids: EllipsoidTable) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
