@@ -28,9 +28,8 @@ ModelValue model_at(const SceneValue& v, size_t index) {
   return ModelValue{v.scene.models[index]};
 }
 
-}  // namespace
-
-void bind_scene(nb::module_& m) {
+// long: the table of what a scene shows
+void bind_values(nb::module_& m) {
   nb::class_<SceneValue>(
       m, "Scene",
       "Models and where they stand in the world: x_world = position + scale * R x, with x "
@@ -97,6 +96,12 @@ void bind_scene(nb::module_& m) {
         return "Scene(" + std::to_string(v.scene.instances.size()) + " instances of " +
                std::to_string(v.scene.models.size()) + " models)";
       });
+}
+
+}  // namespace
+
+void bind_scene(nb::module_& m) {
+  bind_values(m);
   m.def(
       "read_scene",
       [](const Path& path) {

@@ -101,6 +101,7 @@ std::pair<BeamLog, Counts> simulated(const GivenWorld& model, const SimulateOpti
   return out;
 }
 
+// long: the table of options
 void bind_options(nb::module_& m) {
   using O = SimulateOptions;
   nb::class_<O> c(m, "SimulateOptions", "The options of `simulate` and `Lidar`.");

@@ -56,7 +56,8 @@ def test_simulate(run: Callable[..., str], log_file: pathlib.Path, model: underb
                   words: list[str], options: dict[str, object]) -> None:
     underbrush.write_model(tmp_path / "model", model)
     run("simulate", tmp_path / "model", "--like", log_file, "-o", tmp_path / "a.ply", *words)
-    counts = underbrush.simulate(model, like=log_file, output=tmp_path / "b.ply", **options)  # type: ignore[call-overload]
+    counts = underbrush.simulate(model, like=log_file, output=tmp_path / "b.ply",
+                                 **options)  # type: ignore[call-overload]
     assert without_provenance(tmp_path / "a.ply") == without_provenance(tmp_path / "b.ply")
     memory = underbrush.simulate(model, like=log_file, **options)  # type: ignore[call-overload]
     assert counts["rows"] == len(memory)
@@ -77,7 +78,8 @@ def test_live_sensor_is_simulate(run: Callable[..., str], model: underbrush.Mode
     assert np.isfinite(scan.range_m).mean() > 0.3
 
 
-def test_score(run: Callable[..., str], log_file: pathlib.Path, model: underbrush.Model, tmp_path: pathlib.Path) -> None:
+def test_score(run: Callable[..., str], log_file: pathlib.Path, model: underbrush.Model,
+               tmp_path: pathlib.Path) -> None:
     underbrush.write_model(tmp_path / "model", model)
     simulated = underbrush.simulate(model, like=log_file)
     underbrush.write_log(tmp_path / "sim.ply", simulated)
@@ -134,8 +136,8 @@ def test_movers(run: Callable[..., str], log_file: pathlib.Path, model: underbru
 
 
 def test_optimize(run: Callable[..., str], log_file: pathlib.Path, tmp_path: pathlib.Path) -> None:
-    printed = json.loads(run("optimize", log_file, "-o", tmp_path / "p.yaml", "--tune", "tau", "--budget", "3", "--slice",
-                             "0", "0.2", "--validate", "2", "--json", "-"))
+    printed = json.loads(run("optimize", log_file, "-o", tmp_path / "p.yaml", "--tune", "tau", "--budget", "3",
+                             "--slice", "0", "0.2", "--validate", "2", "--json", "-"))
     tuning = underbrush.optimize(log_file, tune=["tau"], budget=3, slice=(0, 0.2), validate=2)
     assert tuning.objective == min(e["objective"] for e in printed["evaluations"])
     assert [v["tau"] for v, _ in tuning.history] == [e["value"][0] for e in printed["evaluations"]]
