@@ -23,11 +23,19 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("file", metavar="FILE", help="bag, MCAP, LAS, LAZ, pcap, pcapng or E57")
     p.add_argument("-o", "--output", metavar="LOG.ply", help="the log; without it, say what the recording holds")
     p.add_argument("--topic", default="", help="the topic (bags) or stream to read")
-    p.add_argument("--poses", metavar="FILE", help="poses of the sensor (TUM or KITTI); default: the recording's own")
+    p.add_argument("--poses", metavar="FILE|TOPIC", help="poses of the sensor; default: the recording's own")
+    p.add_argument("--position", metavar="X,Y,Z", type=_place, help="place of a sensor that stands still, m")
+    p.add_argument("--frame", default="", help="frame of the poses (bags)")
+    p.add_argument("--clock", default="stamp", help="clock of the scans (bags)")
     p.add_argument("--metadata", metavar="FILE", help="the sensor's metadata (Ouster JSON, calibration YAML)")
     p.add_argument("--sensor", default="", help="sensor of the catalogue; default: what the recording says")
     p.add_argument("--json", metavar="FILE|-", help="write the counts as JSON")
     return p
+
+
+def _place(text: str) -> tuple[float, float, float]:
+    x, y, z = (float(word) for word in text.split(","))
+    return x, y, z
 
 
 class Progress:
@@ -55,13 +63,15 @@ class Progress:
 def opened(options: argparse.Namespace) -> Recording:
     """Opens the recording with the reader of its format."""
     from underbrush.formats import open_recording
-    return open_recording(options.file, topic=options.topic, metadata=options.metadata, sensor=options.sensor)
+    return open_recording(options.file, topic=options.topic or None, poses=options.poses, metadata=options.metadata,
+                          sensor=options.sensor or None, frame=options.frame or None, clock=options.clock)
 
 
 def beams_of(recording: Recording, options: argparse.Namespace) -> tuple[LogInfo, Iterable[BeamLog]]:
     """Places the scans of a recording in the world: facts of the log, and its beams in chunks, misses included."""
-    from underbrush.formats.place import beams_of_recording
-    return beams_of_recording(recording, poses=options.poses, sensor=options.sensor)
+    from underbrush.formats.log import beams_of_recording
+    return beams_of_recording(recording, poses=options.poses, position=options.position,
+                              sensor=options.sensor or None)
 
 
 def write(options: argparse.Namespace, recording: Recording, provenance: str) -> dict[str, object]:
