@@ -2,6 +2,7 @@
 # Installs what is missing on Debian 12, with apt, as root or through sudo.
 #   scripts/setup.sh build          what the program needs
 #   scripts/setup.sh build test     what the tests need as well (the default)
+#   scripts/setup.sh python         what the Python package needs besides the program
 #   scripts/setup.sh docs package   what the documentation site and the Debian package need
 #   scripts/setup.sh results        what the comparison of documented figures needs besides the tests
 set -euo pipefail
@@ -15,6 +16,7 @@ test="libembree-dev chromium libgtest-dev libgmock-dev librapidcheck-dev libbenc
 docs="doxygen python3 python3-venv"
 package="dpkg-dev file debootstrap"
 results="python3-numpy xz-utils"
+python="python3-dev python3-venv"
 
 wanted=""
 for group in "${@:-build test}"; do
@@ -25,7 +27,8 @@ for group in "${@:-build test}"; do
       docs) wanted+=" $docs" ;;
       package) wanted+=" $package" ;;
       results) wanted+=" $results" ;;
-      *) echo "setup: no group '$name'; there are: build test docs package results" >&2; exit 2 ;;
+      python) wanted+=" $python" ;;
+      *) echo "setup: no group '$name'; there are: build test docs package results python" >&2; exit 2 ;;
     esac
   done
 done

@@ -24,7 +24,8 @@ TARGETS = {
 }
 # The folders above the library, and which of them each may include beside itself and the library.
 ABOVE = {"report": (), "cli": (), "apps/underbrush": ("report", "cli"),
-         "studies": ("report", "cli", "apps/underbrush"), "bench": ("report",)}
+         "studies": ("report", "cli", "apps/underbrush"), "bench": ("report",),
+         "python": ("cli", "apps/underbrush")}
 OWN_TARGETS = {"underbrush_report": "report", "underbrush_cli": "cli",
                "underbrush_app": "apps/underbrush", "underbrush_studies": "studies"}
 FORBIDDEN = (

@@ -1,0 +1,12 @@
+# What the wheel holds beside the Python files, from the build folder UNDERBRUSH_PYTHON_FROM. With that
+# option, `pip wheel` packs what another build has made and compiles nothing.
+set(package ${UNDERBRUSH_PYTHON_FROM}/python/package/underbrush)
+if(NOT TARGET underbrush_python)
+  add_custom_target(underbrush_python)
+endif()
+install(FILES ${package}/_core.abi3.so ${package}/_core.pyi DESTINATION underbrush COMPONENT python)
+install(PROGRAMS ${UNDERBRUSH_PYTHON_FROM}/bin/underbrush DESTINATION underbrush/bin COMPONENT python)
+foreach(folder IN ITEMS configs examples schemas)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/share/${folder} DESTINATION underbrush/share/underbrush
+    COMPONENT python)
+endforeach()

@@ -1,0 +1,36 @@
+/// \file
+/// The module `underbrush._core`.
+#include <nanobind/nanobind.h>
+
+#include <cstdlib>
+
+#include "bind.hpp"
+#include "cli/program.hpp"
+#include "underbrush/core/parallel.hpp"
+
+NB_MODULE(_core, m) {
+  using namespace underbrush::python;
+  m.doc() = "The C++ library of Underbrush; `underbrush` has its public names.";
+  // A user's annotation such as Optional[Model] outlives the module in a cache of Python's; that is
+  // no reason to warn at exit.
+  nanobind::set_leak_warnings(std::getenv("UNDERBRUSH_LEAK_WARNINGS") != nullptr);
+  m.attr("__version__") = underbrush::app::version().c_str();
+  bind_errors(m);
+  bind_poses(m);
+  bind_log_info(m);
+  bind_log(m);
+  bind_log_files(m);
+  bind_model(m);
+  bind_scene(m);
+  bind_sensor(m);
+  bind_fit(m);
+  bind_score(m);
+  bind_simulate(m);
+  bind_lidar(m);
+  bind_objects(m);
+  bind_optimize(m);
+  using namespace nanobind::literals;
+  m.def("set_threads", &underbrush::set_threads, "threads"_a,
+        "Limits the number of threads that this process uses from now on; 0 removes the limit.");
+  m.def("threads", &underbrush::threads, "Returns the number of threads in use.");
+}

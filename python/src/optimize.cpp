@@ -1,0 +1,196 @@
+/// \file
+/// The verb `optimize`.
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/map.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/variant.h>
+#include <nanobind/stl/vector.h>
+
+#include "bind.hpp"
+#include "composition.hpp"
+#include "fit_parameters.hpp"
+#include "given.hpp"
+#include "underbrush/core/check.hpp"
+#include "underbrush/elements/model_file.hpp"
+#include "underbrush/optimize/densities.hpp"
+#include "underbrush/optimize/fit_parameters.hpp"
+#include "watched.hpp"
+
+namespace underbrush::python {
+using namespace nb::literals;
+namespace {
+
+using optimize::Evaluation;
+using Values = std::map<std::string, double>;
+
+/// The options of a search.
+struct TuneOptions {
+  std::string objective = "packet_f1";
+  std::vector<std::string> tune;
+  optimize::SliceOptions cut;
+  optimize::SearchOptions search;
+};
+
+/// A search that has ended.
+struct TuningValue {
+  std::vector<optimize::Parameter> parameters;
+  std::vector<Evaluation> evaluations;
+
+  Values values_of(const Evaluation& e) const {
+    Values out;
+    for (size_t k = 0; k < parameters.size(); ++k) out[parameters[k].name] = e.value[k];
+    return out;
+  }
+  const Evaluation& best() const { return evaluations[optimize::best_of(evaluations)]; }
+};
+
+using Objective = std::function<optimize::Outcome(std::span<const double>)>;
+
+TuningValue searched(const GivenLog& log, const TuneOptions& o,
+                     std::vector<optimize::Parameter> parameters, const std::vector<double>& start,
+                     const Objective& objective, const Hook& hook) {
+  TuningValue out;
+  out.parameters = std::move(parameters);
+  const auto judged = [&](std::span<const double> value) {
+    hook("optimize", out.evaluations.size(), o.search.budget);
+    return objective(value);
+  };
+  try {
+    out.evaluations = optimize::search(out.parameters, start, o.search, judged, {},
+                                       [&](std::span<const Evaluation> so_far) {
+                                         hook("optimize", so_far.size(), o.search.budget);
+                                       });
+  } catch (const DataError& e) {
+    if (!std::holds_alternative<std::filesystem::path>(log)) throw;
+    throw FormatError(name_of(log), "", e.what());
+  }
+  return out;
+}
+
+TuningValue tuned_fit(const GivenLog& log, const TuneOptions& o, const nb::dict& parameters,
+                      const sensor::Sensor* sensor, const nb::object& progress) {
+  fit::FitOptions options;
+  set_fit_options(options, parameters, o.cut.seed, sensor);
+  const std::vector<optimize::FitParameter> chosen =
+      optimize::chosen_fit_parameters(options, o.tune);
+  TuningValue out;
+  run_watched(progress, [&](const Hook& hook) {
+    const std::unique_ptr<BeamSource> source = source_of(log, true);
+    const optimize::Slice slice = optimize::take_slice(*source, o.cut);
+    std::vector<double> start;
+    for (const auto& p : chosen) start.push_back(p.of->number(options));
+    const Objective objective = [&](std::span<const double> value) {
+      fit::FitOptions tried = options;
+      for (size_t k = 0; k < value.size(); ++k) chosen[k].of->set_number(tried, value[k]);
+      return optimize::fit_outcome(o.objective, slice, tried);
+    };
+    out = searched(log, o, {chosen.begin(), chosen.end()}, start, objective, hook);
+  });
+  return out;
+}
+
+TuningValue tuned_scene(const GivenLog& log, const TuneOptions& o,
+                        const std::filesystem::path& annotation, const std::string& primitives,
+                        bool allow_outside, const nb::object& progress) {
+  TuningValue out;
+  run_watched(progress, [&](const Hook& hook) {
+    const std::unique_ptr<BeamSource> source = source_of(log, true);
+    optimize::Slice slice = optimize::take_slice(*source, o.cut);
+    const primitives::Annotation site = primitives::read_annotation(annotation, allow_outside);
+    const elements::Model ground = elements::read_model(site.ground.lexically_normal());
+    const app::NamedSet named = app::primitives_named(primitives, o.cut.seed);
+    BeamLog beams = std::move(slice.fit);
+    beams.append(slice.validation, 0, slice.validation.size());
+    const std::vector<optimize::Parameter> all = optimize::density_parameters(site);
+    require_data(!all.empty(),
+                 "optimize: the annotation has no objects, so there is no density to tune");
+    std::vector<optimize::Parameter> chosen;
+    for (const size_t k : optimize::chosen(all, o.tune)) chosen.push_back(all[k]);
+    const Objective objective = [&](std::span<const double> value) {
+      primitives::ComposeOptions compose;
+      compose.seed = o.cut.seed;
+      return optimize::scene_outcome(o.objective, {site, ground, named.set}, compose, chosen, value,
+                                     beams);
+    };
+    out = searched(log, o, chosen, std::vector<double>(chosen.size(), 1), objective, hook);
+  });
+  return out;
+}
+
+void bind_options(nb::module_& m) {
+  using T = TuneOptions;
+  nb::class_<T>(m, "TuneOptions", "The options of `optimize`.")
+      .def(nb::init<>())
+      .def_prop_rw(
+          "objective", [](T& o) { return o.objective; },
+          [](T& o, const std::string& v) {
+            const auto known = optimize::objectives();
+            if (std::find(known.begin(), known.end(), v) == known.end()) {
+              throw std::invalid_argument("optimize: no objective '" + v + "'");
+            }
+            o.objective = v;
+          })
+      .def_rw("tune", &T::tune)
+      .def_prop_rw(
+          "slice", [](T& o) { return std::make_pair(o.cut.from_s, o.cut.to_s); },
+          [](T& o, std::pair<double, double> v) { std::tie(o.cut.from_s, o.cut.to_s) = v; })
+      .def_prop_rw(
+          "validate", [](T& o) { return o.cut.one_in; },
+          [](T& o, unsigned v) {
+            require(v >= 2, "optimize: validate is at least 2");
+            o.cut.one_in = v;
+          })
+      .def_prop_rw(
+          "seed", [](T& o) { return o.cut.seed; }, [](T& o, uint64_t v) { o.cut.seed = v; })
+      .def_prop_rw(
+          "budget", [](T& o) { return o.search.budget; },
+          [](T& o, size_t v) {
+            require(v > 0, "optimize: budget is positive");
+            o.search.budget = v;
+          })
+      .def_prop_rw(
+          "algorithm", [](T& o) { return o.search.algorithm; },
+          [](T& o, const std::string& v) { o.search.algorithm = v; })
+      .def_prop_rw(
+          "step", [](T& o) { return o.search.step; }, [](T& o, double v) { o.search.step = v; });
+}
+
+}  // namespace
+
+void bind_optimize(nb::module_& m) {
+  bind_options(m);
+  using V = TuningValue;
+  nb::class_<V>(m, "Tuning", "A search for parameters that has ended.")
+      .def(
+          "__len__", [](const V& v) { return v.evaluations.size(); }, "Number of evaluations.")
+      .def_prop_ro(
+          "parameters", [](const V& v) { return v.values_of(v.best()); },
+          "The best values by name, for `fit(log, **parameters)` once `-` is `_`.")
+      .def_prop_ro(
+          "start", [](const V& v) { return v.values_of(v.evaluations.front()); },
+          "The values at the start.")
+      .def_prop_ro(
+          "objective", [](const V& v) { return v.best().outcome.objective; },
+          "The lowest objective.")
+      .def_prop_ro(
+          "start_objective", [](const V& v) { return v.evaluations.front().outcome.objective; },
+          "The objective at the start.")
+      .def_prop_ro(
+          "scores", [](const V& v) { return v.best().outcome.score; }, "Scores of the best values.")
+      .def_prop_ro(
+          "history",
+          [](const V& v) {
+            std::vector<std::pair<Values, double>> out;
+            for (const Evaluation& e : v.evaluations)
+              out.emplace_back(v.values_of(e), e.outcome.objective);
+            return out;
+          },
+          "All values that were tried, in order, with their objectives.");
+  m.def("optimize_fit", &tuned_fit, "log"_a, "options"_a, "parameters"_a, "sensor"_a.none(),
+        "progress"_a.none(), "Tunes parameters of a fit.");
+  m.def("optimize_scene", &tuned_scene, "log"_a, "options"_a, "annotation"_a, "primitives"_a,
+        "allow_outside"_a, "progress"_a.none(), "Tunes the class densities of a composed scene.");
+}
+
+}  // namespace underbrush::python

@@ -1,0 +1,108 @@
+/// \file
+/// The verb `score`.
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/map.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/variant.h>
+#include <nanobind/stl/vector.h>
+
+#include "bind.hpp"
+#include "given.hpp"
+#include "score_json.hpp"
+#include "stages.hpp"
+#include "underbrush/core/check.hpp"
+#include "watched.hpp"
+
+namespace underbrush::python {
+using namespace nb::literals;
+namespace {
+
+using metrics::Score;
+using metrics::Summary;
+
+/// Returns the world of what was given; `read` holds a scene that was read from a path.
+trace::World world_of(const GivenWorld& given, elements::Scene& read) {
+  if (const auto* model = std::get_if<const ModelValue*>(&given)) return trace::World(**model);
+  if (const auto* scene = std::get_if<const SceneValue*>(&given))
+    return app::world_of((*scene)->scene);
+  read = app::read_world(std::get<std::filesystem::path>(given));
+  return app::world_of(read);
+}
+
+Score scored(const GivenLog& real, const GivenLog& simulated,
+             const std::optional<GivenWorld>& model, bool cloud, const nb::object& progress) {
+  Score out;
+  run_watched(progress, [&](const Hook& hook) {
+    const auto a = source_of(real), b = source_of(simulated);
+    metrics::ScoreOptions options;
+    options.cloud = cloud;
+    elements::Scene read;
+    std::optional<trace::World> world;
+    if (model) world.emplace(world_of(*model, read));
+    if (world) options.world = &*world;
+    try {
+      out = metrics::score(*a, *b, options,
+                           [&](size_t done, size_t total) { hook("score", done, total); });
+    } catch (const DataError& e) {
+      if (!std::holds_alternative<std::filesystem::path>(simulated)) throw;
+      throw FormatError(name_of(simulated), "", e.what());
+    }
+  });
+  return out;
+}
+
+std::string json_of(const std::vector<std::string>& names, const std::vector<Score>& scores,
+                    const std::string& provenance) {
+  return app::json_of_scores(names, scores, provenance).dump();
+}
+
+}  // namespace
+
+void bind_score(nb::module_& m) {
+  nb::class_<Summary>(
+      m, "Summary",
+      "The scores of a set of beams. A score that has no data or was not asked for is NaN.")
+      .def_ro("beams", &Summary::beams, "Number of beams.")
+      .def_ro("true_hits", &Summary::true_hits)
+      .def_ro("false_hits", &Summary::false_hits)
+      .def_ro("false_misses", &Summary::false_misses)
+      .def_ro("true_misses", &Summary::true_misses)
+      .def_ro("precision", &Summary::precision, "True hits / all simulated hits.")
+      .def_ro("recall", &Summary::recall, "True hits / all real hits.")
+      .def_ro("f1", &Summary::f1, "Harmonic mean of precision and recall.")
+      .def_ro("packet_error_m", &Summary::packet_error_m,
+              "m; mean over packets of the mean error of true hits.")
+      .def_ro("median_range_error_m", &Summary::median_range_error_m, "m; of true hits.")
+      .def_ro("capped_error_m", &Summary::capped_error_m,
+              "m; mean over all beams of the error, at most 2 m.")
+      .def_ro("cloud_error_m", &Summary::cloud_error_m,
+              "m; mean distance to the nearest point, both ways.")
+      .def_ro("density_aware_chamfer", &Summary::density_aware_chamfer, "In [0, 1].")
+      .def_ro("nll_per_beam", &Summary::nll_per_beam,
+              "Mean negative log-likelihood of the real outcome.")
+      .def_ro("crps_m", &Summary::crps_m,
+              "m; mean continuous ranked probability score of the range.")
+      .def("__repr__", [](const Summary& s) {
+        return nb::str("Summary({} beams, packet error {:.3f} m, F1 {:.4f})")
+            .attr("format")(s.beams, s.packet_error_m, s.f1);
+      });
+  nb::class_<Score>(m, "Score", "The scores of a simulation.")
+      .def_ro("all", &Score::all, "Of all beams.")
+      .def_ro("per_class", &Score::per_class,
+              "By the real log's column `class`; reading this makes a dict.")
+      .def_ro("per_range", &Score::per_range, "By real range; reading this makes a dict.")
+      .def_ro("roughness_m", &Score::roughness_m,
+              "m; roughness along the rings of the simulated log.")
+      .def_ro("real_roughness_m", &Score::real_roughness_m, "m; that of the real log.")
+      .def("__repr__", [](const Score& s) {
+        return nb::str("Score({} beams, packet error {:.3f} m, F1 {:.4f})")
+            .attr("format")(s.all.beams, s.all.packet_error_m, s.all.f1);
+      });
+  m.def("score", &scored, "real"_a, "simulated"_a, "model"_a.none(), "cloud"_a, "progress"_a.none(),
+        "Compares a simulated log with the real log of the same beams.");
+  m.def("scores_json", &json_of, "names"_a, "scores"_a, "provenance"_a,
+        "Returns the scores as the JSON that `underbrush score --json` writes.");
+}
+
+}  // namespace underbrush::python

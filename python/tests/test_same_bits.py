@@ -1,0 +1,143 @@
+"""The functions give the same bits as the program."""
+from __future__ import annotations
+
+import json
+import pathlib
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+import underbrush
+
+
+def without_provenance(path: pathlib.Path) -> bytes:
+    """A file without the lines that say which command wrote it."""
+    return b"\n".join(line for line in path.read_bytes().split(b"\n") if b"rovenance" not in line[:40])
+
+
+def same_models(a: pathlib.Path, b: pathlib.Path) -> None:
+    assert {p.name for p in a.iterdir()} == {p.name for p in b.iterdir()}
+    for file in a.glob("*.ply"):
+        assert file.read_bytes() == (b / file.name).read_bytes(), file.name
+    one, other = (json.loads((folder / "model.json").read_text()) for folder in (a, b))
+    one.pop("provenance"), other.pop("provenance")
+    assert one == other
+
+
+@pytest.mark.parametrize("words, parameters", [
+    ([], {}),
+    (["--fitter", "voxel", "--voxel-side", "0.5"], {"fitter": "voxel", "voxel_side": 0.5}),
+    (["--fitter", "ground_mesh", "--seed", "3"], {"fitter": "ground_mesh", "seed": 3}),
+    (["--fitter", "likelihood", "--rounds", "1"], {"fitter": "likelihood", "rounds": 1}),
+])
+def test_fit(run: Callable[..., str], log_file: pathlib.Path, tmp_path: pathlib.Path, words: list[str],
+             parameters: dict[str, object]) -> None:
+    run("fit", log_file, "-o", tmp_path / "program", *words)
+    underbrush.fit(log_file, tmp_path / "python", **parameters)  # type: ignore[arg-type]
+    same_models(tmp_path / "program", tmp_path / "python")
+
+
+def test_fit_in_memory(log_file: pathlib.Path, model: underbrush.Model) -> None:
+    again = underbrush.fit(underbrush.read_log(log_file))
+    for name in ("mean", "covariance", "hit_probability", "hits", "misses", "label"):
+        assert np.array_equal(getattr(again.ellipsoids, name), getattr(model.ellipsoids, name)), name
+    assert np.array_equal(again.ground.vertices, model.ground.vertices)
+
+
+@pytest.mark.parametrize("words, options", [
+    ([], {}),
+    (["--matter", "anew", "--seed", "9"], {"matter": "anew", "seed": 9}),
+    (["--element-ids", "--max-range", "30"], {"element_ids": True, "max_range": 30}),
+    (["--draw", "volumetric", "--range-noise", "0.1"], {"draw": "volumetric", "range_noise": 0.1}),
+    (["--super-sample", "7", "--returns", "2", "--rain", "5"], {"super_sample": "7", "returns": "2", "rain": 5}),
+])
+def test_simulate(run: Callable[..., str], log_file: pathlib.Path, model: underbrush.Model, tmp_path: pathlib.Path,
+                  words: list[str], options: dict[str, object]) -> None:
+    underbrush.write_model(tmp_path / "model", model)
+    run("simulate", tmp_path / "model", "--like", log_file, "-o", tmp_path / "a.ply", *words)
+    counts = underbrush.simulate(model, like=log_file, output=tmp_path / "b.ply",
+                                 **options)  # type: ignore[call-overload]
+    assert without_provenance(tmp_path / "a.ply") == without_provenance(tmp_path / "b.ply")
+    memory = underbrush.simulate(model, like=log_file, **options)  # type: ignore[call-overload]
+    assert counts["rows"] == len(memory)
+    underbrush.write_log(tmp_path / "c.ply", memory)
+    assert without_provenance(tmp_path / "c.ply") == without_provenance(tmp_path / "a.ply")
+
+
+def test_live_sensor_is_simulate(run: Callable[..., str], model: underbrush.Model, tmp_path: pathlib.Path) -> None:
+    """The first revolution of a live sensor is that of the program, to the bit."""
+    underbrush.write_model(tmp_path / "model", model)
+    (tmp_path / "poses.txt").write_text("0 0 0 1.8 0 0 0 1\n0.1 0.6 0 1.8 0 0 0 1\n")
+    run("simulate", tmp_path / "model", "--sensor", "velodyne-vlp16", "--trajectory", tmp_path / "poses.txt", "-o",
+        tmp_path / "a.ply")
+    lidar = underbrush.Lidar(model, "velodyne-vlp16")
+    scan = lidar.scan(underbrush.Pose([0, 0, 1.8]), underbrush.Pose([0.6, 0, 1.8]), 0)
+    underbrush.write_log(tmp_path / "b.ply", scan)
+    assert without_provenance(tmp_path / "a.ply") == without_provenance(tmp_path / "b.ply")
+    assert np.isfinite(scan.range_m).mean() > 0.3
+
+
+def test_score(run: Callable[..., str], log_file: pathlib.Path, model: underbrush.Model,
+               tmp_path: pathlib.Path) -> None:
+    underbrush.write_model(tmp_path / "model", model)
+    simulated = underbrush.simulate(model, like=log_file)
+    underbrush.write_log(tmp_path / "sim.ply", simulated)
+    printed = json.loads(run("score", log_file, tmp_path / "sim.ply", "--model", tmp_path / "model", "--json", "-"))
+    score = underbrush.score(log_file, tmp_path / "sim.ply", model=model)
+    for name in ("beams", "true_hits", "packet_error_m", "f1", "cloud_error_m", "nll_per_beam", "crps_m"):
+        assert getattr(score.all, name) == printed[name], name
+    assert score.per_range["10-20"].f1 == printed["per_range"]["10-20"]["f1"]
+    assert score.all.f1 > 0.7
+
+
+def test_segment_extract(run: Callable[..., str], log_file: pathlib.Path, model: underbrush.Model,
+                         tmp_path: pathlib.Path) -> None:
+    underbrush.write_model(tmp_path / "model", model)
+    run("segment", log_file, "-o", tmp_path / "a.ply", "--min-points", "5")
+    labelled = underbrush.segment(log_file, tmp_path / "b.ply", min_points=5)
+    assert without_provenance(tmp_path / "a.ply") == without_provenance(tmp_path / "b.ply")
+    assert labelled.report["objects"] >= 1
+    run("extract", tmp_path / "model", tmp_path / "a.ply", "-o", tmp_path / "set")
+    primitives = underbrush.extract(model, tmp_path / "a.ply", tmp_path / "other")
+    for file in (tmp_path / "set").rglob("ellipsoids.ply"):
+        assert file.read_bytes() == (tmp_path / "other" / file.relative_to(tmp_path / "set")).read_bytes()
+    # The log in memory has the ranges of before the file: the same objects.
+    assert len(underbrush.extract(model, labelled.log)) == len(primitives)
+
+
+def test_compose(run: Callable[..., str], log_file: pathlib.Path, model: underbrush.Model,
+                 tmp_path: pathlib.Path) -> None:
+    underbrush.write_model(tmp_path / "model", model)
+    run("segment", log_file, "-o", tmp_path / "labelled.ply", "--min-points", "5")
+    run("annotate", tmp_path / "labelled.ply", "--ground", tmp_path / "model", "-o", tmp_path / "site.json")
+    run("compose", tmp_path / "site.json", "mesh_primitives", "-o", tmp_path / "a")
+    scene = underbrush.compose(tmp_path / "site.json", "mesh_primitives", tmp_path / "b")
+    assert (tmp_path / "a" / "instances.ply").read_bytes() == (tmp_path / "b" / "instances.ply").read_bytes()
+    assert len(scene) >= 2 and scene.position.shape == (len(scene), 3) and scene.label[0] == 1
+    assert underbrush.report_of(scene)["objects"] >= 1
+    run("simulate", tmp_path / "a", "--like", log_file, "-o", tmp_path / "a.ply")
+    underbrush.simulate(scene, like=log_file, output=tmp_path / "b.ply")
+    assert without_provenance(tmp_path / "a.ply") == without_provenance(tmp_path / "b.ply")
+
+
+def test_movers(run: Callable[..., str], log_file: pathlib.Path, model: underbrush.Model,
+                tmp_path: pathlib.Path) -> None:
+    underbrush.write_model(tmp_path / "model", model)
+    mesh, poses = tmp_path / "box.obj", tmp_path / "poses.txt"
+    mesh.write_text("v 0 -2 -2\nv 0 2 -2\nv 0 2 2\nv 0 -2 2\nf 1 2 3\nf 1 3 4\n")
+    poses.write_text("0 6 0 1.8 0 0 0 1\n1 9 3 1.8 0 0 0 1\n")
+    run("simulate", tmp_path / "model", "--like", log_file, "-o", tmp_path / "a.ply", "--mover", f"{mesh}:{poses}")
+    underbrush.simulate(model, like=log_file, output=tmp_path / "b.ply", movers=[(mesh, poses, "")])
+    assert without_provenance(tmp_path / "a.ply") == without_provenance(tmp_path / "b.ply")
+    lidar = underbrush.Lidar(model, "velodyne-vlp16", movers=[(mesh, poses, "")], element_ids=True)
+    scan = lidar.scan(np.eye(4) + 1.8 * np.eye(4, k=1)[:, ::1] * np.array([[0], [0], [1], [0]]), time=0.0)
+    assert (scan.extra["instance"] == 1).any()
+
+
+def test_optimize(run: Callable[..., str], log_file: pathlib.Path, tmp_path: pathlib.Path) -> None:
+    printed = json.loads(run("optimize", log_file, "-o", tmp_path / "p.yaml", "--tune", "tau", "--budget", "3",
+                             "--slice", "0", "0.2", "--validate", "2", "--json", "-"))
+    tuning = underbrush.optimize(log_file, tune=["tau"], budget=3, slice=(0, 0.2), validate=2)
+    assert tuning.objective == min(e["objective"] for e in printed["evaluations"])
+    assert [v["tau"] for v, _ in tuning.history] == [e["value"][0] for e in printed["evaluations"]]

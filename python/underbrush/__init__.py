@@ -1,0 +1,34 @@
+"""Underbrush: a lidar simulator learnt from logs of off-road terrain.
+
+The verbs of the command `underbrush` are functions here, with the same names and options. They take and return values
+(`BeamLog`, `Model`, `Scene`, `Sensor`) or the paths of files:
+
+    model = underbrush.fit("train.ply")
+    simulated = underbrush.simulate(model, like="test.ply")
+    print(underbrush.score("test.ply", simulated, model=model).all.f1)
+
+Frames are right-handed with z up; lengths are m, times s, angles rad. Arrays are views of the library's memory: nothing
+is copied, and a view keeps what it belongs to alive. Long calls let other Python threads run, end on Ctrl-C and report
+to `progress(stage, done, total)`. The same seed gives the same bits as the command, for any number of threads.
+
+Errors: `ValueError` for a caller's mistake, `FormatError` for bad data in a file, `OSError` from the file system.
+"""
+from __future__ import annotations
+
+from underbrush._core import (BeamLog, EllipsoidTable, LogInfo, LogReader, LogWriter, Model, Pose, Primitives, ScanInfo,
+                              Scene, Score, Sensor, Summary, Trajectory, TriangleMesh, Tuning, __version__, beams,
+                              class_names, fitters, read_log, read_model, read_scene, read_trajectory, sensors,
+                              set_threads, threads, write_log, write_model, write_primitives, write_scene)
+from underbrush.errors import FormatError
+from underbrush.live import Lidar
+from underbrush.logs import ellipsoid_axes, log_from_columns
+from underbrush.verbs import Segmentation, compose, extract, fit, optimize, report_of, score, segment, simulate
+
+__all__ = [
+    "BeamLog", "EllipsoidTable", "FormatError", "Lidar", "LogInfo", "LogReader", "LogWriter", "Model", "Pose",
+    "Primitives", "ScanInfo", "Scene", "Score", "Segmentation", "Sensor", "Summary", "Trajectory", "TriangleMesh",
+    "Tuning", "__version__", "beams", "class_names", "compose", "ellipsoid_axes", "extract", "fit", "fitters",
+    "log_from_columns", "optimize", "read_log", "read_model", "read_scene", "read_trajectory", "report_of", "score",
+    "segment", "sensors", "set_threads", "simulate", "threads", "write_log", "write_model", "write_primitives",
+    "write_scene",
+]

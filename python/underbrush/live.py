@@ -1,0 +1,56 @@
+"""A live sensor, for simulation in a closed loop."""
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from underbrush import _core
+from underbrush._core import BeamLog, Pose, Sensor
+from underbrush.verbs import Mover, World, _options
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from underbrush.verbs import SimulateKeywords
+
+
+class Lidar:
+    """A lidar in a world, which fires one revolution (or frame) a call.
+
+    `world` is a model or scene, as a value or a path; it is prepared for tracing once, here. `sensor` is a sensor or
+    its name. `movers` are objects that move: (model or mesh, poses over time, material), as for `simulate`, whose
+    options are taken too. Scan k draws its random numbers from (seed, k), so the same calls give the same bits. Calls
+    from several threads wait for each other.
+    """
+
+    def __init__(self, world: World, sensor: Sensor | str, seed: int = 1, *, movers: Sequence[Mover] = (),
+                 **options: Unpack[SimulateKeywords]) -> None:
+        self._sensor = sensor if isinstance(sensor, Sensor) else Sensor(sensor)
+        self._core = _core.LidarCore(world, self._sensor, _options(seed, movers, options))
+
+    @property
+    def sensor(self) -> Sensor:
+        """The sensor."""
+        return self._sensor
+
+    @property
+    def scans(self) -> int:
+        """Number of the next scan."""
+        return self._core.scans
+
+    def reset(self) -> None:
+        """Starts again with scan 0."""
+        self._core.reset()
+
+    def scan(self, pose_from: Pose | npt.NDArray[np.float64], pose_to: Pose | npt.NDArray[np.float64] | None = None,
+             time: float = 0.0) -> BeamLog:
+        """Fires the revolution that starts at `time` (s) and returns its beams, hits and misses.
+
+        The sensor moves from `pose_from` at `time` to `pose_to` at the end of the revolution (by default it stands
+        still); both are world from sensor, a `Pose` or a 4 x 4 matrix. Moving objects are where they are at each beam's
+        own time. Raises `ValueError` for a matrix that is no rigid transform.
+        """
+        return self._core.scan(pose_from, pose_from if pose_to is None else pose_to, time)

@@ -1,0 +1,242 @@
+"""The verbs of the command line as functions."""
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple, TypedDict, overload
+
+from underbrush import _core
+from underbrush._core import BeamLog, Model, Primitives, Scene, Score, Sensor, Trajectory, Tuning
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from underbrush._parameters import FitParameters
+
+Path = str | os.PathLike[str]
+Log = BeamLog | Path  #: A log, or the path of one (ray cloud PLY, as `underbrush import` writes it).
+World = Model | Scene | Path  #: A model or scene, or the path of its folder.
+Progress = Callable[[str, int, int], object]  #: Receives (stage, done, total).
+#: An object that moves: a model, or the path of a model's folder or a mesh (OBJ, PLY); its poses over time, world from
+#: object; and a material, "" for that of its class.
+Mover = tuple[Model | Path, Trajectory | Path, str]
+
+
+class SimulateKeywords(TypedDict, total=False):
+    """Options of `simulate` and `Lidar`; `underbrush simulate --help-all` describes them."""
+
+    element_ids: bool  #: Adds the columns `element`, `element_class` and, for a scene, `instance`.
+    matter: str  #: "once" (default): neighbouring beams meet the same leaf; "anew": each beam draws anew.
+    grain: float  #: m; size of what beams meet as one; 0 = the model's.
+    tau: float  #: Mahalanobis distance within which a beam meets an ellipsoid; 0 = the model's.
+    draw: str  #: "on_ray" (default) or "volumetric": where in an ellipsoid a range is drawn.
+    beam: str  #: "thin" (default), or "random": a ray of the sensor's cone.
+    max_range: float  #: m; 0 = the log's or the sensor's.
+    range_noise: float  #: m; standard deviation of further noise.
+    super_sample: str  #: "N", "NxM" or "sensor": sub-rays, light, waveforms and echoes; "" = thin rays.
+    returns: str  #: "strongest", "first", "last" or a number.
+    materials: str  #: Table of materials (YAML) that replaces the built-in one.
+    material: Sequence[str]  #: CLASS=MATERIAL.
+    visibility: float  #: m; 0 = clear air.
+    rain: float  #: mm/h.
+    sun: float  #: Share of the sunlight that passes the air, 0 to 1.
+    waveforms: Sequence[str]  #: Files (.csv, .svg) for waveforms.
+    waveform_every: int  #: Waveforms of beams 0, K, 2K, …
+    waveform_count: int  #: Largest number of waveforms.
+
+
+class Segmentation(NamedTuple):
+    """A labelled log and the counts and scores that `underbrush segment --json` writes."""
+
+    log: BeamLog  #: With the columns `class` (see `class_names`) and `instance`.
+    report: dict[str, Any]
+
+
+def _provenance(verb: str, seed: int, **options: object) -> str:
+    words = [f"{name}={value}" for name, value in options.items() if isinstance(value, (str, int, float))]
+    return json.dumps({"program": f"underbrush {_core.__version__}", "command": ["underbrush." + verb, *words],
+                       "seed": seed, "inputs": {}})
+
+
+def _sensor(sensor: Sensor | str | None) -> Sensor | None:
+    return Sensor(sensor) if isinstance(sensor, str) else sensor
+
+
+def report_of(value: Model | Scene | Primitives) -> dict[str, Any]:
+    """Returns counts, warnings and times of the `fit`, `compose` or `extract` that made the value.
+
+    The keys are those of the command's `--json`. The dict is empty for a value that was read from a file.
+    """
+    report: dict[str, Any] = json.loads(value._report)
+    return report
+
+
+def fit(log: Log, output: Path | None = None, *, seed: int = 1, sensor: Sensor | str | None = None,
+        progress: Progress | None = None, **parameters: Unpack[FitParameters]) -> Model:
+    """Learns a model from a log: ground mesh, ellipsoids, hit probabilities.
+
+    `parameters` are the options of `underbrush fit` with `_` for `-`, such as `fitter`, `tau` and `clusters_per_point`.
+    `sensor` removes its beam's footprint from the ellipsoids. With `output`, the model's folder is written too. The log
+    is read in chunks, so a path may be that of a log larger than memory. `report_of` has the counts.
+
+    Raises `ValueError` for a parameter out of range or a log without returns, `TypeError` for an unknown parameter,
+    `FormatError`, `OSError`.
+    """
+    given: dict[str, Any] = dict(parameters)
+    model = _core.fit(log, given, seed, _sensor(sensor), _provenance("fit", seed, **given), progress)
+    if output is not None:
+        _core.write_model(output, model)
+    return model
+
+
+def _options(seed: int, movers: Sequence[Mover], keywords: Mapping[str, Any]) -> _core.SimulateOptions:
+    options = _core.SimulateOptions()
+    options.seed = seed
+    options.movers = list(movers)
+    for name, value in keywords.items():
+        if name not in SimulateKeywords.__annotations__:
+            raise TypeError(f"simulate: no option '{name}'")
+        setattr(options, name, value)
+    return options
+
+
+@overload
+def simulate(model: World, *, like: Log | None = ..., sensor: Sensor | str | None = ...,
+             trajectory: Trajectory | Path | None = ..., output: None = ..., profile: str = ..., seed: int = ...,
+             movers: Sequence[Mover] = ..., progress: Progress | None = ...,
+             **options: Unpack[SimulateKeywords]) -> BeamLog: ...
+
+
+@overload
+def simulate(model: World, *, like: Log | None = ..., sensor: Sensor | str | None = ...,
+             trajectory: Trajectory | Path | None = ..., output: Path, profile: str = ..., seed: int = ...,
+             movers: Sequence[Mover] = ..., progress: Progress | None = ...,
+             **options: Unpack[SimulateKeywords]) -> dict[str, int]: ...
+
+
+def simulate(model: World, *, like: Log | None = None, sensor: Sensor | str | None = None,
+             trajectory: Trajectory | Path | None = None, output: Path | None = None, profile: str = "", seed: int = 1,
+             movers: Sequence[Mover] = (), progress: Progress | None = None,
+             **options: Unpack[SimulateKeywords]) -> BeamLog | dict[str, int]:
+    """Simulates the beams of a log (`like`), or of a sensor on a trajectory, in a model or scene.
+
+    Returns the simulated log. With `output` (.ply, .pcd, .csv, or a folder of KITTI files; with `profile` "velodyne",
+    "ouster" or "autoware" a folder of PCD files), it is written there in chunks instead, and the result has the numbers
+    of beams, rows and hits. `movers` are objects that move. A model or scene that `tau`, `grain` or `movers` change is
+    copied; else it is used as it is.
+
+    Raises `ValueError` for options out of range or without effect, `FormatError`, `OSError`.
+    """
+    if like is not None and trajectory is not None:
+        raise ValueError("simulate: give like or trajectory, not both")
+    if profile and output is None:
+        raise ValueError("simulate: profile needs output")
+    path = trajectory if trajectory is None or isinstance(trajectory, Trajectory) else _core.read_trajectory(trajectory)
+    given: dict[str, Any] = dict(options)
+    core = _options(seed, movers, given)
+    if output is None:
+        return _core.simulate(model, core, like, _sensor(sensor), path, progress)
+    beams, rows, hits = _core.simulate_to(output, profile, _provenance("simulate", seed, **given), model, core, like,
+                                          _sensor(sensor), path, progress)
+    return {"beams": beams, "rows": rows, "hits": hits}
+
+
+def score(real: Log, simulated: Log, *, model: World | None = None, cloud: bool = True,
+          progress: Progress | None = None) -> Score:
+    """Compares a simulated log with the real log of the same beams, beam by beam.
+
+    With `model`, likelihood and CRPS under the ray model are computed; without `cloud`, cloud error and density-aware
+    Chamfer distance are left out. Raises `ValueError` (`FormatError` for files) where the beams differ in number, scan,
+    ring or origin.
+    """
+    return _core.score(real, simulated, model, cloud, progress)
+
+
+def segment(log: Log, output: Path | None = None, *, labels: Path | None = None, label_set: str = "",
+            truth: str = "instance", progress: Progress | None = None, **options: float | str) -> Segmentation:
+    """Labels the hits of a log as ground, trees, shrubs and patches, or takes labels from a file.
+
+    `options` are those of `underbrush segment` with `_` for `-`: `ground_method`, `min_range`, `tile`, `cell`, `gap`,
+    `min_points`, `spacing`, `prominence`, `radius`, `foot`, `tree_height`, `small_shrub_height`, `medium_tree_height`,
+    `large_tree_height` and `patch_side`. `truth` names the column with the numbers of the true trees to score against.
+    With `output`, the log is written too. Raises `ValueError`, `TypeError`, `FormatError`, `OSError`.
+    """
+    core = _core.SegmentOptions()
+    _set(core, "segment", options)
+    labelled, report = _core.segment(log, core, labels, label_set, truth, progress)
+    if output is not None:
+        _core.write_log(output, labelled, "", _provenance("segment", 1, **options))
+    return Segmentation(labelled, json.loads(report))
+
+
+def extract(model: Model | Path, labelled: Log, output: Path | None = None, *, progress: Progress | None = None,
+            **options: float | str) -> Primitives:
+    """Cuts primitives out of a model along the labelled log that it was fitted to.
+
+    `options` are those of `underbrush extract` with `_` for `-`: `box_quantile`, `elements` ("own" or "box"),
+    `free_space_below`, `patch_cell`, `min_elements`, `min_points`. With `output`, the set's folder is written too.
+    Raises `ValueError`, `TypeError`, `FormatError`, `OSError`.
+    """
+    core = _core.ExtractOptions()
+    _set(core, "extract", options)
+    primitives = _core.extract(model, labelled, core, progress)
+    if output is not None:
+        _core.write_primitives(output, primitives, _provenance("extract", 1, **options))
+    return primitives
+
+
+def compose(annotation: Path, primitives: Primitives | Path, output: Path | None = None, *,
+            ground: Model | Path | None = None, nearest: int = 1, scale: bool = False,
+            class_density: Mapping[str, float] | None = None, allow_outside: bool = False, strict: bool = False,
+            seed: int = 1, progress: Progress | None = None) -> Scene:
+    """Composes a scene from primitives along an annotation.
+
+    `primitives` is a set, the path of one, or "mesh_primitives" for generated plants. `ground` replaces the
+    annotation's ground model. `class_density` has the number of objects for each annotated one, by class. With
+    `strict`, an object that cannot be placed as annotated is an error. With `output`, the scene's folder is written
+    too. Raises `ValueError`, `FormatError`, `OSError`.
+    """
+    core = _core.ComposeOptions()
+    core.seed, core.nearest, core.scale = seed, nearest, scale
+    for name, factor in (class_density or {}).items():
+        core.set_density(name, factor)
+    source = primitives if isinstance(primitives, Primitives) else os.fspath(primitives)
+    scene = _core.compose(annotation, source, ground, core, allow_outside, _provenance("compose", seed), progress)
+    report = report_of(scene)
+    if strict and (report["off_ground"] or report["left_out"] or report["borrowed"]):
+        raise ValueError(f"compose: not all objects can be placed as annotated: {report['off_ground']} off the ground, "
+                         f"left out {report['left_out']}, borrowed {report['borrowed']}")
+    if output is not None:
+        _core.write_scene(output, scene)
+    return scene
+
+
+def optimize(log: Log, *, objective: str = "packet_f1", tune: Sequence[str] = (), budget: int = 60,
+             slice: tuple[float, float] = (0.0, 10.0), validate: int = 4, algorithm: str = "cobyla", step: float = 0.2,
+             seed: int = 1, annotation: Path | None = None, primitives: Path | None = None, allow_outside: bool = False,
+             sensor: Sensor | str | None = None, progress: Progress | None = None,
+             **parameters: Unpack[FitParameters]) -> Tuning:
+    """Tunes the parameters of a fit on a slice of the training log.
+
+    `slice` takes the scans that begin in [from, to), s after the log's start; one in `validate` of them judges. `tune`
+    names the parameters (the usual ones if empty), `parameters` sets those that stay fixed. With `annotation` and
+    `primitives`, the class densities of a composed scene are tuned instead. `Tuning.parameters` has the best values.
+    Raises `ValueError`, `TypeError`, `FormatError`, `OSError`.
+    """
+    core = _core.TuneOptions()
+    core.objective, core.tune, core.budget, core.slice = objective, [n.replace("_", "-") for n in tune], budget, slice
+    core.validate, core.algorithm, core.step, core.seed = validate, algorithm, step, seed
+    if (annotation is None) != (primitives is None):
+        raise ValueError("optimize: annotation and primitives belong together")
+    if annotation is not None and primitives is not None:
+        core.tune = list(tune)
+        return _core.optimize_scene(log, core, annotation, os.fspath(primitives), allow_outside, progress)
+    return _core.optimize_fit(log, core, dict(parameters), _sensor(sensor), progress)
+
+
+def _set(core: object, verb: str, options: Mapping[str, object]) -> None:
+    for name, value in options.items():
+        if not hasattr(core, name):
+            raise TypeError(f"{verb}: no option '{name}'")
+        setattr(core, name, value)
