@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "underbrush/sensor/angles.hpp"
+#include "underbrush/sensor/rays.hpp"
 
 namespace underbrush::sensor {
 namespace {
