@@ -13,6 +13,8 @@ constexpr Study kStudies[] = {
      study_mesh_fidelity},
     {"look-up", "Real logs answered by their own training beams, the baseline of any simulator",
      study_look_up},
+    {"extrapolation", "Real logs answered beyond what was fitted: further on, and between rings",
+     study_extrapolation},
     {"verification", "Histograms and planes of Kim et al. 2012, on its miniature and on real walls",
      study_verification},
 };

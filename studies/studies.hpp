@@ -4,6 +4,7 @@
 
 namespace underbrush::studies {
 
+StudyResult study_extrapolation(const StudyRun& run);
 StudyResult study_look_up(const StudyRun& run);
 StudyResult study_mesh_fidelity(const StudyRun& run);
 StudyResult study_primitives(const StudyRun& run);

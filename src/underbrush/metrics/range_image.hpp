@@ -44,14 +44,14 @@ double structural_similarity(std::span<const float> a, std::span<const float> b,
 /// Scores of images, by the definitions of LiDAR4D's code. NaN: no data.
 struct ImageScores {
   double chamfer_m2 = 0;  ///< Sum of both mean squared distances between the clouds, m².
-  double f_score = 0;     ///< Of points whose squared distance is below 0.05 m².
+  double f_score = 0;     ///< Threshold: squared distance 0.05 m².
   /// Over all pixels, depth at least 10⁻⁶ m and at most the maximum range. A pixel dropped in both
   /// has no error; one that is dropped in one image alone has its whole depth.
   double depth_rmse_m = 0, depth_median_m = 0;
   double depth_ssim = 0;  ///< Over the range of the real depths.
   double depth_psnr = 0;  ///< dB, of depth / maximum range.
   double intensity_rmse = 0;
-  /// Of the 0 or 1 of a return in a pixel; the positive class of F1 is the return.
+  /// Scores of the 0 or 1 of a return in a pixel; the positive class of F1 is the return.
   double drop_rmse = 0, drop_accuracy = 0, drop_f1 = 0;
 };
 /// Compares two images of one layout.

@@ -53,7 +53,7 @@ class RepeatedScans {
   static double median_difference(const std::vector<Ranges>& scans, size_t apart, size_t* pairs);
 
   RepeatOptions options_;
-  BearingRangeHistogram histogram_[2][2];  ///< Of even and odd scans, measured and simulated.
+  BearingRangeHistogram histogram_[2][2];  ///< Even and odd scans, measured and simulated.
   std::vector<Ranges> ranges_[2];          ///< By scan, measured and simulated.
 };
 
