@@ -15,6 +15,8 @@ constexpr Study kStudies[] = {
      study_look_up},
     {"echoes", "Several echoes a pulse, simulated by the whole instrument and held against a log",
      study_echoes},
+    {"extrapolation", "Real logs answered beyond what was fitted: further on, and between rings",
+     study_extrapolation},
     {"verification", "Histograms and planes of Kim et al. 2012, on its miniature and on real walls",
      study_verification},
 };

@@ -5,6 +5,7 @@
 namespace underbrush::studies {
 
 StudyResult study_echoes(const StudyRun& run);
+StudyResult study_extrapolation(const StudyRun& run);
 StudyResult study_look_up(const StudyRun& run);
 StudyResult study_mesh_fidelity(const StudyRun& run);
 StudyResult study_primitives(const StudyRun& run);

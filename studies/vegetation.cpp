@@ -8,6 +8,7 @@
 
 #include "studies/studies.hpp"
 #include "studies/targets.hpp"
+#include "studies/vegetation_repeats.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/export.hpp"
 
@@ -231,6 +232,7 @@ StudyResult study_vegetation(const StudyRun& run) {
       "generated targets of fine triangles before a standing HDL-64E (nothing there was measured), "
       "and real logs where they are given.";
   add_static_targets(run, static_target_names(), result);
+  add_repeated_logs(run, result);
   add_mobile_logs(run, result);
   return result;
 }

@@ -28,6 +28,10 @@ struct PatchFigures {
   Plane plane;
   HeightPlane height;  ///< z over x to the right and y forward, as in [kim12] table 3.
   Distances real, simulated;
+  /// The planes of the points whose whole footprint lies on the face, and how many there are; none
+  /// if one of the clouds has fewer than 30. At a grazing face the footprint is long.
+  Plane inner_real, inner_simulated;
+  size_t inner_real_points = 0, inner_simulated_points = 0;
 };
 
 /// Two clouds to compare.
@@ -40,20 +44,11 @@ struct CloudPair {
 /// Writes a pair in the form that `--data` reads: real.csv, simulated.csv, conjugates.csv.
 void keep_pair(const std::filesystem::path& folder, const CloudPair& pair);
 
-/// The comparison of two clouds.
-struct PairFigures {
+/// The comparison of two clouds by one registration.
+struct Registered {
+  Pose real_from_target;
   std::vector<PatchFigures> patches;
   RangeHistograms histograms;  ///< Histograms of the real and the simulated cloud.
-  size_t real_points = 0, simulated_points = 0;  ///< Number of points on the target.
-  IcpResult icp;
-  Pose real_from_target;             ///< The registration by `icp`.
-  std::vector<Vec3> conjugate_real;  ///< Corners where three planes of the real cloud meet.
-  /// Estimate of `real_from_target` from the conjugate points alone. With fewer than three of them
-  /// it is the registration by `icp`.
-  Pose from_corners;
-  double conjugate_rms_m = 0;        ///< Root mean square of the residuals of the conjugate points.
-  double corners_against_icp_m = 0;  ///< Distance by which the two registrations differ at the
-                                     ///< corners.
 
   double mean_distance_m() const;  ///< Mean distance of the simulated points, averaged over the
                                    ///< patches.
@@ -61,14 +56,36 @@ struct PairFigures {
                                         ///< patches.
 };
 
+/// The comparison of two clouds.
+struct PairFigures {
+  size_t real_points = 0, simulated_points = 0;  ///< Number of points on the target.
+  IcpResult icp;
+  std::vector<Vec3> conjugate_real;  ///< Corners where three planes of the real cloud meet.
+  double conjugate_rms_m = 0;        ///< Root mean square of the residuals of the conjugate points.
+  double corners_against_icp_m = 0;  ///< Distance by which the two registrations differ at the
+                                     ///< corners.
+  Registered by_icp;                 ///< By iterated closest points.
+  Registered by_corners;  ///< By the conjugate points alone, as in [kim12] §4.3. With fewer than
+                          ///< three of them it is `by_icp`.
+};
+
 /// Compares two clouds. The simulated cloud is registered to the real one by iterated closest
 /// points; what lies off the target is left out; both are segmented by `faces` of the solid; planes
-/// are fitted to the real one's patches, and the distances of both clouds from them are measured.
-/// The corners of planes that both clouds have serve as conjugate points for the paper's
-/// registration, for comparison. Throws `std::invalid_argument` where fewer than three faces have
-/// points of both.
+/// are fitted to the patches, and the distances of both clouds from the real one's planes are
+/// measured. The corners of planes that both clouds have serve as conjugate points for the paper's
+/// registration, by which all is measured a second time. Throws `std::invalid_argument` where fewer
+/// than three faces have points of both.
 PairFigures compare(const Solid& solid, const std::vector<size_t>& faces, CloudPair pair,
                     double histogram_bin_m = 0.05);
+
+/// A fault of a scanner, to see whether the verdict catches it. The defaults are no fault.
+struct ScannerFault {
+  double noise = 1;            ///< Factor of the standard deviation of the ranges.
+  double bias_m = 0;           ///< Added to each range.
+  double mirror_tilt_rad = 0;  ///< Lean of the axis about which the mirror scans upwards. A beam at
+                               ///< elevation ε goes to azimuth + tilt · ε, and is reported without
+                               ///< it.
+};
 
 /// A scan by the simulator in the target's frame: the catalogue's ILRIS-3D with sub-rays, waveform
 /// and echo.
@@ -78,7 +95,7 @@ struct SimulatedScan {
 };
 /// Scans the solid with the simulator. The raster is shifted by `raster_phase(scan)` steps.
 SimulatedScan simulated_scan(const Solid& solid, const Pose& target_from_scanner, int scan,
-                             uint64_t seed);
+                             uint64_t seed, const ScannerFault& fault = {});
 /// Scans the target with the independent simulator (`analytic_scan`), in place of the real
 /// instrument; returns the points in the scanner's frame. The raster is shifted by
 /// `raster_phase(scan)` steps.
@@ -92,35 +109,10 @@ std::array<double, 2> raster_phase(int scan);
 /// edge, at which it looks down at 10°.
 Pose miniature_from_scanner();
 
-/// Returns the thresholds of [kim12]: mean patch distance 3.1 mm, normalised histograms within 0.1
-/// %.
-std::vector<Check> pair_checks(const std::string& what, const PairFigures& figures);
-
 /// Adds the results on the miniature. `change`, for tests, alters the solid that is simulated.
 void add_miniature(const StudyRun& run, StudyResult& result,
                    const std::function<void(Solid&)>& change = {});
 /// Adds the results on a user's own pair of clouds in `run.data`. Returns false if there is none.
 bool add_own_pair(const StudyRun& run, StudyResult& result);
-
-/// Walls of a real scan: planes found in `train`, from which `test` is simulated and measured.
-struct WallFigures {
-  /// A wall, and the distances of both clouds from it.
-  struct Patch {
-    Plane plane;
-    size_t train_points = 0;
-    Distances real, simulated;
-  };
-  std::vector<Patch> patches;
-  RangeHistograms histograms;
-  double range_sigma_m = 0;  ///< m; noise of the simulated ranges, pooled over the planes of
-                             ///< `train`.
-};
-/// Finds the walls in `train` and compares `test` with its simulation.
-WallFigures compare_walls(const BeamLog& train, const BeamLog& test, uint64_t seed);
-/// Adds the walls of each folder of `run.data` that holds train.ply and test.ply.
-void add_walls(const StudyRun& run, StudyResult& result);
-
-/// Returns the two histograms, as counts and shares, in HTML.
-std::string histogram_picture(const std::string& title, const RangeHistograms& h);
 
 }  // namespace underbrush::studies

@@ -18,11 +18,11 @@ constexpr size_t kMostPaired = 60000;  // Points of either cloud in the registra
 
 using Segments = std::vector<std::vector<Vec3>>;
 
-/// Returns the face of each point (`faces.size()`: none): the nearest one that it lies over, up to
-/// `tolerance_m` beyond its border or, if negative, at least as far inside.
+/// Returns the face of each point (`faces.size()`: none): the nearest one that it lies over, at
+/// least `inside_m` (one a face) within its border.
 std::vector<size_t> face_of(const Solid& solid, const std::vector<size_t>& faces,
                             const std::vector<Vec3>& cloud, const Pose& target_from_cloud,
-                            double tolerance_m) {
+                            const std::vector<double>& inside_m) {
   std::vector<Vec3> normal, corner;
   std::vector<FaceOutline> outline;
   for (const size_t f : faces) {
@@ -37,7 +37,7 @@ std::vector<size_t> face_of(const Solid& solid, const std::vector<size_t>& faces
     size_t best = faces.size();
     for (size_t k = 0; k < faces.size(); ++k) {
       const double off = std::abs(normal[k].dot(at - corner[k]));
-      if (off < least && outline[k].covers(at, tolerance_m)) best = k, least = off;
+      if (off < least && outline[k].covers(at, -inside_m[k])) best = k, least = off;
     }
     out.push_back(best);
   }
@@ -46,8 +46,9 @@ std::vector<size_t> face_of(const Solid& solid, const std::vector<size_t>& faces
 
 /// Returns the points of each face, in the cloud's own frame.
 Segments segmented(const Solid& solid, const std::vector<size_t>& faces,
-                   const std::vector<Vec3>& cloud, const Pose& target_from_cloud) {
-  const std::vector<size_t> of = face_of(solid, faces, cloud, target_from_cloud, -kBorderM);
+                   const std::vector<Vec3>& cloud, const Pose& target_from_cloud,
+                   const std::vector<double>& inside_m) {
+  const std::vector<size_t> of = face_of(solid, faces, cloud, target_from_cloud, inside_m);
   Segments out(faces.size());
   for (size_t i = 0; i < cloud.size(); ++i) {
     if (of[i] < faces.size()) out[of[i]].push_back(cloud[i]);
@@ -59,7 +60,8 @@ Segments segmented(const Solid& solid, const std::vector<size_t>& faces,
 /// from beams that meet it with a part of their footprint.
 void keep_target(const Solid& solid, const std::vector<size_t>& faces,
                  const Pose& target_from_cloud, std::vector<Vec3>& cloud) {
-  const std::vector<size_t> of = face_of(solid, faces, cloud, target_from_cloud, 0);
+  const std::vector<size_t> of =
+      face_of(solid, faces, cloud, target_from_cloud, std::vector<double>(faces.size()));
   size_t kept = 0;
   for (size_t i = 0; i < cloud.size(); ++i) {
     if (of[i] < faces.size()) cloud[kept++] = cloud[i];
@@ -99,6 +101,18 @@ std::vector<Plane> planes_of(const Segments& segments) {
   return out;
 }
 
+/// Returns how far within each face's border a footprint reaches, as seen from `eye` (in the
+/// target's frame).
+std::vector<double> reach_of_footprints(const Solid& solid, const std::vector<size_t>& faces,
+                                        const Vec3& eye) {
+  std::vector<double> out;
+  for (const size_t f : faces) {
+    const double slant = std::abs(solid.normal(f).dot((solid.corners(f)[0] - eye).normalized()));
+    out.push_back(kBorderM / std::max(slant, 0.01));
+  }
+  return out;
+}
+
 /// Keeps the faces with enough points in both clouds, and their segments.
 void keep_seen(std::vector<size_t>& faces, Segments& real, Segments& simulated) {
   for (size_t k = faces.size(); k-- > 0;) {
@@ -124,10 +138,49 @@ double mean_over(const std::vector<PatchFigures>& patches, Distances PatchFigure
   return sum;
 }
 
+/// The faces that both clouds saw, and their points in each cloud's own frame.
+struct Segmented {
+  std::vector<size_t> faces;
+  Segments real, simulated;
+  Segments inner_real, inner_simulated;  ///< The points with their whole footprint on the face.
+};
+
 std::vector<double> ranges_of(const std::vector<Vec3>& points) {
   std::vector<double> out;
   out.reserve(points.size());
   for (const Vec3& p : points) out.push_back(p.norm());
+  return out;
+}
+
+/// Lays the simulated points onto the real ones and measures them there.
+Registered registered(const Segmented& both, const CloudPair& pair,
+                      const std::vector<Plane>& real_plane, const Pose& real_from_target,
+                      double histogram_bin_m) {
+  Registered out;
+  out.real_from_target = real_from_target;
+  for (size_t k = 0; k < both.faces.size(); ++k) {
+    PatchFigures patch;
+    patch.face = both.faces[k];
+    patch.plane = real_plane[k];
+    std::vector<Vec3> turned, laid;  // `turned`: x points right, y forward.
+    for (const Vec3& p : both.real[k]) turned.emplace_back(-p.y(), p.x(), p.z());
+    for (const Vec3& p : both.simulated[k]) laid.push_back(real_from_target * p);
+    patch.height = fit_height_plane(turned);
+    patch.real = distances_from(patch.plane, both.real[k]);
+    patch.simulated = distances_from(patch.plane, laid);
+    if (std::min(both.inner_real[k].size(), both.inner_simulated[k].size()) >= kLeastPoints) {
+      for (Vec3& p : laid = both.inner_simulated[k]) p = real_from_target * p;
+      patch.inner_real = fit_plane(both.inner_real[k]);
+      patch.inner_simulated = fit_plane(laid);
+      patch.inner_real_points = both.inner_real[k].size();
+      patch.inner_simulated_points = laid.size();
+    }
+    out.patches.push_back(patch);
+  }
+  std::vector<Vec3> laid;
+  for (const Vec3& p : pair.simulated) laid.push_back(real_from_target * p);
+  out.histograms =
+      range_histograms(ranges_of(pair.real), ranges_of(laid), histogram_bin_m, kHalfStepM);
   return out;
 }
 
@@ -148,8 +201,8 @@ Distances distances_from(const Plane& plane, const std::vector<Vec3>& points) {
   return out;
 }
 
-double PairFigures::mean_distance_m() const { return mean_over(patches, &PatchFigures::simulated); }
-double PairFigures::real_mean_distance_m() const { return mean_over(patches, &PatchFigures::real); }
+double Registered::mean_distance_m() const { return mean_over(patches, &PatchFigures::simulated); }
+double Registered::real_mean_distance_m() const { return mean_over(patches, &PatchFigures::real); }
 
 void keep_pair(const std::filesystem::path& folder, const CloudPair& pair) {
   std::filesystem::create_directories(folder);
@@ -175,48 +228,41 @@ PairFigures compare(const Solid& solid, const std::vector<size_t>& faces, CloudP
   IcpOptions closest;
   closest.neighbours = 60;
   out.icp = icp(some_of(pair.simulated), some_of(pair.real), pair.real_from_target, closest);
-  out.real_from_target = out.icp.to_from_from;
-  keep_target(solid, faces, out.real_from_target.inverse(), pair.real);
+  const Pose by_icp = out.icp.to_from_from;
+  keep_target(solid, faces, by_icp.inverse(), pair.real);
   keep_target(solid, faces, {}, pair.simulated);
   out.real_points = pair.real.size();
   out.simulated_points = pair.simulated.size();
-  std::vector<size_t> seen = faces;
-  Segments real = segmented(solid, faces, pair.real, out.icp.to_from_from.inverse());
-  Segments simulated = segmented(solid, faces, pair.simulated, Pose{});
-  keep_seen(seen, real, simulated);
-  const std::vector<Plane> real_plane = planes_of(real), simulated_plane = planes_of(simulated);
+  const std::vector<double> border(faces.size(), kBorderM);
+  Segmented both{faces,
+                 segmented(solid, faces, pair.real, by_icp.inverse(), border),
+                 segmented(solid, faces, pair.simulated, Pose{}, border),
+                 {},
+                 {}};
+  keep_seen(both.faces, both.real, both.simulated);
+  const std::vector<double> reach =
+      reach_of_footprints(solid, both.faces, by_icp.inverse().translation);
+  both.inner_real = segmented(solid, both.faces, pair.real, by_icp.inverse(), reach);
+  both.inner_simulated = segmented(solid, both.faces, pair.simulated, Pose{}, reach);
+  const std::vector<Plane> real_plane = planes_of(both.real),
+                           simulated_plane = planes_of(both.simulated);
   std::vector<Vec3> conjugate;
-  for (const auto& [a, b, c] : corners_of(solid, seen)) {
+  for (const auto& [a, b, c] : corners_of(solid, both.faces)) {
     out.conjugate_real.push_back(intersection(real_plane[a], real_plane[b], real_plane[c]));
     conjugate.push_back(intersection(simulated_plane[a], simulated_plane[b], simulated_plane[c]));
   }
-  out.from_corners =
-      conjugate.size() < 3 ? out.real_from_target : align(conjugate, out.conjugate_real).pose;
+  const Pose by_corners = conjugate.size() < 3 ? by_icp : align(conjugate, out.conjugate_real).pose;
   for (size_t k = 0; k < conjugate.size(); ++k) {
     const double n = double(conjugate.size());
-    const Vec3 left = out.from_corners * conjugate[k] - out.conjugate_real[k];
-    const Vec3 moved = (out.from_corners.inverse() * out.real_from_target) * conjugate[k];
+    const Vec3 left = by_corners * conjugate[k] - out.conjugate_real[k];
+    const Vec3 moved = (by_corners.inverse() * by_icp) * conjugate[k];
     out.conjugate_rms_m += left.squaredNorm() / n;
     out.corners_against_icp_m += (moved - conjugate[k]).squaredNorm() / n;
   }
   out.conjugate_rms_m = std::sqrt(out.conjugate_rms_m);
   out.corners_against_icp_m = std::sqrt(out.corners_against_icp_m);
-  for (size_t k = 0; k < seen.size(); ++k) {
-    PatchFigures patch;
-    patch.face = seen[k];
-    patch.plane = real_plane[k];
-    std::vector<Vec3> turned;  // x points right, y forward.
-    for (const Vec3& p : real[k]) turned.emplace_back(-p.y(), p.x(), p.z());
-    patch.height = fit_height_plane(turned);
-    for (Vec3& p : simulated[k]) p = out.real_from_target * p;
-    patch.real = distances_from(patch.plane, real[k]);
-    patch.simulated = distances_from(patch.plane, simulated[k]);
-    out.patches.push_back(patch);
-  }
-  std::vector<Vec3> laid;
-  for (const Vec3& p : pair.simulated) laid.push_back(out.real_from_target * p);
-  out.histograms =
-      range_histograms(ranges_of(pair.real), ranges_of(laid), histogram_bin_m, kHalfStepM);
+  out.by_icp = registered(both, pair, real_plane, by_icp, histogram_bin_m);
+  out.by_corners = registered(both, pair, real_plane, by_corners, histogram_bin_m);
   return out;
 }
 

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "studies/analytic_scanner.hpp"
@@ -23,10 +24,20 @@ Vec3 normal_of(const elements::TriangleMesh& mesh, uint32_t triangle) {
       .normalized();
 }
 
-/// Computes the range of the first echo of every beam.
-void receive(const trace::World& world, const sensor::Sensor& sensor, uint64_t seed,
+/// Turns directions as a leaning mirror does (`ScannerFault::mirror_tilt_rad`).
+void tilt_mirror(const Pose& target_from_scanner, double tilt_rad, std::vector<Vec3f>& direction) {
+  for (Vec3f& d : direction) {
+    const Vec3 local = target_from_scanner.rotation.conjugate() * d.cast<double>();
+    const double lean = tilt_rad * std::asin(std::clamp(local.z(), -1.0, 1.0));
+    const Vec3 turned = Eigen::AngleAxisd(lean, Vec3::UnitZ()) * local;
+    d = (target_from_scanner.rotation * turned).cast<float>();
+  }
+}
+
+/// Computes the range of the first echo of every beam. Without `noise` the signal has none either.
+void receive(const trace::World& world, const sensor::Sensor& sensor, double noise, uint64_t seed,
              BeamLog& beams) {
-  const radiometry::Receiver receiver(radiometry::receiver_options(sensor));
+  const radiometry::Receiver receiver(radiometry::receiver_options(sensor, 0, noise > 0 ? 1 : 0));
   const sensor::RayMaker maker(sensor.beam);
   const auto places = sensor::grid_sub_rays(sensor.beam, sensor.sub_rays[0], sensor.sub_rays[1]);
   const trace::RangeLimits limits{sensor.min_range_m, 100};
@@ -81,8 +92,9 @@ std::vector<Vec3> instrument_scan(const Solid& target, const Pose& pose, int sca
 }
 
 SimulatedScan simulated_scan(const Solid& solid, const Pose& target_from_scanner, int scan,
-                             uint64_t seed) {
-  const sensor::Sensor sensor = sensor::load("optech-ilris-3d");
+                             uint64_t seed, const ScannerFault& fault) {
+  sensor::Sensor sensor = sensor::load("optech-ilris-3d");
+  sensor.range_sigma_m *= fault.noise;
   const sensor::Raster& raster = sensor.raster;
   const auto [across, up] = raster_phase(scan);
   const double step = std::abs(raster.azimuth_to_rad - raster.azimuth_from_rad) /
@@ -96,7 +108,11 @@ SimulatedScan simulated_scan(const Solid& solid, const Pose& target_from_scanner
   elements::Model model;
   model.surface = triangulated(solid).mesh;
   const trace::World world(model);
-  receive(world, sensor, seed, beams);
+  const std::vector<Vec3f> reported = beams.direction;
+  if (fault.mirror_tilt_rad != 0) tilt_mirror(pose, fault.mirror_tilt_rad, beams.direction);
+  receive(world, sensor, fault.noise, seed, beams);
+  beams.direction = reported;
+  for (float& range : beams.range_m) range += float(fault.bias_m);
   SimulatedScan out;
   out.shots = beams.size();
   for (size_t i = 0; i < beams.size(); ++i) {

@@ -4,6 +4,13 @@
 
 namespace underbrush::app {
 
+trace::Draws draws_of(const std::string& matter, double sway_s) {
+  require(matter == "once" || sway_s == 0,
+          "simulate: --wind moves matter that is drawn once, not --matter anew");
+  if (matter == "anew") return trace::Draws::kAnew;
+  return sway_s > 0 ? trace::Draws::kSwaying : trace::Draws::kOnce;
+}
+
 Answer::Answer(AnswerArguments a, const simulate::DynamicWorld& world,
                const simulate::InstanceKinds& kinds, const std::optional<sensor::Sensor>& recorder,
                const SensorOf& sensor_of)

@@ -19,6 +19,11 @@ struct AnswerArguments {
   InstrumentArguments instrument;
 };
 
+/// Returns how matter is drawn: `matter` is "once" or "anew", and what is drawn once may sway, with
+/// a correlation time in s. Throws `std::invalid_argument` where matter that is drawn anew should
+/// sway.
+trace::Draws draws_of(const std::string& matter, double sway_s);
+
 /// Answers beams in place: as thin rays, or with `--super-sample` as an instrument.
 class Answer {
  public:
@@ -26,7 +31,7 @@ class Answer {
   /// `what` needs one. It is called only where a sensor is needed.
   using SensorOf = std::function<sensor::Sensor(const char* what)>;
 
-  /// `recorder` is what `recorder_of` gives for the world's scene. `world` must outlive it. Throws
+  /// `recorder` is what `recorder_of` gives for the world's models. `world` must outlive it. Throws
   /// `std::invalid_argument` for options out of range or without effect.
   Answer(AnswerArguments a, const simulate::DynamicWorld& world,
          const simulate::InstanceKinds& kinds, const std::optional<sensor::Sensor>& recorder,

@@ -2,6 +2,7 @@
 
 #include "report/report.hpp"
 #include "score_json.hpp"
+#include "score_protocols.hpp"
 #include "stages.hpp"
 #include "underbrush/core/check.hpp"
 #include "verbs.hpp"
@@ -12,7 +13,8 @@ namespace score_verb {
 namespace fs = std::filesystem;
 
 struct Arguments {
-  std::string real, report;
+  std::string real, report, protocol;
+  bool repeats = false;
   std::vector<std::string> simulated, models, names;
 };
 
@@ -30,6 +32,16 @@ void add_options(Verb& verb, Arguments& a) {
   verb.output("--report", a.report, "Write a report (one HTML file) into this folder",
               {"index.html"})
       ->type_name("DIR");
+  verb.begin_rare_group();
+  app.add_option(
+         "--protocol", a.protocol,
+         "Adds the scores of another field: kitti360 = range images of 66 x 1030 pixels, as "
+         "learned simulators are scored on KITTI-360")
+      ->check(CLI::IsMember({"kitti360"}));
+  app.add_flag(
+      "--repeats", a.repeats,
+      "Adds the comparison of scans that repeat their directions from one place: difference "
+      "from scan to scan, distance of bearing x range histograms, scan against scan");
 }
 
 void run(const Verb& verb, const Arguments& a) {
@@ -50,8 +62,9 @@ void run(const Verb& verb, const Arguments& a) {
   }
   if (!a.report.empty()) report::check_report_output(a.report);
   const std::vector<metrics::Score> scores = score_logs(a.real, candidates, true);
-  const Json results = json_of_scores(names, scores, provenance(verb, inputs));
+  Json results = json_of_scores(names, scores, provenance(verb, inputs));
   std::string text = table_of_scores(candidates, scores);
+  text += score_protocols({!a.protocol.empty(), a.repeats}, a.real, candidates, results);
   if (!a.report.empty()) {
     report::Comparison comparison{"", "", results, a.real, {}};
     for (const Candidate& c : candidates) comparison.simulated.push_back({c.name, c.log});

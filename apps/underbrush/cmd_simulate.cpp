@@ -169,20 +169,14 @@ void report(const Verb& verb, const Arguments& a, const SimulateStep& step, size
   verb.report(j, text + fmt::format("  log         {}\n", a.output));
 }
 
-trace::Draws draws_of(const Arguments& a) {
-  require(a.matter == "once" || a.answer.simulate.sway_s == 0,
-          "simulate: --wind moves matter that is drawn once, not --matter anew");
-  if (a.matter == "anew") return trace::Draws::kAnew;
-  return a.answer.simulate.sway_s > 0 ? trace::Draws::kSwaying : trace::Draws::kOnce;
-}
-
 void run(const Verb& verb, Arguments& a) {
   using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
   a.answer.instrument.check();
   elements::SceneInfo info;
   const elements::Scene scene = scene_of(a.model, a.target, info);
-  const TracedScene target = traced_scene(scene, info, draws_of(a));
+  const TracedScene target =
+      traced_scene(scene, info, draws_of(a.matter, a.answer.simulate.sway_s));
   if (elements::is_scene(a.model) || !info.movers.empty()) {
     a.answer.simulate.instance_labels = info.labels;
   }
@@ -193,7 +187,7 @@ void run(const Verb& verb, Arguments& a) {
   Trajectory path;
   const std::unique_ptr<BeamSource> beams = beams_of(a, path);
   a.answer.simulate.seed = verb.seed;
-  Answer answer(a.answer, *target.dynamic_world, kinds_of(scene, info), recorder_of(scene),
+  Answer answer(a.answer, *target.dynamic_world, kinds_of(scene, info), recorder_of(scene.models),
                 [&](const char* what) { return sensor_of(a, *beams, what); });
   simulate::SimulatedSource simulated(std::ref(answer), *beams, a.answer.simulate.max_range_m);
   std::string lost;

@@ -38,21 +38,19 @@ CLI::Option* add_option(CLI::App& app, const fit::Parameter& p, fit::FitOptions&
 CLI::Option* add_sensor_option(CLI::App& app, fit::FitOptions& fit) {
   return app
       .add_option_function<std::string>(
-          "--sensor",
-          [&fit](const std::string& name) {
-            const sensor::Sensor sensor = sensor::load(name);
-            fit.sensor = sensor.name;
-            fit.sensor_file = sensor.file;
-            fit.volumetric.mixture.footprint = footprint_of(sensor);
-          },
+          "--sensor", [&fit](const std::string& name) { set_recorder(sensor::load(name), fit); },
           "The sensor that recorded the log; hierarchical removes its footprint from ellipsoids")
       ->type_name("SENSOR");
 }
 
 }  // namespace
 
-fit::Footprint footprint_of(const sensor::Sensor& sensor) {
-  return [beam = sensor.beam](double range_m) { return beam.sigma_m(range_m); };
+void set_recorder(const sensor::Sensor& sensor, fit::FitOptions& fit) {
+  fit.sensor = sensor.name;
+  fit.sensor_file = sensor.file;
+  fit.volumetric.mixture.footprint = [beam = sensor.beam](double range_m) {
+    return beam.sigma_m(range_m);
+  };
 }
 
 std::vector<const CLI::Option*> add_fit_options(Verb& verb, fit::FitOptions& fit, FitHelp help) {

@@ -17,7 +17,7 @@ enum FitHelp { kUsualShown, kAllRare };
 std::vector<const CLI::Option*> add_fit_options(Verb& verb, fit::FitOptions& fit,
                                                 FitHelp help = kUsualShown);
 
-/// Returns the footprint of a sensor's beam as a fit needs it.
-fit::Footprint footprint_of(const sensor::Sensor& sensor);
+/// Makes this the sensor that recorded the log, whose footprint some fitters remove.
+void set_recorder(const sensor::Sensor& sensor, fit::FitOptions& fit);
 
 }  // namespace underbrush::app

@@ -184,12 +184,12 @@ void add_instrument_options(Verb& verb, InstrumentArguments& a) {
       ->capture_default_str();
 }
 
-std::optional<sensor::Sensor> recorder_of(const elements::Scene& scene) {
+std::optional<sensor::Sensor> recorder_of(std::span<const elements::Model> models) {
   constexpr double kTypicalRange = 20;  // m; where the widths of several beams are compared
   const auto has_volumes = [](const elements::Model& m) { return !m.ellipsoids.empty(); };
-  const bool volumes = std::any_of(scene.models.begin(), scene.models.end(), has_volumes);
+  const bool volumes = std::any_of(models.begin(), models.end(), has_volumes);
   std::optional<sensor::Sensor> narrowest;
-  for (const elements::Model& m : scene.models) {
+  for (const elements::Model& m : models) {
     if (m.size() == 0 || (volumes && !has_volumes(m))) continue;
     if (m.sensor.empty() || m.all_echoes) return std::nullopt;
     LogInfo info;

@@ -3,6 +3,7 @@
 #pragma once
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -39,11 +40,11 @@ void add_instrument_options(Verb& verb, InstrumentArguments& a);
 simulate::Instrument instrument_of(const InstrumentArguments& a, sensor::Sensor sensor,
                                    const std::optional<sensor::Sensor>& recorder);
 
-/// Returns the sensor that recorded the logs to which the models of a scene were fitted, with the
+/// Returns the sensor that recorded the logs to which the models were fitted, with the
 /// range noise and the farthest range that they showed; of several that with the narrowest beam.
 /// There is none where a model with ellipsoids (or any, if none has) does not know its own, or has
 /// shares of the light.
-std::optional<sensor::Sensor> recorder_of(const elements::Scene& scene);
+std::optional<sensor::Sensor> recorder_of(std::span<const elements::Model> models);
 
 /// Returns the materials with the user's changes.
 radiometry::Materials materials_of(const InstrumentArguments& a);

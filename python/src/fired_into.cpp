@@ -13,10 +13,13 @@ void check(const SimulateOptions& o) {
                          const char* message) { require(value == a || value == b, message); };
   one_of(o.answer.draw, "on_ray", "volumetric", "simulate: draw is on_ray or volumetric");
   one_of(o.answer.beam, "thin", "random", "simulate: beam is thin or random");
+  one_of(o.answer.instrument.footprint, "excess", "whole",
+         "simulate: footprint is excess or whole");
   one_of(o.matter, "once", "anew", "simulate: matter is once or anew");
   const auto not_negative = [](double x, const char* message) { require(x >= 0, message); };
   not_negative(o.tau, "simulate: tau is not negative");
   not_negative(o.grain_m, "simulate: grain is not negative");
+  not_negative(o.answer.simulate.sway_s, "simulate: wind is not negative");
   not_negative(o.answer.simulate.max_range_m, "simulate: max_range is not negative");
   not_negative(o.answer.simulate.range_noise_m, "simulate: range_noise is not negative");
   not_negative(o.answer.instrument.visibility_m, "simulate: visibility is not negative");
@@ -34,7 +37,7 @@ FiredInto::FiredInto(const GivenWorld& given, const SimulateOptions& options) {
   const auto* model = std::get_if<const ModelValue*>(&given);
   const auto* scene = std::get_if<const SceneValue*>(&given);
   const bool changed = !options.movers.empty() || options.tau > 0 || options.grain_m > 0;
-  const auto draws = options.matter == "once" ? trace::Draws::kOnce : trace::Draws::kAnew;
+  const trace::Draws draws = app::draws_of(options.matter, options.answer.simulate.sway_s);
   if (path) own_ = app::read_world(*path, &info_);
   if (scene) info_ = (*scene)->info;
   if (changed && model) own_.models.push_back(**model);
@@ -55,6 +58,7 @@ FiredInto::FiredInto(const GivenWorld& given, const SimulateOptions& options) {
   app::set_matter(own_, options.tau, options.grain_m);
   const elements::Scene& shown = scene && !changed ? (*scene)->scene : own_;
   kinds_ = app::kinds_of(shown, info_);
+  recorder_ = model && !changed ? app::recorder_of({&**model, 1}) : app::recorder_of(shown.models);
   labelled_ = scene || (path && elements::is_scene(*path)) || !info_.movers.empty();
   if (model && !changed) {
     traced_.world = std::make_unique<trace::World>(**model, trace::Isa::kBest, draws);
@@ -72,7 +76,7 @@ app::Answer FiredInto::answer(const SimulateOptions& options,
                               const app::Answer::SensorOf& sensor_of) const {
   app::AnswerArguments arguments = options.answer;
   if (labelled_) arguments.simulate.instance_labels = info_.labels;
-  return app::Answer(arguments, world(), kinds_, sensor_of);
+  return app::Answer(arguments, world(), kinds_, recorder_, sensor_of);
 }
 
 }  // namespace underbrush::python

@@ -1,6 +1,7 @@
 /// \file
 /// What beams are fired into, as Python gives it.
 #pragma once
+#include <optional>
 #include <string>
 #include <tuple>
 #include <variant>
@@ -38,6 +39,7 @@ class FiredInto {
   elements::Scene own_;
   elements::SceneInfo info_;
   simulate::InstanceKinds kinds_;
+  std::optional<sensor::Sensor> recorder_;
   bool labelled_ = false;  ///< Whether instances have classes.
   app::TracedScene traced_;
 };

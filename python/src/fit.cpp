@@ -123,7 +123,7 @@ void set_fit_options(fit::FitOptions& options, const nb::dict& parameters, uint6
   }
   require(!elements::is_scene(options.start),
           "fit: likelihood refines a model, but start is a scene");
-  if (sensor) options.volumetric.mixture.footprint = app::footprint_of(*sensor);
+  if (sensor) app::set_recorder(*sensor, options);
 }
 
 void bind_fit(nb::module_& m) {

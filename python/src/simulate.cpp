@@ -143,6 +143,10 @@ void bind_options(nb::module_& m) {
   number(
       "range_noise", [](O & o) -> auto& { return o.answer.simulate.range_noise_m; });
   number(
+      "wind", [](O & o) -> auto& { return o.answer.simulate.sway_s; });
+  text(
+      "footprint", [](O & o) -> auto& { return o.answer.instrument.footprint; });
+  number(
       "visibility", [](O & o) -> auto& { return o.answer.instrument.visibility_m; });
   number(
       "rain", [](O & o) -> auto& { return o.answer.instrument.rain_mm_per_h; });
@@ -154,6 +158,9 @@ void bind_options(nb::module_& m) {
       .def_prop_rw(
           "element_ids", [](O& o) { return o.answer.simulate.element_ids; },
           [](O& o, bool v) { o.answer.simulate.element_ids = v; })
+      .def_prop_rw(
+          "all_sub_rays", [](O& o) { return o.answer.instrument.all_sub_rays; },
+          [](O& o, bool v) { o.answer.instrument.all_sub_rays = v; })
       .def_prop_rw(
           "waveform_every", [](O& o) { return o.answer.instrument.waveform.every; },
           [](O& o, size_t v) {

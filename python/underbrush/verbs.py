@@ -29,12 +29,15 @@ class SimulateKeywords(TypedDict, total=False):
     element_ids: bool  #: Adds the columns `element`, `element_class` and, for a scene, `instance`.
     matter: str  #: "once" (default): neighbouring beams meet the same leaf; "anew": each beam draws anew.
     grain: float  #: m; size of what beams meet as one; 0 = the model's.
+    wind: float  #: s; time in which the leaves that a beam meets become others; 0 = they stand still.
     tau: float  #: Mahalanobis distance within which a beam meets an ellipsoid; 0 = the model's.
     draw: str  #: "on_ray" (default) or "volumetric": where in an ellipsoid a range is drawn.
     beam: str  #: "thin" (default), or "random": a ray of the sensor's cone.
     max_range: float  #: m; 0 = the log's or the sensor's.
     range_noise: float  #: m; standard deviation of further noise.
     super_sample: str  #: "N", "NxM" or "sensor": sub-rays, light, waveforms and echoes; "" = thin rays.
+    footprint: str  #: "excess" (default): what the beam is wider than that of the model's log; or "whole".
+    all_sub_rays: bool  #: Traces all sub-rays, also where 13 of 26 or more agree.
     returns: str  #: "strongest", "first", "last" or a number.
     materials: str  #: Table of materials (YAML) that replaces the built-in one.
     material: Sequence[str]  #: CLASS=MATERIAL.

@@ -6,7 +6,7 @@ benchmarks only counts and ratios of times from one run are compared.
 import pathlib
 import sys
 
-from . import matter
+from . import matter, registry_evidence
 from .common import HALVES, KEYS, LOGS, REAL_LOGS, STUDY, study
 from .jobs import Job, Measured, Part, read_json, read_rows
 from .tables import HEADING
@@ -286,8 +286,7 @@ def bench_fitters(folder):
 
 
 def memory(folder):
-    rows = read_json(folder / "memory.json")
-    for row, measured in zip(("once", "twice", "four times"), rows):
+    for row, measured in zip(("once", "twice", "four times"), read_json(folder / "memory.json")):
         yield row, "beams", [measured["beams"]]
         yield row, "peak", [measured["peak_mib"]]
         yield row, "of the first", [measured["factor"]]
@@ -359,3 +358,4 @@ MEASURED = {
             "AVX2, beams/s", "AVX2, × HDL-64E", "AVX-512, × HDL-64E", "16 sub-rays", "AVX2 at 10⁷",
             "AVX2 at 10⁶ instances", "build")}}),
 }
+MEASURED |= registry_evidence.evidence(study, LOGS, HALVES)

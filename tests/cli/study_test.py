@@ -74,7 +74,7 @@ class Study(cli_test.Failing):
             self.assertLess(pair["mean_patch_distance_m"], 0.0031)
             self.assertEqual(pair["corners"], 5)
             self.assertIn("Your pair: distances", pathlib.Path(folder, "r", "index.html").read_text())
-            self.assertNotIn("your pair, mean distance", found["verdict"])
+            self.assertNotIn("your pair by ICP, mean distance", found["verdict"])
             done = study("verification", "--quick", "--json", "own.json", "--keep", "kept", cwd=folder)
             self.assertIn(done.returncode, (0, 1), done.stderr)
             kept = json.loads(study(*words[:2], "--data", "kept", "--json", "-", cwd=folder).stdout)
@@ -84,7 +84,7 @@ class Study(cli_test.Failing):
             write_pair(pathlib.Path(folder), scale=1.03)
             done = study(*words, cwd=folder)
             self.assertEqual(done.returncode, 1, "a study that falls short")
-            self.assertRegex(done.stdout, "verdict: falls short: .*your pair, mean distance")
+            self.assertRegex(done.stdout, "verdict: falls short: .*your pair by ICP, mean distance")
             pathlib.Path(folder, "conjugates.csv").write_text("1,2,3\n")
             self.assert_fails(study(*words, cwd=folder), 3, "conjugates.csv", "line 1")
 

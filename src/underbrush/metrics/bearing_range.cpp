@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <span>
 
 #include "underbrush/core/check.hpp"
@@ -96,6 +97,24 @@ void BearingRangeHistogram::add(const BeamLog& beams) {
     occupied_ = merged(occupied_, keys);
   }
   total_ += beams.size();
+}
+
+void BearingRangeHistogram::add(const BearingRangeHistogram& other) {
+  check_comparable(*this, other);
+  std::vector<Bin> sum;
+  sum.reserve(occupied_.size() + other.occupied_.size());
+  const auto before = [](const Bin& a, const Bin& b) { return key_of(a) < key_of(b); };
+  std::merge(occupied_.begin(), occupied_.end(), other.occupied_.begin(), other.occupied_.end(),
+             std::back_inserter(sum), before);
+  occupied_.clear();
+  for (const Bin& bin : sum) {
+    if (!occupied_.empty() && key_of(occupied_.back()) == key_of(bin)) {
+      occupied_.back().count += bin.count;
+    } else {
+      occupied_.push_back(bin);
+    }
+  }
+  total_ += other.total_;
 }
 
 double bhattacharyya_coefficient(const BearingRangeHistogram& a, const BearingRangeHistogram& b) {

@@ -37,6 +37,8 @@ class BearingRangeHistogram {
 
   /// Adds beams by their reported direction and range.
   void add(const BeamLog& beams);
+  /// Adds the beams of another histogram. Throws `std::invalid_argument` where the bins differ.
+  void add(const BearingRangeHistogram& other);
 
   const BearingRangeBins& bins() const { return bins_; }
   /// The occupied bins in order of ring, bearing and range; the bin without a return comes last.

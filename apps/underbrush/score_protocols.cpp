@@ -1,0 +1,137 @@
+#include "score_protocols.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "underbrush/core/check.hpp"
+#include "underbrush/io/log_file.hpp"
+#include "underbrush/metrics/range_image.hpp"
+#include "underbrush/metrics/repeats.hpp"
+
+namespace underbrush::app {
+namespace {
+
+using metrics::ImageScores;
+using metrics::ProtocolScores;
+using metrics::Repeats;
+
+/// A score of a protocol: its key in JSON, its name and its digits in the text.
+template <class Scores>
+struct Row {
+  const char* key;
+  const char* name;
+  double Scores::*field;
+  int digits;
+};
+
+constexpr Row<ImageScores> kImageRows[] = {
+    {"chamfer_m2", "Chamfer distance, m²", &ImageScores::chamfer_m2, 4},
+    {"f_score", "F score", &ImageScores::f_score, 4},
+    {"depth_rmse_m", "depth RMSE, m", &ImageScores::depth_rmse_m, 3},
+    {"depth_median_m", "depth MedAE, m", &ImageScores::depth_median_m, 4},
+    {"depth_ssim", "depth SSIM", &ImageScores::depth_ssim, 4},
+    {"depth_psnr", "depth PSNR, dB", &ImageScores::depth_psnr, 2},
+    {"intensity_rmse", "intensity RMSE", &ImageScores::intensity_rmse, 4},
+    {"drop_rmse", "ray-drop RMSE", &ImageScores::drop_rmse, 4},
+    {"drop_accuracy", "ray-drop accuracy", &ImageScores::drop_accuracy, 4},
+    {"drop_f1", "ray-drop F1", &ImageScores::drop_f1, 4}};
+
+constexpr Row<Repeats> kRepeatRows[] = {
+    {"real_difference_m", "real difference, m", &Repeats::real_difference_m, 4},
+    {"difference_m", "simulated difference, m", &Repeats::difference_m, 4},
+    {"real_far_difference_m", "real, half a log apart", &Repeats::real_far_difference_m, 4},
+    {"far_difference_m", "simulated, the same", &Repeats::far_difference_m, 4},
+    {"distance", "distance", &Repeats::distance, 4},
+    {"floor", "scan against scan", &Repeats::floor, 4},
+    {"same_scans", "distance, same scans", &Repeats::same_scans, 4}};
+
+Json number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
+
+template <class Scores, size_t n>
+void add(const Row<Scores> (&rows)[n], const Scores& scores, Json& j) {
+  for (const Row<Scores>& row : rows) j[row.key] = number(scores.*row.field);
+}
+
+template <class Scores, size_t n>
+std::string text_of(const Row<Scores> (&rows)[n], const std::vector<Scores>& scores) {
+  std::string text;
+  for (const Row<Scores>& row : rows) {
+    text += fmt::format("  {:<24}", row.name);
+    for (const Scores& s : scores) text += fmt::format("{:>14.{}f}", s.*row.field, row.digits);
+    text += "\n";
+  }
+  return text;
+}
+
+/// Calls `compare(real, simulated)` for each candidate and returns what it returns.
+template <class Compare>
+auto for_candidates(const std::filesystem::path& real, const std::vector<Candidate>& candidates,
+                    const Compare& compare) {
+  io::BeamReader real_log(real);
+  std::vector<decltype(compare(real_log, real_log))> out;
+  for (const Candidate& c : candidates) {
+    io::BeamReader simulated(c.log);
+    try {
+      out.push_back(compare(real_log, simulated));
+    } catch (const DataError& e) {
+      throw FormatError(c.log.string(), "", e.what());
+    }
+  }
+  return out;
+}
+
+std::string score_images(const std::filesystem::path& real,
+                         const std::vector<Candidate>& candidates, Json& models) {
+  const std::vector<ProtocolScores> scores = for_candidates(
+      real, candidates,
+      [](BeamSource& a, BeamSource& b) { return metrics::range_image_scores(a, b); });
+  std::vector<ImageScores> means;
+  for (size_t k = 0; k < scores.size(); ++k) {
+    Json& j = models[candidates[k].name]["kitti360"];
+    j = {{"scans", scores[k].scans}, {"empty_share", scores[k].empty_share}};
+    add(kImageRows, scores[k].mean, j);
+    means.push_back(scores[k].mean);
+  }
+  return fmt::format(
+             "kitti360: range images of 66 x 1030 pixels, 80 m; means of {} scans\n"
+             "    (no beam points into {:.0f} % of the pixels, which count as dropped in both)\n",
+             scores.at(0).scans, 100 * scores.at(0).empty_share) +
+         text_of(kImageRows, means);
+}
+
+std::string score_repeats(const std::filesystem::path& real,
+                          const std::vector<Candidate>& candidates, Json& models) {
+  const std::vector<Repeats> scores = for_candidates(
+      real, candidates, [](BeamSource& a, BeamSource& b) { return metrics::repeats(a, b); });
+  for (size_t k = 0; k < scores.size(); ++k) {
+    Json& j = models[candidates[k].name]["repeats"];
+    j = {{"scans", scores[k].scans},
+         {"directions", scores[k].directions},
+         {"repeat", scores[k].repeat()}};
+    add(kRepeatRows, scores[k], j);
+  }
+  std::string text = fmt::format(
+      "repeats: {} scans; median difference of a direction's range between successive scans, and\n"
+      "    Bhattacharyya distance over ring x bearing x range bins of 0.2 degrees x 5 cm\n",
+      scores.at(0).scans);
+  if (!scores[0].repeat()) {
+    text +=
+        "  warning     the scans do not repeat: far ones differ more than twice as much as "
+        "successive ones\n";
+  }
+  return text + text_of(kRepeatRows, scores);
+}
+
+}  // namespace
+
+std::string score_protocols(const Protocols& asked, const std::filesystem::path& real,
+                            const std::vector<Candidate>& candidates, Json& results) {
+  std::string text;
+  Json& models = results["models"];
+  if (asked.kitti360) text += score_images(real, candidates, models);
+  if (asked.repeats) text += score_repeats(real, candidates, models);
+  return text;
+}
+
+}  // namespace underbrush::app

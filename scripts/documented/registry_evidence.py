@@ -1,0 +1,94 @@
+"""Which commands make the tables of evidence that can fail: the two-sided verification, repeated scans, extrapolation
+and the protocol of learned simulators."""
+import dataclasses
+import math
+import typing
+
+from .jobs import Job, Measured, Part, read_json
+
+SOURCES = ("default", "mesh", "mesh, carved", "look-up")
+FAULTS = ("no noise", "double noise", "bias of 1 cm", "mirror tilted by 0.5°")
+IMAGES = {"CD, m²": "chamfer_m2", "F": "f_score", "depth RMSE, m": "depth_rmse_m", "MedAE, m": "depth_median_m",
+          "SSIM": "depth_ssim", "PSNR, dB": "depth_psnr", "drop RMSE": "drop_rmse", "drop accuracy": "drop_accuracy",
+          "drop F1": "drop_f1"}
+
+
+def figures(folder: typing.Any) -> typing.Any:
+    return read_json(folder / "study.json")["figures"]
+
+
+def bounded(figure: dict[str, float], unit: float) -> list[float]:
+    return [unit * figure[key] for key in ("mean", "low", "high")]
+
+
+def walls(folder: typing.Any) -> typing.Iterator[tuple[str, str, list[float]]]:
+    for log, simulators in figures(folder)["walls"].items():
+        for simulator, f in simulators.items():
+            row = f"{log}/{simulator}"
+            yield row, "spread", bounded(f["spread"], 1)
+            yield row, "range, mm", bounded(f["offset_m"], 1000)
+            yield row, "lean", bounded(f["lean_rad"], 180 / math.pi)
+
+
+def faults(folder: typing.Any) -> typing.Iterator[tuple[str, str, list[float]]]:
+    caught = figures(folder)["faults"]
+    for fault in FAULTS:
+        for place, counts in caught.items():
+            yield fault, place, [counts[fault]]
+
+
+def extrapolation(folder: typing.Any) -> typing.Iterator[tuple[str, str, list[float]]]:
+    columns = {"returns answered": "answered", "F1": "f1", "capped error, m": "capped_error_m",
+               "median range error, m": "median_range_error_m"}
+    for log, protocols in figures(folder).items():
+        for protocol, sources in protocols.items():
+            for column, key in columns.items():
+                yield f"{log}/{protocol}", column, [sources[source][key] for source in SOURCES]
+
+
+def repeats(folder: typing.Any) -> typing.Iterator[tuple[str, str, list[float]]]:
+    for models in figures(folder)["repeats"].values():
+        for model, targets in models.items():
+            for target, f in targets.items():
+                yield model, target, [0 if model == "measured" else f["same_scans"],
+                                      f["floor"] if model == "measured" else f["distance"]]
+            last = targets["all"]
+            yield model, "scan to scan, cm", [100 * last["real_difference_m" if model == "measured"
+                                                         else "difference_m"]]
+
+
+def evidence(study: typing.Callable[..., Job], logs: dict[str, str], halves: dict[str, Job]) -> dict[str, Measured]:
+    """The tables, from the registry's `study` and its jobs of the real logs."""
+    everything = {"needs": tuple(logs.values()), "after": tuple(halves.values())}
+    data = "mkdir logs\n" + "".join(f'ln -s "$WORK/{log}" logs/\n' for log in logs)
+    still, street = "kitti_0052_static", "kitti_0005_city"
+
+    def run(name: str, options: str, before: str, **more: typing.Any) -> Job:
+        # A name of its own: the registry runs some of these studies without data.
+        return dataclasses.replace(study(name, options, before, **more), name=f"evidence.{name}")
+
+    alone = f'mkdir still\nln -s "$WORK/{still}" still/\n'
+    only = {"needs": (logs[still],), "after": (halves[still],)}
+    verification = run("verification", "--data still", alone, **only)
+
+    def protocol(log: str) -> Part:
+        job = Job(f"kitti360.{log}", f"""underbrush fit "$WORK/{log}/train.ply" --min-range 2 -o default
+underbrush fit "$WORK/{log}/train.ply" --min-range 2 --fitter surface -o mesh
+for m in default mesh; do underbrush simulate $m --like "$WORK/{log}/test.ply" -o $m.ply; done
+underbrush score "$WORK/{log}/test.ply" default.ply mesh.ply --protocol kitti360 --json scores.json
+rm -r default mesh default.ply mesh.ply""", (logs[log],), (halves[log],))
+
+        def cells(folder: typing.Any) -> typing.Iterator[tuple[str, str, list[float]]]:
+            for model, s in read_json(folder / "scores.json")["models"].items():
+                for column, key in IMAGES.items():
+                    yield f"{log}/{model}", column, [s["kitti360"][key]]
+        return Part((job,), cells)
+
+    return {
+        "walls": Measured((Part((verification,), walls),)),
+        "faults": Measured((Part((verification,), faults),)),
+        "extrapolation": Measured((Part((run("extrapolation", "--data logs", data, **everything),), extrapolation),)),
+        "repeats": Measured((Part((run("vegetation", "--quick --data still", alone, **only),), repeats),)),
+        "kitti360": Measured((protocol("kitti_0027_forest"), protocol(street)),
+                             uncompared={"LiDAR4D": "figures of the paper, of other drives"}),
+    }
