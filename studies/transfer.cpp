@@ -202,7 +202,7 @@ StudyResult transfer(const StudyRun& run, const ModelChange& change) {
                         logs[name].test.size()));
     fit::FitOptions options;
     options.seed = run.seed;
-    options.volumetric.mixture.footprint = app::footprint_of(s);
+    app::set_recorder(s, options);
     options.volumetric.mixture.rounds = kRounds;
     MemorySource train(logs[name].train);
     models[name] = fit::fit(train, options).model;
