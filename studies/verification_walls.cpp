@@ -14,15 +14,15 @@
 namespace underbrush::studies {
 namespace {
 
-constexpr double kVehicleM = 3;     // m; nearer returns are of the vehicle itself.
-constexpr double kFarM = 40;        // m; farther away the rings lie too far apart to find planes.
-constexpr double kOnPlaneM = 0.15;  // m; a return further off is of something else.
-constexpr double kUpright = 0.5;    // Largest vertical part of an upright plane's normal.
+constexpr double kOwnVehicleM = 3;    // m; nearer returns are of the vehicle itself.
+constexpr double kFarM = 40;          // m; farther away the rings lie too far apart to find planes.
+constexpr double kOnPlaneM = 0.15;    // m; a return further off is of something else.
+constexpr double kWallUpright = 0.5;  // Largest vertical part of an upright plane's normal.
 constexpr size_t kLeastBeams = 50;
 constexpr uint32_t kNoWall = ~uint32_t(0);
 
 bool is_used(const BeamLog& log, size_t i) {
-  return log.is_hit(i) && log.range_m[i] > kVehicleM && log.range_m[i] < kFarM;
+  return log.is_hit(i) && log.range_m[i] > kOwnVehicleM && log.range_m[i] < kFarM;
 }
 
 /// Returns the planes as faces of a solid whose vertices are the outlines.
@@ -98,7 +98,7 @@ WallScan::WallScan(const BeamLog& scan) : first_(scan.like()), second_(scan.like
   options.least_points = 150;
   std::vector<uint32_t> wall_of_first(first_.size(), kNoWall);
   for (PlanarPatch& patch : planar_patches(cloud, options)) {
-    if (std::abs(patch.plane.normal.z()) > kUpright) continue;
+    if (std::abs(patch.plane.normal.z()) > kWallUpright) continue;
     for (const uint32_t i : patch.points) wall_of_first[beam[i]] = uint32_t(patches_.size());
     patches_.push_back(std::move(patch));
   }
@@ -120,7 +120,7 @@ elements::Model WallScan::faces() const {
 elements::Model WallScan::fitted(uint64_t seed) const {
   fit::FitOptions options;
   options.seed = seed;
-  options.min_range_m = kVehicleM;
+  options.min_range_m = kOwnVehicleM;
   MemorySource source(first_);
   return fit::fit(source, options).model;
 }

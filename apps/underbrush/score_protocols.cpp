@@ -46,11 +46,11 @@ constexpr Row<Repeats> kRepeatRows[] = {
     {"floor", "scan against scan", &Repeats::floor, 4},
     {"same_scans", "distance, same scans", &Repeats::same_scans, 4}};
 
-Json number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
+Json finite_or_null(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 
 template <class Scores, size_t n>
 void add(const Row<Scores> (&rows)[n], const Scores& scores, Json& j) {
-  for (const Row<Scores>& row : rows) j[row.key] = number(scores.*row.field);
+  for (const Row<Scores>& row : rows) j[row.key] = finite_or_null(scores.*row.field);
 }
 
 template <class Scores, size_t n>

@@ -58,7 +58,9 @@ FiredInto::FiredInto(const GivenWorld& given, const SimulateOptions& options) {
   app::set_matter(own_, options.tau, options.grain_m);
   const elements::Scene& shown = scene && !changed ? (*scene)->scene : own_;
   kinds_ = app::kinds_of(shown, info_);
-  recorder_ = model && !changed ? app::recorder_of({&**model, 1}) : app::recorder_of(shown.models);
+  std::span<const elements::Model> models = shown.models;
+  if (model && !changed) models = {static_cast<const elements::Model*>(*model), 1};
+  recorder_ = app::recorder_of(models);
   labelled_ = scene || (path && elements::is_scene(*path)) || !info_.movers.empty();
   if (model && !changed) {
     traced_.world = std::make_unique<trace::World>(**model, trace::Isa::kBest, draws);

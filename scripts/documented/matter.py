@@ -67,3 +67,41 @@ MEASURED = {
     "grain": Measured(grain()),
     "instrument": Measured(instrument()),
 }
+
+
+def extremes(values, unit=1.0):
+    return [unit * min(values), unit * max(values)]
+
+
+def validated(tables):
+    """The table of effects on the page about validation, made of results that other tables show."""
+    def ends(*folders):
+        models = [read_json(folder / "scores.json")["models"] for folder in folders]
+        thin = [m["thin"] for m in models]
+        yield ("where beams end", "error", extremes([m[KEYS["packet error, m"]] for m in thin]) +
+               extremes([m[KEYS["F1"]] for m in thin]))
+        weak = [read_json(folder / "weak.json") for folder in folders]
+        yield "misses by weak signal", "error", extremes([w["misses"] for w in weak], 100)
+
+    def rings(*folders):
+        models = [read_json(folder / "scores.json")["models"]["once"] for folder in folders]
+        yield "roughness along a ring", "error", extremes([m["roughness_m"] / m["roughness_real_m"] for m in models])
+
+    def several(folder):
+        figures = {row.partition("/")[2]: s for row, s in read_json(folder / "study.json")["figures"].items()}
+        once, real = figures["once"], figures["real"]
+        yield "several echoes a pulse", "error", [100 * once["two"], 100 * real["two"]]
+        yield "gaps between echoes", "error", [once["gap_m"][1], real["gap_m"][1]]
+
+    def walls(folder):
+        f = read_json(folder / "study.json")["figures"]["walls"]["kitti_0052_static"]["default fit"]
+        yield "walls of a fitted model", "error", [f["spread"]["mean"], 1000 * f["offset_m"]["mean"]]
+
+    def beyond(folder):
+        f = read_json(folder / "study.json")["figures"]["kitti_0027_forest"]["20 m beyond"]["default"]
+        yield "beyond the log", "error", [100 * f["answered"], f["capped_error_m"]]
+
+    def part(name, cells):
+        return Part(tuple(job for p in tables[name].parts for job in p.jobs), cells)
+    return Measured((part("instrument", ends), part("grain", rings), part("echoes", several), part("walls", walls),
+                     part("extrapolation", beyond)))

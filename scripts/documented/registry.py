@@ -359,3 +359,4 @@ MEASURED = {
             "AVX2 at 10⁶ instances", "build")}}),
 }
 MEASURED |= registry_evidence.evidence(study, LOGS, HALVES)
+MEASURED["validated"] = matter.validated(MEASURED)
