@@ -30,7 +30,7 @@ Knot knot_at(double share, int knots) {
 Eigen::Quaterniond ScanMotion::rotation(double share) const {
   const Knot k = knot_at(share, kKnots);
   const Vec3 v =
-      (1 - k.part) * turn_rad_[size_t(k.before)] + k.part * turn_rad_[size_t(k.before + 1)];
+      (1 - k.part) * turn_rad_[size_t(k.before)] + k.part * turn_rad_[size_t(k.before) + 1];
   const double angle = v.norm();
   if (angle == 0) return Eigen::Quaterniond::Identity();
   return Eigen::Quaterniond(Eigen::AngleAxisd(angle, v / angle));
