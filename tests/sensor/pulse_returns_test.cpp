@@ -57,8 +57,8 @@ TEST(PulseReturns, JoinsTheReturnsOfEachPulseInOrderOfRangeWhereverTheyStandInTh
   for (size_t i = order.size(); i > 1; --i) {
     std::swap(order[i - 1], order[size_t(random.uniform() * double(i))]);
   }
-  std::vector<Return> mixed;
-  for (const size_t i : order) mixed.push_back(returns[i]);
+  std::vector<Return> mixed(order.size());
+  for (size_t i = 0; i < order.size(); ++i) mixed[i] = returns[order[i]];
   const BeamLog log = beams_of(scan_of(mixed));
   ASSERT_EQ(log.size(), returns.size());
   size_t beams = 0;

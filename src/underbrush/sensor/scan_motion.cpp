@@ -71,7 +71,7 @@ void ScanMotion::improve(const std::vector<Sample>& samples) {
   using Vector = Eigen::Matrix<double, kUnknowns, 1>;
   Matrix normal = Matrix::Zero();
   Vector right = Vector::Zero();
-  constexpr double w = 1 / (kSigmaRad * kSigmaRad);
+  constexpr double kWeight = 1 / (kSigmaRad * kSigmaRad);
   const auto add = [&](const Row& row, const Vec3& turn, const Vec3& move, double value) {
     // The twelve entries of the row that are not 0: two knots, start and end.
     const Eigen::Index at[4] = {3 * row.knot.before, 3 * row.knot.before + 3, 3 * kKnots,
@@ -79,9 +79,9 @@ void ScanMotion::improve(const std::vector<Sample>& samples) {
     const Vec3 part[4] = {(1 - row.knot.part) * turn, row.knot.part * turn, (1 - row.share) * move,
                           row.share * move};
     for (int i = 0; i < 4; ++i) {
-      right.segment<3>(at[i]) += w * value * part[i];
+      right.segment<3>(at[i]) += kWeight * value * part[i];
       for (int j = 0; j < 4; ++j)
-        normal.block<3, 3>(at[i], at[j]) += w * part[i] * part[j].transpose();
+        normal.block<3, 3>(at[i], at[j]) += kWeight * part[i] * part[j].transpose();
     }
   };
   for (const Row& row : rows) {
