@@ -83,11 +83,12 @@ def study(options: argparse.Namespace) -> Figures:
         if moves:
             out["odometry"][name] = {HALF: real.odometry(halves)}
         for source, answers in sources.answers(work, name, train, test):
-            print(f"{name}: {source}", file=sys.stderr, flush=True)
             if moves:
                 out["odometry"][name][source] = real.odometry(answers)
-            if source in sources.MODELS or source in sources.LOOK_UPS:
-                out["scans"][name][source] = real.scans(answers)
+            if source not in sources.MIXTURES:
+                out["scans"][name][source] = real.scans(answers[:1])
+            print(f"{name}: {source}: {[out[what].get(name, {}).get(source) for what in ('odometry', 'scans')]}",
+                  file=sys.stderr, flush=True)
     return out
 
 
@@ -97,7 +98,7 @@ def main() -> int:
     parser.add_argument("data", type=pathlib.Path)
     parser.add_argument("work", type=pathlib.Path)
     parser.add_argument("--program", type=pathlib.Path, default=pathlib.Path("build/bin/underbrush"))
-    parser.add_argument("--seeds", type=int, default=3, help="simulations of each model")
+    parser.add_argument("--seeds", type=int, default=3, help="simulations of the default on the drives")
     parser.add_argument("--only", nargs="+", metavar="NAME", help="logs; default: all")
     parser.add_argument("--reuse", action="store_true", help="take what WORK has")
     parser.add_argument("--json", type=pathlib.Path, help="write figures, checks and verdict here")

@@ -84,8 +84,8 @@ class Real:
         return odometry_figures(self.errors, [self.errors_of(log) for log in sources])
 
     def scans(self, sources: typing.Sequence[Log], halved: bool = False) -> Figures:
-        """Figures of ground and of successive scans, means over the seeds. `halved`: the sources have some beams only,
-        and are compared on these."""
+        """Figures of ground and of successive scans, means over the sources. `halved`: the sources have some beams
+        only, and are compared on these."""
         rows = [~np.isnan(log.range_m) if halved else None for log in sources]
         found = [ground.labels(log, self.height_m) for log in sources]
         real_share = ground.share(self.ground, self.log)

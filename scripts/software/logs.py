@@ -27,9 +27,8 @@ class Log:
 
     def scans(self) -> list[tuple[int, slice]]:
         """Number and rows of each scan, in order."""
-        numbers, begins = np.unique(self.scan, return_index=True)
-        ends = [*begins[1:], len(self.scan)]
-        return [(int(number), slice(int(a), int(b))) for number, a, b in zip(numbers, begins, ends)]
+        begins = np.flatnonzero(np.diff(self.scan, prepend=self.scan[0] - 1))
+        return [(int(self.scan[a]), slice(int(a), int(b))) for a, b in zip(begins, [*begins[1:], len(self.scan)])]
 
     def poses(self) -> list[Floats]:
         """World from sensor, (4, 4), of each scan that has beams, in order."""
@@ -55,8 +54,9 @@ def pose_matrix(translation: typing.Sequence[float], quaternion: typing.Sequence
     return out
 
 
-def read(path: pathlib.Path) -> Log:
-    """Reads a log as `underbrush` writes it. Raises ValueError if it is none."""
+def read_table(path: pathlib.Path) -> tuple[typing.Any, dict[int, Floats]]:
+    """The rows of a log as `underbrush` writes it, as a structured array, and world from sensor, (4, 4), of each scan.
+    Raises ValueError if it is no log or cut short."""
     fields: list[tuple[str, str]] = []
     poses: dict[int, Floats] = {}
     rows = 0
@@ -74,23 +74,32 @@ def read(path: pathlib.Path) -> Log:
         if not {"x", "nx", "alpha", "time", "ring", "scan"} <= columns or not poses:
             raise ValueError(f"{path}: no log of underbrush with rings and scans")
         table = np.fromfile(file, np.dtype(fields), rows)
+    if len(table) != rows:
+        raise ValueError(f"{path}: cut short")
+    return table, poses
+
+
+def read(path: pathlib.Path) -> Log:
+    """Reads a log. Raises ValueError if it is none, or has beams without a direction or scans out of order."""
+    table, poses = read_table(path)
     back = np.stack([table[name].astype(float) for name in ("nx", "ny", "nz")], axis=1)
     reach = np.linalg.norm(back, axis=1)
     end = np.stack([table[name].astype(float) for name in "xyz"], axis=1)
     scan = table["scan"].astype(np.int64)
-    if len(table) != rows or not reach.all() or (np.diff(scan) < 0).any():
-        raise ValueError(f"{path}: cut short, or beams without a direction, or scans out of order")
+    if not reach.all() or (np.diff(scan) < 0).any():
+        raise ValueError(f"{path}: beams without a direction, or scans out of order")
     return Log(end + back, -back / reach[:, None], np.where(table["alpha"] > 0, reach, np.nan),
                table["time"].astype(float), table["ring"].astype(np.int64), scan, poses)
 
 
 def ranges(path: pathlib.Path, like: Log) -> Floats:
     """The (n) ranges, m, of a simulation of the beams of `like`. Raises ValueError if its beams are others."""
-    found = read(path)
-    same = len(found.scan) == len(like.scan) and np.array_equal(found.scan, like.scan)
-    if not same or np.abs(found.direction - like.direction).max() > 1e-4:
+    table, _ = read_table(path)
+    back = np.stack([table[name] for name in ("nx", "ny", "nz")], axis=1)
+    reach = np.linalg.norm(back, axis=1)
+    if not np.array_equal(table["scan"], like.scan) or np.abs(back / reach[:, None] + like.direction).max() > 1e-4:
         raise ValueError(f"{path}: not the beams of the log that it answers")
-    return found.range_m
+    return np.where(table["alpha"] > 0, reach, np.nan).astype(float)
 
 
 def clouds(log: Log) -> list[Floats]:

@@ -27,20 +27,24 @@ def nearest(points: Floats, queries: Floats, count: int) -> tuple[Floats, typing
     return distance.reshape(len(queries), -1), index.reshape(len(queries), -1)
 
 
-def nearest_scans(train: Log, test: Log, rows: slice, count: int) -> list[tuple[int, slice]]:
-    """The `count` training scans whose sensor stood nearest to these test beams, and of these the nearest in time."""
-    def distance(of: slice) -> float:
-        away = np.linalg.norm(train.origin[of].mean(axis=0) - test.origin[rows].mean(axis=0))
-        return float(away + METRES_A_SECOND * abs(train.time_s[of].mean() - test.time_s[rows].mean()))
-    return sorted(train.scans(), key=lambda scan: distance(scan[1]))[:count]
+def nearest_scans(train: Log, test: Log, count: int) -> typing.Iterator[tuple[int, slice, list[tuple[int, slice]]]]:
+    """Number and rows of each test scan, and those of the `count` training scans whose sensor stood nearest, and of
+    these the nearest in time."""
+    def places(log: Log) -> list[tuple[tuple[int, slice], Floats, float]]:
+        return [(scan, log.origin[scan[1]].mean(axis=0), float(log.time_s[scan[1]].mean())) for scan in log.scans()]
+    trained = places(train)
+    for (number, rows), origin, time in places(test):
+        order = sorted(trained, key=lambda place: float(np.linalg.norm(place[1] - origin)
+                                                        + METRES_A_SECOND * abs(place[2] - time)))
+        yield number, rows, [scan for scan, _, _ in order[:count]]
 
 
 def raw(train: Log, test: Log) -> Floats:
     """The (n) ranges, m, of the test beams, NaN without a return: what the beam nearest in direction of the nearest
     training scan measured, both in the frame of the sensor."""
     out = np.full(len(test.scan), np.nan)
-    for number, rows in test.scans():
-        for other, near in nearest_scans(train, test, rows, 1):
+    for number, rows, scans in nearest_scans(train, test, 1):
+        for other, near in scans:
             _, index = nearest(train.direction[near] @ train.world_from_sensor[other][:3, :3],
                                test.direction[rows] @ test.world_from_sensor[number][:3, :3], 1)
             out[rows] = train.range_m[near][index[:, 0]]
@@ -54,8 +58,8 @@ def warped(train: Log, test: Log, count: int = 1) -> Floats:
     out = np.full(len(test.scan), np.nan)
     most = 2 * np.sin(half_spacing(test) / 2)
     end = train.end_points()
-    for _, rows in test.scans():
-        near = np.concatenate([np.arange(s.start, s.stop) for _, s in nearest_scans(train, test, rows, count)])
+    for _, rows, scans in nearest_scans(train, test, count):
+        near = np.concatenate([np.arange(s.start, s.stop) for _, s in scans])
         away = end[near] - test.origin[rows].mean(axis=0)
         hit = ~np.isnan(train.range_m[near])
         direction = np.where(hit[:, None], away / np.linalg.norm(away, axis=1, keepdims=True), train.direction[near])
