@@ -8,30 +8,15 @@ joined by those that underbrush-reference prints (a target of the build) and by 
 import argparse
 import os
 import pathlib
-import shutil
 import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "scripts"))
+from packages import make_venv  # noqa: E402
+
 REQUIREMENTS = ROOT / "docs/requirements.txt"
 NO_VENV = 77   # exit status: the packages are not here and cannot be fetched
-
-
-def make_venv(folder):
-    """Installs the packages where they are not installed yet; says what failed, or nothing."""
-    stamp = folder / "installed.txt"
-    wanted = REQUIREMENTS.read_text(encoding="utf-8")
-    if stamp.exists() and stamp.read_text(encoding="utf-8") == wanted:
-        return None
-    shutil.rmtree(folder, ignore_errors=True)
-    for command in ([sys.executable, "-m", "venv", str(folder)],
-                    [str(folder / "bin/python"), "-m", "pip", "install", "--quiet", "--disable-pip-version-check",
-                     "--no-deps", "-r", str(REQUIREMENTS)]):
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-        if done.returncode:
-            return (done.stderr or done.stdout).strip().splitlines()[-1]
-    stamp.write_text(wanted, encoding="utf-8")
-    return None
 
 
 def build_site(venv, root, site, environment):
@@ -51,7 +36,7 @@ def main():
     parser.add_argument("--no-cpp", action="store_true", help="leave the C++ reference out")
     options = parser.parse_args()
     build = options.build.resolve()
-    if failed := make_venv(build / "docs-venv"):
+    if failed := make_venv(build / "docs-venv", REQUIREMENTS):
         print(f"skipped: mkdocs-material cannot be installed: {failed}")
         sys.exit(NO_VENV)
     environment = {"UNDERBRUSH_REFERENCE": str(build / "bin/underbrush-reference")}

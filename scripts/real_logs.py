@@ -18,12 +18,16 @@ import os
 import pathlib
 import subprocess
 import sys
+import typing
 
+Program = typing.Union[str, pathlib.Path]
+Words = list[typing.Any]
+Scores = dict[str, typing.Any]
 HDL64 = ["--deskew", "velodyne-hdl64e", "--elevation-offset-deg", "0.205",
          "--infer-misses", "velodyne-hdl64e"]
 # name: (source below DATA, import options, split options, fit options). The KITTI car stands in its
 # own beams at 1.4 to 2 m.
-LOGS = {
+LOGS: dict[str, tuple[str, Words, Words, Words]] = {
     "kitti_0027_forest": ("kitti_0027_forest", HDL64, ["--every", "2"], ["--min-range", "2"]),
     "kitti_0005_city": ("kitti_0005_city", HDL64, ["--every", "2"], ["--min-range", "2"]),
     "kitti_0052_static": ("kitti_0052_static", HDL64, ["--every", "2"], ["--min-range", "2"]),
@@ -34,17 +38,19 @@ LOGS = {
 }
 SCENE_SCRIPT = pathlib.Path(__file__).resolve().parent / "mesh_primitives.sh"
 CONFIGS = pathlib.Path(__file__).resolve().parent.parent / "share/configs"
-FITTERS = {"default": ["--fitter", "hierarchical"], "surface": ["--fitter", "surface"],
-           "surface_paper": ["--config", CONFIGS / "vegetation-surface-mobile.yaml"],
-           "surface_carved": ["--fitter", "surface", "--surface-carve"],
-           "sharp": ["--config", CONFIGS / "likelihood-sharp.yaml"],
-           "voxel": ["--fitter", "voxel", "--voxel-side", "0.3"],
-           "top_down": ["--fitter", "top_down"], "bottom_up": ["--fitter", "bottom_up"],
-           "mesh_primitives": None,  # scripts/mesh_primitives.sh
-           "likelihood": ["--fitter", "likelihood"],
-           "likelihood_voxel": ["--fitter", "likelihood", "--start", "voxel", "--voxel-side", "0.3"],
-           "likelihood_top_down": ["--fitter", "likelihood", "--start", "top_down"],
-           "likelihood_bottom_up": ["--fitter", "likelihood", "--start", "bottom_up"]}
+FITTERS: dict[str, typing.Optional[Words]] = {
+    "default": ["--fitter", "hierarchical"], "surface": ["--fitter", "surface"],
+    "surface_paper": ["--config", CONFIGS / "vegetation-surface-mobile.yaml"],
+    "surface_carved": ["--fitter", "surface", "--surface-carve"],
+    "sharp": ["--config", CONFIGS / "likelihood-sharp.yaml"],
+    "voxel": ["--fitter", "voxel", "--voxel-side", "0.3"],
+    "top_down": ["--fitter", "top_down"], "bottom_up": ["--fitter", "bottom_up"],
+    "mesh_primitives": None,  # scripts/mesh_primitives.sh
+    "likelihood": ["--fitter", "likelihood"],
+    "likelihood_voxel": ["--fitter", "likelihood", "--start", "voxel", "--voxel-side", "0.3"],
+    "likelihood_top_down": ["--fitter", "likelihood", "--start", "top_down"],
+    "likelihood_bottom_up": ["--fitter", "likelihood", "--start", "bottom_up"],
+}
 # Models whose parameters optimize tunes first: its options, and on which seconds of the training half (so
 # as to keep the time within bounds; the others are shorter than 10 s).
 TUNED = {"tuned": ["--objective", "packet_f1"], "tuned_nll": ["--objective", "nll"]}
@@ -56,11 +62,11 @@ COLUMNS = [("packet_error_m", "packet error, m", 3), ("precision", "precision", 
            ("crps_m", "CRPS, m", 3), ("packet_f1", "packet error + 2(1 − F1)", 3)]
 
 
-def run(program, *words):
+def run(program: Program, *words: object) -> None:
     subprocess.run([program, *map(str, words)], check=True, stdout=subprocess.DEVNULL)
 
 
-def unpacked(source, data, work):
+def unpacked(source: pathlib.Path, data: pathlib.Path, work: pathlib.Path) -> pathlib.Path:
     """A KITTI drive as import takes it: velodyne/NNNNNN.bin beside its text files."""
     archive = source / "velodyne.kfx"
     if not source.is_dir() or not archive.exists():
@@ -74,28 +80,28 @@ def unpacked(source, data, work):
     return folder
 
 
-def halves(program, data, work, name):
-    source, options, split, _ = LOGS[name]
+def halves(program: Program, data: pathlib.Path, work: pathlib.Path, name: str) -> None:
+    below, options, split, _ = LOGS[name]
     work.mkdir(parents=True, exist_ok=True)
-    source = unpacked(data / source, data, work)
+    source = unpacked(data / below, data, work)
     poses = ["--poses", source / "poses_velo.txt"] if (source / "poses_velo.txt").exists() else []
     run(program, "import", source, *poses, *options, "-o", work / "log.ply")
     run(program, "split", work / "log.ply", *split, "--train", work / "train.ply", "--test", work / "test.ply")
 
 
-def fit_options(program, work, name, label):
+def fit_options(program: Program, work: pathlib.Path, name: str, label: str) -> Words:
     if label not in TUNED:
-        return FITTERS[label]
+        return FITTERS[label] or []
     config = work / f"{label}.yaml"
     run(program, "optimize", work / "train.ply", *LOGS[name][3], *SLICES.get(name, []), *TUNED[label],
         "--report", work / f"{label}-report", "-o", config, "--resume")
     return ["--config", config]
 
 
-def score(program, work, name, models):
+def score(program: Program, work: pathlib.Path, name: str, models: list[str]) -> Scores:
     fit = LOGS[name][3]
     train, test = work / "train.ply", work / "test.ply"
-    words = ["score", test]
+    words: Words = ["score", test]
     for label in models:
         if label == "mesh_primitives":
             subprocess.run([SCENE_SCRIPT, train, work / label, *fit], check=True, stdout=subprocess.DEVNULL,
@@ -105,18 +111,18 @@ def score(program, work, name, models):
         run(program, "simulate", work / label, "--like", test, "--matter", "anew", "-o", work / f"{label}.ply")
         words += [work / f"{label}.ply", "--model", work / label, "--name", label]
     run(program, *words, "--json", work / "score.json", "--report", work / "report")
-    result = json.loads((work / "score.json").read_text())
+    result: Scores = json.loads((work / "score.json").read_text())
     for s in result["models"].values():
         s["packet_f1"] = s["packet_error_m"] + 2 * (1 - s["f1"])
     return result
 
 
-def ellipsoids(program, model):
+def ellipsoids(program: Program, model: pathlib.Path) -> int:
     done = subprocess.run([program, "info", model, "--json", "-"], check=True, stdout=subprocess.PIPE)
-    return json.loads(done.stdout)["ellipsoids"]
+    return int(json.loads(done.stdout)["ellipsoids"])
 
 
-def fold_means(program, work, name, models, folds):
+def fold_means(program: Program, work: pathlib.Path, name: str, models: list[str], folds: int) -> Scores:
     """Scores within the training half: each column in `folds` is held out once; beams of all, mean of the rest."""
     results = []
     for k in range(folds):
@@ -132,14 +138,14 @@ def fold_means(program, work, name, models, folds):
     return {"models": means}
 
 
-def rows(program, work, name, result):
+def rows(program: Program, work: pathlib.Path, name: str, result: Scores) -> typing.Iterator[str]:
     for label, s in result["models"].items():
         figures = [str(ellipsoids(program, work / label))]
         figures += [f"{s[key]:.{digits}f}" for key, _, digits in COLUMNS]
         yield f"| {name} | {label} | {s['beams']} | " + " | ".join(figures) + " |"
 
 
-def main():
+def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("data", type=pathlib.Path)
     parser.add_argument("work", type=pathlib.Path)
@@ -176,4 +182,5 @@ def main():
         args.markdown.write_text("\n".join(table) + "\n")
 
 
-main()
+if __name__ == "__main__":
+    main()

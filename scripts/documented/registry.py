@@ -6,7 +6,7 @@ benchmarks only counts and ratios of times from one run are compared.
 import pathlib
 import sys
 
-from . import matter, registry_evidence
+from . import matter, registry_evidence, registry_software
 from .common import HALVES, KEYS, LOGS, REAL_LOGS, STUDY, study
 from .jobs import Job, Measured, Part, read_json, read_rows
 from .tables import HEADING
@@ -267,18 +267,16 @@ def bench(name, options="", case="", **more):
 def pipeline(column):
     def cells(folder):
         b = read_json(folder / "bench.json")
-        yield "beams", column, [b["beams"]]
-        yield "ellipsoids", column, [b["ellipsoids"]]
-        yield "ground triangles", column, [b["ground_triangles"]]
-        yield "simulate / Embree", column, [b["simulate_to_embree_ground_ratio"]]
+        for row, key in (("beams", "beams"), ("ellipsoids", "ellipsoids"), ("ground triangles", "ground_triangles"),
+                         ("simulate / Embree", "simulate_to_embree_ground_ratio")):
+            yield row, column, [b[key]]
     return cells
 
 
 def bench_fitters(folder):
-    rows = {"top_down, range_likelihood": "top_down (range_likelihood)"}
     for label in ("voxel", "top_down", "top_down, range_likelihood", "bottom_up", "hierarchical", "likelihood",
                   "surface", "rimls"):
-        b = read_json(folder / "bench.json")[rows.get(label, label)]
+        b = read_json(folder / "bench.json")[label.replace(", range_likelihood", " (range_likelihood)")]
         yield label, "growth", [b["growth_exponent"]]
         yield label, "elements", [b["elements"]]
         if "clustering_time_of_voxel" in b:
@@ -357,6 +355,7 @@ MEASURED = {
         uncompared={"goal": "goals are set, not measured", **{row: RATE for row in (
             "AVX2, beams/s", "AVX2, × HDL-64E", "AVX-512, × HDL-64E", "16 sub-rays", "AVX2 at 10⁷",
             "AVX2 at 10⁶ instances", "build")}}),
+    **registry_software.tables(LOGS),
 }
 MEASURED |= registry_evidence.evidence(study, LOGS, HALVES)
 MEASURED["validated"] = matter.validated(MEASURED)

@@ -11,6 +11,7 @@ import rules
 
 sys.path.insert(0, str(rules.ROOT / "scripts"))
 import build_site  # noqa: E402  (beside the program that it is part of)
+from packages import make_venv  # noqa: E402
 
 
 def arguments(parser):
@@ -61,7 +62,7 @@ GOOD = {"LICENSE": "", "docs/README.md": INDEX, "docs/one.md": "# One\n\n[Licenc
 if __name__ == "__main__":
     os.environ.pop("UNDERBRUSH_CPP", None)
     here = rules.ROOT / "build" if "--build" not in sys.argv else pathlib.Path(sys.argv[sys.argv.index("--build") + 1])
-    if failed := build_site.make_venv(here.resolve() / "docs-venv"):
+    if failed := make_venv(here.resolve() / "docs-venv", build_site.REQUIREMENTS):
         print(f"skipped: mkdocs-material cannot be installed: {failed}")
         sys.exit(build_site.NO_VENV)
     rules.main(check, BAD, GOOD, arguments)
