@@ -217,7 +217,7 @@ def test_clocks(tmp_path: pathlib.Path, clock: str) -> None:
     times = joined(list(recording.scans()), "beam_time_s")
     off_s = {"set": [-0.25] * 3, "free": [0.0] * 3, "jumps": [0.0, 0.0, -0.25]}[clock]  # A set clock is believed.
     assert (times - truth)[::ROWS * COLUMNS] == pytest.approx(off_s, abs=1e-6)
-    assert ("jumped 1 times" in " ".join(recording.found())) == (clock == "jumps")
+    assert ("number of jumps: 1" in " ".join(recording.found())) == (clock == "jumps")
 
 
 def test_what_is_missing_is_told_in_one_line(tmp_path: pathlib.Path) -> None:

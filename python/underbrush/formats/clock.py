@@ -78,4 +78,4 @@ class Clock:
             line += f" and {abs(ahead_s):.3f} s {'ahead of' if ahead_s > 0 else 'behind'} the capture's"
         else:
             line = f"clock: the sensor's, which is not set, so that {self.shift_s:+.6f} s were added to it"
-        return line + (f"; it jumped {self.jumps} times" if self.jumps else "")
+        return line + (f"; number of jumps: {self.jumps}" if self.jumps else "")
