@@ -20,6 +20,7 @@ from underbrush.formats.layouts import LAYOUTS  # noqa: E402
 from underbrush.formats.trajectory import pose_at  # noqa: E402
 from underbrush.formats.write_bag import BagWriter  # noqa: E402
 
+
 def sorted_rows(log: Columns, hits_only: bool = False) -> Columns:
     rows = np.lexsort((log["range_m"], log["ring"], np.round(log["time_s"], 7)))
     rows = rows[np.isfinite(log["range_m"][rows])] if hits_only else rows
