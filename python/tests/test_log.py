@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from format_data import end_points, generated_log, joined
+from format_data import Columns, end_points, generated_log, joined
 
 pytest.importorskip("underbrush._core", reason="the library is not built: pip install .")
 pytest.importorskip("rosbags", reason="rosbags is not installed: pip install 'underbrush[formats]'")
-from underbrush.formats import open_recording  # noqa: E402
+from underbrush.formats import export_log, open_recording  # noqa: E402
 from underbrush.formats.log import beams_of_recording  # noqa: E402
 from underbrush.formats.write_bag import BagWriter  # noqa: E402
 
@@ -32,6 +32,22 @@ def test_a_bag_becomes_a_log(tmp_path: pathlib.Path) -> None:
         for chunk in chunks:
             out.write(chunk)
     back = underbrush.read_log(tmp_path / "log.ply")
+    same_log(back, log)
+    assert export_log(tmp_path / "log.ply", tmp_path / "again.mcap", layout="velodyne") == {
+        "beams outside the times of the poses (placed with the nearest)": 16 * 179}
+    info, chunks = beams_of_recording(open_recording(tmp_path / "again.mcap"))
+    with underbrush.LogWriter(tmp_path / "again.ply", info) as out:
+        for chunk in chunks:
+            out.write(chunk)
+    same_log(underbrush.read_log(tmp_path / "again.ply"), log)
+    misses = int(np.isinf(log["range_m"]).sum())
+    assert export_log(back, tmp_path / "log.laz", crs="EPSG:32633") == {"misses": misses}
+    assert export_log(back, tmp_path / "log.npz") == {}
+    assert export_log(back, tmp_path / "log.bag", layout="hesai", poses=poses) == {"misses": misses}
+    assert open_recording(tmp_path / "log.laz").crs == "EPSG:32633"
+
+
+def same_log(back: Any, log: Columns) -> None:
     found = joined([{name: np.asarray(getattr(back, name)) for name in
                      ("origin", "direction", "range_m", "time_s", "ring", "intensity")}])
     rows, same = (np.lexsort((one["ring"], np.round(one["time_s"], 7))) for one in (found, log))

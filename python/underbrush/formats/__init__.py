@@ -10,13 +10,13 @@ from typing import Any
 
 from ..errors import FormatError
 from ._files import OptionMissing, PathLike
-from .log import beams_of_recording
+from .log import beams_of_recording, export_log
 from .place import beams, place
 from .scans import Poses, Recording, Scan
 from .trajectory import read_poses
 
 __all__ = ["FormatError", "OptionMissing", "Poses", "Recording", "Scan", "beams", "beams_of_recording",
-           "open_recording", "place", "read_poses"]
+           "export_log", "open_recording", "place", "read_poses"]
 
 _PCAP = (b"\xd4\xc3\xb2\xa1", b"\xa1\xb2\xc3\xd4", b"\x4d\x3c\xb2\xa1", b"\xa1\xb2\x3c\x4d", b"\x0a\x0d\x0d\x0a")
 

@@ -13,7 +13,7 @@ from ._files import Array, PathLike, guarded, need, with_thousands
 from .scans import Poses, Scan
 from .trajectory import in_order
 
-_CHUNK = 1 << 20  # Points a scan.
+_CHUNK = 1 << 18  # Points a scan.
 _TYPES = {"cartesianX": "d", "cartesianY": "d", "cartesianZ": "d", "sphericalRange": "d", "sphericalAzimuth": "d",
           "sphericalElevation": "d", "cartesianInvalidState": "b", "sphericalInvalidState": "b", "intensity": "f",
           "rowIndex": "q", "columnIndex": "q", "returnIndex": "b", "returnCount": "b", "timeStamp": "d",
@@ -24,7 +24,7 @@ _BASE = (("cartesianX", "cartesianY", "cartesianZ"), ("sphericalRange", "spheric
 
 
 class E57Recording:
-    """An E57 file. A scan is a piece of about a million points of one station, in the station's frame.
+    """An E57 file. A scan is a piece of a quarter million points of one station, in the station's frame.
 
     Beams whose point is given as a direction only (invalid state 1) are misses and kept; those without a direction
     (state 2) are left out and counted. Each station's pose comes from the file; its time is the number of the station,

@@ -1,18 +1,64 @@
-"""Recordings as logs of the library: `underbrush.LogInfo` and `underbrush.BeamLog`."""
+"""Between recordings and the library's logs, `underbrush.LogInfo` and `underbrush.BeamLog`."""
 from __future__ import annotations
 
 import importlib
+import os
+import pathlib
 from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
 
 from ._files import Array, PathLike
+from .numpy_log import NumpyLogWriter
 from .place import beams, poses_of
 from .scans import Poses, Recording
-from .trajectory import pose_at
+from .trajectory import in_order, pose_at, read_poses
+from .write_bag import BagWriter
+from .write_las import LasWriter
 
 _NAMED = ("origin", "direction", "range_m", "intensity", "time_s", "ring", "scan", "packet", "flags")
+
+
+def columns_of(log: Any) -> dict[str, Array]:
+    """The columns of a `BeamLog` as the writers take them: views, nothing is copied."""
+    return {**{name: getattr(log, name) for name in _NAMED}, **log.extra}
+
+
+def poses_of_scans(info: Any) -> Poses:
+    """The poses of a log's scans. `ValueError` where the log has none."""
+    if not info.scans:
+        raise ValueError("the log has no poses of its scans: give poses")
+    at = [(scan.time_s, scan.world_from_sensor) for scan in info.scans]
+    return in_order(np.array([time for time, _ in at]), np.array([pose.position for _, pose in at]),
+                    np.array([pose.rotation for _, pose in at]))
+
+
+def export_log(log: Any, path: PathLike, *, layout: str = "ouster", poses: Poses | PathLike | None = None,
+               crs: str = "", compress: bool = False) -> dict[str, int]:
+    """Writes a log to the format that the name tells: `.las`, `.laz`, `.npz`, `.mcap`, `.db3`, `.bag` or a
+    ROS 2 folder.
+
+    `log` is a `BeamLog` or the path of one (ray cloud PLY), which is read in chunks. `layout`, `poses` (by default
+    those of the log's scans) and `compress` are for ROS (see `BagWriter`), `crs` is for LAS. Returns what the format
+    could not hold, counts by reason. Raises `ValueError`, `FormatError`, `OSError`, `ImportError`.
+    """
+    library: Any = importlib.import_module("underbrush")
+    chunks: Any = library.LogReader(log) if isinstance(log, (str, os.PathLike)) else [log]
+    info = chunks.info if not isinstance(chunks, list) else log.info
+    kind = pathlib.Path(path).suffix.lower()
+    writer: Any
+    if kind == ".npz":
+        writer = NumpyLogWriter(path)
+    elif kind in (".las", ".laz"):
+        writer = LasWriter(path, crs=crs)
+    else:
+        known = poses if isinstance(poses, Poses) else read_poses(poses) if poses else poses_of_scans(info)
+        writer = BagWriter(path, known, layout=layout, compress=compress)
+    with writer:
+        for chunk in chunks:
+            writer.write(columns_of(chunk))
+    return dict(writer.lost)
 
 
 def beams_of_recording(recording: Recording, *, poses: Poses | PathLike | None = None,

@@ -45,7 +45,7 @@ class BagWriter:
         self.lost: collections.Counter[str] = collections.Counter()
         self.written = self.scans = 0
         self._held: list[Mapping[str, Array]] = []  # Pieces of the scan that is being collected.
-        self._next_pose = 0
+        self._next_pose, self._last_s = 0, -np.inf
         self._ros1 = self.path.suffix == ".bag"
         self._exit = contextlib.ExitStack()
 
@@ -101,7 +101,8 @@ class BagWriter:
         columns: dict[str, Array] = {name: np.concatenate([piece[name] for piece in self._held])
                                      for name in self._held[0]}
         self._held = []
-        start_s = float(columns["time_s"].min())
+        start_s, end_s = float(columns["time_s"].min()), float(columns["time_s"].max())
+        self._hold(columns["time_s"])
         stamp = _nanoseconds(start_s)
         points = _in_sensor_frame(columns, self._poses)
         order, shape = self._order(columns)
@@ -109,7 +110,7 @@ class BagWriter:
         if self.layout.name == "autoware":
             kept["return_type"] = return_types(columns)[order]
         cloud = points_from_columns(self.layout, kept, start_s, self.lost)
-        self._write_poses(float(columns["time_s"].max()))
+        self._write_poses(end_s)
         self._write_cloud(cloud, shape, stamp)
         self.written += len(order)
         self.scans += 1
@@ -151,19 +152,34 @@ class BagWriter:
             data=np.frombuffer(points.tobytes(), np.uint8), is_dense=not misses)
         self._send(self._clouds, stamp_ns, message, CLOUD)
 
+    def _hold(self, time_s: Array) -> None:
+        """Beams before the first or after the last pose have that pose, and readers must find it at their time."""
+        times = self._poses.time_s
+        outside = (time_s < times[0]) | (time_s > times[-1])
+        if len(times) == 1 or not outside.any():
+            return
+        self.lost["beams outside the times of the poses (placed with the nearest)"] += int(np.count_nonzero(outside))
+        if self._next_pose == 0 and time_s.min() < times[0]:
+            self._write_pose(float(time_s.min()), 0)
+        if time_s.max() > times[-1]:
+            self._last_s = max(self._last_s, float(time_s.max()))
+
     def _write_poses(self, until_s: float) -> None:
-        types = self._store.types
         while self._next_pose < len(self._poses.time_s) and self._poses.time_s[self._next_pose] <= until_s:
-            i = self._next_pose
-            stamp = _nanoseconds(float(self._poses.time_s[i]))
-            x, y, z, w = (float(v) for v in self._poses.rotation[i])
-            transform = types["geometry_msgs/msg/Transform"](
-                translation=types["geometry_msgs/msg/Vector3"](*(float(v) for v in self._poses.position[i])),
-                rotation=types["geometry_msgs/msg/Quaternion"](x=x, y=y, z=z, w=w))
-            stamped = types["geometry_msgs/msg/TransformStamped"](
-                header=self._header(stamp, self._world), child_frame_id=self._frame, transform=transform)
-            self._send(self._transforms, stamp, types[_TF](transforms=[stamped]), _TF)
+            self._write_pose(float(self._poses.time_s[self._next_pose]), self._next_pose)
             self._next_pose += 1
+        if until_s == np.inf and self._last_s > self._poses.time_s[-1]:
+            self._write_pose(self._last_s + 1e-9, -1)
+
+    def _write_pose(self, time_s: float, row: int) -> None:
+        types, stamp = self._store.types, _nanoseconds(time_s)
+        x, y, z, w = (float(v) for v in self._poses.rotation[row])
+        transform = types["geometry_msgs/msg/Transform"](
+            translation=types["geometry_msgs/msg/Vector3"](*(float(v) for v in self._poses.position[row])),
+            rotation=types["geometry_msgs/msg/Quaternion"](x=x, y=y, z=z, w=w))
+        stamped = types["geometry_msgs/msg/TransformStamped"](
+            header=self._header(stamp, self._world), child_frame_id=self._frame, transform=transform)
+        self._send(self._transforms, stamp, types[_TF](transforms=[stamped]), _TF)
 
     def _header(self, stamp_ns: int, frame: str) -> Any:
         types = self._store.types
