@@ -151,7 +151,7 @@ void bind_model(nb::module_& m) {
           "Name of the fitter that made the model.")
       .def_prop_ro(
           "provenance", [](const ModelValue& v) { return v.provenance; }, "JSON.")
-      .def_prop_ro("_report", [](const ModelValue& v) { return v.report; })
+      .def_prop_ro("report_json", [](const ModelValue& v) { return v.report; })
       .def("__repr__", [](const ModelValue& v) {
         return "Model(" + v.fitter + ": " + std::to_string(v.ground.size()) + " ground and " +
                std::to_string(v.surface.size()) + " surface triangles, " +

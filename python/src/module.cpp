@@ -1,6 +1,7 @@
 /// \file
 /// The module `underbrush._core`.
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/string.h>
 
 #include <cstdlib>
 
@@ -14,7 +15,6 @@ NB_MODULE(_core, m) {
   // A user's annotation such as Optional[Model] outlives the module in a cache of Python's; that is
   // no reason to warn at exit.
   nanobind::set_leak_warnings(std::getenv("UNDERBRUSH_LEAK_WARNINGS") != nullptr);
-  m.attr("__version__") = underbrush::app::version().c_str();
   bind_errors(m);
   bind_poses(m);
   bind_log_info(m);
@@ -32,5 +32,6 @@ NB_MODULE(_core, m) {
   using namespace nanobind::literals;
   m.def("set_threads", &underbrush::set_threads, "threads"_a,
         "Limits the number of threads that this process uses from now on; 0 removes the limit.");
+  m.def("version", &underbrush::app::version, "Returns the version, such as \"0.1.0\".");
   m.def("threads", &underbrush::threads, "Returns the number of threads in use.");
 }

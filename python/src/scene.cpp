@@ -91,7 +91,7 @@ void bind_values(nb::module_& m) {
           "Number of instances that move.")
       .def_prop_ro(
           "provenance", [](const SceneValue& v) { return v.info.provenance; }, "JSON.")
-      .def_prop_ro("_report", [](const SceneValue& v) { return v.report; })
+      .def_prop_ro("report_json", [](const SceneValue& v) { return v.report; })
       .def("__repr__", [](const SceneValue& v) {
         return "Scene(" + std::to_string(v.scene.instances.size()) + " instances of " +
                std::to_string(v.scene.models.size()) + " models)";

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Runs the package's tests in virtual environments under the build folder, whose packages pip fetches by name.
 
+    environment.py maker --build build   makes the environment that builds the module, and prints its Python
     environment.py tests --build build   runs python/tests on the module of the build folder
     environment.py wheel --build build   packs a wheel of it, installs that into a fresh environment and runs there the
                                          Python lines of README.md and the guide, without a compiler on the PATH
@@ -52,9 +53,14 @@ def python_lines(page: pathlib.Path) -> str:
                                 re.M | re.S))
 
 
+def maker_in(build: pathlib.Path) -> pathlib.Path:
+    """The environment with what builds the module and packs the wheel."""
+    return environment(build / "python" / "maker", ["scikit-build-core", "nanobind", "nanobind-backend", "numpy"])
+
+
 def run_wheel(build: pathlib.Path) -> int:
     """Packs the wheel, installs it alone, and runs the pages' lines."""
-    maker = environment(build / "python" / "maker", ["scikit-build-core", "nanobind", "nanobind-backend", "numpy"])
+    maker = maker_in(build)
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         subprocess.run([maker, "-m", "pip", "wheel", "-q", "--no-deps", "--no-build-isolation", "-w", folder, str(ROOT),
@@ -87,8 +93,11 @@ def run_wheel(build: pathlib.Path) -> int:
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=["tests", "wheel"])
+    parser.add_argument("what", choices=["maker", "tests", "wheel"])
     parser.add_argument("--build", required=True, type=pathlib.Path)
     parser.add_argument("words", nargs="*", help="words for pytest")
     given = parser.parse_args()
+    if given.what == "maker":
+        print(maker_in(given.build))
+        sys.exit(0)
     sys.exit(run_tests(given.build, given.words) if given.what == "tests" else run_wheel(given.build))

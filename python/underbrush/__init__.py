@@ -16,13 +16,15 @@ Errors: `ValueError` for a caller's mistake, `FormatError` for bad data in a fil
 from __future__ import annotations
 
 from underbrush._core import (BeamLog, EllipsoidTable, LogInfo, LogReader, LogWriter, Model, Pose, Primitives, ScanInfo,
-                              Scene, Score, Sensor, Summary, Trajectory, TriangleMesh, Tuning, __version__, beams,
+                              Scene, Score, Sensor, Summary, Trajectory, TriangleMesh, Tuning, beams,
                               class_names, fitters, read_log, read_model, read_scene, read_trajectory, sensors,
-                              set_threads, threads, write_log, write_model, write_primitives, write_scene)
+                              set_threads, threads, version, write_log, write_model, write_primitives, write_scene)
 from underbrush.errors import FormatError
 from underbrush.live import Lidar
 from underbrush.logs import ellipsoid_axes, log_from_columns
 from underbrush.verbs import Segmentation, compose, extract, fit, optimize, report_of, score, segment, simulate
+
+__version__ = version()
 
 __all__ = [
     "BeamLog", "EllipsoidTable", "FormatError", "Lidar", "LogInfo", "LogReader", "LogWriter", "Model", "Pose",

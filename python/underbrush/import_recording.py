@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING
 
-from underbrush._core import BeamLog, LogInfo, LogWriter, __version__
+from underbrush._core import BeamLog, LogInfo, LogWriter, version
 from underbrush.errors import FormatError
 
 if TYPE_CHECKING:
@@ -115,7 +115,7 @@ def run(words: Sequence[str]) -> int:
         if not options.output:
             print("\n".join(recording.found()))
             return 0
-        provenance = json.dumps({"program": f"underbrush {__version__}", "command": ["underbrush", "import", *words],
+        provenance = json.dumps({"program": f"underbrush {version()}", "command": ["underbrush", "import", *words],
                                  "seed": 1, "inputs": {}})
         report(options, write(options, recording, provenance), print)
     except FormatError as e:

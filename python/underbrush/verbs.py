@@ -1,9 +1,12 @@
 """The verbs of the command line as functions."""
 from __future__ import annotations
 
+import contextlib
+import importlib
+import importlib.util
 import json
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, TypedDict, overload
 
 from underbrush import _core
@@ -17,7 +20,8 @@ if TYPE_CHECKING:
 Path = str | os.PathLike[str]
 Log = BeamLog | Path  #: A log, or the path of one (ray cloud PLY, as `underbrush import` writes it).
 World = Model | Scene | Path  #: A model or scene, or the path of its folder.
-Progress = Callable[[str, int, int], object]  #: Receives (stage, done, total).
+#: Receives (stage, done, total); True shows a bar if tqdm is installed.
+Progress = Callable[[str, int, int], object] | bool
 #: An object that moves: a model, or the path of a model's folder or a mesh (OBJ, PLY); its poses over time, world from
 #: object; and a material, "" for that of its class.
 Mover = tuple[Model | Path, Trajectory | Path, str]
@@ -58,7 +62,7 @@ class Segmentation(NamedTuple):
 
 def _provenance(verb: str, seed: int, **options: object) -> str:
     words = [f"{name}={value}" for name, value in options.items() if isinstance(value, (str, int, float))]
-    return json.dumps({"program": f"underbrush {_core.__version__}", "command": ["underbrush." + verb, *words],
+    return json.dumps({"program": f"underbrush {_core.version()}", "command": ["underbrush." + verb, *words],
                        "seed": seed, "inputs": {}})
 
 
@@ -66,12 +70,46 @@ def _sensor(sensor: Sensor | str | None) -> Sensor | None:
     return Sensor(sensor) if isinstance(sensor, str) else sensor
 
 
+class _Bar:
+    """A bar of tqdm for each stage."""
+
+    def __init__(self) -> None:
+        self._bar: Any = None
+        self._stage = ""
+
+    def __call__(self, stage: str, done: int, total: int) -> None:
+        tqdm: Any = importlib.import_module("tqdm")
+        if stage != self._stage:
+            self.close()
+            self._stage, self._bar = stage, tqdm.tqdm(desc=stage, leave=False)
+        self._bar.total = total
+        self._bar.update(done - self._bar.n)
+
+    def close(self) -> None:
+        if self._bar is not None:
+            self._bar.close()
+
+
+@contextlib.contextmanager
+def _shown(progress: Progress | None) -> Iterator[Callable[[str, int, int], object] | None]:
+    if not isinstance(progress, bool):
+        yield progress
+    elif not progress or importlib.util.find_spec("tqdm") is None:
+        yield None
+    else:
+        bar = _Bar()
+        try:
+            yield bar
+        finally:
+            bar.close()
+
+
 def report_of(value: Model | Scene | Primitives) -> dict[str, Any]:
     """Returns counts, warnings and times of the `fit`, `compose` or `extract` that made the value.
 
     The keys are those of the command's `--json`. The dict is empty for a value that was read from a file.
     """
-    report: dict[str, Any] = json.loads(value._report)
+    report: dict[str, Any] = json.loads(value.report_json)
     return report
 
 
@@ -87,7 +125,8 @@ def fit(log: Log, output: Path | None = None, *, seed: int = 1, sensor: Sensor |
     `FormatError`, `OSError`.
     """
     given: dict[str, Any] = dict(parameters)
-    model = _core.fit(log, given, seed, _sensor(sensor), _provenance("fit", seed, **given), progress)
+    with _shown(progress) as shown:
+        model = _core.fit(log, given, seed, _sensor(sensor), _provenance("fit", seed, **given), shown)
     if output is not None:
         _core.write_model(output, model)
     return model
@@ -138,10 +177,11 @@ def simulate(model: World, *, like: Log | None = None, sensor: Sensor | str | No
     path = trajectory if trajectory is None or isinstance(trajectory, Trajectory) else _core.read_trajectory(trajectory)
     given: dict[str, Any] = dict(options)
     core = _options(seed, movers, given)
-    if output is None:
-        return _core.simulate(model, core, like, _sensor(sensor), path, progress)
-    beams, rows, hits = _core.simulate_to(output, profile, _provenance("simulate", seed, **given), model, core, like,
-                                          _sensor(sensor), path, progress)
+    with _shown(progress) as shown:
+        if output is None:
+            return _core.simulate(model, core, like, _sensor(sensor), path, shown)
+        beams, rows, hits = _core.simulate_to(output, profile, _provenance("simulate", seed, **given), model, core,
+                                              like, _sensor(sensor), path, shown)
     return {"beams": beams, "rows": rows, "hits": hits}
 
 
@@ -153,7 +193,8 @@ def score(real: Log, simulated: Log, *, model: World | None = None, cloud: bool 
     Chamfer distance are left out. Raises `ValueError` (`FormatError` for files) where the beams differ in number, scan,
     ring or origin.
     """
-    return _core.score(real, simulated, model, cloud, progress)
+    with _shown(progress) as shown:
+        return _core.score(real, simulated, model, cloud, shown)
 
 
 def segment(log: Log, output: Path | None = None, *, labels: Path | None = None, label_set: str = "",
@@ -167,7 +208,8 @@ def segment(log: Log, output: Path | None = None, *, labels: Path | None = None,
     """
     core = _core.SegmentOptions()
     _set(core, "segment", options)
-    labelled, report = _core.segment(log, core, labels, label_set, truth, progress)
+    with _shown(progress) as shown:
+        labelled, report = _core.segment(log, core, labels, label_set, truth, shown)
     if output is not None:
         _core.write_log(output, labelled, "", _provenance("segment", 1, **options))
     return Segmentation(labelled, json.loads(report))
@@ -183,7 +225,8 @@ def extract(model: Model | Path, labelled: Log, output: Path | None = None, *, p
     """
     core = _core.ExtractOptions()
     _set(core, "extract", options)
-    primitives = _core.extract(model, labelled, core, progress)
+    with _shown(progress) as shown:
+        primitives = _core.extract(model, labelled, core, shown)
     if output is not None:
         _core.write_primitives(output, primitives, _provenance("extract", 1, **options))
     return primitives
@@ -205,7 +248,8 @@ def compose(annotation: Path, primitives: Primitives | Path, output: Path | None
     for name, factor in (class_density or {}).items():
         core.set_density(name, factor)
     source = primitives if isinstance(primitives, Primitives) else os.fspath(primitives)
-    scene = _core.compose(annotation, source, ground, core, allow_outside, _provenance("compose", seed), progress)
+    with _shown(progress) as shown:
+        scene = _core.compose(annotation, source, ground, core, allow_outside, _provenance("compose", seed), shown)
     report = report_of(scene)
     if strict and (report["off_ground"] or report["left_out"] or report["borrowed"]):
         raise ValueError(f"compose: not all objects can be placed as annotated: {report['off_ground']} off the ground, "
@@ -232,10 +276,11 @@ def optimize(log: Log, *, objective: str = "packet_f1", tune: Sequence[str] = ()
     core.validate, core.algorithm, core.step, core.seed = validate, algorithm, step, seed
     if (annotation is None) != (primitives is None):
         raise ValueError("optimize: annotation and primitives belong together")
-    if annotation is not None and primitives is not None:
-        core.tune = list(tune)
-        return _core.optimize_scene(log, core, annotation, os.fspath(primitives), allow_outside, progress)
-    return _core.optimize_fit(log, core, dict(parameters), _sensor(sensor), progress)
+    with _shown(progress) as shown:
+        if annotation is not None and primitives is not None:
+            core.tune = list(tune)
+            return _core.optimize_scene(log, core, annotation, os.fspath(primitives), allow_outside, shown)
+        return _core.optimize_fit(log, core, dict(parameters), _sensor(sensor), shown)
 
 
 def _set(core: object, verb: str, options: Mapping[str, object]) -> None:
