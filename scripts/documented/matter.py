@@ -101,7 +101,15 @@ def validated(tables):
         f = read_json(folder / "study.json")["figures"]["kitti_0027_forest"]["20 m beyond"]["default"]
         yield "beyond the log", "error", [100 * f["answered"], f["capped_error_m"]]
 
+    def software(forest, street):
+        found = [next(iter(read_json(folder / "study.json")["figures"]["odometry"].values()))["default"]
+                 for folder in (forest, street)]
+        ratios = [drive[part]["ratio"] for part in ("translation", "rotation") for drive in found]
+        yield ("odometry on simulated scans", "error", ratios + extremes(
+            [drive[part]["correlation"] for part in ("translation", "rotation") for drive in found]))
+
     def part(name, cells):
         return Part(tuple(job for p in tables[name].parts for job in p.jobs), cells)
     return Measured((part("instrument", ends), part("grain", rings), part("echoes", several), part("walls", walls),
-                     part("extrapolation", beyond)))
+                     part("extrapolation", beyond), part("software-odometry", software)),
+                    relative={"odometry on simulated scans": 0.02})
