@@ -149,7 +149,7 @@ void add_denser(const StudyRun& run, const fs::path& file, const Path& path, Row
 void report_rows(const std::string& log, const Rows& rows, report::Table& table,
                  StudyResult& result) {
   for (const auto& [protocol, sums] : rows) {
-    const std::string row = log + "/" + protocol;
+    const std::string row = fmt::format("{}/{}", log, protocol);
     std::string cells[4];
     for (size_t k = 0; k < sums.size(); ++k) {
       const double n = double(sums[k].tests);

@@ -31,7 +31,7 @@ class SpinningSensor:
 def folder() -> pathlib.Path:
     """The folder of the sensor files: inside the installed package, else in the source tree."""
     here = pathlib.Path(__file__).resolve()
-    places = (here.parents[1] / "share" / "sensors", here.parents[3] / "share" / "sensors")
+    places = (here.parents[1] / "share" / "underbrush" / "sensors", here.parents[3] / "share" / "sensors")
     return next((place for place in places if place.is_dir()), places[0])
 
 

@@ -32,10 +32,10 @@ struct WindowSums {
 };
 
 double similarity(const WindowSums& s, double c1, double c2) {
-  constexpr double n = kWindow * kWindow;
-  const double a = s.a / n, b = s.b / n, unbiased = n / (n - 1);
-  const double aa = unbiased * (s.aa / n - a * a), bb = unbiased * (s.bb / n - b * b);
-  const double ab = unbiased * (s.ab / n - a * b);
+  constexpr double kPixels = kWindow * kWindow, kUnbiased = kPixels / (kPixels - 1);
+  const double a = s.a / kPixels, b = s.b / kPixels;
+  const double aa = kUnbiased * (s.aa / kPixels - a * a), bb = kUnbiased * (s.bb / kPixels - b * b);
+  const double ab = kUnbiased * (s.ab / kPixels - a * b);
   return (2 * a * b + c1) * (2 * ab + c2) / ((a * a + b * b + c1) * (aa + bb + c2));
 }
 
@@ -125,7 +125,7 @@ std::vector<Vec3f> points_of(const RangeImage& image) {
   std::vector<Vec3f> out;
   for (int row = 0; row < l.rows; ++row) {
     for (int column = 0; column < l.columns; ++column) {
-      const double depth = double(image.depth_m[size_t(row * l.columns + column)]);
+      const double depth = double(image.depth_m[size_t(row) * size_t(l.columns) + size_t(column)]);
       if (depth == 0) continue;
       const double beta = -(column - l.columns / 2.0) / l.columns * 2 * M_PI;
       const double alpha = (l.up_deg - double(row) / l.rows * l.total_deg) * M_PI / 180;
