@@ -99,6 +99,7 @@ std::vector<Repeats> repeats_of(const BeamLog& test, const BeamLog& simulated,
     first += real.size();
   });
   std::vector<Repeats> out;
+  out.reserve(scans.size());
   for (const RepeatedScans& s : scans) out.push_back(s.finish());
   return out;
 }
