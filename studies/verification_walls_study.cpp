@@ -20,6 +20,7 @@ constexpr size_t kLeastScans = 4;
 WallFigures figures_of(const std::vector<WallScan>& scans, WallSource source,
                        const ScannerFault& fault, uint64_t seed) {
   std::vector<std::vector<Wall>> walls;
+  walls.reserve(scans.size());
   for (const WallScan& scan : scans) {
     walls.push_back(scan.compare(source, fault, seed + walls.size()));
   }
