@@ -181,11 +181,12 @@ Bounded bounded(const std::vector<double>& values) {
   // The 99.5 % point of Student's t is tabulated up to ν = 4; beyond, it is expanded about the
   // normal distribution's (Cornish and Fisher).
   constexpr double kTable[] = {63.657, 9.925, 5.841, 4.604};
-  constexpr double z = 2.575829;
-  const double n = double(values.size()), v = n - 1, z2 = z * z;
-  const double t = v <= 4 ? kTable[size_t(v) - 1]
-                          : z * (1 + (z2 + 1) / (4 * v) + ((5 * z2 + 16) * z2 + 3) / (96 * v * v) +
-                                 (((3 * z2 + 19) * z2 + 17) * z2 - 15) / (384 * v * v * v));
+  constexpr double kNormal = 2.575829;
+  const double n = double(values.size()), v = n - 1, z2 = kNormal * kNormal;
+  const double t =
+      v <= 4 ? kTable[size_t(v) - 1]
+             : kNormal * (1 + (z2 + 1) / (4 * v) + ((5 * z2 + 16) * z2 + 3) / (96 * v * v) +
+                          (((3 * z2 + 19) * z2 + 17) * z2 - 15) / (384 * v * v * v));
   double mean = 0, squares = 0;
   for (const double x : values) mean += x / n;
   for (const double x : values) squares += (x - mean) * (x - mean) / v;
