@@ -95,7 +95,7 @@ def model_of(packets: Packets, sensor: str | None = None) -> Model:
 def rings_of_lasers(model: Model, file: catalogue.SpinningSensor) -> npt.NDArray[np.int64]:
     """(lasers,) ring of each laser in the order of the packet, which is that of firing.
 
-    Of lasers that fire together, the packet has the one with the most clockwise offset first.
+    The packet begins each group of lasers that fire together with the one that is offset most clockwise.
     """
     if model.is_hdl64e:
         upper = [ring - odd for ring in _HDL64E_RINGS for odd in (0, 1)]
