@@ -15,9 +15,9 @@ import os
 import pathlib
 import random
 import re
+import resource
 import shlex
 import shutil
-import signal
 import subprocess
 import sys
 import tempfile
@@ -27,7 +27,7 @@ import kinds
 import mutations
 import seeds
 
-WALL_S, CPU_S, MEMORY_KIB, FILE_KIB = 20, 15, 4 << 20, 256 << 10
+WALL_S, CPU_S, MEMORY, FILE_SIZE = 60, 15, 4 << 30, 512 << 20  # seconds and bytes of a run
 ALWAYS = ["--threads", "1", "--force"]  # Not all outputs tell who wrote them.
 LONGEST = 600  # bytes of a message
 CHUNK = 50  # mutants that a worker takes at once
@@ -56,6 +56,18 @@ def all_files(folder):
 
 def top(name):
     return name.split("/")[0]
+
+
+def limit_resources():
+    """Limits this process and those that it starts."""
+    for what, most in ((resource.RLIMIT_CORE, 0), (resource.RLIMIT_AS, MEMORY), (resource.RLIMIT_FSIZE, FILE_SIZE)):
+        resource.setrlimit(what, (most, resource.getrlimit(what)[1]))
+
+
+def processor_s():
+    """Seconds of a processor that the processes which this one started and which ended have used."""
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
 
 
 class Scratch:
@@ -92,18 +104,17 @@ class Scratch:
             shutil.copy(source, self.folder / name)
 
     def run(self):
-        # The limits hold for the program alone, so a shell sets them, which the program then replaces.
-        limits = f'ulimit -c 0; ulimit -t {CPU_S}; ulimit -v {MEMORY_KIB}; ulimit -f {2 * FILE_KIB}; exec "$@"'
-        words = ["sh", "-c", limits, "sh", self.options.program, *self.kind.words, *ALWAYS]
+        words = [self.options.program, *self.kind.words, *ALWAYS]
+        used = processor_s()
         with subprocess.Popen(words, cwd=self.folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                               stderr=subprocess.PIPE, env={"TMPDIR": str(self.temporary), "PATH": os.defpath}) as child:
             try:
                 out, err = child.communicate(timeout=WALL_S)
             except subprocess.TimeoutExpired:
                 child.kill()
-                out, err = child.communicate()
-                return None, out, err
-        return child.returncode, out, err
+                child.communicate()
+                return None, b"", b""
+        return None if processor_s() - used > CPU_S else child.returncode, out, err
 
     def put(self, number, others):
         """Writes a mutant in the place of the good file."""
@@ -149,7 +160,7 @@ class Scratch:
 
 def reasons_of(kind, code, out, err):
     """Yields what is wrong with an exit code and a message."""
-    if code is None or code in (-signal.SIGXCPU, -signal.SIGKILL):
+    if code is None:
         if not kind.usage:
             yield f"ran longer than {WALL_S} s of time or {CPU_S} s of a processor"
         return
@@ -219,7 +230,7 @@ def run_all(chosen, options):
     end = options.first + options.mutants
     chunks = [(kind, range(at, min(at + CHUNK, end))) for at in range(options.first, end, CHUNK) for kind in chosen]
     shown = 0.0
-    with concurrent.futures.ProcessPoolExecutor(options.jobs) as pool:
+    with concurrent.futures.ProcessPoolExecutor(options.jobs, initializer=limit_resources) as pool:
         futures = [pool.submit(run_chunk, kind, numbers, options) for kind, numbers in chunks]
         for future in concurrent.futures.as_completed(futures):
             name, codes, failed = future.result()
