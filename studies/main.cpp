@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <chrono>
 #include <iostream>
 
@@ -64,8 +63,7 @@ bool run(const app::Verb& verb, const Arguments& a) {
         fmt::format("report: {}\n", write_study_report(a.report, study, result, origin).string());
   }
   verb.report(j, text);
-  return std::all_of(result.checks.begin(), result.checks.end(),
-                     [](const Check& c) { return c.holds(); });
+  return holds(result.checks);
 }
 
 void add_options(app::Verb& verb, Arguments& a) {

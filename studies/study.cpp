@@ -28,7 +28,12 @@ std::string checks_html(const StudyResult& result) {
 
 }  // namespace
 
+bool holds(std::span<const Check> checks) {
+  return !checks.empty() && std::ranges::all_of(checks, &Check::holds);
+}
+
 std::string verdict(std::span<const Check> checks) {
+  if (checks.empty()) return "falls short: nothing was compared";
   std::string short_of;
   for (const Check& c : checks) {
     if (!c.holds()) short_of += (short_of.empty() ? "" : "; ") + sentence(c);

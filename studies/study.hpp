@@ -33,6 +33,8 @@ struct Check {
   bool holds() const { return at_most ? value <= limit : value >= limit; }
 };
 
+/// Returns whether all checks hold. A study without a check compared nothing and does not hold.
+bool holds(std::span<const Check> checks);
 /// Returns "holds", or "falls short: " and each check that does not hold.
 std::string verdict(std::span<const Check> checks);
 

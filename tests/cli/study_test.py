@@ -58,6 +58,11 @@ class Study(cli_test.Failing):
             self.assertIn("mobile experiment was left out", done.stdout)
             self.assertTrue(pathlib.Path(folder, "r", "index.html").is_file())
 
+    def test_without_its_logs_falls_short(self):
+        done = study("echoes")
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertIn("verdict: falls short: nothing was compared\n", done.stdout)
+
     def test_of_no_such_name(self):
         self.assert_fails(study("vegetatoin"), 2, "vegetation")
 

@@ -334,8 +334,11 @@ TEST(Fit, SaysWhatALogLacks) {
   misses.resize(100);
   MemorySource only_misses(misses);
   EXPECT_THROW(fit(only_misses, {}), std::invalid_argument);
-  options.fitter = "magic";
   MemorySource again(log);
+  options.min_range_m = -3;
+  EXPECT_THROW(fit(again, options), std::invalid_argument);
+  options.min_range_m = 0;
+  options.fitter = "magic";
   EXPECT_THROW(fit(again, options), std::invalid_argument);
 }
 

@@ -122,6 +122,7 @@ LikelihoodOptions likelihood_options(const FitOptions& options) {
 FitResult fit(BeamSource& source, const FitOptions& options, const FitProgress& progress) {
   require(options.tau > 0, "fit: tau must be positive");
   require(options.range_noise_m > 0, "fit: the range noise must be positive");
+  require(options.min_range_m >= 0, "fit: the least range must not be negative");
   const Fitter& fitter = fitter_named(options.fitter);
   FitResult out = fitter.fit(source, options, progress);
   out.model.range_noise_m = options.range_noise_m;
