@@ -1,32 +1,47 @@
 #include "verbs.hpp"
 
+#include <algorithm>
+#include <string_view>
+
 #include "run.hpp"
 
 namespace underbrush::app {
+namespace {
+
+struct NamedVerb {
+  std::string_view name;
+  void (*add)(Program&);
+};
+
+// In the order of the stages.
+constexpr NamedVerb kVerbs[] = {
+    {"demo", add_demo},         {"import", add_import},   {"info", add_info},
+    {"split", add_split},       {"fit", add_fit},         {"optimize", add_optimize},
+    {"segment", add_segment},   {"extract", add_extract}, {"meshes", add_meshes},
+    {"annotate", add_annotate}, {"compose", add_compose}, {"sensors", add_sensors},
+    {"simulate", add_simulate}, {"score", add_score},
+};
+
+}  // namespace
 
 void add_all_verbs(Program& program) {
   program.app().require_subcommand(1);
-  add_demo(program);
-  add_import(program);
-  add_info(program);
-  add_split(program);
-  add_fit(program);
-  add_optimize(program);
-  add_segment(program);
-  add_extract(program);
-  add_meshes(program);
-  add_annotate(program);
-  add_compose(program);
-  add_sensors(program);
-  add_simulate(program);
-  add_score(program);
+  for (const NamedVerb& verb : kVerbs) verb.add(program);
   add_dump_config(program);
   add_completion(program);
 }
 
 int run_underbrush(int argc, char** argv) {
   Program program("underbrush", kSummary);
-  add_all_verbs(program);
+  // Making the options of all verbs takes longer than a short run of one.
+  const auto* called =
+      argc < 2 ? std::end(kVerbs) : std::ranges::find(kVerbs, argv[1], &NamedVerb::name);
+  if (called == std::end(kVerbs)) {
+    add_all_verbs(program);
+  } else {
+    program.app().require_subcommand(1);
+    called->add(program);
+  }
   return program.run(argc, argv);
 }
 
