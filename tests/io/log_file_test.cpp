@@ -264,6 +264,17 @@ TEST(LogFile, OwnLayoutToTheByte) {
   EXPECT_TRUE(written == s);
 }
 
+TEST(LogFile, WithoutAColumnOfClassesHasNoLabelSet) {
+  const TemporaryFolder folder;
+  BeamLog log = random_log(1, 100, 0);
+  log.info.classes = "underbrush";
+  write_log(folder / "a.ply", log, kProvenance);
+  EXPECT_EQ(LogReader(folder / "a.ply").info().classes, "underbrush");
+  log.extra.erase("class");
+  write_log(folder / "b.ply", log, kProvenance);
+  EXPECT_EQ(LogReader(folder / "b.ply").info().classes, "");
+}
+
 TEST(LogFile, RefusesDamage) {
   const TemporaryFolder folder;
   write_log(folder / "a.ply", random_log(1, 100, 0), kProvenance);

@@ -142,6 +142,7 @@ void LogReader::State::find_columns() {
     const ValueType type = narrow == comments.narrow.end() ? field.type : narrow->second;
     extra[comments.ours ? name_from_stored(stored) : stored] = {field, column_of(type)};
   }
+  if (extra.count("class") == 0) comments.info.classes.clear();
 }
 
 // Finds the maximum range and whether there are misses, which the ray clouds of other programs do
