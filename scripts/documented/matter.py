@@ -69,8 +69,8 @@ MEASURED = {
 }
 
 
-def extremes(values, unit=1.0):
-    return [unit * min(values), unit * max(values)]
+def extremes(values):
+    return [min(values), max(values)]
 
 
 def validated(tables):
@@ -81,7 +81,7 @@ def validated(tables):
         yield ("where beams end", "error", extremes([m[KEYS["packet error, m"]] for m in thin]) +
                extremes([m[KEYS["F1"]] for m in thin]))
         weak = [read_json(folder / "weak.json") for folder in folders]
-        yield "misses by weak signal", "error", extremes([w["misses"] for w in weak], 100)
+        yield "misses by weak signal", "error", extremes([w["misses"] for w in weak])
 
     def rings(*folders):
         models = [read_json(folder / "scores.json")["models"]["once"] for folder in folders]
@@ -90,7 +90,7 @@ def validated(tables):
     def several(folder):
         figures = {row.partition("/")[2]: s for row, s in read_json(folder / "study.json")["figures"].items()}
         once, real = figures["once"], figures["real"]
-        yield "several echoes a pulse", "error", [100 * once["two"], 100 * real["two"]]
+        yield "several echoes a pulse", "error", [once["two"], real["two"]]
         yield "gaps between echoes", "error", [once["gap_m"][1], real["gap_m"][1]]
 
     def walls(folder):
@@ -99,7 +99,8 @@ def validated(tables):
 
     def beyond(folder):
         f = read_json(folder / "study.json")["figures"]["kitti_0027_forest"]["20 m beyond"]["default"]
-        yield "beyond the log", "error", [100 * f["answered"], f["capped_error_m"]]
+        yield "beyond the log", "compared with", [20]
+        yield "beyond the log", "error", [f["answered"], f["capped_error_m"]]
 
     def software(forest, street):
         found = [next(iter(read_json(folder / "study.json")["figures"]["odometry"].values()))["default"]

@@ -1,0 +1,85 @@
+#!/usr/bin/env python3
+"""Checks that each header, private ones (.inl) too, compiles alone. Clang reads them, and what it makes of the third
+parties is kept for all headers that include the same. The kernels' private headers, in GCC's dialect, are compiled
+once for each instruction set."""
+import collections
+import concurrent.futures
+import os
+import platform
+import re
+import subprocess
+import tempfile
+
+import rules
+
+# Folders in which includes are looked for, in order, and in which the headers lie.
+FOLDERS = ("src", ".", "apps", "apps/underbrush", "tests")
+OWN = re.compile(r"(src|report|studies|apps|cli|tests)/(?!fuzz/|rules/|consumer/)")
+# Third parties whose headers take long to read. A header that includes one of them gets all that this one includes,
+# so that having read it before hides no missing include.
+SLOW = re.compile(r"(Eigen/Core|Eigen/Geometry|nlohmann/json\.hpp|CLI/CLI\.hpp)$")
+INCLUDE = r'^\s*#\s*include\s*(?:<([^>]+)>|"([^"]+)")'
+KERNEL = re.compile(r"src/.*/trace/.*\.inl$")
+FLAGS = ("-std=c++20", "-DEIGEN_MAX_STATIC_ALIGN_BYTES=16", '-DUNDERBRUSH_TEST_DATA=""', "-isystem",
+         "/usr/include/eigen3")
+INSTRUCTION_SETS = ((), ("-mavx2", "-mfma", "-mbmi", "-mpopcnt"),
+                    ("-mavx2", "-mfma", "-mbmi", "-mpopcnt", "-mavx512f", "-mavx512vl", "-mavx512dq"))
+
+
+def third_parties(root, header, known):
+    """The slow third parties that a header includes, itself or through others of ours."""
+    if header not in known:
+        known[header] = frozenset()
+        found = set()
+        for _, m in rules.lines_with(INCLUDE, rules.split_cpp(rules.read(root, header))[0]):
+            if m[1]:
+                found.update({m[1]} if SLOW.match(m[1]) else ())
+                continue
+            for folder in FOLDERS:
+                path = os.path.normpath(f"{folder}/{m[2]}")
+                if (root / path).is_file():
+                    found |= third_parties(root, path, known)
+                    break
+        known[header] = frozenset(found)
+    return known[header]
+
+
+def compile_alone(words, header):
+    """The first error of a header on its own, or None."""
+    done = subprocess.run([*words, "-fsyntax-only", "-x", "c++", "-"], input=f'#include "{header}"\n',
+                          capture_output=True, text=True)
+    errors = [line for line in done.stderr.splitlines() if "error:" in line]
+    return None if done.returncode == 0 else (errors or [done.stderr.strip()])[0]
+
+
+def check(root):
+    groups, known = collections.defaultdict(list), {}
+    for header in rules.tracked(root, ".hpp", ".inl"):
+        if OWN.match(header):
+            groups[third_parties(root, header, known)].append(header)
+    words, jobs = [*FLAGS, *(f"-I{root / folder}" for folder in FOLDERS)], []
+    with tempfile.TemporaryDirectory() as folder, concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        for number, (parties, headers) in enumerate(sorted(groups.items(), key=lambda g: sorted(g[0]))):
+            read = os.path.join(folder, f"{number}.pch")
+            text = "".join(f"#include <{party}>\n" for party in sorted(parties))
+            subprocess.run(["clang++", *words, "-x", "c++-header", "-", "-o", read], input=text, text=True, check=True)
+            for header in headers:
+                ways = [["clang++", *words, "-include-pch", read]]
+                if KERNEL.match(header) and platform.machine() == "x86_64":
+                    ways = [["g++", "-Wno-psabi", *words, *flags] for flags in INSTRUCTION_SETS]
+                jobs += [(header, pool.submit(compile_alone, way, root / header)) for way in ways]
+        return [f"{header}: does not compile alone: {job.result()}" for header, job in jobs if job.result()]
+
+
+ALONE = "#pragma once\ninline std::vector<int> nothing() { return {}; }\n"
+EIGEN = "#pragma once\n#include <Eigen/Core>\n"
+BAD = [
+    ({"src/a.hpp": ALONE}, "std"),
+    ({"src/trace/a.inl": ALONE}, "std"),
+    ({"src/a.hpp": EIGEN, "src/b.hpp": "#pragma once\ninline Eigen::Vector3d nothing();\n"}, "Eigen"),
+    ({"src/a.hpp": EIGEN + '#include "c.hpp"\n', "src/c.hpp": ALONE}, "src/c.hpp"),
+]
+GOOD = {"src/a.hpp": EIGEN + '#include "b.hpp"\n', "src/b.hpp": EIGEN + "inline Eigen::Vector3d nothing();\n"}
+
+if __name__ == "__main__":
+    rules.main(check, BAD, GOOD)
