@@ -135,6 +135,10 @@ TEST_F(SensorFile, ErrorsNameFileAndPlace) {
   expect("min_range_m: 1", "min_range_m: 1\nreceiver: {pulse: square}", "receiver.pulse");
   expect("min_range_m: 1", "min_range_m: 1\nreceiver: {pulse_ns: -3}", "pulse");
   expect("min_range_m: 1", "min_range_m: 1\nreceiver: {echo: 3}", "receiver.echo: unknown key");
+  for (const char* lines : {"[0, 9]", "[9, 1e300]", "[9, -1]", "[1025, 9]", "[9, .nan]"}) {
+    expect("min_range_m: 1", std::string("min_range_m: 1\nsub_rays: ") + lines,
+           "sub_rays: must be 1 to 1024");
+  }
   expect("min_range_m: 1", "min_range_m: 1\ndivergence_mrad: 3", "divergence_mrad");
   expect("min_range_m: 1", "min_range_m: 1\nprofile: table", "profile_table");
   expect("min_range_m: 1", "min_range_m: 1\nprofile: table\nprofile_table: [[1, 2], [3]]",

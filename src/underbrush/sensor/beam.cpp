@@ -167,7 +167,7 @@ std::vector<SubRay> spread_sub_rays(const BeamShape& shape, int n) {
 }
 
 std::vector<SubRay> grid_sub_rays(const BeamShape& shape, int columns, int rows) {
-  require(columns >= 1 && rows >= 1 && columns <= 1024 && rows <= 1024,
+  require(std::min(columns, rows) >= 1 && std::max(columns, rows) <= kMostSubRayLines,
           "beam: columns and rows of sub-rays must be 1 to 1024");
   const double extent = shape.profile == Profile::kGaussian ? kGaussianExtent : 1;
   std::vector<SubRay> rays;

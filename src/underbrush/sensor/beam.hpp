@@ -77,6 +77,7 @@ std::vector<float> exact_weights(std::span<const double> shares);
 /// Throws `std::invalid_argument` for a table profile and for values out of range.
 std::vector<SubRay> spread_sub_rays(const BeamShape& shape, int n);
 
+inline constexpr int kMostSubRayLines = 1024;  ///< Most columns and most rows of sub-rays.
 /// Makes up to `columns` × `rows` sub-rays from a grid over the profile, as in [rosenberger20]
 /// §3.2. A Gaussian is cut at 2.5 half-widths. Each sub-ray is at its cell's centre of energy and
 /// has the cell's energy as weight; cells without energy are left out. Throws

@@ -34,6 +34,9 @@ void read_beam(const YamlMap& map, Sensor& s) {
     }
   }
   const auto sub_rays = map.pair("sub_rays", {9, 9});
+  for (const double lines : sub_rays) {
+    if (!(lines >= 1 && lines <= kMostSubRayLines)) map.fail("sub_rays", "must be 1 to 1024");
+  }
   s.sub_rays = {int(sub_rays[0]), int(sub_rays[1])};
   s.wavelength_m = map.get("wavelength_nm", 0.0) * 1e-9;
 }
