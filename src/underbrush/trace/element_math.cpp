@@ -81,6 +81,15 @@ Intersection intersect_ellipsoid(const elements::Model& model, const elements::E
   return met;
 }
 
+double sigma_of(const elements::TriangleMesh& mesh, const std::array<uint32_t, 3>& corner,
+                const Vec3& direction) {
+  if (!(mesh.roughness_m > 0)) return mesh.range_sigma_m;
+  Vec3 at[3];
+  for (size_t v = 0; v < 3; ++v) at[v] = mesh.vertices[corner[v]].cast<double>();
+  return std::sqrt(rough_sigma2(mesh.range_sigma_m, mesh.roughness_m, at[0].data(), at[1].data(),
+                                at[2].data(), direction.data()));
+}
+
 Intersection intersect_unlimited(const elements::Model& model, uint32_t element, const Vec3& origin,
                                  const Vec3& direction) {
   const elements::ElementPlace at = model.place(element);
@@ -95,9 +104,7 @@ Intersection intersect_unlimited(const elements::Model& model, uint32_t element,
                             mesh.vertices[corner[2]]);
     if (!t) return {};
     met.t_m = *t;
-    met.sigma_m = rough_sigma(mesh.range_sigma_m, mesh.roughness_m, mesh.vertices[corner[0]].data(),
-                              mesh.vertices[corner[1]].data(), mesh.vertices[corner[2]].data(),
-                              direction.data());
+    met.sigma_m = sigma_of(mesh, corner, direction);
     met.p = mesh.hit[at.index].p;
   }
   met.element = element;

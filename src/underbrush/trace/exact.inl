@@ -96,21 +96,16 @@ inline Sheared<D> shear(const D o[3], const D d[3], const D corner[3][3]) {
   return s;
 }
 
-/// Computes σ of the range at a rough triangle: σ² = σ_range² + h² / cos²θ, with |cos θ| at least
+/// Computes σ² of the range at a rough triangle: σ² = σ_range² + h² / cos²θ, with |cos θ| at least
 /// 0.01.
-inline double rough_sigma(double sigma, double roughness, const float* a, const float* b,
-                          const float* c, const double d[3]) {
-  if (!(roughness > 0)) return sigma;
-  double u[3], v[3];
-  for (int k = 0; k < 3; ++k) {
-    u[k] = double(b[k]) - double(a[k]);
-    v[k] = double(c[k]) - double(a[k]);
-  }
-  const double n[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2],
-                       u[0] * v[1] - u[1] * v[0]};
-  const double along = dot(n, d), cos2 = along * along, least = 1e-4 * dot(n, n);
-  const double rise2 = roughness * roughness * dot(n, n) / (cos2 > least ? cos2 : least);
-  return __builtin_sqrt(sigma * sigma + rise2);
+template <class D>
+inline D rough_sigma2(const D& sigma, const D& roughness, const D a[3], const D b[3], const D c[3],
+                      const D d[3]) {
+  const D u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+  const D v[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+  const D n[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+  const D along = dot(n, d), cos2 = along * along, least = 1e-4 * dot(n, n);
+  return sigma * sigma + roughness * roughness * dot(n, n) / (cos2 > least ? cos2 : least);
 }
 
 /// Computes the range at the weights u, v, w of the corners, of which not all are zero.

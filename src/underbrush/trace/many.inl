@@ -51,208 +51,162 @@ inline void transpose(D x[4]) {
   x[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
 }
 
+// Loads three floats as x, y, z, 0.
+inline D load_corner(const float* from) {
+#if defined(__AVX2__)
+  return to_double((F4)_mm_maskload_ps(from, _mm_set_epi32(0, -1, -1, -1)));
+#else
+  return D{from[0], from[1], from[2], 0};
+#endif
+}
+
 // Up to kRun candidates, with triangles apart from ellipsoids.
 constexpr size_t kRun = 256;
 struct CandidatesByKind {
-  struct Triangle {
-    uint32_t index, at;
-    const ModelView::Mesh* mesh;
+  uint32_t triangle[kRun + 1], ellipsoid[kRun + 1];
+  uint32_t alone[kRun + 1];  // ellipsoids that are bounded by voxels
+  size_t triangles = 0, ellipsoids = 0, alones = 0;
+  struct Mesh {
+    const ModelView::Mesh* of;
+    uint32_t at;  // the triangle's place in the mesh
     const float* corner[3];
-  } triangle[kRun + 1];
-  struct Ellipsoid {
-    uint32_t index;
-    const elements::Ellipsoid* data;
-  } ellipsoid[kRun + 1];
-  size_t triangles = 0, ellipsoids = 0;
+  } mesh[kRun];  // of the triangles
 };
 
-// Sorts candidates by kind, and prefetches their rays and elements.
+// Sorts candidates by kind, and prefetches their rays and elements. One prefetch is enough for a
+// ray and its answer, because neighbours share their lines.
 inline void split_by_kind(const View& view, const Batch& batch, const Candidate* list, size_t count,
                           CandidatesByKind& out) {
+  const ModelView* model = nullptr;
+  uint32_t instance = Intersection::kNone;
+  size_t triangles = 0, ellipsoids = 0, alones = 0;
   for (size_t i = 0; i < count; ++i) {
-    const char* ray = reinterpret_cast<const char*>(batch.rays + list[i].ray);
-    __builtin_prefetch(ray);
-    __builtin_prefetch(ray + sizeof(Ray) - 1);
-    const char* best = reinterpret_cast<const char*>(batch.best + list[i].ray);
-    __builtin_prefetch(best, 1);
-    __builtin_prefetch(best + sizeof(Intersection) - 1, 1);
-    const ModelView& m = view.model_views[view.instances[list[i].instance].model];
-    const uint32_t element = list[i].element;
-    const bool is_triangle = element < m.triangle_count, on_ground = element < m.ground_count;
-    CandidatesByKind::Triangle& t = out.triangle[out.triangles];
-    t.index = uint32_t(i);
-    t.mesh = on_ground ? &m.ground : &m.surface;
-    t.at = element - (on_ground ? 0 : m.ground_count);
-    out.ellipsoid[out.ellipsoids] = {uint32_t(i), m.ellipsoids + (element - m.triangle_count)};
-    out.triangles += is_triangle;
-    out.ellipsoids += !is_triangle;
-  }
-  for (size_t k = 0; k < out.triangles; ++k) {
-    const CandidatesByKind::Triangle& t = out.triangle[k];
-    __builtin_prefetch(t.mesh->triangles + 3 * size_t(t.at));
-    __builtin_prefetch(t.mesh->hit + t.at);
-  }
-  for (size_t k = 0; k < out.ellipsoids; ++k) {
-    const char* e = reinterpret_cast<const char*>(out.ellipsoid[k].data);
-    __builtin_prefetch(e);
-    __builtin_prefetch(e + sizeof(elements::Ellipsoid) - 1);
-  }
-  for (size_t k = 0; k < out.triangles; ++k) {
-    CandidatesByKind::Triangle& t = out.triangle[k];
-    const uint32_t* corners = t.mesh->triangles + 3 * size_t(t.at);
-    for (int v = 0; v < 3; ++v) {
-      t.corner[v] = t.mesh->vertices + 3 * size_t(corners[v]);
-      __builtin_prefetch(t.corner[v]);
+    const Candidate& c = list[i];
+    if (c.instance != instance) {
+      instance = c.instance;
+      model = &view.model_views[view.instances[instance].model];
+    }
+    __builtin_prefetch(batch.rays + c.ray);
+    __builtin_prefetch(batch.best + c.ray);
+    out.triangle[triangles] = out.ellipsoid[ellipsoids] = out.alone[alones] = uint32_t(i);
+    if (c.element < model->triangle_count) {
+      const bool on_ground = c.element < model->ground_count;
+      CandidatesByKind::Mesh& mesh = out.mesh[triangles++];
+      mesh.of = on_ground ? &model->ground : &model->surface;
+      mesh.at = c.element - (on_ground ? 0 : model->ground_count);
+      __builtin_prefetch(mesh.of->triangles + 3 * size_t(mesh.at));
+      __builtin_prefetch(mesh.of->hit + mesh.at);
+    } else {
+      const elements::Ellipsoid* e = model->ellipsoids + (c.element - model->triangle_count);
+      __builtin_prefetch(e);
+      __builtin_prefetch(&e->density_per_m);
+      ellipsoids += !model->voxels;
+      alones += model->voxels;
     }
   }
+  for (size_t k = 0; k < triangles; ++k) {
+    CandidatesByKind::Mesh& mesh = out.mesh[k];
+    const uint32_t* corners = mesh.of->triangles + 3 * size_t(mesh.at);
+    for (int v = 0; v < 3; ++v) {
+      mesh.corner[v] = mesh.of->vertices + 3 * size_t(corners[v]);
+      __builtin_prefetch(mesh.corner[v]);
+    }
+  }
+  out.triangles = triangles;
+  out.ellipsoids = ellipsoids;
+  out.alones = alones;
 }
 
-// Four candidates that are decided together, with the rays in their models' frames.
-struct CandidateQuad {
-  uint32_t index[kFour];
-  size_t count = 0;
-  D first_half[kFour], second_half[kFour];  // rows: o x y z, d x; d y z, scale, τ²
-  InstanceTransform at;
-  uint32_t instance_of_transform = Intersection::kNone;
-
-  // Adds candidate i and gives its model.
-  const ModelView& add(const View& view, const Batch& batch, const Candidate* list, uint32_t i) {
-    const Candidate& c = list[i];
-    if (c.instance != instance_of_transform) {
-      at = transform_of(view, c.instance);
-      instance_of_transform = c.instance;
-    }
-    const double* ray = batch.rays[c.ray].origin.data();
-    double placed[6];
-    if (!at.is_translation) {
-      place_ray(view, batch, c, placed, placed + 3);
-      ray = placed;
-    }
-    first_half[count] = *reinterpret_cast<const D4*>(ray);
-    if (at.is_translation) first_half[count] -= *reinterpret_cast<const D4*>(at.translation);
-    const D2 d = *reinterpret_cast<const D2*>(ray + 4),
-             s = *reinterpret_cast<const D2*>(at.scale_tau2);
-    second_half[count] = __builtin_shufflevector(d, s, 0, 1, 2, 3);
-    index[count++] = i;
-    return *at.model;
-  }
-
-  // Gives the columns o, d, scale and τ². Places without a candidate repeat the last one.
-  void columns(D o[3], D d[3], D& scale, D& tau2) {
-    for (size_t k = count; k < kFour; ++k) {
-      first_half[k] = first_half[count - 1];
-      second_half[k] = second_half[count - 1];
-    }
-    transpose(first_half);
-    transpose(second_half);
-    for (int a = 0; a < 3; ++a) o[a] = first_half[a];
-    d[0] = first_half[3];
-    d[1] = second_half[0];
-    d[2] = second_half[1];
-    scale = second_half[2];
-    tau2 = second_half[3];
-  }
-
-  void write(const Batch& batch, const Candidate* list, L inside, D scale, D t, D sigma, D delta2,
-             D p, Intersection* out) {
-    D row[4] = {t * scale, sigma * scale, delta2, p};
-    inside &= (row[0] >= batch.limits.min_m) & (row[0] <= batch.limits.max_m);
-    transpose(row);
-    const unsigned met = bits(inside);
-    for (size_t k = 0; k < count; ++k) {
-      const Candidate& c = list[index[k]];
-      Intersection& to = out ? out[index[k]] : batch.best[c.ray];
-      const bool is_met = met >> k & 1;
-      *reinterpret_cast<D4*>(&to.t_m) = is_met ? row[k] : D{};
-      to.element = is_met ? c.element : Intersection::kNone;
-      to.instance = is_met ? c.instance : 0;
-    }
-    count = 0;
-  }
+// The rays of four candidates in their models' frames, in columns.
+struct PlacedRays {
+  D o[3], d[3], scale, tau2;
 };
 
-struct Ellipsoids : CandidateQuad {
-  D e[3][kFour];  // rows: mean, Σ xx; Σ xy xz yy yz; κ, unused, Σ zz, p
+// Four candidates that are decided together. Where fewer are left, the last one is repeated.
+class CandidateQuads {
+ public:
+  CandidateQuads(const View& view, const Batch& batch, const Candidate* list, Intersection* out)
+      : view_(view), batch_(batch), list_(list), out_(out) {}
 
-  void add(const View& view, const Batch& batch, const Candidate* list,
-           const CandidatesByKind::Ellipsoid& entry, Intersection* out) {
-    const size_t k = count;
-    const ModelView& m = CandidateQuad::add(view, batch, list, entry.index);
-    if (m.voxels) {
-      const Candidate& c = list[entry.index];
-      (out ? out[entry.index] : batch.best[c.ray]) = intersect_placed(view, batch, c);
-      --count;
-      return;
-    }
+  void decide(uint32_t index) { answer(index) = intersect_placed(view_, batch_, list_[index]); }
+
+  void decide_ellipsoids(const uint32_t* entry, size_t count) {
+    D e[3][kFour];  // rows: mean, Σ xx; Σ xy xz yy yz; κ, unused, Σ zz, p
+    uint32_t index[kFour];
     static_assert(offsetof(elements::Ellipsoid, covariance) == 12 &&
                   offsetof(elements::Ellipsoid, hit) == 36);
-    const float* from = reinterpret_cast<const float*>(entry.data);
-    e[0][k] = to_double(*reinterpret_cast<const F4*>(from));
-    e[1][k] = to_double(*reinterpret_cast<const F4*>(from + 4));
-    e[2][k] = to_double(*reinterpret_cast<const F4*>(from + 6));
-    e[2][k][0] = double(entry.data->density_per_m);
-    if (count == kFour) decide(batch, list, out);
-  }
-
-  void decide(const Batch& batch, const Candidate* list, Intersection* out) {
-    if (count == 0) return;
-    D o[3], d[3], scale, tau2;
-    for (size_t k = count; k < kFour; ++k) {
-      for (auto& row : e) row[k] = row[count - 1];
+    for (size_t k = 0; k < kFour; ++k) {
+      index[k] = entry[k < count ? k : count - 1];
+      const Candidate& c = list_[index[k]];
+      const ModelView& model = *at_instance(c.instance).model;
+      const elements::Ellipsoid& of = model.ellipsoids[c.element - model.triangle_count];
+      const float* from = reinterpret_cast<const float*>(&of);
+      e[0][k] = to_double(*reinterpret_cast<const F4*>(from));
+      e[1][k] = to_double(*reinterpret_cast<const F4*>(from + 4));
+      F4 last = *reinterpret_cast<const F4*>(from + 6);
+      last[0] = of.density_per_m;
+      e[2][k] = to_double(last);
     }
-    columns(o, d, scale, tau2);
+    const PlacedRays r = rays_of(index);
     for (auto& row : e) transpose(row);
     const D covariance[6] = {e[0][3], e[1][0], e[1][1], e[1][2], e[1][3], e[2][2]};
-    const Approach<D> a = approach_of(o, d, e[0], covariance);
+    const Approach<D> a = approach_of(r.o, r.d, e[0], covariance);
     const D sigma = square_root(a.sigma2), density = e[2][0], zero{};
     D p = e[2][3];
     if (bits(density > zero)) p = pick(density > zero, opacity_of(density, sigma, a.delta2), p);
-    write(batch, list, a.delta2 <= tau2, scale, a.t, sigma, a.delta2, p, out);
-  }
-};
-
-struct Triangles : CandidateQuad {
-  D corner[3][kFour];  // rows: x y z, then unused, p and σ for the three corners
-
-  void add(const View& view, const Batch& batch, const Candidate* list,
-           const CandidatesByKind::Triangle& t, Intersection* out) {
-    const size_t k = count;
-    CandidateQuad::add(view, batch, list, t.index);
-    const float *a = t.corner[0], *b = t.corner[1], *c = t.corner[2];
-    corner[0][k] = D{a[0], a[1], a[2], a[2]};
-    corner[1][k] = D{b[0], b[1], b[2], t.mesh->hit[t.at].p};
-    const double d[3] = {first_half[k][3], second_half[k][0], second_half[k][1]};
-    const double sigma = rough_sigma(t.mesh->sigma_m, t.mesh->roughness_m, a, b, c, d);
-    corner[2][k] = D{c[0], c[1], c[2], sigma};
-    if (count == kFour) decide(view, batch, list, out);
+    write(index, count, a.delta2 <= r.tau2, r.scale, a.t, sigma, a.delta2, p);
   }
 
-  void decide(const View& view, const Batch& batch, const Candidate* list, Intersection* out) {
-    if (count == 0) return;
-    D o[3], d[3], scale, tau2;
-    for (size_t k = count; k < kFour; ++k) {
-      for (auto& row : corner) row[k] = row[count - 1];
+  void decide_triangles(const uint32_t* entry, const CandidatesByKind::Mesh* mesh, size_t count) {
+    D corner[3][kFour], sigma{}, roughness{}, p{};
+    uint32_t index[kFour];
+    for (size_t k = 0; k < kFour; ++k) {
+      const size_t at = k < count ? k : count - 1;
+      const CandidatesByKind::Mesh& of = mesh[at];
+      index[k] = entry[at];
+      for (int v = 0; v < 3; ++v) corner[v][k] = load_corner(of.corner[v]);
+      sigma[k] = of.of->sigma_m;
+      roughness[k] = of.of->roughness_m;
+      p[k] = double(of.of->hit[of.at].p);
     }
-    columns(o, d, scale, tau2);
+    const PlacedRays r = rays_of(index);
     for (auto& row : corner) transpose(row);
-    // The direction's greatest component becomes the third axis, as in `crossing`.
-    const D x = absolute(d[0]), y = absolute(d[1]), z = absolute(d[2]);
-    const L is_y = y > x, is_z = z > pick(is_y, y, x);
-    const auto turn = [&](D v[3]) {
-      const D a = v[0], b = v[1], c = v[2];
-      v[0] = pick(is_z, a, pick(is_y, c, b));
-      v[1] = pick(is_z, b, pick(is_y, a, c));
-      v[2] = pick(is_z, c, pick(is_y, b, a));
-    };
-    turn(o);
-    turn(d);
-    for (auto& v : corner) turn(v);
-    const D three[3][3] = {{corner[0][0], corner[0][1], corner[0][2]},
-                           {corner[1][0], corner[1][1], corner[1][2]},
-                           {corner[2][0], corner[2][1], corner[2][2]}};
-    const Sheared<D> s = shear(o, d, three);
-    const D zero{};
+    const L rough = roughness > 0.0;
+    if (bits(rough)) {
+      const D sigma2 = rough_sigma2(sigma, roughness, corner[0], corner[1], corner[2], r.d);
+      sigma = pick(rough, square_root(sigma2), sigma);
+    }
     D weight[3];
+    const TriangleTest test = cross(r, corner, weight);
+    write(index, count, test.inside, r.scale, test.t, sigma, D{}, p);
+    // Rays that plain arithmetic finds on an edge are decided by the exact test.
+    for (size_t k = 0; test.certain != 0xf && k < count; ++k) {
+      if (!(test.certain >> k & 1)) decide(index[k]);
+    }
+  }
+
+ private:
+  struct TriangleTest {
+    L inside;
+    D t;
+    unsigned certain;
+  };
+
+  static TriangleTest cross(const PlacedRays& r, const D corner[3][kFour], D weight[3]) {
+    // The direction's greatest component becomes the third axis, as in `crossing`.
+    const D x = absolute(r.d[0]), y = absolute(r.d[1]), z = absolute(r.d[2]);
+    const L is_y = y > x, is_z = z > pick(is_y, y, x);
+    const auto turn = [&](const D from[3], D to[3]) {
+      to[0] = pick(is_z, from[0], pick(is_y, from[2], from[1]));
+      to[1] = pick(is_z, from[1], pick(is_y, from[0], from[2]));
+      to[2] = pick(is_z, from[2], pick(is_y, from[1], from[0]));
+    };
+    D o[3], d[3], corners[3][3];
+    turn(r.o, o);
+    turn(r.d, d);
+    for (int v = 0; v < 3; ++v) turn(corner[v], corners[v]);
+    const Sheared<D> s = shear(o, d, corners);
+    const D zero{};
     L above = zero == zero, below = above, sure = above;
     for (int k = 0; k < 3; ++k) {
       const int i = (k + 1) % 3, j = (k + 2) % 3;
@@ -262,34 +216,82 @@ struct Triangles : CandidateQuad {
       below &= weight[k] <= zero;
       sure &= absolute(weight[k]) > 1e-15 * (absolute(xy) + absolute(zw));
     }
-    const unsigned certain = bits(sure);
-    const size_t written = count;
-    write(batch, list, above | below, scale, range_at(s, weight, d[2]), corner[2][3], zero,
-          corner[1][3], out);
-    if (certain == 0xf) return;
-    for (size_t k = 0; k < written; ++k) {
-      // Rays that plain arithmetic finds on an edge are decided by the exact test.
-      if (certain >> k & 1) continue;
-      const Candidate& c = list[index[k]];
-      (out ? out[index[k]] : batch.best[c.ray]) = intersect_placed(view, batch, c);
+    return {above | below, range_at(s, weight, d[2]), bits(sure)};
+  }
+
+  const InstanceTransform& at_instance(uint32_t instance) {
+    if (instance != instance_) {
+      at_ = transform_of(view_, instance);
+      instance_ = instance;
+    }
+    return at_;
+  }
+
+  PlacedRays rays_of(const uint32_t index[kFour]) {
+    D first[kFour], second[kFour];  // rows: o x y z, d x; d y z, scale, τ²
+    for (size_t k = 0; k < kFour; ++k) {
+      const Candidate& c = list_[index[k]];
+      const InstanceTransform& at = at_instance(c.instance);
+      const double* ray = batch_.rays[c.ray].origin.data();
+      double placed[6];
+      if (!at.is_translation) {
+        place_ray(view_, batch_, c, placed, placed + 3);
+        ray = placed;
+      }
+      first[k] = *reinterpret_cast<const D4*>(ray);
+      if (at.is_translation) first[k] -= *reinterpret_cast<const D4*>(at.translation);
+      const D2 d = *reinterpret_cast<const D2*>(ray + 4),
+               s = *reinterpret_cast<const D2*>(at.scale_tau2);
+      second[k] = __builtin_shufflevector(d, s, 0, 1, 2, 3);
+    }
+    transpose(first);
+    transpose(second);
+    return {{first[0], first[1], first[2]}, {first[3], second[0], second[1]}, second[2], second[3]};
+  }
+
+  Intersection& answer(uint32_t index) const {
+    return out_ ? out_[index] : batch_.best[list_[index].ray];
+  }
+
+  void write(const uint32_t index[kFour], size_t count, L inside, D scale, D t, D sigma, D delta2,
+             D p) {
+    const D range = t * scale;
+    inside &= (range >= batch_.limits.min_m) & (range <= batch_.limits.max_m);
+    D row[kFour] = {range, sigma * scale, delta2, p};
+    for (D& column : row) column = (D)((L)column & inside);
+    transpose(row);
+    const unsigned met = bits(inside);
+    for (size_t k = 0; k < count; ++k) {
+      const Candidate& c = list_[index[k]];
+      Intersection& to = answer(index[k]);
+      *reinterpret_cast<D4*>(&to.t_m) = row[k];
+      const bool is_met = met >> k & 1;
+      to.element = is_met ? c.element : Intersection::kNone;
+      to.instance = is_met ? c.instance : 0;
     }
   }
+
+  const View& view_;
+  const Batch& batch_;
+  const Candidate* list_;
+  Intersection* out_;
+  InstanceTransform at_{};
+  uint32_t instance_ = Intersection::kNone;
 };
 
 [[maybe_unused]] void intersect_run(const View& view, const Batch& batch, const Candidate* list,
                                     size_t count, Intersection* out) {
   CandidatesByKind sorted;
   split_by_kind(view, batch, list, count, sorted);
-  Ellipsoids ellipsoids;
-  for (size_t k = 0; k < sorted.ellipsoids; ++k) {
-    ellipsoids.add(view, batch, list, sorted.ellipsoid[k], out);
+  CandidateQuads quads(view, batch, list, out);
+  const auto least = [](size_t a) { return a < kFour ? a : kFour; };
+  for (size_t k = 0; k < sorted.ellipsoids; k += kFour) {
+    quads.decide_ellipsoids(sorted.ellipsoid + k, least(sorted.ellipsoids - k));
   }
-  ellipsoids.decide(batch, list, out);
-  Triangles triangles;
-  for (size_t k = 0; k < sorted.triangles; ++k) {
-    triangles.add(view, batch, list, sorted.triangle[k], out);
+  for (size_t k = 0; k < sorted.alones; ++k) quads.decide(sorted.alone[k]);
+  for (size_t k = 0; k < sorted.triangles; k += kFour) {
+    quads.decide_triangles(sorted.triangle + k, sorted.mesh + k, least(sorted.triangles - k));
   }
-  triangles.decide(view, batch, list, out);
 }
 
 [[maybe_unused]] void intersect_many(const View& view, const Batch& batch, const Candidate* list,

@@ -60,16 +60,22 @@ void end(const PacketTraversal& w) {
   if (kQuery == Query::kAll) return;
   const PacketQuery& s = w.search;
   Batch& batch = *s.batch;
-  for (int k = 0; k < s.count; ++k) {
-    const uint32_t element = reinterpret_cast<const uint32_t*>(s.found.element)[k];
-    if (s.found.exact[k / kLanes] >> k % kLanes & 1) continue;
-    if (element == Intersection::kNone) {
-      batch.best[ray_at(s, k)] = Intersection{};
-      continue;
+  Candidate* known = batch.known + batch.known_count;
+  for (int g = 0; g * kLanes < s.count; ++g) {
+    const unsigned places =
+        s.count - g * kLanes < kLanes ? (1u << (s.count - g * kLanes)) - 1 : ~0u;
+    const unsigned none = bits(equal(s.found.element[g], all(Intersection::kNone)));
+    const uint32_t* number = s.number + g * kLanes;
+    for (unsigned left = ~s.found.exact[g] & none & places & kEveryLane; left; left &= left - 1) {
+      batch.best[batch.first + number[__builtin_ctz(left)]] = Intersection{};
     }
-    const uint32_t instance = reinterpret_cast<const uint32_t*>(s.found.instance)[k];
-    batch.known[batch.known_count++] = {uint32_t(ray_at(s, k)), instance, element};
+    for (unsigned left = ~s.found.exact[g] & ~none & places & kEveryLane; left; left &= left - 1) {
+      const int k = __builtin_ctz(left);
+      *known++ = {uint32_t(batch.first + number[k]), uint32_t(s.found.instance[g][k]),
+                  uint32_t(s.found.element[g][k])};
+    }
   }
+  batch.known_count = size_t(known - batch.known);
 }
 
 constexpr size_t kFew = 4;  // packets of fewer rays do not pay

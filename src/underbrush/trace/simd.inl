@@ -19,6 +19,7 @@ constexpr int kLanes = 8;
 constexpr int kPacket = int(kPacketRays);
 constexpr int kGroups = kPacket / kLanes;
 constexpr int kSets = kGroups / 8;  // sets of eight groups
+constexpr unsigned kEveryLane = (1u << kLanes) - 1;
 constexpr unsigned kEveryGroup = (1u << kGroups) - 1;
 constexpr uint64_t kEachByte = 0x0101010101010101u;
 
