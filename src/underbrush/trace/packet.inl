@@ -64,16 +64,24 @@ inline void test_children(const PacketQuery& s, const Frame& f, const Node& node
     }
   }
   bound_slopes(r, from, to, tests.seen);
-  tests.pairs = pairs_of(r, s.found.reach, tests.seen, groups);
+  const SeenPairs pairs = pairs_of<true>(r, s.found.reach, tests.seen, groups);
+  tests.pairs = pairs.any;
+  tests.whole = pairs.whole;
 }
 
 // Pushes the children of a node that the packet may reach, the nearest last.
 template <bool kMixed>
 inline void open(const PacketQuery& s, const Frame& f, const Node& node, const ChildTests& tests,
                  PacketStackEntry* stack, int& top) {
-  const Pairs entered = filter(tests.pairs, [&](int k, int g) {
+  // Most groups that look at a whole box enter it, so that trying them would cost more than it saves.
+  Pairs entered, doubtful;
+  for (int set = 0; set < kSets; ++set) {
+    doubtful.of[set] = tests.pairs.of[set] & ~tests.whole.of[set];
+  }
+  entered = filter(doubtful, [&](int k, int g) {
     return enters<kMixed>(*f.rays, s.found, f.t_min, tests.edge, k, g);
   });
+  for (int set = 0; set < kSets; ++set) entered.of[set] |= tests.whole.of[set];
   const unsigned left = children_in(entered);
   const float* depths = tests.seen.depth;
   const F8 depth = load8(depths);

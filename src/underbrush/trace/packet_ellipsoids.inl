@@ -44,7 +44,7 @@ inline void test_children(const PacketQuery& s, const Frame& f, const EllipsoidB
     to[p] = at + half;
   }
   bound_slopes(r, from, to, tests.seen);
-  tests.pairs = pairs_of(r, s.found.reach, tests.seen, groups);
+  tests.pairs = pairs_of<false>(r, s.found.reach, tests.seen, groups).any;
   // Bounds on the rounding: of the Mahalanobis distance (`slack`), and of the same for each metre
   // of range (`size`).
   const F8 size =

@@ -84,6 +84,7 @@ struct alignas(32) ChildTests {
     } triangle;
   };
   Pairs pairs;
+  Pairs whole;  // of boxes: those that a group sees whole
 };
 
 inline void store(float* to, F8 x) { *reinterpret_cast<F8*>(to) = x; }

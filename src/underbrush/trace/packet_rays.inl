@@ -146,23 +146,48 @@ inline unsigned groups_of(const Pairs& pairs, int k) {
   return groups;
 }
 
-// Finds the pairs among `groups` that may meet. `reach` is how far each group looks.
-inline Pairs pairs_of(const Rays& r, const F8 reach[kSets], const SlopeBounds& out,
-                      unsigned groups) {
-  Pairs pairs{};
+// Exchanges bit 8 i + j with bit 8 j + i.
+inline uint64_t transpose_bits(uint64_t x) {
+  uint64_t t = (x ^ x >> 7) & 0x00aa00aa00aa00aa;
+  x ^= t ^ t << 7;
+  t = (x ^ x >> 14) & 0x0000cccc0000cccc;
+  x ^= t ^ t << 14;
+  t = (x ^ x >> 28) & 0x00000000f0f0f0f0;
+  return x ^ t ^ t << 28;
+}
+
+// The pairs that may meet, and those among them of a group whose rays all point at the bounds.
+struct SeenPairs {
+  Pairs any, whole;
+};
+
+// Finds the pairs among `groups` that may meet, and, if asked, those that are seen whole. `reach`
+// is how far each group looks.
+template <bool kWhole>
+inline SeenPairs pairs_of(const Rays& r, const F8 reach[kSets], const SlopeBounds& out,
+                          unsigned groups) {
+  SeenPairs pairs{};
+  const F8 across_from = load8(out.across_from), across_to = load8(out.across_to),
+           up_from = load8(out.up_from), up_to = load8(out.up_to), depth = load8(out.depth);
   for (int set = 0; set < kSets; ++set) {
-    const unsigned of_set = groups >> (8 * set) & 0xff;
-    if (kSets > 1 && of_set == 0) continue;
-    const F8* tile = r.tile[set];
-    uint64_t may_meet = 0;
-    for (int k = 0; k < 8; ++k) {
-      const unsigned each =
-          bits((tile[0] <= all8(out.across_to[k])) & (tile[1] >= all8(out.across_from[k])) &
-               (tile[2] <= all8(out.up_to[k])) & (tile[3] >= all8(out.up_from[k])) &
-               (reach[set] >= all8(out.depth[k])));
-      may_meet |= uint64_t(each) << (8 * k);
+    const float* tile = reinterpret_cast<const float*>(r.tile[set]);
+    const float* reach_of = reinterpret_cast<const float*>(reach + set);
+    uint64_t any = 0, whole = 0;
+    for (unsigned left = groups >> (8 * set) & 0xff; left; left &= left - 1) {
+      const int g = __builtin_ctz(left);
+      const F8 across_0 = all8(tile[g]), across_1 = all8(tile[8 + g]), up_0 = all8(tile[16 + g]),
+               up_1 = all8(tile[24 + g]);
+      const I8 seen = (across_0 <= across_to) & (across_1 >= across_from) & (up_0 <= up_to) &
+                      (up_1 >= up_from) & (all8(reach_of[g]) >= depth);
+      any |= uint64_t(bits(seen)) << (8 * g);
+      if (kWhole) {
+        const I8 inside = (across_0 >= across_from) & (across_1 <= across_to) &
+                          (up_0 >= up_from) & (up_1 <= up_to);
+        whole |= uint64_t(bits(seen & inside)) << (8 * g);
+      }
     }
-    pairs.of[set] = may_meet & of_set * kEachByte;
+    pairs.any.of[set] = transpose_bits(any);
+    if (kWhole) pairs.whole.of[set] = transpose_bits(whole);
   }
   return pairs;
 }

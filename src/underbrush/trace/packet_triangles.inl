@@ -30,7 +30,7 @@ inline void test_children(const PacketQuery& s, const Frame& f, const TriangleBl
     to[p] = at + greater(F8{}, greater(along1, along2)) + pad;
   }
   bound_slopes(r, from, to, tests.seen);
-  tests.pairs = pairs_of(r, s.found.reach, tests.seen, groups);
+  tests.pairs = pairs_of<false>(r, s.found.reach, tests.seen, groups).any;
   store(tests.triangle.slack, (away + l1 + l2) * (l1 + l2) * 8e-7f);
   store(tests.triangle.range_slack, (away + l1 + l2) * l1 * l2 * 1e-6f);
   for (int a = 0; a < 3; ++a) {
