@@ -12,6 +12,15 @@
 namespace underbrush::trace {
 namespace {
 
+void set_extremes(FloatRays& u, uint32_t rays) {
+  const auto [low, high] = std::minmax_element(u.azimuth, u.azimuth + rays);
+  const auto [lowest, highest] = std::minmax_element(u.sin_elevation, u.sin_elevation + rays);
+  u.azimuth_low = *low;
+  u.azimuth_high = *high;
+  u.sin_elevation_low = *lowest;
+  u.sin_elevation_high = *highest;
+}
+
 // Makes random beams in a tenth of the sphere, with `a_beam` rays within a milliradian each.
 std::unique_ptr<FloatRays> beams(uint64_t seed, uint32_t rays, uint32_t a_beam) {
   Stream random(seed);
@@ -25,10 +34,7 @@ std::unique_ptr<FloatRays> beams(uint64_t seed, uint32_t rays, uint32_t a_beam) 
     u->azimuth[i] = turn + float(random.uniform(-5e-4, 5e-4));
     u->sin_elevation[i] = up + float(random.uniform(-5e-4, 5e-4));
   }
-  u->azimuth_low = *std::min_element(u->azimuth, u->azimuth + rays);
-  u->azimuth_high = *std::max_element(u->azimuth, u->azimuth + rays);
-  u->sin_elevation_low = *std::min_element(u->sin_elevation, u->sin_elevation + rays);
-  u->sin_elevation_high = *std::max_element(u->sin_elevation, u->sin_elevation + rays);
+  set_extremes(*u, rays);
   return u;
 }
 
@@ -46,6 +52,32 @@ TEST(Order, NamesEachRayOnce) {
       for (uint32_t i = 0; i < count; ++i) ASSERT_EQ(order[i], i) << a_beam << " " << count;
     }
   }
+}
+
+// An order is kept for rays that point as those before did, and is made anew for others.
+TEST(Order, ServesAgainWhereDirectionsRepeat) {
+  constexpr uint32_t kRays = 4096;
+  const auto rays = beams(1, kRays, 1);
+  const auto order = std::make_unique<DirectionOrder>();
+  const auto now = [&](uint32_t count) {
+    const uint32_t* first = order->of(*rays, count);
+    return std::vector<uint32_t>(first, first + count + kPacketRays);
+  };
+  const std::vector<uint32_t> made = now(kRays);
+  EXPECT_TRUE(std::equal(made.end() - kPacketRays, made.end(),
+                         std::vector<uint32_t>(kPacketRays, made[kRays - 1]).begin()));
+  for (uint32_t i = 0; i < kRays; ++i) rays->azimuth[i] += i % 2 ? 1e-3f : -1e-3f;
+  set_extremes(*rays, kRays);
+  EXPECT_EQ(now(kRays), made);
+  const auto [low, high] = std::minmax_element(rays->azimuth, rays->azimuth + kRays);
+  std::swap(*low, *high);
+  const std::vector<uint32_t> other = now(kRays);
+  EXPECT_NE(other, made);
+  EXPECT_EQ(std::vector<uint32_t>(other.begin(), other.begin() + kRays), order_of(*rays, kRays));
+  std::vector<uint32_t> fewer = now(kRays / 2);
+  std::sort(fewer.begin(), fewer.begin() + kRays / 2);
+  for (uint32_t i = 0; i < kRays / 2; ++i) ASSERT_EQ(fewer[i], i);
+  EXPECT_EQ(now(1), std::vector<uint32_t>(1 + kPacketRays, 0));
 }
 
 TEST(Order, KeepsTheRaysOfABeamTogether) {

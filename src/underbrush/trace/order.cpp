@@ -14,6 +14,8 @@ constexpr uint32_t kStrips = 4;
 constexpr size_t kMostBands = kBatchRays / kPacketRays + 1;
 constexpr float kBunch = 0.5f;  // reach of a bunch, in sides of a tile
 constexpr uint32_t kLong = 7;
+constexpr size_t kLooked = 512;  // rays that are compared at a time with those before
+constexpr float kSlack = 0.25f;  // of a tile's side, by which repeated directions may differ
 static_assert(std::has_single_bit(kBatchRays) && kBatchRays <= 1u << 13);
 
 float scale_of(float low, float high, uint32_t bins) {
@@ -87,7 +89,7 @@ void sort_tiles(std::span<const uint32_t> by_band, std::span<uint32_t> order) {
 // Packs the directions as a packed R-tree does: it makes bands of elevation with equally many rays
 // each. The number of bands is such that runs of kPacketRays rays along a band's azimuth are about
 // as wide as high.
-void order_by_direction(const FloatRays& rays, std::span<uint32_t> order) {
+float order_by_direction(const FloatRays& rays, std::span<uint32_t> order) {
   const uint32_t n = uint32_t(order.size());
   const float to_column = scale_of(rays.azimuth_low, rays.azimuth_high, kAzimuthBins);
   const float to_row = scale_of(rays.sin_elevation_low, rays.sin_elevation_high, kElevationBins);
@@ -110,7 +112,7 @@ void order_by_direction(const FloatRays& rays, std::span<uint32_t> order) {
   const float tiles = std::max(1.0f, float(n) / float(kPacketRays));
   const float bands = std::clamp(std::round(std::sqrt(tiles * height / width)), 1.0f, tiles);
   cut(rows, bands, n, strip_of_row);
-  const float reach = kBunch * std::sqrt(width * height / tiles);
+  const float side = std::sqrt(width * height / tiles), reach = kBunch * side;
   Items items;
   bunch(rays, n, reach * float(2 / M_PI), reach, items);
   const uint32_t count = items.count;
@@ -135,11 +137,42 @@ void order_by_direction(const FloatRays& rays, std::span<uint32_t> order) {
     const uint32_t band = (by_column[k] >> 13) / kStrips;
     by_band[band % 2 ? --at[band] : at[band]++] = by_column[k];
   }
-  if (!items.bunched) return sort_tiles({by_band.data(), n}, order);
+  if (!items.bunched) {
+    sort_tiles({by_band.data(), n}, order);
+    return side;
+  }
   for (uint32_t k = 0, to = 0; k < count; ++k) {
     const uint32_t item = by_band[k] & (kBatchRays - 1);
     for (uint32_t i = items.first[item]; i < items.first[item + 1]; ++i) order[to++] = i;
   }
+  return side;
+}
+
+bool DirectionOrder::fits(const FloatRays& rays, size_t count) const {
+  if (count != count_) return false;
+  const float turn = slack_rad_ * float(2 / M_PI), up = slack_rad_;
+  for (size_t begin = 0; begin < count; begin += kLooked) {
+    const size_t end = std::min(count, begin + kLooked);
+    uint32_t far = 0;
+    for (size_t i = begin; i < end; ++i) {
+      far += !(std::abs(rays.azimuth[i] - azimuth_[i]) < turn);
+      far += !(std::abs(rays.sin_elevation[i] - sin_elevation_[i]) < up);
+    }
+    if (far > 0) return false;
+  }
+  return true;
+}
+
+const uint32_t* DirectionOrder::of(const FloatRays& rays, size_t count) {
+  static constexpr uint32_t kOnly[1 + kPacketRays] = {};
+  if (count == 1) return kOnly;
+  if (fits(rays, count)) return order_;
+  slack_rad_ = kSlack * order_by_direction(rays, {order_, count});
+  std::copy_n(rays.azimuth, count, azimuth_);
+  std::copy_n(rays.sin_elevation, count, sin_elevation_);
+  std::fill_n(order_ + count, kPacketRays, order_[count - 1]);
+  count_ = count;
+  return order_;
 }
 
 }  // namespace underbrush::trace

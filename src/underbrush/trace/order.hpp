@@ -15,8 +15,7 @@ inline constexpr size_t kBatchRays = 8192;
 struct FloatRays {
   /// For each ray: origin relative to `centre` (3), direction (3), and the two halves of its key.
   alignas(64) float row[kBatchRays][8];
-  /// A measure of the azimuth relative to the first ray. It rises with the azimuth and lies in [−2,
-  /// 2); a quarter turn is 1.
+  /// The azimuth relative to the first ray, in quarter turns from −2 to 2, to about 0.001.
   alignas(64) float azimuth[kBatchRays];
   alignas(64) float sin_elevation[kBatchRays];  ///< Third component of the direction.
   double centre[3];  ///< Centre of the origins, relative to the tree's origin, m.
@@ -26,7 +25,25 @@ struct FloatRays {
 };
 
 /// Computes an order of the rays (up to `kBatchRays`), such that runs of kPacketRays rays make
-/// compact tiles on the sphere of directions. `order` gets the numbers of the rays.
-void order_by_direction(const FloatRays& rays, std::span<uint32_t> order);
+/// compact tiles on the sphere of directions. `order` gets the numbers of the rays. Gives the side
+/// of a tile, rad.
+float order_by_direction(const FloatRays& rays, std::span<uint32_t> order);
+
+/// The order of a run of rays. A sensor that turns repeats its pattern of directions, up to the
+/// azimuth; then the last order serves again. The class is as large as a run.
+class DirectionOrder {
+ public:
+  /// Returns an order of the first `count` rays (1 to `kBatchRays`), after which kPacketRays copies
+  /// of the last number follow. It holds until the next call.
+  const uint32_t* of(const FloatRays& rays, size_t count);
+
+ private:
+  bool fits(const FloatRays& rays, size_t count) const;
+
+  alignas(64) float azimuth_[kBatchRays], sin_elevation_[kBatchRays];
+  uint32_t order_[kBatchRays + kPacketRays];
+  size_t count_ = 0;
+  float slack_rad_ = 0;  // how far directions may lie from those that were ordered
+};
 
 }  // namespace underbrush::trace

@@ -47,21 +47,24 @@ __attribute__((always_inline)) inline void prefetch(const Frame& f, uint32_t ref
 inline void test_children(const PacketQuery& s, const Frame& f, const Node& node, unsigned groups,
                           ChildTests& tests) {
   const Rays& r = *f.rays;
-  F8 size{};
+  F8 twice_centre[3], side[3], size{};
   for (int a = 0; a < 3; ++a) {
     const F8 lo = load8(node.lo[a]) - f.lower[a], hi = load8(node.hi[a]) - f.upper[a];
     store(tests.edge[a], lo);
     store(tests.edge[3 + a], hi);
-    size += greater(absolute(lo), absolute(hi));
+    twice_centre[a] = lo + hi;
+    side[a] = hi - lo;
+    size += absolute(twice_centre[a]) + side[a];
   }
   F8 from[3], to[3];
   for (int p = 0; p < 3; ++p) {
-    from[p] = size * -1e-6f;
-    to[p] = size * 1e-6f;
+    F8 half = size * 5e-7f, middle{};
     for (int a = 0; a < 3; ++a) {
-      from[p] = muladd(load8(tests.edge[r.least[p][a]]), all8(r.axis[p][a]), from[p]);
-      to[p] = muladd(load8(tests.edge[r.most[p][a]]), all8(r.axis[p][a]), to[p]);
+      half = muladd(side[a], all8(r.half_extent[p][a]), half);
+      middle = muladd(twice_centre[a], all8(r.half_axis[p][a]), middle);
     }
+    from[p] = middle - half;
+    to[p] = middle + half;
   }
   bound_slopes(r, from, to, tests.seen);
   const SeenPairs pairs = pairs_of<true>(r, s.found.reach, tests.seen, groups);
@@ -73,7 +76,8 @@ inline void test_children(const PacketQuery& s, const Frame& f, const Node& node
 template <bool kMixed>
 inline void open(const PacketQuery& s, const Frame& f, const Node& node, const ChildTests& tests,
                  PacketStackEntry* stack, int& top) {
-  // Most groups that look at a whole box enter it, so that trying them would cost more than it saves.
+  // Most groups that look at a whole box enter it, so that trying them would cost more than it
+  // saves.
   Pairs entered, doubtful;
   for (int set = 0; set < kSets; ++set) {
     doubtful.of[set] = tests.pairs.of[set] & ~tests.whole.of[set];

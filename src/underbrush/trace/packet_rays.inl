@@ -19,13 +19,12 @@ struct alignas(64) Rays {
   // The three axes point across, up and along the rays. The slopes of a ray are the components of
   // its direction across and up, divided by the component along.
   float axis[3][3];
-  // For each axis, the edges of a box (lo x y z, hi x y z) that make its corner of least and of
-  // greatest extent along the axis.
-  uint32_t least[3][3], most[3][3];
-  float o_least[3], o_most[3];  // bounds of o along the axes
-  F8 tile[kSets][4];            // of each group: slope across from, to; slope up from, to
-  float spread;                 // greatest |o|
-  bool mixed;                   // whether the signs of the directions differ
+  float half_axis[3][3], half_extent[3][3];  // half of each axis, and its absolute value
+  float o_least[3], o_most[3];               // bounds of o along the axes
+  F8 tile[kSets][4];  // of each group: slope across from, to; slope up from, to
+  float around[4];    // the same of all groups
+  float spread;       // greatest |o|
+  bool mixed;         // whether the signs of the directions differ
   bool negative[3];
 };
 
@@ -82,6 +81,13 @@ inline bool enclose(Rays& r) {
       r.tile[set][2 * a] = least_of_groups(slope[a] + 8 * set) - slack;
       r.tile[set][2 * a + 1] = greatest_of_groups(slope[a] + 8 * set) + slack;
     }
+    F8 low_of = r.tile[0][2 * a], high_of = r.tile[0][2 * a + 1];
+    for (int set = 1; set < kSets; ++set) {
+      low_of = lesser(low_of, r.tile[set][2 * a]);
+      high_of = greater(high_of, r.tile[set][2 * a + 1]);
+    }
+    r.around[2 * a] = least(low_of);
+    r.around[2 * a + 1] = greatest(high_of);
   }
   for (int a = 0; a < 3; ++a) {
     r.o_least[a] = least(low[a]) - margin;
@@ -146,16 +152,6 @@ inline unsigned groups_of(const Pairs& pairs, int k) {
   return groups;
 }
 
-// Exchanges bit 8 i + j with bit 8 j + i.
-inline uint64_t transpose_bits(uint64_t x) {
-  uint64_t t = (x ^ x >> 7) & 0x00aa00aa00aa00aa;
-  x ^= t ^ t << 7;
-  t = (x ^ x >> 14) & 0x0000cccc0000cccc;
-  x ^= t ^ t << 14;
-  t = (x ^ x >> 28) & 0x00000000f0f0f0f0;
-  return x ^ t ^ t << 28;
-}
-
 // The pairs that may meet, and those among them of a group whose rays all point at the bounds.
 struct SeenPairs {
   Pairs any, whole;
@@ -166,28 +162,31 @@ struct SeenPairs {
 template <bool kWhole>
 inline SeenPairs pairs_of(const Rays& r, const F8 reach[kSets], const SlopeBounds& out,
                           unsigned groups) {
-  SeenPairs pairs{};
   const F8 across_from = load8(out.across_from), across_to = load8(out.across_to),
-           up_from = load8(out.up_from), up_to = load8(out.up_to), depth = load8(out.depth);
-  for (int set = 0; set < kSets; ++set) {
-    const float* tile = reinterpret_cast<const float*>(r.tile[set]);
-    const float* reach_of = reinterpret_cast<const float*>(reach + set);
-    uint64_t any = 0, whole = 0;
-    for (unsigned left = groups >> (8 * set) & 0xff; left; left &= left - 1) {
-      const int g = __builtin_ctz(left);
-      const F8 across_0 = all8(tile[g]), across_1 = all8(tile[8 + g]), up_0 = all8(tile[16 + g]),
-               up_1 = all8(tile[24 + g]);
-      const I8 seen = (across_0 <= across_to) & (across_1 >= across_from) & (up_0 <= up_to) &
-                      (up_1 >= up_from) & (all8(reach_of[g]) >= depth);
-      any |= uint64_t(bits(seen)) << (8 * g);
+           up_from = load8(out.up_from), up_to = load8(out.up_to);
+  SeenPairs pairs{};
+  for (unsigned left = bits((all8(r.around[0]) <= across_to) & (all8(r.around[1]) >= across_from) &
+                            (all8(r.around[2]) <= up_to) & (all8(r.around[3]) >= up_from));
+       left; left &= left - 1) {
+    const int k = __builtin_ctz(left);
+    const F8 across_0 = all8(out.across_from[k]), across_1 = all8(out.across_to[k]),
+             up_0 = all8(out.up_from[k]), up_1 = all8(out.up_to[k]), depth = all8(out.depth[k]);
+    for (int set = 0; set < kSets; ++set) {
+      const F8* tile = r.tile[set];
+      const I8 seen = (tile[0] <= across_1) & (tile[1] >= across_0) & (tile[2] <= up_1) &
+                      (tile[3] >= up_0) & (reach[set] >= depth);
+      pairs.any.of[set] |= uint64_t(bits(seen)) << (8 * k);
       if (kWhole) {
-        const I8 inside = (across_0 >= across_from) & (across_1 <= across_to) &
-                          (up_0 >= up_from) & (up_1 <= up_to);
-        whole |= uint64_t(bits(seen & inside)) << (8 * g);
+        const I8 inside =
+            (tile[0] >= across_0) & (tile[1] <= across_1) & (tile[2] >= up_0) & (tile[3] <= up_1);
+        pairs.whole.of[set] |= uint64_t(bits(seen & inside)) << (8 * k);
       }
     }
-    pairs.any.of[set] = transpose_bits(any);
-    if (kWhole) pairs.whole.of[set] = transpose_bits(whole);
+  }
+  for (int set = 0; set < kSets; ++set) {
+    const uint64_t of_set = (groups >> (8 * set) & 0xff) * kEachByte;
+    pairs.any.of[set] &= of_set;
+    pairs.whole.of[set] &= of_set;
   }
   return pairs;
 }
@@ -195,9 +194,9 @@ inline SeenPairs pairs_of(const Rays& r, const F8 reach[kSets], const SlopeBound
 // Computes what follows from the directions and axes.
 inline void finish(Rays& r) {
   for (int p = 0; p < 3; ++p) {
-    for (uint32_t a = 0; a < 3; ++a) {
-      r.least[p][a] = r.axis[p][a] > 0 ? a : 3 + a;
-      r.most[p][a] = r.axis[p][a] > 0 ? 3 + a : a;
+    for (int a = 0; a < 3; ++a) {
+      r.half_axis[p][a] = 0.5f * r.axis[p][a];
+      r.half_extent[p][a] = __builtin_fabsf(r.half_axis[p][a]);
     }
   }
   r.mixed = false;
@@ -243,8 +242,19 @@ inline void rotate(const Rays& world, const Placement& p, Rays& local) {
     local.o_most[i] = s * world.o_most[i] + margin;
   }
   __builtin_memcpy(local.tile, world.tile, sizeof(local.tile));
+  __builtin_memcpy(local.around, world.around, sizeof(local.around));
   local.spread = s * world.spread * 1.000001f;
   finish(local);
+}
+
+// Computes the angle of (x, y) in quarter turns from −2 to 2, to about 0.001.
+inline F8 quarter_turns(F8 x, F8 y) {
+  const F8 sum = greater(absolute(x) + absolute(y), all8(1e-20f));
+  const F8 from_diagonal = 1.0f - 2.0f * absolute(x) / sum, square = from_diagonal * from_diagonal;
+  const F8 atan = muladd(muladd(square, all8(0.0793f), all8(-0.2887f)), square, all8(0.9953f));
+  const F8 first = muladd(atan * float(M_2_PI), from_diagonal, all8(0.5f));
+  const F8 half = x < 0.0f ? 2.0f - first : first;
+  return (F8)((U8)half ^ ((U8)y & 0x80000000u));
 }
 
 inline void convert_rays(const View& view, const Ray* rays, const uint64_t* keys, size_t count,
@@ -268,9 +278,7 @@ inline void convert_rays(const View& view, const Ray* rays, const uint64_t* keys
     F8 x[8];
     for (size_t k = 0; k < 8; ++k) x[k] = load8(out.row[i + k < count ? i + k : count - 1]);
     transpose(x);
-    const F8 sum = absolute(x[3]) + absolute(x[4]);
-    F8 turn = 1.0f - x[3] / greater(sum, all8(1e-20f));
-    turn = (F8)((U8)turn ^ ((U8)x[4] & 0x80000000u));
+    F8 turn = quarter_turns(x[3], x[4]);
     if (i == 0) first = turn[0];
     turn -= first;
     turn = turn <= -2.0f ? turn + 4.0f : turn;

@@ -54,7 +54,7 @@ ModelView view_of(const elements::Model& m) {
 struct Workspace {
   Batch batch;
   FloatRays float_rays;
-  std::array<uint32_t, kBatchRays + kPacketRays> order;
+  DirectionOrder order;
   std::array<Candidate, kBatchRays> known;
   std::vector<Intersection> mets;
 };
@@ -112,15 +112,9 @@ struct World::Impl {
       batch.float_rays = &w.float_rays;
       batch.known = w.known.data();
       batch.known_count = 0;
-      if (n > 1) {
-        const uint64_t* keys = batch.keys ? batch.keys + batch.first : nullptr;
-        kernels->convert_rays(v, batch.rays + batch.first, keys, n, w.float_rays);
-        order_by_direction(w.float_rays, {w.order.data(), n});
-      } else {
-        w.order[0] = 0;
-      }
-      std::fill_n(w.order.begin() + long(n), kPacketRays, w.order[n - 1]);
-      kernels->trace(v, query, batch, w.order.data(), n);
+      const uint64_t* keys = batch.keys ? batch.keys + batch.first : nullptr;
+      if (n > 1) kernels->convert_rays(v, batch.rays + batch.first, keys, n, w.float_rays);
+      kernels->trace(v, query, batch, w.order.of(w.float_rays, n), n);
       kernels->intersect_many(v, batch, batch.known, batch.known_count, nullptr);
     }
   }
