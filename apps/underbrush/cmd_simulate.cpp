@@ -89,6 +89,17 @@ void add_options(Verb& verb, Arguments& a) {
 
 constexpr size_t kChunk = 1 << 18;  // Number of beams; each may have up to 16 echoes.
 
+/// Throws `FormatError` where poses lie so far apart in time that one of them must be wrong.
+void check_gaps(const std::string& file, const Trajectory& path) {
+  constexpr double kLongestS = 3600;
+  for (size_t k = 1; k < path.poses().size(); ++k) {
+    const double gap_s = path.poses()[k].time_s - path.poses()[k - 1].time_s;
+    if (gap_s <= kLongestS) continue;
+    throw FormatError(file, fmt::format("poses {} and {}", k, k + 1),
+                      fmt::format("{:.1f} s apart, more than an hour", gap_s));
+  }
+}
+
 std::unique_ptr<BeamSource> beams_of(const Arguments& a, Trajectory& path) {
   if (!a.like.empty()) return std::make_unique<io::BeamReader>(a.like, kChunk);
   require(!a.trajectory.empty(), "simulate: give --like LOG, or --sensor NAME --trajectory POSES");
@@ -96,6 +107,7 @@ std::unique_ptr<BeamSource> beams_of(const Arguments& a, Trajectory& path) {
   if (path.poses().size() < 2) {
     throw FormatError(a.trajectory, "", "a trajectory needs at least two poses");
   }
+  check_gaps(a.trajectory, path);
   const sensor::Sensor sensor = sensor::load(a.sensor);
   try {
     return std::make_unique<sensor::PatternSource>(sensor, path, path.poses().front().time_s,

@@ -274,6 +274,12 @@ class Instruments(cli_test.OnALog):
         for row in self.rows():
             self.assertAlmostEqual(row["x"], 30 - 100 * row["time"], delta=0.02)
 
+    def test_poses_that_are_hours_apart(self):
+        self.write("apart.txt", "0 0 0 2 0 0 0 1\n1 0 0 2 0 0 0 1\n3602 1 0 2 0 0 0 1\n")
+        done = call("simulate", "model", "--sensor", "one.yaml", "--trajectory", "apart.txt", "-o", "bad.ply",
+                    cwd=self.folder)
+        self.assert_fails(done, 3, "apart.txt: poses 2 and 3: 3601.0 s apart")
+
     def test_what_is_wrong(self):
         base = ["simulate", "model", "--sensor", "one.yaml", "--trajectory", "poses.txt", "-o", "bad.ply"]
         for words, word in ((["--super-sample", "0"], "sub-rays"), (["--super-sample", "3x"], "COLUMNSxROWS"),

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "drive_past.hpp"
+#include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/simulate/simulate.hpp"
@@ -329,11 +330,11 @@ TEST(Fit, SaysWhatALogLacks) {
   EXPECT_EQ(fit(source, options).report.warnings.size(), 2u);
   BeamLog empty;
   MemorySource nothing(empty);
-  EXPECT_THROW(fit(nothing, {}), std::invalid_argument);
+  EXPECT_THROW(fit(nothing, {}), DataError);
   BeamLog misses;
   misses.resize(100);
   MemorySource only_misses(misses);
-  EXPECT_THROW(fit(only_misses, {}), std::invalid_argument);
+  EXPECT_THROW(fit(only_misses, {}), DataError);
   MemorySource again(log);
   options.min_range_m = -3;
   EXPECT_THROW(fit(again, options), std::invalid_argument);

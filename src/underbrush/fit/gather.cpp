@@ -38,7 +38,7 @@ double add_hits(BeamSource& source, const Vec3& origin, double min_range_m, Tile
 void gather(BeamSource& source, const FitOptions& options, TileStore& store, FitResult& out,
             const FitProgress& progress) {
   const std::optional<Vec3> origin = log_origin(source);
-  require(origin.has_value(), "fit: the log is empty");
+  require_data(origin.has_value(), "fit: the log is empty");
   elements::Model& model = out.model;
   model.fitter = options.fitter;
   model.tau = options.tau;
