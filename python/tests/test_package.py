@@ -17,12 +17,14 @@ def test_parameters_are_those_of_the_library() -> None:
     subprocess.run([sys.executable, str(HERE / "make_parameters.py"), "--check"], check=True)
 
 
-def test_types_of_the_examples() -> None:
+def test_types_of_examples_and_notebooks(tmp_path: pathlib.Path) -> None:
     mypy = pytest.importorskip("mypy.api")
-    examples = sorted(map(str, (HERE.parent / "examples").glob("*.py")))
-    assert examples
-    out, errors, code = mypy.run(["--strict", "--cache-dir", "/dev/null", *examples])
-    assert code == 0, out + errors
+    for folder in ("examples", "notebooks"):
+        files = sorted(map(str, (HERE.parent / folder).glob("*.py")))
+        assert files
+        out, errors, code = mypy.run(["--config-file", str(HERE.parents[1] / "pyproject.toml"),
+                                      "--cache-dir", str(tmp_path), *files])
+        assert code == 0, out + errors
 
 
 def test_everything_public_is_documented() -> None:
