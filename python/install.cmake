@@ -10,3 +10,7 @@ foreach(folder IN ITEMS configs examples schemas)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/share/${folder} DESTINATION underbrush/share/underbrush
     COMPONENT python)
 endforeach()
+if(SKBUILD_METADATA_DIR)   # the wheel's folder .dist-info
+  install(DIRECTORY ${UNDERBRUSH_PYTHON_FROM}/python/licenses/
+    DESTINATION ${SKBUILD_METADATA_DIR}/licenses/libraries COMPONENT python)
+endif()

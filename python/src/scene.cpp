@@ -90,8 +90,11 @@ void bind_values(nb::module_& m) {
           "movers", [](const SceneValue& v) { return v.info.movers.size(); },
           "Number of instances that move.")
       .def_prop_ro(
-          "provenance", [](const SceneValue& v) { return v.info.provenance; }, "JSON.")
-      .def_prop_ro("report_json", [](const SceneValue& v) { return v.report; })
+          "provenance", [](const SceneValue& v) { return v.info.provenance; },
+          "How the scene was made: program, command, seed and inputs, as JSON.")
+      .def_prop_ro(
+          "report_json", [](const SceneValue& v) { return v.report; },
+          "What `report_of` reads: counts of the composition, as JSON.")
       .def("__repr__", [](const SceneValue& v) {
         return "Scene(" + std::to_string(v.scene.instances.size()) + " instances of " +
                std::to_string(v.scene.models.size()) + " models)";
