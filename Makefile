@@ -67,7 +67,7 @@ deb: build     ## A Debian package of the program: build/underbrush_VERSION_amd6
 check-deb: deb ## Install the package on a bare Debian and run it there (root, minutes)
 	@scripts/check_deb.sh $(BUILD)/underbrush_*.deb
 
-check-wheel:   ## Install the Python package on a bare Debian, and its wheel there without a compiler (root, minutes)
+check-wheel:   ## Install the Python package and its wheel on a bare Debian (root, minutes)
 	@scripts/setup.sh package
 	@scripts/check_wheel.sh
 

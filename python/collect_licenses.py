@@ -25,7 +25,7 @@ COMMON = re.compile(r"/usr/share/common-licenses/([A-Za-z0-9.+-]*[A-Za-z0-9])")
 
 
 def libraries_of(file: pathlib.Path) -> dict[str, pathlib.Path]:
-    """The shared libraries that a file needs, by name, without those of the system. Raises `ValueError` for a lost one."""
+    """The shared libraries that a file needs, by name, without the system's. Raises `ValueError` for a lost one."""
     listed = subprocess.run(["ldd", str(file)], check=True, capture_output=True, text=True).stdout
     found = {}
     for line in listed.splitlines():

@@ -8,12 +8,17 @@
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 root=${1:-$(mktemp -d)}
-[ -n "${1:-}" ] || trap 'rm -rf --one-file-system "$root"' EXIT
+leave() {
+  ! mountpoint -q "$root/proc" || umount "$root/proc"
+  [ -n "$1" ] || rm -rf --one-file-system "$root"
+}
+trap 'leave "${1:-}"' EXIT
 mirror=${MIRROR:-$(apt-get indextargets --format '$(REPO_URI)' | grep -m 1 '/debian/\?$')}   # as this machine has it
 [ "$(id -u)" = 0 ] || { echo "check_wheel: needs root, for debootstrap and chroot" >&2; exit 1; }
 
 [ -e "$root/usr/bin/apt-get" ] || debootstrap --variant=minbase bookworm "$root" "$mirror" > "$root.log" 2>&1 ||
   { tail "$root.log" >&2; exit 1; }
+mountpoint -q "$root/proc" || mount -t proc proc "$root/proc"   # compilers and shells look there
 cp /etc/resolv.conf /etc/hosts "$root/etc/"
 [ ! -e /etc/pip.conf ] || cp /etc/pip.conf "$root/etc/"
 mapfile -t pip < <(env | grep -E '^PIP_' | grep -vE '^PIP_(CERT|FIND_LINKS)=' || true)

@@ -45,7 +45,7 @@ PROGRAMS = {
 }
 
 
-# --- Probes; they run in the environment of the package ----------------------------------------------------------------
+# --- Probes; they run in the environment of the package ---
 
 
 def same_memory(one: Any, other: Any) -> bool:
@@ -157,7 +157,7 @@ def probe_small_gicp(file: str) -> dict[str, Any]:
 
 
 def probe_kiss_icp(file: str) -> dict[str, Any]:
-    """kiss-icp: the points of its map, its registration, a cut PLY file in a folder of scans."""
+    """kiss-icp: the points of its map, its registration, a cut KITTI scan in a folder of its own."""
     import numpy as np
     from kiss_icp.config import KISSConfig
     from kiss_icp.datasets import dataset_factory
@@ -176,8 +176,11 @@ def probe_kiss_icp(file: str) -> dict[str, Any]:
     for module in ("kiss_icp.kiss_icp", "kiss_icp.mapping", "kiss_icp.preprocess", "kiss_icp.registration",
                    "kiss_icp.voxelization", "kiss_icp.pipeline", "kiss_icp.metrics"):
         importlib.import_module(module)
+    scans = pathlib.Path(file).parent / "scans"
+    scans.mkdir()
+    (scans / "damaged.bin").write_bytes(bytes(1001))
     return {"out": same_memory(grid.point_cloud(), grid.point_cloud()), "in": False, "gil": counting(frames),
-            "errors": outcome(lambda: dataset_factory("generic", data_dir=pathlib.Path(file).parent)[0], file),
+            "errors": outcome(lambda: dataset_factory("generic", data_dir=scans)[0], "damaged.bin"),
             "docs": docs_of("kiss_icp")}
 
 
@@ -222,7 +225,7 @@ def probe(name: str) -> None:
         print("\n" + json.dumps(globals()["probe_" + name.replace("-", "_")](file)))
 
 
-# --- The table ---------------------------------------------------------------------------------------------------------
+# --- The table ---
 
 
 def size_of(folder: pathlib.Path) -> float:
@@ -245,7 +248,7 @@ def installed(name: str, source: str, work: pathlib.Path) -> tuple[pathlib.Path,
     facts = {"seconds": took, "mb": size_of(packages),
              "packages": len([p for p in packages.glob("*.dist-info") if not p.name.startswith(("pip", "setuptools"))])}
     found = next(packages.glob(f"{name.replace('-', '_')}-*.dist-info"))
-    facts["version"] = found.name.split("-")[1]
+    facts["version"] = found.name.split("-")[1].removesuffix(".dist")
     facts["tag"] = re.findall(r"^Tag: (.*)$", (found / "WHEEL").read_text(encoding="utf-8"), re.M)[-1]
     facts["stubs"] = any(re.match(rf"{name.replace('-', '_')}(/|\.pyi|-stubs)", line) and
                          re.match(r"[^,]*(\.pyi|py\.typed),", line)
@@ -262,18 +265,22 @@ def row_of(name: str, source: str, work: pathlib.Path) -> list[str]:
     checked = subprocess.run([python, "-m", "mypy", "--strict", "--cache-dir", "/dev/null", program], check=False,
                              capture_output=True, text=True).stdout.strip().splitlines()
     module = name.replace("-", "_")
+    alone = subprocess.run([python, "-c", f"import {module}"], check=False, capture_output=True, text=True)
+    note = ""
+    if alone.returncode:  # a package that does not declare what it needs
+        note = f", after `{alone.stderr.strip().splitlines()[-1]}`"
+        subprocess.run([python, "-m", "pip", "install", "-q", "numpy"], check=True)
     times = []
     for _ in range(4):
         start = time.monotonic()
-        if subprocess.run([python, "-c", f"import {module}"], check=False, capture_output=True).returncode:
-            return [facts["version"], *["does not import"] * 8]
+        subprocess.run([python, "-c", f"import {module}"], check=True, capture_output=True)
         times.append(time.monotonic() - start)
     lines = subprocess.run([python, __file__, "--probe", name], check=True, capture_output=True, text=True).stdout
     found = json.loads(lines.strip().splitlines()[-1])
     errors = 0 if "Success" in checked[-1] else int(re.findall(r"Found (\d+) error", checked[-1])[0])
     return [facts["version"], f"{facts['mb']:.0f} MB, {facts['packages']} packages, {facts['seconds']:.0f} s",
-            facts["tag"], f"{min(times):.2f} s", ("yes" if facts["stubs"] else "no") + f", {errors} errors",
-            f"{'yes' if found['out'] else 'a copy'}, {'yes' if found['in'] else 'a copy'}",
+            facts["tag"], f"{min(times):.2f} s{note}", ("yes" if facts["stubs"] else "no") + f", {errors} errors",
+            f"{'in place' if found['out'] else 'a copy'}, {'in place' if found['in'] else 'a copy'}",
             f"{'released' if found['gil'] > 0.1 else 'held'} ({found['gil']:.0%})", found["errors"], found["docs"]]
 
 

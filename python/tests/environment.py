@@ -45,9 +45,10 @@ def environment(folder: pathlib.Path, packages: list[str], pip: pathlib.Path | N
     if stamp.exists() and stamp.read_text(encoding="utf-8") == wanted:
         return python
     venv.create(folder, with_pip=pip is None, clear=True)
-    command = [python, "-m", "pip"] if pip is None else [pip, "-m", "pip", "--python", python]
-    done = subprocess.run([*command, "install", "-q", "--disable-pip-version-check", "--retries", "2",
-                           *([] if compiled else ["--no-compile"]), *packages], check=False, capture_output=True, text=True)
+    command = [str(python), "-m", "pip"] if pip is None else [str(pip), "-m", "pip", "--python", str(python)]
+    command += ["install", "-q", "--disable-pip-version-check", "--retries", "2"]
+    done = subprocess.run([*command, *([] if compiled else ["--no-compile"]), *packages], check=False,
+                          capture_output=True, text=True)
     if done.returncode:
         raise Missing(f"pip cannot install {' '.join(packages)}: {(done.stderr.strip() or '?').splitlines()[-1]}")
     stamp.write_text(wanted, encoding="utf-8")
