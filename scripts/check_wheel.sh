@@ -38,7 +38,7 @@ in_clone "scripts/setup.sh build python"
 echo "check_wheel: pip install . (compiles)"
 start=$SECONDS
 inside python3 -m venv /srv/first
-in_clone "/srv/first/bin/pip install -q . -Cbuild-dir=build/pip"
+in_clone "/srv/first/bin/pip install -q . --config-settings=build-dir=build/pip"
 echo "check_wheel: installed after $((SECONDS - start)) s"
 in_clone "python3 python/tests/environment.py lines --build /srv/first"
 in_clone "python3 python/tests/environment.py repaired --build build/pip"

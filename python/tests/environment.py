@@ -87,7 +87,8 @@ def packed(build: pathlib.Path, folder: pathlib.Path) -> pathlib.Path:
     """Packs a wheel of the module that stands in the build folder; nothing is compiled."""
     maker = maker_in(build)
     subprocess.run([maker, "-m", "pip", "wheel", "-q", "--no-deps", "--no-build-isolation", "-w", folder, str(ROOT),
-                    f"-Ccmake.define.UNDERBRUSH_PYTHON_FROM={build.resolve()}", f"-Cbuild-dir={folder / 'pack'}"],
+                    f"--config-settings=cmake.define.UNDERBRUSH_PYTHON_FROM={build.resolve()}",
+                    f"--config-settings=build-dir={folder / 'pack'}"],
                    check=True, env=dict(os.environ, PATH=f"{maker.parent}{os.pathsep}{os.environ['PATH']}"))
     return next(folder.glob("*.whl"))
 
