@@ -7,6 +7,8 @@
                                          Python lines of README.md and the guide, without a compiler on the PATH
     environment.py repaired --build build   the same with a wheel that bundles its libraries, left in build/wheel
     environment.py lines --build VENV    runs the Python lines in an environment that has the package
+    environment.py asan --build build    runs the tests of lifetimes and threads on a module built with
+                                         -fsanitize=address, with the sanitizer's library loaded before Python
 
 An environment that is complete is not asked for again, so pip uses the network once. Where pip cannot fetch what is
 missing, one line says so and the exit status is 77, which ctest shows as skipped.
@@ -24,8 +26,12 @@ import sys
 import tempfile
 import venv
 import zipfile
+from collections.abc import Mapping
+from types import MappingProxyType
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+#: Tests of what views hold alive, and of calls at once; the others add nothing under AddressSanitizer.
+LIFETIMES = ("test_views.py", "test_calls.py", "test_lifetimes.py")
 PAGES = ("README.md", "docs/how-to/python.md")
 
 
@@ -62,14 +68,23 @@ def extra(name: str) -> list[str]:
     return re.findall(r'"([^"]+)"', found.group(1))
 
 
-def run_tests(build: pathlib.Path, words: list[str]) -> int:
+def sanitized() -> dict[str, str]:
+    """The variables that load AddressSanitizer before Python, whose own objects then come from malloc."""
+    names = ("libasan.so", "libstdc++.so")
+    found = [subprocess.run(["g++", f"-print-file-name={name}"], check=True, capture_output=True, text=True).stdout
+             for name in names]
+    return {"LD_PRELOAD": " ".join(str(pathlib.Path(path.strip()).resolve()) for path in found),
+            "PYTHONMALLOC": "malloc", "ASAN_OPTIONS": "detect_leaks=0:halt_on_error=1"}
+
+
+def run_tests(build: pathlib.Path, words: list[str], variables: Mapping[str, str] = MappingProxyType({})) -> int:
     """Runs pytest on the module of the build folder."""
     python = environment(build / "python" / "venv", ["numpy", "nanobind-backend", *extra("formats"), *extra("test")],
                          maker_in(build))
     paths = os.pathsep.join(filter(None, [str(build / "python" / "package"), os.environ.get("PYTHONPATH")]))
-    tests = str(ROOT / "python" / "tests")
-    return subprocess.run([python, "-m", "pytest", "-q", "-p", "no:cacheprovider", tests, *words],
-                          env=dict(os.environ, PYTHONPATH=paths), cwd=build, check=False).returncode
+    words = words or [str(ROOT / "python" / "tests")]
+    return subprocess.run([python, "-m", "pytest", "-q", "-p", "no:cacheprovider", *words],
+                          env=dict(os.environ, PYTHONPATH=paths, **variables), cwd=build, check=False).returncode
 
 
 def python_lines(page: pathlib.Path) -> str:
@@ -167,9 +182,9 @@ def run_wheel(build: pathlib.Path, bundled: bool) -> int:
 def main() -> int:
     """Does what the words say."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=["maker", "tests", "wheel", "repaired", "lines"])
+    parser.add_argument("what", choices=["maker", "tests", "wheel", "repaired", "lines", "asan"])
     parser.add_argument("--build", required=True, type=pathlib.Path)
-    given, words = parser.parse_known_args()  # further words are for pytest
+    given, words = parser.parse_known_args()  # further words are for pytest: tests and options
     build = given.build.resolve()
     try:
         if given.what == "maker":
@@ -178,6 +193,8 @@ def main() -> int:
         if given.what == "lines":
             with tempfile.TemporaryDirectory() as folder:
                 return run_lines(build / "bin" / "python", pathlib.Path(folder))
+        if given.what == "asan":
+            return run_tests(build, words or [str(ROOT / "python" / "tests" / name) for name in LIFETIMES], sanitized())
         return run_tests(build, words) if given.what == "tests" else run_wheel(build, given.what == "repaired")
     except Missing as missing:
         print(f"skipped: {missing}", file=sys.stderr)
