@@ -15,9 +15,9 @@ namespace {
 
 using sensor::Channel;
 using sensor::Sensor;
-using Self = nb::handle_t<Sensor>;
+using SensorSelf = nb::handle_t<Sensor>;
 
-const Sensor& sensor_of(const Self& s) { return *nb::inst_ptr<Sensor>(s); }
+const Sensor& sensor_of(const SensorSelf& s) { return *nb::inst_ptr<Sensor>(s); }
 
 std::string kind_of(const Sensor& s) {
   switch (s.kind) {
@@ -34,21 +34,21 @@ std::string kind_of(const Sensor& s) {
 void bind_channels(nb::class_<Sensor>& c) {
   c.def_prop_ro(
        "elevation_rad",
-       [](Self s) {
+       [](SensorSelf s) {
          return view_member(
              sensor_of(s).channels, [](const Channel& k) { return &k.elevation_rad; }, s);
        },
        "View (channels,) float64, rad, above the sensor's horizontal plane; the index is the ring.")
       .def_prop_ro(
           "azimuth_rad",
-          [](Self s) {
+          [](SensorSelf s) {
             return view_member(
                 sensor_of(s).channels, [](const Channel& k) { return &k.azimuth_rad; }, s);
           },
           "View (channels,) float64, rad, counter-clockwise from the azimuth of the firing.")
       .def_prop_ro(
           "channel_time_s",
-          [](Self s) {
+          [](SensorSelf s) {
             return view_member(
                 sensor_of(s).channels, [](const Channel& k) { return &k.time_s; }, s);
           },
