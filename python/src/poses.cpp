@@ -72,7 +72,7 @@ Trajectory trajectory_of(const Times& time_s, const Places& position, const Turn
 Pose pose_from_matrix(const Eigen::Matrix4d& m) {
   std::array<double, 12> rows{};
   for (int r = 0; r < 3; ++r) {
-    for (int c = 0; c < 4; ++c) rows[size_t(4 * r + c)] = m(r, c);
+    for (int c = 0; c < 4; ++c) rows[4 * size_t(r) + size_t(c)] = m(r, c);
   }
   const std::optional<Pose> pose = io::pose_from_rows(rows);
   require(pose && m.row(3).isApprox(Eigen::RowVector4d(0, 0, 0, 1)),

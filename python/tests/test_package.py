@@ -17,14 +17,13 @@ def test_parameters_are_those_of_the_library() -> None:
     subprocess.run([sys.executable, str(HERE / "make_parameters.py"), "--check"], check=True)
 
 
-def test_types_of_examples_and_notebooks(tmp_path: pathlib.Path) -> None:
+def test_types_of_examples_and_notebooks() -> None:
     mypy = pytest.importorskip("mypy.api")
-    for folder in ("examples", "notebooks"):
-        files = sorted(map(str, (HERE.parent / folder).glob("*.py")))
-        assert files
-        out, errors, code = mypy.run(["--config-file", str(HERE.parents[1] / "pyproject.toml"),
-                                      "--cache-dir", str(tmp_path), *files])
-        assert code == 0, out + errors
+    files = sorted(str(path) for name in ("examples", "notebooks") for path in (HERE.parent / name).glob("*.py"))
+    assert len(files) > 4
+    out, errors, code = mypy.run(["--config-file", str(HERE.parents[1] / "pyproject.toml"), "--cache-dir", "/dev/null",
+                                  *files])
+    assert code == 0, out + errors
 
 
 def test_everything_public_is_documented() -> None:
