@@ -43,9 +43,9 @@ echo "check_wheel: installed after $((SECONDS - start)) s"
 in_clone "python3 python/tests/environment.py lines --build /srv/first"
 in_clone "python3 python/tests/environment.py repaired --build build/pip"
 
-inside apt-get -q -y purge g++ cpp cmake ninja-build 'libtbb*' 'libyaml-cpp*' 'libnlopt*' 'libtinygltf*' 'libstb*' \
+inside apt-get -q -y -o Dpkg::Use-Pty=0 purge g++ cpp cmake ninja-build 'libtbb*' 'libyaml-cpp*' 'libnlopt*' 'libtinygltf*' 'libstb*' \
   'liblzf*' > /dev/null
-inside apt-get -q -y autoremove --purge > /dev/null
+inside apt-get -q -y -o Dpkg::Use-Pty=0 autoremove --purge > /dev/null
 if inside sh -c 'command -v gcc || command -v c++ || command -v cmake'; then
   echo "check_wheel: a compiler is left" >&2
   exit 1
