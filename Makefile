@@ -13,7 +13,7 @@ program_only = -DUNDERBRUSH_TESTS=OFF -DUNDERBRUSH_BENCH=OFF -DUNDERBRUSH_STUDIE
 quiet = log=$$(mktemp); if $(1) > $$log 2>&1; then rm $$log; else cat $$log; rm $$log; exit 1; fi
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build test fuzz demo bench results docs deb check-deb clean
+.PHONY: help setup build test fuzz demo bench results docs deb check-deb wheel check-wheel asan-python clean
 
 help:     ## This list
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):[^#]*## /  make \1\t/' | expand -t 16
@@ -29,8 +29,10 @@ build:    ## Build the program in Release: build/bin/underbrush
 	@cmake --build $(BUILD) --target underbrush -j $(JOBS)
 	@echo "built $(program)"
 
+# Without the Python packages that build the module, as offline, its tests are left out; one line says so.
 test: setup    ## Build everything and pass all tests
-	@$(call quiet,$(configure) $(everything))
+	@with=ON; python3 python/tests/environment.py maker --build $(BUILD) > /dev/null || with=OFF; \
+	  $(call quiet,$(configure) $(everything) -DUNDERBRUSH_PYTHON=$$with)
 	@cmake --build $(BUILD) -j $(JOBS)
 	@ctest --test-dir $(BUILD) --output-on-failure --progress -j $(JOBS)
 
@@ -64,6 +66,21 @@ deb: build     ## A Debian package of the program: build/underbrush_VERSION_amd6
 
 check-deb: deb ## Install the package on a bare Debian and run it there (root, minutes)
 	@scripts/check_deb.sh $(BUILD)/underbrush_*.deb
+
+check-wheel:   ## Install the Python package and its wheel on a bare Debian (root, minutes)
+	@scripts/setup.sh package
+	@scripts/check_wheel.sh
+
+asan-python: setup   ## The Python tests of lifetimes under AddressSanitizer: build/asan (minutes)
+	@$(call quiet,cmake -S . -B $(BUILD)/asan -G Ninja -DCMAKE_BUILD_TYPE=None $(ccache) $(program_only) \
+	  -DCMAKE_CXX_FLAGS="-O1 -fsanitize=address -fno-omit-frame-pointer" -DUNDERBRUSH_PYTHON=ON)
+	@cmake --build $(BUILD)/asan --target _core -j $(JOBS)
+	@python3 python/tests/environment.py asan --build $(BUILD)/asan
+
+wheel: setup   ## A wheel of the Python package that bundles its libraries: build/wheel
+	@$(call quiet,$(configure) -DUNDERBRUSH_PYTHON=ON)
+	@cmake --build $(BUILD) --target underbrush_python -j $(JOBS)
+	@python3 python/tests/environment.py repaired --build $(BUILD)
 
 clean:    ## Remove what was built and the demo's output
 	@rm -rf $(BUILD) demo

@@ -23,8 +23,11 @@ set(underbrush_pch_program ${underbrush_pch_library}
     <CLI/CLI.hpp> <fmt/format.h> <nlohmann/json.hpp>)
 set(underbrush_pch_study ${underbrush_pch_program})
 set(underbrush_pch_test ${underbrush_pch_library} <gtest/gtest.h>)
+set(underbrush_pch_python ${underbrush_pch_library} <nanobind/nanobind.h> <nanobind/ndarray.h>
+    <nanobind/stl/filesystem.h> <nanobind/stl/optional.h> <nanobind/stl/string.h>
+    <nanobind/stl/variant.h> <nanobind/stl/vector.h>)
 
-# underbrush_fast_build(TARGET KIND): KIND is library, program, study or test. Tests are not joined:
+# underbrush_fast_build(TARGET KIND): KIND is library, program, study, python or test. Tests are not joined:
 # each has helpers of its own. A program's own code (options, tables, messages) is never the time of a
 # run, so it is compiled for size, which takes a quarter less time.
 function(underbrush_fast_build target kind)

@@ -12,7 +12,7 @@ build="g++ cmake ninja-build make git pkg-config
   nlohmann-json3-dev libyaml-cpp-dev libfmt-dev libxxhash-dev libpng-dev liblzf-dev libnlopt-dev
   libtinygltf-dev"
 test="libembree-dev chromium libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev liblzma-dev
-  clang clang-tidy clang-format libclang-rt-14-dev doxygen jq valgrind python3 python3-numpy python3-venv"
+  clang clang-tidy clang-format libclang-rt-14-dev doxygen jq valgrind python3 python3-numpy python3-dev python3-venv"
 docs="doxygen python3 python3-venv"
 package="dpkg-dev file debootstrap"
 results="python3-venv xz-utils"

@@ -150,8 +150,11 @@ void bind_model(nb::module_& m) {
           "fitter", [](const ModelValue& v) { return v.fitter; },
           "Name of the fitter that made the model.")
       .def_prop_ro(
-          "provenance", [](const ModelValue& v) { return v.provenance; }, "JSON.")
-      .def_prop_ro("report_json", [](const ModelValue& v) { return v.report; })
+          "provenance", [](const ModelValue& v) { return v.provenance; },
+          "How the model was made: program, command, seed and inputs, as JSON.")
+      .def_prop_ro(
+          "report_json", [](const ModelValue& v) { return v.report; },
+          "What `report_of` reads: counts and warnings of the fit, as JSON.")
       .def("__repr__", [](const ModelValue& v) {
         return "Model(" + v.fitter + ": " + std::to_string(v.ground.size()) + " ground and " +
                std::to_string(v.surface.size()) + " surface triangles, " +

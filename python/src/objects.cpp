@@ -222,7 +222,9 @@ void bind_extract(nb::module_& m) {
             return ModelValue{p.primitives[i].model};
           },
           "index"_a, "Returns a copy of a primitive's elements. Raises `IndexError`.")
-      .def_prop_ro("report_json", [](const P& p) { return p.report; });
+      .def_prop_ro(
+          "report_json", [](const P& p) { return p.report; },
+          "What `report_of` reads: counts of the extraction, as JSON.");
   m.def("extract", &extracted, "model"_a, "labelled"_a, "options"_a, "progress"_a.none(),
         "Cuts primitives out of a model along a labelled log.");
   m.def(

@@ -72,7 +72,7 @@ Trajectory trajectory_of(const Times& time_s, const Places& position, const Turn
 Pose pose_from_matrix(const Eigen::Matrix4d& m) {
   std::array<double, 12> rows{};
   for (int r = 0; r < 3; ++r) {
-    for (int c = 0; c < 4; ++c) rows[size_t(4 * r + c)] = m(r, c);
+    for (int c = 0; c < 4; ++c) rows[4 * size_t(r) + size_t(c)] = m(r, c);
   }
   const std::optional<Pose> pose = io::pose_from_rows(rows);
   require(pose && m.row(3).isApprox(Eigen::RowVector4d(0, 0, 0, 1)),
@@ -98,7 +98,8 @@ void bind_poses(nb::module_& m) {
                   "Makes a pose from a 4 x 4 matrix. Raises `ValueError` unless it is a rigid\n"
                   "transform within 0.005.")
       .def_prop_ro(
-          "position", [](const Pose& p) { return p.translation; }, "t (3,), m; a copy.")
+          "position", [](const Pose& p) { return p.translation; },
+          "The translation t (3,), m; a copy.")
       .def_prop_ro(
           "rotation", [](const Pose& p) { return Eigen::Vector4d(p.rotation.coeffs()); },
           "Unit quaternion x y z w (4,); a copy.")
@@ -110,10 +111,9 @@ void bind_poses(nb::module_& m) {
       .def("__repr__", [](const Pose& p) {
         const Vec3& t = p.translation;
         const auto& q = p.rotation;
-        return nb::str(
-                   "Pose(position=[{:.3f}, {:.3f}, {:.3f}], rotation=[{:.4f}, {:.4f}, {:.4f}, "
-                   "{:.4f}])")
-            .attr("format")(t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
+        const nb::str form(
+            "Pose(position=[{:.3f}, {:.3f}, {:.3f}], rotation=[{:.4f}, {:.4f}, {:.4f}, {:.4f}])");
+        return nb::str(form.attr("format")(t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()));
       });
   nb::class_<Trajectory>(
       m, "Trajectory",

@@ -15,9 +15,9 @@ namespace {
 using elements::Instance;
 using Path = std::filesystem::path;
 using Released = nb::call_guard<nb::gil_scoped_release>;
-using Self = nb::handle_t<SceneValue>;
+using SceneSelf = nb::handle_t<SceneValue>;
 
-const SceneValue& scene_of(const Self& s) { return *nb::inst_ptr<SceneValue>(s); }
+const SceneValue& scene_of(const SceneSelf& s) { return *nb::inst_ptr<SceneValue>(s); }
 
 std::vector<std::string> class_names() {
   return {elements::kClassNames.begin(), elements::kClassNames.end()};
@@ -41,7 +41,7 @@ void bind_values(nb::module_& m) {
           "Number of instances.")
       .def_prop_ro(
           "position",
-          [](Self s) {
+          [](SceneSelf s) {
             return view_member_rows<3>(
                 scene_of(s).scene.instances,
                 [](const Instance& i) { return i.world_from_model.translation.data(); }, s);
@@ -49,7 +49,7 @@ void bind_values(nb::module_& m) {
           "View (n, 3) float64, m, world.")
       .def_prop_ro(
           "rotation",
-          [](Self s) {
+          [](SceneSelf s) {
             return view_member_rows<4>(
                 scene_of(s).scene.instances,
                 [](const Instance& i) { return i.world_from_model.rotation.coeffs().data(); }, s);
@@ -57,21 +57,21 @@ void bind_values(nb::module_& m) {
           "View (n, 4) float64: unit quaternions x y z w, world from model.")
       .def_prop_ro(
           "scale",
-          [](Self s) {
+          [](SceneSelf s) {
             return view_member(
                 scene_of(s).scene.instances, [](const Instance& i) { return &i.scale; }, s);
           },
           "View (n,) float32.")
       .def_prop_ro(
           "model",
-          [](Self s) {
+          [](SceneSelf s) {
             return view_member(
                 scene_of(s).scene.instances, [](const Instance& i) { return &i.model; }, s);
           },
           "View (n,) uint32: number of each instance's model.")
       .def_prop_ro(
           "label",
-          [](Self s) {
+          [](SceneSelf s) {
             const auto& labels = scene_of(s).info.labels;
             return Column<const uint8_t>(reinterpret_cast<const uint8_t*>(labels.data()),
                                          {labels.size()}, s);
@@ -90,8 +90,11 @@ void bind_values(nb::module_& m) {
           "movers", [](const SceneValue& v) { return v.info.movers.size(); },
           "Number of instances that move.")
       .def_prop_ro(
-          "provenance", [](const SceneValue& v) { return v.info.provenance; }, "JSON.")
-      .def_prop_ro("report_json", [](const SceneValue& v) { return v.report; })
+          "provenance", [](const SceneValue& v) { return v.info.provenance; },
+          "How the scene was made: program, command, seed and inputs, as JSON.")
+      .def_prop_ro(
+          "report_json", [](const SceneValue& v) { return v.report; },
+          "What `report_of` reads: counts of the composition, as JSON.")
       .def("__repr__", [](const SceneValue& v) {
         return "Scene(" + std::to_string(v.scene.instances.size()) + " instances of " +
                std::to_string(v.scene.models.size()) + " models)";

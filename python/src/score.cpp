@@ -64,10 +64,10 @@ void bind_score(nb::module_& m) {
       m, "Summary",
       "The scores of a set of beams. A score that has no data or was not asked for is NaN.")
       .def_ro("beams", &Summary::beams, "Number of beams.")
-      .def_ro("true_hits", &Summary::true_hits)
-      .def_ro("false_hits", &Summary::false_hits)
-      .def_ro("false_misses", &Summary::false_misses)
-      .def_ro("true_misses", &Summary::true_misses)
+      .def_ro("true_hits", &Summary::true_hits, "Beams that return in both logs.")
+      .def_ro("false_hits", &Summary::false_hits, "Beams that return in the simulated log only.")
+      .def_ro("false_misses", &Summary::false_misses, "Beams that return in the real log only.")
+      .def_ro("true_misses", &Summary::true_misses, "Beams that return in neither log.")
       .def_ro("precision", &Summary::precision, "True hits / all simulated hits.")
       .def_ro("recall", &Summary::recall, "True hits / all real hits.")
       .def_ro("f1", &Summary::f1, "Harmonic mean of precision and recall.")
@@ -78,14 +78,15 @@ void bind_score(nb::module_& m) {
               "m; mean over all beams of the error, at most 2 m.")
       .def_ro("cloud_error_m", &Summary::cloud_error_m,
               "m; mean distance to the nearest point, both ways.")
-      .def_ro("density_aware_chamfer", &Summary::density_aware_chamfer, "In [0, 1].")
+      .def_ro("density_aware_chamfer", &Summary::density_aware_chamfer,
+              "In [0, 1]; 0 where both clouds are alike in place and density.")
       .def_ro("nll_per_beam", &Summary::nll_per_beam,
               "Mean negative log-likelihood of the real outcome.")
       .def_ro("crps_m", &Summary::crps_m,
               "m; mean continuous ranked probability score of the range.")
       .def("__repr__", [](const Summary& s) {
-        return nb::str("Summary({} beams, packet error {:.3f} m, F1 {:.4f})")
-            .attr("format")(s.beams, s.packet_error_m, s.f1);
+        return nb::str(nb::str("Summary({} beams, packet error {:.3f} m, F1 {:.4f})")
+                           .attr("format")(s.beams, s.packet_error_m, s.f1));
       });
   nb::class_<Score>(m, "Score", "The scores of a simulation.")
       .def_ro("all", &Score::all, "Of all beams.")
@@ -96,8 +97,8 @@ void bind_score(nb::module_& m) {
               "m; roughness along the rings of the simulated log.")
       .def_ro("real_roughness_m", &Score::real_roughness_m, "m; that of the real log.")
       .def("__repr__", [](const Score& s) {
-        return nb::str("Score({} beams, packet error {:.3f} m, F1 {:.4f})")
-            .attr("format")(s.all.beams, s.all.packet_error_m, s.all.f1);
+        return nb::str(nb::str("Score({} beams, packet error {:.3f} m, F1 {:.4f})")
+                           .attr("format")(s.all.beams, s.all.packet_error_m, s.all.f1));
       });
   m.def("score", &scored, "real"_a, "simulated"_a, "model"_a.none(), "cloud"_a, "progress"_a.none(),
         "Compares a simulated log with the real log of the same beams.");

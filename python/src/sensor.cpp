@@ -15,9 +15,9 @@ namespace {
 
 using sensor::Channel;
 using sensor::Sensor;
-using Self = nb::handle_t<Sensor>;
+using SensorSelf = nb::handle_t<Sensor>;
 
-const Sensor& sensor_of(const Self& s) { return *nb::inst_ptr<Sensor>(s); }
+const Sensor& sensor_of(const SensorSelf& s) { return *nb::inst_ptr<Sensor>(s); }
 
 std::string kind_of(const Sensor& s) {
   switch (s.kind) {
@@ -34,21 +34,21 @@ std::string kind_of(const Sensor& s) {
 void bind_channels(nb::class_<Sensor>& c) {
   c.def_prop_ro(
        "elevation_rad",
-       [](Self s) {
+       [](SensorSelf s) {
          return view_member(
              sensor_of(s).channels, [](const Channel& k) { return &k.elevation_rad; }, s);
        },
        "View (channels,) float64, rad, above the sensor's horizontal plane; the index is the ring.")
       .def_prop_ro(
           "azimuth_rad",
-          [](Self s) {
+          [](SensorSelf s) {
             return view_member(
                 sensor_of(s).channels, [](const Channel& k) { return &k.azimuth_rad; }, s);
           },
           "View (channels,) float64, rad, counter-clockwise from the azimuth of the firing.")
       .def_prop_ro(
           "channel_time_s",
-          [](Self s) {
+          [](SensorSelf s) {
             return view_member(
                 sensor_of(s).channels, [](const Channel& k) { return &k.time_s; }, s);
           },
@@ -70,11 +70,11 @@ void bind_sensor(nb::module_& m) {
       .def_ro("title", &Sensor::title, "Maker and model.")
       .def_prop_ro("kind", &kind_of, "\"spinning\", \"raster\" or \"sequence\".")
       .def_ro("rate_hz", &Sensor::rate_hz, "Revolutions or frames a second.")
-      .def_ro("min_range_m", &Sensor::min_range_m, "m.")
-      .def_ro("max_range_m", &Sensor::max_range_m, "m.")
+      .def_ro("min_range_m", &Sensor::min_range_m, "m; the sensor reports no nearer return.")
+      .def_ro("max_range_m", &Sensor::max_range_m, "m; the sensor reports no farther return.")
       .def_ro("range_sigma_m", &Sensor::range_sigma_m, "m; standard deviation of the range.")
       .def_ro("range_resolution_m", &Sensor::range_resolution_m, "m; step of the reported range.")
-      .def_ro("wavelength_m", &Sensor::wavelength_m, "m.")
+      .def_ro("wavelength_m", &Sensor::wavelength_m, "m; wavelength of the light.")
       .def_prop_ro(
           "channels", [](const Sensor& s) { return s.channels.size(); }, "Number of channels.")
       .def_prop_ro("beams_per_s", &Sensor::beams_per_s, "Beams fired in a second.")

@@ -17,11 +17,12 @@ def test_parameters_are_those_of_the_library() -> None:
     subprocess.run([sys.executable, str(HERE / "make_parameters.py"), "--check"], check=True)
 
 
-def test_types_of_the_examples() -> None:
+def test_types_of_examples_and_notebooks() -> None:
     mypy = pytest.importorskip("mypy.api")
-    examples = sorted(map(str, (HERE.parent / "examples").glob("*.py")))
-    assert examples
-    out, errors, code = mypy.run(["--strict", "--cache-dir", "/dev/null", *examples])
+    files = sorted(str(path) for name in ("examples", "notebooks") for path in (HERE.parent / name).glob("*.py"))
+    assert len(files) > 4
+    out, errors, code = mypy.run(["--config-file", str(HERE.parents[1] / "pyproject.toml"), "--cache-dir", "/dev/null",
+                                  *files])
     assert code == 0, out + errors
 
 

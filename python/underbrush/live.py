@@ -33,7 +33,7 @@ class Lidar:
 
     @property
     def sensor(self) -> Sensor:
-        """The sensor."""
+        """The sensor that is simulated."""
         return self._sensor
 
     @property
