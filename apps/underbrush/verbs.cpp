@@ -20,6 +20,7 @@ void add_all_verbs(Program& program) {
   add_sensors(program);
   add_simulate(program);
   add_score(program);
+  add_serve(program);
   add_dump_config(program);
   add_completion(program);
 }
