@@ -48,13 +48,11 @@ def main():
     with tempfile.TemporaryDirectory() as data:
         serve_test.make_files(data)
         info = json.loads(cli_test.call("info", "log.ply", "--json", "-", cwd=data).stdout)
-        pictures = options.pictures or pathlib.Path(data, "pictures")
-        pictures.mkdir(exist_ok=True)
         server = serve_test.Server(data, "log.ply", "model", "primitives", "scene", "score.json")
         try:
             done = subprocess.run(
                 ["node", str(TESTS / "web/browser.mjs"), str(folder), shutil.which("chromium"), server.address,
-                 str(pictures.resolve())], env=dict(os.environ, RETURNS=str(info["hits"])), timeout=240, check=False)
+                 *([str(options.pictures.resolve())] if options.pictures else [])], env=dict(os.environ, RETURNS=str(info["hits"])), timeout=240, check=False)
         finally:
             server.end()
     sys.exit(done.returncode)
