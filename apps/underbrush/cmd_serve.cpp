@@ -27,8 +27,8 @@ void run(const Verb& verb, const Arguments& a) {
   }
   for (const std::string& note : files.notes) text += fmt::format("  {}\n", note);
   serve::Api api(std::move(files), cache, version());
-  serve::HttpServer server(
-      a.port, [&](const serve::HttpRequest& request) { return api.answer(request); });
+  serve::HttpServer server(a.port,
+                           [&](const serve::HttpRequest& request) { return api.answer(request); });
   j["address"] = server.address();
   verb.report(j, text + fmt::format("open {} in a browser; Ctrl-C ends\n", server.address()));
   std::fflush(stdout);
@@ -41,11 +41,11 @@ void run(const Verb& verb, const Arguments& a) {
 void add_serve(Program& program) {
   using namespace serve_verb;
   auto a = std::make_shared<Arguments>();
-  const auto verb = add_verb(program, "Start", "serve",
-                             "Look at logs, models, scenes and scores in the browser",
-                             "underbrush serve log.ply model/\n"
-                             "  underbrush serve folder/",
-                             [a](const Verb& v) { run(v, *a); });
+  const auto verb =
+      add_verb(program, "Start", "serve", "Look at logs, models, scenes and scores in the browser",
+               "underbrush serve log.ply model/\n"
+               "  underbrush serve folder/",
+               [a](const Verb& v) { run(v, *a); });
   CLI::App& app = verb->app;
   app.add_option("PATH", a->paths,
                  "Logs, folders of models, scenes or sets of primitives, scores (score --json), or "

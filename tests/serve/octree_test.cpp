@@ -53,7 +53,7 @@ BeamLog hills(size_t beams, double side_m) {
 /// A node by its level and its corner, with what a reader sees.
 struct Seen {
   OctreeNode node;
-  std::array<uint32_t, 3> place{};  ///< Of the node in the grid of its level.
+  std::array<uint32_t, 3> place{};  ///< Place of the node in the grid of its level.
   OctreePoints points;
 };
 

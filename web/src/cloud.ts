@@ -1,6 +1,6 @@
 // The points of a log: the nodes of its octree that are in view, up to a budget of points.
 import {
-  type Box3,
+  Box3,
   BufferAttribute,
   BufferGeometry,
   Frustum,
@@ -72,9 +72,18 @@ const FRAGMENT = /* glsl */ `
   }
 `;
 
+/** The values below which 2 % and 98 % of the values lie. */
+function shares(values: Float32Array): [number, number] {
+  const sorted = Float32Array.from(values).sort();
+  const at = (q: number) => sorted[Math.floor(q * (sorted.length - 1))]!;
+  return [at(0.02), at(0.98)];
+}
+
 export class Cloud {
   readonly group = new Group();
   readonly pick: number;
+  /** Where most points lie, in the scene's frame: all but the outermost 2 % along each axis. */
+  readonly core = new Box3();
   /** Points of the nodes that are drawn, and whether nodes in view are still on their way. */
   drawnPoints = 0;
   loading = false;
@@ -131,12 +140,17 @@ export class Cloud {
     (this.look.uniforms.range!.value as Vector2).set(from, to);
   }
 
-  /** The intensities between which the colours run: the 2nd and the 98th percentile of the root. */
-  private stretchIntensities(points: Points): void {
-    const sorted = Float32Array.from(points.intensity).sort();
-    if (sorted.length === 0) return;
-    const at = (q: number) => sorted[Math.floor(q * (sorted.length - 1))]!;
-    (this.look.uniforms.intensities!.value as Vector2).set(at(0.02), at(0.98));
+  /** Loads the root, from whose points follow the extent of most points and the range of intensities. */
+  async start(): Promise<void> {
+    await this.load(this.octree.root);
+    const points = this.loaded.get(this.octree.root)?.points;
+    if (!points || points.count === 0) return;
+    const [low, high] = shares(points.intensity);
+    (this.look.uniforms.intensities!.value as Vector2).set(low, high);
+    const axis = (k: number) => shares(points.position.filter((_, i) => i % 3 === k));
+    const [x, y, z] = [axis(0), axis(1), axis(2)];
+    this.core.min.set(x[0], y[0], z[0]).add(this.octree.root.box.min).add(this.group.position);
+    this.core.max.set(x[1], y[1], z[1]).add(this.octree.root.box.min).add(this.group.position);
   }
 
   /** Chooses the nodes to draw. A node is divided while its cells are wider than a pixel and a half. */
@@ -149,7 +163,7 @@ export class Cloud {
     const eye = camera.position.clone().sub(this.group.position);
     const open: { node: Node; size: number }[] = [];
     const push = (node: Node) => {
-      const box: Box3 = node.box.clone().translate(this.group.position);
+      const box = node.box.clone().translate(this.group.position);
       if (!frustum.intersectsBox(box)) return;
       const side = node.box.max.x - node.box.min.x;
       const distance = Math.max(node.box.distanceToPoint(eye), 0.1 * side);
@@ -204,7 +218,6 @@ export class Cloud {
     this.waiting.add(node);
     try {
       const points = await loadPoints(this.octree.file, node);
-      if (node === this.octree.root) this.stretchIntensities(points);
       this.show(node, points);
     } catch (error) {
       this.failed = String(error);

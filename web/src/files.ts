@@ -49,6 +49,7 @@ export class Files {
       this.origin ??= new Vector3(...octree.facts.origin_m);
       const pick = this.viewer.target({ kind: 'beam', file: file.id }); // replaced below
       const cloud = new Cloud(octree, this.viewer.display, this.origin, pick, () => this.viewer.draw());
+      await cloud.start();
       this.viewer.replaceTarget(pick, { kind: 'point', cloud });
       this.clouds.set(file.id, cloud);
       this.viewer.addCloud(cloud);

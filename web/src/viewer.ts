@@ -131,13 +131,11 @@ export class Viewer {
     return new Line(new BufferGeometry().setFromPoints([from, to]), look);
   }
 
-  /** Bounds of all that is shown, in the scene's frame. */
+  /** Bounds of most of what is shown, in the scene's frame. */
   bounds(): Box3 {
     const box = new Box3();
     for (const cloud of this.clouds) {
-      if (!cloud.group.visible || cloud.octree.facts.points === 0) continue;
-      const { low_m, high_m } = cloud.octree.facts;
-      box.union(new Box3(new Vector3(...low_m), new Vector3(...high_m)).translate(cloud.group.position));
+      if (cloud.group.visible) box.union(cloud.core);
     }
     for (const world of this.worlds) {
       if (world.group.visible) box.union(world.bounds);
@@ -149,7 +147,7 @@ export class Viewer {
     const box = this.bounds();
     this.display.uniforms.heights.value.set(box.min.z, box.max.z);
     const size = box.getSize(new Vector3());
-    this.navigation.frame(box.getCenter(new Vector3()), Math.max(2, 0.8 * Math.max(size.x, size.y, size.z)));
+    this.navigation.frame(box.getCenter(new Vector3()), Math.max(2, 0.6 * Math.max(size.x, size.y, size.z)));
   }
 
   get drawnPoints(): number {

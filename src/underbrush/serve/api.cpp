@@ -65,8 +65,9 @@ struct Api::Impl {
   HttpReply list(const HttpRequest&) {
     Json j{{"program", "underbrush " + version}, {"files", Json::array()}};
     for (size_t k = 0; k < files.files.size(); ++k) {
-      j["files"].push_back(
-          {{"id", k}, {"name", printable(files.files[k].name)}, {"kind", name(files.files[k].kind)}});
+      j["files"].push_back({{"id", k},
+                            {"name", printable(files.files[k].name)},
+                            {"kind", name(files.files[k].kind)}});
     }
     j["notes"] = files.notes;
     return {200, "application/json", j.dump(-1, ' ', false, Json::error_handler_t::replace)};
@@ -122,7 +123,7 @@ struct Api::Impl {
   OpenedFiles files;
   std::filesystem::path cache;
   std::string version;
-  std::mutex mutex;  ///< Of the maps.
+  std::mutex mutex;  ///< Guards the maps.
   std::map<size_t, std::unique_ptr<LogData>> logs;
   std::map<size_t, std::unique_ptr<WorldData>> worlds;
 };

@@ -31,8 +31,7 @@ const char* name_of(elements::Kind kind) {
 struct AtATime {
   AtATime(const WorldData& world, double time_s) : tracer(&world.tracer()) {
     if (world.info().movers.empty()) return;
-    const simulate::DynamicWorld moving(world.scene(), world.info().movers,
-                                        trace::Draws::kOnce);
+    const simulate::DynamicWorld moving(world.scene(), world.info().movers, trace::Draws::kOnce);
     scene.models = world.scene().models;
     for (uint32_t k = 0; k < world.scene().instances.size(); ++k) {
       scene.instances.push_back(moving.placed(k, time_s));
@@ -73,36 +72,34 @@ std::string trace_beam(const LoggedBeam& beam, const WorldData& world, uint64_t 
     const elements::Model& model = tracer.model(m.instance);
     const elements::ElementPlace place = model.place(m.element);
     const uint32_t cell = trace::grain_cell(model, tracer.instance(m.instance), ray, m);
-    const uint32_t bits =
-        accept_bits(trace::instance_key(matter, m.instance) ^ cell, m.element);
+    const uint32_t bits = accept_bits(trace::instance_key(matter, m.instance) ^ cell, m.element);
     const bool accepts = trace::accepts(matter, m, cell);
     if (accepts && j["ends_at"].is_null()) {
       j["ends_at"] = k;
-      j["simulated_range_m"] = float(std::clamp(
-          simulate::drawn_in_matter(m, trace::instance_key(matter, m.instance) ^ cell, key,
-                                    model.range_noise_m, limits),
-          limits.min_m, limits.max_m));
+      j["simulated_range_m"] = float(
+          std::clamp(simulate::drawn_in_matter(m, trace::instance_key(matter, m.instance) ^ cell,
+                                               key, model.range_noise_m, limits),
+                     limits.min_m, limits.max_m));
     }
     if (k < kMostMet) {
       const uint16_t label = simulate::element_class(model, m, world.info().labels);
       const elements::HitCount& hit = model.hit(m.element);
-      j["met"].push_back(
-          {{"range_m", m.t_m},
-           {"sigma_m", m.sigma_m},
-           {"distance", std::sqrt(m.delta2)},
-           {"p", m.p},
-           {"draw", double(bits) * 0x1p-32},
-           {"accepts", accepts},
-           {"reach", reach},
-           {"kind", name_of(place.kind)},
-           {"index", place.index},
-           {"element", m.element},
-           {"instance", m.instance},
-           {"class", label < elements::kClassNames.size()
-                         ? std::string(elements::kClassNames[label])
-                         : std::to_string(label)},
-           {"hits", hit.hits},
-           {"misses", hit.misses}});
+      j["met"].push_back({{"range_m", m.t_m},
+                          {"sigma_m", m.sigma_m},
+                          {"distance", std::sqrt(m.delta2)},
+                          {"p", m.p},
+                          {"draw", double(bits) * 0x1p-32},
+                          {"accepts", accepts},
+                          {"reach", reach},
+                          {"kind", name_of(place.kind)},
+                          {"index", place.index},
+                          {"element", m.element},
+                          {"instance", m.instance},
+                          {"class", label < elements::kClassNames.size()
+                                        ? std::string(elements::kClassNames[label])
+                                        : std::to_string(label)},
+                          {"hits", hit.hits},
+                          {"misses", hit.misses}});
     }
     reach *= 1 - m.p;
   }

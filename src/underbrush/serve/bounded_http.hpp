@@ -41,7 +41,7 @@ class BoundedStream : public httplib::Stream {
   const HttpLimits& limits_;
   Clock::time_point read_until_, write_until_;
   bool writing_ = false, sound_ = true;
-  size_t bytes_ = 0;  ///< Of the request at hand.
+  size_t bytes_ = 0;              ///< Read of the request at hand.
   std::array<char, 4096> ahead_;  ///< Bytes [at_, end_) were received and not yet read.
   size_t at_ = 0, end_ = 0;
 };

@@ -35,13 +35,13 @@ struct HttpReply {
 
 /// Limits of the server.
 struct HttpLimits {
-  size_t workers = 24;          ///< Connections that are answered at the same time.
-  size_t waiting = 48;          ///< Further connections that wait; more are closed at once.
-  size_t head_bytes = 16384;    ///< Longest request; there are no bodies.
-  double request_s = 5;         ///< From the first byte of a request to its last.
-  double reply_s = 60;          ///< For sending a reply.
-  double idle_s = 5;            ///< A connection without a request is closed.
-  size_t requests = 1000;       ///< Requests on one connection.
+  size_t workers = 24;        ///< Connections that are answered at the same time.
+  size_t waiting = 48;        ///< Further connections that wait; more are closed at once.
+  size_t head_bytes = 16384;  ///< Longest request; there are no bodies.
+  double request_s = 5;       ///< From the first byte of a request to its last.
+  double reply_s = 60;        ///< For sending a reply.
+  double idle_s = 5;          ///< A connection without a request is closed.
+  size_t requests = 1000;     ///< Requests on one connection.
 };
 
 /// Parses the value of a Range header with a single range "bytes=A-B" or "bytes=A-". Returns

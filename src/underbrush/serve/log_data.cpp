@@ -154,9 +154,7 @@ std::string LogData::beam_json(uint64_t row) {
   const LoggedBeam b = beam(row);
   const size_t i = b.asked;
   const BeamLog& log = b.rows;
-  const auto list = [](const auto& v) {
-    return Json{double(v[0]), double(v[1]), double(v[2])};
-  };
+  const auto list = [](const auto& v) { return Json{double(v[0]), double(v[1]), double(v[2])}; };
   Json j{{"row", row}, {"beam", b.number}};
   j["hit"] = log.is_hit(i);
   j["inferred"] = (log.flags[i] & kInferred) != 0;

@@ -41,9 +41,9 @@ class LogData {
 
   /// Returns the beams of a run (a scan, or a part of it) as bytes: their number, and the step by
   /// which rows were left out so that they are at most 200 000 (uint32 each), then 32 bytes each:
-  /// origin and end relative to the octree's origin (3 × float32 each, m), row (uint32), and 1 for a
-  /// hit, 0 for a miss, 2 for an inferred miss (uint32). Throws `std::invalid_argument` where there
-  /// is no such run or no octree yet.
+  /// origin and end relative to the octree's origin (3 × float32 each, m), row (uint32), and 1 for
+  /// a hit, 0 for a miss, 2 for an inferred miss (uint32). Throws `std::invalid_argument` where
+  /// there is no such run or no octree yet.
   std::string beams(size_t run);
   /// Returns a beam by one of its rows. Throws as `beams` does.
   LoggedBeam beam(uint64_t row);
@@ -56,7 +56,7 @@ class LogData {
   std::shared_ptr<const OctreeFile> needed();
 
   std::filesystem::path path_, cache_;
-  std::mutex mutex_;  ///< Of all below but `done_`.
+  std::mutex mutex_;  ///< Guards all below but `done_`.
   std::shared_ptr<const OctreeFile> octree_;
   std::string error_;
   bool started_ = false;

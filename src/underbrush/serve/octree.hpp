@@ -57,7 +57,7 @@ static_assert(sizeof(OctreeNode) == 24);
 struct OctreeRun {
   uint64_t first_row = 0, first_beam = 0;
   uint32_t rows = 0, scan = 0;
-  double time_s = 0;  ///< Of the first row.
+  double time_s = 0;  ///< Time of the first row.
 };
 static_assert(sizeof(OctreeRun) == 32);
 

@@ -85,9 +85,9 @@ class Search {
     if (path.filename().string().starts_with(".")) return;
     if (out_.files.size() >= kMostFiles) return;
     const bool folder = fs::is_directory(full);
-    const auto kind = folder                     ? kind_of_folder(full)
+    const auto kind = folder                      ? kind_of_folder(full)
                       : fs::is_regular_file(full) ? kind_of_found(full)
-                                                 : std::nullopt;
+                                                  : std::nullopt;
     if (kind) {
       out_.files.push_back({*kind, full, shown});
     } else if (folder && depth < kDeepest && !fs::is_symlink(path)) {

@@ -27,10 +27,10 @@ struct OpenedFiles {
   std::vector<std::string> notes;  ///< What was left out and why, one line each.
 };
 
-/// Finds what to serve: each of `named` is a log, a score's JSON, or the folder of a model, a set of
-/// primitives or a scene; else a folder of these, which is searched to a depth of four. A link in
-/// such a folder that leads out of it is left out. Throws `FormatError` where a named file is none
-/// of these or a named folder holds none, and reads no file whole.
+/// Finds what to serve: each of `named` is a log, a score's JSON, or the folder of a model, a set
+/// of primitives or a scene; else a folder of these, which is searched to a depth of four. A link
+/// in such a folder that leads out of it is left out. Throws `FormatError` where a named file is
+/// none of these or a named folder holds none, and reads no file whole.
 OpenedFiles find_files(const std::vector<std::filesystem::path>& named);
 
 }  // namespace underbrush::serve

@@ -34,8 +34,8 @@ class WorldData {
   /// model that does not exist.
   std::string ellipsoids(size_t model) const;
   /// Returns the ground or the surface of a model: the numbers of vertices and of triangles
-  /// (uint32), vertices (3 × float32, m), triangles (3 × uint32), and for each triangle p (float32),
-  /// then hits, then misses (uint32).
+  /// (uint32), vertices (3 × float32, m), triangles (3 × uint32), and for each triangle p
+  /// (float32), then hits, then misses (uint32).
   std::string mesh(size_t model, elements::Kind kind) const;
 
  private:
