@@ -26,7 +26,7 @@ void run(const Verb& verb, const Arguments& a) {
     text += fmt::format("  {:<11} {}\n", serve::name(f.kind), printable(f.name));
   }
   for (const std::string& note : files.notes) text += fmt::format("  {}\n", note);
-  serve::Api api(std::move(files), cache, version());
+  serve::Api api(std::move(files), cache, version(), verb.seed);
   serve::HttpServer server(a.port,
                            [&](const serve::HttpRequest& request) { return api.answer(request); });
   j["address"] = server.address();

@@ -13,6 +13,7 @@ export interface FileList {
   program: string;
   files: ServedFile[];
   notes: string[];
+  seed: number;
 }
 
 export interface OctreeFacts {

@@ -52,7 +52,7 @@ function closeDetails(): void {
 }
 
 async function follow(beam: Beam, file: number, world: ServedFile): Promise<void> {
-  const trace = await json<Trace>(`trace?file=${file}&row=${beam.row}&world=${world.id}&seed=1`);
+  const trace = await json<Trace>(`trace?file=${file}&row=${beam.row}&world=${world.id}&seed=${list.seed}`);
   viewer.mark(markBeam(beam, trace, files.origin!));
   showDetails(traceDetails(trace, world, actions));
 }

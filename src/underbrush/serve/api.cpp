@@ -35,8 +35,11 @@ uint64_t number_in(const HttpRequest& request, const char* key, uint64_t otherwi
 struct Api::Impl {
   using Answer = HttpReply (Impl::*)(const HttpRequest&);
 
-  Impl(OpenedFiles opened, std::filesystem::path folder, std::string number)
-      : files(std::move(opened)), cache(std::move(folder)), version(std::move(number)) {}
+  Impl(OpenedFiles opened, std::filesystem::path folder, std::string number, uint64_t draws)
+      : files(std::move(opened)),
+        cache(std::move(folder)),
+        version(std::move(number)),
+        seed(draws) {}
 
   size_t id_of(const HttpRequest& request, const char* key) const {
     const uint64_t id = number_in(request, key);
@@ -70,6 +73,7 @@ struct Api::Impl {
                             {"kind", name(files.files[k].kind)}});
     }
     j["notes"] = files.notes;
+    j["seed"] = seed;
     return {200, "application/json", j.dump(-1, ' ', false, Json::error_handler_t::replace)};
   }
   HttpReply octree(const HttpRequest& request) {
@@ -96,7 +100,7 @@ struct Api::Impl {
   HttpReply trace(const HttpRequest& request) {
     const LoggedBeam logged = log_of(request).beam(number_in(request, "row"));
     return {200, "application/json",
-            trace_beam(logged, world_of(request, "world"), number_in(request, "seed", 1))};
+            trace_beam(logged, world_of(request, "world"), number_in(request, "seed", seed))};
   }
   HttpReply world(const HttpRequest& request) {
     return {200, "application/json", world_of(request).json()};
@@ -123,13 +127,14 @@ struct Api::Impl {
   OpenedFiles files;
   std::filesystem::path cache;
   std::string version;
+  uint64_t seed;
   std::mutex mutex;  ///< Guards the maps.
   std::map<size_t, std::unique_ptr<LogData>> logs;
   std::map<size_t, std::unique_ptr<WorldData>> worlds;
 };
 
-Api::Api(OpenedFiles files, std::filesystem::path cache, std::string version)
-    : impl_(std::make_unique<Impl>(std::move(files), std::move(cache), std::move(version))) {}
+Api::Api(OpenedFiles files, std::filesystem::path cache, std::string version, uint64_t seed)
+    : impl_(std::make_unique<Impl>(std::move(files), std::move(cache), std::move(version), seed)) {}
 Api::~Api() = default;
 
 HttpReply Api::answer(const HttpRequest& request) {

@@ -18,8 +18,9 @@ inline constexpr uint64_t kMostBytes = uint64_t(16) << 20;
 /// Answers requests about files, which are known by their number in the list and by nothing else.
 class Api {
  public:
-  /// `version` is shown on the page; `cache` is the folder of `cached_octree`.
-  Api(OpenedFiles files, std::filesystem::path cache, std::string version);
+  /// `version` is shown on the page; `cache` is the folder of `cached_octree`; `seed` is that of
+  /// traces that name none.
+  Api(OpenedFiles files, std::filesystem::path cache, std::string version, uint64_t seed = 1);
   ~Api();
   Api(const Api&) = delete;
   Api& operator=(const Api&) = delete;
