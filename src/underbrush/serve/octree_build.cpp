@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
@@ -143,16 +144,17 @@ class Builder {
           built[k] = sub_tree(spill.read(k, 0, spill.points(k)), root, chunks[k].level);
         },
         [&](size_t k) {
-          if (built[k].nodes.empty()) return;
+          // Taken out, because an assignment would keep the memory of its bytes.
+          const SubTree part = std::exchange(built[k], SubTree());
+          if (part.nodes.empty()) return;
           const uint32_t first = uint32_t(nodes_.size());
-          for (TreeNode n : built[k].nodes) {
+          for (TreeNode n : part.nodes) {
             n.at += end_;
             for (uint32_t& c : n.child) c = c == 0 ? 0 : c + first;
             nodes_.push_back(n);
           }
           if (!alone) nodes_[base + chunks[k].parent].child[chunks[k].octant] = first;
-          append(built[k].bytes);
-          built[k] = {};
+          append(part.bytes);
           tell(spill.points(k));
         });
   }
