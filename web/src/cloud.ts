@@ -219,8 +219,10 @@ export class Cloud {
     try {
       const points = await loadPoints(this.octree.file, node);
       this.show(node, points);
+      this.failed = '';
     } catch (error) {
       this.failed = String(error);
+      await new Promise((resolve) => setTimeout(resolve, 2000)); // until it is tried again
     }
     this.waiting.delete(node);
     this.changed();

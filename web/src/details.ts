@@ -63,7 +63,7 @@ export function traceDetails(trace: Trace, world: ServedFile, actions: DetailAct
     shortened(m.reach),
     `${m.hits}/${m.misses}`,
   ]);
-  const headings = ['', 'range, m', 'element', 'class', 'p', 'draw', 'trial', 'reached by', 'hits/misses'];
+  const headings = ['no.', 'range, m', 'element', 'class', 'p', 'draw', 'trial', 'reached by', 'hits/misses'];
   return [
     head('Why the beam ends', actions),
     el(
@@ -127,7 +127,7 @@ export async function scoreDetails(file: ServedFile, actions: DetailActions): Pr
     const table = Object.entries(parts).map(([name, s]) => [name, ...wanted.map((k) => shortened(s[k]))]);
     out.push(
       el('h3', {}, part === 'per_class' ? `${names[0]!}, by class` : `${names[0]!}, by range (m)`),
-      el('div', { class: 'scroll', tabindex: '0' }, grid(['', ...wanted], table)),
+      el('div', { class: 'scroll', tabindex: '0' }, grid(['part', ...wanted], table)),
     );
   }
   return out;

@@ -121,10 +121,16 @@ function keepLink(): void {
   if (restoring) return;
   clearTimeout(linkTimer);
   linkTimer = window.setTimeout(() => {
-    state.eye = viewer.camera.position.toArray();
-    state.target = viewer.navigation.target.toArray();
-    state.shown = [...shown].sort((a, b) => a - b);
-    history.replaceState(null, '', hashOf(state));
+    // In world coordinates, because the scene's origin depends on which file was shown first.
+    const origin = files.origin ?? new Vector3();
+    const world = {
+      ...state,
+      eye: viewer.camera.position.clone().add(origin).toArray(),
+      target: viewer.navigation.target.clone().add(origin).toArray(),
+      shown: [...shown].sort((a, b) => a - b),
+      slice: { ...state.slice, at: state.slice.at + origin[state.slice.axis] },
+    };
+    history.replaceState(null, '', hashOf(world));
   }, 300);
 }
 
@@ -390,8 +396,16 @@ for (const file of list.files) {
   if (shown.has(file.id)) await toggle(file, true).catch(fail);
 }
 if (list.files.every((f) => f.kind === 'score') && list.files[0]) await toggle(list.files[0], true).catch(fail);
-if (state.eye && state.target) viewer.navigation.set(new Vector3(...state.eye), new Vector3(...state.target));
-else viewer.frameAll();
+if (state.eye && state.target && files.origin) {
+  const local = (at: [number, number, number]) => new Vector3(...at).sub(files.origin!);
+  viewer.frameAll(); // sets the heights of the colours
+  viewer.navigation.set(local(state.eye), local(state.target));
+  state.slice.at -= files.origin[state.slice.axis];
+  sliceAt.set(state.slice.at);
+} else {
+  viewer.frameAll();
+}
+apply();
 restoring = false;
 root.dataset.opened = 'yes';
 panel.append(button('Keys', 'Keys (?)', () => help.showModal()));

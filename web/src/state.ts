@@ -3,6 +3,7 @@ import type { MapName } from './colours';
 import type { PointMode, Slice, WorldMode } from './display';
 
 export interface State {
+  /** World coordinates, m, as `target`. */
   eye: [number, number, number] | null;
   target: [number, number, number] | null;
   /** Numbers of the files that are shown; null until some were chosen. */
@@ -60,6 +61,7 @@ export function hashOf(state: State): string {
   const round = (v: number) => Math.round(v * 1000) / 1000;
   const short = {
     ...state,
+    slice: { ...state.slice, at: round(state.slice.at) },
     eye: state.eye?.map(round) ?? null,
     target: state.target?.map(round) ?? null,
   };

@@ -1,4 +1,4 @@
-#include "underbrush/serve/bounded_http.hpp"
+#include "underbrush/serve/bounded_http.inl"
 
 #include <poll.h>
 #include <sys/socket.h>

@@ -6,7 +6,7 @@
 #include <random>
 
 #include "underbrush/core/check.hpp"
-#include "underbrush/serve/bounded_http.hpp"
+#include "underbrush/serve/bounded_http.inl"
 
 namespace underbrush::serve {
 namespace {

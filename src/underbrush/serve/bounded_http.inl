@@ -1,5 +1,5 @@
-/// \file
-/// cpp-httplib's server with bounds on what a connection may take. Only sources include it.
+// cpp-httplib's server with bounds on what a connection may take. Only sources of this module
+// include it.
 #pragma once
 #include <httplib.h>
 
