@@ -158,7 +158,8 @@ for (const [name, kind] of [['model', 'world'], ['scene', 'world'], ['primitives
   shot = await picture(name);
   expect(shot.drawn > 100 && shot.colours > 5, `${name}: ${shot.drawn} pixels in ${shot.colours} colours`);
   await pickOf(kind, shot);
-  expect(/element/i.test(await details()), `${name}: details of an element`);
+  const told = await details();
+  expect(/element/i.test(told) && /hits/.test(told), `${name}: details of an element`);
   await press('Escape');
 }
 

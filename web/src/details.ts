@@ -87,14 +87,13 @@ export function elementDetails(picked: Picked, actions: DetailActions): HTMLElem
     ['file', world.file.name],
     ['model', model.name],
     ['instance', `${instance}, ${placed.class}${placed.moves ? ', moves' : ''}`],
-    ['element', part === 'ellipsoid' ? `ellipsoid ${picked.part}` : part],
+    ['element', part === 'ellipsoid' ? `ellipsoid ${picked.part}` : `${part}, triangle ${picked.part}`],
   ];
+  const hit = part === 'ellipsoid' ? world.ellipsoid(instance, picked.part) : world.triangle(instance, part, picked.part);
+  rows.push(['p', shortened(hit.p)], ['hits', `${hit.hits}`], ['misses', `${hit.misses}`]);
   if (part === 'ellipsoid') {
     const e = world.ellipsoid(instance, picked.part);
     rows.push(
-      ['p', shortened(e.p)],
-      ['hits', `${e.hits}`],
-      ['misses', `${e.misses}`],
       ['class', world.facts.classes[e.label] ?? `${e.label}`],
       ['deviations in x, y, z', `${e.semiAxes.map(shortened).join(', ')} m`],
     );

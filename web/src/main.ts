@@ -3,6 +3,7 @@ import './style.css';
 import { Vector3 } from 'three';
 import { type Beam, type FileList, json, type ServedFile, type Trace } from './api';
 import { markBeam } from './beams';
+import { classCss } from './colours';
 import { beamDetails, type DetailActions, elementDetails, scoreDetails, traceDetails } from './details';
 import { POINT_MODES, WORLD_MODES } from './display';
 import { Files } from './files';
@@ -112,8 +113,25 @@ function apply(): void {
   }
   root.dataset.theme =
     state.theme || (window.matchMedia('(prefers-color-scheme: light)').matches ? 'light' : 'dark');
+  showLegend();
   viewer.setBackground(getComputedStyle(root).getPropertyValue('--view').trim());
   keepLink();
+}
+
+/** Lists the classes with their colours while points are coloured by class. */
+function showLegend(): void {
+  const labels = new Map<number, string>();
+  for (const cloud of viewer.clouds) {
+    if (cloud.group.visible) cloud.octree.facts.labels.forEach((l) => labels.set(l.number, l.name));
+  }
+  legend.hidden = state.points !== 'class' || labels.size === 0;
+  legend.replaceChildren(
+    ...[...labels].map(([label, name]) => {
+      const swatch = el('span', { class: 'swatch' });
+      swatch.style.background = classCss(label);
+      return el('li', {}, swatch, name);
+    }),
+  );
 }
 
 let linkTimer = 0;
@@ -187,6 +205,7 @@ const beamBox = el('select', { 'aria-label': 'Beams of a scan' });
 beamBox.addEventListener('change', () => void showBeams().catch(fail));
 const timeFrom = slider('Time from, s', [0, 1, 0.01], 0, () => times());
 const timeTo = slider('to, s', [0, 1, 0.01], 1, () => times());
+const legend = el('ul', { class: 'legend', 'aria-label': 'Classes' });
 const fileBoxes = new Map<number, ReturnType<typeof check>>();
 
 function times(): void {
@@ -252,7 +271,9 @@ panel.append(
   ...[...fileBoxes.values()].map((box) => box.row),
   ...list.notes.map((note) => el('p', { class: 'note' }, note)),
   el('h2', {}, 'Display'),
-  ...[pointMode, worldMode, map, size, sigmas, opaque, budget].map((c) => c.row),
+  pointMode.row,
+  legend,
+  ...[worldMode, map, size, sigmas, opaque, budget].map((c) => c.row),
   el('h2', {}, 'Slice'),
   ...[sliceOn, axis, sliceAt, thickness].map((c) => c.row),
   el('h2', {}, 'Beams and time'),

@@ -40,7 +40,7 @@ export function slider(
 ): { row: HTMLElement; set: (value: number) => void; limits: (low: number, high: number) => void } {
   const box = el('input', { type: 'range', min: `${low}`, max: `${high}`, step: `${step}` });
   const shown = el('output', {}, '');
-  const tell = () => (shown.value = shortened(Number(box.value)));
+  const tell = () => (shown.value = `${Math.round(Number(box.value) * 100) / 100}`);
   box.value = `${value}`;
   tell();
   box.addEventListener('input', () => {

@@ -228,8 +228,7 @@ export class Viewer {
     });
     const target = best < 0 ? undefined : this.targets[objects[best]!];
     if (!target) return null;
-    const part = parts[best]!;
-    return { target, part, place: this.placeOf(target, part, x, y) };
+    return this.whole(target, parts[best]!, x, y);
   }
 
   private withoutBlending(object: Object3D): void {
@@ -237,13 +236,19 @@ export class Viewer {
     if (look && !Array.isArray(look)) look.blending = NoBlending;
   }
 
-  private placeOf(target: Target, part: number, x: number, y: number): Vector3 | null {
-    if (target.kind === 'point') return target.cloud.placeOf(part);
-    if (target.kind === 'beam') return null;
+  /** Adds to what was picked where it is, and to a mesh which of its triangles. */
+  private whole(target: Target, part: number, x: number, y: number): Picked {
+    if (target.kind === 'point') return { target, part, place: target.cloud.placeOf(part) };
+    if (target.kind === 'beam') return { target, part, place: null };
+    if (target.part === 'ellipsoid') {
+      return { target, part, place: target.world.centreOf(target.instance, part) };
+    }
     const at = new Vector2((x / this.canvas.clientWidth) * 2 - 1, 1 - (y / this.canvas.clientHeight) * 2);
     const ray = new Raycaster();
     ray.setFromCamera(at, this.camera);
-    if (target.part === 'ellipsoid') return target.world.centreOf(target.instance, part);
-    return ray.intersectObject(target.world.group, true)[0]?.point ?? null;
+    const met = ray
+      .intersectObject(target.world.group, true)
+      .find((m) => this.targets[m.object.userData.pick as number] === target);
+    return { target, part: met?.faceIndex ?? 0, place: met?.point ?? null };
   }
 }

@@ -119,11 +119,15 @@ const MESH_FRAGMENT = /* glsl */ `
   }
 `;
 
-/** Facts of an ellipsoid, for its details. */
-export interface EllipsoidFacts {
+/** Hit probability of an element, and the beams from which it was learnt. */
+export interface HitFacts {
   p: number;
   hits: number;
   misses: number;
+}
+
+/** Facts of an ellipsoid, for its details. */
+export interface EllipsoidFacts extends HitFacts {
   label: number;
   semiAxes: [number, number, number];
 }
@@ -131,7 +135,7 @@ export interface EllipsoidFacts {
 interface ModelData {
   ellipsoids: DataView;
   geometry: InstancedBufferGeometry | null;
-  meshes: { kind: 'ground' | 'surface'; geometry: BufferGeometry }[];
+  meshes: { kind: 'ground' | 'surface'; geometry: BufferGeometry; data: ArrayBuffer }[];
 }
 
 function ellipsoidGeometry(view: DataView): InstancedBufferGeometry | null {
@@ -227,10 +231,12 @@ export class World {
     const view = new DataView(await bytes(`ellipsoids?${query}`));
     const meshes: ModelData['meshes'] = [];
     if (facts.ground_triangles > 0) {
-      meshes.push({ kind: 'ground', geometry: meshGeometry(await bytes(`ground?${query}`)) });
+      const data = await bytes(`ground?${query}`);
+      meshes.push({ kind: 'ground', geometry: meshGeometry(data), data });
     }
     if (facts.surface_triangles > 0) {
-      meshes.push({ kind: 'surface', geometry: meshGeometry(await bytes(`surface?${query}`)) });
+      const data = await bytes(`surface?${query}`);
+      meshes.push({ kind: 'surface', geometry: meshGeometry(data), data });
     }
     return { ellipsoids: view, geometry: ellipsoidGeometry(view), meshes };
   }
@@ -322,6 +328,19 @@ export class World {
     const u = (k: number) => view.getUint32(index * ELLIPSOID_BYTES + 4 * k, true);
     const deviations = [f(3), f(6), f(8)].map(Math.sqrt) as [number, number, number];
     return { p: f(9), hits: u(10), misses: u(11), label: u(12), semiAxes: deviations };
+  }
+
+  /** Facts of a triangle by its number in the mesh. */
+  triangle(instance: number, part: 'ground' | 'surface', index: number): HitFacts {
+    const model = this.models.get(this.facts.instances[instance]!.model)!;
+    const view = new DataView(model.meshes.find((m) => m.kind === part)!.data);
+    const [vertices, triangles] = [view.getUint32(0, true), view.getUint32(4, true)];
+    const at = 8 + 12 * vertices + 12 * triangles + 4 * index;
+    return {
+      p: view.getFloat32(at, true),
+      hits: view.getUint32(at + 4 * triangles, true),
+      misses: view.getUint32(at + 8 * triangles, true),
+    };
   }
 
   /** The mean of an ellipsoid in the scene's frame. */
