@@ -2,7 +2,7 @@
 # stand before it in this list; underbrush_module() stops the configuration otherwise.
 set(UNDERBRUSH_LAYERS
     core io ground elements trace fit primitives test_site sensor radiometry simulate metrics optimize
-    perception osi)
+    perception osi serve)
 
 # underbrush_module(NAME SOURCES a.cpp ... HEADERS a.hpp ... DEPENDS module ... LINK target ...)
 #

@@ -19,7 +19,7 @@ constexpr NamedVerb kVerbs[] = {
     {"split", add_split},       {"fit", add_fit},         {"optimize", add_optimize},
     {"segment", add_segment},   {"extract", add_extract}, {"meshes", add_meshes},
     {"annotate", add_annotate}, {"compose", add_compose}, {"sensors", add_sensors},
-    {"simulate", add_simulate}, {"score", add_score},
+    {"simulate", add_simulate}, {"score", add_score},     {"serve", add_serve},
 };
 
 }  // namespace

@@ -144,6 +144,7 @@ class WrongUsage(Failing):
 READERS = {
     "import": ["BAD", "-o", "out"],
     "info": ["BAD"],
+    "serve": ["BAD", "--cache", "out"],
     "split": ["BAD", "--every", "2", "--train", "out", "--test", "out-too"],
     "fit": ["BAD", "-o", "out"],
     "optimize": ["BAD", "-o", "out"],
@@ -239,7 +240,7 @@ class OnALog(Failing):
 
 class Configuration(OnALog):
     def test_every_verb_has_a_job_here(self):
-        self.assertEqual(set(verbs()) - set(JOBS), {"demo", "dump-config", "sensors", "completion"})
+        self.assertEqual(set(verbs()) - set(JOBS), {"demo", "serve", "dump-config", "sensors", "completion"})
 
     def test_of_the_defaults_changes_nothing(self):
         for verb, words in JOBS.items():

@@ -196,6 +196,29 @@ std::string foreign_cloud(bool doubles) {
   return s;
 }
 
+TEST(LogFile, RowsAreThoseOfTheWholeLog) {
+  TemporaryFolder folder;
+  write_log(folder / "log.ply", random_log(5, 10000, 0), kProvenance);
+  const BeamLog whole = read_log(folder / "log.ply");
+  LogReader reader(folder / "log.ply", 3000);
+  BeamLog chunk;
+  reader.next(chunk);
+  for (const auto& [first, n] : {std::pair<size_t, size_t>{0, 1}, {4095, 3}, {9990, 10}, {7, 0}}) {
+    const BeamLog rows = reader.rows(first, n);
+    ASSERT_EQ(rows.size(), n);
+    for (size_t i = 0; i < n; ++i) {
+      EXPECT_EQ(rows.end_point(i), whole.end_point(first + i));
+      EXPECT_EQ(rows.packet[i], whole.packet[first + i]);
+      EXPECT_EQ(std::get<std::vector<double>>(rows.extra.at("xray"))[i],
+                std::get<std::vector<double>>(whole.extra.at("xray"))[first + i]);
+    }
+  }
+  EXPECT_THROW(reader.rows(9990, 11), std::invalid_argument);
+  EXPECT_THROW(reader.rows(SIZE_MAX, 2), std::invalid_argument);
+  ASSERT_TRUE(reader.next(chunk));  // goes on where it was
+  EXPECT_EQ(chunk.end_point(0), whole.end_point(3000));
+}
+
 TEST(LogFile, ReadsForeignRayClouds) {
   for (const bool doubles : {false, true}) {
     const TemporaryFolder folder;

@@ -19,6 +19,10 @@ class LogReader : public BeamSource {
   size_t size() const override;
   void rewind() override;
   bool next(BeamLog& chunk) override;
+  /// Returns the rows [first, first + n) of the file, wherever `next` is; several threads may call
+  /// it at once. Throws `std::invalid_argument` where there are no such rows, and `FormatError` for
+  /// a row that `next` would leave out.
+  BeamLog rows(size_t first, size_t n) const;
   /// Returns the provenance JSON of the program that wrote the log; empty if there is none.
   const std::string& provenance() const;
   /// Returns how many records were left out so far, by reason (e.g. "not finite", "zero-length

@@ -59,6 +59,7 @@ struct LogReader::State {
   void decode(const char* rows, size_t first, size_t n, BeamLog& out, uint8_t* fault) const;
   uint8_t decode_ray(const char* row, BeamLog& out, size_t i) const;
   void read_rows(size_t begin, size_t n, BeamLog& out, std::vector<uint8_t>& fault) const;
+  void prepare(BeamLog& chunk, size_t n) const;
   void drop(const std::vector<uint8_t>& fault, BeamLog& chunk);
 
   InputFile file;
@@ -226,6 +227,24 @@ void LogReader::State::read_rows(size_t begin, size_t n, BeamLog& out,
   });
 }
 
+void LogReader::State::prepare(BeamLog& chunk, size_t n) const {
+  // Existing columns are used again, so that a pass over a long log allocates only once.
+  if (chunk.extra.size() != extra.size() ||
+      !std::equal(extra.begin(), extra.end(), chunk.extra.begin(),
+                  [](const auto& a, const auto& b) {
+                    return a.first == b.first && a.second.empty.index() == b.second.index();
+                  })) {
+    chunk.extra.clear();
+    for (const auto& [name, e] : extra) chunk.extra[name] = e.empty;
+  }
+  chunk.info = comments.info;
+  chunk.resize(n);
+  if (!ring) std::fill(chunk.ring.begin(), chunk.ring.end(), 0);
+  if (!scan) std::fill(chunk.scan.begin(), chunk.scan.end(), 0);
+  if (!packet) std::fill(chunk.packet.begin(), chunk.packet.end(), 0);
+  if (!flags) std::fill(chunk.flags.begin(), chunk.flags.end(), 0);
+}
+
 void LogReader::State::drop(const std::vector<uint8_t>& fault, BeamLog& chunk) {
   const size_t n = fault.size();
   const size_t not_finite = size_t(std::count(fault.begin(), fault.end(), kNotFinite));
@@ -261,21 +280,7 @@ bool LogReader::next(BeamLog& chunk) {
   State& s = *state_;
   do {
     const size_t n = std::min(s.chunk_size, s.rows - s.at);
-    // Existing columns are used again, so that a pass over a long log allocates only once.
-    if (chunk.extra.size() != s.extra.size() ||
-        !std::equal(s.extra.begin(), s.extra.end(), chunk.extra.begin(),
-                    [](const auto& a, const auto& b) {
-                      return a.first == b.first && a.second.empty.index() == b.second.index();
-                    })) {
-      chunk.extra.clear();
-      for (const auto& [name, e] : s.extra) chunk.extra[name] = e.empty;
-    }
-    chunk.info = s.comments.info;
-    chunk.resize(n);
-    if (!s.ring) std::fill(chunk.ring.begin(), chunk.ring.end(), 0);
-    if (!s.scan) std::fill(chunk.scan.begin(), chunk.scan.end(), 0);
-    if (!s.packet) std::fill(chunk.packet.begin(), chunk.packet.end(), 0);
-    if (!s.flags) std::fill(chunk.flags.begin(), chunk.flags.end(), 0);
+    s.prepare(chunk, n);
     if (n == 0) return false;
     std::vector<uint8_t> fault(n);
     s.read_rows(s.at, n, chunk, fault);
@@ -283,6 +288,20 @@ bool LogReader::next(BeamLog& chunk) {
     s.drop(fault, chunk);
   } while (chunk.empty());
   return true;
+}
+
+BeamLog LogReader::rows(size_t first, size_t n) const {
+  require(first <= state_->rows && n <= state_->rows - first, "rows: beyond the end of the log");
+  BeamLog out;
+  state_->prepare(out, n);
+  std::vector<uint8_t> fault(n);
+  state_->read_rows(first, n, out, fault);
+  const auto bad = std::find_if(fault.begin(), fault.end(), [](uint8_t f) { return f != kNone; });
+  if (bad != fault.end()) {
+    const size_t row = first + size_t(bad - fault.begin());
+    throw FormatError(state_->file.name(), "row " + std::to_string(row), "no usable beam");
+  }
+  return out;
 }
 
 BeamReader::BeamReader(const std::filesystem::path& path, size_t chunk_size)

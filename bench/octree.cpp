@@ -1,0 +1,146 @@
+// The octree of `underbrush serve`: time and memory of building one for a generated log, and the
+// bytes that a viewer reads before it shows a first picture. The log is made while it is read, so
+// that 10⁸ points need no file.
+#include "underbrush/serve/octree.hpp"
+
+#include <sys/resource.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "timing.hpp"
+#include "underbrush/core/parallel.hpp"
+#include "underbrush/core/rng.hpp"
+#include "underbrush/core/temporary.hpp"
+
+namespace {
+using namespace underbrush;
+
+/// A vehicle's scans of a hilly ground with trees along a road of 40 m for a million points.
+class Drive : public BeamSource {
+ public:
+  explicit Drive(size_t points) : points_(points) {
+    info_.sensor = "generated";
+    info_.max_range_m = 120;
+    info_.has_misses = true;
+  }
+  const LogInfo& info() const override { return info_; }
+  size_t size() const override { return points_; }
+  void rewind() override { at_ = 0; }
+  bool next(BeamLog& chunk) override {
+    const size_t n = std::min<size_t>(size_t(1) << 20, points_ - at_);
+    chunk.info = info_;
+    chunk.resize(n);
+    parallel_for(n, 8192, [&](size_t begin, size_t end) {
+      for (size_t k = begin; k < end; ++k) beam(at_ + k, k, chunk);
+    });
+    at_ += n;
+    return n > 0;
+  }
+
+ private:
+  void beam(size_t i, size_t k, BeamLog& chunk) const {
+    const auto random = [&](uint32_t what) {
+      return uniform_from_bits(random_bits(i, what, Purpose::kPlace));
+    };
+    const double along = 40e-6 * double(i), turn = 2 * M_PI * double(i % 20000) / 20000;
+    const double range = 3 + 60 * random(0) * random(1);
+    const Vec3 origin(along, 0, 2);
+    Vec3 at(along + range * std::cos(turn), range * std::sin(turn), 0);
+    at.z() = 2 * std::sin(at.x() / 30) * std::cos(at.y() / 20) + 0.02 * random(2);
+    const Vec3 cell(std::floor(at.x() / 6), std::floor(at.y() / 6), 0);
+    const uint64_t tree = mix64(uint64_t(int64_t(cell.x())) * 7919 + uint64_t(int64_t(cell.y())));
+    if (tree % 3 == 0) at.z() += random(3) * double(tree % 7);
+    const Vec3 d = at - origin;
+    chunk.origin[k] = origin;
+    chunk.direction[k] = d.normalized().cast<float>();
+    chunk.range_m[k] = float(d.norm());
+    chunk.intensity[k] = float(tree % 256);
+    chunk.time_s[k] = 1e-6 * double(i);
+    chunk.ring[k] = uint16_t(i % 64);
+    chunk.scan[k] = uint32_t(i / 100000);
+    chunk.packet[k] = uint32_t(i / 1000);
+    chunk.flags[k] = 0;
+  }
+
+  size_t points_, at_ = 0;
+  LogInfo info_;
+};
+
+/// Largest memory of the process so far (bytes), and its processor time (s).
+struct Usage {
+  size_t peak_bytes = 0;
+  double processor_s = 0;
+};
+Usage usage_so_far() {
+  rusage u{};
+  getrusage(RUSAGE_SELF, &u);
+  const auto seconds = [](const timeval& t) { return double(t.tv_sec) + 1e-6 * double(t.tv_usec); };
+  return {size_t(u.ru_maxrss) * 1024, seconds(u.ru_utime) + seconds(u.ru_stime)};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Building the octree of a generated log");
+  double millions = 10;
+  std::string json_file, folder = ".";
+  bool quick = false;
+  app.add_option("--millions", millions, "Millions of points")->capture_default_str();
+  app.add_option("--folder", folder, "Folder for the octree while it is measured")
+      ->capture_default_str();
+  app.add_option("--json", json_file, "Write the figures to this file as JSON");
+  app.add_flag("--quick", quick, "Measure a small case");
+  CLI11_PARSE(app, argc, argv);
+
+  Drive log(size_t(1e6 * (quick ? 1 : millions)));
+  const TemporaryPath place(folder, "octree");
+  const double read_s = bench::seconds_of([&] {
+    for (BeamLog chunk; log.next(chunk);) {
+    }
+  });
+  const double before_s = usage_so_far().processor_s;
+  const double build_s = bench::seconds_of([&] { serve::build_octree(log, place.path()); });
+  const Usage usage = usage_so_far();
+  const double processor_s = usage.processor_s - before_s;
+  double open_s = 0;
+  uint64_t first = 0, bytes = 0;
+  size_t nodes = 0;
+  open_s = bench::seconds_of([&] {
+    const serve::OctreeFile file(place.path());
+    nodes = file.nodes().size();
+    bytes = file.bytes();
+    // A first picture takes the tables and the upper levels up to 100 000 points.
+    first = bytes - file.header().nodes_at;
+    size_t points = 0;
+    for (const serve::OctreeNode& n : file.nodes()) {
+      if (points >= 100'000) break;
+      points += n.points;
+      first += n.points * serve::kPointBytes;
+    }
+  });
+  nlohmann::ordered_json j{{"points", log.size()},
+                           {"threads", threads()},
+                           {"generate_s", read_s},
+                           {"build_s", build_s},
+                           {"points_per_s", double(log.size()) / build_s},
+                           {"processor_s", processor_s},
+                           {"peak_bytes", usage.peak_bytes},
+                           {"file_bytes", bytes},
+                           {"nodes", nodes},
+                           {"open_s", open_s},
+                           {"first_picture_bytes", first}};
+  std::printf(
+      "%zu points, %d threads: built in %.1f s (%.2f M points/s), %.1f s of processor time; "
+      "generating the points once takes %.1f s\npeak %.2f GiB; %zu nodes, %.2f GB; opened in %.3f "
+      "s, "
+      "first picture %.1f MB\n",
+      log.size(), threads(), build_s, double(log.size()) / build_s / 1e6, processor_s, read_s,
+      double(usage.peak_bytes) / double(1u << 30), nodes, double(bytes) / 1e9, open_s,
+      double(first) / 1e6);
+  if (!json_file.empty()) std::ofstream(json_file) << j.dump(2) << "\n";
+  return 0;
+}

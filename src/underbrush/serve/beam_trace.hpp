@@ -1,0 +1,22 @@
+/// \file
+/// Why a beam ends where it does in a world: the elements that it meets and their trials.
+#pragma once
+#include <cstdint>
+#include <string>
+
+#include "underbrush/serve/log_data.hpp"
+#include "underbrush/serve/world_data.hpp"
+
+namespace underbrush::serve {
+
+/// Follows a logged beam through a world and returns as JSON the elements that it meets, in order
+/// of range: for each its range and σ (m), Mahalanobis distance, p, hits and misses, the number
+/// drawn for its trial in [0, 1), whether it accepts the beam (the draw is below p), and the
+/// probability that a beam reaches it. The first element that accepts ends the beam, and
+/// `simulated_range_m` is the range that `underbrush simulate WORLD --like LOG` draws there with
+/// that seed and otherwise default options; it is null where the beam misses.
+///
+/// Objects that move are where they are at the beam's time.
+std::string trace_beam(const LoggedBeam& beam, const WorldData& world, uint64_t seed);
+
+}  // namespace underbrush::serve

@@ -1,0 +1,139 @@
+#include "underbrush/serve/world_data.hpp"
+
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "underbrush/core/check.hpp"
+#include "underbrush/elements/model_file.hpp"
+#include "underbrush/primitives/primitive_set.hpp"
+
+namespace underbrush::serve {
+namespace {
+
+template <class T>
+void append(std::string& bytes, const T* values, size_t n) {
+  bytes.append(reinterpret_cast<const char*>(values), n * sizeof(T));
+}
+template <class T>
+void append(std::string& bytes, const T& value) {
+  append(bytes, &value, 1);
+}
+
+}  // namespace
+
+WorldData::WorldData(const OpenedFile& file) : kind_(file.kind) {
+  if (kind_ == FileKind::kScene) {
+    scene_ = elements::read_scene(file.path, &info_);
+    if (!scene_.instances.empty()) {
+      origin_ = scene_.instances[0].world_from_model.translation.array().round();
+    }
+  } else if (kind_ == FileKind::kModel) {
+    scene_.models.push_back(elements::read_model(file.path));
+    info_.names.push_back(file.name);
+    info_.labels.push_back(elements::Class::kUnknown);
+    origin_ = scene_.models[0].origin;
+    scene_.instances.emplace_back();
+    scene_.instances[0].world_from_model.translation = origin_;
+  } else {
+    place_primitives(file);
+  }
+}
+
+void WorldData::place_primitives(const OpenedFile& file) {
+  const primitives::PrimitiveSet set = primitives::read_primitive_set(file.path);
+  double widest = 1;
+  for (const primitives::PrimitiveEntry& e : set.entries) {
+    widest = std::max({widest, e.box.size().x(), e.box.size().y()});
+  }
+  const size_t columns = size_t(std::ceil(std::sqrt(double(set.entries.size()))));
+  for (size_t k = 0; k < set.entries.size(); ++k) {
+    scene_.models.push_back(primitives::read_primitive(set, k));
+    info_.names.push_back(set.entries[k].name);
+    info_.labels.push_back(set.entries[k].label);
+    elements::Instance placed;
+    placed.model = uint32_t(k);
+    placed.world_from_model.translation =
+        Vec3(double(k % columns), -double(k / columns), 0) * (widest + 1);
+    scene_.instances.push_back(placed);
+  }
+}
+
+const trace::World& WorldData::tracer() const {
+  std::call_once(traced_, [this] {
+    constexpr auto kOnce = trace::Draws::kOnce;
+    tracer_ = kind_ == FileKind::kModel
+                  ? std::make_unique<trace::World>(scene_.models[0], trace::Isa::kBest, kOnce)
+                  : std::make_unique<trace::World>(scene_, trace::Isa::kBest, kOnce);
+  });
+  return *tracer_;
+}
+
+const elements::Model& WorldData::model(size_t number) const {
+  require(number < scene_.models.size(), "no such model");
+  return scene_.models[number];
+}
+
+std::string WorldData::json() const {
+  nlohmann::ordered_json j;
+  j["kind"] = name(kind_);
+  j["origin_m"] = {origin_.x(), origin_.y(), origin_.z()};
+  j["models"] = nlohmann::ordered_json::array();
+  for (size_t k = 0; k < scene_.models.size(); ++k) {
+    const elements::Model& m = scene_.models[k];
+    j["models"].push_back({{"name", k < info_.names.size() ? info_.names[k] : ""},
+                           {"fitter", m.fitter},
+                           {"tau", m.tau},
+                           {"ellipsoids", m.ellipsoids.size()},
+                           {"ground_triangles", m.ground.size()},
+                           {"surface_triangles", m.surface.size()}});
+  }
+  std::set<uint32_t> moving;
+  for (const elements::Mover& m : info_.movers) moving.insert(m.instance);
+  j["instances"] = nlohmann::ordered_json::array();
+  for (size_t k = 0; k < scene_.instances.size(); ++k) {
+    const elements::Instance& i = scene_.instances[k];
+    const Vec3 at = i.world_from_model.translation - origin_;
+    const Eigen::Quaterniond& q = i.world_from_model.rotation;
+    const auto label = k < info_.labels.size() ? info_.labels[k] : elements::Class::kUnknown;
+    j["instances"].push_back({{"model", i.model},
+                              {"class", elements::name(label)},
+                              {"at_m", {at.x(), at.y(), at.z()}},
+                              {"rotation_wxyz", {q.w(), q.x(), q.y(), q.z()}},
+                              {"scale", i.scale},
+                              {"moves", moving.count(uint32_t(k)) != 0}});
+  }
+  j["classes"] = elements::kClassNames;
+  return j.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+std::string WorldData::ellipsoids(size_t number) const {
+  const elements::Model& m = model(number);
+  std::string bytes;
+  bytes.reserve(m.ellipsoids.size() * 52);
+  for (const elements::Ellipsoid& e : m.ellipsoids) {
+    append(bytes, e.mean.data(), 3);
+    append(bytes, e.covariance.data(), 6);
+    append(bytes, e.hit.p);
+    append(bytes, e.hit.hits);
+    append(bytes, e.hit.misses);
+    append(bytes, e.label);
+  }
+  return bytes;
+}
+
+std::string WorldData::mesh(size_t number, elements::Kind kind) const {
+  const elements::TriangleMesh& m = model(number).mesh(kind);
+  std::string bytes;
+  append(bytes, uint32_t(m.vertices.size()));
+  append(bytes, uint32_t(m.size()));
+  for (const Vec3f& v : m.vertices) append(bytes, v.data(), 3);
+  for (const auto& t : m.triangles) append(bytes, t.data(), 3);
+  for (const elements::HitCount& h : m.hit) append(bytes, h.p);
+  for (const elements::HitCount& h : m.hit) append(bytes, h.hits);
+  for (const elements::HitCount& h : m.hit) append(bytes, h.misses);
+  return bytes;
+}
+
+}  // namespace underbrush::serve

@@ -1,0 +1,53 @@
+/// \file
+/// Models, sets of primitives and scenes as a viewer reads them.
+#pragma once
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "underbrush/elements/scene_file.hpp"
+#include "underbrush/serve/opened_files.hpp"
+#include "underbrush/trace/world.hpp"
+
+namespace underbrush::serve {
+
+/// A world in memory: a scene, a model as a scene of one instance, or a set of primitives, which
+/// stand side by side in rows.
+class WorldData {
+ public:
+  /// Reads the files. Throws `FormatError`.
+  explicit WorldData(const OpenedFile& file);
+
+  const elements::Scene& scene() const { return scene_; }
+  const elements::SceneInfo& info() const { return info_; }
+  const Vec3& origin() const { return origin_; }
+  /// The tracer of this world, made when it is first asked for, with matter drawn once as
+  /// `simulate` does. Its instances are numbered as those of `scene()`.
+  const trace::World& tracer() const;
+
+  /// Describes models and instances as JSON: places are relative to `origin_m`.
+  std::string json() const;
+  /// Returns a model's ellipsoids, 52 bytes each: mean, covariance (xx xy xz yy yz zz) and p as
+  /// float32 in metres, then hits, misses and class as uint32. Throws `std::invalid_argument` for a
+  /// model that does not exist.
+  std::string ellipsoids(size_t model) const;
+  /// Returns the ground or the surface of a model: the numbers of vertices and of triangles
+  /// (uint32), vertices (3 × float32, m), triangles (3 × uint32), and for each triangle p
+  /// (float32), then hits, then misses (uint32).
+  std::string mesh(size_t model, elements::Kind kind) const;
+
+ private:
+  void place_primitives(const OpenedFile& file);
+  const elements::Model& model(size_t number) const;
+
+  FileKind kind_;
+  elements::Scene scene_;
+  elements::SceneInfo info_;
+  Vec3 origin_ = Vec3::Zero();
+  mutable std::once_flag traced_;
+  mutable std::unique_ptr<trace::World> tracer_;
+};
+
+}  // namespace underbrush::serve

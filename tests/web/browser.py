@@ -1,0 +1,62 @@
+#!/usr/bin/env python3
+"""Opens each kind of file in Chromium and uses the page: browser.mjs has the steps. Skips (77) where Chromium, node or
+the packages of web/package-lock.json are missing."""
+import argparse
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+
+TESTS = pathlib.Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(TESTS / "cli"), str(TESTS / "rules")]
+
+import cli_test  # noqa: E402
+import serve_test  # noqa: E402
+import web  # noqa: E402
+
+SKIPPED = 77
+
+
+def packages(build):
+    """Fetches the packages into the build folder; returns the folder, or ends the test as skipped."""
+    folder = pathlib.Path(build, "web")
+    folder.mkdir(parents=True, exist_ok=True)
+    for name in ("package.json", "package-lock.json"):
+        shutil.copyfile(TESTS.parent / "web" / name, folder / name)
+    problem = web.packages(folder)
+    if problem:
+        print(f"SKIPPED: the packages cannot be fetched: {problem}")
+        sys.exit(SKIPPED)
+    return folder
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--program", required=True, type=pathlib.Path)
+    parser.add_argument("--build", required=True, type=pathlib.Path)
+    parser.add_argument("--pictures", type=pathlib.Path, help="keep the pictures in this folder")
+    options = parser.parse_args()
+    cli_test.PROGRAM = str(options.program.resolve())
+    for tool in ("node", "npm", "chromium"):
+        if not shutil.which(tool):
+            print(f"SKIPPED: no {tool}: the page was not opened")
+            sys.exit(SKIPPED)
+    folder = packages(options.build.resolve())
+    with tempfile.TemporaryDirectory() as data:
+        serve_test.make_files(data)
+        info = json.loads(cli_test.call("info", "log.ply", "--json", "-", cwd=data).stdout)
+        server = serve_test.Server(data, "log.ply", "model", "primitives", "scene", "score.json")
+        try:
+            done = subprocess.run(
+                ["node", str(TESTS / "web/browser.mjs"), str(folder), shutil.which("chromium"), server.address,
+                 *([str(options.pictures.resolve())] if options.pictures else [])], env=dict(os.environ, RETURNS=str(info["hits"])), timeout=240, check=False)
+        finally:
+            server.end()
+    sys.exit(done.returncode)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,88 @@
+// The files on the page: which are shown, and loading them.
+import { type LineSegments, Vector3 } from 'three';
+import { json, type ServedFile, type WorldFacts } from './api';
+import { disposeAll, loadBeams } from './beams';
+import { Cloud } from './cloud';
+import { openOctree } from './octree';
+import type { Viewer } from './viewer';
+import { World } from './world';
+
+export class Files {
+  readonly clouds = new Map<number, Cloud>();
+  readonly worlds = new Map<number, World>();
+  /** The world coordinates of the scene's origin; set by the first file that is shown. */
+  origin: Vector3 | null = null;
+  private readonly opening = new Map<number, Promise<void>>();
+  private beams: LineSegments | null = null;
+
+  constructor(
+    readonly list: ServedFile[],
+    private readonly viewer: Viewer,
+    private readonly tell: (text: string) => void,
+  ) {}
+
+  file(id: number): ServedFile {
+    return this.list[id]!;
+  }
+
+  /** Shows or hides a file; the first time it is loaded. */
+  async show(id: number, on: boolean): Promise<void> {
+    if (on && !this.opening.has(id)) {
+      this.opening.set(id, this.open(this.file(id)));
+      this.opening.get(id)!.catch(() => this.opening.delete(id));
+    }
+    if (on) await this.opening.get(id);
+    const group = this.clouds.get(id)?.group ?? this.worlds.get(id)?.group;
+    if (group) group.visible = on;
+    this.viewer.draw();
+  }
+
+  get loading(): boolean {
+    return [...this.opening.keys()].some((id) => !this.clouds.has(id) && !this.worlds.has(id));
+  }
+
+  private async open(file: ServedFile): Promise<void> {
+    const tell = (done: number) => this.tell(`${file.name}: ${Math.round(100 * done)} %`);
+    tell(0);
+    if (file.kind === 'log') {
+      const octree = await openOctree(file.id, tell);
+      this.origin ??= new Vector3(...octree.facts.origin_m);
+      const pick = this.viewer.target({ kind: 'beam', file: file.id }); // replaced below
+      const cloud = new Cloud(octree, this.viewer.display, this.origin, pick, () => this.viewer.draw());
+      await cloud.start();
+      this.viewer.replaceTarget(pick, { kind: 'point', cloud });
+      this.clouds.set(file.id, cloud);
+      this.viewer.addCloud(cloud);
+    } else {
+      const facts = await json<WorldFacts>(`world?file=${file.id}`);
+      this.origin ??= new Vector3(...facts.origin_m);
+      const world = await World.open(
+        file,
+        this.viewer.display,
+        this.origin,
+        (target) => this.viewer.target({ kind: 'world', ...target }),
+        tell,
+      );
+      this.worlds.set(file.id, world);
+      this.viewer.addWorld(world);
+    }
+    this.tell('');
+  }
+
+  /** Shows the beams of a run of a log, or none. */
+  async showBeams(file: number, run: number | null): Promise<string> {
+    if (this.beams) {
+      this.viewer.remove(this.beams);
+      disposeAll(this.beams);
+      this.beams = null;
+    }
+    const cloud = this.clouds.get(file);
+    if (run === null || !cloud) return '';
+    const pick = this.viewer.target({ kind: 'beam', file });
+    const { lines, beams, step } = await loadBeams(file, run, this.viewer.display, cloud.group.position, pick);
+    this.beams = lines;
+    this.viewer.add(lines);
+    return step > 1 ? `${beams} beams, each ${step}th` : `${beams} beams`;
+  }
+}
+

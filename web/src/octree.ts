@@ -1,0 +1,136 @@
+// The octree of a log, as docs/reference/octree.md lays it out.
+import { Box3, Vector3 } from 'three';
+import { json, octreeBytes, type OctreeFacts, type OctreeState } from './api';
+
+const NODE_BYTES = 24;
+const RUN_BYTES = 32;
+const POINT_BYTES = 29;
+const PART_BYTES = 8 << 20;
+
+export interface Node {
+  at: number;
+  points: number;
+  level: number;
+  children: Node[];
+  /** Relative to the octree's origin, m. */
+  box: Box3;
+}
+
+/** A scan, or a part of one. */
+export interface Run {
+  firstRow: number;
+  rows: number;
+  scan: number;
+  time: number;
+}
+
+/** Columns of a node's points. */
+export interface Points {
+  count: number;
+  position: Float32Array;
+  intensity: Float32Array;
+  time: Float32Array;
+  row: Uint32Array;
+  /** The row's bytes, which picking draws as a colour. */
+  rowBytes: Uint8Array;
+  ring: Uint16Array;
+  label: Uint16Array;
+  echo: Uint8Array;
+}
+
+export interface Octree {
+  file: number;
+  facts: OctreeFacts;
+  root: Node;
+  nodes: number;
+  runs: Run[];
+}
+
+async function table(file: number, at: number, count: number): Promise<DataView> {
+  const out = new Uint8Array(count);
+  for (let done = 0; done < count; done += PART_BYTES) {
+    const n = Math.min(PART_BYTES, count - done);
+    out.set(new Uint8Array(await octreeBytes(file, at + done, n)), done);
+  }
+  return new DataView(out.buffer);
+}
+
+function treeOf(view: DataView, count: number, facts: OctreeFacts): Node {
+  const low = new Vector3(...facts.root_low_m);
+  const side = new Vector3(facts.root_side_m, facts.root_side_m, facts.root_side_m);
+  const nodes: Node[] = [];
+  for (let k = 0; k < count; ++k) {
+    nodes.push({
+      at: Number(view.getBigUint64(k * NODE_BYTES, true)),
+      points: view.getUint32(k * NODE_BYTES + 8, true),
+      level: view.getUint8(k * NODE_BYTES + 17),
+      children: [],
+      box: new Box3(low.clone(), low.clone().add(side)),
+    });
+  }
+  for (let k = 0; k < count; ++k) {
+    const node = nodes[k]!;
+    let child = view.getUint32(k * NODE_BYTES + 12, true);
+    const mask = view.getUint8(k * NODE_BYTES + 16);
+    const half = node.box.max.clone().sub(node.box.min).multiplyScalar(0.5);
+    for (let octant = 0; octant < 8; ++octant) {
+      if (!((mask >> octant) & 1)) continue;
+      const one = nodes[child++]!;
+      const bits = new Vector3(octant & 1, (octant >> 1) & 1, octant >> 2);
+      one.box.min.copy(node.box.min).add(bits.multiply(half));
+      one.box.max.copy(one.box.min).add(half);
+      node.children.push(one);
+    }
+  }
+  return nodes[0]!;
+}
+
+function runsOf(view: DataView, count: number): Run[] {
+  const runs: Run[] = [];
+  for (let k = 0; k < count; ++k) {
+    runs.push({
+      firstRow: Number(view.getBigUint64(k * RUN_BYTES, true)),
+      rows: view.getUint32(k * RUN_BYTES + 16, true),
+      scan: view.getUint32(k * RUN_BYTES + 20, true),
+      time: view.getFloat64(k * RUN_BYTES + 24, true),
+    });
+  }
+  return runs;
+}
+
+/** Waits for the octree of a log; `tell` learns the share that is built. */
+export async function openOctree(file: number, tell: (done: number) => void): Promise<Octree> {
+  for (let wait = 50; ; wait = Math.min(wait * 1.5, 1000)) {
+    const state = await json<OctreeState>(`octree?file=${file}`);
+    if (state.state === 'failed') throw new Error(state.error);
+    if (state.state === 'ready') {
+      const nodes = await table(file, state.nodes_at, state.nodes * NODE_BYTES);
+      const runs = await table(file, state.runs_at, state.runs * RUN_BYTES);
+      return {
+        file,
+        facts: state.octree,
+        root: treeOf(nodes, state.nodes, state.octree),
+        nodes: state.nodes,
+        runs: runsOf(runs, state.runs),
+      };
+    }
+    tell(state.done);
+    await new Promise((resolve) => setTimeout(resolve, wait));
+  }
+}
+
+export async function loadPoints(file: number, node: Node): Promise<Points> {
+  const n = node.points;
+  const data = n > 0 ? await octreeBytes(file, node.at, n * POINT_BYTES) : new ArrayBuffer(0);
+  return {
+    count: n,
+    position: new Float32Array(data, 0, 3 * n),
+    intensity: new Float32Array(data, 12 * n, n),
+    time: new Float32Array(data, 16 * n, n),
+    row: new Uint32Array(data, 20 * n, n),
+    rowBytes: new Uint8Array(data, 20 * n, 4 * n),
+    ring: new Uint16Array(data, 24 * n, n),
+    label: new Uint16Array(data, 26 * n, n),
+    echo: new Uint8Array(data, 28 * n, n),
+  };
+}

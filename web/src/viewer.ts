@@ -1,0 +1,254 @@
+// The picture: a camera, what is drawn, and which thing lies under the cursor.
+import {
+  Box3,
+  BufferGeometry,
+  type Camera,
+  Color,
+  Group,
+  type LineSegments,
+  Line,
+  LineBasicMaterial,
+  NoBlending,
+  type Object3D,
+  PerspectiveCamera,
+  Raycaster,
+  Scene,
+  Vector2,
+  Vector3,
+  WebGLRenderer,
+  WebGLRenderTarget,
+} from 'three';
+import { Cloud } from './cloud';
+import { Display, Pass } from './display';
+import { Navigation } from './navigation';
+import type { World } from './world';
+
+export type Target =
+  | { kind: 'point'; cloud: Cloud }
+  | { kind: 'beam'; file: number }
+  | { kind: 'world'; world: World; instance: number; part: 'ellipsoid' | 'ground' | 'surface' };
+
+/** What lies under the cursor: a target, the number of its part, and the place in the scene's frame. */
+export interface Picked {
+  target: Target;
+  part: number;
+  place: Vector3 | null;
+}
+
+const PICK_PIXELS = 11;
+const NONE = 0xffffffff;
+
+export class Viewer {
+  readonly display = new Display();
+  readonly camera = new PerspectiveCamera(60, 1, 0.1, 10000);
+  readonly navigation: Navigation;
+  readonly clouds = new Set<Cloud>();
+  readonly worlds = new Set<World>();
+  budget = 2_000_000;
+  onDrawn: (() => void) | null = null;
+
+  private readonly renderer: WebGLRenderer;
+  private readonly scene = new Scene();
+  private readonly marks = new Group();
+  private readonly targets: Target[] = [];
+  private readonly near = new WebGLRenderTarget(PICK_PIXELS, PICK_PIXELS);
+  private dirty = true;
+  private last = 0;
+
+  constructor(
+    readonly canvas: HTMLCanvasElement,
+    onPick: (picked: Picked | null) => void,
+  ) {
+    this.renderer = new WebGLRenderer({ canvas, antialias: false, preserveDrawingBuffer: true });
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.scene.add(this.marks);
+    this.navigation = new Navigation(
+      this.camera,
+      canvas,
+      () => this.draw(),
+      (x, y) => onPick(this.pick(x, y)),
+    );
+    new ResizeObserver(() => this.resize()).observe(canvas);
+    this.resize();
+    const loop = (now: number) => {
+      requestAnimationFrame(loop);
+      this.navigation.fly((now - this.last) / 1000);
+      this.last = now;
+      if (this.dirty) this.render();
+    };
+    requestAnimationFrame(loop);
+  }
+
+  /** Asks for a new picture. */
+  draw(): void {
+    this.dirty = true;
+  }
+
+  setBackground(colour: string): void {
+    this.scene.background = new Color(colour);
+    this.draw();
+  }
+
+  target(target: Target): number {
+    return this.targets.push(target) - 1;
+  }
+
+  replaceTarget(number: number, target: Target): void {
+    this.targets[number] = target;
+  }
+
+  addCloud(cloud: Cloud): void {
+    this.clouds.add(cloud);
+    this.scene.add(cloud.group);
+    this.draw();
+  }
+
+  addWorld(world: World): void {
+    this.worlds.add(world);
+    this.scene.add(world.group);
+    this.draw();
+  }
+
+  add(object: Object3D): void {
+    this.scene.add(object);
+    this.draw();
+  }
+
+  remove(object: Object3D): void {
+    object.removeFromParent();
+    this.draw();
+  }
+
+  /** Replaces the marks: the picked beam, the measured line. */
+  mark(...objects: Object3D[]): void {
+    this.marks.clear();
+    objects.forEach((o) => this.marks.add(o));
+    this.draw();
+  }
+
+  measured(from: Vector3, to: Vector3): Line {
+    const look = new LineBasicMaterial({ color: 0xcc79a7, depthTest: false });
+    return new Line(new BufferGeometry().setFromPoints([from, to]), look);
+  }
+
+  /** Bounds of most of what is shown, in the scene's frame. */
+  bounds(): Box3 {
+    const box = new Box3();
+    for (const cloud of this.clouds) {
+      if (cloud.group.visible) box.union(cloud.core);
+    }
+    for (const world of this.worlds) {
+      if (world.group.visible) box.union(world.bounds);
+    }
+    return box.isEmpty() ? new Box3(new Vector3(-10, -10, 0), new Vector3(10, 10, 5)) : box;
+  }
+
+  frameAll(): void {
+    const box = this.bounds();
+    this.display.uniforms.heights.value.set(box.min.z, box.max.z);
+    const size = box.getSize(new Vector3());
+    this.navigation.frame(box.getCenter(new Vector3()), Math.max(2, 0.6 * Math.max(size.x, size.y, size.z)));
+  }
+
+  get drawnPoints(): number {
+    let points = 0;
+    for (const cloud of this.clouds) points += cloud.group.visible ? cloud.drawnPoints : 0;
+    return points;
+  }
+
+  /** Whether points that belong to the picture are still on their way. */
+  get loading(): boolean {
+    return this.dirty || [...this.clouds].some((cloud) => cloud.group.visible && cloud.loading);
+  }
+
+  private resize(): void {
+    const width = Math.max(1, this.canvas.clientWidth);
+    const height = Math.max(1, this.canvas.clientHeight);
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    this.draw();
+  }
+
+  private render(): void {
+    this.dirty = false;
+    const shown = [...this.clouds].filter((cloud) => cloud.group.visible);
+    for (const cloud of shown) {
+      cloud.update(this.camera, this.canvas.clientHeight, this.budget / shown.length);
+    }
+    this.renderer.render(this.scene, this.camera);
+    this.onDrawn?.();
+  }
+
+  /** A picture of the view as a PNG. */
+  picture(): Promise<Blob> {
+    this.render();
+    return new Promise((resolve, reject) => {
+      this.canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error('no picture'))), 'image/png');
+    });
+  }
+
+  /** Draws the pixels around the cursor with numbers for colours, and returns them. */
+  private numbers(camera: Camera, pass: Pass): Uint32Array {
+    this.display.uniforms.pass.value = pass;
+    this.renderer.setRenderTarget(this.near);
+    this.renderer.setClearColor(0xffffff, 1);
+    this.renderer.clear();
+    this.renderer.render(this.scene, camera);
+    const out = new Uint8Array(4 * PICK_PIXELS * PICK_PIXELS);
+    this.renderer.readRenderTargetPixels(this.near, 0, 0, PICK_PIXELS, PICK_PIXELS, out);
+    this.renderer.setRenderTarget(null);
+    this.display.uniforms.pass.value = Pass.picture;
+    return new Uint32Array(out.buffer);
+  }
+
+  /** Finds what lies at a place of the canvas (CSS pixels), or next to it. */
+  pick(x: number, y: number): Picked | null {
+    const background = this.scene.background;
+    this.scene.background = null;
+    this.marks.visible = false;
+    this.scene.traverse((o) => this.withoutBlending(o));
+    const camera = this.camera.clone();
+    const half = (PICK_PIXELS - 1) / 2;
+    const { clientWidth, clientHeight } = this.canvas;
+    camera.setViewOffset(clientWidth, clientHeight, x - half, y - half, PICK_PIXELS, PICK_PIXELS);
+    const objects = this.numbers(camera, Pass.object);
+    const parts = this.numbers(camera, Pass.part);
+    this.scene.background = background;
+    this.marks.visible = true;
+    this.draw();
+    let best = -1;
+    let nearest = Infinity;
+    objects.forEach((object, k) => {
+      if (object === NONE) return;
+      const distance = Math.hypot((k % PICK_PIXELS) - half, Math.floor(k / PICK_PIXELS) - half);
+      if (distance >= nearest) return;
+      nearest = distance;
+      best = k;
+    });
+    const target = best < 0 ? undefined : this.targets[objects[best]!];
+    if (!target) return null;
+    return this.whole(target, parts[best]!, x, y);
+  }
+
+  private withoutBlending(object: Object3D): void {
+    const look = (object as LineSegments).material;
+    if (look && !Array.isArray(look)) look.blending = NoBlending;
+  }
+
+  /** Adds to what was picked where it is, and to a mesh which of its triangles. */
+  private whole(target: Target, part: number, x: number, y: number): Picked {
+    if (target.kind === 'point') return { target, part, place: target.cloud.placeOf(part) };
+    if (target.kind === 'beam') return { target, part, place: null };
+    if (target.part === 'ellipsoid') {
+      return { target, part, place: target.world.centreOf(target.instance, part) };
+    }
+    const at = new Vector2((x / this.canvas.clientWidth) * 2 - 1, 1 - (y / this.canvas.clientHeight) * 2);
+    const ray = new Raycaster();
+    ray.setFromCamera(at, this.camera);
+    const met = ray
+      .intersectObject(target.world.group, true)
+      .find((m) => this.targets[m.object.userData.pick as number] === target);
+    return { target, part: met?.faceIndex ?? 0, place: met?.point ?? null };
+  }
+}
