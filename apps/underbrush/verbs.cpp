@@ -19,6 +19,7 @@ void add_all_verbs(Program& program) {
   add_compose(program);
   add_sensors(program);
   add_simulate(program);
+  add_perceive(program);
   add_score(program);
   add_dump_config(program);
   add_completion(program);

@@ -62,7 +62,7 @@ class Clusters {
   std::vector<uint8_t> ground_;
   std::vector<uint32_t> entry_;     ///< Entry of each cell of the plane, or none.
   std::vector<uint32_t> cell_;      ///< Cell of each entry.
-  std::vector<uint32_t> parent_;    ///< Of each entry.
+  std::vector<uint32_t> parent_;    ///< The parent of each entry.
   std::vector<uint32_t> of_point_;  ///< Entry of each point.
   std::vector<uint32_t> count_, number_;
   std::vector<Vec3f> low_, high_;  ///< Extents of each cluster.

@@ -47,7 +47,7 @@ struct RangeBin {
 struct ListScore {
   size_t cycles = 0;     ///< Cycles that both have.
   size_t objects = 0;    ///< Objects of the reference, over all cycles.
-  size_t found = 0;      ///< Those that the list has.
+  size_t found = 0;      ///< How many of them the list has.
   size_t unmatched = 0;  ///< Objects of the list that the reference does not have.
   size_t switches = 0;   ///< Times that an object has another id than when it was last found.
   double position_mean_m = 0, position_rms_m = 0;  ///< Error of the centre, x and y, where found.
