@@ -49,6 +49,23 @@ TEST(Clusters, TheGroundMayRise) {
   EXPECT_EQ(segments.size(), 0u);
 }
 
+TEST(Clusters, ReflectionsBelowTheGroundDoNoHarm) {
+  MergedCloud cloud = test::empty_cloud(0);
+  test::add_ground(cloud);
+  test::add_box(cloud, {{12, 3, 0.75}, 0.2, {4.5, 1.8, 1.5}});
+  for (double x = 11; x < 14; x += 0.1) {
+    for (double z = -5; z < -3; z += 0.1) test::add_point(cloud, {x, 4, z});
+  }
+  const size_t all = test::seen_sides({{12, 3, 0.75}, 0.2, {4.5, 1.8, 1.5}}, {0, 0, 1}).size();
+  std::vector<Vec3> world;
+  to_world(cloud, world);
+  Clusters clusters;
+  Segments segments;
+  clusters.find(cloud, world, segments);
+  ASSERT_EQ(segments.size(), 1u);
+  EXPECT_GT(double(segments.points(0).size()), 0.8 * double(all));
+}
+
 TEST(Clusters, TheOrderOfThePointsMeansNothingToTheClusters) {
   MergedCloud cloud = test::empty_cloud(0), turned = test::empty_cloud(0);
   test::add_ground(cloud, 20);
@@ -143,6 +160,23 @@ TEST(ObjectPipeline, ACopyContinuesAsTheOriginal) {
   for (size_t k = 0; k < list.objects.size(); ++k) {
     EXPECT_EQ(list.objects[k].box.centre_m, other.objects[k].box.centre_m);
     EXPECT_EQ(list.objects[k].probability, other.objects[k].probability);
+  }
+}
+
+// The corner that is nearest to the vehicle changes as the car passes, which is no motion.
+TEST(ObjectPipeline, AChangeOfTheCornerDoesNotTurnTheBox) {
+  ObjectPipeline pipeline;
+  ObjectList list;
+  for (int k = 0; k < 50; ++k) {
+    const double t = kStep * k;
+    MergedCloud cloud = test::empty_cloud(t);
+    test::add_ground(cloud, 40);
+    test::add_box(cloud, {{-12 + 7 * t, 5, 0.75}, 0, {4.5, 1.8, 1.5}}, 0.1, 0.02, 7 + uint64_t(k));
+    pipeline.step(cloud, list);
+    if (k < 8) continue;
+    ASSERT_EQ(list.objects.size(), 1u) << k;
+    EXPECT_NEAR(wrapped(list.objects[0].box.yaw_rad), 0, 0.15) << k;
+    EXPECT_NEAR(list.objects[0].velocity_m_s.x(), 7, 1.5) << k;
   }
 }
 

@@ -85,7 +85,7 @@ TEST(SteadyMemory, NoStageAllocatesAfterTheFirstCycles) {
     delay.push(list);
     return delay.at(t) ? delay.at(t)->objects.size() : 0;
   };
-  for (size_t k = 0; k < 3 * all.size(); ++k) turn(k);
+  for (size_t k = 0; k < 8 * all.size(); ++k) turn(k);
   const size_t before = allocations;
   size_t shown = 0;
   for (size_t k = 0; k < 2 * all.size(); ++k) shown += turn(k);

@@ -12,6 +12,7 @@ namespace {
 
 constexpr float kNoHeight = std::numeric_limits<float>::infinity();
 constexpr size_t kNoCell = SIZE_MAX;
+constexpr size_t kBlock = 4;  // Cells along the side of a block, of which 3 x 3 tell what a pit is.
 
 }  // namespace
 
@@ -38,6 +39,35 @@ size_t Clusters::cell_of(const Vec3f& p, double side_m, size_t columns) const {
   const auto n = double(columns);
   if (!(x >= 0 && y >= 0 && x < n && y < n)) return kNoCell;
   return size_t(y) * columns + size_t(x);
+}
+
+// Reflections in cars and windows show points below the ground. A cell that lies deeper below the
+// lower quartile of the cells around it than the slope explains is one of those.
+void Clusters::remove_pits() {
+  const size_t n = ground_columns_, blocks = (n + kBlock - 1) / kBlock;
+  const double half_m = 1.5 * double(kBlock) * options_.ground_cell_m;
+  const auto depth = float(options_.slope * half_m + options_.clearance_m);
+  second_.assign(n * n, kNoHeight);
+  const auto for_each_cell = [&](size_t x0, size_t x1, size_t y0, size_t y1, const auto& f) {
+    for (size_t y = y0 * kBlock; y < std::min(y1 * kBlock, n); ++y) {
+      for (size_t x = x0 * kBlock; x < std::min(x1 * kBlock, n); ++x) f(y * n + x);
+    }
+  };
+  for (size_t by = 0; by < blocks; ++by) {
+    for (size_t bx = 0; bx < blocks; ++bx) {
+      around_.clear();
+      for_each_cell(bx ? bx - 1 : 0, bx + 2, by ? by - 1 : 0, by + 2, [&](size_t c) {
+        if (height_[c] != kNoHeight) around_.push_back(height_[c]);
+      });
+      if (around_.empty()) continue;
+      const auto quarter = around_.begin() + std::ptrdiff_t(around_.size() / 4);
+      std::nth_element(around_.begin(), quarter, around_.end());
+      for_each_cell(bx, bx + 1, by, by + 1, [&](size_t c) {
+        if (height_[c] >= *quarter - depth) second_[c] = height_[c];
+      });
+    }
+  }
+  std::swap(height_, second_);
 }
 
 // Two passes of a distance transform, in which a step costs its length times the slope.
@@ -84,6 +114,7 @@ void Clusters::find_ground(const MergedCloud& cloud) {
     }
   }
   std::swap(height_, second_);
+  remove_pits();
   spread_heights();
   ground_.assign(cloud.size(), 0);
   const bool is_cone = options_.ground == "cone";

@@ -35,8 +35,9 @@ struct ClusterOptions {
 ///
 /// Ground, "cone": the second lowest point of each cell gives its height, and the ground is the
 /// lower envelope of the cones of the given slope that stand on these heights, found by two passes
-/// over the cells. Clusters: points are entered in square cells, and cells with points whose
-/// distance is at most the gap at their range are connected.
+/// over the cells. Heights that lie far below those around them are left out, because reflections
+/// show points below the ground. Clusters: points are entered in square cells, and cells with
+/// points whose distance is at most the gap at their range are connected.
 class Clusters {
  public:
   /// Throws `std::invalid_argument` for options out of range.
@@ -50,6 +51,7 @@ class Clusters {
  private:
   size_t cell_of(const Vec3f& p, double side_m, size_t columns) const;
   void find_ground(const MergedCloud& cloud);
+  void remove_pits();
   void spread_heights();
   void enter(const MergedCloud& cloud);
   void connect(const MergedCloud& cloud);
@@ -58,7 +60,7 @@ class Clusters {
 
   ClusterOptions options_;
   size_t ground_columns_, columns_;
-  std::vector<float> height_, second_;
+  std::vector<float> height_, second_, around_;
   std::vector<uint8_t> ground_;
   std::vector<uint32_t> entry_;     ///< Entry of each cell of the plane, or none.
   std::vector<uint32_t> cell_;      ///< Cell of each entry.

@@ -58,8 +58,10 @@ Vec3 Track::reference_of(const TrackOptions& o, const SegmentShape& shape,
   if (measurements && now != corner) {
     const Vec3 half = size_m / 2;
     const OrientedBox axes{Vec3::Zero(), filter.yaw_rad(), size_m};
-    filter.shift(
-        axes.from_box({(now[0] - corner[0]) * half.x(), (now[1] - corner[1]) * half.y(), 0}));
+    const Vec3 by =
+        axes.from_box({(now[0] - corner[0]) * half.x(), (now[1] - corner[1]) * half.y(), 0});
+    filter.shift(by);
+    anchor_m += by;
   }
   corner = now;
   return corner_of(whole, corner);
