@@ -65,11 +65,13 @@ void LogTruth::place(const std::vector<LabelledBox>& boxes, const LogInfo& log,
     if (scan == time_s.end()) continue;
     TruthObject o = box.object;
     const Vec3& c = o.box.centre_m;
-    const auto pose = path.at(scan->second + sweep.after_s(std::atan2(c.y(), c.x())));
+    const double seen_s = scan->second + sweep.after_s(std::atan2(c.y(), c.x()));
+    const auto pose = path.at(seen_s);
     if (!pose) continue;
     o.box.centre_m = *pose * raised(c, options.elevation_offset_rad);
     o.box.yaw_rad = wrapped(o.box.yaw_rad + yaw_of(*pose));
     by_scan_[box.frame].push_back(o);
+    seen_.push_back({box.frame, seen_s, o});
   }
 }
 

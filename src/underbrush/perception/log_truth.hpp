@@ -10,6 +10,13 @@
 
 namespace underbrush::perception {
 
+/// A labelled object at the time at which the sensor looked at it.
+struct SeenBox {
+  uint32_t scan = 0;
+  double time_s = 0;
+  TruthObject object;  ///< World frame.
+};
+
 /// The options of `LogTruth`.
 struct LogTruthOptions {
   /// A fault of the recording that the log's beams were corrected for: labelled boxes are turned up
@@ -33,6 +40,8 @@ class LogTruth {
 
   /// Fills `frame` with the objects of a scan at its time.
   void at(uint32_t scan, double time_s, double cycle_s, TruthFrame& frame) const;
+  /// The labelled boxes in the order of the file; none for lists of objects.
+  const std::vector<SeenBox>& seen() const { return seen_; }
 
  private:
   void place(const std::vector<LabelledBox>& boxes, const LogInfo& log,
@@ -40,6 +49,7 @@ class LogTruth {
 
   bool is_labelled_ = false;
   std::map<uint32_t, std::vector<TruthObject>> by_scan_;
+  std::vector<SeenBox> seen_;
   TruthSequence sequence_;
 };
 
