@@ -41,12 +41,11 @@ size_t Clusters::cell_of(const Vec3f& p, double side_m, size_t columns) const {
   return size_t(y) * columns + size_t(x);
 }
 
-// Reflections in cars and windows show points below the ground. A cell that lies deeper below the
-// lower quartile of the cells around it than the slope explains is one of those.
+// Reflections in cars and windows show points below the ground. On a slope the cells of a block lie
+// above the lower quartile of the nine blocks around, so a cell far below it is one of those.
 void Clusters::remove_pits() {
   const size_t n = ground_columns_, blocks = (n + kBlock - 1) / kBlock;
-  const double half_m = 1.5 * double(kBlock) * options_.ground_cell_m;
-  const auto depth = float(options_.slope * half_m + options_.clearance_m);
+  const auto depth = float(options_.clearance_m);
   second_.assign(n * n, kNoHeight);
   const auto for_each_cell = [&](size_t x0, size_t x1, size_t y0, size_t y1, const auto& f) {
     for (size_t y = y0 * kBlock; y < std::min(y1 * kBlock, n); ++y) {
