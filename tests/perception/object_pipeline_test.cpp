@@ -163,6 +163,24 @@ TEST(ObjectPipeline, ACopyContinuesAsTheOriginal) {
   }
 }
 
+// Of a standing car across the road only the rear shows at first, and then its side.
+TEST(ObjectPipeline, AnExtentThatNoWidthHasBecomesTheLength) {
+  ObjectPipeline pipeline;
+  ObjectList list;
+  const OrientedBox car{{14, 0, 0.75}, M_PI / 2, {4.5, 1.8, 1.5}};
+  for (int k = 0; k < 12; ++k) {
+    MergedCloud cloud = test::empty_cloud(kStep * k);
+    test::add_ground(cloud, 40);
+    for (const Vec3& p : test::seen_sides(car, {0, 0, 1})) {
+      if (k > 5 || p.y() < -0.5) test::add_point(cloud, p);
+    }
+    pipeline.step(cloud, list);
+  }
+  ASSERT_EQ(list.objects.size(), 1u);
+  EXPECT_NEAR(std::abs(wrapped(list.objects[0].box.yaw_rad)), M_PI / 2, 0.1);
+  EXPECT_NEAR(list.objects[0].box.size_m.x(), 4.5, 0.3);
+}
+
 // The corner that is nearest to the vehicle changes as the car passes, which is no motion.
 TEST(ObjectPipeline, AChangeOfTheCornerDoesNotTurnTheBox) {
   ObjectPipeline pipeline;

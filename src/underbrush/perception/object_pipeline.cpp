@@ -9,7 +9,8 @@
 namespace underbrush::perception {
 namespace {
 
-constexpr double kWidestM = 2.3;  // A longer extent is a length.
+constexpr double kWidestM = 2.3;   // A longer extent is a length.
+constexpr double kClearlyM = 0.5;  // By so much the other extent must be shorter.
 
 }  // namespace
 
@@ -57,8 +58,25 @@ double ObjectPipeline::first_heading(const Candidate& c) const {
   return wrapped(off <= M_PI / 2 ? along : along + M_PI);
 }
 
+// Whether the track's width would be an extent that only a length has.
+bool ObjectPipeline::is_across(const Candidate& c, double yaw_rad) const {
+  if (!c.heading_rad) return false;
+  const double off = wrapped(c.shape.box.yaw_rad - nearest_quarter(c.shape.box.yaw_rad, yaw_rad));
+  const bool is_swapped = std::lround(std::abs(off) / (M_PI / 2)) % 2 != 0;
+  const Vec3& size = c.shape.box.size_m;
+  const double length = is_swapped ? size.y() : size.x(), width = is_swapped ? size.x() : size.y();
+  return width > kWidestM && width > length + kClearlyM;
+}
+
+int ObjectPipeline::first_heading_turns(const Candidate& c, double yaw_rad) const {
+  return std::abs(wrapped(first_heading(c) - yaw_rad - M_PI / 2)) < M_PI / 2 ? 1 : -1;
+}
+
 void ObjectPipeline::update(Track& track, uint32_t k) {
   const Candidate& c = candidates_[k];
+  if (track.measurements && is_across(c, track.filter.yaw_rad())) {
+    track.turn(options_.track, first_heading_turns(c, track.filter.yaw_rad()));
+  }
   const double hint = track.measurements ? track.filter.yaw_rad() : first_heading(c);
   std::optional<double> heading;
   if (c.heading_rad) heading = nearest_quarter(*c.heading_rad, hint);

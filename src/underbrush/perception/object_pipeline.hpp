@@ -56,6 +56,8 @@ class ObjectPipeline {
   void update(Track& track, uint32_t candidate);
   void begin_tracks();
   double first_heading(const Candidate& candidate) const;
+  bool is_across(const Candidate& candidate, double yaw_rad) const;
+  int first_heading_turns(const Candidate& candidate, double yaw_rad) const;
 
   PipelineOptions options_;
   Clusters clusters_;

@@ -104,7 +104,10 @@ void Track::follow_motion(const TrackOptions& o) {
   anchor_m = filter.position_m();
   const double direction = std::atan2(moved.y(), moved.x());
   const int quarters = int(std::lround(wrapped(direction - filter.yaw_rad()) / (M_PI / 2)));
-  if (quarters == 0) return;
+  if (quarters != 0) turn(o, quarters);
+}
+
+void Track::turn(const TrackOptions& o, int quarters) {
   filter.turn(o.motion, quarters);
   if (quarters % 2 != 0) {
     std::swap(size_m.x(), size_m.y());

@@ -70,6 +70,8 @@ struct Track {
   /// moved, as soon as it has moved far enough. A car that drives backwards is so taken for one
   /// that drives forwards, because its points do not tell.
   void follow_motion(const TrackOptions& options);
+  /// Turns the heading by quarter turns; the box stays, with its sides in other roles.
+  void turn(const TrackOptions& options, int quarters);
   /// The centre of the box around its points alone, as it should be now.
   Vec3 measured_centre_m() const;
   /// What a list says of it.
