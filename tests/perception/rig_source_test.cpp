@@ -128,6 +128,23 @@ TEST(CycleReader, WithoutDeskewingTheWallIsSmeared) {
   EXPECT_NEAR(worst, 10 * latest, 0.01) << "the vehicle drives at 10 m/s";
 }
 
+TEST(CycleReader, ALogWithoutPosesStandsWhereItsBeamsBegin) {
+  BeamLog log = wall();
+  log.extra.clear();
+  log.info.scans.clear();
+  MemorySource source(log);
+  CycleReader reader(source, std::nullopt);
+  MergedCloud cloud;
+  size_t cycles = 0;
+  for (; reader.next(cloud); ++cycles) {
+    EXPECT_LT((cloud.world_from_vehicle.translation - log.origin[0]).norm(), 6);
+    for (const Vec3f& p : cloud.point_m) {
+      EXPECT_NEAR((cloud.world_from_vehicle * p.cast<double>()).x(), 30, 2e-3);
+    }
+  }
+  EXPECT_EQ(cycles, 7u);
+}
+
 TEST(CycleReader, RefusesALogOfSeveralSensorsWithoutTheirRig) {
   const BeamLog log = wall();
   MemorySource source(log);

@@ -13,9 +13,24 @@ Rig single(const LogInfo& info, double height_m) {
   return {"log", {m}};
 }
 
-Trajectory vehicle_path(const LogInfo& info, const Pose& scan_from_vehicle) {
+// The scans of a log that does not say where they were made.
+std::vector<ScanInfo> scans_of_beams(BeamSource& source) {
+  std::vector<ScanInfo> scans;
+  source.rewind();
+  for (BeamLog chunk; source.next(chunk);) {
+    for (size_t i = 0; i < chunk.size(); ++i) {
+      if (!scans.empty() && scans.back().scan == chunk.scan[i]) continue;
+      Pose pose;
+      pose.translation = chunk.origin[i];
+      scans.push_back({chunk.scan[i], chunk.time_s[i], pose});
+    }
+  }
+  return scans;
+}
+
+Trajectory vehicle_path(const std::vector<ScanInfo>& scans, const Pose& scan_from_vehicle) {
   std::vector<StampedPose> poses;
-  for (const ScanInfo& s : info.scans) {
+  for (const ScanInfo& s : scans) {
     poses.push_back({s.time_s, s.world_from_sensor * scan_from_vehicle});
   }
   return Trajectory(std::move(poses));
@@ -40,9 +55,12 @@ CycleReader::CycleReader(BeamSource& source, std::optional<Rig> rig, const Cycle
       is_rig_(rig.has_value()),
       alignment_(is_rig_ ? std::move(*rig) : single(source.info(), options.sensor_height_m),
                  options.alignment) {
-  require_data(!source.info().scans.empty(), "perception: the log has no scans with poses");
+  scans_ = source.info().scans;
+  is_deskewed_ = source.info().deskewed && !scans_.empty();
+  if (scans_.empty()) scans_ = scans_of_beams(source);
+  require_data(!scans_.empty(), "perception: the log has no beams");
   const Pose mount = alignment_.rig().sensors[0].vehicle_from_sensor;
-  path_ = vehicle_path(source.info(), is_rig_ ? Pose{} : mount.inverse());
+  path_ = vehicle_path(scans_, is_rig_ ? Pose{} : mount.inverse());
   cycle_s_ = period_of(path_);
   clouds_.resize(alignment_.rig().sensors.size());
   for (uint16_t s = 0; s < clouds_.size(); ++s) clouds_[s].sensor = s;
@@ -50,10 +68,9 @@ CycleReader::CycleReader(BeamSource& source, std::optional<Rig> rig, const Cycle
 }
 
 const ScanInfo& CycleReader::info_of(uint32_t scan) const {
-  const auto& scans = source_.info().scans;
-  const auto at = std::find_if(scans.begin(), scans.end(),
+  const auto at = std::find_if(scans_.begin(), scans_.end(),
                                [scan](const ScanInfo& s) { return s.scan == scan; });
-  require_data(at != scans.end(), "perception: a beam's scan has no pose");
+  require_data(at != scans_.end(), "perception: a beam's scan has no pose");
   return *at;
 }
 
@@ -81,7 +98,7 @@ void CycleReader::add(size_t i, const ScanInfo& info) {
   const MountedSensor& m = alignment_.rig().sensors[k];
   const bool is_hit = chunk_.is_hit(i);
   if (is_hit && double(chunk_.range_m[i]) < options_.min_range_m) return;
-  const double t = source_.info().deskewed ? chunk_.time_s[i] : info.time_s;
+  const double t = is_deskewed_ ? chunk_.time_s[i] : info.time_s;
   const auto pose = path_.at(t);
   require_data(pose.has_value(), "perception: a beam is too far in time from the poses of scans");
   const Pose sensor_from_world = (*pose * m.vehicle_from_sensor).inverse();

@@ -25,8 +25,9 @@ struct CycleOptions {
 /// log is one of a single sensor, whose frame is that of the vehicle, except for its height.
 class CycleReader {
  public:
-  /// The source must outlive the reader, which rewinds it. Throws `std::invalid_argument` for a log
-  /// without scans, or one with the column `sensor` and no rig.
+  /// The source must outlive the reader, which rewinds it. Throws `DataError` for a log
+  /// without beams, for times of scans that do not differ, and, when read, for one with the column
+  /// `sensor` and no rig.
   CycleReader(BeamSource& source, std::optional<Rig> rig, const CycleOptions& options = {});
 
   /// Reads the next cycle. Returns false at the end.
@@ -45,7 +46,8 @@ class CycleReader {
 
   BeamSource& source_;
   CycleOptions options_;
-  bool is_rig_;
+  bool is_rig_, is_deskewed_ = false;
+  std::vector<ScanInfo> scans_;
   Alignment alignment_;
   Trajectory path_;  ///< Of the vehicle.
   double cycle_s_ = 0;
