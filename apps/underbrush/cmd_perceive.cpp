@@ -185,8 +185,7 @@ void run(const Verb& verb, const Arguments& a) {
   Json j = json_of_run(p);
   std::string text = fmt::format("{} cycles: {} objects listed, {} points\n", p.lists.size(),
                                  j["objects"].get<size_t>(), p.points);
-  text += fmt::format("  {:<11} {:.2f} s, {:.2f} ms a cycle\n", a.pipeline, p.seconds,
-                      1000 * p.seconds / double(std::max<size_t>(p.lists.size(), 1)));
+  text += fmt::format("  {:<11} {:.2f} s\n", a.pipeline, p.seconds);
   if (truth) {
     const std::vector<perception::ListScore> scores{perception::score_lists(p.lists, p.truth)};
     const std::vector<report::Table> tables{

@@ -33,6 +33,14 @@ Trajectory vehicle_path(const std::vector<ScanInfo>& scans, const Pose& scan_fro
   for (const ScanInfo& s : scans) {
     poses.push_back({s.time_s, s.world_from_sensor * scan_from_vehicle});
   }
+  std::vector<double> times;
+  for (const StampedPose& p : poses) {
+    require_data(std::isfinite(p.time_s), "perception: the time of a scan is not finite");
+    times.push_back(p.time_s);
+  }
+  std::sort(times.begin(), times.end());
+  require_data(std::adjacent_find(times.begin(), times.end()) == times.end(),
+               "perception: two scans have one time, or a scan comes twice");
   return Trajectory(std::move(poses));
 }
 

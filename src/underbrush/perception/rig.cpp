@@ -14,19 +14,21 @@ using sensor::kDegree;
 using sensor::YamlMap;
 
 constexpr size_t kMostSensors = 255;  // The column of a log is a byte.
+constexpr double kMost = 1000;        // Metres or degrees.
+constexpr double kMostMs = 1e6;
 
 Vec3 vector_of(const YamlMap& map, const std::string& key) {
   const auto v = map.get<std::vector<double>>(key, {0, 0, 0});
   if (v.size() != 3) map.fail(key, "needs three numbers");
   for (const double x : v) {
-    if (!std::isfinite(x)) map.fail(key, "must be finite");
+    if (!(std::abs(x) <= kMost)) map.fail(key, "must be numbers of at most 1000");
   }
   return {v[0], v[1], v[2]};
 }
 
 double milliseconds(const YamlMap& map, const std::string& key) {
   const double ms = map.get(key, 0.0);
-  if (!std::isfinite(ms)) map.fail(key, "must be finite");
+  if (!(std::abs(ms) <= kMostMs)) map.fail(key, "must be a number of at most 1e6");
   return ms / 1000;
 }
 
