@@ -14,7 +14,10 @@ namespace {
 constexpr std::streamoff kLooked = 1 << 16;  // bytes at the start and at the end of a file
 
 /// The first stands for the name with a capital letter or without.
-constexpr const char* kMarks[] = {"nderbrush", io::kCsvColumns, io::kPcdFields, kWaveformColumns};
+// Lists of objects as CSV (perception::write_object_lists).
+constexpr const char* kObjectColumns = "time,available,vehicle_x,vehicle_y,vehicle_z";
+constexpr const char* kMarks[] = {"nderbrush", io::kCsvColumns, io::kPcdFields, kWaveformColumns,
+                                  kObjectColumns};
 
 fs::path place_of(const fs::path& path) {
   const fs::path plain = path.filename().empty() ? path.parent_path() : path;

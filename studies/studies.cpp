@@ -17,6 +17,8 @@ constexpr Study kStudies[] = {
      study_echoes},
     {"extrapolation", "Real logs answered beyond what was fitted: further on, and between rings",
      study_extrapolation},
+    {"sequential", "Lists of objects of Rosenberger et al. 2020: simulated, real and true",
+     study_sequential},
     {"verification", "Histograms and planes of Kim et al. 2012, on its miniature and on real walls",
      study_verification},
 };

@@ -2,9 +2,11 @@
 
 #include "report/report.hpp"
 #include "score_json.hpp"
+#include "score_objects.hpp"
 #include "score_protocols.hpp"
 #include "stages.hpp"
 #include "underbrush/core/check.hpp"
+#include "underbrush/perception/object_list_file.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -13,14 +15,14 @@ namespace score_verb {
 namespace fs = std::filesystem;
 
 struct Arguments {
-  std::string real, report, protocol;
+  std::string real, report, protocol, truth;
   bool repeats = false;
   std::vector<std::string> simulated, models, names;
 };
 
 void add_options(Verb& verb, Arguments& a) {
   CLI::App& app = verb.app;
-  app.add_option("REAL", a.real, "The real log")->required();
+  app.add_option("REAL", a.real, "The real log, or real lists of objects (CSV, JSON)")->required();
   app.add_option("SIMULATED", a.simulated, "One or several simulated logs of the same beams")
       ->required();
   app.add_option("--model", a.models,
@@ -32,6 +34,9 @@ void add_options(Verb& verb, Arguments& a) {
   verb.output("--report", a.report, "Write a report (one HTML file) into this folder",
               {"index.html"})
       ->type_name("DIR");
+  app.add_option("--truth", a.truth,
+                 "True lists of objects; adds the errors of lists, [rosenberger20] Table 1")
+      ->type_name("OBJECTS");
   verb.begin_rare_group();
   app.add_option(
          "--protocol", a.protocol,
@@ -60,6 +65,12 @@ void run(const Verb& verb, const Arguments& a) {
     inputs.push_back(a.simulated[k]);
     if (!a.models.empty()) inputs.push_back(a.models[k]);
   }
+  if (perception::is_object_list_file(a.real)) {
+    require(a.models.empty() && a.protocol.empty() && !a.repeats,
+            "score: --model, --protocol and --repeats are for logs, not for lists of objects");
+    return score_objects(verb, {a.real, a.simulated, names, a.truth, a.report});
+  }
+  require(a.truth.empty(), "score: --truth is for lists of objects, not for logs");
   if (!a.report.empty()) report::check_report_output(a.report);
   const std::vector<metrics::Score> scores = score_logs(a.real, candidates, true);
   Json results = json_of_scores(names, scores, provenance(verb, inputs));
@@ -81,11 +92,13 @@ void run(const Verb& verb, const Arguments& a) {
 void add_score(Program& program) {
   using namespace score_verb;
   auto a = std::make_shared<Arguments>();
-  const auto verb = add_verb(
-      program, "Simulation", "score", "Compare simulated logs with the real one, beam by beam",
-      "underbrush score real.ply sim.ply --model model/ --json - --report report/\n"
-      "  underbrush score real.ply hybrid.ply mesh.ply --name default --name mesh",
-      [a](const Verb& v) { run(v, *a); });
+  const auto verb =
+      add_verb(program, "Simulation", "score",
+               "Compare simulated logs with the real one, beam by beam, or lists of objects",
+               "underbrush score real.ply sim.ply --model model/ --json - --report report/\n"
+               "  underbrush score real.ply hybrid.ply mesh.ply --name default --name mesh\n"
+               "  underbrush score real.json sim.json --truth truth.json",
+               [a](const Verb& v) { run(v, *a); });
   add_options(*verb, *a);
 }
 

@@ -5,6 +5,7 @@
 
 #include "answer.hpp"
 #include "cli/progress.hpp"
+#include "rig_answer.hpp"
 #include "stages.hpp"
 #include "traced_scene.hpp"
 #include "underbrush/core/check.hpp"
@@ -22,7 +23,7 @@ namespace {
 namespace simulate_verb {
 
 struct Arguments {
-  std::string model, like, sensor, trajectory, output, profile, matter = "once";
+  std::string model, like, sensor, rig, trajectory, output, profile, matter = "once";
   AnswerArguments answer;
   SceneArguments target;
 };
@@ -40,10 +41,14 @@ void add_options(Verb& verb, Arguments& a) {
           ->type_name("LOG");
   auto* sensor =
       app.add_option("--sensor", a.sensor, "Simulate a sensor of the catalogue (or a YAML file)");
-  auto* trajectory = app.add_option("--trajectory", a.trajectory, "Poses of the sensor, TUM format")
-                         ->type_name("POSES.txt");
+  auto* rig =
+      app.add_option("--rig", a.rig, "Simulate all sensors of a vehicle")->type_name("RIG.yaml");
+  auto* trajectory =
+      app.add_option("--trajectory", a.trajectory, "Poses of the sensor or vehicle, TUM format")
+          ->type_name("POSES.txt");
   like->excludes(trajectory);
-  trajectory->needs(sensor);
+  rig->excludes(sensor);
+  rig->needs(trajectory);
   app.add_flag("--element-ids", a.answer.simulate.element_ids,
                "Write the element that stopped each beam, and its class; for a scene also the "
                "plant (column instance)");
@@ -102,14 +107,18 @@ void check_gaps(const std::string& file, const Trajectory& path) {
 
 std::unique_ptr<BeamSource> beams_of(const Arguments& a, Trajectory& path) {
   if (!a.like.empty()) return std::make_unique<io::BeamReader>(a.like, kChunk);
-  require(!a.trajectory.empty(), "simulate: give --like LOG, or --sensor NAME --trajectory POSES");
+  require(!a.trajectory.empty() && a.sensor.empty() == !a.rig.empty(),
+          "simulate: give --like LOG, or --sensor NAME or --rig FILE with --trajectory POSES");
   path = io::read_trajectory(a.trajectory);
   if (path.poses().size() < 2) {
     throw FormatError(a.trajectory, "", "a trajectory needs at least two poses");
   }
   check_gaps(a.trajectory, path);
-  const sensor::Sensor sensor = sensor::load(a.sensor);
   try {
+    if (!a.rig.empty()) {
+      return std::make_unique<perception::RigSource>(perception::load_rig(a.rig), path, kChunk);
+    }
+    const sensor::Sensor sensor = sensor::load(a.sensor);
     return std::make_unique<sensor::PatternSource>(sensor, path, path.poses().front().time_s,
                                                    path.poses().back().time_s, kChunk);
   } catch (const std::invalid_argument& e) {
@@ -132,7 +141,7 @@ SimulateStep write(const Verb& verb, const Arguments& a, simulate::SimulatedSour
                    const Trajectory& path, std::string& lost) {
   std::vector<std::filesystem::path> inputs{a.model, a.like.empty() ? a.trajectory : a.like};
   for (const auto& file : mover_files(a.target)) inputs.push_back(file);
-  for (const std::string& file : {a.sensor, a.answer.instrument.materials}) {
+  for (const std::string& file : {a.sensor, a.rig, a.answer.instrument.materials}) {
     if (std::filesystem::is_regular_file(file)) inputs.emplace_back(file);
   }
   const std::string extension = std::filesystem::path(a.output).extension().string();
@@ -199,15 +208,26 @@ void run(const Verb& verb, Arguments& a) {
   Trajectory path;
   const std::unique_ptr<BeamSource> beams = beams_of(a, path);
   a.answer.simulate.seed = verb.seed;
-  Answer answer(a.answer, *target.dynamic_world, kinds_of(scene, info), recorder_of(scene.models),
-                [&](const char* what) { return sensor_of(a, *beams, what); });
-  simulate::SimulatedSource simulated(std::ref(answer), *beams, a.answer.simulate.max_range_m);
-  std::string lost;
-  const SimulateStep step = write(verb, a, simulated, path, lost);
-  answer.write_waveforms();
-  const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
-  report(verb, a, step, answer.sub_rays(), answer.rays_traced(), seconds,
-         target.dynamic_world->world().isa(), lost);
+  const auto made = [&](const Answer::SensorOf& sensor_of) {
+    return std::make_unique<Answer>(a.answer, *target.dynamic_world, kinds_of(scene, info),
+                                    recorder_of(scene.models), sensor_of);
+  };
+  const auto answered = [&](auto& answer) {
+    simulate::SimulatedSource simulated(std::ref(answer), *beams, a.answer.simulate.max_range_m);
+    std::string lost;
+    const SimulateStep step = write(verb, a, simulated, path, lost);
+    answer.write_waveforms();
+    const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    report(verb, a, step, answer.sub_rays(), answer.rays_traced(), seconds,
+           target.dynamic_world->world().isa(), lost);
+  };
+  if (const auto* rig = dynamic_cast<const perception::RigSource*>(beams.get())) {
+    RigAnswer answer(rig->sensors(),
+                     [&](const sensor::Sensor& s) { return made([&](const char*) { return s; }); });
+    return answered(answer);
+  }
+  const auto answer = made([&](const char* what) { return sensor_of(a, *beams, what); });
+  answered(*answer);
 }
 
 }  // namespace simulate_verb
@@ -220,10 +240,9 @@ void add_simulate(Program& program) {
       program, "Simulation", "simulate",
       "Simulate beams on a model or scene: those of a log, or of a sensor on a trajectory",
       "underbrush simulate model/ --like log.ply -o sim.ply\n"
-      "  underbrush simulate scene/ --like log.ply -o sim.ply\n"
       "  underbrush simulate model/ --sensor velodyne-hdl32e --trajectory poses.txt -o sim.ply\n"
-      "  underbrush simulate model/ --sensor ibeo-lux-2010 --trajectory poses.txt "
-      "--super-sample sensor -o sim.ply",
+      "  underbrush simulate model/ --rig rig.yaml --trajectory poses.txt --super-sample sensor -o "
+      "sim.ply",
       [a](const Verb& v) { run(v, *a); });
   add_options(*verb, *a);
   add_scene_options(*verb, a->target);

@@ -149,6 +149,7 @@ READERS = {
     "fit": ["BAD", "-o", "out"],
     "optimize": ["BAD", "-o", "out"],
     "simulate": ["BAD", "--like", "BAD", "-o", "out"],
+    "perceive": ["BAD", "--pipeline", "real", "-o", "out.csv"],
     "score": ["BAD", "BAD"],
     "segment": ["BAD", "-o", "out"],
     "extract": ["BAD", "BAD", "-o", "out"],
@@ -214,6 +215,7 @@ JOBS = {
     "annotate": ["labelled.ply", "-o", "site.json"],
     "compose": ["site.json", "primitives", "-o", "scene"],
     "simulate": ["model", "--like", "log.ply", "-o", "sim.ply"],
+    "perceive": ["log.ply", "--pipeline", "real", "-o", "objects.csv"],
     "score": ["log.ply", "sim.ply", "--model", "model", "--report", "report"],
 }
 

@@ -19,7 +19,7 @@ class Kind:
 
 # What a file leads to that no command names.
 NEEDS = {"site.json": ["site.ground"], "moving.json": ["site.ground", "path.txt"], "table.yaml": ["table.csv"],
-         "tree.gltf": ["tree.bin"]}
+         "tree.gltf": ["tree.bin"], "rig.yaml": ["spinning.yaml"]}
 
 SIMULATE = "simulate model --sensor spinning.yaml --trajectory poses.txt"
 KINDS = [
@@ -40,6 +40,15 @@ KINDS = [
     Kind("score.real", "header", "log.ply", "score log.ply simulated.ply --json out.json", others=("simulated.ply",)),
     Kind("score.simulated", "header", "simulated.ply", "score log.ply simulated.ply --json out.json",
          others=("log.ply",)),
+    # Lists of objects
+    Kind("perceive.log", "header", "log.ply", "perceive log.ply --pipeline real -o out.json"),
+    Kind("perceive.boxes", "text", "boxes.csv", "perceive log.ply --truth boxes.csv -o out.csv", others=("log.ply",)),
+    Kind("perceive.truth", "json", "objects.json", "perceive log.ply --truth objects.json -o out.csv",
+         others=("log.ply",)),
+    Kind("score.objects-csv", "text", "objects.csv", "score objects.csv objects.json", others=("objects.json",)),
+    Kind("score.objects-json", "json", "objects.json", "score objects.csv objects.json", others=("objects.csv",)),
+    Kind("simulate.rig", "yaml", "rig.yaml", "simulate model --rig rig.yaml --trajectory poses.txt -o out.ply",
+         others=("poses.txt",)),
     # What import reads
     Kind("import.ray-cloud", "header", "cloud.ply", "import cloud.ply -o out.ply"),
     Kind("import.ply-ascii", "text", "points-ascii.ply", "import points-ascii.ply -o out.ply"),

@@ -257,10 +257,16 @@ def recordings(put):
     put("raw/oxts/timestamps.txt", DATES)
     put("raw/calib_imu_to_velo.txt", "R: 1 0 0 0 1 0 0 0 1\nT: -0.8 0 0\n")
     put("folder/poses.txt", TRAJECTORY)
+    put("boxes.csv", "frame,track_id,class,cx,cy,cz,yaw,length,width,height\n"
+        "0,0,Van,6,1,0,0.5,4.4,1.8,2.0\n1,0,Car,7,1,0,0.5,4.4,1.8,2.0\n")
+    put("rig.yaml", "name: rig\nsensors:\n  - {name: a, sensor: spinning.yaml, position_m: [1, 0, 0.5]}\n"
+        "  - {name: b, sensor: spinning.yaml, rotation_deg: [0, 0, 90], latency_ms: 5}\n")
 
 
 MADE = (
     "import log.csv -o log.ply",
+    "perceive log.ply --pipeline real --start-points 0 -o objects.csv",
+    "perceive log.ply --pipeline real --start-points 0 -o objects.json",
     "segment log.ply -o labelled.ply --min-points 5",
     "fit log.ply -o model --min-points 4 --ground-spacing 2",
     "fit log.ply -o mesh --fitter surface --surface-cell 1 --ground-spacing 2",

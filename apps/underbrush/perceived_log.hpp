@@ -1,0 +1,39 @@
+/// \file
+/// A log turned into lists of objects.
+#pragma once
+#include <optional>
+#include <vector>
+
+#include "underbrush/perception/cycles.hpp"
+#include "underbrush/perception/false_positives.hpp"
+#include "underbrush/perception/log_truth.hpp"
+#include "underbrush/perception/object_pipeline.hpp"
+#include "underbrush/perception/tracking_model.hpp"
+
+namespace underbrush::app {
+
+/// What a log is turned into lists with.
+struct PerceptionSetup {
+  std::optional<perception::Rig> rig;
+  perception::CycleOptions cycles;
+  /// Whether the tracking model makes the lists, from the truth, or the real pipeline.
+  bool is_model = true;
+  perception::TrackingOptions model;
+  perception::PipelineOptions real;
+  perception::FalsePositiveOptions ghosts;
+  uint64_t seed = 1;
+};
+
+/// Lists of objects, a list a scan.
+struct PerceivedLog {
+  std::vector<perception::ObjectList> lists, truth;  ///< `truth` is empty if there is none.
+  size_t points = 0;
+  double seconds = 0;  ///< Without reading and alignment.
+};
+
+/// Turns a log into lists. `truth` may be null for the real pipeline. Throws
+/// `std::invalid_argument` for options out of range, and `DataError`.
+PerceivedLog perceived(BeamSource& log, const perception::LogTruth* truth,
+                       const PerceptionSetup& setup);
+
+}  // namespace underbrush::app

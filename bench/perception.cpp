@@ -1,0 +1,155 @@
+// Speed of perception: the scenario of [rosenberger20] Fig. 11 with two Ibeo LUX 2010 at 9 x 41
+// sub-rays, from beams to lists of objects, and each stage alone on 200 objects with 100 000
+// points. All scenes are generated. Reports medians of several runs.
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "perceived_log.hpp"
+#include "studies/intersection.hpp"
+#include "timing.hpp"
+#include "underbrush/core/parallel.hpp"
+#include "underbrush/core/rng.hpp"
+#include "underbrush/perception/object_pipeline.hpp"
+#include "underbrush/perception/occupancy_grid.hpp"
+#include "underbrush/perception/tracking_model.hpp"
+
+namespace underbrush::bench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double cpu_seconds() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
+}
+
+/// Seconds of the scan and of the lists of the scenario, and of all processors for both.
+struct Scenario {
+  double scan_s = 0, lists_s = 0, cpu_s = 0;
+  size_t rows = 0;
+};
+
+Scenario run_scenario(const studies::Intersection& scene, int columns, int rows) {
+  Scenario out;
+  BeamLog log;
+  const double cpu = cpu_seconds();
+  out.scan_s = seconds_of([&] { log = studies::scan_intersection(scene, columns, rows, 1); });
+  out.rows = log.size();
+  const perception::LogTruth truth(scene.truth);
+  app::PerceptionSetup setup;
+  setup.rig = scene.rig;
+  MemorySource source(log);
+  out.lists_s = seconds_of([&] { app::perceived(source, &truth, setup); });
+  out.cpu_s = cpu_seconds() - cpu;
+  return out;
+}
+
+/// Cars on a square grid around the vehicle, each with as many points on the sides that it shows.
+void make_crowd(size_t objects, size_t points, perception::MergedCloud& cloud,
+                perception::TruthFrame& truth) {
+  Stream random(1);
+  cloud.sensor_m = {Vec3f(0, 0, 1.8f)};
+  const auto side = size_t(std::ceil(std::sqrt(double(objects))));
+  for (size_t k = 0; k < objects; ++k) {
+    const double x = (double(k % side) - double(side) / 2 + 0.5) * 8;
+    const double y = (double(k / side) - double(side) / 2 + 0.5) * 8;
+    const double yaw = random.uniform(-M_PI, M_PI);
+    const perception::OrientedBox box{{x, y, 0.75}, yaw, {4.5, 1.8, 1.5}};
+    truth.objects.push_back({k + 1, perception::ObjectClass::kCar, box});
+    const Vec3 view = box.to_box({0, 0, 1.8});
+    for (size_t i = 0; i < points / objects; ++i) {
+      const double along = random.uniform(-1, 1), z = random.uniform(-0.4, 0.75);
+      const bool is_long = random.uniform() < 4.5 / 6.3;
+      const Vec3 p = is_long ? Vec3(2.25 * along, view.y() > 0 ? 0.9 : -0.9, z)
+                             : Vec3(view.x() > 0 ? 2.25 : -2.25, 0.9 * along, z);
+      cloud.point_m.push_back(box.from_box(p).cast<float>());
+      cloud.stamp_s.push_back(0);
+      cloud.intensity.push_back(1);
+      cloud.ring.push_back(0);
+      cloud.sensor.push_back(0);
+    }
+  }
+}
+
+// The median time of a step, after a few that reserve the memory. The stages use one thread, so the
+// time of the processor is that of a machine without other work.
+template <class F>
+Json step_times(int runs, F step) {
+  std::vector<double> times, cpu;
+  for (int k = 0; k < runs + 3; ++k) {
+    const double before = cpu_seconds();
+    const double t = seconds_of([&] { step(0.1 * k); });
+    if (k < 3) continue;
+    times.push_back(1000 * t);
+    cpu.push_back(1000 * (cpu_seconds() - before));
+  }
+  return {{"ms", median(times)}, {"cpu_ms", median(cpu)}};
+}
+
+Json bench_stages(size_t objects, size_t points, int runs) {
+  perception::MergedCloud cloud;
+  perception::TruthFrame truth;
+  make_crowd(objects, points, cloud, truth);
+  perception::TrackingModel model;
+  perception::ObjectPipeline pipeline;
+  perception::OccupancyGrid grid;
+  perception::ObjectList list;
+  const auto at = [&](double t) { cloud.time_s = cloud.available_s = truth.time_s = t; };
+  Json j;
+  j["objects"] = objects;
+  j["points"] = cloud.size();
+  j["model"] = step_times(runs, [&](double t) {
+    at(t);
+    model.step(cloud, truth, list);
+  });
+  j["listed"] = list.objects.size();
+  j["pipeline"] = step_times(runs, [&](double t) {
+    at(t);
+    pipeline.step(cloud, list);
+  });
+  j["grid"] = step_times(runs, [&](double) { grid.step(cloud); });
+  return j;
+}
+
+Json bench_scenario(int runs) {
+  const studies::Intersection scene = studies::make_intersection();
+  std::vector<double> scan, lists, cpu;
+  size_t rows = 0;
+  for (int k = 0; k < runs; ++k) {
+    const Scenario s = run_scenario(scene, 9, 41);
+    scan.push_back(s.scan_s);
+    lists.push_back(s.lists_s);
+    cpu.push_back(s.cpu_s);
+    rows = s.rows;
+  }
+  Json j;
+  j["rows"] = rows;
+  j["scan_s"] = median(scan);
+  j["lists_s"] = median(lists);
+  j["cpu_s"] = median(cpu);
+  j["times_real_time"] = studies::kIntersectionS / (median(scan) + median(lists));
+  return j;
+}
+
+}  // namespace
+}  // namespace underbrush::bench
+
+int main(int argc, char** argv) {
+  CLI::App app("Speed of perception");
+  int runs = 5, threads = 0;
+  std::string json;
+  app.add_option("--runs", runs, "Runs of which the median is reported")->capture_default_str();
+  app.add_option("--threads", threads, "Threads to use, 0 = all")->capture_default_str();
+  app.add_option("--json", json, "File for the results");
+  CLI11_PARSE(app, argc, argv);
+  underbrush::set_threads(threads);
+  underbrush::bench::Json j;
+  j["scenario"] = underbrush::bench::bench_scenario(runs);
+  j["stages"] = underbrush::bench::bench_stages(200, 100000, 10 * runs);
+  std::printf("%s\n", j.dump(1).c_str());
+  if (!json.empty()) std::ofstream(json) << j.dump(1) << "\n";
+}

@@ -1,0 +1,186 @@
+// This study holds simulated lists of objects against real ones, as [rosenberger20] section 4 does.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "studies/moving_objects.hpp"
+#include "studies/sequential.hpp"
+#include "studies/studies.hpp"
+#include "underbrush/fit/fit.hpp"
+#include "underbrush/io/log_file.hpp"
+#include "underbrush/perception/object_list_file.hpp"
+#include "underbrush/simulate/simulate.hpp"
+
+namespace underbrush::studies {
+namespace {
+namespace fs = std::filesystem;
+
+using perception::ObjectList;
+
+constexpr double kElevationOffsetRad = 0.205 * M_PI / 180;  // KITTI: docs/how-to/kitti.md.
+constexpr double kMinRangeM = 3;                            // The own car.
+constexpr uint32_t kEveryNth = 3;  // Scan that the static world is fitted to.
+
+/// A real log with its labels.
+struct RealLog {
+  std::string name;
+  io::BeamReader beams;
+  perception::LogTruth truth;
+  std::vector<ObjectTrack> tracks;
+
+  explicit RealLog(const fs::path& folder)
+      : name(folder.filename().string()),
+        beams(folder / "log.ply"),
+        truth(folder / "objects.csv", beams.info(), {kElevationOffsetRad}),
+        tracks(tracks_of(truth)) {}
+};
+
+app::PerceivedLog lists_of(BeamSource& log, const perception::LogTruth& truth, bool is_model) {
+  app::PerceptionSetup setup = measured_setup(is_model);
+  setup.cycles.min_range_m = kMinRangeM;
+  return app::perceived(log, &truth, setup);
+}
+
+elements::Model static_world(const StudyRun& run, RealLog& log) {
+  StaticBeams beams(log.beams, log.tracks, kEveryNth);
+  fit::FitOptions options;
+  options.seed = run.seed;
+  options.min_range_m = kMinRangeM;
+  return fit::fit(beams, options).model;
+}
+
+/// Lists of the simulated log with these models in place of the objects.
+std::vector<ListCandidate> simulated_lists(const StudyRun& run, RealLog& log,
+                                           const elements::Model& world,
+                                           std::vector<elements::Model> objects,
+                                           const std::string& name) {
+  elements::Scene scene;
+  elements::SceneInfo info;
+  scene.models.push_back(world);
+  add_objects(scene, info, log.tracks, std::move(objects));
+  const app::TracedScene traced = app::traced_scene(scene, info, trace::Draws::kOnce);
+  simulate::Options options;
+  options.seed = run.seed;
+  const auto answer = [&](size_t first, BeamLog& beams) {
+    simulate::simulate(*traced.dynamic_world, options, first, beams);
+  };
+  std::vector<ListCandidate> out;
+  for (const bool is_model : {true, false}) {
+    run.say(log.name + ": " + name + (is_model ? ", model" : ", pipeline"));
+    simulate::SimulatedSource simulated(answer, log.beams);
+    out.push_back({name + (is_model ? "/model" : "/pipeline"),
+                   lists_of(simulated, log.truth, is_model).lists});
+  }
+  return out;
+}
+
+report::Table means_table(
+    const std::string& log,
+    const std::vector<std::pair<std::string, std::array<ValueComparison, 6>>>& rows) {
+  report::Table table{log + ": RMSE against the real lists, m",
+                      "Means over the objects of the root mean squared difference to the real "
+                      "lists. Objects in fewer than 10 common cycles are left out.",
+                      {"lists"},
+                      {}};
+  for (const char* value : perception::kComparedValues) table.head.emplace_back(value);
+  std::vector<std::string> truth{"truth"};
+  for (const ValueComparison& v : rows[0].second) truth.push_back(fmt::format("{:.3f}", v.truth_m));
+  table.rows.push_back(truth);
+  for (const auto& [name, values] : rows) {
+    std::vector<std::string> cells{name};
+    for (const ValueComparison& v : values) cells.push_back(fmt::format("{:.3f}", v.candidate_m));
+    table.rows.push_back(cells);
+  }
+  return table;
+}
+
+/// Adds the tables and checks of a log's lists.
+void compare(const StudyRun& run, const std::string& log, const app::PerceivedLog& real,
+             std::vector<ListCandidate> candidates, StudyResult& out) {
+  candidates.push_back({"noisy truth", noisy_truth(real.truth, real.lists, run.seed)});
+  std::vector<std::vector<perception::ComparedObject>> compared;
+  std::vector<std::pair<std::string, std::array<ValueComparison, 6>>> means;
+  std::vector<std::string> names{"real"};
+  perception::ListScoreOptions open;  // Only what the camera sees is labelled.
+  open.ignore_unmatched = true;
+  std::vector<perception::ListScore> scores{perception::score_lists(real.lists, real.truth, open)};
+  std::vector<app::NamedLists> shown{{"real", real.lists}};
+  for (ListCandidate& c : candidates) {
+    compared.push_back(perception::compare_lists(c.lists, real.lists, real.truth));
+    means.emplace_back(c.name, value_comparison(compared.back()));
+    names.push_back(c.name);
+    scores.push_back(perception::score_lists(c.lists, real.truth, open));
+    out.figures[log][c.name] = {{"against_truth", app::json_of_list_score(scores.back())},
+                                {"normalised_rmse", app::json_of_compared(compared.back())}};
+    if (!run.keep.empty()) {
+      std::string file = c.name + ".json";
+      std::replace(file.begin(), file.end(), '/', '-');
+      fs::create_directories(run.keep / log);
+      perception::write_object_lists(run.keep / log / file, c.lists, "");
+    }
+  }
+  out.figures[log]["real"] = app::json_of_list_score(scores[0]);
+  out.tables.push_back(means_table(log, means));
+  out.tables.push_back(app::table_of("the labels of " + log, names, scores));
+  for (size_t k = 0; k + 1 < candidates.size(); ++k) {
+    out.tables.push_back(app::table_of(compared[k], candidates[k].name, "real"));
+    for (const Check& c :
+         list_checks(log + "/" + candidates[k].name, compared[k], compared.back())) {
+      out.checks.push_back(c);
+    }
+    if (k < 2) shown.push_back({candidates[k].name, candidates[k].lists});
+  }
+  for (app::NamedLists& l : shown) {  // Only what is labelled can be drawn side by side.
+    for (ObjectList& list : l.lists) {
+      std::erase_if(list.objects, [](const auto& o) { return o.truth_id == 0; });
+    }
+  }
+  out.pictures += app::list_pictures({"labels", real.truth}, shown);
+}
+
+void run_log(const StudyRun& run, const fs::path& folder, StudyResult& out) {
+  RealLog log(folder);
+  out.inputs.insert(out.inputs.end(), {folder / "log.ply", folder / "objects.csv"});
+  run.say(log.name + ": real lists");
+  const app::PerceivedLog real = lists_of(log.beams, log.truth, false);
+  run.say(log.name + ": static world");
+  const elements::Model world = static_world(run, log);
+  run.say(log.name + ": objects");
+  std::vector<elements::Model> own = models_of_points(log.beams, log.tracks, run.seed);
+  std::vector<ListCandidate> candidates =
+      simulated_lists(run, log, world, meshes_of(log.tracks), "meshes");
+  for (ListCandidate& c : simulated_lists(run, log, world, std::move(own), "ellipsoids")) {
+    candidates.push_back(std::move(c));
+  }
+  compare(run, log.name, real, std::move(candidates), out);
+}
+
+}  // namespace
+
+StudyResult study_sequential(const StudyRun& run) {
+  StudyResult out;
+  out.lead =
+      "Lists of objects from simulated scans, against those that the same processing makes of real "
+      "scans, and the intersection of [rosenberger20] Fig. 11.";
+  run_intersection(run, out);
+  bool has_log = false;
+  if (!run.data.empty()) {
+    std::vector<fs::path> folders;
+    for (const auto& entry : fs::directory_iterator(run.data)) {
+      if (fs::exists(entry.path() / "log.ply") && fs::exists(entry.path() / "objects.csv")) {
+        folders.push_back(entry.path());
+      }
+    }
+    std::sort(folders.begin(), folders.end());
+    for (const fs::path& folder : folders) run_log(run, folder, out);
+    has_log = !folders.empty();
+  }
+  if (!has_log) {
+    out.notes.push_back(
+        "no real log: --data DIR names a folder of folders with log.ply and objects.csv");
+  }
+  return out;
+}
+
+}  // namespace underbrush::studies
