@@ -20,6 +20,7 @@ const browser = await chromium.launch({
 });
 const context = await browser.newContext({ viewport: { width: 900, height: 420 }, acceptDownloads: true });
 const page = await context.newPage();
+page.setDefaultTimeout(120000); // for machines that are busy
 const complaints = [];
 page.on('console', (m) => ['error', 'warning'].includes(m.type()) && complaints.push(`${m.type()}: ${m.text()}`));
 page.on('pageerror', (e) => complaints.push(`exception: ${e.message}`));
@@ -28,12 +29,12 @@ page.on('request', (r) => {
 });
 
 const data = (name) => page.evaluate((n) => document.documentElement.dataset[n] ?? '', name);
-const ready = () =>
-  page.waitForFunction(
-    () => document.documentElement.dataset.opened === 'yes' && document.documentElement.dataset.state === 'ready',
-    null,
-    { timeout: 30000, polling: 50 },
-  );
+/** Waits for the picture that follows from all that was done, with all points that belong to it. */
+async function ready() {
+  await page.waitForFunction(() => document.documentElement.dataset.opened === 'yes');
+  await page.evaluate(() => new Promise((then) => requestAnimationFrame(() => requestAnimationFrame(then))));
+  await page.waitForFunction(() => document.documentElement.dataset.state === 'ready', null, { polling: 50 });
+}
 const press = async (key) => page.locator('#view').press(key);
 const details = () => page.locator('#details').innerText();
 
@@ -184,7 +185,8 @@ const [download] = await Promise.all([page.waitForEvent('download'), press('p')]
 expect(download.suggestedFilename() === 'underbrush.png', 'a picture is saved');
 await only('model');
 await press('ArrowUp');
-await page.waitForTimeout(500);
+await ready();
+await page.waitForFunction(() => document.documentElement.dataset.link === 'new');
 const link = page.url();
 const [before, place] = [await picture('link-before'), await data('eye')];
 await page.goto('about:blank');

@@ -52,7 +52,7 @@ def main():
         try:
             done = subprocess.run(
                 ["node", str(TESTS / "web/browser.mjs"), str(folder), shutil.which("chromium"), server.address,
-                 *([str(options.pictures.resolve())] if options.pictures else [])], env=dict(os.environ, RETURNS=str(info["hits"])), timeout=240, check=False)
+                 *([str(options.pictures.resolve())] if options.pictures else [])], env=dict(os.environ, RETURNS=str(info["hits"])), timeout=800, check=False)
         finally:
             server.end()
     sys.exit(done.returncode)

@@ -15,7 +15,7 @@ import {
 import { type Display, material, POINT_MODES, type PointMode } from './display';
 import { loadPoints, type Node, type Octree, type Points } from './octree';
 
-const MOST_REQUESTS = 4;
+const MOST_REQUESTS = 8;
 const CELLS = 64;
 
 interface Loaded {
@@ -90,6 +90,8 @@ export class Cloud {
 
   private readonly loaded = new Map<Node, Loaded>();
   private readonly waiting = new Set<Node>();
+  /** Nodes to load next, the largest on the screen first. */
+  private wanted: Node[] = [];
   private readonly look: ShaderMaterial;
   private frame = 0;
   private failed = '';
@@ -172,7 +174,7 @@ export class Cloud {
     push(this.octree.root);
     const chosen = new Set<Node>();
     let points = 0;
-    const wanted: Node[] = [];
+    this.wanted = [];
     while (open.length > 0) {
       let best = 0;
       for (let k = 1; k < open.length; ++k) if (open[k]!.size > open[best]!.size) best = k;
@@ -184,12 +186,12 @@ export class Cloud {
         chosen.add(node);
         there.used = this.frame;
       } else {
-        wanted.push(node);
+        this.wanted.push(node);
       }
       if (size > 1.5) node.children.forEach(push);
     }
-    this.loading = wanted.length > 0;
-    wanted.slice(0, MOST_REQUESTS - this.waiting.size).forEach((node) => void this.load(node));
+    this.loading = this.wanted.length > 0;
+    this.loadNext();
     this.drawnPoints = 0;
     for (const [node, { drawn }] of this.loaded) {
       drawn.visible = chosen.has(node);
@@ -213,8 +215,12 @@ export class Cloud {
     }
   }
 
+  private loadNext(): void {
+    while (this.waiting.size < MOST_REQUESTS && this.wanted.length > 0) void this.load(this.wanted.shift()!);
+  }
+
   private async load(node: Node): Promise<void> {
-    if (this.waiting.has(node)) return;
+    if (this.waiting.has(node) || this.loaded.has(node)) return;
     this.waiting.add(node);
     try {
       const points = await loadPoints(this.octree.file, node);
@@ -226,6 +232,7 @@ export class Cloud {
     }
     this.waiting.delete(node);
     this.changed();
+    if (!this.failed) this.loadNext();
   }
 
   private show(node: Node, points: Points): void {

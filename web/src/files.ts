@@ -48,7 +48,7 @@ export class Files {
       const octree = await openOctree(file.id, tell);
       this.origin ??= new Vector3(...octree.facts.origin_m);
       const pick = this.viewer.target({ kind: 'beam', file: file.id }); // replaced below
-      const cloud = new Cloud(octree, this.viewer.display, this.origin, pick, () => this.viewer.draw());
+      const cloud = new Cloud(octree, this.viewer.display, this.origin, pick, () => this.viewer.drawSoon());
       await cloud.start();
       this.viewer.replaceTarget(pick, { kind: 'point', cloud });
       this.clouds.set(file.id, cloud);

@@ -138,6 +138,7 @@ let linkTimer = 0;
 function keepLink(): void {
   if (restoring) return;
   clearTimeout(linkTimer);
+  root.dataset.link = 'old';
   linkTimer = window.setTimeout(() => {
     // In world coordinates, because the scene's origin depends on which file was shown first.
     const origin = files.origin ?? new Vector3();
@@ -149,6 +150,7 @@ function keepLink(): void {
       slice: { ...state.slice, at: state.slice.at + origin[state.slice.axis] },
     };
     history.replaceState(null, '', hashOf(world));
+    root.dataset.link = 'new';
   }, 300);
 }
 

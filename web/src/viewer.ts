@@ -54,6 +54,12 @@ export class Viewer {
   private readonly near = new WebGLRenderTarget(PICK_PIXELS, PICK_PIXELS);
   private dirty = true;
   private last = 0;
+  /** When the camera moved last, and how many points are drawn while it moves, so that it moves smoothly. */
+  private turned = -Infinity;
+  private movingBudget = 1_000_000;
+  private coarse = false;
+  private drawn = 0;
+  private soon = 0;
 
   constructor(
     readonly canvas: HTMLCanvasElement,
@@ -65,7 +71,10 @@ export class Viewer {
     this.navigation = new Navigation(
       this.camera,
       canvas,
-      () => this.draw(),
+      () => {
+        this.turned = performance.now();
+        this.draw();
+      },
       (x, y) => onPick(this.pick(x, y)),
     );
     new ResizeObserver(() => this.resize()).observe(canvas);
@@ -74,7 +83,8 @@ export class Viewer {
       requestAnimationFrame(loop);
       this.navigation.fly((now - this.last) / 1000);
       this.last = now;
-      if (this.dirty) this.render();
+      const moving = now - this.turned < 250;
+      if (this.dirty || (this.coarse && !moving)) this.render(moving);
     };
     requestAnimationFrame(loop);
   }
@@ -82,6 +92,15 @@ export class Viewer {
   /** Asks for a new picture. */
   draw(): void {
     this.dirty = true;
+  }
+
+  /** Asks for a new picture in a moment, once more has arrived. */
+  drawSoon(): void {
+    if (this.soon !== 0) return;
+    this.soon = window.setTimeout(() => {
+      this.soon = 0;
+      this.draw();
+    }, 100);
   }
 
   setBackground(colour: string): void {
@@ -158,7 +177,7 @@ export class Viewer {
 
   /** Whether points that belong to the picture are still on their way. */
   get loading(): boolean {
-    return this.dirty || [...this.clouds].some((cloud) => cloud.group.visible && cloud.loading);
+    return this.dirty || this.coarse || this.soon !== 0 || [...this.clouds].some((cloud) => cloud.group.visible && cloud.loading);
   }
 
   private resize(): void {
@@ -170,12 +189,18 @@ export class Viewer {
     this.draw();
   }
 
-  private render(): void {
+  private render(moving = false): void {
     this.dirty = false;
+    const now = performance.now();
+    const took = now - this.drawn;
+    this.drawn = now;
+    // Thirty pictures a second while the camera moves.
+    if (moving && took < 2000) this.movingBudget *= took > 45 ? 0.75 : took < 30 ? 1.15 : 1;
+    this.movingBudget = Math.min(this.budget, Math.max(50_000, this.movingBudget));
+    this.coarse = moving && this.movingBudget < this.budget;
+    const budget = this.coarse ? this.movingBudget : this.budget;
     const shown = [...this.clouds].filter((cloud) => cloud.group.visible);
-    for (const cloud of shown) {
-      cloud.update(this.camera, this.canvas.clientHeight, this.budget / shown.length);
-    }
+    for (const cloud of shown) cloud.update(this.camera, this.canvas.clientHeight, budget / shown.length);
     this.renderer.render(this.scene, this.camera);
     this.onDrawn?.();
   }

@@ -59,10 +59,13 @@ struct Api::Impl {
     const FileKind kind = files.files[id].kind;
     require(kind != FileKind::kLog && kind != FileKind::kScore,
             "this file is no model, scene or set of primitives");
-    const std::lock_guard lock(mutex);
-    auto& world = worlds[id];
-    if (!world) world = std::make_unique<WorldData>(files.files[id]);
-    return *world;
+    World& world = [&]() -> World& {
+      const std::lock_guard lock(mutex);
+      return worlds[id];
+    }();
+    // Read without the lock, so that other files are answered meanwhile.
+    std::call_once(world.once, [&] { world.data = std::make_unique<WorldData>(files.files[id]); });
+    return *world.data;
   }
 
   HttpReply list(const HttpRequest&) {
@@ -130,7 +133,11 @@ struct Api::Impl {
   uint64_t seed;
   std::mutex mutex;  ///< Guards the maps.
   std::map<size_t, std::unique_ptr<LogData>> logs;
-  std::map<size_t, std::unique_ptr<WorldData>> worlds;
+  struct World {
+    std::once_flag once;
+    std::unique_ptr<WorldData> data;
+  };
+  std::map<size_t, World> worlds;
 };
 
 Api::Api(OpenedFiles files, std::filesystem::path cache, std::string version, uint64_t seed)
