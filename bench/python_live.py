@@ -54,7 +54,7 @@ def time_scans(lidar: underbrush.Lidar, poses: list[underbrush.Pose],
 
 
 def overhead(model: str, log: str, rounds: int) -> None:
-    """Times `simulate` of Python and of the program in turn, reading and writing files alike; the model is read before."""
+    """Times `simulate` of Python and of the program in turn, from file to file; Python has read the model before."""
     value = underbrush.read_model(model)
     ratios, whole, ours = [], [], []
     with tempfile.TemporaryDirectory() as folder:

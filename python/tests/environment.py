@@ -26,7 +26,7 @@ import sys
 import tempfile
 import venv
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -77,12 +77,14 @@ def sanitized() -> dict[str, str]:
             "PYTHONMALLOC": "malloc", "ASAN_OPTIONS": "detect_leaks=0:halt_on_error=1"}
 
 
-def run_tests(build: pathlib.Path, words: list[str], variables: Mapping[str, str] = MappingProxyType({})) -> int:
-    """Runs pytest on the module of the build folder."""
+def run_tests(build: pathlib.Path, words: list[str], usual: Sequence[str] = ("",),
+              variables: Mapping[str, str] = MappingProxyType({})) -> int:
+    """Runs pytest on the module of the build folder; words without a test run the usual ones."""
     python = environment(build / "python" / "venv", ["numpy", "nanobind-backend", *extra("formats"), *extra("test")],
                          maker_in(build))
     paths = os.pathsep.join(filter(None, [str(build / "python" / "package"), os.environ.get("PYTHONPATH")]))
-    words = words or [str(ROOT / "python" / "tests")]
+    if all(word.startswith("-") for word in words):
+        words = [*words, *(str(ROOT / "python" / "tests" / name) for name in usual)]
     return subprocess.run([python, "-m", "pytest", "-q", "-p", "no:cacheprovider", *words],
                           env=dict(os.environ, PYTHONPATH=paths, **variables), cwd=build, check=False).returncode
 
@@ -194,7 +196,7 @@ def main() -> int:
             with tempfile.TemporaryDirectory() as folder:
                 return run_lines(build / "bin" / "python", pathlib.Path(folder))
         if given.what == "asan":
-            return run_tests(build, words or [str(ROOT / "python" / "tests" / name) for name in LIFETIMES], sanitized())
+            return run_tests(build, words, LIFETIMES, sanitized())
         return run_tests(build, words) if given.what == "tests" else run_wheel(build, given.what == "repaired")
     except Missing as missing:
         print(f"skipped: {missing}", file=sys.stderr)
