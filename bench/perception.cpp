@@ -1,14 +1,11 @@
-// Speed of perception: the scenario of [rosenberger20] Fig. 11 with two Ibeo LUX 2010 at 9 x 41
-// sub-rays, from beams to lists of objects, and each stage alone on 200 objects with 100 000
-// points. All scenes are generated. Reports medians of several runs.
+// Speed of the stages of perception on 200 cars with 100 000 points. The scene is generated.
+// Reports medians of several runs.
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "perceived_log.hpp"
-#include "studies/intersection.hpp"
 #include "timing.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
@@ -25,27 +22,6 @@ double cpu_seconds() {
   timespec t{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
   return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
-}
-
-/// Seconds of the scan and of the lists of the scenario, and of all processors for both.
-struct Scenario {
-  double scan_s = 0, lists_s = 0, cpu_s = 0;
-  size_t rows = 0;
-};
-
-Scenario run_scenario(const studies::Intersection& scene, int columns, int rows) {
-  Scenario out;
-  BeamLog log;
-  const double cpu = cpu_seconds();
-  out.scan_s = seconds_of([&] { log = studies::scan_intersection(scene, columns, rows, 1); });
-  out.rows = log.size();
-  const perception::LogTruth truth(scene.truth);
-  app::PerceptionSetup setup;
-  setup.rig = scene.rig;
-  MemorySource source(log);
-  out.lists_s = seconds_of([&] { app::perceived(source, &truth, setup); });
-  out.cpu_s = cpu_seconds() - cpu;
-  return out;
 }
 
 /// Cars on a square grid around the vehicle, each with as many points on the sides that it shows.
@@ -115,26 +91,6 @@ Json bench_stages(size_t objects, size_t points, int runs) {
   return j;
 }
 
-Json bench_scenario(int runs) {
-  const studies::Intersection scene = studies::make_intersection();
-  std::vector<double> scan, lists, cpu;
-  size_t rows = 0;
-  for (int k = 0; k < runs; ++k) {
-    const Scenario s = run_scenario(scene, 9, 41);
-    scan.push_back(s.scan_s);
-    lists.push_back(s.lists_s);
-    cpu.push_back(s.cpu_s);
-    rows = s.rows;
-  }
-  Json j;
-  j["rows"] = rows;
-  j["scan_s"] = median(scan);
-  j["lists_s"] = median(lists);
-  j["cpu_s"] = median(cpu);
-  j["times_real_time"] = studies::kIntersectionS / (median(scan) + median(lists));
-  return j;
-}
-
 }  // namespace
 }  // namespace underbrush::bench
 
@@ -148,8 +104,7 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   underbrush::set_threads(threads);
   underbrush::bench::Json j;
-  j["scenario"] = underbrush::bench::bench_scenario(runs);
-  j["stages"] = underbrush::bench::bench_stages(200, 100000, 10 * runs);
+  j = underbrush::bench::bench_stages(200, 100000, 10 * runs);
   std::printf("%s\n", j.dump(1).c_str());
   if (!json.empty()) std::ofstream(json) << j.dump(1) << "\n";
 }

@@ -18,7 +18,7 @@ inline constexpr uint64_t kStandingCar = 1, kTurningCar = 2;
 /// The scenario.
 struct Intersection {
   perception::Rig rig;                        ///< Two Ibeo LUX 2010, front-left and front-right.
-  Trajectory world_from_vehicle;              ///< Of the car with the sensors.
+  Trajectory world_from_vehicle;              ///< The poses of the car with the sensors.
   std::vector<perception::ObjectList> truth;  ///< Every 20 ms.
 };
 

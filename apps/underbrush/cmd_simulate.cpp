@@ -28,14 +28,7 @@ struct Arguments {
   SceneArguments target;
 };
 
-void add_options(Verb& verb, Arguments& a) {
-  CLI::App& app = verb.app;
-  app.add_option("MODEL", a.model, "The folder of a model, or of a scene that compose made")
-      ->required();
-  verb.output("-o,--output", a.output,
-              "The simulated log: .ply, .pcd, .csv, or a folder/ of KITTI .bin files (with "
-              "--profile: of PCD files)")
-      ->required();
+void add_beam_options(CLI::App& app, Arguments& a) {
   auto* like =
       app.add_option("--like", a.like, "Simulate this log's beams (by --sensor or its own)")
           ->type_name("LOG");
@@ -49,6 +42,17 @@ void add_options(Verb& verb, Arguments& a) {
   like->excludes(trajectory);
   rig->excludes(sensor);
   rig->needs(trajectory);
+}
+
+void add_options(Verb& verb, Arguments& a) {
+  CLI::App& app = verb.app;
+  app.add_option("MODEL", a.model, "The folder of a model, or of a scene that compose made")
+      ->required();
+  verb.output("-o,--output", a.output,
+              "The simulated log: .ply, .pcd, .csv, or a folder/ of KITTI .bin files (with "
+              "--profile: of PCD files)")
+      ->required();
+  add_beam_options(app, a);
   app.add_flag("--element-ids", a.answer.simulate.element_ids,
                "Write the element that stopped each beam, and its class; for a scene also the "
                "plant (column instance)");

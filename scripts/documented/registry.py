@@ -168,6 +168,29 @@ def verification(folder):
                             f[which]["histogram_largest_share_difference"]]
 
 
+def sequential(folder):
+    f = read_json(folder / "study.json")["figures"]["kitti_0005_tracks"]
+    values = ("x", "y", "z", "length", "width", "height")
+    rows = ("meshes/model", "meshes/pipeline", "ellipsoids/model", "ellipsoids/pipeline", "noisy truth")
+    for row in rows:
+        kept = [o for o in f[row]["normalised_rmse"]
+                if min(o["simulated_real"]["cycles"], o["real_truth"]["cycles"]) >= 10]
+        for value in values:
+            yield row, value, [sum(o["simulated_real"]["rmse_m"][value] for o in kept) / len(kept)]
+            if row == rows[0]:
+                yield "truth", value, [sum(o["real_truth"]["rmse_m"][value] for o in kept) / len(kept)]
+
+
+SEQUENTIAL = study("sequential", "--data data", """mkdir -p drive/velodyne data/kitti_0005_tracks
+"$PYTHON" "$DATA/frames.py" unpack "$DATA/kitti_0005_city/velodyne.kfx" drive/velodyne
+"$PYTHON" "$DATA/frames.py" unpack "$DATA/kitti_0005_tracks/velodyne_30_89.kfx" drive/velodyne
+underbrush import drive --poses "$DATA/kitti_0005_tracks/poses_velo.txt" --times "$DATA/kitti_0005_tracks/times.txt" \\
+  --deskew velodyne-hdl64e --elevation-offset-deg 0.205 --infer-misses velodyne-hdl64e \\
+  -o data/kitti_0005_tracks/log.ply
+cp "$DATA/kitti_0005_tracks/objects.csv" data/kitti_0005_tracks/
+""", needs=("kitti_0005_city/velodyne.kfx", "kitti_0005_tracks/velodyne_30_89.kfx"))
+
+
 PLANTS = {"cartoon of three cones": "cartoon, three cones", "cartoon of a ball": "cartoon, a ball",
           "shrub, leaves of 1 m": "shrub 1000 mm", "shrub, leaves of 0.25 m": "shrub 250 mm",
           "shrub, leaves of 20 mm": "shrub 20 mm", "conifer, needles of 0.15 m": "conifer 150 mm",
@@ -313,6 +336,7 @@ MEASURED = {
     "tuning": Measured(tuning()),
     "vegetation": Measured((Part((study("vegetation"),), vegetation),),
                            uncompared={"published surface / volumetric": "figures of the paper"}),
+    "sequential": Measured((Part((SEQUENTIAL,), sequential),)),
     "transfer": Measured((Part((study("transfer"),), transfer),)),
     "scenes": Measured((Part((PRIMITIVES,), scenes(DRIVE, "drive", False)),
                         Part((PRIMITIVES,), scenes("generated sites", "generated", True))),

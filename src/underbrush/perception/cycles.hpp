@@ -49,7 +49,7 @@ class CycleReader {
   bool is_rig_, is_deskewed_ = false;
   std::vector<ScanInfo> scans_;
   Alignment alignment_;
-  Trajectory path_;  ///< Of the vehicle.
+  Trajectory path_;  ///< The vehicle's poses.
   double cycle_s_ = 0;
   BeamLog chunk_;
   const std::vector<uint8_t>* sensor_ = nullptr;

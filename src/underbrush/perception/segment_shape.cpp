@@ -101,8 +101,12 @@ double ShapeFitter::closeness(double heading_rad) {
 
 std::optional<double> ShapeFitter::heading(std::span<const Vec3> points, const Vec3& viewpoint) {
   if (points.size() < options_.heading_points) return std::nullopt;
-  const SegmentShape box = measure(points, 0, viewpoint);
-  if (box.extent_m() < options_.heading_extent_m) return std::nullopt;
+  Eigen::Vector2d low = points.front().head<2>(), high = low;
+  for (const Vec3& p : points) {
+    low = low.cwiseMin(p.head<2>());
+    high = high.cwiseMax(p.head<2>());
+  }
+  if ((high - low).maxCoeff() < options_.heading_extent_m) return std::nullopt;
   make_outline(points, viewpoint);
   const double step = M_PI / 2 / options_.coarse_headings;
   double best = 0, most = -1;
