@@ -105,8 +105,9 @@ void add_options(Verb& verb, Arguments& a) {
                  "The tracking model, which assigns points by the truth, or a real pipeline")
       ->check(CLI::IsMember({"model", "real"}))
       ->capture_default_str();
-  verb.output("-o,--output", a.output, "The lists of objects: .csv or .json")->type_name("OBJECTS");
-  verb.output("--write-truth", a.write_truth, "The truth of each scan as lists: .csv or .json")
+  verb.output("-o,--output", a.output, "The lists of objects: .json, else CSV")
+      ->type_name("OBJECTS");
+  verb.output("--write-truth", a.write_truth, "The truth of each scan as lists: .json, else CSV")
       ->type_name("OBJECTS");
   verb.output("--report", a.report, "Write a report (one HTML file) into this folder",
               {"index.html"})
@@ -155,11 +156,7 @@ Json json_of_run(const PerceivedLog& p) {
 
 void check_outputs_of(const Arguments& a) {
   for (const std::string& path : {a.output, a.write_truth}) {
-    if (path.empty()) continue;
-    const std::string extension = fs::path(path).extension().string();
-    require(extension == ".csv" || extension == ".json",
-            "perceive: lists of objects are written as .csv or .json");
-    io::check_output(path);
+    if (!path.empty()) io::check_output(path);
   }
   require(a.write_truth.empty() || !a.truth.empty(), "perceive: --write-truth needs --truth");
   require(a.report.empty() || !a.truth.empty(), "perceive: --report needs --truth");

@@ -127,9 +127,7 @@ std::string json_text(std::span<const ObjectList> lists, const std::string& prov
 void write_object_lists(const fs::path& path, std::span<const ObjectList> lists,
                         const std::string& provenance) {
   const std::string extension = path.extension().string();
-  require(extension == ".csv" || extension == ".json",
-          "lists of objects are written as .csv or .json");
-  io::write_atomically(path, extension == ".csv" ? csv_of(lists) : json_text(lists, provenance));
+  io::write_atomically(path, extension == ".json" ? json_text(lists, provenance) : csv_of(lists));
 }
 
 std::vector<ObjectList> read_object_lists(const fs::path& path) {
