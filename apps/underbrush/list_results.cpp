@@ -115,7 +115,7 @@ report::Table table_of(std::span<const ComparedObject> objects, const std::strin
   for (const char* value : kComparedValues) table.head.emplace_back(value);
   for (const ComparedObject& o : objects) {
     const std::pair<std::string, const ValueErrors*> rows[] = {
-        {simulated + "/" + real, &o.simulated_real},
+        {fmt::format("{}/{}", simulated, real), &o.simulated_real},
         {simulated + "/truth", &o.simulated_truth},
         {real + "/truth", &o.real_truth}};
     for (const auto& [name, errors] : rows) {

@@ -48,6 +48,7 @@ void RigAnswer::operator()(size_t first_beam, BeamLog& beams) {
   BeamLog out;
   out.info = beams.info;
   std::vector<std::vector<bool>> begins;
+  begins.reserve(part.size());
   for (const BeamLog& p : part) begins.push_back(begins_beam(p));
   std::vector<size_t> at(part.size(), 0);
   for (const uint8_t k : sensor) {

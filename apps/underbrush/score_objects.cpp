@@ -16,6 +16,7 @@ using perception::ObjectList;
 std::vector<ListScore> scores_of(const std::vector<NamedLists>& lists,
                                  const std::vector<ObjectList>& reference) {
   std::vector<ListScore> scores;
+  scores.reserve(lists.size());
   for (const NamedLists& l : lists) scores.push_back(perception::score_lists(l.lists, reference));
   return scores;
 }
@@ -28,6 +29,7 @@ Json json_of_all(const std::vector<NamedLists>& lists, const std::vector<ListSco
 
 std::vector<std::string> names_of(const std::vector<NamedLists>& lists) {
   std::vector<std::string> names;
+  names.reserve(lists.size());
   for (const NamedLists& l : lists) names.push_back(l.name);
   return names;
 }

@@ -30,6 +30,7 @@ std::vector<ScanInfo> scans_of_beams(BeamSource& source) {
 
 Trajectory vehicle_path(const std::vector<ScanInfo>& scans, const Pose& scan_from_vehicle) {
   std::vector<StampedPose> poses;
+  poses.reserve(scans.size());
   for (const ScanInfo& s : scans) {
     poses.push_back({s.time_s, s.world_from_sensor * scan_from_vehicle});
   }
@@ -71,7 +72,7 @@ CycleReader::CycleReader(BeamSource& source, std::optional<Rig> rig, const Cycle
   path_ = vehicle_path(scans_, is_rig_ ? Pose{} : mount.inverse());
   cycle_s_ = period_of(path_);
   clouds_.resize(alignment_.rig().sensors.size());
-  for (uint16_t s = 0; s < clouds_.size(); ++s) clouds_[s].sensor = s;
+  for (size_t s = 0; s < clouds_.size(); ++s) clouds_[s].sensor = uint16_t(s);
   source_.rewind();
 }
 
