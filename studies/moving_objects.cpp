@@ -151,6 +151,7 @@ std::vector<elements::Model> models_of_points(BeamSource& log,
 
 std::vector<elements::Model> meshes_of(const std::vector<ObjectTrack>& tracks) {
   std::vector<elements::Model> models;
+  models.reserve(tracks.size());
   for (const ObjectTrack& t : tracks) models.push_back(road_user(t.label, t.size_m));
   return models;
 }

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Checks that each header, private ones (.inl) too, compiles alone. Clang reads them, and what it makes of the third
 parties is kept for all headers that include the same. The kernels' private headers, in GCC's dialect, are compiled
-once for each instruction set."""
+once for each instruction set. Only headers are compiled that changed or include what changed: since the branch left
+main, or in main's last commit, and what is not committed. --all takes every header."""
 import collections
 import concurrent.futures
 import os
@@ -11,6 +12,7 @@ import subprocess
 import tempfile
 
 import rules
+import tidy
 
 # Folders in which includes are looked for, in order, and in which the headers lie.
 FOLDERS = ("src", ".", "apps", "apps/underbrush", "tests")
@@ -26,11 +28,11 @@ INSTRUCTION_SETS = ((), ("-mavx2", "-mfma", "-mbmi", "-mpopcnt"),
                     ("-mavx2", "-mfma", "-mbmi", "-mpopcnt", "-mavx512f", "-mavx512vl", "-mavx512dq"))
 
 
-def third_parties(root, header, known):
-    """The slow third parties that a header includes, itself or through others of ours."""
+def included(root, header, known):
+    """What a header includes, itself or through others of ours: files of ours, with it, and slow third parties."""
     if header not in known:
         known[header] = frozenset()
-        found = set()
+        found = {header}
         for _, m in rules.lines_with(INCLUDE, rules.split_cpp(rules.read(root, header))[0]):
             if m[1]:
                 found.update({m[1]} if SLOW.match(m[1]) else ())
@@ -38,10 +40,22 @@ def third_parties(root, header, known):
             for folder in FOLDERS:
                 path = os.path.normpath(f"{folder}/{m[2]}")
                 if (root / path).is_file():
-                    found |= third_parties(root, path, known)
+                    found |= included(root, path, known)
                     break
         known[header] = frozenset(found)
     return known[header]
+
+
+def wanted(root, every):
+    """{slow third parties: headers} of the headers to compile."""
+    groups, known = collections.defaultdict(list), {}
+    changed = tidy.changed_files(root)
+    for header in rules.tracked(root, ".hpp", ".inl"):
+        if OWN.match(header):
+            files = included(root, header, known)
+            if every or files & changed:
+                groups[frozenset(filter(SLOW.match, files))].append(header)
+    return groups
 
 
 def compile_alone(words, header):
@@ -52,11 +66,13 @@ def compile_alone(words, header):
     return None if done.returncode == 0 else (errors or [done.stderr.strip()])[0]
 
 
-def check(root):
-    groups, known = collections.defaultdict(list), {}
-    for header in rules.tracked(root, ".hpp", ".inl"):
-        if OWN.match(header):
-            groups[third_parties(root, header, known)].append(header)
+def arguments(parser):
+    parser.add_argument("--all", action="store_true")
+
+
+def check(root, options):
+    groups = wanted(root, options.all or root != options.root)
+    print(f"{sum(map(len, groups.values()))} headers")
     words, jobs = [*FLAGS, *(f"-I{root / folder}" for folder in FOLDERS)], []
     with tempfile.TemporaryDirectory() as folder, concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         for number, (parties, headers) in enumerate(sorted(groups.items(), key=lambda g: sorted(g[0]))):
@@ -82,4 +98,4 @@ BAD = [
 GOOD = {"src/a.hpp": EIGEN + '#include "b.hpp"\n', "src/b.hpp": EIGEN + "inline Eigen::Vector3d nothing();\n"}
 
 if __name__ == "__main__":
-    rules.main(check, BAD, GOOD)
+    rules.main(check, BAD, GOOD, arguments)

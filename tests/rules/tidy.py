@@ -32,10 +32,14 @@ def base_commit(root):
     return (git(root, "rev-parse", "--verify", "-q", "HEAD~1") or ["HEAD"])[0]
 
 
-def changed(root):
+def changed_files(root):
     names = git(root, "diff", "--name-only", base_commit(root)) + git(
         root, "ls-files", "--others", "--exclude-standard")
-    return {re.sub(r"\.(hpp|inl)$", ".cpp", name) for name in names if name}
+    return {name for name in names if name}
+
+
+def changed(root):
+    return {re.sub(r"\.(hpp|inl)$", ".cpp", name) for name in changed_files(root)}
 
 
 def single_sources(root, build):

@@ -34,7 +34,7 @@ double milliseconds(const YamlMap& map, const std::string& key) {
 
 // A sensor that is not in the catalogue is a file beside the rig's.
 std::string sensor_of(const YamlMap& map, const std::string& file) {
-  const auto name = map.get<std::string>("sensor");
+  auto name = map.get<std::string>("sensor");
   const auto known = sensor::catalogue();
   if (std::any_of(known.begin(), known.end(), [&](const auto& e) { return e.name == name; })) {
     return name;
