@@ -29,7 +29,7 @@ std::vector<ObjectList> some_lists() {
       o.id = (uint64_t(1) << 48) + uint64_t(i);
       o.truth_id = uint64_t(i);
       o.label = ObjectClass(1 + i);
-      o.probability[size_t(1 + i)] = 0.75f;
+      o.probability[size_t(i) + 1] = 0.75f;
       o.probability[6] = 0.25f;
       o.is_measured = i % 2 == 0;
       o.points = uint32_t(10 * i);

@@ -47,6 +47,7 @@ TEST(ShapeFitter, MovingAndTurningTheSceneMovesAndTurnsTheAnswer) {
   const double turn = 20 * kDegree;
   const OrientedBox frame{{1000, -500, 3}, turn, {}};
   std::vector<Vec3> moved;
+  moved.reserve(points.size());
   for (const Vec3& p : points) moved.push_back(frame.from_box(p));
   const double after = *fitter.heading(moved, frame.from_box(Vec3::Zero()));
   EXPECT_LT(off_by_quarter(after, before + turn), 1.0 * kDegree);
@@ -55,6 +56,7 @@ TEST(ShapeFitter, MovingAndTurningTheSceneMovesAndTurnsTheAnswer) {
 TEST(ShapeFitter, MeasureIsTheBoxAroundThePoints) {
   const OrientedBox box{{10, 5, 1}, 0.7, {4, 2, 1.5}};
   std::vector<Vec3> corners;
+  corners.reserve(8);
   for (int k = 0; k < 8; ++k) {
     corners.push_back(box.from_box({k & 1 ? 2.0 : -2.0, k & 2 ? 1.0 : -1.0, k & 4 ? 0.75 : -0.75}));
   }

@@ -69,6 +69,7 @@ TEST(Segments, GatherKeepsOrderAndEmptySegments) {
   Segments s;
   s.of_point = {2, kNoSegment, 0, 2, 0};
   std::vector<Vec3> points;
+  points.reserve(5);
   for (int k = 0; k < 5; ++k) points.emplace_back(k, 0, 0);
   s.gather(points, 3);
   ASSERT_EQ(s.size(), 3u);
