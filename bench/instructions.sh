@@ -5,7 +5,7 @@
 #   bench/instructions.sh [BENCH_TRACE [LIMIT]]
 set -eu
 bench=${1:-build/bin/bench_trace}
-limit=${2:-1110}
+limit=${2:-870}
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 valgrind --tool=callgrind --callgrind-out-file="$folder/out" --collect-atstart=no \
