@@ -163,7 +163,7 @@ TEST(ObjectPipeline, ACopyContinuesAsTheOriginal) {
   }
 }
 
-// Of a standing car across the road only the rear shows at first, and then its side.
+// A standing car across the road shows only its rear at first, and then its side.
 TEST(ObjectPipeline, AnExtentThatNoWidthHasBecomesTheLength) {
   ObjectPipeline pipeline;
   ObjectList list;

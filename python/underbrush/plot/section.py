@@ -146,8 +146,8 @@ def section(what: BeamLog | Model | Scene, start: npt.ArrayLike, end: npt.ArrayL
             contour: float | None = None, cmap: str = AMOUNT, colorbar: bool = True, ax: Axes | None = None) -> Axes:
     """Draws the vertical section from `start` to `end` (x y, m, world), the distance from the start to the right.
 
-    Of a log, the hits within half of `thickness_m` of the plane are points. Of a model or scene, the ellipsoids that
-    the plane cuts are filled ellipses with the colour of their hit probability, and the triangles are lines; the
+    The hits of a log within half of `thickness_m` of the plane are points. The ellipsoids of a model or scene that the
+    plane cuts are filled ellipses with the colour of their hit probability, and its triangles are lines; the
     ellipses end at `contour` standard deviations, by default at the model's `tau`, beyond which no beam meets them.
     Draw a model first and then its log into the same axes to compare them. Raises `ValueError` where start and end are
     one place.
