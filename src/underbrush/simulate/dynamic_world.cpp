@@ -106,6 +106,7 @@ void MatterAt::find(uint32_t instance, double time_s) {
   moves_ = o != nullptr;
   if (o) object_from_world_ = pose_at(o->mover.world_from_object, time_s).inverse();
   model_ = &world_.model(instance);
+  salt_ = trace::instance_key(0, instance);
   grain_ = {*model_, o ? o->scene.instances[0] : still.instance(instance)};
   first_swaying_ = still.draws() == trace::Draws::kSwaying ? uint32_t(model_->triangle_count())
                                                            : Intersection::kNone;

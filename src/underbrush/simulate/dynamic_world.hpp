@@ -63,6 +63,11 @@ class MatterAt {
     if (met.instance != instance_ || (moves_ && time_s != time_s_)) find(met.instance, time_s);
     return *model_;
   }
+  /// Computes `trace::instance_key` of what a ray met, from the key of the world's matter.
+  uint64_t key(uint64_t matter, const trace::Intersection& met, double time_s) {
+    model(met, time_s);
+    return matter ^ salt_;
+  }
   /// Computes the cell of the grain in which a ray of the time `time_s` (s) met an element. Where
   /// matter sways, it is the `swaying_cell` at the time of the ray's `key`.
   uint32_t cell(const Ray& ray, double time_s, const trace::Intersection& met, uint64_t key) {
@@ -82,6 +87,7 @@ class MatterAt {
   uint32_t instance_ = trace::Intersection::kNone;
   const elements::Model* model_ = nullptr;
   trace::Grain grain_;
+  uint64_t salt_ = 0;
   uint32_t first_swaying_ = trace::Intersection::kNone;  // the first element that sways
   bool moves_ = false;
   double time_s_ = 0;

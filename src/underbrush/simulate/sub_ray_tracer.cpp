@@ -191,8 +191,8 @@ void SubRayTracer::find(std::span<const double> time_s, const trace::RangeLimits
       trace::Intersection& m = s.met[k];
       if (m.none()) continue;
       const double noise_m = matter.model(m, time_s[b]).range_noise_m;
-      s.keys[k] = trace::instance_key(matter_, m.instance) ^
-                  matter.cell(s.rays[k], time_s[b], m, s.keys[k]);
+      s.keys[k] =
+          matter.key(matter_, m, time_s[b]) ^ matter.cell(s.rays[k], time_s[b], m, s.keys[k]);
       m.sigma_m = matter_sigma(m.sigma_m, noise_m);
     }
   }
