@@ -13,8 +13,11 @@ struct Named {
   std::unique_ptr<Strategy> (*make)(Parameters&);
 };
 constexpr Named kStrategies[] = {
-    {"front_end", make_front_end}, {"alignment", make_alignment},
-    {"tracking", make_tracking},   {"classification", make_classification},
+    {"tracer", make_tracer},
+    {"front_end", make_front_end},
+    {"alignment", make_alignment},
+    {"tracking", make_tracking},
+    {"classification", make_classification},
     {"grid", make_grid},
 };
 
