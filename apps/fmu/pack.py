@@ -14,8 +14,8 @@ import zipfile
 
 TIME = (2020, 1, 1, 0, 0, 0)
 #: What the library holds besides our own code, with the folder of its licence on Debian.
-THIRD_PARTIES = ("libyaml-cpp-dev", "libprotozero-dev", "libeigen3-dev", "nlohmann-json3-dev", "libtinygltf-dev",
-                 "libpng-dev", "zlib1g-dev", "libnanoflann-dev")
+THIRD_PARTIES = ("libyaml-cpp-dev", "libprotozero-dev", "libeigen3-dev", "nlohmann-json3-dev", "libnanoflann-dev",
+                 "libstdc++6")
 
 
 def licences(own: pathlib.Path) -> dict[str, bytes]:

@@ -119,7 +119,7 @@ std::string text_with(const std::string& guid) {
       "<fmiModelDescription fmiVersion=\"2.0\" modelName=\"underbrush\" guid=\"" +
       guid +
       "\"\n    description=\"A lidar, from reflections or the ground truth to a list of objects\" "
-      "author=\"The Underbrush developers\" version=\"0.1.0\" license=\"MIT\"\n"
+      "author=\"The Underbrush developers\" version=\"0.1.0\" license=\"Apache-2.0\"\n"
       "    generationTool=\"Underbrush\" variableNamingConvention=\"structured\">\n"
       "  <CoSimulation modelIdentifier=\"underbrush\" "
       "canHandleVariableCommunicationStepSize=\"true\" "
