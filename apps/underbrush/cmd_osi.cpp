@@ -13,10 +13,14 @@ void run(const Verb& verb, const OsiArguments& a) {
   require(a.action == "replay" || (a.chain.empty() && a.strategies.empty() && !a.without_view),
           "osi: --chain, --strategy and --without-view are of replay");
   require(a.action == "record" || a.truth.empty(), "osi: --truth is of record");
-  if (a.action == "info") return osi_info(verb, a);
-  if (a.action == "record") return osi_record(verb, a);
-  if (a.action == "replay") return osi_replay(verb, a);
-  osi_convert(verb, a);
+  try {
+    if (a.action == "info") return osi_info(verb, a);
+    if (a.action == "record") return osi_record(verb, a);
+    if (a.action == "replay") return osi_replay(verb, a);
+    osi_convert(verb, a);
+  } catch (const DataError& e) {
+    throw FormatError(a.input, "", e.what());
+  }
 }
 
 }  // namespace osi_verb

@@ -38,7 +38,7 @@ perception::ObjectList true_list(osi::TraceReader& reader, std::string message,
 void write_lists(const std::filesystem::path& path, std::span<const perception::ObjectList> lists,
                  const std::string& provenance) {
   if (!osi::is_trace_file(path)) return perception::write_object_lists(path, lists, provenance);
-  osi::TraceWriter writer(path);
+  osi::TraceWriter writer(path, provenance);
   for (const osi::SensorData& data : osi::data_of(lists)) {
     std::string message;
     osi::write(data, message);

@@ -14,14 +14,31 @@
 namespace underbrush::app {
 namespace {
 
+// The scans of a log. One that does not say where they were made has the places of first beams.
+std::vector<ScanInfo> scans_of(io::LogReader& log) {
+  std::vector<ScanInfo> scans = log.info().scans;
+  if (!scans.empty()) return scans;
+  for (BeamLog chunk; log.next(chunk);) {
+    for (size_t i = 0; i < chunk.size(); ++i) {
+      if (!scans.empty() && scans.back().scan == chunk.scan[i]) continue;
+      Pose pose;
+      pose.translation = chunk.origin[i];
+      scans.push_back({chunk.scan[i], chunk.time_s[i], pose});
+    }
+  }
+  log.rewind();
+  return scans;
+}
+
 // The scans of a log as a trace.
 class Recorder {
  public:
-  Recorder(const OsiArguments& a, const LogInfo& info) : scans_(info.scans), writer_(a.output) {
-    require_data(!scans_.empty(), "osi: the log has no scans with poses");
+  Recorder(const OsiArguments& a, io::LogReader& log, const std::string& origin)
+      : scans_(scans_of(log)), writer_(a.output, origin) {
+    require_data(!scans_.empty(), "osi: the log has no beams");
     options_.white_intensity = a.white_intensity;
     if (!a.truth.empty()) {
-      truth_ = truth_of_log(a.truth, info, {a.truth_elevation_deg * M_PI / 180});
+      truth_ = truth_of_log(a.truth, log.info(), {a.truth_elevation_deg * M_PI / 180});
     }
     const double span = scans_.back().time_s - scans_.front().time_s;
     if (scans_.size() > 1) cycle_s_ = span / double(scans_.size() - 1);
@@ -78,7 +95,9 @@ void osi_record(const Verb& verb, const OsiArguments& a) {
   require(osi::is_trace_file(a.output), "osi record: writes .osi files");
   io::check_output(a.output);
   io::LogReader log(a.input);
-  Recorder recorder(a, log.info());
+  std::vector<std::filesystem::path> inputs{a.input};
+  if (!a.truth.empty()) inputs.emplace_back(a.truth);
+  Recorder recorder(a, log, provenance(verb, inputs));
   BeamLog scan;
   for (BeamLog chunk; log.next(chunk);) {
     for (size_t begin = 0; begin < chunk.size();) {

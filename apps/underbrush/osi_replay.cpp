@@ -94,7 +94,7 @@ void osi_replay(const Verb& verb, const OsiArguments& a) {
   }
   osi::Chain chain = chain_of(verb, a);
   std::optional<osi::TraceWriter> trace;
-  if (osi::is_trace_file(a.output)) trace.emplace(a.output);
+  if (osi::is_trace_file(a.output)) trace.emplace(a.output, provenance(verb, {a.input}));
   std::vector<perception::ObjectList> lists;
   osi::StaticData known;
   size_t objects = 0;

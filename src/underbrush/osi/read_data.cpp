@@ -1,5 +1,6 @@
 #include "underbrush/osi/read.hpp"
 #include "underbrush/osi/read_parts.hpp"
+#include "underbrush/osi/trace.hpp"
 
 namespace underbrush::osi {
 namespace {
@@ -175,8 +176,9 @@ SensorData read_sensor_data(std::string_view bytes, std::string_view source) {
   const char* begin = bytes.data();  // Of the next field.
   read_fields({bytes.data(), bytes.size()}, place, [&](pbf_reader& r, uint32_t key) {
     if (!take(r, key, place, d)) {
+      const bool is_provenance = r.tag() == kProvenanceField;
       r.skip();
-      d.other.append(begin, size_t(end - r.length() - begin));
+      if (!is_provenance) d.other.append(begin, size_t(end - r.length() - begin));
     }
     begin = end - r.length();
     return true;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstring>
 #include <protozero/pbf_reader.hpp>
+#include <protozero/pbf_writer.hpp>
 
 #include "underbrush/core/check.hpp"
 
@@ -102,10 +103,19 @@ bool TraceReader::next(std::string& message) {
   return true;
 }
 
-TraceWriter::TraceWriter(const fs::path& path)
-    : file_(path), out_(file_.temporary(), path.string()) {}
+TraceWriter::TraceWriter(const fs::path& path, std::string provenance)
+    : provenance_(std::move(provenance)), file_(path), out_(file_.temporary(), path.string()) {}
 
 void TraceWriter::write(std::string_view message) {
+  if (provenance_.empty()) return put(message);
+  std::string marked;
+  protozero::pbf_writer(marked).add_string(kProvenanceField, provenance_);
+  marked += message;
+  provenance_.clear();
+  put(marked);
+}
+
+void TraceWriter::put(std::string_view message) {
   require(message.size() < kMostMessageBytes, "osi: a message of 2 GiB or more");
   std::array<uint8_t, 4> head{};
   for (size_t k = 0; k < 4; ++k) head[k] = uint8_t(message.size() >> (8 * k));

@@ -53,17 +53,24 @@ std::optional<MessageType> type_of_name(const std::filesystem::path& path);
 /// Whether a file has the extension of traces, .osi.
 bool is_trace_file(const std::filesystem::path& path);
 
+/// The number of the field with the provenance of a trace, of the range that protobuf leaves to
+/// private use. Readers that do not know it pass it over.
+inline constexpr uint32_t kProvenanceField = 50001;
+
 /// Writes a trace, which appears as a whole with `close()`.
 class TraceWriter {
  public:
-  /// Throws `IoError`.
-  explicit TraceWriter(const std::filesystem::path& path);
+  /// `provenance` is JSON; unless it is empty, it begins the first message as a field that OSI
+  /// does not know (`kProvenanceField`). Throws `IoError`.
+  explicit TraceWriter(const std::filesystem::path& path, std::string provenance = "");
   /// Throws `std::invalid_argument` for a message of 2 GiB or more, which OSI does not allow.
   void write(std::string_view message);
   void close();
   size_t written() const { return written_; }
 
  private:
+  void put(std::string_view message);
+  std::string provenance_;
   io::AtomicFile file_;
   OutputFile out_;
   size_t written_ = 0;
