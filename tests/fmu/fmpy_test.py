@@ -11,6 +11,7 @@ import argparse
 import importlib
 import os
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -145,6 +146,17 @@ class Master(unittest.TestCase):
                 self.assertTrue(0 <= hit.intensity <= 100 and 0 < hit.position.distance <= 300)
         logical = data.logical_detection_data
         self.assertEqual(logical.header.number_of_valid_logical_detections, len(logical.logical_detection))
+
+    def test_the_page(self) -> None:
+        page = (ROOT / "docs/how-to/co-simulation.md").read_text(encoding="utf-8")
+        blocks = re.findall(r"<!-- run: fmpy -->\n```python\n(.*?)^```", page, re.M | re.S)
+        self.assertEqual(len(blocks), 1)
+        with tempfile.TemporaryDirectory() as folder:
+            (pathlib.Path(folder) / "underbrush.fmu").symlink_to(pathlib.Path(self.fmu).resolve())
+            done = subprocess.run([sys.executable, "-c", blocks[0]], cwd=folder, check=False, capture_output=True,
+                                  text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertRegex(done.stdout, r"\d+\.\d m ahead, 0\.45 s old, [34]\.\d m/s faster")
 
     def test_traces_of_the_official_package_are_read(self) -> None:
         import json

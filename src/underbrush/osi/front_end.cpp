@@ -66,7 +66,7 @@ class FrontEnd : public Strategy {
   FrontEndOptions options_;
   std::shared_ptr<const Profile> profile_;  ///< Null without a sensor.
   std::shared_ptr<const radiometry::Receiver> receiver_;
-  std::vector<Rays> last_;  ///< Of each lidar; simulators may send them once only.
+  std::vector<Rays> last_;  ///< The rays of each lidar; simulators may send them once only.
   uint64_t cycle_ = 0;
 };
 

@@ -13,7 +13,7 @@ namespace underbrush::osi {
 /// A lidar and its rays.
 struct Profile {
   sensor::Sensor sensor;
-  std::vector<sensor::SubRay> sub_rays;  ///< Of every beam.
+  std::vector<sensor::SubRay> sub_rays;  ///< The same for every beam.
   LidarConfiguration configuration;      ///< With all directions and timings.
   std::vector<float> weight;             ///< The share of the beam's energy of each sub-ray.
 };

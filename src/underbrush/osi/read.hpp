@@ -14,10 +14,13 @@
 
 namespace underbrush::osi {
 
+/// Decodes a GroundTruth.
 GroundTruth read_ground_truth(std::string_view bytes, std::string_view source);
-/// Takes the bytes over, into `SensorView::bytes`.
+/// Decodes a SensorView. It takes the bytes over, into `SensorView::bytes`.
 SensorView read_sensor_view(std::string bytes, std::string_view source);
+/// Decodes a SensorData.
 SensorData read_sensor_data(std::string_view bytes, std::string_view source);
+/// Decodes a SensorViewConfiguration.
 SensorViewConfiguration read_configuration(std::string_view bytes, std::string_view source);
 
 }  // namespace underbrush::osi

@@ -1,5 +1,5 @@
 #include "underbrush/osi/read.hpp"
-#include "underbrush/osi/read_parts.hpp"
+#include "underbrush/osi/read_parts.inl"
 #include "underbrush/osi/trace.hpp"
 
 namespace underbrush::osi {

@@ -1,4 +1,4 @@
-#include "underbrush/osi/read_parts.hpp"
+#include "underbrush/osi/read_parts.inl"
 
 namespace underbrush::osi {
 namespace {

@@ -1,5 +1,5 @@
 #include "underbrush/osi/read.hpp"
-#include "underbrush/osi/read_parts.hpp"
+#include "underbrush/osi/read_parts.inl"
 
 namespace underbrush::osi {
 namespace {

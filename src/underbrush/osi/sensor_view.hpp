@@ -47,7 +47,7 @@ struct Reflection {
   double time_of_flight_s = 0;  ///< There and back; 0 = nothing came back.
   double doppler_shift_hz = 0;
   uint64_t object_id = kNoId;
-  Vec3f normal = Vec3f::Zero();  ///< Of the surface, in the sensor's frame; zero = not known.
+  Vec3f normal = Vec3f::Zero();  ///< The surface's, in the sensor's frame; zero = not known.
   bool has_doppler = false;
 
   bool is_miss() const { return time_of_flight_s <= 0; }
@@ -79,7 +79,8 @@ struct SensorView {
   std::optional<Version> version;
   std::optional<Timestamp> timestamp;
   std::optional<uint64_t> sensor_id;
-  std::optional<Mounting> mounting;  ///< Of the virtual sensor, in whose frame objects are listed.
+  std::optional<Mounting>
+      mounting;  ///< Where the virtual sensor is, in whose frame objects are listed.
   std::optional<GroundTruth> truth;
   std::optional<uint64_t> host_vehicle_id;
   std::vector<LidarSensorView> lidar;

@@ -6,11 +6,17 @@
 
 namespace underbrush::osi {
 
+/// Answers the rays of a lidar from the ground truth.
 std::unique_ptr<Strategy> make_tracer(Parameters& parameters);
+/// Turns reflections into detections.
 std::unique_ptr<Strategy> make_front_end(Parameters& parameters);
+/// Moves detections to the frame of the virtual sensor.
 std::unique_ptr<Strategy> make_alignment(Parameters& parameters);
+/// Turns detections into tracked objects.
 std::unique_ptr<Strategy> make_tracking(Parameters& parameters);
+/// Estimates the classes of objects.
 std::unique_ptr<Strategy> make_classification(Parameters& parameters);
+/// Maps the free area.
 std::unique_ptr<Strategy> make_grid(Parameters& parameters);
 /// A strategy of a shared library, whose interface is strategy_library.h.
 std::unique_ptr<Strategy> load_strategy(const StrategyEntry& entry);

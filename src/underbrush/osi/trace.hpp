@@ -34,7 +34,7 @@ class TraceReader {
   size_t read() const { return read_; }
   void rewind();
   /// The kind of messages. It is taken from the code in the file's name, as
-  /// <time>_<code>_<versions>_<frames>_<name>.osi has it; without one, from the first message.
+  /// TIME_CODE_VERSIONS_FRAMES_NAME.osi has it; without one, from the first message.
   MessageType type() const { return type_; }
 
  private:

@@ -1,4 +1,4 @@
-#include "underbrush/osi/wire.hpp"
+#include "underbrush/osi/wire.inl"
 
 namespace underbrush::osi {
 namespace {

@@ -8,12 +8,13 @@
 
 namespace underbrush::osi {
 
-/// The functions append the message to `out`.
+/// Appends an encoded GroundTruth to `out`.
 void write(const GroundTruth& truth, std::string& out);
-/// Writes the values, not `SensorView::bytes`.
+/// Appends an encoded SensorView, from its values and not from `SensorView::bytes`.
 void write(const SensorView& view, std::string& out);
-/// A view that was read is passed on as it was read.
+/// Appends an encoded SensorData. A view that was read is passed on as it was read.
 void write(const SensorData& data, std::string& out);
+/// Appends an encoded SensorViewConfiguration.
 void write(const SensorViewConfiguration& configuration, std::string& out);
 /// Appends lidar views to an encoded SensorView.
 void write_lidar_views(std::span<const LidarSensorView> views, std::string& out);

@@ -1,5 +1,5 @@
 #include "underbrush/osi/write.hpp"
-#include "underbrush/osi/write_parts.hpp"
+#include "underbrush/osi/write_parts.inl"
 
 namespace underbrush::osi {
 

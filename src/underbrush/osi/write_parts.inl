@@ -1,5 +1,4 @@
-/// \file
-/// Writers of parts that several messages have. This file is internal to the module.
+// Writers of parts that several messages have.
 #pragma once
 #include <protozero/pbf_writer.hpp>
 #include <string>

@@ -1,8 +1,7 @@
-/// \file
-/// Readers of parts that several messages have. This file is internal to the module.
+// Readers of parts that several messages have.
 #pragma once
 #include "underbrush/osi/sensor_data.hpp"
-#include "underbrush/osi/wire.hpp"
+#include "underbrush/osi/wire.inl"
 
 namespace underbrush::osi {
 

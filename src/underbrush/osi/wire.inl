@@ -1,5 +1,4 @@
-/// \file
-/// Reading of encoded messages with the place of every fault. This file is internal to the module.
+// Reading of encoded messages with the place of every fault.
 #pragma once
 #include <array>
 #include <cmath>
