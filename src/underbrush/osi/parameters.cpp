@@ -36,7 +36,9 @@ const std::string* Parameters::find(const char* key) {
 }
 
 void Parameters::fail(const std::string& key, const std::string& reason) const {
-  throw FormatError(entry_.file, entry_.place.empty() ? key : entry_.place + "." + key, reason);
+  throw FormatError(
+      entry_.file,
+      entry_.place.empty() || key.empty() ? entry_.place + key : entry_.place + "." + key, reason);
 }
 
 double Parameters::number(const char* key, double fallback, double least, double most) {
