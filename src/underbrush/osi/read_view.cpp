@@ -9,6 +9,7 @@ using protozero::pbf_reader;
 
 constexpr double kLongestFlightS = 1;  // Light travels 150 000 km there and back.
 constexpr double kMostDb = 1000;
+constexpr size_t kUsualReflectionBytes = 40;
 
 bool text(pbf_reader& r, std::string& value) {
   value = r.get_string();
@@ -189,6 +190,7 @@ LidarConfiguration read_lidar_configuration(data_view bytes, Place& place) {
 
 LidarSensorView read_lidar_view(data_view bytes, Place& place) {
   LidarSensorView v;
+  v.reflections.reserve(bytes.size() / kUsualReflectionBytes);
   read_fields(bytes, place, [&](pbf_reader& r, uint32_t key) {
     switch (key) {
       case len(1):
