@@ -8,6 +8,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/primitives/primitive_set.hpp"
+#include "underbrush/serve/json_reply.inl"
 
 namespace underbrush::serve {
 namespace {
@@ -105,7 +106,7 @@ std::string WorldData::json() const {
                               {"moves", moving.count(uint32_t(k)) != 0}});
   }
   j["classes"] = elements::kClassNames;
-  return j.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return text_of(j);
 }
 
 std::string WorldData::ellipsoids(size_t number) const {
