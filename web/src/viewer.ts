@@ -10,6 +10,7 @@ import {
   LineBasicMaterial,
   NoBlending,
   type Object3D,
+  type OrthographicCamera,
   PerspectiveCamera,
   Raycaster,
   Scene,
@@ -35,6 +36,12 @@ export interface Picked {
   place: Vector3 | null;
 }
 
+/** Another view of the scene, drawn where an element of the page lies. */
+export interface Inset {
+  camera: OrthographicCamera;
+  element: HTMLElement;
+}
+
 const PICK_PIXELS = 11;
 const NONE = 0xffffffff;
 
@@ -46,6 +53,7 @@ export class Viewer {
   readonly worlds = new Set<World>();
   budget = 2_000_000;
   onDrawn: (() => void) | null = null;
+  insets: Inset[] = [];
 
   private readonly renderer: WebGLRenderer;
   private readonly scene = new Scene();
@@ -202,7 +210,37 @@ export class Viewer {
     const shown = [...this.clouds].filter((cloud) => cloud.group.visible);
     for (const cloud of shown) cloud.update(this.camera, this.canvas.clientHeight, budget / shown.length);
     this.renderer.render(this.scene, this.camera);
+    this.insets.forEach((inset) => this.renderInset(inset));
     this.onDrawn?.();
+  }
+
+  private renderInset({ camera, element }: Inset): void {
+    const box = element.getBoundingClientRect();
+    const y = this.canvas.clientHeight - box.bottom;
+    this.renderer.setViewport(box.left, y, box.width, box.height);
+    this.renderer.setScissor(box.left, y, box.width, box.height);
+    this.renderer.setScissorTest(true);
+    this.renderer.render(this.scene, camera);
+    this.renderer.setScissorTest(false);
+    this.renderer.setViewport(0, 0, this.canvas.clientWidth, this.canvas.clientHeight);
+  }
+
+  /** The height of the highest ground or surface over a place, in the scene's frame. */
+  groundAt(x: number, y: number): number | null {
+    const ray = new Raycaster(new Vector3(x, y, 1e5), new Vector3(0, 0, -1));
+    return this.groundMet(ray)?.z ?? null;
+  }
+
+  /** The place of the ground under a pixel of the canvas, in the scene's frame. */
+  groundUnder(x: number, y: number): Vector3 | null {
+    const ray = new Raycaster();
+    ray.setFromCamera(new Vector2((x / this.canvas.clientWidth) * 2 - 1, 1 - (y / this.canvas.clientHeight) * 2), this.camera);
+    return this.groundMet(ray);
+  }
+
+  private groundMet(ray: Raycaster): Vector3 | null {
+    const shown = [...this.worlds].filter((world) => world.group.visible).map((world) => world.group);
+    return ray.intersectObjects(shown, true)[0]?.point ?? null;
   }
 
   /** A picture of the view as a PNG. */

@@ -128,6 +128,9 @@ struct Api::Impl {
     return {200, kBytes,
             world_of(request).mesh(Query(request).number("model"), elements::Kind::kSurface)};
   }
+  HttpReply thumbnail(const HttpRequest& request) {
+    return {200, "image/png", world_of(request).thumbnail(Query(request).number("model"))};
+  }
   HttpReply score(const HttpRequest& request) {
     const OpenedFile file = file_at(Query(request).number("file"));
     require(file.kind == FileKind::kScore, "this file has no scores");
@@ -170,6 +173,7 @@ HttpReply Api::answer(const HttpRequest& request) {
       {"api/ground", &Impl::ground},
       {"api/surface", &Impl::surface},
       {"api/score", &Impl::score},
+      {"api/thumbnail", &Impl::thumbnail},
   };
   const auto begins = [&](std::string_view start) {
     return request.path == start ||
