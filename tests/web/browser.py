@@ -48,6 +48,8 @@ def main():
     folder = packages(options.build.resolve())
     with tempfile.TemporaryDirectory() as data:
         serve_test.make_files(data)
+        forest = TESTS.parent / "share/examples/marv_forest.pcd"
+        assert cli_test.call("import", forest, "-o", "forest.ply", cwd=data).returncode == 0
         info = json.loads(cli_test.call("info", "log.ply", "--json", "-", cwd=data).stdout)
         server = serve_test.Server(data, "log.ply", "model", "primitives", "scene", "score.json")
         try:

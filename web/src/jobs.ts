@@ -87,6 +87,8 @@ export class JobsPanel {
 
   private row(job: Job): HTMLElement {
     const told = job.state === 'running' ? job.progress || 'running' : `${job.state}, ${job.seconds.toFixed(1)} s`;
+    const output = button('Output', `Output of ${job.verb}`, () => this.app.run(this.showLog(job)));
+    output.setAttribute('aria-label', `Output of ${job.verb}`);
     const cancel = button('Cancel', `Cancel ${job.verb}`, () =>
       this.app.run(post('jobs/cancel', { number: job.number }).then(() => this.refresh())),
     );
@@ -95,7 +97,7 @@ export class JobsPanel {
       {},
       el('code', {}, job.command),
       el('div', {}, told),
-      button('Output', `Output of ${job.verb}`, () => this.app.run(this.showLog(job))),
+      output,
       ...(job.state === 'running' ? [cancel] : []),
     );
   }

@@ -2,6 +2,7 @@
 // touch is fetched anew.
 import { bytes, Conflict, json, post, query } from './api';
 import type { Cloud, Marks } from './cloud';
+import { root } from './context';
 import type { Node } from './octree';
 
 export interface LabelClass {
@@ -58,11 +59,27 @@ export class Labelled implements Marks {
   private wanted = new Set<Node>();
   private fetching = false;
 
+  private static readonly all = new Set<Labelled>();
+
   constructor(
     readonly file: number,
     readonly cloud: Cloud | null,
-    private readonly changed: () => void,
-  ) {}
+    private readonly tell: () => void,
+  ) {
+    Labelled.all.add(this);
+  }
+
+  private changed(): void {
+    const all = [...Labelled.all];
+    root.dataset.saved = all.some((l) => l.trouble) ? 'no' : all.some((l) => l.loading) ? 'soon' : 'yes';
+    this.tell();
+  }
+
+  /** Forgets the labels of a log that is labelled no longer. */
+  close(): void {
+    this.cloud?.setMarksFrom(null);
+    Labelled.all.delete(this);
+  }
 
   async open(): Promise<void> {
     this.state = await json<LabelState>(`labels?file=${this.file}`);

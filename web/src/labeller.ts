@@ -69,13 +69,13 @@ export class Labeller {
   }
 
   async open(id: number | null): Promise<void> {
-    this.labelled?.cloud?.setMarksFrom(null);
+    this.labelled?.close();
     this.labelled = null;
     this.body.hidden = id === null;
     this.choice.value = id === null ? '' : `${id}`;
     if (id === null) return this.changed();
     const file = this.app.files.file(id);
-    if (!this.app.shown.has(id)) await this.menu.toggle(file, true);
+    await this.menu.toggle(file, true); // waits where it is being opened
     const next = new Labelled(id, this.app.files.clouds.get(id)!, () => this.changed());
     await next.open();
     this.labelled = next;
@@ -292,7 +292,6 @@ export class Labeller {
       root.dataset.revision = `${state.revision}`;
       root.dataset.selected = `${state.selected}`;
     }
-    root.dataset.saved = this.labelled?.trouble ? 'no' : this.labelled?.loading ? 'soon' : 'yes';
     this.onChange.forEach((act) => act());
     this.app.viewer.draw();
   }

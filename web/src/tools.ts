@@ -21,7 +21,7 @@ const MOST_CORNERS = 150;
 const BRUSH_PART_MS = 200;
 
 function randomStroke(): number {
-  return crypto.getRandomValues(new Uint32Array(1))[0]! | 1;
+  return (crypto.getRandomValues(new Uint32Array(1))[0]! | 1) >>> 0;
 }
 
 /** Leaves out corners of a closed path until few enough remain, those that matter least first. */

@@ -174,6 +174,7 @@ HttpReply LabelApi::write(const Query& query) {
   Json j{{"path", printable(path.string())}};
   if (format == "log") {
     require(path.extension() == ".ply", "the name of a log ends with .ply");
+    require(!std::filesystem::exists(path), "a file of this name is there already");
     of.write_log(path);
     j["file"] = files_.add(path);
   } else if (format == "label") {
