@@ -49,7 +49,9 @@ def main():
     with tempfile.TemporaryDirectory() as data:
         serve_test.make_files(data)
         forest = TESTS.parent / "share/examples/marv_forest.pcd"
-        assert cli_test.call("import", forest, "-o", "forest.ply", cwd=data).returncode == 0
+        for words in (("import", forest, "-o", "whole.ply"),
+                      ("split", "whole.ply", "--columns", "16", "--train", "rest.ply", "--test", "forest.ply")):
+            assert cli_test.call(*words, cwd=data).returncode == 0
         info = json.loads(cli_test.call("info", "log.ply", "--json", "-", cwd=data).stdout)
         server = serve_test.Server(data, "log.ply", "model", "primitives", "scene", "score.json")
         try:

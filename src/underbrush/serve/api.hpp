@@ -19,7 +19,7 @@ inline constexpr uint64_t kMostBytes = uint64_t(16) << 20;
 struct ApiOptions {
   std::filesystem::path cache;  ///< The folder of `cached_octree`.
   std::string version;          ///< Shown on the page.
-  uint64_t seed = 1;            ///< Of traces that name none.
+  uint64_t seed = 1;            ///< Seed of traces that name none.
   /// The folder to which labels, and results of commands, are written; empty: nothing is written.
   std::filesystem::path labels;
   std::filesystem::path program;  ///< The program that runs commands; empty: none are run.

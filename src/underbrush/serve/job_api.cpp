@@ -31,7 +31,7 @@ struct Verb {
   const char* name;
   std::vector<Input> inputs;
   std::vector<Number> numbers;
-  const char* extension;  ///< Of the output; "" for a folder.
+  const char* extension;  ///< Ending of the output's name; "" for a folder.
 };
 
 const std::vector<Verb>& verbs() {

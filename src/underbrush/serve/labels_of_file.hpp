@@ -22,7 +22,7 @@ class LabelConflict : public std::runtime_error {
  public:
   explicit LabelConflict(uint64_t now)
       : std::runtime_error("the labels were changed elsewhere"), revision(now) {}
-  uint64_t revision;  ///< Of the present state.
+  uint64_t revision;  ///< The present state's.
 };
 
 /// What an edit did.

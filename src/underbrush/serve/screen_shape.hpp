@@ -17,7 +17,7 @@ struct DrawnShape {
   Eigen::Matrix4d clip_from_point = Eigen::Matrix4d::Identity();
   double width_px = 1, height_px = 1;  ///< Size of the picture.
   std::vector<Vec2> path_px;           ///< From the upper left corner.
-  double radius_px = 0;                ///< Of the brush; 0 for a polygon (even-odd rule).
+  double radius_px = 0;                ///< The brush's; 0 for a polygon (even-odd rule).
 };
 
 /// A point on the picture.

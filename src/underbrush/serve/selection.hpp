@@ -71,7 +71,7 @@ struct NodeCubes {
   explicit NodeCubes(const OctreeFile& file);
   Vec3 origin;            ///< World coordinates of the octree's origin, m.
   uint64_t rows = 0;      ///< Rows of the log.
-  double side_m = 0;      ///< Of the root.
+  double side_m = 0;      ///< Side of the root, m.
   std::vector<Vec3> low;  ///< Lowest corner of each node, relative to the origin, m.
 };
 

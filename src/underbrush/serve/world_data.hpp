@@ -31,8 +31,8 @@ class WorldData {
   /// Describes models and instances as JSON: places are relative to `origin_m`. Primitives have
   /// `box_m`, in their own frame.
   std::string json() const;
-  /// Returns the thumbnail (PNG) of a primitive. Throws `std::invalid_argument` for another world or
-  /// a primitive that does not exist, and `FormatError` where it has none.
+  /// Returns the thumbnail (PNG) of a primitive. Throws `std::invalid_argument` for another world
+  /// or a primitive that does not exist, and `FormatError` where it has none.
   std::string thumbnail(size_t model) const;
   /// Returns a model's ellipsoids, 52 bytes each: mean, covariance (xx xy xz yy yz zz) and p as
   /// float32 in metres, then hits, misses and class as uint32. Throws `std::invalid_argument` for a
@@ -49,7 +49,7 @@ class WorldData {
 
   FileKind kind_;
   std::filesystem::path folder_;
-  std::vector<primitives::Box> boxes_;  ///< Of a set's primitives.
+  std::vector<primitives::Box> boxes_;  ///< The boxes of a set's primitives.
   elements::Scene scene_;
   elements::SceneInfo info_;
   Vec3 origin_ = Vec3::Zero();
