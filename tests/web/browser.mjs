@@ -104,7 +104,7 @@ if (part !== 'labels') await viewEverything();
 
 // Labels, boxes and commands. The console may complain of the server that is killed.
 await page.setViewportSize({ width: 900, height: 420 });
-const tools = { page, expect, ready, accessible, program, folder };
+const tools = { page, expect, ready, accessible, picture, program, folder };
 const sound = [...complaints];
 await labelLog(tools);
 complaints.splice(0, complaints.length, ...sound, ...complaints.filter((c) => !/ERR_CONNECTION_REFUSED|409|Failed to fetch/.test(c)));
@@ -125,12 +125,12 @@ async function viewEverything() {
   let shot = await picture('log');
   expect(shot.drawn > 200 && shot.colours > 4, `a log of ${shot.drawn} pixels in ${shot.colours} colours`);
   const seen = new Set();
-  for (let k = 0; k < 8; ++k) {
+  for (let k = 0; k < 9; ++k) {
     await press('c');
     await picture(`log-${k}`);
     seen.add(await page.locator('#panel select').first().inputValue());
   }
-  expect(seen.size === 8, 'eight colourings');
+  expect(seen.size === 9, 'nine colourings');
   const eye = await data('eye');
   await page.keyboard.down('w');
   await page.waitForTimeout(150);

@@ -136,7 +136,7 @@ export async function labelLog({ page, expect, ready, accessible, program, folde
 }
 
 /** Places three primitives, composes a scene of them and simulates it. */
-export async function composeScene({ page, expect, ready, accessible, program, folder }) {
+export async function composeScene({ page, expect, ready, accessible, picture, program, folder }) {
   const server = await startServer(program, folder, 'log.ply', 'model', 'primitives', '--labels', 'work');
   await page.goto(server.address);
   await ready();
@@ -183,6 +183,20 @@ export async function composeScene({ page, expect, ready, accessible, program, f
   expect(/underbrush simulate .*--like .*log.ply/.test(await page.locator('.jobs').innerText()), 'the command line is shown');
   await page.getByRole('button', { name: 'Output of simulate' }).click();
   await page.locator('pre.log').waitFor();
+  // The scan beside the real log: two pictures of one camera, and the errors of its ranges.
+  await page.getByLabel('Left', { exact: true }).selectOption({ label: 'log.ply' });
+  await page.getByLabel('Right', { exact: true }).selectOption({ index: (await page.getByLabel('Right', { exact: true }).locator('option').count()) - 1 });
+  const whole = await picture('compare-off');
+  await page.getByLabel('Compare').selectOption('swipe');
+  await page.waitForFunction(() => document.documentElement.dataset.compare === 'swipe');
+  const swiped = await picture('compare-swipe');
+  await page.getByLabel('Compare').selectOption('split');
+  await page.waitForFunction(() => document.documentElement.dataset.compare === 'split');
+  const split = await picture('compare-split');
+  expect(swiped.drawn !== whole.drawn && split.drawn !== swiped.drawn, 'both sides are drawn');
+  await page.getByRole('button', { name: 'Errors' }).click();
+  await page.waitForFunction(() => /^Errors from/.test(document.querySelector('#status').innerText));
+  expect((await picture('errors')).colours > 4, 'errors have colours');
   await page.locator('#view').press('Escape');
   await end(server, 'SIGINT');
 }

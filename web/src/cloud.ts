@@ -15,6 +15,7 @@ import {
   Vector2,
   Vector3,
 } from 'three';
+import { bytes } from './api';
 import { type Display, material, POINT_MODES, type PointMode } from './display';
 import { loadPoints, type Node, type Octree, type Points } from './octree';
 
@@ -42,6 +43,7 @@ const VERTEX = /* glsl */ `
   attribute float echo;
   attribute vec4 rowBytes;
   attribute vec4 mark;
+  attribute float error;
   uniform float size;
   uniform int mode;
   uniform bool marked;
@@ -66,6 +68,7 @@ const VERTEX = /* glsl */ `
     if (mode == 4) value = echo;
     if (mode == 5) value = label;
     if (mode == 6) value = file + 1.0;
+    if (mode == 8) value = error;
     chosen = 0.0;
     float ownClass = mod(mark.x, 128.0);
     if (marked) {
@@ -91,7 +94,8 @@ const FRAGMENT = /* glsl */ `
     if (sliced(place)) discard;
     vec2 off = gl_PointCoord - 0.5;
     if (dot(off, off) > 0.25) discard;
-    vec3 colour = mode == 0 ? heightColour(place) : mode >= 4 ? classColour(value) : mapped(value);
+    vec3 colour = mode == 0 ? heightColour(place)
+      : mode == 8 ? (abs(value) > 1e8 ? vec3(0.84, 0.37, 0.0) : mapped(sqrt(min(abs(value), 1.0)))) : mode >= 4 ? classColour(value) : mapped(value);
     if (chosen > 0.5) colour = mix(colour, vec3(1.0, 0.35, 0.75), 0.8);
     gl_FragColor = pass == 0 ? vec4(colour, 1.0) : pass == 1 ? bytesOf(object) : part;
   }
@@ -129,6 +133,7 @@ export class Cloud {
   private frame = 0;
   private failed = '';
   private marks: Marks | null = null;
+  private other: number | null = null;
 
   constructor(
     readonly octree: Octree,
@@ -196,6 +201,23 @@ export class Cloud {
     if (!attribute) return;
     (attribute.array as Uint8Array).set(values);
     attribute.needsUpdate = true;
+    this.changed();
+  }
+
+  /** Compares the ranges with those of another log of the same beams; the mode `error` shows them. */
+  async compareWith(other: number): Promise<void> {
+    this.other = other;
+    await this.loadErrors([...this.loaded.keys()]);
+  }
+
+  private async loadErrors(nodes: Node[]): Promise<void> {
+    for (const node of nodes) {
+      const data = await bytes(`errors?file=${this.octree.file}&other=${this.other}&nodes=${node.index}`);
+      const attribute = this.loaded.get(node)?.drawn.geometry.getAttribute('error') as BufferAttribute | undefined;
+      if (!attribute) continue;
+      (attribute.array as Float32Array).set(new Float32Array(data));
+      attribute.needsUpdate = true;
+    }
     this.changed();
   }
 
@@ -312,6 +334,7 @@ export class Cloud {
     add('echo', points.echo);
     add('rowBytes', points.rowBytes, 4, true);
     add('mark', new Uint8Array(4 * points.count), 4);
+    add('error', new Float32Array(points.count));
     const drawn = new DrawnPoints(geometry, this.look);
     drawn.position.copy(node.box.min);
     drawn.frustumCulled = false;
@@ -319,6 +342,7 @@ export class Cloud {
     this.group.add(drawn);
     this.loaded.set(node, { points, drawn, used: this.frame });
     this.marks?.need([node]);
+    if (this.other !== null) void this.loadErrors([node]);
   }
 
   /** The place of a point that is drawn, in the scene's frame, by its row. */

@@ -139,6 +139,10 @@ export class Labeller {
 
   private drawn(drawn: Drawn): void {
     if (this.intercept?.(drawn) || !this.labelled) return;
+    if (this.app.viewer.sides?.mode === 'split') {
+      this.app.tell('Draw on one picture: leave the split screen first (0)');
+      return;
+    }
     const { camera } = this.app.viewer;
     const { cloud } = this.labelled;
     camera.updateMatrixWorld();

@@ -13,6 +13,7 @@
 #include "underbrush/serve/json_reply.inl"
 #include "underbrush/serve/label_api.hpp"
 #include "underbrush/serve/query.hpp"
+#include "underbrush/serve/range_errors.hpp"
 
 namespace underbrush::serve {
 namespace {
@@ -114,6 +115,22 @@ struct Api::Impl {
             trace_beam(logged, world_of(request, "world"),
                        Query(request).number("seed", options.seed))};
   }
+  HttpReply errors(const HttpRequest& request) {
+    const Query query(request);
+    const std::pair ids(query.number("file"), query.number("other"));
+    const auto octree = log_of(request).octree();
+    require(octree != nullptr, "the octree is not ready");
+    require(file_at(ids.second).kind == FileKind::kLog, "this file is no log");
+    Compared& pair = [&]() -> Compared& {
+      const std::lock_guard lock(mutex);
+      return compared[ids];
+    }();
+    std::call_once(pair.once, [&] {
+      pair.errors =
+          std::make_unique<RangeErrors>(file_at(ids.first).path, file_at(ids.second).path);
+    });
+    return {200, kBytes, pair.errors->of_nodes(*octree, query.numbers("nodes"))};
+  }
   HttpReply world(const HttpRequest& request) {
     return {200, "application/json", world_of(request).json()};
   }
@@ -149,6 +166,11 @@ struct Api::Impl {
     std::unique_ptr<WorldData> data;
   };
   std::map<size_t, World> worlds;
+  struct Compared {
+    std::once_flag once;
+    std::unique_ptr<RangeErrors> errors;
+  };
+  std::map<std::pair<size_t, size_t>, Compared> compared;
   std::unique_ptr<LabelApi> labels;  ///< Null where nothing may be written.
   std::unique_ptr<JobApi> jobs;
 };
@@ -168,6 +190,7 @@ HttpReply Api::answer(const HttpRequest& request) {
       {"api/beams", &Impl::beams},
       {"api/beam", &Impl::beam},
       {"api/trace", &Impl::trace},
+      {"api/errors", &Impl::errors},
       {"api/world", &Impl::world},
       {"api/ellipsoids", &Impl::ellipsoids},
       {"api/ground", &Impl::ground},

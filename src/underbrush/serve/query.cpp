@@ -80,7 +80,7 @@ std::vector<uint32_t> Query::numbers(const char* key) const {
 }
 
 std::string Query::file_name(const char* key) const {
-  const std::string name = text(key);
+  std::string name = text(key);
   const auto allowed = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' ||
            c == '_' || c == '-';
