@@ -20,7 +20,7 @@ export class Compare {
   private mode: CompareMode = 'off';
   private share = 0.5;
   private readonly boxes = ['Left', 'Right'].map((name) => {
-    const box = el('select');
+    const box = el('select', { 'aria-label': name });
     box.addEventListener('change', () => this.app.run(this.apply()));
     return { box, row: el('label', { class: 'row' }, name, box) };
   });
