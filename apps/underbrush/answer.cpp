@@ -28,7 +28,7 @@ void Answer::set_up(const simulate::InstanceKinds& kinds,
   sensor_ = sensor_of("--super-sample");
   instrument_ = instrument_of(a_.instrument, sensor_, recorder);
   if (a_.simulate.max_range_m > 0) instrument_.receiver.max_range_m = a_.simulate.max_range_m;
-  reflection_ = std::make_unique<simulate::Reflection>(materials_of(a_.instrument),
+  reflection_ = std::make_unique<simulate::Reflection>(materials_of(a_.instrument, kinds),
                                                        sensor_.wavelength_m, kinds);
   simulate::EchoOptions options;
   options.seed = a_.simulate.seed;

@@ -228,11 +228,26 @@ simulate::Instrument instrument_of(const InstrumentArguments& a, sensor::Sensor 
   return instrument;
 }
 
-radiometry::Materials materials_of(const InstrumentArguments& a) {
+radiometry::Materials materials_of(const InstrumentArguments& a,
+                                   const simulate::InstanceKinds& kinds) {
   radiometry::Materials m = radiometry::load_materials(a.materials);
+  for (const radiometry::Material& own : kinds.own_materials) {
+    const auto same = [&](const radiometry::Material& other) { return other.name == own.name; };
+    const auto at = std::find_if(m.material.begin(), m.material.end(), same);
+    if (at == m.material.end()) {
+      m.material.push_back(own);
+    } else if (a.materials.empty()) {
+      *at = own;
+    }
+  }
+  const auto is_class = [&](const std::string& name) {
+    return elements::class_from_name(name) ||
+           std::find(kinds.class_names.begin(), kinds.class_names.end(), name) !=
+               kinds.class_names.end();
+  };
   for (const std::string& word : a.material) {
     const size_t equals = word.find('=');
-    require(equals != std::string::npos && elements::class_from_name(word.substr(0, equals)),
+    require(equals != std::string::npos && is_class(word.substr(0, equals)),
             "simulate: --material takes CLASS=MATERIAL with a class that `info` names");
     const std::string label = word.substr(0, equals), name = word.substr(equals + 1);
     m.named(name);  // This throws for an unknown name.
@@ -245,6 +260,13 @@ radiometry::Materials materials_of(const InstrumentArguments& a) {
 simulate::InstanceKinds kinds_of(const elements::Scene& scene, const elements::SceneInfo& info) {
   simulate::InstanceKinds kinds;
   kinds.label = info.labels;
+  kinds.class_names = info.class_names;
+  for (const elements::SceneMaterial& own : info.own_materials) {
+    radiometry::Material m;
+    m.name = own.name;
+    m.reflectance = own.reflectance;
+    kinds.own_materials.push_back(std::move(m));
+  }
   if (info.materials.empty()) return kinds;
   for (const elements::Instance& i : scene.instances) {
     kinds.material.push_back(info.materials[i.model]);

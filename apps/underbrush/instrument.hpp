@@ -46,8 +46,10 @@ simulate::Instrument instrument_of(const InstrumentArguments& a, sensor::Sensor 
 /// shares of the light.
 std::optional<sensor::Sensor> recorder_of(std::span<const elements::Model> models);
 
-/// Returns the materials with the user's changes.
-radiometry::Materials materials_of(const InstrumentArguments& a);
+/// Returns the materials with those that the scene brings along and the user's changes. A table
+/// that the user names goes before the scene's own materials.
+radiometry::Materials materials_of(const InstrumentArguments& a,
+                                   const simulate::InstanceKinds& kinds = {});
 
 /// Returns the class and material of each instance.
 simulate::InstanceKinds kinds_of(const elements::Scene& scene, const elements::SceneInfo& info);
