@@ -189,8 +189,9 @@ void add_info(Program& program) {
                              "  underbrush info log.ply --leaves vegetation",
                              [a](const Verb& v) { run(v, *a); });
   verb->app
-      .add_option("FILE", a->file,
-                  "A log, the folder of a model, scene or set of primitives, a mesh or an annotation")
+      .add_option(
+          "FILE", a->file,
+          "A log, the folder of a model, scene or set of primitives, a mesh or an annotation")
       ->required();
   verb->app
       .add_option("--leaves", a->leaves,

@@ -47,7 +47,9 @@ void add_beam_options(CLI::App& app, Arguments& a) {
 
 void add_options(Verb& verb, Arguments& a) {
   CLI::App& app = verb.app;
-  app.add_option("MODEL", a.model, "The folder of a model or scene, or a mesh (.obj, .ply, .gltf, .glb, .stl)")
+  app.add_option("MODEL", a.model,
+                 "The folder of a model or scene, a mesh (.obj, .ply, .gltf, .glb, .stl), a "
+                 "scene of HELIOS++ (.xml) or voxels of AMAPVox (.vox)")
       ->required();
   verb.output("-o,--output", a.output,
               "The simulated log: .ply, .pcd, .csv, or a folder/ of KITTI .bin files (with "

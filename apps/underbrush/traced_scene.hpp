@@ -17,6 +17,7 @@ namespace underbrush::app {
 struct SceneArguments {
   double tau = 0, grain_m = 0;
   std::string up = "z";             ///< Axis that points up in a mesh.
+  std::string assets;               ///< Folder in which a scene of HELIOS++ has its files, too.
   worlds::ReadOptions world;        ///< How a world in a third-party format is read.
   std::vector<std::string> movers;  ///< Each is MODEL:POSES[:MATERIAL].
 };

@@ -23,6 +23,7 @@ Json json_of(const WorldSummary& world) {
   Json j;
   j["parts"] = r.parts;
   j["triangles"] = r.triangles;
+  j["voxels"] = r.voxels;
   j["offset_m"] = {r.offset_m.x(), r.offset_m.y(), r.offset_m.z()};
   j["rounding_m"] = r.rounding_m;
   j["unit_m"] = r.unit_m;
@@ -38,13 +39,13 @@ Json json_of(const WorldSummary& world) {
 
 std::string text_of(const WorldSummary& world) {
   const worlds::WorldReport& r = world.read;
-  std::string text = fmt::format(
-      "  world       {} parts, {} triangles, {} materials of its own\n", r.parts, r.triangles,
-      world.info.own_materials.size());
-  text += fmt::format("  coordinates stored from {:.15g} {:.15g} {:.15g} m on, rounded by at most "
-                      "{:.1g} m{}\n",
-                      r.offset_m.x(), r.offset_m.y(), r.offset_m.z(), r.rounding_m,
-                      r.y_up ? "; x y z of the file are x -z y" : "");
+  std::string text = fmt::format("  world       {} parts, {} triangles, {} materials of its own\n",
+                                 r.parts, r.triangles, world.info.own_materials.size());
+  text += fmt::format(
+      "  coordinates stored from {:.15g} {:.15g} {:.15g} m on, rounded by at most "
+      "{:.1g} m{}\n",
+      r.offset_m.x(), r.offset_m.y(), r.offset_m.z(), r.rounding_m,
+      r.y_up ? "; x y z of the file are x -z y" : "");
   if (r.unit_m != 1) text += fmt::format("  unit        {:g} m\n", r.unit_m);
   std::string classes;
   size_t shown = 0;
@@ -54,9 +55,10 @@ std::string text_of(const WorldSummary& world) {
   }
   text += fmt::format("  classes     {}{}\n", classes, shown > 12 ? ", …" : "");
   if (r.without_material) {
-    text += fmt::format("  materials   {} parts without a reflectance of their own have the material "
-                        "of their class\n",
-                        r.without_material);
+    text += fmt::format(
+        "  materials   {} parts without a reflectance of their own have the material "
+        "of their class\n",
+        r.without_material);
   }
   for (const auto& [what, n] : r.left_out) text += fmt::format("  left out    {} ({})\n", n, what);
   return text;

@@ -49,6 +49,7 @@ void write_movers(const fs::path& folder, const std::vector<Mover>& movers) {
 }
 
 Mover read_mover(const io::JsonValue& j, size_t instances) {
+  j.check_members({"instance", "trajectory"});
   Mover mover;
   mover.instance = uint32_t(j.at("instance").count(UINT32_MAX));
   if (mover.instance >= instances) j.at("instance").fail("there is no such instance");
@@ -169,6 +170,9 @@ std::string class_name(const SceneInfo& info, Class c) {
 }
 
 Class class_named(SceneInfo& info, std::string_view name) {
+  constexpr size_t kLongest = 64;  // bytes
+  const std::string shown = printable(name, kLongest);
+  name = shown;
   if (name.empty()) return Class::kUnknown;
   if (const auto known = class_from_name(name)) return *known;
   size_t k = 0;
@@ -242,9 +246,12 @@ Scene read_scene(const fs::path& path, SceneInfo* info) {
   if (!is_scene(path)) throw FormatError(path.string(), "", "not a scene (no scene.json in it)");
   const io::JsonFile json(file);
   const io::JsonValue j = json.manifest("underbrush-scene", kSceneVersion, "an underbrush scene");
+  j.check_members({"$schema", "format", "version", "comment", "models", "classes", "materials",
+                   "instances", "movers", "provenance"});
   Scene scene;
   SceneInfo read;
   for (const io::JsonValue& m : j.at("models").values()) {
+    m.check_members({"folder", "name", "material"});
     const auto material = m.find("material");
     read.names.push_back(m.at("name").text());
     read.materials.push_back(material ? material->text() : "");
@@ -258,6 +265,7 @@ Scene read_scene(const fs::path& path, SceneInfo* info) {
   }
   read.provenance = j.at("provenance").dump();
   const io::JsonValue instances = j.at("instances");
+  instances.check_members({"file", "count"});
   read_instances(instances.at("file").path(), scene, read);
   if (scene.instances.size() != instances.at("count").count()) {
     throw FormatError(file.string(), "", "its counts and its files disagree");

@@ -46,7 +46,8 @@ struct MeshScene {
   uint32_t last_ = 0;
 };
 
-/// Returns the extensions that `read_mesh_scene` takes, in lower case: .obj, .ply, .gltf, .glb, .stl.
+/// Returns the extensions that `read_mesh_scene` takes, in lower case: .obj, .ply, .gltf, .glb,
+/// .stl.
 std::vector<std::string> mesh_scene_extensions();
 
 /// Reads a mesh in the format that its extension names: OBJ with its MTL files, PLY, glTF or STL

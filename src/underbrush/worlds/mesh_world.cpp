@@ -40,32 +40,25 @@ std::string own_material(World& world, const io::MeshMaterial* material) {
   }
   elements::SceneMaterial added = own;
   const auto taken = [&](const elements::SceneMaterial& m) { return m.name == added.name; };
-  for (size_t k = 2; std::any_of(world.info.own_materials.begin(), world.info.own_materials.end(),
-                                 taken);
-       ++k) {
+  for (size_t k = 2;
+       std::any_of(world.info.own_materials.begin(), world.info.own_materials.end(), taken); ++k) {
     added.name = own.name + "_" + std::to_string(k);
   }
   world.info.own_materials.push_back(added);
   return added.name;
 }
 
-/// Adds a model that is placed once, at the world's offset.
-elements::Model& add_part(World& world, const io::MeshScene& mesh, const io::MeshPart& part) {
+/// Adds a model without elements.
+void add_model(World& world, const io::MeshScene& mesh, const io::MeshPart& part,
+               PartModels& models) {
   const io::MeshMaterial* material = material_named(mesh, part.material);
-  elements::Instance placed;
-  placed.world_from_model.translation = world.report.offset_m;
-  placed.model = uint32_t(world.scene.models.size());
-  world.scene.instances.push_back(placed);
-  world.info.labels.push_back(class_of(world, part, material));
+  models.model.push_back(uint32_t(world.scene.models.size()));
+  models.label.push_back(class_of(world, part, material));
   world.info.materials.push_back(own_material(world, material));
-  world.report.without_material += world.info.materials.back().empty();
   std::string name = part.object;
   if (!part.material.empty()) name += (name.empty() ? "" : " / ") + part.material;
-  world.info.names.push_back(name);
-  ++world.report.parts;
-  elements::Model& model = world.scene.models.emplace_back();
-  model.fitter = "mesh";
-  return model;
+  world.info.names.push_back(printable(name));
+  world.scene.models.emplace_back().fitter = "mesh";
 }
 
 bool has_faces(const fs::path& path) try {
@@ -97,22 +90,17 @@ World empty_world(const Vec3& offset) {
   return world;
 }
 
-void add_mesh(World& world, const io::MeshScene& mesh, const std::vector<Vec3>& vertices) {
-  const size_t first = world.scene.models.size();
-  std::vector<elements::TriangleMesh*> target;
-  for (const io::MeshPart& part : mesh.parts) add_part(world, mesh, part);
-  for (size_t k = 0; k < mesh.parts.size(); ++k) {
-    elements::Model& model = world.scene.models[first + k];
-    const bool ground = world.info.labels[first + k] == Class::kGround;
-    target.push_back(ground ? &model.ground : &model.surface);
-  }
-  // The triangles of a part come one after the other, and so do its numbers of the vertices.
+PartModels add_models(World& world, const io::MeshScene& mesh, const std::vector<Vec3>& vertices,
+                      const Vec3& offset) {
+  PartModels models;
+  for (const io::MeshPart& part : mesh.parts) add_model(world, mesh, part, models);
   std::vector<std::vector<uint32_t>> of_part(mesh.parts.size());
   for (size_t t = 0; t < mesh.triangles.size(); ++t) of_part[mesh.part[t]].push_back(uint32_t(t));
   constexpr uint32_t kNone = UINT32_MAX;
   std::vector<uint32_t> number(vertices.size(), kNone);
   for (size_t k = 0; k < of_part.size(); ++k) {
-    elements::TriangleMesh& to = *target[k];
+    elements::Model& model = world.scene.models[models.model[k]];
+    elements::TriangleMesh& to = models.label[k] == Class::kGround ? model.ground : model.surface;
     std::vector<uint32_t> used;
     for (const uint32_t t : of_part[k]) {
       std::array<uint32_t, 3> corner{};
@@ -121,7 +109,7 @@ void add_mesh(World& world, const io::MeshScene& mesh, const std::vector<Vec3>& 
         if (number[v] == kNone) {
           number[v] = uint32_t(to.vertices.size());
           used.push_back(v);
-          const Vec3 relative = vertices[v] - world.report.offset_m;
+          const Vec3 relative = vertices[v] - offset;
           to.vertices.push_back(relative.cast<float>());
           const Vec3 change = to.vertices.back().cast<double>() - relative;
           world.report.rounding_m = std::max(world.report.rounding_m, change.cwiseAbs().maxCoeff());
@@ -133,8 +121,19 @@ void add_mesh(World& world, const io::MeshScene& mesh, const std::vector<Vec3>& 
     to.hit.resize(to.triangles.size());
     for (const uint32_t v : used) number[v] = kNone;
   }
-  world.report.triangles += mesh.triangles.size();
   for (const auto& [what, n] : mesh.left_out) world.report.left_out[what] += n;
+  return models;
+}
+
+void place(World& world, const PartModels& models, const elements::Instance& placed) {
+  for (size_t k = 0; k < models.model.size(); ++k) {
+    elements::Instance& instance = world.scene.instances.emplace_back(placed);
+    instance.model = models.model[k];
+    world.info.labels.push_back(models.label[k]);
+    ++world.report.parts;
+    world.report.triangles += world.scene.models[instance.model].triangle_count();
+    world.report.without_material += world.info.materials[instance.model].empty();
+  }
 }
 
 bool is_mesh(const fs::path& path) {
@@ -160,7 +159,9 @@ World read_mesh_world(const fs::path& path, const MeshOptions& options) {
   World world = empty_world(offset_of(low, high));
   world.report.unit_m = options.unit_m;
   world.report.y_up = y_up;
-  add_mesh(world, mesh, vertices);
+  elements::Instance placed;
+  placed.world_from_model.translation = world.report.offset_m;
+  place(world, add_models(world, mesh, vertices, world.report.offset_m), placed);
   return world;
 }
 

@@ -17,7 +17,8 @@ namespace worlds {
 /// How coordinates of a mesh file become those of the world.
 struct MeshOptions {
   double unit_m = 1;  ///< m; length of the file's unit.
-  bool y_up = false;  ///< The file's y axis points up: x, y, z become x, −z, y. In glTF it always does.
+  bool y_up =
+      false;  ///< The file's y axis points up: x, y, z become x, −z, y. In glTF it always does.
 };
 
 /// What a file became, for people to read.
@@ -46,11 +47,19 @@ Vec3 offset_of(const Vec3& low, const Vec3& high);
 
 /// Returns an empty world, whose instance 0 has no elements. Instances count from 1.
 World empty_world(const Vec3& offset);
-/// Appends the parts of a mesh, each as a model that is placed once. `vertices` are in world
-/// coordinates, m; the other members of `mesh` count. The class of a part is its object's name if
-/// that is one of `elements::kClassNames`, else `las_N` of its material's classification N
-/// (`ground` for 2), else its material's name, else its object's name. Surfaces have no noise.
-void add_mesh(World& world, const io::MeshScene& mesh, const std::vector<Vec3>& vertices);
+/// The models of a mesh's parts.
+struct PartModels {
+  std::vector<uint32_t> model;
+  std::vector<elements::Class> label;
+};
+/// Appends a model for each part of a mesh. Its coordinates are those of `vertices` (m) less
+/// `offset`. The class of a part is its object's name if that is one of `elements::kClassNames`,
+/// else `las_N` of its material's classification N (`ground` for 2), else its material's name, else
+/// its object's name. Surfaces have no noise.
+PartModels add_models(World& world, const io::MeshScene& mesh, const std::vector<Vec3>& vertices,
+                      const Vec3& offset);
+/// Places models; `placed` is the place of each.
+void place(World& world, const PartModels& models, const elements::Instance& placed);
 
 /// Whether the path is a file with the extension of a mesh that is not a log: a PLY file counts if
 /// it has faces.
