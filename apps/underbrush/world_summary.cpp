@@ -39,8 +39,9 @@ Json json_of(const WorldSummary& world) {
 
 std::string text_of(const WorldSummary& world) {
   const worlds::WorldReport& r = world.read;
-  std::string text = fmt::format("  world       {} parts, {} triangles, {} materials of its own\n",
-                                 r.parts, r.triangles, world.info.own_materials.size());
+  std::string text =
+      fmt::format("  world       {} parts, {} triangles, {} voxels, {} materials of its own\n",
+                  r.parts, r.triangles, r.voxels, world.info.own_materials.size());
   text += fmt::format(
       "  coordinates stored from {:.15g} {:.15g} {:.15g} m on, rounded by at most "
       "{:.1g} m{}\n",

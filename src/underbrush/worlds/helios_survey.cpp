@@ -54,13 +54,14 @@ class SurveyReader {
     for (size_t k = 0; k < legs.size(); ++k) {
       const LegSettings settings = settings_of(legs[k]);
       xml_.count_others(legs[k], {"platformSettings", "scannerSettings"}, out_.left_out);
-      const LegPath path = path_of(legs, k, settings, start_s);
+      const LegPath path = checked_path(legs, k, settings, start_s);
       if (path.poses.size() >= 2) start_s = path.poses.back().time_s;
       if (!settings.active || path.poses.size() < 2) {
         ++out_.left_out[settings.active ? "legs without a duration"
                                         : "legs with an inactive scanner"];
         continue;
       }
+      check(settings, legs[k]);
       add_leg(k, settings, path);
     }
     if (out_.legs.empty()) xml_.fail(survey_, "no leg on which the scanner measures");
@@ -134,13 +135,25 @@ class SurveyReader {
       s.head_rad_per_s = s.horizontal_step_rad * s.scan_hz;
     }
   }
+  LegPath checked_path(const std::vector<pugi::xml_node>& legs, size_t k,
+                       const LegSettings& settings, double start_s) try {
+    return path_of(legs, k, settings, start_s);
+  } catch (const std::invalid_argument& e) {
+    xml_.fail(legs[k], e.what());
+  }
+
+  void check(const LegSettings& s, const pugi::xml_node& leg) const {
+    if (!(s.pulse_hz >= 1 && s.pulse_hz <= 1e8)) xml_.fail(leg, "pulseFreq_hz: must be 1 to 1e8");
+    if (!(s.scan_hz >= 0)) xml_.fail(leg, "scanFreq_hz: must not be negative");
+  }
+
   double xml_max(const char* name) const { return scanner_.file->number(scanner_.node, name, 0); }
 
   LegPath path_of(const std::vector<pugi::xml_node>& legs, size_t k, const LegSettings& settings,
                   double start_s) {
     const pugi::xml_node platform = legs[k].child("platformSettings");
     const HeadTurn head{settings.head_start_rad, settings.head_stop_rad, settings.head_rad_per_s,
-                        settings.pulse_hz};
+                        std::max(1.0, settings.pulse_hz)};
     if (platform.attribute("trajectory")) {
       const TrajectoryFile file{
           folders_.path(xml_.path(), xml_.text(platform, "trajectory")),
@@ -183,9 +196,9 @@ class SurveyReader {
     SurveyLeg leg;
     leg.number = number;
     leg.table_name = "leg-" + std::to_string(number) + ".csv";
-    leg.trajectory = Trajectory(path.poses);
     const Deflector d = deflector_of(s);
     try {
+      leg.trajectory = Trajectory(path.poses);
       write_table(line_of(d), d, leg);
     } catch (const std::invalid_argument& e) {
       xml_.fail(survey_, "leg " + std::to_string(number) + ": " + e.what());
@@ -202,9 +215,6 @@ class SurveyReader {
     if (!known) file.fail(scanner_.node, "optics: " + in_quotes(d.optics) + " are not supported");
     d.pulse_hz = s.pulse_hz;
     d.scan_hz = s.scan_hz;
-    if (!(d.pulse_hz >= 1 && d.pulse_hz <= 1e8))
-      xml_.fail(survey_, "pulseFreq_hz: must be 1 to 1e8");
-    if (!(d.scan_hz >= 0)) xml_.fail(survey_, "scanFreq_hz: must not be negative");
     d.scan_max_rad = xml_max("scanAngleMax_deg") * kDegree;
     d.scan_rad = s.scan_rad > 0 ? std::min(s.scan_rad, d.scan_max_rad) : d.scan_max_rad;
     const double effective = xml_max("scanAngleEffectiveMax_deg") * kDegree;
