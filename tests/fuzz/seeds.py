@@ -228,7 +228,7 @@ def worlds(put):
     put("world.mtl", "newmtl earth\nKd 0.5 0.5 0.5\nhelios_isGround true\nhelios_reflectance 0.3\nnewmtl paint\n"
                      "helios_classification 6\nhelios_spectra paint\n")
     put("paint.txt", "a line of the header\n" * 26 + "0.5\t20.0\n0.9\t40.0\n1.6\t30.0\n")
-    put("pose.txt", "0 510 10 2 0 0 0 1\n")
+    put("pose.txt", "0 510.4 7 1.5 0 0 0 1\n")
     put("rock.stl", b"rock".ljust(80) + struct.pack("<I", 2) + b"".join(
         struct.pack("<12fH", 0, 0, 1, 505 + k, 0, 0, 515, 9, 1, 505, 9, k, 0) for k in range(2)))
     put("text.stl", "solid rock\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
