@@ -48,8 +48,7 @@ void add_beam_options(CLI::App& app, Arguments& a) {
 void add_options(Verb& verb, Arguments& a) {
   CLI::App& app = verb.app;
   app.add_option("MODEL", a.model,
-                 "The folder of a model or scene, a mesh (.obj, .ply, .gltf, .glb, .stl), a "
-                 "scene of HELIOS++ (.xml) or voxels of AMAPVox (.vox)")
+                 "The folder of a model or scene, or a world of another program, such as a mesh")
       ->required();
   verb.output("-o,--output", a.output,
               "The simulated log: .ply, .pcd, .csv, or a folder/ of KITTI .bin files (with "
@@ -117,12 +116,9 @@ std::unique_ptr<BeamSource> beams_of(const Arguments& a, Trajectory& path) {
   require(!a.trajectory.empty() && a.sensor.empty() == !a.rig.empty(),
           "simulate: give --like LOG, or --sensor NAME or --rig FILE with --trajectory POSES");
   path = io::read_trajectory(a.trajectory);
-  if (path.poses().size() == 1 && a.rig.empty()) {
-    path = sensor::one_scan(sensor::load(a.sensor), path.poses().front());
-  }
-  if (path.poses().size() < 2) {
-    throw FormatError(a.trajectory, "",
-                      a.rig.empty() ? "holds no pose" : "a vehicle needs at least two poses");
+  if (path.empty()) throw FormatError(a.trajectory, "", "holds no pose");
+  if (path.poses().size() < 2 && !a.rig.empty()) {
+    throw FormatError(a.trajectory, "", "a vehicle needs at least two poses");
   }
   check_gaps(a.trajectory, path);
   try {
@@ -130,6 +126,7 @@ std::unique_ptr<BeamSource> beams_of(const Arguments& a, Trajectory& path) {
       return std::make_unique<perception::RigSource>(perception::load_rig(a.rig), path, kChunk);
     }
     const sensor::Sensor sensor = sensor::load(a.sensor);
+    if (path.poses().size() == 1) path = sensor::one_scan(sensor, path.poses().front());
     return std::make_unique<sensor::PatternSource>(sensor, path, path.poses().front().time_s,
                                                    path.poses().back().time_s, kChunk);
   } catch (const std::invalid_argument& e) {
@@ -226,6 +223,10 @@ void run(const Verb& verb, Arguments& a) {
     return std::make_unique<Answer>(a.answer, *target.dynamic_world, kinds,
                                     recorder_of(scene.models), sensor_of);
   };
+  for (const std::string& file : a.answer.instrument.waveforms) {
+    require(a.rig.empty() || !is_waveform_file(file),
+            "simulate: waveforms of all beams are those of one sensor, not of --rig");
+  }
   const auto answered = [&](auto& answer) {
     simulate::SimulatedSource simulated(std::ref(answer), *beams, a.answer.simulate.max_range_m);
     if (a.answer.simulate.element_ids) simulated.name_classes(elements::element_classes(info));

@@ -127,8 +127,8 @@ void InstrumentArguments::check() const {
   require(!super_sample.empty() || !light,
           "simulate: returns, materials, air, sun and waveforms need --super-sample");
   for (const std::string& file : waveforms) {
-    require(file.ends_with(".csv") || file.ends_with(".svg"),
-            "simulate: --waveforms writes .csv and .svg files");
+    require(file.ends_with(".csv") || file.ends_with(".svg") || is_waveform_file(file),
+            "simulate: --waveforms writes .csv, .svg and .waves files");
     io::check_output(file);
   }
 }
@@ -145,8 +145,9 @@ void add_instrument_options(Verb& verb, InstrumentArguments& a) {
          "Echoes to report: strongest, first, last or up to N (default: as the sensor does)")
       ->type_name("MODE|N");
   verb.output("--waveforms", a.waveforms,
-              "Write digitised waveforms as a table or a plot; may be repeated")
-      ->type_name("FILE.csv|FILE.svg")
+              "Write digitised waveforms as a table or a plot, or those of all beams as .waves; "
+              "may be repeated")
+      ->type_name("FILE")
       ->take_all();
   verb.begin_rare_group("Sub-rays");
   app.add_flag("--all-sub-rays", a.all_sub_rays,
@@ -178,7 +179,8 @@ void add_instrument_options(Verb& verb, InstrumentArguments& a) {
       ->check(CLI::PositiveNumber)
       ->type_name("K")
       ->capture_default_str();
-  app.add_option("--waveform-count", a.waveform.count, "Largest number of waveforms to keep")
+  app.add_option("--waveform-count", a.waveform.count,
+                 "Largest number of waveforms in tables and plots")
       ->check(CLI::Range(size_t(1), size_t(1000000)))
       ->type_name("N")
       ->capture_default_str();
@@ -257,6 +259,8 @@ radiometry::Materials materials_of(const InstrumentArguments& a,
   return m;
 }
 
+bool is_waveform_file(const std::string& file) { return file.ends_with(".waves"); }
+
 simulate::InstanceKinds kinds_of(const elements::Scene& scene, const elements::SceneInfo& info) {
   simulate::InstanceKinds kinds;
   kinds.label = info.labels;
@@ -277,6 +281,7 @@ simulate::InstanceKinds kinds_of(const elements::Scene& scene, const elements::S
 void write_waveforms(const InstrumentArguments& a, const sensor::Sensor& sensor,
                      const std::vector<simulate::BeamWaveform>& waveforms) {
   for (const std::string& file : a.waveforms) {
+    if (is_waveform_file(file)) continue;
     file.ends_with(".csv") ? write_csv(file, waveforms) : plot(file, sensor, waveforms);
   }
 }

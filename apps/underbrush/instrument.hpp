@@ -54,7 +54,10 @@ radiometry::Materials materials_of(const InstrumentArguments& a,
 /// Returns the class and material of each instance.
 simulate::InstanceKinds kinds_of(const elements::Scene& scene, const elements::SceneInfo& info);
 
-/// Writes the waveforms to every file asked for (.csv or .svg). `sensor` gives the title of a plot.
+/// Whether a file for waveforms is binary, and so has those of all beams.
+bool is_waveform_file(const std::string& file);
+/// Writes the waveforms to every table and plot asked for (.csv or .svg). `sensor` gives the title
+/// of a plot.
 void write_waveforms(const InstrumentArguments& a, const sensor::Sensor& sensor,
                      const std::vector<simulate::BeamWaveform>& waveforms);
 

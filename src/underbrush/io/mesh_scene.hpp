@@ -51,7 +51,7 @@ struct MeshScene {
 std::vector<std::string> mesh_scene_extensions();
 
 /// Reads a mesh in the format that its extension names: OBJ with its MTL files, PLY, glTF or STL
-/// (docs/reference/formats.md#meshes). Throws `FormatError` for another extension, a mesh without
+/// (docs/reference/formats.md). Throws `FormatError` for another extension, a mesh without
 /// triangles, a coordinate that is not a finite number within ±1e9, or a face that names no vertex.
 /// The files of materials that an OBJ file names are read if `with_materials`.
 MeshScene read_mesh_scene(const std::filesystem::path& path, bool with_materials = true);

@@ -17,7 +17,7 @@ struct Raster {
 };
 
 /// Writes a GeoTIFF, atomically: one band of 32-bit floats in one strip, without compression, with
-/// the keys of GeoTIFF 1.1 (docs/reference/formats.md#rasters). Throws `IoError`, and
+/// the keys of GeoTIFF 1.1 (docs/reference/formats.md). Throws `IoError`, and
 /// `std::invalid_argument` for a raster without cells or of 4 GiB and more.
 void write_geotiff(const std::filesystem::path& path, const Raster& raster);
 

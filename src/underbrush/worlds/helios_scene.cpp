@@ -21,7 +21,7 @@ using elements::Instance;
 /// A geometry that was read, to be placed any number of times.
 struct Geometry {
   PartModels models;
-  Vec3 offset = Vec3::Zero();  ///< Of the models' coordinates, in those of the file.
+  Vec3 offset = Vec3::Zero();  ///< The origin of the models, in coordinates of the file.
   double lowest = 0;           ///< m; in the file's coordinates, with z up.
 };
 

@@ -17,7 +17,7 @@ using HeightAt = std::function<std::optional<double>(double x, double y)>;
 
 /// A leg of a survey on which the scanner measures.
 struct SurveyLeg {
-  size_t number = 0;       ///< Of the element leg in the survey, from 0.
+  size_t number = 0;       ///< The place of its element leg in the survey, from 0.
   std::string sensor;      ///< A sensor file of the kind `directions` (YAML).
   std::string directions;  ///< Its table (CSV); the sensor file calls it `table_name`.
   std::string table_name;

@@ -23,7 +23,7 @@ struct VoxelFile {
   std::map<std::string, size_t> left_out;  ///< Rows that are not used, by reason.
 };
 
-/// Reads a .vox file: the line VOXEL SPACE, header lines of #KEY: VALUE (min_corner, max_corner,
+/// Reads a .vox file: the line VOXEL SPACE, header lines `#KEY: VALUE` (min_corner, max_corner,
 /// split, res), the names of the columns, and a row for each voxel with i, j, k and PadBVTotal (or
 /// pad, or PAD). Rows whose density is not a number are counted. Throws `FormatError` where the
 /// file is damaged, and where an index lies outside the grid.
