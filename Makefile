@@ -13,7 +13,7 @@ program_only = -DUNDERBRUSH_TESTS=OFF -DUNDERBRUSH_BENCH=OFF -DUNDERBRUSH_STUDIE
 quiet = log=$$(mktemp); if $(1) > $$log 2>&1; then rm $$log; else cat $$log; rm $$log; exit 1; fi
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build test fuzz demo bench results docs deb check-deb wheel check-wheel asan-python clean
+.PHONY: help setup build test fuzz demo bench gates results docs deb check-deb wheel check-wheel asan-python clean
 
 help:     ## This list
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):[^#]*## /  make \1\t/' | expand -t 16
@@ -48,6 +48,11 @@ bench: setup   ## Build and run the benchmarks
 	@$(call quiet,$(configure) $(everything))
 	@cmake --build $(BUILD) -j $(JOBS)
 	@set -e; for b in $$(find $(BUILD)/bin -maxdepth 1 -name 'bench_*' -type f | sort); do echo "== $$b"; $$b; done
+
+gates: setup   ## Count the instructions of tracing, echoes and four verbs, and compare with bench/gates.txt (minutes)
+	@$(call quiet,$(configure) $(everything))
+	@cmake --build $(BUILD) --target underbrush bench_trace bench_echoes -j $(JOBS)
+	@bench/gates.py --bin $(BUILD)/bin
 
 results:  ## Make every table of figures in the documentation anew and compare it (hours)
 	@scripts/setup.sh build test results

@@ -112,6 +112,11 @@ simulate::Instrument instrument_of(const sensor::Sensor& sensor, int sub_rays,
   return instrument;
 }
 
+/// Answers a chunk of beams; bench/gates.py counts the instructions.
+__attribute__((noinline)) void counted_pass(simulate::EchoMaker& maker, BeamLog& beams) {
+  maker.answer(0, beams);
+}
+
 /// Prints the figures, and writes them where a file is named.
 void report(const nlohmann::ordered_json& j, const std::string& json_file) {
   for (const auto& [key, value] : j.items()) {
@@ -128,7 +133,7 @@ int main(int argc, char** argv) {
   using namespace underbrush;
   using namespace underbrush::bench;
   CLI::App app("Beams a second of the whole instrument");
-  int sub_rays = 41, threads = 0, rounds = 5;
+  int sub_rays = 41, threads = 0, rounds = 5, passes = 0;
   size_t ellipsoids = 100000, triangles = 100000;
   double seconds = 0.4;
   std::string json_file, returns = "strongest";
@@ -141,9 +146,12 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--seconds", seconds, "Length of the drive, s")->capture_default_str();
   app.add_option("--returns", returns, "strongest, or all (up to 3)")->capture_default_str();
+  app.add_option("--passes", passes,
+                 "Only answer the first 65 536 beams so often with one thread, to count "
+                 "instructions");
   app.add_option("--json", json_file, "Write the figures to this file as JSON");
   CLI11_PARSE(app, argc, argv);
-  set_threads(threads);
+  set_threads(passes > 0 ? 1 : threads);
 
   const elements::Model model = forest_on_ground(ellipsoids, triangles);
   const trace::World world(model, trace::Isa::kBest, trace::Draws::kOnce);
@@ -158,6 +166,12 @@ int main(int argc, char** argv) {
   simulate::EchoOptions all;
   all.all_sub_rays = true;
   simulate::EchoMaker maker(once, reflection, instrument, {});
+  for (int k = 0; k < passes; ++k) {
+    BeamLog beams = fired[0];
+    counted_pass(maker, beams);
+    std::printf("%zu beams\n", fired[0].size());
+  }
+  if (passes > 0) return 0;
   simulate::EchoMaker all_maker(once, reflection, instrument, all);
   simulate::EchoMaker anew_maker(anew, reflection, instrument, {});
   simulate::EchoMaker thin_maker(once, reflection, thin, {});

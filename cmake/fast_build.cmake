@@ -1,6 +1,7 @@
 # A build from nothing takes half as long with precompiled headers and with several sources to a
-# compiler run. The code is the same: neither changes a flag, and floating-point results do not
-# depend on what is inlined. Turn UNDERBRUSH_UNITY off while working on one file again and again.
+# compiler run. Floating-point results do not depend on what is inlined. A source with options of its
+# own must have SKIP_PRECOMPILE_HEADERS: functions with a target attribute take their options from the
+# precompiled header, so that -fno-trapping-math, for one, would be lost there. Turn UNDERBRUSH_UNITY off while working on one file again and again.
 option(UNDERBRUSH_PCH "Compile what most sources include once, ahead of them" ON)
 option(UNDERBRUSH_UNITY "Compile several sources of a target at once" ON)
 set(UNDERBRUSH_UNITY_BATCH 8 CACHE STRING "Sources to a compiler run")

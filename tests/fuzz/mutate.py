@@ -27,7 +27,7 @@ import kinds
 import mutations
 import seeds
 
-WALL_S, CPU_S, MEMORY, FILE_SIZE = 60, 15, 4 << 30, 512 << 20  # seconds and bytes of a run
+WALL_S, CPU_S, MEMORY, FILE_SIZE = 300, 15, 4 << 30, 512 << 20  # seconds and bytes of a run
 ALWAYS = ["--threads", "1", "--force"]  # Not all outputs tell who wrote them.
 LONGEST = 600  # bytes of a message
 CHUNK = 50  # mutants that a worker takes at once

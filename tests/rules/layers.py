@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Checks the layers: a module includes what its CMakeLists.txt declares, no less and no more; each large third party is
 used only in its module's sources; the library neither prints nor exits; each folder above the library uses only the
-folders below it."""
+folders below it. A source with compiler options of its own skips the precompiled header, which would undo them in
+functions with a target attribute."""
 import posixpath
 import re
 
@@ -166,6 +167,17 @@ def check_links_above(folder, includes):
             yield f"{folder}/CMakeLists.txt: links {target} but includes nothing of it"
 
 
+def check_own_options(root):
+    for path in rules.tracked(root, "CMakeLists.txt"):
+        own, skip = set(), set()
+        for call in re.findall(r"set_source_files_properties\(([^)]*)\)", cmake_text(root, path)):
+            sources = re.findall(r"\S+\.cpp", call)
+            own.update(sources if "COMPILE_OPTIONS" in call else ())
+            skip.update(sources if "SKIP_PRECOMPILE_HEADERS ON" in call else ())
+        for source in sorted(own - skip):
+            yield f"{path}: {source} has COMPILE_OPTIONS but not SKIP_PRECOMPILE_HEADERS"
+
+
 def check(root):
     includes, depends = Includes(root), declared(root)
     out = []
@@ -177,7 +189,7 @@ def check(root):
     out += check_declarations(includes, depends)
     for folder in ABOVE:
         out += check_links_above(folder, includes)
-    return out
+    return out + list(check_own_options(root))
 
 
 def module(name, source, depends=""):
@@ -215,6 +227,9 @@ BAD = [
      "links underbrush_app but"),
     ({"bench/a.cpp": "int x;\n", "bench/CMakeLists.txt": "target_link_libraries(b PRIVATE CLI11::CLI11)\n"},
      "links CLI11::CLI11 but"),
+    ({"bench/a.cpp": "int x;\n",
+      "bench/CMakeLists.txt": "set_source_files_properties(a.cpp PROPERTIES COMPILE_OPTIONS -O1)\n"},
+     "a.cpp has COMPILE_OPTIONS but"),
 ]
 GOOD = {**module("core", '#include <tbb/tbb.h>\n// printf( is a word here\nauto s = "exit(";\n',
                  "  LINK TBB::tbb"),

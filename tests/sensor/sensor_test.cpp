@@ -134,6 +134,11 @@ TEST_F(SensorFile, ErrorsNameFileAndPlace) {
   expect("spinning", "directions", "cycle_s: missing");
   expect("min_range_m: 1", "min_range_m: 1\nreceiver: {pulse: square}", "receiver.pulse");
   expect("min_range_m: 1", "min_range_m: 1\nreceiver: {pulse_ns: -3}", "pulse");
+  for (const char* pulse :
+       {"pulse_ns: 501", "response_ns: 501", "pulse_ns: 18446744073709551615"}) {
+    expect("min_range_m: 1", std::string("min_range_m: 1\nreceiver: {sample_ns: 1, ") + pulse + "}",
+           "longer than 500 samples");
+  }
   expect("min_range_m: 1", "min_range_m: 1\nreceiver: {echo: 3}", "receiver.echo: unknown key");
   for (const char* lines : {"[0, 9]", "[9, 1e300]", "[9, -1]", "[1025, 9]", "[9, .nan]"}) {
     expect("min_range_m: 1", std::string("min_range_m: 1\nsub_rays: ") + lines,

@@ -60,7 +60,10 @@ TEST(SubReturns, AreThoseThatMetSomethingAtTheRangesOfTheirDraws) {
       met[k].t_m = random.uniform(1, 50);
       met[k].sigma_m = random.uniform() < 0.2 ? 0 : random.uniform(0, 5);
     }
-    returns.collect(met, keys, weight, limits);
+    std::vector<float> range_m(met.size());
+    std::vector<uint64_t> used = keys;
+    draw_ranges(met, limits, used, range_m);
+    returns.collect(range_m, weight);
     size_t n = 0;
     for (size_t k = 0; k < met.size(); ++k) {
       if (met[k].none()) continue;

@@ -111,7 +111,7 @@ bool same(const Intersection& a, const Intersection& b) {
 bool ends(Draws draws, const elements::Model& model, const elements::Instance& at, const Ray& ray,
           uint64_t key, const Intersection& m) {
   if (draws == Draws::kAnew) return accepts(key, m);
-  const uint32_t cell = grain_cell(model, at, ray, m);
+  const uint32_t cell = Grain(model, at).cell(ray, m);
   if (draws == Draws::kOnce) return accepts(key, m, cell);
   const bool ellipsoid = model.kind(m.element) == elements::Kind::kEllipsoid;
   return accepts(uint32_t(key), m,

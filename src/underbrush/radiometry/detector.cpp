@@ -10,6 +10,18 @@ namespace {
 
 constexpr float kRelease = 3, kDepth = 5;  // in standard deviations of the noise
 
+/// Finds the first of the samples [k, end) that is not below the threshold, or gives `end`.
+size_t first_above(const float* s, size_t k, size_t end, float threshold) {
+  using Eight = float __attribute__((vector_size(32), aligned(4), may_alias));
+  using Words = int64_t __attribute__((vector_size(32)));
+  for (; k + 8 <= end; k += 8) {
+    const Words below = (Words)(*reinterpret_cast<const Eight*>(s + k) < threshold);
+    if ((below[0] & below[1] & below[2] & below[3]) != -1) break;
+  }
+  while (k < end && s[k] < threshold) ++k;
+  return k;
+}
+
 }  // namespace
 
 void Echoes::push(const Echo& e) {
@@ -96,9 +108,10 @@ Echoes Detector::detect(const Waveform& w, float scale) const {
   };
   w.for_each_run([&](size_t begin, size_t end) {
     for (size_t k = begin; k < end; ++k) {
+      if (!p.open) k = first_above(s, k, end, threshold);
+      if (k == end) break;
       const float v = s[k];
       if (v < threshold) {
-        if (!p.open) continue;
         if (!p.under) {
           p.end = k;
           p.fall = PulseTiming::crossing(s, k, threshold);

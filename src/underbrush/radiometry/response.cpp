@@ -68,7 +68,8 @@ Response::Response(const ResponseOptions& o) {
   require(std::isfinite(o.receiver_fwhm_s) && o.receiver_fwhm_s >= 0,
           "response: the receiver's time is negative or not finite");
   const double width = std::hypot(o.pulse_fwhm_s, o.receiver_fwhm_s);
-  require(width < 500 * o.sample_s, "response: the pulse is longer than 500 samples");
+  require(width < sensor::kMostSamplesOfPulse * o.sample_s,
+          "response: the pulse is longer than 500 samples");
   cell_m_ = kSpeedOfLight * o.sample_s / 2;
   const double peak_s = peak_time(o, -3 * width, 6 * width), peak = convolved(o, peak_s);
   const auto h = [&](double distance_m) {

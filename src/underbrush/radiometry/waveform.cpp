@@ -64,12 +64,37 @@ uint32_t last_block(uint32_t place, uint32_t taps) {
   return (place / Response::kPhases + taps - 1) / Waveform::kBlock;
 }
 
+/// The blocks from `first` to `last`, as bits of a word.
+uint64_t run_of_blocks(uint64_t first, uint64_t last) {
+  return ((uint64_t(2) << (last - first)) - 1) << first;
+}
+
+/// The least and the greatest place of the returns that add something; the least is greater if none
+/// does.
+struct Extent {
+  uint32_t least, greatest;
+};
+UNDERBRUSH_CLONES Extent extent_of(size_t n, const Placed& p) {
+  Extent e{UINT32_MAX, 0};
+  for (size_t i = 0; i < n; ++i) {
+    const uint32_t low = p.amplitude[i] > 0 ? p.place[i] : UINT32_MAX;
+    const uint32_t high = p.amplitude[i] > 0 ? p.place[i] : 0;
+    e.least = low < e.least ? low : e.least;
+    e.greatest = high > e.greatest ? high : e.greatest;
+  }
+  return e;
+}
+
 /// Finds the blocks that returns reach, for waveforms with at most a word of blocks.
-UNDERBRUSH_CLONES uint64_t reached(size_t n, const Placed& p, uint32_t taps) {
+uint64_t reached(size_t n, const Placed& p, uint32_t taps) {
+  const Extent e = extent_of(n, p);
+  if (e.least > e.greatest) return 0;
+  if (first_block(e.greatest) <= last_block(e.least, taps) + 1) {  // one run without gaps
+    return run_of_blocks(first_block(e.least), last_block(e.greatest, taps));
+  }
   uint64_t word = 0;
   for (size_t i = 0; i < n; ++i) {
-    const uint64_t first = first_block(p.place[i]), last = last_block(p.place[i], taps);
-    const uint64_t run = ((uint64_t(2) << (last - first)) - 1) << first;
+    const uint64_t run = run_of_blocks(first_block(p.place[i]), last_block(p.place[i], taps));
     word |= p.amplitude[i] > 0 ? run : 0;
   }
   return word;

@@ -64,6 +64,8 @@ void SignalChain::check() const {
   const auto not_negative = [](double v) { return std::isfinite(v) && v >= 0; };
   require(positive(pulse_fwhm_s) && positive(sample_s) && not_negative(receiver_fwhm_s),
           "sensor: pulse and sample times must be positive");
+  require(std::hypot(pulse_fwhm_s, receiver_fwhm_s) < kMostSamplesOfPulse * sample_s,
+          "sensor: the pulse is longer than 500 samples");
   require(positive(threshold_snr) && positive(saturation_snr) && threshold_snr < saturation_snr,
           "sensor: needs 0 < threshold < saturation");
   require(not_negative(detection_range_m) && positive(detection_reflectance),

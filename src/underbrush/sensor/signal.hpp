@@ -27,7 +27,7 @@ enum class ReturnMode : uint8_t {
   kStrongest,  ///< The one with the most energy.
   kFirst,
   kLast,
-  kAll,  ///< The first `max_echoes`.
+  kAll,  ///< The strongest `max_echoes`, in order of range.
 };
 
 /// The quantity that the intensity of an echo stands for.
@@ -35,6 +35,9 @@ enum class Intensity : uint8_t {
   kSignal,       ///< Peak of the signal.
   kReflectance,  ///< Peak divided by that of a white, perpendicular target at the echo's range.
 };
+
+/// A pulse after the receiver must be shorter than this many samples (full width at half maximum).
+inline constexpr double kMostSamplesOfPulse = 500;
 
 /// The signal chain of a sensor, from the emitted pulse to the reported echoes.
 struct SignalChain {

@@ -71,7 +71,7 @@ std::string trace_beam(const LoggedBeam& beam, const WorldData& world, uint64_t 
     const trace::Intersection& m = met[k];
     const elements::Model& model = tracer.model(m.instance);
     const elements::ElementPlace place = model.place(m.element);
-    const uint32_t cell = trace::grain_cell(model, tracer.instance(m.instance), ray, m);
+    const uint32_t cell = trace::Grain(model, tracer.instance(m.instance)).cell(ray, m);
     const uint32_t bits = accept_bits(trace::instance_key(matter, m.instance) ^ cell, m.element);
     const bool accepts = trace::accepts(matter, m, cell);
     if (accepts && j["ends_at"].is_null()) {

@@ -98,23 +98,18 @@ elements::Instance DynamicWorld::placed(uint32_t instance, double time_s) const 
   return placed;
 }
 
-uint32_t DynamicWorld::grain_cell(const Ray& ray, double time_s, const Intersection& met,
-                                  uint64_t key) const {
-  const uint32_t cell = still_cell(ray, time_s, met);
-  const bool sways = world_->draws() == trace::Draws::kSwaying &&
-                     met.element >= model(met.instance).triangle_count();
-  return sways ? trace::swaying_cell(cell, met.element, uint32_t(key >> 32)) : cell;
-}
-
-uint32_t DynamicWorld::still_cell(const Ray& ray, double time_s, const Intersection& met) const {
-  const Object* o = object(met.instance);
-  if (!o) {
-    return trace::grain_cell(world_->model(met.instance), world_->instance(met.instance), ray, met);
-  }
-  const Pose object_from_world = pose_at(o->mover.world_from_object, time_s).inverse();
-  return trace::grain_cell(
-      o->scene.models[0], o->scene.instances[0],
-      {object_from_world * ray.origin, object_from_world.rotation * ray.direction}, met);
+void MatterAt::find(uint32_t instance, double time_s) {
+  const DynamicWorld::Object* o = world_.object(instance);
+  const trace::World& still = world_.world();
+  instance_ = instance;
+  time_s_ = time_s;
+  moves_ = o != nullptr;
+  if (o) object_from_world_ = pose_at(o->mover.world_from_object, time_s).inverse();
+  model_ = &world_.model(instance);
+  salt_ = trace::instance_key(0, instance);
+  grain_ = {*model_, o ? o->scene.instances[0] : still.instance(instance)};
+  first_swaying_ = still.draws() == trace::Draws::kSwaying ? uint32_t(model_->triangle_count())
+                                                           : Intersection::kNone;
 }
 
 void DynamicWorld::nearest_accepted(std::span<const Ray> rays, std::span<const uint64_t> keys,

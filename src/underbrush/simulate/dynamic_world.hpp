@@ -32,12 +32,6 @@ class DynamicWorld {
                         std::span<const double> time_s, const trace::RangeLimits& limits,
                         std::span<trace::Intersection> met) const;
 
-  /// Computes the cell of the grain in which a ray of the time `time_s` (s) met an element, as
-  /// `trace::grain_cell` does. The grain of a moving object moves with it. Where matter sways, the
-  /// cell is the `swaying_cell` at the time of the ray's `key`.
-  uint32_t grain_cell(const Ray& ray, double time_s, const trace::Intersection& met,
-                      uint64_t key) const;
-
   const trace::World& world() const { return *world_; }
   bool moves() const { return !movers_.empty(); }
   const elements::Model& model(uint32_t instance) const;
@@ -46,14 +40,58 @@ class DynamicWorld {
 
  private:
   struct Object;
+  friend class MatterAt;
   const Object* object(uint32_t instance) const;
-  uint32_t still_cell(const Ray& ray, double time_s, const trace::Intersection& met) const;
 
   const trace::World* world_ = nullptr;
   /// The scene with an empty model in place of each mover.
   std::unique_ptr<elements::Scene> still_;
   std::unique_ptr<trace::World> own_;
   std::vector<std::unique_ptr<Object>> movers_;
+};
+
+/// The matter that rays meet in a world: its model, and the cells of its grain. The grain of a
+/// moving object moves with it. What is known of an instance is kept until another one is asked
+/// for.
+class MatterAt {
+ public:
+  /// `world` must outlive it.
+  explicit MatterAt(const DynamicWorld& world) : world_(world) {}
+
+  /// The model of what a ray met.
+  const elements::Model& model(const trace::Intersection& met, double time_s) {
+    if (met.instance != instance_ || (moves_ && time_s != time_s_)) find(met.instance, time_s);
+    return *model_;
+  }
+  /// Computes `trace::instance_key` of what a ray met, from the key of the world's matter.
+  uint64_t key(uint64_t matter, const trace::Intersection& met, double time_s) {
+    model(met, time_s);
+    return matter ^ salt_;
+  }
+  /// Computes the cell of the grain in which a ray of the time `time_s` (s) met an element. Where
+  /// matter sways, it is the `swaying_cell` at the time of the ray's `key`.
+  uint32_t cell(const Ray& ray, double time_s, const trace::Intersection& met, uint64_t key) {
+    model(met, time_s);
+    const uint32_t cell = grain_.cell(moves_ ? in_object(ray) : ray, met);
+    if (met.element < first_swaying_) return cell;
+    return trace::swaying_cell(cell, met.element, uint32_t(key >> 32));
+  }
+
+ private:
+  void find(uint32_t instance, double time_s);
+  Ray in_object(const Ray& ray) const {
+    return {object_from_world_ * ray.origin, object_from_world_.rotation * ray.direction};
+  }
+
+  const DynamicWorld& world_;
+  uint32_t instance_ = trace::Intersection::kNone;
+  const elements::Model* model_ = nullptr;
+  trace::Grain grain_;
+  uint64_t salt_ = 0;
+  uint32_t first_swaying_ = trace::Intersection::kNone;  // the first element that sways
+  bool moves_ = false;
+  double time_s_ = 0;
+  Pose object_from_world_;
 };
 
 }  // namespace underbrush::simulate

@@ -8,7 +8,6 @@
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/simulate/element_class.hpp"
-#include "underbrush/simulate/sub_returns.hpp"
 
 namespace underbrush::simulate {
 namespace {
@@ -70,7 +69,8 @@ struct EchoMaker::Block {
 /// The working memory of a thread.
 struct EchoMaker::Scratch {
   explicit Scratch(const EchoMaker& m)
-      : returns(m.tracer_.most()),
+      : traced(m.world_),
+        returns(m.tracer_.most()),
         waveform(m.receiver_.scratch()),
         evaluator(m.reflection_, m.world_) {}
   TracedBeams traced;
@@ -116,12 +116,10 @@ EchoMaker::~EchoMaker() = default;
 
 void EchoMaker::receive(const BeamLog& beams, size_t first_beam, size_t begin, size_t end,
                         Scratch& s, Block& block) const {
-  const trace::RangeLimits limits{std::max(beams.info.min_range_m, kLeastRangeM),
-                                  beams.info.max_range_m};
   SubReturns& returns = s.returns;
   for (size_t i = begin; i < end; ++i) {
     const TracedBeams::Beam beam = s.traced[i - begin];
-    returns.collect(beam.met, beam.keys, beam.weight, limits);
+    returns.collect(beam.range_m, beam.weight);
     s.evaluator.begin(beams.direction[i].cast<double>(), beams.time_s[i]);
     s.evaluator.factors(beam.met, beam.rays, returns.sub_ray(), returns.factor());
     const radiometry::Echoes echoes =
@@ -208,7 +206,7 @@ void EchoMaker::write(const std::vector<Block>& blocks, BeamLog& beams) const {
 }
 
 void EchoMaker::answer(size_t first_beam, BeamLog& beams) {
-  const size_t grain = std::max<size_t>(1, kRaysACall / tracer_.most());
+  const size_t grain = std::max<size_t>(1, kRaysACall / tracer_.first());
   std::vector<Block> blocks((beams.size() + grain - 1) / grain);
   parallel_for(beams.size(), grain, [&](size_t begin, size_t end) {
     std::unique_ptr<Scratch> s = scratches_->take(*this);

@@ -15,6 +15,7 @@
 #include "underbrush/simulate/dynamic_world.hpp"
 #include "underbrush/simulate/reflection.hpp"
 #include "underbrush/simulate/sub_ray_tracer.hpp"
+#include "underbrush/simulate/sub_returns.hpp"
 
 namespace underbrush::simulate {
 

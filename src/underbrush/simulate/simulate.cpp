@@ -39,6 +39,13 @@ trace::RangeLimits limits_of(const DynamicWorld& world, const Options& options,
   return {std::max(info.min_range_m, kLeastRangeM), std::min(farthest, world.model(0).max_range_m)};
 }
 
+/// The way from a ray's origin to a point that is drawn in the ellipsoid that it met.
+Vec3 to_drawn_point(const DynamicWorld& world, double time_s, const Ray& ray,
+                    const Intersection& met, uint64_t key) {
+  const elements::Instance placed = world.placed(met.instance, time_s);
+  return drawn_in_volume(world.model(met.instance), placed, met, key) - ray.origin;
+}
+
 }  // namespace
 
 void simulate(const DynamicWorld& world, const Options& options, size_t first_beam,
@@ -65,13 +72,14 @@ void simulate(const DynamicWorld& world, const Options& options, size_t first_be
       }
     }
     world.nearest_accepted(rays, once ? trials : keys, {&beams.time_s[begin], n}, limits, met);
+    MatterAt matter_of(world);
     for (size_t k = 0; k < n; ++k) {
       const size_t i = begin + k;
       beams.range_m[i] = kMiss;
       beams.intensity[i] = 0;
       beams.flags[i] = 0;
       if (met[k].none()) continue;
-      const elements::Model& model = world.model(met[k].instance);
+      const elements::Model& model = matter_of.model(met[k], beams.time_s[i]);
       if (options.element_ids) {
         element[i] = met[k].element;
         label[i] = element_class(model, met[k], options.instance_labels);
@@ -80,13 +88,12 @@ void simulate(const DynamicWorld& world, const Options& options, size_t first_be
       double range =
           once ? drawn_in_matter(met[k],
                                  trace::instance_key(matter, met[k].instance) ^
-                                     world.grain_cell(rays[k], beams.time_s[i], met[k], trials[k]),
+                                     matter_of.cell(rays[k], beams.time_s[i], met[k], trials[k]),
                                  keys[k], model.range_noise_m, limits)
                : drawn_on_ray(met[k], keys[k], limits);
       if (options.draw == RangeDraw::kVolumetric &&
           model.kind(met[k].element) == elements::Kind::kEllipsoid) {
-        const elements::Instance placed = world.placed(met[k].instance, beams.time_s[i]);
-        const Vec3 to = drawn_in_volume(model, placed, met[k], keys[k]) - rays[k].origin;
+        const Vec3 to = to_drawn_point(world, beams.time_s[i], rays[k], met[k], keys[k]);
         range = to.norm();
         beams.direction[i] = to.normalized().cast<float>();
       }

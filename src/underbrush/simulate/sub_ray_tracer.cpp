@@ -5,6 +5,7 @@
 
 #include "underbrush/core/rng.hpp"
 #include "underbrush/simulate/draw.hpp"
+#include "underbrush/simulate/sub_returns.hpp"
 
 namespace underbrush::simulate {
 namespace {
@@ -59,12 +60,31 @@ std::vector<SubRay> probes_of(const std::vector<SubRay>& places) {
   return probes;
 }
 
+trace::RangeLimits limits_of(const BeamLog& beams) {
+  return {std::max(beams.info.min_range_m, kLeastRangeM), beams.info.max_range_m};
+}
+
 }  // namespace
 
+void TracedBeams::SubRays::resize(size_t n) {
+  rays.resize(n);
+  keys.resize(n);
+  met.resize(n);
+  range_m.resize(n);
+}
+
+void TracedBeams::SubRays::copy(size_t at, const SubRays& from, size_t begin, size_t count) {
+  std::copy_n(&from.rays[begin], count, &rays[at]);
+  std::copy_n(&from.met[begin], count, &met[at]);
+  std::copy_n(&from.range_m[begin], count, &range_m[at]);
+}
+
 TracedBeams::Beam TracedBeams::operator[](size_t beam) const {
-  const size_t at = first_[beam], n = first_[beam + 1] - at;
-  return {
-      {&rays_[at], n}, {&met_[at], n}, {&keys_[at], n}, all_[beam] ? all_weight_ : probe_weight_};
+  const bool probes = place_[beam] == kProbesAlone;
+  const std::span<const float> weight = probes ? probe_weight_ : all_weight_;
+  const SubRays& of = probes ? probes_ : all_;
+  const size_t n = weight.size(), at = n * (probes ? beam : place_[beam]);
+  return {{&of.rays[at], n}, {&of.met[at], n}, {&of.range_m[at], n}, weight};
 }
 
 SubRayTracer::SubRayTracer(const DynamicWorld& world, const sensor::BeamShape& beam,
@@ -103,119 +123,93 @@ void SubRayTracer::trace(const BeamLog& beams, size_t first_beam, size_t begin, 
 
 void SubRayTracer::trace_all(const BeamLog& beams, size_t first_beam, size_t begin, size_t end,
                              TracedBeams& out) const {
-  const size_t each = all_.size(), n = (end - begin) * each;
-  out.rays_.resize(n);
-  out.keys_.resize(n);
-  out.met_.resize(n);
-  out.first_.resize(end - begin + 1);
-  out.all_.assign(end - begin, 1);
+  const size_t each = all_.size(), n = end - begin;
+  TracedBeams::SubRays& all = out.all_;
+  all.resize(n * each);
+  out.traced_ = n * each;
   out.all_weight_ = all_.weight();
-  for (size_t i = begin, at = 0; i < end; ++i, at += each) {
+  out.place_.resize(n);
+  for (size_t b = 0; b < n; ++b) {
+    const size_t i = begin + b, at = b * each;
     const uint64_t key = beam_key(seed_, beams.scan[i], first_beam + i);
-    all_.spread(sensor::beam_axes(axis_of(beams, i, key)), &out.rays_[at]);
-    out.first_[i - begin] = at;
+    all_.spread(sensor::beam_axes(axis_of(beams, i, key)), &all.rays[at]);
+    out.place_[b] = uint32_t(b);
     if (once_) {
-      std::fill_n(&out.keys_[at], each, matter_at(matter_, beams.time_s[i], sway_s_));
+      std::fill_n(&all.keys[at], each, matter_at(matter_, beams.time_s[i], sway_s_));
     } else {
-      all_.keys(key, &out.keys_[at]);
+      all_.keys(key, &all.keys[at]);
     }
   }
-  out.first_.back() = n;
-  world_.nearest_accepted(out.rays_, out.keys_, {&beams.time_s[begin], end - begin},
-                          {std::max(beams.info.min_range_m, kLeastRangeM), beams.info.max_range_m},
-                          out.met_);
-  if (!once_) return;
-  for (size_t b = 0, at = 0; b < end - begin; ++b, at += each) {
-    key_matter(beams.time_s[begin + b], {&out.rays_[at], each}, {&out.keys_[at], each},
-               {&out.met_[at], each});
-  }
+  find({&beams.time_s[begin], n}, limits_of(beams), out.matter_, all);
 }
 
 void SubRayTracer::trace_probes(const BeamLog& beams, size_t first_beam, size_t begin, size_t end,
                                 TracedBeams& out) const {
-  const trace::RangeLimits limits{std::max(beams.info.min_range_m, kLeastRangeM),
-                                  beams.info.max_range_m};
   const size_t n = end - begin, probes = probes_->size(), rest = rest_->size();
-  if (!out.returns_) out.returns_ = std::make_unique<SubReturns>(probes);
-  out.probe_rays_.resize(n * probes);
-  out.probe_keys_.resize(n * probes);
-  out.probe_met_.resize(n * probes);
+  const auto aim = [&](size_t b, const SubRayBundle& bundle, TracedBeams::SubRays& at, size_t k) {
+    const size_t i = begin + b;
+    const uint64_t key = beam_key(seed_, beams.scan[i], first_beam + i);
+    bundle.spread(sensor::beam_axes(axis_of(beams, i, key)), &at.rays[k]);
+    std::fill_n(&at.keys[k], bundle.size(), matter_at(matter_, beams.time_s[i], sway_s_));
+  };
   out.all_weight_ = all_.weight();
   out.probe_weight_ = probes_->weight();
-  out.all_.assign(n, 0);
-  out.first_.assign(n + 1, 0);
+  out.probes_.resize(n * probes);
+  for (size_t b = 0; b < n; ++b) aim(b, *probes_, out.probes_, b * probes);
+  find({&beams.time_s[begin], n}, limits_of(beams), out.matter_, out.probes_);
+  out.place_.assign(n, TracedBeams::kProbesAlone);
   out.time_s_.clear();
-  const auto axes = [&](size_t b) {
-    const size_t i = begin + b;
-    return sensor::beam_axes(axis_of(beams, i, beam_key(seed_, beams.scan[i], first_beam + i)));
-  };
   for (size_t b = 0; b < n; ++b) {
-    probes_->spread(axes(b), &out.probe_rays_[b * probes]);
-    std::fill_n(&out.probe_keys_[b * probes], probes,
-                matter_at(matter_, beams.time_s[begin + b], sway_s_));
+    if (agree({&out.probes_.range_m[b * probes], probes})) continue;
+    out.place_[b] = uint32_t(out.time_s_.size());
+    out.time_s_.push_back(beams.time_s[begin + b]);
   }
-  world_.nearest_accepted(out.probe_rays_, out.probe_keys_, {&beams.time_s[begin], n}, limits,
-                          out.probe_met_);
+  out.rest_.resize(out.time_s_.size() * rest);
+  out.traced_ = out.probes_.size() + out.rest_.size();
   for (size_t b = 0; b < n; ++b) {
-    out.all_[b] = !probes_agree(beams.time_s[begin + b], b * probes, limits, out);
-    out.first_[b + 1] = out.first_[b] + probes + (out.all_[b] ? rest : 0);
-    if (out.all_[b]) out.time_s_.push_back(beams.time_s[begin + b]);
+    if (out.place_[b] != TracedBeams::kProbesAlone) aim(b, *rest_, out.rest_, out.place_[b] * rest);
   }
-  // The rays that are still to be traced stand at the end, one beam after the other, and move to
-  // their probes' beams afterwards.
-  const size_t total = out.first_.back(), open = out.time_s_.size() * rest;
-  out.rays_.resize(total + open);
-  out.keys_.resize(total + open);
-  out.met_.resize(total + open);
-  for (size_t b = 0, at = total; b < n; ++b) {
-    if (!out.all_[b]) continue;
-    rest_->spread(axes(b), &out.rays_[at]);
-    std::fill_n(&out.keys_[at], rest, matter_at(matter_, beams.time_s[begin + b], sway_s_));
-    at += rest;
-  }
-  world_.nearest_accepted({out.rays_.data() + total, open}, {out.keys_.data() + total, open},
-                          out.time_s_, limits, {out.met_.data() + total, open});
-  for (size_t b = 0, at = total; b < n; ++b) {
-    const size_t to = out.first_[b];
-    std::copy_n(&out.probe_rays_[b * probes], probes, &out.rays_[to]);
-    std::copy_n(&out.probe_keys_[b * probes], probes, &out.keys_[to]);
-    std::copy_n(&out.probe_met_[b * probes], probes, &out.met_[to]);
-    if (!out.all_[b]) continue;
-    key_matter(beams.time_s[begin + b], {&out.rays_[at], rest}, {&out.keys_[at], rest},
-               {&out.met_[at], rest});
-    std::copy_n(&out.rays_[at], rest, &out.rays_[to + probes]);
-    std::copy_n(&out.keys_[at], rest, &out.keys_[to + probes]);
-    std::copy_n(&out.met_[at], rest, &out.met_[to + probes]);
-    at += rest;
-  }
-  out.rays_.resize(total);
-}
-
-/// Keys sub-rays by the matter that they met, and leaves the sensor's noise to the receiver.
-void SubRayTracer::key_matter(double time_s, std::span<const Ray> rays, std::span<uint64_t> keys,
-                              std::span<trace::Intersection> met) const {
-  for (size_t k = 0; k < rays.size(); ++k) {
-    trace::Intersection& m = met[k];
-    if (m.none()) continue;
-    keys[k] =
-        trace::instance_key(matter_, m.instance) ^ world_.grain_cell(rays[k], time_s, m, keys[k]);
-    m.sigma_m = matter_sigma(m.sigma_m, world_.model(m.instance).range_noise_m);
+  find(out.time_s_, limits_of(beams), out.matter_, out.rest_);
+  out.all_.resize(out.time_s_.size() * (probes + rest));
+  for (size_t b = 0; b < n; ++b) {
+    if (out.place_[b] == TracedBeams::kProbesAlone) continue;
+    const size_t to = out.place_[b] * (probes + rest);
+    out.all_.copy(to, out.probes_, b * probes, probes);
+    out.all_.copy(to + probes, out.rest_, out.place_[b] * rest, rest);
   }
 }
 
-/// Keys the probes of a beam, which begin at `at`, and tells whether they speak for all.
-bool SubRayTracer::probes_agree(double time_s, size_t at, const trace::RangeLimits& limits,
-                                TracedBeams& out) const {
-  const size_t n = probes_->size();
-  const std::span<trace::Intersection> met{&out.probe_met_[at], n};
-  const std::span<uint64_t> keys{&out.probe_keys_[at], n};
-  key_matter(time_s, {&out.probe_rays_[at], n}, keys, met);
-  out.returns_->collect(met, keys, probes_->weight(), limits);
-  const std::span<const float> range_m = out.returns_->range_m();
-  if (range_m.empty()) return true;
-  if (range_m.size() < n) return false;
-  const auto [near, far] = std::minmax_element(range_m.begin(), range_m.end());
-  return double(*far) - double(*near) <= same_m_;
+/// Traces sub-rays, as many of each of the beams of these times, and draws their ranges. Where the
+/// matter is drawn once, draws are keyed by the matter that was met, and the sensor's noise is left
+/// to the receiver.
+void SubRayTracer::find(std::span<const double> time_s, const trace::RangeLimits& limits,
+                        MatterAt& matter, TracedBeams::SubRays& s) const {
+  world_.nearest_accepted(s.rays, s.keys, time_s, limits, s.met);
+  for (size_t b = 0; once_ && b < time_s.size(); ++b) {
+    const size_t each = s.size() / time_s.size();
+    for (size_t k = b * each; k < (b + 1) * each; ++k) {
+      trace::Intersection& m = s.met[k];
+      if (m.none()) continue;
+      const double noise_m = matter.model(m, time_s[b]).range_noise_m;
+      s.keys[k] =
+          matter.key(matter_, m, time_s[b]) ^ matter.cell(s.rays[k], time_s[b], m, s.keys[k]);
+      m.sigma_m = matter_sigma(m.sigma_m, noise_m);
+    }
+  }
+  draw_ranges(s.met, limits, s.keys, s.range_m);
+}
+
+/// Whether the probes of a beam speak for all.
+bool SubRayTracer::agree(std::span<const float> range_m) const {
+  size_t missed = 0;
+  float near = INFINITY, far = -INFINITY;
+  for (const float r : range_m) {
+    missed += std::isnan(r);
+    near = std::min(near, r);
+    far = std::max(far, r);
+  }
+  if (missed == range_m.size()) return true;
+  return missed == 0 && double(far) - double(near) <= same_m_;
 }
 
 }  // namespace underbrush::simulate

@@ -10,33 +10,47 @@
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/simulate/dynamic_world.hpp"
 #include "underbrush/simulate/sub_ray_bundle.hpp"
-#include "underbrush/simulate/sub_returns.hpp"
 
 namespace underbrush::simulate {
 
 /// The sub-rays of some beams after tracing, one beam after the other. The memory is used again.
 class TracedBeams {
  public:
-  /// The sub-rays of one beam: what each met, and its share of the energy.
+  /// `world` must outlive it.
+  explicit TracedBeams(const DynamicWorld& world) : matter_(world) {}
+
+  /// The sub-rays of one beam: what each met, at which range (m, NaN for nothing), and its share of
+  /// the energy.
   struct Beam {
     std::span<const Ray> rays;
     std::span<const trace::Intersection> met;
-    std::span<const uint64_t> keys;  ///< For the ranges that are drawn.
+    std::span<const float> range_m;
     std::span<const float> weight;
   };
   Beam operator[](size_t beam) const;
-  size_t rays() const { return rays_.size(); }
+  /// The number of sub-rays traced.
+  size_t rays() const { return traced_; }
 
  private:
   friend class SubRayTracer;
-  std::vector<Ray> rays_, probe_rays_;
-  std::vector<uint64_t> keys_, probe_keys_;
-  std::vector<trace::Intersection> met_, probe_met_;
-  std::vector<double> time_s_;
-  std::vector<size_t> first_;  ///< The first sub-ray of each beam, and the end.
-  std::vector<uint8_t> all_;   ///< Whether all sub-rays of a beam were traced.
+  struct SubRays {
+    void resize(size_t n);
+    size_t size() const { return rays.size(); }
+    /// Copies sub-rays of another to `at`.
+    void copy(size_t at, const SubRays& from, size_t begin, size_t count);
+    std::vector<Ray> rays;
+    std::vector<uint64_t> keys;
+    std::vector<trace::Intersection> met;
+    std::vector<float> range_m;
+  };
+  static constexpr uint32_t kProbesAlone = 0xffffffffu;
+
+  MatterAt matter_;
+  SubRays probes_, rest_, all_;
+  std::vector<uint32_t> place_;  ///< Place of each beam in `all_`, or kProbesAlone.
+  std::vector<double> time_s_;   ///< Times of the beams in `all_`.
   std::span<const float> all_weight_, probe_weight_;
-  std::unique_ptr<SubReturns> returns_;
+  size_t traced_ = 0;
 };
 
 /// Traces the sub-rays of beams.
@@ -55,8 +69,9 @@ class SubRayTracer {
                std::span<const sensor::SubRay> sub_rays, uint64_t seed, double same_m,
                double sway_s = 0);
 
-  /// The largest number of sub-rays of a beam.
+  /// The largest number of sub-rays of a beam, and the number that is traced first.
   size_t most() const { return all_.size(); }
+  size_t first() const { return probes_ ? probes_->size() : all_.size(); }
   /// Traces the beams [begin, end) of a log whose first beam has the number `first_beam`.
   void trace(const BeamLog& beams, size_t first_beam, size_t begin, size_t end,
              TracedBeams& out) const;
@@ -67,10 +82,9 @@ class SubRayTracer {
                  TracedBeams& out) const;
   void trace_probes(const BeamLog& beams, size_t first_beam, size_t begin, size_t end,
                     TracedBeams& out) const;
-  void key_matter(double time_s, std::span<const Ray> rays, std::span<uint64_t> keys,
-                  std::span<trace::Intersection> met) const;
-  bool probes_agree(double time_s, size_t at, const trace::RangeLimits& limits,
-                    TracedBeams& out) const;
+  void find(std::span<const double> time_s, const trace::RangeLimits& limits, MatterAt& matter,
+            TracedBeams::SubRays& sub_rays) const;
+  bool agree(std::span<const float> range_m) const;
 
   const DynamicWorld& world_;
   uint64_t seed_, matter_;

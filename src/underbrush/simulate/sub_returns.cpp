@@ -1,5 +1,7 @@
 #include "underbrush/simulate/sub_returns.hpp"
 
+#include <cmath>
+
 #include "underbrush/core/clones.hpp"
 #include "underbrush/simulate/draw.hpp"
 
@@ -14,24 +16,30 @@ UNDERBRUSH_CLONES void mix(size_t n, uint64_t* keys) {
 
 }  // namespace
 
-SubReturns::SubReturns(size_t most)
-    : sub_ray_(most), range_m_(most), weight_(most), factor_(most), signal_(most), bits_(most) {}
-
-void SubReturns::collect(std::span<const trace::Intersection> met, std::span<const uint64_t> keys,
-                         std::span<const float> weight, const trace::RangeLimits& limits) {
-  size_t n = 0;
+void draw_ranges(std::span<const trace::Intersection> met, const trace::RangeLimits& limits,
+                 std::span<uint64_t> keys, std::span<float> range_m) {
+  static const QuickNormal normal;
   for (size_t k = 0; k < met.size(); ++k) {
+    keys[k] ^= uint64_t(Purpose::kRange) << 32 | met[k].element;
+  }
+  mix(met.size(), keys.data());
+  for (size_t k = 0; k < met.size(); ++k) {
+    range_m[k] = met[k].none() ? NAN : float(drawn_on_ray(met[k], keys[k], limits, normal));
+  }
+}
+
+SubReturns::SubReturns(size_t most)
+    : sub_ray_(most), range_m_(most), weight_(most), factor_(most), signal_(most) {}
+
+void SubReturns::collect(std::span<const float> range_m, std::span<const float> weight) {
+  size_t n = 0;
+  for (size_t k = 0; k < range_m.size(); ++k) {
     sub_ray_[n] = uint32_t(k);
+    range_m_[n] = range_m[k];
     weight_[n] = weight[k];
-    bits_[n] = keys[k] ^ (uint64_t(Purpose::kRange) << 32 | met[k].element);
-    n += !met[k].none();
+    n += !std::isnan(range_m[k]);
   }
   size_ = n;
-  mix(n, bits_.data());
-  for (size_t k = 0; k < n; ++k) {
-    const trace::Intersection& m = met[sub_ray_[k]];
-    range_m_[k] = float(drawn_on_ray(m, bits_[k], limits, normal_));
-  }
 }
 
 }  // namespace underbrush::simulate

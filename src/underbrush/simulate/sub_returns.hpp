@@ -10,6 +10,12 @@
 
 namespace underbrush::simulate {
 
+/// Draws the ranges of sub-rays as `drawn_on_ray` does with a `QuickNormal`, t ~ N(t_i, σ_i²)
+/// ([deschaud12] eq. 2–3); m, NaN where a sub-ray met nothing. All spans are equally long, and
+/// `keys` are overwritten.
+void draw_ranges(std::span<const trace::Intersection> met, const trace::RangeLimits& limits,
+                 std::span<uint64_t> keys, std::span<float> range_m);
+
 /// The sub-rays of one beam that met something, in columns. The memory is used again for the next
 /// beam.
 class SubReturns {
@@ -17,11 +23,8 @@ class SubReturns {
   /// Makes room for `most` sub-rays.
   explicit SubReturns(size_t most);
 
-  /// Takes the sub-rays that met something and draws their ranges as `drawn_on_ray` does with a
-  /// `QuickNormal`, t ~ N(t_i, σ_i²) ([deschaud12] eq. 2–3). `met`, `keys` and `weight` have one
-  /// entry a sub-ray.
-  void collect(std::span<const trace::Intersection> met, std::span<const uint64_t> keys,
-               std::span<const float> weight, const trace::RangeLimits& limits);
+  /// Takes the sub-rays that met something. `range_m` and `weight` have one entry a sub-ray.
+  void collect(std::span<const float> range_m, std::span<const float> weight);
 
   size_t size() const { return size_; }
   std::span<const uint32_t> sub_ray() const { return {sub_ray_.data(), size_}; }
@@ -35,8 +38,6 @@ class SubReturns {
   size_t size_ = 0;
   std::vector<uint32_t> sub_ray_;
   std::vector<float> range_m_, weight_, factor_, signal_;
-  std::vector<uint64_t> bits_;
-  QuickNormal normal_;
 };
 
 }  // namespace underbrush::simulate

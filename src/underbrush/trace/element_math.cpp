@@ -130,18 +130,12 @@ Ray to_model(const elements::Instance& placed, const Ray& ray) {
   return {back * offset / double(placed.scale), back * ray.direction};
 }
 
-uint32_t grain_cell(const elements::Model& model, const elements::Instance& placed, const Ray& ray,
-                    const Intersection& met) {
-  const bool ellipsoid = met.element >= model.triangle_count();
-  const double side_m = ellipsoid ? model.grain.ellipsoid_m : model.grain.mesh_m;
-  const Ray local = to_model(placed, ray);
-  const Vec3 at = local.origin + met.t_m / double(placed.scale) * local.direction;
-  uint32_t cell = 0;
-  for (int k = 0; k < 3; ++k) {
-    cell += kCellFactor[k] * uint32_t(int64_t(std::floor(at[k] * (1 / side_m) + kCellOffset[k])));
-  }
-  return cell;
-}
+Grain::Grain(const elements::Model& model, const elements::Instance& placed)
+    : placed_(placed),
+      scale_(double(placed.scale)),
+      cells_per_m_{1 / model.grain.mesh_m, 1 / model.grain.ellipsoid_m},
+      first_ellipsoid_(uint32_t(model.triangle_count())),
+      translation_(is_translation(placed)) {}
 
 bool is_translation(const elements::Instance& placed) {
   return placed.scale == 1 && placed.world_from_model.rotation.w() == 1 &&

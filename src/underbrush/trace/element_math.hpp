@@ -116,11 +116,36 @@ bool is_translation(const elements::Instance& placed);
 /// divided by the instance's scale.
 Ray to_model(const elements::Instance& placed, const Ray& ray);
 
-/// Computes the cell of the model's grain in which a ray (world frame) met an element: the numbers
-/// of the cell of the model's frame that holds the point at `met.t_m`, mixed to 32 bits. `model` is
-/// that of the instance `placed`, and `met` what was met in it.
-uint32_t grain_cell(const elements::Model& model, const elements::Instance& placed, const Ray& ray,
-                    const Intersection& met);
+/// The grain of an instance: the cells of its model's frame in which rays meet its elements.
+class Grain {
+ public:
+  Grain() = default;
+  /// `model` is that of the instance `placed`; both are copied as far as they are needed.
+  Grain(const elements::Model& model, const elements::Instance& placed);
+  /// Computes the cell in which a ray (world frame) met an element: the numbers of the cell that
+  /// holds the point at `met.t_m`, mixed to 32 bits.
+  uint32_t cell(const Ray& ray, const Intersection& met) const {
+    const Ray local = translation_
+                          ? Ray{ray.origin - placed_.world_from_model.translation, ray.direction}
+                          : to_model(placed_, ray);
+    const Vec3 at = local.origin + met.t_m / scale_ * local.direction;
+    const double cells_per_m = cells_per_m_[met.element >= first_ellipsoid_];
+    uint32_t cell = 0;
+    for (int k = 0; k < 3; ++k) {
+      const double x = at[k] * cells_per_m + kCellOffset[k];
+      int64_t number = int64_t(x);
+      number -= double(number) > x;
+      cell += kCellFactor[k] * uint32_t(number);
+    }
+    return cell;
+  }
+
+ private:
+  elements::Instance placed_;
+  double scale_ = 1, cells_per_m_[2] = {0, 0};  // of triangles, and of ellipsoids
+  uint32_t first_ellipsoid_ = 0;
+  bool translation_ = true;
+};
 
 /// Computes where a ray (world frame) meets an element of an instance of `model` within `limits`.
 /// Ranges and σ are in the world's metres. The hit probability is that of the unscaled model.

@@ -1,6 +1,6 @@
 // `intersect` for many rays and elements, four elements of one kind at a time. Answers go to
-// out[i], one a candidate, or, if `out` is null, to the best of each candidate's ray. kernel_*.cpp
-// use this file.
+// out[i], one a candidate. If `out` is null, every candidate is known to be met, and answers go to
+// the best of each candidate's ray. kernel_*.cpp use this file.
 #pragma once
 #include <immintrin.h>
 
@@ -21,6 +21,7 @@ typedef double D2 __attribute__((vector_size(16), aligned(8), may_alias));
 typedef double D4 __attribute__((vector_size(32), aligned(8), may_alias));
 typedef float F4 __attribute__((vector_size(16), aligned(4), may_alias));
 
+inline D every(double a) { return D{a, a, a, a}; }
 inline D absolute(D a) { return (D)((L)a & 0x7fffffffffffffff); }
 inline D pick(L mask, D yes, D no) { return mask ? yes : no; }
 inline D to_double(F4 a) { return __builtin_convertvector(a, D); }
@@ -66,11 +67,12 @@ struct CandidatesByKind {
   uint32_t triangle[kRun + 1], ellipsoid[kRun + 1];
   uint32_t alone[kRun + 1];  // ellipsoids that are bounded by voxels
   size_t triangles = 0, ellipsoids = 0, alones = 0;
-  struct Mesh {
-    const ModelView::Mesh* of;
-    uint32_t at;  // the triangle's place in the mesh
-    const float* corner[3];
-  } mesh[kRun];  // of the triangles
+  struct Triangle {
+    const ModelView::Mesh* mesh;
+    const uint32_t* corners;
+    const elements::HitCount* hit;
+    const float* corner(int v) const { return mesh->vertices + 3 * size_t(corners[v]); }
+  } of_triangle[kRun];
 };
 
 // Sorts candidates by kind, and prefetches their rays and elements. One prefetch is enough for a
@@ -91,11 +93,12 @@ inline void split_by_kind(const View& view, const Batch& batch, const Candidate*
     out.triangle[triangles] = out.ellipsoid[ellipsoids] = out.alone[alones] = uint32_t(i);
     if (c.element < model->triangle_count) {
       const bool on_ground = c.element < model->ground_count;
-      CandidatesByKind::Mesh& mesh = out.mesh[triangles++];
-      mesh.of = on_ground ? &model->ground : &model->surface;
-      mesh.at = c.element - (on_ground ? 0 : model->ground_count);
-      __builtin_prefetch(mesh.of->triangles + 3 * size_t(mesh.at));
-      __builtin_prefetch(mesh.of->hit + mesh.at);
+      const ModelView::Mesh* mesh = on_ground ? &model->ground : &model->surface;
+      const size_t at = c.element - (on_ground ? 0 : model->ground_count);
+      CandidatesByKind::Triangle& triangle = out.of_triangle[triangles++];
+      triangle = {mesh, mesh->triangles + 3 * at, mesh->hit + at};
+      __builtin_prefetch(triangle.corners);
+      __builtin_prefetch(triangle.hit);
     } else {
       const elements::Ellipsoid* e = model->ellipsoids + (c.element - model->triangle_count);
       __builtin_prefetch(e);
@@ -105,12 +108,8 @@ inline void split_by_kind(const View& view, const Batch& batch, const Candidate*
     }
   }
   for (size_t k = 0; k < triangles; ++k) {
-    CandidatesByKind::Mesh& mesh = out.mesh[k];
-    const uint32_t* corners = mesh.of->triangles + 3 * size_t(mesh.at);
-    for (int v = 0; v < 3; ++v) {
-      mesh.corner[v] = mesh.of->vertices + 3 * size_t(corners[v]);
-      __builtin_prefetch(mesh.corner[v]);
-    }
+    const CandidatesByKind::Triangle& of = out.of_triangle[k];
+    for (int v = 0; v < 3; ++v) __builtin_prefetch(of.corner(v));
   }
   out.triangles = triangles;
   out.ellipsoids = ellipsoids;
@@ -122,7 +121,9 @@ struct PlacedRays {
   D o[3], d[3], scale, tau2;
 };
 
-// Four candidates that are decided together. Where fewer are left, the last one is repeated.
+// Four candidates that are decided together. Where fewer are left, the last one is repeated. If
+// kMet, all are known to be met.
+template <bool kMet>
 class CandidateQuads {
  public:
   CandidateQuads(const View& view, const Batch& batch, const Candidate* list, Intersection* out)
@@ -157,17 +158,18 @@ class CandidateQuads {
     write(index, count, a.delta2 <= r.tau2, r.scale, a.t, sigma, a.delta2, p);
   }
 
-  void decide_triangles(const uint32_t* entry, const CandidatesByKind::Mesh* mesh, size_t count) {
+  void decide_triangles(const uint32_t* entry, const CandidatesByKind::Triangle* triangle,
+                        size_t count) {
     D corner[3][kFour], sigma{}, roughness{}, p{};
     uint32_t index[kFour];
     for (size_t k = 0; k < kFour; ++k) {
       const size_t at = k < count ? k : count - 1;
-      const CandidatesByKind::Mesh& of = mesh[at];
+      const CandidatesByKind::Triangle& of = triangle[at];
       index[k] = entry[at];
-      for (int v = 0; v < 3; ++v) corner[v][k] = load_corner(of.corner[v]);
-      sigma[k] = of.of->sigma_m;
-      roughness[k] = of.of->roughness_m;
-      p[k] = double(of.of->hit[of.at].p);
+      for (int v = 0; v < 3; ++v) corner[v][k] = load_corner(of.corner(v));
+      sigma[k] = of.mesh->sigma_m;
+      roughness[k] = of.mesh->roughness_m;
+      p[k] = double(of.hit->p);
     }
     const PlacedRays r = rays_of(index);
     for (auto& row : corner) transpose(row);
@@ -176,8 +178,7 @@ class CandidateQuads {
       const D sigma2 = rough_sigma2(sigma, roughness, corner[0], corner[1], corner[2], r.d);
       sigma = pick(rough, square_root(sigma2), sigma);
     }
-    D weight[3];
-    const TriangleTest test = cross(r, corner, weight);
+    const TriangleTest test = cross(r, corner);
     write(index, count, test.inside, r.scale, test.t, sigma, D{}, p);
     // Rays that plain arithmetic finds on an edge are decided by the exact test.
     for (size_t k = 0; test.certain != 0xf && k < count; ++k) {
@@ -192,7 +193,7 @@ class CandidateQuads {
     unsigned certain;
   };
 
-  static TriangleTest cross(const PlacedRays& r, const D corner[3][kFour], D weight[3]) {
+  static TriangleTest cross(const PlacedRays& r, const D corner[3][kFour]) {
     // The direction's greatest component becomes the third axis, as in `crossing`.
     const D x = absolute(r.d[0]), y = absolute(r.d[1]), z = absolute(r.d[2]);
     const L is_y = y > x, is_z = z > pick(is_y, y, x);
@@ -206,12 +207,14 @@ class CandidateQuads {
     turn(r.d, d);
     for (int v = 0; v < 3; ++v) turn(corner[v], corners[v]);
     const Sheared<D> s = shear(o, d, corners);
+    D weight[3];
     const D zero{};
     L above = zero == zero, below = above, sure = above;
     for (int k = 0; k < 3; ++k) {
       const int i = (k + 1) % 3, j = (k + 2) % 3;
       const D xy = s.x[i] * s.y[j], zw = s.x[j] * s.y[i];
       weight[k] = xy - zw;
+      if (kMet) continue;
       above &= weight[k] >= zero;
       below &= weight[k] <= zero;
       sure &= absolute(weight[k]) > 1e-15 * (absolute(xy) + absolute(zw));
@@ -228,39 +231,57 @@ class CandidateQuads {
   }
 
   PlacedRays rays_of(const uint32_t index[kFour]) {
-    D first[kFour], second[kFour];  // rows: o x y z, d x; d y z, scale, τ²
-    for (size_t k = 0; k < kFour; ++k) {
-      const Candidate& c = list_[index[k]];
-      const InstanceTransform& at = at_instance(c.instance);
-      const double* ray = batch_.rays[c.ray].origin.data();
-      double placed[6];
-      if (!at.is_translation) {
-        place_ray(view_, batch_, c, placed, placed + 3);
-        ray = placed;
+    D o[kFour];
+    D2 d_yz[kFour];  // o has o x y z, d x
+    const Candidate &c0 = list_[index[0]], &c1 = list_[index[1]], &c2 = list_[index[2]],
+                    &c3 = list_[index[3]];
+    const InstanceTransform& at = at_instance(c0.instance);
+    const bool one = ((c0.instance ^ c1.instance) | (c0.instance ^ c2.instance) |
+                      (c0.instance ^ c3.instance)) == 0;
+    D scale = every(at.scale_tau2[0]), tau2 = every(at.scale_tau2[1]);
+    if (one && at.is_translation) {
+      const D translation = *reinterpret_cast<const D4*>(at.translation);
+      for (size_t k = 0; k < kFour; ++k) {
+        const double* ray = batch_.rays[list_[index[k]].ray].origin.data();
+        o[k] = *reinterpret_cast<const D4*>(ray) - translation;
+        d_yz[k] = *reinterpret_cast<const D2*>(ray + 4);
       }
-      first[k] = *reinterpret_cast<const D4*>(ray);
-      if (at.is_translation) first[k] -= *reinterpret_cast<const D4*>(at.translation);
-      const D2 d = *reinterpret_cast<const D2*>(ray + 4),
-               s = *reinterpret_cast<const D2*>(at.scale_tau2);
-      second[k] = __builtin_shufflevector(d, s, 0, 1, 2, 3);
+    } else {
+      for (size_t k = 0; k < kFour; ++k) {
+        const Candidate& c = list_[index[k]];
+        double placed[6];
+        place_ray(view_, batch_, c, placed, placed + 3);
+        o[k] = *reinterpret_cast<const D4*>(placed);
+        d_yz[k] = *reinterpret_cast<const D2*>(placed + 4);
+        scale[k] = at_instance(c.instance).scale_tau2[0];
+        tau2[k] = at_instance(c.instance).scale_tau2[1];
+      }
     }
-    transpose(first);
-    transpose(second);
-    return {{first[0], first[1], first[2]}, {first[3], second[0], second[1]}, second[2], second[3]};
+    transpose(o);
+    const D y0z0y2z2 = __builtin_shufflevector(d_yz[0], d_yz[2], 0, 1, 2, 3);
+    const D y1z1y3z3 = __builtin_shufflevector(d_yz[1], d_yz[3], 0, 1, 2, 3);
+    return {{o[0], o[1], o[2]},
+            {o[3], __builtin_shufflevector(y0z0y2z2, y1z1y3z3, 0, 4, 2, 6),
+             __builtin_shufflevector(y0z0y2z2, y1z1y3z3, 1, 5, 3, 7)},
+            scale,
+            tau2};
   }
 
   Intersection& answer(uint32_t index) const {
-    return out_ ? out_[index] : batch_.best[list_[index].ray];
+    return kMet ? batch_.best[list_[index].ray] : out_[index];
   }
 
   void write(const uint32_t index[kFour], size_t count, L inside, D scale, D t, D sigma, D delta2,
              D p) {
     const D range = t * scale;
-    inside &= (range >= batch_.limits.min_m) & (range <= batch_.limits.max_m);
     D row[kFour] = {range, sigma * scale, delta2, p};
-    for (D& column : row) column = (D)((L)column & inside);
+    unsigned met = 0xf;
+    if (!kMet) {
+      inside &= (range >= batch_.limits.min_m) & (range <= batch_.limits.max_m);
+      for (D& column : row) column = (D)((L)column & inside);
+      met = bits(inside);
+    }
     transpose(row);
-    const unsigned met = bits(inside);
     for (size_t k = 0; k < count; ++k) {
       const Candidate& c = list_[index[k]];
       Intersection& to = answer(index[k]);
@@ -279,26 +300,32 @@ class CandidateQuads {
   uint32_t instance_ = Intersection::kNone;
 };
 
-[[maybe_unused]] void intersect_run(const View& view, const Batch& batch, const Candidate* list,
-                                    size_t count, Intersection* out) {
+template <bool kMet>
+void intersect_run(const View& view, const Batch& batch, const Candidate* list, size_t count,
+                   Intersection* out) {
   CandidatesByKind sorted;
   split_by_kind(view, batch, list, count, sorted);
-  CandidateQuads quads(view, batch, list, out);
+  CandidateQuads<kMet> quads(view, batch, list, out);
   const auto least = [](size_t a) { return a < kFour ? a : kFour; };
   for (size_t k = 0; k < sorted.ellipsoids; k += kFour) {
     quads.decide_ellipsoids(sorted.ellipsoid + k, least(sorted.ellipsoids - k));
   }
   for (size_t k = 0; k < sorted.alones; ++k) quads.decide(sorted.alone[k]);
   for (size_t k = 0; k < sorted.triangles; k += kFour) {
-    quads.decide_triangles(sorted.triangle + k, sorted.mesh + k, least(sorted.triangles - k));
+    quads.decide_triangles(sorted.triangle + k, sorted.of_triangle + k,
+                           least(sorted.triangles - k));
   }
 }
 
 [[maybe_unused]] void intersect_many(const View& view, const Batch& batch, const Candidate* list,
                                      size_t count, Intersection* out) {
   for (size_t from = 0; from < count; from += kRun) {
-    intersect_run(view, batch, list + from, count - from < kRun ? count - from : kRun,
-                  out ? out + from : nullptr);
+    const size_t n = count - from < kRun ? count - from : kRun;
+    if (out) {
+      intersect_run<false>(view, batch, list + from, n, out + from);
+    } else {
+      intersect_run<true>(view, batch, list + from, n, nullptr);
+    }
   }
 }
 

@@ -63,12 +63,13 @@ inline unsigned visit(PacketQuery& s, const Frame& f, const EllipsoidBlock& b, L
   const auto& mean = tests.ellipsoid.mean;
   const auto& slack = tests.ellipsoid.slack;
   const auto& size_of = tests.ellipsoid.size;
-  M maybe[8 * kGroups];
-  F met[8 * kGroups][4];
-  uint8_t pair_of[8 * kGroups];
-  int count = 0;
+  struct {
+    F a, h, c, t0;
+    M maybe;
+  } met[8 * kGroups + 1], *to = met;
+  uint8_t pair_of[8 * kGroups + 1];
   unsigned sets = 0;
-  filter(tests.pairs, [&](int j, int g) {
+  for_each(tests.pairs, [&](unsigned j, unsigned g, unsigned pair) {
     const float outer = 1 + slack[j];
     const F dx = r.d[0][g], dy = r.d[1][g], dz = r.d[2][g];
     const F vx = mean[0][j] - r.o[0][g], vy = mean[1][j] - r.o[1][g], vz = mean[2][j] - r.o[2][g];
@@ -84,37 +85,34 @@ inline unsigned visit(PacketQuery& s, const Frame& f, const EllipsoidBlock& b, L
     const F h = muladd(a0, b0, muladd(a1, b1, a2 * b2));
     const F c = muladd(b0, b0, muladd(b1, b1, b2 * b2));
     const F hh = h * h;
-    maybe[count] = le((c - outer * outer) * a, hh * 1.00001f);
-    met[count][0] = a;
-    met[count][1] = h;
-    met[count][2] = c;
-    met[count][3] = t0;
-    pair_of[count] = uint8_t(kGroups * j + g);
-    const bool met_any = bits(maybe[count]) != 0;
-    count += met_any;
-    return met_any;
+    const M maybe = le((c - outer * outer) * a, hh * 1.00001f);
+    *to = {a, h, c, t0, maybe};
+    pair_of[to - met] = uint8_t(pair);
+    to += bits(maybe) != 0;
   });
+  const int count = int(to - met);
   for (int k = 0; k < count; ++k) {
-    const int pair = pair_of[k], j = pair / kGroups, g = pair % kGroups;
+    const unsigned j = child_of(pair_of[k]), g = group_of(pair_of[k]);
     const float inner = slack[j] < 1 ? 1 - slack[j] : 0;
-    const F a = met[k][0], h = met[k][1], c = met[k][2], t0 = met[k][3], hh = h * h;
+    const F a = met[k].a, h = met[k].h, c = met[k].c, t0 = met[k].t0, hh = h * h;
     const F i = 1.0f / a, step = h * i, t = t0 + step, reach = root(i);
     const F error = reach * muladd(all(size_of[j]), absolute(step) + reach, all(slack[j])) +
                     (absolute(t0) + absolute(step)) * 6e-7f;
     const F low = t - error, high = t + error;
-    M found = maybe[k] & le(all(f.t_min), high) &
+    M found = met[k].maybe & le(all(f.t_min), high) &
               le(low, kQuery == Query::kAll ? all(f.t_max) : s.found.high[g]);
     M sure = found;
     if (kQuery == Query::kAccepted && kind == LeafKind::kPathLength) {
       const F m2 = c - hh * i,
               m2_error = muladd(hh * i, all(1e-5f), all(slack[j] * (2 + slack[j])));
       const Trial trial =
-          path_length_trial(s, f, g, b.element[j], cells_of(f, f.grain[1], g, t, error), b.depth[j],
-                            reach, all(size_of[j]) * reach, m2, m2_error);
+          path_length_trial(s, f, int(g), b.element[j], cells_of(f, f.grain[1], int(g), t, error),
+                            b.depth[j], reach, all(size_of[j]) * reach, m2, m2_error);
       found &= trial.maybe;
       sure &= trial.sure;
     } else if (kQuery == Query::kAccepted) {
-      const Trial trial = trial_at(s, f, f.grain[1], g, b.element[j], b.accept_below[j], t, error);
+      const Trial trial =
+          trial_at(s, f, f.grain[1], int(g), b.element[j], b.accept_below[j], t, error);
       sure &= kind == LeafKind::kCareful ? mask_of(0) : trial.sure;
       found &= trial.maybe;
     }
@@ -123,7 +121,7 @@ inline unsigned visit(PacketQuery& s, const Frame& f, const EllipsoidBlock& b, L
       sure &= le((c - inner * inner) * a, hh * 0.99999f) & le(high, s.found.low[g]) &
               le(all(f.t_min), low);
     }
-    record<kQuery>(s, f, g, b.element[j], found, sure, low, high);
+    record<kQuery>(s, f, int(g), b.element[j], found, sure, low, high);
     sets |= 1u << g / 8;
   }
   return sets;

@@ -80,7 +80,9 @@ struct alignas(32) ChildTests {
       float mean[3][8], slack[8], size[8];
     } ellipsoid;
     struct {
-      float corner[3][8], side1[3][8], side2[3][8], slack[8], range_slack[8];
+      float corner[3][8], side1[3][8], side2[3][8];
+      float normal[3][8], height[8];  // side2 × side1, and its product with the corner
+      float slack[8], doubtful[8], range_slack[8];  // `doubtful` is −3 `slack`
     } triangle;
   };
   Pairs pairs;

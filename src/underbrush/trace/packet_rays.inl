@@ -14,7 +14,8 @@ namespace {
 // The rays in one frame, relative to a common centre.
 struct alignas(64) Rays {
   F d[3][kGroups], o[3][kGroups], inverse[3][kGroups];
-  F start[3][kGroups];  // −o·inverse
+  F start[3][kGroups];   // −o·inverse
+  F moment[3][kGroups];  // o × d
   double centre[3];
   // The three axes point across, up and along the rays. The slopes of a ray are the components of
   // its direction across and up, divided by the component along.
@@ -136,6 +137,19 @@ __attribute__((always_inline)) inline Pairs filter(const Pairs& pairs, Test test
   return found;
 }
 
+// Calls visit(k, g, pair) for every pair of k and g.
+template <class Visit>
+__attribute__((always_inline)) inline void for_each(const Pairs& pairs, Visit visit) {
+  for (int set = 0; set < kSets; ++set) {
+    for (uint64_t left = pairs.of[set]; left; left &= left - 1) {
+      const unsigned pair = unsigned(__builtin_ctzll(left));
+      visit(pair / 8, 8 * unsigned(set) + pair % 8, 64 * unsigned(set) + pair);
+    }
+  }
+}
+inline unsigned child_of(unsigned pair) { return pair % 64 / 8; }
+inline unsigned group_of(unsigned pair) { return pair / 64 * 8 + pair % 8; }
+
 // Selects the boxes or elements that occur in a pair.
 inline unsigned children_in(const Pairs& pairs) {
   uint64_t any = 0;
@@ -201,6 +215,10 @@ inline void finish(Rays& r) {
   }
   r.mixed = false;
   for (int a = 0; a < 3; ++a) {
+    const int b = (a + 1) % 3, c = (a + 2) % 3;
+    for (int g = 0; g < kGroups; ++g) {
+      r.moment[a][g] = muladd(r.o[b][g], r.d[c][g], -(r.o[c][g] * r.d[b][g]));
+    }
     unsigned any = 0, every = ~0u;
     for (int g = 0; g < kGroups; ++g) {
       const F d = r.d[a][g];

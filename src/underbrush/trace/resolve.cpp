@@ -56,7 +56,7 @@ static bool ends(const View& view, const Batch& batch, size_t ray, const Interse
   const bool ellipsoid = met.element >= model.triangle_count;
   const uint64_t key = batch.keys[ray];
   if (model.cells_per_m[ellipsoid] == 0) return accepts(key, met);
-  const uint32_t cell = grain_cell(*view.models[placed.model], placed, batch.rays[ray], met);
+  const uint32_t cell = Grain(*view.models[placed.model], placed).cell(batch.rays[ray], met);
   if (!model.sways) return accepts(key, met, cell);
   return accepts(uint32_t(key), met,
                  ellipsoid ? swaying_cell(cell, met.element, uint32_t(key >> 32)) : cell);

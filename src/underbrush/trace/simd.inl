@@ -42,12 +42,14 @@ inline F8 absolute(F8 a) { return (F8)((I8)a & 0x7fffffff); }
 inline F8 lesser(F8 a, F8 b) { return _mm256_min_ps(a, b); }
 inline F8 greater(F8 a, F8 b) { return _mm256_max_ps(a, b); }
 inline F8 muladd(F8 a, F8 b, F8 c) { return _mm256_fmadd_ps(a, b, c); }
+inline F8 minus_product(F8 c, F8 a, F8 b) { return _mm256_fnmadd_ps(a, b, c); }
 inline F8 root(F8 a) { return _mm256_sqrt_ps(a); }
 inline unsigned bits(I8 mask) { return unsigned(_mm256_movemask_ps((__m256)mask)); }
 #else
 inline F8 lesser(F8 a, F8 b) { return a < b ? a : b; }
 inline F8 greater(F8 a, F8 b) { return a > b ? a : b; }
 inline F8 muladd(F8 a, F8 b, F8 c) { return a * b + c; }
+inline F8 minus_product(F8 c, F8 a, F8 b) { return c - a * b; }
 inline F8 root(F8 a) {
   F8 r;
   for (int k = 0; k < 8; k += 4) {
@@ -72,6 +74,7 @@ inline M mask_of(unsigned lanes) { return M(lanes); }
 inline F pick(M m, F yes, F no) { return _mm512_mask_blend_ps(m, no, yes); }
 inline U pick(M m, U yes, U no) { return (U)_mm512_mask_blend_epi32(m, (__m512i)no, (__m512i)yes); }
 inline F muladd(F a, F b, F c) { return _mm512_fmadd_ps(a, b, c); }
+inline F minus_product(F c, F a, F b) { return _mm512_fnmadd_ps(a, b, c); }
 inline F lesser(F a, F b) { return _mm512_min_ps(a, b); }
 inline F greater(F a, F b) { return _mm512_max_ps(a, b); }
 inline F root(F a) { return _mm512_sqrt_ps(a); }
