@@ -15,7 +15,6 @@ namespace underbrush::worlds {
 namespace fs = std::filesystem;
 namespace {
 
-using elements::Class;
 using elements::Instance;
 
 /// A geometry that was read, to be placed any number of times.
