@@ -14,7 +14,9 @@ trace::World world_of(const elements::Scene& scene) {
 }
 
 simulate::InstanceKinds kinds_of(const elements::Scene& scene, const elements::SceneInfo& info) {
-  simulate::InstanceKinds kinds{info.labels, {}};
+  simulate::InstanceKinds kinds;
+  kinds.label = info.labels;
+  kinds.class_names = info.class_names;
   if (info.materials.empty()) return kinds;
   for (const elements::Instance& i : scene.instances) {
     kinds.material.push_back(info.materials[i.model]);
@@ -46,14 +48,15 @@ void TracedPart::trace(std::span<const Ray> rays, std::span<const uint64_t> keys
   }
   std::vector<float> factor(hit.size());
   simulate::Reflection::Evaluator evaluator(reflection_, dynamic_);
+  simulate::MatterAt matter_at(dynamic_);
   for (size_t i = 0; i < hit.size(); ++i) {
     const uint32_t k = hit[i];
     evaluator.begin(rays[k].direction, time_s);
     evaluator.factors(met, rays, {&hit[i], 1}, {&factor[i], 1});
-    const uint64_t cell = dynamic_.grain_cell(rays[k], time_s, met[k], matter);
-    const double range =
-        simulate::drawn_in_matter(met[k], trace::instance_key(matter, met[k].instance) ^ cell,
-                                  keys[k], dynamic_.model(met[k].instance).range_noise_m, limits);
+    const uint64_t own =
+        matter_at.key(matter, met[k], time_s) ^ matter_at.cell(rays[k], time_s, met[k], matter);
+    const double range = simulate::drawn_in_matter(
+        met[k], own, keys[k], matter_at.model(met[k], time_s).range_noise_m, limits);
     nearest[k] = {range, double(factor[i]), first_instance + met[k].instance};
   }
 }
