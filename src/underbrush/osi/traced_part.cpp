@@ -46,14 +46,17 @@ void TracedPart::trace(std::span<const Ray> rays, std::span<const uint64_t> keys
   }
   std::vector<float> factor(hit.size());
   simulate::Reflection::Evaluator evaluator(reflection_, dynamic_);
+  simulate::MatterAt matter_of(dynamic_);
   for (size_t i = 0; i < hit.size(); ++i) {
     const uint32_t k = hit[i];
     evaluator.begin(rays[k].direction, time_s);
     evaluator.factors(met, rays, {&hit[i], 1}, {&factor[i], 1});
-    const uint64_t cell = dynamic_.grain_cell(rays[k], time_s, met[k], matter);
+    const elements::Model& model = matter_of.model(met[k], time_s);
     const double range =
-        simulate::drawn_in_matter(met[k], trace::instance_key(matter, met[k].instance) ^ cell,
-                                  keys[k], dynamic_.model(met[k].instance).range_noise_m, limits);
+        simulate::drawn_in_matter(met[k],
+                                  trace::instance_key(matter, met[k].instance) ^
+                                      matter_of.cell(rays[k], time_s, met[k], matter),
+                                  keys[k], model.range_noise_m, limits);
     nearest[k] = {range, double(factor[i]), first_instance + met[k].instance};
   }
 }
