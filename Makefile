@@ -14,7 +14,8 @@ comma := ,
 quiet = log=$$(mktemp); if $(1) > $$log 2>&1; then rm $$log; else cat $$log; rm $$log; exit 1; fi
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build test fuzz fuzz-osi fmu check-fmu demo bench gates results docs deb check-deb wheel check-wheel asan-python clean
+.PHONY: help setup build test fuzz fuzz-osi fmu check-fmu demo bench gates results docs deb check-deb wheel check-wheel \
+        check-pythons asan-python clean
 
 help:     ## This list
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):[^#]*## /  make \1\t/' | expand -t 16
@@ -94,6 +95,11 @@ check-deb: deb ## Install the package on a bare Debian and run it there (root, m
 check-wheel:   ## Install the Python package and its wheel on a bare Debian (root, minutes)
 	@scripts/setup.sh package
 	@scripts/check_wheel.sh
+
+check-pythons: setup   ## The Python tests with every other Python on the PATH, from 3.10 on (minutes)
+	@$(call quiet,$(configure) -DUNDERBRUSH_PYTHON=ON)
+	@cmake --build $(BUILD) --target underbrush_python -j $(JOBS)
+	@python3 python/tests/environment.py versions --build $(BUILD)
 
 asan-python: setup   ## The Python tests of lifetimes under AddressSanitizer: build/asan (minutes)
 	@$(call quiet,cmake -S . -B $(BUILD)/asan -G Ninja -DCMAKE_BUILD_TYPE=None $(ccache) $(program_only) \

@@ -149,6 +149,7 @@ READERS = {
     "fit": ["BAD", "-o", "out"],
     "optimize": ["BAD", "-o", "out"],
     "simulate": ["BAD", "--like", "BAD", "-o", "out"],
+    "rasters": ["BAD", "-o", "out"],
     "perceive": ["BAD", "--pipeline", "real", "-o", "out.csv"],
     "osi": ["info", "BAD"],
     "score": ["BAD", "BAD"],
