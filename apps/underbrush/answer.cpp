@@ -28,7 +28,7 @@ void Answer::set_up(const simulate::InstanceKinds& kinds,
   sensor_ = sensor_of("--super-sample");
   instrument_ = instrument_of(a_.instrument, sensor_, recorder);
   if (a_.simulate.max_range_m > 0) instrument_.receiver.max_range_m = a_.simulate.max_range_m;
-  reflection_ = std::make_unique<simulate::Reflection>(materials_of(a_.instrument),
+  reflection_ = std::make_unique<simulate::Reflection>(materials_of(a_.instrument, kinds),
                                                        sensor_.wavelength_m, kinds);
   simulate::EchoOptions options;
   options.seed = a_.simulate.seed;
@@ -37,16 +37,35 @@ void Answer::set_up(const simulate::InstanceKinds& kinds,
   options.sway_s = a_.simulate.sway_s;
   options.instance_labels = a_.simulate.instance_labels;
   if (!a_.instrument.waveforms.empty()) options.waveforms = a_.instrument.waveform;
+  for (const std::string& file : a_.instrument.waveforms) {
+    if (!is_waveform_file(file)) continue;
+    files_.push_back(std::make_unique<WaveformFile>(file));
+    options.waveforms.count = SIZE_MAX;
+  }
   maker_ = std::make_unique<simulate::EchoMaker>(world_, *reflection_, instrument_, options);
 }
 
 void Answer::operator()(size_t first_beam, BeamLog& beams) {
-  if (maker_) return maker_->answer(first_beam, beams);
+  if (maker_) {
+    maker_->answer(first_beam, beams);
+    return take_waveforms();
+  }
   simulate::simulate(world_, a_.simulate, first_beam, beams);
 }
 
-void Answer::write_waveforms() const {
-  if (maker_) app::write_waveforms(a_.instrument, sensor_, maker_->waveforms());
+void Answer::take_waveforms() {
+  if (a_.instrument.waveforms.empty()) return;
+  std::vector<simulate::BeamWaveform> taken = maker_->take_waveforms();
+  for (const auto& file : files_) file->append(taken);
+  for (simulate::BeamWaveform& w : taken) {
+    if (waveforms_.size() < a_.instrument.waveform.count) waveforms_.push_back(std::move(w));
+  }
+}
+
+void Answer::write_waveforms() {
+  if (maker_) app::write_waveforms(a_.instrument, sensor_, waveforms_);
+  for (const auto& file : files_) file->close();
+  files_.clear();
 }
 
 }  // namespace underbrush::app

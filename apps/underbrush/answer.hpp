@@ -9,6 +9,7 @@
 
 #include "instrument.hpp"
 #include "underbrush/simulate/simulate.hpp"
+#include "waveform_file.hpp"
 
 namespace underbrush::app {
 
@@ -44,9 +45,10 @@ class Answer {
   /// Returns the number of sub-rays that were traced so far.
   size_t rays_traced() const { return maker_ ? maker_->rays() : 0; }
   /// Writes the waveforms to every file asked for; none for thin rays.
-  void write_waveforms() const;
+  void write_waveforms();
 
  private:
+  void take_waveforms();
   void set_up(const simulate::InstanceKinds& kinds, const std::optional<sensor::Sensor>& recorder,
               const SensorOf& sensor_of);
 
@@ -56,6 +58,9 @@ class Answer {
   simulate::Instrument instrument_;
   std::unique_ptr<simulate::Reflection> reflection_;
   std::unique_ptr<simulate::EchoMaker> maker_;
+  /// The waveforms for tables and plots, and files of the waveforms of all beams.
+  std::vector<simulate::BeamWaveform> waveforms_;
+  std::vector<std::unique_ptr<WaveformFile>> files_;
 };
 
 }  // namespace underbrush::app

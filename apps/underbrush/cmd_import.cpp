@@ -7,6 +7,7 @@
 
 #include "cli/progress.hpp"
 #include "import_report.hpp"
+#include "import_survey.hpp"
 #include "row_filter.hpp"
 #include "stages.hpp"
 #include "underbrush/core/check.hpp"
@@ -15,6 +16,7 @@
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/sensor/beams_from_scan.hpp"
 #include "underbrush/sensor/pulse_returns.hpp"
+#include "underbrush/worlds/helios_scene.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -22,7 +24,7 @@ namespace {
 namespace import_verb {
 
 struct Arguments {
-  std::string source, output, frames, deskew, infer_misses, label_set, keep;
+  std::string source, output, assets, frames, deskew, infer_misses, label_set, keep;
   io::InputOptions input;
   io::LogWriterOptions writer;
   bool float_coordinates = false;
@@ -32,8 +34,9 @@ struct Arguments {
 
 void add_options(Verb& verb, Arguments& a) {
   CLI::App& app = verb.app;
-  app.add_option("SOURCE", a.source, "The log: a file or folder")->required();
-  verb.output("-o,--output", a.output, "The log as a ray cloud PLY")
+  app.add_option("SOURCE", a.source, "The log: a file or folder; or a survey of HELIOS++ (.xml)")
+      ->required();
+  verb.output("-o,--output", a.output, "The log as a ray cloud PLY; of a survey, a folder")
       ->required()
       ->type_name("LOG.ply");
   app.add_option("--format", a.input.format, "Format of the source (default: detected)")
@@ -52,6 +55,9 @@ void add_options(Verb& verb, Arguments& a) {
          "--keep", a.keep,
          "Read only the points with this value of a column, such as first returns: target_index=1")
       ->type_name("COLUMN=VALUE");
+  app.add_option("--assets", a.assets,
+                 "Folder in which a survey of HELIOS++ has its files, besides its own")
+      ->type_name("FOLDER");
   app.add_option("--frames", a.frames, "Scans to read, by number, half-open: A:B or A:B:STEP")
       ->type_name("A:B[:STEP]");
   app.add_option("--deskew", a.deskew,
@@ -206,6 +212,7 @@ LogInfo beams_info(const Arguments& a, const io::Input& input) {
 }
 
 void run(const Verb& verb, Arguments& a) {
+  if (worlds::is_helios(a.source)) return import_survey(verb, a.source, a.output, a.assets);
   if (!a.frames.empty()) a.input.frames = io::frames_from_text(a.frames);
   a.writer.double_coordinates = !a.float_coordinates;
   const RowFilter keep(a.source, a.keep);

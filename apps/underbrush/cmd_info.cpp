@@ -14,6 +14,7 @@
 #include "underbrush/primitives/annotation.hpp"
 #include "underbrush/primitives/primitive_set.hpp"
 #include "verbs.hpp"
+#include "world_summary.hpp"
 
 namespace underbrush::app {
 namespace {
@@ -40,11 +41,13 @@ void report_model(const Verb& verb, const std::string& path) {
 }
 
 // Returns a table of the objects of each class, and puts it into `j`.
-std::string table_of_classes(const std::map<elements::Class, size_t>& classes, Json& j) {
+std::string table_of_classes(const std::map<elements::Class, size_t>& classes, Json& j,
+                             const elements::SceneInfo& info = {}) {
   std::string text;
   for (const auto& [c, n] : classes) {
-    j["classes"][std::string(name(c))] = n;
-    text += fmt::format("  {:<19}{:>8}\n", name(c), n);
+    const std::string called = elements::class_name(info, c);
+    j["classes"][called] = n;
+    text += fmt::format("  {:<19}{:>8}\n", called, n);
   }
   return text;
 }
@@ -63,7 +66,7 @@ void report_scene(const Verb& verb, const std::string& path) {
   j["kind"] = "scene";
   j["models"] = scene.models.size();
   j["instances"] = scene.instances.size();
-  const std::string table = table_of_classes(classes, j);
+  const std::string table = table_of_classes(classes, j, info);
   j["movers"] = info.movers.size();
   j["ground_triangles"] = scene.models.at(0).ground.size();
   j["surface_triangles"] = triangles;
@@ -75,6 +78,14 @@ void report_scene(const Verb& verb, const std::string& path) {
       path, scene.instances.size(), scene.models.size(), scene.models.at(0).ground.size(),
       triangles, ellipsoids);
   verb.report(j, text + table);
+}
+
+void report_world(const Verb& verb, const std::string& path) {
+  const worlds::World world = worlds::read_world(path);
+  const WorldSummary summary{world.report, world.info};
+  Json j = json_of(summary);
+  j["kind"] = "world";
+  verb.report(j, path + ": world in a third-party format\n" + text_of(summary));
 }
 
 void report_primitives(const Verb& verb, const std::string& path) {
@@ -148,6 +159,7 @@ void run(const Verb& verb, const Arguments& a) {
   if (!a.leaves.empty()) return report_leaves(verb, file, a.leaves == "all");
   if (elements::is_model(file)) return report_model(verb, file);
   if (elements::is_scene(file)) return report_scene(verb, file);
+  if (worlds::is_world(file)) return report_world(verb, file);
   if (primitives::is_primitive_set(file)) return report_primitives(verb, file);
   if (std::filesystem::path(file).extension() == ".json") return report_annotation(verb, file);
   io::Input input = io::open_input(file);
@@ -172,13 +184,14 @@ void add_info(Program& program) {
   using namespace info_verb;
   auto a = std::make_shared<Arguments>();
   const auto verb = add_verb(program, "Logs", "info",
-                             "Describe a log, model, scene, set of primitives or annotation",
+                             "Describe a log, model, scene, mesh, set of primitives or annotation",
                              "underbrush info log.ply\n"
                              "  underbrush info log.ply --leaves vegetation",
                              [a](const Verb& v) { run(v, *a); });
   verb->app
-      .add_option("FILE", a->file,
-                  "A log, the folder of a model, scene or set of primitives, or an annotation")
+      .add_option(
+          "FILE", a->file,
+          "A log, the folder of a model, scene or set of primitives, a mesh or an annotation")
       ->required();
   verb->app
       .add_option("--leaves", a->leaves,

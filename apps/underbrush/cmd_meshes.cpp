@@ -94,6 +94,21 @@ void run(const Verb& verb, Arguments& a) {
     text += fmt::format("  {:<19}{:>8}, {:.0f} triangles each\n", name, n.first,
                         double(n.second) / double(n.first));
   }
+  double least = 1, most = 1;
+  for (const auto& p : set) {
+    for (const primitives::PlantPlacement& plant : p.plants) {
+      least = std::min(least, plant.scale);
+      most = std::max(most, plant.scale);
+    }
+  }
+  j["scale"] = {least, most};
+  j["range_noise_m"] = a.meshes.range_sigma_m;
+  text += fmt::format(
+      "  each plant is moved to its foot, turned to its longer axis and scaled by {:.3g} to "
+      "{:.3g}, "
+      "with noise of {:g} m;\n  primitive.json records this; a scene keeps its places with "
+      "`underbrush simulate FILE`\n",
+      least, most, a.meshes.range_sigma_m);
   text += "  primitives  " + a.output + "\n  to look at  " +
           (std::filesystem::path(a.output) / "index.html").string() + "\n";
   verb.report(j, text);
@@ -105,12 +120,13 @@ void run(const Verb& verb, Arguments& a) {
 void add_meshes(Program& program) {
   using namespace meshes_verb;
   auto a = std::make_shared<Arguments>();
-  const auto verb = add_verb(program, "Scenes", "meshes",
-                             "Make primitives from plant meshes, for the comparison simulator",
-                             "underbrush meshes generated -o meshes/\n"
-                             "  underbrush meshes plants/ fern.obj --up y -o meshes/\n"
-                             "  underbrush compose annotation.json meshes/ -o scene/",
-                             [a](const Verb& v) { run(v, *a); });
+  const auto verb =
+      add_verb(program, "Scenes", "meshes",
+               "Make primitives from plant meshes, moved, turned and scaled, for composed scenes",
+               "underbrush meshes generated -o meshes/\n"
+               "  underbrush meshes plants/ fern.obj --up y -o meshes/\n"
+               "  underbrush compose annotation.json meshes/ -o scene/",
+               [a](const Verb& v) { run(v, *a); });
   add_options(*verb, *a);
 }
 

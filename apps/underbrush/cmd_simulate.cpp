@@ -17,6 +17,7 @@
 #include "underbrush/sensor/pattern.hpp"
 #include "underbrush/sensor/sensor.hpp"
 #include "verbs.hpp"
+#include "world_summary.hpp"
 
 namespace underbrush::app {
 namespace {
@@ -46,7 +47,8 @@ void add_beam_options(CLI::App& app, Arguments& a) {
 
 void add_options(Verb& verb, Arguments& a) {
   CLI::App& app = verb.app;
-  app.add_option("MODEL", a.model, "The folder of a model, or of a scene that compose made")
+  app.add_option("MODEL", a.model,
+                 "The folder of a model or scene, or a world of another program, such as a mesh")
       ->required();
   verb.output("-o,--output", a.output,
               "The simulated log: .ply, .pcd, .csv, or a folder/ of KITTI .bin files (with "
@@ -114,8 +116,9 @@ std::unique_ptr<BeamSource> beams_of(const Arguments& a, Trajectory& path) {
   require(!a.trajectory.empty() && a.sensor.empty() == !a.rig.empty(),
           "simulate: give --like LOG, or --sensor NAME or --rig FILE with --trajectory POSES");
   path = io::read_trajectory(a.trajectory);
-  if (path.poses().size() < 2) {
-    throw FormatError(a.trajectory, "", "a trajectory needs at least two poses");
+  if (path.empty()) throw FormatError(a.trajectory, "", "holds no pose");
+  if (path.poses().size() < 2 && !a.rig.empty()) {
+    throw FormatError(a.trajectory, "", "a vehicle needs at least two poses");
   }
   check_gaps(a.trajectory, path);
   try {
@@ -123,6 +126,7 @@ std::unique_ptr<BeamSource> beams_of(const Arguments& a, Trajectory& path) {
       return std::make_unique<perception::RigSource>(perception::load_rig(a.rig), path, kChunk);
     }
     const sensor::Sensor sensor = sensor::load(a.sensor);
+    if (path.poses().size() == 1) path = sensor::one_scan(sensor, path.poses().front());
     return std::make_unique<sensor::PatternSource>(sensor, path, path.poses().front().time_s,
                                                    path.poses().back().time_s, kChunk);
   } catch (const std::invalid_argument& e) {
@@ -166,7 +170,8 @@ SimulateStep write(const Verb& verb, const Arguments& a, simulate::SimulatedSour
 }
 
 void report(const Verb& verb, const Arguments& a, const SimulateStep& step, size_t sub_rays,
-            size_t traced, double seconds, std::string_view isa, const std::string& lost) {
+            size_t traced, double seconds, std::string_view isa, const std::string& lost,
+            const WorldSummary& world) {
   const double rate = double(step.beams) / std::max(step.seconds_tracing, 1e-9);
   const size_t misses = step.rows - step.hits;
   Json j;
@@ -177,6 +182,7 @@ void report(const Verb& verb, const Arguments& a, const SimulateStep& step, size
   if (sub_rays) j["sub_rays"] = sub_rays;
   if (sub_rays) j["sub_rays_traced"] = double(traced) / double(std::max<size_t>(1, step.beams));
   if (!lost.empty()) j["lost"] = lost;
+  if (world.read.parts) j["world"] = json_of(world);
   j["seconds_tracing"] = step.seconds_tracing;
   j["seconds"] = seconds;
   j["beams_per_s"] = rate;
@@ -191,6 +197,7 @@ void report(const Verb& verb, const Arguments& a, const SimulateStep& step, size
                       sub_rays ? "answers" : "tracing", step.seconds_tracing, si(rate), threads(),
                       isa, seconds);
   if (!lost.empty()) text += fmt::format("  not kept    {}\n", lost);
+  if (world.read.parts) text += text_of(world);
   verb.report(j, text + fmt::format("  log         {}\n", a.output));
 }
 
@@ -199,13 +206,13 @@ void run(const Verb& verb, Arguments& a) {
   const auto start = Clock::now();
   a.answer.instrument.check();
   elements::SceneInfo info;
-  const elements::Scene scene = scene_of(a.model, a.target, info);
+  worlds::WorldReport read;
+  const elements::Scene scene = scene_of(a.model, a.target, info, &read);
   const TracedScene target =
       traced_scene(scene, info, draws_of(a.matter, a.answer.simulate.sway_s));
-  if (elements::is_scene(a.model) || !info.movers.empty()) {
-    a.answer.simulate.instance_labels = info.labels;
-  }
-  const radiometry::Materials materials = materials_of(a.answer.instrument);
+  if (!scene.instances.empty()) a.answer.simulate.instance_labels = info.labels;
+  const simulate::InstanceKinds kinds = kinds_of(scene, info);
+  const radiometry::Materials materials = materials_of(a.answer.instrument, kinds);
   for (const std::string& name : info.materials) {
     if (!name.empty()) materials.named(name);  // throws for an unknown name
   }
@@ -213,17 +220,22 @@ void run(const Verb& verb, Arguments& a) {
   const std::unique_ptr<BeamSource> beams = beams_of(a, path);
   a.answer.simulate.seed = verb.seed;
   const auto made = [&](const Answer::SensorOf& sensor_of) {
-    return std::make_unique<Answer>(a.answer, *target.dynamic_world, kinds_of(scene, info),
+    return std::make_unique<Answer>(a.answer, *target.dynamic_world, kinds,
                                     recorder_of(scene.models), sensor_of);
   };
+  for (const std::string& file : a.answer.instrument.waveforms) {
+    require(a.rig.empty() || !is_waveform_file(file),
+            "simulate: waveforms of all beams are those of one sensor, not of --rig");
+  }
   const auto answered = [&](auto& answer) {
     simulate::SimulatedSource simulated(std::ref(answer), *beams, a.answer.simulate.max_range_m);
+    if (a.answer.simulate.element_ids) simulated.name_classes(elements::element_classes(info));
     std::string lost;
     const SimulateStep step = write(verb, a, simulated, path, lost);
     answer.write_waveforms();
     const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
     report(verb, a, step, answer.sub_rays(), answer.rays_traced(), seconds,
-           target.dynamic_world->world().isa(), lost);
+           target.dynamic_world->world().isa(), lost, WorldSummary{read, info});
   };
   if (const auto* rig = dynamic_cast<const perception::RigSource*>(beams.get())) {
     RigAnswer answer(rig->sensors(),

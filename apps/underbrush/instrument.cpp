@@ -127,8 +127,8 @@ void InstrumentArguments::check() const {
   require(!super_sample.empty() || !light,
           "simulate: returns, materials, air, sun and waveforms need --super-sample");
   for (const std::string& file : waveforms) {
-    require(file.ends_with(".csv") || file.ends_with(".svg"),
-            "simulate: --waveforms writes .csv and .svg files");
+    require(file.ends_with(".csv") || file.ends_with(".svg") || is_waveform_file(file),
+            "simulate: --waveforms writes .csv, .svg and .waves files");
     io::check_output(file);
   }
 }
@@ -145,8 +145,9 @@ void add_instrument_options(Verb& verb, InstrumentArguments& a) {
          "Echoes to report: strongest, first, last or up to N (default: as the sensor does)")
       ->type_name("MODE|N");
   verb.output("--waveforms", a.waveforms,
-              "Write digitised waveforms as a table or a plot; may be repeated")
-      ->type_name("FILE.csv|FILE.svg")
+              "Write digitised waveforms as a table or a plot, or those of all beams as .waves; "
+              "may be repeated")
+      ->type_name("FILE")
       ->take_all();
   verb.begin_rare_group("Sub-rays");
   app.add_flag("--all-sub-rays", a.all_sub_rays,
@@ -178,7 +179,8 @@ void add_instrument_options(Verb& verb, InstrumentArguments& a) {
       ->check(CLI::PositiveNumber)
       ->type_name("K")
       ->capture_default_str();
-  app.add_option("--waveform-count", a.waveform.count, "Largest number of waveforms to keep")
+  app.add_option("--waveform-count", a.waveform.count,
+                 "Largest number of waveforms in tables and plots")
       ->check(CLI::Range(size_t(1), size_t(1000000)))
       ->type_name("N")
       ->capture_default_str();
@@ -228,11 +230,26 @@ simulate::Instrument instrument_of(const InstrumentArguments& a, sensor::Sensor 
   return instrument;
 }
 
-radiometry::Materials materials_of(const InstrumentArguments& a) {
+radiometry::Materials materials_of(const InstrumentArguments& a,
+                                   const simulate::InstanceKinds& kinds) {
   radiometry::Materials m = radiometry::load_materials(a.materials);
+  for (const radiometry::Material& own : kinds.own_materials) {
+    const auto same = [&](const radiometry::Material& other) { return other.name == own.name; };
+    const auto at = std::find_if(m.material.begin(), m.material.end(), same);
+    if (at == m.material.end()) {
+      m.material.push_back(own);
+    } else if (a.materials.empty()) {
+      *at = own;
+    }
+  }
+  const auto is_class = [&](const std::string& name) {
+    return elements::class_from_name(name) ||
+           std::find(kinds.class_names.begin(), kinds.class_names.end(), name) !=
+               kinds.class_names.end();
+  };
   for (const std::string& word : a.material) {
     const size_t equals = word.find('=');
-    require(equals != std::string::npos && elements::class_from_name(word.substr(0, equals)),
+    require(equals != std::string::npos && is_class(word.substr(0, equals)),
             "simulate: --material takes CLASS=MATERIAL with a class that `info` names");
     const std::string label = word.substr(0, equals), name = word.substr(equals + 1);
     m.named(name);  // This throws for an unknown name.
@@ -242,9 +259,18 @@ radiometry::Materials materials_of(const InstrumentArguments& a) {
   return m;
 }
 
+bool is_waveform_file(const std::string& file) { return file.ends_with(".waves"); }
+
 simulate::InstanceKinds kinds_of(const elements::Scene& scene, const elements::SceneInfo& info) {
   simulate::InstanceKinds kinds;
   kinds.label = info.labels;
+  kinds.class_names = info.class_names;
+  for (const elements::SceneMaterial& own : info.own_materials) {
+    radiometry::Material m;
+    m.name = own.name;
+    m.reflectance = own.reflectance;
+    kinds.own_materials.push_back(std::move(m));
+  }
   if (info.materials.empty()) return kinds;
   for (const elements::Instance& i : scene.instances) {
     kinds.material.push_back(info.materials[i.model]);
@@ -255,6 +281,7 @@ simulate::InstanceKinds kinds_of(const elements::Scene& scene, const elements::S
 void write_waveforms(const InstrumentArguments& a, const sensor::Sensor& sensor,
                      const std::vector<simulate::BeamWaveform>& waveforms) {
   for (const std::string& file : a.waveforms) {
+    if (is_waveform_file(file)) continue;
     file.ends_with(".csv") ? write_csv(file, waveforms) : plot(file, sensor, waveforms);
   }
 }

@@ -46,13 +46,18 @@ simulate::Instrument instrument_of(const InstrumentArguments& a, sensor::Sensor 
 /// shares of the light.
 std::optional<sensor::Sensor> recorder_of(std::span<const elements::Model> models);
 
-/// Returns the materials with the user's changes.
-radiometry::Materials materials_of(const InstrumentArguments& a);
+/// Returns the materials with those that the scene brings along and the user's changes. A table
+/// that the user names goes before the scene's own materials.
+radiometry::Materials materials_of(const InstrumentArguments& a,
+                                   const simulate::InstanceKinds& kinds = {});
 
 /// Returns the class and material of each instance.
 simulate::InstanceKinds kinds_of(const elements::Scene& scene, const elements::SceneInfo& info);
 
-/// Writes the waveforms to every file asked for (.csv or .svg). `sensor` gives the title of a plot.
+/// Whether a file for waveforms is binary, and so has those of all beams.
+bool is_waveform_file(const std::string& file);
+/// Writes the waveforms to every table and plot asked for (.csv or .svg). `sensor` gives the title
+/// of a plot.
 void write_waveforms(const InstrumentArguments& a, const sensor::Sensor& sensor,
                      const std::vector<simulate::BeamWaveform>& waveforms);
 

@@ -24,7 +24,7 @@ class RigAnswer {
   size_t sub_rays() const { return answers_[0]->sub_rays(); }
   size_t rays_traced() const;
   /// Writes the waveforms of the first sensor.
-  void write_waveforms() const { answers_[0]->write_waveforms(); }
+  void write_waveforms() { answers_[0]->write_waveforms(); }
 
  private:
   std::vector<LogInfo> limits_;

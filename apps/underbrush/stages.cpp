@@ -49,8 +49,15 @@ std::string row(const char* label, const std::vector<metrics::Score>& scores,
 
 }  // namespace
 
-elements::Scene read_world(const fs::path& path, elements::SceneInfo* info) {
+elements::Scene read_world(const fs::path& path, elements::SceneInfo* info,
+                           const worlds::ReadOptions& options, worlds::WorldReport* report) {
   if (elements::is_scene(path)) return elements::read_scene(path, info);
+  if (worlds::is_world(path)) {
+    worlds::World world = worlds::read_world(path, options);
+    if (info) *info = std::move(world.info);
+    if (report) *report = std::move(world.report);
+    return std::move(world.scene);
+  }
   elements::Scene scene;
   scene.models.push_back(elements::read_model(path));
   return scene;

@@ -12,12 +12,16 @@
 #include "underbrush/metrics/score.hpp"
 #include "underbrush/optimize/grain.hpp"
 #include "underbrush/simulate/simulate.hpp"
+#include "underbrush/worlds/read_world.hpp"
 
 namespace underbrush::app {
 
-/// Reads a scene, or a model as a scene without instances. `info` receives what the scene's folder
-/// holds besides.
-elements::Scene read_world(const std::filesystem::path& path, elements::SceneInfo* info = nullptr);
+/// Reads a scene, a model as a scene without instances, or a world in a third-party format, such as
+/// a mesh. `info` receives what the scene's folder holds besides; `report` what a third-party file
+/// became, where `parts` stays 0 for all others.
+elements::Scene read_world(const std::filesystem::path& path, elements::SceneInfo* info = nullptr,
+                           const worlds::ReadOptions& options = {},
+                           worlds::WorldReport* report = nullptr);
 /// Returns the world of a scene. Without instances it is the world of the scene's model, to the
 /// bit.
 trace::World world_of(const elements::Scene& scene, trace::Draws draws = trace::Draws::kAnew);

@@ -32,6 +32,16 @@ void add_scene_options(Verb& verb, SceneArguments& a) {
                  "Mahalanobis distance within which a beam meets an ellipsoid; 0 = the model's")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
+  verb.begin_rare_group("Meshes and scenes of HELIOS++");
+  app.add_option("--up", a.up, "Axis that points up in a mesh; in glTF it always is y")
+      ->check(CLI::IsMember({"y", "z"}))
+      ->capture_default_str();
+  app.add_option("--unit", a.world.mesh.unit_m, "Length of the unit of a mesh, m")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--assets", a.assets,
+                 "Folder in which a scene of HELIOS++ has its files, besides its own")
+      ->type_name("FOLDER");
   verb.begin_group("Options");
   app.add_option("--mover", a.movers,
                  "Add an object (a model's folder, or an OBJ or PLY mesh) that moves along poses "
@@ -75,9 +85,12 @@ void set_matter(elements::Scene& scene, double tau, double grain_m) {
   }
 }
 
-elements::Scene scene_of(const fs::path& folder, const SceneArguments& a,
-                         elements::SceneInfo& info) {
-  elements::Scene scene = read_world(folder, &info);
+elements::Scene scene_of(const fs::path& folder, const SceneArguments& a, elements::SceneInfo& info,
+                         worlds::WorldReport* report) {
+  worlds::ReadOptions options = a.world;
+  options.mesh.y_up = a.up == "y";
+  options.assets = a.assets;
+  elements::Scene scene = read_world(folder, &info, options, report);
   for (const std::string& text : a.movers) {
     const MoverWords w = words_of(text);
     add_mover(scene, info, read_mover_model(w.model), io::read_trajectory(w.poses), w.material);

@@ -9,23 +9,28 @@
 #include "cli/verb.hpp"
 #include "underbrush/elements/scene_file.hpp"
 #include "underbrush/simulate/dynamic_world.hpp"
+#include "underbrush/worlds/read_world.hpp"
 
 namespace underbrush::app {
 
 /// The options of the scene.
 struct SceneArguments {
   double tau = 0, grain_m = 0;
+  std::string up = "z";             ///< Axis that points up in a mesh.
+  std::string assets;               ///< Folder in which a scene of HELIOS++ has its files, too.
+  worlds::ReadOptions world;        ///< How a world in a third-party format is read.
   std::vector<std::string> movers;  ///< Each is MODEL:POSES[:MATERIAL].
 };
 
 /// Adds the options of the scene to a verb.
 void add_scene_options(Verb& verb, SceneArguments& a);
 
-/// Reads the scene in a folder, or a model as a scene without instances. With movers, a model
+/// Reads the scene in a folder, a model as a scene without instances, or a world in a third-party
+/// format, into `report`. With movers, a model
 /// becomes a scene of one instance and the movers. Throws as the readers do, and
 /// `std::invalid_argument` for a malformed mover.
 elements::Scene scene_of(const std::filesystem::path& folder, const SceneArguments& a,
-                         elements::SceneInfo& info);
+                         elements::SceneInfo& info, worlds::WorldReport* report = nullptr);
 
 /// Reads a model's folder, or a mesh from an OBJ or PLY file.
 elements::Model read_mover_model(const std::filesystem::path& path);

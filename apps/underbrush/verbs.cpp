@@ -19,8 +19,8 @@ constexpr NamedVerb kVerbs[] = {
     {"split", add_split},       {"fit", add_fit},           {"optimize", add_optimize},
     {"segment", add_segment},   {"extract", add_extract},   {"meshes", add_meshes},
     {"annotate", add_annotate}, {"compose", add_compose},   {"sensors", add_sensors},
-    {"simulate", add_simulate}, {"perceive", add_perceive}, {"score", add_score},
-    {"serve", add_serve},
+    {"simulate", add_simulate}, {"perceive", add_perceive}, {"osi", add_osi},
+    {"score", add_score},       {"rasters", add_rasters},   {"serve", add_serve},
 };
 
 }  // namespace

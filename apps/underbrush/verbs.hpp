@@ -23,7 +23,9 @@ void add_compose(Program& program);
 void add_sensors(Program& program);
 void add_simulate(Program& program);
 void add_perceive(Program& program);
+void add_osi(Program& program);
 void add_score(Program& program);
+void add_rasters(Program& program);
 void add_serve(Program& program);
 
 /// Adds all verbs, in the order of the stages.

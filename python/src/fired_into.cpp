@@ -61,14 +61,14 @@ FiredInto::FiredInto(const GivenWorld& given, const SimulateOptions& options) {
   std::span<const elements::Model> models = shown.models;
   if (model && !changed) models = {static_cast<const elements::Model*>(*model), 1};
   recorder_ = app::recorder_of(models);
-  labelled_ = scene || (path && elements::is_scene(*path)) || !info_.movers.empty();
+  labelled_ = !shown.instances.empty();
   if (model && !changed) {
     traced_.world = std::make_unique<trace::World>(**model, trace::Isa::kBest, draws);
     traced_.dynamic_world = std::make_unique<simulate::DynamicWorld>(*traced_.world);
   } else {
     traced_ = app::traced_scene(shown, info_, draws);
   }
-  const radiometry::Materials materials = app::materials_of(options.answer.instrument);
+  const radiometry::Materials materials = app::materials_of(options.answer.instrument, kinds_);
   for (const std::string& name : info_.materials) {
     if (!name.empty()) materials.named(name);  // throws for an unknown name
   }

@@ -33,8 +33,8 @@ void bind_log_info(nb::module_& m) {
           [](LogInfo* info, const std::string& sensor, double min_range_m, double max_range_m,
              bool has_misses, const std::string& classes, bool deskewed,
              const std::vector<ScanInfo>& scans) {
-            new (info)
-                LogInfo{sensor, "", min_range_m, max_range_m, has_misses, classes, deskewed, scans};
+            new (info) LogInfo{sensor,  "", min_range_m, max_range_m, has_misses,
+                               classes, {}, deskewed,    scans};
           },
           nb::kw_only(), "sensor"_a = "", "min_range_m"_a = 0.0, "max_range_m"_a = 120.0,
           "has_misses"_a = false, "classes"_a = "", "deskewed"_a = false,
@@ -49,6 +49,9 @@ void bind_log_info(nb::module_& m) {
               "Whether the log holds beams without a return at all.")
       .def_rw("classes", &LogInfo::classes,
               "Label set that gives the numbers of the column `class` their meaning.")
+      .def_rw("element_classes", &LogInfo::element_classes,
+              "Names of the numbers of the column `element_class`; empty where they are those of\n"
+              "`class_names()` alone.")
       .def_rw("deskewed", &LogInfo::deskewed,
               "Whether each beam carries its own origin along the sensor's motion.")
       .def_prop_rw(

@@ -6,6 +6,7 @@
 
 #include "bind.hpp"
 #include "given.hpp"
+#include "stages.hpp"
 #include "views.hpp"
 
 namespace underbrush::python {
@@ -76,7 +77,11 @@ void bind_values(nb::module_& m) {
             return Column<const uint8_t>(reinterpret_cast<const uint8_t*>(labels.data()),
                                          {labels.size()}, s);
           },
-          "View (n,) uint8: class of each instance, an index into `class_names()`.")
+          "View (n,) uint8: class of each instance, an index into `class_names()` followed by the\n"
+          "scene's own `classes`.")
+      .def_prop_ro(
+          "classes", [](const SceneValue& v) { return v.info.class_names; },
+          "Names of the classes that the scene has besides `class_names()`.")
       .def_prop_ro(
           "models", [](const SceneValue& v) { return v.scene.models.size(); }, "Number of models.")
       .def("copy_model", &model_at, "index"_a, Released(),
@@ -109,10 +114,14 @@ void bind_scene(nb::module_& m) {
       "read_scene",
       [](const Path& path) {
         SceneValue v;
-        v.scene = elements::read_scene(path, &v.info);
+        v.scene = elements::is_scene(path) || !worlds::is_world(path)
+                      ? elements::read_scene(path, &v.info)
+                      : app::read_world(path, &v.info);
         return v;
       },
-      "path"_a, Released(), "Reads a scene's folder. Raises `FormatError`.");
+      "path"_a, Released(),
+      "Reads a scene's folder, or a mesh file (.obj, .ply, .gltf, .glb, .stl) as a scene whose\n"
+      "instance 0 is empty. Raises `FormatError`.");
   m.def(
       "write_scene",
       [](const Path& path, const SceneValue& v) { elements::write_scene(path, v.scene, v.info); },

@@ -39,10 +39,13 @@ struct Beams {
   const sensor::Sensor* sensor = nullptr;
   std::optional<Trajectory> trajectory;
 
-  std::unique_ptr<BeamSource> open() const {
+  std::unique_ptr<BeamSource> open() {
     if (like) return source_of(*like);
-    require(sensor && trajectory && trajectory->poses().size() >= 2,
-            "simulate: give like, or a sensor and a trajectory of at least two poses");
+    require(sensor && trajectory && !trajectory->empty(),
+            "simulate: give like, or a sensor and a trajectory of at least one pose");
+    if (trajectory->poses().size() == 1) {
+      trajectory = sensor::one_scan(*sensor, trajectory->poses().front());
+    }
     return std::make_unique<sensor::PatternSource>(*sensor, *trajectory,
                                                    trajectory->poses().front().time_s,
                                                    trajectory->poses().back().time_s, kChunk);
@@ -78,7 +81,7 @@ BeamLog collected(BeamSource& log, size_t beams) {
 }
 
 std::pair<BeamLog, Counts> simulated(const GivenWorld& model, const SimulateOptions& options,
-                                     const Beams& beams, const Destination& to,
+                                     Beams beams, const Destination& to,
                                      const nb::object& progress) {
   std::pair<BeamLog, Counts> out;
   run_watched(progress, [&](const Hook& hook) {

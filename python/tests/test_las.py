@@ -198,3 +198,15 @@ def test_copc(tmp_path: pathlib.Path) -> None:
         compressor.done()
     scan = next(open_recording(tmp_path / "varied.laz").scans())
     np.testing.assert_array_equal(scan.xyz, np.asarray(las.xyz))
+
+
+def test_classes_of_what_was_hit_become_those_of_las(tmp_path: pathlib.Path) -> None:
+    names = ("unknown", "ground", "grass", "low_shrub_patch", "large_shrub", "small_tree", "las_6", "Bark", "leaf")
+    log, _ = generated_log(scans=1)
+    log["element_class"] = (np.arange(len(log["range_m"])) % (len(names) + 1)).astype(np.uint16)
+    with LasWriter(tmp_path / "log.las", element_classes=names) as out:
+        out.write(log)
+    las = laspy.read(tmp_path / "log.las")
+    codes = np.array([1, 2, 3, 3, 4, 5, 6, 1, 5, 1])
+    hit = np.isfinite(log["range_m"])
+    np.testing.assert_array_equal(las.classification, codes[log["element_class"][hit]])

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 
 #: Ends of names of recordings that the program does not read by itself.
-RECORDINGS = (".bag", ".mcap", ".db3", ".las", ".laz", ".pcap", ".pcapng", ".e57")
+RECORDINGS = (".bag", ".mcap", ".db3", ".las", ".laz", ".pcap", ".pcapng", ".e57", ".xyz")
 
 
 def program() -> pathlib.Path:

@@ -163,7 +163,8 @@ def simulate(model: World, *, like: Log | None = None, sensor: Sensor | str | No
              **options: Unpack[SimulateKeywords]) -> BeamLog | dict[str, int]:
     """Simulates the beams of a log (`like`), or of a sensor on a trajectory, in a model or scene.
 
-    Returns the simulated log. With `output` (.ply, .pcd, .csv, or a folder of KITTI files; with `profile` "velodyne",
+    The path of a mesh, of a scene of HELIOS++ or of voxels of AMAPVox is a world, too, and with one pose a sensor makes
+    one turn or frame. Returns the simulated log. With `output` (.ply, .pcd, .csv, or a folder of KITTI files; with `profile` "velodyne",
     "ouster" or "autoware" a folder of PCD files), it is written there in chunks instead, and the result has the numbers
     of beams, rows and hits. `movers` are objects that move. A model or scene that `tau`, `grain` or `movers` change is
     copied; else it is used as it is.

@@ -19,7 +19,10 @@ class Kind:
 
 # What a file leads to that no command names.
 NEEDS = {"site.json": ["site.ground"], "moving.json": ["site.ground", "path.txt"], "table.yaml": ["table.csv"],
-         "tree.gltf": ["tree.bin"], "rig.yaml": ["spinning.yaml"]}
+         "tree.gltf": ["tree.bin"], "rig.yaml": ["spinning.yaml"],
+         "world.obj": ["world.mtl", "paint.txt"],
+         "survey.xml": ["world.xml", "scanners.xml", "platforms.xml", "flight.trj", "world.obj", "forest.vox"],
+         "world.xml": ["world.obj", "forest.vox"]}
 
 SIMULATE = "simulate model --sensor spinning.yaml --trajectory poses.txt"
 KINDS = [
@@ -151,6 +154,26 @@ KINDS = [
     Kind("meshes.gltf-buffer", "bytes", "tree.bin", "meshes tree.gltf -o out --sizes 1", others=("tree.gltf",)),
     Kind("meshes.gltf-inline", "json", "inline.gltf", "meshes inline.gltf -o out --sizes 1"),
     Kind("meshes.glb", "glb", "tree.glb", "meshes tree.glb -o out --sizes 1"),
+    # Worlds in other formats
+    Kind("simulate.obj", "text", "world.obj",
+         "simulate world.obj --sensor spinning.yaml --trajectory pose.txt -o out.ply --element-ids", others=("world.mtl",)),
+    Kind("simulate.mtl", "text", "world.mtl",
+         "simulate world.obj --sensor spinning.yaml --trajectory pose.txt --super-sample 2 -o out.ply"),
+    Kind("simulate.spectrum", "text", "paint.txt",
+         "simulate world.obj --sensor spinning.yaml --trajectory pose.txt --super-sample 2 -o out.ply"),
+    Kind("simulate.stl", "bytes", "rock.stl",
+         "simulate rock.stl --sensor spinning.yaml --trajectory pose.txt -o out.ply"),
+    Kind("info.stl-text", "text", "text.stl", "info text.stl"),
+    Kind("simulate.vox", "text", "forest.vox",
+         "simulate forest.vox --sensor spinning.yaml --trajectory pose.txt -o out.ply"),
+    Kind("simulate.one-pose", "text", "pose.txt",
+         "simulate model --sensor spinning.yaml --trajectory pose.txt -o out.ply"),
+    Kind("info.helios-scene", "text", "world.xml", "info world.xml"),
+    Kind("import.helios-survey", "text", "survey.xml", "import survey.xml -o out",
+         others=("scanners.xml", "platforms.xml", "world.xml", "flight.trj")),
+    Kind("import.helios-scanner", "text", "scanners.xml", "import survey.xml -o out", others=("survey.xml",)),
+    Kind("import.helios-platform", "text", "platforms.xml", "import survey.xml -o out", others=("survey.xml",)),
+    Kind("import.helios-trajectory", "text", "flight.trj", "import survey.xml -o out", others=("survey.xml",)),
     # Configurations
     Kind("fit.config", "yaml", "fit-options.yaml", "fit log.ply -o out --config fit-options.yaml", True, ("",)),
     Kind("segment.config", "yaml", "segment-options.yaml", "segment log.ply -o out.ply --config segment-options.yaml",

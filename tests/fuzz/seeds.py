@@ -220,6 +220,52 @@ def meshes(put):
         + b"".join(struct.pack("<B3i", 3, *f) for f in faces))
 
 
+def worlds(put):
+    """Worlds in other formats: a mesh with materials, STL, voxels, and a survey of HELIOS++."""
+    put("world.obj", "# a world\nmtllib world.mtl\nv 500 0 0\nv 520 0 0\nv 520 20 0.5\nv 500 20 0\nv 510 5 0\n"
+                     "v 511 5 0\nv 510.5 5 3\no ground\nusemtl earth\nf 1 2 3 4\no wall\nusemtl paint\n"
+                     "f 5/1 6/2 7/3\nl 1 2\n")
+    put("world.mtl", "newmtl earth\nKd 0.5 0.5 0.5\nhelios_isGround true\nhelios_reflectance 0.3\nnewmtl paint\n"
+                     "helios_classification 6\nhelios_spectra paint\n")
+    put("paint.txt", "a line of the header\n" * 26 + "0.5\t20.0\n0.9\t40.0\n1.6\t30.0\n")
+    put("pose.txt", "0 510.4 7 1.5 0 0 0 1\n")
+    put("rock.stl", b"rock".ljust(80) + struct.pack("<I", 2) + b"".join(
+        struct.pack("<12fH", 0, 0, 1, 505 + k, 0, 0, 515, 9, 1, 505, 9, k, 0) for k in range(2)))
+    put("text.stl", "solid rock\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+                    "endloop\nendfacet\nendsolid rock\n")
+    put("forest.vox", "VOXEL SPACE\n#min_corner: 500 0 0\n#max_corner: 520 20 10\n#split: 2 2 2\n"
+                      "#res: 10 #lad_type:Spherical\ni j k PadBVTotal angleMean\n" + "".join(
+                          f"{k >> 2} {k >> 1 & 1} {k & 1} {0.01 * k} 45\n" for k in range(8)))
+    put("world.xml", """<?xml version="1.0"?>
+<document><scene id="s" name="S">
+<part id="1"><filter type="objloader"><param type="string" key="filepath" value="world.obj"/></filter></part>
+<part><filter type="detailedvoxels"><param type="string" key="filepath" value="forest.vox"/></filter>
+<filter type="rotate"><param type="rotation" key="rotation"><rot axis="z" angle_deg="10"/></param></filter>
+<filter type="scale"><param type="double" key="scale" value="0.5"/></filter>
+<filter type="translate"><param type="vec3" key="offset" value="250;1;2"/>
+<param type="integer" key="onGround" value="1"/></filter></part>
+</scene></document>
+""")
+    put("platforms.xml", """<document><platform id="p" name="P" type="linearpath"><scannerMount x="0" y="1" z="2">
+<rot axis="x" angle_deg="-90"/></scannerMount></platform></document>
+""")
+    put("scanners.xml", """<document><scanner id="one" accuracy_m="0.01" beamDivergence_rad="0.001" pulseLength_ns="5"
+rangeMin_m="0.5" rangeMax_m="250" scanAngleMax_deg="60" scanAngleEffectiveMax_deg="50" wavelength_nm="905" maxNOR="4"
+optics="rotating"><FWFSettings beamSampleQuality="2"/><beamOrigin z="0.2"><rot axis="z" angle_deg="1"/></beamOrigin>
+<headRotateAxis x="0" y="0" z="1"/></scanner></document>
+""")
+    put("flight.trj", "#HEADER: t roll pitch yaw x y z\n0,0,0,10,500,0,20\n1,1,0,10,510,0,20\n2,0,1,10,520,0,20\n")
+    put("survey.xml", """<?xml version="1.0"?>
+<document>
+<scannerSettings id="t" active="true" pulseFreq_hz="1000" scanFreq_hz="10" scanAngle_deg="45"/>
+<survey name="v" scene="world.xml#s" platform="platforms.xml#p" scanner="scanners.xml#one">
+<leg><platformSettings x="500" y="1" z="20" movePerSec_m="5"/><scannerSettings template="t"/></leg>
+<leg><platformSettings x="510" y="1" z="20" onGround="true"/><scannerSettings template="t" active="false"/></leg>
+<leg><platformSettings trajectory="flight.trj" tStart="0" tEnd="1.5"/><scannerSettings template="t"/></leg>
+</survey></document>
+""")
+
+
 def recordings(put):
     """Files and folders that import reads."""
     rows = beams()
@@ -290,6 +336,7 @@ def make(folder, program):
 
     recordings(put)
     meshes(put)
+    worlds(put)
     for name, content in (("spinning.yaml", SPINNING), ("raster.yaml", RASTER), ("table.yaml", TABLE),
                           ("table.csv", DIRECTIONS), ("simulate-options.yaml", SIMULATE), ("fit-options.yaml", FIT),
                           ("compose-options.yaml", COMPOSE), ("segment-options.yaml", SEGMENT),

@@ -4,6 +4,7 @@
 
 #include "io/temporary.hpp"
 #include "underbrush/core/check.hpp"
+#include "underbrush/io/mesh_file.hpp"
 
 namespace underbrush::io {
 namespace {

@@ -51,7 +51,7 @@ def export_log(log: Any, path: PathLike, *, layout: str = "ouster", poses: Poses
     if kind == ".npz":
         writer = NumpyLogWriter(path)
     elif kind in (".las", ".laz"):
-        writer = LasWriter(path, crs=crs)
+        writer = LasWriter(path, crs=crs, element_classes=info.element_classes or library.class_names())
     else:
         known = poses if isinstance(poses, Poses) else read_poses(poses) if poses else poses_of_scans(info)
         writer = BagWriter(path, known, layout=layout, compress=compress)

@@ -4,7 +4,7 @@ from __future__ import annotations
 import collections
 import contextlib
 import pathlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import TracebackType
 from typing import Any
 
@@ -31,8 +31,10 @@ class LasWriter:
     hold, misses above all; `written` counts points.
     """
 
-    def __init__(self, path: PathLike, *, crs: str = "", resolution_m: float = 1e-4) -> None:
+    def __init__(self, path: PathLike, *, crs: str = "", resolution_m: float = 1e-4,
+                 element_classes: Sequence[str] = ()) -> None:
         self.path, self._crs, self._resolution = pathlib.Path(path), crs, resolution_m
+        self._codes = np.array([las_code(name) for name in element_classes], np.uint8)
         self.lost: collections.Counter[str] = collections.Counter()
         self.written = 0
         self._laspy = need("laspy")
@@ -91,6 +93,10 @@ class LasWriter:
                                     ("point_source_id", "point_source_id", np.uint16)):
             if column in kept:
                 points[name] = self._held(kept[column], dtype, column)
+        if "class" not in kept and "element_class" in kept and len(self._codes):
+            number = kept["element_class"].astype(np.int64)
+            points["classification"] = np.where(number < len(self._codes),
+                                                self._codes[np.minimum(number, len(self._codes) - 1)], 1)
         if "scan_angle" in kept:
             points["scan_angle"] = self._held(kept["scan_angle"] / 0.006, np.int16, "scan angle")
         if "las_flags" in kept:
@@ -151,6 +157,20 @@ class LasWriter:
         else:
             header.vlrs.append(known.WktCoordinateSystemVlr(self._crs))
             header.global_encoding.wkt = True
+
+
+def las_code(name: str) -> int:
+    """The class of LAS 1.4 for one of Underbrush's: N for las_N, 2 for ground, 3 to 5 for grass and plants by their
+    height, and 1 (unclassified) for others."""
+    if name.startswith("las_") and name[4:].isdigit():
+        return min(int(name[4:]), 255)
+    if name == "ground":
+        return 2
+    if name == "grass" or name.startswith(("low_shrub", "small_shrub")):
+        return 3
+    if name.startswith(("medium_shrub", "large_shrub")):
+        return 4
+    return 5 if name.endswith("_tree") or name == "leaf" else 1
 
 
 def _unit(direction: Array) -> npt.NDArray[np.float64]:

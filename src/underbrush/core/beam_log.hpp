@@ -58,6 +58,9 @@ struct LogInfo {
   /// The label set (`elements::labels_of`) that gives the numbers of the extra column `class` their
   /// meaning; empty where there is none.
   std::string classes;
+  /// Names of the numbers of the extra column `element_class`, from 0 on; empty where they are
+  /// those of `elements::Class` alone.
+  std::vector<std::string> element_classes;
   bool deskewed = false;  ///< Whether each beam carries its own origin along the sensor's motion.
   std::vector<ScanInfo> scans;
 };

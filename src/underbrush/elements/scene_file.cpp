@@ -49,6 +49,7 @@ void write_movers(const fs::path& folder, const std::vector<Mover>& movers) {
 }
 
 Mover read_mover(const io::JsonValue& j, size_t instances) {
+  j.check_members({"instance", "trajectory"});
   Mover mover;
   mover.instance = uint32_t(j.at("instance").count(UINT32_MAX));
   if (mover.instance >= instances) j.at("instance").fail("there is no such instance");
@@ -114,14 +115,82 @@ void read_instances(const fs::path& file, Scene& scene, SceneInfo& info) {
     }
     instance.scale = scale[i];
     instance.model = model[i];
-    if (label[i] >= kClassNames.size()) {
+    if (label[i] >= kClassNames.size() + info.class_names.size()) {
       throw FormatError(file.string(), "row " + std::to_string(i + 1), "an unknown class");
     }
     info.labels.push_back(Class(label[i]));
   }
 }
 
+Json json_of(const SceneMaterial& m) {
+  Json j;
+  j["name"] = m.name;
+  for (const auto& [wavelength_m, share] : m.reflectance) {
+    j["wavelength_nm"].push_back(wavelength_m * 1e9);
+    j["reflectance"].push_back(share);
+  }
+  return j;
+}
+
+SceneMaterial read_material(const io::JsonValue& j) {
+  j.check_members({"name", "wavelength_nm", "reflectance"});
+  SceneMaterial m{j.at("name").text(), {}};
+  const std::vector<double> wavelength = j.at("wavelength_nm").numbers();
+  const std::vector<double> share = j.at("reflectance").numbers();
+  if (share.size() != wavelength.size() || share.empty()) {
+    j.at("reflectance").fail("there must be one for each of wavelength_nm");
+  }
+  for (size_t k = 0; k < share.size(); ++k) {
+    if (!(share[k] >= 0 && share[k] <= 1)) j.at("reflectance").fail("must be 0 to 1");
+    if (wavelength[k] < 0 || (k > 0 && wavelength[k] <= wavelength[k - 1])) {
+      j.at("wavelength_nm").fail("must rise");
+    }
+    m.reflectance.emplace_back(wavelength[k] * 1e-9, share[k]);
+  }
+  return m;
+}
+
+void read_classes(const io::JsonValue& j, SceneInfo& info) {
+  for (const io::JsonValue& name : j.values()) {
+    const size_t known = info.class_names.size();
+    const std::string text = name.text();
+    class_named(info, text);
+    if (info.class_names.size() == known) {
+      name.fail(text.empty() ? "a class without a name" : "a class that there is already");
+    }
+  }
+}
+
 }  // namespace
+
+std::string class_name(const SceneInfo& info, Class c) {
+  const size_t number = size_t(c);
+  return number < kClassNames.size() ? std::string(kClassNames[number])
+                                     : info.class_names.at(number - kClassNames.size());
+}
+
+Class class_named(SceneInfo& info, std::string_view name) {
+  constexpr size_t kLongest = 64;  // bytes
+  const std::string shown = printable(name, kLongest);
+  name = shown;
+  if (name.empty()) return Class::kUnknown;
+  if (const auto known = class_from_name(name)) return *known;
+  size_t k = 0;
+  while (k < info.class_names.size() && info.class_names[k] != name) ++k;
+  if (k == info.class_names.size()) {
+    if (kClassNames.size() + k > UINT8_MAX) return Class::kUnknown;
+    info.class_names.emplace_back(name);
+  }
+  return Class(kClassNames.size() + k);
+}
+
+std::vector<std::string> element_classes(const SceneInfo& info) {
+  std::vector<std::string> names;
+  if (info.class_names.empty()) return names;
+  names.assign(kClassNames.begin(), kClassNames.end());
+  names.insert(names.end(), info.class_names.begin(), info.class_names.end());
+  return names;
+}
 
 bool is_scene(const fs::path& path) { return fs::is_regular_file(path / "scene.json"); }
 
@@ -150,6 +219,8 @@ void write_scene(const fs::path& path, const Scene& scene, const SceneInfo& info
       j["models"].back()["material"] = info.materials[k];
     }
   }
+  if (!info.class_names.empty()) j["classes"] = info.class_names;
+  for (const SceneMaterial& m : info.own_materials) j["materials"].push_back(json_of(m));
   j["instances"] = {{"file", "instances.ply"}, {"count", scene.instances.size()}};
   for (size_t k = 0; k < info.movers.size(); ++k) {
     j["movers"].push_back(
@@ -175,16 +246,26 @@ Scene read_scene(const fs::path& path, SceneInfo* info) {
   if (!is_scene(path)) throw FormatError(path.string(), "", "not a scene (no scene.json in it)");
   const io::JsonFile json(file);
   const io::JsonValue j = json.manifest("underbrush-scene", kSceneVersion, "an underbrush scene");
+  j.check_members({"$schema", "format", "version", "comment", "models", "classes", "materials",
+                   "instances", "movers", "provenance"});
   Scene scene;
   SceneInfo read;
   for (const io::JsonValue& m : j.at("models").values()) {
+    m.check_members({"folder", "name", "material"});
     const auto material = m.find("material");
     read.names.push_back(m.at("name").text());
     read.materials.push_back(material ? material->text() : "");
     scene.models.push_back(read_model(m.at("folder").path()));
   }
+  if (const auto classes = j.find("classes")) read_classes(*classes, read);
+  if (const auto materials = j.find("materials")) {
+    for (const io::JsonValue& m : materials->values()) {
+      read.own_materials.push_back(read_material(m));
+    }
+  }
   read.provenance = j.at("provenance").dump();
   const io::JsonValue instances = j.at("instances");
+  instances.check_members({"file", "count"});
   read_instances(instances.at("file").path(), scene, read);
   if (scene.instances.size() != instances.at("count").count()) {
     throw FormatError(file.string(), "", "its counts and its files disagree");

@@ -15,10 +15,20 @@ namespace underbrush::elements {
 /// Version of the layout that is written; newer versions are refused.
 inline constexpr int kSceneVersion = 1;
 
+/// A material that a scene brings along: pairs of wavelength (m) and reflectance, in rising order
+/// of wavelength. A single pair holds at every wavelength.
+struct SceneMaterial {
+  std::string name;
+  std::vector<std::pair<double, double>> reflectance;
+};
+
 /// What a scene's folder holds besides the scene.
 struct SceneInfo {
   std::vector<std::string> names;  ///< One for each model.
   std::vector<Class> labels;       ///< One for each instance; `kGround` for the ground.
+  /// Names of the classes that this scene has besides `kClassNames`, whose numbers follow those.
+  std::vector<std::string> class_names;
+  std::vector<SceneMaterial> own_materials;  ///< Materials besides those of the table.
   /// One for each model: its material (radiometry), where "" means that its class decides. Empty =
   /// all "".
   std::vector<std::string> materials;
@@ -26,6 +36,14 @@ struct SceneInfo {
   std::vector<Mover> movers;
   std::string provenance;  ///< JSON object.
 };
+
+/// Returns the name of a class of the scene.
+std::string class_name(const SceneInfo& info, Class c);
+/// Returns the class of that name, which is added to the scene's if it is a new one; `kUnknown` for
+/// an empty name, and where the scene has 256 classes already.
+Class class_named(SceneInfo& info, std::string_view name);
+/// Returns the names of all classes of a scene with classes of its own, by number; otherwise none.
+std::vector<std::string> element_classes(const SceneInfo& info);
 
 /// Writes the folder `path` (scene.json, models/NNNN/, instances.ply, movers/NNNN.txt), atomically,
 /// replacing a scene that stood there. Throws `IoError`, also if a folder that is not a scene

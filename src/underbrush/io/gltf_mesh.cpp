@@ -80,7 +80,7 @@ class GltfReader {
     }
   }
 
-  MeshData read() {
+  MeshScene read() {
     std::vector<int> roots;
     if (model_.scenes.empty()) {
       std::vector<bool> child(model_.nodes.size(), false);
@@ -136,7 +136,7 @@ class GltfReader {
     const Eigen::Affine3d here = parent * transform_of(n);
     if (n.mesh >= 0) {
       for (const auto& p : model_.meshes[at(n.mesh, model_.meshes.size(), "meshes")].primitives) {
-        add_primitive(p, here);
+        add_primitive(p, here, n.name.empty() ? model_.meshes[size_t(n.mesh)].name : n.name);
       }
     }
     for (const int child : n.children) add_node(child, here, depth + 1);
@@ -190,7 +190,8 @@ class GltfReader {
     return out;
   }
 
-  void add_primitive(const tinygltf::Primitive& p, const Eigen::Affine3d& here) {
+  void add_primitive(const tinygltf::Primitive& p, const Eigen::Affine3d& here,
+                     const std::string& object) {
     const bool strip = p.mode == TINYGLTF_MODE_TRIANGLE_STRIP;
     const bool fan = p.mode == TINYGLTF_MODE_TRIANGLE_FAN;
     if (!strip && !fan && p.mode != -1 && p.mode != TINYGLTF_MODE_TRIANGLES) return;
@@ -202,25 +203,31 @@ class GltfReader {
     for (size_t k = 0; k < v.count; ++k) {
       Vec3f x;
       std::memcpy(x.data(), v.data + k * v.stride, sizeof x);
-      mesh_.vertices.push_back((here * x.cast<double>()).cast<float>());
-      if (!mesh_.vertices.back().allFinite()) fail("POSITION", "a coordinate is not finite");
+      mesh_.vertices.push_back(here * x.cast<double>());
+      if (!(mesh_.vertices.back().cwiseAbs().maxCoeff() <= 1e9)) {
+        fail("POSITION", "a coordinate is not finite");
+      }
     }
     const std::vector<uint32_t> index = indices_of(p, v.count);
+    MeshPart part{object, ""};
+    if (p.material >= 0) {
+      part.material = model_.materials[at(p.material, model_.materials.size(), "materials")].name;
+    }
     for (size_t k = 0; k + 2 < index.size(); k += strip || fan ? 1 : 3) {
       const uint32_t a = fan ? index[0] : index[k];
       if (mesh_.triangles.size() >= kMostTriangles) fail("meshes", "too many triangles");
-      mesh_.triangles.push_back({first + a, first + index[k + 1], first + index[k + 2]});
+      mesh_.add({first + a, first + index[k + 1], first + index[k + 2]}, part);
     }
   }
 
   fs::path path_;
   tinygltf::Model model_;
   std::vector<bool> seen_;  // One a node.
-  MeshData mesh_;
+  MeshScene mesh_;
 };
 
 }  // namespace
 
-MeshData read_gltf(const fs::path& path) { return GltfReader(path).read(); }
+MeshScene read_gltf(const fs::path& path) { return GltfReader(path).read(); }
 
 }  // namespace underbrush::io

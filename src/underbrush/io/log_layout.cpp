@@ -103,6 +103,7 @@ class CommentReader {
     info.has_misses = json.at("has_misses");
     info.deskewed = json.at("deskewed");
     info.classes = json.value("classes", "");
+    if (json.contains("element_classes")) json.at("element_classes").get_to(info.element_classes);
     out_.colours = json.at("colours");
     if (!(info.max_range_m > info.min_range_m && info.min_range_m >= 0 &&
           info.max_range_m >= kMinRange && info.max_range_m < kMaxCoordinate)) {
@@ -158,6 +159,9 @@ std::string text_from_comments(const LogComments& comments) {
           ",\"has_misses\":" + padded(info.has_misses) + ",\"deskewed\":" + padded(info.deskewed) +
           ",\"colours\":" + padded(comments.colours);
   if (!info.classes.empty()) text += ",\"classes\":" + without_traps(compact(info.classes));
+  if (!info.element_classes.empty()) {
+    text += ",\"element_classes\":" + without_traps(compact(info.element_classes));
+  }
   text += "}\n";
   for (const ScanInfo& scan : info.scans) text += scan_line(scan);
   for (const auto& [name, type] : comments.narrow) {

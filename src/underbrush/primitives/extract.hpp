@@ -9,13 +9,25 @@
 
 namespace underbrush::primitives {
 
+/// How a plant mesh came into a primitive: x_primitive = at + R(yaw) scale R(turn) (x_file − foot),
+/// with rotations about z and x_file in metres with z up.
+struct PlantPlacement {
+  std::string plant;         ///< Name of the plant: its file, or that of the generator.
+  Vec3 foot = Vec3::Zero();  ///< m; centroid of the vertices in x and y, lowest z.
+  double turn_rad = 0;       ///< Turns the longer principal axis in x and y onto x.
+  double scale = 1;
+  double yaw_rad = 0;
+  Vec3 at = Vec3::Zero();  ///< m.
+};
+
 /// A primitive π = (c, M) of [tallavajhula18] §IV: the elements of an object at the identity pose,
 /// with the object's box.
 struct Primitive {
   elements::Class label = elements::Class::kUnknown;
   Box box;
-  elements::Model model;  ///< It has no ground; its origin is the object's foot.
-  PlacedObject source;    ///< The object as it was measured in the log.
+  elements::Model model;                    ///< It has no ground; its origin is the object's foot.
+  PlacedObject source;                      ///< The object as it was measured in the log.
+  std::vector<PlantPlacement> plants = {};  ///< The meshes that it is made of, if it is.
 };
 
 /// The elements that an object takes.

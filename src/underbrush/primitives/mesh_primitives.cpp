@@ -38,6 +38,8 @@ struct Upright {
   const PlantSource* source;
   std::vector<Vec3f> vertices;
   double height_m = 0, radius_m = 0;
+  Vec3 foot = Vec3::Zero();
+  double turn_rad = 0;
 };
 
 Upright upright(const PlantSource& plant) {
@@ -58,6 +60,8 @@ Upright upright(const PlantSource& plant) {
   const Eigen::Vector2d axis =
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(spread).eigenvectors().col(1);
   Upright out{&plant, {}, high - low};
+  out.foot = Vec3(mean.x(), mean.y(), low);
+  out.turn_rad = -std::atan2(axis.y(), axis.x());
   for (const Vec3f& v : plant.vertices) {
     const Eigen::Vector2d d = v.head<2>().cast<double>() - mean.head<2>();
     out.vertices.emplace_back(float(axis.dot(d)), float(axis.x() * d.y() - axis.y() * d.x()),
@@ -68,8 +72,9 @@ Upright upright(const PlantSource& plant) {
 }
 
 /// Appends the plant, scaled, turned about z and moved.
-void add_plant(const Upright& plant, double scale, double yaw_rad, const Vec3& at,
-               elements::TriangleMesh& mesh) {
+void add_plant(const Upright& plant, double scale, double yaw_rad, const Vec3& at, Primitive& to) {
+  elements::TriangleMesh& mesh = to.model.surface;
+  to.plants.push_back({plant.source->name, plant.foot, plant.turn_rad, scale, yaw_rad, at});
   const auto first = uint32_t(mesh.vertices.size());
   const double c = scale * std::cos(yaw_rad), s = scale * std::sin(yaw_rad);
   for (const Vec3f& v : plant.vertices) {
@@ -94,7 +99,7 @@ Primitive empty_primitive(Class label, const MeshPrimitiveOptions& o) {
 Primitive one_plant(Class label, const Upright& plant, double scale,
                     const MeshPrimitiveOptions& o) {
   Primitive p = empty_primitive(label, o);
-  add_plant(plant, scale, 0, Vec3::Zero(), p.model.surface);
+  add_plant(plant, scale, 0, Vec3::Zero(), p);
   p.box.min.setConstant(INFINITY);
   p.box.max.setConstant(-INFINITY);
   for (const Vec3f& v : p.model.surface.vertices) {
@@ -138,7 +143,7 @@ Primitive patch_cell(Class label, const std::vector<const Upright*>& plants, dou
     const double share = p.model.surface.size() ? random.uniform(2.0 / 3, 1) : 1;
     const double scale = share * height_m / plant.height_m;
     const double x = random.uniform(-half, half), y = random.uniform(-half, half);
-    add_plant(plant, scale, random.uniform(0, 2 * M_PI), Vec3(x, y, 0), p.model.surface);
+    add_plant(plant, scale, random.uniform(0, 2 * M_PI), Vec3(x, y, 0), p);
     covered += M_PI * std::pow(scale * plant.radius_m, 2);
   }
   p.box = {Vec3(-half, -half, 0), Vec3(half, half, height_m)};

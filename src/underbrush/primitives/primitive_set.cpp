@@ -47,6 +47,17 @@ Json json_of(const PrimitiveEntry& e) {
   return j;
 }
 
+Json json_of(const PlantPlacement& p) {
+  Json j;
+  j["plant"] = p.plant;
+  j["foot_m"] = {p.foot.x(), p.foot.y(), p.foot.z()};
+  j["turn_rad"] = p.turn_rad;
+  j["scale"] = p.scale;
+  j["yaw_rad"] = p.yaw_rad;
+  j["at_m"] = {p.at.x(), p.at.y(), p.at.z()};
+  return j;
+}
+
 // Returns the height (m) that the pictures of each primitive show: that of its class's largest box.
 std::vector<double> heights_shown(const std::vector<Primitive>& primitives) {
   std::map<elements::Class, double> largest;
@@ -113,6 +124,9 @@ void write_primitives(const fs::path& path, const std::vector<Primitive>& primit
           elements::write_model(one, model);
           Json about = json_of(entries[k]);
           about["source"] = json_of_object(primitives[k].source);
+          for (const PlantPlacement& p : primitives[k].plants) {
+            about["plants"].push_back(json_of(p));
+          }
           about["provenance"] = origin;
           write_file(one / "primitive.json", io::text_of_json(about, 1) + "\n");
           write_file(one / "thumbnail.png",

@@ -144,6 +144,13 @@ bool PatternSource::next(BeamLog& chunk) {
   return !chunk.empty();
 }
 
+Trajectory one_scan(const Sensor& sensor, const StampedPose& pose) {
+  sensor.check();
+  StampedPose last = pose;
+  last.time_s += 1 / sensor.rate_hz;
+  return Trajectory({pose, last});
+}
+
 BeamLog beams(const Sensor& sensor, const Trajectory& trajectory, double start_s, double end_s) {
   PatternSource source(sensor, trajectory, start_s, end_s, SIZE_MAX);
   BeamLog log;

@@ -47,6 +47,10 @@ class PatternSource : public BeamSource {
   LogInfo info_;
 };
 
+/// Makes the trajectory of a sensor that stands at a pose for one revolution or frame, such as a
+/// scanner on its tripod.
+Trajectory one_scan(const Sensor& sensor, const StampedPose& pose);
+
 /// Makes every beam that a sensor fires in [start_s, end_s), in memory. Throws as `PatternSource`
 /// does.
 BeamLog beams(const Sensor& sensor, const Trajectory& trajectory, double start_s, double end_s);

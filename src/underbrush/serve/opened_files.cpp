@@ -10,6 +10,7 @@
 #include "underbrush/io/json_file.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/primitives/primitive_set.hpp"
+#include "underbrush/worlds/read_world.hpp"
 
 namespace underbrush::serve {
 namespace fs = std::filesystem;
@@ -36,6 +37,7 @@ bool is_score(const fs::path& path) {
 // What a file is that was found in a folder, if it is anything.
 std::optional<FileKind> kind_of_found(const fs::path& path) {
   try {
+    if (worlds::is_world(path)) return FileKind::kScene;
     if (path.extension() == ".json" && is_score(path)) return FileKind::kScore;
     if (path.extension() == ".ply") {
       const io::LogReader reader(path);
@@ -47,6 +49,7 @@ std::optional<FileKind> kind_of_found(const fs::path& path) {
 }
 
 FileKind kind_of_named(const fs::path& path) {
+  if (worlds::is_world(path)) return FileKind::kScene;
   if (path.extension() == ".json") {
     if (is_score(path)) return FileKind::kScore;
     throw FormatError(path.string(), "", "not the scores that score --json writes");

@@ -10,6 +10,7 @@
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/primitives/primitive_set.hpp"
 #include "underbrush/serve/json_reply.inl"
+#include "underbrush/worlds/read_world.hpp"
 
 namespace underbrush::serve {
 namespace {
@@ -29,7 +30,13 @@ void append(std::string& bytes, const T& value) {
 
 WorldData::WorldData(const OpenedFile& file) : kind_(file.kind), folder_(file.path) {
   if (kind_ == FileKind::kScene) {
-    scene_ = elements::read_scene(file.path, &info_);
+    if (worlds::is_world(file.path)) {
+      worlds::World world = worlds::read_world(file.path);
+      scene_ = std::move(world.scene);
+      info_ = std::move(world.info);
+    } else {
+      scene_ = elements::read_scene(file.path, &info_);
+    }
     if (!scene_.instances.empty()) {
       origin_ = scene_.instances[0].world_from_model.translation.array().round();
     }
@@ -109,13 +116,15 @@ std::string WorldData::json() const {
     const Eigen::Quaterniond& q = i.world_from_model.rotation;
     const auto label = k < info_.labels.size() ? info_.labels[k] : elements::Class::kUnknown;
     j["instances"].push_back({{"model", i.model},
-                              {"class", elements::name(label)},
+                              {"class", elements::class_name(info_, label)},
                               {"at_m", {at.x(), at.y(), at.z()}},
                               {"rotation_wxyz", {q.w(), q.x(), q.y(), q.z()}},
                               {"scale", i.scale},
                               {"moves", moving.count(uint32_t(k)) != 0}});
   }
+  const std::vector<std::string> classes = elements::element_classes(info_);
   j["classes"] = elements::kClassNames;
+  if (!classes.empty()) j["classes"] = classes;
   return text_of(j);
 }
 

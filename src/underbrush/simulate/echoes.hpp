@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "underbrush/core/beam_log.hpp"
@@ -83,6 +84,8 @@ class EchoMaker {
 
   /// The waveforms of the chosen beams so far.
   const std::vector<BeamWaveform>& waveforms() const { return waveforms_; }
+  /// Gives away the waveforms of the chosen beams so far.
+  std::vector<BeamWaveform> take_waveforms() { return std::exchange(waveforms_, {}); }
   /// The number of sub-rays that were traced so far.
   size_t rays() const { return rays_; }
 

@@ -22,6 +22,18 @@ Vec3 normal_of(const elements::Model& model, uint32_t element) {
   return (b - a).cross(c - a).normalized();
 }
 
+/// Finds the material of a class that a scene has of its own.
+const radiometry::Material& of_own_class(const radiometry::Materials& materials,
+                                         const std::string& name) {
+  for (const auto& [label, material] : materials.of_class) {
+    if (label == name) return materials.named(material);
+  }
+  for (const radiometry::Material& m : materials.material) {
+    if (m.name == name) return m;
+  }
+  return materials.of("unknown");
+}
+
 }  // namespace
 
 Reflection::Reflection(const radiometry::Materials& materials, double wavelength_m,
@@ -40,6 +52,9 @@ Reflection::Reflection(const radiometry::Materials& materials, double wavelength
   }
   for (const std::string_view name : elements::kClassNames) {
     of_class_.push_back(uint8_t(index(materials.of(name))));
+  }
+  for (const std::string& name : kinds.class_names) {
+    of_class_.push_back(uint8_t(index(of_own_class(materials, name))));
   }
   for (const std::string& name : kinds.material) {
     of_instance_.push_back(name.empty() ? -1 : int(index(materials.named(name))));

@@ -17,6 +17,12 @@ namespace underbrush::simulate {
 struct InstanceKinds {
   std::vector<elements::Class> label;  ///< One an instance.
   std::vector<std::string> material;   ///< One an instance; "" = that of the class.
+  /// Names of the classes that the scene has besides `elements::kClassNames`. The material of such
+  /// a class is what `Materials::of_class` says, else the material of its name, else that of the
+  /// class `unknown`.
+  std::vector<std::string> class_names;
+  /// Materials that the scene brings along, for whoever makes the table of materials.
+  std::vector<radiometry::Material> own_materials;
 };
 
 /// Reflection factors at one wavelength: the reflectance times the effect of the incidence.

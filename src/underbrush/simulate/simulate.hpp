@@ -66,6 +66,8 @@ class SimulatedSource : public BeamSource {
   SimulatedSource(Answer answer, BeamSource& beams, double max_range_m = 0);
   SimulatedSource(const trace::World& world, BeamSource& beams, const Options& options);
   const LogInfo& info() const override { return info_; }
+  /// Sets `LogInfo::element_classes`.
+  void name_classes(std::vector<std::string> names) { info_.element_classes = std::move(names); }
   /// The number of beams. There may be more rows.
   size_t size() const override { return beams_.size(); }
   void rewind() override;

@@ -1,0 +1,189 @@
+#include "underbrush/metrics/canopy.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "underbrush/core/check.hpp"
+#include "underbrush/core/parallel.hpp"
+
+namespace underbrush::metrics {
+namespace {
+
+using elements::Kind;
+
+struct Bounds {
+  Vec3 low = Vec3::Constant(INFINITY), high = Vec3::Constant(-INFINITY);
+  void add(const Vec3& x) {
+    low = low.cwiseMin(x);
+    high = high.cwiseMax(x);
+  }
+};
+
+/// Bounds of the vertices, and of the ellipsoids within two standard deviations.
+void add_model(const elements::Model& m, const elements::Instance& placed, Bounds& bounds) {
+  const auto world = [&](const Vec3f& v) -> Vec3 {
+    return placed.world_from_model.translation +
+           double(placed.scale) * (placed.world_from_model.rotation * v.cast<double>());
+  };
+  for (const Vec3f& v : m.ground.vertices) bounds.add(world(v));
+  for (const Vec3f& v : m.surface.vertices) bounds.add(world(v));
+  for (const elements::Ellipsoid& e : m.ellipsoids) {
+    const Mat3 turned = placed.world_from_model.rotation.toRotationMatrix() *
+                        e.covariance_matrix() *
+                        placed.world_from_model.rotation.toRotationMatrix().transpose();
+    const Vec3 reach = 2 * double(placed.scale) * turned.diagonal().cwiseSqrt();
+    bounds.add(world(e.mean) - reach);
+    bounds.add(world(e.mean) + reach);
+  }
+}
+
+Bounds bounds_of(const elements::Scene& scene) {
+  Bounds bounds;
+  if (scene.instances.empty()) {
+    elements::Instance placed;
+    placed.world_from_model.translation = scene.models.at(0).origin;
+    add_model(scene.models[0], placed, bounds);
+  }
+  for (const elements::Instance& i : scene.instances) add_model(scene.models[i.model], i, bounds);
+  if (!(bounds.low.x() <= bounds.high.x())) throw DataError("canopy: there are no elements");
+  return bounds;
+}
+
+/// Fires rays along an axis, as many in each column of voxels, and multiplies what passes.
+class Voxels {
+ public:
+  Voxels(const Canopy& c, const trace::World& world, int rays)
+      : c_(c), world_(world), rays_(rays), sum_(count(), 0) {}
+
+  void fire(int axis) {
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    parallel_for(c_.size[size_t(u)], 1, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) {
+        for (uint32_t j = 0; j < c_.size[size_t(v)]; ++j) column(axis, uint32_t(i), j);
+      }
+    });
+  }
+
+  std::vector<float> means() const {
+    std::vector<float> out(sum_.size());
+    const double n = 3.0 * rays_ * rays_;
+    for (size_t k = 0; k < out.size(); ++k) out[k] = float(sum_[k] / n);
+    return out;
+  }
+
+ private:
+  size_t count() const { return size_t(c_.size[0]) * c_.size[1] * c_.size[2]; }
+
+  void column(int axis, uint32_t i, uint32_t j) {
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    const uint32_t n = c_.size[size_t(axis)];
+    std::vector<double> passing(n);
+    std::vector<trace::Intersection> met;
+    for (int r = 0; r < rays_ * rays_; ++r) {
+      Ray ray{c_.low, Vec3::Unit(axis)};
+      ray.origin[u] += c_.cell_m * (i + (r % rays_ + 0.5) / rays_);
+      ray.origin[v] += c_.cell_m * (j + (double(r / rays_) + 0.5) / rays_);
+      std::fill(passing.begin(), passing.end(), 1);
+      world_.all_intersections(ray, {0, c_.cell_m * n}, c_.cell_m * n, met);
+      for (const trace::Intersection& m : met) {
+        if (world_.model(m.instance).kind(m.element) == Kind::kGround) continue;
+        passing[std::min(n - 1, uint32_t(m.t_m / c_.cell_m))] *= 1 - m.p;
+      }
+      for (uint32_t k = 0; k < n; ++k) sum_[at(axis, i, j, k)] += passing[k];
+    }
+  }
+
+  size_t at(int axis, uint32_t i, uint32_t j, uint32_t k) const {
+    std::array<size_t, 3> place{};
+    place[size_t(axis)] = k;
+    place[size_t((axis + 1) % 3)] = i;
+    place[size_t((axis + 2) % 3)] = j;
+    return place[0] + c_.size[0] * (place[1] + size_t(c_.size[1]) * place[2]);
+  }
+
+  const Canopy& c_;
+  const trace::World& world_;
+  int rays_;
+  std::vector<double> sum_;
+};
+
+/// What vertical rays from above meet in a cell of the map.
+struct Cell {
+  double ground_sum = 0, cover_sum = 0, height = 0;
+  int rays = 0;
+
+  void add(const std::vector<trace::Intersection>& met, const trace::World& world, double top_m,
+           double cover_height_m) {
+    const auto is_ground = [&](const trace::Intersection& m) {
+      return world.model(m.instance).kind(m.element) == Kind::kGround;
+    };
+    const auto ground = std::find_if(met.begin(), met.end(), is_ground);
+    if (ground == met.end()) return;
+    ++rays;
+    ground_sum += top_m - ground->t_m;
+    double passing = 1, passing_cover = 1;
+    for (auto m = met.begin(); m != ground; ++m) {
+      const double above = ground->t_m - m->t_m, before = passing;
+      passing *= 1 - m->p;
+      if (above > cover_height_m) passing_cover *= 1 - m->p;
+      if (before > 0.5 && passing <= 0.5) height = std::max(height, above);
+    }
+    cover_sum += 1 - passing_cover;
+  }
+};
+
+void map(const trace::World& world, const CanopyOptions& o, Canopy& c) {
+  const size_t n = size_t(c.size[0]) * c.size[1];
+  c.ground.assign(n, NAN);
+  c.height.assign(n, NAN);
+  c.cover.assign(n, NAN);
+  const double top = c.low.z() + c.cell_m * c.size[2] + 1;
+  const double depth = top - c.low.z() + 1;
+  parallel_for(n, 16, [&](size_t begin, size_t end) {
+    std::vector<trace::Intersection> met;
+    for (size_t k = begin; k < end; ++k) {
+      Cell cell;
+      for (int r = 0; r < o.rays * o.rays; ++r) {
+        const double x = double(k % c.size[0]) + (r % o.rays + 0.5) / o.rays;
+        const double y = double(k / c.size[0]) + (double(r / o.rays) + 0.5) / o.rays;
+        const Ray ray{Vec3(c.low.x() + c.cell_m * x, c.low.y() + c.cell_m * y, top),
+                      -Vec3::UnitZ()};
+        world.all_intersections(ray, {0, depth}, depth, met);
+        cell.add(met, world, top, o.cover_height_m);
+      }
+      if (cell.rays == 0) continue;
+      c.ground[k] = float(cell.ground_sum / cell.rays);
+      c.height[k] = float(cell.height);
+      c.cover[k] = float(cell.cover_sum / cell.rays);
+    }
+  });
+}
+
+}  // namespace
+
+Canopy canopy_of(const elements::Scene& scene, const trace::World& world, const CanopyOptions& o) {
+  require(std::isfinite(o.cell_m) && o.cell_m > 0 && o.rays >= 1 && o.rays <= 100 &&
+              std::isfinite(o.cover_height_m),
+          "canopy: cells and rays must be positive");
+  constexpr double kProjection = 0.5, kMostVoxels = 2e8;
+  const Bounds bounds = bounds_of(scene);
+  Canopy c;
+  c.cell_m = o.cell_m;
+  c.low = (bounds.low / o.cell_m).array().floor() * o.cell_m;
+  const Vec3 cells = ((bounds.high - c.low) / o.cell_m).array().ceil().max(1);
+  require_data(cells.prod() <= kMostVoxels && cells.maxCoeff() < 1e6,
+               "canopy: more than 200 million voxels; take larger cells");
+  for (size_t d = 0; d < 3; ++d) c.size[d] = uint32_t(cells[Eigen::Index(d)]);
+  map(world, o, c);
+  Voxels voxels(c, world, o.rays);
+  for (const int axis : {0, 1, 2}) voxels.fire(axis);
+  c.gap = voxels.means();
+  c.area_density.reserve(c.gap.size());
+  for (const float gap : c.gap) {
+    const double density = -std::log(double(gap)) / (kProjection * c.cell_m);
+    c.area_density.push_back(gap > 0 ? float(std::max(0.0, density)) : NAN);
+  }
+  return c;
+}
+
+}  // namespace underbrush::metrics

@@ -1,0 +1,47 @@
+/// \file
+/// What foresters ask of a stand: plant area density and gap fraction by voxel, canopy height and
+/// cover by cell of a map, all of them computed from the hit probabilities of a model.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "underbrush/trace/world.hpp"
+
+namespace underbrush::metrics {
+
+/// The options of `canopy_of`.
+struct CanopyOptions {
+  double cell_m = 1;          ///< m; side of the cells of maps and of the voxels.
+  int rays = 4;               ///< Number of rays along each side of a cell.
+  double cover_height_m = 2;  ///< m; what stands higher above the ground is canopy.
+};
+
+/// A stand in cells and voxels. Maps have `size[0] · size[1]` values, x fastest; voxel grids have
+/// `size[0] · size[1] · size[2]`, x fastest, then y. NaN where there is no value.
+struct Canopy {
+  Vec3 low = Vec3::Zero();  ///< m, world; lower corner, a multiple of the cell's side.
+  double cell_m = 1;
+  std::array<uint32_t, 3> size{};
+  /// m, world; mean height of the ground, the highest ground triangle below each ray.
+  std::vector<float> ground;
+  /// m; largest height above the ground at which a vertical ray from above has been stopped with a
+  /// probability of at least one half before it comes to the ground; 0 where there is none.
+  std::vector<float> height;
+  /// Mean probability that a vertical ray from above is stopped higher than `cover_height_m`.
+  std::vector<float> cover;
+  /// Mean of ∏ (1 − p) over rays through the voxel along x, y and z, as many along each, with the
+  /// hit probabilities p of what a ray meets in it, without the ground.
+  std::vector<float> gap;
+  /// m²/m³; one-sided plant area density −ln(gap) / (G · side) with G = 1/2, that of leaves of all
+  /// directions alike. NaN where no ray passes, since the density then is not known.
+  std::vector<float> area_density;
+};
+
+/// Computes the cells and voxels of all elements of a scene. `scene` is what `world` was made of.
+/// Throws `std::invalid_argument` for options out of range, `DataError` for a scene without
+/// elements, and for one that needs more than 200 million voxels.
+Canopy canopy_of(const elements::Scene& scene, const trace::World& world,
+                 const CanopyOptions& options = {});
+
+}  // namespace underbrush::metrics

@@ -1,0 +1,318 @@
+#include "underbrush/worlds/helios_survey.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "underbrush/core/check.hpp"
+#include "underbrush/io/text.hpp"
+#include "underbrush/worlds/helios_path.hpp"
+#include "underbrush/worlds/xml_file.hpp"
+
+namespace underbrush::worlds {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr double kDegree = M_PI / 180;
+/// From the frame of HELIOS++ (x right, y forward) to ours (x forward, y left).
+Vec3 ours(const Vec3& helios) { return {helios.y(), -helios.x(), helios.z()}; }
+
+/// An element of another file that a survey names.
+struct Named {
+  std::unique_ptr<XmlFile> file;
+  pugi::xml_node node;
+};
+
+/// Reads the legs of a survey.
+class SurveyReader {
+ public:
+  SurveyReader(const fs::path& path, const HeightAt& ground_at, const fs::path& assets)
+      : xml_(path),
+        folders_{fs::absolute(path).parent_path(), assets.empty() ? assets : fs::absolute(assets)},
+        ground_at_(ground_at),
+        survey_(xml_.root().child("survey")) {
+    if (!survey_) throw FormatError(path.string(), "", "no survey of HELIOS++");
+    out_.name = printable(survey_.attribute("name").value(), 100);
+    xml_.count_others(survey_, {"leg", "FWFSettings", "scannerMount", "detectorSettings"},
+                      out_.left_out);
+    scanner_ = named("scanner", xml_.text(survey_, "scanner"));
+    const std::string platform = xml_.text(survey_, "platform");
+    interpolated_ = platform == "interpolated";
+    const std::string base = survey_.attribute("basePlatform").value();
+    if (!interpolated_ || !base.empty())
+      platform_ = named("platform", interpolated_ ? base : platform);
+    read_mount();
+    scanner_.file->count_others(
+        scanner_.node, {"FWFSettings", "beamOrigin", "headRotateAxis", "channels"}, out_.left_out);
+  }
+
+  Survey read() {
+    std::vector<pugi::xml_node> legs;
+    for (const pugi::xml_node& leg : survey_.children("leg")) legs.push_back(leg);
+    if (legs.empty()) xml_.fail(survey_, "no leg");
+    double start_s = 0;
+    for (size_t k = 0; k < legs.size(); ++k) {
+      const LegSettings settings = settings_of(legs[k]);
+      xml_.count_others(legs[k], {"platformSettings", "scannerSettings"}, out_.left_out);
+      const LegPath path = checked_path(legs, k, settings, start_s);
+      if (path.poses.size() >= 2) start_s = path.poses.back().time_s;
+      if (!settings.active || path.poses.size() < 2) {
+        ++out_.left_out[settings.active ? "legs without a duration"
+                                        : "legs with an inactive scanner"];
+        continue;
+      }
+      check(settings, legs[k]);
+      add_leg(k, settings, path);
+    }
+    if (out_.legs.empty()) xml_.fail(survey_, "no leg on which the scanner measures");
+    return std::move(out_);
+  }
+
+ private:
+  Named named(const char* element, const std::string& location) const {
+    const size_t hash = location.find('#');
+    if (hash == std::string::npos) xml_.fail(survey_, std::string(element) + ": must be FILE#ID");
+    Named out{std::make_unique<XmlFile>(folders_.path(xml_.path(), location)), {}};
+    out.node = out.file->with_id(element, location.substr(hash + 1));
+    return out;
+  }
+
+  void read_mount() {
+    const pugi::xml_node own = survey_.child("scannerMount");
+    const XmlFile& file = own ? xml_ : platform_.file ? *platform_.file : xml_;
+    const pugi::xml_node mount = own ? own : platform_.node.child("scannerMount");
+    if (platform_.file)
+      platform_.file->count_others(platform_.node, {"scannerMount"}, out_.left_out);
+    mount_.position = file.vector(mount);
+    mount_.rotation = file.rotation(mount);
+    const pugi::xml_node origin = scanner_.node.child("beamOrigin");
+    mount_.position += scanner_.file->vector(origin);
+    emitter_ = scanner_.file->rotation(origin);
+    const pugi::xml_node axis = scanner_.node.child("headRotateAxis");
+    mount_.head_axis = axis ? scanner_.file->vector(axis) : Vec3::UnitZ();
+    if (!(mount_.head_axis.norm() > 0.1)) mount_.head_axis = Vec3::UnitZ();
+    mount_.head_axis.normalize();
+  }
+
+  /// Returns the settings of a leg over those of its template.
+  LegSettings settings_of(const pugi::xml_node& leg) const {
+    LegSettings s;
+    for (const char* element : {"platformSettings", "scannerSettings"}) {
+      const pugi::xml_node own = leg.child(element);
+      const std::string name = own.attribute("template").value();
+      if (!name.empty()) read_settings(xml_.with_id(element, name), s);
+      if (own) read_settings(own, s);
+    }
+    return s;
+  }
+
+  void read_settings(const pugi::xml_node& n, LegSettings& s) const {
+    if (std::string(n.name()) == "platformSettings") {
+      s.position = {xml_.number(n, "x", s.position.x()), xml_.number(n, "y", s.position.y()),
+                    xml_.number(n, "z", s.position.z())};
+      s.on_ground = xml_.truth(n, "onGround", s.on_ground);
+      s.speed_m_per_s = xml_.number(n, "movePerSec_m", s.speed_m_per_s);
+      return;
+    }
+    const auto angle = [&](const char* name, double& value) {
+      value = xml_.number(n, name, value / kDegree) * kDegree;
+    };
+    s.active = xml_.truth(n, "active", s.active);
+    s.pulse_hz = xml_.number(n, "pulseFreq_hz", s.pulse_hz);
+    s.scan_hz = xml_.number(n, "scanFreq_hz", s.scan_hz);
+    angle("scanAngle_deg", s.scan_rad);
+    angle("verticalAngleMin_deg", s.low_rad);
+    angle("verticalAngleMax_deg", s.high_rad);
+    angle("headRotatePerSec_deg", s.head_rad_per_s);
+    angle("headRotateStart_deg", s.head_start_rad);
+    angle("headRotateStop_deg", s.head_stop_rad);
+    angle("verticalResolution_deg", s.vertical_step_rad);
+    angle("horizontalResolution_deg", s.horizontal_step_rad);
+    s.longest_s = xml_.number(n, "maxDuration_s", s.longest_s);
+    const double device = xml_max("scanAngleMax_deg") * kDegree;
+    if (s.vertical_step_rad > 0 && device > 0) {
+      s.scan_hz = s.pulse_hz * s.vertical_step_rad / (2 * device);
+      s.head_rad_per_s = s.horizontal_step_rad * s.scan_hz;
+    }
+  }
+  LegPath checked_path(const std::vector<pugi::xml_node>& legs, size_t k,
+                       const LegSettings& settings, double start_s) try {
+    return path_of(legs, k, settings, start_s);
+  } catch (const std::invalid_argument& e) {
+    xml_.fail(legs[k], e.what());
+  }
+
+  void check(const LegSettings& s, const pugi::xml_node& leg) const {
+    if (!(s.pulse_hz >= 1 && s.pulse_hz <= 1e8)) xml_.fail(leg, "pulseFreq_hz: must be 1 to 1e8");
+    if (!(s.scan_hz >= 0)) xml_.fail(leg, "scanFreq_hz: must not be negative");
+  }
+
+  double xml_max(const char* name) const { return scanner_.file->number(scanner_.node, name, 0); }
+
+  LegPath path_of(const std::vector<pugi::xml_node>& legs, size_t k, const LegSettings& settings,
+                  double start_s) {
+    const pugi::xml_node platform = legs[k].child("platformSettings");
+    const HeadTurn head{settings.head_start_rad, settings.head_stop_rad, settings.head_rad_per_s,
+                        std::max(1.0, settings.pulse_hz)};
+    if (platform.attribute("trajectory")) {
+      const TrajectoryFile file{
+          folders_.path(xml_.path(), xml_.text(platform, "trajectory")),
+          trajectory_columns(platform), xml_.truth(platform, "toRadians", true),
+          std::string(survey_.attribute("rotationSpec").value()) == "CANONICAL"};
+      return along_file(file, xml_.number(platform, "tStart", -kEver),
+                        xml_.number(platform, "tEnd", kEver), mount_, head);
+    }
+    const std::string type = platform_.node ? platform_.node.attribute("type").value() : "static";
+    const Vec3 here = place_of(settings);
+    if (type == "static") return standing(here, mount_, head, start_s, settings.longest_s);
+    if (type != "linearpath") ++out_.left_out["dynamics of the platform " + printable(type, 40)];
+    if (k + 1 == legs.size()) return {};
+    return flying(here, place_of(settings_of(legs[k + 1])), settings.speed_m_per_s, mount_, head,
+                  start_s);
+  }
+
+  std::array<size_t, 7> trajectory_columns(const pugi::xml_node& n) const {
+    std::array<size_t, 7> columns{};
+    const char* const names[] = {"tIndex", "rollIndex", "pitchIndex", "yawIndex",
+                                 "xIndex", "yIndex",    "zIndex"};
+    for (size_t c = 0; c < 7; ++c) {
+      const double index = xml_.number(n, names[c], double(c));
+      if (!(index >= 0 && index < 64) || index != std::floor(index)) {
+        xml_.fail(n, std::string(names[c]) + ": must be a whole number from 0 to 63");
+      }
+      columns[c] = size_t(index);
+    }
+    return columns;
+  }
+
+  Vec3 place_of(const LegSettings& s) {
+    if (!s.on_ground) return s.position;
+    const auto height = ground_at_ ? ground_at_(s.position.x(), s.position.y()) : std::nullopt;
+    if (!height) ++out_.left_out["legs on the ground where there is none"];
+    return {s.position.x(), s.position.y(), height.value_or(s.position.z())};
+  }
+
+  void add_leg(size_t number, const LegSettings& s, const LegPath& path) {
+    SurveyLeg leg;
+    leg.number = number;
+    leg.table_name = "leg-" + std::to_string(number) + ".csv";
+    const Deflector d = deflector_of(s);
+    try {
+      leg.trajectory = Trajectory(path.poses);
+      write_table(line_of(d), d, leg);
+    } catch (const std::invalid_argument& e) {
+      xml_.fail(survey_, "leg " + std::to_string(number) + ": " + e.what());
+    }
+    out_.legs.push_back(std::move(leg));
+  }
+
+  Deflector deflector_of(const LegSettings& s) const {
+    const XmlFile& file = *scanner_.file;
+    Deflector d;
+    d.optics = file.text(scanner_.node, "optics");
+    const bool known = d.optics == "oscillating" || d.optics == "conic" || d.optics == "line" ||
+                       d.optics == "rotating";
+    if (!known) file.fail(scanner_.node, "optics: " + in_quotes(d.optics) + " are not supported");
+    d.pulse_hz = s.pulse_hz;
+    d.scan_hz = s.scan_hz;
+    d.scan_max_rad = xml_max("scanAngleMax_deg") * kDegree;
+    d.scan_rad = s.scan_rad > 0 ? std::min(s.scan_rad, d.scan_max_rad) : d.scan_max_rad;
+    const double effective = xml_max("scanAngleEffectiveMax_deg") * kDegree;
+    const double widest = std::min(effective > 0 ? effective : d.scan_max_rad, d.scan_rad);
+    d.low_rad = std::isnan(s.low_rad) ? -widest : s.low_rad;
+    d.high_rad = std::isnan(s.high_rad) ? widest : s.high_rad;
+    const double fibres = file.number(scanner_.node, "numFibers", 1);
+    if (!(fibres >= 1 && fibres <= 65534))
+      file.fail(scanner_.node, "numFibers: must be 1 to 65534");
+    d.fibres = size_t(fibres);
+    return d;
+  }
+
+  /// Returns the attitudes of the emitters, of which each fires at every pulse.
+  std::vector<Eigen::Quaterniond> emitters() const {
+    std::vector<Eigen::Quaterniond> out;
+    for (const pugi::xml_node& channel : scanner_.node.child("channels").children("channel")) {
+      const pugi::xml_node origin = channel.child("beamOrigin");
+      out.push_back(origin ? scanner_.file->rotation(origin) : emitter_);
+    }
+    if (out.empty()) out.push_back(emitter_);
+    return out;
+  }
+
+  void write_table(const std::vector<Vec3>& line, const Deflector& d, SurveyLeg& leg) {
+    const std::vector<Eigen::Quaterniond> emitter = emitters();
+    require_data(line.size() * emitter.size() <= 4000000, "more than 4000000 directions");
+    std::ostringstream table;
+    table.precision(12);
+    table << "azimuth_deg,elevation_deg,time_us,ring\n";
+    size_t shots = 0;
+    for (size_t k = 0; k < line.size(); ++k) {
+      if (line[k].isZero()) continue;
+      for (size_t c = 0; c < emitter.size(); ++c) {
+        const Vec3 v = ours(emitter[c] * line[k]).normalized();
+        const double flat = std::hypot(v.x(), v.y());
+        const double azimuth = flat < 1e-12 ? 0 : std::atan2(v.y(), v.x());
+        const size_t ring = d.optics == "line" ? k : c;
+        table << azimuth / kDegree << ',' << std::atan2(v.z(), flat) / kDegree << ','
+              << double(k) / d.pulse_hz * 1e6 << ',' << ring << '\n';
+        ++shots;
+      }
+    }
+    require_data(shots > 0, "no pulse leaves the scanner");
+    leg.directions = table.str();
+    const double cycle_s = double(line.size()) / d.pulse_hz;
+    leg.sensor = sensor_text(leg, cycle_s, emitter.size());
+  }
+
+  std::string sensor_text(const SurveyLeg& leg, double cycle_s, size_t emitters) const {
+    const XmlFile& f = *scanner_.file;
+    const pugi::xml_node& n = scanner_.node;
+    // HELIOS++ states the divergence where the power is 1/e² of that on the axis.
+    const double half_power = std::sqrt(std::log(2) / 2);
+    const double farthest = std::min(1e5, f.number(n, "rangeMax_m", 1e5));
+    const double nearest = f.number(n, "rangeMin_m", 0);
+    const double quality = f.number(n.child("FWFSettings"), "beamSampleQuality", 3);
+    const double returns = f.number(n, "maxNOR", 0);
+    const pugi::xml_node over = survey_.child("detectorSettings");
+    std::ostringstream y;
+    y.precision(12);
+    y << "name: "
+      << "helios-leg-" << leg.number << "\n"
+      << "kind: directions  # " << emitters
+      << " emitters; the turn of the head is in the trajectory\n"
+      << "rate_hz: " << 1 / cycle_s << "\ncycle_s: " << cycle_s
+      << "\ndirections: " << leg.table_name
+      << "\nmin_range_m: " << xml_.number(over, "rangeMin_m", nearest)
+      << "\nmax_range_m: " << xml_.number(over, "rangeMax_m", farthest)
+      << "\nrange_sigma_m: " << xml_.number(over, "accuracy_m", f.number(n, "accuracy_m", 0));
+    const double divergence = f.number(n, "beamDivergence_rad", 0.0003) * half_power * 1e3;
+    const int across = int(
+        std::clamp(2 * xml_.number(survey_.child("FWFSettings"), "beamSampleQuality", quality) - 1,
+                   1.0, 31.0));
+    y << "\ndivergence_mrad: [" << divergence << ", " << divergence << "]\nprofile: gaussian"
+      << "\nsub_rays: [" << across << ", " << across
+      << "]\nwavelength_nm: " << f.number(n, "wavelength_nm", 1064)
+      << "\nreceiver:\n  pulse_ns: " << f.number(n, "pulseLength_ns", 4)
+      << "\n  returns: all\n  max_echoes: " << (returns >= 1 ? std::min(16, int(returns)) : 16)
+      << "\nsources:\n  - \"A scanner of HELIOS++\"\n";
+    return y.str();
+  }
+
+  XmlFile xml_;
+  Assets folders_;
+  HeightAt ground_at_;
+  pugi::xml_node survey_;
+  Named scanner_, platform_;
+  bool interpolated_ = false;
+  ScannerMount mount_;
+  Eigen::Quaterniond emitter_ = Eigen::Quaterniond::Identity();
+  Survey out_;
+};
+
+}  // namespace
+
+Survey read_helios_survey(const fs::path& path, const HeightAt& ground_at, const fs::path& assets) {
+  return SurveyReader(path, ground_at, assets).read();
+}
+
+}  // namespace underbrush::worlds

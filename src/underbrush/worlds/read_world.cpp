@@ -1,0 +1,46 @@
+#include "underbrush/worlds/read_world.hpp"
+
+#include "underbrush/worlds/voxel_file.hpp"
+
+namespace underbrush::worlds {
+namespace {
+
+bool is_voxels(const std::filesystem::path& path) {
+  return path.extension() == ".vox" && std::filesystem::is_regular_file(path);
+}
+
+}  // namespace
+
+World read_voxel_world(const std::filesystem::path& path) {
+  const VoxelFile voxels = read_voxels(path);
+  const Vec3 split(voxels.split[0], voxels.split[1], voxels.split[2]);
+  World world = empty_world(offset_of(voxels.low, voxels.low + voxels.side_m.cwiseProduct(split)));
+  io::MeshScene leaves;
+  leaves.parts = {{"", "leaf"}};
+  leaves.left_out = voxels.left_out;
+  const PartModels models = add_models(world, leaves, {}, world.report.offset_m);
+  elements::Model& model = world.scene.models.back();
+  model.fitter = "voxels";
+  model.ellipsoids = ellipsoids_of(voxels, world.report.offset_m);
+  model.tau = kVoxelTau;
+  world.report.voxels = model.ellipsoids.size();
+  if (!voxels.leaf_angles.empty() && voxels.leaf_angles != "Spherical") {
+    ++world.report.left_out["leaf angles " + voxels.leaf_angles + ", which count as spherical"];
+  }
+  elements::Instance placed;
+  placed.world_from_model.translation = world.report.offset_m;
+  place(world, models, placed);
+  return world;
+}
+
+bool is_world(const std::filesystem::path& path) {
+  return is_mesh(path) || is_voxels(path) || is_helios(path);
+}
+
+World read_world(const std::filesystem::path& path, const ReadOptions& options) {
+  if (is_voxels(path)) return read_voxel_world(path);
+  if (is_helios(path)) return read_helios_scene(path, "", options.assets);
+  return read_mesh_world(path, options.mesh);
+}
+
+}  // namespace underbrush::worlds

@@ -1,0 +1,24 @@
+/// \file
+/// Worlds in any third-party format that is known.
+#pragma once
+#include "underbrush/worlds/helios_scene.hpp"
+#include "underbrush/worlds/mesh_world.hpp"
+
+namespace underbrush::worlds {
+
+/// How the files of a world are read.
+struct ReadOptions {
+  MeshOptions mesh;
+  std::filesystem::path assets;  ///< Folder in which a scene of HELIOS++ has its files, too.
+};
+
+/// Whether `read_world` reads this file: a mesh, a scene or survey of HELIOS++ (.xml), or voxels of
+/// AMAPVox (.vox).
+bool is_world(const std::filesystem::path& path);
+/// Reads voxels of AMAPVox as a world of one instance of class `leaf` (`ellipsoids_of`). Throws
+/// `FormatError`.
+World read_voxel_world(const std::filesystem::path& path);
+/// Reads the file. Throws `FormatError` as the readers do.
+World read_world(const std::filesystem::path& path, const ReadOptions& options = {});
+
+}  // namespace underbrush::worlds

@@ -1,0 +1,338 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "io/temporary.hpp"
+#include "underbrush/core/check.hpp"
+#include "underbrush/core/rng.hpp"
+#include "underbrush/sensor/pattern.hpp"
+#include "underbrush/worlds/helios_scene.hpp"
+#include "underbrush/worlds/helios_survey.hpp"
+
+namespace underbrush::worlds {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Helios : public testing::Test {
+ protected:
+  fs::path write(const std::string& name, const std::string& text) {
+    fs::create_directories((folder / name).parent_path());
+    std::ofstream(folder / name, std::ios::binary) << text;
+    return folder / name;
+  }
+  fs::path scene(const std::string& parts) {
+    write("parts/a.obj", "v 1 2 3\nv 4 5 6.5\nv -1 0.25 2\nf 1 2 3\n");
+    write("parts/ground.obj",
+          "mtllib g.mtl\nv -100 -100 0\nv 100 -100 0\nv 0 200 10\nusemtl earth\nf 1 2 3\n");
+    write("parts/g.mtl", "newmtl earth\nhelios_isGround 1\n");
+    return write("s.xml", "<?xml version=\"1.0\"?>\n<document><scene id=\"s\" name=\"S\">\n" +
+                              parts + "</scene></document>\n");
+  }
+  std::string refused(const fs::path& file) {
+    try {
+      read_helios_scene(file);
+    } catch (const FormatError& e) {
+      return e.what();
+    }
+    return "";
+  }
+  io::TemporaryFolder folder;
+};
+
+std::string filter(const std::string& type, const std::string& params) {
+  return "<filter type=\"" + type + "\">" + params + "</filter>";
+}
+std::string param(const std::string& key, const std::string& value) {
+  return "<param type=\"string\" key=\"" + key + "\" value=\"" + value + "\"/>";
+}
+const std::string kObj = filter("objloader", param("filepath", "parts/a.obj"));
+
+Vec3 corner(const World& w, size_t instance, size_t v) {
+  const elements::Instance& i = w.scene.instances.at(instance);
+  return i.world_from_model.translation +
+         double(i.scale) * (i.world_from_model.rotation *
+                            w.scene.models[i.model].surface.vertices.at(v).cast<double>());
+}
+
+// Law: a chain of filters is translation · scale · product of the rotations, whatever their order.
+TEST_F(Helios, AChainOfFiltersIsTheProductOfItsMatrices) {
+  Stream random(11);
+  for (int round = 0; round < 20; ++round) {
+    Mat3 expected = Mat3::Identity();
+    std::string parts = "<part>" + kObj, turns;
+    std::string two[2];
+    for (auto& chain : two) {
+      const bool local = random.uniform() < 0.5;
+      Mat3 one = Mat3::Identity();
+      turns = "";
+      for (int k = 0; k < 3; ++k) {
+        const auto axis = Eigen::Index(random.below(3));
+        const double angle = random.uniform(-180, 180);
+        const Mat3 r = Eigen::AngleAxisd(angle * M_PI / 180, Vec3::Unit(axis)).toRotationMatrix();
+        one = local ? Mat3(one * r) : Mat3(r * one);
+        char text[128];
+        std::snprintf(text, sizeof text, "<rot axis=\"%c\" angle_deg=\"%.17g\"/>", "xyz"[axis],
+                      angle);
+        turns += text;
+      }
+      expected = one * expected;
+      chain = filter("rotate", std::string("<param type=\"rotation\" key=\"rotation\"") +
+                                   (local ? " rotations=\"local\">" : ">") + turns + "</param>");
+    }
+    // The last scale and the last offset count, and a translation comes after all.
+    parts += filter("translate", param("offset", "7;7;7")) + two[0] +
+             filter("scale", param("scale", "9")) + two[1] +
+             filter("scale", param("scale", "2.5")) +
+             filter("translate", param("offset", "412345.5;-5.25;100")) + "</part>";
+    const World w = read_helios_scene(scene(parts));
+    ASSERT_EQ(w.scene.instances.size(), 2u);
+    const Vec3 corners[3] = {{1, 2, 3}, {4, 5, 6.5}, {-1, 0.25, 2}};
+    for (size_t k = 0; k < 3; ++k) {
+      const Vec3 right = 2.5 * expected * corners[k] + Vec3(412345.5, -5.25, 100);
+      EXPECT_LT((corner(w, 1, k) - right).norm(), 1e-5) << round;
+    }
+  }
+}
+
+TEST_F(Helios, PartsShareAFileAndStandOnTheGround) {
+  const std::string ground =
+      "<part>" + filter("objloader", param("filepath", "parts/ground.obj")) + "</part>";
+  const std::string on =
+      filter("translate", "<param type=\"integer\" key=\"onGround\" value=\"-1\"/>" +
+                              param("offset", "0;50;80"));
+  const World w = read_helios_scene(
+      scene("<part>" + kObj + on + "</part><part>" + kObj + "</part>" + ground + "<part>" +
+            filter("objloader", param("filepath", "parts/a.obj") + param("up", "y")) + "</part>"));
+  EXPECT_EQ(w.scene.instances.size(), 5u);
+  EXPECT_EQ(w.scene.models.size(), 4u);  // nothing, a, ground, a with y up
+  EXPECT_NEAR(ground_at(w, 0, 50).value(), 5, 1e-5);
+  EXPECT_FALSE(ground_at(w, 500, 500).has_value());
+  EXPECT_NEAR(corner(w, 1, 2).z(), 5, 1e-5);  // its lowest corner
+  EXPECT_NEAR(corner(w, 4, 0).z(), 2, 1e-6);  // y of the file
+  EXPECT_NEAR(corner(w, 4, 0).y(), -3, 1e-6);
+}
+
+TEST_F(Helios, WhatIsNotKnownIsCounted) {
+  const World w =
+      read_helios_scene(scene("<weather/><part>" + kObj + "<swap/><swap/>" + filter("bend", "") +
+                              "</part><part>" + filter("geotiffloader", "") + "</part><part>" +
+                              filter("objloader", param("efilepath", "parts/.*.obj")) + "</part>"));
+  EXPECT_EQ(w.report.parts, 1u);
+  EXPECT_EQ(w.report.left_out.at("elements weather in scene"), 1u);
+  EXPECT_EQ(w.report.left_out.at("elements swap in part"), 2u);
+  EXPECT_EQ(w.report.left_out.at("filters bend"), 1u);
+  EXPECT_EQ(w.report.left_out.at("filters geotiffloader"), 1u);
+  EXPECT_EQ(w.report.left_out.at("loaders with an efilepath"), 1u);
+  EXPECT_EQ(w.report.left_out.at("parts without a geometry that can be read"), 2u);
+}
+
+TEST_F(Helios, RefusesBombsAndPathsThatLeadOut) {
+  EXPECT_NE(refused(write("x.xml", "<!DOCTYPE a [<!ENTITY b \"c\">]>\n<document/>"))
+                .find("document type"),
+            std::string::npos);
+  EXPECT_NE(
+      refused(write("y.xml", "<?xml version=\"1.0\"?>\n\n<!DOCTYPE a SYSTEM \"/etc/passwd\"><a/>"))
+          .find("line 3"),
+      std::string::npos);
+  for (const std::string& path :
+       {std::string("../a.obj"), std::string("/etc/passwd"), std::string("parts/../../a.obj")}) {
+    const std::string said =
+        refused(scene("<part>" + filter("objloader", param("filepath", path)) + "</part>"));
+    EXPECT_NE(said.find("leads out"), std::string::npos) << said;
+  }
+  const std::string absent =
+      refused(scene("<part>" + filter("objloader", param("filepath", "b.obj")) + "</part>"));
+  EXPECT_NE(absent.find("--assets"), std::string::npos) << absent;
+  for (const char* text : {"", "<", "<document>", "<document/>", "<document><scene/></document>",
+                           "text", "<document><scene><part/></scene></document>"}) {
+    EXPECT_NE(refused(write("z.xml", text)), "") << text;
+  }
+  std::string deep;
+  for (int k = 0; k < 1000000; ++k) deep += "<a>";
+  EXPECT_NE(refused(write("deep.xml", deep)), "");
+  for (const char* bad :
+       {"<param key=\"scale\" value=\"x\"/>", "<param key=\"scale\" value=\"-1\"/>",
+        "<param key=\"scale\" value=\"1e999\"/>"}) {
+    EXPECT_NE(refused(scene("<part>" + kObj + filter("scale", bad) + "</part>")).find("line 3"),
+              std::string::npos);
+  }
+  EXPECT_NE(
+      refused(scene("<part>" + kObj + filter("translate", param("offset", "1;2")) + "</part>")),
+      "");
+  EXPECT_NE(
+      refused(scene(
+          "<part>" + kObj +
+          filter("rotate", "<param key=\"rotation\"><rot axis=\"w\" angle_deg=\"3\"/></param>") +
+          "</part>")),
+      "");
+}
+
+class HeliosSurvey : public Helios {
+ protected:
+  fs::path survey(const std::string& attributes, const std::string& content,
+                  const std::string& optics, const std::string& more = "") {
+    scene("<part>" + kObj + "</part>");
+    write("platforms.xml",
+          "<document><platform id=\"tripod\" type=\"static\"><scannerMount x=\"0\" y=\"0\" "
+          "z=\"1.5\"/></platform>"
+          "<platform id=\"plane\" type=\"linearpath\"><scannerMount z=\"0.7\"><rot axis=\"x\" "
+          "angle_deg=\"-90\"/>"
+          "<rot axis=\"z\" angle_deg=\"90\"/></scannerMount></platform>"
+          "<platform id=\"copter\" type=\"multicopter\"/></document>");
+    write(
+        "scanners.xml",
+        "<document><scanner id=\"one\" accuracy_m=\"0.01\" beamDivergence_rad=\"0.001\" "
+        "pulseLength_ns=\"5\" rangeMin_m=\"0.5\" rangeMax_m=\"250\" scanAngleMax_deg=\"60\" "
+        "scanAngleEffectiveMax_deg=\"50\" wavelength_nm=\"1550\" maxNOR=\"4\" optics=\"" +
+            optics + "\" " + more +
+            "><FWFSettings beamSampleQuality=\"2\"/><beamOrigin z=\"0.2\"/></scanner></document>");
+    return write("survey.xml",
+                 "<document>\n<scannerSettings id=\"t\" active=\"true\" pulseFreq_hz=\"1000\" "
+                 "scanFreq_hz=\"10\" scanAngle_deg=\"45\"/>\n<survey name=\"v\" scene=\"s.xml#s\" "
+                 "scanner=\"scanners.xml#one\" " +
+                     attributes + ">" + content + "</survey></document>");
+  }
+  /// Writes the files of a leg and returns the beams that it fires.
+  BeamLog beams_of(const SurveyLeg& leg) {
+    write("leg.yaml", leg.sensor);
+    write(leg.table_name, leg.directions);
+    sensor_ = sensor::load((folder / "leg.yaml").string());
+    const auto& poses = leg.trajectory.poses();
+    return sensor::beams(sensor_, leg.trajectory, poses.front().time_s, poses.back().time_s);
+  }
+  sensor::Sensor sensor_;
+};
+
+const std::string kTurn =
+    "<leg><platformSettings x=\"3\" y=\"4\" z=\"1\" onGround=\"false\"/><scannerSettings "
+    "template=\"t\" headRotatePerSec_deg=\"36\" headRotateStart_deg=\"10\" "
+    "headRotateStop_deg=\"190\"/></leg>";
+
+// A pulse of a rotating mirror at time t has the elevation of the mirror and the azimuth of the
+// head at that time, in the frame of HELIOS++: y forward, angles counter-clockwise.
+TEST_F(HeliosSurvey, ATripodTurnsItsHead) {
+  const Survey s =
+      read_helios_survey(survey("platform=\"platforms.xml#tripod\"", kTurn, "rotating"), {});
+  ASSERT_EQ(s.legs.size(), 1u);
+  const BeamLog beams = beams_of(s.legs[0]);
+  EXPECT_NEAR(sensor_.wavelength_m, 1550e-9, 1e-15);
+  EXPECT_EQ(sensor_.max_range_m, 250);
+  EXPECT_NEAR(sensor_.beam.divergence_rad[0], 0.001 * 0.58871, 1e-7);
+  ASSERT_GT(beams.size(), 3000u);
+  const double step = 2 * 60 * 10 / 1000.0;
+  for (size_t k = 0; k < beams.size(); k += 7) {
+    const Vec3 d = beams.direction[k].cast<double>();
+    EXPECT_LT((beams.origin[k] - Vec3(3, 4, 2.7)).norm(), 1e-9);
+    const double t = beams.time_s[k], head = 10 + 36 * (t + 1e-3);
+    const double elevation = std::asin(d.z()) * 180 / M_PI;
+    const auto pulse = size_t(std::lround(t * 1000)) % 100;
+    EXPECT_NEAR(elevation, -60 + step * double(pulse), 1e-3) << t;
+    EXPECT_LE(std::abs(elevation), 45 + 1e-3);
+    const Vec3 expected =
+        Eigen::AngleAxisd(head * M_PI / 180, Vec3::UnitZ()) *
+        Vec3(0, std::cos(elevation * M_PI / 180), std::sin(elevation * M_PI / 180));
+    EXPECT_LT((d - expected).norm(), 1e-4) << t;
+  }
+}
+
+TEST_F(HeliosSurvey, APlaneFliesFromLegToLeg) {
+  const std::string legs =
+      "<leg><platformSettings x=\"0\" y=\"0\" z=\"100\" movePerSec_m=\"20\"/><scannerSettings "
+      "template=\"t\"/></leg>"
+      "<leg><platformSettings x=\"40\" y=\"0\" z=\"100\" movePerSec_m=\"10\"/><scannerSettings "
+      "template=\"t\" "
+      "active=\"false\"/></leg>"
+      "<leg><platformSettings x=\"40\" y=\"30\" z=\"100\"/><scannerSettings template=\"t\"/></leg>";
+  const Survey s =
+      read_helios_survey(survey("platform=\"platforms.xml#plane\"", legs, "oscillating"), {});
+  ASSERT_EQ(s.legs.size(), 1u);
+  EXPECT_EQ(s.left_out.at("legs with an inactive scanner"), 1u);
+  EXPECT_EQ(s.left_out.at("legs without a duration"), 1u);
+  const auto& poses = s.legs[0].trajectory.poses();
+  EXPECT_DOUBLE_EQ(poses.back().time_s - poses.front().time_s, 2);
+  EXPECT_LT((poses.back().world_from_sensor.translation - Vec3(40, 0, 100.9)).norm(), 1e-9);
+  const BeamLog beams = beams_of(s.legs[0]);
+  double widest = 0;
+  for (size_t k = 0; k < beams.size(); ++k) {
+    const Vec3 d = beams.direction[k].cast<double>();
+    // The mount looks down, and the mirror swings across the way, which is along x.
+    EXPECT_NEAR(d.x(), 0, 1e-6);
+    EXPECT_LT(d.z(), 0);
+    widest = std::max(widest, std::abs(std::atan2(d.y(), -d.z())));
+  }
+  EXPECT_NEAR(widest, M_PI / 4, 1e-3);
+}
+
+TEST_F(HeliosSurvey, ATrajectoryHasSevenColumns) {
+  write("path.trj",
+        "#TIME_COLUMN: 0\n10,0,0,90,1,2,3\n11,0,0,90,5,2,3\n12,0,0,90,9,2,3\n13,0,0,90,13,2,3\n");
+  const std::string leg =
+      "<leg><platformSettings trajectory=\"path.trj\" tStart=\"10.5\" tEnd=\"12.5\"/>"
+      "<scannerSettings template=\"t\"/></leg>";
+  const Survey s =
+      read_helios_survey(survey("platform=\"interpolated\"", leg, "line", "numFibers=\"5\""), {});
+  const auto& poses = s.legs.at(0).trajectory.poses();
+  ASSERT_EQ(poses.size(), 2u);
+  EXPECT_EQ(poses[0].time_s, 11);
+  EXPECT_LT((poses[0].world_from_sensor.translation - Vec3(5, 2, 3.2)).norm(), 1e-9);
+  const BeamLog beams = beams_of(s.legs[0]);
+  // Yaw of 90 degrees to the right by ARINC 705: forward is along x.
+  EXPECT_GT(beams.direction[2].x(), 0.7);
+  EXPECT_EQ(sensor_.shots.size(), 5u);
+  EXPECT_EQ(beams.ring[3], 3);
+  for (const char* rows :
+       {"", "1,2,3\n", "1,0,0,0,1,2,3\n1,0,0,0,1,2,3\n", "1,0,0,nan,1,2,3\n2,0,0,0,0,0,0\n"}) {
+    write("path.trj", rows);
+    EXPECT_THROW(read_helios_survey(folder / "survey.xml", {}), FormatError) << rows;
+  }
+}
+
+TEST_F(HeliosSurvey, LegsStandOnTheGroundAndPlatformsAreSaid) {
+  const std::string leg =
+      "<leg><platformSettings x=\"1\" y=\"1\" z=\"9\" onGround=\"true\"/><scannerSettings "
+      "template=\"t\" maxDuration_s=\"2\" headRotatePerSec_deg=\"0\"/><FWFSettings/></leg>";
+  const Survey s = read_helios_survey(survey("platform=\"platforms.xml#tripod\"", leg, "conic"),
+                                      [](double, double) { return std::optional<double>(4); });
+  EXPECT_NEAR(s.legs.at(0).trajectory.poses().at(0).world_from_sensor.translation.z(),
+              4 + 1.5 + 0.2, 1e-12);
+  EXPECT_EQ(s.left_out.at("elements FWFSettings in leg"), 1u);
+  const BeamLog beams = beams_of(s.legs[0]);
+  for (size_t k = 0; k < beams.size(); k += 11) {
+    EXPECT_NEAR(beams.direction[k].y(), std::cos(M_PI / 4), 1e-6);  // on a cone about forward
+  }
+  const std::string way =
+      "<leg><platformSettings x=\"0\"/><scannerSettings template=\"t\"/></leg>"
+      "<leg><platformSettings x=\"9\"/></leg>";
+  const Survey c =
+      read_helios_survey(survey("platform=\"platforms.xml#copter\"", way, "conic"), {});
+  EXPECT_EQ(c.left_out.at("dynamics of the platform multicopter"), 2u);
+}
+
+TEST_F(HeliosSurvey, RefusesWhatIsWrong) {
+  EXPECT_THROW(read_helios_survey(survey("platform=\"platforms.xml#tripod\"", kTurn, "risley"), {}),
+               FormatError);
+  EXPECT_THROW(read_helios_survey(survey("platform=\"platforms.xml#none\"", kTurn, "conic"), {}),
+               FormatError);
+  EXPECT_THROW(
+      read_helios_survey(survey("platform=\"../platforms.xml#tripod\"", kTurn, "conic"), {}),
+      FormatError);
+  EXPECT_THROW(read_helios_survey(survey("platform=\"platforms.xml#tripod\"", "", "conic"), {}),
+               FormatError);
+  for (const char* settings :
+       {"pulseFreq_hz=\"0\" scanFreq_hz=\"10\"", "pulseFreq_hz=\"1e300\" scanFreq_hz=\"10\"",
+        "pulseFreq_hz=\"100\" scanFreq_hz=\"-1\"", "pulseFreq_hz=\"100\" scanFreq_hz=\"1e-9\"",
+        "active=\"maybe\"", "template=\"none\"", "pulseFreq_hz=\"x\""}) {
+    const std::string leg =
+        "<leg><platformSettings/><scannerSettings headRotatePerSec_deg=\"10\" "
+        "headRotateStop_deg=\"90\" " +
+        std::string(settings) + "/></leg>";
+    EXPECT_THROW(read_helios_survey(survey("platform=\"platforms.xml#tripod\"", leg, "conic"), {}),
+                 FormatError)
+        << settings;
+  }
+}
+
+}  // namespace
+}  // namespace underbrush::worlds
