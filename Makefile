@@ -9,11 +9,13 @@ ccache := $(if $(shell command -v ccache),-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
 configure = cmake -S . -B $(BUILD) -G Ninja -DCMAKE_BUILD_TYPE=Release $(ccache)
 everything = -DUNDERBRUSH_TESTS=ON -DUNDERBRUSH_BENCH=ON -DUNDERBRUSH_STUDIES=ON
 program_only = -DUNDERBRUSH_TESTS=OFF -DUNDERBRUSH_BENCH=OFF -DUNDERBRUSH_STUDIES=OFF
+comma := ,
 # Shows a command's output only if it fails.
 quiet = log=$$(mktemp); if $(1) > $$log 2>&1; then rm $$log; else cat $$log; rm $$log; exit 1; fi
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build test fuzz demo bench gates results docs deb check-deb wheel check-wheel asan-python clean
+.PHONY: help setup build test fuzz fuzz-osi fmu check-fmu demo bench gates results docs deb check-deb wheel check-wheel \
+        check-pythons asan-python clean
 
 help:     ## This list
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):[^#]*## /  make \1\t/' | expand -t 16
@@ -40,6 +42,24 @@ fuzz: setup    ## Mutate inputs of every kind, 10 000 a kind (hours)
 	@$(call quiet,$(configure) $(everything))
 	@cmake --build $(BUILD) --target underbrush -j $(JOBS)
 	@tests/fuzz/mutate.py --program $(program) --mutants 10000 --jobs $(JOBS) --keep $(BUILD)/mutants
+
+# No precompiled headers and no joined sources: the sanitizers' build is of one module.
+fuzz-osi: setup  ## A million damaged OSI messages under ASan and UBSan (minutes)
+	@$(call quiet,cmake -S . -B $(BUILD)/fuzz-osi -G Ninja -DCMAKE_BUILD_TYPE=None $(ccache) -DUNDERBRUSH_TESTS=ON \
+	  -DUNDERBRUSH_BENCH=OFF -DUNDERBRUSH_STUDIES=OFF -DUNDERBRUSH_PCH=OFF -DCMAKE_CXX_FLAGS="-O1 -g \
+	  -fsanitize=address$(comma)undefined -fno-sanitize-recover=all -fno-omit-frame-pointer")
+	@cmake --build $(BUILD)/fuzz-osi --target test_osi -j $(JOBS)
+	@UNDERBRUSH_OSI_MUTANTS=1000000 $(BUILD)/fuzz-osi/tests/test_osi --gtest_filter='Mutants.*'
+
+fmu:      ## The FMU for co-simulation: build/underbrush.fmu
+	@scripts/setup.sh build
+	@test -f $(BUILD)/CMakeCache.txt && first= || first="$(program_only)"; \
+	  $(call quiet,$(configure) $$first)
+	@cmake --build $(BUILD) --target fmu -j $(JOBS)
+	@echo "built $(BUILD)/underbrush.fmu"
+
+check-fmu: fmu ## The FMU's tests with 100 000 steps for the one of memory (minutes)
+	@python3 tests/fmu/fmu_test.py --fmu $(BUILD)/underbrush.fmu --long
 
 demo: build    ## The whole pipeline on a generated site and a real scan; ends with a report in demo/
 	@$(program) demo -o demo
@@ -75,6 +95,11 @@ check-deb: deb ## Install the package on a bare Debian and run it there (root, m
 check-wheel:   ## Install the Python package and its wheel on a bare Debian (root, minutes)
 	@scripts/setup.sh package
 	@scripts/check_wheel.sh
+
+check-pythons: setup   ## The Python tests with every other Python on the PATH, from 3.10 on (minutes)
+	@$(call quiet,$(configure) -DUNDERBRUSH_PYTHON=ON)
+	@cmake --build $(BUILD) --target underbrush_python -j $(JOBS)
+	@python3 python/tests/environment.py versions --build $(BUILD)
 
 asan-python: setup   ## The Python tests of lifetimes under AddressSanitizer: build/asan (minutes)
 	@$(call quiet,cmake -S . -B $(BUILD)/asan -G Ninja -DCMAKE_BUILD_TYPE=None $(ccache) $(program_only) \

@@ -1,6 +1,6 @@
-// The octree of `underbrush serve`: time and memory of building one for a generated log, and the
-// bytes that a viewer reads before it shows a first picture. The log is made while it is read, so
-// that 10⁸ points need no file.
+// The octree of `underbrush serve`: time and memory of building one for a generated log, the bytes
+// that a viewer reads before it shows a first picture, and the time of labelling with a lasso. The
+// log is made while it is read, so that 10⁸ points need no file.
 #include "underbrush/serve/octree.hpp"
 
 #include <sys/resource.h>
@@ -8,13 +8,17 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "timing.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/core/temporary.hpp"
+#include "underbrush/serve/label_document.hpp"
+#include "underbrush/serve/selection.hpp"
 
 namespace {
 using namespace underbrush;
@@ -82,6 +86,73 @@ Usage usage_so_far() {
   return {size_t(u.ru_maxrss) * 1024, seconds(u.ru_utime) + seconds(u.ru_stime)};
 }
 
+/// Times of a lasso around a share of all points, with a depth limit or without.
+struct LassoTimes {
+  double find_s = 0, change_s = 0, keep_s = 0;
+  uint64_t rows = 0, journal_bytes = 0;
+};
+LassoTimes lasso_times(const serve::OctreeFile& file, const std::filesystem::path& journal,
+                       double depth_m) {
+  const serve::NodeCubes cubes(file);
+  serve::LabelFacts facts{"generated", "underbrush", cubes.rows, ""};
+  serve::LabelDocument document(journal, facts, {}, file.nodes().size());
+  const auto j = nlohmann::json::parse(file.json());
+  const double low_x = j["low_m"][0], high_x = j["high_m"][0], side_m = high_x - low_x;
+  const double middle_x = (low_x + high_x) / 2;
+  serve::DrawnShape shape;  // a circle of 100 corners, as wide as 70 % of the site, from above
+  shape.clip_from_point.setZero();
+  shape.clip_from_point(0, 0) = shape.clip_from_point(1, 1) = 2 / side_m;
+  shape.clip_from_point(0, 3) = -2 * middle_x / side_m;
+  shape.clip_from_point(3, 2) = -1;
+  shape.clip_from_point(3, 3) = 1000;
+  shape.clip_from_point.topRows(2) *= 1000;
+  shape.width_px = shape.height_px = 1000;
+  for (int k = 0; k < 100; ++k) {
+    const double angle = 2 * M_PI * k / 100;
+    shape.path_px.emplace_back(500 + 350 * std::cos(angle), 500 + 350 * std::sin(angle));
+  }
+  serve::Selection selection;
+  selection.drawn = shape;
+  selection.depth_m = depth_m;
+  serve::LabelAction action;
+  action.label = 2;
+  LassoTimes out;
+  std::optional<serve::FoundRows> found;
+  out.find_s = bench::seconds_of(
+      [&] { found.emplace(find_rows(file, cubes, selection, document.values())); });
+  serve::LabelChange change;
+  out.change_s =
+      bench::seconds_of([&] { change = change_of(*found, selection, action, document.values()); });
+  out.rows = change.size();
+  out.keep_s = bench::seconds_of([&] { document.change(change); });
+  out.journal_bytes = document.journal().bytes();
+  return out;
+}
+
+nlohmann::ordered_json lasso_json(const LassoTimes& t) {
+  return {{"rows", t.rows},
+          {"find_s", t.find_s},
+          {"change_s", t.change_s},
+          {"keep_s", t.keep_s},
+          {"journal_bytes", t.journal_bytes}};
+}
+
+void measure_lassos(const std::filesystem::path& octree, const std::filesystem::path& folder,
+                    nlohmann::ordered_json& j) {
+  const TemporaryPath journals(folder, "journals");
+  std::filesystem::create_directory(journals.path());
+  for (const double depth_m : {0.0, 0.5}) {
+    const char* name = depth_m > 0 ? "lasso_with_depth" : "lasso";
+    const serve::OctreeFile file(octree);
+    const LassoTimes t = lasso_times(file, journals.path() / name, depth_m);
+    std::printf(
+        "%s: %.1f M points found in %.2f s, change made in %.2f s, kept on disk and applied in "
+        "%.2f s, %.1f MB of journal\n",
+        name, double(t.rows) / 1e6, t.find_s, t.change_s, t.keep_s, double(t.journal_bytes) / 1e6);
+    j[name] = lasso_json(t);
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -106,10 +177,9 @@ int main(int argc, char** argv) {
   const double build_s = bench::seconds_of([&] { serve::build_octree(log, place.path()); });
   const Usage usage = usage_so_far();
   const double processor_s = usage.processor_s - before_s;
-  double open_s = 0;
   uint64_t first = 0, bytes = 0;
   size_t nodes = 0;
-  open_s = bench::seconds_of([&] {
+  const double open_s = bench::seconds_of([&] {
     const serve::OctreeFile file(place.path());
     nodes = file.nodes().size();
     bytes = file.bytes();
@@ -141,6 +211,7 @@ int main(int argc, char** argv) {
       log.size(), threads(), build_s, double(log.size()) / build_s / 1e6, processor_s, read_s,
       double(usage.peak_bytes) / double(1u << 30), nodes, double(bytes) / 1e9, open_s,
       double(first) / 1e6);
+  measure_lassos(place.path(), folder, j);
   if (!json_file.empty()) std::ofstream(json_file) << j.dump(2) << "\n";
   return 0;
 }

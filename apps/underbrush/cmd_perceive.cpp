@@ -5,12 +5,12 @@
 #include <map>
 
 #include "list_results.hpp"
+#include "osi_lists.hpp"
 #include "perceived_log.hpp"
 #include "report/report.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/log_file.hpp"
-#include "underbrush/perception/object_list_file.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -99,15 +99,17 @@ void add_options(Verb& verb, Arguments& a) {
   app.add_option("LOG", a.log, "The log (ray cloud PLY)")->required();
   app.add_option("--truth", a.truth,
                  "The true objects: labelled boxes in the sensor's frame (CSV with frame and "
-                 "track_id), or lists of objects in the world's frame (CSV, JSON)")
+                 "track_id), or lists of objects in the world's frame (CSV, JSON, or an OSI "
+                 "trace)")
       ->type_name("FILE");
   app.add_option("--pipeline", a.pipeline,
                  "The tracking model, which assigns points by the truth, or a real pipeline")
       ->check(CLI::IsMember({"model", "real"}))
       ->capture_default_str();
-  verb.output("-o,--output", a.output, "The lists of objects: .json, else CSV")
+  verb.output("-o,--output", a.output, "The lists of objects: .json, .osi (SensorData), else CSV")
       ->type_name("OBJECTS");
-  verb.output("--write-truth", a.write_truth, "The truth of each scan as lists: .json, else CSV")
+  verb.output("--write-truth", a.write_truth,
+              "The truth of each scan as lists: .json, .osi, else CSV")
       ->type_name("OBJECTS");
   verb.output("--report", a.report, "Write a report (one HTML file) into this folder",
               {"index.html"})
@@ -170,15 +172,14 @@ void run(const Verb& verb, const Arguments& a) {
   std::optional<perception::LogTruth> truth;
   std::vector<fs::path> inputs{a.log};
   if (!a.truth.empty()) {
-    truth.emplace(a.truth, log.info(),
-                  perception::LogTruthOptions{a.truth_elevation_deg * M_PI / 180});
+    truth = truth_of_log(a.truth, log.info(), {a.truth_elevation_deg * M_PI / 180});
     inputs.emplace_back(a.truth);
   }
   if (!a.rig.empty()) inputs.emplace_back(a.rig);
   const PerceivedLog p = perceived(log, truth ? &*truth : nullptr, setup);
   const std::string origin = provenance(verb, inputs);
-  if (!a.output.empty()) perception::write_object_lists(a.output, p.lists, origin);
-  if (!a.write_truth.empty()) perception::write_object_lists(a.write_truth, p.truth, origin);
+  if (!a.output.empty()) write_lists(a.output, p.lists, origin);
+  if (!a.write_truth.empty()) write_lists(a.write_truth, p.truth, origin);
   Json j = json_of_run(p);
   std::string text = fmt::format("{} cycles: {} objects listed, {} points\n", p.lists.size(),
                                  j["objects"].get<size_t>(), p.points);

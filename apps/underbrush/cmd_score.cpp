@@ -1,12 +1,12 @@
 #include <algorithm>
 
+#include "osi_lists.hpp"
 #include "report/report.hpp"
 #include "score_json.hpp"
 #include "score_objects.hpp"
 #include "score_protocols.hpp"
 #include "stages.hpp"
 #include "underbrush/core/check.hpp"
-#include "underbrush/perception/object_list_file.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -65,7 +65,7 @@ void run(const Verb& verb, const Arguments& a) {
     inputs.push_back(a.simulated[k]);
     if (!a.models.empty()) inputs.push_back(a.models[k]);
   }
-  if (perception::is_object_list_file(a.real)) {
+  if (is_list_file(a.real)) {
     require(a.models.empty() && a.protocol.empty() && !a.repeats,
             "score: --model, --protocol and --repeats are for logs, not for lists of objects");
     return score_objects(verb, {a.real, a.simulated, names, a.truth, a.report});

@@ -11,9 +11,17 @@ namespace serve_verb {
 
 struct Arguments {
   std::vector<std::string> paths;
-  std::string cache;
+  std::string cache, labels;
   int port = 0;
 };
+
+void make_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directory(folder, error);
+  if (error || !std::filesystem::is_directory(folder)) {
+    throw IoError(folder.string() + ": cannot be made a folder");
+  }
+}
 
 void run(const Verb& verb, const Arguments& a) {
   serve::OpenedFiles files = serve::find_files({a.paths.begin(), a.paths.end()});
@@ -26,7 +34,14 @@ void run(const Verb& verb, const Arguments& a) {
     text += fmt::format("  {:<11} {}\n", serve::name(f.kind), printable(f.name));
   }
   for (const std::string& note : files.notes) text += fmt::format("  {}\n", note);
-  serve::Api api(std::move(files), cache, version(), verb.seed);
+  serve::ApiOptions options{cache, version(), verb.seed, {}, {}};
+  if (!a.labels.empty()) {
+    make_folder(a.labels);
+    options.labels = std::filesystem::canonical(a.labels);
+    options.program = std::filesystem::canonical("/proc/self/exe");
+    j["labels"] = options.labels.string();
+  }
+  serve::Api api(std::move(files), std::move(options));
   serve::HttpServer server(a.port,
                            [&](const serve::HttpRequest& request) { return api.answer(request); });
   j["address"] = server.address();
@@ -44,7 +59,8 @@ void add_serve(Program& program) {
   const auto verb =
       add_verb(program, "Start", "serve", "Look at logs, models, scenes and scores in the browser",
                "underbrush serve log.ply model/\n"
-               "  underbrush serve folder/",
+               "  underbrush serve folder/\n"
+               "  underbrush serve log.ply --labels work/",
                [a](const Verb& v) { run(v, *a); });
   CLI::App& app = verb->app;
   app.add_option("PATH", a->paths,
@@ -58,6 +74,11 @@ void add_serve(Program& program) {
       app.add_option("--cache", a->cache,
                      "Folder for the octrees of logs; default: underbrush in $XDG_CACHE_HOME or in "
                      "~/.cache")
+          ->type_name("FOLDER"));
+  verb->not_of_result(
+      app.add_option("--labels", a->labels,
+                     "Label logs, place boxes and start commands on the page, and write to this "
+                     "folder alone; without it nothing is written")
           ->type_name("FOLDER"));
 }
 

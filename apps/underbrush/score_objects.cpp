@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include "list_results.hpp"
+#include "osi_lists.hpp"
 #include "report/report.hpp"
-#include "underbrush/perception/object_list_file.hpp"
 
 namespace underbrush::app {
 namespace {
@@ -37,11 +37,11 @@ std::vector<std::string> names_of(const std::vector<NamedLists>& lists) {
 }  // namespace
 
 void score_objects(const Verb& verb, const ObjectScoreArguments& a) {
-  const NamedLists real{"real", perception::read_object_lists(a.real)};
+  const NamedLists real{"real", read_lists(a.real)};
   std::vector<std::filesystem::path> inputs{a.real};
   std::vector<NamedLists> simulated;
   for (size_t k = 0; k < a.simulated.size(); ++k) {
-    simulated.push_back({a.names[k], perception::read_object_lists(a.simulated[k])});
+    simulated.push_back({a.names[k], read_lists(a.simulated[k])});
     inputs.emplace_back(a.simulated[k]);
   }
   if (!a.report.empty()) report::check_report_output(a.report);
@@ -54,7 +54,7 @@ void score_objects(const Verb& verb, const ObjectScoreArguments& a) {
   std::vector<NamedLists> shown = simulated;
   if (!a.truth.empty()) {
     inputs.emplace_back(a.truth);
-    reference = {"truth", perception::read_object_lists(a.truth)};
+    reference = {"truth", read_lists(a.truth)};
     shown.insert(shown.begin(), real);
     const std::vector<ListScore> against_truth = scores_of(shown, reference.lists);
     tables.push_back(table_of("the truth", names_of(shown), against_truth));

@@ -20,7 +20,7 @@ constexpr NamedVerb kVerbs[] = {
     {"rasters", add_rasters}, {"segment", add_segment},   {"extract", add_extract},
     {"meshes", add_meshes},   {"annotate", add_annotate}, {"compose", add_compose},
     {"sensors", add_sensors}, {"simulate", add_simulate}, {"perceive", add_perceive},
-    {"score", add_score},     {"serve", add_serve},
+    {"osi", add_osi},         {"score", add_score},       {"serve", add_serve},
 };
 
 }  // namespace

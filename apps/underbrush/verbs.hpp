@@ -23,6 +23,7 @@ void add_compose(Program& program);
 void add_sensors(Program& program);
 void add_simulate(Program& program);
 void add_perceive(Program& program);
+void add_osi(Program& program);
 void add_score(Program& program);
 void add_rasters(Program& program);
 void add_serve(Program& program);

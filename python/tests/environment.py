@@ -7,6 +7,8 @@
                                          Python lines of README.md and the guide, without a compiler on the PATH
     environment.py repaired --build build   the same with a wheel that bundles its libraries, left in build/wheel
     environment.py lines --build VENV    runs the Python lines in an environment that has the package
+    environment.py versions --build build   runs python/tests on the same module with each other Python (python3.10 and
+                                         later) that it finds on the PATH
     environment.py asan --build build    runs the tests of lifetimes and threads on a module built with
                                          -fsanitize=address, with the sanitizer's library loaded before Python
 
@@ -24,7 +26,6 @@ import shutil
 import subprocess
 import sys
 import tempfile
-import venv
 import zipfile
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
@@ -39,18 +40,28 @@ class Missing(Exception):
     """Packages that pip cannot fetch."""
 
 
+def version_of(interpreter: str) -> str:
+    """The version of a Python, or nothing where it does not start."""
+    if interpreter == sys.executable:
+        return sys.version
+    done = subprocess.run([interpreter, "-c", "import sys; print(sys.version)"], check=False, capture_output=True,
+                          text=True)
+    return done.stdout.strip() if done.returncode == 0 else ""
+
+
 def environment(folder: pathlib.Path, packages: list[str], pip: pathlib.Path | None = None,
-                compiled: bool = True) -> pathlib.Path:
-    """Makes a virtual environment with packages unless it stands there, and returns its Python.
+                compiled: bool = True, interpreter: str = sys.executable) -> pathlib.Path:
+    """Makes a virtual environment of an interpreter with packages unless it stands there, and returns its Python.
 
     `pip` is the Python of an environment whose pip installs them, so that this one needs none. Without `compiled`, each
     module is compiled when it is imported first. Raises `Missing`.
     """
     python, stamp = folder / "bin" / "python", folder / "packages.txt"
-    wanted = "\n".join([sys.version, *packages])
+    wanted = "\n".join([version_of(interpreter), *packages])
     if stamp.exists() and stamp.read_text(encoding="utf-8") == wanted:
         return python
-    venv.create(folder, with_pip=pip is None, clear=True)
+    subprocess.run([interpreter, "-m", "venv", "--clear", *([] if pip is None else ["--without-pip"]), folder],
+                   check=True)
     command = [str(python), "-m", "pip"] if pip is None else [str(pip), "-m", "pip", "--python", str(python)]
     command += ["install", "-q", "--disable-pip-version-check", "--retries", "2"]
     done = subprocess.run([*command, *([] if compiled else ["--no-compile"]), *packages], check=False,
@@ -78,15 +89,28 @@ def sanitized() -> dict[str, str]:
 
 
 def run_tests(build: pathlib.Path, words: list[str], usual: Sequence[str] = ("",),
-              variables: Mapping[str, str] = MappingProxyType({})) -> int:
+              variables: Mapping[str, str] = MappingProxyType({}), interpreter: str = sys.executable) -> int:
     """Runs pytest on the module of the build folder; words without a test run the usual ones."""
-    python = environment(build / "python" / "venv", ["numpy", "nanobind-backend", *extra("formats"), *extra("test")],
-                         maker_in(build))
+    name = "venv" if interpreter == sys.executable else pathlib.Path(interpreter).name
+    python = environment(build / "python" / name, ["numpy", "nanobind-backend", *extra("formats"), *extra("test")],
+                         maker_in(build), interpreter=interpreter)
     paths = os.pathsep.join(filter(None, [str(build / "python" / "package"), os.environ.get("PYTHONPATH")]))
     if all(word.startswith("-") for word in words):
         words = [*words, *(str(ROOT / "python" / "tests" / name) for name in usual)]
     return subprocess.run([python, "-m", "pytest", "-q", "-p", "no:cacheprovider", *words],
                           env=dict(os.environ, PYTHONPATH=paths, **variables), cwd=build, check=False).returncode
+
+
+def run_versions(build: pathlib.Path, words: list[str]) -> int:
+    """Runs the tests with each other Python, and says which passed."""
+    own = f"python3.{sys.version_info.minor}"
+    names = [name for name in (f"python3.{minor}" for minor in range(10, 20)) if name != own and shutil.which(name)]
+    results = {name: run_tests(build, words, interpreter=name) for name in names if version_of(name)}
+    for name, failed in results.items():
+        print(f"{name}: {'failed' if failed else 'passed'}")
+    if not results:
+        raise Missing("no other Python from 3.10 on is installed")
+    return max(results.values())
 
 
 def python_lines(page: pathlib.Path) -> str:
@@ -184,7 +208,7 @@ def run_wheel(build: pathlib.Path, bundled: bool) -> int:
 def main() -> int:
     """Does what the words say."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=["maker", "tests", "wheel", "repaired", "lines", "asan"])
+    parser.add_argument("what", choices=["maker", "tests", "wheel", "repaired", "lines", "versions", "asan"])
     parser.add_argument("--build", required=True, type=pathlib.Path)
     given, words = parser.parse_known_args()  # further words are for pytest: tests and options
     build = given.build.resolve()
@@ -195,6 +219,8 @@ def main() -> int:
         if given.what == "lines":
             with tempfile.TemporaryDirectory() as folder:
                 return run_lines(build / "bin" / "python", pathlib.Path(folder))
+        if given.what == "versions":
+            return run_versions(build, words)
         if given.what == "asan":
             return run_tests(build, words, LIFETIMES, sanitized())
         return run_tests(build, words) if given.what == "tests" else run_wheel(build, given.what == "repaired")

@@ -151,6 +151,7 @@ READERS = {
     "simulate": ["BAD", "--like", "BAD", "-o", "out"],
     "rasters": ["BAD", "-o", "out"],
     "perceive": ["BAD", "--pipeline", "real", "-o", "out.csv"],
+    "osi": ["info", "BAD"],
     "score": ["BAD", "BAD"],
     "segment": ["BAD", "-o", "out"],
     "extract": ["BAD", "BAD", "-o", "out"],
@@ -218,6 +219,7 @@ JOBS = {
     "compose": ["site.json", "primitives", "-o", "scene"],
     "simulate": ["model", "--like", "log.ply", "-o", "sim.ply"],
     "perceive": ["log.ply", "--pipeline", "real", "-o", "objects.csv"],
+    "osi": ["record", "log.ply", "-o", "views.osi"],
     "score": ["log.ply", "sim.ply", "--model", "model", "--report", "report"],
 }
 

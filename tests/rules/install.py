@@ -34,6 +34,7 @@ with tempfile.TemporaryDirectory() as folder:
         env=environment)
     run(options.cmake, "--build", consumer, env=environment)
     print(run(consumer / "consumer"), end="")
+    print(run(consumer / "chain", consumer / "libmean_tracker.so"), end="")
     print(run(prefix / "bin/underbrush", "--version"), end="")
     environment.pop("UNDERBRUSH_SHARE", None)
     print(run(prefix / "bin/underbrush", "demo", "--only", "real", cwd=folder, env=environment), end="")

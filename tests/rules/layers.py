@@ -14,7 +14,7 @@ THIRD_PARTY = {
     "embree": (), "tbb": ("core",), "oneapi": ("core",), "png": ("io",),
     "nanoflann": None, "libqhull": None, "nlohmann": None, "yaml-cpp": None, "zlib": None,
     "zstd": None, "lz4": None, "lzf": ("io",), "pcap": None, "nlopt": ("optimize",), "tiny_gltf": ("io",),
-    "fmt": (), "CLI": (), "spdlog": (), "xxhash": (),
+    "protozero": ("osi",), "fmt": (), "CLI": (), "spdlog": (), "xxhash": (),
 }
 # The target that stands for each third party in the CMake lists.
 TARGETS = {
@@ -25,7 +25,7 @@ TARGETS = {
 }
 # The folders above the library, and which of them each may include beside itself and the library.
 ABOVE = {"report": (), "cli": (), "apps/underbrush": ("report", "cli"),
-         "studies": ("report", "cli", "apps/underbrush"), "bench": ("report",),
+         "studies": ("report", "cli", "apps/underbrush"), "bench": ("report",), "apps/fmu": (),
          "python": ("cli", "apps/underbrush")}
 OWN_TARGETS = {"underbrush_report": "report", "underbrush_cli": "cli",
                "underbrush_app": "apps/underbrush", "underbrush_studies": "studies"}

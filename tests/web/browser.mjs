@@ -4,8 +4,10 @@
 import { createRequire } from 'node:module';
 import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
+import { composeScene, labelLog } from './labels.mjs';
 
 const [packages, executablePath, address, pictures] = process.argv.slice(2);
+const { PROGRAM: program, FOLDER: folder, ONLY: part } = process.env;
 const load = createRequire(join(packages, 'package.json'));
 const { chromium } = load('playwright-core');
 const axe = readFileSync(load.resolve('axe-core/axe.min.js'), 'utf8');
@@ -20,12 +22,12 @@ const browser = await chromium.launch({
 });
 const context = await browser.newContext({ viewport: { width: 900, height: 420 }, acceptDownloads: true });
 const page = await context.newPage();
-page.setDefaultTimeout(120000); // for machines that are busy
+page.setDefaultTimeout(Number(process.env.PATIENCE ?? 120000)); // long, for machines that are busy
 const complaints = [];
 page.on('console', (m) => ['error', 'warning'].includes(m.type()) && complaints.push(`${m.type()}: ${m.text()}`));
 page.on('pageerror', (e) => complaints.push(`exception: ${e.message}`));
 page.on('request', (r) => {
-  if (!r.url().startsWith(address) && !/^(data|blob):/.test(r.url())) complaints.push(`request: ${r.url()}`);
+  if (!/^http:\/\/127\.0\.0\.1:\d+\//.test(r.url()) && !/^(data|blob):/.test(r.url())) complaints.push(`request: ${r.url()}`);
 });
 
 const data = (name) => page.evaluate((n) => document.documentElement.dataset[n] ?? '', name);
@@ -98,119 +100,132 @@ async function accessible(when) {
   expect(words.length === 0, `${when}: ${words.join('; ')}`);
 }
 
-// A log: points of all levels, every colouring, flight, picking, the beams of a scan.
-await page.goto(address);
-await ready();
-await only('log.ply');
-const returns = Number(process.env.RETURNS);
-expect(Number(await data('points')) === returns, `${await data('points')} points drawn, ${returns} are there`);
-let shot = await picture('log');
-expect(shot.drawn > 200 && shot.colours > 4, `a log of ${shot.drawn} pixels in ${shot.colours} colours`);
-const seen = new Set();
-for (let k = 0; k < 7; ++k) {
-  await press('c');
-  await picture(`log-${k}`);
-  seen.add(await page.locator('#panel select').first().inputValue());
-}
-expect(seen.size === 7, 'seven colourings');
-const eye = await data('eye');
-await page.keyboard.down('w');
-await page.waitForTimeout(150);
-await page.keyboard.up('w');
-await press('ArrowLeft');
-await press('+');
-await page.waitForFunction((e) => document.documentElement.dataset.eye !== e, eye);
-await page.mouse.move(450, 200);
-await page.mouse.down();
-await page.mouse.move(500, 230, { steps: 3 });
-await page.mouse.up();
-await press('f');
-await press('1');
-shot = await picture('log-top');
-await accessible('the page');
-await pickOf('point', shot);
-await page.waitForFunction(() => /\brange\b/.test(document.querySelector('#details').innerText));
-expect(/ring/.test(await details()), 'a point tells its ring');
-await press('b');
-await page.waitForFunction(() => /reached by/.test(document.querySelector('#details').innerText));
-expect(/Simulated: /.test(await details()), 'why the beam ended');
-await accessible('the elements of a beam');
-await press('Escape');
-await page.locator('select[aria-label="Beams of a scan"]').selectOption({ index: 1 });
-await page.waitForFunction(() => /\d+ beams/.test(document.documentElement.dataset.beams ?? ''));
-expect((await picture('beams')).drawn > shot.drawn, 'beams are drawn');
-await page.locator('select[aria-label="Beams of a scan"]').selectOption({ index: 0 });
+if (part !== 'labels') await viewEverything();
 
-// Slice and measure.
-await press('x');
-expect((await picture('slice')).drawn < shot.drawn, 'a slice shows less');
-await press('x');
-await press('n');
-shot = await picture('measure');
-await pickOf('point', shot);
-await pickOf('point', { at: [...shot.at].reverse() });
-await page.waitForFunction(() => Number(document.documentElement.dataset.measured) >= 0);
-await press('Escape');
-
-// The worlds.
-for (const [name, kind] of [['model', 'world'], ['scene', 'world'], ['primitives', 'world']]) {
-  await only(name);
-  await press('1');
-  shot = await picture(name);
-  expect(shot.drawn > 100 && shot.colours > 5, `${name}: ${shot.drawn} pixels in ${shot.colours} colours`);
-  await pickOf(kind, shot);
-  const told = await details();
-  expect(/element/i.test(told) && /hits/.test(told), `${name}: details of an element`);
-  await press('Escape');
-}
-
-// Permeability: an opaque ellipsoid covers more of the picture than the share p of its pixels.
-const some = (await picture('permeable')).drawn;
-await page.getByText('Ellipsoids opaque').click();
-expect((await picture('opaque')).drawn > some, 'opaque ellipsoids cover more');
-await page.getByText('Ellipsoids opaque').click();
-
-// Scores, help, theme, a picture to keep, a link.
-await page.getByText('score.json (score)').click();
-await page.waitForFunction(() => /packet_error_m/.test(document.querySelector('#details').innerText));
-await press('Escape');
-await press('?');
-expect(await page.locator('#help').isVisible(), 'the help opens');
-await page.keyboard.press('Escape');
-const theme = await data('theme');
-await press('t');
-await accessible('the other theme');
-expect((await data('theme')) !== theme, 'the theme changes');
-const [download] = await Promise.all([page.waitForEvent('download'), press('p')]);
-expect(download.suggestedFilename() === 'underbrush.png', 'a picture is saved');
-await only('model');
-await press('ArrowUp');
-await ready();
-await page.waitForFunction(() => document.documentElement.dataset.link === 'new');
-const link = page.url();
-const [before, place] = [await picture('link-before'), await data('eye')];
-await page.goto('about:blank');
-await page.goto(link);
-await ready();
-const after = await picture('link-after');
-expect((await data('eye')) === place, 'a link restores the view');
-expect(Math.abs(after.drawn - before.drawn) < 0.02 * before.drawn, `a link restores the picture: ${before.drawn}, ${after.drawn}`);
-
-// The width of a phone: the menu starts closed, and nothing sticks out.
-await page.setViewportSize({ width: 360, height: 640 });
-await page.goto('about:blank');
-await page.goto(address);
-await ready();
-expect(!(await page.locator('#panel').isVisible()), 'the menu starts closed');
-await page.locator('#menu').click();
-expect(await page.locator('#panel').isVisible(), 'the menu opens');
-const wide = await page.evaluate(() => document.documentElement.scrollWidth);
-expect(wide <= 360, `the page is ${wide} pixels wide`);
-const named = await page.evaluate(() =>
-  [...document.querySelectorAll('button, select, input')].filter((e) => !(e.labels?.length || e.innerText || e.ariaLabel)).length,
-);
-expect(named === 0, `${named} controls without a name`);
+// Labels, boxes and commands. The console may complain of the server that is killed.
+await page.setViewportSize({ width: 900, height: 420 });
+const tools = { page, expect, ready, accessible, picture, program, folder };
+const sound = [...complaints];
+await labelLog(tools);
+complaints.splice(0, complaints.length, ...sound, ...complaints.filter((c) => !/ERR_CONNECTION_REFUSED|409|Failed to fetch/.test(c)));
+await composeScene(tools);
 
 await browser.close();
 expect(complaints.length === 0, `the console: ${complaints.join('; ')}`);
 console.log('all kinds of files were opened');
+
+/** The viewer: every kind of file. */
+async function viewEverything() {
+  // A log: points of all levels, every colouring, flight, picking, the beams of a scan.
+  await page.goto(address);
+  await ready();
+  await only('log.ply');
+  const returns = Number(process.env.RETURNS);
+  expect(Number(await data('points')) === returns, `${await data('points')} points drawn, ${returns} are there`);
+  let shot = await picture('log');
+  expect(shot.drawn > 200 && shot.colours > 4, `a log of ${shot.drawn} pixels in ${shot.colours} colours`);
+  const seen = new Set();
+  for (let k = 0; k < 9; ++k) {
+    await press('c');
+    await picture(`log-${k}`);
+    seen.add(await page.locator('#panel select').first().inputValue());
+  }
+  expect(seen.size === 9, 'nine colourings');
+  const eye = await data('eye');
+  await page.keyboard.down('w');
+  await page.waitForTimeout(150);
+  await page.keyboard.up('w');
+  await press('ArrowLeft');
+  await press('+');
+  await page.waitForFunction((e) => document.documentElement.dataset.eye !== e, eye);
+  await page.mouse.move(450, 200);
+  await page.mouse.down();
+  await page.mouse.move(500, 230, { steps: 3 });
+  await page.mouse.up();
+  await press('f');
+  await press('1');
+  shot = await picture('log-top');
+  await accessible('the page');
+  await pickOf('point', shot);
+  await page.waitForFunction(() => /\brange\b/.test(document.querySelector('#details').innerText));
+  expect(/ring/.test(await details()), 'a point tells its ring');
+  await press('b');
+  await page.waitForFunction(() => /reached by/.test(document.querySelector('#details').innerText));
+  expect(/Simulated: /.test(await details()), 'why the beam ended');
+  await accessible('the elements of a beam');
+  await press('Escape');
+  await page.locator('select[aria-label="Beams of a scan"]').selectOption({ index: 1 });
+  await page.waitForFunction(() => /\d+ beams/.test(document.documentElement.dataset.beams ?? ''));
+  expect((await picture('beams')).drawn > shot.drawn, 'beams are drawn');
+  await page.locator('select[aria-label="Beams of a scan"]').selectOption({ index: 0 });
+
+  // Slice and measure.
+  await press('x');
+  expect((await picture('slice')).drawn < shot.drawn, 'a slice shows less');
+  await press('x');
+  await press('n');
+  shot = await picture('measure');
+  await pickOf('point', shot);
+  await pickOf('point', { at: [...shot.at].reverse() });
+  await page.waitForFunction(() => Number(document.documentElement.dataset.measured) >= 0);
+  await press('Escape');
+
+  // The worlds.
+  for (const [name, kind] of [['model', 'world'], ['scene', 'world'], ['primitives', 'world']]) {
+    await only(name);
+    await press('1');
+    shot = await picture(name);
+    expect(shot.drawn > 100 && shot.colours > 5, `${name}: ${shot.drawn} pixels in ${shot.colours} colours`);
+    await pickOf(kind, shot);
+    const told = await details();
+    expect(/element/i.test(told) && /hits/.test(told), `${name}: details of an element`);
+    await press('Escape');
+  }
+
+  // Permeability: an opaque ellipsoid covers more of the picture than the share p of its pixels.
+  const some = (await picture('permeable')).drawn;
+  await page.getByText('Ellipsoids opaque').click();
+  expect((await picture('opaque')).drawn > some, 'opaque ellipsoids cover more');
+  await page.getByText('Ellipsoids opaque').click();
+
+  // Scores, help, theme, a picture to keep, a link.
+  await page.getByText('score.json (score)').click();
+  await page.waitForFunction(() => /packet_error_m/.test(document.querySelector('#details').innerText));
+  await press('Escape');
+  await press('?');
+  expect(await page.locator('#help').isVisible(), 'the help opens');
+  await page.keyboard.press('Escape');
+  const theme = await data('theme');
+  await press('t');
+  await accessible('the other theme');
+  expect((await data('theme')) !== theme, 'the theme changes');
+  const [download] = await Promise.all([page.waitForEvent('download'), press('p')]);
+  expect(download.suggestedFilename() === 'underbrush.png', 'a picture is saved');
+  await only('model');
+  await press('ArrowUp');
+  await ready();
+  await page.waitForFunction(() => document.documentElement.dataset.link === 'new');
+  const link = page.url();
+  const [before, place] = [await picture('link-before'), await data('eye')];
+  await page.goto('about:blank');
+  await page.goto(link);
+  await ready();
+  const after = await picture('link-after');
+  expect((await data('eye')) === place, 'a link restores the view');
+  expect(Math.abs(after.drawn - before.drawn) < 0.02 * before.drawn, `a link restores the picture: ${before.drawn}, ${after.drawn}`);
+
+  // The width of a phone: the menu starts closed, and nothing sticks out.
+  await page.setViewportSize({ width: 360, height: 640 });
+  await page.goto('about:blank');
+  await page.goto(address);
+  await ready();
+  expect(!(await page.locator('#panel').isVisible()), 'the menu starts closed');
+  await page.locator('#menu').click();
+  expect(await page.locator('#panel').isVisible(), 'the menu opens');
+  const wide = await page.evaluate(() => document.documentElement.scrollWidth);
+  expect(wide <= 360, `the page is ${wide} pixels wide`);
+  const named = await page.evaluate(() =>
+    [...document.querySelectorAll('button, select, input')].filter((e) => !(e.labels?.length || e.innerText || e.ariaLabel)).length,
+  );
+  expect(named === 0, `${named} controls without a name`);
+}

@@ -38,6 +38,7 @@ def main():
     parser.add_argument("--program", required=True, type=pathlib.Path)
     parser.add_argument("--build", required=True, type=pathlib.Path)
     parser.add_argument("--pictures", type=pathlib.Path, help="keep the pictures in this folder")
+    parser.add_argument("--only", default="", help="'labels': only the steps of labels.mjs")
     options = parser.parse_args()
     cli_test.PROGRAM = str(options.program.resolve())
     for tool in ("node", "npm", "chromium"):
@@ -47,12 +48,17 @@ def main():
     folder = packages(options.build.resolve())
     with tempfile.TemporaryDirectory() as data:
         serve_test.make_files(data)
+        forest = TESTS.parent / "share/examples/marv_forest.pcd"
+        for words in (("import", forest, "-o", "whole.ply"),
+                      ("split", "whole.ply", "--columns", "16", "--train", "rest.ply", "--test", "forest.ply")):
+            assert cli_test.call(*words, cwd=data).returncode == 0
         info = json.loads(cli_test.call("info", "log.ply", "--json", "-", cwd=data).stdout)
         server = serve_test.Server(data, "log.ply", "model", "primitives", "scene", "score.json")
         try:
-            done = subprocess.run(
-                ["node", str(TESTS / "web/browser.mjs"), str(folder), shutil.which("chromium"), server.address,
-                 *([str(options.pictures.resolve())] if options.pictures else [])], env=dict(os.environ, RETURNS=str(info["hits"])), timeout=800, check=False)
+            words = ["node", str(TESTS / "web/browser.mjs"), str(folder), shutil.which("chromium"), server.address]
+            words += [str(options.pictures.resolve())] if options.pictures else []
+            facts = {"RETURNS": str(info["hits"]), "PROGRAM": cli_test.PROGRAM, "FOLDER": data, "ONLY": options.only}
+            done = subprocess.run(words, env=dict(os.environ, **facts), timeout=800, check=False)
         finally:
             server.end()
     sys.exit(done.returncode)

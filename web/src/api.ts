@@ -14,6 +14,9 @@ export interface FileList {
   files: ServedFile[];
   notes: string[];
   seed: number;
+  /** Whether labels can be edited, and commands be started. */
+  labels: boolean;
+  jobs: boolean;
 }
 
 export interface OctreeFacts {
@@ -56,6 +59,9 @@ export interface WorldFacts {
     ellipsoids: number;
     ground_triangles: number;
     surface_triangles: number;
+    /** Of a primitive, in its own frame. */
+    class?: string;
+    box_m?: { min: Triple; max: Triple };
   }[];
   instances: {
     model: number;
@@ -114,9 +120,17 @@ export interface Trace {
   met: Met[];
 }
 
-async function reply(path: string, headers: Record<string, string> = {}): Promise<Response> {
-  const response = await fetch(`./api/${path}`, { headers });
+/** The labels were changed elsewhere; `revision` is the present one. */
+export class Conflict extends Error {
+  constructor(readonly revision: number) {
+    super('the labels were changed in another window');
+  }
+}
+
+async function reply(path: string, headers: Record<string, string> = {}, method = 'GET'): Promise<Response> {
+  const response = await fetch(`./api/${path}`, { headers, method });
   if (response.ok) return response;
+  if (response.status === 409) throw new Conflict(((await response.json()) as { revision: number }).revision);
   let reason = `${response.status}`;
   try {
     reason = ((await response.json()) as { error: string }).error;
@@ -138,4 +152,20 @@ export async function bytes(path: string): Promise<ArrayBuffer> {
 export async function octreeBytes(file: number, at: number, count: number): Promise<ArrayBuffer> {
   const range = `bytes=${at}-${at + count - 1}`;
   return (await reply(`octree/data?file=${file}`, { Range: range })).arrayBuffer();
+}
+
+type Parameter = string | number | boolean | readonly number[] | null | undefined;
+
+/** The parameters of a request; those without a value are left out. */
+export function query(parameters: Record<string, Parameter>): string {
+  const parts = Object.entries(parameters)
+    .filter(([, value]) => value !== null && value !== undefined && value !== '' && value !== false)
+    .filter(([, value]) => !Array.isArray(value) || value.length > 0)
+    .map(([key, value]) => `${key}=${encodeURIComponent(value === true ? '1' : String(value)).replaceAll('%2C', ',')}`);
+  return parts.join('&');
+}
+
+/** Asks for a change. Throws `Conflict` where it was made for an older state. */
+export async function post<T>(path: string, parameters: Record<string, Parameter>): Promise<T> {
+  return (await (await reply(`${path}?${query(parameters)}`, {}, 'POST')).json()) as T;
 }

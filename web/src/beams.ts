@@ -12,6 +12,7 @@ import {
 } from 'three';
 import { bytes, type Beam, type Trace } from './api';
 import { type Display, material } from './display';
+import { floatColumn, numberColumn, twice } from './unpack';
 
 const BEAM_BYTES = 32;
 
@@ -53,15 +54,10 @@ export async function loadBeams(
   const view = new DataView(await bytes(`beams?file=${file}&run=${run}`));
   const beams = view.getUint32(0, true);
   const step = view.getUint32(4, true);
-  const position = new Float32Array(6 * beams);
-  const rows = new Uint32Array(2 * beams);
-  const kind = new Float32Array(2 * beams);
-  for (let i = 0; i < beams; ++i) {
-    const at = 8 + BEAM_BYTES * i;
-    for (let k = 0; k < 6; ++k) position[6 * i + k] = view.getFloat32(at + 4 * k, true);
-    rows.fill(view.getUint32(at + 24, true), 2 * i, 2 * i + 2);
-    kind.fill(view.getUint32(at + 28, true), 2 * i, 2 * i + 2);
-  }
+  const records = { start: 8, bytes: BEAM_BYTES, count: beams };
+  const position = floatColumn(view, records, 0, 6);
+  const rows = twice(numberColumn(view, records, 24));
+  const kind = Float32Array.from(twice(numberColumn(view, records, 28)));
   const geometry = new BufferGeometry();
   geometry.setAttribute('position', new BufferAttribute(position, 3));
   geometry.setAttribute('rowBytes', new BufferAttribute(new Uint8Array(rows.buffer), 4, true));

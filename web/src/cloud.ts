@@ -3,25 +3,36 @@ import {
   Box3,
   BufferAttribute,
   BufferGeometry,
+  DataTexture,
   Frustum,
   Group,
   Matrix4,
+  NearestFilter,
   type PerspectiveCamera,
   Points as DrawnPoints,
+  RGBAFormat,
   type ShaderMaterial,
   Vector2,
   Vector3,
 } from 'three';
+import { bytes } from './api';
 import { type Display, material, POINT_MODES, type PointMode } from './display';
 import { loadPoints, type Node, type Octree, type Points } from './octree';
 
 const MOST_REQUESTS = 8;
 const CELLS = 64;
+const MOST_CLASSES = 128;
 
 interface Loaded {
   points: Points;
   drawn: DrawnPoints;
   used: number;
+}
+
+/** Where the labels of points that people edit come from. */
+export interface Marks {
+  /** The labels of these nodes are needed; `Cloud.setMarks` brings them. */
+  need(nodes: Node[]): void;
 }
 
 const VERTEX = /* glsl */ `
@@ -31,8 +42,13 @@ const VERTEX = /* glsl */ `
   attribute float label;
   attribute float echo;
   attribute vec4 rowBytes;
+  attribute vec4 mark;
+  attribute float error;
   uniform float size;
   uniform int mode;
+  uniform bool marked;
+  uniform sampler2D hidden;
+  varying float chosen;
   uniform vec2 intensities;
   uniform vec2 times;
   uniform vec2 range;
@@ -52,8 +68,18 @@ const VERTEX = /* glsl */ `
     if (mode == 4) value = echo;
     if (mode == 5) value = label;
     if (mode == 6) value = file + 1.0;
+    if (mode == 8) value = error;
+    chosen = 0.0;
+    float ownClass = mod(mark.x, 128.0);
+    if (marked) {
+      chosen = mark.x >= 128.0 ? 1.0 : 0.0;
+      if (mode == 5) value = ownClass;
+      float number = mark.y + 256.0 * mark.z + 65536.0 * mark.w;
+      if (mode == 7) value = number < 0.5 ? 0.0 : 1.0 + mod(number * 5.0, 14.0);
+    }
     gl_Position = projectionMatrix * viewMatrix * world;
     if (time < range.x || time > range.y) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+    if (marked && texture2D(hidden, vec2((ownClass + 0.5) / 128.0, 0.5)).r > 0.5) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
     gl_PointSize = size;
   }
 `;
@@ -61,16 +87,27 @@ const VERTEX = /* glsl */ `
 const FRAGMENT = /* glsl */ `
   uniform int mode;
   varying float value;
+  varying float chosen;
   varying vec3 place;
   varying vec4 part;
   void main() {
     if (sliced(place)) discard;
     vec2 off = gl_PointCoord - 0.5;
     if (dot(off, off) > 0.25) discard;
-    vec3 colour = mode == 0 ? heightColour(place) : mode >= 4 ? classColour(value) : mapped(value);
+    vec3 colour = mode == 0 ? heightColour(place)
+      : mode == 8 ? (abs(value) > 1e8 ? vec3(0.84, 0.37, 0.0) : mapped(sqrt(min(abs(value), 1.0)))) : mode >= 4 ? classColour(value) : mapped(value);
+    if (chosen > 0.5) colour = mix(colour, vec3(1.0, 0.35, 0.75), 0.8);
     gl_FragColor = pass == 0 ? vec4(colour, 1.0) : pass == 1 ? bytesOf(object) : part;
   }
 `;
+
+/** For each class whether its points are hidden. */
+function hiddenTexture(): DataTexture {
+  const texture = new DataTexture(new Uint8Array(4 * MOST_CLASSES), MOST_CLASSES, 1, RGBAFormat);
+  texture.minFilter = texture.magFilter = NearestFilter;
+  texture.needsUpdate = true;
+  return texture;
+}
 
 /** The values below which 2 % and 98 % of the values lie. */
 function shares(values: Float32Array): [number, number] {
@@ -95,6 +132,8 @@ export class Cloud {
   private readonly look: ShaderMaterial;
   private frame = 0;
   private failed = '';
+  private marks: Marks | null = null;
+  private other: number | null = null;
 
   constructor(
     readonly octree: Octree,
@@ -117,6 +156,8 @@ export class Cloud {
         rings: { value: facts.most_ring },
         file: { value: octree.file },
         object: { value: pick },
+        marked: { value: false },
+        hidden: { value: hiddenTexture() },
       },
       VERTEX,
       FRAGMENT,
@@ -140,6 +181,52 @@ export class Cloud {
   /** Shows the times [from, to] only, in seconds since the first beam. */
   setTimes(from: number, to: number): void {
     (this.look.uniforms.range!.value as Vector2).set(from, to);
+  }
+
+  /** Shows labels that people edit instead of the log's own, or no longer. */
+  setMarksFrom(marks: Marks | null): void {
+    this.marks = marks;
+    this.look.uniforms.marked!.value = marks !== null;
+    marks?.need([...this.loaded.keys()]);
+  }
+
+  /** The nodes of these numbers that are in memory; all of them without numbers. */
+  nodesInMemory(numbers?: Set<number>): Node[] {
+    return [...this.loaded.keys()].filter((node) => !numbers || numbers.has(node.index));
+  }
+
+  /** Sets the labels of a node's points: class and selection, then the instance in three bytes. */
+  setMarks(node: Node, values: Uint8Array): void {
+    const attribute = this.loaded.get(node)?.drawn.geometry.getAttribute('mark') as BufferAttribute | undefined;
+    if (!attribute) return;
+    (attribute.array as Uint8Array).set(values);
+    attribute.needsUpdate = true;
+    this.changed();
+  }
+
+  /** Compares the ranges with those of another log of the same beams; the mode `error` shows them. */
+  async compareWith(other: number): Promise<void> {
+    this.other = other;
+    await this.loadErrors([...this.loaded.keys()]);
+  }
+
+  private async loadErrors(nodes: Node[]): Promise<void> {
+    for (const node of nodes) {
+      const data = await bytes(`errors?file=${this.octree.file}&other=${this.other}&nodes=${node.index}`);
+      const attribute = this.loaded.get(node)?.drawn.geometry.getAttribute('error') as BufferAttribute | undefined;
+      if (!attribute) continue;
+      (attribute.array as Float32Array).set(new Float32Array(data));
+      attribute.needsUpdate = true;
+    }
+    this.changed();
+  }
+
+  setHidden(hidden: Set<number>): void {
+    const texture = this.look.uniforms.hidden!.value as DataTexture;
+    const data = texture.image.data as Uint8Array;
+    for (let k = 0; k < MOST_CLASSES; ++k) data[4 * k] = hidden.has(k) ? 255 : 0;
+    texture.needsUpdate = true;
+    this.changed();
   }
 
   /** Loads the root, from whose points follow the extent of most points and the range of intensities. */
@@ -246,12 +333,16 @@ export class Cloud {
     add('label', points.label);
     add('echo', points.echo);
     add('rowBytes', points.rowBytes, 4, true);
+    add('mark', new Uint8Array(4 * points.count), 4);
+    add('error', new Float32Array(points.count));
     const drawn = new DrawnPoints(geometry, this.look);
     drawn.position.copy(node.box.min);
     drawn.frustumCulled = false;
     drawn.userData.pick = this.pick;
     this.group.add(drawn);
     this.loaded.set(node, { points, drawn, used: this.frame });
+    this.marks?.need([node]);
+    if (this.other !== null) void this.loadErrors([node]);
   }
 
   /** The place of a point that is drawn, in the scene's frame, by its row. */

@@ -5,7 +5,7 @@ import type { Picked } from './viewer';
 
 export interface DetailActions {
   /** The worlds in which a beam can be followed. */
-  worlds: ServedFile[];
+  worlds: () => ServedFile[];
   follow: (beam: Beam, file: number, world: ServedFile) => void;
   close: () => void;
 }
@@ -36,7 +36,7 @@ export function beamDetails(beam: Beam, file: ServedFile, actions: DetailActions
   ];
   if (beam.echoes_m.length > 1) rows.push(['echoes', beam.echoes_m.map((r) => `${shortened(r)} m`).join(', ')]);
   for (const [name, value] of Object.entries(beam.columns ?? {})) rows.push([name, shortened(value)]);
-  const ask = actions.worlds.map((world) =>
+  const ask = actions.worlds().map((world) =>
     button(`Why did this beam end here? (${world.name})`, 'Follow the beam (B)', () =>
       actions.follow(beam, file.id, world),
     ),

@@ -18,9 +18,25 @@ const FIXED: [string, string][] = [
   ['click, Enter', 'pick what is under the cursor, or in the middle of the view'],
 ];
 
+/** Whether a key belongs to the control that has the focus, or to the browser. */
 export function isTyping(event: KeyboardEvent): boolean {
   const at = event.target;
-  return at instanceof HTMLInputElement || at instanceof HTMLSelectElement || event.ctrlKey || event.metaKey;
+  if (event.ctrlKey || event.metaKey || at instanceof HTMLSelectElement) return true;
+  if (!(at instanceof HTMLInputElement)) return false;
+  if (!['checkbox', 'radio', 'range'].includes(at.type)) return true;
+  return /^(Arrow|Home|End|Page| $)/.test(event.key);
+}
+
+/** The key of an action: also Ctrl + Z and its like. */
+export function keyOf(event: KeyboardEvent): string {
+  if (!(event.ctrlKey || event.metaKey)) return event.key;
+  return event.key === 'Z' ? 'y' : event.key;
+}
+
+/** Whether this is the undo or redo of a desktop program. */
+export function isUndo(event: KeyboardEvent): boolean {
+  const typing = event.target instanceof HTMLInputElement && !['checkbox', 'radio', 'range'].includes(event.target.type);
+  return (event.ctrlKey || event.metaKey) && ['z', 'Z', 'y'].includes(event.key) && !typing;
 }
 
 export function toolbar(actions: Action[]): HTMLElement[] {

@@ -8,6 +8,8 @@ const POINT_BYTES = 29;
 const PART_BYTES = 8 << 20;
 
 export interface Node {
+  /** Row of the table of nodes. */
+  index: number;
   at: number;
   points: number;
   level: number;
@@ -61,6 +63,7 @@ function treeOf(view: DataView, count: number, facts: OctreeFacts): Node {
   const nodes: Node[] = [];
   for (let k = 0; k < count; ++k) {
     nodes.push({
+      index: k,
       at: Number(view.getBigUint64(k * NODE_BYTES, true)),
       points: view.getUint32(k * NODE_BYTES + 8, true),
       level: view.getUint8(k * NODE_BYTES + 17),

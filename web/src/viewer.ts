@@ -10,6 +10,7 @@ import {
   LineBasicMaterial,
   NoBlending,
   type Object3D,
+  type OrthographicCamera,
   PerspectiveCamera,
   Raycaster,
   Scene,
@@ -19,6 +20,7 @@ import {
   WebGLRenderTarget,
 } from 'three';
 import { Cloud } from './cloud';
+import type { Sides } from './compare';
 import { Display, Pass } from './display';
 import { Navigation } from './navigation';
 import type { World } from './world';
@@ -35,6 +37,12 @@ export interface Picked {
   place: Vector3 | null;
 }
 
+/** Another view of the scene, drawn where an element of the page lies. */
+export interface Inset {
+  camera: OrthographicCamera;
+  element: HTMLElement;
+}
+
 const PICK_PIXELS = 11;
 const NONE = 0xffffffff;
 
@@ -46,6 +54,9 @@ export class Viewer {
   readonly worlds = new Set<World>();
   budget = 2_000_000;
   onDrawn: (() => void) | null = null;
+  insets: Inset[] = [];
+  /** Two files that are drawn side by side. */
+  sides: Sides | null = null;
 
   private readonly renderer: WebGLRenderer;
   private readonly scene = new Scene();
@@ -180,11 +191,12 @@ export class Viewer {
     return this.dirty || this.coarse || this.soon !== 0 || [...this.clouds].some((cloud) => cloud.group.visible && cloud.loading);
   }
 
-  private resize(): void {
+  /** Fits the picture to the canvas. */
+  resize(): void {
     const width = Math.max(1, this.canvas.clientWidth);
     const height = Math.max(1, this.canvas.clientHeight);
     this.renderer.setSize(width, height, false);
-    this.camera.aspect = width / height;
+    this.camera.aspect = this.viewWidth / height;
     this.camera.updateProjectionMatrix();
     this.draw();
   }
@@ -201,8 +213,78 @@ export class Viewer {
     const budget = this.coarse ? this.movingBudget : this.budget;
     const shown = [...this.clouds].filter((cloud) => cloud.group.visible);
     for (const cloud of shown) cloud.update(this.camera, this.canvas.clientHeight, budget / shown.length);
-    this.renderer.render(this.scene, this.camera);
+    if (this.sides) this.renderSides(this.sides);
+    else this.renderer.render(this.scene, this.camera);
+    this.insets.forEach((inset) => this.renderInset(inset));
     this.onDrawn?.();
+  }
+
+  /** Width of the picture that the camera makes: half of the canvas on a split screen. */
+  private get viewWidth(): number {
+    return Math.max(1, this.canvas.clientWidth / (this.sides?.mode === 'split' ? 2 : 1));
+  }
+
+  /** Calls `draw` while only one side's file can be seen. */
+  private withOnly<T>(side: Group | null, draw: () => T): T {
+    if (!side) return draw();
+    const groups = [...this.clouds, ...this.worlds].map((thing) => thing.group);
+    const before = groups.map((group) => group.visible);
+    groups.forEach((group) => (group.visible = group.visible && group === side));
+    const out = draw();
+    groups.forEach((group, k) => (group.visible = before[k]!));
+    return out;
+  }
+
+  private renderSides({ mode, left, right, share }: Sides): void {
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    const line = Math.round(width * (mode === 'split' ? 0.5 : share));
+    this.renderer.setScissorTest(true);
+    for (const [side, x, w] of [[left, 0, line], [right, line, width - line]] as const) {
+      if (w <= 0) continue;
+      this.renderer.setScissor(x, 0, w, height);
+      if (mode === 'split') this.renderer.setViewport(x, 0, this.viewWidth, height);
+      this.withOnly(side, () => this.renderer.render(this.scene, this.camera));
+    }
+    this.renderer.setScissorTest(false);
+    this.renderer.setViewport(0, 0, width, height);
+  }
+
+  /** The side and the place within its picture of a place of the canvas. */
+  private sideAt(x: number): { x: number; side: Group | null } {
+    if (!this.sides) return { x, side: null };
+    const { mode, left, right, share } = this.sides;
+    const line = this.canvas.clientWidth * (mode === 'split' ? 0.5 : share);
+    return { x: mode === 'split' && x >= line ? x - line : x, side: x < line ? left : right };
+  }
+
+  private renderInset({ camera, element }: Inset): void {
+    const box = element.getBoundingClientRect();
+    const y = this.canvas.clientHeight - box.bottom;
+    this.renderer.setViewport(box.left, y, box.width, box.height);
+    this.renderer.setScissor(box.left, y, box.width, box.height);
+    this.renderer.setScissorTest(true);
+    this.renderer.render(this.scene, camera);
+    this.renderer.setScissorTest(false);
+    this.renderer.setViewport(0, 0, this.canvas.clientWidth, this.canvas.clientHeight);
+  }
+
+  /** The height of the highest ground or surface over a place, in the scene's frame. */
+  groundAt(x: number, y: number): number | null {
+    const ray = new Raycaster(new Vector3(x, y, 1e5), new Vector3(0, 0, -1));
+    return this.groundMet(ray)?.z ?? null;
+  }
+
+  /** The place of the ground under a pixel of the canvas, in the scene's frame. */
+  groundUnder(x: number, y: number): Vector3 | null {
+    const ray = new Raycaster();
+    const across = this.sideAt(x).x / this.viewWidth;
+    ray.setFromCamera(new Vector2(across * 2 - 1, 1 - (y / this.canvas.clientHeight) * 2), this.camera);
+    return this.groundMet(ray);
+  }
+
+  private groundMet(ray: Raycaster): Vector3 | null {
+    const shown = [...this.worlds].filter((world) => world.group.visible).map((world) => world.group);
+    return ray.intersectObjects(shown, true)[0]?.point ?? null;
   }
 
   /** A picture of the view as a PNG. */
@@ -228,15 +310,19 @@ export class Viewer {
   }
 
   /** Finds what lies at a place of the canvas (CSS pixels), or next to it. */
-  pick(x: number, y: number): Picked | null {
+  pick(at: number, y: number): Picked | null {
+    const { x, side } = this.sideAt(at);
+    return this.withOnly(side, () => this.pickIn(x, y));
+  }
+
+  private pickIn(x: number, y: number): Picked | null {
     const background = this.scene.background;
     this.scene.background = null;
     this.marks.visible = false;
     this.scene.traverse((o) => this.withoutBlending(o));
     const camera = this.camera.clone();
     const half = (PICK_PIXELS - 1) / 2;
-    const { clientWidth, clientHeight } = this.canvas;
-    camera.setViewOffset(clientWidth, clientHeight, x - half, y - half, PICK_PIXELS, PICK_PIXELS);
+    camera.setViewOffset(this.viewWidth, this.canvas.clientHeight, x - half, y - half, PICK_PIXELS, PICK_PIXELS);
     const objects = this.numbers(camera, Pass.object);
     const parts = this.numbers(camera, Pass.part);
     this.scene.background = background;
@@ -268,7 +354,7 @@ export class Viewer {
     if (target.part === 'ellipsoid') {
       return { target, part, place: target.world.centreOf(target.instance, part) };
     }
-    const at = new Vector2((x / this.canvas.clientWidth) * 2 - 1, 1 - (y / this.canvas.clientHeight) * 2);
+    const at = new Vector2((x / this.viewWidth) * 2 - 1, 1 - (y / this.canvas.clientHeight) * 2);
     const ray = new Raycaster();
     ray.setFromCamera(at, this.camera);
     const met = ray

@@ -16,6 +16,7 @@ import {
 } from 'three';
 import { bytes, type ServedFile, type WorldFacts, json } from './api';
 import { type Display, material, WORLD_MODES, type WorldMode } from './display';
+import { floatColumn, numberColumn } from './unpack';
 
 const ELLIPSOID_BYTES = 52;
 
@@ -141,21 +142,24 @@ interface ModelData {
 function ellipsoidGeometry(view: DataView): InstancedBufferGeometry | null {
   const n = view.byteLength / ELLIPSOID_BYTES;
   if (n === 0) return null;
-  const mean = new Float32Array(3 * n);
+  const records = { start: 0, bytes: ELLIPSOID_BYTES, count: n };
+  const mean = floatColumn(view, records, 0, 3);
+  const covariance = floatColumn(view, records, 12, 6);
+  const p = floatColumn(view, records, 36, 1);
+  const label = numberColumn(view, records, 48);
   const diagonal = new Float32Array(3 * n);
   const below = new Float32Array(3 * n);
   const facts = new Float32Array(3 * n);
   for (let i = 0; i < n; ++i) {
-    const f = (k: number) => view.getFloat32(i * ELLIPSOID_BYTES + 4 * k, true);
-    mean.set([f(0), f(1), f(2)], 3 * i);
-    const a = Math.sqrt(Math.max(f(3), 1e-12));
-    const b = f(4) / a;
-    const c = f(5) / a;
-    const d = Math.sqrt(Math.max(f(6) - b * b, 1e-12));
-    const e = (f(7) - b * c) / d;
-    diagonal.set([a, d, Math.sqrt(Math.max(f(8) - c * c - e * e, 1e-12))], 3 * i);
+    const f = (k: number) => covariance[6 * i + k]!;
+    const a = Math.sqrt(Math.max(f(0), 1e-12));
+    const b = f(1) / a;
+    const c = f(2) / a;
+    const d = Math.sqrt(Math.max(f(3) - b * b, 1e-12));
+    const e = (f(4) - b * c) / d;
+    diagonal.set([a, d, Math.sqrt(Math.max(f(5) - c * c - e * e, 1e-12))], 3 * i);
     below.set([b, c, e], 3 * i);
-    facts.set([f(9), view.getUint32(i * ELLIPSOID_BYTES + 48, true), i], 3 * i);
+    facts.set([p[i]!, label[i]!, i], 3 * i);
   }
   const box = new BoxGeometry(1, 1, 1);
   const geometry = new InstancedBufferGeometry();

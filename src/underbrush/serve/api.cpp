@@ -1,6 +1,6 @@
 #include "underbrush/serve/api.hpp"
 
-#include <charconv>
+#include <deque>
 #include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -9,75 +9,84 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/file.hpp"
 #include "underbrush/serve/beam_trace.hpp"
+#include "underbrush/serve/job_api.hpp"
+#include "underbrush/serve/json_reply.inl"
+#include "underbrush/serve/label_api.hpp"
+#include "underbrush/serve/query.hpp"
+#include "underbrush/serve/range_errors.hpp"
 
 namespace underbrush::serve {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr uint64_t kMostScoreBytes = uint64_t(64) << 20;
 constexpr const char* kBytes = "application/octet-stream";
-
-uint64_t number_in(const HttpRequest& request, const char* key, uint64_t otherwise = UINT64_MAX) {
-  const auto found = request.query.find(key);
-  const std::string text = found == request.query.end() ? "" : found->second;
-  if (text.empty() && otherwise != UINT64_MAX) return otherwise;
-  uint64_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) {
-    throw std::invalid_argument(std::string("the request needs a number '") + key + "'");
-  }
-  return value;
-}
 
 }  // namespace
 
 struct Api::Impl {
   using Answer = HttpReply (Impl::*)(const HttpRequest&);
 
-  Impl(OpenedFiles opened, std::filesystem::path folder, std::string number, uint64_t draws)
-      : files(std::move(opened)),
-        cache(std::move(folder)),
-        version(std::move(number)),
-        seed(draws) {}
-
-  size_t id_of(const HttpRequest& request, const char* key) const {
-    const uint64_t id = number_in(request, key);
-    require(id < files.files.size(), "no such file");
-    return size_t(id);
+  Impl(OpenedFiles opened, ApiOptions given) : options(std::move(given)), notes(opened.notes) {
+    for (OpenedFile& file : opened.files) files.push_back(std::move(file));
+    if (options.labels.empty()) return;
+    const ServedFiles served{
+        [this](size_t id) { return file_at(id); },
+        [this](size_t id) { return file_at(id).kind == FileKind::kLog ? &log_at(id) : nullptr; },
+        [this](const std::filesystem::path& path) { return add(path); }};
+    labels = std::make_unique<LabelApi>(served, options.labels);
+    if (!options.program.empty()) {
+      jobs = std::make_unique<JobApi>(served, options.labels, options.program);
+    }
   }
-  LogData& log_of(const HttpRequest& request, const char* key = "file") {
-    const size_t id = id_of(request, key);
-    require(files.files[id].kind == FileKind::kLog, "this file is no log");
+
+  OpenedFile file_at(size_t id) {
+    const std::lock_guard lock(mutex);
+    require(id < files.size(), "no such file");
+    return files[id];
+  }
+  size_t add(const std::filesystem::path& path) {
+    OpenedFiles found = find_files({path});
+    const std::lock_guard lock(mutex);
+    files.push_back(std::move(found.files.at(0)));
+    return files.size() - 1;
+  }
+  LogData& log_at(size_t id) {
     const std::lock_guard lock(mutex);
     auto& log = logs[id];
-    if (!log) log = std::make_unique<LogData>(files.files[id].path, cache);
+    if (!log) log = std::make_unique<LogData>(files[id].path, options.cache);
     return *log;
   }
+  LogData& log_of(const HttpRequest& request, const char* key = "file") {
+    const size_t id = Query(request).number(key);
+    require(file_at(id).kind == FileKind::kLog, "this file is no log");
+    return log_at(id);
+  }
   const WorldData& world_of(const HttpRequest& request, const char* key = "file") {
-    const size_t id = id_of(request, key);
-    const FileKind kind = files.files[id].kind;
-    require(kind != FileKind::kLog && kind != FileKind::kScore,
+    const size_t id = Query(request).number(key);
+    const OpenedFile file = file_at(id);
+    require(file.kind != FileKind::kLog && file.kind != FileKind::kScore,
             "this file is no model, scene or set of primitives");
     World& world = [&]() -> World& {
       const std::lock_guard lock(mutex);
       return worlds[id];
     }();
     // Read without the lock, so that other files are answered meanwhile.
-    std::call_once(world.once, [&] { world.data = std::make_unique<WorldData>(files.files[id]); });
+    std::call_once(world.once, [&] { world.data = std::make_unique<WorldData>(file); });
     return *world.data;
   }
 
   HttpReply list(const HttpRequest&) {
-    Json j{{"program", "underbrush " + version}, {"files", Json::array()}};
-    for (size_t k = 0; k < files.files.size(); ++k) {
-      j["files"].push_back({{"id", k},
-                            {"name", printable(files.files[k].name)},
-                            {"kind", name(files.files[k].kind)}});
+    Json j{{"program", "underbrush " + options.version}, {"files", Json::array()}};
+    const std::lock_guard lock(mutex);
+    for (size_t k = 0; k < files.size(); ++k) {
+      j["files"].push_back(
+          {{"id", k}, {"name", printable(files[k].name)}, {"kind", name(files[k].kind)}});
     }
-    j["notes"] = files.notes;
-    j["seed"] = seed;
-    return {200, "application/json", j.dump(-1, ' ', false, Json::error_handler_t::replace)};
+    j["notes"] = notes;
+    j["seed"] = options.seed;
+    j["labels"] = labels != nullptr;
+    j["jobs"] = jobs != nullptr;
+    return reply_of(j);
   }
   HttpReply octree(const HttpRequest& request) {
     return {200, "application/json", log_of(request).state()};
@@ -87,7 +96,7 @@ struct Api::Impl {
     require(file != nullptr, "the octree is not ready");
     require(request.range && request.range->count, "ask for a range, bytes=A-B");
     const uint64_t first = request.range->first, size = file->bytes();
-    if (first >= size) return {416, "application/json", R"({"error":"beyond the end"})"};
+    if (first >= size) return error_reply(416, "beyond the end");
     const uint64_t count = std::min(*request.range->count, size - first);
     require(count <= kMostBytes, "a range of more than 16 MiB");
     HttpReply reply{200, kBytes, std::string(count, '\0'), std::pair(first, size)};
@@ -95,53 +104,79 @@ struct Api::Impl {
     return reply;
   }
   HttpReply beams(const HttpRequest& request) {
-    return {200, kBytes, log_of(request).beams(number_in(request, "run"))};
+    return {200, kBytes, log_of(request).beams(Query(request).number("run"))};
   }
   HttpReply beam(const HttpRequest& request) {
-    return {200, "application/json", log_of(request).beam_json(number_in(request, "row"))};
+    return {200, "application/json", log_of(request).beam_json(Query(request).number("row"))};
   }
   HttpReply trace(const HttpRequest& request) {
-    const LoggedBeam logged = log_of(request).beam(number_in(request, "row"));
+    const LoggedBeam logged = log_of(request).beam(Query(request).number("row"));
     return {200, "application/json",
-            trace_beam(logged, world_of(request, "world"), number_in(request, "seed", seed))};
+            trace_beam(logged, world_of(request, "world"),
+                       Query(request).number("seed", options.seed))};
+  }
+  HttpReply errors(const HttpRequest& request) {
+    const Query query(request);
+    const std::pair ids(query.number("file"), query.number("other"));
+    const auto octree = log_of(request).octree();
+    require(octree != nullptr, "the octree is not ready");
+    require(file_at(ids.second).kind == FileKind::kLog, "this file is no log");
+    Compared& pair = [&]() -> Compared& {
+      const std::lock_guard lock(mutex);
+      return compared[ids];
+    }();
+    std::call_once(pair.once, [&] {
+      pair.errors =
+          std::make_unique<RangeErrors>(file_at(ids.first).path, file_at(ids.second).path);
+    });
+    return {200, kBytes, pair.errors->of_nodes(*octree, query.numbers("nodes"))};
   }
   HttpReply world(const HttpRequest& request) {
     return {200, "application/json", world_of(request).json()};
   }
   HttpReply ellipsoids(const HttpRequest& request) {
-    return {200, kBytes, world_of(request).ellipsoids(number_in(request, "model"))};
+    return {200, kBytes, world_of(request).ellipsoids(Query(request).number("model"))};
   }
   HttpReply ground(const HttpRequest& request) {
     return {200, kBytes,
-            world_of(request).mesh(number_in(request, "model"), elements::Kind::kGround)};
+            world_of(request).mesh(Query(request).number("model"), elements::Kind::kGround)};
   }
   HttpReply surface(const HttpRequest& request) {
     return {200, kBytes,
-            world_of(request).mesh(number_in(request, "model"), elements::Kind::kSurface)};
+            world_of(request).mesh(Query(request).number("model"), elements::Kind::kSurface)};
+  }
+  HttpReply thumbnail(const HttpRequest& request) {
+    return {200, "image/png", world_of(request).thumbnail(Query(request).number("model"))};
   }
   HttpReply score(const HttpRequest& request) {
-    const OpenedFile& file = files.files[id_of(request, "file")];
+    const OpenedFile file = file_at(Query(request).number("file"));
     require(file.kind == FileKind::kScore, "this file has no scores");
     const std::string text = read_file(file.path, kMostScoreBytes);
     if (!Json::accept(text)) throw FormatError(file.path.string(), "", "not JSON");
     return {200, "application/json", text};
   }
 
-  OpenedFiles files;
-  std::filesystem::path cache;
-  std::string version;
-  uint64_t seed;
-  std::mutex mutex;  ///< Guards the maps.
+  ApiOptions options;
+  std::vector<std::string> notes;
+  std::mutex mutex;              ///< Guards the list and the maps.
+  std::deque<OpenedFile> files;  ///< Grows with the results of jobs.
   std::map<size_t, std::unique_ptr<LogData>> logs;
   struct World {
     std::once_flag once;
     std::unique_ptr<WorldData> data;
   };
   std::map<size_t, World> worlds;
+  struct Compared {
+    std::once_flag once;
+    std::unique_ptr<RangeErrors> errors;
+  };
+  std::map<std::pair<size_t, size_t>, Compared> compared;
+  std::unique_ptr<LabelApi> labels;  ///< Null where nothing may be written.
+  std::unique_ptr<JobApi> jobs;
 };
 
-Api::Api(OpenedFiles files, std::filesystem::path cache, std::string version, uint64_t seed)
-    : impl_(std::make_unique<Impl>(std::move(files), std::move(cache), std::move(version), seed)) {}
+Api::Api(OpenedFiles files, ApiOptions options)
+    : impl_(std::make_unique<Impl>(std::move(files), std::move(options))) {}
 Api::~Api() = default;
 
 HttpReply Api::answer(const HttpRequest& request) {
@@ -155,14 +190,30 @@ HttpReply Api::answer(const HttpRequest& request) {
       {"api/beams", &Impl::beams},
       {"api/beam", &Impl::beam},
       {"api/trace", &Impl::trace},
+      {"api/errors", &Impl::errors},
       {"api/world", &Impl::world},
       {"api/ellipsoids", &Impl::ellipsoids},
       {"api/ground", &Impl::ground},
       {"api/surface", &Impl::surface},
       {"api/score", &Impl::score},
+      {"api/thumbnail", &Impl::thumbnail},
   };
+  const auto begins = [&](std::string_view start) {
+    return request.path == start ||
+           (request.path.starts_with(start) && request.path[start.size()] == '/');
+  };
+  constexpr const char* kNoLabels = "start underbrush serve with --labels FOLDER";
+  if (begins("api/labels")) {
+    if (impl_->labels) return impl_->labels->answer(request);
+    return error_reply(403, kNoLabels);
+  }
+  if (begins("api/jobs")) {
+    if (impl_->jobs) return impl_->jobs->answer(request);
+    return error_reply(403, kNoLabels);
+  }
+  if (request.method == "POST") return error_reply(405, "only GET is answered");
   const auto found = kAnswers.find(request.path);
-  if (found == kAnswers.end()) return {404, "application/json", R"({"error":"no such page"})"};
+  if (found == kAnswers.end()) return error_reply(404, "no such page");
   return ((*impl_).*(found->second))(request);
 }
 

@@ -15,12 +15,20 @@ namespace underbrush::serve {
 /// The greatest part of an octree that one request may ask for, bytes.
 inline constexpr uint64_t kMostBytes = uint64_t(16) << 20;
 
+/// Options of `Api`.
+struct ApiOptions {
+  std::filesystem::path cache;  ///< The folder of `cached_octree`.
+  std::string version;          ///< Shown on the page.
+  uint64_t seed = 1;            ///< Seed of traces that name none.
+  /// The folder to which labels, and results of commands, are written; empty: nothing is written.
+  std::filesystem::path labels;
+  std::filesystem::path program;  ///< The program that runs commands; empty: none are run.
+};
+
 /// Answers requests about files, which are known by their number in the list and by nothing else.
 class Api {
  public:
-  /// `version` is shown on the page; `cache` is the folder of `cached_octree`; `seed` is that of
-  /// traces that name none.
-  Api(OpenedFiles files, std::filesystem::path cache, std::string version, uint64_t seed = 1);
+  Api(OpenedFiles files, ApiOptions options);
   ~Api();
   Api(const Api&) = delete;
   Api& operator=(const Api&) = delete;

@@ -4,14 +4,13 @@
 #include <nlohmann/json.hpp>
 
 #include "underbrush/core/rng.hpp"
+#include "underbrush/serve/json_reply.inl"
 #include "underbrush/simulate/draw.hpp"
 #include "underbrush/simulate/dynamic_world.hpp"
 #include "underbrush/simulate/element_class.hpp"
 
 namespace underbrush::serve {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr size_t kMostMet = 1000;
 

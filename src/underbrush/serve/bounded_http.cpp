@@ -123,8 +123,8 @@ bool BoundedServer::process_and_close_socket(socket_t socket) {
       // they stay on this machine.
       request.ranges.clear();
       request.headers.erase("Accept-Encoding");
-      body = request.has_header("Content-Length") || request.has_header("Transfer-Encoding") ||
-             (request.method != "GET" && request.method != "HEAD");
+      body = !is_without_body(request) ||
+             (request.method != "GET" && request.method != "HEAD" && request.method != "POST");
     });
     // A body is never read, so that nothing behind it can be a request.
     more = answered && !closed && !body && stream.sound();

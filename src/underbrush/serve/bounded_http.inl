@@ -11,6 +11,13 @@
 
 namespace underbrush::serve {
 
+/// Whether a request has no body, or an empty one.
+inline bool is_without_body(const httplib::Request& request) {
+  if (request.has_header("Transfer-Encoding")) return false;
+  const size_t lengths = request.get_header_value_count("Content-Length");
+  return lengths == 0 || (lengths == 1 && request.get_header_value("Content-Length") == "0");
+}
+
 /// A connection that allows so many bytes and so much time for each request and its reply.
 class BoundedStream : public httplib::Stream {
  public:

@@ -2,11 +2,11 @@
 
 #include <charconv>
 #include <new>
-#include <nlohmann/json.hpp>
 #include <random>
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/serve/bounded_http.inl"
+#include "underbrush/serve/json_reply.inl"
 
 namespace underbrush::serve {
 namespace {
@@ -30,23 +30,18 @@ bool equal(std::string_view a, std::string_view b) {
   return different == 0;
 }
 
-HttpReply error_reply(int status, const std::string& message) {
-  const nlohmann::json j{{"error", printable(message)}};
-  return {status, "application/json", j.dump()};
-}
-
 // What a handler threw, as a reply.
 HttpReply answered(const HttpServer::Handler& handler, const HttpRequest& request) {
   try {
     return handler(request);
   } catch (const FormatError& e) {
-    return error_reply(422, e.what());
+    return error_reply(422, printable(e.what()));
   } catch (const std::invalid_argument& e) {
-    return error_reply(400, e.what());
+    return error_reply(400, printable(e.what()));
   } catch (const std::bad_alloc&) {
     return error_reply(507, "out of memory");
   } catch (const std::exception& e) {
-    return error_reply(500, e.what());
+    return error_reply(500, printable(e.what()));
   }
 }
 
@@ -87,16 +82,28 @@ struct HttpServer::Impl {
            host == "localhost:" + std::to_string(port);
   }
 
+  // Whether a request that changes something comes from the server's own page, or from no page.
+  bool may_change(const httplib::Request& request) const {
+    const size_t count = request.get_header_value_count("Origin");
+    if (count == 0) return true;
+    const std::string origin = request.get_header_value("Origin");
+    return count == 1 && (origin == "http://127.0.0.1:" + std::to_string(port) ||
+                          origin == "http://localhost:" + std::to_string(port));
+  }
+
   HttpReply reply_to(const httplib::Request& request) const {
     if (!names_this_host(request)) return error_reply(403, "no such host here");
     const size_t slash = request.path.find('/', 1);
     const bool known = slash != std::string::npos &&
                        equal(std::string_view(request.path).substr(1, slash - 1), token);
     if (!known) return error_reply(403, "the address has no token, or an old one");
-    if (request.method != "GET" && request.method != "HEAD") {
-      return error_reply(405, "only GET is answered");
+    const bool post = request.method == "POST";
+    if (request.method != "GET" && request.method != "HEAD" && !post) {
+      return error_reply(405, "only GET and POST are answered");
     }
-    HttpRequest asked{request.path.substr(slash + 1), {}, {}};
+    if (post && !may_change(request)) return error_reply(403, "a request of another page");
+    if (post && !is_without_body(request)) return error_reply(413, "a request with a body");
+    HttpRequest asked{post ? "POST" : "GET", request.path.substr(slash + 1), {}, {}};
     for (const auto& [key, value] : request.params) asked.query[key] = value;
     if (request.has_header("Range")) {
       asked.range = byte_range_of(request.get_header_value("Range"));

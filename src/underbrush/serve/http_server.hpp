@@ -17,8 +17,9 @@ struct ByteRange {
   std::optional<uint64_t> count;
 };
 
-/// A GET request that named the token.
+/// A request that named the token: GET, or POST without a body, which changes something.
 struct HttpRequest {
+  std::string method = "GET";
   std::string path;  ///< Behind the token, without a slash at the start: "api/files".
   std::map<std::string, std::string> query;
   std::optional<ByteRange> range;
@@ -50,7 +51,8 @@ std::optional<ByteRange> byte_range_of(const std::string& header);
 
 /// A server on the loopback interface. Its address holds a random token of 128 bits, without which
 /// every request is refused; so are requests that name another host than this machine, which is how
-/// a page of another origin would reach the server through a name that leads here.
+/// a page of another origin would reach the server through a name that leads here, and POST
+/// requests whose header Origin names another page than the server's own.
 class HttpServer {
  public:
   using Handler = std::function<HttpReply(const HttpRequest&)>;

@@ -4,19 +4,14 @@
 #include <nlohmann/json.hpp>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/serve/json_reply.inl"
 #include "underbrush/serve/octree_cache.hpp"
 
 namespace underbrush::serve {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr size_t kMostBeams = 200'000;
 constexpr size_t kMostEchoes = 64;  // rows of one beam
-
-std::string text_of(const Json& j) {
-  return j.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
 
 }  // namespace
 

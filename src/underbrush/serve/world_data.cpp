@@ -6,12 +6,16 @@
 #include <set>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/file.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/primitives/primitive_set.hpp"
+#include "underbrush/serve/json_reply.inl"
 #include "underbrush/worlds/read_world.hpp"
 
 namespace underbrush::serve {
 namespace {
+
+constexpr uint64_t kMostThumbnail = uint64_t(4) << 20;  // bytes
 
 template <class T>
 void append(std::string& bytes, const T* values, size_t n) {
@@ -24,7 +28,7 @@ void append(std::string& bytes, const T& value) {
 
 }  // namespace
 
-WorldData::WorldData(const OpenedFile& file) : kind_(file.kind) {
+WorldData::WorldData(const OpenedFile& file) : kind_(file.kind), folder_(file.path) {
   if (kind_ == FileKind::kScene) {
     if (worlds::is_world(file.path)) {
       worlds::World world = worlds::read_world(file.path);
@@ -59,6 +63,7 @@ void WorldData::place_primitives(const OpenedFile& file) {
     scene_.models.push_back(primitives::read_primitive(set, k));
     info_.names.push_back(set.entries[k].name);
     info_.labels.push_back(set.entries[k].label);
+    boxes_.push_back(set.entries[k].box);
     elements::Instance placed;
     placed.model = uint32_t(k);
     placed.world_from_model.translation =
@@ -96,6 +101,12 @@ std::string WorldData::json() const {
                            {"ground_triangles", m.ground.size()},
                            {"surface_triangles", m.surface.size()}});
   }
+  for (size_t k = 0; k < boxes_.size(); ++k) {
+    const Vec3 &low = boxes_[k].min, &high = boxes_[k].max;
+    j["models"][k]["class"] = elements::name(info_.labels[k]);
+    j["models"][k]["box_m"] = {{"min", {low.x(), low.y(), low.z()}},
+                               {"max", {high.x(), high.y(), high.z()}}};
+  }
   std::set<uint32_t> moving;
   for (const elements::Mover& m : info_.movers) moving.insert(m.instance);
   j["instances"] = nlohmann::ordered_json::array();
@@ -114,7 +125,14 @@ std::string WorldData::json() const {
   const std::vector<std::string> classes = elements::element_classes(info_);
   j["classes"] = elements::kClassNames;
   if (!classes.empty()) j["classes"] = classes;
-  return j.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return text_of(j);
+}
+
+std::string WorldData::thumbnail(size_t number) const {
+  require(kind_ == FileKind::kPrimitives && number < boxes_.size(), "no such primitive");
+  const std::filesystem::path name = std::filesystem::path(info_.names[number]) / "thumbnail.png";
+  require(!leads_out(folder_, name), "a link that leads out of the folder");
+  return read_file(folder_ / name, kMostThumbnail);
 }
 
 std::string WorldData::ellipsoids(size_t number) const {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "underbrush/elements/scene_file.hpp"
+#include "underbrush/primitives/placed_object.hpp"
 #include "underbrush/serve/opened_files.hpp"
 #include "underbrush/trace/world.hpp"
 
@@ -27,8 +28,12 @@ class WorldData {
   /// `simulate` does. Its instances are numbered as those of `scene()`.
   const trace::World& tracer() const;
 
-  /// Describes models and instances as JSON: places are relative to `origin_m`.
+  /// Describes models and instances as JSON: places are relative to `origin_m`. Primitives have
+  /// `box_m`, in their own frame.
   std::string json() const;
+  /// Returns the thumbnail (PNG) of a primitive. Throws `std::invalid_argument` for another world
+  /// or a primitive that does not exist, and `FormatError` where it has none.
+  std::string thumbnail(size_t model) const;
   /// Returns a model's ellipsoids, 52 bytes each: mean, covariance (xx xy xz yy yz zz) and p as
   /// float32 in metres, then hits, misses and class as uint32. Throws `std::invalid_argument` for a
   /// model that does not exist.
@@ -43,6 +48,8 @@ class WorldData {
   const elements::Model& model(size_t number) const;
 
   FileKind kind_;
+  std::filesystem::path folder_;
+  std::vector<primitives::Box> boxes_;  ///< The boxes of a set's primitives.
   elements::Scene scene_;
   elements::SceneInfo info_;
   Vec3 origin_ = Vec3::Zero();

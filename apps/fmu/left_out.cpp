@@ -1,0 +1,17 @@
+// What the library's readers of files can do elsewhere and the FMU cannot: it would need further
+// shared libraries.
+#include "underbrush/core/check.hpp"
+#include "underbrush/io/gltf_mesh.hpp"
+#include "underbrush/io/table.hpp"
+
+namespace underbrush::io {
+
+MeshScene read_gltf(const std::filesystem::path& path) {
+  throw FormatError(path.string(), "", "the FMU reads no glTF: convert it to OBJ or PLY");
+}
+
+Table read_pcd(const std::filesystem::path& path) {
+  throw FormatError(path.string(), "", "the FMU reads no PCD");
+}
+
+}  // namespace underbrush::io

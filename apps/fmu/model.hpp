@@ -1,0 +1,83 @@
+/// \file
+/// The sensor model behind the FMU's functions. It knows OSI, but not FMI.
+#pragma once
+#include <array>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "underbrush/osi/chain.hpp"
+#include "underbrush/osi/profile.hpp"
+#include "underbrush/osi/static_data.hpp"
+#include "underbrush/osi/trace.hpp"
+#include "variables.hpp"
+
+namespace underbrush::fmu {
+
+/// The values of all variables. A reference names a value of the type of its row.
+struct Values {
+  std::array<int32_t, kReferences> integer{};
+  std::array<double, kReferences> real{};
+  std::array<std::string, kReferences> text;
+  Values();
+};
+
+/// What a model remembers from step to step.
+struct Memory {
+  osi::StaticData known;
+  std::optional<osi::Timestamp> last;  ///< Time of the last input that was processed.
+  std::array<std::string, 2> output;   ///< The last two output messages.
+  size_t current = 0;                  ///< Which of them is the last one.
+  bool is_valid = false;
+};
+
+/// A copy of a model's state.
+struct Snapshot {
+  Values values;
+  Memory memory;
+  std::optional<osi::Chain> chain;
+};
+
+/// A sensor model.
+class Model {
+ public:
+  using Warn = std::function<void(const std::string&)>;
+  /// `warn` is called on the thread of the call that caused it.
+  Model(std::filesystem::path resources, Warn warn);
+
+  Values values;
+  /// Ends the initialisation: reads the chain. Throws where it or a parameter is wrong.
+  void start();
+  /// Processes the inputs. Inputs that cannot be used are told to `warn`, and the output then says
+  /// that no data are available.
+  void step();
+  /// Ends the simulation: completes the output trace.
+  void stop();
+  /// Goes back to the state after the construction.
+  void reset();
+  /// Serialises what the environment simulator is asked for, if the parameters have changed, and
+  /// sets the variable.
+  void request();
+  Snapshot snapshot() const;
+  void restore(const Snapshot& snapshot);
+
+ private:
+  std::string_view input(uint32_t reference) const;
+  void set_output(uint32_t reference, const std::string& bytes);
+  osi::ChainFile chain_file() const;
+  void set_parameters(osi::ChainFile& file) const;
+  std::string in_resources(const std::string& word) const;
+  std::string process();
+  void note_ground_truth();
+
+  std::filesystem::path resources_;
+  Warn warn_;
+  Memory memory_;
+  std::optional<osi::Chain> chain_;
+  std::optional<osi::TraceWriter> trace_;
+  std::string requested_, request_of_;
+};
+
+}  // namespace underbrush::fmu

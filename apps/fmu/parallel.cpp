@@ -1,0 +1,81 @@
+// The parallel loops of core/parallel.hpp for an FMU. oneTBB would be a shared library with a pool
+// of threads for the whole process; here each call has threads of its own, and their number is
+// that of the instance that the calling thread works for.
+#include "underbrush/core/parallel.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace underbrush {
+namespace {
+
+thread_local int wanted = 1;
+
+// Runs work(k) for k in [0, n) on several threads. The exception of the lowest k is passed on.
+void run_all(size_t n, const std::function<void(size_t)>& work) {
+  const size_t count = std::min(n, size_t(std::max(wanted, 1)));
+  if (count <= 1) {
+    for (size_t k = 0; k < n; ++k) work(k);
+    return;
+  }
+  std::atomic<size_t> next = 0;
+  std::mutex guard;
+  size_t failed = n;
+  std::exception_ptr error;
+  const auto run = [&] {
+    for (size_t k = next++; k < n; k = next++) {
+      try {
+        work(k);
+      } catch (...) {
+        const std::lock_guard lock(guard);
+        if (k < failed) {
+          failed = k;
+          error = std::current_exception();
+        }
+      }
+    }
+  };
+  {
+    std::vector<std::jthread> helpers;  // Loops inside a loop run on the thread that they are on.
+    for (size_t k = 1; k < count; ++k) helpers.emplace_back(run);
+    const int before = wanted;
+    wanted = 1;
+    run();
+    wanted = before;
+  }
+  if (error) std::rethrow_exception(error);
+}
+
+}  // namespace
+
+void set_threads(int threads) {
+  wanted = threads > 0 ? threads : int(std::max(1u, std::thread::hardware_concurrency()));
+}
+
+int threads() { return wanted; }
+
+void parallel_for(size_t n, size_t grain, const std::function<void(size_t, size_t)>& body) {
+  grain = std::max<size_t>(grain, 1);
+  run_all((n + grain - 1) / grain,
+          [&](size_t k) { body(k * grain, std::min(n, (k + 1) * grain)); });
+}
+
+void parallel_in_order(size_t n, size_t ahead, const std::function<void(size_t)>& work,
+                       const std::function<void(size_t)>& finish) {
+  ahead = std::max<size_t>(ahead, 1);
+  for (size_t begin = 0; begin < n; begin += ahead) {
+    const size_t end = std::min(n, begin + ahead);
+    run_all(end - begin, [&](size_t k) { work(begin + k); });
+    for (size_t k = begin; k < end; ++k) finish(k);
+  }
+}
+
+void parallel_invoke(const std::function<void()>& a, const std::function<void()>& b) {
+  run_all(2, [&](size_t k) { k == 0 ? a() : b(); });
+}
+
+}  // namespace underbrush

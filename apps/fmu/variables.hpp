@@ -1,0 +1,67 @@
+/// \file
+/// The variables of the FMU: one table from which the model description and the value references
+/// come.
+#pragma once
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace underbrush {
+/// The FMU: a sensor model for co-simulation that speaks OSI.
+namespace fmu {
+
+/// The value references. A binary variable of OSMP is three integers: the lower and upper half of
+/// an address, and a size.
+enum Reference : uint32_t {
+  kSensorViewIn = 0,
+  kSensorDataOut = 3,
+  kSensorDataIn = 6,
+  kSensorViewInConfigRequest = 9,
+  kSensorViewInConfig = 12,
+  kGroundTruthInit = 15,
+  kCount = 18,
+  kSeed = 19,
+  kThreads = 20,
+  kMaxEchoes = 21,
+  kValid = 22,
+  kCopySensorView = 23,
+  kThresholdSnr = 24,
+  kExistenceThreshold = 25,
+  kLatencyMs = 26,
+  kCycle = 27,
+  kProfile = 28,
+  kInputMode = 29,
+  kChain = 30,
+  kStrategies = 31,
+  kTracking = 32,
+  kWorld = 33,
+  kTraceOutputPath = 34,
+  kReferences = 35
+};
+
+enum class Type : uint8_t { kBinary, kInteger, kReal, kBoolean, kString };
+enum class Role : uint8_t { kInput, kOutput, kParameter, kCalculatedParameter };
+
+/// A row of the table.
+struct Variable {
+  uint32_t reference;
+  std::string_view name;
+  Type type;
+  Role role;
+  std::string_view start;    ///< As text; of a binary variable the OSI message that it holds.
+  std::string_view meaning;  ///< A sentence for the model description.
+};
+
+/// All variables, in order of reference.
+std::span<const Variable> variables();
+/// The row of a value reference and of the integers of a binary variable, or null.
+const Variable* find(uint32_t reference);
+
+/// The model description for FMI 2.0.
+std::string description();
+/// The model's GUID: a hash of the description.
+std::string guid();
+
+}  // namespace fmu
+}  // namespace underbrush

@@ -1,0 +1,81 @@
+#include "osi_lists.hpp"
+
+#include "underbrush/core/check.hpp"
+#include "underbrush/osi/objects.hpp"
+#include "underbrush/osi/read.hpp"
+#include "underbrush/osi/trace.hpp"
+#include "underbrush/osi/write.hpp"
+#include "underbrush/perception/object_list_file.hpp"
+
+namespace underbrush::app {
+namespace {
+
+// The true objects of a view or of a ground truth. Simulators may send the number of the host once
+// only, so `host` keeps it.
+perception::ObjectList true_list(osi::TraceReader& reader, std::string message,
+                                 std::optional<uint64_t>& host) {
+  osi::GroundTruth truth;
+  if (reader.type() == osi::MessageType::kGroundTruth) {
+    truth = osi::read_ground_truth(message, reader.place());
+    if (truth.host_vehicle_id) host = truth.host_vehicle_id;
+  } else {
+    osi::SensorView view = osi::read_sensor_view(std::move(message), reader.place());
+    if (!view.truth) throw FormatError(reader.place(), "", "the view has no ground truth");
+    truth = std::move(*view.truth);
+    if (view.timestamp) truth.timestamp = view.timestamp;
+    if (truth.host_vehicle_id) host = truth.host_vehicle_id;
+    if (view.host_vehicle_id) host = view.host_vehicle_id;
+  }
+  if (!truth.timestamp) throw FormatError(reader.place(), "timestamp", "missing");
+  perception::TruthFrame frame;
+  osi::truth_of(truth, host, reader.place(), frame);
+  const osi::MovingObject* vehicle = host ? truth.find(*host) : nullptr;
+  return perception::list_of_truth(frame, vehicle ? osi::world_from_vehicle(*vehicle) : Pose{});
+}
+
+}  // namespace
+
+void write_lists(const std::filesystem::path& path, std::span<const perception::ObjectList> lists,
+                 const std::string& provenance) {
+  if (!osi::is_trace_file(path)) return perception::write_object_lists(path, lists, provenance);
+  osi::TraceWriter writer(path, provenance);
+  for (const osi::SensorData& data : osi::data_of(lists)) {
+    std::string message;
+    osi::write(data, message);
+    writer.write(message);
+  }
+  writer.close();
+}
+
+std::vector<perception::ObjectList> read_trace_lists(const std::filesystem::path& path) {
+  osi::TraceReader reader(path);
+  std::vector<perception::ObjectList> lists;
+  std::optional<uint64_t> host;
+  for (std::string message; reader.next(message);) {
+    if (reader.type() == osi::MessageType::kSensorData) {
+      lists.push_back(osi::list_of(osi::read_sensor_data(message, reader.place())));
+    } else {
+      lists.push_back(true_list(reader, std::move(message), host));
+    }
+    if (lists.size() > 1 && lists.back().time_s <= lists[lists.size() - 2].time_s) {
+      throw FormatError(reader.place(), "timestamp", "times must ascend");
+    }
+  }
+  return lists;
+}
+
+std::vector<perception::ObjectList> read_lists(const std::filesystem::path& path) {
+  return osi::is_trace_file(path) ? read_trace_lists(path) : perception::read_object_lists(path);
+}
+
+bool is_list_file(const std::filesystem::path& path) {
+  return osi::is_trace_file(path) || perception::is_object_list_file(path);
+}
+
+perception::LogTruth truth_of_log(const std::filesystem::path& path, const LogInfo& log,
+                                  const perception::LogTruthOptions& options) {
+  if (osi::is_trace_file(path)) return perception::LogTruth(read_trace_lists(path));
+  return {path, log, options};
+}
+
+}  // namespace underbrush::app

@@ -1,0 +1,31 @@
+/// \file
+/// This file converts the scans of a log to SensorViews with reflections, and back.
+#pragma once
+#include <cstdint>
+
+#include "underbrush/core/beam_log.hpp"
+#include "underbrush/osi/sensor_view.hpp"
+
+namespace underbrush::osi {
+
+/// The options of the conversion.
+struct LidarLogOptions {
+  /// Intensity of a white, perpendicular target in the log. The power that comes back is taken to
+  /// be (intensity / white) / range², of that of such a target at 1 m.
+  double white_intensity = 255;
+  uint64_t sensor_id = 0;
+};
+
+/// The rows of one scan as what a lidar sees that stands where the scan's pose is. An end point
+/// that was measured on the way is seen from there. Rows of several echoes become the rays of one
+/// beam, of which there are as many as the beam with the most echoes has. The caller sets the
+/// ground truth.
+SensorView view_of(const BeamLog& rows, const ScanInfo& scan, const LidarLogOptions& options = {});
+
+/// Appends the beams of a view to a log, and its scan to the log's scans. The frame is that of the
+/// ground truth. Rings and packets are 0, because OSI has none. Throws `DataError` where the number
+/// of reflections is not that of the rays, or the view has no time.
+void append_beams(const SensorView& view, uint32_t scan, const LidarLogOptions& options,
+                  BeamLog& log);
+
+}  // namespace underbrush::osi

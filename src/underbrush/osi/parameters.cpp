@@ -1,0 +1,116 @@
+#include <algorithm>
+#include <cmath>
+
+#include "underbrush/core/check.hpp"
+#include "underbrush/io/text.hpp"
+#include "underbrush/osi/strategies.hpp"
+
+namespace underbrush::osi {
+namespace {
+
+struct Named {
+  const char* name;
+  std::unique_ptr<Strategy> (*make)(Parameters&);
+};
+constexpr Named kStrategies[] = {
+    {"tracer", make_tracer},
+    {"front_end", make_front_end},
+    {"alignment", make_alignment},
+    {"tracking", make_tracking},
+    {"classification", make_classification},
+    {"grid", make_grid},
+};
+
+std::string joined(const auto& words) {
+  std::string text;
+  for (const auto& word : words) text += (text.empty() ? "" : ", ") + std::string(word);
+  return text;
+}
+
+}  // namespace
+
+const std::string* Parameters::find(const char* key) {
+  known_.insert(key);
+  const auto at = entry_.parameters.find(key);
+  return at == entry_.parameters.end() ? nullptr : &at->second;
+}
+
+void Parameters::fail(const std::string& key, const std::string& reason) const {
+  throw FormatError(
+      entry_.file,
+      entry_.place.empty() || key.empty() ? entry_.place + key : entry_.place + "." + key, reason);
+}
+
+double Parameters::number(const char* key, double fallback, double least, double most) {
+  const std::string* word = find(key);
+  if (!word) return fallback;
+  const auto value = io::number_of(*word);
+  if (!value || !(*value >= least && *value <= most)) {
+    const auto text = [](double v) {
+      std::string s = std::to_string(v);
+      s.erase(s.find_last_not_of('0') + 1);
+      if (s.back() == '.') s.pop_back();
+      return s;
+    };
+    fail(key, "must be a number from " + text(least) + " to " + text(most));
+  }
+  return *value;
+}
+
+uint64_t Parameters::count(const char* key, uint64_t fallback, uint64_t most) {
+  const double value = number(key, double(fallback), 0, double(most));
+  if (value != std::floor(value)) fail(key, "must be a whole number");
+  return uint64_t(value);
+}
+
+bool Parameters::flag(const char* key, bool fallback) {
+  const std::string* word = find(key);
+  if (!word) return fallback;
+  if (*word != "true" && *word != "false") fail(key, "must be true or false");
+  return *word == "true";
+}
+
+std::string Parameters::text(const char* key, const char* fallback) {
+  const std::string* word = find(key);
+  return word ? *word : fallback;
+}
+
+size_t Parameters::choice(const char* key, std::initializer_list<const char*> words,
+                          size_t fallback) {
+  const std::string* word = find(key);
+  if (!word) return fallback;
+  const auto at = std::find(words.begin(), words.end(), *word);
+  if (at == words.end()) fail(key, "must be one of " + joined(words));
+  return size_t(at - words.begin());
+}
+
+void Parameters::finish() const {
+  for (const auto& [key, value] : entry_.parameters) {
+    if (!known_.contains(key)) {
+      fail(key, "unknown parameter of " + entry_.name + "; there are: " + joined(known_));
+    }
+  }
+}
+
+const std::vector<std::string>& strategy_names() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> out;
+    for (const Named& s : kStrategies) out.emplace_back(s.name);
+    return out;
+  }();
+  return names;
+}
+
+std::unique_ptr<Strategy> make_strategy(const StrategyEntry& entry) {
+  if (!entry.library.empty()) return load_strategy(entry);
+  Parameters parameters(entry);
+  for (const Named& s : kStrategies) {
+    if (entry.name != s.name) continue;
+    auto strategy = s.make(parameters);
+    parameters.finish();
+    return strategy;
+  }
+  parameters.fail("strategy", "unknown strategy; there are: " + joined(strategy_names()));
+}
+
+}  // namespace underbrush::osi

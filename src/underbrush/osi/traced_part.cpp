@@ -1,0 +1,64 @@
+#include "underbrush/osi/traced_part.hpp"
+
+#include "underbrush/simulate/draw.hpp"
+
+namespace underbrush::osi {
+namespace {
+
+using trace::Intersection;
+
+trace::World world_of(const elements::Scene& scene) {
+  return scene.instances.empty()
+             ? trace::World(scene.models.at(0), trace::Isa::kBest, trace::Draws::kOnce)
+             : trace::World(scene, trace::Isa::kBest, trace::Draws::kOnce);
+}
+
+simulate::InstanceKinds kinds_of(const elements::Scene& scene, const elements::SceneInfo& info) {
+  simulate::InstanceKinds kinds;
+  kinds.label = info.labels;
+  kinds.class_names = info.class_names;
+  if (info.materials.empty()) return kinds;
+  for (const elements::Instance& i : scene.instances) {
+    kinds.material.push_back(info.materials[i.model]);
+  }
+  return kinds;
+}
+
+}  // namespace
+
+TracedPart::TracedPart(elements::Scene scene, elements::SceneInfo info,
+                       const radiometry::Materials& materials, double wavelength_m)
+    : scene_(std::move(scene)),
+      world_(world_of(scene_)),
+      dynamic_(world_),
+      reflection_(materials, wavelength_m, kinds_of(scene_, info)) {}
+
+void TracedPart::trace(std::span<const Ray> rays, std::span<const uint64_t> keys, uint64_t seed,
+                       double time_s, const trace::RangeLimits& limits, uint32_t first_instance,
+                       std::span<Meeting> nearest) const {
+  const uint64_t matter = simulate::matter_key(seed);
+  const std::vector<uint64_t> trials(rays.size(), matter);
+  const std::vector<double> times(rays.size(), time_s);
+  std::vector<Intersection> met(rays.size());
+  dynamic_.nearest_accepted(rays, trials, times, limits, met);
+  std::vector<uint32_t> hit;
+  for (uint32_t k = 0; k < met.size(); ++k) {
+    const bool is_nearer = nearest[k].range_m == 0 || met[k].t_m < nearest[k].range_m;
+    if (!met[k].none() && is_nearer) hit.push_back(k);
+  }
+  std::vector<float> factor(hit.size());
+  simulate::Reflection::Evaluator evaluator(reflection_, dynamic_);
+  simulate::MatterAt matter_at(dynamic_);
+  for (size_t i = 0; i < hit.size(); ++i) {
+    const uint32_t k = hit[i];
+    evaluator.begin(rays[k].direction, time_s);
+    evaluator.factors(met, rays, {&hit[i], 1}, {&factor[i], 1});
+    const uint64_t own =
+        matter_at.key(matter, met[k], time_s) ^ matter_at.cell(rays[k], time_s, met[k], matter);
+    const double range = simulate::drawn_in_matter(
+        met[k], own, keys[k], matter_at.model(met[k], time_s).range_noise_m, limits);
+    nearest[k] = {range, double(factor[i]), first_instance + met[k].instance};
+  }
+}
+
+}  // namespace underbrush::osi

@@ -1,0 +1,213 @@
+#include "underbrush/serve/job_api.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <span>
+
+#include "underbrush/core/check.hpp"
+#include "underbrush/serve/json_reply.inl"
+
+namespace underbrush::serve {
+namespace {
+
+// Which kinds of files a place of the command line takes.
+enum class Takes { kLog, kModel, kWorld, kPrimitives, kAnnotation };
+
+// A word of a command: a file that the request names by its number (or, for an annotation, by its
+// name in the folder), after the option's name if it has one.
+struct Input {
+  const char* key;
+  const char* option;
+  Takes takes;
+  bool needed;
+};
+// An option with a number, within limits.
+struct Number {
+  const char* key;
+  const char* option;
+  double low, high;
+};
+struct Verb {
+  const char* name;
+  std::vector<Input> inputs;
+  std::vector<Number> numbers;
+  const char* extension;  ///< Ending of the output's name; "" for a folder.
+};
+
+const std::vector<Verb>& verbs() {
+  static const std::vector<Verb> kVerbs = {
+      {"segment",
+       {{"log", "", Takes::kLog, true}},
+       {{"min_range", "--min-range", 0, 1000}},
+       ".ply"},
+      {"fit",
+       {{"log", "", Takes::kLog, true}},
+       {{"clusters_per_point", "--clusters-per-point", 0.001, 1}, {"tau", "--tau", 0.5, 10}},
+       ""},
+      {"extract",
+       {{"model", "", Takes::kModel, true}, {"log", "", Takes::kLog, true}},
+       {{"min_elements", "--min-elements", 1, 1e6}, {"min_points", "--min-points", 1, 1e6}},
+       ""},
+      {"annotate",
+       {{"log", "", Takes::kLog, true}, {"ground", "--ground", Takes::kModel, false}},
+       {},
+       ".json"},
+      {"compose",
+       {{"annotation", "", Takes::kAnnotation, true},
+        {"primitives", "", Takes::kPrimitives, true},
+        {"ground", "--ground", Takes::kModel, false}},
+       {{"nearest", "--nearest", 1, 1000}, {"seed", "--seed", 0, 9e15}},
+       ""},
+      {"simulate",
+       {{"world", "", Takes::kWorld, true}, {"like", "--like", Takes::kLog, true}},
+       {{"seed", "--seed", 0, 9e15}},
+       ".ply"},
+      {"score",
+       {{"real", "", Takes::kLog, true},
+        {"simulated", "", Takes::kLog, true},
+        {"model", "--model", Takes::kModel, false}},
+       {},
+       ".json"},
+  };
+  return kVerbs;
+}
+
+bool fits(FileKind kind, Takes takes) {
+  switch (takes) {
+    case Takes::kLog:
+      return kind == FileKind::kLog;
+    case Takes::kModel:
+      return kind == FileKind::kModel;
+    case Takes::kWorld:
+      return kind == FileKind::kModel || kind == FileKind::kScene;
+    case Takes::kPrimitives:
+      return kind == FileKind::kPrimitives;
+    case Takes::kAnnotation:
+      break;
+  }
+  return false;
+}
+
+// A command line as a person types it.
+std::string shell_text(std::span<const std::string> words) {
+  std::string out;
+  for (const std::string& word : words) {
+    const bool plain =
+        !word.empty() &&
+        word.find_first_not_of(
+            "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-/=:,+@%") ==
+            std::string::npos;
+    out += out.empty() ? "" : " ";
+    if (plain) {
+      out += word;
+      continue;
+    }
+    out += '\'';
+    for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    out += '\'';
+  }
+  return printable(out, 4000);
+}
+
+Json json_of(const JobFacts& f) {
+  std::vector<std::string> shown = f.command;
+  shown[0] = "underbrush";
+  return {{"number", f.number},
+          {"verb", f.command[1]},
+          {"command", shell_text(shown)},
+          {"state", name(f.state)},
+          {"exit_code", f.exit_code},
+          {"seconds", f.seconds},
+          {"progress", printable(f.progress)}};
+}
+
+std::string number_text(double value) {
+  char text[40];
+  std::snprintf(text, sizeof(text), "%.12g", value);
+  return text;
+}
+
+}  // namespace
+
+JobApi::JobApi(ServedFiles files, std::filesystem::path folder, std::filesystem::path program)
+    : files_(std::move(files)), folder_(std::move(folder)), program_(std::move(program)) {}
+
+std::vector<std::string> JobApi::command_of(const Query& query,
+                                            std::filesystem::path& output) const {
+  const std::string wanted = query.text("verb");
+  const auto verb =
+      std::find_if(verbs().begin(), verbs().end(), [&](const Verb& v) { return v.name == wanted; });
+  require(verb != verbs().end(), "no such command");
+  std::vector<std::string> words{program_.string(), verb->name};
+  for (const Input& input : verb->inputs) {
+    if (!query.has(input.key) && !input.needed) continue;
+    std::filesystem::path path;
+    if (input.takes == Takes::kAnnotation) {
+      path = folder_ / query.file_name(input.key);
+      require(std::filesystem::is_regular_file(std::filesystem::symlink_status(path)),
+              "no such annotation");
+    } else {
+      const OpenedFile file = files_.file(query.number(input.key));
+      if (!fits(file.kind, input.takes)) {
+        throw std::invalid_argument(std::string("the file for '") + input.key +
+                                    "' is of another kind");
+      }
+      path = file.path;
+    }
+    if (*input.option) words.emplace_back(input.option);
+    words.push_back(path.string());
+  }
+  for (const Number& number : verb->numbers) {
+    if (!query.has(number.key)) continue;
+    const double value = query.real(number.key);
+    require(value >= number.low && value <= number.high, "a number beyond its limits");
+    words.insert(words.end(), {number.option, number_text(value)});
+  }
+  if (wanted == "compose") words.emplace_back("--allow-outside");
+  output = folder_ / query.file_name("name");
+  require(output.extension() == verb->extension, "the name of the result has another ending");
+  require(!std::filesystem::exists(std::filesystem::symlink_status(output)),
+          "a file of this name is there already");
+  words.insert(words.end(), {wanted == "score" ? "--json" : "-o", output.string()});
+  return words;
+}
+
+HttpReply JobApi::start(const Query& query) {
+  std::filesystem::path output;
+  const std::vector<std::string> command = command_of(query, output);
+  const bool served = command[1] != "annotate";  // an annotation is no file that can be looked at
+  const size_t number = jobs_.start(command, [this, output, served] {
+    if (served) files_.add(output);
+  });
+  return reply_of(json_of(jobs_.job(number)));
+}
+
+HttpReply JobApi::answer(const HttpRequest& request) {
+  const Query query(request);
+  if (request.path == "api/jobs") {
+    Json j{{"jobs", Json::array()}};
+    for (const JobFacts& facts : jobs_.list()) j["jobs"].push_back(json_of(facts));
+    return reply_of(j);
+  }
+  if (request.path == "api/jobs/log") {
+    const JobFacts facts = jobs_.job(query.number("number"));
+    Json j = json_of(facts);
+    j["log"] = facts.log;
+    return reply_of(j);
+  }
+  if (request.path == "api/jobs/command") {
+    std::filesystem::path output;
+    std::vector<std::string> words = command_of(query, output);
+    words[0] = "underbrush";
+    return reply_of({{"command", shell_text(words)}});
+  }
+  if (request.method != "POST") return error_reply(405, "only POST starts commands");
+  if (request.path == "api/jobs/start") return start(query);
+  if (request.path == "api/jobs/cancel") {
+    jobs_.cancel(query.number("number"));
+    return reply_of(Json::object());
+  }
+  return error_reply(404, "no such page");
+}
+
+}  // namespace underbrush::serve

@@ -1,0 +1,192 @@
+// Labels from other files and into them, and from one scan to another.
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "underbrush/core/check.hpp"
+#include "underbrush/core/kd_tree.inl"
+#include "underbrush/elements/label_sets.hpp"
+#include "underbrush/io/atomic_file.hpp"
+#include "underbrush/io/log_file.hpp"
+#include "underbrush/primitives/annotation.hpp"
+#include "underbrush/primitives/given_labels.hpp"
+#include "underbrush/serve/label_sets.hpp"
+#include "underbrush/serve/labels_of_file.hpp"
+
+namespace underbrush::serve {
+namespace {
+
+constexpr size_t kMostSource = 5'000'000;
+
+// Calls `visit(row, log, i)` for each row of a log.
+template <class Visit>
+void for_each_row(const std::filesystem::path& path, const Visit& visit) {
+  const io::Input input = io::open_input(path);
+  uint32_t row = 0;
+  for (BeamLog chunk; input.beams->next(chunk);) {
+    for (size_t i = 0; i < chunk.size(); ++i) visit(row++, chunk, i);
+  }
+}
+
+}  // namespace
+
+EditResult LabelsOfFile::import(uint64_t revision, const std::filesystem::path& from,
+                                const std::string& set, bool only_unlabelled,
+                                const Selection& selection) {
+  const std::unique_lock lock(mutex_);
+  know(revision);
+  require(octree_ != nullptr, "this file has no points");
+  const io::Input input = io::open_input(file_.path);
+  primitives::GivenLabelOptions options;
+  options.set = set;
+  const primitives::GivenLabels given = primitives::read_given_labels(from, *input.beams, options);
+  const std::vector<uint32_t>& values = document_->values();
+  const std::string& own = document_->facts().set;
+  LabelChange change;
+  change.everywhere = true;
+  change.name = "labels of " + printable(from.filename().string(), 80);
+  size_t hit = 0;
+  for_each_row(file_.path, [&](uint32_t row, const BeamLog& log, size_t i) {
+    if (!log.is_hit(i)) return;
+    const size_t k = hit++;
+    LabelValue value = LabelValue::of(values[row]);
+    if (!selection.admits(value) || (only_unlabelled && value.label != 0)) return;
+    if (!given.label.empty()) {
+      const auto number = label_in_set(given.set, given.label[k], own);
+      value.label = number ? place_in_set(own, *number).value_or(0) : 0;
+    }
+    if (!given.instance.empty()) {
+      value.instance = given.instance[k] <= kMostInstance ? given.instance[k] : 0;
+    }
+    change.add(row, values[row], value.bits());
+  });
+  return apply(std::move(change));
+}
+
+LabelSource LabelsOfFile::source(std::optional<uint32_t> scan) {
+  const std::unique_lock lock(mutex_);
+  const std::vector<uint32_t>& values = document().values();
+  require(octree_ != nullptr, "this file has no points");
+  LabelSource out;
+  for_each_row(file_.path, [&](uint32_t row, const BeamLog& log, size_t i) {
+    if (!log.is_hit(i) || (scan && log.scan[i] != *scan)) return;
+    if (LabelValue::of(values[row]).label == 0) return;
+    require(out.points.size() < kMostSource, "more than 5 000 000 labelled points: choose a scan");
+    out.points.push_back(log.end_point(i));
+    out.values.push_back(values[row] & ~128u);
+  });
+  return out;
+}
+
+EditResult LabelsOfFile::carry(uint64_t revision, const LabelSource& source,
+                               std::optional<uint32_t> scan, double radius_m) {
+  const std::unique_lock lock(mutex_);
+  know(revision);
+  require(octree_ != nullptr, "this file has no points");
+  require(radius_m > 0 && radius_m <= 100, "a radius of up to 100 m");
+  require(!source.points.empty(), "the source has no labels");
+  const auto coordinate = [&](size_t i, size_t axis) {
+    return source.points[i][Eigen::Index(axis)];
+  };
+  const KdTree tree(source.points.size(), coordinate, 16);
+  const std::vector<uint32_t>& values = document_->values();
+  LabelChange change;
+  change.everywhere = true;
+  change.name = "labels carried over";
+  for_each_row(file_.path, [&](uint32_t row, const BeamLog& log, size_t i) {
+    if (!log.is_hit(i) || (scan && log.scan[i] != *scan)) return;
+    LabelValue value = LabelValue::of(values[row]);
+    if (value.label != 0) return;
+    const Vec3 at = log.end_point(i);
+    uint32_t nearest = 0;
+    double distance2 = 0;
+    if (tree.nearest(at.data(), 1, &nearest, &distance2) == 0 || distance2 > radius_m * radius_m) {
+      return;
+    }
+    const LabelValue found = LabelValue::of(source.values[nearest]);
+    value.label = found.label;
+    value.instance = found.instance;
+    change.add(row, values[row], value.bits());
+  });
+  return apply(std::move(change));
+}
+
+void LabelsOfFile::write_log(const std::filesystem::path& path) {
+  const std::unique_lock lock(mutex_);
+  const std::vector<uint32_t>& values = document().values();
+  require(octree_ != nullptr, "this file has no points");
+  const auto labels = elements::labels_of(document_->facts().set);
+  const bool bytes = std::all_of(labels.begin(), labels.end(),
+                                 [](const elements::Label& l) { return l.number < 256; });
+  const io::Input input = io::open_input(file_.path);
+  LogInfo info = input.beams->info();
+  info.classes = document_->facts().set;
+  io::LogWriter writer(path, info, input.provenance);
+  size_t row = 0;
+  for (BeamLog chunk; input.beams->next(chunk);) {
+    std::vector<uint16_t> label(chunk.size());
+    std::vector<uint32_t> instance(chunk.size());
+    for (size_t i = 0; i < chunk.size(); ++i, ++row) {
+      const LabelValue value = LabelValue::of(values.at(row));
+      label[i] = uint16_t(labels[value.label].number);
+      instance[i] = value.instance;
+    }
+    chunk.info.classes = info.classes;
+    if (bytes) {
+      chunk.extra["class"] = std::vector<uint8_t>(label.begin(), label.end());
+    } else {
+      chunk.extra["class"] = std::move(label);
+    }
+    chunk.extra["instance"] = std::move(instance);
+    writer.write(chunk);
+  }
+  writer.close();
+}
+
+uint64_t LabelsOfFile::write_label_file(const std::filesystem::path& path, const std::string& set) {
+  const std::unique_lock lock(mutex_);
+  const std::vector<uint32_t>& values = document().values();
+  require(octree_ != nullptr, "this file has no points");
+  const std::string& own = document_->facts().set;
+  const auto labels = elements::labels_of(own);
+  std::vector<std::optional<uint32_t>> number;
+  for (const elements::Label& label : labels) {
+    number.push_back(label_in_set(own, label.number, set));
+  }
+  uint64_t without = 0;
+  std::vector<uint32_t> out(values.size());
+  for (size_t row = 0; row < values.size(); ++row) {
+    const LabelValue value = LabelValue::of(values[row]);
+    require(value.instance <= 65535, "the format holds instances up to 65 535 only");
+    without += !number[value.label];
+    out[row] = number[value.label].value_or(0) | value.instance << 16;
+  }
+  io::write_atomically(path,
+                       std::string_view(reinterpret_cast<const char*>(out.data()), 4 * out.size()));
+  return without;
+}
+
+size_t LabelsOfFile::write_boxes(const std::filesystem::path& path,
+                                 const std::filesystem::path& ground) {
+  const std::unique_lock lock(mutex_);
+  primitives::Annotation annotation;
+  annotation.ground = ground;
+  annotation.provenance = nlohmann::json{{"program", "underbrush serve"}}.dump();
+  for (const auto& [number, text] : document().boxes()) {
+    const auto j = nlohmann::json::parse(text);
+    const auto vector = [&](const char* key) {
+      return Vec3(j[key][0].get<double>(), j[key][1].get<double>(), j[key][2].get<double>());
+    };
+    primitives::PlacedObject object;
+    object.label = elements::class_from_name(j["class"].get<std::string>()).value();
+    object.position = vector("position_m");
+    object.yaw_rad = j["yaw_rad"].get<double>();
+    object.box = {vector("min_m"), vector("max_m")};
+    object.instance = number;
+    annotation.objects.push_back(object);
+  }
+  require(!annotation.objects.empty(), "there is no box");
+  primitives::write_annotation(path, annotation);
+  return annotation.objects.size();
+}
+
+}  // namespace underbrush::serve

@@ -1,0 +1,197 @@
+// The menu: files, how things are coloured, slices, beams and times.
+import { Vector3 } from 'three';
+import type { ServedFile } from './api';
+import { classCss } from './colours';
+import { type App, root } from './context';
+import { scoreDetails, type DetailActions } from './details';
+import { POINT_MODES, WORLD_MODES } from './display';
+import { check, el, select, slider } from './panel';
+import { hashOf } from './state';
+
+export class Menu {
+  readonly pointMode;
+  readonly worldMode;
+  readonly sliceOn;
+  readonly sliceAt;
+  /** True until the link that the page was opened with is restored. */
+  restoring = true;
+  private readonly beamBox = el('select', { 'aria-label': 'Beams of a scan' });
+  private readonly timeFrom;
+  private readonly timeTo;
+  private readonly legend = el('ul', { class: 'legend', 'aria-label': 'Classes' });
+  private readonly fileBoxes = new Map<number, ReturnType<typeof check>>();
+  private readonly fileRows = el('div');
+  private linkTimer = 0;
+
+  constructor(
+    private readonly app: App,
+    private readonly actions: DetailActions,
+  ) {
+    const { state, viewer } = app;
+    const set = <K extends keyof typeof state>(key: K) => (value: (typeof state)[K]) => {
+      state[key] = value;
+      app.apply();
+    };
+    this.pointMode = select('Points by', POINT_MODES, state.points, set('points'));
+    this.worldMode = select('Elements by', WORLD_MODES, state.worlds, set('worlds'));
+    const map = select('Colours', ['viridis', 'cividis', 'grey'] as const, state.map, set('map'));
+    const size = slider('Point size', [1, 8, 0.5], state.size, set('size'));
+    const sigmas = slider('Ellipsoids, σ', [0.5, 3.5, 0.1], state.sigmas, set('sigmas'));
+    const opaque = check('Ellipsoids opaque (else p of their pixels)', state.opaque, set('opaque'));
+    const budget = slider('Points, millions', [0.1, 10, 0.1], viewer.budget / 1e6, (v) => {
+      viewer.budget = v * 1e6;
+      viewer.draw();
+    });
+    const slice = <K extends keyof typeof state.slice>(key: K) => (value: (typeof state.slice)[K]) => {
+      state.slice[key] = value;
+      if (key === 'axis') this.limits();
+      app.apply();
+    };
+    this.sliceOn = check('Slice', state.slice.on, slice('on'));
+    const axis = select('along', ['x', 'y', 'z'] as const, state.slice.axis, slice('axis'));
+    this.sliceAt = slider('at, m', [-100, 100, 0.1], state.slice.at, slice('at'));
+    const thickness = slider('thick, m', [0.05, 10, 0.05], state.slice.thickness, slice('thickness'));
+    this.beamBox.addEventListener('change', () => app.run(this.showBeams()));
+    this.timeFrom = slider('Time from, s', [0, 1, 0.01], 0, () => this.times());
+    this.timeTo = slider('to, s', [0, 1, 0.01], 1, () => this.times());
+    app.list.files.forEach((file) => this.addFile(file));
+    app.section('Files', this.fileRows, ...app.list.notes.map((note) => el('p', { class: 'note' }, note)));
+    app.section(
+      'Display',
+      this.pointMode.row,
+      this.legend,
+      ...[this.worldMode, map, size, sigmas, opaque, budget].map((c) => c.row),
+    );
+    app.section('Slice', ...[this.sliceOn, axis, this.sliceAt, thickness].map((c) => c.row));
+    app.section('Beams and time', this.beamBox, this.timeFrom.row, this.timeTo.row);
+    app.onApply.push(() => this.apply());
+  }
+
+  /** Lists a file that is new. */
+  addFile(file: ServedFile): void {
+    const { app } = this;
+    const box = check(`${file.name} (${file.kind})`, app.shown.has(file.id), (on) => app.run(this.toggle(file, on)));
+    this.fileBoxes.set(file.id, box);
+    this.fileRows.append(box.row);
+  }
+
+  async toggle(file: ServedFile, on: boolean): Promise<void> {
+    const { app } = this;
+    if (file.kind === 'score') {
+      if (on) app.showDetails(await scoreDetails(file, this.actions));
+      else app.closeDetails();
+      return;
+    }
+    if (on) app.shown.add(file.id);
+    else app.shown.delete(file.id);
+    this.fileBoxes.get(file.id)?.set(on);
+    const first = app.viewer.clouds.size + app.viewer.worlds.size === 0;
+    await app.files.show(file.id, on);
+    if (first && on) app.viewer.frameAll();
+    this.limits();
+    app.apply();
+  }
+
+  /** The times that are shown, in seconds since the first beam. */
+  shownTimes(): [number, number] {
+    const value = (row: HTMLElement) => Number(row.querySelector('input')!.value);
+    return [value(this.timeFrom.row), value(this.timeTo.row)];
+  }
+
+  /** Keeps the view in the address, in a moment. */
+  keepLink(): void {
+    if (this.restoring) return;
+    const { app } = this;
+    clearTimeout(this.linkTimer);
+    root.dataset.link = 'old';
+    this.linkTimer = window.setTimeout(() => {
+      // In world coordinates, because the scene's origin depends on which file was shown first.
+      const origin = app.files.origin ?? new Vector3();
+      const { camera, navigation } = app.viewer;
+      const world = {
+        ...app.state,
+        eye: camera.position.clone().add(origin).toArray(),
+        target: navigation.target.clone().add(origin).toArray(),
+        shown: [...app.shown].sort((a, b) => a - b),
+        slice: { ...app.state.slice, at: app.state.slice.at + origin[app.state.slice.axis] },
+      };
+      history.replaceState(null, '', hashOf(world));
+      root.dataset.link = 'new';
+    }, 300);
+  }
+
+  private apply(): void {
+    const { state, viewer } = this.app;
+    viewer.display.setMap(state.map);
+    viewer.display.setSlice(state.slice);
+    for (const cloud of viewer.clouds) {
+      cloud.setMode(state.points);
+      cloud.setSize(state.size * Math.min(window.devicePixelRatio, 2));
+    }
+    for (const world of viewer.worlds) {
+      world.setMode(state.worlds);
+      world.setRadius(state.sigmas);
+      world.setOpaque(state.opaque);
+    }
+    root.dataset.theme =
+      state.theme || (window.matchMedia('(prefers-color-scheme: light)').matches ? 'light' : 'dark');
+    this.showLegend();
+    viewer.setBackground(getComputedStyle(root).getPropertyValue('--view').trim());
+    this.keepLink();
+  }
+
+  /** Lists the classes with their colours while points are coloured by class. */
+  private showLegend(): void {
+    const labels = new Map<number, string>();
+    for (const cloud of this.app.viewer.clouds) {
+      if (cloud.group.visible) cloud.octree.facts.labels.forEach((l) => labels.set(l.number, l.name));
+    }
+    this.legend.hidden = this.app.state.points !== 'class' || labels.size === 0;
+    this.legend.replaceChildren(
+      ...[...labels].map(([label, name]) => {
+        const swatch = el('span', { class: 'swatch' });
+        swatch.style.background = classCss(label);
+        return el('li', {}, swatch, name);
+      }),
+    );
+  }
+
+  private times(): void {
+    const [from, to] = this.shownTimes();
+    for (const cloud of this.app.viewer.clouds) {
+      const end = cloud.octree.facts.last_time_s - cloud.octree.facts.first_time_s;
+      cloud.setTimes(from - 1e-3, to >= end - 1e-3 ? end + 1 : to);
+    }
+    this.app.viewer.draw();
+  }
+
+  private async showBeams(): Promise<void> {
+    const [file, run] = this.beamBox.value.split(' ').map(Number);
+    const { app } = this;
+    app.tell(await app.files.showBeams(file ?? 0, this.beamBox.value === '' ? null : run!));
+    root.dataset.beams = app.status.textContent ?? '';
+  }
+
+  /** Fits the sliders to what is shown. */
+  private limits(): void {
+    const { viewer, files, state } = this.app;
+    const box = viewer.bounds();
+    this.sliceAt.limits(box.min[state.slice.axis], box.max[state.slice.axis]);
+    let end = 0;
+    const runs = [el('option', { value: '' }, 'no beams')];
+    for (const [id, cloud] of files.clouds) {
+      const facts = cloud.octree.facts;
+      end = Math.max(end, facts.last_time_s - facts.first_time_s);
+      cloud.octree.runs.slice(0, 2000).forEach((run, k) => {
+        const text = `${files.file(id).name}: scan ${run.scan}, ${(run.time - facts.first_time_s).toFixed(2)} s`;
+        runs.push(el('option', { value: `${id} ${k}` }, text));
+      });
+    }
+    this.timeFrom.limits(0, end);
+    this.timeTo.limits(0, end);
+    this.timeTo.set(end);
+    const kept = this.beamBox.value;
+    this.beamBox.replaceChildren(...runs);
+    this.beamBox.value = kept;
+  }
+}

@@ -1,0 +1,146 @@
+// From labels to a result: each button starts one command of the program, or what prepares it.
+import { type App } from './context';
+import { post } from './api';
+import type { JobsPanel } from './jobs';
+import type { Labeller } from './labeller';
+import type { Menu } from './menu';
+import { button, el } from './panel';
+
+/** Lets a person choose a file of some kinds. */
+class Chooser {
+  readonly box = el('select');
+  readonly row: HTMLElement;
+
+  constructor(
+    private readonly app: App,
+    label: string,
+    private readonly kinds: readonly ('log' | 'model' | 'primitives' | 'scene')[],
+  ) {
+    this.row = el('label', { class: 'row' }, label, this.box);
+    this.refresh();
+  }
+
+  refresh(): void {
+    const kept = this.box.value;
+    const files = this.kinds.flatMap((kind) => this.app.of(kind));
+    this.box.replaceChildren(...files.map((f) => el('option', { value: `${f.id}` }, f.name)));
+    if (files.some((f) => `${f.id}` === kept)) this.box.value = kept;
+  }
+
+  get id(): number {
+    if (this.box.value === '') throw new Error(`There is no ${this.kinds.join(' or ')}`);
+    return Number(this.box.value);
+  }
+
+  set(id: number): void {
+    this.refresh();
+    this.box.value = `${id}`;
+  }
+}
+
+export class Workflow {
+  readonly log: Chooser;
+  readonly model: Chooser;
+  readonly set: Chooser;
+  readonly world: Chooser;
+
+  constructor(
+    private readonly app: App,
+    private readonly labeller: Labeller,
+    private readonly jobs: JobsPanel,
+    private readonly menu: Menu,
+  ) {
+    this.log = new Chooser(app, 'Log', ['log']);
+    this.model = new Chooser(app, 'Model', ['model']);
+    this.set = new Chooser(app, 'Primitives', ['primitives']);
+    this.world = new Chooser(app, 'World', ['scene', 'model']);
+    const step = (text: string, title: string, work: () => Promise<unknown>) => button(text, title, () => app.run(work()));
+    app.section(
+      'From labels to scans',
+      ...[this.log, this.model, this.set, this.world].map((c) => c.row),
+      el(
+        'div',
+        { class: 'buttons' },
+        step('Propose', 'Let segment label what has no class yet', () => this.propose()),
+        step('Carry on', 'Carry the labels of a scan to the next one', () => this.carry()),
+        step('Labelled log', 'Write the log with its labels', () => this.writeLog()),
+        step('.label file', 'Write labels in the numbers of SemanticKITTI', () => this.writeLabels()),
+        step('Fit', 'Fit a model to the log', () => this.fit()),
+        step('Extract', 'Cut primitives out of the model along the labelled log', () => this.extract()),
+        step('Simulate', 'Simulate the beams of the log in the world', () => this.simulate()),
+      ),
+    );
+    jobs.onFiles.push(() => {
+      [this.log, this.model, this.set, this.world].forEach((c) => c.refresh());
+      labeller.listLogs();
+    });
+  }
+
+  showFile(id: number): Promise<void> {
+    return this.menu.toggle(this.app.files.file(id), true);
+  }
+
+  private stem(chooser: Chooser): string {
+    return this.app.files.file(chooser.id).name.replace(/\.[a-z]+$/, '').replace(/^.*\//, '');
+  }
+
+  private labelled() {
+    const { labelled } = this.labeller;
+    if (!labelled?.state) throw new Error('Choose a log to label first');
+    return labelled;
+  }
+
+  async propose(): Promise<void> {
+    const labelled = this.labelled();
+    const stem = this.app.files.file(labelled.file).name.replace(/\.[a-z]+$/, '');
+    const name = this.jobs.freshName(`${stem}-proposal`, '.ply');
+    await this.jobs.run('segment', { log: labelled.file, name });
+    const reply = await labelled.send<{ rows: number }>('import', { name, unlabelled: 1, ...this.labeller.conditions() }, true);
+    this.app.tell(`${reply.rows} points have the label that segment proposes`);
+  }
+
+  async carry(): Promise<void> {
+    const labelled = this.labelled();
+    const scans = [...new Set(labelled.cloud!.octree.runs.map((run) => run.scan))];
+    const asked = prompt(`Scan from which labels are carried to the next (${scans[0]} to ${scans.at(-2) ?? scans[0]})`, `${scans[0]}`);
+    if (asked === null) return;
+    const to = scans[scans.indexOf(Number(asked)) + 1];
+    if (to === undefined) throw new Error('There is no scan after it');
+    const reply = await labelled.send<{ rows: number }>('carry', { from_scan: Number(asked), scan: to, radius: 0.3 }, true);
+    this.app.tell(`${reply.rows} points of scan ${to} have the label of the nearest point of scan ${asked}`);
+  }
+
+  async writeLog(): Promise<void> {
+    const labelled = this.labelled();
+    const stem = this.app.files.file(labelled.file).name.replace(/\.[a-z]+$/, '');
+    const name = this.jobs.freshName(`${stem}-labelled`, '.ply');
+    const reply = await post<{ path: string; file: number }>('labels/export', { file: labelled.file, format: 'log', name });
+    await this.jobs.newFiles();
+    this.log.set(reply.file);
+    this.app.tell(`Written: ${reply.path}`);
+  }
+
+  async writeLabels(): Promise<void> {
+    const labelled = this.labelled();
+    const stem = this.app.files.file(labelled.file).name.replace(/\.[a-z]+$/, '');
+    const name = this.jobs.freshName(stem, '.label');
+    const reply = await post<{ path: string; without_number: number }>('labels/export', { file: labelled.file, format: 'label', name });
+    const lost = reply.without_number ? `; ${reply.without_number} points have a class that the set does not know` : '';
+    this.app.tell(`Written: ${reply.path}${lost}`);
+  }
+
+  async fit(): Promise<void> {
+    const name = this.jobs.freshName(`${this.stem(this.log)}-model`);
+    this.model.set(await this.jobs.runAndShow('fit', { log: this.log.id, name }));
+  }
+
+  async extract(): Promise<void> {
+    const name = this.jobs.freshName(`${this.stem(this.log)}-primitives`);
+    this.set.set(await this.jobs.runAndShow('extract', { model: this.model.id, log: this.log.id, name }));
+  }
+
+  async simulate(): Promise<void> {
+    const name = this.jobs.freshName(`${this.stem(this.world)}-scan`, '.ply');
+    await this.jobs.runAndShow('simulate', { world: this.world.id, like: this.log.id, name });
+  }
+}
