@@ -13,15 +13,10 @@ trace::World world_of(const elements::Scene& scene) {
              : trace::World(scene, trace::Isa::kBest, trace::Draws::kOnce);
 }
 
-simulate::InstanceKinds kinds_of(const elements::Scene& scene, const elements::SceneInfo& info) {
-  simulate::InstanceKinds kinds;
-  kinds.label = info.labels;
-  kinds.class_names = info.class_names;
-  if (info.materials.empty()) return kinds;
-  for (const elements::Instance& i : scene.instances) {
-    kinds.material.push_back(info.materials[i.model]);
-  }
-  return kinds;
+simulate::Reflection reflection_of(const elements::Scene& scene, const elements::SceneInfo& info,
+                                   const radiometry::Materials& materials, double wavelength_m) {
+  const simulate::InstanceKinds kinds = simulate::instance_kinds(scene, info);
+  return {simulate::with_own_materials(materials, kinds), wavelength_m, kinds};
 }
 
 }  // namespace
@@ -31,7 +26,7 @@ TracedPart::TracedPart(elements::Scene scene, elements::SceneInfo info,
     : scene_(std::move(scene)),
       world_(world_of(scene_)),
       dynamic_(world_),
-      reflection_(materials, wavelength_m, kinds_of(scene_, info)) {}
+      reflection_(reflection_of(scene_, info, materials, wavelength_m)) {}
 
 void TracedPart::trace(std::span<const Ray> rays, std::span<const uint64_t> keys, uint64_t seed,
                        double time_s, const trace::RangeLimits& limits, uint32_t first_instance,
