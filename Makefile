@@ -52,7 +52,7 @@ fuzz-osi: setup  ## A million damaged OSI messages under ASan and UBSan (minutes
 	@UNDERBRUSH_OSI_MUTANTS=1000000 $(BUILD)/fuzz-osi/tests/test_osi --gtest_filter='Mutants.*'
 
 fmu:      ## The FMU for co-simulation: build/underbrush.fmu
-	@scripts/setup.sh build
+	@scripts/setup.sh build python
 	@test -f $(BUILD)/CMakeCache.txt && first= || first="$(program_only)"; \
 	  $(call quiet,$(configure) $$first)
 	@cmake --build $(BUILD) --target fmu -j $(JOBS)

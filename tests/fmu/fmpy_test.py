@@ -38,14 +38,18 @@ def in_environment() -> None:
 
 class Master(unittest.TestCase):
     """The FMU as FMPy sees it."""
+    fmpy: typing.Any
+    fmi2: typing.Any
+    osi: typing.Any
+    view: typing.Any
+    fmu: str
 
     @classmethod
     def setUpClass(cls) -> None:
-        cls.fmpy: typing.Any = importlib.import_module("fmpy")
-        cls.fmi2: typing.Any = importlib.import_module("fmpy.fmi2")
-        cls.osi: typing.Any = importlib.import_module("osi3.osi_sensordata_pb2")
-        cls.view: typing.Any = importlib.import_module("osi3.osi_sensorview_pb2")
-        cls.config: typing.Any = importlib.import_module("osi3.osi_sensorviewconfiguration_pb2")
+        cls.fmpy = importlib.import_module("fmpy")
+        cls.fmi2 = importlib.import_module("fmpy.fmi2")
+        cls.osi = importlib.import_module("osi3.osi_sensordata_pb2")
+        cls.view = importlib.import_module("osi3.osi_sensorview_pb2")
         cls.fmu = str(pathlib.Path(ARGUMENTS.build) / "underbrush.fmu")
 
     def test_is_valid(self) -> None:

@@ -49,9 +49,9 @@ class Instance:
         self.logger = LOGGER(lambda _env, _name, _status, _category, form, text: self.messages.append(
             text.decode() if form == b"%s" else "BAD FORMAT"))
         self.callbacks = Callbacks(self.logger, None, None, None, None)
+        resources = (archive.folder / "resources").as_uri().encode()
         self.component = ctypes.c_void_p(self.library.fmi2Instantiate(
-            b"sensor%d" % next(self._numbers), 1, archive.guid.encode(), (archive.folder / "resources").as_uri().encode(),
-            ctypes.byref(self.callbacks), 0, 1))
+            b"sensor%d" % next(self._numbers), 1, archive.guid.encode(), resources, ctypes.byref(self.callbacks), 0, 1))
         assert self.component.value, self.messages
         self.parameters = parameters or {}
         self.now, self.held = 0.0, list[object]()
@@ -84,7 +84,8 @@ class Instance:
     def set_integers(self, references: Sequence[int], values: Sequence[int]) -> int:
         """Sets integers in one call."""
         n = len(references)
-        return self.call("SetInteger", (ctypes.c_uint * n)(*references), ctypes.c_size_t(n), (ctypes.c_int * n)(*values))
+        return self.call("SetInteger", (ctypes.c_uint * n)(*references), ctypes.c_size_t(n),
+                         (ctypes.c_int * n)(*values))
 
     def integers(self, *references: int) -> list[int]:
         """Gets integers in one call."""

@@ -17,6 +17,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+import typing
 import unittest
 
 import osi_bytes as osi
@@ -74,13 +75,13 @@ class FmuTest(unittest.TestCase):
     def tearDownClass(cls) -> None:
         cls._temporary.cleanup()
 
-    def instance(self, archive: Archive | None = None, start: bool = True, **parameters: object) -> Instance:
+    def instance(self, archive: Archive | None = None, start: bool = True, **parameters: typing.Any) -> Instance:
         """An instance with the small sensor, which is freed when the test ends."""
         made = Instance(archive or self.archive, {"profile": str(self.folder / "tiny.yaml"), **parameters}, start)
         self.addCleanup(made.free)
         return made
 
-    def outputs(self, count: int, instance: Instance | None = None, **parameters: object) -> list[bytes]:
+    def outputs(self, count: int, instance: Instance | None = None, **parameters: typing.Any) -> list[bytes]:
         """The outputs of the first cycles of the drive."""
         one = instance or self.instance(**parameters)
         return [one.step(drive(k)) for k in range(count)]
@@ -298,7 +299,7 @@ class Chains(FmuTest):
 class Abuse(FmuTest):
     """Inputs and calls that make no sense are told of, and never end the host."""
 
-    def refused(self, message: bytes | None, reason: str, **parameters: object) -> None:
+    def refused(self, message: bytes | None, reason: str, **parameters: typing.Any) -> None:
         """Gives the message between good ones."""
         one = self.instance(**parameters)
         one.step(drive(0))
@@ -381,7 +382,8 @@ class Abuse(FmuTest):
         self.archive.library.fmi2FreeInstance(None)
 
     def test_parameters_that_are_wrong(self) -> None:
-        for name, value, reason in (("profile", "no-such-sensor", "no-such-sensor"), ("chain", "none.yaml", "none.yaml"),
+        for name, value, reason in (("profile", "no-such-sensor", "no-such-sensor"),
+                                    ("chain", "none.yaml", "none.yaml"),
                                     ("input_mode", "both", "input_mode"), ("world", "nowhere", "nowhere"),
                                     ("strategies", "dancing", "strategies"), ("max_echoes", 99, "max_echoes"),
                                     ("tracking", "magic", "pipeline"), ("existence_threshold", 7.0, "threshold"),

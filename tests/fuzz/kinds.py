@@ -19,7 +19,7 @@ class Kind:
 
 # What a file leads to that no command names.
 NEEDS = {"site.json": ["site.ground"], "moving.json": ["site.ground", "path.txt"], "table.yaml": ["table.csv"],
-         "tree.gltf": ["tree.bin"], "rig.yaml": ["spinning.yaml"],
+         "tree.gltf": ["tree.bin"], "rig.yaml": ["spinning.yaml"], "chain.yaml": ["spinning.yaml"],
          "world.obj": ["world.mtl", "paint.txt"],
          "survey.xml": ["world.xml", "scanners.xml", "platforms.xml", "flight.trj", "world.obj", "forest.vox"],
          "world.xml": ["world.obj", "forest.vox"]}
@@ -48,6 +48,11 @@ KINDS = [
     Kind("perceive.boxes", "text", "boxes.csv", "perceive log.ply --truth boxes.csv -o out.csv", others=("log.ply",)),
     Kind("perceive.truth", "json", "objects.json", "perceive log.ply --truth objects.json -o out.csv",
          others=("log.ply",)),
+    Kind("osi.views", "bytes", "views_sv_.osi", "osi convert views_sv_.osi -o out.ply"),
+    Kind("osi.replay", "bytes", "views_sv_.osi", "osi replay views_sv_.osi --chain chain.yaml -o out.osi"),
+    Kind("osi.data", "bytes", "data_sd_.osi", "osi convert data_sd_.osi -o out.json"),
+    Kind("osi.chain", "yaml", "chain.yaml", "osi replay views_sv_.osi --chain chain.yaml -o out.osi", usage=True,
+         others=("views_sv_.osi",)),
     Kind("score.objects-csv", "text", "objects.csv", "score objects.csv objects.json", others=("objects.json",)),
     Kind("score.objects-json", "json", "objects.json", "score objects.csv objects.json", others=("objects.csv",)),
     Kind("simulate.rig", "yaml", "rig.yaml", "simulate model --rig rig.yaml --trajectory poses.txt -o out.ply",

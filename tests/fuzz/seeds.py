@@ -305,6 +305,9 @@ def recordings(put):
     put("folder/poses.txt", TRAJECTORY)
     put("boxes.csv", "frame,track_id,class,cx,cy,cz,yaw,length,width,height\n"
         "0,0,Van,6,1,0,0.5,4.4,1.8,2.0\n1,0,Car,7,1,0,0.5,4.4,1.8,2.0\n")
+    put("chain.yaml", "chain:\n  - strategy: front_end\n    sensor: spinning.yaml\n    max_echoes: 2\n"
+        "  - strategy: alignment\n    deskew: true\n  - strategy: tracking\n    pipeline: real\n    gain: 0.3\n"
+        "  - strategy: grid\n    half_side_m: 10\n    bearings: 20\n")
     put("rig.yaml", "name: rig\nsensors:\n  - {name: a, sensor: spinning.yaml, position_m: [1, 0, 0.5]}\n"
         "  - {name: b, sensor: spinning.yaml, rotation_deg: [0, 0, 90], latency_ms: 5}\n")
 
@@ -313,6 +316,8 @@ MADE = (
     "import log.csv -o log.ply",
     "perceive log.ply --pipeline real --start-points 0 -o objects.csv",
     "perceive log.ply --pipeline real --start-points 0 -o objects.json",
+    "osi record log.ply --truth objects.json -o views_sv_.osi",
+    "osi convert objects.json -o data_sd_.osi",
     "segment log.ply -o labelled.ply --min-points 5",
     "fit log.ply -o model --min-points 4 --ground-spacing 2",
     "fit log.ply -o mesh --fitter surface --surface-cell 1 --ground-spacing 2",
