@@ -218,6 +218,7 @@ TEST(Materials, ErrorsNameFileAndPlace) {
   for (const auto& [from, to] : bad) {
     EXPECT_NE(error(from, to).find(path), std::string::npos) << to;
   }
+  EXPECT_NE(error("unknown: mud", "ground: mud").find("'unknown' is missing"), std::string::npos);
   EXPECT_THROW(load_materials("/no/such/file.yaml"), FormatError);
 }
 

@@ -134,8 +134,13 @@ TEST_F(SensorFile, ErrorsNameFileAndPlace) {
   expect("spinning", "directions", "cycle_s: missing");
   expect("min_range_m: 1", "min_range_m: 1\nreceiver: {pulse: square}", "receiver.pulse");
   expect("min_range_m: 1", "min_range_m: 1\nreceiver: {pulse_ns: -3}", "pulse");
-  for (const char* pulse :
-       {"pulse_ns: 501", "response_ns: 501", "pulse_ns: 18446744073709551615"}) {
+  for (const char* time :
+       {"sample_ns: 1e300", "sample_ns: 1e-300", "pulse_ns: 1e-300", "pulse_ns: .nan",
+        "response_ns: 20000", "pulse_ns: 18446744073709551615"}) {
+    expect("min_range_m: 1", std::string("min_range_m: 1\nreceiver: {") + time + "}",
+           "0.001 to 10000 ns");
+  }
+  for (const char* pulse : {"pulse_ns: 501", "response_ns: 501"}) {
     expect("min_range_m: 1", std::string("min_range_m: 1\nreceiver: {sample_ns: 1, ") + pulse + "}",
            "longer than 500 samples");
   }

@@ -106,6 +106,10 @@ struct Reader {
         fail("classes." + all.of_class.back().first, e.what());
       }
     }
+    const auto is_unknown = [](const auto& entry) { return entry.first == "unknown"; };
+    if (std::none_of(all.of_class.begin(), all.of_class.end(), is_unknown)) {
+      fail("classes", "the class 'unknown' is missing, which stands for all that are not named");
+    }
     if (root["sources"]) all.sources = get<std::vector<std::string>>(root, "sources", "");
     return all;
   }

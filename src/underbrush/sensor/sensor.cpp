@@ -62,8 +62,10 @@ std::vector<uint16_t> Sensor::firing_order() const {
 void SignalChain::check() const {
   const auto positive = [](double v) { return std::isfinite(v) && v > 0; };
   const auto not_negative = [](double v) { return std::isfinite(v) && v >= 0; };
-  require(positive(pulse_fwhm_s) && positive(sample_s) && not_negative(receiver_fwhm_s),
-          "sensor: pulse and sample times must be positive");
+  const auto is_pulse_time = [](double s) { return s >= 1e-12 && s <= 1e-5; };
+  require(is_pulse_time(pulse_fwhm_s) && is_pulse_time(sample_s) &&
+              (receiver_fwhm_s == 0 || is_pulse_time(receiver_fwhm_s)),
+          "sensor: pulse, response and sample times must be 0.001 to 10000 ns");
   require(std::hypot(pulse_fwhm_s, receiver_fwhm_s) < kMostSamplesOfPulse * sample_s,
           "sensor: the pulse is longer than 500 samples");
   require(positive(threshold_snr) && positive(saturation_snr) && threshold_snr < saturation_snr,
