@@ -6,7 +6,7 @@
 
 namespace underbrush::io {
 
-MeshData read_gltf(const std::filesystem::path& path) {
+MeshScene read_gltf(const std::filesystem::path& path) {
   throw FormatError(path.string(), "", "the FMU reads no glTF: convert it to OBJ or PLY");
 }
 
