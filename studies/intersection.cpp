@@ -99,7 +99,7 @@ BeamLog scan_intersection(const Intersection& scene, int columns, int rows, uint
   perception::RigSource beams(scene.rig, scene.world_from_vehicle);
   app::RigAnswer answer(beams.sensors(), [&](const sensor::Sensor& s) {
     return std::make_unique<app::Answer>(arguments, *traced.dynamic_world,
-                                         app::kinds_of(world, info), std::nullopt,
+                                         simulate::instance_kinds(world, info), std::nullopt,
                                          [&](const char*) { return s; });
   });
   BeamLog log, chunk;

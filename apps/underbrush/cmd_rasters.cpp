@@ -133,7 +133,7 @@ void add_rasters(Program& program) {
   using namespace rasters_verb;
   auto a = std::make_shared<Arguments>();
   const auto verb =
-      add_verb(program, "Results", "rasters",
+      add_verb(program, "Models", "rasters",
                "Map canopy height and cover, and plant area density and gap fraction by voxel",
                "underbrush rasters model/ -o maps/\n"
                "  underbrush rasters forest.vox --cell 0.5 -o maps/",

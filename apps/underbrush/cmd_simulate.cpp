@@ -211,7 +211,7 @@ void run(const Verb& verb, Arguments& a) {
   const TracedScene target =
       traced_scene(scene, info, draws_of(a.matter, a.answer.simulate.sway_s));
   if (!scene.instances.empty()) a.answer.simulate.instance_labels = info.labels;
-  const simulate::InstanceKinds kinds = kinds_of(scene, info);
+  const simulate::InstanceKinds kinds = simulate::instance_kinds(scene, info);
   const radiometry::Materials materials = materials_of(a.answer.instrument, kinds);
   for (const std::string& name : info.materials) {
     if (!name.empty()) materials.named(name);  // throws for an unknown name

@@ -232,16 +232,8 @@ simulate::Instrument instrument_of(const InstrumentArguments& a, sensor::Sensor 
 
 radiometry::Materials materials_of(const InstrumentArguments& a,
                                    const simulate::InstanceKinds& kinds) {
-  radiometry::Materials m = radiometry::load_materials(a.materials);
-  for (const radiometry::Material& own : kinds.own_materials) {
-    const auto same = [&](const radiometry::Material& other) { return other.name == own.name; };
-    const auto at = std::find_if(m.material.begin(), m.material.end(), same);
-    if (at == m.material.end()) {
-      m.material.push_back(own);
-    } else if (a.materials.empty()) {
-      *at = own;
-    }
-  }
+  radiometry::Materials m = simulate::with_own_materials(radiometry::load_materials(a.materials),
+                                                         kinds, a.materials.empty());
   const auto is_class = [&](const std::string& name) {
     return elements::class_from_name(name) ||
            std::find(kinds.class_names.begin(), kinds.class_names.end(), name) !=
@@ -260,23 +252,6 @@ radiometry::Materials materials_of(const InstrumentArguments& a,
 }
 
 bool is_waveform_file(const std::string& file) { return file.ends_with(".waves"); }
-
-simulate::InstanceKinds kinds_of(const elements::Scene& scene, const elements::SceneInfo& info) {
-  simulate::InstanceKinds kinds;
-  kinds.label = info.labels;
-  kinds.class_names = info.class_names;
-  for (const elements::SceneMaterial& own : info.own_materials) {
-    radiometry::Material m;
-    m.name = own.name;
-    m.reflectance = own.reflectance;
-    kinds.own_materials.push_back(std::move(m));
-  }
-  if (info.materials.empty()) return kinds;
-  for (const elements::Instance& i : scene.instances) {
-    kinds.material.push_back(info.materials[i.model]);
-  }
-  return kinds;
-}
 
 void write_waveforms(const InstrumentArguments& a, const sensor::Sensor& sensor,
                      const std::vector<simulate::BeamWaveform>& waveforms) {

@@ -51,9 +51,6 @@ std::optional<sensor::Sensor> recorder_of(std::span<const elements::Model> model
 radiometry::Materials materials_of(const InstrumentArguments& a,
                                    const simulate::InstanceKinds& kinds = {});
 
-/// Returns the class and material of each instance.
-simulate::InstanceKinds kinds_of(const elements::Scene& scene, const elements::SceneInfo& info);
-
 /// Whether a file for waveforms is binary, and so has those of all beams.
 bool is_waveform_file(const std::string& file);
 /// Writes the waveforms to every table and plot asked for (.csv or .svg). `sensor` gives the title

@@ -92,7 +92,6 @@ class Recorder {
 }  // namespace
 
 void osi_record(const Verb& verb, const OsiArguments& a) {
-  require(osi::is_trace_file(a.output), "osi record: writes .osi files");
   io::check_output(a.output);
   io::LogReader log(a.input);
   std::vector<std::filesystem::path> inputs{a.input};

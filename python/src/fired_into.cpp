@@ -57,7 +57,7 @@ FiredInto::FiredInto(const GivenWorld& given, const SimulateOptions& options) {
   }
   app::set_matter(own_, options.tau, options.grain_m);
   const elements::Scene& shown = scene && !changed ? (*scene)->scene : own_;
-  kinds_ = app::kinds_of(shown, info_);
+  kinds_ = simulate::instance_kinds(shown, info_);
   std::span<const elements::Model> models = shown.models;
   if (model && !changed) models = {static_cast<const elements::Model*>(*model), 1};
   recorder_ = app::recorder_of(models);

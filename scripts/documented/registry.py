@@ -117,6 +117,13 @@ def look_up(folder):
             yield from ((f"{log}/{source}", column, [s[key]]) for column, key in KEYS.items() if key in s)
 
 
+def label_path(folder):
+    path = read_json(folder / "path.json")
+    for name in path["iou_before"]:
+        yield name, "IoU of the proposal", [path["iou_before"][name]]
+        yield name, "IoU after", [path["iou_after"][name]]
+
+
 def vegetation(folder):
     targets = {"planes": "planes", "high tree": "tree_high", "medium tree": "tree_medium", "low tree": "tree_low",
                "tall grass": "tall_grass", "short grass": "short_grass"}
@@ -379,6 +386,9 @@ MEASURED = {
         uncompared={"goal": "goals are set, not measured", **{row: RATE for row in (
             "AVX2, beams/s", "AVX2, × HDL-64E", "AVX-512, × HDL-64E", "16 sub-rays", "AVX2 at 10⁷",
             "AVX2 at 10⁶ instances", "build")}}),
+    "label-path": Measured((Part((Job(
+        "label_path", '"$PYTHON" "$SOURCE/scripts/label_path.py" --program "$BIN/underbrush" --data "$DATA" '
+        "--json path.json", needs=("rellis_000104/000104.bin", "rellis_000104/000104.label")),), label_path),)),
     **registry_software.tables(LOGS),
 }
 MEASURED |= registry_evidence.evidence(study, LOGS, HALVES)

@@ -212,6 +212,7 @@ JOBS = {
     "segment": ["log.ply", "-o", "labelled.ply", "--min-points", "5"],
     "fit": ["log.ply", "-o", "model", "--min-points", "4"],
     "optimize": ["log.ply", "-o", "params.yaml", "--budget", "2"],
+    "rasters": ["model", "-o", "maps"],
     "extract": ["model", "labelled.ply", "-o", "primitives"],
     "meshes": ["tree.obj", "-o", "meshes"],
     "annotate": ["labelled.ply", "-o", "site.json"],

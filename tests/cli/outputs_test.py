@@ -265,7 +265,7 @@ class Distinct(cli_test.OnALog):
         (self.folder / "report").mkdir(exist_ok=True)
         for verb, words in cli_test.JOBS.items():
             for option in ("-o", "--train", "--report"):
-                if option not in words or verb in ("fit", "extract", "meshes", "compose"):
+                if option not in words or verb in ("fit", "rasters", "extract", "meshes", "compose"):
                     continue
                 with self.subTest(verb):
                     at = words.index(option) + 1

@@ -13,13 +13,10 @@ trace::World world_of(const elements::Scene& scene) {
              : trace::World(scene, trace::Isa::kBest, trace::Draws::kOnce);
 }
 
-simulate::InstanceKinds kinds_of(const elements::Scene& scene, const elements::SceneInfo& info) {
-  simulate::InstanceKinds kinds{info.labels, {}};
-  if (info.materials.empty()) return kinds;
-  for (const elements::Instance& i : scene.instances) {
-    kinds.material.push_back(info.materials[i.model]);
-  }
-  return kinds;
+simulate::Reflection reflection_of(const elements::Scene& scene, const elements::SceneInfo& info,
+                                   const radiometry::Materials& materials, double wavelength_m) {
+  const simulate::InstanceKinds kinds = simulate::instance_kinds(scene, info);
+  return {simulate::with_own_materials(materials, kinds), wavelength_m, kinds};
 }
 
 }  // namespace
@@ -29,7 +26,7 @@ TracedPart::TracedPart(elements::Scene scene, elements::SceneInfo info,
     : scene_(std::move(scene)),
       world_(world_of(scene_)),
       dynamic_(world_),
-      reflection_(materials, wavelength_m, kinds_of(scene_, info)) {}
+      reflection_(reflection_of(scene_, info, materials, wavelength_m)) {}
 
 void TracedPart::trace(std::span<const Ray> rays, std::span<const uint64_t> keys, uint64_t seed,
                        double time_s, const trace::RangeLimits& limits, uint32_t first_instance,
@@ -46,17 +43,15 @@ void TracedPart::trace(std::span<const Ray> rays, std::span<const uint64_t> keys
   }
   std::vector<float> factor(hit.size());
   simulate::Reflection::Evaluator evaluator(reflection_, dynamic_);
-  simulate::MatterAt matter_of(dynamic_);
+  simulate::MatterAt matter_at(dynamic_);
   for (size_t i = 0; i < hit.size(); ++i) {
     const uint32_t k = hit[i];
     evaluator.begin(rays[k].direction, time_s);
     evaluator.factors(met, rays, {&hit[i], 1}, {&factor[i], 1});
-    const elements::Model& model = matter_of.model(met[k], time_s);
-    const double range =
-        simulate::drawn_in_matter(met[k],
-                                  trace::instance_key(matter, met[k].instance) ^
-                                      matter_of.cell(rays[k], time_s, met[k], matter),
-                                  keys[k], model.range_noise_m, limits);
+    const uint64_t own =
+        matter_at.key(matter, met[k], time_s) ^ matter_at.cell(rays[k], time_s, met[k], matter);
+    const double range = simulate::drawn_in_matter(
+        met[k], own, keys[k], matter_at.model(met[k], time_s).range_noise_m, limits);
     nearest[k] = {range, double(factor[i]), first_instance + met[k].instance};
   }
 }

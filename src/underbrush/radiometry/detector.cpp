@@ -108,8 +108,7 @@ Echoes Detector::detect(const Waveform& w, float scale) const {
   };
   w.for_each_run([&](size_t begin, size_t end) {
     for (size_t k = begin; k < end; ++k) {
-      if (!p.open) k = first_above(s, k, end, threshold);
-      if (k == end) break;
+      if (!p.open && (k = first_above(s, k, end, threshold)) == end) break;
       const float v = s[k];
       if (v < threshold) {
         if (!p.under) {

@@ -5,6 +5,7 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <sys/prctl.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -36,8 +37,14 @@ constexpr std::chrono::seconds kGrace{5};
   ::dup2(nothing, 0);
   ::dup2(terminal, 1);
   ::dup2(terminal, 2);
-  if (nothing > 2) ::close(nothing);
-  if (terminal > 2) ::close(terminal);
+  // Connections and files of the server are none of the program's business.
+  constexpr int kFirst = 3, kLikely = 1024;
+#ifdef SYS_close_range
+  const bool closed = ::syscall(SYS_close_range, unsigned(kFirst), ~0u, 0u) == 0;
+#else
+  const bool closed = false;
+#endif
+  for (int fd = kFirst; !closed && fd < kLikely; ++fd) ::close(fd);
   sigset_t none;
   sigemptyset(&none);
   ::sigprocmask(SIG_SETMASK, &none, nullptr);

@@ -17,12 +17,13 @@ namespace {
 
 constexpr size_t kMostSource = 5'000'000;
 
-// Calls `visit(row, log, i)` for each row of a log.
+// Calls `visit(row, log, i)` for each row of a log, which has so many as there are labels.
 template <class Visit>
-void for_each_row(const std::filesystem::path& path, const Visit& visit) {
+void for_each_row(const std::filesystem::path& path, size_t rows, const Visit& visit) {
   const io::Input input = io::open_input(path);
   uint32_t row = 0;
   for (BeamLog chunk; input.beams->next(chunk);) {
+    require_data(chunk.size() <= rows - row, "the log has changed since it was opened");
     for (size_t i = 0; i < chunk.size(); ++i) visit(row++, chunk, i);
   }
 }
@@ -32,7 +33,7 @@ void for_each_row(const std::filesystem::path& path, const Visit& visit) {
 EditResult LabelsOfFile::import(uint64_t revision, const std::filesystem::path& from,
                                 const std::string& set, bool only_unlabelled,
                                 const Selection& selection) {
-  const std::unique_lock lock(mutex_);
+  const std::lock_guard lock(mutex_);
   know(revision);
   require(octree_ != nullptr, "this file has no points");
   const io::Input input = io::open_input(file_.path);
@@ -45,7 +46,7 @@ EditResult LabelsOfFile::import(uint64_t revision, const std::filesystem::path& 
   change.everywhere = true;
   change.name = "labels of " + printable(from.filename().string(), 80);
   size_t hit = 0;
-  for_each_row(file_.path, [&](uint32_t row, const BeamLog& log, size_t i) {
+  for_each_row(file_.path, values.size(), [&](uint32_t row, const BeamLog& log, size_t i) {
     if (!log.is_hit(i)) return;
     const size_t k = hit++;
     LabelValue value = LabelValue::of(values[row]);
@@ -63,11 +64,11 @@ EditResult LabelsOfFile::import(uint64_t revision, const std::filesystem::path& 
 }
 
 LabelSource LabelsOfFile::source(std::optional<uint32_t> scan) {
-  const std::unique_lock lock(mutex_);
+  const std::lock_guard lock(mutex_);
   const std::vector<uint32_t>& values = document().values();
   require(octree_ != nullptr, "this file has no points");
   LabelSource out;
-  for_each_row(file_.path, [&](uint32_t row, const BeamLog& log, size_t i) {
+  for_each_row(file_.path, values.size(), [&](uint32_t row, const BeamLog& log, size_t i) {
     if (!log.is_hit(i) || (scan && log.scan[i] != *scan)) return;
     if (LabelValue::of(values[row]).label == 0) return;
     require(out.points.size() < kMostSource, "more than 5 000 000 labelled points: choose a scan");
@@ -79,7 +80,7 @@ LabelSource LabelsOfFile::source(std::optional<uint32_t> scan) {
 
 EditResult LabelsOfFile::carry(uint64_t revision, const LabelSource& source,
                                std::optional<uint32_t> scan, double radius_m) {
-  const std::unique_lock lock(mutex_);
+  const std::lock_guard lock(mutex_);
   know(revision);
   require(octree_ != nullptr, "this file has no points");
   require(radius_m > 0 && radius_m <= 100, "a radius of up to 100 m");
@@ -92,7 +93,7 @@ EditResult LabelsOfFile::carry(uint64_t revision, const LabelSource& source,
   LabelChange change;
   change.everywhere = true;
   change.name = "labels carried over";
-  for_each_row(file_.path, [&](uint32_t row, const BeamLog& log, size_t i) {
+  for_each_row(file_.path, values.size(), [&](uint32_t row, const BeamLog& log, size_t i) {
     if (!log.is_hit(i) || (scan && log.scan[i] != *scan)) return;
     LabelValue value = LabelValue::of(values[row]);
     if (value.label != 0) return;
@@ -111,7 +112,7 @@ EditResult LabelsOfFile::carry(uint64_t revision, const LabelSource& source,
 }
 
 void LabelsOfFile::write_log(const std::filesystem::path& path) {
-  const std::unique_lock lock(mutex_);
+  const std::lock_guard lock(mutex_);
   const std::vector<uint32_t>& values = document().values();
   require(octree_ != nullptr, "this file has no points");
   const auto labels = elements::labels_of(document_->facts().set);
@@ -123,10 +124,11 @@ void LabelsOfFile::write_log(const std::filesystem::path& path) {
   io::LogWriter writer(path, info, input.provenance);
   size_t row = 0;
   for (BeamLog chunk; input.beams->next(chunk);) {
+    require_data(chunk.size() <= values.size() - row, "the log has changed since it was opened");
     std::vector<uint16_t> label(chunk.size());
     std::vector<uint32_t> instance(chunk.size());
     for (size_t i = 0; i < chunk.size(); ++i, ++row) {
-      const LabelValue value = LabelValue::of(values.at(row));
+      const LabelValue value = LabelValue::of(values[row]);
       label[i] = uint16_t(labels[value.label].number);
       instance[i] = value.instance;
     }
@@ -143,7 +145,7 @@ void LabelsOfFile::write_log(const std::filesystem::path& path) {
 }
 
 uint64_t LabelsOfFile::write_label_file(const std::filesystem::path& path, const std::string& set) {
-  const std::unique_lock lock(mutex_);
+  const std::lock_guard lock(mutex_);
   const std::vector<uint32_t>& values = document().values();
   require(octree_ != nullptr, "this file has no points");
   const std::string& own = document_->facts().set;
@@ -167,7 +169,7 @@ uint64_t LabelsOfFile::write_label_file(const std::filesystem::path& path, const
 
 size_t LabelsOfFile::write_boxes(const std::filesystem::path& path,
                                  const std::filesystem::path& ground) {
-  const std::unique_lock lock(mutex_);
+  const std::lock_guard lock(mutex_);
   primitives::Annotation annotation;
   annotation.ground = ground;
   annotation.provenance = nlohmann::json{{"program", "underbrush serve"}}.dump();

@@ -89,7 +89,7 @@ void LabelsOfFile::know(uint64_t revision) {
 }
 
 std::string LabelsOfFile::state(uint64_t since) {
-  const std::unique_lock lock(mutex_);
+  const std::lock_guard lock(mutex_);
   const LabelDocument& d = document();
   Json j{{"revision", d.revision()},
          {"undos", d.undos()},
@@ -120,7 +120,7 @@ std::string LabelsOfFile::state(uint64_t since) {
 }
 
 std::string LabelsOfFile::values_of(const std::vector<uint32_t>& nodes) {
-  const std::unique_lock lock(mutex_);
+  const std::lock_guard lock(mutex_);
   const std::vector<uint32_t>& values = document().values();
   require(octree_ != nullptr, "this file has no points");
   std::string bytes;
@@ -138,7 +138,7 @@ std::string LabelsOfFile::values_of(const std::vector<uint32_t>& nodes) {
 }
 
 std::string LabelsOfFile::instances() {
-  const std::unique_lock lock(mutex_);
+  const std::lock_guard lock(mutex_);
   std::map<uint32_t, std::map<uint32_t, uint64_t>> found;
   std::pair<uint32_t, uint64_t*> last{0, nullptr};  // rows of an instance often follow each other
   for (const uint32_t bits : document().values()) {
@@ -162,7 +162,7 @@ std::string LabelsOfFile::instances() {
 }
 
 std::string LabelsOfFile::count(const Selection& selection) {
-  const std::unique_lock lock(mutex_);
+  const std::lock_guard lock(mutex_);
   const std::vector<uint32_t>& values = document().values();
   require(octree_ != nullptr, "this file has no points");
   const FoundRows found = find_rows(*octree_, *cubes_, selection, values);
@@ -192,7 +192,7 @@ EditResult LabelsOfFile::apply(LabelChange change) {
 
 EditResult LabelsOfFile::edit(uint64_t revision, const Selection& selection, LabelAction action,
                               bool new_instance, uint32_t stroke, const std::string& name) {
-  const std::unique_lock lock(mutex_);
+  const std::lock_guard lock(mutex_);
   know(revision);
   require(octree_ != nullptr, "this file has no points");
   const size_t classes = elements::labels_of(document_->facts().set).size();
@@ -213,14 +213,14 @@ EditResult LabelsOfFile::edit(uint64_t revision, const Selection& selection, Lab
 }
 
 uint64_t LabelsOfFile::undo(uint64_t revision) {
-  const std::unique_lock lock(mutex_);
+  const std::lock_guard lock(mutex_);
   know(revision);
   document_->undo();
   return document_->revision();
 }
 
 uint64_t LabelsOfFile::redo(uint64_t revision) {
-  const std::unique_lock lock(mutex_);
+  const std::lock_guard lock(mutex_);
   know(revision);
   document_->redo();
   return document_->revision();
@@ -228,7 +228,7 @@ uint64_t LabelsOfFile::redo(uint64_t revision) {
 
 uint32_t LabelsOfFile::put_box(uint64_t revision, uint32_t number,
                                const std::optional<std::string>& value, uint32_t stroke) {
-  const std::unique_lock lock(mutex_);
+  const std::lock_guard lock(mutex_);
   know(revision);
   constexpr size_t kMostBoxes = 10000;
   if (value) check_box(*value);
@@ -243,7 +243,7 @@ uint32_t LabelsOfFile::put_box(uint64_t revision, uint32_t number,
 }
 
 Vec3 LabelsOfFile::origin() {
-  const std::unique_lock lock(mutex_);
+  const std::lock_guard lock(mutex_);
   document();
   return cubes_ ? cubes_->origin : Vec3(0, 0, 0);
 }

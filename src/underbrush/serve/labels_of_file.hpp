@@ -6,7 +6,6 @@
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <shared_mutex>
 #include <string>
 #include <vector>
 
@@ -92,7 +91,7 @@ class LabelsOfFile {
   OpenedFile file_;
   LogData* log_;
   std::filesystem::path folder_;
-  std::shared_mutex mutex_;  ///< Guards all below.
+  std::mutex mutex_;  ///< Guards all below.
   std::shared_ptr<const OctreeFile> octree_;
   std::unique_ptr<NodeCubes> cubes_;
   std::unique_ptr<LabelDocument> document_;

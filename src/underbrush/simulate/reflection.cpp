@@ -36,6 +36,37 @@ const radiometry::Material& of_own_class(const radiometry::Materials& materials,
 
 }  // namespace
 
+InstanceKinds instance_kinds(const elements::Scene& scene, const elements::SceneInfo& info) {
+  InstanceKinds kinds;
+  kinds.label = info.labels;
+  kinds.class_names = info.class_names;
+  for (const elements::SceneMaterial& own : info.own_materials) {
+    radiometry::Material m;
+    m.name = own.name;
+    m.reflectance = own.reflectance;
+    kinds.own_materials.push_back(std::move(m));
+  }
+  if (info.materials.empty()) return kinds;
+  for (const elements::Instance& i : scene.instances) {
+    kinds.material.push_back(info.materials[i.model]);
+  }
+  return kinds;
+}
+
+radiometry::Materials with_own_materials(radiometry::Materials table, const InstanceKinds& kinds,
+                                         bool replaces) {
+  for (const radiometry::Material& own : kinds.own_materials) {
+    const auto same = [&](const radiometry::Material& other) { return other.name == own.name; };
+    const auto at = std::find_if(table.material.begin(), table.material.end(), same);
+    if (at == table.material.end()) {
+      table.material.push_back(own);
+    } else if (replaces) {
+      *at = own;
+    }
+  }
+  return table;
+}
+
 Reflection::Reflection(const radiometry::Materials& materials, double wavelength_m,
                        const InstanceKinds& kinds)
     : label_(kinds.label) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "underbrush/elements/classes.hpp"
+#include "underbrush/elements/scene_file.hpp"
 #include "underbrush/radiometry/leaf_angle_distribution.hpp"
 #include "underbrush/radiometry/materials.hpp"
 #include "underbrush/simulate/dynamic_world.hpp"
@@ -24,6 +25,13 @@ struct InstanceKinds {
   /// Materials that the scene brings along, for whoever makes the table of materials.
   std::vector<radiometry::Material> own_materials;
 };
+
+/// The kinds of a scene's instances.
+InstanceKinds instance_kinds(const elements::Scene& scene, const elements::SceneInfo& info);
+/// Adds the materials that a scene brings along to a table. One of a name that the table has
+/// replaces that if `replaces`.
+radiometry::Materials with_own_materials(radiometry::Materials table, const InstanceKinds& kinds,
+                                         bool replaces = true);
 
 /// Reflection factors at one wavelength: the reflectance times the effect of the incidence.
 ///
