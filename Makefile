@@ -51,15 +51,15 @@ fuzz-osi: setup  ## A million damaged OSI messages under ASan and UBSan (minutes
 	@cmake --build $(BUILD)/fuzz-osi --target test_osi -j $(JOBS)
 	@UNDERBRUSH_OSI_MUTANTS=1000000 $(BUILD)/fuzz-osi/tests/test_osi --gtest_filter='Mutants.*'
 
-fmu:      ## The FMU for co-simulation: build/underbrush.fmu
+fmu:      ## The FMUs for co-simulation: build/underbrush.fmu (FMI 2.0), build/underbrush3.fmu (FMI 3.0)
 	@scripts/setup.sh build python
 	@test -f $(BUILD)/CMakeCache.txt && first= || first="$(program_only)"; \
 	  $(call quiet,$(configure) $$first)
 	@cmake --build $(BUILD) --target fmu -j $(JOBS)
-	@echo "built $(BUILD)/underbrush.fmu"
+	@echo "built $(BUILD)/underbrush.fmu and $(BUILD)/underbrush3.fmu"
 
 check-fmu: fmu ## The FMU's tests with 100 000 steps for the one of memory (minutes)
-	@python3 tests/fmu/fmu_test.py --fmu $(BUILD)/underbrush.fmu --long
+	@python3 tests/fmu/fmu_test.py --fmu $(BUILD)/underbrush.fmu --fmi3 $(BUILD)/underbrush3.fmu --long
 
 demo: build    ## The whole pipeline on a generated site and a real scan; ends with a report in demo/
 	@$(program) demo -o demo

@@ -1,16 +1,16 @@
 /// \file
-/// An instance of the FMU: the model, and the states that FMI's calls lead through.
+/// An instance of the FMU: the model, and the states that FMI's calls lead through. It is the same
+/// for both versions of FMI.
 #pragma once
-#include <memory>
+#include <functional>
 #include <stdexcept>
 #include <string>
 
-#include "fmi2_types.h"
 #include "model.hpp"
 
 namespace underbrush::fmu {
 
-/// The states of FMI 2.0's co-simulation, as bits.
+/// The states of co-simulation, as bits.
 enum Phase : unsigned {
   kInstantiated = 1,
   kInitialization = 2,
@@ -19,6 +19,10 @@ enum Phase : unsigned {
   kError = 16
 };
 inline constexpr unsigned kAlive = kInstantiated | kInitialization | kStepping | kTerminated;
+inline constexpr unsigned kSettable = kInstantiated | kInitialization | kStepping;
+
+/// What a call returns, with the numbers that both versions of FMI give it.
+enum class Status : uint8_t { kOk, kWarning, kDiscard, kError };
 
 /// A call that FMI does not allow.
 class CallError : public std::runtime_error {
@@ -26,51 +30,76 @@ class CallError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// A saved state: a copy of the model with its phase and time.
+struct SavedState {
+  Snapshot snapshot;
+  unsigned phase;
+  double time_s;
+};
+
 /// An instance.
 struct Instance {
-  Instance(std::string instance_name, std::string resources, const fmi2CallbackFunctions& functions,
-           bool logs);
+  /// The environment's logger: status, category and text.
+  using Logger = std::function<void(Status, const char*, const char*)>;
+  Instance(Fmi version, std::string resources, Logger logger, bool logs);
 
   /// Calls the environment's logger, on the thread of the present call.
-  void log(fmi2Status status, const char* category, const std::string& text) const;
+  void log(Status status, const char* category, const std::string& text) const;
   /// Runs `action` if the phase is one of `allowed`. No exception leaves it.
   template <class Action>
-  fmi2Status call(const char* function, unsigned allowed, Action&& action) {
+  Status call(const char* function, unsigned allowed, Action&& action) {
     try {
-      if (!(phase & allowed)) {
-        log(fmi2Error, "call", std::string(function) + ": not allowed now");
-        return fmi2Error;
-      }
+      if (!(phase & allowed)) throw CallError("not allowed now");
       action();
-      return fmi2OK;
-    } catch (const CallError& e) {
-      log(fmi2Error, "call", std::string(function) + ": " + e.what());
+      return Status::kOk;
     } catch (const std::bad_alloc&) {
-      log(fmi2Error, "call", std::string(function) + ": out of memory");
+      log(Status::kError, "call", std::string(function) + ": out of memory");
     } catch (const std::exception& e) {
-      log(fmi2Error, "call", std::string(function) + ": " + e.what());
+      log(Status::kError, "call", std::string(function) + ": " + e.what());
     } catch (...) {
-      log(fmi2Error, "call", std::string(function) + ": failed");
+      log(Status::kError, "call", std::string(function) + ": failed");
     }
-    return fmi2Error;
+    return Status::kError;
   }
 
-  std::string name;
-  fmi2CallbackFunctions callbacks;
+  /// Begins the simulation. Throws `CallError`.
+  void set_start(double start_s);
+  /// Ends the initialisation. Afterwards the phase says whether it succeeded.
+  Status finish_initialization(const char* function);
+  /// A step from `now_s` on. Throws `CallError`.
+  void step(const char* function, double now_s, double step_s);
+  void terminate();
+  void reset();
+
+  /// Writes a copy of the state to `state`, in place of the one that it has. Throws `CallError`.
+  void save(void** state) const;
+  void restore(const void* state);
+  static void forget(void** state);
+
+  /// Gets or sets `count` values of a type. Throws `CallError`.
+  template <class Value>
+  void get(Type type, const uint32_t* references, size_t count, Value* values);
+  template <class Value>
+  void set(Type type, const uint32_t* references, size_t count, const Value* values);
+  /// The same for FMI 3.0's binary values. What is set is copied.
+  void get_binary(const uint32_t* references, size_t count, size_t* sizes, const uint8_t** values);
+  void set_binary(const uint32_t* references, size_t count, const size_t* sizes,
+                  const uint8_t* const* values);
+
+  Fmi version;
+  Logger logger;
   bool is_logging;
   unsigned phase = kInstantiated;
   double time_s = 0;  ///< Where the last step ended.
   Model model;
 
-  /// Gets or sets `count` values of a type. Throws `CallError`.
-  template <class Value>
-  void get(Type type, const fmi2ValueReference* references, size_t count, Value* values);
-  template <class Value>
-  void set(Type type, const fmi2ValueReference* references, size_t count, const Value* values);
-
  private:
-  const Variable& variable(Type type, fmi2ValueReference reference) const;
+  const Variable& variable(Type type, uint32_t reference) const;
   void check_set(const Variable& v) const;
+  void prepare(const Variable& v);
 };
+
+/// The path of a file URI, with or without a host; another text stays as it is.
+std::string path_of_uri(const std::string& uri);
 
 }  // namespace underbrush::fmu

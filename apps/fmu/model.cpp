@@ -35,7 +35,7 @@ Values::Values() {
 Model::Model(fs::path resources, Warn warn)
     : resources_(std::move(resources)), warn_(std::move(warn)) {}
 
-std::string_view Model::input(uint32_t r) const {
+std::string_view Model::bytes(uint32_t r) const {
   const auto low = uint32_t(values.integer[r]), high = uint32_t(values.integer[r + 1]);
   const int32_t size = values.integer[r + 2];
   const uint64_t address = uint64_t(high) << 32 | low;
@@ -43,11 +43,17 @@ std::string_view Model::input(uint32_t r) const {
   return {reinterpret_cast<const char*>(address), size_t(size)};  // NOLINT
 }
 
-void Model::set_output(uint32_t r, const std::string& bytes) {
+void Model::point_to(uint32_t r, const std::string& bytes) {
   const auto address = reinterpret_cast<uint64_t>(bytes.data());
   values.integer[r] = int32_t(uint32_t(address));
   values.integer[r + 1] = int32_t(uint32_t(address >> 32));
   values.integer[r + 2] = int32_t(bytes.size());
+}
+
+void Model::set_bytes(uint32_t r, std::string_view bytes) {
+  std::string& held = memory_.held[r];
+  held.assign(bytes);
+  point_to(r, held);
 }
 
 std::string Model::in_resources(const std::string& word) const {
@@ -74,7 +80,7 @@ void Model::set_parameters(osi::ChainFile& file) const {
   set_real(kThresholdSnr, "front_end", "threshold_snr");
   set_real(kExistenceThreshold, "tracking", "threshold");
   set_real(kLatencyMs, "tracking", "latency_ms");
-  const std::string_view config = input(kSensorViewInConfig);
+  const std::string_view config = bytes(kSensorViewInConfig);
   if (config.empty()) return;
   const auto given = osi::read_configuration(config, "OSMPSensorViewInConfig");
   const auto& mounting =
@@ -104,11 +110,11 @@ osi::ChainFile Model::chain_file() const {
 }
 
 void Model::note_ground_truth() {
-  const std::string_view bytes = input(kGroundTruthInit);
-  if (bytes.empty()) return;
+  const std::string_view given = bytes(kGroundTruthInit);
+  if (given.empty()) return;
   try {
     osi::SensorView view;
-    view.truth = osi::read_ground_truth(bytes, "OSMPGroundTruthInit");
+    view.truth = osi::read_ground_truth(given, "OSMPGroundTruthInit");
     memory_.known.fill(view);
   } catch (const FormatError& e) {
     warn_(e.what());
@@ -126,7 +132,7 @@ void Model::start() {
 }
 
 void Model::request() {
-  const std::string_view given = input(kSensorViewInConfig);
+  const std::string_view given = bytes(kSensorViewInConfig);
   const std::string key = values.text[kProfile] + '\n' + values.text[kChain] + '\n' +
                           std::string(given.empty() ? "" : given);
   if (requested_.empty() || key != request_of_) {
@@ -150,13 +156,13 @@ void Model::request() {
       osi::write(osi::request_of(osi::make_profile(sensor, columns, rows), 0, {}), requested_);
     }
   }
-  set_output(kSensorViewInConfigRequest, requested_);
+  point_to(kSensorViewInConfigRequest, requested_);
 }
 
 // Runs the chain on the input and returns the output message.
 std::string Model::process() {
   osi::SensorData data;
-  const std::string_view earlier = input(kSensorDataIn), view_bytes = input(kSensorViewIn);
+  const std::string_view earlier = bytes(kSensorDataIn), view_bytes = bytes(kSensorViewIn);
   std::optional<osi::Timestamp> time;
   const auto is_old = [&](const std::optional<osi::Timestamp>& now) {
     time = now;
@@ -209,7 +215,7 @@ void Model::step() {
   }
   memory_.current = 1 - memory_.current;  // The output of the step before stays where it is.
   memory_.output[memory_.current] = std::move(out);
-  set_output(kSensorDataOut, memory_.output[memory_.current]);
+  point_to(kSensorDataOut, memory_.output[memory_.current]);
   values.integer[kValid] = memory_.is_valid;
   if (trace_) trace_->write(memory_.output[memory_.current]);
 }
@@ -240,8 +246,9 @@ void Model::restore(const Snapshot& s) {
   memory_ = s.memory;
   chain_.reset();
   if (s.chain) chain_.emplace(s.chain->clone());
+  for (const auto& [reference, held] : memory_.held) point_to(reference, held);
   if (!memory_.output[memory_.current].empty()) {
-    set_output(kSensorDataOut, memory_.output[memory_.current]);
+    point_to(kSensorDataOut, memory_.output[memory_.current]);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -31,6 +32,7 @@ struct Memory {
   std::array<std::string, 2> output;   ///< The last two output messages.
   size_t current = 0;                  ///< Which of them is the last one.
   bool is_valid = false;
+  std::map<uint32_t, std::string> held;  ///< Copies of binary variables, by reference (FMI 3.0).
 };
 
 /// A copy of a model's state.
@@ -60,12 +62,15 @@ class Model {
   /// Serialises what the environment simulator is asked for, if the parameters have changed, and
   /// sets the variable.
   void request();
+  /// The bytes of a binary variable, empty if it has none.
+  std::string_view bytes(uint32_t reference) const;
+  /// Keeps a copy of the bytes of a binary variable, and has the variable point to it.
+  void set_bytes(uint32_t reference, std::string_view bytes);
   Snapshot snapshot() const;
   void restore(const Snapshot& snapshot);
 
  private:
-  std::string_view input(uint32_t reference) const;
-  void set_output(uint32_t reference, const std::string& bytes);
+  void point_to(uint32_t reference, const std::string& bytes);
   osi::ChainFile chain_file() const;
   void set_parameters(osi::ChainFile& file) const;
   std::string in_resources(const std::string& word) const;

@@ -38,12 +38,12 @@ def stripped(library: pathlib.Path, strip: str) -> bytes:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    for name in ("output", "library", "describe", "resources", "licence", "strip"):
+    for name in ("output", "library", "platform", "describe", "fmi", "resources", "licence", "strip"):
         parser.add_argument(f"--{name}", required=True)
     a = parser.parse_args()
-    description = subprocess.run([a.describe], check=True, capture_output=True).stdout
+    description = subprocess.run([a.describe, a.fmi], check=True, capture_output=True).stdout
     entries = {"modelDescription.xml": description,
-               "binaries/linux64/underbrush.so": stripped(pathlib.Path(a.library), a.strip)}
+               f"binaries/{a.platform}/underbrush.so": stripped(pathlib.Path(a.library), a.strip)}
     resources = pathlib.Path(a.resources)
     for path in sorted(p for p in resources.rglob("*") if p.is_file()):
         entries[f"resources/{path.relative_to(resources)}"] = path.read_bytes()

@@ -11,8 +11,8 @@ namespace underbrush {
 /// The FMU: a sensor model for co-simulation that speaks OSI.
 namespace fmu {
 
-/// The value references. A binary variable of OSMP is three integers: the lower and upper half of
-/// an address, and a size.
+/// The value references. A binary variable is three integers in FMI 2.0, as OSMP says: the lower
+/// and upper half of an address, and a size. In FMI 3.0 it has the first reference of the three.
 enum Reference : uint32_t {
   kSensorViewIn = 0,
   kSensorDataOut = 3,
@@ -37,8 +37,12 @@ enum Reference : uint32_t {
   kTracking = 32,
   kWorld = 33,
   kTraceOutputPath = 34,
-  kReferences = 35
+  kReferences = 35,
+  kTime = kReferences  ///< The independent variable, which FMI 3.0 asks for.
 };
+
+/// The versions of FMI.
+enum class Fmi : uint8_t { k2, k3 };
 
 enum class Type : uint8_t { kBinary, kInteger, kReal, kBoolean, kString };
 enum class Role : uint8_t { kInput, kOutput, kParameter, kCalculatedParameter };
@@ -58,10 +62,10 @@ std::span<const Variable> variables();
 /// The row of a value reference and of the integers of a binary variable, or null.
 const Variable* find(uint32_t reference);
 
-/// The model description for FMI 2.0.
-std::string description();
-/// The model's GUID: a hash of the description.
-std::string guid();
+/// The model description for a version of FMI.
+std::string description(Fmi version);
+/// The model's GUID, in FMI 3.0 the instantiation token: a hash of the description.
+std::string guid(Fmi version);
 
 }  // namespace fmu
 }  // namespace underbrush

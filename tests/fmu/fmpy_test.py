@@ -40,21 +40,27 @@ class Master(unittest.TestCase):
     """The FMU as FMPy sees it."""
     fmpy: typing.Any
     fmi2: typing.Any
+    fmi3: typing.Any
     osi: typing.Any
     view: typing.Any
     fmu: str
+    fmu3: str
 
     @classmethod
     def setUpClass(cls) -> None:
         cls.fmpy = importlib.import_module("fmpy")
         cls.fmi2 = importlib.import_module("fmpy.fmi2")
+        cls.fmi3 = importlib.import_module("fmpy.fmi3")
         cls.osi = importlib.import_module("osi3.osi_sensordata_pb2")
         cls.view = importlib.import_module("osi3.osi_sensorview_pb2")
         cls.fmu = str(pathlib.Path(ARGUMENTS.build) / "underbrush.fmu")
+        cls.fmu3 = str(pathlib.Path(ARGUMENTS.build) / "underbrush3.fmu")
 
-    def test_is_valid(self) -> None:
+    def test_are_valid(self) -> None:
         validation = importlib.import_module("fmpy.validation")
-        self.assertEqual(validation.validate_fmu(self.fmu), [])
+        for fmu in (self.fmu, self.fmu3):
+            self.assertEqual(validation.validate_fmu(fmu), [])
+            self.assertEqual(self.fmpy.supported_platforms(fmu), ["x86_64-linux"])
 
     def test_runs_without_inputs(self) -> None:
         messages: list[str] = []
@@ -89,6 +95,26 @@ class Master(unittest.TestCase):
             one.freeInstance()
         return found
 
+    def outputs3(self, views: list[bytes], steps: int) -> list[bytes]:
+        """The outputs of the first steps of such a run in FMI 3.0."""
+        description = self.fmpy.read_model_description(self.fmu3)
+        reference = {v.name: v.valueReference for v in description.modelVariables}
+        with tempfile.TemporaryDirectory() as folder:
+            self.fmpy.extract(self.fmu3, folder)
+            one = self.fmi3.FMU3Slave(guid=description.instantiationToken, unzipDirectory=folder,
+                                      modelIdentifier="underbrush", instanceName="one")
+            one.instantiate()
+            one.enterInitializationMode()
+            one.exitInitializationMode()
+            found = []
+            for k in range(steps):
+                one.setBinary([reference["OSMPSensorViewIn"]], [views[k * len(views) // STEPS]])
+                one.doStep(currentCommunicationPoint=k * 0.02, communicationStepSize=0.02)
+                found += one.getBinary([reference["OSMPSensorDataOut"]])
+            one.terminate()
+            one.freeInstance()
+        return found
+
     def views(self) -> list[bytes]:
         """A drive of 20 s, encoded by OSI's own package."""
         views = []
@@ -119,6 +145,7 @@ class Master(unittest.TestCase):
             views = importlib.import_module("osi_bytes").frames(trace.read_bytes())
         first = self.outputs(views)
         self.assertEqual(first, self.outputs(views))
+        self.assertEqual(first[:200], self.outputs3(views, 200))
         self.assertGreater(sum(len(self.osi.SensorData.FromString(out).moving_object) for out in first), STEPS / 2)
 
     def test_messages_are_those_of_the_official_package(self) -> None:
@@ -154,13 +181,16 @@ class Master(unittest.TestCase):
     def test_the_page(self) -> None:
         page = (ROOT / "docs/how-to/co-simulation.md").read_text(encoding="utf-8")
         blocks = re.findall(r"<!-- run: fmpy -->\n```python\n(.*?)^```", page, re.M | re.S)
-        self.assertEqual(len(blocks), 1)
+        self.assertEqual(len(blocks), 2)
         with tempfile.TemporaryDirectory() as folder:
-            (pathlib.Path(folder) / "underbrush.fmu").symlink_to(pathlib.Path(self.fmu).resolve())
-            done = subprocess.run([sys.executable, "-c", blocks[0]], cwd=folder, check=False, capture_output=True,
-                                  text=True)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertRegex(done.stdout, r"\d+\.\d m ahead, 0\.45 s old, [34]\.\d m/s faster")
+            for fmu in (self.fmu, self.fmu3):
+                path = pathlib.Path(fmu).resolve()
+                (pathlib.Path(folder) / path.name).symlink_to(path)
+            done = [subprocess.run([sys.executable, "-c", block], cwd=folder, check=False, capture_output=True,
+                                   text=True) for block in (blocks[0], blocks[0] + blocks[1])]
+        self.assertEqual([one.returncode for one in done], [0, 0], done[0].stderr + done[1].stderr)
+        self.assertRegex(done[0].stdout, r"\d+\.\d m ahead, 0\.45 s old, [34]\.\d m/s faster")
+        self.assertEqual(done[1].stdout, done[0].stdout + "the same bytes\n")
 
     def test_traces_of_the_official_package_are_read(self) -> None:
         import json
