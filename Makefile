@@ -14,7 +14,7 @@ comma := ,
 quiet = log=$$(mktemp); if $(1) > $$log 2>&1; then rm $$log; else cat $$log; rm $$log; exit 1; fi
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build test fuzz fuzz-osi fmu check-fmu demo bench gates results docs deb check-deb wheel check-wheel \
+.PHONY: help setup build test fuzz fuzz-osi fmu check-fmu validation demo bench gates results docs deb check-deb wheel check-wheel \
         check-pythons asan-python clean
 
 help:     ## This list
@@ -60,6 +60,11 @@ fmu:      ## The FMUs for co-simulation: build/underbrush.fmu (FMI 2.0), build/u
 
 check-fmu: fmu ## The FMU's tests with 100 000 steps for the one of memory (minutes)
 	@python3 tests/fmu/fmu_test.py --fmu $(BUILD)/underbrush.fmu --fmi3 $(BUILD)/underbrush3.fmu --long
+
+validation:    ## The report of what the simulation was validated with: build/validation.html
+	@mkdir -p $(BUILD)
+	@scripts/validation_report.py --html $(BUILD)/validation.html
+	@echo "wrote $(BUILD)/validation.html"
 
 demo: build    ## The whole pipeline on a generated site and a real scan; ends with a report in demo/
 	@$(program) demo -o demo

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Packs the FMU: a zip archive with the model description, the library, the resources and the licences.
+"""Packs the FMU: a zip archive with the model description, the library, the resources, the licences, and what the
+model was validated with.
 
 The same files give the same bytes: entries have a fixed time and order.
 """
@@ -13,6 +14,8 @@ import tempfile
 import zipfile
 
 TIME = (2020, 1, 1, 0, 0, 0)
+#: Where SSP Traceability looks for metadata of an FMU.
+METADATA = "extra/org.ssp-standard.ssp-traceability.srmd/resourceMetaData.srmd"
 #: What the library holds besides our own code, with the folder of its licence on Debian.
 THIRD_PARTIES = ("libyaml-cpp-dev", "libprotozero-dev", "libeigen3-dev", "nlohmann-json3-dev", "libnanoflann-dev",
                  "libstdc++6")
@@ -38,7 +41,8 @@ def stripped(library: pathlib.Path, strip: str) -> bytes:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    for name in ("output", "library", "platform", "describe", "fmi", "resources", "licence", "strip"):
+    for name in ("output", "library", "platform", "describe", "fmi", "resources", "licence", "strip", "report",
+                 "metadata"):
         parser.add_argument(f"--{name}", required=True)
     a = parser.parse_args()
     description = subprocess.run([a.describe, a.fmi], check=True, capture_output=True).stdout
@@ -48,6 +52,8 @@ def main() -> None:
     for path in sorted(p for p in resources.rglob("*") if p.is_file()):
         entries[f"resources/{path.relative_to(resources)}"] = path.read_bytes()
     entries.update(licences(pathlib.Path(a.licence)))
+    entries["documentation/index.html"] = pathlib.Path(a.report).read_bytes()
+    entries[METADATA] = pathlib.Path(a.metadata).read_bytes()
     part = a.output + ".part"
     with zipfile.ZipFile(part, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, data in entries.items():

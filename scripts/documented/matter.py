@@ -69,6 +69,16 @@ MEASURED = {
 }
 
 
+def object_list_errors(figures, row):
+    """{value: RMSE in m} of a row of the table of object lists, the mean over the objects that are long in view.
+    The row "truth" has the errors of the labels."""
+    objects = figures["meshes/model" if row == "truth" else row]["normalised_rmse"]
+    kept = [o for o in objects if min(o["simulated_real"]["cycles"], o["real_truth"]["cycles"]) >= 10]
+    pair = "real_truth" if row == "truth" else "simulated_real"
+    return {value: sum(o[pair]["rmse_m"][value] for o in kept) / len(kept)
+            for value in ("x", "y", "z", "length", "width", "height")}
+
+
 def extremes(values):
     return [min(values), max(values)]
 
@@ -109,8 +119,16 @@ def validated(tables):
         yield ("odometry on simulated scans", "error", ratios + extremes(
             [drive[part]["correlation"] for part in ("translation", "rotation") for drive in found]))
 
+    def lists(folder):
+        f = read_json(folder / "study.json")["figures"]["kitti_0005_tracks"]
+        errors = {row: object_list_errors(f, row) for row in ("meshes/pipeline", "ellipsoids/pipeline")}
+        truth = object_list_errors(f, "truth")
+        yield ("object lists", "error", extremes([e[v] / truth[v] for e in errors.values()
+                                                 for v in ("length", "width", "height")]))
+
     def part(name, cells):
         return Part(tuple(job for p in tables[name].parts for job in p.jobs), cells)
     return Measured((part("instrument", ends), part("grain", rings), part("echoes", several), part("walls", walls),
-                     part("extrapolation", beyond), part("software-odometry", software)),
+                     part("extrapolation", beyond), part("software-odometry", software),
+                     part("sequential", lists)),
                     relative={"odometry on simulated scans": 0.02})

@@ -177,15 +177,9 @@ def verification(folder):
 
 def sequential(folder):
     f = read_json(folder / "study.json")["figures"]["kitti_0005_tracks"]
-    values = ("x", "y", "z", "length", "width", "height")
-    rows = ("meshes/model", "meshes/pipeline", "ellipsoids/model", "ellipsoids/pipeline", "noisy truth")
-    for row in rows:
-        kept = [o for o in f[row]["normalised_rmse"]
-                if min(o["simulated_real"]["cycles"], o["real_truth"]["cycles"]) >= 10]
-        for value in values:
-            yield row, value, [sum(o["simulated_real"]["rmse_m"][value] for o in kept) / len(kept)]
-            if row == rows[0]:
-                yield "truth", value, [sum(o["real_truth"]["rmse_m"][value] for o in kept) / len(kept)]
+    for row in ("truth", "meshes/model", "meshes/pipeline", "ellipsoids/model", "ellipsoids/pipeline", "noisy truth"):
+        for value, error in matter.object_list_errors(f, row).items():
+            yield row, value, [error]
 
 
 SEQUENTIAL = study("sequential", "--data data", """mkdir -p drive/velodyne data/kitti_0005_tracks

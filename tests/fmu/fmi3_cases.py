@@ -29,7 +29,9 @@ class Fmi3(FmuTest):
         return made
 
     def test_the_bytes_of_fmi_2(self) -> None:
-        for parameters in ({}, {"tracking": "real", "seed": 3}, {"strategies": "tracer,front_end", "threads": 2}):
+        choices: tuple[dict[str, typing.Any], ...] = (
+            {}, {"tracking": "real", "seed": 3}, {"strategies": "tracer,front_end", "threads": 2})
+        for parameters in choices:
             one, two = self.instance3(**parameters), self.instance(**parameters)
             for k in range(30):
                 self.assertEqual(one.step(drive(k)), two.step(drive(k)))
