@@ -24,8 +24,7 @@ from documented import tables  # noqa: E402
 PAGE = "docs/explanation/validation.md"
 LINK = re.compile(r"\[([^\]]*)\]\(([^()\s]+)\)")
 INTERVAL = re.compile(r"\([−-]?[\d.]+ to [−-]?[\d.]+\)|±")
-SRMD = "http://ssp-standard.org/SSPTraceability1/SimulationResourceMetaData"
-STC = "http://ssp-standard.org/SSPTraceability1/SSPTraceabilityCommon"
+TEMPLATE = "scripts/documented/metadata.srmd"
 CLASSIFICATION = "org.underbrush.validation"
 STYLE = """body{font:16px/1.5 sans-serif;max-width:75em;margin:2em auto;padding:0 1em}
 table{border-collapse:collapse;font-size:85%;display:block;overflow-x:auto}td,th{border:1px solid #bbb;padding:.2em .5em}
@@ -164,12 +163,9 @@ def srmd(found: list[Effect]) -> str:
              ("claims that do not hold", str(broken)), ("verification", "make test; make results")]
     ranges = [(f"{quantity}.{key}", plain(value)) for quantity, inside, outside in validity()
               for key, value in (("compared", inside), ("beyond it", outside))]
-    return ('<?xml version="1.0" encoding="UTF-8"?>\n'
-            f'<srmd:SimulationResourceMetaData xmlns:srmd="{SRMD}" xmlns:stc="{STC}" version="1.0.0" '
-            'name="Underbrush" description="What the sensor model was validated with" '
-            'author="The Underbrush developers" license="Apache-2.0" generationTool="validation_report.py">\n'
-            + entries("model", model) + entries("effects", shown) + entries("validity", ranges)
-            + "</srmd:SimulationResourceMetaData>\n")
+    template = (ROOT / TEMPLATE).read_text(encoding="utf-8")
+    return template.replace("@CLASSIFICATIONS@", entries("model", model) + entries("effects", shown)
+                            + entries("validity", ranges))
 
 
 def main() -> None:

@@ -31,12 +31,20 @@ def recording_of(words: Sequence[str]) -> str | None:
     return next((w for w in words[1:] if not w.startswith("-") and is_recording(w)), None)
 
 
+def is_mcap_trace(words: Sequence[str]) -> bool:
+    """Whether the words are `osi convert …` with an MCAP file, which the program leaves to the package."""
+    return list(words[:2]) == ["osi", "convert"] and any(w.lower().endswith(".mcap") for w in words[2:])
+
+
 def main(words: Sequence[str] | None = None) -> int:
     """Runs the command with the words after its name and returns its exit code; the program takes this process over."""
     given = list(sys.argv[1:] if words is None else words)
     if recording_of(given) is not None:
         from underbrush.import_recording import run  # reads only now what readers need
         return run(given[1:])
+    if is_mcap_trace(given):
+        from underbrush.convert_trace import run as convert
+        return convert(given[2:])
     found = program()
     os.execv(found, ["underbrush", *given])
 

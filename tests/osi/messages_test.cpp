@@ -19,6 +19,46 @@ std::string bytes_of(const Message& m) {
   return out;
 }
 
+// The usual layout of reflections is read without the steps of the others.
+TEST(Messages, ReflectionsOfAllLayouts) {
+  osi::SensorView v;
+  osi::LidarSensorView& l = v.lidar.emplace_back();
+  for (const uint64_t id :
+       {uint64_t(0), uint64_t(1), uint64_t(127), uint64_t(128), uint64_t(1) << 14,
+        (uint64_t(1) << 35) - 1, uint64_t(1) << 35, UINT64_MAX - 1, osi::kNoId}) {
+    for (const bool has_doppler : {false, true}) {
+      l.reflections.push_back(
+          {-31.5, 1e-7, has_doppler ? 5.0 : 0.0, id, Vec3f::Zero(), has_doppler});
+    }
+  }
+  const osi::SensorView back = osi::read_sensor_view(bytes_of(v), "v");
+  ASSERT_EQ(back.lidar[0].reflections.size(), l.reflections.size());
+  for (size_t k = 0; k < l.reflections.size(); ++k) {
+    const osi::Reflection &a = back.lidar[0].reflections[k], &b = l.reflections[k];
+    EXPECT_EQ(a.object_id, b.object_id);
+    EXPECT_EQ(a.signal_db, b.signal_db);
+    EXPECT_EQ(a.time_of_flight_s, b.time_of_flight_s);
+    EXPECT_EQ(a.has_doppler, b.has_doppler);
+  }
+  EXPECT_EQ(bytes_of(back), bytes_of(v));
+}
+
+// An identifier that is cut off or goes on is refused, as in any other message.
+TEST(Messages, ReflectionsWithDamagedIdentifiers) {
+  osi::SensorView v;
+  v.lidar.emplace_back().reflections.push_back({-31.5, 1e-7, 0, 300, Vec3f::Zero(), false});
+  const std::string good = bytes_of(v);
+  ASSERT_EQ(uint8_t(good.back()), 2);  // 300 = 2 · 128 + 44
+  for (const char last : {char(0x82), char(0xFF)}) {
+    std::string bad = good;
+    bad.back() = last;
+    EXPECT_THROW(osi::read_sensor_view(bad, "v"), FormatError);
+  }
+  std::string other = good;
+  other[other.size() - 2] = 44;  // A second number follows the first: an unknown field, cut off.
+  EXPECT_THROW(osi::read_sensor_view(other, "v"), FormatError);
+}
+
 TEST(Messages, ViewSurvivesARoundTrip) {
   const std::string bytes = bytes_of(test::view());
   const osi::SensorView v = osi::read_sensor_view(bytes, "v");

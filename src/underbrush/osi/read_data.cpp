@@ -12,9 +12,9 @@ void read_item_header(data_view bytes, Place& place, DetectedObject& o) {
   read_fields(bytes, place, [&](pbf_reader& r, uint32_t key) {
     switch (key) {
       case len(1):
-        return read_one_id(r, place, "tracking_id", o.tracking_id);
+        return into(r, place, "tracking_id", o.tracking_id, read_id);
       case len(2):
-        return add_id(r, place, "ground_truth_id", o.ground_truth_ids);
+        return add_part(r, place, "ground_truth_id", o.ground_truth_ids, read_id);
       case f64(3):
         return finite(r, place, "existence_probability", o.existence);
       case f64(4):
@@ -22,7 +22,7 @@ void read_item_header(data_view bytes, Place& place, DetectedObject& o) {
       case var(5):
         return number(r, o.measurement_state);
       case len(6):
-        return add_id(r, place, "sensor_id", o.sensor_ids);
+        return add_part(r, place, "sensor_id", o.sensor_ids, read_id);
       default:
         return false;
     }
@@ -59,19 +59,15 @@ DetectedObject read_object(data_view bytes, Place& place) {
         return read_part(r, place, "header", -1,
                          [&](data_view p, Place& at) { read_item_header(p, at, o); });
       case len(2):
-        return read_part(r, place, "base", -1,
-                         [&](data_view p, Place& at) { o.base = read_base(p, at); });
+        return into(r, place, "base", o.base, read_base);
       case len(3):
-        return read_part(r, place, "base_rmse", -1,
-                         [&](data_view p, Place& at) { o.base_rmse = read_base(p, at); });
+        return into(r, place, "base_rmse", o.base_rmse, read_base);
       case var(4):
         return number(r, o.reference_point);
       case var(5):
         return number(r, o.movement_state);
       case len(8):
-        return read_part(
-            r, place, "candidate", int64_t(o.candidates.size()),
-            [&](data_view p, Place& at) { o.candidates.push_back(read_candidate(p, at)); });
+        return add_part(r, place, "candidate", o.candidates, read_candidate);
       default:
         return false;
     }
@@ -84,7 +80,7 @@ ObjectHeader read_object_header(data_view bytes, Place& place) {
   read_fields(bytes, place, [&](pbf_reader& r, uint32_t key) {
     switch (key) {
       case len(1):
-        return read_timestamp(r, place, h.measurement_time);
+        return into(r, place, "timestamp", h.measurement_time, read_timestamp);
       case var(2):
         return number(r, h.cycle_counter);
       case var(3):
@@ -99,8 +95,7 @@ ObjectHeader read_object_header(data_view bytes, Place& place) {
 void read_features(data_view bytes, Place& place, std::vector<LidarDetectionData>& lidar) {
   read_fields(bytes, place, [&](pbf_reader& r, uint32_t key) {
     if (key != len(3)) return false;
-    return read_part(r, place, "lidar_sensor", int64_t(lidar.size()),
-                     [&](data_view p, Place& at) { lidar.push_back(read_lidar(p, at)); });
+    return add_part(r, place, "lidar_sensor", lidar, read_lidar);
   });
 }
 
@@ -132,33 +127,28 @@ bool read_views(pbf_reader& r, Place& place, SensorData& d) {
 bool take(pbf_reader& r, uint32_t key, Place& place, SensorData& d) {
   switch (key) {
     case len(1):
-      return read_version(r, place, d.version);
+      return into(r, place, "version", d.version, read_version);
     case len(2):
-      return read_timestamp(r, place, d.timestamp);
+      return into(r, place, "timestamp", d.timestamp, read_timestamp);
     case len(3):
-      return read_part(r, place, "host_vehicle_location", -1,
-                       [&](data_view p, Place& at) { d.host = read_base(p, at); });
+      return into(r, place, "host_vehicle_location", d.host, read_base);
     case len(5):
-      return read_id(r, place, "sensor_id", d.sensor_id);
+      return into(r, place, "sensor_id", d.sensor_id, read_id);
     case len(6):
-      return read_mounting(r, place, d.mounting);
+      return into(r, place, "mounting_position", d.mounting, read_mounting);
     case len(8):
       return read_views(r, place, d);
     case len(9):
-      return read_timestamp(r, place, d.last_measurement_time);
+      return into(r, place, "timestamp", d.last_measurement_time, read_timestamp);
     case len(12):
-      return read_part(r, place, "moving_object_header", -1, [&](data_view p, Place& at) {
-        d.object_header = read_object_header(p, at);
-      });
+      return into(r, place, "moving_object_header", d.object_header, read_object_header);
     case len(13):
-      return read_part(r, place, "moving_object", int64_t(d.objects.size()),
-                       [&](data_view p, Place& at) { d.objects.push_back(read_object(p, at)); });
+      return add_part(r, place, "moving_object", d.objects, read_object);
     case len(26):
       return read_part(r, place, "feature_data", -1,
                        [&](data_view p, Place& at) { read_features(p, at, d.lidar); });
     case len(27):
-      return read_part(r, place, "logical_detection_data", -1,
-                       [&](data_view p, Place& at) { d.logical = read_logical(p, at); });
+      return into(r, place, "logical_detection_data", d.logical, read_logical);
     case len(28):
       return read_part(r, place, "virtual_detection_area", -1,
                        [&](data_view p, Place& at) { read_area(p, at, d.free_area); });
@@ -193,11 +183,11 @@ SensorViewConfiguration read_configuration(std::string_view bytes, std::string_v
   read_fields({bytes.data(), bytes.size()}, place, [&](pbf_reader& r, uint32_t key) {
     switch (key) {
       case len(1):
-        return read_version(r, place, c.version);
+        return into(r, place, "version", c.version, read_version);
       case len(2):
-        return read_id(r, place, "sensor_id", c.sensor_id);
+        return into(r, place, "sensor_id", c.sensor_id, read_id);
       case len(3):
-        return read_mounting(r, place, c.mounting);
+        return into(r, place, "mounting_position", c.mounting, read_mounting);
       case f64(5):
         return finite(r, place, "field_of_view_horizontal", c.field_horizontal_rad);
       case f64(6):
@@ -205,13 +195,12 @@ SensorViewConfiguration read_configuration(std::string_view bytes, std::string_v
       case f64(7):
         return finite(r, place, "range", c.range_m);
       case len(8):
-        read_timestamp(r, place, cycle);
+        into(r, place, "timestamp", cycle, read_timestamp);
         c.cycle_s = cycle->s();
         return true;
       case len(1002):
-        return read_part(
-            r, place, "lidar_sensor_view_configuration", int64_t(c.lidar.size()),
-            [&](data_view p, Place& at) { c.lidar.push_back(read_lidar_configuration(p, at)); });
+        return add_part(r, place, "lidar_sensor_view_configuration", c.lidar,
+                        read_lidar_configuration);
       default:
         return false;
     }

@@ -28,7 +28,7 @@ LidarDetection read_detection(data_view bytes, Place& place) {
       case f64(1):
         return finite(r, place, "existence_probability", d.existence);
       case len(2):
-        return read_one_id(r, place, "object_id", d.object_id);
+        return into(r, place, "object_id", d.object_id, read_id);
       case len(3):
         return read_part(r, place, "position", -1,
                          [&](data_view p, Place& at) { read_spherical(p, at, d); });
@@ -41,7 +41,7 @@ LidarDetection read_detection(data_view bytes, Place& place) {
       case f64(12):
         return finite(r, place, "radial_velocity", d.radial_velocity_m_s);
       case len(13):
-        return read_one_id(r, place, "beam_id", d.beam_id);
+        return into(r, place, "beam_id", d.beam_id, read_id);
       default:
         return false;
     }
@@ -54,17 +54,17 @@ DetectionHeader read_detection_header(data_view bytes, Place& place) {
   read_fields(bytes, place, [&](pbf_reader& r, uint32_t key) {
     switch (key) {
       case len(1):
-        return read_timestamp(r, place, h.measurement_time);
+        return into(r, place, "timestamp", h.measurement_time, read_timestamp);
       case var(2):
         return number(r, h.cycle_counter);
       case len(3):
-        return read_mounting(r, place, h.mounting);
+        return into(r, place, "mounting_position", h.mounting, read_mounting);
       case var(5):
         return number(r, h.qualifier);
       case var(6):
         return number(r, h.valid_detections);
       case len(7):
-        return read_id(r, place, "sensor_id", h.sensor_id);
+        return into(r, place, "sensor_id", h.sensor_id, read_id);
       default:
         return false;
     }
@@ -79,12 +79,9 @@ LidarDetectionData read_lidar(data_view bytes, Place& place) {
   read_fields(bytes, place, [&](pbf_reader& r, uint32_t key) {
     switch (key) {
       case len(1):
-        return read_part(r, place, "header", -1,
-                         [&](data_view p, Place& at) { l.header = read_detection_header(p, at); });
+        return into(r, place, "header", l.header, read_detection_header);
       case len(2):
-        return read_part(
-            r, place, "detection", int64_t(l.detections.size()),
-            [&](data_view p, Place& at) { l.detections.push_back(read_detection(p, at)); });
+        return add_part(r, place, "detection", l.detections, read_detection);
       default:
         return false;
     }
@@ -101,7 +98,7 @@ LogicalDetection read_logical_detection(data_view bytes, Place& place) {
       case f64(1):
         return finite(r, place, "existence_probability", d.existence);
       case len(2):
-        return read_one_id(r, place, "object_id", d.object_id);
+        return into(r, place, "object_id", d.object_id, read_id);
       case len(3):
         return read_part(r, place, "position", -1, [&](data_view p, Place& at) {
           d.position_m = read_vector(p, at, d.position_m);
@@ -109,7 +106,7 @@ LogicalDetection read_logical_detection(data_view bytes, Place& place) {
       case f64(7):
         return finite(r, place, "intensity", d.intensity_percent);
       case len(10):
-        return read_one_id(r, place, "sensor_id", d.sensor_id);
+        return into(r, place, "sensor_id", d.sensor_id, read_id);
       case f64(12):
         return finite(r, place, "echo_pulse_width", d.pulse_width_m);
       default:
@@ -127,13 +124,13 @@ LogicalDetectionData read_logical(data_view bytes, Place& place) {
     read_fields(part, at, [&](pbf_reader& r, uint32_t key) {
       switch (key) {
         case len(1):
-          return read_timestamp(r, at, l.time);
+          return into(r, at, "timestamp", l.time, read_timestamp);
         case var(2):
           return number(r, l.qualifier);
         case var(3):
           return number(r, l.valid_detections);
         case len(4):
-          return add_id(r, at, "sensor_id", l.sensor_ids);
+          return add_part(r, at, "sensor_id", l.sensor_ids, read_id);
         default:
           return false;
       }
@@ -144,9 +141,7 @@ LogicalDetectionData read_logical(data_view bytes, Place& place) {
       case len(2):
         return read_part(r, place, "header", -1, read_header);
       case len(3):
-        return read_part(
-            r, place, "logical_detection", int64_t(l.detections.size()),
-            [&](data_view p, Place& at) { l.detections.push_back(read_logical_detection(p, at)); });
+        return add_part(r, place, "logical_detection", l.detections, read_logical_detection);
       default:
         return false;
     }

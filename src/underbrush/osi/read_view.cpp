@@ -1,3 +1,6 @@
+#include <bit>
+#include <cstring>
+
 #include "underbrush/osi/read.hpp"
 #include "underbrush/osi/read_parts.inl"
 
@@ -9,7 +12,7 @@ using protozero::pbf_reader;
 
 constexpr double kLongestFlightS = 1;  // Light travels 150 000 km there and back.
 constexpr double kMostDb = 1000;
-constexpr size_t kUsualReflectionBytes = 40;
+constexpr size_t kLeastReflectionBytes = 20;  // Of a ray that met something.
 
 bool text(pbf_reader& r, std::string& value) {
   value = r.get_string();
@@ -28,11 +31,9 @@ MovingObject read_moving(data_view bytes, Place& place) {
   read_fields(bytes, place, [&](pbf_reader& r, uint32_t key) {
     switch (key) {
       case len(1):
-        return read_part(r, place, "id", -1,
-                         [&](data_view p, Place& at) { m.id = read_id(p, at); });
+        return into(r, place, "id", m.id, read_id);
       case len(2):
-        return read_part(r, place, "base", -1,
-                         [&](data_view p, Place& at) { m.base = read_base(p, at); });
+        return into(r, place, "base", m.base, read_base);
       case var(3):
         return number(r, m.type);
       case len(5):
@@ -73,8 +74,7 @@ StationaryObject read_stationary(data_view bytes, Place& place) {
   read_fields(bytes, place, [&](pbf_reader& r, uint32_t key) {
     switch (key) {
       case len(1):
-        return read_part(r, place, "id", -1,
-                         [&](data_view p, Place& at) { s.id = read_id(p, at); });
+        return into(r, place, "id", s.id, read_id);
       case len(2):
         return read_part(r, place, "base", -1, read_place);
       case len(4):
@@ -90,18 +90,15 @@ void read_truth(data_view bytes, Place& place, GroundTruth& t) {
   read_fields(bytes, place, [&](pbf_reader& r, uint32_t key) {
     switch (key) {
       case len(1):
-        return read_version(r, place, t.version);
+        return into(r, place, "version", t.version, read_version);
       case len(2):
-        return read_timestamp(r, place, t.timestamp);
+        return into(r, place, "timestamp", t.timestamp, read_timestamp);
       case len(3):
-        return read_id(r, place, "host_vehicle_id", t.host_vehicle_id);
+        return into(r, place, "host_vehicle_id", t.host_vehicle_id, read_id);
       case len(4):
-        return read_part(
-            r, place, "stationary_object", int64_t(t.stationary.size()),
-            [&](data_view p, Place& at) { t.stationary.push_back(read_stationary(p, at)); });
+        return add_part(r, place, "stationary_object", t.stationary, read_stationary);
       case len(5):
-        return read_part(r, place, "moving_object", int64_t(t.moving.size()),
-                         [&](data_view p, Place& at) { t.moving.push_back(read_moving(p, at)); });
+        return add_part(r, place, "moving_object", t.moving, read_moving);
       case len(10):
         ++t.lanes;
         r.skip();
@@ -112,8 +109,43 @@ void read_truth(data_view bytes, Place& place, GroundTruth& t) {
   });
 }
 
+bool is_possible(const Reflection& f) {
+  return f.time_of_flight_s >= 0 && f.time_of_flight_s <= kLongestFlightS &&
+         std::abs(f.signal_db) <= kMostDb;
+}
+
+// Reads the layout that nearly all reflections have: signal, time of flight and perhaps the number
+// of an object. Returns false for any other and for values that are out of range.
+bool read_usual(data_view bytes, Reflection& f) {
+  constexpr size_t kNumbers = 18;
+  const char* at = bytes.data();
+  if (std::endian::native != std::endian::little || bytes.size() < kNumbers ||
+      at[0] != char(f64(1)) || at[9] != char(f64(2))) {
+    return false;
+  }
+  std::memcpy(&f.signal_db, at + 1, sizeof f.signal_db);
+  std::memcpy(&f.time_of_flight_s, at + 10, sizeof f.time_of_flight_s);
+  if (!is_possible(f)) return false;
+  if (bytes.size() == kNumbers) return true;
+  constexpr size_t kId = kNumbers + 3, kLongest = kId + 5;  // Where the number begins and ends.
+  const size_t end = bytes.size();
+  if (end <= kId || end > kLongest || at[18] != char(len(6)) || size_t(at[19]) != end - 20 ||
+      at[20] != char(var(1))) {
+    return false;
+  }
+  f.object_id = 0;
+  for (size_t k = kId; k < end; ++k) {  // Seven bits a byte; the last byte has no mark.
+    const auto byte = uint8_t(at[k]);
+    if ((byte < 0x80) != (k + 1 == end)) return false;
+    f.object_id |= uint64_t(byte & 0x7F) << (7 * (k - kId));
+  }
+  return true;
+}
+
 Reflection read_reflection(data_view bytes, Place& place) {
   Reflection f;
+  if (read_usual(bytes, f)) return f;
+  f = {};
   read_fields(bytes, place, [&](pbf_reader& r, uint32_t key) {
     switch (key) {
       case f64(1):
@@ -128,8 +160,7 @@ Reflection read_reflection(data_view bytes, Place& place) {
           f.normal = read_vector(p, at).cast<float>();
         });
       case len(6):
-        return read_part(r, place, "object_id", -1,
-                         [&](data_view p, Place& at) { f.object_id = read_id(p, at); });
+        return into(r, place, "object_id", f.object_id, read_id);
       default:
         return false;
     }
@@ -153,9 +184,9 @@ LidarConfiguration read_lidar_configuration(data_view bytes, Place& place) {
   read_fields(bytes, place, [&](pbf_reader& r, uint32_t key) {
     switch (key) {
       case len(1):
-        return read_id(r, place, "sensor_id", c.sensor_id);
+        return into(r, place, "sensor_id", c.sensor_id, read_id);
       case len(2):
-        return read_mounting(r, place, c.mounting);
+        return into(r, place, "mounting_position", c.mounting, read_mounting);
       case f64(4):
         return finite(r, place, "field_of_view_horizontal", c.field_horizontal_rad);
       case f64(5):
@@ -190,17 +221,13 @@ LidarConfiguration read_lidar_configuration(data_view bytes, Place& place) {
 
 LidarSensorView read_lidar_view(data_view bytes, Place& place) {
   LidarSensorView v;
-  v.reflections.reserve(bytes.size() / kUsualReflectionBytes);
+  v.reflections.reserve(bytes.size() / kLeastReflectionBytes);
   read_fields(bytes, place, [&](pbf_reader& r, uint32_t key) {
     switch (key) {
       case len(1):
-        return read_part(r, place, "view_configuration", -1, [&](data_view p, Place& at) {
-          v.configuration = read_lidar_configuration(p, at);
-        });
+        return into(r, place, "view_configuration", v.configuration, read_lidar_configuration);
       case len(2):
-        return read_part(
-            r, place, "reflection", int64_t(v.reflections.size()),
-            [&](data_view p, Place& at) { v.reflections.push_back(read_reflection(p, at)); });
+        return add_part(r, place, "reflection", v.reflections, read_reflection);
       default:
         return false;
     }
@@ -212,23 +239,21 @@ void read_view(data_view bytes, Place& place, SensorView& v) {
   read_fields(bytes, place, [&](pbf_reader& r, uint32_t key) {
     switch (key) {
       case len(1):
-        return read_version(r, place, v.version);
+        return into(r, place, "version", v.version, read_version);
       case len(2):
-        return read_timestamp(r, place, v.timestamp);
+        return into(r, place, "timestamp", v.timestamp, read_timestamp);
       case len(3):
-        return read_id(r, place, "sensor_id", v.sensor_id);
+        return into(r, place, "sensor_id", v.sensor_id, read_id);
       case len(4):
-        return read_mounting(r, place, v.mounting);
+        return into(r, place, "mounting_position", v.mounting, read_mounting);
       case len(7):
         if (!v.truth) v.truth.emplace();
         return read_part(r, place, "global_ground_truth", -1,
                          [&](data_view p, Place& at) { read_truth(p, at, *v.truth); });
       case len(8):
-        return read_id(r, place, "host_vehicle_id", v.host_vehicle_id);
+        return into(r, place, "host_vehicle_id", v.host_vehicle_id, read_id);
       case len(1002):
-        return read_part(
-            r, place, "lidar_sensor_view", int64_t(v.lidar.size()),
-            [&](data_view p, Place& at) { v.lidar.push_back(read_lidar_view(p, at)); });
+        return add_part(r, place, "lidar_sensor_view", v.lidar, read_lidar_view);
       default:
         return false;
     }

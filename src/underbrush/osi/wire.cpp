@@ -97,26 +97,6 @@ bool read_extent(pbf_reader& r, Place& place, std::optional<Vec3>& value) {
   return true;
 }
 
-bool read_timestamp(pbf_reader& r, Place& place, std::optional<Timestamp>& value) {
-  return read_part(r, place, "timestamp", -1,
-                   [&](data_view part, Place& at) { value = read_timestamp(part, at); });
-}
-
-bool read_version(pbf_reader& r, Place& place, std::optional<Version>& value) {
-  return read_part(r, place, "version", -1,
-                   [&](data_view part, Place& at) { value = read_version(part, at); });
-}
-
-bool read_mounting(pbf_reader& r, Place& place, std::optional<Mounting>& value) {
-  return read_part(r, place, "mounting_position", -1,
-                   [&](data_view part, Place& at) { value = read_mounting(part, at); });
-}
-
-bool read_id(pbf_reader& r, Place& place, const char* name, std::optional<uint64_t>& value) {
-  return read_part(r, place, name, -1,
-                   [&](data_view part, Place& at) { value = read_id(part, at); });
-}
-
 Mounting read_mounting(data_view bytes, Place& place) {
   Mounting m;
   read_fields(bytes, place, [&](pbf_reader& r, uint32_t key) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <protozero/pbf_reader.hpp>
 #include <string>
+#include <vector>
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/osi/common.hpp"
@@ -58,6 +59,21 @@ bool read_part(protozero::pbf_reader& r, Place& place, const char* name, int64_t
   return true;
 }
 
+/// Reads a field that is a message with `value = read(view, place)`.
+template <class Value, class Read>
+bool into(protozero::pbf_reader& r, Place& place, const char* name, Value& value, Read&& read) {
+  return read_part(r, place, name, -1,
+                   [&](protozero::data_view part, Place& at) { value = read(part, at); });
+}
+
+/// Adds a field that is a message to a list.
+template <class Value, class Read>
+bool add_part(protozero::pbf_reader& r, Place& place, const char* name, std::vector<Value>& list,
+              Read&& read) {
+  return read_part(r, place, name, int64_t(list.size()),
+                   [&](protozero::data_view part, Place& at) { list.push_back(read(part, at)); });
+}
+
 /// Reads a number, which may be optional.
 template <class Number>
 bool finite(protozero::pbf_reader& r, const Place& place, const char* name, Number& value) {
@@ -89,10 +105,5 @@ BaseMoving read_base(protozero::data_view bytes, Place& place);
 bool read_vector(protozero::pbf_reader& r, Place& place, const char* name,
                  std::optional<Vec3>& value);
 bool read_extent(protozero::pbf_reader& r, Place& place, std::optional<Vec3>& value);
-bool read_timestamp(protozero::pbf_reader& r, Place& place, std::optional<Timestamp>& value);
-bool read_version(protozero::pbf_reader& r, Place& place, std::optional<Version>& value);
-bool read_mounting(protozero::pbf_reader& r, Place& place, std::optional<Mounting>& value);
-bool read_id(protozero::pbf_reader& r, Place& place, const char* name,
-             std::optional<uint64_t>& value);
 
 }  // namespace underbrush::osi

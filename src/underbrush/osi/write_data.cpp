@@ -110,6 +110,12 @@ void write_copy(pbf_writer& w, const SensorView& view) {
 }  // namespace
 
 void write(const SensorData& d, std::string& out) {
+  constexpr size_t kDetectionBytes = 90, kLogicalBytes = 75, kRest = 1 << 12;
+  size_t expected = out.size() + kRest + d.other.size();
+  for (const auto& view : d.views) expected += view->bytes.size();
+  for (const auto& l : d.lidar) expected += kDetectionBytes * l.detections.size();
+  if (d.logical) expected += kLogicalBytes * d.logical->detections.size();
+  out.reserve(expected);
   {
     pbf_writer w(out);
     write_version(w, 1, d.version);

@@ -1,0 +1,45 @@
+"""`underbrush osi convert` between `.osi` and MCAP traces."""
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+
+from underbrush.errors import FormatError
+
+
+def parser() -> argparse.ArgumentParser:
+    """Returns the parser of the options."""
+    p = argparse.ArgumentParser(prog="underbrush osi convert", description="Convert an OSI trace to MCAP or back.")
+    p.add_argument("file", metavar="TRACE", help="trace: .osi or .mcap")
+    p.add_argument("-o", "--output", metavar="TRACE", required=True, help="trace of the other kind")
+    p.add_argument("--topic", help="the channel to read, where an MCAP file has several")
+    p.add_argument("--kind", default="", help="the kind of messages, where the name of an .osi file does not tell it")
+    return p
+
+
+def run(words: Sequence[str]) -> int:
+    """Runs `underbrush osi convert WORDS` and returns the exit code: 0, 2 wrong usage, 3 bad input, 4 failure."""
+    from underbrush.formats.osi_trace import mcap_to_osi, osi_to_mcap
+    options = parser().parse_args(words)
+    names = [str(name).lower() for name in (options.file, options.output)]
+    try:
+        if names[0].endswith(".mcap") and names[1].endswith(".osi"):
+            count = mcap_to_osi(options.file, options.output, topic=options.topic)
+        elif names[0].endswith(".osi") and names[1].endswith(".mcap"):
+            count = osi_to_mcap(options.file, options.output, kind=options.kind)
+        else:
+            raise ValueError("MCAP traces are converted to .osi and from it")
+    except FormatError as e:
+        return _fail(e, 3)
+    except (ValueError, ImportError) as e:
+        return _fail(e, 2)
+    except OSError as e:
+        return _fail(e, 4)
+    print(f"{count} messages\n  trace       {options.output}")
+    return 0
+
+
+def _fail(error: Exception, code: int) -> int:
+    print(f"underbrush: {' '.join(str(error).split())}", file=sys.stderr)
+    return code
