@@ -1,13 +1,11 @@
 // Speed of the FMU's work on a SensorView of 200 000 reflections: decoding, each strategy, and
 // encoding. The scene is generated. Reports medians of several runs.
-#include <CLI/CLI.hpp>
+#include <array>
 #include <cmath>
-#include <cstdio>
-#include <fstream>
-#include <nlohmann/json.hpp>
+#include <map>
 
+#include "run.hpp"
 #include "timing.hpp"
-#include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/osi/chain.hpp"
 #include "underbrush/osi/read.hpp"
@@ -15,8 +13,6 @@
 
 namespace underbrush::bench {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 osi::MovingObject car(uint64_t id, double x, double y) {
   osi::MovingObject m;
@@ -74,13 +70,15 @@ Json bench_chain(size_t beams, size_t rays, int runs) {
   for (const osi::StrategyEntry& e : file.strategies) {
     parts.emplace_back(e.name, osi::Chain(osi::ChainFile{{e}}));
   }
-  std::map<std::string, std::vector<double>> times;
+  std::map<std::string, std::vector<double>> times, cpu;
   size_t detections = 0, bytes = 0;
   for (int k = 0; k < runs + 2; ++k) {
     const std::string message = view_of(beams, rays, k);
-    std::vector<std::pair<std::string, double>> now;
+    std::map<std::string, std::array<double, 2>> now;
     const auto timed = [&](const std::string& name, auto&& work) {
-      now.emplace_back(name, 1000 * seconds_of(work));
+      const double before = cpu_seconds();
+      const double ms = 1000 * seconds_of(work);
+      now[name] = {ms, 1000 * (cpu_seconds() - before)};
     };
     osi::SensorData data;
     timed("decode", [&] {
@@ -91,12 +89,14 @@ Json bench_chain(size_t beams, size_t rays, int runs) {
     std::string out;
     timed("encode", [&] { osi::write(data, out); });
     if (k < 2) continue;  // The first one has the directions, and both reserve memory.
-    double all = 0;
+    std::array<double, 2> all{};
     for (const auto& [name, ms] : now) {
-      times[name].push_back(ms);
-      all += ms;
+      times[name].push_back(ms[0]);
+      cpu[name].push_back(ms[1]);
+      for (size_t k = 0; k < all.size(); ++k) all[k] += ms[k];
     }
-    times["all"].push_back(all);
+    times["all"].push_back(all[0]);
+    cpu["all"].push_back(all[1]);
     detections = data.lidar.at(0).detections.size();
     bytes = message.size();
   }
@@ -107,6 +107,7 @@ Json bench_chain(size_t beams, size_t rays, int runs) {
   j["bytes"] = bytes;
   j["detections"] = detections;
   for (const auto& [name, ms] : times) j["ms"][name] = median(ms);
+  for (const auto& [name, ms] : cpu) j["cpu_ms"][name] = median(ms);
   return j;
 }
 
@@ -114,18 +115,12 @@ Json bench_chain(size_t beams, size_t rays, int runs) {
 }  // namespace underbrush::bench
 
 int main(int argc, char** argv) {
-  CLI::App app("Speed of the FMU's work on a SensorView");
-  int runs = 20, threads = 0;
-  std::string json;
-  app.add_option("--runs", runs, "Runs of which the median is reported")->capture_default_str();
-  app.add_option("--threads", threads, "Threads to use, 0 = all")->capture_default_str();
-  app.add_option("--json", json, "File for the results");
-  CLI11_PARSE(app, argc, argv);
-  underbrush::set_threads(threads);
-  underbrush::bench::Json j;
-  j["threads"] = underbrush::threads();
-  j["super_sampled"] = underbrush::bench::bench_chain(542, 369, runs);  // 9 × 41 sub-rays
-  j["thin_rays"] = underbrush::bench::bench_chain(200000, 1, runs);
-  std::printf("%s\n", j.dump(1).c_str());
-  if (!json.empty()) std::ofstream(json) << j.dump(1) << "\n";
+  using namespace underbrush::bench;
+  return run(argc, argv, "Speed of the FMU's work on a SensorView", 20, [](int runs) {
+    Json j;
+    j["threads"] = underbrush::threads();
+    j["super_sampled"] = bench_chain(542, 369, runs);  // 9 × 41 sub-rays
+    j["thin_rays"] = bench_chain(200000, 1, runs);
+    return j;
+  });
 }

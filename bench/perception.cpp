@@ -1,13 +1,9 @@
 // Speed of the stages of perception on 200 cars with 100 000 points. The scene is generated.
 // Reports medians of several runs.
-#include <CLI/CLI.hpp>
 #include <cmath>
-#include <cstdio>
-#include <fstream>
-#include <nlohmann/json.hpp>
 
+#include "run.hpp"
 #include "timing.hpp"
-#include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/perception/object_pipeline.hpp"
 #include "underbrush/perception/occupancy_grid.hpp"
@@ -15,14 +11,6 @@
 
 namespace underbrush::bench {
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-double cpu_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
-}
 
 /// Cars on a square grid around the vehicle, each with as many points on the sides that it shows.
 void make_crowd(size_t objects, size_t points, perception::MergedCloud& cloud,
@@ -95,16 +83,7 @@ Json bench_stages(size_t objects, size_t points, int runs) {
 }  // namespace underbrush::bench
 
 int main(int argc, char** argv) {
-  CLI::App app("Speed of perception");
-  int runs = 5, threads = 0;
-  std::string json;
-  app.add_option("--runs", runs, "Runs of which the median is reported")->capture_default_str();
-  app.add_option("--threads", threads, "Threads to use, 0 = all")->capture_default_str();
-  app.add_option("--json", json, "File for the results");
-  CLI11_PARSE(app, argc, argv);
-  underbrush::set_threads(threads);
-  underbrush::bench::Json j;
-  j = underbrush::bench::bench_stages(200, 100000, 10 * runs);
-  std::printf("%s\n", j.dump(1).c_str());
-  if (!json.empty()) std::ofstream(json) << j.dump(1) << "\n";
+  using namespace underbrush::bench;
+  return run(argc, argv, "Speed of perception", 5,
+             [](int runs) { return bench_stages(200, 100000, 10 * runs); });
 }

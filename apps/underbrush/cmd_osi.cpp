@@ -10,8 +10,9 @@ void run(const Verb& verb, const OsiArguments& a) {
   if (a.action != "info") {
     require(!a.output.empty(), "osi: record, replay and convert need an output (-o)");
   }
-  require(a.action == "replay" || (a.chain.empty() && a.strategies.empty() && !a.without_view),
-          "osi: --chain, --strategy and --without-view are of replay");
+  require(a.action == "replay" || (a.chain.empty() && a.strategies.empty() && !a.without_view &&
+                                   a.sensor.empty() && a.world.empty()),
+          "osi: --chain, --strategy, --sensor, --world and --without-view are of replay");
   require(a.action == "record" || a.truth.empty(), "osi: --truth is of record");
   try {
     if (a.action == "info") return osi_info(verb, a);
@@ -36,6 +37,7 @@ void add_osi(Program& program) {
       "  underbrush osi record log.ply --truth objects.csv -o views.osi\n"
       "  underbrush osi replay views.osi --chain chain.yaml -o data.osi\n"
       "  underbrush osi replay data.osi --strategy tracking:pipeline=real -o objects.json\n"
+      "  underbrush osi replay truth_gt_.osi --world model/ -o objects.csv\n"
       "  underbrush osi convert data.osi -o objects.csv\n"
       "  underbrush osi convert views.osi -o log.ply",
       [a](const Verb& v) { run(v, *a); });
@@ -58,12 +60,18 @@ void add_osi(Program& program) {
       ->type_name("CHAIN.yaml");
   app.add_option("--strategy", a->strategies,
                  "replay: run this strategy; may be repeated. Without it and without --chain, all "
-                 "run: front_end, alignment, tracking, classification, grid")
+                 "run: front_end, alignment, tracking, classification, grid; on a GroundTruth or "
+                 "with --world behind a tracer")
       ->type_name("NAME[:KEY=VALUE,...]")
       ->take_all();
+  app.add_option("--sensor", a->sensor, "replay: the sensor of the tracer and the front end")
+      ->type_name("NAME|FILE");
+  app.add_option("--world", a->world, "replay: the model or scene that the tracer's rays meet")
+      ->type_name("DIR");
   app.add_flag("--without-view", a->without_view,
                "replay: leave the SensorView out of the SensorData, which makes them small; the "
                "tracking model needs its ground truth");
+  verb->begin_rare_group();
   app.add_option("--white", a->white_intensity,
                  "record, convert: the log's intensity of a white target, for signal strengths")
       ->check(CLI::PositiveNumber)

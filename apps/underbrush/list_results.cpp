@@ -40,6 +40,9 @@ Json json_of_list_score(const ListScore& s) {
   j["position_rms_m"] = s.position_rms_m;
   j["yaw_mean_deg"] = s.yaw_mean_rad * 180 / M_PI;
   j["ospa_m"] = s.ospa_m;
+  j["hota"] = s.hota.hota;
+  j["hota_detection"] = s.hota.detection;
+  j["hota_association"] = s.hota.association;
   for (const auto& bin : s.by_range) {
     j["by_range"].push_back(
         {{"from_m", bin.from_m}, {"objects", bin.objects}, {"found", bin.found}});
@@ -101,6 +104,10 @@ report::Table table_of(const std::string& reference, std::span<const std::string
   row("heading, deg",
       [](const ListScore& s) { return fmt::format("{:.1f}", s.yaw_mean_rad * 180 / M_PI); });
   row("OSPA, m", [](const ListScore& s) { return fmt::format("{:.3f}", s.ospa_m); });
+  row("HOTA", [](const ListScore& s) { return fmt::format("{:.3f}", s.hota.hota); });
+  row("  of detection", [](const ListScore& s) { return fmt::format("{:.3f}", s.hota.detection); });
+  row("  of association",
+      [](const ListScore& s) { return fmt::format("{:.3f}", s.hota.association); });
   return table;
 }
 

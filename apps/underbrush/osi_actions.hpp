@@ -10,7 +10,7 @@ namespace underbrush::app {
 
 /// The options of the verb `osi`.
 struct OsiArguments {
-  std::string action, input, output, truth, chain;
+  std::string action, input, output, truth, chain, sensor, world;
   std::vector<std::string> strategies;  ///< Each is NAME[:KEY=VALUE,...].
   bool without_view = false;
   double white_intensity = 255, truth_elevation_deg = 0;

@@ -40,15 +40,25 @@ osi::StrategyEntry entry_of(const std::string& text) {
   return e;
 }
 
-osi::Chain chain_of(const Verb& verb, const OsiArguments& a) {
+// A ground truth has no reflections, so that its default chain begins with a tracer.
+osi::Chain chain_of(const Verb& verb, const OsiArguments& a, bool is_truth) {
   osi::ChainFile file;
   if (!a.chain.empty()) {
     require(a.strategies.empty(), "osi: give --chain or --strategy, not both");
     file = osi::read_chain(a.chain);
   } else if (a.strategies.empty()) {
-    file = osi::default_chain();
+    const bool traces = is_truth || !a.world.empty();
+    file = traces ? osi::traced_chain() : osi::default_chain();
   }
   for (const std::string& s : a.strategies) file.strategies.push_back(entry_of(s));
+  if (!a.world.empty()) {
+    require(file.set("tracer", "world", a.world), "osi: --world needs a chain with a tracer");
+  }
+  if (!a.sensor.empty()) {
+    const bool traced = file.set("tracer", "sensor", a.sensor);
+    const bool received = file.set("front_end", "sensor", a.sensor);
+    require(traced || received, "osi: --sensor needs a chain with a tracer or a front end");
+  }
   for (osi::StrategyEntry& e : file.strategies) {
     if (!e.library.empty() ||
         (e.name != "front_end" && e.name != "tracking" && e.name != "tracer")) {
@@ -74,8 +84,10 @@ osi::SensorData next_data(osi::TraceReader& reader, std::string message, osi::St
       chain.step(data);
       return data;
     }
+    const bool is_truth = reader.type() == osi::MessageType::kGroundTruth;
     auto view = std::make_shared<osi::SensorView>(
-        osi::read_sensor_view(std::move(message), reader.place()));
+        is_truth ? osi::view_of_ground_truth(message, reader.place())
+                 : osi::read_sensor_view(std::move(message), reader.place()));
     known.fill(*view);
     return chain.step(std::move(view));
   } catch (const DataError& e) {
@@ -89,10 +101,7 @@ void osi_replay(const Verb& verb, const OsiArguments& a) {
   using Clock = std::chrono::steady_clock;
   io::check_output(a.output);
   osi::TraceReader reader(a.input);
-  if (reader.type() == osi::MessageType::kGroundTruth) {
-    throw FormatError(a.input, "", "replay needs SensorViews or SensorData");
-  }
-  osi::Chain chain = chain_of(verb, a);
+  osi::Chain chain = chain_of(verb, a, reader.type() == osi::MessageType::kGroundTruth);
   std::optional<osi::TraceWriter> trace;
   if (osi::is_trace_file(a.output)) trace.emplace(a.output, provenance(verb, {a.input}));
   std::vector<perception::ObjectList> lists;

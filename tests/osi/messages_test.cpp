@@ -19,6 +19,23 @@ std::string bytes_of(const Message& m) {
   return out;
 }
 
+// A GroundTruth becomes the view that carries it, with what is not kept here, such as lanes.
+TEST(Messages, TruthAsAView) {
+  osi::GroundTruth truth = test::truth();
+  truth.host_vehicle_id = 0;
+  std::string bytes = bytes_of(truth);
+  bytes += std::string("\x52\x03\x0a\x01\x08", 5);  // A lane (field 10).
+  const osi::SensorView v = osi::view_of_ground_truth(bytes, "t");
+  ASSERT_TRUE(v.truth);
+  EXPECT_EQ(v.truth->lanes, truth.lanes + 1);
+  EXPECT_EQ(v.truth->moving.size(), truth.moving.size());
+  EXPECT_EQ(v.timestamp, truth.timestamp);
+  EXPECT_EQ(v.host_vehicle_id, 0u);
+  ASSERT_TRUE(v.host());
+  EXPECT_NE(v.bytes.find(bytes), std::string::npos);
+  EXPECT_THROW(osi::view_of_ground_truth(bytes.substr(0, bytes.size() - 1), "t"), FormatError);
+}
+
 // The usual layout of reflections is read without the steps of the others.
 TEST(Messages, ReflectionsOfAllLayouts) {
   osi::SensorView v;

@@ -93,6 +93,22 @@ struct Known {
   uint64_t host;
 };
 
+// `bbcenter_to_rear` leads from the box's centre to the middle of the rear axle: in this trace, in
+// which the wheels have a radius of 0.33 m, it ends there.
+TEST(RealTraces, RearAxleIsAtTheWheels) {
+  UNDERBRUSH_NEEDS_DATA("osi");
+  osi::TraceReader reader(test::data_folder() / "osi" /
+                          "sl-1-3_smoke_20230621T111704Z_sv_350_32112_100.osi");
+  std::string m;
+  ASSERT_TRUE(reader.next(m));
+  const osi::SensorView v = osi::read_sensor_view(m, reader.place());
+  ASSERT_TRUE(v.host());
+  const Vec3 axle = osi::world_from_vehicle(*v.host()).translation;
+  const Vec3 centre = *v.host()->base.position_m;
+  EXPECT_NEAR(axle.z(), 0.33, 1e-9);
+  EXPECT_NEAR((axle - centre).head<2>().norm(), 1.146, 1e-9);
+}
+
 TEST(RealTraces, AreRead) {
   UNDERBRUSH_NEEDS_DATA("osi");
   const Known known[] = {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace underbrush::perception {
 namespace {
 
@@ -62,6 +64,52 @@ TEST(ScoreLists, OspaIsSymmetric) {
   const auto a = lists_of({{car(1, 10, 0), car(2, 25, 5)}, {car(1, 11, 0)}});
   const auto b = lists_of({{car(1, 12, 0)}, {car(1, 11, 3), car(2, 30, 5), car(3, 9, 1)}});
   EXPECT_NEAR(score_lists(a, b).ospa_m, score_lists(b, a).ospa_m, 1e-12);
+}
+
+TEST(Hota, OfAListAgainstItselfIsOne) {
+  const auto lists = lists_of({{car(1, 10, 0), car(2, 20, 5)}, {car(1, 11, 0)}, {}});
+  const Hota h = score_lists(lists, lists).hota;
+  EXPECT_NEAR(h.hota, 1, 1e-12);
+  EXPECT_NEAR(h.detection, 1, 1e-12);
+  EXPECT_NEAR(h.association, 1, 1e-12);
+}
+
+// A number that changes halfway: each pair is together in one cycle of the two that have either.
+TEST(Hota, OfAChangedNumberByHand) {
+  const auto truth = lists_of({{car(1, 10, 0)}, {car(1, 11, 0)}});
+  const Hota h = score_lists(lists_of({{car(7, 10, 0)}, {car(9, 11, 0)}}), truth).hota;
+  EXPECT_NEAR(h.detection, 1, 1e-12);
+  EXPECT_NEAR(h.association, 0.5, 1e-12);
+  EXPECT_NEAR(h.hota, std::sqrt(0.5), 1e-12);
+}
+
+// Half a metre of the two at which nothing is similar: 15 of the 19 thresholds take the pair.
+TEST(Hota, OfADistanceByHand) {
+  const auto truth = lists_of({{car(1, 10, 0)}});
+  EXPECT_NEAR(score_lists(lists_of({{car(7, 10.5, 0)}}), truth).hota.hota, 15 / 19.0, 1e-12);
+  EXPECT_EQ(score_lists(lists_of({{car(7, 12.5, 0)}}), truth).hota.hota, 0);
+}
+
+TEST(Hota, MissingAndFalseObjectsCostDetection) {
+  const auto truth = lists_of({{car(1, 10, 0), car(2, 30, 0)}, {car(1, 11, 0)}});
+  const auto list = lists_of({{car(5, 10, 0), car(6, 60, 0)}, {car(5, 11, 0)}});
+  EXPECT_NEAR(score_lists(list, truth).hota.detection, 2 / 4.0, 1e-12);
+  EXPECT_NEAR(score_lists(list, truth).hota.association, 1, 1e-12);
+  ListScoreOptions open;
+  open.ignore_unmatched = true;
+  EXPECT_NEAR(score_lists(list, truth, open).hota.detection, 2 / 3.0, 1e-12);
+  EXPECT_NEAR(score_lists(list, truth).hota.hota, score_lists(truth, list).hota.hota, 1e-12);
+}
+
+// Two objects that cross: the pairs follow the numbers that are together most of the time.
+TEST(Hota, PairsFollowTheNumbers) {
+  std::vector<std::vector<TrackedObject>> truth, list;
+  for (int k = 0; k < 9; ++k) {
+    const double y = 0.5 * (k - 4);
+    truth.push_back({car(1, 10, y), car(2, 10, -y)});
+    list.push_back({car(8, 10, -y), car(7, 10, y)});
+  }
+  EXPECT_NEAR(score_lists(lists_of(list), lists_of(truth)).hota.association, 1, 1e-12);
 }
 
 // [rosenberger20] §4.2, by hand.

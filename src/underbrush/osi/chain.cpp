@@ -82,6 +82,15 @@ ChainFile default_chain() {
   return file;
 }
 
+ChainFile traced_chain() {
+  ChainFile file = default_chain();
+  file.strategies.insert(file.strategies.begin(), {"tracer", "", {}, "chain", "tracer"});
+  for (const char* name : {"tracer", "front_end"}) file.set(name, "sensor", "ibeo-lux-2010");
+  file.set("tracer", "x_m", "3.7");
+  file.set("tracer", "z_m", "0.3");
+  return file;
+}
+
 Chain::Chain(const ChainFile& file) {
   for (const StrategyEntry& e : file.strategies) strategies_.push_back(make_strategy(e));
 }

@@ -18,6 +18,8 @@ namespace underbrush::osi {
 GroundTruth read_ground_truth(std::string_view bytes, std::string_view source);
 /// Decodes a SensorView. It takes the bytes over, into `SensorView::bytes`.
 SensorView read_sensor_view(std::string bytes, std::string_view source);
+/// The SensorView that carries an encoded GroundTruth, with its version, time and host vehicle.
+SensorView view_of_ground_truth(std::string_view bytes, std::string_view source);
 /// Decodes a SensorData.
 SensorData read_sensor_data(std::string_view bytes, std::string_view source);
 /// Decodes a SensorViewConfiguration.

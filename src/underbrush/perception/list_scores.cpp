@@ -31,7 +31,7 @@ const ObjectList* nearest(std::span<const ObjectList> lists, double time_s, doub
 class Comparison {
  public:
   Comparison(const ListScoreOptions& options, ListScore& score)
-      : options_(options), score_(score) {}
+      : options_(options), score_(score), hota_(options.hota_zero_m) {}
 
   void add(const ObjectList& reference, const ObjectList& list) {
     const size_t rows = reference.objects.size(), columns = list.objects.size();
@@ -52,6 +52,7 @@ class Comparison {
     const auto matched = size_t(std::count(taken.begin(), taken.end(), 1));
     if (!options_.ignore_unmatched) score_.unmatched += columns - matched;
     ospa_ += ospa(reference, list, taken);
+    hota_.add(reference, list, options_.ignore_unmatched);
     ++score_.cycles;
   }
 
@@ -61,6 +62,7 @@ class Comparison {
     score_.position_rms_m = std::sqrt(squares_ / n);
     score_.yaw_mean_rad = yaw_ / n;
     score_.ospa_m = ospa_ / double(std::max<size_t>(score_.cycles, 1));
+    score_.hota = hota_.result();
     for (auto& [id, followed] : followed_) score_.followed.push_back(std::move(followed));
   }
 
@@ -121,6 +123,7 @@ class Comparison {
 
   const ListScoreOptions& options_;
   ListScore& score_;
+  HotaCounts hota_;
   Assignment assignment_;
   std::vector<double> cost_;
   std::map<uint64_t, FollowedObject> followed_;
@@ -176,7 +179,7 @@ std::map<uint64_t, Pair> series_of(const ListScore& score, const Pose& from_worl
 ListScore score_lists(std::span<const ObjectList> lists, std::span<const ObjectList> reference,
                       const ListScoreOptions& options) {
   require(options.gate_m > 0 && options.bin_m > 0 && options.ospa_cutoff_m > 0 &&
-              options.ospa_order >= 1 && options.tolerance_s >= 0,
+              options.ospa_order >= 1 && options.tolerance_s >= 0 && options.hota_zero_m > 0,
           "score of lists: an option is out of range");
   ListScore score;
   Comparison comparison(options, score);

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "underbrush/perception/hota.hpp"
 #include "underbrush/perception/objects.hpp"
 
 namespace underbrush::perception {
@@ -18,6 +19,7 @@ struct ListScoreOptions {
   double bin_m = 10;          ///< m; bins of the detection rate by range.
   double ospa_cutoff_m = 10;  ///< m; what a missing or superfluous object costs.
   double ospa_order = 1;
+  double hota_zero_m = 2;  ///< m; the distance at which two objects have no similarity for HOTA.
   /// Whether objects that the reference does not have are left out, because it is not complete.
   bool ignore_unmatched = false;
 };
@@ -53,6 +55,7 @@ struct ListScore {
   double position_mean_m = 0, position_rms_m = 0;  ///< Error of the centre, x and y, where found.
   double yaw_mean_rad = 0;                         ///< Mean absolute error modulo a half turn.
   double ospa_m = 0;                               ///< Mean over the cycles [schuhmacher08].
+  Hota hota;
   std::vector<RangeBin> by_range;
   std::vector<FollowedObject> followed;  ///< In order of id.
 };
