@@ -41,6 +41,7 @@ elements::Model mesh_model(const std::vector<Vec3f>& vertices,
 
 elements::Model box_model(const Vec3& size) {
   std::vector<Vec3f> v;
+  v.reserve(8);
   for (int k = 0; k < 8; ++k) {
     v.emplace_back(Vec3f(k & 1 ? 0.5f : -0.5f, k & 2 ? 0.5f : -0.5f, k & 4 ? 0.5f : -0.5f)
                        .cwiseProduct(size.cast<float>()));
