@@ -14,7 +14,7 @@ TESTS = pathlib.Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(TESTS / "cli"), str(TESTS / "rules")]
 
 import cli_test  # noqa: E402
-import serve_test  # noqa: E402
+import serving  # noqa: E402
 import web  # noqa: E402
 
 SKIPPED = 77
@@ -47,13 +47,13 @@ def main():
             sys.exit(SKIPPED)
     folder = packages(options.build.resolve())
     with tempfile.TemporaryDirectory() as data:
-        serve_test.make_files(data)
+        serving.make_files(data)
         forest = TESTS.parent / "share/examples/marv_forest.pcd"
         for words in (("import", forest, "-o", "whole.ply"),
                       ("split", "whole.ply", "--columns", "16", "--train", "rest.ply", "--test", "forest.ply")):
             assert cli_test.call(*words, cwd=data).returncode == 0
         info = json.loads(cli_test.call("info", "log.ply", "--json", "-", cwd=data).stdout)
-        server = serve_test.Server(data, "log.ply", "model", "primitives", "scene", "score.json")
+        server = serving.Server(data, "log.ply", "model", "primitives", "scene", "score.json")
         try:
             words = ["node", str(TESTS / "web/browser.mjs"), str(folder), shutil.which("chromium"), server.address]
             words += [str(options.pictures.resolve())] if options.pictures else []
