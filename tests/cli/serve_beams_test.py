@@ -15,11 +15,12 @@ class ServeBeams(serving.Serving):
     def setUpClass(cls):
         super().setUpClass()
         cls.server.end()
-        words = ("simulate", "scene", "--like", "log.ply", "--seed", "5")
-        for more in (("-o", "sim.ply"),
-                     ("-o", "echoes.ply", "--super-sample", "sensor", "--sensor", "velodyne-vlp16",
-                      "--waveforms", "waves.csv", "--waveform-count", "1000000")):
-            done = cli_test.call(*words, *more, cwd=cls.folder)
+        like = ("--like", "log.ply", "--seed", "5")
+        instrument = ("--super-sample", "sensor", "--sensor", "velodyne-vlp16", "--waveform-count", "1000000")
+        for words in (("scene", *like, "-o", "sim.ply"),
+                      ("scene", *like, "-o", "echoes.ply", *instrument, "--waveforms", "scene.csv"),
+                      ("model", *like, "-o", "other.ply", *instrument, "--waveforms", "model.csv")):
+            done = cli_test.call("simulate", *words, cwd=cls.folder)
             assert done.returncode == 0, done.stderr
         cls.server = serving.Server(cls.folder, "log.ply", "model", "scene", "sim.ply", "echoes.ply")
         for log in (0, 3, 4):
@@ -70,14 +71,24 @@ class ServeBeams(serving.Serving):
 
     def test_the_waveform_of_a_beam_is_what_the_command_writes(self):
         """The law of the waveform: it is that of `simulate --super-sample sensor`."""
+        for world, name in ((1, "model"), (2, "scene")):
+            ranges = self.compare_waveforms(world, f"{name}.csv")
+            self.assertGreater(sum(len(r) > 0 for r in ranges.values()), 3)
+        for row in range(0, 800, 7):  # the log of the echoes has the same
+            written = self.beam(row, file=4)
+            if written["beam"] in ranges:
+                for a, b in zip(ranges[written["beam"]], written["echoes_m"], strict=True):
+                    self.assertAlmostEqual(a, b, delta=1e-5)
+
+    def compare_waveforms(self, world, file):
+        """Compares some beams with a table of `--waveforms`; returns their echoes by the number of the beam."""
         wanted, ranges = {}, {}
-        with open(pathlib.Path(self.folder, "waves.csv"), encoding="utf-8") as file:
-            for line in csv.DictReader(file):
+        with open(pathlib.Path(self.folder, file), encoding="utf-8") as table:
+            for line in csv.DictReader(table):
                 wanted.setdefault(int(line["beam"]), []).append((float(line["range_m"]), float(line["signal"])))
-        several = 0
         for row in range(0, 800, 41):
             beam = self.beam(row)["beam"]
-            told = self.server.json_of(f"api/echoes?file=0&row={row}&world=2&seed=5&sensor=velodyne-vlp16")
+            told = self.server.json_of(f"api/echoes?file=0&row={row}&world={world}&seed=5&sensor=velodyne-vlp16")
             self.assertEqual(told["sensor"], "velodyne-vlp16")
             signal = list(zip(told["range_m"], told["signal"]))
             self.assertEqual(len(signal), len(wanted.get(beam, [])))
@@ -85,13 +96,7 @@ class ServeBeams(serving.Serving):
                 self.assertAlmostEqual(r, r2, delta=1e-3)
                 self.assertAlmostEqual(s, s2, delta=1e-3 * max(1, abs(s2)))
             ranges[beam] = [echo["range_m"] for echo in told["echoes"]]
-            several += len(ranges[beam]) > 0
-        self.assertGreater(several, 3)
-        for row in range(0, 800, 7):  # the log of the echoes has the same
-            written = self.beam(row, file=4)
-            if written["beam"] in ranges:
-                for a, b in zip(ranges[written["beam"]], written["echoes_m"], strict=True):
-                    self.assertAlmostEqual(a, b, delta=1e-5)
+        return ranges
 
     def test_only_sensors_of_the_catalogue(self):
         self.assertIn("velodyne-vlp16", self.server.json_of("api/files")["sensors"])

@@ -4,6 +4,7 @@
 import { createRequire } from 'node:module';
 import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
+import { lookAtBeams } from './beams.mjs';
 import { composeScene, labelLog } from './labels.mjs';
 
 const [packages, executablePath, address, pictures] = process.argv.slice(2);
@@ -125,12 +126,12 @@ async function viewEverything() {
   let shot = await picture('log');
   expect(shot.drawn > 200 && shot.colours > 4, `a log of ${shot.drawn} pixels in ${shot.colours} colours`);
   const seen = new Set();
-  for (let k = 0; k < 9; ++k) {
+  for (let k = 0; k < 10; ++k) {
     await press('c');
     await picture(`log-${k}`);
     seen.add(await page.locator('#panel select').first().inputValue());
   }
-  expect(seen.size === 9, 'nine colourings');
+  expect(seen.size === 10, 'ten colourings');
   const eye = await data('eye');
   await page.keyboard.down('w');
   await page.waitForTimeout(150);
@@ -158,6 +159,8 @@ async function viewEverything() {
   await page.waitForFunction(() => /\d+ beams/.test(document.documentElement.dataset.beams ?? ''));
   expect((await picture('beams')).drawn > shot.drawn, 'beams are drawn');
   await page.locator('select[aria-label="Beams of a scan"]').selectOption({ index: 0 });
+
+  await lookAtBeams({ page, expect, ready, accessible, picture, data, press });
 
   // Slice and measure.
   await press('x');

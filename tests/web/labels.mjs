@@ -196,7 +196,11 @@ export async function composeScene({ page, expect, ready, accessible, picture, p
   expect(swiped.drawn !== whole.drawn && split.drawn !== swiped.drawn, 'both sides are drawn');
   await page.getByRole('button', { name: 'Errors' }).click();
   await page.waitForFunction(() => /^Errors from/.test(document.querySelector('#status').innerText));
-  expect((await picture('errors')).colours > 4, 'errors have colours');
+  const errors = await picture('errors');
+  expect(errors.colours > 4, 'errors have colours');
+  await page.getByLabel('Points by').selectOption('packet error');
+  const packets = await picture('packet-errors');
+  expect(packets.colours > 4 && packets.colours !== errors.colours, 'errors of packets have colours of their own');
   await page.locator('#view').press('Escape');
   await end(server, 'SIGINT');
 }
