@@ -38,6 +38,7 @@ def main():
     parser.add_argument("--program", required=True, type=pathlib.Path)
     parser.add_argument("--build", required=True, type=pathlib.Path)
     parser.add_argument("--pictures", type=pathlib.Path, help="keep the pictures in this folder")
+    parser.add_argument("--update", action="store_true", help="keep the pictures of references/ anew")
     parser.add_argument("--only", default="", help="'labels': only the steps of labels.mjs")
     options = parser.parse_args()
     cli_test.PROGRAM = str(options.program.resolve())
@@ -57,7 +58,8 @@ def main():
         try:
             words = ["node", str(TESTS / "web/browser.mjs"), str(folder), shutil.which("chromium"), server.address]
             words += [str(options.pictures.resolve())] if options.pictures else []
-            facts = {"RETURNS": str(info["hits"]), "PROGRAM": cli_test.PROGRAM, "FOLDER": data, "ONLY": options.only}
+            facts = {"RETURNS": str(info["hits"]), "PROGRAM": cli_test.PROGRAM, "FOLDER": data, "ONLY": options.only,
+                     "UPDATE": "1" if options.update else ""}
             done = subprocess.run(words, env=dict(os.environ, **facts), timeout=800, check=False)
         finally:
             server.end()

@@ -285,6 +285,14 @@ export class Cloud {
     this.forget(2 * budget);
   }
 
+  /** Draws only nodes that lie in a frustum, until the next `update`. */
+  cull(frustum: Frustum): void {
+    const box = new Box3();
+    for (const [node, { drawn }] of this.loaded) {
+      if (drawn.visible) drawn.visible = frustum.intersectsBox(box.copy(node.box).translate(this.group.position));
+    }
+  }
+
   /** Drops the nodes that were not in view for longest while more than `most` points are loaded. */
   private forget(most: number): void {
     let held = 0;

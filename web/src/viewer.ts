@@ -4,10 +4,12 @@ import {
   BufferGeometry,
   type Camera,
   Color,
+  Frustum,
   Group,
   type LineSegments,
   Line,
   LineBasicMaterial,
+  Matrix4,
   NoBlending,
   type Object3D,
   type OrthographicCamera,
@@ -351,6 +353,12 @@ export class Viewer {
     const camera = this.camera.clone();
     const half = (PICK_PIXELS - 1) / 2;
     camera.setViewOffset(this.viewWidth, this.canvas.clientHeight, x - half, y - half, PICK_PIXELS, PICK_PIXELS);
+    // Only what lies around the cursor is drawn; the picture that follows shows all again.
+    const frustum = new Frustum().setFromProjectionMatrix(
+      new Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse),
+    );
+    this.clouds.forEach((cloud) => cloud.cull(frustum));
+    this.worlds.forEach((world) => world.update(camera, this.canvas.clientHeight, this.ellipsoidBudget));
     const objects = this.numbers(camera, Pass.object);
     const parts = this.numbers(camera, Pass.part);
     this.scene.background = background;
