@@ -58,7 +58,10 @@ class ServeLabels(unittest.TestCase):
         _, log = self.post("labels/export", format="log", name="out.ply")
         _, file = self.post("labels/export", format="label", name="out.label", set="rellis")
         self.assertEqual(file["without_number"], 0)
-        self.assertEqual(self.post("labels/export", format="log", name="out.ply")[0], 400)  # it is served by now
+        for name, form in (("out.ply", "log"), ("out.label", "label")):
+            self.assertEqual(self.post("labels/export", format=form, name=name)[0], 400)  # it is there already
+        names = self.server.json_of("api/labels/files")["names"]
+        self.assertTrue({"out.ply", "out.label"} <= set(names), names)
         annotated = cli_test.call("annotate", "work/out.ply", "--min-points", "1", "-o", "out.json", cwd=self.folder)
         self.assertEqual(annotated.returncode, 0, annotated.stderr)
         for values in ({"from": log["file"]}, {"name": "out.label", "set": "rellis"}):
@@ -139,6 +142,7 @@ class ServeLabels(unittest.TestCase):
         self.assertEqual(self.post("labels/export", format="label", name="link.label")[0], 400)
         self.assertEqual(self.post("labels/import", revision=self.revision(), name="link.label")[0], 400)
         self.assertEqual(outside.read_bytes(), b"kept")
+        self.assertNotIn("link.label", self.server.json_of("api/labels/files")["names"])
 
     def test_commands(self):
         status, job = self.post("jobs/start", verb="simulate", world=3, like=0, name="scan.ply", seed=5)

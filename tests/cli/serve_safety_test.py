@@ -66,6 +66,16 @@ class ServeSafely(serving.Serving):
             finally:
                 server.end()
 
+    def test_files_of_one_name_are_told_apart(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for name in ("a/day", "b/day"):
+                pathlib.Path(folder, name).mkdir(parents=True)
+                shutil.copy(pathlib.Path(self.folder, "log.ply"), pathlib.Path(folder, name, "log.ply"))
+            server = serving.Server(folder, "a/day/log.ply", "b/day/log.ply", "a/day/log.ply")
+            names = [f["name"] for f in server.report["files"]]
+            server.end()
+            self.assertEqual(names, ["a/day/log.ply", "b/day/log.ply", "a/day/log.ply"])
+
     def test_other_methods_and_large_bodies(self):
         for method in ("POST", "PUT", "DELETE", "OPTIONS", "PATCH", "TRACE", "PROPFIND"):
             reply = self.server.raw(f"{method} /{self.server.token}/api/files HTTP/1.1\r\n"

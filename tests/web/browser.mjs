@@ -95,6 +95,7 @@ async function only(name) {
     if (!/\((log|model|primitives|scene|score)\)/.test(text)) continue;
     await box.locator('input').setChecked(text.startsWith(name));
   }
+  await ready();
   await press('f');
   await ready();
 }

@@ -33,11 +33,27 @@ def packages(build):
     return folder
 
 
+def animate(folder, data, pictures):
+    """Makes the pictures of the docs of a real scan, every other column of it, and a model of the rest."""
+    forest = TESTS.parent / "share/examples/marv_forest.pcd"
+    for words in (("import", forest, "--unknown-below-deg", "-13", "-o", "whole.ply"),
+                  ("segment", "whole.ply", "-o", "labelled.ply"),
+                  ("split", "labelled.ply", "--columns", "16", "--train", "rest.ply", "--test", "forest.ply"),
+                  ("fit", "rest.ply", "-o", "model")):
+        done = cli_test.call(*words, cwd=data)
+        assert done.returncode == 0, done.stderr
+    pictures.mkdir(parents=True, exist_ok=True)
+    words = ["node", str(TESTS / "web/animate.mjs"), str(folder), shutil.which("chromium"), str(pictures)]
+    return subprocess.run(words, env=dict(os.environ, PROGRAM=cli_test.PROGRAM, FOLDER=data), timeout=800,
+                          check=False).returncode
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--program", required=True, type=pathlib.Path)
     parser.add_argument("--build", required=True, type=pathlib.Path)
     parser.add_argument("--pictures", type=pathlib.Path, help="keep the pictures in this folder")
+    parser.add_argument("--animate", type=pathlib.Path, help="only make the pictures of the docs in this folder")
     parser.add_argument("--update", action="store_true", help="keep the pictures of references/ anew")
     parser.add_argument("--only", default="", help="'labels': only the steps of labels.mjs")
     options = parser.parse_args()
@@ -48,6 +64,8 @@ def main():
             sys.exit(SKIPPED)
     folder = packages(options.build.resolve())
     with tempfile.TemporaryDirectory() as data:
+        if options.animate:
+            sys.exit(animate(folder, data, options.animate.resolve()))
         serving.make_files(data)
         forest = TESTS.parent / "share/examples/marv_forest.pcd"
         for words in (("import", forest, "-o", "whole.ply"),

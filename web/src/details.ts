@@ -10,6 +10,8 @@ export interface DetailActions {
   /** Shows the waveform of a beam; `sensor` is '' for the log's own. */
   receive: (beam: Beam, file: number, world: ServedFile, sensor: string) => void;
   sensors: string[];
+  /** The sensor that was chosen last. */
+  sensor: () => string;
   close: () => void;
 }
 
@@ -46,6 +48,7 @@ export function beamDetails(beam: Beam, file: ServedFile, actions: DetailActions
   );
   if (actions.worlds().length === 0) return [head('Beam', actions), facts(rows)];
   const sensor = el('select', {}, ...['', ...actions.sensors].map((s) => el('option', { value: s }, s || "the log's own")));
+  sensor.value = actions.sensor();
   const waves = actions.worlds().map((world) =>
     button(`Waveform and echoes (${world.name})`, 'What the sensor receives of this beam (;)', () =>
       actions.receive(beam, file.id, world, sensor.value),

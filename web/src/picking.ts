@@ -14,6 +14,7 @@ export class Picking {
   readonly onBeam: ((file: number, row: number) => void)[] = [];
   private picked: { beam: Beam; file: number } | null = null;
   private measuring: Vector3[] | null = null;
+  private sensor = '';
 
   constructor(private readonly app: App) {
     this.actions = {
@@ -21,6 +22,7 @@ export class Picking {
       follow: (beam, file, world) => app.run(this.follow(beam, file, world)),
       receive: (beam, file, world, sensor) => app.run(this.receive(beam, file, world, sensor)),
       sensors: app.list.sensors,
+      sensor: () => this.sensor,
       close: () => app.closeDetails(),
     };
     app.onClose.push(() => {
@@ -38,7 +40,7 @@ export class Picking {
   /** Shows the waveform of the picked beam in the first world. */
   receivePicked(): void {
     const world = this.actions.worlds()[0];
-    if (this.picked && world) this.actions.receive(this.picked.beam, this.picked.file, world, '');
+    if (this.picked && world) this.actions.receive(this.picked.beam, this.picked.file, world, this.sensor);
   }
 
   toggleMeasure(): void {
@@ -69,6 +71,7 @@ export class Picking {
 
   private async receive(beam: Beam, file: number, world: ServedFile, sensor: string): Promise<void> {
     const { app } = this;
+    this.sensor = sensor;
     const seed = app.list.seed;
     const told = await json<BeamEchoes>(`echoes?${query({ file, row: beam.row, world: world.id, sensor, seed })}`);
     app.viewer.mark(markBeam(beam, null, app.files.origin!, told.echoes.map((e) => e.range_m)));

@@ -46,6 +46,7 @@ std::map<uint16_t, Ring> rings_of(const BeamLog& beams) {
     ++ring.beams;
   }
   std::vector<Ring*> order;
+  order.reserve(rings.size());
   for (auto& [number, ring] : rings) order.push_back(&ring);
   std::stable_sort(order.begin(), order.end(), [](const Ring* a, const Ring* b) {
     return a->height / a->beams > b->height / b->beams;
