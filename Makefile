@@ -14,7 +14,7 @@ comma := ,
 quiet = log=$$(mktemp); if $(1) > $$log 2>&1; then rm $$log; else cat $$log; rm $$log; exit 1; fi
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build test fuzz fuzz-osi fmu check-fmu demo bench gates results docs deb check-deb wheel check-wheel \
+.PHONY: help setup build pictures test fuzz fuzz-osi fmu check-fmu demo bench gates results docs deb check-deb wheel check-wheel \
         check-pythons asan-python clean
 
 help:     ## This list
@@ -63,6 +63,9 @@ check-fmu: fmu ## The FMU's tests with 100 000 steps for the one of memory (minu
 
 demo: build    ## The whole pipeline on a generated site and a real scan; ends with a report in demo/
 	@$(program) demo -o demo
+
+pictures: build    ## The pictures of the browser page in docs/images (needs Chromium and Node)
+	@python3 tests/web/browser.py --program $(program) --build $(BUILD) --animate docs/images
 
 bench: setup   ## Build and run the benchmarks
 	@$(call quiet,$(configure) $(everything))

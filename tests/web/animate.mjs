@@ -41,13 +41,21 @@ async function film(name, words, size, colours, act) {
   await end(server, 'SIGINT');
 }
 
-const VIEW = ['forest.ply', 'model'];
+const VIEW = ['labelled.ply', 'model'];
 
 /** Picks the first drawn pixel of a beam's row in the range image, by its share of the width and height. */
 async function clickImage(page, x, y) {
   const box = await page.locator('#images canvas').first().boundingBox();
   await page.mouse.click(box.x + x * box.width, box.y + y * box.height);
   await page.waitForFunction(() => /\brow\b/.test(document.querySelector('#details').innerText));
+}
+
+/** Chooses the model for the range images; the menu may be closed. */
+function beside(page) {
+  return page.evaluate(() => {
+    const box = document.querySelector('select[aria-label="Beside the range image"]');
+    box.value = [...box.options].find((o) => o.text === 'model').value;
+  });
 }
 
 /** Asks for the waveform of the picked beam. */
@@ -57,13 +65,14 @@ async function waveform(page) {
   await page.locator('svg.waveform').waitFor();
 }
 
-await film('serve', VIEW, [960, 540], 250, async ({ page, frame, press }) => {
+await film('serve', VIEW, [1100, 640], 250, async ({ page, frame, press }) => {
+  await press('m');
   await press('f');
   for (let k = 0; k < 4; ++k) await press('+');
-  await page.getByLabel('Beside the range image').selectOption({ label: 'model' });
+  await beside(page);
   await press('/');
   await page.waitForFunction(() => /both/.test(document.documentElement.dataset.images));
-  await clickImage(page, 0.55, 0.4);
+  await clickImage(page, 0.62, 0.55);
   await waveform(page);
   await frame(0);
 });
@@ -84,27 +93,24 @@ await film('serve-beams', VIEW, [820, 440], 95, async ({ page, frame, press }) =
   await press('f');
   for (let k = 0; k < 4; ++k) await press('+');
   await frame(800);
-  await page.evaluate(() => {
-    const box = document.querySelector('select[aria-label="Beside the range image"]');
-    box.value = [...box.options].find((o) => o.text === 'model').value;
-  });
+  await beside(page);
   await press('/');
   await page.waitForFunction(() => /both/.test(document.documentElement.dataset.images));
   await frame(1500);
-  for (const [x, y] of [[0.55, 0.4], [0.3, 0.5]]) {
+  for (const [x, y] of [[0.2, 0.55], [0.3, 0.6]]) {
     await clickImage(page, x, y);
     await frame(1200);
     await press('b');
     await page.waitForFunction(() => /reached by/.test(document.querySelector('#details').innerText));
     await frame(1500);
   }
-  await clickImage(page, 0.3, 0.5);
+  await page.locator('#images canvas').first().press('Enter');
   await waveform(page);
   await frame(2500);
 });
 
-await film('serve-label', ['forest.ply', '--labels', 'work'], [640, 360], 63, async ({ page, frame, press }) => {
-  await page.getByLabel('Log to label').selectOption({ label: 'forest.ply' });
+await film('serve-label', ['whole.ply', '--labels', 'work'], [640, 360], 63, async ({ page, frame, press }) => {
+  await page.getByLabel('Log to label').selectOption({ label: 'whole.ply' });
   await page.waitForFunction(() => document.documentElement.dataset.saved === 'yes');
   await press('f');
   await press('1');

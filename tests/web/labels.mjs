@@ -113,8 +113,8 @@ export async function labelLog({ page, expect, ready, accessible, program, folde
   expect(named(await labelState(page), 'medium_tree') < named(after, 'medium_tree'), 'the stroke can be undone');
 
   // Labels of one scan alone, and labels from a file: what was written is read again.
-  await page.getByLabel('Scan', { exact: true }).last().selectOption({ index: 1 });
-  await page.getByLabel('Scan', { exact: true }).last().selectOption({ index: 0 });
+  await page.getByLabel('Scan to label').selectOption({ index: 1 });
+  await page.getByLabel('Scan to label').selectOption({ index: 0 });
   await page.getByRole('button', { name: '.label file' }).click();
   await page.waitForFunction(() => /^Written: /.test(document.querySelector('#status').innerText));
   const written = await labelState(page);
@@ -188,7 +188,7 @@ export async function composeScene({ page, expect, ready, accessible, picture, p
   await page.waitForFunction((l) => Number(document.querySelectorAll('.number input')[4].value) > l, length);
   await page.locator('#view').press('7');
   await page.waitForFunction((l) => Number(document.querySelectorAll('.number input')[4].value) === l, length);
-  await page.getByRole('button', { name: 'Compose' }).click();
+  await page.getByRole('button', { name: 'Compose', exact: true }).click();
   await page.waitForFunction(() => /compose (done|failed)/.test(document.documentElement.dataset.jobs), null, { polling: 100 });
   await page.waitForFunction(() => [...document.querySelectorAll('#panel label.check')].some((e) => /^scene-.*\(scene\)/.test(e.innerText)));
   const scene = await page.evaluate(async () => {

@@ -34,7 +34,7 @@ export class Labeller {
   private readonly body = el('div', { hidden: '' });
   private readonly choice = el('select', { 'aria-label': 'Log to label' });
   private readonly modeBox;
-  private readonly scan = el('select', {});
+  private readonly scan = el('select', { 'aria-label': 'Scan to label' });
   private readonly toolButtons = new Map<ToolName | null, HTMLButtonElement>();
   private readonly undoButton = button('Undo', 'Undo (Z)', () => this.step(true));
   private readonly redoButton = button('Redo', 'Redo (Y)', () => this.step(false));
