@@ -8,21 +8,9 @@ import json
 
 import numpy
 
-TYPES = {"double": "<f8", "float": "<f4", "uchar": "u1", "char": "i1", "ushort": "<u2", "short": "<i2", "uint": "<u4",
-         "int": "<i4"}
+from ply_columns import read
+
 BAND_M = 10
-
-
-def ranges(path):
-    """The range of each beam of a log, m; NaN without a return."""
-    with open(path, "rb") as file:
-        head, _, body = file.read().partition(b"end_header\n")
-    lines = [line.split() for line in head.decode().splitlines()]
-    rows = next(int(words[2]) for words in lines if words[:2] == ["element", "vertex"])
-    columns = numpy.dtype([(words[2], TYPES[words[1]]) for words in lines if words[:1] == ["property"]])
-    table = numpy.frombuffer(body, columns, rows)
-    length = numpy.sqrt(sum(table[axis].astype(float) ** 2 for axis in ("nx", "ny", "nz")))
-    return numpy.where(table["alpha"] > 0, length, numpy.nan)
 
 
 def main():
@@ -30,7 +18,7 @@ def main():
     for name in ("test", "thin", "instrument"):
         parser.add_argument(name)
     options = parser.parse_args()
-    test, thin, instrument = (ranges(path) for path in (options.test, options.thin, options.instrument))
+    test, thin, instrument = (read(path)[1] for path in (options.test, options.thin, options.instrument))
     answered, missed = ~numpy.isnan(thin), numpy.isnan(test)
     weak = answered & numpy.isnan(instrument)
     band = (numpy.where(answered, thin, 0) / BAND_M).astype(int)

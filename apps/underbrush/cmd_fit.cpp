@@ -58,12 +58,17 @@ std::string text_of_fit(const std::string& fitter, const FitStep& step) {
     text += fmt::format("  left out    {} points near the sensor\n", r.near_points);
   if (r.thinned_points)
     text += fmt::format("  left out    {} points of full tiles\n", r.thinned_points);
-  if (step.grain.ellipsoids || step.grain.meshes) {
+  if (step.grain.learnt()) {
     text += fmt::format(
         "  grain       {:.3f} m of ellipsoids, {:.3f} m of meshes: {:.1f} cm rough along rings, "
         "the log {:.1f} cm\n",
         model.grain.ellipsoid_m, model.grain.mesh_m, 100 * step.grain.simulated_m,
         100 * step.grain.real_m);
+  }
+  for (size_t k = 0; k < model.grain.classes.size(); ++k) {
+    const elements::ClassGrain& c = model.grain.classes[k];
+    text += fmt::format("              {:.3f} m of {}{}\n", c.side_m, model.class_name(c.label),
+                        step.grain.classes[k] ? "" : ", the usual one: too few beams met it");
   }
   if (step.echoes.learnt) {
     text += fmt::format("  echoes      {:.3f} of a beam that returns, the log {:.3f}\n",

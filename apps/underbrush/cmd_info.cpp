@@ -31,13 +31,23 @@ void report_model(const Verb& verb, const std::string& path) {
   j["tau"] = model.tau;
   j["origin_m"] = {model.origin.x(), model.origin.y(), model.origin.z()};
   j["ground_sigma_m"] = model.ground.range_sigma_m;
+  std::map<uint32_t, size_t> classes;
+  for (const elements::Ellipsoid& e : model.ellipsoids) ++classes[e.label];
+  std::string table;
+  for (const auto& [label, n] : classes) {
+    j["classes"][model.class_name(label)] = n;
+    if (classes.size() == 1 && label == 0) break;  // no class is known
+    table += fmt::format("  {:<19}{:>8} ellipsoids, grain {:.3f} m\n", model.class_name(label), n,
+                         model.grain.side_at(model.grain.place_of(label)));
+  }
   j["provenance"] = model.provenance.empty() ? Json(nullptr) : io::json_of_text(model.provenance);
   verb.report(j, fmt::format("{}: model by {}: {} ground triangles, {} surface triangles, {} "
                              "ellipsoids\n  tau {:g}, ground sigma {:.3f} m, origin {:.1f} {:.1f} "
                              "{:.1f} m\n",
                              path, model.fitter, model.ground.size(), model.surface.size(),
                              model.ellipsoids.size(), model.tau, model.ground.range_sigma_m,
-                             model.origin.x(), model.origin.y(), model.origin.z()));
+                             model.origin.x(), model.origin.y(), model.origin.z()) +
+                     table);
 }
 
 // Returns a table of the objects of each class, and puts it into `j`.

@@ -120,11 +120,7 @@ Problem fit_problem(const Arguments& a, const std::shared_ptr<const optimize::Sl
   p.tuning.parameters.assign(chosen->begin(), chosen->end());
   for (const auto& parameter : *chosen) p.start.push_back(parameter.of->number(a.fit));
   p.tuning.fixed = given_options(a, p.tuning.parameters);
-  p.tuning.what =
-      fmt::format("{} scans from {:g} to {:g} s: {} beams fitted, {} beams ({}) judge.",
-                  slice->scans, a.slice[0], a.slice[1], slice->fit.size(), slice->validation.size(),
-                  slice->by_scan ? fmt::format("every {}th scan", a.cut.one_in)
-                                 : fmt::format("one group of beams in {}", a.cut.one_in));
+  p.tuning.what = sentence_on(*slice, a.cut, false);
   p.objective = [&a, chosen, slice](std::span<const double> value) {
     fit::FitOptions options = a.fit;
     for (size_t k = 0; k < value.size(); ++k) (*chosen)[k].of->set_number(options, value[k]);
@@ -151,6 +147,7 @@ Problem scene_problem(const Verb& verb, const Arguments& a, optimize::Slice slic
   p.inputs = {a.annotation};
   p.inputs.insert(p.inputs.end(), named.inputs.begin(), named.inputs.end());
   p.warnings = std::move(named.warnings);
+  p.tuning.what = sentence_on(slice, a.cut, true);
   in->beams = std::move(slice.fit);
   in->beams.append(slice.validation, 0, slice.validation.size());
   const std::vector<optimize::Parameter> all = optimize::density_parameters(in->annotation);
@@ -158,8 +155,6 @@ Problem scene_problem(const Verb& verb, const Arguments& a, optimize::Slice slic
   for (const size_t k : optimize::chosen(all, a.tune)) p.tuning.parameters.push_back(all[k]);
   p.start.assign(p.tuning.parameters.size(), 1);
   p.tuning.densities = true;
-  p.tuning.what = fmt::format("{} scans from {:g} to {:g} s: {} beams judge the composed scene.",
-                              slice.scans, a.slice[0], a.slice[1], in->beams.size());
   p.objective = [&a, in, densities = p.tuning.parameters,
                  seed = verb.seed](std::span<const double> value) {
     primitives::ComposeOptions compose;

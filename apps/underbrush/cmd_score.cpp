@@ -77,11 +77,9 @@ void run(const Verb& verb, const Arguments& a) {
   std::string text = table_of_scores(candidates, scores);
   text += score_protocols({!a.protocol.empty(), a.repeats}, a.real, candidates, results);
   if (!a.report.empty()) {
-    report::Comparison comparison{"", "", results, a.real, {}};
-    for (const Candidate& c : candidates) comparison.simulated.push_back({c.name, c.log});
-    const report::ReportInput report{
-        "Simulated against real: " + fs::path(a.real).filename().string(), "", {comparison}};
-    text += "report: " + report::write_report(a.report, report).string() + "\n";
+    std::vector<std::pair<std::string, fs::path>> logs;
+    for (const Candidate& c : candidates) logs.emplace_back(c.name, c.log);
+    text += "report: " + write_score_report(a.report, results, a.real, logs).string() + "\n";
   }
   verb.report(results, text);
 }

@@ -40,7 +40,10 @@ Json json_of(const FitStep& step) {
   j["ground_sigma_m"] = model.ground.range_sigma_m;
   j["range_noise_m"] = model.range_noise_m;
   j["grain_m"] = {{"ellipsoids", model.grain.ellipsoid_m}, {"meshes", model.grain.mesh_m}};
-  if (step.grain.ellipsoids || step.grain.meshes) {
+  for (const elements::ClassGrain& c : model.grain.classes) {
+    j["grain_m"]["classes"][model.class_name(c.label)] = c.side_m;
+  }
+  if (step.grain.learnt()) {
     j["roughness_m"] = {{"log", step.grain.real_m},
                         {"simulated", step.grain.simulated_m},
                         {"simulated_anew", step.grain.anew_m}};

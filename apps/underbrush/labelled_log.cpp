@@ -77,7 +77,7 @@ size_t put_labels(const LabelsOfHits& found, size_t next, BeamLog& chunk, Labell
     out.ground += ground;
     bool tree = true;  // Where the log does not say, every number counts as a tree's.
     if (out.labelled) {
-      const uint32_t number = primitives::label_at(given->second, i);
+      const uint32_t number = whole_number(given->second, i);
       const elements::GroundLabel known = elements::ground_label(set, number);
       if (known == elements::GroundLabel::kUnknown) {
         ++out.unlabelled;
@@ -91,7 +91,7 @@ size_t put_labels(const LabelsOfHits& found, size_t next, BeamLog& chunk, Labell
     }
     if (out.has_truth && !ground) {
       out.trees.add(elements::kind_of(c) == ClassKind::kTree ? instance[i] : 0,
-                    tree ? primitives::label_at(truth->second, i) : 0);
+                    tree ? whole_number(truth->second, i) : 0);
     }
   }
   for (const char* name : {"class", "instance"}) {

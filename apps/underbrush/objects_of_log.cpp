@@ -44,7 +44,7 @@ elements::Model ground_of_log(const std::string& file, BeamSource& log, double s
     std::vector<Vec3> points;
     const ExtraColumn& label = chunk.extra.at("class");
     for (size_t i = 0; i < chunk.size(); ++i) {
-      const auto c = elements::Class(primitives::label_at(label, i));
+      const auto c = elements::Class(whole_number(label, i));
       if (chunk.is_hit(i) && c == elements::Class::kGround) points.push_back(chunk.end_point(i));
     }
     if (grid) grid->add(points);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "report/report.hpp"
 #include "underbrush/io/json_text.inl"
 
 namespace underbrush::app {
@@ -57,6 +58,15 @@ Json json_of_scores(const std::vector<std::string>& names,
   for (size_t k = 0; k < scores.size(); ++k) j["models"][names[k]] = json_of(scores[k]);
   j["provenance"] = io::json_of_text(provenance);
   return j;
+}
+
+std::filesystem::path write_score_report(
+    const std::filesystem::path& folder, const Json& results, const std::filesystem::path& real,
+    const std::vector<std::pair<std::string, std::filesystem::path>>& simulated) {
+  report::Comparison comparison{"", "", results, real, {}};
+  for (const auto& [name, log] : simulated) comparison.simulated.push_back({name, log});
+  return report::write_report(
+      folder, {"Simulated against real: " + real.filename().string(), "", {std::move(comparison)}});
 }
 
 }  // namespace underbrush::app

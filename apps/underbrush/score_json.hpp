@@ -1,5 +1,10 @@
 /// Scores as JSON, whose keys other programs rely on.
 #pragma once
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
 #include "cli/verb.hpp"
 #include "underbrush/metrics/score.hpp"
 
@@ -10,5 +15,11 @@ namespace underbrush::app {
 /// have no key.
 Json json_of_scores(const std::vector<std::string>& names,
                     const std::vector<metrics::Score>& scores, const std::string& provenance);
+
+/// Writes `folder`/index.html with the scores `results` (`json_of_scores`) of simulated logs, each
+/// with its name, against the log `real`, and returns its path.
+std::filesystem::path write_score_report(
+    const std::filesystem::path& folder, const Json& results, const std::filesystem::path& real,
+    const std::vector<std::pair<std::string, std::filesystem::path>>& simulated);
 
 }  // namespace underbrush::app

@@ -60,6 +60,7 @@ elements::Scene read_world(const fs::path& path, elements::SceneInfo* info,
   }
   elements::Scene scene;
   scene.models.push_back(elements::read_model(path));
+  if (info) info->class_names = scene.models[0].class_names;
   return scene;
 }
 

@@ -6,6 +6,7 @@
 
 #include "cli/verb.hpp"
 #include "underbrush/optimize/search.hpp"
+#include "underbrush/optimize/slice.hpp"
 
 namespace underbrush::app {
 
@@ -23,6 +24,9 @@ struct Tuning {
   const optimize::Evaluation& tuned() const { return evaluations[optimize::best_of(evaluations)]; }
 };
 
+/// Returns the sentence on a slice for `Tuning::what`. `scene`: all of its beams judge a scene.
+std::string sentence_on(const optimize::Slice& slice, const optimize::SliceOptions& cut,
+                        bool scene);
 /// Returns the search as JSON.
 Json json_of(const Tuning& tuning);
 /// Returns a table of the parameters and scores before and after.

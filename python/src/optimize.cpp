@@ -11,6 +11,7 @@
 #include "composition.hpp"
 #include "fit_parameters.hpp"
 #include "given.hpp"
+#include "tuning.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/optimize/densities.hpp"
@@ -33,24 +34,23 @@ struct TuneOptions {
 };
 
 /// A search that has ended.
-struct TuningValue {
-  std::vector<optimize::Parameter> parameters;
-  std::vector<Evaluation> evaluations;
-
+struct TuningValue : app::Tuning {
   Values values_of(const Evaluation& e) const {
     Values out;
     for (size_t k = 0; k < parameters.size(); ++k) out[parameters[k].name] = e.value[k];
     return out;
   }
-  const Evaluation& best() const { return evaluations[optimize::best_of(evaluations)]; }
 };
 
 using Objective = std::function<optimize::Outcome(std::span<const double>)>;
 
-TuningValue searched(const GivenLog& log, const TuneOptions& o,
+TuningValue searched(const GivenLog& log, const TuneOptions& o, std::string what,
                      std::vector<optimize::Parameter> parameters, const std::vector<double>& start,
                      const Objective& objective, const Hook& hook) {
   TuningValue out;
+  out.log = name_of(log);
+  out.objective = o.objective;
+  out.what = std::move(what);
   out.parameters = std::move(parameters);
   const auto judged = [&](std::span<const double> value) {
     hook("optimize", out.evaluations.size(), o.search.budget);
@@ -85,7 +85,8 @@ TuningValue tuned_fit(const GivenLog& log, const TuneOptions& o, const nb::dict&
       for (size_t k = 0; k < value.size(); ++k) chosen[k].of->set_number(tried, value[k]);
       return optimize::fit_outcome(o.objective, slice, tried);
     };
-    out = searched(log, o, {chosen.begin(), chosen.end()}, start, objective, hook);
+    out = searched(log, o, app::sentence_on(slice, o.cut, false), {chosen.begin(), chosen.end()},
+                   start, objective, hook);
   });
   return out;
 }
@@ -100,6 +101,7 @@ TuningValue tuned_scene(const GivenLog& log, const TuneOptions& o,
     const primitives::Annotation site = primitives::read_annotation(annotation, allow_outside);
     const elements::Model ground = elements::read_model(site.ground.lexically_normal());
     const app::NamedSet named = app::primitives_named(primitives, o.cut.seed);
+    std::string what = app::sentence_on(slice, o.cut, true);
     BeamLog beams = std::move(slice.fit);
     beams.append(slice.validation, 0, slice.validation.size());
     const std::vector<optimize::Parameter> all = optimize::density_parameters(site);
@@ -113,7 +115,9 @@ TuningValue tuned_scene(const GivenLog& log, const TuneOptions& o,
       return optimize::scene_outcome(o.objective, {site, ground, named.set}, compose, chosen, value,
                                      beams);
     };
-    out = searched(log, o, chosen, std::vector<double>(chosen.size(), 1), objective, hook);
+    out = searched(log, o, std::move(what), chosen, std::vector<double>(chosen.size(), 1),
+                   objective, hook);
+    out.densities = true;
   });
   return out;
 }
@@ -165,19 +169,20 @@ void bind_optimize(nb::module_& m) {
       .def(
           "__len__", [](const V& v) { return v.evaluations.size(); }, "Number of evaluations.")
       .def_prop_ro(
-          "parameters", [](const V& v) { return v.values_of(v.best()); },
+          "parameters", [](const V& v) { return v.values_of(v.tuned()); },
           "The best values by name, for `fit(log, **parameters)` once `-` is `_`.")
       .def_prop_ro(
-          "start", [](const V& v) { return v.values_of(v.evaluations.front()); },
+          "start", [](const V& v) { return v.values_of(v.Tuning::start()); },
           "The values at the start.")
       .def_prop_ro(
-          "objective", [](const V& v) { return v.best().outcome.objective; },
+          "objective", [](const V& v) { return v.tuned().outcome.objective; },
           "The lowest objective.")
       .def_prop_ro(
-          "start_objective", [](const V& v) { return v.evaluations.front().outcome.objective; },
+          "start_objective", [](const V& v) { return v.start().outcome.objective; },
           "The objective at the start.")
       .def_prop_ro(
-          "scores", [](const V& v) { return v.best().outcome.score; }, "Scores of the best values.")
+          "scores", [](const V& v) { return v.tuned().outcome.score; },
+          "Scores of the best values.")
       .def_prop_ro(
           "history",
           [](const V& v) {
@@ -189,6 +194,16 @@ void bind_optimize(nb::module_& m) {
           "All values that were tried, in order, with their objectives.");
   m.def("optimize_fit", &tuned_fit, "log"_a, "options"_a, "parameters"_a, "sensor"_a.none(),
         "progress"_a.none(), "Tunes parameters of a fit.");
+  m.def(
+      "write_tuning_report",
+      [](const std::filesystem::path& folder, V tuning, const std::string& fixed,
+         const std::string& provenance) {
+        tuning.fixed = app::Json::parse(fixed);
+        tuning.provenance = provenance;
+        return app::write_tuning_report(folder, tuning);
+      },
+      "folder"_a, "tuning"_a, "fixed"_a, "provenance"_a, nb::call_guard<nb::gil_scoped_release>(),
+      "Writes the page of a search and returns its path.");
   m.def("optimize_scene", &tuned_scene, "log"_a, "options"_a, "annotation"_a, "primitives"_a,
         "allow_outside"_a, "progress"_a.none(), "Tunes the class densities of a composed scene.");
 }

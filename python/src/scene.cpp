@@ -1,5 +1,6 @@
 /// \file
 /// Scenes: models and where they stand.
+#include <nanobind/ndarray.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
@@ -7,6 +8,7 @@
 #include "bind.hpp"
 #include "given.hpp"
 #include "stages.hpp"
+#include "underbrush/core/check.hpp"
 #include "views.hpp"
 
 namespace underbrush::python {
@@ -27,6 +29,50 @@ std::vector<std::string> class_names() {
 ModelValue model_at(const SceneValue& v, size_t index) {
   if (index >= v.scene.models.size()) throw nb::index_error("scene: no such model");
   return ModelValue{v.scene.models[index]};
+}
+
+template <class T, class... Shape>
+using Given = nb::ndarray<const T, nb::shape<Shape::value...>, nb::c_contig, nb::device::cpu>;
+template <ssize_t n>
+using Side = std::integral_constant<ssize_t, n>;
+
+/// Makes a scene of copies of models. The arrays have a row for each instance; `classes` is empty
+/// or has as many names, `names` and `materials` are empty or have one for each model.
+SceneValue scene_of_models(const std::vector<const ModelValue*>& models,
+                           const Given<uint32_t, Side<-1>>& model,
+                           const Given<double, Side<-1>, Side<3>>& position,
+                           const Given<double, Side<-1>, Side<4>>& rotation,
+                           const Given<float, Side<-1>>& scale,
+                           const std::vector<std::string>& classes, std::vector<std::string> names,
+                           std::vector<std::string> materials) {
+  const size_t n = model.shape(0);
+  require(n > 0 && !models.empty(), "scene: no instances or no models");
+  require(position.shape(0) == n && rotation.shape(0) == n && scale.shape(0) == n &&
+              (classes.empty() || classes.size() == n),
+          "scene: the columns are not of one length");
+  require(names.empty() || names.size() == models.size(), "scene: one name a model is needed");
+  require(materials.empty() || materials.size() == models.size(),
+          "scene: one material a model is needed");
+  SceneValue out;
+  for (const ModelValue* m : models) out.scene.models.push_back(*m);
+  for (size_t i = 0; i < n; ++i) {
+    Instance placed;
+    placed.model = model.data()[i];
+    placed.scale = scale.data()[i];
+    placed.world_from_model.translation = Eigen::Map<const Vec3>(position.data() + 3 * i);
+    const Eigen::Map<const Eigen::Vector4d> xyzw(rotation.data() + 4 * i);
+    require(std::abs(xyzw.norm() - 1) < 1e-6, "scene: a rotation is not a unit quaternion");
+    placed.world_from_model.rotation = Eigen::Quaterniond(xyzw.normalized());
+    out.scene.instances.push_back(placed);
+    out.info.labels.push_back(classes.empty() ? elements::Class::kUnknown
+                                              : elements::class_named(out.info, classes[i]));
+  }
+  out.scene.check();
+  for (size_t k = names.size(); k < models.size(); ++k)
+    names.push_back("model" + std::to_string(k));
+  out.info.names = std::move(names);
+  out.info.materials = std::move(materials);
+  return out;
 }
 
 // long: the table of what a scene shows
@@ -122,6 +168,8 @@ void bind_scene(nb::module_& m) {
       "path"_a, Released(),
       "Reads a scene's folder, or a mesh file (.obj, .ply, .gltf, .glb, .stl) as a scene whose\n"
       "instance 0 is empty. Raises `FormatError`.");
+  m.def("scene_of_models", &scene_of_models, "models"_a, "model"_a, "position"_a, "rotation"_a,
+        "scale"_a, "classes"_a, "names"_a, "materials"_a);
   m.def(
       "write_scene",
       [](const Path& path, const SceneValue& v) { elements::write_scene(path, v.scene, v.info); },

@@ -102,6 +102,17 @@ void bind_score(nb::module_& m) {
       });
   m.def("score", &scored, "real"_a, "simulated"_a, "model"_a.none(), "cloud"_a, "progress"_a.none(),
         "Compares a simulated log with the real log of the same beams.");
+  m.def(
+      "write_score_report",
+      [](const std::filesystem::path& folder, const std::filesystem::path& real,
+         const std::filesystem::path& simulated, const Score& score,
+         const std::string& provenance) {
+        const std::string name = simulated.stem().string();
+        const app::Json results = app::json_of_scores({name}, {score}, provenance);
+        return app::write_score_report(folder, results, real, {{name, simulated}});
+      },
+      "folder"_a, "real"_a, "simulated"_a, "score"_a, "provenance"_a,
+      nb::call_guard<nb::gil_scoped_release>(), "Writes the page of a score and returns its path.");
   m.def("scores_json", &json_of, "names"_a, "scores"_a, "provenance"_a,
         "Returns the scores as the JSON that `underbrush score --json` writes.");
 }

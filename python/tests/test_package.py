@@ -17,12 +17,13 @@ def test_parameters_are_those_of_the_library() -> None:
     subprocess.run([sys.executable, str(HERE / "make_parameters.py"), "--check"], check=True)
 
 
-def test_types_of_examples_and_notebooks() -> None:
+def test_types_of_examples_notebooks_and_the_stub() -> None:
     mypy = pytest.importorskip("mypy.api")
     files = sorted(str(path) for name in ("examples", "notebooks") for path in (HERE.parent / name).glob("*.py"))
     assert len(files) > 4
+    stub = pathlib.Path(underbrush.__file__).parent / "_core.pyi"
     out, errors, code = mypy.run(["--config-file", str(HERE.parents[1] / "pyproject.toml"), "--cache-dir", "/dev/null",
-                                  *files])
+                                  *files, str(stub)])
     assert code == 0, out + errors
 
 

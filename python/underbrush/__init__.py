@@ -22,6 +22,7 @@ from underbrush._core import (BeamLog, EllipsoidTable, LogInfo, LogReader, LogWr
 from underbrush.errors import FormatError
 from underbrush.live import Lidar
 from underbrush.logs import ellipsoid_axes, log_from_columns
+from underbrush.scenes import scene_from_models
 from underbrush.verbs import Segmentation, compose, extract, fit, optimize, report_of, score, segment, simulate
 
 __version__ = version()
@@ -30,7 +31,7 @@ __all__ = [
     "BeamLog", "EllipsoidTable", "FormatError", "Lidar", "LogInfo", "LogReader", "LogWriter", "Model", "Pose",
     "Primitives", "ScanInfo", "Scene", "Score", "Segmentation", "Sensor", "Summary", "Trajectory", "TriangleMesh",
     "Tuning", "__version__", "beams", "class_names", "compose", "ellipsoid_axes", "extract", "fit", "fitters",
-    "log_from_columns", "optimize", "read_log", "read_model", "read_scene", "read_trajectory", "report_of", "score",
-    "segment", "sensors", "set_threads", "simulate", "threads", "write_log", "write_model", "write_primitives",
-    "write_scene",
+    "log_from_columns", "optimize", "read_log", "read_model", "read_scene", "read_trajectory", "report_of",
+    "scene_from_models", "score", "segment", "sensors", "set_threads", "simulate", "threads", "write_log",
+    "write_model", "write_primitives", "write_scene",
 ]

@@ -6,6 +6,7 @@ import importlib
 import importlib.util
 import json
 import os
+import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, TypedDict, overload
 
@@ -186,16 +187,30 @@ def simulate(model: World, *, like: Log | None = None, sensor: Sensor | str | No
     return {"beams": beams, "rows": rows, "hits": hits}
 
 
-def score(real: Log, simulated: Log, *, model: World | None = None, cloud: bool = True,
+def _file_of(log: Log, folder: str, name: str) -> Path:
+    """Returns the log's own file, or one in the folder into which a log in memory is written."""
+    if not isinstance(log, BeamLog):
+        return log
+    file = os.path.join(folder, name + ".ply")
+    _core.write_log(file, log, "", "{}")
+    return file
+
+
+def score(real: Log, simulated: Log, *, model: World | None = None, cloud: bool = True, report: Path | None = None,
           progress: Progress | None = None) -> Score:
     """Compares a simulated log with the real log of the same beams, beam by beam.
 
     With `model`, likelihood and CRPS under the ray model are computed; without `cloud`, cloud error and density-aware
-    Chamfer distance are left out. Raises `ValueError` (`FormatError` for files) where the beams differ in number, scan,
-    ring or origin.
+    Chamfer distance are left out. With `report`, a folder, a page of tables, plots and pictures is written too. Raises
+    `ValueError` (`FormatError` for files) where the beams differ in number, scan, ring or origin, and `OSError`.
     """
     with _shown(progress) as shown:
-        return _core.score(real, simulated, model, cloud, shown)
+        scores = _core.score(real, simulated, model, cloud, shown)
+    if report is not None:
+        with tempfile.TemporaryDirectory() as folder:
+            files = _file_of(real, folder, "real"), _file_of(simulated, folder, "simulated")
+            _core.write_score_report(report, *files, scores, _provenance("score", 1))
+    return scores
 
 
 def segment(log: Log, output: Path | None = None, *, labels: Path | None = None, label_set: str = "",
@@ -263,14 +278,14 @@ def compose(annotation: Path, primitives: Primitives | Path, output: Path | None
 def optimize(log: Log, *, objective: str = "packet_f1", tune: Sequence[str] = (), budget: int = 60,
              slice: tuple[float, float] = (0.0, 10.0), validate: int = 4, algorithm: str = "cobyla", step: float = 0.2,
              seed: int = 1, annotation: Path | None = None, primitives: Path | None = None, allow_outside: bool = False,
-             sensor: Sensor | str | None = None, progress: Progress | None = None,
+             sensor: Sensor | str | None = None, report: Path | None = None, progress: Progress | None = None,
              **parameters: Unpack[FitParameters]) -> Tuning:
     """Tunes the parameters of a fit on a slice of the training log.
 
     `slice` takes the scans that begin in [from, to), s after the log's start; one in `validate` of them judges. `tune`
     names the parameters (the usual ones if empty), `parameters` sets those that stay fixed. With `annotation` and
     `primitives`, the class densities of a composed scene are tuned instead. `Tuning.parameters` has the best values.
-    Raises `ValueError`, `TypeError`, `FormatError`, `OSError`.
+    With `report`, a folder, a page with the search's progress is written too. Raises `ValueError`, `TypeError`, `FormatError`, `OSError`.
     """
     core = _core.TuneOptions()
     core.objective, core.tune, core.budget, core.slice = objective, [n.replace("_", "-") for n in tune], budget, slice
@@ -280,8 +295,13 @@ def optimize(log: Log, *, objective: str = "packet_f1", tune: Sequence[str] = ()
     with _shown(progress) as shown:
         if annotation is not None and primitives is not None:
             core.tune = list(tune)
-            return _core.optimize_scene(log, core, annotation, os.fspath(primitives), allow_outside, shown)
-        return _core.optimize_fit(log, core, dict(parameters), _sensor(sensor), shown)
+            tuning = _core.optimize_scene(log, core, annotation, os.fspath(primitives), allow_outside, shown)
+        else:
+            tuning = _core.optimize_fit(log, core, dict(parameters), _sensor(sensor), shown)
+    if report is not None:
+        fixed = {name.replace("_", "-"): str(value) for name, value in parameters.items()}
+        _core.write_tuning_report(report, tuning, json.dumps(fixed), _provenance("optimize", seed))
+    return tuning
 
 
 def _set(core: object, verb: str, options: Mapping[str, object]) -> None:

@@ -23,6 +23,38 @@ rm -r model anew.ply once.ply""", (LOGS[log],), (HALVES[log],))
     return tuple(part(log) for log in LOGS)
 
 
+LABELLED = {"kitti00_labelled": ("kitti00_000000", "semantickitti", {"vegetation": 70, "building": 50, "car": 10}),
+            "rellis_000104": ("000104", "rellis", {"tree": 4, "bush": 19, "person": 17})}
+
+
+def grain_of_classes():
+    """One grain for all ellipsoids, which a log without labels has, beside a grain for each class."""
+    def part(log):
+        scan, label_set, classes = LABELLED[log]
+        file = f"{log}/{scan}"
+        job = Job(f"grain-class.{log}", f"""like="--like labelled.test.ply"
+underbrush import "$DATA/{file}.bin" -o bare.ply
+underbrush import "$DATA/{file}.bin" --labels "$DATA/{file}.label" --label-set {label_set} -o labelled.ply
+for n in bare labelled; do
+    underbrush split $n.ply --columns 2 --train $n.train.ply --test $n.test.ply
+    underbrush fit $n.train.ply -o $n
+done
+underbrush simulate bare $like --matter anew -o anew.ply
+underbrush simulate bare $like -o one.ply
+underbrush simulate labelled $like -o by_class.ply
+"$PYTHON" "$SOURCE/scripts/class_roughness.py" labelled.test.ply anew.ply one.ply by_class.ply > roughness.json
+rm -r bare labelled *.ply""", (f"{file}.bin", f"{file}.label"))
+
+        def cells(folder):
+            of_class = read_json(folder / "roughness.json")
+            for name, number in classes.items():
+                for column, source in (("log", "labelled.test"), ("drawn anew", "anew"), ("one grain", "one"),
+                                       ("a grain by class", "by_class")):
+                    yield f"{log}, {name}", f"{column}, cm", [100 * of_class[str(number)][f"{source}.ply"]["m"]]
+        return Part((job,), cells)
+    return tuple(part(log) for log in LABELLED)
+
+
 SENSORS = {"rellis_000104": "ouster-os1-64", "marv_forest": "ouster-os0-128"}  # of the others: velodyne-hdl64e
 
 
@@ -65,6 +97,7 @@ def echoes(folder):
 
 MEASURED = {
     "grain": Measured(grain()),
+    "grain-class": Measured(grain_of_classes()),
     "instrument": Measured(instrument()),
 }
 

@@ -24,7 +24,8 @@ class ModelFile : public testing::Test {
     model_ = trace::random_model(4, 50, Vec3(5e5, -4e6, 123.456));
     model_.fitter = "hierarchical";
     model_.max_range_m = 80;
-    model_.grain = {0.03, 0.07};
+    model_.class_names = {"tree", "fence"};
+    model_.grain = {0.03, 0.07, {{15, 0.3}, {2, 0.01}}};
     model_.range_noise_m = 0.011;
     model_.sensor = "own";
     model_.sensor_file = "name: own\nkind: \"spinning\"\n";
@@ -44,6 +45,28 @@ class ModelFile : public testing::Test {
   Model model_;
 };
 
+TEST_F(ModelFile, RefusesAGrainOfAClassThatItDoesNotHave) {
+  write_model(folder_ / "m", model_);
+  replace("\"fence\": 0.3", "\"hedge\": 0.3");
+  try {
+    read_model(folder_ / "m");
+    FAIL();
+  } catch (const FormatError& e) {
+    EXPECT_NE(std::string(e.what()).find("grain_m.classes.hedge: not a class of the model"),
+              std::string::npos)
+        << e.what();
+  }
+}
+
+TEST_F(ModelFile, RefusesAGrainThatIsNotOfTheModel) {
+  for (const elements::Grain& bad :
+       {Grain{0.03, 0.07, {{2, 0.01}, {2, 0.02}}}, Grain{0.03, 0.07, {{2, -1.0}}},
+        Grain{0.03, 0.07, {{99, 0.01}}}, Grain{0.03, 0.07, std::vector<ClassGrain>(8)}}) {
+    model_.grain = bad;
+    EXPECT_THROW(model_.check(), std::invalid_argument);
+  }
+}
+
 TEST_F(ModelFile, ComesBackWhole) {
   model_.ellipsoids[3].hit = {0.25f, 11, 12};
   model_.ellipsoids[3].label = 70;
@@ -54,6 +77,11 @@ TEST_F(ModelFile, ComesBackWhole) {
   EXPECT_EQ(back.max_range_m, 80);
   EXPECT_EQ(back.grain.ellipsoid_m, 0.03);
   EXPECT_EQ(back.grain.mesh_m, 0.07);
+  EXPECT_EQ(back.class_names, model_.class_names);
+  ASSERT_EQ(back.grain.classes.size(), 2u);
+  EXPECT_EQ(back.grain.side_at(back.grain.place_of(15)), 0.3);
+  EXPECT_EQ(back.grain.side_at(back.grain.place_of(2)), 0.01);
+  EXPECT_EQ(back.grain.side_at(back.grain.place_of(14)), 0.03);
   EXPECT_EQ(back.range_noise_m, 0.011);
   EXPECT_EQ(back.sensor, model_.sensor);
   EXPECT_EQ(back.sensor_file, model_.sensor_file);

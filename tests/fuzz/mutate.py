@@ -5,8 +5,8 @@
   mutate.py --program build/bin/underbrush --kinds fit.log --first 17 --mutants 1 --keep found
 
 A mutant may be accepted (exit 0) or refused (exit 3, one line that names the file). It fails by a crash, a hang,
-another exit code, a message that is not one short printable line of our own words, and by any output that changed or
-anything left behind though the run failed. Options in a --config file may be wrong usage (exit 2) or ask for more than
+another exit code, a message that is not one short printable line of our own words, more than 256 MiB of memory and
+twice the size of its files, and by any output that changed or anything left behind though the run failed. Options in a --config file may be wrong usage (exit 2) or ask for more than
 the limits allow. The same seed, kind and number give the same mutant."""
 import argparse
 import collections
@@ -18,19 +18,20 @@ import re
 import resource
 import shlex
 import shutil
-import subprocess
 import sys
 import tempfile
 import time
 
 import kinds
 import mutations
+import processes
 import seeds
 
 WALL_S, CPU_S, MEMORY, FILE_SIZE = 300, 15, 4 << 30, 512 << 20  # seconds and bytes of a run
 ALWAYS = ["--threads", "1", "--force"]  # Not all outputs tell who wrote them.
 LONGEST = 600  # bytes of a message
 CHUNK = 50  # mutants that a worker takes at once
+HELD = 256 << 20  # bytes of memory that any run may hold, besides twice the size of its files
 KEPT = 5  # failed mutants of them that are kept
 LEAKS = re.compile(
     rb"json\.exception|\[json|nlohmann|basic_\w+|std::|yaml-cpp|bad_alloc|bad conversion|vector::|stoi|stou?l|stod|"
@@ -64,12 +65,6 @@ def limit_resources():
         resource.setrlimit(what, (most, resource.getrlimit(what)[1]))
 
 
-def processor_s():
-    """Seconds of a processor that the processes which this one started and which ended have used."""
-    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return usage.ru_utime + usage.ru_stime
-
-
 class Scratch:
     """A folder with the seeds of one kind, in which the good command has run once, so that outputs stand there."""
     def __init__(self, kind, options, folder):
@@ -83,14 +78,20 @@ class Scratch:
         for name in sorted(names):
             self.copy_seed(name)
         self.seed = self.path.read_bytes()
+        self.size = sum(f.stat().st_size for f in self.folder.rglob("*") if f.is_file())
+        words, limits = [options.program, *kind.words, *ALWAYS], (WALL_S, CPU_S)
+        environment = {"TMPDIR": str(self.temporary), "PATH": os.defpath}
+        self.process = processes.Started(words, self.folder, environment, limits)
         before = set(all_files(self.folder))
-        code, out, err = self.run()
+        code, out, err = self.process.run()
         if code != 0:
             raise SystemExit(f"mutate: {kind.name}: the good file is refused: {err.decode(errors='replace')}")
         self.outputs = {top(name) for name in set(all_files(self.folder)) - before}
         if "--resume" in kind.words:
             self.outputs.add(kind.file)  # The program goes on writing a checkpoint that it has read.
         self.made = None  # the mutant under another name
+        if options.server:
+            self.process = processes.Copied(words, self.folder, environment, limits, options.server)
 
     @property
     def path(self):
@@ -102,19 +103,6 @@ class Scratch:
             shutil.copytree(source, self.folder / name)
         elif source.exists():
             shutil.copy(source, self.folder / name)
-
-    def run(self):
-        words = [self.options.program, *self.kind.words, *ALWAYS]
-        used = processor_s()
-        with subprocess.Popen(words, cwd=self.folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                              stderr=subprocess.PIPE, env={"TMPDIR": str(self.temporary), "PATH": os.defpath}) as child:
-            try:
-                out, err = child.communicate(timeout=WALL_S)
-            except subprocess.TimeoutExpired:
-                child.kill()
-                child.communicate()
-                return None, b"", b""
-        return None if processor_s() - used > CPU_S else child.returncode, out, err
 
     def put(self, number, others):
         """Writes a mutant in the place of the good file."""
@@ -136,9 +124,11 @@ class Scratch:
         """Runs a mutant. Returns its exit code, the reasons why it fails, and its message."""
         self.put(number, others)
         before = all_files(self.folder)
-        code, out, err = self.run()
+        code, out, err = self.process.run()
         after, left = all_files(self.folder), all_files(self.temporary)
         reasons = list(reasons_of(self.kind, code, out, err))
+        if self.process.memory > HELD + 2 * self.size and not self.kind.usage:
+            reasons.append(f"held {self.process.memory >> 20} MiB, of files of {self.size >> 10} KiB")
         allowed = self.outputs if code == 0 else ()
         # Who is killed leaves what the next run removes.
         changed = [name for name in set(before) | set(after)
@@ -221,6 +211,7 @@ def run_chunk(kind, numbers, options):
                 failures.append(Failure(kind.name, number, reasons, code, err[:LONGEST * 2], again))
                 if options.keep and len(failures) <= KEPT:
                     keep_mutant(scratch, number, reasons, err)
+        scratch.process.close()
     return kind.name, codes, failures
 
 
@@ -289,6 +280,8 @@ def arguments():
     parser.add_argument("--kinds", nargs="+", default=[], metavar="NAME", help="these kinds, or groups such as fit")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes at once [all cores]")
     parser.add_argument("--keep", help="copy the folder of each failed mutant, with its command, into this folder")
+    parser.add_argument("--anew", action="store_true", help="start the program anew for each mutant, which takes "
+                        "longer, but works with sanitizers")
     parser.add_argument("--markdown", action="store_true", help="print the table of the documentation")
     parser.add_argument("--list", action="store_true", help="list the kinds")
     return parser, parser.parse_args()
@@ -312,6 +305,7 @@ def main():
     with tempfile.TemporaryDirectory(prefix="mutate-") as options.scratch:
         options.seeds = os.path.join(options.scratch, "seeds")
         seeds.make(options.seeds, options.program)
+        options.server = None if options.anew else processes.build_server(options.scratch)
         options.splices = sorted({kind.file for kind in kinds.KINDS})
         counts, failures = run_all(chosen, options)
     (print_markdown if options.markdown else print_table)(chosen, counts)

@@ -90,6 +90,27 @@ TEST(LearnGrain, FindsTheGrainAndTheNoiseOfTheWorldThatTheLogIsOf) {
   }
 }
 
+TEST(LearnGrain, FindsTheGrainOfEachClass) {
+  constexpr uint32_t kFine = 2, kCoarse = 6, kRare = 9;
+  elements::Model model = hedge_and_wall();
+  for (elements::Ellipsoid& e : model.ellipsoids) e.label = e.mean.y() < 0 ? kFine : kCoarse;
+  model.ellipsoids.back().label = kRare;
+  model.grain = {0.05, 0.1, {{kFine, 0.025}, {kCoarse, 0.09}, {kRare, 0.02}}};
+  model.range_noise_m = 0.01;
+  BeamLog log = beams_to_it();
+  const trace::World world(model, trace::Isa::kBest, trace::Draws::kOnce);
+  simulate::simulate(world, {}, 0, log);
+  MemorySource source(log);
+  elements::Model learnt = model;
+  learnt.grain = {0.05, 0.05, {{kFine, 0.04}, {kCoarse, 0.04}, {kRare, 0.04}}};
+  const GrainReport report = learn_grain(learnt, source, 1);
+  EXPECT_EQ(report.classes, (std::vector<bool>{true, true, false}));
+  EXPECT_FALSE(report.ellipsoids);  // All ellipsoids are of these classes.
+  EXPECT_NEAR(std::log(learnt.grain.classes[0].side_m / 0.025), 0, std::log(1.5));
+  EXPECT_NEAR(std::log(learnt.grain.classes[1].side_m / 0.09), 0, std::log(1.5));
+  EXPECT_EQ(learnt.grain.classes[2].side_m, 0.04);
+}
+
 TEST(LearnGrainOfEchoes, FindsTheGrainThatMadeThem) {
   for (const double grain_m : {0.005, 0.01, 0.02}) {
     elements::Model model = hedge_and_wall();
@@ -108,6 +129,7 @@ TEST(LearnGrainOfEchoes, FindsTheGrainThatMadeThem) {
       model.ellipsoids.back().mean.x() += 3;
     }
     elements::Model learnt = model;
+    learnt.grain = {0.05, 0.05, {{2, 0.1}}};
     const trace::World world(model, trace::Isa::kBest, trace::Draws::kOnce);
     const simulate::DynamicWorld still(world);
     simulate::EchoOptions echoes;
@@ -118,6 +140,7 @@ TEST(LearnGrainOfEchoes, FindsTheGrainThatMadeThem) {
     EXPECT_TRUE(report.learnt);
     EXPECT_NEAR(report.simulated, report.real, 0.25 * (report.real - 1));
     EXPECT_NEAR(std::log(learnt.grain.ellipsoid_m / grain_m), 0, std::log(1.3));
+    EXPECT_NEAR(learnt.grain.classes[0].side_m, 2 * learnt.grain.ellipsoid_m, 1e-9);
     EXPECT_EQ(learnt.grain.mesh_m, model.grain.mesh_m);
   }
 }

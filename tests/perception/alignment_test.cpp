@@ -146,8 +146,10 @@ TEST_F(RigFile, NamesThePlaceOfAFault) {
     return std::string("accepted");
   };
   EXPECT_EQ(reason("name: x\nsensors: []\n"), "sensors: expected a list of 1 to 255 sensors");
-  EXPECT_EQ(reason("name: x\nsensors:\n - {name: a, sensor: nothing}\n"),
-            "sensors[0].sensor: no sensor of the catalogue, nor a file beside the rig's");
+  for (const std::string& name : {std::string("nothing"), std::string(5000, 'a')}) {
+    EXPECT_EQ(reason("name: x\nsensors:\n - {name: a, sensor: " + name + "}\n"),
+              "sensors[0].sensor: no sensor of the catalogue, nor a file beside the rig's");
+  }
   EXPECT_EQ(reason("name: x\nsensors:\n - {name: a, sensor: ibeo-lux-2010, colour: red}\n"),
             "sensors[0].colour: unknown key");
   EXPECT_EQ(reason("name: x\nsensors:\n - {name: a, sensor: ibeo-lux-2010, position_m: [1]}\n"),

@@ -131,6 +131,24 @@ TEST(Grain, BeamsWithinACellMeetTheSameMatterAndOthersDoNot) {
   EXPECT_NEAR(product / square, 0, 5 / std::sqrt(4000));
 }
 
+TEST(Grain, AClassCanHaveItsOwn) {
+  // Beams 1 cm apart cross cells of 1 m; other classes have cells of 1 mm.
+  for (const What what : {What::kEllipsoid, What::kPathLength}) {
+    elements::Model model = target(what, 0.5f, 0.001);
+    model.grain.classes = {{5, 0.3}, {7, 1}};
+    const auto changes = [&](uint32_t label) {
+      model.ellipsoids[0].label = label;
+      const BeamLog log = thin(model, 3, row(4000, 0.01));
+      size_t count = 0;
+      for (size_t i = 1; i < log.size(); ++i) count += log.is_hit(i) != log.is_hit(i - 1);
+      return double(count);
+    };
+    EXPECT_NEAR(changes(6), 0.5 * 3999, 5 * 0.5 * std::sqrt(3999));
+    EXPECT_NEAR(changes(5), 0.5 * 133, 5 * 0.5 * std::sqrt(133));
+    EXPECT_NEAR(changes(7), 0.5 * 40, 5 * 0.5 * std::sqrt(40));
+  }
+}
+
 TEST(Grain, TheNoiseOfTheSensorIsDrawnAnewByEachBeam) {
   const elements::Model model = target(What::kWall, 1, 1, 0.05);
   BeamLog beams = row(4000, 0);

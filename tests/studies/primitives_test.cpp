@@ -141,9 +141,9 @@ TEST_F(OnSites, LabelsAreThoseOfSegment) {
   const ExtraColumn& found = log.extra.at("class");
   size_t ground = 0, agree = 0;
   for (size_t i = 0; i < log.size(); ++i) {
-    if (primitives::label_at(truth, i) != uint32_t(elements::Class::kGround)) continue;
+    if (whole_number(truth, i) != uint32_t(elements::Class::kGround)) continue;
     ++ground;
-    agree += log.is_hit(i) && primitives::label_at(found, i) == primitives::label_at(truth, i);
+    agree += log.is_hit(i) && whole_number(found, i) == whole_number(truth, i);
   }
   EXPECT_GT(double(agree), 0.9 * double(ground));
 }

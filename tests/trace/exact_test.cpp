@@ -74,6 +74,10 @@ elements::Scene scene_of(uint64_t seed) {
   for (elements::Model& m : scene.models) {
     constexpr double kSides[4] = {0.004, 0.03, 0.2, 1.7};
     m.grain = {kSides[random.below(4)], kSides[random.below(4)]};
+    for (uint32_t label = 1; label <= seed % 8; ++label) {  // up to as many as can be
+      m.grain.classes.push_back({label, kSides[random.below(4)]});
+    }
+    for (elements::Ellipsoid& e : m.ellipsoids) e.label = uint32_t(random.below(9));
   }
   scene.check();
   return scene;

@@ -23,6 +23,10 @@ void for_columns(Log& log, F f) {
 
 }  // namespace
 
+uint32_t whole_number(const ExtraColumn& column, size_t i) {
+  return std::visit([&](const auto& c) { return c[i] > 0 ? uint32_t(c[i]) : 0u; }, column);
+}
+
 void BeamLog::resize(size_t n) {
   const size_t old = size();
   for_columns(*this, [n](auto& column) { column.resize(n); });

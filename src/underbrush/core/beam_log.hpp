@@ -39,6 +39,9 @@ using ExtraColumn = std::variant<std::vector<uint8_t>, std::vector<uint16_t>, st
                                  std::vector<int8_t>, std::vector<int16_t>, std::vector<int32_t>,
                                  std::vector<float>, std::vector<double>>;
 
+/// Returns the whole number in row i of a column; 0 for a negative one.
+uint32_t whole_number(const ExtraColumn& column, size_t i);
+
 /// A scan (one revolution or frame): its number, its reference time (s) and the sensor's pose at
 /// that time.
 struct ScanInfo {

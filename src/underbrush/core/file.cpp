@@ -53,6 +53,11 @@ std::string read_file(const std::filesystem::path& path, uint64_t limit) {
   return bytes;
 }
 
+bool is_file(const std::filesystem::path& path) {
+  std::error_code error;
+  return std::filesystem::is_regular_file(path, error);
+}
+
 bool leads_out(const std::filesystem::path& folder, const std::filesystem::path& name) {
   const std::filesystem::path normal = name.lexically_normal();
   if (name.is_absolute() || (!normal.empty() && *normal.begin() == "..")) return true;

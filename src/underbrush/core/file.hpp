@@ -33,6 +33,10 @@ class InputFile {
 /// `limit` bytes.
 std::string read_file(const std::filesystem::path& path, uint64_t limit = uint64_t(1) << 36);
 
+/// Whether a regular file is there; false, too, for a name that no file can have, such as one that
+/// is too long.
+bool is_file(const std::filesystem::path& path);
+
 /// Whether `name`, relative to `folder`, leads out of that folder: it is absolute, or goes up by
 /// "..", or a symbolic link leads out.
 bool leads_out(const std::filesystem::path& folder, const std::filesystem::path& name);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/elements/classes.hpp"
 
 namespace underbrush::elements {
 namespace {
@@ -50,6 +51,20 @@ const HitCount& Model::hit(size_t element) const {
   return at.kind == Kind::kEllipsoid ? ellipsoids.at(at.index).hit : mesh(at.kind).hit[at.index];
 }
 
+std::string Model::class_name(uint32_t label) const {
+  if (label < kClassNames.size()) return std::string(kClassNames[label]);
+  const size_t own = label - kClassNames.size();
+  return own < class_names.size() ? class_names[own] : std::to_string(label);
+}
+
+std::optional<uint32_t> Model::class_number(std::string_view name) const {
+  if (const auto known = class_from_name(name)) return uint32_t(*known);
+  for (size_t k = 0; k < class_names.size(); ++k) {
+    if (class_names[k] == name) return uint32_t(kClassNames.size() + k);
+  }
+  return std::nullopt;
+}
+
 Model Model::like() const {
   Model out;
   out.origin = origin;
@@ -59,6 +74,7 @@ Model Model::like() const {
   }
   out.tau = tau;
   out.voxel_m = voxel_m;
+  out.class_names = class_names;
   out.grain = grain;
   out.range_noise_m = range_noise_m;
   out.max_range_m = max_range_m;
@@ -74,7 +90,10 @@ void Model::check() const {
   require(std::isfinite(tau) && tau > 0, "model: tau must be positive");
   require(max_range_m > 0, "model: the maximum range must be positive");
   require(std::isfinite(voxel_m) && voxel_m >= 0, "model: the voxels' side must not be negative");
-  require(grain.ellipsoid_m > 0 && grain.mesh_m > 0, "model: the grain must be positive");
+  grain.check();
+  for (const ClassGrain& c : grain.classes) {
+    require(class_number(class_name(c.label)) == c.label, "model: a class of the grain is unknown");
+  }
   require(std::isfinite(range_noise_m) && range_noise_m >= 0,
           "model: the range noise must not be negative");
   check_mesh(ground);

@@ -5,10 +5,13 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "underbrush/core/pose.hpp"
+#include "underbrush/elements/grain.hpp"
 
 namespace underbrush {
 /// Scene elements and the model that holds them.
@@ -40,7 +43,8 @@ struct Ellipsoid {
   Vec3f mean = Vec3f::Zero();                         ///< μ, m, relative to the model's origin.
   std::array<float, 6> covariance{1, 0, 0, 1, 0, 1};  ///< Σ, m²: xx xy xz yy yz zz.
   HitCount hit;
-  uint32_t label = 0;  ///< Class of the points that it was fitted to; 0 = unknown.
+  /// Class of the points that it was fitted to: a `Class`, or one of `Model::class_names`.
+  uint32_t label = 0;
   /// κ (1/m). If it is positive, the hit probability depends on how much of the volume a beam
   /// crosses, p(δ) = 1 − exp(−κ √(2π) σ e^{−δ²/2}) with the standard deviation σ along the beam,
   /// and `hit.p` is not used.
@@ -59,14 +63,6 @@ struct ElementPlace {
   uint32_t index = 0;
 };
 
-/// The grain of the matter: the size of what a beam meets as one, such as a leaf, a twig or a
-/// stone. Where the matter of a world is drawn once (`trace::Draws`), rays that pass an element
-/// within a cell of this size meet the same matter at the same depth.
-struct Grain {
-  double ellipsoid_m = 0.05;  ///< m; side of the cells of ellipsoids.
-  double mesh_m = 0.05;       ///< m; side of the cells of triangles.
-};
-
 /// A learnt world. Elements are numbered: ground triangles, then surface triangles, then
 /// ellipsoids.
 struct Model {
@@ -74,6 +70,8 @@ struct Model {
   TriangleMesh ground;
   TriangleMesh surface;  ///< Opaque or permeable triangles that are not ground.
   std::vector<Ellipsoid> ellipsoids;
+  /// Names of the classes of ellipsoids besides `kClassNames`, whose numbers follow those.
+  std::vector<std::string> class_names;
   double tau = 3.5;  ///< A beam meets an ellipsoid if it comes within this Mahalanobis distance.
   /// Side (m) of the cells of a voxel model ([deschaud12] §III.C.1); 0 for other models. In a voxel
   /// model an ellipsoid counts only where the beam's closest approach lies in the cell that holds
@@ -105,6 +103,10 @@ struct Model {
     return {Kind::kEllipsoid, uint32_t(element - triangle_count())};
   }
   Kind kind(size_t element) const { return place(element).kind; }
+  /// The name of a class of ellipsoids, or its number as text where it has none.
+  std::string class_name(uint32_t label) const;
+  /// The number of the class of that name; nothing where there is none.
+  std::optional<uint32_t> class_number(std::string_view name) const;
   /// The mesh of `Kind::kGround` or `Kind::kSurface`.
   const TriangleMesh& mesh(Kind kind) const { return kind == Kind::kGround ? ground : surface; }
   HitCount& hit(size_t element);

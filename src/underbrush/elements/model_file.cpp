@@ -149,6 +149,25 @@ Json manifest_of_mesh(const TriangleMesh& mesh, const char* file) {
   return j;
 }
 
+Json json_of_grain(const Model& m) {
+  Json j{{"ellipsoids", m.grain.ellipsoid_m}, {"meshes", m.grain.mesh_m}};
+  for (const ClassGrain& c : m.grain.classes) j["classes"][m.class_name(c.label)] = c.side_m;
+  return j;
+}
+
+/// Reads the grain of a model whose class names are known.
+Grain grain_of_json(const io::JsonValue& j, const Model& m) {
+  Grain grain{j.at("ellipsoids").number(), j.at("meshes").number()};
+  const auto classes = j.find("classes");
+  if (!classes) return grain;
+  for (const std::string& name : classes->member_names()) {
+    const auto label = m.class_number(name);
+    if (!label) classes->at(name.c_str()).fail("not a class of the model");
+    grain.classes.push_back({*label, classes->at(name.c_str()).number()});
+  }
+  return grain;
+}
+
 Json manifest_of(const Model& m) {
   Json j;
   j["format"] = "underbrush-model";
@@ -158,7 +177,8 @@ Json manifest_of(const Model& m) {
   j["tau"] = m.tau;
   if (m.voxel_m > 0) j["voxel_m"] = m.voxel_m;
   if (std::isfinite(m.max_range_m)) j["max_range_m"] = m.max_range_m;
-  j["grain_m"] = {{"ellipsoids", m.grain.ellipsoid_m}, {"meshes", m.grain.mesh_m}};
+  j["grain_m"] = json_of_grain(m);
+  if (!m.class_names.empty()) j["class_names"] = m.class_names;
   j["range_noise_m"] = m.range_noise_m;
   if (!m.sensor.empty()) j["sensor"] = m.sensor;
   if (!m.sensor_file.empty()) j["sensor_file"] = m.sensor_file;
@@ -208,9 +228,10 @@ Model read_model(const fs::path& path) {
   model.tau = j.at("tau").number();
   model.voxel_m = number_or(j, "voxel_m", 0);
   model.max_range_m = number_or(j, "max_range_m", model.max_range_m);
-  if (const auto grain = j.find("grain_m")) {
-    model.grain = {grain->at("ellipsoids").number(), grain->at("meshes").number()};
+  if (const auto names = j.find("class_names")) {
+    for (const io::JsonValue& name : names->values()) model.class_names.push_back(name.text());
   }
+  if (const auto grain = j.find("grain_m")) model.grain = grain_of_json(*grain, model);
   model.range_noise_m = number_or(j, "range_noise_m", 0);
   if (const auto sensor = j.find("sensor")) model.sensor = sensor->text();
   if (const auto text = j.find("sensor_file")) model.sensor_file = text->text();

@@ -2,6 +2,7 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
+#include "underbrush/fit/element_classes.hpp"
 #include "underbrush/fit/fitters.hpp"
 #include "underbrush/fit/make_model.hpp"
 
@@ -129,6 +130,7 @@ FitResult fit(BeamSource& source, const FitOptions& options, const FitProgress& 
   const bool given = !options.sensor.empty();
   out.model.sensor = given ? options.sensor : source.info().sensor;
   out.model.sensor_file = given ? options.sensor_file : source.info().sensor_file;
+  learn_classes(out.model, source);
   const Clustering* clustering = clustering_named(fitter.name);
   if (options.volumetric.mixture.footprint && !fitter.refines &&
       !(clustering && clustering->mixture)) {

@@ -89,7 +89,7 @@ class ObjReader {
                         in_quotes(file) + " leads out of the folder of this file");
     }
     const fs::path at = path_.parent_path() / file;
-    if (!fs::is_regular_file(at)) {
+    if (!is_file(at)) {
       ++mesh_.left_out["MTL files that are not there"];
       return;
     }
@@ -154,7 +154,7 @@ class MtlReader {
     if (!materials_.back().reflectance.empty()) return;  // A reflectance goes before a spectrum.
     for (const fs::path& file : {fs::path(name + ".txt"), fs::path("spectra") / (name + ".txt")}) {
       if (leads_out(folder, file)) fail(in_quotes(name) + " leads out of the folder of this file");
-      if (!fs::is_regular_file(folder / file)) continue;
+      if (!is_file(folder / file)) continue;
       materials_.back().reflectance = read_spectrum(folder / file);
       return;
     }

@@ -79,7 +79,7 @@ EchoGrainReport learn_grain_of_echoes(elements::Model& model, BeamSource& log, u
   simulate::EchoOptions options;
   options.seed = seed;
   const auto simulated = [&](double grain_m) {
-    model.grain.ellipsoid_m = grain_m;
+    model.grain.scale_ellipsoids_to(grain_m);
     world.update_grain();
     BeamLog beams = sample.beams;
     simulate::EchoMaker(still, reflection, instrument, options).answer(0, beams);

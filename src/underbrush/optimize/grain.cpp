@@ -14,8 +14,11 @@ namespace {
 constexpr size_t kBeams = 30000, kLeastDifferences = 500;
 constexpr double kFinest = 0.005, kCoarsest = 0.5;  // m
 constexpr int kRounds = 6;
-/// Three beams count as of a mesh only if all of them end there.
+/// Three beams count as of a group only if all of them end there. The ellipsoids of the classes
+/// that have a grain of their own follow as groups `kOther` + `elements::Grain::place_of`.
 enum Group : uint8_t { kMesh, kOther };
+
+uint8_t group_of(size_t place) { return uint8_t(kOther + place); }
 
 /// Keeps whole scans, chosen by their number, or the beginning of a log of few scans.
 BeamLog sample_of(BeamSource& log, uint64_t seed) {
@@ -45,10 +48,14 @@ BeamLog answered(const trace::World& world, uint64_t seed, BeamLog beams,
   simulate::simulate(world, options, 0, beams);
   if (!groups) return beams;
   const auto& element = std::get<std::vector<uint32_t>>(beams.extra.at("element"));
-  const size_t triangles = world.model().triangle_count();
-  groups->resize(beams.size());
+  const elements::Model& model = world.model();
+  groups->assign(beams.size(), kOther);
   for (size_t i = 0; i < beams.size(); ++i) {
-    (*groups)[i] = beams.is_hit(i) && element[i] < triangles ? kMesh : kOther;
+    if (!beams.is_hit(i)) continue;
+    const elements::ElementPlace place = model.place(element[i]);
+    (*groups)[i] = place.kind != elements::Kind::kEllipsoid
+                       ? uint8_t(kMesh)
+                       : group_of(model.grain.place_of(model.ellipsoids[place.index].label));
   }
   return beams;
 }
@@ -63,7 +70,7 @@ double median_of_all(const BeamLog& beams) { return roughness_of(beams, {}).medi
 
 /// Makes a grain coarser where the simulated log is rougher than the real one. The logarithm of the
 /// roughness falls by a third to two thirds of that of the grain, so the step converges.
-void adjust(double& side_m, Group group, const metrics::RingRoughness& real,
+void adjust(double& side_m, uint8_t group, const metrics::RingRoughness& real,
             const metrics::RingRoughness& simulated) {
   if (real.count(group) < kLeastDifferences) return;
   const double ratio = simulated.geometric_mean(group) / real.geometric_mean(group);
@@ -82,6 +89,7 @@ void adjust_noise(double& noise_m, double most_m, const metrics::RingRoughness& 
 
 GrainReport learn_grain(elements::Model& model, BeamSource& log, uint64_t seed) {
   GrainReport report;
+  report.classes.assign(model.grain.classes.size(), false);
   const BeamLog beams = sample_of(log, seed);
   if (beams.empty() || model.size() == 0) return report;
   std::vector<uint8_t> groups;
@@ -89,7 +97,10 @@ GrainReport learn_grain(elements::Model& model, BeamSource& log, uint64_t seed) 
   const metrics::RingRoughness real = roughness_of(beams, groups);
   report.meshes = real.count(kMesh) >= kLeastDifferences;
   report.ellipsoids = real.count(kOther) >= kLeastDifferences;
-  if (!report.meshes && !report.ellipsoids) return report;
+  for (size_t k = 0; k < model.grain.classes.size(); ++k) {
+    report.classes[k] = real.count(group_of(k + 1)) >= kLeastDifferences;
+  }
+  if (!report.learnt()) return report;
   report.real_m = median_of_all(beams);
   report.anew_m = median_of_all(anew);
   const double most_noise_m = model.range_noise_m;
@@ -104,6 +115,9 @@ GrainReport learn_grain(elements::Model& model, BeamSource& log, uint64_t seed) 
     const metrics::RingRoughness simulated = roughness_of(once, groups);
     adjust(model.grain.ellipsoid_m, kOther, real, simulated);
     adjust(model.grain.mesh_m, kMesh, real, simulated);
+    for (size_t p = 1; p <= model.grain.classes.size(); ++p) {
+      adjust(model.grain.classes[p - 1].side_m, group_of(p), real, simulated);
+    }
     adjust_noise(model.range_noise_m, most_noise_m, real, simulated);
   }
 }

@@ -16,7 +16,8 @@ constexpr uint64_t kMostChainBytes = 1 << 20;
 // A file beside the chain's, or the word itself.
 std::string beside(const std::string& chain, const std::string& word) {
   const fs::path path = fs::path(chain).parent_path() / word;
-  return fs::exists(path) ? path.string() : word;
+  std::error_code error;  // for a word that no file can be called
+  return fs::exists(path, error) ? path.string() : word;
 }
 
 StrategyEntry entry_of(const std::string& file, size_t k, const YAML::Node& node) {

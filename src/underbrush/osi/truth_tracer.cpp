@@ -241,6 +241,7 @@ elements::Scene read_world(const std::string& folder, elements::SceneInfo& info)
   }
   elements::Scene scene;
   scene.models.push_back(elements::read_model(folder));
+  info.class_names = scene.models[0].class_names;
   return scene;
 }
 

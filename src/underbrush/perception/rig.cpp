@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/file.hpp"
 #include "underbrush/sensor/catalogue.hpp"
 #include "underbrush/sensor/yaml_map.inl"
 
@@ -40,7 +41,7 @@ std::string sensor_of(const YamlMap& map, const std::string& file) {
     return name;
   }
   const auto beside = std::filesystem::path(file).parent_path() / name;
-  if (std::filesystem::is_regular_file(beside)) return beside.string();
+  if (is_file(beside)) return beside.string();
   map.fail("sensor", "no sensor of the catalogue, nor a file beside the rig's");
 }
 

@@ -93,10 +93,6 @@ constexpr double kLeastSide = 0.05;
 
 }  // namespace
 
-uint32_t label_at(const ExtraColumn& column, size_t i) {
-  return std::visit([&](const auto& c) { return c[i] > 0 ? uint32_t(c[i]) : 0u; }, column);
-}
-
 void for_each_object_hit(BeamSource& labelled,
                          const std::function<void(const Vec3&, Class, uint32_t)>& visit,
                          const MeasureProgress& progress) {
@@ -109,12 +105,12 @@ void for_each_object_hit(BeamSource& labelled,
     const ExtraColumn& label = chunk.extra.at("class");
     const ExtraColumn& instance = chunk.extra.at("instance");
     for (size_t i = 0; i < chunk.size(); ++i) {
-      const uint32_t number = label_at(label, i);
+      const uint32_t number = whole_number(label, i);
       if (!chunk.is_hit(i) || number >= elements::kClassNames.size() ||
           elements::kind_of(Class(number)) == elements::ClassKind::kOther) {
         continue;
       }
-      visit(chunk.end_point(i), Class(number), label_at(instance, i));
+      visit(chunk.end_point(i), Class(number), whole_number(instance, i));
     }
     if (progress) progress(done += chunk.size(), labelled.size());
   }

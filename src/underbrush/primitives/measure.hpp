@@ -41,9 +41,6 @@ MeasuredObjects measure_objects(BeamSource& labelled, const GroundSurface& groun
                                 const MeasureOptions& options,
                                 const MeasureProgress& progress = {});
 
-/// Returns the number in row i of a column; 0 for a negative one.
-uint32_t label_at(const ExtraColumn& column, size_t i);
-
 /// Calls `visit` with the end point (m, world), class and instance (0 = none) of each hit that has
 /// an object's class, in the log's order. Reads the log once, from its beginning. Throws
 /// `std::invalid_argument` for a log without the columns `class` (in the set "underbrush") and

@@ -148,7 +148,7 @@ Sensor load(std::string_view name_or_yaml_path) {
   for (const CatalogueEntry& entry : catalogue()) {
     if (entry.name == name) return parse(name, std::string(entry.text));
   }
-  if (std::filesystem::is_regular_file(name)) {
+  if (is_file(name)) {
     const std::string text = text_of(name);
     Sensor s = parse(name, text);
     s.file = text;

@@ -70,10 +70,10 @@ std::vector<uint32_t> LabelsOfFile::base(const std::string& set, uint64_t rows) 
     for (size_t i = 0; i < chunk.size(); ++i) {
       LabelValue value;
       if (chunk.is_hit(i) && label != chunk.extra.end()) {
-        value.label = place_in_set(set, primitives::label_at(label->second, i)).value_or(0);
+        value.label = place_in_set(set, whole_number(label->second, i)).value_or(0);
       }
       if (chunk.is_hit(i) && instance != chunk.extra.end()) {
-        const uint32_t number = primitives::label_at(instance->second, i);
+        const uint32_t number = whole_number(instance->second, i);
         if (number <= kMostInstance) value.instance = number;
       }
       out.push_back(value.bits());

@@ -34,6 +34,7 @@ WorldData::WorldData(const OpenedFile& file) : kind_(file.kind), folder_(file.pa
     }
   } else if (kind_ == FileKind::kModel) {
     scene_.models.push_back(elements::read_model(file.path));
+    info_.class_names = scene_.models[0].class_names;
     info_.names.push_back(file.name);
     info_.labels.push_back(elements::Class::kUnknown);
     origin_ = scene_.models[0].origin;

@@ -118,7 +118,7 @@ EllipsoidBlock ellipsoid_block(const elements::Model& model, const Ref* refs, ui
     const Factor f = factor_of(e, model.tau, inflate);
     for (int c = 0; c < 6; ++c) block.u[c][k] = float(f.u[c]);
     for (int d = 0; d < 3; ++d) block.mean[d][k] = e.mean[d];
-    block.element[k] = id;
+    block.element[k] = id | uint32_t(model.grain.place_of(e.label)) << kGrainShift;
     if (kind == LeafKind::kPathLength) {
       block.depth[k] = float(double(e.density_per_m) * std::sqrt(2 * M_PI) / model.tau);
     } else {

@@ -29,6 +29,12 @@ constexpr uint32_t leaf_reference(LeafKind kind, uint32_t index) {
   return kLeaf | uint32_t(kind) | index;
 }
 
+/// The number of an element is in the low bits of `EllipsoidBlock::element`; the bits from this one
+/// on have the place of its class in the grain of the model (`elements::Grain::place_of`).
+inline constexpr int kGrainShift = 29;
+inline constexpr uint32_t kElementMask = (1u << kGrainShift) - 1;
+static_assert(elements::Grain::kMostClasses < 1u << (32 - kGrainShift));
+
 /// Eight ellipsoids in columns. The surface at Mahalanobis distance τ is |U (x − mean)| = 1 with U
 /// upper triangular (u00 u01 u02 u11 u12 u22). Lanes without an ellipsoid are NaN, so that no ray
 /// meets them.
@@ -39,7 +45,7 @@ struct alignas(32) EllipsoidBlock {
     uint32_t accept_below[kWidth];  ///< A hit iff hash < this, or always if 0xffffffff.
     float depth[kWidth];            ///< For kPathLength: κ √(2π) / τ.
   };
-  uint32_t element[kWidth];
+  uint32_t element[kWidth];  ///< With the place in the grain above `kGrainShift`.
 };
 
 /// Eight triangles in columns, by their corners. Lanes without a triangle are NaN.

@@ -131,9 +131,9 @@ Ray to_model(const elements::Instance& placed, const Ray& ray) {
 }
 
 Grain::Grain(const elements::Model& model, const elements::Instance& placed)
-    : placed_(placed),
+    : model_(&model),
+      placed_(placed),
       scale_(double(placed.scale)),
-      cells_per_m_{1 / model.grain.mesh_m, 1 / model.grain.ellipsoid_m},
       first_ellipsoid_(uint32_t(model.triangle_count())),
       translation_(is_translation(placed)) {}
 

@@ -120,7 +120,7 @@ Ray to_model(const elements::Instance& placed, const Ray& ray);
 class Grain {
  public:
   Grain() = default;
-  /// `model` is that of the instance `placed`; both are copied as far as they are needed.
+  /// `model` is that of the instance `placed` and must outlive it; `placed` is copied.
   Grain(const elements::Model& model, const elements::Instance& placed);
   /// Computes the cell in which a ray (world frame) met an element: the numbers of the cell that
   /// holds the point at `met.t_m`, mixed to 32 bits.
@@ -129,7 +129,7 @@ class Grain {
                           ? Ray{ray.origin - placed_.world_from_model.translation, ray.direction}
                           : to_model(placed_, ray);
     const Vec3 at = local.origin + met.t_m / scale_ * local.direction;
-    const double cells_per_m = cells_per_m_[met.element >= first_ellipsoid_];
+    const double cells_per_m = 1 / side_m(met.element);
     uint32_t cell = 0;
     for (int k = 0; k < 3; ++k) {
       const double x = at[k] * cells_per_m + kCellOffset[k];
@@ -141,8 +141,17 @@ class Grain {
   }
 
  private:
+  double side_m(uint32_t element) const {
+    if (element < first_ellipsoid_) return model_->grain.mesh_m;
+    const elements::Grain& grain = model_->grain;
+    return grain.classes.empty() ? grain.ellipsoid_m
+                                 : grain.side_at(grain.place_of(
+                                       model_->ellipsoids[element - first_ellipsoid_].label));
+  }
+
+  const elements::Model* model_ = nullptr;
   elements::Instance placed_;
-  double scale_ = 1, cells_per_m_[2] = {0, 0};  // of triangles, and of ellipsoids
+  double scale_ = 1;
   uint32_t first_ellipsoid_ = 0;
   bool translation_ = true;
 };

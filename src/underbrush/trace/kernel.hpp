@@ -20,6 +20,14 @@
 
 namespace underbrush::trace {
 
+/// The cells of a grain, 1/m; 0 where trials are drawn anew. A grain has as many kinds of cells of
+/// ellipsoids as an element number has bits to tell them (`kGrainShift`).
+struct CellsPerM {
+  double triangles;
+  double ellipsoids[elements::Grain::kMostClasses + 1];  // by `elements::Grain::place_of`
+  int kinds;                                             // how many of them are in use
+};
+
 /// The arrays of a model as bare pointers. The kernels must not use inline functions of the
 /// standard library, because the linker could keep the copy that was compiled for a larger
 /// instruction set.
@@ -34,9 +42,8 @@ struct ModelView {
   uint32_t ground_count, triangle_count;
   double tau2;
   bool voxels;
-  double cells_per_m[2];  // of the grain: of triangles, and of ellipsoids; 0 where trials are drawn
-                          // anew
-  bool sways;             // whether the matter of ellipsoids moves with the time (`kSwaying`)
+  CellsPerM cells_per_m;
+  bool sways;  // whether the matter of ellipsoids moves with the time (`kSwaying`)
 };
 
 /// The parts of a world that the kernels use.
@@ -86,11 +93,11 @@ struct Placement {
   double rotation[9];  ///< From world to model, row by row.
   double centre[3];    ///< Centre of the packet in the model's frame, m.
   double scale;
-  double tau2;            ///< Square of the model's τ.
-  uint64_t salt;          ///< Combined with the keys of the beams.
-  double cells_per_m[2];  ///< As in `ModelView`.
-  bool sways;             ///< As in `ModelView`.
-  bool translation;       ///< Whether the transformation is a translation alone.
+  double tau2;                   ///< Square of the model's τ.
+  uint64_t salt;                 ///< Combined with the keys of the beams.
+  const CellsPerM* cells_per_m;  ///< As in `ModelView`.
+  bool sways;                    ///< As in `ModelView`.
+  bool translation;              ///< Whether the transformation is a translation alone.
 };
 
 /// Computes the transformation to an instance, and transforms `centre` (relative to the tree's

@@ -147,8 +147,11 @@ inline void enter_instance(PacketTraversal& w, const Subtree& entry) {
   f.instance = entry.instance;
   f.salt_low = uint32_t(p.salt);
   f.salt_high = uint32_t(p.salt >> 32);
-  for (int k = 0; k < 2; ++k) f.grain[k] = lattice_of(p.cells_per_m[k], p.centre);
-  f.grain[1].sways = p.sways;
+  f.grain = lattice_of(p.cells_per_m->triangles, p.centre);
+  for (int k = 0; k < p.cells_per_m->kinds; ++k) {
+    f.grains[k] = lattice_of(p.cells_per_m->ellipsoids[k], p.centre);
+  }
+  f.sways = p.sways;
   f.high_mask = p.sways ? 0 : ~0u;
   f.scale = float(p.scale);
   f.half_tau2 = float(0.5 * p.tau2);

@@ -11,7 +11,7 @@ namespace {
 // its error; `reach` is τσ and `reach_error` a bound on its relative error.
 inline Trial path_length_trial(const PacketQuery& s, const Frame& f, int g, uint32_t element,
                                Cells cells, float depth, F reach, F reach_error, F m2, F m2_error) {
-  sway(s, f.grain[1], g, element, cells);
+  if (f.sways) sway(s, g, element, cells);
   const F one = all(1.0f), slack = all(1e-6f);
   const F x = all(depth) * reach * exp_below_zero(-all(f.half_tau2) * greater(m2, all(0.0f)));
   const F error = muladd(all(f.half_tau2), m2_error, reach_error) + 1e-5f;
@@ -102,17 +102,19 @@ inline unsigned visit(PacketQuery& s, const Frame& f, const EllipsoidBlock& b, L
     M found = met[k].maybe & le(all(f.t_min), high) &
               le(low, kQuery == Query::kAll ? all(f.t_max) : s.found.high[g]);
     M sure = found;
+    const uint32_t element = b.element[j] & kElementMask;
+    const Lattice& grain = f.grains[b.element[j] >> kGrainShift];
     if (kQuery == Query::kAccepted && kind == LeafKind::kPathLength) {
       const F m2 = c - hh * i,
               m2_error = muladd(hh * i, all(1e-5f), all(slack[j] * (2 + slack[j])));
       const Trial trial =
-          path_length_trial(s, f, int(g), b.element[j], cells_of(f, f.grain[1], int(g), t, error),
-                            b.depth[j], reach, all(size_of[j]) * reach, m2, m2_error);
+          path_length_trial(s, f, int(g), element, cells_of(f, grain, int(g), t, error), b.depth[j],
+                            reach, all(size_of[j]) * reach, m2, m2_error);
       found &= trial.maybe;
       sure &= trial.sure;
     } else if (kQuery == Query::kAccepted) {
       const Trial trial =
-          trial_at(s, f, f.grain[1], int(g), b.element[j], b.accept_below[j], t, error);
+          trial_at(s, f, grain, f.sways, int(g), element, b.accept_below[j], t, error);
       sure &= kind == LeafKind::kCareful ? mask_of(0) : trial.sure;
       found &= trial.maybe;
     }
@@ -121,7 +123,7 @@ inline unsigned visit(PacketQuery& s, const Frame& f, const EllipsoidBlock& b, L
       sure &= le((c - inner * inner) * a, hh * 0.99999f) & le(high, s.found.low[g]) &
               le(all(f.t_min), low);
     }
-    record<kQuery>(s, f, int(g), b.element[j], found, sure, low, high);
+    record<kQuery>(s, f, int(g), element, found, sure, low, high);
     sets |= 1u << g / 8;
   }
   return sets;

@@ -30,12 +30,10 @@ struct Lattice {
   float cells_per_m;  // 0 without a grain
   float part[3];
   uint32_t cell[3];
-  bool sways;
 };
 
 inline Lattice lattice_of(double cells_per_m, const double centre[3]) {
   Lattice l;
-  l.sways = false;
   l.cells_per_m = float(cells_per_m);
   for (int a = 0; a < 3; ++a) {
     const double at = centre[a] * cells_per_m + kCellOffset[a];
@@ -58,8 +56,10 @@ struct Frame {
   uint32_t instance, salt_low, salt_high;
   uint32_t high_mask;  // of the keys' upper half, which is the time where matter sways
   float scale, half_tau2;
-  Lattice grain[2];    // of triangles, and of ellipsoids
-  float t_min, t_max;  // limits of the ranges that count
+  Lattice grain;                                      // of triangles
+  Lattice grains[elements::Grain::kMostClasses + 1];  // of ellipsoids
+  bool sways;                                         // whether the matter of ellipsoids does
+  float t_min, t_max;                                 // limits of the ranges that count
 };
 
 struct PacketQuery {
@@ -190,8 +190,7 @@ inline Cells cells_of(const Frame& f, const Lattice& l, int g, F t, F error) {
 }
 
 // Moves the matter of the cells with the time (`swaying_cell`).
-inline void sway(const PacketQuery& s, const Lattice& l, int g, uint32_t element, Cells& cells) {
-  if (!l.sways) return;
+inline void sway(const PacketQuery& s, int g, uint32_t element, Cells& cells) {
   const U phase = ((cells.mixed ^ all(element * kPhaseFactor[0])) * kPhaseFactor[1]) >> 16;
   cells.mixed += ((s.keys.high[g] + phase) >> 16) * kTimeFactor;
 }
@@ -208,11 +207,11 @@ inline U trial_bits(const PacketQuery& s, const Frame& f, int g, uint32_t elemen
 struct Trial {
   M maybe, sure;
 };
-inline Trial trial_at(const PacketQuery& s, const Frame& f, const Lattice& l, int g,
+inline Trial trial_at(const PacketQuery& s, const Frame& f, const Lattice& l, bool sways, int g,
                       uint32_t element, uint32_t accept_below, F t, F error) {
   if (accept_below == 0xffffffffu) return {mask_of(~0u), mask_of(~0u)};
   Cells cells = cells_of(f, l, g, t, error);
-  sway(s, l, g, element, cells);
+  if (sways) sway(s, g, element, cells);
   const M accepted = below(trial_bits(s, f, g, element, cells), all(accept_below));
   return {M(accepted | ~cells.sure), M(accepted & cells.sure)};
 }

@@ -104,7 +104,7 @@ inline unsigned visit(PacketQuery& s, const Frame& f, const TriangleBlock& b,
     M sure = found;
     if (kQuery == Query::kAccepted) {
       const Trial trial =
-          trial_at(s, f, f.grain[0], int(g), b.element[j], b.accept_below[j], t, error);
+          trial_at(s, f, f.grain, false, int(g), b.element[j], b.accept_below[j], t, error);
       sure &= trial.sure;
       found &= trial.maybe;
     }

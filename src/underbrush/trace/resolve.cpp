@@ -35,7 +35,7 @@ Placement place(const View& view, uint32_t instance, const double centre[3]) {
   p.translation = is_translation(placed);
   p.scale = placed.scale;
   p.tau2 = view.model_views[placed.model].tau2;
-  std::copy_n(view.model_views[placed.model].cells_per_m, 2, p.cells_per_m);
+  p.cells_per_m = &view.model_views[placed.model].cells_per_m;
   p.sways = view.model_views[placed.model].sways;
   p.salt = instance_key(0, instance);
   const Mat3 back = placed.world_from_model.rotation.conjugate().toRotationMatrix();
@@ -55,7 +55,7 @@ static bool ends(const View& view, const Batch& batch, size_t ray, const Interse
   const ModelView& model = view.model_views[placed.model];
   const bool ellipsoid = met.element >= model.triangle_count;
   const uint64_t key = batch.keys[ray];
-  if (model.cells_per_m[ellipsoid] == 0) return accepts(key, met);
+  if (model.cells_per_m.triangles == 0) return accepts(key, met);
   const uint32_t cell = Grain(*view.models[placed.model], placed).cell(batch.rays[ray], met);
   if (!model.sways) return accepts(key, met, cell);
   return accepts(uint32_t(key), met,

@@ -142,10 +142,11 @@ inline void visit(const Node* nodes, uint32_t root, const RayF& ray, float t_min
   }
 }
 
-inline unsigned accepted(const uint32_t* below, const uint32_t* element, const RayF& ray) {
+inline unsigned accepted(const uint32_t* below, const uint32_t* element, uint32_t mask,
+                         const RayF& ray) {
   const U8 b = *reinterpret_cast<const U8*>(below);
   const U8 zero{};
-  const U8 h = accept_hash<U8>(*reinterpret_cast<const U8*>(element), zero + ray.key_low,
+  const U8 h = accept_hash<U8>(*reinterpret_cast<const U8*>(element) & mask, zero + ray.key_low,
                                zero + ray.key_high);
   return bits((I8)(h < b) | (I8)(b == 0xffffffffu));
 }
@@ -170,16 +171,18 @@ inline void trace_one(const View& view, Query query, Batch& batch, size_t i) {
              row[2] * r.direction.data()[2];
     }
     const RayF ray(p.centre, d, (query == Query::kAccepted ? batch.keys[i] : 0) ^ p.salt);
+    const bool anew = query == Query::kAccepted && p.cells_per_m->triangles == 0;
     const float shrink = float(1 / p.scale);
     const float least = t_min * shrink * 0.999999f, most = t_max * shrink * 1.000001f;
     const auto reach = [&] { return limit * shrink * 1.000001f; };
-    const auto resolve = [&](unsigned lanes, const uint32_t* element) {
+    const auto resolve = [&](unsigned lanes, const uint32_t* elements, uint32_t mask) {
       while (lanes) {
         const int k = __builtin_ctz(lanes);
+        const uint32_t element = elements[k] & mask;
         lanes &= lanes - 1;
         if (query == Query::kAll) {
-          add_candidate(batch, i, entry.instance, element[k]);
-        } else if (resolve_nearest(view, query, batch, i, entry.instance, element[k], 0,
+          add_candidate(batch, i, entry.instance, element);
+        } else if (resolve_nearest(view, query, batch, i, entry.instance, element, 0,
                                    Intersection::kNone)) {
           limit = float(batch.best[i].t_m) * 1.000001f;
         }
@@ -192,18 +195,15 @@ inline void trace_one(const View& view, Query query, Batch& batch, size_t i) {
       if (kind == LeafKind::kTriangles) {
         const TriangleBlock& b = bvh.triangles[index];
         unsigned lanes = triangle_candidates(ray, b, end);
-        if (lanes && query == Query::kAccepted && p.cells_per_m[0] == 0) {
-          lanes &= accepted(b.accept_below, b.element, ray);
-        }
-        resolve(lanes, b.element);
+        if (lanes && anew) lanes &= accepted(b.accept_below, b.element, ~0u, ray);
+        resolve(lanes, b.element, ~0u);
       } else if (query != Query::kSurface) {
         const EllipsoidBlock& b = bvh.ellipsoids[index];
         unsigned lanes = ellipsoid_candidates(ray, b, least, end);
-        if (lanes && query == Query::kAccepted && kind != LeafKind::kPathLength &&
-            p.cells_per_m[1] == 0) {
-          lanes &= accepted(b.accept_below, b.element, ray);
+        if (lanes && anew && kind != LeafKind::kPathLength) {
+          lanes &= accepted(b.accept_below, b.element, kElementMask, ray);
         }
-        resolve(lanes, b.element);
+        resolve(lanes, b.element, kElementMask);
       }
     });
   };

@@ -33,8 +33,11 @@ ModelView::Mesh view_of(const elements::TriangleMesh& mesh) {
 
 void set_grain(const elements::Model& m, Draws draws, ModelView& view) {
   const auto cells_per_m = [&](double side_m) { return draws == Draws::kAnew ? 0 : 1 / side_m; };
-  view.cells_per_m[0] = cells_per_m(m.grain.mesh_m);
-  view.cells_per_m[1] = cells_per_m(m.grain.ellipsoid_m);
+  view.cells_per_m.triangles = cells_per_m(m.grain.mesh_m);
+  view.cells_per_m.kinds = int(m.grain.classes.size()) + 1;
+  for (size_t k = 0; k <= m.grain.classes.size(); ++k) {
+    view.cells_per_m.ellipsoids[k] = cells_per_m(m.grain.side_at(k));
+  }
   view.sways = draws == Draws::kSwaying;
 }
 
@@ -46,7 +49,7 @@ ModelView view_of(const elements::Model& m) {
           uint32_t(m.triangle_count()),
           m.tau * m.tau,
           m.voxel_m > 0,
-          {0, 0},
+          {},
           false};
 }
 
@@ -79,7 +82,7 @@ struct World::Impl {
   void build(Draws how) {
     draws = how;
     for (const elements::Model* m : models) {
-      require(m->size() < kIndexMask, "world: a model has more than 2^29 elements");
+      require(m->size() < kElementMask, "world: a model has more than 2^29 elements");
       views.push_back(view_of(*m));
       bvhs.push_back(build_bvh(*m));
     }

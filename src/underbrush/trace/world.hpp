@@ -85,7 +85,8 @@ class World {
 
   /// How the trials are drawn.
   Draws draws() const;
-  /// Takes over the grain of the models, which may have changed. No query may run meanwhile.
+  /// Takes over the sides of the cells in the models' grain, which may have changed; the classes in
+  /// it must be the same as before. No query may run meanwhile.
   void update_grain();
   /// The memory of the search structure without models and instances, bytes.
   size_t bytes() const;

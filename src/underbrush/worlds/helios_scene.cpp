@@ -219,9 +219,7 @@ class SceneReader {
 
 }  // namespace
 
-bool is_helios(const fs::path& path) {
-  return path.extension() == ".xml" && fs::is_regular_file(path);
-}
+bool is_helios(const fs::path& path) { return path.extension() == ".xml" && is_file(path); }
 
 World read_helios_scene(const fs::path& path, const std::string& id, const fs::path& assets) {
   const XmlFile xml(path);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/file.hpp"
 #include "underbrush/io/mesh_file.hpp"
 #include "underbrush/io/ply_header.hpp"
 
@@ -137,7 +138,7 @@ void place(World& world, const PartModels& models, const elements::Instance& pla
 }
 
 bool is_mesh(const fs::path& path) {
-  if (!fs::is_regular_file(path)) return false;
+  if (!is_file(path)) return false;
   std::string e = path.extension().string();
   std::transform(e.begin(), e.end(), e.begin(), [](unsigned char c) { return std::tolower(c); });
   if (e == ".ply") return has_faces(path);

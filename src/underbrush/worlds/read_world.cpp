@@ -1,12 +1,13 @@
 #include "underbrush/worlds/read_world.hpp"
 
+#include "underbrush/core/file.hpp"
 #include "underbrush/worlds/voxel_file.hpp"
 
 namespace underbrush::worlds {
 namespace {
 
 bool is_voxels(const std::filesystem::path& path) {
-  return path.extension() == ".vox" && std::filesystem::is_regular_file(path);
+  return path.extension() == ".vox" && is_file(path);
 }
 
 }  // namespace

@@ -107,7 +107,7 @@ fs::path Assets::path(const fs::path& in, const std::string& name) const {
   for (const fs::path& base : {beside, folder}) {
     if (base.empty() || leads_out(base, file)) continue;
     inside = true;
-    if (fs::is_regular_file(base / file)) return base / file;
+    if (is_file(base / file)) return base / file;
   }
   throw FormatError(in.string(), "",
                     inside ? printable(file, 100) + " is not in the folder of this file; " +
