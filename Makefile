@@ -14,8 +14,8 @@ comma := ,
 quiet = log=$$(mktemp); if $(1) > $$log 2>&1; then rm $$log; else cat $$log; rm $$log; exit 1; fi
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build test fuzz fuzz-osi fmu check-fmu validation demo bench gates results docs deb check-deb wheel check-wheel \
-        check-pythons asan-python clean
+.PHONY: help setup build pictures test fuzz fuzz-osi fmu check-fmu validation demo bench gates results docs deb \
+        check-deb wheel check-wheel check-pythons asan-python clean
 
 help:     ## This list
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):[^#]*## /  make \1\t/' | expand -t 16
@@ -68,6 +68,9 @@ validation:    ## The report of what the simulation was validated with: build/va
 
 demo: build    ## The whole pipeline on a generated site and a real scan; ends with a report in demo/
 	@$(program) demo -o demo
+
+pictures: build    ## The pictures of the browser page in docs/images (needs Chromium and Node)
+	@python3 tests/web/browser.py --program $(program) --build $(BUILD) --animate docs/images
 
 bench: setup   ## Build and run the benchmarks
 	@$(call quiet,$(configure) $(everything))

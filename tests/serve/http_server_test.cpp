@@ -1,4 +1,5 @@
-// Ranges of requests. What the server refuses is tested from outside, in tests/cli/serve_test.py.
+// Ranges of requests. What the server refuses is tested from outside, in
+// tests/cli/serve_safety_test.py.
 #include "underbrush/serve/http_server.hpp"
 
 #include <gtest/gtest.h>

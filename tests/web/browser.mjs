@@ -4,6 +4,8 @@
 import { createRequire } from 'node:module';
 import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
+import { lookAtBeams } from './beams.mjs';
+import { comparisonTells, looksAs } from './references.mjs';
 import { composeScene, labelLog } from './labels.mjs';
 
 const [packages, executablePath, address, pictures] = process.argv.slice(2);
@@ -11,6 +13,10 @@ const { PROGRAM: program, FOLDER: folder, ONLY: part } = process.env;
 const load = createRequire(join(packages, 'package.json'));
 const { chromium } = load('playwright-core');
 const axe = readFileSync(load.resolve('axe-core/axe.min.js'), 'utf8');
+
+/** Pictures of which a copy is kept; references.mjs compares them. */
+const KEPT = new Set(['log-top', 'log-1', 'log-5', 'beams', 'slice', 'path', 'model', 'scene', 'primitives', 'opaque',
+  'compare-split', 'errors', 'packet-errors']);
 
 function expect(ok, what) {
   if (!ok) throw new Error(what);
@@ -44,6 +50,7 @@ const details = () => page.locator('#details').innerText();
  * hides. */
 async function picture(name) {
   await ready();
+  if (KEPT.has(name)) await looksAs(page, name);
   if (pictures) {
     const url = await page.evaluate(() => document.querySelector('#view').toDataURL('image/png'));
     writeFileSync(join(pictures, `${name}.png`), Buffer.from(url.split(',')[1], 'base64'));
@@ -88,6 +95,7 @@ async function only(name) {
     if (!/\((log|model|primitives|scene|score)\)/.test(text)) continue;
     await box.locator('input').setChecked(text.startsWith(name));
   }
+  await ready();
   await press('f');
   await ready();
 }
@@ -125,12 +133,12 @@ async function viewEverything() {
   let shot = await picture('log');
   expect(shot.drawn > 200 && shot.colours > 4, `a log of ${shot.drawn} pixels in ${shot.colours} colours`);
   const seen = new Set();
-  for (let k = 0; k < 9; ++k) {
+  for (let k = 0; k < 10; ++k) {
     await press('c');
     await picture(`log-${k}`);
     seen.add(await page.locator('#panel select').first().inputValue());
   }
-  expect(seen.size === 9, 'nine colourings');
+  expect(seen.size === 10, 'ten colourings');
   const eye = await data('eye');
   await page.keyboard.down('w');
   await page.waitForTimeout(150);
@@ -159,6 +167,8 @@ async function viewEverything() {
   expect((await picture('beams')).drawn > shot.drawn, 'beams are drawn');
   await page.locator('select[aria-label="Beams of a scan"]').selectOption({ index: 0 });
 
+  await lookAtBeams({ page, expect, ready, accessible, picture, data, press });
+
   // Slice and measure.
   await press('x');
   expect((await picture('slice')).drawn < shot.drawn, 'a slice shows less');
@@ -181,6 +191,22 @@ async function viewEverything() {
     expect(/element/i.test(told) && /hits/.test(told), `${name}: details of an element`);
     await press('Escape');
   }
+
+  // The comparison of pictures can fail.
+  const opaque = page.getByText('Ellipsoids opaque');
+  const turn = (key) => async () => {
+    await press(key);
+    await ready();
+  };
+  const click = async () => {
+    await opaque.click();
+    await ready();
+  };
+  await comparisonTells(page, expect, [
+    { name: 'another colouring', make: turn('v'), back: async () => { for (let k = 0; k < 3; ++k) await turn('v')(); } },
+    { name: 'a small turn', make: turn('ArrowLeft'), back: turn('ArrowRight') },
+    { name: 'ellipsoids that are opaque', make: click, back: click },
+  ]);
 
   // Permeability: an opaque ellipsoid covers more of the picture than the share p of its pixels.
   const some = (await picture('permeable')).drawn;

@@ -14,7 +14,7 @@ TESTS = pathlib.Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(TESTS / "cli"), str(TESTS / "rules")]
 
 import cli_test  # noqa: E402
-import serve_test  # noqa: E402
+import serving  # noqa: E402
 import web  # noqa: E402
 
 SKIPPED = 77
@@ -33,11 +33,28 @@ def packages(build):
     return folder
 
 
+def animate(folder, data, pictures):
+    """Makes the pictures of the docs of a real scan, every other column of it, and a model of the rest."""
+    forest = TESTS.parent / "share/examples/marv_forest.pcd"
+    for words in (("import", forest, "--unknown-below-deg", "-13", "-o", "whole.ply"),
+                  ("segment", "whole.ply", "-o", "labelled.ply"),
+                  ("split", "labelled.ply", "--columns", "16", "--train", "rest.ply", "--test", "forest.ply"),
+                  ("fit", "rest.ply", "-o", "model")):
+        done = cli_test.call(*words, cwd=data)
+        assert done.returncode == 0, done.stderr
+    pictures.mkdir(parents=True, exist_ok=True)
+    words = ["node", str(TESTS / "web/animate.mjs"), str(folder), shutil.which("chromium"), str(pictures)]
+    return subprocess.run(words, env=dict(os.environ, PROGRAM=cli_test.PROGRAM, FOLDER=data), timeout=800,
+                          check=False).returncode
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--program", required=True, type=pathlib.Path)
     parser.add_argument("--build", required=True, type=pathlib.Path)
     parser.add_argument("--pictures", type=pathlib.Path, help="keep the pictures in this folder")
+    parser.add_argument("--animate", type=pathlib.Path, help="only make the pictures of the docs in this folder")
+    parser.add_argument("--update", action="store_true", help="keep the pictures of references/ anew")
     parser.add_argument("--only", default="", help="'labels': only the steps of labels.mjs")
     options = parser.parse_args()
     cli_test.PROGRAM = str(options.program.resolve())
@@ -47,17 +64,20 @@ def main():
             sys.exit(SKIPPED)
     folder = packages(options.build.resolve())
     with tempfile.TemporaryDirectory() as data:
-        serve_test.make_files(data)
+        if options.animate:
+            sys.exit(animate(folder, data, options.animate.resolve()))
+        serving.make_files(data)
         forest = TESTS.parent / "share/examples/marv_forest.pcd"
         for words in (("import", forest, "-o", "whole.ply"),
                       ("split", "whole.ply", "--columns", "16", "--train", "rest.ply", "--test", "forest.ply")):
             assert cli_test.call(*words, cwd=data).returncode == 0
         info = json.loads(cli_test.call("info", "log.ply", "--json", "-", cwd=data).stdout)
-        server = serve_test.Server(data, "log.ply", "model", "primitives", "scene", "score.json")
+        server = serving.Server(data, "log.ply", "model", "primitives", "scene", "score.json")
         try:
             words = ["node", str(TESTS / "web/browser.mjs"), str(folder), shutil.which("chromium"), server.address]
             words += [str(options.pictures.resolve())] if options.pictures else []
-            facts = {"RETURNS": str(info["hits"]), "PROGRAM": cli_test.PROGRAM, "FOLDER": data, "ONLY": options.only}
+            facts = {"RETURNS": str(info["hits"]), "PROGRAM": cli_test.PROGRAM, "FOLDER": data, "ONLY": options.only,
+                     "UPDATE": "1" if options.update else ""}
             done = subprocess.run(words, env=dict(os.environ, **facts), timeout=800, check=False)
         finally:
             server.end()

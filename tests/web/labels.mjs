@@ -17,7 +17,7 @@ export async function startServer(program, folder, ...words) {
   throw new Error('the server did not start');
 }
 
-async function end(server, signal) {
+export async function end(server, signal) {
   const over = new Promise((resolve) => server.child.once('exit', resolve));
   server.child.kill(signal);
   await over;
@@ -112,6 +112,29 @@ export async function labelLog({ page, expect, ready, accessible, program, folde
   await saved(page);
   expect(named(await labelState(page), 'medium_tree') < named(after, 'medium_tree'), 'the stroke can be undone');
 
+  // Labels of one scan alone, and labels from a file: what was written is read again.
+  await page.getByLabel('Scan to label').selectOption({ index: 1 });
+  await page.getByLabel('Scan to label').selectOption({ index: 0 });
+  await page.getByRole('button', { name: '.label file' }).click();
+  await page.waitForFunction(() => /^Written: /.test(document.querySelector('#status').innerText));
+  const written = await labelState(page);
+  await page.getByLabel('Drawing').selectOption('paint');
+  await page.locator('input[name=label-class][value="1"]').check();
+  await drag(page, [[450, 200], [600, 200]]);
+  await saved(page);
+  await page.getByLabel('File of labels').focus();
+  await page.waitForFunction(() => [...document.querySelectorAll('select[aria-label="File of labels"] option')].some((o) => /\.label$/.test(o.value)));
+  await page.getByLabel('File of labels').selectOption(await page.evaluate(() => [...document.querySelectorAll('select[aria-label="File of labels"] option')].find((o) => /\.label$/.test(o.value)).value));
+  await page.getByRole('button', { name: 'Import' }).click();
+  await page.waitForFunction(() => /those of .*label$/.test(document.querySelector('#status').innerText));
+  await saved(page);
+  const read = await labelState(page);
+  expect(read.undos > written.undos && read.classes.some((c) => c.points > 0), 'labels come back from a file');
+  await page.locator('#view').press('z');
+  await saved(page);
+  await page.locator('#view').press('z');
+  await saved(page);
+
   // Another window changes the labels: both changes are kept.
   const other = await page.context().newPage();
   await other.goto(server.address);
@@ -165,7 +188,7 @@ export async function composeScene({ page, expect, ready, accessible, picture, p
   await page.waitForFunction((l) => Number(document.querySelectorAll('.number input')[4].value) > l, length);
   await page.locator('#view').press('7');
   await page.waitForFunction((l) => Number(document.querySelectorAll('.number input')[4].value) === l, length);
-  await page.getByRole('button', { name: 'Compose' }).click();
+  await page.getByRole('button', { name: 'Compose', exact: true }).click();
   await page.waitForFunction(() => /compose (done|failed)/.test(document.documentElement.dataset.jobs), null, { polling: 100 });
   await page.waitForFunction(() => [...document.querySelectorAll('#panel label.check')].some((e) => /^scene-.*\(scene\)/.test(e.innerText)));
   const scene = await page.evaluate(async () => {
@@ -196,7 +219,15 @@ export async function composeScene({ page, expect, ready, accessible, picture, p
   expect(swiped.drawn !== whole.drawn && split.drawn !== swiped.drawn, 'both sides are drawn');
   await page.getByRole('button', { name: 'Errors' }).click();
   await page.waitForFunction(() => /^Errors from/.test(document.querySelector('#status').innerText));
-  expect((await picture('errors')).colours > 4, 'errors have colours');
+  await page.getByRole('button', { name: 'Score' }).click();
+  await page.waitForFunction(() => /score (done|failed)/.test(document.documentElement.dataset.jobs), null, { polling: 100 });
+  await page.waitForFunction(() => /packet_error_m/.test(document.querySelector('#details').innerText));
+  await page.locator('#view').press('Escape');
+  const errors = await picture('errors');
+  expect(errors.colours > 4, 'errors have colours');
+  await page.getByLabel('Points by').selectOption('packet error');
+  const packets = await picture('packet-errors');
+  expect(packets.colours > 4 && packets.colours !== errors.colours, 'errors of packets have colours of their own');
   await page.locator('#view').press('Escape');
   await end(server, 'SIGINT');
 }

@@ -65,6 +65,7 @@ export function viewActions(app: App, menu: Menu, picking: Picking): Action[] {
       name: 'why did the picked beam end here, in the first model or scene',
       act: () => picking.followPicked(),
     },
+    { key: ';', name: 'waveform and echoes of the picked beam, in the first model or scene', act: () => picking.receivePicked() },
     { key: 'p', name: 'save a picture', tool: 'Picture', act: () => app.run(screenshot(app)) },
     { key: 'l', name: 'copy a link to this view', tool: 'Link', act: () => app.run(copyLink(app, menu)) },
     { key: 't', name: 'dark or light', tool: 'Theme', act: theme },

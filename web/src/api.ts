@@ -14,6 +14,8 @@ export interface FileList {
   files: ServedFile[];
   notes: string[];
   seed: number;
+  /** Names of the sensors of the catalogue. */
+  sensors: string[];
   /** Whether labels can be edited, and commands be started. */
   labels: boolean;
   jobs: boolean;
@@ -118,6 +120,18 @@ export interface Trace {
   met_in_all: number;
   miss_probability: number;
   met: Met[];
+}
+
+/** What an instrument receives of a beam. */
+export interface BeamEchoes {
+  sensor: string;
+  seed: number;
+  sub_rays: number;
+  /** In units of the noise in the dark, as `signal`. */
+  threshold: number;
+  range_m: number[];
+  signal: number[];
+  echoes: ({ range_m: number; intensity: number } & Record<string, number>)[];
 }
 
 /** The labels were changed elsewhere; `revision` is the present one. */

@@ -69,8 +69,8 @@ export async function loadBeams(
   return { lines, beams, step };
 }
 
-/** Marks one beam: its line, and a dot for each element that it meets. */
-export function markBeam(beam: Beam, trace: Trace | null, origin: Vector3): Group {
+/** Marks one beam: its line, a dot for each element that it meets, and a dot for each simulated echo. */
+export function markBeam(beam: Beam, trace: Trace | null, origin: Vector3, echoes: number[] = []): Group {
   const group = new Group();
   const from = new Vector3(...beam.origin_m).sub(origin);
   const direction = new Vector3(...beam.direction);
@@ -83,8 +83,9 @@ export function markBeam(beam: Beam, trace: Trace | null, origin: Vector3): Grou
     group.add(new Points(geometry, look));
   };
   if (beam.hit) dots([to], 0xd55e00, 10);
+  const at = (range: number) => from.clone().addScaledVector(direction, range);
+  if (echoes.length > 0) dots(echoes.map(at), 0xf0e442, 10);
   if (trace) {
-    const at = (range: number) => from.clone().addScaledVector(direction, range);
     dots(trace.met.filter((m) => !m.accepts).map((m) => at(m.range_m)), 0x56b4e9, 7);
     dots(trace.met.filter((m) => m.accepts).map((m) => at(m.range_m)), 0xcc79a7, 7);
     if (trace.simulated_range_m !== null) dots([at(trace.simulated_range_m)], 0xf0e442, 10);

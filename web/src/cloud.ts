@@ -43,7 +43,7 @@ const VERTEX = /* glsl */ `
   attribute float echo;
   attribute vec4 rowBytes;
   attribute vec4 mark;
-  attribute float error;
+  attribute vec2 error;
   uniform float size;
   uniform int mode;
   uniform bool marked;
@@ -68,7 +68,8 @@ const VERTEX = /* glsl */ `
     if (mode == 4) value = echo;
     if (mode == 5) value = label;
     if (mode == 6) value = file + 1.0;
-    if (mode == 8) value = error;
+    if (mode == 8) value = error.x;
+    if (mode == 9) value = error.y;
     chosen = 0.0;
     float ownClass = mod(mark.x, 128.0);
     if (marked) {
@@ -95,7 +96,7 @@ const FRAGMENT = /* glsl */ `
     vec2 off = gl_PointCoord - 0.5;
     if (dot(off, off) > 0.25) discard;
     vec3 colour = mode == 0 ? heightColour(place)
-      : mode == 8 ? (abs(value) > 1e8 ? vec3(0.84, 0.37, 0.0) : mapped(sqrt(min(abs(value), 1.0)))) : mode >= 4 ? classColour(value) : mapped(value);
+      : mode >= 8 ? (abs(value) > 1e8 ? vec3(0.84, 0.37, 0.0) : mapped(sqrt(min(abs(value), 1.0)))) : mode >= 4 ? classColour(value) : mapped(value);
     if (chosen > 0.5) colour = mix(colour, vec3(1.0, 0.35, 0.75), 0.8);
     gl_FragColor = pass == 0 ? vec4(colour, 1.0) : pass == 1 ? bytesOf(object) : part;
   }
@@ -204,7 +205,7 @@ export class Cloud {
     this.changed();
   }
 
-  /** Compares the ranges with those of another log of the same beams; the mode `error` shows them. */
+  /** Compares the ranges with those of another log of the same beams, which the modes `error` and `packet error` show. */
   async compareWith(other: number): Promise<void> {
     this.other = other;
     await this.loadErrors([...this.loaded.keys()]);
@@ -213,10 +214,7 @@ export class Cloud {
   private async loadErrors(nodes: Node[]): Promise<void> {
     for (const node of nodes) {
       const data = await bytes(`errors?file=${this.octree.file}&other=${this.other}&nodes=${node.index}`);
-      const attribute = this.loaded.get(node)?.drawn.geometry.getAttribute('error') as BufferAttribute | undefined;
-      if (!attribute) continue;
-      (attribute.array as Float32Array).set(new Float32Array(data));
-      attribute.needsUpdate = true;
+      this.loaded.get(node)?.drawn.geometry.setAttribute('error', new BufferAttribute(new Float32Array(data), 2));
     }
     this.changed();
   }
@@ -287,6 +285,14 @@ export class Cloud {
     this.forget(2 * budget);
   }
 
+  /** Draws only nodes that lie in a frustum, until the next `update`. */
+  cull(frustum: Frustum): void {
+    const box = new Box3();
+    for (const [node, { drawn }] of this.loaded) {
+      if (drawn.visible) drawn.visible = frustum.intersectsBox(box.copy(node.box).translate(this.group.position));
+    }
+  }
+
   /** Drops the nodes that were not in view for longest while more than `most` points are loaded. */
   private forget(most: number): void {
     let held = 0;
@@ -334,7 +340,6 @@ export class Cloud {
     add('echo', points.echo);
     add('rowBytes', points.rowBytes, 4, true);
     add('mark', new Uint8Array(4 * points.count), 4);
-    add('error', new Float32Array(points.count));
     const drawn = new DrawnPoints(geometry, this.look);
     drawn.position.copy(node.box.min);
     drawn.frustumCulled = false;

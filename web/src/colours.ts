@@ -24,7 +24,8 @@ function rgb(hex: string): [number, number, number] {
   return [v >> 16, (v >> 8) & 255, v & 255];
 }
 
-export function mapTexture(name: MapName): DataTexture {
+/** The 256 colours of a map, as red, green, blue and 255. */
+export function mapColours(name: MapName): Uint8Array<ArrayBuffer> {
   const stops = STOPS[name].split(' ').map(rgb);
   const data = new Uint8Array(256 * 4);
   for (let i = 0; i < 256; ++i) {
@@ -36,7 +37,11 @@ export function mapTexture(name: MapName): DataTexture {
     }
     data[4 * i + 3] = 255;
   }
-  const texture = new DataTexture(data, 256, 1, RGBAFormat);
+  return data;
+}
+
+export function mapTexture(name: MapName): DataTexture {
+  const texture = new DataTexture(mapColours(name), 256, 1, RGBAFormat);
   texture.minFilter = texture.magFilter = LinearFilter;
   texture.needsUpdate = true;
   return texture;

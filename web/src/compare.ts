@@ -29,7 +29,7 @@ export class Compare {
   constructor(
     private readonly app: App,
     private readonly show: (id: number) => Promise<void>,
-    private readonly shown: (mode: 'error') => void,
+    private readonly shown: (mode: 'error' | 'packet error') => void,
   ) {
     this.modeBox = select('Compare', COMPARE_MODES, 'off', (mode) => this.set(mode));
     const line = slider('Line', [0, 1, 0.01], 0.5, (v) => {
@@ -64,8 +64,9 @@ export class Compare {
     const [left, right] = ids.map((id) => this.app.files.clouds.get(id));
     if (!left || !right) throw new Error('Errors need two logs, left and right');
     await Promise.all([left.compareWith(right.octree.file), right.compareWith(left.octree.file)]);
-    this.app.state.points = 'error';
-    this.shown('error');
+    const mode = this.app.state.points === 'packet error' ? 'packet error' : 'error';
+    this.app.state.points = mode;
+    this.shown(mode);
     this.app.apply();
     this.app.tell('Errors from 0 (dark) to 1 m and more (bright); orange where the other log has no hit');
   }

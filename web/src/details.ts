@@ -7,6 +7,11 @@ export interface DetailActions {
   /** The worlds in which a beam can be followed. */
   worlds: () => ServedFile[];
   follow: (beam: Beam, file: number, world: ServedFile) => void;
+  /** Shows the waveform of a beam; `sensor` is '' for the log's own. */
+  receive: (beam: Beam, file: number, world: ServedFile, sensor: string) => void;
+  sensors: string[];
+  /** The sensor that was chosen last. */
+  sensor: () => string;
   close: () => void;
 }
 
@@ -14,7 +19,7 @@ function place(at: readonly number[]): string {
   return at.map((v) => v.toFixed(3)).join(', ');
 }
 
-function head(title: string, actions: DetailActions): HTMLElement {
+export function head(title: string, actions: DetailActions): HTMLElement {
   return el('div', { class: 'head' }, el('h2', {}, title), button('×', 'Close (Escape)', actions.close));
 }
 
@@ -41,7 +46,15 @@ export function beamDetails(beam: Beam, file: ServedFile, actions: DetailActions
       actions.follow(beam, file.id, world),
     ),
   );
-  return [head('Beam', actions), facts(rows), ...ask];
+  if (actions.worlds().length === 0) return [head('Beam', actions), facts(rows)];
+  const sensor = el('select', {}, ...['', ...actions.sensors].map((s) => el('option', { value: s }, s || "the log's own")));
+  sensor.value = actions.sensor();
+  const waves = actions.worlds().map((world) =>
+    button(`Waveform and echoes (${world.name})`, 'What the sensor receives of this beam (;)', () =>
+      actions.receive(beam, file.id, world, sensor.value),
+    ),
+  );
+  return [head('Beam', actions), facts(rows), ...ask, el('label', { class: 'row' }, 'Sensor', sensor), ...waves];
 }
 
 /** The elements that a beam meets, in order, with their trials. */

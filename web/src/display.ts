@@ -2,7 +2,7 @@
 import { type DataTexture, ShaderMaterial, type Texture, Vector2, Vector3 } from 'three';
 import { CLASS_COUNT, classTexture, type MapName, mapTexture } from './colours';
 
-export const POINT_MODES = ['height', 'intensity', 'time', 'ring', 'return', 'class', 'file', 'instance', 'error'] as const;
+export const POINT_MODES = ['height', 'intensity', 'time', 'ring', 'return', 'class', 'file', 'instance', 'error', 'packet error'] as const;
 export type PointMode = (typeof POINT_MODES)[number];
 export const WORLD_MODES = ['p', 'class', 'height', 'plain'] as const;
 export type WorldMode = (typeof WORLD_MODES)[number];

@@ -30,6 +30,7 @@ export class Files {
     if (on && !this.opening.has(id)) {
       this.opening.set(id, this.open(this.file(id)));
       this.opening.get(id)!.catch(() => this.opening.delete(id));
+      this.viewer.draw(); // which tells that something is loading
     }
     if (on) await this.opening.get(id);
     const group = this.clouds.get(id)?.group ?? this.worlds.get(id)?.group;

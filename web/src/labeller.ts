@@ -34,6 +34,7 @@ export class Labeller {
   private readonly body = el('div', { hidden: '' });
   private readonly choice = el('select', { 'aria-label': 'Log to label' });
   private readonly modeBox;
+  private readonly scan = el('select', { 'aria-label': 'Scan to label' });
   private readonly toolButtons = new Map<ToolName | null, HTMLButtonElement>();
   private readonly undoButton = button('Undo', 'Undo (Z)', () => this.step(true));
   private readonly redoButton = button('Redo', 'Redo (Y)', () => this.step(false));
@@ -50,6 +51,7 @@ export class Labeller {
       isolate: (k) => this.isolate(k),
     });
     this.modeBox = select('Drawing', MODES, this.mode, (v) => (this.mode = v));
+    this.scan.addEventListener('change', () => this.showScan());
     this.choice.addEventListener('change', () => app.run(this.open(this.choice.value === '' ? null : Number(this.choice.value))));
     app.onClose.push(() => this.take(null));
     this.build();
@@ -80,10 +82,28 @@ export class Labeller {
     await next.open();
     this.labelled = next;
     next.cloud!.setHidden(this.hidden);
+    this.listScans();
     this.app.state.points = 'class';
     this.menu.pointMode.set('class');
     this.app.apply();
     this.changed();
+  }
+
+  /** Lists the scans of the log, to label one of them alone. */
+  private listScans(): void {
+    const scans = [...new Set(this.labelled!.cloud!.octree.runs.map((run) => run.scan))].slice(0, 5000);
+    this.scan.replaceChildren(el('option', { value: '' }, 'all'), ...scans.map((s) => el('option', { value: `${s}` }, `${s}`)));
+  }
+
+  /** Shows the times of the chosen scan alone, or all. */
+  private showScan(): void {
+    const { runs, facts } = this.labelled!.cloud!.octree;
+    const [from, to] = [facts.first_time_s, facts.last_time_s];
+    const first = runs.findIndex((run) => `${run.scan}` === this.scan.value);
+    if (first < 0) return this.menu.time.set(to - from, to - from);
+    const next = runs.slice(first).find((run) => run.scan !== runs[first]!.scan);
+    const [begin, end] = [runs[first]!.time, next?.time ?? to];
+    this.menu.time.set(end - from, end - begin);
   }
 
   get file(): ServedFile | null {
@@ -113,6 +133,7 @@ export class Labeller {
       out.slab = [0, 1, 2].map((c) => Number(c === k)).concat(at - half, at + half);
     }
     if (this.onlyTimes) out.times = this.menu.shownTimes();
+    if (this.scan.value !== '') out.scan = Number(this.scan.value);
     return out;
   }
 
@@ -230,6 +251,7 @@ export class Labeller {
       el('div', { class: 'buttons' }, tool(null, 'Move', 'Escape'), tool('lasso', 'Lasso', 'O'),
         tool('brush', 'Brush', 'I'), tool('rectangle', 'Rectangle', 'K')),
       ...[this.modeBox, depth, brush, times].map((c) => c.row),
+      el('label', { class: 'row', title: 'Only points of this scan are changed' }, 'Scan', this.scan),
       el('div', { class: 'buttons' }, this.undoButton, this.redoButton),
       this.saved,
       this.classes.element,

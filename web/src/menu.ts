@@ -7,6 +7,7 @@ import { scoreDetails, type DetailActions } from './details';
 import { POINT_MODES, WORLD_MODES } from './display';
 import { check, el, select, slider } from './panel';
 import { hashOf } from './state';
+import { TimeBar } from './time';
 
 export class Menu {
   readonly pointMode;
@@ -16,8 +17,7 @@ export class Menu {
   /** True until the link that the page was opened with is restored. */
   restoring = true;
   private readonly beamBox = el('select', { 'aria-label': 'Beams of a scan' });
-  private readonly timeFrom;
-  private readonly timeTo;
+  readonly time: TimeBar;
   private readonly legend = el('ul', { class: 'legend', 'aria-label': 'Classes' });
   private readonly fileBoxes = new Map<number, ReturnType<typeof check>>();
   private readonly fileRows = el('div');
@@ -52,8 +52,7 @@ export class Menu {
     this.sliceAt = slider('at, m', [-100, 100, 0.1], state.slice.at, slice('at'));
     const thickness = slider('thick, m', [0.05, 10, 0.05], state.slice.thickness, slice('thickness'));
     this.beamBox.addEventListener('change', () => app.run(this.showBeams()));
-    this.timeFrom = slider('Time from, s', [0, 1, 0.01], 0, () => this.times());
-    this.timeTo = slider('to, s', [0, 1, 0.01], 1, () => this.times());
+    this.time = new TimeBar(app);
     app.list.files.forEach((file) => this.addFile(file));
     app.section('Files', this.fileRows, ...app.list.notes.map((note) => el('p', { class: 'note' }, note)));
     app.section(
@@ -63,7 +62,7 @@ export class Menu {
       ...[this.worldMode, map, size, sigmas, opaque, budget].map((c) => c.row),
     );
     app.section('Slice', ...[this.sliceOn, axis, this.sliceAt, thickness].map((c) => c.row));
-    app.section('Beams and time', this.beamBox, this.timeFrom.row, this.timeTo.row);
+    app.section('Beams and time', this.beamBox, ...this.time.rows);
     app.onApply.push(() => this.apply());
   }
 
@@ -94,8 +93,7 @@ export class Menu {
 
   /** The times that are shown, in seconds since the first beam. */
   shownTimes(): [number, number] {
-    const value = (row: HTMLElement) => Number(row.querySelector('input')!.value);
-    return [value(this.timeFrom.row), value(this.timeTo.row)];
+    return this.time.shown();
   }
 
   /** Keeps the view in the address, in a moment. */
@@ -156,15 +154,6 @@ export class Menu {
     );
   }
 
-  private times(): void {
-    const [from, to] = this.shownTimes();
-    for (const cloud of this.app.viewer.clouds) {
-      const end = cloud.octree.facts.last_time_s - cloud.octree.facts.first_time_s;
-      cloud.setTimes(from - 1e-3, to >= end - 1e-3 ? end + 1 : to);
-    }
-    this.app.viewer.draw();
-  }
-
   private async showBeams(): Promise<void> {
     const [file, run] = this.beamBox.value.split(' ').map(Number);
     const { app } = this;
@@ -187,9 +176,8 @@ export class Menu {
         runs.push(el('option', { value: `${id} ${k}` }, text));
       });
     }
-    this.timeFrom.limits(0, end);
-    this.timeTo.limits(0, end);
-    this.timeTo.set(end);
+    this.time.setSpan(end);
+    this.app.run(this.time.showPaths());
     const kept = this.beamBox.value;
     this.beamBox.replaceChildren(...runs);
     this.beamBox.value = kept;

@@ -37,7 +37,7 @@ export function slider(
   [low, high, step]: [number, number, number],
   value: number,
   act: (value: number) => void,
-): { row: HTMLElement; set: (value: number) => void; limits: (low: number, high: number) => void } {
+): { row: HTMLElement; set: (value: number) => void; limits: (low: number, high: number) => void; step: (step: number) => void } {
   const box = el('input', { type: 'range', min: `${low}`, max: `${high}`, step: `${step}` });
   const shown = el('output', {}, '');
   const tell = () => (shown.value = `${Math.round(Number(box.value) * 100) / 100}`);
@@ -59,6 +59,7 @@ export function slider(
       box.step = `${(to - from) / 1000}`;
       tell();
     },
+    step: (by) => (box.step = `${by}`),
   };
 }
 
@@ -66,11 +67,11 @@ export function check(
   label: string,
   on: boolean,
   act: (on: boolean) => void,
-): { row: HTMLElement; set: (on: boolean) => void } {
+): { row: HTMLElement; set: (on: boolean) => void; on: () => boolean } {
   const box = el('input', { type: 'checkbox' });
   box.checked = on;
   box.addEventListener('change', () => act(box.checked));
-  return { row: el('label', { class: 'row check' }, box, label), set: (v) => (box.checked = v) };
+  return { row: el('label', { class: 'row check' }, box, label), set: (v) => (box.checked = v), on: () => box.checked };
 }
 
 /** A table of two columns. */

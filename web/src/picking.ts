@@ -1,21 +1,28 @@
 // What a click does: facts of what lies there, why a beam ended, and measuring.
 import { Vector3 } from 'three';
-import { type Beam, json, type ServedFile, type Trace } from './api';
+import { type Beam, type BeamEchoes, json, query, type ServedFile, type Trace } from './api';
 import { markBeam } from './beams';
 import { type App, root } from './context';
 import { beamDetails, type DetailActions, elementDetails, traceDetails } from './details';
 import { shortened } from './panel';
 import type { Picked } from './viewer';
+import { waveformDetails } from './waveform';
 
 export class Picking {
   readonly actions: DetailActions;
+  /** Called with the file and the row of a beam that was picked. */
+  readonly onBeam: ((file: number, row: number) => void)[] = [];
   private picked: { beam: Beam; file: number } | null = null;
   private measuring: Vector3[] | null = null;
+  private sensor = '';
 
   constructor(private readonly app: App) {
     this.actions = {
       worlds: () => [...app.of('model'), ...app.of('scene')],
       follow: (beam, file, world) => app.run(this.follow(beam, file, world)),
+      receive: (beam, file, world, sensor) => app.run(this.receive(beam, file, world, sensor)),
+      sensors: app.list.sensors,
+      sensor: () => this.sensor,
       close: () => app.closeDetails(),
     };
     app.onClose.push(() => {
@@ -28,6 +35,12 @@ export class Picking {
   followPicked(): void {
     const world = this.actions.worlds()[0];
     if (this.picked && world) this.actions.follow(this.picked.beam, this.picked.file, world);
+  }
+
+  /** Shows the waveform of the picked beam in the first world. */
+  receivePicked(): void {
+    const world = this.actions.worlds()[0];
+    if (this.picked && world) this.actions.receive(this.picked.beam, this.picked.file, world, this.sensor);
   }
 
   toggleMeasure(): void {
@@ -56,12 +69,23 @@ export class Picking {
     app.showDetails(traceDetails(trace, world, this.actions));
   }
 
-  private async showBeam(file: number, row: number): Promise<void> {
+  private async receive(beam: Beam, file: number, world: ServedFile, sensor: string): Promise<void> {
+    const { app } = this;
+    this.sensor = sensor;
+    const seed = app.list.seed;
+    const told = await json<BeamEchoes>(`echoes?${query({ file, row: beam.row, world: world.id, sensor, seed })}`);
+    app.viewer.mark(markBeam(beam, null, app.files.origin!, told.echoes.map((e) => e.range_m)));
+    app.showDetails(waveformDetails(told, beam, world, this.actions));
+  }
+
+  /** Shows a beam by one of its rows. */
+  async showBeam(file: number, row: number): Promise<void> {
     const { app } = this;
     const beam = await json<Beam>(`beam?file=${file}&row=${row}`);
     this.picked = { beam, file };
     app.viewer.mark(markBeam(beam, null, app.files.origin!));
     app.showDetails(beamDetails(beam, app.files.file(file), this.actions));
+    this.onBeam.forEach((act) => act(file, row));
   }
 
   private measure(place: Vector3 | null): void {

@@ -4,10 +4,12 @@ import {
   BufferGeometry,
   type Camera,
   Color,
+  Frustum,
   Group,
   type LineSegments,
   Line,
   LineBasicMaterial,
+  Matrix4,
   NoBlending,
   type Object3D,
   type OrthographicCamera,
@@ -53,10 +55,15 @@ export class Viewer {
   readonly clouds = new Set<Cloud>();
   readonly worlds = new Set<World>();
   budget = 2_000_000;
+  /** Ellipsoids that are cast, ray by ray; the others are drawn as points. */
+  ellipsoidBudget = 40_000;
   onDrawn: (() => void) | null = null;
   insets: Inset[] = [];
   /** Two files that are drawn side by side. */
   sides: Sides | null = null;
+
+  /** Things that cannot be picked, such as the sensor's path. */
+  readonly overlays = new Group();
 
   private readonly renderer: WebGLRenderer;
   private readonly scene = new Scene();
@@ -71,6 +78,9 @@ export class Viewer {
   private coarse = false;
   private drawn = 0;
   private soon = 0;
+  /** How long the last picture took, and what tells that it is drawn. */
+  private pictureMs = 0;
+  private fence: WebGLSync | null = null;
 
   constructor(
     readonly canvas: HTMLCanvasElement,
@@ -78,7 +88,7 @@ export class Viewer {
   ) {
     this.renderer = new WebGLRenderer({ canvas, antialias: false, preserveDrawingBuffer: true });
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
-    this.scene.add(this.marks);
+    this.scene.add(this.marks, this.overlays);
     this.navigation = new Navigation(
       this.camera,
       canvas,
@@ -95,9 +105,20 @@ export class Viewer {
       this.navigation.fly((now - this.last) / 1000);
       this.last = now;
       const moving = now - this.turned < 250;
-      if (this.dirty || (this.coarse && !moving)) this.render(moving);
+      if ((this.dirty || (this.coarse && !moving)) && this.isDrawn()) this.render(moving);
     };
     requestAnimationFrame(loop);
+  }
+
+  /** Whether the last picture is drawn: the next one must not wait behind it, or the page would answer late. */
+  private isDrawn(): boolean {
+    if (!this.fence) return true;
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    if (gl.clientWaitSync(this.fence, 0, 0) === gl.TIMEOUT_EXPIRED) return false;
+    gl.deleteSync(this.fence);
+    this.fence = null;
+    this.pictureMs = performance.now() - this.drawn;
+    return true;
   }
 
   /** Asks for a new picture. */
@@ -108,10 +129,12 @@ export class Viewer {
   /** Asks for a new picture in a moment, once more has arrived. */
   drawSoon(): void {
     if (this.soon !== 0) return;
+    // Where pictures take long, more is waited for between them, so that loading is not held up.
+    const wait = Math.min(3000, Math.max(100, 3 * this.pictureMs));
     this.soon = window.setTimeout(() => {
       this.soon = 0;
       this.draw();
-    }, 100);
+    }, wait);
   }
 
   setBackground(colour: string): void {
@@ -213,9 +236,16 @@ export class Viewer {
     const budget = this.coarse ? this.movingBudget : this.budget;
     const shown = [...this.clouds].filter((cloud) => cloud.group.visible);
     for (const cloud of shown) cloud.update(this.camera, this.canvas.clientHeight, budget / shown.length);
+    const cast = this.ellipsoidBudget * (this.coarse ? this.movingBudget / this.budget : 1);
+    const worlds = [...this.worlds].filter((world) => world.group.visible);
+    for (const world of worlds) world.update(this.camera, this.canvas.clientHeight, cast / worlds.length);
     if (this.sides) this.renderSides(this.sides);
     else this.renderer.render(this.scene, this.camera);
     this.insets.forEach((inset) => this.renderInset(inset));
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    if (this.fence) gl.deleteSync(this.fence);
+    this.fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl.flush();
     this.onDrawn?.();
   }
 
@@ -318,15 +348,21 @@ export class Viewer {
   private pickIn(x: number, y: number): Picked | null {
     const background = this.scene.background;
     this.scene.background = null;
-    this.marks.visible = false;
+    this.marks.visible = this.overlays.visible = false;
     this.scene.traverse((o) => this.withoutBlending(o));
     const camera = this.camera.clone();
     const half = (PICK_PIXELS - 1) / 2;
     camera.setViewOffset(this.viewWidth, this.canvas.clientHeight, x - half, y - half, PICK_PIXELS, PICK_PIXELS);
+    // Only what lies around the cursor is drawn; the picture that follows shows all again.
+    const frustum = new Frustum().setFromProjectionMatrix(
+      new Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse),
+    );
+    this.clouds.forEach((cloud) => cloud.cull(frustum));
+    this.worlds.forEach((world) => world.update(camera, this.canvas.clientHeight, this.ellipsoidBudget));
     const objects = this.numbers(camera, Pass.object);
     const parts = this.numbers(camera, Pass.part);
     this.scene.background = background;
-    this.marks.visible = true;
+    this.marks.visible = this.overlays.visible = true;
     this.draw();
     let best = -1;
     let nearest = Infinity;

@@ -1,6 +1,6 @@
 // From labels to a result: each button starts one command of the program, or what prepares it.
 import { type App } from './context';
-import { post } from './api';
+import { json, post } from './api';
 import type { JobsPanel } from './jobs';
 import type { Labeller } from './labeller';
 import type { Menu } from './menu';
@@ -43,6 +43,11 @@ export class Workflow {
   readonly model: Chooser;
   readonly set: Chooser;
   readonly world: Chooser;
+  private readonly simulated: Chooser;
+  private readonly labelFile = el('select', { 'aria-label': 'File of labels' });
+  private readonly labelSet = el('select', { 'aria-label': 'Numbers of the file' });
+  /** The annotation that was made last. */
+  private annotation = '';
 
   constructor(
     private readonly app: App,
@@ -54,10 +59,14 @@ export class Workflow {
     this.model = new Chooser(app, 'Model', ['model']);
     this.set = new Chooser(app, 'Primitives', ['primitives']);
     this.world = new Chooser(app, 'World', ['scene', 'model']);
+    this.simulated = new Chooser(app, 'Simulated', ['log']);
+    const sets = ['', 'semantickitti', 'rellis', 'underbrush'];
+    this.labelSet.append(...sets.map((set) => el('option', { value: set }, set || 'as the file says')));
+    this.labelFile.addEventListener('focus', () => app.run(this.listLabelFiles()));
     const step = (text: string, title: string, work: () => Promise<unknown>) => button(text, title, () => app.run(work()));
     app.section(
       'From labels to scans',
-      ...[this.log, this.model, this.set, this.world].map((c) => c.row),
+      ...[this.log, this.model, this.set, this.world, this.simulated].map((c) => c.row),
       el(
         'div',
         { class: 'buttons' },
@@ -67,13 +76,56 @@ export class Workflow {
         step('.label file', 'Write labels in the numbers of SemanticKITTI', () => this.writeLabels()),
         step('Fit', 'Fit a model to the log', () => this.fit()),
         step('Extract', 'Cut primitives out of the model along the labelled log', () => this.extract()),
+        step('Annotate', 'Write the objects of the labelled log as an annotation on the model', () => this.annotate()),
+        step('Compose again', 'Compose a scene of that annotation with the chosen primitives', () => this.compose()),
         step('Simulate', 'Simulate the beams of the log in the world', () => this.simulate()),
+        step('Score', 'Compare the simulated log with the log', () => this.score()),
       ),
+      el('label', { class: 'row' }, 'Labels', this.labelFile),
+      el('label', { class: 'row' }, 'in numbers of', this.labelSet),
+      el('div', { class: 'buttons' }, step('Import', 'Take labels over from this file of the folder for labels', () => this.importLabels())),
     );
     jobs.onFiles.push(() => {
-      [this.log, this.model, this.set, this.world].forEach((c) => c.refresh());
+      [this.log, this.model, this.set, this.world, this.simulated].forEach((c) => c.refresh());
+      app.run(this.listLabelFiles());
       labeller.listLogs();
     });
+    app.run(this.listLabelFiles());
+  }
+
+  /** Lists the files of the folder for labels that may be read. */
+  private async listLabelFiles(): Promise<void> {
+    const { names } = await json<{ names: string[] }>('labels/files');
+    const kept = this.labelFile.value;
+    this.labelFile.replaceChildren(...names.map((name) => el('option', { value: name }, name)));
+    if (names.includes(kept)) this.labelFile.value = kept;
+  }
+
+  private async importLabels(): Promise<void> {
+    const labelled = this.labelled();
+    const [name, set] = [this.labelFile.value, this.labelSet.value];
+    if (name === '') throw new Error('There is no file of labels in the folder for labels');
+    const reply = await labelled.send<{ rows: number }>('import', { name, set, ...this.labeller.conditions() }, true);
+    this.app.tell(`${reply.rows} points have other labels now, those of ${name}`);
+  }
+
+  private async annotate(): Promise<void> {
+    const name = this.jobs.freshName(`${this.stem(this.log)}-site`, '.json');
+    await this.jobs.run('annotate', { log: this.log.id, ground: this.model.id, name });
+    this.annotation = name;
+    this.app.tell(`Written: ${name}`);
+  }
+
+  private async compose(): Promise<void> {
+    if (this.annotation === '') throw new Error('Annotate a labelled log first');
+    const name = this.jobs.freshName('scene');
+    const parameters = { annotation: this.annotation, primitives: this.set.id, ground: this.model.id, name };
+    this.world.set(await this.jobs.runAndShow('compose', parameters));
+  }
+
+  private async score(): Promise<void> {
+    const name = this.jobs.freshName(`${this.stem(this.simulated)}-score`, '.json');
+    await this.jobs.runAndShow('score', { real: this.log.id, simulated: this.simulated.id, name });
   }
 
   showFile(id: number): Promise<void> {
@@ -141,6 +193,6 @@ export class Workflow {
 
   async simulate(): Promise<void> {
     const name = this.jobs.freshName(`${this.stem(this.world)}-scan`, '.ply');
-    await this.jobs.runAndShow('simulate', { world: this.world.id, like: this.log.id, name });
+    this.simulated.set(await this.jobs.runAndShow('simulate', { world: this.world.id, like: this.log.id, name }));
   }
 }

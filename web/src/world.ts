@@ -1,95 +1,31 @@
 // A model, a scene or a set of primitives: ellipsoids that a share p of the light meets, and meshes.
 import {
   Box3,
-  BoxGeometry,
   BufferAttribute,
   BufferGeometry,
   BackSide,
   DoubleSide,
   Group,
-  InstancedBufferAttribute,
-  InstancedBufferGeometry,
   Mesh,
+  type PerspectiveCamera,
   Quaternion,
   type ShaderMaterial,
   Vector3,
 } from 'three';
 import { bytes, type ServedFile, type WorldFacts, json } from './api';
 import { type Display, material, WORLD_MODES, type WorldMode } from './display';
-import { floatColumn, numberColumn } from './unpack';
-
-const ELLIPSOID_BYTES = 52;
-
-// A ray through a box around the ellipsoid is cast at the ellipsoid itself: x = mean + r L u with
-// |u| = 1 and the Cholesky factor L of the covariance.
-const ELLIPSOID_VERTEX = /* glsl */ `
-  attribute vec3 mean;
-  attribute vec3 diagonal;
-  attribute vec3 below;
-  attribute vec3 facts;
-  uniform float radius;
-  uniform vec3 eye;
-  varying vec3 from;
-  varying vec3 to;
-  varying vec3 shownFacts;
-  varying mat4 clip;
-  varying mat3 factor;
-  varying vec3 centre;
-  vec3 solved(vec3 v) {
-    float x = v.x / diagonal.x;
-    float y = (v.y - below.x * x) / diagonal.y;
-    return vec3(x, y, (v.z - below.y * x - below.z * y) / diagonal.z);
-  }
-  void main() {
-    factor = mat3(diagonal.x, below.x, below.y, 0.0, diagonal.y, below.z, 0.0, 0.0, diagonal.z) * radius;
-    vec3 extent = radius * vec3(diagonal.x, length(vec2(below.x, diagonal.y)), length(vec3(below.y, below.z, diagonal.z)));
-    vec3 corner = mean + position * 2.0 * extent;
-    from = solved(eye - mean) / radius;
-    to = solved(corner - mean) / radius;
-    centre = mean;
-    shownFacts = facts;
-    clip = projectionMatrix * modelViewMatrix;
-    gl_Position = clip * vec4(corner, 1.0);
-  }
-`;
-
-const ELLIPSOID_FRAGMENT = /* glsl */ `
-  uniform int worldMode;
-  uniform mat4 place;
-  uniform float opaque;
-  varying vec3 from;
-  varying vec3 to;
-  varying vec3 shownFacts;
-  varying mat4 clip;
-  varying mat3 factor;
-  varying vec3 centre;
-  // A hash of pixel and element: the share p of the pixels is drawn, whatever lies before or behind.
-  float draw(vec2 pixel, float element) {
-    vec3 v = fract(vec3(pixel, element) * vec3(0.1031, 0.1030, 0.0973));
-    v += dot(v, v.yxz + 33.33);
-    return fract((v.x + v.y) * v.z);
-  }
-  void main() {
-    vec3 d = to - from;
-    float a = dot(d, d), b = dot(from, d), c = dot(from, from) - 1.0;
-    float root = b * b - a * c;
-    if (root < 0.0) discard;
-    float t = (-b - sqrt(root)) / a;
-    if (t < 0.0) t = (-b + sqrt(root)) / a;
-    if (t < 0.0) discard;
-    vec3 u = from + t * d;
-    vec3 at = centre + factor * u;
-    vec4 shown = place * vec4(at, 1.0);
-    if (sliced(shown.xyz)) discard;
-    if (opaque < 0.5 && draw(floor(gl_FragCoord.xy), shownFacts.z) >= shownFacts.x) discard;
-    vec4 screen = clip * vec4(at, 1.0);
-    gl_FragDepth = 0.5 + 0.5 * screen.z / screen.w;
-    vec3 colour = worldMode == 0 ? mapped(shownFacts.x) : worldMode == 1 ? classColour(shownFacts.y)
-      : worldMode == 2 ? heightColour(shown.xyz) : vec3(0.45, 0.6, 0.4);
-    float light = 0.55 + 0.45 * abs(dot(normalize(u), normalize(d)));
-    gl_FragColor = pass == 0 ? vec4(colour * light, 1.0) : pass == 1 ? bytesOf(object) : bytesOf(int(shownFacts.z));
-  }
-`;
+import {
+  chooseBlocks,
+  ELLIPSOID_BYTES,
+  ELLIPSOID_FRAGMENT,
+  ELLIPSOID_VERTEX,
+  ellipsoidBlocks,
+  type EllipsoidBlocks,
+  type Looks,
+  type Placed,
+  SPLAT_FRAGMENT,
+  SPLAT_VERTEX,
+} from './ellipsoids';
 
 const MESH_VERTEX = /* glsl */ `
   attribute float p;
@@ -135,43 +71,8 @@ export interface EllipsoidFacts extends HitFacts {
 
 interface ModelData {
   ellipsoids: DataView;
-  geometry: InstancedBufferGeometry | null;
+  blocks: EllipsoidBlocks | null;
   meshes: { kind: 'ground' | 'surface'; geometry: BufferGeometry; data: ArrayBuffer }[];
-}
-
-function ellipsoidGeometry(view: DataView): InstancedBufferGeometry | null {
-  const n = view.byteLength / ELLIPSOID_BYTES;
-  if (n === 0) return null;
-  const records = { start: 0, bytes: ELLIPSOID_BYTES, count: n };
-  const mean = floatColumn(view, records, 0, 3);
-  const covariance = floatColumn(view, records, 12, 6);
-  const p = floatColumn(view, records, 36, 1);
-  const label = numberColumn(view, records, 48);
-  const diagonal = new Float32Array(3 * n);
-  const below = new Float32Array(3 * n);
-  const facts = new Float32Array(3 * n);
-  for (let i = 0; i < n; ++i) {
-    const f = (k: number) => covariance[6 * i + k]!;
-    const a = Math.sqrt(Math.max(f(0), 1e-12));
-    const b = f(1) / a;
-    const c = f(2) / a;
-    const d = Math.sqrt(Math.max(f(3) - b * b, 1e-12));
-    const e = (f(4) - b * c) / d;
-    diagonal.set([a, d, Math.sqrt(Math.max(f(5) - c * c - e * e, 1e-12))], 3 * i);
-    below.set([b, c, e], 3 * i);
-    facts.set([p[i]!, label[i]!, i], 3 * i);
-  }
-  const box = new BoxGeometry(1, 1, 1);
-  const geometry = new InstancedBufferGeometry();
-  geometry.index = box.index;
-  geometry.setAttribute('position', box.getAttribute('position'));
-  geometry.setAttribute('mean', new InstancedBufferAttribute(mean, 3));
-  geometry.setAttribute('diagonal', new InstancedBufferAttribute(diagonal, 3));
-  geometry.setAttribute('below', new InstancedBufferAttribute(below, 3));
-  geometry.setAttribute('facts', new InstancedBufferAttribute(facts, 3));
-  geometry.instanceCount = n;
-  geometry.boundingBox = new Box3().setFromArray(mean);
-  return geometry;
 }
 
 function meshGeometry(data: ArrayBuffer): BufferGeometry {
@@ -197,7 +98,12 @@ function meshGeometry(data: ArrayBuffer): BufferGeometry {
 export class World {
   readonly group = new Group();
   readonly bounds = new Box3();
-  private readonly looks: ShaderMaterial[] = [];
+  /** Ellipsoids in view, and how many of them are cast instead of drawn as points. */
+  drawnEllipsoids = 0;
+  castEllipsoids = 0;
+  private meshMaterial: ShaderMaterial | null = null;
+  private readonly ellipsoidLooks: Looks;
+  private readonly placed: Placed[] = [];
   private readonly models = new Map<number, ModelData>();
   private radius = 1;
 
@@ -208,6 +114,13 @@ export class World {
     origin: Vector3,
   ) {
     this.group.position.set(...facts.origin_m).sub(origin);
+    const shared = { radius: { value: 1 }, opaque: { value: 0 }, object: { value: 0 } };
+    const eye = { eye: { value: new Vector3() }, place: { value: this.group.matrixWorld } };
+    this.ellipsoidLooks = {
+      cast: material(display, { ...shared, ...eye }, ELLIPSOID_VERTEX, ELLIPSOID_FRAGMENT),
+      splats: material(display, { ...shared, pixels: { value: 1 } }, SPLAT_VERTEX, SPLAT_FRAGMENT),
+    };
+    this.ellipsoidLooks.cast.side = BackSide;
   }
 
   /** Reads a world. `pick` gives each drawn instance a number. */
@@ -242,7 +155,7 @@ export class World {
       const data = await bytes(`surface?${query}`);
       meshes.push({ kind: 'surface', geometry: meshGeometry(data), data });
     }
-    return { ellipsoids: view, geometry: ellipsoidGeometry(view), meshes };
+    return { ellipsoids: view, blocks: ellipsoidBlocks(view), meshes };
   }
 
   private place(
@@ -257,21 +170,11 @@ export class World {
     frame.quaternion.copy(new Quaternion(x, y, z, w));
     frame.scale.setScalar(instance.scale);
     this.group.add(frame);
-    if (model.geometry) {
-      const mesh = new Mesh(model.geometry, this.ellipsoidLook());
-      mesh.frustumCulled = false;
-      mesh.raycast = () => {}; // picked by its pixels
-      mesh.userData.pick = pick({ world: this, instance: k, part: 'ellipsoid' });
-      const inverse = mesh.matrixWorld.clone();
-      mesh.onBeforeRender = (_renderer, _scene, camera) => {
-        const look = mesh.material as ShaderMaterial;
-        inverse.copy(mesh.matrixWorld).invert();
-        (look.uniforms.eye!.value as Vector3).setFromMatrixPosition(camera.matrixWorld).applyMatrix4(inverse);
-        look.uniforms.place!.value = mesh.matrixWorld;
-        look.uniforms.object!.value = mesh.userData.pick as number;
-        look.uniformsNeedUpdate = true;
-      };
-      frame.add(mesh);
+    if (model.blocks) {
+      const number = pick({ world: this, instance: k, part: 'ellipsoid' });
+      for (const block of model.blocks.blocks) {
+        this.placed.push({ block, frame, pick: number, cast: null, splats: null });
+      }
     }
     for (const { kind, geometry } of model.meshes) {
       const mesh = new Mesh(geometry, this.meshLook());
@@ -284,32 +187,22 @@ export class World {
       frame.add(mesh);
     }
     this.group.updateMatrixWorld(true);
-    for (const box of [model.geometry?.boundingBox, ...model.meshes.map((m) => m.geometry.boundingBox)]) {
+    for (const box of [model.blocks?.bounds, ...model.meshes.map((m) => m.geometry.boundingBox)]) {
       if (box) this.bounds.union(box.clone().applyMatrix4(frame.matrixWorld));
     }
   }
 
-  private ellipsoidLook(): ShaderMaterial {
-    if (!this.looks[0]) {
-      const own = {
-        radius: { value: this.radius },
-        eye: { value: new Vector3() },
-        place: { value: this.group.matrixWorld },
-        opaque: { value: 0 },
-        object: { value: 0 },
-      };
-      this.looks[0] = material(this.display, own, ELLIPSOID_VERTEX, ELLIPSOID_FRAGMENT);
-      this.looks[0].side = BackSide;
-    }
-    return this.looks[0];
+  /** Chooses which ellipsoids are cast, at most `most` of them, and which are drawn as points. */
+  update(camera: PerspectiveCamera, height: number, most: number): void {
+    const { inView, cast } = chooseBlocks(this.placed, camera, height, this.radius, most, this.ellipsoidLooks);
+    this.drawnEllipsoids = inView;
+    this.castEllipsoids = cast;
   }
 
   private meshLook(): ShaderMaterial {
-    if (!this.looks[1]) {
-      this.looks[1] = material(this.display, { object: { value: 0 } }, MESH_VERTEX, MESH_FRAGMENT);
-      this.looks[1].side = DoubleSide;
-    }
-    return this.looks[1];
+    this.meshMaterial ??= material(this.display, { object: { value: 0 } }, MESH_VERTEX, MESH_FRAGMENT);
+    this.meshMaterial.side = DoubleSide;
+    return this.meshMaterial;
   }
 
   setMode(mode: WorldMode): void {
@@ -319,11 +212,11 @@ export class World {
   /** Draws ellipsoids at so many standard deviations. */
   setRadius(sigmas: number): void {
     this.radius = sigmas;
-    if (this.looks[0]) this.looks[0].uniforms.radius!.value = sigmas;
+    this.ellipsoidLooks.cast.uniforms.radius!.value = sigmas; // shared with the points
   }
 
   setOpaque(opaque: boolean): void {
-    if (this.looks[0]) this.looks[0].uniforms.opaque!.value = Number(opaque);
+    this.ellipsoidLooks.cast.uniforms.opaque!.value = Number(opaque);
   }
 
   ellipsoid(instance: number, index: number): EllipsoidFacts {
@@ -355,10 +248,10 @@ export class World {
   }
 
   dispose(): void {
-    for (const { geometry, meshes } of this.models.values()) {
-      geometry?.dispose();
+    for (const { blocks, meshes } of this.models.values()) {
+      blocks?.blocks.forEach((block) => [block.cast, block.splats].forEach((geometry) => geometry.dispose()));
       meshes.forEach((m) => m.geometry.dispose());
     }
-    this.looks.forEach((look) => look.dispose());
+    [this.meshMaterial, this.ellipsoidLooks.cast, this.ellipsoidLooks.splats].forEach((look) => look?.dispose());
   }
 }

@@ -1,5 +1,6 @@
 #include "underbrush/serve/api.hpp"
 
+#include <algorithm>
 #include <deque>
 #include <map>
 #include <mutex>
@@ -8,16 +9,19 @@
 #include "page_assets.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/file.hpp"
+#include "underbrush/sensor/catalogue.hpp"
 #include "underbrush/serve/beam_trace.hpp"
 #include "underbrush/serve/job_api.hpp"
 #include "underbrush/serve/json_reply.inl"
 #include "underbrush/serve/label_api.hpp"
 #include "underbrush/serve/query.hpp"
 #include "underbrush/serve/range_errors.hpp"
+#include "underbrush/serve/range_image.hpp"
 
 namespace underbrush::serve {
 namespace {
 
+constexpr size_t kMostCompared = 4;  // pairs of logs
 constexpr uint64_t kMostScoreBytes = uint64_t(64) << 20;
 constexpr const char* kBytes = "application/octet-stream";
 
@@ -86,6 +90,10 @@ struct Api::Impl {
     j["seed"] = options.seed;
     j["labels"] = labels != nullptr;
     j["jobs"] = jobs != nullptr;
+    j["sensors"] = Json::array();
+    for (const sensor::CatalogueEntry& entry : sensor::catalogue()) {
+      j["sensors"].push_back(std::string(entry.name));
+    }
     return reply_of(j);
   }
   HttpReply octree(const HttpRequest& request) {
@@ -115,21 +123,55 @@ struct Api::Impl {
             trace_beam(logged, world_of(request, "world"),
                        Query(request).number("seed", options.seed))};
   }
+  HttpReply echoes(const HttpRequest& request) {
+    const Query query(request);
+    require(options.instrument_of != nullptr, "this program has no instruments");
+    return {200, "application/json",
+            beam_echoes(log_of(request).beam(query.number("row")), world_of(request, "world"),
+                        query.text("sensor"), options.instrument_of,
+                        query.number("seed", options.seed))};
+  }
+  HttpReply trajectory(const HttpRequest& request) {
+    return {200, kBytes, log_of(request).trajectory()};
+  }
+  HttpReply image(const HttpRequest& request) {
+    const Query query(request);
+    const LoggedBeams beams = log_of(request).beams_of_run(query.number("run"));
+    std::vector<float> ranges;
+    if (query.has("other")) ranges = other_ranges(beams, log_of(request, "other"));
+    if (query.has("world")) {
+      const WorldData& world = world_of(request, "world");
+      ranges = simulated_ranges(beams, world, query.number("seed", options.seed));
+    }
+    return {200, kBytes, range_image(beams, ranges)};
+  }
+  struct Compared {
+    std::pair<size_t, size_t> ids;
+    std::once_flag once;
+    std::unique_ptr<RangeErrors> errors;
+  };
+  std::shared_ptr<Compared> comparison(const std::pair<size_t, size_t>& ids) {
+    const std::lock_guard lock(mutex);
+    const auto found = std::find_if(compared.begin(), compared.end(),
+                                    [&](const auto& other) { return other->ids == ids; });
+    if (found != compared.end()) return *found;
+    compared.push_front(std::make_shared<Compared>());
+    compared.front()->ids = ids;
+    if (compared.size() > kMostCompared) compared.pop_back();
+    return compared.front();
+  }
   HttpReply errors(const HttpRequest& request) {
     const Query query(request);
     const std::pair ids(query.number("file"), query.number("other"));
     const auto octree = log_of(request).octree();
     require(octree != nullptr, "the octree is not ready");
     require(file_at(ids.second).kind == FileKind::kLog, "this file is no log");
-    Compared& pair = [&]() -> Compared& {
-      const std::lock_guard lock(mutex);
-      return compared[ids];
-    }();
-    std::call_once(pair.once, [&] {
-      pair.errors =
+    const std::shared_ptr<Compared> pair = comparison(ids);
+    std::call_once(pair->once, [&] {
+      pair->errors =
           std::make_unique<RangeErrors>(file_at(ids.first).path, file_at(ids.second).path);
     });
-    return {200, kBytes, pair.errors->of_nodes(*octree, query.numbers("nodes"))};
+    return {200, kBytes, pair->errors->of_nodes(*octree, query.numbers("nodes"))};
   }
   HttpReply world(const HttpRequest& request) {
     return {200, "application/json", world_of(request).json()};
@@ -166,11 +208,8 @@ struct Api::Impl {
     std::unique_ptr<WorldData> data;
   };
   std::map<size_t, World> worlds;
-  struct Compared {
-    std::once_flag once;
-    std::unique_ptr<RangeErrors> errors;
-  };
-  std::map<std::pair<size_t, size_t>, Compared> compared;
+  /// Comparisons take 8 bytes a row: only those asked for last are kept, the newest first.
+  std::deque<std::shared_ptr<Compared>> compared;
   std::unique_ptr<LabelApi> labels;  ///< Null where nothing may be written.
   std::unique_ptr<JobApi> jobs;
 };
@@ -190,7 +229,10 @@ HttpReply Api::answer(const HttpRequest& request) {
       {"api/beams", &Impl::beams},
       {"api/beam", &Impl::beam},
       {"api/trace", &Impl::trace},
+      {"api/echoes", &Impl::echoes},
       {"api/errors", &Impl::errors},
+      {"api/range_image", &Impl::image},
+      {"api/trajectory", &Impl::trajectory},
       {"api/world", &Impl::world},
       {"api/ellipsoids", &Impl::ellipsoids},
       {"api/ground", &Impl::ground},

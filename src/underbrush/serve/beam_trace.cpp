@@ -44,6 +44,13 @@ struct AtATime {
   const trace::World* tracer;
 };
 
+// The name of a class, which may be one of the scene's own.
+std::string class_of(uint16_t label, const std::vector<std::string>& own) {
+  if (label < own.size()) return own[label];
+  return label < elements::kClassNames.size() ? std::string(elements::kClassNames[label])
+                                              : std::to_string(label);
+}
+
 }  // namespace
 
 std::string trace_beam(const LoggedBeam& beam, const WorldData& world, uint64_t seed) {
@@ -53,6 +60,7 @@ std::string trace_beam(const LoggedBeam& beam, const WorldData& world, uint64_t 
   const Ray ray = log.ray(0);
   const trace::RangeLimits limits{std::max(log.info.min_range_m, kLeastRangeM),
                                   std::min(log.info.max_range_m, tracer.model(0).max_range_m)};
+  const std::vector<std::string> own_classes = elements::element_classes(world.info());
   std::vector<trace::Intersection> met;
   tracer.all_intersections(ray, limits, limits.max_m, met);
   const uint64_t matter = simulate::matter_key(seed);
@@ -94,9 +102,7 @@ std::string trace_beam(const LoggedBeam& beam, const WorldData& world, uint64_t 
                           {"index", place.index},
                           {"element", m.element},
                           {"instance", m.instance},
-                          {"class", label < elements::kClassNames.size()
-                                        ? std::string(elements::kClassNames[label])
-                                        : std::to_string(label)},
+                          {"class", class_of(label, own_classes)},
                           {"hits", hit.hits},
                           {"misses", hit.misses}});
     }

@@ -98,6 +98,8 @@ struct Jobs::Job {
   bool line_over = false;
 };
 
+Jobs::Jobs() = default;
+
 Jobs::~Jobs() {
   for (const auto& job : jobs_) job->cancelled = true;
   for (const auto& job : jobs_) job->thread.join();
@@ -112,7 +114,8 @@ void Jobs::follow(Job& job, int terminal, const std::string& device) {
   const int held = ::open(device.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);
   const pid_t child = ::fork();
   if (child == 0) become(device.c_str(), words, parent);
-  int status = 0;
+  if (child < 0) job.print(std::string("no new process: ") + std::strerror(errno) + "\n");
+  int status = 127 << 8;  // of a child that cannot be waited for
   bool ended = child < 0, asked = false;
   Clock::time_point kill_at;
   while (true) {
@@ -132,7 +135,8 @@ void Jobs::follow(Job& job, int terminal, const std::string& device) {
     } else if (asked && Clock::now() > kill_at) {
       ::kill(child, SIGKILL);
     }
-    ended = ::waitpid(child, &status, WNOHANG) != 0;
+    const pid_t found = ::waitpid(child, &status, WNOHANG);
+    ended = found == child || (found < 0 && errno != EINTR);
   }
   ::close(held);
   ::close(terminal);
@@ -186,15 +190,18 @@ Jobs::Job& Jobs::at(size_t number) const {
 
 void Jobs::cancel(size_t number) { at(number).cancelled = true; }
 
-JobFacts Jobs::job(size_t number) const {
-  Job& job = at(number);
+JobFacts Jobs::facts_of(Job& job, bool with_log) {
   const std::lock_guard lock(job.mutex);
-  JobFacts out = job.facts;
+  const JobFacts& now = job.facts;
+  JobFacts out{now.number, now.command, now.state, now.exit_code, now.seconds, {}, now.progress};
+  if (with_log) out.log = now.log;
   if (out.state == JobState::kRunning) {
     out.seconds = std::chrono::duration<double>(Clock::now() - job.begin).count();
   }
   return out;
 }
+
+JobFacts Jobs::job(size_t number) const { return facts_of(at(number), true); }
 
 std::vector<JobFacts> Jobs::list() const {
   std::vector<JobFacts> out;
@@ -203,8 +210,7 @@ std::vector<JobFacts> Jobs::list() const {
     return jobs_.size();
   }();
   for (size_t k = 0; k < n; ++k) {
-    out.push_back(job(k));
-    out.back().log.clear();
+    out.push_back(facts_of(at(k), false));
   }
   return out;
 }

@@ -34,7 +34,7 @@ struct JobFacts {
 /// nothing can be typed into it. A job ends with this process, however that ends.
 class Jobs {
  public:
-  Jobs() = default;
+  Jobs();
   /// Ends the jobs that are running.
   ~Jobs();
   Jobs(const Jobs&) = delete;
@@ -54,6 +54,7 @@ class Jobs {
  private:
   struct Job;
   Job& at(size_t number) const;
+  static JobFacts facts_of(Job& job, bool with_log);
   static void follow(Job& job, int terminal, const std::string& device);
 
   mutable std::mutex mutex_;  ///< Guards the list.

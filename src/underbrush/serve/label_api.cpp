@@ -1,5 +1,7 @@
 #include "underbrush/serve/label_api.hpp"
 
+#include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 
 #include "underbrush/core/check.hpp"
@@ -100,6 +102,7 @@ HttpReply LabelApi::answer(const HttpRequest& request) {
     return {200, "application/octet-stream", labels(query).values_of(query.numbers("nodes"))};
   }
   if (what == "instances") return {200, "application/json", labels(query).instances()};
+  if (what == "files") return files();
   if (what == "count") {
     LabelsOfFile& of = labels(query);
     return {200, "application/json", of.count(selection_of(query, of.origin()))};
@@ -121,6 +124,22 @@ HttpReply LabelApi::change(const std::string& what, const Query& query) {
   if (what == "carry") return carry(query);
   if (what == "export") return write(query);
   return error_reply(404, "no such page");
+}
+
+// The files of the folder that `import` may read.
+HttpReply LabelApi::files() const {
+  constexpr size_t kMostNames = 1000;
+  constexpr std::array<std::string_view, 4> kEndings{".label", ".csv", ".ply", ".pcd"};
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
+    const std::string ending = entry.path().extension().string();
+    const bool known = std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
+    if (known && !entry.is_symlink() && entry.is_regular_file() && names.size() < kMostNames) {
+      names.push_back(entry.path().filename().string());
+    }
+  }
+  std::sort(names.begin(), names.end());
+  return reply_of({{"names", names}});
 }
 
 HttpReply LabelApi::edit(const Query& query) {
@@ -170,11 +189,11 @@ HttpReply LabelApi::write(const Query& query) {
   LabelsOfFile& of = labels(query);
   const std::filesystem::path path = folder_ / query.file_name("name");
   const std::string format = query.text("format");
-  require(!std::filesystem::is_symlink(path), "no link");
+  require(!std::filesystem::exists(std::filesystem::symlink_status(path)),
+          "a file of this name is there already");
   Json j{{"path", printable(path.string())}};
   if (format == "log") {
     require(path.extension() == ".ply", "the name of a log ends with .ply");
-    require(!std::filesystem::exists(path), "a file of this name is there already");
     of.write_log(path);
     j["file"] = files_.add(path);
   } else if (format == "label") {

@@ -31,6 +31,7 @@ class LabelApi {
 
  private:
   LabelsOfFile& labels(const Query& query, const char* key = "file");
+  HttpReply files() const;
   HttpReply edit(const Query& query);
   HttpReply box(const Query& query);
   HttpReply step(const Query& query, bool back);

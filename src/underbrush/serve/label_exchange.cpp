@@ -60,7 +60,7 @@ EditResult LabelsOfFile::import(uint64_t revision, const std::filesystem::path& 
     }
     change.add(row, values[row], value.bits());
   });
-  return apply(std::move(change));
+  return apply(change);
 }
 
 LabelSource LabelsOfFile::source(std::optional<uint32_t> scan) {
@@ -108,7 +108,7 @@ EditResult LabelsOfFile::carry(uint64_t revision, const LabelSource& source,
     value.instance = found.instance;
     change.add(row, values[row], value.bits());
   });
-  return apply(std::move(change));
+  return apply(change);
 }
 
 void LabelsOfFile::write_log(const std::filesystem::path& path) {

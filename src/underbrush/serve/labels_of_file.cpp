@@ -182,7 +182,7 @@ std::string LabelsOfFile::count(const Selection& selection) {
   return text_of(j);
 }
 
-EditResult LabelsOfFile::apply(LabelChange change) {
+EditResult LabelsOfFile::apply(const LabelChange& change) {
   EditResult out;
   out.rows = change.size();
   document_->change(change);
@@ -207,7 +207,7 @@ EditResult LabelsOfFile::edit(uint64_t revision, const Selection& selection, Lab
       change_of(find_rows(*octree_, *cubes_, selection, values), selection, action, values);
   change.stroke = stroke;
   change.name = name;
-  EditResult out = apply(std::move(change));
+  EditResult out = apply(change);
   out.instance = action.instance.value_or(0);
   return out;
 }

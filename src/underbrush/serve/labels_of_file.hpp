@@ -85,7 +85,7 @@ class LabelsOfFile {
  private:
   LabelDocument& document();
   void know(uint64_t revision);
-  EditResult apply(LabelChange change);
+  EditResult apply(const LabelChange& change);
   std::vector<uint32_t> base(const std::string& set, uint64_t rows) const;
 
   OpenedFile file_;

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/serve/bytes.inl"
 #include "underbrush/serve/json_reply.inl"
 #include "underbrush/serve/octree_cache.hpp"
 
@@ -12,6 +13,13 @@ namespace {
 
 constexpr size_t kMostBeams = 200'000;
 constexpr size_t kMostEchoes = 64;  // rows of one beam
+constexpr uint64_t kMostRunRows = 8'000'000;
+constexpr uint64_t kMostPlaces = 4000;
+
+Vec3 origin_of(const OctreeFile& file) {
+  const Json at = Json::parse(file.json()).at("origin_m");
+  return {at.at(0).get<double>(), at.at(1).get<double>(), at.at(2).get<double>()};
+}
 
 }  // namespace
 
@@ -95,23 +103,102 @@ std::string LogData::beams(size_t run) {
   require(run < file->runs().size(), "no such run");
   const OctreeRun& r = file->runs()[run];
   const BeamLog log = rows(r.first_row, r.rows);
-  const auto at = Json::parse(file->json())["origin_m"];
-  const Vec3 origin(at[0], at[1], at[2]);
+  const Vec3 origin = origin_of(*file);
   const uint32_t step = uint32_t((log.size() + kMostBeams - 1) / kMostBeams);
   std::string bytes;
-  const auto add = [&](const auto& value) {
-    bytes.append(reinterpret_cast<const char*>(&value), sizeof(value));
-  };
-  add(step == 0 ? 0u : uint32_t((log.size() + step - 1) / step));
-  add(step);
+  append(bytes, step == 0 ? 0u : uint32_t((log.size() + step - 1) / step));
+  append(bytes, step);
   for (size_t i = 0; i < log.size(); i += step) {
     for (const Vec3& point : {Vec3(log.origin[i] - origin), Vec3(log.end_point(i) - origin)}) {
       const Vec3f p = point.cast<float>();
-      bytes.append(reinterpret_cast<const char*>(p.data()), 3 * sizeof(float));
+      append(bytes, p.data(), 3);
     }
-    add(uint32_t(r.first_row + i));
-    add(log.is_hit(i) ? 1u : log.flags[i] & kInferred ? 2u : 0u);
+    append(bytes, uint32_t(r.first_row + i));
+    append(bytes, log.is_hit(i) ? 1u : log.flags[i] & kInferred ? 2u : 0u);
   }
+  return bytes;
+}
+
+// Adds those beams of a run whose numbers are in [number, number + n).
+void LogData::append_run(const OctreeRun& run, uint64_t number, size_t n, LoggedBeams& out) {
+  require(run.rows <= kMostRunRows, "a scan of more than 8 000 000 rows");
+  const BeamLog log = rows(run.first_row, run.rows);
+  const std::vector<bool> begins = begins_beam(log);
+  if (out.row.empty()) {
+    out.beams = log.like();
+    out.number = number;
+  }
+  uint64_t next = run.first_beam;
+  for (size_t i = 0; i < log.size(); ++i) {
+    if (!begins[i]) continue;
+    const uint64_t at = next++;
+    if (at < number || at - number >= n) continue;
+    out.beams.append(log, i);
+    out.row.push_back(uint32_t(run.first_row + i));
+  }
+}
+
+LoggedBeams LogData::beams_of_run(size_t run) {
+  const auto file = needed();
+  require(run < file->runs().size(), "no such run");
+  const OctreeRun& r = file->runs()[run];
+  LoggedBeams out;
+  append_run(r, r.first_beam, r.rows, out);
+  return out;
+}
+
+LoggedBeams LogData::beams_from(uint64_t number, size_t n) {
+  const auto file = needed();
+  require(n <= kMostRunRows, "more than 8 000 000 beams");
+  const auto& runs = file->runs();
+  auto run = std::upper_bound(runs.begin(), runs.end(), number,
+                              [](uint64_t b, const OctreeRun& o) { return b < o.first_beam; });
+  LoggedBeams out;
+  if (run != runs.begin()) --run;
+  for (; run != runs.end() && out.row.size() < n; ++run) append_run(*run, number, n, out);
+  return out;
+}
+
+// The rows 0, step, 2 step and so on of `rows` rows.
+BeamLog LogData::some_rows(uint64_t rows, uint64_t step) {
+  BeamLog out;
+  if (reader_) {
+    for (uint64_t row = 0; row < rows; row += step) {
+      const BeamLog one = reader_->rows(row, 1);
+      if (out.empty()) out = one.like();
+      out.append(one, 0);
+    }
+    return out;
+  }
+  const io::Input input = io::open_input(path_);
+  uint64_t at = 0, next = 0;
+  for (BeamLog chunk; input.beams->next(chunk); at += chunk.size()) {
+    if (out.empty()) out = chunk.like();
+    for (; next < at + chunk.size(); next += step) out.append(chunk, next - at);
+  }
+  return out;
+}
+
+std::string LogData::trajectory() {
+  const auto file = needed();
+  {
+    const std::lock_guard lock(mutex_);
+    if (!trajectory_.empty()) return trajectory_;
+  }
+  const Json facts = Json::parse(file->json());
+  const auto rows = facts.at("rows").get<uint64_t>();
+  const BeamLog log =
+      some_rows(rows, std::max<uint64_t>(1, (rows + kMostPlaces - 1) / kMostPlaces));
+  const Vec3 origin = origin_of(*file);
+  const auto first_s = facts.at("first_time_s").get<double>();
+  std::string bytes;
+  append(bytes, uint32_t(log.size()));
+  for (size_t i = 0; i < log.size(); ++i) {
+    append(bytes, float(log.time_s[i] - first_s));
+    for (Eigen::Index c = 0; c < 3; ++c) append(bytes, float(log.origin[i][c] - origin[c]));
+  }
+  const std::lock_guard lock(mutex_);
+  trajectory_ = bytes;
   return bytes;
 }
 
@@ -123,6 +210,9 @@ LoggedBeam LogData::beam(uint64_t row) {
   require(run != runs.begin(), "no such row");
   --run;
   require(row < run->first_row + run->rows, "no such row");
+  if (const BeamLog one = rows(row, 1); !one.extra.contains(kEchoColumn)) {
+    return {one, run->first_beam + (row - run->first_row), row, 0};  // each row is a beam
+  }
   const uint64_t end = run->first_row + run->rows;
   const size_t n = size_t(std::min<uint64_t>(row + kMostEchoes, end) - run->first_row);
   const BeamLog log = rows(run->first_row, n);

@@ -22,6 +22,13 @@ struct LoggedBeam {
   size_t asked = 0;     ///< Which of `rows` was asked for.
 };
 
+/// Beams of a log that follow each other.
+struct LoggedBeams {
+  BeamLog beams;              ///< One row for each beam: its first echo, or its miss.
+  std::vector<uint32_t> row;  ///< The row of the log for each.
+  uint64_t number = 0;        ///< Number of the first beam in the log.
+};
+
 /// A log that is served. All functions may be called from several threads.
 class LogData {
  public:
@@ -45,6 +52,15 @@ class LogData {
   /// a hit, 0 for a miss, 2 for an inferred miss (uint32). Throws `std::invalid_argument` where
   /// there is no such run or no octree yet.
   std::string beams(size_t run);
+  /// Returns the beams of a run. Throws as `beams` does, and for a run of more than 8 000 000 rows.
+  LoggedBeams beams_of_run(size_t run);
+  /// Returns `n` beams from number `number` on, fewer where the log ends before. Throws as
+  /// `beams_of_run` does.
+  LoggedBeams beams_from(uint64_t number, size_t n);
+  /// Returns the sensor's path as bytes: the number of places (uint32), then for each its time
+  /// since the first row (s), and x, y and z relative to the octree's origin (m), as float32. There
+  /// are at most 4 000 places, at equal steps of rows. Throws as `beams` does.
+  std::string trajectory();
   /// Returns a beam by one of its rows. Throws as `beams` does.
   LoggedBeam beam(uint64_t row);
   /// Describes a beam as JSON: all columns of the row, and the ranges of the beam's echoes.
@@ -53,6 +69,8 @@ class LogData {
  private:
   void start();
   BeamLog rows(uint64_t first, size_t n);
+  void append_run(const OctreeRun& run, uint64_t number, size_t n, LoggedBeams& out);
+  BeamLog some_rows(uint64_t rows, uint64_t step);
   std::shared_ptr<const OctreeFile> needed();
 
   std::filesystem::path path_, cache_;
@@ -62,6 +80,7 @@ class LogData {
   bool started_ = false;
   std::atomic<double> done_{0};
   std::thread builder_;
+  std::string trajectory_;                 ///< Empty until it is asked for.
   std::unique_ptr<io::LogReader> reader_;  ///< Null for a log whose rows have no fixed places.
 };
 

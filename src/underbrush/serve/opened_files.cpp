@@ -1,7 +1,9 @@
 #include "underbrush/serve/opened_files.hpp"
 
 #include <algorithm>
+#include <map>
 #include <optional>
+#include <set>
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
@@ -105,6 +107,24 @@ class Search {
   size_t others_ = 0;
 };
 
+// Names that several files share get the folders above them, as far as tells them apart.
+void tell_apart(std::vector<OpenedFile>& files) {
+  for (bool more = true; more;) {
+    std::map<std::string, std::set<fs::path>> paths;
+    for (const OpenedFile& file : files) paths[file.name].insert(file.path);
+    more = false;
+    for (OpenedFile& file : files) {
+      if (paths[file.name].size() < 2) continue;
+      const fs::path shown = file.name;
+      fs::path above = file.path;
+      for (const auto& part : shown) above = part.empty() ? above : above.parent_path();
+      if (above.filename().empty()) continue;
+      file.name = (above.filename() / file.name).string();
+      more = true;
+    }
+  }
+}
+
 }  // namespace
 
 std::string_view name(FileKind kind) {
@@ -152,6 +172,7 @@ OpenedFiles find_files(const std::vector<fs::path>& named) {
       break;
     }
   }
+  tell_apart(out.files);
   return out;
 }
 

@@ -18,7 +18,9 @@ std::string_view name(FileKind kind);
 struct OpenedFile {
   FileKind kind = FileKind::kLog;
   std::filesystem::path path;  ///< With all links resolved.
-  std::string name;            ///< As a person sees it: relative to what was named.
+  /// As a person sees it: relative to what was named, with as many folders above that as tell files
+  /// apart.
+  std::string name;
 };
 
 /// The files, in the order in which they were named, those of a folder by name.

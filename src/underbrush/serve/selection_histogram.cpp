@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -42,7 +44,7 @@ std::string histogram_of(const OctreeFile& file, const NodeCubes& cubes, const F
         const uint32_t row = points.row[i];
         if (!found.rows.has(row) || !selection.admits(LabelValue::of(values[row]))) continue;
         any = true;
-        const double z = cubes.low[k].z() + double(points.position[i].z());
+        const double z = cubes.origin.z() + cubes.low[k].z() + double(points.position[i].z());
         const double shine = std::isfinite(points.intensity[i]) ? double(points.intensity[i]) : 0;
         second ? height.add(z) : height.see(z);
         second ? intensity.add(shine) : intensity.see(shine);

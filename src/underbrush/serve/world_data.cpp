@@ -9,6 +9,7 @@
 #include "underbrush/core/file.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/primitives/primitive_set.hpp"
+#include "underbrush/serve/bytes.inl"
 #include "underbrush/serve/json_reply.inl"
 #include "underbrush/worlds/read_world.hpp"
 
@@ -16,15 +17,6 @@ namespace underbrush::serve {
 namespace {
 
 constexpr uint64_t kMostThumbnail = uint64_t(4) << 20;  // bytes
-
-template <class T>
-void append(std::string& bytes, const T* values, size_t n) {
-  bytes.append(reinterpret_cast<const char*>(values), n * sizeof(T));
-}
-template <class T>
-void append(std::string& bytes, const T& value) {
-  append(bytes, &value, 1);
-}
 
 }  // namespace
 
@@ -81,6 +73,15 @@ const trace::World& WorldData::tracer() const {
                   : std::make_unique<trace::World>(scene_, trace::Isa::kBest, kOnce);
   });
   return *tracer_;
+}
+
+const simulate::DynamicWorld& WorldData::dynamic() const {
+  std::call_once(moved_, [this] {
+    dynamic_ = info_.movers.empty() ? std::make_unique<simulate::DynamicWorld>(tracer())
+                                    : std::make_unique<simulate::DynamicWorld>(scene_, info_.movers,
+                                                                               trace::Draws::kOnce);
+  });
+  return *dynamic_;
 }
 
 const elements::Model& WorldData::model(size_t number) const {
