@@ -109,7 +109,7 @@ await film('serve-beams', VIEW, [820, 440], 95, async ({ page, frame, press }) =
   await frame(2500);
 });
 
-await film('serve-label', ['whole.ply', '--labels', 'work'], [640, 360], 63, async ({ page, frame, press }) => {
+await film('serve-label', ['whole.ply', '--labels', 'work'], [760, 420], 63, async ({ page, frame, press }) => {
   await page.getByLabel('Log to label').selectOption({ label: 'whole.ply' });
   await page.waitForFunction(() => document.documentElement.dataset.saved === 'yes');
   await press('f');

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/radiometry/materials.hpp"
 #include "underbrush/sensor/catalogue.hpp"
 #include "underbrush/serve/json_reply.inl"
 #include "underbrush/simulate/reflection.hpp"
