@@ -173,7 +173,7 @@ KINDS = [
          "simulate forest.vox --sensor spinning.yaml --trajectory pose.txt -o out.ply"),
     Kind("simulate.one-pose", "text", "pose.txt",
          "simulate model --sensor spinning.yaml --trajectory pose.txt -o out.ply"),
-    Kind("info.helios-scene", "text", "world.xml", "info world.xml", others=("world.obj",)),
+    Kind("info.helios-scene", "text", "world.xml", "info world.xml", others=("world.obj", "forest.vox")),
     Kind("import.helios-survey", "text", "survey.xml", "import survey.xml -o out",
          others=("scanners.xml", "platforms.xml", "world.xml", "flight.trj")),
     Kind("import.helios-scanner", "text", "scanners.xml", "import survey.xml -o out", others=("survey.xml",)),
