@@ -120,6 +120,7 @@ TEST_F(SensorFile, ErrorsNameFileAndPlace) {
   };
   expect("rate_hz: 10", "rate_hz: fast", "rate_hz");
   expect("rate_hz: 10", "rate_hz: -1", "rate");
+  expect("rate_hz: 10", "rate_hz: 1e-300", "a turn has 1 to 1 000 000 firings");
   expect("rate_hz: 10\n", "", "rate_hz: missing");
   expect("rate_hz", "rate_khz", "rate_khz: unknown key");
   expect("time_us: [0, 5]", "time_us: [0]", "channels.time_us");

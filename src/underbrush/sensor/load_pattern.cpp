@@ -55,6 +55,11 @@ std::vector<Channel> read_channels(const YamlMap& root,
 void read_rotation(const YamlMap& map, Sensor& s) {
   s.rate_hz = map.get<double>("rate_hz");
   s.firing_period_s = map.get<double>("firing_period_us") * 1e-6;
+  if (!(s.rate_hz > 0)) map.fail("rate_hz", "must be positive");
+  const double firings = s.firings_per_revolution();
+  if (!(firings >= 1 && firings <= 1e6)) {
+    map.fail("firing_period_us", "a turn has 1 to 1 000 000 firings");
+  }
   s.clockwise = map.choice<bool>("rotation", {{"clockwise", true}, {"counterclockwise", false}});
   s.start_azimuth_rad = map.get("start_azimuth_deg", 180.0) * kDegree;
 }
