@@ -83,6 +83,15 @@ void add_options(Verb& verb, Arguments& a) {
   app.add_flag("--float", a.float_coordinates, "Write coordinates as float instead of double");
 }
 
+// The sensor of an option, which must be a spinning one.
+sensor::Sensor spinning_sensor(const std::string& option, const std::string& name) {
+  sensor::Sensor s = sensor::load(name);
+  if (s.kind == sensor::Kind::kSpinning) return s;
+  const std::string reason = option + " needs a spinning sensor";
+  if (std::filesystem::is_regular_file(name)) throw FormatError(name, "kind", reason);
+  throw std::invalid_argument("import: " + in_quotes(name) + ": " + reason);
+}
+
 sensor::BeamOptions beam_options(const Arguments& a, const io::Input& input) {
   sensor::BeamOptions options;
   options.elevation_offset_rad = a.elevation_offset_deg * M_PI / 180;
@@ -92,9 +101,11 @@ sensor::BeamOptions beam_options(const Arguments& a, const io::Input& input) {
   }
   if (!a.deskew.empty()) {
     require(!input.compensated, "import: --deskew: these scans are motion-compensated already");
-    options.deskew = sensor::load(a.deskew);
+    options.deskew = spinning_sensor("--deskew", a.deskew);
   }
-  if (!a.infer_misses.empty()) options.infer_misses = sensor::load(a.infer_misses);
+  if (!a.infer_misses.empty()) {
+    options.infer_misses = spinning_sensor("--infer-misses", a.infer_misses);
+  }
   return options;
 }
 

@@ -110,6 +110,18 @@ class Imports(cli_test.Failing):
         with zipfile.ZipFile(self.folder / "rolled.npz", "w") as archive:
             archive.writestr(name, bytes(array))
 
+    def test_sensors_of_scans_must_spin(self):
+        self.write_world_points()
+        (self.folder / "shots.csv").write_text("1,2\n")
+        (self.folder / "mine.yaml").write_text(
+            "name: mine\nkind: directions\nrate_hz: 10\ncycle_s: 0.5\ndirections: shots.csv\n"
+            "min_range_m: 1\nmax_range_m: 50\n")
+        for option in ("--deskew", "--infer-misses"):
+            for sensor, status in (("mine.yaml", 3), ("livox-avia", 2)):
+                with self.subTest(option=option, sensor=sensor):
+                    self.assert_fails(self.call("utm.csv", option, sensor, "-o", "log.ply"), status,
+                                      sensor, option + " needs a spinning sensor")
+
     def test_returns_of_a_pulse_become_echoes_of_a_beam(self):
         rows = ["X,Y,Z,return_number,number_of_returns"]
         for k in range(40):

@@ -6,6 +6,7 @@
 #include <map>
 #include <numbers>
 
+#include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
 
@@ -248,6 +249,8 @@ TEST(Surface, DegenerateInput) {
   EXPECT_THROW(surface_tile(same, bad, kAll), std::invalid_argument);
   EXPECT_THROW(surface_tile(same, same, kAll, {.cell_m = 0}), std::invalid_argument);
   EXPECT_THROW(surface_tile(same, same, kAll, {.cell_m = 1e-4}), std::invalid_argument);
+  const std::vector<Vec3f> tall{Vec3f(0, 0, 0), Vec3f(0, 0, 1e6)};
+  EXPECT_THROW(surface_tile(tall, tall, kAll), DataError);
 }
 
 }  // namespace

@@ -220,9 +220,11 @@ TEST(Chain, SaysWhatIsMissing) {
 std::string reason_of(const std::string& yaml) {
   io::TemporaryFolder folder;
   io::put_bytes(folder / "chain.yaml", yaml);
+  io::put_bytes(folder / "blind.yaml", "blind");
   try {
     osi::Chain(osi::read_chain((folder / "chain.yaml").string()));
   } catch (const FormatError& e) {
+    EXPECT_EQ(e.file(), (folder / "chain.yaml").string());
     return e.place() + ": " + e.reason();
   }
   return "";
@@ -242,6 +244,10 @@ TEST(Chain, FilesAreChecked) {
   EXPECT_THAT(reason_of("chain:\n  - strategy: mine\n    library: none.so\n"),
               HasSubstr("chain[0].library"));
   EXPECT_THAT(reason_of("chain: [\n"), HasSubstr("line"));
+  for (const std::string name : {"tracer", "front_end"}) {
+    EXPECT_THAT(reason_of("chain:\n  - strategy: " + name + "\n    sensor: blind.yaml\n"),
+                HasSubstr("blind.yaml: expected lines of KEY: VALUE"));
+  }
 }
 
 TEST(StaticData, AreRememberedInTheBytesToo) {

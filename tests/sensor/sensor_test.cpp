@@ -185,6 +185,15 @@ TEST(Catalogue, OwnTableOfDirectionsLiesBesideItsFile) {
   const Sensor s = load(yaml);
   EXPECT_EQ(s.shots.size(), 3u);
   EXPECT_NEAR(s.beams_per_s(), 6, 1e-9);
+  std::ofstream(yaml) << "name: mine\nkind: directions\nrate_hz: 1e-300\ncycle_s: 0.5\n"
+                         "directions: mine.csv\nmin_range_m: 1\nmax_range_m: 50\n";
+  try {
+    load(yaml);
+    FAIL();
+  } catch (const FormatError& e) {
+    EXPECT_EQ(e.place(), "rate_hz");
+    EXPECT_EQ(e.reason(), "a frame has at most 100 000 000 shots");
+  }
 }
 
 TEST(Catalogue, UnknownNameSaysWhatIsKnown) {

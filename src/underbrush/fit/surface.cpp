@@ -222,7 +222,8 @@ SurfaceTile surface_over(std::span<const Vec3f> points, std::span<const Vec3f> t
     append(surface_over(points, to_sensor, high, o, distance), tile);
     return tile;
   }
-  require(box.count() <= kMostCells, "surface: too high for its cells; take larger ones");
+  require_data(box.count() <= kMostCells,
+               "surface: the points are too high for its cells: make them larger");
   SampleGrid grid(points, to_sensor, box, o.cell_m);
   grid.find_normals(radii_m(o), o.min_neighbours);
   ScalarGrid field = empty_field(box, core, o.cell_m);

@@ -106,9 +106,14 @@ std::unique_ptr<Strategy> make_strategy(const StrategyEntry& entry) {
   Parameters parameters(entry);
   for (const Named& s : kStrategies) {
     if (entry.name != s.name) continue;
-    auto strategy = s.make(parameters);
-    parameters.finish();
-    return strategy;
+    try {
+      auto strategy = s.make(parameters);
+      parameters.finish();
+      return strategy;
+    } catch (const FormatError& e) {
+      if (e.file() == entry.file) throw;
+      parameters.fail("", e.what());  // A file that the chain names: its sensor, its world.
+    }
   }
   parameters.fail("strategy", "unknown strategy; there are: " + joined(strategy_names()));
 }

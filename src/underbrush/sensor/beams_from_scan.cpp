@@ -36,7 +36,8 @@ void check(const PointScan& scan, const BeamOptions& options) {
   for (const std::optional<Sensor>* sensor : {&options.deskew, &options.infer_misses}) {
     if (!*sensor) continue;
     (*sensor)->check();
-    require((*sensor)->kind == Kind::kSpinning, "beams: only scans of spinning sensors are known");
+    require((*sensor)->kind == Kind::kSpinning,
+            "beams: the sensor of a scan must be a spinning one");
   }
   require(options.revolution_s >= 0 && std::isfinite(options.revolution_s) &&
               std::isfinite(options.elevation_offset_rad),

@@ -126,6 +126,10 @@ void read_directions(const YamlMap& map, Sensor& s) {
     s.shots = shots_from_csv(path, text_of(path), s.cycle_s);
   }
   s.firing_period_s = s.cycle_s / double(s.shots.size());
+  if (!(s.rate_hz > 0)) map.fail("rate_hz", "must be positive");
+  if (!(s.rate_hz * s.firing_period_s >= 1e-8)) {
+    map.fail("rate_hz", "a frame has at most 100 000 000 shots");
+  }
 }
 
 }  // namespace
