@@ -180,7 +180,13 @@ TEST(Catalogue, OwnTableOfDirectionsLiesBesideItsFile) {
   const std::string yaml = (folder / "mine.yaml").string();
   std::ofstream(yaml) << "name: mine\nkind: directions\nrate_hz: 10\ncycle_s: 0.5\n"
                          "directions: mine.csv\nmin_range_m: 1\nmax_range_m: 50\n";
-  EXPECT_THROW(load(yaml), FormatError);
+  try {
+    load(yaml);
+    FAIL();
+  } catch (const FormatError& e) {
+    EXPECT_EQ(e.file(), yaml);
+    EXPECT_EQ(e.reason(), (folder / "mine.csv").string() + ": no such file");
+  }
   std::ofstream(folder / "mine.csv") << "1,2\n3,4\n5,6\n";
   const Sensor s = load(yaml);
   EXPECT_EQ(s.shots.size(), 3u);

@@ -123,7 +123,11 @@ void read_directions(const YamlMap& map, Sensor& s) {
   }
   if (s.shots.empty()) {
     const auto path = (std::filesystem::path(map.file()).parent_path() / name).string();
-    s.shots = shots_from_csv(path, text_of(path), s.cycle_s);
+    try {
+      s.shots = shots_from_csv(path, text_of(path), s.cycle_s);
+    } catch (const FormatError& e) {
+      map.fail("directions", e.what());
+    }
   }
   s.firing_period_s = s.cycle_s / double(s.shots.size());
   if (!(s.rate_hz > 0)) map.fail("rate_hz", "must be positive");
