@@ -146,6 +146,12 @@ TEST_F(SensorFile, ErrorsNameFileAndPlace) {
            "longer than 500 samples");
   }
   expect("min_range_m: 1", "min_range_m: 1\nreceiver: {echo: 3}", "receiver.echo: unknown key");
+  for (const char* of_float :
+       {"threshold_snr: 1e-300", "saturation_snr: 1e300", "min_gap_m: 1e300", "adc_step_snr: 1e300",
+        "intensity_scale: 1e-300", "detects: {range_m: 30, reflectance: 1e300}"}) {
+    const std::string line = std::string("receiver: {") + of_float + "}";
+    EXPECT_NE(error_with("min_range_m: 1", "min_range_m: 1\n" + line), "") << of_float;
+  }
   for (const char* lines : {"[0, 9]", "[9, 1e300]", "[9, -1]", "[1025, 9]", "[9, .nan]"}) {
     expect("min_range_m: 1", std::string("min_range_m: 1\nsub_rays: ") + lines,
            "sub_rays: must be 1 to 1024");

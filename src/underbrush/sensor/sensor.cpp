@@ -60,8 +60,9 @@ std::vector<uint16_t> Sensor::firing_order() const {
 }
 
 void SignalChain::check() const {
-  const auto positive = [](double v) { return std::isfinite(v) && v > 0; };
-  const auto not_negative = [](double v) { return std::isfinite(v) && v >= 0; };
+  // Detection is in float, in which a positive number may become 0 or infinity.
+  const auto positive = [](double v) { return v >= 1e-9 && v <= 1e9; };
+  const auto not_negative = [](double v) { return v >= 0 && v <= 1e9; };
   const auto is_pulse_time = [](double s) { return s >= 1e-12 && s <= 1e-5; };
   require(is_pulse_time(pulse_fwhm_s) && is_pulse_time(sample_s) &&
               (receiver_fwhm_s == 0 || is_pulse_time(receiver_fwhm_s)),
