@@ -133,6 +133,12 @@ TEST(GivenLabels, ThatAreWrongAreRefused) {
   const GivenLabels given = read_given_labels(folder / "b.csv", source);
   EXPECT_EQ(given.not_numbers, 1u);
   EXPECT_EQ(given.label[0], 0u);
+  s.log.info.classes = "own";
+  MemorySource of_own_set(s.log);
+  EXPECT_THROW(read_given_labels(folder / "b.csv", of_own_set), FormatError);
+  GivenLabelOptions wrong;
+  wrong.set = "own";
+  EXPECT_THROW(read_given_labels(folder / "b.csv", source, wrong), std::invalid_argument);
 }
 
 }  // namespace

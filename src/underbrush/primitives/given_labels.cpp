@@ -145,7 +145,11 @@ std::string set_of_log(const fs::path& file) {
 
 void check_set(const fs::path& file, const GivenLabels& given) {
   const auto known = elements::labels_of(given.set);
-  require(!known.empty(), "labels: unknown label set");
+  if (known.empty()) {
+    throw FormatError(file.string(), "",
+                      "the label set " + in_quotes(given.set) +
+                          ", which it or the log names, is not known (see --label-set)");
+  }
   std::vector<uint32_t> numbers;
   for (const auto& l : known) numbers.push_back(l.number);
   std::sort(numbers.begin(), numbers.end());
@@ -161,6 +165,7 @@ void check_set(const fs::path& file, const GivenLabels& given) {
 }  // namespace
 
 GivenLabels read_given_labels(const fs::path& file, BeamSource& log, const GivenLabelOptions& o) {
+  require(o.set.empty() || !elements::labels_of(o.set).empty(), "labels: unknown label set");
   const bool words = file.extension() == ".label";
   Rows rows = words ? read_label_file(file) : read_point_file(file);
   const Hits hits = hits_of(log);
