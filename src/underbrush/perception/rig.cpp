@@ -6,6 +6,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/file.hpp"
 #include "underbrush/sensor/catalogue.hpp"
+#include "underbrush/sensor/sensor.hpp"
 #include "underbrush/sensor/yaml_map.inl"
 
 namespace underbrush::perception {
@@ -41,7 +42,14 @@ std::string sensor_of(const YamlMap& map, const std::string& file) {
     return name;
   }
   const auto beside = std::filesystem::path(file).parent_path() / name;
-  if (is_file(beside)) return beside.string();
+  if (is_file(beside)) {
+    try {
+      sensor::load(beside.string());
+    } catch (const FormatError& e) {
+      map.fail("sensor", e.what());
+    }
+    return beside.string();
+  }
   map.fail("sensor", "no sensor of the catalogue, nor a file beside the rig's");
 }
 
