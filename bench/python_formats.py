@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Speed and memory of the Python readers beside the libraries alone, as a Markdown table.
 
-    PYTHONPATH=python bench/python_formats.py [--scans 20] [--repeats 5] [--only laz mcap ...]
+    PYTHONPATH=build/python/package bench/python_formats.py [--scans 20] [--repeats 5] [--only laz mcap ...]
 
 Files of every format are written from a generated log (128 rings, 1024 columns, 30 % misses; about 2.6 million beams).
 Each measurement runs in a process of its own, ours and the library's in turn; the fastest of the repeats counts. Speeds

@@ -136,7 +136,8 @@ class Scratch:
         changed = sorted(name for name in changed if top(name) not in allowed and name not in allowed)
         if (changed or left) and code is not None and code >= 0:
             reasons.append("changed or left: " + ", ".join((changed + sorted(left))[:3]))
-        if any(top(name) not in {top(n) for n in before} for name in after) or left:
+        tops = {top(name) for name in before}
+        if any(top(name) not in tops for name in after) or left:
             self.clean(before, left)
         return code, reasons, err
 
