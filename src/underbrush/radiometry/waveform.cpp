@@ -85,19 +85,28 @@ UNDERBRUSH_CLONES Extent extent_of(size_t n, const Placed& p) {
   return e;
 }
 
-/// Finds the blocks that returns reach, for waveforms with at most a word of blocks.
-uint64_t reached(size_t n, const Placed& p, uint32_t taps) {
-  const Extent e = extent_of(n, p);
-  if (e.least > e.greatest) return 0;
-  if (first_block(e.greatest) <= last_block(e.least, taps) + 1) {  // one run without gaps
-    return run_of_blocks(first_block(e.least), last_block(e.greatest, taps));
-  }
+/// Finds the blocks that returns reach where there are gaps between them.
+UNDERBRUSH_CLONES uint64_t reached_apart(size_t n, const Placed& p, uint32_t taps) {
   uint64_t word = 0;
   for (size_t i = 0; i < n; ++i) {
     const uint64_t run = run_of_blocks(first_block(p.place[i]), last_block(p.place[i], taps));
     word |= p.amplitude[i] > 0 ? run : 0;
   }
   return word;
+}
+
+/// Finds the blocks that returns reach, for waveforms with at most a word of blocks.
+uint64_t reached(size_t n, const Placed& p, uint32_t taps) {
+  // A few returns far from each other tell that there may be gaps without a look at all of them.
+  const auto [low, high] =
+      std::minmax({p.place[0], p.place[n / 3], p.place[2 * n / 3], p.place[n - 1]});
+  if (first_block(high) > last_block(low, taps) + 1) return reached_apart(n, p, taps);
+  const Extent e = extent_of(n, p);
+  if (e.least > e.greatest) return 0;
+  if (first_block(e.greatest) <= last_block(e.least, taps) + 1) {  // one run without gaps
+    return run_of_blocks(first_block(e.least), last_block(e.greatest, taps));
+  }
+  return reached_apart(n, p, taps);
 }
 
 void mark(size_t n, const Placed& p, const Target& t) {
