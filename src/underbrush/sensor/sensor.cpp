@@ -70,11 +70,12 @@ void SignalChain::check() const {
   require(std::hypot(pulse_fwhm_s, receiver_fwhm_s) < kMostSamplesOfPulse * sample_s,
           "sensor: the pulse is longer than 500 samples");
   require(positive(threshold_snr) && positive(saturation_snr) && threshold_snr < saturation_snr,
-          "sensor: needs 0 < threshold < saturation");
+          "sensor: needs 1e-9 <= threshold < saturation <= 1e9");
   require(not_negative(detection_range_m) && positive(detection_reflectance),
-          "sensor: detection range or reflectance is not positive");
-  require(not_negative(min_gap_m) && not_negative(width_resolution_m), "sensor: a negative length");
-  require(not_negative(adc_step_snr), "sensor: a negative step of the converter");
+          "sensor: detection range or reflectance is not positive, or huge");
+  require(not_negative(min_gap_m) && not_negative(width_resolution_m),
+          "sensor: a negative or huge length");
+  require(not_negative(adc_step_snr), "sensor: a negative or huge step of the converter");
   require(max_echoes >= 1 && max_echoes <= 16, "sensor: 1 to 16 echoes");
   require(
       positive(intensity_scale) && not_negative(intensity_resolution) && positive(intensity_most),
