@@ -10,7 +10,10 @@ are not run again, so that an interrupted run goes on. Tables whose data is abse
 take some hours. Exit status 1: a figure or a claim is beyond its tolerance, or a command failed.
 """
 import argparse
+import importlib.util
+import os
 import pathlib
+import subprocess
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
@@ -18,6 +21,16 @@ from documented import jobs, registry, tables  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 PAGES = ("README.md", "docs/*.md", "docs/how-to/*.md", "docs/tutorial/*.md", "docs/explanation/*.md")
+
+
+def with_numpy():
+    """The jobs need NumPy. Debian's Python has it after the set-up; the first one of the PATH may be another."""
+    if importlib.util.find_spec("numpy"):
+        return
+    debian = "/usr/bin/python3"
+    if sys.executable == debian or subprocess.run([debian, "-c", "import numpy"], check=False).returncode:
+        sys.exit("results: NumPy is missing: scripts/setup.sh build test results")
+    os.execv(debian, [debian, *sys.argv])
 
 
 def documented(root):
@@ -75,4 +88,5 @@ def main(measured, root=ROOT, arguments=None):
 
 
 if __name__ == "__main__":
+    with_numpy()
     sys.exit(main(registry.MEASURED))

@@ -54,6 +54,7 @@ std::string text_of_fit(const std::string& fitter, const FitStep& step) {
   if (r.carved_triangles) {
     text += fmt::format("  dropped     {} triangles that beams passed\n", r.carved_triangles);
   }
+  if (r.mover_points) text += fmt::format("  left out    {} returns of movers\n", r.mover_points);
   if (r.near_points)
     text += fmt::format("  left out    {} points near the sensor\n", r.near_points);
   if (r.thinned_points)

@@ -6,6 +6,7 @@
 
 #include "list_results.hpp"
 #include "osi_lists.hpp"
+#include "perceived_grid.hpp"
 #include "perceived_log.hpp"
 #include "report/report.hpp"
 #include "underbrush/core/check.hpp"
@@ -36,6 +37,7 @@ struct Arguments {
   double truth_elevation_deg = 0, latency_ms = 0;
   bool as_measured = false, no_deskew = false;
   PerceptionSetup setup;
+  GridSetup grid;
 };
 
 void add_existence_options(Verb& verb, Arguments& a) {
@@ -114,11 +116,21 @@ void add_options(Verb& verb, Arguments& a) {
   verb.output("--report", a.report, "Write a report (one HTML file) into this folder",
               {"index.html"})
       ->type_name("DIR");
+  verb.output(
+          "--grid", a.grid.output,
+          "Map free, permeable and solid cells around the vehicle: .png of the last cycle, else "
+          "JSON of all")
+      ->type_name("GRID");
   app.add_option("--rig", a.rig, "The sensors of the vehicle, for a log of several")
       ->type_name("RIG.yaml");
   app.add_option("--min-range", a.setup.cycles.min_range_m,
                  "Ignore hits nearer than this, m, such as those on the own vehicle")
       ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--sensor-height", a.setup.cycles.sensor_height_m,
+                 "Height of the sensor above the ground, m; the vehicle's frame stands there. A "
+                 "rig's sensors have theirs")
+      ->check(CLI::Range(0.0, 100.0))
       ->capture_default_str();
   app.add_option("--truth-elevation-deg", a.truth_elevation_deg,
                  "Turn labelled boxes up by this angle, as import turned the beams")
@@ -126,6 +138,7 @@ void add_options(Verb& verb, Arguments& a) {
   app.add_flag("--no-deskew", a.no_deskew, "Ignore the vehicle's motion within a cycle");
   add_existence_options(verb, a);
   add_state_options(verb, a);
+  add_grid_options(verb, a.grid);
 }
 
 /// Completes the setup from the words of the command line.
@@ -157,11 +170,14 @@ Json json_of_run(const PerceivedLog& p) {
 }
 
 void check_outputs_of(const Arguments& a) {
-  for (const std::string& path : {a.output, a.write_truth}) {
+  for (const std::string& path : {a.output, a.write_truth, a.grid.output}) {
     if (!path.empty()) io::check_output(path);
   }
   require(a.write_truth.empty() || !a.truth.empty(), "perceive: --write-truth needs --truth");
   require(a.report.empty() || !a.truth.empty(), "perceive: --report needs --truth");
+  require(
+      a.grid.output.empty() || !a.rig.empty() || a.setup.cycles.sensor_height_m > 0,
+      "perceive: --grid needs the sensor's height above the ground (--sensor-height, or --rig)");
   if (!a.report.empty()) report::check_report_output(a.report);
 }
 
@@ -176,10 +192,15 @@ void run(const Verb& verb, const Arguments& a) {
     inputs.emplace_back(a.truth);
   }
   if (!a.rig.empty()) inputs.emplace_back(a.rig);
-  const PerceivedLog p = perceived(log, truth ? &*truth : nullptr, setup);
   const std::string origin = provenance(verb, inputs);
+  std::optional<PerceivedGrid> grid;
+  if (!a.grid.output.empty()) grid.emplace(a.grid, origin);
+  const PerceivedLog p = perceived(log, truth ? &*truth : nullptr, setup, [&](const auto& cloud) {
+    if (grid) grid->step(cloud);
+  });
   if (!a.output.empty()) write_lists(a.output, p.lists, origin);
   if (!a.write_truth.empty()) write_lists(a.write_truth, p.truth, origin);
+  if (grid) grid->close();
   Json j = json_of_run(p);
   std::string text = fmt::format("{} cycles: {} objects listed, {} points\n", p.lists.size(),
                                  j["objects"].get<size_t>(), p.points);
@@ -200,6 +221,10 @@ void run(const Verb& verb, const Arguments& a) {
     }
   }
   if (!a.output.empty()) text += "  objects     " + a.output + "\n";
+  if (grid) {
+    j["grid"] = grid->summary();
+    text += "  grid        " + grid->text() + "\n";
+  }
   verb.report(j, text);
 }
 
@@ -209,12 +234,13 @@ void run(const Verb& verb, const Arguments& a) {
 void add_perceive(Program& program) {
   using namespace perceive_verb;
   auto a = std::make_shared<Arguments>();
-  const auto verb =
-      add_verb(program, "Simulation", "perceive", "Turn a log into lists of tracked objects",
-               "underbrush perceive log.ply --truth objects.csv -o objects.json --report report/\n"
-               "  underbrush perceive log.ply --pipeline real -o objects.csv\n"
-               "  underbrush perceive rig.ply --rig rig.yaml --truth truth.json -o objects.csv",
-               [a](const Verb& v) { run(v, *a); });
+  const auto verb = add_verb(
+      program, "Simulation", "perceive", "Turn a log into lists of tracked objects",
+      "underbrush perceive log.ply --truth objects.csv -o objects.json --report report/\n"
+      "  underbrush perceive log.ply --pipeline real -o objects.csv\n"
+      "  underbrush perceive log.ply --pipeline real --grid grid.png --sensor-height 1.73\n"
+      "  underbrush perceive rig.ply --rig rig.yaml --truth truth.json -o objects.csv",
+      [a](const Verb& v) { run(v, *a); });
   add_options(*verb, *a);
 }
 

@@ -75,6 +75,10 @@ void run(const Verb& verb, const Arguments& a) {
   const std::vector<metrics::Score> scores = score_logs(a.real, candidates, true);
   Json results = json_of_scores(names, scores, provenance(verb, inputs));
   std::string text = table_of_scores(candidates, scores);
+  if (scores[0].mover_beams > 0) {
+    text +=
+        fmt::format("left out: {} beams that met something that moved\n", scores[0].mover_beams);
+  }
   text += score_protocols({!a.protocol.empty(), a.repeats}, a.real, candidates, results);
   if (!a.report.empty()) {
     std::vector<std::pair<std::string, fs::path>> logs;

@@ -25,6 +25,7 @@ Json json_of(const FitStep& step) {
   j["beams"] = r.beams;
   j["hits"] = r.hits;
   j["misses"] = r.misses;
+  if (r.mover_points > 0) j["mover_points"] = r.mover_points;
   j["ground_points"] = r.ground_points;
   j["other_points"] = r.other_points;
   j["near_points"] = r.near_points;

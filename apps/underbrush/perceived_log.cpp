@@ -7,7 +7,8 @@
 namespace underbrush::app {
 
 PerceivedLog perceived(BeamSource& log, const perception::LogTruth* truth,
-                       const PerceptionSetup& setup) {
+                       const PerceptionSetup& setup,
+                       const std::function<void(const perception::MergedCloud&)>& see) {
   using Clock = std::chrono::steady_clock;
   require(truth || !setup.is_model, "perceive: the tracking model needs the truth (--truth)");
   perception::CycleReader reader(log, setup.rig, setup.cycles);
@@ -18,6 +19,7 @@ PerceivedLog perceived(BeamSource& log, const perception::LogTruth* truth,
   perception::MergedCloud cloud;
   perception::TruthFrame frame;
   while (reader.next(cloud)) {
+    if (see) see(cloud);
     if (truth) {
       truth->at(reader.scan(), cloud.time_s, reader.cycle_s(), frame);
       out.truth.push_back(perception::list_of_truth(frame, cloud.world_from_vehicle));

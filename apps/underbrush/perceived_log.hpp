@@ -1,6 +1,7 @@
 /// \file
 /// A log turned into lists of objects.
 #pragma once
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -31,9 +32,11 @@ struct PerceivedLog {
   double seconds = 0;  ///< Without reading and alignment.
 };
 
-/// Turns a log into lists. `truth` may be null for the real pipeline. Throws
-/// `std::invalid_argument` for options out of range, and `DataError`.
+/// Turns a log into lists, and shows the cloud of each cycle to `see`, if there is one. `truth` may
+/// be null for the real pipeline. Throws `std::invalid_argument` for options out of range, and
+/// `DataError`.
 PerceivedLog perceived(BeamSource& log, const perception::LogTruth* truth,
-                       const PerceptionSetup& setup);
+                       const PerceptionSetup& setup,
+                       const std::function<void(const perception::MergedCloud&)>& see = {});
 
 }  // namespace underbrush::app

@@ -38,6 +38,7 @@ Json json_of(const metrics::Score& s) {
   Json j = json_of(s.all, s);
   j["roughness_m"] = number(s.roughness_m);
   j["roughness_real_m"] = number(s.real_roughness_m);
+  if (s.mover_beams > 0) j["mover_beams"] = s.mover_beams;
   j["per_class"] = Json::object();
   for (const auto& [name, part] : s.per_class) j["per_class"][name] = json_of(part, s);
   j["per_range"] = Json::object();

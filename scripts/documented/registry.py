@@ -182,14 +182,44 @@ def sequential(folder):
             yield row, value, [error]
 
 
-SEQUENTIAL = study("sequential", "--data data", """mkdir -p drive/velodyne data/kitti_0005_tracks
+#: The commands that make log.ply of the labelled drive, and what they need of DATA.
+TRACKS = """mkdir -p drive/velodyne
 "$PYTHON" "$DATA/frames.py" unpack "$DATA/kitti_0005_city/velodyne.kfx" drive/velodyne
 "$PYTHON" "$DATA/frames.py" unpack "$DATA/kitti_0005_tracks/velodyne_30_89.kfx" drive/velodyne
 underbrush import drive --poses "$DATA/kitti_0005_tracks/poses_velo.txt" --times "$DATA/kitti_0005_tracks/times.txt" \\
-  --deskew velodyne-hdl64e --elevation-offset-deg 0.205 --infer-misses velodyne-hdl64e \\
-  -o data/kitti_0005_tracks/log.ply
+  --deskew velodyne-hdl64e --elevation-offset-deg 0.205 --infer-misses velodyne-hdl64e -o log.ply
+rm -r drive
+"""
+TRACKS_NEEDS = ("kitti_0005_city/velodyne.kfx", "kitti_0005_tracks/velodyne_30_89.kfx")
+SEQUENTIAL = study("sequential", "--data data", f"""{TRACKS}mkdir -p data/kitti_0005_tracks
+mv log.ply data/kitti_0005_tracks/
 cp "$DATA/kitti_0005_tracks/objects.csv" data/kitti_0005_tracks/
-""", needs=("kitti_0005_city/velodyne.kfx", "kitti_0005_tracks/velodyne_30_89.kfx"))
+""", needs=TRACKS_NEEDS)
+
+MOVERS = Job("movers.kitti_0005_tracks", f"""{TRACKS}underbrush movers log.ply \\
+  --truth "$DATA/kitti_0005_tracks/objects.csv" --truth-elevation-deg 0.205 --json movers.json
+rm log.ply
+""", TRACKS_NEEDS)
+MOVERS_FOREST = Job("movers.kitti_0027_forest", """underbrush movers "$WORK/kitti_0027_forest/log.ply" -o marked.ply \\
+  --json movers.json
+rm marked.ply
+""", (LOGS["kitti_0027_forest"],), (HALVES["kitti_0027_forest"],))
+
+
+def movers(folder):
+    truth = read_json(folder / "movers.json")["truth"]
+    for kind in ("moving", "standing"):
+        for name, counts in truth[kind].items():
+            yield f"{kind} {name}", "returns", [counts["returns"]]
+            yield f"{kind} {name}", "marked", [counts["marked"]]
+    yield "in no labelled box", "returns", [truth["elsewhere"]["returns"]]
+    yield "in no labelled box", "marked", [truth["elsewhere"]["marked"]]
+
+
+def movers_forest(folder):
+    counts = read_json(folder / "movers.json")
+    yield "a drive through a forest", "returns", [counts["returns"]]
+    yield "a drive through a forest", "marked", [counts["marked"]]
 
 
 PLANTS = {"cartoon of three cones": "cartoon, three cones", "cartoon of a ball": "cartoon, a ball",
@@ -338,6 +368,7 @@ MEASURED = {
     "vegetation": Measured((Part((study("vegetation"),), vegetation),),
                            uncompared={"published surface / volumetric": "figures of the paper"}),
     "sequential": Measured((Part((SEQUENTIAL,), sequential),)),
+    "movers": Measured((Part((MOVERS,), movers), Part((MOVERS_FOREST,), movers_forest))),
     "transfer": Measured((Part((study("transfer"),), transfer),)),
     "scenes": Measured((Part((PRIMITIVES,), scenes(DRIVE, "drive", False)),
                         Part((PRIMITIVES,), scenes("generated sites", "generated", True))),

@@ -87,6 +87,43 @@ TEST(Fit, GivesTheSameBitsForAnyThreadsAndChunks) {
   }
 }
 
+// A log with marked returns in the air gives the elements of the log without them.
+TEST(Fit, NothingIsMadeOfWhatIsMarkedAsMoving) {
+  const BeamLog log = drive_past_bushes(4, Vec3::Zero(), 15000);
+  BeamLog marked = log.like();
+  Stream random(9);
+  size_t added = 0;
+  for (size_t i = 0; i < log.size(); ++i) {
+    marked.append(log, i);
+    if (i % 5) continue;
+    marked.append(log, i);
+    marked.range_m.back() = float(random.uniform(3, 6));
+    marked.flags.back() |= kMover;
+    ++added;
+  }
+  for (const std::string fitter : {"hierarchical", "surface", "likelihood"}) {
+    FitOptions options;
+    options.fitter = fitter;
+    options.free_space_below = 0;
+    MemorySource without(log), with(marked);
+    const FitResult a = fit(without, options), b = fit(with, options);
+    EXPECT_EQ(a.report.mover_points, 0u);
+    if (fitter == "likelihood") {  // Its start sees the training scans alone.
+      EXPECT_GT(b.report.mover_points, added / 2);
+    } else {
+      EXPECT_EQ(b.report.mover_points, added) << fitter;
+    }
+    EXPECT_EQ(a.model.ground.vertices, b.model.ground.vertices);
+    EXPECT_EQ(a.model.surface.vertices, b.model.surface.vertices);
+    ASSERT_EQ(a.model.ellipsoids.size(), b.model.ellipsoids.size());
+    for (size_t i = 0; fitter != "likelihood" && i < a.model.ellipsoids.size(); ++i) {
+      EXPECT_EQ(a.model.ellipsoids[i].mean, b.model.ellipsoids[i].mean);
+      EXPECT_EQ(a.model.ellipsoids[i].hit.hits, b.model.ellipsoids[i].hit.hits);
+      EXPECT_LE(a.model.ellipsoids[i].hit.misses, b.model.ellipsoids[i].hit.misses);
+    }
+  }
+}
+
 TEST(Fit, GroundMeshIsTheHybridWithoutItsEllipsoids) {
   const BeamLog log = drive_past_bushes(3, Vec3::Zero(), 15000);
   MemorySource source(log);

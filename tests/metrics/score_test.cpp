@@ -56,6 +56,17 @@ TEST(Score, CountsAndErrorsAreThoseOfThePaperByHand) {
   EXPECT_NEAR(s.capped_error_m, (1 + 2 + 2 + 2 + 0 + 0 + 0.5 + 2) / 8, 1e-6);
 }
 
+TEST(Score, LeavesOutBeamsThatMetSomethingThatMoved) {
+  BeamLog real = fan({10, 10, 4, kMiss, 10, 3});
+  const BeamLog sim = fan({11, 10, 10, kMiss, 10, kMiss});
+  real.flags[2] = real.flags[5] = kMover;
+  const Score s = score_of(real, sim);
+  EXPECT_EQ(s.mover_beams, 2u);
+  EXPECT_EQ(s.all.beams, 4u);
+  EXPECT_EQ(s.all.f1, 1);
+  EXPECT_DOUBLE_EQ(s.all.packet_error_m, (0.5 + 0) / 2);
+}
+
 TEST(Score, NoChoiceOfHitsFlattersTheCappedError) {
   // To miss where one is unsure makes the packet error smaller, but not the capped one.
   const BeamLog real = fan({10, 10, 10, 10}), brave = fan({10, 10, 10, 14});

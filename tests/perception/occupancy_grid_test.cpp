@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "clouds.hpp"
 
 namespace underbrush::perception {
@@ -100,6 +102,72 @@ TEST(OccupancyGrid, StaysInPlaceWhenTheVehicleMoves) {
   grid.step(later);
   EXPECT_EQ(at(grid, 10.1, 0.1), before);
   EXPECT_FALSE(grid.cell_at(-40, 0));
+}
+
+// The vehicle is far out and has turned, and beams leave the grid on all sides.
+TEST(OccupancyGrid, TheOrderOfTheBeamsHasNoEffect) {
+  Stream random(5);
+  MergedCloud cloud = test::empty_cloud(0), reverse = test::empty_cloud(0);
+  std::vector<Vec3> points;
+  for (int k = 0; k < 5000; ++k) {
+    points.emplace_back(random.uniform(-60, 60), random.uniform(-60, 60), random.uniform(-1, 4));
+  }
+  for (const Vec3& p : points) test::add_point(cloud, p);
+  for (auto p = points.rbegin(); p != points.rend(); ++p) test::add_point(reverse, *p);
+  OccupancyGrid one, other;
+  for (OccupancyGrid* grid : {&one, &other}) {
+    MergedCloud& c = grid == &one ? cloud : reverse;
+    c.world_from_vehicle.translation = {5e6 + 0.3, -4e5, 120};
+    c.world_from_vehicle.rotation = Eigen::AngleAxisd(2.5, Vec3::UnitZ());
+    grid->step(c);
+  }
+  size_t known = 0;
+  for (size_t cell = 0; cell < one.columns() * one.columns(); ++cell) {
+    ASSERT_EQ(one.probability(cell), other.probability(cell));
+    known += one.probability(cell)[kFree] != GridOptions{}.prior[kFree];
+  }
+  EXPECT_GT(known, one.columns() * one.columns() / 4);
+}
+
+// Hits and passes against the pieces of each beam between its sorted crossings of all borders.
+TEST(OccupancyGrid, CountsThePiecesBetweenAllCrossings) {
+  GridOptions options = keep_all();
+  options.half_side_m = 8;
+  options.prior = {0.5, 0, 0.5};
+  options.most_evidence = 1e6;
+  Stream random(33);
+  for (int trial = 0; trial < 200; ++trial) {
+    OccupancyGrid grid(options);
+    MergedCloud cloud = test::empty_cloud(0);
+    const Vec3 end(random.uniform(-12, 12), random.uniform(-12, 12), random.uniform(-0.5, 3));
+    test::add_point(cloud, end);
+    cloud.sensor_m = {Vec3f(0.07f, 0.03f, 1)};  // on no border of cells
+    grid.step(cloud);
+    std::vector<int> seen(grid.columns() * grid.columns());
+    const Vec3 from = cloud.sensor_m[0].cast<double>(), stop = end.cast<float>().cast<double>();
+    std::vector<double> crossings{0, 1, (options.low_m - from.z()) / (stop - from).z(),
+                                  (options.high_m - from.z()) / (stop - from).z()};
+    for (int line = -60; line <= 60; ++line) {
+      for (int axis = 0; axis < 2; ++axis) {
+        crossings.push_back((0.2 * line - from[axis]) / (stop - from)[axis]);
+      }
+    }
+    std::sort(crossings.begin(), crossings.end());
+    for (size_t k = 1; k < crossings.size(); ++k) {
+      const double middle = (crossings[k - 1] + crossings[k]) / 2;
+      const Vec3 p = from + middle * (stop - from);
+      if (middle < 0 || middle > 1 || p.z() < options.low_m || p.z() > options.high_m) continue;
+      if (const auto cell = grid.cell_at(p.x(), p.y())) seen[*cell] = 1;
+    }
+    const auto last = grid.cell_at(stop.x(), stop.y());
+    if (last && stop.z() > options.low_m && stop.z() < options.high_m) seen[*last] = 2;
+    const double pass = std::log(0.05 / 0.98), hit = std::log(0.95 / 0.02);
+    for (size_t cell = 0; cell < seen.size(); ++cell) {
+      const auto p = grid.probability(cell);
+      const double expected = seen[cell] == 2 ? hit : seen[cell] == 1 ? pass : 0;
+      ASSERT_NEAR(std::log(p[kSolid] / p[kFree]), expected, 1e-4) << trial << " " << cell;
+    }
+  }
 }
 
 // Every cell on a beam gets its pass once, whatever the direction.

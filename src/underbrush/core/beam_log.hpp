@@ -23,7 +23,8 @@ inline constexpr float kMiss = std::numeric_limits<float>::infinity();
 /// Properties of a beam besides its measurements; each is a bit of `BeamLog::flags`.
 enum BeamFlag : uint8_t {
   kInferred =
-      1,  ///< The log's format had dropped this miss; it was inferred from the scan pattern.
+      1,       ///< The log's format had dropped this miss; it was inferred from the scan pattern.
+  kMover = 2,  ///< The return is of something that moved during the log (`movers::find_movers`).
 };
 
 /// Names of the extra columns of a log with several echoes a beam. Each echo is a row. The rows of

@@ -1,6 +1,7 @@
 #include "underbrush/fit/fit.hpp"
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/still_beams.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/fit/element_classes.hpp"
 #include "underbrush/fit/fitters.hpp"
@@ -37,7 +38,8 @@ FitResult fit_likelihood(BeamSource& source, const FitOptions& options,
   const LikelihoodOptions refinement = likelihood_options(options);
   FitResult out = start_model(source, options, refinement.held_out, progress);
   const bool counted = out.report.beams > 0;
-  Refined refined = refine(out.model, source, refinement, progress);
+  StillBeams still(source);
+  Refined refined = refine(out.model, still, refinement, progress);
   out.model = std::move(refined.model);
   out.model.fitter = options.fitter;
   out.report.likelihood = std::move(refined.report);
@@ -130,7 +132,8 @@ FitResult fit(BeamSource& source, const FitOptions& options, const FitProgress& 
   const bool given = !options.sensor.empty();
   out.model.sensor = given ? options.sensor : source.info().sensor;
   out.model.sensor_file = given ? options.sensor_file : source.info().sensor_file;
-  learn_classes(out.model, source);
+  StillBeams still(source);
+  learn_classes(out.model, still);
   const Clustering* clustering = clustering_named(fitter.name);
   if (options.volumetric.mixture.footprint && !fitter.refines &&
       !(clustering && clustering->mixture)) {

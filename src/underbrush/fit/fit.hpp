@@ -63,6 +63,7 @@ struct FitOptions {
 struct FitReport {
   size_t beams = 0, hits = 0, misses = 0;
   size_t ground_points = 0, other_points = 0;
+  size_t mover_points = 0;           ///< Left out because they have the flag `kMover`.
   size_t near_points = 0;            ///< Left out because they are nearer than `min_range_m`.
   size_t carved_triangles = 0;       ///< Dropped because of `surface.carve`.
   size_t thinned_points = 0;         ///< Left out because their tile was full.

@@ -20,6 +20,10 @@ double add_hits(BeamSource& source, const Vec3& origin, double min_range_m, Tile
         ++report.near_points;
         continue;
       }
+      if (chunk.flags[i] & kMover) {
+        ++report.mover_points;
+        continue;
+      }
       largest = std::max(largest, chunk.range_m[i]);
       store.add(
           {(chunk.end_point(i) - origin).cast<float>(), -chunk.range_m[i] * chunk.direction[i]});

@@ -106,6 +106,16 @@ double log_density(const trace::Intersection& m, double range_m) {
   return -0.5 * s * s - std::log(sigma_of(m));
 }
 
+/// Credits a beam that something moving has stopped: it passed all elements before that.
+void credit_passes(std::span<const trace::Intersection> met, double range_m,
+                   const CreditOptions& options, std::vector<Credit>& out) {
+  out.assign(met.size(), Credit::kNothing);
+  for (size_t k = 0; k < met.size(); ++k) {
+    const bool is_before = met[k].t_m < range_m - options.max_residual_for_hit_m;
+    if (is_before) out[k] = Credit::kMiss;
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> credit_rules() { return {"first", "best", "mahalanobis"}; }
@@ -179,7 +189,11 @@ void count_hits(elements::Model& model, BeamSource& source, const CreditOptions&
       std::vector<Credit> said;
       for (size_t i = begin; i < end; ++i) {
         const std::span<const trace::Intersection> list = met[i - begin];
-        credit(model, list, chunk.range_m[i], options, said);
+        if (chunk.flags[i] & kMover) {
+          credit_passes(list, chunk.range_m[i], options, said);
+        } else {
+          credit(model, list, chunk.range_m[i], options, said);
+        }
         for (size_t k = 0; k < list.size(); ++k) {
           if (said[k] == Credit::kNothing) continue;
           elements::HitCount& h = model.hit(list[k].element);

@@ -96,6 +96,10 @@ class Scorer {
         throw DataError("score: the logs are not of the same beams (beam " +
                         std::to_string(first + i) + ")");
       }
+      if (real.flags[i] & kMover) {
+        ++mover_beams_;
+        continue;
+      }
       const size_t of_class = label.empty() ? kNoSet : set_of_class(label[i]);
       const size_t set[3] = {0, set_of_range(real.range_m[i]), of_class};
       for (size_t s : set) {
@@ -114,6 +118,7 @@ class Scorer {
     score.roughness_m = roughness_[1].median();
     score.real_roughness_m = roughness_[0].median();
     score.all = sets_[0].finish();
+    score.mover_beams = mover_beams_;
     const auto& edges = options_.range_edges_m;
     for (size_t k = 0; k < edges.size(); ++k) {
       const auto text = [](double x) { return std::to_string(int(x)); };
@@ -230,6 +235,7 @@ class Scorer {
   RangeErrorHistogram histogram_;
   RingRoughness roughness_[2];  // of the real log, and of the simulated one
   std::vector<double> nll_, crps_;
+  size_t mover_beams_ = 0;
   bool have_origin_ = false;
   Vec3 origin_ = Vec3::Zero();
   std::vector<Vec3f> points_[2];

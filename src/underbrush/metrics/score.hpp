@@ -59,6 +59,7 @@ struct Score {
   /// Roughness along the rings (`RingRoughness::median`, m) of the simulated and of the real log;
   /// NaN for logs without rings.
   double roughness_m = kUnknown, real_roughness_m = kUnknown;
+  size_t mover_beams = 0;  ///< Left out: the real return has the flag `kMover`.
 };
 
 /// The options of `score`.

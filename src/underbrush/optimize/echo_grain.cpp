@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "underbrush/core/rng.hpp"
+#include "underbrush/core/still_beams.hpp"
 #include "underbrush/optimize/grain.hpp"
 #include "underbrush/radiometry/materials.hpp"
 #include "underbrush/sensor/sensor.hpp"
@@ -63,7 +64,8 @@ Sample beams_with_echoes(BeamSource& log, uint64_t seed) {
 EchoGrainReport learn_grain_of_echoes(elements::Model& model, BeamSource& log, uint64_t seed) {
   EchoGrainReport report;
   if (model.sensor.empty() || model.ellipsoids.empty()) return report;
-  const Sample sample = beams_with_echoes(log, seed);
+  StillBeams without_movers(log);
+  const Sample sample = beams_with_echoes(without_movers, seed);
   if (sample.echoes == 0) return report;
   LogInfo info;
   info.sensor = model.sensor;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "underbrush/core/rng.hpp"
+#include "underbrush/core/still_beams.hpp"
 #include "underbrush/metrics/ring_roughness.hpp"
 #include "underbrush/simulate/simulate.hpp"
 #include "underbrush/trace/world.hpp"
@@ -90,7 +91,8 @@ void adjust_noise(double& noise_m, double most_m, const metrics::RingRoughness& 
 GrainReport learn_grain(elements::Model& model, BeamSource& log, uint64_t seed) {
   GrainReport report;
   report.classes.assign(model.grain.classes.size(), false);
-  const BeamLog beams = sample_of(log, seed);
+  StillBeams still(log);
+  const BeamLog beams = sample_of(still, seed);
   if (beams.empty() || model.size() == 0) return report;
   std::vector<uint8_t> groups;
   const BeamLog anew = answered(trace::World(model), seed, beams, &groups);

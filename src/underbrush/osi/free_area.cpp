@@ -1,8 +1,7 @@
-#include <cmath>
+#include "underbrush/perception/free_area.hpp"
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/osi/strategies.hpp"
-#include "underbrush/perception/occupancy_grid.hpp"
 
 namespace underbrush::osi {
 namespace {
@@ -11,51 +10,29 @@ namespace {
 /// goes to the polygon of `virtual_detection_area`.
 class GridStep : public Strategy {
  public:
-  GridStep(const perception::GridOptions& options, double axle_height_m, int bearings,
-           double threshold)
-      : options_(options),
+  GridStep(const perception::GridOptions& options, const perception::FreeAreaOptions& area,
+           double axle_height_m)
+      : half_side_m_(options.half_side_m),
+        area_(area),
         axle_height_m_(axle_height_m),
-        threshold_(threshold),
-        bearings_(bearings),
         grid_(options) {}
 
   void step(SensorData& data) override {
-    cloud_of(data, axle_height_m_, true, options_.half_side_m, cloud_);
+    cloud_of(data, axle_height_m_, true, half_side_m_, cloud_);
     grid_.step(cloud_);
+    data.free_area.resize(1);
+    std::vector<Vec3>& outline = data.free_area.front();
+    perception::find_free_area(grid_, cloud_.world_from_vehicle, area_, outline);
     const Pose virtual_from_world = world_from_virtual(data).inverse();
-    std::vector<Vec3> outline;
-    const Pose& vehicle = cloud_.world_from_vehicle;
-    for (int k = 0; k < bearings_; ++k) {
-      const double angle = 2 * M_PI * k / bearings_;
-      const Vec3 d = vehicle.rotation * Vec3(std::cos(angle), std::sin(angle), 0);
-      outline.push_back(virtual_from_world * (vehicle.translation + reach(d) * d));
-    }
-    data.free_area = {outline};
+    for (Vec3& corner : outline) corner = virtual_from_world * corner;
   }
   void reset() override { grid_.reset(); }
   std::unique_ptr<Strategy> clone() const override { return std::make_unique<GridStep>(*this); }
 
  private:
-  // How far the cells along a direction are free.
-  double reach(const Vec3& direction) const {
-    const Vec3& from = cloud_.world_from_vehicle.translation;
-    const double step = options_.cell_m / 2;
-    double free = 0;
-    for (double r = step; r < options_.half_side_m; r += step) {
-      const Vec3 p = from + r * direction;
-      const auto cell = grid_.cell_at(p.x(), p.y());
-      if (!cell) break;
-      const bool is_own = r < kOwnVehicleM;  // No beam passes below the vehicle.
-      if (!is_own && grid_.probability(*cell)[0] < threshold_) break;
-      free = r;
-    }
-    return free;
-  }
-
-  static constexpr double kOwnVehicleM = 3;
-  perception::GridOptions options_;
-  double axle_height_m_, threshold_;
-  int bearings_;
+  double half_side_m_;
+  perception::FreeAreaOptions area_;
+  double axle_height_m_;
   perception::OccupancyGrid grid_;
   perception::MergedCloud cloud_;
 };
@@ -70,11 +47,12 @@ std::unique_ptr<Strategy> make_grid(Parameters& p) {
   o.high_m = p.number("high_m", o.high_m, -10, 100);
   o.memory = p.number("memory", o.memory, 0, 1);
   const double axle = p.number("axle_height_m", 0.3, -5, 5);
-  const auto bearings = int(p.count("bearings", 180, 3600));
-  const double threshold = p.number("free_probability", 0.6, 0, 1);
-  if (bearings < 3) p.fail("bearings", "must be at least 3");
+  perception::FreeAreaOptions area;
+  area.bearings = uint32_t(p.count("bearings", area.bearings, 3600));
+  area.free_probability = p.number("free_probability", area.free_probability, 0, 1);
+  if (area.bearings < 3) p.fail("bearings", "must be at least 3");
   try {
-    return std::make_unique<GridStep>(o, axle, bearings, threshold);
+    return std::make_unique<GridStep>(o, area, axle);
   } catch (const std::invalid_argument& e) {
     p.fail("", e.what());
   }

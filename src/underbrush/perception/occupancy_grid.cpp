@@ -24,6 +24,7 @@ OccupancyGrid::OccupancyGrid(const GridOptions& options) : options_(options) {
   columns_ = 2 * size_t(std::ceil(options_.half_side_m / options_.cell_m));
   cells_.resize(columns_ * columns_);
   moved_.resize(cells_.size());
+  counts_.resize((columns_ + 2) * (columns_ + 2));
   for (size_t s = 0; s < 3; ++s) {
     on_hit_[s] = float(std::log(options_.hit[s]));
     on_pass_[s] = float(std::log(1 - options_.hit[s]));
@@ -84,75 +85,94 @@ void OccupancyGrid::move_to(const Vec3& vehicle) {
   is_placed_ = true;
 }
 
-void OccupancyGrid::add(int64_t x, int64_t y, bool is_hit) {
-  const int64_t column = x - first_x_, row = y - first_y_;
-  const auto n = int64_t(columns_);
-  if (column < 0 || row < 0 || column >= n || row >= n) return;
-  Evidence& e = cells_[size_t(row * n + column)];
-  const Evidence& by = is_hit ? on_hit_ : on_pass_;
-  for (size_t s = 0; s < 3; ++s) e[s] += by[s];
-  const float most = std::max({e[0], e[1], e[2]});
-  for (float& likelihood : e) {
-    likelihood = std::max(likelihood - most, -float(options_.most_evidence));
+// Follows a beam from cell to cell. Places are in cells from the corner of the border, and the part
+// between `begin` and `end`, shares of the step, lies inside the grid. Rounding may lead at most
+// one cell astray, and then into the border.
+void OccupancyGrid::count_cells(const Vec3& from, const Vec3& step, double begin, double end,
+                                bool is_hit) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const auto stride = std::ptrdiff_t(columns_ + 2);
+  const auto cell = [&](double at) {
+    return std::clamp(std::ptrdiff_t(at), std::ptrdiff_t(1), std::ptrdiff_t(columns_));
+  };
+  const std::ptrdiff_t x = cell(from.x() + begin * step.x()), y = cell(from.y() + begin * step.y());
+  const std::ptrdiff_t last_x = cell(from.x() + end * step.x());
+  const std::ptrdiff_t last_y = cell(from.y() + end * step.y());
+  // The shares of the step between two borders of cells, and at which it crosses the next ones.
+  const double every_x = 1 / std::abs(step.x()), every_y = 1 / std::abs(step.y());
+  const auto crossing = [&](std::ptrdiff_t at, int axis, std::ptrdiff_t end_at, double every) {
+    if (at == end_at) return kInfinity;
+    return every * std::abs(double(at + (step[axis] > 0)) - from[axis]);
+  };
+  double next_x = crossing(x, 0, last_x, every_x), next_y = crossing(y, 1, last_y, every_y);
+  const std::ptrdiff_t dx = step.x() < 0 ? -1 : 1, dy = step.y() < 0 ? -stride : stride;
+  Count* at = &counts_[size_t(y * stride + x)];
+  for (auto n = std::abs(last_x - x) + std::abs(last_y - y); n > 0; --n) {
+    ++at->passes;
+    const bool is_x = next_x < next_y;
+    at += is_x ? dx : dy;
+    next_x += is_x ? every_x : 0;
+    next_y += is_x ? 0 : every_y;
   }
+  Count& last = counts_[size_t(last_y * stride + last_x)];
+  ++(is_hit ? last.hits : last.passes);
 }
 
-// The part of the beam in the band is followed from cell to cell.
-void OccupancyGrid::enter(const Vec3& from, const Vec3& to, double base_m, bool is_hit) {
+// Counts a beam in the cells that it crosses in the band of heights. Its z is in m above the
+// vehicle, x and y are in cells.
+void OccupancyGrid::count(const Vec3& from, const Vec3& to, bool is_hit) {
   const Vec3 step = to - from;
-  const double low = base_m + options_.low_m, high = base_m + options_.high_m;
   double begin = 0, end = 1;
-  if (std::abs(step.z()) > 1e-9) {
-    const double a = (low - from.z()) / step.z(), b = (high - from.z()) / step.z();
-    begin = std::max(begin, std::min(a, b));
-    end = std::min(end, std::max(a, b));
-  } else if (from.z() < low || from.z() > high) {
-    return;
-  }
-  if (begin >= end) return;
-  const double side = options_.cell_m;
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  const Vec3 start = from + begin * step;
-  auto x = int64_t(std::floor(start.x() / side)), y = int64_t(std::floor(start.y() / side));
-  const int64_t dx = step.x() < 0 ? -1 : 1, dy = step.y() < 0 ? -1 : 1;
-  // The share of the beam at which it crosses the next border, and between borders.
-  const auto crossing = [&](double at, double by, int64_t cell, int64_t direction) {
-    if (std::abs(by) < 1e-12) return kInfinity;
-    return (double(cell + (direction > 0)) * side - at) / by;
+  const auto limit = [&](int axis, double least, double most) {
+    if (std::abs(step[axis]) > 1e-12) {
+      const double a = (least - from[axis]) / step[axis], b = (most - from[axis]) / step[axis];
+      begin = std::max(begin, std::min(a, b));
+      end = std::min(end, std::max(a, b));
+    } else if (!(from[axis] >= least && from[axis] < most)) {
+      end = -1;
+    }
   };
-  double next_x = crossing(from.x(), step.x(), x, dx), next_y = crossing(from.y(), step.y(), y, dy);
-  const double every_x = std::abs(step.x()) < 1e-12 ? kInfinity : side / std::abs(step.x());
-  const double every_y = std::abs(step.y()) < 1e-12 ? kInfinity : side / std::abs(step.y());
-  while (std::min(next_x, next_y) < end) {
-    add(x, y, false);
-    if (next_x < next_y) {
-      x += dx;
-      next_x += every_x;
-    } else {
-      y += dy;
-      next_y += every_y;
+  limit(2, options_.low_m, options_.high_m);
+  limit(0, 1, double(columns_ + 1));
+  limit(1, 1, double(columns_ + 1));
+  if (begin < end) count_cells(from, step, begin, end, is_hit && end >= 1);
+}
+
+void OccupancyGrid::add_counts() {
+  const auto memory = float(options_.memory), least = -float(options_.most_evidence);
+  for (size_t y = 0; y < columns_; ++y) {
+    const Count* count = &counts_[(y + 1) * (columns_ + 2) + 1];
+    Evidence* cell = &cells_[y * columns_];
+    for (size_t x = 0; x < columns_; ++x) {
+      Evidence& e = cell[x];
+      for (float& likelihood : e) likelihood *= memory;
+      const auto hits = float(count[x].hits), passes = float(count[x].passes);
+      if (hits + passes == 0) continue;
+      for (size_t s = 0; s < 3; ++s) e[s] += hits * on_hit_[s] + passes * on_pass_[s];
+      const float most = std::max({e[0], e[1], e[2]});
+      for (float& likelihood : e) likelihood = std::max(likelihood - most, least);
     }
   }
-  add(x, y, is_hit && end >= 1);
 }
 
 void OccupancyGrid::step(const MergedCloud& cloud) {
   const Pose& pose = cloud.world_from_vehicle;
   move_to(pose.translation);
-  const auto memory = float(options_.memory);
-  for (Evidence& e : cells_) {
-    for (float& likelihood : e) likelihood *= memory;
-  }
-  const double base_m = pose.translation.z();
-  const auto from = [&](uint16_t sensor) -> Vec3 {
-    return pose * cloud.sensor_m[sensor].cast<double>();
+  std::fill(counts_.begin(), counts_.end(), Count{});
+  const Vec3 per_m(1 / options_.cell_m, 1 / options_.cell_m, 1);
+  const Vec3 corner(double(first_x_ - 1), double(first_y_ - 1), pose.translation.z());
+  const auto placed = [&](const Vec3f& p) -> Vec3 {
+    return (pose * p.cast<double>()).cwiseProduct(per_m) - corner;
   };
+  sensors_.clear();
+  for (const Vec3f& p : cloud.sensor_m) sensors_.push_back(placed(p));
   for (size_t i = 0; i < cloud.miss_m.size(); ++i) {
-    enter(from(cloud.miss_sensor[i]), pose * cloud.miss_m[i].cast<double>(), base_m, false);
+    count(sensors_[cloud.miss_sensor[i]], placed(cloud.miss_m[i]), false);
   }
   for (size_t i = 0; i < cloud.size(); ++i) {
-    enter(from(cloud.sensor[i]), pose * cloud.point_m[i].cast<double>(), base_m, true);
+    count(sensors_[cloud.sensor[i]], placed(cloud.point_m[i]), true);
   }
+  add_counts();
 }
 
 }  // namespace underbrush::perception

@@ -38,10 +38,10 @@ struct GridOptions {
 /// A grid of log-odds ([moravec85]) with three states instead of two.
 ///
 /// A beam that ends in a cell, at a height in the band, counts as a hit, and one that crosses a
-/// cell in the band as a pass. A cell of state s is hit with the probability `hit[s]`, so a hit
-/// adds ln hit[s] to the logarithm of its likelihood, and a pass adds ln (1 − hit[s]). A beam that
-/// passes through grass so lowers the odds of an obstacle there, and hits among passes speak for
-/// vegetation.
+/// cell in the band as a pass. A cell of state s is hit with the probability `hit[s]`, so h hits
+/// and n passes of a cycle add h ln hit[s] + n ln (1 − hit[s]) to the logarithm of its likelihood.
+/// A beam that passes through grass so lowers the odds of an obstacle there, and hits among passes
+/// speak for vegetation. The order of the beams has no effect.
 ///
 /// A beam that ends below the band has shown the cells before its end to be free as far as it was
 /// in the band. The cells are those of the world's axes, and the grid moves with the vehicle by
@@ -69,9 +69,14 @@ class OccupancyGrid {
  private:
   /// Logarithms of the likelihoods of the states, of which the largest is 0.
   using Evidence = std::array<float, 3>;
+  /// The beams of a cycle that a cell has met.
+  struct Count {
+    uint32_t passes = 0, hits = 0;
+  };
   void move_to(const Vec3& vehicle);
-  void enter(const Vec3& from, const Vec3& to, double base_m, bool is_hit);
-  void add(int64_t x, int64_t y, bool is_hit);
+  void count(const Vec3& from, const Vec3& to, bool is_hit);
+  void count_cells(const Vec3& from, const Vec3& step, double begin, double end, bool is_hit);
+  void add_counts();
 
   GridOptions options_;
   size_t columns_;
@@ -79,6 +84,8 @@ class OccupancyGrid {
   bool is_placed_ = false;
   Evidence on_hit_{}, on_pass_{};
   std::vector<Evidence> cells_, moved_;
+  std::vector<Count> counts_;  ///< One for each cell and for a border, one cell wide.
+  std::vector<Vec3> sensors_;  ///< Places of the sensors, in cells from the corner of the border.
 };
 
 }  // namespace underbrush::perception

@@ -1,0 +1,30 @@
+/// \file
+/// Groups of candidates within one scan.
+#pragma once
+#include <vector>
+
+#include "underbrush/movers/find_movers.hpp"
+#include "underbrush/movers/scan_image.hpp"
+
+namespace underbrush::movers {
+
+/// What the other scans say of a return.
+enum class Verdict : uint8_t {
+  kNone,   ///< Nothing, or too little.
+  kStays,  ///< Matter was there at the outermost look of a side, and no side began empty.
+  kCandidate
+};
+
+/// What is known of a return.
+struct Evidence {
+  Verdict verdict = Verdict::kNone;
+  float solid = 0;  ///< `ScanImage::solid_share` of a candidate.
+};
+
+/// Tells for each return of a scan whether it belongs to a group of candidates that
+/// `find_movers` describes.
+std::vector<uint8_t> group_movers(const ScanImage& image, const std::vector<ScanReturn>& returns,
+                                  const std::vector<Evidence>& evidence,
+                                  const MoverOptions& options);
+
+}  // namespace underbrush::movers

@@ -1,0 +1,74 @@
+/// \file
+/// This file keeps what a scan saw in each direction, so that a point of another scan can be
+/// compared with it.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "underbrush/core/beam_log.hpp"
+
+namespace underbrush {
+/// Finds what moved while a log was recorded.
+namespace movers {
+
+/// What a scan says about a point in space.
+enum class Look : uint8_t {
+  kUnknown,  ///< No beam went there, or something nearer hid it.
+  kMatter,   ///< A beam ended there.
+  kEmpty     ///< The beams that went there passed it by and ended behind it.
+};
+
+/// A return of a scan, as it is needed to look at it from other scans.
+struct ScanReturn {
+  uint32_t row = 0;  ///< Row in the log.
+  Vec3 point;        ///< World frame, m.
+};
+
+/// The least and the largest range of a scan's returns in each cell of bearing and of the sine of
+/// elevation, in axes of the world about the place of the sensor at the time of that bearing.
+class ScanImage {
+ public:
+  /// `cell_rad` is the width of a cell. `from` has the place of the sensor for each return.
+  ScanImage(double time_s, const std::vector<ScanReturn>& returns, const std::vector<Vec3>& from,
+            double cell_rad);
+
+  double time_s() const { return time_s_; }
+  /// Tells what the scan saw of a point. A return in the cells around whose range differs by no
+  /// more than `same_m` is matter there. Without one, the point is empty if the beams to its cell
+  /// and to the nearest cell below all end more than `behind_m` behind it; in a cell without
+  /// returns, those of the nearest cells below and above decide, which may be 2.2° away. Ground
+  /// that beams graze is matter, too: one ends before the point, one behind it, all at its height.
+  Look look(const Vec3& point, double same_m, double behind_m) const;
+
+  /// The cell of a point and its range.
+  struct Place {
+    int32_t row = 0, column = 0;
+    float range_m = 0;
+  };
+  Place place(const Vec3& point) const;
+  int32_t rows() const { return rows_; }
+  int32_t columns() const { return columns_; }
+  /// Rows between two rings that see what lies between them.
+  int32_t gap_rows() const { return gap_rows_; }
+  size_t index(int32_t row, int32_t column) const;
+  /// Share of the cells with returns, of a cell and the eight around it, whose returns all lie
+  /// within `same_m` of this range: 1 within a solid surface, less among leaves.
+  double solid_share(const Place& at, double same_m) const;
+
+ private:
+  struct Span {
+    float least = INFINITY, most = -INFINITY;
+    float height_m = 0;  ///< World, of the nearest return.
+    bool is_empty() const { return least > most; }
+  };
+  int32_t column_of(const Vec3& offset) const;
+  const Span* filled(int32_t row, int32_t column, int32_t direction) const;
+
+  double time_s_;
+  int32_t rows_, columns_, gap_rows_;
+  std::vector<Vec3> from_;  ///< Place of the sensor for each column.
+  std::vector<Span> span_;
+};
+
+}  // namespace movers
+}  // namespace underbrush

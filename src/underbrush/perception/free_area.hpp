@@ -1,0 +1,25 @@
+/// \file
+/// This file finds the area around a vehicle that an occupancy grid shows to be free.
+#pragma once
+#include <vector>
+
+#include "underbrush/perception/occupancy_grid.hpp"
+
+namespace underbrush::perception {
+
+/// The options of `find_free_area`.
+struct FreeAreaOptions {
+  uint32_t bearings = 180;        ///< Corners of the outline, from 3 on.
+  double free_probability = 0.6;  ///< From here on a cell is free.
+  double own_vehicle_m = 3;       ///< So near nothing is asked: no beam passes below the vehicle.
+
+  /// Throws `std::invalid_argument` where a value is out of range.
+  void check() const;
+};
+
+/// Finds how far the cells are free along each bearing, from the vehicle's x axis on and counter-
+/// clockwise. Writes the corners of the outline, m, world's frame, in the vehicle's plane.
+void find_free_area(const OccupancyGrid& grid, const Pose& world_from_vehicle,
+                    const FreeAreaOptions& options, std::vector<Vec3>& outline);
+
+}  // namespace underbrush::perception
