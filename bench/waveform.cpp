@@ -75,20 +75,23 @@ __attribute__((noinline)) double counted_pass(const radiometry::Receiver& receiv
   return echoes;
 }
 
+// What the sub-rays of a beam meet.
+const std::vector<std::string> kKinds{"surface", "edge", "leaves_2m", "leaves_20m"};
+
 }  // namespace
 
 // long: a list of options and one table of figures.
 int main(int argc, char** argv) {
   CLI::App app("Waveform and detection, ns per beam on one thread");
   int sub_rays = 41, beams = 2000, runs = 50;
-  bool pass = false;
-  std::string sensor_name = "ouster-os1-64", json_file;
+  std::string pass, sensor_name = "ouster-os1-64", json_file;
   app.add_option("--sub-rays", sub_rays, "Sub-rays of each beam")->capture_default_str();
   app.add_option("--sensor", sensor_name, "Sensor whose receiver is used")->capture_default_str();
   app.add_option("--runs", runs, "Number of runs, of which the fastest counts")
       ->capture_default_str();
   app.add_option("--json", json_file, "Write the figures to this file as JSON");
-  app.add_flag("--pass", pass, "Only receive beams from a surface once, to count instructions");
+  app.add_option("--pass", pass, "Only receive beams of this kind once, to count instructions")
+      ->check(CLI::IsMember(kKinds));
   CLI11_PARSE(app, argc, argv);
 
   radiometry::ReceiverOptions options =
@@ -99,8 +102,9 @@ int main(int argc, char** argv) {
   const radiometry::Receiver receiver(options);
   radiometry::Waveform scratch = receiver.scratch();
   const size_t n = size_t(sub_rays);
-  if (pass) {
-    const double found = counted_pass(receiver, returns_of(0, beams, sub_rays), beams, n);
+  if (!pass.empty()) {
+    const auto kind = int(std::find(kKinds.begin(), kKinds.end(), pass) - kKinds.begin());
+    const double found = counted_pass(receiver, returns_of(kind, beams, sub_rays), beams, n);
     std::printf("%d beams, %.0f echoes\n", beams, found);
     return 0;
   }
@@ -117,13 +121,12 @@ int main(int argc, char** argv) {
       sum += ray.direction.sum() + ray.origin.sum();
     }
   });
-  const char* names[] = {"surface", "edge", "leaves_2m", "leaves_20m"};
-  for (int kind = 0; kind < 4; ++kind) {
-    const Returns r = returns_of(kind, beams, sub_rays);
+  for (size_t kind = 0; kind < kKinds.size(); ++kind) {
+    const Returns r = returns_of(int(kind), beams, sub_rays);
     const auto at = [&](const std::vector<float>& v, int b) {
       return std::span<const float>(v).subspan(size_t(b) * n, n);
     };
-    const std::string name = names[kind];
+    const std::string& name = kKinds[kind];
     j[name + "_signals_ns"] = ns_per_beam(beams, runs, [&](int b) {
       receiver.signals(at(r.range, b), at(r.weight, b), at(r.factor, b), signal);
     });

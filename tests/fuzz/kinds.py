@@ -44,8 +44,8 @@ KINDS = [
     Kind("score.simulated", "header", "simulated.ply", "score log.ply simulated.ply --json out.json",
          others=("log.ply",)),
     # Lists of objects
-    Kind("movers.log", "header", "log.ply", "movers log.ply -o out.ply"),
-    Kind("movers.boxes", "text", "boxes.csv", "movers log.ply --truth boxes.csv -o out.ply", others=("log.ply",)),
+    Kind("movers.log", "header", "echoes.ply", "movers echoes.ply -o out.ply"),
+    Kind("movers.boxes", "text", "boxes.csv", "movers echoes.ply --truth boxes.csv -o out.ply", others=("echoes.ply",)),
     Kind("perceive.log", "header", "log.ply", "perceive log.ply --pipeline real -o out.json"),
     Kind("perceive.boxes", "text", "boxes.csv", "perceive log.ply --truth boxes.csv -o out.csv", others=("log.ply",)),
     Kind("perceive.truth", "json", "objects.json", "perceive log.ply --truth objects.json -o out.csv",
