@@ -29,8 +29,7 @@ ScanImage::ScanImage(double time_s, const std::vector<ScanReturn>& returns,
       rows_(int32_t(std::ceil(2 / cell_rad))),
       columns_(int32_t(std::ceil(2 * M_PI / cell_rad))),
       gap_rows_(int32_t(std::ceil(kMostGapRad / cell_rad))),
-      from_(size_t(columns_), Vec3::Zero()),
-      span_(size_t(rows_) * size_t(columns_)) {
+      from_(size_t(columns_), Vec3::Zero()) {
   require(!returns.empty() && returns.size() == from.size(), "scan image: no returns");
   std::vector<uint32_t> count(from_.size());
   for (size_t i = 0; i < returns.size(); ++i) {
@@ -42,9 +41,17 @@ ScanImage::ScanImage(double time_s, const std::vector<ScanReturn>& returns,
     if (count[c] > 0) from_[c] = from[0] + from_[c] / count[c];
   }
   fill_gaps(count, from_);
+  int32_t last_row = 0;
+  first_row_ = rows_;
   for (const ScanReturn& r : returns) {
     const Place at = place(r.point);
-    Span& span = span_[index(at.row, at.column)];
+    first_row_ = std::min(first_row_, at.row);
+    last_row = std::max(last_row, at.row);
+  }
+  span_.resize(size_t(last_row - first_row_ + 1) * size_t(columns_));
+  for (const ScanReturn& r : returns) {
+    const Place at = place(r.point);
+    Span& span = span_[index(at.row - first_row_, at.column)];
     if (at.range_m < span.least) span.height_m = float(r.point.z());
     span.least = std::min(span.least, at.range_m);
     span.most = std::max(span.most, at.range_m);
@@ -70,11 +77,17 @@ ScanImage::Place ScanImage::place(const Vec3& point) const {
   return {std::clamp(int32_t(turn * rows_), 0, rows_ - 1), column_of(offset), float(range)};
 }
 
+const ScanImage::Span& ScanImage::span(int32_t row, int32_t column) const {
+  static const Span none;
+  const size_t at = index(row - first_row_, column);
+  return row < first_row_ || at >= span_.size() ? none : span_[at];
+}
+
 // The first cell with returns from a row on, or null.
 const ScanImage::Span* ScanImage::filled(int32_t row, int32_t column, int32_t direction) const {
   for (int32_t k = 0; k <= gap_rows_; ++k, row += direction) {
     if (row < 0 || row >= rows_) return nullptr;
-    const Span& s = span_[index(row, column)];
+    const Span& s = span(row, column);
     if (!s.is_empty()) return &s;
   }
   return nullptr;
@@ -88,13 +101,13 @@ Look ScanImage::look(const Vec3& point, double same_m, double behind_m) const {
   };
   for (int32_t row = std::max(0, at.row - 1); row <= std::min(rows_ - 1, at.row + 1); ++row) {
     for (int32_t step = -1; step <= 1; ++step) {
-      if (is_matter(span_[index(row, (at.column + step + columns_) % columns_)])) {
+      if (is_matter(span(row, (at.column + step + columns_) % columns_))) {
         return Look::kMatter;
       }
     }
   }
   // Rows without returns lie between the rings of a sensor of few channels.
-  const Span& own = span_[index(at.row, at.column)];
+  const Span& own = span(at.row, at.column);
   const Span* below = filled(at.row - 1, at.column, -1);
   const Span* above = filled(at.row + 1, at.column, 1);
   if (!below) return Look::kUnknown;
@@ -116,7 +129,7 @@ double ScanImage::solid_share(const Place& at, double same_m) const {
   int solid = 0, filled = 0;
   for (int32_t row = std::max(0, at.row - 1); row <= std::min(rows_ - 1, at.row + 1); ++row) {
     for (int32_t step = -1; step <= 1; ++step) {
-      const Span& s = span_[index(row, (at.column + step + columns_) % columns_)];
+      const Span& s = span(row, (at.column + step + columns_) % columns_);
       if (s.is_empty()) continue;
       ++filled;
       solid += double(s.least) >= double(at.range_m) - same_m &&

@@ -62,10 +62,13 @@ class ScanImage {
     bool is_empty() const { return least > most; }
   };
   int32_t column_of(const Vec3& offset) const;
+  const Span& span(int32_t row, int32_t column) const;
   const Span* filled(int32_t row, int32_t column, int32_t direction) const;
 
   double time_s_;
   int32_t rows_, columns_, gap_rows_;
+  int32_t first_row_ =
+      0;  ///< The first one in `span_`, which ends with the last row that has returns.
   std::vector<Vec3> from_;  ///< Place of the sensor for each column.
   std::vector<Span> span_;
 };
