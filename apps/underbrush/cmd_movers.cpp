@@ -65,7 +65,7 @@ size_t write_marked(io::LogReader& log, const std::vector<uint8_t>& mark, const 
                     const std::string& origin) {
   std::optional<io::LogWriter> all, only;
   if (!a.output.empty()) all.emplace(a.output, log.info(), origin);
-  if (!a.only.empty()) only.emplace(a.only, log.info(), origin);
+  if (!a.only.empty() && std::ranges::count(mark, 1) > 0) only.emplace(a.only, log.info(), origin);
   log.rewind();
   size_t row = 0, returns = 0;
   for (BeamLog chunk; log.next(chunk); row += chunk.size()) {
@@ -84,6 +84,15 @@ size_t write_marked(io::LogReader& log, const std::vector<uint8_t>& mark, const 
   return returns;
 }
 
+bool has_two_scans(BeamSource& log) {
+  std::optional<uint32_t> first;
+  for (BeamLog chunk; log.next(chunk);) {
+    if (!first) first = chunk.scan[0];
+    if (std::ranges::any_of(chunk.scan, [&](uint32_t s) { return s != *first; })) return true;
+  }
+  return false;
+}
+
 void run(const Verb& verb, const Arguments& a) {
   a.options.check();
   require(!a.output.empty() || !a.only.empty() || !a.truth.empty(),
@@ -92,7 +101,7 @@ void run(const Verb& verb, const Arguments& a) {
     if (!path.empty()) io::check_output(path);
   }
   io::LogReader log(a.log);
-  if (log.info().scans.size() < 2) {
+  if (!has_two_scans(log)) {
     throw FormatError(a.log, "",
                       "the log has fewer than two scans, so nothing can be seen to move");
   }
@@ -110,6 +119,8 @@ void run(const Verb& verb, const Arguments& a) {
   Json j = {
       {"rows", mark.size()}, {"returns", returns}, {"marked", marked}, {"skipped", log.skipped()}};
   std::string text = fmt::format("{} of {} returns are of movers\n", marked, returns);
+  if (!a.only.empty() && marked == 0)
+    text += "  nothing moved, so " + a.only + " was not written\n";
   if (truth) {
     const MoverScore score = score_movers(log, mark, *truth);
     j["truth"] = json_of(score);
@@ -124,11 +135,11 @@ void run(const Verb& verb, const Arguments& a) {
 void add_movers(Program& program) {
   using namespace movers_verb;
   auto a = std::make_shared<Arguments>();
-  const auto verb = add_verb(
-      program, "Logs", "movers", "Mark the returns of things that moved while a log was recorded",
-      "underbrush movers log.ply -o marked.ply && underbrush fit marked.ply -o model/\n"
-      "  underbrush movers log.ply -o marked.ply --only cars.ply --truth objects.csv",
-      [a](const Verb& v) { run(v, *a); });
+  const auto verb =
+      add_verb(program, "Logs", "movers", "Mark the returns of what moved during a log",
+               "underbrush movers log.ply -o marked.ply && underbrush fit marked.ply -o model/\n"
+               "  underbrush movers log.ply -o marked.ply --only cars.ply --truth objects.csv",
+               [a](const Verb& v) { run(v, *a); });
   add_options(*verb, *a);
 }
 

@@ -208,6 +208,7 @@ def write_log(folder, scans=2):
 JOBS = {
     "import": ["log.csv", "-o", "again.ply"],
     "split": ["log.ply", "--every", "2", "--train", "train.ply", "--test", "test.ply"],
+    "movers": ["log.ply", "-o", "marked.ply"],
     "info": ["log.ply"],
     "segment": ["log.ply", "-o", "labelled.ply", "--min-points", "5"],
     "fit": ["log.ply", "-o", "model", "--min-points", "4"],
