@@ -46,8 +46,11 @@ TEST(TrackingModel, ConfirmsInTheThirdCycleCoastsNineAndDropsInTheTenth) {
   EXPECT_NEAR(list.objects[0].existence, 0.505, 1e-12);
   EXPECT_NEAR(list.objects[0].age_s, 16 * kStep, 1e-9);
   EXPECT_EQ(step(false), 0u);
-  EXPECT_EQ(step(true), 1u) << "its probability is 0.45, so one cycle brings it back";
-  EXPECT_EQ(list.objects[0].id, id);
+  // A dropped object is forgotten and confirmed anew.
+  EXPECT_EQ(step(true), 0u);
+  EXPECT_EQ(step(true), 0u);
+  EXPECT_EQ(step(true), 1u);
+  EXPECT_NE(list.objects[0].id, id);
 }
 
 TEST(TrackingModel, ACarFromBehindIsShortInItsPointsAndCompleteInItsBox) {

@@ -19,7 +19,7 @@ enum class What { kEllipsoid, kPathLength, kWall };
 elements::Model target(What what, float p, double grain_m, double noise_m = 0) {
   elements::Model model;
   model.tau = 3;
-  model.grain = {grain_m, grain_m};
+  model.grain.ellipsoid_m = model.grain.mesh_m = grain_m;
   model.range_noise_m = noise_m;
   if (what == What::kWall) {
     add_wall(model, 20, -100, 4000);

@@ -17,7 +17,7 @@ constexpr size_t kBeams = 6000;
 elements::Model target(bool ellipsoid, float p) {
   elements::Model model;
   model.tau = 3;
-  model.grain = {0.1, 0.1};
+  model.grain.ellipsoid_m = model.grain.mesh_m = 0.1;
   if (!ellipsoid) {
     add_wall(model, 20, -100, 4000);
     for (auto& h : model.surface.hit) h.p = p;

@@ -35,11 +35,12 @@ void Existence::update(const ExistenceOptions& o, ObjectClass label, uint32_t po
   seen_ = seen_ << 1 | uint32_t(seen);
   missed_ = seen ? 0 : missed_ + 1;
   listed_ = follows(o);
+  was_listed_ = was_listed_ || listed_;
 }
 
 bool Existence::is_gone(const ExistenceOptions& o) const {
   if (listed_) return false;
-  if (o.rule == ExistenceRule::kProbability) return probability_ <= 0;
+  if (o.rule == ExistenceRule::kProbability) return was_listed_ || probability_ <= 0;
   return missed_ >= o.lost;
 }
 

@@ -52,7 +52,8 @@ class Existence {
 
   double probability() const { return probability_; }
   bool is_listed() const { return listed_; }
-  /// Whether nothing of the object is left, so that it can be forgotten.
+  /// Whether the object was dropped or never confirmed, so that it can be forgotten. Should it come
+  /// back, it is confirmed anew.
   bool is_gone(const ExistenceOptions& options) const;
 
  private:
@@ -62,6 +63,7 @@ class Existence {
   uint32_t seen_ = 0;  ///< A bit for each cycle, the last one lowest.
   int missed_ = 0;     ///< Cycles in a row without enough points.
   bool listed_ = false;
+  bool was_listed_ = false;
 };
 
 }  // namespace underbrush::perception

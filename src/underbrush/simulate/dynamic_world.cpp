@@ -125,6 +125,9 @@ void DynamicWorld::nearest_accepted(std::span<const Ray> rays, std::span<const u
   std::vector<uint64_t> near_keys;
   std::vector<size_t> number;
   std::vector<Intersection> found;
+  near.reserve(rays.size());
+  near_keys.reserve(rays.size());
+  number.reserve(rays.size());
   for (const auto& o : movers_) {
     near.clear();
     near_keys.clear();
@@ -143,6 +146,7 @@ void DynamicWorld::nearest_accepted(std::span<const Ray> rays, std::span<const u
         const Vec3 to = centre - rays[i].origin;
         const double along = to.dot(rays[i].direction), r = o->ball.radius;
         if (along < -r || to.squaredNorm() - along * along > r * r) continue;
+        if (!met[i].none() && met[i].t_m < along - r) continue;  // It is hidden.
         near.push_back(
             {object_from_world * rays[i].origin, object_from_world.rotation * rays[i].direction});
         near_keys.push_back(trace::instance_key(keys[i], o->mover.instance));

@@ -119,7 +119,7 @@ void EchoMaker::receive(const BeamLog& beams, size_t first_beam, size_t begin, s
   SubReturns& returns = s.returns;
   for (size_t i = begin; i < end; ++i) {
     const TracedBeams::Beam beam = s.traced[i - begin];
-    returns.collect(beam.range_m, beam.weight);
+    returns.collect(beam.range_m, beam.weight, beam.traced);
     s.evaluator.begin(beams.direction[i].cast<double>(), beams.time_s[i]);
     s.evaluator.factors(beam.met, beam.rays, returns.sub_ray(), returns.factor());
     const radiometry::Echoes echoes =

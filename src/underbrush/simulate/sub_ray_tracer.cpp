@@ -14,6 +14,7 @@ using sensor::SubRay;
 
 constexpr size_t kFewest = 26;  // sub-rays for which probes pay
 constexpr size_t kProbes = 13;
+constexpr double kPlaneShare = 0.1;  // of `same_m`: how far probes are off one plane
 
 /// Rotates a direction about the vertical.
 Vec3 turned(double angle_rad, const Vec3& d) {
@@ -80,11 +81,19 @@ void TracedBeams::SubRays::copy(size_t at, const SubRays& from, size_t begin, si
 }
 
 TracedBeams::Beam TracedBeams::operator[](size_t beam) const {
-  const bool probes = place_[beam] == kProbesAlone;
-  const std::span<const float> weight = probes ? probe_weight_ : all_weight_;
-  const SubRays& of = probes ? probes_ : all_;
-  const size_t n = weight.size(), at = n * (probes ? beam : place_[beam]);
-  return {{&of.rays[at], n}, {&of.met[at], n}, {&of.range_m[at], n}, weight};
+  const auto [kind, number] = place_[beam];
+  const bool is_all = kind == Place::Kind::kAll, is_plane = kind == Place::Kind::kPlane;
+  const SubRays& of = is_all ? all_ : probes_;
+  const size_t n = is_all ? all_weight_.size() : probe_weight_.size();
+  const size_t at = n * (is_all ? number : beam);
+  Beam b{{&of.rays[at], n}, {&of.met[at], n}, {&of.range_m[at], n}, probe_weight_, {}};
+  if (is_all || is_plane) b.weight = all_weight_;
+  if (is_plane) {
+    const size_t all = all_weight_.size();
+    b.range_m = {&plane_m_[all * number], all};
+    b.traced = nearest_probe_;
+  }
+  return b;
 }
 
 SubRayTracer::SubRayTracer(const DynamicWorld& world, const sensor::BeamShape& beam,
@@ -103,6 +112,7 @@ SubRayTracer::SubRayTracer(const DynamicWorld& world, const sensor::BeamShape& b
   all_ = SubRayBundle(beam, places);
   probes_ = std::make_unique<SubRayBundle>(beam, probes_of(places));
   rest_ = std::make_unique<SubRayBundle>(beam, std::span(places).subspan(kProbes));
+  plane_ = std::make_unique<ProbePlane>(beam, places, kProbes);
 }
 
 /// The axis of a beam, off by a random angle within the encoder's step.
@@ -133,7 +143,7 @@ void SubRayTracer::trace_all(const BeamLog& beams, size_t first_beam, size_t beg
     const size_t i = begin + b, at = b * each;
     const uint64_t key = beam_key(seed_, beams.scan[i], first_beam + i);
     all_.spread(sensor::beam_axes(axis_of(beams, i, key)), &all.rays[at]);
-    out.place_[b] = uint32_t(b);
+    out.place_[b] = {TracedBeams::Place::Kind::kAll, uint32_t(b)};
     if (once_) {
       std::fill_n(&all.keys[at], each, matter_at(matter_, beams.time_s[i], sway_s_));
     } else {
@@ -146,6 +156,10 @@ void SubRayTracer::trace_all(const BeamLog& beams, size_t first_beam, size_t beg
 void SubRayTracer::trace_probes(const BeamLog& beams, size_t first_beam, size_t begin, size_t end,
                                 TracedBeams& out) const {
   const size_t n = end - begin, probes = probes_->size(), rest = rest_->size();
+  const trace::RangeLimits limits = limits_of(beams);
+  const auto is_all = [&](size_t b) {
+    return out.place_[b].kind == TracedBeams::Place::Kind::kAll;
+  };
   const auto aim = [&](size_t b, const SubRayBundle& bundle, TracedBeams::SubRays& at, size_t k) {
     const size_t i = begin + b;
     const uint64_t key = beam_key(seed_, beams.scan[i], first_beam + i);
@@ -156,26 +170,51 @@ void SubRayTracer::trace_probes(const BeamLog& beams, size_t first_beam, size_t 
   out.probe_weight_ = probes_->weight();
   out.probes_.resize(n * probes);
   for (size_t b = 0; b < n; ++b) aim(b, *probes_, out.probes_, b * probes);
-  find({&beams.time_s[begin], n}, limits_of(beams), out.matter_, out.probes_);
-  out.place_.assign(n, TracedBeams::kProbesAlone);
+  find({&beams.time_s[begin], n}, limits, out.matter_, out.probes_);
+  using Kind = TracedBeams::Place::Kind;
+  out.nearest_probe_ = plane_->nearest();
+  out.place_.assign(n, {});
   out.time_s_.clear();
+  out.plane_m_.resize(n * (probes + rest));
+  uint32_t planes = 0;
   for (size_t b = 0; b < n; ++b) {
-    if (agree({&out.probes_.range_m[b * probes], probes})) continue;
-    out.place_[b] = uint32_t(out.time_s_.size());
-    out.time_s_.push_back(beams.time_s[begin + b]);
+    switch (look({&out.probes_.range_m[b * probes], probes}, limits,
+                 {&out.plane_m_[planes * (probes + rest)], probes + rest})) {
+      case Kind::kProbes:
+        break;
+      case Kind::kPlane:
+        out.place_[b] = {Kind::kPlane, planes++};
+        lend_returns(b, out.probes_);
+        break;
+      case Kind::kAll:
+        out.place_[b] = {Kind::kAll, uint32_t(out.time_s_.size())};
+        out.time_s_.push_back(beams.time_s[begin + b]);
+    }
   }
   out.rest_.resize(out.time_s_.size() * rest);
   out.traced_ = out.probes_.size() + out.rest_.size();
   for (size_t b = 0; b < n; ++b) {
-    if (out.place_[b] != TracedBeams::kProbesAlone) aim(b, *rest_, out.rest_, out.place_[b] * rest);
+    if (is_all(b)) aim(b, *rest_, out.rest_, out.place_[b].number * rest);
   }
-  find(out.time_s_, limits_of(beams), out.matter_, out.rest_);
+  find(out.time_s_, limits, out.matter_, out.rest_);
   out.all_.resize(out.time_s_.size() * (probes + rest));
   for (size_t b = 0; b < n; ++b) {
-    if (out.place_[b] == TracedBeams::kProbesAlone) continue;
-    const size_t to = out.place_[b] * (probes + rest);
+    if (!is_all(b)) continue;
+    const uint32_t number = out.place_[b].number;
+    const size_t to = number * (probes + rest);
     out.all_.copy(to, out.probes_, b * probes, probes);
-    out.all_.copy(to + probes, out.rest_, out.place_[b] * rest, rest);
+    out.all_.copy(to + probes, out.rest_, number * rest, rest);
+  }
+}
+
+/// Gives the probes of a beam that met nothing what the nearest one with a return met, for the
+/// sub-rays beside them that do meet the plane.
+void SubRayTracer::lend_returns(size_t beam, TracedBeams::SubRays& probes) const {
+  const size_t n = probes_->size(), at = beam * n;
+  const std::span<const float> range_m(&probes.range_m[at], n);
+  for (uint32_t k = 0; k < n; ++k) {
+    if (std::isnan(range_m[k]))
+      probes.met[at + k] = probes.met[at + plane_->nearest_return(k, range_m)];
   }
 }
 
@@ -199,17 +238,21 @@ void SubRayTracer::find(std::span<const double> time_s, const trace::RangeLimits
   draw_ranges(s.met, limits, s.keys, s.range_m);
 }
 
-/// Whether the probes of a beam speak for all.
-bool SubRayTracer::agree(std::span<const float> range_m) const {
+/// Whether the probes of a beam speak for all, and the ranges of all if the probes lie on a plane.
+TracedBeams::Place::Kind SubRayTracer::look(std::span<const float> probe_m,
+                                            const trace::RangeLimits& limits,
+                                            std::span<float> plane_m) const {
+  using Kind = TracedBeams::Place::Kind;
   size_t missed = 0;
   float near = INFINITY, far = -INFINITY;
-  for (const float r : range_m) {
+  for (const float r : probe_m) {
     missed += std::isnan(r);
     near = std::min(near, r);
     far = std::max(far, r);
   }
-  if (missed == range_m.size()) return true;
-  return missed == 0 && double(far) - double(near) <= same_m_;
+  const bool is_same = missed == 0 && double(far) - double(near) <= same_m_;
+  if (is_same || missed == probe_m.size()) return Kind::kProbes;
+  return plane_->fill(probe_m, kPlaneShare * same_m_, limits, plane_m) ? Kind::kPlane : Kind::kAll;
 }
 
 }  // namespace underbrush::simulate

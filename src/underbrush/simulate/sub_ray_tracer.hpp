@@ -9,6 +9,7 @@
 
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/simulate/dynamic_world.hpp"
+#include "underbrush/simulate/probe_plane.hpp"
 #include "underbrush/simulate/sub_ray_bundle.hpp"
 
 namespace underbrush::simulate {
@@ -19,13 +20,15 @@ class TracedBeams {
   /// `world` must outlive it.
   explicit TracedBeams(const DynamicWorld& world) : matter_(world) {}
 
-  /// The sub-rays of one beam: what each met, at which range (m, NaN for nothing), and its share of
-  /// the energy.
+  /// The sub-rays of one beam: at which range each met something (m, NaN for nothing), its share of
+  /// the energy, and the traced one that it stands for, whose ray and intersection it has. `traced`
+  /// is empty where all are traced.
   struct Beam {
     std::span<const Ray> rays;
     std::span<const trace::Intersection> met;
     std::span<const float> range_m;
     std::span<const float> weight;
+    std::span<const uint32_t> traced;
   };
   Beam operator[](size_t beam) const;
   /// The number of sub-rays traced.
@@ -43,13 +46,19 @@ class TracedBeams {
     std::vector<trace::Intersection> met;
     std::vector<float> range_m;
   };
-  static constexpr uint32_t kProbesAlone = 0xffffffffu;
+  /// Where the sub-rays of a beam are: its probes alone, a place in `plane_m_`, or one in `all_`.
+  struct Place {
+    enum class Kind { kProbes, kPlane, kAll } kind = Kind::kProbes;
+    uint32_t number = 0;
+  };
 
   MatterAt matter_;
   SubRays probes_, rest_, all_;
-  std::vector<uint32_t> place_;  ///< Place of each beam in `all_`, or kProbesAlone.
-  std::vector<double> time_s_;   ///< Times of the beams in `all_`.
+  std::vector<float> plane_m_;  ///< Ranges of beams whose probes lie on a plane.
+  std::vector<Place> place_;    ///< One a beam.
+  std::vector<double> time_s_;  ///< Times of the beams in `all_`.
   std::span<const float> all_weight_, probe_weight_;
+  std::span<const uint32_t> nearest_probe_;
   size_t traced_ = 0;
 };
 
@@ -58,9 +67,10 @@ class TracedBeams {
 /// Where the matter of the world is drawn once, 13 of 26 or more sub-rays may speak for all
 /// (`same_m` > 0). These probes, in the middle and as far apart as may be, are traced first. Where
 /// all of them miss, or all return within `same_m` of each other, they are the beam, and each has
-/// the energy of the sub-rays that are nearest to it. Elsewhere the other sub-rays are traced, too.
-/// Where matter much finer than the footprint stops the share p of the light, all probes pass it by
-/// chance in (1 − p)¹³ of the beams.
+/// the energy of the sub-rays that are nearest to it. Where all return within a tenth of `same_m`
+/// of one plane, the others have the range of that plane (`ProbePlane`) and what the nearest probe
+/// met. Elsewhere the others are traced, too. Where matter much finer than the footprint stops the
+/// share p of the light, all probes pass it by chance in (1 − p)¹³ of the beams.
 class SubRayTracer {
  public:
   /// `world` must outlive it. `same_m` (m): 0 = always trace all sub-rays.
@@ -84,7 +94,9 @@ class SubRayTracer {
                     TracedBeams& out) const;
   void find(std::span<const double> time_s, const trace::RangeLimits& limits, MatterAt& matter,
             TracedBeams::SubRays& sub_rays) const;
-  bool agree(std::span<const float> range_m) const;
+  void lend_returns(size_t beam, TracedBeams::SubRays& probes) const;
+  TracedBeams::Place::Kind look(std::span<const float> probe_m, const trace::RangeLimits& limits,
+                                std::span<float> plane_m) const;
 
   const DynamicWorld& world_;
   uint64_t seed_, matter_;
@@ -92,6 +104,7 @@ class SubRayTracer {
   double encoder_step_rad_, same_m_, sway_s_;
   SubRayBundle all_;
   std::unique_ptr<SubRayBundle> probes_, rest_;  ///< Together they are `all_`, in this order.
+  std::unique_ptr<ProbePlane> plane_;
 };
 
 }  // namespace underbrush::simulate

@@ -31,10 +31,11 @@ void draw_ranges(std::span<const trace::Intersection> met, const trace::RangeLim
 SubReturns::SubReturns(size_t most)
     : sub_ray_(most), range_m_(most), weight_(most), factor_(most), signal_(most) {}
 
-void SubReturns::collect(std::span<const float> range_m, std::span<const float> weight) {
+void SubReturns::collect(std::span<const float> range_m, std::span<const float> weight,
+                         std::span<const uint32_t> traced) {
   size_t n = 0;
   for (size_t k = 0; k < range_m.size(); ++k) {
-    sub_ray_[n] = uint32_t(k);
+    sub_ray_[n] = traced.empty() ? uint32_t(k) : traced[k];
     range_m_[n] = range_m[k];
     weight_[n] = weight[k];
     n += !std::isnan(range_m[k]);

@@ -23,10 +23,13 @@ class SubReturns {
   /// Makes room for `most` sub-rays.
   explicit SubReturns(size_t most);
 
-  /// Takes the sub-rays that met something. `range_m` and `weight` have one entry a sub-ray.
-  void collect(std::span<const float> range_m, std::span<const float> weight);
+  /// Takes the sub-rays that met something. `range_m` and `weight` have one entry a sub-ray, and
+  /// `traced` has the traced sub-ray that each stands for; without it, all are traced.
+  void collect(std::span<const float> range_m, std::span<const float> weight,
+               std::span<const uint32_t> traced = {});
 
   size_t size() const { return size_; }
+  /// The number of the traced sub-ray.
   std::span<const uint32_t> sub_ray() const { return {sub_ray_.data(), size_}; }
   std::span<const float> range_m() const { return {range_m_.data(), size_}; }
   std::span<const float> weight() const { return {weight_.data(), size_}; }
