@@ -86,7 +86,8 @@ results:  ## Make every table of figures in the documentation anew and compare i
 	@scripts/setup.sh build test results
 	@$(call quiet,$(configure) $(everything))
 	@cmake --build $(BUILD) -j $(JOBS)
-	@scripts/results.py --data $(DATA) --work $(WORK) --bin $(BUILD)/bin $(if $(TABLES),--only $(TABLES))
+	@scripts/results.py --data $(DATA) --work $(WORK) --bin $(BUILD)/bin $(if $(TABLES),--only $(TABLES)) \
+	  $(if $(UPDATE),--update)
 
 docs: build    ## The documentation as a site: build/docs/site/index.html
 	@scripts/setup.sh docs

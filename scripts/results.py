@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 """Makes the tables of the documentation anew and compares every figure with the one that is printed.
 
-    scripts/results.py --data DATA --work WORK [--bin build/bin] [--only NAME ...] [--list]
+    scripts/results.py --data DATA --work WORK [--bin build/bin] [--only NAME ...] [--list] [--update]
 
 A mark before each table (`<!-- results: NAME ... -->`, scripts/documented/tables.py) names its commands and claims;
 scripts/documented/registry.py has the commands, the cells and the tolerances. A figure may differ from the measured
 one by half a unit of its last digit and the tolerance of its column. Jobs that are done and newer than their programs
 are not run again, so that an interrupted run goes on. Tables whose data is absent are skipped with a line. All tables
-take some hours. Exit status 1: a figure or a claim is beyond its tolerance, or a command failed.
+take some hours. Exit status 1: a figure or a claim is beyond its tolerance, or a command failed. With --update the
+measured figures take the place of those that are beyond; the text around a table is left to its author.
 """
 import argparse
 import importlib.util
@@ -63,6 +64,7 @@ def main(measured, root=ROOT, arguments=None):
     parser.add_argument("--work", type=pathlib.Path, default=root / "build/results", help="receives all results")
     parser.add_argument("--bin", type=pathlib.Path, default=root / "build/bin", help="the folder of the programs")
     parser.add_argument("--only", nargs="+", metavar="NAME", help="tables; default: all")
+    parser.add_argument("--update", action="store_true", help="write the measured figures into the tables")
     parser.add_argument("--list", action="store_true", help="list the tables and run nothing")
     options = parser.parse_args(arguments)
     found = documented(root)
@@ -80,6 +82,9 @@ def main(measured, root=ROOT, arguments=None):
         wrong += len(verdict.beyond) + len(verdict.failed)
         print(f"{name} ({page}:{table.line}): {verdict.compared} figures and {len(table.claims)} claims compared, "
               f"{len(verdict.beyond)} beyond tolerance", flush=True)
+        if options.update and verdict.cells:
+            text = (root / page).read_text(encoding="utf-8")
+            (root / page).write_text(tables.with_cells(text, table, verdict.cells), encoding="utf-8")
         for line in verdict.skipped:
             print(f"  skipped: {line}")
         for line in verdict.beyond + verdict.failed:

@@ -147,6 +147,7 @@ class Verdict:
     beyond: list = dataclasses.field(default_factory=list)
     skipped: list = dataclasses.field(default_factory=list)
     failed: list = dataclasses.field(default_factory=list)
+    cells: dict = dataclasses.field(default_factory=dict)  # {(row, column): text} of cells that are beyond
 
 
 def _compare(table, measured, cells, verdict, values):
@@ -165,11 +166,14 @@ def _compare(table, measured, cells, verdict, values):
                                   f"{', '.join(f'{number:.6g}' for number in numbers)}")
             continue
         relative, absolute = tolerance_of(measured, table, row, column)
+        beyond = len(verdict.beyond)
         for figure, number in zip(printed, numbers):
             verdict.compared += 1
             allowed = figure.half_unit * (1 + 1e-6) + absolute + relative * abs(number)
             if not abs(figure.value - number) <= allowed:
                 verdict.beyond.append(f"{place}: {figure.text} -> {number:.6g}")
+        if row >= 0 and len(verdict.beyond) > beyond:
+            verdict.cells[row, column] = tables.with_numbers(table.cell(row, column), numbers)
 
 
 def judge(table, measured, runner):

@@ -43,6 +43,19 @@ def figures(cell):
     return out
 
 
+def with_numbers(cell, numbers):
+    """A cell with other values in the place of its last figures, with as many decimals each."""
+    found = list(NUMBER.finditer(cell))[-len(numbers):]
+    for m, number in reversed(list(zip(found, numbers))):
+        text = f"{abs(number) / UNITS[m['unit']]:.{len(m['number'].partition('.')[2])}f}"
+        whole, dot, rest = text.partition(".")
+        if len(whole) > 4:
+            whole = f"{int(whole):,}".replace(",", " ")
+        sign = "−" if number < 0 and float(text) else ""
+        cell = cell[:m.start("number")] + sign + whole + dot + rest + cell[m.end("number"):]
+    return cell
+
+
 def plain(cell):
     return re.sub(r"[*`]", "", cell).strip()
 
@@ -159,6 +172,17 @@ def tables(text):
         out.append(Table(at + 1, mark, headings, rows))
         at = end
     return out
+
+
+def with_cells(text, table, cells):
+    """A page with other cells, {(row, column): text}, in one of its tables."""
+    lines = text.split("\n")
+    for (row, column), cell in cells.items():
+        at = table.line + 1 + row if row >= 0 else table.line - 1
+        parts = lines[at].split("|")
+        parts[column + 1] = f" {cell} "
+        lines[at] = "|".join(parts)
+    return "\n".join(lines)
 
 
 class Unknown(ValueError):

@@ -8,7 +8,7 @@ import unittest
 
 import cli_test
 
-BAD_START = ["--clusters-per-point", "0.005", "--tau", "0.5", "--min-points", "3"]
+BAD_START = ["--clusters-per-point", "0.005", "--tau", "5", "--min-points", "3"]
 
 
 class Tuning(cli_test.OnALog):

@@ -63,8 +63,9 @@ elements::TriangleMesh mesh_of_ground(const ground::HeightMap& heights, const Fi
   mesh.vertices = std::move(ground.vertices);
   mesh.triangles = std::move(ground.triangles);
   mesh.hit.resize(mesh.triangles.size());
-  // The residuals include the sensor's noise.
-  mesh.range_sigma_m = std::max(heights.sigma_m, options.range_noise_m);
+  // Until residuals along the beam tell them apart: all of the vertical ones is roughness.
+  mesh.range_sigma_m = options.range_noise_m;
+  mesh.roughness_m = heights.sigma_m;
   return mesh;
 }
 
@@ -132,7 +133,9 @@ FitResult fit_ellipsoids(BeamSource& source, const FitOptions& options,
     out.model.voxel_m = options.volumetric.voxel.side_m;
   }
   fit_elements(store, options, clustering != nullptr, out, progress);
-  count_hits(out.model, source, options.credit, stage_of(progress, "count hits"));
+  const CreditedResiduals residuals =
+      count_hits(out.model, source, options.credit, stage_of(progress, "count hits"));
+  set_noise(out.model.ground, residuals.ground, options.range_noise_m);
   drop_free_space(options, out.model, out.report);
   return out;
 }

@@ -48,11 +48,23 @@ void fit_mesh(const TileStore& store, const FitOptions& options, const SignedDis
         points += tile.points;
       });
   model.surface.hit.resize(model.surface.size());
-  const double about_surface = points ? std::sqrt(squares / double(points)) : 0;
-  model.surface.range_sigma_m = options.surface.noise_m > 0
-                                    ? options.surface.noise_m
-                                    : std::max(about_surface, options.range_noise_m);
+  model.surface.range_sigma_m = options.range_noise_m;
+  model.surface.roughness_m = points ? std::sqrt(squares / double(points)) : 0;
   report.other_points = store.size();
+}
+
+void fit_noise(BeamSource& source, const FitOptions& options, elements::Model& model,
+               const FitProgress& progress) {
+  elements::TriangleMesh& mesh = model.surface;
+  if (options.surface.noise_m > 0) {
+    mesh.range_sigma_m = options.surface.noise_m;
+    mesh.roughness_m = 0;
+    return;
+  }
+  const CreditedResiduals residuals =
+      count_hits(model, source, options.credit, stage_of(progress, "fit noise"));
+  set_noise(mesh, residuals.surface, options.range_noise_m);
+  mesh.hit.assign(mesh.size(), {});  // opaque
 }
 
 }  // namespace
@@ -64,6 +76,7 @@ FitResult fit_surface(BeamSource& source, const FitOptions& options, const Signe
   gather(source, options, store, out, progress);
   fit_mesh(store, options, distance, out.model, out.report, progress);
   if (options.surface.carve) carve(source, options, out.model, out.report, progress);
+  fit_noise(source, options, out.model, progress);
   return out;
 }
 

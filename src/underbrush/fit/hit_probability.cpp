@@ -116,6 +116,15 @@ void credit_passes(std::span<const trace::Intersection> met, double range_m,
   }
 }
 
+void add_residual(const elements::Model& model, const trace::Intersection& hit,
+                  const Vec3& direction, double range_m, CreditedResiduals& residuals) {
+  const elements::ElementPlace place = model.place(hit.element);
+  if (place.kind == elements::Kind::kEllipsoid) return;
+  const bool is_ground = place.kind == elements::Kind::kGround;
+  MeshResiduals& of = is_ground ? residuals.ground : residuals.surface;
+  of.add(is_ground ? model.ground : model.surface, place.index, direction, range_m - hit.t_m);
+}
+
 }  // namespace
 
 std::vector<std::string> credit_rules() { return {"first", "best", "mahalanobis"}; }
@@ -161,9 +170,12 @@ void credit(const elements::Model& model, std::span<const trace::Intersection> m
   }
 }
 
-void count_hits(elements::Model& model, BeamSource& source, const CreditOptions& options,
-                const std::function<void(size_t, size_t)>& progress) {
+CreditedResiduals count_hits(elements::Model& model, BeamSource& source,
+                             const CreditOptions& options,
+                             const std::function<void(size_t, size_t)>& progress) {
   check(options);
+  CreditedResiduals residuals{MeshResiduals(options.max_residual_for_hit_m),
+                              MeshResiduals(options.max_residual_for_hit_m)};
   for (size_t i = 0; i < model.size(); ++i) model.hit(i) = {1, 0, 0};
   const trace::World world(model);
   const LogInfo& info = source.info();
@@ -198,6 +210,9 @@ void count_hits(elements::Model& model, BeamSource& source, const CreditOptions&
           if (said[k] == Credit::kNothing) continue;
           elements::HitCount& h = model.hit(list[k].element);
           add_one(said[k] == Credit::kHit ? h.hits : h.misses);
+          if (said[k] == Credit::kHit) {
+            add_residual(model, list[k], rays[i - begin].direction, chunk.range_m[i], residuals);
+          }
         }
       }
     });
@@ -205,6 +220,7 @@ void count_hits(elements::Model& model, BeamSource& source, const CreditOptions&
     if (progress) progress(done, source.size());
   }
   estimate_hit_probabilities(model, options);
+  return residuals;
 }
 
 void estimate_hit_probabilities(elements::Model& model, const CreditOptions& options) {

@@ -91,7 +91,7 @@ const Parameter kParameters[] = {
      at([](Options& o) -> auto& { return o.surface.border; }), kRare,
      TuningRange{0.05, 0.9, kLinear, kTuned}},
     {"surface-noise", kSurface, "m",
-     "σ of the simulated range; 0 = as the points lie about the surface",
+     "σ of the simulated range; 0 = as the residuals along the beams are",
      at([](Options& o) -> auto& { return o.surface.noise_m; })},
     {"surface-carve", kSurface, "", "Leave out triangles that most beams passed",
      at([](Options& o) -> auto& { return o.surface.carve; }), kUsual},
