@@ -48,9 +48,11 @@ void Answer::set_up(const simulate::InstanceKinds& kinds,
 void Answer::operator()(size_t first_beam, BeamLog& beams) {
   if (maker_) {
     maker_->answer(first_beam, beams);
-    return take_waveforms();
+    take_waveforms();
+  } else {
+    simulate::simulate(world_, a_.simulate, first_beam, beams);
   }
-  simulate::simulate(world_, a_.simulate, first_beam, beams);
+  add_offsets(world_.model(0).channels_of(beams.info), 1, beams);
 }
 
 void Answer::take_waveforms() {

@@ -15,6 +15,7 @@ namespace fit_verb {
 
 struct Arguments {
   std::string log, output, splat, ground_mesh, echoes = "first";
+  bool ranges_as_given = false;
   fit::FitOptions fit;
 };
 
@@ -27,6 +28,8 @@ void add_options(Verb& verb, Arguments& a) {
       ->type_name("FILE.ply");
   verb.output("--export-ground", a.ground_mesh, "Write the ground as a mesh, too")
       ->type_name("FILE.obj|.ply");
+  app.add_flag("--ranges-as-given", a.ranges_as_given,
+               "Learn no range offsets of the sensor's channels");
   verb.begin_rare_group("Echoes");
   app.add_option("--echoes", a.echoes,
                  "Take the first echo of a beam for its end, or all echoes for beams of their own; "
@@ -47,7 +50,7 @@ std::string text_of_fit(const std::string& fitter, const FitStep& step) {
   if (!model.ellipsoids.empty()) text += fmt::format(", {} ellipsoids", model.ellipsoids.size());
   if (model.surface.size()) text += fmt::format(", {} triangles", model.surface.size());
   if (r.unclustered_points) text += fmt::format(", {} in no cluster", r.unclustered_points);
-  text += "\n";
+  text += "\n" + text_of_channels(model.channels);
   if (r.free_space_ellipsoids) {
     text += fmt::format("  dropped     {} ellipsoids in free space\n", r.free_space_ellipsoids);
   }
@@ -86,6 +89,7 @@ std::string text_of_fit(const std::string& fitter, const FitStep& step) {
 
 void run(const Verb& verb, Arguments& a) {
   a.fit.seed = verb.seed;
+  a.fit.learn_channels = !a.ranges_as_given;
   for (const std::string& file : {a.splat, a.ground_mesh}) {
     if (!file.empty()) io::check_output(file);
   }

@@ -27,7 +27,7 @@ struct Arguments {
   std::string source, output, assets, frames, deskew, infer_misses, label_set, keep;
   io::InputOptions input;
   io::LogWriterOptions writer;
-  bool float_coordinates = false;
+  bool float_coordinates = false, times_as_given = false;
   double elevation_offset_deg = 0, max_range_m = 0;
   std::optional<double> unknown_below_deg;
 };
@@ -63,6 +63,8 @@ void add_options(Verb& verb, Arguments& a) {
   app.add_option("--deskew", a.deskew,
                  "Give every beam its own pose by this sensor's timing, for raw scans")
       ->type_name("SENSOR");
+  app.add_flag("--times-as-given", a.times_as_given,
+               "With --deskew: fit no clock to scan times that were rounded");
   app.add_option("--unknown-below-deg", a.unknown_below_deg,
                  "Leave out beams without a return that point lower than this elevation, as at the "
                  "own vehicle; by default inferred ones below -13 and no recorded ones");
@@ -226,6 +228,7 @@ void run(const Verb& verb, Arguments& a) {
   if (worlds::is_helios(a.source)) return import_survey(verb, a.source, a.output, a.assets);
   if (!a.frames.empty()) a.input.frames = io::frames_from_text(a.frames);
   a.writer.double_coordinates = !a.float_coordinates;
+  a.input.fit_clock = !a.deskew.empty() && !a.times_as_given;
   const RowFilter keep(a.source, a.keep);
   io::Input input = io::open_input(a.source, a.input);
   std::vector<std::filesystem::path> sources{a.source};

@@ -3,6 +3,7 @@
 #include <map>
 
 #include "cli/progress.hpp"
+#include "fit_json.hpp"
 #include "leaf_cloud.hpp"
 #include "log_contents.hpp"
 #include "underbrush/core/check.hpp"
@@ -40,6 +41,7 @@ void report_model(const Verb& verb, const std::string& path) {
     table += fmt::format("  {:<19}{:>8} ellipsoids, grain {:.3f} m\n", model.class_name(label), n,
                          model.grain.side_at(model.grain.place_of(label)));
   }
+  if (!model.channels.empty()) j["channels"] = json_of(model.channels);
   j["provenance"] = model.provenance.empty() ? Json(nullptr) : io::json_of_text(model.provenance);
   verb.report(j, fmt::format("{}: model by {}: {} ground triangles, {} surface triangles, {} "
                              "ellipsoids\n  tau {:g}, ground sigma {:.3f} m, origin {:.1f} {:.1f} "
@@ -47,7 +49,7 @@ void report_model(const Verb& verb, const std::string& path) {
                              path, model.fitter, model.ground.size(), model.surface.size(),
                              model.ellipsoids.size(), model.tau, model.ground.range_sigma_m,
                              model.origin.x(), model.origin.y(), model.origin.z()) +
-                     table);
+                     text_of_channels(model.channels) + table);
 }
 
 // Returns a table of the objects of each class, and puts it into `j`.

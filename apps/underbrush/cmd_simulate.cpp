@@ -171,7 +171,7 @@ SimulateStep write(const Verb& verb, const Arguments& a, simulate::SimulatedSour
 
 void report(const Verb& verb, const Arguments& a, const SimulateStep& step, size_t sub_rays,
             size_t traced, double seconds, std::string_view isa, const std::string& lost,
-            const WorldSummary& world) {
+            const WorldSummary& world, const elements::Model& model, const LogInfo& beams) {
   const double rate = double(step.beams) / std::max(step.seconds_tracing, 1e-9);
   const size_t misses = step.rows - step.hits;
   Json j;
@@ -182,6 +182,7 @@ void report(const Verb& verb, const Arguments& a, const SimulateStep& step, size
   if (sub_rays) j["sub_rays"] = sub_rays;
   if (sub_rays) j["sub_rays_traced"] = double(traced) / double(std::max<size_t>(1, step.beams));
   if (!lost.empty()) j["lost"] = lost;
+  if (!model.channels.empty()) j["channel_offsets"] = model.channels_of(beams).size();
   if (world.read.parts) j["world"] = json_of(world);
   j["seconds_tracing"] = step.seconds_tracing;
   j["seconds"] = seconds;
@@ -197,6 +198,12 @@ void report(const Verb& verb, const Arguments& a, const SimulateStep& step, size
                       sub_rays ? "answers" : "tracing", step.seconds_tracing, si(rate), threads(),
                       isa, seconds);
   if (!lost.empty()) text += fmt::format("  not kept    {}\n", lost);
+  if (!model.channels.empty()) {
+    const size_t added = model.channels_of(beams).size();
+    text += added > 0 ? fmt::format("  channels    {} range offsets added\n", added)
+                      : fmt::format("  channels    no range offsets added: they are of {}\n",
+                                    printable(model.sensor));
+  }
   if (world.read.parts) text += text_of(world);
   verb.report(j, text + fmt::format("  log         {}\n", a.output));
 }
@@ -235,7 +242,8 @@ void run(const Verb& verb, Arguments& a) {
     answer.write_waveforms();
     const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
     report(verb, a, step, answer.sub_rays(), answer.rays_traced(), seconds,
-           target.dynamic_world->world().isa(), lost, WorldSummary{read, info});
+           target.dynamic_world->world().isa(), lost, WorldSummary{read, info},
+           target.dynamic_world->model(0), beams->info());
   };
   if (const auto* rig = dynamic_cast<const perception::RigSource*>(beams.get())) {
     RigAnswer answer(rig->sensors(),

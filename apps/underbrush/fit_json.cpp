@@ -1,5 +1,7 @@
 #include "fit_json.hpp"
 
+#include <fmt/format.h>
+
 namespace underbrush::app {
 
 Json json_of(const fit::LikelihoodReport& report) {
@@ -15,6 +17,20 @@ Json json_of(const fit::LikelihoodReport& report) {
                           {"accepted", s.accepted}});
   }
   return j;
+}
+
+Json json_of(const ChannelOffsets& channels) {
+  const OffsetSpread spread = spread_of(channels);
+  return {{"range_offsets", channels.size()},
+          {"sigma_m", spread.sigma_m},
+          {"standard_error_m", spread.standard_error_m}};
+}
+
+std::string text_of_channels(const ChannelOffsets& channels) {
+  if (channels.empty()) return "";
+  const OffsetSpread spread = spread_of(channels);
+  return fmt::format("  channels    {} range offsets, sigma {:.1f} cm, standard error {:.1f} cm\n",
+                     channels.size(), 100 * spread.sigma_m, 100 * spread.standard_error_m);
 }
 
 Json json_of(const FitStep& step) {
@@ -44,6 +60,7 @@ Json json_of(const FitStep& step) {
   for (const elements::ClassGrain& c : model.grain.classes) {
     j["grain_m"]["classes"][model.class_name(c.label)] = c.side_m;
   }
+  if (!model.channels.empty()) j["channels"] = json_of(model.channels);
   if (step.grain.learnt()) {
     j["roughness_m"] = {{"log", step.grain.real_m},
                         {"simulated", step.grain.simulated_m},

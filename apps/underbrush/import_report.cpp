@@ -6,6 +6,34 @@ namespace underbrush::app {
 
 constexpr double kFewMisses = 0.03;  // of all recorded
 
+namespace {
+
+Json json_of(const std::optional<io::ScanClock>& clock) {
+  if (!clock) return nullptr;
+  return {{"step_s", clock->step_s},
+          {"period_s", clock->period_s},
+          {"residual_rms_s", clock->residual_rms_s},
+          {"scans_fitted", clock->fitted},
+          {"scans_kept", clock->kept},
+          {"poses_follow", clock->poses_follow}};
+}
+
+std::string text_of(const io::ScanClock& clock) {
+  std::string text = fmt::format(
+      "  clock            times rounded to {:g} ms; period {:.1f} ms, residual {:.1f} ms RMS; "
+      "poses "
+      "{}\n",
+      1e3 * clock.step_s, 1e3 * clock.period_s, 1e3 * clock.residual_rms_s,
+      clock.poses_follow ? "follow it" : "keep their times");
+  if (clock.kept > 0) {
+    text += fmt::format("  note: no steady clock explains the times of {} scans: left as given\n",
+                        clock.kept);
+  }
+  return text;
+}
+
+}  // namespace
+
 std::string nothing_usable(const ImportCounts& c, bool points_in_world) {
   std::string text = "no usable beams in it";
   const char* separator = ": ";
@@ -46,6 +74,7 @@ Json json_of(const io::Input& input, const ImportCounts& c,
   j["unknown"] = c.beam.unknown;
   j["scans_ringed_by_elevation"] = c.beam.scans_ringed_by_elevation;
   j["skipped"] = c.skipped;
+  j["clock"] = json_of(input.clock);
   j["notes"] = input.notes;
   j["warnings"] = warnings;
   return j;
@@ -72,6 +101,7 @@ std::string table_of(const io::Input& input, const ImportCounts& c, const std::s
     text += fmt::format("  note: rings of {} scans told by elevation\n",
                         c.beam.scans_ringed_by_elevation);
   }
+  if (input.clock) text += text_of(*input.clock);
   for (const std::string& note : input.notes) text += "  note: " + note + "\n";
   return text;
 }

@@ -29,6 +29,7 @@ class ModelFile : public testing::Test {
     model_.range_noise_m = 0.011;
     model_.sensor = "own";
     model_.sensor_file = "name: own\nkind: \"spinning\"\n";
+    model_.channels = {{0, 0.0213, 0.0011}, {7, -0.0213, 0.0009}};
     model_.all_echoes = true;
     model_.provenance = R"({"seed":1})";
   }
@@ -85,6 +86,10 @@ TEST_F(ModelFile, ComesBackWhole) {
   EXPECT_EQ(back.range_noise_m, 0.011);
   EXPECT_EQ(back.sensor, model_.sensor);
   EXPECT_EQ(back.sensor_file, model_.sensor_file);
+  ASSERT_EQ(back.channels.size(), 2u);
+  EXPECT_EQ(back.channels[1].ring, 7);
+  EXPECT_EQ(back.channels[1].range_m, -0.0213);
+  EXPECT_EQ(back.channels[1].standard_error_m, 0.0009);
   EXPECT_TRUE(back.all_echoes);
   EXPECT_EQ(back.fitter, model_.fitter);
   EXPECT_EQ(back.provenance, model_.provenance);

@@ -65,6 +65,11 @@ std::optional<uint32_t> Model::class_number(std::string_view name) const {
   return std::nullopt;
 }
 
+ChannelOffsets Model::channels_of(const LogInfo& log) const {
+  const bool same = !sensor.empty() && log.sensor == sensor && log.sensor_file == sensor_file;
+  return same ? channels : ChannelOffsets();
+}
+
 Model Model::like() const {
   Model out;
   out.origin = origin;
@@ -80,6 +85,7 @@ Model Model::like() const {
   out.max_range_m = max_range_m;
   out.sensor = sensor;
   out.sensor_file = sensor_file;
+  out.channels = channels;
   out.all_echoes = all_echoes;
   out.fitter = fitter;
   return out;
@@ -96,6 +102,13 @@ void Model::check() const {
   }
   require(std::isfinite(range_noise_m) && range_noise_m >= 0,
           "model: the range noise must not be negative");
+  for (size_t i = 0; i < channels.size(); ++i) {
+    require(std::isfinite(channels[i].range_m) && channels[i].standard_error_m >= 0 &&
+                std::isfinite(channels[i].standard_error_m),
+            "model: a channel's offset or its standard error is not finite");
+    require(i == 0 || channels[i - 1].ring < channels[i].ring,
+            "model: the channels are not in ascending order");
+  }
   check_mesh(ground);
   check_mesh(surface);
   for (const Ellipsoid& e : ellipsoids) {

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "underbrush/core/channel_offsets.hpp"
 #include "underbrush/core/pose.hpp"
 #include "underbrush/elements/grain.hpp"
 
@@ -87,6 +88,8 @@ struct Model {
   /// The sensor that recorded the log that the model was fitted to, as in `LogInfo`; empty if
   /// unknown. Its footprint is in the extents of the elements and in their hit probabilities.
   std::string sensor, sensor_file;
+  /// The errors of that sensor's ranges, which the geometry is free of; empty where none are known.
+  ChannelOffsets channels;
   /// Whether every echo of the log counted as a beam of its own, so that hit probabilities are
   /// shares of the light and the footprint is not in them.
   bool all_echoes = false;
@@ -111,6 +114,9 @@ struct Model {
   const TriangleMesh& mesh(Kind kind) const { return kind == Kind::kGround ? ground : surface; }
   HitCount& hit(size_t element);
   const HitCount& hit(size_t element) const;
+  /// The offsets that the ranges of such a log carry: `channels` where it is of the same sensor,
+  /// else none.
+  ChannelOffsets channels_of(const LogInfo& log) const;
   /// Returns a model without elements that is otherwise the same; it has no provenance.
   Model like() const;
   /// Throws `std::invalid_argument` where a value is not finite, an index is out of range, a

@@ -168,6 +168,27 @@ Grain grain_of_json(const io::JsonValue& j, const Model& m) {
   return grain;
 }
 
+Json json_of_channels(const ChannelOffsets& channels) {
+  Json j = Json::array();
+  for (const ChannelOffset& c : channels) {
+    j.push_back({{"ring", c.ring},
+                 {"range_offset_m", c.range_m},
+                 {"standard_error_m", c.standard_error_m}});
+  }
+  return j;
+}
+
+ChannelOffsets channels_of_json(const io::JsonValue& j) {
+  ChannelOffsets channels;
+  for (const io::JsonValue& c : j.values()) {
+    const uint64_t ring = c.at("ring").count();
+    if (ring > UINT16_MAX) c.at("ring").fail("not a ring");
+    channels.push_back(
+        {uint16_t(ring), c.at("range_offset_m").number(), c.at("standard_error_m").number()});
+  }
+  return channels;
+}
+
 Json manifest_of(const Model& m) {
   Json j;
   j["format"] = "underbrush-model";
@@ -182,6 +203,7 @@ Json manifest_of(const Model& m) {
   j["range_noise_m"] = m.range_noise_m;
   if (!m.sensor.empty()) j["sensor"] = m.sensor;
   if (!m.sensor_file.empty()) j["sensor_file"] = m.sensor_file;
+  if (!m.channels.empty()) j["channels"] = json_of_channels(m.channels);
   if (m.all_echoes) j["all_echoes"] = true;
   j["ground"] = manifest_of_mesh(m.ground, "ground.ply");
   j["surface"] = manifest_of_mesh(m.surface, "surface.ply");
@@ -235,6 +257,7 @@ Model read_model(const fs::path& path) {
   model.range_noise_m = number_or(j, "range_noise_m", 0);
   if (const auto sensor = j.find("sensor")) model.sensor = sensor->text();
   if (const auto text = j.find("sensor_file")) model.sensor_file = text->text();
+  if (const auto channels = j.find("channels")) model.channels = channels_of_json(*channels);
   if (const auto all = j.find("all_echoes")) model.all_echoes = all->boolean();
   model.fitter = j.at("fitter").text();
   model.provenance = j.at("provenance").dump();

@@ -3,6 +3,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/still_beams.hpp"
 #include "underbrush/elements/model_file.hpp"
+#include "underbrush/fit/channels.hpp"
 #include "underbrush/fit/element_classes.hpp"
 #include "underbrush/fit/fitters.hpp"
 #include "underbrush/fit/make_model.hpp"
@@ -11,6 +12,14 @@ namespace underbrush::fit {
 namespace {
 
 using enum ParameterGroup;
+
+ChannelOffsets offsets_of(BeamSource& source, const FitOptions& options) {
+  if (!options.learn_channels) return {};
+  ChannelOptions channels;
+  channels.min_range_m = options.min_range_m;
+  StillBeams still(source);
+  return learn_offsets(still, channels);
+}
 
 FitResult surface_by_imls(BeamSource& source, const FitOptions& options,
                           const FitProgress& progress) {
@@ -27,6 +36,7 @@ FitResult start_model(BeamSource& source, FitOptions options, const HeldOut& hel
                       const FitProgress& progress) {
   if (elements::is_model(options.start)) return {elements::read_model(options.start), {}};
   options.fitter = start_of(options).name;
+  options.learn_channels = false;  // the source is corrected already
   // Refinement shares points between ellipsoids anyway, but only the mixture removes a footprint.
   if (!options.volumetric.mixture.footprint) options.volumetric.mixture.rounds = 0;
   TrainingSource training(source, held_out);
@@ -127,12 +137,16 @@ FitResult fit(BeamSource& source, const FitOptions& options, const FitProgress& 
   require(options.range_noise_m > 0, "fit: the range noise must be positive");
   require(options.min_range_m >= 0, "fit: the least range must not be negative");
   const Fitter& fitter = fitter_named(options.fitter);
-  FitResult out = fitter.fit(source, options, progress);
-  out.model.range_noise_m = options.range_noise_m;
   const bool given = !options.sensor.empty();
-  out.model.sensor = given ? options.sensor : source.info().sensor;
+  const std::string sensor = given ? options.sensor : source.info().sensor;
+  const ChannelOffsets channels = sensor.empty() ? ChannelOffsets() : offsets_of(source, options);
+  CorrectedBeams corrected(source, channels);
+  FitResult out = fitter.fit(corrected, options, progress);
+  out.model.range_noise_m = options.range_noise_m;
+  out.model.sensor = sensor;
   out.model.sensor_file = given ? options.sensor_file : source.info().sensor_file;
-  StillBeams still(source);
+  out.model.channels = channels;
+  StillBeams still(corrected);
   learn_classes(out.model, still);
   const Clustering* clustering = clustering_named(fitter.name);
   if (options.volumetric.mixture.footprint && !fitter.refines &&

@@ -41,6 +41,9 @@ struct FitOptions {
   /// sensor. The vehicle soon stands where its sensor was before, and an opaque model of it would
   /// enclose the sensor there.
   double min_range_m = 0;
+  /// Whether the range offsets of the sensor's channels are learnt first (`learn_offsets`), taken
+  /// away from the ranges and kept in the model. Logs that do not name their sensor have none.
+  bool learn_channels = false;
   /// Ellipsoids through which nearly all beams passed are dropped as free space: something moved
   /// through it once. An ellipsoid is dropped where hits / (hits + misses) is below this and at
   /// least `free_space_beams` beams met it.

@@ -47,6 +47,7 @@ class Opener {
   Opener(const fs::path& path, const InputOptions& options) : path_(path), options_(options) {
     placing_.frames = options.frames;
     placing_.points_in_world = options.points_in_world;
+    placing_.fit_clock = options.fit_clock;
     if (!options.poses.empty()) set_poses(read_poses(options.poses), options.poses);
     if (!options.times.empty()) set_times(read_times(options.times), options.times);
   }

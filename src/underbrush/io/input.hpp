@@ -5,10 +5,12 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "underbrush/core/point_scan.hpp"
+#include "underbrush/io/scan_clock.hpp"
 
 namespace underbrush::io {
 
@@ -38,6 +40,7 @@ struct InputOptions {
   FrameRange frames;             ///< Scans to read, by number.
   bool points_in_world = false;  ///< The points are in the world frame already; by default they are
                                  ///< in the sensor's.
+  bool fit_clock = false;        ///< Put scans whose times were rounded back on a steady clock.
 };
 
 /// An open log. Either `beams` is set (every beam has its own origin) or `scans` (points in the
@@ -48,6 +51,7 @@ struct Input {
   std::unique_ptr<ScanSource> scans;
   std::vector<ScanInfo> scan_infos;  ///< Number, time and pose of each scan that `scans` will
                                      ///< yield.
+  std::optional<ScanClock> clock;    ///< Set where the scans have the times of a fitted clock.
   bool compensated = false;          ///< The scans are compensated for the sensor's motion already.
   std::vector<std::string> notes;    ///< Assumptions that the reader made, one line each.
   std::string provenance;            ///< Provenance JSON; only Underbrush's own logs have one.

@@ -107,10 +107,12 @@ class Placer {
       if (!timed_ && !placing.times.empty() && i >= placing.times.size()) break;
       stamped.push_back({timed_ ? poses.time_s[i] : time_of_frame(i), poses.pose[i]});
     }
-    const bool sorted =
-        std::is_sorted(stamped.begin(), stamped.end(),
-                       [](const auto& a, const auto& b) { return a.time_s < b.time_s; });
-    if (!sorted) input.notes.push_back("the poses were not in order of time: sorted");
+    const auto earlier = [](const auto& a, const auto& b) { return a.time_s < b.time_s; };
+    if (!std::is_sorted(stamped.begin(), stamped.end(), earlier)) {
+      input.notes.push_back("the poses were not in order of time: sorted");
+      std::stable_sort(stamped.begin(), stamped.end(), earlier);
+    }
+    if (placing.fit_clock) fit_clock(stamped);
     trajectory = Trajectory(stamped);
   }
 
@@ -124,7 +126,11 @@ class Placer {
         throw FormatError(placing_.poses_name, "row " + std::to_string(file.frame + 1),
                           "no pose for scan " + name);
       }
-      return {file.frame, time_of_frame(file.frame), placing_.poses.pose[file.frame]};
+      const double time = on_clock(time_of_frame(file.frame));
+      if (!input_.clock || input_.clock->poses_follow) {
+        return {file.frame, time, placing_.poses.pose[file.frame]};
+      }
+      return {file.frame, time, pose_at(time, name)};
     }
     double time = 0;
     if (by_order_) {
@@ -137,15 +143,45 @@ class Placer {
       throw FormatError(file.path.string(), "",
                         "no time to find its pose with: give one with --times");
     }
-    const auto pose = trajectory.at(time);
-    if (!pose) {
-      throw FormatError(placing_.poses_name, "time " + std::to_string(time),
-                        "no pose for scan " + name);
-    }
-    return {file.frame, time, *pose};
+    time = on_clock(time);
+    return {file.frame, time, pose_at(time, name)};
   }
 
  private:
+  Pose pose_at(double time, const std::string& scan) const {
+    const auto pose = trajectory.at(time);
+    if (pose) return *pose;
+    throw FormatError(placing_.poses_name, "time " + std::to_string(time),
+                      "no pose for scan " + scan);
+  }
+
+  // Fits a clock to the times of the scans, and gives its times to the poses if they follow it.
+  void fit_clock(std::vector<StampedPose>& poses) {
+    given_ = by_order_ ? placing_.poses.time_s : placing_.times;
+    if (given_.empty()) {
+      for (const ScanFile& file : files_) given_.push_back(file.time_s.value_or(0));
+    }
+    const bool ascend =
+        std::adjacent_find(given_.begin(), given_.end(), std::greater_equal<>()) == given_.end();
+    if (ascend) input_.clock = fit_scan_clock(given_);
+    if (!input_.clock) return;
+    std::vector<double> fitted;
+    for (const StampedPose& pose : poses) {
+      if (!std::binary_search(given_.begin(), given_.end(), pose.time_s)) return;
+      fitted.push_back(on_clock(pose.time_s));
+    }
+    input_.clock->poses_follow = poses_follow_clock(poses, fitted);
+    if (!input_.clock->poses_follow) return;
+    for (size_t i = 0; i < poses.size(); ++i) poses[i].time_s = fitted[i];
+  }
+
+  // The clock's time of a scan; without a clock the given one.
+  double on_clock(double given) const {
+    if (!input_.clock) return given;
+    const auto at = std::lower_bound(given_.begin(), given_.end(), given) - given_.begin();
+    return input_.clock->time_s[size_t(at)];
+  }
+
   double time_of_frame(size_t frame) const {
     if (placing_.times.empty()) return double(frame) * kFramePeriod;
     if (frame < placing_.times.size()) return placing_.times[frame];
@@ -156,6 +192,7 @@ class Placer {
   const std::vector<ScanFile>& files_;
   const ScanPlacing& placing_;
   Input& input_;
+  std::vector<double> given_;  // the times of all scans, ascending, if there is a clock
   bool timed_ = false, by_order_ = false;
 };
 

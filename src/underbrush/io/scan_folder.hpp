@@ -35,11 +35,14 @@ struct ScanPlacing {
   std::string times_name;        ///< File of the times, for error messages.
   bool points_in_world = false;  ///< The points are in the world frame, else in the sensor's.
   FrameRange frames;             ///< Scans to read, by number.
+  bool fit_clock = false;        ///< Put scans whose times were rounded back on a steady clock.
 };
 
-/// Joins the files with their poses and times into a source. Sets `scans`, `scan_infos` and
-/// `skipped` of `input` and adds to its `notes`. Throws `FormatError` where a selected scan has no
-/// pose or no time.
+/// Joins the files with their poses and times into a source. Sets `scans`, `scan_infos`,
+/// `clock` and `skipped` of `input` and adds to its `notes`. The clock is fitted to the times of
+/// all scans (`fit_scan_clock`), also those that are not selected; poses that have the scans' times
+/// get the clock's where their motion says that they follow it (`poses_follow_clock`). Throws
+/// `FormatError` where a selected scan has no pose or no time.
 void place_scans(std::vector<ScanFile> files, const ScanPlacing& placing, Input& input);
 
 }  // namespace underbrush::io

@@ -257,14 +257,18 @@ Score score(BeamSource& real, BeamSource& simulated, const ScoreOptions& options
                     std::to_string(simulated.size()) + " simulated ones");
   }
   Scorer scorer(options, real.info().classes);
+  // The world knows true ranges, and both logs have the offsets of the sensor's channels.
+  const ChannelOffsets channels =
+      options.world ? options.world->model().channels_of(real.info()) : ChannelOffsets();
+  CorrectedBeams true_real(real, channels), true_simulated(simulated, channels);
   BeamLog a, b, rest;
   size_t done = 0;
-  real.rewind();
-  simulated.rewind();
-  while (real.next(a)) {
+  true_real.rewind();
+  true_simulated.rewind();
+  while (true_real.next(a)) {
     BeamLog sim = std::move(rest);
     rest = BeamLog();
-    while (sim.size() < a.size() && simulated.next(b)) {
+    while (sim.size() < a.size() && true_simulated.next(b)) {
       if (sim.empty()) {
         sim = std::move(b);
       } else {

@@ -70,8 +70,10 @@ struct ScoreOptions {
   std::vector<double> range_edges_m = {0, 10, 20, 30, 50, 80};
 };
 
-/// Compares a simulated log with the real log of the same beams. `progress(done, total)` may be
-/// empty. Throws `std::invalid_argument` where the beams differ in number, scan, ring or origin.
+/// Compares a simulated log with the real log of the same beams. Where the world's model has range
+/// offsets of the sensor that recorded the real log (`Model::channels_of`), they are taken away
+/// from both logs. `progress(done, total)` may be empty. Throws `std::invalid_argument` where the
+/// beams differ in number, scan, ring or origin.
 Score score(BeamSource& real, BeamSource& simulated, const ScoreOptions& options,
             const std::function<void(size_t, size_t)>& progress = {});
 

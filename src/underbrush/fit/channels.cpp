@@ -1,0 +1,215 @@
+#include "underbrush/fit/channels.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <span>
+
+#include "underbrush/core/cells.hpp"
+#include "underbrush/core/check.hpp"
+
+namespace underbrush::fit {
+namespace {
+
+constexpr size_t kBlock = 1 << 16;    // beams of a long log that are taken or left together
+constexpr size_t kFewestPoints = 20;  // of a flat cell
+constexpr long kFewestRings = 5;      // of a flat cell
+constexpr int kFewestCells = 10;      // of a ring with an offset
+constexpr double kThickestM = 0.06;   // standard deviation across a flat cell
+constexpr double kLeastCosine = 0.3;  // of a beam with the normal
+constexpr double kMeanPrior = 0.01;   // precision of the offsets' mean against that of one ring
+constexpr double kSignificant = 3;    // standard errors
+
+struct Point {
+  Cell3 cell;
+  uint16_t ring;
+  Vec3f at, direction;  // m, relative to the log's origin
+};
+
+// The points in order of cells, then rings. The order within a ring is that of the log.
+std::vector<Point> points_of(BeamSource& log, const ChannelOptions& o) {
+  const std::optional<Vec3> origin = log_origin(log);
+  std::vector<Point> points;
+  if (!origin) return points;
+  const size_t every = (log.size() + o.most_points - 1) / o.most_points;
+  size_t row = 0;
+  for (BeamLog chunk; log.next(chunk);) {
+    for (size_t i = 0; i < chunk.size(); ++i, ++row) {
+      if (!chunk.is_hit(i) || row / kBlock % every != 0) continue;
+      const double range = chunk.range_m[i];
+      if (range < o.min_range_m || range > o.max_range_m) continue;
+      const Vec3 at = chunk.end_point(i) - *origin;
+      points.push_back(
+          {cell_of(at, o.cell_m), chunk.ring[i], at.cast<float>(), chunk.direction[i]});
+    }
+  }
+  std::stable_sort(points.begin(), points.end(), [](const Point& a, const Point& b) {
+    return a.cell != b.cell ? a.cell < b.cell : a.ring < b.ring;
+  });
+  return points;
+}
+
+/// The mean of the returns of a ring in a flat cell.
+struct Observation {
+  uint16_t ring;
+  double weight;
+  double off_m, cosine;  // along the normal: the distance from the plane, and of a unit of range
+  Vec3 on_plane;         // 1 and the place on the plane, m
+};
+
+// The observations of a cell; none where it is not flat.
+std::vector<Observation> observations_of(std::span<const Point> cell,
+                                         const std::vector<double>& offset) {
+  if (cell.size() < kFewestPoints) return {};
+  const auto place = [&](const Point& p) -> Vec3 {
+    return p.at.cast<double>() - offset[p.ring] * p.direction.cast<double>();
+  };
+  Vec3 mean = Vec3::Zero();
+  for (const Point& p : cell) mean += place(p);
+  mean /= double(cell.size());
+  Mat3 spread = Mat3::Zero();
+  for (const Point& p : cell) spread += (place(p) - mean) * (place(p) - mean).transpose();
+  Eigen::SelfAdjointEigenSolver<Mat3> eigen;
+  eigen.computeDirect(spread / double(cell.size()));
+  const Vec3 variance = eigen.eigenvalues().cwiseMax(0);
+  const bool flat = variance[0] < kThickestM * kThickestM && variance[1] > 0.05 * 0.05 &&
+                    variance[0] < 0.1 * variance[1];
+  if (!flat) return {};
+  const Mat3& axes = eigen.eigenvectors();
+  const double farthest = 3 * std::max(std::sqrt(variance[0]), 0.005);
+  std::vector<Observation> out;
+  for (size_t i = 0; i < cell.size();) {
+    const uint16_t ring = cell[i].ring;
+    Observation sum{ring, 0, 0, 0, Vec3::Zero()};
+    for (; i < cell.size() && cell[i].ring == ring; ++i) {
+      const Vec3 at = axes.transpose() * (place(cell[i]) - mean);
+      const double cosine = axes.col(0).dot(cell[i].direction.cast<double>());
+      if (std::abs(cosine) < kLeastCosine || std::abs(at[0]) > farthest) continue;
+      sum.weight += 1;
+      sum.off_m += at[0];
+      sum.cosine += cosine;
+      sum.on_plane += Vec3(1, at[1], at[2]);
+    }
+    if (sum.weight == 0) continue;
+    const double n = sum.weight;
+    // Noise falls with the number of returns, the unevenness of the surface does not.
+    out.push_back({ring, n / (n + 2), sum.off_m / n, sum.cosine / n, sum.on_plane / n});
+  }
+  return long(out.size()) < kFewestRings ? std::vector<Observation>() : out;
+}
+
+/// The normal equations of the offsets, with the planes eliminated.
+struct Equations {
+  Eigen::MatrixXd matrix;
+  Eigen::VectorXd right;
+  std::vector<int> cells;  // flat cells that each ring was seen in
+  double squares = 0, freedom = 0;
+
+  explicit Equations(size_t rings)
+      : matrix(Eigen::MatrixXd::Zero(long(rings), long(rings))),
+        right(Eigen::VectorXd::Zero(long(rings))),
+        cells(rings) {}
+
+  void add(const std::vector<Observation>& cell) {
+    Mat3 plane = 1e-9 * Mat3::Identity();
+    Vec3 moment = Vec3::Zero();
+    for (const Observation& o : cell) {
+      plane += o.weight * o.on_plane * o.on_plane.transpose();
+      moment += o.weight * o.off_m * o.on_plane;
+    }
+    const Mat3 inverse = plane.inverse();
+    const Vec3 fitted = inverse * moment;
+    for (const Observation& a : cell) {
+      const double rest = a.off_m - a.on_plane.dot(fitted);
+      const Vec3 leverage = inverse * a.on_plane;
+      right[a.ring] += a.weight * a.cosine * rest;
+      squares += a.weight * rest * rest;
+      ++cells[a.ring];
+      matrix(a.ring, a.ring) += a.weight * a.cosine * a.cosine;
+      for (const Observation& b : cell) {
+        matrix(a.ring, b.ring) -=
+            a.weight * b.weight * a.cosine * b.cosine * leverage.dot(b.on_plane);
+      }
+    }
+    freedom += double(cell.size()) - 3;
+  }
+};
+
+Equations equations_of(const std::vector<Point>& points, const std::vector<double>& offset) {
+  Equations out(offset.size());
+  for (size_t begin = 0, end = 0; begin < points.size(); begin = end) {
+    while (end < points.size() && points[end].cell == points[begin].cell) ++end;
+    const auto cell = observations_of({&points[begin], end - begin}, offset);
+    if (!cell.empty()) out.add(cell);
+  }
+  return out;
+}
+
+// The offsets of the rings that were seen often enough, about their mean, and its standard errors.
+ChannelOffsets about_mean(const std::vector<double>& offset, const Eigen::MatrixXd& covariance,
+                          const std::vector<int>& cells) {
+  ChannelOffsets out;
+  double mean = 0, mean_variance = 0;
+  for (size_t i = 0; i < offset.size(); ++i) {
+    if (cells[i] < kFewestCells) continue;
+    out.push_back({uint16_t(i), offset[i], 0});
+    mean += offset[i];
+  }
+  const double n = double(out.size());
+  const auto with_mean = [&](const ChannelOffset& o) {
+    double sum = 0;
+    for (const ChannelOffset& other : out) sum += covariance(o.ring, other.ring);
+    return sum / n;
+  };
+  for (const ChannelOffset& o : out) mean_variance += with_mean(o) / n;
+  for (ChannelOffset& o : out) {
+    const double variance = covariance(o.ring, o.ring) - 2 * with_mean(o) + mean_variance;
+    o.range_m -= mean / n;
+    o.standard_error_m = std::sqrt(std::max(0.0, variance));
+  }
+  return out;
+}
+
+}  // namespace
+
+ChannelOffsets learn_offsets(BeamSource& log, const ChannelOptions& options) {
+  require(
+      options.cell_m > 0 && options.prior_m > 0 && options.rounds > 0 && options.most_points > 0,
+      "learn_offsets: an option is out of range");
+  const std::vector<Point> points = points_of(log, options);
+  size_t rings = 0;
+  for (const Point& p : points) rings = std::max(rings, size_t(p.ring) + 1);
+  if (rings < size_t(kFewestRings) || rings > 1024) return {};
+  const double prior = 1 / (options.prior_m * options.prior_m);
+  std::vector<double> offset(rings);
+  Eigen::MatrixXd covariance;
+  std::vector<int> cells;
+  for (int round = 0; round < options.rounds; ++round) {
+    const Equations e = equations_of(points, offset);
+    if (!(e.squares > 0) || e.freedom < double(rings)) return {};
+    const double precision = e.freedom / e.squares;
+    cells = e.cells;
+    Eigen::MatrixXd matrix = precision * e.matrix;
+    Eigen::VectorXd right = precision * e.right;
+    // The prior is about the mean, which is free but for a weak prior of its own: it is told, if
+    // badly, by surfaces that are seen at several angles, and would pass into the others.
+    const double n = double(rings);
+    const Eigen::Map<const Eigen::VectorXd> at(offset.data(), long(rings));
+    matrix.diagonal().array() += prior;
+    matrix.array() -= (1 - kMeanPrior) * prior / n;
+    right.array() -= prior * (at.array() - (1 - kMeanPrior) * at.mean());
+    covariance = matrix.ldlt().solve(Eigen::MatrixXd::Identity(long(rings), long(rings)));
+    const Eigen::VectorXd step = covariance * right;
+    for (size_t i = 0; i < rings; ++i) offset[i] += step[long(i)];
+  }
+  const ChannelOffsets out = about_mean(offset, covariance, cells);
+  const OffsetSpread spread = spread_of(out);
+  if (long(out.size()) < kFewestRings || spread.sigma_m < kSignificant * spread.standard_error_m) {
+    return {};
+  }
+  return out;
+}
+
+}  // namespace underbrush::fit
