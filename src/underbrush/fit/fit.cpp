@@ -5,6 +5,7 @@
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/fit/element_classes.hpp"
 #include "underbrush/fit/fitters.hpp"
+#include "underbrush/fit/light.hpp"
 #include "underbrush/fit/make_model.hpp"
 
 namespace underbrush::fit {
@@ -134,6 +135,7 @@ FitResult fit(BeamSource& source, const FitOptions& options, const FitProgress& 
   out.model.sensor_file = given ? options.sensor_file : source.info().sensor_file;
   StillBeams still(source);
   learn_classes(out.model, still);
+  learn_light(out.model, still);
   const Clustering* clustering = clustering_named(fitter.name);
   if (options.volumetric.mixture.footprint && !fitter.refines &&
       !(clustering && clustering->mixture)) {
