@@ -95,8 +95,9 @@ void learn_light(elements::Model& model, BeamSource& log) {
     for (size_t i = 0; i < chunk.size(); ++i) {
       if (has_intensity(chunk, i)) most = std::max(most, double(chunk.intensity[i]));
     }
+    const BeamLog chosen = thinned(chunk);
     if (most == 0) continue;
-    const std::vector<LightSample> more = samples_of(world, thinned(chunk));
+    const std::vector<LightSample> more = samples_of(world, chosen);
     samples.insert(samples.end(), more.begin(), more.end());
   }
   if (most == 0 || samples.empty()) return;

@@ -73,6 +73,7 @@ void simulate(const DynamicWorld& world, const Options& options, size_t first_be
     }
     world.nearest_accepted(rays, once ? trials : keys, {&beams.time_s[begin], n}, limits, met);
     MatterAt matter_of(world);
+    LearntLight light(world, beams.info, options.intensity);
     for (size_t k = 0; k < n; ++k) {
       const size_t i = begin + k;
       beams.range_m[i] = kMiss;
@@ -101,6 +102,8 @@ void simulate(const DynamicWorld& world, const Options& options, size_t first_be
         range += options.range_noise_m * normal(keys[k], Intersection::kNone, Purpose::kNoise);
       }
       beams.range_m[i] = float(std::clamp(range, limits.min_m, limits.max_m));
+      beams.intensity[i] = light.intensity(model, rays[k], beams.time_s[i], met[k],
+                                           beams.range_m[i], beams.ring[i], keys[k]);
     }
   });
   if (!options.element_ids) return;

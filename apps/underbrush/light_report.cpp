@@ -1,0 +1,45 @@
+#include "light_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace underbrush::app {
+namespace {
+
+/// The name of a sensor, with its wavelength where the catalogue or its data file has one.
+std::string with_wavelength(const std::string& name, const std::string& file) {
+  if (name.empty()) return "an unknown sensor";
+  try {
+    LogInfo info;
+    info.sensor = name;
+    info.sensor_file = file;
+    const double wavelength_m = sensor::sensor_of_log("", info).wavelength_m;
+    return wavelength_m > 0 ? fmt::format("{} ({:.0f} nm)", name, 1e9 * wavelength_m) : name;
+  } catch (const std::exception&) {
+    return name;
+  }
+}
+
+}  // namespace
+
+std::string intensities_in_words(std::span<const elements::Model> models, const LogInfo& asking,
+                                 bool instrument) {
+  const auto has_light = [](const elements::Model& m) { return m.light.known(); };
+  const auto lit = std::find_if(models.begin(), models.end(), has_light);
+  if (lit == models.end()) return "";
+  if (instrument) return "of the sensor and the materials; the learnt light is not used";
+  std::string text =
+      "learnt from a log of " + with_wavelength(lit->sensor, lit->sensor_file) + ", in its unit";
+  if (lit->sensor != asking.sensor || lit->sensor_file != asking.sensor_file) {
+    text += "; " + with_wavelength(asking.sensor, asking.sensor_file) +
+            " is taken to answer alike, but without gains of channels";
+  }
+  const auto dark = std::count_if(models.begin(), models.end(), [&](const elements::Model& m) {
+    return m.size() > 0 && !m.light.known();
+  });
+  if (dark > 0) text += fmt::format("; {} models without light answer 0", dark);
+  return text;
+}
+
+}  // namespace underbrush::app

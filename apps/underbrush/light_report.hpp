@@ -1,0 +1,19 @@
+/// \file
+/// What `simulate` says about the intensities that it answers.
+#pragma once
+#include <span>
+#include <string>
+
+#include "underbrush/core/beam_log.hpp"
+#include "underbrush/elements/model.hpp"
+#include "underbrush/sensor/sensor.hpp"
+
+namespace underbrush::app {
+
+/// Says in one line where intensities come from and what is assumed of them: from the light that
+/// the models have learnt, or from radiometry and materials if `instrument`. `asking` is the sensor
+/// of the beams, with its wavelength where it is known. Empty where no model has light.
+std::string intensities_in_words(std::span<const elements::Model> models, const LogInfo& asking,
+                                 bool instrument);
+
+}  // namespace underbrush::app
