@@ -17,8 +17,8 @@ Answer::Answer(AnswerArguments a, const simulate::DynamicWorld& world,
     : a_(std::move(a)), world_(world) {
   a_.simulate.draw =
       a_.draw == "on_ray" ? simulate::RangeDraw::kOnRay : simulate::RangeDraw::kVolumetric;
-  a_.simulate.intensity = a_.intensity == "mean" ? simulate::IntensityDraw::kMean
-                                                 : simulate::IntensityDraw::kDrawn;
+  a_.simulate.intensity =
+      a_.intensity == "mean" ? simulate::IntensityDraw::kMean : simulate::IntensityDraw::kDrawn;
   if (a_.beam == "random") a_.simulate.random_ray = sensor_of("--beam random").beam;
   if (!a_.instrument.super_sample.empty()) set_up(kinds, recorder, sensor_of);
 }

@@ -40,9 +40,8 @@ std::string rows_of_bins(const char* unit, const std::vector<metrics::Score>& sc
   // The text of the map's order would put 10 before 5.
   std::vector<std::string> names;
   for (const auto& [name, errors] : first) names.push_back(name);
-  std::sort(names.begin(), names.end(), [](const std::string& a, const std::string& b) {
-    return std::stoi(a) < std::stoi(b);
-  });
+  std::sort(names.begin(), names.end(),
+            [](const std::string& a, const std::string& b) { return std::stoi(a) < std::stoi(b); });
   std::string text;
   for (const std::string& name : names) {
     text += row(fmt::format("  RMSE, {} {}", name, unit), scores, [&](const IntensityScore& s) {
@@ -92,8 +91,8 @@ std::string table_of_intensities(const std::vector<metrics::Score>& scores) {
   text += rows_of_bins("deg", scores, first.per_incidence, &IntensityScore::per_incidence);
   text += row("intensity MAE", scores, [](const auto& s) { return s.simulated.mae; });
   text += row("  of one constant", scores, [](const auto& s) { return s.constant.mae; });
-  text += row("intensity correlation", scores,
-              [](const auto& s) { return s.simulated.correlation; });
+  text +=
+      row("intensity correlation", scores, [](const auto& s) { return s.simulated.correlation; });
   text += row("intensity distribution", scores, [](const auto& s) { return s.wasserstein; });
   return text +
          "    (constants are means of the real log; the distribution's row is the Wasserstein "

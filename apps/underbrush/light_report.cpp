@@ -34,9 +34,10 @@ double mean_reflectance(const elements::Model& m, elements::Kind kind) {
   return hits > 0 ? sum / hits : 0;
 }
 
-const std::pair<elements::Kind, const char*> kKinds[] = {{elements::Kind::kGround, "ground"},
-                                                         {elements::Kind::kSurface, "surface"},
-                                                         {elements::Kind::kEllipsoid, "ellipsoids"}};
+const std::pair<elements::Kind, const char*> kKinds[] = {
+    {elements::Kind::kGround, "ground"},
+    {elements::Kind::kSurface, "surface"},
+    {elements::Kind::kEllipsoid, "ellipsoids"}};
 
 }  // namespace
 

@@ -12,8 +12,8 @@
 namespace underbrush::app {
 
 /// The light of a model in short, as JSON and in one line: mean reflectances by kind, an
-/// element counting once and as often as it was hit, the response to range, and the extremes of the gains of channels. Without
-/// light the JSON is null and the text empty.
+/// element counting once and as often as it was hit, the response to range, and the extremes of the
+/// gains of channels. Without light the JSON is null and the text empty.
 Json json_of_light(const elements::Model& model);
 std::string text_of_light(const elements::Model& model);
 

@@ -73,8 +73,8 @@ elements::Model learnt(const elements::Model& truth, const BeamLog& log, size_t 
   return model;
 }
 
-// The reflectance has no scale of its own (each factor is 1 on average), so that what is compared is
-// the intensity of a beam, of which the log has 4 % and 8 % noise.
+// The reflectance has no scale of its own (each factor is 1 on average), so that what is compared
+// is the intensity of a beam, of which the log has 4 % and 8 % noise.
 TEST(Light, PredictsTheIntensitiesOfAKnownModelWithinThreePercent) {
   const elements::Model truth = lit_world();
   const BeamLog log = lit_log(truth);

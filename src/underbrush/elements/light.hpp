@@ -38,10 +38,10 @@ struct Gain {
 /// incidence, from the channel with the number n, has the expected intensity ρ f(r) g(c) h(n),
 /// where ρ is the reflectance of its element. Each factor is 1 on average over the log.
 struct Light {
-  Gain range;                 ///< f.
-  Gain incidence[2];          ///< g of triangles, and g of ellipsoids.
-  std::vector<double> ring;   ///< h, one a channel; channels beyond have 1.
-  double max_intensity = 0;   ///< The largest intensity of the log, beyond which none is answered.
+  Gain range;                ///< f.
+  Gain incidence[2];         ///< g of triangles, and g of ellipsoids.
+  std::vector<double> ring;  ///< h, one a channel; channels beyond have 1.
+  double max_intensity = 0;  ///< The largest intensity of the log, beyond which none is answered.
 
   /// Whether a log with intensities was there to learn from.
   bool known() const { return max_intensity > 0; }

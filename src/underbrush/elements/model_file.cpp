@@ -236,7 +236,8 @@ void write_model(const fs::path& path, const Model& model) {
         make_temporary_folders(folder);
         io::write_ply(folder / "ground.ply", ply_of_mesh(model.ground, true));
         io::write_ply(folder / "surface.ply", ply_of_mesh(model.surface, true));
-        io::write_ply(folder / "ellipsoids.ply", ply_of_ellipsoids(model.ellipsoids, model.light.known()));
+        io::write_ply(folder / "ellipsoids.ply",
+                      ply_of_ellipsoids(model.ellipsoids, model.light.known()));
         write_file(folder / "model.json", io::text_of_json(manifest_of(model), 2) + "\n");
       },
       io::OutputKind::kFolder);

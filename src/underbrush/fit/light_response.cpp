@@ -13,7 +13,7 @@ using elements::Reflectance;
 constexpr double kPriorReturns = 20;       // of a knot, at the gain 1
 constexpr double kPriorSpreadReturns = 8;  // of an element's variance
 constexpr double kMostRatio = 4;
-constexpr int kRounds = 15, kPooledRounds = 4;
+constexpr int kRounds = 40, kPooledRounds = 4;
 constexpr size_t kMostRings = 1024, kLeastElements = 20;
 
 /// What the elements of a group have in common.
@@ -104,12 +104,14 @@ class Regression {
   Light fit() {
     for (int round = 0; round < kRounds; ++round) {
       update_elements(round < kPooledRounds);
-      update(light_.range, [](const LightSample&) { return true; },
-             [](const Places& p) { return p.range; });
+      update(
+          light_.range, [](const LightSample&) { return true; },
+          [](const Places& p) { return p.range; });
       for (const bool ellipsoid : {false, true}) {
-        update(light_.incidence[ellipsoid],
-               [&](const LightSample& s) { return s.is_ellipsoid == ellipsoid; },
-               [](const Places& p) { return p.cosine; });
+        update(
+            light_.incidence[ellipsoid],
+            [&](const LightSample& s) { return s.is_ellipsoid == ellipsoid; },
+            [](const Places& p) { return p.cosine; });
       }
       update_rings();
     }

@@ -117,10 +117,10 @@ std::optional<IntensityScore> IntensityScorer::finish(std::string& why) const {
   const auto any = [&](float Pair::*of) {
     return std::any_of(pairs_.begin(), pairs_.end(), [&](const Pair& p) { return p.*of != 0; });
   };
-  why = pairs_.empty()             ? "no beam returns in both logs"
-        : !any(&Pair::real)        ? "the real log has no intensities"
-        : !any(&Pair::simulated)   ? "the simulated log has no intensities"
-                                   : "";
+  why = pairs_.empty()           ? "no beam returns in both logs"
+        : !any(&Pair::real)      ? "the real log has no intensities"
+        : !any(&Pair::simulated) ? "the simulated log has no intensities"
+                                 : "";
   if (!why.empty()) return std::nullopt;
   IntensityScore s;
   const Sums sums = sums_of(pairs_, all, [](const Pair& p) { return p.simulated; });

@@ -52,9 +52,9 @@ struct Options {
 /// Elements count at ranges within those of `beams.info` (or `options.max_range_m`) and up to the
 /// `max_range_m` of the model of instance 0, which is the ground of a composed scene; limits of the
 /// other models have no effect. Where a drawn range lies outside these limits, the element's own
-/// range is taken. Intensities are those of the light that the models have learnt (`LearntLight`) and
-/// 0 for models without; `EchoMaker` has those of an instrument and of materials.
-/// Throws `std::invalid_argument` for options out of range.
+/// range is taken. Intensities are those of the light that the models have learnt (`LearntLight`)
+/// and 0 for models without; `EchoMaker` has those of an instrument and of materials. Throws
+/// `std::invalid_argument` for options out of range.
 void simulate(const DynamicWorld& world, const Options& options, size_t first_beam, BeamLog& beams);
 
 /// A source that answers the beams of another source chunk by chunk. The world and the other source
