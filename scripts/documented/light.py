@@ -13,18 +13,17 @@ def part(row, job):
         models = read_json(folder / "scores.json")["models"]
         mean, drawn = models["mean"]["intensity"], models["drawn"]["intensity"]
         group = mean.get("constant_of_class") or mean["constant_of_kind"]
-        yield row, "log", [mean["beams"]]
-        yield row, "RMSE", [mean["rmse"]]
-        yield row, "of one constant", [mean["constant"]["rmse"]]
-        yield row, "of one a group", [group["rmse"]]
-        yield row, "RMSE, drawn", [drawn["rmse"]]
-        yield row, "MAE", [mean["mae"]]
-        yield row, "MAE of one a group", [group["mae"]]
-        yield row, "correlation", [mean["correlation"]]
-        yield row, "of the groups", [group["correlation"]]
-        yield row, "deviation of the log", [mean["real_sd"]]
-        yield row, "mean's", [mean["simulated_sd"]]
-        yield row, "drawn's", [drawn["simulated_sd"]]
+        yield row, "beams", [mean["beams"]]
+        for word, key in (("RMSE", "rmse"), ("MAE", "mae")):
+            yield row, f"{word}: mean", [mean[key]]
+            yield row, f"{word}: drawn", [drawn[key]]
+            yield row, f"{word}: constant", [mean["constant"][key]]
+            yield row, f"{word}: group", [group[key]]
+        for column, score in (("mean", mean), ("drawn", drawn), ("group", group)):
+            yield row, f"correlation: {column}", [score["correlation"]]
+        yield row, "deviation: log", [mean["real_sd"]]
+        yield row, "deviation: mean", [mean["simulated_sd"]]
+        yield row, "deviation: drawn", [drawn["simulated_sd"]]
     return Part((job,), cells)
 
 

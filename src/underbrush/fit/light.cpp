@@ -12,7 +12,7 @@
 namespace underbrush::fit {
 namespace {
 
-constexpr size_t kMostSamples = size_t(1) << 18;
+constexpr size_t kMostSamples = size_t(1) << 17;
 
 bool has_intensity(const BeamLog& log, size_t i) {
   return log.is_hit(i) && std::isfinite(log.intensity[i]) && log.intensity[i] >= 0;

@@ -28,7 +28,7 @@ struct IntensityScore {
   /// What the mean of all real returns scores as the prediction of each. No constant has a smaller
   /// RMSE, because it is taken from the log that it is scored on.
   IntensityErrors constant;
-  /// Likewise the mean of the real returns of a class, or of a kind of element.
+  /// What the mean of the real returns of its class, or of its kind of element, scores for each.
   IntensityErrors group_constant;
   /// "class" if the real log has classes, else "kind" if there is a model, else empty.
   std::string groups;

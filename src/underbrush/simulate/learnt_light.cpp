@@ -7,8 +7,8 @@
 
 namespace underbrush::simulate {
 
-float LearntLight::intensity(const elements::Model& model, const Ray& ray, double time_s,
-                             const trace::Intersection& met, double range_m, uint32_t ring,
+float LearntLight::intensity(const elements::Model& model, const Ray& ray,
+                             const trace::Intersection& met, const BeamLog& beams, size_t i,
                              uint64_t key) {
   if (!model.light.known()) return 0;
   if (model_ != &model) {
@@ -17,7 +17,7 @@ float LearntLight::intensity(const elements::Model& model, const Ray& ray, doubl
   }
   const elements::Reflectance of = elements::reflectance(model, met.element);
   if (of.mean <= 0) return 0;
-  const auto& rotation = world_.placed(met.instance, time_s).world_from_model.rotation;
+  const auto& rotation = world_.placed(met.instance, beams.time_s[i]).world_from_model.rotation;
   const double cosine =
       elements::incidence_cosine(model, met.element, rotation.conjugate() * ray.direction);
   const bool is_ellipsoid = model.kind(met.element) == elements::Kind::kEllipsoid;
@@ -28,7 +28,8 @@ float LearntLight::intensity(const elements::Model& model, const Ray& ray, doubl
     const double n = normal(key, met.element, Purpose::kSignal);
     x *= std::exp(std::sqrt(variance) * n - 0.5 * variance);
   }
-  const double k = model.light.response(range_m, cosine, is_ellipsoid, ring, same_sensor_);
+  const double k = model.light.response(beams.range_m[i], cosine, is_ellipsoid,
+                                        beams.ring[i], same_sensor_);
   return float(std::min(k * x, model.light.max_intensity));
 }
 

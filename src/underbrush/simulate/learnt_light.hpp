@@ -22,12 +22,13 @@ class LearntLight {
   LearntLight(const DynamicWorld& world, const LogInfo& beams, IntensityDraw draw)
       : world_(world), sensor_(beams.sensor), sensor_file_(beams.sensor_file), draw_(draw) {}
 
-  /// Computes the intensity of a return at `range_m` of what the ray met, in the unit of the log
-  /// that `model` was fitted to: I = k x with the response k (`elements::Light`) and x either ρ or
-  /// log-normal with the mean ρ and the element's spread, but at most the log's largest intensity.
-  /// Gains of channels count where the sensor is that of the log. A model without light answers 0.
-  float intensity(const elements::Model& model, const Ray& ray, double time_s,
-                  const trace::Intersection& met, double range_m, uint32_t ring, uint64_t key);
+  /// Computes the intensity of the return that beam i of `beams` has of what its ray met, in the
+  /// unit of the log that `model` was fitted to: I = k x with the response k (`elements::Light`) and
+  /// x either ρ or log-normal with the mean ρ and the element's spread, but at most the log's
+  /// largest intensity. Gains of channels count where the sensor is that of the log. A model without
+  /// light answers 0. `key` is the beam's.
+  float intensity(const elements::Model& model, const Ray& ray, const trace::Intersection& met,
+                  const BeamLog& beams, size_t i, uint64_t key);
 
  private:
   const DynamicWorld& world_;
