@@ -14,42 +14,49 @@ namespace underbrush::report {
 namespace {
 
 struct Metric {
-  const char *key, *name, *meaning;
+  const char *place, *name, *meaning;  // the place among the scores, a JSON pointer
   int digits;
   bool higher_is_better;
 };
 constexpr Metric kMetrics[] = {
-    {"packet_error_m", "Packet error, m",
+    {"/packet_error_m", "Packet error, m",
      "Distance between real and simulated point of beams that hit in both: mean of the packets’ "
      "means.",
      3, false},
-    {"median_range_error_m", "Median range error, m",
+    {"/median_range_error_m", "Median range error, m",
      "Half of the beams that hit in both are off by less.", 3, false},
-    {"capped_error_m", "Capped error, m",
+    {"/capped_error_m", "Capped error, m",
      "Mean error of all beams, at most 2 m each; a wrong hit or miss counts as 2 m.", 3, false},
-    {"precision", "Precision", "Share of the simulated hits where the real beam hit too.", 4, true},
-    {"recall", "Recall", "Share of the real hits where the simulated beam hits too.", 4, true},
-    {"f1", "F1", "Harmonic mean of precision and recall.", 4, true},
-    {"cloud_error_m", "Point cloud error, m",
+    {"/precision", "Precision", "Share of the simulated hits where the real beam hit too.", 4,
+     true},
+    {"/recall", "Recall", "Share of the real hits where the simulated beam hits too.", 4, true},
+    {"/f1", "F1", "Harmonic mean of precision and recall.", 4, true},
+    {"/cloud_error_m", "Point cloud error, m",
      "Mean distance to the nearest point of the other cloud, both ways.", 4, false},
-    {"density_aware_chamfer", "Density-aware Chamfer", "From 0 (same points, equally dense) to 1.",
+    {"/density_aware_chamfer", "Density-aware Chamfer", "From 0 (same points, equally dense) to 1.",
      4, false},
-    {"nll_per_beam", "Neg. log-likelihood",
+    {"/nll_per_beam", "Neg. log-likelihood",
      "Mean −log density that the model gives the real outcome of a beam.", 4, false},
-    {"crps_m", "CRPS of the range, m",
+    {"/crps_m", "CRPS of the range, m",
      "Distance between the predicted distribution of the range and the real one; a miss counts as "
      "the maximum range, so a wrong one costs many metres.",
      3, false},
+    {"/intensity/rmse", "Intensity RMSE",
+     "Over the beams that hit in both, in the unit of the logs.", 4, false},
+    {"/intensity/constant/rmse", "Intensity RMSE of a constant",
+     "Of the mean of the real log as the answer of every beam.", 4, false},
+    {"/intensity/correlation", "Intensity correlation", "Of real and simulated intensities.", 4,
+     true},
 };
 
 const Json& scores_of(const Comparison& input, size_t k) {
   return input.scores.at("models").at(input.simulated[k].name);
 }
 
-std::optional<double> value(const Json& scores, const char* key) {
-  const auto it = scores.find(key);
-  if (it == scores.end() || !it->is_number()) return std::nullopt;
-  return it->get<double>();
+std::optional<double> value(const Json& scores, const char* place) {
+  const Json::json_pointer at(place);
+  if (!scores.contains(at) || !scores.at(at).is_number()) return std::nullopt;
+  return scores.at(at).get<double>();
 }
 
 std::string cell(std::optional<double> x, int digits) {
@@ -106,9 +113,10 @@ std::string headline_table(const Comparison& input) {
   for (const Metric& m : kMetrics) {
     std::vector<std::optional<double>> values;
     for (size_t k = 0; k < input.simulated.size(); ++k) {
-      values.push_back(value(scores_of(input, k), m.key));
+      values.push_back(value(scores_of(input, k), m.place));
     }
-    if (!scores_of(input, 0).contains(m.key)) continue;  // The score was not asked for.
+    // Otherwise the score was not asked for.
+    if (!scores_of(input, 0).contains(Json::json_pointer(m.place))) continue;
     const std::string best = best_of(m, values);
     html += fmt::format("<tr><th>{} <span class=\"better\">{}</span><small>{}</small></th>", m.name,
                         m.higher_is_better ? "↑" : "↓", m.meaning);
@@ -166,8 +174,8 @@ std::string class_table(const Comparison& input, const std::string& heading) {
     for (size_t k = 0; k < input.simulated.size(); ++k) {
       const Json all = scores_of(input, k).value("per_class", Json::object());
       const Json s = all.value(key, Json::object());
-      html += fmt::format("<td>{}</td><td>{}</td>", cell(value(s, "recall"), 4),
-                          cell(value(s, "packet_error_m"), 3));
+      html += fmt::format("<td>{}</td><td>{}</td>", cell(value(s, "/recall"), 4),
+                          cell(value(s, "/packet_error_m"), 3));
     }
     html += "</tr>\n";
   }

@@ -17,14 +17,18 @@ Answer::Answer(AnswerArguments a, const simulate::DynamicWorld& world,
     : a_(std::move(a)), world_(world) {
   a_.simulate.draw =
       a_.draw == "on_ray" ? simulate::RangeDraw::kOnRay : simulate::RangeDraw::kVolumetric;
+  a_.simulate.intensity =
+      a_.intensity == "mean" ? simulate::IntensityDraw::kMean : simulate::IntensityDraw::kDrawn;
   if (a_.beam == "random") a_.simulate.random_ray = sensor_of("--beam random").beam;
   if (!a_.instrument.super_sample.empty()) set_up(kinds, recorder, sensor_of);
 }
 
 void Answer::set_up(const simulate::InstanceKinds& kinds,
                     const std::optional<sensor::Sensor>& recorder, const SensorOf& sensor_of) {
-  require(a_.beam == "thin" && a_.draw == "on_ray" && a_.simulate.range_noise_m == 0,
-          "simulate: --beam, --draw and --range-noise are of thin rays, not of --super-sample");
+  require(a_.beam == "thin" && a_.draw == "on_ray" && a_.simulate.range_noise_m == 0 &&
+              a_.intensity == "mean",
+          "simulate: --beam, --draw, --intensity and --range-noise are of thin rays, not of "
+          "--super-sample");
   sensor_ = sensor_of("--super-sample");
   instrument_ = instrument_of(a_.instrument, sensor_, recorder);
   if (a_.simulate.max_range_m > 0) instrument_.receiver.max_range_m = a_.simulate.max_range_m;

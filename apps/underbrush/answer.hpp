@@ -15,7 +15,7 @@ namespace underbrush::app {
 
 /// The options of an answer.
 struct AnswerArguments {
-  std::string draw = "on_ray", beam = "thin";
+  std::string draw = "on_ray", beam = "thin", intensity = "mean";
   simulate::Options simulate;
   InstrumentArguments instrument;
 };

@@ -3,6 +3,7 @@
 #include "cli/progress.hpp"
 #include "fit_json.hpp"
 #include "fit_options.hpp"
+#include "light_report.hpp"
 #include "stages.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
@@ -74,6 +75,7 @@ std::string text_of_fit(const std::string& fitter, const FitStep& step) {
     text += fmt::format("              {:.3f} m of {}{}\n", c.side_m, model.class_name(c.label),
                         step.grain.classes[k] ? "" : ", the usual one: too few beams met it");
   }
+  text += text_of_light(model);
   if (step.echoes.learnt) {
     text += fmt::format("  echoes      {:.3f} of a beam that returns, the log {:.3f}\n",
                         step.echoes.simulated, step.echoes.real);

@@ -5,6 +5,7 @@
 #include "cli/progress.hpp"
 #include "fit_json.hpp"
 #include "leaf_cloud.hpp"
+#include "light_report.hpp"
 #include "log_contents.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
@@ -42,6 +43,8 @@ void report_model(const Verb& verb, const std::string& path) {
                          model.grain.side_at(model.grain.place_of(label)));
   }
   if (!model.channels.empty()) j["channels"] = json_of(model.channels);
+  table += text_of_light(model);
+  if (model.light.known()) j["light"] = json_of_light(model);
   j["provenance"] = model.provenance.empty() ? Json(nullptr) : io::json_of_text(model.provenance);
   verb.report(j, fmt::format("{}: model by {}: {} ground triangles, {} surface triangles, {} "
                              "ellipsoids\n  tau {:g}, ground sigma {:.3f} m, origin {:.1f} {:.1f} "

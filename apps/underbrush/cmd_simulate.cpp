@@ -5,6 +5,7 @@
 
 #include "answer.hpp"
 #include "cli/progress.hpp"
+#include "light_report.hpp"
 #include "rig_answer.hpp"
 #include "stages.hpp"
 #include "traced_scene.hpp"
@@ -83,6 +84,11 @@ void add_options(Verb& verb, Arguments& a) {
   verb.begin_rare_group("Thin rays");
   app.add_option("--draw", a.answer.draw, "Where in an ellipsoid a range is drawn")
       ->check(CLI::IsMember({"on_ray", "volumetric"}))
+      ->capture_default_str();
+  app.add_option("--intensity", a.answer.intensity,
+                 "Answer the expected intensity of an element, or draw it with the element's "
+                 "spread; for models that were fitted to a log with intensities")
+      ->check(CLI::IsMember({"mean", "drawn"}))
       ->capture_default_str();
   app.add_option("--beam", a.answer.beam,
                  "Trace a ray on the beam's axis, or one drawn from the sensor's cone")
@@ -171,7 +177,8 @@ SimulateStep write(const Verb& verb, const Arguments& a, simulate::SimulatedSour
 
 void report(const Verb& verb, const Arguments& a, const SimulateStep& step, size_t sub_rays,
             size_t traced, double seconds, std::string_view isa, const std::string& lost,
-            const WorldSummary& world, const elements::Model& model, const LogInfo& beams) {
+            const WorldSummary& world, const elements::Model& model, const LogInfo& beams,
+            const std::string& intensities) {
   const double rate = double(step.beams) / std::max(step.seconds_tracing, 1e-9);
   const size_t misses = step.rows - step.hits;
   Json j;
@@ -183,6 +190,7 @@ void report(const Verb& verb, const Arguments& a, const SimulateStep& step, size
   if (sub_rays) j["sub_rays_traced"] = double(traced) / double(std::max<size_t>(1, step.beams));
   if (!lost.empty()) j["lost"] = lost;
   if (!model.channels.empty()) j["channel_offsets"] = model.channels_of(beams).size();
+  if (!intensities.empty()) j["intensity"] = intensities;
   if (world.read.parts) j["world"] = json_of(world);
   j["seconds_tracing"] = step.seconds_tracing;
   j["seconds"] = seconds;
@@ -197,6 +205,7 @@ void report(const Verb& verb, const Arguments& a, const SimulateStep& step, size
   text += fmt::format("  {}     {:.2f} s, {} beams/s ({} threads, {})\n  all         {:.2f} s\n",
                       sub_rays ? "answers" : "tracing", step.seconds_tracing, si(rate), threads(),
                       isa, seconds);
+  if (!intensities.empty()) text += fmt::format("  intensity   {}\n", intensities);
   if (!lost.empty()) text += fmt::format("  not kept    {}\n", lost);
   if (!model.channels.empty()) {
     const size_t added = model.channels_of(beams).size();
@@ -243,7 +252,8 @@ void run(const Verb& verb, Arguments& a) {
     const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
     report(verb, a, step, answer.sub_rays(), answer.rays_traced(), seconds,
            target.dynamic_world->world().isa(), lost, WorldSummary{read, info},
-           target.dynamic_world->model(0), beams->info());
+           target.dynamic_world->model(0), beams->info(),
+           intensities_in_words(scene.models, beams->info(), answer.sub_rays() > 0));
   };
   if (const auto* rig = dynamic_cast<const perception::RigSource*>(beams.get())) {
     RigAnswer answer(rig->sensors(),

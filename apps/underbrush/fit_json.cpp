@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "light_report.hpp"
+
 namespace underbrush::app {
 
 Json json_of(const fit::LikelihoodReport& report) {
@@ -69,6 +71,7 @@ Json json_of(const FitStep& step) {
   if (step.echoes.learnt) {
     j["echoes_per_return"] = {{"log", step.echoes.real}, {"simulated", step.echoes.simulated}};
   }
+  if (model.light.known()) j["light"] = json_of_light(model);
   j["skipped"] = step.skipped;
   j["warnings"] = r.warnings;
   if (!r.likelihood.steps.empty()) j["likelihood"] = json_of(r.likelihood);

@@ -18,6 +18,7 @@ RigAnswer::RigAnswer(const std::vector<sensor::Sensor>& sensors, const Make& mak
     : fired_(sensors.size(), 0) {
   for (const sensor::Sensor& s : sensors) {
     LogInfo limits;
+    limits.sensor = s.name;
     limits.min_range_m = s.min_range_m;
     limits.max_range_m = s.max_range_m;
     limits_.push_back(limits);
@@ -38,6 +39,7 @@ void RigAnswer::operator()(size_t first_beam, BeamLog& beams) {
   for (size_t i = 0; i < beams.size(); ++i) part[sensor[i]].append(beams, i);
   for (size_t k = 0; k < part.size(); ++k) {
     if (part[k].empty()) continue;
+    part[k].info.sensor = limits_[k].sensor;
     part[k].info.min_range_m = limits_[k].min_range_m;
     part[k].info.max_range_m = limits_[k].max_range_m;
     const size_t fired = part[k].size();

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "intensity_table.hpp"
 #include "report/report.hpp"
 #include "underbrush/io/json_text.inl"
 
@@ -38,6 +39,7 @@ Json json_of(const metrics::Score& s) {
   Json j = json_of(s.all, s);
   j["roughness_m"] = number(s.roughness_m);
   j["roughness_real_m"] = number(s.real_roughness_m);
+  if (s.intensity) j["intensity"] = json_of_intensity(*s.intensity);
   if (s.mover_beams > 0) j["mover_beams"] = s.mover_beams;
   j["per_class"] = Json::object();
   for (const auto& [name, part] : s.per_class) j["per_class"][name] = json_of(part, s);

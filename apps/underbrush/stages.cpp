@@ -7,6 +7,7 @@
 
 #include "cli/progress.hpp"
 #include "fit_json.hpp"
+#include "intensity_table.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/elements/scene_file.hpp"
@@ -132,6 +133,7 @@ std::vector<metrics::Score> score_logs(const fs::path& real,
       scene = read_world(c.model);
       world = std::make_unique<trace::World>(world_of(scene));
       options.world = world.get();
+      if (scene.instances.empty()) options.model = world.get();
     }
     Progress progress("score " + c.name);
     try {
@@ -171,7 +173,7 @@ std::string table_of_scores(const std::vector<Candidate>& candidates,
     text += row("CRPS of the range, m", scores, &Summary::crps_m, 3);
     text += "    (a miss counts as the maximum range there, so a wrong one costs many metres)\n";
   }
-  return text;
+  return text + table_of_intensities(scores);
 }
 
 std::string text_of_warnings(const std::vector<std::string>& warnings) {

@@ -6,7 +6,7 @@ benchmarks only counts and ratios of times from one run are compared.
 import pathlib
 import sys
 
-from . import matter, registry_evidence, registry_software
+from . import light, matter, registry_evidence, registry_software
 from .common import HALVES, KEYS, LOGS, REAL_LOGS, STUDY, study
 from .jobs import Job, Measured, Part, read_json, read_rows
 from .tables import HEADING
@@ -363,6 +363,7 @@ MEASURED = {
     "fitters": Measured(fitters(("default", "voxel", "top_down", "bottom_up", "likelihood"))),
     "options-of-fit": Measured(options_of_fit()),
     **matter.MEASURED,
+    **light.MEASURED,
     "echoes": Measured((Part((TERRESTRIAL,), matter.echoes),)),
     "tuning": Measured(tuning()),
     "vegetation": Measured((Part((study("vegetation"),), vegetation),),

@@ -108,6 +108,33 @@ TEST_F(ModelFile, ComesBackWhole) {
   }
 }
 
+TEST_F(ModelFile, KeepsItsLightAndHasNoneWithout) {
+  write_model(folder_ / "m", model_);
+  EXPECT_FALSE(read_model(folder_ / "m").light.known());
+  EXPECT_TRUE(read_model(folder_ / "m").ground.light.empty());
+  model_.light.max_intensity = 255;
+  model_.light.range = {{1, 10}, {1.5, 0.25}};
+  model_.light.incidence[0] = {{0, 1}, {0.5, 1.125}};
+  model_.light.incidence[1] = {{0.5}, {2}};
+  model_.light.ring = {0.9, 1.1};
+  model_.ground.light.resize(model_.ground.size(), {3, 0.5f});
+  model_.ellipsoids[3].light = {7.5f, 2};
+  write_model(folder_ / "m", model_);
+  const Model back = read_model(folder_ / "m");
+  EXPECT_EQ(back.light.max_intensity, 255);
+  EXPECT_EQ(back.light.range.at, model_.light.range.at);
+  EXPECT_EQ(back.light.range.gain, model_.light.range.gain);
+  EXPECT_EQ(back.light.incidence[0].gain, model_.light.incidence[0].gain);
+  EXPECT_EQ(back.light.incidence[1].at, model_.light.incidence[1].at);
+  EXPECT_EQ(back.light.ring, model_.light.ring);
+  EXPECT_EQ(back.ground.light.at(0).mean, 3);
+  EXPECT_TRUE(back.surface.light.empty());
+  EXPECT_EQ(back.ellipsoids[3].light.mean, 7.5f);
+  EXPECT_EQ(back.ellipsoids[3].light.spread, 2);
+  replace("0.25", "-1");
+  EXPECT_THROW(read_model(folder_ / "m"), FormatError);
+}
+
 TEST_F(ModelFile, ReplacesAModelButNothingElse) {
   write_model(folder_ / "m", model_);
   model_.tau = 2;

@@ -16,6 +16,11 @@ void check_hit(const HitCount& hit) {
   require(hit.p >= 0 && hit.p <= 1, "model: a hit probability outside [0, 1]");
 }
 
+void check_light(const Reflectance& r) {
+  require(std::isfinite(r.mean) && r.mean >= 0 && std::isfinite(r.spread) && r.spread >= 0,
+          "model: a reflectance is negative or not finite");
+}
+
 void check_mesh(const TriangleMesh& mesh) {
   require(mesh.hit.size() == mesh.size(),
           "model: triangles and hit probabilities differ in number");
@@ -26,6 +31,9 @@ void check_mesh(const TriangleMesh& mesh) {
     for (uint32_t k : t) require(k < mesh.vertices.size(), "model: a triangle names no vertex");
   }
   for (const HitCount& h : mesh.hit) check_hit(h);
+  require(mesh.light.empty() || mesh.light.size() == mesh.size(),
+          "model: triangles and reflectances differ in number");
+  for (const Reflectance& r : mesh.light) check_light(r);
 }
 
 }  // namespace
@@ -81,6 +89,7 @@ Model Model::like() const {
   out.voxel_m = voxel_m;
   out.class_names = class_names;
   out.grain = grain;
+  out.light = light;
   out.range_noise_m = range_noise_m;
   out.max_range_m = max_range_m;
   out.sensor = sensor;
@@ -109,6 +118,7 @@ void Model::check() const {
     require(i == 0 || channels[i - 1].ring < channels[i].ring,
             "model: the channels are not in ascending order");
   }
+  light.check();
   check_mesh(ground);
   check_mesh(surface);
   for (const Ellipsoid& e : ellipsoids) {
@@ -120,6 +130,7 @@ void Model::check() const {
     require(std::isfinite(e.density_per_m) && e.density_per_m >= 0,
             "model: an ellipsoid's density is negative or not finite");
     check_hit(e.hit);
+    check_light(e.light);
   }
 }
 

@@ -13,6 +13,7 @@
 #include "underbrush/core/channel_offsets.hpp"
 #include "underbrush/core/pose.hpp"
 #include "underbrush/elements/grain.hpp"
+#include "underbrush/elements/light.hpp"
 
 namespace underbrush {
 /// Scene elements and the model that holds them.
@@ -31,6 +32,7 @@ struct TriangleMesh {
   std::vector<Vec3f> vertices;                     ///< m, relative to the model's origin.
   std::vector<std::array<uint32_t, 3>> triangles;  ///< Indices into `vertices`.
   std::vector<HitCount> hit;                       ///< One per triangle.
+  std::vector<Reflectance> light;                  ///< One per triangle; empty where unknown.
   double range_sigma_m = 0;  ///< m; standard deviation σ of the range about the surface.
   /// h (m): standard deviation, along the normal, of the surface about the mesh. A beam at the
   /// angle of incidence θ has the range variance σ² = range_sigma_m² + (h / max(|cos θ|, 0.01))².
@@ -50,6 +52,7 @@ struct Ellipsoid {
   /// crosses, p(δ) = 1 − exp(−κ √(2π) σ e^{−δ²/2}) with the standard deviation σ along the beam,
   /// and `hit.p` is not used.
   float density_per_m = 0;
+  Reflectance light;
 
   Mat3 covariance_matrix() const;
   void set_covariance(const Mat3& sigma);
@@ -79,6 +82,7 @@ struct Model {
   /// its mean; the cells form a grid through the model's origin.
   double voxel_m = 0;
   Grain grain;
+  Light light;  ///< The response of the log's sensor; unknown where it had no intensities.
   /// m; the sensor's part of every element's σ, which each beam draws anew where the matter is
   /// drawn once.
   double range_noise_m = 0;

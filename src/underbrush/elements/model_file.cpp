@@ -8,6 +8,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/file.hpp"
 #include "underbrush/core/temporary.hpp"
+#include "underbrush/elements/light_json.inl"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/json_file.hpp"
 #include "underbrush/io/json_text.inl"
@@ -35,6 +36,12 @@ void add_hit_columns(PlyElement& element, GetHit hit) {
   add_column<uint32_t>(element, "misses", [&](size_t i) { return hit(i).misses; });
 }
 
+template <class GetLight>
+void add_light_columns(PlyElement& element, GetLight light) {
+  add_column<float>(element, "reflectance", [&](size_t i) { return light(i).mean; });
+  add_column<float>(element, "reflectance_spread", [&](size_t i) { return light(i).spread; });
+}
+
 PlyData ply_of_mesh(const TriangleMesh& mesh, bool with_hits) {
   PlyElement vertex, face;
   vertex.name = "vertex";
@@ -47,12 +54,15 @@ PlyData ply_of_mesh(const TriangleMesh& mesh, bool with_hits) {
   face.count = mesh.size();
   face.triangles = mesh.triangles;
   if (with_hits) add_hit_columns(face, [&](size_t i) { return mesh.hit[i]; });
+  if (with_hits && !mesh.light.empty()) {
+    add_light_columns(face, [&](size_t i) { return mesh.light[i]; });
+  }
   PlyData data;
   data.elements = {std::move(vertex), std::move(face)};
   return data;
 }
 
-PlyData ply_of_ellipsoids(const std::vector<Ellipsoid>& ellipsoids) {
+PlyData ply_of_ellipsoids(const std::vector<Ellipsoid>& ellipsoids, bool with_light) {
   PlyElement e;
   e.name = "vertex";  // Point viewers show the means of an element with this name.
   e.count = ellipsoids.size();
@@ -70,6 +80,7 @@ PlyData ply_of_ellipsoids(const std::vector<Ellipsoid>& ellipsoids) {
   if (std::any_of(ellipsoids.begin(), ellipsoids.end(), dense)) {
     add_column<float>(e, "density", [&](size_t i) { return ellipsoids[i].density_per_m; });
   }
+  if (with_light) add_light_columns(e, [&](size_t i) { return ellipsoids[i].light; });
   PlyData data;
   data.elements = {std::move(e)};
   return data;
@@ -98,6 +109,16 @@ std::vector<HitCount> read_hits(const fs::path& file, const PlyElement& element)
   return out;
 }
 
+/// Empty where the file has no reflectances.
+std::vector<Reflectance> read_light(const fs::path& file, const PlyElement& element) {
+  if (!element.find("reflectance")) return {};
+  const auto& mean = column_of<float>(file, element, "reflectance");
+  const auto& spread = column_of<float>(file, element, "reflectance_spread");
+  std::vector<Reflectance> out(element.count);
+  for (size_t i = 0; i < out.size(); ++i) out[i] = {mean[i], spread[i]};
+  return out;
+}
+
 double number_or(const io::JsonValue& object, const char* member, double otherwise) {
   const auto found = object.find(member);
   return found ? found->number() : otherwise;
@@ -117,6 +138,7 @@ TriangleMesh read_mesh(const io::JsonValue& manifest) {
   for (size_t i = 0; i < vertex.count; ++i) mesh.vertices.emplace_back(x[i], y[i], z[i]);
   mesh.triangles = face.triangles;
   mesh.hit = read_hits(file, face);
+  mesh.light = read_light(file, face);
   return mesh;
 }
 
@@ -124,6 +146,7 @@ std::vector<Ellipsoid> read_ellipsoids(const fs::path& file) {
   const PlyData data = io::read_ply(file);
   const PlyElement& e = element_of(file, data, "vertex");
   const std::vector<HitCount> hit = read_hits(file, e);
+  const std::vector<Reflectance> light = read_light(file, e);
   const auto& x = column_of<float>(file, e, "x");
   const auto& y = column_of<float>(file, e, "y");
   const auto& z = column_of<float>(file, e, "z");
@@ -139,6 +162,7 @@ std::vector<Ellipsoid> read_ellipsoids(const fs::path& file) {
     out[i].hit = hit[i];
     out[i].label = label[i];
     if (density) out[i].density_per_m = (*density)[i];
+    if (!light.empty()) out[i].light = light[i];
   }
   return out;
 }
@@ -199,6 +223,7 @@ Json manifest_of(const Model& m) {
   if (m.voxel_m > 0) j["voxel_m"] = m.voxel_m;
   if (std::isfinite(m.max_range_m)) j["max_range_m"] = m.max_range_m;
   j["grain_m"] = json_of_grain(m);
+  if (m.light.known()) j["light"] = json_of_light(m.light);
   if (!m.class_names.empty()) j["class_names"] = m.class_names;
   j["range_noise_m"] = m.range_noise_m;
   if (!m.sensor.empty()) j["sensor"] = m.sensor;
@@ -233,7 +258,8 @@ void write_model(const fs::path& path, const Model& model) {
         make_temporary_folders(folder);
         io::write_ply(folder / "ground.ply", ply_of_mesh(model.ground, true));
         io::write_ply(folder / "surface.ply", ply_of_mesh(model.surface, true));
-        io::write_ply(folder / "ellipsoids.ply", ply_of_ellipsoids(model.ellipsoids));
+        io::write_ply(folder / "ellipsoids.ply",
+                      ply_of_ellipsoids(model.ellipsoids, model.light.known()));
         write_file(folder / "model.json", io::text_of_json(manifest_of(model), 2) + "\n");
       },
       io::OutputKind::kFolder);
@@ -254,6 +280,7 @@ Model read_model(const fs::path& path) {
     for (const io::JsonValue& name : names->values()) model.class_names.push_back(name.text());
   }
   if (const auto grain = j.find("grain_m")) model.grain = grain_of_json(*grain, model);
+  if (const auto light = j.find("light")) model.light = light_of_json(*light);
   model.range_noise_m = number_or(j, "range_noise_m", 0);
   if (const auto sensor = j.find("sensor")) model.sensor = sensor->text();
   if (const auto text = j.find("sensor_file")) model.sensor_file = text->text();

@@ -3,50 +3,13 @@
 #include <algorithm>
 #include <map>
 
-#include "underbrush/core/parallel.hpp"
 #include "underbrush/elements/classes.hpp"
 #include "underbrush/elements/label_sets.hpp"
-#include "underbrush/fit/hit_probability.hpp"
+#include "underbrush/fit/explaining.hpp"
 #include "underbrush/trace/world.hpp"
 
 namespace underbrush::fit {
 namespace {
-
-constexpr uint32_t kNowhere = trace::Intersection::kNone;
-
-/// Finds the ellipsoid that explains each hit of a chunk best, by its place in the model, or
-/// `kNowhere`.
-std::vector<uint32_t> explaining(const trace::World& world, const BeamLog& chunk) {
-  const elements::Model& model = world.model();
-  CreditOptions options;
-  options.rule = "best";
-  const trace::RangeLimits limits{chunk.info.min_range_m,
-                                  std::min(chunk.info.max_range_m, model.max_range_m)};
-  std::vector<uint32_t> found(chunk.size(), kNowhere);
-  parallel_for(chunk.size(), 2048, [&](size_t begin, size_t end) {
-    std::vector<size_t> hits;
-    std::vector<Ray> rays;
-    std::vector<double> reach;
-    for (size_t i = begin; i < end; ++i) {
-      if (!chunk.is_hit(i)) continue;
-      hits.push_back(i);
-      rays.push_back(chunk.ray(i));
-      reach.push_back(
-          std::min(double(chunk.range_m[i]) + options.max_residual_for_hit_m, limits.max_m));
-    }
-    trace::IntersectionLists met;
-    world.all_intersections(rays, limits, reach, met, trace::World::Sequence::kAny);
-    std::vector<Credit> said;
-    for (size_t h = 0; h < hits.size(); ++h) {
-      credit(model, met[h], chunk.range_m[hits[h]], options, said);
-      const auto hit = std::find(said.begin(), said.end(), Credit::kHit);
-      if (hit == said.end()) continue;
-      const elements::ElementPlace place = model.place(met[h][size_t(hit - said.begin())].element);
-      if (place.kind == elements::Kind::kEllipsoid) found[hits[h]] = place.index;
-    }
-  });
-  return found;
-}
 
 /// The number in a model of a class of a label set, which is added where the model lacks it.
 uint32_t class_in(elements::Model& model, std::string_view set, uint32_t number) {
@@ -85,9 +48,12 @@ void learn_classes(elements::Model& model, BeamSource& log) {
   for (BeamLog chunk; log.next(chunk);) {
     const auto column = chunk.extra.find("class");
     if (column == chunk.extra.end()) return;
-    const std::vector<uint32_t> ellipsoid = explaining(world, chunk);
+    const std::vector<uint32_t> element = explaining_elements(world, chunk);
     for (size_t i = 0; i < chunk.size(); ++i) {
-      if (ellipsoid[i] != kNowhere) ++count[{ellipsoid[i], whole_number(column->second, i)}];
+      if (element[i] == trace::Intersection::kNone) continue;
+      const elements::ElementPlace at = model.place(element[i]);
+      if (at.kind != elements::Kind::kEllipsoid) continue;
+      ++count[{at.index, whole_number(column->second, i)}];
     }
   }
   struct Most {

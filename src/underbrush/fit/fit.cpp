@@ -6,6 +6,7 @@
 #include "underbrush/fit/channels.hpp"
 #include "underbrush/fit/element_classes.hpp"
 #include "underbrush/fit/fitters.hpp"
+#include "underbrush/fit/light.hpp"
 #include "underbrush/fit/make_model.hpp"
 
 namespace underbrush::fit {
@@ -148,6 +149,7 @@ FitResult fit(BeamSource& source, const FitOptions& options, const FitProgress& 
   out.model.channels = channels;
   StillBeams still(corrected);
   learn_classes(out.model, still);
+  learn_light(out.model, still);
   const Clustering* clustering = clustering_named(fitter.name);
   if (options.volumetric.mixture.footprint && !fitter.refines &&
       !(clustering && clustering->mixture)) {

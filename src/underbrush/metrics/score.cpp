@@ -81,7 +81,9 @@ std::vector<uint32_t> classes_of(const BeamLog& log) {
 class Scorer {
  public:
   Scorer(const ScoreOptions& options, std::string classes)
-      : options_(options), classes_(std::move(classes)) {
+      : options_(options),
+        classes_(std::move(classes)),
+        intensities_(options.range_edges_m, options.model) {
     sets_.resize(1 + options.range_edges_m.size() + 1);  // all, ranges, misses
   }
 
@@ -90,6 +92,7 @@ class Scorer {
     predict_all(real);
     roughness_[0].add(real);
     roughness_[1].add(sim);
+    intensities_.add(real, sim);
     for (size_t i = 0; i < real.size(); ++i) {
       if (real.scan[i] != sim.scan[i] || real.ring[i] != sim.ring[i] ||
           (real.origin[i] - sim.origin[i]).squaredNorm() > 1e-4) {
@@ -119,12 +122,12 @@ class Scorer {
     score.real_roughness_m = roughness_[0].median();
     score.all = sets_[0].finish();
     score.mover_beams = mover_beams_;
+    score.intensity = intensities_.finish(score.no_intensity);
     const auto& edges = options_.range_edges_m;
     for (size_t k = 0; k < edges.size(); ++k) {
-      const auto text = [](double x) { return std::to_string(int(x)); };
-      const std::string name =
-          k + 1 < edges.size() ? text(edges[k]) + "-" + text(edges[k + 1]) : text(edges[k]) + "-";
-      if (sets_[1 + k].counts.beams) score.per_range[name] = sets_[1 + k].finish();
+      if (sets_[1 + k].counts.beams) {
+        score.per_range[bin_name(edges, k)] = sets_[1 + k].finish();
+      }
     }
     if (sets_[1 + edges.size()].counts.beams) {
       score.per_range["miss"] = sets_[1 + edges.size()].finish();
@@ -233,6 +236,7 @@ class Scorer {
   std::vector<Sums> sets_;
   std::map<uint32_t, size_t> class_set_;
   RangeErrorHistogram histogram_;
+  IntensityScorer intensities_;
   RingRoughness roughness_[2];  // of the real log, and of the simulated one
   std::vector<double> nll_, crps_;
   size_t mover_beams_ = 0;

@@ -4,10 +4,12 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "underbrush/core/beam_log.hpp"
+#include "underbrush/metrics/intensity.hpp"
 #include "underbrush/trace/world.hpp"
 
 namespace underbrush::metrics {
@@ -59,6 +61,9 @@ struct Score {
   /// Roughness along the rings (`RingRoughness::median`, m) of the simulated and of the real log;
   /// NaN for logs without rings.
   double roughness_m = kUnknown, real_roughness_m = kUnknown;
+  /// Scores of intensities; without them, `no_intensity` says why.
+  std::optional<IntensityScore> intensity;
+  std::string no_intensity;
   size_t mover_beams = 0;  ///< Left out: the real return has the flag `kMover`.
 };
 
@@ -67,6 +72,8 @@ struct ScoreOptions {
   bool cloud = true;  ///< Whether to compute cloud error and density-aware Chamfer distance.
   /// If not null, likelihood and CRPS under the ray model are computed.
   const trace::World* world = nullptr;
+  /// If not null, the world of one model, by whose elements intensities are told apart.
+  const trace::World* model = nullptr;
   std::vector<double> range_edges_m = {0, 10, 20, 30, 50, 80};
 };
 

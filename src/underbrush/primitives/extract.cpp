@@ -133,6 +133,7 @@ Model cut(const Model& model, const PlacedObject& o, const std::vector<uint32_t>
       }
       out.surface.triangles.push_back(triangle);
       out.surface.hit.push_back(model.surface.hit[k]);
+      if (!model.surface.light.empty()) out.surface.light.push_back(model.surface.light[k]);
       continue;
     }
     elements::Ellipsoid e = model.ellipsoids[k - model.surface.size()];

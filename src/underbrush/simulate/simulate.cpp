@@ -39,6 +39,12 @@ trace::RangeLimits limits_of(const DynamicWorld& world, const Options& options,
   return {std::max(info.min_range_m, kLeastRangeM), std::min(farthest, world.model(0).max_range_m)};
 }
 
+void make_miss(BeamLog& beams, size_t i) {
+  beams.range_m[i] = kMiss;
+  beams.intensity[i] = 0;
+  beams.flags[i] = 0;
+}
+
 /// The way from a ray's origin to a point that is drawn in the ellipsoid that it met.
 Vec3 to_drawn_point(const DynamicWorld& world, double time_s, const Ray& ray,
                     const Intersection& met, uint64_t key) {
@@ -73,11 +79,10 @@ void simulate(const DynamicWorld& world, const Options& options, size_t first_be
     }
     world.nearest_accepted(rays, once ? trials : keys, {&beams.time_s[begin], n}, limits, met);
     MatterAt matter_of(world);
+    LearntLight light(world, beams.info, options.intensity);
     for (size_t k = 0; k < n; ++k) {
       const size_t i = begin + k;
-      beams.range_m[i] = kMiss;
-      beams.intensity[i] = 0;
-      beams.flags[i] = 0;
+      make_miss(beams, i);
       if (met[k].none()) continue;
       const elements::Model& model = matter_of.model(met[k], beams.time_s[i]);
       if (options.element_ids) {
@@ -101,6 +106,7 @@ void simulate(const DynamicWorld& world, const Options& options, size_t first_be
         range += options.range_noise_m * normal(keys[k], Intersection::kNone, Purpose::kNoise);
       }
       beams.range_m[i] = float(std::clamp(range, limits.min_m, limits.max_m));
+      beams.intensity[i] = light.intensity(model, rays[k], met[k], beams, i, keys[k]);
     }
   });
   if (!options.element_ids) return;

@@ -11,6 +11,7 @@
 #include "underbrush/elements/classes.hpp"
 #include "underbrush/sensor/beam.hpp"
 #include "underbrush/simulate/dynamic_world.hpp"
+#include "underbrush/simulate/learnt_light.hpp"
 
 namespace underbrush {
 /// Simulation: it answers beams from a world.
@@ -27,6 +28,7 @@ struct Options {
   uint64_t seed = 1;
   RangeDraw draw = RangeDraw::kOnRay;
   double range_noise_m = 0;  ///< σ of further noise on every range.
+  IntensityDraw intensity = IntensityDraw::kMean;
   /// If positive, it replaces the maximum range of the beams.
   double max_range_m = 0;
   /// s; correlation time of matter that sways, for worlds of `trace::Draws::kSwaying`, and 0 for
@@ -50,8 +52,9 @@ struct Options {
 /// Elements count at ranges within those of `beams.info` (or `options.max_range_m`) and up to the
 /// `max_range_m` of the model of instance 0, which is the ground of a composed scene; limits of the
 /// other models have no effect. Where a drawn range lies outside these limits, the element's own
-/// range is taken. Intensities are 0, because they depend on an instrument (`EchoMaker` has one).
-/// Throws `std::invalid_argument` for options out of range.
+/// range is taken. Intensities are those of the light that the models have learnt (`LearntLight`)
+/// and 0 for models without; `EchoMaker` has those of an instrument and of materials. Throws
+/// `std::invalid_argument` for options out of range.
 void simulate(const DynamicWorld& world, const Options& options, size_t first_beam, BeamLog& beams);
 
 /// A source that answers the beams of another source chunk by chunk. The world and the other source

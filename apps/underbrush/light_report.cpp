@@ -1,0 +1,93 @@
+#include "light_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace underbrush::app {
+namespace {
+
+/// The name of a sensor, with its wavelength where the catalogue or its data file has one.
+std::string with_wavelength(const std::string& name, const std::string& file) {
+  if (name.empty()) return "an unknown sensor";
+  try {
+    LogInfo info;
+    info.sensor = name;
+    info.sensor_file = file;
+    const double wavelength_m = sensor::sensor_of_log("", info).wavelength_m;
+    return wavelength_m > 0 ? fmt::format("{} ({:.0f} nm)", name, 1e9 * wavelength_m) : name;
+  } catch (const std::exception&) {
+    return name;
+  }
+}
+
+/// The mean reflectance of the elements of a kind, each once and as often as it was hit.
+double mean_reflectance(const elements::Model& m, elements::Kind kind) {
+  double sum = 0, hits = 0;
+  for (size_t e = 0; e < m.size(); ++e) {
+    if (m.kind(e) != kind) continue;
+    const double weight = 1.0 + m.hit(e).hits;
+    sum += weight * double(elements::reflectance(m, e).mean);
+    hits += weight;
+  }
+  return hits > 0 ? sum / hits : 0;
+}
+
+const std::pair<elements::Kind, const char*> kKinds[] = {
+    {elements::Kind::kGround, "ground"},
+    {elements::Kind::kSurface, "surface"},
+    {elements::Kind::kEllipsoid, "ellipsoids"}};
+
+}  // namespace
+
+Json json_of_light(const elements::Model& m) {
+  if (!m.light.known()) return nullptr;
+  Json j{{"max_intensity", m.light.max_intensity}};
+  for (const auto& [kind, name] : kKinds) j["reflectance"][name] = mean_reflectance(m, kind);
+  j["range_m"] = m.light.range.at;
+  j["range_gain"] = m.light.range.gain;
+  j["ring_gain"] = m.light.ring;
+  return j;
+}
+
+std::string text_of_light(const elements::Model& m) {
+  if (!m.light.known()) return "";
+  std::string text = "  light       mean reflectance";
+  const char* comma = " ";
+  for (const auto& [kind, name] : kKinds) {
+    const double mean = mean_reflectance(m, kind);
+    if (mean > 0) text += fmt::format("{}{:.3g} of {}", std::exchange(comma, ", "), mean, name);
+  }
+  const elements::Gain& f = m.light.range;
+  if (!f.at.empty()) {
+    text += fmt::format("; {:.2f} of it at {:.3g} m, {:.2f} at {:.3g} m", f.gain.front(),
+                        f.at.front(), f.gain.back(), f.at.back());
+  }
+  if (!m.light.ring.empty()) {
+    const auto [least, most] = std::minmax_element(m.light.ring.begin(), m.light.ring.end());
+    text += fmt::format("; channels {:.2f} to {:.2f}", *least, *most);
+  }
+  return text + "\n";
+}
+
+std::string intensities_in_words(std::span<const elements::Model> models, const LogInfo& asking,
+                                 bool instrument) {
+  const auto has_light = [](const elements::Model& m) { return m.light.known(); };
+  const auto lit = std::find_if(models.begin(), models.end(), has_light);
+  if (lit == models.end()) return "";
+  if (instrument) return "of the sensor and the materials; the learnt light is not used";
+  std::string text =
+      "learnt from a log of " + with_wavelength(lit->sensor, lit->sensor_file) + ", in its unit";
+  if (lit->sensor != asking.sensor || lit->sensor_file != asking.sensor_file) {
+    text += "; " + with_wavelength(asking.sensor, asking.sensor_file) +
+            " is taken to answer alike, but without gains of channels";
+  }
+  const auto dark = std::count_if(models.begin(), models.end(), [&](const elements::Model& m) {
+    return m.size() > 0 && !m.light.known();
+  });
+  if (dark > 0) text += fmt::format("; {} models without light answer 0", dark);
+  return text;
+}
+
+}  // namespace underbrush::app

@@ -1,0 +1,82 @@
+#include "underbrush/elements/light.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "underbrush/core/check.hpp"
+#include "underbrush/elements/model.hpp"
+
+namespace underbrush::elements {
+namespace {
+
+double cosine_on(const TriangleMesh& mesh, uint32_t triangle, const Vec3& direction) {
+  const auto& [a, b, c] = mesh.triangles[triangle];
+  const Vec3 from = mesh.vertices[a].cast<double>();
+  const Vec3 normal =
+      (mesh.vertices[b].cast<double>() - from).cross(mesh.vertices[c].cast<double>() - from);
+  const double length = normal.norm();
+  return length > 0 ? std::min(1.0, std::abs(normal.dot(direction)) / length) : 1;
+}
+
+// By the adjugate A = det(Σ) Σ⁻¹, whose determinant cancels.
+double cosine_on(const Ellipsoid& e, const Vec3& d) {
+  const double xx = e.covariance[0], xy = e.covariance[1], xz = e.covariance[2];
+  const double yy = e.covariance[3], yz = e.covariance[4], zz = e.covariance[5];
+  const double a = yy * zz - yz * yz, b = xx * zz - xz * xz, c = xx * yy - xy * xy;
+  const double across = d.x() * d.y() * (xz * yz - xy * zz) + d.x() * d.z() * (xy * yz - xz * yy) +
+                        d.y() * d.z() * (xy * xz - xx * yz);
+  const double along = d.x() * d.x() * a + d.y() * d.y() * b + d.z() * d.z() * c + 2 * across;
+  return std::sqrt(std::clamp(along / (a + b + c), 0.0, 1.0));
+}
+
+}  // namespace
+
+Gain::Between Gain::between(double x) const {
+  const auto above = std::upper_bound(at.begin(), at.end(), x);
+  if (above == at.begin()) return {};
+  const size_t first = size_t(above - at.begin()) - 1;
+  if (above == at.end()) return {first, first, 0};
+  return {first, first + 1, (x - at[first]) / (*above - at[first])};
+}
+
+double Gain::operator()(double x) const {
+  if (at.empty()) return 1;
+  const Between b = between(x);
+  return (1 - b.weight) * gain[b.first] + b.weight * gain[b.second];
+}
+
+void Gain::check() const {
+  require(at.size() == gain.size(), "light: knots and gains differ in number");
+  for (size_t k = 0; k < at.size(); ++k) {
+    require(std::isfinite(at[k]) && (k == 0 || at[k] > at[k - 1]), "light: knots must rise");
+    require(std::isfinite(gain[k]) && gain[k] > 0, "light: a gain is not positive");
+  }
+}
+
+double Light::response(double range_m, double cosine, bool is_ellipsoid, uint32_t ring_number,
+                       bool same_sensor) const {
+  const double h = same_sensor && ring_number < ring.size() ? ring[ring_number] : 1;
+  return range(range_m) * incidence[is_ellipsoid](cosine) * h;
+}
+
+void Light::check() const {
+  require(std::isfinite(max_intensity) && max_intensity >= 0, "light: a bad largest intensity");
+  range.check();
+  for (const Gain& g : incidence) g.check();
+  for (const double h : ring) require(std::isfinite(h) && h > 0, "light: a gain is not positive");
+}
+
+double incidence_cosine(const Model& model, size_t element, const Vec3& direction) {
+  const ElementPlace at = model.place(element);
+  if (at.kind == Kind::kEllipsoid) return cosine_on(model.ellipsoids[at.index], direction);
+  return cosine_on(model.mesh(at.kind), at.index, direction);
+}
+
+Reflectance reflectance(const Model& model, size_t element) {
+  const ElementPlace at = model.place(element);
+  if (at.kind == Kind::kEllipsoid) return model.ellipsoids[at.index].light;
+  const TriangleMesh& mesh = model.mesh(at.kind);
+  return mesh.light.empty() ? Reflectance{} : mesh.light[at.index];
+}
+
+}  // namespace underbrush::elements

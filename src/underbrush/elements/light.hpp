@@ -1,0 +1,64 @@
+/// \file
+/// How bright a model's elements answer: a reflectance for each, and the response of the sensor
+/// that all share.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "underbrush/core/pose.hpp"
+
+namespace underbrush::elements {
+
+struct Model;
+
+/// The reflectance of an element, in the unit of the log's intensities: mean and standard deviation
+/// of the intensity of a return whose response is 1. Where nothing is known, both are 0.
+struct Reflectance {
+  float mean = 0;
+  float spread = 0;
+};
+
+/// A function that is linear between knots and constant beyond the first and the last.
+struct Gain {
+  std::vector<double> at;    ///< Where the knots are, in rising order.
+  std::vector<double> gain;  ///< The values there, one a knot; positive.
+
+  /// The two knots about `x` and the weight of the second.
+  struct Between {
+    size_t first = 0, second = 0;
+    double weight = 0;
+  };
+  Between between(double x) const;
+  double operator()(double x) const;
+  /// Throws `std::invalid_argument` where the knots do not rise or a value is not positive.
+  void check() const;
+};
+
+/// The response of the sensor of a log: a return at the range r (m), under the cosine c of the
+/// incidence, from the channel with the number n, has the expected intensity ρ f(r) g(c) h(n),
+/// where ρ is the reflectance of its element. Each factor is 1 on average over the log.
+struct Light {
+  Gain range;                ///< f.
+  Gain incidence[2];         ///< g of triangles, and g of ellipsoids.
+  std::vector<double> ring;  ///< h, one a channel; channels beyond have 1.
+  double max_intensity = 0;  ///< The largest intensity of the log, beyond which none is answered.
+
+  /// Whether a log with intensities was there to learn from.
+  bool known() const { return max_intensity > 0; }
+  /// f(r) g(c) h(n); `same_sensor` tells whether h applies.
+  double response(double range_m, double cosine, bool is_ellipsoid, uint32_t ring_number,
+                  bool same_sensor) const;
+  /// Throws `std::invalid_argument` where a part is inconsistent.
+  void check() const;
+};
+
+/// The cosine of incidence of a ray with the unit vector `direction` (model frame) on an element.
+/// For a triangle it is |n·d|. For an ellipsoid with the covariance Σ it is
+/// √(dᵀΣ⁻¹d / tr Σ⁻¹), which tends to |n·d| for a flat one and is 1/√3 in every direction for a
+/// ball, because a volume has no surface to incline.
+double incidence_cosine(const Model& model, size_t element, const Vec3& direction);
+
+/// The reflectance of an element; zeros where the model has no light.
+Reflectance reflectance(const Model& model, size_t element);
+
+}  // namespace underbrush::elements

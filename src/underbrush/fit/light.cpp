@@ -1,0 +1,120 @@
+#include "underbrush/fit/light.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "underbrush/core/rng.hpp"
+#include "underbrush/fit/explaining.hpp"
+#include "underbrush/fit/light_response.hpp"
+#include "underbrush/trace/world.hpp"
+
+namespace underbrush::fit {
+namespace {
+
+constexpr size_t kMostSamples = size_t(1) << 17;
+
+bool has_intensity(const BeamLog& log, size_t i) {
+  return log.is_hit(i) && std::isfinite(log.intensity[i]) && log.intensity[i] >= 0;
+}
+
+void forget_light(elements::Model& model) {
+  model.light = {};
+  model.ground.light.clear();
+  model.surface.light.clear();
+  for (elements::Ellipsoid& e : model.ellipsoids) e.light = {};
+}
+
+/// The returns of a chunk with intensity of which an element is known.
+std::vector<LightSample> samples_of(const trace::World& world, const BeamLog& chunk) {
+  const elements::Model& model = world.model();
+  const std::vector<uint32_t> element = explaining_elements(world, chunk);
+  std::vector<LightSample> out;
+  for (size_t i = 0; i < chunk.size(); ++i) {
+    if (element[i] == trace::Intersection::kNone || !has_intensity(chunk, i)) continue;
+    const Vec3 direction = chunk.ray(i).direction;
+    out.push_back({element[i], chunk.intensity[i], chunk.range_m[i],
+                   float(elements::incidence_cosine(model, element[i], direction)), chunk.ring[i],
+                   model.kind(element[i]) == elements::Kind::kEllipsoid});
+  }
+  return out;
+}
+
+/// One return in so many of a log, chosen by their number.
+class Thinned {
+ public:
+  explicit Thinned(size_t beams) : one_in_(1 + beams / kMostSamples) {}
+  BeamLog operator()(const BeamLog& chunk) {
+    if (one_in_ == 1) return chunk;
+    BeamLog out = chunk.like();
+    for (size_t i = 0; i < chunk.size(); ++i, ++row_) {
+      if (mix64(row_ + 1) % one_in_ == 0 && chunk.is_hit(i)) out.append(chunk, i);
+    }
+    return out;
+  }
+
+ private:
+  uint64_t one_in_, row_ = 0;
+};
+
+/// Numbers the kinds of elements and their classes.
+std::vector<uint32_t> groups_of(const elements::Model& model, size_t& groups) {
+  std::map<std::pair<elements::Kind, uint32_t>, uint32_t> number;
+  std::vector<uint32_t> out(model.size());
+  for (size_t e = 0; e < out.size(); ++e) {
+    const elements::ElementPlace at = model.place(e);
+    const bool is_ellipsoid = at.kind == elements::Kind::kEllipsoid;
+    const uint32_t label = is_ellipsoid ? model.ellipsoids[at.index].label : 0;
+    out[e] = number.try_emplace({at.kind, label}, uint32_t(number.size())).first->second;
+  }
+  groups = number.size();
+  return out;
+}
+
+void set_light(elements::Model& model, const std::vector<elements::Reflectance>& of) {
+  model.ground.light.resize(model.ground.size());
+  model.surface.light.resize(model.surface.size());
+  for (size_t e = 0; e < of.size(); ++e) {
+    const elements::ElementPlace at = model.place(e);
+    if (at.kind == elements::Kind::kGround) model.ground.light[at.index] = of[e];
+    if (at.kind == elements::Kind::kSurface) model.surface.light[at.index] = of[e];
+    if (at.kind == elements::Kind::kEllipsoid) model.ellipsoids[at.index].light = of[e];
+  }
+}
+
+}  // namespace
+
+void learn_light(elements::Model& model, BeamSource& log) {
+  forget_light(model);
+  const trace::World world(model);
+  std::vector<LightSample> samples;
+  Thinned thinned(log.size());
+  double most = 0;
+  log.rewind();
+  for (BeamLog chunk; log.next(chunk);) {
+    for (size_t i = 0; i < chunk.size(); ++i) {
+      if (has_intensity(chunk, i)) most = std::max(most, double(chunk.intensity[i]));
+    }
+    const BeamLog chosen = thinned(chunk);
+    if (most == 0) continue;
+    const std::vector<LightSample> more = samples_of(world, chosen);
+    samples.insert(samples.end(), more.begin(), more.end());
+  }
+  if (most == 0 || samples.empty()) return;
+  size_t groups = 0;
+  const std::vector<uint32_t> group = groups_of(model, groups);
+  elements::Light light = fit_response(samples, group, groups);
+  light.max_intensity = most;
+  std::vector<LightSums> sums(model.size());
+  log.rewind();
+  for (BeamLog chunk; log.next(chunk);) {
+    for (const LightSample& s : samples_of(world, chunk)) {
+      sums[s.element].add(s.intensity,
+                          light.response(s.range_m, s.cosine, s.is_ellipsoid, s.ring, true));
+    }
+  }
+  model.light = std::move(light);
+  set_light(model, reflectances(sums, group, groups));
+}
+
+}  // namespace underbrush::fit

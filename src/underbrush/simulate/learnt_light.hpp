@@ -1,0 +1,41 @@
+/// \file
+/// The intensities that a model with learnt light answers.
+#pragma once
+#include <string>
+
+#include "underbrush/core/beam_log.hpp"
+#include "underbrush/simulate/dynamic_world.hpp"
+
+namespace underbrush::simulate {
+
+/// How a return's intensity follows from what is known of its element.
+enum class IntensityDraw {
+  kMean,   ///< The expected intensity: the least squared error.
+  kDrawn,  ///< Drawn with the spread within the element: the distribution of the log.
+};
+
+/// The light that beams find in a world. What is known of a model is kept until another one is
+/// asked for.
+class LearntLight {
+ public:
+  /// `world` must outlive it; `beams` says which sensor asks.
+  LearntLight(const DynamicWorld& world, const LogInfo& beams, IntensityDraw draw)
+      : world_(world), sensor_(beams.sensor), sensor_file_(beams.sensor_file), draw_(draw) {}
+
+  /// Computes the intensity of the return that beam i of `beams` has of what its ray met, in the
+  /// unit of the log that `model` was fitted to: I = k x with the response k (`elements::Light`) and
+  /// x either ρ or log-normal with the mean ρ and the element's spread, but at most the log's
+  /// largest intensity. Gains of channels count where the sensor is that of the log. A model without
+  /// light answers 0. `key` is the beam's.
+  float intensity(const elements::Model& model, const Ray& ray, const trace::Intersection& met,
+                  const BeamLog& beams, size_t i, uint64_t key);
+
+ private:
+  const DynamicWorld& world_;
+  std::string sensor_, sensor_file_;
+  IntensityDraw draw_;
+  const elements::Model* model_ = nullptr;
+  bool same_sensor_ = false;
+};
+
+}  // namespace underbrush::simulate
