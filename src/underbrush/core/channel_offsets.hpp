@@ -26,6 +26,7 @@ void add_offsets(const ChannelOffsets& offsets, double sign, BeamLog& beams);
 struct OffsetSpread {
   double sigma_m = 0, standard_error_m = 0;
 };
+/// Returns the spread of the offsets and of their standard errors.
 OffsetSpread spread_of(const ChannelOffsets& offsets);
 
 /// A log with true ranges instead of measured ones: the offsets are taken away.

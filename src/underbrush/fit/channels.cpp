@@ -17,18 +17,16 @@ constexpr size_t kBlock = 1 << 16;    // beams of a long log that are taken or l
 constexpr size_t kFewestPoints = 20;  // of a flat cell
 constexpr long kFewestRings = 5;      // of a flat cell
 constexpr int kFewestCells = 10;      // of a ring with an offset
-constexpr double kThickestM = 0.06;   // standard deviation across a flat cell
+constexpr double kThickestM = 0.03;   // standard deviation across a flat cell
 constexpr double kLeastCosine = 0.3;  // of a beam with the normal
 constexpr double kMeanPrior = 0.01;   // precision of the offsets' mean against that of one ring
 constexpr double kSignificant = 3;    // standard errors
 
 struct Point {
-  Cell3 cell;
   uint16_t ring;
   Vec3f at, direction;  // m, relative to the log's origin
 };
 
-// The points in order of cells, then rings. The order within a ring is that of the log.
 std::vector<Point> points_of(BeamSource& log, const ChannelOptions& o) {
   const std::optional<Vec3> origin = log_origin(log);
   std::vector<Point> points;
@@ -41,14 +39,40 @@ std::vector<Point> points_of(BeamSource& log, const ChannelOptions& o) {
       const double range = chunk.range_m[i];
       if (range < o.min_range_m || range > o.max_range_m) continue;
       const Vec3 at = chunk.end_point(i) - *origin;
-      points.push_back(
-          {cell_of(at, o.cell_m), chunk.ring[i], at.cast<float>(), chunk.direction[i]});
+      points.push_back({chunk.ring[i], at.cast<float>(), chunk.direction[i]});
     }
   }
-  std::stable_sort(points.begin(), points.end(), [](const Point& a, const Point& b) {
-    return a.cell != b.cell ? a.cell < b.cell : a.ring < b.ring;
-  });
   return points;
+}
+
+/// The numbers of the points in order of the cells of a grid, then rings, then the log's order, and
+/// where each cell begins; the last entry of `begin` is the end.
+struct Grid {
+  std::vector<uint32_t> order, begin;
+};
+
+// The grid whose cells begin at `shift_m` on each axis.
+Grid grid_of(const std::vector<Point>& points, double side_m, double shift_m) {
+  struct Key {
+    Cell3 cell;
+    uint16_t ring;
+    uint32_t point;
+    auto operator<=>(const Key&) const = default;
+  };
+  std::vector<Key> keys;
+  keys.reserve(points.size());
+  for (size_t i = 0; i < points.size(); ++i) {
+    const Vec3 at = points[i].at.cast<double>() - Vec3::Constant(shift_m);
+    keys.push_back({cell_of(at, side_m), points[i].ring, uint32_t(i)});
+  }
+  std::sort(keys.begin(), keys.end());
+  Grid grid;
+  for (size_t i = 0; i < keys.size(); ++i) {
+    if (i == 0 || keys[i].cell != keys[i - 1].cell) grid.begin.push_back(uint32_t(i));
+    grid.order.push_back(keys[i].point);
+  }
+  grid.begin.push_back(uint32_t(keys.size()));
+  return grid;
 }
 
 /// The mean of the returns of a ring in a flat cell.
@@ -60,32 +84,37 @@ struct Observation {
 };
 
 // The observations of a cell; none where it is not flat.
-std::vector<Observation> observations_of(std::span<const Point> cell,
-                                         const std::vector<double>& offset) {
+std::vector<Observation> observations_of(const std::vector<Point>& points,
+                                         std::span<const uint32_t> cell,
+                                         const std::vector<double>& offset, double thickest_m) {
   if (cell.size() < kFewestPoints) return {};
   const auto place = [&](const Point& p) -> Vec3 {
     return p.at.cast<double>() - offset[p.ring] * p.direction.cast<double>();
   };
   Vec3 mean = Vec3::Zero();
-  for (const Point& p : cell) mean += place(p);
+  for (const uint32_t p : cell) mean += place(points[p]);
   mean /= double(cell.size());
   Mat3 spread = Mat3::Zero();
-  for (const Point& p : cell) spread += (place(p) - mean) * (place(p) - mean).transpose();
+  for (const uint32_t p : cell) {
+    const Vec3 from_mean = place(points[p]) - mean;
+    spread += from_mean * from_mean.transpose();
+  }
   Eigen::SelfAdjointEigenSolver<Mat3> eigen;
   eigen.computeDirect(spread / double(cell.size()));
   const Vec3 variance = eigen.eigenvalues().cwiseMax(0);
-  const bool flat = variance[0] < kThickestM * kThickestM && variance[1] > 0.05 * 0.05 &&
+  const bool flat = variance[0] < thickest_m * thickest_m && variance[1] > 0.05 * 0.05 &&
                     variance[0] < 0.1 * variance[1];
   if (!flat) return {};
   const Mat3& axes = eigen.eigenvectors();
   const double farthest = 3 * std::max(std::sqrt(variance[0]), 0.005);
   std::vector<Observation> out;
   for (size_t i = 0; i < cell.size();) {
-    const uint16_t ring = cell[i].ring;
+    const uint16_t ring = points[cell[i]].ring;
     Observation sum{ring, 0, 0, 0, Vec3::Zero()};
-    for (; i < cell.size() && cell[i].ring == ring; ++i) {
-      const Vec3 at = axes.transpose() * (place(cell[i]) - mean);
-      const double cosine = axes.col(0).dot(cell[i].direction.cast<double>());
+    for (; i < cell.size() && points[cell[i]].ring == ring; ++i) {
+      const Point& p = points[cell[i]];
+      const Vec3 at = axes.transpose() * (place(p) - mean);
+      const double cosine = axes.col(0).dot(p.direction.cast<double>());
       if (std::abs(cosine) < kLeastCosine || std::abs(at[0]) > farthest) continue;
       sum.weight += 1;
       sum.off_m += at[0];
@@ -137,12 +166,17 @@ struct Equations {
   }
 };
 
-Equations equations_of(const std::vector<Point>& points, const std::vector<double>& offset) {
+Equations equations_of(const std::vector<Point>& points, const std::vector<Grid>& grids,
+                       const std::vector<double>& offset, double thickest_m) {
   Equations out(offset.size());
-  for (size_t begin = 0, end = 0; begin < points.size(); begin = end) {
-    while (end < points.size() && points[end].cell == points[begin].cell) ++end;
-    const auto cell = observations_of({&points[begin], end - begin}, offset);
-    if (!cell.empty()) out.add(cell);
+  for (const Grid& grid : grids) {
+    for (size_t k = 0; k + 1 < grid.begin.size(); ++k) {
+      const std::span<const uint32_t> order = grid.order;
+      const auto cell =
+          observations_of(points, order.subspan(grid.begin[k], grid.begin[k + 1] - grid.begin[k]),
+                          offset, thickest_m);
+      if (!cell.empty()) out.add(cell);
+    }
   }
   return out;
 }
@@ -183,13 +217,17 @@ ChannelOffsets learn_offsets(BeamSource& log, const ChannelOptions& options) {
   for (const Point& p : points) rings = std::max(rings, size_t(p.ring) + 1);
   if (rings < size_t(kFewestRings) || rings > 1024) return {};
   const double prior = 1 / (options.prior_m * options.prior_m);
+  // Rings that meet at the border of two cells meet within a cell of the other grid.
+  const std::vector<Grid> grids{grid_of(points, options.cell_m, 0),
+                                grid_of(points, options.cell_m, options.cell_m / 2)};
   std::vector<double> offset(rings);
   Eigen::MatrixXd covariance;
   std::vector<int> cells;
   for (int round = 0; round < options.rounds; ++round) {
-    const Equations e = equations_of(points, offset);
+    const Equations e = equations_of(points, grids, offset, (round == 0 ? 2 : 1) * kThickestM);
     if (!(e.squares > 0) || e.freedom < double(rings)) return {};
-    const double precision = e.freedom / e.squares;
+    // Both grids have the same points, which count once.
+    const double precision = e.freedom / e.squares / double(grids.size());
     cells = e.cells;
     Eigen::MatrixXd matrix = precision * e.matrix;
     Eigen::VectorXd right = precision * e.right;
