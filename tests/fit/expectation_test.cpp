@@ -1,10 +1,12 @@
+#include "underbrush/fit/expectation.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/core/rng.hpp"
-#include "underbrush/fit/element_sums.hpp"
+#include "underbrush/fit/maximisation.hpp"
 #include "underbrush/fit/rearrangement.hpp"
 #include "underbrush/metrics/predictive.hpp"
 #include "underbrush/trace/world.hpp"
@@ -12,53 +14,117 @@
 namespace underbrush::fit {
 namespace {
 
+/// Elements of one kind with given ranges, σ and p, and beams that meet them: triangles whose σ is
+/// the root of their tilt.
+struct GivenMeetings {
+  std::vector<trace::Intersection> met;
+  std::vector<float> p;
+  BeamBlock block;
+
+  GivenMeetings(std::vector<trace::Intersection> list, double range_m) : met(std::move(list)) {
+    for (const trace::Intersection& m : met) {
+      p.push_back(float(m.p));
+      block.met.push_back({m.element, float(m.t_m), float(m.sigma_m * m.sigma_m)});
+    }
+    block.beams = {{{0, 0, 0}, float(range_m), {1, 0, 0}, 1000}};
+    block.held_out = {0};
+    block.first = {0, uint32_t(met.size())};
+  }
+  PassTotals share(const trace::OutlierShares& soft, double max_range_m, BlockShares& out) const {
+    ModelForm form{};
+    form.triangle_p = p.data();
+    form.ground_triangles = form.triangles = uint32_t(p.size());
+    form.roughness_variance[0] = 1;
+    return find_shares(form, block, soft, max_range_m, out);
+  }
+};
+
 std::vector<trace::Intersection> random_mets(Stream& random, size_t n) {
   std::vector<trace::Intersection> met;
   double t = 2;
   for (uint32_t k = 0; k < n; ++k) {
     t += random.uniform(0, 3);
     const double sigma = random.uniform(0.05, 2), p = random.uniform();
-    met.push_back({t, sigma, random.uniform(0, 4), p, k});
+    met.push_back({t, sigma, 0, p, k});
   }
   return met;
 }
 
-TEST(Responsibilities, SumToOneAndTheirLikelihoodIsThatOfTheScore) {
+TEST(Shares, SumToOneAndTheirLikelihoodIsThatOfTheScore) {
   Stream random(21);
   for (int i = 0; i < 200; ++i) {
     const std::vector<trace::Intersection> met = random_mets(random, i % 7);
     const double range = i % 3 ? random.uniform(0, 20) : double(kMiss);
-    Responsibilities shares;
-    find_responsibilities(met, range, {}, 100, shares);
-    double sum = shares.unexplained;
-    for (size_t k = 0; k < met.size(); ++k) sum += shares.hit[k];
-    if (range == kMiss && !met.empty()) sum += shares.pass[0];
-    if (range == kMiss && met.empty()) sum = 1;
-    EXPECT_NEAR(sum, 1, 1e-12);
+    BlockShares shares;
+    const PassTotals totals = GivenMeetings(met, range).share({}, 100, shares);
+    double sum = totals.stray_hits.value();
+    for (size_t k = 0; k < met.size(); ++k) sum += double(shares.hit[k]);
+    if (range != kMiss) {
+      EXPECT_NEAR(sum, 1, 1e-6);
+    }
     for (size_t k = 1; k < met.size(); ++k) {
-      EXPECT_NEAR(shares.pass[k - 1], shares.pass[k] + shares.hit[k], 1e-12);
+      EXPECT_NEAR(shares.pass[k - 1], shares.pass[k] + shares.hit[k], 1e-6);
     }
     trace::RangeMixture p;
     trace::mix_ranges(met, 1, 0, p);
-    EXPECT_NEAR(-shares.log_likelihood, metrics::negative_log_likelihood(p, range, 100), 1e-9);
+    const double want = metrics::negative_log_likelihood(p, range, 100);
+    EXPECT_NEAR(totals.training.value(), want, 1e-5);
+    EXPECT_NEAR(shares.loss[0], want, 1e-5);
   }
 }
 
-TEST(Responsibilities, OfTwoElementsByHand) {
-  const std::vector<trace::Intersection> met{{10, 0.1, 0, 0.5, 0}, {10.2, 0.2, 0, 0.8, 1}};
+TEST(Shares, OfTwoElementsByHandInAnyOrderOfTheList) {
+  std::vector<trace::Intersection> met{{10, 0.1, 0, 0.5, 0}, {10.2, 0.2, 0, 0.8, 1}};
   const auto density = [](double x, double s) {
     return std::exp(-0.5 * x * x / (s * s)) / (s * std::sqrt(2 * M_PI));
   };
   const double a = 0.9 * 0.5 * density(0.1, 0.1), b = 0.9 * 0.5 * 0.8 * density(-0.1, 0.2);
-  Responsibilities shares;
-  find_responsibilities(met, 10.1, {0.06, 0.04}, 50, shares);
   const double total = a + b + 0.06 / 50;
-  EXPECT_NEAR(shares.hit[0], a / total, 1e-12);
-  EXPECT_NEAR(shares.pass[0], b / total, 1e-12);
-  EXPECT_NEAR(shares.pass[1], 0, 1e-12);
-  find_responsibilities(met, kMiss, {0.06, 0.04}, 50, shares);
-  EXPECT_NEAR(shares.pass[1], 0.9 * 0.1 / (0.9 * 0.1 + 0.04), 1e-12);
+  for (size_t first : {0, 1}) {
+    const size_t near = first, far = 1 - first;
+    BlockShares shares;
+    GivenMeetings(met, 10.1).share({0.06, 0.04}, 50, shares);
+    EXPECT_NEAR(shares.hit[near], a / total, 1e-5);
+    EXPECT_NEAR(shares.pass[near], b / total, 1e-5);
+    EXPECT_NEAR(shares.pass[far], 0, 1e-6);
+    GivenMeetings(met, double(kMiss)).share({0.06, 0.04}, 50, shares);
+    EXPECT_NEAR(shares.pass[far], 0.9 * 0.1 / (0.9 * 0.1 + 0.04), 1e-6);
+    met = {{10.2, 0.2, 0, 0.8, 0}, {10, 0.1, 0, 0.5, 1}};
+  }
 }
+
+/// The sums of beams that meet one ellipsoid each, with given shares.
+class GivenShares {
+ public:
+  explicit GivenShares(const elements::Model& model)
+      : model_(model), by_element_(model.ellipsoids.size()) {}
+  void add(const Ray& ray, uint32_t element, double range_m, double hit, double pass, double loss) {
+    const Vec3f o = ray.origin.cast<float>(), d = ray.direction.cast<float>();
+    const uint32_t beam = uint32_t(block_.beams.size());
+    block_.beams.push_back({{o[0], o[1], o[2]}, float(range_m), {d[0], d[1], d[2]}, 1000});
+    shares_.hit.push_back(float(hit));
+    shares_.pass.push_back(float(pass));
+    shares_.loss.push_back(float(loss));
+    by_element_[element].push_back({beam, beam});
+  }
+  ElementSums sums() {
+    for (uint32_t e = 0; e < by_element_.size(); ++e) {
+      block_.elements.push_back({e, uint32_t(block_.by_element.size())});
+      block_.by_element.insert(block_.by_element.end(), by_element_[e].begin(),
+                               by_element_[e].end());
+    }
+    block_.elements.push_back({uint32_t(by_element_.size()), uint32_t(block_.by_element.size())});
+    ElementSums out(model_);
+    out.add(ModelForms(model_, 0).view(), block_, shares_);
+    return out;
+  }
+
+ private:
+  const elements::Model& model_;
+  std::vector<std::vector<ElementMeeting>> by_element_;
+  BeamBlock block_;
+  BlockShares shares_;
+};
 
 /// Computes the expected log-likelihood of fixed shares as the one ellipsoid moves.
 double expected(const elements::Model& model, const std::vector<Ray>& rays,
@@ -91,7 +157,7 @@ TEST(ElementSums, SlopesAreTheDerivativesOfTheExpectedLogLikelihood) {
   std::vector<Ray> rays;
   std::vector<double> ranges;
   std::vector<std::array<double, 2>> given;
-  ElementSums sums(model);
+  GivenShares shares(model);
   for (int i = 0; i < 40; ++i) {
     Vec3 from(random.normal(), random.normal(), random.normal());
     from = 6 * from.normalized();
@@ -103,9 +169,9 @@ TEST(ElementSums, SlopesAreTheDerivativesOfTheExpectedLogLikelihood) {
     ranges.push_back(met.t_m + met.sigma_m * random.normal());
     const double hit = random.uniform(), pass = random.uniform(0, 1 - hit);
     given.push_back({hit, pass});
-    sums.add(rays.back(), {&met, 1}, ranges.back(), {{hit}, {pass}, 0, 0, {}});
+    shares.add(rays.back(), 0, ranges.back(), hit, pass, 0);
   }
-  const EllipsoidSums s = sums.ellipsoid(0);
+  const EllipsoidSums s = shares.sums().ellipsoid(0);
   const auto slope = [&](const std::function<void(elements::Ellipsoid&, double)>& move) {
     const double step = 2e-3;
     double at[2];
@@ -135,6 +201,42 @@ TEST(ElementSums, SlopesAreTheDerivativesOfTheExpectedLogLikelihood) {
   }
 }
 
+/// A step along one entry of E is that of Newton's method: a small error in that entry is gone
+/// after it. Beams come from all sides and return as the true ellipsoid says.
+TEST(Maximisation, OneStepMendsASmallStretchOnAndOffTheDiagonal) {
+  elements::Model truth;
+  truth.tau = 50;
+  elements::Ellipsoid e;
+  e.set_covariance(0.25 * Mat3::Identity());
+  e.density_per_m = 0.8f;
+  truth.ellipsoids = {e};
+  MaximisationOptions options;
+  options.prior_points = options.opaque_hits = options.spent_points = 0;
+  for (const auto& [i, j] : {std::pair{0, 0}, std::pair{0, 1}, std::pair{1, 2}}) {
+    Mat3 error = Mat3::Zero();
+    error(i, j) = error(j, i) = 0.05;
+    elements::Model start = truth;
+    const Mat3 root = 0.5 * (Mat3::Identity() + error);
+    start.ellipsoids[0].set_covariance(root * root.transpose());
+    GivenShares shares(start);
+    Stream random(23);
+    for (int k = 0; k < 40000; ++k) {
+      Vec3 from(random.normal(), random.normal(), random.normal());
+      from = 6 * from.normalized();
+      const Vec3 to(0.6 * random.normal(), 0.6 * random.normal(), 0.6 * random.normal());
+      const Ray ray{from, (to - from).normalized()};
+      const trace::Intersection met =
+          trace::intersect(truth, 0, ray.origin, ray.direction, {-100, 100});
+      // its mean over outcomes: a return with probability p, one σ before or behind
+      shares.add(ray, 0, met.t_m + (k % 2 ? 1 : -1) * met.sigma_m, met.p, 1 - met.p, 0);
+    }
+    const Mat3 after =
+        maximised(start, shares.sums(), options, 1).ellipsoids[0].covariance_matrix();
+    const double left = (after(i, j) - (i == j ? 0.25 : 0)) / 0.5;
+    EXPECT_LT(std::abs(left), 0.015) << i << j;  // of 0.05
+  }
+}
+
 TEST(Rearrangement, HalvesHaveTheMomentsOfTheWholeAndMergeToIt) {
   elements::Ellipsoid e;
   e.mean = Vec3f(1, 2, 3);
@@ -158,22 +260,18 @@ TEST(Rearrangement, RemovesTheEmptyMergesTwinsAndNeverAdds) {
     e.density_per_m = 1;
     model.ellipsoids.push_back(e);
   }
-  ElementSums sums(model);
-  trace::Intersection met{10, 0.2, 0.5, 0.3, 0};
-  for (uint32_t k = 0; k < 40; ++k) {
-    if (k < 4) continue;  // no beam meets the first four
-    met.element = k;
-    for (int i = 0; i < 30; ++i) {
-      sums.add({Vec3(-10, 0, 0), Vec3(1, 0, 0)}, {&met, 1}, 10, {{0.9}, {0.1}, 0, -double(k), {}});
-    }
+  GivenShares shares(model);
+  for (uint32_t k = 4; k < 40; ++k) {  // no beam meets the first four
+    for (int i = 0; i < 30; ++i) shares.add({Vec3(-10, 0, 0), Vec3(1, 0, 0)}, k, 10, 0.9, 0.1, k);
   }
+  const ElementSums sums = shares.sums();
   RearrangementOptions options;
   options.share = 0.25;
   options.split_share = 0;
-  EXPECT_EQ(rearranged(model, sums, options).ellipsoids.size(), 40u - 4 - 10);
+  EXPECT_EQ(rearranged(model, sums, options).model.ellipsoids.size(), 40u - 4 - 10);
   options.split_share = 0.5;
   options.split_hits = 1;
-  const elements::Model split = rearranged(model, sums, options);
+  const elements::Model split = rearranged(model, sums, options).model;
   EXPECT_EQ(split.ellipsoids.size(), 40u - 4 - 10 + 7);
 }
 

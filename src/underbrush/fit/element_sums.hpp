@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "underbrush/elements/model.hpp"
-#include "underbrush/fit/responsibilities.hpp"
+#include "underbrush/fit/beam_block.hpp"
 
 namespace underbrush::fit {
 
@@ -15,8 +15,10 @@ namespace underbrush::fit {
 /// The resolution is 2⁻²⁶. Terms are clamped to ±10⁴, which leaves room for 10⁷ terms of that size.
 class FixedSum {
  public:
-  /// Adds a term. Any number of threads may call it at once.
+  FixedSum() = default;
+  explicit FixedSum(int64_t bits) : bits_(bits) {}
   void add(double term);
+  void add(const FixedSum& other) { bits_ += other.bits_; }
   double value() const { return double(bits_) * 0x1p-26; }
 
  private:
@@ -52,18 +54,41 @@ struct NoiseSums {
   std::array<double, 2> slope{}, curvature{};
 };
 
+/// A model in the form of the inner loops.
+class ModelForms {
+ public:
+  /// Beams meet elements from `min_range_m` (m) on. The model must outlive the forms.
+  ModelForms(const elements::Model& model, double min_range_m);
+  ModelForm view() const;
+
+ private:
+  const elements::Model& model_;
+  double min_range_m_;
+  std::vector<EllipsoidForm> ellipsoids_;
+  std::vector<float> triangle_p_;
+};
+
+/// The shares of the beams of a block, as `Responsibilities` has them, by slot; 0 for held-out
+/// beams and where a beam does not meet the element.
+struct BlockShares {
+  std::vector<float> hit, pass;
+  std::vector<float> loss;  ///< −log f of each beam, nats.
+};
+
+/// Exact sums for `NoiseSums`: two slopes, two curvatures.
+using MeshNoise = std::array<FixedSum, 4>;
+
 /// The sums of all elements of a model.
 class ElementSums {
  public:
   ElementSums() = default;
-  /// Starts at zero. The model must outlive the sums and must not change while beams are added.
+  /// Starts at zero.
   explicit ElementSums(const elements::Model& model);
 
-  /// Adds one beam. `ray` and `met` are as traced in world coordinates, `range_m` is the beam's
-  /// outcome (m, or kMiss), and `shares` are those of `find_responsibilities`. Any number of
-  /// threads may call it at once.
-  void add(const Ray& ray, std::span<const trace::Intersection> met, double range_m,
-           const Responsibilities& shares);
+  /// Adds the beams of a block.
+  void add(const ModelForm& model, const BeamBlock& block, const BlockShares& shares);
+  /// Adds to the sums of a mesh.
+  void add_noise(elements::Kind mesh, const MeshNoise& noise);
 
   /// The sums of a triangle by its element number.
   TriangleSums triangle(size_t element) const;
@@ -71,23 +96,11 @@ class ElementSums {
   EllipsoidSums ellipsoid(size_t index) const;
   /// The sums of a mesh of the model, the ground or the surface.
   NoiseSums noise(elements::Kind mesh) const;
-  /// The memory in use, bytes.
-  size_t bytes() const;
 
  private:
-  static constexpr size_t kFields = 32;
-  struct Frame {
-    Vec3 mean;
-    Mat3 whiten;  // L⁻¹
-  };
-  void add_ellipsoid(const Ray& ray, const trace::Intersection& met, double range_m, double hit,
-                     double pass, double loss);
-
-  const elements::Model* model_ = nullptr;
-  std::vector<Frame> frames_;
   std::vector<std::array<FixedSum, 2>> triangles_;
-  std::vector<std::array<FixedSum, kFields>> ellipsoids_;
-  std::array<std::array<FixedSum, 4>, 2> noise_;
+  std::vector<std::array<int64_t, kSumFields>> ellipsoids_;
+  std::array<MeshNoise, 2> noise_;
 };
 
 }  // namespace underbrush::fit

@@ -3,114 +3,170 @@
 #include <algorithm>
 #include <cmath>
 
-#include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
-#include "underbrush/core/rng.hpp"
 
 namespace underbrush::fit {
 namespace {
 
-/// Elements beyond a return count if their closest approach lies up to this much farther, because
-/// their Gaussians reach back to the return, m.
-constexpr double kBeyondM = 4;
+constexpr size_t kTask = 4096, kRun = 64;  // beams that are shared out by one task, and at a time
 
-/// Keeps the elements met up to `reach_m`. The tracer may list more, and how many depends on how
-/// rays were batched.
-std::span<const trace::Intersection> up_to(std::span<const trace::Intersection> met,
-                                           double reach_m) {
-  size_t n = met.size();
-  while (n > 0 && met[n - 1].t_m > reach_m) --n;
-  return met.first(n);
-}
+/// The columns of the meetings of a run of beams.
+class Columns {
+ public:
+  MeetingColumns of(size_t count) {
+    for (std::vector<float>* c : {&t_, &sigma_, &p_, &density_}) c->assign(count + 8, 1);
+    return {t_.data(), sigma_.data(), p_.data(), density_.data()};
+  }
 
-/// Totals over the beams. A −log f is below 20, so its fixed-point sum does not overflow.
-struct Totals {
-  FixedSum training, held_out, stray_hits;
-  FixedSum training_beams, held_out_beams;
+ private:
+  std::vector<float> t_, sigma_, p_, density_;
 };
 
-void add_beams(const trace::World& world, const BeamLog& chunk, size_t begin, size_t end,
-               const HeldOut& held_out, const trace::OutlierShares& soft, Totals& totals,
-               ElementSums& sums) {
-  const double max_range = chunk.info.max_range_m;
-  const trace::RangeLimits limits{chunk.info.min_range_m,
-                                  std::min(max_range, world.model().max_range_m)};
-  std::vector<Ray> rays;
-  std::vector<double> reach;
-  for (size_t i = begin; i < end; ++i) {
-    rays.push_back(chunk.ray(i));
-    reach.push_back(std::min(double(chunk.range_m[i]) + kBeyondM, limits.max_m));
+/// Shares out the beams of a block, one after the other.
+class Sharing {
+ public:
+  Sharing(const ModelForm& model, const BeamBlock& block, const trace::OutlierShares& soft,
+          double max_range_m, BlockShares& shares)
+      : model_(model), block_(block), soft_(soft), max_range_m_(max_range_m), shares_(shares) {}
+
+  void share(size_t begin, size_t end) {
+    const size_t from = block_.first[begin];
+    const MeetingColumns c = columns_.of(block_.first[end] - from);
+    pass_kernels().approach(model_, block_.beams.data(), block_.first.data(), begin, end,
+                            block_.met.data(), c);
+    for (size_t b = begin; b < end; ++b) {
+      const size_t at = block_.first[b] - from;
+      share_one(b, {c.t_m + at, c.sigma_m + at, c.p + at, c.density + at});
+    }
   }
-  trace::IntersectionLists met;
-  world.all_intersections(rays, limits, reach, met);
-  Responsibilities shares;
-  for (size_t i = begin; i < end; ++i) {
-    const double range = chunk.range_m[i];
-    const std::span<const trace::Intersection> list = up_to(met[i - begin], reach[i - begin]);
-    const bool kept_back = held_out(chunk, i);
-    find_responsibilities(list, range, trace::kReportedOutliers, max_range, shares);
-    (kept_back ? totals.held_out : totals.training).add(-shares.log_likelihood);
-    (kept_back ? totals.held_out_beams : totals.training_beams).add(1);
-    if (kept_back) continue;
-    find_responsibilities(list, range, soft, max_range, shares);
-    if (range != kMiss) totals.stray_hits.add(shares.unexplained);
-    sums.add(rays[i - begin], list, range, shares);
+  const PassTotals& totals() const { return totals_; }
+
+ private:
+  /// Puts the meetings of a beam into the order of range. Those of a search are nearly so.
+  void sort(const MeetingColumns& c, const Meeting* met, size_t count) {
+    order_.clear();
+    for (uint32_t k = 0; k < count; ++k) {
+      if (c.p[k] < 0) continue;
+      size_t at = order_.size();
+      order_.push_back(k);
+      for (; at > 0; --at) {
+        const uint32_t j = order_[at - 1];
+        if (c.t_m[j] < c.t_m[k] || (c.t_m[j] == c.t_m[k] && met[j].element < met[k].element)) break;
+        order_[at] = j;
+      }
+      order_[at] = k;
+    }
   }
-}
+
+  void share_one(size_t b, const MeetingColumns& c) {
+    const size_t first = block_.first[b], count = block_.first[b + 1] - first;
+    const double range = block_.beams[b].range_m;
+    const bool is_hit = block_.beams[b].range_m != kMiss;
+    sort(c, &block_.met[first], count);
+    float* const hit = &shares_.hit[first];
+    float* const pass = &shares_.pass[first];
+    std::fill_n(hit, count, 0.0f);
+    std::fill_n(pass, count, 0.0f);
+    double through = 1, density = 0;
+    for (const uint32_t k : order_) {
+      const double found = through * double(c.p[k]) * double(c.density[k]);
+      hit[k] = float(found);
+      density += found;
+      through *= 1 - double(c.p[k]);
+    }
+    const double found = is_hit ? density : through;
+    const auto likelihood = [&](const trace::OutlierShares& o) {
+      return o.explained() * found + o.likelihood(is_hit, max_range_m_);
+    };
+    const double loss = -std::log(likelihood(trace::kReportedOutliers));
+    (block_.held_out[b] ? totals_.held_out : totals_.training).add(loss);
+    (block_.held_out[b] ? totals_.held_out_beams : totals_.training_beams).add(1);
+    if (block_.held_out[b]) return std::fill_n(hit, count, 0.0f), void();
+    const double total = likelihood(soft_), scale = soft_.explained() / total;
+    shares_.loss[b] = float(-std::log(total));
+    if (is_hit) totals_.stray_hits.add(soft_.likelihood(true, max_range_m_) / total);
+    double later = is_hit ? 0 : through * scale;
+    for (size_t i = order_.size(); i-- > 0;) {
+      const uint32_t k = order_[i];
+      const double share = is_hit ? double(hit[k]) * scale : 0;
+      hit[k] = float(share);
+      pass[k] = float(later);
+      later += share;
+      const uint32_t element = block_.met[first + k].element;
+      if (share > 0 && element < model_.triangles) {
+        add_noise(element, share, range - double(c.t_m[k]), double(c.sigma_m[k]));
+      }
+    }
+  }
+
+  void add_noise(uint32_t element, double hit, double residual, double sigma) {
+    const size_t mesh = element >= model_.ground_triangles;
+    const double variance = sigma * sigma, misfit = residual * residual / variance - 1;
+    const double own = double(model_.range_variance[mesh]) / variance;
+    const double share[2] = {own, 1 - own};
+    for (size_t j = 0; j < 2; ++j) {
+      totals_.noise[mesh][j].add(hit * misfit * share[j]);
+      totals_.noise[mesh][2 + j].add(hit * 2 * share[j] * share[j]);
+    }
+  }
+
+  const ModelForm& model_;
+  const BeamBlock& block_;
+  const trace::OutlierShares& soft_;
+  double max_range_m_;
+  BlockShares& shares_;
+  PassTotals totals_;
+  Columns columns_;
+  std::vector<uint32_t> order_;
+};
 
 }  // namespace
 
-bool HeldOut::operator()(const BeamLog& log, size_t i) const {
-  if (one_in == 0) return false;
-  const Vec3f& d = log.direction[i];
-  const float turn = d.y() / std::max(std::abs(d.x()) + std::abs(d.y()), 1e-9f);
-  const uint32_t cell = uint32_t(int(std::floor(256 * turn)) + 256) * 2 + (d.x() > 0);
-  const uint64_t group = uint64_t(log.packet[i]) << 32 | cell;
-  return random_bits(beam_key(seed, log.scan[i], group), 0, Purpose::kSplit) % one_in == 0;
-}
-
-TrainingSource::TrainingSource(BeamSource& source, const HeldOut& held_out)
-    : source_(source), held_out_(held_out) {
-  source_.rewind();
-  BeamLog chunk;
-  while (source_.next(chunk)) {
-    for (size_t i = 0; i < chunk.size(); ++i) size_ += !held_out_(chunk, i);
+void PassTotals::add(const PassTotals& other) {
+  training.add(other.training);
+  held_out.add(other.held_out);
+  stray_hits.add(other.stray_hits);
+  training_beams.add(other.training_beams);
+  held_out_beams.add(other.held_out_beams);
+  for (size_t m = 0; m < noise.size(); ++m) {
+    for (size_t k = 0; k < noise[m].size(); ++k) noise[m][k].add(other.noise[m][k]);
   }
-  source_.rewind();
 }
 
-bool TrainingSource::next(BeamLog& chunk) {
-  BeamLog all;
-  while (source_.next(all)) {
-    chunk = all.like();
-    for (size_t i = 0, from = 0; i <= all.size(); ++i) {
-      if (i < all.size() && !held_out_(all, i)) continue;
-      if (from < i) chunk.append(all, from, i);
-      from = i + 1;
-    }
-    if (!chunk.empty()) return true;
-  }
-  chunk = all;
-  return false;
+PassTotals find_shares(const ModelForm& model, const BeamBlock& block,
+                       const trace::OutlierShares& soft, double max_range_m, BlockShares& shares) {
+  const size_t n = block.beams.size();
+  shares.hit.resize(block.met.size());
+  shares.pass.resize(block.met.size());
+  shares.loss.resize(n);
+  std::vector<PassTotals> pieces((n + kTask - 1) / kTask);
+  parallel_for(n, kTask, [&](size_t begin, size_t end) {
+    Sharing sharing(model, block, soft, max_range_m, shares);
+    for (size_t b = begin; b < end; b += kRun) sharing.share(b, std::min(b + kRun, end));
+    pieces[begin / kTask] = sharing.totals();
+  });
+  PassTotals all;
+  for (const PassTotals& piece : pieces) all.add(piece);
+  return all;
 }
 
-Expectation expect(const elements::Model& model, BeamSource& source, const HeldOut& held_out,
+Expectation expect(const elements::Model& model, const Meetings& meetings,
                    const trace::OutlierShares& soft,
                    const std::function<void(size_t, size_t)>& progress) {
-  const trace::World world(model);
+  const LogInfo& info = meetings.info();
+  const ModelForms forms(model, info.min_range_m);
+  const ModelForm form = forms.view();
   Expectation out;
   out.sums = ElementSums(model);
-  Totals totals;
-  source.rewind();
-  BeamLog chunk;
-  size_t done = 0;
-  while (source.next(chunk)) {
-    parallel_for(chunk.size(), 4096, [&](size_t begin, size_t end) {
-      add_beams(world, chunk, begin, end, held_out, soft, totals, out.sums);
-    });
-    done += chunk.size();
-    if (progress) progress(done, source.size());
-  }
+  PassTotals totals;
+  BlockShares shares;
+  meetings.for_each([&](const BeamBlock& block, size_t done) {
+    totals.add(find_shares(form, block, soft, info.max_range_m, shares));
+    out.sums.add(form, block, shares);
+    if (progress) progress(done, meetings.beams());
+  });
+  out.sums.add_noise(elements::Kind::kGround, totals.noise[0]);
+  out.sums.add_noise(elements::Kind::kSurface, totals.noise[1]);
   out.training_beams = size_t(totals.training_beams.value());
   out.held_out_beams = size_t(totals.held_out_beams.value());
   const double trained = std::max(1.0, totals.training_beams.value());
@@ -118,6 +174,11 @@ Expectation expect(const elements::Model& model, BeamSource& source, const HeldO
   out.held_out_nll = totals.held_out.value() / std::max(1.0, totals.held_out_beams.value());
   out.stray_hits = totals.stray_hits.value() / trained;
   return out;
+}
+
+Expectation expect(const elements::Model& model, BeamSource& source, const HeldOut& held_out,
+                   const trace::OutlierShares& soft) {
+  return expect(model, Meetings(model, 1, source, held_out, 0), soft);
 }
 
 }  // namespace underbrush::fit

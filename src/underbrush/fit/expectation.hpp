@@ -6,35 +6,10 @@
 
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/fit/element_sums.hpp"
-#include "underbrush/trace/world.hpp"
+#include "underbrush/fit/meetings.hpp"
+#include "underbrush/trace/ray_likelihood.hpp"
 
 namespace underbrush::fit {
-
-/// The rule by which beams are held out from learning. Beams are grouped by scan, packet and
-/// azimuth in steps of 1/256 of a quarter turn; about one group in `one_in` is held out, chosen by
-/// a hash. Neighbouring beams thus stay together, and the order of the beams has no effect.
-struct HeldOut {
-  unsigned one_in = 20;  ///< 0 holds out nothing.
-  uint64_t seed = 1;
-  /// Whether beam `i` of the log is held out.
-  bool operator()(const BeamLog& log, size_t i) const;
-};
-
-/// A source that leaves out the held-out beams of another source. The other source must outlive it,
-/// and is read once by the constructor to count the beams.
-class TrainingSource : public BeamSource {
- public:
-  TrainingSource(BeamSource& source, const HeldOut& held_out);
-  const LogInfo& info() const override { return source_.info(); }
-  size_t size() const override { return size_; }
-  void rewind() override { source_.rewind(); }
-  bool next(BeamLog& chunk) override;
-
- private:
-  BeamSource& source_;
-  HeldOut held_out_;
-  size_t size_ = 0;
-};
 
 /// The result of a pass over a log. Likelihoods are means of −log f over beams, in nats, as in
 /// `metrics::score`.
@@ -46,12 +21,34 @@ struct Expectation {
   double stray_hits = 0;
 };
 
-/// Reads all beams of `source` once and evaluates them under `model`. `soft` has the outlier
-/// shares under which credit is given to elements; the likelihoods are under
-/// `trace::kReportedOutliers`, as those of the score are. `progress(done, total)` may be empty. The
-/// model must outlive the sums of the result.
-Expectation expect(const elements::Model& model, BeamSource& source, const HeldOut& held_out,
+/// Computes the shares of a block's beams under a model by the ray model with outliers:
+///   f(z) = (1 − ε_h − ε_m) Σ_k w_k N(z; t_k, σ_k²) + ε_h / R
+///   P(miss) = (1 − ε_h − ε_m) ∏_k (1 − p_k) + ε_m,   w_k = p_k ∏_{j<k} (1 − p_j)
+/// z is the beam's range, R is `max_range_m`, and k counts the elements that the beam meets in
+/// order of range. Shares are under `soft`: r_k ∝ w_k N(z; t_k, σ_k²) is the probability that
+/// element k returned the beam, and Σ_{j>k} r_j that it went through element k; for a miss that is
+/// the probability that it met nothing. Likelihoods in `totals` are under
+/// `trace::kReportedOutliers`, as those of the score are.
+struct PassTotals {
+  FixedSum training, held_out;  ///< Σ −log f. Each is below 20, so the sum does not overflow.
+  FixedSum stray_hits;
+  FixedSum training_beams, held_out_beams;
+  std::array<MeshNoise, 2> noise;  ///< Of the ground and the surface.
+
+  void add(const PassTotals& other);
+};
+PassTotals find_shares(const ModelForm& model, const BeamBlock& block,
+                       const trace::OutlierShares& soft, double max_range_m, BlockShares& shares);
+
+/// Makes one pass over listed beams under `model`, which must be within the bounds of the lists.
+/// `soft` has the outlier shares under which credit is given to elements. `progress(done, total)`
+/// may be empty.
+Expectation expect(const elements::Model& model, const Meetings& meetings,
                    const trace::OutlierShares& soft,
                    const std::function<void(size_t, size_t)>& progress = {});
+
+/// The same for the beams of a log, which is searched for it.
+Expectation expect(const elements::Model& model, BeamSource& source, const HeldOut& held_out,
+                   const trace::OutlierShares& soft);
 
 }  // namespace underbrush::fit

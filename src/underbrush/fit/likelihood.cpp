@@ -11,6 +11,16 @@ namespace {
 
 using Progress = std::function<void(std::string_view, size_t, size_t)>;
 
+/// The memory for lists of meetings, bytes.
+constexpr size_t kListBytes = size_t(1) << 30;
+/// The bounds in which ellipsoids may move until the next search, as a multiple of their extents.
+constexpr double kBounds = 1.4;
+/// A search follows once more than this share of the ellipsoids is held back by the bounds.
+constexpr double kHeldBack = 0.1;
+constexpr int kRearrangements = 4;
+/// The length of M-steps, shorter than 1 because neighbours move at once.
+constexpr double kStride = 0.8;
+
 /// The best model so far, and trials of other models against it.
 class ModelSearch {
  public:
@@ -18,63 +28,95 @@ class ModelSearch {
               const Progress& progress)
       : source_(source), options_(options), progress_(progress) {
     soft_.miss = options.dropout;
-    best_.model = std::make_unique<elements::Model>(start);
-    best_.seen = pass(*best_.model, "start");
+    best_.model = with_densities(start, options.range_noise_m);
+    search(best_);
+    pass(best_, "start");
     note("start", best_, true);
   }
 
-  const elements::Model& model() const { return *best_.model; }
-  const ElementSums& sums() const { return best_.seen.sums; }
   Refined result() {
     report_.training_beams = best_.seen.training_beams;
     report_.held_out_beams = best_.seen.held_out_beams;
     report_.stray_hits = best_.seen.stray_hits;
-    return {options_.sharpness == 1 ? std::move(*best_.model)
-                                    : sharpened(*best_.model, options_.sharpness),
+    return {options_.sharpness == 1 ? std::move(best_.model)
+                                    : sharpened(best_.model, options_.sharpness),
             std::move(report_)};
   }
 
-  /// Keeps the candidate if it explains the held-out beams better, at once or after up to `m_steps`
-  /// M-steps.
-  bool attempt(const char* name, elements::Model candidate, int m_steps) {
-    for (;; --m_steps) {
-      State trial;
-      trial.model = std::make_unique<elements::Model>(std::move(candidate));
-      trial.seen = pass(*trial.model, name);
-      const bool better = trial.seen.held_out_nll < best_.seen.held_out_nll - options_.least_gain;
-      note(name, trial, better);
-      if (better) {
-        best_ = std::move(trial);
-        soft_.hit = std::clamp(best_.seen.stray_hits, 1e-4, 0.2);
-        return true;
-      }
-      if (m_steps == 0) return false;
-      candidate = maximised(*trial.model, trial.seen.sums, options_.maximisation, 1);
+  /// Keeps the rearranged model if it explains the held-out beams better, at once or after up to
+  /// `m_steps` M-steps.
+  bool rearrange(int m_steps) {
+    State trial;
+    Rearranged after = rearranged(best_.model, best_.seen.sums, options_.rearrangement);
+    trial.lists = std::make_shared<Meetings>(*best_.lists, after);
+    trial.model = std::move(after.model);
+    pass(trial, "rearrange");
+    while (!accept("rearrange", trial)) {
+      if (m_steps-- == 0) return false;
+      trial.model = step_of(trial, 1);
+      pass(trial, "rearrange");
     }
+    return true;
+  }
+
+  /// Keeps the model after an M-step if it explains the held-out beams better.
+  bool maximise(double stride) {
+    State trial;
+    trial.model = step_of(best_, stride);
+    if (double(held_back_) > kHeldBack * double(best_.model.ellipsoids.size())) {
+      search(best_);
+      trial.model = step_of(best_, stride);
+    }
+    trial.lists = best_.lists;
+    pass(trial, "maximise");
+    return accept("maximise", trial);
   }
 
  private:
+  /// A model, the lists in whose bounds it is, and what a pass has seen of it.
   struct State {
-    // on the heap, so that the sums' pointer to it stays valid
-    std::unique_ptr<elements::Model> model;
+    elements::Model model;
+    std::shared_ptr<const Meetings> lists;
     Expectation seen;
   };
 
-  Expectation pass(const elements::Model& model, const char* name) {
-    return expect(model, source_, options_.held_out, soft_, [&](size_t done, size_t total) {
+  void search(State& s) const {
+    s.lists.reset();
+    s.lists = std::make_shared<Meetings>(s.model, kBounds, source_, options_.held_out, kListBytes);
+  }
+
+  void pass(State& s, const char* name) const {
+    s.seen = expect(s.model, *s.lists, soft_, [&](size_t done, size_t total) {
       if (progress_) progress_(name, done, total);
     });
   }
 
+  /// Takes an M-step, of which each ellipsoid goes as far as the bounds of the lists allow.
+  elements::Model step_of(const State& s, double stride) {
+    elements::Model next = maximised(s.model, s.seen.sums, options_.maximisation, stride);
+    held_back_ = s.lists->keep_within_bounds(s.model, next);
+    return next;
+  }
+
+  bool accept(const char* name, State& trial) {
+    const bool better = trial.seen.held_out_nll < best_.seen.held_out_nll - options_.least_gain;
+    note(name, trial, better);
+    if (!better) return false;
+    best_ = std::move(trial);
+    soft_.hit = std::clamp(best_.seen.stray_hits, 1e-4, 0.2);
+    return true;
+  }
+
   void note(const char* name, const State& s, bool accepted) {
     report_.steps.push_back(
-        {name, s.model->size(), s.seen.training_nll, s.seen.held_out_nll, accepted});
+        {name, s.model.size(), s.seen.training_nll, s.seen.held_out_nll, accepted});
   }
 
   BeamSource& source_;
   const LikelihoodOptions& options_;
   const Progress& progress_;
   trace::OutlierShares soft_;
+  size_t held_back_ = 0;
   State best_;
   LikelihoodReport report_;
 };
@@ -89,21 +131,13 @@ Refined refine(const elements::Model& start, BeamSource& source, const Likelihoo
   require(options.sharpness >= 0.1 && options.sharpness <= 10,
           "likelihood: sharpness must be in [0.1, 10]");
   ModelSearch search(start, source, options, progress);
-  const MaximisationOptions& m = options.maximisation;
-  search.attempt("density", with_densities(search.model(), options.range_noise_m), 2);
-  const auto rearrange = [&](int m_steps) {
-    return search.attempt(
-        "rearrange", rearranged(search.model(), search.sums(), options.rearrangement), m_steps);
-  };
   // In an M-step, redundant ellipsoids of a few beams each would fit those beams' noise, so
   // rearrangements come first.
-  for (int round = 0; round < options.rounds && rearrange(2); ++round) {
+  for (int k = 0; k < std::min(options.rounds, kRearrangements) && search.rearrange(1); ++k) {
   }
-  double stride = 0.5;
+  double stride = kStride;
   for (int round = 0; round < options.rounds; ++round) {
-    if (round % 3 == 2 && rearrange(1)) continue;
-    if (search.attempt("maximise", maximised(search.model(), search.sums(), m, stride), 0))
-      continue;
+    if (search.maximise(stride)) continue;
     if ((stride *= 0.3) < 0.05) break;
   }
   return search.result();

@@ -15,7 +15,7 @@ namespace underbrush::fit {
 /// The options of `refine`.
 struct LikelihoodOptions {
   HeldOut held_out;
-  int rounds = 12;  ///< Largest number of rearrangements at the start, and of steps after them.
+  int rounds = 9;  ///< Largest number of M-steps, and of rearrangements (at most 4) before them.
   /// A step is kept if it lowers the held-out −log f by this, nats a beam.
   double least_gain = 0.0005;
   /// The probability ε_m that a return was lost, as the expectation step uses it. Near 0, each
@@ -33,7 +33,7 @@ struct LikelihoodOptions {
 
 /// A step that was tried.
 struct LikelihoodStep {
-  std::string name;  ///< `start`, `density`, `maximise` or `rearrange`.
+  std::string name;  ///< `start`, `rearrange` or `maximise`.
   size_t elements = 0;
   /// Mean −log f over beams, nats, as in `metrics::score`.
   double training_nll = 0, held_out_nll = 0;
@@ -57,12 +57,16 @@ struct Refined {
 /// The steps are:
 ///
 /// 1. hit probabilities are turned into densities (`with_densities`);
-/// 2. ellipsoids are rearranged (`rearranged`) for as long as it helps;
-/// 3. M-steps (`maximised`) follow, and every third step is a rearrangement.
+/// 2. ellipsoids are rearranged (`rearranged`) for as long as it helps, up to four times;
+/// 3. M-steps (`maximised`) follow.
 ///
-/// Rearrangements never add to the number of elements. The final ellipsoids are `sharpened`. The
-/// source is read once a step, and memory grows with the model. The result has the same bits for
-/// any number of threads and any order of the beams. `progress(stage, done, total)` may be empty.
+/// Rearrangements never add to the number of elements. The final ellipsoids are `sharpened`.
+///
+/// The beams are searched once for the ellipsoids that they may meet (`Meetings`), and again when
+/// many ellipsoids have come to the bounds of that search. Steps between are passes over the lists.
+/// The lists take up to 2 GiB; for what exceeds them the source is read and searched in each step.
+/// The result has the same bits for any number of threads and any order of the beams.
+/// `progress(stage, done, total)` may be empty.
 /// Throws `std::invalid_argument` for ellipsoids bounded by voxels, because their means would leave
 /// the voxels, and for options out of range.
 Refined refine(const elements::Model& start, BeamSource& source, const LikelihoodOptions& options,

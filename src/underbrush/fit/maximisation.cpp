@@ -46,7 +46,10 @@ void move_geometry(elements::Ellipsoid& e, const Mat3& covariance, const Ellipso
   const double variance = covariance.trace() / 3, nu = o.prior_points;
   const Mat3 slope = sums.stretch_slope + spread * sums.along -
                      nu * (identity - variance * whiten * whiten.transpose());
-  const Mat3 curvature = sums.stretch_curvature + 2 * nu * identity + Mat3::Constant(nu + 1e-3);
+  // An entry off the diagonal is one parameter that stands twice in E: its slope is twice that of
+  // the entry alone, and its curvature four times.
+  Mat3 curvature = 2 * sums.stretch_curvature + Mat3::Constant(2 * nu + 1e-3);
+  curvature.diagonal() -= sums.stretch_curvature.diagonal();
   Mat3 stretch = slope.cwiseQuotient(curvature);
   if (stretch.norm() > kLongestStretch) stretch *= kLongestStretch / stretch.norm();
   const Mat3 moved = root * (identity + stride * stretch);

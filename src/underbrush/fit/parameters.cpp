@@ -143,7 +143,7 @@ const Parameter kParameters[] = {
 
     {"start", kLikelihood, "", "The fitter to begin with, or the folder of a model",
      at([](Options& o) -> auto& { return o.start; })},
-    {"rounds", kLikelihood, "", "Most rearrangements at first, and most steps after them",
+    {"rounds", kLikelihood, "", "Most M-steps, and most rearrangements (up to 4) before them",
      at([](Options& o) -> auto& { return o.likelihood.rounds; })},
     {"held-out", kLikelihood, "",
      "One group of beams in so many judges the steps and is not learnt from",

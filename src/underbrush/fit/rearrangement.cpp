@@ -3,6 +3,8 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 #include "underbrush/core/kd_tree.inl"
 #include "underbrush/core/parallel.hpp"
@@ -93,8 +95,8 @@ std::array<elements::Ellipsoid, 2> halves(const elements::Ellipsoid& e) {
   return out;
 }
 
-elements::Model rearranged(const elements::Model& model, const ElementSums& sums,
-                           const RearrangementOptions& options) {
+Rearranged rearranged(const elements::Model& model, const ElementSums& sums,
+                      const RearrangementOptions& options) {
   const std::vector<elements::Ellipsoid>& old = model.ellipsoids;
   std::vector<double> hits(old.size()), loss(old.size());
   double all_hits = 0, all_loss = 0;
@@ -104,18 +106,29 @@ elements::Model rearranged(const elements::Model& model, const ElementSums& sums
     all_loss += loss[i] = s.loss;
   }
   elements::Model out = model;
+  std::vector<uint32_t> into(old.size());  // what an ellipsoid was merged into
+  std::iota(into.begin(), into.end(), 0);
   std::vector<uint8_t> gone(old.size());
   size_t removed = 0;
   for (size_t i = 0; i < old.size(); ++i) removed += gone[i] = hits[i] < options.least_hits;
   std::vector<uint8_t> taken = gone;
+  // A merged ellipsoid has the hits of both and may merge again.
   size_t merges = size_t(options.share * double(old.size()));
-  for (const Merge& m : possible_merges(old, hits, options)) {
-    if (merges == 0) break;
-    if (taken[m.a] || taken[m.b]) continue;
-    out.ellipsoids[m.a] = merged(old[m.a], hits[m.a], old[m.b], hits[m.b]);
-    taken[m.a] = taken[m.b] = gone[m.b] = 1;
-    ++removed;
-    --merges;
+  for (bool found = true; found && merges > 0;) {
+    found = false;
+    std::vector<uint8_t> used = gone;
+    for (const Merge& m : possible_merges(out.ellipsoids, hits, options)) {
+      if (merges == 0) break;
+      if (used[m.a] || used[m.b]) continue;
+      elements::Ellipsoid& a = out.ellipsoids[m.a];
+      a = merged(a, hits[m.a], out.ellipsoids[m.b], hits[m.b]);
+      hits[m.a] += std::exchange(hits[m.b], 0);
+      into[m.b] = m.a;
+      used[m.a] = used[m.b] = taken[m.a] = taken[m.b] = gone[m.b] = 1;
+      ++removed;
+      --merges;
+      found = true;
+    }
   }
   std::vector<std::pair<double, uint32_t>> worst;
   const double mean_loss = all_hits > 0 ? all_loss / all_hits : 0;
@@ -125,19 +138,30 @@ elements::Model rearranged(const elements::Model& model, const ElementSums& sums
   }
   std::sort(worst.begin(), worst.end());
   worst.resize(std::min(worst.size(), size_t(options.split_share * double(removed))));
+  std::vector<uint32_t> split, place(old.size(), Rearranged::kNone);
   std::vector<elements::Ellipsoid> second;
   for (const auto& [excess, i] : worst) {
     const auto two = halves(old[i]);
     out.ellipsoids[i] = two[0];
     second.push_back(two[1]);
+    split.push_back(i);
   }
-  size_t kept = 0;
+  uint32_t kept = 0;
   for (size_t i = 0; i < old.size(); ++i) {
-    if (!gone[i]) out.ellipsoids[kept++] = out.ellipsoids[i];
+    if (gone[i]) continue;
+    out.ellipsoids[kept] = out.ellipsoids[i];
+    place[i] = kept++;
   }
   out.ellipsoids.resize(kept);
   out.ellipsoids.insert(out.ellipsoids.end(), second.begin(), second.end());
-  return out;
+  std::vector<std::array<uint32_t, 2>> heirs(old.size());
+  for (size_t i = 0; i < old.size(); ++i) {
+    uint32_t at = uint32_t(i);
+    while (into[at] != at) at = into[at];
+    heirs[i] = {place[at], Rearranged::kNone};
+  }
+  for (size_t k = 0; k < split.size(); ++k) heirs[split[k]][1] = kept + uint32_t(k);
+  return {std::move(out), std::move(heirs)};
 }
 
 }  // namespace underbrush::fit

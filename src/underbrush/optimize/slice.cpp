@@ -3,7 +3,7 @@
 #include <map>
 
 #include "underbrush/core/check.hpp"
-#include "underbrush/fit/expectation.hpp"
+#include "underbrush/fit/held_out.hpp"
 
 namespace underbrush::optimize {
 namespace {

@@ -1,0 +1,15 @@
+#include "underbrush/fit/pass_kernel.inl"
+
+namespace underbrush::fit {
+
+const PassKernels kPassBase{approach, add};
+
+const PassKernels& pass_kernels() {
+#if defined(__x86_64__)
+  __builtin_cpu_init();
+  if (__builtin_cpu_supports("avx2")) return kPassAvx2;
+#endif
+  return kPassBase;
+}
+
+}  // namespace underbrush::fit
