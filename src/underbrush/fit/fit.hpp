@@ -89,10 +89,12 @@ using FitProgress = std::function<void(std::string_view, size_t, size_t)>;
 /// The names of the fitters, in the order of the table.
 std::vector<std::string> fitter_names();
 
-/// Fits a model to a log. The log is read twice (`likelihood` reads it once more for each step),
-/// and memory grows with a tile and the model, not with the log. The result has the same bits for
-/// any number of threads. `progress` may be empty. Throws `std::invalid_argument` for an unknown
-/// fitter, for options out of range and for a log without returns.
+/// Fits a model to a log, with its classes (`learn_classes`) and its light (`learn_light`) where
+/// the log has labels and intensities. The log is read twice for the geometry (`likelihood` reads
+/// it once more for each step), once for classes and twice for the light, and memory grows with a
+/// tile and the model, not with the log. The result has the same bits for any number of threads.
+/// `progress` may be empty. Throws `std::invalid_argument` for an unknown fitter, for options out
+/// of range and for a log without returns.
 FitResult fit(BeamSource& source, const FitOptions& options, const FitProgress& progress = {});
 
 /// The options that `fit` passes to `refine`: `options.likelihood` with the range noise, the floor

@@ -28,8 +28,8 @@ float LearntLight::intensity(const elements::Model& model, const Ray& ray,
     const double n = normal(key, met.element, Purpose::kSignal);
     x *= std::exp(std::sqrt(variance) * n - 0.5 * variance);
   }
-  const double k = model.light.response(beams.range_m[i], cosine, is_ellipsoid,
-                                        beams.ring[i], same_sensor_);
+  const double k =
+      model.light.response(beams.range_m[i], cosine, is_ellipsoid, beams.ring[i], same_sensor_);
   return float(std::min(k * x, model.light.max_intensity));
 }
 

@@ -23,10 +23,10 @@ class LearntLight {
       : world_(world), sensor_(beams.sensor), sensor_file_(beams.sensor_file), draw_(draw) {}
 
   /// Computes the intensity of the return that beam i of `beams` has of what its ray met, in the
-  /// unit of the log that `model` was fitted to: I = k x with the response k (`elements::Light`) and
-  /// x either ρ or log-normal with the mean ρ and the element's spread, but at most the log's
-  /// largest intensity. Gains of channels count where the sensor is that of the log. A model without
-  /// light answers 0. `key` is the beam's.
+  /// unit of the log that `model` was fitted to: I = k x with the response k (`elements::Light`)
+  /// and x either ρ or log-normal with the mean ρ and the element's spread, but at most the log's
+  /// largest intensity. Gains of channels count where the sensor is that of the log. A model
+  /// without light answers 0. `key` is the beam's.
   float intensity(const elements::Model& model, const Ray& ray, const trace::Intersection& met,
                   const BeamLog& beams, size_t i, uint64_t key);
 
