@@ -21,22 +21,24 @@ struct Expectation {
   double stray_hits = 0;
 };
 
+/// Exact sums over the beams of a pass.
+struct PassTotals {
+  FixedSum training, held_out;  ///< Σ −log f. Each is below 20, so the sum does not overflow.
+  FixedSum stray_hits;
+  FixedSum training_beams, held_out_beams;
+  std::array<MeshNoise, 2> noise;  ///< The ground's and the surface's.
+
+  void add(const PassTotals& other);
+};
+
 /// Computes the shares of a block's beams under a model by the ray model with outliers:
 ///   f(z) = (1 − ε_h − ε_m) Σ_k w_k N(z; t_k, σ_k²) + ε_h / R
 ///   P(miss) = (1 − ε_h − ε_m) ∏_k (1 − p_k) + ε_m,   w_k = p_k ∏_{j<k} (1 − p_j)
 /// z is the beam's range, R is `max_range_m`, and k counts the elements that the beam meets in
 /// order of range. Shares are under `soft`: r_k ∝ w_k N(z; t_k, σ_k²) is the probability that
 /// element k returned the beam, and Σ_{j>k} r_j that it went through element k; for a miss that is
-/// the probability that it met nothing. Likelihoods in `totals` are under
+/// the probability that it met nothing. The likelihoods of the totals are under
 /// `trace::kReportedOutliers`, as those of the score are.
-struct PassTotals {
-  FixedSum training, held_out;  ///< Σ −log f. Each is below 20, so the sum does not overflow.
-  FixedSum stray_hits;
-  FixedSum training_beams, held_out_beams;
-  std::array<MeshNoise, 2> noise;  ///< Of the ground and the surface.
-
-  void add(const PassTotals& other);
-};
 PassTotals find_shares(const ModelForm& model, const BeamBlock& block,
                        const trace::OutlierShares& soft, double max_range_m, BlockShares& shares);
 

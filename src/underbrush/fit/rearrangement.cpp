@@ -61,6 +61,32 @@ std::vector<Merge> possible_merges(const std::vector<elements::Ellipsoid>& ellip
   return best;
 }
 
+/// Merges pairs until none is cheap or enough have been merged, and returns how many. `into` says
+/// what an ellipsoid was merged into; `gone` and `taken` mark those without and with changes.
+size_t merge_neighbours(const RearrangementOptions& options,
+                        std::vector<elements::Ellipsoid>& ellipsoids, std::vector<double>& hits,
+                        std::vector<uint8_t>& gone, std::vector<uint8_t>& taken,
+                        std::vector<uint32_t>& into) {
+  const size_t most = size_t(options.share * double(ellipsoids.size()));
+  size_t merges = 0;
+  for (bool found = true; found && merges < most;) {
+    found = false;
+    std::vector<uint8_t> used = gone;
+    for (const Merge& m : possible_merges(ellipsoids, hits, options)) {
+      if (merges == most) break;
+      if (used[m.a] || used[m.b]) continue;
+      // A merged ellipsoid has the hits of both and may merge again.
+      ellipsoids[m.a] = merged(ellipsoids[m.a], hits[m.a], ellipsoids[m.b], hits[m.b]);
+      hits[m.a] += std::exchange(hits[m.b], 0);
+      into[m.b] = m.a;
+      used[m.a] = used[m.b] = taken[m.a] = taken[m.b] = gone[m.b] = 1;
+      ++merges;
+      found = true;
+    }
+  }
+  return merges;
+}
+
 }  // namespace
 
 elements::Ellipsoid merged(const elements::Ellipsoid& a, double hits_a,
@@ -112,24 +138,7 @@ Rearranged rearranged(const elements::Model& model, const ElementSums& sums,
   size_t removed = 0;
   for (size_t i = 0; i < old.size(); ++i) removed += gone[i] = hits[i] < options.least_hits;
   std::vector<uint8_t> taken = gone;
-  // A merged ellipsoid has the hits of both and may merge again.
-  size_t merges = size_t(options.share * double(old.size()));
-  for (bool found = true; found && merges > 0;) {
-    found = false;
-    std::vector<uint8_t> used = gone;
-    for (const Merge& m : possible_merges(out.ellipsoids, hits, options)) {
-      if (merges == 0) break;
-      if (used[m.a] || used[m.b]) continue;
-      elements::Ellipsoid& a = out.ellipsoids[m.a];
-      a = merged(a, hits[m.a], out.ellipsoids[m.b], hits[m.b]);
-      hits[m.a] += std::exchange(hits[m.b], 0);
-      into[m.b] = m.a;
-      used[m.a] = used[m.b] = taken[m.a] = taken[m.b] = gone[m.b] = 1;
-      ++removed;
-      --merges;
-      found = true;
-    }
-  }
+  removed += merge_neighbours(options, out.ellipsoids, hits, gone, taken, into);
   std::vector<std::pair<double, uint32_t>> worst;
   const double mean_loss = all_hits > 0 ? all_loss / all_hits : 0;
   for (size_t i = 0; i < old.size(); ++i) {
