@@ -29,9 +29,9 @@ void add_options(Verb& verb, Arguments& a) {
       ->type_name("FILE.ply");
   verb.output("--export-ground", a.ground_mesh, "Write the ground as a mesh, too")
       ->type_name("FILE.obj|.ply");
+  verb.begin_rare_group("Channels and echoes");
   app.add_flag("--ranges-as-given", a.ranges_as_given,
                "Learn no range offsets of the sensor's channels");
-  verb.begin_rare_group("Echoes");
   app.add_option("--echoes", a.echoes,
                  "Take the first echo of a beam for its end, or all echoes for beams of their own; "
                  "hit probabilities are then shares of the light")

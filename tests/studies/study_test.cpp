@@ -37,7 +37,10 @@ TEST(Study, VegetationVerdictFailsOnABrokenModel) {
   const StudyResult good = planes();
   EXPECT_EQ(verdict(good.checks), "holds");
   const StudyResult permeable = planes([](elements::Model& model) {
-    for (elements::Ellipsoid& e : model.ellipsoids) e.hit.p *= 0.5f;
+    for (elements::Ellipsoid& e : model.ellipsoids) {
+      e.hit.p *= 0.5f;
+      e.density_per_m *= 0.1f;  // which the models of the likelihood have in its place
+    }
   });
   EXPECT_EQ(verdict(permeable.checks).rfind("falls short: ", 0), 0u);
   const StudyResult displaced = planes([](elements::Model& model) {

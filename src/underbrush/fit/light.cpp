@@ -12,7 +12,9 @@
 namespace underbrush::fit {
 namespace {
 
-constexpr size_t kMostSamples = size_t(1) << 17;
+constexpr size_t kLeastSamples = size_t(1) << 17, kMostSamples = size_t(1) << 22;
+constexpr size_t kSamplesAnElement = 6;
+constexpr size_t kMostForResponse = size_t(1) << 17;
 
 bool has_intensity(const BeamLog& log, size_t i) {
   return log.is_hit(i) && std::isfinite(log.intensity[i]) && log.intensity[i] >= 0;
@@ -43,7 +45,7 @@ std::vector<LightSample> samples_of(const trace::World& world, const BeamLog& ch
 /// One return in so many of a log, chosen by their number.
 class Thinned {
  public:
-  explicit Thinned(size_t beams) : one_in_(1 + beams / kMostSamples) {}
+  Thinned(size_t beams, size_t wanted) : one_in_(1 + beams / wanted) {}
   BeamLog operator()(const BeamLog& chunk) {
     if (one_in_ == 1) return chunk;
     BeamLog out = chunk.like();
@@ -56,6 +58,14 @@ class Thinned {
  private:
   uint64_t one_in_, row_ = 0;
 };
+
+/// Every n-th sample, so that enough of them are left for the response.
+std::vector<LightSample> for_response(const std::vector<LightSample>& samples) {
+  const size_t step = 1 + samples.size() / kMostForResponse;
+  std::vector<LightSample> out;
+  for (size_t k = 0; k < samples.size(); k += step) out.push_back(samples[k]);
+  return out;
+}
 
 /// Numbers the kinds of elements and their classes.
 std::vector<uint32_t> groups_of(const elements::Model& model, size_t& groups) {
@@ -88,7 +98,8 @@ void learn_light(elements::Model& model, BeamSource& log) {
   forget_light(model);
   const trace::World world(model);
   std::vector<LightSample> samples;
-  Thinned thinned(log.size());
+  Thinned thinned(log.size(),
+                  std::clamp(kSamplesAnElement * model.size(), kLeastSamples, kMostSamples));
   double most = 0;
   log.rewind();
   for (BeamLog chunk; log.next(chunk);) {
@@ -103,15 +114,12 @@ void learn_light(elements::Model& model, BeamSource& log) {
   if (most == 0 || samples.empty()) return;
   size_t groups = 0;
   const std::vector<uint32_t> group = groups_of(model, groups);
-  elements::Light light = fit_response(samples, group, groups);
+  elements::Light light = fit_response(for_response(samples), group, groups);
   light.max_intensity = most;
   std::vector<LightSums> sums(model.size());
-  log.rewind();
-  for (BeamLog chunk; log.next(chunk);) {
-    for (const LightSample& s : samples_of(world, chunk)) {
-      sums[s.element].add(s.intensity,
-                          light.response(s.range_m, s.cosine, s.is_ellipsoid, s.ring, true));
-    }
+  for (const LightSample& s : samples) {
+    sums[s.element].add(s.intensity,
+                        light.response(s.range_m, s.cosine, s.is_ellipsoid, s.ring, true));
   }
   model.light = std::move(light);
   set_light(model, reflectances(sums, group, groups));

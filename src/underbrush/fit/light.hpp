@@ -9,9 +9,10 @@ namespace underbrush::fit {
 /// Learns the response of the log's sensor and the reflectance of each element from the intensities
 /// of the returns that it explains best (`explaining_elements`). Elements with few returns are
 /// drawn towards the mean of their class, where the log had labels, or else of their kind
-/// (`reflectances`). The response is fitted to at most about 2¹⁷ returns, chosen by a hash of their
-/// number (`fit_response`), and the elements see all of them. The log is read twice. Nothing but
-/// the light of the model changes; a log whose intensities are all 0 leaves it without.
+/// (`reflectances`). Some six returns an element are looked at, chosen by a hash of their number,
+/// at least about 2¹⁷ and at most 2²²; the response is fitted to about 2¹⁷ of them
+/// (`fit_response`). The log is read once. Nothing but the light of the model changes; a log whose
+/// intensities are all 0 leaves it without.
 void learn_light(elements::Model& model, BeamSource& log);
 
 }  // namespace underbrush::fit

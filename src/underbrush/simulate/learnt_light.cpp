@@ -17,9 +17,14 @@ float LearntLight::intensity(const elements::Model& model, const Ray& ray,
   }
   const elements::Reflectance of = elements::reflectance(model, met.element);
   if (of.mean <= 0) return 0;
-  const auto& rotation = world_.placed(met.instance, beams.time_s[i]).world_from_model.rotation;
+  if (met.instance != instance_ || beams.time_s[i] != time_s_) {
+    instance_ = met.instance;
+    time_s_ = beams.time_s[i];
+    model_from_world_ =
+        world_.placed(instance_, time_s_).world_from_model.rotation.toRotationMatrix().transpose();
+  }
   const double cosine =
-      elements::incidence_cosine(model, met.element, rotation.conjugate() * ray.direction);
+      elements::incidence_cosine(model, met.element, model_from_world_ * ray.direction);
   const bool is_ellipsoid = model.kind(met.element) == elements::Kind::kEllipsoid;
   double x = of.mean;
   if (draw_ == IntensityDraw::kDrawn) {

@@ -36,6 +36,9 @@ class LearntLight {
   IntensityDraw draw_;
   const elements::Model* model_ = nullptr;
   bool same_sensor_ = false;
+  uint32_t instance_ = trace::Intersection::kNone;  ///< The instance of `model_from_world_`.
+  double time_s_ = 0;
+  Mat3 model_from_world_ = Mat3::Identity();
 };
 
 }  // namespace underbrush::simulate
