@@ -2,6 +2,7 @@
 /// How bright a model's elements answer: a reflectance for each, and the response of the sensor
 /// that all share.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -38,9 +39,9 @@ struct Gain {
 /// incidence, from the channel with the number n, has the expected intensity ρ f(r) g(c) h(n),
 /// where ρ is the reflectance of its element. Each factor is 1 on average over the log.
 struct Light {
-  Gain range;                ///< f.
-  Gain incidence[2];         ///< g of triangles, and g of ellipsoids.
-  std::vector<double> ring;  ///< h, one a channel; channels beyond have 1.
+  Gain range;                     ///< f.
+  std::array<Gain, 2> incidence;  ///< g of triangles, and g of ellipsoids.
+  std::vector<double> ring;       ///< h, one a channel; channels beyond have 1.
   double max_intensity = 0;  ///< The largest intensity of the log, beyond which none is answered.
 
   /// Whether a log with intensities was there to learn from.

@@ -242,7 +242,7 @@ ChannelOffsets learn_offsets(BeamSource& log, const ChannelOptions& options) {
     const Eigen::VectorXd step = covariance * right;
     for (size_t i = 0; i < rings; ++i) offset[i] += step[long(i)];
   }
-  const ChannelOffsets out = about_mean(offset, covariance, cells);
+  ChannelOffsets out = about_mean(offset, covariance, cells);
   const OffsetSpread spread = spread_of(out);
   if (long(out.size()) < kFewestRings || spread.sigma_m < kSignificant * spread.standard_error_m) {
     return {};
