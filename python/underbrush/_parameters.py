@@ -30,7 +30,7 @@ class FitParameters(TypedDict, total=False):
     surface_least_kernel: float  #: Radius down to which the kernel is halved where points are dense (m; default 0.2).
     #: Largest offset of the points' mean from the surface; beyond it is a hole (kernels; default 0.3).
     surface_border: float
-    surface_noise: float  #: σ of the simulated range; 0 = as the points lie about the surface (m; default 0).
+    surface_noise: float  #: σ of the simulated range; 0 = as the residuals along the beams are (m; default 0).
     surface_carve: bool  #: Leave out triangles that most beams passed (default false).
     ground_method: str  #: Ground segmentation (default lower_envelope).
     ground_spacing: float  #: Least distance of the nodes of the ground's height map (m; default 0.5).
@@ -40,7 +40,7 @@ class FitParameters(TypedDict, total=False):
     max_residual_for_hit: float  #: A triangle explains a point nearer than this (m; default 0.75).
     #: Points' worth of the usual size mixed into each ellipsoid's covariance (points; default 1).
     covariance_prior: float
-    ellipsoid_prior_hits: float  #: Prior hits of an ellipsoid (default 50).
+    ellipsoid_prior_hits: float  #: Prior hits of an ellipsoid (default 5).
     ellipsoid_prior_misses: float  #: Prior misses of an ellipsoid (default 0).
     #: Drop ellipsoids with hits / (hits + misses) below this: nothing stands there (default 0.05).
     free_space_below: float
@@ -52,7 +52,7 @@ class FitParameters(TypedDict, total=False):
     credit_tau: float
     hit_estimator: str  #: The estimate of p from an ellipsoid's hits and misses (default prior).
     start: str  #: The fitter to begin with, or the folder of a model (default hierarchical).
-    rounds: int  #: Most rearrangements at first, and most steps after them (default 12).
+    rounds: int  #: Most M-steps, and most rearrangements (up to 4) before them (default 9).
     held_out: int  #: One group of beams in so many judges the steps and is not learnt from (default 20).
     dropout: float  #: How readily a lone miss is taken as a lost return, not as a way through (default 0.4).
     #: How much more decided than the likeliest model: above 1 for smaller errors of a draw, at the cost of
