@@ -75,7 +75,7 @@ std::string text_of_fit(const std::string& fitter, const FitStep& step) {
     text += fmt::format("              {:.3f} m of {}{}\n", c.side_m, model.class_name(c.label),
                         step.grain.classes[k] ? "" : ", the usual one: too few beams met it");
   }
-  text += text_of_light(model);
+  text += text_of_light(model) + text_of_keyframes(model);
   if (step.echoes.learnt) {
     text += fmt::format("  echoes      {:.3f} of a beam that returns, the log {:.3f}\n",
                         step.echoes.simulated, step.echoes.real);
@@ -92,6 +92,8 @@ std::string text_of_fit(const std::string& fitter, const FitStep& step) {
 void run(const Verb& verb, Arguments& a) {
   a.fit.seed = verb.seed;
   a.fit.learn_channels = !a.ranges_as_given;
+  require(a.echoes != "all" || a.fit.keyframes.spacing_m == 0,
+          "fit: --keyframes remember beams, not the single echoes of --echoes all");
   for (const std::string& file : {a.splat, a.ground_mesh}) {
     if (!file.empty()) io::check_output(file);
   }

@@ -178,7 +178,7 @@ SimulateStep write(const Verb& verb, const Arguments& a, simulate::SimulatedSour
 void report(const Verb& verb, const Arguments& a, const SimulateStep& step, size_t sub_rays,
             size_t traced, double seconds, std::string_view isa, const std::string& lost,
             const WorldSummary& world, const elements::Model& model, const LogInfo& beams,
-            const std::string& intensities) {
+            const std::string& intensities, bool keyframes) {
   const double rate = double(step.beams) / std::max(step.seconds_tracing, 1e-9);
   const size_t misses = step.rows - step.hits;
   Json j;
@@ -191,6 +191,7 @@ void report(const Verb& verb, const Arguments& a, const SimulateStep& step, size
   if (!lost.empty()) j["lost"] = lost;
   if (!model.channels.empty()) j["channel_offsets"] = model.channels_of(beams).size();
   if (!intensities.empty()) j["intensity"] = intensities;
+  if (model.keyframes) j["keyframes"] = keyframes;
   if (world.read.parts) j["world"] = json_of(world);
   j["seconds_tracing"] = step.seconds_tracing;
   j["seconds"] = seconds;
@@ -212,6 +213,15 @@ void report(const Verb& verb, const Arguments& a, const SimulateStep& step, size
     text += added > 0 ? fmt::format("  channels    {} range offsets added\n", added)
                       : fmt::format("  channels    no range offsets added: they are of {}\n",
                                     printable(model.sensor));
+  }
+  if (model.keyframes) {
+    text += keyframes
+                ? fmt::format("  keyframes   beams near {} of them are answered as recorded\n",
+                              model.keyframes->frames.size())
+                : fmt::format(
+                      "  keyframes   not used: they are of thin rays of {}, without "
+                      "elements, movers or wind\n",
+                      printable(model.sensor));
   }
   if (world.read.parts) text += text_of(world);
   verb.report(j, text + fmt::format("  log         {}\n", a.output));
@@ -253,7 +263,9 @@ void run(const Verb& verb, Arguments& a) {
     report(verb, a, step, answer.sub_rays(), answer.rays_traced(), seconds,
            target.dynamic_world->world().isa(), lost, WorldSummary{read, info},
            target.dynamic_world->model(0), beams->info(),
-           intensities_in_words(scene.models, beams->info(), answer.sub_rays() > 0));
+           intensities_in_words(scene.models, beams->info(), answer.sub_rays() > 0),
+           answer.sub_rays() == 0 &&
+               simulate::keyframes_serve(*target.dynamic_world, a.answer.simulate, beams->info()));
   };
   if (const auto* rig = dynamic_cast<const perception::RigSource*>(beams.get())) {
     RigAnswer answer(rig->sensors(),

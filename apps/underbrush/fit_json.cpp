@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "light_report.hpp"
 
 namespace underbrush::app {
@@ -33,6 +35,41 @@ std::string text_of_channels(const ChannelOffsets& channels) {
   const OffsetSpread spread = spread_of(channels);
   return fmt::format("  channels    {} range offsets, sigma {:.1f} cm, standard error {:.1f} cm\n",
                      channels.size(), 100 * spread.sigma_m, 100 * spread.standard_error_m);
+}
+
+Json json_of(const elements::Keyframes& k) {
+  double bytes = 0;
+  for (const elements::Keyframe& f : k.frames) {
+    bytes += double(f.pixels.size() * sizeof(elements::KeyframePixel));
+  }
+  Json j{{"frames", k.frames.size()}, {"rows", k.rows()}, {"columns", k.columns}, {"bytes", bytes}};
+  // By the distance to the nearest one: how much of an answer is remembered where the four to eight
+  // pixels of a beam agree best, and where they do not.
+  for (size_t d = 0; d < elements::Keyframes::kDistances.size(); ++d) {
+    const auto weight = [&](size_t agreement) {
+      return 1 - k.trust[d * elements::Keyframes::kAgreements + agreement].elements;
+    };
+    j["trust"].push_back({{"up_to_m", elements::Keyframes::kDistances[d]},
+                          {"where_ranges_agree", weight(3)},
+                          {"where_they_differ", weight(6)}});
+  }
+  return j;
+}
+
+std::string text_of_keyframes(const elements::Model& model) {
+  if (!model.keyframes) return "";
+  const Json j = json_of(*model.keyframes);
+  std::string text = fmt::format("  keyframes   {} of {} x {} pixels, {:.1f} MB; remembered",
+                                 j["frames"].get<size_t>(), j["rows"].get<size_t>(),
+                                 j["columns"].get<size_t>(), j["bytes"].get<double>() / 1e6);
+  for (const Json& d : j["trust"]) {
+    const double agreed = d["where_ranges_agree"], differ = d["where_they_differ"];
+    if (agreed == 0 && differ == 0) continue;
+    text += fmt::format(" {:.0f} to {:.0f} % up to {:g} m,", 100 * std::min(agreed, differ),
+                        100 * std::max(agreed, differ), d["up_to_m"].get<double>());
+  }
+  text.back() = '\n';
+  return text;
 }
 
 Json json_of(const FitStep& step) {
@@ -72,6 +109,7 @@ Json json_of(const FitStep& step) {
     j["echoes_per_return"] = {{"log", step.echoes.real}, {"simulated", step.echoes.simulated}};
   }
   if (model.light.known()) j["light"] = json_of_light(model);
+  if (model.keyframes) j["keyframes"] = json_of(*model.keyframes);
   j["skipped"] = step.skipped;
   j["warnings"] = r.warnings;
   if (!r.likelihood.steps.empty()) j["likelihood"] = json_of(r.likelihood);

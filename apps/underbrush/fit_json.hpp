@@ -11,6 +11,10 @@ Json json_of(const fit::LikelihoodReport& report);
 Json json_of(const ChannelOffsets& channels);
 /// The same as a line of text; nothing without offsets.
 std::string text_of_channels(const ChannelOffsets& channels);
+/// Returns the size of the keyframes, and at which distances how much of an answer is theirs.
+Json json_of(const elements::Keyframes& keyframes);
+/// The same as a line of text; nothing for a model without keyframes.
+std::string text_of_keyframes(const elements::Model& model);
 /// Returns the counts, warnings and times of a fit.
 Json json_of(const FitStep& step);
 

@@ -10,6 +10,8 @@ class FitParameters(TypedDict, total=False):
     fitter: str  #: How the model is made (default hierarchical).
     min_range: float  #: Leave out nearer returns (of the own vehicle) (m; default 0).
     tile: float  #: Side of a tile; memory grows with it (m; default 32).
+    #: Remember scans so far apart as range images; simulations near them answer likewise (0: none) (m; default 0).
+    keyframes: float
     clusters_per_point: float  #: Number of ellipsoids per point (default 0.1).
     min_points: int  #: Fewest points of an ellipsoid (default 3).
     #: Rounds of expectation and maximisation in which ellipsoids share the points at the borders of clusters

@@ -360,6 +360,7 @@ DRIVE_LOG = {"needs": (LOGS[DRIVE],), "after": (HALVES[DRIVE],)}
 MEASURED = {
     "readme": Measured(readme_rows()),
     "real-logs": Measured(real_logs(("default", "sharp", "surface", "surface_carved", "mesh_primitives"))),
+    "keyframes": Measured(real_logs(("default", "keyframes"))),
     "fitters": Measured(fitters(("default", "voxel", "top_down", "bottom_up", "likelihood"))),
     "options-of-fit": Measured(options_of_fit()),
     **matter.MEASURED,

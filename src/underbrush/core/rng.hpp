@@ -15,7 +15,8 @@ enum class Purpose : uint32_t {
   kCluster,
   kSplit,
   kPlace,
-  kSignal
+  kSignal,
+  kRecall
 };
 
 /// Mixes 64 bits with full avalanche (the finaliser of splitmix64).

@@ -119,6 +119,7 @@ void Model::check() const {
             "model: the channels are not in ascending order");
   }
   light.check();
+  if (keyframes) keyframes->check();
   check_mesh(ground);
   check_mesh(surface);
   for (const Ellipsoid& e : ellipsoids) {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -13,6 +14,7 @@
 #include "underbrush/core/channel_offsets.hpp"
 #include "underbrush/core/pose.hpp"
 #include "underbrush/elements/grain.hpp"
+#include "underbrush/elements/keyframes.hpp"
 #include "underbrush/elements/light.hpp"
 
 namespace underbrush {
@@ -94,6 +96,8 @@ struct Model {
   std::string sensor, sensor_file;
   /// The errors of that sensor's ranges, which the geometry is free of; empty where none are known.
   ChannelOffsets channels;
+  /// What the sensor measured from some places; null where nothing is remembered.
+  std::shared_ptr<const Keyframes> keyframes;
   /// Whether every echo of the log counted as a beam of its own, so that hit probabilities are
   /// shares of the light and the footprint is not in them.
   bool all_echoes = false;
@@ -121,7 +125,8 @@ struct Model {
   /// The offsets that the ranges of such a log carry: `channels` where it is of the same sensor,
   /// else none.
   ChannelOffsets channels_of(const LogInfo& log) const;
-  /// Returns a model without elements that is otherwise the same; it has no provenance.
+  /// Returns a model without elements that is otherwise the same; it has no provenance and no
+  /// keyframes.
   Model like() const;
   /// Throws `std::invalid_argument` where a value is not finite, an index is out of range, a
   /// probability lies outside [0, 1] or a covariance is not positive definite.

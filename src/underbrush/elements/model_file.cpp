@@ -8,6 +8,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/file.hpp"
 #include "underbrush/core/temporary.hpp"
+#include "underbrush/elements/keyframes_file.hpp"
 #include "underbrush/elements/light_json.inl"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/json_file.hpp"
@@ -230,6 +231,7 @@ Json manifest_of(const Model& m) {
   if (!m.sensor_file.empty()) j["sensor_file"] = m.sensor_file;
   if (!m.channels.empty()) j["channels"] = json_of_channels(m.channels);
   if (m.all_echoes) j["all_echoes"] = true;
+  if (m.keyframes) j["keyframes"] = Json::parse(manifest_of_keyframes(*m.keyframes));
   j["ground"] = manifest_of_mesh(m.ground, "ground.ply");
   j["surface"] = manifest_of_mesh(m.surface, "surface.ply");
   j["ellipsoids"] = {{"file", "ellipsoids.ply"}, {"count", m.ellipsoids.size()}};
@@ -260,6 +262,7 @@ void write_model(const fs::path& path, const Model& model) {
         io::write_ply(folder / "surface.ply", ply_of_mesh(model.surface, true));
         io::write_ply(folder / "ellipsoids.ply",
                       ply_of_ellipsoids(model.ellipsoids, model.light.known()));
+        if (model.keyframes) write_keyframes(folder, *model.keyframes);
         write_file(folder / "model.json", io::text_of_json(manifest_of(model), 2) + "\n");
       },
       io::OutputKind::kFolder);
@@ -286,6 +289,7 @@ Model read_model(const fs::path& path) {
   if (const auto text = j.find("sensor_file")) model.sensor_file = text->text();
   if (const auto channels = j.find("channels")) model.channels = channels_of_json(*channels);
   if (const auto all = j.find("all_echoes")) model.all_echoes = all->boolean();
+  if (const auto keyframes = j.find("keyframes")) model.keyframes = read_keyframes(*keyframes);
   model.fitter = j.at("fitter").text();
   model.provenance = j.at("provenance").dump();
   const io::JsonValue ground = j.at("ground"), surface = j.at("surface"),

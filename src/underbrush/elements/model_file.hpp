@@ -11,9 +11,9 @@ namespace underbrush::elements {
 /// Version of the layout that is written. Older versions are read, newer ones refused.
 inline constexpr int kModelVersion = 1;
 
-/// Writes the folder `path` (model.json, ground.ply, surface.ply, ellipsoids.ply), atomically,
-/// replacing a model that stood there. Throws `IoError`, also if a folder that is not a model
-/// stands there.
+/// Writes the folder `path` (model.json, ground.ply, surface.ply, ellipsoids.ply and, where the
+/// model has keyframes, keyframes.ply), atomically, replacing a model that stood there. Throws
+/// `IoError`, also if a folder that is not a model stands there.
 void write_model(const std::filesystem::path& path, const Model& model);
 
 /// Throws the `IoError` that `write_model` would end with. Callers use it before a long

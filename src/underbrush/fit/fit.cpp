@@ -38,6 +38,7 @@ FitResult start_model(BeamSource& source, FitOptions options, const HeldOut& hel
   if (elements::is_model(options.start)) return {elements::read_model(options.start), {}};
   options.fitter = start_of(options).name;
   options.learn_channels = false;  // the source is corrected already
+  options.keyframes.spacing_m = 0;
   // Refinement shares points between ellipsoids anyway, but only the mixture removes a footprint.
   if (!options.volumetric.mixture.footprint) options.volumetric.mixture.rounds = 0;
   TrainingSource training(source, held_out);
@@ -150,6 +151,9 @@ FitResult fit(BeamSource& source, const FitOptions& options, const FitProgress& 
   StillBeams still(corrected);
   learn_classes(out.model, still);
   learn_light(out.model, still);
+  KeyframeOptions keyframes = options.keyframes;
+  keyframes.min_range_m = options.min_range_m;
+  learn_keyframes(out.model, still, keyframes);
   const Clustering* clustering = clustering_named(fitter.name);
   if (options.volumetric.mixture.footprint && !fitter.refines &&
       !(clustering && clustering->mixture)) {

@@ -11,6 +11,7 @@
 #include "underbrush/core/tile_store.hpp"
 #include "underbrush/elements/model.hpp"
 #include "underbrush/fit/hit_probability.hpp"
+#include "underbrush/fit/keyframes.hpp"
 #include "underbrush/fit/likelihood.hpp"
 #include "underbrush/fit/surface.hpp"
 #include "underbrush/fit/volumetric.hpp"
@@ -60,6 +61,8 @@ struct FitOptions {
   SurfaceOptions surface;
   /// `fit` sets its range noise and its floor from the fields above.
   LikelihoodOptions likelihood;
+  /// `fit` sets its least range from the field above.
+  KeyframeOptions keyframes;
 };
 
 /// Counts and warnings of a fit.

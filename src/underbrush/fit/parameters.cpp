@@ -36,6 +36,9 @@ const Parameter kParameters[] = {
      at([](Options& o) -> auto& { return o.min_range_m; }), kUsual},
     {"tile", kCommon, "m", "Side of a tile; memory grows with it",
      at([](Options& o) -> auto& { return o.tiles.tile_m; })},
+    {"keyframes", kCommon, "m",
+     "Remember scans so far apart as range images; simulations near them answer likewise (0: none)",
+     at([](Options& o) -> auto& { return o.keyframes.spacing_m; }), kRare},
 
     {"clusters-per-point", kHierarchical, "", "Number of ellipsoids per point",
      at([](Options& o) -> auto& { return o.volumetric.hierarchical.clusters_per_point; }), kUsual,

@@ -10,6 +10,7 @@
 #include "underbrush/metrics/nearest.hpp"
 #include "underbrush/metrics/predictive.hpp"
 #include "underbrush/metrics/ring_roughness.hpp"
+#include "underbrush/trace/recollection.hpp"
 
 namespace underbrush::metrics {
 namespace {
@@ -182,6 +183,9 @@ class Scorer {
     crps_.resize(real.size());
     const double max_range = real.info.max_range_m;
     const double reach = std::min(max_range, options_.world->model().max_range_m);
+    std::optional<trace::Recollection> memory;
+    if (options_.world->is_one_model()) memory.emplace(options_.world->model());
+    if (memory && !memory->serves(real.info)) memory.reset();
     parallel_for(real.size(), 2048, [&](size_t begin, size_t end) {
       std::vector<Ray> rays;
       for (size_t i = begin; i < end; ++i) {
@@ -191,8 +195,14 @@ class Scorer {
       const std::vector<double> everywhere(rays.size(), reach);
       options_.world->all_intersections(rays, {real.info.min_range_m, reach}, everywhere, met);
       trace::RangeMixture p;
+      std::vector<uint32_t> keyframes;
+      if (memory) keyframes = memory->candidates({&real.origin[begin], end - begin});
       for (size_t i = begin; i < end; ++i) {
         trace::mix_ranges(met[i - begin], 1, 1e-4, p);
+        if (!keyframes.empty()) {
+          const Ray& ray = rays[i - begin];
+          memory->mix(memory->recall(ray, memory->near(ray.origin, keyframes)), p);
+        }
         nll_[i] = negative_log_likelihood(p, real.range_m[i], max_range);
         crps_[i] = crps(p, real.range_m[i], max_range);
       }

@@ -9,6 +9,7 @@
 #include "underbrush/core/rng.hpp"
 #include "underbrush/simulate/draw.hpp"
 #include "underbrush/simulate/element_class.hpp"
+#include "underbrush/trace/recollection.hpp"
 
 namespace underbrush::simulate {
 namespace {
@@ -45,6 +46,19 @@ void make_miss(BeamLog& beams, size_t i) {
   beams.flags[i] = 0;
 }
 
+/// Answers a beam as a keyframe does.
+void set_recalled(const trace::RecalledReturn& seen, const Options& options,
+                  const trace::RangeLimits& limits, uint64_t key, BeamLog& beams, size_t i) {
+  if (!(seen.range_m >= limits.min_m && seen.range_m <= limits.max_m)) return;
+  double range = seen.range_m;
+  if (options.range_noise_m > 0) {
+    range += options.range_noise_m * normal(key, Intersection::kNone, Purpose::kNoise);
+  }
+  beams.range_m[i] = float(std::clamp(range, limits.min_m, limits.max_m));
+  beams.intensity[i] =
+      options.intensity == IntensityDraw::kMean ? seen.mean_intensity : seen.intensity;
+}
+
 /// The way from a ray's origin to a point that is drawn in the ellipsoid that it met.
 Vec3 to_drawn_point(const DynamicWorld& world, double time_s, const Ray& ray,
                     const Intersection& met, uint64_t key) {
@@ -52,7 +66,43 @@ Vec3 to_drawn_point(const DynamicWorld& world, double time_s, const Ray& ray,
   return drawn_in_volume(world.model(met.instance), placed, met, key) - ray.origin;
 }
 
+/// What the keyframes of a world answer. They know nothing of elements, of moving objects or of
+/// scenes, and only of beams along their axes.
+class Memory {
+ public:
+  Memory(const DynamicWorld& world, const Options& options, const LogInfo& beams)
+      : once_(world.world().draws() != trace::Draws::kAnew) {
+    if (keyframes_serve(world, options, beams)) recollection_.emplace(world.model(0));
+  }
+
+  /// Chooses the keyframes for some beams.
+  std::vector<uint32_t> candidates(const BeamLog& beams, size_t begin, size_t end) const {
+    if (!recollection_) return {};
+    return recollection_->candidates({&beams.origin[begin], end - begin});
+  }
+  /// The answer to a beam, where it is not for the elements. Matter that is drawn once is
+  /// remembered alike by all beams that see the same pixel.
+  std::optional<trace::RecalledReturn> answer(const Ray& ray, std::span<const uint32_t> candidates,
+                                              uint64_t matter, uint64_t key) const {
+    if (candidates.empty()) return {};
+    const trace::Recalled seen =
+        recollection_->recall(ray, recollection_->near(ray.origin, candidates));
+    return recollection_->drawn(seen, once_ ? mix64(matter ^ mix64(seen.nearest)) : key, key);
+  }
+
+ private:
+  std::optional<trace::Recollection> recollection_;
+  bool once_;
+};
+
 }  // namespace
+
+bool keyframes_serve(const DynamicWorld& world, const Options& options, const LogInfo& beams) {
+  const bool plain = options.draw == RangeDraw::kOnRay && !options.random_ray &&
+                     !options.element_ids && options.sway_s == 0;
+  return plain && !world.moves() && world.world().is_one_model() &&
+         trace::Recollection(world.model(0)).serves(beams);
+}
 
 void simulate(const DynamicWorld& world, const Options& options, size_t first_beam,
               BeamLog& beams) {
@@ -60,6 +110,7 @@ void simulate(const DynamicWorld& world, const Options& options, size_t first_be
   const trace::RangeLimits limits = limits_of(world, options, beams.info);
   const bool once = world.world().draws() != trace::Draws::kAnew;
   const uint64_t matter = matter_key(options.seed);
+  const Memory memory(world, options, beams.info);
   std::vector<uint32_t> element(options.element_ids ? beams.size() : 0, Intersection::kNone);
   std::vector<uint16_t> label(element.size());
   std::vector<uint32_t> instance(options.instance_labels.empty() ? 0 : element.size());
@@ -80,9 +131,14 @@ void simulate(const DynamicWorld& world, const Options& options, size_t first_be
     world.nearest_accepted(rays, once ? trials : keys, {&beams.time_s[begin], n}, limits, met);
     MatterAt matter_of(world);
     LearntLight light(world, beams.info, options.intensity);
+    const std::vector<uint32_t> keyframes = memory.candidates(beams, begin, end);
     for (size_t k = 0; k < n; ++k) {
       const size_t i = begin + k;
       make_miss(beams, i);
+      if (const auto seen = memory.answer(rays[k], keyframes, matter, keys[k])) {
+        set_recalled(*seen, options, limits, keys[k], beams, i);
+        continue;
+      }
       if (met[k].none()) continue;
       const elements::Model& model = matter_of.model(met[k], beams.time_s[i]);
       if (options.element_ids) {

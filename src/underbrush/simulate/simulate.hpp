@@ -53,9 +53,14 @@ struct Options {
 /// `max_range_m` of the model of instance 0, which is the ground of a composed scene; limits of the
 /// other models have no effect. Where a drawn range lies outside these limits, the element's own
 /// range is taken. Intensities are those of the light that the models have learnt (`LearntLight`)
-/// and 0 for models without; `EchoMaker` has those of an instrument and of materials. Throws
-/// `std::invalid_argument` for options out of range.
+/// and 0 for models without. Where `keyframes_serve`, the answer is that of the mixture of
+/// `elements::KeyframeTrust`, intensity included. `EchoMaker` has those of an instrument and of
+/// materials. Throws `std::invalid_argument` for options out of range.
 void simulate(const DynamicWorld& world, const Options& options, size_t first_beam, BeamLog& beams);
+
+/// Whether the keyframes of the world's model answer such beams near them: thin rays of the sensor
+/// of its log, without `element_ids`, in a world of one model that does not sway.
+bool keyframes_serve(const DynamicWorld& world, const Options& options, const LogInfo& beams);
 
 /// A source that answers the beams of another source chunk by chunk. The world and the other source
 /// must outlive it.

@@ -157,6 +157,8 @@ const elements::Model& World::model(uint32_t instance) const {
   return *impl_->models[this->instance(instance).model];
 }
 
+bool World::is_one_model() const { return impl_->instances.data() == &impl_->alone; }
+
 const elements::Instance& World::instance(uint32_t instance) const {
   require(instance < impl_->instances.size(), "world: no such instance");
   return impl_->instances[instance];

@@ -56,6 +56,8 @@ class World {
 
   /// The model of an instance. Where the world is one model, it is that of instance 0.
   const elements::Model& model(uint32_t instance = 0) const;
+  /// Whether the world is one model in its own place, and no scene of several.
+  bool is_one_model() const;
   /// The place of an instance in the world.
   const elements::Instance& instance(uint32_t instance) const;
 

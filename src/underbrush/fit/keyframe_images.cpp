@@ -1,0 +1,280 @@
+#include "underbrush/fit/keyframe_images.hpp"
+
+#include <algorithm>
+#include <bitset>
+#include <cmath>
+
+namespace underbrush::fit {
+namespace {
+
+using elements::Keyframe;
+using elements::KeyframePixel;
+using elements::Keyframes;
+
+/// What is known of a scan before its image is made.
+struct Scan {
+  size_t beams = 0;
+  Vec3 origin = Vec3::Zero();  // m, world; the sum, then the mean
+  Eigen::Quaterniond sensor_from_world = Eigen::Quaterniond::Identity();
+};
+
+/// Elevations of the beams of a channel, counted in steps of 0.05°. Their middle is that of the far
+/// beams, as near ones of a sensor whose lasers are apart are seen from beside it.
+class Channel {
+ public:
+  void add(double elevation_rad) {
+    const double at = (elevation_rad / M_PI + 0.5) * kSteps;
+    ++count_[size_t(std::clamp(at, 0.0, kSteps - 1.0))];
+    ++beams_;
+  }
+  /// The elevation (rad) below which a share of the beams is.
+  double quantile(double share) const {
+    double below = share * double(beams_);
+    for (size_t k = 0; k < count_.size(); ++k) {
+      if (below <= double(count_[k])) {
+        const double part = count_[k] > 0 ? below / double(count_[k]) : 0;
+        return ((double(k) + part) / kSteps - 0.5) * M_PI;
+      }
+      below -= double(count_[k]);
+    }
+    return M_PI / 2;
+  }
+
+ private:
+  static constexpr double kSteps = 3600;
+  std::vector<uint32_t> count_ = std::vector<uint32_t>(size_t(kSteps));
+  size_t beams_ = 0;
+};
+
+/// The directions of a log's beams in the frame of its sensor.
+struct Pattern {
+  std::map<uint32_t, Scan> scans;
+  std::map<uint16_t, Channel> channels;
+  std::bitset<360> degrees;  // of azimuth at which there are beams
+  double largest_intensity = 0, largest_range_m = 0;
+};
+
+double elevation_of(const Vec3& d) { return std::asin(std::clamp(d.z(), -1.0, 1.0)); }
+
+Pattern pattern_of(BeamSource& log) {
+  Pattern p;
+  for (const ScanInfo& info : log.info().scans) {
+    p.scans[info.scan].sensor_from_world = info.world_from_sensor.rotation.conjugate();
+  }
+  log.rewind();
+  for (BeamLog chunk; log.next(chunk);) {
+    for (size_t i = 0; i < chunk.size(); ++i) {
+      Scan& scan = p.scans[chunk.scan[i]];
+      ++scan.beams;
+      scan.origin += chunk.origin[i];
+      const Vec3 d = scan.sensor_from_world * chunk.direction[i].cast<double>();
+      p.channels[chunk.ring[i]].add(elevation_of(d));
+      const double turn = std::atan2(d.y(), d.x()) / (2 * M_PI);
+      p.degrees.set(size_t((turn < 0 ? turn + 1 : turn) * 360) % 360);
+      if (!chunk.is_hit(i)) continue;
+      p.largest_range_m = std::max(p.largest_range_m, double(chunk.range_m[i]));
+      if (std::isfinite(chunk.intensity[i])) {
+        p.largest_intensity = std::max(p.largest_intensity, double(chunk.intensity[i]));
+      }
+    }
+  }
+  std::erase_if(p.scans, [](const auto& s) { return s.second.beams == 0; });
+  for (auto& [number, scan] : p.scans) scan.origin /= double(scan.beams);
+  return p;
+}
+
+/// Beams of the usual scan.
+double beams_of_scan(const Pattern& p) {
+  std::vector<size_t> counts;
+  for (const auto& [number, scan] : p.scans) counts.push_back(scan.beams);
+  std::nth_element(counts.begin(), counts.begin() + ptrdiff_t(counts.size() / 2), counts.end());
+  return double(counts[counts.size() / 2]);
+}
+
+/// The rows of the channels.
+std::map<uint16_t, size_t> rows_of_channels(const Pattern& p, std::vector<double>& elevation) {
+  std::vector<std::pair<double, uint16_t>> order;
+  for (const auto& [ring, c] : p.channels) order.emplace_back(c.quantile(0.5), ring);
+  std::sort(order.begin(), order.end());
+  std::map<uint16_t, size_t> rows;
+  for (size_t k = 0; k < order.size(); ++k) {
+    elevation.push_back(order[k].first);
+    rows[order[k].second] = k;
+  }
+  return rows;
+}
+
+/// Rows and columns as wide as the spacing of the beams.
+void set_even_image(const Pattern& p, double turn_share, Keyframes& k) {
+  double low = M_PI / 2, high = -M_PI / 2;
+  for (const auto& [ring, c] : p.channels) {
+    low = std::min(low, c.quantile(0.01));
+    high = std::max(high, c.quantile(0.99));
+  }
+  low = std::max(low, -M_PI / 2);
+  high = std::min(high, M_PI / 2);
+  const double area = std::max(high - low, 1e-3) * 2 * M_PI * turn_share;
+  const double step = std::max(std::sqrt(area / beams_of_scan(p)), 1e-3);
+  const auto rows = size_t(std::max(2.0, std::ceil((high - low) / step)));
+  for (size_t r = 0; r < rows; ++r) {
+    k.elevation.push_back(low + (high - low) * (double(r) + 0.5) / double(rows));
+  }
+  k.columns = size_t(std::max(1.0, std::round(2 * M_PI / step)));
+}
+
+/// The scans of which fewer than two others lie nearer than the spacing.
+std::map<uint32_t, uint32_t> chosen(const Pattern& p, double spacing_m) {
+  std::map<uint32_t, uint32_t> out;
+  std::vector<Vec3> kept;
+  for (const auto& [number, scan] : p.scans) {
+    const auto is_near = [&](const Vec3& o) { return (o - scan.origin).norm() < spacing_m; };
+    if (std::count_if(kept.begin(), kept.end(), is_near) >= 2) continue;
+    out[number] = uint32_t(kept.size());
+    kept.push_back(scan.origin);
+  }
+  return out;
+}
+
+/// Makes the images of some scans.
+class Painter {
+ public:
+  Painter(const Pattern& pattern, std::map<uint16_t, size_t> rows, const KeyframeOptions& options,
+          KeyframeImages& images)
+      : pattern_(pattern),
+        rows_(std::move(rows)),
+        options_(options),
+        images_(images),
+        grid_(images.keyframes) {}
+
+  void paint(BeamLog& chunk) {
+    Keyframes& k = images_.keyframes;
+    for (size_t i = 0; i < chunk.size(); ++i) {
+      const auto at = images_.frame_of_scan.find(chunk.scan[i]);
+      if (at == images_.frame_of_scan.end()) continue;
+      const Scan& scan = pattern_.scans.at(chunk.scan[i]);
+      auto place = grid_.place(scan.sensor_from_world * chunk.direction[i].cast<double>());
+      const auto row = rows_.find(chunk.ring[i]);
+      // Lasers that are apart see near things from beside the sensor's middle, rows off their own.
+      if (row != rows_.end() && std::abs(place.row - double(row->second) - 0.5) < 0.75) {
+        place.row = double(row->second) + 0.5;
+      }
+      if (!(place.row >= 0)) continue;
+      const size_t r = std::min(size_t(place.row), k.rows() - 1);
+      const size_t c = std::min(size_t(place.column), k.columns - 1);
+      const double off =
+          std::abs(place.column - double(c) - 0.5) + std::abs(place.row - double(r) - 0.5);
+      set(at->second, r, c, off, chunk, i, scan);
+    }
+  }
+
+  /// Gives pixels and columns that no beam reached what their neighbours have.
+  void close_gaps() {
+    for (size_t f = 0; f < images_.keyframes.frames.size(); ++f) {
+      Keyframe& frame = images_.keyframes.frames[f];
+      spread_origins(frame);
+      const std::vector<KeyframePixel> found = frame.pixels;
+      const size_t n = images_.keyframes.columns;
+      for (size_t p = 0; p < found.size(); ++p) {
+        if (!found[p].is_unknown()) continue;
+        const size_t row = p / n * n, column = p % n;
+        const KeyframePixel& left = found[row + (column + n - 1) % n];
+        frame.pixels[p] = left.is_unknown() ? found[row + (column + 1) % n] : left;
+      }
+    }
+  }
+
+ private:
+  void set(uint32_t number, size_t row, size_t column, double off, const BeamLog& chunk, size_t i,
+           const Scan& scan) {
+    Keyframes& k = images_.keyframes;
+    Keyframe& f = k.frames[number];
+    if (f.pixels.empty()) {
+      f.pixels.resize(k.pixels());
+      f.column_origin.assign(k.columns, Vec3f::Constant(NAN));
+    }
+    f.column_origin[column] = (chunk.origin[i] - scan.origin).cast<float>();
+    if (off_.size() <= number) off_.resize(number + 1);
+    if (off_[number].empty()) off_[number].assign(k.pixels(), 1.0f);
+    const size_t p = row * k.columns + column;
+    if (double(off_[number][p]) <= off) return;
+    KeyframePixel pixel;
+    if (!chunk.is_hit(i)) {
+      pixel.x = KeyframePixel::kNoReturn;
+    } else if (double(chunk.range_m[i]) >= options_.min_range_m) {
+      const Vec3 steps = (chunk.end_point(i) - scan.origin) / k.unit_m;
+      if (steps.cwiseAbs().maxCoeff() > KeyframePixel::kMost) return;
+      pixel.x = int16_t(std::lround(steps.x()));
+      pixel.y = int16_t(std::lround(steps.y()));
+      pixel.z = int16_t(std::lround(steps.z()));
+      if (k.intensity_unit > 0 && std::isfinite(chunk.intensity[i])) {
+        const double steps_of_light = double(chunk.intensity[i]) / k.intensity_unit;
+        pixel.intensity = uint16_t(std::lround(std::clamp(steps_of_light, 0.0, 65535.0)));
+      }
+    }
+    off_[number][p] = float(off);
+    f.pixels[p] = pixel;
+  }
+
+  static void spread_origins(Keyframe& f) {
+    const size_t n = f.column_origin.size();
+    const auto is_set = [&](size_t c) { return f.column_origin[c % n].allFinite(); };
+    const std::vector<Vec3f> found = f.column_origin;
+    for (size_t c = 0; c < n; ++c) {
+      if (found[c].allFinite()) continue;
+      for (size_t d = 1; d < n; ++d) {
+        if (!found[(c + d) % n].allFinite() && !found[(c + n - d) % n].allFinite()) continue;
+        const size_t from = found[(c + d) % n].allFinite() ? c + d : c + n - d;
+        f.column_origin[c] = found[from % n];
+        break;
+      }
+      if (!is_set(c)) f.column_origin[c] = Vec3f::Zero();
+    }
+  }
+
+  const Pattern& pattern_;
+  std::map<uint16_t, size_t> rows_;
+  const KeyframeOptions& options_;
+  KeyframeImages& images_;
+  elements::KeyframeGrid grid_;
+  std::vector<std::vector<float>> off_;  // distance of each pixel's beam from its middle, columns
+};
+
+}  // namespace
+
+KeyframeImages make_keyframe_images(BeamSource& log, const Vec3& origin,
+                                    const KeyframeOptions& options) {
+  const Pattern pattern = pattern_of(log);
+  KeyframeImages out;
+  if (pattern.scans.empty()) return out;
+  Keyframes& k = out.keyframes;
+  const double turn_share = std::max(1.0, double(pattern.degrees.count())) / 360;
+  std::map<uint16_t, size_t> rows;
+  if (pattern.channels.size() < 2) {
+    set_even_image(pattern, turn_share, k);
+  } else {
+    rows = rows_of_channels(pattern, k.elevation);
+    const double of_channel = beams_of_scan(pattern) / double(rows.size());
+    k.columns = size_t(std::max(1.0, std::round(of_channel / turn_share)));
+  }
+  const double reach = std::max(pattern.largest_range_m, 1.0) * 1.05;
+  k.unit_m = reach / KeyframePixel::kMost;
+  k.intensity_unit = pattern.largest_intensity / 65535;
+  const size_t bytes = k.pixels() * sizeof(KeyframePixel) + k.columns * sizeof(Vec3f);
+  double spacing = options.spacing_m;
+  do {
+    out.frame_of_scan = chosen(pattern, spacing);
+    spacing *= 1.25;
+  } while (out.frame_of_scan.size() > 2 && out.frame_of_scan.size() * bytes > options.most_bytes);
+  k.frames.resize(out.frame_of_scan.size());
+  for (const auto& [scan, frame] : out.frame_of_scan) {
+    k.frames[frame].origin = pattern.scans.at(scan).origin - origin;
+    k.frames[frame].sensor_from_world = pattern.scans.at(scan).sensor_from_world;
+  }
+  Painter painter(pattern, std::move(rows), options, out);
+  log.rewind();
+  for (BeamLog chunk; log.next(chunk);) painter.paint(chunk);
+  painter.close_gaps();
+  return out;
+}
+
+}  // namespace underbrush::fit

@@ -1,0 +1,23 @@
+/// \file
+/// The range images of a log's keyframes.
+#pragma once
+#include <map>
+
+#include "underbrush/elements/keyframes.hpp"
+#include "underbrush/fit/keyframes.hpp"
+
+namespace underbrush::fit {
+
+/// Keyframes without trust yet, and which scan each of them is.
+struct KeyframeImages {
+  elements::Keyframes keyframes;
+  std::map<uint32_t, uint32_t> frame_of_scan;
+};
+
+/// Chooses keyframes and makes their images. Their places are relative to `origin` (m, world). A
+/// row is a channel of the sensor; where a log has none, rows and columns are as wide as its beams
+/// are apart.
+KeyframeImages make_keyframe_images(BeamSource& log, const Vec3& origin,
+                                    const KeyframeOptions& options);
+
+}  // namespace underbrush::fit

@@ -1,0 +1,30 @@
+/// \file
+/// Keyframes of a log: some of its scans, kept as range images, and how far they are to be trusted.
+#pragma once
+#include "underbrush/core/beam_log.hpp"
+#include "underbrush/elements/model.hpp"
+
+namespace underbrush::fit {
+
+/// The options of `learn_keyframes`.
+struct KeyframeOptions {
+  /// m; a scan becomes a keyframe where fewer than two keyframes lie nearer. 0 = no keyframes.
+  double spacing_m = 0;
+  /// Returns nearer than this (m) are unknown, because they are of the vehicle.
+  double min_range_m = 0;
+  /// The most memory that they may take, bytes; the spacing grows until they fit.
+  size_t most_bytes = size_t(1) << 30;
+  /// Beams that the trust is learnt from.
+  size_t samples = 120'000;
+};
+
+/// Keeps keyframes of a log in its model. The trust in each situation (`elements::KeyframeTrust`)
+/// is learnt by expectation and maximisation from beams of the log: a beam looks at keyframes other
+/// than its own scan, at several distances, and the weights are those that make its outcome
+/// likeliest beside the answer of the model's elements. Where too few beams were so near to a
+/// keyframe, the trust is that of the next farther distance; beyond the farthest one that beams
+/// looked at nothing is trusted. Where the log has one scan only, the pixel of the beam itself is
+/// overlooked. The log is read three times. The result has the same bits for any number of threads.
+void learn_keyframes(elements::Model& model, BeamSource& log, const KeyframeOptions& options);
+
+}  // namespace underbrush::fit

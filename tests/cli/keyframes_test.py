@@ -1,0 +1,70 @@
+#!/usr/bin/env python3
+"""Tests of keyframes end to end, on the recorded scan that comes with the program: half of its columns teach a model,
+and the other half judge it beside the same model without keyframes."""
+import json
+import pathlib
+import tempfile
+
+import cli_test
+
+SCAN = pathlib.Path(__file__).resolve().parents[2] / "share/examples/marv_forest.pcd"
+
+
+class Keyframes(cli_test.Failing):
+    @classmethod
+    def setUpClass(cls):
+        cls.temporary = tempfile.TemporaryDirectory()
+        cls.folder = pathlib.Path(cls.temporary.name)
+        cls.run_verb("import", SCAN, "-o", "scan.ply", "--unknown-below-deg", "-13")
+        cls.run_verb("split", "scan.ply", "--columns", "2", "--train", "train.ply", "--test", "test.ply")
+        cls.run_verb("fit", "train.ply", "-o", "without")
+        cls.fit = cls.run_verb("fit", "train.ply", "--keyframes", "2", "-o", "with")
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.temporary.cleanup()
+
+    @classmethod
+    def run_verb(cls, verb, *words):
+        done = cli_test.call(verb, *map(str, words), "--json", "-", cwd=cls.folder)
+        if done.returncode:
+            raise AssertionError(done.stderr)
+        return json.loads(done.stdout)
+
+    def scored(self, model):
+        self.run_verb("simulate", model, "--like", "test.ply", "-o", f"{model}.ply")
+        return self.run_verb("score", "test.ply", f"{model}.ply", "--model", model, "--name", "m")["models"]["m"]
+
+    def test_recorded_scan_is_answered_better(self):
+        without, remembered = self.scored("without"), self.scored("with")
+        self.assertLess(remembered["nll_per_beam"], without["nll_per_beam"] - 0.5)
+        self.assertLess(remembered["crps_m"], 0.8 * without["crps_m"])
+        self.assertLess(remembered["packet_error_m"], 0.85 * without["packet_error_m"])
+        self.assertLess(remembered["cloud_error_m"], without["cloud_error_m"])
+        self.assertGreater(remembered["f1"], without["f1"] + 0.01)
+
+    def test_report_says_what_is_remembered(self):
+        found = self.fit["keyframes"]
+        self.assertEqual(found["frames"], 1)
+        self.assertGreater(found["trust"][0]["where_ranges_agree"], 0.5)
+        used = self.run_verb("simulate", "with", "--like", "test.ply", "-o", "a.ply")
+        self.assertTrue(used["keyframes"])
+        labelled = self.run_verb("simulate", "with", "--like", "test.ply", "--element-ids", "-o", "b.ply")
+        self.assertFalse(labelled["keyframes"])
+
+    def test_damaged_keyframes_are_refused(self):
+        file = self.folder / "with/keyframes.ply"
+        content = file.read_bytes()
+        try:
+            file.write_bytes(content[:len(content) // 2])
+            done = cli_test.call("simulate", "with", "--like", "test.ply", "-o", "c.ply", cwd=self.folder)
+            self.assert_fails(done, 3, "keyframes.ply")
+            file.unlink()
+            done = cli_test.call("simulate", "with", "--like", "test.ply", "-o", "c.ply", cwd=self.folder)
+            self.assert_fails(done, 3, "keyframes.ply")
+        finally:
+            file.write_bytes(content)
+
+
+if __name__ == "__main__":
+    cli_test.main()

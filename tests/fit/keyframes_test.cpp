@@ -1,0 +1,262 @@
+// Tests of keyframes: near them a model answers as the sensor did there, far from them nothing
+// changes, and what they recall from a place beside them is where the points are seen from there.
+#include "underbrush/fit/keyframes.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "underbrush/core/parallel.hpp"
+#include "underbrush/core/rng.hpp"
+#include "underbrush/elements/model_file.hpp"
+#include "underbrush/fit/fit.hpp"
+#include "underbrush/metrics/score.hpp"
+#include "underbrush/simulate/simulate.hpp"
+#include "underbrush/trace/recollection.hpp"
+
+namespace underbrush::fit {
+namespace {
+
+constexpr uint16_t kRings = 24;
+constexpr int kColumns = 500;
+constexpr double kNoiseM = 0.01;
+const Vec3 kPlace(411.3, -250, 17);  // where the x axis begins, m, world
+
+double uniform(size_t a, uint32_t b) {
+  return uniform_from_bits(random_bits(a, b, Purpose::kPlace));
+}
+
+struct Ball {
+  Vec3 middle;
+  double radius;
+};
+
+// Balls of 10 to 40 cm on both sides of the x axis, as crowns of many leaves.
+std::vector<Ball> balls() {
+  std::vector<Ball> out;
+  for (uint32_t k = 0; k < 900; ++k) {
+    const double side = k % 2 ? 1 : -1;
+    out.push_back({kPlace + Vec3(50 * uniform(k, 1) - 20, side * (4 + 14 * uniform(k, 2)),
+                                 4 * uniform(k, 5) - 1.5),
+                   0.1 + 0.3 * uniform(k, 3)});
+  }
+  return out;
+}
+
+// The range to the ground, 2 m below the x axis, or to the nearest ball, m.
+double true_range(const Ray& ray, const std::vector<Ball>& all) {
+  const double down = ray.direction.z();
+  double nearest = down < 0 ? (kPlace.z() - 2 - ray.origin.z()) / down : HUGE_VAL;
+  for (const Ball& ball : all) {
+    const Vec3 to = ball.middle - ray.origin;
+    const double along = to.dot(ray.direction);
+    const double root = ball.radius * ball.radius - to.squaredNorm() + along * along;
+    if (root > 0 && along > 0) nearest = std::min(nearest, along - std::sqrt(root));
+  }
+  return nearest;
+}
+
+// Scans from places on the x axis. The sensor moves by `drift_m` in a scan.
+BeamLog scanned(const std::vector<double>& at, uint32_t first_scan, double drift_m = 0) {
+  const std::vector<Ball> all = balls();
+  BeamLog log;
+  log.info.sensor = "ball-scanner";
+  log.info.has_misses = true;
+  log.info.max_range_m = 50;
+  log.resize(at.size() * kColumns * kRings);
+  size_t i = 0;
+  for (size_t s = 0; s < at.size(); ++s) {
+    const uint32_t scan = first_scan + uint32_t(s);
+    for (int k = 0; k < kColumns; ++k) {
+      for (uint16_t ring = 0; ring < kRings; ++ring, ++i) {
+        const double azimuth = 2 * M_PI * (k + uniform(scan, 9)) / kColumns;
+        const double elevation = (6 - ring) * M_PI / 180;
+        log.origin[i] = kPlace + Vec3(at[s] + drift_m * (double(k) / kColumns - 0.5), 0, 0);
+        log.direction[i] =
+            Vec3f(float(std::cos(elevation) * std::cos(azimuth)),
+                  float(std::cos(elevation) * std::sin(azimuth)), float(std::sin(elevation)));
+        const double range = true_range(log.ray(i), all) +
+                             kNoiseM * normal(mix64(scan), uint32_t(i), Purpose::kNoise);
+        log.range_m[i] = range < 50 ? float(range) : kMiss;
+        log.intensity[i] = range < 50 ? float(10 + uniform(size_t(azimuth * 40), 4)) : 0;
+        log.ring[i] = ring;
+        log.scan[i] = scan;
+        log.time_s[i] = scan * 0.1;
+      }
+    }
+  }
+  return log;
+}
+
+elements::Model fitted(const BeamLog& log, double spacing_m) {
+  FitOptions options;
+  options.keyframes.spacing_m = spacing_m;
+  MemorySource source(log);
+  return fit(source, options).model;
+}
+
+BeamLog answered(const elements::Model& model, BeamLog beams, bool element_ids = false) {
+  const trace::World world(model);
+  simulate::Options options;
+  options.element_ids = element_ids;
+  simulate::simulate(world, options, 0, beams);
+  return beams;
+}
+
+metrics::Summary scored(const elements::Model& model, const BeamLog& real) {
+  const BeamLog simulated = answered(model, real);
+  const trace::World world(model);
+  metrics::ScoreOptions options;
+  options.world = &world;
+  MemorySource a(real), b(simulated);
+  return metrics::score(a, b, options).all;
+}
+
+const std::vector<double> kDrive{0, 0.7, 1.4, 2.1, 2.8, 3.5, 4.2, 4.9, 5.6, 6.3};
+
+TEST(Keyframes, NearThemAModelAnswersAsTheSensorDid) {
+  const BeamLog drive = scanned(kDrive, 0, 0.7);
+  const elements::Model with = fitted(drive, 1), without = fitted(drive, 0);
+  ASSERT_TRUE(with.keyframes);
+  EXPECT_FALSE(without.keyframes);
+  const BeamLog test = scanned({1.0, 3.2, 5.1}, 100, 0.7);
+  const metrics::Summary a = scored(without, test), b = scored(with, test);
+  EXPECT_LT(b.nll_per_beam, a.nll_per_beam - 0.003);
+  EXPECT_LT(b.crps_m, a.crps_m);
+}
+
+TEST(Keyframes, AStandingSensorRepeatsItself) {
+  const BeamLog log = scanned({0, 0, 0, 0, 0}, 0);
+  const elements::Model with = fitted(log, 1), without = fitted(log, 0);
+  EXPECT_EQ(with.keyframes->frames.size(), 2u);
+  const BeamLog test = scanned({0, 0}, 100);
+  const metrics::Summary a = scored(without, test), b = scored(with, test);
+  EXPECT_LT(b.nll_per_beam, a.nll_per_beam - 0.07);
+  EXPECT_LT(b.packet_error_m, 0.85 * a.packet_error_m);
+  EXPECT_GT(b.f1, a.f1);
+}
+
+TEST(Keyframes, OneScanLearnsFromItsNeighbours) {
+  const BeamLog log = scanned({0}, 0);
+  const elements::Model with = fitted(log, 1), without = fitted(log, 0);
+  ASSERT_TRUE(with.keyframes);
+  const BeamLog test = scanned({0}, 100);
+  EXPECT_LT(scored(with, test).nll_per_beam, scored(without, test).nll_per_beam - 0.1);
+}
+
+TEST(Keyframes, FarFromThemNothingChanges) {
+  const BeamLog drive = scanned(kDrive, 0, 0.7);
+  elements::Model with = fitted(drive, 1), without = with;
+  without.keyframes.reset();
+  const BeamLog away = scanned({25, 31}, 100), near = scanned({3}, 200);
+  EXPECT_EQ(answered(with, away).range_m, answered(without, away).range_m);
+  EXPECT_NE(answered(with, near).range_m, answered(without, near).range_m);
+  BeamLog other = near;
+  other.info.sensor = "another";
+  EXPECT_EQ(answered(with, other).range_m, answered(without, other).range_m);
+  EXPECT_EQ(answered(with, near, true).range_m, answered(without, near, true).range_m);
+}
+
+TEST(Keyframes, TheSameBitsForAnyThreadsAndChunks) {
+  const BeamLog drive = scanned(kDrive, 0, 0.7), test = scanned({2.3}, 100);
+  std::vector<std::vector<float>> answers;
+  for (const size_t chunk : {size_t(1) << 20, size_t(7001)}) {
+    for (const int threads : {1, 2}) {
+      set_threads(threads);
+      FitOptions options;
+      options.keyframes.spacing_m = 1;
+      MemorySource source(drive, chunk);
+      answers.push_back(answered(fit(source, options).model, test).range_m);
+    }
+  }
+  set_threads(0);
+  for (const auto& a : answers) EXPECT_EQ(a, answers[0]);
+}
+
+TEST(Keyframes, SurviveAModelFolder) {
+  const BeamLog drive = scanned({0, 1, 2}, 0, 0.7), test = scanned({1.2}, 100);
+  const elements::Model model = fitted(drive, 1);
+  const std::filesystem::path folder =
+      std::filesystem::path(testing::TempDir()) / "keyframes_model";
+  elements::write_model(folder, model);
+  const elements::Model read = elements::read_model(folder);
+  ASSERT_TRUE(read.keyframes);
+  const BeamLog a = answered(model, test), b = answered(read, test);
+  EXPECT_EQ(a.range_m, b.range_m);
+  EXPECT_EQ(a.intensity, b.intensity);
+  std::filesystem::remove_all(folder);
+}
+
+// What is seen from beside a keyframe lies where it is: most beams' nearest pixel has the true
+// range, but for those at the rims of balls.
+TEST(Recollection, SeesPointsFromBesideTheKeyframe) {
+  const BeamLog drive = scanned({0}, 0, 0.7);
+  const elements::Model model = fitted(drive, 1);
+  const trace::Recollection memory(model);
+  for (const double aside : {0.0, 0.3, 1.0}) {
+    const BeamLog test = scanned({aside}, 100);
+    const std::vector<uint32_t> all{0};
+    size_t seen = 0, right = 0;
+    for (size_t i = 0; i < test.size(); ++i) {
+      if (!test.is_hit(i) || test.range_m[i] > 15) continue;
+      const Ray ray = test.ray(i);
+      const trace::Recalled r = memory.recall(ray, memory.near(ray.origin, all));
+      if (r.count == 0 || r.rank[0] != 0) continue;
+      ++seen;
+      // Half a pixel of elevation moves the place where a beam meets the ground.
+      const double slack = 0.05 + 0.01 * test.range_m[i] * test.range_m[i] / 2;
+      right += std::abs(r.range_m[0] - double(test.range_m[i])) < slack;
+    }
+    EXPECT_GT(double(seen), 0.5 * double(test.size()) * 0.5);
+    EXPECT_GT(double(right), (aside == 0 ? 0.93 : aside < 1 ? 0.85 : 0.75) * double(seen)) << aside;
+  }
+}
+
+TEST(KeyframeGrid, FindsRowsAndColumnsOfDirections) {
+  elements::Keyframes k;
+  k.elevation = {-0.4, -0.2, -0.1, 0.05, 0.3};
+  k.columns = 360;
+  const elements::KeyframeGrid grid(k);
+  for (size_t row = 0; row < k.rows(); ++row) {
+    for (int degree = 0; degree < 360; degree += 7) {
+      const double azimuth = (degree + 0.5) * M_PI / 180, e = k.elevation[row];
+      const Vec3 d(std::cos(e) * std::cos(azimuth), std::cos(e) * std::sin(azimuth), std::sin(e));
+      const auto at = grid.place(3.7 * d);
+      EXPECT_NEAR(at.row, double(row) + 0.5, 1e-3);
+      EXPECT_NEAR(at.column, degree + 0.5, 1e-3);
+    }
+  }
+  EXPECT_LT(grid.place(Vec3(0, 0, 1)).row, 0);
+  EXPECT_NEAR(grid.place(Vec3(std::cos(0.125), 0, -std::sin(0.125))).row, 2.25, 1e-3);
+}
+
+TEST(KeyframeGrid, RefusesWhatIsNoMixture) {
+  elements::Keyframes k;
+  k.elevation = {0, 0.1};
+  k.columns = 4;
+  k.unit_m = 0.01;
+  EXPECT_NO_THROW(k.check());
+  k.trust[3].elements = 0.5;
+  EXPECT_THROW(k.check(), std::invalid_argument);
+  k.trust[3].pixel[0] = 0.5;
+  k.trust[3].scale = {0.5, 0.25, 0.25};
+  EXPECT_NO_THROW(k.check());
+  k.elevation = {0.1, 0};
+  EXPECT_THROW(k.check(), std::invalid_argument);
+}
+
+TEST(KeyframeGrid, TellsHowRangesAgree) {
+  const double far = HUGE_VAL;
+  const auto of = [](std::vector<double> r) { return elements::agreement(r.data(), r.size()); };
+  EXPECT_EQ(of({far, far}), 0u);
+  EXPECT_EQ(of({far, far, 3}), 1u);
+  EXPECT_EQ(of({far, 3, 3}), 2u);
+  EXPECT_EQ(of({3, 3.1}), 3u);
+  EXPECT_EQ(of({3, 3.4}), 4u);
+  EXPECT_EQ(of({3, 4}), 5u);
+  EXPECT_EQ(of({3, 9}), 6u);
+}
+
+}  // namespace
+}  // namespace underbrush::fit
