@@ -81,7 +81,7 @@ LeafKind kind_of(const elements::Model& model, const elements::Ellipsoid& e) {
 
 uint32_t block_threshold(double p) {
   const AcceptThreshold t = accept_threshold(p);
-  return t.always ? 0xffffffffu : std::min(t.below, 0xfffffffeu);
+  return t.always ? kAlways : std::min(t.below, kAlways - 1);
 }
 
 /// Computes an upper bound on the hit probability of any beam through the ellipsoid.

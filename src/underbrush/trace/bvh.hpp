@@ -35,6 +35,9 @@ inline constexpr int kGrainShift = 29;
 inline constexpr uint32_t kElementMask = (1u << kGrainShift) - 1;
 static_assert(elements::Grain::kMostClasses < 1u << (32 - kGrainShift));
 
+/// The threshold of the trials at an element that stops every beam; those of others are less.
+inline constexpr uint32_t kAlways = 0xffffffffu;
+
 /// Eight ellipsoids in columns. The surface at Mahalanobis distance τ is |U (x − mean)| = 1 with U
 /// upper triangular (u00 u01 u02 u11 u12 u22). Lanes without an ellipsoid are NaN, so that no ray
 /// meets them.
@@ -42,7 +45,7 @@ struct alignas(32) EllipsoidBlock {
   float mean[3][kWidth];
   float u[6][kWidth];
   union {
-    uint32_t accept_below[kWidth];  ///< A hit iff hash < this, or always if 0xffffffff.
+    uint32_t accept_below[kWidth];  ///< A hit iff hash < this, or if it is kAlways.
     float depth[kWidth];            ///< For kPathLength: κ √(2π) / τ.
   };
   uint32_t element[kWidth];  ///< With the place in the grain above `kGrainShift`.

@@ -68,6 +68,7 @@ inline unsigned visit(PacketQuery& s, const Frame& f, const TriangleBlock& b,
   uint8_t pair_of[8 * kGroups + 1];
   static_assert(8 * kGroups <= 256);
   unsigned sets = 0;
+  const uint32_t first = kInBlock | uint32_t(&b - f.triangles) * kWidth;
   for_each(tests.pairs, [&](unsigned j, unsigned g, unsigned pair) {
     // The moments of the rays about the corner are c = (o − corner) × d. The weights of the other
     // corners are c·side2 and −c·side1.
@@ -112,7 +113,7 @@ inline unsigned visit(PacketQuery& s, const Frame& f, const TriangleBlock& b,
     if (kQuery != Query::kAll) {
       sure &= le(all(slack[j]), least_weight) & le(high, s.found.low[g]) & le(all(f.t_min), low);
     }
-    record<kQuery>(s, f, int(g), b.element[j], found, sure, low, high);
+    record<kQuery>(s, f, int(g), b.element[j], first | j, found, sure, low, high);
     sets |= 1u << g / 8;
   }
   return sets;

@@ -148,7 +148,7 @@ inline unsigned accepted(const uint32_t* below, const uint32_t* element, uint32_
   const U8 zero{};
   const U8 h = accept_hash<U8>(*reinterpret_cast<const U8*>(element) & mask, zero + ray.key_low,
                                zero + ray.key_high);
-  return bits((I8)(h < b) | (I8)(b == 0xffffffffu));
+  return bits((I8)(h < b) | (I8)(b == kAlways));
 }
 
 inline void trace_one(const View& view, Query query, Batch& batch, size_t i) {
