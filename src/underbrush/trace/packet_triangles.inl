@@ -63,7 +63,7 @@ inline unsigned visit(PacketQuery& s, const Frame& f, const TriangleBlock& b,
   const auto& slack = tests.triangle.slack;
   const auto& range_slack = tests.triangle.range_slack;
   struct {
-    F det, least_weight, t;
+    F signed_det, least_weight;
   } met[8 * kGroups + 1], *to = met;
   uint8_t pair_of[8 * kGroups + 1];
   static_assert(8 * kGroups <= 256);
@@ -84,19 +84,21 @@ inline unsigned visit(PacketQuery& s, const Frame& f, const TriangleBlock& b,
     const F det = absolute(signed_det);
     const F x = flip(muladd(e2x, cx, muladd(e2y, cy, e2z * cz)), sign);
     const F minus_y = flip(muladd(e1x, cx, muladd(e1y, cy, e1z * cz)), sign);
-    const F from_origin = muladd(nx, r.o[0][g], muladd(ny, r.o[1][g], nz * r.o[2][g]));
-    const F t = flip(all(height[j]) - from_origin, sign);
     const F least_weight = lesser(x, lesser(-minus_y, det - x + minus_y));
-    *to = {det, least_weight, t};
+    *to = {signed_det, least_weight};
     pair_of[to - met] = uint8_t(pair);
     to += bits(le(all(doubtful[j]), least_weight)) != 0;
   });
   const int count = int(to - met);
   for (int k = 0; k < count; ++k) {
     const unsigned j = child_of(pair_of[k]), g = group_of(pair_of[k]);
-    const F det = met[k].det, least_weight = met[k].least_weight, limit = all(doubtful[j]);
+    const F signed_det = met[k].signed_det, det = absolute(signed_det);
+    const F least_weight = met[k].least_weight, limit = all(doubtful[j]);
     const F i = 1.0f / greater(det, all(slack[j]));
-    const F t = met[k].t * i;
+    const F from_origin =
+        muladd(all(normal[0][j]), r.o[0][g],
+               muladd(all(normal[1][j]), r.o[1][g], all(normal[2][j]) * r.o[2][g]));
+    const F t = flip(all(height[j]) - from_origin, sign_of(signed_det)) * i;
     const F error = muladd(all(range_slack[j]), i, absolute(t) * 6e-7f);
     const F low = t - error, high = t + error;
     const F most = kQuery == Query::kAll ? all(f.t_max) : s.found.high[g];
