@@ -65,11 +65,11 @@ enum class Query {
   kAll,       ///< Every element met.
 };
 
-/// Marks the place of a triangle in the blocks of a tree, kInBlock | block·kWidth + lane, in
-/// contrast to the number of an element.
+/// Marks the place of a triangle in the blocks of a tree, kInBlock | (block·kWidth + lane)·2 +
+/// which of the pair, in contrast to the number of an element.
 inline constexpr uint32_t kInBlock = 0x80000000u;
 /// The most blocks of triangles that can be told apart so.
-inline constexpr size_t kMostTriangleBlocks = kInBlock / kWidth - 1;
+inline constexpr size_t kMostTriangleBlocks = kInBlock / (2 * kWidth) - 1;
 
 /// A ray of a batch and an element that it may meet.
 struct Candidate {
@@ -111,7 +111,8 @@ struct Placement {
 Placement place(const View& view, uint32_t instance, const double centre[3]);
 /// Decides in double precision whether ray `ray` of the batch ends at an element or at what it had
 /// before. `have_element` (the place of a triangle) and `have_instance` are what the kernel holds
-/// for the ray, certain but not yet in `best`, or kNone. Gives true if the new element is nearer; it is then in `best`.
+/// for the ray, certain but not yet in `best`, or kNone. Gives true if the new element is nearer;
+/// it is then in `best`.
 bool resolve_nearest(const View& view, Query query, Batch& batch, size_t ray, uint32_t instance,
                      uint32_t element, uint32_t have_instance, uint32_t have_element);
 /// Computes `intersect` for a candidate.
@@ -123,8 +124,8 @@ void place_ray(const View& view, const Batch& batch, const Candidate& candidate,
 struct InstanceTransform {
   const ModelView* model;
   const TriangleBlock* triangles;  ///< Of the model's tree.
-  double translation[4];  ///< m; the fourth is 0.
-  double scale_tau2[2];   ///< Scale, and square of the model's τ.
+  double translation[4];           ///< m; the fourth is 0.
+  double scale_tau2[2];            ///< Scale, and square of the model's τ.
   bool is_translation;
 };
 /// Finds the model of an instance and its place in the world.

@@ -133,22 +133,25 @@ class CandidateQuads {
   void decide_triangles(const Quad& q) {
     Triangles t;
     t.p = every(1);
-    const float* from[kFour];
+    const float* first[kFour];
+    const uint8_t* corner[kFour];
     for (size_t k = 0; k < kFour; ++k) {
       const Candidate& c = list_[q.index[k]];
       const InstanceTransform& at = at_instance(c.instance);
-      const uint32_t lane = c.element % kWidth;
-      const TriangleBlock& block = at.triangles[(c.element & ~kInBlock) / kWidth];
-      from[k] = &block.corner[0][0][lane];
-      t.element[k] = block.element[lane];
+      const uint32_t place = c.element & ~kInBlock, lane = place / 2 % kWidth, which = place % 2;
+      const TriangleBlock& block = at.triangles[place / (2 * kWidth)];
+      const uint32_t element = block.element[which][lane];
+      corner[k] = kTurns[which][element >> kTurnShift];
+      first[k] = &block.corner[0][0][lane];
+      t.element[k] = element & kElementMask;
       const bool on_ground = t.element[k] < at.model->ground_count;
       t.mesh[k] = on_ground ? &at.model->ground : &at.model->surface;
-      if (block.accept_below[lane] == kAlways) continue;
+      if (block.accept_below[which][lane] == kAlways) continue;
       t.p[k] = t.mesh[k]->hit[t.element[k] - (on_ground ? 0 : at.model->ground_count)].p;
     }
     for (int v = 0; v < 3; ++v) {
-      const int at = 3 * v * kWidth;
-      t.load(v, from[0] + at, from[1] + at, from[2] + at, from[3] + at, kWidth);
+      const auto at = [&](int k) { return first[k] + 3 * kWidth * corner[k][v]; };
+      t.load(v, at(0), at(1), at(2), at(3), kWidth);
     }
     decide_triangles(q, t);
   }

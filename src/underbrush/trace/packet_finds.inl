@@ -81,9 +81,11 @@ struct alignas(32) ChildTests {
       float mean[3][8], slack[8], size[8];
     } ellipsoid;
     struct {
-      float corner[3][8], side1[3][8], side2[3][8];
-      float normal[3][8], height[8];  // side2 × side1, and its product with the corner
-      float slack[8], doubtful[8], range_slack[8];  // `doubtful` is −3 `slack`
+      float corner[3][8], side[3][3][8];  // corner 0, and the sides from it to the others
+      struct {
+        float normal[3][8], height[8];  // of the sides, and its product with the corner
+        float slack[8], doubtful[8], range_slack[8];  // `doubtful` is −3 `slack`
+      } of[2];
     } triangle;
   };
   Pairs pairs;

@@ -73,7 +73,8 @@ bool resolve_nearest(const View& view, Query query, Batch& batch, size_t ray, ui
     if (have_element & kInBlock) {
       const Bvh& bvh = view.bvhs[view.instances[have_instance].model];
       const uint32_t place = have_element & ~kInBlock;
-      have_element = bvh.triangles[place / kWidth].element[place % kWidth];
+      have_element =
+          bvh.triangles[place / (2 * kWidth)].element[place % 2][place / 2 % kWidth] & kElementMask;
     }
     best = intersect_placed(view, batch, {uint32_t(ray), have_instance, have_element});
   }
