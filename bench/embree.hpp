@@ -3,6 +3,7 @@
 #include <embree3/rtcore.h>
 
 #include <algorithm>
+#include <atomic>
 #include <span>
 #include <vector>
 
@@ -17,8 +18,15 @@ enum class EmbreeMode { kSingle = 1, kPacket8 = 8, kPacket16 = 16 };
 class Embree {
  public:
   /// `config` is in Embree's own form, such as "isa=avx2"; nullptr lets Embree choose.
-  explicit Embree(const elements::TriangleMesh& mesh, const char* config = nullptr)
+  explicit Embree(const elements::TriangleMesh& mesh, const char* config = nullptr,
+                  RTCBuildQuality quality = RTC_BUILD_QUALITY_MEDIUM)
       : device_(rtcNewDevice(config)), scene_(rtcNewScene(device_)) {
+    const auto count = [](void* sum, ssize_t bytes, bool) {
+      *static_cast<std::atomic<ssize_t>*>(sum) += bytes;
+      return true;
+    };
+    rtcSetDeviceMemoryMonitorFunction(device_, count, &bytes_);
+    rtcSetSceneBuildQuality(scene_, quality);
     RTCGeometry g = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
     auto* v = static_cast<float*>(rtcSetNewGeometryBuffer(
         g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, mesh.vertices.size()));
@@ -37,6 +45,9 @@ class Embree {
     rtcReleaseScene(scene_);
     rtcReleaseDevice(device_);
   }
+
+  /// The memory of the tree and its copy of the mesh, bytes.
+  size_t bytes() const { return size_t(bytes_); }
 
   /// Returns the ranges of the rays (relative to the mesh's origin), in their order.
   void closest_hits(std::span<const Ray> rays, EmbreeMode mode, float max_range_m,
@@ -92,6 +103,7 @@ class Embree {
     }
   }
 
+  std::atomic<ssize_t> bytes_ = 0;
   RTCDevice device_;
   RTCScene scene_;
 };

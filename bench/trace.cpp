@@ -6,91 +6,16 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
-#include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
 
+#include "contest.hpp"
 #include "embree.hpp"
 #include "report/svg_plot.hpp"
-#include "timing.hpp"
 #include "trace_scenes.hpp"
 #include "underbrush/core/parallel.hpp"
-#include "underbrush/core/rng.hpp"
-#include "underbrush/trace/order.hpp"
-#include "underbrush/trace/world.hpp"
 
 namespace underbrush::bench {
 namespace {
-
-using Json = nlohmann::ordered_json;
-constexpr double kMaxRange = 120;            // m
-constexpr size_t kCall = trace::kBatchRays;  // rays
-
-struct Rays {
-  std::vector<Ray> firing, coherent;
-  std::vector<uint64_t> keys;
-
-  explicit Rays(std::vector<Ray> rays) : firing(std::move(rays)) {
-    const auto float_rays = std::make_unique<trace::FloatRays>();
-    std::vector<uint32_t> order(kCall);
-    for (size_t begin = 0; begin < firing.size(); begin += kCall) {
-      const size_t n = std::min(kCall, firing.size() - begin);
-      const std::span<const Ray> part(&firing[begin], n);
-      const auto azimuth = [](const Ray& r) {
-        return std::atan2(r.direction.y(), r.direction.x());
-      };
-      float_rays->azimuth_low = float_rays->sin_elevation_low = 4;
-      float_rays->azimuth_high = float_rays->sin_elevation_high = -4;
-      for (size_t k = 0; k < n; ++k) {
-        const double turned = azimuth(part[k]) - azimuth(part[0]);
-        const float turn = float(std::remainder(turned, 2 * M_PI) / (M_PI / 2));
-        const float up = float(part[k].direction.z());
-        float_rays->azimuth[k] = turn;
-        float_rays->sin_elevation[k] = up;
-        float_rays->azimuth_low = std::min(float_rays->azimuth_low, turn);
-        float_rays->azimuth_high = std::max(float_rays->azimuth_high, turn);
-        float_rays->sin_elevation_low = std::min(float_rays->sin_elevation_low, up);
-        float_rays->sin_elevation_high = std::max(float_rays->sin_elevation_high, up);
-      }
-      trace::order_by_direction(*float_rays, {order.data(), n});
-      for (size_t k = 0; k < n; ++k) coherent.push_back(part[order[k]]);
-    }
-    for (size_t i = 0; i < firing.size(); ++i) keys.push_back(beam_key(1, 0, i));
-  }
-};
-
-/// Measures the rays per second of each way in turns, so that a busy machine slows all alike; the
-/// median counts.
-class Contest {
- public:
-  void add(std::string name, std::function<void()> f) {
-    names_.push_back(std::move(name));
-    runs_.push_back(std::move(f));
-  }
-  Json rates(size_t rays, int rounds) const {
-    std::vector<std::vector<double>> rate(runs_.size());
-    for (int r = 0; r < rounds; ++r) {
-      for (size_t k = 0; k < runs_.size(); ++k) {
-        rate[k].push_back(double(rays) / seconds_of(runs_[k]));
-      }
-    }
-    Json j;
-    for (size_t k = 0; k < runs_.size(); ++k) j[names_[k]] = median(rate[k]);
-    return j;
-  }
-
- private:
-  std::vector<std::string> names_;
-  std::vector<std::function<void()>> runs_;
-};
-
-void trace_all(const trace::World& world, const Rays& rays, std::vector<trace::Intersection>& met) {
-  parallel_for(rays.firing.size(), kCall, [&](size_t begin, size_t end) {
-    const size_t n = end - begin;
-    world.nearest_accepted({&rays.firing[begin], n}, {&rays.keys[begin], n}, {0, kMaxRange},
-                           {&met[begin], n});
-  });
-}
 
 struct Case {
   const char* scene;
@@ -100,17 +25,7 @@ struct Case {
 
 class Bench {
  public:
-  Bench(int rounds, bool quick) : rounds_(rounds), quick_(quick) {
-    for (trace::Isa isa : {trace::Isa::kBase, trace::Isa::kAvx2, trace::Isa::kAvx512}) {
-      try {
-        const elements::Model nothing;
-        trace::World world(nothing, isa);
-        isas_.push_back(isa);
-        // The instruction set is not available on this machine.
-      } catch (const std::invalid_argument&) {
-      }
-    }
-  }
+  Bench(int rounds, bool quick) : rounds_(rounds), quick_(quick) {}
 
   Json model_case(const Case& c, const elements::Model& model, const char* sensor) {
     const Rays rays(drive(sensor, quick_ ? 1 : c.sub_rays > 1 ? 1 : 4, c.sub_rays));
@@ -188,16 +103,8 @@ class Bench {
 
   int rounds_;
   bool quick_;
-  std::vector<trace::Isa> isas_;
+  std::vector<trace::Isa> isas_ = instruction_sets();
 };
-
-double fastest(const Json& rates, const char* prefix) {
-  double most = 0;
-  for (const auto& [name, rate] : rates.items()) {
-    if (name.starts_with(prefix)) most = std::max(most, rate.get<double>());
-  }
-  return most;
-}
 
 void print(const Json& j) {
   std::printf("%-8s %9zu elements %3d sub-rays:", j["scene"].get<std::string>().c_str(),
@@ -288,32 +195,6 @@ void plot(const Json& cases, const std::string& file) {
   out.write(file);
 }
 
-/// Runs the passes whose instructions bench/instructions.sh counts.
-__attribute__((noinline)) void counted_pass(const trace::World& world, const Rays& rays,
-                                            std::vector<trace::Intersection>& met) {
-  trace_all(world, rays, met);
-}
-
-int trace_passes(int passes, size_t elements, int sub_rays, const std::string& isa) {
-  set_threads(1);
-  const elements::Model model = forest(elements);
-  const trace::Isa with = isa == "avx512" ? trace::Isa::kAvx512
-                          : isa == "avx2" ? trace::Isa::kAvx2
-                                          : trace::Isa::kBase;
-  std::optional<trace::World> built;
-  const double build_s = seconds_of([&] { built.emplace(model, with); });
-  std::printf("%zu elements, built in %.3f us each\n", model.size(),
-              1e6 * build_s / double(model.size()));
-  const trace::World& world = *built;
-  const Rays rays(drive("velodyne-hdl64e", 1, sub_rays));
-  std::vector<trace::Intersection> met(rays.firing.size());
-  for (int k = 0; k < passes; ++k) {
-    const double s = seconds_of([&] { counted_pass(world, rays, met); });
-    std::printf("%zu rays, %.2f M rays/s\n", met.size(), 1e-6 * double(met.size()) / s);
-  }
-  return 0;
-}
-
 }  // namespace
 }  // namespace underbrush::bench
 
@@ -340,7 +221,9 @@ int main(int argc, char** argv) {
       ->check(CLI::IsMember({"sse2", "avx2", "avx512"}))
       ->capture_default_str();
   CLI11_PARSE(app, argc, argv);
-  if (passes > 0) return trace_passes(passes, elements, sub_rays, isa);
+  if (passes > 0) {
+    return trace_passes(passes, forest(elements), drive("velodyne-hdl64e", 1, sub_rays), isa);
+  }
   if (quick) rounds = std::min(rounds, 3);
 
   Bench bench(rounds, quick);

@@ -6,6 +6,7 @@
 
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/trace/element_math.hpp"
+#include "underbrush/trace/triangle_pairs.hpp"
 
 namespace underbrush::trace {
 namespace {
@@ -18,16 +19,6 @@ Box widened(Box b) {
     b.hi[d] += margin;
   }
   return b;
-}
-
-Box triangle_box(const elements::TriangleMesh& mesh, size_t k) {
-  Box box;
-  for (uint32_t v : mesh.triangles[k]) {
-    const Vec3f& p = mesh.vertices[v];
-    const Float4 at{p[0], p[1], p[2], 0};
-    box.add(at, at);
-  }
-  return widened(box);
 }
 
 Box ellipsoid_box(const elements::Ellipsoid& e, double tau) {
@@ -81,7 +72,7 @@ LeafKind kind_of(const elements::Model& model, const elements::Ellipsoid& e) {
 
 uint32_t block_threshold(double p) {
   const AcceptThreshold t = accept_threshold(p);
-  return t.always ? 0xffffffffu : std::min(t.below, 0xfffffffeu);
+  return t.always ? kAlways : std::min(t.below, kAlways - 1);
 }
 
 /// Computes an upper bound on the hit probability of any beam through the ellipsoid.
@@ -95,11 +86,12 @@ template <class Block>
 Block block_of_nothing() {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   Block block{};
-  std::fill_n(&block.element[0], kWidth, Intersection::kNone);
   if constexpr (std::is_same_v<Block, EllipsoidBlock>) {
+    std::fill_n(&block.element[0], kWidth, Intersection::kNone);
     std::fill_n(&block.mean[0][0], 3 * kWidth, kNan);
   } else {
-    std::fill_n(&block.corner[0][0][0], 9 * kWidth, kNan);
+    std::fill_n(&block.element[0][0], 2 * kWidth, Intersection::kNone);
+    std::fill_n(&block.corner[0][0][0], 12 * kWidth, kNan);
   }
   return block;
 }
@@ -128,35 +120,54 @@ EllipsoidBlock ellipsoid_block(const elements::Model& model, const Ref* refs, ui
   return block;
 }
 
-TriangleBlock triangle_block(const elements::Model& model, const Ref* refs, uint32_t count) {
+/// Writes one of the triangles of lane k. Corner `apart` is the one that the other does not have.
+void set_triangle(const elements::TriangleMesh& mesh, size_t at, uint32_t number, size_t which,
+                  uint32_t apart, uint32_t k, TriangleBlock& block) {
+  for (size_t v = 0; v < 3; ++v) {
+    const Vec3f& corner = mesh.vertices[mesh.triangles[at][v]];
+    for (int d = 0; d < 3; ++d) block.corner[kTurns[which][apart][v]][d][k] = corner[d];
+  }
+  block.element[which][k] = number | apart << kTurnShift;
+  block.accept_below[which][k] = block_threshold(mesh.hit[at].p);
+}
+
+TriangleBlock triangle_block(const elements::Model& model, const TrianglePairs& pairs,
+                             const Ref* refs, uint32_t count) {
   TriangleBlock block = block_of_nothing<TriangleBlock>();
   for (uint32_t k = 0; k < count; ++k) {
     const uint32_t id = refs[k].id();
     const elements::ElementPlace place = model.place(id);
     const elements::TriangleMesh& mesh = model.mesh(place.kind);
-    const size_t at = place.index;
-    for (int v = 0; v < 3; ++v) {
-      for (int d = 0; d < 3; ++d) {
-        block.corner[v][d][k] = mesh.vertices[mesh.triangles[at][size_t(v)]][d];
-      }
+    const TrianglePair pair = pairs[id];
+    set_triangle(mesh, place.index, id, 0, pair.apart, k, block);
+    if (pair.other != Intersection::kNone) {
+      const uint32_t other = model.place(pair.other).index;
+      set_triangle(mesh, other, pair.other, 1, pair.other_apart, k, block);
+    } else {
+      for (int d = 0; d < 3; ++d) block.corner[3][d][k] = block.corner[2][d][k];
     }
-    block.accept_below[k] = block_threshold(mesh.hit[at].p);
-    block.element[k] = id;
   }
   return block;
 }
 
-HugeVector<Ref> refs_of(const elements::Model& model) {
-  HugeVector<Ref> refs(model.size());
+HugeVector<Ref> refs_of(const elements::Model& model, const TrianglePairs& pairs) {
+  const std::vector<uint32_t>& first = pairs.first();
+  HugeVector<Ref> refs(first.size() + model.ellipsoids.size());
   parallel_for(refs.size(), 4096, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
-      const elements::ElementPlace place = model.place(i);
-      if (place.kind != elements::Kind::kEllipsoid) {
-        const Box box = triangle_box(model.mesh(place.kind), place.index);
-        refs[i] = Ref(box, uint32_t(i), uint32_t(LeafKind::kTriangles));
+      if (i < first.size()) {
+        const elements::ElementPlace place = model.place(first[i]);
+        const elements::TriangleMesh& mesh = model.mesh(place.kind);
+        Box box = triangle_box(mesh, place.index);
+        if (const uint32_t other = pairs[first[i]].other; other != Intersection::kNone) {
+          box.add(triangle_box(mesh, model.place(other).index));
+        }
+        refs[i] = Ref(widened(box), first[i], uint32_t(LeafKind::kTriangles));
       } else {
-        const elements::Ellipsoid& e = model.ellipsoids[place.index];
-        refs[i] = Ref(ellipsoid_box(e, model.tau), uint32_t(i), uint32_t(kind_of(model, e)));
+        const size_t at = i - first.size();
+        const elements::Ellipsoid& e = model.ellipsoids[at];
+        refs[i] = Ref(ellipsoid_box(e, model.tau), uint32_t(model.triangle_count() + at),
+                      uint32_t(kind_of(model, e)));
       }
     }
   });
@@ -185,7 +196,8 @@ size_t Bvh::bytes() const {
 }
 
 Bvh build_bvh(const elements::Model& model) {
-  HugeVector<Ref> refs = refs_of(model);
+  const TrianglePairs pairs(model);
+  HugeVector<Ref> refs = refs_of(model, pairs);
   Hierarchy tree = build_hierarchy(refs, kWidth);
   Bvh bvh;
   bvh.box = tree.box;
@@ -208,7 +220,7 @@ Bvh build_bvh(const elements::Model& model) {
       const LeafKind kind = leaf_kind(reference[i]);
       const uint32_t index = reference[i] & kIndexMask;
       if (kind == LeafKind::kTriangles) {
-        bvh.triangles[index] = triangle_block(model, first, leaf.count);
+        bvh.triangles[index] = triangle_block(model, pairs, first, leaf.count);
       } else {
         bvh.ellipsoids[index] = ellipsoid_block(model, first, leaf.count, kind);
       }

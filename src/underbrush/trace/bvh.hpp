@@ -1,6 +1,7 @@
 /// \file
 /// This file has the bounding volume hierarchy over the elements of one model. It is laid out for
-/// vector instructions: a leaf is a block of up to eight elements of one kind.
+/// vector instructions: a leaf is a block of up to eight elements of one kind, or eight pairs of
+/// triangles.
 #pragma once
 #include <cstdint>
 
@@ -35,6 +36,9 @@ inline constexpr int kGrainShift = 29;
 inline constexpr uint32_t kElementMask = (1u << kGrainShift) - 1;
 static_assert(elements::Grain::kMostClasses < 1u << (32 - kGrainShift));
 
+/// The threshold of the trials at an element that stops every beam; those of others are less.
+inline constexpr uint32_t kAlways = 0xffffffffu;
+
 /// Eight ellipsoids in columns. The surface at Mahalanobis distance τ is |U (x − mean)| = 1 with U
 /// upper triangular (u00 u01 u02 u11 u12 u22). Lanes without an ellipsoid are NaN, so that no ray
 /// meets them.
@@ -42,18 +46,27 @@ struct alignas(32) EllipsoidBlock {
   float mean[3][kWidth];
   float u[6][kWidth];
   union {
-    uint32_t accept_below[kWidth];  ///< A hit iff hash < this, or always if 0xffffffff.
+    uint32_t accept_below[kWidth];  ///< A hit iff hash < this, or if it is kAlways.
     float depth[kWidth];            ///< For kPathLength: κ √(2π) / τ.
   };
   uint32_t element[kWidth];  ///< With the place in the grain above `kGrainShift`.
 };
 
-/// Eight triangles in columns, by their corners. Lanes without a triangle are NaN.
-struct alignas(32) TriangleBlock {
-  float corner[3][3][kWidth];  ///< corner[vertex][axis][lane]
-  uint32_t accept_below[kWidth];
-  uint32_t element[kWidth];
+/// Eight pairs of triangles in columns. The triangles of a pair share an edge: the first one has
+/// the corners 0 1 2, and the second one 0 2 3. Where there is only one, corners 2 and 3 are the
+/// same. Lanes without a triangle are NaN.
+struct alignas(64) TriangleBlock {
+  float corner[4][3][kWidth];  ///< corner[vertex][axis][lane]
+  uint32_t accept_below[2][kWidth];
+  /// The numbers of both triangles, or Intersection::kNone. The bits from `kTurnShift` on have the
+  /// place in `kTurns` of the order in which the mesh has the corners.
+  uint32_t element[2][kWidth];
 };
+
+inline constexpr int kTurnShift = 29;
+/// The corners of the first and of the second triangle of a pair in the order of the mesh.
+inline constexpr uint8_t kTurns[2][3][3] = {{{1, 2, 0}, {0, 1, 2}, {2, 0, 1}},
+                                            {{3, 0, 2}, {2, 3, 0}, {0, 2, 3}}};
 
 /// The hierarchy over all elements of a model. Coordinates are relative to the model's origin, m.
 struct Bvh {

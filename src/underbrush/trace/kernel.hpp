@@ -65,6 +65,12 @@ enum class Query {
   kAll,       ///< Every element met.
 };
 
+/// Marks the place of a triangle in the blocks of a tree, kInBlock | (block·kWidth + lane)·2 +
+/// which of the pair, in contrast to the number of an element.
+inline constexpr uint32_t kInBlock = 0x80000000u;
+/// The most blocks of triangles that can be told apart so.
+inline constexpr size_t kMostTriangleBlocks = kInBlock / (2 * kWidth) - 1;
+
 /// A ray of a batch and an element that it may meet.
 struct Candidate {
   uint32_t ray, instance, element;
@@ -81,9 +87,9 @@ struct Batch {
 
   Intersection* best;  ///< Output for kAccepted and kSurface, one a ray; else null.
   /// Output: pairs of a ray and the element where it ends, certain but not yet in `best`. It has
-  /// room for kBatchRays.
+  /// room for kBatchRays: ellipsoids are at its begin, and triangles, by their places, at its end.
   Candidate* known;
-  size_t known_count;
+  size_t known_ellipsoids, known_triangles;
   std::vector<Candidate> candidates;  ///< Output for kAll: undecided pairs, in no order.
 };
 
@@ -104,8 +110,9 @@ struct Placement {
 /// origin, m).
 Placement place(const View& view, uint32_t instance, const double centre[3]);
 /// Decides in double precision whether ray `ray` of the batch ends at an element or at what it had
-/// before. `have_element` and `have_instance` are what the kernel holds for the ray, certain but
-/// not yet in `best`, or kNone. Gives true if the new element is nearer; it is then in `best`.
+/// before. `have_element` (the place of a triangle) and `have_instance` are what the kernel holds
+/// for the ray, certain but not yet in `best`, or kNone. Gives true if the new element is nearer;
+/// it is then in `best`.
 bool resolve_nearest(const View& view, Query query, Batch& batch, size_t ray, uint32_t instance,
                      uint32_t element, uint32_t have_instance, uint32_t have_element);
 /// Computes `intersect` for a candidate.
@@ -116,8 +123,9 @@ void place_ray(const View& view, const Batch& batch, const Candidate& candidate,
 /// A model and the transform of one of its instances.
 struct InstanceTransform {
   const ModelView* model;
-  double translation[4];  ///< m; the fourth is 0.
-  double scale_tau2[2];   ///< Scale, and square of the model's τ.
+  const TriangleBlock* triangles;  ///< Of the model's tree.
+  double translation[4];           ///< m; the fourth is 0.
+  double scale_tau2[2];            ///< Scale, and square of the model's τ.
   bool is_translation;
 };
 /// Finds the model of an instance and its place in the world.
@@ -135,10 +143,11 @@ struct Kernels {
   /// kPacketRays where they point alike. After `count` numbers, kPacketRays copies of the last one
   /// must follow.
   void (*trace)(const View&, Query, Batch&, const uint32_t* order, size_t count);
-  /// Computes `intersect` of each candidate with the batch's limits into out[i], or into the best
-  /// of the candidate's ray if `out` is null.
+  /// Computes `intersect` of each candidate with the batch's limits into out[i].
   void (*intersect_many)(const View&, const Batch&, const Candidate*, size_t count,
                          Intersection* out);
+  /// Computes `intersect` of the pairs in `Batch::known` into the best of their rays.
+  void (*answer_known)(const View&, const Batch&);
 };
 
 extern const Kernels kKernelsBase, kKernelsAvx2, kKernelsAvx512;

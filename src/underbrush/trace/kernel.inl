@@ -24,7 +24,7 @@ namespace {
 
 // The kernels under the name of their instruction set.
 constexpr Kernels kernels_named(const char* name) {
-  return {name, convert_rays, trace, intersect_many};
+  return {name, convert_rays, trace, intersect_many, answer_known};
 }
 
 }  // namespace

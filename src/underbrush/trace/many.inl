@@ -1,6 +1,5 @@
-// `intersect` for many rays and elements, four elements of one kind at a time. Answers go to
-// out[i], one a candidate. If `out` is null, every candidate is known to be met, and answers go to
-// the best of each candidate's ray. kernel_*.cpp use this file.
+// `intersect` for many rays and elements, four elements of one kind at a time. kernel_*.cpp use
+// this file.
 #pragma once
 #include <immintrin.h>
 
@@ -9,6 +8,7 @@
 
 #include "underbrush/trace/exact.inl"
 #include "underbrush/trace/kernel.hpp"
+#include "underbrush/trace/many_kinds.inl"
 #include "underbrush/trace/simd.inl"
 
 namespace underbrush::trace {
@@ -52,93 +52,51 @@ inline void transpose(D x[4]) {
   x[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
 }
 
-// Loads three floats as x, y, z, 0.
-inline D load_corner(const float* from) {
-#if defined(__AVX2__)
-  return to_double((F4)_mm_maskload_ps(from, _mm_set_epi32(0, -1, -1, -1)));
-#else
-  return D{from[0], from[1], from[2], 0};
-#endif
-}
-
-// Up to kRun candidates, with triangles apart from ellipsoids.
-constexpr size_t kRun = 256;
-struct CandidatesByKind {
-  uint32_t triangle[kRun + 1], ellipsoid[kRun + 1];
-  uint32_t alone[kRun + 1];  // ellipsoids that are bounded by voxels
-  size_t triangles = 0, ellipsoids = 0, alones = 0;
-  struct Triangle {
-    const ModelView::Mesh* mesh;
-    const uint32_t* corners;
-    const elements::HitCount* hit;
-    const float* corner(int v) const { return mesh->vertices + 3 * size_t(corners[v]); }
-  } of_triangle[kRun];
-};
-
-// Sorts candidates by kind, and prefetches their rays and elements. One prefetch is enough for a
-// ray and its answer, because neighbours share their lines.
-inline void split_by_kind(const View& view, const Batch& batch, const Candidate* list, size_t count,
-                          CandidatesByKind& out) {
-  const ModelView* model = nullptr;
-  uint32_t instance = Intersection::kNone;
-  size_t triangles = 0, ellipsoids = 0, alones = 0;
-  for (size_t i = 0; i < count; ++i) {
-    const Candidate& c = list[i];
-    if (c.instance != instance) {
-      instance = c.instance;
-      model = &view.model_views[view.instances[instance].model];
-    }
-    __builtin_prefetch(batch.rays + c.ray);
-    __builtin_prefetch(batch.best + c.ray);
-    out.triangle[triangles] = out.ellipsoid[ellipsoids] = out.alone[alones] = uint32_t(i);
-    if (c.element < model->triangle_count) {
-      const bool on_ground = c.element < model->ground_count;
-      const ModelView::Mesh* mesh = on_ground ? &model->ground : &model->surface;
-      const size_t at = c.element - (on_ground ? 0 : model->ground_count);
-      CandidatesByKind::Triangle& triangle = out.of_triangle[triangles++];
-      triangle = {mesh, mesh->triangles + 3 * at, mesh->hit + at};
-      __builtin_prefetch(triangle.corners);
-      __builtin_prefetch(triangle.hit);
-    } else {
-      const elements::Ellipsoid* e = model->ellipsoids + (c.element - model->triangle_count);
-      __builtin_prefetch(e);
-      __builtin_prefetch(&e->density_per_m);
-      ellipsoids += !model->voxels;
-      alones += model->voxels;
-    }
-  }
-  for (size_t k = 0; k < triangles; ++k) {
-    const CandidatesByKind::Triangle& of = out.of_triangle[k];
-    for (int v = 0; v < 3; ++v) __builtin_prefetch(of.corner(v));
-  }
-  out.triangles = triangles;
-  out.ellipsoids = ellipsoids;
-  out.alones = alones;
-}
-
 // The rays of four candidates in their models' frames, in columns.
 struct PlacedRays {
   D o[3], d[3], scale, tau2;
 };
 
-// Four candidates that are decided together. Where fewer are left, the last one is repeated. If
-// kMet, all are known to be met.
+// Four candidates that are decided together. Where fewer are left, the last one is repeated.
+struct Quad {
+  uint32_t index[kFour];
+  size_t count;
+};
+
+// Takes the candidates from `from` on; `index_of` numbers them.
+template <class IndexOf>
+inline Quad quad_of(size_t from, size_t end, IndexOf index_of) {
+  Quad q;
+  q.count = end - from < kFour ? end - from : kFour;
+  for (size_t k = 0; k < kFour; ++k) q.index[k] = index_of(from + (k < q.count ? k : q.count - 1));
+  return q;
+}
+
+// Decides candidates four at a time. If kMet, all are known to be met.
 template <bool kMet>
 class CandidateQuads {
  public:
   CandidateQuads(const View& view, const Batch& batch, const Candidate* list, Intersection* out)
       : view_(view), batch_(batch), list_(list), out_(out) {}
 
+  const InstanceTransform& at_instance(uint32_t instance) {
+    if (instance != instance_) {
+      at_ = transform_of(view_, instance);
+      instance_ = instance;
+    }
+    return at_;
+  }
+
   void decide(uint32_t index) { answer(index) = intersect_placed(view_, batch_, list_[index]); }
 
-  void decide_ellipsoids(const uint32_t* entry, size_t count) {
+  void decide_ellipsoids(const Quad& q) {
     D e[3][kFour];  // rows: mean, Σ xx; Σ xy xz yy yz; κ, unused, Σ zz, p
-    uint32_t index[kFour];
+    uint32_t element[kFour];
     static_assert(offsetof(elements::Ellipsoid, covariance) == 12 &&
                   offsetof(elements::Ellipsoid, hit) == 36);
     for (size_t k = 0; k < kFour; ++k) {
-      index[k] = entry[k < count ? k : count - 1];
-      const Candidate& c = list_[index[k]];
+      const Candidate& c = list_[q.index[k]];
+      element[k] = c.element;
       const ModelView& model = *at_instance(c.instance).model;
       const elements::Ellipsoid& of = model.ellipsoids[c.element - model.triangle_count];
       const float* from = reinterpret_cast<const float*>(&of);
@@ -148,52 +106,100 @@ class CandidateQuads {
       last[0] = of.density_per_m;
       e[2][k] = to_double(last);
     }
-    const PlacedRays r = rays_of(index);
+    const PlacedRays r = rays_of(q.index);
     for (auto& row : e) transpose(row);
     const D covariance[6] = {e[0][3], e[1][0], e[1][1], e[1][2], e[1][3], e[2][2]};
     const Approach<D> a = approach_of(r.o, r.d, e[0], covariance);
     const D sigma = square_root(a.sigma2), density = e[2][0], zero{};
     D p = e[2][3];
     if (bits(density > zero)) p = pick(density > zero, opacity_of(density, sigma, a.delta2), p);
-    write(index, count, a.delta2 <= r.tau2, r.scale, a.t, sigma, a.delta2, p);
+    write(q, element, a.delta2 <= r.tau2, r.scale, a.t, sigma, a.delta2, p);
   }
 
-  void decide_triangles(const uint32_t* entry, const CandidatesByKind::Triangle* triangle,
-                        size_t count) {
-    D corner[3][kFour], sigma{}, roughness{}, p{};
-    uint32_t index[kFour];
+  // Decides triangles of a mesh.
+  void decide_triangles(const Quad& q, const TrianglePlace* const place[kFour]) {
+    const TrianglePlace &a = *place[0], &b = *place[1], &c = *place[2], &d = *place[3];
+    Triangles t;
+    for (size_t k = 0; k < kFour; ++k) t.mesh[k] = place[k]->mesh, t.element[k] = place[k]->element;
+    t.p = D{a.hit->p, b.hit->p, c.hit->p, d.hit->p};
+    for (int v = 0; v < 3; ++v) {
+      t.load(v, a.corner[v], b.corner[v], c.corner[v], d.corner[v], 1);
+    }
+    decide_triangles(q, t);
+  }
+
+  // Decides triangles that are given by their places in blocks. A packet has just read its blocks,
+  // and the meshes are far away.
+  void decide_triangles(const Quad& q) {
+    Triangles t;
+    t.p = every(1);
+    const float* first[kFour];
+    const uint8_t* corner[kFour];
     for (size_t k = 0; k < kFour; ++k) {
-      const size_t at = k < count ? k : count - 1;
-      const CandidatesByKind::Triangle& of = triangle[at];
-      index[k] = entry[at];
-      for (int v = 0; v < 3; ++v) corner[v][k] = load_corner(of.corner(v));
-      sigma[k] = of.mesh->sigma_m;
-      roughness[k] = of.mesh->roughness_m;
-      p[k] = double(of.hit->p);
+      const Candidate& c = list_[q.index[k]];
+      const InstanceTransform& at = at_instance(c.instance);
+      const uint32_t place = c.element & ~kInBlock, lane = place / 2 % kWidth, which = place % 2;
+      const TriangleBlock& block = at.triangles[place / (2 * kWidth)];
+      const uint32_t element = block.element[which][lane];
+      corner[k] = kTurns[which][element >> kTurnShift];
+      first[k] = &block.corner[0][0][lane];
+      t.element[k] = element & kElementMask;
+      const bool on_ground = t.element[k] < at.model->ground_count;
+      t.mesh[k] = on_ground ? &at.model->ground : &at.model->surface;
+      if (block.accept_below[which][lane] == kAlways) continue;
+      t.p[k] = t.mesh[k]->hit[t.element[k] - (on_ground ? 0 : at.model->ground_count)].p;
     }
-    const PlacedRays r = rays_of(index);
-    for (auto& row : corner) transpose(row);
-    const L rough = roughness > 0.0;
-    if (bits(rough)) {
-      const D sigma2 = rough_sigma2(sigma, roughness, corner[0], corner[1], corner[2], r.d);
-      sigma = pick(rough, square_root(sigma2), sigma);
+    for (int v = 0; v < 3; ++v) {
+      const auto at = [&](int k) { return first[k] + 3 * kWidth * corner[k][v]; };
+      t.load(v, at(0), at(1), at(2), at(3), kWidth);
     }
-    const TriangleTest test = cross(r, corner);
-    write(index, count, test.inside, r.scale, test.t, sigma, D{}, p);
-    // Rays that plain arithmetic finds on an edge are decided by the exact test.
-    for (size_t k = 0; test.certain != 0xf && k < count; ++k) {
-      if (!(test.certain >> k & 1)) decide(index[k]);
-    }
+    decide_triangles(q, t);
   }
 
  private:
+  struct Triangles {
+    D corner[3][3];
+    const ModelView::Mesh* mesh[kFour];
+    uint32_t element[kFour];
+    D p;
+
+    // Loads corner v of each, whose coordinates are `stride` apart.
+    void load(int v, const float* a, const float* b, const float* c, const float* d, int stride) {
+      for (int k = 0; k < 3; ++k) {
+        const int at = k * stride;
+        corner[v][k] = to_double(F4{a[at], b[at], c[at], d[at]});
+      }
+    }
+    template <class Member>
+    D of_mesh(Member member) const {
+      return D{mesh[0]->*member, mesh[1]->*member, mesh[2]->*member, mesh[3]->*member};
+    }
+  };
+
+  void decide_triangles(const Quad& q, const Triangles& t) {
+    D sigma = t.of_mesh(&ModelView::Mesh::sigma_m);
+    const D roughness = t.of_mesh(&ModelView::Mesh::roughness_m);
+    const PlacedRays r = rays_of(q.index);
+    const L rough = roughness > 0.0;
+    if (bits(rough)) {
+      const D sigma2 = rough_sigma2(sigma, roughness, t.corner[0], t.corner[1], t.corner[2], r.d);
+      sigma = pick(rough, square_root(sigma2), sigma);
+    }
+    const TriangleTest test = cross(r, t.corner);
+    write(q, t.element, test.inside, r.scale, test.t, sigma, D{}, t.p);
+    // Rays that plain arithmetic finds on an edge are decided by the exact test.
+    for (size_t k = 0; test.certain != 0xf && k < q.count; ++k) {
+      if (!(test.certain >> k & 1)) decide(q.index[k]);
+    }
+  }
+
   struct TriangleTest {
     L inside;
     D t;
     unsigned certain;
   };
 
-  static TriangleTest cross(const PlacedRays& r, const D corner[3][kFour]) {
+  static TriangleTest cross(const PlacedRays& r, const D corner[3][3]) {
     // The direction's greatest component becomes the third axis, as in `crossing`.
     const D x = absolute(r.d[0]), y = absolute(r.d[1]), z = absolute(r.d[2]);
     const L is_y = y > x, is_z = z > pick(is_y, y, x);
@@ -220,14 +226,6 @@ class CandidateQuads {
       sure &= absolute(weight[k]) > 1e-15 * (absolute(xy) + absolute(zw));
     }
     return {above | below, range_at(s, weight, d[2]), bits(sure)};
-  }
-
-  const InstanceTransform& at_instance(uint32_t instance) {
-    if (instance != instance_) {
-      at_ = transform_of(view_, instance);
-      instance_ = instance;
-    }
-    return at_;
   }
 
   PlacedRays rays_of(const uint32_t index[kFour]) {
@@ -271,8 +269,8 @@ class CandidateQuads {
     return kMet ? batch_.best[list_[index].ray] : out_[index];
   }
 
-  void write(const uint32_t index[kFour], size_t count, L inside, D scale, D t, D sigma, D delta2,
-             D p) {
+  void write(const Quad& q, const uint32_t element[kFour], L inside, D scale, D t, D sigma,
+             D delta2, D p) {
     const D range = t * scale;
     D row[kFour] = {range, sigma * scale, delta2, p};
     unsigned met = 0xf;
@@ -282,12 +280,12 @@ class CandidateQuads {
       met = bits(inside);
     }
     transpose(row);
-    for (size_t k = 0; k < count; ++k) {
-      const Candidate& c = list_[index[k]];
-      Intersection& to = answer(index[k]);
+    for (size_t k = 0; k < q.count; ++k) {
+      const Candidate& c = list_[q.index[k]];
+      Intersection& to = answer(q.index[k]);
       *reinterpret_cast<D4*>(&to.t_m) = row[k];
       const bool is_met = met >> k & 1;
-      to.element = is_met ? c.element : Intersection::kNone;
+      to.element = is_met ? element[k] : Intersection::kNone;
       to.instance = is_met ? c.instance : 0;
     }
   }
@@ -300,32 +298,64 @@ class CandidateQuads {
   uint32_t instance_ = Intersection::kNone;
 };
 
-template <bool kMet>
 void intersect_run(const View& view, const Batch& batch, const Candidate* list, size_t count,
                    Intersection* out) {
   CandidatesByKind sorted;
   split_by_kind(view, batch, list, count, sorted);
-  CandidateQuads<kMet> quads(view, batch, list, out);
-  const auto least = [](size_t a) { return a < kFour ? a : kFour; };
+  CandidateQuads<false> quads(view, batch, list, out);
+  const auto ellipsoid = [&](size_t k) { return sorted.ellipsoid[k]; };
   for (size_t k = 0; k < sorted.ellipsoids; k += kFour) {
-    quads.decide_ellipsoids(sorted.ellipsoid + k, least(sorted.ellipsoids - k));
+    quads.decide_ellipsoids(quad_of(k, sorted.ellipsoids, ellipsoid));
   }
   for (size_t k = 0; k < sorted.alones; ++k) quads.decide(sorted.alone[k]);
   for (size_t k = 0; k < sorted.triangles; k += kFour) {
-    quads.decide_triangles(sorted.triangle + k, sorted.of_triangle + k,
-                           least(sorted.triangles - k));
+    const auto triangle = [&](size_t i) { return sorted.triangle[i]; };
+    const TrianglePlace* place[kFour];
+    for (size_t i = 0; i < kFour; ++i) {
+      place[i] = &sorted.of_triangle[k + i < sorted.triangles ? k + i : sorted.triangles - 1];
+    }
+    quads.decide_triangles(quad_of(k, sorted.triangles, triangle), place);
   }
 }
 
 [[maybe_unused]] void intersect_many(const View& view, const Batch& batch, const Candidate* list,
                                      size_t count, Intersection* out) {
   for (size_t from = 0; from < count; from += kRun) {
-    const size_t n = count - from < kRun ? count - from : kRun;
-    if (out) {
-      intersect_run<false>(view, batch, list + from, n, out + from);
-    } else {
-      intersect_run<true>(view, batch, list + from, n, nullptr);
+    intersect_run(view, batch, list + from, count - from < kRun ? count - from : kRun, out + from);
+  }
+}
+
+// Prefetches a ray and its answer. One prefetch is enough for each, because neighbours share their
+// lines.
+inline void prefetch_ray(const Batch& batch, const Candidate& c) {
+  __builtin_prefetch(batch.rays + c.ray);
+  __builtin_prefetch(batch.best + c.ray, 1);
+}
+
+[[maybe_unused]] void answer_known(const View& view, const Batch& batch) {
+  constexpr size_t kAhead = 32;
+  const Candidate *ellipsoid = batch.known, *end = batch.known + kBatchRays;
+  const auto itself = [](size_t k) { return uint32_t(k); };
+  {
+    CandidateQuads<true> quads(view, batch, ellipsoid, nullptr);
+    for (size_t from = 0; from < batch.known_ellipsoids; from += kRun) {
+      const size_t left = batch.known_ellipsoids - from, to = from + (left < kRun ? left : kRun);
+      for (size_t k = from; k < to; ++k) {
+        const Candidate& c = ellipsoid[k];
+        prefetch_ray(batch, c);
+        prefetch_ellipsoid(*quads.at_instance(c.instance).model, c.element);
+      }
+      for (size_t k = from; k < to; k += kFour) quads.decide_ellipsoids(quad_of(k, to, itself));
     }
+  }
+  const size_t count = batch.known_triangles;
+  const Candidate* triangle = end - count;
+  CandidateQuads<true> quads(view, batch, triangle, nullptr);
+  for (size_t k = 0; k < count; k += kFour) {
+    if (k + kAhead + kFour <= count) {
+      for (size_t i = 0; i < kFour; ++i) prefetch_ray(batch, triangle[k + kAhead + i]);
+    }
+    quads.decide_triangles(quad_of(k, count, itself));
   }
 }
 

@@ -38,7 +38,7 @@ __attribute__((always_inline)) inline void prefetch(const Frame& f, uint32_t ref
   if (!(reference & kLeaf)) {
     prefetch(&f.nodes[reference], 4);
   } else if (leaf_kind(reference) == LeafKind::kTriangles) {
-    prefetch(&f.triangles[index], 6);
+    prefetch(&f.triangles[index], 8);
   } else if (f.ellipsoids) {
     prefetch(&f.ellipsoids[index], 6);
   }

@@ -15,7 +15,8 @@ namespace {
 // lies in [low, high], an interval that covers the rounding.
 struct Found {
   F low[kGroups], high[kGroups];
-  U element[kGroups], instance[kGroups];
+  U element[kGroups];  // its number, or the place of a triangle
+  U instance[kGroups];
   unsigned exact[kGroups];  // lanes whose element is in Batch::best
   F8 reach[kSets];          // the greatest `high` of each group
   float farthest;           // the greatest `high` of all
@@ -80,9 +81,11 @@ struct alignas(32) ChildTests {
       float mean[3][8], slack[8], size[8];
     } ellipsoid;
     struct {
-      float corner[3][8], side1[3][8], side2[3][8];
-      float normal[3][8], height[8];  // side2 × side1, and its product with the corner
-      float slack[8], doubtful[8], range_slack[8];  // `doubtful` is −3 `slack`
+      float corner[3][8], side[3][3][8];  // corner 0, and the sides from it to the others
+      struct {
+        float normal[3][8], height[8];  // of the sides, and its product with the corner
+        float slack[8], doubtful[8], range_slack[8];  // `doubtful` is −3 `slack`
+      } of[2];
     } triangle;
   };
   Pairs pairs;
@@ -114,10 +117,11 @@ inline void update_reach(Found& found, unsigned sets = ~0u) {
 }
 
 // Notes that lanes `maybe` of group g may meet the element within [low, high]. Lanes `sure`
-// certainly meet it, nearer than what they have found.
+// certainly meet it, nearer than what they have found. `reference` is the element's number, or the
+// place of a triangle.
 template <Query kQuery>
-inline void record(PacketQuery& s, const Frame& f, int g, uint32_t element, M maybe, M sure, F low,
-                   F high) {
+inline void record(PacketQuery& s, const Frame& f, int g, uint32_t element, uint32_t reference,
+                   M maybe, M sure, F low, F high) {
   Found& found = s.found;
   unsigned lanes = bits(maybe);
   if (kQuery == Query::kAll) {
@@ -134,7 +138,7 @@ inline void record(PacketQuery& s, const Frame& f, int g, uint32_t element, M ma
   if (certain) {
     found.low[g] = pick(sure, low, found.low[g]);
     found.high[g] = pick(sure, high, found.high[g]);
-    found.element[g] = pick(sure, all(element), found.element[g]);
+    found.element[g] = pick(sure, all(reference), found.element[g]);
     found.instance[g] = pick(sure, all(f.instance), found.instance[g]);
     found.exact[g] &= ~certain;
   }
@@ -209,7 +213,7 @@ struct Trial {
 };
 inline Trial trial_at(const PacketQuery& s, const Frame& f, const Lattice& l, bool sways, int g,
                       uint32_t element, uint32_t accept_below, F t, F error) {
-  if (accept_below == 0xffffffffu) return {mask_of(~0u), mask_of(~0u)};
+  if (accept_below == kAlways) return {mask_of(~0u), mask_of(~0u)};
   Cells cells = cells_of(f, l, g, t, error);
   if (sways) sway(s, g, element, cells);
   const M accepted = below(trial_bits(s, f, g, element, cells), all(accept_below));

@@ -60,22 +60,31 @@ void end(const PacketTraversal& w) {
   if (kQuery == Query::kAll) return;
   const PacketQuery& s = w.search;
   Batch& batch = *s.batch;
-  Candidate* known = batch.known + batch.known_count;
+  Candidate* ellipsoid = batch.known + batch.known_ellipsoids;
+  Candidate* triangle = batch.known + kBatchRays - batch.known_triangles;
   for (int g = 0; g * kLanes < s.count; ++g) {
     const unsigned places =
         s.count - g * kLanes < kLanes ? (1u << (s.count - g * kLanes)) - 1 : ~0u;
     const unsigned none = bits(equal(s.found.element[g], all(Intersection::kNone)));
+    const unsigned in_block = bits(below(all(kInBlock - 1), s.found.element[g]));
+    const unsigned open = ~s.found.exact[g] & places & kEveryLane;
     const uint32_t* number = s.number + g * kLanes;
-    for (unsigned left = ~s.found.exact[g] & none & places & kEveryLane; left; left &= left - 1) {
+    const auto found_at = [&](int k) {
+      return Candidate{uint32_t(batch.first + number[k]), uint32_t(s.found.instance[g][k]),
+                       uint32_t(s.found.element[g][k])};
+    };
+    for (unsigned left = open & none; left; left &= left - 1) {
       batch.best[batch.first + number[__builtin_ctz(left)]] = Intersection{};
     }
-    for (unsigned left = ~s.found.exact[g] & ~none & places & kEveryLane; left; left &= left - 1) {
-      const int k = __builtin_ctz(left);
-      *known++ = {uint32_t(batch.first + number[k]), uint32_t(s.found.instance[g][k]),
-                  uint32_t(s.found.element[g][k])};
+    for (unsigned left = open & ~in_block; left; left &= left - 1) {
+      *ellipsoid++ = found_at(__builtin_ctz(left));
+    }
+    for (unsigned left = open & in_block & ~none; left; left &= left - 1) {
+      *--triangle = found_at(__builtin_ctz(left));
     }
   }
-  batch.known_count = size_t(known - batch.known);
+  batch.known_ellipsoids = size_t(ellipsoid - batch.known);
+  batch.known_triangles = size_t(batch.known + kBatchRays - triangle);
 }
 
 constexpr size_t kFew = 4;  // packets of fewer rays do not pay

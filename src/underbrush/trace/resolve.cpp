@@ -20,6 +20,7 @@ InstanceTransform transform_of(const View& view, uint32_t instance) {
   const elements::Instance& placed = view.instances[instance];
   InstanceTransform s;
   s.model = &view.model_views[placed.model];
+  s.triangles = view.bvhs[placed.model].triangles.data();
   std::copy_n(placed.world_from_model.translation.data(), 3, s.translation);
   s.translation[3] = 0;
   s.scale_tau2[0] = double(placed.scale);
@@ -69,6 +70,12 @@ bool resolve_nearest(const View& view, Query query, Batch& batch, size_t ray, ui
   if (query == Query::kAccepted && !ends(view, batch, ray, met)) return false;
   Intersection& best = batch.best[ray];
   if (have_element != Intersection::kNone) {
+    if (have_element & kInBlock) {
+      const Bvh& bvh = view.bvhs[view.instances[have_instance].model];
+      const uint32_t place = have_element & ~kInBlock;
+      have_element =
+          bvh.triangles[place / (2 * kWidth)].element[place % 2][place / 2 % kWidth] & kElementMask;
+    }
     best = intersect_placed(view, batch, {uint32_t(ray), have_instance, have_element});
   }
   if (!best.none() && !met.before(best)) return false;

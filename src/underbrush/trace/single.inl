@@ -67,11 +67,12 @@ inline unsigned ellipsoid_candidates(const RayF& r, const EllipsoidBlock& b, flo
   return bits(inside);
 }
 
-// Finds the lanes whose triangle the ray may cross before `limit`, with a margin.
-inline unsigned triangle_candidates(const RayF& r, const TriangleBlock& b, float limit) {
+// Finds the lanes whose first or second triangle the ray may cross before `limit`, with a margin.
+inline unsigned triangle_candidates(const RayF& r, const TriangleBlock& b, int which, float limit) {
   F8 p[3][3];
   for (int v = 0; v < 3; ++v) {
-    for (int k = 0; k < 3; ++k) p[v][k] = (load8(b.corner[v][k]) - r.o[k]) - r.o_low[k];
+    const auto& corner = b.corner[v == 0 ? 0 : v + which];
+    for (int k = 0; k < 3; ++k) p[v][k] = (load8(corner[k]) - r.o[k]) - r.o_low[k];
   }
   const F8 t0 = p[0][0] * r.d[0] + p[0][1] * r.d[1] + p[0][2] * r.d[2];
   F8 size{};
@@ -91,7 +92,9 @@ inline unsigned triangle_candidates(const RayF& r, const TriangleBlock& b, float
   const F8 slack = (size + absolute(t0) * 1e-6f) * (size * 2e-6f + absolute(t0) * 1e-6f);
   const F8 smallest = lesser(edge[0], lesser(edge[1], edge[2]));
   const F8 largest = greater(edge[0], greater(edge[1], edge[2]));
-  return bits(((smallest >= -slack) | (largest <= slack)) & (t0 - size <= limit + 1e-3f));
+  const I8 is_there = *reinterpret_cast<const I8*>(b.element[which]) != -1;
+  return bits(((smallest >= -slack) | (largest <= slack)) & (t0 - size <= limit + 1e-3f) &
+              is_there);
 }
 
 // Tests eight boxes by slabs. Gives the lanes that are entered in [t_min, limit], and where.
@@ -148,7 +151,7 @@ inline unsigned accepted(const uint32_t* below, const uint32_t* element, uint32_
   const U8 zero{};
   const U8 h = accept_hash<U8>(*reinterpret_cast<const U8*>(element) & mask, zero + ray.key_low,
                                zero + ray.key_high);
-  return bits((I8)(h < b) | (I8)(b == 0xffffffffu));
+  return bits((I8)(h < b) | (I8)(b == kAlways));
 }
 
 inline void trace_one(const View& view, Query query, Batch& batch, size_t i) {
@@ -194,9 +197,13 @@ inline void trace_one(const View& view, Query query, Batch& batch, size_t i) {
       const float end = query == Query::kAll ? most : reach();
       if (kind == LeafKind::kTriangles) {
         const TriangleBlock& b = bvh.triangles[index];
-        unsigned lanes = triangle_candidates(ray, b, end);
-        if (lanes && anew) lanes &= accepted(b.accept_below, b.element, ~0u, ray);
-        resolve(lanes, b.element, ~0u);
+        for (int which = 0; which < 2; ++which) {
+          unsigned lanes = triangle_candidates(ray, b, which, end);
+          if (lanes && anew) {
+            lanes &= accepted(b.accept_below[which], b.element[which], kElementMask, ray);
+          }
+          resolve(lanes, b.element[which], kElementMask);
+        }
       } else if (query != Query::kSurface) {
         const EllipsoidBlock& b = bvh.ellipsoids[index];
         unsigned lanes = ellipsoid_candidates(ray, b, least, end);

@@ -85,6 +85,8 @@ struct World::Impl {
       require(m->size() < kElementMask, "world: a model has more than 2^29 elements");
       views.push_back(view_of(*m));
       bvhs.push_back(build_bvh(*m));
+      require(bvhs.back().triangles.size() < kMostTriangleBlocks,
+              "world: a model has too many triangles");
     }
     update_grain();
     tree = build_scene_tree(instances, bvhs);
@@ -114,11 +116,11 @@ struct World::Impl {
       const size_t n = std::min(kBatchRays, count - batch.first);
       batch.float_rays = &w.float_rays;
       batch.known = w.known.data();
-      batch.known_count = 0;
+      batch.known_ellipsoids = batch.known_triangles = 0;
       const uint64_t* keys = batch.keys ? batch.keys + batch.first : nullptr;
       if (n > 1) kernels->convert_rays(v, batch.rays + batch.first, keys, n, w.float_rays);
       kernels->trace(v, query, batch, w.order.of(w.float_rays, n), n);
-      kernels->intersect_many(v, batch, batch.known, batch.known_count, nullptr);
+      kernels->answer_known(v, batch);
     }
   }
 

@@ -1,0 +1,143 @@
+// Traced beams per second in worlds of opaque triangles, against Embree's closest hit on the same
+// triangles with the same rays in the same run. Rays come in firing order; our times include
+// ordering them and putting the answers back, and Embree's rays are ordered before. The worlds are
+// synthetic.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <fstream>
+#include <memory>
+
+#include "contest.hpp"
+#include "embree.hpp"
+#include "trace_scenes.hpp"
+#include "triangle_scenes.hpp"
+#include "underbrush/core/parallel.hpp"
+
+namespace underbrush::bench {
+namespace {
+
+constexpr const char* kSensor = "velodyne-hdl64e";
+
+elements::TriangleMesh all_triangles(const elements::Model& model) {
+  elements::TriangleMesh mesh = model.ground;
+  const uint32_t first = uint32_t(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), model.surface.vertices.begin(),
+                       model.surface.vertices.end());
+  for (const auto& [a, b, c] : model.surface.triangles) {
+    mesh.triangles.push_back({a + first, b + first, c + first});
+  }
+  return mesh;
+}
+
+/// Embree with one way of building and one instruction set, and how it takes rays.
+struct Rival {
+  const char* name;
+  const char* config;
+  RTCBuildQuality quality;
+};
+
+Json measure(const std::string& name, const elements::Model& model, int rounds) {
+  const Rays rays(drive(kSensor, 2, 1));
+  const size_t n = rays.firing.size();
+  std::vector<float> range(n);
+  std::vector<trace::Intersection> met(n);
+  Contest contest;
+  Json j;
+  j["world"] = name;
+  j["triangles"] = model.size();
+  j["rays"] = n;
+  set_threads(1);
+  const elements::TriangleMesh mesh = all_triangles(model);
+  std::vector<std::unique_ptr<Embree>> rivals;
+  for (const Rival& r : {Rival{"embree", "threads=1", RTC_BUILD_QUALITY_MEDIUM},
+                         Rival{"embree_high", "threads=1", RTC_BUILD_QUALITY_HIGH},
+                         Rival{"embree_avx2", "threads=1,isa=avx2", RTC_BUILD_QUALITY_MEDIUM},
+                         Rival{"embree_high_avx2", "threads=1,isa=avx2", RTC_BUILD_QUALITY_HIGH}}) {
+    const std::string of(r.name);
+    const double s =
+        seconds_of([&] { rivals.push_back(std::make_unique<Embree>(mesh, r.config, r.quality)); });
+    const Embree& e = *rivals.back();
+    j["build_us_per_triangle"][of] = 1e6 * s / double(model.size());
+    j["bytes_per_triangle"][of] = double(e.bytes()) / double(model.size());
+    for (const auto& [mode, suffix] : {std::pair{EmbreeMode::kSingle, "_single"},
+                                       {EmbreeMode::kPacket8, "_packet8"},
+                                       {EmbreeMode::kPacket16, "_packet16"}}) {
+      contest.add(of + suffix, [&e, &rays, &range, mode = mode] {
+        e.closest_hits(rays.coherent, mode, float(kMaxRange), range);
+      });
+    }
+  }
+  std::vector<trace::World> worlds;
+  worlds.reserve(3);
+  for (trace::Isa isa : instruction_sets()) {
+    const double s = seconds_of([&] { worlds.emplace_back(model, isa); });
+    const trace::World& w = worlds.back();
+    j["build_us_per_triangle"]["ours"] = 1e6 * s / double(model.size());
+    j["bytes_per_triangle"]["ours"] = double(w.bytes()) / double(model.size());
+    contest.add("ours_" + std::string(w.isa()), [&] { trace_all(w, rays, met); });
+  }
+  const Json rates = j["rays_per_s_per_core"] = contest.rates(n, rounds);
+  size_t hits = 0;
+  for (const trace::Intersection& m : met) hits += !m.none();
+  j["hit_share"] = double(hits) / double(n);
+  j["ratio_to_embree_best"] = fastest(rates, "ours") / fastest(rates, "embree");
+  if (rates.contains("ours_avx2")) {
+    const double avx2 = std::max(fastest(rates, "embree_avx2"), fastest(rates, "embree_high_avx2"));
+    j["ratio_to_embree_best_avx2"] = rates["ours_avx2"].get<double>() / avx2;
+  }
+  set_threads(0);
+  return j;
+}
+
+void print(const Json& j) {
+  std::printf("%s, %zu triangles, %zu rays, %.0f %% hits\n", j["world"].get<std::string>().c_str(),
+              j["triangles"].get<size_t>(), j["rays"].get<size_t>(),
+              100 * j["hit_share"].get<double>());
+  for (const auto& [name, rate] : j["rays_per_s_per_core"].items()) {
+    std::printf("  %-26s %6.2f M rays/s a core\n", name.c_str(), 1e-6 * rate.get<double>());
+  }
+  for (const auto& [name, us] : j["build_us_per_triangle"].items()) {
+    std::printf("  %-26s %6.2f us and %.0f bytes a triangle\n", name.c_str(), us.get<double>(),
+                j["bytes_per_triangle"][name].get<double>());
+  }
+  for (const char* ratio : {"ratio_to_embree_best", "ratio_to_embree_best_avx2"}) {
+    if (j.contains(ratio)) std::printf("  %-26s %6.2f\n", ratio, j[ratio].get<double>());
+  }
+  std::fflush(stdout);
+}
+
+}  // namespace
+}  // namespace underbrush::bench
+
+int main(int argc, char** argv) {
+  using namespace underbrush::bench;
+  CLI::App app("Speed of the tracing engine in worlds of triangles, against Embree");
+  std::string json_file, isa = "avx2";
+  std::vector<std::string> worlds(std::begin(kTriangleWorlds), std::end(kTriangleWorlds));
+  std::vector<size_t> sizes{10000, 100000, 1000000};
+  int rounds = 5, passes = 0;
+  app.add_option("--json", json_file, "Write the figures to this file as JSON");
+  app.add_option("--rounds", rounds, "Number of rounds in turns, of which the median counts")
+      ->capture_default_str();
+  app.add_option("--worlds", worlds, "Worlds to trace")
+      ->check(CLI::IsMember(worlds))
+      ->capture_default_str();
+  app.add_option("--triangles", sizes, "Numbers of their triangles")->capture_default_str();
+  app.add_option("--passes", passes, "Only trace the first world this many times, for profilers");
+  app.add_option("--isa", isa, "Instruction set of these passes")
+      ->check(CLI::IsMember({"sse2", "avx2", "avx512"}))
+      ->capture_default_str();
+  CLI11_PARSE(app, argc, argv);
+  if (passes > 0) {
+    return trace_passes(passes, triangle_world(worlds[0], sizes[0]), drive(kSensor, 1, 1), isa);
+  }
+  Json cases = Json::array();
+  for (const std::string& world : worlds) {
+    for (const size_t n : sizes) {
+      cases.push_back(measure(world, triangle_world(world, n), rounds));
+      print(cases.back());
+    }
+  }
+  if (!json_file.empty()) std::ofstream(json_file) << Json{{"cases", cases}}.dump(2) << "\n";
+  return 0;
+}

@@ -1,0 +1,91 @@
+#include "underbrush/trace/triangle_pairs.hpp"
+
+#include <cmath>
+
+namespace underbrush::trace {
+namespace {
+
+/// A side of a triangle, from one of its corners to the next.
+struct Side {
+  uint32_t triangle, to;
+};
+
+/// The sides of a mesh by the vertex from which they run.
+class Sides {
+ public:
+  explicit Sides(const elements::TriangleMesh& mesh)
+      : begin_(mesh.vertices.size() + 1), side_(3 * mesh.size()) {
+    for (const auto& corners : mesh.triangles) {
+      for (const uint32_t v : corners) ++begin_[v];
+    }
+    uint32_t sum = 0;
+    for (uint32_t& b : begin_) b = sum += b;
+    for (size_t t = mesh.size(); t-- > 0;) {
+      for (size_t k = 3; k-- > 0;) {
+        side_[--begin_[mesh.triangles[t][k]]] = {uint32_t(t), mesh.triangles[t][(k + 1) % 3]};
+      }
+    }
+  }
+
+  /// Calls visit(triangle) for each triangle with the side from `from` to `to`.
+  template <class Visit>
+  void each(uint32_t from, uint32_t to, Visit visit) const {
+    for (uint32_t i = begin_[from]; i < begin_[from + 1]; ++i) {
+      if (side_[i].to == to) visit(side_[i].triangle);
+    }
+  }
+
+ private:
+  std::vector<uint32_t> begin_;
+  std::vector<Side> side_;
+};
+
+}  // namespace
+
+Box triangle_box(const elements::TriangleMesh& mesh, size_t triangle) {
+  Box box;
+  for (const uint32_t v : mesh.triangles[triangle]) {
+    const Vec3f& p = mesh.vertices[v];
+    const Float4 at{p[0], p[1], p[2], 0};
+    box.add(at, at);
+  }
+  return box;
+}
+
+TrianglePairs::TrianglePairs(const elements::Model& model) : pair_(model.triangle_count()) {
+  first_.reserve(model.triangle_count());
+  add(model.ground, 0);
+  add(model.surface, uint32_t(model.ground.size()));
+}
+
+void TrianglePairs::add(const elements::TriangleMesh& mesh, uint32_t number) {
+  const Sides sides(mesh);
+  std::vector<bool> taken(mesh.size());
+  for (uint32_t t = 0; t < mesh.size(); ++t) {
+    if (taken[t]) continue;
+    const Box box = triangle_box(mesh, t);
+    float least = INFINITY;
+    TrianglePair pair;
+    for (uint8_t k = 0; k < 3; ++k) {  // the side opposite of corner k
+      const uint32_t from = mesh.triangles[t][(k + 1) % 3], to = mesh.triangles[t][(k + 2) % 3];
+      sides.each(to, from, [&](uint32_t other) {
+        if (other <= t || taken[other]) return;
+        const Box of_other = triangle_box(mesh, other);
+        Box both = box;
+        both.add(of_other);
+        const float area = both.area();
+        if (area > box.area() + of_other.area() || area >= least) return;
+        least = area;
+        const auto& corners = mesh.triangles[other];
+        uint8_t apart = 0;
+        while (corners[(apart + 1) % 3] != to || corners[(apart + 2) % 3] != from) ++apart;
+        pair = {number + other, k, apart};
+      });
+    }
+    if (pair.other != Intersection::kNone) taken[pair.other - number] = true;
+    pair_[number + t] = pair;
+    first_.push_back(number + t);
+  }
+}
+
+}  // namespace underbrush::trace
