@@ -249,7 +249,8 @@ void check_model_output(const fs::path& path) {
   }
 }
 
-void write_model(const fs::path& path, const Model& model) {
+void write_model(const fs::path& path, const Model& model,
+                 const std::function<void(const fs::path&)>& besides) {
   model.check();
   check_model_output(path);
   io::write_atomically(
@@ -261,6 +262,7 @@ void write_model(const fs::path& path, const Model& model) {
         io::write_ply(folder / "ellipsoids.ply",
                       ply_of_ellipsoids(model.ellipsoids, model.light.known()));
         write_file(folder / "model.json", io::text_of_json(manifest_of(model), 2) + "\n");
+        if (besides) besides(folder);
       },
       io::OutputKind::kFolder);
 }
