@@ -45,7 +45,8 @@ fit::Training training_of(const UpdateInput& input, const elements::Model& model
 
 /// Where a log of the model is now.
 fs::path place_of(const fit::TrainingLog& log, const fs::path& folder) {
-  const fs::path file = folder.empty() ? fs::path(log.file) : folder / fs::path(log.file).filename();
+  const fs::path file =
+      folder.empty() ? fs::path(log.file) : folder / fs::path(log.file).filename();
   if (fs::exists(file)) return file;
   throw FormatError(file.string(), "",
                     "the model was fitted to this log, which is not there; --logs FOLDER names "
@@ -108,9 +109,8 @@ UpdateStep update_log(const Verb& verb, const UpdateInput& input, const fs::path
   step.logs = training.logs.size();
   training.record = step.result.record;
   step.result.model.provenance = text;
-  elements::write_model(output, step.result.model, [&](const fs::path& folder) {
-    fit::write_training(folder, training);
-  });
+  elements::write_model(output, step.result.model,
+                        [&](const fs::path& folder) { fit::write_training(folder, training); });
   step.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return step;
 }
@@ -128,9 +128,12 @@ Json json_of(const UpdateStep& step) {
   j["earlier_beams"] = r.earlier_beams;
   j["logs"] = step.logs;
   j["tiles"] = {{"all", r.tiles}, {"touched", r.touched_tiles}, {"fitted_anew", r.fitted_tiles}};
-  j["ellipsoids"] = {{"all", step.result.model.ellipsoids.size()}, {"kept", r.kept},
-                     {"added", r.added},     {"dropped", r.dropped},
-                     {"changed", r.changed}, {"gone", r.gone}};
+  j["ellipsoids"] = {{"all", step.result.model.ellipsoids.size()},
+                     {"kept", r.kept},
+                     {"added", r.added},
+                     {"dropped", r.dropped},
+                     {"changed", r.changed},
+                     {"gone", r.gone}};
   j["gone"] = Json::array();
   for (const fit::ChangedPlace& p : r.places) {
     j["gone"].push_back(
@@ -161,7 +164,8 @@ std::string text_of(const UpdateStep& step) {
     text += "\n";
   }
   if (r.mover_points) text += fmt::format("  left out    {} returns of movers\n", r.mover_points);
-  if (r.near_points) text += fmt::format("  left out    {} points near the sensor\n", r.near_points);
+  if (r.near_points)
+    text += fmt::format("  left out    {} points near the sensor\n", r.near_points);
   for (const auto& [why, n] : step.skipped) {
     text += fmt::format("  skipped     {} beams: {}\n", n, why);
   }

@@ -1,6 +1,10 @@
 /// \file
-/// The test whether an element of a model is still what it was, from earlier and later beams.
+/// The test whether the ellipsoids of a model are still what they were, from earlier and later
+/// beams.
 #pragma once
+#include <span>
+
+#include "underbrush/elements/model.hpp"
 #include "underbrush/fit/beta_prior.hpp"
 
 namespace underbrush::fit {
@@ -10,27 +14,45 @@ namespace underbrush::fit {
 /// ones, at most 20.
 inline constexpr double kTrialCorrelation = 0.05;
 
-/// The evidence (natural logarithm of the Bayes factor) above which an element has changed: 1000 to
-/// 1.
+/// The evidence (natural logarithm of a Bayes factor) above which a place has changed: 1000 to 1.
 inline constexpr double kChangeEvidence = 6.9;
+
+/// Side of the cells of places, m. The evidence of an ellipsoid is that of the 3 × 3 × 3 cells
+/// about it.
+inline constexpr double kChangeCellM = 0.5;
 
 /// Computes the logarithm of the Bayes factor of two hit probabilities, one of the earlier trials
 /// (h hits, m misses) and one of the later (h', m'), against one of both:
 ///
 ///     K = B(h + 1, m + 1) B(h' + 1, m' + 1) / B(h + h' + 1, m + m' + 1),
 ///
-/// the ratio of the marginal likelihoods under even priors on [0, 1]. Both pairs of counts are first
-/// shortened to independent ones by `kTrialCorrelation`. Without trials on one side it is 0.
+/// the ratio of the marginal likelihoods under even priors on [0, 1]. Both pairs of counts are
+/// first shortened to independent ones by `kTrialCorrelation`. Without trials on one side it is 0.
 double change_evidence(const Trials& earlier, const Trials& later);
 
-/// The trials that describe an element now.
-struct CurrentTrials {
-  Trials trials;
-  bool changed = false;
+/// The share of hits below which a place is free, if at least so many beams met it.
+struct FreeSpace {
+  double below = 0.05;
+  uint32_t beams = 20;
 };
 
-/// Adds later trials to earlier ones where one hit probability explains both. Where the evidence
-/// says that the element has changed (`kChangeEvidence`), the later trials alone count.
-CurrentTrials with_later(const Trials& earlier, const Trials& later);
+/// The trials that describe an ellipsoid now.
+struct CurrentTrials {
+  Trials trials;
+  bool changed = false;  ///< Whether the latest log says otherwise than the earlier ones.
+  bool gone = false;     ///< Whether its place has become free since beams ended there.
+};
+
+/// Adds the trials of one more log to those of ellipsoids.
+///
+/// An ellipsoid has few trials, as clusters have few points, but things change as a whole. So
+/// evidence is summed over the ellipsoids of a neighbourhood (`kChangeCellM`) of which the share of
+/// hits went the same way, up or down. Where the sum is above `kChangeEvidence`, those that agree have
+/// changed: their own evidence is positive, or they were hit no more. Their later trials replace the
+/// earlier ones; other trials are added. What went down is gone where the changed ellipsoids of the
+/// neighbourhood that went down are free space together, by their later trials; so are ellipsoids
+/// there that no later beam met. It stays so until beams end there again.
+void add_trials(std::span<const elements::Ellipsoid> ellipsoids, std::span<const Trials> later,
+                const FreeSpace& free, std::span<CurrentTrials> of);
 
 }  // namespace underbrush::fit

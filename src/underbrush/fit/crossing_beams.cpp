@@ -15,7 +15,8 @@ constexpr double kCellM = 4;
 
 GroundArea::GroundArea(const Eigen::Vector2d& low, const Eigen::Vector2d& high) : low_(low) {
   const Eigen::Vector2d extent = (high - low) / kCellM;
-  require(extent.minCoeff() >= 0 && extent.prod() < double(1 << 30), "update: the area is too large");
+  require(extent.minCoeff() >= 0 && extent.prod() < double(1 << 30),
+          "update: the area is too large");
   columns_ = int(extent.x()) + 1;
   rows_ = int(extent.y()) + 1;
   in_.resize(size_t(columns_) * size_t(rows_));
@@ -74,7 +75,8 @@ BeamLog CrossingBeams::crossing(const BeamLog& chunk) const {
   parallel_for(chunk.size(), 8192, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const double length = std::min(double(chunk.range_m[i]) + beyond_m_, farthest);
-      const Vec3 from = chunk.origin[i] - origin_, step = length * chunk.direction[i].cast<double>();
+      const Vec3 from = chunk.origin[i] - origin_,
+                 step = length * chunk.direction[i].cast<double>();
       crosses[i] = area_.is_crossed(from.head<2>(), step.head<2>());
     }
   });

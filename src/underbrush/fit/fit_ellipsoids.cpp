@@ -21,6 +21,7 @@ FitResult fit_ellipsoids(BeamSource& source, const FitOptions& options,
   const CreditedResiduals residuals =
       count_hits(out.model, source, options.credit, stage_of(progress, "count hits"));
   set_noise(out.model.ground, residuals.ground, options.range_noise_m);
+  out.record.residuals = residuals.ground.counts();
   const std::vector<bool> stays = drop_free_space(options, out.model, out.record);
   out.report.free_space_ellipsoids = size_t(std::count(stays.begin(), stays.end(), false));
   return out;

@@ -5,9 +5,8 @@
 namespace underbrush::fit {
 
 const TileRecord* FitRecord::find(TileKey key) const {
-  const auto at =
-      std::lower_bound(tiles.begin(), tiles.end(), key,
-                       [](const TileRecord& t, const TileKey& k) { return t.key < k; });
+  const auto at = std::lower_bound(tiles.begin(), tiles.end(), key,
+                                   [](const TileRecord& t, const TileKey& k) { return t.key < k; });
   return at != tiles.end() && at->key == key ? &*at : nullptr;
 }
 

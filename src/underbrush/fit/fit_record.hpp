@@ -12,10 +12,10 @@ namespace underbrush::fit {
 /// A tile of a model.
 struct TileRecord {
   TileKey key;
-  uint64_t points = 0;       ///< Returns that the tile was fitted to.
-  uint64_t later = 0;        ///< Returns that updates have met in it since, without fitting it anew.
+  uint64_t points = 0;  ///< Returns that the tile was fitted to.
+  uint64_t later = 0;   ///< Returns that updates have met in it since, without fitting it anew.
   uint64_t unexplained = 0;  ///< Those of `later` that no element explains.
-  uint32_t ellipsoids = 0;   ///< The model holds the ellipsoids of its tiles one tile after another.
+  uint32_t ellipsoids = 0;  ///< The model holds the ellipsoids of its tiles one tile after another.
   ground::SparseSums ground;  ///< The tile's part of the ground's normal equations.
 };
 
@@ -23,6 +23,8 @@ struct TileRecord {
 struct FitRecord {
   double tile_m = 0;  ///< m; side of the tiles.
   std::vector<TileRecord> tiles;
+  /// The residuals of all returns on the ground (`MeshResiduals::counts`), or none.
+  std::vector<uint32_t> residuals;
 
   /// Returns the tile, or nullptr.
   const TileRecord* find(TileKey key) const;

@@ -35,9 +35,9 @@ class TileSet {
   std::set<TileKey> tiles_;
 };
 
-/// Reads a log once and adds the points of its returns, relative to `origin` (m, world), to `store`;
-/// with `wanted` only those near these tiles. Nearer returns than `min_range_m` and those of movers
-/// are left out and counted in `report`. Returns the largest range, m.
+/// Reads a log once and adds the points of its returns, relative to `origin` (m, world), to
+/// `store`; with `wanted` only those near these tiles. Nearer returns than `min_range_m` and those
+/// of movers are left out and counted in `report`. Returns the largest range, m.
 double add_returns(BeamSource& source, const Vec3& origin, double min_range_m,
                    const TileSet* wanted, TileStore& store, FitReport& report,
                    const FitProgress& progress);

@@ -45,10 +45,10 @@ double distance_from(const FitRecord& record, const Vec3& place) {
   double least = INFINITY;
   for (const TileRecord& tile : record.tiles) {
     const Eigen::Vector2d low = record.tile_m * Eigen::Vector2d(tile.key.i, tile.key.j);
-    const Eigen::Vector2d past = (low - place.head<2>())
-                                     .cwiseMax(place.head<2>() - low -
-                                               Eigen::Vector2d::Constant(record.tile_m))
-                                     .cwiseMax(0);
+    const Eigen::Vector2d past =
+        (low - place.head<2>())
+            .cwiseMax(place.head<2>() - low - Eigen::Vector2d::Constant(record.tile_m))
+            .cwiseMax(0);
     least = std::min(least, past.norm());
   }
   return least;

@@ -10,8 +10,8 @@ namespace underbrush::fit {
 
 /// The new returns of one tile.
 struct TileNews {
-  size_t returns = 0;      ///< New returns in the tile.
-  size_t unexplained = 0;  ///< Those of them that no element of the model explains.
+  size_t returns = 0;       ///< New returns in the tile.
+  size_t unexplained = 0;   ///< Those of them that no element of the model explains.
   bool is_touched = false;  ///< Whether one lies in the tile or within `kTileMarginM` of it.
 };
 
@@ -23,8 +23,8 @@ struct NewReturns {
 };
 
 /// Reads new scans once and holds their returns against a model and its tiles. A tile without a
-/// return of its own is among the result only if the model has it. Throws `DataError` for scans that
-/// lie farther from every tile than the sensor reaches.
+/// return of its own is among the result only if the model has it. Throws `DataError` for scans
+/// that lie farther from every tile than the sensor reaches.
 NewReturns new_returns(BeamSource& added, const elements::Model& model, const FitRecord& record,
                        const FitOptions& options, const FitProgress& progress);
 

@@ -177,12 +177,13 @@ std::vector<uint32_t> fit_tiles(const TileStore& store, const std::vector<TileKe
 }
 
 std::vector<bool> drop_free_space(const FitOptions& options, elements::Model& model,
-                                  FitRecord& record) {
+                                  FitRecord& record, const std::function<bool(size_t)>& gone) {
   std::vector<bool> stays(model.ellipsoids.size());
   for (size_t k = 0; k < stays.size(); ++k) {
     const elements::HitCount& hit = model.ellipsoids[k].hit;
     const double beams = double(hit.hits) + hit.misses;
     stays[k] = !(beams >= options.free_space_beams && hit.hits < options.free_space_below * beams);
+    if (gone && gone(k)) stays[k] = false;
   }
   size_t k = 0, kept = 0;
   for (TileRecord& tile : record.tiles) {

@@ -154,6 +154,13 @@ std::vector<TileRecord> read_tiles(const fs::path& folder) {
   return out;
 }
 
+std::vector<uint32_t> read_residuals(const fs::path& folder) {
+  const Table t(folder / "residuals.ply", "residual");
+  std::vector<uint32_t> out = t.column<uint32_t>("count");
+  if (!out.empty() && out.size() != MeshResiduals(1).counts().size()) t.fail("a row is missing");
+  return out;
+}
+
 /// Reads the value of a parameter into its field.
 void read_parameter(const Parameter& p, const io::JsonValue& value, FitOptions& options) {
   std::visit(
@@ -187,6 +194,10 @@ void write_training(const fs::path& model, const Training& training) {
   }
   write_table(folder / "tiles.ply", table_of(training.record.tiles));
   write_table(folder / "ground.ply", table_of(nodes));
+  PlyElement residuals;
+  residuals.name = "residual";
+  add_column<uint32_t>(residuals, "count", training.record.residuals, [](uint32_t n) { return n; });
+  write_table(folder / "residuals.ply", std::move(residuals));
   FitOptions options = training.options;
   Json j{{"format", "underbrush-training"}, {"version", kVersion}};
   j["seed"] = options.seed;
@@ -230,6 +241,7 @@ Training read_training(const fs::path& model) {
   out.record.tile_m = j.at("tile_m").number();
   if (!(out.record.tile_m > 0)) j.at("tile_m").fail("not positive");
   out.record.tiles = read_tiles(folder);
+  out.record.residuals = read_residuals(folder);
   return out;
 }
 

@@ -22,9 +22,9 @@ void check(const FitResult& known, const std::vector<BeamSource*>& logs, const B
            const UpdateOptions& how) {
   require(how.growth >= 0 && how.unexplained >= 0, "update: a share must not be negative");
   require(!logs.empty(), "update: the logs of the model are missing");
-  require_data(!known.record.tiles.empty() &&
-                   known.record.ellipsoids() == known.model.ellipsoids.size(),
-               "the model has no record of its tiles");
+  require_data(
+      !known.record.tiles.empty() && known.record.ellipsoids() == known.model.ellipsoids.size(),
+      "the model has no record of its tiles");
   const LogInfo &a = logs.front()->info(), &b = added.info();
   if (a.sensor != b.sensor || a.sensor_file != b.sensor_file) {
     const auto name = [](const LogInfo& i) { return i.sensor.empty() ? "unknown" : i.sensor; };
@@ -56,7 +56,7 @@ std::vector<TileKey> tiles_to_fit(FitRecord& record, const NewReturns& news,
 
 /// Where beams may meet what was fitted anew.
 GroundArea area_of(const elements::Model& model, const std::vector<uint32_t>& before,
-             const std::vector<TileKey>& anew, double tile_m) {
+                   const std::vector<TileKey>& anew, double tile_m) {
   const auto corner = [&](TileKey key) { return Eigen::Vector2d(key.i * tile_m, key.j * tile_m); };
   const Eigen::Vector2d side(tile_m, tile_m);
   Eigen::Vector2d low = corner(anew.front()), high = low;
@@ -130,7 +130,7 @@ class Update {
     const std::vector<uint32_t> triangles = kept_triangles(ground_, model_.ground);
     const size_t meshes = model_.triangle_count();
     new_.assign(model_.size(), false);
-    std::vector<Trials> now(model_.size());
+    std::vector<CurrentTrials> now(model_.size());
     for (size_t i = 0; i < model_.size(); ++i) {
       const elements::HitCount* hit = nullptr;
       if (i >= meshes) {
@@ -138,24 +138,22 @@ class Update {
       } else if (triangles[i] != kNewTriangle) {
         hit = &ground_.hit[triangles[i]];
       }
-      if (hit) now[i] = {hit->hits, hit->misses};
+      if (hit) now[i].trials = {hit->hits, hit->misses};
       new_[i] = !hit;
     }
     take_over_light(triangles);
     for (size_t i = 0; i < model_.size(); ++i) model_.hit(i) = {1, 0, 0};
     const trace::World world(model_);
+    if (!anew_.empty()) count_earlier(world, now);
     Tally tally(model_, options_.credit);
-    if (!anew_.empty()) count_earlier(world, tally, now);
     tally.add(world, added_, options_.credit, stage_of(progress_, "count hits"));
-    std::vector<bool> changed(model_.size());
+    add_log(tally.of, now);
     for (size_t i = 0; i < model_.size(); ++i) {
-      const CurrentTrials current = later(i, now[i], tally.of[i]);
-      changed[i] = current.changed;
-      model_.hit(i) = {1, current.trials.hits, current.trials.misses};
+      model_.hit(i) = {1, now[i].trials.hits, now[i].trials.misses};
     }
     estimate_hit_probabilities(model_, options_.credit);
-    if (!anew_.empty()) set_noise(model_.ground, tally.residuals.ground, options_.range_noise_m);
-    drop(changed);
+    learn_noise(tally.residuals.ground);
+    drop(std::span(now).subspan(meshes));
   }
 
   /// Learns the classes and the reflectances of new elements.
@@ -187,18 +185,25 @@ class Update {
     return hold.back().get();
   }
 
-  /// The trials of an element after those of one more log. Triangles are opaque and do not go.
-  CurrentTrials later(size_t element, const Trials& earlier, const Trials& trials) const {
-    if (element >= model_.triangle_count()) return with_later(earlier, trials);
-    return {{earlier.hits + trials.hits, earlier.misses + trials.misses}, false};
+  /// Adds the trials of one more log. Triangles are opaque and do not go.
+  void add_log(const std::vector<Trials>& later, std::vector<CurrentTrials>& now) const {
+    const size_t meshes = model_.triangle_count();
+    for (size_t i = 0; i < meshes; ++i) {
+      now[i].trials.hits += later[i].hits;
+      now[i].trials.misses += later[i].misses;
+    }
+    add_trials(model_.ellipsoids, std::span(later).subspan(meshes),
+               {options_.free_space_below, options_.free_space_beams},
+               std::span(now).subspan(meshes));
   }
 
   /// Counts the beams of the earlier logs for the elements that are new.
-  void count_earlier(const trace::World& world, Tally& tally, std::vector<Trials>& now) {
+  void count_earlier(const trace::World& world, std::vector<CurrentTrials>& now) {
     const GroundArea area = area_now();
     for (BeamSource* log : logs_) {
       std::vector<std::unique_ptr<BeamSource>> hold;
       BeamSource* crossing = crossing_of(*log, area, hold);
+      Tally tally(model_, options_.credit);
       const auto progress = [&](size_t done, size_t total) {
         traced_ = done;
         if (progress_) progress_("count hits", done, total);
@@ -206,10 +211,18 @@ class Update {
       tally.add(world, *crossing, options_.credit, progress);
       report_.earlier_beams += std::exchange(traced_, 0);
       for (size_t i = 0; i < now.size(); ++i) {
-        if (new_[i]) now[i] = later(i, now[i], tally.of[i]).trials;
+        if (!new_[i]) tally.of[i] = {};
       }
-      tally.of.assign(now.size(), {});
+      add_log(tally.of, now);
     }
+  }
+
+  /// The noise of the ground is that of all returns so far.
+  void learn_noise(MeshResiduals& residuals) {
+    std::vector<uint32_t>& all = out_.record.residuals;
+    if (!all.empty()) residuals.add(all);
+    all = residuals.counts();
+    set_noise(model_.ground, residuals, options_.range_noise_m);
   }
 
   void take_over_light(const std::vector<uint32_t>& triangles) {
@@ -221,19 +234,20 @@ class Update {
     }
   }
 
-  void drop(const std::vector<bool>& changed) {
+  void drop(std::span<const CurrentTrials> now) {
     const size_t meshes = model_.triangle_count();
     std::vector<Vec3> gone;
-    const std::vector<elements::Ellipsoid> all = model_.ellipsoids;
-    const std::vector<bool> stays = drop_free_space(options_, model_, out_.record);
+    for (size_t k = 0; k < now.size(); ++k) {
+      report_.changed += now[k].changed;
+      if (!now[k].changed || !now[k].gone) continue;
+      gone.push_back(model_.origin + model_.ellipsoids[k].mean.cast<double>());
+    }
+    const std::vector<bool> stays =
+        drop_free_space(options_, model_, out_.record, [&](size_t k) { return now[k].gone; });
     std::vector<bool> still_new(new_.begin(), new_.begin() + ptrdiff_t(meshes));
     std::vector<uint32_t> before;
     for (size_t k = 0; k < stays.size(); ++k) {
-      report_.changed += changed[meshes + k];
-      if (!stays[k]) {
-        if (changed[meshes + k]) gone.push_back(model_.origin + all[k].mean.cast<double>());
-        continue;
-      }
+      if (!stays[k]) continue;
       ++(before_[k] == kNewEllipsoid ? report_.added : report_.kept);
       still_new.push_back(new_[meshes + k]);
       before.push_back(before_[k]);

@@ -10,10 +10,12 @@ namespace underbrush::fit {
 
 /// The options of `update`.
 struct UpdateOptions {
-  /// A tile that new returns touch is fitted anew once its returns have grown by this share since it
-  /// was fitted. With 0 every touched tile is, and the elements are those of one fit of all scans.
+  /// A tile that new returns touch is fitted anew once its returns have grown by this share since
+  /// it was fitted. With 0 every touched tile is, and the elements are those of one fit of all
+  /// scans.
   double growth = 0.25;
-  /// A tile is fitted anew, too, once this share of its returns lies where no element explains them.
+  /// A tile is fitted anew, too, once this share of its returns lies where no element explains
+  /// them.
   double unexplained = 0.01;
 };
 
@@ -55,7 +57,8 @@ struct UpdateResult {
 ///   earlier beams that cross the tiles fitted anew, too. An ellipsoid of which later beams say
 ///   otherwise than earlier ones, log by log, has the later trials alone (`with_later`). Ellipsoids
 ///   in free space are dropped as in `fit`.
-/// - Reflectances and classes of new elements are learnt from the same beams; those of other elements
+/// - Reflectances and classes of new elements are learnt from the same beams; those of other
+/// elements
 ///   stay, as do the sensor's range offsets, its response to light and the grain.
 ///
 /// The earlier logs are read only if a tile is fitted anew. The result has the same bits for any

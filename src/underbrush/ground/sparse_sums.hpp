@@ -1,6 +1,6 @@
 /// \file
-/// The normal equations of some points in little space: what a `HeightGrid` needs of the points of a
-/// tile that is kept.
+/// The normal equations of some points in little space: what a `HeightGrid` needs of the points of
+/// a tile that is kept.
 #pragma once
 #include <cstdint>
 #include <vector>
