@@ -67,10 +67,10 @@ TEST(Change, WhatIsTheSameAddsUp) {
   EXPECT_EQ(of[1].trials.hits, 5u);
 }
 
-// Six beams through one ellipsoid tell too little, but not those through all of a thing. Another
+// Nine beams through one ellipsoid tell too little, but not those through all of a thing. Another
 // thing beside it, which is as before, stays.
 TEST(Change, EvidenceOfNeighboursIsSummed) {
-  const std::vector<Trials> hit(8, Trials{10, 3}), passed(8, Trials{0, 6});
+  const std::vector<Trials> hit(8, Trials{20, 2}), passed(8, Trials{0, 9});
   for (const auto& [step, changed] : {std::pair{100.f, false}, std::pair{0.1f, true}}) {
     for (const CurrentTrials& now : after(row(8, step), hit, passed)) {
       EXPECT_EQ(now.changed, changed);
@@ -78,7 +78,7 @@ TEST(Change, EvidenceOfNeighboursIsSummed) {
     }
   }
   std::vector<Trials> some = passed;
-  for (size_t k = 0; k < 8; k += 2) some[k] = {5, 1};
+  for (size_t k = 0; k < 8; k += 2) some[k] = {8, 1};
   const auto of = after(row(8, 0.1f), hit, some);
   for (size_t k = 0; k < 8; ++k) EXPECT_EQ(of[k].gone, k % 2 == 1) << k;
 }
@@ -86,17 +86,17 @@ TEST(Change, EvidenceOfNeighboursIsSummed) {
 // A part of a thing that no later beam met goes with the others, and one that is alone stays.
 TEST(Change, WhatIsNotMetGoesWithItsNeighbours) {
   for (const auto& [step, gone] : {std::pair{100.f, false}, std::pair{0.1f, true}}) {
-    std::vector<Trials> later(8, Trials{0, 6});
+    std::vector<Trials> later(8, Trials{0, 9});
     later[3] = {0, 0};
-    const auto of = after(row(8, step), std::vector<Trials>(8, {10, 3}), later);
+    const auto of = after(row(8, step), std::vector<Trials>(8, {20, 2}), later);
     EXPECT_EQ(of[3].gone, gone);
-    EXPECT_EQ(of[3].trials.hits, gone ? 0u : 10u);
+    EXPECT_EQ(of[3].trials.hits, gone ? 0u : 20u);
   }
 }
 
 TEST(Change, WhatHasGoneStaysAwayUntilBeamsEndThere) {
   const auto ellipsoids = row(8, 0.1f);
-  auto of = after(ellipsoids, std::vector<Trials>(8, {10, 3}), std::vector<Trials>(8, {0, 6}));
+  auto of = after(ellipsoids, std::vector<Trials>(8, {20, 2}), std::vector<Trials>(8, {0, 9}));
   add_trials(ellipsoids, std::vector<Trials>(8, {0, 1}), {}, of);
   for (const CurrentTrials& now : of) EXPECT_TRUE(now.gone && !now.changed);
   add_trials(ellipsoids, std::vector<Trials>(8, {9, 0}), {}, of);

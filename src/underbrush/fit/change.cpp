@@ -25,27 +25,39 @@ double log_marginal(const Counts& c) {
          lgamma_r(c.hits + c.misses + 2, &sign);
 }
 
-/// Whether the share of hits of later trials is less.
-bool went_down(const Trials& earlier, const Trials& later) {
-  return double(later.hits) * (double(earlier.hits) + earlier.misses) <
-         double(earlier.hits) * (double(later.hits) + later.misses);
-}
-
 bool is_free(uint64_t hits, uint64_t misses, const FreeSpace& free) {
   const double beams = double(hits) + double(misses);
   return beams >= free.beams && double(hits) < free.below * beams;
 }
 
-/// Sums over the ellipsoids of a cell, of which the share of hits went up, and went down.
+/// The ways in which the share of hits can go.
+enum Way { kUp, kDown };
+
+/// Sums over the ellipsoids of a cell, by the way that they went.
 struct NearbySums {
   double evidence[2] = {0, 0};
-  uint64_t hits = 0, misses = 0;  // the later trials of changed ones that went down
+  uint64_t hits[2] = {0,
+                      0};  // while it was, or is, less: earlier ones on the way up, else later ones
+  uint64_t misses[2] = {0, 0};
 };
 
 using Cells = CellMap<Cell3, NearbySums>;
 
 Cell3 cell_at(const elements::Ellipsoid& e) {
   return cell_of(Vec3(e.mean.cast<double>()), kChangeCellM);
+}
+
+/// The way of the share of hits; up where it stays.
+Way way_of(const Trials& earlier, const Trials& later) {
+  return double(later.hits) * (double(earlier.hits) + earlier.misses) <
+                 double(earlier.hits) * (double(later.hits) + later.misses)
+             ? kDown
+             : kUp;
+}
+
+/// Whether an ellipsoid agrees that its place has changed.
+bool agrees(double evidence, const Trials& earlier, const Trials& later) {
+  return evidence > 0 || (later.hits == 0 && way_of(earlier, later) == kDown);
 }
 
 /// The sums of the 27 cells about a cell, in a fixed order.
@@ -55,9 +67,11 @@ NearbySums about(const Cells& cells, const Cell3& centre) {
     const auto at =
         cells.find({centre.x + k % 3 - 1, centre.y + k / 3 % 3 - 1, centre.z + k / 9 - 1});
     if (at == cells.end()) continue;
-    for (int way = 0; way < 2; ++way) sum.evidence[way] += at->second.evidence[way];
-    sum.hits += at->second.hits;
-    sum.misses += at->second.misses;
+    for (const Way way : {kUp, kDown}) {
+      sum.evidence[way] += at->second.evidence[way];
+      sum.hits[way] += at->second.hits[way];
+      sum.misses[way] += at->second.misses[way];
+    }
   }
   return sum;
 }
@@ -77,32 +91,31 @@ void add_trials(std::span<const elements::Ellipsoid> ellipsoids, std::span<const
     const Trials &before = of[i].trials, &now = later[i];
     if (before.hits + before.misses == 0 || now.hits + now.misses == 0) continue;
     evidence[i] = change_evidence(before, now);
-    cells[cell_at(ellipsoids[i])].evidence[went_down(before, now)] += evidence[i];
+    const Way way = way_of(before, now);
+    NearbySums& cell = cells[cell_at(ellipsoids[i])];
+    cell.evidence[way] += evidence[i];
+    if (!agrees(evidence[i], before, now)) continue;
+    const Trials& least = way == kDown ? now : before;
+    cell.hits[way] += least.hits;
+    cell.misses[way] += least.misses;
   }
-  for (size_t i = 0; i < of.size(); ++i) {
-    const bool down = went_down(of[i].trials, later[i]);
-    const bool agrees = evidence[i] > 0 || (down && later[i].hits == 0);
-    of[i].changed = agrees && about(cells, cell_at(ellipsoids[i])).evidence[down] > kChangeEvidence;
-    if (!of[i].changed || !down) continue;
-    NearbySums& cell = cells.at(cell_at(ellipsoids[i]));
-    cell.hits += later[i].hits;
-    cell.misses += later[i].misses;
-  }
+  const auto has_turned = [&](const elements::Ellipsoid& e, Way way) {
+    const NearbySums sum = about(cells, cell_at(e));
+    return sum.evidence[way] > kPlaceEvidence && is_free(sum.hits[way], sum.misses[way], free);
+  };
   for (size_t i = 0; i < of.size(); ++i) {
     CurrentTrials& current = of[i];
-    const bool is_met = later[i].hits + later[i].misses > 0;
-    if (current.changed || !is_met) {
-      const NearbySums sum = about(cells, cell_at(ellipsoids[i]));
-      const bool down = !is_met || went_down(current.trials, later[i]);
-      const bool is_gone = down && sum.evidence[true] > kChangeEvidence &&
-                           is_free(sum.hits, sum.misses, free);
-      if (!is_met && !is_gone) continue;
-      current.changed = !is_met || current.changed;
-      current.gone = is_gone;
-      current.trials = later[i];
+    const Trials before = current.trials, &now = later[i];
+    const bool is_met = now.hits + now.misses > 0;
+    const Way way = is_met ? way_of(before, now) : kDown;
+    const bool with_others =
+        (!is_met || agrees(evidence[i], before, now)) && has_turned(ellipsoids[i], way);
+    current.changed = with_others || evidence[i] > kChangeEvidence;
+    if (current.changed) {
+      current.gone = way == kDown && (with_others || is_free(now.hits, now.misses, free));
+      current.trials = now;
     } else {
-      current.trials.hits += later[i].hits;
-      current.trials.misses += later[i].misses;
+      current.trials = {before.hits + now.hits, before.misses + now.misses};
       const double beams = double(current.trials.hits) + current.trials.misses;
       current.gone = current.gone && current.trials.hits <= free.below * beams;
     }

@@ -14,8 +14,12 @@ namespace underbrush::fit {
 /// ones, at most 20.
 inline constexpr double kTrialCorrelation = 0.05;
 
-/// The evidence (natural logarithm of a Bayes factor) above which a place has changed: 1000 to 1.
+/// The evidence (natural logarithm of a Bayes factor) above which one ellipsoid has changed by its
+/// own trials: 1000 to 1.
 inline constexpr double kChangeEvidence = 6.9;
+/// The evidence above which the ellipsoids of a place have changed together. It is more, because
+/// what is seen from elsewhere looks different all over.
+inline constexpr double kPlaceEvidence = 20;
 
 /// Side of the cells of places, m. The evidence of an ellipsoid is that of the 3 × 3 × 3 cells
 /// about it.
@@ -45,13 +49,19 @@ struct CurrentTrials {
 
 /// Adds the trials of one more log to those of ellipsoids.
 ///
-/// An ellipsoid has few trials, as clusters have few points, but things change as a whole. So
+/// An ellipsoid has few trials, as clusters have few points, but things come and go as a whole. So
 /// evidence is summed over the ellipsoids of a neighbourhood (`kChangeCellM`) of which the share of
-/// hits went the same way, up or down. Where the sum is above `kChangeEvidence`, those that agree have
-/// changed: their own evidence is positive, or they were hit no more. Their later trials replace the
-/// earlier ones; other trials are added. What went down is gone where the changed ellipsoids of the
-/// neighbourhood that went down are free space together, by their later trials; so are ellipsoids
-/// there that no later beam met. It stays so until beams end there again.
+/// hits went the same way, up or down. Those agree with the sum whose own evidence is positive, and
+/// those that were hit no more. An ellipsoid has changed
+///
+/// - where it agrees, the sum is above `kPlaceEvidence`, and the place is free by the later trials
+/// of
+///   all that agree (it went) or was so by the earlier ones (it came);
+/// - or where its own evidence is above `kChangeEvidence`.
+///
+/// Its later trials then replace the earlier ones; other trials are added. It is gone where its
+/// place has become free; so are the ellipsoids there that no later beam met. It stays so until
+/// beams end there again.
 void add_trials(std::span<const elements::Ellipsoid> ellipsoids, std::span<const Trials> later,
                 const FreeSpace& free, std::span<CurrentTrials> of);
 
