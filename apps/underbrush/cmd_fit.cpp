@@ -8,6 +8,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/atomic_file.hpp"
+#include "update_log.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -15,28 +16,54 @@ namespace {
 namespace fit_verb {
 
 struct Arguments {
-  std::string log, output, splat, ground_mesh, echoes = "first";
+  std::string log, output, splat, ground_mesh, update, logs, echoes = "first";
   bool ranges_as_given = false;
+  fit::UpdateOptions how;
   fit::FitOptions fit;
 };
+
+/// Adds `--update` and its own options; `of_fit` have no place beside it.
+void add_update_options(Verb& verb, Arguments& a, CLI::Option* update,
+                        const std::vector<const CLI::Option*>& of_fit) {
+  CLI::App& app = verb.app;
+  for (const CLI::Option* option : of_fit) update->excludes(app.get_option(option->get_name()));
+  update->excludes(app.get_option("--seed"));
+  verb.begin_rare_group("fit --update");
+  app.add_option("--growth", a.how.growth,
+                 "Fit a touched tile anew once its returns have grown by this share since it was "
+                 "fitted; 0: at once, which gives the elements of one fit of all logs")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str()
+      ->needs(update);
+  app.add_option("--logs", a.logs, "Where the logs that the model was fitted to are now")
+      ->type_name("FOLDER")
+      ->needs(update);
+}
 
 void add_options(Verb& verb, Arguments& a) {
   CLI::App& app = verb.app;
   app.add_option("LOG", a.log, "The log (ray cloud PLY, as import writes it)")->required();
   verb.output("-o,--output", a.output, "The model's folder")->required()->type_name("MODEL");
-  add_fit_options(verb, a.fit);
+  CLI::Option* update =
+      app.add_option("--update", a.update,
+                     "Add the log to this model, whose parameters hold, instead of starting again")
+          ->type_name("MODEL");
+  std::vector<const CLI::Option*> of_fit = add_fit_options(verb, a.fit);
+  verb.begin_rare_group("Other outputs");
   verb.output("--export-splat", a.splat, "Write the ellipsoids as a splat, too")
       ->type_name("FILE.ply");
   verb.output("--export-ground", a.ground_mesh, "Write the ground as a mesh, too")
       ->type_name("FILE.obj|.ply");
   verb.begin_rare_group("Channels and echoes");
-  app.add_flag("--ranges-as-given", a.ranges_as_given,
-               "Learn no range offsets of the sensor's channels");
-  app.add_option("--echoes", a.echoes,
-                 "Take the first echo of a beam for its end, or all echoes for beams of their own; "
-                 "hit probabilities are then shares of the light")
-      ->check(CLI::IsMember({"first", "all"}))
-      ->capture_default_str();
+  of_fit.push_back(app.add_flag("--ranges-as-given", a.ranges_as_given,
+                                "Learn no range offsets of the sensor's channels"));
+  of_fit.push_back(
+      app.add_option("--echoes", a.echoes,
+                     "Take the first echo of a beam for its end, or all echoes for beams of their "
+                     "own; hit probabilities are then shares of the light")
+          ->check(CLI::IsMember({"first", "all"}))
+          ->capture_default_str());
+  add_update_options(verb, a, update, of_fit);
 }
 
 std::string text_of_fit(const std::string& fitter, const FitStep& step) {
@@ -89,6 +116,18 @@ std::string text_of_fit(const std::string& fitter, const FitStep& step) {
   return text;
 }
 
+void export_model(const Arguments& a, const elements::Model& model) {
+  if (!a.splat.empty()) elements::write_splat(a.splat, model);
+  if (!a.ground_mesh.empty()) elements::write_mesh(a.ground_mesh, model.ground);
+}
+
+void run_update(const Verb& verb, const Arguments& a) {
+  const UpdateStep step = update_log(verb, {a.update, a.log, a.logs, a.how}, a.output);
+  export_model(a, step.result.model);
+  verb.report(json_of(step), text_of(step) + text_of_warnings(step.result.report.warnings) +
+                                 "  model       " + a.output + "\n");
+}
+
 void run(const Verb& verb, Arguments& a) {
   a.fit.seed = verb.seed;
   a.fit.learn_channels = !a.ranges_as_given;
@@ -97,10 +136,10 @@ void run(const Verb& verb, Arguments& a) {
   for (const std::string& file : {a.splat, a.ground_mesh}) {
     if (!file.empty()) io::check_output(file);
   }
+  if (!a.update.empty()) return run_update(verb, a);
   const FitStep step = fit_log(verb, a.log, a.fit, a.output, a.echoes == "all");
   const elements::Model& model = step.result.model;
-  if (!a.splat.empty()) elements::write_splat(a.splat, model);
-  if (!a.ground_mesh.empty()) elements::write_mesh(a.ground_mesh, model.ground);
+  export_model(a, model);
   const std::vector<std::string>& warnings = step.result.report.warnings;
   verb.report(json_of(step), text_of_fit(model.fitter, step) + text_of_warnings(warnings) +
                                  "  model       " + a.output + "\n");
@@ -115,7 +154,8 @@ void add_fit(Program& program) {
   const auto verb = add_verb(
       program, "Models", "fit",
       "Learn a model from a log: ground mesh, ellipsoids, hit probabilities",
-      "underbrush fit log.ply -o model/\n  underbrush fit log.ply --fitter surface -o mesh/",
+      "underbrush fit log.ply -o model/\n  underbrush fit log.ply --fitter surface -o mesh/\n"
+      "  underbrush fit more.ply --update model/ -o grown/",
       [a](const Verb& v) { run(v, *a); });
   add_options(*verb, *a);
 }

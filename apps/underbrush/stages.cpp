@@ -15,6 +15,7 @@
 #include "underbrush/io/export.hpp"
 #include "underbrush/io/json_text.inl"
 #include "underbrush/io/log_file.hpp"
+#include "update_log.hpp"
 
 namespace underbrush::app {
 namespace fs = std::filesystem;
@@ -75,10 +76,12 @@ FitStep fit_log(const Verb& verb, const fs::path& log, const fit::FitOptions& op
   const auto start = std::chrono::steady_clock::now();
   elements::check_model_output(model);
   FitStep step;
+  size_t beams_of_fit = 0;
   {
     io::BeamReader beams(log);
     io::LogReader rows(log);
     io::LogReader& reader = all_echoes ? rows : beams;
+    beams_of_fit = reader.size();
     StageProgress progress;
     step.result = fit::fit(reader, options, std::ref(progress));
     step.skipped = reader.skipped();
@@ -99,7 +102,12 @@ FitStep fit_log(const Verb& verb, const fs::path& log, const fit::FitOptions& op
   const fit::LikelihoodReport& refined = step.result.report.likelihood;
   if (!refined.steps.empty()) origin["likelihood"] = json_of(refined);
   step.result.model.provenance = io::text_of_json(origin);
-  elements::write_model(model, step.result.model);
+  const auto besides = [&](const fs::path& folder) {
+    if (step.result.record.tiles.empty()) return;
+    const std::string hash = origin["inputs"][log.string()].get<std::string>();
+    fit::write_training(folder, training_of(step.result, options, log, hash, beams_of_fit));
+  };
+  elements::write_model(model, step.result.model, besides);
   step.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return step;
 }

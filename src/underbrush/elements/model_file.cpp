@@ -251,7 +251,8 @@ void check_model_output(const fs::path& path) {
   }
 }
 
-void write_model(const fs::path& path, const Model& model) {
+void write_model(const fs::path& path, const Model& model,
+                 const std::function<void(const fs::path&)>& besides) {
   model.check();
   check_model_output(path);
   io::write_atomically(
@@ -264,6 +265,7 @@ void write_model(const fs::path& path, const Model& model) {
                       ply_of_ellipsoids(model.ellipsoids, model.light.known()));
         if (model.keyframes) write_keyframes(folder, *model.keyframes);
         write_file(folder / "model.json", io::text_of_json(manifest_of(model), 2) + "\n");
+        if (besides) besides(folder);
       },
       io::OutputKind::kFolder);
 }

@@ -3,6 +3,7 @@
 /// Layout: docs/reference/formats.md.
 #pragma once
 #include <filesystem>
+#include <functional>
 
 #include "underbrush/elements/model.hpp"
 
@@ -12,9 +13,11 @@ namespace underbrush::elements {
 inline constexpr int kModelVersion = 1;
 
 /// Writes the folder `path` (model.json, ground.ply, surface.ply, ellipsoids.ply and, where the
-/// model has keyframes, keyframes.ply), atomically, replacing a model that stood there. Throws
-/// `IoError`, also if a folder that is not a model stands there.
-void write_model(const std::filesystem::path& path, const Model& model);
+/// model has keyframes, keyframes.ply), atomically, replacing a model that stood there. `besides`,
+/// where given, is called with the folder that will become the model and may write more into it.
+/// Throws `IoError`, also if a folder that is not a model stands there.
+void write_model(const std::filesystem::path& path, const Model& model,
+                 const std::function<void(const std::filesystem::path&)>& besides = {});
 
 /// Throws the `IoError` that `write_model` would end with. Callers use it before a long
 /// computation.

@@ -39,7 +39,7 @@ void set_usual_grain(elements::Model& model) {
 
 }  // namespace
 
-void learn_classes(elements::Model& model, BeamSource& log) {
+void learn_classes(elements::Model& model, BeamSource& log, const std::vector<bool>& wanted) {
   const std::string set = log.info().classes;
   if (model.ellipsoids.empty() || set.empty()) return;
   std::map<std::pair<uint32_t, uint32_t>, size_t> count;  // of hits, by ellipsoid and number
@@ -53,6 +53,7 @@ void learn_classes(elements::Model& model, BeamSource& log) {
       if (element[i] == trace::Intersection::kNone) continue;
       const elements::ElementPlace at = model.place(element[i]);
       if (at.kind != elements::Kind::kEllipsoid) continue;
+      if (!wanted.empty() && !wanted[element[i]]) continue;
       ++count[{at.index, whole_number(column->second, i)}];
     }
   }
@@ -65,9 +66,10 @@ void learn_classes(elements::Model& model, BeamSource& log) {
     if (n > most[key.first].hits) most[key.first] = {n, key.second};
   }
   for (size_t i = 0; i < most.size(); ++i) {
+    if (!wanted.empty() && !wanted[model.triangle_count() + i]) continue;
     model.ellipsoids[i].label = most[i].hits > 0 ? class_in(model, set, most[i].number) : 0;
   }
-  set_usual_grain(model);
+  if (wanted.empty()) set_usual_grain(model);
 }
 
 }  // namespace underbrush::fit

@@ -1,6 +1,8 @@
 /// \file
 /// Classes of a model's ellipsoids, from a labelled log.
 #pragma once
+#include <vector>
+
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/elements/model.hpp"
 
@@ -10,7 +12,8 @@ namespace underbrush::fit {
 /// of the log and the label set that the log names. A hit belongs to the element that explains its
 /// range best (`credit` with the rule "best"). Classes that Underbrush does not have are added to
 /// `model.class_names`. The grain of the most frequent classes becomes the usual one
-/// (`elements::usual_grain_m`). A log without labels leaves the model as it is.
-void learn_classes(elements::Model& model, BeamSource& log);
+/// (`elements::usual_grain_m`). A log without labels leaves the model as it is. With `wanted`, one
+/// an element, only these get a class, and the grain stays.
+void learn_classes(elements::Model& model, BeamSource& log, const std::vector<bool>& wanted = {});
 
 }  // namespace underbrush::fit

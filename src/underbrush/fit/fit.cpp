@@ -35,7 +35,7 @@ FitResult surface_by_rimls(BeamSource& source, const FitOptions& options,
 /// Makes the model that `likelihood` starts from, fitted to the beams that are not held out.
 FitResult start_model(BeamSource& source, FitOptions options, const HeldOut& held_out,
                       const FitProgress& progress) {
-  if (elements::is_model(options.start)) return {elements::read_model(options.start), {}};
+  if (elements::is_model(options.start)) return {elements::read_model(options.start), {}, {}};
   options.fitter = start_of(options).name;
   options.learn_channels = false;  // the source is corrected already
   options.keyframes.spacing_m = 0;
@@ -53,6 +53,7 @@ FitResult fit_likelihood(BeamSource& source, const FitOptions& options,
   StillBeams still(source);
   Refined refined = refine(out.model, still, refinement, progress);
   out.model = std::move(refined.model);
+  out.record = {};  // refinement moves ellipsoids between tiles
   out.model.fitter = options.fitter;
   out.report.likelihood = std::move(refined.report);
   if (!counted) {

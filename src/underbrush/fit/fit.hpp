@@ -10,6 +10,7 @@
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/core/tile_store.hpp"
 #include "underbrush/elements/model.hpp"
+#include "underbrush/fit/fit_record.hpp"
 #include "underbrush/fit/hit_probability.hpp"
 #include "underbrush/fit/keyframes.hpp"
 #include "underbrush/fit/likelihood.hpp"
@@ -80,10 +81,11 @@ struct FitReport {
   std::vector<std::string> warnings;
 };
 
-/// A model and the report of its fit.
+/// A model, the report of its fit, and what `update` needs to know of it.
 struct FitResult {
   elements::Model model;
   FitReport report;
+  FitRecord record;
 };
 
 /// Receives the progress of a fit: the name of the stage, the work done and the total.

@@ -1,15 +1,33 @@
 #include "underbrush/fit/gather.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "underbrush/core/check.hpp"
 
 namespace underbrush::fit {
-namespace {
 
-/// Adds the points of all returns to the store, and gives the largest range among them, m.
-double add_hits(BeamSource& source, const Vec3& origin, double min_range_m, TileStore& store,
-                FitReport& report, const FitProgress& progress) {
+TileKey tile_of(const Vec3f& point, double tile_m) {
+  return {int32_t(std::floor(point.x() / tile_m)), int32_t(std::floor(point.y() / tile_m))};
+}
+
+TileSet::TileSet(const std::vector<TileKey>& tiles, double tile_m)
+    : tile_m_(tile_m), tiles_(tiles.begin(), tiles.end()) {}
+
+bool TileSet::is_near(const Vec3f& point) const {
+  const auto key = [&](double x) { return int32_t(std::floor(x / tile_m_)); };
+  const TileKey low{key(point.x() - kTileMarginM), key(point.y() - kTileMarginM)};
+  const TileKey high{key(point.x() + kTileMarginM), key(point.y() + kTileMarginM)};
+  for (int32_t i = low.i; i <= high.i; ++i) {
+    const auto at = tiles_.lower_bound({i, low.j});
+    if (at != tiles_.end() && at->i == i && at->j <= high.j) return true;
+  }
+  return false;
+}
+
+double add_returns(BeamSource& source, const Vec3& origin, double min_range_m,
+                   const TileSet* wanted, TileStore& store, FitReport& report,
+                   const FitProgress& progress) {
   float largest = 0;
   source.rewind();
   for (BeamLog chunk; source.next(chunk);) {
@@ -25,8 +43,9 @@ double add_hits(BeamSource& source, const Vec3& origin, double min_range_m, Tile
         continue;
       }
       largest = std::max(largest, chunk.range_m[i]);
-      store.add(
-          {(chunk.end_point(i) - origin).cast<float>(), -chunk.range_m[i] * chunk.direction[i]});
+      const Vec3f point = (chunk.end_point(i) - origin).cast<float>();
+      if (wanted && !wanted->is_near(point)) continue;
+      store.add({point, -chunk.range_m[i] * chunk.direction[i]});
     }
     report.beams += chunk.size();
     if (progress) progress("gather", report.beams, source.size());
@@ -37,8 +56,6 @@ double add_hits(BeamSource& source, const Vec3& origin, double min_range_m, Tile
   return largest;
 }
 
-}  // namespace
-
 void gather(BeamSource& source, const FitOptions& options, TileStore& store, FitResult& out,
             const FitProgress& progress) {
   const std::optional<Vec3> origin = log_origin(source);
@@ -48,7 +65,7 @@ void gather(BeamSource& source, const FitOptions& options, TileStore& store, Fit
   model.tau = options.tau;
   model.origin = *origin;
   model.max_range_m =
-      add_hits(source, model.origin, options.min_range_m, store, out.report, progress);
+      add_returns(source, model.origin, options.min_range_m, nullptr, store, out.report, progress);
   require_data(store.size() > 0, "fit: the log has no return to fit a model to");
   if (!source.info().has_misses) {
     out.report.warnings.push_back(

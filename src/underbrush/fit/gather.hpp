@@ -1,6 +1,7 @@
 /// \file
 /// This file has the first pass of every fit, which sorts the points of a log into tiles.
 #pragma once
+#include <set>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -17,6 +18,29 @@ namespace underbrush::fit {
 /// returns.
 void gather(BeamSource& source, const FitOptions& options, TileStore& store, FitResult& out,
             const FitProgress& progress);
+
+/// The tile in which a point (m) lies, for tiles of the side `tile_m` (m).
+TileKey tile_of(const Vec3f& point, double tile_m);
+
+/// Some tiles.
+class TileSet {
+ public:
+  TileSet(const std::vector<TileKey>& tiles, double tile_m);
+  /// Whether a point lies in one of the tiles or within `kTileMarginM` of it (the corners of that
+  /// margin included).
+  bool is_near(const Vec3f& point) const;
+
+ private:
+  double tile_m_;
+  std::set<TileKey> tiles_;
+};
+
+/// Reads a log once and adds the points of its returns, relative to `origin` (m, world), to
+/// `store`; with `wanted` only those near these tiles. Nearer returns than `min_range_m` and those
+/// of movers are left out and counted in `report`. Returns the largest range, m.
+double add_returns(BeamSource& source, const Vec3& origin, double min_range_m,
+                   const TileSet* wanted, TileStore& store, FitReport& report,
+                   const FitProgress& progress);
 
 /// Runs `work(k)` for every tile number k on all threads, and `merge(result)` on the results in the
 /// order of the tiles. Only a few results are held in memory at a time.

@@ -170,14 +170,16 @@ void credit(const elements::Model& model, std::span<const trace::Intersection> m
   }
 }
 
-CreditedResiduals count_hits(elements::Model& model, BeamSource& source,
-                             const CreditOptions& options,
-                             const std::function<void(size_t, size_t)>& progress) {
+Tally::Tally(const elements::Model& model, const CreditOptions& options)
+    : of(model.size()),
+      residuals{MeshResiduals(options.max_residual_for_hit_m),
+                MeshResiduals(options.max_residual_for_hit_m)} {
   check(options);
-  CreditedResiduals residuals{MeshResiduals(options.max_residual_for_hit_m),
-                              MeshResiduals(options.max_residual_for_hit_m)};
-  for (size_t i = 0; i < model.size(); ++i) model.hit(i) = {1, 0, 0};
-  const trace::World world(model);
+}
+
+void Tally::add(const trace::World& world, BeamSource& source, const CreditOptions& options,
+                const std::function<void(size_t, size_t)>& progress) {
+  const elements::Model& model = world.model();
   const LogInfo& info = source.info();
   source.rewind();
   BeamLog chunk;
@@ -208,8 +210,8 @@ CreditedResiduals count_hits(elements::Model& model, BeamSource& source,
         }
         for (size_t k = 0; k < list.size(); ++k) {
           if (said[k] == Credit::kNothing) continue;
-          elements::HitCount& h = model.hit(list[k].element);
-          add_one(said[k] == Credit::kHit ? h.hits : h.misses);
+          Trials& trials = of[list[k].element];
+          add_one(said[k] == Credit::kHit ? trials.hits : trials.misses);
           if (said[k] == Credit::kHit) {
             add_residual(model, list[k], rays[i - begin].direction, chunk.range_m[i], residuals);
           }
@@ -219,8 +221,19 @@ CreditedResiduals count_hits(elements::Model& model, BeamSource& source,
     done += chunk.size();
     if (progress) progress(done, source.size());
   }
+}
+
+CreditedResiduals count_hits(elements::Model& model, BeamSource& source,
+                             const CreditOptions& options,
+                             const std::function<void(size_t, size_t)>& progress) {
+  for (size_t i = 0; i < model.size(); ++i) model.hit(i) = {1, 0, 0};
+  Tally tally(model, options);
+  tally.add(trace::World(model), source, options, progress);
+  for (size_t i = 0; i < model.size(); ++i) {
+    model.hit(i) = {1, tally.of[i].hits, tally.of[i].misses};
+  }
   estimate_hit_probabilities(model, options);
-  return residuals;
+  return std::move(tally.residuals);
 }
 
 void estimate_hit_probabilities(elements::Model& model, const CreditOptions& options) {

@@ -5,6 +5,7 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/fit/beta_prior.hpp"
@@ -68,6 +69,20 @@ void credit(const elements::Model& model, std::span<const trace::Intersection> m
 /// The residuals of the returns that triangles were credited with.
 struct CreditedResiduals {
   MeshResiduals ground, surface;
+};
+
+/// The hits and misses that beams give the elements of a model.
+struct Tally {
+  std::vector<Trials> of;  ///< One an element.
+  CreditedResiduals residuals;
+
+  /// Starts without beams. Throws `std::invalid_argument` for an unknown rule or estimator and for
+  /// options out of range.
+  Tally(const elements::Model& model, const CreditOptions& options);
+  /// Adds all beams of `source`. `world` is that of the model, whose elements all have p = 1;
+  /// `progress(done, total)` may be empty.
+  void add(const trace::World& world, BeamSource& source, const CreditOptions& options,
+           const std::function<void(size_t, size_t)>& progress = {});
 };
 
 /// Counts the hits and misses of all elements of `model` over all beams of `source`, estimates p

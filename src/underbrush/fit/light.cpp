@@ -81,10 +81,13 @@ std::vector<uint32_t> groups_of(const elements::Model& model, size_t& groups) {
   return out;
 }
 
-void set_light(elements::Model& model, const std::vector<elements::Reflectance>& of) {
+/// Sets the reflectances of the wanted elements, or of all.
+void set_light(elements::Model& model, const std::vector<elements::Reflectance>& of,
+               const std::vector<bool>* wanted = nullptr) {
   model.ground.light.resize(model.ground.size());
   model.surface.light.resize(model.surface.size());
   for (size_t e = 0; e < of.size(); ++e) {
+    if (wanted && !(*wanted)[e]) continue;
     const elements::ElementPlace at = model.place(e);
     if (at.kind == elements::Kind::kGround) model.ground.light[at.index] = of[e];
     if (at.kind == elements::Kind::kSurface) model.surface.light[at.index] = of[e];
@@ -123,6 +126,26 @@ void learn_light(elements::Model& model, BeamSource& log) {
   }
   model.light = std::move(light);
   set_light(model, reflectances(sums, group, groups));
+}
+
+void learn_reflectances(elements::Model& model, BeamSource& log, const std::vector<bool>& wanted) {
+  const auto count = size_t(std::count(wanted.begin(), wanted.end(), true));
+  if (!model.light.known() || count == 0) return;
+  const trace::World world(model);
+  std::vector<LightSums> sums(model.size());
+  Thinned thinned(log.size(),
+                  std::clamp(kSamplesAnElement * model.size(), kLeastSamples, kMostSamples));
+  log.rewind();
+  for (BeamLog chunk; log.next(chunk);) {
+    for (const LightSample& s : samples_of(world, thinned(chunk))) {
+      if (!wanted[s.element]) continue;
+      sums[s.element].add(s.intensity,
+                          model.light.response(s.range_m, s.cosine, s.is_ellipsoid, s.ring, true));
+    }
+  }
+  size_t groups = 0;
+  const std::vector<uint32_t> group = groups_of(model, groups);
+  set_light(model, reflectances(sums, group, groups), &wanted);
 }
 
 }  // namespace underbrush::fit

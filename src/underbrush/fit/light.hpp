@@ -1,6 +1,8 @@
 /// \file
 /// The light of a model: what intensities a log has taught its elements to answer.
 #pragma once
+#include <vector>
+
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/elements/model.hpp"
 
@@ -14,5 +16,10 @@ namespace underbrush::fit {
 /// (`fit_response`). The log is read once. Nothing but the light of the model changes; a log whose
 /// intensities are all 0 leaves it without.
 void learn_light(elements::Model& model, BeamSource& log);
+
+/// Learns the reflectances of some elements (`wanted`, one an element) from the returns of a log
+/// under the response that the model has; other elements keep theirs. Nothing changes in a model
+/// without light, or where nothing is wanted.
+void learn_reflectances(elements::Model& model, BeamSource& log, const std::vector<bool>& wanted);
 
 }  // namespace underbrush::fit

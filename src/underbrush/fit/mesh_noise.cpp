@@ -57,6 +57,17 @@ void MeshResiduals::add(const elements::TriangleMesh& mesh, uint32_t triangle,
   count_[incidence * kResiduals + residual].fetch_add(1, std::memory_order_relaxed);
 }
 
+void MeshResiduals::add(std::span<const uint32_t> counts) {
+  require(counts.size() == count_.size(), "mesh noise: another number of counts");
+  for (size_t k = 0; k < counts.size(); ++k) count_[k] += counts[k];
+}
+
+std::vector<uint32_t> MeshResiduals::counts() const {
+  std::vector<uint32_t> out;
+  for (const auto& n : count_) out.push_back(n);
+  return out;
+}
+
 double MeshResiduals::per_cos2(size_t incidence) const {
   const double share = (double(incidence) + 0.5) / double(kIncidences);
   return std::pow(kLeastCos, -2 * share);

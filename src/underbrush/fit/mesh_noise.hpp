@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "underbrush/elements/model.hpp"
@@ -25,6 +26,12 @@ class MeshResiduals {
   /// (m) from it. Any number of threads may add.
   void add(const elements::TriangleMesh& mesh, uint32_t triangle, const Vec3& direction,
            double residual_m);
+
+  /// Adds counts that `counts` returned, of residuals up to the same limit. Throws
+  /// `std::invalid_argument` for another number of them.
+  void add(std::span<const uint32_t> counts);
+  /// The returns by angle of incidence and residual; their number is always the same.
+  std::vector<uint32_t> counts() const;
 
   /// σ_r and h, m.
   struct Noise {

@@ -7,6 +7,7 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/ground/height_sums.hpp"
+#include "underbrush/ground/sparse_sums.hpp"
 
 namespace underbrush::ground {
 namespace {
@@ -46,6 +47,10 @@ void HeightGrid::merge(const HeightGrid& other) {
           "height grid: only grids of the same origin and options merge");
   sums_->merge(*other.sums_);
 }
+
+void HeightGrid::merge(const SparseSums& kept) { ground::merge(kept, *sums_); }
+
+SparseSums HeightGrid::sums() const { return sparse(*sums_); }
 
 namespace {
 

@@ -24,6 +24,7 @@ struct HeightGridOptions {
 };
 
 struct HeightSums;
+struct SparseSums;
 
 /// Collects the normal equations of the surface h that minimises
 ///
@@ -49,6 +50,10 @@ class HeightGrid {
   /// in a fixed order for the same bits. Throws `std::invalid_argument` if the origins or options
   /// differ.
   void merge(const HeightGrid& other);
+  /// Adds points whose sums were kept: `sums` of a grid of the same origin and options.
+  void merge(const SparseSums& kept);
+  /// Returns the sums of the points added so far.
+  SparseSums sums() const;
   /// Returns the number of points added so far.
   size_t points() const;
 

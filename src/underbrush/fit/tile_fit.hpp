@@ -1,0 +1,37 @@
+/// \file
+/// The part of a fit that makes elements tile by tile, which `fit` and `update` share.
+#pragma once
+#include <functional>
+#include <limits>
+#include <vector>
+
+#include "underbrush/core/tile_store.hpp"
+#include "underbrush/fit/fit.hpp"
+
+namespace underbrush::fit {
+
+/// The tiles of a fit: those of the options, with sides of whole voxels for `voxel`, so that no
+/// border cuts a voxel.
+TileOptions tile_options(const FitOptions& options);
+
+/// In the list of `fit_tiles`: the ellipsoid is new.
+inline constexpr uint32_t kNewEllipsoid = std::numeric_limits<uint32_t>::max();
+
+/// Fits the tiles `anew` (ascending, all in `store`) and makes the ground mesh of all tiles.
+///
+/// `out` holds what stays: the tiles of its record that are not in `anew` keep their ellipsoids,
+/// bit for bit, and their part of the ground's equations. The other tiles are replaced by, or get,
+/// what the points of the store give: ground is told from the rest with the points within
+/// `kTileMarginM`, and the rest is clustered by `options.fitter`. Ellipsoids come in the order of
+/// the tiles. The counts of the ground mesh are empty. Returns for each ellipsoid its number
+/// before, or `kNewEllipsoid`.
+std::vector<uint32_t> fit_tiles(const TileStore& store, const std::vector<TileKey>& anew,
+                                const FitOptions& options, FitResult& out,
+                                const FitProgress& progress);
+
+/// Drops the ellipsoids that are free space (`FitOptions::free_space_below`), and those for which
+/// `gone(number)` holds, from the model and its record, and returns which of them stay.
+std::vector<bool> drop_free_space(const FitOptions& options, elements::Model& model,
+                                  FitRecord& record, const std::function<bool(size_t)>& gone = {});
+
+}  // namespace underbrush::fit

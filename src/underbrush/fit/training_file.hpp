@@ -1,0 +1,39 @@
+/// \file
+/// What a model's folder keeps of its training: the parameters of the fit, its logs and its tiles,
+/// in the folder `training`. Layout: docs/reference/formats.md.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "underbrush/fit/fit.hpp"
+
+namespace underbrush::fit {
+
+/// A log that a model was fitted to.
+struct TrainingLog {
+  std::string file;  ///< As it was named.
+  std::string hash;
+  uint64_t beams = 0;
+};
+
+/// How a model was made, as far as `update` needs it.
+struct Training {
+  /// The parameters (`parameters`), the seed and the recorder; the footprint is not in it.
+  FitOptions options;
+  bool footprint = false;  ///< Whether the footprint of the recorder was removed.
+  std::vector<TrainingLog> logs;
+  FitRecord record;
+};
+
+/// Writes the training of a model into its folder, for the `besides` of `elements::write_model`.
+/// Throws `IoError`.
+void write_training(const std::filesystem::path& model, const Training& training);
+
+/// Whether a model's folder keeps its training.
+bool has_training(const std::filesystem::path& model);
+
+/// Reads the training of a model. Throws `FormatError` for one that is not whole and consistent.
+Training read_training(const std::filesystem::path& model);
+
+}  // namespace underbrush::fit

@@ -1,0 +1,72 @@
+/// \file
+/// This file declares `update`, which adds new scans to a fitted model.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "underbrush/fit/fit.hpp"
+
+namespace underbrush::fit {
+
+/// The options of `update`.
+struct UpdateOptions {
+  /// A tile that new returns touch is fitted anew once its returns have grown by this share since
+  /// it was fitted. With 0 every touched tile is, and the elements are those of one fit of all
+  /// scans.
+  double growth = 0.25;
+  /// A tile is fitted anew, too, once this share of its returns lies where no element explains
+  /// them.
+  double unexplained = 0.01;
+};
+
+/// A square of 4 m where ellipsoids have gone.
+struct ChangedPlace {
+  Vec3 centre = Vec3::Zero();  ///< m, world: the mean of the ellipsoids.
+  size_t gone = 0;             ///< How many.
+};
+
+/// Counts and warnings of an update.
+struct UpdateReport {
+  size_t beams = 0, hits = 0, misses = 0;  ///< Of the new scans.
+  size_t mover_points = 0;                 ///< Left out because they have the flag `kMover`.
+  size_t near_points = 0;                  ///< Left out because they are nearer than `min_range_m`.
+  size_t unexplained = 0;                  ///< New returns that no element explained before.
+  size_t tiles = 0, touched_tiles = 0, fitted_tiles = 0;
+  size_t earlier_beams = 0;  ///< Beams of the earlier logs that were traced once more.
+  size_t kept = 0, added = 0, dropped = 0;  ///< Ellipsoids.
+  size_t changed = 0;  ///< Ellipsoids of which new beams say otherwise than earlier ones.
+  size_t gone = 0;     ///< Those of `changed` that were dropped as free space.
+  std::vector<ChangedPlace> places;  ///< Where most have gone, at most ten.
+  std::vector<std::string> warnings;
+};
+
+/// An updated model, its record, and the report.
+struct UpdateResult {
+  elements::Model model;
+  FitRecord record;
+  UpdateReport report;
+};
+
+/// Adds the scans of `added` to a model that `fit` made of `logs` (in the order in which they were
+/// added, the first being that of the fit) with `options`.
+///
+/// - Tiles that new returns touch enough (`UpdateOptions`) are fitted anew, to the points of all
+///   logs. Other tiles keep their ellipsoids bit for bit. The ground mesh is solved again from the
+///   sums of all tiles.
+/// - Every element that new beams meet gets their hits and misses. New elements get those of the
+///   earlier beams that cross the tiles fitted anew, too. An ellipsoid of which later beams say
+///   otherwise than earlier ones, log by log, has the later trials alone (`with_later`). Ellipsoids
+///   in free space are dropped as in `fit`.
+/// - Reflectances and classes of new elements are learnt from the same beams; those of other
+/// elements
+///   stay, as do the sensor's range offsets, its response to light and the grain.
+///
+/// The earlier logs are read only if a tile is fitted anew. The result has the same bits for any
+/// number of threads. Without beams in `added` nothing changes. Throws `std::invalid_argument` for
+/// options out of range, and `DataError` for a model without a record, scans of another sensor and
+/// scans far away.
+UpdateResult update(FitResult known, const std::vector<BeamSource*>& logs, BeamSource& added,
+                    const FitOptions& options, const UpdateOptions& how = {},
+                    const FitProgress& progress = {});
+
+}  // namespace underbrush::fit
