@@ -33,8 +33,7 @@ void add_update_options(Verb& verb, Arguments& a, CLI::Option* update,
                  "Fit a touched tile anew once its returns have grown by this share since it was "
                  "fitted; 0: at once, which gives the elements of one fit of all logs")
       ->check(CLI::NonNegativeNumber)
-      ->capture_default_str()
-      ->needs(update);
+      ->capture_default_str();
   app.add_option("--logs", a.logs, "Where the logs that the model was fitted to are now")
       ->type_name("FOLDER")
       ->needs(update);
@@ -137,6 +136,7 @@ void run(const Verb& verb, Arguments& a) {
     if (!file.empty()) io::check_output(file);
   }
   if (!a.update.empty()) return run_update(verb, a);
+  require(a.how.growth == fit::UpdateOptions().growth, "fit: --growth requires --update");
   const FitStep step = fit_log(verb, a.log, a.fit, a.output, a.echoes == "all");
   const elements::Model& model = step.result.model;
   export_model(a, model);

@@ -126,11 +126,12 @@ void set_even_image(const Pattern& p, double turn_share, Keyframes& k) {
 std::map<uint32_t, uint32_t> chosen(const Pattern& p, double spacing_m) {
   std::map<uint32_t, uint32_t> out;
   std::vector<Vec3> kept;
-  for (const auto& [number, scan] : p.scans) {
-    const auto is_near = [&](const Vec3& o) { return (o - scan.origin).norm() < spacing_m; };
+  for (const auto& scan : p.scans) {
+    const Vec3& at = scan.second.origin;
+    const auto is_near = [&](const Vec3& o) { return (o - at).norm() < spacing_m; };
     if (std::count_if(kept.begin(), kept.end(), is_near) >= 2) continue;
-    out[number] = uint32_t(kept.size());
-    kept.push_back(scan.origin);
+    out[scan.first] = uint32_t(kept.size());
+    kept.push_back(at);
   }
   return out;
 }

@@ -11,7 +11,7 @@ namespace underbrush::fit {
 /// The new returns of one tile.
 struct TileNews {
   size_t returns = 0;       ///< New returns in the tile.
-  size_t unexplained = 0;   ///< Those of them that no element of the model explains.
+  size_t unexplained = 0;   ///< How many no element of the model explains.
   bool is_touched = false;  ///< Whether one lies in the tile or within `kTileMarginM` of it.
 };
 

@@ -27,7 +27,7 @@ struct ChangedPlace {
 
 /// Counts and warnings of an update.
 struct UpdateReport {
-  size_t beams = 0, hits = 0, misses = 0;  ///< Of the new scans.
+  size_t beams = 0, hits = 0, misses = 0;  ///< Counts of the new scans.
   size_t mover_points = 0;                 ///< Left out because they have the flag `kMover`.
   size_t near_points = 0;                  ///< Left out because they are nearer than `min_range_m`.
   size_t unexplained = 0;                  ///< New returns that no element explained before.
@@ -35,7 +35,7 @@ struct UpdateReport {
   size_t earlier_beams = 0;  ///< Beams of the earlier logs that were traced once more.
   size_t kept = 0, added = 0, dropped = 0;  ///< Ellipsoids.
   size_t changed = 0;  ///< Ellipsoids of which new beams say otherwise than earlier ones.
-  size_t gone = 0;     ///< Those of `changed` that were dropped as free space.
+  size_t gone = 0;     ///< How many of `changed` were dropped as free space.
   std::vector<ChangedPlace> places;  ///< Where most have gone, at most ten.
   std::vector<std::string> warnings;
 };

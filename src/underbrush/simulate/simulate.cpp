@@ -66,6 +66,35 @@ Vec3 to_drawn_point(const DynamicWorld& world, double time_s, const Ray& ray,
   return drawn_in_volume(world.model(met.instance), placed, met, key) - ray.origin;
 }
 
+/// The extra columns of `Options::element_ids`.
+class ElementColumns {
+ public:
+  ElementColumns(const Options& options, size_t beams)
+      : options_(options),
+        element_(options.element_ids ? beams : 0, Intersection::kNone),
+        label_(element_.size()),
+        instance_(options.instance_labels.empty() ? 0 : element_.size()) {}
+
+  void set(size_t i, const elements::Model& model, const Intersection& met) {
+    if (element_.empty()) return;
+    element_[i] = met.element;
+    label_[i] = element_class(model, met, options_.instance_labels);
+    if (!instance_.empty()) instance_[i] = met.instance;
+  }
+  void give_to(BeamLog& beams) {
+    if (!options_.element_ids) return;
+    beams.extra["element"] = std::move(element_);
+    beams.extra["element_class"] = std::move(label_);
+    if (!options_.instance_labels.empty()) beams.extra["instance"] = std::move(instance_);
+  }
+
+ private:
+  const Options& options_;
+  std::vector<uint32_t> element_;
+  std::vector<uint16_t> label_;
+  std::vector<uint32_t> instance_;
+};
+
 /// What the keyframes of a world answer. They know nothing of elements, of moving objects or of
 /// scenes, and only of beams along their axes.
 class Memory {
@@ -111,9 +140,7 @@ void simulate(const DynamicWorld& world, const Options& options, size_t first_be
   const bool once = world.world().draws() != trace::Draws::kAnew;
   const uint64_t matter = matter_key(options.seed);
   const Memory memory(world, options, beams.info);
-  std::vector<uint32_t> element(options.element_ids ? beams.size() : 0, Intersection::kNone);
-  std::vector<uint16_t> label(element.size());
-  std::vector<uint32_t> instance(options.instance_labels.empty() ? 0 : element.size());
+  ElementColumns columns(options, beams.size());
   parallel_for(beams.size(), 8192, [&](size_t begin, size_t end) {
     const size_t n = end - begin;
     std::vector<Ray> rays(n);
@@ -141,11 +168,7 @@ void simulate(const DynamicWorld& world, const Options& options, size_t first_be
       }
       if (met[k].none()) continue;
       const elements::Model& model = matter_of.model(met[k], beams.time_s[i]);
-      if (options.element_ids) {
-        element[i] = met[k].element;
-        label[i] = element_class(model, met[k], options.instance_labels);
-        if (!instance.empty()) instance[i] = met[k].instance;
-      }
+      columns.set(i, model, met[k]);
       double range =
           once ? drawn_in_matter(met[k],
                                  trace::instance_key(matter, met[k].instance) ^
@@ -165,10 +188,7 @@ void simulate(const DynamicWorld& world, const Options& options, size_t first_be
       beams.intensity[i] = light.intensity(model, rays[k], met[k], beams, i, keys[k]);
     }
   });
-  if (!options.element_ids) return;
-  beams.extra["element"] = std::move(element);
-  beams.extra["element_class"] = std::move(label);
-  if (!options.instance_labels.empty()) beams.extra["instance"] = std::move(instance);
+  columns.give_to(beams);
 }
 
 SimulatedSource::SimulatedSource(Answer answer, BeamSource& beams, double max_range_m)

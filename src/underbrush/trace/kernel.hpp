@@ -123,7 +123,7 @@ void place_ray(const View& view, const Batch& batch, const Candidate& candidate,
 /// A model and the transform of one of its instances.
 struct InstanceTransform {
   const ModelView* model;
-  const TriangleBlock* triangles;  ///< Of the model's tree.
+  const TriangleBlock* triangles;  ///< The blocks of the model's tree.
   double translation[4];           ///< m; the fourth is 0.
   double scale_tau2[2];            ///< Scale, and square of the model's τ.
   bool is_translation;

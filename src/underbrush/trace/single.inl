@@ -154,6 +154,7 @@ inline unsigned accepted(const uint32_t* below, const uint32_t* element, uint32_
   return bits((I8)(h < b) | (I8)(b == kAlways));
 }
 
+// long: the ray and its limit are shared by the three kinds of leaves.
 inline void trace_one(const View& view, Query query, Batch& batch, size_t i) {
   const Ray& r = batch.rays[i];
   if (query != Query::kAll) batch.best[i] = Intersection{};
