@@ -2,7 +2,7 @@
 """Times the Python package: a live sensor in a model, and what a call from Python costs.
 
     underbrush demo --only site -o demo
-    bench/python_live.py demo/hierarchical demo/test.ply
+    bench/python_live.py demo/likelihood demo/test.ply
 
 prints the time of `Lidar.scan`, from the call to the arrays, for one revolution with and without a moving object; the
 time of `simulate` in Python beside the seconds that the program reports for the same beams and files, in pairs; what a

@@ -40,14 +40,13 @@ LOGS: dict[str, tuple[str, Words, Words, Words]] = {
 SCENE_SCRIPT = pathlib.Path(__file__).resolve().parent / "mesh_primitives.sh"
 CONFIGS = pathlib.Path(__file__).resolve().parent.parent / "share/configs"
 FITTERS: dict[str, typing.Optional[Words]] = {
-    "default": ["--fitter", "hierarchical"], "surface": ["--fitter", "surface"],
+    "default": [], "hierarchical": ["--fitter", "hierarchical"], "surface": ["--fitter", "surface"],
     "keyframes": ["--keyframes", "2"], "surface_paper": ["--config", CONFIGS / "vegetation-surface-mobile.yaml"],
     "surface_carved": ["--fitter", "surface", "--surface-carve"],
     "sharp": ["--config", CONFIGS / "likelihood-sharp.yaml"],
     "voxel": ["--fitter", "voxel", "--voxel-side", "0.3"],
     "top_down": ["--fitter", "top_down"], "bottom_up": ["--fitter", "bottom_up"],
     "mesh_primitives": None,  # scripts/mesh_primitives.sh
-    "likelihood": ["--fitter", "likelihood"],
     "likelihood_voxel": ["--fitter", "likelihood", "--start", "voxel", "--voxel-side", "0.3"],
     "likelihood_top_down": ["--fitter", "likelihood", "--start", "top_down"],
     "likelihood_bottom_up": ["--fitter", "likelihood", "--start", "bottom_up"],

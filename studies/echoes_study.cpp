@@ -92,7 +92,7 @@ void run_log(const StudyRun& run, const fs::path& folder, report::Table& table, 
   out.inputs.insert(out.inputs.end(), {folder / "train.ply", folder / "test.ply"});
   const sensor::Sensor sensor = sensor::sensor_of_log(log, train.info);
   run.say(log + ": fit");
-  const elements::Model model = fitted(train, "hierarchical", run.seed);
+  const elements::Model model = fitted(train, fit::FitOptions().fitter.c_str(), run.seed);
   const elements::Model mesh = fitted(train, "surface", run.seed);
   const EchoCounts real(test, model);
   run.say(log + ": simulate");

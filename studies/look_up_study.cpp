@@ -95,7 +95,8 @@ StudyResult study_look_up(const StudyRun& run) {
       add_row(log, name, s, table, out.figures);
     }
     add_row(log, "mesh", score_of_fit(train, test, "surface", run.seed), table, out.figures);
-    const metrics::Score ours = score_of_fit(train, test, "hierarchical", run.seed);
+    const metrics::Score ours =
+        score_of_fit(train, test, fit::FitOptions().fitter.c_str(), run.seed);
     add_row(log, "default", ours, table, out.figures);
     out.checks.push_back({log + ": capped error of the default over the best look-up's",
                           ours.all.capped_error_m / best, 1.0});

@@ -119,7 +119,7 @@ void fit_and_score(const Verb& verb, const Diary& say, const fs::path& folder, P
   part.test = folder / "test.ply";
   std::vector<std::string> names;
   std::vector<fs::path> inputs{part.test};
-  for (const char* fitter : {"hierarchical", "surface"}) {
+  for (const char* fitter : {"likelihood", "surface"}) {
     fit::FitOptions options;
     options.fitter = fitter;
     options.seed = verb.seed;

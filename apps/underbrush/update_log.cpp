@@ -27,7 +27,8 @@ fit::Training training_of(const UpdateInput& input, const elements::Model& model
   if (!fit::has_training(input.model)) {
     throw FormatError(input.model.string(), "",
                       "it cannot be updated: fit keeps what that needs in models of hierarchical, "
-                      "voxel, top_down, bottom_up and ground_mesh, and this is one of " +
+                      "voxel, top_down, bottom_up, ground_mesh and, without rearrangements, "
+                      "likelihood, and this is one of " +
                           model.fitter);
   }
   fit::Training training = fit::read_training(input.model);

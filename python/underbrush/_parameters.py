@@ -7,7 +7,7 @@ from typing import TypedDict
 class FitParameters(TypedDict, total=False):
     """Options of `fit`, as `underbrush fit --help-all` lists them."""
 
-    fitter: str  #: How the model is made (default hierarchical).
+    fitter: str  #: How the model is made (default likelihood).
     min_range: float  #: Leave out nearer returns (of the own vehicle) (m; default 0).
     tile: float  #: Side of a tile; memory grows with it (m; default 32).
     #: Remember scans so far apart as range images; simulations near them answer likewise (0: none) (m; default 0).
@@ -47,16 +47,20 @@ class FitParameters(TypedDict, total=False):
     #: Drop ellipsoids with hits / (hits + misses) below this: nothing stands there (default 0.05).
     free_space_below: float
     range_noise: float  #: The sensor's range noise (m; default 0.02).
-    triangle_prior_hits: float  #: Prior hits of a triangle (default 10000).
+    triangle_prior_hits: float  #: Prior hits of a triangle; likelihood has 20 (default 10000).
     triangle_prior_misses: float  #: Prior misses of a triangle (default 0).
     credit: str  #: The elements that a beam is evidence of (default first).
     #: credit mahalanobis: greatest distance of a beam from an ellipsoid; at most tau counts (default 2).
     credit_tau: float
     hit_estimator: str  #: The estimate of p from an ellipsoid's hits and misses (default prior).
     start: str  #: The fitter to begin with, or the folder of a model (default hierarchical).
-    rounds: int  #: Most M-steps, and most rearrangements (up to 4) before them (default 9).
+    rounds: int  #: Most M-steps (default 3).
+    rearrangements: int  #: Most times that ellipsoids are merged and split before (default 0).
+    #: Ellipsoids of the start grow as if their n points had been fitted with k parameters: their variances by (n +
+    #: k) / (n - k) (default 2).
+    spent_at_start: float
     held_out: int  #: One group of beams in so many judges the steps and is not learnt from (default 20).
-    dropout: float  #: How readily a lone miss is taken as a lost return, not as a way through (default 0.4).
+    dropout: float  #: How readily a lone miss is taken as a lost return, not as a way through (default 0.05).
     #: How much more decided than the likeliest model: above 1 for smaller errors of a draw, at the cost of
     #: likelihood (default 1).
     sharpness: float

@@ -361,7 +361,7 @@ MEASURED = {
     "readme": Measured(readme_rows()),
     "real-logs": Measured(real_logs(("default", "sharp", "surface", "surface_carved", "mesh_primitives"))),
     "keyframes": Measured(real_logs(("default", "keyframes"))),
-    "fitters": Measured(fitters(("default", "voxel", "top_down", "bottom_up", "likelihood"))),
+    "fitters": Measured(fitters(("default", "hierarchical", "voxel", "top_down", "bottom_up"))),
     "options-of-fit": Measured(options_of_fit()),
     **matter.MEASURED,
     **light.MEASURED,

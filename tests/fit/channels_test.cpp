@@ -134,6 +134,7 @@ TEST(Channels, TheFitKeepsThemAndMakesABetterModel) {
   const BeamLog log = street(truth, 10);
   MemorySource source(log);
   FitOptions options;
+  options.fitter = "hierarchical";
   const FitResult plain = fit(source, options);
   EXPECT_TRUE(plain.model.channels.empty());
   options.learn_channels = true;

@@ -11,7 +11,7 @@ namespace {
 constexpr uint32_t kTree = 4, kDirt = 1, kCar = 8, kVoid = 0;  // of RELLIS
 
 /// Makes a log of flat ground with a bush on either side, whose hits have labels of RELLIS.
-BeamLog labelled_bushes(uint32_t left, uint32_t right) {
+BeamLog labelled_bushes(uint32_t left, uint32_t right, uint32_t ground = kDirt) {
   elements::Model truth = test::flat_ground(60);
   for (const float y : {-8.0f, 8.0f}) {
     test::add_bush(Vec3f(0, y, 1.2f), Vec3(0.3, 0.3, 0.2), 0.7f, truth);
@@ -21,7 +21,7 @@ BeamLog labelled_bushes(uint32_t left, uint32_t right) {
   for (size_t i = 0; i < log.size(); ++i) {
     if (!log.is_hit(i)) continue;
     const Vec3 at = log.end_point(i);
-    label[i] = uint8_t(at.z() < 0.1 ? kDirt : at.y() < 0 ? left : right);
+    label[i] = uint8_t(at.z() < 0.1 ? ground : at.y() < 0 ? left : right);
   }
   log.extra["class"] = label;
   log.info.classes = "rellis";
@@ -54,7 +54,7 @@ TEST(ElementClasses, AreThoseOfMostHits) {
 }
 
 TEST(ElementClasses, DoNotChangeTheShapeOfTheModelNorAModelOfALogWithoutLabels) {
-  BeamLog log = labelled_bushes(kVoid, kVoid);
+  BeamLog log = labelled_bushes(kVoid, kVoid, kVoid);
   MemorySource unknown(log);
   const elements::Model with = fit(unknown, {}).model;
   EXPECT_TRUE(with.class_names.empty());

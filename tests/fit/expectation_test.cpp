@@ -24,11 +24,12 @@ struct GivenMeetings {
   GivenMeetings(std::vector<trace::Intersection> list, double range_m) : met(std::move(list)) {
     for (const trace::Intersection& m : met) {
       p.push_back(float(m.p));
-      block.met.push_back({m.element, float(m.t_m), float(m.sigma_m * m.sigma_m)});
+      block.met.push_back(m.element);
+      block.on_triangle.push_back({float(m.t_m), float(m.sigma_m * m.sigma_m)});
     }
     block.beams = {{{0, 0, 0}, float(range_m), {1, 0, 0}, 1000}};
     block.held_out = {0};
-    block.first = {0, uint32_t(met.size())};
+    block.first = block.first_triangle = {0, uint32_t(met.size())};
   }
   PassTotals share(const trace::OutlierShares& soft, double max_range_m, BlockShares& out) const {
     ModelForm form{};
@@ -108,14 +109,14 @@ class GivenShares {
     by_element_[element].push_back({beam, beam});
   }
   ElementSums sums() {
+    MeetingsByElement lists;
     for (uint32_t e = 0; e < by_element_.size(); ++e) {
-      block_.elements.push_back({e, uint32_t(block_.by_element.size())});
-      block_.by_element.insert(block_.by_element.end(), by_element_[e].begin(),
-                               by_element_[e].end());
+      lists.elements.push_back({e, uint32_t(lists.met.size())});
+      lists.met.insert(lists.met.end(), by_element_[e].begin(), by_element_[e].end());
     }
-    block_.elements.push_back({uint32_t(by_element_.size()), uint32_t(block_.by_element.size())});
+    lists.elements.push_back({uint32_t(by_element_.size()), uint32_t(lists.met.size())});
     ElementSums out(model_);
-    out.add(ModelForms(model_, 0).view(), block_, shares_);
+    out.add(ModelForms(model_, 0).view(), block_, lists, shares_);
     return out;
   }
 

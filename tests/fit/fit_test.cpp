@@ -43,6 +43,7 @@ TEST(Fit, HybridFindsGroundAndTellsThePermeableBushFromTheDenseOne) {
   const BeamLog log = drive_past_bushes(1, at);
   MemorySource source(log);
   FitOptions options;
+  options.fitter = "hierarchical";
   options.credit.ellipsoid = {1, 1};
   const FitResult r = fit(source, options);
   EXPECT_EQ(r.report.beams, log.size());
@@ -128,6 +129,7 @@ TEST(Fit, GroundMeshIsTheHybridWithoutItsEllipsoids) {
   const BeamLog log = drive_past_bushes(3, Vec3::Zero(), 15000);
   MemorySource source(log);
   FitOptions options;
+  options.fitter = "hierarchical";
   const FitResult hybrid = fit(source, options);
   options.fitter = "ground_mesh";
   const FitResult bare = fit(source, options);

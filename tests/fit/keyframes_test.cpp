@@ -91,6 +91,7 @@ BeamLog scanned(const std::vector<double>& at, uint32_t first_scan, double drift
 
 elements::Model fitted(const BeamLog& log, double spacing_m) {
   FitOptions options;
+  options.fitter = "hierarchical";
   options.keyframes.spacing_m = spacing_m;
   MemorySource source(log);
   return fit(source, options).model;

@@ -121,6 +121,7 @@ TEST(Likelihood, EveryAcceptedStepRaisesTheHeldOutLikelihoodAndAddsNoElements) {
   FitOptions options;
   options.fitter = "likelihood";
   options.tau = 3;
+  options.likelihood.rounds = options.likelihood.rearrangements = 4;
   const FitResult r = fit(source, options);
   const LikelihoodReport& report = r.report.likelihood;
   ASSERT_GT(report.steps.size(), 3u);
@@ -163,7 +164,7 @@ TEST(Likelihood, MergesRedundantElementsBeforeTheyLearnNoise) {
   const BeamLog log = log_of(known_model(), 17, 20000);
   MemorySource source(log);
   LikelihoodOptions options;
-  options.rounds = 2;  // excludes rearrangements in later rounds
+  options.rounds = options.rearrangements = 2;
   const Refined merging = refine(start, source, options);
   options.rearrangement.largest_cost = -1e9;
   const Refined keeping = refine(start, source, options);
@@ -260,7 +261,7 @@ TEST(Likelihood, SharpnessNarrowsTheDrawAndLeavesTheStepsAlone) {
   const BeamLog log = log_of(known_model(), 22, 20000);
   MemorySource source(log);
   LikelihoodOptions options;
-  options.rounds = 3;
+  options.rounds = 9;
   const Refined plain = refine(wrong_start(), source, options);
   options.sharpness = 2;
   const Refined sharp = refine(wrong_start(), source, options);

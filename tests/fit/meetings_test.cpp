@@ -155,6 +155,7 @@ TEST(PassKernel, GivesTheSameBitsForEachInstructionSet) {
   const ModelForm form = forms.view();
   Stream random(39);
   BeamBlock block;
+  std::vector<ElementMeeting> list;
   std::vector<float> shares[3];
   block.first = {0};
   for (uint32_t b = 0; b < 1000; ++b) {
@@ -165,9 +166,10 @@ TEST(PassKernel, GivesTheSameBitsForEachInstructionSet) {
                            float(random.uniform(1, 9)),
                            {d[0], d[1], d[2]},
                            30});
-    block.met.push_back({b % 9 ? 2u : b % 2, 5, 1.5f});
+    block.met.push_back(b % 9 ? 2u : b % 2);
+    if (block.met.back() < 2) block.on_triangle.push_back({5, 1.5f});
     block.first.push_back(b + 1);
-    block.by_element.push_back({b, b});
+    list.push_back({b, b});
     for (std::vector<float>& s : shares) s.push_back(float(random.uniform()));
   }
   std::vector<float> columns[2][4];
@@ -178,8 +180,9 @@ TEST(PassKernel, GivesTheSameBitsForEachInstructionSet) {
     sums[k].resize(kSumFields);
     auto& [t, sigma, p, density] = columns[k];
     kernels[k]->approach(form, block.beams.data(), block.first.data(), 0, 1000, block.met.data(),
+                         block.on_triangle.data(),
                          {t.data(), sigma.data(), p.data(), density.data()});
-    kernels[k]->add(form.ellipsoids[0], block.beams.data(), block.by_element.data(), 1000,
+    kernels[k]->add(form.ellipsoids[0], block.beams.data(), list.data(), 1000,
                     {shares[0].data(), shares[1].data(), shares[2].data()}, sums[k].data());
   }
   for (int c = 0; c < 4; ++c) {

@@ -6,6 +6,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
 #include <tbb/parallel_pipeline.h>
+#include <tbb/parallel_sort.h>
 #include <tbb/partitioner.h>
 #include <tbb/task_arena.h>
 
@@ -104,6 +105,10 @@ void parallel_in_order(size_t n, size_t ahead, const std::function<void(size_t)>
           tbb::make_filter<size_t, size_t>(tbb::filter_mode::parallel, worked) &
           tbb::make_filter<size_t, void>(tbb::filter_mode::serial_in_order, finished));
   first.rethrow();
+}
+
+void sort_keys(std::vector<std::array<uint64_t, 2>>& keys) {
+  tbb::parallel_sort(keys.begin(), keys.end());
 }
 
 void parallel_invoke(const std::function<void()>& a, const std::function<void()>& b) {

@@ -2,8 +2,11 @@
 /// Parallel loops. Their results must not depend on the number of threads: each index writes its
 /// own place, or the pieces are merged in order of index.
 #pragma once
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
+#include <vector>
 
 namespace underbrush {
 
@@ -23,6 +26,9 @@ void parallel_for(size_t n, size_t grain, const std::function<void(size_t, size_
 /// it are finished.
 void parallel_in_order(size_t n, size_t ahead, const std::function<void(size_t)>& work,
                        const std::function<void(size_t)>& finish);
+
+/// Sorts distinct keys of two words in ascending order, on all threads.
+void sort_keys(std::vector<std::array<uint64_t, 2>>& keys);
 
 /// Calls `a` and `b`, at the same time if a thread is free. If both throw, the exception of `a` is
 /// passed on. Neither call is cut short by the other's exception.

@@ -9,11 +9,13 @@
 
 #include "underbrush/core/cells.hpp"
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/parallel.hpp"
 
 namespace underbrush::fit {
 namespace {
 
-constexpr size_t kBlock = 1 << 16;    // beams of a long log that are taken or left together
+constexpr size_t kBlock = 1 << 16;  // beams of a long log that are taken or left together
+constexpr size_t kCellsOfTask = 1 << 14;
 constexpr size_t kFewestPoints = 20;  // of a flat cell
 constexpr long kFewestRings = 5;      // of a flat cell
 constexpr int kFewestCells = 10;      // of a ring with an offset
@@ -53,23 +55,38 @@ struct Grid {
 
 // The grid whose cells begin at `shift_m` on each axis.
 Grid grid_of(const std::vector<Point>& points, double side_m, double shift_m) {
-  struct Key {
-    Cell3 cell;
-    uint16_t ring;
-    uint32_t point;
-    auto operator<=>(const Key&) const = default;
+  // A key has the cell's x and y in its first word, and z, ring and the point's number in the
+  // second one. Cells are numbered from those of the least coordinates, so that every number fits.
+  constexpr int kBitsOfPoint = 28, kBitsOfRing = 10, kBitsOfHeight = 26;
+  const auto cell_at = [&](const Point& p) {
+    return cell_of(p.at.cast<double>() - Vec3::Constant(shift_m), side_m);
   };
-  std::vector<Key> keys;
-  keys.reserve(points.size());
+  Cell3 least{};
   for (size_t i = 0; i < points.size(); ++i) {
-    const Vec3 at = points[i].at.cast<double>() - Vec3::Constant(shift_m);
-    keys.push_back({cell_of(at, side_m), points[i].ring, uint32_t(i)});
+    const Cell3 c = cell_at(points[i]);
+    if (i == 0) least = c;
+    least = {std::min(least.x, c.x), std::min(least.y, c.y), std::min(least.z, c.z)};
   }
-  std::sort(keys.begin(), keys.end());
+  std::vector<std::array<uint64_t, 2>> keys(points.size());
+  parallel_for(points.size(), 1 << 14, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const Cell3 c = cell_at(points[i]);
+      const uint64_t x = uint32_t(c.x) - uint32_t(least.x), y = uint32_t(c.y) - uint32_t(least.y);
+      const uint64_t z = std::min(uint32_t(c.z) - uint32_t(least.z), (1u << kBitsOfHeight) - 1);
+      keys[i] = {x << 32 | y,
+                 z << (kBitsOfRing + kBitsOfPoint) | uint64_t(points[i].ring) << kBitsOfPoint | i};
+    }
+  });
+  sort_keys(keys);
   Grid grid;
+  const auto height = [](const std::array<uint64_t, 2>& key) {
+    return key[1] >> (kBitsOfRing + kBitsOfPoint);
+  };
   for (size_t i = 0; i < keys.size(); ++i) {
-    if (i == 0 || keys[i].cell != keys[i - 1].cell) grid.begin.push_back(uint32_t(i));
-    grid.order.push_back(keys[i].point);
+    const bool is_first =
+        i == 0 || keys[i][0] != keys[i - 1][0] || height(keys[i]) != height(keys[i - 1]);
+    if (is_first) grid.begin.push_back(uint32_t(i));
+    grid.order.push_back(uint32_t(keys[i][1] & ((uint64_t(1) << kBitsOfPoint) - 1)));
   }
   grid.begin.push_back(uint32_t(keys.size()));
   return grid;
@@ -164,19 +181,32 @@ struct Equations {
     }
     freedom += double(cell.size()) - 3;
   }
+  void add(const Equations& other) {
+    matrix += other.matrix;
+    right += other.right;
+    for (size_t i = 0; i < cells.size(); ++i) cells[i] += other.cells[i];
+    squares += other.squares;
+    freedom += other.freedom;
+  }
 };
 
 Equations equations_of(const std::vector<Point>& points, const std::vector<Grid>& grids,
                        const std::vector<double>& offset, double thickest_m) {
   Equations out(offset.size());
   for (const Grid& grid : grids) {
-    for (size_t k = 0; k + 1 < grid.begin.size(); ++k) {
-      const std::span<const uint32_t> order = grid.order;
-      const auto cell =
-          observations_of(points, order.subspan(grid.begin[k], grid.begin[k + 1] - grid.begin[k]),
-                          offset, thickest_m);
-      if (!cell.empty()) out.add(cell);
-    }
+    const std::span<const uint32_t> order = grid.order;
+    const size_t cells = grid.begin.size() - 1;
+    std::vector<Equations> parts((cells + kCellsOfTask - 1) / kCellsOfTask,
+                                 Equations(offset.size()));
+    parallel_for(cells, kCellsOfTask, [&](size_t begin, size_t end) {
+      for (size_t k = begin; k < end; ++k) {
+        const size_t count = grid.begin[k + 1] - grid.begin[k];
+        const auto cell =
+            observations_of(points, order.subspan(grid.begin[k], count), offset, thickest_m);
+        if (!cell.empty()) parts[begin / kCellsOfTask].add(cell);
+      }
+    });
+    for (const Equations& part : parts) out.add(part);
   }
   return out;
 }

@@ -29,7 +29,7 @@ struct ChannelOptions {
 /// Returns the rings that were seen in at least ten flat cells, with the posterior standard errors
 /// (of noise alone: uneven surfaces can add some millimetres), but only if the offsets stand out:
 /// the result is empty unless their root mean square is at least three times that of their standard
-/// errors. One thread does the work; `log` is read once.
+/// errors. It has the same bits for any number of threads; `log` is read once.
 ChannelOffsets learn_offsets(BeamSource& log, const ChannelOptions& options);
 
 }  // namespace underbrush::fit

@@ -65,14 +65,15 @@ ModelForm ModelForms::view() const {
 ElementSums::ElementSums(const elements::Model& model)
     : triangles_(model.triangle_count()), ellipsoids_(model.ellipsoids.size()) {}
 
-void ElementSums::add(const ModelForm& model, const BeamBlock& block, const BlockShares& shares) {
+void ElementSums::add(const ModelForm& model, const BeamBlock& block,
+                      const MeetingsByElement& lists, const BlockShares& shares) {
   const PassKernels& kernels = pass_kernels();
   const ShareColumns columns{shares.hit.data(), shares.pass.data(), shares.loss.data()};
-  parallel_for(block.elements.size() - 1, 512, [&](size_t begin, size_t end) {
+  parallel_for(lists.elements.size() - 1, 512, [&](size_t begin, size_t end) {
     for (size_t k = begin; k < end; ++k) {
-      const auto [element, from] = block.elements[k];
-      const ElementMeeting* list = block.by_element.data() + from;
-      const size_t count = block.elements[k + 1].begin - from;
+      const auto [element, from] = lists.elements[k];
+      const ElementMeeting* list = lists.met.data() + from;
+      const size_t count = lists.elements[k + 1].begin - from;
       if (element >= model.triangles) {
         const size_t index = element - model.triangles;
         kernels.add(model.ellipsoids[index], block.beams.data(), list, count, columns,

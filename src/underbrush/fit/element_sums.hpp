@@ -85,8 +85,9 @@ class ElementSums {
   /// Starts at zero.
   explicit ElementSums(const elements::Model& model);
 
-  /// Adds the beams of a block.
-  void add(const ModelForm& model, const BeamBlock& block, const BlockShares& shares);
+  /// Adds the beams of a block, of which `lists` has the meetings by element.
+  void add(const ModelForm& model, const BeamBlock& block, const MeetingsByElement& lists,
+           const BlockShares& shares);
   /// Adds to the sums of a mesh.
   void add_noise(elements::Kind mesh, const MeshNoise& noise);
 

@@ -33,7 +33,8 @@ class Sharing {
     const size_t from = block_.first[begin];
     const MeetingColumns c = columns_.of(block_.first[end] - from);
     pass_kernels().approach(model_, block_.beams.data(), block_.first.data(), begin, end,
-                            block_.met.data(), c);
+                            block_.met.data(),
+                            block_.on_triangle.data() + block_.first_triangle[begin], c);
     for (size_t b = begin; b < end; ++b) {
       const size_t at = block_.first[b] - from;
       share_one(b, {c.t_m + at, c.sigma_m + at, c.p + at, c.density + at});
@@ -43,7 +44,7 @@ class Sharing {
 
  private:
   /// Puts the meetings of a beam into the order of range. Those of a search are nearly so.
-  void sort(const MeetingColumns& c, const Meeting* met, size_t count) {
+  void sort(const MeetingColumns& c, const uint32_t* met, size_t count) {
     order_.clear();
     for (uint32_t k = 0; k < count; ++k) {
       if (c.p[k] < 0) continue;
@@ -51,7 +52,7 @@ class Sharing {
       order_.push_back(k);
       for (; at > 0; --at) {
         const uint32_t j = order_[at - 1];
-        if (c.t_m[j] < c.t_m[k] || (c.t_m[j] == c.t_m[k] && met[j].element < met[k].element)) break;
+        if (c.t_m[j] < c.t_m[k] || (c.t_m[j] == c.t_m[k] && met[j] < met[k])) break;
         order_[at] = j;
       }
       order_[at] = k;
@@ -81,6 +82,7 @@ class Sharing {
     const double loss = -std::log(likelihood(trace::kReportedOutliers));
     (block_.held_out[b] ? totals_.held_out : totals_.training).add(loss);
     (block_.held_out[b] ? totals_.held_out_beams : totals_.training_beams).add(1);
+    if (block_.held_out[b] && is_hit) totals_.held_out_hits.add(1);
     if (block_.held_out[b]) return std::fill_n(hit, count, 0.0f), void();
     const double total = likelihood(soft_), scale = soft_.explained() / total;
     shares_.loss[b] = float(-std::log(total));
@@ -92,7 +94,7 @@ class Sharing {
       hit[k] = float(share);
       pass[k] = float(later);
       later += share;
-      const uint32_t element = block_.met[first + k].element;
+      const uint32_t element = block_.met[first + k];
       if (share > 0 && element < model_.triangles) {
         add_noise(element, share, range - double(c.t_m[k]), double(c.sigma_m[k]));
       }
@@ -128,6 +130,7 @@ void PassTotals::add(const PassTotals& other) {
   stray_hits.add(other.stray_hits);
   training_beams.add(other.training_beams);
   held_out_beams.add(other.held_out_beams);
+  held_out_hits.add(other.held_out_hits);
   for (size_t m = 0; m < noise.size(); ++m) {
     for (size_t k = 0; k < noise[m].size(); ++k) noise[m][k].add(other.noise[m][k]);
   }
@@ -161,14 +164,17 @@ Expectation expect(const elements::Model& model, const Meetings& meetings,
   PassTotals totals;
   BlockShares shares;
   meetings.for_each([&](const BeamBlock& block, size_t done) {
-    totals.add(find_shares(form, block, soft, info.max_range_m, shares));
-    out.sums.add(form, block, shares);
+    MeetingsByElement lists;
+    parallel_invoke([&] { totals.add(find_shares(form, block, soft, info.max_range_m, shares)); },
+                    [&] { lists = by_element(block, model.size()); });
+    out.sums.add(form, block, lists, shares);
     if (progress) progress(done, meetings.beams());
   });
   out.sums.add_noise(elements::Kind::kGround, totals.noise[0]);
   out.sums.add_noise(elements::Kind::kSurface, totals.noise[1]);
   out.training_beams = size_t(totals.training_beams.value());
   out.held_out_beams = size_t(totals.held_out_beams.value());
+  out.held_out_hits = size_t(totals.held_out_hits.value());
   const double trained = std::max(1.0, totals.training_beams.value());
   out.training_nll = totals.training.value() / trained;
   out.held_out_nll = totals.held_out.value() / std::max(1.0, totals.held_out_beams.value());

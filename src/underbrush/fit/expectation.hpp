@@ -15,6 +15,7 @@ namespace underbrush::fit {
 /// `metrics::score`.
 struct Expectation {
   size_t training_beams = 0, held_out_beams = 0;
+  size_t held_out_hits = 0;
   double training_nll = 0, held_out_nll = 0;
   ElementSums sums;  ///< Sums over the training beams.
   /// Share of the training beams that returned from what no element explains.
@@ -25,7 +26,7 @@ struct Expectation {
 struct PassTotals {
   FixedSum training, held_out;  ///< Σ −log f. Each is below 20, so the sum does not overflow.
   FixedSum stray_hits;
-  FixedSum training_beams, held_out_beams;
+  FixedSum training_beams, held_out_beams, held_out_hits;
   std::array<MeshNoise, 2> noise;  ///< The ground's and the surface's.
 
   void add(const PassTotals& other);

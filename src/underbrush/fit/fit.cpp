@@ -33,38 +33,39 @@ FitResult surface_by_rimls(BeamSource& source, const FitOptions& options,
 }
 
 /// Makes the model that `likelihood` starts from, fitted to the beams that are not held out.
-FitResult start_model(BeamSource& source, FitOptions options, const HeldOut& held_out,
+FitResult start_model(BeamSource& source, const FitOptions& options, const HeldOut& held_out,
                       const FitProgress& progress) {
   if (elements::is_model(options.start)) return {elements::read_model(options.start), {}, {}};
-  options.fitter = start_of(options).name;
-  options.learn_channels = false;  // the source is corrected already
-  options.keyframes.spacing_m = 0;
-  // Refinement shares points between ellipsoids anyway, but only the mixture removes a footprint.
-  if (!options.volumetric.mixture.footprint) options.volumetric.mixture.rounds = 0;
   TrainingSource training(source, held_out);
-  return fit(training, options, progress);
+  return start_of(options).fit(training, start_options(options), progress);
 }
 
 FitResult fit_likelihood(BeamSource& source, const FitOptions& options,
                          const FitProgress& progress) {
   const LikelihoodOptions refinement = likelihood_options(options);
   FitResult out = start_model(source, options, refinement.held_out, progress);
-  const bool counted = out.report.beams > 0;
   StillBeams still(source);
   Refined refined = refine(out.model, still, refinement, progress);
   out.model = std::move(refined.model);
-  out.record = {};  // refinement moves ellipsoids between tiles
+  if (refinement.rearrangements > 0) out.record = {};  // ellipsoids are not those of the tiles
   out.model.fitter = options.fitter;
   out.report.likelihood = std::move(refined.report);
-  if (!counted) {
-    out.report.beams = out.report.likelihood.training_beams + out.report.likelihood.held_out_beams;
-  }
+  const LikelihoodReport& r = out.report.likelihood;
+  out.report.beams = r.training_beams + r.held_out_beams;
+  out.report.hits += r.held_out_hits;
+  out.report.misses += r.held_out_beams - r.held_out_hits;
   return out;
 }
 
 const Fitter kFitters[] = {
+    {"likelihood",
+     "The model of another fitter, refined by expectation and maximisation (the default)",
+     {kLikelihood},
+     {},
+     fit_likelihood,
+     /*refines=*/true},
     {"hierarchical",
-     "Permeable ellipsoids of hierarchical clusters on a ground mesh (the default)",
+     "Permeable ellipsoids of hierarchical clusters on a ground mesh",
      {kHierarchical, kEllipsoids, kHitProbability},
      {kGround},
      fit_ellipsoids},
@@ -94,12 +95,6 @@ const Fitter kFitters[] = {
      {kSurface},
      {kHitProbability},
      surface_by_rimls},
-    {"likelihood",
-     "The model of another fitter, refined by expectation and maximisation",
-     {kLikelihood},
-     {},
-     fit_likelihood,
-     /*refines=*/true},
 };
 
 }  // namespace
@@ -126,6 +121,15 @@ std::vector<std::string> fitter_names() {
   std::vector<std::string> names;
   for (const Fitter& f : kFitters) names.emplace_back(f.name);
   return names;
+}
+
+FitOptions start_options(FitOptions options) {
+  if (!fitter_named(options.fitter).refines) return options;
+  options.fitter = start_of(options).name;
+  options.credit.triangle = options.likelihood.maximisation.triangle;
+  // Refinement shares points between ellipsoids anyway, but only the mixture removes a footprint.
+  if (!options.volumetric.mixture.footprint) options.volumetric.mixture.rounds = 0;
+  return options;
 }
 
 LikelihoodOptions likelihood_options(const FitOptions& options) {
@@ -155,13 +159,13 @@ FitResult fit(BeamSource& source, const FitOptions& options, const FitProgress& 
   KeyframeOptions keyframes = options.keyframes;
   keyframes.min_range_m = options.min_range_m;
   learn_keyframes(out.model, still, keyframes);
-  const Clustering* clustering = clustering_named(fitter.name);
-  if (options.volumetric.mixture.footprint && !fitter.refines &&
-      !(clustering && clustering->mixture)) {
+  const std::string_view made_by = fitter.refines ? start_of(options).name : fitter.name;
+  const Clustering* clustering = clustering_named(made_by);
+  if (options.volumetric.mixture.footprint && !(clustering && clustering->mixture)) {
     out.report.warnings.push_back(
         "the sensor's footprint is taken out of the ellipsoids of hierarchical alone, not of those "
         "of " +
-        options.fitter);
+        std::string(made_by));
   }
   return out;
 }

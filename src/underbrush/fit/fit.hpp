@@ -31,7 +31,7 @@ struct FitOptions {
   /// - `surface` makes one opaque mesh through all points, the everyday baseline, and `rimls` does
   ///   so with the robust implicit surface of [deschaud12];
   /// - `likelihood` refines the model of `start` by `refine`.
-  std::string fitter = "hierarchical";
+  std::string fitter = "likelihood";
   /// For `likelihood` only: the fitter that makes the first model, or the folder of a model.
   std::string start = "hierarchical";
   /// The sensor that recorded the log, as in `LogInfo`; empty: as the log says.
@@ -96,11 +96,15 @@ std::vector<std::string> fitter_names();
 
 /// Fits a model to a log, with its classes (`learn_classes`) and its light (`learn_light`) where
 /// the log has labels and intensities. The log is read twice for the geometry (`likelihood` reads
-/// it once more for each step), once for classes and twice for the light, and memory grows with a
-/// tile and the model, not with the log. The result has the same bits for any number of threads.
-/// `progress` may be empty. Throws `std::invalid_argument` for an unknown fitter, for options out
-/// of range and for a log without returns.
+/// it once more, and a long one in each step), once for classes and twice for the light, and memory
+/// grows with a tile and the model, not with the log. The result has the same bits for any number
+/// of threads. `progress` may be empty. Throws `std::invalid_argument` for an unknown fitter, for
+/// options out of range and for a log without returns.
 FitResult fit(BeamSource& source, const FitOptions& options, const FitProgress& progress = {});
+
+/// The options of the fitter that makes the first model of a refinement; for a fitter that does not
+/// refine, its own.
+FitOptions start_options(FitOptions options);
 
 /// The options that `fit` passes to `refine`: `options.likelihood` with the range noise, the floor
 /// and the seed filled in.

@@ -22,7 +22,11 @@ FitResult fit_ellipsoids(BeamSource& source, const FitOptions& options,
       count_hits(out.model, source, options.credit, stage_of(progress, "count hits"));
   set_noise(out.model.ground, residuals.ground, options.range_noise_m);
   out.record.residuals = residuals.ground.counts();
-  const std::vector<bool> stays = drop_free_space(options, out.model, out.record);
+  std::vector<bool> stays;
+  for (const elements::Ellipsoid& e : out.model.ellipsoids) {
+    stays.push_back(!is_free_space(options, e.hit));
+  }
+  keep_ellipsoids(stays, out.model, out.record);
   out.report.free_space_ellipsoids = size_t(std::count(stays.begin(), stays.end(), false));
   return out;
 }

@@ -15,14 +15,15 @@ namespace underbrush::fit {
 /// The options of `refine`.
 struct LikelihoodOptions {
   HeldOut held_out;
-  int rounds = 9;  ///< Largest number of M-steps, and of rearrangements (at most 4) before them.
+  int rounds = 3;          ///< Largest number of M-steps.
+  int rearrangements = 0;  ///< Largest number of rearrangements before them.
   /// A step is kept if it lowers the held-out −log f by this, nats a beam.
   double least_gain = 0.0005;
   /// The probability ε_m that a return was lost, as the expectation step uses it. Near 0, each
   /// single miss makes the elements in its way permeable. This gives the best likelihood but the
   /// worst F1, because a simulation then loses other beams than the log did. See
   /// docs/explanation/likelihood.md.
-  double dropout = 0.4;
+  double dropout = 0.05;
   /// The exponent γ of `sharpened`, applied to the final model; 1 leaves it as it is. Above 1, a
   /// simulated range lies nearer to the measured one, while likelihood and CRPS get worse.
   double sharpness = 1;
@@ -43,7 +44,8 @@ struct LikelihoodStep {
 /// The report of a refinement.
 struct LikelihoodReport {
   size_t training_beams = 0, held_out_beams = 0;
-  double stray_hits = 0;  ///< Estimated share of returns that no element explains.
+  size_t held_out_hits = 0;  ///< How many of `held_out_beams` returned.
+  double stray_hits = 0;     ///< Estimated share of returns that no element explains.
   std::vector<LikelihoodStep> steps;
 };
 
@@ -57,19 +59,23 @@ struct Refined {
 /// The steps are:
 ///
 /// 1. hit probabilities are turned into densities (`with_densities`);
-/// 2. ellipsoids are rearranged (`rearranged`) for as long as it helps, up to four times;
+/// 2. ellipsoids are rearranged (`rearranged`) for as long as it helps;
 /// 3. M-steps (`maximised`) follow.
 ///
 /// Rearrangements never add to the number of elements. The final ellipsoids are `sharpened`.
 ///
-/// The beams are searched once for the ellipsoids that they may meet (`Meetings`), and again when
-/// many ellipsoids have come to the bounds of that search. Steps between are passes over the lists.
-/// The lists take up to 2 GiB; for what exceeds them the source is read and searched in each step.
-/// The result has the same bits for any number of threads and any order of the beams.
-/// `progress(stage, done, total)` may be empty.
-/// Throws `std::invalid_argument` for ellipsoids bounded by voxels, because their means would leave
-/// the voxels, and for options out of range.
+/// The beams are searched once for the ellipsoids that they may meet (`Meetings`), and again after
+/// three M-steps if many ellipsoids have come to the bounds of that search. Steps between are
+/// passes over the lists. The lists take up to 1 GiB; for what exceeds them the source is read and
+/// searched in each step. The result has the same bits for any number of threads and any order of
+/// the beams. `progress(stage, done, total)` may be empty. Throws `std::invalid_argument` for
+/// ellipsoids bounded by voxels, because their means would leave the voxels, and for options out of
+/// range.
+///
+/// Unless `moving` is empty, it says of each ellipsoid whether it may move. The other elements are
+/// met and keep their places, and there are no rearrangements.
 Refined refine(const elements::Model& start, BeamSource& source, const LikelihoodOptions& options,
-               const std::function<void(std::string_view, size_t, size_t)>& progress = {});
+               const std::function<void(std::string_view, size_t, size_t)>& progress = {},
+               const std::vector<bool>& moving = {});
 
 }  // namespace underbrush::fit

@@ -13,6 +13,12 @@ namespace {
 constexpr double kLongestDensity = 1, kLongestShift = 0.5, kLongestStretch = 0.3;
 constexpr double kLeastDensity = 1e-4, kMostDensity = 1e4;  // 1/m
 
+/// How much more new points spread about a fit of k parameters than the n points that it was fitted
+/// to, as a ratio of variances.
+double spread_again(double n, double k) {
+  return k > 0 ? std::min((n + k) / std::max(n - k, 1e-9), 4.0) : 1;
+}
+
 uint32_t count(double x) { return uint32_t(std::llround(std::clamp(x, 0.0, 4e9))); }
 
 double clamped(double value, double longest) { return std::clamp(value, -longest, longest); }
@@ -40,8 +46,7 @@ void move_geometry(elements::Ellipsoid& e, const Mat3& covariance, const Ellipso
   const Mat3 identity = Mat3::Identity();
   Vec3 shift = (sums.shift_curvature + 0.5 * identity).ldlt().solve(sums.shift_slope);
   if (shift.norm() > kLongestShift) shift *= kLongestShift / shift.norm();
-  const double n = sums.hits, k = o.spent_points;
-  const double spread = std::min((n + k) / std::max(n - k, 1e-9), 4.0) - 1;
+  const double spread = spread_again(sums.hits, o.spent_points) - 1;
   // The prior adds −ν/2 (ln |Σ| + v tr Σ⁻¹) with the mean variance v.
   const double variance = covariance.trace() / 3, nu = o.prior_points;
   const Mat3 slope = sums.stretch_slope + spread * sums.along -
@@ -72,7 +77,8 @@ void move_noise(elements::TriangleMesh& mesh, const NoiseSums& sums, double stri
 
 }  // namespace
 
-elements::Model with_densities(const elements::Model& model, double range_noise_m) {
+elements::Model with_densities(const elements::Model& model, double range_noise_m,
+                               const MaximisationOptions& options) {
   elements::Model out = model;
   for (elements::TriangleMesh* mesh : {&out.ground, &out.surface}) {
     if (mesh->size() == 0 || mesh->roughness_m > 0) continue;
@@ -81,6 +87,7 @@ elements::Model with_densities(const elements::Model& model, double range_noise_
   }
   for (elements::Ellipsoid& e : out.ellipsoids) {
     if (e.density_per_m > 0) continue;
+    e.set_covariance(spread_again(e.hit.hits, options.spent_at_start) * e.covariance_matrix());
     const double p = std::clamp(double(e.hit.p), 1e-3, 0.98);
     e.density_per_m = float(std::clamp(-std::log1p(-p) / depth_m(e.covariance_matrix(), 1),
                                        kLeastDensity, kMostDensity));

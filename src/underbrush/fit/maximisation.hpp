@@ -17,14 +17,20 @@ struct MaximisationOptions {
   /// less about the fit than new points will, so squared misfits are raised by (n + k) / (n − k),
   /// at most fourfold.
   double spent_points = 3;
+  /// The same of the ellipsoids of the start; 0 leaves them as they are. They have fewer, because
+  /// their covariances have a prior.
+  double spent_at_start = 2;
   HitPrior triangle{20, 0};  ///< Prior hits and misses of a triangle.
 };
 
 /// Gives each ellipsoid without a density a density κ (1/m), such that a beam through it at a usual
-/// distance has the hit probability that the ellipsoid had. Ellipsoids with a density keep it. A
-/// mesh without roughness gets its range noise, at least `range_noise_m` (m), as roughness, and
+/// distance has the hit probability that the ellipsoid had. Its Σ was fitted to its n hits with k =
+/// `options.spent_at_start` parameters and is smaller than the spread of new points, so it becomes
+/// Σ (n + k) / (n − k), at most fourfold. Ellipsoids with a density stay as they are. A mesh
+/// without roughness gets its range noise, at least `range_noise_m` (m), as roughness, and
 /// `range_noise_m` as range noise. Returns the changed model.
-elements::Model with_densities(const elements::Model& model, double range_noise_m);
+elements::Model with_densities(const elements::Model& model, double range_noise_m,
+                               const MaximisationOptions& options);
 
 /// Makes the outcomes at the ellipsoids more certain, by an exponent γ = `sharpness` > 0, and
 /// returns the changed model. A beam with the optical depth a through an ellipsoid then has the

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
@@ -14,6 +15,12 @@ namespace {
 /// their Gaussians reach back to the return, m.
 constexpr double kBeyondM = 4;
 constexpr size_t kPiece = 4096;  // beams that are searched together
+
+/// The meetings of a piece of a block.
+struct Piece {
+  std::vector<uint32_t> met;
+  std::vector<TriangleMeeting> on_triangle;
+};
 
 template <class T>
 size_t bytes_of(const std::vector<T>& v) {
@@ -42,80 +49,86 @@ bool may_matter(const trace::Intersection& m, bool triangle, double tau, double 
   return m.t_m - (half_chord + double(kFarthestMisfit) * scale) * m.sigma_m <= range_m;
 }
 
-/// Joins the meetings of pieces of a block, whose `first` has the number of each beam.
-void join(std::vector<std::vector<Meeting>>& pieces, BeamBlock& block) {
+/// Joins the meetings of pieces of a block, whose `first` and `first_triangle` have the numbers of
+/// each beam.
+void join(std::vector<Piece>& pieces, BeamBlock& block) {
   const size_t n = block.beams.size();
-  for (size_t i = 0; i < n; ++i) block.first[i + 1] += block.first[i];
+  for (size_t i = 0; i < n; ++i) {
+    block.first[i + 1] += block.first[i];
+    block.first_triangle[i + 1] += block.first_triangle[i];
+  }
   block.met.resize(block.first[n]);
+  block.on_triangle.resize(block.first_triangle[n]);
   parallel_for(n, kPiece, [&](size_t begin, size_t) {
-    std::vector<Meeting>& from = pieces[begin / kPiece];
-    std::copy(from.begin(), from.end(), block.met.begin() + block.first[begin]);
-    std::vector<Meeting>().swap(from);
+    const Piece from = std::exchange(pieces[begin / kPiece], {});
+    std::copy(from.met.begin(), from.met.end(), block.met.begin() + block.first[begin]);
+    std::copy(from.on_triangle.begin(), from.on_triangle.end(),
+              block.on_triangle.begin() + block.first_triangle[begin]);
   });
-}
-
-/// Sorts the meetings of the training beams by element.
-void list_by_element(size_t element_count, BeamBlock& block) {
-  std::vector<uint32_t> at(element_count + 1);
-  for (size_t b = 0; b < block.beams.size(); ++b) {
-    if (block.held_out[b]) continue;
-    for (size_t s = block.first[b]; s < block.first[b + 1]; ++s) ++at[block.met[s].element];
-  }
-  uint32_t sum = 0;
-  for (size_t e = 0; e < element_count; ++e) {
-    const uint32_t count = at[e];
-    at[e] = sum;
-    if (count) block.elements.push_back({uint32_t(e), sum});
-    sum += count;
-  }
-  block.elements.push_back({uint32_t(element_count), sum});
-  block.by_element.resize(sum);
-  for (size_t b = 0; b < block.beams.size(); ++b) {
-    if (block.held_out[b]) continue;
-    for (size_t s = block.first[b]; s < block.first[b + 1]; ++s) {
-      block.by_element[at[block.met[s].element]++] = {uint32_t(b), uint32_t(s)};
-    }
-  }
 }
 
 /// The meetings of a block with the heirs of its ellipsoids, each once for a beam.
 BeamBlock rearranged_block(const BeamBlock& block,
                            const std::vector<std::array<uint32_t, 2>>& heirs, size_t triangles) {
   const size_t n = block.beams.size();
-  BeamBlock out{block.beams, block.held_out, std::vector<uint32_t>(n + 1), {}, {}, {}};
-  std::vector<std::vector<Meeting>> found((n + kPiece - 1) / kPiece);
+  BeamBlock out{block.beams, block.held_out,   std::vector<uint32_t>(n + 1), block.first_triangle,
+                {},          block.on_triangle};
+  std::vector<std::vector<uint32_t>> found((n + kPiece - 1) / kPiece);
   parallel_for(n, kPiece, [&](size_t begin, size_t end) {
-    std::vector<Meeting>& to = found[begin / kPiece];
+    std::vector<uint32_t>& to = found[begin / kPiece];
     for (size_t b = begin; b < end; ++b) {
-      const size_t first = to.size();
-      const auto append = [&](const Meeting& m) {
-        for (size_t k = first; k < to.size(); ++k) {
-          if (to[k].element == m.element) return;
-        }
-        to.push_back(m);
-      };
+      const auto first = ptrdiff_t(to.size());
       for (size_t s = block.first[b]; s < block.first[b + 1]; ++s) {
-        const Meeting& m = block.met[s];
-        if (m.element < triangles) {
-          to.push_back(m);
+        const uint32_t element = block.met[s];
+        if (element < triangles) {
+          to.push_back(element);
           continue;
         }
-        for (const uint32_t heir : heirs[m.element - triangles]) {
-          if (heir != Rearranged::kNone) append({uint32_t(triangles) + heir, m.t_m, m.tilt});
+        for (const uint32_t heir : heirs[element - triangles]) {
+          if (heir == Rearranged::kNone) continue;
+          const uint32_t added = uint32_t(triangles) + heir;
+          if (std::find(to.begin() + first, to.end(), added) == to.end()) to.push_back(added);
         }
       }
-      out.first[b + 1] = uint32_t(to.size() - first);
+      out.first[b + 1] = uint32_t(ptrdiff_t(to.size()) - first);
     }
   });
-  join(found, out);
+  for (size_t i = 0; i < n; ++i) out.first[i + 1] += out.first[i];
+  for (const std::vector<uint32_t>& piece : found) {
+    out.met.insert(out.met.end(), piece.begin(), piece.end());
+  }
   return out;
 }
 
 }  // namespace
 
 size_t BeamBlock::bytes() const {
-  return bytes_of(beams) + bytes_of(held_out) + bytes_of(first) + bytes_of(met) +
-         bytes_of(elements) + bytes_of(by_element);
+  return bytes_of(beams) + bytes_of(held_out) + bytes_of(first) + bytes_of(first_triangle) +
+         bytes_of(met) + bytes_of(on_triangle);
+}
+
+MeetingsByElement by_element(const BeamBlock& block, size_t elements) {
+  MeetingsByElement out;
+  std::vector<uint32_t> at(elements);
+  for (size_t b = 0; b < block.beams.size(); ++b) {
+    if (block.held_out[b]) continue;
+    for (size_t s = block.first[b]; s < block.first[b + 1]; ++s) ++at[block.met[s]];
+  }
+  uint32_t sum = 0;
+  for (size_t e = 0; e < elements; ++e) {
+    const uint32_t count = std::exchange(at[e], sum);
+    if (count) out.elements.push_back({uint32_t(e), sum});
+    sum += count;
+  }
+  out.elements.push_back({uint32_t(elements), sum});
+  out.met.resize(sum);
+  for (size_t b = 0; b < block.beams.size(); ++b) {
+    if (block.held_out[b]) continue;
+    for (size_t s = block.first[b]; s < block.first[b + 1]; ++s) {
+      out.met[at[block.met[s]]++] = {uint32_t(b), uint32_t(s)};
+    }
+  }
+  return out;
 }
 
 Meetings::Meetings(const elements::Model& model, double scale, BeamSource& source,
@@ -155,7 +168,6 @@ Meetings::Meetings(const Meetings& before, const Rearranged& after)
   if (!complete_) world_.emplace(bounds_);
   for (const BeamBlock& block : before.kept_) {
     kept_.push_back(rearranged_block(block, after.heirs, bounds_.triangle_count()));
-    list_by_element(bounds_.size(), kept_.back());
   }
 }
 
@@ -174,7 +186,8 @@ BeamBlock Meetings::search(const BeamLog& chunk) const {
   block.beams.resize(n);
   block.held_out.resize(n);
   block.first.resize(n + 1);
-  std::vector<std::vector<Meeting>> found((n + kPiece - 1) / kPiece);
+  block.first_triangle.resize(n + 1);
+  std::vector<Piece> found((n + kPiece - 1) / kPiece);
   parallel_for(n, kPiece, [&](size_t begin, size_t end) {
     std::vector<Ray> rays;
     std::vector<double> reach;
@@ -191,19 +204,20 @@ BeamBlock Meetings::search(const BeamLog& chunk) const {
     }
     trace::IntersectionLists lists;
     world_->all_intersections(rays, limits, reach, lists);
-    std::vector<Meeting>& out = found[begin / kPiece];
+    Piece& out = found[begin / kPiece];
     for (size_t i = begin; i < end; ++i) {
       for (const trace::Intersection& m : lists[i - begin]) {
         const bool triangle = m.element < triangles;
         if (!may_matter(m, triangle, bounds_.tau / scale_, scale_, chunk.range_m[i])) continue;
-        const float tilt = triangle ? tilt_of(bounds_, m, rays[i - begin].direction) : 1;
-        out.push_back({m.element, float(m.t_m), tilt});
+        out.met.push_back(m.element);
         ++block.first[i + 1];
+        if (!triangle) continue;
+        out.on_triangle.push_back({float(m.t_m), tilt_of(bounds_, m, rays[i - begin].direction)});
+        ++block.first_triangle[i + 1];
       }
     }
   });
   join(found, block);
-  list_by_element(bounds_.size(), block);
   return block;
 }
 

@@ -16,11 +16,10 @@ struct ListedBeam {
   float reach_m;       ///< Elements whose closest approach lies beyond this are not met, m.
 };
 
-/// A beam may meet an element. For triangles it has what does not change as the model is refined.
-struct Meeting {
-  uint32_t element;  ///< Element number.
-  float t_m;         ///< Range at the search, m; for triangles in each pass.
-  float tilt;        ///< 1 / max(cos²θ, 10⁻⁴) of a triangle, with the angle of incidence θ.
+/// What does not change of a meeting with a triangle as the model is refined.
+struct TriangleMeeting {
+  float t_m;   ///< Range, m.
+  float tilt;  ///< 1 / max(cos²θ, 10⁻⁴), with the angle of incidence θ.
 };
 
 /// A meeting as an element sees it.
@@ -84,10 +83,12 @@ struct ShareColumns {
 
 /// The inner loops for one instruction set.
 struct PassKernels {
-  /// Computes the columns of the meetings `begin` to `end` (slots) of beams `beam` and following,
-  /// of which beam b has the slots `first[b]` to `first[b + 1]`. Places count from `begin`.
+  /// Computes the columns of the meetings of the beams `beam` to `beam_end`. Beam b meets the
+  /// elements `met[first[b]]` to `met[first[b + 1]]`, those of them that are triangles in the order
+  /// of `on_triangle`, which begins with the first of them. Places count from `first[beam]`.
   void (*approach)(const ModelForm& model, const ListedBeam* beams, const uint32_t* first,
-                   size_t beam, size_t beam_end, const Meeting* met, const MeetingColumns& out);
+                   size_t beam, size_t beam_end, const uint32_t* met,
+                   const TriangleMeeting* on_triangle, const MeetingColumns& out);
   /// Adds the terms of `EllipsoidSums` of the listed meetings with an ellipsoid to its `sums`.
   void (*add)(const EllipsoidForm& ellipsoid, const ListedBeam* beams, const ElementMeeting* list,
               size_t count, const ShareColumns& shares, int64_t* sums);

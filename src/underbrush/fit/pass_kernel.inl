@@ -125,26 +125,27 @@ inline void collect(const ListedBeam& b, const EllipsoidForm& e, size_t place, C
 }
 
 void approach(const ModelForm& m, const ListedBeam* beams, const uint32_t* first, size_t beam,
-              size_t beam_end, const Meeting* met, const MeetingColumns& out) {
+              size_t beam_end, const uint32_t* met, const TriangleMeeting* on_triangle,
+              const MeetingColumns& out) {
   const size_t begin = first[beam], count = first[beam_end] - begin;
   Collected c{};
   for (size_t b = beam; b < beam_end; ++b) {
     for (size_t s = first[b]; s < first[b + 1]; ++s) {
       const size_t at = s - begin;
       out.density[at] = beams[b].range_m;
-      if (met[s].element >= m.triangles) {
-        collect(beams[b], m.ellipsoids[met[s].element - m.triangles], at, c);
+      if (met[s] >= m.triangles) {
+        collect(beams[b], m.ellipsoids[met[s] - m.triangles], at, c);
         if (c.count < kLanes) continue;
         approach_ellipsoids(m, c, out);
         c.count = 0;
         continue;
       }
-      const size_t mesh = met[s].element >= m.ground_triangles;
-      out.t_m[at] = met[s].t_m;
-      out.sigma_m[at] =
-          __builtin_sqrtf(m.range_variance[mesh] + m.roughness_variance[mesh] * met[s].tilt);
-      const bool inside = met[s].t_m >= m.min_range_m && met[s].t_m <= beams[b].reach_m;
-      out.p[at] = inside ? m.triangle_p[met[s].element] : -1;
+      const size_t mesh = met[s] >= m.ground_triangles;
+      const auto [t, tilt] = *on_triangle++;
+      out.t_m[at] = t;
+      out.sigma_m[at] = __builtin_sqrtf(m.range_variance[mesh] + m.roughness_variance[mesh] * tilt);
+      const bool inside = t >= m.min_range_m && t <= beams[b].reach_m;
+      out.p[at] = inside ? m.triangle_p[met[s]] : -1;
     }
   }
   if (c.count) approach_ellipsoids(m, c, out);

@@ -176,15 +176,12 @@ std::vector<uint32_t> fit_tiles(const TileStore& store, const std::vector<TileKe
   return before;
 }
 
-std::vector<bool> drop_free_space(const FitOptions& options, elements::Model& model,
-                                  FitRecord& record, const std::function<bool(size_t)>& gone) {
-  std::vector<bool> stays(model.ellipsoids.size());
-  for (size_t k = 0; k < stays.size(); ++k) {
-    const elements::HitCount& hit = model.ellipsoids[k].hit;
-    const double beams = double(hit.hits) + hit.misses;
-    stays[k] = !(beams >= options.free_space_beams && hit.hits < options.free_space_below * beams);
-    if (gone && gone(k)) stays[k] = false;
-  }
+bool is_free_space(const FitOptions& options, const elements::HitCount& hit) {
+  const double beams = double(hit.hits) + hit.misses;
+  return beams >= options.free_space_beams && hit.hits < options.free_space_below * beams;
+}
+
+void keep_ellipsoids(const std::vector<bool>& stays, elements::Model& model, FitRecord& record) {
   size_t k = 0, kept = 0;
   for (TileRecord& tile : record.tiles) {
     uint32_t left = 0;
@@ -196,7 +193,6 @@ std::vector<bool> drop_free_space(const FitOptions& options, elements::Model& mo
     tile.ellipsoids = left;
   }
   model.ellipsoids.resize(kept);
-  return stays;
 }
 
 }  // namespace underbrush::fit

@@ -1,7 +1,6 @@
 /// \file
 /// The part of a fit that makes elements tile by tile, which `fit` and `update` share.
 #pragma once
-#include <functional>
 #include <limits>
 #include <vector>
 
@@ -29,9 +28,10 @@ std::vector<uint32_t> fit_tiles(const TileStore& store, const std::vector<TileKe
                                 const FitOptions& options, FitResult& out,
                                 const FitProgress& progress);
 
-/// Drops the ellipsoids that are free space (`FitOptions::free_space_below`), and those for which
-/// `gone(number)` holds, from the model and its record, and returns which of them stay.
-std::vector<bool> drop_free_space(const FitOptions& options, elements::Model& model,
-                                  FitRecord& record, const std::function<bool(size_t)>& gone = {});
+/// Whether an ellipsoid is free space by its counts (`FitOptions::free_space_below`).
+bool is_free_space(const FitOptions& options, const elements::HitCount& hit);
+
+/// Keeps only the ellipsoids that stay, in the model and in its record.
+void keep_ellipsoids(const std::vector<bool>& stays, elements::Model& model, FitRecord& record);
 
 }  // namespace underbrush::fit

@@ -9,6 +9,7 @@
 #include "underbrush/fit/change.hpp"
 #include "underbrush/fit/crossing_beams.hpp"
 #include "underbrush/fit/element_classes.hpp"
+#include "underbrush/fit/fitters.hpp"
 #include "underbrush/fit/gather.hpp"
 #include "underbrush/fit/kept_triangles.hpp"
 #include "underbrush/fit/light.hpp"
@@ -98,6 +99,36 @@ std::vector<ChangedPlace> places_of(const std::vector<Vec3>& gone) {
   return out;
 }
 
+/// The beams of a log that meet none of some ellipsoids.
+class BeamsBeside : public BeamSource {
+ public:
+  /// `model` has the ellipsoids and nothing else. Both must outlive the beams.
+  BeamsBeside(BeamSource& source, const elements::Model& model) : source_(source), world_(model) {}
+  const LogInfo& info() const override { return source_.info(); }
+  /// The number of beams of the source.
+  size_t size() const override { return source_.size(); }
+  void rewind() override { source_.rewind(); }
+  bool next(BeamLog& chunk) override {
+    for (BeamLog all; source_.next(all);) {
+      std::vector<Ray> rays;
+      for (size_t i = 0; i < all.size(); ++i) rays.push_back(all.ray(i));
+      const std::vector<double> reach(rays.size(), HUGE_VAL);
+      trace::IntersectionLists met;
+      world_.all_intersections(rays, {0, all.info.max_range_m}, reach, met);
+      chunk = all.like();
+      for (size_t i = 0; i < all.size(); ++i) {
+        if (met[i].empty()) chunk.append(all, i);
+      }
+      if (!chunk.empty()) return true;
+    }
+    return false;
+  }
+
+ private:
+  BeamSource& source_;
+  trace::World world_;
+};
+
 /// The work of one update.
 class Update {
  public:
@@ -144,6 +175,8 @@ class Update {
       new_[i] = !hit;
     }
     take_over_light(triangles);
+    const std::vector<elements::Ellipsoid> before = model_.ellipsoids;
+    const std::vector<double> p_before = hit_probabilities();
     for (size_t i = 0; i < model_.size(); ++i) model_.hit(i) = {1, 0, 0};
     const trace::World world(model_);
     if (!anew_.empty()) count_earlier(world, now);
@@ -155,27 +188,56 @@ class Update {
     }
     estimate_hit_probabilities(model_, options_.credit);
     learn_noise(tally.residuals.ground);
-    drop(std::span(now).subspan(meshes));
+    adapt_densities(before, p_before, std::span(now).subspan(meshes));
+    drop(before, std::span(now).subspan(meshes));
+  }
+
+  /// Refines the new ellipsoids as `likelihood` does, with the beams that may meet them. Earlier
+  /// beams through what has changed saw another world.
+  void refine_new(const LikelihoodOptions& options) {
+    const std::vector<bool> moving(new_.begin() + ptrdiff_t(model_.triangle_count()), new_.end());
+    if (std::find(moving.begin(), moving.end(), true) == moving.end()) return;
+    with_crossing(
+        [&](BeamSource& beams) {
+          model_ = refine(model_, beams, options, progress_, moving).model;
+        },
+        changed_.ellipsoids.empty() ? nullptr : &changed_);
   }
 
   /// Learns the classes and the reflectances of new elements.
   void colour() {
     if (std::find(new_.begin(), new_.end(), true) == new_.end()) return;
-    const GroundArea area = area_now();
-    std::vector<std::unique_ptr<BeamSource>> crossing;
-    std::vector<BeamSource*> all;
-    for (BeamSource* log : logs_) all.push_back(crossing_of(*log, area, crossing));
-    all.push_back(&added_);
-    JoinedBeams joined(all);
-    StillBeams still(joined);
-    learn_classes(model_, still, new_);
-    learn_reflectances(model_, still, new_);
+    with_crossing([&](BeamSource& beams) {
+      learn_classes(model_, beams, new_);
+      learn_reflectances(model_, beams, new_);
+    });
   }
 
  private:
   void gather_near(BeamSource& log, const TileSet& wanted, TileStore& store) {
     FitReport counts;
     add_returns(log, model_.origin, options_.min_range_m, &wanted, store, counts, progress_);
+  }
+
+  /// Calls `use` with the new beams and those of the earlier logs that may meet what is new, but
+  /// none of the ellipsoids of `changed` if that is not null.
+  void with_crossing(const std::function<void(BeamSource&)>& use,
+                     const elements::Model* changed = nullptr) const {
+    const GroundArea area = area_now();
+    std::vector<std::unique_ptr<BeamSource>> crossing;
+    std::vector<BeamSource*> all;
+    for (BeamSource* log : logs_) {
+      BeamSource* beams = crossing_of(*log, area, crossing);
+      if (changed) {
+        crossing.push_back(std::make_unique<BeamsBeside>(*beams, *changed));
+        beams = crossing.back().get();
+      }
+      all.push_back(beams);
+    }
+    all.push_back(&added_);
+    JoinedBeams joined(all);
+    StillBeams still(joined);
+    use(still);
   }
 
   GroundArea area_now() const { return area_of(model_, before_, anew_, out_.record.tile_m); }
@@ -236,7 +298,38 @@ class Update {
     }
   }
 
-  void drop(std::span<const CurrentTrials> now) {
+  /// The hit probabilities of the ellipsoids by their counts.
+  std::vector<double> hit_probabilities() const {
+    elements::Model model = model_;
+    estimate_hit_probabilities(model, options_.credit);
+    std::vector<double> out;
+    for (const elements::Ellipsoid& e : model.ellipsoids) out.push_back(double(e.hit.p));
+    return out;
+  }
+
+  /// Whether an ellipsoid with a density has the counts that it had before.
+  bool is_untouched(const elements::Ellipsoid& before, const elements::Ellipsoid& now) const {
+    return before.density_per_m > 0 && before.hit.hits == now.hit.hits &&
+           before.hit.misses == now.hit.misses;
+  }
+
+  /// The optical depth −ln(1 − p) of a kept ellipsoid that has changed does so as that of its
+  /// counts.
+  void adapt_densities(const std::vector<elements::Ellipsoid>& before,
+                       const std::vector<double>& p_before, std::span<const CurrentTrials> now) {
+    const auto depth = [](double p) { return -std::log1p(-std::clamp(p, 1e-3, 0.98)); };
+    for (size_t k = 0; k < before.size(); ++k) {
+      elements::Ellipsoid& e = model_.ellipsoids[k];
+      if (before_[k] == kNewEllipsoid || !(e.density_per_m > 0)) continue;
+      if (is_untouched(before[k], e)) {
+        e.hit.p = before[k].hit.p;
+      } else if (now[k].changed) {
+        e.density_per_m *= float(depth(double(e.hit.p)) / depth(p_before[k]));
+      }
+    }
+  }
+
+  void drop(const std::vector<elements::Ellipsoid>& before, std::span<const CurrentTrials> now) {
     const size_t meshes = model_.triangle_count();
     std::vector<Vec3> gone;
     for (size_t k = 0; k < now.size(); ++k) {
@@ -244,21 +337,29 @@ class Update {
       if (!now[k].changed || !now[k].gone) continue;
       gone.push_back(model_.origin + model_.ellipsoids[k].mean.cast<double>());
     }
-    const std::vector<bool> stays =
-        drop_free_space(options_, model_, out_.record, [&](size_t k) { return now[k].gone; });
+    changed_.origin = model_.origin;
+    changed_.tau = model_.tau;
+    changed_.max_range_m = model_.max_range_m;
+    std::vector<bool> stays(now.size());
+    for (size_t k = 0; k < now.size(); ++k) {
+      const elements::Ellipsoid& e = model_.ellipsoids[k];
+      if (now[k].changed) changed_.ellipsoids.push_back(e);
+      stays[k] = is_untouched(before[k], e) || !(now[k].gone || is_free_space(options_, e.hit));
+    }
+    keep_ellipsoids(stays, model_, out_.record);
     std::vector<bool> still_new(new_.begin(), new_.begin() + ptrdiff_t(meshes));
-    std::vector<uint32_t> before;
+    std::vector<uint32_t> numbers;
     for (size_t k = 0; k < stays.size(); ++k) {
       if (!stays[k]) continue;
       ++(before_[k] == kNewEllipsoid ? report_.added : report_.kept);
       still_new.push_back(new_[meshes + k]);
-      before.push_back(before_[k]);
+      numbers.push_back(before_[k]);
     }
     report_.dropped = ellipsoids_ - report_.kept;
     report_.gone = gone.size();
     report_.places = places_of(gone);
     new_ = std::move(still_new);
-    before_ = std::move(before);
+    before_ = std::move(numbers);
   }
 
   FitResult& out_;
@@ -272,6 +373,7 @@ class Update {
   std::vector<TileKey> anew_;
   std::vector<uint32_t> before_;  // of each ellipsoid, its number in the model as it was
   std::vector<bool> new_;         // of each element, whether it is new
+  elements::Model changed_;       // the ellipsoids of which later beams say otherwise
   size_t ellipsoids_ = 0, traced_ = 0;
 };
 
@@ -293,6 +395,7 @@ UpdateResult update(FitResult known, const std::vector<BeamSource*>& logs, BeamS
                     const FitOptions& options, const UpdateOptions& how,
                     const FitProgress& progress) {
   check(known, logs, added, how);
+  const FitOptions start = start_options(options);
   UpdateReport report;
   report.tiles = known.record.tiles.size();
   report.kept = known.model.ellipsoids.size();
@@ -308,7 +411,7 @@ UpdateResult update(FitResult known, const std::vector<BeamSource*>& logs, BeamS
     earlier.push_back(corrected.back().get());
   }
   CorrectedBeams scans(added, known.model.channels);
-  const NewReturns news = new_returns(scans, known.model, known.record, options, progress);
+  const NewReturns news = new_returns(scans, known.model, known.record, start, progress);
   warn(news, added.info(), report);
   report.beams = news.beams;
   report.hits = news.hits;
@@ -320,9 +423,10 @@ UpdateResult update(FitResult known, const std::vector<BeamSource*>& logs, BeamS
   known.model.max_range_m = std::max(known.model.max_range_m, news.largest_m);
   const std::vector<TileKey> anew = tiles_to_fit(known.record, news, how);
   report.fitted_tiles = anew.size();
-  Update work(known, report, earlier, scans, options, progress);
+  Update work(known, report, earlier, scans, start, progress);
   work.fit(anew);
   work.count();
+  if (fitter_named(options.fitter).refines) work.refine_new(likelihood_options(options));
   work.colour();
   report.tiles = known.record.tiles.size();
   return {std::move(known.model), std::move(known.record), std::move(report)};

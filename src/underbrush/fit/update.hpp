@@ -12,7 +12,7 @@ namespace underbrush::fit {
 struct UpdateOptions {
   /// A tile that new returns touch is fitted anew once its returns have grown by this share since
   /// it was fitted. With 0 every touched tile is, and the elements are those of one fit of all
-  /// scans.
+  /// scans, unless they are refined.
   double growth = 0.25;
   /// A tile is fitted anew, too, once this share of its returns lies where no element explains
   /// them.
@@ -55,11 +55,12 @@ struct UpdateResult {
 ///   sums of all tiles.
 /// - Every element that new beams meet gets their hits and misses. New elements get those of the
 ///   earlier beams that cross the tiles fitted anew, too. An ellipsoid of which later beams say
-///   otherwise than earlier ones, log by log, has the later trials alone (`with_later`). Ellipsoids
-///   in free space are dropped as in `fit`.
-/// - Reflectances and classes of new elements are learnt from the same beams; those of other
-/// elements
-///   stay, as do the sensor's range offsets, its response to light and the grain.
+///   otherwise than earlier ones, log by log, has the later trials alone (`with_later`), and its
+///   density, where it has one, changes with the optical depth of its counts. Ellipsoids in free
+///   space are dropped as in `fit`.
+/// - New ellipsoids of a refined model are refined among the others, which stay.
+/// - Reflectances and classes of new elements are learnt from the same beams. Those of other
+///   elements stay, as do the sensor's range offsets, its response to light and the grain.
 ///
 /// The earlier logs are read only if a tile is fitted anew. The result has the same bits for any
 /// number of threads. Without beams in `added` nothing changes. Throws `std::invalid_argument` for

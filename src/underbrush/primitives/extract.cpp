@@ -57,6 +57,9 @@ OwnerMap owners_of(BeamSource& labelled) {
   return owners;
 }
 
+/// Refined ellipsoids may lie a little beside the points that they were fitted to, m.
+constexpr double kMarginM = 0.1;
+
 /// The centres of a model's elements (without the ground) in the cells of a grid.
 class Centres {
  public:
@@ -71,10 +74,11 @@ class Centres {
   size_t size() const { return centre_.size(); }
   const Vec3& operator[](size_t k) const { return centre_[k]; }
 
-  /// Returns the elements in the object's box, in order of number.
-  std::vector<uint32_t> within(const PlacedObject& o) const {
+  /// Returns the elements in the object's box or up to `margin_m` beside it, in order of number.
+  std::vector<uint32_t> within(const PlacedObject& o, double margin_m) const {
     const Pose object_from_world = o.world_from_object().inverse();
-    const double reach = std::max(o.box.min.head<2>().norm(), o.box.max.head<2>().norm());
+    const double reach =
+        std::max(o.box.min.head<2>().norm(), o.box.max.head<2>().norm()) + 2 * margin_m;
     std::vector<uint32_t> out;
     const auto [x0, y0] = cell_of(o.position.x() - reach, o.position.y() - reach, kCellM);
     const auto [x1, y1] = cell_of(o.position.x() + reach, o.position.y() + reach, kCellM);
@@ -84,8 +88,9 @@ class Centres {
         if (found == cells_.end()) continue;
         for (const uint32_t k : found->second) {
           const Vec3 p = object_from_world * centre_[k];
-          const bool inside = (p.head<2>().array() >= o.box.min.head<2>().array()).all() &&
-                              (p.array() <= o.box.max.array()).all();
+          const bool inside =
+              (p.head<2>().array() >= o.box.min.head<2>().array() - margin_m).all() &&
+              (p.array() <= o.box.max.array() + margin_m).all();
           if (inside) out.push_back(k);
         }
       }
@@ -160,7 +165,7 @@ ExtractResult extract(const Model& model, BeamSource& labelled, const ExtractOpt
   std::vector<uint8_t> taken(centres.size(), 0);
   out.elements = centres.size();
   for (const PlacedObject& o : out.measured.objects) {
-    std::vector<uint32_t> chosen = centres.within(o);
+    std::vector<uint32_t> chosen = centres.within(o, own ? kMarginM : 0);
     if (own) {
       std::erase_if(chosen, [&](uint32_t k) {
         const std::optional<uint32_t> owner = owners.at(centres[k]);
