@@ -29,7 +29,7 @@ metrics::Score score_of_look_up(const BeamLog& train, const BeamLog& test, LookU
 }
 
 /// Scores a fitted model as `fit` and `simulate` make it.
-metrics::Score score_of_fit(const BeamLog& train, const BeamLog& test, const char* fitter,
+metrics::Score score_of_fit(const BeamLog& train, const BeamLog& test, std::string_view fitter,
                             uint64_t seed) {
   fit::FitOptions options;
   options.fitter = fitter;
@@ -95,8 +95,7 @@ StudyResult study_look_up(const StudyRun& run) {
       add_row(log, name, s, table, out.figures);
     }
     add_row(log, "mesh", score_of_fit(train, test, "surface", run.seed), table, out.figures);
-    const metrics::Score ours =
-        score_of_fit(train, test, fit::FitOptions().fitter.c_str(), run.seed);
+    const metrics::Score ours = score_of_fit(train, test, fit::FitOptions().fitter, run.seed);
     add_row(log, "default", ours, table, out.figures);
     out.checks.push_back({log + ": capped error of the default over the best look-up's",
                           ours.all.capped_error_m / best, 1.0});

@@ -309,7 +309,7 @@ def terrestrial(folder):
 
 def terrestrial_parameters(folder):
     scored = {**read_json(folder / "scores.json")["models"], **read_json(folder / "parameters.json")["models"]}
-    for row, model in (("--tau 4", "default"), ("none", "narrow"), ("--tau 4 --range-noise 0.005", "thin")):
+    for row, model in (("none", "default"), ("--range-noise 0.005", "thin")):
         for column in ("packet error, m", "recall", "F1"):
             yield row, column, [scored[model][KEYS[column]]]
 

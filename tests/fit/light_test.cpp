@@ -75,6 +75,24 @@ elements::Model learnt(const elements::Model& truth, const BeamLog& log, size_t 
 
 // The reflectance has no scale of its own (each factor is 1 on average), so that what is compared
 // is the intensity of a beam, of which the log has 4 % and 8 % noise.
+// A log whose brightest return is not among the samples.
+TEST(Light, OfReturnsWithoutIntensityNothingIsLearnt) {
+  const elements::Model truth = lit_world();
+  BeamLog log = lit_log(truth);
+  for (size_t i = 0; i < log.size(); ++i) log.intensity[i] = 0;
+  for (const float brightest : {0.0f, 1e-44f}) {
+    size_t up = 0;  // the first return of a beam that no element explains
+    while (!log.is_hit(up)) ++up;
+    log.intensity[up] = brightest;
+    log.range_m[up] = 0.6f;
+    elements::Model model = truth;
+    MemorySource source(log);
+    learn_light(model, source);
+    EXPECT_FALSE(model.light.known());
+    EXPECT_TRUE(model.ground.light.empty());
+  }
+}
+
 TEST(Light, PredictsTheIntensitiesOfAKnownModelWithinThreePercent) {
   const elements::Model truth = lit_world();
   const BeamLog log = lit_log(truth);

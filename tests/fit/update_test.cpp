@@ -287,7 +287,7 @@ TEST(Update, ACarThatHasGoneVanishesAndTheRestRemains) {
       EXPECT_GT(u.report.gone, 20u);
       ASSERT_FALSE(u.report.places.empty());
       EXPECT_LT((u.report.places[0].centre - kCar).norm(), 3);
-      for (const Vec3 bush : {Vec3(-4, -8, 1.2), Vec3(-8, 10, 1.2)}) {
+      for (const Vec3& bush : {Vec3(-4, -8, 1.2), Vec3(-8, 10, 1.2)}) {
         if (fitter == "likelihood") {
           EXPECT_NEAR(mean_opacity(u.model, bush), mean_opacity(one.model, bush), 0.1);
         } else {

@@ -114,10 +114,12 @@ void learn_light(elements::Model& model, BeamSource& log) {
     const std::vector<LightSample> more = samples_of(world, chosen);
     samples.insert(samples.end(), more.begin(), more.end());
   }
-  if (most == 0 || samples.empty()) return;
+  const std::vector<LightSample> chosen = for_response(samples);
+  // The brightest return may be none of them.
+  if (std::none_of(chosen.begin(), chosen.end(), [](auto& s) { return s.intensity > 0; })) return;
   size_t groups = 0;
   const std::vector<uint32_t> group = groups_of(model, groups);
-  elements::Light light = fit_response(for_response(samples), group, groups);
+  elements::Light light = fit_response(chosen, group, groups);
   light.max_intensity = most;
   std::vector<LightSums> sums(model.size());
   for (const LightSample& s : samples) {
