@@ -96,6 +96,22 @@ bool CrossingBeams::next(BeamLog& chunk) {
   return false;
 }
 
+bool BeamsBeside::next(BeamLog& chunk) {
+  for (BeamLog all; source_.next(all);) {
+    std::vector<Ray> rays;
+    for (size_t i = 0; i < all.size(); ++i) rays.push_back(all.ray(i));
+    const std::vector<double> reach(rays.size(), HUGE_VAL);
+    trace::IntersectionLists met;
+    world_.all_intersections(rays, {0, all.info.max_range_m}, reach, met);
+    chunk = all.like();
+    for (size_t i = 0; i < all.size(); ++i) {
+      if (met[i].empty()) chunk.append(all, i);
+    }
+    if (!chunk.empty()) return true;
+  }
+  return false;
+}
+
 size_t JoinedBeams::size() const {
   size_t sum = 0;
   for (const BeamSource* source : sources_) sum += source->size();

@@ -1,11 +1,12 @@
 /// \file
-/// The beams of a log that cross some places, and several logs as one.
+/// The beams of a log that cross some places or miss some ellipsoids, and several logs as one.
 #pragma once
 #include <span>
 #include <vector>
 
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/elements/model.hpp"
+#include "underbrush/trace/world.hpp"
 
 namespace underbrush::fit {
 
@@ -51,6 +52,22 @@ class CrossingBeams : public BeamSource {
   const GroundArea& area_;
   Vec3 origin_;
   double max_range_m_, beyond_m_;
+};
+
+/// The beams of a log that meet none of some ellipsoids.
+class BeamsBeside : public BeamSource {
+ public:
+  /// `model` has the ellipsoids and nothing else. Both must outlive the beams.
+  BeamsBeside(BeamSource& source, const elements::Model& model) : source_(source), world_(model) {}
+  const LogInfo& info() const override { return source_.info(); }
+  /// The number of beams of the source.
+  size_t size() const override { return source_.size(); }
+  void rewind() override { source_.rewind(); }
+  bool next(BeamLog& chunk) override;
+
+ private:
+  BeamSource& source_;
+  trace::World world_;
 };
 
 /// Several logs, one after another, with the facts of the last one.

@@ -1,0 +1,281 @@
+#include "underbrush/fit/update_work.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "underbrush/core/still_beams.hpp"
+#include "underbrush/fit/element_classes.hpp"
+#include "underbrush/fit/fitters.hpp"
+#include "underbrush/fit/kept_triangles.hpp"
+#include "underbrush/fit/light.hpp"
+#include "underbrush/fit/tile_fit.hpp"
+
+namespace underbrush::fit {
+namespace {
+
+/// Where beams may meet what was fitted anew.
+GroundArea area_of(const elements::Model& model, const std::vector<uint32_t>& before,
+                   const std::vector<TileKey>& anew, double tile_m) {
+  const auto corner = [&](TileKey key) { return Eigen::Vector2d(key.i * tile_m, key.j * tile_m); };
+  const Eigen::Vector2d side(tile_m, tile_m);
+  Eigen::Vector2d low = corner(anew.front()), high = low;
+  for (const TileKey key : anew) {
+    low = low.cwiseMin(corner(key) - side);
+    high = high.cwiseMax(corner(key) + 2 * side);
+  }
+  GroundArea area(low, high);
+  for (const TileKey key : anew) area.add(corner(key), corner(key) + side);
+  for (size_t k = 0; k < before.size(); ++k) {
+    if (before[k] != kNewEllipsoid) continue;
+    const elements::Ellipsoid& e = model.ellipsoids[k];
+    const Eigen::Vector2d mean = e.mean.head<2>().cast<double>();
+    const Eigen::Vector2d reach =
+        model.tau * Eigen::Vector2d(std::sqrt(e.covariance[0]), std::sqrt(e.covariance[3]));
+    area.add(mean - reach, mean + reach);
+  }
+  return area;
+}
+
+/// The squares where most of the ellipsoids have gone.
+std::vector<ChangedPlace> places_of(const std::vector<Vec3>& gone) {
+  constexpr double kSideM = 4;
+  constexpr size_t kMost = 10;
+  std::map<std::pair<int64_t, int64_t>, ChangedPlace> cells;
+  for (const Vec3& at : gone) {
+    ChangedPlace& cell =
+        cells[{int64_t(std::floor(at.x() / kSideM)), int64_t(std::floor(at.y() / kSideM))}];
+    cell.centre += at;
+    ++cell.gone;
+  }
+  std::vector<ChangedPlace> out;
+  for (const auto& [key, cell] : cells) out.push_back({cell.centre / double(cell.gone), cell.gone});
+  std::stable_sort(out.begin(), out.end(),
+                   [](const ChangedPlace& a, const ChangedPlace& b) { return a.gone > b.gone; });
+  if (out.size() > kMost) out.resize(kMost);
+  return out;
+}
+
+}  // namespace
+
+UpdateWork::UpdateWork(FitResult& out, UpdateReport& report, const std::vector<BeamSource*>& logs,
+                       BeamSource& added, const FitOptions& options, const FitProgress& progress)
+    : out_(out),
+      model_(out.model),
+      report_(report),
+      logs_(logs),
+      added_(added),
+      options_(options),
+      progress_(progress),
+      ground_(out.model.ground) {}
+
+void UpdateWork::fit(const std::vector<TileKey>& anew) {
+  anew_ = anew;
+  ellipsoids_ = model_.ellipsoids.size();
+  before_.resize(ellipsoids_);
+  for (uint32_t k = 0; k < before_.size(); ++k) before_[k] = k;
+  if (anew.empty()) return;
+  TileOptions tiles = tile_options(options_);
+  tiles.tile_m = out_.record.tile_m;
+  TileStore store(tiles);
+  const TileSet wanted(anew, tiles.tile_m);
+  for (BeamSource* log : logs_) gather_near(*log, wanted, store);
+  gather_near(added_, wanted, store);
+  before_ = fit_tiles(store, anew, options_, out_, progress_);
+}
+
+void UpdateWork::count() {
+  const std::vector<uint32_t> triangles = kept_triangles(ground_, model_.ground);
+  const size_t meshes = model_.triangle_count();
+  new_.assign(model_.size(), false);
+  std::vector<CurrentTrials> now(model_.size());
+  for (size_t i = 0; i < model_.size(); ++i) {
+    const elements::HitCount* hit = nullptr;
+    if (i >= meshes) {
+      if (before_[i - meshes] != kNewEllipsoid) hit = &model_.hit(i);
+    } else if (triangles[i] != kNewTriangle) {
+      hit = &ground_.hit[triangles[i]];
+    }
+    if (hit) now[i].trials = {hit->hits, hit->misses};
+    new_[i] = !hit;
+  }
+  take_over_light(triangles);
+  const std::vector<elements::Ellipsoid> before = model_.ellipsoids;
+  const std::vector<double> p_before = hit_probabilities();
+  for (size_t i = 0; i < model_.size(); ++i) model_.hit(i) = {1, 0, 0};
+  const trace::World world(model_);
+  if (!anew_.empty()) count_earlier(world, now);
+  Tally tally(model_, options_.credit);
+  tally.add(world, added_, options_.credit, stage_of(progress_, "count hits"));
+  add_log(tally.of, now);
+  for (size_t i = 0; i < model_.size(); ++i) {
+    model_.hit(i) = {1, now[i].trials.hits, now[i].trials.misses};
+  }
+  estimate_hit_probabilities(model_, options_.credit);
+  learn_noise(tally.residuals.ground);
+  adapt_densities(before, p_before, std::span(now).subspan(meshes));
+  drop(before, std::span(now).subspan(meshes));
+}
+
+void UpdateWork::refine_new(const LikelihoodOptions& options) {
+  const std::vector<bool> moving(new_.begin() + ptrdiff_t(model_.triangle_count()), new_.end());
+  if (std::find(moving.begin(), moving.end(), true) == moving.end()) return;
+  with_crossing(
+      [&](BeamSource& beams) { model_ = refine(model_, beams, options, progress_, moving).model; },
+      changed_.ellipsoids.empty() ? nullptr : &changed_);
+}
+
+void UpdateWork::colour() {
+  if (std::find(new_.begin(), new_.end(), true) == new_.end()) return;
+  with_crossing([&](BeamSource& beams) {
+    learn_classes(model_, beams, new_);
+    learn_reflectances(model_, beams, new_);
+  });
+}
+
+void UpdateWork::gather_near(BeamSource& log, const TileSet& wanted, TileStore& store) {
+  FitReport counts;
+  add_returns(log, model_.origin, options_.min_range_m, &wanted, store, counts, progress_);
+}
+
+void UpdateWork::with_crossing(const std::function<void(BeamSource&)>& use,
+                               const elements::Model* changed) const {
+  const GroundArea area = area_now();
+  std::vector<std::unique_ptr<BeamSource>> crossing;
+  std::vector<BeamSource*> all;
+  for (BeamSource* log : logs_) {
+    BeamSource* beams = crossing_of(*log, area, crossing);
+    if (changed) {
+      crossing.push_back(std::make_unique<BeamsBeside>(*beams, *changed));
+      beams = crossing.back().get();
+    }
+    all.push_back(beams);
+  }
+  all.push_back(&added_);
+  JoinedBeams joined(all);
+  StillBeams still(joined);
+  use(still);
+}
+
+GroundArea UpdateWork::area_now() const {
+  return area_of(model_, before_, anew_, out_.record.tile_m);
+}
+
+BeamSource* UpdateWork::crossing_of(BeamSource& log, const GroundArea& area,
+                                    std::vector<std::unique_ptr<BeamSource>>& hold) const {
+  hold.push_back(std::make_unique<CrossingBeams>(log, area, model_.origin, model_.max_range_m,
+                                                 options_.credit.max_residual_for_hit_m));
+  return hold.back().get();
+}
+
+void UpdateWork::add_log(const std::vector<Trials>& later, std::vector<CurrentTrials>& now) const {
+  const size_t meshes = model_.triangle_count();
+  for (size_t i = 0; i < meshes; ++i) {
+    now[i].trials.hits += later[i].hits;
+    now[i].trials.misses += later[i].misses;
+  }
+  add_trials(model_.ellipsoids, std::span(later).subspan(meshes),
+             {options_.free_space_below, options_.free_space_beams},
+             std::span(now).subspan(meshes));
+}
+
+void UpdateWork::count_earlier(const trace::World& world, std::vector<CurrentTrials>& now) {
+  const GroundArea area = area_now();
+  for (BeamSource* log : logs_) {
+    std::vector<std::unique_ptr<BeamSource>> hold;
+    BeamSource* crossing = crossing_of(*log, area, hold);
+    Tally tally(model_, options_.credit);
+    const auto progress = [&](size_t done, size_t total) {
+      traced_ = done;
+      if (progress_) progress_("count hits", done, total);
+    };
+    tally.add(world, *crossing, options_.credit, progress);
+    report_.earlier_beams += std::exchange(traced_, 0);
+    for (size_t i = 0; i < now.size(); ++i) {
+      if (!new_[i]) tally.of[i] = {};
+    }
+    add_log(tally.of, now);
+  }
+}
+
+void UpdateWork::learn_noise(MeshResiduals& residuals) {
+  std::vector<uint32_t>& all = out_.record.residuals;
+  if (!all.empty()) residuals.add(all);
+  all = residuals.counts();
+  set_noise(model_.ground, residuals, options_.range_noise_m);
+}
+
+void UpdateWork::take_over_light(const std::vector<uint32_t>& triangles) {
+  model_.ground.light.clear();
+  if (ground_.light.empty()) return;
+  model_.ground.light.resize(model_.ground.size());
+  for (size_t k = 0; k < triangles.size(); ++k) {
+    if (triangles[k] != kNewTriangle) model_.ground.light[k] = ground_.light[triangles[k]];
+  }
+}
+
+std::vector<double> UpdateWork::hit_probabilities() const {
+  elements::Model model = model_;
+  estimate_hit_probabilities(model, options_.credit);
+  std::vector<double> out;
+  for (const elements::Ellipsoid& e : model.ellipsoids) out.push_back(double(e.hit.p));
+  return out;
+}
+
+bool UpdateWork::is_untouched(const elements::Ellipsoid& before,
+                              const elements::Ellipsoid& now) const {
+  return before.density_per_m > 0 && before.hit.hits == now.hit.hits &&
+         before.hit.misses == now.hit.misses;
+}
+
+void UpdateWork::adapt_densities(const std::vector<elements::Ellipsoid>& before,
+                                 const std::vector<double>& p_before,
+                                 std::span<const CurrentTrials> now) {
+  const auto depth = [](double p) { return -std::log1p(-std::clamp(p, 1e-3, 0.98)); };
+  for (size_t k = 0; k < before.size(); ++k) {
+    elements::Ellipsoid& e = model_.ellipsoids[k];
+    if (before_[k] == kNewEllipsoid || !(e.density_per_m > 0)) continue;
+    if (is_untouched(before[k], e)) {
+      e.hit.p = before[k].hit.p;
+    } else if (now[k].changed) {
+      e.density_per_m *= float(depth(double(e.hit.p)) / depth(p_before[k]));
+    }
+  }
+}
+
+void UpdateWork::drop(const std::vector<elements::Ellipsoid>& before,
+                      std::span<const CurrentTrials> now) {
+  const size_t meshes = model_.triangle_count();
+  std::vector<Vec3> gone;
+  for (size_t k = 0; k < now.size(); ++k) {
+    report_.changed += now[k].changed;
+    if (!now[k].changed || !now[k].gone) continue;
+    gone.push_back(model_.origin + model_.ellipsoids[k].mean.cast<double>());
+  }
+  changed_.origin = model_.origin;
+  changed_.tau = model_.tau;
+  changed_.max_range_m = model_.max_range_m;
+  std::vector<bool> stays(now.size());
+  for (size_t k = 0; k < now.size(); ++k) {
+    const elements::Ellipsoid& e = model_.ellipsoids[k];
+    if (now[k].changed) changed_.ellipsoids.push_back(e);
+    stays[k] = is_untouched(before[k], e) || !(now[k].gone || is_free_space(options_, e.hit));
+  }
+  keep_ellipsoids(stays, model_, out_.record);
+  std::vector<bool> still_new(new_.begin(), new_.begin() + ptrdiff_t(meshes));
+  std::vector<uint32_t> numbers;
+  for (size_t k = 0; k < stays.size(); ++k) {
+    if (!stays[k]) continue;
+    ++(before_[k] == kNewEllipsoid ? report_.added : report_.kept);
+    still_new.push_back(new_[meshes + k]);
+    numbers.push_back(before_[k]);
+  }
+  report_.dropped = ellipsoids_ - report_.kept;
+  report_.gone = gone.size();
+  report_.places = places_of(gone);
+  new_ = std::move(still_new);
+  before_ = std::move(numbers);
+}
+
+}  // namespace underbrush::fit
