@@ -9,6 +9,7 @@
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/fit/fit.hpp"
+#include "underbrush/fit/maximisation.hpp"
 #include "underbrush/metrics/predictive.hpp"
 #include "underbrush/simulate/simulate.hpp"
 
@@ -222,6 +223,33 @@ TEST(Likelihood, IsTheSameToTheBitForAnyOrderOfBeamsAndAnyNumberOfThreads) {
     EXPECT_EQ(x.density_per_m, y.density_per_m);
   }
   EXPECT_EQ(a.model.ground.roughness_m, b.model.ground.roughness_m);
+}
+
+// An ellipsoid that grows keeps the optical depth on which its hit probability was estimated.
+TEST(Likelihood, TheVariancesOfTheStartGrowByTheParametersThatItsPointsPaidFor) {
+  elements::Model model = known_model();
+  const Mat3 before = model.ellipsoids[1].covariance_matrix();
+  const auto started = [&](uint32_t hits, double spent, float density) {
+    MaximisationOptions options;
+    options.spent_at_start = spent;
+    model.ellipsoids[1].density_per_m = density;
+    model.ellipsoids[1].hit = {0.4f, hits, 30};
+    return with_densities(model, 0.02, options).ellipsoids[1];
+  };
+  const auto growth = [&](const elements::Ellipsoid& e) {
+    const Mat3 ratio = e.covariance_matrix() * before.inverse();
+    EXPECT_LT((ratio - ratio(0, 0) * Mat3::Identity()).norm(), 1e-4);
+    return ratio(0, 0);
+  };
+  const double density = started(1000000, 0, 0).density_per_m;
+  for (const uint32_t hits : {0u, 1u, 2u, 3u, 10u, 1000u}) {
+    EXPECT_NEAR(growth(started(hits, 0, 0)), 1, 1e-4) << hits;
+    const elements::Ellipsoid grown = started(hits, 2, 0);
+    const double expected = hits > 3 ? (hits + 2.0) / (hits - 2.0) : 4;
+    EXPECT_NEAR(growth(grown), expected, 1e-3 * expected) << hits;
+    EXPECT_NEAR(grown.density_per_m * std::sqrt(expected) / density, 1, 1e-3) << hits;
+    EXPECT_NEAR(growth(started(hits, 2, 0.7f)), 1, 1e-4) << "refined before";
+  }
 }
 
 TEST(Likelihood, SharpenedDecidesMoreAtTheSamePlaces) {
