@@ -6,7 +6,7 @@ benchmarks only counts and ratios of times from one run are compared.
 import pathlib
 import sys
 
-from . import light, matter, registry_evidence, registry_software
+from . import light, matter, registry_bench, registry_evidence, registry_software
 from .common import HALVES, KEYS, LOGS, REAL_LOGS, STUDY, study
 from .jobs import Job, Measured, Part, read_json, read_rows
 from .tables import HEADING
@@ -314,49 +314,6 @@ def terrestrial_parameters(folder):
             yield row, column, [scored[model][KEYS[column]]]
 
 
-def bench(name, options="", case="", **more):
-    return Job(f"bench.{name}{case}", f"bench_{name} {options} --json bench.json", programs=(f"bench_{name}",), **more)
-
-
-def pipeline(column):
-    def cells(folder):
-        b = read_json(folder / "bench.json")
-        for row, key in (("beams", "beams"), ("ellipsoids", "ellipsoids"), ("ground triangles", "ground_triangles"),
-                         ("simulate / Embree", "simulate_to_embree_ground_ratio")):
-            yield row, column, [b[key]]
-    return cells
-
-
-def bench_fitters(folder):
-    for label in ("voxel", "top_down", "top_down, range_likelihood", "bottom_up", "hierarchical", "likelihood",
-                  "surface", "rimls"):
-        b = read_json(folder / "bench.json")[label.replace(", range_likelihood", " (range_likelihood)")]
-        yield label, "growth", [b["growth_exponent"]]
-        yield label, "elements", [b["elements"]]
-        if "clustering_time_of_voxel" in b:
-            yield label, "clustering", [b["clustering_time_of_voxel"]]
-
-
-def memory(folder):
-    for row, measured in zip(("once", "twice", "four times"), read_json(folder / "memory.json")):
-        yield row, "beams", [measured["beams"]]
-        yield row, "peak", [measured["peak_mib"]]
-        yield row, "of the first", [measured["factor"]]
-
-
-def trace_goals(folder):
-    b = read_json(folder / "bench.json")
-    yield "AVX2 / Embree's AVX2 packets", "measured", [b["ratio_to_embree_packets_avx2_1e6"]]
-    yield "best / Embree's best", "measured", [b["ratio_to_embree_best_1e6"]]
-    yield "bytes an ellipsoid", "measured", [b["bytes_per_element"]]
-    yield "bytes an instance", "measured", [next(c["bytes_per_instance"] for c in b["cases"] if
-                                                 (c["scene"], c["elements"]) == ("planted", 1000000))]
-
-
-RATE = "a rate of one machine"
-DRIVE = "kitti_0027_forest"
-DRIVE_LOG = {"needs": (LOGS[DRIVE],), "after": (HALVES[DRIVE],)}
-
 MEASURED = {
     "readme": Measured(readme_rows()),
     "real-logs": Measured(real_logs(("default", "sharp", "surface", "surface_carved", "mesh_primitives"))),
@@ -372,7 +329,7 @@ MEASURED = {
     "sequential": Measured((Part((SEQUENTIAL,), sequential),)),
     "movers": Measured((Part((MOVERS,), movers), Part((MOVERS_FOREST,), movers_forest))),
     "transfer": Measured((Part((study("transfer"),), transfer),)),
-    "scenes": Measured((Part((PRIMITIVES,), scenes(DRIVE, "drive", False)),
+    "scenes": Measured((Part((PRIMITIVES,), scenes("kitti_0027_forest", "drive", False)),
                         Part((PRIMITIVES,), scenes("generated sites", "generated", True))),
                        uncompared={"published": "figures of the paper",
                                    "meshes (files)": "the files of the meshes are the user's"}),
@@ -393,29 +350,10 @@ MEASURED = {
           for log in LOGS if log.startswith("kitti")))),
     "terrestrial-scan": Measured((Part((TERRESTRIAL,), terrestrial),)),
     "terrestrial-scan-parameters": Measured((Part((TERRESTRIAL,), terrestrial_parameters),)),
-    "bench-pipeline": Measured(
-        (Part((bench("pipeline"),), pipeline("generated site")),
-         Part((bench("pipeline", f'"$WORK/{DRIVE}/log.ply"', f".{DRIVE}", **DRIVE_LOG),), pipeline(DRIVE))),
-        relative={"simulate / Embree": 0.35},
-        uncompared={row: RATE for row in ("fit, beams/s", "fit, ×", "simulate, beams/s", "simulate, ×",
-                                          "Embree closest hit")}),
-    "bench-fitters": Measured(
-        (Part((bench("fitters", "--runs 1"),), bench_fitters),),
-        absolute={"growth": 0.25}, relative={"clustering": 0.4},
-        uncompared={column: RATE for column in ("M beams/s", "of ½", "of all", "× HDL-64E")}),
-    "fit-memory": Measured(
-        (Part((Job("bench.fit_memory", f'"$PYTHON" "$SOURCE/bench/fit_memory.py" "$WORK/{DRIVE}/log.ply" '
-                   '--program "$BIN/underbrush" --json memory.json', **DRIVE_LOG),), memory),),
-        relative={"peak": 0.25, "of the first": 0.15}),
-    "trace-goals": Measured(
-        (Part((bench("trace"),), trace_goals),),
-        relative={"AVX2 / Embree's AVX2 packets": 0.35, "best / Embree's best": 0.35},
-        uncompared={"goal": "goals are set, not measured", **{row: RATE for row in (
-            "AVX2, beams/s", "AVX2, × HDL-64E", "AVX-512, × HDL-64E", "16 sub-rays", "AVX2 at 10⁷",
-            "AVX2 at 10⁶ instances", "build")}}),
     "label-path": Measured((Part((Job(
         "label_path", '"$PYTHON" "$SOURCE/scripts/label_path.py" --program "$BIN/underbrush" --data "$DATA" '
         "--json path.json", needs=("rellis_000104/000104.bin", "rellis_000104/000104.label")),), label_path),)),
+    **registry_bench.TABLES,
     **registry_software.tables(LOGS),
 }
 MEASURED |= registry_evidence.evidence(study, LOGS, HALVES)

@@ -1,0 +1,70 @@
+"""The tables of the programs under `bench/`, of which ratios are compared and rates are not."""
+from .common import HALVES, LOGS
+from .jobs import Job, Measured, Part, read_json
+
+RATE = "a rate of one machine"
+DRIVE = "kitti_0027_forest"
+DRIVE_LOG = {"needs": (LOGS[DRIVE],), "after": (HALVES[DRIVE],)}
+
+
+def bench(name, options="", case="", **more):
+    return Job(f"bench.{name}{case}", f"bench_{name} {options} --json bench.json", programs=(f"bench_{name}",), **more)
+
+
+def pipeline(column):
+    def cells(folder):
+        b = read_json(folder / "bench.json")
+        for row, key in (("beams", "beams"), ("ellipsoids", "ellipsoids"), ("ground triangles", "ground_triangles"),
+                         ("simulate / Embree", "simulate_to_embree_ground_ratio")):
+            yield row, column, [b[key]]
+    return cells
+
+
+def bench_fitters(folder):
+    for label in ("voxel", "top_down", "top_down, range_likelihood", "bottom_up", "hierarchical", "likelihood",
+                  "surface", "rimls"):
+        b = read_json(folder / "bench.json")[label.replace(", range_likelihood", " (range_likelihood)")]
+        yield label, "growth", [b["growth_exponent"]]
+        yield label, "elements", [b["elements"]]
+        if "clustering_time_of_voxel" in b:
+            yield label, "clustering", [b["clustering_time_of_voxel"]]
+
+
+def memory(folder):
+    for row, measured in zip(("once", "twice", "four times"), read_json(folder / "memory.json")):
+        yield row, "beams", [measured["beams"]]
+        yield row, "peak", [measured["peak_mib"]]
+        yield row, "of the first", [measured["factor"]]
+
+
+def trace_goals(folder):
+    b = read_json(folder / "bench.json")
+    yield "AVX2 / Embree's AVX2 packets", "measured", [b["ratio_to_embree_packets_avx2_1e6"]]
+    yield "best / Embree's best", "measured", [b["ratio_to_embree_best_1e6"]]
+    yield "bytes an ellipsoid", "measured", [b["bytes_per_element"]]
+    yield "bytes an instance", "measured", [next(c["bytes_per_instance"] for c in b["cases"] if
+                                                 (c["scene"], c["elements"]) == ("planted", 1000000))]
+
+
+TABLES = {
+    "bench-pipeline": Measured(
+        (Part((bench("pipeline"),), pipeline("generated site")),
+         Part((bench("pipeline", f'"$WORK/{DRIVE}/log.ply"', f".{DRIVE}", **DRIVE_LOG),), pipeline(DRIVE))),
+        relative={"simulate / Embree": 0.35},
+        uncompared={row: RATE for row in ("fit, beams/s", "fit, ×", "simulate, beams/s", "simulate, ×",
+                                          "Embree closest hit")}),
+    "bench-fitters": Measured(
+        (Part((bench("fitters", "--runs 1"),), bench_fitters),),
+        absolute={"growth": 0.25}, relative={"clustering": 0.4},
+        uncompared={column: RATE for column in ("M beams/s", "of ½", "of all", "× HDL-64E")}),
+    "fit-memory": Measured(
+        (Part((Job("bench.fit_memory", f'"$PYTHON" "$SOURCE/bench/fit_memory.py" "$WORK/{DRIVE}/log.ply" '
+                   '--program "$BIN/underbrush" --json memory.json', **DRIVE_LOG),), memory),),
+        relative={"peak": 0.25, "of the first": 0.15}),
+    "trace-goals": Measured(
+        (Part((bench("trace"),), trace_goals),),
+        relative={"AVX2 / Embree's AVX2 packets": 0.35, "best / Embree's best": 0.35},
+        uncompared={"goal": "goals are set, not measured", **{row: RATE for row in (
+            "AVX2, beams/s", "AVX2, × HDL-64E", "AVX-512, × HDL-64E", "16 sub-rays", "AVX2 at 10⁷",
+            "AVX2 at 10⁶ instances", "build")}}),
+}
