@@ -50,6 +50,7 @@ std::vector<ChangedPlace> places_of(const std::vector<Vec3>& gone) {
     ++cell.gone;
   }
   std::vector<ChangedPlace> out;
+  out.reserve(cells.size());
   for (const auto& [key, cell] : cells) out.push_back({cell.centre / double(cell.gone), cell.gone});
   std::stable_sort(out.begin(), out.end(),
                    [](const ChangedPlace& a, const ChangedPlace& b) { return a.gone > b.gone; });
