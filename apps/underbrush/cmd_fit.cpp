@@ -109,8 +109,10 @@ std::string text_of_fit(const std::string& fitter, const FitStep& step) {
   for (const auto& [why, n] : step.skipped)
     text += fmt::format("  skipped     {} beams: {}\n", n, why);
   for (const fit::LikelihoodStep& s : r.likelihood.steps) {
-    text += fmt::format("  {:<11} {} elements, -log f {:.4f} training, {:.4f} held out{}\n", s.name,
-                        s.elements, s.training_nll, s.held_out_nll, s.accepted ? "" : ", undone");
+    const std::string training =
+        s.training_nll ? fmt::format(" {:.4f} training,", *s.training_nll) : "";
+    text += fmt::format("  {:<11} {} elements, -log f{} {:.4f} held out{}\n", s.name, s.elements,
+                        training, s.held_out_nll, s.accepted ? "" : ", undone");
   }
   return text;
 }

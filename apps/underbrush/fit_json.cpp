@@ -14,11 +14,11 @@ Json json_of(const fit::LikelihoodReport& report) {
   j["held_out_beams"] = report.held_out_beams;
   j["stray_hits"] = report.stray_hits;
   for (const fit::LikelihoodStep& s : report.steps) {
-    j["steps"].push_back({{"name", s.name},
-                          {"elements", s.elements},
-                          {"training_nll", s.training_nll},
-                          {"held_out_nll", s.held_out_nll},
-                          {"accepted", s.accepted}});
+    Json step = {{"name", s.name}, {"elements", s.elements}};
+    if (s.training_nll) step["training_nll"] = *s.training_nll;
+    step["held_out_nll"] = s.held_out_nll;
+    step["accepted"] = s.accepted;
+    j["steps"].push_back(std::move(step));
   }
   return j;
 }

@@ -28,7 +28,6 @@ struct GivenMeetings {
       block.on_triangle.push_back({float(m.t_m), float(m.sigma_m * m.sigma_m)});
     }
     block.beams = {{{0, 0, 0}, float(range_m), {1, 0, 0}, 1000}};
-    block.held_out = {0};
     block.first = block.first_triangle = {0, uint32_t(met.size())};
   }
   PassTotals share(const trace::OutlierShares& soft, double max_range_m, BlockShares& out) const {
@@ -69,7 +68,7 @@ TEST(Shares, SumToOneAndTheirLikelihoodIsThatOfTheScore) {
     trace::RangeMixture p;
     trace::mix_ranges(met, 1, 0, p);
     const double want = metrics::negative_log_likelihood(p, range, 100);
-    EXPECT_NEAR(totals.training.value(), want, 1e-5);
+    EXPECT_NEAR(totals.loss.value(), want, 1e-5);
     EXPECT_NEAR(shares.loss[0], want, 1e-5);
   }
 }
@@ -269,10 +268,10 @@ TEST(Rearrangement, RemovesTheEmptyMergesTwinsAndNeverAdds) {
   RearrangementOptions options;
   options.share = 0.25;
   options.split_share = 0;
-  EXPECT_EQ(rearranged(model, sums, options).model.ellipsoids.size(), 40u - 4 - 10);
+  EXPECT_EQ(rearranged(model, sums, options).ellipsoids.size(), 40u - 4 - 10);
   options.split_share = 0.5;
   options.split_hits = 1;
-  const elements::Model split = rearranged(model, sums, options).model;
+  const elements::Model split = rearranged(model, sums, options);
   EXPECT_EQ(split.ellipsoids.size(), 40u - 4 - 10 + 7);
 }
 

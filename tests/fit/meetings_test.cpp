@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "underbrush/core/rng.hpp"
@@ -58,8 +59,7 @@ BeamLog random_beams(uint64_t seed, size_t n, const Vec3& at) {
 }
 
 void expect_same(const Expectation& a, const Expectation& b, const elements::Model& model) {
-  EXPECT_EQ(a.training_nll, b.training_nll);
-  EXPECT_EQ(a.held_out_nll, b.held_out_nll);
+  EXPECT_EQ(a.nll, b.nll);
   EXPECT_EQ(a.stray_hits, b.stray_hits);
   for (size_t k = 0; k < model.ellipsoids.size(); ++k) {
     const EllipsoidSums x = a.sums.ellipsoid(k), y = b.sums.ellipsoid(k);
@@ -73,78 +73,73 @@ void expect_same(const Expectation& a, const Expectation& b, const elements::Mod
             b.sums.noise(elements::Kind::kGround).slope);
 }
 
-constexpr double kScale = 1.4;
 constexpr size_t kMany = size_t(1) << 30;
 
-TEST(Meetings, APassOverListsIsThatOfASearchAfterEllipsoidsMoved) {
+TEST(Meetings, AreThoseThatTheRayModelHas) {
   const elements::Model model = random_model(31, 150);
-  const BeamLog log = random_beams(32, 6000, model.origin);
+  const BeamLog log = random_beams(32, 3000, model.origin);
   MemorySource source(log, 2500);
-  const Meetings lists(model, kScale, source, HeldOut{}, kMany);
-  elements::Model moved = model;
-  Stream random(33);
-  for (elements::Ellipsoid& e : moved.ellipsoids) {
-    const Mat3 root = Eigen::LLT<Mat3>(e.covariance_matrix()).matrixL();
-    Mat3 stretch = Mat3::Identity();
-    for (int k = 0; k < 9; ++k) stretch(k / 3, k % 3) += random.uniform(-0.15, 0.15);
-    const Vec3 shift(random.normal(), random.normal(), random.normal());
-    e.mean += (0.4 * root * shift).cast<float>();
-    e.set_covariance(root * stretch * stretch.transpose() * root.transpose());
-    e.density_per_m *= 1.5f;
-  }
-  moved.ground.roughness_m = 0.05;
-  const size_t held_back = lists.keep_within_bounds(model, moved);
-  EXPECT_GT(held_back, 10u);
-  EXPECT_LT(held_back, 140u);
-  const Expectation fresh = expect(moved, source, HeldOut{}, {});
-  expect_same(expect(moved, lists, {}), fresh, moved);
-  // Lists without bounds miss what the ellipsoids have moved to.
-  EXPECT_NE(expect(moved, Meetings(model, 1, source, HeldOut{}, kMany), {}).training_nll,
-            fresh.training_nll);
+  const trace::World world(model);
+  size_t needed = 0, listed = 0, triangles = 0;
+  ListedBeams(source, HeldOut{0}, model, kMany).for_each([&](BeamBlock& block) {
+    find_meetings(world, log.info, block);
+    listed += block.met.size();
+    for (size_t b = 0; b < block.beams.size(); ++b) {
+      const ListedBeam& beam = block.beams[b];
+      const Vec3f origin(beam.origin), direction(beam.direction);
+      const auto from = block.met.begin() + block.first[b],
+                 to = block.met.begin() + block.first[b + 1];
+      for (uint32_t e = 0; e < model.size(); ++e) {
+        const trace::Intersection m =
+            trace::intersect(model, e, origin.cast<double>(), direction.cast<double>(),
+                             {log.info.min_range_m, double(beam.reach_m)});
+        if (m.none() || m.t_m - double(kFarthestMisfit) * m.sigma_m > double(beam.range_m))
+          continue;
+        ++needed;
+        const auto at = std::find(from, to, e);
+        ASSERT_NE(at, to) << b << " " << e;
+        if (e >= 2) continue;
+        const TriangleMeeting& t = block.on_triangle[block.first_triangle[b] + size_t(at - from)];
+        EXPECT_NEAR(t.t_m, m.t_m, 1e-5);
+        const double cosine =
+            std::max(std::abs(double(direction.z())), 0.01);  // the ground is level
+        EXPECT_NEAR(t.tilt, 1 / (cosine * cosine), 1e-3 * t.tilt);
+        ++triangles;
+      }
+    }
+    EXPECT_EQ(block.on_triangle.size(), block.first_triangle.back());
+  });
+  EXPECT_GT(triangles, 100u);
+  EXPECT_GT(needed, 3000u);
+  // Few are listed in vain.
+  EXPECT_LT(double(listed), 1.3 * double(needed));
 }
 
-TEST(Meetings, ListsThatAreNotKeptGiveTheSame) {
+TEST(ListedBeams, ThatAreNotKeptGiveTheSame) {
   const elements::Model model = random_model(34, 60);
   const BeamLog log = random_beams(35, 5000, model.origin);
   MemorySource source(log, 1000);
-  const Meetings kept(model, kScale, source, HeldOut{}, kMany);
-  const Expectation all = expect(model, kept, {});
-  EXPECT_EQ(all.training_beams + all.held_out_beams, log.size());
-  for (const size_t bytes : {size_t(0), size_t(200000)}) {
-    expect_same(expect(model, Meetings(model, kScale, source, HeldOut{}, bytes), {}), all, model);
+  const trace::World world(model);
+  const ListedBeams kept(source, HeldOut{}, model, kMany);
+  EXPECT_EQ(kept.training_beams() + kept.held_out().size(), log.size());
+  const Expectation all = expect(world, kept, {});
+  for (const size_t bytes : {size_t(0), size_t(70000)}) {
+    const ListedBeams some(source, HeldOut{}, model, bytes);
+    EXPECT_EQ(some.training_beams(), kept.training_beams());
+    expect_same(expect(world, some, {}), all, model);
+    EXPECT_EQ(judge(world, some).nll, judge(world, kept).nll);
   }
 }
 
-/// Splits and removals keep their lists exactly; a merge may lose what only the rim meets.
-TEST(Meetings, AreInheritedInARearrangement) {
+TEST(ListedBeams, AreJudgedAsTheyAreLearntFrom) {
   const elements::Model model = random_model(36, 80);
   const BeamLog log = random_beams(37, 6000, model.origin);
-  MemorySource source(log);
-  const Meetings lists(model, kScale, source, HeldOut{}, kMany);
-  Rearranged after{model, {}};
-  after.model.ellipsoids.clear();
-  std::vector<elements::Ellipsoid> second;
-  for (uint32_t k = 0; k < 80; ++k) {
-    after.heirs.push_back({Rearranged::kNone, Rearranged::kNone});
-    if (k % 4 == 0) continue;
-    const auto two = halves(model.ellipsoids[k]);
-    after.heirs.back() = {uint32_t(after.model.ellipsoids.size()), uint32_t(60 + second.size())};
-    after.model.ellipsoids.push_back(two[0]);
-    second.push_back(two[1]);
-  }
-  after.model.ellipsoids.insert(after.model.ellipsoids.end(), second.begin(), second.end());
-  const Meetings halved(lists, after);
-  expect_same(expect(after.model, halved, {}), expect(after.model, source, HeldOut{}, {}),
-              after.model);
-  Rearranged merge{after.model, {}};
-  merge.model.ellipsoids.clear();
-  for (uint32_t k = 0; k < 60; ++k) {
-    merge.model.ellipsoids.push_back(
-        merged(after.model.ellipsoids[k], 1, after.model.ellipsoids[60 + k], 1));
-  }
-  for (uint32_t k = 0; k < 120; ++k) merge.heirs.push_back({k % 60, Rearranged::kNone});
-  EXPECT_NEAR(expect(merge.model, Meetings(halved, merge), {}).training_nll,
-              expect(merge.model, source, HeldOut{}, {}).training_nll, 1e-4);
+  MemorySource source(log, 1000);
+  const trace::World world(model);
+  const double learnt = expect(world, ListedBeams(source, HeldOut{0}, model, kMany), {}).nll;
+  const Judgement judged = judge(world, ListedBeams(source, HeldOut{1}, model, kMany));
+  EXPECT_EQ(judged.nll, learnt);
+  EXPECT_EQ(judged.hits, 4800u);
 }
 
 #if defined(__x86_64__)
@@ -172,10 +167,13 @@ TEST(PassKernel, GivesTheSameBitsForEachInstructionSet) {
     list.push_back({b, b});
     for (std::vector<float>& s : shares) s.push_back(float(random.uniform()));
   }
-  std::vector<float> columns[2][4];
-  std::vector<int64_t> sums[2];
-  const PassKernels* kernels[2] = {&kPassBase, &kPassAvx2};
-  for (int k = 0; k < 2; ++k) {
+  std::vector<const PassKernels*> kernels{&kPassBase, &kPassAvx2};
+  if (__builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq")) {
+    kernels.push_back(&kPassAvx512);
+  }
+  std::vector<std::array<std::vector<float>, 4>> columns(kernels.size());
+  std::vector<std::vector<int64_t>> sums(kernels.size());
+  for (size_t k = 0; k < kernels.size(); ++k) {
     for (std::vector<float>& c : columns[k]) c.resize(1008);
     sums[k].resize(kSumFields);
     auto& [t, sigma, p, density] = columns[k];
@@ -185,11 +183,11 @@ TEST(PassKernel, GivesTheSameBitsForEachInstructionSet) {
     kernels[k]->add(form.ellipsoids[0], block.beams.data(), list.data(), 1000,
                     {shares[0].data(), shares[1].data(), shares[2].data()}, sums[k].data());
   }
-  for (int c = 0; c < 4; ++c) {
-    columns[0][c].resize(1000), columns[1][c].resize(1000);
-    EXPECT_EQ(columns[0][c], columns[1][c]) << c;
+  for (size_t k = 0; k < kernels.size(); ++k) {
+    for (std::vector<float>& c : columns[k]) c.resize(1000);
+    EXPECT_EQ(columns[k], columns[0]) << k;
+    EXPECT_EQ(sums[k], sums[0]) << k;
   }
-  EXPECT_EQ(sums[0], sums[1]);
   EXPECT_NE(sums[0][kAlong], 0);
 }
 #endif

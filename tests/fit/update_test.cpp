@@ -289,7 +289,9 @@ TEST(Update, ACarThatHasGoneVanishesAndTheRestRemains) {
       EXPECT_LT((u.report.places[0].centre - kCar).norm(), 3);
       for (const Vec3& bush : {Vec3(-4, -8, 1.2), Vec3(-8, 10, 1.2)}) {
         if (fitter == "likelihood") {
-          EXPECT_NEAR(mean_opacity(u.model, bush), mean_opacity(one.model, bush), 0.1);
+          // No tile is due at a growth of 10: then ellipsoids have the shapes that they had.
+          const elements::Model& like = growth < 1 ? one.model : known.model;
+          EXPECT_NEAR(mean_opacity(u.model, bush), mean_opacity(like, bush), 0.1);
         } else {
           EXPECT_NEAR(opacity_towards(u.model, bush), opacity_towards(known.model, bush), 0.1);
         }

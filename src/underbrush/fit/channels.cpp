@@ -15,7 +15,7 @@ namespace underbrush::fit {
 namespace {
 
 constexpr size_t kBlock = 1 << 16;  // beams of a long log that are taken or left together
-constexpr size_t kCellsOfTask = 1 << 14;
+constexpr size_t kCellsOfTask = 1 << 11;
 constexpr size_t kFewestPoints = 20;  // of a flat cell
 constexpr long kFewestRings = 5;      // of a flat cell
 constexpr int kFewestCells = 10;      // of a ring with an offset

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "underbrush/core/parallel.hpp"
+#include "underbrush/fit/meetings.hpp"
 
 namespace underbrush::fit {
 namespace {
@@ -25,25 +26,38 @@ class Columns {
 /// Shares out the beams of a block, one after the other.
 class Sharing {
  public:
-  Sharing(const ModelForm& model, const BeamBlock& block, const trace::OutlierShares& soft,
-          double max_range_m, BlockShares& shares)
-      : model_(model), block_(block), soft_(soft), max_range_m_(max_range_m), shares_(shares) {}
+  Sharing(const ModelForm& model, const BeamBlock& block, double max_range_m)
+      : model_(model), block_(block), max_range_m_(max_range_m) {}
 
-  void share(size_t begin, size_t end) {
+  /// Adds up the likelihoods of some beams and, unless `soft` is null, shares them out.
+  void share(size_t begin, size_t end, const trace::OutlierShares* soft, BlockShares* shares) {
     const size_t from = block_.first[begin];
     const MeetingColumns c = columns_.of(block_.first[end] - from);
     pass_kernels().approach(model_, block_.beams.data(), block_.first.data(), begin, end,
                             block_.met.data(),
                             block_.on_triangle.data() + block_.first_triangle[begin], c);
     for (size_t b = begin; b < end; ++b) {
-      const size_t at = block_.first[b] - from;
-      share_one(b, {c.t_m + at, c.sigma_m + at, c.p + at, c.density + at});
+      const size_t at = block_.first[b] - from, count = block_.first[b + 1] - block_.first[b];
+      const MeetingColumns mine{c.t_m + at, c.sigma_m + at, c.p + at, c.density + at};
+      sort(mine, &block_.met[block_.first[b]], count);
+      hit_.resize(std::max(hit_.size(), count));
+      const bool is_hit = block_.beams[b].range_m != kMiss;
+      const Outcome outcome = outcome_of(mine, is_hit);
+      totals_.loss.add(-std::log(likelihood(outcome, is_hit, trace::kReportedOutliers)));
+      if (is_hit) totals_.hits.add(1);
+      if (soft) share_out(b, mine, outcome, *soft, *shares);
     }
   }
   const PassTotals& totals() const { return totals_; }
 
  private:
-  /// Puts the meetings of a beam into the order of range. Those of a search are nearly so.
+  /// What the elements say of a beam's outcome: its density (1/m) or probability, and the
+  /// probability that nothing was met.
+  struct Outcome {
+    double found, through;
+  };
+
+  /// Puts the meetings of a beam into the order of range. A search lists near ones first, roughly.
   void sort(const MeetingColumns& c, const uint32_t* met, size_t count) {
     order_.clear();
     for (uint32_t k = 0; k < count; ++k) {
@@ -59,38 +73,37 @@ class Sharing {
     }
   }
 
-  void share_one(size_t b, const MeetingColumns& c) {
-    const size_t first = block_.first[b], count = block_.first[b + 1] - first;
-    const double range = block_.beams[b].range_m;
-    const bool is_hit = block_.beams[b].range_m != kMiss;
-    sort(c, &block_.met[first], count);
-    float* const hit = &shares_.hit[first];
-    float* const pass = &shares_.pass[first];
-    std::fill_n(hit, count, 0.0f);
-    std::fill_n(pass, count, 0.0f);
+  Outcome outcome_of(const MeetingColumns& c, bool is_hit) {
     double through = 1, density = 0;
     for (const uint32_t k : order_) {
       const double found = through * double(c.p[k]) * double(c.density[k]);
-      hit[k] = float(found);
+      hit_[k] = float(found);
       density += found;
       through *= 1 - double(c.p[k]);
     }
-    const double found = is_hit ? density : through;
-    const auto likelihood = [&](const trace::OutlierShares& o) {
-      return o.explained() * found + o.likelihood(is_hit, max_range_m_);
-    };
-    const double loss = -std::log(likelihood(trace::kReportedOutliers));
-    (block_.held_out[b] ? totals_.held_out : totals_.training).add(loss);
-    (block_.held_out[b] ? totals_.held_out_beams : totals_.training_beams).add(1);
-    if (block_.held_out[b] && is_hit) totals_.held_out_hits.add(1);
-    if (block_.held_out[b]) return std::fill_n(hit, count, 0.0f), void();
-    const double total = likelihood(soft_), scale = soft_.explained() / total;
-    shares_.loss[b] = float(-std::log(total));
-    if (is_hit) totals_.stray_hits.add(soft_.likelihood(true, max_range_m_) / total);
-    double later = is_hit ? 0 : through * scale;
+    return {is_hit ? density : through, through};
+  }
+
+  double likelihood(const Outcome& outcome, bool is_hit, const trace::OutlierShares& o) const {
+    return o.explained() * outcome.found + o.likelihood(is_hit, max_range_m_);
+  }
+
+  void share_out(size_t b, const MeetingColumns& c, const Outcome& outcome,
+                 const trace::OutlierShares& soft, BlockShares& shares) {
+    const size_t first = block_.first[b], count = block_.first[b + 1] - first;
+    const double range = block_.beams[b].range_m;
+    const bool is_hit = block_.beams[b].range_m != kMiss;
+    float* const hit = &shares.hit[first];
+    float* const pass = &shares.pass[first];
+    std::fill_n(hit, count, 0.0f);
+    std::fill_n(pass, count, 0.0f);
+    const double total = likelihood(outcome, is_hit, soft), scale = soft.explained() / total;
+    shares.loss[b] = float(-std::log(total));
+    if (is_hit) totals_.stray_hits.add(soft.likelihood(true, max_range_m_) / total);
+    double later = is_hit ? 0 : outcome.through * scale;
     for (size_t i = order_.size(); i-- > 0;) {
       const uint32_t k = order_[i];
-      const double share = is_hit ? double(hit[k]) * scale : 0;
+      const double share = is_hit ? double(hit_[k]) * scale : 0;
       hit[k] = float(share);
       pass[k] = float(later);
       later += share;
@@ -114,38 +127,22 @@ class Sharing {
 
   const ModelForm& model_;
   const BeamBlock& block_;
-  const trace::OutlierShares& soft_;
   double max_range_m_;
-  BlockShares& shares_;
   PassTotals totals_;
   Columns columns_;
   std::vector<uint32_t> order_;
+  std::vector<float> hit_;  // w_k N(z; t_k, σ_k²) of the meetings of a beam
 };
 
-}  // namespace
-
-void PassTotals::add(const PassTotals& other) {
-  training.add(other.training);
-  held_out.add(other.held_out);
-  stray_hits.add(other.stray_hits);
-  training_beams.add(other.training_beams);
-  held_out_beams.add(other.held_out_beams);
-  held_out_hits.add(other.held_out_hits);
-  for (size_t m = 0; m < noise.size(); ++m) {
-    for (size_t k = 0; k < noise[m].size(); ++k) noise[m][k].add(other.noise[m][k]);
-  }
-}
-
-PassTotals find_shares(const ModelForm& model, const BeamBlock& block,
-                       const trace::OutlierShares& soft, double max_range_m, BlockShares& shares) {
+PassTotals totals_of(const ModelForm& model, const BeamBlock& block, double max_range_m,
+                     const trace::OutlierShares* soft, BlockShares* shares) {
   const size_t n = block.beams.size();
-  shares.hit.resize(block.met.size());
-  shares.pass.resize(block.met.size());
-  shares.loss.resize(n);
   std::vector<PassTotals> pieces((n + kTask - 1) / kTask);
   parallel_for(n, kTask, [&](size_t begin, size_t end) {
-    Sharing sharing(model, block, soft, max_range_m, shares);
-    for (size_t b = begin; b < end; b += kRun) sharing.share(b, std::min(b + kRun, end));
+    Sharing sharing(model, block, max_range_m);
+    for (size_t b = begin; b < end; b += kRun) {
+      sharing.share(b, std::min(b + kRun, end), soft, shares);
+    }
     pieces[begin / kTask] = sharing.totals();
   });
   PassTotals all;
@@ -153,38 +150,63 @@ PassTotals find_shares(const ModelForm& model, const BeamBlock& block,
   return all;
 }
 
-Expectation expect(const elements::Model& model, const Meetings& meetings,
+}  // namespace
+
+void PassTotals::add(const PassTotals& other) {
+  loss.add(other.loss);
+  stray_hits.add(other.stray_hits);
+  hits.add(other.hits);
+  for (size_t m = 0; m < noise.size(); ++m) {
+    for (size_t k = 0; k < noise[m].size(); ++k) noise[m][k].add(other.noise[m][k]);
+  }
+}
+
+PassTotals find_shares(const ModelForm& model, const BeamBlock& block,
+                       const trace::OutlierShares& soft, double max_range_m, BlockShares& shares) {
+  shares.hit.resize(block.met.size());
+  shares.pass.resize(block.met.size());
+  shares.loss.resize(block.beams.size());
+  return totals_of(model, block, max_range_m, &soft, &shares);
+}
+
+Expectation expect(const trace::World& world, const ListedBeams& beams,
                    const trace::OutlierShares& soft,
                    const std::function<void(size_t, size_t)>& progress) {
-  const LogInfo& info = meetings.info();
+  const elements::Model& model = world.model();
+  const LogInfo& info = beams.info();
   const ModelForms forms(model, info.min_range_m);
   const ModelForm form = forms.view();
   Expectation out;
   out.sums = ElementSums(model);
   PassTotals totals;
   BlockShares shares;
-  meetings.for_each([&](const BeamBlock& block, size_t done) {
+  size_t done = 0;
+  beams.for_each([&](BeamBlock& block) {
+    find_meetings(world, info, block);
     MeetingsByElement lists;
     parallel_invoke([&] { totals.add(find_shares(form, block, soft, info.max_range_m, shares)); },
                     [&] { lists = by_element(block, model.size()); });
     out.sums.add(form, block, lists, shares);
-    if (progress) progress(done, meetings.beams());
+    done += block.beams.size();
+    if (progress) progress(done, beams.training_beams());
   });
   out.sums.add_noise(elements::Kind::kGround, totals.noise[0]);
   out.sums.add_noise(elements::Kind::kSurface, totals.noise[1]);
-  out.training_beams = size_t(totals.training_beams.value());
-  out.held_out_beams = size_t(totals.held_out_beams.value());
-  out.held_out_hits = size_t(totals.held_out_hits.value());
-  const double trained = std::max(1.0, totals.training_beams.value());
-  out.training_nll = totals.training.value() / trained;
-  out.held_out_nll = totals.held_out.value() / std::max(1.0, totals.held_out_beams.value());
-  out.stray_hits = totals.stray_hits.value() / trained;
+  const double count = std::max<double>(1, double(beams.training_beams()));
+  out.nll = totals.loss.value() / count;
+  out.stray_hits = totals.stray_hits.value() / count;
   return out;
 }
 
-Expectation expect(const elements::Model& model, BeamSource& source, const HeldOut& held_out,
-                   const trace::OutlierShares& soft) {
-  return expect(model, Meetings(model, 1, source, held_out, 0), soft);
+Judgement judge(const trace::World& world, const ListedBeams& beams) {
+  const LogInfo& info = beams.info();
+  const ModelForms forms(world.model(), info.min_range_m);
+  BeamBlock block;
+  block.beams = beams.held_out();
+  find_meetings(world, info, block);
+  const PassTotals totals = totals_of(forms.view(), block, info.max_range_m, nullptr, nullptr);
+  const double count = std::max<double>(1, double(block.beams.size()));
+  return {size_t(totals.hits.value()), totals.loss.value() / count};
 }
 
 }  // namespace underbrush::fit

@@ -1,32 +1,34 @@
 /// \file
-/// This file has the expectation step: one pass over a log under a model, which gives the
-/// likelihood of the held-out beams and sums what the other beams say about each element.
+/// This file has the expectation step: one pass over a log under a model, which sums what the
+/// training beams say about each element; and the judgement of a model by the held-out beams.
 #pragma once
 #include <functional>
 
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/fit/element_sums.hpp"
-#include "underbrush/fit/meetings.hpp"
+#include "underbrush/fit/listed_beams.hpp"
 #include "underbrush/trace/ray_likelihood.hpp"
+#include "underbrush/trace/world.hpp"
 
 namespace underbrush::fit {
 
-/// The result of a pass over a log. Likelihoods are means of −log f over beams, in nats, as in
-/// `metrics::score`.
+/// The result of a pass over the training beams.
 struct Expectation {
-  size_t training_beams = 0, held_out_beams = 0;
-  size_t held_out_hits = 0;
-  double training_nll = 0, held_out_nll = 0;
-  ElementSums sums;  ///< Sums over the training beams.
-  /// Share of the training beams that returned from what no element explains.
-  double stray_hits = 0;
+  double nll = 0;  ///< The mean of −log f over beams, nats, as in `metrics::score`.
+  ElementSums sums;
+  double stray_hits = 0;  ///< Share of the beams that returned from what no element explains.
+};
+
+/// What the held-out beams say of a model.
+struct Judgement {
+  size_t hits = 0;  ///< How many of the beams returned.
+  double nll = 0;   ///< The mean of −log f over beams, nats, as in `metrics::score`.
 };
 
 /// Exact sums over the beams of a pass.
 struct PassTotals {
-  FixedSum training, held_out;  ///< Σ −log f. Each is below 20, so the sum does not overflow.
-  FixedSum stray_hits;
-  FixedSum training_beams, held_out_beams, held_out_hits;
+  FixedSum loss;  ///< Σ −log f. Each is below 20, so the sum does not overflow.
+  FixedSum stray_hits, hits;
   std::array<MeshNoise, 2> noise;  ///< The ground's and the surface's.
 
   void add(const PassTotals& other);
@@ -43,15 +45,13 @@ struct PassTotals {
 PassTotals find_shares(const ModelForm& model, const BeamBlock& block,
                        const trace::OutlierShares& soft, double max_range_m, BlockShares& shares);
 
-/// Makes one pass over listed beams under `model`, which must be within the bounds of the lists.
-/// `soft` has the outlier shares under which credit is given to elements. `progress(done, total)`
-/// may be empty.
-Expectation expect(const elements::Model& model, const Meetings& meetings,
+/// Makes one pass over the training beams of a log, in a world of one model. `soft` has the outlier
+/// shares under which credit is given to elements. `progress(done, total)` may be empty.
+Expectation expect(const trace::World& world, const ListedBeams& beams,
                    const trace::OutlierShares& soft,
                    const std::function<void(size_t, size_t)>& progress = {});
 
-/// The same for the beams of a log, which is searched for it.
-Expectation expect(const elements::Model& model, BeamSource& source, const HeldOut& held_out,
-                   const trace::OutlierShares& soft);
+/// Computes the likelihood of the held-out beams of a log in a world of one model.
+Judgement judge(const trace::World& world, const ListedBeams& beams);
 
 }  // namespace underbrush::fit

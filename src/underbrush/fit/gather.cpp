@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/parallel.hpp"
 
 namespace underbrush::fit {
 
@@ -30,7 +31,14 @@ double add_returns(BeamSource& source, const Vec3& origin, double min_range_m,
                    const FitProgress& progress) {
   float largest = 0;
   source.rewind();
+  std::vector<Vec3f> points;
   for (BeamLog chunk; source.next(chunk);) {
+    points.resize(chunk.size());
+    parallel_for(chunk.size(), 4096, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) {
+        points[i] = (chunk.end_point(i) - origin).cast<float>();
+      }
+    });
     for (size_t i = 0; i < chunk.size(); ++i) {
       if (!chunk.is_hit(i)) continue;
       ++report.hits;
@@ -43,9 +51,8 @@ double add_returns(BeamSource& source, const Vec3& origin, double min_range_m,
         continue;
       }
       largest = std::max(largest, chunk.range_m[i]);
-      const Vec3f point = (chunk.end_point(i) - origin).cast<float>();
-      if (wanted && !wanted->is_near(point)) continue;
-      store.add({point, -chunk.range_m[i] * chunk.direction[i]});
+      if (wanted && !wanted->is_near(points[i])) continue;
+      store.add({points[i], -chunk.range_m[i] * chunk.direction[i]});
     }
     report.beams += chunk.size();
     if (progress) progress("gather", report.beams, source.size());

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
 
 namespace underbrush::fit {
@@ -16,22 +17,22 @@ bool HeldOut::operator()(const BeamLog& log, size_t i) const {
   return random_bits(beam_key(seed, log.scan[i], group), 0, Purpose::kSplit) % one_in == 0;
 }
 
-TrainingSource::TrainingSource(BeamSource& source, const HeldOut& held_out)
-    : source_(source), held_out_(held_out) {
-  source_.rewind();
-  BeamLog chunk;
-  while (source_.next(chunk)) {
-    for (size_t i = 0; i < chunk.size(); ++i) size_ += !held_out_(chunk, i);
-  }
-  source_.rewind();
+std::vector<uint8_t> HeldOut::of(const BeamLog& log) const {
+  std::vector<uint8_t> out(log.size());
+  parallel_for(log.size(), 4096, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) out[i] = (*this)(log, i);
+  });
+  return out;
 }
 
 bool TrainingSource::next(BeamLog& chunk) {
   BeamLog all;
   while (source_.next(all)) {
+    const std::vector<uint8_t> apart = held_out_.of(all);
     chunk = all.like();
+    chunk.reserve(all.size());
     for (size_t i = 0, from = 0; i <= all.size(); ++i) {
-      if (i < all.size() && !held_out_(all, i)) continue;
+      if (i < all.size() && !apart[i]) continue;
       if (from < i) chunk.append(all, from, i);
       from = i + 1;
     }

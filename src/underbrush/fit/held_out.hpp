@@ -13,22 +13,24 @@ struct HeldOut {
   uint64_t seed = 1;
   /// Whether beam `i` of the log is held out.
   bool operator()(const BeamLog& log, size_t i) const;
+  /// The same of each beam of a log.
+  std::vector<uint8_t> of(const BeamLog& log) const;
 };
 
-/// A source that leaves out the held-out beams of another source. The other source must outlive it,
-/// and is read once by the constructor to count the beams.
+/// A source that leaves out the held-out beams of another source, which must outlive it.
 class TrainingSource : public BeamSource {
  public:
-  TrainingSource(BeamSource& source, const HeldOut& held_out);
+  TrainingSource(BeamSource& source, const HeldOut& held_out)
+      : source_(source), held_out_(held_out) {}
   const LogInfo& info() const override { return source_.info(); }
-  size_t size() const override { return size_; }
+  /// The number of beams of the source, held-out ones included.
+  size_t size() const override { return source_.size(); }
   void rewind() override { source_.rewind(); }
   bool next(BeamLog& chunk) override;
 
  private:
   BeamSource& source_;
   HeldOut held_out_;
-  size_t size_ = 0;
 };
 
 }  // namespace underbrush::fit

@@ -13,6 +13,7 @@ using elements::Reflectance;
 constexpr double kPriorReturns = 20;       // of a knot, at the gain 1
 constexpr double kPriorSpreadReturns = 8;  // of an element's variance
 constexpr double kMostRatio = 4;
+constexpr double kSettledGain = 5e-3;  // largest relative change of a gain in the last round
 constexpr int kRounds = 40, kPooledRounds = 4;
 constexpr size_t kMostRings = 1024, kLeastElements = 20;
 
@@ -23,14 +24,11 @@ struct Group {
   double variance = 0;  // of I/k within an element
 };
 
-/// The moments of [buhlmann70] over the elements for which `is_in` holds.
-template <class IsIn>
-Group moments(std::span<const LightSums> sums, IsIn is_in) {
-  Group g;
-  double k = 0, kk = 0, intensity = 0, residual = 0, freedom = 0, elements = 0;
-  for (size_t e = 0; e < sums.size(); ++e) {
-    const LightSums& s = sums[e];
-    if (!is_in(e) || s.returns == 0) continue;
+/// Sums over the elements of a group.
+struct GroupSums {
+  double k = 0, kk = 0, intensity = 0, residual = 0, freedom = 0, elements = 0, scatter = 0;
+
+  void add(const LightSums& s) {
     k += s.response;
     kk += s.response * s.response;
     intensity += s.intensity;
@@ -38,19 +36,22 @@ Group moments(std::span<const LightSums> sums, IsIn is_in) {
     freedom += s.returns - 1;
     elements += 1;
   }
-  if (k == 0) return g;
-  g.mean = intensity / k;
-  if (freedom > 0) g.within = std::max(0.0, residual / freedom);
-  g.variance = std::max(0.0, residual / k);
-  if (elements < kLeastElements || freedom == 0) return g;
-  double scatter = 0;
-  for (size_t e = 0; e < sums.size(); ++e) {
-    const LightSums& s = sums[e];
-    if (!is_in(e) || s.returns == 0) continue;
-    const double off = s.intensity / s.response - g.mean;
+  double mean() const { return intensity / k; }
+  void add_scatter(const LightSums& s) {
+    const double off = s.intensity / s.response - mean();
     scatter += s.response * off * off;
   }
-  g.between = (scatter - (elements - 1) * g.within) / (k - kk / k);
+};
+
+/// The moments of [buhlmann70].
+Group moments(const GroupSums& s) {
+  Group g;
+  if (s.k == 0) return g;
+  g.mean = s.mean();
+  if (s.freedom > 0) g.within = std::max(0.0, s.residual / s.freedom);
+  g.variance = std::max(0.0, s.residual / s.k);
+  if (s.elements < kLeastElements || s.freedom == 0) return g;
+  g.between = (s.scatter - (s.elements - 1) * g.within) / (s.k - s.kk / s.k);
   if (g.between > 0) g.lambda = g.within / g.between;
   return g;
 }
@@ -58,10 +59,20 @@ Group moments(std::span<const LightSums> sums, IsIn is_in) {
 /// The groups, of which those with too little data take over what all elements have.
 std::vector<Group> groups_of(std::span<const LightSums> sums, std::span<const uint32_t> group,
                              size_t groups) {
-  const Group all = moments(sums, [](size_t) { return true; });
-  std::vector<Group> out(groups);
-  for (size_t n = 0; n < groups; ++n) {
-    Group& g = out[n] = moments(sums, [&](size_t e) { return group[e] == n; });
+  std::vector<GroupSums> of(groups);
+  GroupSums together;
+  for (const bool scatter : {false, true}) {
+    for (size_t e = 0; e < sums.size(); ++e) {
+      if (sums[e].returns == 0) continue;
+      for (GroupSums* s : {&together, &of[group[e]]}) {
+        scatter ? s->add_scatter(sums[e]) : s->add(sums[e]);
+      }
+    }
+  }
+  const Group all = moments(together);
+  std::vector<Group> out;
+  for (const GroupSums& s : of) {
+    Group& g = out.emplace_back(moments(s));
     if (!(g.between > 0)) {
       g.lambda = all.between > 0 ? all.lambda : kPriorReturns;
       if (g.mean == 0) g.mean = all.mean;
@@ -103,6 +114,7 @@ class Regression {
 
   Light fit() {
     for (int round = 0; round < kRounds; ++round) {
+      const std::vector<double> before = gains();
       update_elements(round < kPooledRounds);
       update(
           light_.range, [](const LightSample&) { return true; },
@@ -114,6 +126,7 @@ class Regression {
             [](const Places& p) { return p.cosine; });
       }
       update_rings();
+      if (round >= kPooledRounds && largest_change(before, gains()) < kSettledGain) break;
     }
     drop_unseen();
     return std::move(light_);
@@ -124,6 +137,21 @@ class Regression {
     Gain::Between range, cosine;
   };
 
+  /// The gains of all knots and rings.
+  std::vector<double> gains() const {
+    std::vector<double> all = light_.ring;
+    for (const Gain* g : {&light_.range, &light_.incidence[0], &light_.incidence[1]}) {
+      all.insert(all.end(), g->gain.begin(), g->gain.end());
+    }
+    return all;
+  }
+  static double largest_change(const std::vector<double>& from, const std::vector<double>& to) {
+    double most = 0;
+    for (size_t k = 0; k < from.size(); ++k) {
+      most = std::max(most, std::abs(to[k] - from[k]) / from[k]);
+    }
+    return most;
+  }
   static double value(const Gain& g, const Gain::Between& at) {
     return (1 - at.weight) * g.gain[at.first] + at.weight * g.gain[at.second];
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "underbrush/core/check.hpp"
@@ -11,14 +12,8 @@ namespace {
 
 using Progress = std::function<void(std::string_view, size_t, size_t)>;
 
-/// The memory for lists of meetings, bytes.
-constexpr size_t kListBytes = size_t(1) << 30;
-/// The bounds in which ellipsoids may move until the next search, as a multiple of their extents.
-constexpr double kBounds = 1.5;
-/// A search follows once more than this share of the ellipsoids is held back by the bounds, but not
-/// before so many M-steps: it takes as long as two of them.
-constexpr double kHeldBack = 0.1;
-constexpr int kStepsOfSearch = 3;
+/// The memory for training beams, bytes.
+constexpr size_t kListBytes = size_t(1) << 29;
 /// The length of M-steps, shorter than 1 because neighbours move at once.
 constexpr double kStride = 0.8;
 
@@ -27,80 +22,77 @@ class ModelSearch {
  public:
   ModelSearch(const elements::Model& start, BeamSource& source, const LikelihoodOptions& options,
               const Progress& progress, const std::vector<bool>& moving)
-      : source_(source), options_(options), progress_(progress), moving_(moving) {
+      : options_(options),
+        progress_(progress),
+        moving_(moving),
+        beams_(source, options.held_out, start, kListBytes) {
     soft_.miss = options.dropout;
-    best_.model = with_densities(start, options.range_noise_m, options.maximisation);
-    search(best_);
-    pass(best_, "start");
-    note("start", best_, true);
+    best_ = state_of(with_densities(start, options.range_noise_m, options.maximisation));
+    note("start", *best_, true);
   }
 
   Refined result() {
-    report_.training_beams = best_.seen.training_beams;
-    report_.held_out_beams = best_.seen.held_out_beams;
-    report_.held_out_hits = best_.seen.held_out_hits;
-    report_.stray_hits = best_.seen.stray_hits;
-    return {options_.sharpness == 1 ? std::move(best_.model)
-                                    : sharpened(best_.model, options_.sharpness),
+    report_.training_beams = beams_.training_beams();
+    report_.held_out_beams = beams_.held_out().size();
+    report_.held_out_hits = best_->judged.hits;
+    elements::Model& model = best_->model;
+    return {options_.sharpness == 1 ? std::move(model) : sharpened(model, options_.sharpness),
             std::move(report_)};
   }
 
   /// Keeps the rearranged model if it explains the held-out beams better, at once or after up to
   /// `m_steps` M-steps.
   bool rearrange(int m_steps) {
-    State trial;
-    Rearranged after = rearranged(best_.model, best_.seen.sums, options_.rearrangement);
-    trial.lists = std::make_shared<Meetings>(*best_.lists, after);
-    trial.model = std::move(after.model);
-    pass(trial, "rearrange");
+    auto trial = state_of(rearranged(best_->model, sums_of(*best_), options_.rearrangement));
     while (!accept("rearrange", trial)) {
       if (m_steps-- == 0) return false;
-      trial.model = step_of(trial, 1);
-      pass(trial, "rearrange");
+      trial = state_of(step_of(*trial, 1));
     }
     return true;
   }
 
   /// Keeps the model after an M-step if it explains the held-out beams better.
   bool maximise(double stride) {
-    State trial;
-    trial.model = step_of(best_, stride);
-    const double most = kHeldBack * double(best_.model.ellipsoids.size());
-    if (steps_ >= kStepsOfSearch && double(held_back_) > most) {
-      search(best_);
-      trial.model = step_of(best_, stride);
-      steps_ = 0;
-    }
-    ++steps_;
-    trial.lists = best_.lists;
-    pass(trial, "maximise");
+    auto trial = state_of(step_of(*best_, stride));
     return accept("maximise", trial);
   }
 
  private:
-  /// A model, the lists in whose bounds it is, and what a pass has seen of it.
+  /// A model, and what the held-out beams and, where a step from it was wanted, the training beams
+  /// say of it.
   struct State {
+    explicit State(elements::Model m) : model(std::move(m)), world(model) {}
+
     elements::Model model;
-    std::shared_ptr<const Meetings> lists;
-    Expectation seen;
+    trace::World world;
+    Judgement judged;
+    std::optional<ElementSums> sums;
+    size_t step = 0;  ///< Its place in the report.
   };
 
-  void search(State& s) const {
-    s.lists.reset();
-    s.lists = std::make_shared<Meetings>(s.model, kBounds, source_, options_.held_out, kListBytes);
+  std::unique_ptr<State> state_of(elements::Model model) const {
+    auto s = std::make_unique<State>(std::move(model));
+    s->judged = judge(s->world, beams_);
+    return s;
   }
 
-  void pass(State& s, const char* name) const {
-    s.seen = expect(s.model, *s.lists, soft_, [&](size_t done, size_t total) {
-      if (progress_) progress_(name, done, total);
+  /// What the training beams say of the elements, in a pass over them if there was none yet.
+  const ElementSums& sums_of(State& s) {
+    if (s.sums) return *s.sums;
+    LikelihoodStep& step = report_.steps[s.step];
+    Expectation seen = expect(s.world, beams_, soft_, [&](size_t done, size_t total) {
+      if (progress_) progress_(step.name, done, total);
     });
+    step.training_nll = seen.nll;
+    report_.stray_hits = seen.stray_hits;
+    // The start leaves more unexplained than any model after it.
+    if (step.accepted && s.step > 0) soft_.hit = std::clamp(seen.stray_hits, 1e-4, 0.2);
+    return s.sums.emplace(std::move(seen.sums));
   }
 
-  /// Takes an M-step, of which each ellipsoid goes as far as the bounds of the lists allow.
-  elements::Model step_of(const State& s, double stride) {
-    elements::Model next = maximised(s.model, s.seen.sums, options_.maximisation, stride);
+  elements::Model step_of(State& s, double stride) {
+    elements::Model next = maximised(s.model, sums_of(s), options_.maximisation, stride);
     if (!moving_.empty()) keep_others(s.model, next);
-    held_back_ = s.lists->keep_within_bounds(s.model, next);
     return next;
   }
 
@@ -113,28 +105,24 @@ class ModelSearch {
     }
   }
 
-  bool accept(const char* name, State& trial) {
-    const bool better = trial.seen.held_out_nll < best_.seen.held_out_nll - options_.least_gain;
-    note(name, trial, better);
-    if (!better) return false;
-    best_ = std::move(trial);
-    soft_.hit = std::clamp(best_.seen.stray_hits, 1e-4, 0.2);
-    return true;
+  bool accept(const char* name, std::unique_ptr<State>& trial) {
+    const bool better = trial->judged.nll < best_->judged.nll - options_.least_gain;
+    note(name, *trial, better);
+    if (better) best_ = std::move(trial);
+    return better;
   }
 
-  void note(const char* name, const State& s, bool accepted) {
-    report_.steps.push_back(
-        {name, s.model.size(), s.seen.training_nll, s.seen.held_out_nll, accepted});
+  void note(const char* name, State& s, bool accepted) {
+    s.step = report_.steps.size();
+    report_.steps.push_back({name, s.model.size(), {}, s.judged.nll, accepted});
   }
 
-  BeamSource& source_;
   const LikelihoodOptions& options_;
   const Progress& progress_;
   trace::OutlierShares soft_;
   const std::vector<bool>& moving_;
-  size_t held_back_ = 0;
-  int steps_ = 0;  // since the search
-  State best_;
+  ListedBeams beams_;
+  std::unique_ptr<State> best_;
   LikelihoodReport report_;
 };
 

@@ -2,6 +2,7 @@
 /// This file has the fitter `likelihood`, which refines a model by expectation–maximisation on the
 /// ray model.
 #pragma once
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -36,8 +37,10 @@ struct LikelihoodOptions {
 struct LikelihoodStep {
   std::string name;  ///< `start`, `rearrange` or `maximise`.
   size_t elements = 0;
-  /// Mean −log f over beams, nats, as in `metrics::score`.
-  double training_nll = 0, held_out_nll = 0;
+  /// Mean −log f over the training beams, nats, as in `metrics::score`; known only of models from
+  /// which a further step was tried.
+  std::optional<double> training_nll;
+  double held_out_nll = 0;  ///< The same over the held-out beams.
   bool accepted = false;
 };
 
@@ -45,7 +48,8 @@ struct LikelihoodStep {
 struct LikelihoodReport {
   size_t training_beams = 0, held_out_beams = 0;
   size_t held_out_hits = 0;  ///< How many of `held_out_beams` returned.
-  double stray_hits = 0;     ///< Estimated share of returns that no element explains.
+  /// Estimated share of returns that no element explains, in the last pass over training beams.
+  double stray_hits = 0;
   std::vector<LikelihoodStep> steps;
 };
 
@@ -64,13 +68,11 @@ struct Refined {
 ///
 /// Rearrangements never add to the number of elements. The final ellipsoids are `sharpened`.
 ///
-/// The beams are searched once for the ellipsoids that they may meet (`Meetings`), and again after
-/// three M-steps if many ellipsoids have come to the bounds of that search. Steps between are
-/// passes over the lists. The lists take up to 1 GiB; for what exceeds them the source is read and
-/// searched in each step. The result has the same bits for any number of threads and any order of
-/// the beams. `progress(stage, done, total)` may be empty. Throws `std::invalid_argument` for
-/// ellipsoids bounded by voxels, because their means would leave the voxels, and for options out of
-/// range.
+/// The beams are read and searched anew for each step that goes on from a model; the held-out beams
+/// stay in memory and judge it. The result has the same bits for any number of threads and any
+/// order of the beams. `progress(stage, done, total)` may be empty. Throws `std::invalid_argument`
+/// for ellipsoids bounded by voxels, because their means would leave the voxels, and for options
+/// out of range.
 ///
 /// Unless `moving` is empty, it says of each ellipsoid whether it may move. The other elements are
 /// met and keep their places, and there are no rearrangements.

@@ -96,7 +96,7 @@ struct PassKernels {
 
 extern const PassKernels kPassBase;
 #if defined(__x86_64__)
-extern const PassKernels kPassAvx2;
+extern const PassKernels kPassAvx2, kPassAvx512;
 #endif
 
 /// The inner loops for the best instruction set that the machine has.

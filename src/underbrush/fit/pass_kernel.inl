@@ -1,6 +1,10 @@
 // The inner loops of a pass, eight meetings at a time. pass_kernel_*.cpp use this file, each for
 // one instruction set. There is no fused multiplication and no approximate operation in it.
 #pragma once
+#if defined(__SSE2__)
+#include <immintrin.h>
+#endif
+
 #include <initializer_list>
 
 #include "underbrush/fit/pass_kernel.hpp"
@@ -21,9 +25,20 @@ inline F all(float x) { return F{x, x, x, x, x, x, x, x}; }
 inline F pick(I mask, F yes, F no) { return (F)((mask & (I)yes) | (~mask & (I)no)); }
 
 inline F root(F a) {
+#if defined(__AVX2__)
+  return (F)_mm256_sqrt_ps((__m256)a);
+#elif defined(__SSE2__)
+  __m128 half[2];
+  __builtin_memcpy(half, &a, sizeof a);
+  for (__m128& h : half) h = _mm_sqrt_ps(h);
+  F r;
+  __builtin_memcpy(&r, half, sizeof r);
+  return r;
+#else
   F r;
   for (size_t k = 0; k < kLanes; ++k) r[k] = __builtin_sqrtf(a[k]);
   return r;
+#endif
 }
 
 // Computes eˣ for x ≤ 0 with a relative error of about 1e-6.

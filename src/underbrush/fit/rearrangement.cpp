@@ -61,12 +61,11 @@ std::vector<Merge> possible_merges(const std::vector<elements::Ellipsoid>& ellip
   return best;
 }
 
-/// Merges pairs until none is cheap or enough have been merged, and returns how many. `into` says
-/// what an ellipsoid was merged into; `gone` and `taken` mark those without and with changes.
+/// Merges pairs until none is cheap or enough have been merged, and returns how many. `gone` marks
+/// the ellipsoids that were merged into another one, `taken` both.
 size_t merge_neighbours(const RearrangementOptions& options,
                         std::vector<elements::Ellipsoid>& ellipsoids, std::vector<double>& hits,
-                        std::vector<uint8_t>& gone, std::vector<uint8_t>& taken,
-                        std::vector<uint32_t>& into) {
+                        std::vector<uint8_t>& gone, std::vector<uint8_t>& taken) {
   const size_t most = size_t(options.share * double(ellipsoids.size()));
   size_t merges = 0;
   for (bool found = true; found && merges < most;) {
@@ -78,7 +77,6 @@ size_t merge_neighbours(const RearrangementOptions& options,
       // A merged ellipsoid has the hits of both and may merge again.
       ellipsoids[m.a] = merged(ellipsoids[m.a], hits[m.a], ellipsoids[m.b], hits[m.b]);
       hits[m.a] += std::exchange(hits[m.b], 0);
-      into[m.b] = m.a;
       used[m.a] = used[m.b] = taken[m.a] = taken[m.b] = gone[m.b] = 1;
       ++merges;
       found = true;
@@ -121,8 +119,8 @@ std::array<elements::Ellipsoid, 2> halves(const elements::Ellipsoid& e) {
   return out;
 }
 
-Rearranged rearranged(const elements::Model& model, const ElementSums& sums,
-                      const RearrangementOptions& options) {
+elements::Model rearranged(const elements::Model& model, const ElementSums& sums,
+                           const RearrangementOptions& options) {
   const std::vector<elements::Ellipsoid>& old = model.ellipsoids;
   std::vector<double> hits(old.size()), loss(old.size());
   double all_hits = 0, all_loss = 0;
@@ -132,13 +130,11 @@ Rearranged rearranged(const elements::Model& model, const ElementSums& sums,
     all_loss += loss[i] = s.loss;
   }
   elements::Model out = model;
-  std::vector<uint32_t> into(old.size());  // what an ellipsoid was merged into
-  std::iota(into.begin(), into.end(), 0);
   std::vector<uint8_t> gone(old.size());
   size_t removed = 0;
   for (size_t i = 0; i < old.size(); ++i) removed += gone[i] = hits[i] < options.least_hits;
   std::vector<uint8_t> taken = gone;
-  removed += merge_neighbours(options, out.ellipsoids, hits, gone, taken, into);
+  removed += merge_neighbours(options, out.ellipsoids, hits, gone, taken);
   std::vector<std::pair<double, uint32_t>> worst;
   const double mean_loss = all_hits > 0 ? all_loss / all_hits : 0;
   for (size_t i = 0; i < old.size(); ++i) {
@@ -147,30 +143,19 @@ Rearranged rearranged(const elements::Model& model, const ElementSums& sums,
   }
   std::sort(worst.begin(), worst.end());
   worst.resize(std::min(worst.size(), size_t(options.split_share * double(removed))));
-  std::vector<uint32_t> split, place(old.size(), Rearranged::kNone);
   std::vector<elements::Ellipsoid> second;
   for (const auto& [excess, i] : worst) {
     const auto two = halves(old[i]);
     out.ellipsoids[i] = two[0];
     second.push_back(two[1]);
-    split.push_back(i);
   }
-  uint32_t kept = 0;
+  size_t kept = 0;
   for (size_t i = 0; i < old.size(); ++i) {
-    if (gone[i]) continue;
-    out.ellipsoids[kept] = out.ellipsoids[i];
-    place[i] = kept++;
+    if (!gone[i]) out.ellipsoids[kept++] = out.ellipsoids[i];
   }
   out.ellipsoids.resize(kept);
   out.ellipsoids.insert(out.ellipsoids.end(), second.begin(), second.end());
-  std::vector<std::array<uint32_t, 2>> heirs(old.size());
-  for (size_t i = 0; i < old.size(); ++i) {
-    uint32_t at = uint32_t(i);
-    while (into[at] != at) at = into[at];
-    heirs[i] = {place[at], Rearranged::kNone};
-  }
-  for (size_t k = 0; k < split.size(); ++k) heirs[split[k]][1] = kept + uint32_t(k);
-  return {std::move(out), std::move(heirs)};
+  return out;
 }
 
 }  // namespace underbrush::fit

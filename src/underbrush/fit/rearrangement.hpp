@@ -19,28 +19,18 @@ struct RearrangementOptions {
   double split_hits = 16;    ///< Least soft hits of an ellipsoid that is split.
 };
 
-/// A rearranged model, and what became of each ellipsoid of the model before.
-struct Rearranged {
-  static constexpr uint32_t kNone = 0xffffffffu;
-  elements::Model model;
-  /// The places (in the vector of ellipsoids) of the ellipsoids that an old one became: none, one
-  /// or two.
-  std::vector<std::array<uint32_t, 2>> heirs;
-};
-
 /// Rearranges the ellipsoids of a model and returns the result, which never has more ellipsoids
 /// than before:
 ///
 /// - ellipsoids with fewer than `least_hits` soft hits are removed;
 /// - pairs of near neighbours are merged, the cheapest first, for as long as a merge costs little.
 /// A
-///   merge keeps the moments and the
-///   optical mass κ |Σ|^½, and costs what n ln(n / |Σ|^½) of the two exceeds that of the merged
-///   ellipsoid;
+///   merge keeps the moments and the optical mass κ |Σ|^½, and costs what n ln(n / |Σ|^½) of the
+///   two exceeds that of the merged ellipsoid;
 /// - the ellipsoids whose beams are explained worst in total, by Σ r (−log f − its mean), are split
 ///   in two along their longest axis.
-Rearranged rearranged(const elements::Model& model, const ElementSums& sums,
-                      const RearrangementOptions& options);
+elements::Model rearranged(const elements::Model& model, const ElementSums& sums,
+                           const RearrangementOptions& options);
 
 /// Computes the ellipsoid with the joint moments of two ellipsoids, weighted by their hits.
 elements::Ellipsoid merged(const elements::Ellipsoid& a, double hits_a,

@@ -14,6 +14,7 @@
 #include <array>
 #include <vector>
 
+#include "underbrush/trace/candidate.hpp"
 #include "underbrush/trace/element_math.hpp"
 #include "underbrush/trace/order.hpp"
 #include "underbrush/trace/scene_tree.hpp"
@@ -71,11 +72,6 @@ inline constexpr uint32_t kInBlock = 0x80000000u;
 /// The most blocks of triangles that can be told apart so.
 inline constexpr size_t kMostTriangleBlocks = kInBlock / (2 * kWidth) - 1;
 
-/// A ray of a batch and an element that it may meet.
-struct Candidate {
-  uint32_t ray, instance, element;
-};
-
 /// A query: its rays, and what has been found for them.
 struct Batch {
   const Ray* rays;
@@ -91,6 +87,7 @@ struct Batch {
   Candidate* known;
   size_t known_ellipsoids, known_triangles;
   std::vector<Candidate> candidates;  ///< Output for kAll: undecided pairs, in no order.
+  std::vector<ApproachBound> bounds;  ///< Output for kAll: one a candidate.
 };
 
 /// The transformation from the tree's frame to that of an instance.
@@ -131,7 +128,7 @@ struct InstanceTransform {
 /// Finds the model of an instance and its place in the world.
 InstanceTransform transform_of(const View& view, uint32_t instance);
 /// Adds a candidate to the batch.
-void add_candidate(Batch& batch, size_t ray, uint32_t instance, uint32_t element);
+void add_candidate(Batch& batch, const Candidate& candidate, const ApproachBound& bound);
 
 /// The kernels of one instruction set. Their tree must not be empty.
 struct Kernels {

@@ -123,7 +123,7 @@ inline unsigned visit(PacketQuery& s, const Frame& f, const EllipsoidBlock& b, L
       sure &= le((c - inner * inner) * a, hh * 0.99999f) & le(high, s.found.low[g]) &
               le(all(f.t_min), low);
     }
-    record<kQuery>(s, f, int(g), element, element, found, sure, low, high);
+    record<kQuery>(s, f, int(g), element, element, found, sure, low, high, reach);
     sets |= 1u << g / 8;
   }
   return sets;

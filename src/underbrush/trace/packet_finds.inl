@@ -117,11 +117,11 @@ inline void update_reach(Found& found, unsigned sets = ~0u) {
 }
 
 // Notes that lanes `maybe` of group g may meet the element within [low, high]. Lanes `sure`
-// certainly meet it, nearer than what they have found. `reference` is the element's number, or the
-// place of a triangle.
+// certainly meet it, nearer than what they have found. `reach` is τσ, and `reference` is the
+// element's number, or the place of a triangle.
 template <Query kQuery>
 inline void record(PacketQuery& s, const Frame& f, int g, uint32_t element, uint32_t reference,
-                   M maybe, M sure, F low, F high) {
+                   M maybe, M sure, F low, F high, F reach) {
   Found& found = s.found;
   unsigned lanes = bits(maybe);
   if (kQuery == Query::kAll) {
@@ -130,7 +130,8 @@ inline void record(PacketQuery& s, const Frame& f, int g, uint32_t element, uint
       lanes &= lanes - 1;
       const int place = g * kLanes + k;
       if (place >= s.count) break;
-      add_candidate(*s.batch, ray_at(s, place), f.instance, element);
+      add_candidate(*s.batch, {uint32_t(ray_at(s, place)), f.instance, element},
+                    {low[k] * f.scale, reach[k] * f.scale});
     }
     return;
   }

@@ -125,7 +125,7 @@ inline unsigned visit(PacketQuery& s, const Frame& f, const TriangleBlock& b,
     if (kQuery != Query::kAll) {
       sure &= le(all(of.slack[j]), least_weight) & le(high, s.found.low[g]) & le(all(f.t_min), low);
     }
-    record<kQuery>(s, f, int(g), element, first | (2 * j + which), found, sure, low, high);
+    record<kQuery>(s, f, int(g), element, first | (2 * j + which), found, sure, low, high, F{});
     sets |= 1u << g / 8;
   }
   return sets;

@@ -83,8 +83,9 @@ bool resolve_nearest(const View& view, Query query, Batch& batch, size_t ray, ui
   return true;
 }
 
-void add_candidate(Batch& batch, size_t ray, uint32_t instance, uint32_t element) {
-  batch.candidates.push_back({uint32_t(ray), instance, element});
+void add_candidate(Batch& batch, const Candidate& candidate, const ApproachBound& bound) {
+  batch.candidates.push_back(candidate);
+  batch.bounds.push_back(bound);
 }
 
 }  // namespace underbrush::trace

@@ -185,7 +185,7 @@ inline void trace_one(const View& view, Query query, Batch& batch, size_t i) {
         const uint32_t element = elements[k] & mask;
         lanes &= lanes - 1;
         if (query == Query::kAll) {
-          add_candidate(batch, i, entry.instance, element);
+          add_candidate(batch, {uint32_t(i), entry.instance, element}, {-__builtin_inff(), 0});
         } else if (resolve_nearest(view, query, batch, i, entry.instance, element, 0,
                                    Intersection::kNone)) {
           limit = float(batch.best[i].t_m) * 1.000001f;

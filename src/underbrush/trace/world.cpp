@@ -192,9 +192,8 @@ Intersection World::nearest_surface(const Ray& ray, const RangeLimits& limits) c
   return met;
 }
 
-void World::all_intersections(std::span<const Ray> rays, const RangeLimits& limits,
-                              std::span<const double> entry_limits_m, IntersectionLists& lists,
-                              Sequence sequence) const {
+Candidates World::candidates(std::span<const Ray> rays, const RangeLimits& limits,
+                             std::span<const double> entry_limits_m) const {
   require(entry_limits_m.size() == rays.size(), "rays and limits differ in number");
   Workspace& w = workspace();
   Batch& batch = w.batch;
@@ -204,19 +203,36 @@ void World::all_intersections(std::span<const Ray> rays, const RangeLimits& limi
   batch.limits = limits;
   batch.entry_limits_m = entry_limits_m.data();
   batch.candidates.clear();
-  lists.first_.assign(rays.size() + 1, 0);
+  batch.bounds.clear();
   impl_->trace(Query::kAll, w, rays.size());
-  w.mets.resize(batch.candidates.size());
-  impl_->kernels->intersect_many(impl_->view(), batch, batch.candidates.data(), w.mets.size(),
-                                 w.mets.data());
+  return {batch.candidates, batch.bounds};
+}
+
+void World::intersections(std::span<const Ray> rays, const RangeLimits& limits,
+                          std::span<const Candidate> pairs, std::span<Intersection> met) const {
+  require(pairs.size() == met.size(), "candidates and answers differ in number");
+  Batch batch{};
+  batch.rays = rays.data();
+  batch.limits = limits;
+  impl_->kernels->intersect_many(impl_->view(), batch, pairs.data(), pairs.size(), met.data());
+}
+
+void World::all_intersections(std::span<const Ray> rays, const RangeLimits& limits,
+                              std::span<const double> entry_limits_m, IntersectionLists& lists,
+                              Sequence sequence) const {
+  const std::span<const Candidate> pairs = candidates(rays, limits, entry_limits_m).pairs;
+  Workspace& w = workspace();
+  w.mets.resize(pairs.size());
+  intersections(rays, limits, pairs, w.mets);
+  lists.first_.assign(rays.size() + 1, 0);
   for (size_t k = 0; k < w.mets.size(); ++k) {
-    if (!w.mets[k].none()) ++lists.first_[batch.candidates[k].ray + 1];
+    if (!w.mets[k].none()) ++lists.first_[pairs[k].ray + 1];
   }
   for (size_t i = 0; i < rays.size(); ++i) lists.first_[i + 1] += lists.first_[i];
   lists.met_.resize(lists.first_.back());
   std::vector<size_t> next(lists.first_.begin(), lists.first_.end() - 1);
   for (size_t k = 0; k < w.mets.size(); ++k) {
-    if (!w.mets[k].none()) lists.met_[next[batch.candidates[k].ray]++] = w.mets[k];
+    if (!w.mets[k].none()) lists.met_[next[pairs[k].ray]++] = w.mets[k];
   }
   for (size_t i = 0; sequence == Sequence::kByRange && i < rays.size(); ++i) {
     std::sort(lists.met_.begin() + long(lists.first_[i]),

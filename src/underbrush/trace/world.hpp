@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "underbrush/elements/scene.hpp"
+#include "underbrush/trace/candidate.hpp"
 #include "underbrush/trace/element_math.hpp"
 
 namespace underbrush::trace {
@@ -84,6 +85,15 @@ class World {
                          Sequence sequence = Sequence::kByRange) const;
   void all_intersections(const Ray& ray, const RangeLimits& limits, double entry_limit_m,
                          std::vector<Intersection>& met) const;
+
+  /// Finds the pairs of a ray and an element that `all_intersections` has, in no order, with a few
+  /// more that are too close to tell in single precision. The spans are valid until the thread's
+  /// next search of any world.
+  Candidates candidates(std::span<const Ray> rays, const RangeLimits& limits,
+                        std::span<const double> entry_limits_m) const;
+  /// Decides candidates: `met[k]` is what the ray of `pairs[k]` meets of its element, or none().
+  void intersections(std::span<const Ray> rays, const RangeLimits& limits,
+                     std::span<const Candidate> pairs, std::span<Intersection> met) const;
 
   /// How the trials are drawn.
   Draws draws() const;
