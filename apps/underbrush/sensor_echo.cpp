@@ -126,7 +126,8 @@ void echo_of_sensor(const Verb& verb, const SensorsArguments& a) {
   }
   std::vector<float> signal(range.size());
   const radiometry::Echoes echoes =
-      receiver.receive(range, weight, factor, signal, beam_key(verb.seed, 0, 0), waveform);
+      receiver.receive(range, weight, factor, signal, beam_key(verb.seed, 0, 0), waveform,
+                       radiometry::Receiver::Way::kByWaveform);
   if (!a.csv.empty()) write_csv(waveform, a.csv);
   if (!a.plot.empty()) plot_waveform(s, waveform, echoes, a.plot);
   Json j;

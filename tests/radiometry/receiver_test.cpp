@@ -13,9 +13,10 @@ namespace {
 struct Bench {
   explicit Bench(const ReceiverOptions& options) : receiver(options), scratch(receiver.scratch()) {}
 
-  Echoes operator()(std::vector<float> range, float factor = 1, uint64_t beam = 0) {
+  Echoes operator()(std::vector<float> range, float factor = 1, uint64_t beam = 0,
+                    Receiver::Way way = Receiver::Way::kFast) {
     std::vector<float> weight(range.size(), 1), factors(range.size(), factor), signal(range.size());
-    return receiver.receive(range, weight, factors, signal, beam_key(5, 0, beam), scratch);
+    return receiver.receive(range, weight, factors, signal, beam_key(5, 0, beam), scratch, way);
   }
 
   Receiver receiver;
@@ -274,7 +275,7 @@ TEST(Receiver, TakesTheStepOfTheConverterFromTheSensor) {
   s.signal.adc_step_snr = 3;
   s.check();
   Bench bench(receiver_options(s));
-  bench({20}, 0.5f);
+  bench({20}, 0.5f, 0, Receiver::Way::kByWaveform);
   size_t samples = 0;
   for (const auto& [range, signal] : table_of(bench.scratch)) {
     EXPECT_NEAR(signal / 3, std::round(signal / 3), 1e-5);

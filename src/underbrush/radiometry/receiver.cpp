@@ -13,6 +13,8 @@ namespace {
 
 // Elements of `Purpose::kSignal` besides the numbers of samples.
 constexpr uint32_t kFalseAlarm = 0xFFFF0000, kJitter = 0xFFFF1000;
+/// Returns that lie within this share of the pulse's length look like one.
+constexpr float kOneTarget = 0.05f;
 constexpr double kSkyBrightness = 0.03;  // of clear sky away from the sun, in the near infrared
 
 /// Computes k w f e^{−a r} / r². Its e^−x has a relative error below 3·10⁻⁷.
@@ -159,6 +161,7 @@ Receiver::Receiver(const ReceiverOptions& options)
     alarms_ = crossing_rate(double(options.detector.threshold), response_.noise_filter());
   }
   if (options.range_sigma_m > 0 && options.noise_sigma > 0) measure_jitter();
+  if (options.noise_sigma > 0) measure_lone_echo();
 }
 
 void Receiver::signals(std::span<const float> range_m, std::span<const float> weight,
@@ -172,9 +175,9 @@ void Receiver::signals(std::span<const float> range_m, std::span<const float> we
 
 Echoes Receiver::receive(std::span<const float> range_m, std::span<const float> weight,
                          std::span<const float> factor, std::span<float> signal, uint64_t key,
-                         Waveform& scratch) const {
+                         Waveform& scratch, Way way) const {
   signals(range_m, weight, factor, signal);
-  return receive(range_m, signal, key, scratch, noise_scale(range_m, weight, factor));
+  return receive(range_m, signal, key, scratch, noise_scale(range_m, weight, factor), way);
 }
 
 float Receiver::noise_scale(std::span<const float> range_m, std::span<const float> weight,
@@ -193,34 +196,64 @@ float Receiver::noise_scale(std::span<const float> range_m, std::span<const floa
 }
 
 Echoes Receiver::receive(std::span<const float> range_m, std::span<const float> signal,
-                         uint64_t key, Waveform& scratch, float noise_scale) const {
+                         uint64_t key, Waveform& scratch, float noise_scale, Way way) const {
   const float noise = float(options_.noise_sigma) * noise_scale;
-  scratch.clear();
-  scratch.add(range_m, signal);
-  scratch.add_noise(key, noise);
-  if (options_.adc_step > 0 || std::isfinite(options_.adc_most)) {
-    scratch.quantise(options_.adc_step, options_.adc_most);
+  LoneReturn lone;
+  if (lone_ && way == Way::kFast) {
+    lone = lone_return(range_m, signal, float(options_.max_range_m),
+                       kOneTarget * float(response_.area_m()));
   }
-  Echoes echoes = detector_.detect(scratch, noise_scale);
-  if (alarms_ > 0) add_false_alarm(scratch, key, double(noise), echoes);
+  Echoes echoes;
+  size_t touched = 0;
+  if (lone.signal > 0 && lone_->covers(lone.signal / noise) && lone.signal <= lone_most_) {
+    echoes.push(lone_->draw(lone, lone.signal / noise, key));
+    touched = scratch.reach_of(lone.range_m);
+  } else {
+    echoes = echoes_of(range_m, signal, key, scratch, noise_scale);
+    touched = scratch.touched();
+  }
+  if (alarms_ > 0) add_false_alarm(scratch.size() - touched, key, double(noise), echoes);
   report(key, noise_scale, echoes);
   return echoes;
 }
 
+Echoes Receiver::echoes_of(std::span<const float> range_m, std::span<const float> signal,
+                           uint64_t key, Waveform& scratch, float noise_scale) const {
+  scratch.clear();
+  scratch.add(range_m, signal);
+  scratch.add_noise(key, float(options_.noise_sigma) * noise_scale);
+  if (options_.adc_step > 0 || std::isfinite(options_.adc_most)) {
+    scratch.quantise(options_.adc_step, options_.adc_most);
+  }
+  return detector_.detect(scratch, noise_scale);
+}
+
+void Receiver::measure_lone_echo() {
+  constexpr double kClear = 6, kMostRatio = 1e5;  // of noise, above the threshold; of the table
+  const double noise = options_.noise_sigma;
+  lone_most_ = 0.9f * options_.adc_most;
+  const double most = std::min(kMostRatio, double(lone_most_) / noise);
+  const float reach = std::min(100.0f, float(options_.max_range_m));
+  Waveform w(response_, double(reach));
+  lone_.emplace(double(options_.detector.threshold) + kClear, most, noise, 0.4f * reach,
+                0.5f * reach, [&](float range, float signal, uint64_t key) {
+                  return echoes_of({&range, 1}, {&signal, 1}, key, w, 1);
+                });
+}
+
 // Samples that no return reaches are noise alone. They are not all drawn: one random number decides
 // whether one of them passes the threshold, a second one which, and a third one how far.
-void Receiver::add_false_alarm(const Waveform& waveform, uint64_t key, double noise,
+void Receiver::add_false_alarm(size_t free_samples, uint64_t key, double noise,
                                Echoes& echoes) const {
   const double u = uniform_from_bits(random_bits(key, kFalseAlarm, Purpose::kSignal));
-  const double free = double(waveform.size() - waveform.touched());
-  if (u >= free * alarms_) return;
+  if (u >= double(free_samples) * alarms_) return;
   const double where = uniform_from_bits(random_bits(key, kFalseAlarm + 1, Purpose::kSignal));
   const double tail = uniform_from_bits(random_bits(key, kFalseAlarm + 2, Purpose::kSignal));
   Echo e;
   e.range_m = float(where * options_.max_range_m);
   e.peak = float(-noise * normal_from_uniform(tail * exceedance_));
-  e.width_m = float(waveform.cell_m());
-  e.energy = float(e.peak * waveform.cell_m() / response_.area_m());
+  e.width_m = float(response_.cell_m());
+  e.energy = float(e.peak * response_.cell_m() / response_.area_m());
   echoes.push(e);
   std::sort(echoes.echo.begin(), echoes.echo.begin() + echoes.count,
             [](const Echo& a, const Echo& b) { return a.range_m < b.range_m; });

@@ -4,9 +4,10 @@
 #pragma once
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 
-#include "underbrush/radiometry/detector.hpp"
+#include "underbrush/radiometry/lone_echo.hpp"
 #include "underbrush/sensor/sensor.hpp"
 
 namespace underbrush::radiometry {
@@ -90,17 +91,23 @@ class Receiver {
                     std::span<const float> factor) const;
 
   /// Computes the echoes of one beam. The four spans are equally long, and `signal` is overwritten.
-  /// `scratch` holds the beam's digitised waveform afterwards. Random numbers are those of
-  /// `Purpose::kSignal` of `key`.
+  /// The echo of a return that stands alone, clear of the threshold and of saturation, is drawn
+  /// from the moments of its echoes (`LoneEcho`), unless `way` asks for its waveform; other beams
+  /// have their waveform made. `scratch` then holds the digitised waveform afterwards. Random
+  /// numbers are those of `Purpose::kSignal` of `key`.
+  enum class Way { kFast, kByWaveform };
   Echoes receive(std::span<const float> range_m, std::span<const float> weight,
                  std::span<const float> factor, std::span<float> signal, uint64_t key,
-                 Waveform& scratch) const;
+                 Waveform& scratch, Way way = Way::kFast) const;
   /// Computes the echoes of one beam from signals that are known, and its `noise_scale`.
   Echoes receive(std::span<const float> range_m, std::span<const float> signal, uint64_t key,
-                 Waveform& scratch, float noise_scale = 1) const;
+                 Waveform& scratch, float noise_scale = 1, Way way = Way::kFast) const;
 
  private:
-  void add_false_alarm(const Waveform& waveform, uint64_t key, double noise, Echoes& echoes) const;
+  Echoes echoes_of(std::span<const float> range_m, std::span<const float> signal, uint64_t key,
+                   Waveform& scratch, float noise_scale) const;
+  void measure_lone_echo();
+  void add_false_alarm(size_t free_samples, uint64_t key, double noise, Echoes& echoes) const;
   void report(uint64_t key, float noise_scale, Echoes& echoes) const;
   void measure_jitter();
   double range_variance(double snr) const;
@@ -109,6 +116,8 @@ class Receiver {
   ReceiverOptions options_;
   Response response_;
   Detector detector_;
+  std::optional<LoneEcho> lone_;
+  float lone_most_ = 0;  ///< The greatest signal of a lone return that certainly does not saturate.
   double exceedance_ = 0;  ///< Probability that a sample of noise is above the threshold.
   double alarms_ = 0;      ///< Probability that noise passes the threshold upwards at a sample.
   double noise_variance_m2_ = 0;     ///< Variance of the range by noise, times the signal squared.

@@ -8,26 +8,10 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/clones.hpp"
 #include "underbrush/core/rng.hpp"
+#include "underbrush/radiometry/normal_quantiles.hpp"
 
 namespace underbrush::radiometry {
 namespace {
-
-/// A table of the quantiles of the standard normal distribution at (k + ½)/4096, scaled to variance
-/// 1.
-const std::array<float, 4096>& normal_table() {
-  static const std::array<float, 4096> table = [] {
-    std::array<double, 4096> exact{};
-    double square = 0;
-    for (size_t k = 0; k < exact.size(); ++k) {
-      exact[k] = normal_from_uniform((double(k) + 0.5) / double(exact.size()));
-      square += exact[k] * exact[k] / double(exact.size());
-    }
-    std::array<float, 4096> t{};
-    for (size_t k = 0; k < t.size(); ++k) t[k] = float(exact[k] / std::sqrt(square));
-    return t;
-  }();
-  return table;
-}
 
 /// The arrays that `superpose` adds to, and what it needs to know about them.
 struct Target {
@@ -216,7 +200,7 @@ void Waveform::add(std::span<const float> range_m, std::span<const float> amplit
 
 void Waveform::add_noise(uint64_t key, float sigma) {
   if (!(sigma > 0)) return;
-  const auto& normal = normal_table();
+  const auto& normal = normal_quantiles();
   const uint64_t start = random_bits(key, 0, Purpose::kSignal);
   const std::span<const float> filter = response_.noise_filter();
   static_assert(kBlock % 4 == 0);
@@ -242,6 +226,11 @@ size_t Waveform::touched() const {
   size_t n = 0;
   for (const uint64_t bits : blocks_) n += size_t(std::popcount(bits));
   return n * kBlock;
+}
+
+size_t Waveform::reach_of(float range_m) const {
+  const auto place = uint32_t(int32_t(double(range_m) * places_per_m_));
+  return (last_block(place, uint32_t(response_.taps())) - first_block(place) + 1) * kBlock;
 }
 
 std::vector<std::pair<double, double>> table_of(const Waveform& waveform) {

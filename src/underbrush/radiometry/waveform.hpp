@@ -43,6 +43,8 @@ class Waveform {
   size_t size() const { return sample_.size(); }
   /// The number of touched samples.
   size_t touched() const;
+  /// The number of samples that a return at this range in [0, max_range] would touch alone.
+  size_t reach_of(float range_m) const;
   double cell_m() const { return response_.cell_m(); }
   double range_m(double sample) const { return (sample - response_.before()) * cell_m(); }
   const Response& response() const { return response_; }

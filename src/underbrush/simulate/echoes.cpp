@@ -122,9 +122,12 @@ void EchoMaker::receive(const BeamLog& beams, size_t first_beam, size_t begin, s
     returns.collect(beam.range_m, beam.weight, beam.traced);
     s.evaluator.begin(beams.direction[i].cast<double>(), beams.time_s[i]);
     s.evaluator.factors(beam.met, beam.rays, returns.sub_ray(), returns.factor());
+    using Way = radiometry::Receiver::Way;
+    const bool is_kept = options_.waveforms.wants(first_beam + i);
     const radiometry::Echoes echoes =
         receiver_.receive(returns.range_m(), returns.weight(), returns.factor(), returns.signal(),
-                          beam_key(options_.seed, beams.scan[i], first_beam + i), s.waveform);
+                          beam_key(options_.seed, beams.scan[i], first_beam + i), s.waveform,
+                          is_kept ? Way::kByWaveform : Way::kFast);
     block.count.push_back(uint8_t(echoes.count));
     block.echo.insert(block.echo.end(), echoes.begin(), echoes.end());
     if (options_.element_ids) {
@@ -132,7 +135,7 @@ void EchoMaker::receive(const BeamLog& beams, size_t first_beam, size_t begin, s
         block.element.push_back(element_at(e.range_m, returns, beam.met));
       }
     }
-    if (options_.waveforms.wants(first_beam + i)) {
+    if (is_kept) {
       BeamWaveform w{first_beam + i,  beams.scan[i],        beams.ring[i],
                      beams.time_s[i], table_of(s.waveform), {}};
       for (const radiometry::Echo& e : echoes) w.echo_m.push_back(double(e.range_m));
