@@ -121,6 +121,16 @@ std::string one_scan(const Section& section) {
   return html;
 }
 
+// The place of the curve; nothing where no simulation was scored with its model.
+std::string reliability_section(const Comparison& input, const Section& section) {
+  const bool any = std::any_of(input.simulated.begin(), input.simulated.end(), [&](const auto& m) {
+    return input.scores.at("models").at(m.name).contains("reliability");
+  });
+  if (!any) return "";
+  return "<section class=\"script\">\n" + heading(section, "Reliability") +
+         "<div class=\"reliability plot\"></div>\n</section>\n";
+}
+
 // What the script draws from: scores and points.
 Json data_of(const Survey& s, const Comparison& input) {
   Json clouds = Json::array();
@@ -136,6 +146,7 @@ Json data_of(const Survey& s, const Comparison& input) {
     Json scores = input.scores.at("models").at(m.name);
     models.push_back({{"name", m.name},
                       {"per_range", scores.value("per_range", Json::object())},
+                      {"reliability", scores.value("reliability", Json::object())},
                       {"histogram", scores.value("range_error_histogram", Json::object())}});
   }
   return {{"models", models},
@@ -189,6 +200,7 @@ std::string html_of(const Section& section) {
       {"confusion", confusion_tables(input)},
       {"histogram-heading", heading(section, "Range error")},
       {"bands-heading", heading(section, "By range")},
+      {"reliability", reliability_section(input, section)},
       {"classes", class_table(input, heading(section, "By class"))},
       {"view-caption", view_caption(s)},
       {"height-legend", scale_legend(s.low_m, s.high_m, "height (z)", "")},

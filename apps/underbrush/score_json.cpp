@@ -35,8 +35,24 @@ Json json_of(const metrics::Summary& s, const metrics::Score& all) {
   return j;
 }
 
+Json json_of(const metrics::Reliability& r) {
+  Json bins = Json::array();
+  for (size_t k = 0; k < r.bins().size(); ++k) {
+    const metrics::Reliability::Bin& b = r.bins()[k];
+    if (b.beams == 0) continue;
+    const double n = double(b.beams);
+    bins.push_back({{"from", double(k) / double(r.kBins)},
+                    {"to", double(k + 1) / double(r.kBins)},
+                    {"beams", b.beams},
+                    {"predicted", b.predicted / n},
+                    {"returned", double(b.returns) / n}});
+  }
+  return {{"error", number(r.error())}, {"bias", number(r.bias())}, {"bins", std::move(bins)}};
+}
+
 Json json_of(const metrics::Score& s) {
   Json j = json_of(s.all, s);
+  if (s.likelihood) j["reliability"] = json_of(s.reliability);
   j["roughness_m"] = number(s.roughness_m);
   j["roughness_real_m"] = number(s.real_roughness_m);
   if (s.intensity) j["intensity"] = json_of_intensity(*s.intensity);

@@ -183,6 +183,11 @@ std::string table_of_scores(const std::vector<Candidate>& candidates,
     text += row("neg. log-likelihood", scores, &Summary::nll_per_beam, 4);
     text += row("CRPS of the range, m", scores, &Summary::crps_m, 3);
     text += "    (a miss counts as the maximum range there, so a wrong one costs many metres)\n";
+    text += fmt::format("  {:<24}", "calibration error");
+    for (const metrics::Score& s : scores) text += fmt::format("{:>14.4f}", s.reliability.error());
+    text += "\n";
+    text +=
+        "    (of the probability of a return: its mean distance from the share that returned)\n";
   }
   return text + table_of_intensities(scores);
 }

@@ -59,6 +59,7 @@ std::string json_of(const std::vector<std::string>& names, const std::vector<Sco
 
 }  // namespace
 
+// long: a list of members.
 void bind_score(nb::module_& m) {
   nb::class_<Summary>(
       m, "Summary",
@@ -93,6 +94,13 @@ void bind_score(nb::module_& m) {
       .def_ro("per_class", &Score::per_class,
               "By the real log's column `class`; reading this makes a dict.")
       .def_ro("per_range", &Score::per_range, "By real range; reading this makes a dict.")
+      .def_prop_ro(
+          "calibration_error", [](const Score& s) { return s.reliability.error(); },
+          "Mean distance, over beams, of the predicted probability of a return from the share that "
+          "returned, in bins of 5 %; NaN without a model.")
+      .def_prop_ro(
+          "calibration_bias", [](const Score& s) { return s.reliability.bias(); },
+          "Mean predicted probability of a return minus the share that returned.")
       .def_ro("roughness_m", &Score::roughness_m,
               "m; roughness along the rings of the simulated log.")
       .def_ro("real_roughness_m", &Score::real_roughness_m, "m; that of the real log.")

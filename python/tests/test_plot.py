@@ -212,6 +212,22 @@ def test_range_error_histogram(log: underbrush.BeamLog, simulated: underbrush.Be
     assert ax.get_legend().get_texts()[0].get_text() == f"one: {beyond:.1%} beyond ±2 m"
 
 
+def test_reliability(log: underbrush.BeamLog, simulated: underbrush.BeamLog, model: underbrush.Model) -> None:
+    score = underbrush.score(log, simulated, model=model, cloud=False)
+    ax = plot.reliability({"a": score})
+    printed = json.loads(_core.scores_json(["score"], [score], "{}"))["reliability"]
+    assert sum(b["beams"] for b in printed["bins"]) == score.all.beams
+    returned = sum(b["beams"] * b["returned"] for b in printed["bins"])
+    assert round(returned) == score.all.true_hits + score.all.false_misses
+    assert 0 < score.calibration_error < 0.2 and abs(score.calibration_bias) <= score.calibration_error
+    assert np.allclose(ax.lines[1].get_ydata(), [b["returned"] for b in printed["bins"]])
+    assert ax.get_legend().get_texts()[0].get_text() == f"a: calibration error {score.calibration_error:.2%}"
+    without = underbrush.score(log, simulated, cloud=False)
+    assert np.isnan(without.calibration_error)
+    with pytest.raises(ValueError, match="without a model"):
+        plot.reliability(without)
+
+
 def test_score_by_range(log: underbrush.BeamLog, simulated: underbrush.BeamLog) -> None:
     score = underbrush.score(log, simulated, cloud=False)
     ax = plot.score_by_range({"a": score}, "recall")

@@ -200,6 +200,42 @@ function bands_plot(root, data) {
   return draw;
 }
 
+// --- Reliability -------------------------------------------------------------------------------
+function reliability_plot(root, data) {
+  const place = root.querySelector('.reliability');
+  if (!place) return;
+  const models = data.models.map((m, k) => ({k, name: m.name, ...m.reliability})).filter((m) => m.bins && m.bins.length);
+  const plot = div(place, ''), readout = div(place, 'models'), caption = div(place, 'caption');
+  const percent = (x) => `${tidy(Number((100 * x).toFixed(2)))} %`;
+  readout.innerHTML = models.map((m) => `<span><i style="background:${colour(m.k)}"></i>${escaped(m.name)}: ` +
+      `calibration error ${percent(m.error)}, mean probability ${percent(Math.abs(m.bias))} too ` +
+      `${m.bias < 0 ? 'low' : 'high'}</span>`).join('');
+  caption.textContent = 'Share of the beams that returned, by the probability of a return that the model gave them, ' +
+      'in bins of 5 %. A calibrated model is on the diagonal. The area of a dot grows with its beams; the calibration ' +
+      'error is the mean distance from the diagonal, over beams.';
+  function draw() {
+    const f = frame_of(plot);
+    const x_of = (p) => f.left + (f.right - f.left) * p, y_of = (p) => f.bottom - (f.bottom - f.top) * p;
+    let svg = `<svg viewBox="0 0 ${f.width} ${f.height}" role="img" aria-label="Reliability of the probability of a return">`;
+    for (let p = 0; p <= 1.001; p += 0.25) {
+      svg += grid_line(f, y_of(p), percent(p)) +
+          `<text x="${x_of(p)}" y="${f.bottom + 18}" text-anchor="${p > 0.99 ? 'end' : 'middle'}">${percent(p)}</text>`;
+    }
+    svg += `<line class="reading" x1="${x_of(0)}" y1="${y_of(0)}" x2="${x_of(1)}" y2="${y_of(1)}"/>`;
+    for (const m of models) {
+      const most = Math.max(...m.bins.map((b) => b.beams));
+      const at = m.bins.map((b) => [x_of(b.predicted).toFixed(1), y_of(b.returned).toFixed(1), b.beams]);
+      svg += `<path d="M${at.map(([x, y]) => `${x} ${y}`).join('L')}" fill="none" stroke="${colour(m.k)}" stroke-width="1.6"/>`;
+      for (const [x, y, n] of at) {
+        svg += `<circle cx="${x}" cy="${y}" r="${(2 + 6 * Math.sqrt(n / most)).toFixed(1)}" fill="${colour(m.k)}" opacity=".8"/>`;
+      }
+    }
+    plot.innerHTML = svg + '</svg>';
+  }
+  draw();
+  return draw;
+}
+
 // --- Three dimensions --------------------------------------------------------------------------
 const SHADER_OF_POINTS = `
 attribute vec3 at; attribute float error;
@@ -407,7 +443,7 @@ document.documentElement.classList.add('scripted');
 hold_pictures();
 const roots = document.querySelectorAll('.comparison');
 const redraws = JSON.parse(by_id('data').textContent).flatMap((data, k) =>
-    [histogram_plot, bands_plot, points_view].map((draw) => draw(roots[k], data))).filter(Boolean);
+    [histogram_plot, bands_plot, reliability_plot, points_view].map((draw) => draw(roots[k], data))).filter(Boolean);
 // The contents lead to nothing that this browser does not show.
 for (const link of document.querySelectorAll('nav span a')) {
   if (!by_id(link.hash.slice(1)).getClientRects().length) link.remove();

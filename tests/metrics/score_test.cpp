@@ -147,9 +147,13 @@ TEST(Score, LikelihoodPrefersTheModelThatMadeTheBeams) {
   const trace::World good_world(good), bad_world(bad);
   ScoreOptions options;
   options.world = &good_world;
-  const Summary a = score_of(real, real, options).all;
+  const Score of_good = score_of(real, real, options);
   options.world = &bad_world;
-  const Summary b = score_of(real, real, options).all;
+  const Score of_bad = score_of(real, real, options);
+  const Summary &a = of_good.all, &b = of_bad.all;
+  EXPECT_LT(of_good.reliability.error(), 0.04);
+  EXPECT_NEAR(of_bad.reliability.error(), 0.5, 0.05);
+  EXPECT_EQ(of_bad.reliability.beams(), real.size());
   EXPECT_LT(a.nll_per_beam, b.nll_per_beam);
   EXPECT_LT(a.crps_m, b.crps_m);
   // The entropy of the truth without outliers is ½(ln 2 + ln 2 + ½ ln(2πe σ²)).

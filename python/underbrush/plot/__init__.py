@@ -12,10 +12,10 @@ except ImportError as error:
     raise ImportError("underbrush.plot needs Matplotlib: pip install 'underbrush[plot]'") from error
 
 from underbrush.plot.images import Panorama, error_map, panorama, range_image
-from underbrush.plot.scores import range_error_histogram, score_by_range
+from underbrush.plot.scores import range_error_histogram, reliability, score_by_range
 from underbrush.plot.section import ellipses_in_plane, section
 
 __all__ = ["Panorama", "ellipses_in_plane", "error_map", "panorama", "range_error_histogram", "range_image",
-           "score_by_range", "section"]
+           "reliability", "score_by_range", "section"]
 
 del _matplotlib

@@ -23,9 +23,9 @@ def _named(scores: Score | Mapping[str, Score]) -> dict[str, Score]:
     return {"": scores} if isinstance(scores, Score) else dict(scores)
 
 
-def _histogram(score: Score) -> dict[str, Any]:
-    """from_m, to_m, bin_m and the counts below, in and above the bins."""
-    found: dict[str, Any] = json.loads(_core.scores_json(["score"], [score], "{}"))["range_error_histogram"]
+def _printed(score: Score) -> dict[str, Any]:
+    """The score as `underbrush score --json` prints it."""
+    found: dict[str, Any] = json.loads(_core.scores_json(["score"], [score], "{}"))
     return found
 
 
@@ -37,7 +37,7 @@ def range_error_histogram(scores: Score | Mapping[str, Score], *, log: bool = Fa
     """
     ax = axes_or_new(ax, 6.0, 3.5)
     for k, (name, score) in enumerate(_named(scores).items()):
-        found = _histogram(score)
+        found = _printed(score)["range_error_histogram"]
         count = np.array(found["below_bins_above"], dtype=float)
         share = count / max(count.sum(), 1)
         edges = np.linspace(found["from_m"], found["to_m"], len(count) - 1)
@@ -48,6 +48,28 @@ def range_error_histogram(scores: Score | Mapping[str, Score], *, log: bool = Fa
         ax.set_yscale("log")
     ax.set_xlabel("simulated − measured range, m")
     ax.set_ylabel("share of beams, %")
+    ax.legend(frameon=False)
+    return ax
+
+
+def reliability(scores: Score | Mapping[str, Score], *, ax: Axes | None = None) -> Axes:
+    """Draws the share of the beams that returned by the probability of a return that the model gave them.
+
+    `scores` is a score or several by name, made with a model; a calibrated model is on the diagonal. The area of a dot
+    grows with its beams. Raises `ValueError` for a score without a model.
+    """
+    ax = axes_or_new(ax, 4.5, 4.5)
+    ax.plot([0, 1], [0, 1], color="0.6", linewidth=0.8, linestyle="--")
+    for k, (name, score) in enumerate(_named(scores).items()):
+        found = _printed(score).get("reliability")
+        if found is None:
+            raise ValueError("reliability: the score was made without a model")
+        x, y, beams = (np.array([b[key] for b in found["bins"]]) for key in ("predicted", "returned", "beams"))
+        error = f"calibration error {found['error']:.2%}"
+        ax.plot(x, y, color=KINDS[k % len(KINDS)], linewidth=1.4, label=f"{name}: {error}" if name else error)
+        ax.scatter(x, y, s=4 + 60 * beams / beams.max(), color=KINDS[k % len(KINDS)], alpha=0.8)
+    ax.set_xlabel("predicted probability of a return")
+    ax.set_ylabel("share that returned")
     ax.legend(frameon=False)
     return ax
 

@@ -41,6 +41,11 @@ double mean_absolute(double mean, double variance) {
 
 }  // namespace
 
+double return_probability(const trace::RangeMixture& p) {
+  constexpr trace::OutlierShares kOutliers = trace::kReportedOutliers;
+  return kOutliers.explained() * (1 - p.miss) + kOutliers.hit;
+}
+
 double negative_log_likelihood(const trace::RangeMixture& p, double range_m, double max_range_m) {
   constexpr trace::OutlierShares kOutliers = trace::kReportedOutliers;
   return -std::log(kOutliers.explained() * p.likelihood(range_m) +

@@ -104,6 +104,7 @@ class Scorer {
         ++mover_beams_;
         continue;
       }
+      if (options_.world) reliability_.add(return_probability_[i], real.is_hit(i));
       const size_t of_class = label.empty() ? kNoSet : set_of_class(label[i]);
       const size_t set[3] = {0, set_of_range(real.range_m[i]), of_class};
       for (size_t s : set) {
@@ -119,6 +120,7 @@ class Scorer {
     score.cloud = options_.cloud;
     score.likelihood = options_.world != nullptr;
     score.range_error = histogram_;
+    score.reliability = reliability_;
     score.roughness_m = roughness_[1].median();
     score.real_roughness_m = roughness_[0].median();
     score.all = sets_[0].finish();
@@ -181,6 +183,7 @@ class Scorer {
     if (!options_.world) return;
     nll_.resize(real.size());
     crps_.resize(real.size());
+    return_probability_.resize(real.size());
     const double max_range = real.info.max_range_m;
     const double reach = std::min(max_range, options_.world->model().max_range_m);
     std::optional<trace::Recollection> memory;
@@ -203,6 +206,7 @@ class Scorer {
           const Ray& ray = rays[i - begin];
           memory->mix(memory->recall(ray, memory->near(ray.origin, keyframes)), p);
         }
+        return_probability_[i] = return_probability(p);
         nll_[i] = negative_log_likelihood(p, real.range_m[i], max_range);
         crps_[i] = crps(p, real.range_m[i], max_range);
       }
@@ -248,7 +252,8 @@ class Scorer {
   RangeErrorHistogram histogram_;
   IntensityScorer intensities_;
   RingRoughness roughness_[2];  // of the real log, and of the simulated one
-  std::vector<double> nll_, crps_;
+  std::vector<double> nll_, crps_, return_probability_;
+  Reliability reliability_;
   size_t mover_beams_ = 0;
   bool have_origin_ = false;
   Vec3 origin_ = Vec3::Zero();

@@ -10,6 +10,7 @@
 
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/metrics/intensity.hpp"
+#include "underbrush/metrics/reliability.hpp"
 #include "underbrush/trace/world.hpp"
 
 namespace underbrush::metrics {
@@ -58,6 +59,7 @@ struct Score {
   std::map<std::string, Summary> per_class;
   std::map<std::string, Summary> per_range;  ///< Scores by real range ("0-10", … m, "miss").
   RangeErrorHistogram range_error;
+  Reliability reliability;  ///< The model's probability of a return; empty without a model.
   /// Roughness along the rings (`RingRoughness::median`, m) of the simulated and of the real log;
   /// NaN for logs without rings.
   double roughness_m = kUnknown, real_roughness_m = kUnknown;
