@@ -59,7 +59,7 @@ DEFAULT = ["default", "sharp", "surface", "surface_paper", "surface_carved"]
 COLUMNS = [("packet_error_m", "packet error, m", 3), ("precision", "precision", 4),
            ("recall", "recall", 4), ("f1", "F1", 4), ("cloud_error_m", "cloud error, m", 4),
            ("median_range_error_m", "median range error, m", 3), ("nll_per_beam", "NLL/beam", 3),
-           ("crps_m", "CRPS, m", 3), ("packet_f1", "packet error + 2(1 − F1)", 3)]
+           ("crps_m", "CRPS, m", 3), ("calibration_error", "calibration error", 4), ("packet_f1", "packet error + 2(1 − F1)", 3)]
 
 
 def run(program: Program, *words: object) -> None:
@@ -113,6 +113,7 @@ def score(program: Program, work: pathlib.Path, name: str, models: list[str]) ->
     run(program, *words, "--json", work / "score.json", "--report", work / "report")
     result: Scores = json.loads((work / "score.json").read_text())
     for s in result["models"].values():
+        s["calibration_error"] = s["reliability"]["error"]
         s["packet_f1"] = s["packet_error_m"] + 2 * (1 - s["f1"])
     return result
 

@@ -60,7 +60,7 @@ class FitParameters(TypedDict, total=False):
     #: k) / (n - k) (default 2).
     spent_at_start: float
     held_out: int  #: One group of beams in so many judges the steps and is not learnt from (default 20).
-    dropout: float  #: How readily a lone miss is taken as a lost return, not as a way through (default 0.05).
+    dropout: float  #: How readily a lone miss is taken as a lost return, not as a way through (default 0.02).
     #: How much more decided than the likeliest model: above 1 for smaller errors of a draw, at the cost of
     #: likelihood (default 1).
     sharpness: float

@@ -46,6 +46,12 @@ def real_logs(models):
     return tuple(part(log, model) for log in LOGS for model in models)
 
 
+def reliability(models):
+    def part(log, model):
+        return Part((model_job(log, model),), lambda folder: [(log, model, [scores(folder)["calibration error"]])])
+    return tuple(part(log, model) for log in LOGS for model in models)
+
+
 def readme_rows():
     rows = {"KITTI 0027": "kitti_0027_forest", "KITTI 0005": "kitti_0005_city", "KITTI 0052": "kitti_0052_static",
             "RELLIS-3D": "rellis_000104", "ROUGH": "marv_forest"}
@@ -317,6 +323,7 @@ def terrestrial_parameters(folder):
 MEASURED = {
     "readme": Measured(readme_rows()),
     "real-logs": Measured(real_logs(("default", "sharp", "surface", "surface_carved", "mesh_primitives"))),
+    "reliability": Measured(reliability(("default", "sharp", "hierarchical", "surface"))),
     "keyframes": Measured(real_logs(("default", "keyframes"))),
     "fitters": Measured(fitters(("default", "hierarchical", "voxel", "top_down", "bottom_up"))),
     "options-of-fit": Measured(options_of_fit()),

@@ -24,7 +24,7 @@ struct LikelihoodOptions {
   /// single miss makes the elements in its way permeable. This gives the best likelihood but the
   /// worst F1, because a simulation then loses other beams than the log did. See
   /// docs/explanation/likelihood.md.
-  double dropout = 0.05;
+  double dropout = 0.02;
   /// The exponent γ of `sharpened`, applied to the final model; 1 leaves it as it is. Above 1, a
   /// simulated range lies nearer to the measured one, while likelihood and CRPS get worse.
   double sharpness = 1;
