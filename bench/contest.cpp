@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "machine.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/trace/order.hpp"
@@ -63,6 +64,25 @@ Json Contest::rates(size_t rays, int rounds) const {
   Json j;
   for (size_t k = 0; k < runs_.size(); ++k) j[names_[k]] = median(rate[k]);
   return j;
+}
+
+Json Contest::instructions(size_t rays) const {
+  Json j;
+  for (size_t k = 0; k < runs_.size(); ++k) {
+    const InstructionCounter counter;
+    runs_[k]();
+    if (const auto n = counter.count()) j[names_[k]] = *n / double(rays);
+  }
+  return j;
+}
+
+void print_machine(const Json& machine) {
+  std::printf("%s, %d cores, %.2f GHz as measured\n",
+              machine["processor"].get<std::string>().c_str(), machine["cores"].get<int>(),
+              machine["clock_ghz"].get<double>());
+  if (!InstructionCounter().count()) {
+    std::printf("no counter of instructions on this machine; `make gates` counts them\n");
+  }
 }
 
 double fastest(const Json& rates, const char* prefix) {

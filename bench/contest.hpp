@@ -29,6 +29,10 @@ class Contest {
   void add(std::string name, std::function<void()> f);
   Json rates(size_t rays, int rounds) const;
 
+  /// Returns the instructions a ray of each way, in one run of one thread; null where the machine
+  /// does not count them.
+  Json instructions(size_t rays) const;
+
  private:
   std::vector<std::string> names_;
   std::vector<std::function<void()>> runs_;
@@ -36,6 +40,9 @@ class Contest {
 
 /// Returns the largest of the rates whose names begin so.
 double fastest(const Json& rates, const char* prefix);
+
+/// Prints what `machine()` says.
+void print_machine(const Json& machine);
 
 /// Returns the instruction sets of this machine.
 std::vector<trace::Isa> instruction_sets();

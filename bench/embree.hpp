@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "underbrush/core/ray.hpp"
-#include "underbrush/elements/model.hpp"
+#include "underbrush/elements/scene.hpp"
 
 namespace underbrush::bench {
 
@@ -20,29 +20,35 @@ class Embree {
   /// `config` is in Embree's own form, such as "isa=avx2"; nullptr lets Embree choose.
   explicit Embree(const elements::TriangleMesh& mesh, const char* config = nullptr,
                   RTCBuildQuality quality = RTC_BUILD_QUALITY_MEDIUM)
-      : device_(rtcNewDevice(config)), scene_(rtcNewScene(device_)) {
-    const auto count = [](void* sum, ssize_t bytes, bool) {
-      *static_cast<std::atomic<ssize_t>*>(sum) += bytes;
-      return true;
-    };
-    rtcSetDeviceMemoryMonitorFunction(device_, count, &bytes_);
-    rtcSetSceneBuildQuality(scene_, quality);
-    RTCGeometry g = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
-    auto* v = static_cast<float*>(rtcSetNewGeometryBuffer(
-        g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, mesh.vertices.size()));
-    for (const Vec3f& p : mesh.vertices) v = std::copy_n(p.data(), 3, v);
-    auto* t = static_cast<unsigned*>(
-        rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, mesh.size()));
-    for (const auto& corners : mesh.triangles) t = std::copy(corners.begin(), corners.end(), t);
-    rtcCommitGeometry(g);
-    rtcAttachGeometry(scene_, g);
-    rtcReleaseGeometry(g);
+      : Embree(config) {
+    scene_ = scene_of(mesh, quality);
+  }
+
+  /// Builds each mesh once and places it as the instances say; their models count the meshes.
+  Embree(std::span<const elements::TriangleMesh> meshes,
+         std::span<const elements::Instance> instances, const char* config = nullptr)
+      : Embree(config) {
+    scene_ = rtcNewScene(device_);
+    for (const auto& mesh : meshes) parts_.push_back(scene_of(mesh, RTC_BUILD_QUALITY_MEDIUM));
+    for (const elements::Instance& i : instances) {
+      RTCGeometry g = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_INSTANCE);
+      rtcSetGeometryInstancedScene(g, parts_[i.model]);
+      Eigen::Matrix<float, 3, 4> m;
+      m.leftCols<3>() =
+          (double(i.scale) * i.world_from_model.rotation.toRotationMatrix()).cast<float>();
+      m.col(3) = i.world_from_model.translation.cast<float>();
+      rtcSetGeometryTransform(g, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, m.data());
+      rtcCommitGeometry(g);
+      rtcAttachGeometry(scene_, g);
+      rtcReleaseGeometry(g);
+    }
     rtcCommitScene(scene_);
   }
   Embree(const Embree&) = delete;
   Embree& operator=(const Embree&) = delete;
   ~Embree() {
     rtcReleaseScene(scene_);
+    for (RTCScene part : parts_) rtcReleaseScene(part);
     rtcReleaseDevice(device_);
   }
 
@@ -76,6 +82,31 @@ class Embree {
   }
 
  private:
+  explicit Embree(const char* config) : device_(rtcNewDevice(config)) {
+    const auto count = [](void* sum, ssize_t bytes, bool) {
+      *static_cast<std::atomic<ssize_t>*>(sum) += bytes;
+      return true;
+    };
+    rtcSetDeviceMemoryMonitorFunction(device_, count, &bytes_);
+  }
+
+  RTCScene scene_of(const elements::TriangleMesh& mesh, RTCBuildQuality quality) const {
+    RTCScene scene = rtcNewScene(device_);
+    rtcSetSceneBuildQuality(scene, quality);
+    RTCGeometry g = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+    auto* v = static_cast<float*>(rtcSetNewGeometryBuffer(
+        g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, mesh.vertices.size()));
+    for (const Vec3f& p : mesh.vertices) v = std::copy_n(p.data(), 3, v);
+    auto* t = static_cast<unsigned*>(
+        rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, mesh.size()));
+    for (const auto& corners : mesh.triangles) t = std::copy(corners.begin(), corners.end(), t);
+    rtcCommitGeometry(g);
+    rtcAttachGeometry(scene, g);
+    rtcReleaseGeometry(g);
+    rtcCommitScene(scene);
+    return scene;
+  }
+
   template <size_t kSize, class Packet, class Trace>
   static void packets(std::span<const Ray> rays, float max_range_m, std::span<float> range,
                       Trace trace) {
@@ -105,7 +136,8 @@ class Embree {
 
   std::atomic<ssize_t> bytes_ = 0;
   RTCDevice device_;
-  RTCScene scene_;
+  RTCScene scene_ = nullptr;
+  std::vector<RTCScene> parts_;
 };
 
 }  // namespace underbrush::bench

@@ -5,17 +5,23 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "contest.hpp"
+#include "curves.hpp"
 #include "embree.hpp"
-#include "report/svg_plot.hpp"
+#include "machine.hpp"
 #include "trace_scenes.hpp"
 #include "underbrush/core/parallel.hpp"
 
 namespace underbrush::bench {
 namespace {
+
+/// Larger scenes of instances have one Embree and not two: it takes about half a kilobyte each.
+constexpr size_t kMostInstancesTwice = 5000000;
 
 struct Case {
   const char* scene;
@@ -31,26 +37,30 @@ class Bench {
     const Rays rays(drive(sensor, quick_ ? 1 : c.sub_rays > 1 ? 1 : 4, c.sub_rays));
     const elements::TriangleMesh triangles = as_triangles(model);
     const Embree best(triangles), avx2(triangles, "isa=avx2");
-    std::vector<float> range(rays.firing.size());
     Contest contest;
-    const auto embree = [&](const char* name, const Embree& e, const std::vector<Ray>& r,
-                            EmbreeMode mode) {
-      contest.add(name,
-                  [&e, &r, &range, mode] { e.closest_hits(r, mode, float(kMaxRange), range); });
-    };
-    embree("embree_single", best, rays.firing, EmbreeMode::kSingle);
-    embree("embree_packet8", best, rays.coherent, EmbreeMode::kPacket8);
-    embree("embree_packet16", best, rays.coherent, EmbreeMode::kPacket16);
-    embree("embree_avx2_packet8", avx2, rays.coherent, EmbreeMode::kPacket8);
+    std::vector<float> range(rays.firing.size());
+    add_embree(contest, "embree", best, rays, range);
+    add_embree(contest, "embree_avx2", avx2, rays, range);
     return finish(
         c, contest, rays, [&](trace::Isa isa) { return trace::World(model, isa); }, model.size());
   }
 
   Json scene_case(const Case& c, const elements::Scene& scene, const char* sensor) {
     const Rays rays(drive(sensor, quick_ ? 1 : c.sub_rays > 1 ? 1 : 4, c.sub_rays));
+    std::vector<elements::TriangleMesh> triangles;
+    for (const elements::Model& m : scene.models) triangles.push_back(as_triangles(m));
     Contest contest;
+    std::vector<float> range(rays.firing.size());
+    const Embree best(triangles, scene.instances);
+    add_embree(contest, "embree", best, rays, range);
+    std::optional<Embree> avx2;
+    if (scene.instances.size() <= kMostInstancesTwice) {
+      avx2.emplace(triangles, scene.instances, "isa=avx2");
+      add_embree(contest, "embree_avx2", *avx2, rays, range);
+    }
     Json j = finish(
         c, contest, rays, [&](trace::Isa isa) { return trace::World(scene, isa); }, 0);
+    j["bytes_per_instance_embree"] = double(best.bytes()) / double(scene.instances.size());
     size_t of_models = 0, virtually = 0;
     for (const auto& i : scene.instances) virtually += scene.models[i.model].ellipsoids.size();
     for (const auto& m : scene.models) of_models += trace::World(m).bytes();
@@ -62,6 +72,17 @@ class Bench {
   }
 
  private:
+  static void add_embree(Contest& contest, const std::string& name, const Embree& e,
+                         const Rays& rays, std::vector<float>& range) {
+    const auto add = [&](const char* suffix, const std::vector<Ray>& r, EmbreeMode mode) {
+      contest.add(name + suffix,
+                  [&e, &r, &range, mode] { e.closest_hits(r, mode, float(kMaxRange), range); });
+    };
+    add("_single", rays.firing, EmbreeMode::kSingle);
+    add("_packet8", rays.coherent, EmbreeMode::kPacket8);
+    add("_packet16", rays.coherent, EmbreeMode::kPacket16);
+  }
+
   template <class MakeWorld>
   Json finish(const Case& c, Contest& contest, const Rays& rays, MakeWorld make,
               size_t elements) const {
@@ -82,6 +103,7 @@ class Bench {
     j["sub_rays"] = c.sub_rays;
     j["rays"] = rays.firing.size();
     j["rays_per_s_per_core"] = contest.rates(rays.firing.size(), rounds_);
+    j["instructions_per_ray"] = contest.instructions(rays.firing.size());
     set_threads(2);
     Contest two;
     for (const trace::World& w : worlds) {
@@ -116,6 +138,11 @@ void print(const Json& j) {
   for (const char* key : {"build_us_per_element_1_thread", "bytes_per_element", "build_s_1_thread",
                           "bytes_per_instance"}) {
     if (j.contains(key) && j[key].is_number()) std::printf("; %s %.3g", key, j[key].get<double>());
+  }
+  for (const auto& [name, count] : j["instructions_per_ray"].items()) {
+    const double rate = j["rays_per_s_per_core"][name].get<double>();
+    std::printf("; %s %.0f instructions a ray, %.2f G/s", name.c_str(), count.get<double>(),
+                1e-9 * rate * count.get<double>());
   }
   std::printf("\n");
   std::fflush(stdout);
@@ -165,36 +192,6 @@ Json summary(const Json& cases, size_t middle) {
   return j;
 }
 
-/// Plots the rays per second and core against the number of ellipsoids, in the dense forest.
-void plot(const Json& cases, const std::string& file) {
-  report::SvgPlot out("Dense forest, HDL-64E beams in firing order (Embree: ordered)",
-                      "log10 of the number of ellipsoids", "million rays/s a core");
-  const std::vector<std::pair<const char*, const char*>> ways{
-      {"ours_avx512", "#0a7d33"},         {"ours_avx2", "#4cb86a"},
-      {"ours_sse2", "#a9dcb5"},           {"embree_packet16", "#b3261e"},
-      {"embree_avx2_packet8", "#e0736c"}, {"embree_single", "#f0b6b2"}};
-  double most = 0, last = 4;
-  for (const Json& c : cases) {
-    if (c["scene"] != "forest" || c["sub_rays"] != 1) continue;
-    most = std::max(most, 1.1e-6 * fastest(c["rays_per_s_per_core"], ""));
-    last = std::max(last, std::log10(c["elements"].get<double>()));
-  }
-  out.x_axis(4, last + 0.7);
-  out.y_axis(0, most);
-  for (const auto& [name, colour] : ways) {
-    report::SvgPlot::Points points;
-    for (const Json& c : cases) {
-      if (c["scene"] != "forest" || c["sub_rays"] != 1 || rate_of(c, name) == 0) continue;
-      points.emplace_back(std::log10(c["elements"].get<double>()), 1e-6 * rate_of(c, name));
-    }
-    if (points.empty()) continue;
-    out.line(points, colour, name[0] == 'e');
-    out.dots(points, colour, 6);
-    out.text(points.back().first + 0.04, points.back().second, name);
-  }
-  out.write(file);
-}
-
 }  // namespace
 }  // namespace underbrush::bench
 
@@ -208,7 +205,10 @@ int main(int argc, char** argv) {
   std::string isa = "avx2";
   bool quick = false;
   app.add_option("--json", json_file, "Write the figures to this file as JSON");
-  app.add_option("--plot", plot_file, "Draw rays/s against the number of elements (SVG)");
+  app.add_option(
+      "--plot", plot_file,
+      "Draw rays/s against the number of ellipsoids (SVG), and against that of instances "
+      "in a second file, NAME.instances.svg");
   app.add_option("--rounds", rounds, "Number of rounds in turns, of which the median counts")
       ->capture_default_str();
   app.add_flag("--quick", quick, "Measure fewer and smaller cases (10^5 stands for 10^6)");
@@ -226,6 +226,8 @@ int main(int argc, char** argv) {
   }
   if (quick) rounds = std::min(rounds, 3);
 
+  const Json on = machine();
+  print_machine(on);
   Bench bench(rounds, quick);
   const char* hdl = "velodyne-hdl64e";
   Json cases = Json::array();
@@ -246,15 +248,21 @@ int main(int argc, char** argv) {
     if (!quick) keep(bench.model_case({"forest", n, 41}, model, hdl));
   }
   keep(bench.model_case({"field", middle, 1}, field(middle), hdl));
-  for (size_t n : quick ? std::vector<size_t>{1000} : std::vector<size_t>{286, 10000, 1000000}) {
+  for (size_t n :
+       quick ? std::vector<size_t>{1000} : std::vector<size_t>{10000, 100000, 1000000, 10000000}) {
     keep(bench.scene_case({"planted", n, 1}, planted(n), hdl));
   }
   Json out = summary(cases, middle);
   for (const auto& [key, value] : out.items()) {
     std::printf("%-42s %.4g\n", key.c_str(), value.get<double>());
   }
+  out["machine"] = on;
   out["cases"] = cases;
-  if (!plot_file.empty()) plot(cases, plot_file);
+  if (!plot_file.empty()) {
+    plot_curves(cases, "scene", "forest", "elements", "Dense forest", plot_file);
+    const std::string second = std::filesystem::path(plot_file).replace_extension("instances.svg");
+    plot_curves(cases, "scene", "planted", "elements", "Instances of trees", second);
+  }
   if (!json_file.empty()) std::ofstream(json_file) << out.dump(2) << "\n";
   return 0;
 }
