@@ -30,6 +30,13 @@ double difference_of_products(double x, double y, double z, double w) {
   return (std::fma(x, y, -xy) - std::fma(z, w, -zw)) + plain;
 }
 
+Vec3 normal_of_triangle(const Vec3f& a, const Vec3f& b, const Vec3f& c) {
+  const Vec3 at[3] = {a.cast<double>(), b.cast<double>(), c.cast<double>()};
+  Vec3 normal;
+  normal_of(at[0].data(), at[1].data(), at[2].data(), normal.data());
+  return normal;
+}
+
 }  // namespace
 
 std::optional<double> crossing(const Vec3& origin, const Vec3& direction, const Vec3f& a,
@@ -46,16 +53,17 @@ std::optional<double> crossing(const Vec3& origin, const Vec3& direction, const 
     corner[2][k] = c[axis[k]];
   }
   const Sheared<double> s = shear(o, d, corner);
-  double weight[3];
   bool above = true, below = true;
   for (int k = 0; k < 3; ++k) {
     const int i = (k + 1) % 3, j = (k + 2) % 3;
-    weight[k] = difference_of_products(s.x[i], s.y[j], s.x[j], s.y[i]);
-    above &= weight[k] >= 0;
-    below &= weight[k] <= 0;
+    const double weight = difference_of_products(s.x[i], s.y[j], s.x[j], s.y[i]);
+    above &= weight >= 0;
+    below &= weight <= 0;
   }
   if (above == below) return std::nullopt;  // outside, or all weights are zero
-  return range_at(s, weight, d[2]);
+  const Vec3 normal = normal_of_triangle(a, b, c), first = a.cast<double>();
+  return range_to_plane(origin.data(), first.data(), normal.data(),
+                        dot(normal.data(), direction.data()));
 }
 
 std::array<int64_t, 3> voxel_of(const Vec3& point, double voxel_m) {
@@ -84,10 +92,10 @@ Intersection intersect_ellipsoid(const elements::Model& model, const elements::E
 double sigma_of(const elements::TriangleMesh& mesh, const std::array<uint32_t, 3>& corner,
                 const Vec3& direction) {
   if (!(mesh.roughness_m > 0)) return mesh.range_sigma_m;
-  Vec3 at[3];
-  for (size_t v = 0; v < 3; ++v) at[v] = mesh.vertices[corner[v]].cast<double>();
-  return std::sqrt(rough_sigma2(mesh.range_sigma_m, mesh.roughness_m, at[0].data(), at[1].data(),
-                                at[2].data(), direction.data()));
+  const Vec3 normal = normal_of_triangle(mesh.vertices[corner[0]], mesh.vertices[corner[1]],
+                                         mesh.vertices[corner[2]]);
+  return std::sqrt(rough_sigma2(mesh.range_sigma_m, mesh.roughness_m, normal.data(),
+                                dot(normal.data(), direction.data())));
 }
 
 Intersection intersect_unlimited(const elements::Model& model, uint32_t element, const Vec3& origin,

@@ -78,7 +78,7 @@ inline D opacity_of(const D& density, const D& sigma, const D& delta2) {
 /// share it.
 template <class D>
 struct Sheared {
-  D x[3], y[3], z[3];
+  D x[3], y[3];
 };
 
 /// Computes the sheared triangle. `d`, `o` and `corner[v]` have their components in the order x, y,
@@ -91,28 +91,35 @@ inline Sheared<D> shear(const D o[3], const D d[3], const D corner[3][3]) {
     const D z = corner[v][2] - o[2];
     s.x[v] = corner[v][0] - o[0] - sx * z;
     s.y[v] = corner[v][1] - o[1] - sy * z;
-    s.z[v] = z;
   }
   return s;
 }
 
-/// Computes σ² of the range at a rough triangle: σ² = σ_range² + h² / cos²θ, with |cos θ| at least
-/// 0.01.
+/// Computes the normal (b − a) × (c − a) of a triangle, whose length is twice the area.
 template <class D>
-inline D rough_sigma2(const D& sigma, const D& roughness, const D a[3], const D b[3], const D c[3],
-                      const D d[3]) {
+inline void normal_of(const D a[3], const D b[3], const D c[3], D normal[3]) {
   const D u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
   const D v[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
-  const D n[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
-  const D along = dot(n, d), cos2 = along * along, least = 1e-4 * dot(n, n);
-  return sigma * sigma + roughness * roughness * dot(n, n) / (cos2 > least ? cos2 : least);
+  for (int k = 0; k < 3; ++k) {
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
+    normal[k] = u[i] * v[j] - u[j] * v[i];
+  }
 }
 
-/// Computes the range at the weights u, v, w of the corners, of which not all are zero.
+/// Computes the range t at which a ray meets the plane through `corner`: n·(o + t d − corner) = 0.
+/// `along` is n·d.
 template <class D>
-inline D range_at(const Sheared<D>& s, const D weight[3], const D& direction_z) {
-  const D sum = weight[0] + weight[1] + weight[2];
-  return dot(weight, s.z) / (sum * direction_z);
+inline D range_to_plane(const D o[3], const D corner[3], const D normal[3], const D& along) {
+  const D to_corner[3] = {corner[0] - o[0], corner[1] - o[1], corner[2] - o[2]};
+  return dot(normal, to_corner) / along;
+}
+
+/// Computes σ² of the range at a rough triangle: σ² = σ_range² + h² / cos²θ, with |cos θ| at least
+/// 0.01. `along` is n·d.
+template <class D>
+inline D rough_sigma2(const D& sigma, const D& roughness, const D normal[3], const D& along) {
+  const D area2 = dot(normal, normal), cos2 = along * along, least = 1e-4 * area2;
+  return sigma * sigma + roughness * roughness * area2 / (cos2 > least ? cos2 : least);
 }
 
 }  // namespace

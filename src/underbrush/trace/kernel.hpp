@@ -59,6 +59,13 @@ struct View {
   const Bvh* bvhs;
 };
 
+/// The factors of `accept_bits`, one a lane. They are kept in memory, because the compiler would
+/// make constants anew from integers for each trial.
+struct HashFactors {
+  alignas(64) uint32_t of[3][16];
+};
+extern const HashFactors kHashFactors;
+
 /// The question that a query asks for each ray.
 enum class Query {
   kAccepted,  ///< The nearest element that stops the beam.
@@ -72,6 +79,13 @@ inline constexpr uint32_t kInBlock = 0x80000000u;
 /// The most blocks of triangles that can be told apart so.
 inline constexpr size_t kMostTriangleBlocks = kInBlock / (2 * kWidth) - 1;
 
+/// Pairs of a ray and the element where it ends. There is room for a few copies of the last one.
+inline constexpr size_t kKnownBeyond = 3;
+struct Known {
+  size_t count;
+  Candidate of[kBatchRays + kKnownBeyond];
+};
+
 /// A query: its rays, and what has been found for them.
 struct Batch {
   const Ray* rays;
@@ -82,10 +96,9 @@ struct Batch {
   size_t first;
 
   Intersection* best;  ///< Output for kAccepted and kSurface, one a ray; else null.
-  /// Output: pairs of a ray and the element where it ends, certain but not yet in `best`. It has
-  /// room for kBatchRays: ellipsoids are at its begin, and triangles, by their places, at its end.
-  Candidate* known;
-  size_t known_ellipsoids, known_triangles;
+  /// Output: pairs of a ray and the element where it ends, certain but not yet in `best`. Triangles
+  /// are given by their places.
+  Known *ellipsoids, *triangles;
   std::vector<Candidate> candidates;  ///< Output for kAll: undecided pairs, in no order.
   std::vector<ApproachBound> bounds;  ///< Output for kAll: one a candidate.
 };
@@ -143,7 +156,7 @@ struct Kernels {
   /// Computes `intersect` of each candidate with the batch's limits into out[i].
   void (*intersect_many)(const View&, const Batch&, const Candidate*, size_t count,
                          Intersection* out);
-  /// Computes `intersect` of the pairs in `Batch::known` into the best of their rays.
+  /// Computes `intersect` of the batch's known pairs into the best of their rays.
   void (*answer_known)(const View&, const Batch&);
 };
 

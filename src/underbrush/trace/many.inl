@@ -24,11 +24,15 @@ typedef float F4 __attribute__((vector_size(16), aligned(4), may_alias));
 inline D every(double a) { return D{a, a, a, a}; }
 inline D absolute(D a) { return (D)((L)a & 0x7fffffffffffffff); }
 inline D pick(L mask, D yes, D no) { return mask ? yes : no; }
-inline D to_double(F4 a) { return __builtin_convertvector(a, D); }
 #if defined(__AVX2__)
+// GCC 12 would convert the halves by way of memory.
+inline D to_double(F4 a) { return _mm256_cvtps_pd(a); }
+inline F4 to_float(D a) { return _mm256_cvtpd_ps(a); }
 inline D square_root(D a) { return _mm256_sqrt_pd(a); }
 inline unsigned bits(L mask) { return unsigned(_mm256_movemask_pd((__m256d)mask)); }
 #else
+inline D to_double(F4 a) { return __builtin_convertvector(a, D); }
+inline F4 to_float(D a) { return __builtin_convertvector(a, F4); }
 inline D square_root(D a) {
   D r;
   for (int k = 0; k < 4; ++k) r[k] = __builtin_sqrt(a[k]);
@@ -57,27 +61,19 @@ struct PlacedRays {
   D o[3], d[3], scale, tau2;
 };
 
-// Four candidates that are decided together. Where fewer are left, the last one is repeated.
+// Four candidates that are decided together, and where their answers go. Of those beyond `count`
+// nothing is written.
 struct Quad {
-  uint32_t index[kFour];
+  const Candidate* of[kFour];
+  Intersection* to[kFour];
   size_t count;
 };
-
-// Takes the candidates from `from` on; `index_of` numbers them.
-template <class IndexOf>
-inline Quad quad_of(size_t from, size_t end, IndexOf index_of) {
-  Quad q;
-  q.count = end - from < kFour ? end - from : kFour;
-  for (size_t k = 0; k < kFour; ++k) q.index[k] = index_of(from + (k < q.count ? k : q.count - 1));
-  return q;
-}
 
 // Decides candidates four at a time. If kMet, all are known to be met.
 template <bool kMet>
 class CandidateQuads {
  public:
-  CandidateQuads(const View& view, const Batch& batch, const Candidate* list, Intersection* out)
-      : view_(view), batch_(batch), list_(list), out_(out) {}
+  CandidateQuads(const View& view, const Batch& batch) : view_(view), batch_(batch) {}
 
   const InstanceTransform& at_instance(uint32_t instance) {
     if (instance != instance_) {
@@ -87,15 +83,13 @@ class CandidateQuads {
     return at_;
   }
 
-  void decide(uint32_t index) { answer(index) = intersect_placed(view_, batch_, list_[index]); }
-
   void decide_ellipsoids(const Quad& q) {
     D e[3][kFour];  // rows: mean, Σ xx; Σ xy xz yy yz; κ, unused, Σ zz, p
     uint32_t element[kFour];
     static_assert(offsetof(elements::Ellipsoid, covariance) == 12 &&
                   offsetof(elements::Ellipsoid, hit) == 36);
     for (size_t k = 0; k < kFour; ++k) {
-      const Candidate& c = list_[q.index[k]];
+      const Candidate& c = *q.of[k];
       element[k] = c.element;
       const ModelView& model = *at_instance(c.instance).model;
       const elements::Ellipsoid& of = model.ellipsoids[c.element - model.triangle_count];
@@ -106,7 +100,7 @@ class CandidateQuads {
       last[0] = of.density_per_m;
       e[2][k] = to_double(last);
     }
-    const PlacedRays r = rays_of(q.index);
+    const PlacedRays r = rays_of(q);
     for (auto& row : e) transpose(row);
     const D covariance[6] = {e[0][3], e[1][0], e[1][1], e[1][2], e[1][3], e[2][2]};
     const Approach<D> a = approach_of(r.o, r.d, e[0], covariance);
@@ -118,12 +112,11 @@ class CandidateQuads {
 
   // Decides triangles of a mesh.
   void decide_triangles(const Quad& q, const TrianglePlace* const place[kFour]) {
-    const TrianglePlace &a = *place[0], &b = *place[1], &c = *place[2], &d = *place[3];
     Triangles t;
-    for (size_t k = 0; k < kFour; ++k) t.mesh[k] = place[k]->mesh, t.element[k] = place[k]->element;
-    t.p = D{a.hit->p, b.hit->p, c.hit->p, d.hit->p};
-    for (int v = 0; v < 3; ++v) {
-      t.load(v, a.corner[v], b.corner[v], c.corner[v], d.corner[v], 1);
+    for (size_t k = 0; k < kFour; ++k) {
+      const TrianglePlace& of = *place[k];
+      t.set(k, of.mesh, of.element, of.hit->p, row_of(of.corner[0], 1), row_of(of.corner[1], 1),
+            row_of(of.corner[2], 1));
     }
     decide_triangles(q, t);
   }
@@ -132,43 +125,62 @@ class CandidateQuads {
   // and the meshes are far away.
   void decide_triangles(const Quad& q) {
     Triangles t;
-    t.p = every(1);
-    const float* first[kFour];
-    const uint8_t* corner[kFour];
     for (size_t k = 0; k < kFour; ++k) {
-      const Candidate& c = list_[q.index[k]];
+      const Candidate& c = *q.of[k];
       const InstanceTransform& at = at_instance(c.instance);
       const uint32_t place = c.element & ~kInBlock, lane = place / 2 % kWidth, which = place % 2;
       const TriangleBlock& block = at.triangles[place / (2 * kWidth)];
-      const uint32_t element = block.element[which][lane];
-      corner[k] = kTurns[which][element >> kTurnShift];
-      first[k] = &block.corner[0][0][lane];
-      t.element[k] = element & kElementMask;
-      const bool on_ground = t.element[k] < at.model->ground_count;
-      t.mesh[k] = on_ground ? &at.model->ground : &at.model->surface;
-      if (block.accept_below[which][lane] == kAlways) continue;
-      t.p[k] = t.mesh[k]->hit[t.element[k] - (on_ground ? 0 : at.model->ground_count)].p;
-    }
-    for (int v = 0; v < 3; ++v) {
-      const auto at = [&](int k) { return first[k] + 3 * kWidth * corner[k][v]; };
-      t.load(v, at(0), at(1), at(2), at(3), kWidth);
+      const uint32_t turned = block.element[which][lane], element = turned & kElementMask;
+      const bool on_ground = element < at.model->ground_count;
+      const ModelView::Mesh* mesh = on_ground ? &at.model->ground : &at.model->surface;
+      float p = 1;
+      if (block.accept_below[which][lane] != kAlways) {
+        p = mesh->hit[element - (on_ground ? 0 : at.model->ground_count)].p;
+      }
+      const float* first = &block.corner[0][0][lane];
+      const int32_t* corner = kCornerPlaces.of[which][turned >> kTurnShift];
+      t.set(k, mesh, element, p, row_of(first + corner[0], kWidth),
+            row_of(first + corner[1], kWidth), row_of(first + corner[2], kWidth));
     }
     decide_triangles(q, t);
   }
 
  private:
+  // Where the corners of a triangle in the order of its mesh lie in a block, in floats from the
+  // first corner of its pair.
+  struct CornerPlaces {
+    int32_t of[2][3][3];
+    constexpr CornerPlaces() : of{} {
+      for (int which = 0; which < 2; ++which) {
+        for (int turn = 0; turn < 3; ++turn) {
+          for (int v = 0; v < 3; ++v) of[which][turn][v] = 3 * kWidth * kTurns[which][turn][v];
+        }
+      }
+    }
+  };
+  static constexpr CornerPlaces kCornerPlaces{};
+
+  // Loads x, y and z of a corner, which are `stride` floats apart.
+  static D row_of(const float* at, int stride) {
+    return to_double(F4{at[0], at[stride], at[2 * stride], 0});
+  }
+
   struct Triangles {
-    D corner[3][3];
+    D corner[3][kFour];  // rows: x y z; of the last two corners only unless kMet
+    D normal[kFour];     // rows: z x y
     const ModelView::Mesh* mesh[kFour];
     uint32_t element[kFour];
     D p;
 
-    // Loads corner v of each, whose coordinates are `stride` apart.
-    void load(int v, const float* a, const float* b, const float* c, const float* d, int stride) {
-      for (int k = 0; k < 3; ++k) {
-        const int at = k * stride;
-        corner[v][k] = to_double(F4{a[at], b[at], c[at], d[at]});
-      }
+    void set(size_t k, const ModelView::Mesh* of, uint32_t number, float hit, D a, D b, D c) {
+      mesh[k] = of;
+      element[k] = number;
+      p[k] = hit;
+      corner[0][k] = a;
+      if (!kMet) corner[1][k] = b, corner[2][k] = c;
+      const D u = b - a, v = c - a;
+      normal[k] = u * __builtin_shufflevector(v, v, 1, 2, 0, 3) -
+                  __builtin_shufflevector(u, u, 1, 2, 0, 3) * v;
     }
     template <class Member>
     D of_mesh(Member member) const {
@@ -176,30 +188,33 @@ class CandidateQuads {
     }
   };
 
-  void decide_triangles(const Quad& q, const Triangles& t) {
+  void decide_triangles(const Quad& q, Triangles& t) {
+    const PlacedRays r = rays_of(q);
+    transpose(t.corner[0]);
+    transpose(t.normal);
+    const D normal[3] = {t.normal[1], t.normal[2], t.normal[0]};
+    const D along = dot(normal, r.d);
     D sigma = t.of_mesh(&ModelView::Mesh::sigma_m);
     const D roughness = t.of_mesh(&ModelView::Mesh::roughness_m);
-    const PlacedRays r = rays_of(q.index);
     const L rough = roughness > 0.0;
     if (bits(rough)) {
-      const D sigma2 = rough_sigma2(sigma, roughness, t.corner[0], t.corner[1], t.corner[2], r.d);
-      sigma = pick(rough, square_root(sigma2), sigma);
+      sigma = pick(rough, square_root(rough_sigma2(sigma, roughness, normal, along)), sigma);
     }
-    const TriangleTest test = cross(r, t.corner);
-    write(q, t.element, test.inside, r.scale, test.t, sigma, D{}, t.p);
+    L inside{};
+    unsigned certain = 0xf;
+    if (!kMet) inside = is_inside(r, t, certain);
+    write(q, t.element, inside, r.scale, range_to_plane(r.o, t.corner[0], normal, along), sigma,
+          D{}, t.p);
     // Rays that plain arithmetic finds on an edge are decided by the exact test.
-    for (size_t k = 0; test.certain != 0xf && k < q.count; ++k) {
-      if (!(test.certain >> k & 1)) decide(q.index[k]);
+    for (size_t k = 0; certain != 0xf && k < q.count; ++k) {
+      if (!(certain >> k & 1)) *q.to[k] = intersect_placed(view_, batch_, *q.of[k]);
     }
   }
 
-  struct TriangleTest {
-    L inside;
-    D t;
-    unsigned certain;
-  };
-
-  static TriangleTest cross(const PlacedRays& r, const D corner[3][3]) {
+  // Finds the rays that cross their triangles, and those for which this is certain.
+  static L is_inside(const PlacedRays& r, Triangles& t, unsigned& certain) {
+    transpose(t.corner[1]);
+    transpose(t.corner[2]);
     // The direction's greatest component becomes the third axis, as in `crossing`.
     const D x = absolute(r.d[0]), y = absolute(r.d[1]), z = absolute(r.d[2]);
     const L is_y = y > x, is_z = z > pick(is_y, y, x);
@@ -208,31 +223,28 @@ class CandidateQuads {
       to[1] = pick(is_z, from[1], pick(is_y, from[0], from[2]));
       to[2] = pick(is_z, from[2], pick(is_y, from[1], from[0]));
     };
-    D o[3], d[3], corners[3][3];
+    D o[3], d[3], corner[3][3];
     turn(r.o, o);
     turn(r.d, d);
-    for (int v = 0; v < 3; ++v) turn(corner[v], corners[v]);
-    const Sheared<D> s = shear(o, d, corners);
-    D weight[3];
+    for (int v = 0; v < 3; ++v) turn(t.corner[v], corner[v]);
+    const Sheared<D> s = shear(o, d, corner);
     const D zero{};
     L above = zero == zero, below = above, sure = above;
     for (int k = 0; k < 3; ++k) {
       const int i = (k + 1) % 3, j = (k + 2) % 3;
-      const D xy = s.x[i] * s.y[j], zw = s.x[j] * s.y[i];
-      weight[k] = xy - zw;
-      if (kMet) continue;
-      above &= weight[k] >= zero;
-      below &= weight[k] <= zero;
-      sure &= absolute(weight[k]) > 1e-15 * (absolute(xy) + absolute(zw));
+      const D xy = s.x[i] * s.y[j], zw = s.x[j] * s.y[i], weight = xy - zw;
+      above &= weight >= zero;
+      below &= weight <= zero;
+      sure &= absolute(weight) > 1e-15 * (absolute(xy) + absolute(zw));
     }
-    return {above | below, range_at(s, weight, d[2]), bits(sure)};
+    certain = bits(sure);
+    return above | below;
   }
 
-  PlacedRays rays_of(const uint32_t index[kFour]) {
+  PlacedRays rays_of(const Quad& q) {
     D o[kFour];
     D2 d_yz[kFour];  // o has o x y z, d x
-    const Candidate &c0 = list_[index[0]], &c1 = list_[index[1]], &c2 = list_[index[2]],
-                    &c3 = list_[index[3]];
+    const Candidate &c0 = *q.of[0], &c1 = *q.of[1], &c2 = *q.of[2], &c3 = *q.of[3];
     const InstanceTransform& at = at_instance(c0.instance);
     const bool one = ((c0.instance ^ c1.instance) | (c0.instance ^ c2.instance) |
                       (c0.instance ^ c3.instance)) == 0;
@@ -240,13 +252,13 @@ class CandidateQuads {
     if (one && at.is_translation) {
       const D translation = *reinterpret_cast<const D4*>(at.translation);
       for (size_t k = 0; k < kFour; ++k) {
-        const double* ray = batch_.rays[list_[index[k]].ray].origin.data();
+        const double* ray = batch_.rays[q.of[k]->ray].origin.data();
         o[k] = *reinterpret_cast<const D4*>(ray) - translation;
         d_yz[k] = *reinterpret_cast<const D2*>(ray + 4);
       }
     } else {
       for (size_t k = 0; k < kFour; ++k) {
-        const Candidate& c = list_[index[k]];
+        const Candidate& c = *q.of[k];
         double placed[6];
         place_ray(view_, batch_, c, placed, placed + 3);
         o[k] = *reinterpret_cast<const D4*>(placed);
@@ -265,10 +277,6 @@ class CandidateQuads {
             tau2};
   }
 
-  Intersection& answer(uint32_t index) const {
-    return kMet ? batch_.best[list_[index].ray] : out_[index];
-  }
-
   void write(const Quad& q, const uint32_t element[kFour], L inside, D scale, D t, D sigma,
              D delta2, D p) {
     const D range = t * scale;
@@ -281,19 +289,16 @@ class CandidateQuads {
     }
     transpose(row);
     for (size_t k = 0; k < q.count; ++k) {
-      const Candidate& c = list_[q.index[k]];
-      Intersection& to = answer(q.index[k]);
+      Intersection& to = *q.to[k];
       *reinterpret_cast<D4*>(&to.t_m) = row[k];
       const bool is_met = met >> k & 1;
       to.element = is_met ? element[k] : Intersection::kNone;
-      to.instance = is_met ? c.instance : 0;
+      to.instance = is_met ? q.of[k]->instance : 0;
     }
   }
 
   const View& view_;
   const Batch& batch_;
-  const Candidate* list_;
-  Intersection* out_;
   InstanceTransform at_{};
   uint32_t instance_ = Intersection::kNone;
 };
@@ -302,19 +307,30 @@ void intersect_run(const View& view, const Batch& batch, const Candidate* list, 
                    Intersection* out) {
   CandidatesByKind sorted;
   split_by_kind(view, batch, list, count, sorted);
-  CandidateQuads<false> quads(view, batch, list, out);
-  const auto ellipsoid = [&](size_t k) { return sorted.ellipsoid[k]; };
+  CandidateQuads<false> quads(view, batch);
+  const auto quad_at = [&](const uint32_t* index, size_t left) {
+    Quad q;
+    q.count = left < kFour ? left : kFour;
+    for (size_t k = 0; k < kFour; ++k) {
+      const uint32_t i = index[k < q.count ? k : q.count - 1];
+      q.of[k] = list + i;
+      q.to[k] = out + i;
+    }
+    return q;
+  };
   for (size_t k = 0; k < sorted.ellipsoids; k += kFour) {
-    quads.decide_ellipsoids(quad_of(k, sorted.ellipsoids, ellipsoid));
+    quads.decide_ellipsoids(quad_at(sorted.ellipsoid + k, sorted.ellipsoids - k));
   }
-  for (size_t k = 0; k < sorted.alones; ++k) quads.decide(sorted.alone[k]);
+  for (size_t k = 0; k < sorted.alones; ++k) {
+    const uint32_t i = sorted.alone[k];
+    out[i] = intersect_placed(view, batch, list[i]);
+  }
   for (size_t k = 0; k < sorted.triangles; k += kFour) {
-    const auto triangle = [&](size_t i) { return sorted.triangle[i]; };
     const TrianglePlace* place[kFour];
     for (size_t i = 0; i < kFour; ++i) {
       place[i] = &sorted.of_triangle[k + i < sorted.triangles ? k + i : sorted.triangles - 1];
     }
-    quads.decide_triangles(quad_of(k, sorted.triangles, triangle), place);
+    quads.decide_triangles(quad_at(sorted.triangle + k, sorted.triangles - k), place);
   }
 }
 
@@ -332,30 +348,45 @@ inline void prefetch_ray(const Batch& batch, const Candidate& c) {
   __builtin_prefetch(batch.best + c.ray, 1);
 }
 
+// The quad of known candidates from `from` on; there are `left`, and then copies of the last.
+inline Quad known_quad(const Batch& batch, const Candidate* from, size_t left) {
+  Quad q;
+  q.count = left < kFour ? left : kFour;
+  for (size_t k = 0; k < kFour; ++k) {
+    q.of[k] = from + k;
+    q.to[k] = batch.best + from[k].ray;
+  }
+  return q;
+}
+
 [[maybe_unused]] void answer_known(const View& view, const Batch& batch) {
-  constexpr size_t kAhead = 32;
-  const Candidate *ellipsoid = batch.known, *end = batch.known + kBatchRays;
-  const auto itself = [](size_t k) { return uint32_t(k); };
-  {
-    CandidateQuads<true> quads(view, batch, ellipsoid, nullptr);
-    for (size_t from = 0; from < batch.known_ellipsoids; from += kRun) {
-      const size_t left = batch.known_ellipsoids - from, to = from + (left < kRun ? left : kRun);
-      for (size_t k = from; k < to; ++k) {
-        const Candidate& c = ellipsoid[k];
-        prefetch_ray(batch, c);
-        prefetch_ellipsoid(*quads.at_instance(c.instance).model, c.element);
-      }
-      for (size_t k = from; k < to; k += kFour) quads.decide_ellipsoids(quad_of(k, to, itself));
+  static_assert(kFour <= kKnownBeyond + 1);
+  CandidateQuads<true> quads(view, batch);
+  for (Known* known : {batch.ellipsoids, batch.triangles}) {
+    if (known->count == 0) continue;
+    for (size_t k = 0; k < kKnownBeyond; ++k)
+      known->of[known->count + k] = known->of[known->count - 1];
+  }
+  const Candidate* ellipsoid = batch.ellipsoids->of;
+  for (size_t from = 0; from < batch.ellipsoids->count; from += kRun) {
+    const size_t left = batch.ellipsoids->count - from, to = from + (left < kRun ? left : kRun);
+    for (size_t k = from; k < to; ++k) {
+      const Candidate& c = ellipsoid[k];
+      prefetch_ray(batch, c);
+      prefetch_ellipsoid(*quads.at_instance(c.instance).model, c.element);
+    }
+    for (size_t k = from; k < to; k += kFour) {
+      quads.decide_ellipsoids(known_quad(batch, ellipsoid + k, to - k));
     }
   }
-  const size_t count = batch.known_triangles;
-  const Candidate* triangle = end - count;
-  CandidateQuads<true> quads(view, batch, triangle, nullptr);
+  constexpr size_t kAhead = 32;
+  const Candidate* triangle = batch.triangles->of;
+  const size_t count = batch.triangles->count;
   for (size_t k = 0; k < count; k += kFour) {
     if (k + kAhead + kFour <= count) {
       for (size_t i = 0; i < kFour; ++i) prefetch_ray(batch, triangle[k + kAhead + i]);
     }
-    quads.decide_triangles(quad_of(k, count, itself));
+    quads.decide_triangles(known_quad(batch, triangle + k, count - k));
   }
 }
 

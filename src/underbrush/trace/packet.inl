@@ -15,9 +15,8 @@ inline bool enters(const Rays& r, const Found& found, float t_min, const float e
                    int g) {
   F enter = all(t_min), leave = found.high[g];
   for (int a = 0; a < 3; ++a) {
-    const int swap = kMixed ? 0 : 3 * r.negative[a];
-    const F x = muladd(all(edge[a + swap][k]), r.inverse[a][g], r.start[a][g]);
-    const F y = muladd(all(edge[a + 3 - swap][k]), r.inverse[a][g], r.start[a][g]);
+    const F x = muladd(all(edge[r.first_edge[a]][k]), r.inverse[a][g], r.start[a][g]);
+    const F y = muladd(all(edge[r.last_edge[a]][k]), r.inverse[a][g], r.start[a][g]);
     enter = greater(enter, kMixed ? lesser(x, y) : x);
     leave = lesser(leave, kMixed ? greater(x, y) : y);
   }
@@ -67,9 +66,7 @@ inline void test_children(const PacketQuery& s, const Frame& f, const Node& node
     to[p] = middle + half;
   }
   bound_slopes(r, from, to, tests.seen);
-  const SeenPairs pairs = pairs_of<true>(r, s.found.reach, tests.seen, groups);
-  tests.pairs = pairs.any;
-  tests.whole = pairs.whole;
+  find_meetings<true>(r, s.found.reach, tests.seen, groups, tests.meetings);
 }
 
 // Pushes the children of a node that the packet may reach, the nearest last.
@@ -78,15 +75,18 @@ inline void open(const PacketQuery& s, const Frame& f, const Node& node, const C
                  PacketStackEntry* stack, int& top) {
   // Most groups that look at a whole box enter it, so that trying them would cost more than it
   // saves.
-  Pairs entered, doubtful;
-  for (int set = 0; set < kSets; ++set) {
-    doubtful.of[set] = tests.pairs.of[set] & ~tests.whole.of[set];
+  const Meetings& meetings = tests.meetings;
+  unsigned entered[8], left = 0;
+  for (unsigned more = meetings.children; more; more &= more - 1) {
+    const int k = __builtin_ctz(more);
+    unsigned groups = meetings.whole[k];
+    for (unsigned doubtful = meetings.any[k] & ~groups; doubtful; doubtful &= doubtful - 1) {
+      const int g = __builtin_ctz(doubtful);
+      groups |= unsigned(enters<kMixed>(*f.rays, s.found, f.t_min, tests.edge, k, g)) << g;
+    }
+    entered[k] = groups;
+    left |= unsigned(groups != 0) << k;
   }
-  entered = filter(doubtful, [&](int k, int g) {
-    return enters<kMixed>(*f.rays, s.found, f.t_min, tests.edge, k, g);
-  });
-  for (int set = 0; set < kSets; ++set) entered.of[set] |= tests.whole.of[set];
-  const unsigned left = children_in(entered);
   const float* depths = tests.seen.depth;
   const F8 depth = load8(depths);
   for (unsigned more = left; more; more &= more - 1) {
@@ -94,8 +94,7 @@ inline void open(const PacketQuery& s, const Frame& f, const Node& node, const C
     const unsigned further =
         bits(depth > all8(depths[k])) | (bits(depth == all8(depths[k])) & ~0u << k << 1);
     prefetch(f, node.child[k]);
-    stack[top + __builtin_popcount(further & left)] = {depths[k], node.child[k],
-                                                       groups_of(entered, k)};
+    stack[top + __builtin_popcount(further & left)] = {depths[k], node.child[k], entered[k]};
   }
   top += __builtin_popcount(left);
 }
@@ -151,6 +150,7 @@ inline void enter_instance(PacketTraversal& w, const Subtree& entry) {
   for (int k = 0; k < p.cells_per_m->kinds; ++k) {
     f.grains[k] = lattice_of(p.cells_per_m->ellipsoids[k], p.centre);
   }
+  f.grained = p.cells_per_m->triangles != 0;
   f.sways = p.sways;
   f.high_mask = p.sways ? 0 : ~0u;
   f.scale = float(p.scale);

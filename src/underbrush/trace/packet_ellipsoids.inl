@@ -44,12 +44,16 @@ inline void test_children(const PacketQuery& s, const Frame& f, const EllipsoidB
     to[p] = at + half;
   }
   bound_slopes(r, from, to, tests.seen);
-  tests.pairs = pairs_of<false>(r, s.found.reach, tests.seen, groups).any;
+  find_meetings<false>(r, s.found.reach, tests.seen, groups, tests.meetings);
   // Bounds on the rounding: of the Mahalanobis distance (`slack`), and of the same for each metre
   // of range (`size`).
   const F8 size =
       absolute(u00) + absolute(u01) + absolute(u02) + absolute(u11) + absolute(u12) + absolute(u22);
-  store(tests.ellipsoid.slack, muladd(away, size * 6e-7f, all8(4e-4f)));
+  const F8 slack = muladd(away, size * 6e-7f, all8(4e-4f));
+  const F8 outer = 1.0f + slack, inner = greater(1.0f - slack, F8{});
+  store(tests.ellipsoid.slack, slack);
+  store(tests.ellipsoid.outer2, outer * outer);
+  store(tests.ellipsoid.inner2, inner * inner);
   store(tests.ellipsoid.size, size * 1e-6f);
   for (int a = 0; a < 3; ++a) store(tests.ellipsoid.mean[a], m[a]);
 }
@@ -63,14 +67,13 @@ inline unsigned visit(PacketQuery& s, const Frame& f, const EllipsoidBlock& b, L
   const auto& mean = tests.ellipsoid.mean;
   const auto& slack = tests.ellipsoid.slack;
   const auto& size_of = tests.ellipsoid.size;
-  struct {
+  struct alignas(256) {
     F a, h, c, t0;
     M maybe;
+    unsigned element, group;
   } met[8 * kGroups + 1], *to = met;
-  uint8_t pair_of[8 * kGroups + 1];
   unsigned sets = 0;
-  for_each(tests.pairs, [&](unsigned j, unsigned g, unsigned pair) {
-    const float outer = 1 + slack[j];
+  for_each(tests.meetings, [&](unsigned j, unsigned g) {
     const F dx = r.d[0][g], dy = r.d[1][g], dz = r.d[2][g];
     const F vx = mean[0][j] - r.o[0][g], vy = mean[1][j] - r.o[1][g], vz = mean[2][j] - r.o[2][g];
     const F t0 = muladd(vx, dx, muladd(vy, dy, vz * dz));
@@ -85,15 +88,13 @@ inline unsigned visit(PacketQuery& s, const Frame& f, const EllipsoidBlock& b, L
     const F h = muladd(a0, b0, muladd(a1, b1, a2 * b2));
     const F c = muladd(b0, b0, muladd(b1, b1, b2 * b2));
     const F hh = h * h;
-    const M maybe = le((c - outer * outer) * a, hh * 1.00001f);
-    *to = {a, h, c, t0, maybe};
-    pair_of[to - met] = uint8_t(pair);
+    const M maybe = le((c - all(tests.ellipsoid.outer2[j])) * a, hh * 1.00001f);
+    *to = {a, h, c, t0, maybe, j, g};
     to += bits(maybe) != 0;
   });
   const int count = int(to - met);
   for (int k = 0; k < count; ++k) {
-    const unsigned j = child_of(pair_of[k]), g = group_of(pair_of[k]);
-    const float inner = slack[j] < 1 ? 1 - slack[j] : 0;
+    const unsigned j = met[k].element, g = met[k].group;
     const F a = met[k].a, h = met[k].h, c = met[k].c, t0 = met[k].t0, hh = h * h;
     const F i = 1.0f / a, step = h * i, t = t0 + step, reach = root(i);
     const F error = reach * muladd(all(size_of[j]), absolute(step) + reach, all(slack[j])) +
@@ -120,8 +121,8 @@ inline unsigned visit(PacketQuery& s, const Frame& f, const EllipsoidBlock& b, L
     }
     if (!bits(found)) continue;
     if (kQuery == Query::kAccepted) {
-      sure &= le((c - inner * inner) * a, hh * 0.99999f) & le(high, s.found.low[g]) &
-              le(all(f.t_min), low);
+      sure &= le((c - all(tests.ellipsoid.inner2[j])) * a, hh * 0.99999f) &
+              le(high, s.found.low[g]) & le(all(f.t_min), low);
     }
     record<kQuery>(s, f, int(g), element, element, found, sure, low, high, reach);
     sets |= 1u << g / 8;

@@ -59,6 +59,7 @@ struct Frame {
   float scale, half_tau2;
   Lattice grain;                                      // of triangles
   Lattice grains[elements::Grain::kMostClasses + 1];  // of ellipsoids
+  bool grained;                                       // whether trials depend on cells
   bool sways;                                         // whether the matter of ellipsoids does
   float t_min, t_max;                                 // limits of the ranges that count
 };
@@ -79,6 +80,7 @@ struct alignas(32) ChildTests {
     float edge[6][8];  // of boxes: lo x y z, hi x y z, relative to the centre
     struct {
       float mean[3][8], slack[8], size[8];
+      float outer2[8], inner2[8];  // squares of 1 ± `slack`
     } ellipsoid;
     struct {
       float corner[3][8], side[3][3][8];  // corner 0, and the sides from it to the others
@@ -88,8 +90,7 @@ struct alignas(32) ChildTests {
       } of[2];
     } triangle;
   };
-  Pairs pairs;
-  Pairs whole;  // of boxes: those that a group sees whole
+  Meetings meetings;
 };
 
 inline void store(float* to, F8 x) { *reinterpret_cast<F8*>(to) = x; }
@@ -215,6 +216,12 @@ struct Trial {
 inline Trial trial_at(const PacketQuery& s, const Frame& f, const Lattice& l, bool sways, int g,
                       uint32_t element, uint32_t accept_below, F t, F error) {
   if (accept_below == kAlways) return {mask_of(~0u), mask_of(~0u)};
+  if (!f.grained) {
+    const M accepted = below(accept_hash(all(element), s.keys.low[g] ^ all(f.salt_low),
+                                         s.keys.high[g] ^ all(f.salt_high)),
+                             all(accept_below));
+    return {accepted, accepted};
+  }
   Cells cells = cells_of(f, l, g, t, error);
   if (sways) sway(s, g, element, cells);
   const M accepted = below(trial_bits(s, f, g, element, cells), all(accept_below));

@@ -26,7 +26,9 @@ struct alignas(64) Rays {
   float around[4];    // the same of all groups
   float spread;       // greatest |o|
   bool mixed;         // whether the signs of the directions differ
-  bool negative[3];
+  // The edges of a box that the rays meet first and last, of lo x y z, hi x y z; if they are mixed,
+  // lo and hi.
+  ptrdiff_t first_edge[3], last_edge[3];
 };
 
 // Sets the axes by the mean of the directions. Gives false if that is zero.
@@ -116,93 +118,65 @@ inline void bound_slopes(const Rays& r, const F8 from[3], const F8 to[3], SlopeB
   *reinterpret_cast<F8*>(out.depth) = far_away >= F8{} ? near_by : all8(INFINITY);
 }
 
-// Pairs of one of eight boxes or elements and a group of rays that may meet it: bit 8 k + g of each
-// set stands for box or element k and group g.
-struct Pairs {
-  uint64_t of[kSets];
+// For each of eight boxes or elements, the groups of rays that may meet it, as bits.
+struct Meetings {
+  unsigned children;  // the boxes or elements that any group may meet
+  uint16_t any[8];    // the groups; set for those of `children`
+  uint16_t whole[8];  // if asked for: those among them whose rays all point at the bounds
 };
+static_assert(kGroups <= 16);
 
-// Selects the pairs of k and g for which `test(k, g)` is true.
-template <class Test>
-__attribute__((always_inline)) inline Pairs filter(const Pairs& pairs, Test test) {
-  Pairs found;
-  for (int set = 0; set < kSets; ++set) {
-    uint64_t true_of = 0;
-    for (uint64_t left = pairs.of[set]; left; left &= left - 1) {
-      const int pair = __builtin_ctzll(left);
-      true_of |= uint64_t(test(pair / 8, 8 * set + pair % 8)) << pair;
-    }
-    found.of[set] = true_of;
-  }
-  return found;
-}
-
-// Calls visit(k, g, pair) for every pair of k and g.
-template <class Visit>
-__attribute__((always_inline)) inline void for_each(const Pairs& pairs, Visit visit) {
-  for (int set = 0; set < kSets; ++set) {
-    for (uint64_t left = pairs.of[set]; left; left &= left - 1) {
-      const unsigned pair = unsigned(__builtin_ctzll(left));
-      visit(pair / 8, 8 * unsigned(set) + pair % 8, 64 * unsigned(set) + pair);
-    }
-  }
-}
-inline unsigned child_of(unsigned pair) { return pair % 64 / 8; }
-inline unsigned group_of(unsigned pair) { return pair / 64 * 8 + pair % 8; }
-
-// Selects the boxes or elements that occur in a pair.
-inline unsigned children_in(const Pairs& pairs) {
-  uint64_t any = 0;
-  for (const uint64_t of_set : pairs.of) any |= of_set;
-  return bytes_in(any);
-}
-
-// Selects the groups that are paired with box or element k.
-inline unsigned groups_of(const Pairs& pairs, int k) {
-  unsigned groups = 0;
-  for (int set = 0; set < kSets; ++set) {
-    groups |= unsigned(pairs.of[set] >> (8 * k) & 0xff) << (8 * set);
-  }
-  return groups;
-}
-
-// The pairs that may meet, and those among them of a group whose rays all point at the bounds.
-struct SeenPairs {
-  Pairs any, whole;
-};
-
-// Finds the pairs among `groups` that may meet, and, if asked, those that are seen whole. `reach`
-// is how far each group looks.
+// Finds which of `groups` may meet what. `reach` is how far each group looks.
 template <bool kWhole>
-inline SeenPairs pairs_of(const Rays& r, const F8 reach[kSets], const SlopeBounds& out,
-                          unsigned groups) {
+inline void find_meetings(const Rays& r, const F8 reach[kSets], const SlopeBounds& out,
+                          unsigned groups, Meetings& to) {
   const F8 across_from = load8(out.across_from), across_to = load8(out.across_to),
            up_from = load8(out.up_from), up_to = load8(out.up_to);
-  SeenPairs pairs{};
+  to.children = 0;
+  const unsigned around =
+      kWhole ? bits((all8(r.around[0]) >= across_from) & (all8(r.around[1]) <= across_to) &
+                    (all8(r.around[2]) >= up_from) & (all8(r.around[3]) <= up_to))
+             : 0;
   for (unsigned left = bits((all8(r.around[0]) <= across_to) & (all8(r.around[1]) >= across_from) &
                             (all8(r.around[2]) <= up_to) & (all8(r.around[3]) >= up_from));
        left; left &= left - 1) {
     const int k = __builtin_ctz(left);
-    const F8 across_0 = all8(out.across_from[k]), across_1 = all8(out.across_to[k]),
-             up_0 = all8(out.up_from[k]), up_1 = all8(out.up_to[k]), depth = all8(out.depth[k]);
-    for (int set = 0; set < kSets; ++set) {
-      const F8* tile = r.tile[set];
-      const I8 seen = (tile[0] <= across_1) & (tile[1] >= across_0) & (tile[2] <= up_1) &
-                      (tile[3] >= up_0) & (reach[set] >= depth);
-      pairs.any.of[set] |= uint64_t(bits(seen)) << (8 * k);
-      if (kWhole) {
-        const I8 inside =
-            (tile[0] >= across_0) & (tile[1] <= across_1) & (tile[2] >= up_0) & (tile[3] <= up_1);
-        pairs.whole.of[set] |= uint64_t(bits(seen & inside)) << (8 * k);
+    const F8 depth = all8(out.depth[k]);
+    unsigned any = 0, whole = 0;
+    if (kWhole && around >> k & 1) {
+      for (int set = 0; set < kSets; ++set) any |= bits(reach[set] >= depth) << (8 * set);
+      whole = any;
+    } else {
+      const F8 across_0 = all8(out.across_from[k]), across_1 = all8(out.across_to[k]),
+               up_0 = all8(out.up_from[k]), up_1 = all8(out.up_to[k]);
+      for (int set = 0; set < kSets; ++set) {
+        const F8* tile = r.tile[set];
+        any |= bits((tile[0] <= across_1) & (tile[1] >= across_0) & (tile[2] <= up_1) &
+                    (tile[3] >= up_0) & (reach[set] >= depth))
+               << (8 * set);
+        if (kWhole) {
+          whole |= bits((tile[0] >= across_0) & (tile[1] <= across_1) & (tile[2] >= up_0) &
+                        (tile[3] <= up_1))
+                   << (8 * set);
+        }
       }
     }
+    any &= groups;
+    to.any[k] = uint16_t(any);
+    if (kWhole) to.whole[k] = uint16_t(whole & any);
+    to.children |= unsigned(any != 0) << k;
   }
-  for (int set = 0; set < kSets; ++set) {
-    const uint64_t of_set = (groups >> (8 * set) & 0xff) * kEachByte;
-    pairs.any.of[set] &= of_set;
-    pairs.whole.of[set] &= of_set;
+}
+
+// Calls visit(k, g) for every box or element k and every group g that may meet it.
+template <class Visit>
+__attribute__((always_inline)) inline void for_each(const Meetings& meetings, Visit visit) {
+  for (unsigned left = meetings.children; left; left &= left - 1) {
+    const unsigned k = unsigned(__builtin_ctz(left));
+    for (unsigned groups = meetings.any[k]; groups; groups &= groups - 1) {
+      visit(k, unsigned(__builtin_ctz(groups)));
+    }
   }
-  return pairs;
 }
 
 // Computes what follows from the directions and axes.
@@ -230,8 +204,12 @@ inline void finish(Rays& r) {
       every &= below_zero;
     }
     const unsigned full = kLanes == 16 ? 0xffffu : 0xffu;
-    r.negative[a] = any != 0;
+    r.first_edge[a] = any != 0 ? a + 3 : a;
     r.mixed |= any != 0 && every != full;
+  }
+  for (int a = 0; a < 3; ++a) {
+    if (r.mixed) r.first_edge[a] = a;
+    r.last_edge[a] = 2 * a + 3 - r.first_edge[a];
   }
 }
 
@@ -280,21 +258,23 @@ inline void convert_rays(const View& view, const Ray* rays, const uint64_t* keys
   for (int a = 0; a < 3; ++a) out.centre[a] = rays[0].origin.data()[a] - view.origin[a];
   const D centre{view.origin[0] + out.centre[0], view.origin[1] + out.centre[1],
                  view.origin[2] + out.centre[2], 0};
+#pragma GCC unroll 4
   for (size_t i = 0; i < count; ++i) {
     const double* from = rays[i].origin.data();
     const D o_d = *reinterpret_cast<const D4*>(from) - centre;
-    *reinterpret_cast<F4*>(out.row[i]) = __builtin_convertvector(o_d, F4);
+    *reinterpret_cast<F4*>(out.row[i]) = to_float(o_d);
     out.row[i][4] = float(from[4]);
     out.row[i][5] = float(from[5]);
     const uint64_t key = keys ? keys[i] : 0;
     __builtin_memcpy(&out.row[i][6], &key, 8);
   }
+  for (size_t i = count; i % 8; ++i) __builtin_memcpy(out.row[i], out.row[count - 1], 32);
   F8 low = all8(INFINITY), high = -low, sin_elevation_low = low, sin_elevation_high = high,
      far2 = all8(0.0f);
   float first = 0;
   for (size_t i = 0; i < count; i += 8) {
     F8 x[8];
-    for (size_t k = 0; k < 8; ++k) x[k] = load8(out.row[i + k < count ? i + k : count - 1]);
+    for (size_t k = 0; k < 8; ++k) x[k] = load8(out.row[i + k]);
     transpose(x);
     F8 turn = quarter_turns(x[3], x[4]);
     if (i == 0) first = turn[0];

@@ -60,8 +60,8 @@ void end(const PacketTraversal& w) {
   if (kQuery == Query::kAll) return;
   const PacketQuery& s = w.search;
   Batch& batch = *s.batch;
-  Candidate* ellipsoid = batch.known + batch.known_ellipsoids;
-  Candidate* triangle = batch.known + kBatchRays - batch.known_triangles;
+  Candidate* ellipsoid = batch.ellipsoids->of + batch.ellipsoids->count;
+  Candidate* triangle = batch.triangles->of + batch.triangles->count;
   for (int g = 0; g * kLanes < s.count; ++g) {
     const unsigned places =
         s.count - g * kLanes < kLanes ? (1u << (s.count - g * kLanes)) - 1 : ~0u;
@@ -80,11 +80,11 @@ void end(const PacketTraversal& w) {
       *ellipsoid++ = found_at(__builtin_ctz(left));
     }
     for (unsigned left = open & in_block & ~none; left; left &= left - 1) {
-      *--triangle = found_at(__builtin_ctz(left));
+      *triangle++ = found_at(__builtin_ctz(left));
     }
   }
-  batch.known_ellipsoids = size_t(ellipsoid - batch.known);
-  batch.known_triangles = size_t(batch.known + kBatchRays - triangle);
+  batch.ellipsoids->count = size_t(ellipsoid - batch.ellipsoids->of);
+  batch.triangles->count = size_t(triangle - batch.triangles->of);
 }
 
 constexpr size_t kFew = 4;  // packets of fewer rays do not pay

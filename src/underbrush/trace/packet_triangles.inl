@@ -38,7 +38,7 @@ inline void test_children(const PacketQuery& s, const Frame& f, const TriangleBl
     to[p] = at + greater(greater(F8{}, a), greater(b, c)) + pad;
   }
   bound_slopes(r, from, to, tests.seen);
-  tests.pairs = pairs_of<false>(r, s.found.reach, tests.seen, groups).any;
+  find_meetings<false>(r, s.found.reach, tests.seen, groups, tests.meetings);
   const I8 alone = *reinterpret_cast<const I8*>(block.element[1]) == -1;
   for (int k = 0; k < 2; ++k) {
     const F8 *e1 = side[k], *e2 = side[k + 1], around = l[k] + l[k + 1], reach = away + around;
@@ -65,13 +65,13 @@ inline unsigned visit(PacketQuery& s, const Frame& f, const TriangleBlock& b,
   const Rays& r = *f.rays;
   const auto& corner = tests.triangle.corner;
   const auto& side = tests.triangle.side;
-  struct {
+  struct alignas(128) {
     F signed_det, least_weight;
+    unsigned pair, which, group;
   } met[2 * 8 * kGroups + 1], *to = met;
-  uint16_t place_of[2 * 8 * kGroups + 1];  // twice the pair, plus which of the two triangles
   unsigned sets = 0;
   const uint32_t first = kInBlock | uint32_t(&b - f.triangles) * (2 * kWidth);
-  for_each(tests.pairs, [&](unsigned j, unsigned g, unsigned pair) {
+  for_each(tests.meetings, [&](unsigned j, unsigned g) {
     // The moments of the rays about the corner are c = (o − corner) × d. The weights of the other
     // corners of a triangle are c·side2 and −c·side1.
     const F vx = all(corner[0][j]), vy = all(corner[1][j]), vz = all(corner[2][j]);
@@ -91,15 +91,13 @@ inline unsigned visit(PacketQuery& s, const Frame& f, const TriangleBlock& b,
       const F det = absolute(signed_det), sign = sign_of(signed_det);
       const F x = flip(weight[k + 1], sign), minus_y = flip(weight[k], sign);
       const F least_weight = lesser(x, lesser(-minus_y, det - x + minus_y));
-      *to = {signed_det, least_weight};
-      place_of[to - met] = uint16_t(2 * pair + unsigned(k));
+      *to = {signed_det, least_weight, j, unsigned(k), g};
       to += bits(le(all(of.doubtful[j]), least_weight)) != 0;
     }
   });
   const int count = int(to - met);
   for (int k = 0; k < count; ++k) {
-    const unsigned which = place_of[k] % 2, j = child_of(place_of[k] / 2),
-                   g = group_of(place_of[k] / 2);
+    const unsigned which = met[k].which, j = met[k].pair, g = met[k].group;
     const auto& of = tests.triangle.of[which];
     const F signed_det = met[k].signed_det, det = absolute(signed_det);
     const F least_weight = met[k].least_weight, limit = all(of.doubtful[j]);

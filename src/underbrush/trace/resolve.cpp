@@ -3,6 +3,22 @@
 #include "underbrush/trace/kernel.hpp"
 
 namespace underbrush::trace {
+
+namespace {
+
+constexpr HashFactors hash_factors() {
+  constexpr uint32_t kFactor[3] = {0x7feb352du, 0x846ca68bu, 0x9e3779b1u};
+  HashFactors out{};
+  for (int k = 0; k < 3; ++k) {
+    for (uint32_t& lane : out.of[k]) lane = kFactor[k];
+  }
+  return out;
+}
+
+}  // namespace
+
+const HashFactors kHashFactors = hash_factors();
+
 Intersection intersect_placed(const View& view, const Batch& batch, const Candidate& c) {
   const elements::Instance& placed = view.instances[c.instance];
   return intersect(*view.models[placed.model], placed, c.instance, c.element, batch.rays[c.ray],

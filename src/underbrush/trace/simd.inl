@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "underbrush/trace/kernel.hpp"
 #include "underbrush/trace/order.hpp"
 
 namespace underbrush::trace {
@@ -21,7 +22,6 @@ constexpr int kGroups = kPacket / kLanes;
 constexpr int kSets = kGroups / 8;  // sets of eight groups
 constexpr unsigned kEveryLane = (1u << kLanes) - 1;
 constexpr unsigned kEveryGroup = (1u << kGroups) - 1;
-constexpr uint64_t kEachByte = 0x0101010101010101u;
 
 typedef float F8 __attribute__((vector_size(32), may_alias));
 typedef int32_t I8 __attribute__((vector_size(32), may_alias));
@@ -84,7 +84,13 @@ inline U all(uint32_t x) { return (U)_mm512_set1_epi32(int(x)); }
 #else
 typedef I8 M;
 inline M le(F a, F b) { return a <= b; }
+#if defined(__AVX2__)
+inline M below(U a, U b) {
+  return ~(M)(U)_mm256_cmpeq_epi32(_mm256_max_epu32((__m256i)a, (__m256i)b), (__m256i)a);
+}
+#else
 inline M below(U a, U b) { return (M)(a < b); }
+#endif
 inline M equal(U a, U b) { return (M)(a == b); }
 inline M mask_of(unsigned lanes) {
   const I8 bit{1, 2, 4, 8, 16, 32, 64, 128};
@@ -111,18 +117,27 @@ inline F exp_below_zero(F x) {
   return (F)((U)series + ((U)rounded << 23));
 }
 
-template <class V>
-inline float greatest(V v) {
-  float m = v[0];
-  for (size_t k = 1; k < sizeof(V) / 4; ++k) m = v[k] > m ? v[k] : m;
-  return m;
+// Reduces eight values to one by `pick(a, b)`.
+template <class Pick>
+inline float of_lanes(F8 v, Pick pick) {
+  v = pick(v, __builtin_shufflevector(v, v, 4, 5, 6, 7, 0, 1, 2, 3));
+  v = pick(v, __builtin_shufflevector(v, v, 2, 3, 0, 1, 6, 7, 4, 5));
+  return pick(v, __builtin_shufflevector(v, v, 1, 0, 3, 2, 5, 4, 7, 6))[0];
 }
-template <class V>
-inline float least(V v) {
-  float m = v[0];
-  for (size_t k = 1; k < sizeof(V) / 4; ++k) m = v[k] < m ? v[k] : m;
-  return m;
+inline float greatest(F8 v) {
+  return of_lanes(v, [](F8 a, F8 b) { return greater(a, b); });
 }
+inline float least(F8 v) {
+  return of_lanes(v, [](F8 a, F8 b) { return lesser(a, b); });
+}
+#if defined(__AVX512F__)
+inline F8 lower_half(F v) { return _mm512_castps512_ps256(v); }
+inline F8 upper_half(F v) {
+  return _mm256_castpd_ps(_mm512_extractf64x4_pd(_mm512_castps_pd(v), 1));
+}
+inline float greatest(F v) { return greatest(greater(lower_half(v), upper_half(v))); }
+inline float least(F v) { return least(lesser(lower_half(v), upper_half(v))); }
+#endif
 
 // Transposes rows to columns.
 inline void transpose(F8 x[8]) {
@@ -174,19 +189,14 @@ inline F8 greatest_of_groups(const F v[8]) {
   return of_groups(v, [](F8 a, F8 b) { return greater(a, b); });
 }
 
-// Gives a bit for each byte that is not zero.
-inline unsigned bytes_in(uint64_t bytes) {
-  const __m128i zero = _mm_cmpeq_epi8(_mm_cvtsi64_si128(int64_t(bytes)), _mm_setzero_si128());
-  return ~unsigned(_mm_movemask_epi8(zero)) & 0xff;
-}
-
 // Computes the hash `accept_bits` of core/rng.hpp.
 template <class V>
 inline V accept_hash(V element, V key_low, V key_high) {
+  const auto factor = [](int k) { return *reinterpret_cast<const V*>(kHashFactors.of[k]); };
   V x = element ^ key_low;
-  x = (x ^ (x >> 16)) * 0x7feb352du;
-  x = ((x ^ (x >> 15)) + key_high) * 0x846ca68bu;
-  x = (x ^ (x >> 16)) * 0x9e3779b1u;
+  x = (x ^ (x >> 16)) * factor(0);
+  x = ((x ^ (x >> 15)) + key_high) * factor(1);
+  x = (x ^ (x >> 16)) * factor(2);
   return x ^ (x >> 15);
 }
 

@@ -1,7 +1,6 @@
 #include "underbrush/trace/world.hpp"
 
 #include <algorithm>
-#include <array>
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
@@ -58,7 +57,7 @@ struct Workspace {
   Batch batch;
   FloatRays float_rays;
   DirectionOrder order;
-  std::array<Candidate, kBatchRays> known;
+  Known ellipsoids, triangles;
   std::vector<Intersection> mets;
 };
 
@@ -115,8 +114,9 @@ struct World::Impl {
     for (batch.first = 0; batch.first < count; batch.first += kBatchRays) {
       const size_t n = std::min(kBatchRays, count - batch.first);
       batch.float_rays = &w.float_rays;
-      batch.known = w.known.data();
-      batch.known_ellipsoids = batch.known_triangles = 0;
+      batch.ellipsoids = &w.ellipsoids;
+      batch.triangles = &w.triangles;
+      w.ellipsoids.count = w.triangles.count = 0;
       const uint64_t* keys = batch.keys ? batch.keys + batch.first : nullptr;
       if (n > 1) kernels->convert_rays(v, batch.rays + batch.first, keys, n, w.float_rays);
       kernels->trace(v, query, batch, w.order.of(w.float_rays, n), n);
