@@ -102,6 +102,7 @@ inline unsigned visit(PacketQuery& s, const Frame& f, const EllipsoidBlock& b, L
     const F low = t - error, high = t + error;
     M found = met[k].maybe & le(all(f.t_min), high) &
               le(low, kQuery == Query::kAll ? all(f.t_max) : s.found.high[g]);
+    if (!bits(found)) continue;
     M sure = found;
     const uint32_t element = b.element[j] & kElementMask;
     const Lattice& grain = f.grains[b.element[j] >> kGrainShift];
