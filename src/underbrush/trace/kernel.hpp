@@ -59,10 +59,10 @@ struct View {
   const Bvh* bvhs;
 };
 
-/// The factors of `accept_bits`, one a lane. They are kept in memory, because the compiler would
-/// make constants anew from integers for each trial.
+/// The factors of `accept_bits`, and `kCellFactor`, the same in all lanes. They are kept in memory,
+/// because the compiler would make constants anew from integers for each trial.
 struct HashFactors {
-  alignas(64) uint32_t of[3][16];
+  alignas(64) uint32_t trial[3][16], cell[3][16];
 };
 extern const HashFactors kHashFactors;
 

@@ -184,13 +184,9 @@ inline Cells cells_of(const Frame& f, const Lattice& l, int g, F t, F error) {
       muladd(error + (absolute(t) + all(r.spread)) * 1e-6f, all(l.cells_per_m * 1.01f), all(1e-5f));
   for (int a = 0; a < 3; ++a) {
     const F at = muladd(muladd(t, r.d[a][g], r.o[a][g]), all(l.cells_per_m), all(l.part[a]));
-    const I whole = __builtin_convertvector(at, I);
-    const F above = __builtin_convertvector(whole, F);
-    // The conversion rounds towards 0, so the cell is one less where it rounded up.
-    const M up = ~le(above, at);
-    const F fraction = at - pick(up, above - 1.0f, above);
+    const F whole = floor_of(at), fraction = at - whole;
     cells.sure &= le(slack, fraction) & le(fraction, 1.0f - slack);
-    cells.mixed += ((U)whole - pick(up, all(1u), all(0u)) + l.cell[a]) * kCellFactor[a];
+    cells.mixed += ((U) __builtin_convertvector(whole, I) + l.cell[a]) * cell_factor(a);
   }
   return cells;
 }

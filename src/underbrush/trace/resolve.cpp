@@ -7,10 +7,11 @@ namespace underbrush::trace {
 namespace {
 
 constexpr HashFactors hash_factors() {
-  constexpr uint32_t kFactor[3] = {0x7feb352du, 0x846ca68bu, 0x9e3779b1u};
+  constexpr uint32_t kTrialFactor[3] = {0x7feb352du, 0x846ca68bu, 0x9e3779b1u};
   HashFactors out{};
   for (int k = 0; k < 3; ++k) {
-    for (uint32_t& lane : out.of[k]) lane = kFactor[k];
+    for (uint32_t& lane : out.trial[k]) lane = kTrialFactor[k];
+    for (uint32_t& lane : out.cell[k]) lane = kCellFactor[k];
   }
   return out;
 }

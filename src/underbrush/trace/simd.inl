@@ -105,6 +105,18 @@ inline U all(uint32_t x) { return U{x, x, x, x, x, x, x, x}; }
 inline F sign_of(F a) { return (F)((U)a & 0x80000000u); }
 inline F flip(F a, F sign) { return (F)((U)a ^ (U)sign); }
 
+// Rounds down; |a| < 2³¹.
+inline F floor_of(F a) {
+#if defined(__AVX512F__)
+  return _mm512_floor_ps(a);
+#elif defined(__AVX2__)
+  return _mm256_floor_ps(a);
+#else
+  const F whole = __builtin_convertvector(__builtin_convertvector(a, I), F);
+  return pick(le(whole, a), whole, whole - 1.0f);
+#endif
+}
+
 // Computes eˣ for x ≤ 0 with a relative error of about 1e-6.
 inline F exp_below_zero(F x) {
   x = greater(x, all(-80.0f));
@@ -189,10 +201,12 @@ inline F8 greatest_of_groups(const F v[8]) {
   return of_groups(v, [](F8 a, F8 b) { return greater(a, b); });
 }
 
+inline U cell_factor(int axis) { return *reinterpret_cast<const U*>(kHashFactors.cell[axis]); }
+
 // Computes the hash `accept_bits` of core/rng.hpp.
 template <class V>
 inline V accept_hash(V element, V key_low, V key_high) {
-  const auto factor = [](int k) { return *reinterpret_cast<const V*>(kHashFactors.of[k]); };
+  const auto factor = [](int k) { return *reinterpret_cast<const V*>(kHashFactors.trial[k]); };
   V x = element ^ key_low;
   x = (x ^ (x >> 16)) * factor(0);
   x = ((x ^ (x >> 15)) + key_high) * factor(1);
