@@ -61,7 +61,14 @@ void bind_mesh(nb::module_& m) {
       .def_ro("range_sigma_m", &TriangleMesh::range_sigma_m,
               "m; standard deviation of the range about the surface.")
       .def_ro("roughness_m", &TriangleMesh::roughness_m,
-              "m; standard deviation, along the normal, of the surface about the mesh.");
+              "m; standard deviation, along the normal, of the surface about the mesh.")
+      .def_prop_ro(
+          "roughness",
+          [](MeshSelf s) {
+            return view_member(
+                mesh_of(s).roughness, [](const float& h) { return &h; }, s);
+          },
+          "View (n,) float32, m: the same of each triangle; empty where all have `roughness_m`.");
 }
 
 template <class T>

@@ -37,7 +37,7 @@ class FitParameters(TypedDict, total=False):
     ground_method: str  #: Ground segmentation (default lower_envelope).
     ground_spacing: float  #: Least distance of the nodes of the ground's height map (m; default 0.5).
     ground_smoothness: float  #: Weight of bending of the ground's height map (m²; default 0.05).
-    ground_error: float  #: Largest distance of the ground mesh from the height map (m; default 0.02).
+    ground_error: float  #: Largest distance of the ground mesh from the height map (m; default 0.01).
     tau: float  #: Mahalanobis distance within which a beam meets an ellipsoid (default 3).
     max_residual_for_hit: float  #: A triangle explains a point nearer than this (m; default 0.75).
     #: Points' worth of the usual size mixed into each ellipsoid's covariance (points; default 1).
@@ -47,7 +47,7 @@ class FitParameters(TypedDict, total=False):
     #: Drop ellipsoids with hits / (hits + misses) below this: nothing stands there (default 0.05).
     free_space_below: float
     range_noise: float  #: The sensor's range noise (m; default 0.02).
-    triangle_prior_hits: float  #: Prior hits of a triangle; likelihood has 20 (default 10000).
+    triangle_prior_hits: float  #: Prior hits of a triangle; likelihood has 10 (default 10000).
     triangle_prior_misses: float  #: Prior misses of a triangle (default 0).
     credit: str  #: The elements that a beam is evidence of (default first).
     #: credit mahalanobis: greatest distance of a beam from an ellipsoid; at most tau counts (default 2).

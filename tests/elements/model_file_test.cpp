@@ -108,6 +108,26 @@ TEST_F(ModelFile, ComesBackWhole) {
   }
 }
 
+TEST_F(ModelFile, KeepsTheRoughnessOfItsTrianglesAndHasNoneWithout) {
+  model_.ground.roughness.clear();
+  model_.surface.roughness.clear();
+  write_model(folder_ / "m", model_);
+  EXPECT_TRUE(read_model(folder_ / "m").ground.roughness.empty());
+  for (size_t k = 0; k < model_.ground.size(); ++k) {
+    model_.ground.roughness.push_back(0.01f + 0.001f * float(k));
+  }
+  write_model(folder_ / "m", model_);
+  const Model back = read_model(folder_ / "m");
+  EXPECT_EQ(back.ground.roughness, model_.ground.roughness);
+  EXPECT_TRUE(back.surface.roughness.empty());
+  for (const float bad : {-0.01f, std::numeric_limits<float>::quiet_NaN()}) {
+    model_.ground.roughness[0] = bad;
+    EXPECT_THROW(model_.check(), std::invalid_argument);
+  }
+  model_.ground.roughness.resize(model_.ground.size() + 1, 0.01f);
+  EXPECT_THROW(model_.check(), std::invalid_argument);
+}
+
 TEST_F(ModelFile, KeepsItsLightAndHasNoneWithout) {
   write_model(folder_ / "m", model_);
   EXPECT_FALSE(read_model(folder_ / "m").light.known());

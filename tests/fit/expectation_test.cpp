@@ -19,6 +19,7 @@ namespace {
 struct GivenMeetings {
   std::vector<trace::Intersection> met;
   std::vector<float> p;
+  std::vector<ListedBeam> beams;
   BeamBlock block;
 
   GivenMeetings(std::vector<trace::Intersection> list, double range_m) : met(std::move(list)) {
@@ -27,15 +28,17 @@ struct GivenMeetings {
       block.met.push_back(m.element);
       block.on_triangle.push_back({float(m.t_m), float(m.sigma_m * m.sigma_m)});
     }
-    block.beams = {{{0, 0, 0}, float(range_m), {1, 0, 0}, 1000}};
+    beams = {{{0, 0, 0}, float(range_m), {1, 0, 0}, 1000}};
+    block.beams = beams;
     block.first = block.first_triangle = {0, uint32_t(met.size())};
   }
   PassTotals share(const trace::OutlierShares& soft, double max_range_m, BlockShares& out) const {
     ModelForm form{};
     form.triangle_p = p.data();
     form.ground_triangles = form.triangles = uint32_t(p.size());
-    form.roughness_variance[0] = 1;
-    return find_shares(form, block, soft, max_range_m, out);
+    const std::vector<float> variance(p.size(), 1.0f);
+    form.roughness_variance = variance.data();
+    return find_shares(form, block, soft, max_range_m, out, nullptr);
   }
 };
 
@@ -93,36 +96,77 @@ TEST(Shares, OfTwoElementsByHandInAnyOrderOfTheList) {
   }
 }
 
+/// The slopes by range noise and roughness are compared with finite differences of the expected
+/// log-likelihood, Σ r (−ln σ − x²/2) with the shares r at the place.
+TEST(Shares, SlopesOfNoiseAreTheDerivativesOfTheExpectedLogLikelihood) {
+  Stream random(24);
+  GivenMeetings given(random_mets(random, 5), 6);
+  const size_t n = given.met.size();
+  const std::vector<float> rough{0.3f, 0.01f, 0.2f, 0.05f, 0.1f};
+  ModelForm form{};
+  form.triangle_p = given.p.data();
+  form.ground_triangles = form.triangles = uint32_t(n);
+  form.roughness_variance = rough.data();
+  form.range_variance[0] = 0.04f;
+  elements::Model model;
+  model.ground.hit.resize(n);
+  model.ground.triangles.resize(n);
+  ElementSums sums(model);
+  BlockShares shares;
+  const PassTotals totals = find_shares(form, given.block, {}, 100, shares, &sums);
+  const auto expected = [&](size_t k, double log_range, double log_rough) {
+    const double t = double(given.block.on_triangle[k].t_m),
+                 tilt = double(given.block.on_triangle[k].tilt);
+    const double variance =
+        0.04 * std::exp(2 * log_range) + double(rough[k]) * std::exp(2 * log_rough) * tilt;
+    return double(shares.hit[k]) * -0.5 * (std::log(variance) + (6 - t) * (6 - t) / variance);
+  };
+  const double step = 1e-4;
+  double by_range = 0, curvature = 0;
+  for (size_t k = 0; k < n; ++k) {
+    by_range += (expected(k, step, 0) - expected(k, -step, 0)) / (2 * step);
+    const double by_rough = (expected(k, 0, step) - expected(k, 0, -step)) / (2 * step);
+    const TriangleSums of = sums.triangle(k);
+    EXPECT_NEAR(of.hits, shares.hit[k], 1e-6) << k;
+    EXPECT_NEAR(of.roughness_slope, by_rough, 1e-4 + 1e-4 * std::abs(by_rough)) << k;
+    const double own = 0.04 / (0.04 + double(rough[k] * given.block.on_triangle[k].tilt));
+    EXPECT_NEAR(of.roughness_curvature, 2 * shares.hit[k] * (1 - own) * (1 - own), 1e-5) << k;
+    curvature += 2 * double(shares.hit[k]) * own * own;
+  }
+  EXPECT_NEAR(totals.noise[0][0].value(), by_range, 1e-4 + 1e-4 * std::abs(by_range));
+  EXPECT_NEAR(totals.noise[0][1].value(), curvature, 1e-5);
+}
+
 /// The sums of beams that meet one ellipsoid each, with given shares.
 class GivenShares {
  public:
-  explicit GivenShares(const elements::Model& model)
-      : model_(model), by_element_(model.ellipsoids.size()) {}
+  explicit GivenShares(const elements::Model& model) : model_(model) {}
   void add(const Ray& ray, uint32_t element, double range_m, double hit, double pass, double loss) {
     const Vec3f o = ray.origin.cast<float>(), d = ray.direction.cast<float>();
-    const uint32_t beam = uint32_t(block_.beams.size());
-    block_.beams.push_back({{o[0], o[1], o[2]}, float(range_m), {d[0], d[1], d[2]}, 1000});
+    beams_.push_back({{o[0], o[1], o[2]}, float(range_m), {d[0], d[1], d[2]}, 1000});
     shares_.hit.push_back(float(hit));
     shares_.pass.push_back(float(pass));
     shares_.loss.push_back(float(loss));
-    by_element_[element].push_back({beam, beam});
+    met_.push_back(element);
+    first_.push_back(uint32_t(met_.size()));
   }
   ElementSums sums() {
-    MeetingsByElement lists;
-    for (uint32_t e = 0; e < by_element_.size(); ++e) {
-      lists.elements.push_back({e, uint32_t(lists.met.size())});
-      lists.met.insert(lists.met.end(), by_element_[e].begin(), by_element_[e].end());
-    }
-    lists.elements.push_back({uint32_t(by_element_.size()), uint32_t(lists.met.size())});
+    const ModelForms forms(model_, 0);
+    RunColumns columns;
+    columns.resize(met_.size());
+    const size_t count =
+        pass_kernels().approach(forms.view(), beams_.data(), first_.data(), 0, beams_.size(),
+                                met_.data(), nullptr, columns.meetings(), columns.ellipsoids());
     ElementSums out(model_);
-    out.add(ModelForms(model_, 0).view(), block_, lists, shares_);
+    out.add(columns.ellipsoids(), count, met_.data(),
+            {shares_.hit.data(), shares_.pass.data(), shares_.loss.data()});
     return out;
   }
 
  private:
   const elements::Model& model_;
-  std::vector<std::vector<ElementMeeting>> by_element_;
-  BeamBlock block_;
+  std::vector<ListedBeam> beams_;
+  std::vector<uint32_t> first_{0}, met_;
   BlockShares shares_;
 };
 

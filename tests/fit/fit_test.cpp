@@ -139,7 +139,8 @@ TEST(Fit, GroundMeshIsTheHybridWithoutItsEllipsoids) {
   EXPECT_GT(bare.model.ground.size(), 0u);
   EXPECT_EQ(bare.model.ground.vertices, hybrid.model.ground.vertices);
   EXPECT_EQ(bare.model.ground.triangles, hybrid.model.ground.triangles);
-  EXPECT_EQ(bare.model.ground.range_sigma_m, hybrid.model.ground.range_sigma_m);
+  // Some of the returns that ellipsoids explain are among the residuals of the bare ground.
+  EXPECT_NEAR(bare.model.ground.range_sigma_m, hybrid.model.ground.range_sigma_m, 1e-3);
   EXPECT_EQ(bare.model.max_range_m, hybrid.model.max_range_m);
   EXPECT_EQ(bare.report.other_points, hybrid.report.other_points);
   size_t hits = 0;

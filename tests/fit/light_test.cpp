@@ -93,6 +93,22 @@ TEST(Light, OfReturnsWithoutIntensityNothingIsLearnt) {
   }
 }
 
+/// A reflectance is a mean of intensities over the response, which is less than 1 for many returns.
+TEST(Light, OfIntensitiesAtTheLimitOfAFloatIsFiniteOrNone) {
+  const elements::Model truth = lit_world();
+  size_t without = 0;
+  for (const size_t every : {1, 2, 7, 50}) {
+    BeamLog log = lit_log(truth);
+    for (size_t i = 0; i < log.size(); i += every) log.intensity[i] = 3.4e38f;
+    elements::Model model = truth;
+    MemorySource source(log);
+    learn_light(model, source);
+    EXPECT_NO_THROW(model.check()) << every;
+    without += !model.light.known();
+  }
+  EXPECT_GT(without, 0u);
+}
+
 TEST(Light, PredictsTheIntensitiesOfAKnownModelWithinThreePercent) {
   const elements::Model truth = lit_world();
   const BeamLog log = lit_log(truth);

@@ -98,7 +98,22 @@ LikelihoodOptions plain_options() {
 
 /// The mean −log f of the held-out beams, nats.
 double nll_of(const elements::Model& model, BeamSource& source, const HeldOut& held_out) {
-  return judge(trace::World(model), ListedBeams(source, held_out, model, 0)).nll;
+  return judge(trace::World(model), ListedBeams(source, held_out, model, 0));
+}
+
+TEST(Likelihood, TheLastRoundsOfALongLogTakeAllBeamsAndEarlierOnesOwnShares) {
+  const size_t many = 2 * kLongLog;
+  std::array<int, BeamShare::kParts> taken{};
+  for (const int round : {0, 1}) {
+    const BeamShare share = share_of_round(many, round, 3);
+    EXPECT_FALSE(share.is_all());
+    for (unsigned k = share.first; k < share.last; ++k) ++taken[k];
+  }
+  EXPECT_LE(*std::max_element(taken.begin(), taken.end()), 1);
+  for (const int rounds : {1, 2, 3}) EXPECT_TRUE(share_of_round(many, rounds - 1, rounds).is_all());
+  EXPECT_EQ(share_of_round(many, 0, 2), share_of_round(many, 1, 3));
+  EXPECT_TRUE(share_of_round(many, 2, 20).is_all());
+  EXPECT_TRUE(share_of_round(kLongLog - 1, 0, 3).is_all());
 }
 
 TEST(Likelihood, RecoversAKnownModelFromItsBeams) {

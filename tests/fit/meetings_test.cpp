@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/fit/expectation.hpp"
 
@@ -81,7 +82,10 @@ TEST(Meetings, AreThoseThatTheRayModelHas) {
   MemorySource source(log, 2500);
   const trace::World world(model);
   size_t needed = 0, listed = 0, triangles = 0;
-  ListedBeams(source, HeldOut{0}, model, kMany).for_each([&](BeamBlock& block) {
+  const ListedBeams beams(source, HeldOut{0}, model, kMany);
+  beams.for_each({}, [&](std::span<const ListedBeam> some) {
+    BeamBlock block;
+    block.beams = some;
     find_meetings(world, log.info, block);
     listed += block.met.size();
     for (size_t b = 0; b < block.beams.size(); ++b) {
@@ -122,12 +126,13 @@ TEST(ListedBeams, ThatAreNotKeptGiveTheSame) {
   const trace::World world(model);
   const ListedBeams kept(source, HeldOut{}, model, kMany);
   EXPECT_EQ(kept.training_beams() + kept.held_out().size(), log.size());
-  const Expectation all = expect(world, kept, {});
+  const Expectation all = expect(world, kept, {}, {});
   for (const size_t bytes : {size_t(0), size_t(70000)}) {
     const ListedBeams some(source, HeldOut{}, model, bytes);
     EXPECT_EQ(some.training_beams(), kept.training_beams());
-    expect_same(expect(world, some, {}), all, model);
-    EXPECT_EQ(judge(world, some).nll, judge(world, kept).nll);
+    expect_same(expect(world, some, {}, {}), all, model);
+    expect_same(expect(world, some, {1, 3}, {}), expect(world, kept, {1, 3}, {}), model);
+    EXPECT_EQ(judge(world, some), judge(world, kept));
   }
 }
 
@@ -136,10 +141,47 @@ TEST(ListedBeams, AreJudgedAsTheyAreLearntFrom) {
   const BeamLog log = random_beams(37, 6000, model.origin);
   MemorySource source(log, 1000);
   const trace::World world(model);
-  const double learnt = expect(world, ListedBeams(source, HeldOut{0}, model, kMany), {}).nll;
-  const Judgement judged = judge(world, ListedBeams(source, HeldOut{1}, model, kMany));
-  EXPECT_EQ(judged.nll, learnt);
-  EXPECT_EQ(judged.hits, 4800u);
+  const double learnt = expect(world, ListedBeams(source, HeldOut{0}, model, kMany), {}, {}).nll;
+  const ListedBeams all_apart(source, HeldOut{1}, model, kMany);
+  EXPECT_EQ(judge(world, all_apart), learnt);
+  EXPECT_EQ(all_apart.held_out_hits(), 4800u);
+}
+
+/// Shares whose numbers add up to all have no beam in common and leave none out: the sums of four
+/// quarters, which count their beams four times, are four times those of all beams, to the bit.
+TEST(ListedBeams, SharesAddUpToAllBeams) {
+  const elements::Model model = random_model(40, 60);
+  const BeamLog log = random_beams(41, 5000, model.origin);
+  MemorySource source(log, 1000);
+  const trace::World world(model);
+  const ListedBeams beams(source, HeldOut{0}, model, kMany);
+  const ElementSums all = expect(world, beams, {}, {}).sums;
+  std::vector<double> hits(60);
+  double passes = 0, slope = 0;
+  for (unsigned k = 0; k < BeamShare::kParts; k += 2) {
+    size_t count = 0;
+    beams.for_each({k, k + 2}, [&](std::span<const ListedBeam> some) { count += some.size(); });
+    EXPECT_NEAR(double(count), 1250, 130);
+    const ElementSums quarter = expect(world, beams, {k, k + 2}, {}).sums;
+    for (size_t e = 0; e < hits.size(); ++e) hits[e] += quarter.ellipsoid(e).hits;
+    passes += quarter.triangle(0).passes;
+    slope += quarter.noise(elements::Kind::kGround).slope;
+  }
+  for (size_t e = 0; e < hits.size(); ++e) EXPECT_EQ(hits[e], 4 * all.ellipsoid(e).hits) << e;
+  EXPECT_EQ(passes, 4 * all.triangle(0).passes);
+  EXPECT_EQ(slope, 4 * all.noise(elements::Kind::kGround).slope);
+}
+
+TEST(Expectation, HasTheSameBitsForAnyNumberOfThreads) {
+  const elements::Model model = random_model(42, 60);
+  const BeamLog log = random_beams(43, 20000, model.origin);
+  MemorySource source(log);
+  const trace::World world(model);
+  const ListedBeams beams(source, HeldOut{}, model, kMany);
+  set_threads(1);
+  const Expectation alone = expect(world, beams, {}, {});
+  set_threads(0);
+  for (int k = 0; k < 4; ++k) expect_same(expect(world, beams, {}, {}), alone, model);
 }
 
 #if defined(__x86_64__)
@@ -149,22 +191,21 @@ TEST(PassKernel, GivesTheSameBitsForEachInstructionSet) {
   const ModelForms forms(model, 0.2);
   const ModelForm form = forms.view();
   Stream random(39);
-  BeamBlock block;
-  std::vector<ElementMeeting> list;
+  std::vector<ListedBeam> beams;
+  std::vector<uint32_t> first{0}, met;
+  std::vector<TriangleMeeting> on_triangle;
   std::vector<float> shares[3];
-  block.first = {0};
   for (uint32_t b = 0; b < 1000; ++b) {
     const Vec3f d =
         Vec3f(float(random.normal()), float(random.normal()), float(random.normal())).normalized();
     const Vec3f o = model.ellipsoids[0].mean - float(random.uniform(2, 9)) * d;
-    block.beams.push_back({{o[0] + float(random.uniform(-0.3, 0.3)), o[1], o[2]},
-                           float(random.uniform(1, 9)),
-                           {d[0], d[1], d[2]},
-                           30});
-    block.met.push_back(b % 9 ? 2u : b % 2);
-    if (block.met.back() < 2) block.on_triangle.push_back({5, 1.5f});
-    block.first.push_back(b + 1);
-    list.push_back({b, b});
+    beams.push_back({{o[0] + float(random.uniform(-0.3, 0.3)), o[1], o[2]},
+                     float(random.uniform(1, 9)),
+                     {d[0], d[1], d[2]},
+                     30});
+    met.push_back(b % 9 ? 2u : b % 2);
+    if (met.back() < 2) on_triangle.push_back({5, 1.5f});
+    first.push_back(b + 1);
     for (std::vector<float>& s : shares) s.push_back(float(random.uniform()));
   }
   std::vector<const PassKernels*> kernels{&kPassBase, &kPassAvx2};
@@ -172,19 +213,25 @@ TEST(PassKernel, GivesTheSameBitsForEachInstructionSet) {
     kernels.push_back(&kPassAvx512);
   }
   std::vector<std::array<std::vector<float>, 4>> columns(kernels.size());
-  std::vector<std::vector<int64_t>> sums(kernels.size());
+  std::vector<std::array<int64_t, kSumRow>> sums(kernels.size());
   for (size_t k = 0; k < kernels.size(); ++k) {
-    for (std::vector<float>& c : columns[k]) c.resize(1008);
-    sums[k].resize(kSumFields);
-    auto& [t, sigma, p, density] = columns[k];
-    kernels[k]->approach(form, block.beams.data(), block.first.data(), 0, 1000, block.met.data(),
-                         block.on_triangle.data(),
-                         {t.data(), sigma.data(), p.data(), density.data()});
-    kernels[k]->add(form.ellipsoids[0], block.beams.data(), list.data(), 1000,
-                    {shares[0].data(), shares[1].data(), shares[2].data()}, sums[k].data());
+    RunColumns run;
+    run.resize(1000);
+    const MeetingColumns c = run.meetings();
+    const size_t count = kernels[k]->approach(form, beams.data(), first.data(), 0, 1000, met.data(),
+                                              on_triangle.data(), c, run.ellipsoids());
+    EXPECT_EQ(count, 1000 - on_triangle.size());
+    size_t column = 0;
+    for (const float* x : {c.t_m, c.sigma_m, c.p, c.density}) {
+      columns[k][column++].assign(x, x + 1000);
+    }
+    uint8_t lock = 0;
+    kernels[k]->add(run.ellipsoids(), count, met.data(), 2,
+                    {shares[0].data(), shares[1].data(), shares[2].data()},
+                    {sums[k].data(), &lock, 0});
+    EXPECT_EQ(lock, 0);
   }
   for (size_t k = 0; k < kernels.size(); ++k) {
-    for (std::vector<float>& c : columns[k]) c.resize(1000);
     EXPECT_EQ(columns[k], columns[0]) << k;
     EXPECT_EQ(sums[k], sums[0]) << k;
   }

@@ -8,6 +8,7 @@
 #include "drive_past.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
+#include "underbrush/fit/kept_triangles.hpp"
 #include "underbrush/metrics/score.hpp"
 
 namespace underbrush::fit {
@@ -175,6 +176,26 @@ TEST(Update, TwoUpdatesAreOneUpdateWithBoth) {
   EXPECT_EQ(one.report.changed + first.report.changed + two.report.changed, 0u);
   expect_same_ellipsoids(two.model, one.model);
   expect_same_ground(two.model.ground, one.model.ground);
+}
+
+// The triangles that a refined ground keeps have their roughness, others that of the mesh.
+TEST(Update, TheGroundKeepsItsNoise) {
+  const BeamLog a = drive(true, 1, 20000), b = drive(true, 2, 15000);
+  const FitResult known = fitted(a);
+  const elements::TriangleMesh& before = known.model.ground;
+  ASSERT_EQ(before.roughness.size(), before.size());
+  const auto [least, most] = std::minmax_element(before.roughness.begin(), before.roughness.end());
+  EXPECT_LT(*least, *most);
+  const UpdateResult u = updated(known, {&a}, b, kAtOnce);
+  const elements::TriangleMesh& now = u.model.ground;
+  EXPECT_EQ(now.range_sigma_m, before.range_sigma_m);
+  EXPECT_EQ(now.roughness_m, before.roughness_m);
+  ASSERT_EQ(now.roughness.size(), now.size());
+  const std::vector<uint32_t> kept = kept_triangles(before, now);
+  for (size_t k = 0; k < kept.size(); ++k) {
+    EXPECT_EQ(now.roughness[k],
+              kept[k] == kNewTriangle ? float(before.roughness_m) : before.roughness[kept[k]]);
+  }
 }
 
 // Elements of a refined model are refined among their neighbours, which one fit moves, too.

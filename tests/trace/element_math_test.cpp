@@ -82,6 +82,10 @@ TEST(Meet, ARoughTriangleSpreadsTheRangeByTheAngleOfIncidence) {
     ASSERT_FALSE(met.none());
     const double rise = 0.04 / std::max(cosine, 0.01);
     EXPECT_NEAR(met.sigma_m, std::sqrt(0.03 * 0.03 + rise * rise), 1e-9 * rise / cosine);
+    model.ground.roughness = {0.125f};
+    const Intersection own = intersect(model, 0, Vec3(0, 0, 1), d, {0, 1000});
+    EXPECT_NEAR(own.sigma_m, std::hypot(0.03, rise * 0.125 / 0.04), 1e-8 * rise / cosine);
+    model.ground.roughness.clear();
   }
 }
 

@@ -68,6 +68,9 @@ inline elements::Model random_model(uint64_t seed, int ellipsoids = 300,
       mesh->hit.push_back({float(random.uniform() < 0.5 ? 1 : random.uniform()), 0, 0});
     }
   }
+  for (size_t i = 0; i < model.ground.size(); ++i) {  // its triangles have their own, others none
+    model.ground.roughness.push_back(i % 3 ? float(random.uniform(0, 0.05)) : 0.0f);
+  }
   model.check();
   return model;
 }

@@ -34,6 +34,11 @@ void check_mesh(const TriangleMesh& mesh) {
   require(mesh.light.empty() || mesh.light.size() == mesh.size(),
           "model: triangles and reflectances differ in number");
   for (const Reflectance& r : mesh.light) check_light(r);
+  require(mesh.roughness.empty() || mesh.roughness.size() == mesh.size(),
+          "model: triangles and roughnesses differ in number");
+  for (const float h : mesh.roughness) {
+    require(std::isfinite(h) && h >= 0, "model: a roughness is negative or not finite");
+  }
 }
 
 }  // namespace

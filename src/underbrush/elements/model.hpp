@@ -29,7 +29,7 @@ struct HitCount {
   uint32_t misses = 0;
 };
 
-/// Triangles, each with a hit probability, and one range noise for all of them.
+/// Triangles, each with a hit probability and a roughness, and one range noise for all of them.
 struct TriangleMesh {
   std::vector<Vec3f> vertices;                     ///< m, relative to the model's origin.
   std::vector<std::array<uint32_t, 3>> triangles;  ///< Indices into `vertices`.
@@ -39,8 +39,13 @@ struct TriangleMesh {
   /// h (m): standard deviation, along the normal, of the surface about the mesh. A beam at the
   /// angle of incidence θ has the range variance σ² = range_sigma_m² + (h / max(|cos θ|, 0.01))².
   double roughness_m = 0;
+  std::vector<float> roughness;  ///< h of each triangle, m; empty where all have `roughness_m`.
 
   size_t size() const { return triangles.size(); }
+  /// h of a triangle, m.
+  double roughness_at(size_t triangle) const {
+    return roughness.empty() ? roughness_m : double(roughness[triangle]);
+  }
 };
 
 /// A permeable Gaussian volume ω = (μ, Σ, p_hit).

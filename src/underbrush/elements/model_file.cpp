@@ -58,6 +58,9 @@ PlyData ply_of_mesh(const TriangleMesh& mesh, bool with_hits) {
   if (with_hits && !mesh.light.empty()) {
     add_light_columns(face, [&](size_t i) { return mesh.light[i]; });
   }
+  if (with_hits && !mesh.roughness.empty()) {
+    add_column<float>(face, "roughness", [&](size_t i) { return mesh.roughness[i]; });
+  }
   PlyData data;
   data.elements = {std::move(vertex), std::move(face)};
   return data;
@@ -140,6 +143,7 @@ TriangleMesh read_mesh(const io::JsonValue& manifest) {
   mesh.triangles = face.triangles;
   mesh.hit = read_hits(file, face);
   mesh.light = read_light(file, face);
+  if (face.find("roughness")) mesh.roughness = column_of<float>(file, face, "roughness");
   return mesh;
 }
 

@@ -14,7 +14,7 @@
 namespace underbrush::fit {
 namespace {
 
-constexpr size_t kBlock = 1 << 16;  // beams of a long log that are taken or left together
+constexpr size_t kBlock = 256;  // beams of a long log that are taken or left together
 constexpr size_t kCellsOfTask = 1 << 11;
 constexpr size_t kFewestPoints = 20;  // of a flat cell
 constexpr long kFewestRings = 5;      // of a flat cell

@@ -12,7 +12,7 @@ struct ChannelOptions {
   double cell_m = 0.5;           ///< Side of the cells that are searched for flat surfaces.
   double prior_m = 0.03;         ///< Standard deviation of an offset before anything was seen.
   int rounds = 4;                ///< How often surfaces and offsets are found by turns.
-  size_t most_points = 1 << 21;  ///< A longer log gives evenly spread blocks.
+  size_t most_points = 1 << 19;  ///< A longer log gives evenly spread blocks.
 };
 
 /// Learns the offsets of a log's rings in range.

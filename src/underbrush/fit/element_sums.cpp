@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include "underbrush/core/parallel.hpp"
@@ -13,7 +14,9 @@ namespace {
 // model stores covariances.
 constexpr int kRow[6] = {0, 0, 0, 1, 1, 2}, kColumn[6] = {0, 1, 2, 1, 2, 2};
 
-using Sums = std::array<int64_t, kSumFields>;
+constexpr size_t kLocks = 4096;
+
+using Sums = std::array<int64_t, kSumRow>;
 
 double value(const Sums& sums, size_t field) { return FixedSum(sums[field]).value(); }
 
@@ -38,15 +41,26 @@ EllipsoidForm form_of(const elements::Ellipsoid& e) {
 
 void FixedSum::add(double term) { bits_ += std::llrint(std::clamp(term, -1e4, 1e4) * 0x1p26); }
 
+void FixedSum::add_shared(double term) {
+  const int64_t bits = std::llrint(std::clamp(term, -1e4, 1e4) * 0x1p26);
+  std::atomic_ref<int64_t>(bits_).fetch_add(bits, std::memory_order_relaxed);
+}
+
 ModelForms::ModelForms(const elements::Model& model, double min_range_m)
     : model_(model),
       min_range_m_(min_range_m),
       ellipsoids_(model.ellipsoids.size()),
-      triangle_p_(model.triangle_count()) {
+      triangle_p_(model.triangle_count()),
+      roughness_variance_(model.triangle_count()) {
   parallel_for(ellipsoids_.size(), 1024, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) ellipsoids_[i] = form_of(model.ellipsoids[i]);
   });
-  for (size_t i = 0; i < triangle_p_.size(); ++i) triangle_p_[i] = model.hit(i).p;
+  for (size_t i = 0; i < triangle_p_.size(); ++i) {
+    const elements::ElementPlace at = model.place(uint32_t(i));
+    const double roughness = model.mesh(at.kind).roughness_at(at.index);
+    triangle_p_[i] = model.hit(i).p;
+    roughness_variance_[i] = float(roughness * roughness);
+  }
 }
 
 ModelForm ModelForms::view() const {
@@ -54,38 +68,32 @@ ModelForm ModelForms::view() const {
   const elements::TriangleMesh &ground = model_.ground, &surface = model_.surface;
   return {ellipsoids_.data(),
           triangle_p_.data(),
+          roughness_variance_.data(),
           uint32_t(ground.size()),
           uint32_t(model_.triangle_count()),
           {square(ground.range_sigma_m), square(surface.range_sigma_m)},
-          {square(ground.roughness_m), square(surface.roughness_m)},
           square(model_.tau),
           float(min_range_m_)};
 }
 
 ElementSums::ElementSums(const elements::Model& model)
-    : triangles_(model.triangle_count()), ellipsoids_(model.ellipsoids.size()) {}
+    : triangles_(model.triangle_count()), ellipsoids_(model.ellipsoids.size()), locks_(kLocks) {}
 
-void ElementSums::add(const ModelForm& model, const BeamBlock& block,
-                      const MeetingsByElement& lists, const BlockShares& shares) {
-  const PassKernels& kernels = pass_kernels();
-  const ShareColumns columns{shares.hit.data(), shares.pass.data(), shares.loss.data()};
-  parallel_for(lists.elements.size() - 1, 512, [&](size_t begin, size_t end) {
-    for (size_t k = begin; k < end; ++k) {
-      const auto [element, from] = lists.elements[k];
-      const ElementMeeting* list = lists.met.data() + from;
-      const size_t count = lists.elements[k + 1].begin - from;
-      if (element >= model.triangles) {
-        const size_t index = element - model.triangles;
-        kernels.add(model.ellipsoids[index], block.beams.data(), list, count, columns,
-                    ellipsoids_[index].data());
-        continue;
-      }
-      for (size_t i = 0; i < count; ++i) {
-        triangles_[element][0].add(double(shares.hit[list[i].slot]));
-        triangles_[element][1].add(double(shares.pass[list[i].slot]));
-      }
-    }
-  });
+void ElementSums::add(const EllipsoidColumns& meetings, size_t count, const uint32_t* met,
+                      const ShareColumns& shares) {
+  static_assert(sizeof(Sums) == kSumRow * sizeof(int64_t));
+  if (count == 0) return;
+  pass_kernels().add(meetings, count, met, uint32_t(triangles_.size()), shares,
+                     {ellipsoids_.front().data(), locks_.data(), uint32_t(kLocks - 1)});
+}
+
+void ElementSums::add_triangle(uint32_t element, const TriangleSums& terms) {
+  std::array<FixedSum, 4>& sums = triangles_[element];
+  sums[0].add_shared(terms.hits);
+  sums[1].add_shared(terms.passes);
+  if (terms.hits == 0) return;
+  sums[2].add_shared(terms.roughness_slope);
+  sums[3].add_shared(terms.roughness_curvature);
 }
 
 void ElementSums::add_noise(elements::Kind mesh, const MeshNoise& noise) {
@@ -93,8 +101,22 @@ void ElementSums::add_noise(elements::Kind mesh, const MeshNoise& noise) {
   for (size_t k = 0; k < to.size(); ++k) to[k].add(noise[k]);
 }
 
+void ElementSums::multiply(unsigned factor) {
+  if (factor == 1) return;
+  for (auto& sums : triangles_) {
+    for (FixedSum& sum : sums) sum.multiply(factor);
+  }
+  for (Sums& sums : ellipsoids_) {
+    for (int64_t& sum : sums) sum *= factor;
+  }
+  for (MeshNoise& sums : noise_) {
+    for (FixedSum& sum : sums) sum.multiply(factor);
+  }
+}
+
 TriangleSums ElementSums::triangle(size_t element) const {
-  return {triangles_[element][0].value(), triangles_[element][1].value()};
+  const std::array<FixedSum, 4>& sums = triangles_[element];
+  return {sums[0].value(), sums[1].value(), sums[2].value(), sums[3].value()};
 }
 
 EllipsoidSums ElementSums::ellipsoid(size_t index) const {
@@ -115,7 +137,7 @@ EllipsoidSums ElementSums::ellipsoid(size_t index) const {
 
 NoiseSums ElementSums::noise(elements::Kind mesh) const {
   const MeshNoise& sums = noise_[mesh != elements::Kind::kGround];
-  return {{sums[0].value(), sums[1].value()}, {sums[2].value(), sums[3].value()}};
+  return {sums[0].value(), sums[1].value()};
 }
 
 }  // namespace underbrush::fit

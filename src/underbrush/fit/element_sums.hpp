@@ -19,6 +19,9 @@ class FixedSum {
   explicit FixedSum(int64_t bits) : bits_(bits) {}
   void add(double term);
   void add(const FixedSum& other) { bits_ += other.bits_; }
+  /// Adds a term; any number of threads may do so at once.
+  void add_shared(double term);
+  void multiply(unsigned factor) { bits_ *= factor; }
   double value() const { return double(bits_) * 0x1p-26; }
 
  private:
@@ -43,15 +46,17 @@ struct EllipsoidSums {
   Mat3 along = Mat3::Zero();
 };
 
-/// The soft hits and passes of one triangle.
+/// The soft hits and passes of one triangle, and the derivative of the expected log-likelihood by
+/// the logarithm of its roughness with its Fisher information.
 struct TriangleSums {
   double hits = 0, passes = 0;
+  double roughness_slope = 0, roughness_curvature = 0;
 };
 
-/// Derivatives of the expected log-likelihood by the logarithms of a mesh's range_sigma_m and
-/// roughness_m, in this order, with their Fisher information.
+/// The derivative of the expected log-likelihood by the logarithm of a mesh's range_sigma_m, with
+/// its Fisher information.
 struct NoiseSums {
-  std::array<double, 2> slope{}, curvature{};
+  double slope = 0, curvature = 0;
 };
 
 /// A model in the form of the inner loops.
@@ -65,18 +70,18 @@ class ModelForms {
   const elements::Model& model_;
   double min_range_m_;
   std::vector<EllipsoidForm> ellipsoids_;
-  std::vector<float> triangle_p_;
+  std::vector<float> triangle_p_, roughness_variance_;
 };
 
-/// The shares of the beams of a block, as `Responsibilities` has them, by slot; 0 for held-out
-/// beams and where a beam does not meet the element.
+/// The shares of the beams of a block: those of the meetings by place, 0 where a beam does not meet
+/// the element.
 struct BlockShares {
   std::vector<float> hit, pass;
   std::vector<float> loss;  ///< −log f of each beam, nats.
 };
 
-/// Exact sums for `NoiseSums`: two slopes, two curvatures.
-using MeshNoise = std::array<FixedSum, 4>;
+/// Exact sums for `NoiseSums`: slope, curvature.
+using MeshNoise = std::array<FixedSum, 2>;
 
 /// The sums of all elements of a model.
 class ElementSums {
@@ -85,11 +90,17 @@ class ElementSums {
   /// Starts at zero.
   explicit ElementSums(const elements::Model& model);
 
-  /// Adds the beams of a block, of which `lists` has the meetings by element.
-  void add(const ModelForm& model, const BeamBlock& block, const MeetingsByElement& lists,
-           const BlockShares& shares);
+  /// Adds the meetings of a run of beams with ellipsoids, of which there are `count`. `met` has the
+  /// element of each meeting of the run, and `shares` their shares, by place. Any number of threads
+  /// may add at once.
+  void add(const EllipsoidColumns& meetings, size_t count, const uint32_t* met,
+           const ShareColumns& shares);
+  /// Adds the terms of a meeting with a triangle. Any number of threads may add at once.
+  void add_triangle(uint32_t element, const TriangleSums& terms);
   /// Adds to the sums of a mesh.
   void add_noise(elements::Kind mesh, const MeshNoise& noise);
+  /// Multiplies all sums.
+  void multiply(unsigned factor);
 
   /// The sums of a triangle by its element number.
   TriangleSums triangle(size_t element) const;
@@ -99,8 +110,10 @@ class ElementSums {
   NoiseSums noise(elements::Kind mesh) const;
 
  private:
-  std::vector<std::array<FixedSum, 2>> triangles_;
-  std::vector<std::array<int64_t, kSumFields>> ellipsoids_;
+  /// Hits, passes, slope and curvature of each triangle.
+  std::vector<std::array<FixedSum, 4>> triangles_;
+  std::vector<std::array<int64_t, kSumRow>> ellipsoids_;
+  std::vector<uint8_t> locks_;  ///< As `SumTable` has them.
   std::array<MeshNoise, 2> noise_;
 };
 

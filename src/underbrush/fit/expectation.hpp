@@ -19,19 +19,27 @@ struct Expectation {
   double stray_hits = 0;  ///< Share of the beams that returned from what no element explains.
 };
 
-/// What the held-out beams say of a model.
-struct Judgement {
-  size_t hits = 0;  ///< How many of the beams returned.
-  double nll = 0;   ///< The mean of −log f over beams, nats, as in `metrics::score`.
-};
-
 /// Exact sums over the beams of a pass.
 struct PassTotals {
   FixedSum loss;  ///< Σ −log f. Each is below 20, so the sum does not overflow.
-  FixedSum stray_hits, hits;
+  FixedSum stray_hits;
   std::array<MeshNoise, 2> noise;  ///< The ground's and the surface's.
 
   void add(const PassTotals& other);
+};
+
+/// The columns of the meetings of a run of beams.
+class RunColumns {
+ public:
+  /// Makes room for `count` meetings.
+  void resize(size_t count);
+  MeetingColumns meetings();
+  EllipsoidColumns ellipsoids();
+
+ private:
+  std::vector<float> numbers_;
+  std::vector<uint32_t> places_;
+  size_t room_ = 0;
 };
 
 /// Computes the shares of a block's beams under a model by the ray model with outliers:
@@ -41,17 +49,22 @@ struct PassTotals {
 /// order of range. Shares are under `soft`: r_k ∝ w_k N(z; t_k, σ_k²) is the probability that
 /// element k returned the beam, and Σ_{j>k} r_j that it went through element k; for a miss that is
 /// the probability that it met nothing. The likelihoods of the totals are under
-/// `trace::kReportedOutliers`, as those of the score are.
+/// `trace::kReportedOutliers`, as those of the score are. What the beams say of the elements is
+/// added to `sums` unless it is null.
 PassTotals find_shares(const ModelForm& model, const BeamBlock& block,
-                       const trace::OutlierShares& soft, double max_range_m, BlockShares& shares);
+                       const trace::OutlierShares& soft, double max_range_m, BlockShares& shares,
+                       ElementSums* sums);
 
-/// Makes one pass over the training beams of a log, in a world of one model. `soft` has the outlier
-/// shares under which credit is given to elements. `progress(done, total)` may be empty.
-Expectation expect(const trace::World& world, const ListedBeams& beams,
+/// Makes one pass over a share of the training beams of a log, in a world of one model. The sums
+/// count each beam `share.weight()` times, so that their means are those of all beams. `soft` has
+/// the outlier shares under which credit is given to elements. `progress(done, total)` may be
+/// empty.
+Expectation expect(const trace::World& world, const ListedBeams& beams, BeamShare share,
                    const trace::OutlierShares& soft,
                    const std::function<void(size_t, size_t)>& progress = {});
 
-/// Computes the likelihood of the held-out beams of a log in a world of one model.
-Judgement judge(const trace::World& world, const ListedBeams& beams);
+/// Computes the mean of −log f of the held-out beams of a log in a world of one model, nats, as in
+/// `metrics::score`. Of many beams about 2¹⁶, chosen by a hash, are enough.
+double judge(const trace::World& world, const ListedBeams& beams);
 
 }  // namespace underbrush::fit

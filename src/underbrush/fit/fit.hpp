@@ -95,9 +95,10 @@ using FitProgress = std::function<void(std::string_view, size_t, size_t)>;
 std::vector<std::string> fitter_names();
 
 /// Fits a model to a log, with its classes (`learn_classes`) and its light (`learn_light`) where
-/// the log has labels and intensities. The log is read twice for the geometry (`likelihood` reads
-/// it once more, and a long one in each step), once for classes and twice for the light, and memory
-/// grows with a tile and the model, not with the log. The result has the same bits for any number
+/// the log has labels and intensities. A log of up to 384 MiB (some six million beams) is read once
+/// and stays in memory. A longer one is read for the channels, twice for the geometry (`likelihood`
+/// reads it once more, and a long one in each step), for classes and for the light; memory grows
+/// with a tile and the model, not with the log. The result has the same bits for any number
 /// of threads. `progress` may be empty. Throws `std::invalid_argument` for an unknown fitter, for
 /// options out of range and for a log without returns.
 FitResult fit(BeamSource& source, const FitOptions& options, const FitProgress& progress = {});

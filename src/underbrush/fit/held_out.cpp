@@ -1,6 +1,7 @@
 #include "underbrush/fit/held_out.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "underbrush/core/parallel.hpp"
@@ -23,6 +24,13 @@ std::vector<uint8_t> HeldOut::of(const BeamLog& log) const {
     for (size_t i = begin; i < end; ++i) out[i] = (*this)(log, i);
   });
   return out;
+}
+
+unsigned BeamShare::number_of(const BeamLog& log, size_t i) {
+  const Vec3f& d = log.direction[i];
+  const auto bits = [](float x) { return uint64_t(std::bit_cast<uint32_t>(x)); };
+  const uint64_t key = mix64(bits(d.x()) << 32 | bits(d.y())) ^ (bits(d.z()) << 32);
+  return unsigned(mix64(key ^ bits(log.range_m[i])) >> 32) % kParts;
 }
 
 bool TrainingSource::next(BeamLog& chunk) {

@@ -14,7 +14,7 @@ namespace {
 
 constexpr size_t kLeastSamples = size_t(1) << 17, kMostSamples = size_t(1) << 22;
 constexpr size_t kSamplesAnElement = 6;
-constexpr size_t kMostForResponse = size_t(1) << 17;
+constexpr size_t kMostForResponse = size_t(1) << 16;
 
 bool has_intensity(const BeamLog& log, size_t i) {
   return log.is_hit(i) && std::isfinite(log.intensity[i]) && log.intensity[i] >= 0;
@@ -81,6 +81,13 @@ std::vector<uint32_t> groups_of(const elements::Model& model, size_t& groups) {
   return out;
 }
 
+/// Whether no reflectance is beyond what a float can hold, as intensities of 10³⁸ make them.
+bool are_finite(const std::vector<elements::Reflectance>& of) {
+  return std::all_of(of.begin(), of.end(), [](const elements::Reflectance& r) {
+    return std::isfinite(r.mean) && std::isfinite(r.spread);
+  });
+}
+
 /// Sets the reflectances of the wanted elements, or of all.
 void set_light(elements::Model& model, const std::vector<elements::Reflectance>& of,
                const std::vector<bool>* wanted = nullptr) {
@@ -126,8 +133,10 @@ void learn_light(elements::Model& model, BeamSource& log) {
     sums[s.element].add(s.intensity,
                         light.response(s.range_m, s.cosine, s.is_ellipsoid, s.ring, true));
   }
+  const std::vector<elements::Reflectance> learnt = reflectances(sums, group, groups);
+  if (!are_finite(learnt)) return;
   model.light = std::move(light);
-  set_light(model, reflectances(sums, group, groups));
+  set_light(model, learnt);
 }
 
 void learn_reflectances(elements::Model& model, BeamSource& log, const std::vector<bool>& wanted) {
@@ -147,7 +156,8 @@ void learn_reflectances(elements::Model& model, BeamSource& log, const std::vect
   }
   size_t groups = 0;
   const std::vector<uint32_t> group = groups_of(model, groups);
-  set_light(model, reflectances(sums, group, groups), &wanted);
+  const std::vector<elements::Reflectance> learnt = reflectances(sums, group, groups);
+  if (are_finite(learnt)) set_light(model, learnt, &wanted);
 }
 
 }  // namespace underbrush::fit

@@ -12,9 +12,9 @@ namespace underbrush::fit {
 /// of the returns that it explains best (`explaining_elements`). Elements with few returns are
 /// drawn towards the mean of their class, where the log had labels, or else of their kind
 /// (`reflectances`). Some six returns an element are looked at, chosen by a hash of their number,
-/// at least about 2¹⁷ and at most 2²²; the response is fitted to about 2¹⁷ of them
+/// at least about 2¹⁷ and at most 2²²; the response is fitted to about 2¹⁶ of them
 /// (`fit_response`). The log is read once. Nothing but the light of the model changes; a log whose
-/// intensities are all 0 leaves it without.
+/// intensities are all 0, or beyond what a reflectance can be as a float, leaves it without.
 void learn_light(elements::Model& model, BeamSource& log);
 
 /// Learns the reflectances of some elements (`wanted`, one an element) from the returns of a log

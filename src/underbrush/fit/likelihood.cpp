@@ -1,6 +1,7 @@
 #include "underbrush/fit/likelihood.hpp"
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -16,7 +17,6 @@ using Progress = std::function<void(std::string_view, size_t, size_t)>;
 constexpr size_t kListBytes = size_t(1) << 29;
 /// The length of M-steps, shorter than 1 because neighbours move at once.
 constexpr double kStride = 0.8;
-
 /// The best model so far, and trials of other models against it.
 class ModelSearch {
  public:
@@ -34,7 +34,7 @@ class ModelSearch {
   Refined result() {
     report_.training_beams = beams_.training_beams();
     report_.held_out_beams = beams_.held_out().size();
-    report_.held_out_hits = best_->judged.hits;
+    report_.held_out_hits = beams_.held_out_hits();
     elements::Model& model = best_->model;
     return {options_.sharpness == 1 ? std::move(model) : sharpened(model, options_.sharpness),
             std::move(report_)};
@@ -51,11 +51,13 @@ class ModelSearch {
     return true;
   }
 
-  /// Keeps the model after an M-step if it explains the held-out beams better.
-  bool maximise(double stride) {
-    auto trial = state_of(step_of(*best_, stride));
+  /// Keeps the model after an M-step from a share of the training beams if it explains the
+  /// held-out beams better.
+  bool maximise(double stride, BeamShare share) {
+    auto trial = state_of(step_of(*best_, stride, share));
     return accept("maximise", trial);
   }
+  size_t training_beams() const { return beams_.training_beams(); }
 
  private:
   /// A model, and what the held-out beams and, where a step from it was wanted, the training beams
@@ -65,33 +67,36 @@ class ModelSearch {
 
     elements::Model model;
     trace::World world;
-    Judgement judged;
+    double held_out_nll = 0;
     std::optional<ElementSums> sums;
+    BeamShare share;  ///< The training beams that `sums` are of.
     size_t step = 0;  ///< Its place in the report.
   };
 
   std::unique_ptr<State> state_of(elements::Model model) const {
     auto s = std::make_unique<State>(std::move(model));
-    s->judged = judge(s->world, beams_);
+    s->held_out_nll = judge(s->world, beams_);
     return s;
   }
 
-  /// What the training beams say of the elements, in a pass over them if there was none yet.
-  const ElementSums& sums_of(State& s) {
-    if (s.sums) return *s.sums;
+  /// What a share of the training beams says of the elements, in a pass over them if there was none
+  /// yet.
+  const ElementSums& sums_of(State& s, BeamShare share = {}) {
+    if (s.sums && s.share == share) return *s.sums;
     LikelihoodStep& step = report_.steps[s.step];
-    Expectation seen = expect(s.world, beams_, soft_, [&](size_t done, size_t total) {
+    Expectation seen = expect(s.world, beams_, share, soft_, [&](size_t done, size_t total) {
       if (progress_) progress_(step.name, done, total);
     });
     step.training_nll = seen.nll;
     report_.stray_hits = seen.stray_hits;
     // The start leaves more unexplained than any model after it.
     if (step.accepted && s.step > 0) soft_.hit = std::clamp(seen.stray_hits, 1e-4, 0.2);
+    s.share = share;
     return s.sums.emplace(std::move(seen.sums));
   }
 
-  elements::Model step_of(State& s, double stride) {
-    elements::Model next = maximised(s.model, sums_of(s), options_.maximisation, stride);
+  elements::Model step_of(State& s, double stride, BeamShare share = {}) {
+    elements::Model next = maximised(s.model, sums_of(s, share), options_.maximisation, stride);
     if (!moving_.empty()) keep_others(s.model, next);
     return next;
   }
@@ -106,7 +111,7 @@ class ModelSearch {
   }
 
   bool accept(const char* name, std::unique_ptr<State>& trial) {
-    const bool better = trial->judged.nll < best_->judged.nll - options_.least_gain;
+    const bool better = trial->held_out_nll < best_->held_out_nll - options_.least_gain;
     note(name, *trial, better);
     if (better) best_ = std::move(trial);
     return better;
@@ -114,7 +119,7 @@ class ModelSearch {
 
   void note(const char* name, State& s, bool accepted) {
     s.step = report_.steps.size();
-    report_.steps.push_back({name, s.model.size(), {}, s.judged.nll, accepted});
+    report_.steps.push_back({name, s.model.size(), {}, s.held_out_nll, accepted});
   }
 
   const LikelihoodOptions& options_;
@@ -127,6 +132,13 @@ class ModelSearch {
 };
 
 }  // namespace
+
+BeamShare share_of_round(size_t beams, int round, int rounds) {
+  constexpr std::array<BeamShare, 2> kFirst{{{0, 4}, {4, 8}}};
+  const size_t last = kFirst.size();
+  const size_t k = size_t(round) + (size_t(rounds) < last + 1 ? last + 1 - size_t(rounds) : 0);
+  return beams < kLongLog || k >= last ? BeamShare() : kFirst[k];
+}
 
 Refined refine(const elements::Model& start, BeamSource& source, const LikelihoodOptions& options,
                const Progress& progress, const std::vector<bool>& moving) {
@@ -147,7 +159,8 @@ Refined refine(const elements::Model& start, BeamSource& source, const Likelihoo
   }
   double stride = kStride;
   for (int round = 0; round < options.rounds; ++round) {
-    if (search.maximise(stride)) continue;
+    const BeamShare share = share_of_round(search.training_beams(), round, options.rounds);
+    if (search.maximise(stride, share) || !share.is_all()) continue;
     if ((stride *= 0.3) < 0.05) break;
   }
   return search.result();

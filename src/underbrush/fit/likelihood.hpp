@@ -59,12 +59,18 @@ struct Refined {
   LikelihoodReport report;
 };
 
+/// The share of the training beams from which a round of `rounds` takes its M-step. The first steps
+/// move all elements far and need not know well how far: of a long log (`kLongLog`) the first one
+/// takes one half, the second one the other half, and later ones all beams. Fewer than three rounds
+/// are the last ones of these.
+BeamShare share_of_round(size_t beams, int round, int rounds);
+
 /// Refines a model by steps. A step is kept only if it raises the likelihood of the held-out beams.
 /// The steps are:
 ///
 /// 1. hit probabilities are turned into densities (`with_densities`);
 /// 2. ellipsoids are rearranged (`rearranged`) for as long as it helps;
-/// 3. M-steps (`maximised`) follow.
+/// 3. M-steps (`maximised`) follow, from shares of the beams (`share_of_round`).
 ///
 /// Rearrangements never add to the number of elements. The final ellipsoids are `sharpened`.
 ///

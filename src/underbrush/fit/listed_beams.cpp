@@ -22,52 +22,70 @@ ListedBeams::ListedBeams(BeamSource& source, const HeldOut& held_out, const elem
   size_t bytes = 0;
   source_.rewind();
   for (BeamLog chunk; source_.next(chunk);) {
-    const std::vector<ListedBeam> apart = beams_of(chunk, true);
-    judging_.insert(judging_.end(), apart.begin(), apart.end());
-    const size_t n = chunk.size() - apart.size();
+    const size_t before = judging_.size();
+    Block block = block_of(chunk, &judging_);
+    const size_t n = chunk.size() - (judging_.size() - before);
     training_beams_ += n;
-    bytes += n * sizeof(ListedBeam);
+    bytes += n * (sizeof(ListedBeam) + 1);
     complete_ &= bytes <= most_bytes;
-    if (complete_) kept_.push_back(beams_of(chunk, false));
+    if (complete_) kept_.push_back(std::move(block));
   }
 }
 
-std::vector<ListedBeam> ListedBeams::beams_of(const BeamLog& chunk, bool held_out) const {
-  const std::vector<uint8_t> apart = rule_.of(chunk);
-  std::vector<uint32_t> rows;
-  for (size_t i = 0; i < chunk.size(); ++i) {
-    if ((apart[i] != 0) == held_out) rows.push_back(uint32_t(i));
-  }
-  std::vector<ListedBeam> out(rows.size());
-  parallel_for(rows.size(), 4096, [&](size_t begin, size_t end) {
-    for (size_t k = begin; k < end; ++k) {
-      const size_t i = rows[k];
+ListedBeams::Block ListedBeams::block_of(const BeamLog& chunk,
+                                         std::vector<ListedBeam>* judging) const {
+  constexpr uint8_t kApart = BeamShare::kParts;
+  std::vector<ListedBeam> beams(chunk.size());
+  std::vector<uint8_t> number(chunk.size());
+  parallel_for(chunk.size(), 4096, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      number[i] = rule_(chunk, i) ? kApart : uint8_t(BeamShare::number_of(chunk, i));
+      if (number[i] == kApart && !judging) continue;
       const Vec3f origin = (chunk.origin[i] - origin_).cast<float>();
       const Vec3f direction = chunk.ray(i).direction.cast<float>();
       const double reach = std::min(double(chunk.range_m[i]) + kBeyondM, most_range_m_);
-      out[k] = {{origin[0], origin[1], origin[2]},
-                chunk.range_m[i],
-                {direction[0], direction[1], direction[2]},
-                float(reach)};
+      beams[i] = {{origin[0], origin[1], origin[2]},
+                  chunk.range_m[i],
+                  {direction[0], direction[1], direction[2]},
+                  float(reach)};
     }
   });
-  return out;
+  size_t kept = 0;
+  for (size_t i = 0; i < beams.size(); ++i) {
+    if (number[i] == kApart) {
+      if (judging) judging->push_back(beams[i]);
+      continue;
+    }
+    number[kept] = number[i];
+    beams[kept++] = beams[i];
+  }
+  beams.resize(kept);
+  number.resize(kept);
+  return {std::move(beams), std::move(number)};
 }
 
-void ListedBeams::for_each(const std::function<void(BeamBlock&)>& use) const {
-  BeamBlock block;
-  for (const std::vector<ListedBeam>& beams : kept_) {
-    block.beams = beams;
-    use(block);
-  }
+void ListedBeams::for_each(BeamShare share,
+                           const std::function<void(std::span<const ListedBeam>)>& use) const {
+  const auto use_share = [&](const Block& block) {
+    if (share.is_all()) return use(block.beams);
+    std::vector<ListedBeam> some;
+    for (size_t i = 0; i < block.beams.size(); ++i) {
+      if (share.has(block.number[i])) some.push_back(block.beams[i]);
+    }
+    use(some);
+  };
+  for (const Block& block : kept_) use_share(block);
   if (complete_) return;
   size_t number = 0;
   source_.rewind();
   for (BeamLog chunk; source_.next(chunk);) {
-    if (number++ < kept_.size()) continue;
-    block.beams = beams_of(chunk, false);
-    use(block);
+    if (number++ >= kept_.size()) use_share(block_of(chunk, nullptr));
   }
+}
+
+size_t ListedBeams::held_out_hits() const {
+  return size_t(std::count_if(judging_.begin(), judging_.end(),
+                              [](const ListedBeam& b) { return b.range_m != kMiss; }));
 }
 
 }  // namespace underbrush::fit

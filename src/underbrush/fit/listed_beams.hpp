@@ -2,12 +2,13 @@
 /// The beams of a log as passes over it need them.
 #pragma once
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/elements/model.hpp"
-#include "underbrush/fit/beam_block.hpp"
 #include "underbrush/fit/held_out.hpp"
+#include "underbrush/fit/pass_kernel.hpp"
 
 namespace underbrush::fit {
 
@@ -23,19 +24,26 @@ class ListedBeams {
 
   const LogInfo& info() const { return source_.info(); }
   const std::vector<ListedBeam>& held_out() const { return judging_; }
+  /// How many of the held-out beams returned.
+  size_t held_out_hits() const;
   size_t training_beams() const { return training_beams_; }
-  /// Calls `use` with each block of training beams in the order of the log. It may fill in the rest
-  /// of the block, which is the next one's, too.
-  void for_each(const std::function<void(BeamBlock&)>& use) const;
+  /// Calls `use` with the training beams of a share, those of each chunk of the log.
+  void for_each(BeamShare share, const std::function<void(std::span<const ListedBeam>)>& use) const;
 
  private:
-  std::vector<ListedBeam> beams_of(const BeamLog& chunk, bool held_out) const;
+  /// Training beams of a chunk and their numbers (`BeamShare::number_of`).
+  struct Block {
+    std::vector<ListedBeam> beams;
+    std::vector<uint8_t> number;
+  };
+  /// Appends beams of a chunk, those that are held out to `judging` unless it is null.
+  Block block_of(const BeamLog& chunk, std::vector<ListedBeam>* judging) const;
 
   BeamSource& source_;
   HeldOut rule_;
   Vec3 origin_;
   double most_range_m_;
-  std::vector<std::vector<ListedBeam>> kept_;  ///< The first blocks of training beams.
+  std::vector<Block> kept_;  ///< The first blocks of training beams.
   std::vector<ListedBeam> judging_;
   size_t training_beams_ = 0;
   bool complete_ = true;  ///< Whether `kept_` has all blocks.

@@ -5,12 +5,16 @@
 #include <cmath>
 
 #include "underbrush/core/parallel.hpp"
+#include "underbrush/fit/neighbourhood.hpp"
 
 namespace underbrush::fit {
 namespace {
 
-// The longest moves of one step: of ln κ, of the mean in standard deviations, and of an entry of E.
+// The longest moves of one step: of ln κ, of the mean in standard deviations, of an entry of E, and
+// of the logarithms of a mesh's range noise and a triangle's roughness.
 constexpr double kLongestDensity = 1, kLongestShift = 0.5, kLongestStretch = 0.3;
+constexpr double kLongestNoise = 0.5, kLongestRoughness = 1;
+constexpr double kLeastNoise = 1e-3;                        // m, of both
 constexpr double kLeastDensity = 1e-4, kMostDensity = 1e4;  // 1/m
 
 /// How much more new points spread about a fit of k parameters than the n points that it was fitted
@@ -40,17 +44,19 @@ double moved_density(const elements::Ellipsoid& e, const Mat3& covariance,
   return std::clamp(double(e.density_per_m) * std::exp(move), kLeastDensity, kMostDensity);
 }
 
+/// Moves mean and covariance. The density follows, so that the optical depth of the beams that the
+/// ellipsoid returned stays.
 void move_geometry(elements::Ellipsoid& e, const Mat3& covariance, const EllipsoidSums& sums,
-                   const MaximisationOptions& o, double stride) {
+                   const Mat3& prior, const MaximisationOptions& o, double stride) {
   const Mat3 root = Eigen::LLT<Mat3>(covariance).matrixL(), whiten = root.inverse();
   const Mat3 identity = Mat3::Identity();
   Vec3 shift = (sums.shift_curvature + 0.5 * identity).ldlt().solve(sums.shift_slope);
   if (shift.norm() > kLongestShift) shift *= kLongestShift / shift.norm();
   const double spread = spread_again(sums.hits, o.spent_points) - 1;
-  // The prior adds −ν/2 (ln |Σ| + v tr Σ⁻¹) with the mean variance v.
-  const double variance = covariance.trace() / 3, nu = o.prior_points;
+  // The prior Σ₀ adds −ν/2 (ln |Σ| + tr Σ₀ Σ⁻¹).
+  const double nu = o.prior_points;
   const Mat3 slope = sums.stretch_slope + spread * sums.along -
-                     nu * (identity - variance * whiten * whiten.transpose());
+                     nu * (identity - whiten * prior * whiten.transpose());
   // An entry off the diagonal is one parameter that stands twice in E: its slope is twice that of
   // the entry alone, and its curvature four times.
   Mat3 curvature = 2 * sums.stretch_curvature + Mat3::Constant(2 * nu + 1e-3);
@@ -60,19 +66,54 @@ void move_geometry(elements::Ellipsoid& e, const Mat3& covariance, const Ellipso
   const Mat3 moved = root * (identity + stride * stretch);
   e.mean += (stride * root * shift).cast<float>();
   e.set_covariance(elements::floored_covariance(moved * moved.transpose(), o.floor_m));
+  // Beams of the whitened direction n find σ changed by the factor e^(nᵀEn).
+  const double along = stretch.cwiseProduct(sums.along).sum() / std::max(sums.along.trace(), 1e-9);
+  e.density_per_m = float(
+      std::clamp(double(e.density_per_m) * std::exp(-stride * along), kLeastDensity, kMostDensity));
 }
 
 elements::HitCount counted(double p, double hits, double passes) {
   return {float(p), count(hits), count(passes)};
 }
 
-void move_noise(elements::TriangleMesh& mesh, const NoiseSums& sums, double stride) {
-  double* sigma[2] = {&mesh.range_sigma_m, &mesh.roughness_m};
-  for (size_t j = 0; j < 2; ++j) {
-    if (!(sums.curvature[j] > 0)) continue;
-    const double move = clamped(sums.slope[j] / sums.curvature[j], 0.5);
-    *sigma[j] = std::max(*sigma[j] * std::exp(stride * move), 1e-3);
+void move_range_noise(elements::TriangleMesh& mesh, const NoiseSums& sums, double stride) {
+  if (!(sums.curvature > 0)) return;
+  const double move = clamped(sums.slope / sums.curvature, kLongestNoise);
+  mesh.range_sigma_m = std::max(mesh.range_sigma_m * std::exp(stride * move), kLeastNoise);
+}
+
+/// Moves the roughness of each triangle; `first` is the element number of the first one. That of
+/// the mesh becomes their mean over hits, of the logarithms.
+void move_roughness(elements::TriangleMesh& mesh, size_t first, const ElementSums& sums,
+                    const MaximisationOptions& o, double stride) {
+  if (mesh.size() == 0 || !(mesh.roughness_m > 0)) return;
+  if (mesh.roughness.empty()) mesh.roughness.assign(mesh.size(), float(mesh.roughness_m));
+  const double nu = o.roughness_hits;
+  double logs = 0, hits = 0;
+  for (size_t k = 0; k < mesh.size(); ++k) {
+    const TriangleSums s = sums.triangle(first + k);
+    const double h = double(mesh.roughness[k]), ratio = mesh.roughness_m / h;
+    // The prior adds −ν/2 (ln h² + h₀²/h²) with the roughness h₀ of the mesh.
+    const double slope = s.roughness_slope + nu * (ratio * ratio - 1);
+    const double curvature = s.roughness_curvature + 2 * nu + 1e-9;
+    const double move = stride * clamped(slope / curvature, kLongestRoughness);
+    mesh.roughness[k] = float(std::max(h * std::exp(move), kLeastNoise));
+    logs += s.hits * std::log(double(mesh.roughness[k]));
+    hits += s.hits;
   }
+  if (hits > 0) mesh.roughness_m = std::exp(logs / hits);
+}
+
+/// Takes from the range noise of a mesh what is more than the sensor's. It was found together with
+/// one roughness for all triangles, and so has the differences between them. The roughness becomes
+/// greater, so that the variance stays at the usual |cos θ| of ground.
+void part_noise(elements::TriangleMesh& mesh, double range_noise_m) {
+  constexpr double kUsualCos = 0.2;
+  const double excess =
+      std::max(0.0, mesh.range_sigma_m * mesh.range_sigma_m - range_noise_m * range_noise_m);
+  mesh.roughness_m =
+      std::sqrt(mesh.roughness_m * mesh.roughness_m + kUsualCos * kUsualCos * excess);
+  mesh.range_sigma_m = std::min(mesh.range_sigma_m, range_noise_m);
 }
 
 }  // namespace
@@ -81,9 +122,13 @@ elements::Model with_densities(const elements::Model& model, double range_noise_
                                const MaximisationOptions& options) {
   elements::Model out = model;
   for (elements::TriangleMesh* mesh : {&out.ground, &out.surface}) {
-    if (mesh->size() == 0 || mesh->roughness_m > 0) continue;
-    mesh->roughness_m = std::max(mesh->range_sigma_m, range_noise_m);
-    mesh->range_sigma_m = range_noise_m;
+    if (mesh->size() == 0 || !mesh->roughness.empty()) continue;
+    if (mesh->roughness_m > 0) {
+      part_noise(*mesh, range_noise_m);
+    } else {
+      mesh->roughness_m = std::max(mesh->range_sigma_m, range_noise_m);
+      mesh->range_sigma_m = range_noise_m;
+    }
   }
   for (elements::Ellipsoid& e : out.ellipsoids) {
     if (e.density_per_m > 0) continue;
@@ -120,8 +165,11 @@ elements::Model maximised(const elements::Model& model, const ElementSums& sums,
     const double old = model.hit(i).p, p = all > 0 ? hits / all : 1;
     out.hit(i) = counted(old + stride * (p - old), s.hits, s.passes);
   }
-  move_noise(out.ground, sums.noise(elements::Kind::kGround), stride);
-  move_noise(out.surface, sums.noise(elements::Kind::kSurface), stride);
+  move_range_noise(out.ground, sums.noise(elements::Kind::kGround), stride);
+  move_range_noise(out.surface, sums.noise(elements::Kind::kSurface), stride);
+  move_roughness(out.ground, 0, sums, options, stride);
+  move_roughness(out.surface, out.ground.size(), sums, options, stride);
+  const std::vector<Mat3> priors = neighbourhood_shapes(model.ellipsoids);
   parallel_for(model.ellipsoids.size(), 256, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const EllipsoidSums s = sums.ellipsoid(i);
@@ -130,7 +178,7 @@ elements::Model maximised(const elements::Model& model, const ElementSums& sums,
       const double all = s.hits + s.passes;
       e.hit = counted(all > 0 ? std::clamp(s.hits / all, 0.0, 1.0) : 1, s.hits, s.passes);
       e.density_per_m = float(moved_density(e, covariance, s, options, stride));
-      if (s.hits > 1) move_geometry(e, covariance, s, options, stride);
+      if (s.hits > 1) move_geometry(e, covariance, s, priors[i], options, stride);
     }
   });
   return out;

@@ -132,7 +132,7 @@ const Parameter kParameters[] = {
     {"range-noise", kCommon, "m", "The sensor's range noise",
      at([](Options& o) -> auto& { return o.range_noise_m; }), kUsual,
      TuningRange{0.005, 0.2, kLog, kIfNamed}},
-    {"triangle-prior-hits", kHitProbability, "", "Prior hits of a triangle; likelihood has 20",
+    {"triangle-prior-hits", kHitProbability, "", "Prior hits of a triangle; likelihood has 10",
      at([](Options& o) -> auto& { return o.credit.triangle.a; })},
     {"triangle-prior-misses", kHitProbability, "", "Prior misses of a triangle",
      at([](Options& o) -> auto& { return o.credit.triangle.b; })},

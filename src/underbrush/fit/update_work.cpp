@@ -114,7 +114,7 @@ void UpdateWork::count() {
     model_.hit(i) = {1, now[i].trials.hits, now[i].trials.misses};
   }
   estimate_hit_probabilities(model_, options_.credit);
-  learn_noise(tally.residuals.ground);
+  learn_noise(tally.residuals.ground, triangles);
   adapt_densities(before, p_before, std::span(now).subspan(meshes));
   drop(before, std::span(now).subspan(meshes));
 }
@@ -200,11 +200,21 @@ void UpdateWork::count_earlier(const trace::World& world, std::vector<CurrentTri
   }
 }
 
-void UpdateWork::learn_noise(MeshResiduals& residuals) {
+void UpdateWork::learn_noise(MeshResiduals& residuals, const std::vector<uint32_t>& triangles) {
   std::vector<uint32_t>& all = out_.record.residuals;
   if (!all.empty()) residuals.add(all);
   all = residuals.counts();
-  set_noise(model_.ground, residuals, options_.range_noise_m);
+  elements::TriangleMesh& ground = model_.ground;
+  if (ground_.roughness.empty()) {
+    set_noise(ground, residuals, options_.range_noise_m);
+    return;
+  }
+  ground.range_sigma_m = ground_.range_sigma_m;
+  ground.roughness_m = ground_.roughness_m;
+  ground.roughness.assign(ground.size(), float(ground.roughness_m));
+  for (size_t k = 0; k < triangles.size(); ++k) {
+    if (triangles[k] != kNewTriangle) ground.roughness[k] = ground_.roughness[triangles[k]];
+  }
 }
 
 void UpdateWork::take_over_light(const std::vector<uint32_t>& triangles) {

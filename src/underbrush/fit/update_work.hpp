@@ -45,7 +45,9 @@ class UpdateWork {
   /// Counts the beams of the earlier logs for the elements that are new.
   void count_earlier(const trace::World& world, std::vector<CurrentTrials>& now);
   /// The noise of the ground is that of all returns so far.
-  void learn_noise(MeshResiduals& residuals);
+  /// Learns the noise of the ground from all residuals. A refined ground keeps its own, and so do
+  /// the triangles that it kept.
+  void learn_noise(MeshResiduals& residuals, const std::vector<uint32_t>& triangles);
   void take_over_light(const std::vector<uint32_t>& triangles);
   /// The hit probabilities of the ellipsoids by their counts.
   std::vector<double> hit_probabilities() const;

@@ -13,7 +13,7 @@ namespace underbrush::ground {
 /// Options of `triangulate`.
 struct TriangulateOptions {
   double max_error_m =
-      0.02;                ///< No node of the height map lies farther above or below the triangles.
+      0.01;                ///< No node of the height map lies farther above or below the triangles.
   double max_side_m = 10;  ///< m; no side is longer, seen from above.
 };
 

@@ -139,6 +139,9 @@ Model cut(const Model& model, const PlacedObject& o, const std::vector<uint32_t>
       out.surface.triangles.push_back(triangle);
       out.surface.hit.push_back(model.surface.hit[k]);
       if (!model.surface.light.empty()) out.surface.light.push_back(model.surface.light[k]);
+      if (!model.surface.roughness.empty()) {
+        out.surface.roughness.push_back(model.surface.roughness[k]);
+      }
       continue;
     }
     elements::Ellipsoid e = model.ellipsoids[k - model.surface.size()];

@@ -89,12 +89,13 @@ Intersection intersect_ellipsoid(const elements::Model& model, const elements::E
   return met;
 }
 
-double sigma_of(const elements::TriangleMesh& mesh, const std::array<uint32_t, 3>& corner,
-                const Vec3& direction) {
-  if (!(mesh.roughness_m > 0)) return mesh.range_sigma_m;
+double sigma_of(const elements::TriangleMesh& mesh, uint32_t triangle, const Vec3& direction) {
+  const double roughness = mesh.roughness_at(triangle);
+  if (!(roughness > 0)) return mesh.range_sigma_m;
+  const std::array<uint32_t, 3>& corner = mesh.triangles[triangle];
   const Vec3 normal = normal_of_triangle(mesh.vertices[corner[0]], mesh.vertices[corner[1]],
                                          mesh.vertices[corner[2]]);
-  return std::sqrt(rough_sigma2(mesh.range_sigma_m, mesh.roughness_m, normal.data(),
+  return std::sqrt(rough_sigma2(mesh.range_sigma_m, roughness, normal.data(),
                                 dot(normal.data(), direction.data())));
 }
 
@@ -112,7 +113,7 @@ Intersection intersect_unlimited(const elements::Model& model, uint32_t element,
                             mesh.vertices[corner[2]]);
     if (!t) return {};
     met.t_m = *t;
-    met.sigma_m = sigma_of(mesh, corner, direction);
+    met.sigma_m = sigma_of(mesh, at.index, direction);
     met.p = mesh.hit[at.index].p;
   }
   met.element = element;

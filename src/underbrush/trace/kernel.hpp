@@ -38,6 +38,7 @@ struct ModelView {
     const uint32_t* triangles;  // three corners
     const elements::HitCount* hit;
     double sigma_m, roughness_m;
+    const float* roughness;  // of each triangle, m; null where all have roughness_m
   } ground, surface;
   const elements::Ellipsoid* ellipsoids;
   uint32_t ground_count, triangle_count;
@@ -79,8 +80,9 @@ inline constexpr uint32_t kInBlock = 0x80000000u;
 /// The most blocks of triangles that can be told apart so.
 inline constexpr size_t kMostTriangleBlocks = kInBlock / (2 * kWidth) - 1;
 
-/// Pairs of a ray and the element where it ends. There is room for a few copies of the last one.
+/// Copies of the last pair for which `Known` has room.
 inline constexpr size_t kKnownBeyond = 3;
+/// Pairs of a ray and the element where it ends.
 struct Known {
   size_t count;
   Candidate of[kBatchRays + kKnownBeyond];

@@ -115,8 +115,8 @@ class CandidateQuads {
     Triangles t;
     for (size_t k = 0; k < kFour; ++k) {
       const TrianglePlace& of = *place[k];
-      t.set(k, of.mesh, of.element, of.hit->p, row_of(of.corner[0], 1), row_of(of.corner[1], 1),
-            row_of(of.corner[2], 1));
+      t.set(k, of.mesh, of.element, of.hit - of.mesh->hit, of.hit->p);
+      t.set_corners(k, row_of(of.corner[0], 1), row_of(of.corner[1], 1), row_of(of.corner[2], 1));
     }
     decide_triangles(q, t);
   }
@@ -133,14 +133,13 @@ class CandidateQuads {
       const uint32_t turned = block.element[which][lane], element = turned & kElementMask;
       const bool on_ground = element < at.model->ground_count;
       const ModelView::Mesh* mesh = on_ground ? &at.model->ground : &at.model->surface;
-      float p = 1;
-      if (block.accept_below[which][lane] != kAlways) {
-        p = mesh->hit[element - (on_ground ? 0 : at.model->ground_count)].p;
-      }
+      const uint32_t triangle = element - (on_ground ? 0 : at.model->ground_count);
+      const bool always = block.accept_below[which][lane] == kAlways;
+      t.set(k, mesh, element, triangle, always ? 1 : mesh->hit[triangle].p);
       const float* first = &block.corner[0][0][lane];
       const int32_t* corner = kCornerPlaces.of[which][turned >> kTurnShift];
-      t.set(k, mesh, element, p, row_of(first + corner[0], kWidth),
-            row_of(first + corner[1], kWidth), row_of(first + corner[2], kWidth));
+      t.set_corners(k, row_of(first + corner[0], kWidth), row_of(first + corner[1], kWidth),
+                    row_of(first + corner[2], kWidth));
     }
     decide_triangles(q, t);
   }
@@ -170,12 +169,16 @@ class CandidateQuads {
     D normal[kFour];     // rows: z x y
     const ModelView::Mesh* mesh[kFour];
     uint32_t element[kFour];
-    D p;
+    D p, roughness;
 
-    void set(size_t k, const ModelView::Mesh* of, uint32_t number, float hit, D a, D b, D c) {
+    // Sets triangle `at` of a mesh, which is element `number` of the model.
+    void set(size_t k, const ModelView::Mesh* of, uint32_t number, ptrdiff_t at, float hit) {
       mesh[k] = of;
       element[k] = number;
       p[k] = hit;
+      roughness[k] = of->roughness ? double(of->roughness[at]) : of->roughness_m;
+    }
+    void set_corners(size_t k, D a, D b, D c) {
       corner[0][k] = a;
       if (!kMet) corner[1][k] = b, corner[2][k] = c;
       const D u = b - a, v = c - a;
@@ -195,10 +198,9 @@ class CandidateQuads {
     const D normal[3] = {t.normal[1], t.normal[2], t.normal[0]};
     const D along = dot(normal, r.d);
     D sigma = t.of_mesh(&ModelView::Mesh::sigma_m);
-    const D roughness = t.of_mesh(&ModelView::Mesh::roughness_m);
-    const L rough = roughness > 0.0;
+    const L rough = t.roughness > 0.0;
     if (bits(rough)) {
-      sigma = pick(rough, square_root(rough_sigma2(sigma, roughness, normal, along)), sigma);
+      sigma = pick(rough, square_root(rough_sigma2(sigma, t.roughness, normal, along)), sigma);
     }
     L inside{};
     unsigned certain = 0xf;

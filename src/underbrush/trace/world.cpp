@@ -26,8 +26,11 @@ const Kernels& kernels_of(Isa isa) {
 
 ModelView::Mesh view_of(const elements::TriangleMesh& mesh) {
   return {mesh.vertices.empty() ? nullptr : mesh.vertices[0].data(),
-          mesh.triangles.empty() ? nullptr : mesh.triangles[0].data(), mesh.hit.data(),
-          mesh.range_sigma_m, mesh.roughness_m};
+          mesh.triangles.empty() ? nullptr : mesh.triangles[0].data(),
+          mesh.hit.data(),
+          mesh.range_sigma_m,
+          mesh.roughness_m,
+          mesh.roughness.empty() ? nullptr : mesh.roughness.data()};
 }
 
 void set_grain(const elements::Model& m, Draws draws, ModelView& view) {
