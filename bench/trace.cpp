@@ -192,6 +192,33 @@ Json summary(const Json& cases, size_t middle) {
   return j;
 }
 
+/// Measures and prints all cases; those of one size have `middle` ellipsoids.
+Json measure_all(Bench& bench, size_t middle, bool quick) {
+  const char* hdl = "velodyne-hdl64e";
+  Json cases = Json::array();
+  const auto keep = [&](const Json& j) {
+    print(j);
+    cases.push_back(j);
+  };
+  const std::vector<size_t> sizes = quick ? std::vector<size_t>{10000, 100000}
+                                          : std::vector<size_t>{10000, 100000, 1000000, 10000000};
+  for (size_t n : sizes) {
+    const auto model = forest(n);
+    keep(bench.model_case({"forest", n, 1}, model, hdl));
+    if (n != middle) continue;
+    keep(bench.model_case({"forest_os1", n, 1}, model, "ouster-os1-64"));
+    keep(bench.model_case({"forest", n, 9}, model, hdl));
+    keep(bench.model_case({"forest", n, 16}, model, hdl));
+    if (!quick) keep(bench.model_case({"forest", n, 41}, model, hdl));
+  }
+  keep(bench.model_case({"field", middle, 1}, field(middle), hdl));
+  for (size_t n :
+       quick ? std::vector<size_t>{1000} : std::vector<size_t>{10000, 100000, 1000000, 10000000}) {
+    keep(bench.scene_case({"planted", n, 1}, planted(n), hdl));
+  }
+  return cases;
+}
+
 }  // namespace
 }  // namespace underbrush::bench
 
@@ -229,29 +256,8 @@ int main(int argc, char** argv) {
   const Json on = machine();
   print_machine(on);
   Bench bench(rounds, quick);
-  const char* hdl = "velodyne-hdl64e";
-  Json cases = Json::array();
-  const auto keep = [&](const Json& j) {
-    print(j);
-    cases.push_back(j);
-  };
-  const std::vector<size_t> sizes = quick ? std::vector<size_t>{10000, 100000}
-                                          : std::vector<size_t>{10000, 100000, 1000000, 10000000};
   const size_t middle = quick ? 100000 : 1000000;
-  for (size_t n : sizes) {
-    const auto model = forest(n);
-    keep(bench.model_case({"forest", n, 1}, model, hdl));
-    if (n != middle) continue;
-    keep(bench.model_case({"forest_os1", n, 1}, model, "ouster-os1-64"));
-    keep(bench.model_case({"forest", n, 9}, model, hdl));
-    keep(bench.model_case({"forest", n, 16}, model, hdl));
-    if (!quick) keep(bench.model_case({"forest", n, 41}, model, hdl));
-  }
-  keep(bench.model_case({"field", middle, 1}, field(middle), hdl));
-  for (size_t n :
-       quick ? std::vector<size_t>{1000} : std::vector<size_t>{10000, 100000, 1000000, 10000000}) {
-    keep(bench.scene_case({"planted", n, 1}, planted(n), hdl));
-  }
+  const Json cases = measure_all(bench, middle, quick);
   Json out = summary(cases, middle);
   for (const auto& [key, value] : out.items()) {
     std::printf("%-42s %.4g\n", key.c_str(), value.get<double>());
