@@ -5,7 +5,7 @@
                          [--models NAME ...] [--reuse] [--folds K] [--markdown FILE]
 
 default is fit without options, sharp is share/configs/likelihood-sharp.yaml. tuned and tuned_nll are the
-default with what optimize found on a slice of the training half. keyframes is the default with --keyframes 2.
+default with what optimize found on a slice of the training half. no_keyframes is the default with --keyframes 0.
 mesh_primitives is a scene of plant meshes,
 not a model.
 
@@ -41,7 +41,7 @@ SCENE_SCRIPT = pathlib.Path(__file__).resolve().parent / "mesh_primitives.sh"
 CONFIGS = pathlib.Path(__file__).resolve().parent.parent / "share/configs"
 FITTERS: dict[str, typing.Optional[Words]] = {
     "default": [], "hierarchical": ["--fitter", "hierarchical"], "surface": ["--fitter", "surface"],
-    "keyframes": ["--keyframes", "2"], "surface_paper": ["--config", CONFIGS / "vegetation-surface-mobile.yaml"],
+    "no_keyframes": ["--keyframes", "0"], "surface_paper": ["--config", CONFIGS / "vegetation-surface-mobile.yaml"],
     "surface_carved": ["--fitter", "surface", "--surface-carve"],
     "sharp": ["--config", CONFIGS / "likelihood-sharp.yaml"],
     "voxel": ["--fitter", "voxel", "--voxel-side", "0.3"],

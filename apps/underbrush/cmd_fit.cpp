@@ -17,7 +17,6 @@ namespace fit_verb {
 
 struct Arguments {
   std::string log, output, splat, ground_mesh, update, logs, echoes = "first";
-  bool ranges_as_given = false;
   fit::UpdateOptions how;
   fit::FitOptions fit;
 };
@@ -53,9 +52,7 @@ void add_options(Verb& verb, Arguments& a) {
       ->type_name("FILE.ply");
   verb.output("--export-ground", a.ground_mesh, "Write the ground as a mesh, too")
       ->type_name("FILE.obj|.ply");
-  verb.begin_rare_group("Channels and echoes");
-  of_fit.push_back(app.add_flag("--ranges-as-given", a.ranges_as_given,
-                                "Learn no range offsets of the sensor's channels"));
+  verb.begin_rare_group("Echoes");
   of_fit.push_back(
       app.add_option("--echoes", a.echoes,
                      "Take the first echo of a beam for its end, or all echoes for beams of their "
@@ -131,9 +128,12 @@ void run_update(const Verb& verb, const Arguments& a) {
 
 void run(const Verb& verb, Arguments& a) {
   a.fit.seed = verb.seed;
-  a.fit.learn_channels = !a.ranges_as_given;
-  require(a.echoes != "all" || a.fit.keyframes.spacing_m == 0,
-          "fit: --keyframes remember beams, not the single echoes of --echoes all");
+  if (a.echoes == "all") {
+    const bool wanted = verb.app.get_option("--keyframes")->count() > 0;
+    require(!wanted || a.fit.keyframes.spacing_m == 0,
+            "fit: --keyframes remember beams, not the single echoes of --echoes all");
+    a.fit.keyframes.spacing_m = 0;
+  }
   for (const std::string& file : {a.splat, a.ground_mesh}) {
     if (!file.empty()) io::check_output(file);
   }

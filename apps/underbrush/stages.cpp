@@ -86,13 +86,10 @@ FitStep fit_log(const Verb& verb, const fs::path& log, const fit::FitOptions& op
     step.result = fit::fit(reader, options, std::ref(progress));
     step.skipped = reader.skipped();
     step.result.model.all_echoes = all_echoes;
-    // The grain is that of the elements, beside what is remembered.
-    const auto keyframes = std::exchange(step.result.model.keyframes, nullptr);
     step.grain = optimize::learn_grain(step.result.model, beams, options.seed);
     if (all_echoes) {
       step.echoes = optimize::learn_grain_of_echoes(step.result.model, rows, options.seed);
     }
-    step.result.model.keyframes = keyframes;
   }
   std::vector<fs::path> inputs{log};
   if (fit::fitter_named(options.fitter).refines && elements::is_model(options.start)) {

@@ -13,7 +13,8 @@ def half_turn() -> list[float]:
     return [0.0, 0.0, 1.0, 0.0]  # about z
 
 
-def test_one_model_at_its_place_is_the_model(log: underbrush.BeamLog, model: underbrush.Model) -> None:
+def test_one_model_at_its_place_is_the_model(log: underbrush.BeamLog) -> None:
+    model = underbrush.fit(log, keyframes=0.0)  # a scene remembers nothing
     scene = underbrush.scene_from_models([model], model=[0], position=[model.origin])
     assert len(scene) == 1 and scene.models == 1 and scene.names == ["model0"]
     alone = underbrush.simulate(model, like=log, seed=3)

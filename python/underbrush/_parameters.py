@@ -10,8 +10,7 @@ class FitParameters(TypedDict, total=False):
     fitter: str  #: How the model is made (default likelihood).
     min_range: float  #: Leave out nearer returns (of the own vehicle) (m; default 0).
     tile: float  #: Side of a tile; memory grows with it (m; default 32).
-    #: Remember scans so far apart as range images; simulations near them answer likewise (0: none) (m; default 0).
-    keyframes: float
+    ranges_as_given: bool  #: Learn no range offsets of the sensor's channels (default false).
     clusters_per_point: float  #: Number of ellipsoids per point (default 0.1).
     min_points: int  #: Fewest points of an ellipsoid (default 3).
     #: Rounds of expectation and maximisation in which ellipsoids share the points at the borders of clusters
@@ -64,5 +63,7 @@ class FitParameters(TypedDict, total=False):
     #: How much more decided than the likeliest model: above 1 for smaller errors of a draw, at the cost of
     #: likelihood (default 1).
     sharpness: float
+    #: Remember scans so far apart as range images; simulations near them answer likewise (0: none) (m; default 2).
+    keyframes: float
     #: Most that merging two ellipsoids may cost their points; 0: merge where it costs nothing (nats; default 5).
     merge_cost: float

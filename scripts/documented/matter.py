@@ -63,7 +63,7 @@ def instrument():
     def part(log):
         sensor = SENSORS.get(log, "velodyne-hdl64e")
         like = f'simulate model --like "$WORK/{log}/test.ply"'
-        job = Job(f"instrument.{log}", f"""underbrush fit "$WORK/{log}/train.ply" --sensor {sensor} -o model
+        job = Job(f"instrument.{log}", f"""underbrush fit "$WORK/{log}/train.ply" --sensor {sensor} --keyframes 0 -o model
 underbrush {like} -o thin.ply
 underbrush {like} --sensor {sensor} --super-sample 9 -o instrument.ply
 underbrush {like} --sensor {sensor} --super-sample 9 --footprint whole -o whole.ply

@@ -324,7 +324,7 @@ MEASURED = {
     "readme": Measured(readme_rows()),
     "real-logs": Measured(real_logs(("default", "sharp", "surface", "surface_carved", "mesh_primitives"))),
     "reliability": Measured(reliability(("default", "sharp", "hierarchical", "surface"))),
-    "keyframes": Measured(real_logs(("default", "keyframes"))),
+    "keyframes": Measured(real_logs(("default", "no_keyframes"))),
     "fitters": Measured(fitters(("default", "hierarchical", "voxel", "top_down", "bottom_up"))),
     "options-of-fit": Measured(options_of_fit()),
     **matter.MEASURED,

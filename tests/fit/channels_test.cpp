@@ -135,9 +135,10 @@ TEST(Channels, TheFitKeepsThemAndMakesABetterModel) {
   MemorySource source(log);
   FitOptions options;
   options.fitter = "hierarchical";
+  options.ranges_as_given = true;
   const FitResult plain = fit(source, options);
   EXPECT_TRUE(plain.model.channels.empty());
-  options.learn_channels = true;
+  options.ranges_as_given = false;
   set_threads(1);
   const FitResult one = fit(source, options);
   set_threads(3);
@@ -168,9 +169,7 @@ TEST(Channels, ALogThatDoesNotNameItsSensorHasNone) {
   BeamLog log = street(drawn_offsets(), 10);
   log.info.sensor.clear();
   MemorySource source(log);
-  FitOptions options;
-  options.learn_channels = true;
-  EXPECT_TRUE(fit(source, options).model.channels.empty());
+  EXPECT_TRUE(fit(source, FitOptions()).model.channels.empty());
 }
 
 TEST(Channels, OffsetsAreOfTheSensorThatHasThem) {

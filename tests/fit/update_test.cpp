@@ -219,6 +219,35 @@ TEST(Update, ARefinedModelIsAsLikelyAsOneFit) {
   }
 }
 
+// What earlier scans remember may have gone, so keyframes are those of the new scans.
+TEST(Update, KeyframesAreThoseOfTheNewScans) {
+  const BeamLog before = drive(true, 1, 60'000), after = drive(false, 2, 60'000);
+  const FitResult first = fitted(before);
+  ASSERT_TRUE(first.model.keyframes);
+  const auto known = first.model.keyframes;
+  const UpdateResult grown = updated(first, {&before}, after, kAtOnce);
+  ASSERT_TRUE(grown.model.keyframes);
+  ASSERT_FALSE(grown.model.keyframes->frames.empty());
+  const auto returns_of_the_car = [](const elements::Model& model) {
+    size_t n = 0;
+    for (const elements::Keyframe& f : model.keyframes->frames) {
+      for (const elements::KeyframePixel& p : f.pixels) {
+        if (!p.is_hit()) continue;
+        const Vec3 at = model.origin + f.origin + model.keyframes->point(p) - kCar;
+        n += std::abs(at.x()) < 2 && std::abs(at.y()) < 1 && std::abs(at.z()) < 0.75;
+      }
+    }
+    return n;
+  };
+  EXPECT_GT(returns_of_the_car(first.model), 100u);
+  EXPECT_EQ(returns_of_the_car(grown.model), 0u);
+  FitOptions without = small_tiles();
+  without.keyframes.spacing_m = 0;
+  const UpdateResult none =
+      updated(fitted(before, without), {&before}, after, kAtOnce, 1 << 20, without);
+  EXPECT_FALSE(none.model.keyframes);
+}
+
 TEST(Update, GivesTheSameBitsForAnyThreadsAndChunks) {
   const BeamLog a = drive(true, 1, 20000), b = drive(false, 2, 15000);
   set_threads(1);

@@ -57,6 +57,7 @@ TEST(Objective, OfABadStartIsMuchBetterAfterASearch) {
   fit::FitOptions bad;
   bad.volumetric.hierarchical.clusters_per_point = 0.005;  // a few ellipsoids for all bushes
   bad.tau = 1;
+  bad.keyframes.spacing_m = 0;  // which would answer in place of the ellipsoids
   const std::string names[] = {"clusters-per-point", "tau"};
   const std::vector<FitParameter> tuned = chosen_fit_parameters(bad, names);
   std::vector<double> start;

@@ -1,6 +1,7 @@
 #include "underbrush/elements/keyframes.hpp"
 
 #include <algorithm>
+#include <cfloat>
 #include <cmath>
 
 #include "underbrush/core/check.hpp"
@@ -8,24 +9,28 @@
 namespace underbrush::elements {
 namespace {
 
-/// Computes the angle of (x, y) in (−π, π] with an error below 10⁻⁵ rad, the same on every machine.
-double angle_of(double x, double y) {
-  const double a = std::abs(x), b = std::abs(y), most = std::max(a, b);
-  if (!(most > 0)) return 0;
-  const double q = std::min(a, b) / most, s = q * q;
-  // Abramowitz and Stegun 4.4.49: an error of at most 2·10⁻⁸ · q.
-  double r =
-      q *
-      (1 +
-       s * (-0.3333314528 +
-            s * (0.1999355085 +
-                 s * (-0.1420889944 +
-                      s * (0.1065626393 +
-                           s * (-0.0752896400 +
-                                s * (0.0429096138 + s * (-0.0161657367 + s * 0.0028662257))))))));
-  if (b > a) r = M_PI / 2 - r;
-  if (x < 0) r = M_PI - r;
-  return y < 0 ? -r : r;
+/// Computes the angles of two points (x, y) in (−π, π] with an error below 10⁻⁵ rad, the same on
+/// every machine. The loops have no branches, so that both angles are computed at once.
+std::array<double, 2> angles_of(const std::array<double, 2>& x, const std::array<double, 2>& y) {
+  std::array<double, 2> out;
+  for (size_t k = 0; k < 2; ++k) {
+    const double a = std::abs(x[k]), b = std::abs(y[k]);
+    const double most = std::max(a, b), q = std::min(a, b) / std::max(most, DBL_MIN), s = q * q;
+    // Abramowitz and Stegun 4.4.49: an error of at most 2·10⁻⁸ · q.
+    double r =
+        q *
+        (1 +
+         s * (-0.3333314528 +
+              s * (0.1999355085 +
+                   s * (-0.1420889944 +
+                        s * (0.1065626393 +
+                             s * (-0.0752896400 +
+                                  s * (0.0429096138 + s * (-0.0161657367 + s * 0.0028662257))))))));
+    r = b > a ? M_PI / 2 - r : r;
+    r = x[k] < 0 ? M_PI - r : r;
+    out[k] = y[k] < 0 ? -r : r;
+  }
+  return out;
 }
 
 constexpr double kSlotsARow = 8;  // slots of the table of rows, for each row
@@ -45,7 +50,7 @@ void check_trust(const KeyframeTrust& t) {
 }  // namespace
 
 void Keyframes::check() const {
-  require(!elevation.empty() && columns > 0 && pixels() < (size_t(1) << 31),
+  require(!elevation.empty() && columns > 0 && pixels() < (size_t(1) << 30),
           "keyframes: the image has no pixels or too many");
   require(std::is_sorted(elevation.begin(), elevation.end()) &&
               std::abs(elevation.front()) <= M_PI / 2 && std::abs(elevation.back()) <= M_PI / 2,
@@ -99,8 +104,8 @@ KeyframeGrid::KeyframeGrid(const Keyframes& k)
 
 KeyframeGrid::Place KeyframeGrid::place(const Vec3& d) const {
   const double flat = std::sqrt(d.x() * d.x() + d.y() * d.y());
-  const double elevation = angle_of(flat, d.z());
-  double column = angle_of(d.x(), d.y()) * columns_a_rad_;
+  const auto [elevation, azimuth] = angles_of({flat, d.x()}, {d.z(), d.y()});
+  double column = azimuth * columns_a_rad_;
   if (column < 0) column += columns_;
   if (column >= columns_) column = 0;
   const double last = elevation_.back();

@@ -19,7 +19,7 @@ using enum ParameterGroup;
 constexpr size_t kKeptBytes = size_t(3) << 27;
 
 ChannelOffsets offsets_of(BeamSource& source, const FitOptions& options) {
-  if (!options.learn_channels) return {};
+  if (options.ranges_as_given) return {};
   ChannelOptions channels;
   channels.min_range_m = options.min_range_m;
   StillBeams still(source);
@@ -146,6 +146,12 @@ LikelihoodOptions likelihood_options(const FitOptions& options) {
   return out;
 }
 
+KeyframeOptions keyframe_options(const FitOptions& options) {
+  KeyframeOptions out = options.keyframes;
+  out.min_range_m = options.min_range_m;
+  return out;
+}
+
 FitResult fit(BeamSource& source, const FitOptions& options, const FitProgress& progress) {
   require(options.tau > 0, "fit: tau must be positive");
   require(options.range_noise_m > 0, "fit: the range noise must be positive");
@@ -164,9 +170,7 @@ FitResult fit(BeamSource& source, const FitOptions& options, const FitProgress& 
   StillBeams still(corrected);
   learn_classes(out.model, still);
   learn_light(out.model, still);
-  KeyframeOptions keyframes = options.keyframes;
-  keyframes.min_range_m = options.min_range_m;
-  learn_keyframes(out.model, still, keyframes);
+  if (fitter.refines) learn_keyframes(out.model, still, keyframe_options(options));
   const std::string_view made_by = fitter.refines ? start_of(options).name : fitter.name;
   const Clustering* clustering = clustering_named(made_by);
   if (options.volumetric.mixture.footprint && !(clustering && clustering->mixture)) {

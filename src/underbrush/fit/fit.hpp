@@ -43,9 +43,10 @@ struct FitOptions {
   /// sensor. The vehicle soon stands where its sensor was before, and an opaque model of it would
   /// enclose the sensor there.
   double min_range_m = 0;
-  /// Whether the range offsets of the sensor's channels are learnt first (`learn_offsets`), taken
-  /// away from the ranges and kept in the model. Logs that do not name their sensor have none.
-  bool learn_channels = false;
+  /// Unless this is set, the range offsets of the sensor's channels are learnt first
+  /// (`learn_offsets`), taken away from the ranges and kept in the model. Logs that do not name
+  /// their sensor have none.
+  bool ranges_as_given = false;
   /// Ellipsoids through which nearly all beams passed are dropped as free space: something moved
   /// through it once. An ellipsoid is dropped where hits / (hits + misses) is below this and at
   /// least `free_space_beams` beams met it.
@@ -62,7 +63,8 @@ struct FitOptions {
   SurfaceOptions surface;
   /// `fit` sets its range noise and its floor from the fields above.
   LikelihoodOptions likelihood;
-  /// `fit` sets its least range from the field above.
+  /// For `likelihood` only; other fitters keep none. `fit` sets its least range from the field
+  /// above.
   KeyframeOptions keyframes;
 };
 
@@ -110,5 +112,8 @@ FitOptions start_options(FitOptions options);
 /// The options that `fit` passes to `refine`: `options.likelihood` with the range noise, the floor
 /// and the seed filled in.
 LikelihoodOptions likelihood_options(const FitOptions& options);
+
+/// The options that `fit` passes to `learn_keyframes`.
+KeyframeOptions keyframe_options(const FitOptions& options);
 
 }  // namespace underbrush::fit

@@ -4,6 +4,8 @@
 #include <bitset>
 #include <cmath>
 
+#include "underbrush/core/rng.hpp"
+
 namespace underbrush::fit {
 namespace {
 
@@ -54,6 +56,9 @@ struct Pattern {
   double largest_intensity = 0, largest_range_m = 0;
 };
 
+/// Elevations and azimuths are those of some so many beams, evenly chosen.
+constexpr size_t kPatternBeams = 500'000;
+
 double elevation_of(const Vec3& d) { return std::asin(std::clamp(d.z(), -1.0, 1.0)); }
 
 Pattern pattern_of(BeamSource& log) {
@@ -62,20 +67,24 @@ Pattern pattern_of(BeamSource& log) {
     p.scans[info.scan].sensor_from_world = info.world_from_sensor.rotation.conjugate();
   }
   log.rewind();
+  const uint64_t one_in = 1 + log.size() / kPatternBeams;
+  uint64_t row = 0;
   for (BeamLog chunk; log.next(chunk);) {
     for (size_t i = 0; i < chunk.size(); ++i) {
       Scan& scan = p.scans[chunk.scan[i]];
       ++scan.beams;
       scan.origin += chunk.origin[i];
+      if (chunk.is_hit(i)) {
+        p.largest_range_m = std::max(p.largest_range_m, double(chunk.range_m[i]));
+        if (std::isfinite(chunk.intensity[i])) {
+          p.largest_intensity = std::max(p.largest_intensity, double(chunk.intensity[i]));
+        }
+      }
+      if (mix64(++row) % one_in != 0) continue;
       const Vec3 d = scan.sensor_from_world * chunk.direction[i].cast<double>();
       p.channels[chunk.ring[i]].add(elevation_of(d));
       const double turn = std::atan2(d.y(), d.x()) / (2 * M_PI);
       p.degrees.set(size_t((turn < 0 ? turn + 1 : turn) * 360) % 360);
-      if (!chunk.is_hit(i)) continue;
-      p.largest_range_m = std::max(p.largest_range_m, double(chunk.range_m[i]));
-      if (std::isfinite(chunk.intensity[i])) {
-        p.largest_intensity = std::max(p.largest_intensity, double(chunk.intensity[i]));
-      }
     }
   }
   std::erase_if(p.scans, [](const auto& s) { return s.second.beams == 0; });

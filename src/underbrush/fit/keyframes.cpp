@@ -166,9 +166,9 @@ void learn_trust(const std::vector<Sample>& samples, Keyframes& k) {
 /// Beams of a log that look at its keyframes.
 class Sampler {
  public:
-  Sampler(const elements::Model& model, const KeyframeImages& images, const LogInfo& log,
-          size_t beams, const KeyframeOptions& options)
-      : images_(images),
+  Sampler(const elements::Model& model, const std::map<uint32_t, uint32_t>& frame_of_scan,
+          const LogInfo& log, size_t beams, const KeyframeOptions& options)
+      : frame_of_scan_(frame_of_scan),
         world_(model),
         recollection_(model),
         min_range_m_(options.min_range_m),
@@ -206,15 +206,14 @@ class Sampler {
     std::vector<Vec3> origins;
     for (const Row& row : rows) origins.push_back(chunk.origin[row.number]);
     const std::vector<uint32_t> candidates = recollection_.candidates(origins);
-    for (const auto& [i, least_m] : rows) {
-      const Ray ray = chunk.ray(i);
-      const trace::Recalled seen = recall(chunk, i, ray, candidates, least_m);
-      if (seen.count == 0) continue;
-      Sample s;
-      s.seen = seen;
-      s.range_m = chunk.is_hit(i) ? double(chunk.range_m[i]) : HUGE_VAL;
-      out.push_back(s);
-      rays.push_back(ray);
+    std::vector<trace::Recollection::Asked> beams;
+    for (const auto& [i, least_m] : rows) beams.push_back(asked(chunk, i, candidates, least_m));
+    const std::vector<trace::Recalled> seen = recollection_.recall(beams);
+    for (size_t k = 0; k < rows.size(); ++k) {
+      if (seen[k].count == 0) continue;
+      const size_t i = rows[k].number;
+      out.push_back({seen[k], chunk.is_hit(i) ? double(chunk.range_m[i]) : HUGE_VAL, 0, 0});
+      rays.push_back(beams[k].ray);
     }
     trace::IntersectionLists met;
     world_.all_intersections(rays, limits_, std::vector<double>(rays.size(), reach_m_), met);
@@ -229,20 +228,21 @@ class Sampler {
     return out;
   }
 
-  trace::Recalled recall(const BeamLog& chunk, size_t i, const Ray& ray,
-                         std::span<const uint32_t> candidates, double least_m) const {
-    const auto frame = images_.frame_of_scan.find(chunk.scan[i]);
-    const bool is_frame = frame != images_.frame_of_scan.end();
+  trace::Recollection::Asked asked(const BeamLog& chunk, size_t i,
+                                   std::span<const uint32_t> candidates, double least_m) const {
+    const Ray ray = chunk.ray(i);
+    const auto frame = frame_of_scan_.find(chunk.scan[i]);
+    const bool is_frame = frame != frame_of_scan_.end();
     const uint32_t own = is_frame ? frame->second : trace::Recollection::Near::kNone;
-    if (images_.frame_of_scan.size() == 1) {
+    if (frame_of_scan_.size() == 1) {
       const Vec3 point = chunk.is_hit(i) ? chunk.end_point(i) : Vec3::Constant(NAN);
-      return recollection_.recall(ray, recollection_.near(ray.origin, candidates),
-                                  is_frame ? &point : nullptr);
+      return {ray, recollection_.near(ray.origin, candidates), 0,
+              is_frame ? std::optional(point) : std::nullopt};
     }
-    return recollection_.recall(ray, recollection_.near(ray.origin, candidates, least_m, own));
+    return {ray, recollection_.near(ray.origin, candidates, least_m, own), 0, {}};
   }
 
-  const KeyframeImages& images_;
+  const std::map<uint32_t, uint32_t>& frame_of_scan_;
   trace::World world_;
   trace::Recollection recollection_;
   double min_range_m_, max_range_m_, reach_m_;
@@ -257,14 +257,14 @@ void learn_keyframes(elements::Model& model, BeamSource& log, const KeyframeOpti
   if (!(options.spacing_m > 0)) return;
   KeyframeImages images = make_keyframe_images(log, model.origin, options);
   if (images.keyframes.frames.empty()) return;
-  model.keyframes = std::make_shared<Keyframes>(images.keyframes);
+  const auto keyframes = std::make_shared<Keyframes>(std::move(images.keyframes));
+  model.keyframes = keyframes;
   std::vector<Sample> samples;
-  Sampler sampler(model, images, log.info(), log.size(), options);
+  Sampler sampler(model, images.frame_of_scan, log.info(), log.size(), options);
   log.rewind();
   for (BeamLog chunk; log.next(chunk);) sampler.add(chunk, samples);
-  learn_trust(samples, images.keyframes);
-  images.keyframes.check();
-  model.keyframes = std::make_shared<Keyframes>(std::move(images.keyframes));
+  learn_trust(samples, *keyframes);
+  keyframes->check();
 }
 
 }  // namespace underbrush::fit

@@ -9,13 +9,13 @@ namespace underbrush::fit {
 /// The options of `learn_keyframes`.
 struct KeyframeOptions {
   /// m; a scan becomes a keyframe where fewer than two keyframes lie nearer. 0 = no keyframes.
-  double spacing_m = 0;
+  double spacing_m = 2;
   /// Returns nearer than this (m) are unknown, because they are of the vehicle.
   double min_range_m = 0;
   /// The most memory that they may take, bytes; the spacing grows until they fit.
-  size_t most_bytes = size_t(1) << 30;
+  size_t most_bytes = size_t(1) << 28;
   /// Beams that the trust is learnt from.
-  size_t samples = 120'000;
+  size_t samples = 60'000;
 };
 
 /// Keeps keyframes of a log in its model. The trust in each situation (`elements::KeyframeTrust`)

@@ -36,9 +36,8 @@ const Parameter kParameters[] = {
      at([](Options& o) -> auto& { return o.min_range_m; }), kUsual},
     {"tile", kCommon, "m", "Side of a tile; memory grows with it",
      at([](Options& o) -> auto& { return o.tiles.tile_m; })},
-    {"keyframes", kCommon, "m",
-     "Remember scans so far apart as range images; simulations near them answer likewise (0: none)",
-     at([](Options& o) -> auto& { return o.keyframes.spacing_m; }), kRare},
+    {"ranges-as-given", kCommon, "", "Learn no range offsets of the sensor's channels",
+     at([](Options& o) -> auto& { return o.ranges_as_given; })},
 
     {"clusters-per-point", kHierarchical, "", "Number of ellipsoids per point",
      at([](Options& o) -> auto& { return o.volumetric.hierarchical.clusters_per_point; }), kUsual,
@@ -165,6 +164,9 @@ const Parameter kParameters[] = {
      "How much more decided than the likeliest model: above 1 for smaller errors of a draw, at the "
      "cost of likelihood", at([](Options& o) -> auto& { return o.likelihood.sharpness; }), kRare,
      TuningRange{0.5, 5, kLog, kIfNamed}},
+    {"keyframes", kLikelihood, "m",
+     "Remember scans so far apart as range images; simulations near them answer likewise (0: none)",
+     at([](Options& o) -> auto& { return o.keyframes.spacing_m; })},
     {"merge-cost", kLikelihood, "nats",
      "Most that merging two ellipsoids may cost their points; 0: merge where it costs nothing",
      at([](Options& o) -> auto& { return o.likelihood.rearrangement.largest_cost; })},

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/still_beams.hpp"
 #include "underbrush/fit/fitters.hpp"
 #include "underbrush/fit/new_returns.hpp"
 #include "underbrush/fit/update_work.hpp"
@@ -18,8 +19,6 @@ void check(const FitResult& known, const std::vector<BeamSource*>& logs, const B
   require_data(
       !known.record.tiles.empty() && known.record.ellipsoids() == known.model.ellipsoids.size(),
       "the model has no record of its tiles");
-  require_data(!known.model.keyframes,
-               "the model has keyframes, which would keep what has gone; fit it without them");
   const LogInfo &a = logs.front()->info(), &b = added.info();
   if (a.sensor != b.sensor || a.sensor_file != b.sensor_file) {
     const auto name = [](const LogInfo& i) { return i.sensor.empty() ? "unknown" : i.sensor; };
@@ -100,6 +99,11 @@ UpdateResult update(FitResult known, const std::vector<BeamSource*>& logs, BeamS
   work.count();
   if (fitter_named(options.fitter).refines) work.refine_new(likelihood_options(options));
   work.colour();
+  // Earlier keyframes would keep what has gone.
+  if (known.model.keyframes) {
+    StillBeams still(scans);
+    learn_keyframes(known.model, still, keyframe_options(options));
+  }
   report.tiles = known.record.tiles.size();
   return {std::move(known.model), std::move(known.record), std::move(report)};
 }

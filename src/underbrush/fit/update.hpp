@@ -61,6 +61,8 @@ struct UpdateResult {
 /// - New ellipsoids of a refined model are refined among the others, which stay.
 /// - Reflectances and classes of new elements are learnt from the same beams. Those of other
 ///   elements stay, as do the sensor's range offsets, its response to light and the grain.
+/// - Keyframes, where the model has them, become those of the new scans, because earlier ones would
+///   keep what has gone.
 ///
 /// The earlier logs are read only if a tile is fitted anew. The result has the same bits for any
 /// number of threads. Without beams in `added` nothing changes. Throws `std::invalid_argument` for

@@ -187,8 +187,10 @@ class Scorer {
     const double max_range = real.info.max_range_m;
     const double reach = std::min(max_range, options_.world->model().max_range_m);
     std::optional<trace::Recollection> memory;
-    if (options_.world->is_one_model()) memory.emplace(options_.world->model());
-    if (memory && !memory->serves(real.info)) memory.reset();
+    if (options_.world->is_one_model() &&
+        trace::Recollection::serves(options_.world->model(), real.info)) {
+      memory.emplace(options_.world->model());
+    }
     parallel_for(real.size(), 2048, [&](size_t begin, size_t end) {
       std::vector<Ray> rays;
       for (size_t i = begin; i < end; ++i) {
@@ -198,14 +200,11 @@ class Scorer {
       const std::vector<double> everywhere(rays.size(), reach);
       options_.world->all_intersections(rays, {real.info.min_range_m, reach}, everywhere, met);
       trace::RangeMixture p;
-      std::vector<uint32_t> keyframes;
-      if (memory) keyframes = memory->candidates({&real.origin[begin], end - begin});
+      std::vector<trace::Recalled> recalled;
+      if (memory) recalled = memory->recall(memory->asked(rays));
       for (size_t i = begin; i < end; ++i) {
         trace::mix_ranges(met[i - begin], 1, 1e-4, p);
-        if (!keyframes.empty()) {
-          const Ray& ray = rays[i - begin];
-          memory->mix(memory->recall(ray, memory->near(ray.origin, keyframes)), p);
-        }
+        if (memory) memory->mix(recalled[i - begin], p);
         return_probability_[i] = return_probability(p);
         nll_[i] = negative_log_likelihood(p, real.range_m[i], max_range);
         crps_[i] = crps(p, real.range_m[i], max_range);

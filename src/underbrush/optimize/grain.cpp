@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "underbrush/core/rng.hpp"
 #include "underbrush/core/still_beams.hpp"
@@ -86,9 +87,8 @@ void adjust_noise(double& noise_m, double most_m, const metrics::RingRoughness& 
   if (std::isfinite(ratio)) noise_m = std::min(most_m, noise_m * ratio);
 }
 
-}  // namespace
-
-GrainReport learn_grain(elements::Model& model, BeamSource& log, uint64_t seed) {
+/// `learn_grain` for a model without keyframes.
+GrainReport grain_of_elements(elements::Model& model, BeamSource& log, uint64_t seed) {
   GrainReport report;
   report.classes.assign(model.grain.classes.size(), false);
   StillBeams still(log);
@@ -122,6 +122,15 @@ GrainReport learn_grain(elements::Model& model, BeamSource& log, uint64_t seed) 
     }
     adjust_noise(model.range_noise_m, most_noise_m, real, simulated);
   }
+}
+
+}  // namespace
+
+GrainReport learn_grain(elements::Model& model, BeamSource& log, uint64_t seed) {
+  const auto keyframes = std::exchange(model.keyframes, nullptr);
+  GrainReport report = grain_of_elements(model, log, seed);
+  model.keyframes = keyframes;
+  return report;
 }
 
 }  // namespace underbrush::optimize

@@ -29,8 +29,8 @@ struct GrainReport {
 /// Sets the model's grain so that simulated ranges are as rough along the rings as those of the log
 /// (`RingRoughness::geometric_mean`) where beams end on meshes, on ellipsoids of each class of the
 /// grain and on other ellipsoids. Each is between 5 mm and 0.5 m. It also lowers `range_noise_m` so
-/// that the smoothest quarters of both agree. Reads the log once and keeps about 30 000 beams of
-/// whole scans.
+/// that the smoothest quarters of both agree. Keyframes have no part in it. Reads the log once and
+/// keeps about 30 000 beams of whole scans.
 GrainReport learn_grain(elements::Model& model, BeamSource& log, uint64_t seed);
 
 /// What was learnt from echoes: the mean number of echoes of a beam that has any.

@@ -95,34 +95,41 @@ class ElementColumns {
   std::vector<uint32_t> instance_;
 };
 
-/// What the keyframes of a world answer. They know nothing of elements, of moving objects or of
-/// scenes, and only of beams along their axes.
-class Memory {
- public:
-  Memory(const DynamicWorld& world, const Options& options, const LogInfo& beams)
-      : once_(world.world().draws() != trace::Draws::kAnew) {
-    if (keyframes_serve(world, options, beams)) recollection_.emplace(world.model(0));
+/// What the keyframes answer to some beams; nothing where it is for the elements, of which the
+/// beams met one or none. Only the beams that keyframes may answer look at them. Unless `matter` is
+/// null, matter is drawn once, and the beams that meet it in the same pixel choose alike.
+/// Keyframes know nothing of elements, of moving objects or of scenes, and only of beams along
+/// their axes.
+std::vector<std::optional<trace::RecalledReturn>> recalled(const trace::Recollection& memory,
+                                                           std::span<const Ray> rays,
+                                                           std::span<const Intersection> met,
+                                                           std::span<const uint64_t> keys,
+                                                           const uint64_t* matter) {
+  constexpr double kFarM = 100;  // where the pixel of a miss is looked for
+  std::vector<std::optional<trace::RecalledReturn>> out(rays.size());
+  std::vector<trace::Recollection::Asked> asked = memory.asked(rays);
+  std::vector<uint32_t> number;
+  for (uint32_t k = 0; k < rays.size(); ++k) {
+    trace::Recollection::Asked& beam = asked[k];
+    const double most = memory.most_recalled(beam.near);
+    if (!(most > 0)) continue;
+    uint64_t choice = keys[k];
+    if (matter) {
+      const Vec3 end = rays[k].origin + (met[k].none() ? kFarM : met[k].t_m) * rays[k].direction;
+      choice = mix64(*matter ^ mix64(memory.pixel_of(end, beam.near)));
+    }
+    beam.u = uniform_from_bits(random_bits(choice, 0, Purpose::kRecall));
+    if (beam.u >= most) continue;
+    asked[number.size()] = beam;
+    number.push_back(k);
   }
-
-  /// Chooses the keyframes for some beams.
-  std::vector<uint32_t> candidates(const BeamLog& beams, size_t begin, size_t end) const {
-    if (!recollection_) return {};
-    return recollection_->candidates({&beams.origin[begin], end - begin});
+  asked.resize(number.size());
+  const std::vector<trace::Recalled> seen = memory.recall(asked);
+  for (size_t j = 0; j < seen.size(); ++j) {
+    out[number[j]] = memory.drawn(seen[j], asked[j].u, keys[number[j]]);
   }
-  /// The answer to a beam, where it is not for the elements. Matter that is drawn once is
-  /// remembered alike by all beams that see the same pixel.
-  std::optional<trace::RecalledReturn> answer(const Ray& ray, std::span<const uint32_t> candidates,
-                                              uint64_t matter, uint64_t key) const {
-    if (candidates.empty()) return {};
-    const trace::Recalled seen =
-        recollection_->recall(ray, recollection_->near(ray.origin, candidates));
-    return recollection_->drawn(seen, once_ ? mix64(matter ^ mix64(seen.nearest)) : key, key);
-  }
-
- private:
-  std::optional<trace::Recollection> recollection_;
-  bool once_;
-};
+  return out;
+}
 
 }  // namespace
 
@@ -130,7 +137,7 @@ bool keyframes_serve(const DynamicWorld& world, const Options& options, const Lo
   const bool plain = options.draw == RangeDraw::kOnRay && !options.random_ray &&
                      !options.element_ids && options.sway_s == 0;
   return plain && !world.moves() && world.world().is_one_model() &&
-         trace::Recollection(world.model(0)).serves(beams);
+         trace::Recollection::serves(world.model(0), beams);
 }
 
 void simulate(const DynamicWorld& world, const Options& options, size_t first_beam,
@@ -139,7 +146,8 @@ void simulate(const DynamicWorld& world, const Options& options, size_t first_be
   const trace::RangeLimits limits = limits_of(world, options, beams.info);
   const bool once = world.world().draws() != trace::Draws::kAnew;
   const uint64_t matter = matter_key(options.seed);
-  const Memory memory(world, options, beams.info);
+  std::optional<trace::Recollection> memory;
+  if (keyframes_serve(world, options, beams.info)) memory.emplace(world.model(0));
   ElementColumns columns(options, beams.size());
   parallel_for(beams.size(), 8192, [&](size_t begin, size_t end) {
     const size_t n = end - begin;
@@ -158,12 +166,13 @@ void simulate(const DynamicWorld& world, const Options& options, size_t first_be
     world.nearest_accepted(rays, once ? trials : keys, {&beams.time_s[begin], n}, limits, met);
     MatterAt matter_of(world);
     LearntLight light(world, beams.info, options.intensity);
-    const std::vector<uint32_t> keyframes = memory.candidates(beams, begin, end);
+    std::vector<std::optional<trace::RecalledReturn>> seen(memory ? 0 : n);
+    if (memory) seen = recalled(*memory, rays, met, keys, once ? &matter : nullptr);
     for (size_t k = 0; k < n; ++k) {
       const size_t i = begin + k;
       make_miss(beams, i);
-      if (const auto seen = memory.answer(rays[k], keyframes, matter, keys[k])) {
-        set_recalled(*seen, options, limits, keys[k], beams, i);
+      if (seen[k]) {
+        set_recalled(*seen[k], options, limits, keys[k], beams, i);
         continue;
       }
       if (met[k].none()) continue;

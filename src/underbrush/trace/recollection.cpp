@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "underbrush/core/rng.hpp"
 
@@ -13,36 +14,6 @@ using elements::KeyframePixel;
 using elements::Keyframes;
 using elements::KeyframeTrust;
 
-constexpr double kFar = 100;         // m; where a pixel without a return is looked for
-constexpr double kLeastRange = 0.1;  // m; nothing nearer is recalled
-constexpr int kSteps = 6;
-
-}  // namespace
-
-/// The four pixels that are seen nearest to a direction, the nearest first.
-class Recollection::Nearest {
- public:
-  void offer(float angle2, uint32_t pixel) {
-    if (count_ == kMost && !(angle2 < seen_[kMost - 1].angle2)) return;
-    size_t at = count_ < kMost ? count_++ : kMost - 1;
-    for (; at > 0 && angle2 < seen_[at - 1].angle2; --at) seen_[at] = seen_[at - 1];
-    seen_[at] = {angle2, pixel};
-  }
-  size_t size() const { return count_; }
-  uint32_t operator[](size_t k) const { return seen_[k].pixel; }
-
- private:
-  static constexpr size_t kMost = Keyframes::kPixelsOfFrame;
-  struct Seen {
-    float angle2;
-    uint32_t pixel;
-  };
-  Seen seen_[kMost];
-  size_t count_ = 0;
-};
-
-namespace {
-
 bool is_own(const Keyframes& k, const KeyframePixel& p, const Vec3& own) {
   return p.is_hit() && (k.point(p) - own).squaredNorm() < 4 * k.unit_m * k.unit_m;
 }
@@ -51,12 +22,34 @@ bool is_own(const Keyframes& k, const KeyframePixel& p, const Vec3& own) {
 
 Recollection::Recollection(const elements::Model& model)
     : model_(model), keyframes_(model.keyframes.get()) {
-  if (keyframes_) grid_.emplace(*keyframes_);
+  if (!keyframes_ || keyframes_->frames.empty()) return;
+  grid_.emplace(*keyframes_);
+  glance_grid_.emplace(*keyframes_);
+  for (size_t k = 0; k < Keyframes::kSituations; ++k) {
+    const double recalled = 1 - keyframes_->trust[k].elements;
+    const size_t bin = k / Keyframes::kAgreements, agreement = k % Keyframes::kAgreements;
+    most_recalled_[bin] = std::max(most_recalled_[bin], recalled);
+    if (agreement < 2) continue;
+    most_of_returns_[bin] = std::max(most_of_returns_[bin], recalled);
+  }
 }
 
-bool Recollection::serves(const LogInfo& beams) const {
-  return keyframes_ && !keyframes_->frames.empty() && beams.sensor == model_.sensor &&
-         beams.sensor_file == model_.sensor_file;
+size_t Recollection::distance_bin(const Near& near) {
+  const auto& limits = Keyframes::kDistances;
+  return size_t(std::lower_bound(limits.begin(), limits.end(), near.distance_m) - limits.begin());
+}
+
+uint64_t Recollection::pixel_of(const Vec3& point, const Near& near) const {
+  const Keyframe& f = keyframes_->frames[near.frame[0]];
+  const auto place = grid_->place(f.sensor_from_world * (point - model_.origin - f.origin));
+  const auto row = int64_t(place.row), column = int64_t(place.column);
+  return near.frame[0] * keyframes_->pixels() +
+         uint64_t(row * int64_t(keyframes_->columns) + column);
+}
+
+bool Recollection::serves(const elements::Model& model, const LogInfo& beams) {
+  return model.keyframes && !model.keyframes->frames.empty() && beams.sensor == model.sensor &&
+         beams.sensor_file == model.sensor_file;
 }
 
 std::vector<uint32_t> Recollection::candidates(std::span<const Vec3> origins) const {
@@ -94,90 +87,99 @@ Recollection::Near Recollection::near(const Vec3& origin, std::span<const uint32
   return out;
 }
 
-// A return is seen where its end point is, a miss in the middle of its pixel.
-void Recollection::find(const Keyframe& f, const Vec3& at, Nearest& out) const {
+void Recollection::see(const Asked& beam, uint32_t frame, size_t slot, const Glances& glances,
+                       size_t lane, Recalled& out) const {
   const Keyframes& k = *keyframes_;
-  auto place = grid_->place(f.sensor_from_world * at);
-  Vec3f from = f.column_origin[size_t(place.column)];
-  if (from.squaredNorm() > 1e-6f) {
-    place = grid_->place(f.sensor_from_world * (at - from.cast<double>()));
-    from = f.column_origin[size_t(place.column)];
-  }
-  if (place.row < 0) return;
-  const Vec3f towards = (at.cast<float>() - from).normalized();
-  const auto unit = float(k.unit_m), turn = float(2 * M_PI / double(k.columns));
-  const auto elevation = float(grid_->elevation(place.row)), column = float(place.column - 0.5);
-  const int columns = int(k.columns), rows = int(k.rows());
-  const int middle = int(place.row), first = int(place.column) - 1;
-  for (int row = std::max(0, middle - 1); row <= std::min(rows - 1, middle + 1); ++row) {
-    for (int c = first; c <= first + 2; ++c) {
-      const int inside = c < 0 ? c + columns : c >= columns ? c - columns : c;
-      const auto number = uint32_t(row * columns + inside);
-      const KeyframePixel& p = f.pixels[number];
-      if (p.is_hit()) {
-        const Vec3f to = unit * Vec3f(float(p.x), float(p.y), float(p.z)) - from;
-        out.offer(to.cross(towards).squaredNorm() / to.squaredNorm(), number);
-      } else if (p.is_miss()) {
-        const float up = elevation - float(k.elevation[size_t(row)]);
-        const float aside = (column - float(c)) * turn;
-        out.offer(up * up + aside * aside, number);
-      }
-    }
-  }
-}
-
-void Recollection::look(const Vec3& from, const Vec3& direction, uint32_t number, size_t slot,
-                        const Vec3* own, Recalled& out) const {
-  const Keyframes& k = *keyframes_;
-  const Keyframe& f = k.frames[number];
-  const auto along = [&](const KeyframePixel& p) { return (k.point(p) - from).dot(direction); };
-  double t = kFar;
-  uint32_t last = Near::kNone;
-  Nearest seen;
-  for (int step = 0; step < kSteps; ++step) {
-    Nearest next;
-    find(f, from + t * direction, next);
-    if (next.size() == 0 || next[0] == last) break;
-    last = next[0];
-    const KeyframePixel& p = f.pixels[last];
-    t = p.is_hit() ? std::max(along(p), kLeastRange) : kFar;
-  }
-  find(f, from + t * direction, seen);
-  const bool nearest_is_own = own && !own->allFinite();
-  for (size_t j = nearest_is_own ? 1 : 0; j < seen.size(); ++j) {
-    const KeyframePixel& p = f.pixels[seen[j]];
-    if (own && !nearest_is_own && is_own(k, p, *own - model_.origin - f.origin)) continue;
-    const double range = p.is_miss() ? HUGE_VAL : along(p);
-    if (!(range >= kLeastRange)) continue;
-    if (out.count == 0) out.nearest = uint64_t(number) * k.pixels() + seen[j];
+  const Keyframe& f = k.frames[frame];
+  const Vec3 from = beam.ray.origin - model_.origin - f.origin;
+  const bool nearest_is_own = beam.own && !beam.own->allFinite();
+  for (size_t j = nearest_is_own ? 1 : 0; j < Glances::kSeen; ++j) {
+    const uint32_t pixel = glances.pixel[j][lane];
+    if (pixel == Glances::kNone) break;
+    const KeyframePixel& p = f.pixels[pixel];
+    if (beam.own && !nearest_is_own && is_own(k, p, *beam.own - model_.origin - f.origin)) continue;
+    const double range = p.is_miss() ? HUGE_VAL : (k.point(p) - from).dot(beam.ray.direction);
+    if (!(range >= double(Glances::kLeastRangeM))) continue;
     out.range_m[out.count] = range;
     out.intensity[out.count] = float(double(p.intensity) * k.intensity_unit);
     out.rank[out.count++] = uint8_t(slot * Keyframes::kPixelsOfFrame + j);
   }
 }
 
-Recalled Recollection::recall(const Ray& ray, const Near& near, const Vec3* own) const {
-  Recalled out;
-  const auto& limits = Keyframes::kDistances;
-  const size_t bin =
-      size_t(std::lower_bound(limits.begin(), limits.end(), near.distance_m) - limits.begin());
-  if (bin == limits.size()) return out;
-  for (size_t slot = 0; slot < near.frame.size(); ++slot) {
-    const uint32_t f = near.frame[slot];
-    if (f == Near::kNone) break;
-    look(ray.origin - model_.origin - keyframes_->frames[f].origin, ray.direction, f, slot, own,
-         out);
+void Recollection::look(std::span<const Asked> beams, std::span<const uint32_t> which,
+                        uint32_t frame, size_t slot, std::vector<Recalled>& out) const {
+  const Vec3 origin = model_.origin + keyframes_->frames[frame].origin;
+  for (size_t begin = 0; begin < which.size(); begin += Glances::kBeams) {
+    Glances glances;
+    // Where beams are too few, the last one fills the vectors.
+    for (size_t l = 0; l < Glances::kBeams; ++l) {
+      const Ray& ray = beams[which[std::min(begin + l, which.size() - 1)]].ray;
+      const Vec3f from = (ray.origin - origin).cast<float>(), d = ray.direction.cast<float>();
+      glances.from.x[l] = from.x(), glances.from.y[l] = from.y(), glances.from.z[l] = from.z();
+      glances.direction.x[l] = d.x(), glances.direction.y[l] = d.y(),
+      glances.direction.z[l] = d.z();
+    }
+    glance(*glance_grid_, glance_grid_->frames[frame], glances);
+    const size_t end = std::min(begin + Glances::kBeams, which.size());
+    for (size_t i = begin; i < end; ++i) {
+      see(beams[which[i]], frame, slot, glances, i - begin, out[which[i]]);
+    }
   }
-  if (out.count == 0) return out;
-  out.situation = bin * Keyframes::kAgreements + elements::agreement(out.range_m.data(), out.count);
+}
+
+std::vector<Recollection::Asked> Recollection::asked(std::span<const Ray> rays) const {
+  std::vector<Vec3> origins;
+  for (const Ray& ray : rays) origins.push_back(ray.origin);
+  const std::vector<uint32_t> among = candidates(origins);
+  std::vector<Asked> out;
+  Near nearest;
+  for (size_t k = 0; k < rays.size(); ++k) {
+    if (k == 0 || origins[k] != origins[k - 1]) nearest = near(origins[k], among);
+    out.push_back({rays[k], nearest, 0, {}});
+  }
   return out;
 }
 
-std::optional<RecalledReturn> Recollection::drawn(const Recalled& r, uint64_t choice,
+std::vector<Recalled> Recollection::recall(std::span<const Asked> beams) const {
+  std::vector<Recalled> out(beams.size());
+  std::vector<uint32_t> ready;
+  for (uint32_t i = 0; i < beams.size(); ++i) {
+    if (distance_bin(beams[i].near) < Keyframes::kDistances.size()) ready.push_back(i);
+  }
+  std::map<uint32_t, std::vector<uint32_t>> by_frame;
+  for (size_t slot = 0; slot < Keyframes::kFrames; ++slot) {
+    by_frame.clear();
+    for (const uint32_t i : ready) {
+      if (beams[i].near.frame[slot] != Near::kNone)
+        by_frame[beams[i].near.frame[slot]].push_back(i);
+    }
+    for (const auto& [frame, which] : by_frame) look(beams, which, frame, slot, out);
+    if (slot > 0) continue;
+    // Four returns of one keyframe are at least half of what is seen.
+    std::erase_if(ready, [&](uint32_t i) {
+      Recalled& r = out[i];
+      const bool returned = r.count == Keyframes::kPixelsOfFrame &&
+                            std::all_of(r.range_m.begin(), r.range_m.begin() + ptrdiff_t(r.count),
+                                        [](double range) { return std::isfinite(range); });
+      if (!returned || !(beams[i].u > 0) ||
+          beams[i].u < most_of_returns_[distance_bin(beams[i].near)])
+        return false;
+      r.count = 0;
+      return true;
+    });
+  }
+  for (const uint32_t i : ready) {
+    if (out[i].count == 0) continue;
+    out[i].situation = distance_bin(beams[i].near) * Keyframes::kAgreements +
+                       elements::agreement(out[i].range_m.data(), out[i].count);
+  }
+  return out;
+}
+
+std::optional<RecalledReturn> Recollection::drawn(const Recalled& r, double u,
                                                   uint64_t noise) const {
   if (r.count == 0) return {};
   const KeyframeTrust& t = trust(r);
-  double u = uniform_from_bits(random_bits(choice, 0, Purpose::kRecall));
   for (size_t k = 0; k < r.count; ++k) {
     const double weight = t.pixel[r.rank[k]];
     if (u >= weight) {

@@ -10,6 +10,7 @@
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/core/ray.hpp"
 #include "underbrush/elements/model.hpp"
+#include "underbrush/trace/glance.hpp"
 #include "underbrush/trace/ray_likelihood.hpp"
 
 namespace underbrush::trace {
@@ -22,7 +23,6 @@ struct Recalled {
   std::array<double, kMost> range_m{};  ///< Along the beam, m; infinite for a pixel without return.
   std::array<float, kMost> intensity{};
   std::array<uint8_t, kMost> rank{};  ///< The pixel's place in `KeyframeTrust::pixel`.
-  uint64_t nearest = 0;               ///< Number of the nearest pixel over all keyframes.
   size_t situation = 0;               ///< Index in `Keyframes::trust`.
 };
 
@@ -33,12 +33,7 @@ struct RecalledReturn {
   float mean_intensity;  ///< The mean over the pixels that saw the same surface.
 };
 
-/// The keyframes of a model, ready for beams.
-///
-/// A beam from elsewhere sees a pixel where the point of that pixel lies on the beam. It is found
-/// by fixed-point iteration: the pixel in the direction of a point on the beam gives the next
-/// point, until the pixel stays the same. Seen are the four pixels nearest to that direction, in
-/// order of their angle from it.
+/// The keyframes of a model, ready for beams, which see their pixels as `glance` says.
 class Recollection {
  public:
   /// The keyframes nearest to a place; `distance_m` is that of the nearest one.
@@ -53,37 +48,58 @@ class Recollection {
 
   /// Whether there is something to recall for a log: the model has keyframes, and its sensor is
   /// that of the log. Another sensor would have missed other beams.
-  bool serves(const LogInfo& beams) const;
+  static bool serves(const elements::Model& model, const LogInfo& beams);
   /// The keyframes that may be the nearest ones to one of some places (world, m).
   std::vector<uint32_t> candidates(std::span<const Vec3> origins) const;
   /// Finds the nearest of some keyframes to a place (world, m). Those nearer than `least_m` do not
   /// count, and neither does `except`.
   Near near(const Vec3& origin, std::span<const uint32_t> among, double least_m = 0,
             uint32_t except = Near::kNone) const;
-  /// Looks along a beam (world). Unless `own` is null, the pixels of that end point (world, m) or,
-  /// where it is not finite, the nearest one are overlooked, because they are the beam itself.
-  Recalled recall(const Ray& ray, const Near& near, const Vec3* own = nullptr) const;
+  /// A beam that looks at keyframes.
+  struct Asked {
+    Ray ray;  ///< World.
+    Near near{};
+    double u = 0;  ///< Unless 0, nothing is seen where `drawn` would give nothing for this number.
+    /// The pixels of this end point (world, m) or, where it is not finite, the nearest one are
+    /// overlooked, because they are the beam itself.
+    std::optional<Vec3> own;
+  };
+  /// Beams with the keyframes nearest to their origins.
+  std::vector<Asked> asked(std::span<const Ray> rays) const;
+  /// What some beams see. The answer to one does not depend on the others.
+  std::vector<Recalled> recall(std::span<const Asked> beams) const;
 
   const elements::KeyframeTrust& trust(const Recalled& r) const {
     return keyframes_->trust[r.situation];
   }
-  /// Draws from the mixture of `KeyframeTrust`; nothing where the elements are to answer. `choice`
-  /// decides what is seen, and `noise` the error of its range.
-  std::optional<RecalledReturn> drawn(const Recalled& r, uint64_t choice, uint64_t noise) const;
+  /// Draws from the mixture of `KeyframeTrust`; nothing where the elements are to answer. `u`, even
+  /// in [0, 1), decides what is seen, and `noise` the error of its range.
+  std::optional<RecalledReturn> drawn(const Recalled& r, double u, uint64_t noise) const;
+  /// The most that `drawn` recalls at such a distance: the elements answer for any `u` from here
+  /// on, without a look.
+  double most_recalled(const Near& near) const {
+    const size_t bin = distance_bin(near);
+    return bin < most_recalled_.size() ? most_recalled_[bin] : 0;
+  }
+  /// The number, over all keyframes, of the pixel in which the nearest one sees a point (world, m).
+  uint64_t pixel_of(const Vec3& point, const Near& near) const;
   /// Mixes the answer `p` of the elements with what is recalled.
   void mix(const Recalled& r, RangeMixture& p) const;
 
  private:
-  void look(const Vec3& from, const Vec3& direction, uint32_t frame, size_t slot, const Vec3* own,
-            Recalled& out) const;
-  class Nearest;
-  /// Finds the pixels nearest to the direction of a point (relative to the keyframe's origin, m),
-  /// among the nine about its place.
-  void find(const elements::Keyframe& f, const Vec3& at, Nearest& out) const;
+  static size_t distance_bin(const Near& near);
+  /// Some beams look at one keyframe.
+  void look(std::span<const Asked> beams, std::span<const uint32_t> which, uint32_t frame,
+            size_t slot, std::vector<Recalled>& out) const;
+  void see(const Asked& beam, uint32_t frame, size_t slot, const Glances& glances, size_t lane,
+           Recalled& out) const;
 
   const elements::Model& model_;
   const elements::Keyframes* keyframes_;
   std::optional<elements::KeyframeGrid> grid_;
+  std::optional<GlanceGrid> glance_grid_;
+  std::array<double, elements::Keyframes::kDistances.size()> most_recalled_{},
+      most_of_returns_{};  ///< Where at most half of the pixels seen did not return.
 };
 
 }  // namespace underbrush::trace
