@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "cli/progress.hpp"
+#include "fit_json.hpp"
 #include "fit_options.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
@@ -141,6 +142,7 @@ Json json_of(const UpdateStep& step) {
         {{"centre_m", {p.centre.x(), p.centre.y(), p.centre.z()}}, {"ellipsoids", p.gone}});
   }
   j["ground_triangles"] = step.result.model.ground.size();
+  if (step.result.model.keyframes) j["keyframes"] = json_of(*step.result.model.keyframes);
   j["skipped"] = step.skipped;
   j["warnings"] = r.warnings;
   j["seconds"] = step.seconds;
@@ -164,6 +166,7 @@ std::string text_of(const UpdateStep& step) {
     }
     text += "\n";
   }
+  text += text_of_keyframes(step.result.model);
   if (r.mover_points) text += fmt::format("  left out    {} returns of movers\n", r.mover_points);
   if (r.near_points)
     text += fmt::format("  left out    {} points near the sensor\n", r.near_points);

@@ -149,6 +149,31 @@ TEST(Keyframes, OneScanLearnsFromItsNeighbours) {
   EXPECT_LT(scored(with, test).nll_per_beam, scored(without, test).nll_per_beam - 0.1);
 }
 
+// Neighbours on one surface choose and err alike where matter is drawn once.
+TEST(Keyframes, RingsAreSmoothWhereMatterIsDrawnOnce) {
+  const elements::Model model = fitted(scanned({0, 0, 0, 0, 0}, 0), 1);
+  const BeamLog test = scanned({0, 0}, 100);
+  const auto roughness = [&](trace::Draws draws) {
+    BeamLog drawn = test;
+    simulate::simulate(trace::World(model, trace::Isa::kBest, draws), simulate::Options(), 0,
+                       drawn);
+    MemorySource real(test), simulated(drawn);
+    const metrics::Score score = metrics::score(real, simulated, {});
+    return score.roughness_m / score.real_roughness_m;
+  };
+  const double once = roughness(trace::Draws::kOnce), anew = roughness(trace::Draws::kAnew);
+  EXPECT_LT(once, 1.3);
+  EXPECT_LT(once, 0.85 * anew);
+}
+
+TEST(Keyframes, ALogTooShortToTrustThemHasNone) {
+  const BeamLog whole = scanned({0}, 0);
+  BeamLog few = whole;
+  few.resize(900);
+  EXPECT_FALSE(fitted(few, 1).keyframes);
+  EXPECT_TRUE(fitted(whole, 1).keyframes);
+}
+
 TEST(Keyframes, FarFromThemNothingChanges) {
   const BeamLog drive = scanned(kDrive, 0, 0.7);
   elements::Model with = fitted(drive, 1), without = with;

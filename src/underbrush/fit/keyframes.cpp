@@ -122,6 +122,10 @@ void learn_keyframes(elements::Model& model, BeamSource& log, const KeyframeOpti
   for (BeamLog chunk; log.next(chunk);) sampler.add(chunk, samples);
   keyframes->trust = most_likely_trust(samples);
   keyframes->check();
+  const auto is_trusted = [](const elements::KeyframeTrust& t) { return t.elements < 1; };
+  if (std::none_of(keyframes->trust.begin(), keyframes->trust.end(), is_trusted)) {
+    model.keyframes.reset();
+  }
 }
 
 }  // namespace underbrush::fit

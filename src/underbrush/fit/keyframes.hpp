@@ -23,8 +23,9 @@ struct KeyframeOptions {
 /// than its own scan, at several distances, and the weights are those that make its outcome
 /// likeliest beside the answer of the model's elements. Where too few beams were so near to a
 /// keyframe, the trust is that of the next farther distance; beyond the farthest one that beams
-/// looked at nothing is trusted. Where the log has one scan only, the pixel of the beam itself is
-/// overlooked. The log is read three times. The result has the same bits for any number of threads.
+/// looked at nothing is trusted, and a log too short to trust anything gives no keyframes. Where
+/// the log has one scan only, the pixel of the beam itself is overlooked. The log is read three
+/// times. The result has the same bits for any number of threads.
 void learn_keyframes(elements::Model& model, BeamSource& log, const KeyframeOptions& options);
 
 }  // namespace underbrush::fit

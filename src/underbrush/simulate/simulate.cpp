@@ -97,9 +97,9 @@ class ElementColumns {
 
 /// What the keyframes answer to some beams; nothing where it is for the elements, of which the
 /// beams met one or none. Only the beams that keyframes may answer look at them. Unless `matter` is
-/// null, matter is drawn once, and the beams that meet it in the same pixel choose alike.
-/// Keyframes know nothing of elements, of moving objects or of scenes, and only of beams along
-/// their axes.
+/// null, matter is drawn once, and the beams that meet it in the same patch of pixels choose and
+/// err alike, because the pixels bring the sensor's own noise with them. Keyframes know nothing of
+/// elements, of moving objects or of scenes, and only of beams along their axes.
 std::vector<std::optional<trace::RecalledReturn>> recalled(const trace::Recollection& memory,
                                                            std::span<const Ray> rays,
                                                            std::span<const Intersection> met,
@@ -109,6 +109,7 @@ std::vector<std::optional<trace::RecalledReturn>> recalled(const trace::Recollec
   std::vector<std::optional<trace::RecalledReturn>> out(rays.size());
   std::vector<trace::Recollection::Asked> asked = memory.asked(rays);
   std::vector<uint32_t> number;
+  std::vector<uint64_t> choices;
   for (uint32_t k = 0; k < rays.size(); ++k) {
     trace::Recollection::Asked& beam = asked[k];
     const double most = memory.most_recalled(beam.near);
@@ -116,17 +117,18 @@ std::vector<std::optional<trace::RecalledReturn>> recalled(const trace::Recollec
     uint64_t choice = keys[k];
     if (matter) {
       const Vec3 end = rays[k].origin + (met[k].none() ? kFarM : met[k].t_m) * rays[k].direction;
-      choice = mix64(*matter ^ mix64(memory.pixel_of(end, beam.near)));
+      choice = mix64(*matter ^ mix64(memory.patch_of(end, beam.near)));
     }
     beam.u = uniform_from_bits(random_bits(choice, 0, Purpose::kRecall));
     if (beam.u >= most) continue;
     asked[number.size()] = beam;
     number.push_back(k);
+    choices.push_back(choice);
   }
   asked.resize(number.size());
   const std::vector<trace::Recalled> seen = memory.recall(asked);
   for (size_t j = 0; j < seen.size(); ++j) {
-    out[number[j]] = memory.drawn(seen[j], asked[j].u, keys[number[j]]);
+    out[number[j]] = memory.drawn(seen[j], asked[j].u, choices[j]);
   }
   return out;
 }

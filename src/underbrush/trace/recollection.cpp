@@ -14,6 +14,9 @@ using elements::KeyframePixel;
 using elements::Keyframes;
 using elements::KeyframeTrust;
 
+/// Pixels of a patch.
+constexpr uint64_t kPatchRows = 4, kPatchColumns = 8;
+
 bool is_own(const Keyframes& k, const KeyframePixel& p, const Vec3& own) {
   return p.is_hit() && (k.point(p) - own).squaredNorm() < 4 * k.unit_m * k.unit_m;
 }
@@ -39,12 +42,13 @@ size_t Recollection::distance_bin(const Near& near) {
   return size_t(std::lower_bound(limits.begin(), limits.end(), near.distance_m) - limits.begin());
 }
 
-uint64_t Recollection::pixel_of(const Vec3& point, const Near& near) const {
+uint64_t Recollection::patch_of(const Vec3& point, const Near& near) const {
   const Keyframe& f = keyframes_->frames[near.frame[0]];
   const auto place = grid_->place(f.sensor_from_world * (point - model_.origin - f.origin));
-  const auto row = int64_t(place.row), column = int64_t(place.column);
-  return near.frame[0] * keyframes_->pixels() +
-         uint64_t(row * int64_t(keyframes_->columns) + column);
+  const auto row = uint64_t(place.row + 1) / kPatchRows;  // a row off the image is −1
+  const auto column = uint64_t(place.column) / kPatchColumns;
+  const uint64_t rows = keyframes_->rows() / kPatchRows + 1;
+  return (near.frame[0] * rows + row) * keyframes_->columns + column;
 }
 
 bool Recollection::serves(const elements::Model& model, const LogInfo& beams) {

@@ -81,8 +81,9 @@ class Recollection {
     const size_t bin = distance_bin(near);
     return bin < most_recalled_.size() ? most_recalled_[bin] : 0;
   }
-  /// The number, over all keyframes, of the pixel in which the nearest one sees a point (world, m).
-  uint64_t pixel_of(const Vec3& point, const Near& near) const;
+  /// The number, over all keyframes, of the patch of pixels in which the nearest one sees a point
+  /// (world, m). Beams that end in a patch choose alike, as neighbours on one surface do.
+  uint64_t patch_of(const Vec3& point, const Near& near) const;
   /// Mixes the answer `p` of the elements with what is recalled.
   void mix(const Recalled& r, RangeMixture& p) const;
 
