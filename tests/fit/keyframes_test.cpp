@@ -149,6 +149,16 @@ TEST(Keyframes, OneScanLearnsFromItsNeighbours) {
   EXPECT_LT(scored(with, test).nll_per_beam, scored(without, test).nll_per_beam - 0.1);
 }
 
+// What lies between the rings of a log is unknown to its keyframes.
+TEST(Keyframes, OtherChannelsAreNotAnswered) {
+  elements::Model with = fitted(scanned(kDrive, 0, 0.7), 1), without = with;
+  without.keyframes.reset();
+  BeamLog test = scanned({3}, 200);
+  EXPECT_NE(answered(with, test).range_m, answered(without, test).range_m);
+  for (uint16_t& ring : test.ring) ring = uint16_t(ring + kRings);
+  EXPECT_EQ(answered(with, test).range_m, answered(without, test).range_m);
+}
+
 // Neighbours on one surface choose and err alike where matter is drawn once.
 TEST(Keyframes, RingsAreSmoothWhereMatterIsDrawnOnce) {
   const elements::Model model = fitted(scanned({0, 0, 0, 0, 0}, 0), 1);
@@ -246,12 +256,14 @@ TEST(Recollection, SeesPointsFromBesideTheKeyframe) {
 struct Looked {
   elements::Model model;
   std::vector<Ray> rays;
+  std::vector<uint16_t> rings;
 };
 
 // A model with keyframes, and rays near them and far from them.
 Looked looked() {
-  Looked out{fitted(scanned(kDrive, 0, 0.7), 1), {}};
+  Looked out{fitted(scanned(kDrive, 0, 0.7), 1), {}, {}};
   const BeamLog test = scanned({1.0, 3.3, 9.5, 25}, 100, 0.7);
+  out.rings = test.ring;
   for (size_t i = 0; i < test.size(); ++i) out.rays.push_back(test.ray(i));
   return out;
 }
@@ -259,7 +271,7 @@ Looked looked() {
 TEST(Recollection, WhatABeamSeesDoesNotDependOnTheOthers) {
   const Looked of = looked();
   const trace::Recollection memory(of.model);
-  const std::vector<trace::Recollection::Asked> asked = memory.asked(of.rays);
+  const std::vector<trace::Recollection::Asked> asked = memory.asked(of.rays, of.rings);
   const std::vector<trace::Recalled> all = memory.recall(asked);
   size_t seen = 0;
   for (size_t i = 0; i < asked.size(); i += 7) {
@@ -279,7 +291,7 @@ TEST(Recollection, WhatABeamSeesDoesNotDependOnTheOthers) {
 TEST(Recollection, ADrawBeforeTheLookChangesNothing) {
   const Looked of = looked();
   const trace::Recollection memory(of.model);
-  std::vector<trace::Recollection::Asked> asked = memory.asked(of.rays);
+  std::vector<trace::Recollection::Asked> asked = memory.asked(of.rays, of.rings);
   const std::vector<trace::Recalled> all = memory.recall(asked);
   for (size_t i = 0; i < asked.size(); ++i) asked[i].u = uniform(i, 11);
   const std::vector<trace::Recalled> drawn_first = memory.recall(asked);
@@ -309,7 +321,7 @@ TEST(Recollection, DrawsAreOfTheMixtureThatIsScored) {
   for (size_t i = 0; i < test.size(); ++i) rays.push_back(test.ray(i));
   trace::IntersectionLists met;
   world.all_intersections(rays, {0, 50}, std::vector<double>(rays.size(), 50), met);
-  const std::vector<trace::Recalled> seen = memory.recall(memory.asked(rays));
+  const std::vector<trace::Recalled> seen = memory.recall(memory.asked(rays, test.ring));
   double misses = 0, variance = 0;
   trace::RangeMixture p;
   for (size_t i = 0; i < rays.size(); ++i) {

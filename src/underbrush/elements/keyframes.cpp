@@ -55,6 +55,8 @@ void Keyframes::check() const {
   require(std::is_sorted(elevation.begin(), elevation.end()) &&
               std::abs(elevation.front()) <= M_PI / 2 && std::abs(elevation.back()) <= M_PI / 2,
           "keyframes: the rows' elevations are not ascending angles");
+  require(channel.empty() || channel.size() == rows(),
+          "keyframes: another number of channels than of rows");
   require(
       std::isfinite(unit_m) && unit_m > 0 && std::isfinite(intensity_unit) && intensity_unit >= 0,
       "keyframes: a unit is not positive");

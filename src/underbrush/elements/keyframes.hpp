@@ -58,9 +58,12 @@ struct Keyframes {
   static constexpr size_t kAgreements = 7, kSituations = kDistances.size() * kAgreements;
 
   std::vector<double> elevation;  ///< rad, of the rows, ascending, in the frame of the sensor.
-  size_t columns = 0;             ///< Equal steps of azimuth over the whole turn.
-  double unit_m = 0;              ///< m a step of a pixel's coordinates.
-  double intensity_unit = 0;      ///< Intensity of a step; 0 where the log has none.
+  /// The sensor's channels of the rows; empty where the log has none. What lies between the rows is
+  /// unknown, so beams of other channels are not answered.
+  std::vector<uint16_t> channel;
+  size_t columns = 0;         ///< Equal steps of azimuth over the whole turn.
+  double unit_m = 0;          ///< m a step of a pixel's coordinates.
+  double intensity_unit = 0;  ///< Intensity of a step; 0 where the log has none.
   std::vector<Keyframe> frames;
   std::array<KeyframeTrust, kSituations> trust;
 

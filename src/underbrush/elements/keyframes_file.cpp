@@ -130,19 +130,20 @@ std::string manifest_of_keyframes(const Keyframes& k) {
     frames.push_back({{"origin_m", {f.origin.x(), f.origin.y(), f.origin.z()}},
                       {"sensor_from_world_wxyz", {q.w(), q.x(), q.y(), q.z()}}});
   }
-  return Json{{"file", kKeyframesFile},
-              {"elevation_rad", k.elevation},
-              {"columns", k.columns},
-              {"unit_m", k.unit_m},
-              {"intensity_unit", k.intensity_unit},
-              {"frames", std::move(frames)},
-              {"trust", json_of_trust(k)}}
+  return Json{{"file", kKeyframesFile},      {"elevation_rad", k.elevation},
+              {"channels", k.channel},       {"columns", k.columns},
+              {"unit_m", k.unit_m},          {"intensity_unit", k.intensity_unit},
+              {"frames", std::move(frames)}, {"trust", json_of_trust(k)}}
       .dump();
 }
 
 std::shared_ptr<const Keyframes> read_keyframes(const io::JsonValue& j) {
   auto k = std::make_shared<Keyframes>();
   k->elevation = j.at("elevation_rad").numbers();
+  for (const double ring : j.at("channels").numbers()) {
+    if (!(ring >= 0 && ring <= 65535)) j.at("channels").fail("no numbers of channels");
+    k->channel.push_back(uint16_t(ring));
+  }
   k->columns = j.at("columns").count(1 << 20);
   if (k->elevation.size() > 1 << 16) j.at("elevation_rad").fail("too many rows");
   k->unit_m = j.at("unit_m").number();

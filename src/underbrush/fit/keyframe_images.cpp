@@ -101,13 +101,14 @@ double beams_of_scan(const Pattern& p) {
 }
 
 /// The rows of the channels.
-std::map<uint16_t, size_t> rows_of_channels(const Pattern& p, std::vector<double>& elevation) {
+std::map<uint16_t, size_t> rows_of_channels(const Pattern& p, Keyframes& image) {
   std::vector<std::pair<double, uint16_t>> order;
   for (const auto& [ring, c] : p.channels) order.emplace_back(c.quantile(0.5), ring);
   std::sort(order.begin(), order.end());
   std::map<uint16_t, size_t> rows;
   for (size_t k = 0; k < order.size(); ++k) {
-    elevation.push_back(order[k].first);
+    image.elevation.push_back(order[k].first);
+    image.channel.push_back(order[k].second);
     rows[order[k].second] = k;
   }
   return rows;
@@ -262,7 +263,7 @@ KeyframeImages make_keyframe_images(BeamSource& log, const Vec3& origin,
   if (pattern.channels.size() < 2) {
     set_even_image(pattern, turn_share, k);
   } else {
-    rows = rows_of_channels(pattern, k.elevation);
+    rows = rows_of_channels(pattern, k);
     const double of_channel = beams_of_scan(pattern) / double(rows.size());
     k.columns = size_t(std::max(1.0, std::round(of_channel / turn_share)));
   }

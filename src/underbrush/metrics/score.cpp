@@ -201,7 +201,7 @@ class Scorer {
       options_.world->all_intersections(rays, {real.info.min_range_m, reach}, everywhere, met);
       trace::RangeMixture p;
       std::vector<trace::Recalled> recalled;
-      if (memory) recalled = memory->recall(memory->asked(rays));
+      if (memory) recalled = memory->recall(memory->asked(rays, {&real.ring[begin], end - begin}));
       for (size_t i = begin; i < end; ++i) {
         trace::mix_ranges(met[i - begin], 1, 1e-4, p);
         if (memory) memory->mix(recalled[i - begin], p);

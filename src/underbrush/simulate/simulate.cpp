@@ -100,14 +100,12 @@ class ElementColumns {
 /// null, matter is drawn once, and the beams that meet it in the same patch of pixels choose and
 /// err alike, because the pixels bring the sensor's own noise with them. Keyframes know nothing of
 /// elements, of moving objects or of scenes, and only of beams along their axes.
-std::vector<std::optional<trace::RecalledReturn>> recalled(const trace::Recollection& memory,
-                                                           std::span<const Ray> rays,
-                                                           std::span<const Intersection> met,
-                                                           std::span<const uint64_t> keys,
-                                                           const uint64_t* matter) {
+std::vector<std::optional<trace::RecalledReturn>> recalled(
+    const trace::Recollection& memory, std::span<const Ray> rays, std::span<const uint16_t> rings,
+    std::span<const Intersection> met, std::span<const uint64_t> keys, const uint64_t* matter) {
   constexpr double kFarM = 100;  // where the pixel of a miss is looked for
   std::vector<std::optional<trace::RecalledReturn>> out(rays.size());
-  std::vector<trace::Recollection::Asked> asked = memory.asked(rays);
+  std::vector<trace::Recollection::Asked> asked = memory.asked(rays, rings);
   std::vector<uint32_t> number;
   std::vector<uint64_t> choices;
   for (uint32_t k = 0; k < rays.size(); ++k) {
@@ -169,7 +167,8 @@ void simulate(const DynamicWorld& world, const Options& options, size_t first_be
     MatterAt matter_of(world);
     LearntLight light(world, beams.info, options.intensity);
     std::vector<std::optional<trace::RecalledReturn>> seen(memory ? 0 : n);
-    if (memory) seen = recalled(*memory, rays, met, keys, once ? &matter : nullptr);
+    if (memory)
+      seen = recalled(*memory, rays, {&beams.ring[begin], n}, met, keys, once ? &matter : nullptr);
     for (size_t k = 0; k < n; ++k) {
       const size_t i = begin + k;
       make_miss(beams, i);

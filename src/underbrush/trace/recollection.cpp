@@ -131,15 +131,18 @@ void Recollection::look(std::span<const Asked> beams, std::span<const uint32_t> 
   }
 }
 
-std::vector<Recollection::Asked> Recollection::asked(std::span<const Ray> rays) const {
+std::vector<Recollection::Asked> Recollection::asked(std::span<const Ray> rays,
+                                                     std::span<const uint16_t> rings) const {
   std::vector<Vec3> origins;
   for (const Ray& ray : rays) origins.push_back(ray.origin);
   const std::vector<uint32_t> among = candidates(origins);
   std::vector<Asked> out;
+  std::vector<bool> knows(size_t(1) << 16, keyframes_->channel.empty());
+  for (const uint16_t ring : keyframes_->channel) knows[ring] = true;
   Near nearest;
   for (size_t k = 0; k < rays.size(); ++k) {
     if (k == 0 || origins[k] != origins[k - 1]) nearest = near(origins[k], among);
-    out.push_back({rays[k], nearest, 0, {}});
+    out.push_back({rays[k], knows[rings[k]] ? nearest : Near(), 0, {}});
   }
   return out;
 }

@@ -64,8 +64,9 @@ class Recollection {
     /// overlooked, because they are the beam itself.
     std::optional<Vec3> own;
   };
-  /// Beams with the keyframes nearest to their origins.
-  std::vector<Asked> asked(std::span<const Ray> rays) const;
+  /// Beams of some channels with the keyframes nearest to their origins; with none where the
+  /// keyframes do not have the channel.
+  std::vector<Asked> asked(std::span<const Ray> rays, std::span<const uint16_t> rings) const;
   /// What some beams see. The answer to one does not depend on the others.
   std::vector<Recalled> recall(std::span<const Asked> beams) const;
 
