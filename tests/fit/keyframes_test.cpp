@@ -149,6 +149,13 @@ TEST(Keyframes, OneScanLearnsFromItsNeighbours) {
   EXPECT_LT(scored(with, test).nll_per_beam, scored(without, test).nll_per_beam - 0.1);
 }
 
+TEST(Keyframes, ANegativeSpacingIsRefused) {
+  MemorySource source(scanned({0}, 0));
+  FitOptions options;
+  options.keyframes.spacing_m = -1;
+  EXPECT_THROW(fit(source, options), std::invalid_argument);
+}
+
 // What lies between the rings of a log is unknown to its keyframes.
 TEST(Keyframes, OtherChannelsAreNotAnswered) {
   elements::Model with = fitted(scanned(kDrive, 0, 0.7), 1), without = with;

@@ -156,6 +156,7 @@ FitResult fit(BeamSource& source, const FitOptions& options, const FitProgress& 
   require(options.tau > 0, "fit: tau must be positive");
   require(options.range_noise_m > 0, "fit: the range noise must be positive");
   require(options.min_range_m >= 0, "fit: the least range must not be negative");
+  require(options.keyframes.spacing_m >= 0, "fit: the spacing of keyframes must not be negative");
   const Fitter& fitter = fitter_named(options.fitter);
   KeptBeams kept(source, kKeptBytes);
   const bool given = !options.sensor.empty();
