@@ -1,8 +1,6 @@
 // `intersect` for many rays and elements, four elements of one kind at a time. kernel_*.cpp use
 // this file.
 #pragma once
-#include <immintrin.h>
-
 #include <cstddef>
 #include <cstdint>
 
@@ -10,51 +8,10 @@
 #include "underbrush/trace/kernel.hpp"
 #include "underbrush/trace/many_kinds.inl"
 #include "underbrush/trace/simd.inl"
+#include "underbrush/trace/simd_double.inl"
 
 namespace underbrush::trace {
 namespace {
-
-constexpr size_t kFour = 4;
-typedef double D __attribute__((vector_size(32)));
-typedef int64_t L __attribute__((vector_size(32)));
-typedef double D2 __attribute__((vector_size(16), aligned(8), may_alias));
-typedef double D4 __attribute__((vector_size(32), aligned(8), may_alias));
-typedef float F4 __attribute__((vector_size(16), aligned(4), may_alias));
-
-inline D every(double a) { return D{a, a, a, a}; }
-inline D absolute(D a) { return (D)((L)a & 0x7fffffffffffffff); }
-inline D pick(L mask, D yes, D no) { return mask ? yes : no; }
-#if defined(__AVX2__)
-// GCC 12 would convert the halves by way of memory.
-inline D to_double(F4 a) { return _mm256_cvtps_pd(a); }
-inline F4 to_float(D a) { return _mm256_cvtpd_ps(a); }
-inline D square_root(D a) { return _mm256_sqrt_pd(a); }
-inline unsigned bits(L mask) { return unsigned(_mm256_movemask_pd((__m256d)mask)); }
-#else
-inline D to_double(F4 a) { return __builtin_convertvector(a, D); }
-inline F4 to_float(D a) { return __builtin_convertvector(a, F4); }
-inline D square_root(D a) {
-  D r;
-  for (int k = 0; k < 4; ++k) r[k] = __builtin_sqrt(a[k]);
-  return r;
-}
-inline unsigned bits(L mask) {
-  return unsigned(mask[0] & 1) | unsigned(mask[1] & 2) | unsigned(mask[2] & 4) |
-         unsigned(mask[3] & 8);
-}
-#endif
-
-// Transposes rows to columns or columns to rows.
-inline void transpose(D x[4]) {
-  const D a = __builtin_shufflevector(x[0], x[1], 0, 4, 2, 6);
-  const D b = __builtin_shufflevector(x[0], x[1], 1, 5, 3, 7);
-  const D c = __builtin_shufflevector(x[2], x[3], 0, 4, 2, 6);
-  const D d = __builtin_shufflevector(x[2], x[3], 1, 5, 3, 7);
-  x[0] = __builtin_shufflevector(a, c, 0, 1, 4, 5);
-  x[1] = __builtin_shufflevector(b, d, 0, 1, 4, 5);
-  x[2] = __builtin_shufflevector(a, c, 2, 3, 6, 7);
-  x[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
-}
 
 // The rays of four candidates in their models' frames, in columns.
 struct PlacedRays {
@@ -106,8 +63,10 @@ class CandidateQuads {
     const Approach<D> a = approach_of(r.o, r.d, e[0], covariance);
     const D sigma = square_root(a.sigma2), density = e[2][0], zero{};
     D p = e[2][3];
-    if (bits(density > zero)) p = pick(density > zero, opacity_of(density, sigma, a.delta2), p);
-    write(q, element, a.delta2 <= r.tau2, r.scale, a.t, sigma, a.delta2, p);
+    if (const L dense = less(zero, density); bits(dense)) {
+      p = pick(dense, opacity_of(density, sigma, a.delta2), p);
+    }
+    write(q, element, le(a.delta2, r.tau2), r.scale, a.t, sigma, a.delta2, p);
   }
 
   // Decides triangles of a mesh.
@@ -198,7 +157,7 @@ class CandidateQuads {
     const D normal[3] = {t.normal[1], t.normal[2], t.normal[0]};
     const D along = dot(normal, r.d);
     D sigma = t.of_mesh(&ModelView::Mesh::sigma_m);
-    const L rough = t.roughness > 0.0;
+    const L rough = less(D{}, t.roughness);
     if (bits(rough)) {
       sigma = pick(rough, square_root(rough_sigma2(sigma, t.roughness, normal, along)), sigma);
     }
@@ -219,7 +178,7 @@ class CandidateQuads {
     transpose(t.corner[2]);
     // The direction's greatest component becomes the third axis, as in `crossing`.
     const D x = absolute(r.d[0]), y = absolute(r.d[1]), z = absolute(r.d[2]);
-    const L is_y = y > x, is_z = z > pick(is_y, y, x);
+    const L is_y = less(x, y), is_z = less(pick(is_y, y, x), z);
     const auto turn = [&](const D from[3], D to[3]) {
       to[0] = pick(is_z, from[0], pick(is_y, from[2], from[1]));
       to[1] = pick(is_z, from[1], pick(is_y, from[0], from[2]));
@@ -231,13 +190,13 @@ class CandidateQuads {
     for (int v = 0; v < 3; ++v) turn(t.corner[v], corner[v]);
     const Sheared<D> s = shear(o, d, corner);
     const D zero{};
-    L above = zero == zero, below = above, sure = above;
+    L above = le(zero, zero), below = above, sure = above;
     for (int k = 0; k < 3; ++k) {
       const int i = (k + 1) % 3, j = (k + 2) % 3;
       const D xy = s.x[i] * s.y[j], zw = s.x[j] * s.y[i], weight = xy - zw;
-      above &= weight >= zero;
-      below &= weight <= zero;
-      sure &= absolute(weight) > 1e-15 * (absolute(xy) + absolute(zw));
+      above &= le(zero, weight);
+      below &= le(weight, zero);
+      sure &= less(1e-15 * (absolute(xy) + absolute(zw)), absolute(weight));
     }
     certain = bits(sure);
     return above | below;
@@ -270,11 +229,9 @@ class CandidateQuads {
       }
     }
     transpose(o);
-    const D y0z0y2z2 = __builtin_shufflevector(d_yz[0], d_yz[2], 0, 1, 2, 3);
-    const D y1z1y3z3 = __builtin_shufflevector(d_yz[1], d_yz[3], 0, 1, 2, 3);
+    const D y0z0y2z2 = joined(d_yz[0], d_yz[2]), y1z1y3z3 = joined(d_yz[1], d_yz[3]);
     return {{o[0], o[1], o[2]},
-            {o[3], __builtin_shufflevector(y0z0y2z2, y1z1y3z3, 0, 4, 2, 6),
-             __builtin_shufflevector(y0z0y2z2, y1z1y3z3, 1, 5, 3, 7)},
+            {o[3], first_lanes(y0z0y2z2, y1z1y3z3), second_lanes(y0z0y2z2, y1z1y3z3)},
             scale,
             tau2};
   }
@@ -285,7 +242,7 @@ class CandidateQuads {
     D row[kFour] = {range, sigma * scale, delta2, p};
     unsigned met = 0xf;
     if (!kMet) {
-      inside &= (range >= batch_.limits.min_m) & (range <= batch_.limits.max_m);
+      inside &= le(every(batch_.limits.min_m), range) & le(range, every(batch_.limits.max_m));
       for (D& column : row) column = (D)((L)column & inside);
       met = bits(inside);
     }

@@ -48,7 +48,7 @@ inline void test_children(const PacketQuery& s, const Frame& f, const Node& node
   const Rays& r = *f.rays;
   F8 twice_centre[3], side[3], size{};
   for (int a = 0; a < 3; ++a) {
-    const F8 lo = load8(node.lo[a]) - f.lower[a], hi = load8(node.hi[a]) - f.upper[a];
+    const F8 lo = load8(node.lo[a]) - all8(f.lower[a]), hi = load8(node.hi[a]) - all8(f.upper[a]);
     store(tests.edge[a], lo);
     store(tests.edge[3 + a], hi);
     twice_centre[a] = lo + hi;
@@ -91,8 +91,8 @@ inline void open(const PacketQuery& s, const Frame& f, const Node& node, const C
   const F8 depth = load8(depths);
   for (unsigned more = left; more; more &= more - 1) {
     const int k = __builtin_ctz(more);
-    const unsigned further =
-        bits(depth > all8(depths[k])) | (bits(depth == all8(depths[k])) & ~0u << k << 1);
+    const F8 own = all8(depths[k]);
+    const unsigned further = bits(le(own, depth)) & (~bits(le(depth, own)) | ~0u << k << 1);
     prefetch(f, node.child[k]);
     stack[top + __builtin_popcount(further & left)] = {depths[k], node.child[k], entered[k]};
   }
@@ -102,8 +102,8 @@ inline void open(const PacketQuery& s, const Frame& f, const Node& node, const C
 // Converts found ranges to the units of another frame. The bounds move apart by the rounding.
 inline void rescale(Found& found, float factor) {
   for (int g = 0; g < kGroups; ++g) {
-    found.low[g] *= factor * 0.9999998f;
-    found.high[g] *= factor * 1.0000002f;
+    found.low[g] *= all(factor * 0.9999998f);
+    found.high[g] *= all(factor * 1.0000002f);
   }
   update_reach(found);
 }

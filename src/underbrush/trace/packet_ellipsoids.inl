@@ -27,18 +27,19 @@ inline void test_children(const PacketQuery& s, const Frame& f, const EllipsoidB
                           unsigned groups, ChildTests& tests) {
   const Rays& r = *f.rays;
   F8 m[3];
-  for (int a = 0; a < 3; ++a) m[a] = (load8(b.mean[a]) - f.high[a]) - f.low[a];
+  for (int a = 0; a < 3; ++a) m[a] = (load8(b.mean[a]) - all8(f.high[a])) - all8(f.low[a]);
   const F8 u00 = load8(b.u[0]), u01 = load8(b.u[1]), u02 = load8(b.u[2]);
   const F8 u11 = load8(b.u[3]), u12 = load8(b.u[4]), u22 = load8(b.u[5]);
   // The extent of the ellipsoid along a direction n is |U⁻ᵀ n|.
   const F8 r0 = 1.0f / u00, r1 = 1.0f / u11, r2 = 1.0f / u22;
-  const F8 away = root(muladd(m[0], m[0], muladd(m[1], m[1], m[2] * m[2]))) + r.spread;
+  const F8 away = root(muladd(m[0], m[0], muladd(m[1], m[1], m[2] * m[2]))) + all8(r.spread);
   F8 from[3], to[3];
   for (int p = 0; p < 3; ++p) {
     const float* n = r.axis[p];
-    const F8 w0 = n[0] * r0, w1 = (n[1] - u01 * w0) * r1, w2 = (n[2] - u02 * w0 - u12 * w1) * r2;
+    const F8 n0 = all8(n[0]), n1 = all8(n[1]), n2 = all8(n[2]);
+    const F8 w0 = n0 * r0, w1 = (n1 - u01 * w0) * r1, w2 = (n2 - u02 * w0 - u12 * w1) * r2;
     const F8 support = root(muladd(w0, w0, muladd(w1, w1, w2 * w2)));
-    const F8 at = muladd(m[0], all8(n[0]), muladd(m[1], all8(n[1]), m[2] * n[2]));
+    const F8 at = muladd(m[0], n0, muladd(m[1], n1, m[2] * n2));
     const F8 half = muladd(support, all8(1.005f), away * 1e-6f);
     from[p] = at - half;
     to[p] = at + half;
@@ -75,7 +76,8 @@ inline unsigned visit(PacketQuery& s, const Frame& f, const EllipsoidBlock& b, L
   unsigned sets = 0;
   for_each(tests.meetings, [&](unsigned j, unsigned g) {
     const F dx = r.d[0][g], dy = r.d[1][g], dz = r.d[2][g];
-    const F vx = mean[0][j] - r.o[0][g], vy = mean[1][j] - r.o[1][g], vz = mean[2][j] - r.o[2][g];
+    const F vx = all(mean[0][j]) - r.o[0][g], vy = all(mean[1][j]) - r.o[1][g],
+            vz = all(mean[2][j]) - r.o[2][g];
     const F t0 = muladd(vx, dx, muladd(vy, dy, vz * dz));
     const F qx = muladd(-t0, dx, vx), qy = muladd(-t0, dy, vy), qz = muladd(-t0, dz, vz);
     const F u_0 = all(b.u[0][j]), u_1 = all(b.u[1][j]), u_2 = all(b.u[2][j]);

@@ -186,7 +186,7 @@ inline Cells cells_of(const Frame& f, const Lattice& l, int g, F t, F error) {
     const F at = muladd(muladd(t, r.d[a][g], r.o[a][g]), all(l.cells_per_m), all(l.part[a]));
     const F whole = floor_of(at), fraction = at - whole;
     cells.sure &= le(slack, fraction) & le(fraction, 1.0f - slack);
-    cells.mixed += ((U) __builtin_convertvector(whole, I) + l.cell[a]) * cell_factor(a);
+    cells.mixed += ((U) __builtin_convertvector(whole, I) + all(l.cell[a])) * cell_factor(a);
   }
   return cells;
 }
@@ -200,8 +200,8 @@ inline void sway(const PacketQuery& s, int g, uint32_t element, Cells& cells) {
 // The random bits of the trials of a group at an element.
 inline U trial_bits(const PacketQuery& s, const Frame& f, int g, uint32_t element,
                     const Cells& cells) {
-  return accept_hash(all(element), s.keys.low[g] ^ f.salt_low ^ cells.mixed,
-                     (s.keys.high[g] & f.high_mask) ^ f.salt_high);
+  return accept_hash(all(element), s.keys.low[g] ^ all(f.salt_low) ^ cells.mixed,
+                     (s.keys.high[g] & all(f.high_mask)) ^ all(f.salt_high));
 }
 
 // The random trials of a group at an element: the lanes that may accept it, and those that

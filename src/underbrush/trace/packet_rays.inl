@@ -7,6 +7,7 @@
 #include "underbrush/trace/kernel.hpp"
 #include "underbrush/trace/many.inl"
 #include "underbrush/trace/simd.inl"
+#include "underbrush/trace/simd_double.inl"
 
 namespace underbrush::trace {
 namespace {
@@ -106,16 +107,16 @@ struct alignas(32) SlopeBounds {
 };
 
 inline void bound_slopes(const Rays& r, const F8 from[3], const F8 to[3], SlopeBounds& out) {
-  const F8 near_by = from[2] - r.o_most[2], far_away = to[2] - r.o_least[2];
+  const F8 near_by = from[2] - all8(r.o_most[2]), far_away = to[2] - all8(r.o_least[2]);
   const F8 tiny = all8(1e-30f);
   const F8 by_near = 1.0f / greater(near_by, tiny), by_far = 1.0f / greater(far_away, tiny);
   float* edge[4] = {out.across_from, out.across_to, out.up_from, out.up_to};
   for (int a = 0; a < 2; ++a) {
-    const F8 low = from[a] - r.o_most[a], high = to[a] - r.o_least[a];
+    const F8 low = from[a] - all8(r.o_most[a]), high = to[a] - all8(r.o_least[a]);
     *reinterpret_cast<F8*>(edge[2 * a]) = lesser(low * by_near, low * by_far);
     *reinterpret_cast<F8*>(edge[2 * a + 1]) = greater(high * by_near, high * by_far);
   }
-  *reinterpret_cast<F8*>(out.depth) = far_away >= F8{} ? near_by : all8(INFINITY);
+  *reinterpret_cast<F8*>(out.depth) = pick(le(F8{}, far_away), near_by, all8(INFINITY));
 }
 
 // For each of eight boxes or elements, the groups of rays that may meet it, as bits.
@@ -134,29 +135,29 @@ inline void find_meetings(const Rays& r, const F8 reach[kSets], const SlopeBound
            up_from = load8(out.up_from), up_to = load8(out.up_to);
   to.children = 0;
   const unsigned around =
-      kWhole ? bits((all8(r.around[0]) >= across_from) & (all8(r.around[1]) <= across_to) &
-                    (all8(r.around[2]) >= up_from) & (all8(r.around[3]) <= up_to))
+      kWhole ? bits(le(across_from, all8(r.around[0])) & le(all8(r.around[1]), across_to) &
+                    le(up_from, all8(r.around[2])) & le(all8(r.around[3]), up_to))
              : 0;
-  for (unsigned left = bits((all8(r.around[0]) <= across_to) & (all8(r.around[1]) >= across_from) &
-                            (all8(r.around[2]) <= up_to) & (all8(r.around[3]) >= up_from));
+  for (unsigned left = bits(le(all8(r.around[0]), across_to) & le(across_from, all8(r.around[1])) &
+                            le(all8(r.around[2]), up_to) & le(up_from, all8(r.around[3])));
        left; left &= left - 1) {
     const int k = __builtin_ctz(left);
     const F8 depth = all8(out.depth[k]);
     unsigned any = 0, whole = 0;
     if (kWhole && around >> k & 1) {
-      for (int set = 0; set < kSets; ++set) any |= bits(reach[set] >= depth) << (8 * set);
+      for (int set = 0; set < kSets; ++set) any |= bits(le(depth, reach[set])) << (8 * set);
       whole = any;
     } else {
       const F8 across_0 = all8(out.across_from[k]), across_1 = all8(out.across_to[k]),
                up_0 = all8(out.up_from[k]), up_1 = all8(out.up_to[k]);
       for (int set = 0; set < kSets; ++set) {
         const F8* tile = r.tile[set];
-        any |= bits((tile[0] <= across_1) & (tile[1] >= across_0) & (tile[2] <= up_1) &
-                    (tile[3] >= up_0) & (reach[set] >= depth))
+        any |= bits(le(tile[0], across_1) & le(across_0, tile[1]) & le(tile[2], up_1) &
+                    le(up_0, tile[3]) & le(depth, reach[set]))
                << (8 * set);
         if (kWhole) {
-          whole |= bits((tile[0] >= across_0) & (tile[1] <= across_1) & (tile[2] >= up_0) &
-                        (tile[3] <= up_1))
+          whole |= bits(le(across_0, tile[0]) & le(tile[1], across_1) & le(up_0, tile[2]) &
+                        le(tile[3], up_1))
                    << (8 * set);
         }
       }
@@ -249,7 +250,7 @@ inline F8 quarter_turns(F8 x, F8 y) {
   const F8 from_diagonal = 1.0f - 2.0f * absolute(x) / sum, square = from_diagonal * from_diagonal;
   const F8 atan = muladd(muladd(square, all8(0.0793f), all8(-0.2887f)), square, all8(0.9953f));
   const F8 first = muladd(atan * float(M_2_PI), from_diagonal, all8(0.5f));
-  const F8 half = x < 0.0f ? 2.0f - first : first;
+  const F8 half = pick(le(F8{}, x), first, 2.0f - first);
   return (F8)((U8)half ^ ((U8)y & 0x80000000u));
 }
 
@@ -279,8 +280,8 @@ inline void convert_rays(const View& view, const Ray* rays, const uint64_t* keys
     F8 turn = quarter_turns(x[3], x[4]);
     if (i == 0) first = turn[0];
     turn -= first;
-    turn = turn <= -2.0f ? turn + 4.0f : turn;
-    turn = turn >= 2.0f ? turn - 4.0f : turn;
+    turn = pick(le(turn, all8(-2.0f)), turn + 4.0f, turn);
+    turn = pick(le(all8(2.0f), turn), turn - 4.0f, turn);
     *reinterpret_cast<F8*>(&out.azimuth[i]) = turn;
     *reinterpret_cast<F8*>(&out.sin_elevation[i]) = x[5];
     low = lesser(low, turn);

@@ -17,7 +17,7 @@ inline void test_children(const PacketQuery& s, const Frame& f, const TriangleBl
   F8 v[3], side[3][3];
   for (int a = 0; a < 3; ++a) {
     const F8 corner = load8(block.corner[0][a]);
-    v[a] = (corner - f.high[a]) - f.low[a];
+    v[a] = (corner - all8(f.high[a])) - all8(f.low[a]);
     store(out.corner[a], v[a]);
     for (int k = 0; k < 3; ++k) {
       side[k][a] = load8(block.corner[k + 1][a]) - corner;
@@ -25,12 +25,12 @@ inline void test_children(const PacketQuery& s, const Frame& f, const TriangleBl
     }
   }
   const F8 l[3] = {length(side[0]), length(side[1]), length(side[2])};
-  const F8 away = length(v) + r.spread, longest = greater(l[0], greater(l[1], l[2]));
+  const F8 away = length(v) + all8(r.spread), longest = greater(l[0], greater(l[1], l[2]));
   F8 from[3], to[3];
   for (int p = 0; p < 3; ++p) {
     const float* n = r.axis[p];
     const auto along = [&](const F8 x[3]) {
-      return muladd(x[0], all8(n[0]), muladd(x[1], all8(n[1]), x[2] * n[2]));
+      return muladd(x[0], all8(n[0]), muladd(x[1], all8(n[1]), x[2] * all8(n[2])));
     };
     const F8 at = along(v), a = along(side[0]), b = along(side[1]), c = along(side[2]);
     const F8 pad = muladd(longest, all8(2.0f), away) * 1e-6f;
@@ -39,12 +39,12 @@ inline void test_children(const PacketQuery& s, const Frame& f, const TriangleBl
   }
   bound_slopes(r, from, to, tests.seen);
   find_meetings<false>(r, s.found.reach, tests.seen, groups, tests.meetings);
-  const I8 alone = *reinterpret_cast<const I8*>(block.element[1]) == -1;
+  const I8 alone = no_element(block.element[1]);
   for (int k = 0; k < 2; ++k) {
     const F8 *e1 = side[k], *e2 = side[k + 1], around = l[k] + l[k + 1], reach = away + around;
     const F8 slack = reach * around * 1e-6f, doubtful = -3.0f * slack;
     store(out.of[k].slack, slack);
-    store(out.of[k].doubtful, k == 1 ? (alone ? all8(INFINITY) : doubtful) : doubtful);
+    store(out.of[k].doubtful, k == 1 ? pick(alone, all8(INFINITY), doubtful) : doubtful);
     store(out.of[k].range_slack, reach * l[k] * l[k + 1] * 1e-6f);
     F8 height{};
     for (int a = 0; a < 3; ++a) {

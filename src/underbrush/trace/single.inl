@@ -39,7 +39,7 @@ inline unsigned ellipsoid_candidates(const RayF& r, const EllipsoidBlock& b, flo
                                      float limit) {
   F8 q[3], t0{};
   for (int k = 0; k < 3; ++k) {
-    q[k] = (load8(b.mean[k]) - r.o[k]) - r.o_low[k];
+    q[k] = (load8(b.mean[k]) - all8(r.o[k])) - all8(r.o_low[k]);
     t0 += q[k] * r.d[k];
   }
   for (int k = 0; k < 3; ++k) q[k] -= t0 * r.d[k];
@@ -62,8 +62,8 @@ inline unsigned ellipsoid_candidates(const RayF& r, const EllipsoidBlock& b, flo
   const F8 step = h / a, t = t0 + step, reach = root(1.0f / a);
   const F8 t_slack = (absolute(t0) + absolute(step)) * 1e-6f +
                      reach * (slack + size * 1e-6f * (absolute(step) + reach));
-  const I8 inside =
-      ((c - bound) * a <= h * h * 1.00001f) & (t - t_slack <= limit) & (t + t_slack >= t_min);
+  const I8 inside = le((c - bound) * a, h * h * 1.00001f) & le(t - t_slack, all8(limit)) &
+                    le(all8(t_min), t + t_slack);
   return bits(inside);
 }
 
@@ -72,7 +72,7 @@ inline unsigned triangle_candidates(const RayF& r, const TriangleBlock& b, int w
   F8 p[3][3];
   for (int v = 0; v < 3; ++v) {
     const auto& corner = b.corner[v == 0 ? 0 : v + which];
-    for (int k = 0; k < 3; ++k) p[v][k] = (load8(corner[k]) - r.o[k]) - r.o_low[k];
+    for (int k = 0; k < 3; ++k) p[v][k] = (load8(corner[k]) - all8(r.o[k])) - all8(r.o_low[k]);
   }
   const F8 t0 = p[0][0] * r.d[0] + p[0][1] * r.d[1] + p[0][2] * r.d[2];
   F8 size{};
@@ -92,8 +92,8 @@ inline unsigned triangle_candidates(const RayF& r, const TriangleBlock& b, int w
   const F8 slack = (size + absolute(t0) * 1e-6f) * (size * 2e-6f + absolute(t0) * 1e-6f);
   const F8 smallest = lesser(edge[0], lesser(edge[1], edge[2]));
   const F8 largest = greater(edge[0], greater(edge[1], edge[2]));
-  const I8 is_there = *reinterpret_cast<const I8*>(b.element[which]) != -1;
-  return bits(((smallest >= -slack) | (largest <= slack)) & (t0 - size <= limit + 1e-3f) &
+  const I8 is_there = ~no_element(b.element[which]);
+  return bits((le(-slack, smallest) | le(largest, slack)) & le(t0 - size, all8(limit + 1e-3f)) &
               is_there);
 }
 
@@ -106,7 +106,7 @@ inline unsigned enter(const RayF& r, const Node& n, float t_min, float limit, F8
     far = lesser(far, (r.near[k] ? lo : hi) * r.inverse[k]);
   }
   entry = near * 0.999998f;
-  return bits(entry <= far * 1.000002f);
+  return bits(le(entry, far * 1.000002f));
 }
 
 // Visits the leaves that the ray enters before limit(), the nearer ones first.
@@ -145,13 +145,13 @@ inline void visit(const Node* nodes, uint32_t root, const RayF& ray, float t_min
   }
 }
 
-inline unsigned accepted(const uint32_t* below, const uint32_t* element, uint32_t mask,
+inline unsigned accepted(const uint32_t* accept_below, const uint32_t* element, uint32_t mask,
                          const RayF& ray) {
-  const U8 b = *reinterpret_cast<const U8*>(below);
+  const U8 b = *reinterpret_cast<const U8*>(accept_below);
   const U8 zero{};
   const U8 h = accept_hash<U8>(*reinterpret_cast<const U8*>(element) & mask, zero + ray.key_low,
                                zero + ray.key_high);
-  return bits((I8)(h < b) | (I8)(b == kAlways));
+  return bits(below(h, b) | equal(b, zero + kAlways));
 }
 
 // long: the ray and its limit are shared by the three kinds of leaves.
