@@ -36,6 +36,15 @@ TEST(Study, VerdictIsThatOfItsChecks) {
 TEST(Study, VegetationVerdictFailsOnABrokenModel) {
   const StudyResult good = planes();
   EXPECT_EQ(verdict(good.checks), "holds");
+  const auto distance = [&](const char* contender) {
+    return good.figures.at("static")
+        .at("planes")
+        .at("models")
+        .at(contender)
+        .at("distance")
+        .get<double>();
+  };
+  EXPECT_LT(distance("likelihood"), 1.5 * distance("hierarchical"));  // its start
   const StudyResult permeable = planes([](elements::Model& model) {
     for (elements::Ellipsoid& e : model.ellipsoids) {
       e.hit.p *= 0.5f;

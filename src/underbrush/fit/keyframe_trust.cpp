@@ -4,9 +4,8 @@
 #include <cmath>
 
 #include "underbrush/core/clones.hpp"
+#include "underbrush/core/eight_lanes.inl"
 #include "underbrush/core/parallel.hpp"
-
-#define UNDERBRUSH_INLINE inline __attribute__((always_inline))
 
 namespace underbrush::fit {
 namespace {
@@ -15,16 +14,13 @@ using elements::Keyframes;
 using elements::KeyframeTrust;
 
 constexpr size_t kPixels = KeyframeTrust::kPixels, kScales = KeyframeTrust::kScales;
+static_assert(kPixels == kLanes);
 constexpr int kTrustRounds = 15;
 /// A distance at which fewer beams were looked at is not trusted.
 constexpr size_t kLeastBeams = 1000;
 /// Beams' worth of the weights of all distances that are mixed into those of one.
 constexpr double kPriorBeams = 50;
 constexpr double kLeastSigma = 0.003, kLargestSigma = 0.6;  // m
-
-typedef float F __attribute__((vector_size(4 * kPixels)));
-typedef int32_t I __attribute__((vector_size(4 * kPixels)));
-typedef double D __attribute__((vector_size(8 * kPixels)));
 
 /// The sums of an expectation over some samples, for one situation: of the shares of the elements,
 /// of the pixels, of the scales, and of these times the squared distance.
@@ -43,25 +39,6 @@ struct Expected {
   }
 };
 
-UNDERBRUSH_INLINE F load(const std::array<float, kPixels>& from) {
-  F f;
-  __builtin_memcpy(&f, from.data(), sizeof f);
-  return f;
-}
-
-/// Computes eˣ for x ≤ 0 with a relative error of about 10⁻⁶.
-UNDERBRUSH_INLINE F exp_below_zero(F x) {
-  const I is_far = x < -80.0f;
-  x = (F)((~is_far & (I)x) | (is_far & (I)(F{} - 80.0f)));
-  const F rounded = x * 1.44269504f + 12582912.0f, k = rounded - 12582912.0f;
-  const F r = (x - k * 0.693359375f) + k * 2.12194440e-4f;
-  F series = F{} + 1.0f / 720;
-  for (const float term : {1.0f / 120, 1.0f / 24, 1.0f / 6, 0.5f, 1.0f, 1.0f}) {
-    series = series * r + term;
-  }
-  return (F)((I)series + ((I)rounded << 23));
-}
-
 UNDERBRUSH_INLINE double sum_of(D x) {
   double sum = 0;
   for (size_t r = 0; r < kPixels; ++r) sum += x[r];
@@ -75,14 +52,15 @@ UNDERBRUSH_CLONES void expect(const TrustSample* samples, const uint32_t* which,
   for (size_t r = 0; r < kPixels; ++r) pixel[r] = float(t.pixel[r]);
   for (size_t c = 0; c < kScales; ++c) {
     const auto sigma = float(t.sigma_m[c]);
-    exponent[c] = F{} - 0.5f / (sigma * sigma);
-    peak[c] = F{} + 1 / (float(std::sqrt(2 * M_PI)) * sigma);
+    exponent[c] = all(-0.5f / (sigma * sigma));
+    peak[c] = all(1 / (float(std::sqrt(2 * M_PI)) * sigma));
   }
   D pixels{}, scales[kScales]{}, squares[kScales]{};
   for (size_t i = 0; i < n; ++i) {
     const TrustSample& s = samples[which[i]];
-    const F hit = load(s.hit), missed = load(s.missed), square = load(s.off_m) * load(s.off_m);
-    const F unseen = pixel * load(s.unseen);
+    const F hit = load(s.hit.data()), missed = load(s.missed.data());
+    const F off = load(s.off_m.data()), square = off * off;
+    const F unseen = pixel * load(s.unseen.data());
     F part[kScales], sum{};
     for (size_t c = 0; c < kScales; ++c) {
       const F bell = peak[c] * exp_below_zero(exponent[c] * square);

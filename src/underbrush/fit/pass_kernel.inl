@@ -1,14 +1,39 @@
 // The inner loops of a pass, eight meetings at a time. pass_kernel_*.cpp use this file, each for
 // one instruction set. There is no fused multiplication and no approximate operation in it.
 #pragma once
+#include "underbrush/core/eight_lanes.inl"
 #include "underbrush/fit/pass_kernel.hpp"
-#include "underbrush/fit/pass_lanes.inl"
 
 namespace underbrush::fit {
 namespace {
 
 constexpr float kNegligible = 1e-7f;  // a share of a beam too small to count
 constexpr float kRootTwoPi = 2.50662827f;
+
+// 1 − e^{−a}, without cancellation.
+inline F opacity(F depth, F through) {
+  const F series = depth * (1.0f - depth * (0.5f - depth * (1.0f / 6)));
+  return pick(depth < all(0.02f), series, 1.0f - through);
+}
+
+// Transposes eight rows of eight numbers.
+inline void transpose(L x[8]) {
+  L a[8], b[8];
+  for (int k = 0; k < 8; k += 2) {
+    a[k] = __builtin_shufflevector(x[k], x[k + 1], 0, 8, 2, 10, 4, 12, 6, 14);
+    a[k + 1] = __builtin_shufflevector(x[k], x[k + 1], 1, 9, 3, 11, 5, 13, 7, 15);
+  }
+  for (int k = 0; k < 8; k += 4) {
+    for (int j = 0; j < 2; ++j) {
+      b[k + j] = __builtin_shufflevector(a[k + j], a[k + j + 2], 0, 1, 8, 9, 4, 5, 12, 13);
+      b[k + j + 2] = __builtin_shufflevector(a[k + j], a[k + j + 2], 2, 3, 10, 11, 6, 7, 14, 15);
+    }
+  }
+  for (int j = 0; j < 4; ++j) {
+    x[j] = __builtin_shufflevector(b[j], b[j + 4], 0, 1, 2, 3, 8, 9, 10, 11);
+    x[j + 4] = __builtin_shufflevector(b[j], b[j + 4], 4, 5, 6, 7, 12, 13, 14, 15);
+  }
+}
 
 struct Rays {
   F o[3], d[3];
@@ -144,8 +169,7 @@ struct Terms {
 
   void set(size_t field, F term) {
     constexpr double kShift = 0x1.8p26;  // 1.5 · 2⁵², times 2⁻²⁶
-    term = pick(term < all(1e4f), term, all(1e4f));
-    term = pick(term > all(-1e4f), term, all(-1e4f));
+    term = greater(lesser(term, all(1e4f)), all(-1e4f));
     const D shifted = __builtin_convertvector(term, D) + kShift;
     of[field] = (L)shifted - __builtin_bit_cast(int64_t, kShift);
   }
@@ -182,7 +206,7 @@ inline void find_terms(const EllipsoidColumns& m, size_t at, const Shares& s, Te
   const F n[3] = {load(m.n[0] + at), load(m.n[1] + at), load(m.n[2] + at)};
   const F c[3] = {load(m.c[0] + at), load(m.c[1] + at), load(m.c[2] + at)};
   F depth = load(m.depth + at);
-  depth = pick(depth > all(1e-20f), depth, all(1e-20f));
+  depth = greater(depth, all(1e-20f));
   const F through = exp_below_zero(-depth);
   // `odds` is a / (eᵃ − 1); odds × a is the Fisher information in ln a of a trial with p = 1 − e⁻ᵃ.
   const F odds = depth * through / opacity(depth, through);

@@ -5,47 +5,31 @@
 #include <cmath>
 
 #include "underbrush/core/clones.hpp"
-
-#define UNDERBRUSH_INLINE inline __attribute__((always_inline))
+#include "underbrush/core/eight_lanes.inl"
 
 namespace underbrush::trace {
 namespace {
 
 using elements::KeyframePixel;
 
-constexpr size_t kBeams = Glances::kBeams, kPixels = 9;
+constexpr size_t kPixels = 9;
+static_assert(Glances::kBeams == kLanes);
 constexpr float kFarM = 100;  // where a pixel without a return is looked for
 constexpr int kSteps = 6;
 constexpr float kSlotsARow = 8;  // slots of the table of rows, for each row
 
-typedef float F __attribute__((vector_size(4 * kBeams)));
-typedef int32_t I __attribute__((vector_size(4 * kBeams)));
 /// Half a pixel: x and y, or z and the intensity.
 typedef int32_t Word __attribute__((may_alias));
 
-UNDERBRUSH_INLINE F pick(I mask, F yes, F no) { return (F)((mask & (I)yes) | (~mask & (I)no)); }
-UNDERBRUSH_INLINE I pick(I mask, I yes, I no) { return (mask & yes) | (~mask & no); }
-UNDERBRUSH_INLINE F least(F a, F b) { return pick(a < b, a, b); }
-UNDERBRUSH_INLINE F most(F a, F b) { return pick(a > b, a, b); }
 UNDERBRUSH_INLINE F size_of(F a) { return (F)((I)a & 0x7fffffff); }
-UNDERBRUSH_INLINE F load(const std::array<float, kBeams>& from) {
-  F f;
-  __builtin_memcpy(&f, from.data(), sizeof f);
-  return f;
-}
-UNDERBRUSH_INLINE F root(F a) {
-  F r;
-  for (size_t l = 0; l < kBeams; ++l) r[l] = __builtin_sqrtf(a[l]);
-  return r;
-}
 UNDERBRUSH_INLINE F at(const float* table, I index) {
   F r;
-  for (size_t l = 0; l < kBeams; ++l) r[l] = table[index[l]];
+  for (size_t l = 0; l < kLanes; ++l) r[l] = table[index[l]];
   return r;
 }
 UNDERBRUSH_INLINE I at(const Word* table, I index) {
   I r;
-  for (size_t l = 0; l < kBeams; ++l) r[l] = table[index[l]];
+  for (size_t l = 0; l < kLanes; ++l) r[l] = table[index[l]];
   return r;
 }
 UNDERBRUSH_INLINE F to_float(I a) { return __builtin_convertvector(a, F); }
@@ -55,8 +39,8 @@ struct Vectors {
   F x, y, z;
 };
 
-UNDERBRUSH_INLINE Vectors load(const Glances::Vectors& v) {
-  return {load(v.x), load(v.y), load(v.z)};
+UNDERBRUSH_INLINE Vectors vectors_of(const Glances::Vectors& v) {
+  return {load(v.x.data()), load(v.y.data()), load(v.z.data())};
 }
 
 /// The beams of a call, and where they look.
@@ -109,7 +93,7 @@ struct Places {
 /// Computes the angles of points in (−π, π] with an error below 10⁻⁶ rad.
 UNDERBRUSH_INLINE F angles_of(F x, F y) {
   const F a = size_of(x), b = size_of(y);
-  const F q = least(a, b) / most(most(a, b), F{} + FLT_MIN), s = q * q;
+  const F q = lesser(a, b) / greater(greater(a, b), all(FLT_MIN)), s = q * q;
   // Abramowitz and Stegun 4.4.49.
   F series = s * 0.0028662257f;
   for (const float term : {-0.0161657367f, 0.0429096138f, -0.0752896400f, 0.1065626393f,
@@ -140,7 +124,7 @@ UNDERBRUSH_INLINE Places places_of(const View& v, const Vectors& point, I column
   out.column = pick(c < columns, c, F{});
   const F slot = (out.elevation - g.first) * g.slots_a_rad;
   const auto last_slot = float(g.row_below.size() - 1);
-  out.row = at(g.row_below.data(), to_int(least(most(slot, F{}), F{} + last_slot)));
+  out.row = at(g.row_below.data(), to_int(lesser(greater(slot, F{}), all(last_slot))));
   const float* elevation = g.elevation.data();
   const I last = I{} + (g.rows - 1);
   for (int32_t step = 0; step < g.steps; ++step) {
@@ -168,7 +152,7 @@ UNDERBRUSH_INLINE void look(const View& v, F t, I column, Window& out) {
   to = {to.x / norm, to.y / norm, to.z / norm};
   const I is_inside = (place.elevation >= g.lowest) & (place.elevation <= g.highest);
   const F elevation =
-      least(most(place.elevation, F{} + g.elevation.front()), F{} + g.elevation.back());
+      lesser(greater(place.elevation, all(g.elevation.front())), all(g.elevation.back()));
   I columns[3];
   F wide2[3];
   for (int32_t j = 0; j < 3; ++j) {
@@ -195,7 +179,7 @@ UNDERBRUSH_INLINE void look(const View& v, F t, I column, Window& out) {
     const F a = e.y * to.z - e.z * to.y, b = e.z * to.x - e.x * to.z;
     const F c = e.x * to.y - e.y * to.x;
     const F norm2 = e.x * e.x + e.y * e.y + e.z * e.z;
-    const F hit = (a * a + b * b + c * c) / most(norm2, F{} + 1e-12f);
+    const F hit = (a * a + b * b + c * c) / greater(norm2, all(1e-12f));
     const F angle2 = pick(end.x == KeyframePixel::kNoReturn, high2[k / 3] + wide2[k % 3], hit);
     const I order = ((I)angle2 & ~Window::kPlace) | k;
     const I is_seen = is_there[k / 3] & (end.x != KeyframePixel::kUnknown);
@@ -220,15 +204,15 @@ UNDERBRUSH_INLINE I take_nearest(Window& w) {
 UNDERBRUSH_INLINE F ranges_of(const View& v, I pixel) {
   const Ends end(v, pick(pixel < 0, I{}, pixel), v.from);
   const F along = end.to.x * v.direction.x + end.to.y * v.direction.y + end.to.z * v.direction.z;
-  return pick(end.x > KeyframePixel::kNoReturn, most(along, F{} + Glances::kLeastRangeM),
-              F{} + kFarM);
+  return pick(end.x > KeyframePixel::kNoReturn, greater(along, all(Glances::kLeastRangeM)),
+              all(kFarM));
 }
 
 }  // namespace
 
 UNDERBRUSH_CLONES void glance(const GlanceGrid& grid, const GlanceFrame& frame, Glances& beams) {
-  const View view{grid, frame, load(beams.from), load(beams.direction)};
-  F t = F{} + kFarM;
+  const View view{grid, frame, vectors_of(beams.from), vectors_of(beams.direction)};
+  F t = all(kFarM);
   Window seen, window;
   look(view, t, to_int(places_of(view, view.point(t), I{}).column), seen);
   I pixel = take_nearest(seen), is_moving = pixel >= 0;
@@ -236,7 +220,7 @@ UNDERBRUSH_CLONES void glance(const GlanceGrid& grid, const GlanceFrame& frame, 
     const F next_t = ranges_of(view, pixel);
     is_moving &= next_t != t;
     int32_t any = 0;
-    for (size_t l = 0; l < kBeams; ++l) any |= is_moving[l];
+    for (size_t l = 0; l < kLanes; ++l) any |= is_moving[l];
     if (any == 0) break;
     t = pick(is_moving, next_t, t);
     look(view, t, seen.column, window);
