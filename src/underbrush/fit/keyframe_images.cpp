@@ -4,6 +4,7 @@
 #include <bitset>
 #include <cmath>
 
+#include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
 
 namespace underbrush::fit {
@@ -157,19 +158,17 @@ class Painter {
         images_(images),
         grid_(images.keyframes) {}
 
-  void paint(BeamLog& chunk) {
-    Keyframes& k = images_.keyframes;
+  void paint(const BeamLog& chunk) {
+    const Keyframes& k = images_.keyframes;
+    std::vector<elements::KeyframeGrid::Place> places(chunk.size());
+    parallel_for(chunk.size(), 4096, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) places[i] = place_of(chunk, i);
+    });
     for (size_t i = 0; i < chunk.size(); ++i) {
-      const auto at = images_.frame_of_scan.find(chunk.scan[i]);
-      if (at == images_.frame_of_scan.end()) continue;
-      const Scan& scan = pattern_.scans.at(chunk.scan[i]);
-      auto place = grid_.place(scan.sensor_from_world * chunk.direction[i].cast<double>());
-      const auto row = rows_.find(chunk.ring[i]);
-      // Lasers that are apart see near things from beside the sensor's middle, rows off their own.
-      if (row != rows_.end() && std::abs(place.row - double(row->second) - 0.5) < 0.75) {
-        place.row = double(row->second) + 0.5;
-      }
+      const elements::KeyframeGrid::Place& place = places[i];
       if (!(place.row >= 0)) continue;
+      const auto at = images_.frame_of_scan.find(chunk.scan[i]);
+      const Scan& scan = pattern_.scans.at(chunk.scan[i]);
       const size_t r = std::min(size_t(place.row), k.rows() - 1);
       const size_t c = std::min(size_t(place.column), k.columns - 1);
       const double off =
@@ -195,6 +194,19 @@ class Painter {
   }
 
  private:
+  /// The place of a beam in the image of its scan; its row is −1 if it is in none.
+  elements::KeyframeGrid::Place place_of(const BeamLog& chunk, size_t i) const {
+    if (!images_.frame_of_scan.contains(chunk.scan[i])) return {-1, 0};
+    const Scan& scan = pattern_.scans.at(chunk.scan[i]);
+    auto place = grid_.place(scan.sensor_from_world * chunk.direction[i].cast<double>());
+    const auto row = rows_.find(chunk.ring[i]);
+    // Lasers that are apart see near things from beside the sensor's middle, rows off their own.
+    if (row != rows_.end() && std::abs(place.row - double(row->second) - 0.5) < 0.75) {
+      place.row = double(row->second) + 0.5;
+    }
+    return place;
+  }
+
   void set(uint32_t number, size_t row, size_t column, double off, const BeamLog& chunk, size_t i,
            const Scan& scan) {
     Keyframes& k = images_.keyframes;

@@ -276,7 +276,18 @@ std::vector<Reflectance> reflectances(std::span<const LightSums> sums,
 
 Light fit_response(std::span<const LightSample> samples, std::span<const uint32_t> group,
                    size_t groups) {
-  return Regression(samples, group, groups).fit();
+  // The few elements that have samples are numbered anew, in their order.
+  constexpr uint32_t kUnseen = UINT32_MAX;
+  std::vector<uint32_t> number(group.size(), kUnseen), own_group;
+  for (const LightSample& s : samples) number[s.element] = 0;
+  for (size_t e = 0; e < number.size(); ++e) {
+    if (number[e] == kUnseen) continue;
+    number[e] = uint32_t(own_group.size());
+    own_group.push_back(group[e]);
+  }
+  std::vector<LightSample> own(samples.begin(), samples.end());
+  for (LightSample& s : own) s.element = number[s.element];
+  return Regression(own, own_group, groups).fit();
 }
 
 }  // namespace underbrush::fit
