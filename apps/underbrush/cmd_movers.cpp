@@ -53,13 +53,6 @@ void add_options(Verb& verb, Arguments& a) {
       ->capture_default_str();
 }
 
-// A log with marks in place of those that it had.
-void mark_rows(const std::vector<uint8_t>& mark, size_t first, BeamLog& chunk) {
-  for (size_t i = 0; i < chunk.size(); ++i) {
-    chunk.flags[i] = uint8_t((chunk.flags[i] & ~kMover) | (mark[first + i] ? kMover : 0));
-  }
-}
-
 /// Writes the outputs and returns the number of returns.
 size_t write_marked(io::LogReader& log, const std::vector<uint8_t>& mark, const Arguments& a,
                     const std::string& origin) {
@@ -69,7 +62,7 @@ size_t write_marked(io::LogReader& log, const std::vector<uint8_t>& mark, const 
   log.rewind();
   size_t row = 0, returns = 0;
   for (BeamLog chunk; log.next(chunk); row += chunk.size()) {
-    mark_rows(mark, row, chunk);
+    movers::mark_movers(mark, row, chunk);
     for (size_t i = 0; i < chunk.size(); ++i) returns += chunk.is_hit(i);
     if (all) all->write(chunk);
     if (!only) continue;
@@ -84,15 +77,6 @@ size_t write_marked(io::LogReader& log, const std::vector<uint8_t>& mark, const 
   return returns;
 }
 
-bool has_two_scans(BeamSource& log) {
-  std::optional<uint32_t> first;
-  for (BeamLog chunk; log.next(chunk);) {
-    if (!first) first = chunk.scan[0];
-    if (std::ranges::any_of(chunk.scan, [&](uint32_t s) { return s != *first; })) return true;
-  }
-  return false;
-}
-
 void run(const Verb& verb, const Arguments& a) {
   a.options.check();
   require(!a.output.empty() || !a.only.empty() || !a.truth.empty(),
@@ -101,7 +85,7 @@ void run(const Verb& verb, const Arguments& a) {
     if (!path.empty()) io::check_output(path);
   }
   io::LogReader log(a.log);
-  if (!has_two_scans(log)) {
+  if (!movers::has_two_scans(log)) {
     throw FormatError(a.log, "",
                       "the log has fewer than two scans, so nothing can be seen to move");
   }

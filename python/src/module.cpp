@@ -28,6 +28,7 @@ NB_MODULE(_core, m) {
   bind_simulate(m);
   bind_lidar(m);
   bind_objects(m);
+  bind_movers(m);
   bind_optimize(m);
   using namespace nanobind::literals;
   m.def("set_threads", &underbrush::set_threads, "threads"_a,

@@ -23,15 +23,16 @@ from underbrush.errors import FormatError
 from underbrush.live import Lidar
 from underbrush.logs import ellipsoid_axes, log_from_columns
 from underbrush.scenes import scene_from_models
-from underbrush.verbs import Segmentation, compose, extract, fit, optimize, report_of, score, segment, simulate
+from underbrush.verbs import (MOVER, Marked, Segmentation, compose, extract, fit, movers, optimize, report_of, score,
+                              segment, simulate)
 
 __version__ = version()
 
 __all__ = [
-    "BeamLog", "EllipsoidTable", "FormatError", "Lidar", "LogInfo", "LogReader", "LogWriter", "Model", "Pose",
-    "Primitives", "ScanInfo", "Scene", "Score", "Segmentation", "Sensor", "Summary", "Trajectory", "TriangleMesh",
+    "BeamLog", "EllipsoidTable", "FormatError", "Lidar", "LogInfo", "LogReader", "LogWriter", "MOVER", "Marked", "Model",
+    "Pose", "Primitives", "ScanInfo", "Scene", "Score", "Segmentation", "Sensor", "Summary", "Trajectory", "TriangleMesh",
     "Tuning", "__version__", "beams", "class_names", "compose", "ellipsoid_axes", "extract", "fit", "fitters",
-    "log_from_columns", "optimize", "read_log", "read_model", "read_scene", "read_trajectory", "report_of",
+    "log_from_columns", "movers", "optimize", "read_log", "read_model", "read_scene", "read_trajectory", "report_of",
     "scene_from_models", "score", "segment", "sensors", "set_threads", "simulate", "threads", "write_log",
     "write_model", "write_primitives", "write_scene",
 ]

@@ -61,6 +61,16 @@ class Segmentation(NamedTuple):
     report: dict[str, Any]
 
 
+class Marked(NamedTuple):
+    """A log whose movers are marked and the counts that `underbrush movers --json` writes."""
+
+    log: BeamLog  #: With the bit `MOVER` in `flags` at the returns of what moved.
+    report: dict[str, Any]
+
+
+MOVER = 2  #: The bit of `BeamLog.flags` of a return of something that moved.
+
+
 def _provenance(verb: str, seed: int, **options: object) -> str:
     words = [f"{name}={value}" for name, value in options.items() if isinstance(value, (str, int, float))]
     return json.dumps({"program": f"underbrush {_core.version()}", "command": ["underbrush." + verb, *words],
@@ -229,6 +239,23 @@ def segment(log: Log, output: Path | None = None, *, labels: Path | None = None,
     if output is not None:
         _core.write_log(output, labelled, "", _provenance("segment", 1, **options))
     return Segmentation(labelled, json.loads(report))
+
+
+def movers(log: Log, output: Path | None = None, *, progress: Progress | None = None,
+           **options: float | Sequence[float]) -> Marked:
+    """Marks the returns of what moved during a log, of which `fit` makes nothing and which `score` leaves out.
+
+    `options` are those of `underbrush movers` with `_` for `-`: `look_s`, `least_empty`, `cell_deg`, `max_range`,
+    `same_m`, `least_points`. With `output`, the log is written too. Raises `ValueError` (`FormatError` for a log of one
+    scan), `TypeError`, `OSError`.
+    """
+    core = _core.MoverOptions()
+    _set(core, "movers", options)
+    with _shown(progress) as shown:
+        marked, report = _core.movers(log, core, shown)
+    if output is not None:
+        _core.write_log(output, marked, "", _provenance("movers", 1, **options))
+    return Marked(marked, json.loads(report))
 
 
 def extract(model: Model | Path, labelled: Log, output: Path | None = None, *, progress: Progress | None = None,

@@ -11,6 +11,8 @@ FAULTS = ("no noise", "double noise", "bias of 1 cm", "mirror tilted by 0.5°")
 IMAGES = {"CD, m²": "chamfer_m2", "F": "f_score", "depth RMSE, m": "depth_rmse_m", "MedAE, m": "depth_median_m",
           "SSIM": "depth_ssim", "PSNR, dB": "depth_psnr", "drop RMSE": "drop_rmse", "drop accuracy": "drop_accuracy",
           "drop F1": "drop_f1"}
+GHOSTS = {"packet error, m": "packet_error_m", "F1": "f1", "cloud error, m": "cloud_error_m",
+          "NLL/beam": "nll_per_beam", "CRPS, m": "crps_m"}
 
 
 def figures(folder: typing.Any) -> typing.Any:
@@ -84,7 +86,26 @@ rm -r default mesh default.ply mesh.ply""", (logs[log],), (halves[log],))
                     yield f"{log}/{model}", column, [s["kitti360"][key]]
         return Part((job,), cells)
 
+    left_out = Job("movers-left-out", f"""underbrush movers "$WORK/{street}/log.ply" -o marked.ply
+underbrush split marked.ply --every 2 --train train.ply --test test.ply
+for m in default carved; do
+  more=""; [ $m = default ] || more="--fitter surface --surface-carve"
+  underbrush fit "$WORK/{street}/train.ply" --min-range 2 $more -o $m-all
+  underbrush fit train.ply --min-range 2 $more -o $m-without
+  for n in $m-all $m-without; do underbrush simulate $n --like test.ply -o $n.ply; done
+  underbrush score test.ply $m-all.ply $m-without.ply --model $m-all --model $m-without --json $m.json
+done
+rm -r *.ply *-all *-without""", (logs[street],), (halves[street],))
+
+    def ghosts(folder: typing.Any) -> typing.Iterator[tuple[str, str, list[float]]]:
+        for model, row in (("default", "default"), ("carved", "mesh, carved")):
+            for log in ("all", "without"):
+                score = read_json(folder / f"{model}.json")["models"][f"{model}-{log}"]
+                for column, key in GHOSTS.items():
+                    yield f"{row}/{log}", column, [score[key]]
+
     return {
+        "movers-left-out": Measured((Part((left_out,), ghosts),)),
         "walls": Measured((Part((verification,), walls),)),
         "faults": Measured((Part((verification,), faults),)),
         "extrapolation": Measured((Part((run("extrapolation", "--data logs", data, **everything),), extrapolation),)),

@@ -197,4 +197,20 @@ std::vector<uint8_t> find_movers(BeamSource& source, const MoverOptions& options
   return out;
 }
 
+bool has_two_scans(BeamSource& source) {
+  std::optional<uint32_t> first;
+  source.rewind();
+  for (BeamLog chunk; source.next(chunk);) {
+    if (!first) first = chunk.scan[0];
+    if (std::ranges::any_of(chunk.scan, [&](uint32_t s) { return s != *first; })) return true;
+  }
+  return false;
+}
+
+void mark_movers(const std::vector<uint8_t>& is_mover, size_t first, BeamLog& chunk) {
+  for (size_t i = 0; i < chunk.size(); ++i) {
+    chunk.flags[i] = uint8_t((chunk.flags[i] & ~kMover) | (is_mover[first + i] ? kMover : 0));
+  }
+}
+
 }  // namespace underbrush::movers
