@@ -63,7 +63,8 @@ class FitParameters(TypedDict, total=False):
     #: How much more decided than the likeliest model: above 1 for smaller errors of a draw, at the cost of
     #: likelihood (default 1).
     sharpness: float
-    #: Remember scans so far apart as range images; simulations near them answer likewise (0: none) (m; default 2).
+    #: Remember scans as range images, at most 16 within this distance; simulations near them answer likewise (0:
+    #: none) (m; default 2).
     keyframes: float
     #: Most that merging two ellipsoids may cost their points; 0: merge where it costs nothing (nats; default 5).
     merge_cost: float

@@ -11,6 +11,7 @@
 #include "underbrush/core/rng.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/fit/fit.hpp"
+#include "underbrush/fit/keyframe_images.hpp"
 #include "underbrush/metrics/score.hpp"
 #include "underbrush/simulate/simulate.hpp"
 #include "underbrush/trace/recollection.hpp"
@@ -89,13 +90,14 @@ BeamLog scanned(const std::vector<double>& at, uint32_t first_scan, double drift
   return log;
 }
 
-elements::Model fitted(const BeamLog& log, double spacing_m) {
+elements::Model fitted(const BeamLog& log, double spacing_m, size_t most_bytes = size_t(1) << 28) {
   FitOptions options;
   options.fitter = "hierarchical";
   MemorySource source(log);
   elements::Model model = fit(source, options).model;
   KeyframeOptions keyframes;
   keyframes.spacing_m = spacing_m;
+  keyframes.most_bytes = most_bytes;
   learn_keyframes(model, source, keyframes);
   return model;
 }
@@ -133,12 +135,53 @@ TEST(Keyframes, NearThemAModelAnswersAsTheSensorDid) {
 TEST(Keyframes, AStandingSensorRepeatsItself) {
   const BeamLog log = scanned({0, 0, 0, 0, 0}, 0);
   const elements::Model with = fitted(log, 1), without = fitted(log, 0);
-  EXPECT_EQ(with.keyframes->frames.size(), 2u);
+  EXPECT_EQ(with.keyframes->frames.size(), 5u);
   const BeamLog test = scanned({0, 0}, 100);
   const metrics::Summary a = scored(without, test), b = scored(with, test);
   EXPECT_LT(b.nll_per_beam, a.nll_per_beam - 0.07);
   EXPECT_LT(b.packet_error_m, 0.85 * a.packet_error_m);
   EXPECT_GT(b.f1, a.f1);
+}
+
+// The numbers of the scans that become keyframes of a sensor that stands.
+std::vector<uint32_t> kept_scans(const BeamLog& log, size_t most_bytes) {
+  MemorySource source(log);
+  KeyframeOptions options;
+  options.most_bytes = most_bytes;
+  std::vector<uint32_t> out;
+  for (const auto& [scan, frame] :
+       make_keyframe_images(source, Vec3::Zero(), options).frame_of_scan) {
+    EXPECT_EQ(frame, out.size());
+    out.push_back(scan);
+  }
+  return out;
+}
+
+TEST(Keyframes, OfASensorThatStandsAreSpreadOverTime) {
+  const BeamLog log = scanned(std::vector<double>(40), 0);
+  const size_t bytes =
+      kRings * kColumns * sizeof(elements::KeyframePixel) + kColumns * sizeof(Vec3f);
+  for (const auto& [most, count, gap] :
+       {std::tuple{size_t(1) << 28, 16, 4u}, {7 * bytes, 4, 16u}, {bytes, 2, 32u}}) {
+    const std::vector<uint32_t> scans = kept_scans(log, most);
+    ASSERT_EQ(scans.size(), size_t(count));
+    for (size_t k = 1; k < scans.size(); ++k) EXPECT_LE(scans[k] - scans[k - 1], gap);
+  }
+}
+
+TEST(Keyframes, OfNearlyTheSameTimeMakeUpForPosesThatDrift) {
+  std::vector<double> true_x, test_x{0.15, 0.45, 0.75};
+  for (int k = 0; k < 10; ++k) true_x.push_back(0.1 * k);
+  BeamLog log = scanned(true_x, 0), test = scanned(test_x, 100);
+  for (BeamLog* l : {&log, &test}) {  // a tenth of the motion is in the poses
+    for (Vec3& o : l->origin) o.x() -= 0.9 * (o.x() - kPlace.x());
+  }
+  const elements::Model all = fitted(log, 1), two = fitted(log, 1, 1);
+  EXPECT_EQ(all.keyframes->frames.size(), 10u);
+  EXPECT_EQ(two.keyframes->frames.size(), 2u);
+  const metrics::Summary a = scored(all, test), b = scored(two, test);
+  EXPECT_LT(a.nll_per_beam, b.nll_per_beam - 0.05);
+  EXPECT_LT(a.packet_error_m, b.packet_error_m);
 }
 
 TEST(Keyframes, OneScanLearnsFromItsNeighbours) {
@@ -343,51 +386,6 @@ TEST(Recollection, DrawsAreOfTheMixtureThatIsScored) {
   size_t missed = 0;
   for (size_t i = 0; i < drawn.size(); ++i) missed += !drawn.is_hit(i);
   EXPECT_NEAR(double(missed), misses, 4 * std::sqrt(variance) + 1);
-}
-
-TEST(KeyframeGrid, FindsRowsAndColumnsOfDirections) {
-  elements::Keyframes k;
-  k.elevation = {-0.4, -0.2, -0.1, 0.05, 0.3};
-  k.columns = 360;
-  const elements::KeyframeGrid grid(k);
-  for (size_t row = 0; row < k.rows(); ++row) {
-    for (int degree = 0; degree < 360; degree += 7) {
-      const double azimuth = (degree + 0.5) * M_PI / 180, e = k.elevation[row];
-      const Vec3 d(std::cos(e) * std::cos(azimuth), std::cos(e) * std::sin(azimuth), std::sin(e));
-      const auto at = grid.place(3.7 * d);
-      EXPECT_NEAR(at.row, double(row) + 0.5, 1e-3);
-      EXPECT_NEAR(at.column, degree + 0.5, 1e-3);
-    }
-  }
-  EXPECT_LT(grid.place(Vec3(0, 0, 1)).row, 0);
-  EXPECT_NEAR(grid.place(Vec3(std::cos(0.125), 0, -std::sin(0.125))).row, 2.25, 1e-3);
-}
-
-TEST(KeyframeGrid, RefusesWhatIsNoMixture) {
-  elements::Keyframes k;
-  k.elevation = {0, 0.1};
-  k.columns = 4;
-  k.unit_m = 0.01;
-  EXPECT_NO_THROW(k.check());
-  k.trust[3].elements = 0.5;
-  EXPECT_THROW(k.check(), std::invalid_argument);
-  k.trust[3].pixel[0] = 0.5;
-  k.trust[3].scale = {0.5, 0.25, 0.25};
-  EXPECT_NO_THROW(k.check());
-  k.elevation = {0.1, 0};
-  EXPECT_THROW(k.check(), std::invalid_argument);
-}
-
-TEST(KeyframeGrid, TellsHowRangesAgree) {
-  const double far = HUGE_VAL;
-  const auto of = [](std::vector<double> r) { return elements::agreement(r.data(), r.size()); };
-  EXPECT_EQ(of({far, far}), 0u);
-  EXPECT_EQ(of({far, far, 3}), 1u);
-  EXPECT_EQ(of({far, 3, 3}), 2u);
-  EXPECT_EQ(of({3, 3.1}), 3u);
-  EXPECT_EQ(of({3, 3.4}), 4u);
-  EXPECT_EQ(of({3, 4}), 5u);
-  EXPECT_EQ(of({3, 9}), 6u);
 }
 
 }  // namespace

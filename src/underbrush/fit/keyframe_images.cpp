@@ -1,8 +1,10 @@
 #include "underbrush/fit/keyframe_images.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <bitset>
 #include <cmath>
+#include <optional>
 
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
@@ -57,6 +59,9 @@ struct Pattern {
   double largest_intensity = 0, largest_range_m = 0;
 };
 
+/// Keyframes nearer to one another than the spacing. A sensor that stands repeats itself best where
+/// a scan of nearly the same time is remembered, because poses drift.
+constexpr size_t kMostNear = 16;
 /// Elevations and azimuths are those of some so many beams, evenly chosen.
 constexpr size_t kPatternBeams = 500'000;
 
@@ -133,18 +138,55 @@ void set_even_image(const Pattern& p, double turn_share, Keyframes& k) {
   k.columns = size_t(std::max(1.0, std::round(2 * M_PI / step)));
 }
 
-/// The scans of which fewer than two others lie nearer than the spacing.
-std::map<uint32_t, uint32_t> chosen(const Pattern& p, double spacing_m) {
-  std::map<uint32_t, uint32_t> out;
-  std::vector<Vec3> kept;
-  for (const auto& scan : p.scans) {
-    const Vec3& at = scan.second.origin;
-    const auto is_near = [&](const Vec3& o) { return (o - at).norm() < spacing_m; };
-    if (std::count_if(kept.begin(), kept.end(), is_near) >= 2) continue;
-    out[scan.first] = uint32_t(kept.size());
-    kept.push_back(at);
+/// The numbers below n, such that each beginning of them is spread evenly.
+std::vector<size_t> evenly(size_t n) {
+  std::vector<size_t> out;
+  const size_t slots = std::bit_ceil(n);
+  for (size_t k = 0; k < slots; ++k) {
+    size_t reversed = 0;  // in binary digits
+    for (size_t bit = 1; bit < slots; bit *= 2) reversed = 2 * reversed + (k & bit ? 1 : 0);
+    if (reversed < n) out.push_back(reversed);
   }
   return out;
+}
+
+/// The scans that become keyframes, evenly chosen among all, such that fewer than `most_near`
+/// others lie nearer than the spacing; nothing if they are more than `most`.
+std::optional<std::map<uint32_t, uint32_t>> chosen(const Pattern& p, double spacing_m,
+                                                   size_t most_near, size_t most) {
+  std::vector<std::pair<uint32_t, Vec3>> scans;
+  for (const auto& [number, scan] : p.scans) scans.emplace_back(number, scan.origin);
+  std::vector<Vec3> kept;
+  std::map<uint32_t, uint32_t> out;
+  for (const size_t k : evenly(scans.size())) {
+    const auto& [number, at] = scans[k];
+    const auto is_near = [&](const Vec3& o) { return (o - at).norm() < spacing_m; };
+    if (size_t(std::count_if(kept.begin(), kept.end(), is_near)) >= most_near) continue;
+    kept.push_back(at);
+    out[number] = 0;
+    if (kept.size() > most) return {};
+  }
+  uint32_t frames = 0;
+  for (auto& [number, frame] : out) frame = frames++;
+  return out;
+}
+
+/// The scans that become keyframes, of `bytes` each. Where they would take too much memory, first
+/// fewer lie near together, and then the spacing grows.
+std::map<uint32_t, uint32_t> chosen_to_fit(const Pattern& p, const KeyframeOptions& options,
+                                           size_t bytes) {
+  constexpr size_t kLeastNear = 2;
+  const size_t most = std::max(kLeastNear, options.most_bytes / bytes);
+  size_t near = kMostNear;
+  double spacing = options.spacing_m;
+  while (true) {
+    if (auto scans = chosen(p, spacing, near, most)) return *scans;
+    if (near > kLeastNear) {
+      near /= 2;
+    } else {
+      spacing *= 1.25;
+    }
+  }
 }
 
 /// Makes the images of some scans.
@@ -283,11 +325,7 @@ KeyframeImages make_keyframe_images(BeamSource& log, const Vec3& origin,
   k.unit_m = reach / KeyframePixel::kMost;
   k.intensity_unit = pattern.largest_intensity / 65535;
   const size_t bytes = k.pixels() * sizeof(KeyframePixel) + k.columns * sizeof(Vec3f);
-  double spacing = options.spacing_m;
-  do {
-    out.frame_of_scan = chosen(pattern, spacing);
-    spacing *= 1.25;
-  } while (out.frame_of_scan.size() > 2 && out.frame_of_scan.size() * bytes > options.most_bytes);
+  out.frame_of_scan = chosen_to_fit(pattern, options, bytes);
   k.frames.resize(out.frame_of_scan.size());
   for (const auto& [scan, frame] : out.frame_of_scan) {
     k.frames[frame].origin = pattern.scans.at(scan).origin - origin;

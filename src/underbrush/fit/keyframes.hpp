@@ -8,11 +8,12 @@ namespace underbrush::fit {
 
 /// The options of `learn_keyframes`.
 struct KeyframeOptions {
-  /// m; a scan becomes a keyframe where fewer than two keyframes lie nearer. 0 = no keyframes.
+  /// m; a scan becomes a keyframe where fewer than 16 keyframes lie nearer. 0 = no keyframes.
   double spacing_m = 2;
   /// Returns nearer than this (m) are unknown, because they are of the vehicle.
   double min_range_m = 0;
-  /// The most memory that they may take, bytes; the spacing grows until they fit.
+  /// The most memory that they may take, bytes. Until they fit, fewer may lie nearer, at least 2,
+  /// and then the spacing grows.
   size_t most_bytes = size_t(1) << 28;
   /// Beams that the trust is learnt from.
   size_t samples = 60'000;

@@ -165,7 +165,8 @@ const Parameter kParameters[] = {
      "cost of likelihood", at([](Options& o) -> auto& { return o.likelihood.sharpness; }), kRare,
      TuningRange{0.5, 5, kLog, kIfNamed}},
     {"keyframes", kLikelihood, "m",
-     "Remember scans so far apart as range images; simulations near them answer likewise (0: none)",
+     "Remember scans as range images, at most 16 within this distance; simulations near them answer "
+     "likewise (0: none)",
      at([](Options& o) -> auto& { return o.keyframes.spacing_m; })},
     {"merge-cost", kLikelihood, "nats",
      "Most that merging two ellipsoids may cost their points; 0: merge where it costs nothing",
