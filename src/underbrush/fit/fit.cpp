@@ -149,6 +149,7 @@ LikelihoodOptions likelihood_options(const FitOptions& options) {
 KeyframeOptions keyframe_options(const FitOptions& options) {
   KeyframeOptions out = options.keyframes;
   out.min_range_m = options.min_range_m;
+  out.held_out = likelihood_options(options).held_out;
   return out;
 }
 

@@ -30,13 +30,15 @@ class Sampler {
         max_range_m_(log.max_range_m),
         reach_m_(std::min(log.max_range_m, model.max_range_m)),
         limits_{log.min_range_m, reach_m_},
-        one_in_(1 + beams / std::max<size_t>(options.samples, 1)) {}
+        held_out_(usable(options, beams)),
+        one_in_(1 + beams / std::max(1u, held_out_.one_in) / std::max<size_t>(options.samples, 1)) {
+  }
 
   void add(const BeamLog& chunk, std::vector<TrustSample>& samples) {
     std::vector<Row> rows;
     for (size_t i = 0; i < chunk.size(); ++i) {
       const uint64_t bits = mix64(++row_);
-      if (bits % one_in_ != 0) continue;
+      if (bits % one_in_ != 0 || (held_out_.one_in > 0 && !held_out_(chunk, i))) continue;
       if (chunk.is_hit(i) && double(chunk.range_m[i]) < min_range_m_) continue;
       rows.push_back({uint32_t(i), kLeastDistances[(bits >> 32) % std::size(kLeastDistances)]});
     }
@@ -49,6 +51,12 @@ class Sampler {
   }
 
  private:
+  /// The rule of the held-out beams if they are enough.
+  static HeldOut usable(const KeyframeOptions& options, size_t beams) {
+    const bool enough =
+        options.held_out.one_in > 0 && beams / options.held_out.one_in >= options.samples / 4;
+    return enough ? options.held_out : HeldOut{0};
+  }
   /// A beam of a chunk, and how far away the keyframes are at least that it looks at, m.
   struct Row {
     uint32_t number;
@@ -104,6 +112,7 @@ class Sampler {
   trace::Recollection recollection_;
   double min_range_m_, max_range_m_, reach_m_;
   trace::RangeLimits limits_;
+  HeldOut held_out_;
   uint64_t one_in_, row_ = 0;
 };
 

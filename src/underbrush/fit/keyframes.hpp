@@ -3,6 +3,7 @@
 #pragma once
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/elements/model.hpp"
+#include "underbrush/fit/held_out.hpp"
 
 namespace underbrush::fit {
 
@@ -17,6 +18,9 @@ struct KeyframeOptions {
   size_t most_bytes = size_t(1) << 28;
   /// Beams that the trust is learnt from.
   size_t samples = 60'000;
+  /// The beams that the elements were not learnt from. The trust is learnt from them alone where
+  /// they are at least a quarter of `samples`, since the elements know their own beams too well.
+  HeldOut held_out{0};
 };
 
 /// Keeps keyframes of a log in its model. The trust in each situation (`elements::KeyframeTrust`)
