@@ -81,7 +81,7 @@ void add_mover(elements::Scene& scene, elements::SceneInfo& info, elements::Mode
 void set_matter(elements::Scene& scene, double tau, double grain_m) {
   for (elements::Model& model : scene.models) {
     if (tau > 0) model.tau = tau;
-    if (grain_m > 0) model.grain = {grain_m, grain_m};
+    if (grain_m > 0) model.grain = {grain_m, grain_m, {}};
   }
 }
 
