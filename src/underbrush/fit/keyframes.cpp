@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
@@ -96,15 +97,11 @@ class Sampler {
   trace::Recollection::Asked asked(const BeamLog& chunk, size_t i,
                                    std::span<const uint32_t> candidates, double least_m) const {
     const Ray ray = chunk.ray(i);
+    if (frame_of_scan_.size() < 2) return {ray, recollection_.near(ray.origin, candidates), 0};
     const auto frame = frame_of_scan_.find(chunk.scan[i]);
     const bool is_frame = frame != frame_of_scan_.end();
     const uint32_t own = is_frame ? frame->second : trace::Recollection::Near::kNone;
-    if (frame_of_scan_.size() == 1) {
-      const Vec3 point = chunk.is_hit(i) ? chunk.end_point(i) : Vec3::Constant(NAN);
-      return {ray, recollection_.near(ray.origin, candidates), 0,
-              is_frame ? std::optional(point) : std::nullopt};
-    }
-    return {ray, recollection_.near(ray.origin, candidates, least_m, own), 0, {}};
+    return {ray, recollection_.near(ray.origin, candidates, least_m, own), 0};
   }
 
   const std::map<uint32_t, uint32_t>& frame_of_scan_;
@@ -116,6 +113,62 @@ class Sampler {
   uint64_t one_in_, row_ = 0;
 };
 
+/// The beams in every second column of the image of the only scan, from column `first` on.
+class AlternateColumns : public BeamSource {
+ public:
+  AlternateColumns(BeamSource& source, const Keyframes& image, size_t first)
+      : source_(source),
+        sensor_from_world_(image.frames[0].sensor_from_world),
+        grid_(image),
+        first_(first) {}
+  const LogInfo& info() const override { return source_.info(); }
+  size_t size() const override { return source_.size() / 2; }
+  void rewind() override { source_.rewind(); }
+  bool next(BeamLog& chunk) override {
+    BeamLog all;
+    while (source_.next(all)) {
+      chunk = all.like();
+      for (size_t i = 0; i < all.size(); ++i) {
+        const Vec3 d = sensor_from_world_ * all.direction[i].cast<double>();
+        if (size_t(grid_.place(d).column) % 2 == first_) chunk.append(all, i);
+      }
+      if (!chunk.empty()) return true;
+    }
+    chunk = all;
+    return false;
+  }
+
+ private:
+  BeamSource& source_;
+  Eigen::Quaterniond sensor_from_world_;
+  elements::KeyframeGrid grid_;
+  size_t first_;
+};
+
+/// The trust in the keyframes of a model with which the beams of a log are likeliest.
+std::array<elements::KeyframeTrust, Keyframes::kSituations> learnt_trust(
+    const elements::Model& model, const std::map<uint32_t, uint32_t>& frame_of_scan,
+    BeamSource& log, const KeyframeOptions& options) {
+  Sampler sampler(model, frame_of_scan, log.info(), log.size(), options);
+  std::vector<TrustSample> samples;
+  log.rewind();
+  for (BeamLog chunk; log.next(chunk);) sampler.add(chunk, samples);
+  return most_likely_trust(samples);
+}
+
+/// The trust in pixels of one keyframe that are nearer than those it was learnt from, by a factor
+/// `nearer` < 1. The chance that a surface ends between a beam and a pixel is proportional to the
+/// angle between them, and so is the weight that the pixels leave to the elements.
+void bring_nearer(elements::KeyframeTrust& t, double nearer) {
+  const auto other = t.pixel.begin() + Keyframes::kPixelsOfFrame;
+  const double seen = std::accumulate(t.pixel.begin(), other, 0.0);
+  if (!(seen > 0)) return;
+  const double raised = (1 - nearer * (1 - seen)) / seen;
+  t.elements *= nearer;
+  std::for_each(t.pixel.begin(), other, [&](double& r) { r *= raised; });
+  std::for_each(other, t.pixel.end(), [&](double& r) { r *= nearer; });
+}
+
 }  // namespace
 
 void learn_keyframes(elements::Model& model, BeamSource& log, const KeyframeOptions& options) {
@@ -125,16 +178,20 @@ void learn_keyframes(elements::Model& model, BeamSource& log, const KeyframeOpti
   if (images.keyframes.frames.empty()) return;
   const auto keyframes = std::make_shared<Keyframes>(std::move(images.keyframes));
   model.keyframes = keyframes;
-  std::vector<TrustSample> samples;
-  Sampler sampler(model, images.frame_of_scan, log.info(), log.size(), options);
-  log.rewind();
-  for (BeamLog chunk; log.next(chunk);) sampler.add(chunk, samples);
-  keyframes->trust = most_likely_trust(samples);
+  if (images.frame_of_scan.size() > 1) {
+    keyframes->trust = learnt_trust(model, images.frame_of_scan, log, options);
+  } else {
+    AlternateColumns shown(log, *keyframes, 0), between(log, *keyframes, 1);
+    KeyframeImages half = make_keyframe_images(shown, model.origin, options);
+    model.keyframes = std::make_shared<Keyframes>(std::move(half.keyframes));
+    keyframes->trust = learnt_trust(model, half.frame_of_scan, between, options);
+    const double nearer = double(model.keyframes->columns) / double(keyframes->columns);
+    for (elements::KeyframeTrust& t : keyframes->trust) bring_nearer(t, std::min(nearer, 1.0));
+    model.keyframes = keyframes;
+  }
   keyframes->check();
   const auto is_trusted = [](const elements::KeyframeTrust& t) { return t.elements < 1; };
-  if (std::none_of(keyframes->trust.begin(), keyframes->trust.end(), is_trusted)) {
-    model.keyframes.reset();
-  }
+  if (std::ranges::none_of(keyframes->trust, is_trusted)) model.keyframes.reset();
 }
 
 }  // namespace underbrush::fit

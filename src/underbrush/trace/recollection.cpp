@@ -17,10 +17,6 @@ using elements::KeyframeTrust;
 /// Pixels of a patch.
 constexpr uint64_t kPatchRows = 4, kPatchColumns = 8;
 
-bool is_own(const Keyframes& k, const KeyframePixel& p, const Vec3& own) {
-  return p.is_hit() && (k.point(p) - own).squaredNorm() < 4 * k.unit_m * k.unit_m;
-}
-
 }  // namespace
 
 Recollection::Recollection(const elements::Model& model)
@@ -96,12 +92,10 @@ void Recollection::see(const Asked& beam, uint32_t frame, size_t slot, const Gla
   const Keyframes& k = *keyframes_;
   const Keyframe& f = k.frames[frame];
   const Vec3 from = beam.ray.origin - model_.origin - f.origin;
-  const bool nearest_is_own = beam.own && !beam.own->allFinite();
-  for (size_t j = nearest_is_own ? 1 : 0; j < Glances::kSeen; ++j) {
+  for (size_t j = 0; j < Glances::kSeen; ++j) {
     const uint32_t pixel = glances.pixel[j][lane];
     if (pixel == Glances::kNone) break;
     const KeyframePixel& p = f.pixels[pixel];
-    if (beam.own && !nearest_is_own && is_own(k, p, *beam.own - model_.origin - f.origin)) continue;
     const double range = p.is_miss() ? HUGE_VAL : (k.point(p) - from).dot(beam.ray.direction);
     if (!(range >= double(Glances::kLeastRangeM))) continue;
     out.range_m[out.count] = range;
@@ -142,7 +136,7 @@ std::vector<Recollection::Asked> Recollection::asked(std::span<const Ray> rays,
   Near nearest;
   for (size_t k = 0; k < rays.size(); ++k) {
     if (k == 0 || origins[k] != origins[k - 1]) nearest = near(origins[k], among);
-    out.push_back({rays[k], knows[rings[k]] ? nearest : Near(), 0, {}});
+    out.push_back({rays[k], knows[rings[k]] ? nearest : Near(), 0});
   }
   return out;
 }

@@ -60,9 +60,6 @@ class Recollection {
     Ray ray;  ///< World.
     Near near{};
     double u = 0;  ///< Unless 0, nothing is seen where `drawn` would give nothing for this number.
-    /// The pixels of this end point (world, m) or, where it is not finite, the nearest one are
-    /// overlooked, because they are the beam itself.
-    std::optional<Vec3> own;
   };
   /// Beams of some channels with the keyframes nearest to their origins; with none where the
   /// keyframes do not have the channel.
