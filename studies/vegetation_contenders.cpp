@@ -85,6 +85,7 @@ std::vector<Contender> mobile_contenders(uint64_t seed) {
     out.back().fit.fitter = name;
   }
   out.push_back({"hierarchical, best", {}, false});
+  out.back().fit.fitter = "hierarchical";
   out.back().fit.credit.rule = "best";
   for (Contender& c : out) c.fit.seed = seed;
   return out;
