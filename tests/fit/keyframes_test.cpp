@@ -169,6 +169,15 @@ TEST(Keyframes, OfASensorThatStandsAreSpreadOverTime) {
   }
 }
 
+TEST(Keyframes, AScanBesideTheImageIsNone) {
+  BeamLog log = scanned({0, 0.1, 0.2}, 0);
+  for (size_t i = 0; i < log.size(); ++i) {
+    if (log.scan[i] == 1) log.direction[i] = Vec3f(0, 0, 1);
+  }
+  EXPECT_EQ(kept_scans(log, size_t(1) << 28), (std::vector<uint32_t>{0, 2}));
+  EXPECT_EQ(fitted(log, 1).keyframes->frames.size(), 2u);
+}
+
 TEST(Keyframes, OfNearlyTheSameTimeMakeUpForPosesThatDrift) {
   std::vector<double> true_x, test_x{0.15, 0.45, 0.75};
   for (int k = 0; k < 10; ++k) true_x.push_back(0.1 * k);

@@ -189,6 +189,20 @@ std::map<uint32_t, uint32_t> chosen_to_fit(const Pattern& p, const KeyframeOptio
   }
 }
 
+/// Drops the keyframes of scans that have no beam within the image.
+void drop_empty(KeyframeImages& images) {
+  std::vector<Keyframe> frames;
+  std::map<uint32_t, uint32_t> frame_of_scan;
+  for (const auto& [scan, frame] : images.frame_of_scan) {
+    Keyframe& f = images.keyframes.frames[frame];
+    if (f.pixels.empty()) continue;
+    frame_of_scan[scan] = uint32_t(frames.size());
+    frames.push_back(std::move(f));
+  }
+  images.keyframes.frames = std::move(frames);
+  images.frame_of_scan = std::move(frame_of_scan);
+}
+
 /// Makes the images of some scans.
 class Painter {
  public:
@@ -334,6 +348,7 @@ KeyframeImages make_keyframe_images(BeamSource& log, const Vec3& origin,
   Painter painter(pattern, std::move(rows), options, out);
   log.rewind();
   for (BeamLog chunk; log.next(chunk);) painter.paint(chunk);
+  drop_empty(out);
   painter.close_gaps();
   return out;
 }
