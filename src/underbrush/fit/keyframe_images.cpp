@@ -159,11 +159,11 @@ std::optional<std::map<uint32_t, uint32_t>> chosen(const Pattern& p, double spac
   std::vector<Vec3> kept;
   std::map<uint32_t, uint32_t> out;
   for (const size_t k : evenly(scans.size())) {
-    const auto& [number, at] = scans[k];
+    const Vec3& at = scans[k].second;
     const auto is_near = [&](const Vec3& o) { return (o - at).norm() < spacing_m; };
     if (size_t(std::count_if(kept.begin(), kept.end(), is_near)) >= most_near) continue;
     kept.push_back(at);
-    out[number] = 0;
+    out[scans[k].first] = 0;
     if (kept.size() > most) return {};
   }
   uint32_t frames = 0;
