@@ -1,125 +1,18 @@
-// Tests of keyframes: near them a model answers as the sensor did there, far from them nothing
-// changes, and what they recall from a place beside them is where the points are seen from there.
+// Tests of keyframes: near them a model answers as the sensor did there, and far from them nothing
+// changes.
 #include "underbrush/fit/keyframes.hpp"
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <filesystem>
 
+#include "ball_scanner.hpp"
 #include "underbrush/core/parallel.hpp"
-#include "underbrush/core/rng.hpp"
 #include "underbrush/elements/model_file.hpp"
-#include "underbrush/fit/fit.hpp"
 #include "underbrush/fit/keyframe_images.hpp"
-#include "underbrush/metrics/score.hpp"
-#include "underbrush/simulate/simulate.hpp"
-#include "underbrush/trace/recollection.hpp"
 
 namespace underbrush::fit {
 namespace {
-
-constexpr uint16_t kRings = 24;
-constexpr int kColumns = 500;
-constexpr double kNoiseM = 0.01;
-const Vec3 kPlace(411.3, -250, 17);  // where the x axis begins, m, world
-
-double uniform(size_t a, uint32_t b) {
-  return uniform_from_bits(random_bits(a, b, Purpose::kPlace));
-}
-
-struct Ball {
-  Vec3 middle;
-  double radius;
-};
-
-// Balls of 10 to 40 cm on both sides of the x axis, as crowns of many leaves.
-std::vector<Ball> balls() {
-  std::vector<Ball> out;
-  for (uint32_t k = 0; k < 900; ++k) {
-    const double side = k % 2 ? 1 : -1;
-    out.push_back({kPlace + Vec3(50 * uniform(k, 1) - 20, side * (4 + 14 * uniform(k, 2)),
-                                 4 * uniform(k, 5) - 1.5),
-                   0.1 + 0.3 * uniform(k, 3)});
-  }
-  return out;
-}
-
-// The range to the ground, 2 m below the x axis, or to the nearest ball, m.
-double true_range(const Ray& ray, const std::vector<Ball>& all) {
-  const double down = ray.direction.z();
-  double nearest = down < 0 ? (kPlace.z() - 2 - ray.origin.z()) / down : HUGE_VAL;
-  for (const Ball& ball : all) {
-    const Vec3 to = ball.middle - ray.origin;
-    const double along = to.dot(ray.direction);
-    const double root = ball.radius * ball.radius - to.squaredNorm() + along * along;
-    if (root > 0 && along > 0) nearest = std::min(nearest, along - std::sqrt(root));
-  }
-  return nearest;
-}
-
-// Scans from places on the x axis. The sensor moves by `drift_m` in a scan.
-BeamLog scanned(const std::vector<double>& at, uint32_t first_scan, double drift_m = 0) {
-  const std::vector<Ball> all = balls();
-  BeamLog log;
-  log.info.sensor = "ball-scanner";
-  log.info.has_misses = true;
-  log.info.max_range_m = 50;
-  log.resize(at.size() * kColumns * kRings);
-  size_t i = 0;
-  for (size_t s = 0; s < at.size(); ++s) {
-    const uint32_t scan = first_scan + uint32_t(s);
-    for (int k = 0; k < kColumns; ++k) {
-      for (uint16_t ring = 0; ring < kRings; ++ring, ++i) {
-        const double azimuth = 2 * M_PI * (k + uniform(scan, 9)) / kColumns;
-        const double elevation = (6 - ring) * M_PI / 180;
-        log.origin[i] = kPlace + Vec3(at[s] + drift_m * (double(k) / kColumns - 0.5), 0, 0);
-        log.direction[i] =
-            Vec3f(float(std::cos(elevation) * std::cos(azimuth)),
-                  float(std::cos(elevation) * std::sin(azimuth)), float(std::sin(elevation)));
-        const double range = true_range(log.ray(i), all) +
-                             kNoiseM * normal(mix64(scan), uint32_t(i), Purpose::kNoise);
-        log.range_m[i] = range < 50 ? float(range) : kMiss;
-        log.intensity[i] = range < 50 ? float(10 + uniform(size_t(azimuth * 40), 4)) : 0;
-        log.ring[i] = ring;
-        log.scan[i] = scan;
-        log.time_s[i] = scan * 0.1;
-      }
-    }
-  }
-  return log;
-}
-
-elements::Model fitted(const BeamLog& log, double spacing_m, size_t most_bytes = size_t(1) << 28) {
-  FitOptions options;
-  options.fitter = "hierarchical";
-  MemorySource source(log);
-  elements::Model model = fit(source, options).model;
-  KeyframeOptions keyframes;
-  keyframes.spacing_m = spacing_m;
-  keyframes.most_bytes = most_bytes;
-  learn_keyframes(model, source, keyframes);
-  return model;
-}
-
-BeamLog answered(const elements::Model& model, BeamLog beams, bool element_ids = false) {
-  const trace::World world(model);
-  simulate::Options options;
-  options.element_ids = element_ids;
-  simulate::simulate(world, options, 0, beams);
-  return beams;
-}
-
-metrics::Summary scored(const elements::Model& model, const BeamLog& real) {
-  const BeamLog simulated = answered(model, real);
-  const trace::World world(model);
-  metrics::ScoreOptions options;
-  options.world = &world;
-  MemorySource a(real), b(simulated);
-  return metrics::score(a, b, options).all;
-}
-
-const std::vector<double> kDrive{0, 0.7, 1.4, 2.1, 2.8, 3.5, 4.2, 4.9, 5.6, 6.3};
 
 TEST(Keyframes, NearThemAModelAnswersAsTheSensorDid) {
   const BeamLog drive = scanned(kDrive, 0, 0.7);
@@ -287,117 +180,6 @@ TEST(Keyframes, SurviveAModelFolder) {
   EXPECT_EQ(a.range_m, b.range_m);
   EXPECT_EQ(a.intensity, b.intensity);
   std::filesystem::remove_all(folder);
-}
-
-// What is seen from beside a keyframe lies where it is: most beams' nearest pixel has the true
-// range, but for those at the rims of balls.
-TEST(Recollection, SeesPointsFromBesideTheKeyframe) {
-  const BeamLog drive = scanned({0}, 0, 0.7);
-  const elements::Model model = fitted(drive, 1);
-  const trace::Recollection memory(model);
-  for (const double aside : {0.0, 0.3, 1.0}) {
-    const BeamLog test = scanned({aside}, 100);
-    const std::vector<uint32_t> all{0};
-    size_t seen = 0, right = 0;
-    for (size_t i = 0; i < test.size(); ++i) {
-      if (!test.is_hit(i) || test.range_m[i] > 15) continue;
-      const Ray ray = test.ray(i);
-      const trace::Recollection::Asked asked{ray, memory.near(ray.origin, all), 0};
-      const trace::Recalled r = memory.recall({&asked, 1})[0];
-      if (r.count == 0 || r.rank[0] != 0) continue;
-      ++seen;
-      // Half a pixel of elevation moves the place where a beam meets the ground.
-      const double slack = 0.05 + 0.01 * test.range_m[i] * test.range_m[i] / 2;
-      right += std::abs(r.range_m[0] - double(test.range_m[i])) < slack;
-    }
-    EXPECT_GT(double(seen), 0.5 * double(test.size()) * 0.5);
-    EXPECT_GT(double(right), (aside == 0 ? 0.93 : aside < 1 ? 0.85 : 0.75) * double(seen)) << aside;
-  }
-}
-
-struct Looked {
-  elements::Model model;
-  std::vector<Ray> rays;
-  std::vector<uint16_t> rings;
-};
-
-// A model with keyframes, and rays near them and far from them.
-Looked looked() {
-  Looked out{fitted(scanned(kDrive, 0, 0.7), 1), {}, {}};
-  const BeamLog test = scanned({1.0, 3.3, 9.5, 25}, 100, 0.7);
-  out.rings = test.ring;
-  for (size_t i = 0; i < test.size(); ++i) out.rays.push_back(test.ray(i));
-  return out;
-}
-
-TEST(Recollection, WhatABeamSeesDoesNotDependOnTheOthers) {
-  const Looked of = looked();
-  const trace::Recollection memory(of.model);
-  const std::vector<trace::Recollection::Asked> asked = memory.asked(of.rays, of.rings);
-  const std::vector<trace::Recalled> all = memory.recall(asked);
-  size_t seen = 0;
-  for (size_t i = 0; i < asked.size(); i += 7) {
-    const trace::Recalled alone = memory.recall({&asked[i], 1})[0];
-    ASSERT_EQ(alone.count, all[i].count);
-    EXPECT_EQ(alone.situation, all[i].situation);
-    for (size_t k = 0; k < alone.count; ++k) {
-      EXPECT_EQ(alone.range_m[k], all[i].range_m[k]);
-      EXPECT_EQ(alone.rank[k], all[i].rank[k]);
-    }
-    seen += alone.count > 0;
-  }
-  EXPECT_GT(seen, asked.size() / 7 / 3);
-}
-
-// A simulation draws before it looks. What it then draws is what it would have drawn after a look.
-TEST(Recollection, ADrawBeforeTheLookChangesNothing) {
-  const Looked of = looked();
-  const trace::Recollection memory(of.model);
-  std::vector<trace::Recollection::Asked> asked = memory.asked(of.rays, of.rings);
-  const std::vector<trace::Recalled> all = memory.recall(asked);
-  for (size_t i = 0; i < asked.size(); ++i) asked[i].u = uniform(i, 11);
-  const std::vector<trace::Recalled> drawn_first = memory.recall(asked);
-  size_t answered = 0, spared = 0;
-  for (size_t i = 0; i < asked.size(); ++i) {
-    const auto expected = memory.drawn(all[i], asked[i].u, i);
-    const auto found = memory.drawn(drawn_first[i], asked[i].u, i);
-    ASSERT_EQ(expected.has_value(), found.has_value());
-    if (expected) {
-      EXPECT_EQ(expected->range_m, found->range_m);
-      EXPECT_LT(asked[i].u, memory.most_recalled(asked[i].near));
-    }
-    answered += expected.has_value();
-    spared += all[i].count > 0 && drawn_first[i].count == 0;
-  }
-  EXPECT_GT(answered, 100u);
-  EXPECT_GT(spared, 1000u);
-}
-
-// The share of simulated returns is what the mixture says that `score` judges.
-TEST(Recollection, DrawsAreOfTheMixtureThatIsScored) {
-  const elements::Model model = fitted(scanned(kDrive, 0, 0.7), 1);
-  const BeamLog test = scanned({1.0, 3.3, 5.2}, 100, 0.7);
-  const trace::World world(model);
-  const trace::Recollection memory(model);
-  std::vector<Ray> rays;
-  for (size_t i = 0; i < test.size(); ++i) rays.push_back(test.ray(i));
-  trace::IntersectionLists met;
-  world.all_intersections(rays, {0, 50}, std::vector<double>(rays.size(), 50), met);
-  const std::vector<trace::Recalled> seen = memory.recall(memory.asked(rays, test.ring));
-  double misses = 0, variance = 0;
-  trace::RangeMixture p;
-  for (size_t i = 0; i < rays.size(); ++i) {
-    trace::mix_ranges(met[i], 1, 1e-6, p);
-    memory.mix(seen[i], p);
-    misses += p.miss;
-    variance += p.miss * (1 - p.miss);
-  }
-  const trace::World anew(model, trace::Isa::kBest, trace::Draws::kAnew);
-  BeamLog drawn = test;
-  simulate::simulate(anew, simulate::Options(), 0, drawn);
-  size_t missed = 0;
-  for (size_t i = 0; i < drawn.size(); ++i) missed += !drawn.is_hit(i);
-  EXPECT_NEAR(double(missed), misses, 4 * std::sqrt(variance) + 1);
 }
 
 }  // namespace

@@ -106,18 +106,15 @@ double beams_of_scan(const Pattern& p) {
   return double(counts[counts.size() / 2]);
 }
 
-/// The rows of the channels.
-std::map<uint16_t, size_t> rows_of_channels(const Pattern& p, Keyframes& image) {
+/// A row for each channel.
+void set_channels(const Pattern& p, Keyframes& image) {
   std::vector<std::pair<double, uint16_t>> order;
   for (const auto& [ring, c] : p.channels) order.emplace_back(c.quantile(0.5), ring);
   std::sort(order.begin(), order.end());
-  std::map<uint16_t, size_t> rows;
-  for (size_t k = 0; k < order.size(); ++k) {
-    image.elevation.push_back(order[k].first);
-    image.channel.push_back(order[k].second);
-    rows[order[k].second] = k;
+  for (const auto& [elevation, ring] : order) {
+    image.elevation.push_back(elevation);
+    image.channel.push_back(ring);
   }
-  return rows;
 }
 
 /// Rows and columns as wide as the spacing of the beams.
@@ -206,13 +203,11 @@ void drop_empty(KeyframeImages& images) {
 /// Makes the images of some scans.
 class Painter {
  public:
-  Painter(const Pattern& pattern, std::map<uint16_t, size_t> rows, const KeyframeOptions& options,
-          KeyframeImages& images)
-      : pattern_(pattern),
-        rows_(std::move(rows)),
-        options_(options),
-        images_(images),
-        grid_(images.keyframes) {}
+  Painter(const Pattern& pattern, const KeyframeOptions& options, KeyframeImages& images)
+      : pattern_(pattern), options_(options), images_(images), grid_(images.keyframes) {
+    const std::vector<uint16_t>& channel = images.keyframes.channel;
+    for (size_t row = 0; row < channel.size(); ++row) rows_[channel[row]] = row;
+  }
 
   void paint(const BeamLog& chunk) {
     const Keyframes& k = images_.keyframes;
@@ -318,6 +313,24 @@ class Painter {
   std::vector<std::vector<float>> off_;  // distance of each pixel's beam from its middle, columns
 };
 
+/// Chooses keyframes and makes their images, whose grid is known.
+void paint(BeamSource& log, const Pattern& pattern, const Vec3& origin,
+           const KeyframeOptions& options, KeyframeImages& out) {
+  Keyframes& k = out.keyframes;
+  const size_t bytes = k.pixels() * sizeof(KeyframePixel) + k.columns * sizeof(Vec3f);
+  out.frame_of_scan = chosen_to_fit(pattern, options, bytes);
+  k.frames.resize(out.frame_of_scan.size());
+  for (const auto& [scan, frame] : out.frame_of_scan) {
+    k.frames[frame].origin = pattern.scans.at(scan).origin - origin;
+    k.frames[frame].sensor_from_world = pattern.scans.at(scan).sensor_from_world;
+  }
+  Painter painter(pattern, options, out);
+  log.rewind();
+  for (BeamLog chunk; log.next(chunk);) painter.paint(chunk);
+  drop_empty(out);
+  painter.close_gaps();
+}
+
 }  // namespace
 
 KeyframeImages make_keyframe_images(BeamSource& log, const Vec3& origin,
@@ -327,29 +340,31 @@ KeyframeImages make_keyframe_images(BeamSource& log, const Vec3& origin,
   if (pattern.scans.empty()) return out;
   Keyframes& k = out.keyframes;
   const double turn_share = std::max(1.0, double(pattern.degrees.count())) / 360;
-  std::map<uint16_t, size_t> rows;
   if (pattern.channels.size() < 2) {
     set_even_image(pattern, turn_share, k);
   } else {
-    rows = rows_of_channels(pattern, k);
-    const double of_channel = beams_of_scan(pattern) / double(rows.size());
+    set_channels(pattern, k);
+    const double of_channel = beams_of_scan(pattern) / double(k.rows());
     k.columns = size_t(std::max(1.0, std::round(of_channel / turn_share)));
   }
   const double reach = std::max(pattern.largest_range_m, 1.0) * 1.05;
   k.unit_m = reach / KeyframePixel::kMost;
   k.intensity_unit = pattern.largest_intensity / 65535;
-  const size_t bytes = k.pixels() * sizeof(KeyframePixel) + k.columns * sizeof(Vec3f);
-  out.frame_of_scan = chosen_to_fit(pattern, options, bytes);
-  k.frames.resize(out.frame_of_scan.size());
-  for (const auto& [scan, frame] : out.frame_of_scan) {
-    k.frames[frame].origin = pattern.scans.at(scan).origin - origin;
-    k.frames[frame].sensor_from_world = pattern.scans.at(scan).sensor_from_world;
-  }
-  Painter painter(pattern, std::move(rows), options, out);
-  log.rewind();
-  for (BeamLog chunk; log.next(chunk);) painter.paint(chunk);
-  drop_empty(out);
-  painter.close_gaps();
+  paint(log, pattern, origin, options, out);
+  return out;
+}
+
+KeyframeImages make_half_images(BeamSource& log, const Keyframes& keyframes, const Vec3& origin,
+                                const KeyframeOptions& options) {
+  KeyframeImages out;
+  Keyframes& k = out.keyframes;
+  k.elevation = keyframes.elevation;
+  k.channel = keyframes.channel;
+  k.columns = std::max<size_t>(1, keyframes.columns / 2);
+  k.unit_m = keyframes.unit_m;
+  k.intensity_unit = keyframes.intensity_unit;
+  const Pattern pattern = pattern_of(log);
+  if (!pattern.scans.empty()) paint(log, pattern, origin, options, out);
   return out;
 }
 

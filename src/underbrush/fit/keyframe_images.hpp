@@ -20,4 +20,9 @@ struct KeyframeImages {
 KeyframeImages make_keyframe_images(BeamSource& log, const Vec3& origin,
                                     const KeyframeOptions& options);
 
+/// Makes the images of a log of half as many columns: rows, units and places are those of
+/// `keyframes`, and columns are twice as wide.
+KeyframeImages make_half_images(BeamSource& log, const elements::Keyframes& keyframes,
+                                const Vec3& origin, const KeyframeOptions& options);
+
 }  // namespace underbrush::fit

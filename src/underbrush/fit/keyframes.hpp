@@ -29,10 +29,10 @@ struct KeyframeOptions {
 /// likeliest beside the answer of the model's elements. Where too few beams were so near to a
 /// keyframe, the trust is that of the next farther distance; beyond the farthest one that beams
 /// looked at nothing is trusted, and a log too short to trust anything gives no keyframes. Where
-/// the log has one scan only, beams look at an image of every second column, between which they
-/// lie, and the weight of the elements is then halved, as the columns of the whole image are twice
-/// as near. The log is read three times, five times if it has one scan. The result has the same
-/// bits for any number of threads.
+/// the log has one scan only, the beams of each half of its columns look at an image of the other
+/// half, between whose columns they lie, and the weight of the elements is then lowered, as the
+/// columns of the whole image are twice as near. The log is read three times, eight times if it has
+/// one scan. The result has the same bits for any number of threads.
 void learn_keyframes(elements::Model& model, BeamSource& log, const KeyframeOptions& options);
 
 }  // namespace underbrush::fit
