@@ -85,10 +85,7 @@ void run(const Verb& verb, const Arguments& a) {
     if (!path.empty()) io::check_output(path);
   }
   io::LogReader log(a.log);
-  if (!movers::has_two_scans(log)) {
-    throw FormatError(a.log, "",
-                      "the log has fewer than two scans, so nothing can be seen to move");
-  }
+  movers::require_two_scans(log, a.log);
   std::vector<std::filesystem::path> inputs{a.log};
   std::optional<perception::LogTruth> truth;
   if (!a.truth.empty()) {

@@ -11,7 +11,6 @@
 
 #include "bind.hpp"
 #include "given.hpp"
-#include "underbrush/core/check.hpp"
 #include "underbrush/movers/find_movers.hpp"
 #include "watched.hpp"
 
@@ -27,10 +26,7 @@ std::pair<BeamLog, std::string> marked(const GivenLog& log, const MoverOptions& 
   run_watched(progress, [&](const Hook& hook) {
     options.check();
     const std::unique_ptr<BeamSource> source = source_of(log, true);
-    if (!movers::has_two_scans(*source)) {
-      throw FormatError(name_of(log), "",
-                        "the log has fewer than two scans, so nothing can be seen to move");
-    }
+    movers::require_two_scans(*source, name_of(log));
     const std::vector<uint8_t> is_mover = movers::find_movers(
         *source, options, [&](size_t done, size_t total) { hook("movers", done, total); });
     BeamLog& whole = out.first;

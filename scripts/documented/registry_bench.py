@@ -39,11 +39,12 @@ def memory(folder):
 
 def trace_goals(folder):
     b = read_json(folder / "bench.json")
-    yield "AVX2 / Embree's AVX2 packets", "measured", [b["ratio_to_embree_packets_avx2_1e6"]]
-    yield "best / Embree's best", "measured", [b["ratio_to_embree_best_1e6"]]
-    yield "bytes an ellipsoid", "measured", [b["bytes_per_element"]]
-    yield "bytes an instance", "measured", [next(c["bytes_per_instance"] for c in b["cases"] if
-                                                 (c["scene"], c["elements"]) == ("planted", 1000000))]
+    machine = "EPYC" if "AMD" in b["machine"]["processor"] else "Xeon"
+    yield "AVX2 / Embree's AVX2 packets", machine, [b["ratio_to_embree_packets_avx2_1e6"]]
+    yield "best / Embree's best", machine, [b["ratio_to_embree_best_1e6"]]
+    yield "bytes an ellipsoid", machine, [b["bytes_per_element"]]
+    yield "bytes an instance", machine, [next(c["bytes_per_instance"] for c in b["cases"] if
+                                              (c["scene"], c["elements"]) == ("planted", 1000000))]
 
 
 TABLES = {
@@ -64,7 +65,6 @@ TABLES = {
     "trace-goals": Measured(
         (Part((bench("trace"),), trace_goals),),
         relative={"AVX2 / Embree's AVX2 packets": 0.35, "best / Embree's best": 0.35},
-        uncompared={"goal": "goals are set, not measured", **{row: RATE for row in (
-            "AVX2, beams/s", "AVX2, × HDL-64E", "AVX-512, × HDL-64E", "16 sub-rays", "AVX2 at 10⁷",
-            "AVX2 at 10⁶ instances", "build")}}),
+        uncompared={"goal": "goals are set, not measured",
+                    **dict.fromkeys(("EPYC", "Xeon"), "of the machine at hand the ratios and bytes alone are compared")}),
 }

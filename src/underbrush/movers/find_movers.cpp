@@ -197,14 +197,14 @@ std::vector<uint8_t> find_movers(BeamSource& source, const MoverOptions& options
   return out;
 }
 
-bool has_two_scans(BeamSource& source) {
+void require_two_scans(BeamSource& source, const std::string& name) {
   std::optional<uint32_t> first;
   source.rewind();
   for (BeamLog chunk; source.next(chunk);) {
     if (!first) first = chunk.scan[0];
-    if (std::ranges::any_of(chunk.scan, [&](uint32_t s) { return s != *first; })) return true;
+    if (std::ranges::any_of(chunk.scan, [&](uint32_t s) { return s != *first; })) return;
   }
-  return false;
+  throw FormatError(name, "", "the log has fewer than two scans, so nothing can be seen to move");
 }
 
 void mark_movers(const std::vector<uint8_t>& is_mover, size_t first, BeamLog& chunk) {

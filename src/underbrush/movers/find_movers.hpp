@@ -3,6 +3,7 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "underbrush/core/beam_log.hpp"
@@ -47,9 +48,9 @@ struct MoverOptions {
 std::vector<uint8_t> find_movers(BeamSource& source, const MoverOptions& options = {},
                                  const std::function<void(size_t, size_t)>& progress = {});
 
-/// Tells whether a log has more than one scan, without which nothing can be seen to move. Reads the
-/// source from the beginning.
-bool has_two_scans(BeamSource& source);
+/// Throws `FormatError` with the log's name if it has fewer than two scans, because then nothing can
+/// be seen to move. Reads the source from the beginning.
+void require_two_scans(BeamSource& source, const std::string& name);
 
 /// Replaces the marks (`kMover`) of a chunk by those of the rows from `first` on.
 void mark_movers(const std::vector<uint8_t>& is_mover, size_t first, BeamLog& chunk);
