@@ -16,7 +16,7 @@ struct KeyframeOptions {
   /// The most memory that they may take, bytes. Until they fit, fewer may lie nearer, at least 2,
   /// and then the spacing grows.
   size_t most_bytes = size_t(1) << 28;
-  /// Beams that the trust is learnt from.
+  /// Beams that the trust is learnt from, in each half of the columns if the log has one scan.
   size_t samples = 60'000;
   /// The beams that the elements were not learnt from. The trust is learnt from them alone where
   /// they are at least a quarter of `samples`, since the elements know their own beams too well.
