@@ -97,6 +97,25 @@ TEST(Keyframes, OneScanLearnsFromItsNeighbours) {
   EXPECT_GT(b.f1, a.f1 + 0.03);
 }
 
+// Between every second column beams are to be as far from the pixels of other rows as in use.
+TEST(Keyframes, HalfOfTheColumnsKeepTheRows) {
+  BeamLog log = scanned({0}, 0);
+  for (const bool has_channels : {true, false}) {
+    if (!has_channels) std::fill(log.ring.begin(), log.ring.end(), uint16_t(0));
+    MemorySource source(log);
+    const KeyframeOptions options;
+    const elements::Keyframes whole = make_keyframe_images(source, Vec3::Zero(), options).keyframes;
+    const elements::Keyframes half =
+        make_half_images(source, whole, Vec3::Zero(), options).keyframes;
+    EXPECT_EQ(half.elevation, whole.elevation);
+    EXPECT_EQ(half.channel, whole.channel);
+    EXPECT_EQ(half.channel.empty(), !has_channels);
+    EXPECT_EQ(half.columns, whole.columns / 2);
+    ASSERT_EQ(half.frames.size(), 1u);
+    EXPECT_EQ(half.frames[0].pixels.size(), half.rows() * half.columns);
+  }
+}
+
 TEST(Keyframes, ANegativeSpacingIsRefused) {
   MemorySource source(scanned({0}, 0));
   FitOptions options;

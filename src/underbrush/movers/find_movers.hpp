@@ -48,8 +48,8 @@ struct MoverOptions {
 std::vector<uint8_t> find_movers(BeamSource& source, const MoverOptions& options = {},
                                  const std::function<void(size_t, size_t)>& progress = {});
 
-/// Throws `FormatError` with the log's name if it has fewer than two scans, because then nothing can
-/// be seen to move. Reads the source from the beginning.
+/// Throws `FormatError` with the log's name if it has fewer than two scans, because then nothing
+/// can be seen to move. Reads the source from the beginning.
 void require_two_scans(BeamSource& source, const std::string& name);
 
 /// Replaces the marks (`kMover`) of a chunk by those of the rows from `first` on.
