@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "report/svg_plot.hpp"
 
@@ -31,12 +33,21 @@ void plot_curves(const Json& cases, const std::string& key, const std::string& o
   }
   out.x_axis(first, last + 0.7);
   out.y_axis(0, most);
+  std::vector<std::pair<double, const char*>> names;  // of the lines, at their ends
   for (size_t k = 0; k < std::size(ways); ++k) {
     if (lines[k].empty()) continue;
     const auto& [prefix, name, colour] = ways[k];
     out.line(lines[k], colour, prefix == std::string("embree"));
     out.dots(lines[k], colour, 6);
-    out.text(lines[k].back().first + 0.04, lines[k].back().second, name);
+    names.emplace_back(lines[k].back().second, name);
+  }
+  // Names of lines that end together stand one above the other.
+  std::sort(names.begin(), names.end());
+  double least = 0;
+  for (const auto& [y, name] : names) {
+    const double at = std::max(y, least);
+    out.text(last + 0.04, at, name);
+    least = at + 0.045 * most;
   }
   out.write(file);
 }

@@ -13,40 +13,44 @@
 namespace underbrush::report {
 namespace {
 
+enum class Better { kLower, kHigher, kNeither };  // which values are better
+
 struct Metric {
   const char *place, *name, *meaning;  // the place among the scores, a JSON pointer
   int digits;
-  bool higher_is_better;
+  Better better;
 };
 constexpr Metric kMetrics[] = {
     {"/packet_error_m", "Packet error, m",
      "Distance between real and simulated point of beams that hit in both: mean of the packets’ "
      "means.",
-     3, false},
+     3, Better::kLower},
     {"/median_range_error_m", "Median range error, m",
-     "Half of the beams that hit in both are off by less.", 3, false},
+     "Half of the beams that hit in both are off by less.", 3, Better::kLower},
     {"/capped_error_m", "Capped error, m",
-     "Mean error of all beams, at most 2 m each; a wrong hit or miss counts as 2 m.", 3, false},
+     "Mean error of all beams, at most 2 m each; a wrong hit or miss counts as 2 m.", 3,
+     Better::kLower},
     {"/precision", "Precision", "Share of the simulated hits where the real beam hit too.", 4,
-     true},
-    {"/recall", "Recall", "Share of the real hits where the simulated beam hits too.", 4, true},
-    {"/f1", "F1", "Harmonic mean of precision and recall.", 4, true},
+     Better::kHigher},
+    {"/recall", "Recall", "Share of the real hits where the simulated beam hits too.", 4,
+     Better::kHigher},
+    {"/f1", "F1", "Harmonic mean of precision and recall.", 4, Better::kHigher},
     {"/cloud_error_m", "Point cloud error, m",
-     "Mean distance to the nearest point of the other cloud, both ways.", 4, false},
+     "Mean distance to the nearest point of the other cloud, both ways.", 4, Better::kLower},
     {"/density_aware_chamfer", "Density-aware Chamfer", "From 0 (same points, equally dense) to 1.",
-     4, false},
+     4, Better::kLower},
     {"/nll_per_beam", "Neg. log-likelihood",
-     "Mean −log density that the model gives the real outcome of a beam.", 4, false},
+     "Mean −log density that the model gives the real outcome of a beam.", 4, Better::kLower},
     {"/crps_m", "CRPS of the range, m",
      "Distance between the predicted distribution of the range and the real one; a miss counts as "
      "the maximum range, so a wrong one costs many metres.",
-     3, false},
+     3, Better::kLower},
     {"/intensity/rmse", "Intensity RMSE",
-     "Over the beams that hit in both, in the unit of the logs.", 4, false},
+     "Over the beams that hit in both, in the unit of the logs.", 4, Better::kLower},
     {"/intensity/constant/rmse", "Intensity RMSE of a constant",
-     "Of the mean of the real log as the answer of every beam.", 4, false},
+     "Of the mean of the real log as the answer of every beam: the baseline.", 4, Better::kNeither},
     {"/intensity/correlation", "Intensity correlation", "Of real and simulated intensities.", 4,
-     true},
+     Better::kHigher},
 };
 
 const Json& scores_of(const Comparison& input, size_t k) {
@@ -65,11 +69,16 @@ std::string cell(std::optional<double> x, int digits) {
 
 size_t count(const Json& scores, const char* key) { return scores.value(key, size_t(0)); }
 
+const char* arrow_of(Better better) {
+  return better == Better::kNeither ? "" : better == Better::kHigher ? "↑" : "↓";
+}
+
 // Values are compared as printed, so that those that look the same are equally good.
 std::string best_of(const Metric& m, const std::vector<std::optional<double>>& values) {
   std::optional<double> best;
   for (const auto& v : values) {
-    if (v && (!best || (m.higher_is_better ? *v > *best : *v < *best))) best = v;
+    const bool higher = m.better == Better::kHigher;
+    if (v && (!best || (higher ? *v > *best : *v < *best))) best = v;
   }
   return cell(best, m.digits);
 }
@@ -119,10 +128,10 @@ std::string headline_table(const Comparison& input) {
     if (!scores_of(input, 0).contains(Json::json_pointer(m.place))) continue;
     const std::string best = best_of(m, values);
     html += fmt::format("<tr><th>{} <span class=\"better\">{}</span><small>{}</small></th>", m.name,
-                        m.higher_is_better ? "↑" : "↓", m.meaning);
+                        arrow_of(m.better), m.meaning);
     for (const auto& v : values) {
       const std::string text = cell(v, m.digits);
-      const bool bold = v && values.size() > 1 && text == best;
+      const bool bold = v && values.size() > 1 && m.better != Better::kNeither && text == best;
       html += fmt::format("<td{}>{}</td>",
                           bold ? " class=\"best\""
                           : v  ? ""
