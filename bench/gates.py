@@ -32,8 +32,8 @@ def beams_of(log):
 
 
 def units_in(gate, command, out):
-    """The amount of work: what the benchmark says, or the beams of the first log named."""
-    if match := re.search(r"^(\d+) (?:rays|beams)", out, re.MULTILINE):
+    """The amount of work: what the program says, or the beams of the first log named."""
+    if match := re.search(r"^(\d+) (?:rays|beams|objects)", out, re.MULTILINE):
         return int(match[1])
     return beams_of(next(word for word in command[2:] if word.endswith(".ply")))
 
@@ -55,6 +55,22 @@ def count(gate, bin_folder, work):
     return total / units_in(gate, command, done.stdout)
 
 
+def prepare(program, work, gates):
+    """Makes the inputs that the commands of the gates name."""
+    commands = " ".join(g.command for g in gates)
+    steps = []
+    if "{work}" in commands:
+        steps.append("demo --only real -o {work}")
+    if "{work}/forest.json" in commands:
+        steps += ["segment {work}/real/train.ply -o {work}/labelled.ply",
+                  "extract {work}/real/likelihood {work}/labelled.ply -o {work}/primitives",
+                  "annotate --generate forest --density 0.1 --size 500 500 --ground-spacing 5 -o {work}/forest.json"]
+    for step in steps:
+        done = subprocess.run([program, *step.format(work=work).split()], capture_output=True, text=True)
+        if done.returncode != 0:
+            sys.exit(f"{step}\n{done.stderr}")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--bin", type=pathlib.Path, default=pathlib.Path("build/bin"), help="folder of the programs")
@@ -68,14 +84,12 @@ def main():
     failed = 0
     with tempfile.TemporaryDirectory() as folder:
         work = pathlib.Path(folder)
-        if any("{work}" in g.command for g in gates):
-            subprocess.run([options.bin / "underbrush", "demo", "--only", "real", "-o", folder], check=True,
-                           stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        prepare(options.bin / "underbrush", work, gates)
         for gate in gates:
             each = count(gate, options.bin, work)
             over = each > float(gate.limit)
             failed += over
-            print(f"{gate.name:14} {each:10.0f} instructions a {gate.unit:5} limit {gate.limit}"
+            print(f"{gate.name:14} {each:10.0f} instructions per {gate.unit:6} limit {gate.limit}"
                   f"{'  OVER' if over else ''}", flush=True)
     sys.exit(failed > 0)
 
