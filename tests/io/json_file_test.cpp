@@ -47,6 +47,22 @@ TEST_F(Json, ThatIsWrongIsToldWithItsPlace) {
   }
 }
 
+TEST_F(Json, NestedDeeperThan64LevelsIsRefused) {
+  const auto nothing = [](const JsonValue&) {};
+  const auto nested = [](size_t levels) {
+    return std::string(levels, '[') + std::string(levels, ']');
+  };
+  EXPECT_EQ(refused(nested(64), nothing), "nothing");
+  EXPECT_EQ(refused(nested(65), nothing), "nested too deep");
+  EXPECT_EQ(refused(nested(100000), nothing), "nested too deep");
+  EXPECT_EQ(refused(std::string(65, '['), nothing), "nested too deep");
+  std::string wide = "[[]";
+  for (int k = 0; k < 100; ++k) wide += ",[{}]";
+  EXPECT_EQ(refused(wide + "]", nothing), "nothing");
+  // Brackets in strings are none, and neither does an escaped quotation mark end one.
+  EXPECT_EQ(refused(R"(["\\", "\"", ")" + std::string(100, '[') + R"("])", nothing), "nothing");
+}
+
 TEST_F(Json, PathsStayInTheFolder) {
   fs::create_directories(folder_ / "models" / "tree");
   fs::create_symlink("/etc", folder_ / "link");
