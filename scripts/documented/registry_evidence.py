@@ -104,7 +104,31 @@ rm -r *.ply *-all *-without""", (logs[street],), (halves[street],))
                 for column, key in GHOSTS.items():
                     yield f"{row}/{log}", column, [score[key]]
 
+    def growing(log: str, seconds: float, models: tuple[str, ...]) -> Part:
+        """A fit of the first seconds of a log, updated with the rest, beside one fit of all."""
+        whole = 'underbrush fit "$train" --min-range 2 -o whole' if "whole" in models else ""
+        job = Job(f"growing.{log}.{seconds}", f"""train="$WORK/{log}/train.ply" test="$WORK/{log}/test.ply"
+underbrush split "$train" --time {seconds} 99 --train a.ply --test b.ply
+underbrush fit a.ply --min-range 2 -o first
+underbrush fit b.ply --update first -o updated
+{whole}
+for m in {" ".join(models)}; do
+  underbrush simulate $m --like "$test" --matter anew -o $m.ply
+  underbrush score "$test" $m.ply --model $m --name $m --json $m.json
+done
+rm -r *.ply {" ".join(models)}""", (logs[log],), (halves[log],))
+
+        def cells(folder: typing.Any) -> typing.Iterator[tuple[str, str, list[float]]]:
+            for model in models:
+                score = read_json(folder / f"{model}.json")["models"][model]
+                for column in ("F1", "NLL/beam", "CRPS, m", "packet error, m"):
+                    yield f"{log}, {seconds} s/{model}", column, [score[GHOSTS[column]]]
+        return Part((job,), cells)
+
+    every = ("first", "updated", "whole")
     return {
+        "growing": Measured((growing(street, 1.5, every), growing("kitti_0027_forest", 4.1, every),
+                             growing("kitti_0027_forest", 7.7, ("first", "updated")))),
         "movers-left-out": Measured((Part((left_out,), ghosts),)),
         "walls": Measured((Part((verification,), walls),)),
         "faults": Measured((Part((verification,), faults),)),
