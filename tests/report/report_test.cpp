@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <regex>
@@ -168,6 +169,19 @@ TEST_F(Report, LogsWithoutHitsOrOfOneBeam) {
   BeamLog one = real.like();
   one.append(real, 0);
   expect_self_contained(page(one, {one}));
+}
+
+TEST_F(Report, AConstantIsABaselineAndNoBestValue) {
+  BeamLog real = round_wall(1, 60);
+  for (size_t i = 0; i < real.size(); ++i) real.intensity[i] = float(i % 7);
+  const std::string html = page(real, {disturbed(real, 1), disturbed(real, 2)});
+  const auto row = [&](const std::string& name) {
+    const size_t at = html.find("<tr><th>" + name + "\u00a0<");  // no break before the arrow
+    EXPECT_NE(at, std::string::npos) << name;
+    return html.substr(std::min(at, html.size()), html.find("</tr>", at) - at);
+  };
+  EXPECT_NE(row("Intensity RMSE").find("class=\"best\""), std::string::npos);
+  EXPECT_EQ(row("Intensity RMSE of a constant").find("class=\"best\""), std::string::npos);
 }
 
 TEST_F(Report, AFailureLeavesTheOldPage) {
