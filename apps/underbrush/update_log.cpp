@@ -142,7 +142,12 @@ Json json_of(const UpdateStep& step) {
         {{"centre_m", {p.centre.x(), p.centre.y(), p.centre.z()}}, {"ellipsoids", p.gone}});
   }
   j["ground_triangles"] = step.result.model.ground.size();
-  if (step.result.model.keyframes) j["keyframes"] = json_of(*step.result.model.keyframes);
+  if (step.result.model.keyframes) {
+    j["keyframes"] = json_of(*step.result.model.keyframes);
+    j["keyframes"]["kept"] = r.keyframes.kept;
+    j["keyframes"]["added"] = r.keyframes.added;
+    j["keyframes"]["forgotten_pixels"] = r.keyframes.forgotten_pixels;
+  }
   j["skipped"] = step.skipped;
   j["warnings"] = r.warnings;
   j["seconds"] = step.seconds;
@@ -167,6 +172,10 @@ std::string text_of(const UpdateStep& step) {
     text += "\n";
   }
   text += text_of_keyframes(step.result.model);
+  if (r.keyframes.kept > 0) {
+    text += fmt::format("              {} kept and {} added; {} pixels of what changed forgotten\n",
+                        r.keyframes.kept, r.keyframes.added, r.keyframes.forgotten_pixels);
+  }
   if (r.mover_points) text += fmt::format("  left out    {} returns of movers\n", r.mover_points);
   if (r.near_points)
     text += fmt::format("  left out    {} points near the sensor\n", r.near_points);

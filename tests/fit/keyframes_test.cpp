@@ -97,6 +97,20 @@ TEST(Keyframes, OneScanLearnsFromItsNeighbours) {
   EXPECT_GT(b.f1, a.f1 + 0.03);
 }
 
+// In learning a beam of two scans sees the other one alone, and in use it sees both.
+TEST(Keyframes, OfTwoScansTheSecondNearestIsNotTrusted) {
+  const elements::Model with = fitted(scanned({0, 0.7}, 0), 1),
+                        without = fitted(scanned({0, 0.7}, 0), 0);
+  ASSERT_TRUE(with.keyframes);
+  for (const elements::KeyframeTrust& t : with.keyframes->trust) {
+    for (size_t r = elements::Keyframes::kPixelsOfFrame; r < t.pixel.size(); ++r) {
+      EXPECT_EQ(t.pixel[r], 0);
+    }
+  }
+  const BeamLog test = scanned({0.35}, 100);
+  EXPECT_LT(scored(with, test).nll_per_beam, scored(without, test).nll_per_beam);
+}
+
 // Between every second column beams are to be as far from the pixels of other rows as in use.
 TEST(Keyframes, HalfOfTheColumnsKeepTheRows) {
   BeamLog log = scanned({0}, 0);

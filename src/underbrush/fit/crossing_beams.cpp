@@ -69,6 +69,18 @@ bool GroundArea::is_crossed(const Eigen::Vector2d& from, const Eigen::Vector2d& 
   }
 }
 
+std::vector<uint8_t> meet_something(const trace::World& world, std::span<const Ray> rays,
+                                    std::span<const double> reach_m) {
+  trace::IntersectionLists met;
+  world.all_intersections(rays, {0, HUGE_VAL}, reach_m, met);
+  std::vector<uint8_t> out(rays.size());
+  // The lists are sorted by range, and what lies beyond the reach may be in them or not.
+  for (size_t i = 0; i < rays.size(); ++i) {
+    out[i] = !met[i].empty() && met[i].front().t_m <= reach_m[i];
+  }
+  return out;
+}
+
 BeamLog CrossingBeams::crossing(const BeamLog& chunk) const {
   const double farthest = std::min(chunk.info.max_range_m, max_range_m_);
   std::vector<uint8_t> crosses(chunk.size());
@@ -99,13 +111,16 @@ bool CrossingBeams::next(BeamLog& chunk) {
 bool BeamsBeside::next(BeamLog& chunk) {
   for (BeamLog all; source_.next(all);) {
     std::vector<Ray> rays;
-    for (size_t i = 0; i < all.size(); ++i) rays.push_back(all.ray(i));
-    const std::vector<double> reach(rays.size(), HUGE_VAL);
-    trace::IntersectionLists met;
-    world_.all_intersections(rays, {0, all.info.max_range_m}, reach, met);
+    std::vector<double> reach_m;
+    for (size_t i = 0; i < all.size(); ++i) {
+      rays.push_back(all.ray(i));
+      const double end = all.is_hit(i) ? double(all.range_m[i]) + beyond_m_ : HUGE_VAL;
+      reach_m.push_back(std::min(end, all.info.max_range_m));
+    }
+    const std::vector<uint8_t> meets = meet_something(world_, rays, reach_m);
     chunk = all.like();
     for (size_t i = 0; i < all.size(); ++i) {
-      if (met[i].empty()) chunk.append(all, i);
+      if (!meets[i]) chunk.append(all, i);
     }
     if (!chunk.empty()) return true;
   }

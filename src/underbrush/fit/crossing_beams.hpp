@@ -54,11 +54,16 @@ class CrossingBeams : public BeamSource {
   double max_range_m_, beyond_m_;
 };
 
-/// The beams of a log that meet none of some ellipsoids.
+/// Whether each ray meets an element of a world up to its reach (m).
+std::vector<uint8_t> meet_something(const trace::World& world, std::span<const Ray> rays,
+                                    std::span<const double> reach_m);
+
+/// The beams of a log that meet none of some ellipsoids up to `beyond_m` (m) behind their returns.
 class BeamsBeside : public BeamSource {
  public:
   /// `model` has the ellipsoids and nothing else. Both must outlive the beams.
-  BeamsBeside(BeamSource& source, const elements::Model& model) : source_(source), world_(model) {}
+  BeamsBeside(BeamSource& source, const elements::Model& model, double beyond_m)
+      : source_(source), world_(model), beyond_m_(beyond_m) {}
   const LogInfo& info() const override { return source_.info(); }
   /// The number of beams of the source.
   size_t size() const override { return source_.size(); }
@@ -68,6 +73,7 @@ class BeamsBeside : public BeamSource {
  private:
   BeamSource& source_;
   trace::World world_;
+  double beyond_m_;
 };
 
 /// Several logs, one after another, with the facts of the last one.

@@ -7,8 +7,6 @@
 namespace underbrush::fit {
 namespace {
 
-constexpr float kSameM = 0.01f;
-
 /// The corners seen from above, the least first.
 struct Corners {
   std::array<std::array<float, 2>, 3> at;
@@ -45,7 +43,7 @@ Corners corners_of(const elements::TriangleMesh& mesh, size_t triangle) {
 }  // namespace
 
 std::vector<uint32_t> kept_triangles(const elements::TriangleMesh& before,
-                                     const elements::TriangleMesh& now) {
+                                     const elements::TriangleMesh& now, float most_rise_m) {
   std::map<Corners, uint32_t> number;
   for (uint32_t t = 0; t < before.size(); ++t) number[corners_of(before, t)] = t;
   std::vector<uint32_t> out(now.size(), kNewTriangle);
@@ -56,7 +54,7 @@ std::vector<uint32_t> kept_triangles(const elements::TriangleMesh& before,
     bool is_same = true;
     for (size_t k = 0; k < 3; ++k) {
       const float rise = corner(now, t, a, k).z() - corner(before, at->second, b, k).z();
-      is_same = is_same && std::abs(rise) <= kSameM;
+      is_same = is_same && std::abs(rise) <= most_rise_m;
     }
     if (is_same) out[t] = at->second;
   }

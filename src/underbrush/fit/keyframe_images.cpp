@@ -1,13 +1,12 @@
 #include "underbrush/fit/keyframe_images.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <bitset>
 #include <cmath>
-#include <optional>
 
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
+#include "underbrush/fit/keyframe_choice.hpp"
 
 namespace underbrush::fit {
 namespace {
@@ -59,9 +58,6 @@ struct Pattern {
   double largest_intensity = 0, largest_range_m = 0;
 };
 
-/// Keyframes nearer to one another than the spacing. A sensor that stands repeats itself best where
-/// a scan of nearly the same time is remembered, because poses drift.
-constexpr size_t kMostNear = 16;
 /// Elevations and azimuths are those of some so many beams, evenly chosen.
 constexpr size_t kPatternBeams = 500'000;
 
@@ -135,69 +131,16 @@ void set_even_image(const Pattern& p, double turn_share, Keyframes& k) {
   k.columns = size_t(std::max(1.0, std::round(2 * M_PI / step)));
 }
 
-/// The numbers below n, such that each beginning of them is spread evenly.
-std::vector<size_t> evenly(size_t n) {
-  std::vector<size_t> out;
-  const size_t slots = std::bit_ceil(n);
-  for (size_t k = 0; k < slots; ++k) {
-    size_t reversed = 0;  // in binary digits
-    for (size_t bit = 1; bit < slots; bit *= 2) reversed = 2 * reversed + (k & bit ? 1 : 0);
-    if (reversed < n) out.push_back(reversed);
-  }
-  return out;
-}
-
-/// The scans that become keyframes, evenly chosen among all, such that fewer than `most_near`
-/// others lie nearer than the spacing; nothing if they are more than `most`.
-std::optional<std::map<uint32_t, uint32_t>> chosen(const Pattern& p, double spacing_m,
-                                                   size_t most_near, size_t most) {
-  std::vector<std::pair<uint32_t, Vec3>> scans;
-  for (const auto& [number, scan] : p.scans) scans.emplace_back(number, scan.origin);
-  std::vector<Vec3> kept;
-  std::map<uint32_t, uint32_t> out;
-  for (const size_t k : evenly(scans.size())) {
-    const Vec3& at = scans[k].second;
-    const auto is_near = [&](const Vec3& o) { return (o - at).norm() < spacing_m; };
-    if (size_t(std::count_if(kept.begin(), kept.end(), is_near)) >= most_near) continue;
-    kept.push_back(at);
-    out[scans[k].first] = 0;
-    if (kept.size() > most) return {};
-  }
-  uint32_t frames = 0;
-  for (auto& [number, frame] : out) frame = frames++;
-  return out;
-}
-
-/// The scans that become keyframes, of `bytes` each. Where they would take too much memory, first
-/// fewer lie near together, and then the spacing grows.
-std::map<uint32_t, uint32_t> chosen_to_fit(const Pattern& p, const KeyframeOptions& options,
-                                           size_t bytes) {
-  constexpr size_t kLeastNear = 2;
-  const size_t most = std::max(kLeastNear, options.most_bytes / bytes);
-  size_t near = kMostNear;
-  double spacing = options.spacing_m;
-  while (true) {
-    if (auto scans = chosen(p, spacing, near, most)) return *scans;
-    if (near > kLeastNear) {
-      near /= 2;
-    } else {
-      spacing *= 1.25;
-    }
-  }
-}
-
 /// Drops the keyframes of scans that have no beam within the image.
 void drop_empty(KeyframeImages& images) {
-  std::vector<Keyframe> frames;
-  std::map<uint32_t, uint32_t> frame_of_scan;
-  for (const auto& [scan, frame] : images.frame_of_scan) {
-    Keyframe& f = images.keyframes.frames[frame];
-    if (f.pixels.empty()) continue;
-    frame_of_scan[scan] = uint32_t(frames.size());
-    frames.push_back(std::move(f));
-  }
-  images.keyframes.frames = std::move(frames);
-  images.frame_of_scan = std::move(frame_of_scan);
+  std::vector<Keyframe>& frames = images.keyframes.frames;
+  const auto is_empty = [](const Keyframe& f) { return f.pixels.empty(); };
+  std::erase_if(images.frame_of_scan, [&](const auto& s) { return is_empty(frames[s.second]); });
+  std::vector<uint32_t> number;
+  uint32_t left = 0;
+  for (const Keyframe& f : frames) number.push_back(is_empty(f) ? left : left++);
+  for (auto& [scan, frame] : images.frame_of_scan) frame = number[frame];
+  std::erase_if(frames, is_empty);
 }
 
 /// Makes the images of some scans.
@@ -228,10 +171,10 @@ class Painter {
     }
   }
 
-  /// Gives pixels and columns that no beam reached what their neighbours have.
+  /// Gives pixels and columns that no beam of the log reached what their neighbours have.
   void close_gaps() {
-    for (size_t f = 0; f < images_.keyframes.frames.size(); ++f) {
-      Keyframe& frame = images_.keyframes.frames[f];
+    for (const auto& [scan, number] : images_.frame_of_scan) {
+      Keyframe& frame = images_.keyframes.frames[number];
       spread_origins(frame);
       const std::vector<KeyframePixel> found = frame.pixels;
       const size_t n = images_.keyframes.columns;
@@ -313,22 +256,62 @@ class Painter {
   std::vector<std::vector<float>> off_;  // distance of each pixel's beam from its middle, columns
 };
 
-/// Chooses keyframes and makes their images, whose grid is known.
+/// Chooses keyframes among the scans of a log and those that there are already, and makes the
+/// images of the scans. The grid is known.
 void paint(BeamSource& log, const Pattern& pattern, const Vec3& origin,
            const KeyframeOptions& options, KeyframeImages& out) {
   Keyframes& k = out.keyframes;
-  const size_t bytes = k.pixels() * sizeof(KeyframePixel) + k.columns * sizeof(Vec3f);
-  out.frame_of_scan = chosen_to_fit(pattern, options, bytes);
-  k.frames.resize(out.frame_of_scan.size());
-  for (const auto& [scan, frame] : out.frame_of_scan) {
-    k.frames[frame].origin = pattern.scans.at(scan).origin - origin;
-    k.frames[frame].sensor_from_world = pattern.scans.at(scan).sensor_from_world;
+  std::vector<Vec3> places;
+  std::vector<uint32_t> scans;
+  for (const Keyframe& f : k.frames) places.push_back(f.origin);
+  for (const auto& [number, scan] : pattern.scans) {
+    places.push_back(scan.origin - origin);
+    scans.push_back(number);
   }
+  const size_t bytes = k.pixels() * sizeof(KeyframePixel) + k.columns * sizeof(Vec3f);
+  const size_t earlier = k.frames.size();
+  std::vector<Keyframe> frames;
+  for (const size_t place : chosen_keyframes(places, options, bytes)) {
+    if (place < earlier) {
+      frames.push_back(std::move(k.frames[place]));
+      continue;
+    }
+    const uint32_t scan = scans[place - earlier];
+    out.frame_of_scan[scan] = uint32_t(frames.size());
+    Keyframe& f = frames.emplace_back();
+    f.origin = places[place];
+    f.sensor_from_world = pattern.scans.at(scan).sensor_from_world;
+  }
+  k.frames = std::move(frames);
   Painter painter(pattern, options, out);
   log.rewind();
   for (BeamLog chunk; log.next(chunk);) painter.paint(chunk);
   drop_empty(out);
   painter.close_gaps();
+}
+
+double unit_of(const Pattern& p) {
+  return std::max(p.largest_range_m, 1.0) * 1.05 / KeyframePixel::kMost;
+}
+
+double intensity_unit_of(const Pattern& p) { return p.largest_intensity / 65535; }
+
+/// Makes units coarser where keyframes are to hold farther and brighter returns.
+void widen(Keyframes& k, double unit_m, double intensity_unit) {
+  const double length = std::min(k.unit_m / unit_m, 1.0);
+  const double light = intensity_unit > k.intensity_unit ? k.intensity_unit / intensity_unit : 1;
+  if (length == 1 && light == 1) return;
+  for (Keyframe& f : k.frames) {
+    for (KeyframePixel& p : f.pixels) {
+      if (!p.is_hit()) continue;
+      p.x = int16_t(std::lround(length * p.x));
+      p.y = int16_t(std::lround(length * p.y));
+      p.z = int16_t(std::lround(length * p.z));
+      p.intensity = uint16_t(std::lround(light * p.intensity));
+    }
+  }
+  k.unit_m /= length;
+  k.intensity_unit /= light;
 }
 
 }  // namespace
@@ -347,9 +330,19 @@ KeyframeImages make_keyframe_images(BeamSource& log, const Vec3& origin,
     const double of_channel = beams_of_scan(pattern) / double(k.rows());
     k.columns = size_t(std::max(1.0, std::round(of_channel / turn_share)));
   }
-  const double reach = std::max(pattern.largest_range_m, 1.0) * 1.05;
-  k.unit_m = reach / KeyframePixel::kMost;
-  k.intensity_unit = pattern.largest_intensity / 65535;
+  k.unit_m = unit_of(pattern);
+  k.intensity_unit = intensity_unit_of(pattern);
+  paint(log, pattern, origin, options, out);
+  return out;
+}
+
+KeyframeImages add_keyframe_images(BeamSource& log, Keyframes earlier, const Vec3& origin,
+                                   const KeyframeOptions& options) {
+  KeyframeImages out{std::move(earlier), {}};
+  const Pattern pattern = pattern_of(log);
+  // Where the earlier logs have no intensities, the pixels of none are to have any.
+  const bool has_light = out.keyframes.intensity_unit > 0;
+  widen(out.keyframes, unit_of(pattern), has_light ? intensity_unit_of(pattern) : 0);
   paint(log, pattern, origin, options, out);
   return out;
 }

@@ -8,7 +8,7 @@
 
 namespace underbrush::fit {
 
-/// Keyframes without trust yet, and which scan each of them is.
+/// Keyframes without trust yet, and which of them is that of each scan of the log.
 struct KeyframeImages {
   elements::Keyframes keyframes;
   std::map<uint32_t, uint32_t> frame_of_scan;
@@ -19,6 +19,12 @@ struct KeyframeImages {
 /// are apart.
 KeyframeImages make_keyframe_images(BeamSource& log, const Vec3& origin,
                                     const KeyframeOptions& options);
+
+/// Adds the images of a log to those of earlier ones, in their grid, and chooses among both as
+/// among the scans of one log. The pixels of earlier ones stay, in coarser units where the log has
+/// farther or brighter returns.
+KeyframeImages add_keyframe_images(BeamSource& log, elements::Keyframes earlier, const Vec3& origin,
+                                   const KeyframeOptions& options);
 
 /// Makes the images of a log of half as many columns: rows, units and places are those of
 /// `keyframes`, and columns are twice as wide.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "underbrush/core/clones.hpp"
 #include "underbrush/core/eight_lanes.inl"
@@ -137,6 +138,26 @@ KeyframeTrust most_likely(const std::vector<TrustSample>& samples,
   return t;
 }
 
+/// Which places of `KeyframeTrust::pixel` some samples say nothing of, as no more than a few saw a
+/// pixel there.
+std::array<bool, kPixels> unseen_by(const std::vector<TrustSample>& samples,
+                                    const std::vector<uint32_t>& which) {
+  std::array<double, kPixels> seen{};
+  for (const uint32_t i : which) {
+    for (size_t r = 0; r < kPixels; ++r) seen[r] += 1 - double(samples[i].unseen[r]);
+  }
+  std::array<bool, kPixels> out;
+  for (size_t r = 0; r < kPixels; ++r) out[r] = seen[r] < kPriorBeams;
+  return out;
+}
+
+/// Gives the elements the weight of pixels that nothing was learnt of.
+void leave_to_elements(const std::array<bool, kPixels>& unseen, KeyframeTrust& t) {
+  for (size_t r = 0; r < kPixels; ++r) {
+    if (unseen[r]) t.elements += std::exchange(t.pixel[r], 0.0);
+  }
+}
+
 }  // namespace
 
 TrustSample::TrustSample(const trace::Recalled& seen, double range_m) : situation(seen.situation) {
@@ -153,7 +174,8 @@ TrustSample::TrustSample(const trace::Recalled& seen, double range_m) : situatio
 }
 
 std::array<KeyframeTrust, Keyframes::kSituations> most_likely_trust(
-    const std::vector<TrustSample>& samples) {
+    const std::vector<TrustSample>& samples,
+    const std::array<KeyframeTrust, Keyframes::kSituations>* earlier) {
   std::array<KeyframeTrust, Keyframes::kSituations> out;
   std::vector<std::vector<uint32_t>> by_situation(Keyframes::kSituations);
   std::vector<std::vector<uint32_t>> by_agreement(Keyframes::kAgreements);
@@ -164,6 +186,7 @@ std::array<KeyframeTrust, Keyframes::kSituations> most_likely_trust(
   const KeyframeTrust start = first_guess();
   for (size_t a = 0; a < Keyframes::kAgreements; ++a) {
     const KeyframeTrust pooled = most_likely(samples, by_agreement[a], start, 1);
+    const std::array<bool, kPixels> unseen = unseen_by(samples, by_agreement[a]);
     // Where no beam was so near to a keyframe, the trust is that of the next farther distance.
     KeyframeTrust farther;
     for (size_t d = Keyframes::kDistances.size(); d-- > 0;) {
@@ -174,6 +197,9 @@ std::array<KeyframeTrust, Keyframes::kSituations> most_likely_trust(
       }
       if (beams >= kLeastBeams) {
         farther = most_likely(samples, by_situation[situation], pooled, kPriorBeams);
+        leave_to_elements(unseen, farther);
+      } else if (earlier) {
+        farther = (*earlier)[situation];
       }
       out[situation] = farther;
     }

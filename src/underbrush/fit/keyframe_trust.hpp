@@ -27,8 +27,11 @@ struct TrustSample {
 };
 
 /// Finds the trust in every situation that makes the outcomes likeliest, by expectation and
-/// maximisation. The same bits for any number of threads.
+/// maximisation. At a distance with too few beams the trust is that of `earlier`, or without it
+/// that of the next farther distance. A place of `KeyframeTrust::pixel` in which next to no beam
+/// saw a pixel leaves its weight to the elements. The same bits for any number of threads.
 std::array<elements::KeyframeTrust, elements::Keyframes::kSituations> most_likely_trust(
-    const std::vector<TrustSample>& samples);
+    const std::vector<TrustSample>& samples,
+    const std::array<elements::KeyframeTrust, elements::Keyframes::kSituations>* earlier = nullptr);
 
 }  // namespace underbrush::fit

@@ -6,6 +6,7 @@
 
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
+#include "underbrush/fit/changed_pixels.hpp"
 #include "underbrush/fit/keyframe_images.hpp"
 #include "underbrush/fit/keyframe_trust.hpp"
 #include "underbrush/trace/recollection.hpp"
@@ -24,7 +25,8 @@ class Sampler {
  public:
   Sampler(const elements::Model& model, const std::map<uint32_t, uint32_t>& frame_of_scan,
           const LogInfo& log, size_t beams, const KeyframeOptions& options)
-      : frame_of_scan_(frame_of_scan),
+      : is_one_scan_(model.keyframes->frames.size() == 1),
+        frame_of_scan_(frame_of_scan),
         world_(model),
         recollection_(model),
         min_range_m_(options.min_range_m),
@@ -97,13 +99,14 @@ class Sampler {
   trace::Recollection::Asked asked(const BeamLog& chunk, size_t i,
                                    std::span<const uint32_t> candidates, double least_m) const {
     const Ray ray = chunk.ray(i);
-    if (frame_of_scan_.size() < 2) return {ray, recollection_.near(ray.origin, candidates), 0};
+    if (is_one_scan_) return {ray, recollection_.near(ray.origin, candidates), 0};
     const auto frame = frame_of_scan_.find(chunk.scan[i]);
     const bool is_frame = frame != frame_of_scan_.end();
     const uint32_t own = is_frame ? frame->second : trace::Recollection::Near::kNone;
     return {ray, recollection_.near(ray.origin, candidates, least_m, own), 0};
   }
 
+  bool is_one_scan_;
   const std::map<uint32_t, uint32_t>& frame_of_scan_;
   trace::World world_;
   trace::Recollection recollection_;
@@ -206,6 +209,28 @@ void learn_keyframes(elements::Model& model, BeamSource& log, const KeyframeOpti
   keyframes->check();
   const auto is_trusted = [](const elements::KeyframeTrust& t) { return t.elements < 1; };
   if (std::ranges::none_of(keyframes->trust, is_trusted)) model.keyframes.reset();
+}
+
+KeyframeChanges update_keyframes(elements::Model& model, BeamSource& log,
+                                 const KeyframeOptions& options, const elements::Model& changed) {
+  KeyframeChanges out;
+  if (!model.keyframes || model.keyframes->frames.empty() || !(options.spacing_m > 0)) {
+    learn_keyframes(model, log, options);
+    out.added = model.keyframes ? model.keyframes->frames.size() : 0;
+    return out;
+  }
+  Keyframes earlier = *model.keyframes;
+  model.keyframes.reset();
+  out.forgotten_pixels = forget_changed(earlier, changed);
+  KeyframeImages images = add_keyframe_images(log, std::move(earlier), model.origin, options);
+  out.added = images.frame_of_scan.size();
+  out.kept = images.keyframes.frames.size() - out.added;
+  const auto keyframes = std::make_shared<Keyframes>(std::move(images.keyframes));
+  model.keyframes = keyframes;
+  keyframes->trust =
+      most_likely_trust(samples_of(model, images.frame_of_scan, log, options), &keyframes->trust);
+  keyframes->check();
+  return out;
 }
 
 }  // namespace underbrush::fit

@@ -35,4 +35,18 @@ struct KeyframeOptions {
 /// one scan. The result has the same bits for any number of threads.
 void learn_keyframes(elements::Model& model, BeamSource& log, const KeyframeOptions& options);
 
+/// What an update did to the keyframes of a model.
+struct KeyframeChanges {
+  size_t kept = 0, added = 0;   ///< Keyframes of the earlier logs and of the new scans.
+  size_t forgotten_pixels = 0;  ///< Pixels of earlier logs that became unknown.
+};
+
+/// Adds keyframes of new scans to those that a model has. Earlier ones stay, but for the pixels
+/// whose beams met an ellipsoid of `changed`, which later beams contradict: these become unknown.
+/// Both are chosen among as among the scans of one log. The trust is learnt from beams of the new
+/// scans, which look at both; at distances at which too few did, it stays as it was. A model
+/// without keyframes gets those of the new scans as by `learn_keyframes`.
+KeyframeChanges update_keyframes(elements::Model& model, BeamSource& log,
+                                 const KeyframeOptions& options, const elements::Model& changed);
+
 }  // namespace underbrush::fit

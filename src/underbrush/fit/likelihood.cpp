@@ -101,12 +101,22 @@ class ModelSearch {
     return next;
   }
 
-  /// Puts all elements back that may not move.
+  /// Puts all elements back that may not move, and what the triangles of a mesh share.
   void keep_others(const elements::Model& now, elements::Model& next) const {
-    next.ground = now.ground;
-    next.surface = now.surface;
-    for (size_t k = 0; k < moving_.size(); ++k) {
-      if (!moving_[k]) next.ellipsoids[k] = now.ellipsoids[k];
+    size_t element = 0;
+    for (auto mesh : {&elements::Model::ground, &elements::Model::surface}) {
+      const elements::TriangleMesh& before = now.*mesh;
+      elements::TriangleMesh& after = next.*mesh;
+      after.range_sigma_m = before.range_sigma_m;
+      after.roughness_m = before.roughness_m;
+      for (uint32_t t = 0; t < before.size(); ++t, ++element) {
+        if (moving_[element]) continue;
+        after.hit[t] = before.hit[t];
+        if (!after.roughness.empty()) after.roughness[t] = float(before.roughness_at(t));
+      }
+    }
+    for (size_t k = 0; k < now.ellipsoids.size(); ++k, ++element) {
+      if (!moving_[element]) next.ellipsoids[k] = now.ellipsoids[k];
     }
   }
 
@@ -149,8 +159,8 @@ Refined refine(const elements::Model& start, BeamSource& source, const Likelihoo
           "likelihood: the start's parameters must not be negative");
   require(options.sharpness >= 0.1 && options.sharpness <= 10,
           "likelihood: sharpness must be in [0.1, 10]");
-  require(moving.empty() || moving.size() == start.ellipsoids.size(),
-          "likelihood: `moving` must have an entry for each ellipsoid");
+  require(moving.empty() || moving.size() == start.size(),
+          "likelihood: `moving` must have an entry for each element");
   ModelSearch search(start, source, options, progress, moving);
   // In an M-step, redundant ellipsoids of a few beams each would fit those beams' noise, so
   // rearrangements come first.

@@ -80,8 +80,8 @@ BeamShare share_of_round(size_t beams, int round, int rounds);
 /// for ellipsoids bounded by voxels, because their means would leave the voxels, and for options
 /// out of range.
 ///
-/// Unless `moving` is empty, it says of each ellipsoid whether it may move. The other elements are
-/// met and keep their places, and there are no rearrangements.
+/// Unless `moving` is empty, it says of each element whether it may change. The others are met and
+/// stay as they are, and there are no rearrangements.
 Refined refine(const elements::Model& start, BeamSource& source, const LikelihoodOptions& options,
                const std::function<void(std::string_view, size_t, size_t)>& progress = {},
                const std::vector<bool>& moving = {});

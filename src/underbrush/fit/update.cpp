@@ -99,10 +99,10 @@ UpdateResult update(FitResult known, const std::vector<BeamSource*>& logs, BeamS
   work.count();
   if (fitter_named(options.fitter).refines) work.refine_new(likelihood_options(options));
   work.colour();
-  // Earlier keyframes would keep what has gone.
-  if (known.model.keyframes) {
+  if (fitter_named(options.fitter).refines) {
     StillBeams still(scans);
-    learn_keyframes(known.model, still, keyframe_options(options));
+    report.keyframes =
+        update_keyframes(known.model, still, keyframe_options(options), work.changed());
   }
   report.tiles = known.record.tiles.size();
   return {std::move(known.model), std::move(known.record), std::move(report)};

@@ -36,6 +36,7 @@ struct UpdateReport {
   size_t kept = 0, added = 0, dropped = 0;  ///< Ellipsoids.
   size_t changed = 0;  ///< Ellipsoids of which new beams say otherwise than earlier ones.
   size_t gone = 0;     ///< How many of `changed` were dropped as free space.
+  KeyframeChanges keyframes;
   std::vector<ChangedPlace> places;  ///< Where most have gone, at most ten.
   std::vector<std::string> warnings;
 };
@@ -61,8 +62,8 @@ struct UpdateResult {
 /// - New ellipsoids of a refined model are refined among the others, which stay.
 /// - Reflectances and classes of new elements are learnt from the same beams. Those of other
 ///   elements stay, as do the sensor's range offsets, its response to light and the grain.
-/// - Keyframes, where the model has them, become those of the new scans, because earlier ones would
-///   keep what has gone.
+/// - Keyframes of the new scans are added to those of the model, whose pixels are forgotten where
+///   their beams met an ellipsoid of which later beams say otherwise (`update_keyframes`).
 ///
 /// The earlier logs are read only if a tile is fitted anew. The result has the same bits for any
 /// number of threads. Without beams in `added` nothing changes. Throws `std::invalid_argument` for

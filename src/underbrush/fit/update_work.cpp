@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "underbrush/core/still_beams.hpp"
@@ -114,14 +115,21 @@ void UpdateWork::count() {
     model_.hit(i) = {1, now[i].trials.hits, now[i].trials.misses};
   }
   estimate_hit_probabilities(model_, options_.credit);
-  learn_noise(tally.residuals.ground, triangles);
+  learn_noise(tally.residuals.ground);
   adapt_densities(before, p_before, std::span(now).subspan(meshes));
   drop(before, std::span(now).subspan(meshes));
 }
 
 void UpdateWork::refine_new(const LikelihoodOptions& options) {
-  const std::vector<bool> moving(new_.begin() + ptrdiff_t(model_.triangle_count()), new_.end());
-  if (std::find(moving.begin(), moving.end(), true) == moving.end()) return;
+  if (std::find(new_.begin(), new_.end(), true) == new_.end()) return;
+  std::vector<bool> moving = new_;
+  // In the tiles that are fitted anew all beams that meet the ground are at hand.
+  const std::set<TileKey> anew(anew_.begin(), anew_.end());
+  const elements::TriangleMesh& ground = model_.ground;
+  for (size_t t = 0; t < ground.size(); ++t) {
+    const Vec3f& corner = ground.vertices[ground.triangles[t][0]];
+    if (anew.contains(tile_of(corner, out_.record.tile_m))) moving[t] = true;
+  }
   with_crossing(
       [&](BeamSource& beams) { model_ = refine(model_, beams, options, progress_, moving).model; },
       changed_.ellipsoids.empty() ? nullptr : &changed_);
@@ -148,7 +156,8 @@ void UpdateWork::with_crossing(const std::function<void(BeamSource&)>& use,
   for (BeamSource* log : logs_) {
     BeamSource* beams = crossing_of(*log, area, crossing);
     if (changed) {
-      crossing.push_back(std::make_unique<BeamsBeside>(*beams, *changed));
+      crossing.push_back(
+          std::make_unique<BeamsBeside>(*beams, *changed, options_.credit.max_residual_for_hit_m));
       beams = crossing.back().get();
     }
     all.push_back(beams);
@@ -200,7 +209,7 @@ void UpdateWork::count_earlier(const trace::World& world, std::vector<CurrentTri
   }
 }
 
-void UpdateWork::learn_noise(MeshResiduals& residuals, const std::vector<uint32_t>& triangles) {
+void UpdateWork::learn_noise(MeshResiduals& residuals) {
   std::vector<uint32_t>& all = out_.record.residuals;
   if (!all.empty()) residuals.add(all);
   all = residuals.counts();
@@ -212,8 +221,10 @@ void UpdateWork::learn_noise(MeshResiduals& residuals, const std::vector<uint32_
   ground.range_sigma_m = ground_.range_sigma_m;
   ground.roughness_m = ground_.roughness_m;
   ground.roughness.assign(ground.size(), float(ground.roughness_m));
-  for (size_t k = 0; k < triangles.size(); ++k) {
-    if (triangles[k] != kNewTriangle) ground.roughness[k] = ground_.roughness[triangles[k]];
+  // Where the ground has risen or sunk it is as rough as it was, until it is refined.
+  const std::vector<uint32_t> same_place = kept_triangles(ground_, ground, HUGE_VALF);
+  for (size_t k = 0; k < ground.size(); ++k) {
+    if (same_place[k] != kNewTriangle) ground.roughness[k] = ground_.roughness[same_place[k]];
   }
 }
 

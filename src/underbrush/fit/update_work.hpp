@@ -25,11 +25,13 @@ class UpdateWork {
   void fit(const std::vector<TileKey>& anew);
   /// Counts the hits and misses of all elements, and drops what is free space.
   void count();
-  /// Refines the new ellipsoids as `likelihood` does, with the beams that may meet them. Earlier
+  /// Refines the new elements as `likelihood` does, with the beams that may meet them. Earlier
   /// beams through what has changed saw another world.
   void refine_new(const LikelihoodOptions& options);
   /// Learns the classes and the reflectances of new elements.
   void colour();
+  /// After `count`, the ellipsoids of which later beams say otherwise, as they were.
+  const elements::Model& changed() const { return changed_; }
 
  private:
   void gather_near(BeamSource& log, const TileSet& wanted, TileStore& store);
@@ -44,10 +46,8 @@ class UpdateWork {
   void add_log(const std::vector<Trials>& later, std::vector<CurrentTrials>& now) const;
   /// Counts the beams of the earlier logs for the elements that are new.
   void count_earlier(const trace::World& world, std::vector<CurrentTrials>& now);
-  /// The noise of the ground is that of all returns so far.
-  /// Learns the noise of the ground from all residuals. A refined ground keeps its own, and so do
-  /// the triangles that it kept.
-  void learn_noise(MeshResiduals& residuals, const std::vector<uint32_t>& triangles);
+  /// Learns the noise of the ground from all residuals. A refined ground keeps its own.
+  void learn_noise(MeshResiduals& residuals);
   void take_over_light(const std::vector<uint32_t>& triangles);
   /// The hit probabilities of the ellipsoids by their counts.
   std::vector<double> hit_probabilities() const;

@@ -1,0 +1,142 @@
+// Tests of what an update does to the keyframes of a model.
+#include <gtest/gtest.h>
+
+#include "ball_scanner.hpp"
+#include "underbrush/fit/keyframe_images.hpp"
+#include "underbrush/fit/update.hpp"
+#include "underbrush/simulate/simulate.hpp"
+#include "update_site.hpp"
+
+namespace underbrush::fit {
+namespace {
+
+bool is_at_the_car(const Vec3& point) {
+  const Vec3 at = (point - kCar).cwiseAbs();
+  return at.x() < 2 && at.y() < 1 && at.z() < 0.75;
+}
+
+size_t remembered_of_the_car(const elements::Model& model) {
+  size_t n = 0;
+  for (const elements::Keyframe& f : model.keyframes->frames) {
+    for (const elements::KeyframePixel& p : f.pixels) {
+      n += p.is_hit() && is_at_the_car(model.origin + f.origin + model.keyframes->point(p));
+    }
+  }
+  return n;
+}
+
+/// The returns at the car that a model gives to some beams.
+size_t returns_of_the_car(const elements::Model& model, BeamLog beams) {
+  simulate::simulate(trace::World(model), simulate::Options(), 0, beams);
+  size_t n = 0;
+  for (size_t i = 0; i < beams.size(); ++i) {
+    n += beams.is_hit(i) && is_at_the_car(beams.end_point(i));
+  }
+  return n;
+}
+
+TEST(UpdateOfKeyframes, ForgetsWhatHasGoneAndKeepsTheRest) {
+  const BeamLog before = drive(true, 1, 60'000), after = drive(false, 2, 60'000),
+                test = drive(false, 3, 60'000);
+  const FitResult first = fitted(before);
+  ASSERT_TRUE(first.model.keyframes);
+  const UpdateResult grown = updated(first, {&before}, after, kAtOnce);
+  ASSERT_TRUE(grown.model.keyframes);
+  const KeyframeChanges& changes = grown.report.keyframes;
+  EXPECT_EQ(changes.kept, first.model.keyframes->frames.size());
+  EXPECT_EQ(changes.added, grown.model.keyframes->frames.size() - changes.kept);
+  EXPECT_GT(changes.added, 5u);
+  const size_t was = remembered_of_the_car(first.model);
+  EXPECT_GT(was, 1000u);
+  EXPECT_LT(remembered_of_the_car(grown.model), was / 10);
+  EXPECT_LT(changes.forgotten_pixels, 5 * was / 4);
+  EXPECT_LT(returns_of_the_car(grown.model, test), returns_of_the_car(first.model, test) / 20);
+}
+
+TEST(UpdateOfKeyframes, OfAnUnchangedWorldAllStay) {
+  const BeamLog a = drive(true, 1, 60'000), few = drive(true, 2, 3'000);
+  const FitResult first = fitted(a);
+  const UpdateResult grown = updated(first, {&a}, few, {});
+  ASSERT_TRUE(grown.model.keyframes);
+  EXPECT_EQ(grown.report.keyframes.kept, first.model.keyframes->frames.size());
+  EXPECT_EQ(grown.report.keyframes.forgotten_pixels, 0u);
+  for (size_t f = 0; f < grown.report.keyframes.kept; ++f) {
+    const elements::Keyframe &was = first.model.keyframes->frames[f],
+                             &now = grown.model.keyframes->frames[f];
+    EXPECT_EQ(now.origin, was.origin);
+    for (size_t p = 0; p < was.pixels.size(); ++p) {
+      ASSERT_EQ(now.pixels[p].is_hit(), was.pixels[p].is_hit());
+      if (!was.pixels[p].is_hit()) continue;
+      const Vec3 moved =
+          grown.model.keyframes->point(now.pixels[p]) - first.model.keyframes->point(was.pixels[p]);
+      ASSERT_LT(moved.norm(), 0.01);
+    }
+  }
+}
+
+TEST(UpdateOfKeyframes, AModelWithoutAnyStaysSo) {
+  const BeamLog a = drive(true, 1, 20'000), b = drive(true, 2, 20'000);
+  FitOptions without = small_tiles();
+  without.keyframes.spacing_m = 0;
+  EXPECT_FALSE(updated(fitted(a, without), {&a}, b, {}, 1 << 20, without).model.keyframes);
+}
+
+// A few new scans do not make the places worse that earlier ones saw from near by.
+TEST(UpdateOfKeyframes, RemembersWhatEarlierScansSaw) {
+  const BeamLog a = scanned(kDrive, 0, 0.7), b = scanned({15, 15.7}, 20, 0.7);
+  const BeamLog near_a = scanned({1.0, 3.2, 5.1}, 100, 0.7), near_b = scanned({15.3}, 110, 0.7);
+  elements::Model model = fitted(joined(a, b), 0);
+  const metrics::Summary a_without = scored(model, near_a), b_without = scored(model, near_b);
+  KeyframeOptions options;
+  options.spacing_m = 0.5;
+  MemorySource first(a), second(b);
+  learn_keyframes(model, first, options);
+  const metrics::Summary a_before = scored(model, near_a);
+  EXPECT_LT(a_before.nll_per_beam, a_without.nll_per_beam - 0.003);
+  const KeyframeChanges changes = update_keyframes(model, second, options, elements::Model());
+  EXPECT_EQ(changes.kept, kDrive.size());
+  EXPECT_EQ(changes.added, 2u);
+  EXPECT_EQ(changes.forgotten_pixels, 0u);
+  EXPECT_LT(scored(model, near_a).nll_per_beam, a_without.nll_per_beam - 0.003);
+  EXPECT_LT(scored(model, near_b).nll_per_beam, b_without.nll_per_beam - 0.003);
+}
+
+// Returns beyond the reach of earlier pixels make the units of all coarser.
+TEST(UpdateOfKeyframes, FartherReturnsFit) {
+  const BeamLog a = scanned({0, 0.7}, 0);
+  BeamLog b = scanned({1.4}, 5);
+  for (size_t i = 0; i < b.size(); ++i) {
+    if (b.is_hit(i)) b.range_m[i] *= 4;
+    b.intensity[i] *= 3;
+  }
+  MemorySource before(a), after(b);
+  const KeyframeOptions options;
+  const elements::Keyframes known = make_keyframe_images(before, kPlace, options).keyframes;
+  const KeyframeImages both = add_keyframe_images(after, known, kPlace, options);
+  const elements::Keyframes& now = both.keyframes;
+  ASSERT_EQ(now.frames.size(), 3u);
+  EXPECT_EQ(both.frame_of_scan.at(5), 2u);
+  EXPECT_EQ(now.elevation, known.elevation);
+  EXPECT_GT(now.unit_m, 2 * known.unit_m);
+  EXPECT_NEAR(now.intensity_unit, 3 * known.intensity_unit, 0.1 * known.intensity_unit);
+  double farthest = 0;
+  for (size_t f = 0; f < 3; ++f) {
+    for (size_t p = 0; p < now.pixels(); ++p) {
+      const elements::KeyframePixel& pixel = now.frames[f].pixels[p];
+      if (f == 2) {
+        if (pixel.is_hit()) farthest = std::max(farthest, now.point(pixel).norm());
+        continue;
+      }
+      const elements::KeyframePixel& was = known.frames[f].pixels[p];
+      ASSERT_EQ(pixel.is_hit(), was.is_hit());
+      if (!pixel.is_hit()) continue;
+      ASSERT_LT((now.point(pixel) - known.point(was)).norm(), 2 * now.unit_m);
+      ASSERT_NEAR(pixel.intensity * now.intensity_unit, was.intensity * known.intensity_unit,
+                  now.intensity_unit);
+    }
+  }
+  EXPECT_GT(farthest, 100);
+}
+
+}  // namespace
+}  // namespace underbrush::fit
