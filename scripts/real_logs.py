@@ -4,10 +4,9 @@
     scripts/real_logs.py DATA WORK [--program build/bin/underbrush] [--only NAME ...]
                          [--models NAME ...] [--reuse] [--folds K] [--markdown FILE]
 
-default is fit without options, sharp is share/configs/likelihood-sharp.yaml. tuned and tuned_nll are the
-default with what optimize found on a slice of the training half. no_keyframes is the default with --keyframes 0.
-mesh_primitives is a scene of plant meshes,
-not a model.
+default is fit without options, and median the same model, of which simulate --draw median answers. sharp is
+share/configs/likelihood-sharp.yaml. tuned and tuned_nll are the default with what optimize found on a slice of the
+training half. no_keyframes is the default with --keyframes 0. mesh_primitives is a scene of plant meshes, not a model.
 
 DATA is a folder with the logs named in LOGS below (KITTI drives packed by its frames.py, which needs
 NumPy, or unpacked). WORK receives all intermediate files. Prints one Markdown table row a log and
@@ -47,6 +46,7 @@ FITTERS: dict[str, typing.Optional[Words]] = {
     "voxel": ["--fitter", "voxel", "--voxel-side", "0.3"],
     "top_down": ["--fitter", "top_down"], "bottom_up": ["--fitter", "bottom_up"],
     "mesh_primitives": None,  # scripts/mesh_primitives.sh
+    "median": None,  # the model of default
     "likelihood_voxel": ["--fitter", "likelihood", "--start", "voxel", "--voxel-side", "0.3"],
     "likelihood_top_down": ["--fitter", "likelihood", "--start", "top_down"],
     "likelihood_bottom_up": ["--fitter", "likelihood", "--start", "bottom_up"],
@@ -98,18 +98,26 @@ def fit_options(program: Program, work: pathlib.Path, name: str, label: str) -> 
     return ["--config", config]
 
 
+def model_of(label: str) -> str:
+    return "default" if label == "median" else label
+
+
 def score(program: Program, work: pathlib.Path, name: str, models: list[str]) -> Scores:
     fit = LOGS[name][3]
     train, test = work / "train.ply", work / "test.ply"
     words: Words = ["score", test]
+    fitted: set[str] = set()
     for label in models:
+        model = model_of(label)
         if label == "mesh_primitives":
             subprocess.run([SCENE_SCRIPT, train, work / label, *fit], check=True, stdout=subprocess.DEVNULL,
                            env={**os.environ, "UNDERBRUSH": str(program)})
-        else:
-            run(program, "fit", train, *fit_options(program, work, name, label), *fit, "-o", work / label)
-        run(program, "simulate", work / label, "--like", test, "--matter", "anew", "-o", work / f"{label}.ply")
-        words += [work / f"{label}.ply", "--model", work / label, "--name", label]
+        elif model not in fitted:
+            run(program, "fit", train, *fit_options(program, work, name, model), *fit, "-o", work / model)
+            fitted.add(model)
+        draw = ["--draw", "median"] if label == "median" else ["--matter", "anew"]
+        run(program, "simulate", work / model, "--like", test, *draw, "-o", work / f"{label}.ply")
+        words += [work / f"{label}.ply", "--model", work / model, "--name", label]
     run(program, *words, "--json", work / "score.json", "--report", work / "report")
     result: Scores = json.loads((work / "score.json").read_text())
     for s in result["models"].values():
@@ -141,7 +149,7 @@ def fold_means(program: Program, work: pathlib.Path, name: str, models: list[str
 
 def rows(program: Program, work: pathlib.Path, name: str, result: Scores) -> typing.Iterator[str]:
     for label, s in result["models"].items():
-        figures = [str(ellipsoids(program, work / label))]
+        figures = [str(ellipsoids(program, work / model_of(label)))]
         figures += [f"{s[key]:.{digits}f}" for key, _, digits in COLUMNS]
         yield f"| {name} | {label} | {s['beams']} | " + " | ".join(figures) + " |"
 

@@ -28,19 +28,24 @@ metrics::Score score_of_look_up(const BeamLog& train, const BeamLog& test, LookU
   return score_of(test, simulated);
 }
 
-/// Scores a fitted model as `fit` and `simulate` make it.
-metrics::Score score_of_fit(const BeamLog& train, const BeamLog& test, std::string_view fitter,
-                            uint64_t seed) {
+/// The world of a fitted model, as `fit` makes it.
+elements::Model fitted(const BeamLog& train, std::string_view fitter, uint64_t seed) {
   fit::FitOptions options;
   options.fitter = fitter;
   options.seed = seed;
   MemorySource source(train);
   elements::Model model = fit::fit(source, options).model;
   optimize::learn_grain(model, source, seed);
+  return model;
+}
+
+metrics::Score score_of_model(const elements::Model& model, const BeamLog& test,
+                              simulate::RangeDraw draw, uint64_t seed) {
   const trace::World world(model, trace::Isa::kBest, trace::Draws::kOnce);
   MemorySource like(test);
   simulate::Options simulate;
   simulate.seed = seed;
+  simulate.draw = draw;
   simulate::SimulatedSource simulated(world, like, simulate);
   return score_of(test, simulated);
 }
@@ -94,9 +99,16 @@ StudyResult study_look_up(const StudyRun& run) {
       best = std::min(best, s.all.capped_error_m);
       add_row(log, name, s, table, out.figures);
     }
-    add_row(log, "mesh", score_of_fit(train, test, "surface", run.seed), table, out.figures);
-    const metrics::Score ours = score_of_fit(train, test, fit::FitOptions().fitter, run.seed);
+    using simulate::RangeDraw;
+    const auto score_of = [&](const elements::Model& model, RangeDraw draw) {
+      return score_of_model(model, test, draw, run.seed);
+    };
+    const elements::Model mesh = fitted(train, "surface", run.seed),
+                          model = fitted(train, fit::FitOptions().fitter, run.seed);
+    add_row(log, "mesh", score_of(mesh, RangeDraw::kOnRay), table, out.figures);
+    const metrics::Score ours = score_of(model, RangeDraw::kOnRay);
     add_row(log, "default", ours, table, out.figures);
+    add_row(log, "default, median", score_of(model, RangeDraw::kMedian), table, out.figures);
     out.checks.push_back({log + ": capped error of the default over the best look-up's",
                           ours.all.capped_error_m / best, 1.0});
   }

@@ -15,8 +15,9 @@ Answer::Answer(AnswerArguments a, const simulate::DynamicWorld& world,
                const simulate::InstanceKinds& kinds, const std::optional<sensor::Sensor>& recorder,
                const SensorOf& sensor_of)
     : a_(std::move(a)), world_(world) {
-  a_.simulate.draw =
-      a_.draw == "on_ray" ? simulate::RangeDraw::kOnRay : simulate::RangeDraw::kVolumetric;
+  a_.simulate.draw = a_.draw == "on_ray"   ? simulate::RangeDraw::kOnRay
+                     : a_.draw == "median" ? simulate::RangeDraw::kMedian
+                                           : simulate::RangeDraw::kVolumetric;
   a_.simulate.intensity =
       a_.intensity == "mean" ? simulate::IntensityDraw::kMean : simulate::IntensityDraw::kDrawn;
   if (a_.beam == "random") a_.simulate.random_ray = sensor_of("--beam random").beam;

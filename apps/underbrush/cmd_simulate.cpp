@@ -82,8 +82,10 @@ void add_options(Verb& verb, Arguments& a) {
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   verb.begin_rare_group("Thin rays");
-  app.add_option("--draw", a.answer.draw, "Where in an ellipsoid a range is drawn")
-      ->check(CLI::IsMember({"on_ray", "volumetric"}))
+  app.add_option("--draw", a.answer.draw,
+                 "Draw the range in an ellipsoid along the beam or in its volume, or draw nothing "
+                 "and answer the median of all that a beam may measure, which has the least error")
+      ->check(CLI::IsMember({"on_ray", "volumetric", "median"}))
       ->capture_default_str();
   app.add_option("--intensity", a.answer.intensity,
                  "Answer the expected intensity of an element, or draw it with the element's "

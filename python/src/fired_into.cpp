@@ -11,7 +11,8 @@ namespace {
 void check(const SimulateOptions& o) {
   const auto one_of = [](const std::string& value, const char* a, const char* b,
                          const char* message) { require(value == a || value == b, message); };
-  one_of(o.answer.draw, "on_ray", "volumetric", "simulate: draw is on_ray or volumetric");
+  require(o.answer.draw == "median" || o.answer.draw == "on_ray" || o.answer.draw == "volumetric",
+          "simulate: draw is on_ray, volumetric or median");
   one_of(o.answer.beam, "thin", "random", "simulate: beam is thin or random");
   one_of(o.answer.instrument.footprint, "excess", "whole",
          "simulate: footprint is excess or whole");

@@ -51,6 +51,7 @@ def test_fit_in_memory(log_file: pathlib.Path, model: underbrush.Model) -> None:
     (["--matter", "anew", "--seed", "9"], {"matter": "anew", "seed": 9}),
     (["--element-ids", "--max-range", "30"], {"element_ids": True, "max_range": 30}),
     (["--draw", "volumetric", "--range-noise", "0.1"], {"draw": "volumetric", "range_noise": 0.1}),
+    (["--draw", "median"], {"draw": "median"}),
     (["--super-sample", "7", "--returns", "2", "--rain", "5"], {"super_sample": "7", "returns": "2", "rain": 5}),
 ])
 def test_simulate(run: Callable[..., str], log_file: pathlib.Path, model: underbrush.Model, tmp_path: pathlib.Path,

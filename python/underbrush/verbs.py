@@ -36,7 +36,7 @@ class SimulateKeywords(TypedDict, total=False):
     grain: float  #: m; size of what beams meet as one; 0 = the model's.
     wind: float  #: s; time in which the leaves that a beam meets become others; 0 = they stand still.
     tau: float  #: Mahalanobis distance within which a beam meets an ellipsoid; 0 = the model's.
-    draw: str  #: "on_ray" (default) or "volumetric": where in an ellipsoid a range is drawn.
+    draw: str  #: "on_ray" (default) or "volumetric": where in an ellipsoid a range is drawn; "median": no draw.
     beam: str  #: "thin" (default), or "random": a ray of the sensor's cone.
     max_range: float  #: m; 0 = the log's or the sensor's.
     range_noise: float  #: m; standard deviation of further noise.

@@ -63,7 +63,7 @@ def readme_rows():
             yield row, f"F1 of hits: {column}", [s["F1"]]
         return Part((model_job(log, model),), cells)
     return tuple(part(row, log, model, column) for row, log in rows.items()
-                 for model, column in (("default", "default"), ("sharp", "sharp"), ("surface", "mesh")))
+                 for model, column in (("default", "default"), ("median", "median"), ("surface", "mesh")))
 
 
 def fitters(models):
@@ -322,7 +322,7 @@ def terrestrial_parameters(folder):
 
 MEASURED = {
     "readme": Measured(readme_rows()),
-    "real-logs": Measured(real_logs(("default", "sharp", "surface", "surface_carved", "mesh_primitives"))),
+    "real-logs": Measured(real_logs(("default", "median", "sharp", "surface", "surface_carved", "mesh_primitives"))),
     "reliability": Measured(reliability(("default", "sharp", "hierarchical", "surface"))),
     "keyframes": Measured(real_logs(("default", "no_keyframes"))),
     "fitters": Measured(fitters(("default", "hierarchical", "voxel", "top_down", "bottom_up"))),

@@ -31,8 +31,8 @@ class Keyframes(cli_test.Failing):
             raise AssertionError(done.stderr)
         return json.loads(done.stdout)
 
-    def scored(self, model):
-        self.run_verb("simulate", model, "--like", "test.ply", "-o", f"{model}.ply")
+    def scored(self, model, *options):
+        self.run_verb("simulate", model, "--like", "test.ply", *options, "-o", f"{model}.ply", "--force")
         return self.run_verb("score", "test.ply", f"{model}.ply", "--model", model, "--name", "m")["models"]["m"]
 
     def test_recorded_scan_is_answered_better(self):
@@ -42,6 +42,14 @@ class Keyframes(cli_test.Failing):
         self.assertLess(remembered["packet_error_m"], 0.82 * without["packet_error_m"])
         self.assertLess(remembered["cloud_error_m"], without["cloud_error_m"])
         self.assertGreater(remembered["f1"], without["f1"])
+
+    def test_median_is_nearer_than_a_draw_and_than_a_carved_mesh(self):
+        self.run_verb("fit", "train.ply", "--fitter", "surface", "--surface-carve", "-o", "mesh")
+        drawn, mesh = self.scored("with"), self.scored("mesh")
+        median = self.scored("with", "--draw", "median")
+        for other in (drawn, mesh):
+            self.assertLess(median["packet_error_m"], 0.95 * other["packet_error_m"])
+            self.assertGreater(median["f1"], other["f1"])
 
     def test_report_says_what_is_remembered(self):
         found = self.fit["keyframes"]

@@ -164,6 +164,27 @@ TEST(Keyframes, RingsAreSmoothWhereMatterIsDrawnOnce) {
   EXPECT_LT(once, 0.85 * anew);
 }
 
+// The median answers without a draw from the same mixture.
+TEST(Keyframes, TheMedianOfWhatTheyRecallIsNearest) {
+  const elements::Model with = fitted(scanned({0, 0, 0, 0, 0}, 0), 1), without = [&] {
+    elements::Model m = with;
+    m.keyframes.reset();
+    return m;
+  }();
+  const BeamLog test = scanned({0, 0}, 100);
+  const auto median = [&](const elements::Model& model) {
+    BeamLog beams = test;
+    simulate::Options options;
+    options.draw = simulate::RangeDraw::kMedian;
+    simulate::simulate(trace::World(model), options, 0, beams);
+    MemorySource real(test), simulated(beams);
+    return metrics::score(real, simulated, {}).all;
+  };
+  EXPECT_LT(median(with).packet_error_m, 0.8 * median(without).packet_error_m);
+  EXPECT_LT(median(with).packet_error_m, 0.9 * scored(with, test).packet_error_m);
+  EXPECT_GT(median(with).f1, scored(with, test).f1);
+}
+
 TEST(Keyframes, ALogTooShortToTrustThemHasNone) {
   const BeamLog whole = scanned({0}, 0);
   BeamLog few = whole;

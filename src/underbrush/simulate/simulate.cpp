@@ -9,6 +9,7 @@
 #include "underbrush/core/rng.hpp"
 #include "underbrush/simulate/draw.hpp"
 #include "underbrush/simulate/element_class.hpp"
+#include "underbrush/simulate/median.hpp"
 #include "underbrush/trace/recollection.hpp"
 
 namespace underbrush::simulate {
@@ -32,6 +33,9 @@ void check(const DynamicWorld& world, const Options& options) {
   if (options.random_ray) options.random_ray->check();
   require((world.world().draws() == trace::Draws::kSwaying) == (options.sway_s > 0),
           "simulate: a world sways if it is given a correlation time");
+  require(options.draw != RangeDraw::kMedian ||
+              (!options.random_ray && options.sway_s == 0 && !world.moves()),
+          "simulate: the median is of thin rays in a world in which nothing moves or sways");
 }
 
 trace::RangeLimits limits_of(const DynamicWorld& world, const Options& options,
@@ -46,14 +50,16 @@ void make_miss(BeamLog& beams, size_t i) {
   beams.flags[i] = 0;
 }
 
+double with_noise(double range_m, const Options& options, uint64_t key) {
+  if (!(options.range_noise_m > 0)) return range_m;
+  return range_m + options.range_noise_m * normal(key, Intersection::kNone, Purpose::kNoise);
+}
+
 /// Answers a beam as a keyframe does.
 void set_recalled(const trace::RecalledReturn& seen, const Options& options,
                   const trace::RangeLimits& limits, uint64_t key, BeamLog& beams, size_t i) {
   if (!(seen.range_m >= limits.min_m && seen.range_m <= limits.max_m)) return;
-  double range = seen.range_m;
-  if (options.range_noise_m > 0) {
-    range += options.range_noise_m * normal(key, Intersection::kNone, Purpose::kNoise);
-  }
+  const double range = with_noise(seen.range_m, options, key);
   beams.range_m[i] = float(std::clamp(range, limits.min_m, limits.max_m));
   beams.intensity[i] =
       options.intensity == IntensityDraw::kMean ? seen.mean_intensity : seen.intensity;
@@ -131,10 +137,42 @@ std::vector<std::optional<trace::RecalledReturn>> recalled(
   return out;
 }
 
+/// Where some beams end: at an element, as a keyframe says, or nowhere.
+struct Ends {
+  std::vector<Intersection> met;
+  std::vector<std::optional<trace::RecalledReturn>> seen;
+  std::vector<double> median_m;  ///< m; the ranges, if they are medians and are not to be drawn.
+};
+
+Ends median_ends(const DynamicWorld& world, const trace::Recollection* memory,
+                 std::span<const Ray> rays, std::span<const uint16_t> rings,
+                 const trace::RangeLimits& limits) {
+  Ends out;
+  for (const MedianAnswer& a : median_answers(world.world(), memory, rays, rings, limits)) {
+    out.met.push_back(a.met);
+    out.seen.push_back(a.seen);
+    out.median_m.push_back(a.range_m);
+  }
+  return out;
+}
+
+/// Unless `matter` is null, matter is drawn once. `trials` are the keys of what the rays meet.
+Ends drawn_ends(const DynamicWorld& world, const trace::Recollection* memory,
+                std::span<const Ray> rays, std::span<const uint16_t> rings,
+                std::span<const double> time_s, std::span<const uint64_t> keys,
+                std::span<const uint64_t> trials, const uint64_t* matter,
+                const trace::RangeLimits& limits) {
+  Ends out{std::vector<Intersection>(rays.size()), {}, {}};
+  world.nearest_accepted(rays, trials, time_s, limits, out.met);
+  out.seen.resize(rays.size());
+  if (memory) out.seen = recalled(*memory, rays, rings, out.met, keys, matter);
+  return out;
+}
+
 }  // namespace
 
 bool keyframes_serve(const DynamicWorld& world, const Options& options, const LogInfo& beams) {
-  const bool plain = options.draw == RangeDraw::kOnRay && !options.random_ray &&
+  const bool plain = options.draw != RangeDraw::kVolumetric && !options.random_ray &&
                      !options.element_ids && options.sway_s == 0;
   return plain && !world.moves() && world.world().is_one_model() &&
          trace::Recollection::serves(world.model(0), beams);
@@ -153,7 +191,6 @@ void simulate(const DynamicWorld& world, const Options& options, size_t first_be
     const size_t n = end - begin;
     std::vector<Ray> rays(n);
     std::vector<uint64_t> keys(n), trials(once ? n : 0);
-    std::vector<Intersection> met(n);
     for (size_t k = 0; k < n; ++k) {
       const size_t i = begin + k;
       rays[k] = beams.ray(i);
@@ -163,37 +200,39 @@ void simulate(const DynamicWorld& world, const Options& options, size_t first_be
         rays[k] = sensor::random_ray(sensor::beam_axes(rays[k]), *options.random_ray, keys[k]);
       }
     }
-    world.nearest_accepted(rays, once ? trials : keys, {&beams.time_s[begin], n}, limits, met);
+    const std::span<const uint16_t> rings(&beams.ring[begin], n);
+    const trace::Recollection* known = memory ? &*memory : nullptr;
+    const Ends ends = options.draw == RangeDraw::kMedian
+                          ? median_ends(world, known, rays, rings, limits)
+                          : drawn_ends(world, known, rays, rings, {&beams.time_s[begin], n}, keys,
+                                       once ? trials : keys, once ? &matter : nullptr, limits);
+    const std::vector<Intersection>& met = ends.met;
     MatterAt matter_of(world);
     LearntLight light(world, beams.info, options.intensity);
-    std::vector<std::optional<trace::RecalledReturn>> seen(memory ? 0 : n);
-    if (memory)
-      seen = recalled(*memory, rays, {&beams.ring[begin], n}, met, keys, once ? &matter : nullptr);
     for (size_t k = 0; k < n; ++k) {
       const size_t i = begin + k;
       make_miss(beams, i);
-      if (seen[k]) {
-        set_recalled(*seen[k], options, limits, keys[k], beams, i);
+      if (ends.seen[k]) {
+        set_recalled(*ends.seen[k], options, limits, keys[k], beams, i);
         continue;
       }
       if (met[k].none()) continue;
       const elements::Model& model = matter_of.model(met[k], beams.time_s[i]);
       columns.set(i, model, met[k]);
       double range =
-          once ? drawn_in_matter(met[k],
-                                 trace::instance_key(matter, met[k].instance) ^
-                                     matter_of.cell(rays[k], beams.time_s[i], met[k], trials[k]),
-                                 keys[k], model.range_noise_m, limits)
-               : drawn_on_ray(met[k], keys[k], limits);
+          !ends.median_m.empty() ? ends.median_m[k]
+          : once                 ? drawn_in_matter(met[k],
+                                                   trace::instance_key(matter, met[k].instance) ^
+                                                       matter_of.cell(rays[k], beams.time_s[i], met[k], trials[k]),
+                                                   keys[k], model.range_noise_m, limits)
+                                 : drawn_on_ray(met[k], keys[k], limits);
       if (options.draw == RangeDraw::kVolumetric &&
           model.kind(met[k].element) == elements::Kind::kEllipsoid) {
         const Vec3 to = to_drawn_point(world, beams.time_s[i], rays[k], met[k], keys[k]);
         range = to.norm();
         beams.direction[i] = to.normalized().cast<float>();
       }
-      if (options.range_noise_m > 0) {
-        range += options.range_noise_m * normal(keys[k], Intersection::kNone, Purpose::kNoise);
-      }
+      range = with_noise(range, options, keys[k]);
       beams.range_m[i] = float(std::clamp(range, limits.min_m, limits.max_m));
       beams.intensity[i] = light.intensity(model, rays[k], met[k], beams, i, keys[k]);
     }

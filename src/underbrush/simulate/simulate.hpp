@@ -17,10 +17,11 @@ namespace underbrush {
 /// Simulation: it answers beams from a world.
 namespace simulate {
 
-/// The way in which the range is drawn when a beam ends at an ellipsoid.
+/// The way in which a beam's range follows from what it meets.
 enum class RangeDraw {
   kOnRay,       ///< t ~ N(t_i, σ_i²), the Gaussian along the ray, [deschaud12] eq. 2–3.
   kVolumetric,  ///< A point from N(μ, Σ), which may lie off the beam, [tallavajhula18] §IV.
+  kMedian,      ///< No draw: the median of all that the beam may measure (`median_answers`).
 };
 
 /// The options of `simulate`.
@@ -55,7 +56,8 @@ struct Options {
 /// range is taken. Intensities are those of the light that the models have learnt (`LearntLight`)
 /// and 0 for models without. Where `keyframes_serve`, the answer is that of the mixture of
 /// `elements::KeyframeTrust`, intensity included. `EchoMaker` has those of an instrument and of
-/// materials. Throws `std::invalid_argument` for options out of range.
+/// materials. Throws `std::invalid_argument` for options out of range, and where the median is
+/// asked for in a world that moves or sways, or of a ray that is drawn.
 void simulate(const DynamicWorld& world, const Options& options, size_t first_beam, BeamLog& beams);
 
 /// Whether the keyframes of the world's model answer such beams near them: thin rays of the sensor

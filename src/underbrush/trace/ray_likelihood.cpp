@@ -1,6 +1,8 @@
 #include "underbrush/trace/ray_likelihood.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "underbrush/core/beam_log.hpp"
 
@@ -18,6 +20,58 @@ double RangeMixture::likelihood(double range_m) const {
   double sum = 0;
   for (const Component& c : components) sum += c.density(range_m);
   return sum;
+}
+
+double RangeMixture::returns() const {
+  double sum = 0;
+  for (const Component& c : components) sum += c.weight;
+  return sum;
+}
+
+std::optional<double> RangeMixture::median() const {
+  const double half = 0.5 * returns();
+  if (!(half >= 0.25)) return {};
+  // Newton's method, from the component in which half of the weight is reached, between bounds.
+  std::vector<std::pair<double, double>> order;
+  for (const Component& c : components) order.emplace_back(c.t_m, c.weight);
+  std::sort(order.begin(), order.end());
+  size_t k = 0;
+  for (double sum = order[0].second; sum < half && k + 1 < order.size();) sum += order[++k].second;
+  constexpr double kExactM = 0.0005, kLongestM = 1;
+  double at = order[k].first, low = -HUGE_VAL, high = HUGE_VAL, moved = HUGE_VAL;
+  while (moved > kExactM && high - low > kExactM) {
+    double over = -half, density = 0;
+    for (const Component& c : components) {
+      const double off = at - c.t_m;
+      if (std::abs(off) >= 6 * c.sigma_m) {
+        over += off >= 0 ? c.weight : 0;
+      } else {
+        over += 0.5 * c.weight * std::erfc(-off / (std::sqrt(2) * c.sigma_m));
+        density += c.density(at);
+      }
+    }
+    if (over == 0) break;
+    (over < 0 ? low : high) = at;
+    const double newton = density > 0 ? std::clamp(-over / density, -kLongestM, kLongestM)
+                                      : (over < 0 ? kLongestM : -kLongestM);
+    double next = at + newton;
+    if (!(next > low && next < high)) next = 0.5 * (low + high);
+    moved = std::abs(next - at);
+    at = next;
+  }
+  return at;
+}
+
+size_t RangeMixture::likeliest_at(double range_m) const {
+  size_t best = 0, nearest = 0;
+  double most = 0;
+  for (size_t k = 0; k < components.size(); ++k) {
+    const double density = components[k].density(range_m);
+    if (density > most) most = density, best = k;
+    const auto off = [&](size_t c) { return std::abs(range_m - components[c].t_m); };
+    if (off(k) < off(nearest)) nearest = k;
+  }
+  return most > 0 ? best : nearest;
 }
 
 void mix_ranges(std::span<const Intersection> met, double weight, double negligible,

@@ -2,6 +2,7 @@
 /// This file has the likelihood of a beam's outcome under the ray model: a mixture of ranges, and
 /// outliers.
 #pragma once
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -41,6 +42,14 @@ struct RangeMixture {
   /// The density Σ w_k N(z; t_k, σ_k²) of a return at z = `range_m`, 1/m, or the weight of the miss
   /// (`range_m` = kMiss).
   double likelihood(double range_m) const;
+  /// The probability of a return.
+  double returns() const;
+  /// The median of the ranges of the returns, m, within half a millimetre; nothing where a miss is
+  /// likelier than a return.
+  std::optional<double> median() const;
+  /// The number of the component that is likeliest at a range (m), or of the nearest one if none
+  /// is likely at all. There must be one.
+  size_t likeliest_at(double range_m) const;
 };
 
 /// Computes the mixture of the elements that a beam meets: w_k = w p_k ∏_{j<k} (1 − p_j), and

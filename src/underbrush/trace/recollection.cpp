@@ -191,17 +191,22 @@ std::optional<RecalledReturn> Recollection::drawn(const Recalled& r, double u,
     double part = u / weight;
     size_t s = 0;
     while (s + 1 < t.scale.size() && part >= t.scale[s]) part -= t.scale[s++];
-    double sum = 0;
-    size_t same = 0;
-    for (size_t j = 0; j < r.count; ++j) {
-      if (std::abs(r.range_m[j] - r.range_m[k]) > 0.5) continue;
-      sum += double(r.intensity[j]);
-      ++same;
-    }
-    return RecalledReturn{r.range_m[k] + t.sigma_m[s] * normal(noise, 0, Purpose::kRecall),
-                          r.intensity[k], float(sum / double(same))};
+    RecalledReturn out = seen_by(r, k);
+    out.range_m += t.sigma_m[s] * normal(noise, 0, Purpose::kRecall);
+    return out;
   }
   return {};
+}
+
+RecalledReturn Recollection::seen_by(const Recalled& r, size_t k) {
+  double sum = 0;
+  size_t same = 0;
+  for (size_t j = 0; j < r.count; ++j) {
+    if (std::abs(r.range_m[j] - r.range_m[k]) > 0.5) continue;
+    sum += double(r.intensity[j]);
+    ++same;
+  }
+  return {r.range_m[k], r.intensity[k], float(sum / double(same))};
 }
 
 void Recollection::mix(const Recalled& r, RangeMixture& p) const {

@@ -73,6 +73,8 @@ class Recollection {
   /// Draws from the mixture of `KeyframeTrust`; nothing where the elements are to answer. `u`, even
   /// in [0, 1), decides what is seen, and `noise` the error of its range.
   std::optional<RecalledReturn> drawn(const Recalled& r, double u, uint64_t noise) const;
+  /// What the pixel number `k` of those seen answers, without an error of its own.
+  static RecalledReturn seen_by(const Recalled& r, size_t k);
   /// The most that `drawn` recalls at such a distance: the elements answer for any `u` from here
   /// on, without a look.
   double most_recalled(const Near& near) const {
