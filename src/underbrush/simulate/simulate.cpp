@@ -137,6 +137,26 @@ std::vector<std::optional<trace::RecalledReturn>> recalled(
   return out;
 }
 
+/// Beams, ready to be traced. Where matter is drawn once, its trials have keys of their own.
+struct Shots {
+  std::vector<Ray> rays;
+  std::vector<uint64_t> keys, trials;
+
+  Shots(const Options& options, size_t first_beam, bool once, const BeamLog& beams, size_t begin,
+        size_t end) {
+    const uint64_t matter = matter_key(options.seed);
+    rays.reserve(end - begin);
+    for (size_t i = begin; i < end; ++i) {
+      keys.push_back(beam_key(options.seed, beams.scan[i], first_beam + i));
+      trials.push_back(once ? matter_at(matter, beams.time_s[i], options.sway_s) : keys.back());
+      const Ray ray = beams.ray(i);
+      rays.push_back(options.random_ray ? sensor::random_ray(sensor::beam_axes(ray),
+                                                             *options.random_ray, keys.back())
+                                        : ray);
+    }
+  }
+};
+
 /// Where some beams end: at an element, as a keyframe says, or nowhere.
 struct Ends {
   std::vector<Intersection> met;
@@ -156,16 +176,15 @@ Ends median_ends(const DynamicWorld& world, const trace::Recollection* memory,
   return out;
 }
 
-/// Unless `matter` is null, matter is drawn once. `trials` are the keys of what the rays meet.
-Ends drawn_ends(const DynamicWorld& world, const trace::Recollection* memory,
-                std::span<const Ray> rays, std::span<const uint16_t> rings,
-                std::span<const double> time_s, std::span<const uint64_t> keys,
-                std::span<const uint64_t> trials, const uint64_t* matter,
-                const trace::RangeLimits& limits) {
-  Ends out{std::vector<Intersection>(rays.size()), {}, {}};
-  world.nearest_accepted(rays, trials, time_s, limits, out.met);
-  out.seen.resize(rays.size());
-  if (memory) out.seen = recalled(*memory, rays, rings, out.met, keys, matter);
+/// Unless `matter` is null, matter is drawn once.
+Ends drawn_ends(const DynamicWorld& world, const trace::Recollection* memory, const Shots& shots,
+                std::span<const uint16_t> rings, std::span<const double> time_s,
+                const uint64_t* matter, const trace::RangeLimits& limits) {
+  Ends out;
+  out.met.resize(rings.size());
+  out.seen.resize(rings.size());
+  world.nearest_accepted(shots.rays, shots.trials, time_s, limits, out.met);
+  if (memory) out.seen = recalled(*memory, shots.rays, rings, out.met, shots.keys, matter);
   return out;
 }
 
@@ -189,24 +208,14 @@ void simulate(const DynamicWorld& world, const Options& options, size_t first_be
   ElementColumns columns(options, beams.size());
   parallel_for(beams.size(), 8192, [&](size_t begin, size_t end) {
     const size_t n = end - begin;
-    std::vector<Ray> rays(n);
-    std::vector<uint64_t> keys(n), trials(once ? n : 0);
-    for (size_t k = 0; k < n; ++k) {
-      const size_t i = begin + k;
-      rays[k] = beams.ray(i);
-      keys[k] = beam_key(options.seed, beams.scan[i], first_beam + i);
-      if (once) trials[k] = matter_at(matter, beams.time_s[i], options.sway_s);
-      if (options.random_ray) {
-        rays[k] = sensor::random_ray(sensor::beam_axes(rays[k]), *options.random_ray, keys[k]);
-      }
-    }
+    const Shots shots(options, first_beam, once, beams, begin, end);
     const std::span<const uint16_t> rings(&beams.ring[begin], n);
     const trace::Recollection* known = memory ? &*memory : nullptr;
     const Ends ends = options.draw == RangeDraw::kMedian
-                          ? median_ends(world, known, rays, rings, limits)
-                          : drawn_ends(world, known, rays, rings, {&beams.time_s[begin], n}, keys,
-                                       once ? trials : keys, once ? &matter : nullptr, limits);
-    const std::vector<Intersection>& met = ends.met;
+                          ? median_ends(world, known, shots.rays, rings, limits)
+                          : drawn_ends(world, known, shots, rings, {&beams.time_s[begin], n},
+                                       once ? &matter : nullptr, limits);
+    const auto& [rays, keys, trials] = shots;
     MatterAt matter_of(world);
     LearntLight light(world, beams.info, options.intensity);
     for (size_t k = 0; k < n; ++k) {
@@ -216,25 +225,29 @@ void simulate(const DynamicWorld& world, const Options& options, size_t first_be
         set_recalled(*ends.seen[k], options, limits, keys[k], beams, i);
         continue;
       }
-      if (met[k].none()) continue;
-      const elements::Model& model = matter_of.model(met[k], beams.time_s[i]);
-      columns.set(i, model, met[k]);
-      double range =
-          !ends.median_m.empty() ? ends.median_m[k]
-          : once                 ? drawn_in_matter(met[k],
-                                                   trace::instance_key(matter, met[k].instance) ^
-                                                       matter_of.cell(rays[k], beams.time_s[i], met[k], trials[k]),
-                                                   keys[k], model.range_noise_m, limits)
-                                 : drawn_on_ray(met[k], keys[k], limits);
+      const Intersection& met = ends.met[k];
+      if (met.none()) continue;
+      const elements::Model& model = matter_of.model(met, beams.time_s[i]);
+      columns.set(i, model, met);
+      double range = 0;
+      if (!ends.median_m.empty()) {
+        range = ends.median_m[k];
+      } else if (once) {
+        const uint32_t cell = matter_of.cell(rays[k], beams.time_s[i], met, trials[k]);
+        range = drawn_in_matter(met, trace::instance_key(matter, met.instance) ^ cell, keys[k],
+                                model.range_noise_m, limits);
+      } else {
+        range = drawn_on_ray(met, keys[k], limits);
+      }
       if (options.draw == RangeDraw::kVolumetric &&
-          model.kind(met[k].element) == elements::Kind::kEllipsoid) {
-        const Vec3 to = to_drawn_point(world, beams.time_s[i], rays[k], met[k], keys[k]);
+          model.kind(met.element) == elements::Kind::kEllipsoid) {
+        const Vec3 to = to_drawn_point(world, beams.time_s[i], rays[k], met, keys[k]);
         range = to.norm();
         beams.direction[i] = to.normalized().cast<float>();
       }
       range = with_noise(range, options, keys[k]);
       beams.range_m[i] = float(std::clamp(range, limits.min_m, limits.max_m));
-      beams.intensity[i] = light.intensity(model, rays[k], met[k], beams, i, keys[k]);
+      beams.intensity[i] = light.intensity(model, rays[k], met, beams, i, keys[k]);
     }
   });
   columns.give_to(beams);
