@@ -53,6 +53,37 @@ TEST(UpdateOfKeyframes, ForgetsWhatHasGoneAndKeepsTheRest) {
   EXPECT_LT(returns_of_the_car(grown.model, test), returns_of_the_car(first.model, test) / 20);
 }
 
+/// The pixels of a log's scans, one after another, of beams that pass where the car is when it is
+/// there: how many of them the first keyframes know.
+size_t known_through_the_car(const elements::Model& model, const BeamLog& log) {
+  const elements::Keyframes& k = *model.keyframes;
+  const elements::KeyframeGrid grid(k);
+  size_t known = 0;
+  for (size_t i = 0; i < log.size(); ++i) {
+    const Vec3 d = log.direction[i].cast<double>();
+    const double along = (kCar.y() - log.origin[i].y()) / d.y();
+    const Vec3 at = (log.origin[i] + along * d - kCar).cwiseAbs();
+    if (!(along > 0) || at.x() > 1.5 || at.z() > 0.5) continue;
+    if (log.is_hit(i) && double(log.range_m[i]) < along) continue;
+    const elements::Keyframe& f = k.frames[log.scan[i]];
+    const auto place = grid.place(f.sensor_from_world * d);
+    if (!(place.row >= 0)) continue;
+    known += !f.pixels[size_t(place.row) * k.columns + size_t(place.column)].is_unknown();
+  }
+  return known;
+}
+
+// Where a car has come, the beams that passed there, with or without a return, are forgotten.
+TEST(UpdateOfKeyframes, ForgetsWhatIsBehindWhatHasCome) {
+  const BeamLog before = drive(false, 1, 60'000), after = drive(true, 2, 60'000);
+  const FitResult first = fitted(before);
+  const UpdateResult grown = updated(first, {&before}, after, kAtOnce);
+  ASSERT_EQ(grown.report.keyframes.kept, 20u);
+  const size_t was = known_through_the_car(first.model, before);
+  EXPECT_GT(was, 500u);
+  EXPECT_LT(known_through_the_car(grown.model, before), was / 4) << was;
+}
+
 TEST(UpdateOfKeyframes, OfAnUnchangedWorldAllStay) {
   const BeamLog a = drive(true, 1, 60'000), few = drive(true, 2, 3'000);
   const FitResult first = fitted(a);
