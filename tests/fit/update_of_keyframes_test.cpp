@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "ball_scanner.hpp"
+#include "underbrush/fit/changed_pixels.hpp"
 #include "underbrush/fit/keyframe_images.hpp"
 #include "underbrush/fit/update.hpp"
 #include "underbrush/simulate/simulate.hpp"
@@ -82,6 +83,37 @@ TEST(UpdateOfKeyframes, ForgetsWhatIsBehindWhatHasCome) {
   const size_t was = known_through_the_car(first.model, before);
   EXPECT_GT(was, 500u);
   EXPECT_LT(known_through_the_car(grown.model, before), was / 4) << was;
+}
+
+// A pixel without a return is forgotten if its direction leads to what has changed.
+TEST(UpdateOfKeyframes, ForgetsMissesTowardsWhatHasCome) {
+  elements::Keyframes k;
+  for (int row = -10; row <= 10; ++row) k.elevation.push_back(0.02 * row);
+  k.columns = 360;
+  k.unit_m = 0.01;
+  elements::Keyframe frame;
+  frame.origin = Vec3(3, -2, 1);
+  frame.sensor_from_world = Eigen::AngleAxisd(0.4, Vec3(0.1, 0.2, 1).normalized());
+  elements::KeyframePixel miss;
+  miss.x = elements::KeyframePixel::kNoReturn;
+  frame.pixels.assign(k.pixels(), miss);
+  frame.column_origin.assign(k.columns, Vec3f::Zero());
+  k.frames = {frame};
+  elements::Model changed;
+  changed.origin = Vec3(100, 50, 0);
+  changed.tau = 3;
+  changed.max_range_m = 40;
+  const Vec3 way(8, 14, 0.5);
+  test::add_bush((frame.origin + way).cast<float>(), {0.04, 0.04, 0.04}, 1, changed);
+  const size_t forgotten = forget_changed(k, changed);
+  EXPECT_GT(forgotten, 5u);
+  EXPECT_LT(forgotten, 40u);  // a disc of 0.6 m at 16 m is four rows and columns wide
+  const auto place = elements::KeyframeGrid(k).place(frame.sensor_from_world * way);
+  const size_t pixel = size_t(place.row) * k.columns + size_t(place.column);
+  EXPECT_TRUE(k.frames[0].pixels[pixel].is_unknown());
+  changed.max_range_m = 10;
+  k.frames = {frame};
+  EXPECT_EQ(forget_changed(k, changed), 0u);
 }
 
 TEST(UpdateOfKeyframes, OfAnUnchangedWorldAllStay) {
