@@ -308,7 +308,7 @@ TERRESTRIAL = page_job("page.terrestrial-scan", "docs/how-to/terrestrial-scan.md
 def terrestrial(folder):
     result = read_json(folder / "scores.json")
     yield HEADING, "524 158 odd beams", [result["beams"]]
-    for column, model in (("default", "default"), ("sharp", "sharp"), ("surface", "mesh")):
+    for column, model in (("default", "default"), ("median", "median"), ("surface", "mesh")):
         for row, key in KEYS.items():
             yield row, column, [result["models"][model][key]]
 
