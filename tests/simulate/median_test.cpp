@@ -48,6 +48,20 @@ TEST(Median, HalvesTheReturnsOfAnyMixture) {
   }
 }
 
+// Half of one component lies at its middle, but for rounding, from which no step may lead away.
+TEST(Median, OfOneComponentIsItsMiddle) {
+  for (uint64_t seed = 1; seed <= 3000; ++seed) {
+    Stream random(seed);
+    RangeMixture p;
+    const double weight = random.uniform(0.5, 1), t = random.uniform(1, 80);
+    const double part = random.uniform(0.1, 0.9), sigma = std::exp(random.uniform(-700, 1));
+    p.components = {{weight * part, t, sigma}, {weight - weight * part, t, 3 * sigma}};
+    p.miss = 1 - weight;
+    ASSERT_TRUE(p.median()) << seed;
+    EXPECT_NEAR(*p.median(), t, 0.001) << seed;
+  }
+}
+
 TEST(Median, OfNothingIsAMiss) {
   EXPECT_FALSE(RangeMixture().median());
   RangeMixture p;

@@ -38,8 +38,8 @@ std::optional<double> RangeMixture::median() const {
   size_t k = 0;
   for (double sum = order[0].second; sum < half && k + 1 < order.size();) sum += order[++k].second;
   constexpr double kExactM = 0.0005, kLongestM = 1;
-  double at = order[k].first, low = -HUGE_VAL, high = HUGE_VAL, moved = HUGE_VAL;
-  while (moved > kExactM && high - low > kExactM) {
+  double at = order[k].first, low = -HUGE_VAL, high = HUGE_VAL;
+  while (high - low > kExactM) {
     double over = -half, density = 0;
     for (const Component& c : components) {
       const double off = at - c.t_m;
@@ -54,10 +54,9 @@ std::optional<double> RangeMixture::median() const {
     (over < 0 ? low : high) = at;
     const double newton = density > 0 ? std::clamp(-over / density, -kLongestM, kLongestM)
                                       : (over < 0 ? kLongestM : -kLongestM);
-    double next = at + newton;
-    if (!(next > low && next < high)) next = 0.5 * (low + high);
-    moved = std::abs(next - at);
-    at = next;
+    if (std::abs(newton) < kExactM) return at + newton;
+    const double next = at + newton;
+    at = next > low && next < high ? next : 0.5 * (low + high);
   }
   return at;
 }
