@@ -22,7 +22,7 @@ NEEDS = {"site.json": ["site.ground"], "moving.json": ["site.ground", "path.txt"
          "tree.gltf": ["tree.bin"], "rig.yaml": ["spinning.yaml"], "chain.yaml": ["spinning.yaml"],
          "world.obj": ["world.mtl", "paint.txt"],
          "survey.xml": ["world.xml", "scanners.xml", "platforms.xml", "flight.trj", "world.obj", "forest.vox"],
-         "world.xml": ["world.obj", "forest.vox"]}
+         "world.xml": ["world.obj", "forest.vox"], "remembering": ["seen.ply"]}
 
 SIMULATE = "simulate model --sensor spinning.yaml --trajectory poses.txt"
 KINDS = [
@@ -114,6 +114,14 @@ KINDS = [
          "fit log.ply -o out --fitter likelihood --start model --rounds 1 --ground-spacing 2"),
     Kind("fit.start-ellipsoids", "header", "model/ellipsoids.ply",
          "fit log.ply -o out --fitter likelihood --start model --rounds 1 --ground-spacing 2"),
+    Kind("simulate.keyframes", "header", "remembering/keyframes.ply",
+         "simulate remembering --like seen.ply -o out.ply"),
+    Kind("simulate.median", "json", "remembering/model.json",
+         "simulate remembering --like seen.ply --draw median -o out.ply"),
+    Kind("fit.update-json", "json", "remembering/model.json", "fit more.ply --update remembering -o out",
+         others=("more.ply",)),
+    Kind("fit.update-keyframes", "header", "remembering/keyframes.ply", "fit more.ply --update remembering -o out",
+         others=("more.ply",)),
     # Annotations, sets of primitives, scenes
     Kind("compose.annotation", "json", "site.json", "compose site.json primitives -o out", others=("",)),
     Kind("compose.trajectory", "text", "path.txt", "compose moving.json primitives -o out"),

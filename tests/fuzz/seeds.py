@@ -7,7 +7,7 @@ import shutil
 import struct
 import subprocess
 
-MATERIALS = pathlib.Path(__file__).resolve().parents[2] / "share/materials/materials.yaml"
+SHARE = pathlib.Path(__file__).resolve().parents[2] / "share"
 POINTS = [(1.0, 2.0, 3.0, 0.5, 0, 0), (-4.0, 5.0, 0.25, 0.25, 1, 100), (7.0, -8.0, 9.0, 1.0, 2, 200),
           (0.5, 11.0, 12.0, 0.0, 3, 300), (13.0, 14.0, -15.0, 0.75, 4, 400)]  # x y z intensity ring t (ns)
 FIELDS = ("x", "y", "z", "intensity", "ring", "t")
@@ -327,6 +327,10 @@ MADE = (
     "compose moving.json primitives -o moving",
     "simulate model --like log.ply -o simulated.ply",
     "simulate model --sensor spinning.yaml --trajectory poses.txt --super-sample sensor -o echoes.ply",
+    "import marv_forest.pcd -o scan.ply --unknown-below-deg -13",
+    "split scan.ply --columns 24 --train rest.ply --test seen.ply",
+    "split rest.ply --columns 23 --train others.ply --test more.ply",
+    "fit seen.ply -o remembering",
     "optimize log.ply -o tuned.yaml --budget 3 --ground-spacing 2 --checkpoint state.json",
 )
 
@@ -347,7 +351,8 @@ def make(folder, program):
                           ("compose-options.yaml", COMPOSE), ("segment-options.yaml", SEGMENT),
                           ("path.txt", PATH)):
         put(name, content)
-    shutil.copy(MATERIALS, folder / "materials.yaml")
+    shutil.copy(SHARE / "materials/materials.yaml", folder)
+    shutil.copy(SHARE / "examples/marv_forest.pcd", folder)  # enough beams for keyframes
     for line in MADE:
         if "moving.json" in line:
             site = json.loads((folder / "site.json").read_text())
