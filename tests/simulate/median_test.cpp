@@ -62,6 +62,15 @@ TEST(Median, OfOneComponentIsItsMiddle) {
   }
 }
 
+// Where a step of a metre is lost in rounding, the search ends all the same.
+TEST(Median, OfRangesBeyondAllBoundsIsFound) {
+  RangeMixture p;
+  p.components = {{0.3, 1e25, 1e20}, {0.4, 2e25, 1e21}, {0.3, 1, 0}};
+  p.miss = 0;
+  ASSERT_TRUE(p.median());
+  EXPECT_FALSE(std::isnan(*p.median()));
+}
+
 TEST(Median, OfNothingIsAMiss) {
   EXPECT_FALSE(RangeMixture().median());
   RangeMixture p;

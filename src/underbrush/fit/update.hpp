@@ -56,7 +56,7 @@ struct UpdateResult {
 ///   sums of all tiles.
 /// - Every element that new beams meet gets their hits and misses. New elements get those of the
 ///   earlier beams that cross the tiles fitted anew, too. An ellipsoid of which later beams say
-///   otherwise than earlier ones, log by log, has the later trials alone (`with_later`), and its
+///   otherwise than earlier ones, log by log, has the later trials alone (`add_trials`), and its
 ///   density, where it has one, changes with the optical depth of its counts. Ellipsoids in free
 ///   space are dropped as in `fit`.
 /// - New ellipsoids of a refined model are refined among the others, which stay.

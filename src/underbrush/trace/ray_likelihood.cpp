@@ -38,8 +38,9 @@ std::optional<double> RangeMixture::median() const {
   size_t k = 0;
   for (double sum = order[0].second; sum < half && k + 1 < order.size();) sum += order[++k].second;
   constexpr double kExactM = 0.0005, kLongestM = 1;
+  constexpr int kMostSteps = 1000;  // of damaged models with ranges beyond all bounds
   double at = order[k].first, low = -HUGE_VAL, high = HUGE_VAL;
-  while (high - low > kExactM) {
+  for (int step = 0; step < kMostSteps && high - low > kExactM; ++step) {
     double over = -half, density = 0;
     for (const Component& c : components) {
       const double off = at - c.t_m;
