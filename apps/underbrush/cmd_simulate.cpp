@@ -288,7 +288,6 @@ void add_simulate(Program& program) {
       program, "Simulation", "simulate",
       "Simulate beams on a model or scene: those of a log, or of a sensor on a trajectory",
       "underbrush simulate model/ --like log.ply -o sim.ply\n"
-      "underbrush simulate model/ --like log.ply --draw median -o expected.ply\n"
       "  underbrush simulate model/ --sensor velodyne-hdl32e --trajectory poses.txt -o sim.ply\n"
       "  underbrush simulate model/ --rig rig.yaml --trajectory poses.txt --super-sample sensor -o "
       "sim.ply",
