@@ -3,8 +3,8 @@
 
     scripts/results.py --data DATA --work WORK [--bin build/bin] [--only NAME ...] [--list] [--update]
 
-A mark before each table (`<!-- results: NAME ... -->`, scripts/documented/tables.py) names its commands and claims;
-scripts/documented/registry.py has the commands, the cells and the tolerances. A figure may differ from the measured
+A mark before each table (`<!-- results: NAME -->`, scripts/documented/tables.py) names its commands and claims;
+scripts/documented/registry.py has the commands, the cells and the tolerances, claims.txt beside it the claims. A figure may differ from the measured
 one by half a unit of its last digit and the tolerance of its column. Jobs that are done and newer than their programs
 are not run again, so that an interrupted run goes on. Tables whose data is absent are skipped with a line. All tables
 take some hours. Exit status 1: a figure or a claim is beyond its tolerance, or a command failed. With --update the
@@ -21,7 +21,8 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from documented import jobs, registry, tables  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
-PAGES = ("README.md", "docs/*.md", "docs/how-to/*.md", "docs/tutorial/*.md", "docs/explanation/*.md")
+PAGES = ("README.md", "docs/*.md", "docs/results/*.md", "docs/how-to/*.md", "docs/tutorial/*.md",
+         "docs/explanation/*.md")
 
 
 def with_numpy():
@@ -36,10 +37,10 @@ def with_numpy():
 
 def documented(root):
     """{name: (page, table)} of all tables that are marked `results`."""
-    out = {}
+    out, claims = {}, tables.claims_of(root)
     for pattern in PAGES:
         for page in sorted(root.glob(pattern)):
-            for table in tables.tables(page.read_text(encoding="utf-8")):
+            for table in tables.tables(page.read_text(encoding="utf-8"), claims):
                 if table.kind == "results":
                     out[table.name] = page.relative_to(root), table
     return out

@@ -61,7 +61,8 @@ def section(path: str, wanted: str) -> Section:
     for heading, body in zip(pieces[1::2], pieces[2::2]):
         if anchor(heading) == wanted:
             before = re.split(r"^<!--|^\|", body, maxsplit=1, flags=re.MULTILINE)[0]
-            return Section(heading, before.strip(), tuple(t for t in tables.tables(body) if t.name))
+            found = tables.tables(body, tables.claims_of(ROOT))
+            return Section(heading, before.strip(), tuple(t for t in found if t.name))
     raise ValueError(f"{path} has no section #{wanted}")
 
 

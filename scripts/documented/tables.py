@@ -2,12 +2,11 @@
 
 A comment directly before a table says what becomes of it:
 
-  <!-- results: NAME            `scripts/results.py` makes the table NAME anew and compares every figure
-  holds: F1 of sharp > F1 of mesh
-  -->
+  <!-- results: NAME -->          `scripts/results.py` makes the table NAME anew and compares every figure
   <!-- not compared: REASON -->
 
-`holds` is a relation of two terms (< > <= >= =). A term is a number or a figure, or several with × or / between, all
+claims.txt has what is claimed of each table, below `[NAME]`: a line a claim, such as `F1 of sharp > F1 of mesh`. A
+claim is a relation of two terms (< > <= >= =). A term is a number or a figure, or several with × or / between, all
 words parted by spaces. A figure is `COLUMN of ROW` or `ROW of COLUMN`; `#2` after it takes the second figure of the
 cell. Labels may be shortened to a beginning that is unique. A heading `GROUP: LABEL` gives its group to the headings
 after it. Where the first column holds names of groups over empty cells, a row is GROUP/LABEL. `*` stands for every
@@ -15,6 +14,7 @@ label, or in `*/LABEL` for every group, the same one on both sides. `=` asks for
 """
 import dataclasses
 import operator
+import pathlib
 import re
 
 NUMBER = re.compile(r"(?<![\w.])(?P<number>[−-]?(?:\d{1,3}(?:[  ]\d{3})+|\d+)(?:\.\d+)?)(?:\s?(?P<unit>%|M\b))?(?![\w⁰-⁹])")
@@ -22,6 +22,18 @@ UNITS = {None: 1.0, "%": 0.01, "M": 1e6}
 MARK = re.compile(r"<!--\s*(?P<kind>results|not compared):\s*(?P<text>.*?)\s*-->\s*\Z", re.DOTALL)
 RELATIONS = {"<": operator.lt, ">": operator.gt, "<=": operator.le, ">=": operator.ge}
 HEADING = "heading"  # the label of the row of headings
+CLAIMS = "scripts/documented/claims.txt"
+
+
+def claims_of(root):
+    """{name of a table: its claims} of a tree."""
+    out, path = {}, pathlib.Path(root) / CLAIMS
+    for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else ():
+        if name := re.fullmatch(r"\[(.+)\]", line.strip()):
+            claims = out.setdefault(name[1], [])
+        elif line.strip() and not line.startswith("#"):
+            claims.append(line.strip())
+    return out
 
 
 @dataclasses.dataclass(frozen=True)
@@ -72,15 +84,13 @@ def holds_figures(rows):
 class Table:
     """A table of a page with its mark. Rows and columns count from 0; row −1 is that of the headings."""
 
-    def __init__(self, line, mark, headings, rows):
+    def __init__(self, line, mark, headings, rows, claims):
         self.line, self.headings, self.rows = line, headings, rows
         self.kind = mark["kind"] if mark else None
-        first, _, rest = mark["text"].partition("\n") if mark else ("", "", "")
-        self.name = first.strip() if self.kind == "results" else None
-        self.reason = " ".join(mark["text"].split()) if self.kind == "not compared" else None
-        lines = [line.strip() for line in rest.splitlines() if line.strip()] if self.kind == "results" else []
-        self.claims = [line[len("holds:"):].strip() for line in lines if line.startswith("holds:")]
-        self.unknown = [line for line in lines if not line.startswith("holds:")]
+        words = " ".join(mark["text"].split()) if mark else ""
+        self.name = words if self.kind == "results" else None
+        self.reason = words if self.kind == "not compared" else None
+        self.claims = claims.get(self.name, [])
         self.has_figures = holds_figures(rows)
         self._name_rows()
         self._name_columns()
@@ -145,8 +155,8 @@ class Table:
                 if c > 0 and re.match(r"[*]*[−-]?\d", cell)]
 
 
-def tables(text):
-    """Lists the tables of a page."""
+def tables(text, claims=None):
+    """Lists the tables of a page; `claims` are those of `claims_of`."""
     out, lines, fenced, at = [], text.split("\n"), False, 0
     starts = [0]
     for line in lines:
@@ -169,7 +179,7 @@ def tables(text):
         mark = MARK.search(before[max(before.rfind("<!--"), 0):])
         headings = cells(lines[at])
         rows = [(cells(line) + [""] * len(headings))[:len(headings)] for line in lines[at + 2:end]]
-        out.append(Table(at + 1, mark, headings, rows))
+        out.append(Table(at + 1, mark, headings, rows, claims or {}))
         at = end
     return out
 

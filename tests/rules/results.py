@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Checks the tables of figures in the documentation without measuring anything. Each has a mark: `results: NAME`, and
-scripts/documented/registry.py has commands for the name, or `not compared: REASON`. The claims in the marks hold of
+scripts/documented/registry.py has commands for the name, or `not compared: REASON`. The claims of claims.txt hold of
 the figures that are printed. `scripts/results.py` (`make results`) compares the figures with new ones; its examples
 here run a program that prints figures, and one that is off must be noticed."""
 import contextlib
@@ -29,8 +29,9 @@ def unknown_labels(table, measured):
 def check(root):
     out, used = [], {}
     names = set(registry.MEASURED) if root == rules.ROOT else {"one", "two"}
+    claims = tables.claims_of(root)
     for path in filter(is_page, rules.tracked(root, ".md")):
-        for table in tables.tables(rules.read(root, path)):
+        for table in tables.tables(rules.read(root, path), claims):
             place = f"{path}:{table.line}"
             if table.kind is None and table.has_figures:
                 out.append(f"{place}: a table of figures without a mark: <!-- results: NAME --> or "
@@ -43,10 +44,10 @@ def check(root):
                 if table.name in used:
                     out.append(f"{place}: '{table.name}' is already the table of {used[table.name]}")
                 used[table.name] = place
-                out += [f"{place}: what does '{line}' mean?" for line in table.unknown]
                 out += [f"{place}: {line}" for line in tables.broken_claims(table)]
                 if root == rules.ROOT and table.name in names:
                     out += [f"{place}: {line}" for line in unknown_labels(table, registry.MEASURED[table.name])]
+    out += [f"{tables.CLAIMS}: no page has the table '{name}'" for name in sorted(set(claims) - set(used))]
     if root == rules.ROOT:
         out += [f"no page has the table '{name}'" for name in sorted(names - set(used))]
     return out
@@ -54,18 +55,26 @@ def check(root):
 
 TABLE = "| model | F1 | error, m |\n|---|---:|---:|\n| ours | **0.98** | 1.25 |\n| mesh | 0.97 | 1.5 ± 0.1 |\n"
 GROUPED = "| log | model | F1 |\n|---|---|---:|\n| a (5) | x | 0.9 |\n| | y | 0.8 |\n| b (6) | x | 0.7 |\n| | y | 0.75 |\n"
+
+
+def claimed(claim, table=TABLE):
+    return {"docs/a.md": "<!-- results: one -->\n\n" + table, tables.CLAIMS: f"[one]\n{claim}\n"}
+
+
 BAD = [({"README.md": TABLE}, "without a mark"),
        ({"docs/a.md": "<!-- not compared: -->\n\n" + TABLE}, "reason is missing"),
        ({"docs/how-to/a.md": "<!-- results: three -->\n" + TABLE}, "no commands"),
        ({"docs/a.md": ("<!-- results: one -->\n" + TABLE + "\n") * 2}, "already"),
-       ({"docs/a.md": "<!-- results: one\nholds: F1 of mesh > F1 of ours\n-->\n\n" + TABLE}, "does not hold"),
-       ({"docs/a.md": "<!-- results: one\nholds: error of mesh = 1.6\n-->\n\n" + TABLE}, "does not hold"),
-       ({"docs/a.md": "<!-- results: one\nholds: F1 of nobody > 0.5\n-->\n\n" + TABLE}, "is 0 cells"),
-       ({"docs/a.md": "<!-- results: one\nhold: F1 of mesh > 0.5\n-->\n\n" + TABLE}, "mean?"),
-       ({"docs/a.md": "<!-- results: one\nholds: F1 of */x > F1 of */y\n-->\n\n" + GROUPED}, "b/x")]
-GOOD = {"README.md": "<!-- results: one\nholds: F1 of ours > F1 of mesh\nholds: error of mesh #2 = 0.1\n"
-                     "holds: error of mesh / error of ours = 1.2\nholds: F1 of * > 0.9\n-->\n\n" + TABLE,
-        "docs/a.md": "<!-- results: two\nholds: F1 of a/x > F1 of a/y\n-->\n\n" + GROUPED + "\n| key | default |\n"
+       (claimed("F1 of mesh > F1 of ours"), "does not hold"),
+       (claimed("error of mesh = 1.6"), "does not hold"),
+       (claimed("F1 of nobody > 0.5"), "is 0 cells"),
+       (claimed("F1 of mesh is best"), "is no relation"),
+       (claimed("F1 of */x > F1 of */y", GROUPED), "b/x"),
+       ({tables.CLAIMS: "[one]\nF1 of mesh > 0.5\n"}, "no page has the table 'one'")]
+GOOD = {"README.md": "<!-- results: one -->\n\n" + TABLE,
+        tables.CLAIMS: "# Claims.\n\n[one]\nF1 of ours > F1 of mesh\nerror of mesh #2 = 0.1\n"
+                       "error of mesh / error of ours = 1.2\nF1 of * > 0.9\n\n[two]\nF1 of a/x > F1 of a/y\n",
+        "docs/a.md": "<!-- results: two -->\n\n" + GROUPED + "\n| key | default |\n"
                      "|---|---|\n| a | none |\n\n<!-- not compared: set, not measured -->\n" + TABLE,
         "docs/notebook/a.md": TABLE}
 
@@ -94,7 +103,9 @@ def try_measuring(folder):
     program, done = folder / "bin/underbrush", folder / "work/jobs/fake/done"
     for path in ("bin", "work", "docs"):
         (folder / path).mkdir()
+    (folder / tables.CLAIMS).parent.mkdir(parents=True)
     (folder / "README.md").write_text(GOOD["README.md"])
+    (folder / tables.CLAIMS).write_text(GOOD[tables.CLAIMS].partition("[two]")[0])
     (folder / "docs/a.md").write_text("<!-- results: two -->\n\n" + TABLE)
     examples = [(["ours 0.9841 1.27", "mesh 0.9749 1.5 0.1"], 0, "5 figures and 4 claims compared, 0 beyond"),
                 (["ours 0.9841 1.27", "mesh 0.9749 1.5 0.1"], 0, "skipped: nowhere is not in"),
