@@ -7,7 +7,7 @@
 Odometry (KISS-ICP) and ground classification (Patchwork++) run over the held-out half of real logs, and over what the
 default, meshes and look-ups answer to its beams. Both come from PyPI into WORK/venv, in the versions of
 software/requirements.txt. DATA is as scripts/real_logs.py takes it; a log that is absent is skipped with one line.
---reuse takes what an interrupted run has imported, fitted and simulated. docs/explanation/validation.md has the
+--reuse takes what an interrupted run has imported, fitted and simulated. docs/results/software.md has the
 protocol. Exit status: 0 the verdict holds, 1 it falls short, 77 the packages cannot be installed.
 """
 import argparse

@@ -6,7 +6,7 @@ benchmarks only counts and ratios of times from one run are compared.
 import pathlib
 import sys
 
-from . import light, matter, registry_bench, registry_evidence, registry_software
+from . import light, matter, registry_bench, registry_evidence, registry_software, registry_summary
 from .common import HALVES, KEYS, LOGS, REAL_LOGS, STUDY, study
 from .jobs import Job, Measured, Part, read_json, read_rows
 from .tables import HEADING
@@ -50,20 +50,6 @@ def reliability(models):
     def part(log, model):
         return Part((model_job(log, model),), lambda folder: [(log, model, [scores(folder)["calibration error"]])])
     return tuple(part(log, model) for log in LOGS for model in models)
-
-
-def readme_rows():
-    rows = {"KITTI 0027": "kitti_0027_forest", "KITTI 0005": "kitti_0005_city", "KITTI 0052": "kitti_0052_static",
-            "RELLIS-3D": "rellis_000104", "ROUGH": "marv_forest"}
-
-    def part(row, log, model, column):
-        def cells(folder):
-            s = scores(folder)
-            yield row, f"packet error, m: {column}", [s["packet error, m"]]
-            yield row, f"F1 of hits: {column}", [s["F1"]]
-        return Part((model_job(log, model),), cells)
-    return tuple(part(row, log, model, column) for row, log in rows.items()
-                 for model, column in (("default", "default"), ("median", "median"), ("surface", "mesh")))
 
 
 def fitters(models):
@@ -321,7 +307,6 @@ def terrestrial_parameters(folder):
 
 
 MEASURED = {
-    "readme": Measured(readme_rows()),
     "real-logs": Measured(real_logs(("default", "median", "sharp", "surface", "surface_carved", "mesh_primitives"))),
     "reliability": Measured(reliability(("default", "sharp", "hierarchical", "surface"))),
     "keyframes": Measured(real_logs(("default", "no_keyframes"))),
@@ -365,3 +350,5 @@ MEASURED = {
 }
 MEASURED |= registry_evidence.evidence(study, LOGS, HALVES)
 MEASURED["validated"] = matter.validated(MEASURED)
+VIEWS = registry_summary.VIEWS
+MEASURED |= {name: registry_summary.measured(view, MEASURED) for name, view in VIEWS.items()}

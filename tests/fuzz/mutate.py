@@ -246,7 +246,7 @@ def print_table(chosen, counts):
 
 
 def print_markdown(chosen, counts):
-    """Prints the table of docs/explanation/validation.md: a row a verb."""
+    """Prints the table of docs/results/damaged-files.md: a row a verb."""
     print("| verb | files | mutants | " + " | ".join(title for _, title in COLUMNS) + " |")
     print("|---|---|" + "---|" * (1 + len(COLUMNS)))
     verbs, total = sorted({kind.name.split(".")[0] for kind in chosen}), collections.Counter()

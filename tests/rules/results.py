@@ -13,7 +13,10 @@ import rules
 
 sys.path.insert(0, str(rules.ROOT / "scripts"))
 import results as command  # noqa: E402  (this file's own name is __main__)
-from documented import jobs, registry, tables  # noqa: E402
+from documented import jobs, registry, registry_summary, tables  # noqa: E402
+
+#: Of the bad and good examples: which tables there are, and which repeat others.
+EXAMPLES = {"one": {}, "two": {}, "three": {("best", "F1"): [("one", "ours", "F1", 0)]}}
 
 
 def is_page(path):
@@ -28,7 +31,8 @@ def unknown_labels(table, measured):
 
 def check(root):
     out, used = [], {}
-    names = set(registry.MEASURED) if root == rules.ROOT else {"one", "two"}
+    names = set(registry.MEASURED if root == rules.ROOT else EXAMPLES)
+    views = registry.VIEWS if root == rules.ROOT else {"three": EXAMPLES["three"]}
     claims = tables.claims_of(root)
     for path in filter(is_page, rules.tracked(root, ".md")):
         for table in tables.tables(rules.read(root, path), claims):
@@ -47,6 +51,9 @@ def check(root):
                 out += [f"{place}: {line}" for line in tables.broken_claims(table)]
                 if root == rules.ROOT and table.name in names:
                     out += [f"{place}: {line}" for line in unknown_labels(table, registry.MEASURED[table.name])]
+    found = {name: table for name, (_, table) in command.documented(root).items()}
+    out += [f"{used[name]}: {line}" for name, view in views.items() if name in found
+            for line in registry_summary.broken(view, found[name], found)]
     out += [f"{tables.CLAIMS}: no page has the table '{name}'" for name in sorted(set(claims) - set(used))]
     if root == rules.ROOT:
         out += [f"no page has the table '{name}'" for name in sorted(names - set(used))]
@@ -55,6 +62,7 @@ def check(root):
 
 TABLE = "| model | F1 | error, m |\n|---|---:|---:|\n| ours | **0.98** | 1.25 |\n| mesh | 0.97 | 1.5 ± 0.1 |\n"
 GROUPED = "| log | model | F1 |\n|---|---|---:|\n| a (5) | x | 0.9 |\n| | y | 0.8 |\n| b (6) | x | 0.7 |\n| | y | 0.75 |\n"
+REPEATED = "<!-- results: three -->\n\n| model | F1 |\n|---|---:|\n| best | {} |\n| a figure elsewhere | 2 |\n"
 
 
 def claimed(claim, table=TABLE):
@@ -63,19 +71,22 @@ def claimed(claim, table=TABLE):
 
 BAD = [({"README.md": TABLE}, "without a mark"),
        ({"docs/a.md": "<!-- not compared: -->\n\n" + TABLE}, "reason is missing"),
-       ({"docs/how-to/a.md": "<!-- results: three -->\n" + TABLE}, "no commands"),
+       ({"docs/how-to/a.md": "<!-- results: four -->\n" + TABLE}, "no commands"),
        ({"docs/a.md": ("<!-- results: one -->\n" + TABLE + "\n") * 2}, "already"),
        (claimed("F1 of mesh > F1 of ours"), "does not hold"),
        (claimed("error of mesh = 1.6"), "does not hold"),
        (claimed("F1 of nobody > 0.5"), "is 0 cells"),
        (claimed("F1 of mesh is best"), "is no relation"),
        (claimed("F1 of */x > F1 of */y", GROUPED), "b/x"),
+       ({"docs/a.md": "<!-- results: one -->\n\n" + TABLE, "docs/b.md": REPEATED.format("0.97")}, "0.97 is 0.98 in"),
+       ({"docs/a.md": "<!-- results: one -->\n\n" + TABLE, "docs/b.md": REPEATED.format("–")}, "0 figures in"),
        ({tables.CLAIMS: "[one]\nF1 of mesh > 0.5\n"}, "no page has the table 'one'")]
 GOOD = {"README.md": "<!-- results: one -->\n\n" + TABLE,
         tables.CLAIMS: "# Claims.\n\n[one]\nF1 of ours > F1 of mesh\nerror of mesh #2 = 0.1\n"
                        "error of mesh / error of ours = 1.2\nF1 of * > 0.9\n\n[two]\nF1 of a/x > F1 of a/y\n",
         "docs/a.md": "<!-- results: two -->\n\n" + GROUPED + "\n| key | default |\n"
                      "|---|---|\n| a | none |\n\n<!-- not compared: set, not measured -->\n" + TABLE,
+        "docs/results/b.md": REPEATED.format("1.0"),
         "docs/notebook/a.md": TABLE}
 
 

@@ -14,7 +14,7 @@ namespace underbrush::metrics {
 /// The cloud is in metres and should be near its origin.
 ///
 /// The sign does not tell inside from outside. It is that of Open3D's closed-form eigenvectors, on
-/// which the figures of [goodin24] rest (docs/explanation/validation.md). Throws
+/// which the figures of [goodin24] rest (docs/results/verification.md). Throws
 /// `std::invalid_argument` for k < 3.
 std::vector<Vec3f> normals(std::span<const Vec3f> cloud, size_t k);
 
