@@ -35,7 +35,8 @@ VIEWS = {
         **beyond("", "capped error, m", {f"{FOREST}/20 m beyond": "20 m beyond", f"{STREET}/5 m beyond": "5 m beyond",
                                          f"{FOREST}/denser": "between rings, forest",
                                          f"{STREET}/denser": "between rings, street"}),
-        **{("composed scene", source): [("scenes", row, "drive: cloud error, m", 0)] for source, row in SCENES.items()}},
+        **{("composed scene", source): [("scenes", row, "drive: cloud error, m", 0)]
+           for source, row in SCENES.items()}},
     "summary-inside": {**looked_up("capped error, m: ", "capped error, m", INSIDE), **looked_up("F1: ", "F1", INSIDE)},
     "summary-beyond": {**beyond("returns answered: ", "returns answered", PLACES),
                        **beyond("capped error, m: ", "capped error, m", PLACES)},

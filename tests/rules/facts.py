@@ -60,7 +60,7 @@ def gains(program):
 
 
 def odometry(program):
-    """The ratios and the extremes of the correlations of the default's scans, as the page on validation repeats them."""
+    """Ratios, and extremes of the correlations, of the default's scans, as the page on validation repeats them."""
     del program
     table = results.documented(rules.ROOT)["software-odometry"][1]
 
@@ -167,7 +167,7 @@ BAD = [({"README.md": "The FMU is not\nthere yet.\n"}, "stale"),
        ({"docs/notebook/2026-11.md": "- 50 prior hits of an ellipsoid\n"}, "it is [5.0]"),
        ({"docs/how-to/tuning.md": "held-out half, by 0 % to 24 %\n"}, "states ['0', '24']"),
        ({"docs/how-to/notebooks.md": "Three notebooks in\n"}, "states")]
-GOOD = {"README.md": "```sh\nunderbrush fit log.ply --tau 3 -o model\nmake build\n```\nThe program underbrush is there.\n",
+GOOD = {"README.md": "```sh\nunderbrush fit log.ply --tau 3 -o model\n```\nThe program underbrush is there.\n",
         "docs/how-to/tuning.md": "One scan in\nfour (`--validate`)\n"}
 
 
