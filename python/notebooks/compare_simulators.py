@@ -46,7 +46,7 @@ print("\n".join(recording.found()))
 info, scans = formats.beams_of_recording(recording)
 with underbrush.LogWriter(work / "log.ply", info) as writer:
     for chunk in scans:
-        # Beams without a return below -13° meet the robot itself: they tell nothing.
+        # Beams without a return below -13° meet the robot itself: they mean nothing.
         kept = np.isfinite(chunk.range_m) | (chunk.direction[:, 2] > np.sin(np.radians(-13)))
         names = ("origin", "direction", "range_m", "intensity", "time_s", "ring", "scan", "packet", "flags")
         writer.write(underbrush.log_from_columns(**{name: getattr(chunk, name)[kept] for name in names}, info=info))

@@ -62,7 +62,7 @@ print("real scan:", {name: int((real == k).sum()) for k, name in enumerate(("unk
 # ## The same detector on simulated scans
 #
 # Every simulation answers exactly the beams of the real scan, so a different decision comes from the simulator alone.
-# The real scan's own sampling noise is the yardstick: the other half of its columns sees the same place.
+# The yardstick is the sampling noise of the real scan: the other half of its columns shows the same place.
 
 # %%
 other_half = underbrush.read_log(work / "train.ply")
@@ -107,7 +107,7 @@ for panel, (name, decision) in zip(panels, {"real scan": real, **decisions}.item
 panels[0].set_ylabel("x, m")
 
 # %% [markdown]
-# A beam-wise score of the same simulation says why: false hits in free space become obstacles that are not there,
+# A beam-wise score of the same simulation shows why: false hits in free space become obstacles that are not there,
 # false misses become free cells that are not free.
 
 # %%

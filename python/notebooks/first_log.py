@@ -24,7 +24,7 @@ scan = pathlib.Path(underbrush.__file__).parent / "share/underbrush/examples/mar
 # ## From a file to a log
 #
 # The command `underbrush`, which the package installs, converts foreign files. Beams below -13° look at the robot
-# itself, so their misses tell nothing. `split` holds half of the columns out: the model never sees them.
+# itself, so their misses mean nothing. `split` holds out half of the columns, which are not used for the fit.
 
 # %%
 command = str(cli.program())

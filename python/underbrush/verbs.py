@@ -243,7 +243,7 @@ def segment(log: Log, output: Path | None = None, *, labels: Path | None = None,
 
 def movers(log: Log, output: Path | None = None, *, progress: Progress | None = None,
            **options: float | Sequence[float]) -> Marked:
-    """Marks the returns of what moved during a log, of which `fit` makes nothing and which `score` leaves out.
+    """Marks the returns of what moved during a log, which `fit` and `score` leave out.
 
     `options` are those of `underbrush movers` with `_` for `-`: `look_s`, `least_empty`, `cell_deg`, `max_range`,
     `same_m`, `least_points`. With `output`, the log is written too. Raises `ValueError` (`FormatError` for a log of one
