@@ -41,6 +41,17 @@ class Program:
     def fitters(self):
         return re.search(r"one of ([\w, ]+) \[", self.options("fit")["--fitter"]).group(1).split(", ")
 
+    def sensors(self):
+        """The models of the catalogue, without their makers."""
+        lines = self.say("sensors", "list").splitlines()[1:]
+        return [line.split()[0].partition("-")[2] for line in lines if not line.startswith("generic")]
+
+    def requests(self):
+        """What the server answers."""
+        sources = [path for path in rules.tracked(rules.ROOT, ".cpp") if path.startswith("src/underbrush/serve/")]
+        found = (re.findall(r'\{"(api/[\w/]+)"', rules.read(rules.ROOT, path)) for path in sources)
+        return sorted({request for requests in found for request in requests})
+
     def studies(self):
         return re.findall(r'^ +\{"([a-z-]+)"', rules.read(rules.ROOT, "studies/studies.cpp"), re.MULTILINE)
 
@@ -80,12 +91,19 @@ def notebooks(program):
     return [sum(path.name != "make_ipynb.py" for path in (rules.ROOT / "python/notebooks").glob("*.py"))]
 
 
-#: Lists that are whole: (page, list, pattern of a place that names one).
+def letters(name):
+    """A pattern of a name whose letters and digits may be parted by hyphens."""
+    return "(?i)[ (]" + "[- ]?".join(re.sub(r"\W", "", name)) + r"\b"
+
+
+#: Lists that are whole: (page, list, pattern of a place that names one, or what makes the pattern of a name).
 LISTS = [("docs/how-to/reproduce-a-paper.md", Program.studies, r"^\| `{}` \|"),
          ("CHANGELOG.md", Program.studies, r"`{}`"),
          ("docs/explanation/fitters.md", Program.fitters, r"^\| `{}` \|"),
          ("CHANGELOG.md", Program.fitters, r"`{}`"),
-         ("CHANGELOG.md", Program.verbs, r"`{}\b")]
+         ("CHANGELOG.md", Program.verbs, r"`{}\b"),
+         ("CHANGELOG.md", Program.sensors, letters),
+         ("docs/reference/serve-api.md", Program.requests, r"`{}[`?]")]
 
 #: Numbers: (page, pattern with numbers in groups, what they are).
 NUMBERS = [
@@ -146,8 +164,9 @@ def check(root, options):
         out += [f"{path}:{line}: '{m.group()}' is stale: {so}" for pattern, so in NEVER
                 for line, m in rules.lines_with(pattern.replace(" ", r"\s+"), text)]
     for path, whole, pattern in LISTS:
+        place = pattern if callable(pattern) else lambda name, text=pattern: text.format(re.escape(name))
         out += [f"{path}: the list lacks '{name}'" for name in whole(program)
-                if path in pages and not re.search(pattern.format(re.escape(name)), pages[path], re.MULTILINE)]
+                if path in pages and not re.search(place(name), pages[path], re.MULTILINE)]
     for path, pattern, number in NUMBERS:
         found = re.search(pattern.replace(" ", r"\s+"), pages.get(path, ""))
         stated = [WORDS.get(word.lower(), word) for word in found.groups()] if found else []
@@ -164,6 +183,8 @@ BAD = [({"README.md": "The FMU is not\nthere yet.\n"}, "stale"),
        ({"docs/a.md": "Take `--frobnicate`.\n"}, "no option '--frobnicate'"),
        ({"docs/explanation/fitters.md": "| `voxel` | |\n"}, "lacks 'likelihood'"),
        ({"docs/how-to/reproduce-a-paper.md": "| `vegetation` | |\n"}, "lacks 'echoes'"),
+       ({"CHANGELOG.md": "A catalogue of sensors (Velodyne HDL-64E).\n"}, "lacks 'vlp16'"),
+       ({"docs/reference/serve-api.md": "| `api/files` | |\n"}, "lacks 'api/octree'"),
        ({"docs/notebook/2026-11.md": "- 50 prior hits of an ellipsoid\n"}, "it is [5.0]"),
        ({"docs/how-to/tuning.md": "held-out half, by 0 % to 24 %\n"}, "states ['0', '24']"),
        ({"docs/how-to/notebooks.md": "Three notebooks in\n"}, "states")]
