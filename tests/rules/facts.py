@@ -52,6 +52,12 @@ class Program:
         found = (re.findall(r'\{"(api/[\w/]+)"', rules.read(rules.ROOT, path)) for path in sources)
         return sorted({request for requests in found for request in requests})
 
+    def faces(self):
+        """How the program is used, as the README names it, by the folder that makes it so."""
+        faces = {"apps/underbrush": "as a command", "python/underbrush": "as a Python package", "web/src": "`serve`",
+                 "apps/fmu": "FMU", "tests/consumer": "as a C++ library", "src/underbrush/perception": "object lists"}
+        return [face for folder, face in faces.items() if (rules.ROOT / folder).is_dir()]
+
     def studies(self):
         return re.findall(r'^ +\{"([a-z-]+)"', rules.read(rules.ROOT, "studies/studies.cpp"), re.MULTILINE)
 
@@ -97,7 +103,8 @@ def letters(name):
 
 
 #: Lists that are whole: (page, list, pattern of a place that names one, or what makes the pattern of a name).
-LISTS = [("docs/how-to/reproduce-a-paper.md", Program.studies, r"^\| `{}` \|"),
+LISTS = [("README.md", Program.faces, r"{}"),
+         ("docs/how-to/reproduce-a-paper.md", Program.studies, r"^\| `{}` \|"),
          ("CHANGELOG.md", Program.studies, r"`{}`"),
          ("docs/explanation/fitters.md", Program.fitters, r"^\| `{}` \|"),
          ("CHANGELOG.md", Program.fitters, r"`{}`"),
@@ -165,8 +172,9 @@ def check(root, options):
                 for line, m in rules.lines_with(pattern.replace(" ", r"\s+"), text)]
     for path, whole, pattern in LISTS:
         place = pattern if callable(pattern) else lambda name, text=pattern: text.format(re.escape(name))
+        text = re.sub(r"(?<=\w)\n(?=\w)", " ", pages.get(path, ""))
         out += [f"{path}: the list lacks '{name}'" for name in whole(program)
-                if path in pages and not re.search(place(name), pages[path], re.MULTILINE)]
+                if path in pages and not re.search(place(name), text, re.MULTILINE)]
     for path, pattern, number in NUMBERS:
         found = re.search(pattern.replace(" ", r"\s+"), pages.get(path, ""))
         stated = [WORDS.get(word.lower(), word) for word in found.groups()] if found else []
@@ -178,6 +186,7 @@ def check(root, options):
 
 
 BAD = [({"README.md": "The FMU is not\nthere yet.\n"}, "stale"),
+       ({"README.md": "It runs as a command and as an FMU.\n"}, "lacks 'as a Python package'"),
        ({"docs/a.md": "`underbrush frobnicate` does it.\n"}, "no verb 'frobnicate'"),
        ({"docs/a.md": "```sh\nbuild/bin/underbrush-study astrology --quick\n```\n"}, "no study 'astrology'"),
        ({"docs/a.md": "Take `--frobnicate`.\n"}, "no option '--frobnicate'"),
@@ -188,7 +197,8 @@ BAD = [({"README.md": "The FMU is not\nthere yet.\n"}, "stale"),
        ({"docs/notebook/2026-11.md": "- 50 prior hits of an ellipsoid\n"}, "it is [5.0]"),
        ({"docs/how-to/tuning.md": "held-out half, by 0 % to 24 %\n"}, "states ['0', '24']"),
        ({"docs/how-to/notebooks.md": "Three notebooks in\n"}, "states")]
-GOOD = {"README.md": "```sh\nunderbrush fit log.ply --tau 3 -o model\n```\nThe program underbrush is there.\n",
+GOOD = {"README.md": "It runs as a command, as a\nPython package, as a C++ library, in the browser (`serve`) and as an FMU, and\n"
+                     "makes object lists.\n```sh\nunderbrush fit log.ply --tau 3 -o model\n```\nThe program underbrush.\n",
         "docs/how-to/tuning.md": "One scan in\nfour (`--validate`)\n"}
 
 
