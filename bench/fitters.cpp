@@ -85,7 +85,7 @@ void time_clustering(const Method& m, const std::vector<Tile>& tiles, size_t poi
                      bool processor, double& voxel_s, nlohmann::ordered_json& j) {
   const double s = least_seconds(runs, processor, 1, [&] {
     for (const Tile& t : tiles) {
-      fit::volumes(m.options.fitter, {t.point, t.to_sensor}, m.options.volumetric, 1);
+      cluster::volumes(m.options.fitter, {t.point, t.to_sensor}, m.options.volumetric, 1);
     }
   });
   if (voxel_s == 0) voxel_s = s;
@@ -145,7 +145,7 @@ int main(int argc, char** argv) {
     j["growth_exponent"] = growth;
     j["elements"] = elements;
     std::printf(" %8.2f %8.2f %9zu", growth, rate / bench::kHdl64eBeamsPerS, elements);
-    if (fit::clustering_named(m.options.fitter))
+    if (cluster::clustering_named(m.options.fitter))
       time_clustering(m, tiles, points, runs, processor, voxel_s, j);
     std::printf("\n");
   }

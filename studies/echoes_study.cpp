@@ -7,9 +7,9 @@
 
 #include "studies/echo_counts.hpp"
 #include "studies/studies.hpp"
+#include "underbrush/calibrate/grain.hpp"
 #include "underbrush/fit/fit.hpp"
 #include "underbrush/io/log_file.hpp"
-#include "underbrush/optimize/grain.hpp"
 #include "underbrush/radiometry/materials.hpp"
 #include "underbrush/sensor/sensor.hpp"
 #include "underbrush/simulate/echoes.hpp"
@@ -29,8 +29,8 @@ elements::Model fitted(const BeamLog& train, std::string_view fitter, uint64_t s
   MemorySource rows(train);
   elements::Model model = fit::fit(rows, options).model;
   model.all_echoes = true;
-  optimize::learn_grain(model, rows, seed);
-  optimize::learn_grain_of_echoes(model, rows, seed);
+  calibrate::learn_grain(model, rows, seed);
+  calibrate::learn_grain_of_echoes(model, rows, seed);
   return model;
 }
 

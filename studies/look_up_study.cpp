@@ -6,10 +6,10 @@
 
 #include "studies/look_up.hpp"
 #include "studies/studies.hpp"
+#include "underbrush/calibrate/grain.hpp"
 #include "underbrush/fit/fit.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/metrics/score.hpp"
-#include "underbrush/optimize/grain.hpp"
 #include "underbrush/simulate/simulate.hpp"
 
 namespace underbrush::studies {
@@ -35,7 +35,7 @@ elements::Model fitted(const BeamLog& train, std::string_view fitter, uint64_t s
   options.seed = seed;
   MemorySource source(train);
   elements::Model model = fit::fit(source, options).model;
-  optimize::learn_grain(model, source, seed);
+  calibrate::learn_grain(model, source, seed);
   return model;
 }
 

@@ -17,7 +17,7 @@ namespace fit_verb {
 
 struct Arguments {
   std::string log, output, splat, ground_mesh, update, logs, echoes = "first";
-  fit::UpdateOptions how;
+  update::UpdateOptions how;
   fit::FitOptions fit;
 };
 
@@ -105,7 +105,7 @@ std::string text_of_fit(const std::string& fitter, const FitStep& step) {
   }
   for (const auto& [why, n] : step.skipped)
     text += fmt::format("  skipped     {} beams: {}\n", n, why);
-  for (const fit::LikelihoodStep& s : r.likelihood.steps) {
+  for (const likelihood::LikelihoodStep& s : r.likelihood.steps) {
     const std::string training =
         s.training_nll ? fmt::format(" {:.4f} training,", *s.training_nll) : "";
     text += fmt::format("  {:<11} {} elements, -log f{} {:.4f} held out{}\n", s.name, s.elements,
@@ -138,7 +138,7 @@ void run(const Verb& verb, Arguments& a) {
     if (!file.empty()) io::check_output(file);
   }
   if (!a.update.empty()) return run_update(verb, a);
-  require(a.how.growth == fit::UpdateOptions().growth, "fit: --growth requires --update");
+  require(a.how.growth == update::UpdateOptions().growth, "fit: --growth requires --update");
   const FitStep step = fit_log(verb, a.log, a.fit, a.output, a.echoes == "all");
   const elements::Model& model = step.result.model;
   export_model(a, model);

@@ -8,12 +8,12 @@
 
 namespace underbrush::app {
 
-Json json_of(const fit::LikelihoodReport& report) {
+Json json_of(const likelihood::LikelihoodReport& report) {
   Json j;
   j["training_beams"] = report.training_beams;
   j["held_out_beams"] = report.held_out_beams;
   j["stray_hits"] = report.stray_hits;
-  for (const fit::LikelihoodStep& s : report.steps) {
+  for (const likelihood::LikelihoodStep& s : report.steps) {
     Json step = {{"name", s.name}, {"elements", s.elements}};
     if (s.training_nll) step["training_nll"] = *s.training_nll;
     step["held_out_nll"] = s.held_out_nll;

@@ -6,7 +6,7 @@
 namespace underbrush::app {
 
 /// Returns the steps of a refinement, for the manifest and `--json`.
-Json json_of(const fit::LikelihoodReport& report);
+Json json_of(const likelihood::LikelihoodReport& report);
 /// Returns the number of range offsets, their spread and that of their standard errors.
 Json json_of(const ChannelOffsets& channels);
 /// The same as a line of text; nothing without offsets.

@@ -86,9 +86,9 @@ FitStep fit_log(const Verb& verb, const fs::path& log, const fit::FitOptions& op
     step.result = fit::fit(reader, options, std::ref(progress));
     step.skipped = reader.skipped();
     step.result.model.all_echoes = all_echoes;
-    step.grain = optimize::learn_grain(step.result.model, beams, options.seed);
+    step.grain = calibrate::learn_grain(step.result.model, beams, options.seed);
     if (all_echoes) {
-      step.echoes = optimize::learn_grain_of_echoes(step.result.model, rows, options.seed);
+      step.echoes = calibrate::learn_grain_of_echoes(step.result.model, rows, options.seed);
     }
   }
   std::vector<fs::path> inputs{log};
@@ -96,7 +96,7 @@ FitStep fit_log(const Verb& verb, const fs::path& log, const fit::FitOptions& op
     inputs.emplace_back(options.start);
   }
   Json origin = io::json_of_text(provenance(verb, inputs));
-  const fit::LikelihoodReport& refined = step.result.report.likelihood;
+  const likelihood::LikelihoodReport& refined = step.result.report.likelihood;
   if (!refined.steps.empty()) origin["likelihood"] = json_of(refined);
   step.result.model.provenance = io::text_of_json(origin);
   const auto besides = [&](const fs::path& folder) {

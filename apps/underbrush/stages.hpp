@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "cli/verb.hpp"
+#include "underbrush/calibrate/grain.hpp"
 #include "underbrush/elements/scene_file.hpp"
 #include "underbrush/fit/fit.hpp"
 #include "underbrush/metrics/score.hpp"
-#include "underbrush/optimize/grain.hpp"
 #include "underbrush/simulate/simulate.hpp"
 #include "underbrush/worlds/read_world.hpp"
 
@@ -29,8 +29,8 @@ trace::World world_of(const elements::Scene& scene, trace::Draws draws = trace::
 /// A fit, with the number of records of the log left out by reason.
 struct FitStep {
   fit::FitResult result;
-  optimize::GrainReport grain;
-  optimize::EchoGrainReport echoes;
+  calibrate::GrainReport grain;
+  calibrate::EchoGrainReport echoes;
   std::map<std::string, size_t> skipped;
   double seconds = 0;
 };

@@ -101,8 +101,8 @@ UpdateStep update_log(const Verb& verb, const UpdateInput& input, const fs::path
   UpdateStep step;
   {
     StageProgress progress;
-    step.result = fit::update(std::move(known), logs, *added, training.options, input.how,
-                              std::ref(progress));
+    step.result = update::update(std::move(known), logs, *added, training.options, input.how,
+                                 std::ref(progress));
   }
   step.skipped = added->skipped();
   if (added->size() > 0) {
@@ -118,7 +118,7 @@ UpdateStep update_log(const Verb& verb, const UpdateInput& input, const fs::path
 }
 
 Json json_of(const UpdateStep& step) {
-  const fit::UpdateReport& r = step.result.report;
+  const update::UpdateReport& r = step.result.report;
   Json j;
   j["fitter"] = step.result.model.fitter;
   j["beams"] = r.beams;
@@ -137,7 +137,7 @@ Json json_of(const UpdateStep& step) {
                      {"changed", r.changed},
                      {"gone", r.gone}};
   j["gone"] = Json::array();
-  for (const fit::ChangedPlace& p : r.places) {
+  for (const update::ChangedPlace& p : r.places) {
     j["gone"].push_back(
         {{"centre_m", {p.centre.x(), p.centre.y(), p.centre.z()}}, {"ellipsoids", p.gone}});
   }
@@ -155,7 +155,7 @@ Json json_of(const UpdateStep& step) {
 }
 
 std::string text_of(const UpdateStep& step) {
-  const fit::UpdateReport& r = step.result.report;
+  const update::UpdateReport& r = step.result.report;
   std::string text = fmt::format(
       "{}: {} new beams ({} hits, {} misses) in {:.1f} s, {} earlier beams traced again\n"
       "  tiles       {} of {} touched, {} fitted anew\n"
@@ -165,7 +165,7 @@ std::string text_of(const UpdateStep& step) {
   if (r.changed > 0) {
     text += fmt::format("  changed     {} ellipsoids, of which {} are gone", r.changed, r.gone);
     for (size_t k = 0; k < std::min<size_t>(3, r.places.size()); ++k) {
-      const fit::ChangedPlace& p = r.places[k];
+      const update::ChangedPlace& p = r.places[k];
       text += fmt::format("{} {} at {:.0f} {:.0f} {:.0f} m", k == 0 ? ":" : ",", p.gone,
                           p.centre.x(), p.centre.y(), p.centre.z());
     }

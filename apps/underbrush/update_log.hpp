@@ -7,7 +7,7 @@
 
 #include "cli/verb.hpp"
 #include "underbrush/fit/training_file.hpp"
-#include "underbrush/fit/update.hpp"
+#include "underbrush/update/update.hpp"
 
 namespace underbrush::app {
 
@@ -16,12 +16,12 @@ struct UpdateInput {
   std::filesystem::path model, log;
   /// The folder where the logs of the model are now; empty: where they were.
   std::filesystem::path logs;
-  fit::UpdateOptions how;
+  update::UpdateOptions how;
 };
 
 /// An update, with the number of records of the log left out by reason.
 struct UpdateStep {
-  fit::UpdateResult result;
+  update::UpdateResult result;
   std::map<std::string, size_t> skipped;
   size_t logs = 0;  ///< The logs of the model, the new one included.
   double seconds = 0;

@@ -153,7 +153,7 @@ TEST(Fit, MovesWithTheWorld) {
   const Vec3 far(5e5, 4e6, 200);
   const BeamLog near_log = drive_past_bushes(9, Vec3::Zero(), 12000);
   const BeamLog far_log = drive_past_bushes(9, far, 12000);
-  for (const Clustering& clustering : clusterings()) {
+  for (const cluster::Clustering& clustering : cluster::clusterings()) {
     const std::string fitter(clustering.name);
     FitOptions options;
     options.fitter = fitter;
@@ -174,7 +174,7 @@ TEST(Fit, MovesWithTheWorld) {
 // Each return is fitted once, whatever the tiles, and the fitted elements explain the returns.
 TEST(Fit, TilesDoubleNoPointAndEveryVolumetricFitterExplainsTheHits) {
   const BeamLog log = drive_past_bushes(7, Vec3::Zero(), 12000);
-  for (const Clustering& clustering : clusterings()) {
+  for (const cluster::Clustering& clustering : cluster::clusterings()) {
     const std::string fitter(clustering.name);
     for (const double tile : {6.0, 32.0}) {
       FitOptions options;

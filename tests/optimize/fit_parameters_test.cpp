@@ -4,6 +4,8 @@
 
 #include <set>
 
+#include "underbrush/fit/fit.hpp"
+
 namespace underbrush::optimize {
 namespace {
 

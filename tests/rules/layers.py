@@ -33,7 +33,7 @@ OWN_TARGETS = {"underbrush_report": "report", "underbrush_cli": "cli",
 FORBIDDEN = (
     r"#\s*include\s*<(?P<header>iostream|syncstream)>|\b(?:std::)?(?P<call>printf|puts|putchar|fprintf|"
     r"fputs|perror|exit|_Exit|quick_exit|abort|terminate)\s*\(|\bstd::(?P<stream>cout|cerr|clog)\b")
-SOURCES = (".hpp", ".cpp", ".inl", ".cpp.in", ".hpp.in")
+SOURCES = (".h", ".hpp", ".cpp", ".inl", ".cpp.in", ".hpp.in")
 INCLUDE = r'^\s*#\s*include\s*[<"]([^>"]+)[>"]'
 
 
@@ -48,12 +48,12 @@ def cmake_text(root, path):
 
 
 def declared(root):
-    """{module: (modules it DEPENDS on, targets it LINKs)}, from the CMakeLists.txt of each."""
+    """{module: (modules it DEPENDS on, targets it LINKs, its HEADERS)}, from the CMakeLists.txt of each."""
     found = {}
     for path in rules.tracked(root, "CMakeLists.txt"):
         m = re.search(r"underbrush_module\((\w+)([^)]*)\)", cmake_text(root, path))
         if path.startswith(LIBRARY) and m:
-            found[m.group(1)] = (words_after("DEPENDS", m.group(2)), words_after("LINK", m.group(2)))
+            found[m.group(1)] = tuple(words_after(k, m.group(2)) for k in ("DEPENDS", "LINK", "HEADERS"))
     return found
 
 
@@ -121,7 +121,7 @@ def check_module_file(path, includes, depends):
 
 def check_declarations(includes, depends):
     """What a module declares and does not include, and third parties that it includes without LINK."""
-    for module, (modules, links) in depends.items():
+    for module, (modules, links, _) in depends.items():
         at = f"{LIBRARY}{module}/CMakeLists.txt: "
         files = [p for p in includes.files if module_of(p) == module]
         names = {name.split("/")[1] for p in files for _, name in includes.of[p]
@@ -133,6 +133,28 @@ def check_declarations(includes, depends):
         for target in sorted(used ^ (links & set(TARGETS.values()))):
             yield at + (f"'{module}' does not LINK {target}, which it includes" if target in used else
                         f"'{module}' LINKs {target} but includes nothing of it")
+
+
+def check_headers(includes, depends):
+    """HEADERS, which are installed, are those that code outside the module includes, and what these include. Tests
+    of the library are not outside."""
+    def included(path):
+        return {includes.resolve(path, name) for _, name in includes.of[path]} - {None}
+
+    public = set()
+    for path in includes.files:
+        if not path.startswith("tests/") or path.startswith("tests/consumer/"):
+            public |= {t for t in included(path) if module_of(t) not in (None, module_of(path))}
+    todo = list(public)
+    while todo:
+        found = included(todo.pop()) - public
+        public |= found
+        todo += found
+    for module, (_, _, headers) in depends.items():
+        used = {p for p in public if module_of(p) == module and p.endswith((".hpp", ".h"))}
+        for path in sorted(used ^ {f"{LIBRARY}{module}/{h}" for h in headers}):
+            yield (f"{path}: is not among the HEADERS of '{module}' but others need it" if path in used else
+                   f"{path}: is among the HEADERS of '{module}' but nobody else needs it")
 
 
 def check_above(path, includes):
@@ -188,6 +210,7 @@ def check(root):
         elif folder_of(path):
             out += check_above(path, includes)
     out += check_declarations(includes, depends)
+    out += check_headers(includes, depends)
     for folder in ABOVE:
         out += check_links_above(folder, includes)
     return out + list(check_own_options(root))
@@ -199,6 +222,9 @@ def module(name, source, depends=""):
 
 
 BAD = [
+    ({**module("core", "int x;\n", "  HEADERS a.hpp\n"), f"{LIBRARY}core/a.hpp": ""}, "nobody else needs it"),
+    ({**module("core", "int x;\n"), f"{LIBRARY}core/a.hpp": "", "apps/underbrush/b.cpp":
+      '#include "underbrush/core/a.hpp"\n'}, "others need it"),
     (module("trace", '#include "underbrush/core/pose.hpp"\n', "  DEPENDS elements\n"), "does not DEPEND"),
     (module("trace", '#include "underbrush/core/pose.hpp"\n', "  DEPENDS core elements\n"),
      "DEPENDS on 'elements' but includes nothing"),

@@ -1,13 +1,13 @@
 #include "underbrush/fit/fit.hpp"
 
+#include "underbrush/calibrate/channels.hpp"
+#include "underbrush/calibrate/light.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/still_beams.hpp"
+#include "underbrush/credit/element_classes.hpp"
 #include "underbrush/elements/model_file.hpp"
-#include "underbrush/fit/channels.hpp"
-#include "underbrush/fit/element_classes.hpp"
 #include "underbrush/fit/fitters.hpp"
 #include "underbrush/fit/kept_beams.hpp"
-#include "underbrush/fit/light.hpp"
 #include "underbrush/fit/make_model.hpp"
 
 namespace underbrush::fit {
@@ -20,41 +20,41 @@ constexpr size_t kKeptBytes = size_t(3) << 27;
 
 ChannelOffsets offsets_of(BeamSource& source, const FitOptions& options) {
   if (options.ranges_as_given) return {};
-  ChannelOptions channels;
+  calibrate::ChannelOptions channels;
   channels.min_range_m = options.min_range_m;
   StillBeams still(source);
-  return learn_offsets(still, channels);
+  return calibrate::learn_offsets(still, channels);
 }
 
 FitResult surface_by_imls(BeamSource& source, const FitOptions& options,
                           const FitProgress& progress) {
-  return fit_surface(source, options, imls, progress);
+  return fit_surface(source, options, surface::imls, progress);
 }
 
 FitResult surface_by_rimls(BeamSource& source, const FitOptions& options,
                            const FitProgress& progress) {
-  return fit_surface(source, options, rimls, progress);
+  return fit_surface(source, options, surface::rimls, progress);
 }
 
 /// Makes the model that `likelihood` starts from, fitted to the beams that are not held out.
-FitResult start_model(BeamSource& source, const FitOptions& options, const HeldOut& held_out,
-                      const FitProgress& progress) {
+FitResult start_model(BeamSource& source, const FitOptions& options,
+                      const credit::HeldOut& held_out, const FitProgress& progress) {
   if (elements::is_model(options.start)) return {elements::read_model(options.start), {}, {}};
-  TrainingSource training(source, held_out);
+  credit::TrainingSource training(source, held_out);
   return start_of(options).fit(training, start_options(options), progress);
 }
 
 FitResult fit_likelihood(BeamSource& source, const FitOptions& options,
                          const FitProgress& progress) {
-  const LikelihoodOptions refinement = likelihood_options(options);
+  const likelihood::LikelihoodOptions refinement = likelihood_options(options);
   FitResult out = start_model(source, options, refinement.held_out, progress);
   StillBeams still(source);
-  Refined refined = refine(out.model, still, refinement, progress);
+  likelihood::Refined refined = likelihood::refine(out.model, still, refinement, progress);
   out.model = std::move(refined.model);
   if (refinement.rearrangements > 0) out.record = {};  // ellipsoids are not those of the tiles
   out.model.fitter = options.fitter;
   out.report.likelihood = std::move(refined.report);
-  const LikelihoodReport& r = out.report.likelihood;
+  const likelihood::LikelihoodReport& r = out.report.likelihood;
   out.report.beams = r.training_beams + r.held_out_beams;
   out.report.hits += r.held_out_hits;
   out.report.misses += r.held_out_beams - r.held_out_hits;
@@ -136,8 +136,8 @@ FitOptions start_options(FitOptions options) {
   return options;
 }
 
-LikelihoodOptions likelihood_options(const FitOptions& options) {
-  LikelihoodOptions out = options.likelihood;
+likelihood::LikelihoodOptions likelihood_options(const FitOptions& options) {
+  likelihood::LikelihoodOptions out = options.likelihood;
   out.range_noise_m = options.range_noise_m;
   // Along the normal of a surface seen at an angle of incidence of up to 60°, the noise of its
   // points is half of the range's or more.
@@ -146,8 +146,8 @@ LikelihoodOptions likelihood_options(const FitOptions& options) {
   return out;
 }
 
-KeyframeOptions keyframe_options(const FitOptions& options) {
-  KeyframeOptions out = options.keyframes;
+keyframes::KeyframeOptions keyframe_options(const FitOptions& options) {
+  keyframes::KeyframeOptions out = options.keyframes;
   out.min_range_m = options.min_range_m;
   out.held_out = likelihood_options(options).held_out;
   return out;
@@ -170,11 +170,11 @@ FitResult fit(BeamSource& source, const FitOptions& options, const FitProgress& 
   out.model.sensor_file = given ? options.sensor_file : source.info().sensor_file;
   out.model.channels = channels;
   StillBeams still(corrected);
-  learn_classes(out.model, still);
-  learn_light(out.model, still);
-  if (fitter.refines) learn_keyframes(out.model, still, keyframe_options(options));
+  credit::learn_classes(out.model, still);
+  calibrate::learn_light(out.model, still);
+  if (fitter.refines) keyframes::learn_keyframes(out.model, still, keyframe_options(options));
   const std::string_view made_by = fitter.refines ? start_of(options).name : fitter.name;
-  const Clustering* clustering = clustering_named(made_by);
+  const cluster::Clustering* clustering = cluster::clustering_named(made_by);
   if (options.volumetric.mixture.footprint && !(clustering && clustering->mixture)) {
     out.report.warnings.push_back(
         "the sensor's footprint is taken out of the ellipsoids of hierarchical alone, not of those "

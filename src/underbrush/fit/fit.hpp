@@ -8,65 +8,13 @@
 #include <vector>
 
 #include "underbrush/core/beam_log.hpp"
-#include "underbrush/core/tile_store.hpp"
 #include "underbrush/elements/model.hpp"
+#include "underbrush/fit/fit_options.hpp"
 #include "underbrush/fit/fit_record.hpp"
-#include "underbrush/fit/hit_probability.hpp"
-#include "underbrush/fit/keyframes.hpp"
-#include "underbrush/fit/likelihood.hpp"
-#include "underbrush/fit/surface.hpp"
-#include "underbrush/fit/volumetric.hpp"
-#include "underbrush/ground/height_grid.hpp"
-#include "underbrush/ground/segment.hpp"
-#include "underbrush/ground/triangulate.hpp"
 
-namespace underbrush::fit {
-
-/// The parameters θ of a fit.
-struct FitOptions {
-  /// The name of a fitter in the table of fit/fitters.hpp:
-  /// - `hierarchical` ([tallavajhula18]), `voxel`, `top_down` and `bottom_up` ([deschaud12]) make a
-  ///   ground mesh and ellipsoids;
-  /// - `ground_mesh` makes the ground mesh alone;
-  /// - `surface` makes one opaque mesh through all points, the everyday baseline, and `rimls` does
-  ///   so with the robust implicit surface of [deschaud12];
-  /// - `likelihood` refines the model of `start` by `refine`.
-  std::string fitter = "likelihood";
-  /// For `likelihood` only: the fitter that makes the first model, or the folder of a model.
-  std::string start = "hierarchical";
-  /// The sensor that recorded the log, as in `LogInfo`; empty: as the log says.
-  std::string sensor, sensor_file;
-  uint64_t seed = 1;
-  double tau = 3;               ///< A beam meets an ellipsoid within this Mahalanobis distance.
-  double range_noise_m = 0.02;  ///< σ of the sensor's range, m: the least extent of any element.
-  /// Returns nearer than this are left out (m), because they come from the vehicle that carries the
-  /// sensor. The vehicle soon stands where its sensor was before, and an opaque model of it would
-  /// enclose the sensor there.
-  double min_range_m = 0;
-  /// Unless this is set, the range offsets of the sensor's channels are learnt first
-  /// (`learn_offsets`), taken away from the ranges and kept in the model. Logs that do not name
-  /// their sensor have none.
-  bool ranges_as_given = false;
-  /// Ellipsoids through which nearly all beams passed are dropped as free space: something moved
-  /// through it once. An ellipsoid is dropped where hits / (hits + misses) is below this and at
-  /// least `free_space_beams` beams met it.
-  double free_space_below = 0.05;
-  uint32_t free_space_beams = 20;
-  TileOptions tiles;
-  ground::SegmentOptions segment;
-  ground::HeightGridOptions ground;
-  ground::TriangulateOptions triangulate;
-  /// `fit` sets the floor of the covariances, and the noise and τ of `top_down`, from the fields
-  /// above.
-  VolumetricOptions volumetric;
-  CreditOptions credit;
-  SurfaceOptions surface;
-  /// `fit` sets its range noise and its floor from the fields above.
-  LikelihoodOptions likelihood;
-  /// For `likelihood` only; other fitters keep none. `fit` sets its least range from the field
-  /// above.
-  KeyframeOptions keyframes;
-};
+namespace underbrush {
+/// Fits models to logs: the fitters, their parameters, and the files of a training.
+namespace fit {
 
 /// Counts and warnings of a fit.
 struct FitReport {
@@ -79,7 +27,7 @@ struct FitReport {
   size_t unclustered_points = 0;     ///< In no cluster of at least `min_points`.
   size_t free_space_ellipsoids = 0;  ///< Dropped as free space.
   size_t tiles = 0;
-  LikelihoodReport likelihood;  ///< Has steps only if the fitter is `likelihood`.
+  likelihood::LikelihoodReport likelihood;  ///< Has steps only if the fitter is `likelihood`.
   std::vector<std::string> warnings;
 };
 
@@ -111,9 +59,10 @@ FitOptions start_options(FitOptions options);
 
 /// The options that `fit` passes to `refine`: `options.likelihood` with the range noise, the floor
 /// and the seed filled in.
-LikelihoodOptions likelihood_options(const FitOptions& options);
+likelihood::LikelihoodOptions likelihood_options(const FitOptions& options);
 
 /// The options that `fit` passes to `learn_keyframes`.
-KeyframeOptions keyframe_options(const FitOptions& options);
+keyframes::KeyframeOptions keyframe_options(const FitOptions& options);
 
-}  // namespace underbrush::fit
+}  // namespace fit
+}  // namespace underbrush

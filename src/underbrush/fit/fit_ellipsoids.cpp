@@ -8,7 +8,7 @@ namespace underbrush::fit {
 
 FitResult fit_ellipsoids(BeamSource& source, const FitOptions& options,
                          const FitProgress& progress) {
-  const Clustering* clustering = clustering_named(options.fitter);
+  const cluster::Clustering* clustering = cluster::clustering_named(options.fitter);
   const TileOptions tiles = tile_options(options);
   TileStore store(tiles);
   FitResult out;
@@ -18,9 +18,9 @@ FitResult fit_ellipsoids(BeamSource& source, const FitOptions& options,
   }
   out.record.tile_m = tiles.tile_m;
   fit_tiles(store, store.tiles(), options, out, progress);
-  const CreditedResiduals residuals =
-      count_hits(out.model, source, options.credit, stage_of(progress, "count hits"));
-  set_noise(out.model.ground, residuals.ground, options.range_noise_m);
+  const credit::CreditedResiduals residuals =
+      credit::count_hits(out.model, source, options.credit, stage_of(progress, "count hits"));
+  credit::set_noise(out.model.ground, residuals.ground, options.range_noise_m);
   out.record.residuals = residuals.ground.counts();
   std::vector<bool> stays;
   for (const elements::Ellipsoid& e : out.model.ellipsoids) {

@@ -9,7 +9,7 @@ namespace {
 /// Drops surface triangles that more beams passed than ended at. The others stay opaque.
 void carve(BeamSource& source, const FitOptions& options, elements::Model& model, FitReport& report,
            const FitProgress& progress) {
-  count_hits(model, source, options.credit, stage_of(progress, "carve"));
+  credit::count_hits(model, source, options.credit, stage_of(progress, "carve"));
   elements::TriangleMesh& mesh = model.surface;
   size_t kept = 0;
   for (size_t t = 0; t < mesh.size(); ++t) {
@@ -20,23 +20,24 @@ void carve(BeamSource& source, const FitOptions& options, elements::Model& model
   mesh.hit.assign(kept, {});
 }
 
-void fit_mesh(const TileStore& store, const FitOptions& options, const SignedDistance& distance,
-              elements::Model& model, FitReport& report, const FitProgress& progress) {
+void fit_mesh(const TileStore& store, const FitOptions& options,
+              const surface::SignedDistance& distance, elements::Model& model, FitReport& report,
+              const FitProgress& progress) {
   const std::vector<TileKey> tiles = store.tiles();
-  const double margin = surface_margin_m(options.surface);
+  const double margin = surface::surface_margin_m(options.surface);
   double squares = 0;
   size_t points = 0;
-  for_tiles_in_order<SurfaceTile>(
+  for_tiles_in_order<surface::SurfaceTile>(
       tiles, progress, "fit tiles",
       [&](size_t k) {
         const TileStore::Loaded loaded = store.load(tiles[k], margin);
         const Eigen::Vector2d lo = store.corner(tiles[k]);
         const double side = options.tiles.tile_m;
-        return surface_tile(loaded.point, loaded.to_sensor,
-                            {lo.x(), lo.y(), lo.x() + side, lo.y() + side}, options.surface,
-                            distance);
+        return surface::surface_tile(loaded.point, loaded.to_sensor,
+                                     {lo.x(), lo.y(), lo.x() + side, lo.y() + side},
+                                     options.surface, distance);
       },
-      [&](SurfaceTile tile) {
+      [&](surface::SurfaceTile tile) {
         elements::TriangleMesh& mesh = model.surface;
         const uint32_t first = uint32_t(mesh.vertices.size());
         mesh.vertices.insert(mesh.vertices.end(), tile.mesh.vertices.begin(),
@@ -61,16 +62,16 @@ void fit_noise(BeamSource& source, const FitOptions& options, elements::Model& m
     mesh.roughness_m = 0;
     return;
   }
-  const CreditedResiduals residuals =
-      count_hits(model, source, options.credit, stage_of(progress, "fit noise"));
-  set_noise(mesh, residuals.surface, options.range_noise_m);
+  const credit::CreditedResiduals residuals =
+      credit::count_hits(model, source, options.credit, stage_of(progress, "fit noise"));
+  credit::set_noise(mesh, residuals.surface, options.range_noise_m);
   mesh.hit.assign(mesh.size(), {});  // opaque
 }
 
 }  // namespace
 
-FitResult fit_surface(BeamSource& source, const FitOptions& options, const SignedDistance& distance,
-                      const FitProgress& progress) {
+FitResult fit_surface(BeamSource& source, const FitOptions& options,
+                      const surface::SignedDistance& distance, const FitProgress& progress) {
   TileStore store(options.tiles);
   FitResult out;
   gather(source, options, store, out, progress);

@@ -13,7 +13,7 @@ FitResult fit_ellipsoids(BeamSource& source, const FitOptions& options,
                          const FitProgress& progress);
 
 /// Makes one opaque mesh through all points, the zero surface of `distance`. Throws as `fit` does.
-FitResult fit_surface(BeamSource& source, const FitOptions& options, const SignedDistance& distance,
-                      const FitProgress& progress);
+FitResult fit_surface(BeamSource& source, const FitOptions& options,
+                      const surface::SignedDistance& distance, const FitProgress& progress);
 
 }  // namespace underbrush::fit

@@ -10,7 +10,7 @@
 #include <variant>
 #include <vector>
 
-#include "underbrush/fit/fit.hpp"
+#include "underbrush/fit/fit_options.hpp"
 
 namespace underbrush::fit {
 

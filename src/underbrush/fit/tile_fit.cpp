@@ -9,8 +9,8 @@
 namespace underbrush::fit {
 namespace {
 
-VolumetricOptions volumetric_options(const FitOptions& options) {
-  VolumetricOptions out = options.volumetric;
+cluster::VolumetricOptions volumetric_options(const FitOptions& options) {
+  cluster::VolumetricOptions out = options.volumetric;
   out.ellipsoid.floor_m = out.top_down.noise_m = options.range_noise_m;
   out.top_down.tau = options.tau;
   return out;
@@ -38,8 +38,8 @@ TileGround ground_of_tile(const TileStore& store, TileKey key, const Vec3& origi
   return out;
 }
 
-Volumes volumes_of_tile(const TileStore& store, TileKey key, const std::vector<bool>& is_ground,
-                        const FitOptions& options) {
+cluster::Volumes volumes_of_tile(const TileStore& store, TileKey key,
+                                 const std::vector<bool>& is_ground, const FitOptions& options) {
   const TileStore::Loaded loaded = store.load(key, 0);
   std::vector<Vec3f> points, to_sensor;
   for (size_t i = 0; i < loaded.core; ++i) {
@@ -49,7 +49,7 @@ Volumes volumes_of_tile(const TileStore& store, TileKey key, const std::vector<b
   }
   const uint64_t seed =
       random_bits(options.seed, uint32_t(key.i) * 65537u + uint32_t(key.j), Purpose::kCluster);
-  return volumes(options.fitter, {points, to_sensor}, volumetric_options(options), seed);
+  return cluster::volumes(options.fitter, {points, to_sensor}, volumetric_options(options), seed);
 }
 
 elements::TriangleMesh mesh_of_ground(const ground::HeightMap& heights, const FitOptions& options) {
@@ -109,7 +109,7 @@ std::vector<std::pair<TileRecord, bool>> joined(std::vector<TileRecord> before,
 
 TileOptions tile_options(const FitOptions& options) {
   TileOptions out = options.tiles;
-  const Clustering* clustering = clustering_named(options.fitter);
+  const cluster::Clustering* clustering = cluster::clustering_named(options.fitter);
   const double side = options.volumetric.voxel.side_m;
   if (clustering && clustering->in_voxels && side > 0) {
     out.tile_m = side * std::max(1.0, std::round(out.tile_m / side));
@@ -140,12 +140,12 @@ std::vector<uint32_t> fit_tiles(const TileStore& store, const std::vector<TileKe
   };
   std::vector<std::vector<elements::Ellipsoid>> made(anew.size());
   const auto fit_volumes = [&] {
-    if (!clustering_named(options.fitter)) return;
+    if (!cluster::clustering_named(options.fitter)) return;
     size_t k = 0;
-    for_tiles_in_order<Volumes>(
+    for_tiles_in_order<cluster::Volumes>(
         anew, progress, "fit tiles",
         [&](size_t t) { return volumes_of_tile(store, anew[t], is_ground[t], options); },
-        [&](Volumes tile) {
+        [&](cluster::Volumes tile) {
           out.report.unclustered_points += tile.unclustered_points;
           made[k++] = std::move(tile.ellipsoids);
         });

@@ -157,7 +157,8 @@ std::vector<TileRecord> read_tiles(const fs::path& folder) {
 std::vector<uint32_t> read_residuals(const fs::path& folder) {
   const Table t(folder / "residuals.ply", "residual");
   std::vector<uint32_t> out = t.column<uint32_t>("count");
-  if (!out.empty() && out.size() != MeshResiduals(1).counts().size()) t.fail("a row is missing");
+  if (!out.empty() && out.size() != credit::MeshResiduals(1).counts().size())
+    t.fail("a row is missing");
   return out;
 }
 

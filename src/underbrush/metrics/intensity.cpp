@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "underbrush/fit/explaining.hpp"
+#include "underbrush/credit/explaining.hpp"
 
 namespace underbrush::metrics {
 namespace {
@@ -96,7 +96,7 @@ void IntensityScorer::add(const BeamLog& real, const BeamLog& simulated) {
   const auto classes = real.extra.find("class");
   has_classes_ = classes != real.extra.end();
   std::vector<uint32_t> element;
-  if (model_) element = fit::explaining_elements(*model_, real);
+  if (model_) element = credit::explaining_elements(*model_, real);
   for (size_t i = 0; i < real.size(); ++i) {
     if (!real.is_hit(i) || !simulated.is_hit(i) || (real.flags[i] & kMover)) continue;
     Pair p{real.intensity[i], simulated.intensity[i], bin_of(range_edges_m_, real.range_m[i]),

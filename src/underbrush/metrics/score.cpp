@@ -4,13 +4,13 @@
 #include <cmath>
 #include <string>
 
+#include "underbrush/calibrate/ring_roughness.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/elements/label_sets.hpp"
+#include "underbrush/keyframes/recollection.hpp"
 #include "underbrush/metrics/nearest.hpp"
 #include "underbrush/metrics/predictive.hpp"
-#include "underbrush/metrics/ring_roughness.hpp"
-#include "underbrush/trace/recollection.hpp"
 
 namespace underbrush::metrics {
 namespace {
@@ -186,9 +186,9 @@ class Scorer {
     return_probability_.resize(real.size());
     const double max_range = real.info.max_range_m;
     const double reach = std::min(max_range, options_.world->model().max_range_m);
-    std::optional<trace::Recollection> memory;
+    std::optional<keyframes::Recollection> memory;
     if (options_.world->is_one_model() &&
-        trace::Recollection::serves(options_.world->model(), real.info)) {
+        keyframes::Recollection::serves(options_.world->model(), real.info)) {
       memory.emplace(options_.world->model());
     }
     parallel_for(real.size(), 2048, [&](size_t begin, size_t end) {
@@ -200,7 +200,7 @@ class Scorer {
       const std::vector<double> everywhere(rays.size(), reach);
       options_.world->all_intersections(rays, {real.info.min_range_m, reach}, everywhere, met);
       trace::RangeMixture p;
-      std::vector<trace::Recalled> recalled;
+      std::vector<keyframes::Recalled> recalled;
       if (memory) recalled = memory->recall(memory->asked(rays, {&real.ring[begin], end - begin}));
       for (size_t i = begin; i < end; ++i) {
         trace::mix_ranges(met[i - begin], 1, 1e-4, p);
@@ -250,7 +250,7 @@ class Scorer {
   std::map<uint32_t, size_t> class_set_;
   RangeErrorHistogram histogram_;
   IntensityScorer intensities_;
-  RingRoughness roughness_[2];  // of the real log, and of the simulated one
+  calibrate::RingRoughness roughness_[2];  // of the real log, and of the simulated one
   std::vector<double> nll_, crps_, return_probability_;
   Reliability reliability_;
   size_t mover_beams_ = 0;

@@ -3,7 +3,7 @@
 #include <map>
 
 #include "underbrush/core/check.hpp"
-#include "underbrush/fit/held_out.hpp"
+#include "underbrush/credit/held_out.hpp"
 
 namespace underbrush::optimize {
 namespace {
@@ -36,7 +36,7 @@ Slice take_slice(BeamSource& source, const SliceOptions& options) {
   out.scans = scans.size();
   out.by_scan = scans.size() >= options.one_in;
   out.fit.info = out.validation.info = source.info();
-  const fit::HeldOut columns{options.one_in, options.seed};
+  const credit::HeldOut columns{options.one_in, options.seed};
   source.rewind();
   for (BeamLog chunk; source.next(chunk);) {
     const auto validates = [&](size_t i) {

@@ -22,8 +22,8 @@ struct Slice {
 
 /// Takes the scans whose first beam was fired in [from_s, to_s). Every `one_in`-th of them
 /// validates, and the others are for fitting. Where there are fewer scans than `one_in`, groups of
-/// neighbouring beams of each scan validate instead (`fit::HeldOut`). The slice is held in memory.
-/// Throws `std::invalid_argument` where a part has no beam.
+/// neighbouring beams of each scan validate instead (`credit::HeldOut`). The slice is held in
+/// memory. Throws `std::invalid_argument` where a part has no beam.
 Slice take_slice(BeamSource& source, const SliceOptions& options);
 
 }  // namespace underbrush::optimize

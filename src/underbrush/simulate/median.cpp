@@ -6,12 +6,12 @@
 namespace underbrush::simulate {
 
 std::vector<MedianAnswer> median_answers(const trace::World& world,
-                                         const trace::Recollection* memory,
+                                         const keyframes::Recollection* memory,
                                          std::span<const Ray> rays, std::span<const uint16_t> rings,
                                          const trace::RangeLimits& limits) {
   trace::IntersectionLists met;
   world.all_intersections(rays, limits, std::vector<double>(rays.size(), limits.max_m), met);
-  std::vector<trace::Recalled> recalled;
+  std::vector<keyframes::Recalled> recalled;
   if (memory) recalled = memory->recall(memory->asked(rays, rings));
   std::vector<MedianAnswer> out(rays.size());
   trace::RangeMixture p;
@@ -28,11 +28,11 @@ std::vector<MedianAnswer> median_answers(const trace::World& world,
       answer.met = met[k][component];
       continue;
     }
-    const trace::Recalled& r = recalled[k];
+    const keyframes::Recalled& r = recalled[k];
     size_t pixel = 0;
     const auto off = [&](size_t j) { return std::abs(r.range_m[j] - *range); };
     for (size_t j = 1; j < r.count; ++j) pixel = off(j) < off(pixel) ? j : pixel;
-    answer.seen = trace::Recollection::seen_by(r, pixel);
+    answer.seen = keyframes::Recollection::seen_by(r, pixel);
     answer.seen->range_m = answer.range_m;
   }
   return out;

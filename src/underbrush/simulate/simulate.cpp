@@ -7,10 +7,10 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
+#include "underbrush/keyframes/recollection.hpp"
 #include "underbrush/simulate/draw.hpp"
 #include "underbrush/simulate/element_class.hpp"
 #include "underbrush/simulate/median.hpp"
-#include "underbrush/trace/recollection.hpp"
 
 namespace underbrush::simulate {
 namespace {
@@ -56,7 +56,7 @@ double with_noise(double range_m, const Options& options, uint64_t key) {
 }
 
 /// Answers a beam as a keyframe does.
-void set_recalled(const trace::RecalledReturn& seen, const Options& options,
+void set_recalled(const keyframes::RecalledReturn& seen, const Options& options,
                   const trace::RangeLimits& limits, uint64_t key, BeamLog& beams, size_t i) {
   if (!(seen.range_m >= limits.min_m && seen.range_m <= limits.max_m)) return;
   const double range = with_noise(seen.range_m, options, key);
@@ -106,16 +106,17 @@ class ElementColumns {
 /// null, matter is drawn once, and the beams that meet it in the same patch of pixels choose and
 /// err alike, because the pixels bring the sensor's own noise with them. Keyframes know nothing of
 /// elements, of moving objects or of scenes, and only of beams along their axes.
-std::vector<std::optional<trace::RecalledReturn>> recalled(
-    const trace::Recollection& memory, std::span<const Ray> rays, std::span<const uint16_t> rings,
-    std::span<const Intersection> met, std::span<const uint64_t> keys, const uint64_t* matter) {
+std::vector<std::optional<keyframes::RecalledReturn>> recalled(
+    const keyframes::Recollection& memory, std::span<const Ray> rays,
+    std::span<const uint16_t> rings, std::span<const Intersection> met,
+    std::span<const uint64_t> keys, const uint64_t* matter) {
   constexpr double kFarM = 100;  // where the pixel of a miss is looked for
-  std::vector<std::optional<trace::RecalledReturn>> out(rays.size());
-  std::vector<trace::Recollection::Asked> asked = memory.asked(rays, rings);
+  std::vector<std::optional<keyframes::RecalledReturn>> out(rays.size());
+  std::vector<keyframes::Recollection::Asked> asked = memory.asked(rays, rings);
   std::vector<uint32_t> number;
   std::vector<uint64_t> choices;
   for (uint32_t k = 0; k < rays.size(); ++k) {
-    trace::Recollection::Asked& beam = asked[k];
+    keyframes::Recollection::Asked& beam = asked[k];
     const double most = memory.most_recalled(beam.near);
     if (!(most > 0)) continue;
     uint64_t choice = keys[k];
@@ -130,7 +131,7 @@ std::vector<std::optional<trace::RecalledReturn>> recalled(
     choices.push_back(choice);
   }
   asked.resize(number.size());
-  const std::vector<trace::Recalled> seen = memory.recall(asked);
+  const std::vector<keyframes::Recalled> seen = memory.recall(asked);
   for (size_t j = 0; j < seen.size(); ++j) {
     out[number[j]] = memory.drawn(seen[j], asked[j].u, choices[j]);
   }
@@ -160,11 +161,11 @@ struct Shots {
 /// Where some beams end: at an element, as a keyframe says, or nowhere.
 struct Ends {
   std::vector<Intersection> met;
-  std::vector<std::optional<trace::RecalledReturn>> seen;
+  std::vector<std::optional<keyframes::RecalledReturn>> seen;
   std::vector<double> median_m;  ///< m; the ranges, if they are medians and are not to be drawn.
 };
 
-Ends median_ends(const DynamicWorld& world, const trace::Recollection* memory,
+Ends median_ends(const DynamicWorld& world, const keyframes::Recollection* memory,
                  std::span<const Ray> rays, std::span<const uint16_t> rings,
                  const trace::RangeLimits& limits) {
   Ends out;
@@ -177,8 +178,8 @@ Ends median_ends(const DynamicWorld& world, const trace::Recollection* memory,
 }
 
 /// Unless `matter` is null, matter is drawn once.
-Ends drawn_ends(const DynamicWorld& world, const trace::Recollection* memory, const Shots& shots,
-                std::span<const uint16_t> rings, std::span<const double> time_s,
+Ends drawn_ends(const DynamicWorld& world, const keyframes::Recollection* memory,
+                const Shots& shots, std::span<const uint16_t> rings, std::span<const double> time_s,
                 const uint64_t* matter, const trace::RangeLimits& limits) {
   Ends out;
   out.met.resize(rings.size());
@@ -194,7 +195,7 @@ bool keyframes_serve(const DynamicWorld& world, const Options& options, const Lo
   const bool plain = options.draw != RangeDraw::kVolumetric && !options.random_ray &&
                      !options.element_ids && options.sway_s == 0;
   return plain && !world.moves() && world.world().is_one_model() &&
-         trace::Recollection::serves(world.model(0), beams);
+         keyframes::Recollection::serves(world.model(0), beams);
 }
 
 void simulate(const DynamicWorld& world, const Options& options, size_t first_beam,
@@ -203,14 +204,14 @@ void simulate(const DynamicWorld& world, const Options& options, size_t first_be
   const trace::RangeLimits limits = limits_of(world, options, beams.info);
   const bool once = world.world().draws() != trace::Draws::kAnew;
   const uint64_t matter = matter_key(options.seed);
-  std::optional<trace::Recollection> memory;
+  std::optional<keyframes::Recollection> memory;
   if (keyframes_serve(world, options, beams.info)) memory.emplace(world.model(0));
   ElementColumns columns(options, beams.size());
   parallel_for(beams.size(), 8192, [&](size_t begin, size_t end) {
     const size_t n = end - begin;
     const Shots shots(options, first_beam, once, beams, begin, end);
     const std::span<const uint16_t> rings(&beams.ring[begin], n);
-    const trace::Recollection* known = memory ? &*memory : nullptr;
+    const keyframes::Recollection* known = memory ? &*memory : nullptr;
     const Ends ends = options.draw == RangeDraw::kMedian
                           ? median_ends(world, known, shots.rays, rings, limits)
                           : drawn_ends(world, known, shots, rings, {&beams.time_s[begin], n},

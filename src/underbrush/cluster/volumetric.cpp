@@ -1,0 +1,61 @@
+#include "underbrush/cluster/volumetric.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+
+namespace underbrush::cluster {
+namespace {
+
+constexpr Clustering kClusterings[] = {
+    {"hierarchical",
+     [](const VolumetricPoints& p, const VolumetricOptions& o, uint64_t seed) {
+       return hierarchical_clusters(p.point, o.hierarchical, seed);
+     },
+     /*mixture=*/true},
+    {"voxel",
+     [](const VolumetricPoints& p, const VolumetricOptions& o, uint64_t) {
+       return voxel_clusters(p.point, o.voxel);
+     },
+     /*mixture=*/false, /*in_voxels=*/true},
+    {"top_down", [](const VolumetricPoints& p, const VolumetricOptions& o,
+                    uint64_t) { return top_down_clusters(p.point, p.to_sensor, o.top_down); }},
+    {"bottom_up", [](const VolumetricPoints& p, const VolumetricOptions& o,
+                     uint64_t) { return bottom_up_clusters(p.point, o.bottom_up); }},
+};
+
+const Clustering& known(std::string_view name) {
+  const Clustering* clustering = clustering_named(name);
+  if (!clustering) {
+    throw std::invalid_argument("fit: no volumetric fitter '" + std::string(name) + "'");
+  }
+  return *clustering;
+}
+
+}  // namespace
+
+std::span<const Clustering> clusterings() { return kClusterings; }
+
+const Clustering* clustering_named(std::string_view name) {
+  for (const Clustering& c : kClusterings) {
+    if (c.name == name) return &c;
+  }
+  return nullptr;
+}
+
+Clusters clusters_of(std::string_view name, const VolumetricPoints& points,
+                     const VolumetricOptions& options, uint64_t seed) {
+  return known(name).clusters(points, options, seed);
+}
+
+Volumes volumes(std::string_view name, const VolumetricPoints& points,
+                const VolumetricOptions& options, uint64_t seed) {
+  const Clustering& clustering = known(name);
+  const Clusters clusters = clustering.clusters(points, options, seed);
+  return {clustering.mixture ? mixture(points.point, points.to_sensor, clusters, options.ellipsoid,
+                                       options.mixture)
+                             : ellipsoids_of(points.point, clusters, options.ellipsoid),
+          size_t(std::count(clusters.group.begin(), clusters.group.end(), Clusters::kNone))};
+}
+
+}  // namespace underbrush::cluster

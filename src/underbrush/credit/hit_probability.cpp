@@ -1,0 +1,258 @@
+#include "underbrush/credit/hit_probability.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+#include "underbrush/core/cells.hpp"
+#include "underbrush/core/check.hpp"
+#include "underbrush/core/parallel.hpp"
+
+namespace underbrush::credit {
+namespace {
+
+void add_one(uint32_t& counter) {
+  std::atomic_ref<uint32_t>(counter).fetch_add(1, std::memory_order_relaxed);
+}
+
+bool contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+void check(const CreditOptions& options) {
+  require(contains(credit_rules(), options.rule),
+          "the rules of credit are first, best and mahalanobis");
+  require(contains(hit_estimators(), options.estimator),
+          "the estimators of p are plain, prior and empirical_bayes");
+  require(options.tau_m > 0, "tau_m must be positive");
+  require(options.region_m > 0, "a region must have a positive side");
+  for (const HitPrior& prior : {options.ellipsoid, options.triangle}) {
+    require(prior.a >= 0 && prior.b >= 0, "a prior count must not be negative");
+  }
+}
+
+Trials trials_of(const elements::HitCount& h) { return {h.hits, h.misses}; }
+
+/// Beta priors for each class in each region, for each class, and for all elements.
+class BetaPriors {
+ public:
+  BetaPriors(const elements::Model& model, const CreditOptions& options)
+      : model_(model), options_(options) {
+    std::map<Key, std::vector<Trials>> groups;
+    for (const elements::Ellipsoid& e : model.ellipsoids) {
+      if (e.hit.hits == 0 && e.hit.misses == 0) continue;
+      for (const Key& key : keys(e)) groups[key].push_back(trials_of(e.hit));
+    }
+    std::vector<std::pair<HitPrior*, const std::vector<Trials>*>> work;
+    for (const auto& [key, trials] : groups) {
+      if (trials.size() >= options.region_elements || std::get<0>(key) == kAll) {
+        work.emplace_back(&priors_[key], &trials);
+      }
+    }
+    parallel_for(work.size(), 1, [&](size_t k, size_t) {
+      *work[k].first = fit_beta_prior(thinned(*work[k].second));
+    });
+  }
+
+  HitPrior of(const elements::Ellipsoid& e) const {
+    for (const Key& key : keys(e)) {
+      if (const auto at = priors_.find(key); at != priors_.end()) return at->second;
+    }
+    return fit_beta_prior({});
+  }
+
+ private:
+  enum Level { kRegion, kClass, kAll };
+  using Key = std::tuple<int, uint32_t, int, int>;  // level, class, i and j of the region
+
+  std::array<Key, 3> keys(const elements::Ellipsoid& e) const {
+    const auto [i, j] = cell_of(double(e.mean.x()), double(e.mean.y()), options_.region_m);
+    return {Key{kRegion, e.label, i, j}, Key{kClass, e.label, 0, 0}, Key{kAll, 0, 0, 0}};
+  }
+
+  // Takes some thousand elements evenly, which is enough to estimate two parameters.
+  static std::vector<Trials> thinned(const std::vector<Trials>& trials) {
+    constexpr size_t kEnough = 4000;
+    if (trials.size() <= kEnough) return trials;
+    std::vector<Trials> out;
+    for (size_t k = 0; k < kEnough; ++k) out.push_back(trials[k * trials.size() / kEnough]);
+    return out;
+  }
+
+  const elements::Model& model_;
+  const CreditOptions& options_;
+  std::map<Key, HitPrior> priors_;
+};
+
+double sigma_of(const trace::Intersection& m) {
+  constexpr double kLeastSigmaM = 1e-6;  // a mesh may say 0
+  return std::max(m.sigma_m, kLeastSigmaM);
+}
+
+/// Whether an element explains a measured range.
+bool explains(const elements::Model& model, const trace::Intersection& m, double range_m,
+              double tau, const CreditOptions& options) {
+  const double residual = range_m - m.t_m, s = residual / sigma_of(m);
+  return model.kind(m.element) == elements::Kind::kEllipsoid
+             ? m.delta2 + s * s < tau * tau
+             : std::abs(residual) < options.max_residual_for_hit_m;
+}
+
+/// Computes log N(z; t, σ²) of a measured range, up to a constant.
+double log_density(const trace::Intersection& m, double range_m) {
+  const double s = (range_m - m.t_m) / sigma_of(m);
+  return -0.5 * s * s - std::log(sigma_of(m));
+}
+
+/// Credits a beam that something moving has stopped: it passed all elements before that.
+void credit_passes(std::span<const trace::Intersection> met, double range_m,
+                   const CreditOptions& options, std::vector<Credit>& out) {
+  out.assign(met.size(), Credit::kNothing);
+  for (size_t k = 0; k < met.size(); ++k) {
+    const bool is_before = met[k].t_m < range_m - options.max_residual_for_hit_m;
+    if (is_before) out[k] = Credit::kMiss;
+  }
+}
+
+void add_residual(const elements::Model& model, const trace::Intersection& hit,
+                  const Vec3& direction, double range_m, CreditedResiduals& residuals) {
+  const elements::ElementPlace place = model.place(hit.element);
+  if (place.kind == elements::Kind::kEllipsoid) return;
+  const bool is_ground = place.kind == elements::Kind::kGround;
+  MeshResiduals& of = is_ground ? residuals.ground : residuals.surface;
+  of.add(is_ground ? model.ground : model.surface, place.index, direction, range_m - hit.t_m);
+}
+
+}  // namespace
+
+std::vector<std::string> credit_rules() { return {"first", "best", "mahalanobis"}; }
+std::vector<std::string> hit_estimators() { return {"plain", "prior", "empirical_bayes"}; }
+
+void credit(const elements::Model& model, std::span<const trace::Intersection> met, double range_m,
+            const CreditOptions& options, std::vector<Credit>& out) {
+  out.assign(met.size(), range_m == kMiss ? Credit::kMiss : Credit::kNothing);
+  const bool alone = options.rule != "mahalanobis";  // one beam gives at most one hit
+  const double tau = alone ? model.tau : std::min(options.tau_m, model.tau);
+  const bool nearest = options.rule == "first";
+  size_t stopped = met.size();  // the entry of the element that gets the only hit
+  double best = -INFINITY;
+  for (size_t k = 0; k < met.size(); ++k) {
+    const trace::Intersection& m = met[k];
+    if (m.delta2 > tau * tau) {
+      out[k] = Credit::kNothing;
+      continue;
+    }
+    if (range_m == kMiss) continue;
+    const bool is_nearer = stopped == met.size() || m.before(met[stopped]);
+    if (nearest && !is_nearer) continue;
+    if (!explains(model, m, range_m, tau, options)) {
+      if (range_m > m.t_m) out[k] = Credit::kMiss;
+    } else if (!alone) {
+      out[k] = Credit::kHit;
+    } else if (nearest) {
+      stopped = k;
+    } else if (const double density = log_density(m, range_m);
+               density > best || (density == best && is_nearer)) {
+      best = density;
+      stopped = k;
+    }
+  }
+  if (stopped == met.size()) return;
+  // Elements before the hit can have their closest approach beyond the measured range. They get a
+  // miss, because the beam passed them on its way to the element that stopped it.
+  for (size_t k = 0; k < met.size(); ++k) {
+    if (met[k].delta2 > tau * tau) continue;
+    out[k] = k == stopped                  ? Credit::kHit
+             : met[k].before(met[stopped]) ? Credit::kMiss
+                                           : Credit::kNothing;
+  }
+}
+
+Tally::Tally(const elements::Model& model, const CreditOptions& options)
+    : of(model.size()),
+      residuals{MeshResiduals(options.max_residual_for_hit_m),
+                MeshResiduals(options.max_residual_for_hit_m)} {
+  check(options);
+}
+
+void Tally::add(const trace::World& world, BeamSource& source, const CreditOptions& options,
+                const std::function<void(size_t, size_t)>& progress) {
+  const elements::Model& model = world.model();
+  const LogInfo& info = source.info();
+  source.rewind();
+  BeamLog chunk;
+  size_t done = 0;
+  while (source.next(chunk)) {
+    const trace::RangeLimits limits{info.min_range_m,
+                                    std::min(info.max_range_m, model.max_range_m)};
+    parallel_for(chunk.size(), 2048, [&](size_t begin, size_t end) {
+      std::vector<Ray> rays;
+      std::vector<double> reach;
+      for (size_t i = begin; i < end; ++i) {
+        rays.push_back(chunk.ray(i));
+        // The tracer lists an element if the ray enters its bounds before the reach. For an
+        // ellipsoid that holds the point this is so at the point, for a triangle within the largest
+        // residual.
+        reach.push_back(
+            std::min(double(chunk.range_m[i]) + options.max_residual_for_hit_m, limits.max_m));
+      }
+      trace::IntersectionLists met;
+      world.all_intersections(rays, limits, reach, met, trace::World::Sequence::kAny);
+      std::vector<Credit> said;
+      for (size_t i = begin; i < end; ++i) {
+        const std::span<const trace::Intersection> list = met[i - begin];
+        if (chunk.flags[i] & kMover) {
+          credit_passes(list, chunk.range_m[i], options, said);
+        } else {
+          credit(model, list, chunk.range_m[i], options, said);
+        }
+        for (size_t k = 0; k < list.size(); ++k) {
+          if (said[k] == Credit::kNothing) continue;
+          Trials& trials = of[list[k].element];
+          add_one(said[k] == Credit::kHit ? trials.hits : trials.misses);
+          if (said[k] == Credit::kHit) {
+            add_residual(model, list[k], rays[i - begin].direction, chunk.range_m[i], residuals);
+          }
+        }
+      }
+    });
+    done += chunk.size();
+    if (progress) progress(done, source.size());
+  }
+}
+
+CreditedResiduals count_hits(elements::Model& model, BeamSource& source,
+                             const CreditOptions& options,
+                             const std::function<void(size_t, size_t)>& progress) {
+  for (size_t i = 0; i < model.size(); ++i) model.hit(i) = {1, 0, 0};
+  Tally tally(model, options);
+  tally.add(trace::World(model), source, options, progress);
+  for (size_t i = 0; i < model.size(); ++i) {
+    model.hit(i) = {1, tally.of[i].hits, tally.of[i].misses};
+  }
+  estimate_hit_probabilities(model, options);
+  return std::move(tally.residuals);
+}
+
+void estimate_hit_probabilities(elements::Model& model, const CreditOptions& options) {
+  check(options);
+  for (size_t i = 0; i < model.size() - model.ellipsoids.size(); ++i) {
+    elements::HitCount& h = model.hit(i);
+    h.p = float(posterior_mean(trials_of(h), options.triangle));
+  }
+  if (options.estimator == "empirical_bayes") {
+    const BetaPriors priors(model, options);
+    for (elements::Ellipsoid& e : model.ellipsoids) {
+      e.hit.p = float(posterior_mean(trials_of(e.hit), priors.of(e)));
+    }
+    return;
+  }
+  const HitPrior prior = options.estimator == "plain" ? HitPrior{0, 0} : options.ellipsoid;
+  for (elements::Ellipsoid& e : model.ellipsoids) {
+    e.hit.p = float(posterior_mean(trials_of(e.hit), prior));
+  }
+}
+
+}  // namespace underbrush::credit

@@ -1,0 +1,65 @@
+/// \file
+/// The options of `fit`.
+#pragma once
+#include <cstdint>
+#include <string>
+
+#include "underbrush/cluster/volumetric.hpp"
+#include "underbrush/core/tile_store.hpp"
+#include "underbrush/credit/hit_probability.hpp"
+#include "underbrush/ground/height_grid.hpp"
+#include "underbrush/ground/segment.hpp"
+#include "underbrush/ground/triangulate.hpp"
+#include "underbrush/keyframes/keyframes.hpp"
+#include "underbrush/likelihood/likelihood.hpp"
+#include "underbrush/surface/surface.hpp"
+
+namespace underbrush::fit {
+
+/// The parameters θ of a fit.
+struct FitOptions {
+  /// The name of a fitter in the table of fit/fitters.hpp:
+  /// - `hierarchical` ([tallavajhula18]), `voxel`, `top_down` and `bottom_up` ([deschaud12]) make a
+  ///   ground mesh and ellipsoids;
+  /// - `ground_mesh` makes the ground mesh alone;
+  /// - `surface` makes one opaque mesh through all points, the everyday baseline, and `rimls` does
+  ///   so with the robust implicit surface of [deschaud12];
+  /// - `likelihood` refines the model of `start` by `refine`.
+  std::string fitter = "likelihood";
+  /// For `likelihood` only: the fitter that makes the first model, or the folder of a model.
+  std::string start = "hierarchical";
+  /// The sensor that recorded the log, as in `LogInfo`; empty: as the log says.
+  std::string sensor, sensor_file;
+  uint64_t seed = 1;
+  double tau = 3;               ///< A beam meets an ellipsoid within this Mahalanobis distance.
+  double range_noise_m = 0.02;  ///< σ of the sensor's range, m: the least extent of any element.
+  /// Returns nearer than this are left out (m), because they come from the vehicle that carries the
+  /// sensor. The vehicle soon stands where its sensor was before, and an opaque model of it would
+  /// enclose the sensor there.
+  double min_range_m = 0;
+  /// Unless this is set, the range offsets of the sensor's channels are learnt first
+  /// (`learn_offsets`), taken away from the ranges and kept in the model. Logs that do not name
+  /// their sensor have none.
+  bool ranges_as_given = false;
+  /// Ellipsoids through which nearly all beams passed are dropped as free space: something moved
+  /// through it once. An ellipsoid is dropped where hits / (hits + misses) is below this and at
+  /// least `free_space_beams` beams met it.
+  double free_space_below = 0.05;
+  uint32_t free_space_beams = 20;
+  TileOptions tiles;
+  ground::SegmentOptions segment;
+  ground::HeightGridOptions ground;
+  ground::TriangulateOptions triangulate;
+  /// `fit` sets the floor of the covariances, and the noise and τ of `top_down`, from the fields
+  /// above.
+  cluster::VolumetricOptions volumetric;
+  credit::CreditOptions credit;
+  surface::SurfaceOptions surface;
+  /// `fit` sets its range noise and its floor from the fields above.
+  likelihood::LikelihoodOptions likelihood;
+  /// For `likelihood` only; other fitters keep none. `fit` sets its least range from the field
+  /// above.
+  keyframes::KeyframeOptions keyframes;
+};
+
+}  // namespace underbrush::fit

@@ -1,0 +1,210 @@
+#include "underbrush/keyframes/keyframe_trust.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "underbrush/core/clones.hpp"
+#include "underbrush/core/eight_lanes.inl"
+#include "underbrush/core/parallel.hpp"
+
+namespace underbrush::keyframes {
+namespace {
+
+using elements::Keyframes;
+using elements::KeyframeTrust;
+
+constexpr size_t kPixels = KeyframeTrust::kPixels, kScales = KeyframeTrust::kScales;
+static_assert(kPixels == kLanes);
+constexpr int kTrustRounds = 15;
+/// A distance at which fewer beams were looked at is not trusted.
+constexpr size_t kLeastBeams = 1000;
+/// Beams' worth of the weights of all distances that are mixed into those of one.
+constexpr double kPriorBeams = 50;
+constexpr double kLeastSigma = 0.003, kLargestSigma = 0.6;  // m
+
+/// The sums of an expectation over some samples, for one situation: of the shares of the elements,
+/// of the pixels, of the scales, and of these times the squared distance.
+struct Expected {
+  double elements = 0;
+  std::array<double, kPixels> pixel{};
+  std::array<double, kScales> scale{}, square_m2{};
+
+  void add(const Expected& other) {
+    elements += other.elements;
+    for (size_t r = 0; r < kPixels; ++r) pixel[r] += other.pixel[r];
+    for (size_t c = 0; c < kScales; ++c) {
+      scale[c] += other.scale[c];
+      square_m2[c] += other.square_m2[c];
+    }
+  }
+};
+
+UNDERBRUSH_INLINE double sum_of(D x) {
+  double sum = 0;
+  for (size_t r = 0; r < kPixels; ++r) sum += x[r];
+  return sum;
+}
+
+/// Adds the shares of `n` samples, each in all places of `KeyframeTrust::pixel` at once.
+UNDERBRUSH_CLONES void expect(const TrustSample* samples, const uint32_t* which, size_t n,
+                              const KeyframeTrust& t, Expected& out) {
+  F pixel, exponent[kScales], peak[kScales];
+  for (size_t r = 0; r < kPixels; ++r) pixel[r] = float(t.pixel[r]);
+  for (size_t c = 0; c < kScales; ++c) {
+    const auto sigma = float(t.sigma_m[c]);
+    exponent[c] = all(-0.5f / (sigma * sigma));
+    peak[c] = all(1 / (float(std::sqrt(2 * M_PI)) * sigma));
+  }
+  D pixels{}, scales[kScales]{}, squares[kScales]{};
+  for (size_t i = 0; i < n; ++i) {
+    const TrustSample& s = samples[which[i]];
+    const F hit = load(s.hit.data()), missed = load(s.missed.data());
+    const F off = load(s.off_m.data()), square = off * off;
+    const F unseen = pixel * load(s.unseen.data());
+    F part[kScales], sum{};
+    for (size_t c = 0; c < kScales; ++c) {
+      const F bell = peak[c] * exp_below_zero(exponent[c] * square);
+      part[c] = pixel * float(t.scale[c]) * (missed + hit * bell);
+      sum += part[c];
+    }
+    const double of_elements = t.elements + sum_of(__builtin_convertvector(unseen, D));
+    const double total =
+        s.outlier + of_elements * s.elements + sum_of(__builtin_convertvector(sum, D));
+    if (!(total > 0)) continue;
+    // Pixels that a beam does not see leave their weight to the elements, and its share there.
+    out.elements += t.elements * s.elements / total;
+    const auto one = float(1 / total);
+    pixels += __builtin_convertvector(one * (sum + unseen * float(s.elements)), D);
+    for (size_t c = 0; c < kScales; ++c) {
+      const F share = one * part[c] * hit;
+      scales[c] += __builtin_convertvector(share, D);
+      squares[c] += __builtin_convertvector(share * square, D);
+    }
+  }
+  for (size_t r = 0; r < kPixels; ++r) out.pixel[r] += pixels[r];
+  for (size_t c = 0; c < kScales; ++c) {
+    out.scale[c] += sum_of(scales[c]);
+    out.square_m2[c] += sum_of(squares[c]);
+  }
+}
+
+/// The weights that follow from sums and from `beams` beams with the weights of `prior`.
+KeyframeTrust trust_of(const Expected& sums, const KeyframeTrust& prior, double beams) {
+  KeyframeTrust out = prior;
+  double all = sums.elements, returns = 0;
+  for (const double w : sums.pixel) all += w;
+  for (const double c : sums.scale) returns += c;
+  out.elements = (sums.elements + beams * prior.elements) / (all + beams);
+  for (size_t r = 0; r < kPixels; ++r) {
+    out.pixel[r] = (sums.pixel[r] + beams * prior.pixel[r]) / (all + beams);
+  }
+  for (size_t c = 0; c < kScales; ++c) {
+    const double number = sums.scale[c] + beams * prior.scale[c];
+    const double square =
+        sums.square_m2[c] + beams * prior.scale[c] * prior.sigma_m[c] * prior.sigma_m[c];
+    out.scale[c] = number / (returns + beams);
+    if (number > 0) {
+      out.sigma_m[c] = std::clamp(std::sqrt(square / number), kLeastSigma, kLargestSigma);
+    }
+  }
+  return out;
+}
+
+KeyframeTrust first_guess() {
+  KeyframeTrust t;
+  t.elements = 0.3;
+  t.pixel.fill(0.7 / double(t.pixel.size()));
+  t.scale.fill(1.0 / double(t.scale.size()));
+  t.sigma_m = {0.02, 0.1, 0.5};
+  return t;
+}
+
+/// Maximises the likelihood of the samples of some situations.
+KeyframeTrust most_likely(const std::vector<TrustSample>& samples,
+                          const std::vector<uint32_t>& which, const KeyframeTrust& prior,
+                          double prior_beams) {
+  constexpr size_t kPiece = 4096;
+  KeyframeTrust t = prior;
+  for (int round = 0; round < kTrustRounds; ++round) {
+    std::vector<Expected> pieces((which.size() + kPiece - 1) / kPiece);
+    parallel_for(which.size(), kPiece, [&](size_t begin, size_t end) {
+      expect(samples.data(), which.data() + begin, end - begin, t, pieces[begin / kPiece]);
+    });
+    Expected all;
+    for (const Expected& piece : pieces) all.add(piece);
+    t = trust_of(all, prior, prior_beams);
+  }
+  return t;
+}
+
+/// Which places of `KeyframeTrust::pixel` some samples say nothing of, as no more than a few saw a
+/// pixel there.
+std::array<bool, kPixels> unseen_by(const std::vector<TrustSample>& samples,
+                                    const std::vector<uint32_t>& which) {
+  std::array<double, kPixels> seen{};
+  for (const uint32_t i : which) {
+    for (size_t r = 0; r < kPixels; ++r) seen[r] += 1 - double(samples[i].unseen[r]);
+  }
+  std::array<bool, kPixels> out;
+  for (size_t r = 0; r < kPixels; ++r) out[r] = seen[r] < kPriorBeams;
+  return out;
+}
+
+/// Gives the elements the weight of pixels that nothing was learnt of.
+void leave_to_elements(const std::array<bool, kPixels>& unseen, KeyframeTrust& t) {
+  for (size_t r = 0; r < kPixels; ++r) {
+    if (unseen[r]) t.elements += std::exchange(t.pixel[r], 0.0);
+  }
+}
+
+}  // namespace
+
+TrustSample::TrustSample(const Recalled& seen, double range_m) : situation(seen.situation) {
+  const bool beam_missed = std::isinf(range_m);
+  unseen.fill(1);
+  for (size_t k = 0; k < seen.count; ++k) {
+    const size_t r = seen.rank[k];
+    const bool pixel_missed = std::isinf(seen.range_m[k]);
+    unseen[r] = 0;
+    missed[r] = pixel_missed && beam_missed;
+    hit[r] = !pixel_missed && !beam_missed;
+    if (hit[r] > 0) off_m[r] = float(range_m - seen.range_m[k]);
+  }
+}
+
+std::array<KeyframeTrust, Keyframes::kSituations> most_likely_trust(
+    const std::vector<TrustSample>& samples,
+    const std::array<KeyframeTrust, Keyframes::kSituations>* earlier) {
+  std::array<KeyframeTrust, Keyframes::kSituations> out;
+  std::vector<std::vector<uint32_t>> by_situation(Keyframes::kSituations);
+  std::vector<std::vector<uint32_t>> by_agreement(Keyframes::kAgreements);
+  for (uint32_t i = 0; i < samples.size(); ++i) {
+    by_situation[samples[i].situation].push_back(i);
+    by_agreement[samples[i].situation % Keyframes::kAgreements].push_back(i);
+  }
+  const KeyframeTrust start = first_guess();
+  for (size_t a = 0; a < Keyframes::kAgreements; ++a) {
+    const KeyframeTrust pooled = most_likely(samples, by_agreement[a], start, 1);
+    const std::array<bool, kPixels> unseen = unseen_by(samples, by_agreement[a]);
+    // Where no beam was so near to a keyframe, the trust is that of the next farther distance.
+    KeyframeTrust farther;
+    for (size_t d = Keyframes::kDistances.size(); d-- > 0;) {
+      const size_t situation = d * Keyframes::kAgreements + a;
+      size_t beams = 0;
+      for (size_t b = 0; b < Keyframes::kAgreements; ++b) {
+        beams += by_situation[d * Keyframes::kAgreements + b].size();
+      }
+      if (beams >= kLeastBeams) {
+        farther = most_likely(samples, by_situation[situation], pooled, kPriorBeams);
+        leave_to_elements(unseen, farther);
+      } else if (earlier) {
+        farther = (*earlier)[situation];
+      }
+      out[situation] = farther;
+    }
+  }
+  return out;
+}
+
+}  // namespace underbrush::keyframes

@@ -1,0 +1,70 @@
+/// \file
+/// This file has the expectation step: one pass over a log under a model, which sums what the
+/// training beams say about each element; and the judgement of a model by the held-out beams.
+#pragma once
+#include <functional>
+
+#include "underbrush/core/beam_log.hpp"
+#include "underbrush/likelihood/element_sums.hpp"
+#include "underbrush/likelihood/listed_beams.hpp"
+#include "underbrush/trace/ray_likelihood.hpp"
+#include "underbrush/trace/world.hpp"
+
+namespace underbrush::likelihood {
+
+/// The result of a pass over the training beams.
+struct Expectation {
+  double nll = 0;  ///< The mean of −log f over beams, nats, as in `metrics::score`.
+  ElementSums sums;
+  double stray_hits = 0;  ///< Share of the beams that returned from what no element explains.
+};
+
+/// Exact sums over the beams of a pass.
+struct PassTotals {
+  FixedSum loss;  ///< Σ −log f. Each is below 20, so the sum does not overflow.
+  FixedSum stray_hits;
+  std::array<MeshNoise, 2> noise;  ///< The ground's and the surface's.
+
+  void add(const PassTotals& other);
+};
+
+/// The columns of the meetings of a run of beams.
+class RunColumns {
+ public:
+  /// Makes room for `count` meetings.
+  void resize(size_t count);
+  MeetingColumns meetings();
+  EllipsoidColumns ellipsoids();
+
+ private:
+  std::vector<float> numbers_;
+  std::vector<uint32_t> places_;
+  size_t room_ = 0;
+};
+
+/// Computes the shares of a block's beams under a model by the ray model with outliers:
+///   f(z) = (1 − ε_h − ε_m) Σ_k w_k N(z; t_k, σ_k²) + ε_h / R
+///   P(miss) = (1 − ε_h − ε_m) ∏_k (1 − p_k) + ε_m,   w_k = p_k ∏_{j<k} (1 − p_j)
+/// z is the beam's range, R is `max_range_m`, and k counts the elements that the beam meets in
+/// order of range. Shares are under `soft`: r_k ∝ w_k N(z; t_k, σ_k²) is the probability that
+/// element k returned the beam, and Σ_{j>k} r_j that it went through element k; for a miss that is
+/// the probability that it met nothing. The likelihoods of the totals are under
+/// `trace::kReportedOutliers`, as those of the score are. What the beams say of the elements is
+/// added to `sums` unless it is null.
+PassTotals find_shares(const ModelForm& model, const BeamBlock& block,
+                       const trace::OutlierShares& soft, double max_range_m, BlockShares& shares,
+                       ElementSums* sums);
+
+/// Makes one pass over a share of the training beams of a log, in a world of one model. The sums
+/// count each beam `share.weight()` times, so that their means are those of all beams. `soft` has
+/// the outlier shares under which credit is given to elements. `progress(done, total)` may be
+/// empty.
+Expectation expect(const trace::World& world, const ListedBeams& beams, credit::BeamShare share,
+                   const trace::OutlierShares& soft,
+                   const std::function<void(size_t, size_t)>& progress = {});
+
+/// Computes the mean of −log f of the held-out beams of a log in a world of one model, nats, as in
+/// `metrics::score`. Of many beams about 2¹⁶, chosen by a hash, are enough.
+double judge(const trace::World& world, const ListedBeams& beams);
+
+}  // namespace underbrush::likelihood

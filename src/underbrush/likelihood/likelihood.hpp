@@ -1,0 +1,92 @@
+/// \file
+/// This file has the fitter `likelihood`, which refines a model by expectation–maximisation on the
+/// ray model.
+#pragma once
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "underbrush/likelihood/expectation.hpp"
+#include "underbrush/likelihood/maximisation.hpp"
+#include "underbrush/likelihood/rearrangement.hpp"
+
+namespace underbrush {
+/// The refinement of a model by the likelihood of the beams of a log.
+namespace likelihood {
+
+/// The options of `refine`.
+struct LikelihoodOptions {
+  credit::HeldOut held_out;
+  int rounds = 3;          ///< Largest number of M-steps.
+  int rearrangements = 0;  ///< Largest number of rearrangements before them.
+  /// A step is kept if it lowers the held-out −log f by this, nats a beam.
+  double least_gain = 0.0005;
+  /// The probability ε_m that a return was lost, as the expectation step uses it. Near 0, each
+  /// single miss makes the elements in its way permeable. This gives the best likelihood but the
+  /// worst F1, because a simulation then loses other beams than the log did. See
+  /// docs/explanation/likelihood.md.
+  double dropout = 0.02;
+  /// The exponent γ of `sharpened`, applied to the final model; 1 leaves it as it is. Above 1, a
+  /// simulated range lies nearer to the measured one, while likelihood and CRPS get worse.
+  double sharpness = 1;
+  double range_noise_m = 0.02;  ///< σ of the sensor's range, m.
+  MaximisationOptions maximisation;
+  RearrangementOptions rearrangement;
+};
+
+/// A step that was tried.
+struct LikelihoodStep {
+  std::string name;  ///< `start`, `rearrange` or `maximise`.
+  size_t elements = 0;
+  /// Mean −log f over the training beams, nats, as in `metrics::score`; known only of models from
+  /// which a further step was tried.
+  std::optional<double> training_nll;
+  double held_out_nll = 0;  ///< The same over the held-out beams.
+  bool accepted = false;
+};
+
+/// The report of a refinement.
+struct LikelihoodReport {
+  size_t training_beams = 0, held_out_beams = 0;
+  size_t held_out_hits = 0;  ///< How many of `held_out_beams` returned.
+  /// Estimated share of returns that no element explains, in the last pass over training beams.
+  double stray_hits = 0;
+  std::vector<LikelihoodStep> steps;
+};
+
+/// A refined model and its report.
+struct Refined {
+  elements::Model model;
+  LikelihoodReport report;
+};
+
+/// The share of the training beams from which a round of `rounds` takes its M-step. The first steps
+/// move all elements far and need not know well how far: of a long log (`kLongLog`) the first one
+/// takes one half, the second one the other half, and later ones all beams. Fewer than three rounds
+/// are the last ones of these.
+credit::BeamShare share_of_round(size_t beams, int round, int rounds);
+
+/// Refines a model by steps. A step is kept only if it raises the likelihood of the held-out beams.
+/// The steps are:
+///
+/// 1. hit probabilities are turned into densities (`with_densities`);
+/// 2. ellipsoids are rearranged (`rearranged`) for as long as it helps;
+/// 3. M-steps (`maximised`) follow, from shares of the beams (`share_of_round`).
+///
+/// Rearrangements never add to the number of elements. The final ellipsoids are `sharpened`.
+///
+/// The beams are read and searched anew for each step that goes on from a model; the held-out beams
+/// stay in memory and judge it. The result has the same bits for any number of threads and any
+/// order of the beams. `progress(stage, done, total)` may be empty. Throws `std::invalid_argument`
+/// for ellipsoids bounded by voxels, because their means would leave the voxels, and for options
+/// out of range.
+///
+/// Unless `moving` is empty, it says of each element whether it may change. The others are met and
+/// stay as they are, and there are no rearrangements.
+Refined refine(const elements::Model& start, BeamSource& source, const LikelihoodOptions& options,
+               const std::function<void(std::string_view, size_t, size_t)>& progress = {},
+               const std::vector<bool>& moving = {});
+
+}  // namespace likelihood
+}  // namespace underbrush

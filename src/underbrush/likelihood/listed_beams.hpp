@@ -1,0 +1,53 @@
+/// \file
+/// The beams of a log as passes over it need them.
+#pragma once
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "underbrush/core/beam_log.hpp"
+#include "underbrush/credit/held_out.hpp"
+#include "underbrush/elements/model.hpp"
+#include "underbrush/likelihood/pass_kernel.hpp"
+
+namespace underbrush::likelihood {
+
+/// The beams of a log in the frame of a model: those that are held out, and the training beams in
+/// blocks.
+class ListedBeams {
+ public:
+  /// Reads the log once. All held-out beams stay in memory, and training beams as long as they take
+  /// at most `most_bytes`; further ones are read in each pass. The source must outlive the lists.
+  /// Of the model, only the frame and the maximum range count.
+  ListedBeams(BeamSource& source, const credit::HeldOut& held_out, const elements::Model& model,
+              size_t most_bytes);
+
+  const LogInfo& info() const { return source_.info(); }
+  const std::vector<ListedBeam>& held_out() const { return judging_; }
+  /// How many of the held-out beams returned.
+  size_t held_out_hits() const;
+  size_t training_beams() const { return training_beams_; }
+  /// Calls `use` with the training beams of a share, those of each chunk of the log.
+  void for_each(credit::BeamShare share,
+                const std::function<void(std::span<const ListedBeam>)>& use) const;
+
+ private:
+  /// Training beams of a chunk and their numbers (`BeamShare::number_of`).
+  struct Block {
+    std::vector<ListedBeam> beams;
+    std::vector<uint8_t> number;
+  };
+  /// Appends beams of a chunk, those that are held out to `judging` unless it is null.
+  Block block_of(const BeamLog& chunk, std::vector<ListedBeam>* judging) const;
+
+  BeamSource& source_;
+  credit::HeldOut rule_;
+  Vec3 origin_;
+  double most_range_m_;
+  std::vector<Block> kept_;  ///< The first blocks of training beams.
+  std::vector<ListedBeam> judging_;
+  size_t training_beams_ = 0;
+  bool complete_ = true;  ///< Whether `kept_` has all blocks.
+};
+
+}  // namespace underbrush::likelihood

@@ -1,0 +1,32 @@
+/// \file
+/// What the returns of new scans say of the tiles of a model.
+#pragma once
+#include <map>
+
+#include "underbrush/core/beam_log.hpp"
+#include "underbrush/fit/fit.hpp"
+
+namespace underbrush::update {
+
+/// The new returns of one tile.
+struct TileNews {
+  size_t returns = 0;       ///< New returns in the tile.
+  size_t unexplained = 0;   ///< How many no element of the model explains.
+  bool is_touched = false;  ///< Whether one lies in the tile or within `kTileMarginM` of it.
+};
+
+/// The counts of new scans, and the tiles that their returns touch.
+struct NewReturns {
+  size_t beams = 0, hits = 0, near = 0, movers = 0, unexplained = 0;
+  double largest_m = 0;  ///< m; the largest range.
+  std::map<TileKey, TileNews> tiles;
+};
+
+/// Reads new scans once and holds their returns against a model and its tiles. A tile without a
+/// return of its own is among the result only if the model has it. Throws `DataError` for scans
+/// that lie farther from every tile than the sensor reaches.
+NewReturns new_returns(BeamSource& added, const elements::Model& model,
+                       const fit::FitRecord& record, const fit::FitOptions& options,
+                       const fit::FitProgress& progress);
+
+}  // namespace underbrush::update

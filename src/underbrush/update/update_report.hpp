@@ -1,0 +1,35 @@
+/// \file
+/// The report of an update.
+#pragma once
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "underbrush/core/pose.hpp"
+#include "underbrush/keyframes/keyframes.hpp"
+
+namespace underbrush::update {
+
+/// A square of 4 m where ellipsoids have gone.
+struct ChangedPlace {
+  Vec3 centre = Vec3::Zero();  ///< m, world: the mean of the ellipsoids.
+  size_t gone = 0;             ///< How many.
+};
+
+/// Counts and warnings of an update.
+struct UpdateReport {
+  size_t beams = 0, hits = 0, misses = 0;  ///< Counts of the new scans.
+  size_t mover_points = 0;                 ///< Left out because they have the flag `kMover`.
+  size_t near_points = 0;                  ///< Left out because they are nearer than `min_range_m`.
+  size_t unexplained = 0;                  ///< New returns that no element explained before.
+  size_t tiles = 0, touched_tiles = 0, fitted_tiles = 0;
+  size_t earlier_beams = 0;  ///< Beams of the earlier logs that were traced once more.
+  size_t kept = 0, added = 0, dropped = 0;  ///< Ellipsoids.
+  size_t changed = 0;  ///< Ellipsoids of which new beams say otherwise than earlier ones.
+  size_t gone = 0;     ///< How many of `changed` were dropped as free space.
+  keyframes::KeyframeChanges keyframes;
+  std::vector<ChangedPlace> places;  ///< Where most have gone, at most ten.
+  std::vector<std::string> warnings;
+};
+
+}  // namespace underbrush::update
