@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Holds what pages state of the program against the program: verbs, studies and options that they name exist, lists are
-whole, stated defaults and counts are right, and figures that a text repeats from a table are those of the table."""
+"""Holds what pages state of the program against the program: verbs, studies, options and sources that they name exist,
+lists are whole, stated defaults and counts are right, and figures that a text repeats from a table are those of it."""
 import functools
 import pathlib
 import re
@@ -162,12 +162,27 @@ def names(path, text, program):
                 yield f"{path}:{line}: the program has no {kind} '{m[1]}'"
 
 
+@functools.lru_cache(maxsize=None)
+def files():
+    """The files of the tree by all names that pages use: from the root, and from the folders of sources."""
+    names = rules.tracked(rules.ROOT)
+    return {name[len(folder):] for folder in ("", "src/", "src/underbrush/") for name in names
+            if name.startswith(folder)}
+
+
+def sources(path, text):
+    """Complains of sources that a page names and that do not exist."""
+    for line, m in rules.lines_with(r"[`\"]([\w-]+/[\w/-]+\.(?:hpp|cpp|py|sh|mjs))[`\"]", text):
+        if m[1] not in files():
+            yield f"{path}:{line}: there is no file {m[1]}"
+
+
 def check(root, options):
     program, out = program_at(options.program), []
     pages = {path: rules.read(root, path) for path in rules.tracked(root, ".md")
              if path in ("README.md", "CHANGELOG.md") or path.startswith("docs/")}
     for path, text in pages.items():
-        out += names(path, text, program)
+        out += [*names(path, text, program), *sources(path, text)]
         out += [f"{path}:{line}: '{m.group()}' is stale: {so}" for pattern, so in NEVER
                 for line, m in rules.lines_with(pattern.replace(" ", r"\s+"), text)]
     for path, whole, pattern in LISTS:
@@ -190,6 +205,7 @@ BAD = [({"README.md": "The FMU is not\nthere yet.\n"}, "stale"),
        ({"docs/a.md": "`underbrush frobnicate` does it.\n"}, "no verb 'frobnicate'"),
        ({"docs/a.md": "```sh\nbuild/bin/underbrush-study astrology --quick\n```\n"}, "no study 'astrology'"),
        ({"docs/a.md": "Take `--frobnicate`.\n"}, "no option '--frobnicate'"),
+       ({"docs/a.md": "See `fit/gone.hpp`.\n"}, "no file fit/gone.hpp"),
        ({"docs/explanation/fitters.md": "| `voxel` | |\n"}, "lacks 'likelihood'"),
        ({"docs/how-to/reproduce-a-paper.md": "| `vegetation` | |\n"}, "lacks 'echoes'"),
        ({"CHANGELOG.md": "A catalogue of sensors (Velodyne HDL-64E).\n"}, "lacks 'vlp16'"),
@@ -199,7 +215,7 @@ BAD = [({"README.md": "The FMU is not\nthere yet.\n"}, "stale"),
        ({"docs/how-to/notebooks.md": "Three notebooks in\n"}, "states")]
 GOOD = {"README.md": "It runs as a command, as a\nPython package, as a C++ library, in the browser (`serve`) and as an FMU, and\n"
                      "makes object lists.\n```sh\nunderbrush fit log.ply --tau 3 -o model\n```\nThe program underbrush.\n",
-        "docs/how-to/tuning.md": "One scan in\nfour (`--validate`)\n"}
+        "docs/how-to/tuning.md": "One scan in\nfour (`--validate`), `fit/fit.hpp`, `tests/rules/facts.py`\n"}
 
 
 def arguments(parser):
