@@ -21,20 +21,31 @@ struct Metric {
   Better better;
 };
 constexpr Metric kMetrics[] = {
+    {"/recall_of_misses", "Recall of misses",
+     "Share of the real misses where the simulated beam misses too.", 4, Better::kHigher},
+    {"/precision_of_misses", "Precision of misses",
+     "Share of the simulated misses where the real beam missed too.", 4, Better::kHigher},
+    {"/f1_of_misses", "F1 of misses", "Harmonic mean of the two.", 4, Better::kHigher},
+    {"/informedness", "Informedness",
+     "Recall of hits + recall of misses − 1: 0 without knowledge of the world, 1 at best.", 4,
+     Better::kHigher},
+    {"/capped_error_m", "Capped error, m",
+     "Mean error of all beams, at most 2 m each; a wrong hit or miss counts as 2 m.", 3,
+     Better::kLower},
+    {"/reliability/error", "Calibration error",
+     "Mean distance of the probability of a return from the share that returned.", 4,
+     Better::kLower},
     {"/packet_error_m", "Packet error, m",
      "Distance between real and simulated point of beams that hit in both: mean of the packets’ "
      "means.",
      3, Better::kLower},
     {"/median_range_error_m", "Median range error, m",
      "Half of the beams that hit in both are off by less.", 3, Better::kLower},
-    {"/capped_error_m", "Capped error, m",
-     "Mean error of all beams, at most 2 m each; a wrong hit or miss counts as 2 m.", 3,
-     Better::kLower},
-    {"/precision", "Precision", "Share of the simulated hits where the real beam hit too.", 4,
+    {"/precision", "Precision of hits", "Share of the simulated hits where the real beam hit too.",
+     4, Better::kHigher},
+    {"/recall", "Recall of hits", "Share of the real hits where the simulated beam hits too.", 4,
      Better::kHigher},
-    {"/recall", "Recall", "Share of the real hits where the simulated beam hits too.", 4,
-     Better::kHigher},
-    {"/f1", "F1", "Harmonic mean of precision and recall.", 4, Better::kHigher},
+    {"/f1", "F1 of hits", "Harmonic mean of precision and recall.", 4, Better::kHigher},
     {"/cloud_error_m", "Point cloud error, m",
      "Mean distance to the nearest point of the other cloud, both ways.", 4, Better::kLower},
     {"/density_aware_chamfer", "Density-aware Chamfer", "From 0 (same points, equally dense) to 1.",
@@ -83,12 +94,6 @@ std::string best_of(const Metric& m, const std::vector<std::optional<double>>& v
   return cell(best, m.digits);
 }
 
-std::string head(const Comparison& input, const char* first) {
-  std::string html = fmt::format("<thead><tr><th>{}</th>", first);
-  for (const auto& m : input.simulated) html += fmt::format("<th>{}</th>", escaped(m.name));
-  return html + "</tr></thead>";
-}
-
 std::string filled(const std::string& page, const std::map<std::string, std::string>& values) {
   const std::map<std::string, std::string> assets = {{"style", kReportStyle},
                                                      {"script", kReportScript}};
@@ -117,13 +122,19 @@ std::string grouped(size_t n) {
 }
 
 std::string headline_table(const Comparison& input) {
-  std::string html = "<div class=\"scroll\"><table class=\"headline\">" + head(input, "Metric");
-  html += "<tbody>\n";
+  const Json baselines = input.scores.value("baselines", Json::object());
+  std::string html = "<div class=\"scroll\"><table class=\"headline\"><thead><tr><th>Metric</th>";
+  for (const auto& m : input.simulated) html += fmt::format("<th>{}</th>", escaped(m.name));
+  for (const auto& [name, scores] : baselines.items()) {
+    html += fmt::format("<th>{}<small>baseline</small></th>", escaped(name));
+  }
+  html += "</tr></thead><tbody>\n";
   for (const Metric& m : kMetrics) {
     std::vector<std::optional<double>> values;
     for (size_t k = 0; k < input.simulated.size(); ++k) {
       values.push_back(value(scores_of(input, k), m.place));
     }
+    for (const auto& [name, scores] : baselines.items()) values.push_back(value(scores, m.place));
     // Otherwise the score was not asked for.
     if (!scores_of(input, 0).contains(Json::json_pointer(m.place))) continue;
     const std::string best = best_of(m, values);

@@ -74,7 +74,7 @@ def study(options: argparse.Namespace) -> Figures:
         if lacking := sources.absent(work.data, name):
             print(f"{name}: {lacking[0]} is not in {options.data}, skipped", file=sys.stderr)
             continue
-        train, test = sources.halves(work, name)
+        test = sources.halves(work, name)
         moves = name in sources.MOVING
         real = figures.Real(test, moves)
         out["real"][name] = real.own_figures()
@@ -82,7 +82,7 @@ def study(options: argparse.Namespace) -> Figures:
         out["scans"][name] = {HALF: real.scans(halves, halved=True)}
         if moves:
             out["odometry"][name] = {HALF: real.odometry(halves)}
-        for source, answers in sources.answers(work, name, train, test):
+        for source, answers in sources.answers(work, name, test):
             if moves:
                 out["odometry"][name][source] = real.odometry(answers)
             if source not in sources.MIXTURES:

@@ -6,10 +6,11 @@
 #include <set>
 
 #include "studies/extrapolation.hpp"
-#include "studies/look_up.hpp"
 #include "studies/studies.hpp"
 #include "underbrush/fit/fit.hpp"
 #include "underbrush/io/log_file.hpp"
+#include "underbrush/metrics/always_hit.hpp"
+#include "underbrush/metrics/look_up.hpp"
 #include "underbrush/metrics/score.hpp"
 #include "underbrush/simulate/simulate.hpp"
 
@@ -20,7 +21,7 @@ namespace fs = std::filesystem;
 
 constexpr uint16_t kEveryRing = 4;
 constexpr double kVehicleM = 2;  // m; nearer returns of a drive are of the vehicle.
-constexpr const char* kSources[] = {"default", "mesh", "mesh, carved", "look-up"};
+constexpr const char* kSources[] = {"default", "mesh", "mesh, carved", "look-up", "always hit"};
 
 /// Returns the beams of a log for which `wanted(chunk, i)` holds.
 template <class Wanted>
@@ -72,7 +73,8 @@ class Sources {
       simulate::simulate(trace::World(*model), options, 0, answered);
       out.push_back(answers(test, answered));
     }
-    out.push_back(answers(test, looked_up(train_, test, LookUp::kWarped1)));
+    out.push_back(answers(test, metrics::looked_up(train_, test, metrics::LookUp::kWarped2)));
+    out.push_back(answers(test, metrics::always_hit(train_, test)));
     return out;
   }
 
@@ -184,7 +186,7 @@ StudyResult study_extrapolation(const StudyRun& run) {
       "mesh and a look-up.";
   report::Table table{
       "Extrapolation",
-      "default / mesh / carved mesh / look-up of one scan. Inside the stretch: "
+      "default / mesh / carved mesh / look-up of two scans / always hit. Inside the stretch: "
       "scans between those that were fitted. Denser: fitted to every fourth ring. "
       "Returns answered: share of the measured returns that get a return.",
       {"log/protocol", "returns answered", "F1", "capped error, m", "median range error, m"},

@@ -4,11 +4,12 @@
 
 #include <cmath>
 
-#include "studies/look_up.hpp"
 #include "studies/studies.hpp"
 #include "underbrush/calibrate/grain.hpp"
 #include "underbrush/fit/fit.hpp"
 #include "underbrush/io/log_file.hpp"
+#include "underbrush/metrics/always_hit.hpp"
+#include "underbrush/metrics/look_up.hpp"
 #include "underbrush/metrics/score.hpp"
 #include "underbrush/simulate/simulate.hpp"
 
@@ -22,14 +23,13 @@ metrics::Score score_of(const BeamLog& test, BeamSource& simulated) {
   return metrics::score(real, simulated, {});
 }
 
-metrics::Score score_of_look_up(const BeamLog& train, const BeamLog& test, LookUp how) {
-  const BeamLog answered = looked_up(train, test, how);
+metrics::Score score_of(const BeamLog& test, const BeamLog& answered) {
   MemorySource simulated(answered);
   return score_of(test, simulated);
 }
 
 /// The world of a fitted model, as `fit` makes it.
-elements::Model fitted(const BeamLog& train, std::string_view fitter, uint64_t seed) {
+elements::Model fit_half(const BeamLog& train, std::string_view fitter, uint64_t seed) {
   fit::FitOptions options;
   options.fitter = fitter;
   options.seed = seed;
@@ -54,17 +54,39 @@ void add_row(const std::string& log, const char* name, const metrics::Score& s,
              report::Table& table, Json& figures) {
   const metrics::Summary& a = s.all;
   table.rows.push_back(
-      {fmt::format("{}/{}", log, name), fmt::format("{:.3f}", a.packet_error_m),
-       fmt::format("{:.4f}", a.f1), fmt::format("{:.3f}", a.capped_error_m),
+      {fmt::format("{}/{}", log, name), fmt::format("{:.3f}", a.informedness),
+       fmt::format("{:.3f}", a.f1_of_misses), fmt::format("{:.3f}", a.capped_error_m),
+       fmt::format("{:.3f}", a.packet_error_m), fmt::format("{:.4f}", a.f1),
        fmt::format("{:.4f}", a.cloud_error_m), fmt::format("{:.3f}", a.median_range_error_m),
        fmt::format("{:.1f} ({:.1f})", 100 * s.roughness_m, 100 * s.real_roughness_m)});
-  figures[log][name] = {{"packet_error_m", a.packet_error_m},
-                        {"f1", a.f1},
-                        {"capped_error_m", a.capped_error_m},
-                        {"cloud_error_m", a.cloud_error_m},
-                        {"median_range_error_m", a.median_range_error_m},
-                        {"roughness_m", s.roughness_m},
-                        {"roughness_real_m", s.real_roughness_m}};
+  figures[log][name] = {
+      {"informedness", a.informedness},         {"f1_of_misses", a.f1_of_misses},
+      {"recall_of_misses", a.recall_of_misses}, {"capped_error_m", a.capped_error_m},
+      {"packet_error_m", a.packet_error_m},     {"f1", a.f1},
+      {"cloud_error_m", a.cloud_error_m},       {"median_range_error_m", a.median_range_error_m},
+      {"roughness_m", s.roughness_m},           {"roughness_real_m", s.real_roughness_m}};
+}
+
+/// Adds the rows of the baselines that need no model, and returns the least capped error of the
+/// look-ups, m. Keeps their answers in `keep`, unless it is empty.
+double add_baselines(const std::string& log, const BeamLog& train, const BeamLog& test,
+                     const fs::path& keep, report::Table& table, Json& figures) {
+  add_row(log, "always hit", score_of(test, metrics::always_hit(train, test)), table, figures);
+  const std::pair<const char*, metrics::LookUp> ways[] = {
+      {"look-up, raw", metrics::LookUp::kRaw},
+      {"look-up, 1 scan", metrics::LookUp::kWarped1},
+      {"look-up, 2 scans", metrics::LookUp::kWarped2}};
+  double best = INFINITY;
+  for (const auto& [name, how] : ways) {
+    const BeamLog answered = metrics::looked_up(train, test, how);
+    const metrics::Score s = score_of(test, answered);
+    best = std::min(best, s.all.capped_error_m);
+    add_row(log, name, s, table, figures);
+    if (keep.empty()) continue;
+    fs::create_directories(keep / log);
+    io::write_log(keep / log / (std::string(name) + ".ply"), answered, "{}");
+  }
+  return best;
 }
 
 }  // namespace
@@ -72,15 +94,16 @@ void add_row(const std::string& log, const char* name, const metrics::Score& s,
 StudyResult study_look_up(const StudyRun& run) {
   StudyResult out;
   out.lead =
-      "Held-out beams answered by what the training beams near them measured, by a mesh, and "
-      "by the default.";
+      "Held-out beams answered by the median ranges of the training rings, by what the training "
+      "beams near them measured, by a mesh, and by the default. A quick study has the baselines "
+      "without a model only.";
   report::Table table{
       "Look-up",
-      "Raw: the nearest beam of the nearest training scan. Warped: the end points of "
-      "the one or two nearest training scans, seen from the test pose. In brackets "
-      "the real log's roughness.",
-      {"log/source", "packet error, m", "F1", "capped error, m", "cloud error, m",
-       "median range error, m", "roughness, cm"},
+      "Always hit: the median range of the ring in the training log. Raw: the nearest beam of the "
+      "nearest training scan. One or two scans: the end points of the nearest training scans, seen "
+      "from each beam's own origin. In brackets the real log's roughness.",
+      {"log/source", "informedness", "F1 of misses", "capped error, m", "packet error, m",
+       "F1 of hits", "cloud error, m", "median range error, m", "roughness, cm"},
       {}};
   const std::vector<fs::path> logs =
       run.data.empty() ? std::vector<fs::path>{} : halved_logs(run.data);
@@ -90,21 +113,14 @@ StudyResult study_look_up(const StudyRun& run) {
     const BeamLog train = io::read_log(folder / "train.ply"),
                   test = io::read_log(folder / "test.ply");
     out.inputs.insert(out.inputs.end(), {folder / "train.ply", folder / "test.ply"});
-    const std::pair<const char*, LookUp> ways[] = {{"look-up, raw", LookUp::kRaw},
-                                                   {"look-up, 1 scan", LookUp::kWarped1},
-                                                   {"look-up, 2 scans", LookUp::kWarped2}};
-    double best = INFINITY;
-    for (const auto& [name, how] : ways) {
-      const metrics::Score s = score_of_look_up(train, test, how);
-      best = std::min(best, s.all.capped_error_m);
-      add_row(log, name, s, table, out.figures);
-    }
+    const double best = add_baselines(log, train, test, run.keep, table, out.figures);
+    if (run.quick) continue;
     using simulate::RangeDraw;
     const auto score_of = [&](const elements::Model& model, RangeDraw draw) {
       return score_of_model(model, test, draw, run.seed);
     };
-    const elements::Model mesh = fitted(train, "surface", run.seed),
-                          model = fitted(train, fit::FitOptions().fitter, run.seed);
+    const elements::Model mesh = fit_half(train, "surface", run.seed),
+                          model = fit_half(train, fit::FitOptions().fitter, run.seed);
     add_row(log, "mesh", score_of(mesh, RangeDraw::kOnRay), table, out.figures);
     const metrics::Score ours = score_of(model, RangeDraw::kOnRay);
     add_row(log, "default", ours, table, out.figures);

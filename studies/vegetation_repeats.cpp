@@ -7,13 +7,13 @@
 #include <map>
 
 #include "studies/extrapolation.hpp"
-#include "studies/look_up.hpp"
 #include "studies/planar_patches.hpp"
 #include "studies/primitives.hpp"
 #include "studies/registration.hpp"
 #include "studies/vegetation.hpp"
 #include "underbrush/elements/classes.hpp"
 #include "underbrush/io/log_file.hpp"
+#include "underbrush/metrics/look_up.hpp"
 #include "underbrush/metrics/repeats.hpp"
 #include "underbrush/metrics/scan_pairs.hpp"
 #include "underbrush/sensor/sensor.hpp"
@@ -65,7 +65,7 @@ struct Answered {
 };
 
 std::vector<Answered> answers(const StudyRun& run, const BeamLog& train, const BeamLog& test) {
-  std::vector<Answered> out{{"look-up", looked_up(train, test, LookUp::kRaw)}};
+  std::vector<Answered> out{{"look-up", metrics::looked_up(train, test, metrics::LookUp::kRaw)}};
   for (Contender c : mobile_contenders(run.seed)) {
     run.say("  " + c.name);
     c.fit.min_range_m = kVehicleM;

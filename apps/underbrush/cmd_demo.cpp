@@ -103,6 +103,7 @@ struct Part {
   fs::path test;
   std::vector<Candidate> candidates;
   std::vector<metrics::Score> scores;
+  std::vector<metrics::Baseline> baselines;
   Json results;
 
   report::Comparison comparison() const {
@@ -110,7 +111,9 @@ struct Part {
     for (const Candidate& m : candidates) c.simulated.push_back({m.name, m.log});
     return c;
   }
-  std::string table() const { return title + "\n" + table_of_scores(candidates, scores); }
+  std::string table() const {
+    return title + "\n" + table_of_scores(candidates, scores, baselines);
+  }
 };
 
 /// Fits the default and a surface mesh to `folder`/train.ply, and scores both on `folder`/test.ply.
@@ -140,7 +143,9 @@ void fit_and_score(const Verb& verb, const Diary& say, const fs::path& folder, P
     inputs.push_back(log);
   }
   part.scores = score_logs(part.test, part.candidates, true);
-  part.results = json_of_scores(names, part.scores, provenance(verb, inputs));
+  part.baselines = score_baselines(part.test, train);
+  inputs.push_back(train);
+  part.results = json_of_scores(names, part.scores, part.baselines, provenance(verb, inputs));
 }
 
 Part site_part(const Verb& verb, const Diary& say, const Arguments& a) {
@@ -149,7 +154,7 @@ Part site_part(const Verb& verb, const Diary& say, const Arguments& a) {
   const size_t beams = scan_site(verb, a, folder / "train.ply", folder / "test.ply");
   say(fmt::format("scanned the site with {}: {} beams; even scans train, odd scans are held out",
                   a.sensor, beams));
-  Part part{"Synthetic: a generated site", kSynthetic, {}, {}, {}, {}};
+  Part part{"Synthetic: a generated site", kSynthetic, {}, {}, {}, {}, {}};
   fit_and_score(verb, say, folder, part);
   say("scored on the held-out scans");
   return part;
@@ -161,7 +166,7 @@ Part real_part(const Verb& verb, const Diary& say, const fs::path& scan, const f
   const SplitStep split = import_example(verb, scan, folder);
   say(fmt::format("imported {}: {} beams; even columns train, odd columns are held out",
                   scan.filename().string(), split.train_beams + split.test_beams));
-  Part part{"Real: one scan under trees", kReal, {}, {}, {}, {}};
+  Part part{"Real: one scan under trees", kReal, {}, {}, {}, {}, {}};
   fit_and_score(verb, say, folder, part);
   say("scored on the held-out columns");
   return part;

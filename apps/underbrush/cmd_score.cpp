@@ -15,7 +15,7 @@ namespace score_verb {
 namespace fs = std::filesystem;
 
 struct Arguments {
-  std::string real, report, protocol, truth;
+  std::string real, report, protocol, truth, train;
   bool repeats = false;
   std::vector<std::string> simulated, models, names;
 };
@@ -29,6 +29,10 @@ void add_options(Verb& verb, Arguments& a) {
                  "Model or scene of each simulated log, in order; adds likelihood and CRPS")
       ->type_name("MODEL")
       ->allow_extra_args(false);
+  app.add_option("--train", a.train,
+                 "The log that the models were fitted to; adds the look-up, and the baseline that "
+                 "always hits takes its ranges from it")
+      ->type_name("LOG");
   app.add_option("--name", a.names, "Name of each simulated log in the results, in order")
       ->allow_extra_args(false);
   verb.output("--report", a.report, "Write a report (one HTML file) into this folder",
@@ -66,15 +70,20 @@ void run(const Verb& verb, const Arguments& a) {
     if (!a.models.empty()) inputs.push_back(a.models[k]);
   }
   if (is_list_file(a.real)) {
-    require(a.models.empty() && a.protocol.empty() && !a.repeats,
-            "score: --model, --protocol and --repeats are for logs, not for lists of objects");
+    require(a.models.empty() && a.protocol.empty() && !a.repeats && a.train.empty(),
+            "score: --model, --train, --protocol and --repeats are for logs, not for lists of "
+            "objects");
     return score_objects(verb, {a.real, a.simulated, names, a.truth, a.report});
   }
   require(a.truth.empty(), "score: --truth is for lists of objects, not for logs");
   if (!a.report.empty()) report::check_report_output(a.report);
   const std::vector<metrics::Score> scores = score_logs(a.real, candidates, true);
-  Json results = json_of_scores(names, scores, provenance(verb, inputs));
-  std::string text = table_of_scores(candidates, scores);
+  const std::vector<metrics::Baseline> baselines = score_baselines(a.real, a.train);
+  if (!a.train.empty()) inputs.emplace_back(a.train);
+  Json results = json_of_scores(names, scores, baselines, provenance(verb, inputs));
+  std::string text = table_of_scores(candidates, scores, baselines);
+  text += fmt::format("always hit: each beam returns at the median range of its ring in {}\n",
+                      fs::path(a.train.empty() ? a.real : a.train).filename().string());
   if (scores[0].mover_beams > 0) {
     text +=
         fmt::format("left out: {} beams that met something that moved\n", scores[0].mover_beams);

@@ -18,12 +18,16 @@ Json json_of(const metrics::Summary& s, const metrics::Score& all) {
             {"false_hits", s.false_hits},
             {"false_misses", s.false_misses},
             {"true_misses", s.true_misses},
+            {"recall_of_misses", number(s.recall_of_misses)},
+            {"precision_of_misses", number(s.precision_of_misses)},
+            {"f1_of_misses", number(s.f1_of_misses)},
+            {"informedness", number(s.informedness)},
+            {"capped_error_m", number(s.capped_error_m)},
             {"packet_error_m", number(s.packet_error_m)},
             {"precision", number(s.precision)},
             {"recall", number(s.recall)},
             {"f1", number(s.f1)},
-            {"median_range_error_m", number(s.median_range_error_m)},
-            {"capped_error_m", number(s.capped_error_m)}};
+            {"median_range_error_m", number(s.median_range_error_m)}};
   if (all.cloud) {
     j["cloud_error_m"] = number(s.cloud_error_m);
     j["density_aware_chamfer"] = number(s.density_aware_chamfer);
@@ -71,10 +75,14 @@ Json json_of(const metrics::Score& s) {
 }  // namespace
 
 Json json_of_scores(const std::vector<std::string>& names,
-                    const std::vector<metrics::Score>& scores, const std::string& provenance) {
+                    const std::vector<metrics::Score>& scores,
+                    const std::vector<metrics::Baseline>& baselines,
+                    const std::string& provenance) {
   Json j = json_of(scores.at(0));
   j["models"] = Json::object();
   for (size_t k = 0; k < scores.size(); ++k) j["models"][names[k]] = json_of(scores[k]);
+  if (!baselines.empty()) j["baselines"] = Json::object();
+  for (const metrics::Baseline& b : baselines) j["baselines"][b.name] = json_of(b.score);
   j["provenance"] = io::json_of_text(provenance);
   return j;
 }

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <functional>
 
 #include "cli/progress.hpp"
 #include "fit_json.hpp"
@@ -39,14 +40,22 @@ class Watched : public BeamSource {
   Progress progress_;
 };
 
-std::string row(const char* label, const std::vector<metrics::Score>& scores,
-                double metrics::Summary::*value, int digits) {
+using Value = std::function<double(const metrics::Score&)>;
+
+std::string row(const std::string& label, const std::vector<metrics::Score>& scores,
+                const Value& value, int digits) {
   std::string line = fmt::format("  {:<24}", label);
-  for (const auto& s : scores) {
-    const double x = s.all.*value;
+  for (const metrics::Score& s : scores) {
+    const double x = value(s);
     line += std::isfinite(x) ? fmt::format("{:>14.{}f}", x, digits) : fmt::format("{:>14}", "n/a");
   }
   return line + "\n";
+}
+
+std::string row(const char* label, const std::vector<metrics::Score>& scores,
+                double metrics::Summary::*value, int digits) {
+  return row(
+      label, scores, [&](const metrics::Score& s) { return s.all.*value; }, digits);
 }
 
 }  // namespace
@@ -153,40 +162,57 @@ std::vector<metrics::Score> score_logs(const fs::path& real,
   return scores;
 }
 
+std::vector<metrics::Baseline> score_baselines(const fs::path& real, const fs::path& train) {
+  const auto opener = [](const fs::path& log) -> metrics::OpenLog {
+    return [log] { return std::make_unique<io::BeamReader>(log); };
+  };
+  return metrics::score_baselines(opener(real), train.empty() ? nullptr : opener(train));
+}
+
 std::string table_of_scores(const std::vector<Candidate>& candidates,
-                            const std::vector<metrics::Score>& scores) {
-  using metrics::Summary;
+                            const std::vector<metrics::Score>& simulated,
+                            const std::vector<metrics::Baseline>& baselines) {
+  using metrics::Score, metrics::Summary;
+  std::vector<Score> scores = simulated;
   std::string text = fmt::format("  {:<24}", fmt::format("{} beams", scores.at(0).all.beams));
   for (const Candidate& c : candidates) text += fmt::format("{:>14}", c.name);
+  for (const metrics::Baseline& b : baselines) {
+    text += fmt::format("{:>14}", b.name);
+    scores.push_back(b.score);
+  }
   text += "\n";
-  text += row("packet error, m", scores, &Summary::packet_error_m, 3);
-  text += row("precision", scores, &Summary::precision, 4);
-  text += row("recall", scores, &Summary::recall, 4);
-  text += row("F1", scores, &Summary::f1, 4);
-  text += row("median range error, m", scores, &Summary::median_range_error_m, 3);
+  text += row("recall of misses", scores, &Summary::recall_of_misses, 4);
+  text += row("precision of misses", scores, &Summary::precision_of_misses, 4);
+  text += row("F1 of misses", scores, &Summary::f1_of_misses, 4);
+  text += row("informedness", scores, &Summary::informedness, 4);
   text += row("capped error, m", scores, &Summary::capped_error_m, 3);
+  if (scores[0].likelihood) {
+    text += row(
+        "calibration error", scores, [](const Score& s) { return s.reliability.error(); }, 4);
+    text +=
+        "    (of the probability of a return: its mean distance from the share that returned)\n";
+  }
+  text += row("packet error, m", scores, &Summary::packet_error_m, 3);
+  text += row("precision of hits", scores, &Summary::precision, 4);
+  text += row("recall of hits", scores, &Summary::recall, 4);
+  text += row("F1 of hits", scores, &Summary::f1, 4);
+  text += row("median range error, m", scores, &Summary::median_range_error_m, 3);
   if (scores[0].cloud) {
     text += row("point cloud error, m", scores, &Summary::cloud_error_m, 4);
     text += row("density-aware Chamfer", scores, &Summary::density_aware_chamfer, 4);
   }
   if (std::isfinite(scores[0].real_roughness_m)) {
-    text +=
-        fmt::format("  {:<24}", fmt::format("roughness, m ({:.3f})", scores[0].real_roughness_m));
-    for (const metrics::Score& s : scores) text += fmt::format("{:>14.3f}", s.roughness_m);
-    text +=
-        "\n    (median second difference of ranges along a ring; of the real log in brackets)\n";
+    const std::string label = fmt::format("roughness, m ({:.3f})", scores[0].real_roughness_m);
+    text += row(
+        label, scores, [](const Score& s) { return s.roughness_m; }, 3);
+    text += "    (median second difference of ranges along a ring; of the real log in brackets)\n";
   }
   if (scores[0].likelihood) {
     text += row("neg. log-likelihood", scores, &Summary::nll_per_beam, 4);
     text += row("CRPS of the range, m", scores, &Summary::crps_m, 3);
     text += "    (a miss counts as the maximum range there, so a wrong one costs many metres)\n";
-    text += fmt::format("  {:<24}", "calibration error");
-    for (const metrics::Score& s : scores) text += fmt::format("{:>14.4f}", s.reliability.error());
-    text += "\n";
-    text +=
-        "    (of the probability of a return: its mean distance from the share that returned)\n";
   }
-  return text + table_of_intensities(scores);
+  return text + table_of_intensities(simulated);
 }
 
 std::string text_of_warnings(const std::vector<std::string>& warnings) {

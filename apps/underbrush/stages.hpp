@@ -10,7 +10,7 @@
 #include "underbrush/calibrate/grain.hpp"
 #include "underbrush/elements/scene_file.hpp"
 #include "underbrush/fit/fit.hpp"
-#include "underbrush/metrics/score.hpp"
+#include "underbrush/metrics/baselines.hpp"
 #include "underbrush/simulate/simulate.hpp"
 #include "underbrush/worlds/read_world.hpp"
 
@@ -64,9 +64,14 @@ struct Candidate {
 std::vector<metrics::Score> score_logs(const std::filesystem::path& real,
                                        const std::vector<Candidate>& candidates, bool cloud);
 
-/// Returns the scores side by side as text.
+/// Scores the baselines on the beams of the real log; `train` may be empty.
+std::vector<metrics::Baseline> score_baselines(const std::filesystem::path& real,
+                                               const std::filesystem::path& train);
+
+/// Returns the scores of candidates and of baselines side by side as text.
 std::string table_of_scores(const std::vector<Candidate>& candidates,
-                            const std::vector<metrics::Score>& scores);
+                            const std::vector<metrics::Score>& scores,
+                            const std::vector<metrics::Baseline>& baselines);
 
 /// Returns the warnings, one on each line.
 std::string text_of_warnings(const std::vector<std::string>& warnings);

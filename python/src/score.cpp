@@ -54,7 +54,7 @@ Score scored(const GivenLog& real, const GivenLog& simulated,
 
 std::string json_of(const std::vector<std::string>& names, const std::vector<Score>& scores,
                     const std::string& provenance) {
-  return app::json_of_scores(names, scores, provenance).dump();
+  return app::json_of_scores(names, scores, {}, provenance).dump();
 }
 
 }  // namespace
@@ -69,9 +69,17 @@ void bind_score(nb::module_& m) {
       .def_ro("false_hits", &Summary::false_hits, "Beams that return in the simulated log only.")
       .def_ro("false_misses", &Summary::false_misses, "Beams that return in the real log only.")
       .def_ro("true_misses", &Summary::true_misses, "Beams that return in neither log.")
+      .def_ro("recall_of_misses", &Summary::recall_of_misses,
+              "True misses / all real misses: the share of real misses reproduced.")
+      .def_ro("precision_of_misses", &Summary::precision_of_misses,
+              "True misses / all simulated misses: the share of them that are real.")
+      .def_ro("f1_of_misses", &Summary::f1_of_misses,
+              "2 true misses / (real misses + simulated misses).")
+      .def_ro("informedness", &Summary::informedness,
+              "Recall of hits + recall of misses - 1; 0 for a simulator that always hits.")
       .def_ro("precision", &Summary::precision, "True hits / all simulated hits.")
       .def_ro("recall", &Summary::recall, "True hits / all real hits.")
-      .def_ro("f1", &Summary::f1, "Harmonic mean of precision and recall.")
+      .def_ro("f1", &Summary::f1, "F1 of hits: harmonic mean of precision and recall.")
       .def_ro("packet_error_m", &Summary::packet_error_m,
               "m; mean over packets of the mean error of true hits.")
       .def_ro("median_range_error_m", &Summary::median_range_error_m, "m; of true hits.")
@@ -116,7 +124,8 @@ void bind_score(nb::module_& m) {
          const std::filesystem::path& simulated, const Score& score,
          const std::string& provenance) {
         const std::string name = simulated.stem().string();
-        const app::Json results = app::json_of_scores({name}, {score}, provenance);
+        const app::Json results =
+            app::json_of_scores({name}, {score}, app::score_baselines(real, {}), provenance);
         return app::write_score_report(folder, results, real, {{name, simulated}});
       },
       "folder"_a, "real"_a, "simulated"_a, "score"_a, "provenance"_a,

@@ -102,11 +102,16 @@ LOOK_UP = study("look-up", "--data logs",
                 needs=tuple(LOGS.values()), after=tuple(HALVES.values()))
 
 
+LOOK_UP_KEYS = {"informedness": "informedness", "F1 of misses": "f1_of_misses", "F1 of hits": "f1",
+                **{column: KEYS[column] for column in ("capped error, m", "packet error, m", "cloud error, m",
+                                                       "median range error, m")}}
+
+
 def look_up(folder):
     for log, sources in read_json(folder / "study.json")["figures"].items():
         for source, s in sources.items():
             yield f"{log}/{source}", "roughness, cm", [100 * s["roughness_m"]]
-            yield from ((f"{log}/{source}", column, [s[key]]) for column, key in KEYS.items() if key in s)
+            yield from ((f"{log}/{source}", column, [s[key]]) for column, key in LOOK_UP_KEYS.items())
 
 
 def label_path(folder):

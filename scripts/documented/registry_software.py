@@ -14,7 +14,8 @@ def job(log, needs):
     return Job(f"software.{log}", f"""rm -rf "$WORK/software/{log}"
 "$PYTHON" "$SOURCE/scripts/software_study.py" "$DATA" "$WORK/software" --program "$BIN/underbrush" --only {log} \\
   --json study.json || test -s study.json
-rm -r "$WORK/software/{log}\"""", NEEDS.get(log, (needs.get(log),)))
+rm -r "$WORK/software/{log}\"""", NEEDS.get(log, (needs.get(log),)),
+               programs=("underbrush", "underbrush-study"))
 
 
 def odometry(log):

@@ -8,7 +8,7 @@ import typing
 import numpy as np
 import real_logs
 
-from . import logs, look_up
+from . import logs
 from .logs import Floats, Log
 
 # Drives whose frames lie in several folders of the data: the texts are those of the last.
@@ -21,9 +21,7 @@ NAMES = (*MOVING, STANDING, "rellis_000104", "marv_forest")
 # name: (model of scripts/real_logs.py, options of `simulate`)
 MODELS = {"default": ("default", []), "default, anew": ("default", ["--matter", "anew"]), "surface": ("surface", []),
           "surface_carved": ("surface_carved", [])}
-LOOK_UPS: dict[str, typing.Callable[[Log, Log], Floats]] = {
-    "look-up, raw": look_up.raw,
-    "look-up, 1 scan": lambda train, test: look_up.warped(train, test, 1)}
+LOOK_UPS = ("look-up, raw", "look-up, 1 scan")  # as the study look-up names them
 OURS, DISTANT_M, OFF_M = "default", 30.0, 0.2
 MIXTURES = ("default, where off as the log", "default, distant and off as the log", "log, where off as the default")
 
@@ -57,8 +55,8 @@ def unpacked(work: Work, name: str) -> pathlib.Path:
     return folder
 
 
-def halves(work: Work, name: str) -> tuple[Log, Log]:
-    """Imports a log, with the times of its scans straightened, splits it, and returns (train, test)."""
+def halves(work: Work, name: str) -> Log:
+    """Imports a log, with the times of its scans straightened, splits it, and returns the half that is held out."""
     folder = work.folder / name
     folder.mkdir(parents=True, exist_ok=True)
     train, test = folder / "train.ply", folder / "test.ply"
@@ -76,7 +74,7 @@ def halves(work: Work, name: str) -> tuple[Log, Log]:
         real_logs.run(work.program, "import", source, *words, *options, "-o", folder / "log.ply")
         real_logs.run(work.program, "split", folder / "log.ply", *split, "--train", train, "--test", test)
         (folder / "log.ply").unlink()
-    return logs.read(train), logs.read(test)
+    return logs.read(test)
 
 
 def simulated(work: Work, name: str, source: str, test: Log) -> typing.Iterator[Log]:
@@ -99,6 +97,21 @@ def simulated(work: Work, name: str, source: str, test: Log) -> typing.Iterator[
         yield test.answered(np.load(kept))
 
 
+def looked_up(work: Work, name: str, test: Log) -> typing.Iterator[tuple[str, Log]]:
+    """The test beams as the look-ups answer them, which the program of studies beside `underbrush` makes."""
+    folder = work.folder / name
+    kept = {source: folder / "look-up" / name / f"{source}.ply" for source in LOOK_UPS}
+    if not (work.reuse and all(path.exists() for path in kept.values())):
+        alone = folder / "halves"
+        alone.mkdir(exist_ok=True)
+        (alone / name).unlink(missing_ok=True)
+        (alone / name).symlink_to(folder.resolve())
+        real_logs.run(work.program.with_name("underbrush-study"), "look-up", "--quick", "--data", alone, "--keep",
+                      folder / "look-up")
+    for source, path in kept.items():
+        yield source, test.answered(logs.ranges(path, test))
+
+
 def mixed(test: Log, ours: Log) -> dict[str, Log]:
     """What of the default makes the difference: the log and the default with each other's ranges on the beams on which
     they are OFF_M or more apart, or only one of them returns; and only on those that are DISTANT_M or longer."""
@@ -109,15 +122,14 @@ def mixed(test: Log, ours: Log) -> dict[str, Log]:
     return {mixture: test.answered(range_m) for mixture, range_m in zip(MIXTURES, ranges)}
 
 
-def answers(work: Work, name: str, train: Log, test: Log) -> typing.Iterator[tuple[str, list[Log]]]:
+def answers(work: Work, name: str, test: Log) -> typing.Iterator[tuple[str, list[Log]]]:
     """The name of each source and what it answers: a log for each seed, or one where nothing is drawn."""
     for source in MODELS:
         logs_of_seeds = list(simulated(work, name, source, test))
         yield source, logs_of_seeds
         if source == OURS and name in MOVING:
             yield from ((mix, [log]) for mix, log in mixed(test, logs_of_seeds[0]).items())
-    for source, looked_up in LOOK_UPS.items():
-        yield source, [test.answered(looked_up(train, test))]
+    yield from ((source, [log]) for source, log in looked_up(work, name, test))
 
 
 def half_of_beams(log: Log) -> list[Floats]:

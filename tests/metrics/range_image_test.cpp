@@ -48,6 +48,53 @@ TEST(RangeImage, ForwardIsTheMiddleColumnAndTheNearestCounts) {
   EXPECT_EQ(returns, 1u);  // 90 m is too far, and upwards is outside the field of view.
 }
 
+/// Two scans of a sensor that drives and turns, 64 rings of 500 beams, in the frame of the world;
+/// ranges are those of `raw`, which the sensor measured in its own frame.
+BeamLog driven(const std::vector<Vec3f>& raw) {
+  BeamLog log;
+  log.info.deskewed = true;
+  std::vector<StampedPose> poses;
+  for (uint32_t scan = 0; scan < 3; ++scan) {
+    const Eigen::Quaterniond turned(Eigen::AngleAxisd(0.2 * scan, Vec3(0.1, 0.2, 1).normalized()));
+    log.info.scans.push_back({scan, 0.1 * scan, {turned, Vec3(1.5 * scan, 0.3 * scan, 0)}});
+    poses.push_back({0.1 * scan, log.info.scans.back().world_from_sensor});
+  }
+  const Trajectory path(poses);
+  log.resize(raw.size());
+  for (size_t i = 0; i < raw.size(); ++i) {
+    log.scan[i] = 1;
+    log.time_s[i] = 0.05 + 0.1 * double(i) / double(raw.size());
+    const Pose pose = *path.at(log.time_s[i]);
+    log.origin[i] = pose.translation;
+    log.direction[i] = (pose.rotation * raw[i].cast<double>()).normalized().cast<float>();
+    log.range_m[i] = raw[i].norm();
+  }
+  return log;
+}
+
+TEST(RangeImage, OfAMovingSensorIsWhatTheSensorMeasured) {
+  std::vector<Vec3f> raw;
+  for (int k = 0; k < 1000; ++k) {
+    for (int ring = 0; ring < 60; ++ring) {
+      // The middle of a pixel, and depths that differ from ring to ring.
+      const double beta = M_PI - (k + 10) * 2 * M_PI / 1030;
+      const double alpha = (2 - (ring + 3) * 26.9 / 66) * M_PI / 180;
+      raw.push_back(((5 + ring % 7 * 4) * Vec3(std::cos(alpha) * std::cos(beta),
+                                               std::cos(alpha) * std::sin(beta), std::sin(alpha)))
+                        .cast<float>());
+    }
+  }
+  const RangeImage measured = range_image(scan_of(raw)), image = range_image(driven(raw));
+  size_t returns = 0, same = 0;
+  for (size_t k = 0; k < measured.depth_m.size(); ++k) {
+    if (measured.depth_m[k] == 0) continue;
+    ++returns;
+    same += std::abs(measured.depth_m[k] - image.depth_m[k]) < 1e-4f;
+  }
+  EXPECT_EQ(returns, 60000u);
+  EXPECT_EQ(same, returns);
+}
+
 TEST(RangeImage, ShiftedDepthHasScoresInClosedForm) {
   const ImageScores s = image_scores(flat(10, 0.5f), flat(10.2f, 0.25f));
   EXPECT_NEAR(s.depth_rmse_m, 0.2, 1e-5);

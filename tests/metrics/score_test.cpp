@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "underbrush/core/rng.hpp"
 #include "underbrush/metrics/nearest.hpp"
 
@@ -49,11 +51,74 @@ TEST(Score, CountsAndErrorsAreThoseOfThePaperByHand) {
   EXPECT_DOUBLE_EQ(s.precision, 4.0 / 5);
   EXPECT_DOUBLE_EQ(s.recall, 4.0 / 6);
   EXPECT_DOUBLE_EQ(s.f1, 2 * 0.8 * (4.0 / 6) / (0.8 + 4.0 / 6));
+  EXPECT_DOUBLE_EQ(s.recall_of_misses, 1.0 / 2);
+  EXPECT_DOUBLE_EQ(s.precision_of_misses, 1.0 / 3);
+  EXPECT_DOUBLE_EQ(s.f1_of_misses, 2.0 / 5);
+  EXPECT_DOUBLE_EQ(s.informedness, 4.0 / 6 + 1.0 / 2 - 1);
   // The packets have errors (1, 3), none, (0) and (0.5), with means 2, none, 0 and 0.5.
   EXPECT_NEAR(s.packet_error_m, (2 + 0 + 0.5) / 3, 1e-6);
   // Errors 1, 3 (counts as 2), 2 for each of three wrong hits and misses, 0, 0 and 0.5 of eight
   // beams.
   EXPECT_NEAR(s.capped_error_m, (1 + 2 + 2 + 2 + 0 + 0 + 0.5 + 2) / 8, 1e-6);
+}
+
+Summary counted(size_t true_hits, size_t false_hits, size_t false_misses, size_t true_misses) {
+  Summary s;
+  s.true_hits = true_hits;
+  s.false_hits = false_hits;
+  s.false_misses = false_misses;
+  s.true_misses = true_misses;
+  score_counts(s);
+  return s;
+}
+
+TEST(ScoreCounts, OfSimulatorsThatNeedNoWorldAreKnown) {
+  const Summary perfect = counted(950, 0, 0, 50), inverted = counted(0, 50, 950, 0);
+  EXPECT_EQ(perfect.informedness, 1);
+  EXPECT_EQ(perfect.f1_of_misses, 1);
+  EXPECT_EQ(inverted.informedness, -1);
+  EXPECT_EQ(inverted.f1_of_misses, 0);
+  EXPECT_EQ(inverted.precision_of_misses, 0);
+  const Summary hits = counted(950, 50, 0, 0), misses = counted(0, 0, 950, 50);
+  EXPECT_GT(hits.f1, 0.97);  // It ties good simulators, which is why the others are there.
+  EXPECT_EQ(hits.informedness, 0);
+  EXPECT_EQ(hits.f1_of_misses, 0);
+  EXPECT_TRUE(std::isnan(hits.precision_of_misses));
+  EXPECT_EQ(misses.informedness, 0);
+  EXPECT_EQ(misses.recall_of_misses, 1);
+  EXPECT_DOUBLE_EQ(misses.precision_of_misses, 0.05);
+  EXPECT_DOUBLE_EQ(misses.f1_of_misses, 2 * 50.0 / (50 + 1000));
+}
+
+TEST(ScoreCounts, GuessingWithoutLookingHasNoInformedness) {
+  // A share p of both the hits and the misses is answered with a hit.
+  for (const size_t percent : {10, 50, 90}) {
+    const Summary s = counted(95 * percent, 5 * percent, 95 * (100 - percent), 5 * (100 - percent));
+    EXPECT_NEAR(s.informedness, 0, 1e-12) << percent;
+    EXPECT_NEAR(s.precision_of_misses, 0.05, 1e-12);
+  }
+}
+
+TEST(ScoreCounts, SwappingHitsAndMissesSwapsTheirScores) {
+  const Summary a = counted(70, 7, 11, 12), b = counted(12, 11, 7, 70);
+  EXPECT_DOUBLE_EQ(a.f1_of_misses, b.f1);
+  EXPECT_DOUBLE_EQ(a.precision_of_misses, b.precision);
+  EXPECT_DOUBLE_EQ(a.recall_of_misses, b.recall);
+  EXPECT_DOUBLE_EQ(a.informedness, b.informedness);
+  EXPECT_DOUBLE_EQ(a.informedness, 70.0 / 81 - 7.0 / 19);  // Recall minus the share of false hits.
+}
+
+TEST(ScoreCounts, AreUnknownWhereAllBeamsHaveOneOutcome) {
+  const Summary hits = counted(90, 0, 10, 0), misses = counted(0, 3, 0, 7),
+                none = counted(0, 0, 0, 0);
+  for (const Summary& s : {hits, misses, none}) {
+    EXPECT_TRUE(std::isnan(s.informedness));
+    EXPECT_TRUE(std::isnan(s.f1_of_misses));
+    EXPECT_TRUE(std::isnan(s.precision_of_misses));
+  }
+  EXPECT_TRUE(std::isnan(hits.recall_of_misses));
+  EXPECT_DOUBLE_EQ(hits.recall, 0.9);
+  EXPECT_DOUBLE_EQ(misses.recall_of_misses, 0.7);
 }
 
 TEST(Score, LeavesOutBeamsThatMetSomethingThatMoved) {
@@ -117,6 +182,8 @@ TEST(Score, SplitsByClassAndRange) {
   EXPECT_EQ(s.per_range.at("0-10").beams, 1u);
   EXPECT_EQ(s.per_range.at("10-20").beams, 2u);
   EXPECT_EQ(s.per_range.at("miss").true_misses, 1u);
+  EXPECT_EQ(s.per_range.at("miss").recall_of_misses, 1);
+  EXPECT_TRUE(std::isnan(s.per_range.at("10-20").informedness));
   EXPECT_NEAR(s.per_range.at("10-20").packet_error_m, 1, 1e-6);
 }
 
@@ -158,6 +225,29 @@ TEST(Score, LikelihoodPrefersTheModelThatMadeTheBeams) {
   EXPECT_LT(a.crps_m, b.crps_m);
   // The entropy of the truth without outliers is ½(ln 2 + ln 2 + ½ ln(2πe σ²)).
   EXPECT_NEAR(a.nll_per_beam, std::log(2) + 0.25 * std::log(2 * M_PI * M_E * 0.04), 0.06);
+}
+
+TEST(Score, LikelihoodIsOfTheRealLogAlone) {
+  // So the objective nll of `optimize` does not depend on how its beams were simulated.
+  elements::Model model;
+  elements::Ellipsoid e;
+  e.mean = Vec3f(10, 0, 0);
+  e.set_covariance(0.04 * Mat3::Identity());
+  e.hit.p = 0.5f;
+  model.ellipsoids = {e};
+  BeamLog real;
+  real.info.max_range_m = 50;
+  real.resize(20);
+  for (size_t i = 0; i < real.size(); ++i) real.range_m[i] = i % 2 ? 10 + 0.01f * float(i) : kMiss;
+  BeamLog other = real;
+  std::reverse(other.range_m.begin(), other.range_m.end());
+  const trace::World world(model);
+  ScoreOptions options;
+  options.world = &world;
+  const Summary a = score_of(real, real, options).all, b = score_of(real, other, options).all;
+  EXPECT_NE(a.informedness, b.informedness);
+  EXPECT_EQ(a.nll_per_beam, b.nll_per_beam);
+  EXPECT_EQ(a.crps_m, b.crps_m);
 }
 
 TEST(Nearest, EqualsBruteForce) {

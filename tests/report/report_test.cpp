@@ -154,6 +154,32 @@ TEST_F(Report, IsOneFileWithEveryModel) {
   EXPECT_EQ(files, 1u);
 }
 
+TEST_F(Report, HasTheBaselinesBesideTheModels) {
+  const BeamLog real = round_wall(2, 60);
+  const std::string column = "always hit<small>baseline</small>";
+  const std::string alone = page(real, {disturbed(real, 3)}, "--json score.json");
+  EXPECT_NE(alone.find(column), std::string::npos);
+  EXPECT_EQ(alone.find("look-up"), std::string::npos);
+  EXPECT_NE(bytes_of(folder_ / "stdout").find("of its ring in real.ply"), std::string::npos);
+  const auto baselines = [&] {
+    return report::Json::parse(bytes_of(folder_ / "score.json")).at("baselines");
+  };
+  // The wall is round, so the medians of the rings are its ranges; misses are all that is wrong.
+  EXPECT_EQ(baselines().at("always hit").at("informedness"), 0);
+  EXPECT_NEAR(double(baselines().at("always hit").at("packet_error_m")), 0, 1e-5);
+  EXPECT_NEAR(double(baselines().at("always hit").at("capped_error_m")), 2.0 / 8, 1e-5);
+  BeamLog train = real;
+  for (float& range : train.range_m) range += 1;  // Of misses they stay infinite.
+  io::write_log(folder_ / "train.ply", train, "{}");
+  const std::string html = page(real, {disturbed(real, 3)}, "--train train.ply --json score.json");
+  EXPECT_NE(html.find(column), std::string::npos);
+  EXPECT_NE(html.find("look-up<small>baseline</small>"), std::string::npos);
+  EXPECT_NE(bytes_of(folder_ / "stdout").find("of its ring in train.ply"), std::string::npos);
+  EXPECT_NEAR(double(baselines().at("always hit").at("packet_error_m")), 1, 1e-5);
+  EXPECT_GT(double(baselines().at("look-up").at("packet_error_m")), 0.9);
+  EXPECT_EQ(baselines().at("look-up").at("informedness"), 1);
+}
+
 TEST_F(Report, SameLogsSamePage) {
   const BeamLog real = round_wall(2, 60);
   const std::string once = page(real, {disturbed(real, 3)});

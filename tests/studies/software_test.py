@@ -1,6 +1,5 @@
 #!/usr/bin/env python3
-"""Tests of what scripts/software_study.py computes with. Skipped with one line where NumPy is not installed; those of
-the look-up also where SciPy is not."""
+"""Tests of what scripts/software_study.py computes with. Skipped with one line where NumPy is not installed."""
 import importlib.util
 import math
 import pathlib
@@ -16,7 +15,7 @@ if importlib.util.find_spec("numpy") is None:
     sys.exit(SKIPPED)
 sys.path.insert(0, str(ROOT / "scripts"))
 import numpy as np  # noqa: E402
-from software import figures, ground, logs, look_up, odometry, sources, verdict  # noqa: E402
+from software import figures, ground, logs, odometry, sources, verdict  # noqa: E402
 
 HEADER = """ply
 format binary_little_endian 1.0
@@ -168,37 +167,6 @@ class Ground(unittest.TestCase):
         points = np.column_stack([draw.uniform(-8, 8, (20000, 2)), np.full(20000, -1.73)])
         points[::3, 2] += draw.random(len(points[::3]))
         self.assertAlmostEqual(ground.sensor_height(points), 1.73)
-
-
-@unittest.skipIf(importlib.util.find_spec("scipy") is None, "SciPy is not installed")
-class LookUp(unittest.TestCase):
-    def setUp(self):
-        """Sixteen beams in two rings before a wall at x = 10 m, seen from the origin, and from 1 m nearer."""
-        direction = [[1, 0.05 * k - 0.2, 0.1 * ring] for ring in (0, 1) for k in range(8)]
-        self.ring = [0] * 8 + [1] * 8
-        self.train = log_of(np.linalg.norm([[10 * c for c in d] for d in direction], axis=1), direction, self.ring)
-        nearer = np.eye(4)
-        nearer[0, 3] = 1
-        self.test = log_of([np.nan] * 16, direction, self.ring, poses={0: nearer}, origin=[[1, 0, 0]] * 16)
-
-    def test_a_log_answers_itself(self):
-        np.testing.assert_allclose(look_up.raw(self.train, self.train), self.train.range_m)
-        warped = look_up.warped(self.train, self.train)
-        self.assertTrue((warped <= self.train.range_m + 1e-9).all())  # the nearest in range of the neighbours
-        np.testing.assert_allclose(warped, self.train.range_m, rtol=0.01)
-
-    def test_raw_keeps_the_ranges_and_warped_moves_the_points(self):
-        np.testing.assert_allclose(look_up.raw(self.train, self.test), self.train.range_m)
-        warped = look_up.warped(self.train, self.test)
-        np.testing.assert_allclose(warped, 0.9 * self.train.range_m, rtol=0.02)
-
-    def test_a_miss_answers_with_a_miss(self):
-        nothing = self.train.answered(np.full(16, np.nan))
-        for found in (look_up.raw(nothing, self.test), look_up.warped(nothing, self.test)):
-            self.assertTrue(np.isnan(found).all())
-
-    def test_half_of_the_spacing_of_rings(self):
-        self.assertAlmostEqual(look_up.half_spacing(self.train), 0.05, delta=0.001)
 
 
 class Verdict(unittest.TestCase):

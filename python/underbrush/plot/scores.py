@@ -14,8 +14,8 @@ from underbrush.plot._figure import KINDS, axes_or_new
 
 _FEWEST_BEAMS = 100  # a handful of beams would set the scale of the whole plot
 _LABELS = {"packet_error_m": "packet error, m", "median_range_error_m": "median range error, m",
-           "cloud_error_m": "cloud error, m", "capped_error_m": "capped error, m", "recall": "recall",
-           "precision": "precision", "f1": "F1", "density_aware_chamfer": "density-aware Chamfer distance",
+           "cloud_error_m": "cloud error, m", "capped_error_m": "capped error, m", "recall": "recall of hits",
+           "precision": "precision of hits", "f1": "F1 of hits", "recall_of_misses": "recall of misses", "density_aware_chamfer": "density-aware Chamfer distance",
            "nll_per_beam": "negative log-likelihood per beam", "crps_m": "CRPS, m"}
 
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <optional>
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/metrics/nearest.hpp"
@@ -80,12 +82,38 @@ constexpr double ImageScores::*kFields[] = {
     &ImageScores::intensity_rmse, &ImageScores::drop_rmse,  &ImageScores::drop_accuracy,
     &ImageScores::drop_f1};
 
+/// The frame of the sensor at the times of a scan's beams.
+class BeamFrames {
+ public:
+  explicit BeamFrames(const BeamLog& scan)
+      : scan_(scan), of_scan_(sensor_from_world(scan.info, scan.scan.at(0))) {
+    if (!scan.info.deskewed) return;
+    std::map<double, Pose> at_time;  // Scans that share a time have one pose.
+    for (const ScanInfo& s : scan.info.scans) at_time.emplace(s.time_s, s.world_from_sensor);
+    std::vector<StampedPose> poses;
+    for (const auto& [time_s, pose] : at_time) poses.push_back({time_s, pose});
+    poses_ = Trajectory(std::move(poses));
+  }
+  /// The direction of a beam in the sensor's frame.
+  Vec3 direction(size_t i) const {
+    const Vec3 d = scan_.direction[i].cast<double>();
+    if (poses_.empty()) return of_scan_ * d;
+    const std::optional<Pose> pose = poses_.at(scan_.time_s[i]);
+    return pose ? Vec3(pose->rotation.conjugate() * d) : Vec3(of_scan_ * d);
+  }
+
+ private:
+  const BeamLog& scan_;
+  Mat3 of_scan_;
+  Trajectory poses_;
+};
+
 /// Returns the share of pixels that no beam points into.
 double empty_share(const BeamLog& scan, const RangeImageLayout& layout) {
-  const Mat3 turn = sensor_from_world(scan.info, scan.scan.at(0));
+  const BeamFrames frames(scan);
   std::vector<bool> seen(size_t(layout.rows) * size_t(layout.columns));
-  for (const Vec3f& d : scan.direction) {
-    const int pixel = pixel_of(turn * d.cast<double>(), layout);
+  for (size_t i = 0; i < scan.size(); ++i) {
+    const int pixel = pixel_of(frames.direction(i), layout);
     if (pixel >= 0) seen[size_t(pixel)] = true;
   }
   return double(std::count(seen.begin(), seen.end(), false)) / double(seen.size());
@@ -101,16 +129,12 @@ RangeImage range_image(const BeamLog& scan, const RangeImageLayout& layout) {
   out.depth_m.assign(pixels, 0);
   out.intensity.assign(pixels, 0);
   if (scan.empty()) return out;
-  Pose sensor_from_world;
-  for (const ScanInfo& info : scan.info.scans) {
-    if (info.scan == scan.scan[0]) sensor_from_world = info.world_from_sensor.inverse();
-  }
+  const BeamFrames frames(scan);
   for (size_t i = 0; i < scan.size(); ++i) {
     if (!scan.is_hit(i)) continue;
-    const Vec3 p = sensor_from_world * scan.end_point(i);
-    const auto depth = float(p.norm());
+    const float depth = scan.range_m[i];
     if (!(depth > 0) || double(depth) >= layout.max_range_m) continue;
-    const int pixel = pixel_of(p, layout);
+    const int pixel = pixel_of(frames.direction(i), layout);
     if (pixel < 0) continue;
     float& nearest = out.depth_m[size_t(pixel)];
     if (nearest != 0 && nearest <= depth) continue;

@@ -26,9 +26,12 @@ struct RangeImage {
   std::vector<float> depth_m, intensity;
 };
 
-/// Draws the returns of a scan into an image, in the sensor's frame at the scan's pose. Of several
-/// returns in a pixel the nearest counts; returns at `max_range_m` or farther and outside the field
-/// of view do not.
+/// Draws the returns of a scan into an image, each in the sensor's frame at the beam's own time, as
+/// the sensor itself would write them: the direction is turned back by the scan's pose, or in a
+/// de-skewed log by the pose that is interpolated between those of the scans, and the depth is the
+/// range. From one pose for all beams the motion within a scan would move returns of neighbouring
+/// rings into each other's pixels. Of several returns in a pixel the nearest counts; returns at
+/// `max_range_m` or farther and outside the field of view do not.
 RangeImage range_image(const BeamLog& scan, const RangeImageLayout& layout = {});
 
 /// Returns the points of the pixels with a return (m, in the sensor's frame), along the direction

@@ -45,10 +45,7 @@ struct Sums {
 
   Summary finish() {
     Summary s = counts;
-    const double hits = double(s.true_hits);
-    if (s.true_hits + s.false_hits) s.precision = hits / double(s.true_hits + s.false_hits);
-    if (s.true_hits + s.false_misses) s.recall = hits / double(s.true_hits + s.false_misses);
-    if (s.precision + s.recall > 0) s.f1 = 2 * s.precision * s.recall / (s.precision + s.recall);
+    score_counts(s);
     packets.close();
     if (packets.packets) s.packet_error_m = packets.total / double(packets.packets);
     if (!range_errors.empty()) {

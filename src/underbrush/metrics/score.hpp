@@ -2,7 +2,6 @@
 /// This file scores how realistic a simulation of a log's beams is.
 #pragma once
 #include <functional>
-#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -11,37 +10,10 @@
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/metrics/intensity.hpp"
 #include "underbrush/metrics/reliability.hpp"
+#include "underbrush/metrics/summary.hpp"
 #include "underbrush/trace/world.hpp"
 
 namespace underbrush::metrics {
-
-/// The value of a score without data.
-inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-
-/// The scores of a set of beams. A score that has no data or was not asked for is NaN.
-struct Summary {
-  size_t beams = 0;
-  size_t true_hits = 0, false_hits = 0, false_misses = 0, true_misses = 0;
-  double precision = kUnknown;  ///< True hits / all simulated hits, [tallavajhula18] eq. 2.
-  double recall = kUnknown;     ///< True hits / all real hits, [tallavajhula18] eq. 3.
-  double f1 = kUnknown;         ///< Harmonic mean of precision and recall.
-  /// Mean over packets of the mean |y − ŷ| of true hits, [tallavajhula18] eq. 1.
-  double packet_error_m = kUnknown;
-  double median_range_error_m = kUnknown;  ///< Median |ẑ − z| of true hits.
-  /// Mean over all beams of |y − ŷ|, at most 2 m; a false hit or miss counts as 2 m, a true miss as
-  /// 0. No choice of which beams hit can flatter it.
-  double capped_error_m = kUnknown;
-  /// Mean distance to the nearest point of the other cloud, averaged over both directions, in
-  /// metres and not squared, [tallavajhula18] eq. 4–5. For a subset of the beams, it is taken from
-  /// the subset's points to the whole other cloud.
-  double cloud_error_m = kUnknown;
-  /// Density-aware Chamfer distance (Wu et al. 2021) in [0, 1] with α = 10/m: ½ Σ over both
-  /// directions of the mean of 1 − e^{−α d}/n, where n points share the same nearest point.
-  double density_aware_chamfer = kUnknown;
-  double nll_per_beam =
-      kUnknown;              ///< Mean negative log-likelihood of the real outcome (density 1/m).
-  double crps_m = kUnknown;  ///< Mean continuous ranked probability score of the range.
-};
 
 /// Counts of ẑ − z in bins of equal width. The first and the last bin are open.
 struct RangeErrorHistogram {

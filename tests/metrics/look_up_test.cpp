@@ -1,10 +1,10 @@
-#include "studies/look_up.hpp"
+#include "underbrush/metrics/look_up.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-namespace underbrush::studies {
+namespace underbrush::metrics {
 namespace {
 
 /// Makes a scan of a wall at x = 10 m from `origin`: 16 rings of 400 beams, of which those that
@@ -82,10 +82,68 @@ TEST(LookUp, WarpedPointsFollowTheSensorAndRawRangesDoNot) {
   EXPECT_LT(sum, 0.1);
 }
 
+TEST(LookUp, SeesThePointsFromEachBeamsOwnOrigin) {
+  // The sensor moves by 2 m along the wall within a scan; training and test have the same origins.
+  // From one place for all beams, points would be looked for up to 1 m beside where they are.
+  BeamLog log = log_of({Vec3::Zero()});
+  for (size_t i = 0; i < log.size(); ++i) {
+    log.origin[i].y() = 2 * double(i) / double(log.size()) - 1;
+    if (!log.is_hit(i)) continue;
+    // A picket fence before the wall: each half metre of it lies 2 m nearer.
+    const double slope = double(log.direction[i].y()) / double(log.direction[i].x());
+    const bool picket = std::fmod(log.origin[i].y() + 8 * slope + 100, 1) < 0.5;
+    log.range_m[i] = float((picket ? 8 : 10) / double(log.direction[i].x()));
+  }
+  const Compared c = compared(log, looked_up(log, log, LookUp::kWarped1));
+  EXPECT_EQ(c.wrong, 0u);
+  EXPECT_GT(c.hits, 1000u);
+  // Where the turn closes, a beam has a neighbour that was fired from 2 m away.
+  EXPECT_LT(c.worst_m, 0.01);
+}
+
+/// Beams about +x: (azimuth, range), of one ring.
+BeamLog pencil(const std::vector<std::pair<double, float>>& beams) {
+  BeamLog log;
+  log.info.max_range_m = 100;
+  for (const auto& [azimuth, range] : beams) {
+    const size_t i = log.size();
+    log.resize(i + 1);
+    log.direction[i] = Vec3f(float(std::cos(azimuth)), float(std::sin(azimuth)), 0);
+    log.range_m[i] = range;
+  }
+  return log;
+}
+
+TEST(LookUp, TakesTheNearestInAngleAndInRangeOnlyWithinHalfABeam) {
+  // Beams are 10 mrad apart, so half a beam is 5 mrad.
+  const BeamLog test = pencil({{0, 50}, {0.01, 50}, {0.02, 50}});
+  const auto answers = [&](const std::vector<std::pair<double, float>>& train) {
+    return looked_up(pencil(train), test, LookUp::kWarped1).range_m[1];
+  };
+  EXPECT_EQ(answers({{0.011, 20}, {0.018, 8}}), 20)
+      << "the nearer one is more than half a beam away";
+  EXPECT_EQ(answers({{0.011, 20}, {0.013, 8}}), 8) << "both are within half a beam";
+  EXPECT_EQ(answers({{0.017, 20}, {0.019, 8}}), 20) << "none is within half a beam";
+}
+
+TEST(LookUp, MissesKeepTheirDirectionAndAnswerWithAMiss) {
+  const BeamLog test = pencil({{0, 50}, {0.01, 50}, {0.02, 50}});
+  const auto answers = [&](const std::vector<std::pair<double, float>>& train) {
+    return looked_up(pencil(train), test, LookUp::kWarped1).range_m[1];
+  };
+  EXPECT_EQ(answers({{0.011, kMiss}, {0.018, 8}}), kMiss);
+  EXPECT_EQ(answers({{0.011, kMiss}, {0.012, 8}}), 8) << "a point within half a beam goes first";
+  EXPECT_EQ(answers({{0.017, kMiss}, {0.019, 8}}), kMiss);
+  BeamLog moved = test;
+  for (Vec3& origin : moved.origin) origin.y() = 5;
+  const BeamLog train = pencil({{0.011, kMiss}});
+  EXPECT_EQ(looked_up(train, moved, LookUp::kWarped1).range_m[1], kMiss);
+}
+
 TEST(LookUp, TakesTheScanWhoseSensorStoodNearest) {
   const BeamLog train = log_of({Vec3(-5, 0, 0), Vec3(3, 0, 0)}), test = log_of({Vec3(3.1, 0, 0)});
   EXPECT_LT(compared(test, looked_up(train, test, LookUp::kRaw)).worst_m, 0.5);
 }
 
 }  // namespace
-}  // namespace underbrush::studies
+}  // namespace underbrush::metrics

@@ -1,0 +1,29 @@
+/// \file
+/// The scores of what a simulator must beat: baselines without a model.
+#pragma once
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "underbrush/metrics/score.hpp"
+
+namespace underbrush::metrics {
+
+/// Opens a log, so that it can be read more than once at a time.
+using OpenLog = std::function<std::unique_ptr<BeamSource>()>;
+
+/// The scores of a baseline.
+struct Baseline {
+  std::string name;  ///< "always hit" or "look-up".
+  Score score;
+};
+
+/// Scores the baselines on the beams of a log. *Always hit* (`AlwaysHit`) takes the medians of the
+/// rings from the training log where there is one, and else from the real log itself; its clouds
+/// are not compared. *Look-up* (`LookUp::kWarped2`) is there where a training log is: `train` may
+/// be empty. Both logs are then held in memory.
+std::vector<Baseline> score_baselines(const OpenLog& real, const OpenLog& train,
+                                      const ScoreOptions& options = {});
+
+}  // namespace underbrush::metrics
