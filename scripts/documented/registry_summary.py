@@ -6,7 +6,8 @@ from .tables import figures
 
 FOREST, STREET, STILL = "kitti_0027_forest", "kitti_0005_city", "kitti_0052_static"
 INSIDE = {log: log for log in (FOREST, STREET, STILL, "rellis_000104", "marv_forest")}
-SOURCES = {"draw": "default", "median": "default, median", "mesh": "mesh", "look-up": "look-up, 1 scan"}
+SOURCES = {"draw": "default", "median": "default, median", "mesh": "mesh", "look-up": "look-up, 2 scans",
+           "always hit": "always hit"}
 PLACES = {f"{FOREST}/inside the stretch": "forest, inside the stretch", f"{FOREST}/5 m beyond": "forest, 5 m beyond",
           f"{FOREST}/20 m beyond": "forest, 20 m beyond", f"{STREET}/5 m beyond": "street, 5 m beyond",
           f"{FOREST}/denser": "forest, between rings", f"{STREET}/denser": "street, between rings",
@@ -22,9 +23,10 @@ def looked_up(column, other, rows):
 
 
 def beyond(column, other, rows):
-    """Cells of the table `extrapolation`, whose cells have the default, the mesh, the carved mesh and the look-up."""
+    """Cells of the table `extrapolation`, whose cells have the default, two meshes, the look-up and always hit."""
     return {(row, f"{column}{source}"): [("extrapolation", place, other, number)]
-            for place, row in rows.items() for source, number in (("draw", 0), ("mesh", 1), ("look-up", 3))}
+            for place, row in rows.items() for source, number in (("draw", 0), ("mesh", 1), ("look-up", 3),
+                                                                          ("always hit", 4))}
 
 
 VIEWS = {
@@ -32,12 +34,16 @@ VIEWS = {
         **looked_up("", "capped error, m", {FOREST: "a drive through a forest", STREET: "a drive along a street",
                                             STILL: "a standing vehicle", "rellis_000104": "one scan of RELLIS",
                                             "marv_forest": "one scan of ROUGH"}),
+        **looked_up("", "informedness", {FOREST: "informedness: the forest", STREET: "the street",
+                                         STILL: "the standing vehicle", "rellis_000104": "RELLIS-3D",
+                                         "marv_forest": "ROUGH"}),
         **beyond("", "capped error, m", {f"{FOREST}/20 m beyond": "20 m beyond", f"{STREET}/5 m beyond": "5 m beyond",
                                          f"{FOREST}/denser": "between rings, forest",
                                          f"{STREET}/denser": "between rings, street"}),
         **{("composed scene", source): [("scenes", row, "drive: cloud error, m", 0)]
            for source, row in SCENES.items()}},
-    "summary-inside": {**looked_up("capped error, m: ", "capped error, m", INSIDE), **looked_up("F1: ", "F1", INSIDE)},
+    "summary-inside": {**looked_up("capped error, m: ", "capped error, m", INSIDE), **looked_up("informedness: ", "informedness", INSIDE),
+                       **looked_up("F1 of misses: ", "F1 of misses", INSIDE)},
     "summary-beyond": {**beyond("returns answered: ", "returns answered", PLACES),
                        **beyond("capped error, m: ", "capped error, m", PLACES)},
     "summary-scenes": {(row, column): [("scenes", row, f"drive: {column}", 0)]

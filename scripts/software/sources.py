@@ -21,7 +21,7 @@ NAMES = (*MOVING, STANDING, "rellis_000104", "marv_forest")
 # name: (model of scripts/real_logs.py, options of `simulate`)
 MODELS = {"default": ("default", []), "default, anew": ("default", ["--matter", "anew"]), "surface": ("surface", []),
           "surface_carved": ("surface_carved", [])}
-LOOK_UPS = ("look-up, raw", "look-up, 1 scan")  # as the study look-up names them
+LOOK_UPS = ("look-up, raw",)  # as the study look-up names them
 OURS, DISTANT_M, OFF_M = "default", 30.0, 0.2
 MIXTURES = ("default, where off as the log", "default, distant and off as the log", "log, where off as the default")
 
