@@ -7,7 +7,6 @@
 
 #include "studies/echo_counts.hpp"
 #include "studies/studies.hpp"
-#include "underbrush/calibrate/grain.hpp"
 #include "underbrush/fit/fit.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/radiometry/materials.hpp"
@@ -26,12 +25,9 @@ elements::Model fitted(const BeamLog& train, std::string_view fitter, uint64_t s
   options.fitter = fitter;
   options.tau = 4;
   options.seed = seed;
+  options.all_echoes = true;
   MemorySource rows(train);
-  elements::Model model = fit::fit(rows, options).model;
-  model.all_echoes = true;
-  calibrate::learn_grain(model, rows, seed);
-  calibrate::learn_grain_of_echoes(model, rows, seed);
-  return model;
+  return fit::fit(rows, options).model;
 }
 
 BeamLog answered(const elements::Model& model, const sensor::Sensor& sensor, trace::Draws draws,

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "studies/studies.hpp"
-#include "underbrush/calibrate/grain.hpp"
 #include "underbrush/fit/fit.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/metrics/always_hit.hpp"
@@ -28,15 +27,12 @@ metrics::Score score_of(const BeamLog& test, const BeamLog& answered) {
   return score_of(test, simulated);
 }
 
-/// The world of a fitted model, as `fit` makes it.
 elements::Model fit_half(const BeamLog& train, std::string_view fitter, uint64_t seed) {
   fit::FitOptions options;
   options.fitter = fitter;
   options.seed = seed;
   MemorySource source(train);
-  elements::Model model = fit::fit(source, options).model;
-  calibrate::learn_grain(model, source, seed);
-  return model;
+  return fit::fit(source, options).model;
 }
 
 metrics::Score score_of_model(const elements::Model& model, const BeamLog& test,

@@ -86,22 +86,22 @@ std::string text_of_fit(const std::string& fitter, const FitStep& step) {
     text += fmt::format("  left out    {} points near the sensor\n", r.near_points);
   if (r.thinned_points)
     text += fmt::format("  left out    {} points of full tiles\n", r.thinned_points);
-  if (step.grain.learnt()) {
+  if (r.grain.learnt()) {
     text += fmt::format(
         "  grain       {:.3f} m of ellipsoids, {:.3f} m of meshes: {:.1f} cm rough along rings, "
         "the log {:.1f} cm\n",
-        model.grain.ellipsoid_m, model.grain.mesh_m, 100 * step.grain.simulated_m,
-        100 * step.grain.real_m);
+        model.grain.ellipsoid_m, model.grain.mesh_m, 100 * r.grain.simulated_m,
+        100 * r.grain.real_m);
   }
   for (size_t k = 0; k < model.grain.classes.size(); ++k) {
     const elements::ClassGrain& c = model.grain.classes[k];
     text += fmt::format("              {:.3f} m of {}{}\n", c.side_m, model.class_name(c.label),
-                        step.grain.classes[k] ? "" : ", the usual one: too few beams met it");
+                        r.grain.classes[k] ? "" : ", the usual one: too few beams met it");
   }
   text += text_of_light(model) + text_of_keyframes(model);
-  if (step.echoes.learnt) {
+  if (r.echo_grain.learnt) {
     text += fmt::format("  echoes      {:.3f} of a beam that returns, the log {:.3f}\n",
-                        step.echoes.simulated, step.echoes.real);
+                        r.echo_grain.simulated, r.echo_grain.real);
   }
   for (const auto& [why, n] : step.skipped)
     text += fmt::format("  skipped     {} beams: {}\n", n, why);
@@ -128,7 +128,8 @@ void run_update(const Verb& verb, const Arguments& a) {
 
 void run(const Verb& verb, Arguments& a) {
   a.fit.seed = verb.seed;
-  if (a.echoes == "all") {
+  a.fit.all_echoes = a.echoes == "all";
+  if (a.fit.all_echoes) {
     const bool wanted = verb.app.get_option("--keyframes")->count() > 0;
     require(!wanted || a.fit.keyframes.spacing_m == 0,
             "fit: --keyframes remember beams, not the single echoes of --echoes all");
@@ -139,7 +140,7 @@ void run(const Verb& verb, Arguments& a) {
   }
   if (!a.update.empty()) return run_update(verb, a);
   require(a.how.growth == update::UpdateOptions().growth, "fit: --growth requires --update");
-  const FitStep step = fit_log(verb, a.log, a.fit, a.output, a.echoes == "all");
+  const FitStep step = fit_log(verb, a.log, a.fit, a.output);
   const elements::Model& model = step.result.model;
   export_model(a, model);
   const std::vector<std::string>& warnings = step.result.report.warnings;

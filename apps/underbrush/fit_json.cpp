@@ -100,13 +100,14 @@ Json json_of(const FitStep& step) {
     j["grain_m"]["classes"][model.class_name(c.label)] = c.side_m;
   }
   if (!model.channels.empty()) j["channels"] = json_of(model.channels);
-  if (step.grain.learnt()) {
-    j["roughness_m"] = {{"log", step.grain.real_m},
-                        {"simulated", step.grain.simulated_m},
-                        {"simulated_anew", step.grain.anew_m}};
+  const calibrate::GrainReport& grain = step.result.report.grain;
+  if (grain.learnt()) {
+    j["roughness_m"] = {
+        {"log", grain.real_m}, {"simulated", grain.simulated_m}, {"simulated_anew", grain.anew_m}};
   }
-  if (step.echoes.learnt) {
-    j["echoes_per_return"] = {{"log", step.echoes.real}, {"simulated", step.echoes.simulated}};
+  const calibrate::EchoGrainReport& echoes = step.result.report.echo_grain;
+  if (echoes.learnt) {
+    j["echoes_per_return"] = {{"log", echoes.real}, {"simulated", echoes.simulated}};
   }
   if (model.light.known()) j["light"] = json_of_light(model);
   if (model.keyframes) j["keyframes"] = json_of(*model.keyframes);

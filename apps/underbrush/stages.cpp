@@ -81,24 +81,18 @@ trace::World world_of(const elements::Scene& scene, trace::Draws draws) {
 }
 
 FitStep fit_log(const Verb& verb, const fs::path& log, const fit::FitOptions& options,
-                const fs::path& model, bool all_echoes) {
+                const fs::path& model) {
   const auto start = std::chrono::steady_clock::now();
   elements::check_model_output(model);
   FitStep step;
   size_t beams_of_fit = 0;
   {
-    io::BeamReader beams(log);
-    io::LogReader rows(log);
-    io::LogReader& reader = all_echoes ? rows : beams;
-    beams_of_fit = reader.size();
+    const auto reader = options.all_echoes ? std::make_unique<io::LogReader>(log)
+                                           : std::make_unique<io::BeamReader>(log);
+    beams_of_fit = reader->size();
     StageProgress progress;
-    step.result = fit::fit(reader, options, std::ref(progress));
-    step.skipped = reader.skipped();
-    step.result.model.all_echoes = all_echoes;
-    step.grain = calibrate::learn_grain(step.result.model, beams, options.seed);
-    if (all_echoes) {
-      step.echoes = calibrate::learn_grain_of_echoes(step.result.model, rows, options.seed);
-    }
+    step.result = fit::fit(*reader, options, std::ref(progress));
+    step.skipped = reader->skipped();
   }
   std::vector<fs::path> inputs{log};
   if (fit::fitter_named(options.fitter).refines && elements::is_model(options.start)) {

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "cli/verb.hpp"
-#include "underbrush/calibrate/grain.hpp"
 #include "underbrush/elements/scene_file.hpp"
 #include "underbrush/fit/fit.hpp"
 #include "underbrush/metrics/baselines.hpp"
@@ -29,16 +28,13 @@ trace::World world_of(const elements::Scene& scene, trace::Draws draws = trace::
 /// A fit, with the number of records of the log left out by reason.
 struct FitStep {
   fit::FitResult result;
-  calibrate::GrainReport grain;
-  calibrate::EchoGrainReport echoes;
   std::map<std::string, size_t> skipped;
   double seconds = 0;
 };
-/// Fits a model to the log, learns its grain and writes it to the folder `model`. Each beam ends at
-/// its first echo, or, with `all_echoes`, every echo is a beam of its own. For the fitter
-/// `likelihood`, `options.start` may also be a model's folder.
+/// Fits a model to the log and writes it to the folder `model`. For the fitter `likelihood`,
+/// `options.start` may also be a model's folder.
 FitStep fit_log(const Verb& verb, const std::filesystem::path& log, const fit::FitOptions& options,
-                const std::filesystem::path& model, bool all_echoes = false);
+                const std::filesystem::path& model);
 
 /// Counts of a simulated log.
 struct SimulateStep {

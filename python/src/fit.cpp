@@ -80,8 +80,6 @@ ModelValue fitted(const GivenLog& log, const nb::dict& parameters, uint64_t seed
     try {
       step.result = fit::fit(source, options, hook);
       step.skipped = skipped_in(*beams);
-      WatchedSource again(*beams, hook, "grain");
-      step.grain = calibrate::learn_grain(step.result.model, again, options.seed);
     } catch (const DataError& e) {
       if (!std::holds_alternative<std::filesystem::path>(log)) throw;
       throw FormatError(name_of(log), "", e.what());

@@ -3,6 +3,7 @@
 #include "underbrush/calibrate/channels.hpp"
 #include "underbrush/calibrate/light.hpp"
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/first_echoes.hpp"
 #include "underbrush/core/still_beams.hpp"
 #include "underbrush/credit/element_classes.hpp"
 #include "underbrush/elements/model_file.hpp"
@@ -59,6 +60,22 @@ FitResult fit_likelihood(BeamSource& source, const FitOptions& options,
   out.report.hits += r.held_out_hits;
   out.report.misses += r.held_out_beams - r.held_out_hits;
   return out;
+}
+
+void check(const FitOptions& options) {
+  require(options.tau > 0, "fit: tau must be positive");
+  require(options.range_noise_m > 0, "fit: the range noise must be positive");
+  require(options.min_range_m >= 0, "fit: the least range must not be negative");
+  require(options.keyframes.spacing_m >= 0, "fit: the spacing of keyframes must not be negative");
+}
+
+void warn_of_footprint(const FitOptions& options, std::string_view clustering, FitReport& report) {
+  const cluster::Clustering* found = cluster::clustering_named(clustering);
+  if (!options.volumetric.mixture.footprint || (found && found->mixture)) return;
+  report.warnings.push_back(
+      "the sensor's footprint is taken out of the ellipsoids of hierarchical alone, not of those "
+      "of " +
+      std::string(clustering));
 }
 
 const Fitter kFitters[] = {
@@ -154,33 +171,34 @@ keyframes::KeyframeOptions keyframe_options(const FitOptions& options) {
 }
 
 FitResult fit(BeamSource& source, const FitOptions& options, const FitProgress& progress) {
-  require(options.tau > 0, "fit: tau must be positive");
-  require(options.range_noise_m > 0, "fit: the range noise must be positive");
-  require(options.min_range_m >= 0, "fit: the least range must not be negative");
-  require(options.keyframes.spacing_m >= 0, "fit: the spacing of keyframes must not be negative");
+  check(options);
   const Fitter& fitter = fitter_named(options.fitter);
-  KeptBeams kept(source, kKeptBytes);
+  KeptBeams rows(source, kKeptBytes);
+  FirstEchoes first(rows);
+  BeamSource& beams = options.all_echoes ? static_cast<BeamSource&>(rows) : first;
   const bool given = !options.sensor.empty();
   const std::string sensor = given ? options.sensor : source.info().sensor;
-  const ChannelOffsets channels = sensor.empty() ? ChannelOffsets() : offsets_of(kept, options);
-  CorrectedBeams corrected(kept, channels);
+  const ChannelOffsets channels = sensor.empty() ? ChannelOffsets() : offsets_of(beams, options);
+  CorrectedBeams corrected(beams, channels);
   FitResult out = fitter.fit(corrected, options, progress);
   out.model.range_noise_m = options.range_noise_m;
   out.model.sensor = sensor;
   out.model.sensor_file = given ? options.sensor_file : source.info().sensor_file;
   out.model.channels = channels;
+  out.model.all_echoes = options.all_echoes;
   StillBeams still(corrected);
   credit::learn_classes(out.model, still);
   calibrate::learn_light(out.model, still);
-  if (fitter.refines) keyframes::learn_keyframes(out.model, still, keyframe_options(options));
-  const std::string_view made_by = fitter.refines ? start_of(options).name : fitter.name;
-  const cluster::Clustering* clustering = cluster::clustering_named(made_by);
-  if (options.volumetric.mixture.footprint && !(clustering && clustering->mixture)) {
-    out.report.warnings.push_back(
-        "the sensor's footprint is taken out of the ellipsoids of hierarchical alone, not of those "
-        "of " +
-        std::string(made_by));
+  if (fitter.refines && !options.all_echoes) {
+    keyframes::learn_keyframes(out.model, still, keyframe_options(options));
   }
+  if (options.learn_grain) {
+    out.report.grain = calibrate::learn_grain(out.model, first, options.seed);
+    if (options.all_echoes) {
+      out.report.echo_grain = calibrate::learn_grain_of_echoes(out.model, rows, options.seed);
+    }
+  }
+  warn_of_footprint(options, fitter.refines ? start_of(options).name : fitter.name, out.report);
   return out;
 }
 

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "underbrush/calibrate/grain.hpp"
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/elements/model.hpp"
 #include "underbrush/fit/fit_options.hpp"
@@ -28,6 +29,8 @@ struct FitReport {
   size_t free_space_ellipsoids = 0;  ///< Dropped as free space.
   size_t tiles = 0;
   likelihood::LikelihoodReport likelihood;  ///< Has steps only if the fitter is `likelihood`.
+  calibrate::GrainReport grain;
+  calibrate::EchoGrainReport echo_grain;  ///< Learnt only from all echoes.
   std::vector<std::string> warnings;
 };
 
@@ -44,13 +47,14 @@ using FitProgress = std::function<void(std::string_view, size_t, size_t)>;
 /// The names of the fitters, in the order of the table.
 std::vector<std::string> fitter_names();
 
-/// Fits a model to a log, with its classes (`learn_classes`) and its light (`learn_light`) where
-/// the log has labels and intensities. A log of up to 384 MiB (some six million beams) is read once
+/// Fits a model to a log, whose rows may be echoes, with all that the model has: its classes
+/// (`learn_classes`) and its light (`learn_light`) where the log has labels and intensities, its
+/// keyframes and its grain. A log of up to 384 MiB (some six million beams) is read once
 /// and stays in memory. A longer one is read for the channels, twice for the geometry (`likelihood`
-/// reads it once more, and a long one in each step), for classes and for the light; memory grows
-/// with a tile and the model, not with the log. The result has the same bits for any number
-/// of threads. `progress` may be empty. Throws `std::invalid_argument` for an unknown fitter, for
-/// options out of range and for a log without returns.
+/// reads it once more, and a long one in each step), for classes, for the light and for the grain;
+/// memory grows with a tile and the model, not with the log. The result has the same bits for any
+/// number of threads. `progress` may be empty. Throws `std::invalid_argument` for an unknown
+/// fitter, for options out of range and for a log without returns.
 FitResult fit(BeamSource& source, const FitOptions& options, const FitProgress& progress = {});
 
 /// The options of the fitter that makes the first model of a refinement; for a fitter that does not

@@ -28,6 +28,11 @@ struct FitOptions {
   std::string fitter = "likelihood";
   /// For `likelihood` only: the fitter that makes the first model, or the folder of a model.
   std::string start = "hierarchical";
+  /// Whether every echo is a beam of its own. Otherwise each beam ends at its first echo.
+  bool all_echoes = false;
+  /// Whether the grain of the matter is learnt (`calibrate::learn_grain`, and from all echoes
+  /// `calibrate::learn_grain_of_echoes`). Otherwise it is the usual one.
+  bool learn_grain = true;
   /// The sensor that recorded the log, as in `LogInfo`; empty: as the log says.
   std::string sensor, sensor_file;
   uint64_t seed = 1;
@@ -57,8 +62,8 @@ struct FitOptions {
   surface::SurfaceOptions surface;
   /// `fit` sets its range noise and its floor from the fields above.
   likelihood::LikelihoodOptions likelihood;
-  /// For `likelihood` only; other fitters keep none. `fit` sets its least range from the field
-  /// above.
+  /// For `likelihood` only, and not from all echoes; others keep none. `fit` sets its least range
+  /// from the field above.
   keyframes::KeyframeOptions keyframes;
 };
 
