@@ -73,9 +73,6 @@ std::vector<Method> methods() {
     out.push_back({name, {}});
     out.back().options.fitter = name;
   }
-  Method range_likelihood{"top_down (range_likelihood)", out[1].options};
-  range_likelihood.options.volumetric.top_down.stop = "range_likelihood";
-  out.insert(out.begin() + 2, range_likelihood);
   return out;
 }
 

@@ -14,7 +14,8 @@ namespace {
 
 /// Returns the options of a verb and those of the program that the verb accepts too.
 std::vector<const CLI::Option*> options_of(const CLI::App& program, const CLI::App& verb) {
-  auto options = verb.get_options([](const CLI::Option* o) { return o->nonpositional(); });
+  auto options = verb.get_options(
+      [](const CLI::Option* o) { return o->nonpositional() && o->get_group() != kUnlistedGroup; });
   if (&verb != &program) options.push_back(program.get_config_ptr());
   return options;
 }

@@ -144,7 +144,7 @@ std::string HelpFormatter::groups(const CLI::App* app, CLI::AppFormatMode mode) 
   for (const std::string& group : titles) {
     auto options = app->get_options(
         [&](const CLI::Option* o) { return o->nonpositional() && o->get_group() == group; });
-    if (group.empty() || options.empty()) continue;
+    if (group.empty() || group == kUnlistedGroup || options.empty()) continue;
     if (mode == CLI::AppFormatMode::Normal && hidden_.count(group)) {
       left_out += options.size();
       continue;

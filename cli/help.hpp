@@ -10,6 +10,8 @@ namespace underbrush::app {
 
 /// The group of the options that all verbs have; help texts show it last.
 inline constexpr const char* kCommonGroup = "Common";
+/// The group of options that no help text lists, but the reference of parameters of a fit.
+inline constexpr const char* kUnlistedGroup = "Unlisted";
 
 /// Writes help texts of 80 columns: usage, positionals, options by group, verbs by stage. The
 /// values of a choice and the default follow the help text of an option.

@@ -85,7 +85,7 @@ std::string command_line_page(const CLI::App& program) {
     out += fmt::format("\n## {}\n\n{}.\n", v->get_name(), v->get_description());
     out += table("argument", options_of(*v, "", true));
     for (const std::string& group : v->get_groups()) {
-      if (group == kCommonGroup || group.empty()) continue;
+      if (group == kCommonGroup || group == kUnlistedGroup || group.empty()) continue;
       out += table(group == "Options" ? "option" : group, options_of(*v, group, false));
     }
   }

@@ -28,7 +28,7 @@ fit::FitOptions voxel(double side_m) {
   f.volumetric.voxel = {side_m, 1, true};
   f.volumetric.ellipsoid.prior_points = 0;
   f.credit.rule = "mahalanobis";
-  f.credit.estimator = "plain";
+  f.credit.ellipsoid = {0, 0};
   f.free_space_below = 0;
   return f;
 }
@@ -39,7 +39,7 @@ fit::FitOptions dense(const std::string& fitter) {
   f.fitter = fitter;
   f.tau = 2;
   f.credit.rule = "best";
-  f.credit.estimator = "plain";
+  f.credit.ellipsoid = {0, 0};
   f.free_space_below = 0;
   f.likelihood.maximisation.opaque_hits = 0;
   f.volumetric.top_down.min_points = 5;

@@ -56,15 +56,20 @@ void set_recorder(const sensor::Sensor& sensor, fit::FitOptions& fit) {
 std::vector<const CLI::Option*> add_fit_options(Verb& verb, fit::FitOptions& fit, FitHelp help) {
   std::vector<const CLI::Option*> out;
   verb.begin_group("Options");
+  const auto is_usual = [&](const fit::Parameter& p) {
+    return help == kUsualShown && p.listed == fit::Listed::kHelp;
+  };
   for (const fit::Parameter& p : fit::parameters()) {
-    if (help == kUsualShown && p.usual) out.push_back(add_option(verb.app, p, fit));
+    if (is_usual(p)) out.push_back(add_option(verb.app, p, fit));
   }
   if (help == kAllRare) verb.begin_rare_group("fit: every fitter");
   out.push_back(add_sensor_option(verb.app, fit));
   for (const fit::Parameter& p : fit::parameters()) {
-    if (help == kUsualShown && p.usual) continue;
+    if (is_usual(p)) continue;
     verb.begin_rare_group("fit: " + std::string(fit::name_of(p.group)));
-    out.push_back(add_option(verb.app, p, fit));
+    CLI::Option* option = add_option(verb.app, p, fit);
+    if (p.listed == fit::Listed::kReference) option->group(kUnlistedGroup);
+    out.push_back(option);
   }
   verb.begin_group("Options");
   return out;

@@ -26,11 +26,11 @@ std::unique_ptr<io::LogReader> reader_of(const fs::path& log, bool all_echoes) {
 
 fit::Training training_of(const UpdateInput& input, const elements::Model& model) {
   if (!fit::has_training(input.model)) {
-    throw FormatError(input.model.string(), "",
-                      "it cannot be updated: fit keeps what that needs in models of hierarchical, "
-                      "voxel, top_down, bottom_up, ground_mesh and, without rearrangements, "
-                      "likelihood, and this is one of " +
-                          model.fitter);
+    throw FormatError(
+        input.model.string(), "",
+        "it cannot be updated: fit keeps what that needs in models of hierarchical, "
+        "voxel, top_down, bottom_up, ground_mesh and likelihood, and this is one of " +
+            model.fitter);
   }
   fit::Training training = fit::read_training(input.model);
   if (training.record.ellipsoids() != model.ellipsoids.size()) {

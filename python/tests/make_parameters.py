@@ -17,7 +17,7 @@ from typing import TypedDict
 
 
 class FitParameters(TypedDict, total=False):
-    """Options of `fit`, as `underbrush fit --help-all` lists them."""
+    """Parameters of `fit`, as docs/reference/parameters.md lists them."""
 
 '''
 

@@ -5,27 +5,21 @@ from typing import TypedDict
 
 
 class FitParameters(TypedDict, total=False):
-    """Options of `fit`, as `underbrush fit --help-all` lists them."""
+    """Parameters of `fit`, as docs/reference/parameters.md lists them."""
 
     fitter: str  #: How the model is made (default likelihood).
     min_range: float  #: Leave out nearer returns (of the own vehicle) (m; default 0).
     tile: float  #: Side of a tile; memory grows with it (m; default 32).
     ranges_as_given: bool  #: Learn no range offsets of the sensor's channels (default false).
     clusters_per_point: float  #: Number of ellipsoids per point (default 0.1).
-    min_points: int  #: Fewest points of an ellipsoid (default 3).
+    min_points: int  #: Least number of points of an ellipsoid (default 3).
     #: Rounds of expectation and maximisation in which ellipsoids share the points at the borders of clusters
     #: (default 2).
     mixture_rounds: int
     voxel_side: float  #: Side of a voxel (0.05 suits a standing scanner) (m; default 0.3).
     voxel_bounded: bool  #: A beam meets a Gaussian only within the Gaussian's own voxel (default false).
-    top_down_stop: str  #: The rule that leaves a cluster whole (default points).
-    top_down_min_points: int  #: Fewest points of a half (default 10).
-    top_down_least_gain: float  #: range_likelihood: what a split must gain (nats; default 4).
-    #: range_likelihood: clusters of a larger standard deviation are split in any case (m; default 0.2).
-    top_down_largest_sigma: float
+    top_down_min_points: int  #: Least number of points of a half (default 10).
     bottom_up_cell: float  #: Side of the first, small clusters (m; default 0.1).
-    bottom_up_density: float  #: Share of its parts' density that a merged ellipsoid must keep (default 0.6).
-    bottom_up_largest: float  #: Greatest length of a merged ellipsoid (m; default 1).
     surface_cell: float  #: Cell of the marching cubes (m; default 0.1).
     surface_kernel: float  #: Radius of the kernel (m; default 0.8).
     surface_least_kernel: float  #: Radius down to which the kernel is halved where points are dense (m; default 0.2).
@@ -48,23 +42,18 @@ class FitParameters(TypedDict, total=False):
     range_noise: float  #: The sensor's range noise (m; default 0.02).
     triangle_prior_hits: float  #: Prior hits of a triangle; likelihood has 10 (default 10000).
     triangle_prior_misses: float  #: Prior misses of a triangle (default 0).
-    credit: str  #: The elements that a beam is evidence of (default first).
-    #: credit mahalanobis: greatest distance of a beam from an ellipsoid; at most tau counts (default 2).
-    credit_tau: float
-    hit_estimator: str  #: The estimate of p from an ellipsoid's hits and misses (default prior).
+    credit: str  #: The rule that credits elements with the hits and misses of beams (default first).
     start: str  #: The fitter to begin with, or the folder of a model (default hierarchical).
-    rounds: int  #: Most M-steps (default 3).
-    rearrangements: int  #: Most times that ellipsoids are merged and split before (default 0).
+    rounds: int  #: Largest number of M-steps (default 3).
     #: Ellipsoids of the start grow as if their n points had been fitted with k parameters: their variances by (n +
     #: k) / (n - k) (default 2).
     spent_at_start: float
-    held_out: int  #: One group of beams in so many judges the steps and is not learnt from (default 20).
-    dropout: float  #: How readily a lone miss is taken as a lost return, not as a way through (default 0.02).
-    #: How much more decided than the likeliest model: above 1 for smaller errors of a draw, at the cost of
-    #: likelihood (default 1).
+    #: Assumed probability that a return is lost, so that a single miss does not make what the beam met permeable
+    #: (default 0.02).
+    dropout: float
+    #: Exponent on the probabilities of the final model: above 1 draws have smaller errors and the likelihood is
+    #: worse (default 1).
     sharpness: float
-    #: Remember scans as range images, at most 16 within this distance; simulations near them answer likewise (0:
-    #: none) (m; default 2).
+    #: Keep scans as range images (keyframes), at most 16 within this distance; simulated beams near them use their
+    #: pixels; 0 = none (m; default 2).
     keyframes: float
-    #: Most that merging two ellipsoids may cost their points; 0: merge where it costs nothing (nats; default 5).
-    merge_cost: float

@@ -21,9 +21,9 @@ def pipeline(column):
 
 
 def bench_fitters(folder):
-    for label in ("voxel", "top_down", "top_down, range_likelihood", "bottom_up", "hierarchical", "likelihood",
+    for label in ("voxel", "top_down", "bottom_up", "hierarchical", "likelihood",
                   "surface", "rimls"):
-        b = read_json(folder / "bench.json")[label.replace(", range_likelihood", " (range_likelihood)")]
+        b = read_json(folder / "bench.json")[label]
         yield label, "growth", [b["growth_exponent"]]
         yield label, "elements", [b["elements"]]
         if "clustering_time_of_voxel" in b:

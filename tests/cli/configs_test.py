@@ -14,12 +14,12 @@ EXAMPLE = CONFIGS.parent / "examples" / "marv_forest.pcd"
 # What the papers state, by the names of `fit`: Table I of Tallavajhula et al. 2018 and their published code;
 # sections III, V and VI of Deschaud et al. 2012.
 PRIMITIVES = {"fitter": "hierarchical", "ground-method": "spherical_variance", "clusters-per-point": "0.042",
-              "min-points": "5", "tau": "3.5", "credit": "first", "hit-estimator": "prior", "mixture-rounds": "0",
+              "min-points": "5", "tau": "3.5", "credit": "first", "mixture-rounds": "0",
               "ellipsoid-prior-hits": "0", "ellipsoid-prior-misses": "1", "triangle-prior-hits": "1",
               "triangle-prior-misses": "2", "max-residual-for-hit": "0.75", "covariance-prior": "0",
               "free-space-below": "0", "ranges-as-given": "true"}
 VOXELS = {"fitter": "voxel", "ground-method": "none", "voxel-bounded": "true", "tau": "2", "credit": "mahalanobis",
-          "credit-tau": "2", "hit-estimator": "plain", "covariance-prior": "0", "free-space-below": "0",
+          "ellipsoid-prior-hits": "0", "ellipsoid-prior-misses": "0", "covariance-prior": "0", "free-space-below": "0",
           "ranges-as-given": "true"}
 SURFACES = {"fitter": "rimls", "surface-noise": "0.005"}
 PAPERS = {

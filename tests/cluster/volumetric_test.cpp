@@ -51,12 +51,9 @@ std::vector<Case> cases() {
   VolumetricOptions coarse;  // some tens of points a cluster on the clouds below
   coarse.hierarchical.clusters_per_point = 0.03;
   coarse.top_down.min_points = 25;
-  VolumetricOptions likelihood = coarse;
-  likelihood.top_down.stop = "range_likelihood";
   return {{"hierarchical", "hierarchical", coarse, false},
           {"voxel", "voxel", coarse, true},
-          {"top_down_points", "top_down", coarse, true},
-          {"top_down_range_likelihood", "top_down", likelihood, true},
+          {"top_down", "top_down", coarse, true},
           {"bottom_up", "bottom_up", coarse, true}};
 }
 
@@ -294,35 +291,12 @@ TEST(VolumetricFitters, AreFoundByNameAndRefuseBadOptions) {
   EXPECT_THROW(volumes("voxel", cloud, o, 1), std::invalid_argument);
   o.voxel.side_m = 1e-6;  // more cubes than the codes can number
   EXPECT_THROW(volumes("voxel", cloud, o, 1), std::invalid_argument);
-  o.top_down.stop = "never";
+  o.top_down.min_points = 0;
   EXPECT_THROW(volumes("top_down", cloud, o, 1), std::invalid_argument);
   o.bottom_up.largest_m = -1;
   EXPECT_THROW(volumes("bottom_up", cloud, o, 1), std::invalid_argument);
   o.hierarchical.clusters_per_point = 0;
   EXPECT_THROW(volumes("hierarchical", cloud, o, 1), std::invalid_argument);
-}
-
-// Flat matter needs no more elements however many points it has.
-TEST(TopDown, RangeLikelihoodLeavesFlatMatterWholeAndSplitsPorousMatter) {
-  Stream random(16);
-  Cloud wall, bush;
-  for (int i = 0; i < 4000; ++i) {
-    const double x = random.uniform(), y = random.uniform(), z = random.uniform(),
-                 noise = 0.01 * random.normal();
-    wall.add({noise, 2 * y, 2 * z});
-    // Leaves on twigs make dense lines in a thin cloud.
-    const double twig = std::floor(8 * x) / 8;
-    bush.add({2 * twig + noise, 2 * y, 1 + 0.5 * std::sin(20 * twig) + (i % 2 ? noise : 0.5 * z)});
-  }
-  TopDownOptions o;
-  o.stop = "range_likelihood";
-  o.largest_sigma_m = 1;
-  const uint32_t of_wall = top_down_clusters(wall.point, wall.to_sensor, o).count;
-  const uint32_t of_bush = top_down_clusters(bush.point, bush.to_sensor, o).count;
-  EXPECT_LE(of_wall, 4u);
-  EXPECT_GT(of_bush, 8 * of_wall);
-  o.stop = "points";
-  EXPECT_GT(top_down_clusters(wall.point, wall.to_sensor, o).count, 100u);
 }
 
 TEST(BottomUp, KeepsTheDensityItWasAsked) {

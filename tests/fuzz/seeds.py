@@ -92,7 +92,7 @@ SEGMENT = "min-points: 5\ncell: 0.5\ngap: 0.6\ntile: 32\nspacing: 1.2\nprominenc
           "ground-method: lower_envelope\ntree-height: 3\npatch-side: 4\n"
 FIT = "fitter: hierarchical\ntile: 32\nmin-points: 4\ntau: 2.5\nclusters-per-point: 0.1\nmixture-rounds: 1\n" \
       "ground-method: lower_envelope\nground-spacing: 1\nground-smoothness: 0.05\nrange-noise: 0.02\n" \
-      "covariance-prior: 1\nellipsoid-prior-hits: 50\ncredit: first\nhit-estimator: prior\nsurface-carve: false\n" \
+      "covariance-prior: 1\nellipsoid-prior-hits: 50\ncredit: first\nellipsoid-prior-misses: 0\nsurface-carve: false\n" \
       "max-residual-for-hit: 0.75\nfree-space-below: 0.05\nmin-range: 0.5\n"
 COMPOSE = "nearest: 2\nscale: true\nstrict: false\nclass-density: [large_shrub=0.5, small_tree=2]\nseed: 3\n"
 

@@ -7,7 +7,6 @@
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/likelihood/maximisation.hpp"
-#include "underbrush/likelihood/rearrangement.hpp"
 #include "underbrush/metrics/predictive.hpp"
 #include "underbrush/trace/world.hpp"
 
@@ -72,7 +71,6 @@ TEST(Shares, SumToOneAndTheirLikelihoodIsThatOfTheScore) {
     trace::mix_ranges(met, 1, 0, p);
     const double want = metrics::negative_log_likelihood(p, range, 100);
     EXPECT_NEAR(totals.loss.value(), want, 1e-5);
-    EXPECT_NEAR(shares.loss[0], want, 1e-5);
   }
 }
 
@@ -141,12 +139,11 @@ TEST(Shares, SlopesOfNoiseAreTheDerivativesOfTheExpectedLogLikelihood) {
 class GivenShares {
  public:
   explicit GivenShares(const elements::Model& model) : model_(model) {}
-  void add(const Ray& ray, uint32_t element, double range_m, double hit, double pass, double loss) {
+  void add(const Ray& ray, uint32_t element, double range_m, double hit, double pass) {
     const Vec3f o = ray.origin.cast<float>(), d = ray.direction.cast<float>();
     beams_.push_back({{o[0], o[1], o[2]}, float(range_m), {d[0], d[1], d[2]}, 1000});
     shares_.hit.push_back(float(hit));
     shares_.pass.push_back(float(pass));
-    shares_.loss.push_back(float(loss));
     met_.push_back(element);
     first_.push_back(uint32_t(met_.size()));
   }
@@ -158,8 +155,7 @@ class GivenShares {
         pass_kernels().approach(forms.view(), beams_.data(), first_.data(), 0, beams_.size(),
                                 met_.data(), nullptr, columns.meetings(), columns.ellipsoids());
     ElementSums out(model_);
-    out.add(columns.ellipsoids(), count, met_.data(),
-            {shares_.hit.data(), shares_.pass.data(), shares_.loss.data()});
+    out.add(columns.ellipsoids(), count, met_.data(), {shares_.hit.data(), shares_.pass.data()});
     return out;
   }
 
@@ -213,7 +209,7 @@ TEST(ElementSums, SlopesAreTheDerivativesOfTheExpectedLogLikelihood) {
     ranges.push_back(met.t_m + met.sigma_m * random.normal());
     const double hit = random.uniform(), pass = random.uniform(0, 1 - hit);
     given.push_back({hit, pass});
-    shares.add(rays.back(), 0, ranges.back(), hit, pass, 0);
+    shares.add(rays.back(), 0, ranges.back(), hit, pass);
   }
   const EllipsoidSums s = shares.sums().ellipsoid(0);
   const auto slope = [&](const std::function<void(elements::Ellipsoid&, double)>& move) {
@@ -272,51 +268,13 @@ TEST(Maximisation, OneStepMendsASmallStretchOnAndOffTheDiagonal) {
       const trace::Intersection met =
           trace::intersect(truth, 0, ray.origin, ray.direction, {-100, 100});
       // its mean over outcomes: a return with probability p, one σ before or behind
-      shares.add(ray, 0, met.t_m + (k % 2 ? 1 : -1) * met.sigma_m, met.p, 1 - met.p, 0);
+      shares.add(ray, 0, met.t_m + (k % 2 ? 1 : -1) * met.sigma_m, met.p, 1 - met.p);
     }
     const Mat3 after =
         maximised(start, shares.sums(), options, 1).ellipsoids[0].covariance_matrix();
     const double left = (after(i, j) - (i == j ? 0.25 : 0)) / 0.5;
     EXPECT_LT(std::abs(left), 0.015) << i << j;  // of 0.05
   }
-}
-
-TEST(Rearrangement, HalvesHaveTheMomentsOfTheWholeAndMergeToIt) {
-  elements::Ellipsoid e;
-  e.mean = Vec3f(1, 2, 3);
-  e.set_covariance(Vec3(0.5, 0.2, 0.1).asDiagonal());
-  e.density_per_m = 2;
-  const auto two = halves(e);
-  EXPECT_GT((two[1].mean - two[0].mean).norm(), 1);
-  const elements::Ellipsoid back = merged(two[0], 7, two[1], 7);
-  EXPECT_LT((back.mean - e.mean).norm(), 1e-6);
-  EXPECT_LT((back.covariance_matrix() - e.covariance_matrix()).norm(), 1e-6);
-  EXPECT_NEAR(back.density_per_m, e.density_per_m, 1e-5);
-}
-
-TEST(Rearrangement, RemovesTheEmptyMergesTwinsAndNeverAdds) {
-  elements::Model model;
-  for (int k = 0; k < 40; ++k) {
-    elements::Ellipsoid e;
-    // pairs of near ellipsoids, far from other pairs
-    e.mean = Vec3f(float(k / 2) * 5, k % 2 ? 0.01f : 0.0f, 0);
-    e.set_covariance(0.04 * Mat3::Identity());
-    e.density_per_m = 1;
-    model.ellipsoids.push_back(e);
-  }
-  GivenShares shares(model);
-  for (uint32_t k = 4; k < 40; ++k) {  // no beam meets the first four
-    for (int i = 0; i < 30; ++i) shares.add({Vec3(-10, 0, 0), Vec3(1, 0, 0)}, k, 10, 0.9, 0.1, k);
-  }
-  const ElementSums sums = shares.sums();
-  RearrangementOptions options;
-  options.share = 0.25;
-  options.split_share = 0;
-  EXPECT_EQ(rearranged(model, sums, options).ellipsoids.size(), 40u - 4 - 10);
-  options.split_share = 0.5;
-  options.split_hits = 1;
-  const elements::Model split = rearranged(model, sums, options);
-  EXPECT_EQ(split.ellipsoids.size(), 40u - 4 - 10 + 7);
 }
 
 }  // namespace

@@ -119,9 +119,7 @@ NUMBERS = [
     ("docs/notebook/2026-11.md", r"- (\d+) prior hits of an ellipsoid", default("fit", "--ellipsoid-prior-hits")),
     ("docs/explanation/fitters.md", r"default prior is (\d+) hits", default("fit", "--ellipsoid-prior-hits")),
     ("docs/explanation/ray-model.md", r"default is τ = (\d+)", default("fit", "--tau")),
-    ("docs/explanation/likelihood.md", r"group of beams in (\d+) \(`--held-out`", default("fit", "--held-out")),
     ("docs/explanation/likelihood.md", r"most (\d+) M-steps \(`--rounds`\)", default("fit", "--rounds")),
-    ("docs/explanation/likelihood.md", r"than (\d+) nats \(`--merge-cost`\)", default("fit", "--merge-cost")),
     ("docs/explanation/likelihood.md", r"default d = ([\d.]+)", default("fit", "--dropout")),
     ("docs/explanation/likelihood.md", r"default of (\d+) changes nothing", default("fit", "--sharpness")),
     ("docs/explanation/keyframes.md", r"`--keyframes X` \((\d+) m unless given\)", default("fit", "--keyframes")),
@@ -153,7 +151,9 @@ def options_of_scripts():
 def names(path, text, program):
     """Complains of verbs, studies and options that a page names and that do not exist."""
     verbs, studies = program.verbs(), [*program.studies(), "list"]
-    options = options_of_scripts().union(*(program.options(verb) for verb in verbs))
+    parameters = rules.read(rules.ROOT, "docs/reference/parameters.md")  # the help does not list all of them
+    options = options_of_scripts().union(*(program.options(verb) for verb in verbs),
+                                         ("--" + name for name in re.findall(r"^\| `([\w-]+)` \|", parameters, re.M)))
     for pattern, known, kind in ((r"(?:^|[`$] ?|bin/)underbrush ([a-z][a-z-]+)\b", verbs, "verb"),
                                  (r"\bunderbrush-study ([a-z][a-z-]+)\b", studies, "study"),
                                  (r"(?<![\w-])(--[a-z][\w-]+)", options, "option")):

@@ -46,9 +46,9 @@ TEST(Update, TilesOutOfReachKeepTheirElementsBitForBit) {
 // Few returns change counts and nothing else; later ones make the tile due.
 TEST(Update, TilesAreFittedAnewOnceTheyHaveGrown) {
   const BeamLog a = drive(true, 1, 20000), b = drive(true, 2, 3000), c = drive(true, 3, 6000);
-  const UpdateOptions how{0.4, 1};
+  const UpdateOptions refitting{0.4, 1};
   const fit::FitResult known = fitted(a);
-  const UpdateResult first = updated(known, {&a}, b, how);
+  const UpdateResult first = updated(known, {&a}, b, refitting);
   std::set<std::array<float, 3>> before;
   for (const auto& e : known.model.ellipsoids) before.insert({e.mean.x(), e.mean.y(), e.mean.z()});
   uint64_t trials_before = 0, trials_now = 0;
@@ -59,7 +59,7 @@ TEST(Update, TilesAreFittedAnewOnceTheyHaveGrown) {
     return double(u.report.fitted_tiles) / double(u.report.tiles);
   };
   EXPECT_LT(anew(first), 0.3);
-  const UpdateResult second = updated(as_fit(first), {&a, &b}, c, how);
+  const UpdateResult second = updated(as_fit(first), {&a, &b}, c, refitting);
   EXPECT_GT(anew(second), 0.5);
 }
 

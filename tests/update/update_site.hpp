@@ -63,7 +63,8 @@ inline fit::FitResult fitted(const BeamLog& log, const fit::FitOptions& options 
 inline constexpr UpdateOptions kAtOnce{0, 0};
 
 inline UpdateResult updated(fit::FitResult known, const std::vector<const BeamLog*>& logs,
-                            const BeamLog& more, const UpdateOptions& how, size_t chunk = 1 << 20,
+                            const BeamLog& more, const UpdateOptions& refitting,
+                            size_t chunk = 1 << 20,
                             const fit::FitOptions& options = small_tiles()) {
   std::vector<MemorySource> sources;
   sources.reserve(logs.size());
@@ -73,7 +74,7 @@ inline UpdateResult updated(fit::FitResult known, const std::vector<const BeamLo
     given.push_back(&sources.back());
   }
   MemorySource added(more, chunk);
-  return update(std::move(known), given, added, options, how);
+  return update(std::move(known), given, added, options, refitting);
 }
 
 inline fit::FitResult as_fit(const UpdateResult& u) { return {u.model, {}, u.record}; }

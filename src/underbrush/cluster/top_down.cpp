@@ -1,7 +1,6 @@
 #include "underbrush/cluster/top_down.hpp"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -13,26 +12,19 @@ namespace {
 /// A point (x, y, z, 1) relative to the first one. Clusters are ranges of such points.
 using Point = Eigen::Vector4f;
 
-/// The Gaussian of a cluster, with floored extents.
+/// The mean of a cluster and its greatest extent, which is floored.
 struct Gaussian {
   Vec3f mean;
   Vec3f axis;  // direction of the greatest extent
-  Mat3f precision;
   double largest_sigma;
-  float points;
 };
-
-constexpr float kOutliers = 0.01f;  // share of points that are outliers, spread evenly over 20 m
 
 class TopDownSplitter {
  public:
-  TopDownSplitter(std::span<const Vec3f> points, std::span<const Vec3f> to_sensor,
-                  const TopDownOptions& options)
+  TopDownSplitter(std::span<const Vec3f> points, const TopDownOptions& options)
       : points_(points.size()),
         index_(points.size()),
-        to_sensor_(to_sensor),
         least_(uint32_t(options.min_points)),
-        by_likelihood_(options.stop == "range_likelihood"),
         options_(options) {
     for (uint32_t i = 0; i < points.size(); ++i) {
       points_[i] << points[i] - points[0], 1;
@@ -46,14 +38,9 @@ class TopDownSplitter {
   /// Splits [begin, end) and gives the end of the first half, or `end` if the cluster stays whole.
   uint32_t split(uint32_t begin, uint32_t end) {
     const uint32_t n = end - begin;
-    if (n < 2 || (!by_likelihood_ && n < 2 * least_)) return end;
-    const Gaussian whole = gaussian(begin, end);
-    const bool large = by_likelihood_ && whole.largest_sigma > options_.largest_sigma_m;
-    if (!large && n < 2 * least_) return end;
-    const uint32_t middle = two_means(whole, begin, end);
-    if (middle == begin || large) return middle == begin ? end : middle;
-    if (middle - begin < least_ || end - middle < least_) return end;
-    return by_likelihood_ && gain(whole, begin, middle, end) < options_.least_gain ? end : middle;
+    if (n < 2 || n < 2 * least_) return end;
+    const uint32_t middle = two_means(gaussian(begin, end), begin, end);
+    return middle - begin < least_ || end - middle < least_ ? end : middle;
   }
 
  private:
@@ -79,14 +66,11 @@ class TopDownSplitter {
     const Mat3 scatter = total.topLeftCorner<3, 3>() - n * mean * mean.transpose();
     Eigen::SelfAdjointEigenSolver<Mat3> eigen;
     eigen.computeDirect(scatter / std::max(1.0, n - 1));
-    const Vec3 values = eigen.eigenvalues().cwiseMax(options_.noise_m * options_.noise_m);
-    const Mat3& v = eigen.eigenvectors();
+    const double largest = std::max(eigen.eigenvalues()[2], options_.noise_m * options_.noise_m);
     Gaussian g;
     g.mean = (about.head<3>().cast<double>() + mean).cast<float>();
-    g.axis = v.col(2).cast<float>();
-    g.precision = (v * values.cwiseInverse().asDiagonal() * v.transpose()).cast<float>();
-    g.largest_sigma = std::sqrt(values[2]);
-    g.points = float(n);
+    g.axis = eigen.eigenvectors().col(2).cast<float>();
+    g.largest_sigma = std::sqrt(largest);
     return g;
   }
 
@@ -145,43 +129,9 @@ class TopDownSplitter {
     return begin + lower;
   }
 
-  // Computes the density at the range of the beam that measured point i if the beam meets `g`, else
-  // a negative number.
-  float density(const Gaussian& g, uint32_t i) const {
-    const Vec3f r = points_[i].head<3>() - g.mean;
-    const Vec3f d = to_sensor_[index_[i]].normalized();
-    const Vec3f q = g.precision * d;
-    const float information = d.dot(q), t = q.dot(r) / information;
-    const float along = t * t * information;
-    const float delta2 = r.dot(g.precision * r) - along;
-    if (delta2 > float(options_.tau * options_.tau)) return -1;
-    return std::sqrt(information * float(0.5 / M_PI)) * std::exp(-0.5f * along);
-  }
-
-  double gain(const Gaussian& whole, uint32_t begin, uint32_t middle, uint32_t end) const {
-    const Gaussian half[2] = {gaussian(begin, middle), gaussian(middle, end)};
-    double gain = 0;
-    for (uint32_t i = begin; i < end; ++i) {
-      const float before = std::max(0.0f, density(whole, i));
-      float weight = 0, after = 0;
-      for (const Gaussian& h : half) {
-        const float f = density(h, i);
-        if (f < 0) continue;
-        weight += h.points;
-        after += h.points * f;
-      }
-      if (weight > 0) after /= weight;
-      gain += std::log((kOutliers / 20 + (1 - kOutliers) * after) /
-                       (kOutliers / 20 + (1 - kOutliers) * before));
-    }
-    return gain;
-  }
-
   std::vector<Point> points_;
   std::vector<uint32_t> index_;  // original indices of the points
-  const std::span<const Vec3f> to_sensor_;
   const uint32_t least_;
-  const bool by_likelihood_;
   const TopDownOptions& options_;
   std::vector<float> along_;
   std::vector<Point> upper_;
@@ -190,18 +140,13 @@ class TopDownSplitter {
 
 }  // namespace
 
-Clusters top_down_clusters(std::span<const Vec3f> points, std::span<const Vec3f> to_sensor,
-                           const TopDownOptions& options) {
-  require(options.stop == "points" || options.stop == "range_likelihood",
-          "top_down: the stopping rules are points and range_likelihood");
+Clusters top_down_clusters(std::span<const Vec3f> points, const TopDownOptions& options) {
   require(options.min_points >= 1, "top_down: min_points must be at least 1");
-  require(options.noise_m > 0 && options.tau > 0, "top_down: noise and tau must be positive");
-  require(options.stop == "points" || to_sensor.size() == points.size(),
-          "top_down: points and directions differ in number");
+  require(options.noise_m > 0, "top_down: the noise must be positive");
   Clusters out;
   out.group.assign(points.size(), Clusters::kNone);
   if (points.empty()) return out;
-  TopDownSplitter splitter(points, to_sensor, options);
+  TopDownSplitter splitter(points, options);
   std::vector<std::pair<uint32_t, uint32_t>> open{{0, uint32_t(points.size())}};
   while (!open.empty()) {
     const auto [begin, end] = open.back();

@@ -19,7 +19,7 @@ constexpr Clustering kClusterings[] = {
      },
      /*mixture=*/false, /*in_voxels=*/true},
     {"top_down", [](const VolumetricPoints& p, const VolumetricOptions& o,
-                    uint64_t) { return top_down_clusters(p.point, p.to_sensor, o.top_down); }},
+                    uint64_t) { return top_down_clusters(p.point, o.top_down); }},
     {"bottom_up", [](const VolumetricPoints& p, const VolumetricOptions& o,
                      uint64_t) { return bottom_up_clusters(p.point, o.bottom_up); }},
 };

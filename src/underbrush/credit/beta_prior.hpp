@@ -1,9 +1,7 @@
 /// \file
-/// This file estimates probabilities from few trials: it has the Beta prior and its fit to many
-/// small counts.
+/// Hit probabilities from few trials, by a Beta prior.
 #pragma once
 #include <cstdint>
-#include <span>
 
 namespace underbrush::credit {
 
@@ -23,15 +21,5 @@ struct Trials {
 /// Computes the mean of p after the trials: (hits + a) / (hits + misses + a + b), or 1 where that
 /// is 0 / 0.
 double posterior_mean(const Trials& trials, const HitPrior& prior);
-
-/// Fits a Beta prior to the trials of many elements. It is the Beta(a, b) of greatest marginal
-/// likelihood under the Beta-binomial distribution, ∏ B(h + a, m + b) / B(a, b), found by Minka's
-/// fixed-point iteration from the moments of the trials.
-///
-/// Elements without a trial have no effect. If the elements are draws from one Beta distribution,
-/// posterior means under the fitted prior are unbiased however few trials each has. The result has
-/// a, b ≥ 0.001 and a + b ≤ 10 000, limits that trials of equal shares or of hits alone would
-/// exceed. It is (1, 0.001), nearly opaque, where there are no trials.
-HitPrior fit_beta_prior(std::span<const Trials> trials);
 
 }  // namespace underbrush::credit

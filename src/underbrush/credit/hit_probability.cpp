@@ -3,10 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <map>
-#include <tuple>
 
-#include "underbrush/core/cells.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
 
@@ -24,67 +21,12 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
 void check(const CreditOptions& options) {
   require(contains(credit_rules(), options.rule),
           "the rules of credit are first, best and mahalanobis");
-  require(contains(hit_estimators(), options.estimator),
-          "the estimators of p are plain, prior and empirical_bayes");
-  require(options.tau_m > 0, "tau_m must be positive");
-  require(options.region_m > 0, "a region must have a positive side");
   for (const HitPrior& prior : {options.ellipsoid, options.triangle}) {
     require(prior.a >= 0 && prior.b >= 0, "a prior count must not be negative");
   }
 }
 
 Trials trials_of(const elements::HitCount& h) { return {h.hits, h.misses}; }
-
-/// Beta priors for each class in each region, for each class, and for all elements.
-class BetaPriors {
- public:
-  BetaPriors(const elements::Model& model, const CreditOptions& options)
-      : model_(model), options_(options) {
-    std::map<Key, std::vector<Trials>> groups;
-    for (const elements::Ellipsoid& e : model.ellipsoids) {
-      if (e.hit.hits == 0 && e.hit.misses == 0) continue;
-      for (const Key& key : keys(e)) groups[key].push_back(trials_of(e.hit));
-    }
-    std::vector<std::pair<HitPrior*, const std::vector<Trials>*>> work;
-    for (const auto& [key, trials] : groups) {
-      if (trials.size() >= options.region_elements || std::get<0>(key) == kAll) {
-        work.emplace_back(&priors_[key], &trials);
-      }
-    }
-    parallel_for(work.size(), 1, [&](size_t k, size_t) {
-      *work[k].first = fit_beta_prior(thinned(*work[k].second));
-    });
-  }
-
-  HitPrior of(const elements::Ellipsoid& e) const {
-    for (const Key& key : keys(e)) {
-      if (const auto at = priors_.find(key); at != priors_.end()) return at->second;
-    }
-    return fit_beta_prior({});
-  }
-
- private:
-  enum Level { kRegion, kClass, kAll };
-  using Key = std::tuple<int, uint32_t, int, int>;  // level, class, i and j of the region
-
-  std::array<Key, 3> keys(const elements::Ellipsoid& e) const {
-    const auto [i, j] = cell_of(double(e.mean.x()), double(e.mean.y()), options_.region_m);
-    return {Key{kRegion, e.label, i, j}, Key{kClass, e.label, 0, 0}, Key{kAll, 0, 0, 0}};
-  }
-
-  // Takes some thousand elements evenly, which is enough to estimate two parameters.
-  static std::vector<Trials> thinned(const std::vector<Trials>& trials) {
-    constexpr size_t kEnough = 4000;
-    if (trials.size() <= kEnough) return trials;
-    std::vector<Trials> out;
-    for (size_t k = 0; k < kEnough; ++k) out.push_back(trials[k * trials.size() / kEnough]);
-    return out;
-  }
-
-  const elements::Model& model_;
-  const CreditOptions& options_;
-  std::map<Key, HitPrior> priors_;
-};
 
 double sigma_of(const trace::Intersection& m) {
   constexpr double kLeastSigmaM = 1e-6;  // a mesh may say 0
@@ -128,13 +70,12 @@ void add_residual(const elements::Model& model, const trace::Intersection& hit,
 }  // namespace
 
 std::vector<std::string> credit_rules() { return {"first", "best", "mahalanobis"}; }
-std::vector<std::string> hit_estimators() { return {"plain", "prior", "empirical_bayes"}; }
 
 void credit(const elements::Model& model, std::span<const trace::Intersection> met, double range_m,
             const CreditOptions& options, std::vector<Credit>& out) {
   out.assign(met.size(), range_m == kMiss ? Credit::kMiss : Credit::kNothing);
   const bool alone = options.rule != "mahalanobis";  // one beam gives at most one hit
-  const double tau = alone ? model.tau : std::min(options.tau_m, model.tau);
+  const double tau = model.tau;
   const bool nearest = options.rule == "first";
   size_t stopped = met.size();  // the entry of the element that gets the only hit
   double best = -INFINITY;
@@ -242,16 +183,8 @@ void estimate_hit_probabilities(elements::Model& model, const CreditOptions& opt
     elements::HitCount& h = model.hit(i);
     h.p = float(posterior_mean(trials_of(h), options.triangle));
   }
-  if (options.estimator == "empirical_bayes") {
-    const BetaPriors priors(model, options);
-    for (elements::Ellipsoid& e : model.ellipsoids) {
-      e.hit.p = float(posterior_mean(trials_of(e.hit), priors.of(e)));
-    }
-    return;
-  }
-  const HitPrior prior = options.estimator == "plain" ? HitPrior{0, 0} : options.ellipsoid;
   for (elements::Ellipsoid& e : model.ellipsoids) {
-    e.hit.p = float(posterior_mean(trials_of(e.hit), prior));
+    e.hit.p = float(posterior_mean(trials_of(e.hit), options.ellipsoid));
   }
 }
 

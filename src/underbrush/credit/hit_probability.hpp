@@ -22,26 +22,16 @@ struct CreditOptions {
   /// The crediting rule, `first` ([tallavajhula18]), `mahalanobis` ([deschaud12] eq. 1) or `best`;
   /// see `credit`.
   std::string rule = "first";
-  /// For `mahalanobis`: the threshold τ_m. The model's τ is used where it is less.
-  double tau_m = 2;
-  /// How p of an ellipsoid follows from its counts. `plain` gives hits / (hits + misses), or 1
-  /// without counts; `prior` adds the prior counts of `ellipsoid`; `empirical_bayes` fits a Beta
-  /// prior to the log for each class and region.
-  std::string estimator = "prior";
-  /// Prior counts of an ellipsoid. With 1 to 5 NLL and CRPS are least within the training halves of
-  /// real logs, and F1 is greatest with 5 of these. With 50 an ellipsoid stops beams until many are
-  /// seen to pass, which makes F1 greater and likelihood worse. Table I of [tallavajhula18] has
-  /// (0, 1) for ellipsoids and (1, 2) for triangles.
+  /// Prior counts of an ellipsoid, which are added to its hits and misses. With (0, 0) p is hits /
+  /// (hits + misses), or 1 without counts. With 1 to 5 NLL and CRPS are least within the training
+  /// halves of real logs, and F1 is greatest with 5 of these. With 50 an ellipsoid stops beams
+  /// until many are seen to pass, which makes F1 greater and likelihood worse. Table I of
+  /// [tallavajhula18] has (0, 1) for ellipsoids and (1, 2) for triangles.
   HitPrior ellipsoid{5, 0};
   /// Prior counts of a triangle. Ground is opaque; its misses come from grazing beams.
   HitPrior triangle{1e4, 0};
   double max_residual_for_hit_m =
-      0.75;              ///< A triangle explains a point nearer than this along the beam, m.
-  double region_m = 32;  ///< For `empirical_bayes`: side of the square regions, m.
-  /// For `empirical_bayes`: a class has its own prior in a region if at least this many of its
-  /// ellipsoids there were met by a beam. Otherwise the prior of the class in the whole log is
-  /// used, and else the prior of all ellipsoids.
-  size_t region_elements = 100;
+      0.75;  ///< A triangle explains a point nearer than this along the beam, m.
 };
 
 /// The credit that one beam gives to an element that it meets.
@@ -79,8 +69,8 @@ struct Tally {
   std::vector<Trials> of;  ///< One an element.
   CreditedResiduals residuals;
 
-  /// Starts without beams. Throws `std::invalid_argument` for an unknown rule or estimator and for
-  /// options out of range.
+  /// Starts without beams. Throws `std::invalid_argument` for an unknown rule and for options out
+  /// of range.
   Tally(const elements::Model& model, const CreditOptions& options);
   /// Adds all beams of `source`. `world` is that of the model, whose elements all have p = 1;
   /// `progress(done, total)` may be empty.
@@ -90,8 +80,8 @@ struct Tally {
 
 /// Counts the hits and misses of all elements of `model` over all beams of `source`, estimates p
 /// from them, and returns the residuals of the meshes. Elements that no beam met get the prior's
-/// mean, or 1 under `plain`. `progress(done, total)` may be empty. Throws `std::invalid_argument`
-/// for an unknown rule or estimator and for options out of range.
+/// mean. `progress(done, total)` may be empty. Throws `std::invalid_argument`
+/// for an unknown rule and for options out of range.
 CreditedResiduals count_hits(elements::Model& model, BeamSource& source,
                              const CreditOptions& options,
                              const std::function<void(size_t, size_t)>& progress = {});
@@ -101,8 +91,6 @@ void estimate_hit_probabilities(elements::Model& model, const CreditOptions& opt
 
 /// The names of the crediting rules.
 std::vector<std::string> credit_rules();
-/// The names of the estimators of p.
-std::vector<std::string> hit_estimators();
 
 }  // namespace credit
 }  // namespace underbrush

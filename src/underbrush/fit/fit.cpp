@@ -52,7 +52,6 @@ FitResult fit_likelihood(BeamSource& source, const FitOptions& options,
   StillBeams still(source);
   likelihood::Refined refined = likelihood::refine(out.model, still, refinement, progress);
   out.model = std::move(refined.model);
-  if (refinement.rearrangements > 0) out.record = {};  // ellipsoids are not those of the tiles
   out.model.fitter = options.fitter;
   out.report.likelihood = std::move(refined.report);
   const likelihood::LikelihoodReport& r = out.report.likelihood;

@@ -55,7 +55,7 @@ struct FitOptions {
   ground::SegmentOptions segment;
   ground::HeightGridOptions ground;
   ground::TriangulateOptions triangulate;
-  /// `fit` sets the floor of the covariances, and the noise and τ of `top_down`, from the fields
+  /// `fit` sets the floor of the covariances, and the noise of `top_down`, from the fields
   /// above.
   cluster::VolumetricOptions volumetric;
   credit::CreditOptions credit;

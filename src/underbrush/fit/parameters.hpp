@@ -53,6 +53,14 @@ using ParameterField =
     std::variant<double& (*)(FitOptions&), int& (*)(FitOptions&), unsigned& (*)(FitOptions&),
                  bool& (*)(FitOptions&), std::string& (*)(FitOptions&)>;
 
+/// Where a parameter is listed. Every one is a key of configurations and has its row in
+/// docs/reference/parameters.md.
+enum class Listed {
+  kHelp,       ///< `--help`.
+  kHelpAll,    ///< `--help-all`.
+  kReference,  ///< Neither: the configurations of papers and of studies set it.
+};
+
 /// A parameter of a fit.
 struct Parameter {
   std::string_view name;  ///< The name of the command line's option and of the configuration's key.
@@ -60,7 +68,7 @@ struct Parameter {
   std::string_view unit;  ///< For example "m" or "nats"; empty for a pure number.
   std::string_view help;
   ParameterField field;
-  bool usual = false;                                ///< Whether `--help` shows it.
+  Listed listed = Listed::kHelpAll;
   std::optional<TuningRange> tuning = std::nullopt;  ///< Empty for a parameter that is not tuned.
   /// Lists the values that a text may have, or null.
   std::vector<std::string> (*choices)() = nullptr;

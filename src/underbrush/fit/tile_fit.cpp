@@ -12,7 +12,6 @@ namespace {
 cluster::VolumetricOptions volumetric_options(const FitOptions& options) {
   cluster::VolumetricOptions out = options.volumetric;
   out.ellipsoid.floor_m = out.top_down.noise_m = options.range_noise_m;
-  out.top_down.tau = options.tau;
   return out;
 }
 

@@ -160,16 +160,16 @@ void leave_to_elements(const std::array<bool, kPixels>& unseen, KeyframeTrust& t
 
 }  // namespace
 
-TrustSample::TrustSample(const Recalled& seen, double range_m) : situation(seen.situation) {
+TrustSample::TrustSample(const CachedPixels& found, double range_m) : situation(found.situation) {
   const bool beam_missed = std::isinf(range_m);
   unseen.fill(1);
-  for (size_t k = 0; k < seen.count; ++k) {
-    const size_t r = seen.rank[k];
-    const bool pixel_missed = std::isinf(seen.range_m[k]);
+  for (size_t k = 0; k < found.count; ++k) {
+    const size_t r = found.rank[k];
+    const bool pixel_missed = std::isinf(found.range_m[k]);
     unseen[r] = 0;
     missed[r] = pixel_missed && beam_missed;
     hit[r] = !pixel_missed && !beam_missed;
-    if (hit[r] > 0) off_m[r] = float(range_m - seen.range_m[k]);
+    if (hit[r] > 0) off_m[r] = float(range_m - found.range_m[k]);
   }
 }
 

@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "underbrush/elements/keyframes.hpp"
-#include "underbrush/keyframes/recollection.hpp"
+#include "underbrush/keyframes/keyframe_cache.hpp"
 
 namespace underbrush::keyframes {
 
-/// What a beam sees in keyframes beside its outcome, and what the elements say of it. The arrays
+/// The pixels found for a beam beside its outcome, and the likelihood of the elements. The arrays
 /// have a number for each place in `KeyframeTrust::pixel`.
 struct TrustSample {
   static constexpr size_t kPixels = elements::KeyframeTrust::kPixels;
@@ -17,19 +17,19 @@ struct TrustSample {
   std::array<float, kPixels> off_m{};   ///< Range minus the pixel's, m, where both returned.
   std::array<float, kPixels> hit{};     ///< 1 where both returned.
   std::array<float, kPixels> missed{};  ///< 1 where both did not.
-  std::array<float, kPixels> unseen;    ///< 1 where no pixel is seen.
+  std::array<float, kPixels> unseen;    ///< 1 where no pixel is found.
   size_t situation = 0;
   double elements = 0;  ///< Density (1/m) or probability of the outcome.
   double outlier = 0;   ///< The part of the outliers in it.
 
   /// `range_m` is infinite for a miss.
-  TrustSample(const Recalled& seen, double range_m);
+  TrustSample(const CachedPixels& found, double range_m);
 };
 
 /// Finds the trust in every situation that makes the outcomes likeliest, by expectation and
 /// maximisation. At a distance with too few beams the trust is that of `earlier`, or without it
 /// that of the next farther distance. A place of `KeyframeTrust::pixel` in which next to no beam
-/// saw a pixel leaves its weight to the elements. The same bits for any number of threads.
+/// has a pixel leaves its weight to the elements. The same bits for any number of threads.
 std::array<elements::KeyframeTrust, elements::Keyframes::kSituations> most_likely_trust(
     const std::vector<TrustSample>& samples,
     const std::array<elements::KeyframeTrust, elements::Keyframes::kSituations>* earlier = nullptr);

@@ -7,9 +7,9 @@
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/keyframes/changed_pixels.hpp"
+#include "underbrush/keyframes/keyframe_cache.hpp"
 #include "underbrush/keyframes/keyframe_images.hpp"
 #include "underbrush/keyframes/keyframe_trust.hpp"
-#include "underbrush/keyframes/recollection.hpp"
 #include "underbrush/trace/world.hpp"
 
 namespace underbrush::keyframes {
@@ -17,10 +17,10 @@ namespace {
 
 using elements::Keyframes;
 
-/// Beams look at the keyframes that are at least so far away, m.
+/// Beams are looked up in the keyframes that are at least so far away, m.
 constexpr double kLeastDistances[] = {0, 0, 0.5, 1, 2, 4};
 
-/// Beams of a log that look at its keyframes.
+/// Beams of a log, looked up in its keyframes.
 class Sampler {
  public:
   Sampler(const elements::Model& model, const std::map<uint32_t, uint32_t>& frame_of_scan,
@@ -28,7 +28,7 @@ class Sampler {
       : is_one_scan_(model.keyframes->frames.size() == 1),
         frame_of_scan_(frame_of_scan),
         world_(model),
-        recollection_(model),
+        cache_(model),
         min_range_m_(options.min_range_m),
         max_range_m_(log.max_range_m),
         reach_m_(std::min(log.max_range_m, model.max_range_m)),
@@ -48,7 +48,7 @@ class Sampler {
     constexpr size_t kPiece = 1024;
     std::vector<std::vector<TrustSample>> found((rows.size() + kPiece - 1) / kPiece);
     parallel_for(rows.size(), kPiece, [&](size_t begin, size_t end) {
-      found[begin / kPiece] = look(chunk, {rows.data() + begin, end - begin});
+      found[begin / kPiece] = look_up(chunk, {rows.data() + begin, end - begin});
     });
     for (const auto& piece : found) samples.insert(samples.end(), piece.begin(), piece.end());
   }
@@ -60,27 +60,27 @@ class Sampler {
         options.held_out.one_in > 0 && beams / options.held_out.one_in >= options.samples / 4;
     return enough ? options.held_out : credit::HeldOut{0};
   }
-  /// A beam of a chunk, and how far away the keyframes are at least that it looks at, m.
+  /// A beam of a chunk, and the least distance of the keyframes in which it is looked up, m.
   struct Row {
     uint32_t number;
     double least_m;
   };
 
-  std::vector<TrustSample> look(const BeamLog& chunk, std::span<const Row> rows) const {
+  std::vector<TrustSample> look_up(const BeamLog& chunk, std::span<const Row> rows) const {
     std::vector<TrustSample> out;
     std::vector<Ray> rays;
     std::vector<double> range_m;
     std::vector<Vec3> origins;
     for (const Row& row : rows) origins.push_back(chunk.origin[row.number]);
-    const std::vector<uint32_t> candidates = recollection_.candidates(origins);
-    std::vector<Recollection::Asked> beams;
-    for (const auto& [i, least_m] : rows) beams.push_back(asked(chunk, i, candidates, least_m));
-    const std::vector<Recalled> seen = recollection_.recall(beams);
+    const std::vector<uint32_t> candidates = cache_.candidates(origins);
+    std::vector<KeyframeCache::Query> beams;
+    for (const auto& [i, least_m] : rows) beams.push_back(query(chunk, i, candidates, least_m));
+    const std::vector<CachedPixels> found = cache_.look_up(beams);
     for (size_t k = 0; k < rows.size(); ++k) {
-      if (seen[k].count == 0) continue;
+      if (found[k].count == 0) continue;
       const size_t i = rows[k].number;
       range_m.push_back(chunk.is_hit(i) ? double(chunk.range_m[i]) : HUGE_VAL);
-      out.emplace_back(seen[k], range_m.back());
+      out.emplace_back(found[k], range_m.back());
       rays.push_back(beams[k].ray);
     }
     trace::IntersectionLists met;
@@ -96,20 +96,20 @@ class Sampler {
     return out;
   }
 
-  Recollection::Asked asked(const BeamLog& chunk, size_t i, std::span<const uint32_t> candidates,
-                            double least_m) const {
+  KeyframeCache::Query query(const BeamLog& chunk, size_t i, std::span<const uint32_t> candidates,
+                             double least_m) const {
     const Ray ray = chunk.ray(i);
-    if (is_one_scan_) return {ray, recollection_.near(ray.origin, candidates), 0};
+    if (is_one_scan_) return {ray, cache_.near(ray.origin, candidates), 0};
     const auto frame = frame_of_scan_.find(chunk.scan[i]);
     const bool is_frame = frame != frame_of_scan_.end();
-    const uint32_t own = is_frame ? frame->second : Recollection::Near::kNone;
-    return {ray, recollection_.near(ray.origin, candidates, least_m, own), 0};
+    const uint32_t own = is_frame ? frame->second : KeyframeCache::Near::kNone;
+    return {ray, cache_.near(ray.origin, candidates, least_m, own), 0};
   }
 
   bool is_one_scan_;
   const std::map<uint32_t, uint32_t>& frame_of_scan_;
   trace::World world_;
-  Recollection recollection_;
+  KeyframeCache cache_;
   double min_range_m_, max_range_m_, reach_m_;
   trace::RangeLimits limits_;
   credit::HeldOut held_out_;
@@ -148,7 +148,7 @@ class AlternateColumns : public BeamSource {
   size_t first_;
 };
 
-/// Beams of a log that look at the keyframes of a model.
+/// Beams of a log, looked up in the keyframes of a model.
 std::vector<TrustSample> samples_of(const elements::Model& model,
                                     const std::map<uint32_t, uint32_t>& frame_of_scan,
                                     BeamSource& log, const KeyframeOptions& options) {

@@ -124,7 +124,6 @@ EllipsoidSums ElementSums::ellipsoid(size_t index) const {
   EllipsoidSums out;
   out.hits = value(sums, kHits);
   out.passes = value(sums, kPasses);
-  out.loss = value(sums, kLoss);
   out.density_slope = value(sums, kDensitySlope);
   out.density_curvature = value(sums, kDensityCurvature);
   for (int k = 0; k < 3; ++k) out.shift_slope[k] = value(sums, kShiftSlope + size_t(k));

@@ -35,7 +35,6 @@ class FixedSum {
 struct EllipsoidSums {
   double hits = 0;    ///< Σ r: sum of the shares returned by the ellipsoid.
   double passes = 0;  ///< Sum of the shares that went through the ellipsoid.
-  double loss = 0;    ///< Σ r × −log-likelihood of the beam, nats.
   double density_slope = 0, density_curvature = 0;  ///< By k.
   Vec3 shift_slope = Vec3::Zero();                  ///< By s.
   Mat3 shift_curvature = Mat3::Zero();              ///< By s.
@@ -77,7 +76,6 @@ class ModelForms {
 /// the element.
 struct BlockShares {
   std::vector<float> hit, pass;
-  std::vector<float> loss;  ///< −log f of each beam, nats.
 };
 
 /// Exact sums for `NoiseSums`: slope, curvature.

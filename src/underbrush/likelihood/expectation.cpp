@@ -50,7 +50,7 @@ class Sharing {
     }
     if (!sums) return;
     sums->add(ellipsoids, count, block_.met.data() + from,
-              {shares->hit.data() + from, shares->pass.data() + from, shares->loss.data()});
+              {shares->hit.data() + from, shares->pass.data() + from});
   }
   const PassTotals& totals() const { return totals_; }
 
@@ -102,7 +102,6 @@ class Sharing {
     std::fill_n(hit, count, 0.0f);
     std::fill_n(pass, count, 0.0f);
     const double total = likelihood(outcome, is_hit, soft), scale = soft.explained() / total;
-    shares.loss[b] = float(-std::log(total));
     if (is_hit) totals_.stray_hits.add(soft.likelihood(true, max_range_m_) / total);
     double later = is_hit ? 0 : outcome.through * scale;
     for (size_t i = order_.size(); i-- > 0;) {
@@ -147,7 +146,6 @@ PassTotals totals_of(const ModelForm& model, const BeamBlock& block, double max_
   if (soft) {
     shares.hit.resize(block.met.size());
     shares.pass.resize(block.met.size());
-    shares.loss.resize(n);
   }
   Sharing sharing(model, block, max_range_m);
   for (size_t b = 0; b < n; b += kRun) {

@@ -40,17 +40,6 @@ class ModelSearch {
             std::move(report_)};
   }
 
-  /// Keeps the rearranged model if it explains the held-out beams better, at once or after up to
-  /// `m_steps` M-steps.
-  bool rearrange(int m_steps) {
-    auto trial = state_of(rearranged(best_->model, sums_of(*best_), options_.rearrangement));
-    while (!accept("rearrange", trial)) {
-      if (m_steps-- == 0) return false;
-      trial = state_of(step_of(*trial, 1));
-    }
-    return true;
-  }
-
   /// Keeps the model after an M-step from a share of the training beams if it explains the
   /// held-out beams better.
   bool maximise(double stride, credit::BeamShare share) {
@@ -162,11 +151,6 @@ Refined refine(const elements::Model& start, BeamSource& source, const Likelihoo
   require(moving.empty() || moving.size() == start.size(),
           "likelihood: `moving` must have an entry for each element");
   ModelSearch search(start, source, options, progress, moving);
-  // In an M-step, redundant ellipsoids of a few beams each would fit those beams' noise, so
-  // rearrangements come first.
-  const int rearrangements = moving.empty() ? options.rearrangements : 0;
-  for (int k = 0; k < rearrangements && search.rearrange(1); ++k) {
-  }
   double stride = kStride;
   for (int round = 0; round < options.rounds; ++round) {
     const credit::BeamShare share = share_of_round(search.training_beams(), round, options.rounds);

@@ -9,7 +9,6 @@
 
 #include "underbrush/likelihood/expectation.hpp"
 #include "underbrush/likelihood/maximisation.hpp"
-#include "underbrush/likelihood/rearrangement.hpp"
 
 namespace underbrush {
 /// The refinement of a model by the likelihood of the beams of a log.
@@ -18,8 +17,7 @@ namespace likelihood {
 /// The options of `refine`.
 struct LikelihoodOptions {
   credit::HeldOut held_out;
-  int rounds = 3;          ///< Largest number of M-steps.
-  int rearrangements = 0;  ///< Largest number of rearrangements before them.
+  int rounds = 3;  ///< Largest number of M-steps.
   /// A step is kept if it lowers the held-out −log f by this, nats a beam.
   double least_gain = 0.0005;
   /// The probability ε_m that a return was lost, as the expectation step uses it. Near 0, each
@@ -32,12 +30,11 @@ struct LikelihoodOptions {
   double sharpness = 1;
   double range_noise_m = 0.02;  ///< σ of the sensor's range, m.
   MaximisationOptions maximisation;
-  RearrangementOptions rearrangement;
 };
 
 /// A step that was tried.
 struct LikelihoodStep {
-  std::string name;  ///< `start`, `rearrange` or `maximise`.
+  std::string name;  ///< `start` or `maximise`.
   size_t elements = 0;
   /// Mean −log f over the training beams, nats, as in `metrics::score`; known only of models from
   /// which a further step was tried.
@@ -71,10 +68,9 @@ credit::BeamShare share_of_round(size_t beams, int round, int rounds);
 /// The steps are:
 ///
 /// 1. hit probabilities are turned into densities (`with_densities`);
-/// 2. ellipsoids are rearranged (`rearranged`) for as long as it helps;
-/// 3. M-steps (`maximised`) follow, from shares of the beams (`share_of_round`).
+/// 2. M-steps (`maximised`) follow, from shares of the beams (`share_of_round`).
 ///
-/// Rearrangements never add to the number of elements. The final ellipsoids are `sharpened`.
+/// The final ellipsoids are `sharpened`.
 ///
 /// The beams are read and searched anew for each step that goes on from a model; the held-out beams
 /// stay in memory and judge it. The result has the same bits for any number of threads and any
@@ -83,7 +79,7 @@ credit::BeamShare share_of_round(size_t beams, int round, int rounds);
 /// out of range.
 ///
 /// Unless `moving` is empty, it says of each element whether it may change. The others are met and
-/// stay as they are, and there are no rearrangements.
+/// stay as they are.
 Refined refine(const elements::Model& start, BeamSource& source, const LikelihoodOptions& options,
                const std::function<void(std::string_view, size_t, size_t)>& progress = {},
                const std::vector<bool>& moving = {});

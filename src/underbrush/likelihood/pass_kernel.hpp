@@ -70,7 +70,6 @@ inline constexpr float kFarthestMisfit = 8;
 enum SumField : size_t {
   kHits,
   kPasses,
-  kLoss,
   kDensitySlope,
   kDensityCurvature,
   kShiftSlope,
@@ -92,11 +91,10 @@ struct SumTable {
   uint32_t lock_mask;
 };
 
-/// The shares of the meetings of a run, by place, and −log f of the beams of its block, nats.
+/// The shares of the meetings of a run, by place.
 struct ShareColumns {
   const float* hit;
   const float* pass;
-  const float* loss;
 };
 
 /// The inner loops for one instruction set.

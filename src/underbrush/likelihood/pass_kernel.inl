@@ -192,7 +192,7 @@ class RowLock {
 
 // The shares of eight meetings, zero in lanes that are not used.
 struct Shares {
-  F hit, pass, loss;
+  F hit, pass;
 };
 
 // Adds the derivatives of the beams' log-likelihood by ln κ, s and E. The optical depth a = κ √(2π)
@@ -214,7 +214,6 @@ inline void find_terms(const EllipsoidColumns& m, size_t at, const Shares& s, Te
   const F x = pick(s.hit >= all(kNegligible), (load(m.range_m + at) - t) / sigma, all(0));
   terms.set(kHits, s.hit);
   terms.set(kPasses, s.pass);
-  terms.set(kLoss, s.hit * s.loss);
   terms.set(kDensitySlope, slope);
   terms.set(kDensityCurvature, weight);
   for (size_t k = 0; k < 3; ++k) terms.set(kShiftSlope + k, slope * c[k] + s.hit * x * n[k]);
@@ -234,21 +233,20 @@ void add(const EllipsoidColumns& meetings, size_t count, const uint32_t* ellipso
          uint32_t first_ellipsoid, const ShareColumns& shares, const SumTable& sums) {
   for (size_t at = 0; at < count; at += kLanes) {
     const size_t lanes = count - at < kLanes ? count - at : kLanes;
-    float hit[kLanes] = {}, pass[kLanes] = {}, loss[kLanes] = {};
+    float hit[kLanes] = {}, pass[kLanes] = {};
     bool counts[kLanes] = {};
     uint32_t row[kLanes] = {};
     for (size_t k = 0; k < lanes; ++k) {
       const uint32_t place = meetings.place[at + k];
       hit[k] = shares.hit[place];
       pass[k] = shares.pass[place];
-      loss[k] = shares.loss[meetings.beam[at + k]];
       counts[k] = hit[k] >= kNegligible || pass[k] >= kNegligible;
       row[k] = ellipsoid[place] - first_ellipsoid;
       for (size_t f = 0; f < kSumRow; f += kLanes)
         __builtin_prefetch(sums.sums + row[k] * kSumRow + f, 1);
     }
     Terms terms;
-    find_terms(meetings, at, {load(hit), load(pass), load(loss)}, terms);
+    find_terms(meetings, at, {load(hit), load(pass)}, terms);
     for (size_t f = 0; f < kSumRow; f += kLanes) transpose(terms.of + f);
     for (size_t k = 0; k < lanes; ++k) {
       if (!counts[k]) continue;

@@ -8,7 +8,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/elements/label_sets.hpp"
-#include "underbrush/keyframes/recollection.hpp"
+#include "underbrush/keyframes/keyframe_cache.hpp"
 #include "underbrush/metrics/nearest.hpp"
 #include "underbrush/metrics/predictive.hpp"
 
@@ -183,10 +183,10 @@ class Scorer {
     return_probability_.resize(real.size());
     const double max_range = real.info.max_range_m;
     const double reach = std::min(max_range, options_.world->model().max_range_m);
-    std::optional<keyframes::Recollection> memory;
+    std::optional<keyframes::KeyframeCache> cache;
     if (options_.world->is_one_model() &&
-        keyframes::Recollection::serves(options_.world->model(), real.info)) {
-      memory.emplace(options_.world->model());
+        keyframes::KeyframeCache::serves(options_.world->model(), real.info)) {
+      cache.emplace(options_.world->model());
     }
     parallel_for(real.size(), 2048, [&](size_t begin, size_t end) {
       std::vector<Ray> rays;
@@ -197,11 +197,11 @@ class Scorer {
       const std::vector<double> everywhere(rays.size(), reach);
       options_.world->all_intersections(rays, {real.info.min_range_m, reach}, everywhere, met);
       trace::RangeMixture p;
-      std::vector<keyframes::Recalled> recalled;
-      if (memory) recalled = memory->recall(memory->asked(rays, {&real.ring[begin], end - begin}));
+      std::vector<keyframes::CachedPixels> pixels;
+      if (cache) pixels = cache->look_up(cache->queries(rays, {&real.ring[begin], end - begin}));
       for (size_t i = begin; i < end; ++i) {
         trace::mix_ranges(met[i - begin], 1, 1e-4, p);
-        if (memory) memory->mix(recalled[i - begin], p);
+        if (cache) cache->mix(pixels[i - begin], p);
         return_probability_[i] = return_probability(p);
         nll_[i] = negative_log_likelihood(p, real.range_m[i], max_range);
         crps_[i] = crps(p, real.range_m[i], max_range);

@@ -5,26 +5,26 @@
 #include <span>
 #include <vector>
 
-#include "underbrush/keyframes/recollection.hpp"
+#include "underbrush/keyframes/keyframe_cache.hpp"
 #include "underbrush/trace/world.hpp"
 
 namespace underbrush::simulate {
 
-/// The median of a beam's outcomes.
-struct MedianAnswer {
-  double range_m = 0;
-  /// The element that is likeliest at this range; none for a miss, and where a pixel is likelier.
-  trace::Intersection met{};
-  std::optional<keyframes::RecalledReturn> seen;  ///< The pixel's answer, where it is likelier.
+/// The answer to a beam: the return of a pixel of a keyframe, of an element, or a miss.
+struct BeamAnswer {
+  double range_m = 0;         ///< m; of an element.
+  trace::Intersection met{};  ///< The element; none for a miss and where a pixel answers.
+  std::optional<keyframes::CachedReturn> cached{};
+  std::optional<Vec3f> direction{};  ///< Where a drawn point lies off the beam.
 };
 
 /// Answers each ray with the median of its returns under the mixture of the elements that it meets
-/// and of what keyframes recall (`trace::RangeMixture`, `elements::KeyframeTrust`), or with a miss
-/// where that is likelier than a return. This is the answer of the least expected error in range.
-/// `memory` may be null.
-std::vector<MedianAnswer> median_answers(const trace::World& world,
-                                         const keyframes::Recollection* memory,
-                                         std::span<const Ray> rays, std::span<const uint16_t> rings,
-                                         const trace::RangeLimits& limits);
+/// and of the pixels of keyframes (`trace::RangeMixture`, `elements::KeyframeTrust`), or with a
+/// miss where that is likelier than a return. This is the answer of the least expected error in
+/// range. `cache` may be null.
+std::vector<BeamAnswer> median_answers(const trace::World& world,
+                                       const keyframes::KeyframeCache* cache,
+                                       std::span<const Ray> rays, std::span<const uint16_t> rings,
+                                       const trace::RangeLimits& limits);
 
 }  // namespace underbrush::simulate

@@ -7,7 +7,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
-#include "underbrush/keyframes/recollection.hpp"
+#include "underbrush/keyframes/keyframe_cache.hpp"
 #include "underbrush/simulate/draw.hpp"
 #include "underbrush/simulate/element_class.hpp"
 #include "underbrush/simulate/median.hpp"
@@ -17,7 +17,7 @@ namespace {
 
 using trace::Intersection;
 
-// Draws a point of the element's Gaussian, world frame.
+/// Draws a point of the element's Gaussian (world).
 Vec3 drawn_in_volume(const elements::Model& model, const elements::Instance& placed,
                      const Intersection& met, uint64_t key) {
   const elements::Ellipsoid& e = model.ellipsoids[model.place(met.element).index];
@@ -42,34 +42,6 @@ trace::RangeLimits limits_of(const DynamicWorld& world, const Options& options,
                              const LogInfo& info) {
   const double farthest = options.max_range_m > 0 ? options.max_range_m : info.max_range_m;
   return {std::max(info.min_range_m, kLeastRangeM), std::min(farthest, world.model(0).max_range_m)};
-}
-
-void make_miss(BeamLog& beams, size_t i) {
-  beams.range_m[i] = kMiss;
-  beams.intensity[i] = 0;
-  beams.flags[i] = 0;
-}
-
-double with_noise(double range_m, const Options& options, uint64_t key) {
-  if (!(options.range_noise_m > 0)) return range_m;
-  return range_m + options.range_noise_m * normal(key, Intersection::kNone, Purpose::kNoise);
-}
-
-/// Answers a beam as a keyframe does.
-void set_recalled(const keyframes::RecalledReturn& seen, const Options& options,
-                  const trace::RangeLimits& limits, uint64_t key, BeamLog& beams, size_t i) {
-  if (!(seen.range_m >= limits.min_m && seen.range_m <= limits.max_m)) return;
-  const double range = with_noise(seen.range_m, options, key);
-  beams.range_m[i] = float(std::clamp(range, limits.min_m, limits.max_m));
-  beams.intensity[i] =
-      options.intensity == IntensityDraw::kMean ? seen.mean_intensity : seen.intensity;
-}
-
-/// The way from a ray's origin to a point that is drawn in the ellipsoid that it met.
-Vec3 to_drawn_point(const DynamicWorld& world, double time_s, const Ray& ray,
-                    const Intersection& met, uint64_t key) {
-  const elements::Instance placed = world.placed(met.instance, time_s);
-  return drawn_in_volume(world.model(met.instance), placed, met, key) - ray.origin;
 }
 
 /// The extra columns of `Options::element_ids`.
@@ -101,92 +73,155 @@ class ElementColumns {
   std::vector<uint32_t> instance_;
 };
 
-/// What the keyframes answer to some beams; nothing where it is for the elements, of which the
-/// beams met one or none. Only the beams that keyframes may answer look at them. Unless `matter` is
-/// null, matter is drawn once, and the beams that meet it in the same patch of pixels choose and
-/// err alike, because the pixels bring the sensor's own noise with them. Keyframes know nothing of
-/// elements, of moving objects or of scenes, and only of beams along their axes.
-std::vector<std::optional<keyframes::RecalledReturn>> recalled(
-    const keyframes::Recollection& memory, std::span<const Ray> rays,
-    std::span<const uint16_t> rings, std::span<const Intersection> met,
-    std::span<const uint64_t> keys, const uint64_t* matter) {
-  constexpr double kFarM = 100;  // where the pixel of a miss is looked for
-  std::vector<std::optional<keyframes::RecalledReturn>> out(rays.size());
-  std::vector<keyframes::Recollection::Asked> asked = memory.asked(rays, rings);
-  std::vector<uint32_t> number;
-  std::vector<uint64_t> choices;
-  for (uint32_t k = 0; k < rays.size(); ++k) {
-    keyframes::Recollection::Asked& beam = asked[k];
-    const double most = memory.most_recalled(beam.near);
-    if (!(most > 0)) continue;
-    uint64_t choice = keys[k];
-    if (matter) {
-      const Vec3 end = rays[k].origin + (met[k].none() ? kFarM : met[k].t_m) * rays[k].direction;
-      choice = mix64(*matter ^ mix64(memory.patch_of(end, beam.near)));
-    }
-    beam.u = uniform_from_bits(random_bits(choice, 0, Purpose::kRecall));
-    if (beam.u >= most) continue;
-    asked[number.size()] = beam;
-    number.push_back(k);
-    choices.push_back(choice);
-  }
-  asked.resize(number.size());
-  const std::vector<keyframes::Recalled> seen = memory.recall(asked);
-  for (size_t j = 0; j < seen.size(); ++j) {
-    out[number[j]] = memory.drawn(seen[j], asked[j].u, choices[j]);
-  }
-  return out;
-}
+/// What all beams of a call have in common.
+struct Simulation {
+  const DynamicWorld& world;
+  const Options& options;
+  trace::RangeLimits limits;
+  /// The key of the matter, which is drawn once for all beams; empty where each beam draws it anew.
+  std::optional<uint64_t> matter;
+  std::optional<keyframes::KeyframeCache> cache;
 
-/// Beams, ready to be traced. Where matter is drawn once, its trials have keys of their own.
+  Simulation(const DynamicWorld& w, const Options& o, const LogInfo& beams)
+      : world(w), options(o), limits(limits_of(w, o, beams)) {
+    if (w.world().draws() != trace::Draws::kAnew) matter = matter_key(o.seed);
+    if (keyframes_serve(w, o, beams)) cache.emplace(w.model(0));
+  }
+};
+
+/// The rays of some beams with the keys of their random numbers: those of the beam, and those of
+/// the trials at elements, which are the matter's where it is drawn once.
 struct Shots {
   std::vector<Ray> rays;
   std::vector<uint64_t> keys, trials;
+  std::span<const uint16_t> rings;
+  std::span<const double> time_s;
 
-  Shots(const Options& options, size_t first_beam, bool once, const BeamLog& beams, size_t begin,
-        size_t end) {
-    const uint64_t matter = matter_key(options.seed);
+  Shots(const Simulation& s, size_t first_beam, const BeamLog& beams, size_t begin, size_t end)
+      : rings(&beams.ring[begin], end - begin), time_s(&beams.time_s[begin], end - begin) {
+    const Options& o = s.options;
     rays.reserve(end - begin);
     for (size_t i = begin; i < end; ++i) {
-      keys.push_back(beam_key(options.seed, beams.scan[i], first_beam + i));
-      trials.push_back(once ? matter_at(matter, beams.time_s[i], options.sway_s) : keys.back());
+      keys.push_back(beam_key(o.seed, beams.scan[i], first_beam + i));
+      trials.push_back(s.matter ? matter_at(*s.matter, beams.time_s[i], o.sway_s) : keys.back());
       const Ray ray = beams.ray(i);
-      rays.push_back(options.random_ray ? sensor::random_ray(sensor::beam_axes(ray),
-                                                             *options.random_ray, keys.back())
-                                        : ray);
+      rays.push_back(o.random_ray
+                         ? sensor::random_ray(sensor::beam_axes(ray), *o.random_ray, keys.back())
+                         : ray);
     }
   }
 };
 
-/// Where some beams end: at an element, as a keyframe says, or nowhere.
-struct Ends {
-  std::vector<Intersection> met;
-  std::vector<std::optional<keyframes::RecalledReturn>> seen;
-  std::vector<double> median_m;  ///< m; the ranges, if they are medians and are not to be drawn.
-};
-
-Ends median_ends(const DynamicWorld& world, const keyframes::Recollection* memory,
-                 std::span<const Ray> rays, std::span<const uint16_t> rings,
-                 const trace::RangeLimits& limits) {
-  Ends out;
-  for (const MedianAnswer& a : median_answers(world.world(), memory, rays, rings, limits)) {
-    out.met.push_back(a.met);
-    out.seen.push_back(a.seen);
-    out.median_m.push_back(a.range_m);
+/// Draws the returns of beams from the pixels of keyframes, and nothing where the elements answer,
+/// of which each beam met one or none (`met`). Only beams whose draw may fall on a pixel are looked
+/// up. Where matter is drawn once, the beams that meet it in the same patch of pixels share their
+/// draw, because the pixels bring the sensor's own noise with them.
+std::vector<std::optional<keyframes::CachedReturn>> cached_returns(
+    const keyframes::KeyframeCache& cache, const Shots& shots, std::span<const Intersection> met,
+    const std::optional<uint64_t>& matter) {
+  constexpr double kFarM = 100;  // where the pixel of a miss is looked for
+  std::vector<std::optional<keyframes::CachedReturn>> out(met.size());
+  std::vector<keyframes::KeyframeCache::Query> queries = cache.queries(shots.rays, shots.rings);
+  std::vector<uint32_t> number;
+  std::vector<uint64_t> keys;
+  for (uint32_t k = 0; k < met.size(); ++k) {
+    keyframes::KeyframeCache::Query& query = queries[k];
+    const double most = cache.greatest_weight(query.near);
+    if (!(most > 0)) continue;
+    uint64_t key = shots.keys[k];
+    if (matter) {
+      const Ray& ray = shots.rays[k];
+      const Vec3 end = ray.origin + (met[k].none() ? kFarM : met[k].t_m) * ray.direction;
+      key = mix64(*matter ^ mix64(cache.patch_of(end, query.near)));
+    }
+    query.u = uniform_from_bits(random_bits(key, 0, Purpose::kRecall));
+    if (query.u >= most) continue;
+    queries[number.size()] = query;
+    number.push_back(k);
+    keys.push_back(key);
+  }
+  queries.resize(number.size());
+  const std::vector<keyframes::CachedPixels> pixels = cache.look_up(queries);
+  for (size_t j = 0; j < pixels.size(); ++j) {
+    out[number[j]] = cache.drawn(pixels[j], queries[j].u, keys[j]);
   }
   return out;
 }
 
-/// Unless `matter` is null, matter is drawn once.
-Ends drawn_ends(const DynamicWorld& world, const keyframes::Recollection* memory,
-                const Shots& shots, std::span<const uint16_t> rings, std::span<const double> time_s,
-                const uint64_t* matter, const trace::RangeLimits& limits) {
-  Ends out;
-  out.met.resize(rings.size());
-  out.seen.resize(rings.size());
-  world.nearest_accepted(shots.rays, shots.trials, time_s, limits, out.met);
-  if (memory) out.seen = recalled(*memory, shots.rays, rings, out.met, shots.keys, matter);
+/// The way from the origin of shot k to a point that is drawn in the ellipsoid that it met.
+Vec3 to_drawn_point(const DynamicWorld& world, const Shots& shots, size_t k,
+                    const Intersection& met) {
+  const elements::Instance placed = world.placed(met.instance, shots.time_s[k]);
+  return drawn_in_volume(world.model(met.instance), placed, met, shots.keys[k]) -
+         shots.rays[k].origin;
+}
+
+/// Draws the range of shot k, which met an element, along its ray (m): that of the matter, or anew.
+double drawn_range(const Simulation& s, const Shots& shots, size_t k, const Intersection& met,
+                   MatterAt& matter_of) {
+  if (!s.matter) return drawn_on_ray(met, shots.keys[k], s.limits);
+  const double time_s = shots.time_s[k];
+  const uint32_t cell = matter_of.cell(shots.rays[k], time_s, met, shots.trials[k]);
+  return drawn_in_matter(met, trace::instance_key(*s.matter, met.instance) ^ cell, shots.keys[k],
+                         matter_of.model(met, time_s).range_noise_m, s.limits);
+}
+
+/// Draws the answer to each shot: the nearest element that accepts it or a pixel of a keyframe, and
+/// then the range.
+std::vector<BeamAnswer> drawn_answers(const Simulation& s, const Shots& shots) {
+  std::vector<Intersection> met(shots.rays.size());
+  s.world.nearest_accepted(shots.rays, shots.trials, shots.time_s, s.limits, met);
+  std::vector<std::optional<keyframes::CachedReturn>> cached(met.size());
+  if (s.cache) cached = cached_returns(*s.cache, shots, met, s.matter);
+  std::vector<BeamAnswer> out(met.size());
+  MatterAt matter_of(s.world);
+  for (size_t k = 0; k < out.size(); ++k) {
+    out[k] = {0, cached[k] ? Intersection() : met[k], cached[k], {}};
+    if (cached[k] || met[k].none()) continue;
+    const elements::Model& model = matter_of.model(met[k], shots.time_s[k]);
+    if (s.options.draw == RangeDraw::kVolumetric &&
+        model.kind(met[k].element) == elements::Kind::kEllipsoid) {
+      const Vec3 to = to_drawn_point(s.world, shots, k, met[k]);
+      out[k].range_m = to.norm();
+      out[k].direction = to.normalized().cast<float>();
+    } else {
+      out[k].range_m = drawn_range(s, shots, k, met[k], matter_of);
+    }
+  }
   return out;
+}
+
+/// The range as it is reported: with further noise and within the limits.
+float reported(const Simulation& s, double range_m, uint64_t key) {
+  const double sigma_m = s.options.range_noise_m;
+  if (sigma_m > 0) range_m += sigma_m * normal(key, Intersection::kNone, Purpose::kNoise);
+  return float(std::clamp(range_m, s.limits.min_m, s.limits.max_m));
+}
+
+/// Writes the answers of shots into their rows, which begin at `begin`.
+void write(const Simulation& s, const Shots& shots, std::span<const BeamAnswer> answers,
+           size_t begin, BeamLog& beams, ElementColumns& columns) {
+  MatterAt matter_of(s.world);
+  LearntLight light(s.world, beams.info, s.options.intensity);
+  for (size_t k = 0; k < answers.size(); ++k) {
+    const size_t i = begin + k;
+    const auto& [range_m, met, cached, direction] = answers[k];
+    beams.range_m[i] = kMiss;
+    beams.intensity[i] = 0;
+    beams.flags[i] = 0;
+    if (cached) {
+      if (!(cached->range_m >= s.limits.min_m && cached->range_m <= s.limits.max_m)) continue;
+      beams.range_m[i] = reported(s, cached->range_m, shots.keys[k]);
+      const bool mean = s.options.intensity == IntensityDraw::kMean;
+      beams.intensity[i] = mean ? cached->mean_intensity : cached->intensity;
+    } else if (!met.none()) {
+      const elements::Model& model = matter_of.model(met, beams.time_s[i]);
+      columns.set(i, model, met);
+      if (direction) beams.direction[i] = *direction;
+      beams.range_m[i] = reported(s, range_m, shots.keys[k]);
+      beams.intensity[i] = light.intensity(model, shots.rays[k], met, beams, i, shots.keys[k]);
+    }
+  }
 }
 
 }  // namespace
@@ -195,61 +230,22 @@ bool keyframes_serve(const DynamicWorld& world, const Options& options, const Lo
   const bool plain = options.draw != RangeDraw::kVolumetric && !options.random_ray &&
                      !options.element_ids && options.sway_s == 0;
   return plain && !world.moves() && world.world().is_one_model() &&
-         keyframes::Recollection::serves(world.model(0), beams);
+         keyframes::KeyframeCache::serves(world.model(0), beams);
 }
 
 void simulate(const DynamicWorld& world, const Options& options, size_t first_beam,
               BeamLog& beams) {
   check(world, options);
-  const trace::RangeLimits limits = limits_of(world, options, beams.info);
-  const bool once = world.world().draws() != trace::Draws::kAnew;
-  const uint64_t matter = matter_key(options.seed);
-  std::optional<keyframes::Recollection> memory;
-  if (keyframes_serve(world, options, beams.info)) memory.emplace(world.model(0));
+  const Simulation simulation(world, options, beams.info);
+  const keyframes::KeyframeCache* cache = simulation.cache ? &*simulation.cache : nullptr;
   ElementColumns columns(options, beams.size());
   parallel_for(beams.size(), 8192, [&](size_t begin, size_t end) {
-    const size_t n = end - begin;
-    const Shots shots(options, first_beam, once, beams, begin, end);
-    const std::span<const uint16_t> rings(&beams.ring[begin], n);
-    const keyframes::Recollection* known = memory ? &*memory : nullptr;
-    const Ends ends = options.draw == RangeDraw::kMedian
-                          ? median_ends(world, known, shots.rays, rings, limits)
-                          : drawn_ends(world, known, shots, rings, {&beams.time_s[begin], n},
-                                       once ? &matter : nullptr, limits);
-    const auto& [rays, keys, trials] = shots;
-    MatterAt matter_of(world);
-    LearntLight light(world, beams.info, options.intensity);
-    for (size_t k = 0; k < n; ++k) {
-      const size_t i = begin + k;
-      make_miss(beams, i);
-      if (ends.seen[k]) {
-        set_recalled(*ends.seen[k], options, limits, keys[k], beams, i);
-        continue;
-      }
-      const Intersection& met = ends.met[k];
-      if (met.none()) continue;
-      const elements::Model& model = matter_of.model(met, beams.time_s[i]);
-      columns.set(i, model, met);
-      double range = 0;
-      if (!ends.median_m.empty()) {
-        range = ends.median_m[k];
-      } else if (once) {
-        const uint32_t cell = matter_of.cell(rays[k], beams.time_s[i], met, trials[k]);
-        range = drawn_in_matter(met, trace::instance_key(matter, met.instance) ^ cell, keys[k],
-                                model.range_noise_m, limits);
-      } else {
-        range = drawn_on_ray(met, keys[k], limits);
-      }
-      if (options.draw == RangeDraw::kVolumetric &&
-          model.kind(met.element) == elements::Kind::kEllipsoid) {
-        const Vec3 to = to_drawn_point(world, beams.time_s[i], rays[k], met, keys[k]);
-        range = to.norm();
-        beams.direction[i] = to.normalized().cast<float>();
-      }
-      range = with_noise(range, options, keys[k]);
-      beams.range_m[i] = float(std::clamp(range, limits.min_m, limits.max_m));
-      beams.intensity[i] = light.intensity(model, rays[k], met, beams, i, keys[k]);
-    }
+    const Shots shots(simulation, first_beam, beams, begin, end);
+    const std::vector<BeamAnswer> answers =
+        options.draw == RangeDraw::kMedian
+            ? median_answers(world.world(), cache, shots.rays, shots.rings, simulation.limits)
+            : drawn_answers(simulation, shots);
+    write(simulation, shots, answers, begin, beams, columns);
   });
   columns.give_to(beams);
 }

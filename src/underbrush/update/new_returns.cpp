@@ -88,7 +88,7 @@ NewReturns new_returns(BeamSource& added, const elements::Model& model,
       }
       out.largest_m = std::max(out.largest_m, double(chunk.range_m[i]));
       const Vec3f p = (chunk.end_point(i) - model.origin).cast<float>();
-      TileNews& tile = out.tiles[fit::tile_of(p, record.tile_m)];
+      TileReturns& tile = out.tiles[fit::tile_of(p, record.tile_m)];
       ++tile.returns;
       tile.is_touched = true;
       if (element[i] == trace::Intersection::kNone) {

@@ -1,5 +1,5 @@
 /// \file
-/// What the returns of new scans say of the tiles of a model.
+/// The returns of new scans, counted by the tiles of a model.
 #pragma once
 #include <map>
 
@@ -9,7 +9,7 @@
 namespace underbrush::update {
 
 /// The new returns of one tile.
-struct TileNews {
+struct TileReturns {
   size_t returns = 0;       ///< New returns in the tile.
   size_t unexplained = 0;   ///< How many no element of the model explains.
   bool is_touched = false;  ///< Whether one lies in the tile or within `kTileMarginM` of it.
@@ -19,7 +19,7 @@ struct TileNews {
 struct NewReturns {
   size_t beams = 0, hits = 0, near = 0, movers = 0, unexplained = 0;
   double largest_m = 0;  ///< m; the largest range.
-  std::map<TileKey, TileNews> tiles;
+  std::map<TileKey, TileReturns> tiles;
 };
 
 /// Reads new scans once and holds their returns against a model and its tiles. A tile without a

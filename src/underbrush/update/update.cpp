@@ -13,8 +13,9 @@ namespace underbrush::update {
 namespace {
 
 void check(const fit::FitResult& known, const std::vector<BeamSource*>& logs,
-           const BeamSource& added, const UpdateOptions& how) {
-  require(how.growth >= 0 && how.unexplained >= 0, "update: a share must not be negative");
+           const BeamSource& added, const UpdateOptions& refitting) {
+  require(refitting.growth >= 0 && refitting.unexplained >= 0,
+          "update: a share must not be negative");
   require(!logs.empty(), "update: the logs of the model are missing");
   require_data(
       !known.record.tiles.empty() && known.record.ellipsoids() == known.model.ellipsoids.size(),
@@ -28,10 +29,10 @@ void check(const fit::FitResult& known, const std::vector<BeamSource*>& logs,
 }
 
 /// The tiles to fit anew. The record of each other tile receives the counts of its new returns.
-std::vector<TileKey> tiles_to_fit(fit::FitRecord& record, const NewReturns& news,
-                                  const UpdateOptions& how) {
+std::vector<TileKey> tiles_to_fit(fit::FitRecord& record, const NewReturns& added_returns,
+                                  const UpdateOptions& refitting) {
   std::vector<TileKey> out;
-  for (const auto& [key, tile] : news.tiles) {
+  for (const auto& [key, tile] : added_returns.tiles) {
     const fit::TileRecord* known = record.find(key);
     if (!known) {
       out.push_back(key);
@@ -41,20 +42,20 @@ std::vector<TileKey> tiles_to_fit(fit::FitRecord& record, const NewReturns& news
     changed.later += tile.returns;
     changed.unexplained += tile.unexplained;
     const double points = double(changed.points);
-    const bool anew = double(changed.later) >= how.growth * points ||
-                      double(changed.unexplained) >= how.unexplained * points;
+    const bool anew = double(changed.later) >= refitting.growth * points ||
+                      double(changed.unexplained) >= refitting.unexplained * points;
     if (anew) out.push_back(key);
   }
   return out;
 }
 
-void warn(const NewReturns& news, const LogInfo& info, UpdateReport& report) {
+void warn(const NewReturns& added_returns, const LogInfo& info, UpdateReport& report) {
   if (!info.has_misses) {
     report.warnings.push_back(
         "the scans have no misses, so hit probabilities come out too high; import them with "
         "--infer-misses SENSOR if their format drops them");
   }
-  if (2 * news.unexplained > news.hits) {
+  if (2 * added_returns.unexplained > added_returns.hits) {
     report.warnings.push_back(
         "most returns lie where the model has nothing; are the scans in its frame?");
   }
@@ -63,9 +64,9 @@ void warn(const NewReturns& news, const LogInfo& info, UpdateReport& report) {
 }  // namespace
 
 UpdateResult update(fit::FitResult known, const std::vector<BeamSource*>& logs, BeamSource& added,
-                    const fit::FitOptions& options, const UpdateOptions& how,
+                    const fit::FitOptions& options, const UpdateOptions& refitting,
                     const fit::FitProgress& progress) {
-  check(known, logs, added, how);
+  check(known, logs, added, refitting);
   const fit::FitOptions start = fit::start_options(options);
   UpdateReport report;
   report.tiles = known.record.tiles.size();
@@ -82,17 +83,17 @@ UpdateResult update(fit::FitResult known, const std::vector<BeamSource*>& logs, 
     earlier.push_back(corrected.back().get());
   }
   CorrectedBeams scans(added, known.model.channels);
-  const NewReturns news = new_returns(scans, known.model, known.record, start, progress);
-  warn(news, added.info(), report);
-  report.beams = news.beams;
-  report.hits = news.hits;
-  report.misses = news.beams - news.hits;
-  report.mover_points = news.movers;
-  report.near_points = news.near;
-  report.unexplained = news.unexplained;
-  for (const auto& [key, tile] : news.tiles) report.touched_tiles += tile.is_touched;
-  known.model.max_range_m = std::max(known.model.max_range_m, news.largest_m);
-  const std::vector<TileKey> anew = tiles_to_fit(known.record, news, how);
+  const NewReturns added_returns = new_returns(scans, known.model, known.record, start, progress);
+  warn(added_returns, added.info(), report);
+  report.beams = added_returns.beams;
+  report.hits = added_returns.hits;
+  report.misses = added_returns.beams - added_returns.hits;
+  report.mover_points = added_returns.movers;
+  report.near_points = added_returns.near;
+  report.unexplained = added_returns.unexplained;
+  for (const auto& [key, tile] : added_returns.tiles) report.touched_tiles += tile.is_touched;
+  known.model.max_range_m = std::max(known.model.max_range_m, added_returns.largest_m);
+  const std::vector<TileKey> anew = tiles_to_fit(known.record, added_returns, refitting);
   report.fitted_tiles = anew.size();
   UpdateWork work(known, report, earlier, scans, start, progress);
   work.fit(anew);

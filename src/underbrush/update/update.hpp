@@ -50,7 +50,7 @@ struct UpdateResult {
 /// options out of range, and `DataError` for a model without a record, scans of another sensor and
 /// scans far away.
 UpdateResult update(fit::FitResult known, const std::vector<BeamSource*>& logs, BeamSource& added,
-                    const fit::FitOptions& options, const UpdateOptions& how = {},
+                    const fit::FitOptions& options, const UpdateOptions& refitting = {},
                     const fit::FitProgress& progress = {});
 
 }  // namespace update

@@ -1,6 +1,6 @@
-// Tests of what keyframes recall: from a place beside them, a beam sees points where they are from
-// there.
-#include "underbrush/keyframes/recollection.hpp"
+// Tests of the look-up in keyframes: from a place beside them, a beam sees points where they are
+// from there.
+#include "underbrush/keyframes/keyframe_cache.hpp"
 
 #include <gtest/gtest.h>
 
@@ -16,10 +16,10 @@ using test::uniform;
 
 // What is seen from beside a keyframe lies where it is: most beams' nearest pixel has the true
 // range, but for those at the rims of balls.
-TEST(Recollection, SeesPointsFromBesideTheKeyframe) {
+TEST(KeyframeCache, SeesPointsFromBesideTheKeyframe) {
   const BeamLog drive = scanned({0}, 0, 0.7);
   const elements::Model model = fitted(drive, 1);
-  const Recollection memory(model);
+  const KeyframeCache cache(model);
   for (const double aside : {0.0, 0.3, 1.0}) {
     const BeamLog test = scanned({aside}, 100);
     const std::vector<uint32_t> all{0};
@@ -27,8 +27,8 @@ TEST(Recollection, SeesPointsFromBesideTheKeyframe) {
     for (size_t i = 0; i < test.size(); ++i) {
       if (!test.is_hit(i) || test.range_m[i] > 15) continue;
       const Ray ray = test.ray(i);
-      const Recollection::Asked asked{ray, memory.near(ray.origin, all), 0};
-      const Recalled r = memory.recall({&asked, 1})[0];
+      const KeyframeCache::Query query{ray, cache.near(ray.origin, all), 0};
+      const CachedPixels r = cache.look_up({&query, 1})[0];
       if (r.count == 0 || r.rank[0] != 0) continue;
       ++seen;
       // Half a pixel of elevation moves the place where a beam meets the ground.
@@ -55,14 +55,14 @@ Looked looked() {
   return out;
 }
 
-TEST(Recollection, WhatABeamSeesDoesNotDependOnTheOthers) {
+TEST(KeyframeCache, TheLookUpOfABeamDoesNotDependOnTheOthers) {
   const Looked of = looked();
-  const Recollection memory(of.model);
-  const std::vector<Recollection::Asked> asked = memory.asked(of.rays, of.rings);
-  const std::vector<Recalled> all = memory.recall(asked);
+  const KeyframeCache cache(of.model);
+  const std::vector<KeyframeCache::Query> queries = cache.queries(of.rays, of.rings);
+  const std::vector<CachedPixels> all = cache.look_up(queries);
   size_t seen = 0;
-  for (size_t i = 0; i < asked.size(); i += 7) {
-    const Recalled alone = memory.recall({&asked[i], 1})[0];
+  for (size_t i = 0; i < queries.size(); i += 7) {
+    const CachedPixels alone = cache.look_up({&queries[i], 1})[0];
     ASSERT_EQ(alone.count, all[i].count);
     EXPECT_EQ(alone.situation, all[i].situation);
     for (size_t k = 0; k < alone.count; ++k) {
@@ -71,25 +71,25 @@ TEST(Recollection, WhatABeamSeesDoesNotDependOnTheOthers) {
     }
     seen += alone.count > 0;
   }
-  EXPECT_GT(seen, asked.size() / 7 / 3);
+  EXPECT_GT(seen, queries.size() / 7 / 3);
 }
 
 // A simulation draws before it looks. What it then draws is what it would have drawn after a look.
-TEST(Recollection, ADrawBeforeTheLookChangesNothing) {
+TEST(KeyframeCache, ADrawBeforeTheLookUpChangesNothing) {
   const Looked of = looked();
-  const Recollection memory(of.model);
-  std::vector<Recollection::Asked> asked = memory.asked(of.rays, of.rings);
-  const std::vector<Recalled> all = memory.recall(asked);
-  for (size_t i = 0; i < asked.size(); ++i) asked[i].u = uniform(i, 11);
-  const std::vector<Recalled> drawn_first = memory.recall(asked);
+  const KeyframeCache cache(of.model);
+  std::vector<KeyframeCache::Query> queries = cache.queries(of.rays, of.rings);
+  const std::vector<CachedPixels> all = cache.look_up(queries);
+  for (size_t i = 0; i < queries.size(); ++i) queries[i].u = uniform(i, 11);
+  const std::vector<CachedPixels> drawn_first = cache.look_up(queries);
   size_t answered = 0, spared = 0;
-  for (size_t i = 0; i < asked.size(); ++i) {
-    const auto expected = memory.drawn(all[i], asked[i].u, i);
-    const auto found = memory.drawn(drawn_first[i], asked[i].u, i);
+  for (size_t i = 0; i < queries.size(); ++i) {
+    const auto expected = cache.drawn(all[i], queries[i].u, i);
+    const auto found = cache.drawn(drawn_first[i], queries[i].u, i);
     ASSERT_EQ(expected.has_value(), found.has_value());
     if (expected) {
       EXPECT_EQ(expected->range_m, found->range_m);
-      EXPECT_LT(asked[i].u, memory.most_recalled(asked[i].near));
+      EXPECT_LT(queries[i].u, cache.greatest_weight(queries[i].near));
     }
     answered += expected.has_value();
     spared += all[i].count > 0 && drawn_first[i].count == 0;
@@ -99,21 +99,21 @@ TEST(Recollection, ADrawBeforeTheLookChangesNothing) {
 }
 
 // The share of simulated returns is what the mixture says that `score` judges.
-TEST(Recollection, DrawsAreOfTheMixtureThatIsScored) {
+TEST(KeyframeCache, DrawsAreOfTheMixtureThatIsScored) {
   const elements::Model model = fitted(scanned(kDrive, 0, 0.7), 1);
   const BeamLog test = scanned({1.0, 3.3, 5.2}, 100, 0.7);
   const trace::World world(model);
-  const Recollection memory(model);
+  const KeyframeCache cache(model);
   std::vector<Ray> rays;
   for (size_t i = 0; i < test.size(); ++i) rays.push_back(test.ray(i));
   trace::IntersectionLists met;
   world.all_intersections(rays, {0, 50}, std::vector<double>(rays.size(), 50), met);
-  const std::vector<Recalled> seen = memory.recall(memory.asked(rays, test.ring));
+  const std::vector<CachedPixels> seen = cache.look_up(cache.queries(rays, test.ring));
   double misses = 0, variance = 0;
   trace::RangeMixture p;
   for (size_t i = 0; i < rays.size(); ++i) {
     trace::mix_ranges(met[i], 1, 1e-6, p);
-    memory.mix(seen[i], p);
+    cache.mix(seen[i], p);
     misses += p.miss;
     variance += p.miss * (1 - p.miss);
   }

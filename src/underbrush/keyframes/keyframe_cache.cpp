@@ -1,4 +1,4 @@
-#include "underbrush/keyframes/recollection.hpp"
+#include "underbrush/keyframes/keyframe_cache.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -19,26 +19,26 @@ constexpr uint64_t kPatchRows = 4, kPatchColumns = 8;
 
 }  // namespace
 
-Recollection::Recollection(const elements::Model& model)
+KeyframeCache::KeyframeCache(const elements::Model& model)
     : model_(model), keyframes_(model.keyframes.get()) {
   if (!keyframes_ || keyframes_->frames.empty()) return;
   grid_.emplace(*keyframes_);
-  glance_grid_.emplace(*keyframes_);
+  look_up_grid_.emplace(*keyframes_);
   for (size_t k = 0; k < Keyframes::kSituations; ++k) {
-    const double recalled = 1 - keyframes_->trust[k].elements;
+    const double weight = 1 - keyframes_->trust[k].elements;
     const size_t bin = k / Keyframes::kAgreements, agreement = k % Keyframes::kAgreements;
-    most_recalled_[bin] = std::max(most_recalled_[bin], recalled);
+    greatest_weight_[bin] = std::max(greatest_weight_[bin], weight);
     if (agreement < 2) continue;
-    most_of_returns_[bin] = std::max(most_of_returns_[bin], recalled);
+    greatest_weight_of_returns_[bin] = std::max(greatest_weight_of_returns_[bin], weight);
   }
 }
 
-size_t Recollection::distance_bin(const Near& near) {
+size_t KeyframeCache::distance_bin(const Near& near) {
   const auto& limits = Keyframes::kDistances;
   return size_t(std::lower_bound(limits.begin(), limits.end(), near.distance_m) - limits.begin());
 }
 
-uint64_t Recollection::patch_of(const Vec3& point, const Near& near) const {
+uint64_t KeyframeCache::patch_of(const Vec3& point, const Near& near) const {
   const Keyframe& f = keyframes_->frames[near.frame[0]];
   const auto place = grid_->place(f.sensor_from_world * (point - model_.origin - f.origin));
   const auto row = uint64_t(place.row + 1) / kPatchRows;  // a row off the image is −1
@@ -47,12 +47,12 @@ uint64_t Recollection::patch_of(const Vec3& point, const Near& near) const {
   return (near.frame[0] * rows + row) * keyframes_->columns + column;
 }
 
-bool Recollection::serves(const elements::Model& model, const LogInfo& beams) {
+bool KeyframeCache::serves(const elements::Model& model, const LogInfo& beams) {
   return model.keyframes && !model.keyframes->frames.empty() && beams.sensor == model.sensor &&
          beams.sensor_file == model.sensor_file;
 }
 
-std::vector<uint32_t> Recollection::candidates(std::span<const Vec3> origins) const {
+std::vector<uint32_t> KeyframeCache::candidates(std::span<const Vec3> origins) const {
   std::vector<uint32_t> out;
   if (origins.empty()) return out;
   Vec3 low = origins[0], high = origins[0];
@@ -66,8 +66,8 @@ std::vector<uint32_t> Recollection::candidates(std::span<const Vec3> origins) co
   return out;
 }
 
-Recollection::Near Recollection::near(const Vec3& origin, std::span<const uint32_t> among,
-                                      double least_m, uint32_t except) const {
+KeyframeCache::Near KeyframeCache::near(const Vec3& origin, std::span<const uint32_t> among,
+                                        double least_m, uint32_t except) const {
   Near out;
   const Vec3 at = origin - model_.origin;
   double first = HUGE_VAL, second = HUGE_VAL;
@@ -87,50 +87,49 @@ Recollection::Near Recollection::near(const Vec3& origin, std::span<const uint32
   return out;
 }
 
-void Recollection::see(const Asked& beam, uint32_t frame, size_t slot, const Glances& glances,
-                       size_t lane, Recalled& out) const {
+void KeyframeCache::add_pixels(const Query& beam, uint32_t frame, size_t slot,
+                               const PixelLookUp& found, size_t lane, CachedPixels& out) const {
   const Keyframes& k = *keyframes_;
   const Keyframe& f = k.frames[frame];
   const Vec3 from = beam.ray.origin - model_.origin - f.origin;
-  for (size_t j = 0; j < Glances::kSeen; ++j) {
-    const uint32_t pixel = glances.pixel[j][lane];
-    if (pixel == Glances::kNone) break;
+  for (size_t j = 0; j < PixelLookUp::kFound; ++j) {
+    const uint32_t pixel = found.pixel[j][lane];
+    if (pixel == PixelLookUp::kNone) break;
     const KeyframePixel& p = f.pixels[pixel];
     const double range = p.is_miss() ? HUGE_VAL : (k.point(p) - from).dot(beam.ray.direction);
-    if (!(range >= double(Glances::kLeastRangeM))) continue;
+    if (!(range >= double(PixelLookUp::kLeastRangeM))) continue;
     out.range_m[out.count] = range;
     out.intensity[out.count] = float(double(p.intensity) * k.intensity_unit);
     out.rank[out.count++] = uint8_t(slot * Keyframes::kPixelsOfFrame + j);
   }
 }
 
-void Recollection::look(std::span<const Asked> beams, std::span<const uint32_t> which,
-                        uint32_t frame, size_t slot, std::vector<Recalled>& out) const {
+void KeyframeCache::look_up_in(std::span<const Query> beams, std::span<const uint32_t> which,
+                               uint32_t frame, size_t slot, std::vector<CachedPixels>& out) const {
   const Vec3 origin = model_.origin + keyframes_->frames[frame].origin;
-  for (size_t begin = 0; begin < which.size(); begin += Glances::kBeams) {
-    Glances glances;
+  for (size_t begin = 0; begin < which.size(); begin += PixelLookUp::kBeams) {
+    PixelLookUp found;
     // Where beams are too few, the last one fills the vectors.
-    for (size_t l = 0; l < Glances::kBeams; ++l) {
+    for (size_t l = 0; l < PixelLookUp::kBeams; ++l) {
       const Ray& ray = beams[which[std::min(begin + l, which.size() - 1)]].ray;
       const Vec3f from = (ray.origin - origin).cast<float>(), d = ray.direction.cast<float>();
-      glances.from.x[l] = from.x(), glances.from.y[l] = from.y(), glances.from.z[l] = from.z();
-      glances.direction.x[l] = d.x(), glances.direction.y[l] = d.y(),
-      glances.direction.z[l] = d.z();
+      found.from.x[l] = from.x(), found.from.y[l] = from.y(), found.from.z[l] = from.z();
+      found.direction.x[l] = d.x(), found.direction.y[l] = d.y(), found.direction.z[l] = d.z();
     }
-    glance(*glance_grid_, glance_grid_->frames[frame], glances);
-    const size_t end = std::min(begin + Glances::kBeams, which.size());
+    look_up_pixels(*look_up_grid_, look_up_grid_->frames[frame], found);
+    const size_t end = std::min(begin + PixelLookUp::kBeams, which.size());
     for (size_t i = begin; i < end; ++i) {
-      see(beams[which[i]], frame, slot, glances, i - begin, out[which[i]]);
+      add_pixels(beams[which[i]], frame, slot, found, i - begin, out[which[i]]);
     }
   }
 }
 
-std::vector<Recollection::Asked> Recollection::asked(std::span<const Ray> rays,
-                                                     std::span<const uint16_t> rings) const {
+std::vector<KeyframeCache::Query> KeyframeCache::queries(std::span<const Ray> rays,
+                                                         std::span<const uint16_t> rings) const {
   std::vector<Vec3> origins;
   for (const Ray& ray : rays) origins.push_back(ray.origin);
   const std::vector<uint32_t> among = candidates(origins);
-  std::vector<Asked> out;
+  std::vector<Query> out;
   std::vector<bool> knows(size_t(1) << 16, keyframes_->channel.empty());
   for (const uint16_t ring : keyframes_->channel) knows[ring] = true;
   Near nearest;
@@ -141,8 +140,8 @@ std::vector<Recollection::Asked> Recollection::asked(std::span<const Ray> rays,
   return out;
 }
 
-std::vector<Recalled> Recollection::recall(std::span<const Asked> beams) const {
-  std::vector<Recalled> out(beams.size());
+std::vector<CachedPixels> KeyframeCache::look_up(std::span<const Query> beams) const {
+  std::vector<CachedPixels> out(beams.size());
   std::vector<uint32_t> ready;
   for (uint32_t i = 0; i < beams.size(); ++i) {
     if (distance_bin(beams[i].near) < Keyframes::kDistances.size()) ready.push_back(i);
@@ -154,16 +153,16 @@ std::vector<Recalled> Recollection::recall(std::span<const Asked> beams) const {
       if (beams[i].near.frame[slot] != Near::kNone)
         by_frame[beams[i].near.frame[slot]].push_back(i);
     }
-    for (const auto& [frame, which] : by_frame) look(beams, which, frame, slot, out);
+    for (const auto& [frame, which] : by_frame) look_up_in(beams, which, frame, slot, out);
     if (slot > 0) continue;
-    // Four returns of one keyframe are at least half of what is seen.
+    // Four returns of one keyframe are at least half of the pixels found.
     std::erase_if(ready, [&](uint32_t i) {
-      Recalled& r = out[i];
+      CachedPixels& r = out[i];
       const bool returned = r.count == Keyframes::kPixelsOfFrame &&
                             std::all_of(r.range_m.begin(), r.range_m.begin() + ptrdiff_t(r.count),
                                         [](double range) { return std::isfinite(range); });
       if (!returned || !(beams[i].u > 0) ||
-          beams[i].u < most_of_returns_[distance_bin(beams[i].near)])
+          beams[i].u < greatest_weight_of_returns_[distance_bin(beams[i].near)])
         return false;
       r.count = 0;
       return true;
@@ -177,8 +176,8 @@ std::vector<Recalled> Recollection::recall(std::span<const Asked> beams) const {
   return out;
 }
 
-std::optional<RecalledReturn> Recollection::drawn(const Recalled& r, double u,
-                                                  uint64_t noise) const {
+std::optional<CachedReturn> KeyframeCache::drawn(const CachedPixels& r, double u,
+                                                 uint64_t noise) const {
   if (r.count == 0) return {};
   const KeyframeTrust& t = trust(r);
   for (size_t k = 0; k < r.count; ++k) {
@@ -187,18 +186,18 @@ std::optional<RecalledReturn> Recollection::drawn(const Recalled& r, double u,
       u -= weight;
       continue;
     }
-    if (std::isinf(r.range_m[k])) return RecalledReturn{HUGE_VAL, 0, 0};
+    if (std::isinf(r.range_m[k])) return CachedReturn{HUGE_VAL, 0, 0};
     double part = u / weight;
     size_t s = 0;
     while (s + 1 < t.scale.size() && part >= t.scale[s]) part -= t.scale[s++];
-    RecalledReturn out = seen_by(r, k);
+    CachedReturn out = return_of(r, k);
     out.range_m += t.sigma_m[s] * normal(noise, 0, Purpose::kRecall);
     return out;
   }
   return {};
 }
 
-RecalledReturn Recollection::seen_by(const Recalled& r, size_t k) {
+CachedReturn KeyframeCache::return_of(const CachedPixels& r, size_t k) {
   double sum = 0;
   size_t same = 0;
   for (size_t j = 0; j < r.count; ++j) {
@@ -209,13 +208,13 @@ RecalledReturn Recollection::seen_by(const Recalled& r, size_t k) {
   return {r.range_m[k], r.intensity[k], float(sum / double(same))};
 }
 
-void Recollection::mix(const Recalled& r, trace::RangeMixture& p) const {
+void KeyframeCache::mix(const CachedPixels& r, trace::RangeMixture& p) const {
   if (r.count == 0) return;
   const KeyframeTrust& t = trust(r);
-  double recalled = 0;
-  for (size_t k = 0; k < r.count; ++k) recalled += t.pixel[r.rank[k]];
-  for (auto& c : p.components) c.weight *= 1 - recalled;
-  p.miss *= 1 - recalled;
+  double cached = 0;
+  for (size_t k = 0; k < r.count; ++k) cached += t.pixel[r.rank[k]];
+  for (auto& c : p.components) c.weight *= 1 - cached;
+  p.miss *= 1 - cached;
   for (size_t k = 0; k < r.count; ++k) {
     const double weight = t.pixel[r.rank[k]];
     if (std::isinf(r.range_m[k])) {

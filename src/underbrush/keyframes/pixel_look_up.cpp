@@ -1,4 +1,4 @@
-#include "underbrush/keyframes/glance.hpp"
+#include "underbrush/keyframes/pixel_look_up.hpp"
 
 #include <algorithm>
 #include <cfloat>
@@ -13,7 +13,7 @@ namespace {
 using elements::KeyframePixel;
 
 constexpr size_t kPixels = 9;
-static_assert(Glances::kBeams == kLanes);
+static_assert(PixelLookUp::kBeams == kLanes);
 constexpr float kFarM = 100;  // where a pixel without a return is looked for
 constexpr int kSteps = 6;
 constexpr float kSlotsARow = 8;  // slots of the table of rows, for each row
@@ -39,14 +39,14 @@ struct Vectors {
   F x, y, z;
 };
 
-UNDERBRUSH_INLINE Vectors vectors_of(const Glances::Vectors& v) {
+UNDERBRUSH_INLINE Vectors vectors_of(const PixelLookUp::Vectors& v) {
   return {load(v.x.data()), load(v.y.data()), load(v.z.data())};
 }
 
-/// The beams of a call, and where they look.
+/// The beams of a call and the keyframe.
 struct View {
-  const GlanceGrid& grid;
-  const GlanceFrame& frame;
+  const LookUpGrid& grid;
+  const LookUpFrame& frame;
   Vectors from, direction;
 
   UNDERBRUSH_INLINE Vectors point(F t) const {
@@ -109,7 +109,7 @@ UNDERBRUSH_INLINE F angles_of(F x, F y) {
 /// Finds the places of points (relative to the keyframe's origin, m), seen from the origins of some
 /// columns.
 UNDERBRUSH_INLINE Places places_of(const View& v, const Vectors& point, I column) {
-  const GlanceGrid& g = v.grid;
+  const LookUpGrid& g = v.grid;
   const auto& m = v.frame.sensor_from_world;
   const Vectors from = v.origin(column);
   const F dx = point.x - from.x, dy = point.y - from.y, dz = point.z - from.z;
@@ -142,7 +142,7 @@ UNDERBRUSH_INLINE Places places_of(const View& v, const Vectors& point, I column
 /// of those that are found. A return is seen where its end point is, a miss in the middle of its
 /// pixel.
 UNDERBRUSH_INLINE void look(const View& v, F t, I column, Window& out) {
-  const GlanceGrid& g = v.grid;
+  const LookUpGrid& g = v.grid;
   const Vectors point = v.point(t);
   const Places place = places_of(v, point, column);
   out.column = to_int(place.column);
@@ -204,13 +204,14 @@ UNDERBRUSH_INLINE I take_nearest(Window& w) {
 UNDERBRUSH_INLINE F ranges_of(const View& v, I pixel) {
   const Ends end(v, pick(pixel < 0, I{}, pixel), v.from);
   const F along = end.to.x * v.direction.x + end.to.y * v.direction.y + end.to.z * v.direction.z;
-  return pick(end.x > KeyframePixel::kNoReturn, greater(along, all(Glances::kLeastRangeM)),
+  return pick(end.x > KeyframePixel::kNoReturn, greater(along, all(PixelLookUp::kLeastRangeM)),
               all(kFarM));
 }
 
 }  // namespace
 
-UNDERBRUSH_CLONES void glance(const GlanceGrid& grid, const GlanceFrame& frame, Glances& beams) {
+UNDERBRUSH_CLONES void look_up_pixels(const LookUpGrid& grid, const LookUpFrame& frame,
+                                      PixelLookUp& beams) {
   const View view{grid, frame, vectors_of(beams.from), vectors_of(beams.direction)};
   F t = all(kFarM);
   Window seen, window;
@@ -240,7 +241,7 @@ UNDERBRUSH_CLONES void glance(const GlanceGrid& grid, const GlanceFrame& frame, 
   }
 }
 
-GlanceGrid::GlanceGrid(const elements::Keyframes& k)
+LookUpGrid::LookUpGrid(const elements::Keyframes& k)
     : rows(int32_t(k.rows())),
       columns(int32_t(k.columns)),
       unit_m(float(k.unit_m)),
@@ -266,7 +267,7 @@ GlanceGrid::GlanceGrid(const elements::Keyframes& k)
     steps = std::max(steps, row_at(first + float(s + 1) / slots_a_rad + slack) - row_below.back());
   }
   for (const elements::Keyframe& f : k.frames) {
-    GlanceFrame frame;
+    LookUpFrame frame;
     const Mat3 axes = f.sensor_from_world.toRotationMatrix();
     for (int i = 0; i < 9; ++i) frame.sensor_from_world[size_t(i)] = float(axes(i / 3, i % 3));
     frame.column_origin = f.column_origin.data();
