@@ -15,7 +15,7 @@
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/fit/fit.hpp"
 #include "underbrush/io/log_file.hpp"
-#include "underbrush/simulate/simulate.hpp"
+#include "underbrush/pipeline/simulation.hpp"
 
 namespace {
 using namespace underbrush;
@@ -55,11 +55,13 @@ int main(int argc, char** argv) {
     fitted = fit::fit(source, {});
   });
   const elements::Model& model = fitted.model;
-  std::unique_ptr<trace::World> world;
-  const double build_s = seconds_of([&] { world = std::make_unique<trace::World>(model); });
+  std::unique_ptr<pipeline::TracedWorld> world;
+  const double build_s =
+      seconds_of([&] { world = std::make_unique<pipeline::TracedWorld>(model); });
+  pipeline::Simulation simulation(*world, {});
   BeamLog answered = log;
   const double simulate_rate =
-      median_rate(log.size(), runs, [&] { simulate::simulate(*world, {}, 0, answered); });
+      median_rate(log.size(), runs, [&] { simulation.answer(0, answered); });
   const bench::Embree embree(model.ground);
   std::vector<Ray> rays;
   for (size_t i = 0; i < log.size(); ++i) {
@@ -78,7 +80,7 @@ int main(int argc, char** argv) {
   j["ellipsoids"] = model.ellipsoids.size();
   j["ground_triangles"] = model.ground.size();
   j["threads"] = threads();
-  j["isa"] = world->isa();
+  j["isa"] = world->still().isa();
   j["fit_beams_per_s"] = fit_rate;
   j["fit_hdl64e_realtime_multiple"] = fit_rate / kHdl64eBeamsPerS;
   j["world_build_s"] = build_s;

@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rig_answer.hpp"
 #include "studies/car_mesh.hpp"
-#include "traced_scene.hpp"
 #include "underbrush/perception/rig_source.hpp"
-#include "underbrush/radiometry/materials.hpp"
+#include "underbrush/pipeline/simulate_log.hpp"
 
 namespace underbrush::studies {
 namespace {
@@ -75,9 +73,8 @@ Intersection make_intersection() {
 }
 
 BeamLog scan_intersection(const Intersection& scene, int columns, int rows, uint64_t seed) {
-  elements::Scene world;
-  elements::SceneInfo info;
-  world.models.push_back(flat_ground());
+  pipeline::World world;
+  world.scene.models.push_back(flat_ground());
   std::vector<StampedPose> still, moving;
   for (const auto& list : scene.truth) {
     const auto pose = [](const OrientedBox& b) {
@@ -87,33 +84,17 @@ BeamLog scan_intersection(const Intersection& scene, int columns, int rows, uint
     moving.push_back({list.time_s, pose(list.objects[1].box)});
   }
   const elements::Model car = road_user(ObjectClass::kCar, kCarSize);
-  app::add_mover(world, info, car, Trajectory(still), "");
-  app::add_mover(world, info, car, Trajectory(moving), "");
-  info.materials.resize(world.models.size());
-  const app::TracedScene traced = app::traced_scene(world, info, trace::Draws::kOnce);
-  app::AnswerArguments arguments;
-  arguments.simulate.seed = seed;
+  pipeline::add_mover(world, car, Trajectory(still), "");
+  pipeline::add_mover(world, car, Trajectory(moving), "");
+  const pipeline::TracedWorld traced(std::move(world));
+  pipeline::SimulateOptions options;
+  options.seed = seed;
   if (columns > 0) {
-    arguments.instrument.super_sample = std::to_string(columns) + "x" + std::to_string(rows);
+    options.instrument.super_sample = std::to_string(columns) + "x" + std::to_string(rows);
   }
   perception::RigSource beams(scene.rig, scene.world_from_vehicle);
-  app::RigAnswer answer(beams.sensors(), [&](const sensor::Sensor& s) {
-    return std::make_unique<app::Answer>(arguments, *traced.dynamic_world,
-                                         simulate::instance_kinds(world, info), std::nullopt,
-                                         [&](const char*) { return s; });
-  });
-  BeamLog log, chunk;
-  for (size_t first = 0; beams.next(chunk);) {
-    const size_t fired = chunk.size();
-    answer(first, chunk);
-    first += fired;
-    if (log.empty()) {
-      log = std::move(chunk);
-    } else {
-      log.append(chunk, 0, chunk.size());
-    }
-  }
-  return log;
+  pipeline::Simulation simulation(traced, options, beams.sensors());
+  return pipeline::simulate_log(simulation, beams);
 }
 
 }  // namespace underbrush::studies

@@ -156,8 +156,8 @@ std::vector<elements::Model> meshes_of(const std::vector<ObjectTrack>& tracks) {
   return models;
 }
 
-void add_objects(elements::Scene& scene, elements::SceneInfo& info,
-                 const std::vector<ObjectTrack>& tracks, std::vector<elements::Model> models) {
+void add_objects(pipeline::World& world, const std::vector<ObjectTrack>& tracks,
+                 std::vector<elements::Model> models) {
   for (size_t k = 0; k < tracks.size(); ++k) {
     std::vector<StampedPose> poses;
     // A model's coordinates are relative to its origin, which stands in the frame of the box.
@@ -177,9 +177,8 @@ void add_objects(elements::Scene& scene, elements::SceneInfo& info,
     poses.insert(poses.begin(), {away(first, -0.051), begin});
     poses.push_back(end);
     poses.push_back(away(last, 0.051));
-    app::add_mover(scene, info, std::move(models[k]), Trajectory(std::move(poses)), "");
+    pipeline::add_mover(world, std::move(models[k]), Trajectory(std::move(poses)), "");
   }
-  info.materials.resize(scene.models.size());
 }
 
 }  // namespace underbrush::studies

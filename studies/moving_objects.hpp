@@ -6,9 +6,9 @@
 #include <memory>
 #include <vector>
 
-#include "traced_scene.hpp"
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/perception/log_truth.hpp"
+#include "underbrush/pipeline/world.hpp"
 
 namespace underbrush::studies {
 
@@ -47,9 +47,9 @@ std::vector<elements::Model> models_of_points(BeamSource& log,
 /// Makes a mesh for each object.
 std::vector<elements::Model> meshes_of(const std::vector<ObjectTrack>& tracks);
 
-/// Adds the objects to a scene, at the poses of their labels. Before the first label and after the
+/// Adds the objects to a world, at the poses of their labels. Before the first label and after the
 /// last one an object is not there.
-void add_objects(elements::Scene& scene, elements::SceneInfo& info,
-                 const std::vector<ObjectTrack>& tracks, std::vector<elements::Model> models);
+void add_objects(pipeline::World& world, const std::vector<ObjectTrack>& tracks,
+                 std::vector<elements::Model> models);
 
 }  // namespace underbrush::studies

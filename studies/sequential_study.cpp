@@ -10,7 +10,7 @@
 #include "underbrush/fit/fit.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/perception/object_list_file.hpp"
-#include "underbrush/simulate/simulate.hpp"
+#include "underbrush/pipeline/simulate_log.hpp"
 
 namespace underbrush::studies {
 namespace {
@@ -55,22 +55,20 @@ std::vector<ListCandidate> simulated_lists(const StudyRun& run, RealLog& log,
                                            const elements::Model& world,
                                            std::vector<elements::Model> objects,
                                            const std::string& name) {
-  elements::Scene scene;
-  elements::SceneInfo info;
-  scene.models.push_back(world);
-  add_objects(scene, info, log.tracks, std::move(objects));
-  const app::TracedScene traced = app::traced_scene(scene, info, trace::Draws::kOnce);
-  simulate::Options options;
+  pipeline::World scene;
+  scene.scene.models.push_back(world);
+  add_objects(scene, log.tracks, std::move(objects));
+  const pipeline::TracedWorld traced(std::move(scene));
+  pipeline::SimulateOptions options;
   options.seed = run.seed;
-  const auto answer = [&](size_t first, BeamLog& beams) {
-    simulate::simulate(*traced.dynamic_world, options, first, beams);
-  };
+  pipeline::Simulation simulation(traced, options);
   std::vector<ListCandidate> out;
   for (const bool is_model : {true, false}) {
     run.say(log.name + ": " + name + (is_model ? ", model" : ", pipeline"));
-    simulate::SimulatedSource simulated(answer, log.beams);
-    out.push_back({name + (is_model ? "/model" : "/pipeline"),
-                   lists_of(simulated, log.truth, is_model).lists});
+    pipeline::simulate_log(simulation, log.beams, [&](BeamSource& simulated) {
+      out.push_back({name + (is_model ? "/model" : "/pipeline"),
+                     lists_of(simulated, log.truth, is_model).lists});
+    });
   }
   return out;
 }

@@ -11,7 +11,9 @@
 #include "stages.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
+#include "underbrush/io/export.hpp"
 #include "underbrush/io/log_file.hpp"
+#include "underbrush/pipeline/simulate_log.hpp"
 #include "underbrush/sensor/pattern.hpp"
 #include "underbrush/simulate/footprint.hpp"
 #include "underbrush/test_site/test_site.hpp"
@@ -116,6 +118,21 @@ struct Part {
   }
 };
 
+/// Answers the beams of a log as `simulate` does without options, and returns their number.
+size_t simulate_like(const Verb& verb, const elements::Model& model, BeamSource& like,
+                     const fs::path& output, const std::vector<fs::path>& inputs) {
+  pipeline::SimulateOptions options;
+  options.seed = verb.seed;
+  const pipeline::TracedWorld world(model, pipeline::matter_of(options));
+  pipeline::Simulation simulation(world, options);
+  const std::string origin = provenance(verb, inputs);
+  Progress progress("simulate");
+  return pipeline::simulate_log(
+             simulation, like, [&](BeamSource& log) { io::export_log(output, log, "", origin); },
+             std::ref(progress))
+      .beams;
+}
+
 /// Fits the default and a surface mesh to `folder`/train.ply, and scores both on `folder`/test.ply.
 void fit_and_score(const Verb& verb, const Diary& say, const fs::path& folder, Part& part) {
   const fs::path train = folder / "train.ply";
@@ -129,15 +146,12 @@ void fit_and_score(const Verb& verb, const Diary& say, const fs::path& folder, P
     const fs::path model = folder / fitter, log = folder / (std::string(fitter) + ".ply");
     const FitStep fitted = fit_log(verb, train, options, model);
     io::LogReader like(part.test);
-    simulate::Options simulate;
-    simulate.seed = verb.seed;
-    const SimulateStep simulated = simulate_log(
-        verb, trace::World(fitted.result.model, trace::Isa::kBest, trace::Draws::kOnce), like,
-        simulate, log, {model, part.test});
+    const size_t simulated =
+        simulate_like(verb, fitted.result.model, like, log, {model, part.test});
     const elements::Model& m = fitted.result.model;
     say(fmt::format("{}: fitted {} ellipsoids, {} triangles ({:.1f} s), simulated {} beams", fitter,
                     m.ellipsoids.size(), m.ground.size() + m.surface.size(), fitted.seconds,
-                    simulated.beams));
+                    simulated));
     part.candidates.push_back({fitter, log, model});
     names.push_back(fitter);
     inputs.push_back(log);

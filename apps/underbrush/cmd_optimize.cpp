@@ -14,8 +14,8 @@
 #include "underbrush/io/json_text.inl"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/optimize/checkpoint.hpp"
-#include "underbrush/optimize/densities.hpp"
 #include "underbrush/optimize/fit_parameters.hpp"
+#include "underbrush/pipeline/tune.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -98,6 +98,12 @@ struct Problem {
   std::function<optimize::Outcome(std::span<const double>)> objective;
   std::vector<fs::path> inputs = {};  ///< Input files besides the log.
   std::vector<std::string> warnings = {};
+
+  void take(pipeline::TuningProblem problem) {
+    tuning.parameters = std::move(problem.parameters);
+    start = std::move(problem.start);
+    objective = std::move(problem.objective);
+  }
 };
 
 Json given_options(const Arguments& a, const std::vector<optimize::Parameter>& tuned) {
@@ -115,53 +121,30 @@ Json given_options(const Arguments& a, const std::vector<optimize::Parameter>& t
 
 Problem fit_problem(const Arguments& a, const std::shared_ptr<const optimize::Slice>& slice) {
   Problem p;
-  const auto chosen = std::make_shared<std::vector<optimize::FitParameter>>(
-      optimize::chosen_fit_parameters(a.fit, a.tune));
-  p.tuning.parameters.assign(chosen->begin(), chosen->end());
-  for (const auto& parameter : *chosen) p.start.push_back(parameter.of->number(a.fit));
+  p.take(pipeline::tuned_fit(a.objective, slice, a.fit, a.tune));
   p.tuning.fixed = given_options(a, p.tuning.parameters);
   p.tuning.what = sentence_on(*slice, a.cut, false);
-  p.objective = [&a, chosen, slice](std::span<const double> value) {
-    fit::FitOptions options = a.fit;
-    for (size_t k = 0; k < value.size(); ++k) (*chosen)[k].of->set_number(options, value[k]);
-    return optimize::fit_outcome(a.objective, *slice, options);
-  };
   return p;
 }
 
-/// The parts of a scene, as read from their files.
-struct SceneInputs {
-  primitives::Annotation annotation;
-  elements::Model ground;
-  primitives::PrimitiveSet set;
-  BeamLog beams;
-};
-
 Problem scene_problem(const Verb& verb, const Arguments& a, optimize::Slice slice) {
   Problem p;
-  const auto in = std::make_shared<SceneInputs>();
+  const auto in = std::make_shared<pipeline::SceneParts>();
   in->annotation = primitives::read_annotation(a.annotation, a.allow_outside);
   in->ground = elements::read_model(in->annotation.ground.lexically_normal());
   NamedSet named = primitives_named(a.primitives, verb.seed);
-  in->set = std::move(named.set);
+  in->primitives = std::move(named.set);
   p.inputs = {a.annotation};
   p.inputs.insert(p.inputs.end(), named.inputs.begin(), named.inputs.end());
   p.warnings = std::move(named.warnings);
   p.tuning.what = sentence_on(slice, a.cut, true);
-  in->beams = std::move(slice.fit);
-  in->beams.append(slice.validation, 0, slice.validation.size());
-  const std::vector<optimize::Parameter> all = optimize::density_parameters(in->annotation);
-  if (all.empty()) throw FormatError(a.annotation, "", "no objects: there is no density to tune");
-  for (const size_t k : optimize::chosen(all, a.tune)) p.tuning.parameters.push_back(all[k]);
-  p.start.assign(p.tuning.parameters.size(), 1);
+  BeamLog beams = std::move(slice.fit);
+  beams.append(slice.validation, 0, slice.validation.size());
+  if (in->annotation.objects.empty()) {
+    throw FormatError(a.annotation, "", "no objects: there is no density to tune");
+  }
+  p.take(pipeline::tuned_scene(a.objective, in, std::move(beams), verb.seed, a.tune));
   p.tuning.densities = true;
-  p.objective = [&a, in, densities = p.tuning.parameters,
-                 seed = verb.seed](std::span<const double> value) {
-    primitives::ComposeOptions compose;
-    compose.seed = seed;
-    return optimize::scene_outcome(a.objective, {in->annotation, in->ground, in->set}, compose,
-                                   densities, value, in->beams);
-  };
   return p;
 }
 

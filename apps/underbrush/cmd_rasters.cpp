@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include "stages.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/file.hpp"
 #include "underbrush/core/temporary.hpp"
@@ -8,6 +7,7 @@
 #include "underbrush/io/json_text.inl"
 #include "underbrush/io/raster_file.hpp"
 #include "underbrush/metrics/canopy.hpp"
+#include "underbrush/pipeline/world.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -80,10 +80,11 @@ double mean_of(const std::vector<float>& value) {
 
 void run(const Verb& verb, const Arguments& a) {
   check_folder(a.output);
-  const elements::Scene scene = read_world(a.model);
+  const pipeline::World world = pipeline::read_world(a.model);
   metrics::Canopy c;
   try {
-    c = metrics::canopy_of(scene, world_of(scene), a.canopy);
+    const pipeline::TracedWorld traced(world.scene, world.info);
+    c = metrics::canopy_of(world.scene, traced.still(), a.canopy);
   } catch (const DataError& e) {
     throw FormatError(a.model, "", e.what());
   }

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include "instrument.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/serve/api.hpp"
 #include "underbrush/serve/octree_cache.hpp"
@@ -24,14 +23,6 @@ void make_folder(const std::filesystem::path& folder) {
   }
 }
 
-// The instrument of `simulate --super-sample sensor`.
-simulate::Instrument instrument_in(const sensor::Sensor& sensor,
-                                   std::span<const elements::Model> models) {
-  InstrumentArguments arguments;
-  arguments.super_sample = "sensor";
-  return instrument_of(arguments, sensor, recorder_of(models));
-}
-
 void run(const Verb& verb, const Arguments& a) {
   serve::OpenedFiles files = serve::find_files({a.paths.begin(), a.paths.end()});
   const std::filesystem::path cache =
@@ -43,7 +34,7 @@ void run(const Verb& verb, const Arguments& a) {
     text += fmt::format("  {:<11} {}\n", serve::name(f.kind), printable(f.name));
   }
   for (const std::string& note : files.notes) text += fmt::format("  {}\n", note);
-  serve::ApiOptions options{cache, version(), verb.seed, {}, {}, instrument_in};
+  serve::ApiOptions options{cache, version(), verb.seed, {}, {}};
   if (!a.labels.empty()) {
     make_folder(a.labels);
     options.labels = std::filesystem::canonical(a.labels);

@@ -11,34 +11,15 @@
 #include "intensity_table.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
-#include "underbrush/elements/scene_file.hpp"
 #include "underbrush/fit/fitters.hpp"
-#include "underbrush/io/export.hpp"
 #include "underbrush/io/json_text.inl"
 #include "underbrush/io/log_file.hpp"
+#include "underbrush/pipeline/score_logs.hpp"
 #include "update_log.hpp"
 
 namespace underbrush::app {
 namespace fs = std::filesystem;
 namespace {
-
-/// Source that shows progress as a simulation is read.
-class Watched : public BeamSource {
- public:
-  explicit Watched(simulate::SimulatedSource& source) : source_(source), progress_("simulate") {}
-  const LogInfo& info() const override { return source_.info(); }
-  size_t size() const override { return source_.size(); }
-  void rewind() override { source_.rewind(); }
-  bool next(BeamLog& chunk) override {
-    if (!source_.next(chunk)) return false;
-    progress_(source_.beams(), source_.size());
-    return true;
-  }
-
- private:
-  simulate::SimulatedSource& source_;
-  Progress progress_;
-};
 
 using Value = std::function<double(const metrics::Score&)>;
 
@@ -59,26 +40,6 @@ std::string row(const char* label, const std::vector<metrics::Score>& scores,
 }
 
 }  // namespace
-
-elements::Scene read_world(const fs::path& path, elements::SceneInfo* info,
-                           const worlds::ReadOptions& options, worlds::WorldReport* report) {
-  if (elements::is_scene(path)) return elements::read_scene(path, info);
-  if (worlds::is_world(path)) {
-    worlds::World world = worlds::read_world(path, options);
-    if (info) *info = std::move(world.info);
-    if (report) *report = std::move(world.report);
-    return std::move(world.scene);
-  }
-  elements::Scene scene;
-  scene.models.push_back(elements::read_model(path));
-  if (info) info->class_names = scene.models[0].class_names;
-  return scene;
-}
-
-trace::World world_of(const elements::Scene& scene, trace::Draws draws) {
-  return scene.instances.empty() ? trace::World(scene.models.at(0), trace::Isa::kBest, draws)
-                                 : trace::World(scene, trace::Isa::kBest, draws);
-}
 
 FitStep fit_log(const Verb& verb, const fs::path& log, const fit::FitOptions& options,
                 const fs::path& model) {
@@ -112,43 +73,20 @@ FitStep fit_log(const Verb& verb, const fs::path& log, const fit::FitOptions& op
   return step;
 }
 
-SimulateStep simulate_log(const Verb& verb, simulate::SimulatedSource& simulated,
-                          const WriteLog& write, const std::vector<fs::path>& inputs) {
-  Watched watched(simulated);
-  watched.rewind();
-  write(watched, provenance(verb, inputs));
-  return {simulated.beams(), simulated.rows(), simulated.hits(), simulated.seconds()};
-}
-
-SimulateStep simulate_log(const Verb& verb, const trace::World& world, BeamSource& beams,
-                          const simulate::Options& options, const fs::path& output,
-                          const std::vector<fs::path>& inputs) {
-  simulate::SimulatedSource simulated(world, beams, options);
-  const auto write = [&](BeamSource& log, const std::string& origin) {
-    io::export_log(output, log, "", origin);
-  };
-  return simulate_log(verb, simulated, write, inputs);
-}
-
 std::vector<metrics::Score> score_logs(const fs::path& real,
                                        const std::vector<Candidate>& candidates, bool cloud) {
   io::BeamReader real_log(real);
   std::vector<metrics::Score> scores;
   for (const Candidate& c : candidates) {
     io::BeamReader simulated(c.log);
-    metrics::ScoreOptions options;
-    options.cloud = cloud;
-    elements::Scene scene;
-    std::unique_ptr<trace::World> world;
+    std::unique_ptr<pipeline::TracedWorld> world;
     if (!c.model.empty()) {
-      scene = read_world(c.model);
-      world = std::make_unique<trace::World>(world_of(scene));
-      options.world = world.get();
-      if (scene.instances.empty()) options.model = world.get();
+      world = std::make_unique<pipeline::TracedWorld>(pipeline::read_world(c.model));
     }
     Progress progress("score " + c.name);
     try {
-      scores.push_back(metrics::score(real_log, simulated, options, std::ref(progress)));
+      scores.push_back(
+          pipeline::score_logs(real_log, simulated, world.get(), cloud, std::ref(progress)));
     } catch (const DataError& e) {
       throw FormatError(c.log.string(), "", e.what());
     }

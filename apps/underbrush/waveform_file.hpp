@@ -5,7 +5,7 @@
 
 #include "underbrush/core/file.hpp"
 #include "underbrush/io/atomic_file.hpp"
-#include "underbrush/simulate/echoes.hpp"
+#include "underbrush/pipeline/simulate_options.hpp"
 
 namespace underbrush::app {
 

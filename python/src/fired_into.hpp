@@ -7,9 +7,8 @@
 #include <variant>
 #include <vector>
 
-#include "answer.hpp"
 #include "given.hpp"
-#include "traced_scene.hpp"
+#include "underbrush/pipeline/simulation.hpp"
 
 namespace underbrush::python {
 
@@ -19,10 +18,10 @@ using GivenMover =
 
 /// The options of `simulate` and `Lidar`.
 struct SimulateOptions {
-  app::AnswerArguments answer;
-  std::string matter = "once";
-  double tau = 0, grain_m = 0;
+  pipeline::SimulateOptions pipeline;
   std::vector<GivenMover> movers;
+  std::vector<std::string> waveforms;  ///< Files.
+  worlds::ReadOptions read;            ///< How the world of another program is read.
 };
 
 /// A model or scene, prepared for tracing. A model or scene that was given as a value and is not
@@ -31,17 +30,10 @@ class FiredInto {
  public:
   /// Throws as the readers do, and `std::invalid_argument` for options out of range.
   FiredInto(const GivenWorld& given, const SimulateOptions& options);
-  const simulate::DynamicWorld& world() const { return *traced_.dynamic_world; }
-  /// Returns what answers its beams. This must outlive it.
-  app::Answer answer(const SimulateOptions& options, const app::Answer::SensorOf& sensor_of) const;
+  const pipeline::TracedWorld& world() const { return *traced_; }
 
  private:
-  elements::Scene own_;
-  elements::SceneInfo info_;
-  simulate::InstanceKinds kinds_;
-  std::optional<sensor::Sensor> recorder_;
-  bool labelled_ = false;  ///< Whether instances have classes.
-  app::TracedScene traced_;
+  std::unique_ptr<pipeline::TracedWorld> traced_;
 };
 
 }  // namespace underbrush::python

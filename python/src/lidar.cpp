@@ -22,9 +22,10 @@ class Lidar {
  public:
   Lidar(const GivenWorld& world, sensor::Sensor sensor, const SimulateOptions& options)
       : sensor_(std::move(sensor)),
-        max_range_m_(options.answer.simulate.max_range_m),
         target_(world, options),
-        answer_(target_.answer(options, [this](const char*) { return sensor_; })) {}
+        simulation_(target_.world(), options.pipeline, [this](const char*) { return sensor_; }) {
+    require(options.waveforms.empty(), "Lidar: waveforms are of simulate");
+  }
 
   /// Answers the beams of the revolution that starts at `time_s`.
   BeamLog scan(const Pose& from, const Pose& to, double time_s) {
@@ -34,9 +35,10 @@ class Lidar {
     BeamLog out = sensor::beams(sensor_, path, time_s, end_s);
     std::fill(out.scan.begin(), out.scan.end(), scans_);
     for (ScanInfo& s : out.info.scans) s.scan = scans_;
-    if (max_range_m_ > 0) out.info.max_range_m = max_range_m_;
+    const double max_range_m = simulation_.options().max_range_m;
+    if (max_range_m > 0) out.info.max_range_m = max_range_m;
     const size_t fired = out.size();
-    answer_(beams_, out);
+    simulation_.answer(beams_, out);
     ++scans_;
     beams_ += fired;
     return out;
@@ -53,9 +55,8 @@ class Lidar {
  private:
   std::mutex mutex_;
   sensor::Sensor sensor_;
-  double max_range_m_;
   FiredInto target_;
-  app::Answer answer_;
+  pipeline::Simulation simulation_;
   uint32_t scans_ = 0;
   size_t beams_ = 0;
 };

@@ -14,8 +14,8 @@
 #include "tuning.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
-#include "underbrush/optimize/densities.hpp"
 #include "underbrush/optimize/fit_parameters.hpp"
+#include "underbrush/pipeline/tune.hpp"
 #include "watched.hpp"
 
 namespace underbrush::python {
@@ -42,22 +42,19 @@ struct TuningValue : app::Tuning {
   }
 };
 
-using Objective = std::function<optimize::Outcome(std::span<const double>)>;
-
 TuningValue searched(const GivenLog& log, const TuneOptions& o, std::string what,
-                     std::vector<optimize::Parameter> parameters, const std::vector<double>& start,
-                     const Objective& objective, const Hook& hook) {
+                     pipeline::TuningProblem problem, const Hook& hook) {
   TuningValue out;
   out.log = name_of(log);
   out.objective = o.objective;
   out.what = std::move(what);
-  out.parameters = std::move(parameters);
+  out.parameters = std::move(problem.parameters);
   const auto judged = [&](std::span<const double> value) {
     hook("optimize", out.evaluations.size(), o.search.budget);
-    return objective(value);
+    return problem.objective(value);
   };
   try {
-    out.evaluations = optimize::search(out.parameters, start, o.search, judged, {},
+    out.evaluations = optimize::search(out.parameters, problem.start, o.search, judged, {},
                                        [&](std::span<const Evaluation> so_far) {
                                          hook("optimize", so_far.size(), o.search.budget);
                                        });
@@ -72,21 +69,14 @@ TuningValue tuned_fit(const GivenLog& log, const TuneOptions& o, const nb::dict&
                       const sensor::Sensor* sensor, const nb::object& progress) {
   fit::FitOptions options;
   set_fit_options(options, parameters, o.cut.seed, sensor);
-  const std::vector<optimize::FitParameter> chosen =
-      optimize::chosen_fit_parameters(options, o.tune);
+  optimize::chosen_fit_parameters(options, o.tune);  // This throws for unknown names.
   TuningValue out;
   run_watched(progress, [&](const Hook& hook) {
     const std::unique_ptr<BeamSource> source = source_of(log, true);
-    const optimize::Slice slice = optimize::take_slice(*source, o.cut);
-    std::vector<double> start;
-    for (const auto& p : chosen) start.push_back(p.of->number(options));
-    const Objective objective = [&](std::span<const double> value) {
-      fit::FitOptions tried = options;
-      for (size_t k = 0; k < value.size(); ++k) chosen[k].of->set_number(tried, value[k]);
-      return optimize::fit_outcome(o.objective, slice, tried);
-    };
-    out = searched(log, o, app::sentence_on(slice, o.cut, false), {chosen.begin(), chosen.end()},
-                   start, objective, hook);
+    const auto slice =
+        std::make_shared<const optimize::Slice>(optimize::take_slice(*source, o.cut));
+    out = searched(log, o, app::sentence_on(*slice, o.cut, false),
+                   pipeline::tuned_fit(o.objective, slice, options, o.tune), hook);
   });
   return out;
 }
@@ -98,25 +88,16 @@ TuningValue tuned_scene(const GivenLog& log, const TuneOptions& o,
   run_watched(progress, [&](const Hook& hook) {
     const std::unique_ptr<BeamSource> source = source_of(log, true);
     optimize::Slice slice = optimize::take_slice(*source, o.cut);
-    const primitives::Annotation site = primitives::read_annotation(annotation, allow_outside);
-    const elements::Model ground = elements::read_model(site.ground.lexically_normal());
-    const app::NamedSet named = app::primitives_named(primitives, o.cut.seed);
+    const auto parts = std::make_shared<pipeline::SceneParts>();
+    parts->annotation = primitives::read_annotation(annotation, allow_outside);
+    parts->ground = elements::read_model(parts->annotation.ground.lexically_normal());
+    parts->primitives = app::primitives_named(primitives, o.cut.seed).set;
     std::string what = app::sentence_on(slice, o.cut, true);
     BeamLog beams = std::move(slice.fit);
     beams.append(slice.validation, 0, slice.validation.size());
-    const std::vector<optimize::Parameter> all = optimize::density_parameters(site);
-    require_data(!all.empty(),
-                 "optimize: the annotation has no objects, so there is no density to tune");
-    std::vector<optimize::Parameter> chosen;
-    for (const size_t k : optimize::chosen(all, o.tune)) chosen.push_back(all[k]);
-    const Objective objective = [&](std::span<const double> value) {
-      primitives::ComposeOptions compose;
-      compose.seed = o.cut.seed;
-      return optimize::scene_outcome(o.objective, {site, ground, named.set}, compose, chosen, value,
-                                     beams);
-    };
-    out = searched(log, o, std::move(what), chosen, std::vector<double>(chosen.size(), 1),
-                   objective, hook);
+    out = searched(log, o, std::move(what),
+                   pipeline::tuned_scene(o.objective, parts, std::move(beams), o.cut.seed, o.tune),
+                   hook);
     out.densities = true;
   });
   return out;

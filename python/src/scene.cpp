@@ -7,8 +7,8 @@
 
 #include "bind.hpp"
 #include "given.hpp"
-#include "stages.hpp"
 #include "underbrush/core/check.hpp"
+#include "underbrush/pipeline/world.hpp"
 #include "views.hpp"
 
 namespace underbrush::python {
@@ -160,9 +160,13 @@ void bind_scene(nb::module_& m) {
       "read_scene",
       [](const Path& path) {
         SceneValue v;
-        v.scene = elements::is_scene(path) || !worlds::is_world(path)
-                      ? elements::read_scene(path, &v.info)
-                      : app::read_world(path, &v.info);
+        if (elements::is_scene(path) || !worlds::is_world(path)) {
+          v.scene = elements::read_scene(path, &v.info);
+          return v;
+        }
+        pipeline::World world = pipeline::read_world(path);
+        v.scene = std::move(world.scene);
+        v.info = std::move(world.info);
         return v;
       },
       "path"_a, Released(),

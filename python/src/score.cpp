@@ -8,10 +8,12 @@
 #include <nanobind/stl/vector.h>
 
 #include "bind.hpp"
+#include "fired_into.hpp"
 #include "given.hpp"
 #include "score_json.hpp"
 #include "stages.hpp"
 #include "underbrush/core/check.hpp"
+#include "underbrush/pipeline/score_logs.hpp"
 #include "watched.hpp"
 
 namespace underbrush::python {
@@ -21,29 +23,16 @@ namespace {
 using metrics::Score;
 using metrics::Summary;
 
-/// Returns the world of what was given; `read` holds a scene that was read from a path.
-trace::World world_of(const GivenWorld& given, elements::Scene& read) {
-  if (const auto* model = std::get_if<const ModelValue*>(&given)) return trace::World(**model);
-  if (const auto* scene = std::get_if<const SceneValue*>(&given))
-    return app::world_of((*scene)->scene);
-  read = app::read_world(std::get<std::filesystem::path>(given));
-  return app::world_of(read);
-}
-
 Score scored(const GivenLog& real, const GivenLog& simulated,
              const std::optional<GivenWorld>& model, bool cloud, const nb::object& progress) {
   Score out;
   run_watched(progress, [&](const Hook& hook) {
     const auto a = source_of(real), b = source_of(simulated);
-    metrics::ScoreOptions options;
-    options.cloud = cloud;
-    elements::Scene read;
-    std::optional<trace::World> world;
-    if (model) world.emplace(world_of(*model, read));
-    if (world) options.world = &*world;
+    std::optional<FiredInto> world;
+    if (model) world.emplace(*model, SimulateOptions());
     try {
-      out = metrics::score(*a, *b, options,
-                           [&](size_t done, size_t total) { hook("score", done, total); });
+      out = pipeline::score_logs(*a, *b, world ? &world->world() : nullptr, cloud,
+                                 [&](size_t done, size_t total) { hook("score", done, total); });
     } catch (const DataError& e) {
       if (!std::holds_alternative<std::filesystem::path>(simulated)) throw;
       throw FormatError(name_of(simulated), "", e.what());

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes underbrush/_parameters.py, the types of the parameters of `fit`, from the table of the library.
+"""Writes underbrush/_parameters.py, the types of the options of verbs, from the tables of the library.
 
 Run it with the package on the path after the table has changed; `--check` only compares."""
 import argparse
@@ -10,30 +10,47 @@ import textwrap
 from underbrush import _core
 
 FILE = pathlib.Path(__file__).resolve().parents[1] / "underbrush" / "_parameters.py"
-HEAD = '''"""The parameters of a fit; python/tests/make_parameters.py writes this file."""
+# Options of `simulate` beside its table.
+OF_FILES = [
+    ("waveforms", "Sequence[str]", "", "", "Files (.csv, .svg, .waves) for waveforms; not of Lidar"),
+    ("up", "str", "z", "", "Axis that points up in the file of a mesh: y or z"),
+    ("unit", "float", "1", "m", "Length of the unit of the file of a mesh"),
+    ("assets", "str", "", "", "Folder in which a scene of HELIOS++ has its files, besides its own"),
+]
+HEAD = '''"""The options of verbs; python/tests/make_parameters.py writes this file."""
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TypedDict
+'''
+CLASS = '''
 
-
-class FitParameters(TypedDict, total=False):
-    """Parameters of `fit`, as docs/reference/parameters.md lists them."""
+class {name}(TypedDict, total=False):
+    """Options of `{verb}`, as docs/reference/{page} lists them."""
 
 '''
 
 
-def text() -> str:
-    """Returns the text of the file."""
+def fields(table: list[tuple[str, str, str, str, str]]) -> str:
+    """Returns the fields of a class, one a row of the table."""
     lines = []
-    for name, kind, default, unit, words in _core.fit_parameters():
-        tail = f"{unit}; default {default}" if unit else f"default {default}"
-        comment = f"#: {words} ({tail})."
+    for name, kind, default, unit, words in table:
+        tail = "; ".join(part for part in (unit, f"default {default}" if default else "") if part)
+        comment = f"#: {words} ({tail})." if tail else f"#: {words}."
         line = f"    {name.replace('-', '_')}: {kind}  {comment}"
         if len(line) > 120:
             wrapped = textwrap.wrap(comment, 116, initial_indent="    ", subsequent_indent="    #: ")
             line = "\n".join(wrapped) + f"\n    {name.replace('-', '_')}: {kind}"
         lines.append(line)
-    return HEAD + "\n".join(lines) + "\n"
+    return "\n".join(lines) + "\n"
+
+
+def text() -> str:
+    """Returns the text of the file."""
+    tables = {"FitParameters": ("fit", "parameters.md", _core.fit_parameters()),
+              "SimulateParameters": ("simulate", "command-line.md", _core.simulate_options() + OF_FILES)}
+    return HEAD + "".join(CLASS.format(name=name, verb=verb, page=page) + fields(table)
+                          for name, (verb, page, table) in tables.items())
 
 
 if __name__ == "__main__":

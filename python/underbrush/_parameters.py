@@ -1,11 +1,12 @@
-"""The parameters of a fit; python/tests/make_parameters.py writes this file."""
+"""The options of verbs; python/tests/make_parameters.py writes this file."""
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TypedDict
 
 
 class FitParameters(TypedDict, total=False):
-    """Parameters of `fit`, as docs/reference/parameters.md lists them."""
+    """Options of `fit`, as docs/reference/parameters.md lists them."""
 
     fitter: str  #: How the model is made (default likelihood).
     min_range: float  #: Leave out nearer returns (of the own vehicle) (m; default 0).
@@ -57,3 +58,47 @@ class FitParameters(TypedDict, total=False):
     #: Keep scans as range images (keyframes), at most 16 within this distance; simulated beams near them use their
     #: pixels; 0 = none (m; default 2).
     keyframes: float
+
+
+class SimulateParameters(TypedDict, total=False):
+    """Options of `simulate`, as docs/reference/command-line.md lists them."""
+
+    #: Add columns for the element at which each beam ended and for its class; for a scene also for its instance
+    #: (default false).
+    element_ids: bool
+    #: Trace several sub-rays in each beam and compute light, waveform and echoes: a number, COLUMNSxROWS, or sensor
+    #: for what the sensor's data file says.
+    super_sample: str
+    returns: str  #: The echoes that are reported: strongest, first, last, or up to N (default: as the sensor does).
+    #: Whether leaves and stones are drawn once, so that neighbouring beams and later scans meet the same ones, or
+    #: anew for each beam (default once).
+    matter: str
+    #: Size of the cells in which matter that is drawn once is all there or all absent; 0 = the model's (m; default
+    #: 0).
+    grain: float
+    tau: float  #: Mahalanobis distance within which a beam meets an ellipsoid; 0 = the model's (default 0).
+    wind: float  #: Correlation time of leaves that sway; 0 = they stand still (s; default 0).
+    #: How the range in an ellipsoid is drawn: along the beam, or in the ellipsoid's volume; median draws nothing
+    #: and answers the median of the beam's distribution, which has the least error (default on_ray).
+    draw: str
+    #: Whether a return has the expected intensity of its element, or one that is drawn with the element's spread;
+    #: for models of logs with intensities (default mean).
+    intensity: str
+    beam: str  #: Whether the ray is traced on the beam's axis, or drawn from the sensor's cone (default thin).
+    max_range: float  #: Maximum range; 0 = the log's or the sensor's (m; default 0).
+    range_noise: float  #: Standard deviation of additional noise on every range (m; default 0).
+    all_sub_rays: bool  #: Trace all sub-rays of every beam, also where 13 of 26 or more agree (default false).
+    #: Whether sub-rays are spread over what the beam is wider than that of the log to which the model was fitted
+    #: (whose footprint is in the model), or over the whole beam (default excess).
+    footprint: str
+    materials: str  #: A table of materials that replaces the built-in one.
+    material: Sequence[str]  #: The material of a class; may be repeated.
+    visibility: float  #: Visibility in haze or fog; 0 = clear air (m; default 0).
+    rain: float  #: Rain rate (mm/h; default 0).
+    sun: float  #: Share of the sunlight that passes the air, which adds to the receiver's noise; 0 = night (default 0).
+    waveform_every: int  #: Write the waveforms of beams 0, K, 2K, … (default 1).
+    waveform_count: int  #: Largest number of waveforms in tables and plots (default 100).
+    waveforms: Sequence[str]  #: Files (.csv, .svg, .waves) for waveforms; not of Lidar.
+    up: str  #: Axis that points up in the file of a mesh: y or z (default z).
+    unit: float  #: Length of the unit of the file of a mesh (m; default 1).
+    assets: str  #: Folder in which a scene of HELIOS++ has its files, besides its own.

@@ -14,7 +14,7 @@ from underbrush.verbs import Mover, World, _options
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from underbrush.verbs import SimulateKeywords
+    from underbrush._parameters import SimulateParameters
 
 
 class Lidar:
@@ -27,7 +27,7 @@ class Lidar:
     """
 
     def __init__(self, world: World, sensor: Sensor | str, seed: int = 1, *, movers: Sequence[Mover] = (),
-                 **options: Unpack[SimulateKeywords]) -> None:
+                 **options: Unpack[SimulateParameters]) -> None:
         self._sensor = sensor if isinstance(sensor, Sensor) else Sensor(sensor)
         self._core = _core.LidarCore(world, self._sensor, _options(seed, movers, options))
 

@@ -8,7 +8,7 @@ import json
 import os
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple, TypedDict, overload
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 from underbrush import _core
 from underbrush._core import BeamLog, Model, Primitives, Scene, Score, Sensor, Trajectory, Tuning
@@ -16,7 +16,7 @@ from underbrush._core import BeamLog, Model, Primitives, Scene, Score, Sensor, T
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from underbrush._parameters import FitParameters
+    from underbrush._parameters import FitParameters, SimulateParameters
 
 Path = str | os.PathLike[str]
 Log = BeamLog | Path  #: A log, or the path of one (ray cloud PLY, as `underbrush import` writes it).
@@ -26,32 +26,6 @@ Progress = Callable[[str, int, int], object] | bool
 #: An object that moves: a model, or the path of a model's folder or a mesh (OBJ, PLY); its poses over time, world from
 #: object; and a material, "" for that of its class.
 Mover = tuple[Model | Path, Trajectory | Path, str]
-
-
-class SimulateKeywords(TypedDict, total=False):
-    """Options of `simulate` and `Lidar`; `underbrush simulate --help-all` describes them."""
-
-    element_ids: bool  #: Adds the columns `element`, `element_class` and, for a scene, `instance`.
-    matter: str  #: "once" (default): neighbouring beams meet the same leaf; "anew": each beam draws anew.
-    grain: float  #: m; size of what beams meet as one; 0 = the model's.
-    wind: float  #: s; time in which the leaves that a beam meets become others; 0 = they stand still.
-    tau: float  #: Mahalanobis distance within which a beam meets an ellipsoid; 0 = the model's.
-    draw: str  #: "on_ray" (default) or "volumetric": where in an ellipsoid a range is drawn; "median": no draw.
-    beam: str  #: "thin" (default), or "random": a ray of the sensor's cone.
-    max_range: float  #: m; 0 = the log's or the sensor's.
-    range_noise: float  #: m; standard deviation of further noise.
-    super_sample: str  #: "N", "NxM" or "sensor": sub-rays, light, waveforms and echoes; "" = thin rays.
-    footprint: str  #: "excess" (default): what the beam is wider than that of the model's log; or "whole".
-    all_sub_rays: bool  #: Traces all sub-rays, also where 13 of 26 or more agree.
-    returns: str  #: "strongest", "first", "last" or a number.
-    materials: str  #: Table of materials (YAML) that replaces the built-in one.
-    material: Sequence[str]  #: CLASS=MATERIAL.
-    visibility: float  #: m; 0 = clear air.
-    rain: float  #: mm/h.
-    sun: float  #: Share of the sunlight that passes the air, 0 to 1.
-    waveforms: Sequence[str]  #: Files (.csv, .svg) for waveforms.
-    waveform_every: int  #: Waveforms of beams 0, K, 2K, …
-    waveform_count: int  #: Largest number of waveforms.
 
 
 class Segmentation(NamedTuple):
@@ -148,31 +122,32 @@ def _options(seed: int, movers: Sequence[Mover], keywords: Mapping[str, Any]) ->
     options.seed = seed
     options.movers = list(movers)
     for name, value in keywords.items():
-        if name not in SimulateKeywords.__annotations__:
-            raise TypeError(f"simulate: no option '{name}'")
-        setattr(options, name, value)
+        if name in ("waveforms", "up", "unit", "assets"):
+            setattr(options, name, value)
+        else:
+            options.set(name, value)
     return options
 
 
 @overload
 def simulate(model: World, *, like: Log | None = ..., sensor: Sensor | str | None = ...,
-             trajectory: Trajectory | Path | None = ..., output: None = ..., profile: str = ..., seed: int = ...,
+             rig: Path | None = ..., trajectory: Trajectory | Path | None = ..., output: None = ..., profile: str = ..., seed: int = ...,
              movers: Sequence[Mover] = ..., progress: Progress | None = ...,
-             **options: Unpack[SimulateKeywords]) -> BeamLog: ...
+             **options: Unpack[SimulateParameters]) -> BeamLog: ...
 
 
 @overload
 def simulate(model: World, *, like: Log | None = ..., sensor: Sensor | str | None = ...,
-             trajectory: Trajectory | Path | None = ..., output: Path, profile: str = ..., seed: int = ...,
+             rig: Path | None = ..., trajectory: Trajectory | Path | None = ..., output: Path, profile: str = ..., seed: int = ...,
              movers: Sequence[Mover] = ..., progress: Progress | None = ...,
-             **options: Unpack[SimulateKeywords]) -> dict[str, int]: ...
+             **options: Unpack[SimulateParameters]) -> dict[str, int]: ...
 
 
 def simulate(model: World, *, like: Log | None = None, sensor: Sensor | str | None = None,
-             trajectory: Trajectory | Path | None = None, output: Path | None = None, profile: str = "", seed: int = 1,
-             movers: Sequence[Mover] = (), progress: Progress | None = None,
-             **options: Unpack[SimulateKeywords]) -> BeamLog | dict[str, int]:
-    """Simulates the beams of a log (`like`), or of a sensor on a trajectory, in a model or scene.
+             rig: Path | None = None, trajectory: Trajectory | Path | None = None, output: Path | None = None,
+             profile: str = "", seed: int = 1, movers: Sequence[Mover] = (), progress: Progress | None = None,
+             **options: Unpack[SimulateParameters]) -> BeamLog | dict[str, int]:
+    """Simulates the beams of a log (`like`), or of a sensor or a rig (YAML) on a trajectory, in a model or scene.
 
     The path of a mesh, of a scene of HELIOS++ or of voxels of AMAPVox is a world, too, and with one pose a sensor makes
     one turn or frame. Returns the simulated log. With `output` (.ply, .pcd, .csv, or a folder of KITTI files; with `profile` "velodyne",
@@ -184,6 +159,8 @@ def simulate(model: World, *, like: Log | None = None, sensor: Sensor | str | No
     """
     if like is not None and trajectory is not None:
         raise ValueError("simulate: give like or trajectory, not both")
+    if rig is not None and sensor is not None:
+        raise ValueError("simulate: give sensor or rig, not both")
     if profile and output is None:
         raise ValueError("simulate: profile needs output")
     path = trajectory if trajectory is None or isinstance(trajectory, Trajectory) else _core.read_trajectory(trajectory)
@@ -191,9 +168,9 @@ def simulate(model: World, *, like: Log | None = None, sensor: Sensor | str | No
     core = _options(seed, movers, given)
     with _shown(progress) as shown:
         if output is None:
-            return _core.simulate(model, core, like, _sensor(sensor), path, shown)
+            return _core.simulate(model, core, like, _sensor(sensor), rig, path, shown)
         beams, rows, hits = _core.simulate_to(output, profile, _provenance("simulate", seed, **given), model, core,
-                                              like, _sensor(sensor), path, shown)
+                                              like, _sensor(sensor), rig, path, shown)
     return {"beams": beams, "rows": rows, "hits": hits}
 
 

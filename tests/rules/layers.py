@@ -30,6 +30,15 @@ ABOVE = {"report": (), "cli": (), "apps/underbrush": ("report", "cli"),
          "python": ("cli", "apps/underbrush")}
 OWN_TARGETS = {"underbrush_report": "report", "underbrush_cli": "cli",
                "underbrush_app": "apps/underbrush", "underbrush_studies": "studies"}
+# What answers beams. The answer that a user gets is made in `pipeline` alone, which everybody else calls.
+ANSWERS = ("underbrush/simulate/simulate.hpp", "underbrush/simulate/echoes.hpp")
+ANSWERERS = ("src/underbrush/simulate/", "src/underbrush/pipeline/", "studies/", "tests/")
+# Who else may include it, and why.
+INNER_PARTS = {
+    "bench/echoes.cpp": "a benchmark of the instrument itself",
+    "src/underbrush/calibrate/echo_grain.cpp": "the grain is learnt from answers without it",
+    "src/underbrush/calibrate/grain.cpp": "the grain is learnt from answers without it",
+}
 FORBIDDEN = (
     r"#\s*include\s*<(?P<header>iostream|syncstream)>|\b(?:std::)?(?P<call>printf|puts|putchar|fprintf|"
     r"fputs|perror|exit|_Exit|quick_exit|abort|terminate)\s*\(|\bstd::(?P<stream>cout|cerr|clog)\b")
@@ -201,9 +210,23 @@ def check_own_options(root):
             yield f"{path}: {source} has COMPILE_OPTIONS but not SKIP_PRECOMPILE_HEADERS"
 
 
+def check_answers(includes):
+    """Who answers beams beside `pipeline`, and exceptions that are none."""
+    found = set()
+    for path in sorted(includes.files):
+        for line, name in includes.of[path]:
+            if name not in ANSWERS or path.startswith(ANSWERERS):
+                continue
+            found.add(path)
+            if path not in INNER_PARTS:
+                yield f"{path}:{line}: includes '{name}': beams are answered by `pipeline` alone"
+    for path in sorted(set(INNER_PARTS) & includes.files - found):
+        yield f"{path}: is listed among the INNER_PARTS of tests/rules/layers.py but answers no beams"
+
+
 def check(root):
     includes, depends = Includes(root), declared(root)
-    out = []
+    out = list(check_answers(includes))
     for path in sorted(includes.files):
         if module_of(path):
             out += check_module_file(path, includes, depends)
@@ -241,6 +264,8 @@ BAD = [
     ({f"{LIBRARY}io/a.hpp": "#include <nlohmann/json.hpp>\n"}, "in a header"),
     ({"apps/underbrush/a.cpp": "#include <embree3/rtcore.h>\n"}, "Embree"),
     ({"report/a.cpp": '#include "cli/verb.hpp"\n', "cli/verb.hpp": ""}, "report may not include"),
+    ({"apps/underbrush/a.cpp": '#include "underbrush/simulate/simulate.hpp"\n'}, "by `pipeline` alone"),
+    ({"bench/echoes.cpp": "int x;\n"}, "but answers no beams"),
     ({"report/a.cpp": '#include "studies/study.hpp"\n', "studies/study.hpp": ""}, "report may not include"),
     ({"cli/a.cpp": '#include "fit_options.hpp"\n', "apps/underbrush/fit_options.hpp": ""},
      "cli may not include"),

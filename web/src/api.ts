@@ -116,6 +116,7 @@ export interface Trace {
   seed: number;
   real_range_m: number | null;
   simulated_range_m: number | null;
+  ends_by: 'element' | 'keyframe' | 'miss';
   ends_at: number | null;
   met_in_all: number;
   miss_probability: number;

@@ -60,11 +60,13 @@ export function beamDetails(beam: Beam, file: ServedFile, actions: DetailActions
 /** The elements that a beam meets, in order, with their trials. */
 export function traceDetails(trace: Trace, world: ServedFile, actions: DetailActions): HTMLElement[] {
   const real = trace.real_range_m === null ? 'a miss' : `${shortened(trace.real_range_m)} m`;
+  const answer = trace.simulated_range_m === null ? 'a miss' : `${shortened(trace.simulated_range_m)} m`;
   const end =
-    trace.ends_at === null
+    trace.ends_by === 'keyframe'
+      ? `${answer}, from a keyframe of the model and not from its elements`
+      : trace.ends_at === null
       ? 'no element stops it: a miss'
-      : `the ${trace.met[trace.ends_at]?.kind ?? 'element'} no. ${trace.ends_at + 1} stops it at ` +
-        `${shortened(trace.simulated_range_m)} m`;
+      : `the ${trace.met[trace.ends_at]?.kind ?? 'element'} no. ${trace.ends_at + 1} stops it at ${answer}`;
   const rows = trace.met.map((m, k) => [
     `${k + 1}${k === trace.ends_at ? ' ◀' : ''}`,
     shortened(m.range_m),

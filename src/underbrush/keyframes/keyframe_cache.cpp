@@ -70,10 +70,11 @@ KeyframeCache::Near KeyframeCache::near(const Vec3& origin, std::span<const uint
                                         double least_m, uint32_t except) const {
   Near out;
   const Vec3 at = origin - model_.origin;
+  constexpr double most = Keyframes::kDistances.back();
   double first = HUGE_VAL, second = HUGE_VAL;
   for (const uint32_t f : among) {
     const double d = (keyframes_->frames[f].origin - at).squaredNorm();
-    if (f == except || d < least_m * least_m) continue;
+    if (f == except || d < least_m * least_m || d > most * most) continue;
     if (d < first) {
       out.frame = {f, out.frame[0]};
       second = first;

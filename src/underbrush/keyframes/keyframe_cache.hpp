@@ -51,8 +51,9 @@ class KeyframeCache {
   static bool serves(const elements::Model& model, const LogInfo& beams);
   /// The keyframes that may be the nearest ones to one of some places (world, m).
   std::vector<uint32_t> candidates(std::span<const Vec3> origins) const;
-  /// Finds the nearest of some keyframes to a place (world, m). Those nearer than `least_m` do not
-  /// count, and neither does `except`.
+  /// Finds the nearest of some keyframes to a place (world, m), of which none is farther than the
+  /// last of `Keyframes::kDistances`. Those nearer than `least_m` do not count, and neither does
+  /// `except`.
   Near near(const Vec3& origin, std::span<const uint32_t> among, double least_m = 0,
             uint32_t except = Near::kNone) const;
   /// A beam to look up.

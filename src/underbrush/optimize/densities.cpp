@@ -15,16 +15,4 @@ std::vector<Parameter> density_parameters(const primitives::Annotation& annotati
   return out;
 }
 
-Outcome scene_outcome(const std::string& objective, const SceneParts& parts,
-                      primitives::ComposeOptions options, std::span<const Parameter> densities,
-                      std::span<const double> value, const BeamLog& beams) {
-  for (size_t k = 0; k < densities.size(); ++k) {
-    options.density[*elements::class_from_name(densities[k].name)] = value[k];
-  }
-  const primitives::Composition composed =
-      primitives::compose(parts.annotation, parts.ground, parts.primitives, options);
-  const trace::World world(composed.scene);
-  return outcome_of(objective, world, beams, options.seed);
-}
-
 }  // namespace underbrush::optimize

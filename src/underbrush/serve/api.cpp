@@ -10,6 +10,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/file.hpp"
 #include "underbrush/sensor/catalogue.hpp"
+#include "underbrush/serve/beam_echoes.hpp"
 #include "underbrush/serve/beam_trace.hpp"
 #include "underbrush/serve/job_api.hpp"
 #include "underbrush/serve/json_reply.inl"
@@ -125,11 +126,9 @@ struct Api::Impl {
   }
   HttpReply echoes(const HttpRequest& request) {
     const Query query(request);
-    require(options.instrument_of != nullptr, "this program has no instruments");
     return {200, "application/json",
             beam_echoes(log_of(request).beam(query.number("row")), world_of(request, "world"),
-                        query.text("sensor"), options.instrument_of,
-                        query.number("seed", options.seed))};
+                        query.text("sensor"), query.number("seed", options.seed))};
   }
   HttpReply trajectory(const HttpRequest& request) {
     return {200, kBytes, log_of(request).trajectory()};

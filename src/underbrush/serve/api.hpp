@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "underbrush/serve/beam_echoes.hpp"
 #include "underbrush/serve/http_server.hpp"
 #include "underbrush/serve/opened_files.hpp"
 
@@ -24,7 +23,6 @@ struct ApiOptions {
   /// The folder to which labels, and results of commands, are written; empty: nothing is written.
   std::filesystem::path labels;
   std::filesystem::path program;  ///< The program that runs commands; empty: none are run.
-  InstrumentOf instrument_of;     ///< As `simulate` makes it; empty: there are no waveforms.
 };
 
 /// Answers requests about files, which are known by their number in the list and by nothing else.

@@ -3,10 +3,9 @@
 #include <algorithm>
 
 #include "underbrush/core/check.hpp"
-#include "underbrush/radiometry/materials.hpp"
+#include "underbrush/pipeline/simulation.hpp"
 #include "underbrush/sensor/catalogue.hpp"
 #include "underbrush/serve/json_reply.inl"
-#include "underbrush/simulate/reflection.hpp"
 
 namespace underbrush::serve {
 namespace {
@@ -43,34 +42,31 @@ Json echoes_of(const BeamLog& rows) {
 }  // namespace
 
 std::string beam_echoes(const LoggedBeam& beam, const WorldData& world, const std::string& name,
-                        const InstrumentOf& instrument_of, uint64_t seed) {
+                        uint64_t seed) {
   BeamLog rows = beam.rows;
   keep_first_echoes(rows);
   rows.extra.clear();
-  const sensor::Sensor sensor = sensor_of(rows, name);
-  const simulate::Instrument instrument = instrument_of(sensor, world.scene().models);
-  simulate::InstanceKinds kinds = simulate::instance_kinds(world.scene(), world.info());
-  const simulate::Reflection reflection(
-      simulate::with_own_materials(radiometry::load_materials(), kinds), sensor.wavelength_m,
-      kinds);
-  simulate::EchoOptions options;
-  options.seed = seed;
-  options.instance_labels = world.info().labels;
-  options.waveforms = {1, SIZE_MAX};
-  simulate::EchoMaker maker(world.dynamic(), reflection, instrument, options);
-  maker.answer(beam.number, rows);
-  Json j{{"sensor", sensor.name},
-         {"seed", seed},
-         {"sub_rays", instrument.sub_rays.size()},
-         {"threshold", sensor.signal.threshold_snr}};
+  Json j{{"sensor", ""}, {"seed", seed}};
   j["range_m"] = Json::array();
   j["signal"] = Json::array();
-  for (const simulate::BeamWaveform& w : maker.waveforms()) {
-    for (const auto& [range, signal] : w.signal) {
-      j["range_m"].push_back(float(range));
-      j["signal"].push_back(float(signal));
+  pipeline::SimulateOptions options;
+  options.seed = seed;
+  options.instrument.super_sample = "sensor";
+  options.all_waveforms = true;
+  options.on_waveforms = [&](const std::vector<simulate::BeamWaveform>& waveforms) {
+    for (const simulate::BeamWaveform& w : waveforms) {
+      for (const auto& [range, signal] : w.signal) {
+        j["range_m"].push_back(float(range));
+        j["signal"].push_back(float(signal));
+      }
     }
-  }
+  };
+  pipeline::Simulation simulation(world.traced(), options,
+                                  [&](const char*) { return sensor_of(rows, name); });
+  j["sensor"] = simulation.sensor().name;
+  j["sub_rays"] = simulation.sub_rays();
+  j["threshold"] = simulation.sensor().signal.threshold_snr;
+  simulation.answer(beam.number, rows);
   j["echoes"] = echoes_of(rows);
   return text_of(j);
 }

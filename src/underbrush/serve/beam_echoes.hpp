@@ -2,20 +2,12 @@
 /// What an instrument makes of a beam in a world: its waveform and its echoes.
 #pragma once
 #include <cstdint>
-#include <functional>
-#include <span>
 #include <string>
 
-#include "underbrush/sensor/sensor.hpp"
 #include "underbrush/serve/log_data.hpp"
 #include "underbrush/serve/world_data.hpp"
-#include "underbrush/simulate/echoes.hpp"
 
 namespace underbrush::serve {
-
-/// Makes the instrument of a sensor in a world of these models.
-using InstrumentOf = std::function<simulate::Instrument(const sensor::Sensor&,
-                                                        std::span<const elements::Model> models)>;
 
 /// Fires a logged beam at a world and returns as JSON what the instrument receives: the name of the
 /// sensor, the number of sub-rays, the threshold, the waveform (`range_m`, `signal`; samples where
@@ -27,6 +19,6 @@ using InstrumentOf = std::function<simulate::Instrument(const sensor::Sensor&,
 /// Throws `std::invalid_argument` where the catalogue does not have the sensor, or the log names
 /// none.
 std::string beam_echoes(const LoggedBeam& beam, const WorldData& world, const std::string& sensor,
-                        const InstrumentOf& instrument_of, uint64_t seed);
+                        uint64_t seed);
 
 }  // namespace underbrush::serve

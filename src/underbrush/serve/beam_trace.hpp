@@ -12,9 +12,10 @@ namespace underbrush::serve {
 /// Follows a logged beam through a world and returns as JSON the elements that it meets, in order
 /// of range: for each its range and σ (m), Mahalanobis distance, p, hits and misses, the number
 /// drawn for its trial in [0, 1), whether it accepts the beam (the draw is below p), and the
-/// probability that a beam reaches it. The first element that accepts ends the beam, and
-/// `simulated_range_m` is the range that `underbrush simulate WORLD --like LOG` draws there with
-/// that seed and otherwise default options; it is null where the beam misses.
+/// probability that a beam reaches it. `simulated_range_m` is the range that `underbrush simulate
+/// WORLD --like LOG` gives with that seed and otherwise default options; it is null for a miss.
+/// `ends_by` says whether an `element`, a `keyframe` of the model or nothing (`miss`) ends the
+/// beam, and `ends_at` is the index of the element, the first one that accepts.
 ///
 /// Objects that move are where they are at the beam's time.
 std::string trace_beam(const LoggedBeam& beam, const WorldData& world, uint64_t seed);

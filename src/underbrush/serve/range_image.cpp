@@ -7,8 +7,8 @@
 #include <memory>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/pipeline/simulation.hpp"
 #include "underbrush/serve/bytes.inl"
-#include "underbrush/simulate/simulate.hpp"
 
 namespace underbrush::serve {
 namespace {
@@ -124,9 +124,9 @@ std::vector<float> simulated_ranges(const LoggedBeams& beams, const WorldData& w
                                     uint64_t seed) {
   BeamLog answered = beams.beams;
   answered.extra.clear();
-  simulate::Options options;
+  pipeline::SimulateOptions options;
   options.seed = seed;
-  simulate::simulate(world.dynamic(), options, beams.number, answered);
+  pipeline::Simulation(world.traced(), options).answer(beams.number, answered);
   return answered.range_m;
 }
 

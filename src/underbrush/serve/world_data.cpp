@@ -11,7 +11,6 @@
 #include "underbrush/primitives/primitive_set.hpp"
 #include "underbrush/serve/bytes.inl"
 #include "underbrush/serve/json_reply.inl"
-#include "underbrush/worlds/read_world.hpp"
 
 namespace underbrush::serve {
 namespace {
@@ -22,13 +21,9 @@ constexpr uint64_t kMostThumbnail = uint64_t(4) << 20;  // bytes
 
 WorldData::WorldData(const OpenedFile& file) : kind_(file.kind), folder_(file.path) {
   if (kind_ == FileKind::kScene) {
-    if (worlds::is_world(file.path)) {
-      worlds::World world = worlds::read_world(file.path);
-      scene_ = std::move(world.scene);
-      info_ = std::move(world.info);
-    } else {
-      scene_ = elements::read_scene(file.path, &info_);
-    }
+    pipeline::World world = pipeline::read_world(file.path);
+    scene_ = std::move(world.scene);
+    info_ = std::move(world.info);
     if (!scene_.instances.empty()) {
       origin_ = scene_.instances[0].world_from_model.translation.array().round();
     }
@@ -65,23 +60,12 @@ void WorldData::place_primitives(const OpenedFile& file) {
   }
 }
 
-const trace::World& WorldData::tracer() const {
-  std::call_once(traced_, [this] {
-    constexpr auto kOnce = trace::Draws::kOnce;
-    tracer_ = kind_ == FileKind::kModel
-                  ? std::make_unique<trace::World>(scene_.models[0], trace::Isa::kBest, kOnce)
-                  : std::make_unique<trace::World>(scene_, trace::Isa::kBest, kOnce);
+const pipeline::TracedWorld& WorldData::traced() const {
+  std::call_once(prepared_, [this] {
+    traced_ = kind_ == FileKind::kModel ? std::make_unique<pipeline::TracedWorld>(scene_.models[0])
+                                        : std::make_unique<pipeline::TracedWorld>(scene_, info_);
   });
-  return *tracer_;
-}
-
-const simulate::DynamicWorld& WorldData::dynamic() const {
-  std::call_once(moved_, [this] {
-    dynamic_ = info_.movers.empty() ? std::make_unique<simulate::DynamicWorld>(tracer())
-                                    : std::make_unique<simulate::DynamicWorld>(scene_, info_.movers,
-                                                                               trace::Draws::kOnce);
-  });
-  return *dynamic_;
+  return *traced_;
 }
 
 const elements::Model& WorldData::model(size_t number) const {

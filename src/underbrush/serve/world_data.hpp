@@ -8,10 +8,9 @@
 #include <vector>
 
 #include "underbrush/elements/scene_file.hpp"
+#include "underbrush/pipeline/world.hpp"
 #include "underbrush/primitives/placed_object.hpp"
 #include "underbrush/serve/opened_files.hpp"
-#include "underbrush/simulate/dynamic_world.hpp"
-#include "underbrush/trace/world.hpp"
 
 namespace underbrush::serve {
 
@@ -25,11 +24,9 @@ class WorldData {
   const elements::Scene& scene() const { return scene_; }
   const elements::SceneInfo& info() const { return info_; }
   const Vec3& origin() const { return origin_; }
-  /// The tracer of this world, made when it is first asked for, with matter drawn once as
-  /// `simulate` does. Its instances are numbered as those of `scene()`.
-  const trace::World& tracer() const;
-  /// The same with the objects that move, as `simulate` takes it.
-  const simulate::DynamicWorld& dynamic() const;
+  /// This world prepared for `simulate` with default options, when it is first asked for. Its
+  /// instances are numbered as those of `scene()`.
+  const pipeline::TracedWorld& traced() const;
 
   /// Describes models and instances as JSON: places are relative to `origin_m`. Primitives have
   /// `box_m`, in their own frame.
@@ -56,9 +53,8 @@ class WorldData {
   elements::Scene scene_;
   elements::SceneInfo info_;
   Vec3 origin_ = Vec3::Zero();
-  mutable std::once_flag traced_, moved_;
-  mutable std::unique_ptr<trace::World> tracer_;
-  mutable std::unique_ptr<simulate::DynamicWorld> dynamic_;
+  mutable std::once_flag prepared_;
+  mutable std::unique_ptr<pipeline::TracedWorld> traced_;
 };
 
 }  // namespace underbrush::serve

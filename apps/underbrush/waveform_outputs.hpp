@@ -1,0 +1,39 @@
+/// \file
+/// The files of `simulate --waveforms`: tables and plots of some beams, and binary files of all.
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "underbrush/pipeline/simulate_options.hpp"
+#include "underbrush/sensor/sensor.hpp"
+#include "waveform_file.hpp"
+
+namespace underbrush::app {
+
+/// Whether a file for waveforms is binary, and so has those of all beams.
+bool is_waveform_file(const std::string& file);
+
+/// The outputs of waveforms of one simulation.
+class WaveformOutputs {
+ public:
+  /// Throws `std::invalid_argument` for a suffix that is none of .csv, .svg and .waves, and
+  /// `IoError` for a file that cannot be written.
+  explicit WaveformOutputs(const std::vector<std::string>& files);
+  WaveformOutputs(const WaveformOutputs&) = delete;
+  WaveformOutputs& operator=(const WaveformOutputs&) = delete;
+
+  bool empty() const { return binary_.empty() && pictures_.empty(); }
+  /// Lets the simulation of these options give its waveforms to this, which must outlive it.
+  void receive_from(pipeline::SimulateOptions& options);
+  /// Writes all files. `sensor` gives the title of a plot.
+  void write(const sensor::Sensor& sensor);
+
+ private:
+  std::vector<std::string> pictures_;  ///< Tables and plots.
+  std::vector<std::unique_ptr<WaveformFile>> binary_;
+  std::vector<simulate::BeamWaveform> kept_;  ///< For tables and plots.
+  size_t most_ = 0;
+};
+
+}  // namespace underbrush::app

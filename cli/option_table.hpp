@@ -1,0 +1,73 @@
+/// \file
+/// The options of a verb's table (`Option`) on the command line.
+#pragma once
+#include <string>
+
+#include "cli/verb.hpp"
+#include "underbrush/core/option.hpp"
+
+namespace underbrush::app {
+
+/// Adds an option of the command line for a row of the table.
+template <class T>
+CLI::Option* add_option(CLI::App& app, const Option<T>& row, T& options) {
+  const std::string name = "--" + std::string(row.name);
+  std::string help(row.help);
+  if (!row.unit.empty()) {  // "Rain rate, mm/h", "Maximum range, m; 0 = the log's"
+    help.insert(std::min(help.find(';'), help.size()), ", " + std::string(row.unit));
+  }
+  CLI::Option* added = std::visit(
+      [&](const auto field) -> CLI::Option* {
+        auto& place = field(options);
+        using Value = std::decay_t<decltype(place)>;
+        if constexpr (std::is_same_v<Value, bool>) {
+          return app.add_flag(name, place, help);
+        } else if constexpr (std::is_same_v<Value, std::vector<std::string>>) {
+          return app.add_option(name, place, help)->take_all();
+        } else {
+          CLI::Option* option = app.add_option(name, place, help);
+          if constexpr (std::is_same_v<Value, std::string>) {
+            if (!row.choices.empty()) {
+              option->check(
+                  CLI::IsMember(std::vector<std::string>(row.choices.begin(), row.choices.end())));
+            }
+            if (place.empty()) return option;
+          } else if (row.least == 0 && std::isinf(row.most)) {
+            option->check(CLI::NonNegativeNumber);
+          } else if (std::isfinite(row.least) && std::isinf(row.most)) {
+            option->check(CLI::PositiveNumber);
+          } else if (std::isfinite(row.least)) {
+            option->check(CLI::Range(row.least, row.most));
+          }
+          return option->capture_default_str();
+        }
+      },
+      row.field);
+  if (!row.value.empty()) added->type_name(std::string(row.value));
+  return added;
+}
+
+/// Adds an option for every row of the table: those without a group to `Options`, the others to the
+/// groups of their own, of which `--help-all` alone shows all but `shown`.
+template <class T>
+void add_options(Verb& verb, std::span<const Option<T>> table, T& options,
+                 std::string_view shown = "") {
+  std::string_view group;
+  verb.begin_group("Options");
+  for (const Option<T>& row : table) {
+    if (row.group != group) {
+      group = row.group;
+      if (group.empty()) {
+        verb.begin_group("Options");
+      } else if (group == shown) {
+        verb.begin_group(std::string(group));
+      } else {
+        verb.begin_rare_group(std::string(group));
+      }
+    }
+    add_option(verb.app, row, options);
+  }
+  verb.begin_group("Options");
+}
+
+}  // namespace underbrush::app

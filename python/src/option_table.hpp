@@ -1,0 +1,63 @@
+/// \file
+/// The options of a verb's table (`Option`) as Python gives them.
+#pragma once
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "underbrush/core/names.hpp"
+#include "underbrush/core/option.hpp"
+
+namespace underbrush::python {
+namespace nb = nanobind;
+
+/// Returns the rows of a table: name, type, default, unit, help.
+template <class T>
+nb::list rows_of(std::span<const Option<T>> table) {
+  nb::list out;
+  const T defaults;
+  const auto text = [](std::string_view s) { return nb::str(s.data(), s.size()); };
+  for (const Option<T>& o : table) {
+    const std::string value = text_of(o, defaults);
+    out.append(nb::make_tuple(text(o.name), text(type_of(o)), value, text(o.unit), text(o.help)));
+  }
+  return out;
+}
+
+/// Sets the option with the name `key`, in which `_` stands for `-`. Throws a Python `TypeError`
+/// for an unknown name, which it compares with the known ones, and for a value of the wrong type.
+template <class T>
+void set_option(std::string_view verb, std::span<const Option<T>> table, T& options,
+                const std::string& key, nb::handle value) {
+  std::string name = key;
+  std::replace(name.begin(), name.end(), '_', '-');
+  const auto row =
+      std::find_if(table.begin(), table.end(), [&](const Option<T>& o) { return o.name == name; });
+  if (row == table.end()) {
+    std::vector<std::string> names;
+    for (const Option<T>& o : table) names.emplace_back(o.name);
+    std::string near = nearest_name(name, names);
+    std::replace(near.begin(), near.end(), '-', '_');
+    throw nb::type_error((std::string(verb) + ": no option '" + key + "'" +
+                          (near.empty() ? "" : "; did you mean '" + near + "'?"))
+                             .c_str());
+  }
+  std::visit(
+      [&](const auto field) {
+        auto& place = field(options);
+        try {
+          place = nb::cast<std::decay_t<decltype(place)>>(value);
+        } catch (const nb::cast_error&) {
+          throw nb::type_error((std::string(verb) + ": " + key + " cannot be " +
+                                nb::cast<std::string>(nb::repr(value)))
+                                   .c_str());
+        }
+      },
+      row->field);
+}
+
+}  // namespace underbrush::python

@@ -1,0 +1,82 @@
+#include "underbrush/pipeline/explanation.hpp"
+
+#include <algorithm>
+#include <memory>
+
+#include "underbrush/core/rng.hpp"
+#include "underbrush/simulate/draw.hpp"
+
+namespace underbrush::pipeline {
+namespace {
+
+/// A world with its objects at one time; the world itself where nothing moves.
+struct AtATime {
+  AtATime(const TracedWorld& world, double time_s) : tracer(&world.still()) {
+    if (!world.dynamic().moves()) return;
+    scene.models = world.scene()->models;
+    for (uint32_t k = 0; k < world.scene()->instances.size(); ++k) {
+      scene.instances.push_back(world.dynamic().placed(k, time_s));
+      scene.instances.back().model = world.scene()->instances[k].model;
+    }
+    own = std::make_unique<trace::World>(scene, trace::Isa::kBest, trace::Draws::kOnce);
+    tracer = own.get();
+  }
+  elements::Scene scene;
+  std::unique_ptr<trace::World> own;
+  const trace::World* tracer;
+};
+
+}  // namespace
+
+Explanation explain_beam(const TracedWorld& world, uint64_t seed, size_t number,
+                         const BeamLog& beam) {
+  SimulateOptions options;
+  options.seed = seed;
+  Simulation simulation(world, options);
+  BeamLog answered = beam;
+  answered.extra.clear();
+  simulation.answer(number, answered);
+
+  const AtATime now(world, beam.time_s[0]);
+  const trace::World& tracer = *now.tracer;
+  const Ray ray = beam.ray(0);
+  Explanation out;
+  out.range_m = answered.range_m[0];
+  out.limits = {std::max(beam.info.min_range_m, kLeastRangeM),
+                std::min(beam.info.max_range_m, tracer.model(0).max_range_m)};
+  std::vector<trace::Intersection> met;
+  tracer.all_intersections(ray, out.limits, out.limits.max_m, met);
+  const uint64_t matter = simulate::matter_key(seed), key = beam_key(seed, beam.scan[0], number);
+  BeamLog by_elements = beam;
+  by_elements.extra.clear();
+  by_elements.range_m[0] = kMiss;
+  double reach = 1;
+  for (const trace::Intersection& m : met) {
+    const elements::Model& model = tracer.model(m.instance);
+    const uint32_t cell = trace::Grain(model, tracer.instance(m.instance)).cell(ray, m);
+    const uint64_t of_matter = trace::instance_key(matter, m.instance) ^ cell;
+    const bool accepts = trace::accepts(matter, m, cell);
+    if (accepts && !out.ends_at) {
+      out.ends_at = out.met.size();
+      const double range =
+          simulate::drawn_in_matter(m, of_matter, key, model.range_noise_m, out.limits);
+      by_elements.range_m[0] = float(std::clamp(range, out.limits.min_m, out.limits.max_m));
+    }
+    out.met.push_back({m, double(accept_bits(of_matter, m.element)) * 0x1p-32, accepts, reach});
+    reach *= 1 - m.p;
+  }
+  out.miss_probability = reach;
+  const float drawn = by_elements.range_m[0];
+  add_offsets(world.dynamic().model(0).channels_of(beam.info), 1, by_elements);
+  if (simulation.keyframes_serve(beam.info) && by_elements.range_m[0] != out.range_m) {
+    out.ends_by = EndsBy::kKeyframe;
+    out.ends_at.reset();
+    return out;
+  }
+  if (!out.ends_at) return out;
+  out.ends_by = EndsBy::kElement;
+  out.offset_m = by_elements.range_m[0] - drawn;
+  return out;
+}
+
+}  // namespace underbrush::pipeline

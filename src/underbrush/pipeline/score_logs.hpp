@@ -1,0 +1,18 @@
+/// \file
+/// The verb `score`: a real log and a simulated one in, scores out.
+#pragma once
+#include <functional>
+
+#include "underbrush/metrics/score.hpp"
+#include "underbrush/pipeline/world.hpp"
+
+namespace underbrush::pipeline {
+
+/// Compares a simulated log with the real log of the same beams (`metrics::score`). With a world,
+/// likelihood, CRPS and calibration under the ray model are computed; the intensities of a world of
+/// one model are told apart by its elements. `cloud` asks for the distances of the two point
+/// clouds. `progress(done, total)` may be empty. Throws as `metrics::score` does.
+metrics::Score score_logs(BeamSource& real, BeamSource& simulated, const TracedWorld* world,
+                          bool cloud, const std::function<void(size_t, size_t)>& progress = {});
+
+}  // namespace underbrush::pipeline

@@ -1,0 +1,127 @@
+#include "underbrush/pipeline/simulate_log.hpp"
+
+#include <cstdio>
+
+#include "underbrush/core/check.hpp"
+#include "underbrush/simulate/simulate.hpp"
+
+namespace underbrush::pipeline {
+namespace {
+
+constexpr size_t kChunk = 1 << 18;  // Number of beams; each may have up to 16 echoes.
+
+void check_poses(const Trajectory& path) {
+  constexpr double kLongestS = 3600;
+  require(!path.empty(), "simulate: the trajectory has no pose");
+  for (size_t k = 1; k < path.poses().size(); ++k) {
+    const double gap_s = path.poses()[k].time_s - path.poses()[k - 1].time_s;
+    if (gap_s <= kLongestS) continue;
+    char text[120];
+    std::snprintf(text, sizeof text, "poses %zu and %zu: %.1f s apart, more than an hour", k, k + 1,
+                  gap_s);
+    throw std::invalid_argument(text);
+  }
+}
+
+Trajectory whole_path(const sensor::Sensor& sensor, Trajectory path) {
+  check_poses(path);
+  return path.poses().size() == 1 ? sensor::one_scan(sensor, path.poses().front()) : path;
+}
+
+sensor::Sensor named_sensor(const std::string& file, const LogInfo& log, const char* what) {
+  if (!log.sensor.empty()) return sensor::sensor_of_log(file, log);
+  throw std::invalid_argument(std::string("simulate: ") + what +
+                              ", but the log does not name its sensor");
+}
+
+/// Source that shows progress as a simulation is read.
+class Watched : public BeamSource {
+ public:
+  Watched(simulate::SimulatedSource& source, const SimulateProgress& progress)
+      : source_(source), progress_(progress) {}
+  const LogInfo& info() const override { return source_.info(); }
+  size_t size() const override { return source_.size(); }
+  void rewind() override { source_.rewind(); }
+  bool next(BeamLog& chunk) override {
+    if (!source_.next(chunk)) return false;
+    if (progress_) progress_(source_.beams(), source_.size());
+    return true;
+  }
+
+ private:
+  simulate::SimulatedSource& source_;
+  const SimulateProgress& progress_;
+};
+
+}  // namespace
+
+SensorBeams::SensorBeams(sensor::Sensor sensor, Trajectory world_from_sensor)
+    : path_(whole_path(sensor, std::move(world_from_sensor))),
+      source_(std::move(sensor), path_, path_.poses().front().time_s, path_.poses().back().time_s,
+              kChunk) {}
+
+std::unique_ptr<perception::RigSource> rig_beams(const perception::Rig& rig,
+                                                 const Trajectory& world_from_vehicle) {
+  check_poses(world_from_vehicle);
+  require(world_from_vehicle.poses().size() >= 2, "a vehicle needs at least two poses");
+  return std::make_unique<perception::RigSource>(rig, world_from_vehicle, kChunk);
+}
+
+Simulation::SensorOf sensor_of(const std::string& file, const BeamSource& log) {
+  return [file, &log](const char* what) { return named_sensor(file, log.info(), what); };
+}
+
+SimulateCounts simulate_log(Simulation& simulation, BeamSource& beams,
+                            const std::function<void(BeamSource&)>& write,
+                            const SimulateProgress& progress) {
+  simulate::SimulatedSource simulated(
+      [&](size_t first_beam, BeamLog& chunk) { simulation.answer(first_beam, chunk); }, beams,
+      simulation.options().max_range_m);
+  if (simulation.options().element_ids) {
+    simulated.name_classes(simulation.world().element_classes());
+  }
+  Watched watched(simulated, progress);
+  watched.rewind();
+  write(watched);
+  return {simulated.beams(), simulated.rows(), simulated.hits(), simulated.seconds()};
+}
+
+BeamLog simulate_log(Simulation& simulation, BeamSource& beams, const SimulateProgress& progress,
+                     SimulateCounts* counts) {
+  BeamLog out;
+  const auto collect = [&](BeamSource& log) {
+    BeamLog chunk;
+    while (log.next(chunk)) {
+      if (out.empty()) {
+        out = chunk.like();
+        out.reserve(log.size());
+      }
+      out.append(chunk, 0, chunk.size());
+    }
+    out.info = log.info();
+  };
+  const SimulateCounts done = simulate_log(simulation, beams, collect, progress);
+  if (counts) *counts = done;
+  return out;
+}
+
+BeamLog simulate_log(Simulation& simulation, BeamLog beams) {
+  const double max_range_m = simulation.options().max_range_m;
+  beams.info.has_misses = true;
+  if (max_range_m > 0) beams.info.max_range_m = max_range_m;
+  simulation.answer(0, beams);
+  if (simulation.options().element_ids) {
+    beams.info.element_classes = simulation.world().element_classes();
+  }
+  return beams;
+}
+
+BeamLog simulate_log(const elements::Model& model, BeamLog beams, const SimulateOptions& options) {
+  const TracedWorld world(model, matter_of(options));
+  const LogInfo& info = beams.info;
+  Simulation simulation(world, options,
+                        [&](const char* what) { return named_sensor("log", info, what); });
+  return simulate_log(simulation, std::move(beams));
+}
+
+}  // namespace underbrush::pipeline

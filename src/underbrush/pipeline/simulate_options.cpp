@@ -1,0 +1,106 @@
+#include "underbrush/pipeline/simulate_options.hpp"
+
+#include "underbrush/core/check.hpp"
+
+namespace underbrush::pipeline {
+namespace {
+
+using O = SimulateOptions;
+using Row = Option<SimulateOptions>;
+
+template <class Get>
+OptionField<O> at(Get get) {
+  return field_of<O>(get);
+}
+
+constexpr double kAny = std::numeric_limits<double>::infinity();
+
+// clang-format off
+const Row kOptions[] = {
+    {"element-ids", "", "",
+     "Add columns for the element at which each beam ended and for its class; for a scene also for "
+     "its instance",
+     at([](O& o) -> auto& { return o.element_ids; })},
+
+    {"super-sample", "Instrument", "",
+     "Trace several sub-rays in each beam and compute light, waveform and echoes: a number, "
+     "COLUMNSxROWS, or sensor for what the sensor's data file says",
+     at([](O& o) -> auto& { return o.instrument.super_sample; }), -kAny, kAny, {}, "N|NxM|sensor"},
+    {"returns", "Instrument", "",
+     "The echoes that are reported: strongest, first, last, or up to N (default: as the sensor does)",
+     at([](O& o) -> auto& { return o.instrument.returns; }), -kAny, kAny, {}, "MODE|N"},
+
+    {"matter", "Matter", "",
+     "Whether leaves and stones are drawn once, so that neighbouring beams and later scans meet the "
+     "same ones, or anew for each beam",
+     at([](O& o) -> auto& { return o.matter; }), -kAny, kAny, {"once", "anew"}},
+    {"grain", "Matter", "m",
+     "Size of the cells in which matter that is drawn once is all there or all absent; 0 = the model's",
+     at([](O& o) -> auto& { return o.grain_m; }), 0, kAny},
+    {"tau", "Matter", "", "Mahalanobis distance within which a beam meets an ellipsoid; 0 = the model's",
+     at([](O& o) -> auto& { return o.tau; }), 0, kAny},
+    {"wind", "Matter", "s",
+     "Correlation time of leaves that sway; 0 = they stand still",
+     at([](O& o) -> auto& { return o.sway_s; }), 0, kAny},
+
+    {"draw", "Thin rays", "",
+     "How the range in an ellipsoid is drawn: along the beam, or in the ellipsoid's volume; median "
+     "draws nothing and answers the median of the beam's distribution, which has the least error",
+     at([](O& o) -> auto& { return o.draw; }), -kAny, kAny, {"on_ray", "volumetric", "median"}},
+    {"intensity", "Thin rays", "",
+     "Whether a return has the expected intensity of its element, or one that is drawn with the "
+     "element's spread; for models of logs with intensities",
+     at([](O& o) -> auto& { return o.intensity; }), -kAny, kAny, {"mean", "drawn"}},
+    {"beam", "Thin rays", "",
+     "Whether the ray is traced on the beam's axis, or drawn from the sensor's cone",
+     at([](O& o) -> auto& { return o.beam; }), -kAny, kAny, {"thin", "random"}},
+    {"max-range", "Thin rays", "m", "Maximum range; 0 = the log's or the sensor's",
+     at([](O& o) -> auto& { return o.max_range_m; }), 0, kAny},
+    {"range-noise", "Thin rays", "m", "Standard deviation of additional noise on every range",
+     at([](O& o) -> auto& { return o.range_noise_m; }), 0, kAny},
+
+    {"all-sub-rays", "Sub-rays", "",
+     "Trace all sub-rays of every beam, also where 13 of 26 or more agree",
+     at([](O& o) -> auto& { return o.instrument.all_sub_rays; })},
+    {"footprint", "Sub-rays", "",
+     "Whether sub-rays are spread over what the beam is wider than that of the log to which the "
+     "model was fitted (whose footprint is in the model), or over the whole beam",
+     at([](O& o) -> auto& { return o.instrument.footprint; }), -kAny, kAny, {"excess", "whole"}},
+
+    {"materials", "Light and air", "", "A table of materials that replaces the built-in one",
+     at([](O& o) -> auto& { return o.instrument.materials; }), -kAny, kAny, {}, "FILE.yaml"},
+    {"material", "Light and air", "", "The material of a class; may be repeated",
+     at([](O& o) -> auto& { return o.instrument.material; }), -kAny, kAny, {}, "CLASS=MATERIAL"},
+    {"visibility", "Light and air", "m", "Visibility in haze or fog; 0 = clear air",
+     at([](O& o) -> auto& { return o.instrument.visibility_m; }), 0, kAny},
+    {"rain", "Light and air", "mm/h", "Rain rate",
+     at([](O& o) -> auto& { return o.instrument.rain_mm_per_h; }), 0, kAny},
+    {"sun", "Light and air", "",
+     "Share of the sunlight that passes the air, which adds to the receiver's noise; 0 = night",
+     at([](O& o) -> auto& { return o.instrument.sun; }), 0, 1},
+
+    {"waveform-every", "Waveforms", "", "Write the waveforms of beams 0, K, 2K, …",
+     at([](O& o) -> auto& { return o.waveform.every; }), 1, kAny, {}, "K"},
+    {"waveform-count", "Waveforms", "", "Largest number of waveforms in tables and plots",
+     at([](O& o) -> auto& { return o.waveform.count; }), 1, 1e6, {}, "N"},
+};
+// clang-format on
+
+}  // namespace
+
+std::span<const Row> simulate_options() { return kOptions; }
+
+void SimulateOptions::check() const {
+  check_options("simulate", simulate_options(), *this);
+  const InstrumentOptions& i = instrument;
+  const bool light = !i.returns.empty() || !i.materials.empty() || !i.material.empty() ||
+                     i.visibility_m > 0 || i.rain_mm_per_h > 0 || i.sun > 0 || on_waveforms;
+  require(!i.super_sample.empty() || !light,
+          "simulate: returns, materials, air, sun and waveforms need --super-sample");
+  require(i.super_sample.empty() ||
+              (beam == "thin" && draw == "on_ray" && range_noise_m == 0 && intensity == "mean"),
+          "simulate: --beam, --draw, --intensity and --range-noise are of thin rays, not of "
+          "--super-sample");
+}
+
+}  // namespace underbrush::pipeline

@@ -1,0 +1,182 @@
+#include "underbrush/pipeline/simulation.hpp"
+
+#include "underbrush/core/check.hpp"
+#include "underbrush/perception/rig_source.hpp"
+#include "underbrush/pipeline/instrument.hpp"
+#include "underbrush/simulate/simulate.hpp"
+
+namespace underbrush::pipeline {
+namespace {
+
+// Beams of a rig's sensor k have numbers from k · 2⁴⁰, so that no two have the same.
+constexpr int kSensorBits = 40;
+
+simulate::Options thin_rays(const SimulateOptions& o, const TracedWorld& world) {
+  simulate::Options out;
+  out.seed = o.seed;
+  out.draw = o.draw == "on_ray"   ? simulate::RangeDraw::kOnRay
+             : o.draw == "median" ? simulate::RangeDraw::kMedian
+                                  : simulate::RangeDraw::kVolumetric;
+  out.range_noise_m = o.range_noise_m;
+  out.intensity =
+      o.intensity == "mean" ? simulate::IntensityDraw::kMean : simulate::IntensityDraw::kDrawn;
+  out.max_range_m = o.max_range_m;
+  out.sway_s = o.sway_s;
+  out.element_ids = o.element_ids;
+  out.instance_labels = world.labels();
+  return out;
+}
+
+simulate::EchoOptions echo_options(const SimulateOptions& o, const TracedWorld& world) {
+  simulate::EchoOptions out;
+  out.seed = o.seed;
+  out.element_ids = o.element_ids;
+  out.all_sub_rays = o.instrument.all_sub_rays;
+  out.sway_s = o.sway_s;
+  out.instance_labels = world.labels();
+  if (o.on_waveforms) out.waveforms = o.waveform;
+  if (o.on_waveforms && o.all_waveforms) out.waveforms.count = SIZE_MAX;
+  return out;
+}
+
+sensor::Sensor no_sensor(const char* what) {
+  throw std::invalid_argument(std::string("simulate: ") + what +
+                              ", but the sensor of the beams is not known");
+}
+
+const std::vector<uint8_t>& sensors_in(const BeamLog& beams) {
+  return std::get<std::vector<uint8_t>>(beams.extra.at(perception::kSensorColumn));
+}
+
+/// Puts the beams of several sensors back into their order, each with all its echoes.
+BeamLog in_order(const LogInfo& info, const std::vector<uint8_t>& sensor,
+                 const std::vector<BeamLog>& part) {
+  BeamLog out;
+  out.info = info;
+  std::vector<std::vector<bool>> begins;
+  begins.reserve(part.size());
+  for (const BeamLog& p : part) begins.push_back(begins_beam(p));
+  std::vector<size_t> at(part.size(), 0);
+  for (const uint8_t k : sensor) {
+    const size_t begin = at[k];
+    do {
+      ++at[k];
+    } while (at[k] < part[k].size() && !begins[k][at[k]]);
+    out.append(part[k], begin, at[k]);
+  }
+  return out;
+}
+
+}  // namespace
+
+Matter matter_of(const SimulateOptions& options) {
+  check_options("simulate", simulate_options(), options);
+  return {options.matter == "anew", options.sway_s};
+}
+
+/// The answers to the beams of one sensor.
+class Simulation::OfSensor {
+ public:
+  OfSensor(const TracedWorld& world, const SimulateOptions& options, const SensorOf& sensor_of)
+      : world_(world), thin_(thin_rays(options, world)), on_waveforms_(options.on_waveforms) {
+    if (options.beam == "random") thin_.random_ray = sensor_of("--beam random").beam;
+    const radiometry::Materials materials = materials_of(options.instrument, world.kinds());
+    for (const std::string& name : world.materials()) {
+      if (!name.empty()) materials.named(name);  // This throws for an unknown name.
+    }
+    if (options.instrument.super_sample.empty()) return;
+    sensor_ = sensor_of("--super-sample");
+    instrument_ = instrument_of(options.instrument, sensor_, world.recorder());
+    if (options.max_range_m > 0) instrument_.receiver.max_range_m = options.max_range_m;
+    reflection_ =
+        std::make_unique<simulate::Reflection>(materials, sensor_.wavelength_m, world.kinds());
+    maker_ = std::make_unique<simulate::EchoMaker>(world.dynamic(), *reflection_, instrument_,
+                                                   echo_options(options, world));
+  }
+
+  void answer(size_t first_beam, BeamLog& beams) {
+    if (maker_) {
+      maker_->answer(first_beam, beams);
+      if (on_waveforms_) on_waveforms_(maker_->take_waveforms());
+    } else {
+      simulate::simulate(world_.dynamic(), thin_, first_beam, beams);
+    }
+    add_offsets(world_.dynamic().model(0).channels_of(beams.info), 1, beams);
+  }
+
+  size_t sub_rays() const { return maker_ ? instrument_.sub_rays.size() : 0; }
+  size_t rays_traced() const { return maker_ ? maker_->rays() : 0; }
+  const sensor::Sensor& sensor() const { return sensor_; }
+  bool keyframes_serve(const LogInfo& beams) const {
+    return !maker_ && simulate::keyframes_serve(world_.dynamic(), thin_, beams);
+  }
+
+ private:
+  const TracedWorld& world_;
+  simulate::Options thin_;
+  std::function<void(std::vector<simulate::BeamWaveform>)> on_waveforms_;
+  sensor::Sensor sensor_;
+  simulate::Instrument instrument_;
+  std::unique_ptr<simulate::Reflection> reflection_;
+  std::unique_ptr<simulate::EchoMaker> maker_;
+};
+
+Simulation::Simulation(const TracedWorld& world, SimulateOptions options, const SensorOf& sensor_of)
+    : world_(&world), options_(std::move(options)) {
+  options_.check();
+  answers_.push_back(
+      std::make_unique<OfSensor>(world, options_, sensor_of ? sensor_of : SensorOf(no_sensor)));
+}
+
+Simulation::Simulation(const TracedWorld& world, const SimulateOptions& options,
+                       const std::vector<sensor::Sensor>& rig)
+    : world_(&world), options_(options), rig_(true), fired_(rig.size(), 0) {
+  options_.check();
+  for (const sensor::Sensor& s : rig) {
+    LogInfo limits;
+    limits.sensor = s.name;
+    limits.min_range_m = s.min_range_m;
+    limits.max_range_m = s.max_range_m;
+    limits_.push_back(limits);
+    SimulateOptions own = options_;
+    if (!answers_.empty()) own.on_waveforms = nullptr;
+    answers_.push_back(std::make_unique<OfSensor>(world, own, [&](const char*) { return s; }));
+  }
+}
+
+Simulation::Simulation(Simulation&&) noexcept = default;
+Simulation::~Simulation() = default;
+
+size_t Simulation::sub_rays() const { return answers_[0]->sub_rays(); }
+
+size_t Simulation::rays_traced() const {
+  size_t sum = 0;
+  for (const auto& a : answers_) sum += a->rays_traced();
+  return sum;
+}
+
+const sensor::Sensor& Simulation::sensor() const { return answers_[0]->sensor(); }
+
+bool Simulation::keyframes_serve(const LogInfo& beams) const {
+  return answers_[0]->keyframes_serve(beams);
+}
+
+void Simulation::answer(size_t first_beam, BeamLog& beams) {
+  if (!rig_) return answers_[0]->answer(first_beam, beams);
+  if (first_beam == 0) fired_.assign(fired_.size(), 0);
+  std::vector<BeamLog> part(answers_.size());
+  const std::vector<uint8_t> sensor = sensors_in(beams);
+  for (size_t i = 0; i < beams.size(); ++i) part[sensor[i]].append(beams, i);
+  for (size_t k = 0; k < part.size(); ++k) {
+    if (part[k].empty()) continue;
+    part[k].info.sensor = limits_[k].sensor;
+    part[k].info.min_range_m = limits_[k].min_range_m;
+    part[k].info.max_range_m = limits_[k].max_range_m;
+    const size_t fired = part[k].size();
+    answers_[k]->answer((k << kSensorBits) + fired_[k], part[k]);
+    fired_[k] += fired;
+  }
+  beams = in_order(beams.info, sensor, part);
+}
+
+}  // namespace underbrush::pipeline

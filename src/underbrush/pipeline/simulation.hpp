@@ -1,0 +1,64 @@
+/// \file
+/// This file answers beams: it is the one place where the answer that a user gets is made.
+#pragma once
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "underbrush/pipeline/simulate_options.hpp"
+#include "underbrush/pipeline/world.hpp"
+
+namespace underbrush::pipeline {
+
+/// A world with the options of `simulate`, ready to answer beams: as thin rays, or with
+/// `super_sample` as an instrument, of one sensor or of all sensors of a rig.
+class Simulation {
+ public:
+  /// Returns the sensor of the beams, or throws `std::invalid_argument`, which says that the option
+  /// `what` needs one. It is called only where a sensor is needed.
+  using SensorOf = std::function<sensor::Sensor(const char* what)>;
+
+  /// `world` must outlive this, and have been prepared with the matter of the options
+  /// (`matter_of`). Throws `std::invalid_argument` for options out of range or without effect, and
+  /// for a material that the table does not have.
+  Simulation(const TracedWorld& world, SimulateOptions options, const SensorOf& sensor_of = {});
+  /// The same for beams of a rig, which have the column `sensor` (`perception::RigSource`). All
+  /// sensors see the same matter: they share the seed, and their beams have different numbers.
+  /// Waveforms are those of the first sensor.
+  Simulation(const TracedWorld& world, const SimulateOptions& options,
+             const std::vector<sensor::Sensor>& rig);
+  Simulation(Simulation&&) noexcept;
+  ~Simulation();
+
+  /// Answers beams in place. `first_beam` is the number of the first beam in its log. An instrument
+  /// may give several rows a beam. Where the world's model has range offsets of the channels of
+  /// this sensor (`Model::channels_of`), they are added to the ranges. Beams of a rig come in
+  /// order. The answer depends neither on chunks nor on threads.
+  void answer(size_t first_beam, BeamLog& beams);
+
+  const TracedWorld& world() const { return *world_; }
+  const SimulateOptions& options() const { return options_; }
+  /// The number of sub-rays of a beam, 0 for thin rays; and of those that were traced so far.
+  size_t sub_rays() const;
+  size_t rays_traced() const;
+  /// The sensor of an instrument, of a rig the first one; without a name for thin rays.
+  const sensor::Sensor& sensor() const;
+  /// Whether keyframes of the world's model have a part in the answers to such beams.
+  bool keyframes_serve(const LogInfo& beams) const;
+
+ private:
+  class OfSensor;
+
+  const TracedWorld* world_;
+  SimulateOptions options_;
+  bool rig_ = false;
+  std::vector<LogInfo> limits_;  ///< The limits of each sensor of a rig.
+  std::vector<std::unique_ptr<OfSensor>> answers_;
+  std::vector<size_t> fired_;  ///< The number of beams of each sensor of a rig so far.
+};
+
+/// The matter of `SimulateOptions`, for `TracedWorld`. Throws `std::invalid_argument` for a word
+/// that is none.
+Matter matter_of(const SimulateOptions& options);
+
+}  // namespace underbrush::pipeline

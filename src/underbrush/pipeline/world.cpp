@@ -1,0 +1,133 @@
+#include "underbrush/pipeline/world.hpp"
+
+#include <algorithm>
+
+#include "underbrush/core/check.hpp"
+#include "underbrush/elements/model_file.hpp"
+#include "underbrush/io/mesh_file.hpp"
+
+namespace underbrush::pipeline {
+namespace {
+
+trace::Draws draws_of(const Matter& matter) {
+  require(!matter.anew || matter.sway_s == 0,
+          "simulate: --wind moves matter that is drawn once, not --matter anew");
+  if (matter.anew) return trace::Draws::kAnew;
+  return matter.sway_s > 0 ? trace::Draws::kSwaying : trace::Draws::kOnce;
+}
+
+}  // namespace
+
+World read_world(const std::filesystem::path& path, const worlds::ReadOptions& options) {
+  World out;
+  if (elements::is_scene(path)) {
+    out.scene = elements::read_scene(path, &out.info);
+  } else if (worlds::is_world(path)) {
+    worlds::World world = worlds::read_world(path, options);
+    out = {std::move(world.scene), std::move(world.info), std::move(world.report)};
+  } else {
+    out.scene.models.push_back(elements::read_model(path));
+    out.info.class_names = out.scene.models[0].class_names;
+  }
+  return out;
+}
+
+elements::Model read_mover(const std::filesystem::path& path) {
+  if (std::filesystem::is_directory(path)) return elements::read_model(path);
+  const io::MeshData mesh = io::read_mesh(path);
+  elements::Model model;
+  model.fitter = "mesh";
+  model.surface.vertices = mesh.vertices;
+  model.surface.triangles = mesh.triangles;
+  model.surface.hit.resize(mesh.triangles.size());
+  return model;
+}
+
+void add_mover(World& world, elements::Model model, Trajectory world_from_object,
+               const std::string& material) {
+  elements::Scene& scene = world.scene;
+  elements::SceneInfo& info = world.info;
+  if (scene.instances.empty()) {  // The scene is a model.
+    elements::Instance placed;
+    placed.world_from_model.translation = scene.models[0].origin;
+    scene.instances.push_back(placed);
+    info.labels.push_back(elements::Class::kUnknown);
+  }
+  info.materials.resize(scene.models.size());
+  info.movers.push_back({uint32_t(scene.instances.size()), std::move(world_from_object)});
+  scene.instances.emplace_back();
+  scene.instances.back().model = uint32_t(scene.models.size());
+  scene.models.push_back(std::move(model));
+  info.labels.push_back(elements::Class::kUnknown);
+  info.materials.push_back(material);
+}
+
+void set_matter(World& world, double tau, double grain_m) {
+  for (elements::Model& model : world.scene.models) {
+    if (tau > 0) model.tau = tau;
+    if (grain_m > 0) model.grain = {grain_m, grain_m, {}};
+  }
+}
+
+TracedWorld::TracedWorld(const elements::Model& model, const Matter& matter)
+    : world_(std::make_unique<trace::World>(model, trace::Isa::kBest, draws_of(matter))),
+      dynamic_(std::make_unique<simulate::DynamicWorld>(*world_)),
+      models_(&model, 1) {
+  elements::SceneInfo info;
+  info.class_names = model.class_names;
+  kinds_ = simulate::instance_kinds({}, info);
+  element_classes_ = elements::element_classes(info);
+}
+
+TracedWorld::TracedWorld(const elements::Scene& scene, const elements::SceneInfo& info,
+                         const Matter& matter) {
+  prepare(scene, info, matter);
+}
+
+TracedWorld::TracedWorld(World world, const Matter& matter)
+    : own_(std::make_unique<World>(std::move(world))) {
+  prepare(own_->scene, own_->info, matter);
+}
+
+void TracedWorld::prepare(const elements::Scene& scene, const elements::SceneInfo& info,
+                          const Matter& matter) {
+  const trace::Draws draws = draws_of(matter);
+  if (!info.movers.empty()) {
+    dynamic_ = std::make_unique<simulate::DynamicWorld>(scene, info.movers, draws);
+  } else {
+    // A scene without instances is the world of its model, to the bit.
+    world_ = scene.instances.empty()
+                 ? std::make_unique<trace::World>(scene.models.at(0), trace::Isa::kBest, draws)
+                 : std::make_unique<trace::World>(scene, trace::Isa::kBest, draws);
+    dynamic_ = std::make_unique<simulate::DynamicWorld>(*world_);
+  }
+  models_ = scene.models;
+  if (!scene.instances.empty()) scene_ = &scene;
+  if (!scene.instances.empty()) labels_ = info.labels;
+  kinds_ = simulate::instance_kinds(scene, info);
+  materials_ = info.materials;
+  element_classes_ = elements::element_classes(info);
+}
+
+std::optional<sensor::Sensor> TracedWorld::recorder() const {
+  constexpr double kTypicalRange = 20;  // m; where the widths of several beams are compared
+  const auto has_volumes = [](const elements::Model& m) { return !m.ellipsoids.empty(); };
+  const bool volumes = std::any_of(models_.begin(), models_.end(), has_volumes);
+  std::optional<sensor::Sensor> narrowest;
+  for (const elements::Model& m : models_) {
+    if (m.size() == 0 || (volumes && !has_volumes(m))) continue;
+    if (m.sensor.empty() || m.all_echoes) return std::nullopt;
+    LogInfo info;
+    info.sensor = m.sensor;
+    info.sensor_file = m.sensor_file;
+    sensor::Sensor s = sensor::sensor_of_log("model", info);
+    s.range_sigma_m = std::min(s.range_sigma_m, m.range_noise_m);
+    s.max_range_m = std::min(s.max_range_m, m.max_range_m);
+    if (!narrowest || s.beam.sigma_m(kTypicalRange) < narrowest->beam.sigma_m(kTypicalRange)) {
+      narrowest = std::move(s);
+    }
+  }
+  return narrowest;
+}
+
+}  // namespace underbrush::pipeline

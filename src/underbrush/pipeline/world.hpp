@@ -1,0 +1,95 @@
+/// \file
+/// This file has the worlds that beams are fired into: models, scenes and worlds of other programs,
+/// read, changed by options and prepared for tracing.
+#pragma once
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "underbrush/core/pose.hpp"
+#include "underbrush/elements/scene_file.hpp"
+#include "underbrush/sensor/sensor.hpp"
+#include "underbrush/simulate/dynamic_world.hpp"
+#include "underbrush/simulate/reflection.hpp"
+#include "underbrush/worlds/read_world.hpp"
+
+namespace underbrush {
+/// The verbs as functions: values in, values out. Every face of Underbrush (the program, Python,
+/// the server, the FMU, the studies) calls them, so that all give one answer.
+namespace pipeline {
+
+/// A scene, or a model as a scene without instances, with what its folder holds besides.
+struct World {
+  elements::Scene scene;
+  elements::SceneInfo info;
+  worlds::WorldReport read;  ///< What a file of another program became; no parts for all others.
+};
+
+/// Reads a scene, a model, or a world of another program such as a mesh. Throws as the readers do.
+World read_world(const std::filesystem::path& path, const worlds::ReadOptions& options = {});
+
+/// Reads a model's folder, or a mesh from an OBJ or PLY file, as an object that moves.
+elements::Model read_mover(const std::filesystem::path& path);
+/// Adds an object that moves along `world_from_object`. A world of one model becomes a scene of one
+/// instance before. `material` is "" for that of the object's class.
+void add_mover(World& world, elements::Model model, Trajectory world_from_object,
+               const std::string& material);
+/// Replaces τ and the grain (m) of all models, each unless it is 0.
+void set_matter(World& world, double tau, double grain_m);
+
+/// Whether and how the matter of a world is drawn for all beams at once (`trace::Draws`).
+struct Matter {
+  bool anew = false;  ///< Each beam draws its own leaves and stones.
+  double sway_s = 0;  ///< s; correlation time of what sways; 0 = nothing does.
+};
+
+/// A world prepared for tracing.
+class TracedWorld {
+ public:
+  /// What is passed by reference must outlive this. Throws `std::invalid_argument` where matter
+  /// that is drawn anew should sway, and as `DynamicWorld` does.
+  explicit TracedWorld(const elements::Model& model, const Matter& matter = {});
+  TracedWorld(const elements::Scene& scene, const elements::SceneInfo& info,
+              const Matter& matter = {});
+  explicit TracedWorld(World world, const Matter& matter = {});
+  TracedWorld(const TracedWorld&) = delete;
+  TracedWorld& operator=(const TracedWorld&) = delete;
+
+  const simulate::DynamicWorld& dynamic() const { return *dynamic_; }
+  /// The world without what moves in it.
+  const trace::World& still() const { return dynamic_->world(); }
+  std::span<const elements::Model> models() const { return models_; }
+  /// The scene; null for a world of one model.
+  const elements::Scene* scene() const { return scene_; }
+  /// The classes of the instances, one an instance; none for a world of one model.
+  const std::vector<elements::Class>& labels() const { return labels_; }
+  const simulate::InstanceKinds& kinds() const { return kinds_; }
+  /// The names of the materials that the models name.
+  const std::vector<std::string>& materials() const { return materials_; }
+  /// The names of the numbers of the column `element_class`; none where they are those of
+  /// `elements::Class`.
+  const std::vector<std::string>& element_classes() const { return element_classes_; }
+  /// The sensor that recorded the logs to which the models were fitted, with the range noise and
+  /// the farthest range that they showed; of several that with the narrowest beam. There is none
+  /// where a model with ellipsoids (or any, if none has) does not know its own, or has shares of
+  /// the light (`Model::all_echoes`).
+  std::optional<sensor::Sensor> recorder() const;
+
+ private:
+  void prepare(const elements::Scene& scene, const elements::SceneInfo& info, const Matter& matter);
+
+  std::unique_ptr<World> own_;
+  std::unique_ptr<trace::World> world_;
+  std::unique_ptr<simulate::DynamicWorld> dynamic_;
+  const elements::Scene* scene_ = nullptr;
+  std::span<const elements::Model> models_;
+  std::vector<elements::Class> labels_;
+  simulate::InstanceKinds kinds_;
+  std::vector<std::string> materials_, element_classes_;
+};
+
+}  // namespace pipeline
+}  // namespace underbrush

@@ -1,0 +1,119 @@
+#!/usr/bin/env python3
+"""One answer: the program, the library and the server give the same bits for the same request, on a log that has every
+feature at once (every_feature.py). python/tests/test_one_answer.py does the same with Python.
+
+  one_answer_test.py --program build/bin/underbrush --library build/tests/answer_of_library
+"""
+import argparse
+import json
+import pathlib
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent / "cli"))
+import cli_test  # noqa: E402
+import every_feature  # noqa: E402
+import serving  # noqa: E402
+
+LIBRARY = None
+NO_BEAM = 0xffffffff
+
+
+def program(*words, cwd=None):
+    done = cli_test.call(*words, cwd=cwd)
+    if done.returncode:
+        raise AssertionError(done.stderr)
+    return done.stdout
+
+
+def ranges_of(file):
+    """The ranges of the rows of a log; 0 for a miss."""
+    rows = every_feature.Rows(file)
+    return [sum(r[rows.at["n" + a]] ** 2 for a in "xyz") ** 0.5 if r[rows.at["alpha"]] else 0.0 for r in rows.rows]
+
+
+def body(file):
+    """A log without the comments, of which one says what wrote it."""
+    content = pathlib.Path(file).read_bytes()
+    return content[content.index(b"element vertex"):]
+
+
+class OneAnswer(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.temporary = tempfile.TemporaryDirectory()
+        cls.folder = pathlib.Path(cls.temporary.name)
+        every_feature.make(program, cls.folder)
+        cls.report = json.loads(program("simulate", "model", "--like", "test.ply", "-o", "sim.ply", "--seed", 5,
+                                        "--json", "-", cwd=cls.folder))
+        cls.server = serving.Server(cls.folder, "test.ply", "model", words=["--seed", "5"])
+        cls.server.octree(0)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.server.end()
+        cls.temporary.cleanup()
+
+    def test_the_log_has_every_feature(self):
+        model = json.loads((self.folder / "model/model.json").read_text())
+        self.assertEqual(model["sensor"], "coarse")
+        self.assertEqual(len(model["channels"]), 16)
+        self.assertGreater(len(model["keyframes"]["frames"]), 1)
+        self.assertIn("light", model)
+        self.assertGreater(len(model["grain_m"]["classes"]), 3)
+        self.assertTrue(self.report["keyframes"])
+        self.assertEqual(self.report["channel_offsets"], 16)
+        self.assertGreater(self.report["misses"], 1000)
+        without = json.loads(program("simulate", "model", "--like", "test.ply", "--element-ids", "--seed", 5, "-o",
+                                     "no_keyframes.ply", "--json", "-", cwd=self.folder))
+        self.assertFalse(without["keyframes"])
+        differ = sum(a != b for a, b in zip(ranges_of(self.folder / "sim.ply"),
+                                            ranges_of(self.folder / "no_keyframes.ply")))
+        self.assertGreater(differ, 500)
+
+    def test_the_library_answers_as_the_program(self):
+        for words, options in ((["--seed", 5], ["5", ""]), (["--draw", "median"], ["1", "median"])):
+            program("simulate", "model", "--like", "test.ply", "-o", "program.ply", *words, "--force", cwd=self.folder)
+            subprocess.run([LIBRARY, "model", "test.ply", "library.ply", *options], cwd=self.folder, check=True)
+            self.assertEqual(body(self.folder / "program.ply"), body(self.folder / "library.ply"), words)
+
+    def test_the_range_images_of_the_server_are_those_of_the_program(self):
+        simulated = every_feature.Rows(self.folder / "sim.ply")
+        ranges = ranges_of(self.folder / "sim.ply")
+        runs = 1 + max(simulated.column("scan")) // 2
+        compared = 0
+        for run in range(runs):
+            status, _, image = self.server.get(f"api/range_image?file=0&run={run}&world=1&seed=5")
+            self.assertEqual(status, 200)
+            width, height, both = struct.unpack_from("<3I", image)
+            self.assertTrue(both)
+            for row, _, answer in struct.iter_unpack("<I2f", image[12:]):
+                if row == NO_BEAM:
+                    continue
+                self.assertAlmostEqual(answer, ranges[row], delta=1e-6 * max(10.0, ranges[row]))
+                compared += 1
+            self.assertEqual(len(image), 12 + 12 * width * height)
+        self.assertGreater(compared, 0.5 * len(ranges))
+
+    def test_the_server_explains_the_answer_of_the_program(self):
+        ranges = ranges_of(self.folder / "sim.ply")
+        ends = {"element": 0, "keyframe": 0, "miss": 0}
+        for row in range(7, len(ranges), len(ranges) // 400):
+            trace = self.server.json_of(f"api/trace?file=0&row={row}&world=1&seed=5")
+            self.assertAlmostEqual(trace["simulated_range_m"] or 0.0, ranges[row], delta=1e-6 * max(10.0, ranges[row]), msg=trace)
+            ends[trace["ends_by"]] += 1
+            self.assertEqual(trace["ends_at"] is not None, trace["ends_by"] == "element")
+        self.assertGreater(min(ends.values()), 20, ends)
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--program", required=True)
+    parser.add_argument("--library", required=True)
+    arguments, rest = parser.parse_known_args()
+    cli_test.PROGRAM, LIBRARY = (str(pathlib.Path(p).resolve()) for p in (arguments.program, arguments.library))
+    unittest.main(argv=[sys.argv[0], *rest])
