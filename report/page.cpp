@@ -94,6 +94,20 @@ std::string best_of(const Metric& m, const std::vector<std::optional<double>>& v
   return cell(best, m.digits);
 }
 
+// What the baselines are; the look-up is there where a training log is.
+std::string caption_of(const Json& baselines) {
+  if (baselines.empty()) return "";
+  const bool trained = baselines.contains("look-up");
+  return fmt::format(
+      "<p class=\"caption\">The baselines need no model. Always hit: each beam returns at the "
+      "median "
+      "range of its ring in the {} log.{}</p>\n",
+      trained ? "training" : "real",
+      trained ? " Look-up: the points of the two nearest training scans are projected with the "
+                "beam’s own origin, and the nearest in angle answers."
+              : "");
+}
+
 std::string filled(const std::string& page, const std::map<std::string, std::string>& values) {
   const std::map<std::string, std::string> assets = {{"style", kReportStyle},
                                                      {"script", kReportScript}};
@@ -151,7 +165,7 @@ std::string headline_table(const Comparison& input) {
     }
     html += "</tr>\n";
   }
-  return html + "</tbody></table></div>\n";
+  return html + "</tbody></table></div>\n" + caption_of(baselines);
 }
 
 std::string confusion_tables(const Comparison& input) {

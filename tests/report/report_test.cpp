@@ -160,6 +160,7 @@ TEST_F(Report, HasTheBaselinesBesideTheModels) {
   const std::string alone = page(real, {disturbed(real, 3)}, "--json score.json");
   EXPECT_NE(alone.find(column), std::string::npos);
   EXPECT_EQ(alone.find("look-up"), std::string::npos);
+  EXPECT_NE(alone.find("median range of its ring in the real log"), std::string::npos);
   EXPECT_NE(bytes_of(folder_ / "stdout").find("of its ring in real.ply"), std::string::npos);
   const auto baselines = [&] {
     return report::Json::parse(bytes_of(folder_ / "score.json")).at("baselines");
@@ -174,6 +175,7 @@ TEST_F(Report, HasTheBaselinesBesideTheModels) {
   const std::string html = page(real, {disturbed(real, 3)}, "--train train.ply --json score.json");
   EXPECT_NE(html.find(column), std::string::npos);
   EXPECT_NE(html.find("look-up<small>baseline</small>"), std::string::npos);
+  EXPECT_NE(html.find("median range of its ring in the training log"), std::string::npos);
   EXPECT_NE(bytes_of(folder_ / "stdout").find("of its ring in train.ply"), std::string::npos);
   EXPECT_NEAR(double(baselines().at("always hit").at("packet_error_m")), 1, 1e-5);
   EXPECT_GT(double(baselines().at("look-up").at("packet_error_m")), 0.9);
