@@ -139,6 +139,7 @@ std::vector<std::vector<uint32_t>> cubes_of(const BeamLog& log, const Scan& scan
     cubes[{std::llround(at.x()), std::llround(at.y()), std::llround(at.z())}].push_back(i);
   }
   std::vector<std::vector<uint32_t>> out;
+  out.reserve(cubes.size());
   for (auto& [key, rows] : cubes) out.push_back(std::move(rows));
   return out;
 }

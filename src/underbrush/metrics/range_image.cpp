@@ -91,6 +91,7 @@ class BeamFrames {
     std::map<double, Pose> at_time;  // Scans that share a time have one pose.
     for (const ScanInfo& s : scan.info.scans) at_time.emplace(s.time_s, s.world_from_sensor);
     std::vector<StampedPose> poses;
+    poses.reserve(at_time.size());
     for (const auto& [time_s, pose] : at_time) poses.push_back({time_s, pose});
     poses_ = Trajectory(std::move(poses));
   }
