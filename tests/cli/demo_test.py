@@ -44,7 +44,7 @@ class Demo(unittest.TestCase):
                                              re.DOTALL | re.MULTILINE).groups()
             for table in (synthetic, real):
                 self.assertIn("packet error, m", table)
-                self.assertRegex(table, r"\n  \d+ beams +likelihood +surface\n")
+                self.assertRegex(table, r"\n  \d+ beams +likelihood +surface +always hit +look-up\n")
             self.assertEqual(last, "report: demo/report/index.html\n")
             for line in done.stderr.splitlines():
                 self.assertRegex(line, r"^\[ *\d+\.\d s\] ")
@@ -58,6 +58,8 @@ class Demo(unittest.TestCase):
             for part in (site, real):
                 self.assertEqual(list(part["models"]), MODELS)
                 self.assertEqual(set(part["models"]["surface"]), set(site["models"]["surface"]))
+                self.assertEqual(list(part["baselines"]), ["always hit", "look-up"])
+                self.assertEqual(part["baselines"]["always hit"]["informedness"], 0)
             self.assertEqual(real["beams"], 51931)
             self.assertGreater(real["models"]["likelihood"]["f1"], 0.94)
             self.assertGreater(real["models"]["surface"]["f1"], 0.9)
