@@ -16,7 +16,9 @@ struct SitePair {
   std::string name;
   BeamLog train, test;
   double min_range_m = 0;  ///< Nearer returns are of the vehicle that carries the sensor.
-  bool one_site = false;   ///< Primitives that the sensor of the test could see are left out.
+  /// Whether both logs are of one site. Then primitives within the range of a pose of the test are
+  /// left out, and those that share ground with an object of its annotation (`leave_out`).
+  bool one_site = false;
 };
 
 /// A set of mesh primitives, and the name of its row.
@@ -42,7 +44,7 @@ struct PairOutcome {
   std::vector<std::string> rows;
   std::map<std::string, metrics::Score> score;  ///< By row.
   size_t train_beams = 0, test_beams = 0;
-  size_t primitives = 0, seen_by_both = 0, objects = 0, left_out = 0;
+  size_t primitives = 0, seen_by_both = 0, shared_plants = 0, objects = 0, left_out = 0;
   std::vector<double> box_distance_m;  ///< m; one for each row that is composed.
   std::string pictures;
 };

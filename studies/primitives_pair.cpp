@@ -5,6 +5,7 @@
 #include "objects_of_log.hpp"
 #include "studies/primitives.hpp"
 #include "underbrush/core/check.hpp"
+#include "underbrush/primitives/leave_out.hpp"
 #include "underbrush/primitives/segment_log.hpp"
 #include "underbrush/simulate/simulate.hpp"
 
@@ -73,8 +74,6 @@ PairOutcome run_pair(const SitePair& pair, const PairOptions& o) {
   if (pair.one_site) out.seen_by_both = drop_seen(pair.test, model.max_range_m, cut);
   if (o.change) o.change(cut);
   require(!o.meshes.empty(), "study: there are no meshes to compare with");
-  require(!cut.empty(), "study: no primitive is left of the training log");
-  out.primitives = cut.size();
   primitives::write_primitives(o.work, cut, primitives::MeasureOptions{}.cell_m, "");
 
   const Site site = annotated(pair.test, model.max_range_m);
@@ -88,6 +87,8 @@ PairOutcome run_pair(const SitePair& pair, const PairOptions& o) {
   compose.seed = o.seed;
   for (size_t k = 0; k < sets.size(); ++k) {
     read[k] = primitives::read_primitive_set(sets[k].folder);
+    if (pair.one_site) out.shared_plants += primitives::leave_out(read[k], site.annotation.objects);
+    require(!read[k].entries.empty(), "study: no primitive is left of the training log");
     composed[k] = primitives::compose(site.annotation, site.ground, read[k], compose);
     logs[k] = answered(trace::World(composed[k].scene), pair.test, o.seed);
     out.rows.push_back(sets[k].name);
@@ -95,6 +96,7 @@ PairOutcome run_pair(const SitePair& pair, const PairOptions& o) {
     out.box_distance_m.push_back(composed[k].mean_box_distance_m);
     shown.push_back({sets[k].name, &read[k], &composed[k].scene, &logs[k]});
   }
+  out.primitives = read[0].entries.size();
   out.objects = composed[0].objects;
   out.left_out = composed[0].objects - composed[0].placed;
   if (o.pictures)

@@ -137,6 +137,7 @@ Json json_of(std::span<const PairOutcome> outcomes) {
     one["test_beams"] = o.test_beams;
     one["primitive_count"] = o.primitives;
     one["primitives_seen_by_both"] = o.seen_by_both;
+    one["primitives_of_shared_plants"] = o.shared_plants;
     one["objects"] = o.objects;
     one["objects_left_out"] = o.left_out;
     for (const std::string& row : outcomes[0].rows) {

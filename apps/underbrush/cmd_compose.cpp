@@ -7,6 +7,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/names.hpp"
 #include "underbrush/elements/model_file.hpp"
+#include "underbrush/primitives/leave_out.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -15,7 +16,7 @@ namespace compose_verb {
 
 struct Arguments {
   std::string annotation, primitives, output, ground;
-  std::vector<std::string> density;
+  std::vector<std::string> density, leave_out;
   bool strict = false, allow_outside = false;
   primitives::ComposeOptions compose;
 };
@@ -39,6 +40,10 @@ void add_options(Verb& verb, Arguments& a) {
                  "Objects for each annotated one of a class: below 1 leaves some out, above 1 adds "
                  "more beside them")
       ->type_name("CLASS=FACTOR ...");
+  app.add_option("--leave-out", a.leave_out,
+                 "Use no primitive that was cut from an object whose box overlaps one of this "
+                 "annotation, as seen from above")
+      ->type_name("ANNOTATION ...");
   app.add_flag("--allow-outside", a.allow_outside, kAllowOutsideHelp);
   app.add_flag("--strict", a.strict, "Fail if an object cannot be placed as annotated");
 }
@@ -69,6 +74,15 @@ void read_densities(const Arguments& a, primitives::ComposeOptions& o) {
   }
 }
 
+/// Leaves the primitives of the annotations of `--leave-out` out of the set, and returns how many.
+size_t leave_out(const Arguments& a, primitives::PrimitiveSet& set) {
+  size_t out = 0;
+  for (const std::string& file : a.leave_out) {
+    out += primitives::leave_out(set, primitives::read_annotation(file, a.allow_outside).objects);
+  }
+  return out;
+}
+
 void require_all_placed(const Arguments& a, const primitives::Composition& c) {
   if (!a.strict) return;
   if (c.off_ground) {
@@ -90,7 +104,8 @@ void run(const Verb& verb, Arguments& a) {
   elements::check_scene_output(a.output);
   const primitives::Annotation annotation =
       primitives::read_annotation(a.annotation, a.allow_outside);
-  const NamedSet named = primitives_named(a.primitives, verb.seed);
+  NamedSet named = primitives_named(a.primitives, verb.seed);
+  const size_t left_out = leave_out(a, named.set);
   std::filesystem::path from = a.ground;
   if (from.empty()) from = annotation.ground.lexically_normal();
   const elements::Model ground = elements::read_model(from);
@@ -100,14 +115,21 @@ void run(const Verb& verb, Arguments& a) {
   require_all_placed(a, c);
   std::vector<std::filesystem::path> inputs{a.annotation};
   inputs.insert(inputs.end(), named.inputs.begin(), named.inputs.end());
+  inputs.insert(inputs.end(), a.leave_out.begin(), a.leave_out.end());
   inputs.push_back(from);
   c.info.provenance = provenance(verb, inputs);
   elements::write_scene(a.output, c.scene, c.info);
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
   Json j = json_of(c);
+  if (!a.leave_out.empty()) j["primitives_left_out"] = left_out;
   j["warnings"] = named.warnings;
   j["seconds"] = seconds;
-  std::string text = text_of(c) + text_of_warnings(named.warnings);
+  std::string text = text_of(c);
+  if (!a.leave_out.empty()) {
+    text += fmt::format("  left out    {} primitives of plants of {}\n", left_out,
+                        fmt::join(a.leave_out, ", "));
+  }
+  text += text_of_warnings(named.warnings);
   text += fmt::format("  all         {:.2f} s\n  scene       {}\n", seconds, a.output);
   verb.report(j, text);
 }

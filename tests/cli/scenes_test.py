@@ -105,6 +105,40 @@ class Scenes(cli_test.OnALog):
         pathlib.Path(self.folder, "changed.json").write_text(json.dumps(site))
         return "changed.json"
 
+    def models(self, scene):
+        """The folders of the primitives that a scene is made of."""
+        names = json.loads(pathlib.Path(self.folder, scene, "scene.json").read_text())["models"]
+        return {model["name"] for model in names} - {"ground"}
+
+    def test_plants_of_an_annotation_are_left_out(self):
+        """No primitive is used that was cut from an object of that annotation."""
+        whole = self.json_of("compose", "site.json", "primitives", "-o", "scene")
+        self.assertNotIn("primitives_left_out", whole)
+        used = self.models("scene")
+
+        def without(change):
+            name = self.annotation(change)
+            return self.json_of("compose", "site.json", "primitives", "--leave-out", name, "-o", "other")
+
+        def move(site):
+            for o in site["objects"]:
+                o["position_m"][0] += 1000
+        self.assertEqual(without(move)["primitives_left_out"], 0)
+        self.assertEqual(self.models("other"), used)
+        first = json.loads(pathlib.Path(self.folder, "site.json").read_text())["objects"][0]
+        some = without(lambda site: site.update(objects=[first]))
+        self.assertGreaterEqual(some["primitives_left_out"], 1)
+        for name in self.models("other"):
+            about = json.loads(pathlib.Path(self.folder, "primitives", name, "primitive.json").read_text())
+            self.assertNotEqual(about["source"]["position_m"], first["position_m"])
+        none = without(lambda site: None)
+        self.assertEqual((none["instances"], self.models("other")), (0, set()))
+        done = cli_test.call("compose", "site.json", "primitives", "--leave-out", "site.json", "-o", "other",
+                             cwd=self.folder)
+        self.assertRegex(done.stdout, r"left out +\d+ primitives of plants of site.json")
+        self.assert_fails(cli_test.call("compose", "site.json", "primitives", "--leave-out", "nowhere.json", "-o", "bad",
+                                        cwd=self.folder), 3, "nowhere.json")
+
     def test_of_a_site_that_is_made_up(self):
         for kind in ("forest", "savanna", "meadow"):
             made = self.json_of("annotate", "--generate", kind, "--size", "60", "40", "-o", "made.json")
