@@ -149,15 +149,16 @@ BeamLog without_margin(const StaticScan& scan) {
 
 metrics::BearingRangeHistogram simulated_histogram(const StaticScan& scan,
                                                    const elements::Model& model, bool random_ray,
-                                                   int draws, uint64_t seed) {
-  const trace::World world(model);
+                                                   bool once, int draws, uint64_t seed) {
+  const trace::World world(model, trace::Isa::kBest,
+                           once ? trace::Draws::kOnce : trace::Draws::kAnew);
   simulate::Options options;
+  options.seed = seed;
   if (random_ray) options.random_ray = scan.sensor.beam;
   BeamLog beams = scan.test;
   metrics::BearingRangeHistogram out = histogram_of(scan, beams.like());
   for (int k = 0; k < draws; ++k) {
-    options.seed = seed + uint64_t(k);
-    simulate::simulate(world, options, 0, beams);
+    simulate::simulate(world, options, size_t(k) * beams.size(), beams);
     out.add(beams);
   }
   return out;

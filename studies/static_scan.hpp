@@ -51,9 +51,9 @@ double mean_distance_of_lasers(const metrics::BearingRangeHistogram& real,
 BeamLog without_margin(const StaticScan& scan);
 
 /// Simulates each test beam on the model `draws` times, by rays on its axis or drawn from its cone,
-/// and returns the histogram.
+/// with matter that is drawn once for all of them or anew for each, and returns the histogram.
 metrics::BearingRangeHistogram simulated_histogram(const StaticScan& scan,
                                                    const elements::Model& model, bool random_ray,
-                                                   int draws, uint64_t seed);
+                                                   bool once, int draws, uint64_t seed);
 
 }  // namespace underbrush::studies

@@ -16,12 +16,18 @@ struct Contender {
   fit::FitOptions fit;
   bool random_ray = false;  ///< Whether rays are drawn from the beam's cone instead of lying on its
                             ///< axis.
+  /// Whether matter is drawn once, as `simulate` does by default, or anew for each beam, as
+  /// [deschaud12] does.
+  bool once = false;
 };
 
-/// Returns the contenders for the static targets. The surface and the voxels of [deschaud12] are
-/// there twice, with both kinds of rays.
+/// The name of the contender that the verdict judges: what `simulate` answers with its defaults.
+inline constexpr const char* kDefault = "default";
+
+/// Returns the contenders for the static targets, of which the first is `kDefault`. The surface and
+/// the voxels of [deschaud12] are there twice, with both kinds of rays.
 std::vector<Contender> static_contenders(uint64_t seed);
-/// Returns the contenders for the mobile experiment.
+/// Returns the contenders for the mobile experiment, of which the first is `kDefault`.
 std::vector<Contender> mobile_contenders(uint64_t seed);
 /// Whether a contender models vegetation as a surface.
 bool is_surface(const Contender& contender);
@@ -43,13 +49,9 @@ struct TargetScores {
   std::map<std::string, StaticScore> scores;  ///< By contender.
 };
 
-/// Returns the volumetric contender with the least mean distance over the targets.
-std::string best_volumetric(const std::vector<Contender>& contenders,
-                            const std::vector<TargetScores>& targets);
-
-/// Returns the thresholds of Table I for the best volumetric contender: its distance is at most
-/// 0.02 on the planes; on each porous target the ratio of the surface's distance (with the better
-/// of its rays) to its own is at least the paper's factor.
+/// Returns the thresholds of Table I for `kDefault`: its distance is at most 0.02 on the planes; on
+/// each porous target the ratio of the surface's distance (with the better of its rays) to its own
+/// is at least the paper's factor.
 std::vector<Check> static_checks(const std::vector<Contender>& contenders,
                                  const std::vector<TargetScores>& targets);
 

@@ -5,11 +5,6 @@
 namespace underbrush::studies {
 namespace {
 
-bool has_likelihood() {
-  const std::vector<std::string> names = fit::fitter_names();
-  return std::count(names.begin(), names.end(), "likelihood") > 0;
-}
-
 /// Returns the surface of [deschaud12] §V.C. The weight of a point ends at `radius_m`.
 fit::FitOptions surface(double cell_m, double radius_m) {
   fit::FitOptions f;
@@ -30,6 +25,8 @@ fit::FitOptions voxel(double side_m) {
   f.credit.rule = "mahalanobis";
   f.credit.ellipsoid = {0, 0};
   f.free_space_below = 0;
+  f.segment.method = "none";
+  f.ranges_as_given = true;
   return f;
 }
 
@@ -55,7 +52,9 @@ std::vector<Contender> static_contenders(uint64_t seed) {
   // (1 − r²/(2h)²)⁴ approximates. With a radius of 4 cm, lasers 47 mm apart, as at 8 m, would not
   // join.
   const fit::FitOptions mesh = surface(0.01, 0.08);
-  std::vector<Contender> out{{"surface, cone", mesh, true},
+  std::vector<Contender> out{{kDefault, {}, false, true},
+                             {"default, anew", {}},
+                             {"surface, cone", mesh, true},
                              {"surface, axis", mesh, false},
                              {"voxel, cone", voxel(0.05), true},
                              {"voxel", voxel(0.05), false},
@@ -64,7 +63,7 @@ std::vector<Contender> static_contenders(uint64_t seed) {
                              {"hierarchical", dense("hierarchical"), false},
                              {"hierarchical, first", dense("hierarchical"), false}};
   out.back().fit.credit.rule = "first";
-  if (has_likelihood()) out.push_back({"likelihood", dense("likelihood"), false});
+  out.push_back({"likelihood", dense("likelihood"), false});
   for (Contender& c : out) {
     c.fit.seed = seed;
     c.fit.segment.method = "none";
@@ -77,14 +76,15 @@ std::vector<Contender> static_contenders(uint64_t seed) {
 }
 
 std::vector<Contender> mobile_contenders(uint64_t seed) {
-  std::vector<Contender> out{{"surface", surface(0.3, 0.4), false}, {"voxel", voxel(0.3), false}};
-  std::vector<std::string> names{"top_down", "bottom_up", "hierarchical"};
-  if (has_likelihood()) names.emplace_back("likelihood");
-  for (const std::string& name : names) {
-    out.push_back({name, {}, false});
+  std::vector<Contender> out{{kDefault, {}, false, true},
+                             {"default, anew", {}},
+                             {"surface", surface(0.3, 0.4)},
+                             {"voxel", voxel(0.3)}};
+  for (const char* name : {"top_down", "bottom_up", "hierarchical"}) {
+    out.push_back({name, {}});
     out.back().fit.fitter = name;
   }
-  out.push_back({"hierarchical, best", {}, false});
+  out.push_back({"hierarchical, best", {}});
   out.back().fit.fitter = "hierarchical";
   out.back().fit.credit.rule = "best";
   for (Contender& c : out) c.fit.seed = seed;

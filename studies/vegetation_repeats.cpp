@@ -71,7 +71,8 @@ std::vector<Answered> answers(const StudyRun& run, const BeamLog& train, const B
     c.fit.min_range_m = kVehicleM;
     MemorySource source(train);
     const elements::Model model = fit::fit(source, c.fit).model;
-    const trace::World world(model);
+    const trace::World world(model, trace::Isa::kBest,
+                             c.once ? trace::Draws::kOnce : trace::Draws::kAnew);
     std::vector<bool> cones{false};
     if (is_surface(c) && !test.info.sensor.empty()) cones.push_back(true);
     for (const bool cone : cones) {

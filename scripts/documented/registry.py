@@ -72,26 +72,28 @@ def tuning():
     return tuple(part(log) for log in LOGS)
 
 
-def score_job(name, log, fit):
-    """Fits a log of WORK with these options, and scores it."""
+def score_job(name, log, fit, simulate):
+    """Fits a log of WORK with these options, simulates it with those, and scores it."""
     return Job(name, f"""underbrush fit "$WORK/{log}/train.ply" --min-range 2 {fit} -o model
-underbrush simulate model --like "$WORK/{log}/test.ply" --matter anew -o sim.ply
+underbrush simulate model --like "$WORK/{log}/test.ply" {simulate} -o sim.ply
 underbrush score "$WORK/{log}/test.ply" sim.ply --model model --name model --json scores.json
 rm -r model sim.ply""", (LOGS[log],), (HALVES[log],))
 
 
 def options_of_fit():
-    rows = {"none": "", "--mixture-rounds 0": "--mixture-rounds 0",
-            "--ellipsoid-prior-hits 1": "--ellipsoid-prior-hits 1",
-            "--config share/configs/primitives-paper.yaml": '--config "$SOURCE/share/configs/primitives-paper.yaml"'}
+    paper = '--config "$SOURCE/share/configs/primitives-paper.yaml"'
+    rows = {"default": ("", ""), "--ellipsoid-prior-hits 1": ("--ellipsoid-prior-hits 1", ""),
+            "--fitter hierarchical": ("--fitter hierarchical", ""),
+            "--config share/configs/primitives-paper.yaml": (paper, ""),
+            "this, simulated as published": (paper, "--draw volumetric --matter anew")}
 
-    def part(number, row, fit):
+    def part(number, row, fit, simulate):
         def cells(folder):
             s = read_json(folder / "scores.json")["models"]["model"]
             for column in ("packet error, m", "F1", "cloud error, m", "median range error, m", "NLL", "CRPS"):
                 yield row, column, [s[KEYS[column]]]
-        return Part((score_job(f"options_of_fit.{number}", "kitti_0027_forest", fit),), cells)
-    return tuple(part(number, row, fit) for number, (row, fit) in enumerate(rows.items()))
+        return Part((score_job(f"options_of_fit.{number}", "kitti_0027_forest", fit, simulate),), cells)
+    return tuple(part(number, row, *words) for number, (row, words) in enumerate(rows.items()))
 
 
 # ------------------------------------------------------------------------------------------------- the studies
@@ -124,8 +126,8 @@ def label_path(folder):
 def vegetation(folder):
     targets = {"planes": "planes", "high tree": "tree_high", "medium tree": "tree_medium", "low tree": "tree_low",
                "tall grass": "tall_grass", "short grass": "short_grass"}
-    rows = {"surface, cone / axis": ("surface, cone", "surface, axis"), "voxel": ("voxel",), "top_down": ("top_down",),
-            "bottom_up": ("bottom_up",), "hierarchical": ("hierarchical",), "likelihood": ("likelihood",)}
+    rows = {"surface, cone / axis": ("surface, cone", "surface, axis"), "default": ("default",)}
+    rows |= {row: (row,) for row in ("default, anew", "voxel", "top_down", "bottom_up", "hierarchical", "likelihood")}
     figures = read_json(folder / "study.json")["figures"]["static"]
     for column, target in targets.items():
         yield "look-up", column, [figures[target]["lookup"]]

@@ -9,6 +9,7 @@
 #include "studies/targets.hpp"
 #include "studies/transfer.hpp"
 #include "studies/vegetation.hpp"
+#include "underbrush/fit/parameters.hpp"
 
 namespace underbrush::studies {
 namespace {
@@ -33,42 +34,80 @@ TEST(Study, VerdictIsThatOfItsChecks) {
             "e: nan, must be at most 1");
 }
 
-TEST(Study, VegetationVerdictFailsOnABrokenModel) {
-  const StudyResult good = planes();
-  EXPECT_EQ(verdict(good.checks), "holds");
-  const auto distance = [&](const char* contender) {
-    return good.figures.at("static")
-        .at("planes")
-        .at("models")
-        .at(contender)
-        .at("distance")
-        .get<double>();
+double distance_on_planes(const StudyResult& result, const char* contender) {
+  return result.figures.at("static")
+      .at("planes")
+      .at("models")
+      .at(contender)
+      .at("distance")
+      .get<double>();
+}
+
+TEST(Study, VegetationIsJudgedByTheDefault) {
+  const StudyResult found = planes();
+  EXPECT_EQ(found.tables.at(0).rows.at(3).at(0), kDefault);  // below the published ones
+  EXPECT_EQ(found.checks.at(0).value, distance_on_planes(found, kDefault));
+  // Matter that is drawn once is the same in all repetitions of a beam, whose spread it lacks.
+  EXPECT_EQ(verdict(found.checks).rfind("falls short: default on planes, distance: ", 0), 0u);
+  EXPECT_GT(distance_on_planes(found, kDefault), 0.2);
+  // In the paper's protocol the same model has it, and one for such logs keeps the limit.
+  EXPECT_LT(distance_on_planes(found, "default, anew"), 0.03);
+  EXPECT_LT(distance_on_planes(found, "likelihood"), 0.02);
+  EXPECT_LT(distance_on_planes(found, "likelihood"),
+            1.5 * distance_on_planes(found, "hierarchical"));  // its start
+}
+
+TEST(Study, ContendersOfThePaperHaveTheParametersOfItsConfigurations) {
+  const auto holds = [](const std::vector<Contender>& contenders, const std::string& name,
+                        const std::string& file) {
+    const auto c = std::find_if(contenders.begin(), contenders.end(),
+                                [&](const Contender& x) { return x.name == name; });
+    ASSERT_NE(c, contenders.end());
+    std::ifstream in(std::string(UNDERBRUSH_CONFIGS) + file);
+    size_t compared = 0;
+    for (std::string line; std::getline(in, line);) {
+      const size_t colon = line.find(": ");
+      if (line.empty() || line[0] == '#') continue;
+      for (const fit::Parameter& p : fit::parameters()) {
+        if (p.name != line.substr(0, colon)) continue;
+        ++compared;
+        EXPECT_EQ(p.text(c->fit), line.substr(colon + 2)) << file << " " << p.name;
+      }
+    }
+    EXPECT_GE(compared, 5u);
   };
-  EXPECT_LT(distance("likelihood"), 1.5 * distance("hierarchical"));  // its start
+  holds(static_contenders(1), "voxel", "vegetation-paper-static.yaml");
+  holds(static_contenders(1), "voxel, cone", "vegetation-paper-static.yaml");
+  holds(mobile_contenders(1), "voxel", "vegetation-paper.yaml");
+  holds(mobile_contenders(1), "surface", "vegetation-surface-mobile.yaml");
+}
+
+TEST(Study, VegetationFallsShortOnABrokenModelInThePapersProtocol) {
   const StudyResult permeable = planes([](elements::Model& model) {
     for (elements::Ellipsoid& e : model.ellipsoids) {
       e.hit.p *= 0.5f;
       e.density_per_m *= 0.1f;  // which the models of the likelihood have in its place
     }
   });
-  EXPECT_EQ(verdict(permeable.checks).rfind("falls short: ", 0), 0u);
+  EXPECT_GT(distance_on_planes(permeable, "likelihood"), 0.02);
   const StudyResult displaced = planes([](elements::Model& model) {
     for (elements::Ellipsoid& e : model.ellipsoids) e.mean.x() += 0.01f;
   });
-  EXPECT_EQ(verdict(displaced.checks).rfind("falls short: ", 0), 0u);
+  EXPECT_GT(distance_on_planes(displaced, "likelihood"), 0.02);
 }
 
 TEST(Study, VegetationChecksHaveThePapersFactors) {
-  std::vector<Contender> contenders{{"mesh", {}, false}, {"volumes", {}, false}};
-  contenders[0].fit.fitter = "rimls";
+  std::vector<Contender> contenders{{kDefault, {}}, {"mesh", {}}, {"volumes", {}}};
+  contenders[1].fit.fitter = "rimls";
   TargetScores target;
   target.target = "tree_low";
   target.scores["mesh"].distance = 0.62;
+  target.scores["volumes"].distance = 1e-6;  // It is not judged, however good it is.
   for (const auto& [distance, holds] : {std::pair{0.056, true}, {0.057, false}}) {
-    target.scores["volumes"].distance = distance;
+    target.scores[kDefault].distance = distance;
     EXPECT_EQ(static_checks(contenders, {target}).at(0).holds(), holds) << distance;
   }
-  target.scores["volumes"].distance = INFINITY;
+  target.scores[kDefault].distance = INFINITY;
   EXPECT_FALSE(static_checks(contenders, {target}).at(0).holds());
 }
 
@@ -127,7 +166,7 @@ TEST(Study, ReportIsOnePageThatLoadsNothing) {
   const auto page = write_study_report(folder.path(), studies()[0], result, "{\"seed\": 1}");
   std::ifstream in(page);
   const std::string html{std::istreambuf_iterator<char>(in), {}};
-  EXPECT_NE(html.find("Verdict: holds"), std::string::npos);
+  EXPECT_NE(html.find("Verdict: falls short"), std::string::npos);
   EXPECT_NE(html.find("a &lt;note&gt;"), std::string::npos);
   EXPECT_NE(html.find("data:image/png;base64,"), std::string::npos);
   EXPECT_NE(html.find("<svg"), std::string::npos);
