@@ -73,12 +73,11 @@ TEST(MovingObjects, AreAwayBeforeAndAfterTheirLabels) {
     track.seen.push_back(
         {uint32_t(k), 1 + 0.1 * k, {1, track.label, {{10.0 + k, 0, 1}, 0, track.size_m}}});
   }
-  elements::Scene scene;
-  elements::SceneInfo info;
-  scene.models.emplace_back();
-  add_objects(scene, info, {track}, meshes_of({track}));
-  ASSERT_EQ(info.movers.size(), 1u);
-  const Trajectory& path = info.movers[0].world_from_object;
+  pipeline::World world;
+  world.scene.models.emplace_back();
+  add_objects(world, {track}, meshes_of({track}));
+  ASSERT_EQ(world.info.movers.size(), 1u);
+  const Trajectory& path = world.info.movers[0].world_from_object;
   EXPECT_LT(path.poses().front().world_from_sensor.translation.z(), -100);
   EXPECT_LT(path.poses().back().world_from_sensor.translation.z(), -100);
   EXPECT_NEAR(path.at(1.05)->translation.x(), 10.5, 1e-9);
