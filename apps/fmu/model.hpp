@@ -25,7 +25,7 @@ struct Values {
   Values();
 };
 
-/// What a model remembers from step to step.
+/// The state that a model keeps from step to step.
 struct Memory {
   osi::StaticData known;
   std::optional<osi::Timestamp> last;  ///< Time of the last input that was processed.

@@ -8,7 +8,7 @@
 #include <string_view>
 
 namespace underbrush {
-/// The FMU: a sensor model for co-simulation that speaks OSI.
+/// The FMU: a sensor model for co-simulation, with OSI messages as input and output.
 namespace fmu {
 
 /// The value references. A binary variable is three integers in FMI 2.0, as OSMP says: the lower
@@ -53,7 +53,7 @@ struct Variable {
   std::string_view name;
   Type type;
   Role role;
-  std::string_view start;    ///< As text; of a binary variable the OSI message that it holds.
+  std::string_view start;    ///< The initial value; for a binary variable, the OSI message.
   std::string_view meaning;  ///< A sentence for the model description.
 };
 

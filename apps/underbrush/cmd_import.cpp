@@ -81,7 +81,7 @@ void add_options(Verb& verb, Arguments& a) {
       ->capture_default_str();
   app.add_flag(
       "--points-in-world", a.input.points_in_world,
-      "The points are in the world frame already, and the poses only say where the sensor was");
+      "The points are in the world frame already, and the poses only give the place of the sensor");
   app.add_flag("--float", a.float_coordinates, "Write coordinates as float instead of double");
 }
 

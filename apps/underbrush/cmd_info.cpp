@@ -211,8 +211,8 @@ void add_info(Program& program) {
   verb->app
       .add_option("--leaves", a->leaves,
                   "Print the inclination of the leaves instead (mean and sigma of arccos n_z, and "
-                  "epsilon): of a log's vegetation, which is what its labels say or else what is "
-                  "not ground, 3 to 25 m away; or of all points")
+                  "epsilon), for the points of a log that are vegetation (by its labels, or else "
+                  "all that are not ground), 3 to 25 m away, or for all points")
       ->check(CLI::IsMember({"vegetation", "all"}));
 }
 

@@ -56,7 +56,7 @@ void add_options(Verb& verb, Arguments& a) {
       ->type_name("FROM TO")
       ->capture_default_str();
   app.add_option("--validate", a.cut.one_in,
-                 "Hold one scan in this many out of the fit as its judge (with few scans: groups "
+                 "Hold one scan in this many out of the fit, to score it (with few scans: groups "
                  "of beams of each scan)")
       ->check(CLI::Range(2, 1 << 30))
       ->capture_default_str();

@@ -49,14 +49,14 @@ void add_existence_options(Verb& verb, Arguments& a) {
                  "with points, or after --needed of --window cycles")
       ->check(CLI::IsMember({"probability", "in-a-row", "out-of"}))
       ->capture_default_str();
-  app.add_option("--gain", e.step.gain, "What a cycle with points adds to the probability")
+  app.add_option("--gain", e.step.gain, "Probability that a cycle with points adds")
       ->capture_default_str();
-  app.add_option("--loss", e.step.loss, "What a cycle without points takes from it")
+  app.add_option("--loss", e.step.loss, "Probability that a cycle without points subtracts")
       ->capture_default_str();
   app.add_option("--threshold", e.threshold, "Probability from which on an object is listed")
       ->capture_default_str();
   app.add_option("--start-points", e.step.start_points,
-                 "An object that is not listed needs more points than these")
+                 "An object that is not listed needs more points than this number")
       ->capture_default_str();
   app.add_option("--full-extent", e.full_extent_m,
                  "Segments that are smaller than this add less, m; 0 = all add the same")
@@ -64,7 +64,8 @@ void add_existence_options(Verb& verb, Arguments& a) {
   app.add_option("--needed", e.needed, "Cycles with points")->capture_default_str();
   app.add_option("--window", e.window, "Cycles among which they are counted")
       ->capture_default_str();
-  app.add_option("--lost", e.lost, "Cycles without points that drop an object; not by probability")
+  app.add_option("--lost", e.lost,
+                 "Cycles without points after which an object is dropped; not by probability")
       ->capture_default_str();
 }
 
@@ -88,11 +89,12 @@ void add_state_options(Verb& verb, Arguments& a) {
   app.add_flag("--merge-close", r.enabled,
                "Merge objects of the tracking model that are nearer to each other than the sensor "
                "resolves");
-  app.add_option("--merge-gap", r.least_gap_m, "Least such distance, m")->capture_default_str();
+  app.add_option("--merge-gap", r.least_gap_m, "Distance below which objects are always merged, m")
+      ->capture_default_str();
   auto& g = a.setup.ghosts;
   app.add_option("--ghosts-per-s", g.rate_per_s, "Objects that do not exist, in each second")
       ->capture_default_str();
-  app.add_option("--ghost-life", g.mean_life_s, "Mean time for which one stays, s")
+  app.add_option("--ghost-life", g.mean_life_s, "Mean life of such an object, s")
       ->capture_default_str();
 }
 

@@ -61,7 +61,7 @@ void add_options(Verb& verb, Arguments& a) {
   app.add_option("LOG", a.log, "The log (ray cloud PLY, as import writes it)")->required();
   verb.output("-o,--output", a.output,
               "The log with the columns class and instance; columns of these names that it has "
-              "already are kept as given_class and given_instance and compared with")
+              "already are kept as given_class and given_instance, for comparison")
       ->type_name("LABELLED.ply");
   app.add_option("--labels", a.labels,
                  "Take labels from this file: a SemanticKITTI .label file, or a PLY, PCD or CSV "

@@ -12,9 +12,10 @@ namespace underbrush::app {
 /// The scan, below the folder of files that travel with the program.
 inline constexpr const char* kExampleScan = "examples/marv_forest.pcd";
 
-/// The scan's file: in the folder of the environment variable UNDERBRUSH_SHARE or, where
-/// that is not set, of share/underbrush/ beside an installed program's bin/, or of share/ in the
-/// source tree that holds the program's build folder. None where it is absent.
+/// Finds the file of the example scan. It is searched in the folder that the environment variable
+/// UNDERBRUSH_SHARE names or, where that is not set, in share/underbrush/ beside an installed
+/// program's bin/, or in share/ of the source tree that holds the program's build folder. The
+/// result is empty if the file does not exist.
 std::optional<std::filesystem::path> example_scan();
 
 /// Imports the scan to `folder`/log.ply and splits it: its odd columns go to test.ply, the others

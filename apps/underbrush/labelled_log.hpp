@@ -24,7 +24,7 @@ struct LabelsOfHits {
 /// Returns the labels that `segment_log` found.
 LabelsOfHits found_of(const primitives::LogLabels& labels);
 
-/// Returns what the given labels say of each hit.
+/// Returns the prior of each hit, which is its class and instance in the given labels.
 std::vector<primitives::Prior> priors_of(const primitives::GivenLabels& given);
 
 /// Keeps classes and instances that are given and takes the others from the search.

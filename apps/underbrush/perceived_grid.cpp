@@ -24,7 +24,7 @@ void add_grid_options(Verb& verb, GridSetup& setup) {
   verb.begin_rare_group("Grid");
   app.add_option("--cell", setup.grid.cell_m, "Side of a cell, m")->capture_default_str();
   app.add_option("--half-side", setup.grid.half_side_m,
-                 "The grid reaches so far from the vehicle along x and y, m")
+                 "Distance that the grid reaches from the vehicle along x and y, m")
       ->capture_default_str();
   app.add_option("--low", setup.grid.low_m, "Matter counts from this height above the ground on, m")
       ->capture_default_str();

@@ -24,7 +24,8 @@ struct Tuning {
   const optimize::Evaluation& tuned() const { return evaluations[optimize::best_of(evaluations)]; }
 };
 
-/// Returns the sentence on a slice for `Tuning::what`. `scene`: all of its beams judge a scene.
+/// Returns the sentence on a slice for `Tuning::what`. With `scene`, a scene is scored with all
+/// beams of the slice.
 std::string sentence_on(const optimize::Slice& slice, const optimize::SliceOptions& cut,
                         bool scene);
 /// Returns the search as JSON.

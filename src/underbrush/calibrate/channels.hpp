@@ -8,9 +8,9 @@ namespace underbrush::calibrate {
 /// Options of `learn_offsets`.
 struct ChannelOptions {
   double min_range_m = 0;        ///< Nearer returns are left out.
-  double max_range_m = 40;       ///< So are farther ones, at which angles count more than ranges.
+  double max_range_m = 40;       ///< Farther returns, where errors of angles prevail, are left out.
   double cell_m = 0.5;           ///< Side of the cells that are searched for flat surfaces.
-  double prior_m = 0.03;         ///< Standard deviation of an offset before anything was seen.
+  double prior_m = 0.03;         ///< Standard deviation of the prior of an offset.
   int rounds = 4;                ///< How often surfaces and offsets are found by turns.
   size_t most_points = 1 << 19;  ///< A longer log gives evenly spread blocks.
 };
@@ -23,8 +23,9 @@ struct ChannelOptions {
 /// normal n and the mean a = n · d over their directions d, e = a · offset + plane + noise. The
 /// plane's three parameters are eliminated from the least squares, so that a ring is compared with
 /// the others on the same surface, and all offsets are found together, as in the calibration by
-/// planes of [glennie10]. A normal prior about their mean holds back what the surfaces do not tell.
-/// The mean is taken away at the end, because an offset that all share moves the surfaces instead.
+/// planes of [glennie10]. A normal prior about their mean determines the offsets that the surfaces
+/// leave undetermined. The mean is subtracted at the end, because an offset that all share moves
+/// the surfaces instead.
 ///
 /// Returns the rings that were seen in at least ten flat cells, with the posterior standard errors
 /// (of noise alone: uneven surfaces can add some millimetres), but only if the offsets stand out:

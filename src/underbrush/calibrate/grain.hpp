@@ -9,8 +9,8 @@
 #include "underbrush/elements/model.hpp"
 
 namespace underbrush {
-/// What a log tells about its sensor and the matter of its world: the channels' range offsets,
-/// light and grain.
+/// Estimates properties of a sensor and of the matter around it from a log: the channels' range
+/// offsets, light and grain.
 namespace calibrate {
 
 /// What was learnt. The roughness of a log is `RingRoughness::median`.

@@ -17,9 +17,9 @@ namespace underbrush::calibrate {
 /// intensities are all 0, or beyond what a reflectance can be as a float, leaves it without.
 void learn_light(elements::Model& model, BeamSource& log);
 
-/// Learns the reflectances of some elements (`wanted`, one an element) from the returns of a log
-/// under the response that the model has; other elements keep theirs. Nothing changes in a model
-/// without light, or where nothing is wanted.
+/// Learns the reflectances of some elements from the returns of a log, with the response that the
+/// model has. `wanted` has one value for each element; the other elements keep their reflectances.
+/// A model without light does not change, nor does one in which no element is wanted.
 void learn_reflectances(elements::Model& model, BeamSource& log, const std::vector<bool>& wanted);
 
 }  // namespace underbrush::calibrate

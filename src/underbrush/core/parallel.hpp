@@ -31,7 +31,7 @@ void parallel_in_order(size_t n, size_t ahead, const std::function<void(size_t)>
 void sort_keys(std::vector<std::array<uint64_t, 2>>& keys);
 
 /// Calls `a` and `b`, at the same time if a thread is free. If both throw, the exception of `a` is
-/// passed on. Neither call is cut short by the other's exception.
+/// passed on. An exception of one call does not interrupt the other.
 void parallel_invoke(const std::function<void()>& a, const std::function<void()>& b);
 
 }  // namespace underbrush

@@ -12,8 +12,8 @@ namespace underbrush::credit {
 /// of the log and the label set that the log names. A hit belongs to the element that explains its
 /// range best (`credit` with the rule "best"). Classes that Underbrush does not have are added to
 /// `model.class_names`. The grain of the most frequent classes becomes the usual one
-/// (`elements::usual_grain_m`). A log without labels leaves the model as it is. With `wanted`, one
-/// an element, only these get a class, and the grain stays.
+/// (`elements::usual_grain_m`). A log without labels leaves the model as it is. If `wanted` is
+/// given (one value for each element), only the wanted elements get a class, and the grain stays.
 void learn_classes(elements::Model& model, BeamSource& log, const std::vector<bool>& wanted = {});
 
 }  // namespace underbrush::credit

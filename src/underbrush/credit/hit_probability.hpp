@@ -66,7 +66,7 @@ struct CreditedResiduals {
 
 /// The hits and misses that beams give the elements of a model.
 struct Tally {
-  std::vector<Trials> of;  ///< One an element.
+  std::vector<Trials> of;  ///< The trials of each element.
   CreditedResiduals residuals;
 
   /// Starts without beams. Throws `std::invalid_argument` for an unknown rule and for options out

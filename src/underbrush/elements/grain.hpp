@@ -43,8 +43,9 @@ struct Grain {
   void check() const;
 };
 
-/// The grain (m) of a class of that name where no log tells it: the width of its leaves, blades or
-/// needles, or the size over which the surface of a solid thing is even.
+/// The default grain (m) of the class with this name, for models whose log gives no estimate: the
+/// width of its leaves, blades or needles, or the size over which the surface of a solid thing is
+/// even.
 double usual_grain_m(std::string_view class_name);
 
 }  // namespace underbrush::elements

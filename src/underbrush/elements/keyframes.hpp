@@ -38,8 +38,8 @@ struct Keyframe {
 ///   w N_model + Σ_k r_k Σ_s c_s N(z_k, σ_s²)
 ///
 /// of the answer of the elements and the ranges z_k of the pixels seen along the beam, where a
-/// pixel without a return stands for a miss. The weights w and r_k sum to 1, and so do the c_s.
-/// What is unknown leaves its weight to the elements.
+/// pixel without a return stands for a miss. The weights w and r_k sum to 1, and so do the c_s. The
+/// weight of a pixel that is unknown goes to the elements.
 struct KeyframeTrust {
   static constexpr size_t kPixels = 8, kScales = 3;
   double elements = 1;                                  ///< w
@@ -50,10 +50,11 @@ struct KeyframeTrust {
 
 /// The keyframes of a log.
 struct Keyframes {
-  /// Keyframes that one beam looks at, and the pixels that it looks at in each.
+  /// Number of keyframes that are queried for one beam, and of pixels in each of them.
   static constexpr size_t kFrames = 2, kPixelsOfFrame = KeyframeTrust::kPixels / kFrames;
-  /// Situations: upper bounds of the distance to the nearest keyframe (m), beyond the last of which
-  /// nothing is remembered, times how well the pixels agree (`agreement`).
+  /// A situation is an interval of the distance to the nearest keyframe and a class of how well the
+  /// pixels agree (`agreement`). These are the upper bounds of the intervals (m); beyond the last
+  /// one keyframes are not used.
   static constexpr std::array<double, 6> kDistances{0.05, 0.3, 0.8, 1.6, 4, 8};
   static constexpr size_t kAgreements = 7, kSituations = kDistances.size() * kAgreements;
 
@@ -78,9 +79,9 @@ struct Keyframes {
   void check() const;
 };
 
-/// How well the ranges (m; infinite for a miss) of the pixels that a beam sees agree: 0 none
-/// returned, 1 most did not, 2 some did not, 3 to 6 all did, within 0.15, 0.5, 2 m and farther
-/// apart.
+/// Classifies how well the ranges (m; infinite for a miss) of the pixels found for a beam agree.
+/// The result is 0 if no pixel has a return, 1 if most have none, and 2 if some have none. If all
+/// have one, it is 3, 4 or 5 for ranges within 0.15, 0.5 or 2 m of each other, else 6.
 size_t agreement(const double* range_m, size_t count);
 
 /// Where directions lie in the keyframes' image. Angles are those of the sensor's frame; its x axis

@@ -33,9 +33,9 @@ struct HitCount {
 struct TriangleMesh {
   std::vector<Vec3f> vertices;                     ///< m, relative to the model's origin.
   std::vector<std::array<uint32_t, 3>> triangles;  ///< Indices into `vertices`.
-  std::vector<HitCount> hit;                       ///< One per triangle.
-  std::vector<Reflectance> light;                  ///< One per triangle; empty where unknown.
-  double range_sigma_m = 0;  ///< m; standard deviation σ of the range about the surface.
+  std::vector<HitCount> hit;                       ///< The hits of each triangle.
+  std::vector<Reflectance> light;  ///< The light of each triangle; empty if unknown.
+  double range_sigma_m = 0;        ///< m; standard deviation σ of the range about the surface.
   /// h (m): standard deviation, along the normal, of the surface about the mesh. A beam at the
   /// angle of incidence θ has the range variance σ² = range_sigma_m² + (h / max(|cos θ|, 0.01))².
   double roughness_m = 0;

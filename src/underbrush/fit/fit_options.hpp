@@ -33,7 +33,8 @@ struct FitOptions {
   /// Whether the grain of the matter is learnt (`calibrate::learn_grain`, and from all echoes
   /// `calibrate::learn_grain_of_echoes`). Otherwise it is the usual one.
   bool learn_grain = true;
-  /// The sensor that recorded the log, as in `LogInfo`; empty: as the log says.
+  /// The sensor that recorded the log, as in `LogInfo`. If empty, it is the sensor that the log
+  /// names.
   std::string sensor, sensor_file;
   uint64_t seed = 1;
   double tau = 3;               ///< A beam meets an ellipsoid within this Mahalanobis distance.

@@ -1,5 +1,6 @@
 /// \file
-/// What a fit remembers of its tiles, so that `update` can add scans without starting again.
+/// The record of the tiles of a fit, which `update` needs to add scans without fitting all of them
+/// again.
 #pragma once
 #include <cstdint>
 #include <vector>

@@ -54,11 +54,12 @@ const Parameter kParameters[] = {
     {"voxel-bounded", kVoxel, "", "A beam meets a Gaussian only within the Gaussian's own voxel",
      at([](Options& o) -> auto& { return o.volumetric.voxel.bounded; }), kReference},
 
-    {"top-down-min-points", kTopDown, "", "Least number of points of a half",
+    {"top-down-min-points", kTopDown, "",
+     "Least number of points of each half of a cluster that is split",
      at([](Options& o) -> auto& { return o.volumetric.top_down.min_points; }), kHelpAll,
      TuningRange{3, 50, kWhole, kTuned}},
 
-    {"bottom-up-cell", kBottomUp, "m", "Side of the first, small clusters",
+    {"bottom-up-cell", kBottomUp, "m", "Side of the cubes whose points make the first clusters",
      at([](Options& o) -> auto& { return o.volumetric.bottom_up.cell_m; }), kHelpAll,
      TuningRange{0.03, 0.5, kLog, kTuned}},
 
@@ -72,11 +73,12 @@ const Parameter kParameters[] = {
      at([](Options& o) -> auto& { return o.surface.least_kernel_m; }), kReference,
      TuningRange{0.1, 1, kLog, kTuned}},
     {"surface-border", kSurface, "kernels",
-     "Largest offset of the points' mean from the surface; beyond it is a hole",
+     "Largest offset of the points' mean from the surface; the surface has a hole where it is "
+     "larger",
      at([](Options& o) -> auto& { return o.surface.border; }), kReference,
      TuningRange{0.05, 0.9, kLinear, kTuned}},
     {"surface-noise", kSurface, "m",
-     "σ of the simulated range; 0 = as the residuals along the beams are",
+     "Standard deviation of the simulated range; 0 = that of the residuals along the beams",
      at([](Options& o) -> auto& { return o.surface.noise_m; }), kReference},
     {"surface-carve", kSurface, "", "Leave out triangles that most beams passed",
      at([](Options& o) -> auto& { return o.surface.carve; }), kHelp},
@@ -94,11 +96,12 @@ const Parameter kParameters[] = {
 
     {"tau", kEllipsoids, "", "Mahalanobis distance within which a beam meets an ellipsoid",
      at([](Options& o) -> auto& { return o.tau; }), kHelp, TuningRange{0.5, 5, kLinear, kTuned}},
-    {"max-residual-for-hit", kHitProbability, "m", "A triangle explains a point nearer than this",
+    {"max-residual-for-hit", kHitProbability, "m",
+     "Distance below which a triangle explains a point",
      at([](Options& o) -> auto& { return o.credit.max_residual_for_hit_m; }), kReference,
      TuningRange{0.05, 3, kLog, kTuned}},
     {"covariance-prior", kEllipsoids, "points",
-     "Points' worth of the usual size mixed into each ellipsoid's covariance",
+     "Weight of the usual size of ellipsoids, as a prior of each covariance",
      at([](Options& o) -> auto& { return o.volumetric.ellipsoid.prior_points; }), kReference,
      TuningRange{0, 10, kLinear, kTuned}},
     {"ellipsoid-prior-hits", kEllipsoids, "", "Prior hits of an ellipsoid",
@@ -108,7 +111,7 @@ const Parameter kParameters[] = {
      at([](Options& o) -> auto& { return o.credit.ellipsoid.b; }), kReference,
      TuningRange{0, 10, kLinear, kIfNamed}},
     {"free-space-below", kEllipsoids, "",
-     "Drop ellipsoids with hits / (hits + misses) below this: nothing stands there",
+     "Drop ellipsoids whose share of hits, hits / (hits + misses), is below this",
      at([](Options& o) -> auto& { return o.free_space_below; }), kHelpAll,
      TuningRange{0, 0.5, kLinear, kIfNamed}},
     {"range-noise", kCommon, "m", "The sensor's range noise",
@@ -126,16 +129,16 @@ const Parameter kParameters[] = {
     {"rounds", kLikelihood, "", "Largest number of M-steps",
      at([](Options& o) -> auto& { return o.likelihood.rounds; })},
     {"spent-at-start", kLikelihood, "",
-     "Ellipsoids of the start grow as if their n points had been fitted with k parameters: their "
-     "variances by (n + k) / (n - k)",
+     "Number k of parameters fitted to the n points of each ellipsoid of the start; its variances "
+     "grow by (n + k) / (n - k)",
      at([](Options& o) -> auto& { return o.likelihood.maximisation.spent_at_start; }), kReference},
     {"dropout", kLikelihood, "",
-     "Assumed probability that a return is lost, so that a single miss does not make what the beam "
-     "met permeable",
+     "Assumed probability that a return is lost, so that a single miss does not make the elements "
+     "that the beam met permeable",
      at([](Options& o) -> auto& { return o.likelihood.dropout; }), kHelpAll,
      TuningRange{0.01, 0.9, kLinear, kTuned}},
     {"sharpness", kLikelihood, "",
-     "Exponent on the probabilities of the final model: above 1 draws have smaller errors and the "
+     "Exponent on the probabilities of the final model; above 1, draws have smaller errors, and the "
      "likelihood is worse", at([](Options& o) -> auto& { return o.likelihood.sharpness; }), kHelpAll,
      TuningRange{0.5, 5, kLog, kIfNamed}},
     {"keyframes", kLikelihood, "m",

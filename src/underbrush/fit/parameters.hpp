@@ -58,7 +58,7 @@ using ParameterField =
 enum class Listed {
   kHelp,       ///< `--help`.
   kHelpAll,    ///< `--help-all`.
-  kReference,  ///< Neither: the configurations of papers and of studies set it.
+  kReference,  ///< Only the page; configurations of papers and of studies set it.
 };
 
 /// A parameter of a fit.

@@ -57,7 +57,8 @@ elements::TriangleMesh mesh_of_ground(const ground::HeightMap& heights, const Fi
   mesh.vertices = std::move(ground.vertices);
   mesh.triangles = std::move(ground.triangles);
   mesh.hit.resize(mesh.triangles.size());
-  // Until residuals along the beam tell them apart: all of the vertical ones is roughness.
+  // Until residuals along the beam separate noise and roughness, all of the vertical residuals
+  // counts as roughness.
   mesh.range_sigma_m = options.range_noise_m;
   mesh.roughness_m = heights.sigma_m;
   return mesh;

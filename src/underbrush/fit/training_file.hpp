@@ -12,7 +12,7 @@ namespace underbrush::fit {
 
 /// A log that a model was fitted to.
 struct TrainingLog {
-  std::string file;  ///< As it was named.
+  std::string file;  ///< The path that the caller gave.
   std::string hash;
   uint64_t beams = 0;
 };

@@ -18,7 +18,7 @@ namespace underbrush::io {
 struct MeshMaterial {
   std::string name;
   /// Pairs of wavelength (m) and reflectance, in rising order of wavelength. A single pair holds at
-  /// every wavelength. Empty where the file says nothing about reflectance.
+  /// every wavelength. Empty if the file has no reflectance.
   std::vector<std::pair<double, double>> reflectance;
   std::optional<int> classification;  ///< `helios_classification`: a class as in LAS, 0 to 255.
 };

@@ -17,8 +17,8 @@ struct PoseList {
   std::vector<double> time_s;  ///< s; as long as `pose`; empty where the format has no times.
 };
 
-/// Reads a file of poses. The number of columns tells the format: 8 is TUM (t tx ty tz qx qy qz
-/// qw), 12 is KITTI (row-major 3×4), 13 is a time followed by KITTI's. Throws `FormatError` for
+/// Reads a file of poses. The format follows from the number of columns: 8 is TUM (t tx ty tz qx qy
+/// qz qw), 12 is KITTI (row-major 3×4), 13 is a time followed by KITTI's. Throws `FormatError` for
 /// other rows, for quaternions whose length is not 1 within 0.005, for matrices that are not
 /// rotations within 0.005, and for a time that occurs twice.
 PoseList read_poses(const std::filesystem::path& path);

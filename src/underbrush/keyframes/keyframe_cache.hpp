@@ -51,9 +51,9 @@ class KeyframeCache {
   static bool serves(const elements::Model& model, const LogInfo& beams);
   /// The keyframes that may be the nearest ones to one of some places (world, m).
   std::vector<uint32_t> candidates(std::span<const Vec3> origins) const;
-  /// Finds the nearest of some keyframes to a place (world, m), of which none is farther than the
-  /// last of `Keyframes::kDistances`. Those nearer than `least_m` do not count, and neither does
-  /// `except`.
+  /// Finds those of some keyframes (`among`) that are nearest to a place (world, m) and not farther
+  /// than the last of `Keyframes::kDistances`. Keyframes nearer than `least_m` and the keyframe
+  /// `except` are left out.
   Near near(const Vec3& origin, std::span<const uint32_t> among, double least_m = 0,
             uint32_t except = Near::kNone) const;
   /// A beam to look up.
@@ -65,14 +65,14 @@ class KeyframeCache {
   /// Makes queries of beams of some channels, with the keyframes nearest to their origins, or with
   /// none where the keyframes do not have the channel.
   std::vector<Query> queries(std::span<const Ray> rays, std::span<const uint16_t> rings) const;
-  /// Finds the pixels of each query. The result of one does not depend on the others.
+  /// Finds the pixels of each query. The result of a query does not depend on the other queries.
   std::vector<CachedPixels> look_up(std::span<const Query> beams) const;
 
   const elements::KeyframeTrust& trust(const CachedPixels& r) const {
     return keyframes_->trust[r.situation];
   }
-  /// Draws from the mixture of `KeyframeTrust`; nothing where the elements are to answer. `u`, even
-  /// in [0, 1), selects the pixel, and `noise` is the key of the error of its range.
+  /// Draws from the mixture of `KeyframeTrust`. The result is empty if the elements are to answer.
+  /// `u`, even in [0, 1), selects the pixel, and `noise` is the key of the error of its range.
   std::optional<CachedReturn> drawn(const CachedPixels& r, double u, uint64_t noise) const;
   /// The return of pixel `k` of those found, without an error of its own.
   static CachedReturn return_of(const CachedPixels& r, size_t k);

@@ -72,7 +72,7 @@ UNDERBRUSH_CLONES void expect(const TrustSample* samples, const uint32_t* which,
     const double total =
         s.outlier + of_elements * s.elements + sum_of(__builtin_convertvector(sum, D));
     if (!(total > 0)) continue;
-    // Pixels that a beam does not see leave their weight to the elements, and its share there.
+    // A pixel that a beam does not find has the density of the elements, with its own weight.
     out.elements += t.elements * s.elements / total;
     const auto one = float(1 / total);
     pixels += __builtin_convertvector(one * (sum + unseen * float(s.elements)), D);

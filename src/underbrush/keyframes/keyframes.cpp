@@ -159,7 +159,8 @@ std::vector<TrustSample> samples_of(const elements::Model& model,
   return samples;
 }
 
-/// Beams of each half of the columns of the only scan that look at an image of the other half.
+/// Samples from a log of one scan: the beams of each half of its columns, which are looked up in an
+/// image of the other half.
 std::vector<TrustSample> samples_between_columns(elements::Model& model, BeamSource& log,
                                                  const KeyframeOptions& options) {
   const std::shared_ptr<const Keyframes> whole = model.keyframes;

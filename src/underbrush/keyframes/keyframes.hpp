@@ -20,21 +20,22 @@ struct KeyframeOptions {
   size_t most_bytes = size_t(1) << 28;
   /// Beams that the trust is learnt from, in each half of the columns if the log has one scan.
   size_t samples = 60'000;
-  /// The beams that the elements were not learnt from. The trust is learnt from them alone where
-  /// they are at least a quarter of `samples`, since the elements know their own beams too well.
+  /// The beams from which the elements were not learnt. The trust is learnt from these beams alone
+  /// if they are at least a quarter of `samples`, because the elements fit their training beams too
+  /// well.
   credit::HeldOut held_out{0};
 };
 
 /// Keeps keyframes of a log in its model. The trust in each situation (`elements::KeyframeTrust`)
-/// is learnt by expectation and maximisation from beams of the log: a beam looks at keyframes other
-/// than its own scan, at several distances, and the weights are those that make its outcome
-/// likeliest beside the answer of the model's elements. Where too few beams were so near to a
-/// keyframe, the trust is that of the next farther distance; beyond the farthest one that beams
-/// looked at nothing is trusted, and a log too short to trust anything gives no keyframes. Where
-/// the log has one scan only, the beams of each half of its columns look at an image of the other
-/// half, between whose columns they lie, and the weight of the elements is then lowered, as the
-/// columns of the whole image are twice as near. The log is read three times, eight times if it has
-/// one scan. The result has the same bits for any number of threads.
+/// is learnt by expectation and maximisation from beams of the log: each beam is looked up in
+/// keyframes other than its own scan, at several distances, and the weights maximise the likelihood
+/// of its outcome under the mixture with the model's elements. If too few beams were looked up at a
+/// distance, the trust is that of the next farther distance. Beyond the farthest distance that was
+/// sampled, keyframes have no weight, and a log from which no trust can be learnt gives no
+/// keyframes. If the log has only one scan, the beams of each half of its columns are looked up in
+/// an image of the other half, between whose columns they lie. The weight of the elements is then
+/// lowered, because the columns of the whole image are twice as near. The log is read three times,
+/// eight times if it has one scan. The result has the same bits for any number of threads.
 void learn_keyframes(elements::Model& model, BeamSource& log, const KeyframeOptions& options);
 
 /// What an update did to the keyframes of a model.
@@ -43,11 +44,12 @@ struct KeyframeChanges {
   size_t forgotten_pixels = 0;  ///< Pixels of earlier logs that became unknown.
 };
 
-/// Adds keyframes of new scans to those that a model has. Earlier ones stay, but for the pixels
-/// whose beams met an ellipsoid of `changed`, which later beams contradict: these become unknown.
-/// Both are chosen among as among the scans of one log. The trust is learnt from beams of the new
-/// scans, which look at both; at distances at which too few did, it stays as it was. A model
-/// without keyframes gets those of the new scans as by `learn_keyframes`.
+/// Adds keyframes of new scans to those that a model has. The earlier keyframes stay, except that
+/// pixels become unknown whose beams met an ellipsoid of `changed`, which later beams contradict.
+/// Earlier keyframes and new scans are selected by the same rule as the scans of one log. The trust
+/// is learnt from beams of the new scans, which are looked up in all keyframes; at distances with
+/// too few beams it does not change. A model without keyframes gets those of the new scans as by
+/// `learn_keyframes`.
 KeyframeChanges update_keyframes(elements::Model& model, BeamSource& log,
                                  const KeyframeOptions& options, const elements::Model& changed);
 

@@ -1,6 +1,6 @@
 /// \file
-/// This file sums what the beams of a log say about each element. Sums are exact, so neither the
-/// order of the beams nor the number of threads changes a bit.
+/// This file sums the sufficient statistics of each element over the beams of a log. The sums are
+/// exact, so their bits depend neither on the order of the beams nor on the number of threads.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -111,7 +111,7 @@ class ElementSums {
   /// Hits, passes, slope and curvature of each triangle.
   std::vector<std::array<FixedSum, 4>> triangles_;
   std::vector<std::array<int64_t, kSumRow>> ellipsoids_;
-  std::vector<uint8_t> locks_;  ///< As `SumTable` has them.
+  std::vector<uint8_t> locks_;  ///< Locks as those of `SumTable`.
   std::array<MeshNoise, 2> noise_;
 };
 

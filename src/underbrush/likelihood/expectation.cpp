@@ -55,8 +55,8 @@ class Sharing {
   const PassTotals& totals() const { return totals_; }
 
  private:
-  /// What the elements say of a beam's outcome: its density (1/m) or probability, and the
-  /// probability that nothing was met.
+  /// The density (1/m) or probability of a beam's outcome under the elements, and the probability
+  /// that the beam meets none of them.
   struct Outcome {
     double found, through;
   };

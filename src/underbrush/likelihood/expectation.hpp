@@ -1,6 +1,7 @@
 /// \file
-/// This file has the expectation step: one pass over a log under a model, which sums what the
-/// training beams say about each element; and the judgement of a model by the held-out beams.
+/// This file has the expectation step, which is one pass over a log under a model. The pass sums
+/// the statistics of each element over the training beams, and the likelihood of the model over the
+/// held-out beams.
 #pragma once
 #include <functional>
 
@@ -49,8 +50,8 @@ class RunColumns {
 /// order of range. Shares are under `soft`: r_k ∝ w_k N(z; t_k, σ_k²) is the probability that
 /// element k returned the beam, and Σ_{j>k} r_j that it went through element k; for a miss that is
 /// the probability that it met nothing. The likelihoods of the totals are under
-/// `trace::kReportedOutliers`, as those of the score are. What the beams say of the elements is
-/// added to `sums` unless it is null.
+/// `trace::kReportedOutliers`, as those of the score are. The statistics of the elements are added
+/// to `sums` unless it is null.
 PassTotals find_shares(const ModelForm& model, const BeamBlock& block,
                        const trace::OutlierShares& soft, double max_range_m, BlockShares& shares,
                        ElementSums* sums);

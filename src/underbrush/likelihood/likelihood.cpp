@@ -49,8 +49,8 @@ class ModelSearch {
   size_t training_beams() const { return beams_.training_beams(); }
 
  private:
-  /// A model, and what the held-out beams and, where a step from it was wanted, the training beams
-  /// say of it.
+  /// A model with its likelihood for the held-out beams and, if an M-step started from it, the sums
+  /// over the training beams.
   struct State {
     explicit State(elements::Model m) : model(std::move(m)), world(model) {}
 
@@ -68,8 +68,8 @@ class ModelSearch {
     return s;
   }
 
-  /// What a share of the training beams says of the elements, in a pass over them if there was none
-  /// yet.
+  /// Returns the sums of the elements over a share of the training beams, with a pass over these
+  /// beams if none was made yet.
   const ElementSums& sums_of(State& s, credit::BeamShare share = {}) {
     if (s.sums && s.share == share) return *s.sums;
     LikelihoodStep& step = report_.steps[s.step];

@@ -59,9 +59,9 @@ struct Refined {
 };
 
 /// The share of the training beams from which a round of `rounds` takes its M-step. The first steps
-/// move all elements far and need not know well how far: of a long log (`kLongLog`) the first one
-/// takes one half, the second one the other half, and later ones all beams. Fewer than three rounds
-/// are the last ones of these.
+/// move all elements far and need only a rough estimate: of a long log (`kLongLog`) the first one
+/// takes one half, the second one the other half, and later ones all beams. With fewer than three
+/// rounds, only the last of these shares are used.
 credit::BeamShare share_of_round(size_t beams, int round, int rounds);
 
 /// Refines a model by steps. A step is kept only if it raises the likelihood of the held-out beams.

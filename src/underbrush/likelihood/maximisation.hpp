@@ -28,10 +28,10 @@ struct MaximisationOptions {
 /// distance has the hit probability that the ellipsoid had. Its Σ was fitted to its n hits with k =
 /// `options.spent_at_start` parameters and is smaller than the spread of new points, so it becomes
 /// Σ (n + k) / (n − k), at most fourfold. Ellipsoids with a density stay as they are. A mesh has
-/// the range noise `range_noise_m` (m) at most; what is more becomes roughness. One without
-/// roughness gets its range noise, at least `range_noise_m`, as roughness, and `range_noise_m` as
-/// range noise. A mesh whose triangles have roughnesses of their own stays as it is. Returns the
-/// changed model.
+/// the range noise `range_noise_m` (m) at most; the excess becomes roughness. The roughness of a
+/// mesh without one becomes its range noise, at least `range_noise_m`, and its range noise becomes
+/// `range_noise_m`. A mesh whose triangles have roughnesses of their own stays as it is. Returns
+/// the changed model.
 elements::Model with_densities(const elements::Model& model, double range_noise_m,
                                const MaximisationOptions& options);
 

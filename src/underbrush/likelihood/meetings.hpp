@@ -9,9 +9,9 @@
 
 namespace underbrush::likelihood {
 
-/// Lists what the beams of a block may meet in a world of one model. Those are all triangles up to
-/// a beam's reach, and all ellipsoids that may give credit for its outcome, with a few more that
-/// single precision does not tell from these. `info` is the log's.
+/// Lists the elements that the beams of a block may meet in a world of one model: all triangles up
+/// to a beam's reach, and all ellipsoids that may take credit for its outcome. The list also has a
+/// few ellipsoids that single precision cannot distinguish from these. `info` is the log's.
 void find_meetings(const trace::World& world, const LogInfo& info, BeamBlock& block);
 
 }  // namespace underbrush::likelihood

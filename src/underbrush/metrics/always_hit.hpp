@@ -22,8 +22,8 @@ class RingMedians {
   float of_all_ = kMiss;
 };
 
-/// Answers the beams of a log with the medians of their rings. It knows nothing of the world but
-/// the medians, so a simulator must beat its scores. Intensities are 0.
+/// Answers the beams of a log with the medians of their rings. Its answers depend on nothing else
+/// in the world, so a simulator must beat its scores. Intensities are 0.
 class AlwaysHit : public BeamSource {
  public:
   /// `beams` must outlive it, and is read by nobody else meanwhile.

@@ -144,7 +144,7 @@ std::vector<std::vector<uint32_t>> cubes_of(const BeamLog& log, const Scan& scan
   return out;
 }
 
-/// What a training beam says of another beam.
+/// The answer to a beam, taken from a training beam.
 struct Answer {
   float range_m = kMiss, intensity = 0;
 };

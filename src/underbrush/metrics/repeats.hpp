@@ -9,7 +9,8 @@
 
 namespace underbrush::metrics {
 
-/// What repeated scans say about a simulation. A figure without data is NaN.
+/// The comparison of a simulation with repeated scans of the same place. A figure without data is
+/// NaN.
 struct Repeats {
   size_t scans = 0;
   size_t directions = 0;  ///< Pairs of beams of one direction in successive scans, all scans.

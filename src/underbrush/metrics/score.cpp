@@ -272,7 +272,7 @@ Score score(BeamSource& real, BeamSource& simulated, const ScoreOptions& options
                     std::to_string(simulated.size()) + " simulated ones");
   }
   Scorer scorer(options, real.info().classes);
-  // The world knows true ranges, and both logs have the offsets of the sensor's channels.
+  // The world has true ranges, and both logs have the offsets of the sensor's channels.
   const ChannelOffsets channels =
       options.world ? options.world->model().channels_of(real.info()) : ChannelOffsets();
   CorrectedBeams true_real(real, channels), true_simulated(simulated, channels);

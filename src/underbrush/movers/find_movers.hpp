@@ -12,10 +12,10 @@ namespace underbrush::movers {
 
 /// The options of `find_movers`.
 struct MoverOptions {
-  /// s; scans so long before and after its own are asked about a return.
+  /// s; a return is compared with the scans at these times before and after its own.
   std::vector<double> look_s{0.1, 0.2, 0.3, 0.5, 0.8, 1.2, 2, 3, 4.5, 6};
-  /// A return is a candidate if the outermost scans that know of its place, so many of them on one
-  /// side in time, all found the place empty.
+  /// A return is a candidate if its place was empty in this many scans, the outermost ones before
+  /// or after it in which the place was visible.
   uint32_t least_empty = 3;
   double cell_deg = 0.5;    ///< Width of the cells in which scans are compared.
   double max_range_m = 80;  ///< m; farther returns are not looked at.
@@ -35,16 +35,17 @@ struct MoverOptions {
 
 /// Tells for each row of a log whether it is a return of something that moved.
 ///
-/// A return is compared with scans before and after its own: each found matter at its place, or
-/// found it empty, or did not see it (`Look`). Where the outermost looks of a side are empty, what
-/// was there has come or gone. Leaves look so by chance, one at a time, so candidates count only as
-/// a group: solid in their own scan, as large as `least_points`, and with few returns among them
-/// whose places were never empty. Returns beside a group whose places no other scan saw join it.
+/// A return is compared with scans before and after its own. In each of them its place held matter,
+/// was empty, or was not visible (`Look`). If the place was empty in the outermost scans before or
+/// after, the matter there has come or gone. Single leaves appear so by chance. Candidates
+/// therefore count only as a group that is solid in its own scan, has at least `least_points`
+/// returns, and has few returns among them whose places were never empty. Returns beside a group
+/// join it if their places were visible in no other scan.
 ///
-/// A log needs poses that agree within `same_m`, and several scans. One that stands still all the
-/// time is not found. Reads the source once, from the beginning, and holds the scans within the
-/// longest of `look_s` of each other. `progress(done, total)` counts rows. Throws
-/// `std::invalid_argument` for options out of range.
+/// The log must have several scans, with poses that agree within `same_m`. An object that stands
+/// still in all scans is not found. The function reads the source once, from the beginning, and
+/// holds the scans within the longest of `look_s` of each other. `progress(done, total)` counts
+/// rows. Throws `std::invalid_argument` for options out of range.
 std::vector<uint8_t> find_movers(BeamSource& source, const MoverOptions& options = {},
                                  const std::function<void(size_t, size_t)>& progress = {});
 

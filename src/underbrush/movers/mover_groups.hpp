@@ -8,7 +8,7 @@
 
 namespace underbrush::movers {
 
-/// What the other scans say of a return.
+/// The result of the comparison of a return with other scans.
 enum class Verdict : uint8_t {
   kNone,   ///< Nothing, or too little.
   kStays,  ///< Matter was there at the outermost look of a side, and no side began empty.

@@ -1,6 +1,6 @@
 /// \file
-/// This file keeps what a scan saw in each direction, so that a point of another scan can be
-/// compared with it.
+/// This file has an image of the ranges that a scan measured in each direction, with which points
+/// of other scans are compared.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -11,7 +11,7 @@ namespace underbrush {
 /// Finds what moved while a log was recorded.
 namespace movers {
 
-/// What a scan says about a point in space.
+/// The state of a point in space according to one scan.
 enum class Look : uint8_t {
   kUnknown,  ///< No beam went there, or something nearer hid it.
   kMatter,   ///< A beam ended there.
@@ -33,11 +33,12 @@ class ScanImage {
             double cell_rad);
 
   double time_s() const { return time_s_; }
-  /// Tells what the scan saw of a point. A return in the cells around whose range differs by no
-  /// more than `same_m` is matter there. Without one, the point is empty if the beams to its cell
-  /// and to the nearest cell below all end more than `behind_m` behind it; in a cell without
-  /// returns, those of the nearest cells below and above decide, which may be 2.2° away. Ground
-  /// that beams graze is matter, too: one ends before the point, one behind it, all at its height.
+  /// Returns the state of a point (world, m). The point is matter if a cell around it has a return
+  /// whose range differs by no more than `same_m`. Otherwise the point is empty if the beams to its
+  /// cell and to the nearest cell below all end more than `behind_m` behind it. If its cell has no
+  /// returns, the nearest cells below and above, up to 2.2° away, take its place. A point on ground
+  /// that beams graze is matter, too: there some beams end before the point and some behind it, all
+  /// at its height.
   Look look(const Vec3& point, double same_m, double behind_m) const;
 
   /// The cell of a point and its range.

@@ -19,7 +19,7 @@ struct Outcome {
 
 /// A set of values that was tried.
 struct Evaluation {
-  std::vector<double> value;  ///< One a parameter.
+  std::vector<double> value;  ///< The value of each parameter.
   Outcome outcome;
 };
 

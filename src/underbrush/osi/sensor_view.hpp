@@ -53,7 +53,7 @@ struct Reflection {
   bool is_miss() const { return time_of_flight_s <= 0; }
 };
 
-/// What a lidar needs to be told of its rays.
+/// The configuration of a lidar's rays.
 ///
 /// OSI knows neither beams nor empty rays. Our convention is that the reflections of a view are
 /// dense, with one entry a ray: ray k of beam b has the index b · rays a beam + k, and a ray that
@@ -64,7 +64,7 @@ struct LidarConfiguration {
   std::optional<double> field_horizontal_rad, field_vertical_rad;
   std::optional<uint32_t> rays_horizontal, rays_vertical, most_interactions, beams;
   std::optional<double> emitter_frequency_hz;
-  std::vector<Vec3f> directions;     ///< Unit vectors in the sensor's frame, one a ray.
+  std::vector<Vec3f> directions;     ///< Unit vectors of the rays in the sensor's frame.
   std::vector<uint32_t> timings_us;  ///< When each ray is fired, µs after the view's time.
 };
 
@@ -95,7 +95,7 @@ struct SensorView {
 /// frame. Without `centre_to_rear_m` the origin is the box's centre.
 Pose world_from_vehicle(const MovingObject& vehicle);
 
-/// What a sensor model asks an environment simulator for.
+/// The sensor view that a sensor model requests from an environment simulator.
 struct SensorViewConfiguration {
   std::optional<Version> version;
   std::optional<uint64_t> sensor_id;

@@ -101,7 +101,7 @@ uint64_t read_id(protozero::data_view bytes, Place& place);
 Vec3 read_vector(protozero::data_view bytes, Place& place, const Vec3& before = Vec3::Zero());
 Mounting read_mounting(protozero::data_view bytes, Place& place);
 BaseMoving read_base(protozero::data_view bytes, Place& place);
-/// As `read_vector`, into a value that may hold an earlier part of the same field.
+/// Reads a vector into a value that may hold an earlier part of the same field.
 bool read_vector(protozero::pbf_reader& r, Place& place, const char* name,
                  std::optional<Vec3>& value);
 bool read_extent(protozero::pbf_reader& r, Place& place, std::optional<Vec3>& value);

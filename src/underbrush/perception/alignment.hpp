@@ -14,8 +14,8 @@ namespace underbrush::perception {
 /// The options of `Alignment`.
 struct AlignmentOptions {
   /// Whether each point is moved to where the vehicle's frame stood at the point's own time. If
-  /// not, all points are taken to be of the time of the merged cloud, as a fusion does that knows
-  /// nothing of the vehicle's motion.
+  /// not, all points are treated as measured at the time of the merged cloud, as in a fusion
+  /// without the vehicle's motion.
   bool deskew = true;
 };
 

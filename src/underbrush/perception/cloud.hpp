@@ -33,9 +33,9 @@ struct SensorCloud {
 /// The points of all sensors in the vehicle's frame at one time (IF2), in order of time. All
 /// columns are as long as `point_m`.
 struct MergedCloud {
-  double time_s = 0;        ///< The time at which the frame stands where the pose says.
+  double time_s = 0;        ///< The time at which the frame has the pose below.
   double available_s = 0;   ///< When the last point was there: its time and its sensor's latency.
-  Pose world_from_vehicle;  ///< At `time_s`.
+  Pose world_from_vehicle;  ///< The pose of the frame at `time_s`.
   std::vector<Vec3f> point_m;   ///< In the vehicle's frame.
   std::vector<double> stamp_s;  ///< Time of each point by the vehicle's clock.
   std::vector<float> intensity;

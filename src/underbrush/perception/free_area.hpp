@@ -11,7 +11,7 @@ namespace underbrush::perception {
 struct FreeAreaOptions {
   uint32_t bearings = 180;        ///< Corners of the outline, from 3 on.
   double free_probability = 0.6;  ///< From here on a cell is free.
-  double own_vehicle_m = 3;       ///< So near nothing is asked: no beam passes below the vehicle.
+  double own_vehicle_m = 3;       ///< Cells this near are free: no beam passes below the vehicle.
 
   /// Throws `std::invalid_argument` where a value is out of range.
   void check() const;

@@ -10,7 +10,7 @@ namespace underbrush::perception {
 
 /// The options of `MotionFilter`. All but the last are standard deviations.
 struct MotionOptions {
-  double acceleration_m_s2 = 2;  ///< The acceleration that the motion model does not know.
+  double acceleration_m_s2 = 2;  ///< Process noise: acceleration outside the motion model.
   double yaw_acceleration_rad_s2 = 1;
   double climb_m_s = 0.2;       ///< The vertical speed.
   double position_m = 0.1;      ///< A measured position.

@@ -40,8 +40,8 @@ struct GridOptions {
 /// A beam that ends in a cell, at a height in the band, counts as a hit, and one that crosses a
 /// cell in the band as a pass. A cell of state s is hit with the probability `hit[s]`, so h hits
 /// and n passes of a cycle add h ln hit[s] + n ln (1 − hit[s]) to the logarithm of its likelihood.
-/// A beam that passes through grass so lowers the odds of an obstacle there, and hits among passes
-/// speak for vegetation. The order of the beams has no effect.
+/// A beam that passes through grass thus lowers the odds of an obstacle there, and hits among
+/// passes raise those of vegetation. The order of the beams has no effect.
 ///
 /// A beam that ends below the band has shown the cells before its end to be free as far as it was
 /// in the band. The cells are those of the world's axes, and the grid moves with the vehicle by

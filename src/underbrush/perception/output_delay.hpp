@@ -13,8 +13,8 @@ namespace underbrush::perception {
 /// available by then. Its state is a plain value.
 class OutputDelay {
  public:
-  /// Adds a list. Lists come in order of `time_s`. Those that were replaced are used again, so that
-  /// no memory is allocated once as many lists wait as ever will.
+  /// Adds a list. Lists come in order of `time_s`. The memory of lists that were replaced is used
+  /// again, so that none is allocated once the largest number of lists has waited.
   void push(const ObjectList& list) {
     if (waiting_ == lists_.size()) lists_.emplace_back();
     lists_[waiting_++] = list;

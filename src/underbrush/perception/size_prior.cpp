@@ -42,7 +42,7 @@ std::array<double, 2> densities(double m, const Estimate& prior, double s, doubl
 Estimate complete_extent(double m, const Estimate& prior, double s, double hidden) {
   const auto [seen, cut] = densities(m, prior, s, hidden);
   const double all = seen + cut;
-  // A measurement far above anything that the prior knows stands for itself.
+  // A measurement far above the range of the prior is kept.
   if (!(all > 1e-12)) return {std::max(m, prior.mean), std::max(s, prior.sigma)};
   const Estimate a = combined(m, s, prior), b = truncated(m, prior);
   const double w = seen / all, mean = w * a.mean + (1 - w) * b.mean;

@@ -56,7 +56,7 @@ struct Track {
   Vec3 measured_m = Vec3::Zero(), size_m = Vec3::Zero(), size_sigma_m = Vec3::Zero();
   /// Centre of the box less the reference point, in the frame of the box.
   Vec3 offset_m = Vec3::Zero();
-  Vec3 measured_offset_m = Vec3::Zero();  ///< As `offset_m`, of the box around the points alone.
+  Vec3 measured_offset_m = Vec3::Zero();  ///< The `offset_m` of the box around the points alone.
   std::array<int, 2> corner{1, 1};        ///< Signs of the tracked corner in the frame of the box.
   Vec3 anchor_m = Vec3::Zero();  ///< Where the object was when its direction was last compared.
 
@@ -67,8 +67,8 @@ struct Track {
   void measure(const TrackOptions& options, const SegmentShape& shape,
                std::optional<double> heading_rad, double hint_rad);
   /// Sets the filter's heading to the nearest quarter turn of the direction in which the object has
-  /// moved, as soon as it has moved far enough. A car that drives backwards is so taken for one
-  /// that drives forwards, because its points do not tell.
+  /// moved, as soon as it has moved far enough. A car that drives backwards is therefore tracked as
+  /// if it drove forwards, because its points are the same.
   void follow_motion(const TrackOptions& options);
   /// Turns the heading by quarter turns; the box stays, with its sides in other roles.
   void turn(const TrackOptions& options, int quarters);

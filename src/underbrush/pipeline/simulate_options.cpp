@@ -24,10 +24,10 @@ const Row kOptions[] = {
 
     {"super-sample", "Instrument", "",
      "Trace several sub-rays in each beam and compute light, waveform and echoes: a number, "
-     "COLUMNSxROWS, or sensor for what the sensor's data file says",
+     "COLUMNSxROWS, or sensor for the number in the sensor's data file",
      at([](O& o) -> auto& { return o.instrument.super_sample; }), -kAny, kAny, {}, "N|NxM|sensor"},
     {"returns", "Instrument", "",
-     "The echoes that are reported: strongest, first, last, or up to N (default: as the sensor does)",
+     "The echoes that are reported: strongest, first, last, or up to N (default: the sensor's)",
      at([](O& o) -> auto& { return o.instrument.returns; }), -kAny, kAny, {}, "MODE|N"},
 
     {"matter", "Matter", "",
@@ -45,7 +45,7 @@ const Row kOptions[] = {
 
     {"draw", "Thin rays", "",
      "How the range in an ellipsoid is drawn: along the beam, or in the ellipsoid's volume; median "
-     "draws nothing and answers the median of the beam's distribution, which has the least error",
+     "takes the median of the beam's distribution, which has the least error",
      at([](O& o) -> auto& { return o.draw; }), -kAny, kAny, {"on_ray", "volumetric", "median"}},
     {"intensity", "Thin rays", "",
      "Whether a return has the expected intensity of its element, or one that is drawn with the "
@@ -63,8 +63,8 @@ const Row kOptions[] = {
      "Trace all sub-rays of every beam, also where 13 of 26 or more agree",
      at([](O& o) -> auto& { return o.instrument.all_sub_rays; })},
     {"footprint", "Sub-rays", "",
-     "Whether sub-rays are spread over what the beam is wider than that of the log to which the "
-     "model was fitted (whose footprint is in the model), or over the whole beam",
+     "Whether sub-rays are spread over the whole beam, or only over the excess of its width over "
+     "that of the fitted log's beams, whose footprint is in the model",
      at([](O& o) -> auto& { return o.instrument.footprint; }), -kAny, kAny, {"excess", "whole"}},
 
     {"materials", "Light and air", "", "A table of materials that replaces the built-in one",

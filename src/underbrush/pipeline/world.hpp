@@ -64,7 +64,7 @@ class TracedWorld {
   std::span<const elements::Model> models() const { return models_; }
   /// The scene; null for a world of one model.
   const elements::Scene* scene() const { return scene_; }
-  /// The classes of the instances, one an instance; none for a world of one model.
+  /// The class of each instance; empty for a world of one model.
   const std::vector<elements::Class>& labels() const { return labels_; }
   const simulate::InstanceKinds& kinds() const { return kinds_; }
   /// The names of the materials that the models name.

@@ -13,8 +13,8 @@ namespace underbrush::primitives {
 /// Options of `read_given_labels`.
 struct GivenLabelOptions {
   /// The label set that gives the numbers their meaning. If empty, it is "semantickitti" for .label
-  /// files, else what the file says if it is a log of ours, else what the log says, else
-  /// "underbrush".
+  /// files. For other files it is the set that the file names if it is a log of ours, else the set
+  /// that the log names, else "underbrush".
   std::string set;
   double tolerance_m = 0.02;  ///< m; a point of the file and a hit this near to each other are the
                               ///< same point.

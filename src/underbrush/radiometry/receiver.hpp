@@ -84,9 +84,9 @@ class Receiver {
                std::span<const float> factor, std::span<float> signal) const;
 
   /// The noise of a beam, in units of that of the options: √(1 + v b) with the sunlit variance v.
-  /// The brightness b of what the beam sees is the sum of the returns' weights times their factors,
-  /// dimmed by the air on the way back, as if the sun stood behind the sensor; the rest of the view
-  /// is clear sky, of 3 % of a white scene's brightness.
+  /// The brightness b of the beam's view is the sum of the returns' weights times their factors,
+  /// attenuated by the air on the way back, as if the sun stood behind the sensor; the rest of the
+  /// view is clear sky, of 3 % of a white scene's brightness.
   float noise_scale(std::span<const float> range_m, std::span<const float> weight,
                     std::span<const float> factor) const;
 

@@ -23,7 +23,7 @@ struct OrganisedScan {
   size_t rows = 0, columns = 0;
   bool column_major = false;  ///< Index = column · rows + row, else row · columns + column.
   double step_rad = 0;        ///< Signed: negative for clockwise rotation.
-  std::vector<double> elevation_rad, azimuth_rad;  ///< One a row.
+  std::vector<double> elevation_rad, azimuth_rad;  ///< The angles of each row.
   std::optional<ScanMotion>
       motion;  ///< If the points are motion-compensated; u = column / columns.
 

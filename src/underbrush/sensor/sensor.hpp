@@ -41,8 +41,8 @@ struct Sensor {
   std::vector<std::string> sources;  ///< Where the values come from; [memory] = unchecked.
   Kind kind = Kind::kSpinning;
   double rate_hz = 10;  ///< Revolutions or frames a second.
-  /// The channels of a spinning sensor or a sweep. The index is the ring; the data file says which
-  /// end is ring 0.
+  /// The channels of a spinning sensor or a sweep. The index is the ring; the data file defines
+  /// which end is ring 0.
   std::vector<Channel> channels;
   /// Time in which all channels fire once; without channels, time of a shot.
   double firing_period_s = 0;

@@ -25,8 +25,8 @@ class LabelApi {
   /// Labels, and files made of them, are written to `folder` and nowhere else.
   LabelApi(ServedFiles files, std::filesystem::path folder);
 
-  /// Answers a request whose path begins with "api/labels". Those that change something must be
-  /// POST requests.
+  /// Answers a request whose path begins with "api/labels". A request that changes labels must be a
+  /// POST request.
   HttpReply answer(const HttpRequest& request);
 
  private:

@@ -17,9 +17,9 @@ std::string_view name(FileKind kind);
 /// A file or folder that is served.
 struct OpenedFile {
   FileKind kind = FileKind::kLog;
-  std::filesystem::path path;  ///< With all links resolved.
-  /// As a person sees it: relative to what was named, with as many folders above that as tell files
-  /// apart.
+  std::filesystem::path path;  ///< The path with all links resolved.
+  /// The name that users see: the path relative to the file or folder that was named, with as many
+  /// folders above it as distinguish the files.
   std::string name;
 };
 

@@ -1,5 +1,6 @@
 /// \file
-/// Range images of a scan: what was measured, and what a world or another log says of its beams.
+/// Range images of a scan: the measured ranges of its beams, and their ranges in a world or in
+/// another log.
 #pragma once
 #include <cstdint>
 #include <string>

@@ -85,7 +85,7 @@ FoundRows find_rows(const OctreeFile& file, const NodeCubes& cubes, const Select
 struct LabelAction {
   std::optional<uint32_t> label, instance;
   std::optional<bool> selected;
-  /// Also takes all other rows out of the selection.
+  /// Whether all other rows are taken out of the selection.
   bool only = false;
 };
 

@@ -62,7 +62,7 @@ struct EchoMaker::Element {
 struct EchoMaker::Block {
   std::vector<uint8_t> count;  ///< Number of echoes of each beam.
   std::vector<radiometry::Echo> echo;
-  std::vector<Element> element;  ///< One an echo, if element ids are asked for.
+  std::vector<Element> element;  ///< The element of each echo, if requested.
   std::vector<BeamWaveform> waveforms;
 };
 

@@ -51,7 +51,7 @@ struct EchoOptions {
   /// Whether to add the columns `element` and `element_class`, which are those of the sub-return
   /// nearest to the echo.
   bool element_ids = false;
-  std::vector<elements::Class> instance_labels{};  ///< One an instance, as in `Options`.
+  std::vector<elements::Class> instance_labels{};  ///< As in `Options`.
   WaveformChoice waveforms;
   double sway_s = 0;  ///< s; as in `Options`.
   /// Whether to trace all sub-rays of every beam, where the matter is drawn once and a few could

@@ -10,9 +10,9 @@
 
 namespace underbrush::simulate {
 
-/// Finds the value of the column `element_class`: the class of the instance if `instance_labels`
-/// (one an instance) has one for it, else the label of the ellipsoid, else 0. `model` is that of
-/// the instance.
+/// Finds the value of the column `element_class`: the class of the instance if `instance_labels` (a
+/// class for each instance) has one for it, else the label of the ellipsoid, else 0. `model` is
+/// that of the instance.
 inline uint16_t element_class(const elements::Model& model, const trace::Intersection& met,
                               const std::vector<elements::Class>& instance_labels) {
   if (!instance_labels.empty()) {

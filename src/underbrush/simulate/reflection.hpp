@@ -16,10 +16,10 @@ namespace underbrush::simulate {
 
 /// The classes and materials of a scene's instances. Both vectors may be empty.
 struct InstanceKinds {
-  std::vector<elements::Class> label;  ///< One an instance.
-  std::vector<std::string> material;   ///< One an instance; "" = that of the class.
+  std::vector<elements::Class> label;  ///< The class of each instance.
+  std::vector<std::string> material;   ///< "" = the material of the class.
   /// Names of the classes that the scene has besides `elements::kClassNames`. The material of such
-  /// a class is what `Materials::of_class` says, else the material of its name, else that of the
+  /// a class is that of `Materials::of_class`, else the material of its name, else that of the
   /// class `unknown`.
   std::vector<std::string> class_names;
   /// Materials that the scene brings along, for whoever makes the table of materials.

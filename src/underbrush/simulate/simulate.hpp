@@ -36,9 +36,9 @@ struct Options {
   /// all others.
   double sway_s = 0;
   bool element_ids = false;  ///< Whether to add the extra columns `element` and `element_class`.
-  /// The classes of a scene's instances, one an instance. With `element_ids`, `element_class` is
-  /// taken from here instead of from the element, and there is a column `instance`, which is 0 for
-  /// the ground and for a miss.
+  /// The class of each instance of a scene. With `element_ids`, `element_class` is taken from here
+  /// instead of from the element, and there is a column `instance`, which is 0 for the ground and
+  /// for a miss.
   std::vector<elements::Class> instance_labels{};
   /// If set, the ray that is traced is drawn from this shape about each beam's axis ([deschaud12]
   /// §IV). The direction in the log stays that of the axis. If not, the axis is traced.

@@ -238,7 +238,8 @@ void SubRayTracer::find(std::span<const double> time_s, const trace::RangeLimits
   draw_ranges(s.met, limits, s.keys, s.range_m);
 }
 
-/// Whether the probes of a beam speak for all, and the ranges of all if the probes lie on a plane.
+/// Returns whether the probes of a beam stand for all sub-rays, and the ranges of all of them if
+/// the probes lie on a plane.
 TracedBeams::Place::Kind SubRayTracer::look(std::span<const float> probe_m,
                                             const trace::RangeLimits& limits,
                                             std::span<float> plane_m) const {

@@ -55,7 +55,7 @@ class TracedBeams {
   MatterAt matter_;
   SubRays probes_, rest_, all_;
   std::vector<float> plane_m_;  ///< Ranges of beams whose probes lie on a plane.
-  std::vector<Place> place_;    ///< One a beam.
+  std::vector<Place> place_;    ///< The place of each beam.
   std::vector<double> time_s_;  ///< Times of the beams in `all_`.
   std::span<const float> all_weight_, probe_weight_;
   std::span<const uint32_t> nearest_probe_;
@@ -64,13 +64,14 @@ class TracedBeams {
 
 /// Traces the sub-rays of beams.
 ///
-/// Where the matter of the world is drawn once, 13 of 26 or more sub-rays may speak for all
-/// (`same_m` > 0). These probes, in the middle and as far apart as may be, are traced first. Where
-/// all of them miss, or all return within `same_m` of each other, they are the beam, and each has
-/// the energy of the sub-rays that are nearest to it. Where all return within a tenth of `same_m`
-/// of one plane, the others have the range of that plane (`ProbePlane`) and what the nearest probe
-/// met. Elsewhere the others are traced, too. Where matter much finer than the footprint stops the
-/// share p of the light, all probes pass it by chance in (1 − p)¹³ of the beams.
+/// Where the matter of the world is drawn once, 13 of 26 or more sub-rays may stand for all of
+/// them (`same_m` > 0). These probes, in the middle and as far apart as possible, are traced first.
+/// If all of them miss, or all return within `same_m` of each other, they alone make the beam, and
+/// each has the energy of the sub-rays that are nearest to it. If all return within a tenth of
+/// `same_m` of one plane, the other sub-rays have the range of that plane (`ProbePlane`) and the
+/// element that the nearest probe met. Otherwise the other sub-rays are traced, too. If matter much
+/// finer than the footprint stops the share p of the light, all probes pass it by chance in
+/// (1 − p)¹³ of the beams.
 class SubRayTracer {
  public:
   /// `world` must outlive it. `same_m` (m): 0 = always trace all sub-rays.

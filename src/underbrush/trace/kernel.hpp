@@ -91,13 +91,13 @@ struct Known {
 /// A query: its rays, and what has been found for them.
 struct Batch {
   const Ray* rays;
-  const uint64_t* keys;          ///< One a ray, for kAccepted.
+  const uint64_t* keys;          ///< A key for each ray, for kAccepted.
   const double* entry_limits_m;  ///< For kAll: boxes entered beyond this range may be left out.
   RangeLimits limits;
   const FloatRays* float_rays;  ///< The rays from `first` on, in single precision.
   size_t first;
 
-  Intersection* best;  ///< Output for kAccepted and kSurface, one a ray; else null.
+  Intersection* best;  ///< Output for kAccepted and kSurface: one for each ray; else null.
   /// Output: pairs of a ray and the element where it ends, certain but not yet in `best`. Triangles
   /// are given by their places.
   Known *ellipsoids, *triangles;

@@ -9,16 +9,16 @@
 
 namespace underbrush::update {
 
-/// Correlation c of the trials of one element in one log. Beams of a log see an element from few
-/// places, so n of them tell as much of its mean hit probability as n / (1 + (n − 1) c) independent
-/// ones, at most 20.
+/// Correlation c of the trials of one element in one log. The beams of a log meet an element from
+/// few places, so n of them inform about its mean hit probability as much as n / (1 + (n − 1) c)
+/// independent beams, at most 20.
 inline constexpr double kTrialCorrelation = 0.05;
 
 /// The evidence (natural logarithm of a Bayes factor) above which one ellipsoid has changed by its
 /// own trials: 1000 to 1.
 inline constexpr double kChangeEvidence = 6.9;
-/// The evidence above which the ellipsoids of a place have changed together. It is more, because
-/// what is seen from elsewhere looks different all over.
+/// The evidence above which the ellipsoids of a place have changed together. It is larger, because
+/// the hit probabilities of a whole place differ between viewpoints.
 inline constexpr double kPlaceEvidence = 20;
 
 /// Side of the cells of places, m. The evidence of an ellipsoid is that of the 3 × 3 × 3 cells
@@ -43,20 +43,19 @@ struct FreeSpace {
 /// The trials that describe an ellipsoid now.
 struct CurrentTrials {
   credit::Trials trials;
-  bool changed = false;  ///< Whether the latest log says otherwise than the earlier ones.
+  bool changed = false;  ///< Whether the latest log contradicts the earlier ones.
   bool gone = false;     ///< Whether its place has become free since beams ended there.
 };
 
 /// Adds the trials of one more log to those of ellipsoids.
 ///
-/// An ellipsoid has few trials, as clusters have few points, but things come and go as a whole. So
-/// evidence is summed over the ellipsoids of a neighbourhood (`kChangeCellM`) of which the share of
-/// hits went the same way, up or down. Those agree with the sum whose own evidence is positive, and
-/// those that were hit no more. An ellipsoid has changed
+/// An ellipsoid has few trials, as clusters have few points, but things come and go as a whole. The
+/// evidence is therefore summed over the ellipsoids of a neighbourhood (`kChangeCellM`) whose
+/// shares of hits changed in the same direction. An ellipsoid agrees with the sum if its own
+/// evidence is positive, or if it was hit no more. An ellipsoid has changed
 ///
 /// - where it agrees, the sum is above `kPlaceEvidence`, and the place is free by the later trials
-/// of
-///   all that agree (it went) or was so by the earlier ones (it came);
+///   of all that agree (it went) or was free by the earlier ones (it came);
 /// - or where its own evidence is above `kChangeEvidence`.
 ///
 /// Its later trials then replace the earlier ones; other trials are added. It is gone where its

@@ -35,15 +35,16 @@ struct UpdateResult {
 ///   logs. Other tiles keep their ellipsoids bit for bit. The ground mesh is solved again from the
 ///   sums of all tiles.
 /// - Every element that new beams meet gets their hits and misses. New elements get those of the
-///   earlier beams that cross the tiles fitted anew, too. An ellipsoid of which later beams say
-///   otherwise than earlier ones, log by log, has the later trials alone (`add_trials`), and its
+///   earlier beams that cross the tiles fitted anew, too. If later beams contradict the earlier
+///   beams of an ellipsoid, log by log, it keeps only the later trials (`add_trials`), and its
 ///   density, where it has one, changes with the optical depth of its counts. Ellipsoids in free
 ///   space are dropped as in `fit`.
 /// - New ellipsoids of a refined model are refined among the others, which stay.
-/// - Reflectances and classes of new elements are learnt from the same beams. Those of other
-///   elements stay, as do the sensor's range offsets, its response to light and the grain.
-/// - Keyframes of the new scans are added to those of the model, whose pixels are forgotten where
-///   their beams met an ellipsoid of which later beams say otherwise (`update_keyframes`).
+/// - Reflectances and classes of new elements are learnt from the same beams. The other
+///   elements keep theirs, and the sensor's range offsets, its response to light and the grain
+///   stay.
+/// - Keyframes of the new scans are added to those of the model, whose pixels become unknown if
+///   their beams met an ellipsoid that later beams contradict (`update_keyframes`).
 ///
 /// The earlier logs are read only if a tile is fitted anew. The result has the same bits for any
 /// number of threads. Without beams in `added` nothing changes. Throws `std::invalid_argument` for

@@ -25,7 +25,7 @@ struct UpdateReport {
   size_t tiles = 0, touched_tiles = 0, fitted_tiles = 0;
   size_t earlier_beams = 0;  ///< Beams of the earlier logs that were traced once more.
   size_t kept = 0, added = 0, dropped = 0;  ///< Ellipsoids.
-  size_t changed = 0;  ///< Ellipsoids of which new beams say otherwise than earlier ones.
+  size_t changed = 0;  ///< Ellipsoids whose earlier beams new beams contradict.
   size_t gone = 0;     ///< How many of `changed` were dropped as free space.
   keyframes::KeyframeChanges keyframes;
   std::vector<ChangedPlace> places;  ///< Where most have gone, at most ten.

@@ -30,7 +30,7 @@ class UpdateWork {
   void refine_new(const likelihood::LikelihoodOptions& options);
   /// Learns the classes and the reflectances of new elements.
   void colour();
-  /// After `count`, the ellipsoids of which later beams say otherwise, as they were.
+  /// After `count`, the earlier state of the ellipsoids that later beams contradict.
   const elements::Model& changed() const { return changed_; }
 
  private:
