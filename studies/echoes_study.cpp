@@ -9,9 +9,7 @@
 #include "studies/studies.hpp"
 #include "underbrush/fit/fit.hpp"
 #include "underbrush/io/log_file.hpp"
-#include "underbrush/radiometry/materials.hpp"
-#include "underbrush/sensor/sensor.hpp"
-#include "underbrush/simulate/echoes.hpp"
+#include "underbrush/pipeline/simulate_log.hpp"
 
 namespace underbrush::studies {
 namespace {
@@ -30,20 +28,14 @@ elements::Model fitted(const BeamLog& train, std::string_view fitter, uint64_t s
   return fit::fit(rows, options).model;
 }
 
-BeamLog answered(const elements::Model& model, const sensor::Sensor& sensor, trace::Draws draws,
-                 BeamLog beams, uint64_t seed) {
-  simulate::Instrument instrument;
-  instrument.beam = sensor.beam;
-  instrument.sub_rays = sensor::spread_sub_rays(sensor.beam, kSubRays);
-  instrument.receiver = radiometry::receiver_options(sensor);
-  const simulate::Reflection reflection(radiometry::load_materials(""), sensor.wavelength_m);
-  const trace::World world(model, trace::Isa::kBest, draws);
-  const simulate::DynamicWorld still(world);
-  simulate::EchoOptions options;
+BeamLog answered(const elements::Model& model, const std::string& matter, BeamLog beams,
+                 uint64_t seed) {
+  pipeline::SimulateOptions options;
   options.seed = seed;
+  options.matter = matter;
+  options.instrument.super_sample = std::to_string(kSubRays);
   keep_first_echoes(beams);
-  simulate::EchoMaker(still, reflection, instrument, options).answer(0, beams);
-  return beams;
+  return pipeline::simulate_log(model, std::move(beams), options);
 }
 
 std::string quantiles(const std::array<double, 3>& q) {
@@ -86,17 +78,16 @@ void run_log(const StudyRun& run, const fs::path& folder, report::Table& table, 
     return;
   }
   out.inputs.insert(out.inputs.end(), {folder / "train.ply", folder / "test.ply"});
-  const sensor::Sensor sensor = sensor::sensor_of_log(log, train.info);
   run.say(log + ": fit");
   const elements::Model model = fitted(train, "hierarchical", run.seed);
   const elements::Model likely = fitted(train, "likelihood", run.seed);
   const elements::Model mesh = fitted(train, "surface", run.seed);
   const EchoCounts real(test, model);
   run.say(log + ": simulate");
-  const EchoCounts ours(answered(model, sensor, trace::Draws::kOnce, test, run.seed), model);
-  const EchoCounts anew(answered(model, sensor, trace::Draws::kAnew, test, run.seed), model);
-  const EchoCounts refined(answered(likely, sensor, trace::Draws::kOnce, test, run.seed), model);
-  const EchoCounts opaque(answered(mesh, sensor, trace::Draws::kOnce, test, run.seed), model);
+  const EchoCounts ours(answered(model, "once", test, run.seed), model);
+  const EchoCounts anew(answered(model, "anew", test, run.seed), model);
+  const EchoCounts refined(answered(likely, "once", test, run.seed), model);
+  const EchoCounts opaque(answered(mesh, "once", test, run.seed), model);
   const std::pair<const char*, const EchoCounts*> rows[] = {
       {"real", &real}, {"once", &ours}, {"refined", &refined}, {"anew", &anew}, {"mesh", &opaque}};
   add_row(log + "/the other half", EchoCounts(train, model), real, table, out.figures);

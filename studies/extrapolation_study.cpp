@@ -12,7 +12,7 @@
 #include "underbrush/metrics/always_hit.hpp"
 #include "underbrush/metrics/look_up.hpp"
 #include "underbrush/metrics/score.hpp"
-#include "underbrush/simulate/simulate.hpp"
+#include "underbrush/pipeline/simulate_log.hpp"
 
 namespace underbrush::studies {
 namespace {
@@ -67,11 +67,9 @@ class Sources {
   std::vector<Answers> score(const BeamLog& test) const {
     std::vector<Answers> out;
     for (const elements::Model* model : {&model_, &meshes_[0], &meshes_[1]}) {
-      BeamLog answered = test;
-      simulate::Options options;
+      pipeline::SimulateOptions options;
       options.seed = seed_;
-      simulate::simulate(trace::World(*model), options, 0, answered);
-      out.push_back(answers(test, answered));
+      out.push_back(answers(test, pipeline::simulate_log(*model, test, options)));
     }
     out.push_back(answers(test, metrics::looked_up(train_, test, metrics::LookUp::kWarped2)));
     out.push_back(answers(test, metrics::always_hit(train_, test)));

@@ -10,7 +10,7 @@
 #include "underbrush/metrics/always_hit.hpp"
 #include "underbrush/metrics/look_up.hpp"
 #include "underbrush/metrics/score.hpp"
-#include "underbrush/simulate/simulate.hpp"
+#include "underbrush/pipeline/simulate_log.hpp"
 
 namespace underbrush::studies {
 namespace {
@@ -36,13 +36,12 @@ elements::Model fit_half(const BeamLog& train, std::string_view fitter, uint64_t
 }
 
 metrics::Score score_of_model(const elements::Model& model, const BeamLog& test,
-                              simulate::RangeDraw draw, uint64_t seed) {
-  const trace::World world(model, trace::Isa::kBest, trace::Draws::kOnce);
-  MemorySource like(test);
-  simulate::Options simulate;
-  simulate.seed = seed;
-  simulate.draw = draw;
-  simulate::SimulatedSource simulated(world, like, simulate);
+                              const std::string& draw, uint64_t seed) {
+  pipeline::SimulateOptions options;
+  options.seed = seed;
+  options.draw = draw;
+  const BeamLog answered = pipeline::simulate_log(model, test, options);
+  MemorySource simulated(answered);
   return score_of(test, simulated);
 }
 
@@ -111,16 +110,15 @@ StudyResult study_look_up(const StudyRun& run) {
     out.inputs.insert(out.inputs.end(), {folder / "train.ply", folder / "test.ply"});
     const double best = add_baselines(log, train, test, run.keep, table, out.figures);
     if (run.quick) continue;
-    using simulate::RangeDraw;
-    const auto score_of = [&](const elements::Model& model, RangeDraw draw) {
+    const auto score_of = [&](const elements::Model& model, const std::string& draw) {
       return score_of_model(model, test, draw, run.seed);
     };
     const elements::Model mesh = fit_half(train, "surface", run.seed),
                           model = fit_half(train, fit::FitOptions().fitter, run.seed);
-    add_row(log, "mesh", score_of(mesh, RangeDraw::kOnRay), table, out.figures);
-    const metrics::Score ours = score_of(model, RangeDraw::kOnRay);
+    add_row(log, "mesh", score_of(mesh, "on_ray"), table, out.figures);
+    const metrics::Score ours = score_of(model, "on_ray");
     add_row(log, "default", ours, table, out.figures);
-    add_row(log, "default, median", score_of(model, RangeDraw::kMedian), table, out.figures);
+    add_row(log, "default, median", score_of(model, "median"), table, out.figures);
     out.checks.push_back({log + ": capped error of the default over the best look-up's",
                           ours.all.capped_error_m / best, 1.0});
   }

@@ -4,9 +4,9 @@
 #include "studies/mesh_fidelity.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/fit/fit.hpp"
+#include "underbrush/pipeline/simulate_log.hpp"
 #include "underbrush/sensor/pattern.hpp"
 #include "underbrush/simulate/footprint.hpp"
-#include "underbrush/simulate/simulate.hpp"
 
 namespace underbrush::studies {
 namespace {
@@ -132,11 +132,9 @@ PlantFigures ellipsoids_of(const BeamLog& scan, uint64_t seed) {
   options.segment.method = "none";
   MemorySource source(scan);
   const elements::Model model = fit::fit(source, options).model;
-  const trace::World world(model);
-  simulate::Options draw;
-  draw.seed = seed + 1;
-  BeamLog answer = scan;
-  simulate::simulate(world, draw, 0, answer);
+  pipeline::SimulateOptions options_of_draw;
+  options_of_draw.seed = seed + 1;
+  const BeamLog answer = pipeline::simulate_log(model, scan, options_of_draw);
   return {"ellipsoids",
           model.size(),
           model.ellipsoids.size() * sizeof(elements::Ellipsoid),

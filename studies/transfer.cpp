@@ -13,8 +13,8 @@
 #include "studies/studies.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/log_file.hpp"
-#include "underbrush/metrics/score.hpp"
-#include "underbrush/simulate/simulate.hpp"
+#include "underbrush/pipeline/score_logs.hpp"
+#include "underbrush/pipeline/simulate_log.hpp"
 
 namespace underbrush::studies {
 namespace {
@@ -85,14 +85,13 @@ SensorLogs drive_through(const sensor::Sensor& sensor, uint32_t half, const Band
 }
 
 metrics::Summary score_on(const elements::Model& model, const BeamLog& test, uint64_t seed) {
-  const trace::World world(model);
-  MemorySource real(test), like(test);
-  simulate::Options options;
+  const pipeline::TracedWorld world(model);
+  pipeline::SimulateOptions options;
   options.seed = seed;
-  simulate::SimulatedSource simulated(world, like, options);
-  metrics::ScoreOptions what;
-  what.world = &world;
-  return metrics::score(real, simulated, what).all;
+  pipeline::Simulation simulation(world, options);
+  const BeamLog answered = pipeline::simulate_log(simulation, test);
+  MemorySource real(test), simulated(answered);
+  return pipeline::score_logs(real, simulated, &world, true).all;
 }
 
 // By the lidar that the model was learnt from.

@@ -8,8 +8,8 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/fit/fit.hpp"
+#include "underbrush/pipeline/simulate_log.hpp"
 #include "underbrush/sensor/sensor.hpp"
-#include "underbrush/simulate/simulate.hpp"
 
 namespace underbrush::studies {
 namespace {
@@ -129,12 +129,11 @@ std::vector<Wall> WallScan::compare(WallSource source, const ScannerFault& fault
                                     uint64_t seed) const {
   const bool fit = source == WallSource::kFit;
   const elements::Model model = fit ? fitted(seed) : faces();
-  const trace::World world(model);
   BeamLog simulated = second_;
   lean(sensor_from_world_, fault.mirror_tilt_rad, simulated);
-  simulate::Options options;
+  pipeline::SimulateOptions options;
   options.seed = seed;
-  simulate::simulate(world, options, 0, simulated);
+  simulated = pipeline::simulate_log(model, std::move(simulated), options);
   simulated.direction = second_.direction;
   const double sheet_m =
       source == WallSource::kDataSheet ? sensor::load(first_.info.sensor).range_sigma_m : 0;
