@@ -5,21 +5,20 @@
 #include "objects_of_log.hpp"
 #include "studies/primitives.hpp"
 #include "underbrush/core/check.hpp"
+#include "underbrush/pipeline/simulate_log.hpp"
 #include "underbrush/primitives/leave_out.hpp"
 #include "underbrush/primitives/segment_log.hpp"
-#include "underbrush/simulate/simulate.hpp"
 
 namespace underbrush::studies {
 namespace {
 
 using primitives::Primitive;
 
-BeamLog answered(const trace::World& world, const BeamLog& beams, uint64_t seed) {
-  BeamLog out = beams;
-  simulate::Options options;
+BeamLog answered(const pipeline::TracedWorld& world, const BeamLog& beams, uint64_t seed) {
+  pipeline::SimulateOptions options;
   options.seed = seed;
-  simulate::simulate(world, options, 0, out);
-  return out;
+  pipeline::Simulation simulation(world, options);
+  return pipeline::simulate_log(simulation, beams);
 }
 
 metrics::Score score_of(const BeamLog& real, const BeamLog& simulated) {
@@ -90,7 +89,8 @@ PairOutcome run_pair(const SitePair& pair, const PairOptions& o) {
     if (pair.one_site) out.shared_plants += primitives::leave_out(read[k], site.annotation.objects);
     require(!read[k].entries.empty(), "study: no primitive is left of the training log");
     composed[k] = primitives::compose(site.annotation, site.ground, read[k], compose);
-    logs[k] = answered(trace::World(composed[k].scene), pair.test, o.seed);
+    logs[k] =
+        answered(pipeline::TracedWorld(composed[k].scene, composed[k].info), pair.test, o.seed);
     out.rows.push_back(sets[k].name);
     out.score[sets[k].name] = score_of(pair.test, logs[k]);
     out.box_distance_m.push_back(composed[k].mean_box_distance_m);
@@ -102,7 +102,8 @@ PairOutcome run_pair(const SitePair& pair, const PairOptions& o) {
   if (o.pictures)
     out.pictures = primitive_pictures(pair.name, pair.test, std::span(shown).first(2));
   const elements::Model own = fitted(pair.test, pair.min_range_m, o.seed);
-  out.score["geospecific"] = score_of(pair.test, answered(trace::World(own), pair.test, o.seed));
+  out.score["geospecific"] =
+      score_of(pair.test, answered(pipeline::TracedWorld(own), pair.test, o.seed));
   out.rows.insert(out.rows.end(), {"geospecific", "replay"});
   out.score["replay"] = score_of(pair.test, replay(pair.train, pair.test));
   return out;

@@ -8,8 +8,8 @@
 #include "studies/targets.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
+#include "underbrush/pipeline/simulate_log.hpp"
 #include "underbrush/simulate/footprint.hpp"
-#include "underbrush/simulate/simulate.hpp"
 
 namespace underbrush::studies {
 namespace {
@@ -150,15 +150,16 @@ BeamLog without_margin(const StaticScan& scan) {
 metrics::BearingRangeHistogram simulated_histogram(const StaticScan& scan,
                                                    const elements::Model& model, bool random_ray,
                                                    bool once, int draws, uint64_t seed) {
-  const trace::World world(model, trace::Isa::kBest,
-                           once ? trace::Draws::kOnce : trace::Draws::kAnew);
-  simulate::Options options;
+  pipeline::SimulateOptions options;
   options.seed = seed;
-  if (random_ray) options.random_ray = scan.sensor.beam;
+  options.matter = once ? "once" : "anew";
+  if (random_ray) options.beam = "random";
+  const pipeline::TracedWorld world(model, pipeline::matter_of(options));
+  pipeline::Simulation simulation(world, options, [&](const char*) { return scan.sensor; });
   BeamLog beams = scan.test;
   metrics::BearingRangeHistogram out = histogram_of(scan, beams.like());
   for (int k = 0; k < draws; ++k) {
-    simulate::simulate(world, options, size_t(k) * beams.size(), beams);
+    simulation.answer(size_t(k) * beams.size(), beams);
     out.add(beams);
   }
   return out;

@@ -6,8 +6,8 @@
 #include "score_json.hpp"
 #include "studies/vegetation.hpp"
 #include "underbrush/io/log_file.hpp"
-#include "underbrush/metrics/score.hpp"
-#include "underbrush/simulate/simulate.hpp"
+#include "underbrush/pipeline/score_logs.hpp"
+#include "underbrush/pipeline/simulate_log.hpp"
 
 namespace underbrush::studies {
 namespace fs = std::filesystem;
@@ -23,22 +23,21 @@ struct MobileScore {
 MobileScore score_log(Contender c, const fs::path& folder, uint64_t seed) {
   constexpr double kVehicleM = 2;  // m; nearer returns are of the vehicle that drives.
   MobileScore out;
-  io::LogReader train(folder / "train.ply"), test(folder / "test.ply"), like(folder / "test.ply");
+  io::LogReader train(folder / "train.ply"), test(folder / "test.ply");
   if (train.info().scans.size() > 1) c.fit.min_range_m = kVehicleM;
   const auto start = std::chrono::steady_clock::now();
   const elements::Model model = fit::fit(train, c.fit).model;
   const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - start;
   out.fit_beams_per_s = double(train.size()) / spent.count();
   out.elements = model.size();
-  const trace::World world(model, trace::Isa::kBest,
-                           c.once ? trace::Draws::kOnce : trace::Draws::kAnew);
-  simulate::Options options;
+  pipeline::SimulateOptions options;
   options.seed = seed;
-  simulate::SimulatedSource simulated(world, like, options);
-  metrics::ScoreOptions what;
-  what.cloud = false;
-  what.world = &world;
-  out.all = metrics::score(test, simulated, what).all;
+  options.matter = c.once ? "once" : "anew";
+  const pipeline::TracedWorld world(model, pipeline::matter_of(options));
+  pipeline::Simulation simulation(world, options);
+  const BeamLog answered = pipeline::simulate_log(simulation, test);
+  MemorySource simulated(answered);
+  out.all = pipeline::score_logs(test, simulated, &world, false).all;
   return out;
 }
 

@@ -16,8 +16,8 @@
 #include "underbrush/metrics/look_up.hpp"
 #include "underbrush/metrics/repeats.hpp"
 #include "underbrush/metrics/scan_pairs.hpp"
+#include "underbrush/pipeline/simulate_log.hpp"
 #include "underbrush/sensor/sensor.hpp"
-#include "underbrush/simulate/simulate.hpp"
 
 namespace underbrush::studies {
 namespace fs = std::filesystem;
@@ -71,16 +71,15 @@ std::vector<Answered> answers(const StudyRun& run, const BeamLog& train, const B
     c.fit.min_range_m = kVehicleM;
     MemorySource source(train);
     const elements::Model model = fit::fit(source, c.fit).model;
-    const trace::World world(model, trace::Isa::kBest,
-                             c.once ? trace::Draws::kOnce : trace::Draws::kAnew);
     std::vector<bool> cones{false};
     if (is_surface(c) && !test.info.sensor.empty()) cones.push_back(true);
     for (const bool cone : cones) {
-      simulate::Options options;
+      pipeline::SimulateOptions options;
       options.seed = run.seed;
-      if (cone) options.random_ray = sensor::load(test.info.sensor).beam;
-      out.push_back({is_surface(c) ? c.name + (cone ? ", cone" : ", axis") : c.name, test});
-      simulate::simulate(world, options, 0, out.back().log);
+      options.matter = c.once ? "once" : "anew";
+      if (cone) options.beam = "random";
+      out.push_back({is_surface(c) ? c.name + (cone ? ", cone" : ", axis") : c.name,
+                     pipeline::simulate_log(model, test, options)});
     }
   }
   return out;

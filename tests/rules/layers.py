@@ -32,7 +32,7 @@ OWN_TARGETS = {"underbrush_report": "report", "underbrush_cli": "cli",
                "underbrush_app": "apps/underbrush", "underbrush_studies": "studies"}
 # What answers beams. The answer that a user gets is made in `pipeline` alone, which everybody else calls.
 ANSWERS = ("underbrush/simulate/simulate.hpp", "underbrush/simulate/echoes.hpp")
-ANSWERERS = ("src/underbrush/simulate/", "src/underbrush/pipeline/", "studies/", "tests/")
+ANSWERERS = ("src/underbrush/simulate/", "src/underbrush/pipeline/", "tests/")
 # Who else may include it, and why.
 INNER_PARTS = {
     "bench/echoes.cpp": "a benchmark of the instrument itself",
