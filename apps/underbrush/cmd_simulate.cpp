@@ -189,7 +189,7 @@ std::string text_of_model(const Done& done, const elements::Model& model) {
                 : fmt::format(
                       "  keyframes   not used: they are of thin rays of {}, without "
                       "elements, movers or wind\n",
-                      printable(model.sensor));
+                      model.sensor.empty() ? "the model's log" : printable(model.sensor));
   }
   return text;
 }

@@ -5,6 +5,7 @@ import json
 import math
 import pathlib
 import re
+import shutil
 import struct
 
 SHARE = pathlib.Path(__file__).resolve().parents[2] / "share"
@@ -100,4 +101,25 @@ def make(call, folder):
     for trust in model["keyframes"]["trust"]:
         trust["elements"] = 0.5
         trust["pixels"] = [0.5 / len(trust["pixels"])] * len(trust["pixels"])
+    manifest.write_text(json.dumps(model))
+
+
+def make_unnamed(folder):
+    """Writes what `make` has written once more without the sensor's name: unnamed.ply and the model unnamed/. In
+    renumbered.ply the channels have other numbers, as those of another sensor do."""
+    folder = pathlib.Path(folder)
+    rows = Rows(folder / "test.ply")
+    rows.head = re.sub(r"^comment underbrush sensor .*\n", "", rows.head, flags=re.MULTILINE)
+    rows.head = re.sub(r'"sensor": ?"coarse"', '"sensor":""', rows.head)
+    rows.write(folder / "unnamed.ply")
+    ring = rows.at["ring"]
+    for r in rows.rows:
+        r[ring] = 15 - r[ring]
+    rows.write(folder / "renumbered.ply")
+    shutil.copytree(folder / "model", folder / "unnamed")
+    manifest = folder / "unnamed/model.json"
+    model = json.loads(manifest.read_text())
+    for key in ("channels", "sensor_file"):
+        model.pop(key, None)
+    model["sensor"] = ""
     manifest.write_text(json.dumps(model))

@@ -82,12 +82,15 @@ class OneAnswer(unittest.TestCase):
             self.assertEqual(body(self.folder / "program.ply"), body(self.folder / "library.ply"), words)
 
     def test_the_range_images_of_the_server_are_those_of_the_program(self):
-        simulated = every_feature.Rows(self.folder / "sim.ply")
-        ranges = ranges_of(self.folder / "sim.ply")
-        runs = 1 + max(simulated.column("scan")) // 2
+        beams = len(ranges_of(self.folder / "sim.ply"))
+        self.assertGreater(self.compared_images(self.server, 0, 1, "sim.ply"), 0.5 * beams)
+
+    def compared_images(self, server, log, world, simulated):
+        """Compares the range images of a log with what the program has simulated; returns the number of beams."""
+        rows, ranges = every_feature.Rows(self.folder / simulated), ranges_of(self.folder / simulated)
         compared = 0
-        for run in range(runs):
-            status, _, image = self.server.get(f"api/range_image?file=0&run={run}&world=1&seed=5")
+        for run in range(1 + max(rows.column("scan")) // 2):
+            status, _, image = server.get(f"api/range_image?file={log}&run={run}&world={world}&seed=5")
             self.assertEqual(status, 200)
             width, height, both = struct.unpack_from("<3I", image)
             self.assertTrue(both)
@@ -97,7 +100,25 @@ class OneAnswer(unittest.TestCase):
                 self.assertAlmostEqual(answer, ranges[row], delta=1e-6 * max(10.0, ranges[row]))
                 compared += 1
             self.assertEqual(len(image), 12 + 12 * width * height)
-        self.assertGreater(compared, 0.5 * len(ranges))
+        return compared
+
+    def test_logs_without_a_name_are_told_apart_by_their_channels(self):
+        every_feature.make_unnamed(self.folder)
+        server = serving.Server(self.folder, "unnamed.ply", "renumbered.ply", "unnamed", words=["--seed", "5"])
+        self.addCleanup(server.end)
+        for file, (log, serves) in enumerate((("unnamed", True), ("renumbered", False))):
+            report = json.loads(program("simulate", "unnamed", "--like", f"{log}.ply", "--seed", 5, "-o",
+                                        f"{log}_sim.ply", "--json", "-", cwd=self.folder))
+            self.assertEqual(report["keyframes"], serves)
+            subprocess.run([LIBRARY, "unnamed", f"{log}.ply", f"{log}_library.ply", "5", ""], cwd=self.folder,
+                           check=True)
+            self.assertEqual(body(self.folder / f"{log}_sim.ply"), body(self.folder / f"{log}_library.ply"))
+            server.octree(file)
+            self.assertGreater(self.compared_images(server, file, 2, f"{log}_sim.ply"), 1000)
+            ranges = ranges_of(self.folder / f"{log}_sim.ply")
+            ends = [server.json_of(f"api/trace?file={file}&row={row}&world=2&seed=5")["ends_by"]
+                    for row in range(7, len(ranges), len(ranges) // 100)]
+            self.assertEqual("keyframe" in ends, serves)
 
     def test_the_server_explains_the_answer_of_the_program(self):
         ranges = ranges_of(self.folder / "sim.ply")

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "underbrush/core/rng.hpp"
+#include "underbrush/keyframes/scan_pattern.hpp"
 
 namespace underbrush::keyframes {
 namespace {
@@ -50,6 +51,14 @@ uint64_t KeyframeCache::patch_of(const Vec3& point, const Near& near) const {
 bool KeyframeCache::serves(const elements::Model& model, const LogInfo& beams) {
   return model.keyframes && !model.keyframes->frames.empty() && beams.sensor == model.sensor &&
          beams.sensor_file == model.sensor_file;
+}
+
+bool KeyframeCache::serves(const elements::Model& model, BeamSource& log) {
+  if (!serves(model, log.info())) return false;
+  if (!model.sensor.empty() || !model.sensor_file.empty()) return true;
+  const ScanPattern pattern = scan_pattern(log);
+  log.rewind();
+  return is_of_sensor(model, log.info(), pattern);
 }
 
 std::vector<uint32_t> KeyframeCache::candidates(std::span<const Vec3> origins) const {

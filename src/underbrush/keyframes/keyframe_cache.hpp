@@ -47,7 +47,11 @@ class KeyframeCache {
   explicit KeyframeCache(const elements::Model& model);
 
   /// Whether the cache serves the beams of a log: the model has keyframes, and its sensor is that
-  /// of the log. Another sensor would have missed other beams.
+  /// of the log. Another sensor would have missed other beams. Sensors are told apart by their
+  /// names; where neither has one, the log is read to compare its beams with the pixels
+  /// (`is_of_sensor`). The log is rewound before and after.
+  static bool serves(const elements::Model& model, BeamSource& log);
+  /// The same by the names alone, of which none is equal to none.
   static bool serves(const elements::Model& model, const LogInfo& beams);
   /// The keyframes that may be the nearest ones to one of some places (world, m).
   std::vector<uint32_t> candidates(std::span<const Vec3> origins) const;

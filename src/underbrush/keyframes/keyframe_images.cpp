@@ -1,12 +1,11 @@
 #include "underbrush/keyframes/keyframe_images.hpp"
 
 #include <algorithm>
-#include <bitset>
 #include <cmath>
 
 #include "underbrush/core/parallel.hpp"
-#include "underbrush/core/rng.hpp"
 #include "underbrush/keyframes/keyframe_choice.hpp"
+#include "underbrush/keyframes/scan_pattern.hpp"
 
 namespace underbrush::keyframes {
 namespace {
@@ -14,122 +13,6 @@ namespace {
 using elements::Keyframe;
 using elements::KeyframePixel;
 using elements::Keyframes;
-
-/// What is known of a scan before its image is made.
-struct Scan {
-  size_t beams = 0;
-  Vec3 origin = Vec3::Zero();  // m, world; the sum, then the mean
-  Eigen::Quaterniond sensor_from_world = Eigen::Quaterniond::Identity();
-};
-
-/// Elevations of the beams of a channel, counted in steps of 0.05°. Their middle is that of the far
-/// beams, as near ones of a sensor whose lasers are apart are seen from beside it.
-class Channel {
- public:
-  void add(double elevation_rad) {
-    const double at = (elevation_rad / M_PI + 0.5) * kSteps;
-    ++count_[size_t(std::clamp(at, 0.0, kSteps - 1.0))];
-    ++beams_;
-  }
-  /// The elevation (rad) below which a share of the beams is.
-  double quantile(double share) const {
-    double below = share * double(beams_);
-    for (size_t k = 0; k < count_.size(); ++k) {
-      if (below <= double(count_[k])) {
-        const double part = count_[k] > 0 ? below / double(count_[k]) : 0;
-        return ((double(k) + part) / kSteps - 0.5) * M_PI;
-      }
-      below -= double(count_[k]);
-    }
-    return M_PI / 2;
-  }
-
- private:
-  static constexpr double kSteps = 3600;
-  std::vector<uint32_t> count_ = std::vector<uint32_t>(size_t(kSteps));
-  size_t beams_ = 0;
-};
-
-/// The directions of a log's beams in the frame of its sensor.
-struct Pattern {
-  std::map<uint32_t, Scan> scans;
-  std::map<uint16_t, Channel> channels;
-  std::bitset<360> degrees;  // of azimuth at which there are beams
-  double largest_intensity = 0, largest_range_m = 0;
-};
-
-/// Elevations and azimuths are those of some so many beams, evenly chosen.
-constexpr size_t kPatternBeams = 500'000;
-
-double elevation_of(const Vec3& d) { return std::asin(std::clamp(d.z(), -1.0, 1.0)); }
-
-Pattern pattern_of(BeamSource& log) {
-  Pattern p;
-  for (const ScanInfo& info : log.info().scans) {
-    p.scans[info.scan].sensor_from_world = info.world_from_sensor.rotation.conjugate();
-  }
-  log.rewind();
-  const uint64_t one_in = 1 + log.size() / kPatternBeams;
-  uint64_t row = 0;
-  for (BeamLog chunk; log.next(chunk);) {
-    for (size_t i = 0; i < chunk.size(); ++i) {
-      Scan& scan = p.scans[chunk.scan[i]];
-      ++scan.beams;
-      scan.origin += chunk.origin[i];
-      if (chunk.is_hit(i)) {
-        p.largest_range_m = std::max(p.largest_range_m, double(chunk.range_m[i]));
-        if (std::isfinite(chunk.intensity[i])) {
-          p.largest_intensity = std::max(p.largest_intensity, double(chunk.intensity[i]));
-        }
-      }
-      if (mix64(++row) % one_in != 0) continue;
-      const Vec3 d = scan.sensor_from_world * chunk.direction[i].cast<double>();
-      p.channels[chunk.ring[i]].add(elevation_of(d));
-      const double turn = std::atan2(d.y(), d.x()) / (2 * M_PI);
-      p.degrees.set(size_t((turn < 0 ? turn + 1 : turn) * 360) % 360);
-    }
-  }
-  std::erase_if(p.scans, [](const auto& s) { return s.second.beams == 0; });
-  for (auto& [number, scan] : p.scans) scan.origin /= double(scan.beams);
-  return p;
-}
-
-/// Beams of the usual scan.
-double beams_of_scan(const Pattern& p) {
-  std::vector<size_t> counts;
-  for (const auto& [number, scan] : p.scans) counts.push_back(scan.beams);
-  std::nth_element(counts.begin(), counts.begin() + ptrdiff_t(counts.size() / 2), counts.end());
-  return double(counts[counts.size() / 2]);
-}
-
-/// A row for each channel.
-void set_channels(const Pattern& p, Keyframes& image) {
-  std::vector<std::pair<double, uint16_t>> order;
-  for (const auto& [ring, c] : p.channels) order.emplace_back(c.quantile(0.5), ring);
-  std::sort(order.begin(), order.end());
-  for (const auto& [elevation, ring] : order) {
-    image.elevation.push_back(elevation);
-    image.channel.push_back(ring);
-  }
-}
-
-/// Rows and columns as wide as the spacing of the beams.
-void set_even_image(const Pattern& p, double turn_share, Keyframes& k) {
-  double low = M_PI / 2, high = -M_PI / 2;
-  for (const auto& [ring, c] : p.channels) {
-    low = std::min(low, c.quantile(0.01));
-    high = std::max(high, c.quantile(0.99));
-  }
-  low = std::max(low, -M_PI / 2);
-  high = std::min(high, M_PI / 2);
-  const double area = std::max(high - low, 1e-3) * 2 * M_PI * turn_share;
-  const double step = std::max(std::sqrt(area / beams_of_scan(p)), 1e-3);
-  const auto rows = size_t(std::max(2.0, std::ceil((high - low) / step)));
-  for (size_t r = 0; r < rows; ++r) {
-    k.elevation.push_back(low + (high - low) * (double(r) + 0.5) / double(rows));
-  }
-  k.columns = size_t(std::max(1.0, std::round(2 * M_PI / step)));
-}
 
 /// Drops the keyframes of scans that have no beam within the image.
 void drop_empty(KeyframeImages& images) {
@@ -146,7 +29,7 @@ void drop_empty(KeyframeImages& images) {
 /// Makes the images of some scans.
 class Painter {
  public:
-  Painter(const Pattern& pattern, const KeyframeOptions& options, KeyframeImages& images)
+  Painter(const ScanPattern& pattern, const KeyframeOptions& options, KeyframeImages& images)
       : pattern_(pattern), options_(options), images_(images), grid_(images.keyframes) {
     const std::vector<uint16_t>& channel = images.keyframes.channel;
     for (size_t row = 0; row < channel.size(); ++row) rows_[channel[row]] = row;
@@ -248,7 +131,7 @@ class Painter {
     }
   }
 
-  const Pattern& pattern_;
+  const ScanPattern& pattern_;
   std::map<uint16_t, size_t> rows_;
   const KeyframeOptions& options_;
   KeyframeImages& images_;
@@ -258,7 +141,7 @@ class Painter {
 
 /// Chooses keyframes among the scans of a log and those that there are already, and makes the
 /// images of the scans. The grid is known.
-void paint(BeamSource& log, const Pattern& pattern, const Vec3& origin,
+void paint(BeamSource& log, const ScanPattern& pattern, const Vec3& origin,
            const KeyframeOptions& options, KeyframeImages& out) {
   Keyframes& k = out.keyframes;
   std::vector<Vec3> places;
@@ -290,11 +173,11 @@ void paint(BeamSource& log, const Pattern& pattern, const Vec3& origin,
   painter.close_gaps();
 }
 
-double unit_of(const Pattern& p) {
+double unit_of(const ScanPattern& p) {
   return std::max(p.largest_range_m, 1.0) * 1.05 / KeyframePixel::kMost;
 }
 
-double intensity_unit_of(const Pattern& p) { return p.largest_intensity / 65535; }
+double intensity_unit_of(const ScanPattern& p) { return p.largest_intensity / 65535; }
 
 /// Makes units coarser where keyframes are to hold farther and brighter returns.
 void widen(Keyframes& k, double unit_m, double intensity_unit) {
@@ -318,18 +201,11 @@ void widen(Keyframes& k, double unit_m, double intensity_unit) {
 
 KeyframeImages make_keyframe_images(BeamSource& log, const Vec3& origin,
                                     const KeyframeOptions& options) {
-  const Pattern pattern = pattern_of(log);
+  const ScanPattern pattern = scan_pattern(log);
   KeyframeImages out;
   if (pattern.scans.empty()) return out;
   Keyframes& k = out.keyframes;
-  const double turn_share = std::max(1.0, double(pattern.degrees.count())) / 360;
-  if (pattern.channels.size() < 2) {
-    set_even_image(pattern, turn_share, k);
-  } else {
-    set_channels(pattern, k);
-    const double of_channel = beams_of_scan(pattern) / double(k.rows());
-    k.columns = size_t(std::max(1.0, std::round(of_channel / turn_share)));
-  }
+  set_grid(pattern, k);
   k.unit_m = unit_of(pattern);
   k.intensity_unit = intensity_unit_of(pattern);
   paint(log, pattern, origin, options, out);
@@ -339,7 +215,7 @@ KeyframeImages make_keyframe_images(BeamSource& log, const Vec3& origin,
 KeyframeImages add_keyframe_images(BeamSource& log, Keyframes earlier, const Vec3& origin,
                                    const KeyframeOptions& options) {
   KeyframeImages out{std::move(earlier), {}};
-  const Pattern pattern = pattern_of(log);
+  const ScanPattern pattern = scan_pattern(log);
   // Where the earlier logs have no intensities, the pixels of none are to have any.
   const bool has_light = out.keyframes.intensity_unit > 0;
   widen(out.keyframes, unit_of(pattern), has_light ? intensity_unit_of(pattern) : 0);
@@ -356,7 +232,7 @@ KeyframeImages make_half_images(BeamSource& log, const Keyframes& keyframes, con
   k.columns = std::max<size_t>(1, keyframes.columns / 2);
   k.unit_m = keyframes.unit_m;
   k.intensity_unit = keyframes.intensity_unit;
-  const Pattern pattern = pattern_of(log);
+  const ScanPattern pattern = scan_pattern(log);
   if (!pattern.scans.empty()) paint(log, pattern, origin, options, out);
   return out;
 }

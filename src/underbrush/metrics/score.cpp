@@ -78,9 +78,10 @@ std::vector<uint32_t> classes_of(const BeamLog& log) {
 
 class Scorer {
  public:
-  Scorer(const ScoreOptions& options, std::string classes)
+  Scorer(const ScoreOptions& options, std::string classes, bool keyframes)
       : options_(options),
         classes_(std::move(classes)),
+        keyframes_(keyframes),
         intensities_(options.range_edges_m, options.model) {
     sets_.resize(1 + options.range_edges_m.size() + 1);  // all, ranges, misses
   }
@@ -184,10 +185,7 @@ class Scorer {
     const double max_range = real.info.max_range_m;
     const double reach = std::min(max_range, options_.world->model().max_range_m);
     std::optional<keyframes::KeyframeCache> cache;
-    if (options_.world->is_one_model() &&
-        keyframes::KeyframeCache::serves(options_.world->model(), real.info)) {
-      cache.emplace(options_.world->model());
-    }
+    if (keyframes_) cache.emplace(options_.world->model());
     parallel_for(real.size(), 2048, [&](size_t begin, size_t end) {
       std::vector<Ray> rays;
       for (size_t i = begin; i < end; ++i) {
@@ -243,6 +241,7 @@ class Scorer {
 
   const ScoreOptions& options_;
   std::string classes_;  // the label set
+  bool keyframes_;       // whether those of the world's model answer beams of the real log
   std::vector<Sums> sets_;
   std::map<uint32_t, size_t> class_set_;
   RangeErrorHistogram histogram_;
@@ -271,7 +270,9 @@ Score score(BeamSource& real, BeamSource& simulated, const ScoreOptions& options
     throw DataError("score: " + std::to_string(real.size()) + " real beams but " +
                     std::to_string(simulated.size()) + " simulated ones");
   }
-  Scorer scorer(options, real.info().classes);
+  const bool keyframes = options.world && options.world->is_one_model() &&
+                         keyframes::KeyframeCache::serves(options.world->model(), real);
+  Scorer scorer(options, real.info().classes, keyframes);
   // The world has true ranges, and both logs have the offsets of the sensor's channels.
   const ChannelOffsets channels =
       options.world ? options.world->model().channels_of(real.info()) : ChannelOffsets();

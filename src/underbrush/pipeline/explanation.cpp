@@ -28,10 +28,11 @@ struct AtATime {
 
 }  // namespace
 
-Explanation explain_beam(const TracedWorld& world, uint64_t seed, size_t number,
+Explanation explain_beam(const TracedWorld& world, uint64_t seed, bool keyframes, size_t number,
                          const BeamLog& beam) {
   SimulateOptions options;
   options.seed = seed;
+  options.keyframes = keyframes;
   Simulation simulation(world, options);
   BeamLog answered = beam;
   answered.extra.clear();

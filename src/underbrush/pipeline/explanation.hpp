@@ -32,9 +32,9 @@ struct Explanation {
 };
 
 /// Explains the answer of `simulate` with default options and this seed to one beam, a log of one
-/// row with the number `number` in its log. Objects that move are where they are at the beam's
-/// time.
-Explanation explain_beam(const TracedWorld& world, uint64_t seed, size_t number,
+/// row with the number `number` in its log. `keyframes` as in `SimulateOptions`. Objects that move
+/// are where they are at the beam's time.
+Explanation explain_beam(const TracedWorld& world, uint64_t seed, bool keyframes, size_t number,
                          const BeamLog& beam);
 
 }  // namespace underbrush::pipeline

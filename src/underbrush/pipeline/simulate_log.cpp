@@ -74,6 +74,7 @@ Simulation::SensorOf sensor_of(const std::string& file, const BeamSource& log) {
 SimulateCounts simulate_log(Simulation& simulation, BeamSource& beams,
                             const std::function<void(BeamSource&)>& write,
                             const SimulateProgress& progress) {
+  simulation.recognise(beams);
   simulate::SimulatedSource simulated(
       [&](size_t first_beam, BeamLog& chunk) { simulation.answer(first_beam, chunk); }, beams,
       simulation.options().max_range_m);
@@ -106,6 +107,8 @@ BeamLog simulate_log(Simulation& simulation, BeamSource& beams, const SimulatePr
 }
 
 BeamLog simulate_log(Simulation& simulation, BeamLog beams) {
+  MemorySource source(beams);
+  simulation.recognise(source);
   const double max_range_m = simulation.options().max_range_m;
   beams.info.has_misses = true;
   if (max_range_m > 0) beams.info.max_range_m = max_range_m;

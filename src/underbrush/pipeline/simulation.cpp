@@ -1,6 +1,9 @@
 #include "underbrush/pipeline/simulation.hpp"
 
+#include <algorithm>
+
 #include "underbrush/core/check.hpp"
+#include "underbrush/keyframes/keyframe_cache.hpp"
 #include "underbrush/perception/rig_source.hpp"
 #include "underbrush/pipeline/instrument.hpp"
 #include "underbrush/simulate/simulate.hpp"
@@ -23,6 +26,7 @@ simulate::Options thin_rays(const SimulateOptions& o, const TracedWorld& world) 
   out.max_range_m = o.max_range_m;
   out.sway_s = o.sway_s;
   out.element_ids = o.element_ids;
+  out.keyframes = o.keyframes;
   out.instance_labels = world.labels();
   return out;
 }
@@ -42,6 +46,11 @@ simulate::EchoOptions echo_options(const SimulateOptions& o, const TracedWorld& 
 sensor::Sensor no_sensor(const char* what) {
   throw std::invalid_argument(std::string("simulate: ") + what +
                               ", but the sensor of the beams is not known");
+}
+
+bool names_materials(const TracedWorld& world) {
+  return std::ranges::any_of(world.materials(),
+                             [](const std::string& name) { return !name.empty(); });
 }
 
 const std::vector<uint8_t>& sensors_in(const BeamLog& beams) {
@@ -78,13 +87,18 @@ Matter matter_of(const SimulateOptions& options) {
 class Simulation::OfSensor {
  public:
   OfSensor(const TracedWorld& world, const SimulateOptions& options, const SensorOf& sensor_of)
-      : world_(world), thin_(thin_rays(options, world)), on_waveforms_(options.on_waveforms) {
+      : world_(world),
+        may_recall_(options.keyframes),
+        thin_(thin_rays(options, world)),
+        on_waveforms_(options.on_waveforms) {
     if (options.beam == "random") thin_.random_ray = sensor_of("--beam random").beam;
+    const bool thin = options.instrument.super_sample.empty();
+    if (thin && !names_materials(world)) return;
     const radiometry::Materials materials = materials_of(options.instrument, world.kinds());
     for (const std::string& name : world.materials()) {
       if (!name.empty()) materials.named(name);  // This throws for an unknown name.
     }
-    if (options.instrument.super_sample.empty()) return;
+    if (thin) return;
     sensor_ = sensor_of("--super-sample");
     instrument_ = instrument_of(options.instrument, sensor_, world.recorder());
     if (options.max_range_m > 0) instrument_.receiver.max_range_m = options.max_range_m;
@@ -104,6 +118,12 @@ class Simulation::OfSensor {
     add_offsets(world_.dynamic().model(0).channels_of(beams.info), 1, beams);
   }
 
+  void recognise(BeamSource& log) {
+    thin_.keyframes = may_recall_;
+    if (!keyframes_serve(log.info())) return;
+    thin_.keyframes = keyframes::KeyframeCache::serves(world_.dynamic().model(0), log);
+  }
+
   size_t sub_rays() const { return maker_ ? instrument_.sub_rays.size() : 0; }
   size_t rays_traced() const { return maker_ ? maker_->rays() : 0; }
   const sensor::Sensor& sensor() const { return sensor_; }
@@ -113,6 +133,7 @@ class Simulation::OfSensor {
 
  private:
   const TracedWorld& world_;
+  const bool may_recall_;  ///< By the options.
   simulate::Options thin_;
   std::function<void(std::vector<simulate::BeamWaveform>)> on_waveforms_;
   sensor::Sensor sensor_;
@@ -156,6 +177,10 @@ size_t Simulation::rays_traced() const {
 }
 
 const sensor::Sensor& Simulation::sensor() const { return answers_[0]->sensor(); }
+
+void Simulation::recognise(BeamSource& log) {
+  if (!rig_) answers_[0]->recognise(log);
+}
 
 bool Simulation::keyframes_serve(const LogInfo& beams) const {
   return answers_[0]->keyframes_serve(beams);

@@ -36,6 +36,12 @@ class Simulation {
   /// order. The answer depends neither on chunks nor on threads.
   void answer(size_t first_beam, BeamLog& beams);
 
+  /// Finds out whether a log, whose beams are to be answered, is of the sensor of the world's
+  /// keyframes, which have no part in the answers where it is not. Only a log without a sensor's
+  /// name is read for it, as `KeyframeCache::serves` does. Before the first call sensors without a
+  /// name count as the same. `simulate_log` calls it, and sensors of a rig are known.
+  void recognise(BeamSource& log);
+
   const TracedWorld& world() const { return *world_; }
   const SimulateOptions& options() const { return options_; }
   /// The number of sub-rays of a beam, 0 for thin rays; and of those that were traced so far.

@@ -119,10 +119,12 @@ struct Api::Impl {
     return {200, "application/json", log_of(request).beam_json(Query(request).number("row"))};
   }
   HttpReply trace(const HttpRequest& request) {
-    const LoggedBeam logged = log_of(request).beam(Query(request).number("row"));
+    LogData& log = log_of(request);
+    const WorldData& world = world_of(request, "world");
     return {200, "application/json",
-            trace_beam(logged, world_of(request, "world"),
-                       Query(request).number("seed", options.seed))};
+            trace_beam(log.beam(Query(request).number("row")), world,
+                       Query(request).number("seed", options.seed),
+                       log.keyframes_serve(world.traced().models()[0]))};
   }
   HttpReply echoes(const HttpRequest& request) {
     const Query query(request);
@@ -135,12 +137,14 @@ struct Api::Impl {
   }
   HttpReply image(const HttpRequest& request) {
     const Query query(request);
-    const LoggedBeams beams = log_of(request).beams_of_run(query.number("run"));
+    LogData& log = log_of(request);
+    const LoggedBeams beams = log.beams_of_run(query.number("run"));
     std::vector<float> ranges;
     if (query.has("other")) ranges = other_ranges(beams, log_of(request, "other"));
     if (query.has("world")) {
       const WorldData& world = world_of(request, "world");
-      ranges = simulated_ranges(beams, world, query.number("seed", options.seed));
+      ranges = simulated_ranges(beams, world, query.number("seed", options.seed),
+                                log.keyframes_serve(world.traced().models()[0]));
     }
     return {200, kBytes, range_image(beams, ranges)};
   }

@@ -34,11 +34,13 @@ std::string class_of(uint16_t label, const std::vector<std::string>& own) {
 
 }  // namespace
 
-std::string trace_beam(const LoggedBeam& beam, const WorldData& world, uint64_t seed) {
+std::string trace_beam(const LoggedBeam& beam, const WorldData& world, uint64_t seed,
+                       bool keyframes) {
   BeamLog rows = beam.rows;
   keep_first_echoes(rows);
   const pipeline::TracedWorld& traced = world.traced();
-  const pipeline::Explanation why = pipeline::explain_beam(traced, seed, beam.number, rows);
+  const pipeline::Explanation why =
+      pipeline::explain_beam(traced, seed, keyframes, beam.number, rows);
   const std::vector<std::string> own_classes = elements::element_classes(world.info());
   const auto range = [](float r) { return r == kMiss ? Json(nullptr) : Json(r); };
   Json j{{"row", beam.first + beam.asked}, {"beam", beam.number}, {"seed", seed}};

@@ -15,9 +15,11 @@ namespace underbrush::serve {
 /// probability that a beam reaches it. `simulated_range_m` is the range that `underbrush simulate
 /// WORLD --like LOG` gives with that seed and otherwise default options; it is null for a miss.
 /// `ends_by` says whether an `element`, a `keyframe` of the model or nothing (`miss`) ends the
-/// beam, and `ends_at` is the index of the element, the first one that accepts.
+/// beam, and `ends_at` is the index of the element, the first one that accepts. `keyframes` is what
+/// `LogData::keyframes_serve` says of the world.
 ///
 /// Objects that move are where they are at the beam's time.
-std::string trace_beam(const LoggedBeam& beam, const WorldData& world, uint64_t seed);
+std::string trace_beam(const LoggedBeam& beam, const WorldData& world, uint64_t seed,
+                       bool keyframes);
 
 }  // namespace underbrush::serve

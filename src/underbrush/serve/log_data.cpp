@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/keyframes/keyframe_cache.hpp"
 #include "underbrush/serve/bytes.inl"
 #include "underbrush/serve/json_reply.inl"
 #include "underbrush/serve/octree_cache.hpp"
@@ -233,6 +234,14 @@ LoggedBeam LogData::beam(uint64_t row) {
   out.first = run->first_row + first;
   out.asked = asked - first;
   return out;
+}
+
+bool LogData::keyframes_serve(const elements::Model& model) {
+  const std::lock_guard lock(mutex_);
+  const auto known = keyframes_serve_.find(&model);
+  if (known != keyframes_serve_.end()) return known->second;
+  const io::Input input = io::open_input(path_);
+  return keyframes_serve_[&model] = keyframes::KeyframeCache::serves(model, *input.beams);
 }
 
 std::string LogData::beam_json(uint64_t row) {

@@ -3,11 +3,13 @@
 #pragma once
 #include <atomic>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
 #include <thread>
 
+#include "underbrush/elements/model.hpp"
 #include "underbrush/io/input.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/serve/octree.hpp"
@@ -63,6 +65,10 @@ class LogData {
   std::string trajectory();
   /// Returns a beam by one of its rows. Throws as `beams` does.
   LoggedBeam beam(uint64_t row);
+  /// Whether the keyframes of a model, which must outlive this, answer beams of the log
+  /// (`keyframes::KeyframeCache::serves`). A log without a sensor's name is read when it is first
+  /// asked.
+  bool keyframes_serve(const elements::Model& model);
   /// Describes a beam as JSON: all columns of the row, and the ranges of the beam's echoes.
   std::string beam_json(uint64_t row);
 
@@ -80,7 +86,8 @@ class LogData {
   bool started_ = false;
   std::atomic<double> done_{0};
   std::thread builder_;
-  std::string trajectory_;                 ///< Empty until it is asked for.
+  std::string trajectory_;  ///< Empty until it is asked for.
+  std::map<const elements::Model*, bool> keyframes_serve_;
   std::unique_ptr<io::LogReader> reader_;  ///< Null for a log whose rows have no fixed places.
 };
 

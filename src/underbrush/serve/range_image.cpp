@@ -120,12 +120,13 @@ ImageLayout image_layout(const BeamLog& beams) {
   return rings.size() < kLeastRings ? layout_by_angles(beams) : layout_by_rings(beams, rings);
 }
 
-std::vector<float> simulated_ranges(const LoggedBeams& beams, const WorldData& world,
-                                    uint64_t seed) {
+std::vector<float> simulated_ranges(const LoggedBeams& beams, const WorldData& world, uint64_t seed,
+                                    bool keyframes) {
   BeamLog answered = beams.beams;
   answered.extra.clear();
   pipeline::SimulateOptions options;
   options.seed = seed;
+  options.keyframes = keyframes;
   pipeline::Simulation(world.traced(), options).answer(beams.number, answered);
   return answered.range_m;
 }

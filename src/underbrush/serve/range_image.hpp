@@ -23,9 +23,9 @@ struct ImageLayout {
 ImageLayout image_layout(const BeamLog& beams);
 
 /// Returns the ranges that `underbrush simulate WORLD --like LOG` gives the beams with this seed
-/// and otherwise default options.
-std::vector<float> simulated_ranges(const LoggedBeams& beams, const WorldData& world,
-                                    uint64_t seed);
+/// and otherwise default options. `keyframes` is what `LogData::keyframes_serve` says of the world.
+std::vector<float> simulated_ranges(const LoggedBeams& beams, const WorldData& world, uint64_t seed,
+                                    bool keyframes);
 /// Returns the ranges of the same beams in another log. Throws `DataError` where it does not have
 /// them: equal numbers, and directions that differ by less than 0.01 rad.
 std::vector<float> other_ranges(const LoggedBeams& beams, LogData& other);

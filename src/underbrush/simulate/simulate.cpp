@@ -227,8 +227,8 @@ void write(const Simulation& s, const Shots& shots, std::span<const BeamAnswer> 
 }  // namespace
 
 bool keyframes_serve(const DynamicWorld& world, const Options& options, const LogInfo& beams) {
-  const bool plain = options.draw != RangeDraw::kVolumetric && !options.random_ray &&
-                     !options.element_ids && options.sway_s == 0;
+  const bool plain = options.keyframes && options.draw != RangeDraw::kVolumetric &&
+                     !options.random_ray && !options.element_ids && options.sway_s == 0;
   return plain && !world.moves() && world.world().is_one_model() &&
          keyframes::KeyframeCache::serves(world.model(0), beams);
 }

@@ -36,6 +36,9 @@ struct Options {
   /// all others.
   double sway_s = 0;
   bool element_ids = false;  ///< Whether to add the extra columns `element` and `element_class`.
+  /// Whether keyframes may answer. Sensors are told apart by their names alone; of logs without a
+  /// name the caller finds out whether they are of the same sensor (`KeyframeCache::serves`).
+  bool keyframes = true;
   /// The class of each instance of a scene. With `element_ids`, `element_class` is taken from here
   /// instead of from the element, and there is a column `instance`, which is 0 for the ground and
   /// for a miss.

@@ -6,14 +6,15 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/still_beams.hpp"
 #include "underbrush/fit/fitters.hpp"
+#include "underbrush/keyframes/keyframe_cache.hpp"
 #include "underbrush/update/new_returns.hpp"
 #include "underbrush/update/update_work.hpp"
 
 namespace underbrush::update {
 namespace {
 
-void check(const fit::FitResult& known, const std::vector<BeamSource*>& logs,
-           const BeamSource& added, const UpdateOptions& refitting) {
+void check(const fit::FitResult& known, const std::vector<BeamSource*>& logs, BeamSource& added,
+           const UpdateOptions& refitting) {
   require(refitting.growth >= 0 && refitting.unexplained >= 0,
           "update: a share must not be negative");
   require(!logs.empty(), "update: the logs of the model are missing");
@@ -26,6 +27,11 @@ void check(const fit::FitResult& known, const std::vector<BeamSource*>& logs,
     throw DataError("the sensor of the scans is " + name(b) + ", that of the model's log is " +
                     name(a));
   }
+  const elements::Model& model = known.model;
+  require_data(
+      !model.keyframes || !model.sensor.empty() || keyframes::KeyframeCache::serves(model, added),
+      "the scans are of another sensor than the model's log: neither names it, and their "
+      "channels or ranges are others");
 }
 
 /// The tiles to fit anew. The record of each other tile receives the counts of its new returns.
