@@ -142,7 +142,7 @@ void Model::request() {
       osi::ChainFile file = osi::read_chain(in_resources(values.text[kChain]));
       set_parameters(file);
       std::string sensor = "ibeo-lux-2010";
-      int columns = 1, rows = 1;
+      int columns = 0, rows = 0;
       for (const osi::StrategyEntry& e : file.strategies) {
         if (e.name != "tracer" && e.name != "front_end") continue;
         const auto value = [&](const char* key_word, const std::string& fallback) {

@@ -24,7 +24,10 @@ min_range_m: 0.5
 max_range_m: 100
 divergence_mrad: [2, 2]
 profile: uniform
+sub_rays: [3, 5]
 """
+#: Of a beam of this sensor.
+SUB_RAYS = 3 * 5
 CYCLE_NS = 50_000_000
 
 

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import osi_bytes as osi
-from cases import FmuTest, drive, objects
+from cases import SUB_RAYS, FmuTest, drive, objects
 from fmu import CONFIG, DATA_IN, OK, REQUEST
 
 
@@ -39,7 +39,9 @@ class Chains(FmuTest):
         one.set("profile", str(self.folder / "tiny.yaml"))
         self.assertEqual(one.call("EnterInitializationMode"), OK)
         request = one.output(REQUEST)[1]
-        self.assertEqual(len(osi.parts(request, 1002, 11)), osi.value(request, 1002, 10))
+        beams = osi.value(request, 1002, 10)
+        self.assertEqual(beams, 51 * 11)
+        self.assertEqual(len(osi.parts(request, 1002, 11)), SUB_RAYS * beams)
         self.assertEqual(one.output(REQUEST), one.output(REQUEST))  # It is not made anew.
         config = osi.VERSION + osi.part(3, osi.vector(1, 1.0, 0.5, 2.0))
         one.give(config, CONFIG)

@@ -95,6 +95,23 @@ TEST(Messages, ViewSurvivesARoundTrip) {
   EXPECT_EQ(v.truth->stationary[0].model_reference, "house");
 }
 
+TEST(Messages, DirectionsSurviveToTheBit) {
+  // The norm of a unit vector in single precision is not exactly 1.
+  osi::SensorView v = test::view();
+  auto& directions = v.lidar[0].configuration->directions;
+  Stream random(1);
+  directions.clear();
+  for (int k = 0; k < 1000; ++k) {
+    Vec3 d;
+    for (int i = 0; i < 3; ++i) d[i] = random.normal();
+    directions.push_back(d.normalized().cast<float>());
+  }
+  EXPECT_EQ(osi::read_sensor_view(bytes_of(v), "v").lidar[0].configuration->directions, directions);
+  directions[0] *= 3;  // Other simulators may send vectors of any length.
+  const auto read = osi::read_sensor_view(bytes_of(v), "v").lidar[0].configuration->directions;
+  EXPECT_NEAR(double(read[0].norm()), 1, 1e-6);
+}
+
 TEST(Messages, DataSurviveARoundTrip) {
   osi::SensorData d = test::data();
   auto seen = std::make_shared<osi::SensorView>(test::view());

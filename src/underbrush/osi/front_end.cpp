@@ -206,7 +206,7 @@ void FrontEnd::receive(const SensorView& view, const LidarSensorView& l, size_t 
 
 std::unique_ptr<Strategy> make_front_end(Parameters& p) {
   const std::string name = p.text("sensor", "");
-  const int columns = int(p.count("columns", 1, 1024)), rows = int(p.count("rows", 1, 1024));
+  const int columns = int(p.count("columns", 0, 1024)), rows = int(p.count("rows", 0, 1024));
   std::shared_ptr<Profile> profile;
   if (!name.empty()) {
     try {

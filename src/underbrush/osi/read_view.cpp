@@ -206,7 +206,9 @@ LidarConfiguration read_lidar_configuration(data_view bytes, Place& place) {
                          [&](data_view p, Place& at) {
                            const Vec3 d = read_vector(p, at);
                            if (!(d.norm() > 1e-6 && d.norm() < 1e6)) at.fail("", "no direction");
-                           c.directions.push_back(d.normalized().cast<float>());
+                           // A unit vector in single precision stays as it was written.
+                           const bool is_unit = std::abs(d.squaredNorm() - 1) < 1e-6;
+                           c.directions.push_back((is_unit ? d : d.normalized()).cast<float>());
                          });
       case var(12):
         return number(r, c.timings_us.emplace_back());
