@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <set>
 #include <utility>
 
@@ -13,55 +12,11 @@
 #include "underbrush/fit/tile_fit.hpp"
 #include "underbrush/likelihood/likelihood.hpp"
 #include "underbrush/trace/world.hpp"
+#include "underbrush/update/changed_places.hpp"
 #include "underbrush/update/kept_triangles.hpp"
+#include "underbrush/update/refitted_area.hpp"
 
 namespace underbrush::update {
-namespace {
-
-/// Where beams may meet what was fitted anew.
-credit::GroundArea area_of(const elements::Model& model, const std::vector<uint32_t>& before,
-                           const std::vector<TileKey>& anew, double tile_m) {
-  const auto corner = [&](TileKey key) { return Eigen::Vector2d(key.i * tile_m, key.j * tile_m); };
-  const Eigen::Vector2d side(tile_m, tile_m);
-  Eigen::Vector2d low = corner(anew.front()), high = low;
-  for (const TileKey key : anew) {
-    low = low.cwiseMin(corner(key) - side);
-    high = high.cwiseMax(corner(key) + 2 * side);
-  }
-  credit::GroundArea area(low, high);
-  for (const TileKey key : anew) area.add(corner(key), corner(key) + side);
-  for (size_t k = 0; k < before.size(); ++k) {
-    if (before[k] != fit::kNewEllipsoid) continue;
-    const elements::Ellipsoid& e = model.ellipsoids[k];
-    const Eigen::Vector2d mean = e.mean.head<2>().cast<double>();
-    const Eigen::Vector2d reach =
-        model.tau * Eigen::Vector2d(std::sqrt(e.covariance[0]), std::sqrt(e.covariance[3]));
-    area.add(mean - reach, mean + reach);
-  }
-  return area;
-}
-
-/// The squares where most of the ellipsoids have gone.
-std::vector<ChangedPlace> places_of(const std::vector<Vec3>& gone) {
-  constexpr double kSideM = 4;
-  constexpr size_t kMost = 10;
-  std::map<std::pair<int64_t, int64_t>, ChangedPlace> cells;
-  for (const Vec3& at : gone) {
-    ChangedPlace& cell =
-        cells[{int64_t(std::floor(at.x() / kSideM)), int64_t(std::floor(at.y() / kSideM))}];
-    cell.centre += at;
-    ++cell.gone;
-  }
-  std::vector<ChangedPlace> out;
-  out.reserve(cells.size());
-  for (const auto& [key, cell] : cells) out.push_back({cell.centre / double(cell.gone), cell.gone});
-  std::stable_sort(out.begin(), out.end(),
-                   [](const ChangedPlace& a, const ChangedPlace& b) { return a.gone > b.gone; });
-  if (out.size() > kMost) out.resize(kMost);
-  return out;
-}
-
-}  // namespace
 
 UpdateWork::UpdateWork(fit::FitResult& out, UpdateReport& report,
                        const std::vector<BeamSource*>& logs, BeamSource& added,
@@ -174,7 +129,7 @@ void UpdateWork::with_crossing(const std::function<void(BeamSource&)>& use,
 }
 
 credit::GroundArea UpdateWork::area_now() const {
-  return area_of(model_, before_, anew_, out_.record.tile_m);
+  return refitted_area(model_, before_, anew_, out_.record.tile_m);
 }
 
 BeamSource* UpdateWork::crossing_of(BeamSource& log, const credit::GroundArea& area,
@@ -301,7 +256,7 @@ void UpdateWork::drop(const std::vector<elements::Ellipsoid>& before,
   }
   report_.dropped = ellipsoids_ - report_.kept;
   report_.gone = gone.size();
-  report_.places = places_of(gone);
+  report_.places = changed_places(gone);
   new_ = std::move(still_new);
   before_ = std::move(numbers);
 }
