@@ -7,7 +7,7 @@
 #include <cmath>
 #include <set>
 
-#include "drive_past.hpp"
+#include "fit/two_bushes.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
@@ -15,16 +15,6 @@
 
 namespace underbrush::fit {
 namespace {
-
-/// Makes a log of a known world, flat ground under a permeable bush and a dense one, seen from a
-/// drive past. Every beam hits a bush or the ground, or is a miss above them.
-BeamLog drive_past_bushes(uint64_t seed, const Vec3& at = Vec3::Zero(), size_t beams = 60000) {
-  elements::Model truth = test::flat_ground(60, at);
-  for (int k = 0; k < 2; ++k) {
-    test::add_bush(Vec3f(0, k ? 8.0f : -8.0f, 1.2f), Vec3(0.3, 0.3, 0.2), k ? 0.9f : 0.4f, truth);
-  }
-  return test::drive_past(truth, seed, beams, 3000, -0.4);
-}
 
 double opacity_towards(const elements::Model& model, const Vec3& target, const Vec3& at) {
   const trace::World world(model);
@@ -40,7 +30,7 @@ double opacity_towards(const elements::Model& model, const Vec3& target, const V
 
 TEST(Fit, HybridFindsGroundAndTellsThePermeableBushFromTheDenseOne) {
   const Vec3 at(5e5, 4e6, 200);
-  const BeamLog log = drive_past_bushes(1, at);
+  const BeamLog log = test::drive_past_two_bushes(1, at);
   MemorySource source(log);
   FitOptions options;
   options.fitter = "hierarchical";
@@ -59,7 +49,7 @@ TEST(Fit, HybridFindsGroundAndTellsThePermeableBushFromTheDenseOne) {
 }
 
 TEST(Fit, GivesTheSameBitsForAnyThreadsAndChunks) {
-  const BeamLog log = drive_past_bushes(2, Vec3::Zero(), 15000);
+  const BeamLog log = test::drive_past_two_bushes(2, Vec3::Zero(), 15000);
   for (const std::string& fitter : fitter_names()) {
     FitOptions options;
     options.fitter = fitter;
@@ -90,7 +80,7 @@ TEST(Fit, GivesTheSameBitsForAnyThreadsAndChunks) {
 
 // A log with marked returns in the air gives the elements of the log without them.
 TEST(Fit, NothingIsMadeOfWhatIsMarkedAsMoving) {
-  const BeamLog log = drive_past_bushes(4, Vec3::Zero(), 15000);
+  const BeamLog log = test::drive_past_two_bushes(4, Vec3::Zero(), 15000);
   BeamLog marked = log.like();
   Stream random(9);
   size_t added = 0;
@@ -126,7 +116,7 @@ TEST(Fit, NothingIsMadeOfWhatIsMarkedAsMoving) {
 }
 
 TEST(Fit, GroundMeshIsTheHybridWithoutItsEllipsoids) {
-  const BeamLog log = drive_past_bushes(3, Vec3::Zero(), 15000);
+  const BeamLog log = test::drive_past_two_bushes(3, Vec3::Zero(), 15000);
   MemorySource source(log);
   FitOptions options;
   options.fitter = "hierarchical";
@@ -151,8 +141,8 @@ TEST(Fit, GroundMeshIsTheHybridWithoutItsEllipsoids) {
 // The same drive far from the origin gives the same model about its own origin.
 TEST(Fit, MovesWithTheWorld) {
   const Vec3 far(5e5, 4e6, 200);
-  const BeamLog near_log = drive_past_bushes(9, Vec3::Zero(), 12000);
-  const BeamLog far_log = drive_past_bushes(9, far, 12000);
+  const BeamLog near_log = test::drive_past_two_bushes(9, Vec3::Zero(), 12000);
+  const BeamLog far_log = test::drive_past_two_bushes(9, far, 12000);
   for (const cluster::Clustering& clustering : cluster::clusterings()) {
     const std::string fitter(clustering.name);
     FitOptions options;
@@ -173,7 +163,7 @@ TEST(Fit, MovesWithTheWorld) {
 
 // Each return is fitted once, whatever the tiles, and the fitted elements explain the returns.
 TEST(Fit, TilesDoubleNoPointAndEveryVolumetricFitterExplainsTheHits) {
-  const BeamLog log = drive_past_bushes(7, Vec3::Zero(), 12000);
+  const BeamLog log = test::drive_past_two_bushes(7, Vec3::Zero(), 12000);
   for (const cluster::Clustering& clustering : cluster::clusterings()) {
     const std::string fitter(clustering.name);
     for (const double tile : {6.0, 32.0}) {
@@ -196,7 +186,7 @@ TEST(Fit, TilesDoubleNoPointAndEveryVolumetricFitterExplainsTheHits) {
 
 // The border of a tile cuts no voxel, so no two ellipsoids are in one cube.
 TEST(Fit, VoxelsDoNotDependOnTheTiles) {
-  const BeamLog log = drive_past_bushes(8, Vec3::Zero(), 20000);
+  const BeamLog log = test::drive_past_two_bushes(8, Vec3::Zero(), 20000);
   FitOptions options;
   options.fitter = "voxel";
   options.tiles.tile_m = 4;  // rounded to 13 voxels
@@ -214,7 +204,7 @@ TEST(Fit, VoxelsDoNotDependOnTheTiles) {
 
 // A cloud is there in one scan only, and all later beams pass through it.
 TEST(Fit, DropsWhatOnlyOnceStoodInFreeSpace) {
-  BeamLog log = drive_past_bushes(4);
+  BeamLog log = test::drive_past_two_bushes(4);
   Stream random(5);
   for (size_t i = 0; i < log.size() / 20; ++i) {
     const Vec3f& d = log.direction[i];
@@ -349,7 +339,7 @@ TEST(Fit, CarvingDropsWhatMoreBeamsPassedThanMet) {
 }
 
 TEST(Fit, LearnsWhereTheSensorEnds) {
-  BeamLog log = drive_past_bushes(6);
+  BeamLog log = test::drive_past_two_bushes(6);
   float largest = 0;
   for (size_t i = 0; i < log.size(); ++i) {
     if (log.is_hit(i)) largest = std::max(largest, log.range_m[i]);
@@ -359,7 +349,7 @@ TEST(Fit, LearnsWhereTheSensorEnds) {
 }
 
 TEST(Fit, SaysWhatALogLacks) {
-  BeamLog log = drive_past_bushes(3);
+  BeamLog log = test::drive_past_two_bushes(3);
   log.info.has_misses = false;
   MemorySource source(log);
   FitOptions options;

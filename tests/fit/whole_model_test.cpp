@@ -1,22 +1,12 @@
 // Tests of what a fit learns beside the geometry: the grain, from first echoes or all.
 #include <gtest/gtest.h>
 
-#include "drive_past.hpp"
+#include "fit/two_bushes.hpp"
 #include "underbrush/calibrate/grain.hpp"
 #include "underbrush/fit/fit.hpp"
 
 namespace underbrush::fit {
 namespace {
-
-/// Makes a log of a known world, flat ground under a permeable bush and a dense one, seen from a
-/// drive past. Every beam hits a bush or the ground, or is a miss above them.
-BeamLog drive_past_bushes(uint64_t seed, const Vec3& at = Vec3::Zero(), size_t beams = 60000) {
-  elements::Model truth = test::flat_ground(60, at);
-  for (int k = 0; k < 2; ++k) {
-    test::add_bush(Vec3f(0, k ? 8.0f : -8.0f, 1.2f), Vec3(0.3, 0.3, 0.2), k ? 0.9f : 0.4f, truth);
-  }
-  return test::drive_past(truth, seed, beams, 3000, -0.4);
-}
 
 void expect_same_grain(const elements::Model& a, const elements::Model& b) {
   EXPECT_EQ(a.grain.ellipsoid_m, b.grain.ellipsoid_m);
@@ -25,7 +15,7 @@ void expect_same_grain(const elements::Model& a, const elements::Model& b) {
 }
 
 TEST(Fit, LearnsTheGrainWithTheFinishedModel) {
-  const BeamLog log = drive_past_bushes(11, Vec3::Zero(), 20000);
+  const BeamLog log = test::drive_past_two_bushes(11, Vec3::Zero(), 20000);
   MemorySource source(log);
   FitOptions options;
   const FitResult with = fit(source, options);
@@ -57,7 +47,8 @@ BeamLog with_second_echoes(const BeamLog& log) {
 }
 
 TEST(Fit, TakesTheFirstEchoOfEachRowOrAll) {
-  const BeamLog log = drive_past_bushes(12, Vec3::Zero(), 15000), echoes = with_second_echoes(log);
+  const BeamLog log = test::drive_past_two_bushes(12, Vec3::Zero(), 15000),
+                echoes = with_second_echoes(log);
   ASSERT_GT(echoes.size(), log.size());
   MemorySource beams(log), rows(echoes, 1000);
   const FitResult a = fit(beams, {}), b = fit(rows, {});

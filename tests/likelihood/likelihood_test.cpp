@@ -6,12 +6,12 @@
 #include <cmath>
 #include <numeric>
 
+#include "likelihood/beams_above_ground.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/fit/fit.hpp"
 #include "underbrush/likelihood/maximisation.hpp"
 #include "underbrush/metrics/predictive.hpp"
-#include "underbrush/simulate/simulate.hpp"
 
 namespace underbrush::likelihood {
 namespace {
@@ -29,11 +29,7 @@ elements::Model known_model() {
   elements::Model m;
   m.origin = Vec3(4e5, 5e6, 100);
   m.tau = 4;
-  m.ground.vertices = {{-60, -60, 0}, {60, -60, 0}, {60, 60, 0}, {-60, 60, 0}};
-  m.ground.triangles = {{0, 1, 2}, {0, 2, 3}};
-  m.ground.hit.resize(2);
-  m.ground.range_sigma_m = 0.01;
-  m.ground.roughness_m = 0.02;
+  m.ground = test::level_ground(0.02);
   const Mat3 turn = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
   m.ellipsoids = {
       ellipsoid({6, 0, 1.5f}, Vec3(0.3, 0.5, 0.2).asDiagonal(), 0.4f),
@@ -42,32 +38,11 @@ elements::Model known_model() {
   return m;
 }
 
-/// Makes beams of a sensor that drives among the volumes, without outcomes.
-BeamLog beams(uint64_t seed, size_t n, const Vec3& at) {
-  BeamLog log;
-  log.info.max_range_m = 40;
-  log.info.min_range_m = 0.2;
-  log.info.has_misses = true;
-  log.resize(n);
-  Stream random(seed);
-  for (size_t i = 0; i < n; ++i) {
-    const double azimuth = random.uniform(0, 2 * M_PI), elevation = random.uniform(-0.35, 0.3);
-    log.origin[i] = at + Vec3(random.uniform(-4, 4), random.uniform(-2, 3), 1.5);
-    log.direction[i] =
-        Vec3f(float(std::cos(azimuth) * std::cos(elevation)),
-              float(std::sin(azimuth) * std::cos(elevation)), float(std::sin(elevation)));
-    log.scan[i] = uint32_t(i * 20 / n);
-    log.packet[i] = uint32_t(i / 100);
-  }
-  return log;
-}
+/// The beams of a sensor that drives among the volumes.
+const test::BeamSpread kAmongThem{{0, 2 * M_PI}, {-0.35, 0.3}, {-4, 4}, {-2, 3}};
 
 BeamLog log_of(const elements::Model& truth, uint64_t seed, size_t n) {
-  BeamLog log = beams(seed, n, truth.origin);
-  simulate::Options options;
-  options.seed = seed;
-  simulate::simulate(trace::World(truth), options, 0, log);
-  return log;
+  return test::answered(test::random_beams(seed, n, kAmongThem, truth.origin), truth, seed);
 }
 
 /// Makes the known model with moved and swollen ellipsoids, and with hit probabilities instead of
@@ -252,7 +227,7 @@ TEST(Likelihood, SharpenedDecidesMoreAtTheSamePlaces) {
   elements::Model model = known_model();
   model.ellipsoids[0].set_covariance(0.2 * Mat3::Identity());  // a sphere
   const elements::Model sharp = sharpened(model, kSharpness);
-  const BeamLog log = beams(21, 20000, model.origin);
+  const BeamLog log = test::random_beams(21, 20000, kAmongThem, model.origin);
   size_t met = 0, halved = 0;
   for (size_t i = 0; i < log.size(); ++i) {
     const Vec3 origin = log.origin[i] - model.origin;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "likelihood/beams_above_ground.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/likelihood/expectation.hpp"
@@ -16,11 +17,8 @@ namespace {
 elements::Model random_model(uint64_t seed, size_t n) {
   elements::Model m;
   m.origin = Vec3(4e5, 5e6, 100);
-  m.ground.vertices = {{-60, -60, 0}, {60, -60, 0}, {60, 60, 0}, {-60, 60, 0}};
-  m.ground.triangles = {{0, 1, 2}, {0, 2, 3}};
+  m.ground = test::level_ground(0.02);
   m.ground.hit = {{0.9f, 0, 0}, {0.8f, 0, 0}};
-  m.ground.range_sigma_m = 0.01;
-  m.ground.roughness_m = 0.02;
   Stream random(seed);
   for (size_t k = 0; k < n; ++k) {
     elements::Ellipsoid e;
@@ -40,22 +38,9 @@ elements::Model random_model(uint64_t seed, size_t n) {
 
 /// Makes beams that return anywhere on their way, and misses.
 BeamLog random_beams(uint64_t seed, size_t n, const Vec3& at) {
-  BeamLog log;
-  log.info.max_range_m = 40;
-  log.info.min_range_m = 0.2;
-  log.info.has_misses = true;
-  log.resize(n);
-  Stream random(seed);
-  for (size_t i = 0; i < n; ++i) {
-    const double azimuth = random.uniform(0, 2 * M_PI), elevation = random.uniform(-0.3, 0.3);
-    log.origin[i] = at + Vec3(random.uniform(-4, 4), random.uniform(-4, 4), 1.5);
-    log.direction[i] =
-        Vec3f(float(std::cos(azimuth) * std::cos(elevation)),
-              float(std::sin(azimuth) * std::cos(elevation)), float(std::sin(elevation)));
-    log.range_m[i] = i % 5 ? float(random.uniform(0.5, 12)) : kMiss;
-    log.scan[i] = uint32_t(i / 1000);
-    log.packet[i] = uint32_t(i / 50);
-  }
+  BeamLog log = test::random_beams(seed, n, {{0, 2 * M_PI}, {-0.3, 0.3}, {-4, 4}, {-4, 4}}, at);
+  Stream random(seed + 1);
+  for (size_t i = 0; i < n; ++i) log.range_m[i] = i % 5 ? float(random.uniform(0.5, 12)) : kMiss;
   return log;
 }
 

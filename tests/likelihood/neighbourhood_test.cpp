@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "likelihood/beams_above_ground.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/fit/fit.hpp"
-#include "underbrush/simulate/simulate.hpp"
 
 namespace underbrush::likelihood {
 namespace {
@@ -82,11 +82,7 @@ TEST(Neighbourhood, OfOneOrNoneIsItself) {
 elements::Model wall_behind_a_shrub() {
   elements::Model m;
   m.tau = 4;
-  m.ground.vertices = {{-60, -60, 0}, {60, -60, 0}, {60, 60, 0}, {-60, 60, 0}};
-  m.ground.triangles = {{0, 1, 2}, {0, 2, 3}};
-  m.ground.hit.resize(2);
-  m.ground.range_sigma_m = 0.01;
-  m.ground.roughness_m = 0.005;
+  m.ground = test::level_ground(0.005);
   m.surface.vertices = {{10, -8, 0}, {10, 8, 0}, {10, 8, 4}, {10, -8, 4}};
   m.surface.triangles = {{0, 1, 2}, {0, 2, 3}};
   m.surface.hit.resize(2);
@@ -100,25 +96,8 @@ elements::Model wall_behind_a_shrub() {
 }
 
 BeamLog log_of(const elements::Model& truth, uint64_t seed, size_t n) {
-  BeamLog log;
-  log.info.max_range_m = 40;
-  log.info.min_range_m = 0.2;
-  log.info.has_misses = true;
-  log.resize(n);
-  Stream random(seed);
-  for (size_t i = 0; i < n; ++i) {
-    const double azimuth = random.uniform(-0.6, 0.6), elevation = random.uniform(-0.3, 0.25);
-    log.origin[i] = Vec3(random.uniform(-1, 1), random.uniform(-1, 1), 1.5);
-    log.direction[i] =
-        Vec3f(float(std::cos(azimuth) * std::cos(elevation)),
-              float(std::sin(azimuth) * std::cos(elevation)), float(std::sin(elevation)));
-    log.scan[i] = uint32_t(i * 20 / n);
-    log.packet[i] = uint32_t(i / 100);
-  }
-  simulate::Options options;
-  options.seed = seed;
-  simulate::simulate(trace::World(truth), options, 0, log);
-  return log;
+  const test::BeamSpread spread{{-0.6, 0.6}, {-0.3, 0.25}, {-1, 1}, {-1, 1}};
+  return test::answered(test::random_beams(seed, n, spread), truth, seed);
 }
 
 TEST(Neighbourhood, AWallIsAsSharpAsTheNoiseAndTheShrubBeforeItIsPermeable) {
@@ -126,10 +105,7 @@ TEST(Neighbourhood, AWallIsAsSharpAsTheNoiseAndTheShrubBeforeItIsPermeable) {
   const BeamLog log = log_of(truth, 33, 40000), fresh = log_of(truth, 34, 20000);
   MemorySource source(log);
   const elements::Model model = fit::fit(source, {}).model;
-  BeamLog answer = fresh;
-  simulate::Options options;
-  options.seed = 35;
-  simulate::simulate(trace::World(model), options, 0, answer);
+  const BeamLog answer = test::answered(fresh, model, 35);
   std::vector<double> errors;
   double through[2] = {0, 0}, behind = 0, beams = 0;
   for (size_t i = 0; i < fresh.size(); ++i) {
