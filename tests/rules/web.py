@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
 """Checks that web/dist, which the program carries, was built from the sources in web/: web/dist/sources.txt holds the
 hash of all files that the build reads. --update writes it after `npm run build`. With --build FOLDER, where node and
-the packages of web/package-lock.json are at hand (or npm can fetch them), the page is built anew and compared."""
+the packages of web/package-lock.json are at hand (or npm can fetch them), the page is built anew and compared. The
+sources import each other without circles, imports of types included."""
 import hashlib
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -28,9 +30,29 @@ def hash_of(root):
     return total.hexdigest()
 
 
+def circle(root):
+    """Finds a chain of sources that ends where it begins, each of which imports the next; [] if there is none."""
+    imports = {pathlib.PurePath(path).stem: re.findall(r"""from ['"]\./([\w-]+)['"]""", rules.read(root, path))
+               for path in rules.tracked(root, ".ts") if path.startswith("web/src/")}
+    done = set()
+
+    def walk(name, chain):
+        if name in chain:
+            return [*chain[chain.index(name):], name]
+        if name in done:
+            return []
+        found = next(filter(None, (walk(n, [*chain, name]) for n in imports.get(name, ()))), [])
+        done.add(name)
+        return found
+
+    return next(filter(None, (walk(name, []) for name in sorted(imports))), [])
+
+
 def check(root, options):
     dist = root / "web/dist"
     out = [f"web/dist/{name}: missing" for name in (*BUILT, "sources.txt") if not (dist / name).is_file()]
+    if chain := circle(root):
+        out.append(f"web/src: a circle of imports: {' -> '.join(chain)}")
     if out:
         return out
     if (dist / "sources.txt").read_text().strip() != hash_of(root):
@@ -86,7 +108,10 @@ def arguments(parser):
 
 SOURCE = {"web/src/main.ts": "1;\n", "web/index.html": "<p>"}
 WHOLE = {f"web/dist/{name}": "" for name in BUILT}
+CIRCLE = {"web/src/a.ts": "import { type B } from './b';", "web/src/b.ts": "import {\n  x,\n} from './c';",
+          "web/src/c.ts": "import type { A } from './a';"}
 BAD = [({**SOURCE, "web/dist/app.js": ""}, "missing"),
+       ({**SOURCE, **WHOLE, **CIRCLE, "web/dist/sources.txt": ""}, "circle of imports: a -> b -> c -> a"),
        ({**SOURCE, **WHOLE, "web/dist/sources.txt": "0" * 64}, "not built from")]
 
 if __name__ == "__main__":

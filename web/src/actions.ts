@@ -1,10 +1,10 @@
 // The keys of the viewer and what they do.
 import { Vector3 } from 'three';
-import { type App, byId, root } from './context';
+import type { App } from './context';
 import { POINT_MODES, WORLD_MODES } from './display';
 import { type Action, fillHelp, isTyping, isUndo, keyOf, toolbar } from './keys';
 import type { Menu } from './menu';
-import { el } from './panel';
+import { byId, el, root } from './panel';
 import type { Picking } from './picking';
 
 function cycle<T>(values: readonly T[], value: T): T {

@@ -1,9 +1,9 @@
 // Oriented boxes: annotations of a log, or plants that are placed on a model's ground.
 import { Box3, Box3Helper, Color, Group, Vector3 } from 'three';
 import { BoxViews, type SceneBox } from './box-views';
-import { type App, root } from './context';
+import type { App } from './context';
 import { type LabelBox, Labelled } from './labelled';
-import { button, el } from './panel';
+import { button, el, root } from './panel';
 
 type NewBox = Omit<LabelBox, 'number'>;
 

@@ -1,20 +1,10 @@
 // Two files side by side with one camera: split screen, or a line that is swiped over the picture.
-import type { Group } from 'three';
-import { type App, root } from './context';
+import type { App } from './context';
 import type { Action } from './keys';
-import { button, el, select, slider } from './panel';
+import { button, el, root, select, slider } from './panel';
 
 export const COMPARE_MODES = ['off', 'split', 'swipe'] as const;
 export type CompareMode = (typeof COMPARE_MODES)[number];
-
-/** What a viewer draws left and right. */
-export interface Sides {
-  mode: 'split' | 'swipe';
-  left: Group;
-  right: Group;
-  /** Where the line of a swipe is, from 0 to 1. */
-  share: number;
-}
 
 export class Compare {
   private mode: CompareMode = 'off';

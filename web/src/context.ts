@@ -1,12 +1,9 @@
 // What the parts of the page share: the files, the view, how things are shown, and what is told.
 import { type FileList, type ServedFile } from './api';
 import type { Files } from './files';
-import { el } from './panel';
+import { byId, el, root } from './panel';
 import type { State } from './state';
 import type { Viewer } from './viewer';
-
-export const byId = <T extends HTMLElement>(id: string) => document.getElementById(id) as T;
-export const root = document.documentElement;
 
 export class App {
   readonly status = byId('status');

@@ -1,7 +1,7 @@
 // What the page tells of the thing that was picked.
 import { json, type Beam, type ServedFile, type Trace } from './api';
 import { button, el, facts, grid, shortened } from './panel';
-import type { Picked } from './viewer';
+import type { Picked } from './picker';
 
 export interface DetailActions {
   /** The worlds in which a beam can be followed. */

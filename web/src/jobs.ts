@@ -1,9 +1,9 @@
 // Commands that the page starts: their progress, their output, and what they made.
 import { type FileList, json, post, query } from './api';
-import { type App, root } from './context';
+import type { App } from './context';
 import type { Change } from './labelled';
 import type { Menu } from './menu';
-import { button, el } from './panel';
+import { button, el, root } from './panel';
 
 interface Job {
   number: number;

@@ -2,8 +2,8 @@
 // touch is fetched anew.
 import { bytes, Conflict, json, post, query } from './api';
 import type { Cloud, Marks } from './cloud';
-import { root } from './context';
 import type { Node } from './octree';
+import { root } from './panel';
 
 export interface LabelClass {
   number: number;

@@ -1,12 +1,12 @@
 // The labeller: it puts tools, classes and the labels of the chosen log together.
 import { Matrix4 } from 'three';
 import { json, query, type ServedFile } from './api';
-import { type App, root } from './context';
+import type { App } from './context';
 import type { Action } from './keys';
 import { ClassList, histogram } from './label-panel';
 import { type Change, Labelled } from './labelled';
 import type { Menu } from './menu';
-import { button, check, el, select, slider } from './panel';
+import { button, check, el, root, select, slider } from './panel';
 import { type Drawn, type ToolName, Tools } from './tools';
 
 export const MODES = ['paint', 'select', 'add', 'take away'] as const;

@@ -2,10 +2,10 @@
 import { Vector3 } from 'three';
 import type { ServedFile } from './api';
 import { classCss } from './colours';
-import { type App, root } from './context';
+import type { App } from './context';
 import { scoreDetails, type DetailActions } from './details';
 import { POINT_MODES, WORLD_MODES } from './display';
-import { check, el, select, slider } from './panel';
+import { check, el, root, select, slider } from './panel';
 import { hashOf } from './state';
 import { TimeBar } from './time';
 

@@ -2,6 +2,9 @@
 
 type Child = Node | string;
 
+export const byId = <T extends HTMLElement>(id: string) => document.getElementById(id) as T;
+export const root = document.documentElement;
+
 /** Makes an element with attributes and children. */
 export function el<K extends keyof HTMLElementTagNameMap>(
   tag: K,

@@ -2,10 +2,10 @@
 import { Vector3 } from 'three';
 import { type Beam, type BeamEchoes, json, query, type ServedFile, type Trace } from './api';
 import { markBeam } from './beams';
-import { type App, root } from './context';
+import type { App } from './context';
 import { beamDetails, type DetailActions, elementDetails, traceDetails } from './details';
-import { shortened } from './panel';
-import type { Picked } from './viewer';
+import { root, shortened } from './panel';
+import type { Picked } from './picker';
 import { waveformDetails } from './waveform';
 
 export class Picking {

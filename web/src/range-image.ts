@@ -2,9 +2,9 @@
 // click on a pixel picks its beam.
 import { bytes, query, type ServedFile } from './api';
 import { mapColours } from './colours';
-import { type App, root } from './context';
+import type { App } from './context';
 import type { Action } from './keys';
-import { button, el, slider } from './panel';
+import { button, el, root, slider } from './panel';
 
 const NO_BEAM = 0xffffffff;
 const MISS: Colour = [24, 26, 30];

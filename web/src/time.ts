@@ -1,9 +1,9 @@
 // Which times are shown, playing them, and the path of the sensor.
 import { BufferAttribute, BufferGeometry, Group, Line, LineBasicMaterial, Points, PointsMaterial } from 'three';
 import { bytes } from './api';
-import { type App, root } from './context';
+import type { App } from './context';
 import type { Action } from './keys';
-import { button, check, el, slider } from './panel';
+import { button, check, el, root, slider } from './panel';
 
 /** The path of one sensor: times since the first beam (s), and places relative to the cloud. */
 interface Path {

@@ -1,52 +1,31 @@
-// The picture: a camera, what is drawn, and which thing lies under the cursor.
+// The picture: a camera, and what is drawn.
 import {
   Box3,
   BufferGeometry,
-  type Camera,
   Color,
-  Frustum,
   Group,
-  type LineSegments,
   Line,
   LineBasicMaterial,
-  Matrix4,
-  NoBlending,
   type Object3D,
   type OrthographicCamera,
   PerspectiveCamera,
   Raycaster,
   Scene,
-  Vector2,
   Vector3,
   WebGLRenderer,
-  WebGLRenderTarget,
 } from 'three';
 import { Cloud } from './cloud';
-import type { Sides } from './compare';
-import { Display, Pass } from './display';
+import { Display } from './display';
 import { Navigation } from './navigation';
+import { type Picked, Picker, rayThrough, type Target, type View } from './picker';
+import { partsOf, sideAt, type Sides, viewWidth, withOnly } from './sides';
 import type { World } from './world';
-
-export type Target =
-  | { kind: 'point'; cloud: Cloud }
-  | { kind: 'beam'; file: number }
-  | { kind: 'world'; world: World; instance: number; part: 'ellipsoid' | 'ground' | 'surface' };
-
-/** What lies under the cursor: a target, the number of its part, and the place in the scene's frame. */
-export interface Picked {
-  target: Target;
-  part: number;
-  place: Vector3 | null;
-}
 
 /** Another view of the scene, drawn where an element of the page lies. */
 export interface Inset {
   camera: OrthographicCamera;
   element: HTMLElement;
 }
-
-const PICK_PIXELS = 11;
-const NONE = 0xffffffff;
 
 export class Viewer {
   readonly display = new Display();
@@ -68,8 +47,7 @@ export class Viewer {
   private readonly renderer: WebGLRenderer;
   private readonly scene = new Scene();
   private readonly marks = new Group();
-  private readonly targets: Target[] = [];
-  private readonly near = new WebGLRenderTarget(PICK_PIXELS, PICK_PIXELS);
+  private readonly picker: Picker;
   private dirty = true;
   private last = 0;
   /** When the camera moved last, and how many points are drawn while it moves, so that it moves smoothly. */
@@ -89,6 +67,8 @@ export class Viewer {
     this.renderer = new WebGLRenderer({ canvas, antialias: false, preserveDrawingBuffer: true });
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.scene.add(this.marks, this.overlays);
+    const { renderer, scene, display, clouds, worlds } = this;
+    this.picker = new Picker({ renderer, scene, display, clouds, worlds, unpickable: [this.marks, this.overlays] });
     this.navigation = new Navigation(
       this.camera,
       canvas,
@@ -143,11 +123,11 @@ export class Viewer {
   }
 
   target(target: Target): number {
-    return this.targets.push(target) - 1;
+    return this.picker.add(target);
   }
 
   replaceTarget(number: number, target: Target): void {
-    this.targets[number] = target;
+    this.picker.replace(number, target);
   }
 
   addCloud(cloud: Cloud): void {
@@ -219,7 +199,7 @@ export class Viewer {
     const width = Math.max(1, this.canvas.clientWidth);
     const height = Math.max(1, this.canvas.clientHeight);
     this.renderer.setSize(width, height, false);
-    this.camera.aspect = this.viewWidth / height;
+    this.camera.aspect = this.view.width / height;
     this.camera.updateProjectionMatrix();
     this.draw();
   }
@@ -249,42 +229,26 @@ export class Viewer {
     this.onDrawn?.();
   }
 
-  /** Width of the picture that the camera makes: half of the canvas on a split screen. */
-  private get viewWidth(): number {
-    return Math.max(1, this.canvas.clientWidth / (this.sides?.mode === 'split' ? 2 : 1));
+  /** The picture that the camera makes. */
+  private get view(): View {
+    const { clientWidth, clientHeight: height } = this.canvas;
+    return { camera: this.camera, width: viewWidth(this.sides, clientWidth), height, ellipsoids: this.ellipsoidBudget };
   }
 
-  /** Calls `draw` while only one side's file can be seen. */
-  private withOnly<T>(side: Group | null, draw: () => T): T {
-    if (!side) return draw();
-    const groups = [...this.clouds, ...this.worlds].map((thing) => thing.group);
-    const before = groups.map((group) => group.visible);
-    groups.forEach((group) => (group.visible = group.visible && group === side));
-    const out = draw();
-    groups.forEach((group, k) => (group.visible = before[k]!));
-    return out;
+  private get groups(): Group[] {
+    return [...this.clouds, ...this.worlds].map((thing) => thing.group);
   }
 
-  private renderSides({ mode, left, right, share }: Sides): void {
+  private renderSides(sides: Sides): void {
     const { clientWidth: width, clientHeight: height } = this.canvas;
-    const line = Math.round(width * (mode === 'split' ? 0.5 : share));
     this.renderer.setScissorTest(true);
-    for (const [side, x, w] of [[left, 0, line], [right, line, width - line]] as const) {
-      if (w <= 0) continue;
-      this.renderer.setScissor(x, 0, w, height);
-      if (mode === 'split') this.renderer.setViewport(x, 0, this.viewWidth, height);
-      this.withOnly(side, () => this.renderer.render(this.scene, this.camera));
+    for (const part of partsOf(sides, width)) {
+      this.renderer.setScissor(part.from, 0, part.width, height);
+      if (sides.mode === 'split') this.renderer.setViewport(part.from, 0, this.view.width, height);
+      withOnly(this.groups, part.side, () => this.renderer.render(this.scene, this.camera));
     }
     this.renderer.setScissorTest(false);
     this.renderer.setViewport(0, 0, width, height);
-  }
-
-  /** The side and the place within its picture of a place of the canvas. */
-  private sideAt(x: number): { x: number; side: Group | null } {
-    if (!this.sides) return { x, side: null };
-    const { mode, left, right, share } = this.sides;
-    const line = this.canvas.clientWidth * (mode === 'split' ? 0.5 : share);
-    return { x: mode === 'split' && x >= line ? x - line : x, side: x < line ? left : right };
   }
 
   private renderInset({ camera, element }: Inset): void {
@@ -306,10 +270,7 @@ export class Viewer {
 
   /** The place of the ground under a pixel of the canvas, in the scene's frame. */
   groundUnder(x: number, y: number): Vector3 | null {
-    const ray = new Raycaster();
-    const across = this.sideAt(x).x / this.viewWidth;
-    ray.setFromCamera(new Vector2(across * 2 - 1, 1 - (y / this.canvas.clientHeight) * 2), this.camera);
-    return this.groundMet(ray);
+    return this.groundMet(rayThrough(this.view, sideAt(this.sides, this.canvas.clientWidth, x).x, y));
   }
 
   private groundMet(ray: Raycaster): Vector3 | null {
@@ -325,77 +286,11 @@ export class Viewer {
     });
   }
 
-  /** Draws the pixels around the cursor with numbers for colours, and returns them. */
-  private numbers(camera: Camera, pass: Pass): Uint32Array {
-    this.display.uniforms.pass.value = pass;
-    this.renderer.setRenderTarget(this.near);
-    this.renderer.setClearColor(0xffffff, 1);
-    this.renderer.clear();
-    this.renderer.render(this.scene, camera);
-    const out = new Uint8Array(4 * PICK_PIXELS * PICK_PIXELS);
-    this.renderer.readRenderTargetPixels(this.near, 0, 0, PICK_PIXELS, PICK_PIXELS, out);
-    this.renderer.setRenderTarget(null);
-    this.display.uniforms.pass.value = Pass.picture;
-    return new Uint32Array(out.buffer);
-  }
-
   /** Finds what lies at a place of the canvas (CSS pixels), or next to it. */
   pick(at: number, y: number): Picked | null {
-    const { x, side } = this.sideAt(at);
-    return this.withOnly(side, () => this.pickIn(x, y));
-  }
-
-  private pickIn(x: number, y: number): Picked | null {
-    const background = this.scene.background;
-    this.scene.background = null;
-    this.marks.visible = this.overlays.visible = false;
-    this.scene.traverse((o) => this.withoutBlending(o));
-    const camera = this.camera.clone();
-    const half = (PICK_PIXELS - 1) / 2;
-    camera.setViewOffset(this.viewWidth, this.canvas.clientHeight, x - half, y - half, PICK_PIXELS, PICK_PIXELS);
-    // Only what lies around the cursor is drawn; the picture that follows shows all again.
-    const frustum = new Frustum().setFromProjectionMatrix(
-      new Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse),
-    );
-    this.clouds.forEach((cloud) => cloud.cull(frustum));
-    this.worlds.forEach((world) => world.update(camera, this.canvas.clientHeight, this.ellipsoidBudget));
-    const objects = this.numbers(camera, Pass.object);
-    const parts = this.numbers(camera, Pass.part);
-    this.scene.background = background;
-    this.marks.visible = this.overlays.visible = true;
+    const { x, side } = sideAt(this.sides, this.canvas.clientWidth, at);
+    const picked = withOnly(this.groups, side, () => this.picker.pick(this.view, x, y));
     this.draw();
-    let best = -1;
-    let nearest = Infinity;
-    objects.forEach((object, k) => {
-      if (object === NONE) return;
-      const distance = Math.hypot((k % PICK_PIXELS) - half, Math.floor(k / PICK_PIXELS) - half);
-      if (distance >= nearest) return;
-      nearest = distance;
-      best = k;
-    });
-    const target = best < 0 ? undefined : this.targets[objects[best]!];
-    if (!target) return null;
-    return this.whole(target, parts[best]!, x, y);
-  }
-
-  private withoutBlending(object: Object3D): void {
-    const look = (object as LineSegments).material;
-    if (look && !Array.isArray(look)) look.blending = NoBlending;
-  }
-
-  /** Adds to what was picked where it is, and to a mesh which of its triangles. */
-  private whole(target: Target, part: number, x: number, y: number): Picked {
-    if (target.kind === 'point') return { target, part, place: target.cloud.placeOf(part) };
-    if (target.kind === 'beam') return { target, part, place: null };
-    if (target.part === 'ellipsoid') {
-      return { target, part, place: target.world.centreOf(target.instance, part) };
-    }
-    const at = new Vector2((x / this.viewWidth) * 2 - 1, 1 - (y / this.canvas.clientHeight) * 2);
-    const ray = new Raycaster();
-    ray.setFromCamera(at, this.camera);
-    const met = ray
-      .intersectObject(target.world.group, true)
-      .find((m) => this.targets[m.object.userData.pick as number] === target);
-    return { target, part: met?.faceIndex ?? 0, place: met?.point ?? null };
+    return picked;
   }
 }
