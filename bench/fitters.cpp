@@ -13,7 +13,7 @@
 #include "site.hpp"
 #include "timing.hpp"
 #include "underbrush/core/parallel.hpp"
-#include "underbrush/fit/fit.hpp"
+#include "underbrush/pipeline/fit_model.hpp"
 #include "underbrush/io/log_file.hpp"
 
 namespace {
@@ -128,7 +128,7 @@ int main(int argc, char** argv) {
       some.append(log, 0, log.size() / size_t(part));
       const double s = least_seconds(runs, processor, threads(), [&] {
         MemorySource source(some);
-        const elements::Model model = fit::fit(source, m.options).model;
+        const elements::Model model = pipeline::fit_model({source}, m.options).model;
         elements = model.ellipsoids.size() + model.surface.size();
       });
       if (part == 4) quarter_s = s;

@@ -13,7 +13,7 @@
 #include "site.hpp"
 #include "timing.hpp"
 #include "underbrush/core/parallel.hpp"
-#include "underbrush/fit/fit.hpp"
+#include "underbrush/pipeline/fit_model.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/pipeline/simulation.hpp"
 
@@ -49,10 +49,10 @@ int main(int argc, char** argv) {
   const BeamLog log =
       log_file.empty() ? bench::scanned_site(quick ? 0.5 : 4) : io::read_log(log_file);
   if (quick) runs = 1;
-  fit::FitResult fitted;
+  pipeline::FittedModel fitted;
   const double fit_rate = median_rate(log.size(), runs, [&] {
     MemorySource source(log);
-    fitted = fit::fit(source, {});
+    fitted = pipeline::fit_model({source}, {});
   });
   const elements::Model& model = fitted.model;
   std::unique_ptr<pipeline::TracedWorld> world;

@@ -32,6 +32,13 @@ class StageProgress {
   std::unique_ptr<Progress> line_;
 };
 
+/// Returns a function that shows the progress of one call, to which it is passed as a temporary;
+/// with the call the line ends. `what` is what the line begins with.
+template <class Line, class... What>
+auto shown(What... what) {
+  return [line = std::make_shared<Line>(what...)](auto... done) { (*line)(done...); };
+}
+
 /// Writes a number with a prefix: 12 345 678 becomes "12.3 M".
 std::string si(double value);
 

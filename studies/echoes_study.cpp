@@ -7,7 +7,8 @@
 
 #include "studies/echo_counts.hpp"
 #include "studies/studies.hpp"
-#include "underbrush/fit/fit.hpp"
+#include "underbrush/fit/parameters.hpp"
+#include "underbrush/pipeline/fit_model.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/pipeline/simulate_log.hpp"
 
@@ -23,9 +24,9 @@ elements::Model fitted(const BeamLog& train, std::string_view fitter, uint64_t s
   options.fitter = fitter;
   options.tau = 4;
   options.seed = seed;
-  options.all_echoes = true;
+  fit::take_all_echoes(options, false);
   MemorySource rows(train);
-  return fit::fit(rows, options).model;
+  return pipeline::fit_model({rows}, options).model;
 }
 
 BeamLog answered(const elements::Model& model, const std::string& matter, BeamLog beams,

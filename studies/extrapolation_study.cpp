@@ -7,7 +7,7 @@
 
 #include "studies/extrapolation.hpp"
 #include "studies/studies.hpp"
-#include "underbrush/fit/fit.hpp"
+#include "underbrush/pipeline/fit_model.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/metrics/always_hit.hpp"
 #include "underbrush/metrics/look_up.hpp"
@@ -81,7 +81,7 @@ class Sources {
     options.seed = seed_;
     if (drive) options.min_range_m = kVehicleM;
     MemorySource source(train_);
-    return fit::fit(source, options).model;
+    return pipeline::fit_model({source}, options).model;
   }
 
   static Answers answers(const BeamLog& test, const BeamLog& answered) {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "studies/studies.hpp"
-#include "underbrush/fit/fit.hpp"
+#include "underbrush/pipeline/fit_model.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/metrics/always_hit.hpp"
 #include "underbrush/metrics/look_up.hpp"
@@ -32,7 +32,7 @@ elements::Model fit_half(const BeamLog& train, std::string_view fitter, uint64_t
   options.fitter = fitter;
   options.seed = seed;
   MemorySource source(train);
-  return fit::fit(source, options).model;
+  return pipeline::fit_model({source}, options).model;
 }
 
 metrics::Score score_of_model(const elements::Model& model, const BeamLog& test,

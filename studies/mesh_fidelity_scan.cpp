@@ -3,7 +3,7 @@
 
 #include "studies/mesh_fidelity.hpp"
 #include "underbrush/core/rng.hpp"
-#include "underbrush/fit/fit.hpp"
+#include "underbrush/pipeline/fit_model.hpp"
 #include "underbrush/pipeline/simulate_log.hpp"
 #include "underbrush/sensor/pattern.hpp"
 #include "underbrush/simulate/footprint.hpp"
@@ -131,7 +131,7 @@ PlantFigures ellipsoids_of(const BeamLog& scan, uint64_t seed) {
   options.seed = seed;
   options.segment.method = "none";
   MemorySource source(scan);
-  const elements::Model model = fit::fit(source, options).model;
+  const elements::Model model = pipeline::fit_model({source}, options).model;
   pipeline::SimulateOptions options_of_draw;
   options_of_draw.seed = seed + 1;
   const BeamLog answer = pipeline::simulate_log(model, scan, options_of_draw);

@@ -4,7 +4,7 @@
 #include <map>
 
 #include "studies/car_mesh.hpp"
-#include "underbrush/fit/fit.hpp"
+#include "underbrush/pipeline/fit_model.hpp"
 
 namespace underbrush::studies {
 namespace {
@@ -143,7 +143,7 @@ std::vector<elements::Model> models_of_points(BeamSource& log,
     options.seed = seed;
     options.segment.method = "none";
     MemorySource source(beams);
-    models[k] = fit::fit(source, options).model;
+    models[k] = pipeline::fit_model({source}, options).model;
     models[k].max_range_m = std::numeric_limits<double>::infinity();
   }
   return models;

@@ -7,6 +7,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/pipeline/simulate_log.hpp"
 #include "underbrush/primitives/leave_out.hpp"
+#include "underbrush/pipeline/fit_model.hpp"
 #include "underbrush/primitives/segment_log.hpp"
 
 namespace underbrush::studies {
@@ -31,7 +32,7 @@ elements::Model fitted(const BeamLog& log, double min_range_m, uint64_t seed) {
   options.min_range_m = min_range_m;
   options.seed = seed;
   MemorySource source(log);
-  return fit::fit(source, options).model;
+  return pipeline::fit_model({source}, options).model;
 }
 
 /// Leaves out the primitives that the sensor of the test could see.

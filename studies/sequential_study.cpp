@@ -7,7 +7,7 @@
 #include "studies/moving_objects.hpp"
 #include "studies/sequential.hpp"
 #include "studies/studies.hpp"
-#include "underbrush/fit/fit.hpp"
+#include "underbrush/pipeline/fit_model.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/perception/object_list_file.hpp"
 #include "underbrush/pipeline/simulate_log.hpp"
@@ -47,7 +47,7 @@ elements::Model static_world(const StudyRun& run, RealLog& log) {
   fit::FitOptions options;
   options.seed = run.seed;
   options.min_range_m = kMinRangeM;
-  return fit::fit(beams, options).model;
+  return pipeline::fit_model({beams}, options).model;
 }
 
 /// Lists of the simulated log with these models in place of the objects.

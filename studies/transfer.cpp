@@ -8,12 +8,12 @@
 #include <cmath>
 #include <map>
 
-#include "fit_options.hpp"
 #include "studies/site_drive.hpp"
 #include "studies/studies.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/pipeline/score_logs.hpp"
+#include "underbrush/pipeline/fit_model.hpp"
 #include "underbrush/pipeline/simulate_log.hpp"
 
 namespace underbrush::studies {
@@ -157,7 +157,7 @@ void add_interlaced_logs(const StudyRun& run, StudyResult& result) {
       options.seed = run.seed;
       if (beams.info.scans.size() > 1) options.min_range_m = kVehicleM;
       MemorySource train(beams);
-      models[parity ? "odd rings" : "even rings"] = fit::fit(train, options).model;
+      models[parity ? "odd rings" : "even rings"] = pipeline::fit_model({train}, options).model;
     }
     add_rows(name + ", odd rings", scores_on(models, rings(log / "test.ply", 1), run.seed), table,
              result.figures);
@@ -201,10 +201,10 @@ StudyResult transfer(const StudyRun& run, const ModelChange& change) {
                         logs[name].test.size()));
     fit::FitOptions options;
     options.seed = run.seed;
-    app::set_recorder(s, options);
+    pipeline::set_recorder(s, options);
     options.volumetric.mixture.rounds = kRounds;
     MemorySource train(logs[name].train);
-    models[name] = fit::fit(train, options).model;
+    models[name] = pipeline::fit_model({train}, options).model;
     if (change) change(name, models[name]);
   }
   StudyResult result;

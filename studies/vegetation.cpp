@@ -10,6 +10,7 @@
 #include "studies/targets.hpp"
 #include "studies/vegetation_repeats.hpp"
 #include "underbrush/elements/model_file.hpp"
+#include "underbrush/pipeline/fit_model.hpp"
 #include "underbrush/io/export.hpp"
 
 namespace underbrush::studies {
@@ -80,7 +81,7 @@ TargetScores score_target(const StudyRun& run, const StaticScan& scan,
     if (!same_model) {
       const auto start = std::chrono::steady_clock::now();
       MemorySource train(scan.train);
-      model = fit::fit(train, c.fit).model;
+      model = pipeline::fit_model({train}, c.fit).model;
       score.fit_seconds = seconds_since(start);
       score.elements = model.size();
       if (change && !is_surface(c)) change(model);

@@ -7,6 +7,7 @@
 #include "studies/vegetation.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/pipeline/score_logs.hpp"
+#include "underbrush/pipeline/fit_model.hpp"
 #include "underbrush/pipeline/simulate_log.hpp"
 
 namespace underbrush::studies {
@@ -26,7 +27,7 @@ MobileScore score_log(Contender c, const fs::path& folder, uint64_t seed) {
   io::LogReader train(folder / "train.ply"), test(folder / "test.ply");
   if (train.info().scans.size() > 1) c.fit.min_range_m = kVehicleM;
   const auto start = std::chrono::steady_clock::now();
-  const elements::Model model = fit::fit(train, c.fit).model;
+  const elements::Model model = pipeline::fit_model({train}, c.fit).model;
   const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - start;
   out.fit_beams_per_s = double(train.size()) / spent.count();
   out.elements = model.size();

@@ -17,6 +17,7 @@
 #include "underbrush/metrics/repeats.hpp"
 #include "underbrush/metrics/scan_pairs.hpp"
 #include "underbrush/pipeline/simulate_log.hpp"
+#include "underbrush/pipeline/fit_model.hpp"
 #include "underbrush/sensor/sensor.hpp"
 
 namespace underbrush::studies {
@@ -70,7 +71,7 @@ std::vector<Answered> answers(const StudyRun& run, const BeamLog& train, const B
     run.say("  " + c.name);
     c.fit.min_range_m = kVehicleM;
     MemorySource source(train);
-    const elements::Model model = fit::fit(source, c.fit).model;
+    const elements::Model model = pipeline::fit_model({source}, c.fit).model;
     std::vector<bool> cones{false};
     if (is_surface(c) && !test.info.sensor.empty()) cones.push_back(true);
     for (const bool cone : cones) {

@@ -7,7 +7,7 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/rng.hpp"
-#include "underbrush/fit/fit.hpp"
+#include "underbrush/pipeline/fit_model.hpp"
 #include "underbrush/pipeline/simulate_log.hpp"
 #include "underbrush/sensor/sensor.hpp"
 
@@ -122,7 +122,7 @@ elements::Model WallScan::fitted(uint64_t seed) const {
   options.seed = seed;
   options.min_range_m = kOwnVehicleM;
   MemorySource source(first_);
-  return fit::fit(source, options).model;
+  return pipeline::fit_model({source}, options).model;
 }
 
 std::vector<Wall> WallScan::compare(WallSource source, const ScannerFault& fault,

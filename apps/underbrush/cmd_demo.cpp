@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <functional>
 #include <iostream>
 #include <optional>
 
@@ -13,6 +14,7 @@
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/export.hpp"
 #include "underbrush/io/log_file.hpp"
+#include "underbrush/pipeline/fit_model.hpp"
 #include "underbrush/pipeline/simulate_log.hpp"
 #include "underbrush/sensor/pattern.hpp"
 #include "underbrush/simulate/footprint.hpp"
@@ -144,11 +146,14 @@ void fit_and_score(const Verb& verb, const Diary& say, const fs::path& folder, P
     options.fitter = fitter;
     options.seed = verb.seed;
     const fs::path model = folder / fitter, log = folder / (std::string(fitter) + ".ply");
-    const FitStep fitted = fit_log(verb, train, options, model);
+    elements::check_model_output(model);
+    const auto beams = pipeline::open_log(train, options.all_echoes);
+    const pipeline::FittedModel fitted = pipeline::fit_model(
+        {*beams, train}, options, std::bind_front(&Verb::provenance, &verb), shown<StageProgress>());
+    pipeline::write_trained(model, fitted);
     io::LogReader like(part.test);
-    const size_t simulated =
-        simulate_like(verb, fitted.result.model, like, log, {model, part.test});
-    const elements::Model& m = fitted.result.model;
+    const elements::Model& m = fitted.model;
+    const size_t simulated = simulate_like(verb, m, like, log, {model, part.test});
     say(fmt::format("{}: fitted {} ellipsoids, {} triangles ({:.1f} s), simulated {} beams", fitter,
                     m.ellipsoids.size(), m.ground.size() + m.surface.size(), fitted.seconds,
                     simulated));

@@ -1,14 +1,13 @@
-#include <fmt/format.h>
+#include <functional>
 
 #include "cli/progress.hpp"
-#include "fit_json.hpp"
 #include "fit_options.hpp"
-#include "light_report.hpp"
+#include "fit_text.hpp"
 #include "stages.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
+#include "underbrush/fit/parameters.hpp"
 #include "underbrush/io/atomic_file.hpp"
-#include "update_log.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -16,8 +15,8 @@ namespace {
 namespace fit_verb {
 
 struct Arguments {
-  std::string log, output, splat, ground_mesh, update, logs, echoes = "first";
-  update::UpdateOptions how;
+  std::string log, output, splat, ground_mesh, update, echoes = "first";
+  pipeline::UpdateLogOptions how;
   fit::FitOptions fit;
 };
 
@@ -28,12 +27,12 @@ void add_update_options(Verb& verb, Arguments& a, CLI::Option* update,
   for (const CLI::Option* option : of_fit) update->excludes(app.get_option(option->get_name()));
   update->excludes(app.get_option("--seed"));
   verb.begin_rare_group("fit --update");
-  app.add_option("--growth", a.how.growth,
+  app.add_option("--growth", a.how.how.growth,
                  "Fit a touched tile anew once its returns have grown by this share since it was "
                  "fitted; 0: at once, which gives the elements of one fit of all logs")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  app.add_option("--logs", a.logs, "Where the logs that the model was fitted to are now")
+  app.add_option("--logs", a.how.logs, "Where the logs that the model was fitted to are now")
       ->type_name("FOLDER")
       ->needs(update);
 }
@@ -62,90 +61,50 @@ void add_options(Verb& verb, Arguments& a) {
   add_update_options(verb, a, update, of_fit);
 }
 
-std::string text_of_fit(const std::string& fitter, const FitStep& step) {
-  const elements::Model& model = step.result.model;
-  const fit::FitReport& r = step.result.report;
-  std::string text = fmt::format(
-      "{}: {} beams ({} hits, {} misses) in {:.1f} s, {} beams/s\n"
-      "  ground      {} points, {} triangles, sigma {:.3f} m\n"
-      "  other       {} points",
-      fitter, r.beams, r.hits, r.misses, step.seconds, si(double(r.beams) / step.seconds),
-      r.ground_points, model.ground.size(), model.ground.range_sigma_m, r.other_points);
-  if (!model.ellipsoids.empty()) text += fmt::format(", {} ellipsoids", model.ellipsoids.size());
-  if (model.surface.size()) text += fmt::format(", {} triangles", model.surface.size());
-  if (r.unclustered_points) text += fmt::format(", {} in no cluster", r.unclustered_points);
-  text += "\n" + text_of_channels(model.channels);
-  if (r.free_space_ellipsoids) {
-    text += fmt::format("  dropped     {} ellipsoids in free space\n", r.free_space_ellipsoids);
-  }
-  if (r.carved_triangles) {
-    text += fmt::format("  dropped     {} triangles that beams passed\n", r.carved_triangles);
-  }
-  if (r.mover_points) text += fmt::format("  left out    {} returns of movers\n", r.mover_points);
-  if (r.near_points)
-    text += fmt::format("  left out    {} points near the sensor\n", r.near_points);
-  if (r.thinned_points)
-    text += fmt::format("  left out    {} points of full tiles\n", r.thinned_points);
-  if (r.grain.learnt()) {
-    text += fmt::format(
-        "  grain       {:.3f} m of ellipsoids, {:.3f} m of meshes: {:.1f} cm rough along rings, "
-        "the log {:.1f} cm\n",
-        model.grain.ellipsoid_m, model.grain.mesh_m, 100 * r.grain.simulated_m,
-        100 * r.grain.real_m);
-  }
-  for (size_t k = 0; k < model.grain.classes.size(); ++k) {
-    const elements::ClassGrain& c = model.grain.classes[k];
-    text += fmt::format("              {:.3f} m of {}{}\n", c.side_m, model.class_name(c.label),
-                        r.grain.classes[k] ? "" : ", the usual one: too few beams met it");
-  }
-  text += text_of_light(model) + text_of_keyframes(model);
-  if (r.echo_grain.learnt) {
-    text += fmt::format("  echoes      {:.3f} of a beam that returns, the log {:.3f}\n",
-                        r.echo_grain.simulated, r.echo_grain.real);
-  }
-  for (const auto& [why, n] : step.skipped)
-    text += fmt::format("  skipped     {} beams: {}\n", n, why);
-  for (const likelihood::LikelihoodStep& s : r.likelihood.steps) {
-    const std::string training =
-        s.training_nll ? fmt::format(" {:.4f} training,", *s.training_nll) : "";
-    text += fmt::format("  {:<11} {} elements, -log f{} {:.4f} held out{}\n", s.name, s.elements,
-                        training, s.held_out_nll, s.accepted ? "" : ", undone");
-  }
-  return text;
-}
-
 void export_model(const Arguments& a, const elements::Model& model) {
   if (!a.splat.empty()) elements::write_splat(a.splat, model);
   if (!a.ground_mesh.empty()) elements::write_mesh(a.ground_mesh, model.ground);
 }
 
+/// Writes what was fitted or updated, and reports it.
+template <class Trained>
+void finish(const Verb& verb, const Arguments& a, const Trained& trained,
+            const io::LogReader& log) {
+  pipeline::write_trained(a.output, trained);
+  export_model(a, trained.model);
+  verb.report(json_of(trained, log.skipped()), text_of(trained, log.skipped()) +
+                                                   text_of_warnings(trained.report.warnings) +
+                                                   "  model       " + a.output + "\n");
+}
+
+void run_fit(const Verb& verb, const Arguments& a) {
+  const auto log = pipeline::open_log(a.log, a.fit.all_echoes);
+  const pipeline::FittedModel fitted = pipeline::fit_model(
+      {*log, a.log}, a.fit, std::bind_front(&Verb::provenance, &verb), shown<StageProgress>());
+  finish(verb, a, fitted, *log);
+}
+
 void run_update(const Verb& verb, const Arguments& a) {
-  const UpdateStep step = update_log(verb, {a.update, a.log, a.logs, a.how}, a.output);
-  export_model(a, step.result.model);
-  verb.report(json_of(step), text_of(step) + text_of_warnings(step.result.report.warnings) +
-                                 "  model       " + a.output + "\n");
+  pipeline::TrainedModel known = pipeline::read_trained(a.update);
+  const auto log = pipeline::open_log(a.log, known.model.all_echoes);
+  const pipeline::UpdatedModel updated =
+      pipeline::update_model(std::move(known), {*log, a.log}, a.how,
+                             std::bind_front(&Verb::provenance, &verb), shown<StageProgress>());
+  finish(verb, a, updated, *log);
 }
 
 void run(const Verb& verb, Arguments& a) {
   a.fit.seed = verb.seed;
-  a.fit.all_echoes = a.echoes == "all";
-  if (a.fit.all_echoes) {
-    const bool wanted = verb.app.get_option("--keyframes")->count() > 0;
-    require(!wanted || a.fit.keyframes.spacing_m == 0,
-            "fit: --keyframes remember beams, not the single echoes of --echoes all");
-    a.fit.keyframes.spacing_m = 0;
+  if (a.echoes == "all") {
+    fit::take_all_echoes(a.fit, verb.app.get_option("--keyframes")->count() > 0);
   }
   for (const std::string& file : {a.splat, a.ground_mesh}) {
     if (!file.empty()) io::check_output(file);
   }
+  elements::check_model_output(a.output);
   if (!a.update.empty()) return run_update(verb, a);
-  require(a.how.growth == update::UpdateOptions().growth, "fit: --growth requires --update");
-  const FitStep step = fit_log(verb, a.log, a.fit, a.output);
-  const elements::Model& model = step.result.model;
-  export_model(a, model);
-  const std::vector<std::string>& warnings = step.result.report.warnings;
-  verb.report(json_of(step), text_of_fit(model.fitter, step) + text_of_warnings(warnings) +
-                                 "  model       " + a.output + "\n");
+  require(a.how.how.growth == update::UpdateOptions().growth, "fit: --growth requires --update");
+  run_fit(verb, a);
 }
 
 }  // namespace fit_verb

@@ -3,7 +3,7 @@
 #include <map>
 
 #include "cli/progress.hpp"
-#include "fit_json.hpp"
+#include "fit_text.hpp"
 #include "leaf_cloud.hpp"
 #include "light_report.hpp"
 #include "log_contents.hpp"
@@ -13,6 +13,7 @@
 #include "underbrush/io/input.hpp"
 #include "underbrush/io/json_text.inl"
 #include "underbrush/metrics/leaf_inclination.hpp"
+#include "underbrush/pipeline/fit_json.inl"
 #include "underbrush/primitives/annotation.hpp"
 #include "underbrush/primitives/primitive_set.hpp"
 #include "verbs.hpp"
@@ -42,9 +43,9 @@ void report_model(const Verb& verb, const std::string& path) {
     table += fmt::format("  {:<19}{:>8} ellipsoids, grain {:.3f} m\n", model.class_name(label), n,
                          model.grain.side_at(model.grain.place_of(label)));
   }
-  if (!model.channels.empty()) j["channels"] = json_of(model.channels);
+  if (!model.channels.empty()) j["channels"] = pipeline::json_of(model.channels);
   table += text_of_light(model);
-  if (model.light.known()) j["light"] = json_of_light(model);
+  if (model.light.known()) j["light"] = pipeline::json_of_light(model);
   j["provenance"] = model.provenance.empty() ? Json(nullptr) : io::json_of_text(model.provenance);
   verb.report(j, fmt::format("{}: model by {}: {} ground triangles, {} surface triangles, {} "
                              "ellipsoids\n  tau {:g}, ground sigma {:.3f} m, origin {:.1f} {:.1f} "

@@ -4,6 +4,7 @@
 
 #include "underbrush/elements/scene_file.hpp"
 #include "underbrush/fit/parameters.hpp"
+#include "underbrush/pipeline/fit_model.hpp"
 
 namespace underbrush::app {
 namespace {
@@ -38,20 +39,12 @@ CLI::Option* add_option(CLI::App& app, const fit::Parameter& p, fit::FitOptions&
 CLI::Option* add_sensor_option(CLI::App& app, fit::FitOptions& fit) {
   return app
       .add_option_function<std::string>(
-          "--sensor", [&fit](const std::string& name) { set_recorder(sensor::load(name), fit); },
+          "--sensor", [&fit](const std::string& name) { pipeline::set_recorder(sensor::load(name), fit); },
           "The sensor that recorded the log; hierarchical removes its footprint from ellipsoids")
       ->type_name("SENSOR");
 }
 
 }  // namespace
-
-void set_recorder(const sensor::Sensor& sensor, fit::FitOptions& fit) {
-  fit.sensor = sensor.name;
-  fit.sensor_file = sensor.file;
-  fit.volumetric.mixture.footprint = [beam = sensor.beam](double range_m) {
-    return beam.sigma_m(range_m);
-  };
-}
 
 std::vector<const CLI::Option*> add_fit_options(Verb& verb, fit::FitOptions& fit, FitHelp help) {
   std::vector<const CLI::Option*> out;

@@ -5,7 +5,6 @@
 
 #include "cli/verb.hpp"
 #include "underbrush/fit/fit.hpp"
-#include "underbrush/sensor/sensor.hpp"
 
 namespace underbrush::app {
 
@@ -16,8 +15,5 @@ enum FitHelp { kUsualShown, kAllRare };
 /// Returns the options.
 std::vector<const CLI::Option*> add_fit_options(Verb& verb, fit::FitOptions& fit,
                                                 FitHelp help = kUsualShown);
-
-/// Makes this the sensor that recorded the log, whose footprint some fitters remove.
-void set_recorder(const sensor::Sensor& sensor, fit::FitOptions& fit);
 
 }  // namespace underbrush::app

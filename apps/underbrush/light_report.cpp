@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "underbrush/pipeline/fit_json.inl"
+
 namespace underbrush::app {
 namespace {
 
@@ -22,42 +24,16 @@ std::string with_wavelength(const std::string& name, const std::string& file) {
   }
 }
 
-/// The mean reflectance of the elements of a kind, each once and as often as it was hit.
-double mean_reflectance(const elements::Model& m, elements::Kind kind) {
-  double sum = 0, hits = 0;
-  for (size_t e = 0; e < m.size(); ++e) {
-    if (m.kind(e) != kind) continue;
-    const double weight = 1.0 + m.hit(e).hits;
-    sum += weight * double(elements::reflectance(m, e).mean);
-    hits += weight;
-  }
-  return hits > 0 ? sum / hits : 0;
-}
-
-const std::pair<elements::Kind, const char*> kKinds[] = {
-    {elements::Kind::kGround, "ground"},
-    {elements::Kind::kSurface, "surface"},
-    {elements::Kind::kEllipsoid, "ellipsoids"}};
-
 }  // namespace
-
-Json json_of_light(const elements::Model& m) {
-  if (!m.light.known()) return nullptr;
-  Json j{{"max_intensity", m.light.max_intensity}};
-  for (const auto& [kind, name] : kKinds) j["reflectance"][name] = mean_reflectance(m, kind);
-  j["range_m"] = m.light.range.at;
-  j["range_gain"] = m.light.range.gain;
-  j["ring_gain"] = m.light.ring;
-  return j;
-}
 
 std::string text_of_light(const elements::Model& m) {
   if (!m.light.known()) return "";
   std::string text = "  light       mean reflectance";
   const char* comma = " ";
-  for (const auto& [kind, name] : kKinds) {
-    const double mean = mean_reflectance(m, kind);
-    if (mean > 0) text += fmt::format("{}{:.3g} of {}", std::exchange(comma, ", "), mean, name);
+  const Json light = pipeline::json_of_light(m);
+  for (const auto& [kind, reflectance] : light["reflectance"].items()) {
+    const double mean = reflectance;
+    if (mean > 0) text += fmt::format("{}{:.3g} of {}", std::exchange(comma, ", "), mean, kind);
   }
   const elements::Gain& f = m.light.range;
   if (!f.at.empty()) {

@@ -11,10 +11,8 @@
 
 namespace underbrush::app {
 
-/// The light of a model in short, as JSON and in one line: mean reflectances by kind, an
-/// element counting once and as often as it was hit, the response to range, and the extremes of the
-/// gains of channels. Without light the JSON is null and the text empty.
-Json json_of_light(const elements::Model& model);
+/// The light of a model (`pipeline::json_of_light`) in one line, with the extremes of the gains of
+/// channels; empty without light.
 std::string text_of_light(const elements::Model& model);
 
 /// Says in one line where intensities come from and what is assumed of them: from the light that

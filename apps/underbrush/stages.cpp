@@ -2,20 +2,14 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cmath>
 #include <functional>
 
 #include "cli/progress.hpp"
-#include "fit_json.hpp"
 #include "intensity_table.hpp"
 #include "underbrush/core/check.hpp"
-#include "underbrush/elements/model_file.hpp"
-#include "underbrush/fit/fitters.hpp"
-#include "underbrush/io/json_text.inl"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/pipeline/score_logs.hpp"
-#include "update_log.hpp"
 
 namespace underbrush::app {
 namespace fs = std::filesystem;
@@ -40,38 +34,6 @@ std::string row(const char* label, const std::vector<metrics::Score>& scores,
 }
 
 }  // namespace
-
-FitStep fit_log(const Verb& verb, const fs::path& log, const fit::FitOptions& options,
-                const fs::path& model) {
-  const auto start = std::chrono::steady_clock::now();
-  elements::check_model_output(model);
-  FitStep step;
-  size_t beams_of_fit = 0;
-  {
-    const auto reader = options.all_echoes ? std::make_unique<io::LogReader>(log)
-                                           : std::make_unique<io::BeamReader>(log);
-    beams_of_fit = reader->size();
-    StageProgress progress;
-    step.result = fit::fit(*reader, options, std::ref(progress));
-    step.skipped = reader->skipped();
-  }
-  std::vector<fs::path> inputs{log};
-  if (fit::fitter_named(options.fitter).refines && elements::is_model(options.start)) {
-    inputs.emplace_back(options.start);
-  }
-  Json origin = io::json_of_text(provenance(verb, inputs));
-  const likelihood::LikelihoodReport& refined = step.result.report.likelihood;
-  if (!refined.steps.empty()) origin["likelihood"] = json_of(refined);
-  step.result.model.provenance = io::text_of_json(origin);
-  const auto besides = [&](const fs::path& folder) {
-    if (step.result.record.tiles.empty()) return;
-    const std::string hash = origin["inputs"][log.string()].get<std::string>();
-    fit::write_training(folder, training_of(step.result, options, log, hash, beams_of_fit));
-  };
-  elements::write_model(model, step.result.model, besides);
-  step.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  return step;
-}
 
 std::vector<metrics::Score> score_logs(const fs::path& real,
                                        const std::vector<Candidate>& candidates, bool cloud) {

@@ -1,26 +1,13 @@
-/// The stages of the pipeline as the verbs and the demo run them: files in, files out, with
-/// progress.
+/// The scores of logs in files, with progress, and their table.
 #pragma once
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "cli/verb.hpp"
-#include "underbrush/fit/fit.hpp"
 #include "underbrush/metrics/baselines.hpp"
 
 namespace underbrush::app {
-
-/// A fit, with the number of records of the log left out by reason.
-struct FitStep {
-  fit::FitResult result;
-  std::map<std::string, size_t> skipped;
-  double seconds = 0;
-};
-/// Fits a model to the log and writes it to the folder `model`. For the fitter `likelihood`,
-/// `options.start` may also be a model's folder.
-FitStep fit_log(const Verb& verb, const std::filesystem::path& log, const fit::FitOptions& options,
-                const std::filesystem::path& model);
 
 /// A simulated log to be scored, and the model that made it (or none).
 struct Candidate {

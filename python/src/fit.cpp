@@ -6,17 +6,17 @@
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
-#include <chrono>
+#include <nlohmann/json.hpp>
 
 #include "bind.hpp"
-#include "fit_json.hpp"
-#include "fit_options.hpp"
+#include "cli/hash.hpp"
 #include "fit_parameters.hpp"
 #include "given.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/names.hpp"
 #include "underbrush/elements/scene_file.hpp"
 #include "underbrush/io/json_text.inl"
+#include "underbrush/pipeline/fit_json.inl"
 #include "watched.hpp"
 
 namespace underbrush::python {
@@ -67,32 +67,69 @@ nb::list parameter_table() {
   return out;
 }
 
+/// Adds the hashes of inputs to the provenance that Python gives.
+pipeline::Provenance with_hashes(const std::string& text) {
+  return [text](const std::vector<std::filesystem::path>& inputs) {
+    nlohmann::ordered_json j = io::json_of_text(text);
+    for (const auto& input : inputs) j["inputs"][input.string()] = app::hash_of(input);
+    return io::text_of_json(j);
+  };
+}
+
+std::filesystem::path file_of(const GivenLog& log) {
+  const auto* path = std::get_if<std::filesystem::path>(&log);
+  return path ? *path : std::filesystem::path();
+}
+
+template <class Trained>
+ModelValue value_of(Trained trained, const BeamSource& log) {
+  ModelValue out;
+  out.report = json_of(trained, skipped_in(log)).dump();
+  static_cast<elements::Model&>(out) = std::move(trained.model);
+  out.training = std::move(trained.training);
+  return out;
+}
+
 ModelValue fitted(const GivenLog& log, const nb::dict& parameters, uint64_t seed,
-                  const sensor::Sensor* sensor, const std::string& provenance,
-                  const nb::object& progress) {
+                  const sensor::Sensor* sensor, const std::string& echoes,
+                  const std::string& provenance, const nb::object& progress) {
   fit::FitOptions options;
   set_fit_options(options, parameters, seed, sensor);
-  app::FitStep step;
-  run_watched(progress, [&](const Hook& hook) {
-    const auto start = std::chrono::steady_clock::now();
-    const std::unique_ptr<BeamSource> beams = source_of(log);
-    WatchedSource source(*beams, hook, "fit");
-    try {
-      step.result = fit::fit(source, options, hook);
-      step.skipped = skipped_in(*beams);
-    } catch (const DataError& e) {
-      if (!std::holds_alternative<std::filesystem::path>(log)) throw;
-      throw FormatError(name_of(log), "", e.what());
-    }
-    step.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  });
-  app::Json origin = io::json_of_text(provenance);
-  if (!step.result.report.likelihood.steps.empty())
-    origin["likelihood"] = app::json_of(step.result.report.likelihood);
+  require(echoes == "first" || echoes == "all", "fit: echoes is first or all");
+  if (echoes == "all") fit::take_all_echoes(options, parameters.contains("keyframes"));
   ModelValue out;
-  out.report = app::json_of(step).dump();
-  static_cast<elements::Model&>(out) = std::move(step.result.model);
-  out.provenance = io::text_of_json(origin);
+  run_watched(progress, [&](const Hook& hook) {
+    const std::unique_ptr<BeamSource> beams = source_of(log, options.all_echoes);
+    WatchedSource source(*beams, hook, "fit");
+    out = value_of(
+        pipeline::fit_model({source, file_of(log)}, options, with_hashes(provenance), hook),
+        *beams);
+  });
+  return out;
+}
+
+ModelValue updated(const GivenLog& log, const GivenModel& model, double growth,
+                   const std::filesystem::path& logs, const std::string& provenance,
+                   const nb::object& progress) {
+  ModelValue out;
+  run_watched(progress, [&](const Hook& hook) {
+    pipeline::TrainedModel known;
+    if (const auto* folder = std::get_if<std::filesystem::path>(&model)) {
+      known = pipeline::read_trained(*folder);
+    } else {
+      const ModelValue& value = *std::get<const ModelValue*>(model);
+      known.model = value;
+      known.training = value.training;
+    }
+    const std::unique_ptr<BeamSource> beams = source_of(log, known.model.all_echoes);
+    WatchedSource source(*beams, hook, "fit");
+    pipeline::UpdateLogOptions options;
+    options.how.growth = growth;
+    options.logs = logs;
+    out = value_of(pipeline::update_model(std::move(known), {source, file_of(log)}, options,
+                                          with_hashes(provenance), hook),
+                   *beams);
+  });
   return out;
 }
 
@@ -121,7 +158,7 @@ void set_fit_options(fit::FitOptions& options, const nb::dict& parameters, uint6
   }
   require(!elements::is_scene(options.start),
           "fit: likelihood refines a model, but start is a scene");
-  if (sensor) app::set_recorder(*sensor, options);
+  if (sensor) pipeline::set_recorder(*sensor, options);
 }
 
 void bind_fit(nb::module_& m) {
@@ -129,8 +166,10 @@ void bind_fit(nb::module_& m) {
         nb::sig("def fit_parameters() -> list[tuple[str, str, str, str, str]]"),
         "Returns the table of the parameters of a fit: name, type, default, unit and help.");
   m.def("fitters", &fit::fitter_names, "Returns the names of the fitters.");
-  m.def("fit", &fitted, "log"_a, "parameters"_a, "seed"_a, "sensor"_a.none(), "provenance"_a,
-        "progress"_a.none(), "Fits a model to a log.");
+  m.def("fit", &fitted, "log"_a, "parameters"_a, "seed"_a, "sensor"_a.none(), "echoes"_a,
+        "provenance"_a, "progress"_a.none(), "Fits a model to a log.");
+  m.def("update", &updated, "log"_a, "model"_a, "growth"_a, "logs"_a, "provenance"_a,
+        "progress"_a.none(), "Adds a log to a model.");
 }
 
 }  // namespace underbrush::python

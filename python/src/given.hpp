@@ -8,11 +8,13 @@
 
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/elements/scene_file.hpp"
+#include "underbrush/fit/training_file.hpp"
 
 namespace underbrush::python {
 
-/// A model with the report of the fit that made it.
+/// A model with the report of the fit that made it, and with what updates of it need.
 struct ModelValue : elements::Model {
+  fit::Training training = {};
   std::string report = "{}";  ///< JSON.
 };
 

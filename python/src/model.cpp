@@ -6,7 +6,7 @@
 
 #include "bind.hpp"
 #include "given.hpp"
-#include "underbrush/elements/model_file.hpp"
+#include "underbrush/pipeline/fit_model.hpp"
 #include "views.hpp"
 
 namespace underbrush::python {
@@ -169,12 +169,15 @@ void bind_model(nb::module_& m) {
       });
   m.def(
       "read_model",
-      [](const std::filesystem::path& path) { return ModelValue{elements::read_model(path)}; },
+      [](const std::filesystem::path& path) {
+        pipeline::TrainedModel read = pipeline::read_trained(path);
+        return ModelValue{std::move(read.model), std::move(read.training)};
+      },
       "path"_a, Released(), "Reads a model's folder. Raises `FormatError`.");
   m.def(
       "write_model",
       [](const std::filesystem::path& path, const ModelValue& v) {
-        elements::write_model(path, v);
+        pipeline::write_trained(path, {v, v.training});
       },
       "path"_a, "model"_a, Released(),
       "Writes the folder of a model, whole or not at all; a model that stood there is replaced.\n"

@@ -5,9 +5,11 @@ import importlib.util
 import json
 import pathlib
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
+from test_same_bits import same_models
 
 import underbrush
 
@@ -30,6 +32,67 @@ def body(path: pathlib.Path) -> bytes:
     """A log without the comments, of which one says what wrote it."""
     content = path.read_bytes()
     return content[content.index(b"element vertex"):]
+
+
+def without_times(report: dict[str, Any]) -> dict[str, Any]:
+    """A report of a fit without what differs from run to run and what the program adds."""
+    return {k: v for k, v in report.items() if k not in ("seconds", "beams_per_s", "program")}
+
+
+@pytest.mark.parametrize("log, words, options", [
+    ("train.ply", [], {}),
+    ("train.ply", ["--sensor", "velodyne-vlp16", "--fitter", "hierarchical", "--seed", "2"],
+     {"sensor": "velodyne-vlp16", "fitter": "hierarchical", "seed": 2}),
+    ("echoes.ply", ["--echoes", "all"], {"echoes": "all"}),
+    ("echoes.ply", ["--fitter", "surface", "--surface-carve"], {"fitter": "surface", "surface_carve": True}),
+])
+def test_fit(run: Callable[..., str], folder: pathlib.Path, tmp_path: pathlib.Path, log: str, words: list[str],
+             options: dict[str, object]) -> None:
+    if log == "echoes.ply" and not (folder / log).exists():
+        run("simulate", folder / "model", "--like", folder / "test.ply", "--super-sample", "7", "--returns", "3", "-o",
+            folder / log)
+    run("fit", folder / log, "-o", tmp_path / "program", "--json", tmp_path / "program.json", *words)
+    model = underbrush.fit(folder / log, tmp_path / "python", **options)
+    same_models(tmp_path / "program", tmp_path / "python")
+    printed = json.loads((tmp_path / "program.json").read_text())
+    assert without_times(underbrush.report_of(model)) == without_times(printed)
+    inputs = json.loads((tmp_path / "program" / "model.json").read_text())["provenance"]["inputs"]
+    assert json.loads(model.provenance)["inputs"] == inputs
+
+
+def test_fit_update(run: Callable[..., str], folder: pathlib.Path, tmp_path: pathlib.Path) -> None:
+    run("fit", folder / "train.ply", "-o", tmp_path / "model")
+    for growth in (0.25, 0.0):
+        run("fit", folder / "test.ply", "--update", tmp_path / "model", "--growth", growth, "-o",
+            tmp_path / f"program{growth}", "--json", tmp_path / "program.json")
+        grown = underbrush.fit(folder / "test.ply", tmp_path / f"python{growth}", update=tmp_path / "model", growth=growth)
+        same_models(tmp_path / f"program{growth}", tmp_path / f"python{growth}")
+        printed = json.loads((tmp_path / "program.json").read_text())
+        assert without_times(underbrush.report_of(grown)) == without_times(printed)
+    # A model in memory, of this process or read from its folder, is as good as its folder.
+    for k, model in enumerate((underbrush.fit(folder / "train.ply"), underbrush.read_model(tmp_path / "model"))):
+        underbrush.fit(folder / "test.ply", tmp_path / f"memory{k}", update=model)
+        same_models(tmp_path / "program0.25", tmp_path / f"memory{k}")
+
+
+def test_fit_update_refuses(folder: pathlib.Path, tmp_path: pathlib.Path) -> None:
+    model = underbrush.fit(folder / "train.ply", fitter="hierarchical")
+    with pytest.raises(underbrush.FormatError, match="fitted to this log already"):
+        underbrush.fit(folder / "train.ply", update=model)
+    with pytest.raises(underbrush.FormatError, match="train.ply.*which is not there"):
+        underbrush.fit(folder / "test.ply", update=model, logs=tmp_path)
+    in_memory = underbrush.fit(underbrush.read_log(folder / "train.ply"), fitter="ground_mesh")
+    with pytest.raises(underbrush.FormatError, match="is in no file"):
+        underbrush.fit(folder / "test.ply", update=in_memory)
+    with pytest.raises(ValueError, match="growth and logs require update"):
+        underbrush.fit(folder / "test.ply", growth=0)
+    for options in ({"tau": 2.0}, {"seed": 2}, {"echoes": "all"}, {"sensor": "velodyne-vlp16"}):
+        with pytest.raises(ValueError, match="update excludes"):
+            underbrush.fit(folder / "test.ply", update=model, **options)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="keyframes hold beams"):
+        underbrush.fit(folder / "test.ply", echoes="all", keyframes=2.0)
+    with pytest.raises(ValueError, match="echoes is first or all"):
+        underbrush.fit(folder / "test.ply", echoes="some")  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("words, options", [

@@ -17,10 +17,10 @@ def without_provenance(path: pathlib.Path) -> bytes:
 
 
 def same_models(a: pathlib.Path, b: pathlib.Path) -> None:
-    # The program also keeps what `fit --update` needs.
-    assert {p.name for p in a.iterdir()} - {"training"} == {p.name for p in b.iterdir()}
-    for file in a.glob("*.ply"):
-        assert file.read_bytes() == (b / file.name).read_bytes(), file.name
+    names = {p.relative_to(a) for p in a.rglob("*")}
+    assert names == {p.relative_to(b) for p in b.rglob("*")}
+    for name in names - {pathlib.Path("model.json"), pathlib.Path("training")}:
+        assert (a / name).read_bytes() == (b / name).read_bytes(), name
     one, other = (json.loads((folder / "model.json").read_text()) for folder in (a, b))
     one.pop("provenance"), other.pop("provenance")
     assert one == other

@@ -8,7 +8,7 @@ import json
 import os
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple, overload
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, overload
 
 from underbrush import _core
 from underbrush._core import BeamLog, Model, Primitives, Scene, Score, Sensor, Trajectory, Tuning
@@ -99,19 +99,33 @@ def report_of(value: Model | Scene | Primitives) -> dict[str, Any]:
 
 
 def fit(log: Log, output: Path | None = None, *, seed: int = 1, sensor: Sensor | str | None = None,
-        progress: Progress | None = None, **parameters: Unpack[FitParameters]) -> Model:
+        echoes: Literal["first", "all"] = "first", update: Model | Path | None = None, growth: float = 0.25,
+        logs: Path = "", progress: Progress | None = None, **parameters: Unpack[FitParameters]) -> Model:
     """Learns a model from a log: ground mesh, ellipsoids, hit probabilities.
 
     `parameters` are the options of `underbrush fit` with `_` for `-`, such as `fitter`, `tau` and `clusters_per_point`.
-    `sensor` removes its beam's footprint from the ellipsoids. With `output`, the model's folder is written too. The log
-    is read in chunks, so a path may be that of a log larger than memory. `report_of` has the counts.
+    `sensor` removes its beam's footprint from the ellipsoids. With `echoes` "all", every echo is a beam of its own, and
+    hit probabilities are shares of the light. With `output`, the model's folder is written too. The log is read in
+    chunks, so a path may be that of a log larger than memory. `report_of` has the counts.
+
+    With `update`, the log is added to that model, whose parameters hold, and the grown model is returned. The model must
+    have been fitted to the file of a log; `logs` names the folder where its earlier logs are now, if it is another one.
+    A tile that new returns touch is fitted anew once its returns have grown by the share `growth`.
 
     Raises `ValueError` for a parameter out of range or a log without returns, `TypeError` for an unknown parameter,
     `FormatError`, `OSError`.
     """
     given: dict[str, Any] = dict(parameters)
+    if update is None:
+        if growth != 0.25 or os.fspath(logs) != "":
+            raise ValueError("fit: growth and logs require update")
+    elif given or sensor is not None or echoes != "first" or seed != 1:
+        raise ValueError("fit: the parameters of a model hold, so update excludes parameters, sensor, echoes and seed")
     with _shown(progress) as shown:
-        model = _core.fit(log, given, seed, _sensor(sensor), _provenance("fit", seed, **given), shown)
+        if update is None:
+            model = _core.fit(log, given, seed, _sensor(sensor), echoes, _provenance("fit", seed, **given), shown)
+        else:
+            model = _core.update(log, update, growth, logs, _provenance("fit", seed), shown)
     if output is not None:
         _core.write_model(output, model)
     return model

@@ -245,4 +245,11 @@ std::string Parameter::text(const FitOptions& options) const {
       field);
 }
 
+void take_all_echoes(FitOptions& options, bool keyframes_asked) {
+  require(!keyframes_asked || options.keyframes.spacing_m == 0,
+          "fit: keyframes hold beams, not the single echoes of all echoes");
+  options.all_echoes = true;
+  options.keyframes.spacing_m = 0;
+}
+
 }  // namespace underbrush::fit

@@ -95,4 +95,8 @@ struct FitterParameter {
 /// own and those of its start. Throws `std::invalid_argument` for an unknown fitter.
 std::vector<FitterParameter> parameters_of(const FitOptions& options);
 
+/// Makes every echo a beam of its own (`FitOptions::all_echoes`); single echoes make no keyframes.
+/// Throws `std::invalid_argument` if the options have keyframes that the user asked for.
+void take_all_echoes(FitOptions& options, bool keyframes_asked);
+
 }  // namespace underbrush::fit

@@ -3,6 +3,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/optimize/densities.hpp"
 #include "underbrush/optimize/fit_parameters.hpp"
+#include "underbrush/pipeline/fit_model.hpp"
 #include "underbrush/pipeline/score_logs.hpp"
 #include "underbrush/pipeline/simulate_log.hpp"
 
@@ -43,7 +44,7 @@ TuningProblem tuned_fit(const std::string& objective, std::shared_ptr<const opti
     fit::FitOptions tried = options;
     for (size_t k = 0; k < value.size(); ++k) chosen[k].of->set_number(tried, value[k]);
     MemorySource source(slice->fit);
-    const fit::FitResult fitted = fit::fit(source, tried);
+    const FittedModel fitted = fit_model({source}, tried);
     return outcome_of(objective, TracedWorld(fitted.model), slice->validation, tried.seed);
   };
   return out;

@@ -1,0 +1,130 @@
+#include "fit_text.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "cli/progress.hpp"
+#include "light_report.hpp"
+
+namespace underbrush::app {
+namespace {
+
+std::string text_of_left_out(size_t mover_points, size_t near_points) {
+  std::string text;
+  if (mover_points) text += fmt::format("  left out    {} returns of movers\n", mover_points);
+  if (near_points) text += fmt::format("  left out    {} points near the sensor\n", near_points);
+  return text;
+}
+
+std::string text_of_skipped(const pipeline::SkippedRows& skipped) {
+  std::string text;
+  for (const auto& [why, n] : skipped) text += fmt::format("  skipped     {} beams: {}\n", n, why);
+  return text;
+}
+
+std::string text_of_grain(const elements::Model& model, const calibrate::GrainReport& grain) {
+  std::string text;
+  if (grain.learnt()) {
+    text += fmt::format(
+        "  grain       {:.3f} m of ellipsoids, {:.3f} m of meshes: {:.1f} cm rough along rings, "
+        "the log {:.1f} cm\n",
+        model.grain.ellipsoid_m, model.grain.mesh_m, 100 * grain.simulated_m, 100 * grain.real_m);
+  }
+  for (size_t k = 0; k < model.grain.classes.size(); ++k) {
+    const elements::ClassGrain& c = model.grain.classes[k];
+    text += fmt::format("              {:.3f} m of {}{}\n", c.side_m, model.class_name(c.label),
+                        grain.classes[k] ? "" : ", the usual one: too few beams met it");
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string text_of_channels(const ChannelOffsets& channels) {
+  if (channels.empty()) return "";
+  const OffsetSpread spread = spread_of(channels);
+  return fmt::format("  channels    {} range offsets, sigma {:.1f} cm, standard error {:.1f} cm\n",
+                     channels.size(), 100 * spread.sigma_m, 100 * spread.standard_error_m);
+}
+
+std::string text_of_keyframes(const elements::Model& model) {
+  if (!model.keyframes) return "";
+  const Json j = pipeline::json_of(*model.keyframes);
+  std::string text = fmt::format("  keyframes   {} of {} x {} pixels, {:.1f} MB; remembered",
+                                 j["frames"].get<size_t>(), j["rows"].get<size_t>(),
+                                 j["columns"].get<size_t>(), j["bytes"].get<double>() / 1e6);
+  for (const Json& d : j["trust"]) {
+    const double agreed = d["where_ranges_agree"], differ = d["where_they_differ"];
+    if (agreed == 0 && differ == 0) continue;
+    text += fmt::format(" {:.0f} to {:.0f} % up to {:g} m,", 100 * std::min(agreed, differ),
+                        100 * std::max(agreed, differ), d["up_to_m"].get<double>());
+  }
+  text.back() = '\n';
+  return text;
+}
+
+std::string text_of(const pipeline::FittedModel& fitted, const pipeline::SkippedRows& skipped) {
+  const elements::Model& model = fitted.model;
+  const fit::FitReport& r = fitted.report;
+  std::string text = fmt::format(
+      "{}: {} beams ({} hits, {} misses) in {:.1f} s, {} beams/s\n"
+      "  ground      {} points, {} triangles, sigma {:.3f} m\n"
+      "  other       {} points",
+      model.fitter, r.beams, r.hits, r.misses, fitted.seconds, si(double(r.beams) / fitted.seconds),
+      r.ground_points, model.ground.size(), model.ground.range_sigma_m, r.other_points);
+  if (!model.ellipsoids.empty()) text += fmt::format(", {} ellipsoids", model.ellipsoids.size());
+  if (model.surface.size()) text += fmt::format(", {} triangles", model.surface.size());
+  if (r.unclustered_points) text += fmt::format(", {} in no cluster", r.unclustered_points);
+  text += "\n" + text_of_channels(model.channels);
+  if (r.free_space_ellipsoids) {
+    text += fmt::format("  dropped     {} ellipsoids in free space\n", r.free_space_ellipsoids);
+  }
+  if (r.carved_triangles) {
+    text += fmt::format("  dropped     {} triangles that beams passed\n", r.carved_triangles);
+  }
+  text += text_of_left_out(r.mover_points, r.near_points);
+  if (r.thinned_points)
+    text += fmt::format("  left out    {} points of full tiles\n", r.thinned_points);
+  text += text_of_grain(model, r.grain) + text_of_light(model) + text_of_keyframes(model);
+  if (r.echo_grain.learnt) {
+    text += fmt::format("  echoes      {:.3f} of a beam that returns, the log {:.3f}\n",
+                        r.echo_grain.simulated, r.echo_grain.real);
+  }
+  text += text_of_skipped(skipped);
+  for (const likelihood::LikelihoodStep& s : r.likelihood.steps) {
+    const std::string training =
+        s.training_nll ? fmt::format(" {:.4f} training,", *s.training_nll) : "";
+    text += fmt::format("  {:<11} {} elements, -log f{} {:.4f} held out{}\n", s.name, s.elements,
+                        training, s.held_out_nll, s.accepted ? "" : ", undone");
+  }
+  return text;
+}
+
+std::string text_of(const pipeline::UpdatedModel& updated, const pipeline::SkippedRows& skipped) {
+  const update::UpdateReport& r = updated.report;
+  std::string text = fmt::format(
+      "{}: {} new beams ({} hits, {} misses) in {:.1f} s, {} earlier beams traced again\n"
+      "  tiles       {} of {} touched, {} fitted anew\n"
+      "  ellipsoids  {} kept, {} added, {} dropped\n",
+      updated.model.fitter, r.beams, r.hits, r.misses, updated.seconds, r.earlier_beams,
+      r.touched_tiles, r.tiles, r.fitted_tiles, r.kept, r.added, r.dropped);
+  if (r.changed > 0) {
+    text += fmt::format("  changed     {} ellipsoids, of which {} are gone", r.changed, r.gone);
+    for (size_t k = 0; k < std::min<size_t>(3, r.places.size()); ++k) {
+      const update::ChangedPlace& p = r.places[k];
+      text += fmt::format("{} {} at {:.0f} {:.0f} {:.0f} m", k == 0 ? ":" : ",", p.gone,
+                          p.centre.x(), p.centre.y(), p.centre.z());
+    }
+    text += "\n";
+  }
+  text += text_of_keyframes(updated.model);
+  if (r.keyframes.kept > 0) {
+    text += fmt::format("              {} kept and {} added; {} pixels of what changed forgotten\n",
+                        r.keyframes.kept, r.keyframes.added, r.keyframes.forgotten_pixels);
+  }
+  return text + text_of_left_out(r.mover_points, r.near_points) + text_of_skipped(skipped);
+}
+
+}  // namespace underbrush::app

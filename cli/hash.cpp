@@ -1,0 +1,43 @@
+#include "cli/hash.hpp"
+
+#include <fmt/format.h>
+#include <xxhash.h>
+
+#include <algorithm>
+#include <fstream>
+#include <memory>
+#include <vector>
+
+namespace underbrush::app {
+namespace fs = std::filesystem;
+namespace {
+
+void hash_into(XXH3_state_t& state, const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::vector<char> buffer(1 << 20);
+  while (in.read(buffer.data(), std::streamsize(buffer.size())) || in.gcount() > 0) {
+    XXH3_128bits_update(&state, buffer.data(), size_t(in.gcount()));
+  }
+}
+
+}  // namespace
+
+std::string hash_of(const fs::path& path) {
+  std::vector<fs::path> files;
+  if (fs::is_directory(path)) {
+    for (const auto& entry : fs::recursive_directory_iterator(path)) {
+      if (entry.is_regular_file()) files.push_back(entry.path());
+    }
+    std::sort(files.begin(), files.end());
+  } else {
+    files = {path};
+  }
+  const std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state(XXH3_createState(),
+                                                                              XXH3_freeState);
+  XXH3_128bits_reset(state.get());
+  for (const fs::path& file : files) hash_into(*state, file);
+  const XXH128_hash_t h = XXH3_128bits_digest(state.get());
+  return fmt::format("xxh3:{:016x}{:016x}", h.high64, h.low64);
+}
+
+}  // namespace underbrush::app

@@ -1,0 +1,174 @@
+#include "underbrush/pipeline/fit_json.inl"
+
+#include <nlohmann/json.hpp>
+#include <utility>
+
+namespace underbrush::pipeline {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const std::pair<elements::Kind, const char*> kKinds[] = {
+    {elements::Kind::kGround, "ground"},
+    {elements::Kind::kSurface, "surface"},
+    {elements::Kind::kEllipsoid, "ellipsoids"}};
+
+/// The mean reflectance of the elements of a kind, each once and as often as it was hit.
+double mean_reflectance(const elements::Model& m, elements::Kind kind) {
+  double sum = 0, hits = 0;
+  for (size_t e = 0; e < m.size(); ++e) {
+    if (m.kind(e) != kind) continue;
+    const double weight = 1.0 + m.hit(e).hits;
+    sum += weight * double(elements::reflectance(m, e).mean);
+    hits += weight;
+  }
+  return hits > 0 ? sum / hits : 0;
+}
+
+Json places_of(const std::vector<update::ChangedPlace>& places) {
+  Json out = Json::array();
+  for (const update::ChangedPlace& p : places) {
+    out.push_back(
+        {{"centre_m", {p.centre.x(), p.centre.y(), p.centre.z()}}, {"ellipsoids", p.gone}});
+  }
+  return out;
+}
+
+void add_model(Json& j, const elements::Model& model) {
+  j["ground_triangles"] = model.ground.size();
+  j["surface_triangles"] = model.surface.size();
+  j["ellipsoids"] = model.ellipsoids.size();
+  j["ground_sigma_m"] = model.ground.range_sigma_m;
+  j["range_noise_m"] = model.range_noise_m;
+  j["grain_m"] = {{"ellipsoids", model.grain.ellipsoid_m}, {"meshes", model.grain.mesh_m}};
+  for (const elements::ClassGrain& c : model.grain.classes) {
+    j["grain_m"]["classes"][model.class_name(c.label)] = c.side_m;
+  }
+  if (!model.channels.empty()) j["channels"] = json_of(model.channels);
+}
+
+}  // namespace
+
+Json json_of(const likelihood::LikelihoodReport& report) {
+  Json j;
+  j["training_beams"] = report.training_beams;
+  j["held_out_beams"] = report.held_out_beams;
+  j["stray_hits"] = report.stray_hits;
+  for (const likelihood::LikelihoodStep& s : report.steps) {
+    Json step = {{"name", s.name}, {"elements", s.elements}};
+    if (s.training_nll) step["training_nll"] = *s.training_nll;
+    step["held_out_nll"] = s.held_out_nll;
+    step["accepted"] = s.accepted;
+    j["steps"].push_back(std::move(step));
+  }
+  return j;
+}
+
+Json json_of(const ChannelOffsets& channels) {
+  const OffsetSpread spread = spread_of(channels);
+  return {{"range_offsets", channels.size()},
+          {"sigma_m", spread.sigma_m},
+          {"standard_error_m", spread.standard_error_m}};
+}
+
+Json json_of(const elements::Keyframes& k) {
+  double bytes = 0;
+  for (const elements::Keyframe& f : k.frames) {
+    bytes += double(f.pixels.size() * sizeof(elements::KeyframePixel));
+  }
+  Json j{{"frames", k.frames.size()}, {"rows", k.rows()}, {"columns", k.columns}, {"bytes", bytes}};
+  // By the distance to the nearest one: which share of an answer comes from keyframes where the
+  // four to eight pixels of a beam agree best, and where they do not.
+  for (size_t d = 0; d < elements::Keyframes::kDistances.size(); ++d) {
+    const auto weight = [&](size_t agreement) {
+      return 1 - k.trust[d * elements::Keyframes::kAgreements + agreement].elements;
+    };
+    j["trust"].push_back({{"up_to_m", elements::Keyframes::kDistances[d]},
+                          {"where_ranges_agree", weight(3)},
+                          {"where_they_differ", weight(6)}});
+  }
+  return j;
+}
+
+Json json_of_light(const elements::Model& m) {
+  if (!m.light.known()) return nullptr;
+  Json j{{"max_intensity", m.light.max_intensity}};
+  for (const auto& [kind, name] : kKinds) j["reflectance"][name] = mean_reflectance(m, kind);
+  j["range_m"] = m.light.range.at;
+  j["range_gain"] = m.light.range.gain;
+  j["ring_gain"] = m.light.ring;
+  return j;
+}
+
+Json json_of(const FittedModel& fitted, const SkippedRows& skipped) {
+  const elements::Model& model = fitted.model;
+  const fit::FitReport& r = fitted.report;
+  Json j;
+  j["fitter"] = model.fitter;
+  j["beams"] = r.beams;
+  j["hits"] = r.hits;
+  j["misses"] = r.misses;
+  if (r.mover_points > 0) j["mover_points"] = r.mover_points;
+  j["ground_points"] = r.ground_points;
+  j["other_points"] = r.other_points;
+  j["near_points"] = r.near_points;
+  j["carved_triangles"] = r.carved_triangles;
+  j["thinned_points"] = r.thinned_points;
+  j["unclustered_points"] = r.unclustered_points;
+  j["free_space_ellipsoids"] = r.free_space_ellipsoids;
+  j["max_range_m"] = model.max_range_m;
+  j["tiles"] = r.tiles;
+  add_model(j, model);
+  if (r.grain.learnt()) {
+    j["roughness_m"] = {{"log", r.grain.real_m},
+                        {"simulated", r.grain.simulated_m},
+                        {"simulated_anew", r.grain.anew_m}};
+  }
+  if (r.echo_grain.learnt) {
+    j["echoes_per_return"] = {{"log", r.echo_grain.real}, {"simulated", r.echo_grain.simulated}};
+  }
+  if (model.light.known()) j["light"] = json_of_light(model);
+  if (model.keyframes) j["keyframes"] = json_of(*model.keyframes);
+  j["skipped"] = skipped;
+  j["warnings"] = r.warnings;
+  if (!r.likelihood.steps.empty()) j["likelihood"] = json_of(r.likelihood);
+  j["seconds"] = fitted.seconds;
+  j["beams_per_s"] = double(r.beams) / fitted.seconds;
+  return j;
+}
+
+Json json_of(const UpdatedModel& updated, const SkippedRows& skipped) {
+  const elements::Model& model = updated.model;
+  const update::UpdateReport& r = updated.report;
+  Json j;
+  j["fitter"] = model.fitter;
+  j["beams"] = r.beams;
+  j["hits"] = r.hits;
+  j["misses"] = r.misses;
+  if (r.mover_points > 0) j["mover_points"] = r.mover_points;
+  j["near_points"] = r.near_points;
+  j["unexplained"] = r.unexplained;
+  j["earlier_beams"] = r.earlier_beams;
+  j["logs"] = updated.training.logs.size();
+  j["tiles"] = {{"all", r.tiles}, {"touched", r.touched_tiles}, {"fitted_anew", r.fitted_tiles}};
+  j["ellipsoids"] = {{"all", model.ellipsoids.size()},
+                     {"kept", r.kept},
+                     {"added", r.added},
+                     {"dropped", r.dropped},
+                     {"changed", r.changed},
+                     {"gone", r.gone}};
+  j["gone"] = places_of(r.places);
+  j["ground_triangles"] = model.ground.size();
+  if (model.keyframes) {
+    j["keyframes"] = json_of(*model.keyframes);
+    j["keyframes"]["kept"] = r.keyframes.kept;
+    j["keyframes"]["added"] = r.keyframes.added;
+    j["keyframes"]["forgotten_pixels"] = r.keyframes.forgotten_pixels;
+  }
+  j["skipped"] = skipped;
+  j["warnings"] = r.warnings;
+  j["seconds"] = updated.seconds;
+  return j;
+}
+
+}  // namespace underbrush::pipeline

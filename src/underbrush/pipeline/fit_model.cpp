@@ -1,0 +1,204 @@
+#include "underbrush/pipeline/fit_model.hpp"
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+
+#include "underbrush/core/check.hpp"
+#include "underbrush/elements/model_file.hpp"
+#include "underbrush/fit/fitters.hpp"
+#include "underbrush/io/json_text.inl"
+#include "underbrush/pipeline/fit_json.inl"
+
+namespace underbrush::pipeline {
+namespace fs = std::filesystem;
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Json = nlohmann::ordered_json;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// The files of a provenance, with their hashes.
+class Origin {
+ public:
+  Origin(const Provenance& provenance, const std::vector<fs::path>& inputs)
+      : json_(io::json_of_text(provenance(inputs))) {}
+  std::string hash_of(const fs::path& file) const {
+    return json_.at("inputs").at(file.string()).get<std::string>();
+  }
+  fit::TrainingLog training_log(const FitLog& log) const {
+    return {log.file.string(), hash_of(log.file), log.beams.size()};
+  }
+  void add(const likelihood::LikelihoodReport& refinement) {
+    if (!refinement.steps.empty()) json_["likelihood"] = json_of(refinement);
+  }
+  std::string text() const { return io::text_of_json(json_); }
+
+ private:
+  Json json_;
+};
+
+template <class Work>
+auto on_log(const FitLog& log, const Work& work) {
+  try {
+    return work();
+  } catch (const DataError& e) {
+    if (log.file.empty()) throw;
+    throw FormatError(log.file.string(), "", e.what());
+  }
+}
+
+/// Where an earlier log of a model is now.
+fs::path place_of(const fit::TrainingLog& log, const fs::path& folder) {
+  const fs::path file =
+      folder.empty() ? fs::path(log.file) : folder / fs::path(log.file).filename();
+  if (fs::exists(file)) return file;
+  throw FormatError(file.string(), "",
+                    "the model was fitted to this log, which is not there; --logs FOLDER names "
+                    "where it is now");
+}
+
+void check_training(const TrainedModel& known) {
+  const auto fail = [&](const std::string& why) {
+    throw FormatError(known.folder.empty() ? "model" : known.folder.string(), "", why);
+  };
+  if (known.training.record.tiles.empty()) {
+    fail(
+        "it cannot be updated: fit keeps what that needs in models of hierarchical, "
+        "voxel, top_down, bottom_up, ground_mesh and likelihood, and this is one of " +
+        known.model.fitter);
+  }
+  if (known.training.logs.empty()) {
+    fail("it cannot be updated: the log that it was fitted to is in no file");
+  }
+  if (known.training.record.ellipsoids() != known.model.ellipsoids.size()) {
+    fail("its training is that of another model");
+  }
+}
+
+/// Puts the footprint of the recorder, which files do not have, into the options of a training.
+void restore_recorder(TrainedModel& known) {
+  fit::Training& training = known.training;
+  if (!training.footprint || training.options.volumetric.mixture.footprint) return;
+  LogInfo recorder;
+  recorder.sensor = training.options.sensor;
+  recorder.sensor_file = training.options.sensor_file;
+  set_recorder(sensor::sensor_of_log(known.folder.string(), recorder), training.options);
+}
+
+/// Throws unless the earlier logs are those of the training and the new one is none of them.
+void check_hashes(const Origin& origin, const fit::Training& training,
+                  const std::vector<fs::path>& files, const fs::path& added) {
+  for (size_t k = 0; k < training.logs.size(); ++k) {
+    const fit::TrainingLog& log = training.logs[k];
+    if (origin.hash_of(files[k]) != log.hash) {
+      throw FormatError(files[k].string(), "", "it is not the log that the model was fitted to");
+    }
+    if (!added.empty() && origin.hash_of(added) == log.hash) {
+      throw FormatError(added.string(), "", "the model has been fitted to this log already");
+    }
+  }
+}
+
+}  // namespace
+
+std::unique_ptr<io::LogReader> open_log(const fs::path& file, bool all_echoes) {
+  if (all_echoes) return std::make_unique<io::LogReader>(file);
+  return std::make_unique<io::BeamReader>(file);
+}
+
+void set_recorder(const sensor::Sensor& sensor, fit::FitOptions& options) {
+  options.sensor = sensor.name;
+  options.sensor_file = sensor.file;
+  options.volumetric.mixture.footprint = [beam = sensor.beam](double range_m) {
+    return beam.sigma_m(range_m);
+  };
+}
+
+FittedModel fit_model(const FitLog& log, const fit::FitOptions& options,
+                      const Provenance& provenance, const fit::FitProgress& progress) {
+  const auto start = Clock::now();
+  fit::FitResult fitted = on_log(log, [&] { return fit::fit(log.beams, options, progress); });
+  FittedModel out;
+  out.model = std::move(fitted.model);
+  out.report = std::move(fitted.report);
+  out.training = {
+      options, bool(options.volumetric.mixture.footprint), {}, std::move(fitted.record)};
+  if (provenance) {
+    std::vector<fs::path> inputs;
+    if (!log.file.empty()) inputs.push_back(log.file);
+    if (fit::fitter_named(options.fitter).refines && elements::is_model(options.start)) {
+      inputs.emplace_back(options.start);
+    }
+    Origin origin(provenance, inputs);
+    origin.add(out.report.likelihood);
+    out.model.provenance = origin.text();
+    if (!log.file.empty()) out.training.logs.push_back(origin.training_log(log));
+  }
+  out.seconds = seconds_since(start);
+  return out;
+}
+
+UpdatedModel update_model(TrainedModel known, const FitLog& log, const UpdateLogOptions& options,
+                          const Provenance& provenance, const fit::FitProgress& progress) {
+  const auto start = Clock::now();
+  check_training(known);
+  restore_recorder(known);
+  fit::Training& training = known.training;
+  std::vector<fs::path> inputs;
+  for (const fit::TrainingLog& earlier : training.logs) {
+    inputs.push_back(place_of(earlier, options.logs));
+  }
+  std::vector<std::unique_ptr<io::LogReader>> readers;
+  std::vector<BeamSource*> earlier;
+  for (const fs::path& file : inputs) {
+    readers.push_back(open_log(file, known.model.all_echoes));
+    earlier.push_back(readers.back().get());
+  }
+  if (!log.file.empty()) inputs.push_back(log.file);
+  if (!known.folder.empty()) inputs.push_back(known.folder);
+  const Origin origin(provenance, inputs);
+  check_hashes(origin, training, inputs, log.file);
+  fit::FitResult before;
+  before.model = std::move(known.model);
+  before.record = std::move(training.record);
+  update::UpdateResult grown = on_log(log, [&] {
+    return update::update(std::move(before), earlier, log.beams, training.options, options.how,
+                          progress);
+  });
+  UpdatedModel out;
+  out.model = std::move(grown.model);
+  out.model.provenance = origin.text();
+  out.report = std::move(grown.report);
+  out.training = std::move(training);
+  out.training.record = std::move(grown.record);
+  if (log.beams.size() > 0) {
+    // A model of a log that is in no file cannot be updated again.
+    if (log.file.empty()) {
+      out.training.logs.clear();
+    } else {
+      out.training.logs.push_back(origin.training_log(log));
+    }
+  }
+  out.seconds = seconds_since(start);
+  return out;
+}
+
+TrainedModel read_trained(const fs::path& folder) {
+  TrainedModel out;
+  out.folder = folder;
+  out.model = elements::read_model(folder);
+  if (fit::has_training(folder)) out.training = fit::read_training(folder);
+  return out;
+}
+
+void write_trained(const fs::path& folder, const TrainedModel& model) {
+  elements::write_model(folder, model.model, [&](const fs::path& written) {
+    if (model.training.record.tiles.empty() || model.training.logs.empty()) return;
+    fit::write_training(written, model.training);
+  });
+}
+
+}  // namespace underbrush::pipeline
