@@ -39,6 +39,8 @@ INNER_PARTS = {
     "src/underbrush/calibrate/echo_grain.cpp": "the grain is learnt from answers without it",
     "src/underbrush/calibrate/grain.cpp": "the grain is learnt from answers without it",
 }
+# What makes models. The model that a user gets is made in `pipeline` alone, too.
+FITS = r"\b(?:fit::fit|update::update)\("
 FORBIDDEN = (
     r"#\s*include\s*<(?P<header>iostream|syncstream)>|\b(?:std::)?(?P<call>printf|puts|putchar|fprintf|"
     r"fputs|perror|exit|_Exit|quick_exit|abort|terminate)\s*\(|\bstd::(?P<stream>cout|cerr|clog)\b")
@@ -226,7 +228,7 @@ def check_answers(includes):
 
 def check(root):
     includes, depends = Includes(root), declared(root)
-    out = list(check_answers(includes))
+    out = list(check_answers(includes)) + list(check_fits(includes))
     for path in sorted(includes.files):
         if module_of(path):
             out += check_module_file(path, includes, depends)
@@ -237,6 +239,16 @@ def check(root):
     for folder in ABOVE:
         out += check_links_above(folder, includes)
     return out + list(check_own_options(root))
+
+
+def check_fits(includes):
+    """Who fits models beside `pipeline`."""
+    for path in sorted(includes.files):
+        if path.startswith(("src/underbrush/pipeline/", "tests/")):
+            continue
+        code, _ = rules.split_cpp(rules.read(includes.root, path))
+        for line, m in rules.lines_with(FITS, code):
+            yield f"{path}:{line}: {m.group()}: models are fitted by `pipeline` alone"
 
 
 def module(name, source, depends=""):
@@ -265,6 +277,7 @@ BAD = [
     ({"apps/underbrush/a.cpp": "#include <embree3/rtcore.h>\n"}, "Embree"),
     ({"report/a.cpp": '#include "cli/verb.hpp"\n', "cli/verb.hpp": ""}, "report may not include"),
     ({"apps/underbrush/a.cpp": '#include "underbrush/simulate/simulate.hpp"\n'}, "by `pipeline` alone"),
+    ({"studies/a.cpp": "auto m = fit::fit(beams, {}).model;\n"}, "models are fitted by `pipeline` alone"),
     ({"bench/echoes.cpp": "int x;\n"}, "but answers no beams"),
     ({"report/a.cpp": '#include "studies/study.hpp"\n', "studies/study.hpp": ""}, "report may not include"),
     ({"cli/a.cpp": '#include "fit_options.hpp"\n', "apps/underbrush/fit_options.hpp": ""},
