@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 
-#include "score_json.hpp"
 #include "studies/vegetation.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/pipeline/score_logs.hpp"

@@ -8,13 +8,13 @@
 #include "cli/progress.hpp"
 #include "example_scan.hpp"
 #include "report/report.hpp"
-#include "score_json.hpp"
 #include "stages.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/export.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/pipeline/fit_model.hpp"
+#include "underbrush/pipeline/score_json.inl"
 #include "underbrush/pipeline/simulate_log.hpp"
 #include "underbrush/sensor/pattern.hpp"
 #include "underbrush/simulate/footprint.hpp"
@@ -164,7 +164,7 @@ void fit_and_score(const Verb& verb, const Diary& say, const fs::path& folder, P
   part.scores = score_logs(part.test, part.candidates, true);
   part.baselines = score_baselines(part.test, train);
   inputs.push_back(train);
-  part.results = json_of_scores(names, part.scores, part.baselines, provenance(verb, inputs));
+  part.results = pipeline::json_of_scores(names, part.scores, part.baselines, provenance(verb, inputs));
 }
 
 Part site_part(const Verb& verb, const Diary& say, const Arguments& a) {

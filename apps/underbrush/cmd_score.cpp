@@ -1,12 +1,15 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "osi_lists.hpp"
 #include "report/report.hpp"
-#include "score_json.hpp"
 #include "score_objects.hpp"
 #include "score_protocols.hpp"
+#include "score_report.hpp"
 #include "stages.hpp"
 #include "underbrush/core/check.hpp"
+#include "underbrush/pipeline/score_json.inl"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -80,7 +83,7 @@ void run(const Verb& verb, const Arguments& a) {
   const std::vector<metrics::Score> scores = score_logs(a.real, candidates, true);
   const std::vector<metrics::Baseline> baselines = score_baselines(a.real, a.train);
   if (!a.train.empty()) inputs.emplace_back(a.train);
-  Json results = json_of_scores(names, scores, baselines, provenance(verb, inputs));
+  Json results = pipeline::json_of_scores(names, scores, baselines, provenance(verb, inputs));
   std::string text = table_of_scores(candidates, scores, baselines);
   text += fmt::format("always hit: each beam returns at the median range of its ring in {}\n",
                       fs::path(a.train.empty() ? a.real : a.train).filename().string());

@@ -12,15 +12,6 @@ namespace {
 using metrics::IntensityErrors;
 using metrics::IntensityScore;
 
-Json or_null(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
-
-Json json_of(const IntensityErrors& e) {
-  return {{"beams", e.beams},
-          {"rmse", or_null(e.rmse)},
-          {"mae", or_null(e.mae)},
-          {"correlation", or_null(e.correlation)}};
-}
-
 using Value = std::function<double(const IntensityScore&)>;
 
 std::string row(const std::string& label, const std::vector<metrics::Score>& scores,
@@ -53,25 +44,6 @@ std::string rows_of_bins(const char* unit, const std::vector<metrics::Score>& sc
 }
 
 }  // namespace
-
-Json json_of_intensity(const IntensityScore& s) {
-  Json j = json_of(s.simulated);
-  j["constant"] = json_of(s.constant);
-  if (!s.groups.empty()) {
-    j["constant_of_" + s.groups] = json_of(s.group_constant);
-  }
-  j["real_mean"] = s.real_mean;
-  j["real_sd"] = s.real_sd;
-  j["simulated_mean"] = s.simulated_mean;
-  j["simulated_sd"] = s.simulated_sd;
-  j["wasserstein"] = s.wasserstein;
-  j["per_range"] = Json::object();
-  for (const auto& [name, errors] : s.per_range) j["per_range"][name] = json_of(errors);
-  if (!s.per_incidence.empty()) {
-    for (const auto& [name, errors] : s.per_incidence) j["per_incidence"][name] = json_of(errors);
-  }
-  return j;
-}
 
 std::string table_of_intensities(const std::vector<metrics::Score>& scores) {
   const auto has_some = [](const metrics::Score& s) { return s.intensity.has_value(); };

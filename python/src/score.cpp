@@ -7,12 +7,14 @@
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
+#include <nlohmann/json.hpp>
+
 #include "bind.hpp"
 #include "fired_into.hpp"
 #include "given.hpp"
-#include "score_json.hpp"
-#include "stages.hpp"
+#include "score_report.hpp"
 #include "underbrush/core/check.hpp"
+#include "underbrush/pipeline/score_json.inl"
 #include "underbrush/pipeline/score_logs.hpp"
 #include "watched.hpp"
 
@@ -20,30 +22,53 @@ namespace underbrush::python {
 using namespace nb::literals;
 namespace {
 
-using metrics::Score;
 using metrics::Summary;
 
-Score scored(const GivenLog& real, const GivenLog& simulated,
-             const std::optional<GivenWorld>& model, bool cloud, const nb::object& progress) {
-  Score out;
+/// The scores of a simulation, and those of the baselines on the same beams.
+struct ScoreValue : metrics::Score {
+  std::vector<metrics::Baseline> baselines;
+};
+
+/// A log that is watched while it is read.
+class WatchedLog : public WatchedSource {
+ public:
+  WatchedLog(std::unique_ptr<BeamSource> log, const Hook& hook)
+      : WatchedSource(*log, hook, "score"), log_(std::move(log)) {}
+
+ private:
+  std::unique_ptr<BeamSource> log_;
+};
+
+ScoreValue scored(const GivenLog& real, const GivenLog& simulated,
+                  const std::optional<GivenWorld>& model, const std::optional<GivenLog>& train,
+                  bool cloud, const nb::object& progress) {
+  ScoreValue out;
   run_watched(progress, [&](const Hook& hook) {
+    const auto opened = [&hook](const GivenLog& log) -> metrics::OpenLog {
+      return [&hook, &log] { return std::make_unique<WatchedLog>(source_of(log), hook); };
+    };
     const auto a = source_of(real), b = source_of(simulated);
     std::optional<FiredInto> world;
     if (model) world.emplace(*model, SimulateOptions());
     try {
-      out = pipeline::score_logs(*a, *b, world ? &world->world() : nullptr, cloud,
-                                 [&](size_t done, size_t total) { hook("score", done, total); });
+      static_cast<metrics::Score&>(out) =
+          pipeline::score_logs(*a, *b, world ? &world->world() : nullptr, cloud,
+                               [&](size_t done, size_t total) { hook("score", done, total); });
     } catch (const DataError& e) {
       if (!std::holds_alternative<std::filesystem::path>(simulated)) throw;
       throw FormatError(name_of(simulated), "", e.what());
     }
+    out.baselines =
+        metrics::score_baselines(opened(real), train ? opened(*train) : metrics::OpenLog());
   });
   return out;
 }
 
-std::string json_of(const std::vector<std::string>& names, const std::vector<Score>& scores,
-                    const std::string& provenance) {
-  return app::json_of_scores(names, scores, {}, provenance).dump();
+nlohmann::ordered_json json_of(const std::vector<std::string>& names,
+                               const std::vector<ScoreValue>& scores,
+                               const std::string& provenance) {
+  return pipeline::json_of_scores(names, {scores.begin(), scores.end()}, scores.at(0).baselines,
+                                  provenance);
 }
 
 }  // namespace
@@ -86,40 +111,52 @@ void bind_score(nb::module_& m) {
         return nb::str(nb::str("Summary({} beams, packet error {:.3f} m, F1 {:.4f})")
                            .attr("format")(s.beams, s.packet_error_m, s.f1));
       });
-  nb::class_<Score>(m, "Score", "The scores of a simulation.")
-      .def_ro("all", &Score::all, "Of all beams.")
-      .def_ro("per_class", &Score::per_class,
+  using S = ScoreValue;
+  nb::class_<S>(m, "Score", "The scores of a simulation.")
+      .def_ro("all", &S::all, "Of all beams.")
+      .def_ro("per_class", &S::per_class,
               "By the real log's column `class`; reading this makes a dict.")
-      .def_ro("per_range", &Score::per_range, "By real range; reading this makes a dict.")
+      .def_ro("per_range", &S::per_range, "By real range; reading this makes a dict.")
       .def_prop_ro(
-          "calibration_error", [](const Score& s) { return s.reliability.error(); },
+          "calibration_error", [](const S& s) { return s.reliability.error(); },
           "Mean distance, over beams, of the predicted probability of a return from the share that "
           "returned, in bins of 5 %; NaN without a model.")
       .def_prop_ro(
-          "calibration_bias", [](const Score& s) { return s.reliability.bias(); },
+          "calibration_bias", [](const S& s) { return s.reliability.bias(); },
           "Mean predicted probability of a return minus the share that returned.")
-      .def_ro("roughness_m", &Score::roughness_m,
+      .def_ro("roughness_m", &S::roughness_m,
               "m; roughness along the rings of the simulated log.")
-      .def_ro("real_roughness_m", &Score::real_roughness_m, "m; that of the real log.")
-      .def("__repr__", [](const Score& s) {
+      .def_ro("real_roughness_m", &S::real_roughness_m, "m; that of the real log.")
+      .def_prop_ro(
+          "baselines",
+          [](const S& s) {
+            std::map<std::string, S> out;
+            for (const metrics::Baseline& b : s.baselines) out[b.name] = {b.score, {}};
+            return out;
+          },
+          "Scores of what a simulator must beat, by name.")
+      .def("__repr__", [](const S& s) {
         return nb::str(nb::str("Score({} beams, packet error {:.3f} m, F1 {:.4f})")
                            .attr("format")(s.all.beams, s.all.packet_error_m, s.all.f1));
       });
-  m.def("score", &scored, "real"_a, "simulated"_a, "model"_a.none(), "cloud"_a, "progress"_a.none(),
+  m.def("score", &scored, "real"_a, "simulated"_a, "model"_a.none(), "train"_a.none(),
+        "cloud"_a, "progress"_a.none(),
         "Compares a simulated log with the real log of the same beams.");
   m.def(
       "write_score_report",
       [](const std::filesystem::path& folder, const std::filesystem::path& real,
-         const std::filesystem::path& simulated, const Score& score,
-         const std::string& provenance) {
+         const std::filesystem::path& simulated, const S& score, const std::string& provenance) {
         const std::string name = simulated.stem().string();
-        const app::Json results =
-            app::json_of_scores({name}, {score}, app::score_baselines(real, {}), provenance);
-        return app::write_score_report(folder, results, real, {{name, simulated}});
+        return app::write_score_report(folder, json_of({name}, {score}, provenance), real,
+                                       {{name, simulated}});
       },
       "folder"_a, "real"_a, "simulated"_a, "score"_a, "provenance"_a,
       nb::call_guard<nb::gil_scoped_release>(), "Writes the page of a score and returns its path.");
-  m.def("scores_json", &json_of, "names"_a, "scores"_a, "provenance"_a,
+  m.def(
+      "scores_json",
+      [](const std::vector<std::string>& names, const std::vector<S>& scores,
+         const std::string& provenance) { return json_of(names, scores, provenance).dump(); },
+      "names"_a, "scores"_a, "provenance"_a,
         "Returns the scores as the JSON that `underbrush score --json` writes.");
 }
 

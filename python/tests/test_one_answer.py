@@ -124,13 +124,16 @@ def test_a_rig_and_a_mesh(run: Callable[..., str], folder: pathlib.Path, tmp_pat
     assert body(tmp_path / "program.ply") == body(tmp_path / "python.ply")
 
 
-def test_score(run: Callable[..., str], folder: pathlib.Path) -> None:
+@pytest.mark.parametrize("words, train", [([], None), (["--train", "train.ply"], "train.ply")])
+def test_score(run: Callable[..., str], folder: pathlib.Path, words: list[str], train: str | None) -> None:
     run("simulate", folder / "model", "--like", folder / "test.ply", "-o", folder / "sim.ply", "--force")
     printed = json.loads(run("score", folder / "test.ply", folder / "sim.ply", "--model", folder / "model", "--json",
-                             "-"))
-    score = underbrush.score(folder / "test.ply", folder / "sim.ply", model=underbrush.read_model(folder / "model"))
+                             "-", *(folder / word if word.endswith(".ply") else word for word in words)))
+    score = underbrush.score(folder / "test.ply", folder / "sim.ply", model=underbrush.read_model(folder / "model"),
+                             train=folder / train if train else None)
     ours = json.loads(underbrush._core.scores_json(["sim"], [score], "{}"))
-    of_program = {"provenance", "program", "baselines"}  # `underbrush.score` has no baselines yet
-    assert set(printed) - set(ours) == of_program - set(ours)
+    of_program = {"provenance", "program"}
     assert {k: v for k, v in ours.items() if k not in of_program} == {
         k: v for k, v in printed.items() if k not in of_program}
+    assert list(score.baselines) == ["always hit"] + ["look-up"] * bool(train)
+    assert score.baselines["always hit"].all.f1 == printed["baselines"]["always hit"]["f1"]

@@ -197,16 +197,19 @@ def _file_of(log: Log, folder: str, name: str) -> Path:
     return file
 
 
-def score(real: Log, simulated: Log, *, model: World | None = None, cloud: bool = True, report: Path | None = None,
-          progress: Progress | None = None) -> Score:
+def score(real: Log, simulated: Log, *, model: World | None = None, train: Log | None = None, cloud: bool = True,
+          report: Path | None = None, progress: Progress | None = None) -> Score:
     """Compares a simulated log with the real log of the same beams, beam by beam.
 
     With `model`, likelihood and CRPS under the ray model are computed; without `cloud`, cloud error and density-aware
-    Chamfer distance are left out. With `report`, a folder, a page of tables, plots and pictures is written too. Raises
-    `ValueError` (`FormatError` for files) where the beams differ in number, scan, ring or origin, and `OSError`.
+    Chamfer distance are left out. `Score.baselines` has the scores of what a simulator must beat: "always hit", where
+    each beam returns at the median range of its ring, and with `train`, the log that the model was fitted to, "look-up",
+    which answers with the nearest beam of that log. With `report`, a folder, a page of tables, plots and pictures is
+    written too. Raises `ValueError` (`FormatError` for files) where the beams differ in number, scan, ring or origin,
+    and `OSError`.
     """
     with _shown(progress) as shown:
-        scores = _core.score(real, simulated, model, cloud, shown)
+        scores = _core.score(real, simulated, model, train, cloud, shown)
     if report is not None:
         with tempfile.TemporaryDirectory() as folder:
             files = _file_of(real, folder, "real"), _file_of(simulated, folder, "simulated")

@@ -1,13 +1,14 @@
-#include "score_json.hpp"
+#include "underbrush/pipeline/score_json.inl"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
-#include "intensity_table.hpp"
-#include "report/report.hpp"
 #include "underbrush/io/json_text.inl"
 
-namespace underbrush::app {
+namespace underbrush::pipeline {
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 Json number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 
@@ -54,12 +55,38 @@ Json json_of(const metrics::Reliability& r) {
   return {{"error", number(r.error())}, {"bias", number(r.bias())}, {"bins", std::move(bins)}};
 }
 
+Json json_of(const metrics::IntensityErrors& e) {
+  return {{"beams", e.beams},
+          {"rmse", number(e.rmse)},
+          {"mae", number(e.mae)},
+          {"correlation", number(e.correlation)}};
+}
+
+Json json_of(const metrics::IntensityScore& s) {
+  Json j = json_of(s.simulated);
+  j["constant"] = json_of(s.constant);
+  if (!s.groups.empty()) {
+    j["constant_of_" + s.groups] = json_of(s.group_constant);
+  }
+  j["real_mean"] = s.real_mean;
+  j["real_sd"] = s.real_sd;
+  j["simulated_mean"] = s.simulated_mean;
+  j["simulated_sd"] = s.simulated_sd;
+  j["wasserstein"] = s.wasserstein;
+  j["per_range"] = Json::object();
+  for (const auto& [name, errors] : s.per_range) j["per_range"][name] = json_of(errors);
+  if (!s.per_incidence.empty()) {
+    for (const auto& [name, errors] : s.per_incidence) j["per_incidence"][name] = json_of(errors);
+  }
+  return j;
+}
+
 Json json_of(const metrics::Score& s) {
   Json j = json_of(s.all, s);
   if (s.likelihood) j["reliability"] = json_of(s.reliability);
   j["roughness_m"] = number(s.roughness_m);
   j["roughness_real_m"] = number(s.real_roughness_m);
-  if (s.intensity) j["intensity"] = json_of_intensity(*s.intensity);
+  if (s.intensity) j["intensity"] = json_of(*s.intensity);
   if (s.mover_beams > 0) j["mover_beams"] = s.mover_beams;
   j["per_class"] = Json::object();
   for (const auto& [name, part] : s.per_class) j["per_class"][name] = json_of(part, s);
@@ -87,13 +114,4 @@ Json json_of_scores(const std::vector<std::string>& names,
   return j;
 }
 
-std::filesystem::path write_score_report(
-    const std::filesystem::path& folder, const Json& results, const std::filesystem::path& real,
-    const std::vector<std::pair<std::string, std::filesystem::path>>& simulated) {
-  report::Comparison comparison{"", "", results, real, {}};
-  for (const auto& [name, log] : simulated) comparison.simulated.push_back({name, log});
-  return report::write_report(
-      folder, {"Simulated against real: " + real.filename().string(), "", {std::move(comparison)}});
-}
-
-}  // namespace underbrush::app
+}  // namespace underbrush::pipeline

@@ -1,0 +1,19 @@
+// Scores as JSON, whose keys other programs rely on. This file is for sources that use JSON.
+#pragma once
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "underbrush/metrics/baselines.hpp"
+
+namespace underbrush::pipeline {
+
+/// Returns the first log's scores at the top and those of every log under `models` by name, each
+/// with `per_class` and `per_range`; those of the baselines by name under `baselines`. Scores
+/// without data are null; scores that were not asked for have no key.
+nlohmann::ordered_json json_of_scores(const std::vector<std::string>& names,
+                                      const std::vector<metrics::Score>& scores,
+                                      const std::vector<metrics::Baseline>& baselines,
+                                      const std::string& provenance);
+
+}  // namespace underbrush::pipeline
