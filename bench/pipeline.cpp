@@ -13,8 +13,8 @@
 #include "site.hpp"
 #include "timing.hpp"
 #include "underbrush/core/parallel.hpp"
-#include "underbrush/pipeline/fit_model.hpp"
 #include "underbrush/io/log_file.hpp"
+#include "underbrush/pipeline/fit_model.hpp"
 #include "underbrush/pipeline/simulation.hpp"
 
 namespace {

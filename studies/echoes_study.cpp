@@ -8,8 +8,8 @@
 #include "studies/echo_counts.hpp"
 #include "studies/studies.hpp"
 #include "underbrush/fit/parameters.hpp"
-#include "underbrush/pipeline/fit_model.hpp"
 #include "underbrush/io/log_file.hpp"
+#include "underbrush/pipeline/fit_model.hpp"
 #include "underbrush/pipeline/simulate_log.hpp"
 
 namespace underbrush::studies {

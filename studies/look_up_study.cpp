@@ -5,11 +5,11 @@
 #include <cmath>
 
 #include "studies/studies.hpp"
-#include "underbrush/pipeline/fit_model.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/metrics/always_hit.hpp"
 #include "underbrush/metrics/look_up.hpp"
 #include "underbrush/metrics/score.hpp"
+#include "underbrush/pipeline/fit_model.hpp"
 #include "underbrush/pipeline/simulate_log.hpp"
 
 namespace underbrush::studies {

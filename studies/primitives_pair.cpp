@@ -5,9 +5,9 @@
 #include "objects_of_log.hpp"
 #include "studies/primitives.hpp"
 #include "underbrush/core/check.hpp"
+#include "underbrush/pipeline/fit_model.hpp"
 #include "underbrush/pipeline/simulate_log.hpp"
 #include "underbrush/primitives/leave_out.hpp"
-#include "underbrush/pipeline/fit_model.hpp"
 #include "underbrush/primitives/segment_log.hpp"
 
 namespace underbrush::studies {

@@ -7,9 +7,9 @@
 #include "studies/moving_objects.hpp"
 #include "studies/sequential.hpp"
 #include "studies/studies.hpp"
-#include "underbrush/pipeline/fit_model.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/perception/object_list_file.hpp"
+#include "underbrush/pipeline/fit_model.hpp"
 #include "underbrush/pipeline/simulate_log.hpp"
 
 namespace underbrush::studies {

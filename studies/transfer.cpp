@@ -12,8 +12,8 @@
 #include "studies/studies.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/log_file.hpp"
-#include "underbrush/pipeline/score_logs.hpp"
 #include "underbrush/pipeline/fit_model.hpp"
+#include "underbrush/pipeline/score_logs.hpp"
 #include "underbrush/pipeline/simulate_log.hpp"
 
 namespace underbrush::studies {

@@ -10,8 +10,8 @@
 #include "studies/targets.hpp"
 #include "studies/vegetation_repeats.hpp"
 #include "underbrush/elements/model_file.hpp"
-#include "underbrush/pipeline/fit_model.hpp"
 #include "underbrush/io/export.hpp"
+#include "underbrush/pipeline/fit_model.hpp"
 
 namespace underbrush::studies {
 namespace {

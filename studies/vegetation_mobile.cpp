@@ -5,8 +5,8 @@
 
 #include "studies/vegetation.hpp"
 #include "underbrush/io/log_file.hpp"
-#include "underbrush/pipeline/score_logs.hpp"
 #include "underbrush/pipeline/fit_model.hpp"
+#include "underbrush/pipeline/score_logs.hpp"
 #include "underbrush/pipeline/simulate_log.hpp"
 
 namespace underbrush::studies {

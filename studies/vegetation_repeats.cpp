@@ -16,8 +16,8 @@
 #include "underbrush/metrics/look_up.hpp"
 #include "underbrush/metrics/repeats.hpp"
 #include "underbrush/metrics/scan_pairs.hpp"
-#include "underbrush/pipeline/simulate_log.hpp"
 #include "underbrush/pipeline/fit_model.hpp"
+#include "underbrush/pipeline/simulate_log.hpp"
 #include "underbrush/sensor/sensor.hpp"
 
 namespace underbrush::studies {

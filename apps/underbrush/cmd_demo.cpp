@@ -148,8 +148,9 @@ void fit_and_score(const Verb& verb, const Diary& say, const fs::path& folder, P
     const fs::path model = folder / fitter, log = folder / (std::string(fitter) + ".ply");
     elements::check_model_output(model);
     const auto beams = pipeline::open_log(train, options.all_echoes);
-    const pipeline::FittedModel fitted = pipeline::fit_model(
-        {*beams, train}, options, std::bind_front(&Verb::provenance, &verb), shown<StageProgress>());
+    const pipeline::FittedModel fitted =
+        pipeline::fit_model({*beams, train}, options, std::bind_front(&Verb::provenance, &verb),
+                            shown<StageProgress>());
     pipeline::write_trained(model, fitted);
     io::LogReader like(part.test);
     const elements::Model& m = fitted.model;
@@ -164,7 +165,8 @@ void fit_and_score(const Verb& verb, const Diary& say, const fs::path& folder, P
   part.scores = score_logs(part.test, part.candidates, true);
   part.baselines = score_baselines(part.test, train);
   inputs.push_back(train);
-  part.results = pipeline::json_of_scores(names, part.scores, part.baselines, provenance(verb, inputs));
+  part.results =
+      pipeline::json_of_scores(names, part.scores, part.baselines, provenance(verb, inputs));
 }
 
 Part site_part(const Verb& verb, const Diary& say, const Arguments& a) {

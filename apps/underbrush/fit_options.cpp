@@ -39,7 +39,8 @@ CLI::Option* add_option(CLI::App& app, const fit::Parameter& p, fit::FitOptions&
 CLI::Option* add_sensor_option(CLI::App& app, fit::FitOptions& fit) {
   return app
       .add_option_function<std::string>(
-          "--sensor", [&fit](const std::string& name) { pipeline::set_recorder(sensor::load(name), fit); },
+          "--sensor",
+          [&fit](const std::string& name) { pipeline::set_recorder(sensor::load(name), fit); },
           "The sensor that recorded the log; hierarchical removes its footprint from ellipsoids")
       ->type_name("SENSOR");
 }

@@ -124,8 +124,7 @@ void bind_score(nb::module_& m) {
       .def_prop_ro(
           "calibration_bias", [](const S& s) { return s.reliability.bias(); },
           "Mean predicted probability of a return minus the share that returned.")
-      .def_ro("roughness_m", &S::roughness_m,
-              "m; roughness along the rings of the simulated log.")
+      .def_ro("roughness_m", &S::roughness_m, "m; roughness along the rings of the simulated log.")
       .def_ro("real_roughness_m", &S::real_roughness_m, "m; that of the real log.")
       .def_prop_ro(
           "baselines",
@@ -139,9 +138,8 @@ void bind_score(nb::module_& m) {
         return nb::str(nb::str("Score({} beams, packet error {:.3f} m, F1 {:.4f})")
                            .attr("format")(s.all.beams, s.all.packet_error_m, s.all.f1));
       });
-  m.def("score", &scored, "real"_a, "simulated"_a, "model"_a.none(), "train"_a.none(),
-        "cloud"_a, "progress"_a.none(),
-        "Compares a simulated log with the real log of the same beams.");
+  m.def("score", &scored, "real"_a, "simulated"_a, "model"_a.none(), "train"_a.none(), "cloud"_a,
+        "progress"_a.none(), "Compares a simulated log with the real log of the same beams.");
   m.def(
       "write_score_report",
       [](const std::filesystem::path& folder, const std::filesystem::path& real,
@@ -157,7 +155,7 @@ void bind_score(nb::module_& m) {
       [](const std::vector<std::string>& names, const std::vector<S>& scores,
          const std::string& provenance) { return json_of(names, scores, provenance).dump(); },
       "names"_a, "scores"_a, "provenance"_a,
-        "Returns the scores as the JSON that `underbrush score --json` writes.");
+      "Returns the scores as the JSON that `underbrush score --json` writes.");
 }
 
 }  // namespace underbrush::python

@@ -40,7 +40,8 @@ struct Drives {
   }
 };
 
-FittedModel fitted(const std::filesystem::path& file, const fit::FitOptions& options, Names& names) {
+FittedModel fitted(const std::filesystem::path& file, const fit::FitOptions& options,
+                   Names& names) {
   const auto log = open_log(file, false);
   return fit_model({*log, file}, options, names.provenance());
 }
@@ -82,8 +83,7 @@ TEST(UpdateModel, IsTheUpdateThroughAFolderOrInMemory) {
       {first.model, {}, first.training.record}, {&drives.log}, more, update::UpdateOptions());
   for (const TrainedModel& known : {TrainedModel(first), read_trained(drives.folder / "model")}) {
     const auto log = open_log(drives.second, false);
-    const UpdatedModel grown =
-        update_model(known, {*log, drives.second}, {}, names.provenance());
+    const UpdatedModel grown = update_model(known, {*log, drives.second}, {}, names.provenance());
     EXPECT_EQ(grown.report.added, expected.report.added);
     EXPECT_EQ(grown.model.ground.vertices, expected.model.ground.vertices);
     ASSERT_EQ(grown.training.logs.size(), 2u);

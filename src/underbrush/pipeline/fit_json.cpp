@@ -151,12 +151,8 @@ Json json_of(const UpdatedModel& updated, const SkippedRows& skipped) {
   j["earlier_beams"] = r.earlier_beams;
   j["logs"] = updated.training.logs.size();
   j["tiles"] = {{"all", r.tiles}, {"touched", r.touched_tiles}, {"fitted_anew", r.fitted_tiles}};
-  j["ellipsoids"] = {{"all", model.ellipsoids.size()},
-                     {"kept", r.kept},
-                     {"added", r.added},
-                     {"dropped", r.dropped},
-                     {"changed", r.changed},
-                     {"gone", r.gone}};
+  j["ellipsoids"] = {{"all", model.ellipsoids.size()}, {"kept", r.kept},       {"added", r.added},
+                     {"dropped", r.dropped},           {"changed", r.changed}, {"gone", r.gone}};
   j["gone"] = places_of(r.places);
   j["ground_triangles"] = model.ground.size();
   if (model.keyframes) {

@@ -15,8 +15,8 @@ nlohmann::ordered_json json_of(const likelihood::LikelihoodReport& report);
 nlohmann::ordered_json json_of(const ChannelOffsets& channels);
 /// Returns the size of the keyframes, and at which distances how much of an answer is theirs.
 nlohmann::ordered_json json_of(const elements::Keyframes& keyframes);
-/// Returns the light of a model in short: mean reflectances by kind, an element counting once and as
-/// often as it was hit, the response to range, and the gains of channels; null without light.
+/// Returns the light of a model in short: mean reflectances by kind, an element counting once and
+/// as often as it was hit, the response to range, and the gains of channels; null without light.
 nlohmann::ordered_json json_of_light(const elements::Model& model);
 /// Returns the counts, warnings and times of a fit. `skipped` has the records of the log that were
 /// left out, by reason.

@@ -45,16 +45,16 @@ struct UpdatedModel : TrainedModel {
   update::UpdateReport report;
 };
 
-/// Opens a log with a row for each beam (its first echo, or its miss), or with `all_echoes` with all
-/// rows. Throws `FormatError`.
+/// Opens a log with a row for each beam (its first echo, or its miss), or with `all_echoes` with
+/// all rows. Throws `FormatError`.
 std::unique_ptr<io::LogReader> open_log(const std::filesystem::path& file, bool all_echoes);
 
 /// Makes this the sensor that recorded the log, whose footprint some fitters remove.
 void set_recorder(const sensor::Sensor& sensor, fit::FitOptions& options);
 
-/// Fits a model to a log (`fit::fit`). Its provenance, to which the steps of a refinement are added,
-/// is that of the log's file and of the folder of a model that `options.start` names; without
-/// `provenance` the model has none and cannot be updated. Throws as `fit::fit` does, and
+/// Fits a model to a log (`fit::fit`). Its provenance, to which the steps of a refinement are
+/// added, is that of the log's file and of the folder of a model that `options.start` names;
+/// without `provenance` the model has none and cannot be updated. Throws as `fit::fit` does, and
 /// `FormatError` where that throws `DataError` on the log of a file.
 FittedModel fit_model(const FitLog& log, const fit::FitOptions& options,
                       const Provenance& provenance = {}, const fit::FitProgress& progress = {});
