@@ -8,6 +8,18 @@
 
 namespace underbrush::app {
 
+/// Lets an option take numbers within these limits.
+template <class Value>
+void check_limits(CLI::Option& option, double least, double most) {
+  if (least == 0 && std::isinf(most)) {
+    option.check(CLI::NonNegativeNumber);
+  } else if (std::isfinite(least) && std::isinf(most)) {
+    option.check(CLI::PositiveNumber);
+  } else if (std::isfinite(least)) {
+    option.check(CLI::Range(Value(least), Value(most)));
+  }
+}
+
 /// Adds an option of the command line for a row of the table.
 template <class T>
 CLI::Option* add_option(CLI::App& app, const Option<T>& row, T& options) {
@@ -22,24 +34,20 @@ CLI::Option* add_option(CLI::App& app, const Option<T>& row, T& options) {
         using Value = std::decay_t<decltype(place)>;
         if constexpr (std::is_same_v<Value, bool>) {
           return app.add_flag(name, place, help);
-        } else if constexpr (std::is_same_v<Value, std::vector<std::string>>) {
-          return app.add_option(name, place, help)->take_all();
         } else {
           CLI::Option* option = app.add_option(name, place, help);
-          if constexpr (std::is_same_v<Value, std::string>) {
+          if constexpr (std::is_arithmetic_v<Value>) {
+            check_limits<Value>(*option, row.least, row.most);
+            return is_outside(row, options) ? option : option->capture_default_str();
+          } else {
             if (!row.choices.empty()) {
               option->check(
                   CLI::IsMember(std::vector<std::string>(row.choices.begin(), row.choices.end())));
             }
-            if (place.empty()) return option;
-          } else if (row.least == 0 && std::isinf(row.most)) {
-            option->check(CLI::NonNegativeNumber);
-          } else if (std::isfinite(row.least) && std::isinf(row.most)) {
-            option->check(CLI::PositiveNumber);
-          } else if (std::isfinite(row.least)) {
-            option->check(CLI::Range(row.least, row.most));
+            if (row.count > 0) option->expected(row.count);
+            if constexpr (std::is_same_v<Value, std::vector<std::string>>) option->take_all();
+            return place.empty() ? option : option->capture_default_str();
           }
-          return option->capture_default_str();
         }
       },
       row.field);

@@ -14,15 +14,16 @@
 
 namespace underbrush::python {
 namespace nb = nanobind;
+using namespace nb::literals;
 
 /// Returns the rows of a table: name, type, default, unit, help.
 template <class T>
 nb::list rows_of(std::span<const Option<T>> table) {
   nb::list out;
-  const T defaults;
+  const T defaults{};
   const auto text = [](std::string_view s) { return nb::str(s.data(), s.size()); };
   for (const Option<T>& o : table) {
-    const std::string value = text_of(o, defaults);
+    const std::string value = is_outside(o, defaults) ? "" : text_of(o, defaults);
     out.append(nb::make_tuple(text(o.name), text(type_of(o)), value, text(o.unit), text(o.help)));
   }
   return out;
@@ -58,6 +59,25 @@ void set_option(std::string_view verb, std::span<const Option<T>> table, T& opti
         }
       },
       row->field);
+}
+
+/// Binds the options of a verb as the class `name` with the method `set`, and their table as the
+/// function `VERB_options`.
+template <class T>
+nb::class_<T> bind_options(nb::module_& m, const char* name, const std::string& verb,
+                           std::span<const Option<T>> (*table)()) {
+  m.def((verb + "_options").c_str(), [table] { return rows_of(table()); },
+        nb::sig(("def " + verb + "_options() -> list[tuple[str, str, str, str, str]]").c_str()),
+        "Returns the table of the options of a verb: name, type, default, unit and help.");
+  nb::class_<T> c(m, name, ("The options of `" + verb + "`.").c_str());
+  c.def(nb::init<>());
+  c.def(
+      "set",
+      [verb, table](T& o, const std::string& option, nb::handle value) {
+        set_option(verb, table(), o, option, value);
+      },
+      "name"_a, "value"_a, "Sets a row of the table of options.");
+  return c;
 }
 
 }  // namespace underbrush::python

@@ -8,81 +8,74 @@ namespace {
 using O = SimulateOptions;
 using Row = Option<SimulateOptions>;
 
-template <class Get>
-OptionField<O> at(Get get) {
-  return field_of<O>(get);
-}
-
-constexpr double kAny = std::numeric_limits<double>::infinity();
-
 // clang-format off
 const Row kOptions[] = {
     {"element-ids", "", "",
      "Add columns for the element at which each beam ended and for its class; for a scene also for "
      "its instance",
-     at([](O& o) -> auto& { return o.element_ids; })},
+     [](O& o) -> auto& { return o.element_ids; }},
 
     {"super-sample", "Instrument", "",
      "Trace several sub-rays in each beam and compute light, waveform and echoes: a number, "
      "COLUMNSxROWS, or sensor for the number in the sensor's data file",
-     at([](O& o) -> auto& { return o.instrument.super_sample; }), -kAny, kAny, {}, "N|NxM|sensor"},
+     [](O& o) -> auto& { return o.instrument.super_sample; }, -kNoLimit, kNoLimit, {}, "N|NxM|sensor"},
     {"returns", "Instrument", "",
      "The echoes that are reported: strongest, first, last, or up to N (default: the sensor's)",
-     at([](O& o) -> auto& { return o.instrument.returns; }), -kAny, kAny, {}, "MODE|N"},
+     [](O& o) -> auto& { return o.instrument.returns; }, -kNoLimit, kNoLimit, {}, "MODE|N"},
 
     {"matter", "Matter", "",
      "Whether leaves and stones are drawn once, so that neighbouring beams and later scans meet the "
      "same ones, or anew for each beam",
-     at([](O& o) -> auto& { return o.matter; }), -kAny, kAny, {"once", "anew"}},
+     [](O& o) -> auto& { return o.matter; }, -kNoLimit, kNoLimit, {"once", "anew"}},
     {"grain", "Matter", "m",
      "Size of the cells in which matter that is drawn once is all there or all absent; 0 = the model's",
-     at([](O& o) -> auto& { return o.grain_m; }), 0, kAny},
+     [](O& o) -> auto& { return o.grain_m; }, 0, kNoLimit},
     {"tau", "Matter", "", "Mahalanobis distance within which a beam meets an ellipsoid; 0 = the model's",
-     at([](O& o) -> auto& { return o.tau; }), 0, kAny},
+     [](O& o) -> auto& { return o.tau; }, 0, kNoLimit},
     {"wind", "Matter", "s",
      "Correlation time of leaves that sway; 0 = they stand still",
-     at([](O& o) -> auto& { return o.sway_s; }), 0, kAny},
+     [](O& o) -> auto& { return o.sway_s; }, 0, kNoLimit},
 
     {"draw", "Thin rays", "",
      "How the range in an ellipsoid is drawn: along the beam, or in the ellipsoid's volume; median "
      "takes the median of the beam's distribution, which has the least error",
-     at([](O& o) -> auto& { return o.draw; }), -kAny, kAny, {"on_ray", "volumetric", "median"}},
+     [](O& o) -> auto& { return o.draw; }, -kNoLimit, kNoLimit, {"on_ray", "volumetric", "median"}},
     {"intensity", "Thin rays", "",
      "Whether a return has the expected intensity of its element, or one that is drawn with the "
      "element's spread; for models of logs with intensities",
-     at([](O& o) -> auto& { return o.intensity; }), -kAny, kAny, {"mean", "drawn"}},
+     [](O& o) -> auto& { return o.intensity; }, -kNoLimit, kNoLimit, {"mean", "drawn"}},
     {"beam", "Thin rays", "",
      "Whether the ray is traced on the beam's axis, or drawn from the sensor's cone",
-     at([](O& o) -> auto& { return o.beam; }), -kAny, kAny, {"thin", "random"}},
+     [](O& o) -> auto& { return o.beam; }, -kNoLimit, kNoLimit, {"thin", "random"}},
     {"max-range", "Thin rays", "m", "Maximum range; 0 = the log's or the sensor's",
-     at([](O& o) -> auto& { return o.max_range_m; }), 0, kAny},
+     [](O& o) -> auto& { return o.max_range_m; }, 0, kNoLimit},
     {"range-noise", "Thin rays", "m", "Standard deviation of additional noise on every range",
-     at([](O& o) -> auto& { return o.range_noise_m; }), 0, kAny},
+     [](O& o) -> auto& { return o.range_noise_m; }, 0, kNoLimit},
 
     {"all-sub-rays", "Sub-rays", "",
      "Trace all sub-rays of every beam, also where 13 of 26 or more agree",
-     at([](O& o) -> auto& { return o.instrument.all_sub_rays; })},
+     [](O& o) -> auto& { return o.instrument.all_sub_rays; }},
     {"footprint", "Sub-rays", "",
      "Whether sub-rays are spread over the whole beam, or only over the excess of its width over "
      "that of the fitted log's beams, whose footprint is in the model",
-     at([](O& o) -> auto& { return o.instrument.footprint; }), -kAny, kAny, {"excess", "whole"}},
+     [](O& o) -> auto& { return o.instrument.footprint; }, -kNoLimit, kNoLimit, {"excess", "whole"}},
 
     {"materials", "Light and air", "", "A table of materials that replaces the built-in one",
-     at([](O& o) -> auto& { return o.instrument.materials; }), -kAny, kAny, {}, "FILE.yaml"},
+     [](O& o) -> auto& { return o.instrument.materials; }, -kNoLimit, kNoLimit, {}, "FILE.yaml"},
     {"material", "Light and air", "", "The material of a class; may be repeated",
-     at([](O& o) -> auto& { return o.instrument.material; }), -kAny, kAny, {}, "CLASS=MATERIAL"},
+     [](O& o) -> auto& { return o.instrument.material; }, -kNoLimit, kNoLimit, {}, "CLASS=MATERIAL"},
     {"visibility", "Light and air", "m", "Visibility in haze or fog; 0 = clear air",
-     at([](O& o) -> auto& { return o.instrument.visibility_m; }), 0, kAny},
+     [](O& o) -> auto& { return o.instrument.visibility_m; }, 0, kNoLimit},
     {"rain", "Light and air", "mm/h", "Rain rate",
-     at([](O& o) -> auto& { return o.instrument.rain_mm_per_h; }), 0, kAny},
+     [](O& o) -> auto& { return o.instrument.rain_mm_per_h; }, 0, kNoLimit},
     {"sun", "Light and air", "",
      "Share of the sunlight that passes the air, which adds to the receiver's noise; 0 = night",
-     at([](O& o) -> auto& { return o.instrument.sun; }), 0, 1},
+     [](O& o) -> auto& { return o.instrument.sun; }, 0, 1},
 
     {"waveform-every", "Waveforms", "", "Write the waveforms of beams 0, K, 2K, …",
-     at([](O& o) -> auto& { return o.waveform.every; }), 1, kAny, {}, "K"},
+     [](O& o) -> auto& { return o.waveform.every; }, 1, kNoLimit, {}, "K"},
     {"waveform-count", "Waveforms", "", "Largest number of waveforms in tables and plots",
-     at([](O& o) -> auto& { return o.waveform.count; }), 1, 1e6, {}, "N"},
+     [](O& o) -> auto& { return o.waveform.count; }, 1, 1e6, {}, "N"},
 };
 // clang-format on
 
