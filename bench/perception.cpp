@@ -3,13 +3,13 @@
 // The scenes are generated. Reports medians of several runs.
 #include <cmath>
 
-#include "perceived_log.hpp"
 #include "run.hpp"
 #include "studies/intersection.hpp"
 #include "timing.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/perception/object_pipeline.hpp"
 #include "underbrush/perception/occupancy_grid.hpp"
+#include "underbrush/perception/perceive.hpp"
 #include "underbrush/perception/tracking_model.hpp"
 
 namespace underbrush::bench {
@@ -85,7 +85,7 @@ Json bench_stages(size_t objects, size_t points, int runs) {
 Json bench_intersection(int runs) {
   const studies::Intersection scene = studies::make_intersection();
   const perception::LogTruth truth(scene.truth);
-  app::PerceptionSetup setup;
+  perception::PerceptionSetup setup;
   setup.rig = scene.rig;
   std::vector<double> scan, lists, cpu;
   size_t rows = 0;
@@ -94,7 +94,7 @@ Json bench_intersection(int runs) {
     BeamLog log;
     scan.push_back(seconds_of([&] { log = studies::scan_intersection(scene, 9, 41, 1); }));
     MemorySource source(log);
-    lists.push_back(seconds_of([&] { app::perceived(source, &truth, setup); }));
+    lists.push_back(seconds_of([&] { perception::perceived(source, &truth, setup); }));
     cpu.push_back(cpu_seconds() - before);
     rows = log.size();
   }

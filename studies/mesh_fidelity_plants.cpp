@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "plant_sources.hpp"
 #include "studies/mesh_fidelity.hpp"
+#include "underbrush/pipeline/plants.hpp"
 #include "underbrush/test_site/shrub.hpp"
 #include "underbrush/test_site/tree.hpp"
 
@@ -140,7 +140,7 @@ std::vector<SweepPlant> sweep_plants(bool quick, uint64_t seed) {
 std::vector<SweepPlant> given_plants(const std::filesystem::path& folder) {
   std::vector<SweepPlant> out;
   if (!std::filesystem::is_directory(folder)) return out;
-  for (const primitives::PlantSource& source : app::plants_of_files(folder, {})) {
+  for (const primitives::PlantSource& source : pipeline::plants_of_files(folder, {})) {
     SweepPlant plant{std::filesystem::path(source.name).stem().string(), {}, false};
     for (const Vec3f& v : source.vertices) plant.plant.add_vertex(v.cast<double>());
     for (const auto& [a, b, c] : source.triangles) {

@@ -1,8 +1,8 @@
 #include <algorithm>
 
-#include "leaf_cloud.hpp"
 #include "studies/mesh_fidelity.hpp"
 #include "underbrush/io/table.hpp"
+#include "underbrush/metrics/leaf_cloud.hpp"
 
 namespace underbrush::studies {
 namespace fs = std::filesystem;
@@ -38,7 +38,7 @@ void add_real_vegetation(const StudyRun& run, StudyResult& result) {
     const bool log = file.filename() == "train.ply" || file.filename() == "log.ply";
     const std::string name = log ? file.parent_path().filename().string() : file.stem().string();
     run.say("leaves of " + name);
-    const app::LeafCloud cloud = app::leaf_cloud(file);
+    const metrics::LeafCloud cloud = metrics::leaf_cloud(file);
     if (cloud.points.size() < 30) {
       result.notes.push_back(name + " was left out: fewer than 30 points");
       continue;

@@ -8,10 +8,10 @@
 #include <cmath>
 #include <set>
 
-#include "plant_sources.hpp"
 #include "studies/studies.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/temporary.hpp"
+#include "underbrush/pipeline/plants.hpp"
 
 namespace underbrush::studies {
 namespace fs = std::filesystem;
@@ -91,12 +91,12 @@ StudyResult study_primitives(const StudyRun& run) {
     options.meshes.push_back({name, folder / where});
     primitives::write_primitives(folder / where, primitives::mesh_primitives(plants), 2, "");
   };
-  add_meshes(kTrueSpecies, "meshes", app::generated_plants(kMeshSeed));
+  add_meshes(kTrueSpecies, "meshes", pipeline::generated_plants(kMeshSeed));
   add_meshes("meshes (other species)", "meshes-other",
-             app::generated_plants(kMeshSeed, kOtherSpecies));
+             pipeline::generated_plants(kMeshSeed, kOtherSpecies));
   const fs::path files = run.data / "meshes";
   if (!run.data.empty() && fs::is_directory(files)) {
-    add_meshes("meshes (files)", "meshes-files", app::plants_of_files(files, {}));
+    add_meshes("meshes (files)", "meshes-files", pipeline::plants_of_files(files, {}));
     result.inputs.push_back(files);
   }
   add_generated(run, options, result);

@@ -1,13 +1,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "labelled_log.hpp"
-#include "objects_of_log.hpp"
 #include "studies/primitives.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/pipeline/fit_model.hpp"
+#include "underbrush/pipeline/labelled_log.hpp"
 #include "underbrush/pipeline/simulate_log.hpp"
 #include "underbrush/primitives/leave_out.hpp"
+#include "underbrush/primitives/log_ground.hpp"
 #include "underbrush/primitives/segment_log.hpp"
 
 namespace underbrush::studies {
@@ -53,7 +53,7 @@ struct Site {
 Site annotated(const BeamLog& test, double max_range_m) {
   Site site;
   MemorySource source(test);
-  site.ground = app::ground_of_log("test log", source);
+  site.ground = primitives::ground_of_log("test log", source);
   site.ground.max_range_m = max_range_m;
   const primitives::GroundSurface surface(site.ground);
   source.rewind();
@@ -159,8 +159,8 @@ void label_log(BeamLog& log, double min_range_m) {
   options.min_range_m = min_range_m;
   MemorySource source(log);
   const primitives::LogLabels labels = primitives::segment_log(source, options);
-  app::LabelledCounts unscored("", false);
-  app::put_labels(app::found_of(labels), 0, log, unscored);
+  pipeline::LabelledCounts unscored("", false);
+  pipeline::put_labels(pipeline::found_of(labels), 0, log, unscored);
   log.info.classes = "underbrush";
 }
 

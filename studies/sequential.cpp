@@ -107,8 +107,8 @@ Absence absence_of(const std::vector<ObjectList>& lists, const std::vector<Objec
   return out;
 }
 
-app::PerceptionSetup measured_setup(bool is_model) {
-  app::PerceptionSetup setup;
+perception::PerceptionSetup measured_setup(bool is_model) {
+  perception::PerceptionSetup setup;
   setup.is_model = is_model;
   setup.model.track.completion.enabled = setup.real.track.completion.enabled = false;
   return setup;
@@ -119,14 +119,14 @@ void run_intersection(const StudyRun& run, StudyResult& out) {
   run.say("intersection: scan");
   const BeamLog log = scan_intersection(scene, run.quick ? 0 : 9, run.quick ? 0 : 41, run.seed);
   const perception::LogTruth truth(scene.truth);
-  std::vector<app::NamedLists> lists;
+  std::vector<report::NamedLists> lists;
   std::vector<ObjectList> reference;
   std::vector<ListScore> scores;
   for (const bool is_model : {true, false}) {
-    app::PerceptionSetup setup = measured_setup(is_model);
+    perception::PerceptionSetup setup = measured_setup(is_model);
     setup.rig = scene.rig;
     MemorySource source(log);
-    app::PerceivedLog made = app::perceived(source, &truth, setup);
+    perception::PerceivedLog made = perception::perceived(source, &truth, setup);
     reference = made.truth;
     scores.push_back(perception::score_lists(made.lists, reference));
     lists.push_back({is_model ? "model" : "pipeline", std::move(made.lists)});
@@ -141,16 +141,16 @@ void run_intersection(const StudyRun& run, StudyResult& out) {
       {std::string(kHidden) + "cycles between the two losses", apart(model.lost, real.lost), 1});
   out.checks.push_back(
       {std::string(kHidden) + "cycles between the two returns", apart(model.found, real.found), 1});
-  out.tables.push_back(app::table_of("the truth of the intersection",
-                                     std::vector<std::string>{"model", "pipeline"}, scores));
+  out.tables.push_back(report::table_of("the truth of the intersection",
+                                        std::vector<std::string>{"model", "pipeline"}, scores));
   const auto rows = perception::compare_lists(lists[0].lists, lists[1].lists, reference);
-  out.tables.push_back(app::table_of(rows, "model", "pipeline"));
-  out.figures["intersection"]["normalised_rmse"] = app::json_of_compared(rows);
+  out.tables.push_back(report::table_of(rows, "model", "pipeline"));
+  out.figures["intersection"]["normalised_rmse"] = report::json_of_compared(rows);
   out.notes.push_back(fmt::format(
       "intersection: the hidden car is lost in cycle {} by the model and {} by the pipeline, and "
       "found again in cycle {} and {}, of {}",
       model.lost, real.lost, model.found, real.found, reference.size()));
-  out.pictures += app::list_pictures({"truth", reference}, lists);
+  out.pictures += report::list_pictures({"truth", reference}, lists);
 }
 
 }  // namespace underbrush::studies

@@ -5,10 +5,10 @@
 #include <utility>
 #include <vector>
 
-#include "list_results.hpp"
-#include "perceived_log.hpp"
+#include "report/object_lists.hpp"
 #include "studies/intersection.hpp"
 #include "studies/study.hpp"
+#include "underbrush/perception/perceive.hpp"
 
 namespace underbrush::studies {
 
@@ -52,7 +52,7 @@ Absence absence_of(const std::vector<perception::ObjectList>& lists,
 
 /// Options of the lists of a study: boxes as measured, because those are what a sensor's software
 /// reports.
-app::PerceptionSetup measured_setup(bool is_model);
+perception::PerceptionSetup measured_setup(bool is_model);
 
 /// Adds the generated intersection to a study.
 void run_intersection(const StudyRun& run, StudyResult& out);

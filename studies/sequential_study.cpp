@@ -36,10 +36,11 @@ struct RealLog {
         tracks(tracks_of(truth)) {}
 };
 
-app::PerceivedLog lists_of(BeamSource& log, const perception::LogTruth& truth, bool is_model) {
-  app::PerceptionSetup setup = measured_setup(is_model);
+perception::PerceivedLog lists_of(BeamSource& log, const perception::LogTruth& truth,
+                                  bool is_model) {
+  perception::PerceptionSetup setup = measured_setup(is_model);
   setup.cycles.min_range_m = kMinRangeM;
-  return app::perceived(log, &truth, setup);
+  return perception::perceived(log, &truth, setup);
 }
 
 elements::Model static_world(const StudyRun& run, RealLog& log) {
@@ -94,7 +95,7 @@ report::Table means_table(
 }
 
 /// Adds the tables and checks of a log's lists.
-void compare(const StudyRun& run, const std::string& log, const app::PerceivedLog& real,
+void compare(const StudyRun& run, const std::string& log, const perception::PerceivedLog& real,
              std::vector<ListCandidate> candidates, StudyResult& out) {
   candidates.push_back({"noisy truth", noisy_truth(real.truth, real.lists, run.seed)});
   std::vector<std::vector<perception::ComparedObject>> compared;
@@ -103,14 +104,14 @@ void compare(const StudyRun& run, const std::string& log, const app::PerceivedLo
   perception::ListScoreOptions open;  // Only what the camera sees is labelled.
   open.ignore_unmatched = true;
   std::vector<perception::ListScore> scores{perception::score_lists(real.lists, real.truth, open)};
-  std::vector<app::NamedLists> shown{{"real", real.lists}};
+  std::vector<report::NamedLists> shown{{"real", real.lists}};
   for (ListCandidate& c : candidates) {
     compared.push_back(perception::compare_lists(c.lists, real.lists, real.truth));
     means.emplace_back(c.name, value_comparison(compared.back()));
     names.push_back(c.name);
     scores.push_back(perception::score_lists(c.lists, real.truth, open));
-    out.figures[log][c.name] = {{"against_truth", app::json_of_list_score(scores.back())},
-                                {"normalised_rmse", app::json_of_compared(compared.back())}};
+    out.figures[log][c.name] = {{"against_truth", report::json_of_list_score(scores.back())},
+                                {"normalised_rmse", report::json_of_compared(compared.back())}};
     if (!run.keep.empty()) {
       std::string file = c.name + ".json";
       std::replace(file.begin(), file.end(), '/', '-');
@@ -118,30 +119,30 @@ void compare(const StudyRun& run, const std::string& log, const app::PerceivedLo
       perception::write_object_lists(run.keep / log / file, c.lists, "");
     }
   }
-  out.figures[log]["real"] = app::json_of_list_score(scores[0]);
+  out.figures[log]["real"] = report::json_of_list_score(scores[0]);
   out.tables.push_back(means_table(log, means));
-  out.tables.push_back(app::table_of("the labels of " + log, names, scores));
+  out.tables.push_back(report::table_of("the labels of " + log, names, scores));
   for (size_t k = 0; k + 1 < candidates.size(); ++k) {
-    out.tables.push_back(app::table_of(compared[k], candidates[k].name, "real"));
+    out.tables.push_back(report::table_of(compared[k], candidates[k].name, "real"));
     for (const Check& c :
          list_checks(log + "/" + candidates[k].name, compared[k], compared.back())) {
       out.checks.push_back(c);
     }
     if (k < 2) shown.push_back({candidates[k].name, candidates[k].lists});
   }
-  for (app::NamedLists& l : shown) {  // Only what is labelled can be drawn side by side.
+  for (report::NamedLists& l : shown) {  // Only what is labelled can be drawn side by side.
     for (ObjectList& list : l.lists) {
       std::erase_if(list.objects, [](const auto& o) { return o.truth_id == 0; });
     }
   }
-  out.pictures += app::list_pictures({"labels", real.truth}, shown);
+  out.pictures += report::list_pictures({"labels", real.truth}, shown);
 }
 
 void run_log(const StudyRun& run, const fs::path& folder, StudyResult& out) {
   RealLog log(folder);
   out.inputs.insert(out.inputs.end(), {folder / "log.ply", folder / "objects.csv"});
   run.say(log.name + ": real lists");
-  const app::PerceivedLog real = lists_of(log.beams, log.truth, false);
+  const perception::PerceivedLog real = lists_of(log.beams, log.truth, false);
   run.say(log.name + ": static world");
   const elements::Model world = static_world(run, log);
   run.say(log.name + ": objects");

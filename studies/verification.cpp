@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "leaf_cloud.hpp"
 #include "studies/studies.hpp"
 #include "studies/verification_checks.hpp"
 #include "studies/verification_tables.hpp"
@@ -14,6 +13,7 @@
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/io/table.hpp"
 #include "underbrush/io/text.hpp"
+#include "underbrush/metrics/leaf_cloud.hpp"
 
 namespace underbrush::studies {
 namespace fs = std::filesystem;
@@ -102,7 +102,7 @@ bool add_own_pair(const StudyRun& run, StudyResult& result) {
     for (size_t f = 0; f < faces.size(); ++f) faces[f] = f;
     result.inputs.push_back(run.data / name);
   }
-  CloudPair pair{app::points_of(real), app::points_of(simulated), {}};
+  CloudPair pair{metrics::points_of(real), metrics::points_of(simulated), {}};
   const fs::path conjugates = run.data / "conjugates.csv";
   if (fs::exists(conjugates)) {
     std::vector<Vec3> from, to;

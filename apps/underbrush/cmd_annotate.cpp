@@ -3,14 +3,14 @@
 #include <optional>
 
 #include "cli/progress.hpp"
-#include "objects_of_log.hpp"
+#include "objects_report.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/primitives/annotation.hpp"
 #include "underbrush/primitives/generate.hpp"
-#include "underbrush/primitives/measure.hpp"
+#include "underbrush/primitives/log_ground.hpp"
 #include "underbrush/test_site/terrain.hpp"
 #include "verbs.hpp"
 
@@ -110,7 +110,7 @@ void run(const Verb& verb, Arguments& a) {
   std::optional<io::LogReader> log;
   if (!a.log.empty()) {
     log.emplace(a.log);
-    require_objects(a.log, *log);
+    primitives::require_objects(a.log, *log);
   }
   primitives::Annotation annotation;
   annotation.ground = a.ground;
@@ -124,14 +124,14 @@ void run(const Verb& verb, Arguments& a) {
   } else {
     annotation.ground = output.parent_path() / (output.stem().string() + ".ground");
     elements::check_model_output(annotation.ground);
-    ground = log ? ground_of_log(a.log, *log, a.spacing_m) : generated_ground(a, verb.seed);
+    ground = log ? primitives::ground_of_log(a.log, *log, a.spacing_m, shown<Progress>("ground"))
+                 : generated_ground(a, verb.seed);
   }
   annotation.provenance = provenance(verb, inputs);
   const primitives::GroundSurface surface(ground);
   primitives::MeasuredObjects measured;
   if (log) {
-    Progress progress("annotate");
-    measured = primitives::measure_objects(*log, surface, a.measure, std::ref(progress));
+    measured = primitives::measure_objects(*log, surface, a.measure, shown<Progress>("annotate"));
   } else {
     a.generate.kind = a.kind;
     a.generate.seed = verb.seed;

@@ -184,9 +184,9 @@ Part site_part(const Verb& verb, const Diary& say, const Arguments& a) {
 Part real_part(const Verb& verb, const Diary& say, const fs::path& scan, const fs::path& folder) {
   fs::create_directories(folder);
   say(kReal);
-  const SplitStep split = import_example(verb, scan, folder);
+  const size_t beams = import_example(verb, scan, folder);
   say(fmt::format("imported {}: {} beams; even columns train, odd columns are held out",
-                  scan.filename().string(), split.train_beams + split.test_beams));
+                  scan.filename().string(), beams));
   Part part{"Real: one scan under trees", kReal, {}, {}, {}, {}, {}};
   fit_and_score(verb, say, folder, part);
   say("scored on the held-out columns");

@@ -4,7 +4,6 @@
 
 #include "cli/progress.hpp"
 #include "fit_text.hpp"
-#include "leaf_cloud.hpp"
 #include "light_report.hpp"
 #include "log_contents.hpp"
 #include "underbrush/core/check.hpp"
@@ -12,6 +11,7 @@
 #include "underbrush/elements/scene_file.hpp"
 #include "underbrush/io/input.hpp"
 #include "underbrush/io/json_text.inl"
+#include "underbrush/metrics/leaf_cloud.hpp"
 #include "underbrush/metrics/leaf_inclination.hpp"
 #include "underbrush/pipeline/fit_json.inl"
 #include "underbrush/primitives/annotation.hpp"
@@ -145,7 +145,7 @@ void report_annotation(const Verb& verb, const std::string& path) {
 
 /// Prints the distribution of the leaves' inclination [goodin24].
 void report_leaves(const Verb& verb, const std::string& file, bool all) {
-  const LeafCloud cloud = leaf_cloud(file, all);
+  const metrics::LeafCloud cloud = metrics::leaf_cloud(file, all);
   if (cloud.points.size() < 30) {
     throw DataError("fewer than 30 points of vegetation");
   }
@@ -183,7 +183,7 @@ void run(const Verb& verb, const Arguments& a) {
     throw DataError("scans without beams (" + input.format +
                     "): import it first, then ask for info on the result");
   }
-  LogContents contents;
+  pipeline::LogContents contents;
   Progress progress("info");
   for (BeamLog chunk; input.beams->next(chunk);) {
     contents.add(chunk);

@@ -2,8 +2,8 @@
 
 #include <map>
 
-#include "plant_sources.hpp"
 #include "underbrush/core/check.hpp"
+#include "underbrush/pipeline/plants.hpp"
 #include "underbrush/primitives/primitive_set.hpp"
 #include "verbs.hpp"
 
@@ -15,7 +15,7 @@ struct Arguments {
   std::vector<std::string> plants;
   std::string output, up = "z";
   double variation = 1;
-  PlantFileOptions files;
+  pipeline::PlantFileOptions files;
   primitives::MeshPrimitiveOptions meshes;
 };
 
@@ -65,8 +65,8 @@ void run(const Verb& verb, Arguments& a) {
   std::vector<std::filesystem::path> inputs;
   for (const std::string& name : a.plants) {
     const bool generated = name == "generated";
-    auto some =
-        generated ? generated_plants(verb.seed, a.variation) : plants_of_files(name, a.files);
+    auto some = generated ? pipeline::generated_plants(verb.seed, a.variation)
+                          : pipeline::plants_of_files(name, a.files);
     for (auto& plant : some) {
       if (!generated) inputs.emplace_back(plant.name);
       plants.push_back(std::move(plant));

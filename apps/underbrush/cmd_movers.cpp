@@ -1,14 +1,17 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include "cli/option_table.hpp"
 #include "cli/progress.hpp"
-#include "mover_score.hpp"
-#include "osi_lists.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/log_file.hpp"
-#include "underbrush/movers/find_movers.hpp"
+#include "underbrush/osi/list_file.hpp"
+#include "underbrush/perception/mover_score.hpp"
+#include "underbrush/pipeline/mark_movers.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -35,46 +38,64 @@ void add_options(Verb& verb, Arguments& a) {
   app.add_option("--truth-elevation-deg", a.truth_elevation_deg,
                  "Turn labelled boxes up by this angle, as import turned the beams")
       ->capture_default_str();
-  verb.begin_rare_group("Search");
-  auto& o = a.options;
-  app.add_option("--look-s", o.look_s, "Times before and after a scan at which others are asked, s")
-      ->capture_default_str();
-  app.add_option("--least-empty", o.least_empty,
-                 "Outermost looks that must have found a place empty")
-      ->capture_default_str();
-  app.add_option("--cell-deg", o.cell_deg,
-                 "Width of the cells in which scans are compared, degrees")
-      ->capture_default_str();
-  app.add_option("--max-range", o.max_range_m, "Returns farther away are not looked at, m")
-      ->capture_default_str();
-  app.add_option("--same-m", o.same_m, "Ranges that differ by no more are of one thing, m")
-      ->capture_default_str();
-  app.add_option("--least-points", o.least_points, "Returns of the smallest mover in a scan")
-      ->capture_default_str();
+  app::add_options(verb, pipeline::mover_options(), a.options);
 }
 
-/// Writes the outputs and returns the number of returns.
-size_t write_marked(io::LogReader& log, const std::vector<uint8_t>& mark, const Arguments& a,
-                    const std::string& origin) {
-  std::optional<io::LogWriter> all, only;
-  if (!a.output.empty()) all.emplace(a.output, log.info(), origin);
-  if (!a.only.empty() && std::ranges::count(mark, 1) > 0) only.emplace(a.only, log.info(), origin);
-  log.rewind();
-  size_t row = 0, returns = 0;
-  for (BeamLog chunk; log.next(chunk); row += chunk.size()) {
-    movers::mark_movers(mark, row, chunk);
-    for (size_t i = 0; i < chunk.size(); ++i) returns += chunk.is_hit(i);
-    if (all) all->write(chunk);
-    if (!only) continue;
+/// The outputs of a marked log.
+class Outputs {
+ public:
+  Outputs(const Arguments& a, const LogInfo& info, std::string origin)
+      : a_(a), info_(info), origin_(std::move(origin)) {
+    if (!a.output.empty()) all_.emplace(a.output, info, origin_);
+  }
+
+  void write(const BeamLog& chunk, std::span<const uint8_t> mark) {
+    if (all_) all_->write(chunk);
+    if (a_.only.empty()) return;
     BeamLog part = chunk.like();
     for (size_t i = 0; i < chunk.size(); ++i) {
-      if (mark[row + i]) part.append(chunk, i);
+      if (mark[i]) part.append(chunk, i);
     }
-    only->write(part);
+    if (!only_ && !part.empty()) only_.emplace(a_.only, info_, origin_);
+    if (only_) only_->write(part);
   }
-  if (all) all->close();
-  if (only) only->close();
-  return returns;
+
+  void close() {
+    if (all_) all_->close();
+    if (only_) only_->close();
+  }
+
+ private:
+  const Arguments& a_;
+  const LogInfo& info_;
+  std::string origin_;
+  std::optional<io::LogWriter> all_, only_;
+};
+
+Json json_of(const perception::MoverScore& score) {
+  const auto json = [](const perception::MarkedReturns& m) {
+    return Json{{"objects", m.objects}, {"returns", m.returns}, {"marked", m.marked}};
+  };
+  Json j = {{"moving", Json::object()}, {"standing", Json::object()}};
+  for (const auto& [name, m] : score.moving) j["moving"][name] = json(m);
+  for (const auto& [name, m] : score.standing) j["standing"][name] = json(m);
+  j["elsewhere"] = json(score.elsewhere);
+  return j;
+}
+
+std::string text_of(const perception::MoverScore& score) {
+  std::string text;
+  const auto add = [&](const std::string& what, const perception::MarkedReturns& m) {
+    text += fmt::format("  {:<22} {:>8} of {:>8} returns marked\n", what, m.marked, m.returns);
+  };
+  for (const auto& [name, m] : score.moving) {
+    add(fmt::format("{} moving {}", m.objects, name), m);
+  }
+  for (const auto& [name, m] : score.standing) {
+    add(fmt::format("{} standing {}", m.objects, name), m);
+  }
+  add("in no labelled box", score.elsewhere);
+  return text;
 }
 
 void run(const Verb& verb, const Arguments& a) {
@@ -85,25 +106,27 @@ void run(const Verb& verb, const Arguments& a) {
     if (!path.empty()) io::check_output(path);
   }
   io::LogReader log(a.log);
-  movers::require_two_scans(log, a.log);
   std::vector<std::filesystem::path> inputs{a.log};
   std::optional<perception::LogTruth> truth;
   if (!a.truth.empty()) {
-    truth = truth_of_log(a.truth, log.info(), {a.truth_elevation_deg * M_PI / 180});
+    truth = osi::truth_of_log(a.truth, log.info(), {a.truth_elevation_deg * M_PI / 180});
     inputs.emplace_back(a.truth);
   }
-  const std::string origin = provenance(verb, inputs);
-  Progress progress("movers");
-  const std::vector<uint8_t> mark = movers::find_movers(log, a.options, std::ref(progress));
-  const size_t marked = size_t(std::count(mark.begin(), mark.end(), 1));
-  const size_t returns = write_marked(log, mark, a, origin);
-  Json j = {
-      {"rows", mark.size()}, {"returns", returns}, {"marked", marked}, {"skipped", log.skipped()}};
-  std::string text = fmt::format("{} of {} returns are of movers\n", marked, returns);
-  if (!a.only.empty() && marked == 0)
+  Outputs outputs(a, log.info(), provenance(verb, inputs));
+  const pipeline::MoverMarks found = pipeline::mark_movers(
+      log, a.log, a.options,
+      [&](const BeamLog& chunk, std::span<const uint8_t> mark) { outputs.write(chunk, mark); },
+      shown<Progress>("movers"));
+  outputs.close();
+  Json j = {{"rows", found.mark.size()},
+            {"returns", found.returns},
+            {"marked", found.marked},
+            {"skipped", log.skipped()}};
+  std::string text = fmt::format("{} of {} returns are of movers\n", found.marked, found.returns);
+  if (!a.only.empty() && found.marked == 0)
     text += "  nothing moved, so " + a.only + " was not written\n";
   if (truth) {
-    const MoverScore score = score_movers(log, mark, *truth);
+    const perception::MoverScore score = perception::score_movers(log, found.mark, *truth);
     j["truth"] = json_of(score);
     text += text_of(score);
   }

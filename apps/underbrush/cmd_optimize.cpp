@@ -3,7 +3,6 @@
 #include <chrono>
 #include <iostream>
 
-#include "composition.hpp"
 #include "fit_options.hpp"
 #include "report/report.hpp"
 #include "stages.hpp"
@@ -15,6 +14,7 @@
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/optimize/checkpoint.hpp"
 #include "underbrush/optimize/fit_parameters.hpp"
+#include "underbrush/pipeline/compose_scene.hpp"
 #include "underbrush/pipeline/tune.hpp"
 #include "verbs.hpp"
 
@@ -67,7 +67,7 @@ void add_options(Verb& verb, Arguments& a) {
   app.add_option("--step", a.search.step, "First step, as a share of each parameter's range")
       ->check(CLI::Range(0.001, 0.5))
       ->capture_default_str();
-  app.add_flag("--allow-outside", a.allow_outside, kAllowOutsideHelp);
+  app.add_flag("--allow-outside", a.allow_outside, pipeline::kAllowOutsideHelp);
   verb.begin_group("Options");
   verb.output("--checkpoint", a.checkpoint,
               "File written after each evaluation (default: PARAMS.yaml.checkpoint)")
@@ -132,7 +132,7 @@ Problem scene_problem(const Verb& verb, const Arguments& a, optimize::Slice slic
   const auto in = std::make_shared<pipeline::SceneParts>();
   in->annotation = primitives::read_annotation(a.annotation, a.allow_outside);
   in->ground = elements::read_model(in->annotation.ground.lexically_normal());
-  NamedSet named = primitives_named(a.primitives, verb.seed);
+  pipeline::NamedSet named = pipeline::primitives_named(a.primitives, verb.seed);
   in->primitives = std::move(named.set);
   p.inputs = {a.annotation};
   p.inputs.insert(p.inputs.end(), named.inputs.begin(), named.inputs.end());

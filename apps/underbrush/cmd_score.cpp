@@ -2,13 +2,13 @@
 
 #include <algorithm>
 
-#include "osi_lists.hpp"
 #include "report/report.hpp"
 #include "score_objects.hpp"
 #include "score_protocols.hpp"
 #include "score_report.hpp"
 #include "stages.hpp"
 #include "underbrush/core/check.hpp"
+#include "underbrush/osi/list_file.hpp"
 #include "underbrush/pipeline/score_json.inl"
 #include "verbs.hpp"
 
@@ -72,7 +72,7 @@ void run(const Verb& verb, const Arguments& a) {
     inputs.push_back(a.simulated[k]);
     if (!a.models.empty()) inputs.push_back(a.models[k]);
   }
-  if (is_list_file(a.real)) {
+  if (osi::is_list_file(a.real)) {
     require(a.models.empty() && a.protocol.empty() && !a.repeats && a.train.empty(),
             "score: --model, --train, --protocol and --repeats are for logs, not for lists of "
             "objects");

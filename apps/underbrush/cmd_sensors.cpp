@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "report/svg_plot.hpp"
+#include "report/sensor_plots.hpp"
 #include "sensor_echo.hpp"
 #include "underbrush/core/check.hpp"
-#include "underbrush/sensor/angles.hpp"
-#include "underbrush/sensor/pattern.hpp"
+#include "underbrush/sensor/sensor.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -18,19 +17,6 @@ using Arguments = SensorsArguments;
 using sensor::Sensor;
 
 constexpr double kDegree = M_PI / 180;
-constexpr size_t kMostDots = 4000;
-
-std::string kind_of(const Sensor& s) {
-  switch (s.kind) {
-    case sensor::Kind::kSpinning:
-      return "spinning";
-    case sensor::Kind::kRaster:
-      return "raster";
-    case sensor::Kind::kSequence:
-      break;
-  }
-  return s.channels.empty() ? "directions" : "sweep";
-}
 
 std::string returns_of(const sensor::SignalChain& c) {
   switch (c.mode) {
@@ -46,20 +32,6 @@ std::string returns_of(const sensor::SignalChain& c) {
   return fmt::format("up to {}", c.max_echoes);
 }
 
-/// Returns a scan in the sensor's frame, as azimuths and elevations in degrees.
-report::SvgPlot::Points one_scan(const Sensor& s, size_t most) {
-  const Trajectory still({{0, Pose{}}});
-  sensor::PatternSource source(s, still, 0, 1 / s.rate_hz, most);
-  BeamLog log;
-  source.next(log);
-  report::SvgPlot::Points points;
-  for (const Vec3f& d : log.direction) {
-    const double z = std::clamp(double(d.z()), -1.0, 1.0);
-    points.emplace_back(std::atan2(double(d.y()), double(d.x())) / kDegree, std::asin(z) / kDegree);
-  }
-  return points;
-}
-
 void list(const Verb& verb) {
   Json j = Json::array();
   std::string table = fmt::format("{:<20} {:<11} {:>9}  {:>5} {:>6}  {:<10} {}\n", "name", "kind",
@@ -68,11 +40,12 @@ void list(const Verb& verb) {
     const Sensor s = sensor::load(name);
     const size_t rings =
         s.kind == sensor::Kind::kRaster ? s.raster.rows : std::max<size_t>(1, s.channels.size());
-    table += fmt::format("{:<20} {:<11} {:>9.0f}  {:>5} {:>6g}  {:<10} {}\n", name, kind_of(s),
-                         s.beams_per_s(), rings, s.max_range_m, returns_of(s.signal), s.title);
+    table +=
+        fmt::format("{:<20} {:<11} {:>9.0f}  {:>5} {:>6g}  {:<10} {}\n", name, sensor::kind_name(s),
+                    s.beams_per_s(), rings, s.max_range_m, returns_of(s.signal), s.title);
     j.push_back({{"name", name},
                  {"title", s.title},
-                 {"kind", kind_of(s)},
+                 {"kind", sensor::kind_name(s)},
                  {"beams_per_s", s.beams_per_s()},
                  {"rings", rings},
                  {"max_range_m", s.max_range_m}});
@@ -88,7 +61,7 @@ Json json_of(const Sensor& s, const report::SvgPlot::Points& scan) {
   Json j;
   j["name"] = s.name;
   j["title"] = s.title;
-  j["kind"] = kind_of(s);
+  j["kind"] = sensor::kind_name(s);
   j["beams_per_s"] = s.beams_per_s();
   j["scans_per_s"] = s.rate_hz;
   j["beams_per_scan"] = s.beams_per_s() / s.rate_hz;
@@ -137,33 +110,10 @@ std::string table_of(const Json& j) {
   return text;
 }
 
-/// Draws the pattern of a scan. A large scan is cut to the part around straight ahead, so that
-/// single beams are visible.
-void plot_pattern(const Sensor& s, report::SvgPlot::Points scan, const std::string& file) {
-  double half = 180;
-  const auto inside = [&](const auto& p) { return std::abs(p.first) <= half; };
-  while (half > 2 && size_t(std::count_if(scan.begin(), scan.end(), inside)) > kMostDots)
-    half *= 0.8;
-  std::erase_if(scan, [&](const auto& p) { return !inside(p); });
-  double west = 1, low = 1, high = -1;
-  for (const auto& [azimuth, elevation] : scan) {
-    west = std::max(west, std::abs(azimuth));
-    low = std::min(low, elevation);
-    high = std::max(high, elevation);
-  }
-  report::SvgPlot plot(fmt::format("{}: one scan{}", s.title,
-                                   half < 180 ? fmt::format(", ±{:.0f}° ahead", half) : ""),
-                       "azimuth (degrees, left is positive)", "elevation (degrees)");
-  plot.x_axis(1.02 * west, -1.02 * west);
-  plot.y_axis(low - 0.05 * (high - low) - 0.1, high + 0.05 * (high - low) + 0.1);
-  plot.dots(scan, "#1f6f4a", 2);
-  plot.write(file);
-}
-
 void show(const Verb& verb, const Arguments& a) {
   const Sensor s = sensor::load(a.name);
-  const report::SvgPlot::Points scan = one_scan(s, size_t(1) << 18);
-  if (!a.plot.empty()) plot_pattern(s, scan, a.plot);
+  const report::SvgPlot::Points scan = report::one_scan(s, size_t(1) << 18);
+  if (!a.plot.empty()) report::plot_pattern(s, scan, a.plot);
   const Json j = json_of(s, scan);
   verb.report(j, table_of(j));
 }

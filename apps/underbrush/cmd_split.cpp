@@ -1,6 +1,9 @@
 #include <fmt/format.h>
 
-#include "split_log.hpp"
+#include "cli/option_table.hpp"
+#include "cli/progress.hpp"
+#include "underbrush/io/log_file.hpp"
+#include "underbrush/pipeline/split_log.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -9,43 +12,27 @@ namespace split_verb {
 
 struct Arguments {
   std::string log, train, test;
-  HoldOut hold_out;
+  pipeline::SplitOptions options;
 };
 
-void add_options(Verb& verb, Arguments& a) {
-  CLI::App& app = verb.app;
-  app.add_option("LOG", a.log, "The log")->required();
-  verb.output("--train", a.train, "Where the beams that are kept for fitting go")->required();
-  verb.output("--test", a.test, "Where the beams that are held out go")->required();
-  verb.begin_group("What is held out (one of)");
-  app.add_option("--every", a.hold_out.every, "Every K-th scan")->check(CLI::Range(2, 1 << 30));
-  app.add_option(
-         "--columns", a.hold_out.columns,
-         "Every K-th column of each scan: the beams fired at one time (where the log has no "
-         "times of beams: in one packet)")
-      ->check(CLI::Range(2, 1 << 30));
-  app.add_option("--time", a.hold_out.time,
-                 "Scans whose time lies in [FROM, TO), s after the log's start")
-      ->expected(2)
-      ->type_name("FROM TO");
-  app.add_option("--region", a.hold_out.region,
-                 "Scans whose sensor stands in this rectangle of the world, m")
-      ->expected(4)
-      ->type_name("X0 Y0 X1 Y1");
-  verb.begin_group("Options");
-  app.add_option("--offset", a.hold_out.offset,
-                 "With --every and --columns: number (mod K) that is held out")
-      ->capture_default_str();
-}
-
 void run(const Verb& verb, const Arguments& a) {
-  const SplitStep step = split_log(verb, a.log, a.hold_out, a.train, a.test);
-  Json j;
-  j["train_beams"] = step.train_beams;
-  j["test_beams"] = step.test_beams;
-  j["skipped"] = step.skipped;
-  verb.report(j, fmt::format("{} beams to train in {}, {} held out in {}\n", step.train_beams,
-                             a.train, step.test_beams, a.test));
+  a.options.check();
+  io::LogReader log(a.log);
+  const std::string origin = provenance(verb, {a.log});
+  io::LogWriter train(a.train, log.info(), origin), test(a.test, log.info(), origin);
+  const pipeline::SplitCounts n = pipeline::split_log(
+      log, a.options,
+      [&](const BeamLog& to_train, const BeamLog& to_test) {
+        train.write(to_train);
+        test.write(to_test);
+      },
+      shown<Progress>("split"));
+  train.close();
+  test.close();
+  const Json j{
+      {"train_beams", n.train_beams}, {"test_beams", n.test_beams}, {"skipped", log.skipped()}};
+  verb.report(j, fmt::format("{} beams to train in {}, {} held out in {}\n", n.train_beams, a.train,
+                             n.test_beams, a.test));
 }
 
 }  // namespace split_verb
@@ -58,7 +45,10 @@ void add_split(Program& program) {
                              "Split a log into training and test parts that never share a beam",
                              "underbrush split log.ply --every 2 --train train.ply --test test.ply",
                              [a](const Verb& v) { run(v, *a); });
-  add_options(*verb, *a);
+  verb->app.add_option("LOG", a->log, "The log")->required();
+  verb->output("--train", a->train, "Where the beams that are kept for fitting go")->required();
+  verb->output("--test", a->test, "Where the beams that are held out go")->required();
+  add_options(*verb, pipeline::split_options(), a->options, "What is held out (one of)");
 }
 
 }  // namespace underbrush::app

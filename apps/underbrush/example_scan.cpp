@@ -1,12 +1,11 @@
 #include "example_scan.hpp"
 
-#include <cmath>
 #include <cstdlib>
 #include <vector>
 
-#include "underbrush/io/input.hpp"
 #include "underbrush/io/log_file.hpp"
-#include "underbrush/sensor/beams_from_scan.hpp"
+#include "underbrush/pipeline/import_log.hpp"
+#include "underbrush/pipeline/split_log.hpp"
 
 namespace underbrush::app {
 namespace fs = std::filesystem;
@@ -34,23 +33,30 @@ std::optional<fs::path> example_scan() {
   return std::nullopt;
 }
 
-SplitStep import_example(const Verb& verb, const fs::path& scan, const fs::path& folder) {
-  io::Input input = io::open_input(scan);
-  sensor::BeamOptions options;
-  options.recorded_unknown_below_rad = kUnknownBelowDeg * M_PI / 180;
-  LogInfo info;
-  info.scans = input.scan_infos;
-  sensor::BeamCounts counts;
-  io::LogWriter writer(folder / "log.ply", info, provenance(verb, {scan}));
-  for (size_t k = 0; k < input.scans->size(); ++k) {
-    writer.write(
-        sensor::beams_from_scan(input.scans->read(k), input.scans->trajectory(), options, counts));
-  }
-  writer.close();
-  HoldOut odd_columns;
+size_t import_example(const Verb& verb, const fs::path& scan, const fs::path& folder) {
+  const fs::path file = folder / "log.ply";
+  pipeline::ImportOptions options;
+  options.unknown_below_deg = kUnknownBelowDeg;
+  std::optional<io::LogWriter> imported;
+  pipeline::import_log(
+      scan, options,
+      [&](const LogInfo& info) { imported.emplace(file, info, provenance(verb, {scan})); },
+      [&](const BeamLog& beams) { imported->write(beams); });
+  imported->close();
+  pipeline::SplitOptions odd_columns;
   odd_columns.columns = 2;
-  return split_log(verb, folder / "log.ply", odd_columns, folder / "train.ply",
-                   folder / "test.ply");
+  io::LogReader log(file);
+  const std::string origin = provenance(verb, {file});
+  io::LogWriter train(folder / "train.ply", log.info(), origin);
+  io::LogWriter test(folder / "test.ply", log.info(), origin);
+  const pipeline::SplitCounts n =
+      pipeline::split_log(log, odd_columns, [&](const BeamLog& even, const BeamLog& odd) {
+        train.write(even);
+        test.write(odd);
+      });
+  train.close();
+  test.close();
+  return n.train_beams + n.test_beams;
 }
 
 }  // namespace underbrush::app

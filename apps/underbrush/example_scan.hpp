@@ -5,7 +5,6 @@
 #include <optional>
 
 #include "cli/verb.hpp"
-#include "split_log.hpp"
 
 namespace underbrush::app {
 
@@ -19,8 +18,8 @@ inline constexpr const char* kExampleScan = "examples/marv_forest.pcd";
 std::optional<std::filesystem::path> example_scan();
 
 /// Imports the scan to `folder`/log.ply and splits it: its odd columns go to test.ply, the others
-/// to train.ply.
-SplitStep import_example(const Verb& verb, const std::filesystem::path& scan,
-                         const std::filesystem::path& folder);
+/// to train.ply. Returns the number of beams.
+size_t import_example(const Verb& verb, const std::filesystem::path& scan,
+                      const std::filesystem::path& folder);
 
 }  // namespace underbrush::app

@@ -2,10 +2,9 @@
 
 #include <fmt/format.h>
 
+#include "stages.hpp"
+
 namespace underbrush::app {
-
-constexpr double kFewMisses = 0.03;  // of all recorded
-
 namespace {
 
 Json json_of(const std::optional<io::ScanClock>& clock) {
@@ -34,76 +33,49 @@ std::string text_of(const io::ScanClock& clock) {
 
 }  // namespace
 
-std::string nothing_usable(const ImportCounts& c, bool points_in_world) {
-  std::string text = "no usable beams in it";
-  const char* separator = ": ";
-  for (const auto& [reason, n] : c.skipped) {
-    text += fmt::format("{}{} {}", separator, n, reason);
-    separator = ", ";
-  }
-  if (c.skipped.count(io::kFarFromSensor) && !points_in_world) {
-    text +=
-        "; are its coordinates those of the world? Then --poses must say where the sensor stood, "
-        "and --points-in-world";
-  }
-  return text;
-}
-
-std::vector<std::string> warnings_of(const ImportCounts& c) {
-  const auto lost = c.skipped.find(sensor::kNoGrid);
-  if (lost == c.skipped.end()) return {};
-  const size_t recorded = c.beam.misses_recorded + lost->second;
-  if (double(lost->second) <= kFewMisses * double(recorded)) return {};
-  return {
-      fmt::format("{} of {} recorded misses are lost ({}): a model fitted to this log takes "
-                  "plants for denser than they are",
-                  lost->second, recorded, sensor::kNoGrid)};
-}
-
-Json json_of(const io::Input& input, const ImportCounts& c,
-             const std::vector<std::string>& warnings) {
+Json json_of(const pipeline::ImportReport& r) {
   Json j;
-  j["format"] = input.format;
-  j["scans"] = c.scans;
-  j["beams"] = c.beams;
-  j["hits"] = c.beam.hits;
-  j["misses"] = c.beam.misses_recorded + c.beam.misses_inferred;
-  j["misses_recorded"] = c.beam.misses_recorded;
-  j["misses_inferred"] = c.beam.misses_inferred;
-  j["later_returns"] = c.later_returns;
-  j["unknown"] = c.beam.unknown;
-  j["scans_ringed_by_elevation"] = c.beam.scans_ringed_by_elevation;
-  j["skipped"] = c.skipped;
-  j["clock"] = json_of(input.clock);
-  j["notes"] = input.notes;
-  j["warnings"] = warnings;
+  j["format"] = r.format;
+  j["scans"] = r.scans;
+  j["beams"] = r.beams;
+  j["hits"] = r.beam.hits;
+  j["misses"] = r.beam.misses_recorded + r.beam.misses_inferred;
+  j["misses_recorded"] = r.beam.misses_recorded;
+  j["misses_inferred"] = r.beam.misses_inferred;
+  j["later_returns"] = r.later_returns;
+  j["unknown"] = r.beam.unknown;
+  j["scans_ringed_by_elevation"] = r.beam.scans_ringed_by_elevation;
+  j["skipped"] = r.skipped;
+  j["clock"] = json_of(r.clock);
+  j["notes"] = r.notes;
+  j["warnings"] = r.warnings;
   return j;
 }
 
-std::string table_of(const io::Input& input, const ImportCounts& c, const std::string& output) {
+std::string text_of(const pipeline::ImportReport& r, const std::string& output) {
   std::string text = fmt::format(
       "{} ({}): {} scans, {} beams\n"
       "  hits             {}\n"
       "  misses recorded  {}\n"
       "  misses inferred  {}\n"
       "  unknown          {}  (beams that tell nothing: left out)\n",
-      output, input.format, c.scans, c.beams, c.beam.hits, c.beam.misses_recorded,
-      c.beam.misses_inferred, c.beam.unknown);
-  if (c.later_returns > 0) {
+      output, r.format, r.scans, r.beams, r.beam.hits, r.beam.misses_recorded,
+      r.beam.misses_inferred, r.beam.unknown);
+  if (r.later_returns > 0) {
     text += fmt::format(
         "  later returns    {}  (of the same pulses; fit reads the first ones, or "
         "all with --echoes all)\n",
-        c.later_returns);
+        r.later_returns);
   }
-  for (const auto& [reason, n] : c.skipped)
+  for (const auto& [reason, n] : r.skipped)
     text += fmt::format("  skipped          {}  ({})\n", n, reason);
-  if (c.beam.scans_ringed_by_elevation > 0) {
+  if (r.beam.scans_ringed_by_elevation > 0) {
     text += fmt::format("  note: rings of {} scans told by elevation\n",
-                        c.beam.scans_ringed_by_elevation);
+                        r.beam.scans_ringed_by_elevation);
   }
-  if (input.clock) text += text_of(*input.clock);
-  for (const std::string& note : input.notes) text += "  note: " + note + "\n";
-  return text;
+  if (r.clock) text += text_of(*r.clock);
+  for (const std::string& note : r.notes) text += "  note: " + note + "\n";
+  return text + text_of_warnings(r.warnings);
 }
 
 }  // namespace underbrush::app

@@ -2,65 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "underbrush/io/json_text.inl"
-#include "underbrush/sensor/sensor.hpp"
 
 namespace underbrush::app {
-namespace {
 
-constexpr double kRangeStep = 0.01;
-constexpr size_t kRangeBins = 100000;
-
-double range_percentile(const LogContents& c, double share) {
-  size_t sum = 0;
-  for (size_t b = 0; b < c.ranges.size(); ++b) {
-    sum += c.ranges[b];
-    if (double(sum) >= share * double(c.echoes)) return (double(b) + 0.5) * kRangeStep;
-  }
-  return 0;
-}
-
-// Returns the sensors of the catalogue with as many channels as the log has rings.
-std::vector<std::string> sensor_guess(const LogInfo& info, size_t rings) {
-  if (!info.sensor.empty()) return {info.sensor};
-  std::vector<std::string> names;
-  for (const std::string& name : sensor::names()) {
-    if (rings > 1 && sensor::load(name).channels.size() == rings) names.push_back(name);
-  }
-  return names;
-}
-
-}  // namespace
-
-void LogContents::add(const BeamLog& log) {
-  LogContents& c = *this;
-  c.ranges.resize(kRangeBins + 1);
-  const std::vector<bool> begins = begins_beam(log);
-  for (size_t i = 0; i < log.size(); ++i) {
-    c.beams += begins[i];
-    if (log.is_hit(i)) {
-      c.hits += begins[i];
-      ++c.echoes;
-      const Vec3 end = log.end_point(i);
-      c.low = c.low.cwiseMin(end);
-      c.high = c.high.cwiseMax(end);
-      ++c.ranges[std::min(kRangeBins, size_t(log.range_m[i] / kRangeStep))];
-      c.low_intensity = std::min(c.low_intensity, double(log.intensity[i]));
-      c.high_intensity = std::max(c.high_intensity, double(log.intensity[i]));
-    } else {
-      ++(log.flags[i] & kInferred ? c.inferred : c.recorded);
-    }
-    c.first_s = std::min(c.first_s, log.time_s[i]);
-    c.last_s = std::max(c.last_s, log.time_s[i]);
-    if (i == 0 || log.scan[i] != log.scan[i - 1]) c.scans.insert(log.scan[i]);
-    if (i == 0 || log.ring[i] != log.ring[i - 1]) c.rings.insert(log.ring[i]);
-  }
-  c.extra.clear();
-  for (const auto& [name, column] : log.extra) c.extra.push_back(name);
-}
+using pipeline::LogContents;
 
 Json json_of_log(const io::Input& input, const LogContents& c) {
   const LogInfo& info = input.beams->info();
@@ -84,13 +30,13 @@ Json json_of_log(const io::Input& input, const LogContents& c) {
   j["poses"] = info.scans.size();
   Json& range = j["range_m"];
   for (const int percent : {1, 10, 50, 90, 99}) {
-    if (c.hits) range["p" + std::to_string(percent)] = range_percentile(c, percent / 100.0);
+    if (c.hits) range["p" + std::to_string(percent)] = c.range_percentile(percent / 100.0);
   }
   if (c.hits) j["intensity"] = {{"min", c.low_intensity}, {"max", c.high_intensity}};
   j["min_range_m"] = info.min_range_m;
   j["max_range_m"] = info.max_range_m;
   j["sensor"] = info.sensor;
-  j["sensor_guess"] = sensor_guess(info, c.rings.size());
+  j["sensor_guess"] = pipeline::sensor_guess(info, c.rings.size());
   j["deskewed"] = info.deskewed;
   j["extra_columns"] = c.extra;
   j["skipped"] = input.skipped();
@@ -111,8 +57,8 @@ std::string table_of_log(const std::string& file, const LogInfo& info, const Log
                     c.low.x(), c.high.x(), c.low.y(), c.high.y(), c.low.z(), c.high.z());
     text += fmt::format(
         "  ranges     1 % {:.2f}  10 % {:.2f}  50 % {:.2f}  90 % {:.2f}  99 % {:.2f} m\n",
-        range_percentile(c, 0.01), range_percentile(c, 0.1), range_percentile(c, 0.5),
-        range_percentile(c, 0.9), range_percentile(c, 0.99));
+        c.range_percentile(0.01), c.range_percentile(0.1), c.range_percentile(0.5),
+        c.range_percentile(0.9), c.range_percentile(0.99));
     text += fmt::format("  intensity  {:g} to {:g}\n", c.low_intensity, c.high_intensity);
   }
   text += fmt::format("  time       {:.3f} to {:.3f} s ({:.3f} s)\n", c.first_s, c.last_s, length);

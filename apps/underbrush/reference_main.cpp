@@ -73,17 +73,13 @@ std::string sensors_page() {
     const size_t rings = s.kind == sensor::Kind::kRaster ? size_t(s.raster.rows)
                          : s.channels.empty()            ? 1
                                                          : s.channels.size();
-    const char* kind = s.kind == sensor::Kind::kSpinning ? "spinning"
-                       : s.kind == sensor::Kind::kRaster ? "raster"
-                       : s.channels.empty()              ? "directions"
-                                                         : "sweep";
     const char* first = s.channels.size() < 2 ? "–"
                         : s.channels.front().elevation_rad < s.channels.back().elevation_rad
                             ? "lowest"
                             : "highest";
     out += fmt::format(
         "| `{}` | {} | {} | {} | {} | {:.0f} | {:g} to {:g} | {:.3g} × {:.3g} | {:g} |\n", name,
-        s.title, kind, rings, first, s.beams_per_s(), s.min_range_m, s.max_range_m,
+        s.title, sensor::kind_name(s), rings, first, s.beams_per_s(), s.min_range_m, s.max_range_m,
         1e3 * s.beam.divergence_rad[0], 1e3 * s.beam.divergence_rad[1], s.range_sigma_m);
   }
   return out;

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "underbrush/pipeline/simulate_options.hpp"
+#include "underbrush/pipeline/waveform_file.hpp"
 #include "underbrush/sensor/sensor.hpp"
-#include "waveform_file.hpp"
 
 namespace underbrush::app {
 
@@ -31,7 +31,7 @@ class WaveformOutputs {
 
  private:
   std::vector<std::string> pictures_;  ///< Tables and plots.
-  std::vector<std::unique_ptr<WaveformFile>> binary_;
+  std::vector<std::unique_ptr<pipeline::WaveformFile>> binary_;
   std::vector<simulate::BeamWaveform> kept_;  ///< For tables and plots.
   size_t most_ = 0;
 };

@@ -19,6 +19,7 @@ void bind_simulate(nanobind::module_& m);
 void bind_lidar(nanobind::module_& m);
 void bind_objects(nanobind::module_& m);
 void bind_movers(nanobind::module_& m);
+void bind_log_verbs(nanobind::module_& m);
 void bind_optimize(nanobind::module_& m);
 
 }  // namespace underbrush::python

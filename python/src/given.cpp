@@ -46,6 +46,19 @@ std::unique_ptr<BeamSource> source_of(const GivenLog& log, bool echoes) {
   return std::make_unique<FirstEchoes>(memory);
 }
 
+BeamLog whole_log(BeamSource& source) {
+  BeamLog whole;
+  for (BeamLog chunk; source.next(chunk);) {
+    if (whole.empty()) {
+      whole = chunk.like();
+      whole.reserve(source.size());
+    }
+    whole.append(chunk, 0, chunk.size());
+  }
+  whole.info = source.info();
+  return whole;
+}
+
 std::map<std::string, size_t> skipped_in(const BeamSource& source) {
   if (const auto* reader = dynamic_cast<const io::LogReader*>(&source)) return reader->skipped();
   return {};

@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "underbrush/core/beam_log.hpp"
+#include "underbrush/core/check.hpp"
 #include "underbrush/elements/scene_file.hpp"
 #include "underbrush/fit/training_file.hpp"
 
@@ -33,11 +34,25 @@ using GivenWorld = std::variant<std::filesystem::path, const ModelValue*, const 
 /// `echoes` every row. A log in memory must outlive the source.
 std::unique_ptr<BeamSource> source_of(const GivenLog& log, bool echoes = false);
 
+/// Reads what is left of a source into one log.
+BeamLog whole_log(BeamSource& source);
+
 /// Returns how many records of the source were left out so far, by reason.
 std::map<std::string, size_t> skipped_in(const BeamSource& source);
 
 /// Returns the path of a log, or "log" for one in memory, for messages.
 std::string name_of(const GivenLog& log);
+
+/// Calls `work`, and lets a `DataError` name the file of the log, where it has one.
+template <class Work>
+auto with_name(const GivenLog& log, Work work) {
+  try {
+    return work();
+  } catch (const DataError& e) {
+    if (!std::holds_alternative<std::filesystem::path>(log)) throw;
+    throw FormatError(name_of(log), "", e.what());
+  }
+}
 
 /// Returns the model: the value itself, or the one that is read into `read`.
 const elements::Model& model_of(const GivenModel& model, elements::Model& read);

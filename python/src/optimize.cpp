@@ -8,13 +8,13 @@
 #include <nanobind/stl/vector.h>
 
 #include "bind.hpp"
-#include "composition.hpp"
 #include "fit_parameters.hpp"
 #include "given.hpp"
 #include "tuning.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/optimize/fit_parameters.hpp"
+#include "underbrush/pipeline/compose_scene.hpp"
 #include "underbrush/pipeline/tune.hpp"
 #include "watched.hpp"
 
@@ -91,7 +91,7 @@ TuningValue tuned_scene(const GivenLog& log, const TuneOptions& o,
     const auto parts = std::make_shared<pipeline::SceneParts>();
     parts->annotation = primitives::read_annotation(annotation, allow_outside);
     parts->ground = elements::read_model(parts->annotation.ground.lexically_normal());
-    parts->primitives = app::primitives_named(primitives, o.cut.seed).set;
+    parts->primitives = pipeline::primitives_named(primitives, o.cut.seed).set;
     std::string what = app::sentence_on(slice, o.cut, true);
     BeamLog beams = std::move(slice.fit);
     beams.append(slice.validation, 0, slice.validation.size());

@@ -3,6 +3,7 @@
 #include "underbrush/sensor/sensor.hpp"
 
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/string_view.h>
 #include <nanobind/stl/vector.h>
 
 #include "bind.hpp"
@@ -18,18 +19,6 @@ using sensor::Sensor;
 using SensorSelf = nb::handle_t<Sensor>;
 
 const Sensor& sensor_of(const SensorSelf& s) { return *nb::inst_ptr<Sensor>(s); }
-
-std::string kind_of(const Sensor& s) {
-  switch (s.kind) {
-    case sensor::Kind::kSpinning:
-      return "spinning";
-    case sensor::Kind::kRaster:
-      return "raster";
-    case sensor::Kind::kSequence:
-      break;
-  }
-  return "sequence";
-}
 
 void bind_channels(nb::class_<Sensor>& c) {
   c.def_prop_ro(
@@ -68,7 +57,8 @@ void bind_sensor(nb::module_& m) {
        "name"_a)
       .def_ro("name", &Sensor::name, "Name in the catalogue.")
       .def_ro("title", &Sensor::title, "Maker and model.")
-      .def_prop_ro("kind", &kind_of, "\"spinning\", \"raster\" or \"sequence\".")
+      .def_prop_ro("kind", &sensor::kind_name,
+                   "\"spinning\", \"raster\", \"sweep\" or \"directions\".")
       .def_ro("rate_hz", &Sensor::rate_hz, "Revolutions or frames a second.")
       .def_ro("min_range_m", &Sensor::min_range_m, "m; the sensor reports no nearer return.")
       .def_ro("max_range_m", &Sensor::max_range_m, "m; the sensor reports no farther return.")

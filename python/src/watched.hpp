@@ -14,6 +14,11 @@ namespace nb = nanobind;
 /// Receives (stage, done, total) from any thread. It throws where the call is to end early.
 using Hook = std::function<void(std::string_view, size_t, size_t)>;
 
+/// Returns what reports the progress of one stage, with (done, total). The hook must outlive it.
+inline std::function<void(size_t, size_t)> of_stage(const Hook& hook, std::string_view stage) {
+  return [&hook, stage](size_t done, size_t total) { hook(stage, done, total); };
+}
+
 /// Runs `work` on a thread of its own, while the calling thread, without the GIL, waits for it. Up
 /// to 20 times a second it calls `progress(stage, done, total)` (unless that is None) and lets
 /// Python run its signal handlers. Where either raises, the next call of the hook ends the work and

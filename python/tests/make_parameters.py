@@ -17,9 +17,11 @@ OF_FILES = [
     ("unit", "float", "1", "m", "Length of the unit of the file of a mesh"),
     ("assets", "str", "", "", "Folder in which a scene of HELIOS++ has its files, besides its own"),
 ]
+NAMED_ARGUMENTS = ("class-density", "float")  # of the functions of Python, in another form
 HEAD = '''"""The options of verbs; python/tests/make_parameters.py writes this file."""
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from typing import TypedDict
 '''
@@ -49,6 +51,10 @@ def text() -> str:
     """Returns the text of the file."""
     tables = {"FitParameters": ("fit", "parameters.md", _core.fit_parameters()),
               "SimulateParameters": ("simulate", "command-line.md", _core.simulate_options() + OF_FILES)}
+    for verb in ("import", "split", "segment", "movers", "extract", "compose", "perceive"):
+        rows = getattr(_core, verb + "_options")()
+        tables[verb.capitalize() + "Parameters"] = (
+            verb, "command-line.md", [row for row in rows if row[0] not in NAMED_ARGUMENTS])
     return HEAD + "".join(CLASS.format(name=name, verb=verb, page=page) + fields(table)
                           for name, (verb, page, table) in tables.items())
 

@@ -130,4 +130,5 @@ def test_catalogue() -> None:
     assert "velodyne-vlp16" in underbrush.sensors()
     sensor = underbrush.Sensor("velodyne-vlp16")
     assert sensor.channels == 16 and len(sensor.elevation_rad) == 16 and sensor.kind == "spinning"
+    assert underbrush.Sensor("ibeo-lux-2010").kind == "sweep"
     assert underbrush.class_names()[1] == "ground"

@@ -137,3 +137,118 @@ def test_score(run: Callable[..., str], folder: pathlib.Path, words: list[str], 
         k: v for k, v in printed.items() if k not in of_program}
     assert list(score.baselines) == ["always hit"] + ["look-up"] * bool(train)
     assert score.baselines["always hit"].all.f1 == printed["baselines"]["always hit"]["f1"]
+
+
+def without_origin(value: object) -> object:
+    """JSON without what says what wrote it and when."""
+    if isinstance(value, dict):
+        return {k: without_origin(v) for k, v in value.items() if k not in ("provenance", "program", "seconds")}
+    return value
+
+
+def same(ours: pathlib.Path, theirs: pathlib.Path) -> None:
+    """Holds a file or folder of Python's against that of the program."""
+    if theirs.is_dir():
+        names = sorted(p.relative_to(theirs) for p in theirs.rglob("*") if p.is_file())
+        assert names and names == sorted(p.relative_to(ours) for p in ours.rglob("*") if p.is_file())
+        for name in names:
+            same(ours / name, theirs / name)
+    elif theirs.suffix == ".json":
+        assert without_origin(json.loads(ours.read_text())) == without_origin(json.loads(theirs.read_text())), theirs
+    elif theirs.suffix == ".ply" and b"comment underbrush" in theirs.read_bytes()[:4096]:
+        assert body(ours) == body(theirs), theirs
+    else:
+        assert ours.read_bytes() == theirs.read_bytes(), theirs
+
+
+def printed(run: Callable[..., str], *words: object) -> object:
+    """The results of a verb of the program."""
+    return without_origin(json.loads(run(*words, "--json", "-")))
+
+
+@pytest.mark.parametrize("words, options", [
+    ([], {}),
+    (["--unknown-below-deg", "-13", "--max-range", "60", "--float"],
+     {"unknown_below_deg": -13.0, "max_range": 60.0, "float_coordinates": True}),
+])
+def test_import(run: Callable[..., str], tmp_path: pathlib.Path, words: list[str], options: dict[str, Any]) -> None:
+    scan = TESTS.parent / "share" / "examples" / "marv_forest.pcd"
+    report = printed(run, "import", scan, "-o", tmp_path / "program.ply", *words)
+    ours = underbrush.import_log(scan, tmp_path / "python.ply", **options)
+    same(tmp_path / "python.ply", tmp_path / "program.ply")
+    assert ours.report == report and ours.report["misses"] > 1000
+    assert len(ours.log) == ours.report["beams"] and ours.log.info.has_misses
+
+
+@pytest.mark.parametrize("words, options", [
+    (["--columns", "3", "--offset", "2"], {"columns": 3, "offset": 2}),
+    (["--time", "0", "4"], {"time": (0.0, 4.0)}),
+])
+def test_split(run: Callable[..., str], folder: pathlib.Path, tmp_path: pathlib.Path, words: list[str],
+               options: dict[str, Any]) -> None:
+    run("split", folder / "test.ply", "--train", tmp_path / "a.ply", "--test", tmp_path / "b.ply", *words)
+    parts = underbrush.split(folder / "test.ply", tmp_path / "train.ply", tmp_path / "test.ply", **options)
+    same(tmp_path / "train.ply", tmp_path / "a.ply")
+    same(tmp_path / "test.ply", tmp_path / "b.ply")
+    assert min(len(parts.train), len(parts.test)) > 0
+    with pytest.raises(ValueError, match="one of --every, --columns, --time and --region"):
+        underbrush.split(folder / "test.ply", every=2, columns=2)
+    with pytest.raises(underbrush.FormatError, match="test.ply: one part would be empty"):
+        underbrush.split(folder / "test.ply", time=(0.0, 1e9))
+
+
+def test_segment_extract_compose(run: Callable[..., str], folder: pathlib.Path, tmp_path: pathlib.Path) -> None:
+    report = printed(run, "segment", folder / "train.ply", "-o", tmp_path / "program.ply", "--min-points", "5", "--cell",
+                     "0.5")
+    ours = underbrush.segment(folder / "train.ply", tmp_path / "python.ply", min_points=5, cell=0.5)
+    same(tmp_path / "python.ply", tmp_path / "program.ply")
+    assert ours.report == report and ours.report["objects"] > 5
+    given = printed(run, "segment", folder / "train.ply", "--labels", tmp_path / "program.ply", "-o", tmp_path / "c.ply")
+    again = underbrush.segment(folder / "train.ply", tmp_path / "d.ply", labels=tmp_path / "program.ply")
+    same(tmp_path / "d.ply", tmp_path / "c.ply")
+    assert again.report == given
+
+    report = printed(run, "extract", folder / "model", tmp_path / "program.ply", "-o", tmp_path / "program", "--elements",
+                     "box", "--min-elements", "2")
+    primitives = underbrush.extract(folder / "model", tmp_path / "program.ply", tmp_path / "python", elements="box",
+                                    min_elements=2)
+    same(tmp_path / "python", tmp_path / "program")
+    assert underbrush.report_of(primitives) == report and len(primitives) > 5
+
+    site = tmp_path / "site.json"
+    run("annotate", tmp_path / "program.ply", "--ground", folder / "model", "-o", site)
+    tree = next(name for name in primitives.labels if name.endswith("tree"))
+    report = printed(run, "compose", site, tmp_path / "program", "-o", tmp_path / "scene", "--nearest", "3", "--scale",
+                     "--class-density", f"{tree}=1.5", "--seed", "4")
+    scene = underbrush.compose(site, tmp_path / "program", tmp_path / "ours", nearest=3, scale=True,
+                               class_density={tree: 1.5}, seed=4)
+    same(tmp_path / "ours", tmp_path / "scene")
+    assert isinstance(report, dict)
+    assert underbrush.report_of(scene) == {k: v for k, v in report.items() if k != "warnings"}
+    with pytest.raises(underbrush.FormatError, match="no primitives of the class"):
+        underbrush.compose(site, tmp_path / "program", leave_out=[str(site)], strict=True, ground=folder / "model")
+
+
+def test_perceive(run: Callable[..., str], folder: pathlib.Path, tmp_path: pathlib.Path) -> None:
+    log = folder / "test.ply"
+    report = printed(run, "perceive", log, "--pipeline", "real", "--needed", "2", "--existence", "in-a-row", "--grid",
+                     tmp_path / "program.png", "--sensor-height", "1.8", "-o", tmp_path / "program.csv")
+    ours = underbrush.perceive(log, tmp_path / "python.csv", pipeline="real", needed=2, existence="in-a-row",
+                               grid=tmp_path / "python.png", sensor_height=1.8)
+    same(tmp_path / "python.csv", tmp_path / "program.csv")
+    same(tmp_path / "python.png", tmp_path / "program.png")
+    assert isinstance(report, dict)
+    report["grid"].pop("seconds", None)
+    assert without_origin(underbrush.report_of(ours)) == report and report["objects"] > 0
+    assert sum(len(ours.objects(k)) for k in range(len(ours))) == report["objects"]
+
+    words = ["--truth", tmp_path / "program.csv", "--ghosts-per-s", "2", "--seed", "3"]
+    report = printed(run, "perceive", log, *words, "-o", tmp_path / "program.json", "--write-truth",
+                     tmp_path / "program_truth.csv")
+    ours = underbrush.perceive(log, tmp_path / "python.json", truth=tmp_path / "program.csv", ghosts_per_s=2.0, seed=3,
+                               write_truth=tmp_path / "python_truth.csv")
+    same(tmp_path / "python.json", tmp_path / "program.json")
+    same(tmp_path / "python_truth.csv", tmp_path / "program_truth.csv")
+    assert without_origin(underbrush.report_of(ours)) == report
+    with pytest.raises(ValueError, match="the tracking model needs the truth"):
+        underbrush.perceive(log)

@@ -15,24 +15,25 @@ Errors: `ValueError` for a caller's mistake, `FormatError` for bad data in a fil
 """
 from __future__ import annotations
 
-from underbrush._core import (BeamLog, EllipsoidTable, LogInfo, LogReader, LogWriter, Model, Pose, Primitives, ScanInfo,
-                              Scene, Score, Sensor, Summary, Trajectory, TriangleMesh, Tuning, beams,
+from underbrush._core import (BeamLog, EllipsoidTable, LogInfo, LogReader, LogWriter, Model, ObjectLists, Pose, Primitives,
+                              ScanInfo, Scene, Score, Sensor, Summary, Trajectory, TriangleMesh, Tuning, beams,
                               class_names, fitters, read_log, read_model, read_scene, read_trajectory, sensors,
                               set_threads, threads, version, write_log, write_model, write_primitives, write_scene)
 from underbrush.errors import FormatError
 from underbrush.live import Lidar
 from underbrush.logs import ellipsoid_axes, log_from_columns
 from underbrush.scenes import scene_from_models
-from underbrush.verbs import (MOVER, Marked, Segmentation, compose, extract, fit, movers, optimize, report_of, score,
-                              segment, simulate)
+from underbrush.verbs import (MOVER, Imported, Marked, Segmentation, Split, compose, extract, fit, import_log, movers,
+                              optimize, perceive, report_of, score, segment, simulate, split)
 
 __version__ = version()
 
 __all__ = [
-    "BeamLog", "EllipsoidTable", "FormatError", "Lidar", "LogInfo", "LogReader", "LogWriter", "MOVER", "Marked", "Model",
-    "Pose", "Primitives", "ScanInfo", "Scene", "Score", "Segmentation", "Sensor", "Summary", "Trajectory", "TriangleMesh",
-    "Tuning", "__version__", "beams", "class_names", "compose", "ellipsoid_axes", "extract", "fit", "fitters",
-    "log_from_columns", "movers", "optimize", "read_log", "read_model", "read_scene", "read_trajectory", "report_of",
-    "scene_from_models", "score", "segment", "sensors", "set_threads", "simulate", "threads", "write_log",
-    "write_model", "write_primitives", "write_scene",
+    "BeamLog", "EllipsoidTable", "FormatError", "Imported", "Lidar", "LogInfo", "LogReader", "LogWriter", "MOVER",
+    "Marked", "Model", "ObjectLists", "Pose", "Primitives", "ScanInfo", "Scene", "Score", "Segmentation", "Sensor",
+    "Split", "Summary", "Trajectory", "TriangleMesh", "Tuning", "__version__", "beams", "class_names", "compose",
+    "ellipsoid_axes", "extract", "fit", "fitters", "import_log", "log_from_columns", "movers", "optimize",
+    "perceive", "read_log", "read_model", "read_scene", "read_trajectory", "report_of", "scene_from_models",
+    "score", "segment", "sensors", "set_threads", "simulate", "split", "threads", "write_log", "write_model",
+    "write_primitives", "write_scene",
 ]

@@ -11,12 +11,14 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, overload
 
 from underbrush import _core
-from underbrush._core import BeamLog, Model, Primitives, Scene, Score, Sensor, Trajectory, Tuning
+from underbrush._core import BeamLog, Model, ObjectLists, Primitives, Scene, Score, Sensor, Trajectory, Tuning
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from underbrush._parameters import FitParameters, SimulateParameters
+    from underbrush._parameters import (ComposeParameters, ExtractParameters, FitParameters, ImportParameters,
+                                        MoversParameters, PerceiveParameters, SegmentParameters, SimulateParameters,
+                                        SplitParameters)
 
 Path = str | os.PathLike[str]
 Log = BeamLog | Path  #: A log, or the path of one (ray cloud PLY, as `underbrush import` writes it).
@@ -26,6 +28,20 @@ Progress = Callable[[str, int, int], object] | bool
 #: An object that moves: a model, or the path of a model's folder or a mesh (OBJ, PLY); its poses over time, world from
 #: object; and a material, "" for that of its class.
 Mover = tuple[Model | Path, Trajectory | Path, str]
+
+
+class Imported(NamedTuple):
+    """A log that was read and the counts that `underbrush import --json` writes."""
+
+    log: BeamLog
+    report: dict[str, Any]
+
+
+class Split(NamedTuple):
+    """The two parts of a log."""
+
+    train: BeamLog
+    test: BeamLog
 
 
 class Segmentation(NamedTuple):
@@ -49,6 +65,13 @@ def _provenance(verb: str, seed: int, **options: object) -> str:
     words = [f"{name}={value}" for name, value in options.items() if isinstance(value, (str, int, float))]
     return json.dumps({"program": f"underbrush {_core.version()}", "command": ["underbrush." + verb, *words],
                        "seed": seed, "inputs": {}})
+
+
+def _set(core: Any, options: Mapping[str, Any]) -> Any:
+    """Sets the options of a verb by name; paths become text."""
+    for name, value in options.items():
+        core.set(name, os.fspath(value) if isinstance(value, os.PathLike) else value)
+    return core
 
 
 def _sensor(sensor: Sensor | str | None) -> Sensor | None:
@@ -89,8 +112,8 @@ def _shown(progress: Progress | None) -> Iterator[Callable[[str, int, int], obje
             bar.close()
 
 
-def report_of(value: Model | Scene | Primitives) -> dict[str, Any]:
-    """Returns counts, warnings and times of the `fit`, `compose` or `extract` that made the value.
+def report_of(value: Model | Scene | Primitives | ObjectLists) -> dict[str, Any]:
+    """Returns counts, warnings and times of the `fit`, `compose`, `extract` or `perceive` that made the value.
 
     The keys are those of the command's `--json`. The dict is empty for a value that was read from a file.
     """
@@ -135,11 +158,11 @@ def _options(seed: int, movers: Sequence[Mover], keywords: Mapping[str, Any]) ->
     options = _core.SimulateOptions()
     options.seed = seed
     options.movers = list(movers)
-    for name, value in keywords.items():
-        if name in ("waveforms", "up", "unit", "assets"):
-            setattr(options, name, value)
-        else:
-            options.set(name, value)
+    of_files = ("waveforms", "up", "unit", "assets")
+    for name in of_files:
+        if name in keywords:
+            setattr(options, name, keywords[name])
+    _set(options, {name: value for name, value in keywords.items() if name not in of_files})
     return options
 
 
@@ -217,83 +240,130 @@ def score(real: Log, simulated: Log, *, model: World | None = None, train: Log |
     return scores
 
 
-def segment(log: Log, output: Path | None = None, *, labels: Path | None = None, label_set: str = "",
-            truth: str = "instance", progress: Progress | None = None, **options: float | str) -> Segmentation:
+def import_log(source: Path, output: Path | None = None, *, float_coordinates: bool = False,
+               progress: Progress | None = None, **options: Unpack[ImportParameters]) -> Imported:
+    """Reads a log of any supported format as beams, with misses kept or inferred.
+
+    `options` are those of `underbrush import` with `_` for `-`, such as `poses`, `deskew` and `infer_misses`. With
+    `output`, the log is written too, its coordinates as float with `float_coordinates`. Recordings (bags, LAS, packets, E57) have
+    readers in `underbrush.formats`. Raises `ValueError`, `TypeError`, `FormatError`, `OSError`.
+    """
+    given: dict[str, Any] = dict(options)
+    with _shown(progress) as shown:
+        log, report = _core.import_log(source, _set(_core.ImportOptions(), given), shown)
+    if output is not None:
+        with _core.LogWriter(output, log.info, _provenance("import_log", 1, **given), not float_coordinates) as writer:
+            writer.write(log)
+    return Imported(log, json.loads(report))
+
+
+def split(log: Log, train: Path | None = None, test: Path | None = None, *, progress: Progress | None = None,
+          **options: Unpack[SplitParameters]) -> Split:
+    """Splits a log into a part for training and one for tests, which never share a beam.
+
+    `options` are those of `underbrush split`: one of `every`, `columns`, `time` and `region`, and `offset`. With
+    `train` and `test`, the parts are written too. Raises `ValueError`, `TypeError`, `FormatError`, `OSError`.
+    """
+    given: dict[str, Any] = dict(options)
+    with _shown(progress) as shown:
+        parts = Split(*_core.split(log, _set(_core.SplitOptions(), given), shown))
+    for path, part in ((train, parts.train), (test, parts.test)):
+        if path is not None:
+            _core.write_log(path, part, "", _provenance("split", 1, **given))
+    return parts
+
+
+def segment(log: Log, output: Path | None = None, *, progress: Progress | None = None,
+            **options: Unpack[SegmentParameters]) -> Segmentation:
     """Labels the hits of a log as ground, trees, shrubs and patches, or takes labels from a file.
 
-    `options` are those of `underbrush segment` with `_` for `-`: `ground_method`, `min_range`, `tile`, `cell`, `gap`,
-    `min_points`, `spacing`, `prominence`, `radius`, `foot`, `tree_height`, `small_shrub_height`, `medium_tree_height`,
-    `large_tree_height` and `patch_side`. `truth` names the column with the numbers of the true trees to score against.
-    With `output`, the log is written too. Raises `ValueError`, `TypeError`, `FormatError`, `OSError`.
+    `options` are those of `underbrush segment` with `_` for `-`, such as `ground_method`, `min_range`, `min_points` and
+    `labels`. With `output`, the log is written too. Raises `ValueError`, `TypeError`, `FormatError`, `OSError`.
     """
-    core = _core.SegmentOptions()
-    _set(core, "segment", options)
+    given: dict[str, Any] = dict(options)
     with _shown(progress) as shown:
-        labelled, report = _core.segment(log, core, labels, label_set, truth, shown)
+        labelled, report = _core.segment(log, _set(_core.SegmentOptions(), given), shown)
     if output is not None:
-        _core.write_log(output, labelled, "", _provenance("segment", 1, **options))
+        _core.write_log(output, labelled, "", _provenance("segment", 1, **given))
     return Segmentation(labelled, json.loads(report))
 
 
 def movers(log: Log, output: Path | None = None, *, progress: Progress | None = None,
-           **options: float | Sequence[float]) -> Marked:
+           **options: Unpack[MoversParameters]) -> Marked:
     """Marks the returns of what moved during a log, which `fit` and `score` leave out.
 
-    `options` are those of `underbrush movers` with `_` for `-`: `look_s`, `least_empty`, `cell_deg`, `max_range`,
-    `same_m`, `least_points`. With `output`, the log is written too. Raises `ValueError` (`FormatError` for a log of one
-    scan), `TypeError`, `OSError`.
+    `options` are those of `underbrush movers` with `_` for `-`, such as `look_s` and `least_points`. With `output`, the
+    log is written too. Raises `ValueError` (`FormatError` for a log of one scan), `TypeError`, `OSError`.
     """
-    core = _core.MoverOptions()
-    _set(core, "movers", options)
+    given: dict[str, Any] = dict(options)
     with _shown(progress) as shown:
-        marked, report = _core.movers(log, core, shown)
+        marked, report = _core.movers(log, _set(_core.MoverOptions(), given), shown)
     if output is not None:
-        _core.write_log(output, marked, "", _provenance("movers", 1, **options))
+        _core.write_log(output, marked, "", _provenance("movers", 1, **given))
     return Marked(marked, json.loads(report))
 
 
 def extract(model: Model | Path, labelled: Log, output: Path | None = None, *, progress: Progress | None = None,
-            **options: float | str) -> Primitives:
+            **options: Unpack[ExtractParameters]) -> Primitives:
     """Cuts primitives out of a model along the labelled log that it was fitted to.
 
-    `options` are those of `underbrush extract` with `_` for `-`: `box_quantile`, `elements` ("own" or "box"),
-    `free_space_below`, `patch_cell`, `min_elements`, `min_points`. With `output`, the set's folder is written too.
-    Raises `ValueError`, `TypeError`, `FormatError`, `OSError`.
+    `options` are those of `underbrush extract` with `_` for `-`, such as `box_quantile` and `elements` ("own" or
+    "box"). With `output`, the set's folder is written too. Raises `ValueError`, `TypeError`, `FormatError`, `OSError`.
     """
-    core = _core.ExtractOptions()
-    _set(core, "extract", options)
+    given: dict[str, Any] = dict(options)
     with _shown(progress) as shown:
-        primitives = _core.extract(model, labelled, core, shown)
+        primitives = _core.extract(model, labelled, _set(_core.ExtractOptions(), given), shown)
     if output is not None:
-        _core.write_primitives(output, primitives, _provenance("extract", 1, **options))
+        _core.write_primitives(output, primitives, _provenance("extract", 1, **given))
     return primitives
 
 
 def compose(annotation: Path, primitives: Primitives | Path, output: Path | None = None, *,
-            ground: Model | Path | None = None, nearest: int = 1, scale: bool = False,
-            class_density: Mapping[str, float] | None = None, allow_outside: bool = False, strict: bool = False,
-            seed: int = 1, progress: Progress | None = None) -> Scene:
+            ground: Model | Path | None = None, class_density: Mapping[str, float] | Sequence[str] = (), seed: int = 1,
+            progress: Progress | None = None, **options: Unpack[ComposeParameters]) -> Scene:
     """Composes a scene from primitives along an annotation.
 
     `primitives` is a set, the path of one, or "mesh_primitives" for generated plants. `ground` replaces the
-    annotation's ground model. `class_density` has the number of objects for each annotated one, by class. With
-    `strict`, an object that cannot be placed as annotated is an error. With `output`, the scene's folder is written
-    too. Raises `ValueError`, `FormatError`, `OSError`.
+    annotation's ground model. `class_density` has the number of objects for each annotated one, by class. `options` are
+    those of `underbrush compose` with `_` for `-`, such as `nearest`, `scale` and `strict`. With `output`, the scene's
+    folder is written too. Raises `ValueError`, `TypeError`, `FormatError`, `OSError`.
     """
-    core = _core.ComposeOptions()
-    core.seed, core.nearest, core.scale = seed, nearest, scale
-    for name, factor in (class_density or {}).items():
-        core.set_density(name, factor)
+    given: dict[str, Any] = dict(options)
+    words = class_density
+    if isinstance(words, Mapping):
+        words = [f"{name}={factor!r}" for name, factor in words.items()]
+    core = _set(_core.ComposeOptions(), {**given, "class_density": list(words)})
+    core.seed = seed
     source = primitives if isinstance(primitives, Primitives) else os.fspath(primitives)
     with _shown(progress) as shown:
-        scene = _core.compose(annotation, source, ground, core, allow_outside, _provenance("compose", seed), shown)
-    report = report_of(scene)
-    if strict and (report["off_ground"] or report["left_out"] or report["borrowed"]):
-        raise ValueError(f"compose: not all objects can be placed as annotated: {report['off_ground']} off the ground, "
-                         f"left out {report['left_out']}, borrowed {report['borrowed']}")
+        scene = _core.compose(os.fspath(annotation), source, ground, core, _provenance("compose", seed, **given), shown)
     if output is not None:
         _core.write_scene(output, scene)
     return scene
+
+
+def perceive(log: Log, output: Path | None = None, *, write_truth: Path | None = None, grid: Path | None = None,
+             seed: int = 1, progress: Progress | None = None, **options: Unpack[PerceiveParameters]) -> ObjectLists:
+    """Turns a log into lists of tracked objects.
+
+    `options` are those of `underbrush perceive` with `_` for `-`, such as `pipeline` ("model" or "real"), `truth` and
+    `min_range`. With `output` and `write_truth`, the lists and those of the truth are written too (.csv, .json, .osi),
+    and with `grid` a map of free, permeable and solid cells (.png of the last cycle, else JSON of all). `report_of` has
+    the counts and the scores. Raises `ValueError`, `TypeError`, `FormatError`, `OSError`.
+    """
+    given: dict[str, Any] = dict(options)
+    if write_truth is not None and "truth" not in given:
+        raise ValueError("perceive: write_truth needs truth")
+    core = _set(_core.PerceiveOptions(), given)
+    core.seed = seed
+    origin = _provenance("perceive", seed, **given)
+    with _shown(progress) as shown:
+        lists = _core.perceive(log, core, grid, origin, shown)
+    if output is not None:
+        _core.write_objects(output, lists, False, origin)
+    if write_truth is not None:
+        _core.write_objects(write_truth, lists, True, origin)
+    return lists
 
 
 def optimize(log: Log, *, objective: str = "packet_f1", tune: Sequence[str] = (), budget: int = 60,
@@ -323,10 +393,3 @@ def optimize(log: Log, *, objective: str = "packet_f1", tune: Sequence[str] = ()
         fixed = {name.replace("_", "-"): str(value) for name, value in parameters.items()}
         _core.write_tuning_report(report, tuning, json.dumps(fixed), _provenance("optimize", seed))
     return tuning
-
-
-def _set(core: object, verb: str, options: Mapping[str, object]) -> None:
-    for name, value in options.items():
-        if not hasattr(core, name):
-            raise TypeError(f"{verb}: no option '{name}'")
-        setattr(core, name, value)

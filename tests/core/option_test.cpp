@@ -56,7 +56,7 @@ const Option<O> kTable[] = {{"every", "", "", "", [](O& o) -> auto& {return o.ev
 /// Returns what is wrong with the options.
 std::string wrong(const Options& options) {
   try {
-    check_options("verb", std::span(kTable), options);
+    check_options("verb", std::span<const Option<O>>(kTable), options);
   } catch (const std::invalid_argument& e) {
     return e.what();
   }

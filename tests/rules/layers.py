@@ -25,7 +25,7 @@ TARGETS = {
 }
 # The folders above the library, and which of them each may include beside itself and the library.
 ABOVE = {"report": (), "cli": (), "apps/underbrush": ("report", "cli"),
-         "studies": ("report", "cli", "apps/underbrush"), "bench": ("report", "apps/underbrush", "studies"),
+         "studies": ("report", "cli"), "bench": ("report", "apps/underbrush", "studies"),
          "apps/fmu": (),
          "python": ("cli", "apps/underbrush")}
 OWN_TARGETS = {"underbrush_report": "report", "underbrush_cli": "cli",

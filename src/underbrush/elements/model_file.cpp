@@ -248,11 +248,7 @@ Json manifest_of(const Model& m) {
 bool is_model(const fs::path& path) { return fs::is_regular_file(path / "model.json"); }
 
 void check_model_output(const fs::path& path) {
-  io::check_output(path, io::OutputKind::kFolder);
-  if (fs::exists(path) && !is_model(path) && !fs::is_empty(path)) {
-    throw IoError(path.string() +
-                  ": cannot write: exists and is not a model; remove it or name another");
-  }
+  io::check_output_folder(path, is_model(path), "not a model");
 }
 
 void write_model(const fs::path& path, const Model& model,

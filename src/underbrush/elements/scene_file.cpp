@@ -195,11 +195,7 @@ std::vector<std::string> element_classes(const SceneInfo& info) {
 bool is_scene(const fs::path& path) { return fs::is_regular_file(path / "scene.json"); }
 
 void check_scene_output(const fs::path& path) {
-  io::check_output(path, io::OutputKind::kFolder);
-  if (fs::exists(path) && !is_scene(path) && !fs::is_empty(path)) {
-    throw IoError(path.string() +
-                  ": cannot write: exists and is not a scene; remove it or name another");
-  }
+  io::check_output_folder(path, is_scene(path), "not a scene");
 }
 
 void write_scene(const fs::path& path, const Scene& scene, const SceneInfo& info) {

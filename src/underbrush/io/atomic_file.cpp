@@ -77,4 +77,11 @@ void write_atomically(const fs::path& path, std::string_view bytes) {
 
 void check_output(const fs::path& path, OutputKind kind) { const AtomicFile file(path, kind); }
 
+void check_output_folder(const fs::path& path, bool is_ours, const std::string& what) {
+  check_output(path, OutputKind::kFolder);
+  if (!fs::exists(path) || is_ours || fs::is_empty(path)) return;
+  throw IoError(path.string() + ": cannot write: exists and is " + what +
+                "; remove it or name another");
+}
+
 }  // namespace underbrush::io

@@ -48,6 +48,9 @@ void write_atomically(const std::filesystem::path& path, std::string_view bytes)
 /// Throws the `IoError` that writing to `path` would end with (no such folder, no permission, path
 /// exists as another kind). Callers use it before a long computation.
 void check_output(const std::filesystem::path& path, OutputKind kind = OutputKind::kFile);
+/// The same for a folder, which replaces one that stands there only if that is empty or `is_ours`.
+/// `what` tells what it is else, such as "not a model".
+void check_output_folder(const std::filesystem::path& path, bool is_ours, const std::string& what);
 
 }  // namespace io
 }  // namespace underbrush

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/osi/read.hpp"
+#include "underbrush/osi/static_data.hpp"
 #include "underbrush/radiometry/response.hpp"
 
 namespace underbrush::osi {
@@ -136,6 +138,27 @@ void append_beams(const SensorView& view, uint32_t scan, const LidarLogOptions& 
       }
     }
   }
+}
+
+BeamLog log_of_views(TraceReader& reader, const LidarLogOptions& options) {
+  BeamLog log;
+  log.info.has_misses = true;
+  StaticData known;
+  for (std::string message; reader.next(message);) {
+    SensorView view = read_sensor_view(std::move(message), reader.place());
+    known.fill(view);
+    try {
+      append_beams(view, uint32_t(reader.read() - 1), options, log);
+    } catch (const DataError& e) {
+      throw FormatError(reader.place(), "", e.what());
+    }
+  }
+  require_data(!log.empty(), "the views have no reflections");
+  for (size_t i = 0; i < log.size(); ++i) {
+    if (!log.is_hit(i)) continue;
+    log.info.max_range_m = std::max(log.info.max_range_m, std::ceil(double(log.range_m[i])));
+  }
+  return log;
 }
 
 }  // namespace underbrush::osi

@@ -5,6 +5,7 @@
 
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/osi/sensor_view.hpp"
+#include "underbrush/osi/trace.hpp"
 
 namespace underbrush::osi {
 
@@ -27,5 +28,10 @@ SensorView view_of(const BeamLog& rows, const ScanInfo& scan, const LidarLogOpti
 /// of reflections is not that of the rays, or the view has no time.
 void append_beams(const SensorView& view, uint32_t scan, const LidarLogOptions& options,
                   BeamLog& log);
+
+/// Reads the SensorViews of a trace as a log, whose range of misses is that of its farthest return,
+/// rounded up, or the usual one if that is larger. Throws `FormatError`, and `DataError` for a
+/// trace without reflections.
+BeamLog log_of_views(TraceReader& reader, const LidarLogOptions& options);
 
 }  // namespace underbrush::osi

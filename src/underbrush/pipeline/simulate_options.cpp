@@ -3,13 +3,13 @@
 #include "underbrush/core/check.hpp"
 
 namespace underbrush::pipeline {
-namespace {
+namespace {}  // namespace
 
-using O = SimulateOptions;
-using Row = Option<SimulateOptions>;
-
-// clang-format off
-const Row kOptions[] = {
+// long: the table of the options.
+std::span<const Option<SimulateOptions>> simulate_options() {
+  using O = SimulateOptions;
+  // clang-format off
+  static const Option<O> kOptions[] = {
     {"element-ids", "", "",
      "Add columns for the element at which each beam ended and for its class; for a scene also for "
      "its instance",
@@ -76,12 +76,10 @@ const Row kOptions[] = {
      [](O& o) -> auto& { return o.waveform.every; }, 1, kNoLimit, {}, "K"},
     {"waveform-count", "Waveforms", "", "Largest number of waveforms in tables and plots",
      [](O& o) -> auto& { return o.waveform.count; }, 1, 1e6, {}, "N"},
-};
+  };
 // clang-format on
-
-}  // namespace
-
-std::span<const Row> simulate_options() { return kOptions; }
+return kOptions;
+}
 
 void SimulateOptions::check() const {
   check_options("simulate", simulate_options(), *this);

@@ -116,6 +116,17 @@ void for_each_object_hit(BeamSource& labelled,
   }
 }
 
+void require_objects(const std::string& file, BeamSource& log) {
+  log.rewind();
+  BeamLog chunk;
+  log.next(chunk);
+  if (!chunk.extra.count("class") || !chunk.extra.count("instance") ||
+      log.info().classes != "underbrush") {
+    throw FormatError(
+        file, "", "has no objects: it needs the columns class and instance that segment writes");
+  }
+}
+
 MeasuredObjects measure_objects(BeamSource& labelled, const GroundSurface& ground,
                                 const MeasureOptions& o, const MeasureProgress& progress) {
   require(o.quantile >= 0 && o.quantile < 0.5, "the quantile must lie in [0, 0.5)");

@@ -3,6 +3,7 @@
 #pragma once
 #include <functional>
 #include <map>
+#include <string>
 #include <vector>
 
 #include "underbrush/core/beam_log.hpp"
@@ -28,6 +29,10 @@ struct MeasuredObjects {
   size_t off_ground = 0;  ///< Objects and cells left out because there is no ground mesh beneath
                           ///< them.
 };
+
+/// Throws `FormatError`, which calls the log `file`, unless the log has the columns `class` (in the
+/// set "underbrush") and `instance`. Rewinds the log and reads its first chunk.
+void require_objects(const std::string& file, BeamSource& log);
 
 /// Reports the progress of a pass over a log, called with (done, total).
 using MeasureProgress = std::function<void(size_t, size_t)>;

@@ -86,11 +86,7 @@ PrimitiveSet primitive_set(std::vector<Primitive> primitives, double cell_m) {
 }
 
 void check_primitives_output(const fs::path& path) {
-  io::check_output(path, io::OutputKind::kFolder);
-  if (fs::exists(path) && !is_primitive_set(path) && !fs::is_empty(path)) {
-    throw IoError(path.string() +
-                  ": cannot write: exists and is no set of primitives; remove it or name another");
-  }
+  io::check_output_folder(path, is_primitive_set(path), "no set of primitives");
 }
 
 void write_primitives(const fs::path& path, const std::vector<Primitive>& primitives, double cell_m,

@@ -130,4 +130,10 @@ void Sensor::check() const {
   }
 }
 
+std::string_view kind_name(const Sensor& sensor) {
+  if (sensor.kind == Kind::kSpinning) return "spinning";
+  if (sensor.kind == Kind::kRaster) return "raster";
+  return sensor.channels.empty() ? "directions" : "sweep";
+}
+
 }  // namespace underbrush::sensor

@@ -85,6 +85,10 @@ struct Sensor {
   void check() const;
 };
 
+/// The name of the way in which a sensor's beams cover its field of view: "spinning", "raster",
+/// "sweep" (channels over part of a turn) or "directions" (shots from a file).
+std::string_view kind_name(const Sensor& sensor);
+
 /// Loads a sensor: from the catalogue by name, or else from the YAML file at this path, whose
 /// schema is in docs/reference/sensor-files.md. Throws `std::invalid_argument`, which names the
 /// most similar sensor, if there is neither, and `FormatError` if the file is malformed.

@@ -1,0 +1,165 @@
+/// \file
+/// The verbs `import`, `split` and `perceive`.
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/variant.h>
+
+#include <cmath>
+#include <optional>
+
+#include "bind.hpp"
+#include "given.hpp"
+#include "import_report.hpp"
+#include "option_table.hpp"
+#include "perceive_report.hpp"
+#include "underbrush/osi/list_file.hpp"
+#include "underbrush/pipeline/split_log.hpp"
+#include "watched.hpp"
+
+namespace underbrush::python {
+namespace {
+
+using Path = std::filesystem::path;
+
+std::pair<BeamLog, std::string> imported(const Path& source, const pipeline::ImportOptions& options,
+                                         const nb::object& progress) {
+  std::pair<BeamLog, std::string> out;
+  run_watched(progress, [&](const Hook& hook) {
+    LogInfo info;
+    BeamLog& whole = out.first;
+    const pipeline::ImportReport report = pipeline::import_log(
+        source, options, [&](const LogInfo& known) { info = known; },
+        [&](const BeamLog& beams) {
+          if (whole.empty()) whole = beams.like();
+          whole.append(beams, 0, beams.size());
+        },
+        of_stage(hook, "import"));
+    whole.info = info;
+    whole.info.has_misses |= report.beam.misses_recorded + report.beam.misses_inferred > 0;
+    out.second = app::json_of(report).dump();
+  });
+  return out;
+}
+
+std::pair<BeamLog, BeamLog> split(const GivenLog& log, const pipeline::SplitOptions& options,
+                                  const nb::object& progress) {
+  std::pair<BeamLog, BeamLog> out;
+  run_watched(progress, [&](const Hook& hook) {
+    const std::unique_ptr<BeamSource> source = source_of(log, true);
+    const auto append = [](BeamLog& to, const BeamLog& part) {
+      if (to.empty()) to = part.like();
+      to.append(part, 0, part.size());
+    };
+    with_name(log, [&] {
+      return pipeline::split_log(
+          *source, options,
+          [&](const BeamLog& train, const BeamLog& test) {
+            append(out.first, train);
+            append(out.second, test);
+          },
+          of_stage(hook, "split"));
+    });
+    out.first.info = out.second.info = source->info();
+  });
+  return out;
+}
+
+/// Lists of objects in memory, a list a cycle, with those of the truth.
+struct PerceivedValue {
+  std::vector<perception::ObjectList> lists, truth;
+  std::string report;
+};
+
+PerceivedValue perceived(const GivenLog& log, const pipeline::PerceiveOptions& options,
+                         const std::optional<Path>& grid, const std::string& provenance,
+                         const nb::object& progress) {
+  PerceivedValue out;
+  run_watched(progress, [&](const Hook& hook) {
+    const std::unique_ptr<BeamSource> given = source_of(log, true);
+    WatchedSource source(*given, hook, "perceive");
+    std::optional<perception::LogTruth> truth;
+    if (!options.truth.empty()) {
+      truth = osi::truth_of_log(options.truth, source.info(),
+                                {options.truth_elevation_deg * M_PI / 180});
+    }
+    const pipeline::GridFile file{grid.value_or(""), provenance};
+    with_name(log, [&] {
+      pipeline::Perceived found = pipeline::perceive_log(source, truth ? &*truth : nullptr, options,
+                                                         grid ? &file : nullptr);
+      out.report = app::json_of(found).dump();
+      out.lists = std::move(found.log.lists);
+      out.truth = std::move(found.log.truth);
+    });
+  });
+  return out;
+}
+
+/// The objects of a list as dicts.
+nb::list objects_of(const PerceivedValue& v, size_t cycle) {
+  if (cycle >= v.lists.size()) throw nb::index_error("perceive: no such cycle");
+  nb::list out;
+  for (const perception::TrackedObject& o : v.lists[cycle].objects) {
+    nb::dict d;
+    const auto name = perception::name(o.label);
+    const auto triple = [](const Vec3& p) { return nb::make_tuple(p.x(), p.y(), p.z()); };
+    d["id"] = o.id;
+    d["class"] = nb::str(name.data(), name.size());
+    d["existence"] = o.existence;
+    d["centre_m"] = triple(o.box.centre_m);
+    d["size_m"] = triple(o.box.size_m);
+    d["yaw_rad"] = o.box.yaw_rad;
+    d["velocity_m_s"] = triple(o.velocity_m_s);
+    out.append(d);
+  }
+  return out;
+}
+
+void bind_perceive(nb::module_& m) {
+  using V = PerceivedValue;
+  nb::class_<V>(m, "ObjectLists", "Lists of tracked objects in the world's frame, a list a cycle.")
+      .def("__len__", [](const V& v) { return v.lists.size(); })
+      .def(
+          "time_s",
+          [](const V& v, size_t cycle) {
+            if (cycle >= v.lists.size()) throw nb::index_error("perceive: no such cycle");
+            return v.lists[cycle].time_s;
+          },
+          "cycle"_a, "Returns the time (s) of a cycle. Raises `IndexError`.")
+      .def("objects", &objects_of, "cycle"_a,
+           nb::sig("def objects(self, cycle: int) -> list[dict[str, typing.Any]]"),
+           "Returns the objects of a cycle as dicts of id, class, existence, centre_m, size_m\n"
+           "(length, width, height), yaw_rad and velocity_m_s. Raises `IndexError`.")
+      .def_prop_ro(
+          "report_json", [](const V& v) { return v.report; },
+          "What `report_of` reads: counts, scores and areas, as JSON.");
+  bind_options(m, "PerceiveOptions", "perceive", &pipeline::perceive_options)
+      .def_prop_rw(
+          "seed", [](const pipeline::PerceiveOptions& o) { return o.setup.seed; },
+          [](pipeline::PerceiveOptions& o, uint64_t v) { o.setup.seed = v; });
+  m.def("perceive", &perceived, "log"_a, "options"_a, "grid"_a.none(), "provenance"_a,
+        "progress"_a.none(), "Turns a log into lists of tracked objects.");
+  m.def(
+      "write_objects",
+      [](const Path& path, const V& v, bool truth, const std::string& provenance) {
+        osi::write_lists(path, truth ? v.truth : v.lists, provenance);
+      },
+      "path"_a, "lists"_a, "truth"_a = false, "provenance"_a = "",
+      nb::call_guard<nb::gil_scoped_release>(),
+      "Writes lists of objects, or their truth, as .csv, .json or .osi, by the extension. Raises\n"
+      "`ValueError`, `OSError`.");
+}
+
+}  // namespace
+
+void bind_log_verbs(nb::module_& m) {
+  bind_options(m, "ImportOptions", "import", &pipeline::import_options);
+  m.def("import_log", &imported, "source"_a, "options"_a, "progress"_a.none(),
+        "Reads a log of any supported format into memory.");
+  bind_options(m, "SplitOptions", "split", &pipeline::split_options);
+  m.def("split", &split, "log"_a, "options"_a, "progress"_a.none(),
+        "Splits a log into a part for training and one for tests.");
+  bind_perceive(m);
+}
+
+}  // namespace underbrush::python

@@ -1,0 +1,24 @@
+/// \file
+/// This file writes a log as a trace of SensorViews.
+#pragma once
+#include <cstddef>
+
+#include "underbrush/osi/lidar_log.hpp"
+#include "underbrush/osi/trace.hpp"
+#include "underbrush/perception/log_truth.hpp"
+
+namespace underbrush::osi {
+
+/// The numbers of messages, of rays and of true objects, each as often as it was seen.
+struct RecordCounts {
+  size_t views = 0, rays = 0, objects = 0;
+};
+
+/// Writes a SensorView with reflections for each scan of a log, with the true objects unless
+/// `truth` is null. The host vehicle is where the sensor is. The writer is not closed. A log that
+/// does not say where its scans were made is read once more, and has the places of their first
+/// beams. Throws `DataError` for a log without beams, or with a beam whose scan has no pose.
+RecordCounts record_log(BeamSource& log, const perception::LogTruth* truth,
+                        const LidarLogOptions& options, TraceWriter& writer);
+
+}  // namespace underbrush::osi

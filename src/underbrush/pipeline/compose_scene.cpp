@@ -1,0 +1,125 @@
+#include "underbrush/pipeline/compose_scene.hpp"
+
+#include "underbrush/core/check.hpp"
+#include "underbrush/core/names.hpp"
+#include "underbrush/elements/model_file.hpp"
+#include "underbrush/io/text.hpp"
+#include "underbrush/pipeline/plants.hpp"
+#include "underbrush/primitives/leave_out.hpp"
+
+namespace underbrush::pipeline {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* kMeshPrimitives = "mesh_primitives";
+
+std::map<elements::Class, double> densities_of(const std::vector<std::string>& words) {
+  std::map<elements::Class, double> out;
+  for (const std::string& word : words) {
+    const size_t equals = word.find('=');
+    const std::string name = word.substr(0, equals);
+    const auto label = elements::class_from_name(name);
+    if (!label) {
+      const std::string near =
+          nearest_name(name, {elements::kClassNames.begin(), elements::kClassNames.end()});
+      throw std::invalid_argument("compose: no class '" + name + "'" +
+                                  (near.empty() ? "" : "; did you mean '" + near + "'?"));
+    }
+    const auto factor = io::number_of(equals == std::string::npos ? "" : word.substr(equals + 1));
+    if (!factor || !(*factor >= 0 && *factor <= 100)) {
+      throw std::invalid_argument(
+          "compose: expected CLASS=FACTOR with a factor in [0, 100], not '" + word + "'");
+    }
+    out[*label] = *factor;
+  }
+  return out;
+}
+
+void require_all_placed(const std::string& annotation, const std::string& primitives,
+                        const primitives::Composition& c) {
+  if (c.off_ground) {
+    throw FormatError(annotation, "",
+                      std::to_string(c.off_ground) + " objects stand off the ground mesh");
+  }
+  for (const auto& counts : {c.left_out, c.borrowed}) {
+    if (counts.empty()) continue;
+    throw FormatError(primitives, "",
+                      "no primitives of the class " + counts.begin()->first + ", which " +
+                          std::to_string(counts.begin()->second) + " objects have");
+  }
+}
+
+}  // namespace
+
+std::span<const Option<ComposeOptions>> compose_options() {
+  using O = ComposeOptions;
+  // clang-format off
+  static const Option<O> kOptions[] = {
+    {"nearest", "", "", "Draw each primitive among this many with the nearest boxes",
+     [](O& o) -> auto& { return o.nearest; }, 1, kNoLimit},
+    {"scale", "", "", "Scale primitives to their boxes",
+     [](O& o) -> auto& { return o.scale; }},
+    {"class-density", "", "",
+     "Objects for each annotated one of a class: below 1 leaves some out, above 1 adds more beside "
+     "them",
+     [](O& o) -> auto& { return o.class_density; }, -kNoLimit, kNoLimit, {}, "CLASS=FACTOR ..."},
+    {"leave-out", "", "",
+     "Use no primitive that was cut from an object whose box overlaps one of this annotation, as "
+     "seen from above",
+     [](O& o) -> auto& { return o.leave_out; }, -kNoLimit, kNoLimit, {}, "ANNOTATION ..."},
+    {"allow-outside", "", "", kAllowOutsideHelp,
+     [](O& o) -> auto& { return o.allow_outside; }},
+    {"strict", "", "", "Fail if an object cannot be placed as annotated",
+     [](O& o) -> auto& { return o.strict; }},
+  };
+// clang-format on
+return kOptions;
+}
+
+NamedSet primitives_named(const std::string& name, uint64_t seed) {
+  if (name != kMeshPrimitives) return {name, primitives::read_primitive_set(name), {name}};
+  primitives::MeshPrimitiveOptions options;
+  options.seed = seed;
+  NamedSet out{
+      name, primitives::primitive_set(primitives::mesh_primitives(generated_plants(seed), options),
+                                      options.cell_m)};
+  if (fs::exists(fs::path(name) / "primitives.json")) {
+    out.warnings.push_back(
+        name + " is the set of the generated plants; the folder of that name is ./" + name);
+  }
+  return out;
+}
+
+ComposedScene compose_scene(const std::string& annotation, NamedSet primitives,
+                            const elements::Model* ground, const std::string& ground_folder,
+                            const ComposeOptions& options,
+                            const primitives::ComposeProgress& progress) {
+  check_options("compose", compose_options(), options);
+  primitives::ComposeOptions how{options.seed, options.nearest, options.scale,
+                                 densities_of(options.class_density)};
+  const primitives::Annotation site =
+      primitives::read_annotation(annotation, options.allow_outside);
+  ComposedScene out;
+  out.inputs.emplace_back(annotation);
+  out.inputs.insert(out.inputs.end(), primitives.inputs.begin(), primitives.inputs.end());
+  for (const std::string& file : options.leave_out) {
+    out.primitives_left_out += primitives::leave_out(
+        primitives.set, primitives::read_annotation(file, options.allow_outside).objects);
+    out.inputs.emplace_back(file);
+  }
+  elements::Model read;
+  if (!ground) {
+    const fs::path from =
+        ground_folder.empty() ? site.ground.lexically_normal() : fs::path(ground_folder);
+    read = elements::read_model(from);
+    if (read.ground.size() == 0) throw FormatError(from.string(), "", "the model has no ground");
+    out.inputs.push_back(from);
+    ground = &read;
+  }
+  require_data(ground->ground.size() > 0, "compose: the model has no ground");
+  out.composition = primitives::compose(site, *ground, primitives.set, how, progress);
+  if (options.strict) require_all_placed(annotation, primitives.name, out.composition);
+  return out;
+}
+
+}  // namespace underbrush::pipeline

@@ -1,0 +1,64 @@
+/// \file
+/// The verb `compose`: an annotation and primitives in, a scene out.
+#pragma once
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "underbrush/core/option.hpp"
+#include "underbrush/primitives/compose.hpp"
+
+namespace underbrush::pipeline {
+
+/// Help of the option --allow-outside of the verbs that read an annotation.
+inline constexpr const char* kAllowOutsideHelp =
+    "Follow paths of the annotation that lead out of its folder";
+
+/// The options of `compose`.
+struct ComposeOptions {
+  uint64_t seed = 1;
+  size_t nearest = 1;  ///< See `primitives::ComposeOptions`, as for `scale`.
+  bool scale = false;
+  std::vector<std::string> class_density;  ///< Each is CLASS=FACTOR.
+  /// Annotations: no primitive is used that was cut from an object whose box overlaps one of
+  /// theirs, as seen from above.
+  std::vector<std::string> leave_out;
+  bool allow_outside = false;
+  bool strict = false;  ///< An object that cannot be placed as annotated is an error.
+};
+
+/// The options of `compose`.
+std::span<const Option<ComposeOptions>> compose_options();
+
+/// A set of primitives with its name for messages.
+struct NamedSet {
+  std::string name;
+  primitives::PrimitiveSet set;
+  std::vector<std::filesystem::path> inputs{};  ///< Folders that the set was read from.
+  std::vector<std::string> warnings{};
+};
+
+/// Reads the set in the folder `name`. The name `mesh_primitives` always means the set of the
+/// generated plants, with which the comparison simulator of [tallavajhula18] §V composes: that
+/// which `meshes generated` writes with that seed and no other option. A folder of that name must
+/// be written as `./mesh_primitives`; a set in it gives a warning. Throws `FormatError`.
+NamedSet primitives_named(const std::string& name, uint64_t seed);
+
+/// A composed scene, and what it was made of.
+struct ComposedScene {
+  primitives::Composition composition;
+  size_t primitives_left_out = 0;             ///< By `ComposeOptions::leave_out`.
+  std::vector<std::filesystem::path> inputs;  ///< The files and folders that were read.
+};
+
+/// Composes a scene along the annotation in a file (`primitives::compose`). It stands on `ground`,
+/// or where that is null on the model in the folder `ground_folder`, or where that is empty on the
+/// annotation's. `progress(done, total)` may be empty. Throws `FormatError`, `DataError` and
+/// `std::invalid_argument`.
+ComposedScene compose_scene(const std::string& annotation, NamedSet primitives,
+                            const elements::Model* ground, const std::string& ground_folder,
+                            const ComposeOptions& options,
+                            const primitives::ComposeProgress& progress = {});
+
+}  // namespace underbrush::pipeline

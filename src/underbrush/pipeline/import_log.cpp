@@ -1,0 +1,232 @@
+#include "underbrush/pipeline/import_log.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "underbrush/core/check.hpp"
+#include "underbrush/io/input.hpp"
+#include "underbrush/pipeline/row_filter.hpp"
+#include "underbrush/sensor/pulse_returns.hpp"
+
+namespace underbrush::pipeline {
+namespace {
+
+constexpr double kFewMisses = 0.03;  // of all recorded
+
+// The sensor of an option, which must be a spinning one.
+sensor::Sensor spinning_sensor(const std::string& option, const std::string& name) {
+  sensor::Sensor s = sensor::load(name);
+  if (s.kind == sensor::Kind::kSpinning) return s;
+  const std::string reason = option + " needs a spinning sensor";
+  if (std::filesystem::is_regular_file(name)) throw FormatError(name, "kind", reason);
+  throw std::invalid_argument("import: " + in_quotes(name) + ": " + reason);
+}
+
+io::InputOptions input_options(const ImportOptions& o) {
+  io::InputOptions out;
+  out.format = o.format;
+  out.poses = o.poses;
+  out.times = o.times;
+  out.labels = o.labels;
+  out.points_in_world = o.points_in_world;
+  if (!o.frames.empty()) out.frames = io::frames_from_text(o.frames);
+  out.fit_clock = !o.deskew.empty() && !o.times_as_given;
+  return out;
+}
+
+sensor::BeamOptions beam_options(const ImportOptions& o, const io::Input& input) {
+  sensor::BeamOptions out;
+  out.elevation_offset_rad = o.elevation_offset_deg * M_PI / 180;
+  if (!std::isnan(o.unknown_below_deg)) {
+    out.unknown_below_rad = out.recorded_unknown_below_rad = o.unknown_below_deg * M_PI / 180;
+  }
+  if (!o.deskew.empty()) {
+    require(!input.compensated, "import: --deskew: these scans are motion-compensated already");
+    out.deskew = spinning_sensor("--deskew", o.deskew);
+  }
+  if (!o.infer_misses.empty()) {
+    out.infer_misses = spinning_sensor("--infer-misses", o.infer_misses);
+  }
+  return out;
+}
+
+// Returns the description of the log. Whether it has misses is found while it is read.
+LogInfo info_of_scans(const ImportOptions& o, const io::Input& input,
+                      const sensor::BeamOptions& options) {
+  LogInfo info;
+  const auto& known = options.deskew ? options.deskew : options.infer_misses;
+  if (known) {
+    info.sensor = known->name;
+    info.sensor_file = known->file;
+    info.min_range_m = known->min_range_m;
+    info.max_range_m = known->max_range_m;
+  }
+  if (o.max_range_m > 0) info.max_range_m = o.max_range_m;
+  info.deskewed = options.deskew.has_value();
+  info.classes = o.label_set.empty() ? input.classes : o.label_set;
+  info.has_misses = options.infer_misses.has_value();
+  info.scans = input.scan_infos;
+  return info;
+}
+
+LogInfo info_of_beams(const ImportOptions& o, const io::Input& input,
+                      const io::FrameRange& frames) {
+  require(o.deskew.empty() && o.infer_misses.empty() && o.elevation_offset_deg == 0,
+          "import: this log holds beams with their origins: --deskew, --infer-misses and "
+          "--elevation-offset-deg are for scans");
+  LogInfo info = input.beams->info();
+  std::erase_if(info.scans, [&](const auto& s) { return !frames.has(s.scan); });
+  if (o.max_range_m > 0) info.max_range_m = o.max_range_m;
+  if (!o.label_set.empty()) info.classes = o.label_set;
+  return info;
+}
+
+// Returns that are not known to be of one pulse count as several beams.
+void note_echoes(const RowFilter& keep, const std::map<std::string, ExtraColumn>& extra,
+                 std::vector<std::string>& notes) {
+  for (const std::string name : {"target_index", "return_number"}) {
+    if (!keep.all() || !extra.count(name)) continue;
+    const std::string note = "every return is taken for a beam of its own; --keep " + name +
+                             "=1 takes the first of each";
+    if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(note);
+  }
+}
+
+/// Makes the beams of a scan, with all returns of each pulse.
+BeamLog beams_with_echoes(const PointScan& scan, const Trajectory& path,
+                          const sensor::BeamOptions& options, ImportReport& report) {
+  const std::optional<sensor::PulseReturns> pulses = sensor::pulse_returns(scan);
+  if (!pulses) return sensor::beams_from_scan(scan, path, options, report.beam);
+  BeamLog beams = sensor::beams_from_scan(pulses->first, path, options, report.beam);
+  const size_t fired = beams.size();
+  sensor::insert_later_returns(*pulses, beams);
+  report.later_returns += beams.size() - fired;
+  if (pulses->lost > 0) report.beam.skipped[sensor::kNoPulse] += pulses->lost;
+  return beams;
+}
+
+using Write = std::function<void(const BeamLog&)>;
+using Progress = std::function<void(size_t, size_t)>;
+
+void import_scans(const RowFilter& keep, io::Input& input, const sensor::BeamOptions& options,
+                  const Write& write, const Progress& progress, ImportReport& report) {
+  for (size_t k = 0; k < input.scans->size(); ++k) {
+    PointScan scan = input.scans->read(k);
+    keep.apply(scan, report.beam.skipped);
+    const Trajectory& path = input.scans->trajectory();
+    const size_t later = report.later_returns;
+    // Who keeps some rows only has chosen what a beam is.
+    const BeamLog beams = keep.all() ? beams_with_echoes(scan, path, options, report)
+                                     : sensor::beams_from_scan(scan, path, options, report.beam);
+    if (!beams.extra.count(kEchoColumn)) note_echoes(keep, scan.extra, input.notes);
+    write(beams);
+    report.beams += beams.size() - (report.later_returns - later);
+    ++report.scans;
+    if (progress) progress(k + 1, input.scans->size());
+  }
+}
+
+/// Returns the rows of a chunk that are kept, of these frames.
+BeamLog kept_of(BeamLog chunk, const RowFilter& keep, const io::FrameRange* frames,
+                ImportReport& report) {
+  if (!keep.all()) {
+    BeamLog part = chunk.like();
+    for (const size_t i : keep.rows(chunk.extra)) part.append(chunk, i);
+    if (part.size() < chunk.size()) {
+      report.beam.skipped[keep.reason()] += chunk.size() - part.size();
+    }
+    chunk = std::move(part);
+  }
+  if (!frames) return chunk;
+  BeamLog part = chunk.like();
+  for (size_t i = 0; i < chunk.size(); ++i) {
+    if (frames->has(chunk.scan[i])) part.append(chunk, i);
+  }
+  return part;
+}
+
+void import_beams(const RowFilter& keep, io::Input& input, const io::FrameRange* frames,
+                  const Write& write, const Progress& progress, ImportReport& report) {
+  size_t done = 0;
+  std::set<uint32_t> scans;
+  for (BeamLog chunk; input.beams->next(chunk);) {
+    done += chunk.size();
+    const BeamLog kept = kept_of(std::move(chunk), keep, frames, report);
+    note_echoes(keep, kept.extra, input.notes);
+    for (size_t i = 0; i < kept.size(); ++i) {
+      if (i == 0 || kept.scan[i] != kept.scan[i - 1]) scans.insert(kept.scan[i]);
+      ++(kept.is_hit(i)              ? report.beam.hits
+         : kept.flags[i] & kInferred ? report.beam.misses_inferred
+                                     : report.beam.misses_recorded);
+    }
+    write(kept);
+    report.beams += kept.size();
+    if (progress) progress(done, input.beams->size());
+  }
+  report.scans = scans.size();
+}
+
+/// Says what became of all records where no beam is left, and what to do where the points seem to
+/// be those of a world.
+std::string nothing_usable(const ImportReport& report, bool points_in_world) {
+  std::string text = "no usable beams in it";
+  const char* separator = ": ";
+  for (const auto& [reason, n] : report.skipped) {
+    text += separator + std::to_string(n) + " " + reason;
+    separator = ", ";
+  }
+  if (report.skipped.count(io::kFarFromSensor) && !points_in_world) {
+    text +=
+        "; are its coordinates those of the world? Then --poses must say where the sensor stood, "
+        "and --points-in-world";
+  }
+  return text;
+}
+
+std::vector<std::string> warnings_of(const ImportReport& report) {
+  const auto lost = report.skipped.find(sensor::kNoGrid);
+  if (lost == report.skipped.end()) return {};
+  const size_t recorded = report.beam.misses_recorded + lost->second;
+  if (double(lost->second) <= kFewMisses * double(recorded)) return {};
+  return {std::to_string(lost->second) + " of " + std::to_string(recorded) +
+          " recorded misses are lost (" + sensor::kNoGrid +
+          "): a model fitted to this log takes plants for denser than they are"};
+}
+
+}  // namespace
+
+ImportReport import_log(const std::filesystem::path& source, const ImportOptions& options,
+                        const std::function<void(const LogInfo&)>& begin, const Write& write,
+                        const Progress& progress) {
+  check_options("import", import_options(), options);
+  const io::InputOptions how = input_options(options);
+  const RowFilter keep(source.string(), options.keep);
+  io::Input input = io::open_input(source, how);
+  ImportReport report;
+  if (input.beams) {
+    begin(info_of_beams(options, input, how.frames));
+    import_beams(keep, input, options.frames.empty() ? nullptr : &how.frames, write, progress,
+                 report);
+  } else {
+    const sensor::BeamOptions beams = beam_options(options, input);
+    begin(info_of_scans(options, input, beams));
+    import_scans(keep, input, beams, write, progress, report);
+    if (report.beams > 0 && report.beam.misses_recorded + report.beam.misses_inferred == 0) {
+      input.notes.emplace_back(
+          "the log has no misses: hit probabilities cannot be learnt from it (see --infer-misses)");
+    }
+  }
+  report.skipped = input.skipped();
+  for (const auto& [reason, n] : report.beam.skipped) report.skipped[reason] += n;
+  if (report.beams == 0) {
+    throw FormatError(source.string(), "", nothing_usable(report, options.points_in_world));
+  }
+  report.format = input.format;
+  report.clock = input.clock;
+  report.notes = input.notes;
+  report.warnings = warnings_of(report);
+  return report;
+}
+
+}  // namespace underbrush::pipeline

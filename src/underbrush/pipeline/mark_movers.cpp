@@ -1,0 +1,48 @@
+#include "underbrush/pipeline/mark_movers.hpp"
+
+#include <algorithm>
+
+namespace underbrush::pipeline {
+namespace {}  // namespace
+
+std::span<const Option<movers::MoverOptions>> mover_options() {
+  using O = movers::MoverOptions;
+  // clang-format off
+  static const Option<O> kOptions[] = {
+    {"look-s", "Search", "s", "Times before and after a scan at which others are asked",
+     [](O& o) -> auto& { return o.look_s; }},
+    {"least-empty", "Search", "", "Outermost looks that must have found a place empty",
+     [](O& o) -> auto& { return o.least_empty; }},
+    {"cell-deg", "Search", "degrees", "Width of the cells in which scans are compared",
+     [](O& o) -> auto& { return o.cell_deg; }},
+    {"max-range", "Search", "m", "Returns farther away are not looked at",
+     [](O& o) -> auto& { return o.max_range_m; }},
+    {"same-m", "Search", "m", "Ranges that differ by no more are of one thing",
+     [](O& o) -> auto& { return o.same_m; }},
+    {"least-points", "Search", "", "Returns of the smallest mover in a scan",
+     [](O& o) -> auto& { return o.least_points; }},
+  };
+// clang-format on
+return kOptions;
+}
+
+MoverMarks mark_movers(BeamSource& log, const std::string& file,
+                       const movers::MoverOptions& options,
+                       const std::function<void(const BeamLog&, std::span<const uint8_t>)>& write,
+                       const std::function<void(size_t, size_t)>& progress) {
+  options.check();
+  movers::require_two_scans(log, file);
+  MoverMarks out;
+  out.mark = movers::find_movers(log, options, progress);
+  out.marked = size_t(std::count(out.mark.begin(), out.mark.end(), 1));
+  log.rewind();
+  size_t row = 0;
+  for (BeamLog chunk; log.next(chunk); row += chunk.size()) {
+    movers::mark_movers(out.mark, row, chunk);
+    for (size_t i = 0; i < chunk.size(); ++i) out.returns += chunk.is_hit(i);
+    write(chunk, std::span(out.mark).subspan(row, chunk.size()));
+  }
+  return out;
+}
+
+}  // namespace underbrush::pipeline

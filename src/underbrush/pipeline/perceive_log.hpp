@@ -1,0 +1,39 @@
+/// \file
+/// The verb `perceive`: a log in, lists of tracked objects out, and a map of what is free.
+#pragma once
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "underbrush/pipeline/perceive_options.hpp"
+
+namespace underbrush::pipeline {
+
+/// The file into which the occupancy grids of a log go: a picture (.png) of the last cycle, else
+/// JSON of all.
+struct GridFile {
+  std::filesystem::path path;
+  std::string provenance;  ///< JSON.
+};
+
+/// The occupancy grid at the end of a log.
+struct GridSummary {
+  size_t cycles = 0;
+  std::array<double, 4> area_m2{};  ///< By `perception::CellLabel`.
+  double seconds = 0;               ///< s; of all cycles.
+};
+
+/// What was perceived.
+struct Perceived {
+  perception::PerceivedLog log;
+  std::optional<GridSummary> grid;
+};
+
+/// Turns a log into lists of objects, and into occupancy grids where `grid` names a file for them.
+/// `truth` may be null for the real pipeline. Throws `std::invalid_argument` for options out of
+/// range, `DataError` and `IoError`.
+Perceived perceive_log(BeamSource& log, const perception::LogTruth* truth,
+                       const PerceiveOptions& options, const GridFile* grid = nullptr);
+
+}  // namespace underbrush::pipeline

@@ -1,0 +1,127 @@
+#include "underbrush/pipeline/perceive_options.hpp"
+
+#include "underbrush/core/check.hpp"
+
+namespace underbrush::pipeline {
+namespace {
+
+using perception::ExistenceRule;
+using perception::HeadingSource;
+using perception::ReferencePoint;
+
+}  // namespace
+
+// long: the table of the options.
+std::span<const Option<PerceiveOptions>> perceive_options() {
+  using O = PerceiveOptions;
+  // clang-format off
+  static const Option<O> kOptions[] = {
+    {"truth", "", "",
+     "The true objects: labelled boxes in the sensor's frame (CSV with frame and track_id), or lists "
+     "of objects in the world's frame (CSV, JSON, or an OSI trace)",
+     [](O& o) -> auto& { return o.truth; }, -kNoLimit, kNoLimit, {}, "FILE"},
+    {"pipeline", "", "",
+     "The tracking model, which assigns points by the truth, or a real pipeline",
+     [](O& o) -> auto& { return o.pipeline; }, -kNoLimit, kNoLimit, {"model", "real"}},
+    {"rig", "", "", "The sensors of the vehicle, for a log of several",
+     [](O& o) -> auto& { return o.rig; }, -kNoLimit, kNoLimit, {}, "RIG.yaml"},
+    {"min-range", "", "",
+     "Ignore hits nearer than this, m, such as those on the own vehicle",
+     [](O& o) -> auto& { return o.setup.cycles.min_range_m; }, 0, kNoLimit},
+    {"sensor-height", "", "m",
+     "Height of the sensor above the ground; the vehicle's frame stands there. A rig's sensors have "
+     "theirs",
+     [](O& o) -> auto& { return o.setup.cycles.sensor_height_m; }, 0, 100},
+    {"truth-elevation-deg", "", "",
+     "Turn labelled boxes up by this angle, as import turned the beams",
+     [](O& o) -> auto& { return o.truth_elevation_deg; }},
+    {"no-deskew", "", "", "Ignore the vehicle's motion within a cycle",
+     [](O& o) -> auto& { return o.no_deskew; }},
+
+    {"existence", "Existence", "",
+     "When an object is listed: by its probability, after --needed cycles in a row with points, or "
+     "after --needed of --window cycles",
+     [](O& o) -> auto& { return o.existence; }, -kNoLimit, kNoLimit,
+     {"probability", "in-a-row", "out-of"}},
+    {"gain", "Existence", "", "Probability that a cycle with points adds",
+     [](O& o) -> auto& { return o.setup.model.track.existence.step.gain; }},
+    {"loss", "Existence", "", "Probability that a cycle without points subtracts",
+     [](O& o) -> auto& { return o.setup.model.track.existence.step.loss; }},
+    {"threshold", "Existence", "", "Probability from which on an object is listed",
+     [](O& o) -> auto& { return o.setup.model.track.existence.threshold; }},
+    {"start-points", "Existence", "",
+     "An object that is not listed needs more points than this number",
+     [](O& o) -> auto& { return o.setup.model.track.existence.step.start_points; }},
+    {"full-extent", "Existence", "m",
+     "Segments that are smaller than this add less; 0 = all add the same",
+     [](O& o) -> auto& { return o.setup.model.track.existence.full_extent_m; }},
+    {"needed", "Existence", "", "Cycles with points",
+     [](O& o) -> auto& { return o.setup.model.track.existence.needed; }},
+    {"window", "Existence", "", "Cycles among which they are counted",
+     [](O& o) -> auto& { return o.setup.model.track.existence.window; }},
+    {"lost", "Existence", "",
+     "Cycles without points after which an object is dropped; not by probability",
+     [](O& o) -> auto& { return o.setup.model.track.existence.lost; }},
+
+    {"reference", "State", "", "The point that is tracked",
+     [](O& o) -> auto& { return o.reference; }, -kNoLimit, kNoLimit,
+     {"corner", "centre", "gravity"}},
+    {"heading", "State", "", "Where the tracking model takes headings from",
+     [](O& o) -> auto& { return o.heading; }, -kNoLimit, kNoLimit, {"points", "truth"}},
+    {"as-measured", "State", "",
+     "Report boxes as the points show them, not completed by the sizes of the class",
+     [](O& o) -> auto& { return o.as_measured; }},
+    {"ground", "State", "", "Ground removal of the real pipeline",
+     [](O& o) -> auto& { return o.ground; }, -kNoLimit, kNoLimit, {"cone", "lower_envelope"}},
+    {"latency-ms", "State", "ms", "Time from a cloud to its list",
+     [](O& o) -> auto& { return o.latency_ms; }},
+    {"merge-close", "State", "",
+     "Merge objects of the tracking model that are nearer to each other than the sensor resolves",
+     [](O& o) -> auto& { return o.setup.model.resolution.enabled; }},
+    {"merge-gap", "State", "m", "Distance below which objects are always merged",
+     [](O& o) -> auto& { return o.setup.model.resolution.least_gap_m; }},
+    {"ghosts-per-s", "State", "", "Objects that do not exist, in each second",
+     [](O& o) -> auto& { return o.setup.ghosts.rate_per_s; }},
+    {"ghost-life", "State", "s", "Mean life of such an object",
+     [](O& o) -> auto& { return o.setup.ghosts.mean_life_s; }},
+
+    {"cell", "Grid", "m", "Side of a cell",
+     [](O& o) -> auto& { return o.grid.cell_m; }},
+    {"half-side", "Grid", "m",
+     "Distance that the grid reaches from the vehicle along x and y",
+     [](O& o) -> auto& { return o.grid.half_side_m; }},
+    {"low", "Grid", "m", "Matter counts from this height above the ground on",
+     [](O& o) -> auto& { return o.grid.low_m; }},
+    {"high", "Grid", "m", "Matter counts up to this height",
+     [](O& o) -> auto& { return o.grid.high_m; }},
+    {"memory", "Grid", "", "Share of the evidence that stays from cycle to cycle",
+     [](O& o) -> auto& { return o.grid.memory; }},
+    {"label-probability", "Grid", "",
+     "A cell that no state fills with this probability is unknown",
+     [](O& o) -> auto& { return o.area.free_probability; }},
+  };
+// clang-format on
+return kOptions;
+}
+
+perception::PerceptionSetup setup_of(const PerceiveOptions& o) {
+  check_options("perceive", perceive_options(), o);
+  perception::PerceptionSetup s = o.setup;
+  if (!o.rig.empty()) s.rig = perception::load_rig(o.rig);
+  s.is_model = o.pipeline == "model";
+  s.cycles.alignment.deskew = !o.no_deskew;
+  s.model.track.reference = o.reference == "corner"   ? ReferencePoint::kCorner
+                            : o.reference == "centre" ? ReferencePoint::kGeometricCentre
+                                                      : ReferencePoint::kCentreOfGravity;
+  s.model.track.existence.rule = o.existence == "probability" ? ExistenceRule::kProbability
+                                 : o.existence == "in-a-row"  ? ExistenceRule::kInARow
+                                                              : ExistenceRule::kOutOf;
+  s.model.track.completion.enabled = !o.as_measured;
+  s.model.heading = o.heading == "truth" ? HeadingSource::kTruth : HeadingSource::kPoints;
+  s.model.latency_s = s.real.latency_s = o.latency_ms / 1000;
+  s.real.track = s.model.track;
+  s.real.clusters.ground = o.ground;
+  return s;
+}
+
+}  // namespace underbrush::pipeline

@@ -1,0 +1,28 @@
+/// \file
+/// Sources of plant meshes: files, folders of files, or the generator.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "underbrush/primitives/mesh_primitives.hpp"
+
+namespace underbrush::pipeline {
+
+/// How files of plant meshes are read.
+struct PlantFileOptions {
+  double unit_m = 1;  ///< m; length of the files' unit.
+  bool y_up = false;  ///< The files' y axis points up, not z. In glTF it always does.
+};
+
+/// Returns the plants from which test sites of that seed are grown: trees, shrubs, tussocks. A
+/// `variation` above 1 changes the species (`test_site::make_prototypes`).
+std::vector<primitives::PlantSource> generated_plants(uint64_t seed, double variation = 1);
+
+/// Returns the plants of a file, or of all mesh files below a folder in order of name. A file in a
+/// folder that is named like a class stands for that class at its own size. Throws `FormatError`,
+/// also for a folder without meshes.
+std::vector<primitives::PlantSource> plants_of_files(const std::filesystem::path& path,
+                                                     const PlantFileOptions& options);
+
+}  // namespace underbrush::pipeline

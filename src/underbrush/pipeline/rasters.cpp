@@ -1,0 +1,85 @@
+#include "underbrush/pipeline/rasters.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "underbrush/core/file.hpp"
+#include "underbrush/core/temporary.hpp"
+#include "underbrush/io/atomic_file.hpp"
+#include "underbrush/io/json_text.inl"
+#include "underbrush/io/raster_file.hpp"
+
+namespace underbrush::pipeline {
+namespace fs = std::filesystem;
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Returns a map with its first row in the north.
+io::Raster raster_of(const metrics::Canopy& c, const std::vector<float>& value, uint16_t epsg) {
+  io::Raster r;
+  r.columns = c.size[0];
+  r.rows = c.size[1];
+  r.cell_m = c.cell_m;
+  r.west = c.low.x();
+  r.north = c.low.y() + c.cell_m * c.size[1];
+  r.epsg = epsg;
+  for (size_t row = c.size[1]; row-- > 0;) {
+    const auto first = value.begin() + std::ptrdiff_t(row * c.size[0]);
+    r.value.insert(r.value.end(), first, first + c.size[0]);
+  }
+  return r;
+}
+
+/// Returns the mean of the values that are numbers; null where there is none.
+Json mean_of(const std::vector<float>& value) {
+  double sum = 0;
+  size_t n = 0;
+  for (const float v : value) {
+    if (!std::isfinite(v)) continue;
+    sum += v;
+    ++n;
+  }
+  return n ? Json(sum / double(n)) : Json(nullptr);
+}
+
+}  // namespace
+
+void check_rasters_output(const fs::path& path) {
+  io::check_output_folder(path, fs::is_regular_file(path / "rasters.json"), "no folder of rasters");
+}
+
+std::string write_rasters(const fs::path& path, const metrics::Canopy& c, double cover_height_m,
+                          uint16_t epsg, const std::string& provenance) {
+  check_rasters_output(path);
+  Json j{{"format", "underbrush-rasters"}, {"version", 1}};
+  j["low_m"] = {c.low.x(), c.low.y(), c.low.z()};
+  j["cell_m"] = c.cell_m;
+  j["size"] = {c.size[0], c.size[1], c.size[2]};
+  j["cover_height_m"] = cover_height_m;
+  j["epsg"] = epsg;
+  j["opaque_voxels"] = size_t(std::count(c.gap.begin(), c.gap.end(), 0.0F));
+  j["mean_height_m"] = mean_of(c.height);
+  j["mean_cover"] = mean_of(c.cover);
+  j["mean_area_density_per_m"] = mean_of(c.area_density);
+  j["provenance"] = io::json_of_text(provenance);
+  std::string text = io::text_of_json(j, 1) + "\n";
+  io::write_atomically(
+      path,
+      [&](const fs::path& folder) {
+        make_temporary_folders(folder);
+        io::write_geotiff(folder / "ground.tif", raster_of(c, c.ground, epsg));
+        io::write_geotiff(folder / "canopy_height.tif", raster_of(c, c.height, epsg));
+        io::write_geotiff(folder / "cover.tif", raster_of(c, c.cover, epsg));
+        const std::vector<size_t> shape{c.size[2], c.size[1], c.size[0]};
+        io::write_npy(folder / "gap_fraction.npy", shape, c.gap);
+        io::write_npy(folder / "plant_area_density.npy", shape, c.area_density);
+        write_file(folder / "rasters.json", text);
+      },
+      io::OutputKind::kFolder);
+  return text;
+}
+
+}  // namespace underbrush::pipeline
