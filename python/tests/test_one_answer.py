@@ -219,14 +219,15 @@ def test_segment_extract_compose(run: Callable[..., str], folder: pathlib.Path, 
     run("annotate", tmp_path / "program.ply", "--ground", folder / "model", "-o", site)
     tree = next(name for name in primitives.labels if name.endswith("tree"))
     report = printed(run, "compose", site, tmp_path / "program", "-o", tmp_path / "scene", "--nearest", "3", "--scale",
-                     "--class-density", f"{tree}=1.5", "--seed", "4")
+                     "--class-density", f"{tree}=1.5", "--seed", "4", "--allow-outside")
     scene = underbrush.compose(site, tmp_path / "program", tmp_path / "ours", nearest=3, scale=True,
-                               class_density={tree: 1.5}, seed=4)
+                               class_density={tree: 1.5}, seed=4, allow_outside=True)
     same(tmp_path / "ours", tmp_path / "scene")
     assert isinstance(report, dict)
     assert underbrush.report_of(scene) == {k: v for k, v in report.items() if k != "warnings"}
     with pytest.raises(underbrush.FormatError, match="no primitives of the class"):
-        underbrush.compose(site, tmp_path / "program", leave_out=[str(site)], strict=True, ground=folder / "model")
+        underbrush.compose(site, tmp_path / "program", leave_out=[str(site)], strict=True, ground=folder / "model",
+                           allow_outside=True)
 
 
 def test_perceive(run: Callable[..., str], folder: pathlib.Path, tmp_path: pathlib.Path) -> None:

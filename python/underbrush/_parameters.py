@@ -1,6 +1,7 @@
 """The options of verbs; python/tests/make_parameters.py writes this file."""
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from typing import TypedDict
 
@@ -93,7 +94,7 @@ class SimulateParameters(TypedDict, total=False):
     #: Whether sub-rays are spread over the whole beam, or only over the excess of its width over that of the fitted
     #: log's beams, whose footprint is in the model (default excess).
     footprint: str
-    materials: str  #: A table of materials that replaces the built-in one.
+    materials: str | os.PathLike[str]  #: A table of materials that replaces the built-in one.
     material: Sequence[str]  #: The material of a class; may be repeated.
     visibility: float  #: Visibility in haze or fog; 0 = clear air (m; default 0).
     rain: float  #: Rain rate (mm/h; default 0).
@@ -104,3 +105,146 @@ class SimulateParameters(TypedDict, total=False):
     up: str  #: Axis that points up in the file of a mesh: y or z (default z).
     unit: float  #: Length of the unit of the file of a mesh (m; default 1).
     assets: str  #: Folder in which a scene of HELIOS++ has its files, besides its own.
+
+
+class ImportParameters(TypedDict, total=False):
+    """Options of `import`, as docs/reference/command-line.md lists them."""
+
+    format: str  #: Format of the source (default: detected).
+    poses: str | os.PathLike[str]  #: File of the sensor's poses, in TUM or KITTI format.
+    times: str | os.PathLike[str]  #: File of the scans' times, one on each line, s.
+    labels: str | os.PathLike[str]  #: Labels of a single scan, a SemanticKITTI .label file.
+    label_set: str  #: Label set of the column class (default: semantickitti for .label files).
+    keep: str  #: Read only the points with this value of a column, such as first returns: target_index=1.
+    assets: str | os.PathLike[str]  #: Folder in which a survey of HELIOS++ has its files, besides its own.
+    frames: str  #: Scans to read, by number, half-open: A:B or A:B:STEP.
+    deskew: str  #: Give every beam its own pose by this sensor's timing, for raw scans.
+    times_as_given: bool  #: With --deskew: fit no clock to scan times that were rounded (default false).
+    #: Leave out beams without a return that point lower than this elevation, as at the own vehicle; by default
+    #: inferred ones below -13 and no recorded ones.
+    unknown_below_deg: float
+    #: Turn every beam up by this angle, for a known fault of the recording (KITTI: 0.205) (default 0).
+    elevation_offset_deg: float
+    infer_misses: str  #: Infer misses from this sensor's scan pattern, for formats that drop them.
+    max_range: float  #: Range of a miss; 0 = the sensor's or the log's own (m; default 0).
+    #: The points are in the world frame already, and the poses only give the place of the sensor (default false).
+    points_in_world: bool
+
+
+class SplitParameters(TypedDict, total=False):
+    """Options of `split`, as docs/reference/command-line.md lists them."""
+
+    every: int  #: Every K-th scan.
+    #: Every K-th column of each scan: the beams fired at one time (where the log has no times of beams: in one
+    #: packet).
+    columns: int
+    time: Sequence[float]  #: Scans whose time lies in [FROM, TO), s after the log's start.
+    region: Sequence[float]  #: Scans whose sensor stands in this rectangle of the world, m.
+    offset: int  #: With --every and --columns: number (mod K) that is held out (default 1).
+
+
+class SegmentParameters(TypedDict, total=False):
+    """Options of `segment`, as docs/reference/command-line.md lists them."""
+
+    #: Take labels from this file: a SemanticKITTI .label file, or a PLY, PCD or CSV file with a column class or
+    #: instance (also the log itself).
+    labels: str | os.PathLike[str]
+    label_set: str  #: Label set that gives the numbers of --labels their meaning.
+    truth: str  #: Column of the log with the numbers of the true trees, to score against (default instance).
+    ground_method: str  #: Method of ground segmentation (default lower_envelope).
+    min_range: float  #: Ignore hits nearer than this, m, such as those on the own vehicle (default 0).
+    tile: float  #: Side of a tile of the ground segmentation (m; default 32).
+    cell: float  #: Side of a column; 0 = 0.4, more where points are sparse (m; default 0).
+    gap: float  #: Empty height that separates objects in a column; 0 = by the column's side (m; default 0).
+    min_points: int  #: Least number of points of an object (default 10).
+    spacing: float  #: Treat peaks nearer to each other than this as one crown; grows with height (m; default 1.2).
+    prominence: float  #: Join crowns whose dip between them is less deep than this; grows with height (m; default 0.3).
+    radius: float  #: Largest reach of a crown from its peak; grows with height (m; default 1.5).
+    foot: float  #: Largest width of a tree's foot under its crown (m; default 1).
+    tree_height: float  #: Least height of a tree; lower objects are shrubs (m; default 3).
+    small_shrub_height: float  #: Least height of a small shrub; lower ones are low shrubs (m; default 0.5).
+    medium_tree_height: float  #: Least height of a medium tree; lower ones are small trees (m; default 6).
+    large_tree_height: float  #: Least height of a large tree; lower ones are medium trees at most (m; default 10).
+    patch_side: float  #: Least length of a patch of shrubs (m; default 4).
+
+
+class MoversParameters(TypedDict, total=False):
+    """Options of `movers`, as docs/reference/command-line.md lists them."""
+
+    #: Times before and after a scan at which others are asked (s; default 0.1,0.2,0.3,0.5,0.8,1.2,2,3,4.5,6).
+    look_s: Sequence[float]
+    least_empty: int  #: Outermost looks that must have found a place empty (default 3).
+    cell_deg: float  #: Width of the cells in which scans are compared (degrees; default 0.5).
+    max_range: float  #: Returns farther away are not looked at (m; default 80).
+    same_m: float  #: Ranges that differ by no more are of one thing (m; default 0.3).
+    least_points: int  #: Returns of the smallest mover in a scan (default 12).
+
+
+class ExtractParameters(TypedDict, total=False):
+    """Options of `extract`, as docs/reference/command-line.md lists them."""
+
+    #: Fit boxes to the points from this quantile to 1 − it along each axis; 0 = all points (0.05 in the code of
+    #: [tallavajhula18]'s authors) (default 0).
+    box_quantile: float
+    #: Elements that an object takes: all those centred in its box, or only its own, which lie among its points
+    #: (default own).
+    elements: str
+    #: Leave out ellipsoids at which a smaller share of the beams that met them ended (default 0.1).
+    free_space_below: float
+    patch_cell: float  #: Side of the cells that patches of shrubs are cut into (m; default 2).
+    min_elements: int  #: Leave out objects and cells with fewer elements (default 1).
+    min_points: int  #: Leave out objects and cells with fewer points (default 5).
+
+
+class ComposeParameters(TypedDict, total=False):
+    """Options of `compose`, as docs/reference/command-line.md lists them."""
+
+    nearest: int  #: Draw each primitive among this many with the nearest boxes (default 1).
+    scale: bool  #: Scale primitives to their boxes (default false).
+    #: Use no primitive that was cut from an object whose box overlaps one of this annotation, as seen from above.
+    leave_out: Sequence[str]
+    allow_outside: bool  #: Follow paths of the annotation that lead out of its folder (default false).
+    strict: bool  #: Fail if an object cannot be placed as annotated (default false).
+
+
+class PerceiveParameters(TypedDict, total=False):
+    """Options of `perceive`, as docs/reference/command-line.md lists them."""
+
+    #: The true objects: labelled boxes in the sensor's frame (CSV with frame and track_id), or lists of objects in
+    #: the world's frame (CSV, JSON, or an OSI trace).
+    truth: str | os.PathLike[str]
+    pipeline: str  #: The tracking model, which assigns points by the truth, or a real pipeline (default model).
+    rig: str | os.PathLike[str]  #: The sensors of the vehicle, for a log of several.
+    min_range: float  #: Ignore hits nearer than this, m, such as those on the own vehicle (default 0).
+    #: Height of the sensor above the ground; the vehicle's frame stands there. A rig's sensors have theirs (m;
+    #: default 0).
+    sensor_height: float
+    truth_elevation_deg: float  #: Turn labelled boxes up by this angle, as import turned the beams (default 0).
+    no_deskew: bool  #: Ignore the vehicle's motion within a cycle (default false).
+    #: When an object is listed: by its probability, after --needed cycles in a row with points, or after --needed
+    #: of --window cycles (default probability).
+    existence: str
+    gain: float  #: Probability that a cycle with points adds (default 0.2).
+    loss: float  #: Probability that a cycle without points subtracts (default 0.055).
+    threshold: float  #: Probability from which on an object is listed (default 0.5).
+    start_points: int  #: An object that is not listed needs more points than this number (default 3).
+    full_extent: float  #: Segments that are smaller than this add less; 0 = all add the same (m; default 0).
+    needed: int  #: Cycles with points (default 5).
+    window: int  #: Cycles among which they are counted (default 10).
+    lost: int  #: Cycles without points after which an object is dropped; not by probability (default 10).
+    reference: str  #: The point that is tracked (default corner).
+    heading: str  #: Where the tracking model takes headings from (default points).
+    as_measured: bool  #: Report boxes as the points show them, not completed by the sizes of the class (default false).
+    ground: str  #: Ground removal of the real pipeline (default cone).
+    latency_ms: float  #: Time from a cloud to its list (ms; default 0).
+    #: Merge objects of the tracking model that are nearer to each other than the sensor resolves (default false).
+    merge_close: bool
+    merge_gap: float  #: Distance below which objects are always merged (m; default 0.3).
+    ghosts_per_s: float  #: Objects that do not exist, in each second (default 0).
+    ghost_life: float  #: Mean life of such an object (s; default 0.5).
+    cell: float  #: Side of a cell (m; default 0.2).
+    half_side: float  #: Distance that the grid reaches from the vehicle along x and y (m; default 40).
+    low: float  #: Matter counts from this height above the ground on (m; default 0.2).
+    high: float  #: Matter counts up to this height (m; default 2).
+    memory: float  #: Share of the evidence that stays from cycle to cycle (default 0.9).
+    label_probability: float  #: A cell that no state fills with this probability is unknown (default 0.6).
