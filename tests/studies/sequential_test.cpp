@@ -14,10 +14,10 @@ TEST(Intersection, TheTurningCarIsHiddenForMoreThanTenCycles) {
   const Intersection scene = make_intersection();
   const BeamLog log = scan_intersection(scene, 0, 0, 1);
   const perception::LogTruth truth(scene.truth);
-  app::PerceptionSetup setup = measured_setup(true);
+  perception::PerceptionSetup setup = measured_setup(true);
   setup.rig = scene.rig;
   MemorySource source(log);
-  const app::PerceivedLog made = app::perceived(source, &truth, setup);
+  const perception::PerceivedLog made = perception::perceived(source, &truth, setup);
   EXPECT_EQ(made.lists.size(), 96u) << "7.62 s at 12.5 Hz";
   const Absence away = absence_of(made.lists, made.truth, kTurningCar);
   EXPECT_GT(away.lost, 20);
