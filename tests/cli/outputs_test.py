@@ -279,7 +279,7 @@ class Distinct(cli_test.OnALog):
                     done = cli_test.call(*call, "--force", cwd=self.folder)
                     if verb not in ("import", "split", "segment", "simulate"):  # .html is no kind of log
                         self.assertEqual(done.returncode, 0, done.stderr)
-                        self.assertNotEqual(mine.read_text(), "years")
+                        self.assertNotEqual(mine.read_bytes(), b"years")
 
     def contents(self):
         return {p: p.read_bytes() for p in self.folder.rglob("*") if p.is_file()}
