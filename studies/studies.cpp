@@ -19,6 +19,8 @@ constexpr Study kStudies[] = {
      study_extrapolation},
     {"sequential", "Lists of objects of Rosenberger et al. 2020: simulated, real and true",
      study_sequential},
+    {"transmission", "Slabs of leaves of known density: how dense models make them, what they pass",
+     study_transmission},
     {"verification", "Histograms and planes of Kim et al. 2012, on its miniature and on real walls",
      study_verification},
 };

@@ -11,6 +11,7 @@ StudyResult study_mesh_fidelity(const StudyRun& run);
 StudyResult study_primitives(const StudyRun& run);
 StudyResult study_sequential(const StudyRun& run);
 StudyResult study_transfer(const StudyRun& run);
+StudyResult study_transmission(const StudyRun& run);
 StudyResult study_vegetation(const StudyRun& run);
 StudyResult study_verification(const StudyRun& run);
 
