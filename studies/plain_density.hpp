@@ -11,7 +11,7 @@ namespace underbrush::studies {
 /// What the beams of a log did in one cell. Path lengths are free paths, up to the hit, each times
 /// the projection G of its beam (m).
 struct CellSums {
-  size_t beams = 0;  ///< That reached the cell.
+  size_t beams = 0;  ///< Number of beams that reached the cell.
   size_t hits = 0;
   double path_m = 0;          ///< Sum over all beams.
   double path_of_hits_m = 0;  ///< Sum over beams that were hit in the cell.

@@ -9,8 +9,8 @@ double SlabAnswer::largest_layer_error(double truth) const {
   double largest = 0;
   for (size_t z = 1; z + 1 < layer.size(); ++z) {
     // A NaN stays, so that a layer without a density does not hold.
-    const double error = std::abs(layer[z] / truth - 1);
-    if (!(error <= largest)) largest = error;
+    const double off = std::abs(layer[z] / truth - 1);
+    if (!(off <= largest)) largest = off;
     if (std::isnan(largest)) break;
   }
   return largest;

@@ -63,6 +63,21 @@ class Study(cli_test.Failing):
         self.assertEqual(done.returncode, 1, done.stderr)
         self.assertIn("verdict: falls short: nothing was compared\n", done.stdout)
 
+    def test_transmission_has_the_truth_beside_each_model(self):
+        with tempfile.TemporaryDirectory() as folder:
+            done = study("transmission", "--quick", "--json", "s.json", "--keep", "kept", cwd=folder)
+            self.assertIn(done.returncode, (0, 1), done.stderr)
+            found = json.loads(pathlib.Path(folder, "s.json").read_text())
+            self.assertEqual(done.returncode, 0 if found["verdict"] == "holds" else 1)
+            (name, sources), = found["figures"].items()
+            truth, plain = sources["truth"], sources["plain"]
+            self.assertAlmostEqual(truth["transmission"]["overhead"], math.exp(-2.5), delta=1e-6)
+            self.assertAlmostEqual(truth["covered"], 0.95, delta=0.03)
+            self.assertAlmostEqual(plain["area_density"], truth["area_density"], delta=0.02)
+            self.assertEqual({len(source["layers"]) for source in sources.values()}, {10})
+            for kept in (f"{name}.ply", f"{name}, default"):
+                self.assertTrue(pathlib.Path(folder, "kept", kept).exists(), kept)
+
     def test_of_no_such_name(self):
         self.assert_fails(study("vegetatoin"), 2, "vegetation")
 

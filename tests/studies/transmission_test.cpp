@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "underbrush/core/rng.hpp"
 
@@ -24,6 +24,9 @@ TEST(TurbidSlab, LeavesOfAnyAnglesCoverHalfTheirAreaInAllDirectionsOnAverage) {
     }
     EXPECT_NEAR(sum / kSteps, 0.5, 1e-4);
   }
+  EXPECT_EQ(projection(LeafAngles::kHorizontal, -Vec3::UnitZ()), 1);
+  EXPECT_EQ(projection(LeafAngles::kHorizontal, Vec3::UnitX()), 0);
+  EXPECT_EQ(projection(LeafAngles::kVertical, -Vec3::UnitZ()), 0);
 }
 
 TEST(TurbidSlab, AsManyBeamsPassAsTheExtinctionLetsThrough) {
