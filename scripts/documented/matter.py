@@ -1,5 +1,5 @@
-"""The tables of matter that is drawn once, and of the instrument that meets it."""
-from .common import HALVES, KEYS, LOGS
+"""The tables of matter that is drawn once, of the instrument that meets it, and of matter that is known."""
+from .common import HALVES, KEYS, LOGS, study
 from .jobs import Job, Measured, Part, read_json
 
 THREE = ("packet error, m", "F1", "cloud error, m")
@@ -95,7 +95,22 @@ def echoes(folder):
         yield row, "distance", [s["distance"]]
 
 
+def transmission(folder):
+    """Densities and transmissions of slabs whose truth is known."""
+    for slab, sources in read_json(folder / "study.json")["figures"].items():
+        for source, s in sources.items():
+            row, layers = f"{slab}/{source}", s["layers"]
+            yield row, "area density", [s["area_density"]]
+            yield row, "inner layers", extremes(layers[1:-1])
+            yield row, "outermost layers", [layers[0], layers[-1]]
+            yield row, "cells held, %", [] if s["covered"] is None else [100 * s["covered"]]
+            for view, share in s["transmission"].items():
+                error = s.get("error", {}).get(view)
+                yield row, f"{view}, %", [100 * share] + ([] if error is None else [100 * error])
+
+
 MEASURED = {
+    "transmission": Measured((Part((study("transmission"),), transmission),)),
     "grain": Measured(grain()),
     "grain-class": Measured(grain_of_classes()),
     "instrument": Measured(instrument()),
