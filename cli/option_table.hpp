@@ -8,16 +8,16 @@
 
 namespace underbrush::app {
 
-/// Lets an option take numbers within these limits.
-template <class Value>
-void check_limits(CLI::Option& option, double least, double most) {
-  if (least == 0 && std::isinf(most)) {
-    option.check(CLI::NonNegativeNumber);
-  } else if (std::isfinite(least) && std::isinf(most)) {
-    option.check(CLI::PositiveNumber);
-  } else if (std::isfinite(least)) {
-    option.check(CLI::Range(Value(least), Value(most)));
-  }
+/// Holds a number against the limits of its option; what is no number is left to the conversion.
+template <class T>
+CLI::Validator within_limits(const Option<T>& row) {
+  return {[row](std::string& word) -> std::string {
+            double number = 0;
+            const bool fits = !CLI::detail::lexical_cast(word, number) ||
+                              (number >= row.least && number <= row.most);
+            return fits ? "" : "expected a value that is " + limits_of(row);
+          },
+          ""};
 }
 
 /// Adds an option of the command line for a row of the table.
@@ -37,7 +37,7 @@ CLI::Option* add_option(CLI::App& app, const Option<T>& row, T& options) {
         } else {
           CLI::Option* option = app.add_option(name, place, help);
           if constexpr (std::is_arithmetic_v<Value>) {
-            check_limits<Value>(*option, row.least, row.most);
+            option->check(within_limits(row));
             return is_outside(row, options) ? option : option->capture_default_str();
           } else {
             if (!row.choices.empty()) {

@@ -42,17 +42,16 @@ std::string parameters_page() {
       "marked *if named* only with `--tune`.\n\n" +
       fitters_table();
   const fit::FitOptions defaults;
-  std::string group;
-  for (const auto kind : fit::parameter_groups()) {
+  for (const std::string_view group : fit::group::kAll) {
     out += fmt::format(
         "\n## {}\n\n| name | unit | default | what it does | range of tuning |\n"
         "|---|---|---|---|---|\n",
-        fit::name_of(kind));
+        group);
     for (const fit::Parameter& p : fit::parameters()) {
-      if (p.group != kind) continue;
+      if (p.group != group) continue;
       const std::string choices =
-          p.choices ? fmt::format("; one of {}", fmt::join(p.choices(), ", ")) : "";
-      out += fmt::format("| `{}` | {} | {} | {}{} | {} |\n", p.name, p.unit, p.text(defaults),
+          p.choices.empty() ? "" : fmt::format("; one of {}", fmt::join(p.choices, ", "));
+      out += fmt::format("| `{}` | {} | {} | {}{} | {} |\n", p.name, p.unit, text_of(p, defaults),
                          p.help, choices, range_of(p));
     }
   }

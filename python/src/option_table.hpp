@@ -17,12 +17,12 @@ namespace nb = nanobind;
 using namespace nb::literals;
 
 /// Returns the rows of a table: name, type, default, unit, help.
-template <class T>
-nb::list rows_of(std::span<const Option<T>> table) {
+template <class Row>
+nb::list rows_of(std::span<const Row> table) {
   nb::list out;
-  const T defaults{};
+  const typename Row::Options defaults{};
   const auto text = [](std::string_view s) { return nb::str(s.data(), s.size()); };
-  for (const Option<T>& o : table) {
+  for (const Row& o : table) {
     const std::string value = is_outside(o, defaults) ? "" : text_of(o, defaults);
     out.append(nb::make_tuple(text(o.name), text(type_of(o)), value, text(o.unit), text(o.help)));
   }
@@ -31,16 +31,16 @@ nb::list rows_of(std::span<const Option<T>> table) {
 
 /// Sets the option with the name `key`, in which `_` stands for `-`. Throws a Python `TypeError`
 /// for an unknown name, which it compares with the known ones, and for a value of the wrong type.
-template <class T>
-void set_option(std::string_view verb, std::span<const Option<T>> table, T& options,
+template <class Row, class T>
+void set_option(std::string_view verb, std::span<const Row> table, T& options,
                 const std::string& key, nb::handle value) {
   std::string name = key;
   std::replace(name.begin(), name.end(), '_', '-');
   const auto row =
-      std::find_if(table.begin(), table.end(), [&](const Option<T>& o) { return o.name == name; });
+      std::find_if(table.begin(), table.end(), [&](const Row& o) { return o.name == name; });
   if (row == table.end()) {
     std::vector<std::string> names;
-    for (const Option<T>& o : table) names.emplace_back(o.name);
+    for (const Row& o : table) names.emplace_back(o.name);
     std::string near = nearest_name(name, names);
     std::replace(near.begin(), near.end(), '-', '_');
     throw nb::type_error((std::string(verb) + ": no option '" + key + "'" +

@@ -89,11 +89,22 @@ TEST(Option, ChecksLimitsAndChoices) {
   };
   EXPECT_EQ(with([](O& o) { o.every = 1; }), "verb: every is between 2 and 9, not 1");
   EXPECT_EQ(with([](O& o) { o.every = 9; }), "");
-  EXPECT_EQ(with([](O& o) { o.points = 0; }), "verb: points is positive, not 0");
+  EXPECT_EQ(with([](O& o) { o.points = 0; }), "verb: points is at least 1, not 0");
   EXPECT_EQ(with([](O& o) { o.height = 0; }), "verb: height is positive, not 0");
   EXPECT_EQ(with([](O& o) { o.height = NAN; }), "verb: height is positive, not nan");
   EXPECT_EQ(with([](O& o) { o.mode = "twice"; }), "verb: mode is one of once, anew, not twice");
   EXPECT_EQ(with([](O& o) { o.angle = 7; }), "");
+}
+
+TEST(Option, NumbersAreSetByNumber) {
+  Options o;
+  set_number(kTable[1], o, 5.9);
+  EXPECT_EQ(o.points, 5u);
+  EXPECT_EQ(number_of(kTable[1], o), 5);
+  set_number(kTable[6], o, 1);
+  EXPECT_EQ(number_of(kTable[6], o), 1);
+  EXPECT_THROW(number_of(kTable[4], o), std::invalid_argument);
+  EXPECT_THROW(set_number(kTable[4], o, 1), std::invalid_argument);
 }
 
 }  // namespace

@@ -17,15 +17,17 @@ TEST(FitParameters, AreSetEachForItself) {
     std::set<std::string> names;
     for (const FitParameter& p : all) {
       EXPECT_TRUE(names.insert(p.name).second) << fitter << " " << p.name;
-      EXPECT_TRUE(p.of->number(options) >= p.low && p.of->number(options) <= p.high)
+      EXPECT_TRUE(number_of(*p.of, options) >= p.low && number_of(*p.of, options) <= p.high)
           << "the default is outside its range: " << fitter << " " << p.name;
+      EXPECT_TRUE(p.low >= p.of->least && p.high <= p.of->most)
+          << "the range leaves the limits: " << fitter << " " << p.name;
       fit::FitOptions changed = options;
       const double value = value_at(p, 0.9);
-      p.of->set_number(changed, value);
-      EXPECT_EQ(p.of->number(changed), value) << p.name;
+      set_number(*p.of, changed, value);
+      EXPECT_EQ(number_of(*p.of, changed), value) << p.name;
       for (const FitParameter& other : all) {
         if (other.name == p.name) continue;
-        EXPECT_EQ(other.of->number(changed), other.of->number(options))
+        EXPECT_EQ(number_of(*other.of, changed), number_of(*other.of, options))
             << p.name << " " << other.name;
       }
     }

@@ -71,7 +71,7 @@ TEST(Study, ContendersOfThePaperHaveTheParametersOfItsConfigurations) {
       for (const fit::Parameter& p : fit::parameters()) {
         if (p.name != line.substr(0, colon)) continue;
         ++compared;
-        EXPECT_EQ(p.text(c->fit), line.substr(colon + 2)) << file << " " << p.name;
+        EXPECT_EQ(text_of(p, c->fit), line.substr(colon + 2)) << file << " " << p.name;
       }
     }
     EXPECT_GE(compared, 5u);

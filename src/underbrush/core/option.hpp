@@ -37,6 +37,7 @@ inline constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 /// An option of a verb whose options are the struct `T`, in which the default stands.
 template <class T>
 struct Option {
+  using Options = T;
   std::string_view name;   ///< The name on the command line, without dashes.
   std::string_view group;  ///< The heading under which `--help-all` has it; "" for the usual ones.
   std::string_view unit;   ///< For example "m"; empty for a pure number and for text.
@@ -108,27 +109,80 @@ bool is_outside(const Option<T>& option, const T& options) {
       option.field);
 }
 
-/// Throws `std::invalid_argument` where a value of `options` is not finite, out of its limits or
-/// none of its choices, unless it is the default. `verb` begins the message.
+/// Returns the value as a number, 0 or 1 for a flag. Throws `std::invalid_argument` for text.
 template <class T>
-void check_options(std::string_view verb, std::span<const Option<T>> table, const T& options) {
+double number_of(const Option<T>& option, const T& options) {
+  return std::visit(
+      [&](const auto get) -> double {
+        const auto& value = get(const_cast<T&>(options));
+        if constexpr (std::is_arithmetic_v<std::decay_t<decltype(value)>>) {
+          return double(value);
+        } else {
+          throw std::invalid_argument(std::string(option.name) + " is not a number");
+        }
+      },
+      option.field);
+}
+
+/// Sets the value from a number, which is truncated where the field is whole. Throws
+/// `std::invalid_argument` for text.
+template <class T>
+void set_number(const Option<T>& option, T& options, double number) {
+  std::visit(
+      [&](const auto get) {
+        auto& place = get(options);
+        using Value = std::decay_t<decltype(place)>;
+        if constexpr (std::is_arithmetic_v<Value>) {
+          place = Value(number);
+        } else {
+          throw std::invalid_argument(std::string(option.name) + " is not a number");
+        }
+      },
+      option.field);
+}
+
+/// Returns the limits of an option in words, such as "positive" or "between 0 and 1".
+template <class T>
+std::string limits_of(const Option<T>& option) {
+  char text[80];
+  if (option.most == kNoLimit) {
+    if (option.least == kPositive) return "positive";
+    if (option.least == 0) return "not negative";
+    if (option.least == -kNoLimit) return "a number";
+    std::snprintf(text, sizeof text, "at least %g", option.least);
+  } else if (option.least == kPositive) {
+    std::snprintf(text, sizeof text, "positive and at most %g", option.most);
+  } else {
+    std::snprintf(text, sizeof text, "between %g and %g", option.least, option.most);
+  }
+  return text;
+}
+
+/// Returns "" for a value within its limits and among its choices, and for others what the value
+/// should be.
+template <class T>
+std::string wrong_value(const Option<T>& option, const T& options) {
+  if (is_outside(option, options)) return limits_of(option);
+  const auto& choices = option.choices;
+  if (choices.empty() ||
+      std::find(choices.begin(), choices.end(), text_of(option, options)) != choices.end()) {
+    return "";
+  }
+  std::string all;
+  for (const std::string_view c : choices) all += (all.empty() ? "one of " : ", ") + std::string(c);
+  return all;
+}
+
+/// Throws `std::invalid_argument` where a value of `options` is not finite, out of its limits or
+/// none of its choices, unless it is the default. The rows of the table are options of `T`. `verb`
+/// begins the message.
+template <class Row, class T>
+void check_options(std::string_view verb, std::span<const Row> table, const T& options) {
   const T defaults{};
-  for (const Option<T>& o : table) {
-    const std::string value = text_of(o, options);
-    if (value == text_of(o, defaults)) continue;
-    std::string right;
-    if (!o.choices.empty() &&
-        std::find(o.choices.begin(), o.choices.end(), value) == o.choices.end()) {
-      for (const std::string_view c : o.choices) {
-        right += (right.empty() ? "one of " : ", ") + std::string(c);
-      }
-    } else if (is_outside(o, options)) {
-      char between[80];
-      std::snprintf(between, sizeof between, "between %g and %g", o.least, o.most);
-      right = !std::isinf(o.most) ? between : o.least > 0 ? "positive" : "not negative";
-    }
-    if (right.empty()) continue;
-    throw std::invalid_argument(std::string(verb) + ": " + std::string(o.name) + " is " + right +
+  for (const Row& row : table) {
+    const std::string right = wrong_value(row, options), value = text_of(row, options);
+    if (right.empty() || value == text_of(row, defaults)) continue;
+    throw std::invalid_argument(std::string(verb) + ": " + std::string(row.name) + " is " + right +
                                 ", not " + value);
   }
 }

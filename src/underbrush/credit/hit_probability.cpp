@@ -14,12 +14,9 @@ void add_one(uint32_t& counter) {
   std::atomic_ref<uint32_t>(counter).fetch_add(1, std::memory_order_relaxed);
 }
 
-bool contains(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
-
 void check(const CreditOptions& options) {
-  require(contains(credit_rules(), options.rule),
+  const auto rules = credit_rules();
+  require(std::find(rules.begin(), rules.end(), options.rule) != rules.end(),
           "the rules of credit are first, best and mahalanobis");
   for (const HitPrior& prior : {options.ellipsoid, options.triangle}) {
     require(prior.a >= 0 && prior.b >= 0, "a prior count must not be negative");
@@ -69,7 +66,7 @@ void add_residual(const elements::Model& model, const trace::Intersection& hit,
 
 }  // namespace
 
-std::vector<std::string> credit_rules() { return {"first", "best", "mahalanobis"}; }
+std::vector<std::string_view> credit_rules() { return {"first", "best", "mahalanobis"}; }
 
 void credit(const elements::Model& model, std::span<const trace::Intersection> met, double range_m,
             const CreditOptions& options, std::vector<Credit>& out) {

@@ -5,6 +5,7 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "underbrush/core/beam_log.hpp"
@@ -90,7 +91,7 @@ CreditedResiduals count_hits(elements::Model& model, BeamSource& source,
 void estimate_hit_probabilities(elements::Model& model, const CreditOptions& options);
 
 /// The names of the crediting rules.
-std::vector<std::string> credit_rules();
+std::vector<std::string_view> credit_rules();
 
 }  // namespace credit
 }  // namespace underbrush

@@ -7,6 +7,7 @@
 #include "underbrush/core/still_beams.hpp"
 #include "underbrush/credit/element_classes.hpp"
 #include "underbrush/elements/model_file.hpp"
+#include "underbrush/elements/scene_file.hpp"
 #include "underbrush/fit/fitters.hpp"
 #include "underbrush/fit/kept_beams.hpp"
 #include "underbrush/fit/make_model.hpp"
@@ -14,7 +15,7 @@
 namespace underbrush::fit {
 namespace {
 
-using enum ParameterGroup;
+using namespace group;
 
 /// The memory for the beams of a log that is read once, bytes.
 constexpr size_t kKeptBytes = size_t(3) << 27;
@@ -59,13 +60,6 @@ FitResult fit_likelihood(BeamSource& source, const FitOptions& options,
   out.report.hits += r.held_out_hits;
   out.report.misses += r.held_out_beams - r.held_out_hits;
   return out;
-}
-
-void check(const FitOptions& options) {
-  require(options.tau > 0, "fit: tau must be positive");
-  require(options.range_noise_m > 0, "fit: the range noise must be positive");
-  require(options.min_range_m >= 0, "fit: the least range must not be negative");
-  require(options.keyframes.spacing_m >= 0, "fit: the spacing of keyframes must not be negative");
 }
 
 void warn_of_footprint(const FitOptions& options, std::string_view clustering, FitReport& report) {
@@ -130,6 +124,10 @@ const Fitter& fitter_named(std::string_view name) {
 
 const Fitter& start_of(const FitOptions& options) {
   if (elements::is_model(options.start)) return fitter_named(options.fitter);
+  if (elements::is_scene(options.start)) {
+    throw std::invalid_argument("fit: " + options.fitter + " refines a model, but " +
+                                options.start + " is a scene");
+  }
   const Fitter& start = fitter_named(options.start);
   if (start.refines) {
     throw std::invalid_argument("fit: " + options.fitter + " needs another fitter to start with");
@@ -170,7 +168,7 @@ keyframes::KeyframeOptions keyframe_options(const FitOptions& options) {
 }
 
 FitResult fit(BeamSource& source, const FitOptions& options, const FitProgress& progress) {
-  check(options);
+  check_options("fit", parameters(), options);
   const Fitter& fitter = fitter_named(options.fitter);
   KeptBeams rows(source, kKeptBytes);
   FirstEchoes first(rows);

@@ -13,10 +13,10 @@ namespace underbrush::fit {
 /// A fitter: a named function that makes a model from a log, with the parameters that affect it.
 struct Fitter {
   std::string_view name, summary;
-  /// Parameters that shape the fitter's own elements; a search tunes them.
-  std::vector<ParameterGroup> tuned;
-  /// Parameters that also have an effect but that a search leaves alone.
-  std::vector<ParameterGroup> fixed;
+  /// Groups of the parameters that shape the fitter's own elements; a search tunes them.
+  std::vector<std::string_view> tuned;
+  /// Groups of the parameters that also have an effect but that a search leaves alone.
+  std::vector<std::string_view> fixed;
   FitResult (*fit)(BeamSource&, const FitOptions&, const FitProgress&);
   /// Whether it starts from the model of another fitter, `FitOptions::start`.
   bool refines = false;

@@ -1,38 +1,30 @@
 /// \file
-/// This file has the table of the parameters of a fit. The command line, configuration files, the
-/// parameter search and the reference page loop over it.
+/// This file has the table of the options of a fit, its parameters. The command line, configuration
+/// files, Python, the parameter search and the reference page loop over it.
 #pragma once
 #include <optional>
 #include <span>
-#include <string>
 #include <string_view>
-#include <type_traits>
-#include <variant>
 #include <vector>
 
+#include "underbrush/core/option.hpp"
 #include "underbrush/fit/fit_options.hpp"
 
 namespace underbrush::fit {
 
-/// The part of a fit that a parameter belongs to. Each fitter has the parameters of some groups.
-enum class ParameterGroup {
-  kCommon,          ///< Every fitter.
-  kHierarchical,    ///< The clustering of `hierarchical`.
-  kVoxel,           ///< The clustering of `voxel`.
-  kTopDown,         ///< The clustering of `top_down`.
-  kBottomUp,        ///< The clustering of `bottom_up`.
-  kSurface,         ///< The opaque meshes.
-  kGround,          ///< The ground mesh.
-  kEllipsoids,      ///< Permeable ellipsoids.
-  kHitProbability,  ///< Hit probabilities from the beams of the log.
-  kLikelihood,      ///< The refinement of `likelihood`.
-};
-
-/// All groups, in the order of the enumeration.
-std::span<const ParameterGroup> parameter_groups();
-
-/// The name of a group as a heading of help texts, such as "hit probability".
-std::string_view name_of(ParameterGroup group);
+/// The parts of a fit that parameters belong to: the groups of the table. Each fitter has the
+/// parameters of some of them.
+namespace group {
+inline constexpr std::string_view kCommon = "every fitter", kHierarchical = "hierarchical",
+                                  kVoxel = "voxel", kTopDown = "top_down", kBottomUp = "bottom_up",
+                                  kSurface = "surface, rimls", kGround = "ground",
+                                  kEllipsoids = "ellipsoids", kHitProbability = "hit probability",
+                                  kLikelihood = "likelihood";
+/// All of them, in the order of reference pages.
+inline constexpr std::string_view kAll[] = {kCommon,         kHierarchical, kVoxel,  kTopDown,
+                                            kBottomUp,       kSurface,      kGround, kEllipsoids,
+                                            kHitProbability, kLikelihood};
+}  // namespace group
 
 /// The scale on which a tuning range is walked.
 enum class Scale {
@@ -48,11 +40,6 @@ struct TuningRange {
   bool usual = true;  ///< Tuned unless the user names the parameters to tune.
 };
 
-/// A function that gives the parameter's field in a `FitOptions`.
-using ParameterField =
-    std::variant<double& (*)(FitOptions&), int& (*)(FitOptions&), unsigned& (*)(FitOptions&),
-                 bool& (*)(FitOptions&), std::string& (*)(FitOptions&)>;
-
 /// Where a parameter is listed. Every one is a key of configurations and has its row in
 /// docs/reference/parameters.md.
 enum class Listed {
@@ -62,24 +49,9 @@ enum class Listed {
 };
 
 /// A parameter of a fit.
-struct Parameter {
-  std::string_view name;  ///< The name of the command line's option and of the configuration's key.
-  ParameterGroup group;
-  std::string_view unit;  ///< For example "m" or "nats"; empty for a pure number.
-  std::string_view help;
-  ParameterField field;
+struct Parameter : Option<FitOptions> {
   Listed listed = Listed::kHelpAll;
   std::optional<TuningRange> tuning = std::nullopt;  ///< Empty for a parameter that is not tuned.
-  /// Lists the values that a text may have, or null.
-  std::vector<std::string> (*choices)() = nullptr;
-
-  /// The value as a number. Throws `std::invalid_argument` for a text parameter.
-  double number(const FitOptions& options) const;
-  /// Sets the value from a number, which is truncated where the field is whole. Throws
-  /// `std::invalid_argument` for a text parameter.
-  void set_number(FitOptions& options, double value) const;
-  /// The value as text, such as "0.1", "true" or "first".
-  std::string text(const FitOptions& options) const;
 };
 
 /// All parameters, in the order in which a search walks them.

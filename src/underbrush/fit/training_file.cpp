@@ -172,16 +172,13 @@ void read_parameter(const Parameter& p, const io::JsonValue& value, FitOptions& 
           place = value.text();
         } else if constexpr (std::is_same_v<T, bool>) {
           place = value.boolean();
-        } else {
+        } else if constexpr (std::is_arithmetic_v<T>) {
           place = T(std::is_same_v<T, double> ? value.number() : double(value.count(1 << 30)));
         }
       },
       p.field);
-  if (!p.choices || p.name == "start") return;
-  const std::vector<std::string> choices = p.choices();
-  if (std::find(choices.begin(), choices.end(), p.text(options)) == choices.end()) {
-    value.fail("unknown value");
-  }
+  const std::string expected = wrong_value(p, options);
+  if (!expected.empty()) value.fail("it is " + expected);
 }
 
 }  // namespace

@@ -143,7 +143,7 @@ Refined refine(const elements::Model& start, BeamSource& source, const Likelihoo
                const Progress& progress, const std::vector<bool>& moving) {
   require(start.voxel_m == 0, "likelihood: ellipsoids bounded by voxels cannot be refined");
   require(options.held_out.one_in > 1, "likelihood: some of the beams must be held out");
-  require(options.dropout > 0 && options.dropout < 0.9, "likelihood: dropout must be in (0, 0.9)");
+  require(options.dropout > 0 && options.dropout <= 0.9, "likelihood: dropout must be in (0, 0.9]");
   require(options.maximisation.spent_at_start >= 0,
           "likelihood: the start's parameters must not be negative");
   require(options.sharpness >= 0.1 && options.sharpness <= 10,

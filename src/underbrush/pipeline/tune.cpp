@@ -38,11 +38,11 @@ TuningProblem tuned_fit(const std::string& objective, std::shared_ptr<const opti
       optimize::chosen_fit_parameters(options, names);
   TuningProblem out;
   out.parameters.assign(chosen.begin(), chosen.end());
-  for (const auto& parameter : chosen) out.start.push_back(parameter.of->number(options));
+  for (const auto& parameter : chosen) out.start.push_back(number_of(*parameter.of, options));
   out.objective = [objective, options, chosen,
                    slice = std::move(slice)](std::span<const double> value) {
     fit::FitOptions tried = options;
-    for (size_t k = 0; k < value.size(); ++k) chosen[k].of->set_number(tried, value[k]);
+    for (size_t k = 0; k < value.size(); ++k) set_number(*chosen[k].of, tried, value[k]);
     MemorySource source(slice->fit);
     const FittedModel fitted = fit_model({source}, tried);
     return outcome_of(objective, TracedWorld(fitted.model), slice->validation, tried.seed);
