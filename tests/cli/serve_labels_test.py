@@ -111,6 +111,9 @@ class ServeLabels(unittest.TestCase):
         bad += [("jobs/start", {**log, "verb": "segment", **more})
                 for more in ({"log": 1}, {"log": 99}, {"name": "../y.ply"}, {"name": "--y.ply"}, {"name": "y"},
                              {"name": "log.txt"}, {"min_range": "1;ls"}, {"min_range": -4})]
+        bad += [("jobs/start", {"verb": "fit", "log": 0, "name": "m", **more})
+                for more in ({"tau": 0}, {"fitter": "--help"}, {"fitter": "voxel;ls"}, {"surface_carve": "--force"},
+                             {"min_points": 1.5}, {"seed": -1})]
         bad += [("jobs/start", {"verb": "compose", "annotation": "../site.json", "primitives": 2, "name": "z"}),
                 ("jobs/cancel", {"number": 12345})]
         for path, values in bad:
@@ -159,6 +162,25 @@ class ServeLabels(unittest.TestCase):
         _, job = self.post("jobs/start", verb="fit", log=0, name="m")
         self.assertEqual(self.post("jobs/cancel", number=job["number"])[0], 200)
         self.assertIn(self.ended(job["number"])["state"], ("cancelled", "done"))
+
+    def test_options_of_commands_are_those_of_the_tables(self):
+        listed = {verb: {o["name"]: o for o in options}
+                  for verb, options in self.server.json_of("api/jobs/options").items()}
+        self.assertEqual(listed["fit"]["voxel-side"]["unit"], "m")
+        self.assertEqual(listed["fit"]["fitter"]["choices"][0], listed["fit"]["fitter"]["default"])
+        self.assertEqual((listed["simulate"]["sun"]["least"], listed["simulate"]["sun"]["most"]), (0, 1))
+        self.assertIsNone(listed["fit"]["tau"]["most"])
+        free = {"fit": ("start",), "simulate": ("materials", "material", "super-sample", "returns")}
+        for verb, names in free.items():  # no free text reaches a command line
+            self.assertFalse(set(names) & set(listed[verb]))
+            for name in names:
+                command = self.server.json_of(f"api/jobs/command?verb={verb}&log=0&world=3&like=0&name=new"
+                                              f"{'.ply' if verb == 'simulate' else ''}&{name.replace('-', '_')}=7")
+                self.assertNotIn("7", command["command"].split())
+        command = self.server.json_of("api/jobs/command?verb=fit&log=0&name=new&fitter=voxel&voxel_side=0.5&min_points=4"
+                                      "&surface_carve=true&ranges_as_given=false&seed=8123456789012345")["command"]
+        self.assertRegex(command, r"^underbrush fit \S+/log.ply --seed 8123456789012345 --fitter voxel --min-points 4 "
+                                  r"--voxel-side 0.5 --surface-carve -o \S+/new$")
 
     def ended(self, number):
         for _ in range(600):

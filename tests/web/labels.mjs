@@ -198,12 +198,20 @@ export async function composeScene({ page, expect, ready, accessible, picture, p
   expect(scene.instances.filter((i) => /tree|shrub/.test(i.class)).length === 3, `a scene of ${scene.instances.length} instances`);
   const points = () => page.evaluate(() => Number(document.documentElement.dataset.points));
   const real = await points();
+  // The options of a command are those of the program's table.
+  await page.getByText('Options of simulate', { exact: true }).click();
+  const form = page.locator('details', { has: page.getByText('Options of simulate', { exact: true }) });
+  await form.getByLabel('seed', { exact: true }).fill('5');
+  await form.getByText('Thin rays', { exact: true }).click();
+  await form.getByLabel('draw', { exact: true }).selectOption('median');
+  await accessible('options');
   await page.getByRole('button', { name: 'Simulate' }).click();
   await page.waitForFunction(() => /simulate (done|failed)/.test(document.documentElement.dataset.jobs), null, { polling: 100 });
   await page.waitForFunction(() => [...document.querySelectorAll('#panel label.check')].some((e) => /-scan-.*\(log\)/.test(e.innerText)));
   await page.waitForFunction((n) => Number(document.documentElement.dataset.points) > n, real); // it is shown
   await ready();
-  expect(/underbrush simulate .*--like .*log.ply/.test(await page.locator('.jobs').innerText()), 'the command line is shown');
+  const command = await page.locator('.jobs').innerText();
+  expect(/underbrush simulate .*--like .*log.ply --seed 5 --draw median -o/.test(command), `the command line is shown: ${command}`);
   await page.getByRole('button', { name: 'Output of simulate' }).click();
   await page.locator('pre.log').waitFor();
   // The scan beside the real log: two pictures of one camera, and the errors of its ranges.

@@ -4,6 +4,7 @@ import { json, post } from './api';
 import type { JobsPanel } from './jobs';
 import type { Labeller } from './labeller';
 import type { Menu } from './menu';
+import { type Option, OptionForm } from './options';
 import { button, el } from './panel';
 
 /** Lets a person choose a file of some kinds. */
@@ -46,6 +47,9 @@ export class Workflow {
   private readonly simulated: Chooser;
   private readonly labelFile = el('select', { 'aria-label': 'File of labels' });
   private readonly labelSet = el('select', { 'aria-label': 'Numbers of the file' });
+  /** The options of commands, by command. */
+  private readonly forms = new Map<string, OptionForm>();
+  private readonly formBox = el('div');
   /** The annotation that was made last. */
   private annotation = '';
 
@@ -81,6 +85,7 @@ export class Workflow {
         step('Simulate', 'Simulate the beams of the log in the world', () => this.simulate()),
         step('Score', 'Compare the simulated log with the log', () => this.score()),
       ),
+      this.formBox,
       el('label', { class: 'row' }, 'Labels', this.labelFile),
       el('label', { class: 'row' }, 'in numbers of', this.labelSet),
       el('div', { class: 'buttons' }, step('Import', 'Take labels over from this file of the folder for labels', () => this.importLabels())),
@@ -91,6 +96,19 @@ export class Workflow {
       labeller.listLogs();
     });
     app.run(this.listLabelFiles());
+    app.run(this.listOptions());
+  }
+
+  private async listOptions(): Promise<void> {
+    for (const [verb, options] of Object.entries(await json<Record<string, Option[]>>('jobs/options'))) {
+      this.forms.set(verb, new OptionForm(verb, options));
+    }
+    this.formBox.replaceChildren(...[...this.forms.values()].map((form) => form.box));
+  }
+
+  /** The options of a command that are not left at their defaults. */
+  private given(verb: string): Record<string, string> {
+    return this.forms.get(verb)?.given() ?? {};
   }
 
   /** Lists the files of the folder for labels that may be read. */
@@ -119,7 +137,7 @@ export class Workflow {
   private async compose(): Promise<void> {
     if (this.annotation === '') throw new Error('Annotate a labelled log first');
     const name = this.jobs.freshName('scene');
-    const parameters = { annotation: this.annotation, primitives: this.set.id, ground: this.model.id, name };
+    const parameters = { ...this.given('compose'), annotation: this.annotation, primitives: this.set.id, ground: this.model.id, name };
     this.world.set(await this.jobs.runAndShow('compose', parameters));
   }
 
@@ -146,7 +164,7 @@ export class Workflow {
     const labelled = this.labelled();
     const stem = this.app.files.file(labelled.file).name.replace(/\.[a-z]+$/, '');
     const name = this.jobs.freshName(`${stem}-proposal`, '.ply');
-    await this.jobs.run('segment', { log: labelled.file, name });
+    await this.jobs.run('segment', { ...this.given('segment'), log: labelled.file, name });
     const reply = await labelled.send<{ rows: number }>('import', { name, unlabelled: 1, ...this.labeller.conditions() }, true);
     this.app.tell(`${reply.rows} points have the label that segment proposes`);
   }
@@ -183,16 +201,16 @@ export class Workflow {
 
   async fit(): Promise<void> {
     const name = this.jobs.freshName(`${this.stem(this.log)}-model`);
-    this.model.set(await this.jobs.runAndShow('fit', { log: this.log.id, name }));
+    this.model.set(await this.jobs.runAndShow('fit', { ...this.given('fit'), log: this.log.id, name }));
   }
 
   async extract(): Promise<void> {
     const name = this.jobs.freshName(`${this.stem(this.log)}-primitives`);
-    this.set.set(await this.jobs.runAndShow('extract', { model: this.model.id, log: this.log.id, name }));
+    this.set.set(await this.jobs.runAndShow('extract', { ...this.given('extract'), model: this.model.id, log: this.log.id, name }));
   }
 
   async simulate(): Promise<void> {
     const name = this.jobs.freshName(`${this.stem(this.world)}-scan`, '.ply');
-    this.simulated.set(await this.jobs.runAndShow('simulate', { world: this.world.id, like: this.log.id, name }));
+    this.simulated.set(await this.jobs.runAndShow('simulate', { ...this.given('simulate'), world: this.world.id, like: this.log.id, name }));
   }
 }

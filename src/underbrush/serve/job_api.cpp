@@ -1,10 +1,16 @@
 #include "underbrush/serve/job_api.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <span>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/fit/parameters.hpp"
+#include "underbrush/pipeline/compose_scene.hpp"
+#include "underbrush/pipeline/extract_primitives.hpp"
+#include "underbrush/pipeline/segment_log.hpp"
+#include "underbrush/pipeline/simulate_options.hpp"
 #include "underbrush/serve/json_reply.inl"
 
 namespace underbrush::serve {
@@ -21,16 +27,47 @@ struct Input {
   Takes takes;
   bool needed;
 };
-// An option with a number, within limits.
-struct Number {
-  const char* key;
-  const char* option;
-  double low, high;
+// An option that a request may set, with `_` for `-` in its key.
+struct Setting {
+  std::string name;  ///< Without dashes.
+  std::string group, unit, help, type, usual;
+  double least = -kNoLimit, most = kNoLimit;
+  std::vector<std::string_view> choices = {};
+
+  std::string key() const {
+    std::string out = name;
+    std::replace(out.begin(), out.end(), '-', '_');
+    return out;
+  }
 };
+
+// The rows of a table that are numbers, flags and words from lists. No other text of a request
+// reaches a command line.
+template <class Row>
+std::vector<Setting> settings_of(std::span<const Row> table) {
+  const typename Row::Options defaults{};
+  std::vector<Setting> out;
+  for (const Row& row : table) {
+    const std::string type(type_of(row));
+    if (type != "float" && type != "int" && type != "bool" && row.choices.empty()) continue;
+    out.push_back({std::string(row.name), std::string(row.group), std::string(row.unit),
+                   std::string(row.help), type, text_of(row, defaults), row.least, row.most,
+                   row.choices});
+  }
+  return out;
+}
+
+const Setting kSeed{"seed", "", "", "Seed of all random numbers", "int", "1", 0, 9e15};
+
+std::vector<Setting> with_seed(std::vector<Setting> settings) {
+  settings.insert(settings.begin(), kSeed);
+  return settings;
+}
+
 struct Verb {
   const char* name;
   std::vector<Input> inputs;
-  std::vector<Number> numbers;
+  std::vector<Setting> settings;
   const char* extension;  ///< Ending of the output's name; "" for a folder.
 };
 
@@ -38,15 +75,12 @@ const std::vector<Verb>& verbs() {
   static const std::vector<Verb> kVerbs = {
       {"segment",
        {{"log", "", Takes::kLog, true}},
-       {{"min_range", "--min-range", 0, 1000}},
+       settings_of(pipeline::segment_options()),
        ".ply"},
-      {"fit",
-       {{"log", "", Takes::kLog, true}},
-       {{"clusters_per_point", "--clusters-per-point", 0.001, 1}, {"tau", "--tau", 0.5, 10}},
-       ""},
+      {"fit", {{"log", "", Takes::kLog, true}}, with_seed(settings_of(fit::parameters())), ""},
       {"extract",
        {{"model", "", Takes::kModel, true}, {"log", "", Takes::kLog, true}},
-       {{"min_elements", "--min-elements", 1, 1e6}, {"min_points", "--min-points", 1, 1e6}},
+       settings_of(pipeline::extract_options()),
        ""},
       {"annotate",
        {{"log", "", Takes::kLog, true}, {"ground", "--ground", Takes::kModel, false}},
@@ -56,11 +90,11 @@ const std::vector<Verb>& verbs() {
        {{"annotation", "", Takes::kAnnotation, true},
         {"primitives", "", Takes::kPrimitives, true},
         {"ground", "--ground", Takes::kModel, false}},
-       {{"nearest", "--nearest", 1, 1000}, {"seed", "--seed", 0, 9e15}},
+       with_seed(settings_of(pipeline::compose_options())),
        ""},
       {"simulate",
        {{"world", "", Takes::kWorld, true}, {"like", "--like", Takes::kLog, true}},
-       {{"seed", "--seed", 0, 9e15}},
+       with_seed(settings_of(pipeline::simulate_options())),
        ".ply"},
       {"score",
        {{"real", "", Takes::kLog, true},
@@ -121,10 +155,50 @@ Json json_of(const JobFacts& f) {
           {"progress", printable(f.progress)}};
 }
 
-std::string number_text(double value) {
+std::string number_text(double value, bool whole) {
   char text[40];
-  std::snprintf(text, sizeof(text), "%.12g", value);
+  std::snprintf(text, sizeof(text), whole ? "%.0f" : "%.12g", value);
   return text;
+}
+
+// The words by which a command takes what the request says of a setting.
+std::vector<std::string> words_of(const Setting& setting, const Query& query) {
+  const std::string key = setting.key(), option = "--" + setting.name;
+  if (!query.has(key.c_str())) return {};
+  if (setting.type == "bool") {
+    const std::string word = query.text(key.c_str());
+    require(word == "true" || word == "false", "a flag is true or false");
+    return word == "true" ? std::vector<std::string>{option} : std::vector<std::string>{};
+  }
+  if (!setting.choices.empty()) {
+    const std::string word = query.text(key.c_str());
+    require(std::count(setting.choices.begin(), setting.choices.end(), word) == 1,
+            "a word that is none of the choices");
+    return {option, word};
+  }
+  const double value = query.real(key.c_str());
+  const bool whole = setting.type == "int";
+  require(value >= setting.least && value <= setting.most && (!whole || value == std::floor(value)),
+          "a number beyond its limits");
+  return {option, number_text(value, whole)};
+}
+
+Json limit(double value) { return std::isinf(value) ? Json(nullptr) : Json(value); }
+
+Json json_of(const Setting& s) {
+  return {{"name", s.name},          {"group", s.group},      {"type", s.type},
+          {"default", s.usual},      {"unit", s.unit},        {"help", s.help},
+          {"least", limit(s.least)}, {"most", limit(s.most)}, {"choices", s.choices}};
+}
+
+// The settings of all commands, by command.
+Json all_settings() {
+  Json out = Json::object();
+  for (const Verb& verb : verbs()) {
+    if (verb.settings.empty()) continue;
+    for (const Setting& setting : verb.settings) out[verb.name].push_back(json_of(setting));
+  }
+  return out;
 }
 
 }  // namespace
@@ -157,11 +231,8 @@ std::vector<std::string> JobApi::command_of(const Query& query,
     if (*input.option) words.emplace_back(input.option);
     words.push_back(path.string());
   }
-  for (const Number& number : verb->numbers) {
-    if (!query.has(number.key)) continue;
-    const double value = query.real(number.key);
-    require(value >= number.low && value <= number.high, "a number beyond its limits");
-    words.insert(words.end(), {number.option, number_text(value)});
+  for (const Setting& setting : verb->settings) {
+    for (std::string& word : words_of(setting, query)) words.push_back(std::move(word));
   }
   if (wanted == "compose") words.emplace_back("--allow-outside");
   output = folder_ / query.file_name("name");
@@ -189,6 +260,7 @@ HttpReply JobApi::answer(const HttpRequest& request) {
     for (const JobFacts& facts : jobs_.list()) j["jobs"].push_back(json_of(facts));
     return reply_of(j);
   }
+  if (request.path == "api/jobs/options") return reply_of(all_settings());
   if (request.path == "api/jobs/log") {
     const JobFacts facts = jobs_.job(query.number("number"));
     Json j = json_of(facts);
