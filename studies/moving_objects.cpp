@@ -13,7 +13,6 @@ using perception::OrientedBox;
 using perception::SeenBox;
 
 constexpr double kMarginM = 0.4;       // Labels are that coarse.
-constexpr double kAwayM = 500;         // Below the world.
 constexpr size_t kLeastPoints = 30;    // Of an object that ellipsoids are fitted to.
 constexpr double kTightMarginM = 0.1;  // Of a box around an object's own points.
 
@@ -30,10 +29,6 @@ std::map<uint32_t, std::vector<const SeenBox*>> by_scan(const std::vector<Object
     for (const SeenBox& s : t.seen) out[s.scan].push_back(&s);
   }
   return out;
-}
-
-Pose pose_of(const OrientedBox& box) {
-  return {Eigen::Quaterniond(Eigen::AngleAxisd(box.yaw_rad, Vec3::UnitZ())), box.centre_m};
 }
 
 // Whether a ray enters a box before `range`, by the method of slabs.
@@ -154,31 +149,6 @@ std::vector<elements::Model> meshes_of(const std::vector<ObjectTrack>& tracks) {
   models.reserve(tracks.size());
   for (const ObjectTrack& t : tracks) models.push_back(road_user(t.label, t.size_m));
   return models;
-}
-
-void add_objects(pipeline::World& world, const std::vector<ObjectTrack>& tracks,
-                 std::vector<elements::Model> models) {
-  for (size_t k = 0; k < tracks.size(); ++k) {
-    std::vector<StampedPose> poses;
-    // A model's coordinates are relative to its origin, which stands in the frame of the box.
-    const Pose from_model{Eigen::Quaterniond::Identity(), models[k].origin};
-    for (const SeenBox& s : tracks[k].seen) {
-      poses.push_back({s.time_s, pose_of(s.object.box) * from_model});
-    }
-    const auto away = [](StampedPose p, double after_s) {
-      p.time_s += after_s;
-      p.world_from_sensor.translation.z() -= kAwayM;
-      return p;
-    };
-    const StampedPose first = poses.front(), last = poses.back();
-    StampedPose begin = first, end = last;
-    begin.time_s -= 0.05;
-    end.time_s += 0.05;
-    poses.insert(poses.begin(), {away(first, -0.051), begin});
-    poses.push_back(end);
-    poses.push_back(away(last, 0.051));
-    pipeline::add_mover(world, std::move(models[k]), Trajectory(std::move(poses)), "");
-  }
 }
 
 }  // namespace underbrush::studies

@@ -1,14 +1,13 @@
 /// \file
-/// The labelled objects of a real log: the log without them, models of them, and the world with the
-/// models put back.
+/// The labelled objects of a real log: the log without them, and models of them.
 #pragma once
 #include <functional>
 #include <memory>
 #include <vector>
 
 #include "underbrush/core/beam_log.hpp"
+#include "underbrush/elements/model.hpp"
 #include "underbrush/perception/log_truth.hpp"
-#include "underbrush/pipeline/world.hpp"
 
 namespace underbrush::studies {
 
@@ -46,10 +45,5 @@ std::vector<elements::Model> models_of_points(BeamSource& log,
                                               uint64_t seed);
 /// Makes a mesh for each object.
 std::vector<elements::Model> meshes_of(const std::vector<ObjectTrack>& tracks);
-
-/// Adds the objects to a world, at the poses of their labels. Before the first label and after the
-/// last one an object is not there.
-void add_objects(pipeline::World& world, const std::vector<ObjectTrack>& tracks,
-                 std::vector<elements::Model> models);
 
 }  // namespace underbrush::studies

@@ -4,13 +4,12 @@
 #include <cmath>
 #include <filesystem>
 
-#include "studies/moving_objects.hpp"
+#include "studies/chain_lists.hpp"
 #include "studies/sequential.hpp"
 #include "studies/studies.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/perception/object_list_file.hpp"
 #include "underbrush/pipeline/fit_model.hpp"
-#include "underbrush/pipeline/simulate_log.hpp"
 
 namespace underbrush::studies {
 namespace {
@@ -21,6 +20,9 @@ using perception::ObjectList;
 constexpr double kElevationOffsetRad = 0.205 * M_PI / 180;  // KITTI: docs/how-to/kitti.md.
 constexpr double kMinRangeM = 3;                            // The own car.
 constexpr uint32_t kEveryNth = 3;  // Scan that the static world is fitted to.
+/// Parameters of the strategy `tracking` that make the boxes as `real_lists` does.
+const std::map<std::string, std::string> kTracking{
+    {"as_measured", "true"}, {"min_range_m", "3"}, {"axle_height_m", "0"}};
 
 /// A real log with its labels.
 struct RealLog {
@@ -36,11 +38,11 @@ struct RealLog {
         tracks(tracks_of(truth)) {}
 };
 
-perception::PerceivedLog lists_of(BeamSource& log, const perception::LogTruth& truth,
-                                  bool is_model) {
-  perception::PerceptionSetup setup = measured_setup(is_model);
+/// The lists of the real scans.
+perception::PerceivedLog real_lists(RealLog& log) {
+  perception::PerceptionSetup setup = measured_setup(false);
   setup.cycles.min_range_m = kMinRangeM;
-  return perception::perceived(log, &truth, setup);
+  return perception::perceived(log.beams, &log.truth, setup);
 }
 
 elements::Model static_world(const StudyRun& run, RealLog& log) {
@@ -51,27 +53,16 @@ elements::Model static_world(const StudyRun& run, RealLog& log) {
   return pipeline::fit_model({beams}, options).model;
 }
 
-/// Lists of the simulated log with these models in place of the objects.
-std::vector<ListCandidate> simulated_lists(const StudyRun& run, RealLog& log,
+/// Lists of the simulated drive with these models in place of the objects.
+std::vector<ListCandidate> simulated_lists(const StudyRun& run, const RealLog& log,
                                            const elements::Model& world,
                                            std::vector<elements::Model> objects,
                                            const std::string& name) {
-  pipeline::World scene;
-  scene.scene.models.push_back(world);
-  add_objects(scene, log.tracks, std::move(objects));
-  const pipeline::TracedWorld traced(std::move(scene));
-  pipeline::SimulateOptions options;
-  options.seed = run.seed;
-  pipeline::Simulation simulation(traced, options);
-  std::vector<ListCandidate> out;
-  for (const bool is_model : {true, false}) {
-    run.say(log.name + ": " + name + (is_model ? ", model" : ", pipeline"));
-    pipeline::simulate_log(simulation, log.beams, [&](BeamSource& simulated) {
-      out.push_back({name + (is_model ? "/model" : "/pipeline"),
-                     lists_of(simulated, log.truth, is_model).lists});
-    });
-  }
-  return out;
+  run.say(log.name + ": " + name);
+  ChainLists lists = chain_lists(log.beams.info(), log.truth,
+                                 {world, log.tracks, std::move(objects)}, kTracking, run.seed);
+  return {{name + "/model", std::move(lists.model)},
+          {name + "/pipeline", std::move(lists.pipeline)}};
 }
 
 report::Table means_table(
@@ -142,7 +133,7 @@ void run_log(const StudyRun& run, const fs::path& folder, StudyResult& out) {
   RealLog log(folder);
   out.inputs.insert(out.inputs.end(), {folder / "log.ply", folder / "objects.csv"});
   run.say(log.name + ": real lists");
-  const perception::PerceivedLog real = lists_of(log.beams, log.truth, false);
+  const perception::PerceivedLog real = real_lists(log);
   run.say(log.name + ": static world");
   const elements::Model world = static_world(run, log);
   run.say(log.name + ": objects");

@@ -72,7 +72,8 @@ BeamLog one_measurement(const Lasers& lasers, const sensor::Sensor& sensor,
 }
 
 /// Measures `pattern` as often as the options ask, for the numbers for which `wanted(measurement)`
-/// holds.
+/// holds. This stands for the real scanner, so it is not the instrument that is under test, but the
+/// ray caster of all generated realities (`simulate::scan`).
 template <class Wanted>
 BeamLog measured(const trace::World& world, const BeamLog& pattern, const sensor::Sensor& sensor,
                  const StaticScanOptions& options, const Wanted& wanted) {

@@ -3,26 +3,13 @@
 
 #include "studies/analytic_scanner.hpp"
 #include "studies/verification.hpp"
-#include "underbrush/core/parallel.hpp"
-#include "underbrush/radiometry/brdf.hpp"
-#include "underbrush/radiometry/receiver.hpp"
+#include "underbrush/pipeline/simulate_log.hpp"
 #include "underbrush/sensor/pattern.hpp"
-#include "underbrush/trace/world.hpp"
 
 namespace underbrush::studies {
 namespace {
 
 constexpr double kDistanceM = 24.0, kLookDownRad = 10 * M_PI / 180;
-constexpr double kReflectance = 0.6;  // Reflectance of opaque PVC, on which only faint edges
-                                      // depend.
-
-Vec3 normal_of(const elements::TriangleMesh& mesh, uint32_t triangle) {
-  const auto& [a, b, c] = mesh.triangles[triangle];
-  const Vec3 at = mesh.vertices[a].cast<double>();
-  return (mesh.vertices[b].cast<double>() - at)
-      .cross(mesh.vertices[c].cast<double>() - at)
-      .normalized();
-}
 
 /// Turns directions as a leaning mirror does (`ScannerFault::mirror_tilt_rad`).
 void tilt_mirror(const Pose& target_from_scanner, double tilt_rad, std::vector<Vec3f>& direction) {
@@ -34,37 +21,19 @@ void tilt_mirror(const Pose& target_from_scanner, double tilt_rad, std::vector<V
   }
 }
 
-/// Computes the range of the first echo of every beam. Without `noise` the signal has none either.
-void receive(const trace::World& world, const sensor::Sensor& sensor, double noise, uint64_t seed,
-             BeamLog& beams) {
-  const radiometry::Receiver receiver(radiometry::receiver_options(sensor, 0, noise > 0 ? 1 : 0));
-  const sensor::RayMaker maker(sensor.beam);
-  const auto places = sensor::grid_sub_rays(sensor.beam, sensor.sub_rays[0], sensor.sub_rays[1]);
-  const trace::RangeLimits limits{sensor.min_range_m, 100};
-  const elements::TriangleMesh& mesh = world.model().surface;
-  parallel_for(beams.size(), 4096, [&](size_t begin, size_t end) {
-    radiometry::Waveform scratch = receiver.scratch();
-    std::vector<float> range, weight, factor, signal;
-    for (size_t i = begin; i < end; ++i) {
-      const Ray axis = beams.ray(i);
-      const sensor::BeamAxes axes = sensor::beam_axes(axis);
-      range.clear(), weight.clear(), factor.clear();
-      for (const auto& [u, v, share] : places) {
-        const Ray ray = maker.ray(axes, u, v);
-        const trace::Intersection met = world.nearest_surface(ray, limits);
-        if (met.none()) continue;
-        const double cosine = std::abs(normal_of(mesh, met.element).dot(ray.direction));
-        range.push_back(float(met.t_m));
-        weight.push_back(share);
-        factor.push_back(float(kReflectance * radiometry::backscatter({}, cosine)));
-      }
-      if (range.empty()) continue;
-      signal.resize(range.size());
-      const radiometry::Echoes echoes = receiver.receive(range, weight, factor, signal,
-                                                         beam_key(seed, beams.scan[i], i), scratch);
-      if (echoes.count > 0) beams.range_m[i] = echoes.echo[0].range_m;
-    }
-  });
+/// Answers the beams of the scanner as `simulate --super-sample sensor` does.
+BeamLog answered(const Solid& solid, const sensor::Sensor& sensor, BeamLog beams, uint64_t seed) {
+  elements::Model model;
+  model.surface = triangulated(solid).mesh;
+  const pipeline::TracedWorld world(model);
+  pipeline::SimulateOptions options;
+  options.seed = seed;
+  options.instrument.super_sample = "sensor";
+  options.instrument.material = {"unknown=white_pvc"};
+  pipeline::Simulation simulation(world, options, [&](const char*) { return sensor; });
+  BeamLog out = pipeline::simulate_log(simulation, std::move(beams));
+  keep_first_echoes(out);
+  return out;
 }
 
 }  // namespace
@@ -105,13 +74,10 @@ SimulatedScan simulated_scan(const Solid& solid, const Pose& target_from_scanner
   const double cycle = sensor.shot_cycle_s();
   const Trajectory still({{0, pose}, {2 * cycle, pose}});
   BeamLog beams = sensor::beams(sensor, still, 0, cycle);
-  elements::Model model;
-  model.surface = triangulated(solid).mesh;
-  const trace::World world(model);
-  const std::vector<Vec3f> reported = beams.direction;
+  std::vector<Vec3f> reported = beams.direction;
   if (fault.mirror_tilt_rad != 0) tilt_mirror(pose, fault.mirror_tilt_rad, beams.direction);
-  receive(world, sensor, fault.noise, seed, beams);
-  beams.direction = reported;
+  beams = answered(solid, sensor, std::move(beams), seed);
+  beams.direction = std::move(reported);
   for (float& range : beams.range_m) range += float(fault.bias_m);
   SimulatedScan out;
   out.shots = beams.size();

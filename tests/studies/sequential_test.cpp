@@ -2,7 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "studies/moving_objects.hpp"
+#include "drive_past.hpp"
+#include "studies/chain_lists.hpp"
 #include "studies/studies.hpp"
 
 namespace underbrush::studies {
@@ -64,24 +65,41 @@ TEST(ListChecks, ATruthThatIsBestFailsThem) {
   EXPECT_FALSE(list_checks("none", {}, {noise})[0].holds()) << "no object is no success";
 }
 
-TEST(MovingObjects, AreAwayBeforeAndAfterTheirLabels) {
-  ObjectTrack track;
-  track.id = 1;
-  track.label = perception::ObjectClass::kVan;
-  track.size_m = {4, 2, 2};
-  for (int k = 0; k < 3; ++k) {
-    track.seen.push_back(
-        {uint32_t(k), 1 + 0.1 * k, {1, track.label, {{10.0 + k, 0, 1}, 0, track.size_m}}});
+// A van drives away from a lidar that stands 1 m above the ground; it comes in the third scan.
+TEST(ChainLists, FollowTheObjectsOfTheTruthAndOfTheWorld) {
+  constexpr int kScans = 16;
+  const Vec3 size(5, 2, 2);
+  LogInfo log;
+  log.sensor = "ibeo-lux-2010";
+  std::vector<ObjectList> lists;
+  for (int k = 0; k < kScans; ++k) {
+    log.scans.push_back({uint32_t(k), 0.08 * k, {}});
+    perception::TruthFrame frame{0.08 * k, {}};
+    if (k >= 2) {
+      frame.objects = {{7, perception::ObjectClass::kVan, {{14 + 0.2 * k, 1, 0}, 0, size}}};
+    }
+    lists.push_back(perception::list_of_truth(frame, {}));
   }
-  pipeline::World world;
-  world.scene.models.emplace_back();
-  add_objects(world, {track}, meshes_of({track}));
-  ASSERT_EQ(world.info.movers.size(), 1u);
-  const Trajectory& path = world.info.movers[0].world_from_object;
-  EXPECT_LT(path.poses().front().world_from_sensor.translation.z(), -100);
-  EXPECT_LT(path.poses().back().world_from_sensor.translation.z(), -100);
-  EXPECT_NEAR(path.at(1.05)->translation.x(), 10.5, 1e-9);
-  EXPECT_NEAR(path.at(1.05)->translation.z(), 1, 1e-9);
+  ObjectTrack track;
+  track.id = 7;
+  track.label = perception::ObjectClass::kVan;
+  track.size_m = size;
+  const ChainWorld world{test::flat_ground(60, {0, 0, -1}), {track}, meshes_of({track})};
+  const perception::LogTruth truth(lists);
+  const ChainLists made =
+      chain_lists(log, truth, world, {{"as_measured", "true"}, {"axle_height_m", "0"}}, 1);
+  for (const auto* found : {&made.model, &made.pipeline}) {
+    ASSERT_EQ(found->size(), size_t(kScans));
+    EXPECT_TRUE((*found)[3].objects.empty()) << "two cycles do not confirm it";
+    const ObjectList& last = found->back();
+    ASSERT_EQ(last.objects.size(), 1u);
+    const auto& box = last.objects[0].box;
+    EXPECT_NEAR(box.centre_m.x() - box.size_m.x() / 2, 14 + 0.2 * (kScans - 1) - 2.5, 0.2);
+    EXPECT_NEAR(box.centre_m.y(), 1, 0.15);
+    EXPECT_NEAR(box.size_m.y(), 2, 0.3);
+  }
+  EXPECT_EQ(made.model.back().objects[0].truth_id, 7u);
+  EXPECT_EQ(made.pipeline.back().objects[0].truth_id, 0u);
 }
 
 }  // namespace
