@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "ball_scanner.hpp"
+#include "underbrush/core/check.hpp"
 #include "underbrush/keyframes/changed_pixels.hpp"
 #include "underbrush/keyframes/keyframe_images.hpp"
 #include "underbrush/simulate/simulate.hpp"
@@ -57,6 +58,9 @@ TEST(UpdateOfKeyframes, ForgetsWhatHasGoneAndKeepsTheRest) {
   EXPECT_LT(remembered_of_the_car(grown.model), was / 10);
   EXPECT_LT(changes.forgotten_pixels, 5 * was / 4);
   EXPECT_LT(returns_of_the_car(grown.model, test), returns_of_the_car(first.model, test) / 20);
+  BeamLog of_another = after;  // Neither log names its sensor, and only this one has channels.
+  for (size_t i = 0; i < of_another.size(); ++i) of_another.ring[i] = uint16_t(i % 16);
+  EXPECT_THROW(updated(first, {&before}, of_another, kAtOnce), DataError);
 }
 
 /// The pixels of a log's scans, one after another, of beams that pass where the car is when it is
