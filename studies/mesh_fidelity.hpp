@@ -51,8 +51,8 @@ struct RangingOptions {
   std::optional<double> sigma_m;  ///< Standard deviation of the range noise; none: the sensor's.
   int sub_rays = 9;
 };
-/// Simulates the beams on the plant as `simulate --super-sample N` does, with the footprint, range
-/// noise and resolution of their sensor; a beam has its first echo.
+/// Scans the plant with the footprint, range noise and resolution of the beams' sensor, by the ray
+/// caster of all generated realities (`simulate::scan`): the plant is judged, not the instrument.
 BeamLog approach_scan(const test_site::PlantMesh& plant, const BeamLog& beams, uint64_t seed,
                       const RangingOptions& ranging = {});
 /// Returns the end points of all hits with the errors of registration.

@@ -6,6 +6,7 @@
 #include "underbrush/pipeline/fit_model.hpp"
 #include "underbrush/pipeline/simulate_log.hpp"
 #include "underbrush/sensor/pattern.hpp"
+#include "underbrush/simulate/footprint.hpp"
 
 namespace underbrush::studies {
 namespace {
@@ -83,18 +84,23 @@ BeamLog approach_beams(const test_site::PlantMesh& plant, bool quick,
 
 BeamLog approach_scan(const test_site::PlantMesh& plant, const BeamLog& beams, uint64_t seed,
                       const RangingOptions& ranging) {
-  sensor::Sensor sensor = sensor::load(beams.info.sensor);
-  sensor.range_sigma_m = ranging.sigma_m.value_or(sensor.range_sigma_m);
+  const sensor::Sensor sensor = sensor::load(beams.info.sensor);
   elements::Model model;
   model.surface = plant.mesh;
-  const pipeline::TracedWorld world(model);
-  pipeline::SimulateOptions options;
+  const trace::World world(model);
+  simulate::FootprintOptions options;
   options.seed = seed;
-  options.instrument.super_sample = std::to_string(ranging.sub_rays);
-  pipeline::Simulation simulation(world, options, [&](const char*) { return sensor; });
-  BeamLog out = pipeline::simulate_log(simulation, beams);
-  keep_first_echoes(out);
+  options.shape = sensor.beam;
+  options.range_sigma_m = ranging.sigma_m.value_or(sensor.range_sigma_m);
+  options.sub_rays = ranging.sub_rays;
+  const std::vector<elements::Class> label(model.size(), elements::Class::kUnknown);
+  BeamLog out = beams;
+  simulate::scan(world, label, options, 0, out);
   out.extra.clear();
+  const auto step = float(sensor.range_resolution_m);
+  for (float& r : out.range_m) {
+    if (r != kMiss) r = std::round(r / step) * step;
+  }
   return out;
 }
 

@@ -21,7 +21,8 @@ void tilt_mirror(const Pose& target_from_scanner, double tilt_rad, std::vector<V
   }
 }
 
-/// Answers the beams of the scanner as `simulate --super-sample sensor` does.
+/// Answers the beams of the scanner as `simulate --super-sample sensor --all-sub-rays` does. A few
+/// sub-rays in place of all, as by default, would move the ends of beams on edges.
 BeamLog answered(const Solid& solid, const sensor::Sensor& sensor, BeamLog beams, uint64_t seed) {
   elements::Model model;
   model.surface = triangulated(solid).mesh;
@@ -29,6 +30,7 @@ BeamLog answered(const Solid& solid, const sensor::Sensor& sensor, BeamLog beams
   pipeline::SimulateOptions options;
   options.seed = seed;
   options.instrument.super_sample = "sensor";
+  options.instrument.all_sub_rays = true;
   options.instrument.material = {"unknown=white_pvc"};
   pipeline::Simulation simulation(world, options, [&](const char*) { return sensor; });
   BeamLog out = pipeline::simulate_log(simulation, std::move(beams));
