@@ -136,9 +136,9 @@ class TruthTracer : public Strategy {
     require_data(!data.views.empty() && data.views[0]->truth && data.host,
                  "tracer: there is no SensorView with a ground truth and a host vehicle");
     auto view = std::make_shared<SensorView>(*data.views[0]);
-    const LidarSensorView lidar = traced(*view, *data.host);
+    LidarSensorView lidar = traced(*view, *data.host);
     if (!view->bytes.empty()) write_lidar_views({&lidar, 1}, view->bytes);
-    view->lidar.push_back(lidar);
+    view->lidar.push_back(std::move(lidar));
     data.views[0] = std::move(view);
   }
   void reset() override {}
