@@ -125,8 +125,8 @@ const Fitter& fitter_named(std::string_view name) {
 const Fitter& start_of(const FitOptions& options) {
   if (elements::is_model(options.start)) return fitter_named(options.fitter);
   if (elements::is_scene(options.start)) {
-    throw std::invalid_argument("fit: " + options.fitter + " refines a model, but " +
-                                options.start + " is a scene");
+    throw std::invalid_argument("fit: --start needs a fitter or a model, and " + options.start +
+                                " is a scene");
   }
   const Fitter& start = fitter_named(options.start);
   if (start.refines) {
