@@ -76,10 +76,11 @@ bool has_channels_of(const Keyframes& image, const Keyframes& other) {
   return !off.empty() && median(std::move(off)) <= row_height(image.elevation) / 2;
 }
 
+/// Whether the field of view of `image` holds that of `other`. A part of a log has a smaller one.
 bool has_field_of(const Keyframes& image, const Keyframes& other) {
   const double most = (image.elevation.back() - image.elevation.front()) / 4;
-  return std::abs(other.elevation.front() - image.elevation.front()) <= most &&
-         std::abs(other.elevation.back() - image.elevation.back()) <= most;
+  return other.elevation.front() >= image.elevation.front() - most &&
+         other.elevation.back() <= image.elevation.back() + most;
 }
 
 }  // namespace

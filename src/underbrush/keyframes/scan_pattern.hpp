@@ -52,8 +52,8 @@ void set_grid(const ScanPattern& pattern, elements::Keyframes& image);
 ///
 /// - the sensor reaches as far as the farthest return of the model's log;
 /// - both have channels, and half of those that both have differ by at most half a row in
-///   elevation, or neither has channels, and the lowest and the highest beams differ by at most a
-///   quarter of the image's height.
+///   elevation, or neither has channels, and the field of view of the keyframes, longer by a
+///   quarter at both ends, holds that of the log, which may be a part of one.
 ///
 /// Channels that one of both lacks do not count, because logs are split by channels.
 bool is_of_sensor(const elements::Model& model, const LogInfo& log, const ScanPattern& pattern);
