@@ -56,7 +56,7 @@ def check(root, options):
     if out:
         return out
     if (dist / "sources.txt").read_text().strip() != hash_of(root):
-        return ["web/dist: not built from these sources: in web/, npm ci && npm run build"]
+        return ["web/dist: not built from these sources: in web/, npm ci && npm run dist"]
     script = (dist / "app.js").read_text(encoding="utf-8")
     if root == rules.ROOT and "SPDX-License-Identifier: MIT" not in script:
         out.append("web/dist/app.js: the licence of three.js is not in it")
