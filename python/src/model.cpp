@@ -177,7 +177,7 @@ void bind_model(nb::module_& m) {
   m.def(
       "write_model",
       [](const std::filesystem::path& path, const ModelValue& v) {
-        pipeline::write_trained(path, {v, v.training});
+        pipeline::write_trained(path, {v, v.training, {}, 0});
       },
       "path"_a, "model"_a, Released(),
       "Writes the folder of a model, whole or not at all; a model that stood there is replaced.\n"

@@ -47,6 +47,18 @@ void add_model(Json& j, const elements::Model& model) {
   if (!model.channels.empty()) j["channels"] = json_of(model.channels);
 }
 
+/// The beams of a fit or of an update.
+template <class Report>
+Json json_of_beams(const elements::Model& model, const Report& r) {
+  Json j;
+  j["fitter"] = model.fitter;
+  j["beams"] = r.beams;
+  j["hits"] = r.hits;
+  j["misses"] = r.misses;
+  if (r.mover_points > 0) j["mover_points"] = r.mover_points;
+  return j;
+}
+
 }  // namespace
 
 Json json_of(const likelihood::LikelihoodReport& report) {
@@ -103,12 +115,7 @@ Json json_of_light(const elements::Model& m) {
 Json json_of(const FittedModel& fitted, const SkippedRows& skipped) {
   const elements::Model& model = fitted.model;
   const fit::FitReport& r = fitted.report;
-  Json j;
-  j["fitter"] = model.fitter;
-  j["beams"] = r.beams;
-  j["hits"] = r.hits;
-  j["misses"] = r.misses;
-  if (r.mover_points > 0) j["mover_points"] = r.mover_points;
+  Json j = json_of_beams(model, r);
   j["ground_points"] = r.ground_points;
   j["other_points"] = r.other_points;
   j["near_points"] = r.near_points;
@@ -140,12 +147,7 @@ Json json_of(const FittedModel& fitted, const SkippedRows& skipped) {
 Json json_of(const UpdatedModel& updated, const SkippedRows& skipped) {
   const elements::Model& model = updated.model;
   const update::UpdateReport& r = updated.report;
-  Json j;
-  j["fitter"] = model.fitter;
-  j["beams"] = r.beams;
-  j["hits"] = r.hits;
-  j["misses"] = r.misses;
-  if (r.mover_points > 0) j["mover_points"] = r.mover_points;
+  Json j = json_of_beams(model, r);
   j["near_points"] = r.near_points;
   j["unexplained"] = r.unexplained;
   j["earlier_beams"] = r.earlier_beams;
