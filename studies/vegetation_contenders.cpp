@@ -38,7 +38,7 @@ fit::FitOptions dense(const std::string& fitter) {
   f.credit.rule = "best";
   f.credit.ellipsoid = {0, 0};
   f.free_space_below = 0;
-  f.likelihood.maximisation.opaque_hits = 0;
+  f.likelihood.maximisation.prior_hits = 0;
   f.volumetric.top_down.min_points = 5;
   f.volumetric.bottom_up.cell_m = 0.005;
   f.volumetric.bottom_up.largest_m = 0.1;

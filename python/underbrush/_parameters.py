@@ -39,21 +39,22 @@ class FitParameters(TypedDict, total=False):
     max_residual_for_hit: float  #: Distance below which a triangle explains a point (m; default 0.75).
     #: Weight of the usual size of ellipsoids, as a prior of each covariance (points; default 1).
     covariance_prior: float
-    ellipsoid_prior_hits: float  #: Prior hits of an ellipsoid (default 5).
+    ellipsoid_prior_hits: float  #: Prior hits of an ellipsoid (default 0).
     ellipsoid_prior_misses: float  #: Prior misses of an ellipsoid (default 0).
-    #: Drop ellipsoids whose share of hits, hits / (hits + misses), is below this (default 0.05).
+    #: Drop ellipsoids whose hits came within a short time and whose share of hits, hits / (hits + misses), is below
+    #: this (default 0.2).
     free_space_below: float
     range_noise: float  #: The sensor's range noise (m; default 0.02).
     triangle_prior_hits: float  #: Prior hits of a triangle; likelihood has 10 (default 10000).
     triangle_prior_misses: float  #: Prior misses of a triangle (default 0).
     credit: str  #: The rule that credits elements with the hits and misses of beams (default first).
     start: str  #: The fitter to begin with, or the folder of a model (default hierarchical).
-    rounds: int  #: Largest number of M-steps (default 3).
+    rounds: int  #: Largest number of M-steps (default 5).
     #: Number k of parameters fitted to the n points of each ellipsoid of the start; its variances grow by (n + k) /
     #: (n - k) (default 2).
     spent_at_start: float
     #: Assumed probability that a return is lost, so that a single miss does not make the elements that the beam met
-    #: permeable (default 0.02).
+    #: permeable (default 0.001).
     dropout: float
     #: Exponent on the probabilities of the final model; above 1, draws have smaller errors, and the likelihood is
     #: worse (default 1).

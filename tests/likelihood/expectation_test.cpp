@@ -251,7 +251,7 @@ TEST(Maximisation, OneStepMendsASmallStretchOnAndOffTheDiagonal) {
   e.density_per_m = 0.8f;
   truth.ellipsoids = {e};
   MaximisationOptions options;
-  options.prior_points = options.opaque_hits = options.spent_points = 0;
+  options.prior_points = options.prior_hits = options.spent_points = 0;
   for (const auto& [i, j] : {std::pair{0, 0}, std::pair{0, 1}, std::pair{1, 2}}) {
     Mat3 error = Mat3::Zero();
     error(i, j) = error(j, i) = 0.05;

@@ -66,7 +66,7 @@ LikelihoodOptions plain_options() {
   o.rounds = 60;
   o.least_gain = 1e-6;
   o.dropout = 0.001;
-  o.maximisation.prior_points = o.maximisation.opaque_hits = o.maximisation.spent_points = 0;
+  o.maximisation.prior_points = o.maximisation.prior_hits = o.maximisation.spent_points = 0;
   return o;
 }
 
@@ -75,19 +75,20 @@ double nll_of(const elements::Model& model, BeamSource& source, const credit::He
   return judge(trace::World(model), ListedBeams(source, held_out, model, 0));
 }
 
-TEST(Likelihood, TheLastRoundsOfALongLogTakeAllBeamsAndEarlierOnesOwnShares) {
+TEST(Likelihood, TheLastRoundsOfALongLogTakeAllBeamsAndEarlierOnesHalvesInTurn) {
   const size_t many = 2 * credit::kLongLog;
   std::array<int, credit::BeamShare::kParts> taken{};
-  for (const int round : {0, 1}) {
-    const credit::BeamShare share = share_of_round(many, round, 3);
+  for (const int round : {0, 1, 2, 3}) {
+    const credit::BeamShare share = share_of_round(many, round, 5);
     EXPECT_FALSE(share.is_all());
     for (unsigned k = share.first; k < share.last; ++k) ++taken[k];
+    EXPECT_LE(*std::max_element(taken.begin(), taken.end()), round / 2 + 1) << round;
   }
-  EXPECT_LE(*std::max_element(taken.begin(), taken.end()), 1);
-  for (const int rounds : {1, 2, 3}) EXPECT_TRUE(share_of_round(many, rounds - 1, rounds).is_all());
-  EXPECT_EQ(share_of_round(many, 0, 2), share_of_round(many, 1, 3));
-  EXPECT_TRUE(share_of_round(many, 2, 20).is_all());
-  EXPECT_TRUE(share_of_round(credit::kLongLog - 1, 0, 3).is_all());
+  EXPECT_EQ(*std::min_element(taken.begin(), taken.end()), 2);
+  for (const int rounds : {1, 3, 5}) EXPECT_TRUE(share_of_round(many, rounds - 1, rounds).is_all());
+  EXPECT_EQ(share_of_round(many, 0, 2), share_of_round(many, 3, 5));
+  EXPECT_TRUE(share_of_round(many, 4, 20).is_all());
+  EXPECT_TRUE(share_of_round(credit::kLongLog - 1, 0, 5).is_all());
 }
 
 TEST(Likelihood, RecoversAKnownModelFromItsBeams) {
@@ -129,6 +130,7 @@ TEST(Likelihood, EveryAcceptedStepRaisesTheHeldOutLikelihoodAndAddsNoElements) {
   MemorySource source(log);
   fit::FitOptions options;
   options.fitter = "likelihood";
+  options.likelihood.least_gain = 1e-5;
   options.tau = 3;
   options.likelihood.rounds = 4;
   const fit::FitResult r = fit::fit(source, options);
@@ -154,8 +156,9 @@ TEST(Likelihood, ABrokenMStepIsNoticedAndUndone) {
   LikelihoodOptions options = plain_options();
   options.rounds = 3;
   const double honest = refine(wrong_start(), source, options).report.steps.back().held_out_nll;
-  // This prior of opacity overrules the beams, and the truth cannot be bettered by as much as this.
-  options.maximisation.opaque_hits = 1e9;
+  // This prior of the neighbourhood overrules the beams, and the truth cannot be bettered by as
+  // much as this.
+  options.maximisation.prior_hits = 1e9;
   options.least_gain = 0.01;
   const Refined broken = refine(truth, source, options);
   EXPECT_EQ(broken.model.ellipsoids[0].mean, truth.ellipsoids[0].mean);

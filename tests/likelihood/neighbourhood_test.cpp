@@ -18,6 +18,13 @@ Vec3 extents(const Mat3& covariance) {
   return Eigen::SelfAdjointEigenSolver<Mat3>(covariance).eigenvalues().cwiseSqrt();
 }
 
+/// Evidence of very different weights, all of the density 0.5 1/m.
+std::vector<Evidence> evidence_of(size_t count) {
+  std::vector<Evidence> out;
+  for (size_t k = 0; k < count; ++k) out.push_back({double(k), 2 * double(k)});
+  return out;
+}
+
 /// Spheres of σ = 1 cm spread over a piece of a plane, or over a cube of the same side.
 std::vector<elements::Ellipsoid> spheres(uint64_t seed, bool flat) {
   Stream random(seed);
@@ -34,7 +41,8 @@ TEST(Neighbourhood, IsFlatOnAWallAndRoundInACrownAndHasTheSizeOfTheEllipsoid) {
   for (const bool flat : {true, false}) {
     const std::vector<elements::Ellipsoid> of = spheres(31, flat);
     double ratio = 0;
-    for (const Mat3& shape : neighbourhood_shapes(of)) {
+    for (const auto& [shape, density] : neighbourhoods(of, evidence_of(of.size()))) {
+      EXPECT_NEAR(density, 0.5, 1e-12);
       EXPECT_NEAR(shape.trace(), 3e-4, 1e-9);
       const Vec3 sigma = extents(shape);
       EXPECT_GT(sigma[0], 0);
@@ -53,29 +61,33 @@ TEST(Neighbourhood, TurnsWithTheWorldAndIsTheSameForAnyNumberOfThreads) {
   for (size_t k = 0; k < of.size(); ++k) {
     of[k].set_covariance(Vec3(0.001, 0.002, 0.0005 + 1e-6 * double(k)).asDiagonal());
   }
-  const std::vector<Mat3> before = neighbourhood_shapes(of);
+  const std::vector<Neighbourhood> before = neighbourhoods(of, evidence_of(of.size()));
   set_threads(1);
-  const std::vector<Mat3> one = neighbourhood_shapes(of);
+  const std::vector<Neighbourhood> one = neighbourhoods(of, evidence_of(of.size()));
   set_threads(0);
   const Mat3 turn = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
   for (elements::Ellipsoid& e : of) {
     e.mean = (turn * e.mean.cast<double>()).cast<float>();
     e.set_covariance(turn * e.covariance_matrix() * turn.transpose());
   }
-  const std::vector<Mat3> after = neighbourhood_shapes(of);
+  const std::vector<Neighbourhood> after = neighbourhoods(of, evidence_of(of.size()));
   for (size_t k = 0; k < of.size(); ++k) {
-    EXPECT_EQ(before[k], one[k]);
-    EXPECT_LT((after[k] - turn * before[k] * turn.transpose()).norm(), 1e-6);
+    EXPECT_EQ(before[k].shape, one[k].shape);
+    EXPECT_EQ(before[k].density_per_m, one[k].density_per_m);
+    EXPECT_LT((after[k].shape - turn * before[k].shape * turn.transpose()).norm(), 1e-6);
   }
 }
 
 TEST(Neighbourhood, OfOneOrNoneIsItself) {
-  EXPECT_TRUE(neighbourhood_shapes({}).empty());
+  EXPECT_TRUE(neighbourhoods({}, {}).empty());
   elements::Ellipsoid alone;
   alone.set_covariance(Vec3(0.4, 0.2, 0.1).asDiagonal());
-  const std::vector<Mat3> shapes = neighbourhood_shapes(std::vector{alone});
-  ASSERT_EQ(shapes.size(), 1u);
-  EXPECT_LT((shapes[0] - alone.covariance_matrix()).norm(), 1e-7);
+  const std::vector<Evidence> unseen(1), seen{{6, 3}};
+  const std::vector<Neighbourhood> found = neighbourhoods(std::vector{alone}, unseen);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_LT((found[0].shape - alone.covariance_matrix()).norm(), 1e-7);
+  EXPECT_EQ(found[0].density_per_m, 0);
+  EXPECT_EQ(neighbourhoods(std::vector{alone}, seen)[0].density_per_m, 2);
 }
 
 /// A wall 10 m away with a permeable shrub before its middle, on level ground.

@@ -182,8 +182,13 @@ void check_options(std::string_view verb, std::span<const Row> table, const T& o
   for (const Row& row : table) {
     const std::string right = wrong_value(row, options), value = text_of(row, options);
     if (right.empty() || value == text_of(row, defaults)) continue;
-    throw std::invalid_argument(std::string(verb) + ": " + std::string(row.name) + " is " + right +
-                                ", not " + value);
+    std::string message(verb);
+    for (const std::string_view part :
+         {std::string_view(": "), row.name, std::string_view(" is "), std::string_view(right),
+          std::string_view(", not "), std::string_view(value)}) {
+      message += part;
+    }
+    throw std::invalid_argument(message);
   }
 }
 

@@ -110,6 +110,7 @@ void credit(const elements::Model& model, std::span<const trace::Intersection> m
 
 Tally::Tally(const elements::Model& model, const CreditOptions& options)
     : of(model.size()),
+      times(model.ellipsoids.size()),
       residuals{MeshResiduals(options.max_residual_for_hit_m),
                 MeshResiduals(options.max_residual_for_hit_m)} {
   check(options);
@@ -122,7 +123,9 @@ void Tally::add(const trace::World& world, BeamSource& source, const CreditOptio
   source.rewind();
   BeamLog chunk;
   size_t done = 0;
+  const size_t meshes = model.triangle_count();
   while (source.next(chunk)) {
+    if (!zero_s && !chunk.empty()) zero_s = chunk.time_s.front();
     const trace::RangeLimits limits{info.min_range_m,
                                     std::min(info.max_range_m, model.max_range_m)};
     parallel_for(chunk.size(), 2048, [&](size_t begin, size_t end) {
@@ -148,9 +151,14 @@ void Tally::add(const trace::World& world, BeamSource& source, const CreditOptio
         }
         for (size_t k = 0; k < list.size(); ++k) {
           if (said[k] == Credit::kNothing) continue;
-          Trials& trials = of[list[k].element];
-          add_one(said[k] == Credit::kHit ? trials.hits : trials.misses);
-          if (said[k] == Credit::kHit) {
+          const bool is_hit = said[k] == Credit::kHit;
+          const uint32_t element = list[k].element;
+          add_one(is_hit ? of[element].hits : of[element].misses);
+          if (element >= meshes) {
+            TrialTimes& when = times[element - meshes];
+            (is_hit ? when.hits : when.misses).add_shared(chunk.time_s[i] - *zero_s);
+          }
+          if (is_hit) {
             add_residual(model, list[k], rays[i - begin].direction, chunk.range_m[i], residuals);
           }
         }
@@ -161,9 +169,8 @@ void Tally::add(const trace::World& world, BeamSource& source, const CreditOptio
   }
 }
 
-CreditedResiduals count_hits(elements::Model& model, BeamSource& source,
-                             const CreditOptions& options,
-                             const std::function<void(size_t, size_t)>& progress) {
+Tally count_hits(elements::Model& model, BeamSource& source, const CreditOptions& options,
+                 const std::function<void(size_t, size_t)>& progress) {
   for (size_t i = 0; i < model.size(); ++i) model.hit(i) = {1, 0, 0};
   Tally tally(model, options);
   tally.add(trace::World(model), source, options, progress);
@@ -171,7 +178,7 @@ CreditedResiduals count_hits(elements::Model& model, BeamSource& source,
     model.hit(i) = {1, tally.of[i].hits, tally.of[i].misses};
   }
   estimate_hit_probabilities(model, options);
-  return std::move(tally.residuals);
+  return tally;
 }
 
 void estimate_hit_probabilities(elements::Model& model, const CreditOptions& options) {

@@ -3,6 +3,7 @@
 /// with a hit or a miss, and how p follows from the counts.
 #pragma once
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -11,6 +12,7 @@
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/credit/beta_prior.hpp"
 #include "underbrush/credit/mesh_noise.hpp"
+#include "underbrush/credit/trial_times.hpp"
 #include "underbrush/trace/world.hpp"
 
 namespace underbrush {
@@ -24,11 +26,10 @@ struct CreditOptions {
   /// see `credit`.
   std::string rule = "first";
   /// Prior counts of an ellipsoid, which are added to its hits and misses. With (0, 0) p is hits /
-  /// (hits + misses), or 1 without counts. With 1 to 5 NLL and CRPS are least within the training
-  /// halves of real logs, and F1 is greatest with 5 of these. With 50 an ellipsoid stops beams
-  /// until many are seen to pass, which makes F1 greater and likelihood worse. Table I of
-  /// [tallavajhula18] has (0, 1) for ellipsoids and (1, 2) for triangles.
-  HitPrior ellipsoid{5, 0};
+  /// (hits + misses), or 1 without counts, so that the mean density of a turbid medium is unbiased.
+  /// Prior hits make F1 greater and matter too dense. Table I of [tallavajhula18] has (0, 1) for
+  /// ellipsoids and (1, 2) for triangles.
+  HitPrior ellipsoid{0, 0};
   /// Prior counts of a triangle. Ground is opaque; its misses come from grazing beams.
   HitPrior triangle{1e4, 0};
   double max_residual_for_hit_m =
@@ -68,7 +69,10 @@ struct CreditedResiduals {
 /// The hits and misses that beams give the elements of a model.
 struct Tally {
   std::vector<Trials> of;  ///< The trials of each element.
+  /// The times of the trials of each ellipsoid, by its place in the model's vector.
+  std::vector<TrialTimes> times;
   CreditedResiduals residuals;
+  std::optional<double> zero_s;  ///< The time from which `times` count: that of the first beam.
 
   /// Starts without beams. Throws `std::invalid_argument` for an unknown rule and for options out
   /// of range.
@@ -80,12 +84,11 @@ struct Tally {
 };
 
 /// Counts the hits and misses of all elements of `model` over all beams of `source`, estimates p
-/// from them, and returns the residuals of the meshes. Elements that no beam met get the prior's
-/// mean. `progress(done, total)` may be empty. Throws `std::invalid_argument`
-/// for an unknown rule and for options out of range.
-CreditedResiduals count_hits(elements::Model& model, BeamSource& source,
-                             const CreditOptions& options,
-                             const std::function<void(size_t, size_t)>& progress = {});
+/// from them, and returns the tally. Elements that no beam met get the prior's mean.
+/// `progress(done, total)` may be empty. Throws `std::invalid_argument` for an unknown rule and for
+/// options out of range.
+Tally count_hits(elements::Model& model, BeamSource& source, const CreditOptions& options,
+                 const std::function<void(size_t, size_t)>& progress = {});
 
 /// Estimates p of all elements from the counts that the model holds.
 void estimate_hit_probabilities(elements::Model& model, const CreditOptions& options);

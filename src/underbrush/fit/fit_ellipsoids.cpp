@@ -18,13 +18,13 @@ FitResult fit_ellipsoids(BeamSource& source, const FitOptions& options,
   }
   out.record.tile_m = tiles.tile_m;
   fit_tiles(store, store.tiles(), options, out, progress);
-  const credit::CreditedResiduals residuals =
+  const credit::Tally tally =
       credit::count_hits(out.model, source, options.credit, stage_of(progress, "count hits"));
-  credit::set_noise(out.model.ground, residuals.ground, options.range_noise_m);
-  out.record.residuals = residuals.ground.counts();
+  credit::set_noise(out.model.ground, tally.residuals.ground, options.range_noise_m);
+  out.record.residuals = tally.residuals.ground.counts();
   std::vector<bool> stays;
-  for (const elements::Ellipsoid& e : out.model.ellipsoids) {
-    stays.push_back(!is_free_space(options, e.hit));
+  for (size_t k = 0; k < tally.times.size(); ++k) {
+    stays.push_back(!is_free_space(options, out.model.ellipsoids[k].hit, tally.times[k]));
   }
   keep_ellipsoids(stays, out.model, out.record);
   out.report.free_space_ellipsoids = size_t(std::count(stays.begin(), stays.end(), false));

@@ -63,7 +63,7 @@ void fit_noise(BeamSource& source, const FitOptions& options, elements::Model& m
     return;
   }
   const credit::CreditedResiduals residuals =
-      credit::count_hits(model, source, options.credit, stage_of(progress, "fit noise"));
+      credit::count_hits(model, source, options.credit, stage_of(progress, "fit noise")).residuals;
   credit::set_noise(mesh, residuals.surface, options.range_noise_m);
   mesh.hit.assign(mesh.size(), {});  // opaque
 }

@@ -112,12 +112,13 @@ std::span<const Parameter> parameters() {
       0, kNoLimit}, kReference, TuningRange{0, 10, kLinear, kTuned}},
     {{"ellipsoid-prior-hits", kEllipsoids, "", "Prior hits of an ellipsoid",
      [](Options& o) -> auto& { return o.credit.ellipsoid.a; },
-      0, kNoLimit}, kHelpAll, TuningRange{0.1, 1000, kLog, kTuned}},
+      0, kNoLimit}, kHelpAll, TuningRange{0, 20, kLinear, kTuned}},
     {{"ellipsoid-prior-misses", kEllipsoids, "", "Prior misses of an ellipsoid",
      [](Options& o) -> auto& { return o.credit.ellipsoid.b; },
       0, kNoLimit}, kReference, TuningRange{0, 10, kLinear, kIfNamed}},
     {{"free-space-below", kEllipsoids, "",
-     "Drop ellipsoids whose share of hits, hits / (hits + misses), is below this",
+     "Drop ellipsoids whose hits came within a short time and whose share of hits, hits / (hits + "
+     "misses), is below this",
      [](Options& o) -> auto& { return o.free_space_below; },
       0, 1}, kHelpAll, TuningRange{0, 0.5, kLinear, kIfNamed}},
     {{"range-noise", kCommon, "m", "The sensor's range noise",
@@ -147,7 +148,7 @@ std::span<const Parameter> parameters() {
      "Assumed probability that a return is lost, so that a single miss does not make the elements "
      "that the beam met permeable",
      [](Options& o) -> auto& { return o.likelihood.dropout; },
-      kPositive, 0.9}, kHelpAll, TuningRange{0.01, 0.9, kLinear, kTuned}},
+      kPositive, 0.9}, kHelpAll, TuningRange{0.0001, 0.1, kLog, kIfNamed}},
     {{"sharpness", kLikelihood, "",
      "Exponent on the probabilities of the final model; above 1, draws have smaller errors, and the "
      "likelihood is worse", [](Options& o) -> auto& { return o.likelihood.sharpness; },

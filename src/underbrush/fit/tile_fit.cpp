@@ -176,9 +176,11 @@ std::vector<uint32_t> fit_tiles(const TileStore& store, const std::vector<TileKe
   return before;
 }
 
-bool is_free_space(const FitOptions& options, const elements::HitCount& hit) {
+bool is_free_space(const FitOptions& options, const elements::HitCount& hit,
+                   const credit::TrialTimes& times) {
   const double beams = double(hit.hits) + hit.misses;
-  return beams >= options.free_space_beams && hit.hits < options.free_space_below * beams;
+  return beams >= options.free_space_beams && hit.hits < options.free_space_below * beams &&
+         times.are_brief();
 }
 
 void keep_ellipsoids(const std::vector<bool>& stays, elements::Model& model, FitRecord& record) {

@@ -28,8 +28,10 @@ std::vector<uint32_t> fit_tiles(const TileStore& store, const std::vector<TileKe
                                 const FitOptions& options, FitResult& out,
                                 const FitProgress& progress);
 
-/// Whether an ellipsoid is free space by its counts (`FitOptions::free_space_below`).
-bool is_free_space(const FitOptions& options, const elements::HitCount& hit);
+/// Whether an ellipsoid is free space by its trials and their times
+/// (`FitOptions::free_space_below`).
+bool is_free_space(const FitOptions& options, const elements::HitCount& hit,
+                   const credit::TrialTimes& times);
 
 /// Keeps only the ellipsoids that stay, in the model and in its record.
 void keep_ellipsoids(const std::vector<bool>& stays, elements::Model& model, FitRecord& record);

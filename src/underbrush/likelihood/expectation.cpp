@@ -236,6 +236,15 @@ Expectation expect(const trace::World& world, const ListedBeams& beams, credit::
   return out;
 }
 
+ElementSums held_out_sums(const trace::World& world, const ListedBeams& beams,
+                          const trace::OutlierShares& soft) {
+  const LogInfo& info = beams.info();
+  const ModelForms forms(world.model(), info.min_range_m);
+  ElementSums sums(world.model());
+  pass_over(world, forms.view(), info, beams.held_out(), &soft, &sums);
+  return sums;
+}
+
 double judge(const trace::World& world, const ListedBeams& beams) {
   const LogInfo& info = beams.info();
   const ModelForms forms(world.model(), info.min_range_m);

@@ -64,6 +64,10 @@ Expectation expect(const trace::World& world, const ListedBeams& beams, credit::
                    const trace::OutlierShares& soft,
                    const std::function<void(size_t, size_t)>& progress = {});
 
+/// Makes a pass over the held-out beams, to which a model was not fitted, and computes its sums.
+ElementSums held_out_sums(const trace::World& world, const ListedBeams& beams,
+                          const trace::OutlierShares& soft);
+
 /// Computes the mean of −log f of the held-out beams of a log in a world of one model, nats, as in
 /// `metrics::score`. Of many beams about 2¹⁶, chosen by a hash, are enough.
 double judge(const trace::World& world, const ListedBeams& beams);

@@ -46,6 +46,12 @@ class ModelSearch {
     auto trial = state_of(step_of(*best_, stride, share));
     return accept("maximise", trial);
   }
+  /// Corrects the densities by the held-out beams.
+  void calibrate() {
+    const ElementSums sums = held_out_sums(best_->world, beams_, soft_);
+    auto trial = state_of(calibrated(best_->model, sums));
+    accept("calibrate", trial);
+  }
   size_t training_beams() const { return beams_.training_beams(); }
 
  private:
@@ -133,7 +139,7 @@ class ModelSearch {
 }  // namespace
 
 credit::BeamShare share_of_round(size_t beams, int round, int rounds) {
-  constexpr std::array<credit::BeamShare, 2> kFirst{{{0, 4}, {4, 8}}};
+  constexpr std::array<credit::BeamShare, 4> kFirst{{{0, 4}, {4, 8}, {0, 4}, {4, 8}}};
   const size_t last = kFirst.size();
   const size_t k = size_t(round) + (size_t(rounds) < last + 1 ? last + 1 - size_t(rounds) : 0);
   return beams < credit::kLongLog || k >= last ? credit::BeamShare() : kFirst[k];
@@ -157,6 +163,7 @@ Refined refine(const elements::Model& start, BeamSource& source, const Likelihoo
     if (search.maximise(stride, share) || !share.is_all()) continue;
     if ((stride *= 0.3) < 0.05) break;
   }
+  search.calibrate();
   return search.result();
 }
 

@@ -17,14 +17,13 @@ namespace likelihood {
 /// The options of `refine`.
 struct LikelihoodOptions {
   credit::HeldOut held_out;
-  int rounds = 3;  ///< Largest number of M-steps.
+  int rounds = 5;  ///< Largest number of M-steps.
   /// A step is kept if it lowers the held-out −log f by this, nats a beam.
   double least_gain = 0.0005;
-  /// The probability ε_m that a return was lost, as the expectation step uses it. Near 0, each
-  /// single miss makes the elements in its way permeable. This gives the best likelihood but the
-  /// worst F1, because a simulation then loses other beams than the log did. See
-  /// docs/explanation/likelihood.md.
-  double dropout = 0.02;
+  /// The probability ε_m that a return was lost, as the expectation step uses it. It must be small
+  /// against the share of beams that pass the densest matter: where it is not, passes count as lost
+  /// returns, and matter that beams pass last becomes opaque. See docs/explanation/likelihood.md.
+  double dropout = 0.001;
   /// The exponent γ of `sharpened`, applied to the final model; 1 leaves it as it is. Above 1, a
   /// simulated range lies nearer to the measured one, while likelihood and CRPS get worse.
   double sharpness = 1;
@@ -34,7 +33,7 @@ struct LikelihoodOptions {
 
 /// A step that was tried.
 struct LikelihoodStep {
-  std::string name;  ///< `start` or `maximise`.
+  std::string name;  ///< `start`, `maximise` or `calibrate`.
   size_t elements = 0;
   /// Mean −log f over the training beams, nats, as in `metrics::score`; known only of models from
   /// which a further step was tried.
@@ -59,8 +58,8 @@ struct Refined {
 };
 
 /// The share of the training beams from which a round of `rounds` takes its M-step. The first steps
-/// move all elements far and need only a rough estimate: of a long log (`kLongLog`) the first one
-/// takes one half, the second one the other half, and later ones all beams. With fewer than three
+/// move all elements far and need only a rough estimate: of a long log (`kLongLog`) the first
+/// four take one half and the other half in turn, and later ones all beams. With fewer than five
 /// rounds, only the last of these shares are used.
 credit::BeamShare share_of_round(size_t beams, int round, int rounds);
 
@@ -68,7 +67,8 @@ credit::BeamShare share_of_round(size_t beams, int round, int rounds);
 /// The steps are:
 ///
 /// 1. hit probabilities are turned into densities (`with_densities`);
-/// 2. M-steps (`maximised`) follow, from shares of the beams (`share_of_round`).
+/// 2. M-steps (`maximised`) follow, from shares of the beams (`share_of_round`);
+/// 3. the held-out beams correct the densities (`calibrated`).
 ///
 /// The final ellipsoids are `sharpened`.
 ///

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "underbrush/core/parallel.hpp"
@@ -34,12 +35,21 @@ double depth_m(const Mat3& covariance, double delta) {
          std::exp(-0.5 * delta * delta);
 }
 
-double moved_density(const elements::Ellipsoid& e, const Mat3& covariance,
-                     const EllipsoidSums& sums, const MaximisationOptions& o, double stride) {
-  const double depth = double(e.density_per_m) * depth_m(covariance, o.opaque_distance);
-  const double odds = depth < 1e-8 ? 1 : depth / std::expm1(depth);
-  const double slope = sums.density_slope + o.opaque_hits * odds;
-  const double curvature = sums.density_curvature + o.opaque_hits * (odds * depth + 0.05) + 1e-3;
+/// The evidence of the beams of a pass for the density of an ellipsoid. In ln κ the slope of the
+/// likelihood of a medium is hits − κ path, so that the path follows from it.
+Evidence evidence_of(const elements::Ellipsoid& e, const EllipsoidSums& sums) {
+  const double depth = std::max(0.0, sums.hits - sums.density_slope);
+  return {sums.hits, depth / double(e.density_per_m)};
+}
+
+/// The prior of the density is a gamma distribution of mean κ₀, that of the neighbourhood, with the
+/// weight of ν hits. It adds ν (ln κ − κ/κ₀) to the log-likelihood.
+double moved_density(const elements::Ellipsoid& e, const EllipsoidSums& sums,
+                     const Neighbourhood& prior, const MaximisationOptions& o, double stride) {
+  const double nu = prior.density_per_m > 0 ? o.prior_hits : 0;
+  const double ratio = nu > 0 ? double(e.density_per_m) / prior.density_per_m : 1;
+  const double slope = sums.density_slope + nu * (1 - ratio);
+  const double curvature = sums.density_curvature + nu * ratio + 1e-3;
   const double move = stride * clamped(slope / curvature, kLongestDensity);
   return std::clamp(double(e.density_per_m) * std::exp(move), kLeastDensity, kMostDensity);
 }
@@ -154,6 +164,30 @@ elements::Model sharpened(const elements::Model& model, double sharpness) {
   return out;
 }
 
+elements::Model calibrated(const elements::Model& model, const ElementSums& held_out) {
+  constexpr std::array kShares{0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.7, 1.0};
+  constexpr double kPriorHits = 100;
+  const auto bin_of = [&](const elements::Ellipsoid& e) {
+    const auto above = std::lower_bound(kShares.begin(), kShares.end() - 1, double(e.hit.p));
+    return size_t(above - kShares.begin());
+  };
+  std::array<double, kShares.size()> slope{}, curvature{};
+  for (size_t i = 0; i < model.ellipsoids.size(); ++i) {
+    const EllipsoidSums s = held_out.ellipsoid(i);
+    const size_t bin = bin_of(model.ellipsoids[i]);
+    slope[bin] += s.density_slope;
+    curvature[bin] += s.density_curvature;
+  }
+  elements::Model out = model;
+  for (elements::Ellipsoid& e : out.ellipsoids) {
+    const size_t bin = bin_of(e);
+    const double move = clamped(slope[bin] / (curvature[bin] + kPriorHits), kLongestDensity);
+    e.density_per_m =
+        float(std::clamp(double(e.density_per_m) * std::exp(move), kLeastDensity, kMostDensity));
+  }
+  return out;
+}
+
 elements::Model maximised(const elements::Model& model, const ElementSums& sums,
                           const MaximisationOptions& options, double stride) {
   elements::Model out = model;
@@ -169,7 +203,11 @@ elements::Model maximised(const elements::Model& model, const ElementSums& sums,
   move_range_noise(out.surface, sums.noise(elements::Kind::kSurface), stride);
   move_roughness(out.ground, 0, sums, options, stride);
   move_roughness(out.surface, out.ground.size(), sums, options, stride);
-  const std::vector<Mat3> priors = neighbourhood_shapes(model.ellipsoids);
+  std::vector<Evidence> evidence(model.ellipsoids.size());
+  for (size_t i = 0; i < evidence.size(); ++i) {
+    evidence[i] = evidence_of(model.ellipsoids[i], sums.ellipsoid(i));
+  }
+  const std::vector<Neighbourhood> priors = neighbourhoods(model.ellipsoids, evidence);
   parallel_for(model.ellipsoids.size(), 256, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const EllipsoidSums s = sums.ellipsoid(i);
@@ -177,8 +215,8 @@ elements::Model maximised(const elements::Model& model, const ElementSums& sums,
       const Mat3 covariance = e.covariance_matrix();
       const double all = s.hits + s.passes;
       e.hit = counted(all > 0 ? std::clamp(s.hits / all, 0.0, 1.0) : 1, s.hits, s.passes);
-      e.density_per_m = float(moved_density(e, covariance, s, options, stride));
-      if (s.hits > 1) move_geometry(e, covariance, s, priors[i], options, stride);
+      e.density_per_m = float(moved_density(e, s, priors[i], options, stride));
+      if (s.hits > 1) move_geometry(e, covariance, s, priors[i].shape, options, stride);
     }
   });
   return out;

@@ -9,10 +9,8 @@ namespace underbrush::likelihood {
 /// The options of `maximised`: the floor and the priors.
 struct MaximisationOptions {
   double floor_m = 0.01;    ///< Least σ of an ellipsoid along any axis, m.
-  double prior_points = 2;  ///< Weight in Σ of `neighbourhood_shapes`, in points.
-  /// Prior evidence for opacity: this many hits by beams that pass at Mahalanobis distance
-  /// `opaque_distance`.
-  double opaque_hits = 6, opaque_distance = 2;
+  double prior_points = 2;  ///< Weight of the shape of the neighbourhood in Σ, in points.
+  double prior_hits = 0.5;  ///< Weight of the density of the neighbourhood in κ, in hits.
   /// Number k of parameters that an ellipsoid's own n points were fitted with. Such points spread
   /// less about the fit than new points will, so squared misfits are raised by (n + k) / (n − k),
   /// at most fourfold.
@@ -44,6 +42,15 @@ elements::Model with_densities(const elements::Model& model, double range_noise_
 /// which is exact for a sphere. The same beams meet the same ellipsoids at the same ranges.
 /// Ellipsoids without a density keep their p.
 elements::Model sharpened(const elements::Model& model, double sharpness);
+
+/// Corrects the densities of ellipsoids by beams that they were not fitted to, and returns the
+/// changed model. The places and shapes of ellipsoids of few points follow the beams of the fit,
+/// and so their densities are too great for other beams, the more so the more beams pass.
+/// Ellipsoids of alike shares of hits therefore get one factor of κ, by a step of Fisher scoring in
+/// ln κ:
+///
+///     ln f = Σ ∂ℓ/∂ln κ / (Σ I + ν),   ν = 100 hits.
+elements::Model calibrated(const elements::Model& model, const ElementSums& held_out);
 
 /// Takes one step of Fisher scoring for each element separately and returns the changed model. The
 /// step changes ln κ, μ and Σ of the ellipsoids, p and roughness of the triangles, and the range

@@ -1,6 +1,6 @@
 /// \file
-/// This file has the shapes of the neighbourhoods of ellipsoids: flat on a wall, long along a
-/// trunk, round in a crown.
+/// This file has the neighbourhoods of ellipsoids, whose shapes and densities are the priors of the
+/// ellipsoids in them.
 #pragma once
 #include <span>
 #include <vector>
@@ -12,14 +12,28 @@ namespace underbrush::likelihood {
 /// The number of ellipsoids of a neighbourhood.
 inline constexpr size_t kNeighbourhood = 7;
 
-/// Computes the shape Σ₀ (m²) of the neighbourhood of each ellipsoid. With the `kNeighbourhood`
-/// ellipsoids (μ_j, Σ_j) of the nearest means, itself among them, it is
+/// The beams that ended in an ellipsoid, and the path that beams took through its matter.
+struct Evidence {
+  double hits = 0;    ///< Σ r, the soft hits.
+  double path_m = 0;  ///< Path, weighted by the ellipsoid's profile, m; hits / path estimates κ.
+};
+
+/// The prior of an ellipsoid.
+struct Neighbourhood {
+  Mat3 shape = Mat3::Zero();  ///< Σ₀, m².
+  double density_per_m = 0;   ///< κ₀, 1/m; 0 where no beam passed the neighbourhood.
+};
+
+/// Computes the neighbourhood of each ellipsoid. With the `kNeighbourhood` ellipsoids (μ_j, Σ_j) of
+/// the nearest means, itself among them, and their evidence it is
 ///
-///     Σ₀ ∝ Σ_j Σ_j + (μ_j − μ)(μ_j − μ)ᵀ,
+///     Σ₀ ∝ Σ_j Σ_j + (μ_j − μ)(μ_j − μ)ᵀ,        κ₀ = Σ_j hits_j / Σ_j path_j.
 ///
-/// with the trace of the ellipsoid's own covariance. Ellipsoids of a few points each thus know what
-/// all points around say of the direction in which they are flat. The result has the same bits for
-/// any number of threads.
-std::vector<Mat3> neighbourhood_shapes(std::span<const elements::Ellipsoid> ellipsoids);
+/// Σ₀ has the trace of the ellipsoid's own covariance: it is flat on a wall, long along a trunk and
+/// round in a crown. κ₀ is the maximum-likelihood density of a neighbourhood of even matter, so
+/// that the mean density of a turbid medium stays unbiased. The result has the same bits for any
+/// number of threads.
+std::vector<Neighbourhood> neighbourhoods(std::span<const elements::Ellipsoid> ellipsoids,
+                                          std::span<const Evidence> evidence);
 
 }  // namespace underbrush::likelihood

@@ -65,9 +65,12 @@ void UpdateWork::count() {
   const std::vector<double> p_before = hit_probabilities();
   for (size_t i = 0; i < model_.size(); ++i) model_.hit(i) = {1, 0, 0};
   const trace::World world(model_);
+  times_.assign(model_.ellipsoids.size(), {});
   if (!anew_.empty()) count_earlier(world, now);
   credit::Tally tally(model_, options_.credit);
+  tally.zero_s = zero_s_;
   tally.add(world, added_, options_.credit, fit::stage_of(progress_, "count hits"));
+  add_times(tally);
   add_log(tally.of, now);
   for (size_t i = 0; i < model_.size(); ++i) {
     model_.hit(i) = {1, now[i].trials.hits, now[i].trials.misses};
@@ -161,12 +164,21 @@ void UpdateWork::count_earlier(const trace::World& world, std::vector<CurrentTri
       traced_ = done;
       if (progress_) progress_("count hits", done, total);
     };
+    tally.zero_s = zero_s_;
     tally.add(world, *crossing, options_.credit, progress);
+    add_times(tally);
     report_.earlier_beams += std::exchange(traced_, 0);
     for (size_t i = 0; i < now.size(); ++i) {
       if (!new_[i]) tally.of[i] = {};
     }
     add_log(tally.of, now);
+  }
+}
+
+void UpdateWork::add_times(const credit::Tally& tally) {
+  zero_s_ = tally.zero_s;
+  for (size_t k = 0; k < times_.size(); ++k) {
+    if (new_[model_.triangle_count() + k]) times_[k].add(tally.times[k]);
   }
 }
 
@@ -243,7 +255,8 @@ void UpdateWork::drop(const std::vector<elements::Ellipsoid>& before,
   for (size_t k = 0; k < now.size(); ++k) {
     const elements::Ellipsoid& e = model_.ellipsoids[k];
     if (now[k].changed) changed_.ellipsoids.push_back(e);
-    stays[k] = is_untouched(before[k], e) || !(now[k].gone || fit::is_free_space(options_, e.hit));
+    stays[k] = is_untouched(before[k], e) ||
+               !(now[k].gone || fit::is_free_space(options_, e.hit, times_[k]));
   }
   fit::keep_ellipsoids(stays, model_, out_.record);
   std::vector<bool> still_new(new_.begin(), new_.begin() + ptrdiff_t(meshes));

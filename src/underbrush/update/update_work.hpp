@@ -46,6 +46,8 @@ class UpdateWork {
   void add_log(const std::vector<credit::Trials>& later, std::vector<CurrentTrials>& now) const;
   /// Counts the beams of the earlier logs for the elements that are new.
   void count_earlier(const trace::World& world, std::vector<CurrentTrials>& now);
+  /// Adds the times of the trials of one more log, of the ellipsoids that are new.
+  void add_times(const credit::Tally& tally);
   /// Learns the noise of the ground from all residuals. A refined ground keeps its own.
   void learn_noise(credit::MeshResiduals& residuals);
   void take_over_light(const std::vector<uint32_t>& triangles);
@@ -67,9 +69,11 @@ class UpdateWork {
   const fit::FitProgress& progress_;
   const elements::TriangleMesh ground_;  // as it was
   std::vector<TileKey> anew_;
-  std::vector<uint32_t> before_;  // of each ellipsoid, its number in the model as it was
-  std::vector<bool> new_;         // of each element, whether it is new
-  elements::Model changed_;       // the ellipsoids of which later beams say otherwise
+  std::vector<uint32_t> before_;           // of each ellipsoid, its number in the model as it was
+  std::vector<bool> new_;                  // of each element, whether it is new
+  elements::Model changed_;                // the ellipsoids of which later beams say otherwise
+  std::vector<credit::TrialTimes> times_;  // of the ellipsoids that are new
+  std::optional<double> zero_s_;           // the time from which they count
   size_t ellipsoids_ = 0, traced_ = 0;
 };
 
