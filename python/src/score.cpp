@@ -117,6 +117,10 @@ void bind_score(nb::module_& m) {
       .def_ro("per_class", &S::per_class,
               "By the real log's column `class`; reading this makes a dict.")
       .def_ro("per_range", &S::per_range, "By real range; reading this makes a dict.")
+      .def_ro("per_support", &S::per_support,
+              "By the share of a beam's outcome that rests on observed space: 'observed' (at least "
+              "0.9), 'partly' and 'unknown' (below 0.5); empty for a model without a map of "
+              "observed space. Reading this makes a dict.")
       .def_prop_ro(
           "calibration_error", [](const S& s) { return s.reliability.error(); },
           "Mean distance, over beams, of the predicted probability of a return from the share that "

@@ -62,6 +62,9 @@ class FitParameters(TypedDict, total=False):
     #: Keep scans as range images (keyframes), at most 16 within this distance; simulated beams near them use their
     #: pixels; 0 = none (m; default 2).
     keyframes: float
+    #: Side of the cells of the map of observed space; in space that no beam crossed, simulated beams meet what
+    #: beams met when they first came into such space; 0 = unknown space counts as empty (m; default 1).
+    unknown_cell: float
 
 
 class SimulateParameters(TypedDict, total=False):
@@ -70,6 +73,9 @@ class SimulateParameters(TypedDict, total=False):
     #: Add columns for the element at which each beam ended and for its class; for a scene also for its instance
     #: (default false).
     element_ids: bool
+    #: Add a column with the probability that each beam ends in space that the model's log observed, or nowhere, and
+    #: not in unknown space (default false).
+    support: bool
     #: Trace several sub-rays in each beam and compute light, waveform and echoes: a number, COLUMNSxROWS, or sensor
     #: for the number in the sensor's data file.
     super_sample: str

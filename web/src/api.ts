@@ -116,7 +116,9 @@ export interface Trace {
   seed: number;
   real_range_m: number | null;
   simulated_range_m: number | null;
-  ends_by: 'element' | 'keyframe' | 'miss';
+  /** The probability that the beam ends in space that no beam of the log crossed. */
+  unknown_probability: number;
+  ends_by: 'element' | 'keyframe' | 'unknown space' | 'miss';
   ends_at: number | null;
   met_in_all: number;
   miss_probability: number;

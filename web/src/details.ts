@@ -64,6 +64,8 @@ export function traceDetails(trace: Trace, world: ServedFile, actions: DetailAct
   const end =
     trace.ends_by === 'keyframe'
       ? `${answer}, from a keyframe of the model and not from its elements`
+      : trace.ends_by === 'unknown space'
+      ? `${answer}, in space that no beam of the model's log crossed`
       : trace.ends_at === null
       ? 'no element stops it: a miss'
       : `the ${trace.met[trace.ends_at]?.kind ?? 'element'} no. ${trace.ends_at + 1} stops it at ${answer}`;

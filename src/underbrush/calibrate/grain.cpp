@@ -87,7 +87,7 @@ void adjust_noise(double& noise_m, double most_m, const RingRoughness& real,
   if (std::isfinite(ratio)) noise_m = std::min(most_m, noise_m * ratio);
 }
 
-/// `learn_grain` for a model without keyframes.
+/// `learn_grain` for a model of elements alone.
 GrainReport grain_of_elements(elements::Model& model, BeamSource& log, uint64_t seed) {
   GrainReport report;
   report.classes.assign(model.grain.classes.size(), false);
@@ -128,8 +128,10 @@ GrainReport grain_of_elements(elements::Model& model, BeamSource& log, uint64_t 
 
 GrainReport learn_grain(elements::Model& model, BeamSource& log, uint64_t seed) {
   const auto keyframes = std::exchange(model.keyframes, nullptr);
+  const auto observed = std::exchange(model.observed, nullptr);
   GrainReport report = grain_of_elements(model, log, seed);
   model.keyframes = keyframes;
+  model.observed = observed;
   return report;
 }
 

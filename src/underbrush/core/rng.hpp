@@ -16,7 +16,8 @@ enum class Purpose : uint32_t {
   kSplit,
   kPlace,
   kSignal,
-  kRecall
+  kRecall,
+  kUnknown
 };
 
 /// Mixes 64 bits with full avalanche (the finaliser of splitmix64).

@@ -16,6 +16,7 @@
 #include "underbrush/elements/grain.hpp"
 #include "underbrush/elements/keyframes.hpp"
 #include "underbrush/elements/light.hpp"
+#include "underbrush/elements/observed_space.hpp"
 
 namespace underbrush {
 /// Scene elements and the model that holds them.
@@ -103,6 +104,8 @@ struct Model {
   ChannelOffsets channels;
   /// What the sensor measured from some places; null where nothing is remembered.
   std::shared_ptr<const Keyframes> keyframes;
+  /// The space that the log's beams crossed; null where unknown space counts as empty.
+  std::shared_ptr<const ObservedSpace> observed;
   /// Whether every echo of the log counted as a beam of its own, so that hit probabilities are
   /// shares of the light and the footprint is not in them.
   bool all_echoes = false;

@@ -10,6 +10,7 @@
 #include "underbrush/core/temporary.hpp"
 #include "underbrush/elements/keyframes_file.hpp"
 #include "underbrush/elements/light_json.inl"
+#include "underbrush/elements/observed_space_file.hpp"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/json_file.hpp"
 #include "underbrush/io/json_text.inl"
@@ -236,6 +237,7 @@ Json manifest_of(const Model& m) {
   if (!m.channels.empty()) j["channels"] = json_of_channels(m.channels);
   if (m.all_echoes) j["all_echoes"] = true;
   if (m.keyframes) j["keyframes"] = Json::parse(manifest_of_keyframes(*m.keyframes));
+  if (m.observed) j["observed_space"] = Json::parse(manifest_of_observed_space(*m.observed));
   j["ground"] = manifest_of_mesh(m.ground, "ground.ply");
   j["surface"] = manifest_of_mesh(m.surface, "surface.ply");
   j["ellipsoids"] = {{"file", "ellipsoids.ply"}, {"count", m.ellipsoids.size()}};
@@ -264,6 +266,7 @@ void write_model(const fs::path& path, const Model& model,
         io::write_ply(folder / "ellipsoids.ply",
                       ply_of_ellipsoids(model.ellipsoids, model.light.known()));
         if (model.keyframes) write_keyframes(folder, *model.keyframes);
+        if (model.observed) write_observed_space(folder, *model.observed);
         write_file(folder / "model.json", io::text_of_json(manifest_of(model), 2) + "\n");
         if (besides) besides(folder);
       },
@@ -292,6 +295,9 @@ Model read_model(const fs::path& path) {
   if (const auto channels = j.find("channels")) model.channels = channels_of_json(*channels);
   if (const auto all = j.find("all_echoes")) model.all_echoes = all->boolean();
   if (const auto keyframes = j.find("keyframes")) model.keyframes = read_keyframes(*keyframes);
+  if (const auto observed = j.find("observed_space")) {
+    model.observed = read_observed_space(*observed);
+  }
   model.fitter = j.at("fitter").text();
   model.provenance = j.at("provenance").dump();
   const io::JsonValue ground = j.at("ground"), surface = j.at("surface"),

@@ -2,6 +2,7 @@
 
 #include "underbrush/calibrate/channels.hpp"
 #include "underbrush/calibrate/light.hpp"
+#include "underbrush/calibrate/observed_space.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/first_echoes.hpp"
 #include "underbrush/core/still_beams.hpp"
@@ -188,6 +189,10 @@ FitResult fit(BeamSource& source, const FitOptions& options, const FitProgress& 
   calibrate::learn_light(out.model, still);
   if (fitter.refines && !options.all_echoes) {
     keyframes::learn_keyframes(out.model, still, keyframe_options(options));
+  }
+  if (fitter.refines) {
+    calibrate::learn_observed_space(out.model, still,
+                                    {options.unknown_cell_m, options.min_range_m});
   }
   if (options.learn_grain) {
     out.report.grain = calibrate::learn_grain(out.model, first, options.seed);

@@ -158,6 +158,11 @@ std::span<const Parameter> parameters() {
      "them use their pixels; 0 = none",
      [](Options& o) -> auto& { return o.keyframes.spacing_m; },
       0, kNoLimit}},
+    {{"unknown-cell", kLikelihood, "m",
+     "Side of the cells of the map of observed space; in space that no beam crossed, simulated beams "
+     "meet what beams met when they first came into such space; 0 = unknown space counts as empty",
+     [](Options& o) -> auto& { return o.unknown_cell_m; },
+      0, 100}, kHelpAll},
   };
   return kParameters;
 }

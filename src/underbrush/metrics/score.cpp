@@ -1,6 +1,7 @@
 #include "underbrush/metrics/score.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -84,6 +85,9 @@ class Scorer {
         keyframes_(keyframes),
         intensities_(options.range_edges_m, options.model) {
     sets_.resize(1 + options.range_edges_m.size() + 1);  // all, ranges, misses
+    if (!options.world || !options.world->unknown_space()) return;
+    first_support_ = sets_.size();
+    sets_.resize(sets_.size() + kSupports.size());
   }
 
   void add(const BeamLog& real, const BeamLog& sim, size_t first) {
@@ -104,7 +108,7 @@ class Scorer {
       }
       if (options_.world) reliability_.add(return_probability_[i], real.is_hit(i));
       const size_t of_class = label.empty() ? kNoSet : set_of_class(label[i]);
-      const size_t set[3] = {0, set_of_range(real.range_m[i]), of_class};
+      const size_t set[4] = {0, set_of_range(real.range_m[i]), of_class, set_of_support(i)};
       for (size_t s : set) {
         if (s != kNoSet) add_beam(sets_[s], real, sim, i);
       }
@@ -133,6 +137,10 @@ class Scorer {
     if (sets_[1 + edges.size()].counts.beams) {
       score.per_range["miss"] = sets_[1 + edges.size()].finish();
     }
+    for (size_t k = 0; first_support_ != kNoSet && k < kSupports.size(); ++k) {
+      Sums& set = sets_[first_support_ + k];
+      if (set.counts.beams) score.per_support[kSupports[k]] = set.finish();
+    }
     for (const auto& [label, set] : class_set_) {
       score.per_class[elements::label_name(classes_, label)] = sets_[set].finish();
     }
@@ -142,6 +150,12 @@ class Scorer {
  private:
   static constexpr size_t kNoSet = ~size_t(0);
   static constexpr double kMostError = 2;  // m
+  static constexpr std::array<const char*, 3> kSupports{"unknown", "partly", "observed"};
+
+  size_t set_of_support(size_t i) const {
+    if (first_support_ == kNoSet) return kNoSet;
+    return first_support_ + size_t(support_[i] >= 0.5) + size_t(support_[i] >= 0.9);
+  }
 
   size_t set_of_range(float range) const {
     const auto& edges = options_.range_edges_m;
@@ -182,6 +196,7 @@ class Scorer {
     nll_.resize(real.size());
     crps_.resize(real.size());
     return_probability_.resize(real.size());
+    support_.resize(real.size());
     const double max_range = real.info.max_range_m;
     const double reach = std::min(max_range, options_.world->model().max_range_m);
     std::optional<keyframes::KeyframeCache> cache;
@@ -193,12 +208,17 @@ class Scorer {
       }
       trace::IntersectionLists met;
       const std::vector<double> everywhere(rays.size(), reach);
-      options_.world->all_intersections(rays, {real.info.min_range_m, reach}, everywhere, met);
+      const trace::RangeLimits limits{real.info.min_range_m, reach};
+      options_.world->all_intersections(rays, limits, everywhere, met);
+      std::vector<trace::Intersection> merged;
       trace::RangeMixture p;
       std::vector<keyframes::CachedPixels> pixels;
       if (cache) pixels = cache->look_up(cache->queries(rays, {&real.ring[begin], end - begin}));
       for (size_t i = begin; i < end; ++i) {
-        trace::mix_ranges(met[i - begin], 1, 1e-4, p);
+        const size_t k = i - begin;
+        const auto all = options_.world->with_unknown(rays[k], limits, met[k], merged);
+        trace::mix_ranges(all, 1, 1e-4, p);
+        support_[i] = trace::support_of(all, p);
         if (cache) cache->mix(pixels[i - begin], p);
         return_probability_[i] = return_probability(p);
         nll_[i] = negative_log_likelihood(p, real.range_m[i], max_range);
@@ -207,14 +227,14 @@ class Scorer {
     });
   }
 
-  void keep_points(const BeamLog& real, const BeamLog& sim, size_t i, const size_t (&set)[3]) {
+  void keep_points(const BeamLog& real, const BeamLog& sim, size_t i, const size_t (&set)[4]) {
     if (!options_.cloud) return;
     if (!have_origin_) origin_ = real.origin[i], have_origin_ = true;
     const BeamLog* logs[2] = {&real, &sim};
     for (int side = 0; side < 2; ++side) {
       if (!logs[side]->is_hit(i)) continue;
       points_[side].push_back((logs[side]->end_point(i) - origin_).cast<float>());
-      point_sets_[side].push_back({uint32_t(set[1]), uint32_t(set[2])});
+      point_sets_[side].push_back({uint32_t(set[1]), uint32_t(set[2]), uint32_t(set[3])});
     }
   }
 
@@ -228,8 +248,8 @@ class Scorer {
         constexpr double kAlpha = 10;  // 1/m
         const double d = n.distance_m[i];
         const double c = 1 - std::exp(-kAlpha * d) / double(shared[n.index[i]]);
-        for (size_t s :
-             {size_t(0), size_t(point_sets_[side][i][0]), size_t(point_sets_[side][i][1])}) {
+        for (size_t s : {size_t(0), size_t(point_sets_[side][i][0]),
+                         size_t(point_sets_[side][i][1]), size_t(point_sets_[side][i][2])}) {
           if (s >= sets_.size()) continue;
           sets_[s].cloud[side] += d;
           sets_[s].chamfer[side] += c;
@@ -247,13 +267,14 @@ class Scorer {
   RangeErrorHistogram histogram_;
   IntensityScorer intensities_;
   calibrate::RingRoughness roughness_[2];  // of the real log, and of the simulated one
-  std::vector<double> nll_, crps_, return_probability_;
+  std::vector<double> nll_, crps_, return_probability_, support_;
+  size_t first_support_ = kNoSet;  // the first of `sets_` by support
   Reliability reliability_;
   size_t mover_beams_ = 0;
   bool have_origin_ = false;
   Vec3 origin_ = Vec3::Zero();
   std::vector<Vec3f> points_[2];
-  std::vector<std::array<uint32_t, 2>> point_sets_[2];
+  std::vector<std::array<uint32_t, 3>> point_sets_[2];
 };
 
 }  // namespace

@@ -30,6 +30,10 @@ struct Score {
   /// or its number as text.
   std::map<std::string, Summary> per_class;
   std::map<std::string, Summary> per_range;  ///< Scores by real range ("0-10", … m, "miss").
+  /// Scores by the share of a beam's outcome that rests on observed space (`trace::support_of`):
+  /// "observed" (at least 0.9), "partly" and "unknown" (below 0.5). Empty for a model without a map
+  /// of observed space.
+  std::map<std::string, Summary> per_support;
   RangeErrorHistogram range_error;
   Reliability reliability;  ///< The model's probability of a return; empty without a model.
   /// Roughness along the rings (`RingRoughness::median`, m) of the simulated and of the real log;

@@ -36,6 +36,13 @@ void TracedPart::trace(std::span<const Ray> rays, std::span<const uint64_t> keys
   const std::vector<double> times(rays.size(), time_s);
   std::vector<Intersection> met(rays.size());
   dynamic_.nearest_accepted(rays, trials, times, limits, met);
+  if (const trace::UnknownSpace* unknown = world_.unknown_space()) {
+    for (size_t k = 0; k < met.size(); ++k) {
+      const double reach = met[k].none() ? limits.max_m : met[k].t_m;
+      const auto end = unknown->drawn_end(rays[k], matter, {limits.min_m, reach});
+      if (end) met[k] = {*end, 0, 0, 1, trace::kUnknown, 0};
+    }
+  }
   std::vector<uint32_t> hit;
   for (uint32_t k = 0; k < met.size(); ++k) {
     const bool is_nearer = nearest[k].range_m == 0 || met[k].t_m < nearest[k].range_m;
@@ -48,6 +55,10 @@ void TracedPart::trace(std::span<const Ray> rays, std::span<const uint64_t> keys
     const uint32_t k = hit[i];
     evaluator.begin(rays[k].direction, time_s);
     evaluator.factors(met, rays, {&hit[i], 1}, {&factor[i], 1});
+    if (met[k].element == trace::kUnknown) {
+      nearest[k] = {met[k].t_m, double(factor[i]), first_instance};
+      continue;
+    }
     const uint64_t own =
         matter_at.key(matter, met[k], time_s) ^ matter_at.cell(rays[k], time_s, met[k], matter);
     const double range = simulate::drawn_in_matter(

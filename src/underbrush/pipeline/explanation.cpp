@@ -26,6 +26,28 @@ struct AtATime {
   const trace::World* tracer;
 };
 
+/// Whether the beam ends in unknown space before the element at which it would end; then its range
+/// is that.
+bool end_in_unknown(const trace::World& tracer, const Ray& ray, uint64_t matter,
+                    std::span<const trace::Intersection> met, Explanation& out, BeamLog& beam) {
+  const trace::UnknownSpace* unknown = tracer.unknown_space();
+  if (!unknown) return false;
+  std::vector<trace::Intersection> merged;
+  double reach = 1;
+  for (const trace::Intersection& m : tracer.with_unknown(ray, out.limits, met, merged)) {
+    if (m.element == trace::kUnknown) out.unknown_probability += reach * m.p;
+    reach *= 1 - m.p;
+  }
+  out.miss_probability = reach;
+  trace::RangeLimits limits = out.limits;
+  if (out.ends_at) limits.max_m = std::min(limits.max_m, met[*out.ends_at].t_m);
+  const std::optional<double> end = unknown->drawn_end(ray, matter, limits);
+  if (!end) return false;
+  out.ends_at.reset();
+  beam.range_m[0] = float(std::clamp(*end, out.limits.min_m, out.limits.max_m));
+  return true;
+}
+
 }  // namespace
 
 Explanation explain_beam(const TracedWorld& world, uint64_t seed, bool keyframes, size_t number,
@@ -67,6 +89,7 @@ Explanation explain_beam(const TracedWorld& world, uint64_t seed, bool keyframes
     reach *= 1 - m.p;
   }
   out.miss_probability = reach;
+  const bool in_unknown = end_in_unknown(tracer, ray, matter, met, out, by_elements);
   const float drawn = by_elements.range_m[0];
   add_offsets(world.dynamic().model(0).channels_of(beam.info), 1, by_elements);
   if (simulation.keyframes_serve(beam.info) && by_elements.range_m[0] != out.range_m) {
@@ -74,7 +97,9 @@ Explanation explain_beam(const TracedWorld& world, uint64_t seed, bool keyframes
     out.ends_at.reset();
     return out;
   }
-  if (!out.ends_at) return out;
+  if (in_unknown) out.ends_by = EndsBy::kUnknownSpace;
+  out.offset_m = in_unknown ? by_elements.range_m[0] - drawn : 0;
+  if (in_unknown || !out.ends_at) return out;
   out.ends_by = EndsBy::kElement;
   out.offset_m = by_elements.range_m[0] - drawn;
   return out;

@@ -18,13 +18,15 @@ struct MetElement {
 };
 
 /// What ends a beam.
-enum class EndsBy { kMiss, kElement, kKeyframe };
+enum class EndsBy { kMiss, kElement, kKeyframe, kUnknownSpace };
 
 /// Why a beam ends where it does.
 struct Explanation {
   trace::RangeLimits limits;
   std::vector<MetElement> met;  ///< In order of range.
   double miss_probability = 1;  ///< The probability that a beam passes all of them.
+  /// The probability that a beam ends in unknown space, without keyframes.
+  double unknown_probability = 0;
   EndsBy ends_by = EndsBy::kMiss;
   std::optional<size_t> ends_at;  ///< The first of `met` that accepts, if an element ends the beam.
   float range_m = kMiss;          ///< m; the answer of `Simulation::answer`.

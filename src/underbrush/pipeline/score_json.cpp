@@ -92,6 +92,9 @@ Json json_of(const metrics::Score& s) {
   for (const auto& [name, part] : s.per_class) j["per_class"][name] = json_of(part, s);
   j["per_range"] = Json::object();
   for (const auto& [name, part] : s.per_range) j["per_range"][name] = json_of(part, s);
+  if (!s.per_support.empty()) {
+    for (const auto& [name, part] : s.per_support) j["per_support"][name] = json_of(part, s);
+  }
   j["range_error_histogram"] = {{"from_m", -metrics::RangeErrorHistogram::kHalfWidth},
                                 {"to_m", metrics::RangeErrorHistogram::kHalfWidth},
                                 {"bin_m", metrics::RangeErrorHistogram::kBin},

@@ -15,6 +15,11 @@ std::span<const Option<SimulateOptions>> simulate_options() {
      "its instance",
      [](O& o) -> auto& { return o.element_ids; }},
 
+    {"support", "", "",
+     "Add a column with the probability that each beam ends in space that the model's log observed, "
+     "or nowhere, and not in unknown space",
+     [](O& o) -> auto& { return o.support; }},
+
     {"super-sample", "Instrument", "",
      "Trace several sub-rays in each beam and compute light, waveform and echoes: a number, "
      "COLUMNSxROWS, or sensor for the number in the sensor's data file",

@@ -33,6 +33,7 @@ struct SimulateOptions {
   double max_range_m = 0;  ///< m; 0 = that of the beams.
   double range_noise_m = 0;
   bool element_ids = false;
+  bool support = false;   ///< Whether to add the column `simulate::kSupportColumn`.
   bool keyframes = true;  ///< Whether keyframes may answer (`Simulation::recognise`).
   InstrumentOptions instrument;
   /// The beams whose waveforms `on_waveforms` receives, in the order of the beams; none if it is

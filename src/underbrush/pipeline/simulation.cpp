@@ -7,6 +7,7 @@
 #include "underbrush/perception/rig_source.hpp"
 #include "underbrush/pipeline/instrument.hpp"
 #include "underbrush/simulate/simulate.hpp"
+#include "underbrush/simulate/support.hpp"
 
 namespace underbrush::pipeline {
 namespace {
@@ -89,6 +90,7 @@ class Simulation::OfSensor {
   OfSensor(const TracedWorld& world, const SimulateOptions& options, const SensorOf& sensor_of)
       : world_(world),
         may_recall_(options.keyframes),
+        adds_support_(options.support),
         thin_(thin_rays(options, world)),
         on_waveforms_(options.on_waveforms) {
     if (options.beam == "random") thin_.random_ray = sensor_of("--beam random").beam;
@@ -109,6 +111,9 @@ class Simulation::OfSensor {
   }
 
   void answer(size_t first_beam, BeamLog& beams) {
+    if (adds_support_) {
+      beams.extra[simulate::kSupportColumn] = simulate::supports(world_.still(), beams);
+    }
     if (maker_) {
       maker_->answer(first_beam, beams);
       if (on_waveforms_) on_waveforms_(maker_->take_waveforms());
@@ -134,6 +139,7 @@ class Simulation::OfSensor {
  private:
   const TracedWorld& world_;
   const bool may_recall_;  ///< By the options.
+  const bool adds_support_;
   simulate::Options thin_;
   std::function<void(std::vector<simulate::BeamWaveform>)> on_waveforms_;
   sensor::Sensor sensor_;

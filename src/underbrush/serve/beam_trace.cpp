@@ -72,9 +72,9 @@ std::string trace_beam(const LoggedBeam& beam, const WorldData& world, uint64_t 
          {"misses", hit.misses}});
   }
   j["miss_probability"] = why.miss_probability;
-  j["ends_by"] = why.ends_by == pipeline::EndsBy::kElement    ? "element"
-                 : why.ends_by == pipeline::EndsBy::kKeyframe ? "keyframe"
-                                                              : "miss";
+  j["unknown_probability"] = why.unknown_probability;
+  constexpr const char* kEnds[] = {"miss", "element", "keyframe", "unknown space"};
+  j["ends_by"] = kEnds[size_t(why.ends_by)];
   j["ends_at"] = why.ends_at ? Json(*why.ends_at) : Json(nullptr);
   j["simulated_range_m"] = range(why.range_m);
   return text_of(j);

@@ -15,8 +15,11 @@ std::vector<BeamAnswer> median_answers(const trace::World& world,
   if (cache) pixels = cache->look_up(cache->queries(rays, rings));
   std::vector<BeamAnswer> out(rays.size());
   trace::RangeMixture p;
+  std::vector<trace::Intersection> merged;
   for (size_t k = 0; k < rays.size(); ++k) {
-    trace::mix_ranges(met[k], 1, 1e-4, p);
+    const std::span<const trace::Intersection> all =
+        world.with_unknown(rays[k], limits, met[k], merged);
+    trace::mix_ranges(all, 1, 1e-4, p);
     const size_t elements = p.components.size();
     if (cache) cache->mix(pixels[k], p);
     const std::optional<double> range = p.median();
@@ -25,7 +28,7 @@ std::vector<BeamAnswer> median_answers(const trace::World& world,
     answer.range_m = std::clamp(*range, limits.min_m, limits.max_m);
     const size_t component = p.likeliest_at(*range);
     if (component < elements) {
-      answer.met = met[k][component];
+      answer.met = all[component];
       continue;
     }
     const keyframes::CachedPixels& r = pixels[k];

@@ -158,7 +158,9 @@ void Reflection::Evaluator::factors(std::span<const Intersection> met, std::span
     if (m.element >= first_ellipsoid_) {
       size_t material = size_t(material_);
       if (material_ < 0) {
-        const uint32_t label = model_->ellipsoids[m.element - first_ellipsoid_].label;
+        const uint32_t label = m.element == trace::kUnknown
+                                   ? 0
+                                   : model_->ellipsoids[m.element - first_ellipsoid_].label;
         material = of_class[label < of_class.size() ? label : 0];
       }
       factor[k] = leaves_[material] < 0 ? leaves(material) : leaves_[material];

@@ -59,7 +59,7 @@ class Reflection {
     /// with the numbers `sub_ray`. A triangle has ρ · `backscatter` at the angle to its normal,
     /// whichever side is lit. An ellipsoid has ρ · `LeafAngleDistribution::backscatter` at the
     /// angle between the beam's axis and the instance's own vertical, because leaves tilt with what
-    /// they grow on.
+    /// they grow on. What is met in unknown space reflects as ellipsoids without a class do.
     void factors(std::span<const trace::Intersection> met, std::span<const Ray> rays,
                  std::span<const uint32_t> sub_ray, std::span<float> factor);
 

@@ -166,8 +166,19 @@ double drawn_range(const Simulation& s, const Shots& shots, size_t k, const Inte
                          matter_of.model(met, time_s).range_noise_m, s.limits);
 }
 
-/// Draws the answer to each shot: the nearest element that accepts it or a pixel of a keyframe, and
-/// then the range.
+/// Draws where a shot ends in unknown space before it comes to what it met; nothing where it does
+/// not.
+std::optional<double> drawn_in_unknown(const Simulation& s, const Shots& shots, size_t k,
+                                       const Intersection& met) {
+  const trace::UnknownSpace* unknown = s.world.world().unknown_space();
+  if (!unknown) return {};
+  trace::RangeLimits limits = s.limits;
+  if (!met.none()) limits.max_m = std::min(limits.max_m, met.t_m);
+  return unknown->drawn_end(shots.rays[k], shots.trials[k], limits);
+}
+
+/// Draws the answer to each shot: the nearest element that accepts it, what is in unknown space
+/// before that or a pixel of a keyframe, and then the range.
 std::vector<BeamAnswer> drawn_answers(const Simulation& s, const Shots& shots) {
   std::vector<Intersection> met(shots.rays.size());
   s.world.nearest_accepted(shots.rays, shots.trials, shots.time_s, s.limits, met);
@@ -177,7 +188,14 @@ std::vector<BeamAnswer> drawn_answers(const Simulation& s, const Shots& shots) {
   MatterAt matter_of(s.world);
   for (size_t k = 0; k < out.size(); ++k) {
     out[k] = {0, cached[k] ? Intersection() : met[k], cached[k], {}};
-    if (cached[k] || met[k].none()) continue;
+    if (cached[k]) continue;
+    if (const auto end = drawn_in_unknown(s, shots, k, met[k])) {
+      out[k].met = {};
+      out[k].met.element = trace::kUnknown;
+      out[k].range_m = *end;
+      continue;
+    }
+    if (met[k].none()) continue;
     const elements::Model& model = matter_of.model(met[k], shots.time_s[k]);
     if (s.options.draw == RangeDraw::kVolumetric &&
         model.kind(met[k].element) == elements::Kind::kEllipsoid) {
@@ -214,6 +232,8 @@ void write(const Simulation& s, const Shots& shots, std::span<const BeamAnswer> 
       beams.range_m[i] = reported(s, cached->range_m, shots.keys[k]);
       const bool mean = s.options.intensity == IntensityDraw::kMean;
       beams.intensity[i] = mean ? cached->mean_intensity : cached->intensity;
+    } else if (met.element == trace::kUnknown) {
+      beams.range_m[i] = reported(s, range_m, shots.keys[k]);
     } else if (!met.none()) {
       const elements::Model& model = matter_of.model(met, beams.time_s[i]);
       columns.set(i, model, met);

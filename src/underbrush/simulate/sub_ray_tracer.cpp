@@ -218,17 +218,38 @@ void SubRayTracer::lend_returns(size_t beam, TracedBeams::SubRays& probes) const
   }
 }
 
+/// Draws where each of some beams ends in unknown space, on the way of its first sub-ray, and ends
+/// the others there, too.
+void SubRayTracer::end_in_unknown(size_t beams, const trace::RangeLimits& limits,
+                                  TracedBeams::SubRays& s) const {
+  const trace::UnknownSpace* unknown = world_.world().unknown_space();
+  for (size_t b = 0; unknown && b < beams; ++b) {
+    const size_t each = s.size() / beams;
+    const auto met = std::span(s.met).subspan(b * each, each);
+    double farthest = 0;
+    for (const trace::Intersection& m : met) {
+      farthest = std::max(farthest, m.none() ? limits.max_m : m.t_m);
+    }
+    const auto end =
+        unknown->drawn_end(s.rays[b * each], s.keys[b * each], {limits.min_m, farthest});
+    for (trace::Intersection& m : met) {
+      if (end && (m.none() || m.t_m > *end)) m = {*end, 0, 0, 1, trace::kUnknown, 0};
+    }
+  }
+}
+
 /// Traces sub-rays, as many of each of the beams of these times, and draws their ranges. Where the
 /// matter is drawn once, draws are keyed by the matter that was met, and the sensor's noise is left
 /// to the receiver.
 void SubRayTracer::find(std::span<const double> time_s, const trace::RangeLimits& limits,
                         MatterAt& matter, TracedBeams::SubRays& s) const {
   world_.nearest_accepted(s.rays, s.keys, time_s, limits, s.met);
+  end_in_unknown(time_s.size(), limits, s);
   for (size_t b = 0; once_ && b < time_s.size(); ++b) {
     const size_t each = s.size() / time_s.size();
     for (size_t k = b * each; k < (b + 1) * each; ++k) {
       trace::Intersection& m = s.met[k];
-      if (m.none()) continue;
+      if (m.none() || m.element == trace::kUnknown) continue;
       const double noise_m = matter.model(m, time_s[b]).range_noise_m;
       s.keys[k] =
           matter.key(matter_, m, time_s[b]) ^ matter.cell(s.rays[k], time_s[b], m, s.keys[k]);

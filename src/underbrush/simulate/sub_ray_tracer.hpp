@@ -93,6 +93,8 @@ class SubRayTracer {
                  TracedBeams& out) const;
   void trace_probes(const BeamLog& beams, size_t first_beam, size_t begin, size_t end,
                     TracedBeams& out) const;
+  void end_in_unknown(size_t beams, const trace::RangeLimits& limits,
+                      TracedBeams::SubRays& s) const;
   void find(std::span<const double> time_s, const trace::RangeLimits& limits, MatterAt& matter,
             TracedBeams::SubRays& sub_rays) const;
   void lend_returns(size_t beam, TracedBeams::SubRays& probes) const;

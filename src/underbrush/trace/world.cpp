@@ -80,6 +80,7 @@ struct World::Impl {
   SceneTree tree;
   const Kernels* kernels;
   Draws draws = Draws::kAnew;
+  std::optional<UnknownSpace> unknown;
 
   void build(Draws how) {
     draws = how;
@@ -93,6 +94,15 @@ struct World::Impl {
     update_grain();
     tree = build_scene_tree(instances, bvhs);
     require(tree.entries.size() < kIndexMask, "world: too many instances");
+  }
+
+  /// Takes over the unknown space of the first instance.
+  void find_unknown() {
+    if (instances.empty()) return;
+    const elements::Instance& first = instances[0];
+    const elements::Model& m = *models[first.model];
+    if (!m.observed || !is_translation(first) || first.scale != 1) return;
+    unknown.emplace(*m.observed, m.ground, first.world_from_model.translation);
   }
 
   void update_grain() {
@@ -144,6 +154,7 @@ World::World(const elements::Model& model, Isa isa, Draws draws) : impl_(std::ma
   impl_->alone.world_from_model.translation = model.origin;
   impl_->instances = {&impl_->alone, 1};
   impl_->build(draws);
+  impl_->find_unknown();
 }
 
 World::World(const elements::Scene& scene, Isa isa, Draws draws) : impl_(std::make_unique<Impl>()) {
@@ -152,6 +163,7 @@ World::World(const elements::Scene& scene, Isa isa, Draws draws) : impl_(std::ma
   for (const elements::Model& m : scene.models) impl_->models.push_back(&m);
   impl_->instances = scene.instances;
   impl_->build(draws);
+  impl_->find_unknown();
 }
 
 World::World(World&&) noexcept = default;
@@ -163,6 +175,18 @@ const elements::Model& World::model(uint32_t instance) const {
 }
 
 bool World::is_one_model() const { return impl_->instances.data() == &impl_->alone; }
+
+const UnknownSpace* World::unknown_space() const {
+  return impl_->unknown ? &*impl_->unknown : nullptr;
+}
+
+std::span<const Intersection> World::with_unknown(const Ray& ray, const RangeLimits& limits,
+                                                  std::span<const Intersection> met,
+                                                  std::vector<Intersection>& merged) const {
+  if (!impl_->unknown) return met;
+  impl_->unknown->add_to(ray, limits, met, merged);
+  return merged;
+}
 
 const elements::Instance& World::instance(uint32_t instance) const {
   require(instance < impl_->instances.size(), "world: no such instance");

@@ -10,6 +10,7 @@
 #include "underbrush/elements/scene.hpp"
 #include "underbrush/trace/candidate.hpp"
 #include "underbrush/trace/element_math.hpp"
+#include "underbrush/trace/unknown_space.hpp"
 
 namespace underbrush::trace {
 
@@ -59,6 +60,15 @@ class World {
   const elements::Model& model(uint32_t instance = 0) const;
   /// Whether the world is one model in its own place, and no scene of several.
   bool is_one_model() const;
+  /// What rays may meet in the space that no beam of the log of the first instance's model crossed;
+  /// null where that space counts as empty, and where the instance is turned or scaled. Queries for
+  /// elements leave it out.
+  const UnknownSpace* unknown_space() const;
+  /// The elements `met` that a ray meets, in order of range, together with what it may meet in
+  /// unknown space (`UnknownSpace::add_to`), in `merged` if there is any.
+  std::span<const Intersection> with_unknown(const Ray& ray, const RangeLimits& limits,
+                                             std::span<const Intersection> met,
+                                             std::vector<Intersection>& merged) const;
   /// The place of an instance in the world.
   const elements::Instance& instance(uint32_t instance) const;
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "underbrush/calibrate/observed_space.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/still_beams.hpp"
 #include "underbrush/fit/fitters.hpp"
@@ -110,6 +111,7 @@ UpdateResult update(fit::FitResult known, const std::vector<BeamSource*>& logs, 
     StillBeams still(scans);
     report.keyframes = keyframes::update_keyframes(known.model, still,
                                                    fit::keyframe_options(options), work.changed());
+    calibrate::update_observed_space(known.model, still, options.min_range_m);
   }
   report.tiles = known.record.tiles.size();
   return {std::move(known.model), std::move(known.record), std::move(report)};

@@ -1,0 +1,250 @@
+#include "underbrush/calibrate/observed_space.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+
+#include "underbrush/trace/unknown_space.hpp"
+
+namespace underbrush::calibrate {
+namespace {
+
+using elements::ObservedBlock;
+using elements::ObservedSpace;
+
+constexpr double kStandsM = 3;        // the origins of a standing sensor lie within this
+constexpr size_t kSamples = 1 << 18;  // beams that are followed through unknown space, about
+
+/// The division of a log into two parts.
+struct Parts {
+  bool stands = true;
+  uint32_t first_scan = 0, last_scan = 0;
+  Vec3 middle = Vec3::Zero();
+  size_t beams = 0;
+
+  size_t of(const BeamLog& log, size_t i) const {
+    if (!stands) return log.scan[i] - first_scan > (last_scan - first_scan) / 2;
+    const Vec3f& d = log.direction[i];
+    return (d.x() > 0) == (d.y() > 0);
+  }
+};
+
+/// A map that grows.
+class Map {
+ public:
+  explicit Map(double cell_m) : cell_m_(cell_m) {}
+
+  /// Adds the way of a beam (frame of the model).
+  void add(const Vec3& origin, const Vec3& direction, double from_m, double to_m) {
+    constexpr double kPerCell = 2;  // samples
+    Cell3 last{INT32_MAX, 0, 0};
+    for (double t = from_m;; t += cell_m_ / kPerCell) {
+      const Cell3 c = cell_of(Vec3(origin + std::min(t, to_m) * direction), cell_m_);
+      if (!(c == last)) {
+        last = c;
+        const Cell3 of = ObservedBlock::of(c);
+        if (!block_ || !(block_->at == of)) {
+          auto& place = blocks_[of];
+          if (!place) {
+            place = std::make_unique<ObservedBlock>();
+            place->at = of;
+          }
+          block_ = place.get();
+        }
+        uint8_t& n = block_->beams[ObservedBlock::index(c)];
+        if (n < 255) ++n;
+      }
+      if (t >= to_m) return;
+    }
+  }
+
+  ObservedSpace finish() {
+    ObservedSpace out;
+    out.cell_m = cell_m_;
+    for (auto& [at, block] : blocks_) out.blocks.push_back(*block);
+    std::sort(out.blocks.begin(), out.blocks.end(),
+              [](const ObservedBlock& a, const ObservedBlock& b) { return a.at < b.at; });
+    return out;
+  }
+
+ private:
+  double cell_m_;
+  CellMap<Cell3, std::unique_ptr<ObservedBlock>> blocks_;
+  ObservedBlock* block_ = nullptr;
+};
+
+template <class F>
+void for_each_chunk(BeamSource& log, F use) {
+  BeamLog chunk;
+  log.rewind();
+  while (log.next(chunk)) use(chunk);
+}
+
+Parts parts_of(BeamSource& log) {
+  Parts parts;
+  bool is_first = true;
+  Vec3 low, high;
+  for_each_chunk(log, [&](const BeamLog& chunk) {
+    for (size_t i = 0; i < chunk.size(); ++i) {
+      if (is_first) {
+        low = high = chunk.origin[i];
+        parts.first_scan = parts.last_scan = chunk.scan[i];
+        is_first = false;
+      }
+      low = low.cwiseMin(chunk.origin[i]);
+      high = high.cwiseMax(chunk.origin[i]);
+      parts.first_scan = std::min(parts.first_scan, chunk.scan[i]);
+      parts.last_scan = std::max(parts.last_scan, chunk.scan[i]);
+    }
+    parts.beams += chunk.size();
+  });
+  parts.stands = is_first || (high - low).norm() < kStandsM || parts.first_scan == parts.last_scan;
+  return parts;
+}
+
+/// The vertices of the ground that lie in crossed cells of a map, or just below them.
+std::vector<bool> known_ground(const ObservedSpace& space, const elements::Model& model) {
+  std::vector<bool> keep(model.ground.vertices.size());
+  const trace::CrossedCells crossed(space);
+  for (size_t i = 0; i < keep.size(); ++i) {
+    Cell3 cell = cell_of(Vec3(model.ground.vertices[i].cast<double>()), space.cell_m);
+    keep[i] = crossed.at(cell) > 0;
+    ++cell.z;
+    keep[i] = keep[i] || crossed.at(cell) > 0;
+  }
+  return keep;
+}
+
+/// The heights (m) between which a log has returns; nothing is known above and below them.
+struct Heights {
+  double bottom = HUGE_VAL, top = -HUGE_VAL;
+};
+
+/// Whether a beam counts: returns of the vehicle do not.
+bool counts(const BeamLog& log, size_t i, const ObservedSpaceOptions& options) {
+  return !log.is_hit(i) || double(log.range_m[i]) >= options.min_range_m;
+}
+
+Heights heights_of(BeamSource& log, const ObservedSpaceOptions& options) {
+  Heights heights;
+  for_each_chunk(log, [&](const BeamLog& chunk) {
+    for (size_t i = 0; i < chunk.size(); ++i) {
+      if (!chunk.is_hit(i) || !counts(chunk, i, options)) continue;
+      const double z = chunk.end_point(i).z();
+      heights.top = std::max(heights.top, z);
+      heights.bottom = std::min(heights.bottom, z);
+    }
+  });
+  return heights;
+}
+
+double reach_of(const elements::Model& model, const LogInfo& log) {
+  return std::min(log.max_range_m, model.max_range_m);
+}
+
+/// The maps of the two parts of a log.
+std::array<ObservedSpace, 2> maps_of(const elements::Model& model, BeamSource& log,
+                                     const Parts& parts, const ObservedSpaceOptions& options) {
+  const Heights heights = heights_of(log, options);
+  const double reach = reach_of(model, log.info());
+  std::array maps{Map(options.cell_m), Map(options.cell_m)};
+  for_each_chunk(log, [&](const BeamLog& chunk) {
+    for (size_t i = 0; i < chunk.size(); ++i) {
+      if (!counts(chunk, i, options)) continue;
+      const Ray ray = chunk.ray(i);
+      double to = chunk.is_hit(i) ? double(chunk.range_m[i]) : reach;
+      const double rise = ray.direction.z();
+      const double end = rise > 0 ? heights.top : heights.bottom;
+      if (rise != 0) to = std::min(to, std::max(0.0, (end - ray.origin.z()) / rise));
+      maps[parts.of(chunk, i)].add(ray.origin - model.origin, ray.direction, options.min_range_m,
+                                   to);
+    }
+  });
+  return {maps[0].finish(), maps[1].finish()};
+}
+
+/// Ends of beams in space that no beam crossed, and their path there, by height and range.
+struct Counts {
+  using Table = std::array<std::array<double, ObservedSpace::kRanges>, ObservedSpace::kHeights>;
+  Table ends{}, path_m{};
+};
+
+/// Follows the beams of each part of a log through what is unknown to the other one. Below the
+/// ground a beam without a return was lost, and its path is not counted.
+Counts counts_of(const elements::Model& model, BeamSource& log, const Parts& parts,
+                 const std::array<ObservedSpace, 2>& spaces, const ObservedSpaceOptions& options) {
+  const std::vector<bool> keep[2]{known_ground(spaces[0], model), known_ground(spaces[1], model)};
+  const trace::UnknownSpace unknown[2]{{spaces[0], model.ground, model.origin, keep[0]},
+                                       {spaces[1], model.ground, model.origin, keep[1]}};
+  const size_t every = std::max<size_t>(1, parts.beams / kSamples);
+  const double reach = reach_of(model, log.info());
+  Counts out;
+  size_t number = 0;
+  for_each_chunk(log, [&](const BeamLog& chunk) {
+    for (size_t i = 0; i < chunk.size(); ++i) {
+      if (mix64(number++) % every != 0 || !counts(chunk, i, options)) continue;
+      const bool is_hit = chunk.is_hit(i);
+      const double end = is_hit ? double(chunk.range_m[i]) : reach;
+      const trace::RangeLimits way{options.min_range_m, end + options.cell_m};
+      unknown[1 - parts.of(chunk, i)].follow(
+          chunk.ray(i), way, [&](const trace::UnknownSpace::Step& s) {
+            if (s.from_m >= end || (!is_hit && s.height_m < 0)) return false;
+            const size_t h = ObservedSpace::height_interval(s.height_m),
+                         r = ObservedSpace::range_interval(0.5 * (s.from_m + s.to_m));
+            out.path_m[h][r] += std::min(s.to_m, end) - s.from_m;
+            out.ends[h][r] += is_hit && end < s.to_m;
+            return true;
+          });
+    }
+  });
+  return out;
+}
+
+/// Estimates κ from counts.
+void estimate_densities(const Counts& counts, ObservedSpace& space) {
+  constexpr double kPrior = 5;  // beams
+  for (size_t h = 0; h < ObservedSpace::kHeights; ++h) {
+    double ends = 0, path = 0;
+    for (size_t r = 0; r < ObservedSpace::kRanges; ++r) {
+      ends += counts.ends[h][r];
+      path += counts.path_m[h][r];
+    }
+    space.density_per_m[h].fill(0);
+    if (!(ends > 0)) continue;
+    const double of_height = ends / path;
+    for (size_t r = 0; r < ObservedSpace::kRanges; ++r) {
+      const double all_m = counts.path_m[h][r] + kPrior / of_height;
+      space.density_per_m[h][r] = float((counts.ends[h][r] + kPrior) / all_m);
+    }
+  }
+}
+
+}  // namespace
+
+void learn_observed_space(elements::Model& model, BeamSource& log,
+                          const ObservedSpaceOptions& options) {
+  model.observed = nullptr;
+  if (options.cell_m <= 0 || model.ground.vertices.empty()) return;
+  const Parts parts = parts_of(log);
+  std::array<ObservedSpace, 2> spaces = maps_of(model, log, parts, options);
+  // With any density in the highest interval, all heights are followed.
+  for (ObservedSpace& s : spaces) s.density_per_m.back().fill(1);
+  const Counts counts = counts_of(model, log, parts, spaces, options);
+  auto space = std::make_shared<ObservedSpace>(std::move(spaces[0]));
+  space->add(spaces[1]);
+  estimate_densities(counts, *space);
+  model.observed = std::move(space);
+}
+
+void update_observed_space(elements::Model& model, BeamSource& log, double min_range_m) {
+  if (!model.observed) return;
+  auto space = std::make_shared<ObservedSpace>(*model.observed);
+  const ObservedSpaceOptions options{space->cell_m, min_range_m};
+  for (const ObservedSpace& s : maps_of(model, log, {}, options)) {
+    space->add(s);
+  }
+  model.observed = std::move(space);
+}
+
+}  // namespace underbrush::calibrate

@@ -1,0 +1,55 @@
+#include "underbrush/elements/observed_space.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "underbrush/core/check.hpp"
+
+namespace underbrush::elements {
+namespace {
+
+template <size_t kCount>
+size_t interval_of(const std::array<double, kCount>& edges, double value) {
+  return size_t(std::upper_bound(edges.begin(), edges.end(), value) - edges.begin());
+}
+
+void add_beams(ObservedBlock& to, const ObservedBlock& from) {
+  for (size_t k = 0; k < ObservedBlock::kCells; ++k) {
+    to.beams[k] = uint8_t(std::min(255, int(to.beams[k]) + int(from.beams[k])));
+  }
+}
+
+}  // namespace
+
+size_t ObservedSpace::height_interval(double height_m) { return interval_of(kHeightsM, height_m); }
+
+size_t ObservedSpace::range_interval(double range_m) { return interval_of(kRangesM, range_m); }
+
+void ObservedSpace::add(const ObservedSpace& other) {
+  require(cell_m == other.cell_m, "observed space: the maps have different cells");
+  std::vector<ObservedBlock> all;
+  all.reserve(blocks.size() + other.blocks.size());
+  auto a = blocks.begin();
+  for (const ObservedBlock& b : other.blocks) {
+    for (; a != blocks.end() && a->at < b.at; ++a) all.push_back(*a);
+    all.push_back(b);
+    if (a != blocks.end() && a->at == b.at) add_beams(all.back(), *a++);
+  }
+  all.insert(all.end(), a, blocks.end());
+  blocks = std::move(all);
+}
+
+void ObservedSpace::check() const {
+  require(std::isfinite(cell_m) && cell_m > 0, "observed space: its cells must have a size");
+  for (size_t k = 1; k < blocks.size(); ++k) {
+    require(blocks[k - 1].at < blocks[k].at, "observed space: its blocks are not in order");
+  }
+  for (const auto& row : density_per_m) {
+    for (const float x : row) {
+      require(std::isfinite(x) && x >= 0,
+              "observed space: a density is not a number of at least 0");
+    }
+  }
+}
+
+}  // namespace underbrush::elements

@@ -1,0 +1,59 @@
+/// \file
+/// The space that the beams of a log crossed, and what beams are expected to meet in the rest.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "underbrush/core/cells.hpp"
+
+namespace underbrush::elements {
+
+/// Numbers of beams that crossed the cells of a part of space, a cube of `kSide` cells.
+struct ObservedBlock {
+  static constexpr int kSide = 8;
+  static constexpr size_t kCells = size_t(kSide) * kSide * kSide;
+
+  Cell3 at;                             ///< Its lower corner, in blocks.
+  std::array<uint8_t, kCells> beams{};  ///< Beams by cell, at most 255; x fastest, then y.
+  bool operator==(const ObservedBlock&) const = default;
+
+  /// The block that holds a cell, and the index of the cell in it.
+  static Cell3 of(const Cell3& cell) {
+    return {cell.x >> 3, cell.y >> 3, cell.z >> 3};  // rounded down
+  }
+  static size_t index(const Cell3& cell) {
+    return size_t(cell.z & 7) * 64 + size_t(cell.y & 7) * 8 + size_t(cell.x & 7);
+  }
+};
+
+/// A map of the space that the beams of a log crossed ("observed"), with the density of matter in
+/// the rest ("unknown").
+///
+/// In unknown space a beam ends with the probability κ per metre of its way, which depends on the
+/// height above the ground and on the range. Beyond the ground of the model the ground goes on at
+/// the height of its nearest part.
+struct ObservedSpace {
+  /// Edges of the heights above the ground (m) and of the ranges (m) of `density_per_m`. The first
+  /// and the last interval of the heights have no end, and so has the last one of the ranges.
+  static constexpr std::array<double, 11> kHeightsM{-2, -1, -0.5, 0, 0.5, 1, 2, 4, 8, 16, 32};
+  static constexpr std::array<double, 6> kRangesM{5, 10, 20, 40, 60, 80};
+  static constexpr size_t kHeights = kHeightsM.size() + 1, kRanges = kRangesM.size() + 1;
+
+  double cell_m = 1;                  ///< Side of the cells.
+  std::vector<ObservedBlock> blocks;  ///< In the order of `at`; cells of others are unknown.
+  std::array<std::array<float, kRanges>, kHeights> density_per_m{};  ///< κ, 1/m.
+
+  /// The memory of the blocks, bytes.
+  size_t bytes() const { return blocks.size() * sizeof(ObservedBlock); }
+  /// The number of the interval of a height (m) and of a range (m).
+  static size_t height_interval(double height_m);
+  static size_t range_interval(double range_m);
+  /// Adds the beams of another map, whose cells are of the same size.
+  void add(const ObservedSpace& other);
+  /// Throws `std::invalid_argument` where values are not finite or blocks are not in their order.
+  void check() const;
+};
+
+}  // namespace underbrush::elements

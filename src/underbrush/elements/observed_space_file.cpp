@@ -1,0 +1,87 @@
+#include "underbrush/elements/observed_space_file.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "underbrush/core/check.hpp"
+#include "underbrush/io/ply.hpp"
+
+namespace underbrush::elements {
+namespace fs = std::filesystem;
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+template <class T>
+const std::vector<T>& read_column(const fs::path& file, const io::PlyData& data,
+                                  const char* element, const char* name) {
+  const io::PlyElement* e = data.find(element);
+  const ExtraColumn* column = e ? e->find(name) : nullptr;
+  const auto* values = column ? std::get_if<std::vector<T>>(column) : nullptr;
+  if (!values) throw FormatError(file.string(), element, std::string("no column ") + name);
+  return *values;
+}
+
+void read_blocks(const fs::path& file, ObservedSpace& space) {
+  const io::PlyData data = io::read_ply(file);
+  const auto& x = read_column<int32_t>(file, data, "block", "x");
+  const auto& y = read_column<int32_t>(file, data, "block", "y");
+  const auto& z = read_column<int32_t>(file, data, "block", "z");
+  const auto& beams = read_column<uint8_t>(file, data, "cell", "beams");
+  if (beams.size() != x.size() * ObservedBlock::kCells) {
+    throw FormatError(file.string(), "cell",
+                      "not " + std::to_string(ObservedBlock::kCells) + " cells a block");
+  }
+  space.blocks.resize(x.size());
+  for (size_t k = 0; k < x.size(); ++k) {
+    space.blocks[k].at = {x[k], y[k], z[k]};
+    std::copy_n(&beams[k * ObservedBlock::kCells], ObservedBlock::kCells,
+                space.blocks[k].beams.begin());
+  }
+}
+
+}  // namespace
+
+void write_observed_space(const fs::path& folder, const ObservedSpace& space) {
+  std::vector<int32_t> at[3];
+  std::vector<uint8_t> beams;
+  for (const ObservedBlock& b : space.blocks) {
+    at[0].push_back(b.at.x);
+    at[1].push_back(b.at.y);
+    at[2].push_back(b.at.z);
+    beams.insert(beams.end(), b.beams.begin(), b.beams.end());
+  }
+  io::PlyElement block, cell;
+  block.name = "block";
+  block.count = space.blocks.size();
+  block.columns = {{"x", std::move(at[0])}, {"y", std::move(at[1])}, {"z", std::move(at[2])}};
+  cell.name = "cell";
+  cell.count = beams.size();
+  cell.columns = {{"beams", std::move(beams)}};
+  io::PlyData data;
+  data.elements = {std::move(block), std::move(cell)};
+  io::write_ply(folder / kObservedSpaceFile, data);
+}
+
+std::string manifest_of_observed_space(const ObservedSpace& space) {
+  return Json{{"file", kObservedSpaceFile},          {"cell_m", space.cell_m},
+              {"blocks", space.blocks.size()},       {"heights_m", ObservedSpace::kHeightsM},
+              {"ranges_m", ObservedSpace::kRangesM}, {"density_per_m", space.density_per_m}}
+      .dump();
+}
+
+std::shared_ptr<const ObservedSpace> read_observed_space(const io::JsonValue& j) {
+  auto space = std::make_shared<ObservedSpace>();
+  space->cell_m = j.at("cell_m").number();
+  const std::vector<io::JsonValue> rows = j.at("density_per_m").values();
+  if (rows.size() != ObservedSpace::kHeights)
+    j.at("density_per_m").fail("another number of heights");
+  for (size_t h = 0; h < rows.size(); ++h) {
+    const std::vector<double> row = rows[h].numbers();
+    if (row.size() != ObservedSpace::kRanges) rows[h].fail("another number of ranges");
+    for (size_t r = 0; r < row.size(); ++r) space->density_per_m[h][r] = float(row[r]);
+  }
+  read_blocks(j.at("file").path(), *space);
+  return space;
+}
+
+}  // namespace underbrush::elements

@@ -1,0 +1,176 @@
+#include "underbrush/trace/unknown_space.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace underbrush::trace {
+
+GroundHeights::GroundHeights(const elements::TriangleMesh& ground, const std::vector<bool>& keep) {
+  constexpr int32_t kMargin = 32;  // cells beyond the ground
+  const auto kept = [&](size_t i) { return keep.empty() || keep[i]; };
+  const auto cell = [&](size_t i) {
+    const Vec3f& v = ground.vertices[i];
+    return cell_of(double(v.x()), double(v.y()), kSideM);
+  };
+  Cell2 low{INT32_MAX, INT32_MAX}, high{INT32_MIN, INT32_MIN};
+  for (size_t i = 0; i < ground.vertices.size(); ++i) {
+    if (!kept(i)) continue;
+    const Cell2 c = cell(i);
+    low = {std::min(low.x, c.x), std::min(low.y, c.y)};
+    high = {std::max(high.x, c.x), std::max(high.y, c.y)};
+  }
+  if (low.x > high.x) return;
+  low_ = {low.x - kMargin, low.y - kMargin};
+  nx_ = high.x - low.x + 1 + 2 * kMargin;
+  ny_ = high.y - low.y + 1 + 2 * kMargin;
+  const size_t cells = size_t(nx_) * size_t(ny_);
+  std::vector<double> sum(cells), count(cells);
+  for (size_t i = 0; i < ground.vertices.size(); ++i) {
+    if (!kept(i)) continue;
+    const Cell2 c = cell(i);
+    const size_t k = size_t(c.y - low_.y) * size_t(nx_) + size_t(c.x - low_.x);
+    sum[k] += double(ground.vertices[i].z());
+    ++count[k];
+  }
+  height_m_.resize(cells);
+  lowest_m_ = HUGE_VAL, highest_m_ = -HUGE_VAL;
+  std::vector<size_t> front;
+  for (size_t k = 0; k < cells; ++k) {
+    if (count[k] == 0) continue;
+    height_m_[k] = float(sum[k] / count[k]);
+    lowest_m_ = std::min(lowest_m_, double(height_m_[k]));
+    highest_m_ = std::max(highest_m_, double(height_m_[k]));
+    front.push_back(k);
+  }
+  extend(std::move(front));
+}
+
+void GroundHeights::extend(std::vector<size_t> front) {
+  std::vector<uint8_t> is_known(height_m_.size()), sources(height_m_.size());
+  for (const size_t k : front) is_known[k] = 1;
+  while (!front.empty()) {
+    std::vector<size_t> next;
+    for (const size_t k : front) {
+      const int32_t x = int32_t(k % size_t(nx_)), y = int32_t(k / size_t(nx_));
+      for (const auto& [dx, dy] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
+        if (x + dx < 0 || y + dy < 0 || x + dx >= nx_ || y + dy >= ny_) continue;
+        const size_t n = size_t(y + dy) * size_t(nx_) + size_t(x + dx);
+        if (is_known[n]) continue;
+        if (sources[n]++ == 0) next.push_back(n);
+        height_m_[n] += height_m_[k];
+      }
+    }
+    for (const size_t n : next) {
+      height_m_[n] /= float(sources[n]);
+      is_known[n] = 1;
+    }
+    front = std::move(next);
+  }
+}
+
+double GroundHeights::at(double x, double y) const {
+  const double u = std::clamp(x / kSideM - 0.5 - low_.x, 0.0, double(nx_ - 1) - 1e-9);
+  const double v = std::clamp(y / kSideM - 0.5 - low_.y, 0.0, double(ny_ - 1) - 1e-9);
+  const int32_t i = int32_t(u), j = int32_t(v);
+  const double a = u - i, b = v - j;
+  const float* row = &height_m_[size_t(j) * size_t(nx_) + size_t(i)];
+  return (1 - b) * ((1 - a) * double(row[0]) + a * double(row[1])) +
+         b * ((1 - a) * double(row[nx_]) + a * double(row[nx_ + 1]));
+}
+
+using elements::ObservedBlock;
+using elements::ObservedSpace;
+
+CrossedCells::CrossedCells(const ObservedSpace& space) {
+  block_.reserve(space.blocks.size());
+  for (const ObservedBlock& b : space.blocks) block_.emplace(b.at, &b);
+}
+
+UnknownSpace::UnknownSpace(const ObservedSpace& space, const elements::TriangleMesh& ground,
+                           const Vec3& origin, const std::vector<bool>& keep)
+    : space_(space), origin_(origin), known_(space), ground_(ground, keep) {
+  top_m_ = ObservedSpace::kHeightsM.front();
+  for (size_t h = 0; h < ObservedSpace::kHeights; ++h) {
+    const auto& row = space.density_per_m[h];
+    if (std::all_of(row.begin(), row.end(), [](float x) { return x == 0; })) continue;
+    constexpr double kHighestM = 2 * ObservedSpace::kHeightsM.back();
+    top_m_ = h < ObservedSpace::kHeightsM.size() ? ObservedSpace::kHeightsM[h] : kHighestM;
+  }
+}
+
+double UnknownSpace::depth(const Step& s) const {
+  const size_t h = ObservedSpace::height_interval(s.height_m),
+               r = ObservedSpace::range_interval(0.5 * (s.from_m + s.to_m));
+  return double(space_.density_per_m[h][r]) * (s.to_m - s.from_m);
+}
+
+double support_of(std::span<const Intersection> met, const RangeMixture& mixture) {
+  double unknown = 0;
+  for (size_t k = 0; k < mixture.components.size(); ++k) {
+    if (met[k].element == kUnknown) unknown += mixture.components[k].weight;
+  }
+  return std::max(0.0, 1 - unknown);
+}
+
+std::optional<double> UnknownSpace::drawn_end(const Ray& ray, uint64_t key,
+                                              const RangeLimits& limits) const {
+  std::optional<double> end;
+  follow(ray, limits, [&](const Step& s) {
+    const double of_step = depth(s);
+    if (!(of_step > 0)) return true;
+    const double u = uniform_from_bits(random_bits(mix64(key ^ s.cell), 0, Purpose::kUnknown));
+    // The place in the step of an exponential distribution, given that it ends in the step.
+    const double free = -std::log1p(-u);
+    if (free >= of_step) return true;
+    end = s.from_m + (s.to_m - s.from_m) * free / of_step;
+    return false;
+  });
+  return end;
+}
+
+void UnknownSpace::add_to(const Ray& ray, const RangeLimits& limits,
+                          std::span<const Intersection> met, std::vector<Intersection>& out) const {
+  constexpr double kLongest = 0.15;  // of the range
+  constexpr double kDeepest = 0.3, kNegligible = 1e-4;
+  out.clear();
+  double deep = 0, first = 0, sum = 0, squares = 0, through = 1;
+  size_t next = 0;
+  RangeLimits open = limits;  // up to where the elements stop nearly all rays
+  for (const Intersection& m : met) {
+    if ((through *= 1 - m.p) > kNegligible) continue;
+    open.max_m = std::min(open.max_m, m.t_m);
+    break;
+  }
+  through = 1;
+  const auto elements_before = [&](double t_m) {
+    for (; next < met.size() && met[next].t_m < t_m; ++next) out.push_back(met[next]);
+  };
+  const auto finish = [&] {
+    if (deep > 0) {
+      Intersection piece;
+      piece.t_m = sum / deep;
+      piece.sigma_m = std::sqrt(std::max(0.0, squares / deep - piece.t_m * piece.t_m));
+      piece.p = -std::expm1(-deep);
+      piece.element = kUnknown;
+      elements_before(piece.t_m);
+      out.push_back(piece);
+      through *= 1 - piece.p;
+    }
+    deep = sum = squares = 0;
+  };
+  follow(ray, open, [&](const Step& s) {
+    const double middle = 0.5 * (s.from_m + s.to_m), length = s.to_m - s.from_m;
+    if (deep > 0 && (deep > kDeepest || s.to_m - first > std::max(1.0, kLongest * middle)))
+      finish();
+    const double of_step = depth(s);
+    if (deep == 0) first = s.from_m;
+    deep += of_step;
+    sum += of_step * middle;
+    squares += of_step * (middle * middle + length * length / 12);
+    return through > kNegligible;
+  });
+  finish();
+  elements_before(HUGE_VAL);
+}
+
+}  // namespace underbrush::trace

@@ -1,0 +1,144 @@
+/// \file
+/// The walk of a ray through space that no beam of the model's log crossed.
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "underbrush/trace/element_math.hpp"
+#include "underbrush/trace/ray_likelihood.hpp"
+
+namespace underbrush::trace {
+
+/// Heights of the ground, also beyond the ground that is known, where it goes on at the height of
+/// its nearest part.
+class GroundHeights {
+ public:
+  /// Takes the ground of a mesh, of which only the vertices count that `keep` says, or all if it is
+  /// empty.
+  GroundHeights(const elements::TriangleMesh& ground, const std::vector<bool>& keep);
+  /// Whether no ground is known at all.
+  bool empty() const { return height_m_.empty(); }
+  /// The height of the ground at a place, m; all in the frame of the mesh.
+  double at(double x, double y) const;
+  double lowest_m() const { return lowest_m_; }
+  double highest_m() const { return highest_m_; }
+
+ private:
+  static constexpr double kSideM = 4;
+
+  /// Continues the heights of the cells `front`, ring by ring: a cell takes the mean of its
+  /// neighbours in the ring before.
+  void extend(std::vector<size_t> front);
+
+  Cell2 low_;
+  int32_t nx_ = 0, ny_ = 0;
+  std::vector<float> height_m_;  // of the middles of cells; x fastest
+  double lowest_m_ = 0, highest_m_ = 0;
+};
+
+/// The cells of a map of observed space.
+class CrossedCells {
+ public:
+  /// `space` must outlive it.
+  explicit CrossedCells(const elements::ObservedSpace& space);
+  /// How many beams crossed a cell.
+  uint8_t at(const Cell3& cell) const {
+    Cell3 last{INT32_MAX, 0, 0};
+    const elements::ObservedBlock* block = nullptr;
+    return at(cell, last, block);
+  }
+  /// The same, where `last` and `block` are those of the call before.
+  uint8_t at(const Cell3& cell, Cell3& last, const elements::ObservedBlock*& block) const {
+    const Cell3 in = elements::ObservedBlock::of(cell);
+    if (!(in == last)) {
+      const auto found = block_.find(in);
+      block = found == block_.end() ? nullptr : found->second;
+      last = in;
+    }
+    return block ? block->beams[block->index(cell)] : 0;
+  }
+
+ private:
+  CellMap<Cell3, const elements::ObservedBlock*> block_;
+};
+
+/// What rays are expected to meet in unknown space (`elements::ObservedSpace`). A ray is followed
+/// in steps of the map's cells. In a step of length Δ in a cell that no beam crossed it ends with
+/// the probability 1 − exp(−κ Δ).
+class UnknownSpace {
+ public:
+  /// `space` and `ground` must outlive it. Where `ground` has no vertices to keep, all space counts
+  /// as known.
+  UnknownSpace(const elements::ObservedSpace& space, const elements::TriangleMesh& ground,
+               const Vec3& origin, const std::vector<bool>& keep = {});
+
+  /// A step in unknown space.
+  struct Step {
+    double from_m;  ///< Range of its beginning, m.
+    double to_m;
+    double height_m;  ///< Height of its middle above the ground, m.
+    uint64_t cell;    ///< A hash of the cell of its middle.
+  };
+  /// Calls `take(step)` for each step of a ray (world) in unknown space, in order of range, until
+  /// it returns false. Steps above the highest interval in which anything is met are left out.
+  template <class F>
+  void follow(const Ray& ray, const RangeLimits& limits, F take) const;
+
+  /// Draws the range (m) at which a ray ends in unknown space within limits; nothing where it does
+  /// not. Rays of one key that come into one cell have the same trial there.
+  std::optional<double> drawn_end(const Ray& ray, uint64_t key, const RangeLimits& limits) const;
+  /// Adds what a ray may meet in unknown space to the elements that it meets, in order of range:
+  /// pieces of its way with their p, their mean range and its σ. They belong to no element.
+  void add_to(const Ray& ray, const RangeLimits& limits, std::span<const Intersection> met,
+              std::vector<Intersection>& out) const;
+
+ private:
+  /// The optical depth of a step: κ Δ.
+  double depth(const Step& step) const;
+
+  const elements::ObservedSpace& space_;
+  Vec3 origin_;
+  CrossedCells known_;
+  GroundHeights ground_;
+  double top_m_ = 0;  // above the ground; nothing is met higher
+};
+
+/// The element number of what a ray meets in unknown space.
+inline constexpr uint32_t kUnknown = 0xfffffffeu;
+
+/// The support of a beam: the probability that it does not end in unknown space, by the mixture of
+/// what it may meet.
+double support_of(std::span<const Intersection> met, const RangeMixture& mixture);
+
+template <class F>
+void UnknownSpace::follow(const Ray& ray, const RangeLimits& limits, F take) const {
+  if (ground_.empty()) return;
+  const double cell = space_.cell_m;
+  const Vec3 start = ray.origin - origin_;
+  // The part of the ray between the lowest ground and the highest matter.
+  double from = limits.min_m, to = limits.max_m;
+  const double rise = ray.direction.z();
+  const double low = ground_.lowest_m() + elements::ObservedSpace::kHeightsM.front() - 1;
+  const double high = ground_.highest_m() + top_m_;
+  if (std::abs(rise) > 1e-9) {
+    const double a = (low - start.z()) / rise, b = (high - start.z()) / rise;
+    from = std::max(from, std::min(a, b));
+    to = std::min(to, std::max(a, b));
+  } else if (start.z() < low || start.z() > high) {
+    return;
+  }
+  Cell3 last{INT32_MAX, 0, 0};
+  const elements::ObservedBlock* in = nullptr;
+  for (double t = from; t < to; t += cell) {
+    const double end = std::min(t + cell, to), middle = 0.5 * (t + end);
+    const Vec3 at = start + middle * ray.direction;
+    const Cell3 c = cell_of(at, cell);
+    if (known_.at(c, last, in) > 0) continue;
+    const double height = at.z() - ground_.at(at.x(), at.y());
+    if (!take(Step{t, end, height, CellHash()(c)})) return;
+  }
+}
+
+}  // namespace underbrush::trace
