@@ -15,11 +15,6 @@ std::span<const Option<SimulateOptions>> simulate_options() {
      "its instance",
      [](O& o) -> auto& { return o.element_ids; }},
 
-    {"support", "", "",
-     "Add a column with the probability that each beam ends in space that the model's log observed, "
-     "or nowhere, and not in unknown space",
-     [](O& o) -> auto& { return o.support; }},
-
     {"super-sample", "Instrument", "",
      "Trace several sub-rays in each beam and compute light, waveform and echoes: a number, "
      "COLUMNSxROWS, or sensor for the number in the sensor's data file",
@@ -40,6 +35,10 @@ std::span<const Option<SimulateOptions>> simulate_options() {
     {"wind", "Matter", "s",
      "Correlation time of leaves that sway; 0 = they stand still",
      [](O& o) -> auto& { return o.sway_s; }, 0, kNoLimit},
+    {"support", "Matter", "",
+     "Add a column with the probability that each beam ends in space that the model's log observed, "
+     "or nowhere, and not in unknown space",
+     [](O& o) -> auto& { return o.support; }},
 
     {"draw", "Thin rays", "",
      "How the range in an ellipsoid is drawn: along the beam, or in the ellipsoid's volume; median "
