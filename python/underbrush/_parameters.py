@@ -63,7 +63,7 @@ class FitParameters(TypedDict, total=False):
     #: pixels; 0 = none (m; default 2).
     keyframes: float
     #: Side of the cells of the map of observed space; in space that no beam crossed, simulated beams meet what
-    #: beams met when they first came into such space; 0 = unknown space counts as empty (m; default 1).
+    #: beams met when they first came into such space; 0 = unknown space counts as empty (m; default 0).
     unknown_cell: float
 
 
@@ -73,9 +73,6 @@ class SimulateParameters(TypedDict, total=False):
     #: Add columns for the element at which each beam ended and for its class; for a scene also for its instance
     #: (default false).
     element_ids: bool
-    #: Add a column with the probability that each beam ends in space that the model's log observed, or nowhere, and
-    #: not in unknown space (default false).
-    support: bool
     #: Trace several sub-rays in each beam and compute light, waveform and echoes: a number, COLUMNSxROWS, or sensor
     #: for the number in the sensor's data file.
     super_sample: str
@@ -88,6 +85,9 @@ class SimulateParameters(TypedDict, total=False):
     grain: float
     tau: float  #: Mahalanobis distance within which a beam meets an ellipsoid; 0 = the model's (default 0).
     wind: float  #: Correlation time of leaves that sway; 0 = they stand still (s; default 0).
+    #: Add a column with the probability that each beam ends in space that the model's log observed, or nowhere, and
+    #: not in unknown space (default false).
+    support: bool
     #: How the range in an ellipsoid is drawn: along the beam, or in the ellipsoid's volume; median takes the median
     #: of the beam's distribution, which has the least error (default on_ray).
     draw: str
