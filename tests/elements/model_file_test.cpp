@@ -166,6 +166,36 @@ TEST_F(ModelFile, ReplacesAModelButNothingElse) {
   EXPECT_TRUE(fs::exists(folder_ / "photos" / "cat.jpg"));
 }
 
+TEST_F(ModelFile, ObservedSpaceComesBackAndItsDamageIsNoticed) {
+  ObservedSpace space;
+  space.density_per_m[3][2] = 0.25f;
+  space.blocks.resize(2);
+  space.blocks[0].at = {-2, 5, 0};
+  space.blocks[1].at = {0, -7, 1};
+  space.blocks[1].beams[ObservedBlock::index({3, -56, 9})] = 200;
+  model_.observed = std::make_shared<ObservedSpace>(space);
+  write_model(folder_ / "m", model_);
+  const Model read = read_model(folder_ / "m");
+  ASSERT_TRUE(read.observed);
+  EXPECT_EQ(read.observed->density_per_m, space.density_per_m);
+  ASSERT_EQ(read.observed->blocks.size(), 2u);
+  for (size_t k = 0; k < 2; ++k) {
+    EXPECT_EQ(read.observed->blocks[k].at, space.blocks[k].at);
+    EXPECT_EQ(read.observed->blocks[k].beams, space.blocks[k].beams);
+  }
+  replace("\"cell_m\": 1.0", "\"cell_m\": 0.0");
+  EXPECT_THROW(read_model(folder_ / "m"), FormatError);
+  write_model(folder_ / "m", model_);
+  replace("0.25", "-0.5");
+  EXPECT_THROW(read_model(folder_ / "m"), FormatError);
+  write_model(folder_ / "m", model_);
+  fs::resize_file(folder_ / "m" / "observed_space.ply", 400);
+  EXPECT_THROW(read_model(folder_ / "m"), FormatError);
+  space.blocks[0].at = space.blocks[1].at;
+  model_.observed = std::make_shared<ObservedSpace>(space);
+  EXPECT_THROW(write_model(folder_ / "m", model_), std::invalid_argument);
+}
+
 TEST_F(ModelFile, DamageIsAFormatError) {
   EXPECT_THROW(read_model(folder_ / "none"), FormatError);
   EXPECT_THROW(read_model(folder_), FormatError);

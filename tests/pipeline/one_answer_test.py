@@ -64,6 +64,7 @@ class OneAnswer(unittest.TestCase):
         self.assertEqual(len(model["channels"]), 16)
         self.assertGreater(len(model["keyframes"]["frames"]), 1)
         self.assertIn("light", model)
+        self.assertIn("observed_space", model)
         self.assertGreater(len(model["grain_m"]["classes"]), 3)
         self.assertTrue(self.report["keyframes"])
         self.assertEqual(self.report["channel_offsets"], 16)
@@ -122,12 +123,13 @@ class OneAnswer(unittest.TestCase):
 
     def test_the_server_explains_the_answer_of_the_program(self):
         ranges = ranges_of(self.folder / "sim.ply")
-        ends = {"element": 0, "keyframe": 0, "miss": 0}
+        ends = {"element": 0, "keyframe": 0, "unknown space": 0, "miss": 0}
         for row in range(7, len(ranges), len(ranges) // 400):
             trace = self.server.json_of(f"api/trace?file=0&row={row}&world=1&seed=5")
             self.assertAlmostEqual(trace["simulated_range_m"] or 0.0, ranges[row], delta=1e-6 * max(10.0, ranges[row]), msg=trace)
             ends[trace["ends_by"]] += 1
             self.assertEqual(trace["ends_at"] is not None, trace["ends_by"] == "element")
+        self.assertGreater(ends.pop("unknown space"), 3)
         self.assertGreater(min(ends.values()), 20, ends)
 
 

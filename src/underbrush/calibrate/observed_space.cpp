@@ -20,7 +20,6 @@ constexpr size_t kSamples = 1 << 18;  // beams that are followed through unknown
 struct Parts {
   bool stands = true;
   uint32_t first_scan = 0, last_scan = 0;
-  Vec3 middle = Vec3::Zero();
   size_t beams = 0;
 
   size_t of(const BeamLog& log, size_t i) const {

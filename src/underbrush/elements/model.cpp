@@ -111,6 +111,7 @@ void Model::check() const {
   require(max_range_m > 0, "model: the maximum range must be positive");
   require(std::isfinite(voxel_m) && voxel_m >= 0, "model: the voxels' side must not be negative");
   grain.check();
+  if (observed) observed->check();
   for (const ClassGrain& c : grain.classes) {
     require(class_number(class_name(c.label)) == c.label, "model: a class of the grain is unknown");
   }

@@ -3,7 +3,6 @@
 #pragma once
 #include <array>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "underbrush/core/cells.hpp"
@@ -17,7 +16,6 @@ struct ObservedBlock {
 
   Cell3 at;                             ///< Its lower corner, in blocks.
   std::array<uint8_t, kCells> beams{};  ///< Beams by cell, at most 255; x fastest, then y.
-  bool operator==(const ObservedBlock&) const = default;
 
   /// The block that holds a cell, and the index of the cell in it.
   static Cell3 of(const Cell3& cell) {

@@ -38,8 +38,7 @@ void TracedPart::trace(std::span<const Ray> rays, std::span<const uint64_t> keys
   dynamic_.nearest_accepted(rays, trials, times, limits, met);
   if (const trace::UnknownSpace* unknown = world_.unknown_space()) {
     for (size_t k = 0; k < met.size(); ++k) {
-      const double reach = met[k].none() ? limits.max_m : met[k].t_m;
-      const auto end = unknown->drawn_end(rays[k], matter, {limits.min_m, reach});
+      const auto end = unknown->drawn_end(rays[k], matter, limits, met[k]);
       if (end) met[k] = {*end, 0, 0, 1, trace::kUnknown, 0};
     }
   }

@@ -39,9 +39,8 @@ bool end_in_unknown(const trace::World& tracer, const Ray& ray, uint64_t matter,
     reach *= 1 - m.p;
   }
   out.miss_probability = reach;
-  trace::RangeLimits limits = out.limits;
-  if (out.ends_at) limits.max_m = std::min(limits.max_m, met[*out.ends_at].t_m);
-  const std::optional<double> end = unknown->drawn_end(ray, matter, limits);
+  const trace::Intersection ends_at = out.ends_at ? met[*out.ends_at] : trace::Intersection();
+  const std::optional<double> end = unknown->drawn_end(ray, matter, out.limits, ends_at);
   if (!end) return false;
   out.ends_at.reset();
   beam.range_m[0] = float(std::clamp(*end, out.limits.min_m, out.limits.max_m));

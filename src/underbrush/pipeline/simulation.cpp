@@ -93,6 +93,10 @@ class Simulation::OfSensor {
         adds_support_(options.support),
         thin_(thin_rays(options, world)),
         on_waveforms_(options.on_waveforms) {
+    if (adds_support_ && !world.still().unknown_space()) {
+      throw std::invalid_argument(
+          "simulate: --support needs a model with a map of observed space (fit --unknown-cell 1)");
+    }
     if (options.beam == "random") thin_.random_ray = sensor_of("--beam random").beam;
     const bool thin = options.instrument.super_sample.empty();
     if (thin && !names_materials(world)) return;

@@ -172,9 +172,7 @@ std::optional<double> drawn_in_unknown(const Simulation& s, const Shots& shots, 
                                        const Intersection& met) {
   const trace::UnknownSpace* unknown = s.world.world().unknown_space();
   if (!unknown) return {};
-  trace::RangeLimits limits = s.limits;
-  if (!met.none()) limits.max_m = std::min(limits.max_m, met.t_m);
-  return unknown->drawn_end(shots.rays[k], shots.trials[k], limits);
+  return unknown->drawn_end(shots.rays[k], shots.trials[k], s.limits, met);
 }
 
 /// Draws the answer to each shot: the nearest element that accepts it, what is in unknown space

@@ -1,6 +1,7 @@
 /// \file
 /// The walk of a ray through space that no beam of the model's log crossed.
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -89,6 +90,12 @@ class UnknownSpace {
   /// Draws the range (m) at which a ray ends in unknown space within limits; nothing where it does
   /// not. Rays of one key that come into one cell have the same trial there.
   std::optional<double> drawn_end(const Ray& ray, uint64_t key, const RangeLimits& limits) const;
+  /// The same before the ray comes to the element at which it would end, which may be none.
+  std::optional<double> drawn_end(const Ray& ray, uint64_t key, RangeLimits limits,
+                                  const Intersection& met) const {
+    if (!met.none()) limits.max_m = std::min(limits.max_m, met.t_m);
+    return drawn_end(ray, key, limits);
+  }
   /// Adds what a ray may meet in unknown space to the elements that it meets, in order of range:
   /// pieces of its way with their p, their mean range and its σ. They belong to no element.
   void add_to(const Ray& ray, const RangeLimits& limits, std::span<const Intersection> met,
