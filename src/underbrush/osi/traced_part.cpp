@@ -21,7 +21,7 @@ simulate::Reflection reflection_of(const elements::Scene& scene, const elements:
 
 }  // namespace
 
-TracedPart::TracedPart(elements::Scene scene, elements::SceneInfo info,
+TracedPart::TracedPart(elements::Scene scene, const elements::SceneInfo& info,
                        const radiometry::Materials& materials, double wavelength_m)
     : scene_(std::move(scene)),
       world_(world_of(scene_)),

@@ -24,7 +24,7 @@ class TracedPart {
  public:
   /// `info` has the labels and materials of the scene; a scene without instances is its first
   /// model. Throws `std::invalid_argument` for an unknown material.
-  TracedPart(elements::Scene scene, elements::SceneInfo info,
+  TracedPart(elements::Scene scene, const elements::SceneInfo& info,
              const radiometry::Materials& materials, double wavelength_m);
 
   /// Traces rays at a time and keeps what is nearer than what is in `nearest`. Matter has the seed,
