@@ -94,9 +94,11 @@ std::string described(const CLI::Option& option) {
   const std::vector<std::string> choices = choices_of(option);
   if (!choices.empty()) text += fmt::format("; one of {}", fmt::join(choices, ", "));
   if (option.get_required() && option.nonpositional()) text += " (required)";
-  const std::string value = option.get_default_str();
-  if (option.get_expected_max() > 0 && !value.empty()) text += fmt::format(" [{}]", value);
-  return text;
+  std::string value = option.get_default_str();
+  if (option.get_expected_max() <= 0 || value.empty()) return text;
+  if (value.front() != '[') return text + fmt::format(" [{}]", value);
+  std::replace(value.begin(), value.end(), ',', ' ');  // of a list
+  return text + " " + value;
 }
 
 std::vector<const CLI::App*> verbs_of(const CLI::App& program) {

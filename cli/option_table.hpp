@@ -45,6 +45,9 @@ CLI::Option* add_option(CLI::App& app, const Option<T>& row, T& options) {
                   CLI::IsMember(std::vector<std::string>(row.choices.begin(), row.choices.end())));
             }
             if (row.count > 0) option->expected(row.count);
+            if constexpr (std::is_same_v<Value, std::vector<double>>) {
+              option->check(within_limits(row));
+            }
             if constexpr (std::is_same_v<Value, std::vector<std::string>>) option->take_all();
             return place.empty() ? option : option->capture_default_str();
           }

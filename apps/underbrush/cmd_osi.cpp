@@ -1,17 +1,9 @@
-#include <fmt/format.h>
-
-#include <chrono>
-#include <cmath>
-#include <optional>
-
+#include "cli/line.hpp"
+#include "cli/option_table.hpp"
 #include "underbrush/core/check.hpp"
-#include "underbrush/io/log_file.hpp"
-#include "underbrush/osi/list_file.hpp"
-#include "underbrush/osi/objects.hpp"
-#include "underbrush/osi/record.hpp"
-#include "underbrush/osi/replay.hpp"
+#include "underbrush/io/atomic_file.hpp"
 #include "underbrush/osi/trace_contents.hpp"
-#include "underbrush/osi/write.hpp"
+#include "underbrush/pipeline/osi_trace.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -19,11 +11,8 @@ namespace {
 namespace osi_verb {
 
 struct Arguments {
-  std::string action, input, output, truth;
-  osi::ReplayOptions replay;
-  osi::LidarLogOptions lidar;
-  bool without_view = false;
-  double truth_elevation_deg = 0;
+  std::string action, input, output;
+  osi::OsiOptions options;
 };
 
 Json json_of(const osi::TraceContents& c, osi::MessageType type) {
@@ -60,116 +49,59 @@ void info(const Verb& verb, const Arguments& a) {
   for (const std::string& v : c.versions) versions += (versions.empty() ? "" : ", ") + v;
   std::string text =
       fmt::format("{} {} messages, OSI {}\n", c.messages, osi::name(reader.type()), versions);
-  if (c.first_s) text += fmt::format("  time        {:.3f} to {:.3f} s\n", *c.first_s, *c.last_s);
-  if (c.stands) text += fmt::format("  standing    {} times do not ascend\n", c.stands);
-  if (c.host) text += fmt::format("  host        {}\n", *c.host);
-  text += fmt::format("  truth       {} moving objects, {} stationary, {} lanes\n", c.moving.size(),
-                      c.stationary, c.lanes);
+  if (c.first_s) text += line("time", "{:.3f} to {:.3f} s", *c.first_s, *c.last_s);
+  if (c.stands) text += line("standing", "{} times do not ascend", c.stands);
+  if (c.host) text += line("host", "{}", *c.host);
+  text += line("truth", "{} moving objects, {} stationary, {} lanes", c.moving.size(), c.stationary,
+               c.lanes);
   if (c.reflections) {
-    text += fmt::format("  lidar       {} rays, {} returns, {} sensors\n", c.reflections, c.returns,
-                        c.lidars);
+    text += line("lidar", "{} rays, {} returns, {} sensors", c.reflections, c.returns, c.lidars);
   }
   if (reader.type() == osi::MessageType::kSensorData) {
-    text += fmt::format("  detections  {} of lidars, {} in the vehicle's frame\n", c.detections,
-                        c.logical);
-    text += fmt::format("  objects     {} in {} lists, {} tracks\n", c.objects, c.listed,
-                        c.tracks.size());
+    text += line("detections", "{} of lidars, {} in the vehicle's frame", c.detections, c.logical);
+    text += line("objects", "{} in {} lists, {} tracks", c.objects, c.listed, c.tracks.size());
   }
   verb.report(json_of(c, reader.type()), text);
 }
 
 void record(const Verb& verb, const Arguments& a) {
-  io::LogReader log(a.input);
   std::vector<std::filesystem::path> inputs{a.input};
-  std::optional<perception::LogTruth> truth;
-  if (!a.truth.empty()) {
-    inputs.emplace_back(a.truth);
-    truth = osi::truth_of_log(a.truth, log.info(), {a.truth_elevation_deg * M_PI / 180});
-  }
-  osi::TraceWriter writer(a.output, provenance(verb, inputs));
-  const osi::RecordCounts n = osi::record_log(log, truth ? &*truth : nullptr, a.lidar, writer);
-  writer.close();
-  const Json j{{"views", n.views}, {"rays", n.rays}, {"true_objects", n.objects}};
-  verb.report(j, fmt::format("{} SensorViews: {} rays, {} true objects\n  trace       {}\n",
-                             n.views, n.rays, n.objects, a.output));
+  if (!a.options.truth.empty()) inputs.emplace_back(a.options.truth);
+  const osi::RecordCounts n =
+      pipeline::record_trace(a.input, a.output, a.options, provenance(verb, inputs));
+  verb.report(
+      {{"views", n.views}, {"rays", n.rays}, {"true_objects", n.objects}},
+      fmt::format("{} SensorViews: {} rays, {} true objects\n", n.views, n.rays, n.objects) +
+          line("trace", "{}", a.output));
 }
 
-void replay(const Verb& verb, const Arguments& a) {
-  using Clock = std::chrono::steady_clock;
-  osi::TraceReader reader(a.input);
-  osi::ReplayOptions options = a.replay;
-  options.seed = verb.seed;
-  osi::Replay chain(reader, options);
-  std::optional<osi::TraceWriter> trace;
-  if (osi::is_trace_file(a.output)) trace.emplace(a.output, provenance(verb, {a.input}));
-  std::vector<perception::ObjectList> lists;
-  size_t objects = 0;
-  double seconds = 0;
-  const auto next = [&](osi::SensorData& data) {
-    const auto start = Clock::now();
-    const bool more = chain.next(data);
-    seconds += std::chrono::duration<double>(Clock::now() - start).count();
-    return more;
-  };
-  std::string bytes;
-  for (osi::SensorData data; next(data);) {
-    objects += data.objects.size();
-    if (trace) {
-      if (a.without_view) data.views.clear();
-      bytes.clear();
-      osi::write(data, bytes);
-      trace->write(bytes);
-    } else {
-      lists.push_back(osi::list_of(data));
-    }
-  }
-  if (trace) {
-    trace->close();
-  } else {
-    osi::write_lists(a.output, lists, provenance(verb, {a.input}));
-  }
-  const Json j{{"messages", reader.read()}, {"objects", objects}, {"seconds", seconds}};
-  verb.report(j, fmt::format("{} messages: {} objects\n  chain       {:.2f} s\n  output      {}\n",
-                             reader.read(), objects, seconds, a.output));
+void replay(const Verb& verb, Arguments& a) {
+  a.options.replay.seed = verb.seed;
+  const pipeline::ReplayCounts n =
+      pipeline::replay_trace(a.input, a.output, a.options, provenance(verb, {a.input}));
+  verb.report({{"messages", n.messages}, {"objects", n.objects}, {"seconds", n.seconds}},
+              fmt::format("{} messages: {} objects\n", n.messages, n.objects) +
+                  line("chain", "{:.2f} s", n.seconds) + line("output", "{}", a.output));
 }
 
 void convert(const Verb& verb, const Arguments& a) {
-  const std::string extension = std::filesystem::path(a.output).extension().string();
-  if (osi::is_trace_file(a.input) && extension == ".ply") {
-    osi::TraceReader reader(a.input);
-    if (reader.type() != osi::MessageType::kSensorView) {
-      throw FormatError(a.input, "", "only SensorViews have the reflections of a log");
-    }
-    const BeamLog log = osi::log_of_views(reader, a.lidar);
-    io::write_log(a.output, log, provenance(verb, {a.input}));
-    const Json j{{"rows", log.size()}, {"scans", log.info.scans.size()}};
-    return verb.report(j, fmt::format("{} rows of {} scans\n  log         {}\n", log.size(),
-                                      log.info.scans.size(), a.output));
+  const pipeline::ConvertCounts n =
+      pipeline::convert_trace(a.input, a.output, a.options, provenance(verb, {a.input}));
+  if (n.is_log) {
+    return verb.report(
+        {{"rows", n.rows}, {"scans", n.scans}},
+        fmt::format("{} rows of {} scans\n", n.rows, n.scans) + line("log", "{}", a.output));
   }
-  require(osi::is_list_file(a.input) || osi::is_trace_file(a.output),
-          "osi convert: takes a trace or lists of objects");
-  require(extension == ".csv" || extension == ".json" || extension == ".osi",
-          "osi convert: writes .osi, .csv, .json and .ply files");
-  const std::vector<perception::ObjectList> lists = osi::read_lists(a.input);
-  osi::write_lists(a.output, lists, provenance(verb, {a.input}));
-  size_t objects = 0;
-  for (const auto& list : lists) objects += list.objects.size();
-  const Json j{{"lists", lists.size()}, {"objects", objects}};
   verb.report(
-      j, fmt::format("{} lists: {} objects\n  output      {}\n", lists.size(), objects, a.output));
+      {{"lists", n.lists}, {"objects", n.objects}},
+      fmt::format("{} lists: {} objects\n", n.lists, n.objects) + line("output", "{}", a.output));
 }
 
-void run(const Verb& verb, const Arguments& a) {
-  const osi::ReplayOptions& r = a.replay;
-  if (a.action != "info") {
-    require(!a.output.empty(), "osi: record, replay and convert need an output (-o)");
-  }
-  require(a.action == "replay" || (r.chain.empty() && r.strategies.empty() && !a.without_view &&
-                                   r.sensor.empty() && r.world.empty()),
-          "osi: --chain, --strategy, --sensor, --world and --without-view are of replay");
-  require(a.action == "record" || a.truth.empty(), "osi: --truth is of record");
+void run(const Verb& verb, Arguments& a) {
+  a.options.check(a.action);
   try {
     if (a.action == "info") return info(verb, a);
+    require(!a.output.empty(), "osi: record, replay and convert need an output (-o)");
     io::check_output(a.output);
     if (a.action == "record") return record(verb, a);
     if (a.action == "replay") return replay(verb, a);
@@ -208,33 +140,7 @@ void add_osi(Program& program) {
                "A trace (.osi); replay and convert: also lists of objects (.csv, .json); convert: "
                "also a log (.ply)")
       ->type_name("FILE");
-  app.add_option("--truth", a->truth,
-                 "record: the true objects, as perceive takes them, for the ground truth")
-      ->type_name("FILE");
-  app.add_option("--chain", a->replay.chain, "replay: the strategies and their parameters")
-      ->type_name("CHAIN.yaml");
-  app.add_option("--strategy", a->replay.strategies,
-                 "replay: run this strategy; may be repeated. Without it and without --chain, all "
-                 "run: front_end, alignment, tracking, classification, grid; on a GroundTruth or "
-                 "with --world behind a tracer")
-      ->type_name("NAME[:KEY=VALUE,...]")
-      ->take_all();
-  app.add_option("--sensor", a->replay.sensor, "replay: the sensor of the tracer and the front end")
-      ->type_name("NAME|FILE");
-  app.add_option("--world", a->replay.world,
-                 "replay: the model or scene that the tracer's rays meet")
-      ->type_name("DIR");
-  app.add_flag("--without-view", a->without_view,
-               "replay: leave the SensorView out of the SensorData, which makes them small; the "
-               "tracking model needs its ground truth");
-  verb->begin_rare_group();
-  app.add_option("--white", a->lidar.white_intensity,
-                 "record, convert: the log's intensity of a white target, for signal strengths")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app.add_option("--truth-elevation-deg", a->truth_elevation_deg,
-                 "record: turn labelled boxes up by this angle, as import turned the beams")
-      ->capture_default_str();
+  add_options(*verb, osi::osi_options(), a->options, "Replay");
 }
 
 }  // namespace underbrush::app

@@ -93,15 +93,18 @@ std::string text_of(const Option<T>& option, const T& options) {
       option.field);
 }
 
-/// Whether the option's value in `options` is a number outside of its limits.
+/// Whether the option's value in `options` is a number outside of its limits, or a list with one.
 template <class T>
 bool is_outside(const Option<T>& option, const T& options) {
+  const auto outside = [&](double x) { return !(x >= option.least && x <= option.most); };
   return std::visit(
       [&](const auto get) {
         const auto& value = get(const_cast<T&>(options));
         using Value = std::decay_t<decltype(value)>;
-        if constexpr (std::is_arithmetic_v<Value> && !std::is_same_v<Value, bool>) {
-          return !(double(value) >= option.least && double(value) <= option.most);
+        if constexpr (std::is_same_v<Value, std::vector<double>>) {
+          return std::any_of(value.begin(), value.end(), outside);
+        } else if constexpr (std::is_arithmetic_v<Value> && !std::is_same_v<Value, bool>) {
+          return outside(double(value));
         } else {
           return false;
         }

@@ -2,9 +2,9 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/names.hpp"
-#include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/text.hpp"
-#include "underbrush/pipeline/plants.hpp"
+#include "underbrush/pipeline/mesh_set.hpp"
+#include "underbrush/pipeline/world.hpp"
 #include "underbrush/primitives/leave_out.hpp"
 
 namespace underbrush::pipeline {
@@ -78,11 +78,10 @@ return kOptions;
 
 NamedSet primitives_named(const std::string& name, uint64_t seed) {
   if (name != kMeshPrimitives) return {name, primitives::read_primitive_set(name), {name}};
-  primitives::MeshPrimitiveOptions options;
-  options.seed = seed;
-  NamedSet out{
-      name, primitives::primitive_set(primitives::mesh_primitives(generated_plants(seed), options),
-                                      options.cell_m)};
+  MeshesOptions options;
+  options.meshes.seed = seed;
+  NamedSet out{name, primitives::primitive_set(mesh_set({"generated"}, options).primitives,
+                                               options.meshes.cell_m)};
   if (fs::exists(fs::path(name) / "primitives.json")) {
     out.warnings.push_back(
         name + " is the set of the generated plants; the folder of that name is ./" + name);
@@ -111,8 +110,7 @@ ComposedScene compose_scene(const std::string& annotation, NamedSet primitives,
   if (!ground) {
     const fs::path from =
         ground_folder.empty() ? site.ground.lexically_normal() : fs::path(ground_folder);
-    read = elements::read_model(from);
-    if (read.ground.size() == 0) throw FormatError(from.string(), "", "the model has no ground");
+    read = read_ground(from);
     out.inputs.push_back(from);
     ground = &read;
   }

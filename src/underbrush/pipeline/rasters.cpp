@@ -5,11 +5,13 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "underbrush/core/check.hpp"
 #include "underbrush/core/file.hpp"
 #include "underbrush/core/temporary.hpp"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/json_text.inl"
 #include "underbrush/io/raster_file.hpp"
+#include "underbrush/pipeline/world.hpp"
 
 namespace underbrush::pipeline {
 namespace fs = std::filesystem;
@@ -47,19 +49,47 @@ Json mean_of(const std::vector<float>& value) {
 
 }  // namespace
 
+std::span<const Option<RasterOptions>> raster_options() {
+  using O = RasterOptions;
+  // clang-format off
+  static const Option<O> kOptions[] = {
+    {"cell", "", "m", "Side of the cells and voxels",
+     [](O& o) -> auto& { return o.canopy.cell_m; }, kPositive, kNoLimit},
+    {"rays", "", "", "Number of rays along each side of a cell",
+     [](O& o) -> auto& { return o.canopy.rays; }, 1, 100},
+    {"cover-height", "", "m", "Height above the ground from which plants count as cover",
+     [](O& o) -> auto& { return o.canopy.cover_height_m; }},
+    {"epsg", "", "", "Number of the maps' projected reference system; 0 = not known",
+     [](O& o) -> auto& { return o.epsg; }, 0, 32767},
+  };
+// clang-format on
+return kOptions;
+}
+
+metrics::Canopy canopy_of_world(const fs::path& path, const RasterOptions& options) {
+  check_options("rasters", raster_options(), options);
+  const World world = read_world(path);
+  try {
+    return metrics::canopy_of(world.scene, TracedWorld(world.scene, world.info).still(),
+                              options.canopy);
+  } catch (const DataError& e) {
+    throw FormatError(path.string(), "", e.what());
+  }
+}
+
 void check_rasters_output(const fs::path& path) {
   io::check_output_folder(path, fs::is_regular_file(path / "rasters.json"), "no folder of rasters");
 }
 
-std::string write_rasters(const fs::path& path, const metrics::Canopy& c, double cover_height_m,
-                          uint16_t epsg, const std::string& provenance) {
+std::string write_rasters(const fs::path& path, const metrics::Canopy& c,
+                          const RasterOptions& options, const std::string& provenance) {
   check_rasters_output(path);
   Json j{{"format", "underbrush-rasters"}, {"version", 1}};
   j["low_m"] = {c.low.x(), c.low.y(), c.low.z()};
   j["cell_m"] = c.cell_m;
   j["size"] = {c.size[0], c.size[1], c.size[2]};
-  j["cover_height_m"] = cover_height_m;
-  j["epsg"] = epsg;
+  j["cover_height_m"] = options.canopy.cover_height_m;
+  j["epsg"] = options.epsg;
   j["opaque_voxels"] = size_t(std::count(c.gap.begin(), c.gap.end(), 0.0F));
   j["mean_height_m"] = mean_of(c.height);
   j["mean_cover"] = mean_of(c.cover);
@@ -70,6 +100,7 @@ std::string write_rasters(const fs::path& path, const metrics::Canopy& c, double
       path,
       [&](const fs::path& folder) {
         make_temporary_folders(folder);
+        const auto epsg = uint16_t(options.epsg);
         io::write_geotiff(folder / "ground.tif", raster_of(c, c.ground, epsg));
         io::write_geotiff(folder / "canopy_height.tif", raster_of(c, c.height, epsg));
         io::write_geotiff(folder / "cover.tif", raster_of(c, c.cover, epsg));

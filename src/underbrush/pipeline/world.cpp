@@ -32,6 +32,12 @@ World read_world(const std::filesystem::path& path, const worlds::ReadOptions& o
   return out;
 }
 
+elements::Model read_ground(const std::filesystem::path& path) {
+  elements::Model model = elements::read_model(path);
+  if (model.ground.size() == 0) throw FormatError(path.string(), "", "the model has no ground");
+  return model;
+}
+
 elements::Model read_mover(const std::filesystem::path& path) {
   if (std::filesystem::is_directory(path)) return elements::read_model(path);
   const io::MeshData mesh = io::read_mesh(path);

@@ -31,6 +31,8 @@ struct World {
 /// Reads a scene, a model, or a world of another program such as a mesh. Throws as the readers do.
 World read_world(const std::filesystem::path& path, const worlds::ReadOptions& options = {});
 
+/// Reads a model for its ground. Throws `FormatError`, also where it has none.
+elements::Model read_ground(const std::filesystem::path& path);
 /// Reads a model's folder, or a mesh from an OBJ or PLY file, as an object that moves.
 elements::Model read_mover(const std::filesystem::path& path);
 /// Adds an object that moves along `world_from_object`. A world of one model becomes a scene of one

@@ -7,6 +7,7 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/fit/parameters.hpp"
+#include "underbrush/pipeline/annotate_site.hpp"
 #include "underbrush/pipeline/compose_scene.hpp"
 #include "underbrush/pipeline/extract_primitives.hpp"
 #include "underbrush/pipeline/segment_log.hpp"
@@ -41,15 +42,16 @@ struct Setting {
   }
 };
 
-// The rows of a table that are numbers, flags and words from lists. No other text of a request
-// reaches a command line.
+// The rows of a table that are numbers, flags and words from lists, without those of the group
+// `left_out`. No other text of a request reaches a command line.
 template <class Row>
-std::vector<Setting> settings_of(std::span<const Row> table) {
+std::vector<Setting> settings_of(std::span<const Row> table, std::string_view left_out = "none") {
   const typename Row::Options defaults{};
   std::vector<Setting> out;
   for (const Row& row : table) {
     const std::string type(type_of(row));
     if (type != "float" && type != "int" && type != "bool" && row.choices.empty()) continue;
+    if (row.group == left_out) continue;
     out.push_back({std::string(row.name), std::string(row.group), std::string(row.unit),
                    std::string(row.help), type, text_of(row, defaults), row.least, row.most,
                    row.choices});
@@ -84,7 +86,7 @@ const std::vector<Verb>& verbs() {
        ""},
       {"annotate",
        {{"log", "", Takes::kLog, true}, {"ground", "--ground", Takes::kModel, false}},
-       {},
+       settings_of(pipeline::annotate_options(), "Generated site"),
        ".json"},
       {"compose",
        {{"annotation", "", Takes::kAnnotation, true},

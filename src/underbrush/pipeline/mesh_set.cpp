@@ -1,0 +1,49 @@
+#include "underbrush/pipeline/mesh_set.hpp"
+
+namespace underbrush::pipeline {
+
+std::span<const Option<MeshesOptions>> meshes_options() {
+  using O = MeshesOptions;
+  // clang-format off
+  static const Option<O> kOptions[] = {
+    {"variation", "", "",
+     "With generated: vary the demo's species by multiplying crown radius and base, trunk, leaf area "
+     "and leaf size by factors from 1/F to F",
+     [](O& o) -> auto& { return o.variation; }, 1, 2, {}, "F"},
+    {"unit", "", "m", "Length of the files' unit",
+     [](O& o) -> auto& { return o.unit_m; }, kPositive, kNoLimit},
+    {"up", "", "", "Axis that points up in the files",
+     [](O& o) -> auto& { return o.up; }, -kNoLimit, kNoLimit, {"y", "z"}},
+    {"sizes", "", "", "Number of heights of each plant in each class",
+     [](O& o) -> auto& { return o.meshes.sizes_per_class; }, 1, 100},
+    {"most-scaling", "", "", "Scale a plant by at most this factor, up or down",
+     [](O& o) -> auto& { return o.meshes.most_scaling; }, 1, 1e6},
+    {"patch-cell", "", "m", "Side of the cells of patches of shrubs",
+     [](O& o) -> auto& { return o.meshes.cell_m; }, kPositive, kNoLimit},
+    {"range-noise", "", "m", "Standard deviation of the noise on ranges",
+     [](O& o) -> auto& { return o.meshes.range_sigma_m; }, 0, kNoLimit},
+  };
+// clang-format on
+return kOptions;
+}
+
+MeshSet mesh_set(const std::vector<std::string>& plants, const MeshesOptions& options) {
+  check_options("meshes", meshes_options(), options);
+  const PlantFileOptions files{options.unit_m, options.up == "y"};
+  std::vector<primitives::PlantSource> sources;
+  MeshSet out;
+  for (const std::string& name : plants) {
+    const bool generated = name == "generated";
+    auto some = generated ? generated_plants(options.meshes.seed, options.variation)
+                          : plants_of_files(name, files);
+    for (primitives::PlantSource& plant : some) {
+      if (!generated) out.inputs.emplace_back(plant.name);
+      sources.push_back(std::move(plant));
+    }
+  }
+  out.plants = sources.size();
+  out.primitives = primitives::mesh_primitives(sources, options.meshes);
+  return out;
+}
+
+}  // namespace underbrush::pipeline

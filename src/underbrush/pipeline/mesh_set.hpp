@@ -1,0 +1,38 @@
+/// \file
+/// The verb `meshes`: plant meshes in, a set of primitives out.
+#pragma once
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "underbrush/core/option.hpp"
+#include "underbrush/pipeline/plants.hpp"
+#include "underbrush/primitives/primitive_set.hpp"
+
+namespace underbrush::pipeline {
+
+/// The options of `meshes`.
+struct MeshesOptions {
+  double variation = 1;                     ///< How much the generated species vary.
+  double unit_m = 1;                        ///< m; length of the files' unit.
+  std::string up = "z";                     ///< The axis that points up in the files, "y" or "z".
+  primitives::MeshPrimitiveOptions meshes;  ///< With the seed, also of the generated plants.
+};
+
+/// The options of `meshes`.
+std::span<const Option<MeshesOptions>> meshes_options();
+
+/// Primitives that are made of plant meshes.
+struct MeshSet {
+  std::vector<primitives::Primitive> primitives;
+  size_t plants = 0;
+  std::vector<std::filesystem::path> inputs;  ///< The files that were read.
+};
+
+/// Makes primitives of plants: each word names a file of meshes, a folder of such files, or is
+/// `generated` for the plants of the demo's site. Throws `FormatError`, and `std::invalid_argument`
+/// for options out of range.
+MeshSet mesh_set(const std::vector<std::string>& plants, const MeshesOptions& options);
+
+}  // namespace underbrush::pipeline
