@@ -3,6 +3,7 @@
 #pragma once
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -20,6 +21,17 @@ std::string wide_line(int width, std::string_view label, fmt::format_string<Args
 template <class... Args>
 std::string line(std::string_view label, fmt::format_string<Args...> text, Args&&... args) {
   return wide_line(11, label, text, std::forward<Args>(args)...);
+}
+
+/// Returns the lines about the folder of a set of primitives.
+inline std::string lines_of_set(const std::filesystem::path& folder) {
+  return line("primitives", "{}", folder.string()) +
+         line("to look at", "{}", (folder / "index.html").string());
+}
+
+/// Returns a line that says how many were left out; none for 0.
+inline std::string left_out(size_t n, std::string_view what) {
+  return n ? line("left out", "{} {}", n, what) : "";
 }
 
 }  // namespace underbrush::app

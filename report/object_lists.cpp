@@ -12,63 +12,9 @@ using perception::kComparedValues;
 using perception::ListScore;
 using perception::ValueErrors;
 
-Json number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
-
-Json json_of_errors(const ValueErrors& e) {
-  Json j;
-  j["cycles"] = e.cycles;
-  for (size_t k = 0; k < kComparedValues.size(); ++k) {
-    j["rmse_m"][kComparedValues[k]] = number(e.rmse_m[k]);
-    j["normalised"][kComparedValues[k]] = number(e.normalised[k]);
-  }
-  return j;
-}
-
 double rate(const ListScore& s) { return double(s.found) / double(std::max<size_t>(s.objects, 1)); }
 
 }  // namespace
-
-Json json_of_list_score(const ListScore& s) {
-  Json j;
-  j["cycles"] = s.cycles;
-  j["objects"] = s.objects;
-  j["found"] = s.found;
-  j["detection_rate"] = rate(s);
-  j["unmatched"] = s.unmatched;
-  j["id_switches"] = s.switches;
-  j["position_mean_m"] = s.position_mean_m;
-  j["position_rms_m"] = s.position_rms_m;
-  j["yaw_mean_deg"] = s.yaw_mean_rad * 180 / M_PI;
-  j["ospa_m"] = s.ospa_m;
-  j["hota"] = s.hota.hota;
-  j["hota_detection"] = s.hota.detection;
-  j["hota_association"] = s.hota.association;
-  for (const auto& bin : s.by_range) {
-    j["by_range"].push_back(
-        {{"from_m", bin.from_m}, {"objects", bin.objects}, {"found", bin.found}});
-  }
-  for (const auto& followed : s.followed) {
-    Json o{{"id", followed.id}, {"class", perception::name(followed.label)}};
-    for (const auto& m : followed.moments) {
-      o["time"].push_back(m.time_s);
-      o["existence"].push_back(m.found ? m.found->existence : 0);
-    }
-    j["followed"].push_back(o);
-  }
-  return j;
-}
-
-Json json_of_compared(std::span<const ComparedObject> objects) {
-  Json j = Json::array();
-  for (const ComparedObject& o : objects) {
-    j.push_back({{"id", o.id},
-                 {"class", perception::name(o.label)},
-                 {"simulated_real", json_of_errors(o.simulated_real)},
-                 {"simulated_truth", json_of_errors(o.simulated_truth)},
-                 {"real_truth", json_of_errors(o.real_truth)}});
-  }
-  return j;
-}
 
 Table table_of(const std::string& reference, std::span<const std::string> names,
                std::span<const ListScore> scores) {

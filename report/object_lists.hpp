@@ -1,8 +1,7 @@
 /// \file
-/// The comparison of lists of objects as JSON, text and a report.
+/// The comparison of lists of objects as text and a report.
 #pragma once
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 #include <vector>
@@ -12,18 +11,11 @@
 
 namespace underbrush::report {
 
-using Json = nlohmann::ordered_json;
-
 /// Lists with their name.
 struct NamedLists {
   std::string name;
   std::vector<perception::ObjectList> lists;
 };
-
-/// Returns the scores of a list as JSON.
-Json json_of_list_score(const perception::ListScore& score);
-/// Returns the rows of [rosenberger20] Table 1 as JSON.
-Json json_of_compared(std::span<const perception::ComparedObject> objects);
 
 /// Returns the scores of several lists against one reference, side by side.
 Table table_of(const std::string& reference, std::span<const std::string> names,

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "studies/primitives.hpp"
+#include "underbrush/io/json_text.inl"
 
 namespace underbrush::studies {
 namespace {
@@ -122,12 +123,12 @@ report::Table class_table(const std::string& where, std::span<const PairOutcome>
 
 Json json_of(std::span<const PairOutcome> outcomes) {
   Json j;
-  const auto number = [](double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); };
   for (const std::string& row : outcomes[0].rows) {
     for (const Figure& f : kFigures) {
       const Spread s = spread_of(values_of(outcomes, row, f.value));
-      j["mean"][row][f.key] = {
-          {"mean", number(s.mean)}, {"sd", number(s.sd)}, {"reach_95", number(s.reach)}};
+      j["mean"][row][f.key] = {{"mean", io::finite_or_null(s.mean)},
+                               {"sd", io::finite_or_null(s.sd)},
+                               {"reach_95", io::finite_or_null(s.reach)}};
     }
   }
   for (const PairOutcome& o : outcomes) {
@@ -141,12 +142,13 @@ Json json_of(std::span<const PairOutcome> outcomes) {
     one["objects"] = o.objects;
     one["objects_left_out"] = o.left_out;
     for (const std::string& row : outcomes[0].rows) {
-      for (const Figure& f : kFigures) one[row][f.key] = number(o.score.at(row).all.*f.value);
+      for (const Figure& f : kFigures)
+        one[row][f.key] = io::finite_or_null(o.score.at(row).all.*f.value);
       for (const auto& [label, s] : o.score.at(row).per_class) {
         one["classes"][label][row] = {{"beams", s.beams},
-                                      {"packet_error_m", number(s.packet_error_m)},
-                                      {"cloud_error_m", number(s.cloud_error_m)},
-                                      {"recall", number(s.recall)}};
+                                      {"packet_error_m", io::finite_or_null(s.packet_error_m)},
+                                      {"cloud_error_m", io::finite_or_null(s.cloud_error_m)},
+                                      {"recall", io::finite_or_null(s.recall)}};
       }
     }
     j["pairs"].push_back(std::move(one));

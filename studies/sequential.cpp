@@ -7,6 +7,7 @@
 
 #include "underbrush/core/rng.hpp"
 #include "underbrush/perception/object_list_file.hpp"
+#include "underbrush/pipeline/reports_json.inl"
 
 namespace underbrush::studies {
 namespace {
@@ -145,7 +146,7 @@ void run_intersection(const StudyRun& run, StudyResult& out) {
                                         std::vector<std::string>{"model", "pipeline"}, scores));
   const auto rows = perception::compare_lists(lists[0].lists, lists[1].lists, reference);
   out.tables.push_back(report::table_of(rows, "model", "pipeline"));
-  out.figures["intersection"]["normalised_rmse"] = report::json_of_compared(rows);
+  out.figures["intersection"]["normalised_rmse"] = pipeline::json_of(rows);
   out.notes.push_back(fmt::format(
       "intersection: the hidden car is lost in cycle {} by the model and {} by the pipeline, and "
       "found again in cycle {} and {}, of {}",

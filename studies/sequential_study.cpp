@@ -10,6 +10,7 @@
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/perception/object_list_file.hpp"
 #include "underbrush/pipeline/fit_model.hpp"
+#include "underbrush/pipeline/reports_json.inl"
 
 namespace underbrush::studies {
 namespace {
@@ -101,8 +102,8 @@ void compare(const StudyRun& run, const std::string& log, const perception::Perc
     means.emplace_back(c.name, value_comparison(compared.back()));
     names.push_back(c.name);
     scores.push_back(perception::score_lists(c.lists, real.truth, open));
-    out.figures[log][c.name] = {{"against_truth", report::json_of_list_score(scores.back())},
-                                {"normalised_rmse", report::json_of_compared(compared.back())}};
+    out.figures[log][c.name] = {{"against_truth", pipeline::json_of(scores.back())},
+                                {"normalised_rmse", pipeline::json_of(compared.back())}};
     if (!run.keep.empty()) {
       std::string file = c.name + ".json";
       std::replace(file.begin(), file.end(), '/', '-');
@@ -110,7 +111,7 @@ void compare(const StudyRun& run, const std::string& log, const perception::Perc
       perception::write_object_lists(run.keep / log / file, c.lists, "");
     }
   }
-  out.figures[log]["real"] = report::json_of_list_score(scores[0]);
+  out.figures[log]["real"] = pipeline::json_of(scores[0]);
   out.tables.push_back(means_table(log, means));
   out.tables.push_back(report::table_of("the labels of " + log, names, scores));
   for (size_t k = 0; k + 1 < candidates.size(); ++k) {

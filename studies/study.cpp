@@ -7,6 +7,7 @@
 
 #include "report/page.hpp"
 #include "report/summary_page.hpp"
+#include "underbrush/io/json_text.inl"
 
 namespace underbrush::studies {
 namespace fs = std::filesystem;
@@ -56,7 +57,7 @@ Json json_of(const Study& study, const StudyResult& result) {
   Json checks = Json::array();
   for (const Check& c : result.checks) {
     checks.push_back({{"what", c.what},
-                      {"value", std::isfinite(c.value) ? Json(c.value) : Json(nullptr)},
+                      {"value", io::finite_or_null(c.value)},
                       {c.at_most ? "at_most" : "at_least", c.limit},
                       {"holds", c.holds()}});
   }

@@ -9,6 +9,7 @@
 #include "studies/transmission.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/export.hpp"
+#include "underbrush/io/json_text.inl"
 #include "underbrush/metrics/canopy.hpp"
 #include "underbrush/pipeline/fit_model.hpp"
 #include "underbrush/pipeline/simulate_log.hpp"
@@ -142,11 +143,10 @@ SlabAnswer model_answer(const elements::Model& model, const TurbidSlab& slab, co
 }
 
 Json json_of_answer(const SlabAnswer& a) {
-  const auto number = [](double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); };
-  Json out{{"area_density", number(a.area_density)},
-           {"covered", number(a.covered)},
+  Json out{{"area_density", io::finite_or_null(a.area_density)},
+           {"covered", io::finite_or_null(a.covered)},
            {"opaque", a.opaque}};
-  for (const double v : a.layer) out["layers"].push_back(number(v));
+  for (const double v : a.layer) out["layers"].push_back(io::finite_or_null(v));
   for (size_t k = 0; k < std::size(kSlabViews); ++k) {
     out["transmission"][kSlabViews[k]] = a.transmission[k];
     if (a.error[k] > 0) out["error"][kSlabViews[k]] = a.error[k];

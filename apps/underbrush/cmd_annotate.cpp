@@ -1,11 +1,11 @@
 #include "cli/line.hpp"
 #include "cli/option_table.hpp"
 #include "cli/progress.hpp"
-#include "objects_report.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/pipeline/annotate_site.hpp"
+#include "underbrush/pipeline/reports_json.inl"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -17,6 +17,20 @@ struct Arguments {
   std::string log, output, ground;
   pipeline::AnnotateOptions options;
 };
+
+std::string text_of(const primitives::MeasuredObjects& measured, const Json& j) {
+  std::string text = fmt::format("{} objects\n", measured.objects.size());
+  if (measured.objects.empty()) {
+    text += line("warning", "nothing stands on this ground");
+  } else {
+    for (const auto& [name, n] : j["classes"].items()) {
+      text += wide_line(18, name, "{:>8}", n.get<size_t>());
+    }
+  }
+  return text + left_out(measured.few_points, "objects or cells of few points") +
+         left_out(measured.off_ground, "objects off the ground") +
+         left_out(measured.without_instance, "hits of an object's class without instance");
+}
 
 void run(const Verb& verb, Arguments& a) {
   const fs::path output = a.output;
@@ -34,9 +48,9 @@ void run(const Verb& verb, Arguments& a) {
   if (!a.log.empty()) log.emplace(a.log);
   pipeline::AnnotatedSite site = pipeline::annotate_site(a.log, log ? &*log : nullptr, a.ground,
                                                          a.options, shown<StageProgress>());
-  const Json j = json_of(site.measured);
+  const Json j = pipeline::json_of(site.measured);
   const std::string text =
-      text_of(site.measured) +
+      text_of(site.measured, j) +
       line("ground", "{} ({} triangles)", ground.string(), site.ground.ground.size());
   pipeline::write_annotated(output, ground, std::move(site), provenance(verb, inputs));
   verb.report(j, text + line("annotation", "{}", a.output));

@@ -1,12 +1,10 @@
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
-#include <chrono>
-
+#include "cli/line.hpp"
 #include "cli/option_table.hpp"
 #include "cli/progress.hpp"
-#include "scene_report.hpp"
 #include "stages.hpp"
-#include "underbrush/pipeline/compose_scene.hpp"
+#include "underbrush/pipeline/reports_json.inl"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -18,31 +16,42 @@ struct Arguments {
   pipeline::ComposeOptions options;
 };
 
+std::string text_of(const pipeline::ComposedScene& composed,
+                    const pipeline::ComposeOptions& options, const Json& j) {
+  const primitives::Composition& c = composed.composition;
+  std::string text = fmt::format(
+      "{} objects: {} instances of {} primitives ({} elements), boxes {:.2f} m apart on average\n",
+      c.objects, c.placed, c.scene.models.size() - 1, j["elements"].get<size_t>(),
+      c.mean_box_distance_m);
+  if (c.objects == 0) text += line("warning", "there are no objects: the scene is its ground");
+  for (const auto& [label, n] : c.borrowed) {
+    text += line("warning", "{} of class {}: no primitives, placed with those of another size", n,
+                 label);
+  }
+  for (const auto& [label, n] : c.left_out) {
+    text += line("warning", "{} of class {} left out: no primitives of its kind", n, label);
+  }
+  if (c.off_ground) {
+    text += line("warning", "{} left out: they stand off the ground mesh", c.off_ground);
+  }
+  if (!options.leave_out.empty()) {
+    text += line("left out", "{} primitives of plants of {}", composed.primitives_left_out,
+                 fmt::join(options.leave_out, ", "));
+  }
+  return text + text_of_warnings(composed.warnings) + line("all", "{:.2f} s", composed.seconds);
+}
+
 void run(const Verb& verb, Arguments& a) {
-  using Clock = std::chrono::steady_clock;
-  const auto start = Clock::now();
   elements::check_scene_output(a.output);
   a.options.seed = verb.seed;
-  pipeline::NamedSet named = pipeline::primitives_named(a.primitives, verb.seed);
-  const std::vector<std::string> warnings = named.warnings;
-  pipeline::ComposedScene composed = pipeline::compose_scene(
-      a.annotation, std::move(named), nullptr, a.ground, a.options, shown<Progress>("compose"));
+  pipeline::ComposedScene composed =
+      pipeline::compose_scene(a.annotation, pipeline::primitives_named(a.primitives, verb.seed),
+                              nullptr, a.ground, a.options, shown<Progress>("compose"));
   primitives::Composition& c = composed.composition;
   c.info.provenance = provenance(verb, composed.inputs);
   elements::write_scene(a.output, c.scene, c.info);
-  const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
-  Json j = json_of(c);
-  if (!a.options.leave_out.empty()) j["primitives_left_out"] = composed.primitives_left_out;
-  j["warnings"] = warnings;
-  j["seconds"] = seconds;
-  std::string text = text_of(c);
-  if (!a.options.leave_out.empty()) {
-    text += fmt::format("  left out    {} primitives of plants of {}\n",
-                        composed.primitives_left_out, fmt::join(a.options.leave_out, ", "));
-  }
-  text += text_of_warnings(warnings);
-  text += fmt::format("  all         {:.2f} s\n  scene       {}\n", seconds, a.output);
-  verb.report(j, text);
+  const Json j = json_of(composed, a.options);
+  verb.report(j, text_of(composed, a.options, j) + line("scene", "{}", a.output));
 }
 
 }  // namespace compose_verb

@@ -3,11 +3,13 @@
 #include <iostream>
 #include <optional>
 
+#include "cli/line.hpp"
 #include "cli/option_table.hpp"
 #include "cli/progress.hpp"
-#include "import_report.hpp"
+#include "stages.hpp"
 #include "underbrush/io/json_text.inl"
 #include "underbrush/io/log_file.hpp"
+#include "underbrush/pipeline/reports_json.inl"
 #include "underbrush/worlds/read_world.hpp"
 #include "underbrush/worlds/survey_folder.hpp"
 #include "verbs.hpp"
@@ -17,10 +19,50 @@ namespace underbrush::app {
 namespace {
 namespace import_verb {
 
+constexpr int kWidth = 16;  // of a label
+
 struct Arguments {
   std::string source, output;
   pipeline::ImportOptions options;
 };
+
+std::string text_of(const io::ScanClock& clock) {
+  std::string text =
+      wide_line(kWidth, "clock",
+                "times rounded to {:g} ms; period {:.1f} ms, residual {:.1f} ms RMS; poses {}",
+                1e3 * clock.step_s, 1e3 * clock.period_s, 1e3 * clock.residual_rms_s,
+                clock.poses_follow ? "follow it" : "keep their times");
+  if (clock.kept > 0) {
+    text += fmt::format("  note: no steady clock explains the times of {} scans: left as given\n",
+                        clock.kept);
+  }
+  return text;
+}
+
+std::string text_of(const pipeline::ImportReport& r, const std::string& output) {
+  std::string text =
+      fmt::format("{} ({}): {} scans, {} beams\n", output, r.format, r.scans, r.beams);
+  const auto add = [&](std::string_view label, size_t n, std::string_view note) {
+    text += note.empty() ? wide_line(kWidth, label, "{}", n)
+                         : wide_line(kWidth, label, "{}  ({})", n, note);
+  };
+  add("hits", r.beam.hits, "");
+  add("misses recorded", r.beam.misses_recorded, "");
+  add("misses inferred", r.beam.misses_inferred, "");
+  add("unknown", r.beam.unknown, "beams that tell nothing: left out");
+  if (r.later_returns > 0) {
+    add("later returns", r.later_returns,
+        "of the same pulses; fit reads the first ones, or all with --echoes all");
+  }
+  for (const auto& [reason, n] : r.skipped) add("skipped", n, reason);
+  if (r.beam.scans_ringed_by_elevation > 0) {
+    text += fmt::format("  note: rings of {} scans told by elevation\n",
+                        r.beam.scans_ringed_by_elevation);
+  }
+  if (r.clock) text += text_of(*r.clock);
+  for (const std::string& note : r.notes) text += "  note: " + note + "\n";
+  return text + text_of_warnings(r.warnings);
+}
 
 /// Writes a survey of HELIOS++ as a folder.
 void import_survey(const Verb& verb, const Arguments& a) {
@@ -37,9 +79,9 @@ void import_survey(const Verb& verb, const Arguments& a) {
                                  survey.legs.size());
   text += text_of(summary);
   for (const auto& [what, n] : survey.left_out) {
-    text += fmt::format("  left out    {} ({})\n", n, what);
+    text += line("left out", "{} ({})", n, what);
   }
-  text += fmt::format("  survey      {}\n", a.output);
+  text += line("survey", "{}", a.output);
   const std::string folder = std::filesystem::path(a.output).lexically_normal().string();
   for (size_t k = 0; k < survey.legs.size() && k < 8; ++k) {
     text += fmt::format(

@@ -1,8 +1,6 @@
-#include <map>
-
 #include "cli/line.hpp"
 #include "cli/option_table.hpp"
-#include "underbrush/pipeline/mesh_set.hpp"
+#include "underbrush/pipeline/reports_json.inl"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -21,38 +19,20 @@ void run(const Verb& verb, Arguments& a) {
   const pipeline::MeshSet set = pipeline::mesh_set(a.plants, a.options);
   primitives::write_primitives(a.output, set.primitives, a.options.meshes.cell_m,
                                provenance(verb, set.inputs));
-  // Number of primitives and triangles of each class.
-  std::map<elements::Class, std::pair<size_t, size_t>> classes;
-  size_t triangles = 0;
-  double least = 1, most = 1;
-  for (const primitives::Primitive& p : set.primitives) {
-    ++classes[p.label].first;
-    classes[p.label].second += p.model.size();
-    triangles += p.model.size();
-    for (const primitives::PlantPlacement& plant : p.plants) {
-      least = std::min(least, plant.scale);
-      most = std::max(most, plant.scale);
-    }
-  }
-  Json j{{"plants", set.plants}, {"primitives", set.primitives.size()}, {"triangles", triangles}};
+  const Json j = json_of(set, a.options);
   std::string text = fmt::format("{} primitives of {} plants, {} triangles\n",
-                                 set.primitives.size(), set.plants, triangles);
-  for (const auto& [label, n] : classes) {
-    const std::string name(elements::name(label));
-    j["classes"][name] = {{"primitives", n.first}, {"triangles", n.second}};
-    text += wide_line(18, name, "{:>8}, {:.0f} triangles each", n.first,
-                      double(n.second) / double(n.first));
+                                 set.primitives.size(), set.plants, j["triangles"].get<size_t>());
+  for (const auto& [name, n] : j["classes"].items()) {
+    const auto primitives = n["primitives"].get<size_t>();
+    text += wide_line(18, name, "{:>8}, {:.0f} triangles each", primitives,
+                      n["triangles"].get<double>() / double(primitives));
   }
-  j["scale"] = {least, most};
-  j["range_noise_m"] = a.options.meshes.range_sigma_m;
   text += fmt::format(
       "  each plant is moved to its foot, turned to its longer axis and scaled by {:.3g} to "
       "{:.3g}, with noise of {:g} m;\n  primitive.json records this; a scene keeps its places with "
       "`underbrush simulate FILE`\n",
-      least, most, a.options.meshes.range_sigma_m);
-  text += line("primitives", "{}", a.output);
-  text += line("to look at", "{}", (std::filesystem::path(a.output) / "index.html").string());
-  verb.report(j, text);
+      set.least_scale, set.most_scale, a.options.meshes.range_sigma_m);
+  verb.report(j, text + lines_of_set(a.output));
 }
 
 }  // namespace meshes_verb

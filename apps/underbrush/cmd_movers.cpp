@@ -10,8 +10,7 @@
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/osi/list_file.hpp"
-#include "underbrush/perception/mover_score.hpp"
-#include "underbrush/pipeline/mark_movers.hpp"
+#include "underbrush/pipeline/reports_json.inl"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -72,17 +71,6 @@ class Outputs {
   std::optional<io::LogWriter> all_, only_;
 };
 
-Json json_of(const perception::MoverScore& score) {
-  const auto json = [](const perception::MarkedReturns& m) {
-    return Json{{"objects", m.objects}, {"returns", m.returns}, {"marked", m.marked}};
-  };
-  Json j = {{"moving", Json::object()}, {"standing", Json::object()}};
-  for (const auto& [name, m] : score.moving) j["moving"][name] = json(m);
-  for (const auto& [name, m] : score.standing) j["standing"][name] = json(m);
-  j["elsewhere"] = json(score.elsewhere);
-  return j;
-}
-
 std::string text_of(const perception::MoverScore& score) {
   std::string text;
   const auto add = [&](const std::string& what, const perception::MarkedReturns& m) {
@@ -118,19 +106,13 @@ void run(const Verb& verb, const Arguments& a) {
       [&](const BeamLog& chunk, std::span<const uint8_t> mark) { outputs.write(chunk, mark); },
       shown<Progress>("movers"));
   outputs.close();
-  Json j = {{"rows", found.mark.size()},
-            {"returns", found.returns},
-            {"marked", found.marked},
-            {"skipped", log.skipped()}};
   std::string text = fmt::format("{} of {} returns are of movers\n", found.marked, found.returns);
   if (!a.only.empty() && found.marked == 0)
     text += "  nothing moved, so " + a.only + " was not written\n";
-  if (truth) {
-    const perception::MoverScore score = perception::score_movers(log, found.mark, *truth);
-    j["truth"] = json_of(score);
-    text += text_of(score);
-  }
-  verb.report(j, text);
+  std::optional<perception::MoverScore> score;
+  if (truth) score = perception::score_movers(log, found.mark, *truth);
+  if (score) text += text_of(*score);
+  verb.report(json_of(found, score ? &*score : nullptr, log.skipped()), text);
 }
 
 }  // namespace movers_verb

@@ -2,8 +2,8 @@
 #include "cli/option_table.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/atomic_file.hpp"
-#include "underbrush/osi/trace_contents.hpp"
 #include "underbrush/pipeline/osi_trace.hpp"
+#include "underbrush/pipeline/reports_json.inl"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -14,33 +14,6 @@ struct Arguments {
   std::string action, input, output;
   osi::OsiOptions options;
 };
-
-Json json_of(const osi::TraceContents& c, osi::MessageType type) {
-  Json j;
-  j["message"] = osi::name(type);
-  j["messages"] = c.messages;
-  j["bytes"] = c.bytes;
-  j["versions"] = c.versions;
-  if (c.first_s) j["first_s"] = *c.first_s;
-  if (c.last_s) j["last_s"] = *c.last_s;
-  j["times_that_do_not_ascend"] = c.stands;
-  if (c.host) j["host_vehicle_id"] = *c.host;
-  j["moving_objects"] = c.moving.size();
-  j["most_moving_objects"] = c.most_moving;
-  j["stationary_objects"] = c.stationary;
-  j["lanes"] = c.lanes;
-  j["lidars"] = c.lidars;
-  j["reflections"] = c.reflections;
-  j["returns"] = c.returns;
-  if (type == osi::MessageType::kSensorData) {
-    j["detections"] = c.detections;
-    j["logical_detections"] = c.logical;
-    j["object_lists"] = c.listed;
-    j["objects"] = c.objects;
-    j["tracks"] = c.tracks.size();
-  }
-  return j;
-}
 
 void info(const Verb& verb, const Arguments& a) {
   osi::TraceReader reader(a.input);
@@ -61,7 +34,7 @@ void info(const Verb& verb, const Arguments& a) {
     text += line("detections", "{} of lidars, {} in the vehicle's frame", c.detections, c.logical);
     text += line("objects", "{} in {} lists, {} tracks", c.objects, c.listed, c.tracks.size());
   }
-  verb.report(json_of(c, reader.type()), text);
+  verb.report(pipeline::json_of(c, reader.type()), text);
 }
 
 void record(const Verb& verb, const Arguments& a) {

@@ -1,10 +1,8 @@
-#include <fmt/format.h>
-
 #include <cmath>
 #include <optional>
 
+#include "cli/line.hpp"
 #include "cli/option_table.hpp"
-#include "perceive_report.hpp"
 #include "report/object_lists.hpp"
 #include "report/report.hpp"
 #include "underbrush/core/check.hpp"
@@ -12,6 +10,7 @@
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/osi/list_file.hpp"
 #include "underbrush/perception/grid_file.hpp"
+#include "underbrush/pipeline/reports_json.inl"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -93,14 +92,13 @@ void run(const Verb& verb, Arguments& a) {
   const Json j = json_of(perceived);
   std::string text = fmt::format("{} cycles: {} objects listed, {} points\n", p.lists.size(),
                                  j["objects"].get<size_t>(), p.points);
-  text += fmt::format("  {:<11} {:.2f} s\n", a.options.pipeline, p.seconds);
+  text += line(a.options.pipeline, "{:.2f} s", p.seconds);
   if (truth) text += text_of_scores(a, p, origin);
-  if (!a.output.empty()) text += "  objects     " + a.output + "\n";
+  if (!a.output.empty()) text += line("objects", "{}", a.output);
   if (const auto& g = perceived.grid) {
     const auto area = [&](CellLabel label) { return g->area_m2[size_t(label)]; };
-    text += fmt::format(
-        "  grid        {}: at the end {:.0f} m² free, {:.0f} permeable, {:.0f} solid; {:.1f} ms a "
-        "cycle\n",
+    text += line(
+        "grid", "{}: at the end {:.0f} m² free, {:.0f} permeable, {:.0f} solid; {:.1f} ms a cycle",
         a.grid, area(CellLabel::kFree), area(CellLabel::kPermeable), area(CellLabel::kSolid),
         1000 * g->seconds / double(std::max<size_t>(1, g->cycles)));
   }

@@ -5,6 +5,7 @@
 #include "report/object_lists.hpp"
 #include "report/report.hpp"
 #include "underbrush/osi/list_file.hpp"
+#include "underbrush/pipeline/reports_json.inl"
 
 namespace underbrush::app {
 namespace {
@@ -25,8 +26,7 @@ std::vector<ListScore> scores_of(const std::vector<report::NamedLists>& lists,
 Json json_of_all(const std::vector<report::NamedLists>& lists,
                  const std::vector<ListScore>& scores) {
   Json j;
-  for (size_t k = 0; k < lists.size(); ++k)
-    j[lists[k].name] = report::json_of_list_score(scores[k]);
+  for (size_t k = 0; k < lists.size(); ++k) j[lists[k].name] = pipeline::json_of(scores[k]);
   return j;
 }
 
@@ -65,7 +65,7 @@ void score_objects(const Verb& verb, const ObjectScoreArguments& a) {
     for (const report::NamedLists& s : simulated) {
       const auto rows = perception::compare_lists(s.lists, real.lists, reference.lists);
       tables.push_back(report::table_of(rows, s.name, "real"));
-      j["normalised_rmse"][s.name] = report::json_of_compared(rows);
+      j["normalised_rmse"][s.name] = pipeline::json_of(rows);
     }
   }
   std::string text;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/io/json_text.inl"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/metrics/range_image.hpp"
 #include "underbrush/metrics/repeats.hpp"
@@ -46,11 +47,9 @@ constexpr Row<Repeats> kRepeatRows[] = {
     {"floor", "scan against scan", &Repeats::floor, 4},
     {"same_scans", "distance, same scans", &Repeats::same_scans, 4}};
 
-Json finite_or_null(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
-
 template <class Scores, size_t n>
 void add(const Row<Scores> (&rows)[n], const Scores& scores, Json& j) {
-  for (const Row<Scores>& row : rows) j[row.key] = finite_or_null(scores.*row.field);
+  for (const Row<Scores>& row : rows) j[row.key] = io::finite_or_null(scores.*row.field);
 }
 
 template <class Scores, size_t n>

@@ -6,14 +6,14 @@
 #include <nanobind/stl/variant.h>
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "bind.hpp"
 #include "given.hpp"
-#include "import_report.hpp"
 #include "option_table.hpp"
-#include "perceive_report.hpp"
 #include "underbrush/osi/list_file.hpp"
+#include "underbrush/pipeline/reports_json.inl"
 #include "underbrush/pipeline/split_log.hpp"
 #include "watched.hpp"
 
@@ -37,7 +37,7 @@ std::pair<BeamLog, std::string> imported(const Path& source, const pipeline::Imp
         of_stage(hook, "import"));
     whole.info = info;
     whole.info.has_misses |= report.beam.misses_recorded + report.beam.misses_inferred > 0;
-    out.second = app::json_of(report).dump();
+    out.second = pipeline::json_of(report).dump();
   });
   return out;
 }
@@ -87,7 +87,7 @@ PerceivedValue perceived(const GivenLog& log, const pipeline::PerceiveOptions& o
     with_name(log, [&] {
       pipeline::Perceived found = pipeline::perceive_log(source, truth ? &*truth : nullptr, options,
                                                          grid ? &file : nullptr);
-      out.report = app::json_of(found).dump();
+      out.report = pipeline::json_of(found).dump();
       out.lists = std::move(found.log.lists);
       out.truth = std::move(found.log.truth);
     });

@@ -9,7 +9,7 @@
 #include "bind.hpp"
 #include "given.hpp"
 #include "option_table.hpp"
-#include "underbrush/pipeline/mark_movers.hpp"
+#include "underbrush/pipeline/reports_json.inl"
 #include "watched.hpp"
 
 namespace underbrush::python {
@@ -29,11 +29,7 @@ std::pair<BeamLog, std::string> marked(const GivenLog& log, const movers::MoverO
         },
         of_stage(hook, "movers"));
     whole.info = source->info();
-    out.second = nlohmann::ordered_json{{"rows", found.mark.size()},
-                                        {"returns", found.returns},
-                                        {"marked", found.marked},
-                                        {"skipped", skipped_in(*source)}}
-                     .dump();
+    out.second = pipeline::json_of(found, nullptr, skipped_in(*source)).dump();
   });
   return out;
 }

@@ -5,16 +5,15 @@
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/variant.h>
 
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "bind.hpp"
 #include "given.hpp"
-#include "objects_report.hpp"
 #include "option_table.hpp"
-#include "scene_report.hpp"
-#include "segment_report.hpp"
 #include "underbrush/pipeline/compose_scene.hpp"
 #include "underbrush/pipeline/extract_primitives.hpp"
+#include "underbrush/pipeline/reports_json.inl"
 #include "watched.hpp"
 
 namespace underbrush::python {
@@ -37,7 +36,7 @@ std::pair<BeamLog, std::string> segmented(const GivenLog& log,
     const std::unique_ptr<BeamSource> source = source_of(log, true);
     const pipeline::Segmentation found = pipeline::segment_log(
         *source, options, [&](BeamSource& labelled) { out.first = whole_log(labelled); }, hook);
-    out.second = app::json_of(found, options, skipped_in(*source)).dump();
+    out.second = pipeline::json_of(found, options, skipped_in(*source)).dump();
   });
   return out;
 }
@@ -52,7 +51,7 @@ PrimitivesValue extracted(const GivenModel& model, const GivenLog& labelled,
     const std::unique_ptr<BeamSource> log = source_of(labelled);
     primitives::ExtractResult r = pipeline::extract_primitives(from, name_of(labelled), *log,
                                                                options, of_stage(hook, "extract"));
-    out.report = app::json_of(r).dump();
+    out.report = pipeline::json_of(r).dump();
     out.primitives = std::move(r.primitives);
   });
   return out;
@@ -74,13 +73,12 @@ SceneValue composed(const std::string& annotation, const GivenSet& set,
       chosen = {"primitives", primitives::primitive_set(value.primitives, value.cell_m)};
     }
     elements::Model read;
-    primitives::Composition c = pipeline::compose_scene(annotation, std::move(chosen),
+    pipeline::ComposedScene c = pipeline::compose_scene(annotation, std::move(chosen),
                                                         ground ? &model_of(*ground, read) : nullptr,
-                                                        "", options, of_stage(hook, "compose"))
-                                    .composition;
-    out.report = app::json_of(c).dump();
-    out.scene = std::move(c.scene);
-    out.info = std::move(c.info);
+                                                        "", options, of_stage(hook, "compose"));
+    out.report = pipeline::json_of(c, options).dump();
+    out.scene = std::move(c.composition.scene);
+    out.info = std::move(c.composition.info);
     out.info.provenance = provenance;
   });
   return out;

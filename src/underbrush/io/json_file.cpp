@@ -80,6 +80,8 @@ Json json_of_text(const std::string& text) {
   return *std::move(json);
 }
 
+Json finite_or_null(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
+
 void JsonValue::fail(std::string_view reason) const {
   throw FormatError(file_->string(), place_, reason);
 }

@@ -18,4 +18,7 @@ void check_json(const std::filesystem::path& file, const std::string& text);
 /// Parses JSON that the program itself wrote. Throws `std::invalid_argument`.
 nlohmann::ordered_json json_of_text(const std::string& text);
 
+/// Returns a number; null where it is infinite or not a number, which JSON does not have.
+nlohmann::ordered_json finite_or_null(double x);
+
 }  // namespace underbrush::io

@@ -1,5 +1,7 @@
 #include "underbrush/pipeline/compose_scene.hpp"
 
+#include <chrono>
+
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/names.hpp"
 #include "underbrush/io/text.hpp"
@@ -93,12 +95,14 @@ ComposedScene compose_scene(const std::string& annotation, NamedSet primitives,
                             const elements::Model* ground, const std::string& ground_folder,
                             const ComposeOptions& options,
                             const primitives::ComposeProgress& progress) {
+  const auto start = std::chrono::steady_clock::now();
   check_options("compose", compose_options(), options);
   primitives::ComposeOptions how{options.seed, options.nearest, options.scale,
                                  densities_of(options.class_density)};
   const primitives::Annotation site =
       primitives::read_annotation(annotation, options.allow_outside);
   ComposedScene out;
+  out.warnings = primitives.warnings;
   out.inputs.emplace_back(annotation);
   out.inputs.insert(out.inputs.end(), primitives.inputs.begin(), primitives.inputs.end());
   for (const std::string& file : options.leave_out) {
@@ -117,6 +121,7 @@ ComposedScene compose_scene(const std::string& annotation, NamedSet primitives,
   require_data(ground->ground.size() > 0, "compose: the model has no ground");
   out.composition = primitives::compose(site, *ground, primitives.set, how, progress);
   if (options.strict) require_all_placed(annotation, primitives.name, out.composition);
+  out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return out;
 }
 

@@ -50,6 +50,8 @@ struct ComposedScene {
   primitives::Composition composition;
   size_t primitives_left_out = 0;             ///< By `ComposeOptions::leave_out`.
   std::vector<std::filesystem::path> inputs;  ///< The files and folders that were read.
+  std::vector<std::string> warnings;
+  double seconds = 0;
 };
 
 /// Composes a scene along the annotation in a file (`primitives::compose`). It stands on `ground`,

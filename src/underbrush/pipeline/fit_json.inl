@@ -4,10 +4,9 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "underbrush/pipeline/fit_model.hpp"
+#include "underbrush/pipeline/skipped_rows.hpp"
 
 namespace underbrush::pipeline {
-
-using SkippedRows = std::map<std::string, size_t>;
 
 /// Returns the steps of a refinement, for the manifest and for reports.
 nlohmann::ordered_json json_of(const likelihood::LikelihoodReport& report);

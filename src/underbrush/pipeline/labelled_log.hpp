@@ -34,6 +34,9 @@ struct LabelledCounts {
   std::map<elements::Class, size_t> points;
   metrics::Agreement ground_score, vegetation;
   metrics::InstanceCounter trees;
+
+  /// True trees with fewer than 10 returns need not be found.
+  metrics::InstanceScore tree_score() const { return trees.score(10); }
 };
 
 /// Writes the labels from hit number `next` on into the columns `class` and `instance` of the

@@ -1,5 +1,7 @@
 #include "underbrush/pipeline/mesh_set.hpp"
 
+#include <algorithm>
+
 namespace underbrush::pipeline {
 
 std::span<const Option<MeshesOptions>> meshes_options() {
@@ -43,6 +45,12 @@ MeshSet mesh_set(const std::vector<std::string>& plants, const MeshesOptions& op
   }
   out.plants = sources.size();
   out.primitives = primitives::mesh_primitives(sources, options.meshes);
+  for (const primitives::Primitive& p : out.primitives) {
+    for (const primitives::PlantPlacement& plant : p.plants) {
+      out.least_scale = std::min(out.least_scale, plant.scale);
+      out.most_scale = std::max(out.most_scale, plant.scale);
+    }
+  }
   return out;
 }
 

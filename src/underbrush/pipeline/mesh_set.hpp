@@ -27,6 +27,7 @@ std::span<const Option<MeshesOptions>> meshes_options();
 struct MeshSet {
   std::vector<primitives::Primitive> primitives;
   size_t plants = 0;
+  double least_scale = 1, most_scale = 1;     ///< The factors by which the plants were scaled.
   std::vector<std::filesystem::path> inputs;  ///< The files that were read.
 };
 

@@ -44,7 +44,7 @@ Json mean_of(const std::vector<float>& value) {
     sum += v;
     ++n;
   }
-  return n ? Json(sum / double(n)) : Json(nullptr);
+  return io::finite_or_null(sum / double(n));
 }
 
 }  // namespace

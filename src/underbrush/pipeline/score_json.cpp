@@ -1,6 +1,5 @@
 #include "underbrush/pipeline/score_json.inl"
 
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "underbrush/io/json_text.inl"
@@ -10,8 +9,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
-
 // Scores that were not asked for have no key.
 Json json_of(const metrics::Summary& s, const metrics::Score& all) {
   Json j = {{"beams", s.beams},
@@ -19,23 +16,23 @@ Json json_of(const metrics::Summary& s, const metrics::Score& all) {
             {"false_hits", s.false_hits},
             {"false_misses", s.false_misses},
             {"true_misses", s.true_misses},
-            {"recall_of_misses", number(s.recall_of_misses)},
-            {"precision_of_misses", number(s.precision_of_misses)},
-            {"f1_of_misses", number(s.f1_of_misses)},
-            {"informedness", number(s.informedness)},
-            {"capped_error_m", number(s.capped_error_m)},
-            {"packet_error_m", number(s.packet_error_m)},
-            {"precision", number(s.precision)},
-            {"recall", number(s.recall)},
-            {"f1", number(s.f1)},
-            {"median_range_error_m", number(s.median_range_error_m)}};
+            {"recall_of_misses", io::finite_or_null(s.recall_of_misses)},
+            {"precision_of_misses", io::finite_or_null(s.precision_of_misses)},
+            {"f1_of_misses", io::finite_or_null(s.f1_of_misses)},
+            {"informedness", io::finite_or_null(s.informedness)},
+            {"capped_error_m", io::finite_or_null(s.capped_error_m)},
+            {"packet_error_m", io::finite_or_null(s.packet_error_m)},
+            {"precision", io::finite_or_null(s.precision)},
+            {"recall", io::finite_or_null(s.recall)},
+            {"f1", io::finite_or_null(s.f1)},
+            {"median_range_error_m", io::finite_or_null(s.median_range_error_m)}};
   if (all.cloud) {
-    j["cloud_error_m"] = number(s.cloud_error_m);
-    j["density_aware_chamfer"] = number(s.density_aware_chamfer);
+    j["cloud_error_m"] = io::finite_or_null(s.cloud_error_m);
+    j["density_aware_chamfer"] = io::finite_or_null(s.density_aware_chamfer);
   }
   if (all.likelihood) {
-    j["nll_per_beam"] = number(s.nll_per_beam);
-    j["crps_m"] = number(s.crps_m);
+    j["nll_per_beam"] = io::finite_or_null(s.nll_per_beam);
+    j["crps_m"] = io::finite_or_null(s.crps_m);
   }
   return j;
 }
@@ -52,14 +49,16 @@ Json json_of(const metrics::Reliability& r) {
                     {"predicted", b.predicted / n},
                     {"returned", double(b.returns) / n}});
   }
-  return {{"error", number(r.error())}, {"bias", number(r.bias())}, {"bins", std::move(bins)}};
+  return {{"error", io::finite_or_null(r.error())},
+          {"bias", io::finite_or_null(r.bias())},
+          {"bins", std::move(bins)}};
 }
 
 Json json_of(const metrics::IntensityErrors& e) {
   return {{"beams", e.beams},
-          {"rmse", number(e.rmse)},
-          {"mae", number(e.mae)},
-          {"correlation", number(e.correlation)}};
+          {"rmse", io::finite_or_null(e.rmse)},
+          {"mae", io::finite_or_null(e.mae)},
+          {"correlation", io::finite_or_null(e.correlation)}};
 }
 
 Json json_of(const metrics::IntensityScore& s) {
@@ -84,8 +83,8 @@ Json json_of(const metrics::IntensityScore& s) {
 Json json_of(const metrics::Score& s) {
   Json j = json_of(s.all, s);
   if (s.likelihood) j["reliability"] = json_of(s.reliability);
-  j["roughness_m"] = number(s.roughness_m);
-  j["roughness_real_m"] = number(s.real_roughness_m);
+  j["roughness_m"] = io::finite_or_null(s.roughness_m);
+  j["roughness_real_m"] = io::finite_or_null(s.real_roughness_m);
   if (s.intensity) j["intensity"] = json_of(*s.intensity);
   if (s.mover_beams > 0) j["mover_beams"] = s.mover_beams;
   j["per_class"] = Json::object();
