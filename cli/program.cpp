@@ -12,6 +12,7 @@
 #include "cli/config.hpp"
 #include "cli/help.hpp"
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/names.hpp"
 #include "underbrush/core/temporary.hpp"
 #include "version.hpp"
 
@@ -56,7 +57,37 @@ Program::Program(const std::string& name, const std::string& summary) : app_(sum
   app_.config_formatter(std::make_shared<YamlConfig>(app_));
 }
 
+void Program::check_verb() const {
+  if (words_.size() < 2 || words_[1].empty() || words_[1][0] == '-') return;
+  std::vector<std::string> verbs;
+  for (const CLI::App* verb : app_.get_subcommands({})) verbs.push_back(verb->get_name());
+  if (verbs.empty() || std::find(verbs.begin(), verbs.end(), words_[1]) != verbs.end()) return;
+  const std::string near = nearest_name(words_[1], verbs);
+  throw std::invalid_argument("no verb " + in_quotes(words_[1]) +
+                              (near.empty() ? "" : ": did you mean '" + near + "'?") + " (see " +
+                              app_.get_name() + " --help)");
+}
+
+std::string Program::unknown_option() const {
+  const auto verbs = app_.get_subcommands();
+  const CLI::App& verb = verbs.empty() ? app_ : *verbs.front();
+  std::vector<std::string> known;
+  for (const CLI::Option* option : verb.get_options()) {
+    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+  }
+  for (const std::string& word : words_) {
+    const std::string name = word.substr(0, word.find('='));
+    if (name == "--") break;
+    const bool known_here = verb.get_option_no_throw(name) || app_.get_option_no_throw(name);
+    if (!name.starts_with("--") || known_here) continue;
+    const std::string near = nearest_name(name, known);
+    return "no option " + in_quotes(name) + (near.empty() ? "" : ": did you mean " + near + "?");
+  }
+  return "";
+}
+
 int Program::parse() {
+  check_verb();
   std::vector<std::string> words(words_.begin() + std::min<ptrdiff_t>(1, ssize(words_)),
                                  words_.end());
   std::reverse(words.begin(), words.end());  // CLI11 expects the words in reverse order.
@@ -83,7 +114,9 @@ int Program::run(int argc, char** argv) {
     return fail(file + (folder ? ": is a folder, expected a file" : ": cannot be read"), 3);
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() == 0) return app_.exit(e);  // --help, --version
-    std::string line = e.what();
+    std::string line;
+    if (e.get_exit_code() == int(CLI::ExitCodes::ExtrasError)) line = unknown_option();
+    if (line.empty()) line = e.what();
     line.erase(line.find_last_not_of('\n') + 1);
     // An option without an upper bound would print the largest number, 309 digits long.
     const size_t range = line.find(" not in range ");

@@ -28,6 +28,10 @@ class Program {
 
  private:
   int parse();
+  /// Throws `std::invalid_argument` where the first word is no verb.
+  void check_verb() const;
+  /// Returns what to say of the first option that the verb does not have; "" if it has all.
+  std::string unknown_option() const;
 
   CLI::App app_;
   std::vector<std::string> words_;

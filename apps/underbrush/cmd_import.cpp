@@ -97,11 +97,14 @@ void run(const Verb& verb, const Arguments& a) {
   std::vector<std::filesystem::path> inputs = a.options.files();
   inputs.insert(inputs.begin(), a.source);
   std::optional<io::LogWriter> writer;
+  // Without a sensor nobody has said how far it reaches.
+  const bool measured =
+      a.options.max_range_m == 0 && a.options.deskew.empty() && a.options.infer_misses.empty();
   const pipeline::ImportReport report = pipeline::import_log(
       a.source, a.options,
       [&](const LogInfo& info) {
         writer.emplace(a.output, info, provenance(verb, inputs),
-                       io::LogWriterOptions{!a.options.float_coordinates});
+                       io::LogWriterOptions{!a.options.float_coordinates, measured});
       },
       [&](const BeamLog& beams) { writer->write(beams); }, shown<Progress>("import"));
   writer->close();

@@ -68,10 +68,13 @@ void bind_writer(nb::module_& m) {
       .def(
           "__init__",
           [](io::LogWriter* w, const Path& path, const LogInfo& info, const std::string& provenance,
-             bool double_coordinates) {
-            new (w) io::LogWriter(path, info, provenance, {double_coordinates});
+             bool double_coordinates, bool limits_from_data) {
+            new (w) io::LogWriter(path, info, provenance, {double_coordinates, limits_from_data});
           },
-          "path"_a, "info"_a, "provenance"_a = "", "double_coordinates"_a = true)
+          "path"_a, "info"_a, "provenance"_a = "", "double_coordinates"_a = true,
+          "limits_from_data"_a = false,
+          "Opens the writer. With `limits_from_data`, a longer range of a hit raises the log's\n"
+          "maximum range.")
       .def("write", &io::LogWriter::write, "chunk"_a, Released(),
            "Appends rows. All chunks carry the same extra columns. Raises `ValueError`, `OSError`.")
       .def("close", &io::LogWriter::close, Released(),

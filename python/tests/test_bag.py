@@ -304,7 +304,11 @@ def test_damaged_files_are_refused_in_one_line(tmp_path: pathlib.Path) -> None:
         with bag(root / name.partition("/")[0], storage) as out:
             out.cloud("/points", 1.0, some_points())
         good = (root / name).read_bytes()
-        for size in (20, len(good) // 3, len(good) - 9):
+        sizes = [20, len(good) // 3, len(good) - 9]
+        if storage == "mcap":  # Its whole messages are read where only the end is lost.
+            (root / "bad").write_bytes(good[:sizes.pop()])
+            assert len(list(open_recording(root / "bad").scans())) == 1
+        for size in sizes:
             (root / "bad").write_bytes(good[:size])
             with pytest.raises(FormatError, match=r"^[^\n]*bad: [^\n]*$"):
                 list(open_recording(root / "bad").scans())

@@ -259,7 +259,7 @@ def test_two_sensors_are_told_apart(tmp_path: pathlib.Path) -> None:
                      + [(time_s, pf.udp(data, source="192.168.1.202", port=2369)[0]) for time_s, data in two])
     path = tmp_path / "a.pcap"
     path.write_bytes(pf.pcap(records))
-    with pytest.raises(FormatError, match=r"2 sensors .*choose one with stream='192.168.1.20\d:23\d\d'"):
+    with pytest.raises(FormatError, match=r"2 sensors: add --topic 192.168.1.20\d:23\d\d or --topic"):
         PacketRecording(path)
     for stream in ("192.168.1.202:2369", "2369", "192.168.1.202"):
         recording = PacketRecording(path, stream=stream)

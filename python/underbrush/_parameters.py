@@ -123,6 +123,8 @@ class ImportParameters(TypedDict, total=False):
     labels: str | os.PathLike[str]  #: Labels of a single scan, a SemanticKITTI .label file.
     label_set: str  #: Label set of the column class (default: semantickitti for .label files).
     keep: str  #: Read only the points with this value of a column, such as first returns: target_index=1.
+    columns: str  #: Names of the columns of a .bin or text file that does not say them: x,y,z,intensity,ring.
+    unit: str  #: Unit of the coordinates of scans (default m).
     assets: str | os.PathLike[str]  #: Folder in which a survey of HELIOS++ has its files, besides its own.
     frames: str  #: Scans to read, by number, half-open: A:B or A:B:STEP.
     deskew: str  #: Give every beam its own pose by this sensor's timing, for raw scans.

@@ -5,6 +5,7 @@ import argparse
 import sys
 from collections.abc import Sequence
 
+from underbrush._core import check_outputs
 from underbrush.errors import FormatError
 
 
@@ -14,6 +15,7 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("file", metavar="TRACE", help="trace: .osi or .mcap")
     p.add_argument("-o", "--output", metavar="TRACE", required=True, help="trace of the other kind")
     p.add_argument("--topic", help="the channel to read, where an MCAP file has several")
+    p.add_argument("--force", action="store_true", help="replace a file that underbrush did not write")
     p.add_argument("--kind", default="", help="the kind of messages, where the name of an .osi file does not tell it")
     return p
 
@@ -24,6 +26,7 @@ def run(words: Sequence[str]) -> int:
     options = parser().parse_args(words)
     names = [str(name).lower() for name in (options.file, options.output)]
     try:
+        check_outputs([("--output", options.output)], [options.file], options.force)
         if names[0].endswith(".mcap") and names[1].endswith(".osi"):
             count = mcap_to_osi(options.file, options.output, topic=options.topic)
         elif names[0].endswith(".osi") and names[1].endswith(".mcap"):

@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING
 
-from underbrush._core import BeamLog, LogInfo, LogWriter, version
+from underbrush._core import BeamLog, LogInfo, LogWriter, check_outputs, set_threads, version
 from underbrush.errors import FormatError
 
 if TYPE_CHECKING:
@@ -29,13 +29,25 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("--clock", default="stamp", help="clock of the scans (bags)")
     p.add_argument("--metadata", metavar="FILE", help="the sensor's metadata (Ouster JSON, calibration YAML)")
     p.add_argument("--sensor", default="", help="sensor of the catalogue; default: what the recording says")
+    p.add_argument("--max-range", metavar="M", type=_range, default=0.0,
+                   help="range of a miss, m; default: the sensor's, or that of the longest return")
     p.add_argument("--json", metavar="FILE|-", help="write the counts as JSON")
+    p.add_argument("--force", action="store_true", help="replace files that underbrush did not write")
+    p.add_argument("--threads", type=int, default=0, metavar="N", help="threads, 0 = one a core")
+    p.add_argument("--seed", type=int, default=1, help="seed of random choices, of which a recording needs none")
     return p
 
 
 def _place(text: str) -> tuple[float, float, float]:
     x, y, z = (float(word) for word in text.split(","))
     return x, y, z
+
+
+def _range(text: str) -> float:
+    value = float(text)
+    if not 0 < value <= 1e6:
+        raise argparse.ArgumentTypeError(f"must be positive and at most 1000000 m, not {text}")
+    return value
 
 
 class Progress:
@@ -80,16 +92,31 @@ def write(options: argparse.Namespace, recording: Recording, provenance: str) ->
     rows = hits = 0
     start = time.monotonic()
     info, chunks = beams_of(recording, options)
-    with LogWriter(options.output, info, provenance) as writer:
+    if options.max_range:
+        info.max_range_m = options.max_range
+    measured = not options.max_range and not info.sensor  # Nobody has said how far the sensor reaches.
+    with LogWriter(options.output, info, provenance, limits_from_data=measured) as writer:
         for chunk in chunks:
             writer.write(chunk)
             rows += len(chunk)
             hits += int((chunk.range_m < float("inf")).sum())
             progress(recording.bytes_done, rows)
+        if rows == 0:
+            raise FormatError(options.file, "", nothing_in(recording, options.clock))
     progress.close()
     seconds = time.monotonic() - start
     return {"rows": rows, "hits": hits, "misses": rows - hits, "skipped": dict(recording.skipped), "seconds": seconds,
-            "points_per_s": rows / max(seconds, 1e-9)}
+            "points_per_s": rows / max(seconds, 1e-9), "notes": getattr(recording, "notes", list)()}
+
+
+def nothing_in(recording: Recording, clock: str) -> str:
+    """Why a recording gives no beams."""
+    if not recording.skipped:
+        return "no points in it"
+    text = "no usable beams in it: " + ", ".join(f"{n} {why}" for why, n in recording.skipped.items())
+    if clock == "stamp" and hasattr(recording, "clock") and "--clock" not in text:
+        text += "; --clock bag takes the times at which they were recorded"
+    return text
 
 
 def report(options: argparse.Namespace, counts: dict[str, object], say: Callable[[str], None]) -> None:
@@ -104,6 +131,8 @@ def report(options: argparse.Namespace, counts: dict[str, object], say: Callable
     if isinstance(skipped, (dict, collections.Counter)):
         for why, n in skipped.items():
             say(f"  skipped     {n} records: {why}")
+    for note in counts["notes"] if isinstance(counts["notes"], list) else ():
+        say(f"  note: {note}")
     say(f"  log         {options.output}")
 
 
@@ -111,6 +140,10 @@ def run(words: Sequence[str]) -> int:
     """Runs `underbrush import WORDS` and returns the exit code: 0, 2 wrong usage, 3 bad input, 4 failure."""
     options = parser().parse_args(words)
     try:
+        outputs = {"--output": options.output, "--json": options.json if options.json != "-" else None}
+        check_outputs([(name, path) for name, path in outputs.items() if path],
+                      [path for path in (options.file, options.metadata) if path], options.force)
+        set_threads(options.threads)
         recording = opened(options)
         if not options.output:
             print("\n".join(recording.found()))

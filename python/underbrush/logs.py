@@ -21,7 +21,8 @@ def log_from_columns(*, origin: npt.ArrayLike, direction: npt.ArrayLike, range_m
     float64. Without `info`, the log's `has_misses` says whether there is a miss among the rows. To copy nothing, fill
     the views of `BeamLog(n)` instead.
 
-    Raises `ValueError` for a column of another length or shape and `TypeError` for one of another kind of number.
+    Raises `ValueError` for a column of another length or shape, for directions that are not unit vectors and for ranges
+    that are not positive, and `TypeError` for a column of another kind of number.
     """
     ranges = np.asarray(range_m)
     if info is None:
@@ -32,10 +33,24 @@ def log_from_columns(*, origin: npt.ArrayLike, direction: npt.ArrayLike, range_m
     for name, given in columns.items():
         if given is not None:
             _fill(getattr(log, name), given, name)
+    _check_beams(log)
     for name, given in (extra or {}).items():
         values = np.asarray(given)
         _fill(log.add_column(name, values.dtype), values, name)
     return log
+
+
+def _check_beams(log: BeamLog) -> None:
+    with np.errstate(over="ignore", invalid="ignore"):
+        square = np.einsum("ij,ij->i", log.direction, log.direction)
+    bad = np.flatnonzero(~(np.abs(square - 1) < 2e-3))
+    if len(bad):
+        raise ValueError(f"log: the direction of row {bad[0]} is not a unit vector: its length is "
+                         f"{np.sqrt(square[bad[0]]):g}")
+    bad = np.flatnonzero(~(log.range_m > 0))
+    if len(bad):
+        raise ValueError(f"log: the range of row {bad[0]} is {log.range_m[bad[0]]:g}: it must be positive, infinity "
+                         "for a miss")
 
 
 def _fill(view: npt.NDArray[np.generic], given: npt.ArrayLike, name: str) -> None:

@@ -137,7 +137,7 @@ TEST_F(Import, ReturnsOfAPulseAreChosenByAColumn) {
 
 TEST_F(Import, BadTablesAreOneLine) {
   const std::pair<const char*, const char*> cases[] = {
-      {"1 2 3\n4 5 6\n", "line 1"},
+      {"1 2\n4 5\n", "line 1"},
       {"X Y\n1 2\n", "no column 'z'"},
       {"X Y Z\n1 2\n", "line 2: expected 3"},
       {"X Y Z\n1 2 many\n", "line 2: not a number: many"},

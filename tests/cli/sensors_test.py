@@ -129,7 +129,7 @@ class OwnSensors(cli_test.OnALog):
         self.assertGreater(told["hits"], 0)
         small = call(*like, "--grain", "-1", cwd=self.folder)
         self.assertEqual(small.returncode, 2)
-        self.assertIn("--grain: expected a value that is not negative (see", small.stderr)
+        self.assertIn("--grain: expected a value that is between 0 and 100 (see", small.stderr)
         both = call(*like, "--sensor", "velodyne-vlp16", "--trajectory", "poses.txt", cwd=self.folder)
         self.assertEqual(both.returncode, 2)
 

@@ -169,7 +169,7 @@ class ServeLabels(unittest.TestCase):
         self.assertEqual(listed["fit"]["voxel-side"]["unit"], "m")
         self.assertEqual(listed["fit"]["fitter"]["choices"][0], listed["fit"]["fitter"]["default"])
         self.assertEqual((listed["simulate"]["sun"]["least"], listed["simulate"]["sun"]["most"]), (0, 1))
-        self.assertIsNone(listed["fit"]["tau"]["most"])
+        self.assertEqual(listed["fit"]["tau"]["most"], 20)
         free = {"fit": ("start",), "simulate": ("materials", "material", "super-sample", "returns")}
         for verb, names in free.items():  # no free text reaches a command line
             self.assertFalse(set(names) & set(listed[verb]))

@@ -50,7 +50,7 @@ void read(const Path& path) {
 #elif defined(FUZZ_csv)
   Table table = read_csv(path);
 #else
-  Table table = read_kitti_bin(path);
+  Table table = read_bin(path);
 #endif
   std::map<std::string, size_t> skipped;
   scan_from_table("input", std::move(table), {}, skipped);

@@ -12,9 +12,9 @@ ROOMS = {
     6500, "report": 2100, "studies": 8800, "web/src": 5700, "src/underbrush/calibrate": 1600,
     "src/underbrush/cluster": 1500, "src/underbrush/core": 2400, "src/underbrush/credit": 1100,
     "src/underbrush/elements": 2400, "src/underbrush/fit": 1800, "src/underbrush/ground": 2000, "src/underbrush/io":
-    6200, "src/underbrush/keyframes": 2000, "src/underbrush/likelihood": 2000, "src/underbrush/metrics": 3000,
+    7200, "src/underbrush/keyframes": 2000, "src/underbrush/likelihood": 2000, "src/underbrush/metrics": 3000,
     "src/underbrush/movers": 700, "src/underbrush/optimize": 700, "src/underbrush/osi": 5100,
-    "src/underbrush/perception": 5600, "src/underbrush/pipeline": 5100, "src/underbrush/primitives": 3500,
+    "src/underbrush/perception": 5600, "src/underbrush/pipeline": 5400, "src/underbrush/primitives": 3500,
     "src/underbrush/radiometry": 2400, "src/underbrush/sensor": 3000, "src/underbrush/serve": 6700,
     "src/underbrush/simulate": 2500, "src/underbrush/surface": 1100, "src/underbrush/test_site": 1900,
     "src/underbrush/trace": 5200, "src/underbrush/update": 1200, "src/underbrush/worlds": 1900,

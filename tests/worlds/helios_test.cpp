@@ -117,13 +117,13 @@ TEST_F(Helios, PartsShareAFileAndStandOnTheGround) {
 TEST_F(Helios, WhatIsNotKnownIsCounted) {
   const World w =
       read_helios_scene(scene("<weather/><part>" + kObj + "<swap/><swap/>" + filter("bend", "") +
-                              "</part><part>" + filter("geotiffloader", "") + "</part><part>" +
+                              "</part><part>" + filter("curveloader", "") + "</part><part>" +
                               filter("objloader", param("efilepath", "parts/.*.obj")) + "</part>"));
   EXPECT_EQ(w.report.parts, 1u);
   EXPECT_EQ(w.report.left_out.at("elements weather in scene"), 1u);
   EXPECT_EQ(w.report.left_out.at("elements swap in part"), 2u);
   EXPECT_EQ(w.report.left_out.at("filters bend"), 1u);
-  EXPECT_EQ(w.report.left_out.at("filters geotiffloader"), 1u);
+  EXPECT_EQ(w.report.left_out.at("filters curveloader"), 1u);
   EXPECT_EQ(w.report.left_out.at("loaders with an efilepath"), 1u);
   EXPECT_EQ(w.report.left_out.at("parts without a geometry that can be read"), 2u);
 }

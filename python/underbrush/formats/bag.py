@@ -7,6 +7,7 @@ import dataclasses
 import datetime
 import itertools
 import pathlib
+import tempfile
 from collections.abc import Iterator, Sequence
 from typing import Any
 
@@ -16,7 +17,8 @@ import numpy.typing as npt
 from ..errors import FormatError
 from ._files import OptionMissing, PathLike, guarded, size_of, with_thousands
 from .layouts import guess_sensor, scan_from_points
-from .ros_files import kind_of_bag, opened
+from .point_times import PointTimes
+from .ros_files import is_cut_mcap, kind_of_bag, opened, recover_mcap
 from .ros_messages import CLOUD, CUSTOM, cloud_points, frame_name, livox_points, seconds, typestore
 from .scans import Poses, Scan
 from .trajectory import read_poses
@@ -63,7 +65,12 @@ class BagRecording:
         self._kind = kind_of_bag(self.path)
         self._ros1, self._own_clock = self._kind == "ros1", False
         self._store = typestore(self._ros1)
-        with opened(self.path, self._kind) as reader, guarded(path, "index"):
+        self._source, self._recovered = self.path, 0
+        if self._kind == "mcap" and is_cut_mcap(self.path):
+            self._scratch = tempfile.TemporaryDirectory(prefix="underbrush-")
+            self._source = pathlib.Path(self._scratch.name) / "recovered.mcap"
+            self._recovered = recover_mcap(self.path, self._source)
+        with opened(self._source, self._kind) as reader, guarded(path, "index"):
             self._connections = sorted(
                 ((str(c.topic), str(c.msgtype), int(c.msgcount)) for c in reader.connections), key=lambda c: c[0])
             self._duration_s = max(0.0, float(reader.duration) * 1e-9)
@@ -72,12 +79,18 @@ class BagRecording:
         clouds = sorted(self._first)
         self.skipped.clear()  # What was counted while peeking is counted again.
         if not clouds:
-            raise FormatError(path, "", "no topic with point clouds (sensor_msgs/PointCloud2, Livox CustomMsg)")
+            packets = [f"{topic} ({kind})" for topic, kind, n in self._connections
+                       if n and ("packet" in kind.lower() or kind.endswith(("/VelodyneScan", "/PandarScan")))]
+            raise FormatError(path, "", "no topic with point clouds (sensor_msgs/PointCloud2, Livox CustomMsg)" + (
+                f", but packets as the sensor sent them, in {', '.join(packets)}: have the driver write its point "
+                "clouds, or capture the packets as pcap" if packets else ""))
         if topic is not None and topic not in clouds:
             raise ValueError(f"{path}: no point clouds in {topic}: {', '.join(clouds)}")
         self.topic = topic if topic is not None else clouds[0] if len(clouds) == 1 else None
         if self.topic is not None:
             self.sensor, self.organised = self._first[self.topic].sensor, self._first[self.topic].organised
+            kind, count = next((kind, n) for t, kind, n in self._connections if t == self.topic)
+            self._times = _times_of(path, kind, self._duration_s / (count - 1) if count > 1 else 0.0)
 
     def found(self) -> list[str]:
         names = {"ros1": "ROS 1 bag", "mcap": "ROS 2 MCAP file", "sqlite3": "ROS 2 SQLite file", "folder": "ROS 2 bag"}
@@ -99,6 +112,13 @@ class BagRecording:
         if self.frame is None and len(self._first[self.topic].frames) > 1:
             return [*lines, self._ask_frame(self._first[self.topic].frames)]
         return [*lines, "poses from " + self._poses_text if self.poses is not None else self._ask_poses()]
+
+    def notes(self) -> list[str]:
+        """What was assumed so far, one line each."""
+        notes = [self._times.note] if self._times.note else []
+        if self._recovered:
+            notes.append(f"the recording was not closed: its {self._recovered} whole messages are read")
+        return notes
 
     @property
     def poses(self) -> Poses | None:
@@ -147,7 +167,7 @@ class BagRecording:
             raise OptionMissing(self._ask_topic())
         frames, seen, last = set(self._first[self.topic].frames), 0, None
         total = sum(n for topic, _, n in self._connections if topic == self.topic)
-        with opened(self.path, self._kind) as reader:
+        with opened(self._source, self._kind) as reader:
             for kind, bag_ns, raw in self._messages(reader, self.topic):
                 seen += 1
                 self.bytes_done = min(self.bytes_total, self.bytes_total * seen // max(1, total))
@@ -209,6 +229,7 @@ class BagRecording:
     def _peek(self, reader: Any, topic: str) -> _Topic:
         """What the first messages of a topic tell."""
         first = _Topic()
+        self._times = _times_of(self.path, next(kind for t, kind, _ in self._connections if t == topic), 0.0)
         for kind, _, raw in itertools.islice(self._messages(reader, topic), _PEEKED):
             with contextlib.suppress(FormatError), guarded(self.path, topic):
                 points, stamp, frame = self._points(kind, raw)
@@ -229,7 +250,7 @@ class BagRecording:
         return cloud_points(message), seconds(message.header.stamp), frame_name(message.header.frame_id)
 
     def _scan(self, points: npt.NDArray[np.void], stamp: float, number: int) -> tuple[Scan, str]:
-        scan, layout = scan_from_points(points, stamp, number, self.skipped)
+        scan, layout = scan_from_points(points, stamp, number, self.skipped, self._times)
         times = scan.beam_time_s
         if times is not None and len(times) and np.isfinite(times[0]) and abs(times[0] - stamp) > _JUMP_S:
             times += stamp - float(np.nanmin(times))  # The sensor's clock is not the messages'.
@@ -249,7 +270,7 @@ class BagRecording:
             return None
         tree = FrameTree()
         read = self._store.deserialize_ros1 if self._ros1 else self._store.deserialize_cdr
-        with opened(self.path, self._kind) as reader:
+        with opened(self._source, self._kind) as reader:
             for topic, kind in topics.items():
                 for msgtype, _, raw in self._messages(reader, topic):
                     try:
@@ -272,6 +293,11 @@ def _date(time_ns: int) -> str:
         return ""
     date = datetime.datetime.fromtimestamp(time_ns // 10**9, datetime.timezone.utc)
     return date.strftime(" from %Y-%m-%d %H:%M:%S UTC")
+
+
+def _times_of(path: pathlib.Path, kind: str, period_s: float) -> PointTimes:
+    """The unit of the points' times of a topic: Livox's own messages have ns."""
+    return PointTimes(path, period_s, 0.0 if kind == CLOUD else 1e-9)
 
 
 def _is_cloud(msgtype: str) -> bool:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..errors import FormatError
 from ._files import Array, PathLike, guarded, need, with_thousands
-from .scans import Poses, Scan
+from .scans import Poses, Scan, far_from_sensor
 from .trajectory import in_order
 
 _CHUNK = 1 << 18  # Points a scan.
@@ -44,6 +44,7 @@ class E57Recording:
             file = self._lib.ImageFile(str(self.path), "r")
             try:
                 self._describe(file)
+                self._take_for_world(file)
             finally:
                 file.close()
 
@@ -51,7 +52,8 @@ class E57Recording:
         root = file.root()
         if root.isDefined("coordinateMetadata"):
             self.crs = str(root["coordinateMetadata"].value())
-        self._stations = []
+        self._stations: list[tuple[int, list[str], str]] = []
+        self._posed = False
         rows = []
         for number in range(len(root["data3D"])):
             node = root["data3D"][number]
@@ -68,6 +70,7 @@ class E57Recording:
                     position = [pose["translation"][axis].value() for axis in "xyz"]
                 if pose.isDefined("rotation"):
                     q = [pose["rotation"][axis].value() for axis in "wxyz"]
+            self._posed = self._posed or any(position) or list(map(abs, q)) != [1.0, 0.0, 0.0, 0.0]
             rows.append([float(number), *position, *q[1:], q[0]])
         if not rows:
             raise FormatError(self.path, "", "no scans in it")
@@ -76,6 +79,18 @@ class E57Recording:
         if len(self.poses.time_s) < len(rows):
             raise FormatError(self.path, "pose", "a station's pose is no rotation or not finite")
         self.organised = any("InvalidState" in name for _, names, _ in self._stations for name in names)
+
+    def _take_for_world(self, file: Any) -> None:
+        """Without a pose other than the identity, points far away but close together have coordinates of the world."""
+        count, names, _ = self._stations[0]
+        if self._posed or not count:
+            return
+        scan = self._scan(next(self._pieces(file, 0, count, names)), 0, 0)
+        self.skipped.clear()
+        assert scan.direction is not None and scan.range_m is not None
+        hit = np.isfinite(scan.range_m)
+        if far_from_sensor(scan.direction[hit] * scan.range_m[hit, None]):
+            self.world, self.poses = True, None
 
     def found(self) -> list[str]:
         lines = [f"E57, {len(self._stations)} stations, {self.bytes_total / 1e6:.1f} MB"]
@@ -140,8 +155,12 @@ class E57Recording:
             if not keep.all():
                 self.skipped["beams without a point or a direction"] += int(np.count_nonzero(~keep))
             vector, length, state = vector[keep], length[keep], state[keep]
-            scan = Scan(number, float(station), direction=vector / length[:, None],
-                        range_m=np.where(state == 1, np.inf, length).astype(np.float32))
+            if self.world:
+                vector[state == 1] = np.nan  # A direction from where the scanner stood, which is not known.
+                scan = Scan(number, float(station), xyz=vector)
+            else:
+                scan = Scan(number, float(station), direction=vector / length[:, None],
+                            range_m=np.where(state == 1, np.inf, length).astype(np.float32))
         scan.beam_time_s = np.full(len(scan), float(station))
         if "intensity" in c:
             scan.intensity = np.where(state == 1, 0, c["intensity"][keep]).astype(np.float32)

@@ -21,6 +21,7 @@ NS_PER_M = 2 / 0.299792458  # Of a pulse's way there and back.
 _CHUNK_BYTES = 32 << 20  # Points of a scan, as the file stores them.
 _WITHHELD = 4
 _LACKING = "returns that the file lacks, of pulses with several"
+_UNTOLD = "returns whose pulse is not known, because gps_time is the same at all points: each is a beam of its own"
 _OWN = ("X", "Y", "Z", "intensity", "bit_fields", "raw_classification", "classification", "classification_flags",
         "scan_angle_rank", "scan_angle", "user_data", "point_source_id", "gps_time")
 
@@ -170,7 +171,9 @@ class LasRecording:
         scan.echo, scan.echoes = ranks(begins)
         lacking = int(np.maximum(said - scan.echoes[begins], 0).sum())
         if lacking:
-            self.skipped[_LACKING] += lacking
+            time = scan.beam_time_s
+            self.skipped[_UNTOLD if time is not None and len(time) > 1 and time.min() == time.max() else _LACKING] += (
+                lacking)
         if scan.beam_time_s is not None and len(scan.beam_time_s):
             scan.time_s = float(scan.beam_time_s[0])
 

@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ._files import Array
+from .point_times import PointTimes
 from .scans import Scan
 
 Floats = npt.NDArray[np.float64]
@@ -92,27 +93,24 @@ def guess_sensor(layout: str, scan: Scan) -> str:
     return f"{layout}-{min(fits)[1]}" if fits else ""
 
 
-def times_of(column: Array, name: str, layout: str, stamp_s: float) -> Floats:
+def times_of(column: Array, name: str, layout: str, stamp_s: float, others: PointTimes) -> Floats:
     """Absolute times (s) of a column of times.
 
-    A driver's own column is as the table says. In others whole numbers are ns and floats s, and times above 100 s are
-    absolute.
+    A driver's own column of the table's type has the table's unit, if that fits; `others` tells it.
     """
     known = LAYOUTS.get(layout)
     own = known is not None and known.time == name and known.dtype[name].kind == column.dtype.kind
-    values = column.astype(np.float64)
-    largest = float(np.nanmax(np.abs(values), initial=0.0))
-    unit = known.unit_s if known is not None and own else 1e-9 if column.dtype.kind in "iu" or largest > 1e15 else 1.0
     absolute = known is not None and own and known.absolute and abs(stamp_s) <= 10 * _LONGEST_OFFSET_S
-    return values * unit + (0.0 if absolute or largest * unit > _LONGEST_OFFSET_S else stamp_s)
+    return others.seconds(name, column, 0.0 if absolute else stamp_s, known.unit_s if known is not None and own else 0)
 
 
 def scan_from_points(points: npt.NDArray[np.void], stamp_s: float, number: int,
-                     skipped: collections.Counter[str]) -> tuple[Scan, str]:
+                     skipped: collections.Counter[str], times: PointTimes | None = None) -> tuple[Scan, str]:
     """A scan from the structured array (rows, columns) of a cloud, and the name of its layout.
 
     Points that are not finite or (0, 0, 0) are misses where the cloud is organised; elsewhere nothing tells their
-    direction: they are left out and counted. `ValueError` without x, y, z.
+    direction: they are left out and counted. `times` knows the unit of the recording's times. `ValueError` without
+    x, y, z.
     """
     names = points.dtype.names or ()
     layout = layout_of(names)
@@ -138,8 +136,8 @@ def scan_from_points(points: npt.NDArray[np.void], stamp_s: float, number: int,
         if name in used:
             continue
         if scan.beam_time_s is None and name in _TIMES:
-            scan.beam_time_s = times_of(flat[name], name, layout, stamp_s)
-        elif scan.ring is None and name in _RINGS and flat[name].dtype.kind in "ui":
+            scan.beam_time_s = times_of(flat[name], name, layout, stamp_s, times or PointTimes("points"))
+        elif scan.ring is None and name in _RINGS and _are_rings(flat[name]):
             scan.ring = flat[name].astype(np.uint16)
         elif scan.intensity is None and name in _INTENSITIES:
             value = flat[name].astype(np.float32)
@@ -149,6 +147,13 @@ def scan_from_points(points: npt.NDArray[np.void], stamp_s: float, number: int,
     if "return_type" in scan.extra and scan.beam_time_s is not None and scan.ring is not None:
         _number_echoes(scan)
     return scan, layout
+
+
+def _are_rings(column: Array) -> bool:
+    """Whether a column has whole numbers from 0 to 65535, of whatever type."""
+    if column.dtype.kind == "u" and column.dtype.itemsize <= 2:
+        return True
+    return bool(np.all((column >= 0) & (column <= 65535) & (column == np.floor(column))))
 
 
 def _number_echoes(scan: Scan) -> None:

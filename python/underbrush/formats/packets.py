@@ -230,7 +230,7 @@ class PacketRecording:
                               + reasons)
         if len(streams) > 1:
             names = [str(key) for key in streams]
-            raise self._error(f"has {len(names)} sensors ({', '.join(names)}); choose one with stream='{names[0]}'")
+            raise self._error(f"has {len(names)} sensors: add " + " or ".join(f"--topic {name}" for name in names))
         return next(iter(streams))
 
     def _open(self, skipped: collections.Counter[str]) -> _Decoder:

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from ._files import Array, OptionMissing, PathLike
 from .bag import BagRecording
-from .scans import Poses, Recording, Scan
+from .scans import Poses, Recording, Scan, far_from_sensor
 from .trajectory import pose_at, read_poses, rotate
 
 Floats = npt.NDArray[np.float64]
@@ -87,6 +87,9 @@ def place(scan: Scan, poses: Poses | None, *, world: bool = False, position: Seq
     if scan.direction is not None and scan.range_m is not None:
         direction, distance = scan.direction.astype(np.float64), scan.range_m.astype(np.float64)
     else:
+        if not world and scan.xyz is not None and far_from_sensor(scan.xyz[np.isfinite(scan.xyz[:, 0])]):
+            raise OptionMissing("its points lie far from the sensor and close together: are its coordinates those of "
+                                "the world?")
         direction, distance = _to_points(scan, origin if world else None)
     if len(rotation):
         if scan.origin is not None:

@@ -9,6 +9,7 @@ from typing import Any
 from ..errors import FormatError
 from ._files import guarded, need
 
+_MCAP = b"\x89MCAP0\r\n"
 _READERS = {"ros1": ("rosbag1", "Reader"), "mcap": ("rosbag2.storage_mcap", "McapReader"),
             "sqlite3": ("rosbag2.storage_sqlite3", "Sqlite3Reader"), "folder": ("rosbag2.reader", "DirectoryReader")}
 
@@ -19,10 +20,50 @@ def kind_of_bag(path: pathlib.Path) -> str:
         return "folder" if (path / "metadata.yaml").is_file() else ""
     with path.open("rb") as file:
         head = file.read(16)
-    for kind, magic in (("ros1", b"#ROSBAG V"), ("mcap", b"\x89MCAP0\r\n"), ("sqlite3", b"SQLite format 3\0")):
+    for kind, magic in (("ros1", b"#ROSBAG V"), ("mcap", _MCAP), ("sqlite3", b"SQLite format 3\0")):
         if head.startswith(magic):
             return kind
     return ""
+
+
+def is_cut_mcap(path: pathlib.Path) -> bool:
+    """Whether an MCAP file has no end, as when the recorder dies."""
+    with path.open("rb") as file:
+        file.seek(max(0, path.stat().st_size - len(_MCAP)))
+        return file.read() != _MCAP
+
+
+def recover_mcap(path: pathlib.Path, target: pathlib.Path) -> int:
+    """Writes the whole messages of an MCAP file without an end to another one, and returns their number.
+
+    Raises `FormatError` where there is none.
+    """
+    records, reading, writing = need("mcap.records"), need("mcap.stream_reader"), need("mcap.writer")
+    schemas: dict[int, int] = {}
+    channels: dict[int, int] = {}
+    count = 0
+    with path.open("rb") as source, target.open("wb") as stream:
+        writer = writing.Writer(stream)
+        started = False
+        with contextlib.suppress(FormatError), guarded(path, "records"):  # What is behind the cut is lost.
+            for record in reading.StreamReader(source).records:
+                if isinstance(record, records.Header):
+                    writer.start(profile=record.profile, library=record.library)
+                    started = True
+                elif isinstance(record, records.Schema):
+                    schemas[record.id] = writer.register_schema(record.name, record.encoding, record.data)
+                elif isinstance(record, records.Channel):
+                    channels[record.id] = writer.register_channel(
+                        record.topic, record.message_encoding, schemas.get(record.schema_id, 0), record.metadata)
+                elif isinstance(record, records.Message) and record.channel_id in channels:
+                    writer.add_message(channels[record.channel_id], record.log_time, record.data, record.publish_time,
+                                       record.sequence)
+                    count += 1
+        if started:
+            writer.finish()
+    if not count:
+        raise FormatError(path, "end", "no footer and no whole message: the recording was not closed")
+    return count
 
 
 @contextlib.contextmanager

@@ -11,6 +11,8 @@ import numpy.typing as npt
 
 Array = npt.NDArray[np.generic]
 
+_FAR_M, _EXTENT, _ENOUGH = 300.0, 0.3, 20  # m; of the distance; points.
+
 
 @dataclasses.dataclass
 class Scan:
@@ -68,3 +70,11 @@ class Recording(Protocol):
 
         Raises `underbrush.FormatError` where the file as a whole cannot be read.
         """
+
+
+def far_from_sensor(points: npt.NDArray[np.float64]) -> bool:
+    """Whether points (n, 3) in the sensor's frame are as far away, and as close together, as only those of a world."""
+    if len(points) < _ENOUGH:
+        return False
+    nearest = float(np.sqrt(np.einsum("ij,ij->i", points, points)).min())
+    return nearest > _FAR_M and float(np.linalg.norm(np.ptp(points, axis=0))) < _EXTENT * nearest

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import pathlib
+import re
 
 import numpy as np
 import numpy.typing as npt
@@ -122,17 +123,51 @@ def from_angles(roll: Floats, pitch: Floats, yaw: Floats) -> Floats:
     return multiply(about(2, yaw), multiply(about(1, pitch), about(0, roll)))
 
 
+def _named_columns(line: str) -> list[int]:
+    """Columns of t x y z qx qy qz qw in a line of names, such as `#timestamp, p_RS_R_x [m], …, q_RS_w []`; else []."""
+    text = re.sub(r"\[[^\]]*\]|\([^)]*\)", "", line.lower()).lstrip("#/ \ufeff").strip()
+    names = [re.sub(r"[^a-z0-9_.]", "", name) for name in re.split(r"[,;]" if re.search("[,;]", text) else r"\s+", text)]
+    found: dict[str, int] = {}
+    for column, name in enumerate(names):
+        if not name or name.startswith(("v_", "w_", "a_", "b_")):
+            continue
+        turns = "q" in name or "rot" in name or "orient" in name or name.endswith("w")
+        if "time" in name or "stamp" in name or name in ("t", "sec", "seconds"):
+            what = "t"
+        elif name[-1] in "xyzw":
+            what = ("q" if turns else "") + name[-1]
+        else:
+            continue
+        if what in found:
+            return []
+        found[what] = column
+    wanted = ("t", "x", "y", "z", "qx", "qy", "qz", "qw")
+    return [found[what] for what in wanted] if all(what in found for what in wanted) else []
+
+
+def _seconds_of_dates(times: Floats) -> float:
+    """The unit (s) of times that are dates from 2001 on in ms, µs or ns; else 1."""
+    for unit in (1e-3, 1e-6, 1e-9):
+        if float(times.min()) * unit > 1e9 and float(times.max()) * unit < 4.2e9:
+            return unit
+    return 1.0
+
+
 def read_poses(path: PathLike) -> Poses:
     """Reads a text file of poses, world from sensor; `#` begins a comment, commas are blanks.
 
-    The number of columns tells the format: 4 is `t x y z` (no rotation), 7 a HELIOS++ trajectory
+    A line of names above the rows says the order of time, position and quaternion, as in EuRoC's files; without one the
+    number of columns tells the format: 4 is `t x y z` (no rotation), 7 a HELIOS++ trajectory
     (`x y z t roll pitch yaw`, degrees), 8 TUM (`t x y z qx qy qz qw`), 13 a time and a row-major 3×4
     matrix. Raises `FormatError`.
     """
     rows: list[list[float]] = []
+    named: list[int] = []
     with pathlib.Path(path).open(encoding="utf-8", errors="replace") as file:
         for number, line in enumerate(iter(lambda: file.readline(_LONGEST_LINE), ""), 1):
             words = line.partition("#")[0].replace(",", " ").split()
+            if not rows:
+                named = named or _named_columns(line)
             try:
                 values = [float(word) for word in words]
             except ValueError:
@@ -146,6 +181,9 @@ def read_poses(path: PathLike) -> Poses:
     if not rows:
         raise FormatError(path, "", "no poses")
     table = np.array(rows)
+    if named and max(named) < table.shape[1]:
+        table = table[:, named]
+    table[:, 0] *= _seconds_of_dates(table[:, 0]) if table.shape[1] in (4, 8, 13) else 1.0
     none = np.tile([0.0, 0.0, 0.0, 1.0], (len(table), 1))
     if table.shape[1] == 4:
         poses = in_order(table[:, 0], table[:, 1:4], none)

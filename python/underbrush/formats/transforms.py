@@ -1,4 +1,4 @@
-"""Poses in ROS recordings: a tree of frames from /tf and /tf_static, nav_msgs/Odometry, geometry_msgs/PoseStamped."""
+"""Poses in ROS recordings: a tree of frames from /tf and /tf_static, odometry, paths, and stamped poses and transforms."""
 from __future__ import annotations
 
 import array
@@ -13,7 +13,8 @@ from .trajectory import compose, in_order
 
 #: Message types with poses, by the name that rosbags gives them.
 POSE_TYPES = {"tf2_msgs/msg/TFMessage": "tf", "tf/msg/tfMessage": "tf", "nav_msgs/msg/Odometry": "odometry",
-              "geometry_msgs/msg/PoseStamped": "pose"}
+              "geometry_msgs/msg/PoseStamped": "pose", "geometry_msgs/msg/PoseWithCovarianceStamped": "covariance",
+              "geometry_msgs/msg/TransformStamped": "transform", "nav_msgs/msg/Path": "path"}
 _FIXED = ("map", "world", "odom", "earth", "local", "utm")  # Names of frames that do not move.
 
 
@@ -57,11 +58,18 @@ class FrameTree:
                 edge = self._edges[child].setdefault(parent, _Samples(static))
                 edge.add(seconds(t.header.stamp), t.transform.translation, t.transform.rotation)
             return
-        pose = message.pose.pose if kind == "odometry" else message.pose
-        child = frame_name(message.child_frame_id) if kind == "odometry" else ""
+        child = frame_name(message.child_frame_id) if kind in ("odometry", "transform") else ""
         _, _, samples = self._topics.setdefault(
             topic, (frame_name(message.header.frame_id), child, _Samples(False)))
-        samples.add(seconds(message.header.stamp), pose.position, pose.orientation)
+        if kind == "path":  # Each message has the whole path.
+            del samples.rows[:]
+            for stamped in message.poses:
+                samples.add(seconds(stamped.header.stamp), stamped.pose.position, stamped.pose.orientation)
+        elif kind == "transform":
+            samples.add(seconds(message.header.stamp), message.transform.translation, message.transform.rotation)
+        else:
+            pose = message.pose if kind == "pose" else message.pose.pose
+            samples.add(seconds(message.header.stamp), pose.position, pose.orientation)
 
     def _climb(self, frame: str, stop: str = "", static_only: bool = False) -> list[tuple[str, _Samples]]:
         """The edges from a frame upwards to `stop` or the root: (parent, samples), lowest first."""

@@ -1,6 +1,9 @@
 #include "underbrush/core/beam_log.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
 
 #include "underbrush/core/check.hpp"
 
@@ -91,6 +94,12 @@ void BeamLog::check() const {
   for_columns(*this, [n](const auto& c) {
     require(c.size() == n, "beam log: columns of different lengths");
   });
+  constexpr float kLengthError = 2e-3f;  // of the squared length
+  for (size_t i = 0; i < n; ++i) {
+    if (std::abs(direction[i].squaredNorm() - 1) < kLengthError) continue;
+    throw std::invalid_argument("beam log: the direction of row " + std::to_string(i) +
+                                " is not a unit vector");
+  }
 }
 
 bool MemorySource::next(BeamLog& chunk) {

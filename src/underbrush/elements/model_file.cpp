@@ -276,7 +276,14 @@ void write_model(const fs::path& path, const Model& model,
 Model read_model(const fs::path& path) {
   const fs::path file = path / "model.json";
   if (!fs::exists(path)) throw FormatError(path.string(), "", "no such model");
-  if (!is_model(path)) throw FormatError(path.string(), "", "not a model (no model.json in it)");
+  if (!is_model(path)) {
+    const bool file = is_file(path);
+    throw FormatError(
+        path.string(), "",
+        file ? "not a model but a file: 'underbrush fit LOG -o MODEL' makes a model of "
+               "a log"
+             : "not a model (no model.json in it)");
+  }
   const io::JsonFile json(file);
   const io::JsonValue j = json.manifest("underbrush-model", kModelVersion, "an underbrush model");
   Model model;

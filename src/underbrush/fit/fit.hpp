@@ -23,6 +23,7 @@ struct FitReport {
   size_t ground_points = 0, other_points = 0;
   size_t mover_points = 0;           ///< Left out because they have the flag `kMover`.
   size_t near_points = 0;            ///< Left out because they are nearer than `min_range_m`.
+  size_t far_points = 0;             ///< Beyond the maximum range of the log.
   size_t carved_triangles = 0;       ///< Dropped because of `surface.carve`.
   size_t thinned_points = 0;         ///< Left out because their tile was full.
   size_t unclustered_points = 0;     ///< In no cluster of at least `min_points`.

@@ -26,6 +26,8 @@ bool TileSet::is_near(const Vec3f& point) const {
   return false;
 }
 
+constexpr double kBeyond = 1.001, kManyFar = 0.01;  // of the maximum range, of the returns
+
 double add_returns(BeamSource& source, const Vec3& origin, double min_range_m,
                    const TileSet* wanted, TileStore& store, FitReport& report,
                    const FitProgress& progress) {
@@ -42,6 +44,7 @@ double add_returns(BeamSource& source, const Vec3& origin, double min_range_m,
     for (size_t i = 0; i < chunk.size(); ++i) {
       if (!chunk.is_hit(i)) continue;
       ++report.hits;
+      report.far_points += double(chunk.range_m[i]) > kBeyond * source.info().max_range_m;
       if (double(chunk.range_m[i]) < min_range_m) {
         ++report.near_points;
         continue;
@@ -74,6 +77,14 @@ void gather(BeamSource& source, const FitOptions& options, TileStore& store, Fit
   model.max_range_m =
       add_returns(source, model.origin, options.min_range_m, nullptr, store, out.report, progress);
   require_data(store.size() > 0, "fit: the log has no return to fit a model to");
+  const FitReport& report = out.report;
+  if (double(report.far_points) > kManyFar * double(report.hits)) {
+    out.report.warnings.push_back(
+        std::to_string(report.far_points) + " of " + std::to_string(report.hits) +
+        " returns are beyond the log's maximum range of " +
+        std::to_string(int(source.info().max_range_m)) +
+        " m, and hit probabilities are learnt without them: import it with another --max-range");
+  }
   if (!source.info().has_misses) {
     out.report.warnings.push_back(
         "the log has no misses, so hit probabilities come out too high; import it with "

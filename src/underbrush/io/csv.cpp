@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <string_view>
 
 #include "underbrush/core/check.hpp"
@@ -65,59 +66,116 @@ bool is_coordinate_or_time(std::string_view name) {
   return false;
 }
 
+/// The state of reading a text file of columns line by line.
+class CsvReader {
+ public:
+  CsvReader(const std::string& file, const std::vector<std::string>& names) : file_(file) {
+    for (const std::string& name : names) add_name(name);
+    given_ = !names.empty();
+  }
+
+  void take(size_t line_number, std::string_view line) {
+    line_number_ = line_number;
+    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+    if (names_.empty() || (given_ && columns_.empty())) return begin(line);
+    if (trimmed(line).empty() || line[0] == '#') return;
+    split(line, separator_, cells_);
+    // CloudCompare writes the number of points below the names.
+    const bool first = columns_[0].empty();
+    if (first && cells_.size() == 1 && names_.size() > 1 && is_count(cells_[0])) return;
+    add_row();
+  }
+
+  Table finish() {
+    if (names_.empty()) throw FormatError(file_, "", "an empty file");
+    Table table;
+    table.notes = std::move(notes_);
+    columns_.resize(names_.size());
+    for (size_t c = 0; c < names_.size(); ++c) {
+      table.columns.emplace_back(names_[c], is_coordinate_or_time(names_[c])
+                                                ? ExtraColumn(std::move(columns_[c]))
+                                                : narrowed(std::move(columns_[c])));
+    }
+    return table;
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& reason) const {
+    throw FormatError(file_, "line " + std::to_string(line_number_), reason);
+  }
+
+  static bool is_count(std::string_view cell) {
+    const auto value = number_of(cell);
+    return value && *value >= 0 && *value == std::floor(*value);
+  }
+
+  void add_name(std::string_view cell) {
+    std::string name = lower(std::string(cell));
+    if (!seen_.insert(name).second) fail("a column twice");
+    names_.push_back(std::move(name));
+  }
+
+  /// Takes the line of the names, or the first row of a file that has none.
+  void begin(std::string_view line) {
+    const std::string_view whole = line;
+    line = line.substr(std::min(line.find_first_not_of("#/ "), line.size()));
+    if (line.empty()) return;
+    separator_ = separator_of(line);
+    split(line, separator_, cells_);
+    const bool numbers = std::all_of(cells_.begin(), cells_.end(),
+                                     [](const auto& cell) { return number_of(cell).has_value(); });
+    if (!numbers && !given_) {
+      for (const auto& cell : cells_) {
+        if (number_of(cell)) fail("a number among the columns' names");
+        add_name(cell);
+      }
+      columns_.resize(names_.size());
+      return;
+    }
+    if (!numbers || whole[0] == '#' || (cells_.size() == 1 && is_count(cells_[0]))) return;
+    if (!given_) {
+      if (cells_.size() < 3) fail("expected a line with the columns' names");
+      for (size_t c = 0; c < cells_.size(); ++c) {
+        add_name(c < 3 ? std::string(1, char('x' + c)) : "column_" + std::to_string(c + 1));
+      }
+      notes_.emplace_back(
+          "no line names the columns: the first three are taken to be x y z "
+          "(--columns names them)");
+    }
+    columns_.resize(names_.size());
+    add_row();
+  }
+
+  void add_row() {
+    if (cells_.size() != names_.size()) {
+      fail("expected " + std::to_string(names_.size()) + " values, found " +
+           std::to_string(cells_.size()));
+    }
+    for (size_t c = 0; c < cells_.size(); ++c) {
+      const auto value = cells_[c].empty() ? std::optional<double>(NAN) : number_of(cells_[c]);
+      if (!value) fail("not a number: " + std::string(cells_[c].substr(0, 40)));
+      columns_[c].push_back(*value);
+    }
+  }
+
+  const std::string& file_;
+  bool given_ = false;  // The names do not come from the file.
+  std::vector<std::string> names_, notes_;
+  std::set<std::string> seen_;
+  std::vector<std::vector<double>> columns_;
+  std::vector<std::string_view> cells_;
+  char separator_ = ',';
+  size_t line_number_ = 0;
+};
+
 }  // namespace
 
-Table read_csv(const std::filesystem::path& path) {
-  const std::string name = path.string(), text = read_file(path);
-  std::vector<std::string> names;
-  std::vector<std::vector<double>> columns;
-  std::vector<std::string_view> cells;
-  char separator = ',';
-  size_t line_number = 0;
-  for (size_t at = 0; at < text.size();) {
-    const size_t end = std::min(text.find('\n', at), text.size());
-    std::string_view line = std::string_view(text).substr(at, end - at);
-    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-    at = end + 1;
-    ++line_number;
-    const auto fail = [&](const std::string& reason) {
-      throw FormatError(name, "line " + std::to_string(line_number), reason);
-    };
-    if (names.empty()) {
-      line = line.substr(std::min(line.find_first_not_of("#/ "), line.size()));
-      if (line.empty()) continue;
-      separator = separator_of(line);
-      split(line, separator, cells);
-      for (const auto& cell : cells) {
-        if (number_of(cell)) fail("expected a line with the columns' names");
-        names.emplace_back(cell);
-        std::transform(names.back().begin(), names.back().end(), names.back().begin(),
-                       [](char c) { return c >= 'A' && c <= 'Z' ? char(c + 32) : c; });
-        if (std::count(names.begin(), names.end(), names.back()) > 1) fail("a column twice");
-      }
-      columns.resize(names.size());
-      continue;
-    }
-    if (trimmed(line).empty() || line[0] == '#') continue;
-    split(line, separator, cells);
-    if (cells.size() != names.size()) {
-      fail("expected " + std::to_string(names.size()) + " values, found " +
-           std::to_string(cells.size()));
-    }
-    for (size_t c = 0; c < cells.size(); ++c) {
-      const auto value = cells[c].empty() ? std::optional<double>(NAN) : number_of(cells[c]);
-      if (!value) fail("not a number: " + std::string(cells[c].substr(0, 40)));
-      columns[c].push_back(*value);
-    }
-  }
-  if (names.empty()) throw FormatError(name, "", "an empty file");
-  Table table;
-  for (size_t c = 0; c < names.size(); ++c) {
-    table.columns.emplace_back(names[c], is_coordinate_or_time(names[c])
-                                             ? ExtraColumn(std::move(columns[c]))
-                                             : narrowed(std::move(columns[c])));
-  }
-  return table;
+Table read_csv(const std::filesystem::path& path, const std::vector<std::string>& names) {
+  constexpr uint64_t kMostBytes = uint64_t(1) << 36;
+  const std::string name = path.string(), text = read_text(path, kMostBytes);
+  CsvReader reader(name, names);
+  for_each_line(text, [&](size_t number, std::string_view line) { reader.take(number, line); });
+  return reader.finish();
 }
 
 }  // namespace underbrush::io

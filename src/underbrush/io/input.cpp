@@ -11,6 +11,7 @@
 #include "underbrush/io/poses.hpp"
 #include "underbrush/io/scan_folder.hpp"
 #include "underbrush/io/table.hpp"
+#include "underbrush/io/text.hpp"
 
 namespace underbrush::io {
 namespace fs = std::filesystem;
@@ -21,11 +22,12 @@ constexpr const char* kSemanticKitti = "semantickitti";
 bool is_ray_cloud(const fs::path& path) {
   const InputFile file(path);
   const PlyHeader header = read_ply_header(file);
+  if (header.elements.empty()) return false;
   const auto has = [&](const char* name) {
     const auto& all = header.elements[0].properties;
     return std::any_of(all.begin(), all.end(), [&](const auto& p) { return p.name == name; });
   };
-  return !header.elements.empty() && has("time") && (has("nx") || has("rayx"));
+  return has("time") && (has("nx") || has("rayx"));
 }
 
 std::string format_of(const fs::path& path) {
@@ -34,10 +36,9 @@ std::string format_of(const fs::path& path) {
     if (!fs::is_directory(path / "velodyne")) return "folder";
     return read_calibration(path / "calib.txt", "Tr") ? "kitti-odometry" : "kitti";
   }
-  if (path.extension() == ".ply" && is_ray_cloud(path)) return "ray-cloud";
-  if (path.extension() == ".csv" || path.extension() == ".txt" || path.extension() == ".xyz") {
-    return "csv";
-  }
+  const std::string extension = lower(path.extension().string());
+  if (extension == ".ply" && is_ray_cloud(path)) return "ray-cloud";
+  if (extension == ".csv" || extension == ".txt" || extension == ".xyz") return "csv";
   return "scan";
 }
 
@@ -48,6 +49,9 @@ class Opener {
     placing_.frames = options.frames;
     placing_.points_in_world = options.points_in_world;
     placing_.fit_clock = options.fit_clock;
+    placing_.columns = options.columns;
+    placing_.unit_m = options.unit_m;
+    placing_.period_s = options.scan_period_s;
     if (!options.poses.empty()) set_poses(read_poses(options.poses), options.poses);
     if (!options.times.empty()) set_times(read_times(options.times), options.times);
   }
@@ -59,7 +63,7 @@ class Opener {
     } else if (format == "csv") {
       open_csv();
     } else if (format == "scan") {
-      open_scan(read_table(path_));
+      open_scan(read_table(path_, options_.columns));
     } else if (format == "kitti") {
       open_kitti();
     } else if (format == "kitti-odometry") {
@@ -92,6 +96,7 @@ class Opener {
   }
 
   void open_ray_cloud() {
+    require(options_.unit_m == 1, "import: --unit is for scans: this log has origins");
     auto reader = std::make_unique<LogReader>(path_);
     input_.provenance = reader->provenance();
     input_.skipped = [raw = reader.get()] { return raw->skipped(); };
@@ -99,8 +104,9 @@ class Opener {
   }
 
   void open_csv() {
-    Table table = read_csv(path_);
+    Table table = read_csv(path_, options_.columns);
     if (!has_origins(table)) return open_scan(std::move(table));
+    require(options_.unit_m == 1, "import: --unit is for scans: this log has origins");
     std::map<std::string, size_t> skipped;
     input_.beams =
         std::make_unique<LogInMemory>(beams_from_table(path_.string(), std::move(table), skipped));
@@ -125,7 +131,8 @@ class Opener {
     }
     // The scanner stands still, and its time is the time that the file gives.
     std::map<std::string, size_t> ignored;
-    const PointScan scan = scan_from_table(path_.string(), std::move(table), {}, ignored);
+    const ScanContext context{{0, 0, pose}, options_.points_in_world, options_.unit_m};
+    const PointScan scan = scan_from_table(path_.string(), std::move(table), context, ignored);
     double start = placing_.times.empty() ? 0 : placing_.times[0];
     double first = INFINITY;
     for (const double t : scan.time_s) {
@@ -133,7 +140,10 @@ class Opener {
     }
     if (std::isfinite(first) && first > 100) start = first;
     constexpr double kStanding = 3600;  // s
-    set_poses({{pose, pose, pose}, {start - kStanding, start, start + kStanding}}, path_);
+    PoseList standing;
+    standing.pose = {pose, pose, pose};
+    standing.time_s = {start - kStanding, start, start + kStanding};
+    set_poses(std::move(standing), path_);
     file.time_s = start;
     placing_.times.clear();
     place_scans({file}, placing_, input_);
@@ -143,11 +153,23 @@ class Opener {
     default_times();
     for (const char* name : {"poses_velo.txt", "poses.txt"}) {
       const fs::path file = path_ / name;
-      if (!has_poses() && fs::exists(file)) set_poses(read_poses(file), file);
+      if (has_poses() || !fs::exists(file)) continue;
+      set_poses(read_poses(file), file);
+      if (placing_.poses.time_s.empty() && std::string(name) == "poses.txt") check_calibration();
     }
     if (!has_poses() && fs::is_directory(path_ / "oxts" / "data")) use_oxts();
     need_poses();
     place_scans(list_scans(path_ / "velodyne"), placing_, input_);
+  }
+
+  /// KITTI's own poses are those of the left camera, which only Tr leads to the lidar.
+  void check_calibration() const {
+    const fs::path calib = path_ / "calib.txt";
+    if (!read_calibration(calib, "P0")) return;
+    throw FormatError(calib.string(), "Tr",
+                      "is missing, and poses.txt has the poses of the left camera: add the line "
+                      "'Tr: …' of the lidar's archive (or of calib_velo_to_cam.txt), or give poses "
+                      "of the lidar with --poses");
   }
 
   void open_odometry() {

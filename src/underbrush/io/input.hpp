@@ -29,6 +29,10 @@ FrameRange frames_from_text(const std::string& text);
 
 /// The reason for which points are skipped that are nowhere near the sensor.
 inline constexpr const char* kFarFromSensor = "farther than 1000 km from the sensor";
+/// What is asked where the points seem to be those of a world.
+inline constexpr const char* kWorldCoordinates =
+    "are its coordinates those of the world? Then --poses must say where the sensor stood, and "
+    "--points-in-world";
 
 /// Options of `open_input`.
 struct InputOptions {
@@ -41,6 +45,9 @@ struct InputOptions {
   bool points_in_world = false;  ///< The points are in the world frame already; by default they are
                                  ///< in the sensor's.
   bool fit_clock = false;        ///< Put scans whose times were rounded back on a steady clock.
+  std::vector<std::string> columns;  ///< Names of the columns of files that have none.
+  double unit_m = 1;                 ///< Unit of the coordinates, m.
+  double scan_period_s = 0;          ///< Time between scans, s, where their times do not tell it.
 };
 
 /// An open log. Either `beams` is set (every beam has its own origin) or `scans` (points in the
@@ -54,8 +61,10 @@ struct Input {
   std::optional<ScanClock> clock;    ///< Set where the scans have the times of a fitted clock.
   bool compensated = false;          ///< The scans are compensated for the sensor's motion already.
   std::vector<std::string> notes;    ///< Assumptions that the reader made, one line each.
-  std::string provenance;            ///< Provenance JSON; only Underbrush's own logs have one.
-  std::string classes;               ///< Label set of the scans' labels, as in `LogInfo::classes`.
+  /// Returns the assumptions that were made while scans were read; empty where there are none.
+  std::function<std::vector<std::string>()> read_notes;
+  std::string provenance;  ///< Provenance JSON; only Underbrush's own logs have one.
+  std::string classes;     ///< Label set of the scans' labels, as in `LogInfo::classes`.
   /// Returns how many records were left out so far, by reason.
   std::function<std::map<std::string, size_t>()> skipped;
 };

@@ -50,6 +50,7 @@ class BeamReader : public LogReader {
 struct LogWriterOptions {
   bool double_coordinates = true;  ///< Stores end points as double (millimetres at any distance),
                                    ///< else as float.
+  bool limits_from_data = false;   ///< A longer range of a hit raises the log's maximum range.
 };
 
 /// Writes a ray cloud PLY in chunks. Nothing appears at `path` before `close()`.

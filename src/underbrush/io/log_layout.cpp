@@ -148,6 +148,14 @@ class CommentReader {
   std::string provenance_, sensor_file_;
 };
 
+/// Blanks behind a number change nothing in JSON.
+std::string range_text(double range_m, bool padded) {
+  constexpr size_t kWidest = 24;
+  std::string text = compact(range_m);
+  if (padded && text.size() < kWidest) text.resize(kWidest, ' ');
+  return text;
+}
+
 }  // namespace
 
 std::string text_from_comments(const LogComments& comments) {
@@ -155,7 +163,7 @@ std::string text_from_comments(const LogComments& comments) {
   const auto padded = [](bool b) { return b ? "true " : "false"; };
   std::string text = "comment underbrush log {\"sensor\":";
   text += without_traps(compact(info.sensor)) + ",\"min_range_m\":" + compact(info.min_range_m) +
-          ",\"max_range_m\":" + compact(info.max_range_m) +
+          ",\"max_range_m\":" + range_text(info.max_range_m, comments.pad_range) +
           ",\"has_misses\":" + padded(info.has_misses) + ",\"deskewed\":" + padded(info.deskewed) +
           ",\"colours\":" + padded(comments.colours);
   if (!info.classes.empty()) text += ",\"classes\":" + without_traps(compact(info.classes));

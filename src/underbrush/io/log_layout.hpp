@@ -18,8 +18,9 @@ namespace underbrush::io {
 struct LogComments {
   bool ours = false;  ///< Whether Underbrush wrote the file.
   LogInfo info;
-  bool colours = false;  ///< red, green and blue are columns of the log, not a grey derived from
-                         ///< the intensity.
+  bool pad_range = false;  ///< The maximum range has a fixed width, to be overwritten in place.
+  bool colours = false;    ///< red, green and blue are columns of the log, not a grey derived from
+                           ///< the intensity.
   std::string provenance;
   /// Columns that are stored in a wider type than they have in memory.
   std::map<std::string, ValueType> narrow;

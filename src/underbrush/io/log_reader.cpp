@@ -7,6 +7,7 @@
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/io/log_layout.hpp"
+#include "underbrush/io/text.hpp"
 
 namespace underbrush::io {
 namespace {
@@ -38,6 +39,41 @@ enum Fault : uint8_t { kNone, kNotFinite, kZeroLength, kTooLarge };
 
 }  // namespace
 
+namespace {
+
+/// Returns the path. Where its name or content is that of something else, throws `FormatError`,
+/// which says what it is and which verb takes it.
+const std::filesystem::path& checked(const std::filesystem::path& path) {
+  const auto fail = [&](const std::string& reason) {
+    throw FormatError(path.string(), "", reason);
+  };
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) {
+    if (std::filesystem::exists(path / "model.json", error)) {
+      fail(
+          "is a model, expected a log: 'underbrush simulate MODEL --like LOG' makes a log with it");
+    }
+    if (std::filesystem::exists(path / "scene.json", error)) {
+      fail(
+          "is a scene, expected a log: 'underbrush simulate SCENE --like LOG' makes a log with it");
+    }
+    fail("is a folder, expected a log: 'underbrush import FOLDER -o log.ply' makes one of scans");
+  }
+  const std::string extension = lower(path.extension().string());
+  for (const char* mesh : {".obj", ".gltf", ".glb", ".stl"}) {
+    if (extension == mesh) fail("is a mesh, expected a log: 'underbrush simulate' takes meshes");
+  }
+  for (const char* other : {".pcd", ".bin", ".npy", ".npz", ".csv", ".xyz", ".las", ".laz", ".bag",
+                            ".mcap", ".pcap", ".e57"}) {
+    if (extension != other) continue;
+    fail("is not a log of Underbrush: 'underbrush import " + path.filename().string() +
+         " -o log.ply' makes one of it");
+  }
+  return path;
+}
+
+}  // namespace
+
 struct LogReader::State {
   struct Extra {
     Field field;
@@ -45,7 +81,7 @@ struct LogReader::State {
   };
 
   State(const std::filesystem::path& path, size_t chunk)
-      : file(path), header(read_ply_header(file)), chunk_size(std::max<size_t>(chunk, 1)) {
+      : file(checked(path)), header(read_ply_header(file)), chunk_size(std::max<size_t>(chunk, 1)) {
     comments = comments_from_header(file.name(), header);
     check_shape();
     find_columns();
@@ -150,7 +186,7 @@ void LogReader::State::find_columns() {
 // not say.
 void LogReader::State::look_through() {
   const size_t pieces = (rows + kDecodedRows - 1) / kDecodedRows;
-  std::vector<double> longest(pieces, 0);
+  std::vector<double> longest(pieces, 0), shortest(pieces, INFINITY);
   std::vector<uint8_t> misses(pieces, 0);
   parallel_for(rows, kDecodedRows, [&](size_t begin, size_t finish) {
     std::vector<char> bytes((finish - begin) * row_size);
@@ -159,6 +195,9 @@ void LogReader::State::look_through() {
       const double length = Vec3(real(row, ray[0]), real(row, ray[1]), real(row, ray[2])).norm();
       if (!(length < kMaxCoordinate)) continue;
       longest[begin / kDecodedRows] = std::max(longest[begin / kDecodedRows], length);
+      if (length > 0) {
+        shortest[begin / kDecodedRows] = std::min(shortest[begin / kDecodedRows], length);
+      }
       if (alpha && row[alpha->offset] == 0) misses[begin / kDecodedRows] = 1;
     }
   });
@@ -167,6 +206,14 @@ void LogReader::State::look_through() {
   comments.info.deskewed = true;  // every ray has its own origin
   if (!(comments.info.max_range_m > 0)) {
     throw FormatError(file.name(), "element vertex", "no ray has a length");
+  }
+  constexpr size_t kEnough = 20;
+  constexpr double kUnit = 2e-3;  // Normals are written with as few as three decimals.
+  const double least = *std::min_element(shortest.begin(), shortest.end());
+  if (rows >= kEnough && least > 1 - kUnit && comments.info.max_range_m < 1 + kUnit) {
+    throw FormatError(file.name(), "element vertex",
+                      "nx ny nz are all 1 m long: they are normals, not rays to the sensor; "
+                      "--format scan reads the points, with --poses");
   }
 }
 

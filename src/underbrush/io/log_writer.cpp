@@ -63,6 +63,7 @@ struct LogWriter::State {
   size_t row_size = 0, rows = 0, header_size = 0;
   float alpha_scale = 1;
   std::atomic<bool> misses_seen{false};
+  float longest_m = 0;  // of the hits, if the limits come from them
   std::vector<char> buffer;
 };
 
@@ -102,6 +103,7 @@ void LogWriter::State::begin(const BeamLog& first) {
   // Sensors give intensities from 0 to 1 or from 0 to 255; alpha holds 1 to 255.
   const auto brightest = std::max_element(first.intensity.begin(), first.intensity.end());
   alpha_scale = brightest != first.intensity.end() && *brightest <= 1 ? 255 : 1;
+  comments.pad_range = options.limits_from_data;
   const std::string text = header();
   header_size = text.size();
   out.append(text.data(), text.size());
@@ -212,12 +214,18 @@ void LogWriter::write(const BeamLog& chunk) {
     s.out.append(s.buffer.data(), s.buffer.size());
   }
   s.rows += chunk.size();
+  if (!s.options.limits_from_data) return;
+  for (size_t i = 0; i < chunk.size(); ++i) {
+    if (chunk.is_hit(i)) s.longest_m = std::max(s.longest_m, chunk.range_m[i]);
+  }
 }
 
 void LogWriter::close() {
   State& s = *state_;
   require(s.rows > 0, "log: no beams to write");
-  s.comments.info.has_misses = s.comments.info.has_misses || s.misses_seen;
+  LogInfo& info = s.comments.info;
+  info.has_misses = info.has_misses || s.misses_seen;
+  info.max_range_m = std::max(info.max_range_m, std::ceil(double(s.longest_m)));
   const std::string text = s.header();
   s.out.overwrite(0, text.data(), text.size());
   s.out.close();

@@ -9,6 +9,7 @@
 #include "underbrush/io/gltf_mesh.hpp"
 #include "underbrush/io/mesh_readers.hpp"
 #include "underbrush/io/ply.hpp"
+#include "underbrush/io/polygon.hpp"
 #include "underbrush/io/text.hpp"
 
 namespace underbrush::io {
@@ -21,13 +22,30 @@ std::string extension_of(const fs::path& path) {
   return e;
 }
 
+/// Adds the faces of a PLY file; those of more than three corners are cut as polygons.
+void add_polygons(const PlyElement& face, MeshScene& mesh) {
+  const auto* triangle = face.triangles.data();
+  for (const uint32_t n : face.fans) {
+    std::vector<uint32_t> index;
+    std::vector<Vec3> corners;
+    for (uint32_t k = 0; k < n; ++k) {
+      if (k == 0) index = {triangle[0][0], triangle[0][1]};
+      index.push_back(triangle[k][2]);
+    }
+    for (const uint32_t v : index) corners.push_back(mesh.vertices[v]);
+    for (const auto& t : triangles_of_polygon(corners)) {
+      mesh.add({index[t[0]], index[t[1]], index[t[2]]}, {});
+    }
+    triangle += n;
+  }
+}
+
 MeshScene read_ply_scene(const fs::path& path) {
   const PlyData data = read_ply(path);
   const PlyElement* vertex = data.find("vertex");
   const PlyElement* face = data.find("face");
   if (!vertex || !face) throw FormatError(path.string(), "", "no elements vertex and face");
   MeshScene mesh;
-  for (const auto& triangle : face->triangles) mesh.add(triangle, {});
   mesh.vertices.resize(vertex->count);
   const char* names[] = {"x", "y", "z"};
   for (int axis = 0; axis < 3; ++axis) {
@@ -44,13 +62,14 @@ MeshScene read_ply_scene(const fs::path& path) {
       throw FormatError(path.string(), "vertex " + std::to_string(i), "not finite");
     }
   }
-  for (size_t i = 0; i < mesh.triangles.size(); ++i) {
-    for (const uint32_t v : mesh.triangles[i]) {
+  for (size_t i = 0; i < face->triangles.size(); ++i) {
+    for (const uint32_t v : face->triangles[i]) {
       if (v >= mesh.vertices.size()) {
         throw FormatError(path.string(), "triangle " + std::to_string(i), "names no vertex");
       }
     }
   }
+  add_polygons(*face, mesh);
   return mesh;
 }
 

@@ -10,8 +10,8 @@ namespace underbrush::io {
 /// The largest size of a mesh file, bytes.
 inline constexpr uint64_t kMostMeshBytes = uint64_t(1) << 31;
 
-/// Reads v, f, o, g, usemtl and, if `with_materials`, mtllib lines. Polygons become fans. Throws
-/// `FormatError`.
+/// Reads v, f, o, g, usemtl and, if `with_materials`, mtllib lines. Polygons become triangles
+/// (`triangles_of_polygon`). Throws `FormatError`.
 MeshScene read_obj(const std::filesystem::path& path, bool with_materials);
 /// Reads an MTL file: newmtl, helios_reflectance, helios_classification, helios_isGround and
 /// helios_spectra, whose table NAME.txt is looked for beside the MTL file and in the folder spectra

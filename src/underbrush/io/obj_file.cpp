@@ -4,6 +4,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/file.hpp"
 #include "underbrush/io/mesh_readers.hpp"
+#include "underbrush/io/polygon.hpp"
 #include "underbrush/io/text.hpp"
 
 namespace underbrush::io {
@@ -58,13 +59,14 @@ class ObjReader {
   }
 
   void face(const std::vector<std::string_view>& words) {
-    const size_t n = mesh_.vertices.size();
-    const uint32_t first = corner(path_, place_, words[1], n);
-    uint32_t last = corner(path_, place_, words[2], n);
-    for (size_t k = 3; k < words.size(); ++k) {
-      const uint32_t next = corner(path_, place_, words[k], n);
-      mesh_.add({first, last, next}, part_);
-      last = next;
+    std::vector<uint32_t> index;
+    std::vector<Vec3> corners;
+    for (size_t k = 1; k < words.size(); ++k) {
+      index.push_back(corner(path_, place_, words[k], mesh_.vertices.size()));
+      corners.push_back(mesh_.vertices[index.back()]);
+    }
+    for (const auto& t : triangles_of_polygon(corners)) {
+      mesh_.add({index[t[0]], index[t[1]], index[t[2]]}, part_);
     }
   }
 
@@ -170,14 +172,14 @@ class MtlReader {
 }  // namespace
 
 MeshScene read_obj(const fs::path& path, bool with_materials) {
-  const std::string text = read_file(path, kMostMeshBytes);
+  const std::string text = read_text(path, kMostMeshBytes);
   ObjReader reader(path, with_materials);
   for_each_line(text, [&](size_t line, std::string_view content) { reader.take(line, content); });
   return reader.finish();
 }
 
 std::vector<MeshMaterial> read_mtl(const fs::path& path, std::map<std::string, size_t>& left_out) {
-  const std::string text = read_file(path, uint64_t(64) << 20);
+  const std::string text = read_text(path, uint64_t(64) << 20);
   MtlReader reader(path, left_out);
   for_each_line(text, [&](size_t line, std::string_view content) { reader.take(line, content); });
   return reader.finish();
@@ -185,7 +187,7 @@ std::vector<MeshMaterial> read_mtl(const fs::path& path, std::map<std::string, s
 
 std::vector<std::pair<double, double>> read_spectrum(const fs::path& path) {
   constexpr size_t kHeader = 26;  // lines
-  const std::string text = read_file(path, uint64_t(16) << 20);
+  const std::string text = read_text(path, uint64_t(16) << 20);
   std::vector<std::pair<double, double>> pairs;
   for_each_line(text, [&](size_t line, std::string_view content) {
     const auto words = words_of(content);

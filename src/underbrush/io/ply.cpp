@@ -121,6 +121,7 @@ void read_faces(Body& body, const PlyProperty& list, PlyElement& out) {
     if (k >= 2) out.triangles.push_back({first, previous, index});
     previous = index;
   }
+  out.fans.push_back(n < 2 ? 0 : uint32_t(n - 2));
 }
 
 void skip_list(Body& body, const PlyProperty& list) {

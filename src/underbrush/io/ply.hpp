@@ -13,13 +13,14 @@
 namespace underbrush::io {
 
 /// An element of a PLY file. `columns` keeps the file's order and types. A list property
-/// `vertex_indices` (or `vertex_index`) becomes `triangles`, with polygons split into fans; other
-/// lists are skipped.
+/// `vertex_indices` (or `vertex_index`) becomes `triangles`, with polygons split into fans, whose
+/// numbers of triangles are `fans`; other lists are skipped.
 struct PlyElement {
   std::string name;
   size_t count = 0;
   std::vector<std::pair<std::string, ExtraColumn>> columns;
   std::vector<std::array<uint32_t, 3>> triangles;
+  std::vector<uint32_t> fans;  ///< One for each row that has such a list.
 
   /// Returns the column of that name, or nullptr.
   const ExtraColumn* find(const std::string& column) const;

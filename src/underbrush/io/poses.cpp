@@ -6,6 +6,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/file.hpp"
 #include "underbrush/io/log_layout.hpp"
+#include "underbrush/io/pose_columns.hpp"
 #include "underbrush/io/text.hpp"
 
 namespace underbrush::io {
@@ -36,12 +37,76 @@ bool is_near_enough(const Vec3& position) {
   return position.allFinite() && position.cwiseAbs().maxCoeff() < kMaxCoordinate;
 }
 
-std::optional<Pose> pose_from_tum(const double* v) {
-  Pose pose{{v[6], v[3], v[4], v[5]}, {v[0], v[1], v[2]}};
+/// The pose of a row; its columns are those of time, position x y z and quaternion x y z w.
+std::optional<Pose> pose_from_tum(const std::vector<double>& v, const PoseColumns& at) {
+  Pose pose{{v[at[7]], v[at[4]], v[at[5]], v[at[6]]}, {v[at[1]], v[at[2]], v[at[3]]}};
   if (!(std::abs(pose.rotation.norm() - 1) < kRotationError)) return std::nullopt;
   if (!is_near_enough(pose.translation)) return std::nullopt;
   pose.rotation.normalize();
   return pose;
+}
+
+/// Dates from 2001 on in ms, µs or ns become s.
+void use_seconds(std::vector<double>& times, std::vector<std::string>& notes) {
+  if (times.empty()) return;
+  const auto [low, high] = std::minmax_element(times.begin(), times.end());
+  for (const auto& [name, unit] : {std::pair("ms", 1e-3), {"µs", 1e-6}, {"ns", 1e-9}}) {
+    if (!(*low * unit > 1e9 && *high * unit < 4.2e9)) continue;
+    for (double& t : times) t *= unit;
+    notes.push_back(std::string("the times of the poses are taken to be ") + name + " since 1970");
+    return;
+  }
+}
+
+/// Reads the rows of a file of poses with quaternions.
+PoseList quaternion_poses(const fs::path& path, const NumberRows& numbers,
+                          const PoseColumns& columns) {
+  PoseList out;
+  for (size_t i = 0; i < numbers.rows.size(); ++i) {
+    const auto& row = numbers.rows[i];
+    const auto fail = [&](const std::string& reason) {
+      throw FormatError(path.string(), "line " + std::to_string(numbers.line[i]), reason);
+    };
+    if (row.size() != numbers.rows[0].size()) fail("the number of columns changes");
+    const std::optional<Pose> pose = pose_from_tum(row, columns);
+    if (!is_near_enough({row[columns[1]], row[columns[2]], row[columns[3]]})) fail(kTooFar);
+    if (!pose) fail("the quaternion's length is not 1");
+    out.pose.push_back(*pose);
+    out.time_s.push_back(row[columns[0]]);
+  }
+  return out;
+}
+
+/// Reads the rows of a file of poses with matrices, which may have a time before them.
+PoseList matrix_poses(const fs::path& path, const NumberRows& numbers) {
+  PoseList out;
+  out.numbered = numbers.rows[0].size() == 13;
+  for (size_t i = 0; i < numbers.rows.size(); ++i) {
+    const auto& row = numbers.rows[i];
+    const auto fail = [&](const std::string& reason) {
+      throw FormatError(path.string(), "line " + std::to_string(numbers.line[i]), reason);
+    };
+    if (row.size() != numbers.rows[0].size()) fail("the number of columns changes");
+    std::array<double, 12> rows{};
+    std::copy_n(row.end() - 12, 12, rows.begin());
+    const std::optional<Pose> pose = pose_from_rows(rows);
+    if (!pose) fail("not a rotation, or a position beyond 67 108 km");
+    out.pose.push_back(*pose);
+    if (row.size() == 13) out.time_s.push_back(row[0]);
+    out.numbered = out.numbered && row[0] >= 0 && row[0] < 1e7 && row[0] == std::floor(row[0]);
+  }
+  return out;
+}
+
+/// The order of the columns by the lines above the rows, where each has a place in a row.
+std::optional<PoseColumns> named_columns(const NumberRows& numbers) {
+  for (const std::string& head : numbers.heads) {
+    const std::optional<PoseColumns> columns = pose_columns_of(head);
+    if (!columns) continue;
+    const size_t last = *std::max_element(columns->begin(), columns->end());
+    if (last < numbers.rows[0].size()) return columns;
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -60,32 +125,23 @@ std::optional<Pose> pose_from_rows(const std::array<double, 12>& rows) {
 }
 
 PoseList read_poses(const fs::path& path) {
+  constexpr PoseColumns kTum{0, 1, 2, 3, 4, 5, 6, 7};
   const NumberRows numbers = read_numbers(path);
-  PoseList out;
-  for (size_t i = 0; i < numbers.rows.size(); ++i) {
-    const auto& row = numbers.rows[i];
-    const auto fail = [&](const std::string& reason) {
-      throw FormatError(path.string(), "line " + std::to_string(numbers.line[i]), reason);
-    };
-    const size_t n = row.size();
-    if (n != 8 && n != 12 && n != 13) {
-      fail("expected 8 (TUM), 12 (KITTI) or 13 numbers, found " + std::to_string(n));
-    }
-    if (n != numbers.rows[0].size()) fail("the number of columns changes");
-    std::optional<Pose> pose;
-    if (n == 8) {
-      pose = pose_from_tum(&row[1]);
-      if (!is_near_enough({row[1], row[2], row[3]})) fail(kTooFar);
-      if (!pose) fail("the quaternion's length is not 1");
-    } else {
-      std::array<double, 12> rows{};
-      std::copy_n(row.end() - 12, 12, rows.begin());
-      pose = pose_from_rows(rows);
-      if (!pose) fail("not a rotation, or a position beyond 67 108 km");
-    }
-    out.pose.push_back(*pose);
-    if (n != 12) out.time_s.push_back(row[0]);
+  const std::optional<PoseColumns> named = named_columns(numbers);
+  const size_t n = numbers.rows[0].size();
+  if (!named && n != 8 && n != 12 && n != 13) {
+    throw FormatError(path.string(), "line " + std::to_string(numbers.line[0]),
+                      "expected 8 (TUM), 12 (KITTI) or 13 numbers, found " + std::to_string(n));
   }
+  const bool quaternions = named || n == 8;
+  PoseList out = quaternions ? quaternion_poses(path, numbers, named.value_or(kTum))
+                             : matrix_poses(path, numbers);
+  if (named && *named != kTum) {
+    const bool first = (*named)[7] < (*named)[4];
+    out.notes.push_back(first ? "the poses' quaternions are qw qx qy qz, as their header says"
+                              : "the poses' columns are in the order that their header says");
+  }
+  use_seconds(out.time_s, out.notes);
   check_unique(path, out.time_s);
   return out;
 }
@@ -117,7 +173,7 @@ std::vector<double> read_times(const fs::path& path) {
 }
 
 std::vector<double> read_dates(const fs::path& path) {
-  const std::string text = read_file(path, uint64_t(1) << 30);
+  const std::string text = read_text(path, uint64_t(1) << 30);
   std::vector<double> times;
   for_each_line(text, [&](size_t, std::string_view line) {
     if (words_of(line).empty()) return;
@@ -134,7 +190,7 @@ std::vector<double> read_dates(const fs::path& path) {
 
 std::optional<std::vector<double>> read_calibration(const fs::path& path, const std::string& key) {
   if (!fs::exists(path)) return std::nullopt;
-  const std::string text = read_file(path, 1 << 20);
+  const std::string text = read_text(path, 1 << 20);
   for (size_t at = 0; at < text.size();) {
     const size_t end = std::min(text.find('\n', at), text.size());
     const auto words = words_of(std::string_view(text).substr(at, end - at));

@@ -8,6 +8,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/file.hpp"
 #include "underbrush/io/ply_header.hpp"
+#include "underbrush/io/point_times.hpp"
 #include "underbrush/io/table.hpp"
 #include "underbrush/io/text.hpp"
 
@@ -48,14 +49,19 @@ void add_labels(const fs::path& path, PointScan& scan) {
   scan.extra["instance"] = std::move(instance);
 }
 
+constexpr const char* kEmptyScans = "empty scans: files without a point";
+
 class ScanFolder : public ScanSource {
  public:
   ScanFolder(std::vector<ScanFile> files, std::vector<ScanInfo> infos, Trajectory trajectory,
-             bool in_world)
+             const ScanPlacing& how, double period_s)
       : files_(std::move(files)),
         infos_(std::move(infos)),
         trajectory_(std::move(trajectory)),
-        points_in_world_(in_world) {}
+        columns_(how.columns),
+        points_in_world_(how.points_in_world),
+        unit_m_(how.unit_m),
+        times_(period_s) {}
 
   size_t size() const override { return files_.size(); }
   const Trajectory& trajectory() const override { return trajectory_; }
@@ -63,29 +69,53 @@ class ScanFolder : public ScanSource {
   PointScan read(size_t k) override {
     require(k < files_.size(), "scan: no such scan");
     const ScanFile& file = files_[k];
-    PointScan scan = scan_from_table(file.path.string(), read_table(file.path),
-                                     {infos_[k], points_in_world_}, skipped_);
+    Table table = read_table(file.path, columns_);
+    if (table.size() == 0 && files_.size() > 1) {
+      ++skipped_[kEmptyScans];
+      PointScan none;
+      none.info = infos_[k];
+      return none;
+    }
+    if (notes_.empty()) notes_ = table.notes;
+    keep_bin_columns(file.path, table);
+    PointScan scan = scan_from_table(file.path.string(), std::move(table),
+                                     {infos_[k], points_in_world_, unit_m_, &times_}, skipped_);
     if (!file.labels.empty()) add_labels(file.labels, scan);
     check_columns(file.path, scan);
     return scan;
   }
+  std::vector<std::string> notes() const {
+    std::vector<std::string> all = notes_;
+    if (!times_.note().empty()) all.push_back(times_.note());
+    return all;
+  }
 
  private:
+  // The first .bin file tells the columns of all.
+  void keep_bin_columns(const fs::path& path, const Table& table) {
+    if (!columns_.empty() || path.extension() != ".bin") return;
+    for (const auto& [name, column] : table.columns) columns_.push_back(name);
+  }
+
   // All scans of a log must carry the same columns.
   void check_columns(const fs::path& path, const PointScan& scan) {
     std::map<std::string, ValueType> columns;
     for (const auto& [name, column] : scan.extra) columns[name] = type_of(column);
-    if (!columns_) columns_ = columns;
-    if (columns == *columns_) return;
+    if (!first_columns_) first_columns_ = columns;
+    if (columns == *first_columns_) return;
     throw FormatError(path.string(), "header", "other columns than the scans before it");
   }
 
   std::vector<ScanFile> files_;
   /// Columns of the first scan that was read.
-  std::optional<std::map<std::string, ValueType>> columns_;
+  std::optional<std::map<std::string, ValueType>> first_columns_;
   std::vector<ScanInfo> infos_;
   Trajectory trajectory_;
+  std::vector<std::string> columns_;  // Names for files that have none.
   bool points_in_world_;
+  double unit_m_;
+  PointTimes times_;
+  std::vector<std::string> notes_;
   std::map<std::string, size_t> skipped_;
 };
 
@@ -94,7 +124,9 @@ class Placer {
  public:
   Placer(const std::vector<ScanFile>& files, const ScanPlacing& placing, Input& input)
       : files_(files), placing_(placing), input_(input) {
-    const PoseList& poses = placing.poses;
+    poses_ = placing.poses;
+    PoseList& poses = poses_;
+    if (poses.numbered && !placing.times.empty()) times_of_frames(poses);
     timed_ = !poses.time_s.empty();
     by_order_ = timed_ && placing.times.empty() && poses.pose.size() == files.size() &&
                 std::none_of(files.begin(), files.end(), [](const auto& f) { return f.time_s; });
@@ -118,23 +150,38 @@ class Placer {
 
   Trajectory trajectory;
 
+  /// The usual time between scans, s; without times the one that is given.
+  double period() const {
+    std::vector<double> times = by_order_ ? poses_.time_s : placing_.times;
+    if (times.empty() && timed_) {
+      for (const ScanFile& file : files_) times.push_back(file.time_s.value_or(NAN));
+    }
+    std::vector<double> steps;
+    for (size_t i = 1; i < times.size(); ++i) {
+      if (times[i] > times[i - 1]) steps.push_back(times[i] - times[i - 1]);
+    }
+    if (steps.empty()) return placing_.period_s;
+    std::nth_element(steps.begin(), steps.begin() + long(steps.size() / 2), steps.end());
+    return steps[steps.size() / 2];
+  }
+
   ScanInfo place(size_t k) const {
     const ScanFile& file = files_[k];
     const std::string name = file.path.filename().string();
     if (!timed_) {
-      if (file.frame >= placing_.poses.pose.size()) {
+      if (file.frame >= poses_.pose.size()) {
         throw FormatError(placing_.poses_name, "row " + std::to_string(file.frame + 1),
                           "no pose for scan " + name);
       }
       const double time = on_clock(time_of_frame(file.frame));
       if (!input_.clock || input_.clock->poses_follow) {
-        return {file.frame, time, placing_.poses.pose[file.frame]};
+        return {file.frame, time, poses_.pose[file.frame]};
       }
       return {file.frame, time, pose_at(time, name)};
     }
     double time = 0;
     if (by_order_) {
-      time = placing_.poses.time_s[k];
+      time = poses_.time_s[k];
     } else if (!placing_.times.empty()) {
       time = time_of_frame(file.frame);
     } else if (file.time_s) {
@@ -155,9 +202,18 @@ class Placer {
                       "no pose for scan " + scan);
   }
 
+  // Poses whose first column has the numbers of the scans get the times of these.
+  void times_of_frames(PoseList& poses) {
+    const std::vector<double>& times = placing_.times;
+    const auto [low, high] = std::minmax_element(poses.time_s.begin(), poses.time_s.end());
+    if (*low <= times.back() && *high >= times.front()) return;  // They are times.
+    for (double& t : poses.time_s) t = time_of_frame(size_t(t));
+    input_.notes.push_back("the first column of the poses is taken for the numbers of the scans");
+  }
+
   // Fits a clock to the times of the scans, and gives its times to the poses if they follow it.
   void fit_clock(std::vector<StampedPose>& poses) {
-    given_ = by_order_ ? placing_.poses.time_s : placing_.times;
+    given_ = by_order_ ? poses_.time_s : placing_.times;
     if (given_.empty()) {
       for (const ScanFile& file : files_) given_.push_back(file.time_s.value_or(0));
     }
@@ -192,6 +248,7 @@ class Placer {
   const std::vector<ScanFile>& files_;
   const ScanPlacing& placing_;
   Input& input_;
+  PoseList poses_;
   std::vector<double> given_;  // the times of all scans, ascending, if there is a clock
   bool timed_ = false, by_order_ = false;
 };
@@ -212,7 +269,8 @@ std::vector<ScanFile> list_scans(const fs::path& folder) {
   std::vector<ScanFile> files;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
-    const std::string ext = entry.path().extension().string();
+    if (entry.path().filename().string().starts_with('.')) continue;
+    const std::string ext = lower(entry.path().extension().string());
     if (ext == ".ply" || ext == ".pcd" || ext == ".bin" || ext == ".npy" || ext == ".npz") {
       files.push_back(scan_file(entry.path()));
     }
@@ -248,9 +306,11 @@ void place_scans(std::vector<ScanFile> files, const ScanPlacing& placing, Input&
     selected.push_back(files[k]);
   }
   require(!selected.empty(), "no scan is within the selected frames");
+  input.notes.insert(input.notes.end(), placing.poses.notes.begin(), placing.poses.notes.end());
   auto source = std::make_unique<ScanFolder>(std::move(selected), input.scan_infos,
-                                             placer.trajectory, placing.points_in_world);
+                                             placer.trajectory, placing, placer.period());
   input.skipped = [raw = source.get()] { return raw->skipped(); };
+  input.read_notes = [raw = source.get()] { return raw->notes(); };
   input.scans = std::move(source);
 }
 

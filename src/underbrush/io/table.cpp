@@ -1,7 +1,6 @@
 #include "underbrush/io/table.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 
 #include "underbrush/core/check.hpp"
@@ -9,21 +8,17 @@
 #include "underbrush/io/input.hpp"
 #include "underbrush/io/ply.hpp"
 #include "underbrush/io/ply_header.hpp"
+#include "underbrush/io/point_times.hpp"
+#include "underbrush/io/text.hpp"
 
 namespace underbrush::io {
 namespace {
 
-constexpr double kFarthest = 1e6;       // m from the sensor
-constexpr double kNearest = 1e-5;       // m; nearer points have no direction
-constexpr double kLongestOffset = 100;  // s; a larger time is not an offset within a scan
+constexpr double kFarthest = 1e6;  // m from the sensor
+constexpr double kNearest = 1e-5;  // m; nearer points have no direction
 
 std::string without_prefix(const std::string& name) {
   return name.rfind("scalar_", 0) == 0 ? name.substr(7) : name;
-}
-
-std::string lower(std::string text) {
-  for (char& c : text) c = char(std::tolower(uint8_t(c)));
-  return text;
 }
 
 using Column = std::pair<std::string, ExtraColumn>;
@@ -39,12 +34,33 @@ std::optional<ExtraColumn> take(Table& table, const std::vector<std::string>& na
   return out;
 }
 
+/// Points whose distance is many times their extent were measured from elsewhere.
+void check_around_sensor(const std::string& file, const std::vector<Vec3f>& points) {
+  constexpr float kLeastFar = 300, kExtent = 0.3f;  // m; of the distance
+  constexpr size_t kEnough = 20;
+  Vec3f low = Vec3f::Constant(INFINITY), high = -low;
+  float nearest = INFINITY;
+  size_t n = 0;
+  for (const Vec3f& p : points) {
+    if (!p.allFinite() || p.isZero()) continue;
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+    nearest = std::min(nearest, p.norm());
+    ++n;
+  }
+  if (n < kEnough || nearest < kLeastFar || (high - low).norm() > kExtent * nearest) return;
+  throw FormatError(file, "",
+                    "its points lie " + std::to_string(int(nearest)) + " m and more from the " +
+                        "sensor but only " + std::to_string(int((high - low).norm())) +
+                        " m apart; " + kWorldCoordinates);
+}
+
 void fill_points(const std::string& file, Table& table, const ScanContext& context, PointScan& scan,
                  std::map<std::string, size_t>& skipped) {
   std::array<std::vector<double>, 3> xyz;
   for (int c = 0; c < 3; ++c) {
-    const std::string name(1, char('x' + c));
-    const auto column = take(table, {name});
+    const std::string name(1, char('x' + c)), number = std::to_string(c);
+    const auto column = take(table, {name, "points_m_xyz:" + number, "points:" + number});
     if (!column) throw FormatError(file, "header", "no column '" + name + "'");
     xyz[size_t(c)] = doubles_of(*column);
   }
@@ -53,7 +69,7 @@ void fill_points(const std::string& file, Table& table, const ScanContext& conte
   size_t absurd = 0;
   scan.point.resize(n);
   for (size_t i = 0; i < n; ++i) {
-    Vec3 p(xyz[0][i], xyz[1][i], xyz[2][i]);
+    Vec3 p = context.unit_m * Vec3(xyz[0][i], xyz[1][i], xyz[2][i]);
     if (context.points_in_world) p = sensor_from_world * p;
     if (p.allFinite() && p.cwiseAbs().maxCoeff() > kFarthest) {
       ++absurd;
@@ -64,30 +80,22 @@ void fill_points(const std::string& file, Table& table, const ScanContext& conte
     scan.point[i] = p.cast<float>();
   }
   if (absurd) skipped[kFarFromSensor] += absurd;
+  if (!context.points_in_world) check_around_sensor(file, scan.point);
 }
 
-void fill_times(Table& table, PointScan& scan) {
-  const auto column = take(table, {"t", "time", "timestamp", "time_stamp", "stamp", "time_offset",
-                                   "timeoffset", "gps_time", "gpstime"});
-  if (!column) return;
-  scan.time_s = doubles_of(*column);
-  double largest = 0;
-  if (type_of(*column) < ValueType::kF32) {
-    for (double& t : scan.time_s) t *= 1e-9;
-  }
-  for (const double t : scan.time_s) {
-    if (std::isfinite(t)) largest = std::max(largest, std::abs(t));
-  }
-  // A 64-bit count of nanoseconds was read as double.
-  if (largest > 1e15) {
-    for (double& t : scan.time_s) t *= 1e-9;
-  }
-  if (largest > kLongestOffset) return;
-  for (double& t : scan.time_s) t += scan.info.time_s;
+void fill_times(const std::string& file, Table& table, const ScanContext& context,
+                PointScan& scan) {
+  const std::string name = table.name_of(time_names());
+  if (name.empty()) return;
+  const auto column = take(table, {name});
+  PointTimes own;
+  PointTimes& times = context.times ? *context.times : own;
+  scan.time_s = times.seconds(file, name, *column, scan.info.time_s);
 }
 
 void fill_rings(Table& table, PointScan& scan) {
-  const ExtraColumn* column = table.find({"ring", "row", "channel"});
+  static const std::vector<std::string> kNames{"ring", "row", "channel", "laser_id"};
+  const ExtraColumn* column = table.find(kNames);
   if (!column) return;
   const std::vector<double> values = doubles_of(*column);
   const bool whole = std::all_of(values.begin(), values.end(), [](double v) {
@@ -95,7 +103,7 @@ void fill_rings(Table& table, PointScan& scan) {
   });
   if (!whole) return;  // The column means something else and stays an extra column.
   scan.ring.assign(values.begin(), values.end());
-  take(table, {"ring", "row", "channel"});
+  take(table, kNames);
 }
 
 }  // namespace
@@ -111,27 +119,15 @@ const ExtraColumn* Table::find(const std::vector<std::string>& names) const {
   return nullptr;
 }
 
-std::vector<double> doubles_of(const ExtraColumn& column) {
-  return std::visit([](const auto& c) { return std::vector<double>(c.begin(), c.end()); }, column);
+std::string Table::name_of(const std::vector<std::string>& names) const {
+  for (const std::string& name : names) {
+    if (find({name})) return name;
+  }
+  return "";
 }
 
-Table read_kitti_bin(const std::filesystem::path& path) {
-  const std::string bytes = read_file(path);
-  constexpr size_t kRow = 16;
-  if (bytes.size() % kRow != 0) {
-    throw FormatError(path.string(), "byte " + std::to_string(bytes.size() / kRow * kRow),
-                      "a point is 16 bytes, the file ends inside one: truncated");
-  }
-  Table table;
-  for (size_t c = 0; c < 4; ++c) {
-    constexpr const char* kNames[] = {"x", "y", "z", "intensity"};
-    std::vector<float> column(bytes.size() / kRow);
-    for (size_t i = 0; i < column.size(); ++i) {
-      column[i] = load<float>(bytes.data() + i * kRow + 4 * c);
-    }
-    table.columns.emplace_back(kNames[c], std::move(column));
-  }
-  return table;
+std::vector<double> doubles_of(const ExtraColumn& column) {
+  return std::visit([](const auto& c) { return std::vector<double>(c.begin(), c.end()); }, column);
 }
 
 bool is_table_file(const std::filesystem::path& path) {
@@ -142,12 +138,12 @@ bool is_table_file(const std::filesystem::path& path) {
   return false;
 }
 
-Table read_table(const std::filesystem::path& path) {
+Table read_table(const std::filesystem::path& path, const std::vector<std::string>& names) {
   const std::string ext = lower(path.extension().string());
   if (ext == ".pcd") return read_pcd(path);
-  if (ext == ".bin") return read_kitti_bin(path);
+  if (ext == ".bin") return read_bin(path, names);
   if (ext == ".npy" || ext == ".npz") return read_numpy(path);
-  if (ext == ".csv" || ext == ".txt" || ext == ".xyz") return read_csv(path);
+  if (ext == ".csv" || ext == ".txt" || ext == ".xyz") return read_csv(path, names);
   if (ext != ".ply") {
     const bool recording = ext == ".bag" || ext == ".db3" || ext == ".mcap";
     const bool las = ext == ".las" || ext == ".laz";
@@ -160,7 +156,7 @@ Table read_table(const std::filesystem::path& path) {
   }
   PlyData data = read_ply(path);
   for (PlyElement& element : data.elements) {
-    if (element.name == "vertex") return {std::move(element.columns), std::nullopt};
+    if (element.name == "vertex") return {std::move(element.columns), {}, {}};
   }
   throw FormatError(path.string(), "header", "no element 'vertex'");
 }
@@ -171,7 +167,7 @@ PointScan scan_from_table(const std::string& file, Table table, const ScanContex
   scan.info = context.info;
   if (table.size() == 0) throw FormatError(file, "", "an empty scan: no points");
   fill_points(file, table, context, scan, skipped);
-  fill_times(table, scan);
+  fill_times(file, table, context, scan);
   fill_rings(table, scan);
   scan.intensity.assign(scan.size(), 0);
   if (const auto column = take(table, {"intensity", "remission", "i"})) {

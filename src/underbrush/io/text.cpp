@@ -12,6 +12,13 @@ namespace {
 constexpr uint64_t kMaxText = uint64_t(1) << 31;
 }
 
+std::string lower(std::string text) {
+  for (char& c : text) {
+    if (c >= 'A' && c <= 'Z') c = char(c + 32);
+  }
+  return text;
+}
+
 std::vector<std::string_view> words_of(std::string_view line) {
   constexpr std::string_view kSpace = " \t\r\v\f";
   std::vector<std::string_view> words;
@@ -32,17 +39,29 @@ std::optional<double> number_of(std::string_view word) {
   return value;
 }
 
+std::string read_text(const std::filesystem::path& path, uint64_t limit) {
+  std::string text = read_file(path, limit);
+  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) {
+    throw FormatError(path.string(), "byte 0", "is text in UTF-16: save it as UTF-8");
+  }
+  if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);
+  return text;
+}
+
 NumberRows read_numbers(const std::filesystem::path& path) {
-  std::string text = read_file(path, kMaxText);
+  std::string text = read_text(path, kMaxText);
   for (char& c : text) {
-    if (c == ',') c = ' ';
+    if (c == ',' || c == ';') c = ' ';
   }
   NumberRows out;
   for_each_line(text, [&](size_t line, std::string_view content) {
     const auto words = words_of(content);
-    if (words.empty() || words[0][0] == '#') return;
     // The first line may be a header.
-    if (out.rows.empty() && line == 1 && !number_of(words[0])) return;
+    const bool named = out.rows.empty() && line == 1 && !words.empty() && !number_of(words[0]);
+    if (words.empty() || words[0][0] == '#' || named) {
+      if (out.rows.empty()) out.heads.emplace_back(content);
+      return;
+    }
     std::vector<double> row;
     for (const auto& word : words) {
       const auto value = number_of(word);

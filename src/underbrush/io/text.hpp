@@ -10,6 +10,8 @@
 
 namespace underbrush::io {
 
+/// Returns the text with the letters A to Z as small ones.
+std::string lower(std::string text);
 /// Splits a line into words at spaces and tabs, without a carriage return at its end.
 std::vector<std::string_view> words_of(std::string_view line);
 /// Parses the whole word as a number (nan and inf are numbers); nothing if it is none.
@@ -27,11 +29,16 @@ void for_each_line(std::string_view text, F f) {
   }
 }
 
+/// Reads a whole text file, without the byte order mark that Windows editors put before UTF-8.
+/// Throws `FormatError`, also for UTF-16, and where it is longer than `limit` bytes.
+std::string read_text(const std::filesystem::path& path, uint64_t limit);
+
 /// Rows of numbers in a text file, separated by spaces, tabs or commas. Empty lines and lines that
 /// begin with # are left out, as is a first line that does not begin with a number.
 struct NumberRows {
   std::vector<std::vector<double>> rows;
-  std::vector<size_t> line;  ///< Line number of each row, from 1.
+  std::vector<size_t> line;        ///< Line number of each row, from 1.
+  std::vector<std::string> heads;  ///< The comments and names above the first row.
 };
 /// Reads a text file of numbers. Throws `FormatError` where a word is not a finite number.
 NumberRows read_numbers(const std::filesystem::path& path);

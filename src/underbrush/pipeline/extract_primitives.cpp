@@ -21,11 +21,11 @@ std::span<const Option<ExtractOptions>> extract_options() {
      "Leave out ellipsoids at which a smaller share of the beams that met them ended",
      [](O& o) -> auto& { return o.cut.free_space_below; }, 0, 1},
     {"patch-cell", "More options", "m", "Side of the cells that patches of shrubs are cut into",
-     [](O& o) -> auto& { return o.cut.measure.cell_m; }, kPositive, kNoLimit},
+     [](O& o) -> auto& { return o.cut.measure.cell_m; }, 0.05, 1000},
     {"min-elements", "More options", "", "Leave out objects and cells with fewer elements",
-     [](O& o) -> auto& { return o.cut.min_elements; }, 1, kNoLimit},
+     [](O& o) -> auto& { return o.cut.min_elements; }, 1, 1e6},
     {"min-points", "More options", "", "Leave out objects and cells with fewer points",
-     [](O& o) -> auto& { return o.cut.measure.min_points; }, 1, kNoLimit},
+     [](O& o) -> auto& { return o.cut.measure.min_points; }, 1, 1e6},
   };
 // clang-format on
 return kOptions;

@@ -1,6 +1,7 @@
 #include "underbrush/pipeline/fit_model.hpp"
 
 #include <chrono>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "underbrush/core/check.hpp"
@@ -47,6 +48,30 @@ auto on_log(const FitLog& log, const Work& work) {
   } catch (const DataError& e) {
     if (log.file.empty()) throw;
     throw FormatError(log.file.string(), "", e.what());
+  }
+}
+
+/// Warns of a refinement that changed nothing, and of a grain that is not a number.
+void warn_of_nothing_learnt(fit::FitReport& report) {
+  size_t tried = 0, accepted = 0;
+  for (const likelihood::LikelihoodStep& step : report.likelihood.steps) {
+    if (step.name == "start") continue;
+    ++tried;
+    accepted += step.accepted;
+  }
+  constexpr size_t kFewBeams = 10000;
+  if (tried > 0 && accepted == 0) {
+    const bool few = report.likelihood.training_beams < kFewBeams;
+    report.warnings.push_back(
+        "every step of the fit was undone, because none made the held-out beams likelier: the "
+        "model is that of its start (" +
+        std::string(few ? "the log has few beams" : "check poses, ranges and misses of the log") +
+        ")");
+  }
+  if (!std::isfinite(report.grain.real_m) || !std::isfinite(report.grain.simulated_m)) {
+    report.warnings.push_back(
+        "the roughness of the log is not a number, so no grain was learnt: no neighbouring beams "
+        "returned within its ranges");
   }
 }
 
@@ -124,6 +149,7 @@ FittedModel fit_model(const FitLog& log, const fit::FitOptions& options,
   FittedModel out;
   out.model = std::move(fitted.model);
   out.report = std::move(fitted.report);
+  warn_of_nothing_learnt(out.report);
   out.training = {
       options, bool(options.volumetric.mixture.footprint), {}, std::move(fitted.record)};
   if (provenance) {

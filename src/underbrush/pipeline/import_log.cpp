@@ -6,6 +6,8 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/input.hpp"
+#include "underbrush/io/text.hpp"
+#include "underbrush/pipeline/import_checks.hpp"
 #include "underbrush/pipeline/row_filter.hpp"
 #include "underbrush/sensor/pulse_returns.hpp"
 
@@ -23,6 +25,18 @@ sensor::Sensor spinning_sensor(const std::string& option, const std::string& nam
   throw std::invalid_argument("import: " + in_quotes(name) + ": " + reason);
 }
 
+double unit_of(const std::string& name) {
+  return name == "mm" ? 1e-3 : name == "cm" ? 1e-2 : name == "ft" ? 0.3048 : 1;
+}
+
+std::vector<std::string> names_of(std::string text) {
+  std::vector<std::string> names;
+  std::replace(text.begin(), text.end(), ',', ' ');
+  for (const std::string_view word : io::words_of(text))
+    names.push_back(io::lower(std::string(word)));
+  return names;
+}
+
 io::InputOptions input_options(const ImportOptions& o) {
   io::InputOptions out;
   out.format = o.format;
@@ -32,6 +46,9 @@ io::InputOptions input_options(const ImportOptions& o) {
   out.points_in_world = o.points_in_world;
   if (!o.frames.empty()) out.frames = io::frames_from_text(o.frames);
   out.fit_clock = !o.deskew.empty() && !o.times_as_given;
+  out.columns = names_of(o.columns);
+  out.unit_m = unit_of(o.unit);
+  if (!o.deskew.empty()) out.scan_period_s = 1 / spinning_sensor("--deskew", o.deskew).rate_hz;
   return out;
 }
 
@@ -109,10 +126,22 @@ BeamLog beams_with_echoes(const PointScan& scan, const Trajectory& path,
 using Write = std::function<void(const BeamLog&)>;
 using Progress = std::function<void(size_t, size_t)>;
 
-void import_scans(const RowFilter& keep, io::Input& input, const sensor::BeamOptions& options,
-                  const Write& write, const Progress& progress, ImportReport& report) {
+/// Holds the first scan against the sensors that options name.
+void check_first(const std::string& source, const PointScan& scan,
+                 const sensor::BeamOptions& options, ImportReport& report) {
+  if (options.deskew) check_sensor_of(source, "--deskew", scan, *options.deskew);
+  if (options.infer_misses) check_sensor_of(source, "--infer-misses", scan, *options.infer_misses);
+  const std::string far = warning_of_ranges(scan);
+  if (!far.empty()) report.warnings.push_back(far);
+}
+
+void import_scans(const std::string& source, const RowFilter& keep, io::Input& input,
+                  const sensor::BeamOptions& options, const Write& write, const Progress& progress,
+                  ImportReport& report) {
   for (size_t k = 0; k < input.scans->size(); ++k) {
     PointScan scan = input.scans->read(k);
+    if (scan.size() == 0) continue;
+    if (report.scans == 0) check_first(source, scan, options, report);
     keep.apply(scan, report.beam.skipped);
     const Trajectory& path = input.scans->trajectory();
     const size_t later = report.later_returns;
@@ -177,21 +206,19 @@ std::string nothing_usable(const ImportReport& report, bool points_in_world) {
     separator = ", ";
   }
   if (report.skipped.count(io::kFarFromSensor) && !points_in_world) {
-    text +=
-        "; are its coordinates those of the world? Then --poses must say where the sensor stood, "
-        "and --points-in-world";
+    text += std::string("; ") + io::kWorldCoordinates;
   }
   return text;
 }
 
-std::vector<std::string> warnings_of(const ImportReport& report) {
+void warn_of_misses(ImportReport& report) {
   const auto lost = report.skipped.find(sensor::kNoGrid);
-  if (lost == report.skipped.end()) return {};
+  if (lost == report.skipped.end()) return;
   const size_t recorded = report.beam.misses_recorded + lost->second;
-  if (double(lost->second) <= kFewMisses * double(recorded)) return {};
-  return {std::to_string(lost->second) + " of " + std::to_string(recorded) +
-          " recorded misses are lost (" + sensor::kNoGrid +
-          "): a model fitted to this log takes plants for denser than they are"};
+  if (double(lost->second) <= kFewMisses * double(recorded)) return;
+  report.warnings.push_back(std::to_string(lost->second) + " of " + std::to_string(recorded) +
+                            " recorded misses are lost (" + sensor::kNoGrid +
+                            "): a model fitted to this log takes plants for denser than they are");
 }
 
 }  // namespace
@@ -211,7 +238,13 @@ ImportReport import_log(const std::filesystem::path& source, const ImportOptions
   } else {
     const sensor::BeamOptions beams = beam_options(options, input);
     begin(info_of_scans(options, input, beams));
-    import_scans(keep, input, beams, write, progress, report);
+    report.warnings = warnings_of_poses(input.scan_infos);
+    if (report.warnings.empty() && input.scan_infos.size() > 1) {
+      const io::Input again = io::open_input(source, how);  // What it skips is counted once.
+      const std::string overlap = warning_of_overlap(*again.scans, input.scan_infos);
+      if (!overlap.empty()) report.warnings.push_back(overlap);
+    }
+    import_scans(source.string(), keep, input, beams, write, progress, report);
     if (report.beams > 0 && report.beam.misses_recorded + report.beam.misses_inferred == 0) {
       input.notes.emplace_back(
           "the log has no misses: hit probabilities cannot be learnt from it (see --infer-misses)");
@@ -225,7 +258,10 @@ ImportReport import_log(const std::filesystem::path& source, const ImportOptions
   report.format = input.format;
   report.clock = input.clock;
   report.notes = input.notes;
-  report.warnings = warnings_of(report);
+  if (input.read_notes) {
+    for (std::string& note : input.read_notes()) report.notes.push_back(std::move(note));
+  }
+  warn_of_misses(report);
   return report;
 }
 

@@ -17,6 +17,8 @@ struct ImportOptions {
   std::string format;                ///< One of `io::input_formats()`; "" = detected.
   std::string poses, times, labels;  ///< Files.
   std::string label_set, keep, frames;
+  std::string columns;               ///< Names of a file's columns, divided by commas.
+  std::string unit = "m";            ///< Unit of the coordinates: m, cm, mm or ft.
   std::string assets;                ///< Folder, for surveys of HELIOS++.
   std::string deskew, infer_misses;  ///< Sensors: names of the catalogue, or files.
   bool times_as_given = false, points_in_world = false, float_coordinates = false;

@@ -8,6 +8,7 @@
 #include "underbrush/io/text.hpp"
 
 namespace underbrush::worlds {
+namespace fs = std::filesystem;
 namespace {
 
 constexpr double kStepRad = M_PI / 12;  // between poses of a head that turns
@@ -42,17 +43,54 @@ struct Row {
   Eigen::Quaterniond attitude;
 };
 
+/// Takes the columns from a line `#HEADER: "x", "y", …`, if it names all seven.
+void use_header(std::string line, std::array<size_t, 7>& columns) {
+  constexpr const char* kNames[] = {"t", "roll", "pitch", "yaw", "x", "y", "z"};
+  std::replace(line.begin(), line.end(), '"', ' ');
+  const auto words = io::words_of(std::string_view(line).substr(line.find(':') + 1));
+  std::array<size_t, 7> found{};
+  for (size_t c = 0; c < 7; ++c) {
+    const auto at = std::find(words.begin(), words.end(), kNames[c]);
+    if (at == words.end()) return;
+    found[c] = size_t(at - words.begin());
+  }
+  columns = found;
+}
+
+/// Appends a row. One at the time of the row before it is a turn on the spot. Returns false where
+/// times fall.
+bool append(Row row, std::vector<Row>& rows) {
+  constexpr double kTurnS = 1e-6;
+  if (!rows.empty()) {
+    const Row& last = rows.back();
+    const double after = row.time_s - last.time_s;
+    if (after < -2 * kTurnS) return false;
+    if (after <= 0) {
+      if (row.at == last.at && row.attitude.isApprox(last.attitude)) return true;
+      row.time_s = last.time_s + kTurnS;
+    }
+  }
+  rows.push_back(row);
+  return true;
+}
+
 std::vector<Row> read_rows(const TrajectoryFile& file) {
   std::vector<Row> rows;
-  std::string text = read_file(file.path, uint64_t(1) << 30);
+  std::string text = io::read_text(file.path, uint64_t(1) << 30);
   std::replace(text.begin(), text.end(), ',', ' ');
   const double unit = file.degrees ? M_PI / 180 : 1;
+  std::array<size_t, 7> columns = file.columns;
   io::for_each_line(text, [&](size_t line, std::string_view content) {
     const auto words = io::words_of(content);
-    if (words.empty() || words[0].starts_with('#')) return;
+    if (words.empty()) return;
+    if (words[0].starts_with('#')) {
+      const bool named = !file.columns_given && words[0].starts_with("#HEADER");
+      if (named) use_header(std::string(content), columns);
+      return;
+    }
     double v[7];
     for (size_t c = 0; c < 7; ++c) {
-      const size_t at = file.columns[c];
+      const size_t at = columns[c];
       const auto number = at < words.size() ? io::number_of(words[at]) : std::nullopt;
       if (!number || !(std::abs(*number) <= 1e12)) {
         throw FormatError(file.path.string(), "line " + std::to_string(line),
@@ -65,10 +103,9 @@ std::vector<Row> read_rows(const TrajectoryFile& file) {
         file.canonical
             ? about(Vec3::UnitX(), roll) * about(Vec3::UnitY(), pitch) * about(Vec3::UnitZ(), yaw)
             : about(-Vec3::UnitZ(), yaw) * about(Vec3::UnitY(), roll) * about(Vec3::UnitX(), pitch);
-    if (!rows.empty() && !(v[0] > rows.back().time_s)) {
+    if (!append({v[0], {v[4], v[5], v[6]}, attitude}, rows)) {
       throw FormatError(file.path.string(), "line " + std::to_string(line), "times must rise");
     }
-    rows.push_back({v[0], {v[4], v[5], v[6]}, attitude});
   });
   if (rows.size() < 2) throw FormatError(file.path.string(), "", "fewer than two poses");
   return rows;
@@ -92,10 +129,11 @@ LegPath standing(const Vec3& at, const ScannerMount& mount, const HeadTurn& head
 }
 
 LegPath flying(const Vec3& from, const Vec3& to, double speed_m_per_s, const ScannerMount& mount,
-               const HeadTurn& head, double start_s) {
+               const HeadTurn& head, double start_s, double longest_s) {
   LegPath path;
-  const Vec3 way = to - from;
+  Vec3 way = to - from;
   if (!(speed_m_per_s > 0) || !(way.norm() > 0)) return path;
+  if (longest_s > 0) way *= std::min(1.0, longest_s * speed_m_per_s / way.norm());
   const double duration_s = way.norm() / speed_m_per_s;
   const double heading = way.head<2>().norm() > 0 ? std::atan2(-way.x(), way.y()) : 0;
   const Eigen::Quaterniond attitude = about(Vec3::UnitZ(), heading);
@@ -108,12 +146,13 @@ LegPath flying(const Vec3& from, const Vec3& to, double speed_m_per_s, const Sca
   return path;
 }
 
-LegPath along_file(const TrajectoryFile& file, double from_s, double to_s,
+LegPath along_file(const TrajectoryFile& file, double from_s, double to_s, double longest_s,
                    const ScannerMount& mount, const HeadTurn& head) {
   LegPath path;
   for (const Row& row : read_rows(file)) {
     if (row.time_s < from_s || row.time_s > to_s) continue;
     const double first = path.poses.empty() ? row.time_s : path.poses.front().time_s;
+    if (longest_s > 0 && row.time_s > first + longest_s) break;
     path.poses.push_back(
         pose_of(row.time_s, row.at, row.attitude, mount, head, row.time_s - first));
   }

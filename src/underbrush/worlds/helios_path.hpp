@@ -43,10 +43,12 @@ struct LegPath {
   std::vector<StampedPose> poses;
 };
 
-/// A file of a trajectory and its columns: time, roll, pitch, yaw, x, y, z.
+/// A file of a trajectory and its columns: time, roll, pitch, yaw, x, y, z. Where the survey gives
+/// no columns, a line `#HEADER: "t", "roll", …` of the file does.
 struct TrajectoryFile {
   std::filesystem::path path;
   std::array<size_t, 7> columns{0, 1, 2, 3, 4, 5, 6};
+  bool columns_given = true;
   bool degrees = true;     ///< Angles are degrees, which HELIOS++ turns to radians.
   bool canonical = false;  ///< Rotations about x, y, z; else those of ARINC 705.
 };
@@ -54,11 +56,14 @@ struct TrajectoryFile {
 /// A platform that stands: the head turns from start to stop, or stands for `longest_s`.
 LegPath standing(const Vec3& at, const ScannerMount& mount, const HeadTurn& head, double start_s,
                  double longest_s);
-/// A platform that moves straight, at one speed and with its y axis forward.
+/// A platform that moves straight, at one speed and with its y axis forward, at most `longest_s`
+/// (if positive).
 LegPath flying(const Vec3& from, const Vec3& to, double speed_m_per_s, const ScannerMount& mount,
-               const HeadTurn& head, double start_s);
-/// A platform that follows the poses of a file between two times. Throws `FormatError`.
-LegPath along_file(const TrajectoryFile& file, double from_s, double to_s,
+               const HeadTurn& head, double start_s, double longest_s);
+/// A platform that follows the poses of a file between two times, at most `longest_s` (if
+/// positive). Of equal poses at one time one is kept; of others the later one follows 1 µs after.
+/// Throws `FormatError`.
+LegPath along_file(const TrajectoryFile& file, double from_s, double to_s, double longest_s,
                    const ScannerMount& mount, const HeadTurn& head);
 
 }  // namespace underbrush::worlds

@@ -6,6 +6,7 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/file.hpp"
+#include "underbrush/io/geotiff.hpp"
 #include "underbrush/io/mesh_readers.hpp"
 #include "underbrush/io/text.hpp"
 #include "underbrush/worlds/voxel_file.hpp"
@@ -103,9 +104,10 @@ class SceneReader {
       } else if (type == "translate") {
         place.translation = parameters.vector("offset");
         on_ground = on_ground || parameters.number("onGround", 0) != 0;
-      } else if (type == "objloader" || type == "detailedvoxels") {
+      } else if (type == "objloader" || type == "detailedvoxels" || type == "geotiffloader") {
         geometry = load(filter, parameters, type);
       } else {
+        refuse_loader(filter, parameters, type);
         ++world_.report.left_out["filters " + printable(type, 40)];
       }
     }
@@ -114,6 +116,17 @@ class SceneReader {
       return;
     }
     put(*geometry, place, on_ground);
+  }
+
+  /// A scene without a part of its terrain would be another one.
+  void refuse_loader(const pugi::xml_node& filter, const Parameters& parameters,
+                     const std::string& type) const {
+    const std::string file = in_quotes(parameters.text("filepath"));
+    if (type == "xyzloader") {
+      xml_.fail(filter, file +
+                            " is a point cloud, which is not read: mesh it as OBJ and load it "
+                            "with objloader, or as voxels with detailedvoxels");
+    }
   }
 
   void put(const Geometry& geometry, const PartPlace& at, bool on_ground) {
@@ -155,8 +168,11 @@ class SceneReader {
     const bool voxels = type == "detailedvoxels";
     const std::string mode = voxels ? parameters.text("intersectionMode") : parameters.text("up");
     const auto [at, added] = read_.try_emplace({name, mode});
-    if (added)
-      at->second = voxels ? voxels_of(name, mode, parameters) : mesh_of(filter, name, mode);
+    if (added) {
+      at->second = voxels                    ? voxels_of(name, mode, parameters)
+                   : type == "geotiffloader" ? terrain_of(name, parameters)
+                                             : mesh_of(filter, name, mode);
+    }
     return &at->second;
   }
 
@@ -165,6 +181,35 @@ class SceneReader {
     io::MeshScene mesh = io::read_mesh_scene(assets_.path(xml_.path(), name));
     if (up == "y") {
       for (Vec3& v : mesh.vertices) v = Vec3(v.x(), -v.z(), v.y());
+    }
+    return geometry_of(mesh);
+  }
+
+  /// A surface through the middles of the cells of an elevation map.
+  Geometry terrain_of(const std::string& name, const Parameters& p) {
+    const io::Raster map = io::read_geotiff(assets_.path(xml_.path(), name));
+    io::MeshScene mesh;
+    const std::string material = p.text("matname");
+    const io::MeshPart part{"", material.empty() ? "ground" : material};
+    for (uint32_t r = 0; r < map.rows; ++r) {
+      for (uint32_t c = 0; c < map.columns; ++c) {
+        const uint32_t at = r * map.columns + c;
+        const double z = double(map.value[at]);
+        mesh.vertices.emplace_back(map.west + (c + 0.5) * map.cell_m,
+                                   map.north - (r + 0.5) * map.cell_m, std::isfinite(z) ? z : 0);
+        if (r == 0 || c == 0) continue;
+        const uint32_t above = at - map.columns;
+        const float sum =
+            map.value[at] + map.value[at - 1] + map.value[above] + map.value[above - 1];
+        if (!std::isfinite(sum)) continue;  // A corner has no height.
+        mesh.add({above - 1, at - 1, at}, part);
+        mesh.add({above - 1, at, above}, part);
+      }
+    }
+    if (mesh.triangles.empty()) throw FormatError(name, "", "it has no heights");
+    const std::string material_file = p.text("matfile");
+    if (!material_file.empty()) {
+      mesh.materials = io::read_mtl(assets_.path(xml_.path(), material_file), mesh.left_out);
     }
     return geometry_of(mesh);
   }

@@ -157,10 +157,11 @@ class SurveyReader {
     if (platform.attribute("trajectory")) {
       const TrajectoryFile file{
           folders_.path(xml_.path(), xml_.text(platform, "trajectory")),
-          trajectory_columns(platform), xml_.truth(platform, "toRadians", true),
+          trajectory_columns(platform), gives_columns(platform),
+          xml_.truth(platform, "toRadians", true),
           std::string(survey_.attribute("rotationSpec").value()) == "CANONICAL"};
       return along_file(file, xml_.number(platform, "tStart", -kEver),
-                        xml_.number(platform, "tEnd", kEver), mount_, head);
+                        xml_.number(platform, "tEnd", kEver), settings.longest_s, mount_, head);
     }
     const std::string type = platform_.node ? platform_.node.attribute("type").value() : "static";
     const Vec3 here = place_of(settings);
@@ -168,17 +169,25 @@ class SurveyReader {
     if (type != "linearpath") ++out_.left_out["dynamics of the platform " + printable(type, 40)];
     if (k + 1 == legs.size()) return {};
     return flying(here, place_of(settings_of(legs[k + 1])), settings.speed_m_per_s, mount_, head,
-                  start_s);
+                  start_s, settings.longest_s);
   }
+
+  static bool gives_columns(const pugi::xml_node& n) {
+    for (const char* name : kIndices) {
+      if (n.attribute(name)) return true;
+    }
+    return false;
+  }
+
+  static constexpr const char* kIndices[] = {"tIndex", "rollIndex", "pitchIndex", "yawIndex",
+                                             "xIndex", "yIndex",    "zIndex"};
 
   std::array<size_t, 7> trajectory_columns(const pugi::xml_node& n) const {
     std::array<size_t, 7> columns{};
-    const char* const names[] = {"tIndex", "rollIndex", "pitchIndex", "yawIndex",
-                                 "xIndex", "yIndex",    "zIndex"};
     for (size_t c = 0; c < 7; ++c) {
-      const double index = xml_.number(n, names[c], double(c));
+      const double index = xml_.number(n, kIndices[c], double(c));
       if (!(index >= 0 && index < 64) || index != std::floor(index)) {
-        xml_.fail(n, std::string(names[c]) + ": must be a whole number from 0 to 63");
+        xml_.fail(n, std::string(kIndices[c]) + ": must be a whole number from 0 to 63");
       }
       columns[c] = size_t(index);
     }

@@ -1,0 +1,76 @@
+"""The unit of the times that a recording gives its points."""
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from ..errors import FormatError
+from ._files import Array, PathLike
+
+Floats = npt.NDArray[np.float64]
+
+_LONGEST_OFFSET_S = 100.0  # A larger time is not an offset within a scan but absolute.
+_DATES_S = (1e9, 4.2e9)  # Seconds since 1970: the years 2001 to 2103.
+_ENOUGH = 20  # Points of a scan; fewer tell no unit.
+_UNITS = (("ns", 1e-9), ("µs", 1e-6), ("ms", 1e-3), ("s", 1.0))
+
+
+class PointTimes:
+    """Turns columns of times into seconds, in the unit that the first scan of 20 points and more tells.
+
+    Whole numbers are ns and others s, if that fits: the times of a scan span at most 1.3 of the period and at least a
+    twentieth of it or 20 ms. Else the unit is the one of ns, µs, ms and s that fits, or the values are shares of the
+    scan's period. Where the period is not known, times of 1 ms and more fit in the usual unit, and 10 ms to 1 s in
+    others. This is the rule of the program, too (io/point_times.hpp).
+    """
+
+    def __init__(self, path: PathLike, period_s: float = 0.0, unit_s: float = 0.0) -> None:
+        self._path, self._period = path, period_s
+        self._unit = unit_s  # Known from the start where the format says it.
+        self.note = ""  #: What was assumed; empty where the unit is the usual one.
+
+    def _fits(self, span: float, usual: bool) -> bool:
+        if self._period > 0:
+            return min(0.05 * self._period, 0.02) <= span <= 1.3 * self._period
+        return span >= 1e-3 if usual else 0.01 <= span <= 1
+
+    def _unit_of(self, name: str, usual: float, low: float, span: float, count: int) -> float:
+        whole = usual == 1e-9
+        for _, unit in _UNITS:
+            is_date = _DATES_S[0] < low * unit < _DATES_S[1]
+            if is_date and (not whole or unit == usual or self._fits(span * unit, False)):
+                return unit
+        if self._unit or span == 0 or count < _ENOUGH:
+            return self._unit or usual
+        if self._fits(span * usual, True):
+            self._unit = usual
+            return usual
+        spans = f"{span:.4g} of them where scans are {self._period or 0.1:.4g} s apart"
+        for text, unit in _UNITS:
+            if unit != usual and self._fits(span * unit, False):
+                self._unit = unit
+                self.note = f"the points' times ({name}) are taken to be {text}: a scan spans {spans}"
+                return unit
+        if not whole and low >= 0 and low + span <= 1.001 and self._fits(span * self._period, False):
+            self._unit = self._period
+            self.note = f"the points' times ({name}) are taken to be shares of a scan, 0 to 1: it spans {spans}"
+            return self._unit
+        if low <= 2 * span and self._period > 0 and span * usual > 1.3 * self._period:
+            raise FormatError(self._path, name, f"the points' times are neither ns, µs, ms, s nor shares of a scan: "
+                                                f"it spans {spans}")
+        return usual
+
+    def seconds(self, name: str, column: Array, stamp_s: float, usual_s: float = 0.0) -> Floats:
+        """Times in s: absolute ones as they are, others after the stamp. Raises `FormatError` where no unit fits.
+
+        `usual_s` is the unit (s) that a driver is known to use, 0 = not known.
+        """
+        values = column.astype(np.float64)
+        finite = values[np.isfinite(values)]
+        if not len(finite):
+            return values
+        low, high = float(finite.min()), float(finite.max())
+        whole = column.dtype.kind in "iu" or max(-low, high) > 1e15
+        unit = self._unit_of(name, usual_s or (1e-9 if whole else 1.0), low, high - low, len(finite))
+        absolute = max(-low, high) * unit > _LONGEST_OFFSET_S
+        return np.asarray(values * unit + (0.0 if absolute else stamp_s))

@@ -1,0 +1,46 @@
+/// \file
+/// The unit of the times that a recording gives its points.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "underbrush/io/table.hpp"
+
+namespace underbrush::io {
+
+/// Turns columns of times into seconds, in the unit that the first scan of 20 points and more whose
+/// times differ tells.
+///
+/// A name that ends in _ns, _us, _ms or _s says the unit. Whole numbers are ns and others s, if
+/// that fits: the times of a scan span at most 1.3 of the period and at least a twentieth of it or
+/// 20 ms. Else the unit is the one of ns, µs, ms and s that fits, or the values are shares of the
+/// scan's period. Where the period is not known, times of 1 ms and more fit in the usual unit, and
+/// 10 ms to 1 s in others.
+class PointTimes {
+ public:
+  /// `period_s` is the spacing of the scans, s; 0 = not known.
+  explicit PointTimes(double period_s = 0) : period_s_(period_s) {}
+
+  /// Returns times in s: those beyond 100 s are absolute, others count from `scan_time_s`. Throws
+  /// `FormatError` where no unit fits.
+  std::vector<double> seconds(const std::string& file, const std::string& name,
+                              const ExtraColumn& column, double scan_time_s);
+  /// What was assumed; empty where the unit is the usual one.
+  const std::string& note() const { return note_; }
+
+ private:
+  struct Span {
+    double low = 0, span = 0;
+    size_t count = 0;
+  };
+  bool fits(double span_s, bool usual) const;
+  double unit_of(const std::string& file, const std::string& name, bool whole, Span values);
+
+  double period_s_, unit_s_ = 0;
+  std::string note_;
+};
+
+/// Returns the names that columns of times have, in the order in which they are looked for.
+const std::vector<std::string>& time_names();
+
+}  // namespace underbrush::io

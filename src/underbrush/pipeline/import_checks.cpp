@@ -1,0 +1,263 @@
+#include "underbrush/pipeline/import_checks.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <set>
+#include <utility>
+
+#include "underbrush/core/check.hpp"
+
+namespace underbrush::pipeline {
+namespace {
+
+std::string text_of(const char* format, double number) {
+  char text[64];
+  std::snprintf(text, sizeof text, format, number);
+  return text;
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+bool is_return(const Vec3f& p) { return p.allFinite() && !p.isZero(); }
+
+std::string warning_of_speed(const std::vector<ScanInfo>& scans) {
+  constexpr double kFast = 100;  // m/s
+  std::vector<double> speed;
+  for (size_t i = 1; i < scans.size(); ++i) {
+    const double time = scans[i].time_s - scans[i - 1].time_s;
+    if (!(time > 0)) continue;
+    speed.push_back(
+        (scans[i].world_from_sensor.translation - scans[i - 1].world_from_sensor.translation)
+            .norm() /
+        time);
+  }
+  const double usual = median(speed);
+  if (usual < kFast) return "";
+  return "by the poses the sensor moves at " + text_of("%.0f", usual) +
+         " m/s: are their positions in mm, or their times not in s?";
+}
+
+std::string warning_of_climb(const std::vector<ScanInfo>& scans) {
+  constexpr double kFewest = 5, kMostly = 0.7;  // m; of the way
+  double way = 0, up = 0;
+  for (size_t i = 1; i < scans.size(); ++i) {
+    const Vec3 step =
+        scans[i].world_from_sensor.translation - scans[i - 1].world_from_sensor.translation;
+    way += step.norm();
+    up += step.z();
+  }
+  if (way < kFewest || std::abs(up) < kMostly * way) return "";
+  return "by the poses the sensor moves " + text_of("%.0f", std::abs(up)) +
+         (up > 0 ? " m up" : " m down") + " on a way of " + text_of("%.0f", way) +
+         " m: are they poses of a camera, whose z points ahead?";
+}
+
+std::string warning_of_tilt(const std::vector<ScanInfo>& scans) {
+  constexpr double kUpright = 0.94, kTilted = 0.7, kMost = 0.8;  // cosines; of the poses
+  size_t tilted = 0, upright = 0;
+  for (const ScanInfo& scan : scans) {
+    const Eigen::Quaterniond& q = scan.world_from_sensor.rotation;
+    // The four numbers in their order, with w taken as the first.
+    const Eigen::Quaterniond w_first(q.x(), q.y(), q.z(), q.w());
+    tilted += (q * Vec3::UnitZ()).z() < kTilted;
+    upright += (w_first.normalized() * Vec3::UnitZ()).z() > kUpright;
+  }
+  const double most = kMost * double(scans.size());
+  if (double(tilted) < most || double(upright) < most) return "";
+  return "by the poses the sensor lies on its side or its head, and is upright with w first: are "
+         "their quaternions qw qx qy qz? Then say so in a line above them: # t x y z qw qx qy qz";
+}
+
+/// A way to read poses, the first as they are.
+struct Reading {
+  const char* what;
+  Pose (*pose)(const Pose&);
+};
+constexpr std::array<Reading, 4> kReadings{{
+    {"", [](const Pose& p) { return p; }},
+    {"if they are inverted: are they sensor from world?",
+     [](const Pose& p) { return p.inverse(); }},
+    {"with w as the first number of the quaternions: are they qw qx qy qz?",
+     [](const Pose& p) {
+       const Eigen::Quaterniond& q = p.rotation;
+       return Pose{Eigen::Quaterniond(q.x(), q.y(), q.z(), q.w()), p.translation};
+     }},
+    {"with positions a thousandth as far: are they in mm?",
+     [](const Pose& p) {
+       return Pose{p.rotation, p.translation / 1e3};
+     }},
+}};
+
+/// Pairs of scans with some motion between them.
+std::vector<std::pair<size_t, size_t>> pairs_of(const std::vector<ScanInfo>& infos) {
+  constexpr size_t kPairs = 4, kAhead = 30;
+  constexpr double kFar = 1, kTurned = 0.17;  // m, rad
+  std::vector<std::pair<size_t, size_t>> out;
+  for (size_t k = 0; k < kPairs; ++k) {
+    const size_t a = k * infos.size() / kPairs;
+    for (size_t b = a + 1; b < std::min(infos.size(), a + kAhead); ++b) {
+      const Pose &from = infos[a].world_from_sensor, &to = infos[b].world_from_sensor;
+      if ((from.translation - to.translation).norm() < kFar &&
+          from.rotation.angularDistance(to.rotation) < kTurned) {
+        continue;
+      }
+      out.emplace_back(a, b);
+      break;
+    }
+  }
+  return out;
+}
+
+/// The upper half of a scan's points within 40 m, at most 4000: those on flat ground fit anyway.
+std::vector<Vec3> upper_points(const PointScan& scan) {
+  constexpr double kNear = 2, kFar = 40;  // m
+  constexpr size_t kMost = 4000;
+  std::vector<double> height;
+  for (const Vec3f& p : scan.point) {
+    if (is_return(p) && p.norm() > kNear && p.norm() < kFar) height.push_back(double(p.z()));
+  }
+  const double middle = median(height);
+  const size_t step = std::max<size_t>(1, height.size() / kMost / 2);
+  std::vector<Vec3> out;
+  size_t n = 0;
+  for (const Vec3f& p : scan.point) {
+    if (!is_return(p) || p.norm() < kNear || p.norm() > kFar || double(p.z()) < middle) continue;
+    if (n++ % step == 0) out.push_back(p.cast<double>());
+  }
+  return out;
+}
+
+/// The share of the points `to` that lie in cells of the points `from`, each seen from its pose.
+double overlap(const std::vector<Vec3>& from, const Pose& from_pose, const std::vector<Vec3>& to,
+               const Pose& to_pose) {
+  constexpr double kCell = 0.4;  // m
+  using Cell = std::array<int64_t, 3>;
+  const auto cell_of = [](const Vec3& p) {
+    return Cell{int64_t(std::floor(p.x() / kCell)), int64_t(std::floor(p.y() / kCell)),
+                int64_t(std::floor(p.z() / kCell))};
+  };
+  const Pose between = from_pose.inverse() * to_pose;
+  std::set<Cell> cells;
+  for (const Vec3& p : from) cells.insert(cell_of(p));
+  size_t n = 0;
+  for (const Vec3& p : to) n += cells.count(cell_of(between * p));
+  return to.empty() ? 0 : double(n) / double(to.size());
+}
+
+/// How the returns of a scan fit the channels of a sensor.
+struct Fit {
+  size_t returns = 0, beyond = 0;  ///< beyond: two degrees and more outside its elevations
+  size_t between = 0, near = 0;    ///< between channels far apart; near: of these, at one
+  size_t far = 0;                  ///< farther than it reaches
+  double least = INFINITY, most = -INFINITY;  ///< rad; elevations
+};
+
+Fit fit_of(const PointScan& scan, const sensor::Sensor& sensor) {
+  constexpr double kBeyond = 2 * M_PI / 180, kGap = 0.8 * M_PI / 180;
+  constexpr double kParallax = 5, kReach = 1.5;  // m; of the maximum range
+  std::vector<double> channel;
+  for (const sensor::Channel& c : sensor.channels) channel.push_back(c.elevation_rad);
+  std::sort(channel.begin(), channel.end());
+  Fit fit;
+  for (const Vec3f& p : scan.point) {
+    if (!is_return(p)) continue;
+    const double e = std::asin(std::clamp(double(p.z() / p.norm()), -1.0, 1.0));
+    ++fit.returns;
+    fit.far += double(p.norm()) > kReach * sensor.max_range_m;
+    fit.beyond += e < channel.front() - kBeyond || e > channel.back() + kBeyond;
+    fit.least = std::min(fit.least, e);
+    fit.most = std::max(fit.most, e);
+    const auto above = std::upper_bound(channel.begin(), channel.end(), e);
+    if (above == channel.begin() || above == channel.end() || p.norm() < kParallax) continue;
+    const double gap = *above - above[-1];
+    if (gap < kGap) continue;
+    ++fit.between;
+    fit.near += std::min(*above - e, e - above[-1]) < gap / 4;
+  }
+  return fit;
+}
+
+}  // namespace
+
+void check_sensor_of(const std::string& source, const std::string& option, const PointScan& scan,
+                     const sensor::Sensor& sensor) {
+  constexpr double kShare = 0.2, kNear = 0.65, kDegree = M_PI / 180;
+  constexpr size_t kFewest = 100;
+  const auto fail = [&](const std::string& reason) {
+    throw FormatError(source, option, in_quotes(sensor.name) + " cannot be its sensor: " + reason);
+  };
+  const auto percent = [](size_t part, size_t of) {
+    return text_of("%.0f", 100 * double(part) / double(of)) + " % of the returns ";
+  };
+  const size_t channels = sensor.channels.size();
+  const Fit fit = fit_of(scan, sensor);
+  if (fit.returns < kFewest) return;
+  if (!scan.ring.empty()) {
+    const size_t highest = *std::max_element(scan.ring.begin(), scan.ring.end());
+    if (highest > channels) {  // Rings may count from 1.
+      fail("ring " + std::to_string(highest) + " is in it, of " + std::to_string(channels) +
+           " channels");
+    }
+  }
+  if (double(fit.beyond) > kShare * double(fit.returns)) {
+    fail(percent(fit.beyond, fit.returns) + "lie beyond its elevations; they are at " +
+         text_of("%.1f", fit.least / kDegree) + " to " + text_of("%.1f", fit.most / kDegree) +
+         " degrees");
+  }
+  if (fit.between >= kFewest && double(fit.near) < kNear * double(fit.between)) {
+    fail("only " + percent(fit.near, fit.between) +
+         "lie near the elevations of its channels, where chance has half");
+  }
+  if (double(fit.far) > kShare * double(fit.returns)) {
+    fail(percent(fit.far, fit.returns) + "are farther away than it reaches");
+  }
+}
+
+std::string warning_of_overlap(ScanSource& scans, const std::vector<ScanInfo>& infos) {
+  constexpr double kPoor = 0.4, kBetter = 0.2;
+  const std::vector<std::pair<size_t, size_t>> pairs = pairs_of(infos);
+  std::array<double, kReadings.size()> fit{};
+  for (const auto& [a, b] : pairs) {
+    const std::vector<Vec3> from = upper_points(scans.read(a)), to = upper_points(scans.read(b));
+    for (size_t k = 0; k < kReadings.size(); ++k) {
+      const auto& how = kReadings[k].pose;
+      fit[k] +=
+          overlap(from, how(infos[a].world_from_sensor), to, how(infos[b].world_from_sensor)) /
+          double(pairs.size());
+    }
+  }
+  const size_t best = size_t(std::max_element(fit.begin(), fit.end()) - fit.begin());
+  if (fit[0] > kPoor || fit[best] < fit[0] + kBetter) return "";
+  return "by the poses only " + text_of("%.0f", 100 * fit[0]) +
+         " % of a scan's points lie where the next one has some, and " +
+         text_of("%.0f", 100 * fit[best]) + " % " + kReadings[best].what;
+}
+
+std::string warning_of_ranges(const PointScan& scan) {
+  constexpr double kFar = 1000;  // m
+  std::vector<double> range;
+  for (const Vec3f& p : scan.point) {
+    if (is_return(p)) range.push_back(double(p.norm()));
+  }
+  const double half = median(std::move(range));
+  if (half < kFar) return "";
+  return "half of the points are " + text_of("%.0f", half) +
+         " m and more from the sensor: are they in mm? Then --unit mm";
+}
+
+std::vector<std::string> warnings_of_poses(const std::vector<ScanInfo>& scans) {
+  std::vector<std::string> out;
+  for (std::string w : {warning_of_speed(scans), warning_of_climb(scans), warning_of_tilt(scans)}) {
+    if (!w.empty()) out.push_back(std::move(w));
+  }
+  return out;
+}
+
+}  // namespace underbrush::pipeline

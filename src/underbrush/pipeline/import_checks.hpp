@@ -1,0 +1,36 @@
+/// \file
+/// Checks of an imported log against what cannot be: wrong conventions of its files.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "underbrush/core/point_scan.hpp"
+#include "underbrush/sensor/sensor.hpp"
+
+namespace underbrush::pipeline {
+
+/// Throws `FormatError`, naming `source`, where a scan cannot come from a spinning sensor: more
+/// rings than channels; a fifth of the returns two degrees and more beyond its elevations, or
+/// beyond 1.5 of its range; or returns between channels 0.8° and more apart that do not lie about
+/// them (fewer than 65 % in the nearer half of the gap, where chance has 50 %). Scans of fewer than
+/// 100 returns are let pass. `option` is the one that names the sensor.
+void check_sensor_of(const std::string& source, const std::string& option, const PointScan& scan,
+                     const sensor::Sensor& sensor);
+
+/// Returns a warning where half of a scan's returns are farther than 1 km, as those of a scan in
+/// millimetres are, else "".
+std::string warning_of_ranges(const PointScan& scan);
+
+/// Returns warnings about the poses of scans, each with its likely cause: speeds beyond 100 m/s,
+/// a motion that is mostly up or down, and sensors that lie on their side or stand on their head
+/// but would be upright with w as the first number of the quaternions.
+std::vector<std::string> warnings_of_poses(const std::vector<ScanInfo>& scans);
+
+/// Compares up to four pairs of scans, between which the sensor moved by a metre or turned by ten
+/// degrees: the share of the upper half of one scan's points that lie in cells (0.4 m) of the
+/// other's. Returns a warning where the poses as they are give less than 0.4 and one of these
+/// gives 0.2 more: their inverses (sensor from world), their quaternions with w first, their
+/// positions in mm. Returns "" where nothing is to be said. Reads the scans of the pairs.
+std::string warning_of_overlap(ScanSource& scans, const std::vector<ScanInfo>& infos);
+
+}  // namespace underbrush::pipeline

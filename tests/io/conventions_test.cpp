@@ -1,0 +1,198 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "formats.hpp"
+#include "underbrush/core/check.hpp"
+#include "underbrush/io/mesh_file.hpp"
+#include "underbrush/io/mesh_scene.hpp"
+#include "underbrush/io/point_times.hpp"
+#include "underbrush/io/polygon.hpp"
+#include "underbrush/io/pose_columns.hpp"
+#include "underbrush/io/poses.hpp"
+#include "underbrush/io/table.hpp"
+
+namespace underbrush::io {
+namespace {
+
+std::vector<double> spread(double first, double last) {
+  std::vector<double> out;
+  for (int k = 0; k <= 100; ++k) out.push_back(first + (last - first) * k / 100);
+  return out;
+}
+
+ExtraColumn whole(const std::vector<double>& values) {
+  return std::vector<uint32_t>(values.begin(), values.end());
+}
+
+double last_after(double period_s, const ExtraColumn& column, const std::string& name = "t") {
+  PointTimes times(period_s);
+  return times.seconds("f", name, column, 5).back() - 5;
+}
+
+TEST(PointTimes, UnitIsThatWhichFitsTheScan) {
+  for (const double period : {0.05, 0.1, 0.2, 1.0}) {
+    const double last = 0.97 * period;
+    EXPECT_NEAR(last_after(period, spread(0, last)), last, 1e-9);
+    EXPECT_NEAR(last_after(period, spread(0, 1e3 * last)), last, 1e-9);
+    EXPECT_NEAR(last_after(period, spread(0, 1e6 * last)), last, 1e-9);
+    EXPECT_NEAR(last_after(period, whole(spread(0, 1e9 * last))), last, 1e-6);
+    EXPECT_NEAR(last_after(period, whole(spread(0, 1e6 * last))), last, 1e-6);
+    EXPECT_NEAR(last_after(period, whole(spread(0, 1e3 * last))), last, 2e-3);
+    EXPECT_NEAR(last_after(period, spread(-last / 2, last / 2)), last / 2, 1e-9);
+  }
+  EXPECT_NEAR(last_after(0.1, spread(0, 0.97)), 0.097, 1e-9) << "a share of the scan";
+  EXPECT_NEAR(last_after(0.1, spread(0, 0.02)), 0.02, 1e-9) << "part of a revolution";
+  EXPECT_NEAR(last_after(10, spread(0, 0.1)), 0.1, 1e-9) << "every hundredth scan";
+  EXPECT_NEAR(last_after(0.1, spread(0, 97), "time_ms"), 0.097, 1e-9);
+  EXPECT_NEAR(last_after(0, spread(0, 80)), 80, 1e-9) << "a tripod's scan alone";
+  EXPECT_NEAR(last_after(0, whole(spread(0, 97000))), 0.097, 1e-6);
+}
+
+TEST(PointTimes, DatesTellTheirUnit) {
+  PointTimes times(0.1);
+  for (const double unit : {1.0, 1e-3, 1e-6, 1e-9}) {
+    const auto found = times.seconds("f", "t", spread(1.6e9 / unit, (1.6e9 + 0.1) / unit), 0);
+    EXPECT_NEAR(found[0], 1.6e9, 1e-3);
+    EXPECT_NEAR(found[100] - found[0], 0.1, 1e-5);
+  }
+}
+
+TEST(PointTimes, TheFirstScanDecidesAndNothingElseIsTaken) {
+  PointTimes times(0.1);
+  times.seconds("f", "t", spread(0, 97), 0);
+  EXPECT_NE(times.note().find("ms"), std::string::npos);
+  EXPECT_NEAR(times.seconds("f", "t", spread(0, 2), 0).back(), 2e-3, 1e-9);
+  EXPECT_THROW(last_after(0.1, spread(0, 3.3)), FormatError);
+  EXPECT_EQ(last_after(0.1, spread(0, 0)), 0);
+}
+
+TEST(PoseColumns, NamesSayTheOrder) {
+  const PoseColumns w_first{0, 1, 2, 3, 5, 6, 7, 4};
+  EXPECT_EQ(pose_columns_of("#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], "
+                            "q_RS_x [], q_RS_y [], q_RS_z [], v_RS_R_x [m s^-1], b_w_RS_S_x [rad]"),
+            w_first);
+  EXPECT_EQ(pose_columns_of("# t x y z qw qx qy qz"), w_first);
+  EXPECT_EQ(pose_columns_of("time;x;y;z;rot_w;rot_x;rot_y;rot_z"), w_first);
+  EXPECT_EQ(pose_columns_of("qx qy qz qw tx ty tz stamp"), (PoseColumns{7, 4, 5, 6, 0, 1, 2, 3}));
+  EXPECT_FALSE(pose_columns_of("# ground truth trajectory"));
+  EXPECT_FALSE(pose_columns_of("# t x y z q"));
+  EXPECT_FALSE(pose_columns_of("t x x y z qx qy qz qw"));
+}
+
+TEST(PoseColumns, FilesFollowTheirHeaders) {
+  const TemporaryFolder folder;
+  put_bytes(folder / "p",
+            "\xef\xbb\xbf#timestamp,x,y,z,qw,qx,qy,qz,v_x\n"
+            "1403636580838555648,1,2,3,0.8,0,0,0.6,9\n");
+  const PoseList poses = read_poses(folder / "p");
+  EXPECT_NEAR(poses.pose[0].rotation.w(), 0.8, 1e-12);
+  EXPECT_NEAR(poses.time_s[0], 1403636580.838555648, 1e-6);
+  EXPECT_EQ(poses.notes.size(), 2u);
+}
+
+/// A sweep of rings with x y z, an intensity, and then a ring and a time.
+std::string floats_of(size_t columns) {
+  std::vector<float> values;
+  for (int k = 0; k < 600; ++k) {
+    const float a = 0.01f * float(k), r = 8 + 3 * std::sin(5 * a);
+    const float row[] = {r * std::cos(a),   r * std::sin(a), -1.5f + 0.1f * float(k % 16),
+                         float(k * 7 % 50), float(k % 16),   1e-4f * float(k)};
+    values.insert(values.end(), row, row + columns);
+  }
+  return {reinterpret_cast<const char*>(values.data()), 4 * values.size()};
+}
+
+TEST(BinFile, ValuesTellTheColumns) {
+  const TemporaryFolder folder;
+  for (const size_t columns : {4u, 5u, 6u}) {
+    put_bytes(folder / "a.bin", floats_of(columns));
+    const Table table = read_bin(folder / "a.bin");
+    EXPECT_EQ(table.columns.size(), columns);
+    EXPECT_EQ(table.size(), 600u);
+    EXPECT_EQ(table.notes.empty(), columns == 4);
+  }
+  put_bytes(folder / "a.bin", floats_of(5));
+  EXPECT_EQ(read_bin(folder / "a.bin", {"x", "y", "z"}).size(), 1000u);
+  EXPECT_THROW(read_bin(folder / "a.bin", {"x", "y", "z", "a", "b", "c", "d"}), FormatError);
+}
+
+TEST(Csv, NamesAreOptionalAndCountsLeftOut) {
+  const TemporaryFolder folder;
+  for (const char* text :
+       {"1 2 3 9\n4 5 6 9\n", "2\n1 2 3 9\n4 5 6 9\n", "//X Y Z Extra\n2\n1 2 3 9\n4 5 6 9\n",
+        "\xef\xbb\xbfx,y,z,e\n1,2,3,9\n4,5,6,9\n"}) {
+    put_bytes(folder / "a.xyz", text);
+    const Table table = read_csv(folder / "a.xyz");
+    ASSERT_EQ(table.size(), 2u) << text;
+    EXPECT_EQ(doubles_of(*table.find({"y"})), (std::vector<double>{2, 5})) << text;
+  }
+  put_bytes(folder / "a.txt", "9 1 2 3\n");
+  EXPECT_EQ(doubles_of(*read_csv(folder / "a.txt", {"i", "x", "y", "z"}).find({"z"}))[0], 3);
+  put_bytes(folder / "a.txt", "\xff\xfex\0,\0");
+  EXPECT_THROW(read_csv(folder / "a.txt"), FormatError);
+}
+
+double area(std::span<const Vec3> corners) {
+  double sum = 0;
+  for (const auto& t : triangles_of_polygon(corners)) {
+    sum += (corners[t[1]] - corners[t[0]]).cross(corners[t[2]] - corners[t[0]]).norm() / 2;
+  }
+  return sum;
+}
+
+TEST(Polygon, TrianglesCoverConcaveOnesOnce) {
+  const std::vector<Vec3> u{{3, 3, 0}, {2, 3, 0}, {2, 1, 0}, {1, 1, 0},
+                            {1, 3, 0}, {0, 3, 0}, {0, 0, 0}, {3, 0, 0}};
+  const Eigen::Quaterniond turn = Eigen::Quaterniond(0.3, 0.5, -0.4, 0.7).normalized();
+  for (size_t first = 0; first < u.size(); ++first) {
+    for (const bool reversed : {false, true}) {
+      std::vector<Vec3> corners = u;
+      std::rotate(corners.begin(), corners.begin() + std::ptrdiff_t(first), corners.end());
+      if (reversed) std::reverse(corners.begin(), corners.end());
+      for (Vec3& c : corners) c = turn * c + Vec3(100, -200, 50);
+      EXPECT_EQ(triangles_of_polygon(corners).size(), 6u);
+      EXPECT_NEAR(area(corners), 7, 1e-9);
+    }
+  }
+}
+
+TEST(Polygon, EveryReaderCutsThem) {
+  const TemporaryFolder folder;
+  const std::string corners = "3 3 0\n2 3 0\n2 1 0\n1 1 0\n1 3 0\n0 3 0\n0 0 0\n3 0 0\n";
+  put_bytes(folder / "u.ply",
+            "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\n"
+            "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
+            "end_header\n" +
+                corners + "8 0 1 2 3 4 5 6 7\n");
+  const MeshScene mesh = read_mesh_scene(folder / "u.ply");
+  double sum = 0;
+  for (const auto& t : mesh.triangles) {
+    const Vec3 &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
+    sum += (b - a).cross(c - a).norm() / 2;
+  }
+  EXPECT_NEAR(sum, 7, 1e-5);
+}
+
+TEST(Coordinates, ThoseOfAWorldAreAskedFor) {
+  const auto scan_at = [](double x, double y, double unit, size_t n) {
+    Table table;
+    std::vector<double> c[3];
+    for (size_t k = 0; k < n; ++k) {
+      c[0].push_back((x + double(k % 10)) / unit);
+      c[1].push_back((y + double(k / 10)) / unit);
+      c[2].push_back(1 / unit);
+    }
+    for (size_t d = 0; d < 3; ++d) table.columns.emplace_back(std::string(1, char('x' + d)), c[d]);
+    std::map<std::string, size_t> skipped;
+    return scan_from_table("f", std::move(table), {{}, false, unit, nullptr}, skipped);
+  };
+  EXPECT_THROW(scan_at(155000, 463000, 1, 100), FormatError);
+  EXPECT_THROW(scan_at(2000, 5000, 1e-3, 100), FormatError);
+  EXPECT_EQ(scan_at(-5, -5, 1, 100).size(), 100u);
+  EXPECT_EQ(scan_at(2000, 5000, 1, 5).size(), 5u) << "too few to tell";
+  EXPECT_NEAR(scan_at(-5, -5, 1e-3, 100).point[99].x(), 4, 1e-5);
+}
+
+}  // namespace
+}  // namespace underbrush::io

@@ -1,0 +1,83 @@
+#include "underbrush/pipeline/import_checks.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "underbrush/core/check.hpp"
+
+namespace underbrush::pipeline {
+namespace {
+
+/// A scan of a sensor in a round room of that radius.
+PointScan scan_of(const sensor::Sensor& sensor, double radius_m = 20) {
+  PointScan scan;
+  for (int k = 0; k < 60; ++k) {
+    for (const sensor::Channel& c : sensor.channels) {
+      const double azimuth = 2 * M_PI * k / 60, range = radius_m + k % 3;
+      scan.point.push_back(Vec3f(float(range * std::cos(c.elevation_rad) * std::cos(azimuth)),
+                                 float(range * std::cos(c.elevation_rad) * std::sin(azimuth)),
+                                 float(range * std::sin(c.elevation_rad))));
+    }
+  }
+  return scan;
+}
+
+TEST(ImportChecks, ASensorFitsItsOwnScansAlone) {
+  const std::vector<std::string> names{"velodyne-vlp16", "velodyne-hdl32e", "velodyne-hdl64e",
+                                       "ouster-os0-128"};
+  for (const std::string& own : names) {
+    const PointScan scan = scan_of(sensor::load(own));
+    EXPECT_NO_THROW(check_sensor_of("f", "--deskew", scan, sensor::load(own)));
+  }
+  const auto refused = [](const char* data, const char* named) {
+    EXPECT_THROW(check_sensor_of("f", "--deskew", scan_of(sensor::load(data)), sensor::load(named)),
+                 FormatError)
+        << data << " as " << named;
+  };
+  refused("velodyne-hdl64e", "velodyne-vlp16");
+  refused("ouster-os0-128", "velodyne-vlp16");
+  refused("ouster-os0-128", "velodyne-hdl64e");
+  refused("velodyne-hdl32e", "velodyne-hdl64e");
+  PointScan ringed = scan_of(sensor::load("velodyne-vlp16"));
+  ringed.ring.assign(ringed.size(), 31);
+  EXPECT_THROW(check_sensor_of("f", "--deskew", ringed, sensor::load("velodyne-vlp16")),
+               FormatError);
+  EXPECT_THROW(check_sensor_of("f", "--deskew", scan_of(sensor::load("velodyne-vlp16"), 5000),
+                               sensor::load("velodyne-vlp16")),
+               FormatError);
+}
+
+std::vector<ScanInfo> drive(const Vec3& velocity, const Eigen::Quaterniond& rotation) {
+  std::vector<ScanInfo> scans;
+  for (uint32_t k = 0; k < 20; ++k) {
+    scans.push_back({k, 0.1 * k, {rotation, 0.1 * k * velocity}});
+  }
+  return scans;
+}
+
+TEST(ImportChecks, PosesAreWarnedOfByTheirMotionAndTheirUpright) {
+  const Eigen::Quaterniond level(Eigen::AngleAxisd(0.4, Vec3::UnitZ()));
+  // The numbers of `level` with w first, read as if w were last.
+  const Eigen::Quaterniond shifted(level.z(), level.w(), level.x(), level.y());
+  const auto warned = [](const std::vector<ScanInfo>& scans, const char* word) {
+    const std::vector<std::string> found = warnings_of_poses(scans);
+    return found.size() == 1 && found[0].find(word) != std::string::npos;
+  };
+  EXPECT_TRUE(warnings_of_poses(drive({8, 1, 0.2}, level)).empty());
+  EXPECT_TRUE(warnings_of_poses(drive({0, 0, 0}, level)).empty());
+  EXPECT_TRUE(warned(drive({8000, 0, 0}, level), "mm"));
+  EXPECT_TRUE(warned(drive({0.1, 0, 8}, level), "camera"));
+  EXPECT_TRUE(warned(drive({8, 0, 0}, shifted), "qw qx qy qz"));
+  const Eigen::Quaterniond on_its_side(Eigen::AngleAxisd(M_PI / 2, Vec3::UnitY()));
+  EXPECT_TRUE(warnings_of_poses(drive({8, 0, 0}, on_its_side)).empty()) << "as mounted";
+}
+
+TEST(ImportChecks, MillimetresAreWarnedOf) {
+  EXPECT_EQ(warning_of_ranges(scan_of(sensor::load("velodyne-vlp16"))), "");
+  EXPECT_NE(warning_of_ranges(scan_of(sensor::load("velodyne-vlp16"), 20000)).find("--unit mm"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace underbrush::pipeline
