@@ -35,7 +35,7 @@ std::string attributes(std::string_view name, uint32_t reference, const Variable
                      std::string(variability(v.role)) + "\"";
   if (v.role == Role::kCalculatedParameter) text += " initial=\"calculated\"";
   if (v.role == Role::kOutput || v.role == Role::kParameter) text += " initial=\"exact\"";
-  return text + " description=\"" + std::string(v.meaning) + "\"";
+  return text + " description=\"" + v.meaning + "\"";
 }
 
 std::string header(const char* version, const char* identity, const std::string& guid) {

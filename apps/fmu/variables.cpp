@@ -1,9 +1,16 @@
 #include "variables.hpp"
 
+#include <algorithm>
+#include <vector>
+
+#include "underbrush/osi/osi_options.hpp"
+#include "underbrush/perception/perceive_options.hpp"
+
 namespace underbrush::fmu {
 namespace {
 
-constexpr Variable kVariables[] = {
+// What is of the FMU alone.
+const Variable kOwn[] = {
     {kSensorViewIn, "OSMPSensorViewIn", Type::kBinary, Role::kInput, "SensorView",
      "What the environment simulator sees."},
     {kSensorDataOut, "OSMPSensorDataOut", Type::kBinary, Role::kOutput, "SensorData",
@@ -29,34 +36,63 @@ constexpr Variable kVariables[] = {
      "Whether the output holds the SensorView that it was made from."},
     {kThresholdSnr, "threshold_snr", Type::kReal, Role::kParameter, "0",
      "Least signal-to-noise ratio of an echo; 0 is the sensor's."},
-    {kExistenceThreshold, "existence_threshold", Type::kReal, Role::kParameter, "0",
-     "Existence probability from which on an object is listed; 0 is the chain's."},
-    {kLatencyMs, "latency_ms", Type::kReal, Role::kParameter, "0",
-     "Time from a measurement to its list of objects, ms; 0 is the chain's."},
     {kCycle, "cycle_s", Type::kReal, Role::kParameter, "0",
      "Time between measurements, s; 0 is every new SensorView."},
-    {kProfile, "profile", Type::kString, Role::kParameter, "",
-     "The sensor: a name of the catalogue or a file; empty is the chain's."},
     {kInputMode, "input_mode", Type::kString, Role::kParameter, "ground_truth",
      "reflections: the SensorView holds what the rays met; ground_truth: the model traces them."},
-    {kChain, "chain", Type::kString, Role::kParameter, "chain.yaml",
-     "The strategies: a file of the archive's resources, or a path."},
     {kStrategies, "strategies", Type::kString, Role::kParameter, "",
      "Names of the chain's strategies to run, separated by commas; empty is all."},
-    {kTracking, "tracking", Type::kString, Role::kParameter, "",
-     "model: tracking knows the ground truth; real: it does not; empty is the chain's."},
-    {kWorld, "world", Type::kString, Role::kParameter, "",
-     "The folder of a model or scene that rays meet; empty is flat ground."},
     {kTraceOutputPath, "trace_output_path", Type::kString, Role::kParameter, "",
      "A file for all output messages (.osi); empty is none."},
 };
 
+Type type_of(std::string_view of_option) {
+  if (of_option == "float") return Type::kReal;
+  return of_option == "int" ? Type::kInteger : Type::kString;
+}
+
+// A parameter that is the option `option` of a verb. `otherwise` says what the start value means.
+template <class T>
+Variable parameter(uint32_t reference, std::string_view name, std::span<const Option<T>> table,
+                   std::string_view option, std::string_view start, std::string_view otherwise) {
+  const auto row = std::find_if(table.begin(), table.end(),
+                                [&](const Option<T>& o) { return o.name == option; });
+  std::string meaning(row->help);
+  if (!row->unit.empty()) meaning += ", " + std::string(row->unit);
+  for (const std::string_view choice : row->choices) {
+    meaning += (choice == row->choices.front() ? ": " : " or ") + std::string(choice);
+  }
+  meaning += "; " + std::string(otherwise) + ".";
+  return {reference, name, type_of(underbrush::type_of(*row)), Role::kParameter, start, meaning};
+}
+
+std::vector<Variable> all_variables() {
+  const auto osi = osi::osi_options();
+  const auto perceive = perception::perceive_options();
+  std::vector<Variable> all(std::begin(kOwn), std::end(kOwn));
+  all.insert(all.end(),
+             {parameter(kExistenceThreshold, "existence_threshold", perceive, "threshold", "0",
+                        "0 is the chain's"),
+              parameter(kLatencyMs, "latency_ms", perceive, "latency-ms", "0", "0 is the chain's"),
+              parameter(kTracking, "tracking", perceive, "pipeline", "", "empty is the chain's"),
+              parameter(kProfile, "profile", osi, "sensor", "", "empty is the chain's"),
+              parameter(kChain, "chain", osi, "chain", "chain.yaml",
+                        "a file of the archive's resources, or a path"),
+              parameter(kWorld, "world", osi, "world", "", "empty is flat ground")});
+  std::sort(all.begin(), all.end(),
+            [](const Variable& a, const Variable& b) { return a.reference < b.reference; });
+  return all;
+}
+
 }  // namespace
 
-std::span<const Variable> variables() { return kVariables; }
+std::span<const Variable> variables() {
+  static const std::vector<Variable> kAll = all_variables();
+  return kAll;
+}
 
 const Variable* find(uint32_t reference) {
-  for (const Variable& v : kVariables) {
+  for (const Variable& v : variables()) {
     const uint32_t parts = v.type == Type::kBinary ? 3 : 1;
     if (reference >= v.reference && reference < v.reference + parts) return &v;
   }

@@ -1,6 +1,6 @@
 /// \file
-/// The variables of the FMU: one table from which the model description and the value references
-/// come.
+/// The variables of the FMU, from which the model description and the value references come: a
+/// table of the FMU's own, and rows of the tables of the verbs `osi` and `perceive`.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -53,8 +53,8 @@ struct Variable {
   std::string_view name;
   Type type;
   Role role;
-  std::string_view start;    ///< The initial value; for a binary variable, the OSI message.
-  std::string_view meaning;  ///< A sentence for the model description.
+  std::string_view start;  ///< The initial value; for a binary variable, the OSI message.
+  std::string meaning;     ///< A sentence for the model description.
 };
 
 /// All variables, in order of reference.

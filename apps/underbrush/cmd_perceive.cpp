@@ -21,12 +21,12 @@ using perception::CellLabel;
 
 struct Arguments {
   std::string log, output, write_truth, report, grid;
-  pipeline::PerceiveOptions options;
+  perception::PerceiveOptions options;
 };
 
 void add_options(Verb& verb, Arguments& a) {
   verb.app.add_option("LOG", a.log, "The log (ray cloud PLY)")->required();
-  const auto table = pipeline::perceive_options();
+  const auto table = perception::perceive_options();
   app::add_options(verb, table.first(2), a.options);
   verb.output("-o,--output", a.output, "The lists of objects: .json, .osi (SensorData), else CSV")
       ->type_name("OBJECTS");

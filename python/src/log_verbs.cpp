@@ -71,7 +71,7 @@ struct PerceivedValue {
   std::string report;
 };
 
-PerceivedValue perceived(const GivenLog& log, const pipeline::PerceiveOptions& options,
+PerceivedValue perceived(const GivenLog& log, const perception::PerceiveOptions& options,
                          const std::optional<Path>& grid, const std::string& provenance,
                          const nb::object& progress) {
   PerceivedValue out;
@@ -133,10 +133,10 @@ void bind_perceive(nb::module_& m) {
       .def_prop_ro(
           "report_json", [](const V& v) { return v.report; },
           "What `report_of` reads: counts, scores and areas, as JSON.");
-  bind_options(m, "PerceiveOptions", "perceive", &pipeline::perceive_options)
+  bind_options(m, "PerceiveOptions", "perceive", &perception::perceive_options)
       .def_prop_rw(
-          "seed", [](const pipeline::PerceiveOptions& o) { return o.setup.seed; },
-          [](pipeline::PerceiveOptions& o, uint64_t v) { o.setup.seed = v; });
+          "seed", [](const perception::PerceiveOptions& o) { return o.setup.seed; },
+          [](perception::PerceiveOptions& o, uint64_t v) { o.setup.seed = v; });
   m.def("perceive", &perceived, "log"_a, "options"_a, "grid"_a.none(), "provenance"_a,
         "progress"_a.none(), "Turns a log into lists of tracked objects.");
   m.def(

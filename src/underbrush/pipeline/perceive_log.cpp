@@ -11,7 +11,7 @@ namespace {
 /// The occupancy grid of a log, and its file.
 class GridOfLog {
  public:
-  GridOfLog(const PerceiveOptions& options, const GridFile& file)
+  GridOfLog(const perception::PerceiveOptions& options, const GridFile& file)
       : path_(file.path), area_(options.area), grid_(options.grid) {
     area_.check();
     if (path_.extension() != ".png") writer_.emplace(path_, file.provenance, area_);
@@ -50,8 +50,8 @@ class GridOfLog {
 }  // namespace
 
 Perceived perceive_log(BeamSource& log, const perception::LogTruth* truth,
-                       const PerceiveOptions& options, const GridFile* grid) {
-  const perception::PerceptionSetup setup = setup_of(options);
+                       const perception::PerceiveOptions& options, const GridFile* grid) {
+  const perception::PerceptionSetup setup = perception::setup_of(options);
   require(
       !grid || setup.rig || setup.cycles.sensor_height_m > 0,
       "perceive: --grid needs the sensor's height above the ground (--sensor-height, or --rig)");

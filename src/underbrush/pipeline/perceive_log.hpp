@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "underbrush/pipeline/perceive_options.hpp"
+#include "underbrush/perception/perceive_options.hpp"
 
 namespace underbrush::pipeline {
 
@@ -34,6 +34,6 @@ struct Perceived {
 /// `truth` may be null for the real pipeline. Throws `std::invalid_argument` for options out of
 /// range, `DataError` and `IoError`.
 Perceived perceive_log(BeamSource& log, const perception::LogTruth* truth,
-                       const PerceiveOptions& options, const GridFile* grid = nullptr);
+                       const perception::PerceiveOptions& options, const GridFile* grid = nullptr);
 
 }  // namespace underbrush::pipeline

@@ -1,15 +1,8 @@
-#include "underbrush/pipeline/perceive_options.hpp"
+#include "underbrush/perception/perceive_options.hpp"
 
 #include "underbrush/core/check.hpp"
 
-namespace underbrush::pipeline {
-namespace {
-
-using perception::ExistenceRule;
-using perception::HeadingSource;
-using perception::ReferencePoint;
-
-}  // namespace
+namespace underbrush::perception {
 
 // long: the table of the options.
 std::span<const Option<PerceiveOptions>> perceive_options() {
@@ -104,10 +97,10 @@ std::span<const Option<PerceiveOptions>> perceive_options() {
 return kOptions;
 }
 
-perception::PerceptionSetup setup_of(const PerceiveOptions& o) {
+PerceptionSetup setup_of(const PerceiveOptions& o) {
   check_options("perceive", perceive_options(), o);
-  perception::PerceptionSetup s = o.setup;
-  if (!o.rig.empty()) s.rig = perception::load_rig(o.rig);
+  PerceptionSetup s = o.setup;
+  if (!o.rig.empty()) s.rig = load_rig(o.rig);
   s.is_model = o.pipeline == "model";
   s.cycles.alignment.deskew = !o.no_deskew;
   s.model.track.reference = o.reference == "corner"   ? ReferencePoint::kCorner
@@ -124,4 +117,4 @@ perception::PerceptionSetup setup_of(const PerceiveOptions& o) {
   return s;
 }
 
-}  // namespace underbrush::pipeline
+}  // namespace underbrush::perception

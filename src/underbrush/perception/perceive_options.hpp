@@ -8,7 +8,7 @@
 #include "underbrush/perception/free_area.hpp"
 #include "underbrush/perception/perceive.hpp"
 
-namespace underbrush::pipeline {
+namespace underbrush::perception {
 
 /// The options of `perceive`. Words are those of the command line; a text is empty where it is not
 /// given.
@@ -22,9 +22,9 @@ struct PerceiveOptions {
   double latency_ms = 0;
   bool as_measured = false, no_deskew = false;
   /// What the words do not say. `real.track` is that of `model.track`.
-  perception::PerceptionSetup setup;
-  perception::GridOptions grid;
-  perception::FreeAreaOptions area;
+  PerceptionSetup setup;
+  GridOptions grid;
+  FreeAreaOptions area;
 };
 
 /// The options of `perceive`.
@@ -32,6 +32,6 @@ std::span<const Option<PerceiveOptions>> perceive_options();
 
 /// Returns the setup that the options describe. Reads the file of the rig. Throws `FormatError` and
 /// `std::invalid_argument`.
-perception::PerceptionSetup setup_of(const PerceiveOptions& options);
+PerceptionSetup setup_of(const PerceiveOptions& options);
 
-}  // namespace underbrush::pipeline
+}  // namespace underbrush::perception
