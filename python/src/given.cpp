@@ -1,5 +1,6 @@
 #include "given.hpp"
 
+#include "underbrush/core/first_echoes.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/log_file.hpp"
 
@@ -8,29 +9,15 @@ namespace {
 
 constexpr size_t kChunk = 1 << 18;  // rows
 
-/// The first echo, or the miss, of each beam of a log in memory.
-class FirstEchoes : public BeamSource {
- public:
-  explicit FirstEchoes(const BeamLog& log) : source_(log, kChunk), beams_(log.size()) {
-    if (log.extra.contains(kEchoColumn)) {
-      const std::vector<bool> begins = begins_beam(log);
-      beams_ = size_t(std::count(begins.begin(), begins.end(), true));
-    }
-  }
-  const LogInfo& info() const override { return source_.info(); }
-  size_t size() const override { return beams_; }
-  void rewind() override { source_.rewind(); }
-  bool next(BeamLog& chunk) override {
-    while (source_.next(chunk)) {
-      keep_first_echoes(chunk);
-      if (!chunk.empty()) return true;
-    }
-    return false;
-  }
+struct OwnMemorySource {
+  MemorySource memory;
+};
 
- private:
-  MemorySource source_;
-  size_t beams_;
+/// The first echo, or the miss, of each beam of a log in memory.
+class MemoryBeams : private OwnMemorySource, public FirstEchoes {
+ public:
+  explicit MemoryBeams(const BeamLog& log)
+      : OwnMemorySource{MemorySource(log, kChunk)}, FirstEchoes(memory) {}
 };
 
 }  // namespace
@@ -43,7 +30,7 @@ std::unique_ptr<BeamSource> source_of(const GivenLog& log, bool echoes) {
   const BeamLog& memory = *std::get<const BeamLog*>(log);
   memory.check();
   if (echoes) return std::make_unique<MemorySource>(memory, kChunk);
-  return std::make_unique<FirstEchoes>(memory);
+  return std::make_unique<MemoryBeams>(memory);
 }
 
 BeamLog whole_log(BeamSource& source) {
@@ -56,6 +43,21 @@ BeamLog whole_log(BeamSource& source) {
     whole.append(chunk, 0, chunk.size());
   }
   whole.info = source.info();
+  return whole;
+}
+
+BeamLog joined(std::vector<BeamLog> chunks) {
+  BeamLog whole;
+  size_t rows = 0;
+  for (const BeamLog& chunk : chunks) rows += chunk.size();
+  for (BeamLog& chunk : chunks) {
+    if (whole.empty()) {
+      whole = chunk.like();
+      whole.reserve(rows);
+    }
+    whole.append(chunk, 0, chunk.size());
+    chunk = {};
+  }
   return whole;
 }
 

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/core/check.hpp"
@@ -36,6 +37,9 @@ std::unique_ptr<BeamSource> source_of(const GivenLog& log, bool echoes = false);
 
 /// Reads what is left of a source into one log.
 BeamLog whole_log(BeamSource& source);
+
+/// Joins the chunks of a log, each of which is freed once it is copied.
+BeamLog joined(std::vector<BeamLog> chunks);
 
 /// Returns how many records of the source were left out so far, by reason.
 std::map<std::string, size_t> skipped_in(const BeamSource& source);

@@ -20,23 +20,6 @@ std::vector<T> column_of(const std::vector<const std::vector<Row>*>& rows, F val
   return out;
 }
 
-template <class T>
-const std::vector<T>& read_column(const fs::path& file, const io::PlyElement& e, const char* name,
-                                  size_t count) {
-  const ExtraColumn* column = e.find(name);
-  const auto* values = column ? std::get_if<std::vector<T>>(column) : nullptr;
-  if (!values || values->size() != count) {
-    throw FormatError(file.string(), e.name, std::string("no column ") + name + " of the size");
-  }
-  return *values;
-}
-
-const io::PlyElement& element(const fs::path& file, const io::PlyData& data, const char* name) {
-  const io::PlyElement* e = data.find(name);
-  if (!e) throw FormatError(file.string(), "", std::string("no element ") + name);
-  return *e;
-}
-
 Json json_of_trust(const Keyframes& k) {
   Json list = Json::array();
   for (const KeyframeTrust& t : k.trust) {
@@ -75,16 +58,18 @@ void read_trust(const io::JsonValue& j, Keyframes& k) {
 
 void read_pixels(const fs::path& file, Keyframes& k) {
   const io::PlyData data = io::read_ply(file);
-  const io::PlyElement &pixel = element(file, data, "pixel"),
-                       &column = element(file, data, "column");
-  const size_t pixels = k.frames.size() * k.pixels(), columns = k.frames.size() * k.columns;
-  const auto& x = read_column<int16_t>(file, pixel, "x", pixels);
-  const auto& y = read_column<int16_t>(file, pixel, "y", pixels);
-  const auto& z = read_column<int16_t>(file, pixel, "z", pixels);
-  const auto& intensity = read_column<uint16_t>(file, pixel, "intensity", pixels);
-  const auto& ox = read_column<float>(file, column, "x", columns);
-  const auto& oy = read_column<float>(file, column, "y", columns);
-  const auto& oz = read_column<float>(file, column, "z", columns);
+  const io::PlyElement &pixel = element_of(file, data, "pixel"),
+                       &column = element_of(file, data, "column");
+  if (pixel.count != k.frames.size() * k.pixels() || column.count != k.frames.size() * k.columns) {
+    throw FormatError(file.string(), "", "not as many pixels and columns as the frames have");
+  }
+  const auto& x = io::column_of<int16_t>(file, pixel, "x");
+  const auto& y = io::column_of<int16_t>(file, pixel, "y");
+  const auto& z = io::column_of<int16_t>(file, pixel, "z");
+  const auto& intensity = io::column_of<uint16_t>(file, pixel, "intensity");
+  const auto& ox = io::column_of<float>(file, column, "x");
+  const auto& oy = io::column_of<float>(file, column, "y");
+  const auto& oz = io::column_of<float>(file, column, "z");
   for (size_t f = 0; f < k.frames.size(); ++f) {
     for (size_t p = f * k.pixels(); p < (f + 1) * k.pixels(); ++p) {
       k.frames[f].pixels.push_back({x[p], y[p], z[p], intensity[p]});

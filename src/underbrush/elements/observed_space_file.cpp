@@ -11,22 +11,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-template <class T>
-const std::vector<T>& read_column(const fs::path& file, const io::PlyData& data,
-                                  const char* element, const char* name) {
-  const io::PlyElement* e = data.find(element);
-  const ExtraColumn* column = e ? e->find(name) : nullptr;
-  const auto* values = column ? std::get_if<std::vector<T>>(column) : nullptr;
-  if (!values) throw FormatError(file.string(), element, std::string("no column ") + name);
-  return *values;
-}
-
 void read_blocks(const fs::path& file, ObservedSpace& space) {
   const io::PlyData data = io::read_ply(file);
-  const auto& x = read_column<int32_t>(file, data, "block", "x");
-  const auto& y = read_column<int32_t>(file, data, "block", "y");
-  const auto& z = read_column<int32_t>(file, data, "block", "z");
-  const auto& beams = read_column<uint8_t>(file, data, "cell", "beams");
+  const io::PlyElement& block = element_of(file, data, "block");
+  const auto& x = io::column_of<int32_t>(file, block, "x");
+  const auto& y = io::column_of<int32_t>(file, block, "y");
+  const auto& z = io::column_of<int32_t>(file, block, "z");
+  const auto& beams = io::column_of<uint8_t>(file, element_of(file, data, "cell"), "beams");
   if (beams.size() != x.size() * ObservedBlock::kCells) {
     throw FormatError(file.string(), "cell",
                       "not " + std::to_string(ObservedBlock::kCells) + " cells a block");

@@ -199,6 +199,13 @@ const PlyElement* PlyData::find(const std::string& element) const {
   return nullptr;
 }
 
+const PlyElement& element_of(const std::filesystem::path& file, const PlyData& data,
+                             const std::string& name) {
+  const PlyElement* element = data.find(name);
+  if (!element) throw FormatError(file.string(), "", "no element " + name);
+  return *element;
+}
+
 PlyData read_ply(const std::filesystem::path& path) {
   const InputFile file(path);
   PlyHeader header = read_ply_header(file);

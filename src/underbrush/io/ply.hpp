@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "underbrush/core/beam_log.hpp"
+#include "underbrush/core/check.hpp"
 
 namespace underbrush::io {
 
@@ -36,6 +37,21 @@ struct PlyData {
 /// Reads a PLY file. Throws `FormatError` (file, place, reason) for anything that is not a whole
 /// PLY file.
 PlyData read_ply(const std::filesystem::path& path);
+/// Returns the element of that name. Throws `FormatError`, which calls the file `file`, where there
+/// is none.
+const PlyElement& element_of(const std::filesystem::path& file, const PlyData& data,
+                             const std::string& name);
+/// Returns the column of that name. Throws `FormatError`, which calls the file `file`, where there
+/// is none, or where it is of another type than `T`.
+template <class T>
+const std::vector<T>& column_of(const std::filesystem::path& file, const PlyElement& element,
+                                const std::string& name) {
+  const ExtraColumn* column = element.find(name);
+  const auto* values = column ? std::get_if<std::vector<T>>(column) : nullptr;
+  if (!values) throw FormatError(file.string(), element.name, "no column " + name);
+  return *values;
+}
+
 /// Writes a PLY file, atomically. `triangles`, where not empty, become `list uchar int
 /// vertex_indices`. Throws `IoError`.
 void write_ply(const std::filesystem::path& path, const PlyData& data);
