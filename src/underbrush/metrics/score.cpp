@@ -12,61 +12,10 @@
 #include "underbrush/keyframes/keyframe_cache.hpp"
 #include "underbrush/metrics/nearest.hpp"
 #include "underbrush/metrics/predictive.hpp"
+#include "underbrush/metrics/score_sums.hpp"
 
 namespace underbrush::metrics {
 namespace {
-
-/// The mean over packets of the mean over a packet's consecutive beams.
-struct PacketMeans {
-  uint64_t packet = ~uint64_t(0);
-  double sum = 0, total = 0;
-  size_t n = 0, packets = 0;
-  void add(uint64_t p, double error) {
-    if (p != packet) close();
-    packet = p;
-    sum += error;
-    ++n;
-  }
-  void close() {
-    if (n) total += sum / double(n), ++packets;
-    sum = 0;
-    n = 0;
-  }
-};
-
-/// The sums over a set of beams.
-struct Sums {
-  Summary counts;
-  PacketMeans packets;
-  std::vector<float> range_errors;
-  double nll = 0, crps = 0, capped = 0;
-  size_t likelihoods = 0;
-  double cloud[2] = {0, 0}, chamfer[2] = {0, 0};
-  size_t points[2] = {0, 0};
-
-  Summary finish() {
-    Summary s = counts;
-    score_counts(s);
-    packets.close();
-    if (packets.packets) s.packet_error_m = packets.total / double(packets.packets);
-    if (!range_errors.empty()) {
-      const auto middle = range_errors.begin() + std::ptrdiff_t(range_errors.size() / 2);
-      std::nth_element(range_errors.begin(), middle, range_errors.end());
-      s.median_range_error_m = *middle;
-    }
-    if (s.beams) s.capped_error_m = capped / double(s.beams);
-    if (points[0] && points[1]) {
-      const double a = double(points[0]), b = double(points[1]);
-      s.cloud_error_m = 0.5 * (cloud[0] / a + cloud[1] / b);
-      s.density_aware_chamfer = 0.5 * (chamfer[0] / a + chamfer[1] / b);
-    }
-    if (likelihoods) {
-      s.nll_per_beam = nll / double(likelihoods);
-      s.crps_m = crps / double(likelihoods);
-    }
-    return s;
-  }
-};
 
 /// Reads the class of each beam as a number; empty where the log has no such column.
 std::vector<uint32_t> classes_of(const BeamLog& log) {

@@ -1,11 +1,10 @@
 #include <algorithm>
 #include <filesystem>
-#include <map>
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/elements/model_file.hpp"
-#include "underbrush/io/mesh_file.hpp"
+#include "underbrush/osi/mover_models.hpp"
 #include "underbrush/osi/objects.hpp"
 #include "underbrush/osi/profile.hpp"
 #include "underbrush/osi/strategies.hpp"
@@ -29,90 +28,10 @@ struct TracerOptions {
   uint64_t sensor_id = 0, seed = 1;
 };
 
-elements::Model mesh_model(const std::vector<Vec3f>& vertices,
-                           const std::vector<std::array<uint32_t, 3>>& triangles) {
-  elements::Model m;
-  m.fitter = "mesh";
-  m.surface.vertices = vertices;
-  m.surface.triangles = triangles;
-  m.surface.hit.resize(triangles.size());
-  return m;
-}
-
-elements::Model box_model(const Vec3& size) {
-  std::vector<Vec3f> v;
-  v.reserve(8);
-  for (int k = 0; k < 8; ++k) {
-    v.emplace_back(Vec3f(k & 1 ? 0.5f : -0.5f, k & 2 ? 0.5f : -0.5f, k & 4 ? 0.5f : -0.5f)
-                       .cwiseProduct(size.cast<float>()));
-  }
-  return mesh_model(v, {{0, 1, 3},
-                        {0, 3, 2},
-                        {4, 6, 7},
-                        {4, 7, 5},
-                        {0, 4, 5},
-                        {0, 5, 1},
-                        {2, 3, 7},
-                        {2, 7, 6},
-                        {0, 2, 6},
-                        {0, 6, 4},
-                        {1, 5, 7},
-                        {1, 7, 3}});
-}
-
 elements::Model ground_model() {
   const float h = kGroundHalfM, z = 0;
   return mesh_model({{-h, -h, z}, {h, -h, z}, {h, h, z}, {-h, h, z}}, {{0, 1, 2}, {0, 2, 3}});
 }
-
-// A mesh, moved and stretched so that it fills a box about the origin.
-elements::Model fitted_mesh(elements::Model model, const Vec3& size) {
-  Vec3f low = model.surface.vertices.at(0), high = low;
-  for (const Vec3f& v : model.surface.vertices) {
-    low = low.cwiseMin(v);
-    high = high.cwiseMax(v);
-  }
-  const Vec3f extent = (high - low).cwiseMax(1e-6f),
-              scale = size.cast<float>().cwiseQuotient(extent);
-  for (Vec3f& v : model.surface.vertices) v = (v - (low + high) / 2).cwiseProduct(scale);
-  return model;
-}
-
-/// The models of movers by name: meshes, which are fitted to each mover's box, and fitted models,
-/// whose origin is placed in the middle of the box.
-class MoverModels {
- public:
-  explicit MoverModels(const std::string& folder) {
-    if (folder.empty()) return;
-    std::vector<fs::path> paths;
-    for (const auto& entry : fs::directory_iterator(folder)) paths.push_back(entry.path());
-    std::sort(paths.begin(), paths.end());
-    const std::vector<std::string> meshes = io::mesh_extensions();
-    for (const fs::path& path : paths) {
-      if (fs::is_directory(path)) {
-        fitted_.emplace(path.filename().string(), elements::read_model(path));
-      } else if (std::find(meshes.begin(), meshes.end(), path.extension()) != meshes.end()) {
-        const io::MeshData mesh = io::read_mesh(path);
-        meshes_.emplace(path.stem().string(), mesh_model(mesh.vertices, mesh.triangles));
-      }
-    }
-  }
-
-  elements::Model model(const MovingObject& m) const {
-    const std::string words[] = {fs::path(m.model_reference).stem().string(),
-                                 std::string(perception::name(class_of(m.type, m.vehicle_type)))};
-    for (const std::string& word : words) {
-      const auto fitted = fitted_.find(word);
-      if (fitted != fitted_.end()) return fitted->second;
-      const auto mesh = meshes_.find(word);
-      if (mesh != meshes_.end()) return fitted_mesh(mesh->second, *m.base.dimension_m);
-    }
-    return box_model(*m.base.dimension_m);
-  }
-
- private:
-  std::map<std::string, elements::Model> fitted_, meshes_;
-};
 
 /// What does not change from cycle to cycle.
 struct TracerWorld {

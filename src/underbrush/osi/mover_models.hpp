@@ -1,0 +1,32 @@
+/// \file
+/// The shapes of the moving objects of a ground truth. This file is internal to the module.
+#pragma once
+#include <map>
+#include <string>
+
+#include "underbrush/elements/model.hpp"
+#include "underbrush/osi/objects.hpp"
+#include "underbrush/osi/sensor_view.hpp"
+
+namespace underbrush::osi {
+
+/// Returns a mesh as a model.
+elements::Model mesh_model(const std::vector<Vec3f>& vertices,
+                           const std::vector<std::array<uint32_t, 3>>& triangles);
+
+/// The models of movers by name: meshes, which are fitted to each mover's box, and fitted models,
+/// whose origin is placed in the middle of the box.
+class MoverModels {
+ public:
+  /// Reads the models and meshes of a folder; "" means that there are none. Throws `FormatError`
+  /// and `std::filesystem::filesystem_error`.
+  explicit MoverModels(const std::string& folder);
+
+  /// Returns the model that is named as the object's own, else as its class, else a box.
+  elements::Model model(const MovingObject& m) const;
+
+ private:
+  std::map<std::string, elements::Model> fitted_, meshes_;
+};
+
+}  // namespace underbrush::osi
