@@ -12,6 +12,7 @@
 #include "bind.hpp"
 #include "given.hpp"
 #include "option_table.hpp"
+#include "underbrush/io/log_file.hpp"
 #include "underbrush/osi/list_file.hpp"
 #include "underbrush/pipeline/reports_json.inl"
 #include "underbrush/pipeline/split_log.hpp"
@@ -23,18 +24,31 @@ namespace {
 using Path = std::filesystem::path;
 
 std::pair<BeamLog, std::string> imported(const Path& source, const pipeline::ImportOptions& options,
+                                         const std::optional<Path>& output,
+                                         const std::string& provenance,
                                          const nb::object& progress) {
   std::pair<BeamLog, std::string> out;
   run_watched(progress, [&](const Hook& hook) {
     LogInfo info;
-    BeamLog& whole = out.first;
+    std::vector<BeamLog> chunks;
+    std::optional<io::LogWriter> writer;
     const pipeline::ImportReport report = pipeline::import_log(
-        source, options, [&](const LogInfo& known) { info = known; },
+        source, options,
+        [&](const LogInfo& known) {
+          info = known;
+          if (output) {
+            writer.emplace(*output, info, provenance,
+                           io::LogWriterOptions{!options.float_coordinates});
+          }
+        },
         [&](const BeamLog& beams) {
-          if (whole.empty()) whole = beams.like();
-          whole.append(beams, 0, beams.size());
+          if (writer) writer->write(beams);
+          chunks.push_back(beams);
         },
         of_stage(hook, "import"));
+    if (writer) writer->close();
+    BeamLog& whole = out.first;
+    whole = joined(std::move(chunks));
     whole.info = info;
     whole.info.has_misses |= report.beam.misses_recorded + report.beam.misses_inferred > 0;
     out.second = pipeline::json_of(report).dump();
@@ -47,19 +61,17 @@ std::pair<BeamLog, BeamLog> split(const GivenLog& log, const pipeline::SplitOpti
   std::pair<BeamLog, BeamLog> out;
   run_watched(progress, [&](const Hook& hook) {
     const std::unique_ptr<BeamSource> source = source_of(log, true);
-    const auto append = [](BeamLog& to, const BeamLog& part) {
-      if (to.empty()) to = part.like();
-      to.append(part, 0, part.size());
-    };
+    std::vector<BeamLog> train_chunks, test_chunks;
     with_name(log, [&] {
       return pipeline::split_log(
           *source, options,
           [&](const BeamLog& train, const BeamLog& test) {
-            append(out.first, train);
-            append(out.second, test);
+            train_chunks.push_back(train);
+            test_chunks.push_back(test);
           },
           of_stage(hook, "split"));
     });
+    out = {joined(std::move(train_chunks)), joined(std::move(test_chunks))};
     out.first.info = out.second.info = source->info();
   });
   return out;
@@ -154,8 +166,10 @@ void bind_perceive(nb::module_& m) {
 
 void bind_log_verbs(nb::module_& m) {
   bind_options(m, "ImportOptions", "import", &pipeline::import_options);
-  m.def("import_log", &imported, "source"_a, "options"_a, "progress"_a.none(),
-        "Reads a log of any supported format into memory.");
+  m.def(
+      "import_log", &imported, "source"_a, "options"_a, "output"_a.none(), "provenance"_a,
+      "progress"_a.none(),
+      "Reads a log of any supported format into memory, and writes it to `output` as it is read.");
   bind_options(m, "SplitOptions", "split", &pipeline::split_options);
   m.def("split", &split, "log"_a, "options"_a, "progress"_a.none(),
         "Splits a log into a part for training and one for tests.");

@@ -245,15 +245,13 @@ def import_log(source: Path, output: Path | None = None, *, float_coordinates: b
     """Reads a log of any supported format as beams, with misses kept or inferred.
 
     `options` are those of `underbrush import` with `_` for `-`, such as `poses`, `deskew` and `infer_misses`. With
-    `output`, the log is written too, its coordinates as float with `float_coordinates`. Recordings (bags, LAS, packets, E57) have
-    readers in `underbrush.formats`. Raises `ValueError`, `TypeError`, `FormatError`, `OSError`.
+    `output`, the log is written too while it is read, its coordinates as float with `float_coordinates`. Recordings
+    (bags, LAS, packets, E57) have readers in `underbrush.formats`. Raises `ValueError`, `TypeError`, `FormatError`, `OSError`.
     """
     given: dict[str, Any] = dict(options)
     with _shown(progress) as shown:
-        log, report = _core.import_log(source, _set(_core.ImportOptions(), given), shown)
-    if output is not None:
-        with _core.LogWriter(output, log.info, _provenance("import_log", 1, **given), not float_coordinates) as writer:
-            writer.write(log)
+        core = _set(_core.ImportOptions(), {**given, "float": float_coordinates})
+        log, report = _core.import_log(source, core, output, _provenance("import_log", 1, **given), shown)
     return Imported(log, json.loads(report))
 
 
