@@ -38,7 +38,8 @@ std::string text_of(const pipeline::ComposedScene& composed,
     text += line("left out", "{} primitives of plants of {}", composed.primitives_left_out,
                  fmt::join(options.leave_out, ", "));
   }
-  return text + text_of_warnings(composed.warnings) + line("all", "{:.2f} s", composed.seconds);
+  return text + text_of_warnings(composed.warnings) +
+         line("composing", "{:.2f} s", composed.seconds);
 }
 
 void run(const Verb& verb, Arguments& a) {

@@ -5,22 +5,16 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "cli/line.hpp"
 #include "cli/progress.hpp"
 #include "light_report.hpp"
 
 namespace underbrush::app {
 namespace {
 
-std::string text_of_left_out(size_t mover_points, size_t near_points) {
-  std::string text;
-  if (mover_points) text += fmt::format("  left out    {} returns of movers\n", mover_points);
-  if (near_points) text += fmt::format("  left out    {} points near the sensor\n", near_points);
-  return text;
-}
-
 std::string text_of_skipped(const pipeline::SkippedRows& skipped) {
   std::string text;
-  for (const auto& [why, n] : skipped) text += fmt::format("  skipped     {} beams: {}\n", n, why);
+  for (const auto& [why, n] : skipped) text += line("skipped", "{} beams: {}", n, why);
   return text;
 }
 
@@ -45,8 +39,8 @@ std::string text_of_grain(const elements::Model& model, const calibrate::GrainRe
 std::string text_of_channels(const ChannelOffsets& channels) {
   if (channels.empty()) return "";
   const OffsetSpread spread = spread_of(channels);
-  return fmt::format("  channels    {} range offsets, sigma {:.1f} cm, standard error {:.1f} cm\n",
-                     channels.size(), 100 * spread.sigma_m, 100 * spread.standard_error_m);
+  return line("channels", "{} range offsets, sigma {:.1f} cm, standard error {:.1f} cm",
+              channels.size(), 100 * spread.sigma_m, 100 * spread.standard_error_m);
 }
 
 std::string text_of_keyframes(const elements::Model& model) {
@@ -79,18 +73,22 @@ std::string text_of(const pipeline::FittedModel& fitted, const pipeline::Skipped
   if (r.unclustered_points) text += fmt::format(", {} in no cluster", r.unclustered_points);
   text += "\n" + text_of_channels(model.channels);
   if (r.free_space_ellipsoids) {
-    text += fmt::format("  dropped     {} ellipsoids in free space\n", r.free_space_ellipsoids);
+    text += line("dropped", "{} ellipsoids in free space", r.free_space_ellipsoids);
   }
   if (r.carved_triangles) {
-    text += fmt::format("  dropped     {} triangles that beams passed\n", r.carved_triangles);
+    text += line("dropped", "{} triangles that beams passed", r.carved_triangles);
   }
-  text += text_of_left_out(r.mover_points, r.near_points);
-  if (r.thinned_points)
-    text += fmt::format("  left out    {} points of full tiles\n", r.thinned_points);
+  text += left_out(r.mover_points, "returns of movers") +
+          left_out(r.near_points, "points near the sensor");
+  if (r.thinned_points) text += line("left", "out    {} points of full tiles", r.thinned_points);
   text += text_of_grain(model, r.grain) + text_of_light(model) + text_of_keyframes(model);
   if (r.echo_grain.learnt) {
-    text += fmt::format("  echoes      {:.3f} of a beam that returns, the log {:.3f}\n",
-                        r.echo_grain.simulated, r.echo_grain.real);
+    text += line("echoes", "{:.3f} of a beam that returns, the log {:.3f}", r.echo_grain.simulated,
+                 r.echo_grain.real);
+  }
+  if (model.observed) {
+    text += line("observed", "{} blocks of space, {:.1f} MB", model.observed->blocks.size(),
+                 double(model.observed->bytes()) / 1e6);
   }
   text += text_of_skipped(skipped);
   for (const likelihood::LikelihoodStep& s : r.likelihood.steps) {
@@ -124,7 +122,8 @@ std::string text_of(const pipeline::UpdatedModel& updated, const pipeline::Skipp
     text += fmt::format("              {} kept and {} added; {} pixels of what changed forgotten\n",
                         r.keyframes.kept, r.keyframes.added, r.keyframes.forgotten_pixels);
   }
-  return text + text_of_left_out(r.mover_points, r.near_points) + text_of_skipped(skipped);
+  return text + left_out(r.mover_points, "returns of movers") +
+         left_out(r.near_points, "points near the sensor") + text_of_skipped(skipped);
 }
 
 }  // namespace underbrush::app

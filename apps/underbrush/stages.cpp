@@ -80,6 +80,18 @@ std::string table_of_scores(const std::vector<Candidate>& candidates,
   text += row("F1 of misses", scores, &Summary::f1_of_misses, 4);
   text += row("informedness", scores, &Summary::informedness, 4);
   text += row("capped error, m", scores, &Summary::capped_error_m, 3);
+  for (const auto& [support, part] : scores[0].per_support) {
+    text += row(
+        fmt::format("  {} {} beams", part.beams, support), scores,
+        [&](const Score& s) {
+          const auto of_log = s.per_support.find(support);
+          return of_log == s.per_support.end() ? NAN : of_log->second.capped_error_m;
+        },
+        3);
+  }
+  if (!scores[0].per_support.empty()) {
+    text += "    (by whether the beam ends in space that the model's log observed)\n";
+  }
   if (scores[0].likelihood) {
     text += row(
         "calibration error", scores, [](const Score& s) { return s.reliability.error(); }, 4);

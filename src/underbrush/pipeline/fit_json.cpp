@@ -136,6 +136,10 @@ Json json_of(const FittedModel& fitted, const SkippedRows& skipped) {
   }
   if (model.light.known()) j["light"] = json_of_light(model);
   if (model.keyframes) j["keyframes"] = json_of(*model.keyframes);
+  if (model.observed) {
+    j["observed_space"] = {{"blocks", model.observed->blocks.size()},
+                           {"bytes", model.observed->bytes()}};
+  }
   j["skipped"] = skipped;
   j["warnings"] = r.warnings;
   if (!r.likelihood.steps.empty()) j["likelihood"] = json_of(r.likelihood);
