@@ -89,5 +89,52 @@ TEST(ObservedSpace, LearnsTheDensityOfAMediumThatNobodySaw) {
   EXPECT_EQ(density[elements::ObservedSpace::height_interval(20)][r], 0);
 }
 
+/// Beams of a sensor that drives along x over flat ground, which ends at `edge_m` on its right.
+/// Beyond the edge nothing returns.
+BeamLog log_of_edge(double edge_m, size_t beams) {
+  BeamLog log;
+  log.info.max_range_m = kReachM;
+  log.info.has_misses = true;
+  log.resize(beams);
+  Stream random(11);
+  for (size_t i = 0; i < beams; ++i) {
+    const double along = double(i) / double(beams);
+    log.scan[i] = uint32_t(100 * along);
+    log.origin[i] = Vec3(100 * along, 0, 1.5);
+    const double azimuth = random.uniform(0, 2 * M_PI), rise = random.uniform(-0.3, -0.03);
+    log.direction[i] = Vec3(std::cos(azimuth), std::sin(azimuth), rise).normalized().cast<float>();
+    const Vec3 d = log.direction[i].cast<double>();
+    const double ground = -1.5 / d.z();
+    const bool falls = ground * d.y() < -edge_m;
+    log.range_m[i] = ground < kReachM && !falls ? float(ground) : kMiss;
+  }
+  return log;
+}
+
+TEST(ObservedSpace, WhereTheLogLostItsBeamsNothingIsMet) {
+  constexpr double kEdgeM = 12;
+  elements::Model m = flat_model();
+  std::erase_if(m.ground.vertices, [](const Vec3f& v) { return double(v.y()) < -kEdgeM; });
+  const BeamLog log = log_of_edge(kEdgeM, 200000);
+  MemorySource source(log);
+  learn_observed_space(m, source, {1, 0});
+  ASSERT_TRUE(m.observed);
+  const trace::UnknownSpace unknown(*m.observed, m.ground, m.origin);
+  // Other beams than the log's, to the right and to the left, and back over the log's beginning.
+  int right = 0, back = 0;
+  constexpr int kBeams = 400;
+  for (int k = 0; k < kBeams; ++k) {
+    const uint64_t key = mix64(uint64_t(k));
+    const Vec3 place(10 + 0.2 * k, 0.3, 1.6);
+    const Ray to_right{place, Vec3(0.1, -1, -0.06).normalized()};
+    const Ray to_back{Vec3(-60, 0.3, 1.6), Vec3(-1, 0.002 * k, -0.1).normalized()};
+    right += unknown.drawn_end(to_right, key, {0, kReachM}).has_value();
+    back += unknown.drawn_end(to_back, key, {0, kReachM}).has_value();
+  }
+  EXPECT_LT(right, kBeams / 10);
+  EXPECT_GT(back, kBeams * 0.85);
+  for (const float share : m.observed->ground_returns) EXPECT_GT(share, 0.8f);
+}
+
 }  // namespace
 }  // namespace underbrush::calibrate

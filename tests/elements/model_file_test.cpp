@@ -173,6 +173,8 @@ TEST_F(ModelFile, ObservedSpaceComesBackAndItsDamageIsNoticed) {
   space.blocks[0].at = {-2, 5, 0};
   space.blocks[1].at = {0, -7, 1};
   space.blocks[1].beams[ObservedBlock::index({3, -56, 9})] = 200;
+  space.lost = {{{-3, 2}, 7}, {{0, -1}, 70000}};
+  space.ground_returns[4] = 0.75f;
   model_.observed = std::make_shared<ObservedSpace>(space);
   write_model(folder_ / "m", model_);
   const Model read = read_model(folder_ / "m");
@@ -183,6 +185,13 @@ TEST_F(ModelFile, ObservedSpaceComesBackAndItsDamageIsNoticed) {
     EXPECT_EQ(read.observed->blocks[k].at, space.blocks[k].at);
     EXPECT_EQ(read.observed->blocks[k].beams, space.blocks[k].beams);
   }
+  EXPECT_EQ(read.observed->ground_returns, space.ground_returns);
+  ASSERT_EQ(read.observed->lost.size(), 2u);
+  EXPECT_EQ(read.observed->lost[1].at, (Cell2{0, -1}));
+  EXPECT_EQ(read.observed->lost[1].beams, 70000u);
+  replace("0.75", "1.75");
+  EXPECT_THROW(read_model(folder_ / "m"), FormatError);
+  write_model(folder_ / "m", model_);
   replace("\"cell_m\": 1.0", "\"cell_m\": 0.0");
   EXPECT_THROW(read_model(folder_ / "m"), FormatError);
   write_model(folder_ / "m", model_);

@@ -87,6 +87,64 @@ TEST(UnknownSpace, HeightsAreThoseAboveTheGroundAlsoBeyondIt) {
   EXPECT_FALSE(unknown.drawn_end(ray_from({-10, 0, -3}, -Vec3::UnitZ()), 1, far));
 }
 
+TEST(UnknownSpace, GroundReturnsAShareOfTheBeamsThatComeToIt) {
+  ObservedSpace space = space_of(0, 0);
+  for (const double h : {-0.25, -0.75, -1.5, -3.0, 0.25}) {
+    space.density_per_m[ObservedSpace::height_interval(h)].fill(4);
+  }
+  space.ground_returns.fill(0.6f);
+  const elements::TriangleMesh ground = flat_ground();
+  const UnknownSpace unknown(space, ground, kOrigin);
+  const RangeLimits far{0, 60};
+  const Ray steep = ray_from({-9.5, 0.5, 1.5}, {1, 0, -1});
+  const Ray grazing = ray_from({-9.5, 0.5, 1.5}, {1, 0, -0.1});
+  for (const Ray& ray : {steep, grazing}) {
+    int ended = 0;
+    double deepest = 0;
+    constexpr int kRays = 20000;
+    for (int k = 0; k < kRays; ++k) {
+      const auto end = unknown.drawn_end(ray, mix64(uint64_t(k)), far);
+      ended += end.has_value();
+      if (end) deepest += (ray.at(*end) - kOrigin).z();
+    }
+    EXPECT_NEAR(double(ended) / kRays, 0.6, 0.012);
+    // The fall counts, not the way: both end a quarter of a metre below 0.5 m in the mean.
+    EXPECT_NEAR(deepest / ended, 0.25, 0.12);
+    std::vector<Intersection> all;
+    unknown.add_to(ray, far, {}, all);
+    RangeMixture p;
+    mix_ranges(all, 1, 0, p);
+    EXPECT_NEAR(p.miss, 0.4, 5e-3);
+  }
+}
+
+TEST(UnknownSpace, GroundThatLosesBeamsGoesOnLosingThem) {
+  ObservedSpace space = space_of(0, 0);
+  for (const double h : {-0.25, -0.75, 0.25}) {
+    space.density_per_m[ObservedSpace::height_interval(h)].fill(10);
+  }
+  elements::TriangleMesh ground;
+  for (int x = -20; x <= 20; x += 2) {
+    for (int y = -20; y <= 20; y += 2) ground.vertices.emplace_back(float(x), float(y), 0.0f);
+  }
+  for (int32_t y = -5; y < 5; ++y) space.lost.push_back({{7, y}, 1000});
+  const GroundHeights heights(ground, {}, space.lost);
+  EXPECT_NEAR(heights.share(10, 0), 1, 1e-6);
+  EXPECT_LT(heights.share(30, 0), 0.01);
+  EXPECT_LT(heights.share(60, 0), 0.05);  // beyond the squares where beams were lost
+  EXPECT_GT(heights.share(-60, 0), 0.95);
+  const UnknownSpace unknown(space, ground, kOrigin);
+  int ended[2] = {};
+  for (int k = 0; k < 1000; ++k) {
+    const uint64_t key = mix64(uint64_t(k));
+    ended[0] += unknown.drawn_end(ray_from({30, 0.5, 2}, -Vec3::UnitZ()), key, {0, 50}).has_value();
+    ended[1] +=
+        unknown.drawn_end(ray_from({-30, 0.5, 2}, -Vec3::UnitZ()), key, {0, 50}).has_value();
+  }
+  EXPECT_LT(ended[0], 20);
+  EXPECT_GT(ended[1], 940);
+}
+
 TEST(UnknownSpace, ElementsStayInOrderAndEndTheWay) {
   const ObservedSpace space = space_of(0.05f, 0);
   const elements::TriangleMesh ground = flat_ground();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <memory>
 
 #include "underbrush/trace/unknown_space.hpp"
@@ -163,14 +164,71 @@ std::array<ObservedSpace, 2> maps_of(const elements::Model& model, BeamSource& l
   return {maps[0].finish(), maps[1].finish()};
 }
 
+using Ranges = std::array<double, ObservedSpace::kRanges>;
+
+/// What the ground returned of the beams of a log that came to it.
+struct GroundReturns {
+  std::array<std::vector<elements::LostBeams>, 2>
+      lost;  ///< The lost beams of each part of the log.
+  std::array<float, ObservedSpace::kRanges> share{};
+};
+
+/// Beams that end near the ground returned from it, and beams without a return that went below it
+/// were lost there. Of n beams that were lost in one square only n/(1 + n) count, because a place
+/// that returns nothing says little about other places.
+GroundReturns ground_returns(const elements::Model& model, BeamSource& log, const Parts& parts,
+                             const ObservedSpaceOptions& options) {
+  constexpr double kPrior = 5;  // beams
+  struct Lost {
+    Cell2 at;
+    size_t range;
+  };
+  const trace::GroundHeights ground(model.ground, {});
+  const trace::RangeLimits reach{options.min_range_m, reach_of(model, log.info())};
+  std::array<std::map<Cell2, uint32_t>, 2> beams;
+  std::vector<Lost> lost;
+  Ranges returned{}, gone{};
+  for_each_chunk(log, [&](const BeamLog& chunk) {
+    for (size_t i = 0; i < chunk.size(); ++i) {
+      if (!counts(chunk, i, options)) continue;
+      Ray ray = chunk.ray(i);
+      ray.origin -= model.origin;
+      if (chunk.is_hit(i)) {
+        const double range = chunk.range_m[i];
+        const Vec3 end = ray.origin + range * ray.direction;
+        const double height = end.z() - ground.at(end.x(), end.y());
+        returned[ObservedSpace::range_interval(range)] += height < ObservedSpace::kGroundM;
+      } else if (const auto at = ground.entry(ray, reach, options.cell_m)) {
+        const Vec3 p = ray.origin + *at * ray.direction;
+        const Cell2 square = cell_of(p.x(), p.y(), ObservedSpace::kSquareM);
+        ++beams[parts.of(chunk, i)][square];
+        lost.push_back({square, ObservedSpace::range_interval(*at)});
+      }
+    }
+  });
+  for (const Lost& l : lost) {
+    double n = 0;
+    for (const auto& part : beams) n += part.contains(l.at) ? part.at(l.at) : 0;
+    gone[l.range] += 1 / (1 + n);
+  }
+  GroundReturns out;
+  for (size_t r = 0; r < ObservedSpace::kRanges; ++r) {
+    out.share[r] = float((returned[r] + kPrior) / (returned[r] + gone[r] + kPrior));
+  }
+  for (size_t k = 0; k < 2; ++k) {
+    for (const auto& [at, n] : beams[k]) out.lost[k].push_back({at, n});
+  }
+  return out;
+}
+
 /// Ends of beams in space that no beam crossed, and their path there, by height and range.
 struct Counts {
-  using Table = std::array<std::array<double, ObservedSpace::kRanges>, ObservedSpace::kHeights>;
+  using Table = std::array<Ranges, ObservedSpace::kHeights>;
   Table ends{}, path_m{};
 };
 
-/// Follows the beams of each part of a log through what is unknown to the other one. Below the
-/// ground a beam without a return was lost, and its path is not counted.
+/// Follows the beams of each part of a log through what is unknown to the other one. A beam that
+/// went below the ground without a return was lost, and its way near the ground is not counted.
 Counts counts_of(const elements::Model& model, BeamSource& log, const Parts& parts,
                  const std::array<ObservedSpace, 2>& spaces, const ObservedSpaceOptions& options) {
   const std::vector<bool> keep[2]{known_ground(spaces[0], model), known_ground(spaces[1], model)};
@@ -186,15 +244,20 @@ Counts counts_of(const elements::Model& model, BeamSource& log, const Parts& par
       const bool is_hit = chunk.is_hit(i);
       const double end = is_hit ? double(chunk.range_m[i]) : reach;
       const trace::RangeLimits way{options.min_range_m, end + options.cell_m};
-      unknown[1 - parts.of(chunk, i)].follow(
-          chunk.ray(i), way, [&](const trace::UnknownSpace::Step& s) {
-            if (s.from_m >= end || (!is_hit && s.height_m < 0)) return false;
-            const size_t h = ObservedSpace::height_interval(s.height_m),
-                         r = ObservedSpace::range_interval(0.5 * (s.from_m + s.to_m));
-            out.path_m[h][r] += std::min(s.to_m, end) - s.from_m;
-            out.ends[h][r] += is_hit && end < s.to_m;
-            return true;
-          });
+      const trace::UnknownSpace& other = unknown[1 - parts.of(chunk, i)];
+      Ray in_model = chunk.ray(i);
+      in_model.origin -= model.origin;
+      const bool is_lost =
+          !is_hit && other.ground().entry(in_model, way, options.cell_m).has_value();
+      other.follow(chunk.ray(i), way, [&](const trace::UnknownSpace::Step& s) {
+        if (s.from_m >= end) return false;
+        const size_t h = ObservedSpace::height_interval(s.height_m),
+                     r = ObservedSpace::range_interval(0.5 * (s.from_m + s.to_m));
+        if (s.is_low() && is_lost) return true;
+        out.path_m[h][r] += s.way_m(std::min(s.to_m, end));
+        out.ends[h][r] += is_hit && end < s.to_m;
+        return true;
+      });
     }
   });
   return out;
@@ -227,6 +290,11 @@ void learn_observed_space(elements::Model& model, BeamSource& log,
   if (options.cell_m <= 0 || model.ground.vertices.empty()) return;
   const Parts parts = parts_of(log);
   std::array<ObservedSpace, 2> spaces = maps_of(model, log, parts, options);
+  GroundReturns ground = ground_returns(model, log, parts, options);
+  for (size_t k = 0; k < 2; ++k) {
+    spaces[k].lost = std::move(ground.lost[k]);
+    spaces[k].ground_returns = ground.share;
+  }
   // With any density in the highest interval, all heights are followed.
   for (ObservedSpace& s : spaces) s.density_per_m.back().fill(1);
   const Counts counts = counts_of(model, log, parts, spaces, options);
@@ -240,8 +308,11 @@ void update_observed_space(elements::Model& model, BeamSource& log, double min_r
   if (!model.observed) return;
   auto space = std::make_shared<ObservedSpace>(*model.observed);
   const ObservedSpaceOptions options{space->cell_m, min_range_m};
-  for (const ObservedSpace& s : maps_of(model, log, {}, options)) {
-    space->add(s);
+  std::array<ObservedSpace, 2> maps = maps_of(model, log, {}, options);
+  GroundReturns ground = ground_returns(model, log, {}, options);
+  for (size_t k = 0; k < 2; ++k) {
+    maps[k].lost = std::move(ground.lost[k]);
+    space->add(maps[k]);
   }
   model.observed = std::move(space);
 }

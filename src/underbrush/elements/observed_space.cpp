@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include "underbrush/core/check.hpp"
 
@@ -37,12 +39,24 @@ void ObservedSpace::add(const ObservedSpace& other) {
   }
   all.insert(all.end(), a, blocks.end());
   blocks = std::move(all);
+  std::map<Cell2, uint32_t> beams;
+  for (const std::vector<LostBeams>* part : {&std::as_const(lost), &other.lost}) {
+    for (const LostBeams& l : *part) beams[l.at] += l.beams;
+  }
+  lost.clear();
+  for (const auto& [at, n] : beams) lost.push_back({at, n});
 }
 
 void ObservedSpace::check() const {
   require(std::isfinite(cell_m) && cell_m > 0, "observed space: its cells must have a size");
   for (size_t k = 1; k < blocks.size(); ++k) {
     require(blocks[k - 1].at < blocks[k].at, "observed space: its blocks are not in order");
+  }
+  for (size_t k = 1; k < lost.size(); ++k) {
+    require(lost[k - 1].at < lost[k].at, "observed space: its lost beams are not in order");
+  }
+  for (const float p : ground_returns) {
+    require(p >= 0 && p <= 1, "observed space: a share of returns must be in [0, 1]");
   }
   for (const auto& row : density_per_m) {
     for (const float x : row) {

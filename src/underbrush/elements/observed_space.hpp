@@ -26,12 +26,20 @@ struct ObservedBlock {
   }
 };
 
+/// The number of beams that were lost where they went below the ground in a square of the plane.
+struct LostBeams {
+  Cell2 at;  ///< The square, of the side `ObservedSpace::kSquareM`.
+  uint32_t beams = 0;
+};
+
 /// A map of the space that the beams of a log crossed ("observed"), with the density of matter in
 /// the rest ("unknown").
 ///
 /// In unknown space a beam ends with the probability κ per metre of its way, which depends on the
 /// height above the ground and on the range. Beyond the ground of the model the ground goes on at
-/// the height of its nearest part.
+/// the height of its nearest part. Near the ground (below `kGroundM`) κ counts per metre of the
+/// beam's fall. There a beam returns with a probability that depends on the range and on the beams
+/// that were lost there; else it meets no ground.
 struct ObservedSpace {
   /// Edges of the heights above the ground (m) and of the ranges (m) of `density_per_m`. The first
   /// and the last interval of the heights have no end, and so has the last one of the ranges.
@@ -39,9 +47,15 @@ struct ObservedSpace {
   static constexpr std::array<double, 6> kRangesM{5, 10, 20, 40, 60, 80};
   static constexpr size_t kHeights = kHeightsM.size() + 1, kRanges = kRangesM.size() + 1;
 
+  static constexpr double kSquareM = 4;    ///< Side of the squares of `lost`, m.
+  static constexpr double kGroundM = 0.5;  ///< A beam is near the ground below this height, m.
+
   double cell_m = 1;                  ///< Side of the cells.
   std::vector<ObservedBlock> blocks;  ///< In the order of `at`; cells of others are unknown.
   std::array<std::array<float, kRanges>, kHeights> density_per_m{};  ///< κ, 1/m.
+  std::vector<LostBeams> lost;  ///< In the order of `at`; no beam was lost in other squares.
+  /// The probability by range that a beam which comes near the ground returns.
+  std::array<float, kRanges> ground_returns{1, 1, 1, 1, 1, 1, 1};
 
   /// The memory of the blocks, bytes.
   size_t bytes() const { return blocks.size() * sizeof(ObservedBlock); }

@@ -22,6 +22,11 @@ void read_blocks(const fs::path& file, ObservedSpace& space) {
     throw FormatError(file.string(), "cell",
                       "not " + std::to_string(ObservedBlock::kCells) + " cells a block");
   }
+  const io::PlyElement& squares = element_of(file, data, "lost");
+  const auto& lost_x = io::column_of<int32_t>(file, squares, "x");
+  const auto& lost_y = io::column_of<int32_t>(file, squares, "y");
+  const auto& lost = io::column_of<uint32_t>(file, squares, "beams");
+  for (size_t k = 0; k < lost.size(); ++k) space.lost.push_back({{lost_x[k], lost_y[k]}, lost[k]});
   space.blocks.resize(x.size());
   for (size_t k = 0; k < x.size(); ++k) {
     space.blocks[k].at = {x[k], y[k], z[k]};
@@ -48,15 +53,31 @@ void write_observed_space(const fs::path& folder, const ObservedSpace& space) {
   cell.name = "cell";
   cell.count = beams.size();
   cell.columns = {{"beams", std::move(beams)}};
+  io::PlyElement lost;
+  lost.name = "lost";
+  lost.count = space.lost.size();
+  std::vector<int32_t> lost_at[2];
+  std::vector<uint32_t> lost_beams;
+  for (const LostBeams& l : space.lost) {
+    lost_at[0].push_back(l.at.x);
+    lost_at[1].push_back(l.at.y);
+    lost_beams.push_back(l.beams);
+  }
+  lost.columns = {
+      {"x", std::move(lost_at[0])}, {"y", std::move(lost_at[1])}, {"beams", std::move(lost_beams)}};
   io::PlyData data;
-  data.elements = {std::move(block), std::move(cell)};
+  data.elements = {std::move(block), std::move(cell), std::move(lost)};
   io::write_ply(folder / kObservedSpaceFile, data);
 }
 
 std::string manifest_of_observed_space(const ObservedSpace& space) {
-  return Json{{"file", kObservedSpaceFile},          {"cell_m", space.cell_m},
-              {"blocks", space.blocks.size()},       {"heights_m", ObservedSpace::kHeightsM},
-              {"ranges_m", ObservedSpace::kRangesM}, {"density_per_m", space.density_per_m}}
+  return Json{{"file", kObservedSpaceFile},
+              {"cell_m", space.cell_m},
+              {"blocks", space.blocks.size()},
+              {"heights_m", ObservedSpace::kHeightsM},
+              {"ranges_m", ObservedSpace::kRangesM},
+              {"density_per_m", space.density_per_m},
+              {"ground_returns", space.ground_returns}}
       .dump();
 }
 
@@ -71,6 +92,10 @@ std::shared_ptr<const ObservedSpace> read_observed_space(const io::JsonValue& j)
     if (row.size() != ObservedSpace::kRanges) rows[h].fail("another number of ranges");
     for (size_t r = 0; r < row.size(); ++r) space->density_per_m[h][r] = float(row[r]);
   }
+  const std::vector<double> returns = j.at("ground_returns").numbers();
+  if (returns.size() != ObservedSpace::kRanges)
+    j.at("ground_returns").fail("another number of ranges");
+  std::copy(returns.begin(), returns.end(), space->ground_returns.begin());
   read_blocks(j.at("file").path(), *space);
   return space;
 }

@@ -5,7 +5,8 @@
 
 namespace underbrush::trace {
 
-GroundHeights::GroundHeights(const elements::TriangleMesh& ground, const std::vector<bool>& keep) {
+GroundHeights::GroundHeights(const elements::TriangleMesh& ground, const std::vector<bool>& keep,
+                             std::span<const elements::LostBeams> lost) {
   constexpr int32_t kMargin = 32;  // cells beyond the ground
   const auto kept = [&](size_t i) { return keep.empty() || keep[i]; };
   const auto cell = [&](size_t i) {
@@ -42,11 +43,23 @@ GroundHeights::GroundHeights(const elements::TriangleMesh& ground, const std::ve
     highest_m_ = std::max(highest_m_, double(height_m_[k]));
     front.push_back(k);
   }
-  extend(std::move(front));
+  extend(height_m_, front);
+  if (lost.empty()) return;
+  share_.resize(cells);
+  for (const size_t k : front) share_[k] = 1;
+  for (const elements::LostBeams& l : lost) {
+    const int32_t x = l.at.x - low_.x, y = l.at.y - low_.y;
+    if (x < 0 || y < 0 || x >= nx_ || y >= ny_) continue;
+    const size_t k = size_t(y) * size_t(nx_) + size_t(x);
+    if (count[k] > 0) continue;
+    share_[k] = float(1 / (1.0 + l.beams));
+    front.push_back(k);
+  }
+  extend(share_, std::move(front));
 }
 
-void GroundHeights::extend(std::vector<size_t> front) {
-  std::vector<uint8_t> is_known(height_m_.size()), sources(height_m_.size());
+void GroundHeights::extend(std::vector<float>& values, std::vector<size_t> front) const {
+  std::vector<uint8_t> is_known(values.size()), sources(values.size());
   for (const size_t k : front) is_known[k] = 1;
   while (!front.empty()) {
     std::vector<size_t> next;
@@ -57,23 +70,35 @@ void GroundHeights::extend(std::vector<size_t> front) {
         const size_t n = size_t(y + dy) * size_t(nx_) + size_t(x + dx);
         if (is_known[n]) continue;
         if (sources[n]++ == 0) next.push_back(n);
-        height_m_[n] += height_m_[k];
+        values[n] += values[k];
       }
     }
     for (const size_t n : next) {
-      height_m_[n] /= float(sources[n]);
+      values[n] /= float(sources[n]);
       is_known[n] = 1;
     }
     front = std::move(next);
   }
 }
 
-double GroundHeights::at(double x, double y) const {
+std::optional<double> GroundHeights::entry(const Ray& ray, const RangeLimits& limits,
+                                           double step_m) const {
+  if (empty() || !(ray.direction.z() < 0)) return {};
+  const double from = (highest_m_ - ray.origin.z()) / ray.direction.z();
+  const double to = std::min(limits.max_m, (lowest_m_ - ray.origin.z()) / ray.direction.z());
+  for (double t = std::max(limits.min_m, from); t < to + step_m; t += step_m) {
+    const Vec3 p = ray.origin + std::min(t, limits.max_m) * ray.direction;
+    if (p.z() < at(p.x(), p.y())) return t;
+  }
+  return {};
+}
+
+double GroundHeights::between(const std::vector<float>& values, double x, double y) const {
   const double u = std::clamp(x / kSideM - 0.5 - low_.x, 0.0, double(nx_ - 1) - 1e-9);
   const double v = std::clamp(y / kSideM - 0.5 - low_.y, 0.0, double(ny_ - 1) - 1e-9);
   const int32_t i = int32_t(u), j = int32_t(v);
   const double a = u - i, b = v - j;
-  const float* row = &height_m_[size_t(j) * size_t(nx_) + size_t(i)];
+  const float* row = &values[size_t(j) * size_t(nx_) + size_t(i)];
   return (1 - b) * ((1 - a) * double(row[0]) + a * double(row[1])) +
          b * ((1 - a) * double(row[nx_]) + a * double(row[nx_ + 1]));
 }
@@ -88,7 +113,7 @@ CrossedCells::CrossedCells(const ObservedSpace& space) {
 
 UnknownSpace::UnknownSpace(const ObservedSpace& space, const elements::TriangleMesh& ground,
                            const Vec3& origin, const std::vector<bool>& keep)
-    : space_(space), origin_(origin), known_(space), ground_(ground, keep) {
+    : space_(space), origin_(origin), known_(space), ground_(ground, keep, space.lost) {
   top_m_ = ObservedSpace::kHeightsM.front();
   for (size_t h = 0; h < ObservedSpace::kHeights; ++h) {
     const auto& row = space.density_per_m[h];
@@ -101,7 +126,7 @@ UnknownSpace::UnknownSpace(const ObservedSpace& space, const elements::TriangleM
 double UnknownSpace::depth(const Step& s) const {
   const size_t h = ObservedSpace::height_interval(s.height_m),
                r = ObservedSpace::range_interval(0.5 * (s.from_m + s.to_m));
-  return double(space_.density_per_m[h][r]) * (s.to_m - s.from_m);
+  return double(space_.density_per_m[h][r]) * s.way_m(s.to_m);
 }
 
 double support_of(std::span<const Intersection> met, const RangeMixture& mixture) {
@@ -115,10 +140,18 @@ double support_of(std::span<const Intersection> met, const RangeMixture& mixture
 std::optional<double> UnknownSpace::drawn_end(const Ray& ray, uint64_t key,
                                               const RangeLimits& limits) const {
   std::optional<double> end;
+  bool is_low = false, is_lost = false;
+  const auto drawn = [&](const Step& s, uint32_t what) {
+    return uniform_from_bits(random_bits(mix64(key ^ s.cell), what, Purpose::kUnknown));
+  };
   follow(ray, limits, [&](const Step& s) {
-    const double of_step = depth(s);
+    if (s.is_low() && !is_low) {
+      is_low = true;
+      is_lost = drawn(s, 1) >= returns(s);
+    }
+    const double of_step = s.is_low() && is_lost ? 0 : depth(s);
     if (!(of_step > 0)) return true;
-    const double u = uniform_from_bits(random_bits(mix64(key ^ s.cell), 0, Purpose::kUnknown));
+    const double u = drawn(s, 0);
     // The place in the step of an exponential distribution, given that it ends in the step.
     const double free = -std::log1p(-u);
     if (free >= of_step) return true;
@@ -145,12 +178,20 @@ void UnknownSpace::add_to(const Ray& ray, const RangeLimits& limits,
   const auto elements_before = [&](double t_m) {
     for (; next < met.size() && met[next].t_m < t_m; ++next) out.push_back(met[next]);
   };
+  // Near the ground: the probability of a return, and that of no end so far if it returns.
+  bool is_low = false, piece_is_low = false;
+  double returning = 1, left = 1;
   const auto finish = [&] {
     if (deep > 0) {
       Intersection piece;
       piece.t_m = sum / deep;
       piece.sigma_m = std::sqrt(std::max(0.0, squares / deep - piece.t_m * piece.t_m));
-      piece.p = -std::expm1(-deep);
+      const double ended = -std::expm1(-deep);
+      piece.p = ended;
+      if (piece_is_low) {
+        piece.p = returning * left * ended / (1 - returning * (1 - left));
+        left *= 1 - ended;
+      }
       piece.element = kUnknown;
       elements_before(piece.t_m);
       out.push_back(piece);
@@ -159,6 +200,12 @@ void UnknownSpace::add_to(const Ray& ray, const RangeLimits& limits,
     deep = sum = squares = 0;
   };
   follow(ray, open, [&](const Step& s) {
+    if (s.is_low() != piece_is_low) finish();
+    piece_is_low = s.is_low();
+    if (piece_is_low && !is_low) {
+      is_low = true;
+      returning = std::min(returns(s), 1 - kNegligible);
+    }
     const double middle = 0.5 * (s.from_m + s.to_m), length = s.to_m - s.from_m;
     if (deep > 0 && (deep > kDeepest || s.to_m - first > std::max(1.0, kLongest * middle)))
       finish();

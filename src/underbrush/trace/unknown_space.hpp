@@ -17,25 +17,34 @@ namespace underbrush::trace {
 class GroundHeights {
  public:
   /// Takes the ground of a mesh, of which only the vertices count that `keep` says, or all if it is
-  /// empty.
-  GroundHeights(const elements::TriangleMesh& ground, const std::vector<bool>& keep);
+  /// empty. `lost` are beams that were lost below it.
+  GroundHeights(const elements::TriangleMesh& ground, const std::vector<bool>& keep,
+                std::span<const elements::LostBeams> lost = {});
   /// Whether no ground is known at all.
   bool empty() const { return height_m_.empty(); }
   /// The height of the ground at a place, m; all in the frame of the mesh.
-  double at(double x, double y) const;
+  double at(double x, double y) const { return between(height_m_, x, y); }
+  /// The share of beams below the ground at a place that may return, by the beams that were lost
+  /// near it: 1 where there are none.
+  double share(double x, double y) const { return share_.empty() ? 1 : between(share_, x, y); }
+  /// The range (m) at which a ray (frame of the mesh) first comes below the ground within limits,
+  /// looked for in steps of `step_m`; nothing where it does not.
+  std::optional<double> entry(const Ray& ray, const RangeLimits& limits, double step_m) const;
   double lowest_m() const { return lowest_m_; }
   double highest_m() const { return highest_m_; }
 
  private:
-  static constexpr double kSideM = 4;
+  static constexpr double kSideM = elements::ObservedSpace::kSquareM;
 
-  /// Continues the heights of the cells `front`, ring by ring: a cell takes the mean of its
+  /// Continues the values of the cells `front`, ring by ring: a cell takes the mean of its
   /// neighbours in the ring before.
-  void extend(std::vector<size_t> front);
+  void extend(std::vector<float>& values, std::vector<size_t> front) const;
+  /// The value at a place, between the middles of cells.
+  double between(const std::vector<float>& values, double x, double y) const;
 
   Cell2 low_;
   int32_t nx_ = 0, ny_ = 0;
-  std::vector<float> height_m_;  // of the middles of cells; x fastest
+  std::vector<float> height_m_, share_;  // of the middles of cells; x fastest
   double lowest_m_ = 0, highest_m_ = 0;
 };
 
@@ -81,11 +90,20 @@ class UnknownSpace {
     double to_m;
     double height_m;  ///< Height of its middle above the ground, m.
     uint64_t cell;    ///< A hash of the cell of its middle.
+    Vec3 at;          ///< Its middle in the frame of the model, m.
+    double fall;      ///< How much the ray falls, m per metre, at least `kLeastFall`.
+
+    /// Whether the ray is near the ground, where its fall counts and not its length.
+    bool is_low() const { return height_m < elements::ObservedSpace::kGroundM; }
+    /// The way (m) of the ray up to a range in the step, as densities count it.
+    double way_m(double end_m) const { return (end_m - from_m) * (is_low() ? fall : 1); }
   };
+  static constexpr double kLeastFall = 0.01;
   /// Calls `take(step)` for each step of a ray (world) in unknown space, in order of range, until
   /// it returns false. Steps above the highest interval in which anything is met are left out.
   template <class F>
   void follow(const Ray& ray, const RangeLimits& limits, F take) const;
+  const GroundHeights& ground() const { return ground_; }
 
   /// Draws the range (m) at which a ray ends in unknown space within limits; nothing where it does
   /// not. Rays of one key that come into one cell have the same trial there.
@@ -102,8 +120,13 @@ class UnknownSpace {
               std::vector<Intersection>& out) const;
 
  private:
-  /// The optical depth of a step: κ Δ.
+  /// The optical depth of a step.
   double depth(const Step& step) const;
+  /// The probability that a ray returns which comes near the ground in a step.
+  double returns(const Step& step) const {
+    const size_t r = elements::ObservedSpace::range_interval(0.5 * (step.from_m + step.to_m));
+    return double(space_.ground_returns[r]) * ground_.share(step.at.x(), step.at.y());
+  }
 
   const elements::ObservedSpace& space_;
   Vec3 origin_;
@@ -144,7 +167,7 @@ void UnknownSpace::follow(const Ray& ray, const RangeLimits& limits, F take) con
     const Cell3 c = cell_of(at, cell);
     if (known_.at(c, last, in) > 0) continue;
     const double height = at.z() - ground_.at(at.x(), at.y());
-    if (!take(Step{t, end, height, CellHash()(c)})) return;
+    if (!take(Step{t, end, height, CellHash()(c), at, std::max(kLeastFall, -rise)})) return;
   }
 }
 
