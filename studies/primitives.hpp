@@ -40,7 +40,7 @@ struct PairOptions {
 /// The result of `run_pair`.
 struct PairOutcome {
   std::string name;
-  /// Rows of the table: primitives, the sets of meshes, geospecific, replay.
+  /// Rows of the table: primitives, the sets of meshes, geospecific, replay, always hit.
   std::vector<std::string> rows;
   std::map<std::string, metrics::Score> score;  ///< By row.
   size_t train_beams = 0, test_beams = 0;
@@ -50,8 +50,9 @@ struct PairOutcome {
 };
 
 /// Runs the protocol on a pair: fits a model to `train`, extracts primitives, annotates `test`,
-/// composes scenes with the primitives and with each set of meshes, fits `test` itself, and replays
-/// `train`. Simulates the beams of `test` with each of these and scores them.
+/// composes scenes with the primitives and with each set of meshes, fits `test` itself, replays
+/// `train`, and always hits at the median ranges of its rings. Simulates the beams of `test` with
+/// each of these and scores them.
 PairOutcome run_pair(const SitePair& pair, const PairOptions& options);
 
 /// Answers each beam of `test` with what the scan of `train` whose sensor stood nearest saw in the

@@ -3,6 +3,7 @@
 
 #include "studies/primitives.hpp"
 #include "underbrush/core/check.hpp"
+#include "underbrush/metrics/always_hit.hpp"
 #include "underbrush/pipeline/fit_model.hpp"
 #include "underbrush/pipeline/labelled_log.hpp"
 #include "underbrush/pipeline/simulate_log.hpp"
@@ -105,8 +106,9 @@ PairOutcome run_pair(const SitePair& pair, const PairOptions& o) {
   const elements::Model own = fitted(pair.test, pair.min_range_m, o.seed);
   out.score["geospecific"] =
       score_of(pair.test, answered(pipeline::TracedWorld(own), pair.test, o.seed));
-  out.rows.insert(out.rows.end(), {"geospecific", "replay"});
+  out.rows.insert(out.rows.end(), {"geospecific", "replay", "always hit"});
   out.score["replay"] = score_of(pair.test, replay(pair.train, pair.test));
+  out.score["always hit"] = score_of(pair.test, metrics::always_hit(pair.train, pair.test));
   return out;
 }
 

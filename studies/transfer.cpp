@@ -12,6 +12,8 @@
 #include "studies/studies.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/log_file.hpp"
+#include "underbrush/metrics/always_hit.hpp"
+#include "underbrush/metrics/look_up.hpp"
 #include "underbrush/pipeline/fit_model.hpp"
 #include "underbrush/pipeline/score_logs.hpp"
 #include "underbrush/pipeline/simulate_log.hpp"
@@ -104,25 +106,53 @@ Scores scores_on(const std::map<std::string, elements::Model>& models, const Bea
   return out;
 }
 
+/// Scores the baselines on the held-out beams of a sensor. The look-up answers from the training
+/// logs of each sensor, and always hit with the medians of the sensor's own rings.
+Scores baselines_on(const std::map<std::string, SensorLogs>& logs, const std::string& to) {
+  const SensorLogs& own = logs.at(to);
+  const auto scored = [&](const BeamLog& answered) {
+    MemorySource real(own.test), simulated(answered);
+    return pipeline::score_logs(real, simulated, nullptr, true).all;
+  };
+  Scores out;
+  for (const auto& [from, learnt] : logs) {
+    out["look-up, " + from] =
+        scored(metrics::looked_up(learnt.train, own.test, metrics::LookUp::kWarped2));
+  }
+  out["always hit"] = scored(metrics::always_hit(own.train, own.test));
+  return out;
+}
+
+/// A column of the table.
+struct Figure {
+  const char* name;
+  const char* key;
+  double metrics::Summary::*value;
+  int digits;
+};
+constexpr Figure kFigures[] = {
+    {"F1", "f1", &metrics::Summary::f1, 4},
+    {"informedness", "informedness", &metrics::Summary::informedness, 3},
+    {"point cloud error, m", "cloud_error_m", &metrics::Summary::cloud_error_m, 4},
+    {"packet error, m", "packet_error_m", &metrics::Summary::packet_error_m, 3},
+    {"NLL/beam", "nll_per_beam", &metrics::Summary::nll_per_beam, 3},
+    {"CRPS, m", "crps_m", &metrics::Summary::crps_m, 3}};
+
 report::Table empty_table(const char* title, const char* caption) {
-  return {title,
-          caption,
-          {"simulated ← learnt from", "F1", "point cloud error, m", "packet error, m", "NLL/beam",
-           "CRPS, m"},
-          {}};
+  report::Table table{title, caption, {"simulated ← learnt from"}, {}};
+  for (const Figure& f : kFigures) table.head.push_back(f.name);
+  return table;
 }
 
 void add_rows(const std::string& to, const Scores& scores, report::Table& table, Json& figures) {
   for (const auto& [from, s] : scores) {
-    table.rows.push_back({fmt::format("{} ← {}", to, from), fmt::format("{:.4f}", s.f1),
-                          fmt::format("{:.4f}", s.cloud_error_m),
-                          fmt::format("{:.3f}", s.packet_error_m),
-                          fmt::format("{:.3f}", s.nll_per_beam), fmt::format("{:.3f}", s.crps_m)});
-    figures[to][from] = {{"f1", s.f1},
-                         {"cloud_error_m", s.cloud_error_m},
-                         {"packet_error_m", s.packet_error_m},
-                         {"nll_per_beam", s.nll_per_beam},
-                         {"crps_m", s.crps_m}};
+    table.rows.push_back({fmt::format("{} ← {}", to, from)});
+    for (const Figure& f : kFigures) {
+      const double value = s.*f.value;
+      const bool known = std::isfinite(value);  // Baselines have no likelihood.
+      table.rows.back().push_back(known ? fmt::format("{:.{}f}", value, f.digits) : "");
+      figures[to][from][f.key] = known ? Json(value) : Json(nullptr);
+    }
   }
 }
 
@@ -219,6 +249,7 @@ StudyResult transfer(const StudyRun& run, const ModelChange& change) {
   for (const auto& [to, beams] : logs) {
     const Scores scores = scores_on(models, beams.test, run.seed);
     add_rows(to, scores, table, result.figures);
+    add_rows(to, baselines_on(logs, to), table, result.figures);
     for (const auto& [from, score] : scores) {
       if (from == to) continue;
       for (const Check& c : transfer_checks(from, to, score, scores.at(to))) {

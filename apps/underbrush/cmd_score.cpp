@@ -91,7 +91,7 @@ void run(const Verb& verb, const Arguments& a) {
     text +=
         fmt::format("left out: {} beams that met something that moved\n", scores[0].mover_beams);
   }
-  text += score_protocols({!a.protocol.empty(), a.repeats}, a.real, candidates, results);
+  text += score_protocols({!a.protocol.empty(), a.repeats}, a.real, a.train, candidates, results);
   if (!a.report.empty()) {
     std::vector<std::pair<std::string, fs::path>> logs;
     for (const Candidate& c : candidates) logs.emplace_back(c.name, c.log);

@@ -63,35 +63,46 @@ std::string text_of(const Row<Scores> (&rows)[n], const std::vector<Scores>& sco
   return text;
 }
 
-/// Calls `compare(real, simulated)` for each candidate and returns what it returns.
-template <class Compare>
-auto for_candidates(const std::filesystem::path& real, const std::vector<Candidate>& candidates,
-                    const Compare& compare) {
-  io::BeamReader real_log(real);
-  std::vector<decltype(compare(real_log, real_log))> out;
-  for (const Candidate& c : candidates) {
-    io::BeamReader simulated(c.log);
-    try {
-      out.push_back(compare(real_log, simulated));
-    } catch (const DataError& e) {
-      throw FormatError(c.log.string(), "", e.what());
-    }
-  }
-  return out;
-}
+/// The logs that a protocol compares, and where the results go.
+struct Compared {
+  const std::filesystem::path &real, &train;
+  const std::vector<Candidate>& candidates;
+  Json& results;
 
-std::string score_images(const std::filesystem::path& real,
-                         const std::vector<Candidate>& candidates, Json& models) {
-  const std::vector<ProtocolScores> scores = for_candidates(
-      real, candidates,
-      [](BeamSource& a, BeamSource& b) { return metrics::range_image_scores(a, b); });
-  std::vector<ImageScores> means;
-  for (size_t k = 0; k < scores.size(); ++k) {
-    Json& j = models[candidates[k].name]["kitti360"];
-    j = {{"scans", scores[k].scans}, {"empty_share", scores[k].empty_share}};
-    add(kImageRows, scores[k].mean, j);
-    means.push_back(scores[k].mean);
+  /// Calls `compare(real, simulated)` for each candidate and then for each baseline, and
+  /// `note(result, entry)` with its entry in the results. Returns what `compare` returned.
+  template <class Compare, class Note>
+  auto each(const Compare& compare, const Note& note) const {
+    std::vector<decltype(compare(std::declval<BeamSource&>(), std::declval<BeamSource&>()))> out;
+    for (const Candidate& c : candidates) {
+      io::BeamReader real_log(real), simulated(c.log);
+      try {
+        out.push_back(compare(real_log, simulated));
+      } catch (const DataError& e) {
+        throw FormatError(c.log.string(), "", e.what());
+      }
+      note(out.back(), results["models"][c.name]);
+    }
+    metrics::answer_by_baselines(
+        opener(real), opener(train),
+        [&](const std::string& name, BeamSource& truth, BeamSource& simulated) {
+          out.push_back(compare(truth, simulated));
+          note(out.back(), results["baselines"][name]);
+        });
+    return out;
   }
+};
+
+std::string score_images(const Compared& logs) {
+  const std::vector<ProtocolScores> scores =
+      logs.each([](BeamSource& a, BeamSource& b) { return metrics::range_image_scores(a, b); },
+                [](const ProtocolScores& s, Json& entry) {
+                  Json& j = entry["kitti360"];
+                  j = {{"scans", s.scans}, {"empty_share", s.empty_share}};
+                  add(kImageRows, s.mean, j);
+                });
+  std::vector<ImageScores> means;
+  for (const ProtocolScores& s : scores) means.push_back(s.mean);
   return fmt::format(
              "kitti360: range images of 66 x 1030 pixels, 80 m; means of {} scans\n"
              "    (no beam points into {:.0f} % of the pixels, which count as dropped in both)\n",
@@ -99,17 +110,14 @@ std::string score_images(const std::filesystem::path& real,
          text_of(kImageRows, means);
 }
 
-std::string score_repeats(const std::filesystem::path& real,
-                          const std::vector<Candidate>& candidates, Json& models) {
-  const std::vector<Repeats> scores = for_candidates(
-      real, candidates, [](BeamSource& a, BeamSource& b) { return metrics::repeats(a, b); });
-  for (size_t k = 0; k < scores.size(); ++k) {
-    Json& j = models[candidates[k].name]["repeats"];
-    j = {{"scans", scores[k].scans},
-         {"directions", scores[k].directions},
-         {"repeat", scores[k].repeat()}};
-    add(kRepeatRows, scores[k], j);
-  }
+std::string score_repeats(const Compared& logs) {
+  const std::vector<Repeats> scores =
+      logs.each([](BeamSource& a, BeamSource& b) { return metrics::repeats(a, b); },
+                [](const Repeats& s, Json& entry) {
+                  Json& j = entry["repeats"];
+                  j = {{"scans", s.scans}, {"directions", s.directions}, {"repeat", s.repeat()}};
+                  add(kRepeatRows, s, j);
+                });
   std::string text = fmt::format(
       "repeats: {} scans; median difference of a direction's range between successive scans, and\n"
       "    Bhattacharyya distance over ring x bearing x range bins of 0.2 degrees x 5 cm\n",
@@ -125,11 +133,12 @@ std::string score_repeats(const std::filesystem::path& real,
 }  // namespace
 
 std::string score_protocols(const Protocols& asked, const std::filesystem::path& real,
+                            const std::filesystem::path& train,
                             const std::vector<Candidate>& candidates, Json& results) {
+  const Compared logs{real, train, candidates, results};
   std::string text;
-  Json& models = results["models"];
-  if (asked.kitti360) text += score_images(real, candidates, models);
-  if (asked.repeats) text += score_repeats(real, candidates, models);
+  if (asked.kitti360) text += score_images(logs);
+  if (asked.repeats) text += score_repeats(logs);
   return text;
 }
 

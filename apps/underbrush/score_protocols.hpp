@@ -13,9 +13,11 @@ struct Protocols {
   bool repeats = false;   ///< Scans that repeat their directions.
 };
 
-/// Compares each candidate with the real log, adds the results to its entry under `models` in
-/// `results`, and returns them side by side as text; empty if nothing was asked for.
+/// Compares each candidate and each baseline with the real log. Adds the results to their entries
+/// under `models` and `baselines` in `results`, and returns them side by side as text; empty if
+/// nothing was asked for. `train` may be empty.
 std::string score_protocols(const Protocols& asked, const std::filesystem::path& real,
+                            const std::filesystem::path& train,
                             const std::vector<Candidate>& candidates, Json& results);
 
 }  // namespace underbrush::app

@@ -56,11 +56,13 @@ std::vector<metrics::Score> score_logs(const fs::path& real,
   return scores;
 }
 
+metrics::OpenLog opener(const fs::path& log) {
+  if (log.empty()) return {};
+  return [log] { return std::make_unique<io::BeamReader>(log); };
+}
+
 std::vector<metrics::Baseline> score_baselines(const fs::path& real, const fs::path& train) {
-  const auto opener = [](const fs::path& log) -> metrics::OpenLog {
-    return [log] { return std::make_unique<io::BeamReader>(log); };
-  };
-  return metrics::score_baselines(opener(real), train.empty() ? nullptr : opener(train));
+  return metrics::score_baselines(opener(real), opener(train));
 }
 
 std::string table_of_scores(const std::vector<Candidate>& candidates,

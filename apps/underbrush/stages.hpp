@@ -18,6 +18,8 @@ struct Candidate {
 std::vector<metrics::Score> score_logs(const std::filesystem::path& real,
                                        const std::vector<Candidate>& candidates, bool cloud);
 
+/// Returns a function that opens a log; an empty one for an empty path.
+metrics::OpenLog opener(const std::filesystem::path& log);
 /// Scores the baselines on the beams of the real log; `train` may be empty.
 std::vector<metrics::Baseline> score_baselines(const std::filesystem::path& real,
                                                const std::filesystem::path& train);

@@ -15,7 +15,7 @@ HALVES = {log: Job(f"halves.{log}", f"{REAL_LOGS} --only {log} --models\ntest -s
           for log, path in LOGS.items()}
 
 KEYS = {"packet error, m": "packet_error_m", "capped error, m": "capped_error_m", "precision": "precision",
-        "recall": "recall", "F1": "f1", "median range error, m": "median_range_error_m",
+        "recall": "recall", "F1": "f1", "informedness": "informedness", "median range error, m": "median_range_error_m",
         "cloud error, m": "cloud_error_m", "density-aware Chamfer": "density_aware_chamfer",
         "NLL": "nll_per_beam", "CRPS": "crps_m"}
 

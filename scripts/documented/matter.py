@@ -67,18 +67,21 @@ def instrument():
 underbrush {like} -o thin.ply
 underbrush {like} --sensor {sensor} --super-sample 9 -o instrument.ply
 underbrush {like} --sensor {sensor} --super-sample 9 --footprint whole -o whole.ply
-underbrush score "$WORK/{log}/test.ply" thin.ply instrument.ply whole.ply --json scores.json
+underbrush score "$WORK/{log}/test.ply" thin.ply instrument.ply whole.ply --train "$WORK/{log}/train.ply" \
+  --json scores.json
 "$PYTHON" "$SOURCE/scripts/weak_signals.py" "$WORK/{log}/test.ply" thin.ply instrument.ply > weak.json
 rm -r model thin.ply instrument.ply whole.ply""", (LOGS[log],), (HALVES[log],))
 
         def cells(folder):
-            models = read_json(folder / "scores.json")["models"]
-            yield from ((log, f"{column}: {model}", [models[model][KEYS[column]]])
-                        for column in THREE for model in ("thin", "instrument", "whole"))
+            read = read_json(folder / "scores.json")
+            for model, s in {**read["models"], **read["baselines"]}.items():
+                yield from ((f"{log}/{model}", column, [] if s.get(KEYS[column]) is None else [s[KEYS[column]]])
+                            for column in (*THREE, "informedness"))
             weak = read_json(folder / "weak.json")
-            yield log, "too weak: beams", [weak["beams"]]
-            yield log, "of them misses, %", [] if weak["misses"] is None else [100 * weak["misses"]]
-            yield log, "expected, %", [] if weak["expected"] is None else [100 * weak["expected"]]
+            row = f"{log}/instrument"
+            yield row, "too weak: beams", [weak["beams"]]
+            yield row, "of them misses, %", [] if weak["misses"] is None else [100 * weak["misses"]]
+            yield row, "expected, %", [] if weak["expected"] is None else [100 * weak["expected"]]
         return Part((job,), cells)
     return tuple(part(log) for log in LOGS)
 

@@ -14,26 +14,32 @@ BeamLog whole(BeamSource& source) {
   return log;
 }
 
-Baseline always_hit(const OpenLog& real, const OpenLog& train, ScoreOptions options) {
-  options.cloud = false;
-  const auto medians_of = train ? train() : real(), truth = real(), beams = real();
-  AlwaysHit simulated(RingMedians(*medians_of), *beams);
-  return {"always hit", score(*truth, simulated, options)};
-}
-
-Baseline look_up(const OpenLog& real, const OpenLog& train, const ScoreOptions& options) {
-  const auto truth = real();
-  const BeamLog answered = looked_up(whole(*train()), whole(*truth), LookUp::kWarped2);
-  MemorySource simulated(answered);
-  return {"look-up", score(*truth, simulated, options)};
-}
+constexpr const char* kAlwaysHit = "always hit";
 
 }  // namespace
 
+void answer_by_baselines(const OpenLog& real, const OpenLog& train, const UseBaseline& use) {
+  const auto truth = real();
+  {
+    const auto medians_of = train ? train() : real(), beams = real();
+    AlwaysHit simulated(RingMedians(*medians_of), *beams);
+    use(kAlwaysHit, *truth, simulated);
+  }
+  if (!train) return;
+  const BeamLog answered = looked_up(whole(*train()), whole(*truth), LookUp::kWarped2);
+  MemorySource simulated(answered);
+  use("look-up", *truth, simulated);
+}
+
 std::vector<Baseline> score_baselines(const OpenLog& real, const OpenLog& train,
                                       const ScoreOptions& options) {
-  std::vector<Baseline> out{always_hit(real, train, options)};
-  if (train) out.push_back(look_up(real, train, options));
+  std::vector<Baseline> out;
+  answer_by_baselines(real, train,
+                      [&](const std::string& name, BeamSource& truth, BeamSource& simulated) {
+                        ScoreOptions own = options;
+                        own.cloud = options.cloud && name != kAlwaysHit;
+                        out.push_back({name, score(truth, simulated, own)});
+                      });
   return out;
 }
 

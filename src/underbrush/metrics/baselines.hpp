@@ -19,10 +19,17 @@ struct Baseline {
   Score score;
 };
 
-/// Scores the baselines on the beams of a log. *Always hit* (`AlwaysHit`) takes the medians of the
-/// rings from the training log where there is one, and else from the real log itself; its clouds
-/// are not compared. *Look-up* (`LookUp::kWarped2`) is there where a training log is: `train` may
-/// be empty. Both logs are then held in memory.
+/// Uses the real log and the answers of a baseline to the same beams.
+using UseBaseline =
+    std::function<void(const std::string& name, BeamSource& real, BeamSource& simulated)>;
+
+/// Answers the beams of a log by each baseline. *Always hit* (`AlwaysHit`) takes the medians of the
+/// rings from the training log where there is one, and else from the real log itself. *Look-up*
+/// (`LookUp::kWarped2`) is there where a training log is: `train` may be empty. Both logs are then
+/// held in memory.
+void answer_by_baselines(const OpenLog& real, const OpenLog& train, const UseBaseline& use);
+
+/// Scores the baselines (`answer_by_baselines`). The clouds of *always hit* are not compared.
 std::vector<Baseline> score_baselines(const OpenLog& real, const OpenLog& train,
                                       const ScoreOptions& options = {});
 
