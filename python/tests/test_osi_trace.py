@@ -103,7 +103,8 @@ def test_command(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> 
     assert back.read_bytes() == source.read_bytes()
     for words, code in (([str(packed), "-o", str(tmp_path / "log.ply")], 2),
                         ([str(back), "-o", str(packed)], 2), ([str(tmp_path / "none.mcap"), "-o", str(back)], 4),
-                        ([str(packed), "-o", str(back), "--topic", "x"], 3)):
+                        ([str(packed), "-o", str(back)], 4),
+                        ([str(packed), "-o", str(back), "--topic", "x", "--force"], 3)):
         assert main(["osi", "convert", *words]) == code
         assert capsys.readouterr().err.startswith("underbrush: ")
 
