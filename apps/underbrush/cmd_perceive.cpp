@@ -60,7 +60,7 @@ std::string text_of_scores(const Arguments& a, const perception::PerceivedLog& p
   const std::vector<report::Table> tables{report::table_of(
       "the truth", std::vector<std::string>{a.options.pipeline},
       std::vector<perception::ListScore>{perception::score_lists(p.lists, p.truth)})};
-  const std::string text = "\n" + report::text_of(tables[0]);
+  std::string text = "\n" + report::text_of(tables[0]);
   if (a.report.empty()) return text;
   const std::vector<report::NamedLists> lists{{a.options.pipeline, p.lists}};
   const fs::path page =

@@ -94,6 +94,7 @@ void run(const Verb& verb, const Arguments& a) {
   text += score_protocols({!a.protocol.empty(), a.repeats}, a.real, a.train, candidates, results);
   if (!a.report.empty()) {
     std::vector<std::pair<std::string, fs::path>> logs;
+    logs.reserve(candidates.size());
     for (const Candidate& c : candidates) logs.emplace_back(c.name, c.log);
     text += "report: " + write_score_report(a.report, results, a.real, logs).string() + "\n";
   }

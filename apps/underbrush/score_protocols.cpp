@@ -102,6 +102,7 @@ std::string score_images(const Compared& logs) {
                   add(kImageRows, s.mean, j);
                 });
   std::vector<ImageScores> means;
+  means.reserve(scores.size());
   for (const ProtocolScores& s : scores) means.push_back(s.mean);
   return fmt::format(
              "kitti360: range images of 66 x 1030 pixels, 80 m; means of {} scans\n"

@@ -85,8 +85,8 @@ std::string table_of_scores(const std::vector<Candidate>& candidates,
   for (const auto& [support, part] : scores[0].per_support) {
     text += row(
         fmt::format("  {} {} beams", part.beams, support), scores,
-        [&](const Score& s) {
-          const auto of_log = s.per_support.find(support);
+        [name = &support](const Score& s) {
+          const auto of_log = s.per_support.find(*name);
           return of_log == s.per_support.end() ? NAN : of_log->second.capped_error_m;
         },
         3);
