@@ -129,7 +129,9 @@ TEST(Csv, NamesAreOptionalAndCountsLeftOut) {
   }
   put_bytes(folder / "a.txt", "9 1 2 3\n");
   EXPECT_EQ(doubles_of(*read_csv(folder / "a.txt", {"i", "x", "y", "z"}).find({"z"}))[0], 3);
-  put_bytes(folder / "a.txt", "\xff\xfex\0,\0");
+  put_bytes(folder / "a.txt", std::string("\xff\xfe"
+                                          "x\0,\0",
+                                          6));
   EXPECT_THROW(read_csv(folder / "a.txt"), FormatError);
 }
 

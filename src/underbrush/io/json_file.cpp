@@ -194,7 +194,7 @@ JsonFile::~JsonFile() = default;
 JsonValue JsonFile::root() const { return JsonValue(path_, "", &content_->json); }
 
 JsonValue JsonFile::manifest(const char* format, uint64_t newest, const char* what) const {
-  const JsonValue j = root();
+  JsonValue j = root();
   const JsonValue said = j.at("format");
   if (said.text() != format) said.fail(std::string("not ") + what);
   const JsonValue version = j.at("version");

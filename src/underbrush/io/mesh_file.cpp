@@ -28,6 +28,7 @@ void add_polygons(const PlyElement& face, MeshScene& mesh) {
   for (const uint32_t n : face.fans) {
     std::vector<uint32_t> index;
     std::vector<Vec3> corners;
+    corners.reserve(n + 2);
     for (uint32_t k = 0; k < n; ++k) {
       if (k == 0) index = {triangle[0][0], triangle[0][1]};
       index.push_back(triangle[k][2]);

@@ -75,8 +75,8 @@ double PointTimes::unit_of(const std::string& file, const std::string& name, boo
                             text_of(period_s_ > 0 ? period_s_ : 0.1) + " s apart";
   for (const Unit& unit : kUnits) {
     if (unit.seconds == usual || !fits(values.span * unit.seconds, false)) continue;
-    note_ = "the points' times (" + name + ") are taken to be " + shown(unit) + ": a scan spans " +
-            spans;
+    note_ = "the points' times (" + name + ") are taken to be " + shown(unit);
+    note_ += ": a scan spans " + spans;
     return unit_s_ = unit.seconds;
   }
   const bool share = !whole && values.low >= 0 && values.low + values.span <= 1.001 &&

@@ -77,8 +77,7 @@ void warn_of_nothing_learnt(fit::FitReport& report) {
 
 /// Where an earlier log of a model is now.
 fs::path place_of(const fit::TrainingLog& log, const fs::path& folder) {
-  const fs::path file =
-      folder.empty() ? fs::path(log.file) : folder / fs::path(log.file).filename();
+  fs::path file = folder.empty() ? fs::path(log.file) : folder / fs::path(log.file).filename();
   if (fs::exists(file)) return file;
   throw FormatError(file.string(), "",
                     "the model was fitted to this log, which is not there; --logs FOLDER names "

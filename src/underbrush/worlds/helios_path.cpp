@@ -8,7 +8,6 @@
 #include "underbrush/io/text.hpp"
 
 namespace underbrush::worlds {
-namespace fs = std::filesystem;
 namespace {
 
 constexpr double kStepRad = M_PI / 12;  // between poses of a head that turns
