@@ -22,28 +22,46 @@ elements::Model flat_model() {
   return m;
 }
 
-/// Beams of a sensor that drives along x, through a medium of one density up to `kTopM` over flat
-/// ground. Each beam meets its own medium.
-BeamLog log_of_drive(size_t beams) {
+/// Beams of a sensor that drives along x at a height of 1.5 m, to all sides and with slopes between
+/// two. `range_of(direction, random)` gives their ranges, m.
+template <class F>
+BeamLog log_of_drive(size_t beams, uint64_t seed, double least_slope, double most_slope,
+                     F range_of) {
   BeamLog log;
   log.info.max_range_m = kReachM;
   log.info.has_misses = true;
   log.resize(beams);
-  Stream random(7);
+  Stream random(seed);
   for (size_t i = 0; i < beams; ++i) {
     const double along = double(i) / double(beams);
     log.scan[i] = uint32_t(100 * along);
     log.origin[i] = Vec3(100 * along, 0, 1.5);
-    const double azimuth = random.uniform(0, 2 * M_PI), rise = random.uniform(-0.1, 0.1);
-    log.direction[i] = Vec3(std::cos(azimuth), std::sin(azimuth), rise).normalized().cast<float>();
-    const Vec3 d = log.direction[i].cast<double>();
+    const double azimuth = random.uniform(0, 2 * M_PI);
+    const double slope = random.uniform(least_slope, most_slope);
+    log.direction[i] = Vec3(std::cos(azimuth), std::sin(azimuth), slope).normalized().cast<float>();
+    const double range = range_of(log.direction[i].cast<double>(), random);
+    log.range_m[i] = range < kReachM ? float(range) : kMiss;
+  }
+  return log;
+}
+
+/// A drive through a medium of one density up to `kTopM` over flat ground. Each beam meets its own
+/// medium.
+BeamLog log_in_medium(size_t beams) {
+  return log_of_drive(beams, 7, -0.1, 0.1, [](const Vec3& d, Stream& random) {
     const double ground = d.z() < 0 ? -1.5 / d.z() : HUGE_VAL;
     const double top = d.z() > 0 ? (kTopM - 1.5) / d.z() : HUGE_VAL;
     const double free = -std::log1p(-random.uniform()) / kDensity;
-    const double end = free < top ? std::min(free, ground) : HUGE_VAL;
-    log.range_m[i] = end < kReachM ? float(end) : kMiss;
-  }
-  return log;
+    return free < top ? std::min(free, ground) : HUGE_VAL;
+  });
+}
+
+/// A drive over flat ground that ends at `edge_m` on the right. Beyond the edge nothing returns.
+BeamLog log_of_edge(double edge_m, size_t beams) {
+  return log_of_drive(beams, 11, -0.3, -0.03, [edge_m](const Vec3& d, Stream&) {
+    const double ground = -1.5 / d.z();
+    return ground * d.y() < -edge_m ? HUGE_VAL : ground;
+  });
 }
 
 TEST(ObservedSpace, KnowsTheCellsThatBeamsCrossedAndNoOthers) {
@@ -75,7 +93,7 @@ TEST(ObservedSpace, KnowsTheCellsThatBeamsCrossedAndNoOthers) {
 
 TEST(ObservedSpace, LearnsTheDensityOfAMediumThatNobodySaw) {
   elements::Model m = flat_model();
-  const BeamLog log = log_of_drive(60000);
+  const BeamLog log = log_in_medium(60000);
   MemorySource source(log);
   learn_observed_space(m, source, {1, 0});
   ASSERT_TRUE(m.observed);
@@ -87,28 +105,6 @@ TEST(ObservedSpace, LearnsTheDensityOfAMediumThatNobodySaw) {
         << h;
   }
   EXPECT_EQ(density[elements::ObservedSpace::height_interval(20)][r], 0);
-}
-
-/// Beams of a sensor that drives along x over flat ground, which ends at `edge_m` on its right.
-/// Beyond the edge nothing returns.
-BeamLog log_of_edge(double edge_m, size_t beams) {
-  BeamLog log;
-  log.info.max_range_m = kReachM;
-  log.info.has_misses = true;
-  log.resize(beams);
-  Stream random(11);
-  for (size_t i = 0; i < beams; ++i) {
-    const double along = double(i) / double(beams);
-    log.scan[i] = uint32_t(100 * along);
-    log.origin[i] = Vec3(100 * along, 0, 1.5);
-    const double azimuth = random.uniform(0, 2 * M_PI), rise = random.uniform(-0.3, -0.03);
-    log.direction[i] = Vec3(std::cos(azimuth), std::sin(azimuth), rise).normalized().cast<float>();
-    const Vec3 d = log.direction[i].cast<double>();
-    const double ground = -1.5 / d.z();
-    const bool falls = ground * d.y() < -edge_m;
-    log.range_m[i] = ground < kReachM && !falls ? float(ground) : kMiss;
-  }
-  return log;
 }
 
 TEST(ObservedSpace, WhereTheLogLostItsBeamsNothingIsMet) {
