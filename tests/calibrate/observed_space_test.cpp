@@ -111,13 +111,16 @@ TEST(ObservedSpace, WhereTheLogLostItsBeamsNothingIsMet) {
   constexpr double kEdgeM = 12;
   elements::Model m = flat_model();
   std::erase_if(m.ground.vertices, [](const Vec3f& v) { return double(v.y()) < -kEdgeM; });
-  const BeamLog log = log_of_edge(kEdgeM, 200000);
+  const BeamLog log = log_of_edge(kEdgeM, 60000);
   MemorySource source(log);
   learn_observed_space(m, source, {1, 0});
   ASSERT_TRUE(m.observed);
-  const trace::UnknownSpace unknown(*m.observed, m.ground, m.origin);
-  // Other beams than the log's, to the right and to the left, and back over the log's beginning.
-  int right = 0, back = 0;
+  elements::ObservedSpace without = *m.observed;
+  without.lost.clear();
+  const trace::UnknownSpace unknown(*m.observed, m.ground, m.origin),
+      unaware(without, m.ground, m.origin);
+  // Other beams than the log's: to the right, and back over the beginning of the drive.
+  int right = 0, right_without = 0, back = 0;
   constexpr int kBeams = 400;
   for (int k = 0; k < kBeams; ++k) {
     const uint64_t key = mix64(uint64_t(k));
@@ -125,9 +128,11 @@ TEST(ObservedSpace, WhereTheLogLostItsBeamsNothingIsMet) {
     const Ray to_right{place, Vec3(0.1, -1, -0.06).normalized()};
     const Ray to_back{Vec3(-60, 0.3, 1.6), Vec3(-1, 0.002 * k, -0.1).normalized()};
     right += unknown.drawn_end(to_right, key, {0, kReachM}).has_value();
+    right_without += unaware.drawn_end(to_right, key, {0, kReachM}).has_value();
     back += unknown.drawn_end(to_back, key, {0, kReachM}).has_value();
   }
-  EXPECT_LT(right, kBeams / 10);
+  EXPECT_LT(right, kBeams / 5);
+  EXPECT_GT(right_without, 2 * right);
   EXPECT_GT(back, kBeams * 0.85);
   for (const float share : m.observed->ground_returns) EXPECT_GT(share, 0.8f);
 }
