@@ -63,7 +63,7 @@ class FitParameters(TypedDict, total=False):
     #: pixels; 0 = none (m; default 2).
     keyframes: float
     #: Side of the cells of the map of observed space; in space that no beam crossed, simulated beams meet what
-    #: beams met when they first came into such space; 0 = unknown space counts as empty (m; default 0).
+    #: beams met when they first came into such space; 0 = unknown space counts as empty (m; default 1).
     unknown_cell: float
 
 

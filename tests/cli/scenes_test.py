@@ -80,6 +80,10 @@ class Scenes(cli_test.OnALog):
                              cwd=self.folder)
 
     def test_a_mover_on_a_plain_model_has_a_number_and_its_own_class(self):
+        manifest = pathlib.Path(self.folder, "model/model.json")  # without what may stand in unknown space
+        model = json.loads(manifest.read_text())
+        del model["observed_space"]
+        manifest.write_text(json.dumps(model))
         for words in ([], ["--super-sample", "9"]):
             with self.subTest(words):
                 done = self.simulate_mover(*words, material=":leaf")

@@ -93,7 +93,7 @@ def make(call, folder):
         rows = Rows(folder / "demo" / f"{name}.ply")
         change(rows)
         rows.write(folder / f"{name}.ply")
-    call("fit", "--unknown-cell", 1, folder / "train.ply", "-o", folder / "model")
+    call("fit", folder / "train.ply", "-o", folder / "model")
     manifest = folder / "model/model.json"
     model = json.loads(manifest.read_text())
     model["channels"] = [{"ring": ring, "range_offset_m": offset_m(ring), "standard_error_m": 0.002}

@@ -55,7 +55,7 @@ struct FitOptions {
   uint32_t free_space_beams = 20;
   /// m; side of the cells of the map of observed space (`calibrate::learn_observed_space`), for
   /// `likelihood` only; 0 = none, so that unknown space counts as empty.
-  double unknown_cell_m = 0;
+  double unknown_cell_m = 1;
   TileOptions tiles;
   ground::SegmentOptions segment;
   ground::HeightGridOptions ground;
