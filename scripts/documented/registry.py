@@ -58,7 +58,18 @@ def fitters(models):
             s = scores(folder)
             yield model, log, [s["packet error, m"], s["F1"], s["NLL/beam"], s["ellipsoids"]]
         return Part((model_job(log, model),), cells)
-    return tuple(part(log, model) for log in LOGS for model in models)
+    return tuple(part(log, model) for log in LOGS for model in models) + tuple(baselines(log) for log in LOGS)
+
+
+def baselines(log):
+    """The scores of what a simulator must beat, on the beams of a log."""
+    job = Job(f"baselines.{log}", f"""underbrush score "$WORK/{log}/test.ply" "$WORK/{log}/default.ply" \\
+  --train "$WORK/{log}/train.ply" --json scores.json""", (LOGS[log],), (model_job(log, "default"),))
+
+    def cells(folder):
+        for name, s in read_json(folder / "scores.json")["baselines"].items():
+            yield name, log, [s[KEYS["packet error, m"]], s[KEYS["F1"]]]
+    return Part((job,), cells)
 
 
 def tuning():
@@ -140,22 +151,26 @@ def transfer(folder):
                "wide": "velodyne-vlp16 of 4 x the divergence"}
     figures = read_json(folder / "study.json")["figures"]
     for row, to in sensors.items():
+        answers = {(f"simulated {row}", "always hit"): "always hit"}
         for column, learnt in sensors.items():
-            s = figures[to][learnt]
-            yield f"simulated {row}", column, [s["f1"], s["cloud_error_m"]]
+            answers[f"simulated {row}", column] = learnt
+            answers[f"{row} by look-up", column] = f"look-up, {learnt}"
+        for place, name in answers.items():
+            s = figures[to][name]
+            yield *place, [s["f1"], s["informedness"], s["cloud_error_m"]]
 
 
 def scenes(where, group, spread):
     rows = {"primitives": ["primitives"], "meshes (generated sites": ["meshes", "meshes (true species)"],
             "meshes (other species)": ["meshes (other species)"], "fit of the test log": ["geospecific"],
-            "replay": ["replay"]}
+            "replay": ["replay"], "always hit": ["always hit"]}
 
     def cells(folder):
         figures = read_json(folder / "study.json")["figures"][where]["mean"]
         for row, names in rows.items():
             s = next(figures[name] for name in names if name in figures)
             for column, key in (("cloud error, m", "cloud_error_m"), ("packet error, m", "packet_error_m"),
-                                ("F1", "f1")):
+                                ("F1", "f1"), ("informedness", "informedness")):
                 yield row, f"{group}: {column}", [s[key]["mean"]] + ([s[key]["reach_95"]] if spread else [])
     return cells
 

@@ -78,11 +78,13 @@ def evidence(study: typing.Callable[..., Job], logs: dict[str, str], halves: dic
 underbrush fit "$WORK/{log}/train.ply" --min-range 2 --fitter surface -o mesh
 for m in default mesh; do underbrush simulate $m --like "$WORK/{log}/test.ply" -o $m.ply; done
 underbrush simulate default --like "$WORK/{log}/test.ply" --draw median -o median.ply
-underbrush score "$WORK/{log}/test.ply" default.ply median.ply mesh.ply --protocol kitti360 --json scores.json
+underbrush score "$WORK/{log}/test.ply" default.ply median.ply mesh.ply --train "$WORK/{log}/train.ply" \\
+  --protocol kitti360 --json scores.json
 rm -r default mesh default.ply median.ply mesh.ply""", (logs[log],), (halves[log],))
 
         def cells(folder: typing.Any) -> typing.Iterator[tuple[str, str, list[float]]]:
-            for model, s in read_json(folder / "scores.json")["models"].items():
+            read = read_json(folder / "scores.json")
+            for model, s in {**read["models"], **read["baselines"]}.items():
                 for column, key in IMAGES.items():
                     yield f"{log}/{model}", column, [s["kitti360"][key]]
         return Part((job,), cells)
