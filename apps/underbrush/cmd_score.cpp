@@ -52,8 +52,8 @@ void add_options(Verb& verb, Arguments& a) {
       ->check(CLI::IsMember({"kitti360"}));
   app.add_flag(
       "--repeats", a.repeats,
-      "Adds the comparison of scans that repeat their directions from one place: difference "
-      "from scan to scan, distance of bearing x range histograms, scan against scan");
+      "Add a comparison of scans from one place with equal directions: how ranges change from scan "
+      "to scan, and the distance of bearing x range histograms");
 }
 
 void run(const Verb& verb, const Arguments& a) {

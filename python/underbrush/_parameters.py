@@ -62,8 +62,8 @@ class FitParameters(TypedDict, total=False):
     #: Keep scans as range images (keyframes), at most 16 within this distance; simulated beams near them use their
     #: pixels; 0 = none (m; default 2).
     keyframes: float
-    #: Side of the cells of the map of observed space; in space that no beam crossed, simulated beams meet what
-    #: beams met when they first came into such space; 0 = unknown space counts as empty (m; default 1).
+    #: Side of the cells of the map of observed space; in unknown space, which no beam crossed, simulated beams end
+    #: with a density that is learnt from the log; 0 = unknown space is empty (m; default 1).
     unknown_cell: float
 
 
@@ -85,9 +85,7 @@ class SimulateParameters(TypedDict, total=False):
     grain: float
     tau: float  #: Mahalanobis distance within which a beam meets an ellipsoid; 0 = the model's (default 0).
     wind: float  #: Correlation time of leaves that sway; 0 = they stand still (s; default 0).
-    #: Add a column with the probability that each beam ends in space that the model's log observed, or nowhere, and
-    #: not in unknown space (default false).
-    support: bool
+    support: bool  #: Add a column with the probability that a beam does not end in unknown space (default false).
     #: How the range in an ellipsoid is drawn: along the beam, or in the ellipsoid's volume; median takes the median
     #: of the beam's distribution, which has the least error (default on_ray).
     draw: str
@@ -97,7 +95,9 @@ class SimulateParameters(TypedDict, total=False):
     beam: str  #: Whether the ray is traced on the beam's axis, or drawn from the sensor's cone (default thin).
     max_range: float  #: Maximum range; 0 = the log's or the sensor's (m; default 0).
     range_noise: float  #: Standard deviation of additional noise on every range (m; default 0).
-    all_sub_rays: bool  #: Trace all sub-rays of every beam, also where 13 of 26 or more agree (default false).
+    #: Trace all sub-rays of every beam; without it, beams of 26 or more are traced with 13 sub-rays where these
+    #: agree (default false).
+    all_sub_rays: bool
     #: Whether sub-rays are spread over the whole beam, or only over the excess of its width over that of the fitted
     #: log's beams, whose footprint is in the model (default excess).
     footprint: str
@@ -180,12 +180,14 @@ class SegmentParameters(TypedDict, total=False):
 class MoversParameters(TypedDict, total=False):
     """Options of `movers`, as docs/reference/command-line.md lists them."""
 
-    #: Times before and after a scan at which others are asked (s; default 0.1,0.2,0.3,0.5,0.8,1.2,2,3,4.5,6).
+    #: Times before and after a scan at which other scans are compared with it (s; default
+    #: 0.1,0.2,0.3,0.5,0.8,1.2,2,3,4.5,6).
     look_s: Sequence[float]
-    least_empty: int  #: Outermost looks that must have found a place empty (default 3).
+    least_empty: int  #: Number of the outermost scans in which the place of a mover must be empty (default 3).
     cell_deg: float  #: Width of the cells in which scans are compared (degrees; default 0.5).
-    max_range: float  #: Returns farther away are not looked at (m; default 80).
-    same_m: float  #: Ranges that differ by no more are of one thing (m; default 0.3).
+    max_range: float  #: Largest range of the returns that may be marked (m; default 80).
+    #: Largest difference of two ranges of one surface, to which 1 % of the range is added (m; default 0.3).
+    same_m: float
     least_points: int  #: Returns of the smallest mover in a scan (default 12).
 
 
@@ -225,8 +227,8 @@ class PerceiveParameters(TypedDict, total=False):
     pipeline: str  #: The tracking model, which assigns points by the truth, or a real pipeline (default model).
     rig: str | os.PathLike[str]  #: The sensors of the vehicle, for a log of several.
     min_range: float  #: Ignore hits nearer than this, m, such as those on the own vehicle (default 0).
-    #: Height of the sensor above the ground; the vehicle's frame stands there. A rig's sensors have theirs (m;
-    #: default 0).
+    #: Height of the sensor above the ground, on which the vehicle's frame stands; the file of a rig has the heights
+    #: of its sensors (m; default 0).
     sensor_height: float
     truth_elevation_deg: float  #: Turn labelled boxes up by this angle, as import turned the beams (default 0).
     no_deskew: bool  #: Ignore the vehicle's motion within a cycle (default false).
@@ -240,7 +242,8 @@ class PerceiveParameters(TypedDict, total=False):
     full_extent: float  #: Segments that are smaller than this add less; 0 = all add the same (m; default 0).
     needed: int  #: Cycles with points (default 5).
     window: int  #: Cycles among which they are counted (default 10).
-    lost: int  #: Cycles without points after which an object is dropped; not by probability (default 10).
+    #: Cycles without points after which an object is dropped, with --existence in-a-row or out-of (default 10).
+    lost: int
     reference: str  #: The point that is tracked (default corner).
     heading: str  #: Where the tracking model takes headings from (default points).
     as_measured: bool  #: Report boxes as the points show them, not completed by the sizes of the class (default false).

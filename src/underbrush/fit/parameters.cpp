@@ -159,8 +159,8 @@ std::span<const Parameter> parameters() {
      [](Options& o) -> auto& { return o.keyframes.spacing_m; },
       0, 1e6}},
     {{"unknown-cell", kLikelihood, "m",
-     "Side of the cells of the map of observed space; in space that no beam crossed, simulated beams "
-     "meet what beams met when they first came into such space; 0 = unknown space counts as empty",
+     "Side of the cells of the map of observed space; in unknown space, which no beam crossed, "
+     "simulated beams end with a density that is learnt from the log; 0 = unknown space is empty",
      [](Options& o) -> auto& { return o.unknown_cell_m; },
       0, 100}, kHelpAll},
   };

@@ -22,8 +22,8 @@ std::span<const Option<PerceiveOptions>> perceive_options() {
      "Ignore hits nearer than this, m, such as those on the own vehicle",
      [](O& o) -> auto& { return o.setup.cycles.min_range_m; }, 0, kNoLimit},
     {"sensor-height", "", "m",
-     "Height of the sensor above the ground; the vehicle's frame stands there. A rig's sensors have "
-     "theirs",
+     "Height of the sensor above the ground, on which the vehicle's frame stands; the file of a rig "
+     "has the heights of its sensors",
      [](O& o) -> auto& { return o.setup.cycles.sensor_height_m; }, 0, 100},
     {"truth-elevation-deg", "", "",
      "Turn labelled boxes up by this angle, as import turned the beams",
@@ -53,7 +53,7 @@ std::span<const Option<PerceiveOptions>> perceive_options() {
     {"window", "Existence", "", "Cycles among which they are counted",
      [](O& o) -> auto& { return o.setup.model.track.existence.window; }},
     {"lost", "Existence", "",
-     "Cycles without points after which an object is dropped; not by probability",
+     "Cycles without points after which an object is dropped, with --existence in-a-row or out-of",
      [](O& o) -> auto& { return o.setup.model.track.existence.lost; }},
 
     {"reference", "State", "", "The point that is tracked",

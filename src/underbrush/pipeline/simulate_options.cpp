@@ -36,8 +36,7 @@ std::span<const Option<SimulateOptions>> simulate_options() {
      "Correlation time of leaves that sway; 0 = they stand still",
      [](O& o) -> auto& { return o.sway_s; }, 0, 3600},
     {"support", "Matter", "",
-     "Add a column with the probability that each beam ends in space that the model's log observed, "
-     "or nowhere, and not in unknown space",
+     "Add a column with the probability that a beam does not end in unknown space",
      [](O& o) -> auto& { return o.support; }},
 
     {"draw", "Thin rays", "",
@@ -57,7 +56,8 @@ std::span<const Option<SimulateOptions>> simulate_options() {
      [](O& o) -> auto& { return o.range_noise_m; }, 0, 100},
 
     {"all-sub-rays", "Sub-rays", "",
-     "Trace all sub-rays of every beam, also where 13 of 26 or more agree",
+     "Trace all sub-rays of every beam; without it, beams of 26 or more are traced with 13 sub-rays "
+     "where these agree",
      [](O& o) -> auto& { return o.instrument.all_sub_rays; }},
     {"footprint", "Sub-rays", "",
      "Whether sub-rays are spread over the whole beam, or only over the excess of its width over "
