@@ -222,7 +222,7 @@ def test_clocks(tmp_path: pathlib.Path, clock: str) -> None:
 
 def test_what_is_missing_is_told_in_one_line(tmp_path: pathlib.Path) -> None:
     path = save(tmp_path, packets("LEGACY", [1]))
-    with pytest.raises(FormatError, match=r"look like an Ouster's, which need its metadata: metadata='a.json'"):
+    with pytest.raises(FormatError, match=r"look like an Ouster's, which need its metadata: add --metadata a.json"):
         PacketRecording(path)
     (tmp_path / "other.json").write_text(meta("LEGACY"))
     with pytest.raises(FormatError, match=r"beside it lie other.json"):

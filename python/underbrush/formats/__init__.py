@@ -51,16 +51,17 @@ def open_recording(path: PathLike, *, topic: str | None = None, poses: PathLike 
                    clock: str = "stamp") -> Recording:
     """Opens a recording, of the kind that its content tells.
 
-    `topic`, `frame` and `clock` say what to read of a ROS recording (see `BagRecording`); for packets `topic` is the
-    stream, and `metadata` and `sensor` say how to decode them. `poses` is a file of poses (see `read_poses`) or a
-    topic. Raises `FormatError` where the file
-    cannot be read, `OptionMissing` where an option is needed, `ImportError` where a library is, and `OSError`.
+    `topic`, `frame` and `clock` say what to read of a ROS recording (see `BagRecording`); for packet captures `topic`
+    is the stream. `metadata` and `sensor` say how to decode packets. `poses` is a file of poses (see `read_poses`) or a
+    topic. Raises `FormatError` where the file cannot be read, `OptionMissing` where an option is needed, `ImportError`
+    where a library is, and `OSError`.
     """
     kind = kind_of(path)
     recording: Any
     if kind == "bag":
         from .bag import BagRecording
-        return BagRecording(path, topic=topic or None, frame=frame or None, poses=poses or None, clock=clock)
+        return BagRecording(path, topic=topic or None, frame=frame or None, poses=poses or None, clock=clock,
+                            metadata=metadata or None, sensor=sensor or None)
     if kind == "las":
         from .las import LasRecording
         recording = LasRecording(path)

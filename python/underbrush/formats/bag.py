@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from ..errors import FormatError
 from ._files import OptionMissing, PathLike, guarded, size_of, with_thousands
+from .bag_packets import STRING, BagPackets, is_packets, packets_in
 from .layouts import guess_sensor, scan_from_points
 from .point_times import PointTimes
 from .ros_files import is_cut_mcap, kind_of_bag, opened, recover_mcap
@@ -27,6 +28,7 @@ from .transforms import POSE_TYPES, FrameTree
 _JUMP_S = 10.0
 _MOST_BREAKS = 1000
 _PEEKED = 10  # Messages of each topic that are looked at first.
+_LONGEST_IMU = 256  # Bytes; a lidar's packet is longer.
 _UNREADABLE = "messages that cannot be read"
 _CLOCK = "scans whose clock jumps (--clock bag takes the times of the recording)"
 
@@ -46,8 +48,10 @@ class _Topic:
 class BagRecording:
     """A ROS recording. It holds one message at a time; poses are read in a pass of their own, when first asked for.
 
-    `topic` is the point cloud to read; `frame` the sensor, where several publish there; `poses` a topic of the
-    recording or a file of poses; `clock` "stamp" (the messages' stamps) or "bag" (the times of recording).
+    `topic` is the point cloud to read, or the packets of a sensor, which are read where there is no point cloud;
+    `frame` the sensor, where several publish there, or the frame of an Ouster's packets; `poses` a topic of the
+    recording or a file of poses; `clock` "stamp" (the messages' stamps) or "bag" (the times of recording). `metadata`
+    and `sensor` say how packets are decoded (see `PacketRecording`).
     """
 
     organised = False
@@ -55,7 +59,8 @@ class BagRecording:
     world = False
 
     def __init__(self, path: PathLike, *, topic: str | None = None, frame: str | None = None,
-                 poses: PathLike | None = None, clock: str = "stamp") -> None:
+                 poses: PathLike | None = None, clock: str = "stamp", metadata: PathLike | None = None,
+                 sensor: str | None = None) -> None:
         self.path, self.frame, self.clock = pathlib.Path(path), frame, clock
         if clock not in ("stamp", "bag"):
             raise ValueError(f"no clock '{clock}': stamp or bag")
@@ -76,19 +81,26 @@ class BagRecording:
             self._duration_s = max(0.0, float(reader.duration) * 1e-9)
             self._start = _date(int(reader.start_time))
             self._first = {t: self._peek(reader, t) for t, kind, n in self._connections if n and _is_cloud(kind)}
+            packets = {t: self._peek_packets(reader, t) for t, kind, n in self._connections if n and is_packets(kind)}
+        self._packets: BagPackets | None = None
+        packets = {t: first for t, first in packets.items() if first.points}
+        if topic in packets or not self._first:
+            self._first = packets
         clouds = sorted(self._first)
         self.skipped.clear()  # What was counted while peeking is counted again.
         if not clouds:
-            packets = [f"{topic} ({kind})" for topic, kind, n in self._connections
-                       if n and ("packet" in kind.lower() or kind.endswith(("/VelodyneScan", "/PandarScan")))]
-            raise FormatError(path, "", "no topic with point clouds (sensor_msgs/PointCloud2, Livox CustomMsg)" + (
-                f", but packets as the sensor sent them, in {', '.join(packets)}: have the driver write its point "
-                "clouds, or capture the packets as pcap" if packets else ""))
+            raise FormatError(path, "", "no topic with point clouds (sensor_msgs/PointCloud2, Livox CustomMsg)"
+                              + self._no_packets())
         if topic is not None and topic not in clouds:
-            raise ValueError(f"{path}: no point clouds in {topic}: {', '.join(clouds)}")
+            raise ValueError(f"{path}: no point clouds in {topic}: {', '.join([*clouds, *packets])}")
         self.topic = topic if topic is not None else clouds[0] if len(clouds) == 1 else None
         if self.topic is not None:
             self.sensor, self.organised = self._first[self.topic].sensor, self._first[self.topic].organised
+            if self.topic in packets:
+                texts = [t for t, kind, n in self._connections if n and kind == STRING]
+                self._packets = BagPackets(path, self.topic, self._all_messages, self._ros1, texts, metadata, sensor,
+                                           clock == "bag")
+                self.sensor = self._packets.sensor
             kind, count = next((kind, n) for t, kind, n in self._connections if t == self.topic)
             self._times = _times_of(path, kind, self._duration_s / (count - 1) if count > 1 else 0.0)
 
@@ -98,13 +110,17 @@ class BagRecording:
         for topic, kind, count in self._connections:
             rate = f"{(count - 1) / self._duration_s:.1f} Hz" if count > 1 and self._duration_s > 0 else "once"
             text = f"{topic}: {kind}, {with_thousands(count)} messages, {rate}"
-            if topic in self._first:
+            if topic in self._first and self._first[topic].layout == "packets":
+                text += f"; packets of a sensor, decoded with their misses, frame {self._first[topic].frames[0] or '-'}"
+            elif topic in self._first:
                 first = self._first[topic]
                 text += (f"; layout {first.layout} ({' '.join(first.fields)}), {with_thousands(first.points)} points a "
                          f"scan, {'organised, with misses' if first.organised else 'no misses'}, "
                          f"frame {' and '.join(first.frames) or '-'}"
                          + (f", probably {first.sensor}" if first.sensor else ""))
             lines.append(text)
+        if self._packets is not None:
+            lines += self._packets.found()
         if self._own_clock:
             lines.append("the sensor has a clock of its own: its times count from the messages' stamps")
         if self.topic is None:
@@ -137,6 +153,11 @@ class BagRecording:
 
     def scans(self) -> Iterator[Scan]:
         number = 0
+        if self._packets is not None:
+            yield from self._packets.scans()
+            self.skipped.update(self._packets.skipped)
+            self.bytes_done = self.bytes_total
+            return
         for points, stamp, shift in self._clouds():
             try:
                 with guarded(self.path, "message"):
@@ -155,7 +176,9 @@ class BagRecording:
         self.bytes_done = self.bytes_total
 
     def scan_times(self) -> list[float]:
-        """Reference times (s) of the scans that `scans` yields; a pass over the messages that decodes no points."""
+        """Reference times (s) of the scans that `scans` yields; a pass that decodes packets, but no point clouds."""
+        if self._packets is not None:
+            return [scan.time_s for scan in self._packets.scans()]
         kept, self.skipped = self.skipped, collections.Counter()
         times = [stamp + shift for _, stamp, shift in self._clouds()]
         self.skipped = kept
@@ -207,8 +230,21 @@ class BagRecording:
             return f"{self.path}: several topics with poses: add " + " or ".join(f"--poses {t}" for t in topics)
         return f"{self.path}: no poses in it: add --poses FILE (t x y z qx qy qz qw, world from sensor)"
 
-    def _messages(self, reader: Any, topic: str) -> Iterator[tuple[str, int, bytes]]:
+    def _all_messages(self, topic: str, skipped: collections.Counter[str]) -> Iterator[tuple[str, int, bytes]]:
+        """The topic's messages, of which it counts elsewhere what is left out, and how far the file is read."""
+        total, seen = sum(n for name, _, n in self._connections if name == topic), 0
+        with opened(self._source, self._kind) as reader:
+            for message in self._messages(reader, topic, skipped):
+                seen += 1
+                self.bytes_done = min(self.bytes_total, self.bytes_total * seen // max(1, total))
+                yield message
+        if seen < total:
+            skipped["messages in parts of the file that cannot be read"] += total - seen
+
+    def _messages(self, reader: Any, topic: str, skipped: collections.Counter[str] | None = None
+                  ) -> Iterator[tuple[str, int, bytes]]:
         """Type, time (ns) and bytes of a topic's messages. A part of the file that cannot be read is left out."""
+        skipped = self.skipped if skipped is None else skipped
         for connection in [c for c in reader.connections if c.topic == topic]:
             start, step = None, 1_000_000
             end = int(reader.end_time)
@@ -220,7 +256,7 @@ class BagRecording:
                             start, step = int(time_ns), 1_000_000
                     break
                 except FormatError:
-                    self.skipped["breaks in the file"] += 1
+                    skipped["breaks in the file"] += 1
                     start = (int(reader.start_time) if start is None else start) + step
                     step *= 2
                     if start >= end:
@@ -239,6 +275,27 @@ class BagRecording:
                     first.sensor, first.organised = guess_sensor(first.layout, scan), scan.shape is not None
                 first.frames = tuple(sorted({*first.frames, frame}))
         return first
+
+    def _peek_packets(self, reader: Any, topic: str) -> _Topic:
+        """The frame of a topic's packets, and whether one is long enough for a lidar's: those of an IMU have 48."""
+        for kind, time_ns, raw in itertools.islice(self._messages(reader, topic), _PEEKED):
+            with contextlib.suppress(ValueError):
+                packets, frame = packets_in(kind, raw, time_ns * 1e-9, self._ros1, False)
+                longest = max((len(packet.data) for packet in packets), default=0)
+                if longest > _LONGEST_IMU:
+                    return _Topic("packets", organised=True, points=longest,
+                                  frames=(frame_name(self.frame or frame),))
+        return _Topic()
+
+    def _no_packets(self) -> str:
+        """What a recording without a readable topic has of packets."""
+        decoded = [f"{topic} ({kind})" for topic, kind, n in self._connections if n and is_packets(kind)]
+        if decoded:
+            return f", and no packet of a lidar in {', '.join(decoded)}"
+        others = [f"{topic} ({kind})" for topic, kind, n in self._connections
+                  if n and ("packet" in kind.lower() or kind.endswith(("/PandarScan", "/UdpFrame")))]
+        return (f", but packets of a kind that is not decoded, in {', '.join(others)}: have the driver write its point "
+                "clouds" if others else "")
 
     def _points(self, kind: str, raw: bytes) -> tuple[npt.NDArray[np.void], float, str]:
         """The points of a message, its stamp (s) and its frame."""

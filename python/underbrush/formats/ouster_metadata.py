@@ -111,8 +111,13 @@ class Metadata:
     @classmethod
     def read(cls, path: str | pathlib.Path) -> Metadata:
         """Reads a JSON file. Raises OSError, or FormatError where it is no metadata or lacks something."""
+        return cls.of_text(pathlib.Path(path).read_bytes(), path)
+
+    @classmethod
+    def of_text(cls, text: str | bytes, path: str | pathlib.Path) -> Metadata:
+        """Reads the text of such a file; `path` says where it stands. Raises FormatError."""
         try:
-            file = json.loads(pathlib.Path(path).read_text(encoding="utf-8"))
+            file = json.loads(text)
             if not isinstance(file, dict):
                 raise ValueError("it is no object")
             return _metadata(_Values(file))

@@ -36,7 +36,7 @@ class _Stream(NamedTuple):
     port: int
 
     def __str__(self) -> str:
-        return f"{ipaddress.ip_address(self.source)}:{self.port}"
+        return f"{ipaddress.ip_address(self.source)}:{self.port}" if self.port >= 0 else self.source.decode()
 
 
 class PacketRecording:
@@ -77,7 +77,7 @@ class PacketRecording:
         self._ouster: Metadata | None = None
         self._layout: np.dtype[Any] = velodyne.PACKET
         self._reference_s = 0.0
-        self._probe(Capture(self.path))
+        self._probe(self._captured())
         self._decoder = self._open(collections.Counter())
         self.sensor: str = sensor or self._decoder.sensor
 
@@ -97,7 +97,7 @@ class PacketRecording:
             skipped, totals = collections.Counter(), _Totals()
             decoder = self._open(skipped)
             limit = 4 * 1024 * 1024 // decoder.packet_bytes
-            for _ in self._scans(Capture(self.path), decoder, skipped, totals, limit):
+            for _ in self._scans(self._captured(), decoder, skipped, totals, limit):
                 pass
             note = " (of the file's beginning)" if totals.packets >= limit else ""
         lines = [f"sensor: {decoder.title}" + (f" ({decoder.sensor})" if decoder.sensor else "")
@@ -109,8 +109,16 @@ class PacketRecording:
         """Yields all scans in order. Each call reads the file anew; broken packets are counted in `skipped`."""
         self.skipped.clear()
         self._totals = _Totals()
-        self._capture = Capture(self.path)
+        self._capture = self._captured()
         yield from self._scans(self._capture, self._open(self.skipped), self.skipped, self._totals)
+
+    def _captured(self) -> Any:
+        """The packets from the beginning: what has `datagrams`, `skipped` and `bytes_done`."""
+        return Capture(self.path)
+
+    def _metadata_inside(self) -> tuple[Metadata | None, str]:
+        """The metadata of an Ouster in the recording itself, and their place."""
+        return None, ""
 
     def _scans(self, capture: Capture, decoder: _Decoder, skipped: collections.Counter[str], totals: _Totals,
                limit: float = math.inf) -> Iterator[Scan]:
@@ -177,7 +185,7 @@ class PacketRecording:
             self._layout = self._ouster.packet
         elif self._ouster is not None and (not probe or self._metadata_path is not None):
             raise self._error(f"packets of {len(first[0].data)} bytes from {self._stream} do not fit the metadata "
-                              f"{self._metadata_path or self._beside()[0].name}, whose packets "
+                              f"{self._metadata_name}, whose packets "
                               f"({self._ouster.profile_name}, {self._ouster.rows} rows) have {size} bytes")
         elif probe:
             self._ouster = None
@@ -187,7 +195,7 @@ class PacketRecording:
             hint = ", ".join(sorted(path.name for path in self.path.parent.glob("*.json"))[:4])
             raise unread or self._error(
                 f"packets of {len(first[0].data)} bytes from {self._stream} look like an Ouster's, which need its "
-                f"metadata: metadata='{self._beside()[0].name}'" + (f" (beside it lie {hint})" if hint else ""))
+                f"metadata: add --metadata {self._beside()[0].name}" + (f" (beside it lie {hint})" if hint else ""))
 
     def _beside(self) -> list[pathlib.Path]:
         """Where the metadata of an Ouster lie by default."""
@@ -200,14 +208,16 @@ class PacketRecording:
         if given is not None and given.suffix.lower() != ".json":
             return Calibration.read(given), None
         if given is not None:
-            self._ouster = Metadata.read(given)
+            self._ouster, self._metadata_name = Metadata.read(given), str(given)
         for path in self._beside() if given is None else []:
             if path.is_file():
                 try:
-                    self._ouster = Metadata.read(path)
+                    self._ouster, self._metadata_name = Metadata.read(path), path.name
                 except FormatError as error:
                     return None, error
-                break
+                return None, None
+        if given is None:
+            self._ouster, self._metadata_name = self._metadata_inside()
         return None, None
 
     def _choose(self, streams: dict[_Stream, list[Datagram]], lengths: collections.Counter[tuple[int, int]],

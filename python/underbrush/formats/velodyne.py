@@ -89,7 +89,7 @@ def model_of(packets: Packets, sensor: str | None = None) -> Model:
         if model.product == product:
             return model
     raise ValueError(f"Velodyne packets with the unknown product number 0x{product:02x}; name the sensor with "
-                     f"sensor='{MODELS[0].sensor}' or another of {', '.join(sorted({m.sensor for m in MODELS}))}")
+                     f"--sensor {MODELS[0].sensor} or another of {', '.join(sorted({m.sensor for m in MODELS}))}")
 
 
 def rings_of_lasers(model: Model, file: catalogue.SpinningSensor) -> npt.NDArray[np.int64]:
@@ -162,7 +162,7 @@ class Decoder:
             calibration = Calibration.from_status(probe["mode"], probe["product"])
             if calibration is None:
                 raise ValueError("an HDL-64E needs its calibration, which the packets do not contain in full; give it "
-                                 "with metadata='db.xml' (VeloView) or metadata='calibration.yaml' (ROS driver)")
+                                 "with --metadata db.xml (VeloView) or --metadata calibration.yaml (ROS driver)")
         self.calibration = calibration or Calibration.nominal(
             np.radians(file.elevation_deg[order] * self.model.elevation_scale),
             np.radians(file.azimuth_deg[order]), file.z_m[order])

@@ -1,0 +1,206 @@
+"""Packets of sensors inside ROS recordings: the same beams as in a room's closed form, with the recording's poses."""
+from __future__ import annotations
+
+import pathlib
+from typing import Any
+
+import numpy as np
+import pytest
+
+pytest.importorskip("rosbags", reason="rosbags is not installed: pip install 'underbrush[formats]'")
+
+import packet_files as pf  # noqa: E402
+import test_ouster as ouster  # noqa: E402
+from bag_messages import Bag, bag, some_points  # noqa: E402
+from packet_files import T0  # noqa: E402
+from rosbags.typesys import get_types_from_msg  # noqa: E402
+from velodyne_unit import UNITS, Truth, joined, observe, packets_of  # noqa: E402
+
+from underbrush import LogReader  # noqa: E402
+from underbrush.formats import FormatError, OptionMissing, beams, open_recording  # noqa: E402
+from underbrush.import_recording import run  # noqa: E402
+
+SCAN, PACKET = "velodyne_msgs/msg/VelodyneScan", "velodyne_msgs/msg/VelodynePacket"
+STORAGES = ["ros1", "mcap", "sqlite3"]
+
+
+def send_velodyne(out: Bag, packets: list[tuple[float, bytes]], topic: str = "/velodyne_packets", frame: str = "lidar",
+                  ahead_s: float = 0.0) -> None:
+    """Sends the packets in messages of 75; the recording's clock is ahead of the stamps."""
+    store = out.store
+    if SCAN not in store.types:
+        store.register(get_types_from_msg(f"{'time' if out.ros1 else 'builtin_interfaces/Time'} stamp\nuint8[1206] data",
+                                          PACKET))
+        store.register(get_types_from_msg("std_msgs/Header header\nvelodyne_msgs/VelodynePacket[] packets", SCAN))
+    time = store.types["builtin_interfaces/msg/Time"]
+    for begin in range(0, len(packets), 75):
+        part = packets[begin:begin + 75]
+        out.send(topic, SCAN, part[-1][0] + ahead_s, store.types[SCAN](
+            header=out.header(part[-1][0], frame),
+            packets=[store.types[PACKET](stamp=time(sec=int(t), nanosec=round((t % 1) * 1e9)),
+                                         data=np.frombuffer(data, np.uint8)) for t, data in part]))
+
+
+def send_ouster(out: Bag, kind: str, packets: list[tuple[float, bytes]], topic: str, more: bytes = b"") -> None:
+    if kind not in out.store.types:
+        out.store.register(get_types_from_msg("uint8[] buf", kind))
+    for time_s, data in packets:
+        out.send(topic, kind, time_s, out.store.types[kind](buf=np.frombuffer(data + more, np.uint8)))
+
+
+def send_text(out: Bag, topic: str, text: str) -> None:
+    out.send(topic, "std_msgs/msg/String", T0, out.store.types["std_msgs/msg/String"](data=text))
+
+
+def drive(out: Bag, frame: str) -> None:
+    """The sensor moves ahead at 10 m/s, turned left by a right angle."""
+    for k in range(12):
+        out.transform("/tf", T0 - 0.2 + 0.1 * k, "map", frame, [k - 2.0, 5, 2], [0, 0, np.sqrt(0.5), np.sqrt(0.5)])
+
+
+def vlp16(path: pathlib.Path, storage: str, **options: Any) -> Truth:
+    unit = UNITS["vlp16"]
+    truth = observe(unit, 24 * 200)
+    with bag(path, storage) as out:
+        drive(out, "lidar")
+        send_velodyne(out, packets_of(unit, truth, 0x37), **options)
+    return truth
+
+
+@pytest.mark.parametrize("storage", STORAGES)
+def test_velodyne_packets_are_beams_in_the_world(tmp_path: pathlib.Path, storage: str) -> None:
+    truth = vlp16(tmp_path / "bag", storage)
+    recording = open_recording(tmp_path / "bag")
+    assert recording.sensor == "velodyne-vlp16" and recording.organised
+    found = "\n".join(recording.found())
+    assert "packets of a sensor, decoded with their misses, frame lidar" in found
+    assert "Velodyne" in found and "poses from /tf: map -> lidar" in found
+    back = {name: np.concatenate([piece[name] for piece in beams(recording)])
+            for name in ("origin", "direction", "range_m", "time_s", "ring", "scan")}
+    assert not recording.skipped and len(back["ring"]) == len(truth.ring)
+    np.testing.assert_array_equal(back["ring"], truth.ring)
+    np.testing.assert_allclose(back["time_s"], truth.time_s, atol=2e-6)
+    np.testing.assert_allclose(back["range_m"], np.where(truth.strongest > 0, truth.strongest * 0.002, np.inf), atol=1e-4)
+    along = np.column_stack([10 * (truth.time_s - T0), np.full(len(truth.ring), 5), np.full(len(truth.ring), 2)])
+    np.testing.assert_allclose(back["origin"], along, atol=1e-4)
+    turned = np.column_stack([-truth.direction[:, 1], truth.direction[:, 0], truth.direction[:, 2]])
+    np.testing.assert_allclose(back["direction"], turned, atol=3e-4)  # Azimuths are in steps of 0.01 degrees.
+    assert back["scan"][-1] == 3
+
+
+@pytest.mark.parametrize("storage", STORAGES)
+def test_the_command_imports_packets(tmp_path: pathlib.Path, storage: str, capsys: pytest.CaptureFixture[str]) -> None:
+    truth = vlp16(tmp_path / "bag", storage)
+    assert run([str(tmp_path / "bag"), "-o", str(tmp_path / "log.ply")]) == 0
+    hits = int((truth.strongest > 0).sum())
+    assert f"{len(truth.ring)} rows: {hits} hits, {len(truth.ring) - hits} misses" in capsys.readouterr().out
+    info = LogReader(tmp_path / "log.ply").info
+    assert info.sensor == "velodyne-vlp16" and info.has_misses
+    assert [round(scan.time_s - T0, 3) for scan in info.scans] == [0.0, 0.003, 0.103, 0.203]
+
+
+def test_the_clock_of_the_recording(tmp_path: pathlib.Path) -> None:
+    vlp16(tmp_path / "bag", "mcap", ahead_s=50.0)
+    first = next(open_recording(tmp_path / "bag").scans())
+    assert first.beam_time_s is not None and first.beam_time_s[0] == pytest.approx(T0, abs=1e-3)
+    first = next(open_recording(tmp_path / "bag", clock="bag").scans())
+    assert first.beam_time_s is not None and first.beam_time_s[0] == pytest.approx(T0 + 50, abs=2e-3)
+
+
+@pytest.mark.parametrize(("storage", "kind", "more"), [
+    ("ros1", "ouster_ros/msg/PacketMsg", b"\0"), ("mcap", "ouster_sensor_msgs/msg/PacketMsg", b""),
+    ("sqlite3", "ouster_msgs/msg/PacketMsg", b"")])
+def test_ouster_packets_with_the_recordings_metadata(tmp_path: pathlib.Path, storage: str, kind: str,
+                                                    more: bytes) -> None:
+    data = ouster.packets("LEGACY", [7, 8, 9])
+    with bag(tmp_path / "bag", storage) as out:
+        drive(out, "os_sensor")
+        send_text(out, "/chatter", "no metadata")
+        send_text(out, "/ouster/metadata", ouster.meta("LEGACY"))
+        send_ouster(out, kind, [(t, b"\1" * 48) for t, _ in data], "/ouster/imu_packets", more)
+        send_ouster(out, kind, data, "/ouster/lidar_packets", more)
+    recording = open_recording(tmp_path / "bag")
+    scans = list(recording.scans())
+    expected = list(ouster.PacketRecording(ouster.save(tmp_path, data, ouster.meta("LEGACY"))).scans())
+    assert len(scans) == 3 and not recording.skipped
+    for name in ("direction", "range_m", "origin", "ring", "intensity", "beam_time_s"):
+        np.testing.assert_allclose(joined(scans, name), joined(expected, name), atol=1e-6, err_msg=name)
+    beam = np.cumsum(joined(scans, "echo") <= 1) - 1
+    np.testing.assert_allclose(joined(scans, "direction"), ouster.DIRECTION.reshape(-1, 3)[beam % (32 * 64)], atol=1e-12)
+    assert "poses from /tf: map -> os_sensor" in recording.found()
+
+
+def test_what_ousters_packets_need_is_named(tmp_path: pathlib.Path) -> None:
+    data = ouster.packets("LEGACY", [7, 8])
+    kind = "ouster_sensor_msgs/msg/PacketMsg"
+    with bag(tmp_path / "bag") as out:
+        send_ouster(out, kind, data, "/left/lidar_packets")
+        send_ouster(out, kind, data, "/right/lidar_packets")
+        send_text(out, "/left/metadata", ouster.meta("LEGACY"))
+        send_text(out, "/right/metadata", ouster.meta("RNG19_RFL8_SIG16_NIR16"))
+    recording = open_recording(tmp_path / "bag")
+    with pytest.raises(OptionMissing, match="add --topic /left/lidar_packets or --topic /right/lidar_packets"):
+        next(recording.scans())
+    assert len(list(open_recording(tmp_path / "bag", topic="/left/lidar_packets").scans())) == 2
+    with pytest.raises(FormatError, match="6464 bytes from /right/lidar_packets do not fit the metadata /right/metadata"):
+        open_recording(tmp_path / "bag", topic="/right/lidar_packets")
+    (tmp_path / "given.json").write_text(ouster.meta("LEGACY"))
+    right = open_recording(tmp_path / "bag", topic="/right/lidar_packets", metadata=tmp_path / "given.json")
+    assert len(list(right.scans())) == 2
+    with bag(tmp_path / "bare") as out:
+        send_ouster(out, kind, data, "/lidar_packets")
+    with pytest.raises(FormatError, match="6464 bytes from /lidar_packets look like an Ouster's.*add --metadata bare.json"):
+        open_recording(tmp_path / "bare")
+
+
+def test_point_clouds_come_first_and_the_topic_chooses(tmp_path: pathlib.Path) -> None:
+    unit = UNITS["hdl32e"]
+    truth = observe(unit, 720)
+    with bag(tmp_path / "bag") as out:
+        out.cloud("/points", T0, some_points())
+        send_velodyne(out, packets_of(unit, truth, 0x37))
+    assert [len(scan) for scan in open_recording(tmp_path / "bag").scans()] == [64]
+    recording = open_recording(tmp_path / "bag", topic="/velodyne_packets")
+    assert sum(map(len, recording.scans())) == len(truth.ring)
+    with pytest.raises(ValueError, match="no point clouds in /none: /points, /velodyne_packets"):
+        open_recording(tmp_path / "bag", topic="/none")
+
+
+@pytest.mark.parametrize("storage", STORAGES)
+def test_broken_messages_of_packets_are_counted(tmp_path: pathlib.Path, storage: str) -> None:
+    unit = UNITS["hdl32e"]
+    packets = packets_of(unit, observe(unit, 1800), 0x37)
+    with bag(tmp_path / "bag", storage) as out:
+        send_velodyne(out, packets[:75])
+        out.raw("/velodyne_packets", SCAN, packets[75][0], b"\0\1\0\0nonsense" * 3)
+        send_velodyne(out, packets[75:])
+    recording = open_recording(tmp_path / "bag")
+    assert sum(map(len, recording.scans())) == 32 * 1800
+    assert recording.skipped == {"messages that cannot be read": 1}
+
+
+@pytest.mark.parametrize("kind", ["hesai_ros_driver/msg/UdpFrame", "pandar_msgs/msg/PandarScan",
+                                  "livox_msgs/msg/LivoxPackets"])
+def test_packets_of_other_makers_are_refused_by_name(tmp_path: pathlib.Path, kind: str) -> None:
+    with bag(tmp_path / "bag") as out:
+        out.store.register(get_types_from_msg("uint8[] data", kind))
+        out.send("/raw", kind, T0, out.store.types[kind](data=np.zeros(1000, np.uint8)))
+    with pytest.raises(FormatError, match=rf"packets of a kind that is not decoded, in /raw \({kind}\): have the driver"):
+        open_recording(tmp_path / "bag")
+
+
+def test_a_scan_without_packets_is_refused_by_name(tmp_path: pathlib.Path) -> None:
+    with bag(tmp_path / "bag") as out:
+        out.store.register(get_types_from_msg("uint8 nothing", SCAN))
+        out.raw("/raw", SCAN, T0, b"\0\1\0\0" + b"\0" * 8 + b"\1\0\0\0" + b"\0" * 8)
+    with pytest.raises(FormatError, match=rf"and no packet of a lidar in /raw \({SCAN}\)"):
+        open_recording(tmp_path / "bag")
+
+
+def test_points_lie_on_the_walls(tmp_path: pathlib.Path) -> None:
+    """The points of packets in a recording lie on the walls of the room that they show."""
+    vlp16(tmp_path / "bag", "mcap")
+    for scan in open_recording(tmp_path / "bag").scans():
+        assert scan.direction is not None and scan.range_m is not None
+        hit = np.isfinite(scan.range_m)
+        assert pf.off_walls(scan.direction[hit] * scan.range_m[hit, None]).max() < 0.006
