@@ -7,47 +7,15 @@ import json
 import pathlib
 import sys
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
-from underbrush._core import BeamLog, LogInfo, LogWriter, check_outputs, set_threads, version
+from underbrush._core import LogWriter, check_outputs, set_threads, version
 from underbrush.errors import FormatError
+from underbrush.formats.import_options import parsed
 
 if TYPE_CHECKING:
     from underbrush.formats.scans import Recording
-
-
-def parser() -> argparse.ArgumentParser:
-    """Returns the parser of the options; those of the program for other formats have the same names."""
-    p = argparse.ArgumentParser(prog="underbrush import", description="Convert a recording to a ray cloud.")
-    p.add_argument("file", metavar="FILE", help="bag, MCAP, LAS, LAZ, pcap, pcapng or E57")
-    p.add_argument("-o", "--output", metavar="LOG.ply", help="the log; without it, say what the recording holds")
-    p.add_argument("--topic", default="", help="the topic (bags) or stream to read")
-    p.add_argument("--poses", metavar="FILE|TOPIC", help="poses of the sensor; default: the recording's own")
-    p.add_argument("--position", metavar="X,Y,Z", type=_place, help="place of a sensor that stands still, m")
-    p.add_argument("--frame", default="", help="frame of the poses (bags)")
-    p.add_argument("--clock", default="stamp", help="clock of the scans (bags)")
-    p.add_argument("--metadata", metavar="FILE", help="the sensor's metadata (Ouster JSON, calibration YAML)")
-    p.add_argument("--sensor", default="", help="sensor of the catalogue; default: what the recording says")
-    p.add_argument("--max-range", metavar="M", type=_range, default=0.0,
-                   help="range of a miss, m; default: the sensor's, or that of the longest return")
-    p.add_argument("--json", metavar="FILE|-", help="write the counts as JSON")
-    p.add_argument("--force", action="store_true", help="replace files that underbrush did not write")
-    p.add_argument("--threads", type=int, default=0, metavar="N", help="threads, 0 = one a core")
-    p.add_argument("--seed", type=int, default=1, help="seed of random choices, of which a recording needs none")
-    return p
-
-
-def _place(text: str) -> tuple[float, float, float]:
-    x, y, z = (float(word) for word in text.split(","))
-    return x, y, z
-
-
-def _range(text: str) -> float:
-    value = float(text)
-    if not 0 < value <= 1e6:
-        raise argparse.ArgumentTypeError(f"must be positive and at most 1000000 m, not {text}")
-    return value
 
 
 class Progress:
@@ -79,23 +47,24 @@ def opened(options: argparse.Namespace) -> Recording:
                           sensor=options.sensor or None, frame=options.frame or None, clock=options.clock)
 
 
-def beams_of(recording: Recording, options: argparse.Namespace) -> tuple[LogInfo, Iterable[BeamLog]]:
-    """Places the scans of a recording in the world: facts of the log, and its beams in chunks, misses included."""
-    from underbrush.formats.log import beams_of_recording
-    return beams_of_recording(recording, poses=options.poses, position=options.position,
-                              sensor=options.sensor or None)
-
-
 def write(options: argparse.Namespace, recording: Recording, provenance: str) -> dict[str, object]:
     """Writes the log in chunks and returns its counts."""
+    from underbrush.formats.log import beams_of_recording, inference_of
     progress = Progress(recording.bytes_total)
     rows = hits = 0
     start = time.monotonic()
-    info, chunks = beams_of(recording, options)
+    if options.unknown_below_deg is not None and not options.infer_misses:
+        raise ValueError("import: --unknown-below-deg needs --infer-misses")
+    infer = inference_of(recording, options.infer_misses, options.unknown_below_deg) if options.infer_misses else None
+    info, chunks = beams_of_recording(recording, poses=options.poses, position=options.position,
+                                      sensor=options.sensor or None, infer=infer, frames=options.frames,
+                                      keep=options.keep)
     if options.max_range:
         info.max_range_m = options.max_range
+    if options.label_set:
+        info.classes = options.label_set
     measured = not options.max_range and not info.sensor  # Nobody has said how far the sensor reaches.
-    with LogWriter(options.output, info, provenance, limits_from_data=measured) as writer:
+    with LogWriter(options.output, info, provenance, not options.float, measured) as writer:
         for chunk in chunks:
             writer.write(chunk)
             rows += len(chunk)
@@ -105,8 +74,13 @@ def write(options: argparse.Namespace, recording: Recording, provenance: str) ->
             raise FormatError(options.file, "", nothing_in(recording, options.clock))
     progress.close()
     seconds = time.monotonic() - start
-    return {"rows": rows, "hits": hits, "misses": rows - hits, "skipped": dict(recording.skipped), "seconds": seconds,
-            "points_per_s": rows / max(seconds, 1e-9), "notes": getattr(recording, "notes", list)()}
+    notes = list(getattr(recording, "notes", list)())
+    if rows == hits:
+        notes.append("the log has no misses: hit probabilities cannot be learnt from it" + (
+            f" (see --infer-misses {recording.sensor or 'SENSOR'})" if hasattr(recording, "scan_times") else ""))
+    return {"rows": rows, "hits": hits, "misses": rows - hits, "misses_inferred": infer.inferred if infer else 0,
+            "unknown": infer.unknown if infer else 0, "skipped": dict(recording.skipped), "seconds": seconds,
+            "points_per_s": rows / max(seconds, 1e-9), "notes": notes}
 
 
 def nothing_in(recording: Recording, clock: str) -> str:
@@ -119,14 +93,28 @@ def nothing_in(recording: Recording, clock: str) -> str:
     return text
 
 
+def write_json(path: str, values: dict[str, object]) -> None:
+    """Writes values to a file, which appears whole, or to a device."""
+    from underbrush.formats._files import written_whole
+    text = json.dumps({**values, "program": f"underbrush {version()}"}) + "\n"
+    if pathlib.Path(path).exists() and not pathlib.Path(path).is_file():
+        pathlib.Path(path).write_text(text, encoding="utf-8")
+        return
+    with written_whole(path) as target:
+        target.write_text(text, encoding="utf-8")
+
+
 def report(options: argparse.Namespace, counts: dict[str, object], say: Callable[[str], None]) -> None:
     """Prints the counts, and writes them as JSON if asked to."""
     if options.json == "-":
         say(json.dumps(counts))
         return
     if options.json:
-        pathlib.Path(options.json).write_text(json.dumps(counts) + "\n", encoding="utf-8")
-    say(f"{counts['rows']} rows: {counts['hits']} hits, {counts['misses']} misses")
+        write_json(options.json, counts)
+    inferred = f" ({counts['misses_inferred']} of them inferred)" if counts["misses_inferred"] else ""
+    say(f"{counts['rows']} rows: {counts['hits']} hits, {counts['misses']} misses{inferred}")
+    if counts["unknown"]:
+        say(f"  unknown     {counts['unknown']} beams that tell nothing: left out")
     skipped = counts["skipped"]
     if isinstance(skipped, (dict, collections.Counter)):
         for why, n in skipped.items():
@@ -138,18 +126,18 @@ def report(options: argparse.Namespace, counts: dict[str, object], say: Callable
 
 def run(words: Sequence[str]) -> int:
     """Runs `underbrush import WORDS` and returns the exit code: 0, 2 wrong usage, 3 bad input, 4 failure."""
-    options = parser().parse_args(words)
     try:
+        options = parsed(words)
         outputs = {"--output": options.output, "--json": options.json if options.json != "-" else None}
         check_outputs([(name, path) for name, path in outputs.items() if path],
-                      [path for path in (options.file, options.metadata) if path], options.force)
+                      [path for path in (options.file, options.metadata, options.config) if path], options.force)
         set_threads(options.threads)
         recording = opened(options)
         if not options.output:
             print("\n".join(recording.found()))
             return 0
-        provenance = json.dumps({"program": f"underbrush {version()}", "command": ["underbrush", "import", *words],
-                                 "seed": 1, "inputs": {}})
+        provenance = json.dumps({"program": f"underbrush {version()}", "command": command_of_result(words),
+                                 "seed": options.seed, "inputs": {}})
         report(options, write(options, recording, provenance), print)
     except FormatError as e:
         return _fail(e, 3)
@@ -158,6 +146,20 @@ def run(words: Sequence[str]) -> int:
     except OSError as e:
         return _fail(e, 4)
     return 0
+
+
+def command_of_result(words: Sequence[str]) -> list[str]:
+    """The command without what does not change its result, so that equal results are equal files."""
+    out, left_out = ["underbrush", "import"], False
+    for word in words:
+        name, equals, _ = word.partition("=")
+        if left_out:
+            left_out = False
+        elif name in ("-o", "--output", "--json", "--threads"):
+            left_out = not equals
+        elif name != "--force":
+            out.append(word)
+    return out
 
 
 def _fail(error: Exception, code: int) -> int:

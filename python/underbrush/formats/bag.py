@@ -55,6 +55,7 @@ class BagRecording:
     """
 
     organised = False
+    numbered = True  #: Whether its scans are revolutions or frames, and no pieces of a survey.
     crs = ""
     world = False
 
@@ -135,6 +136,11 @@ class BagRecording:
         if self._recovered:
             notes.append(f"the recording was not closed: its {self._recovered} whole messages are read")
         return notes
+
+    @property
+    def has_packets(self) -> bool:
+        """Whether packets are read, and not point clouds."""
+        return self._packets is not None
 
     @property
     def poses(self) -> Poses | None:

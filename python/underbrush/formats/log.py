@@ -9,7 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from ..errors import FormatError
 from ._files import Array, PathLike
+from .bag import BagRecording
+from .infer_misses import MissInference
 from .numpy_log import NumpyLogWriter
 from .place import beams, poses_of
 from .scans import Poses, Recording
@@ -62,24 +65,54 @@ def export_log(log: Any, path: PathLike, *, layout: str = "ouster", poses: Poses
 
 
 def beams_of_recording(recording: Recording, *, poses: Poses | PathLike | None = None,
-                       position: Sequence[float] | None = None, sensor: str | None = None) -> tuple[Any, Iterator[Any]]:
+                       position: Sequence[float] | None = None, sensor: str | None = None,
+                       infer: MissInference | None = None, frames: range | None = None,
+                       keep: tuple[str, float] | None = None) -> tuple[Any, Iterator[Any]]:
     """The facts of a recording as a `LogInfo`, and its beams as `BeamLog`s, one for each scan or piece.
 
-    `poses` and `position` are as for `beams`; `sensor` is a name of the catalogue, by default the recording's. The
-    scans' poses stand at the head of a log: a ROS recording is read twice, the first time without its points. Raises
-    what `beams` raises.
+    `poses`, `position`, `infer` and `frames` are as for `beams`; `sensor` is a name of the catalogue or a file, by
+    default that of the inferred misses, else the recording's. Of the beams, those are kept whose column `keep[0]` has
+    the value `keep[1]`. The scans' poses stand at the head of a log: a ROS recording is read twice, the first time
+    without its points. Raises what `beams` raises.
     """
     library: Any = importlib.import_module("underbrush")
     known = poses_of(recording, poses)
-    name = sensor or recording.sensor
+    name = sensor or (infer.sensor if infer is not None else recording.sensor)
     limits = {}
     if name:
         found = library.Sensor(name)
         limits = {"min_range_m": found.min_range_m, "max_range_m": found.max_range_m}
-    info = library.LogInfo(sensor=name, has_misses=recording.organised, deskewed=True,
-                           scans=_scan_infos(library, recording, known), **limits)
-    columns = beams(recording, poses=known, position=position)
-    return info, (_log(library, info, one) for one in columns)
+    info = library.LogInfo(sensor=name, has_misses=recording.organised or infer is not None, deskewed=True,
+                           scans=[one for one in _scan_infos(library, recording, known)
+                                  if frames is None or one.scan in frames], **limits)
+    if name and pathlib.Path(name).is_file():
+        info.sensor, info.sensor_file = found.name, pathlib.Path(name).read_text(encoding="utf-8")
+    columns = beams(recording, poses=known, position=position, infer=infer, frames=frames)
+    return info, (_log(library, info, _kept(recording, one, keep)) for one in columns)
+
+
+def _kept(recording: Recording, columns: dict[str, Array], keep: tuple[str, float] | None) -> dict[str, Array]:
+    """The rows whose column has the value; the others are counted."""
+    if keep is None:
+        return columns
+    name, value = keep
+    if name not in columns or columns[name].ndim != 1:
+        raise FormatError(getattr(recording, "path", "recording"), "", f"no column {name} (--keep): "
+                          + ", ".join(sorted(other for other, column in columns.items() if column.ndim == 1)))
+    rows = columns[name] == value
+    if not rows.all():
+        recording.skipped[f"{name} is not {value:g} (--keep)"] += int(np.count_nonzero(~rows))
+    return {other: column[rows] for other, column in columns.items()}
+
+
+def inference_of(recording: Recording, sensor: str, unknown_below_deg: float | None = None) -> MissInference:
+    """What infers the misses of a recording of point clouds. Raises `ValueError` where it is none."""
+    path = getattr(recording, "path", "recording")
+    if not isinstance(recording, BagRecording):
+        raise ValueError(f"{path}: --infer-misses is for point clouds of bags, one a revolution")
+    if recording.has_packets:
+        raise ValueError(f"{path}: --infer-misses: packets have all their misses")
+    return MissInference(path, sensor, np.array(recording.scan_times()), unknown_below_deg)
 
 
 def _scan_infos(library: Any, recording: Recording, poses: Poses | None) -> list[Any]:

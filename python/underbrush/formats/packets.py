@@ -49,7 +49,7 @@ class PacketRecording:
     signal, or its reflectivity where the profile has no signal; all of Ouster's fields are in `extra`.
     """
 
-    organised = True
+    organised = numbered = True
     crs = ""
     world = False
     poses: Poses | None = None

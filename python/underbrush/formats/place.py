@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from ._files import Array, OptionMissing, PathLike
 from .bag import BagRecording
+from .infer_misses import MissInference
 from .scans import Poses, Recording, Scan, far_from_sensor
 from .trajectory import pose_at, read_poses, rotate
 
@@ -20,17 +21,24 @@ _WORST_FIT_RAD = np.deg2rad(0.5)
 
 
 def beams(recording: Recording, *, poses: Poses | PathLike | None = None,
-          position: Sequence[float] | None = None) -> Iterator[dict[str, Array]]:
+          position: Sequence[float] | None = None, infer: MissInference | None = None,
+          frames: range | None = None) -> Iterator[dict[str, Array]]:
     """Beams of all scans of a recording in the world frame, a mapping of columns a scan (see `place`).
 
-    `poses` (or a file of them, see `read_poses`, or a topic) take the place of the recording's own; `position` (x y z,
+    `infer` adds the misses that point clouds lack, and `frames` has the numbers of the scans to read. `poses` (or a file of them, see `read_poses`, or a topic) take the place of the recording's own; `position` (x y z,
     m, world) is the place of a sensor that stands still. What is left out is counted in `recording.skipped`. Raises
     `OptionMissing` with one line that names the option to add where neither says where the sensor was.
     """
     path = getattr(recording, "path", "recording")
     known = poses_of(recording, poses)
     first = True
+    if frames is not None and not getattr(recording, "numbered", False):
+        raise ValueError(f"{path}: --frames is for recordings of scans: bags and packet captures")
     for scan in recording.scans():
+        if frames is not None and scan.number not in frames:
+            if scan.number >= frames[-1]:
+                break
+            continue
         if first and recording.world and scan.direction is None and position is None:
             if known is None:
                 raise OptionMissing(f"{path}: world coordinates need the sensor's place: add --poses FILE "
@@ -41,6 +49,8 @@ def beams(recording: Recording, *, poses: Poses | PathLike | None = None,
             raise OptionMissing(f"{path}: no poses in it: add --poses FILE (t x y z qx qy qz qw, world from sensor) "
                                 "or, for a sensor that stands still, --position X,Y,Z")
         first = False
+        if infer is not None:
+            scan = infer.added(scan, recording.skipped)
         yield place(scan, known, world=recording.world, position=position, skipped=recording.skipped)
 
 
@@ -116,7 +126,8 @@ def place(scan: Scan, poses: Poses | None, *, world: bool = False, position: Seq
         "scan": scan.extra["scan"][rows].astype(np.uint32) if "scan" in scan.extra
         else np.full(len(rows), scan.number, np.uint32),
         "packet": ((time - time[0]) / _PACKET_S if len(rows) else time).astype(np.uint32),
-        "flags": np.zeros(len(rows), np.uint8)}
+        "flags": scan.extra["flags"][rows].astype(np.uint8) if "flags" in scan.extra
+        else np.zeros(len(rows), np.uint8)}
     if scan.echo is not None:
         columns["echo"] = scan.echo[rows]
     if scan.echoes is not None:
