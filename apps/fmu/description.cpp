@@ -27,6 +27,19 @@ std::string mime_type(const Variable& v) {
          "; version=3.8.0";
 }
 
+// The limits of a number as attributes.
+std::string limits(const Variable& v) {
+  if (!v.has_limits()) return "";
+  const auto text = [&](double x) {
+    if (v.type == Type::kInteger) return std::to_string(int64_t(x));
+    std::array<char, 32> buffer{};
+    std::snprintf(buffer.data(), buffer.size(), "%g", x);
+    return std::string(buffer.data());
+  };
+  const std::string most = std::isinf(v.most) ? "" : " max=\"" + text(v.most) + "\"";
+  return " min=\"" + text(v.least) + "\"" + most;
+}
+
 // The attributes that both versions of FMI and all types share.
 std::string attributes(std::string_view name, uint32_t reference, const Variable& v) {
   std::string text = "name=\"" + std::string(name) + "\" valueReference=\"" +
@@ -77,7 +90,7 @@ std::string binary2(const Variable& v) {
 std::string plain2(const Variable& v) {
   constexpr const char* kTypes[] = {"", "Integer", "Real", "Boolean", "String"};
   return "    <ScalarVariable " + attributes(v.name, v.reference, v) + ">\n      <" +
-         kTypes[size_t(v.type)] + " start=\"" + std::string(v.start) +
+         kTypes[size_t(v.type)] + limits(v) + " start=\"" + std::string(v.start) +
          "\"/>\n    </ScalarVariable>\n";
 }
 
@@ -112,7 +125,7 @@ std::string variable3(const Variable& v) {
   const std::string begin = "    <" + type + " " + attributes(v.name, v.reference, v);
   const std::string end = "</" + type + ">\n";
   if (v.type == Type::kString) return begin + "><Start value=\"" + start + "\"/>" + end;
-  if (v.type != Type::kBinary) return begin + " start=\"" + start + "\"/>\n";
+  if (v.type != Type::kBinary) return begin + limits(v) + " start=\"" + start + "\"/>\n";
   const std::string typed = begin + " mimeType=\"" + mime_type(v) + "\"";
   return v.role == Role::kCalculatedParameter ? typed + "/>\n"
                                               : typed + "><Start value=\"\"/>" + end;

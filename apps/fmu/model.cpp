@@ -122,9 +122,14 @@ void Model::note_ground_truth() {
 }
 
 void Model::start() {
-  require(values.integer[kSeed] >= 0, "seed must not be negative");
-  require(values.integer[kThreads] >= 0 && values.integer[kThreads] <= 1024,
-          "threads must be from 0 to 1024");
+  for (const Variable& v : variables()) {
+    if (!v.has_limits()) continue;
+    const double value =
+        v.type == Type::kInteger ? values.integer[v.reference] : values.real[v.reference];
+    if (value >= v.least && value <= v.most) continue;
+    throw std::invalid_argument(std::string(v.name) + " must be from " + text_of(v.least) + " to " +
+                                text_of(v.most));
+  }
   set_threads(values.integer[kThreads]);
   chain_.emplace(chain_file());
   note_ground_truth();

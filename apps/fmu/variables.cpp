@@ -25,19 +25,20 @@ const Variable kOwn[] = {
     {kGroundTruthInit, "OSMPGroundTruthInit", Type::kBinary, Role::kParameter, "GroundTruth",
      "Static parts of the ground truth."},
     {kCount, "count", Type::kInteger, Role::kOutput, "0", "Number of objects in the output."},
-    {kSeed, "seed", Type::kInteger, Role::kParameter, "1", "Seed of all random numbers."},
+    {kSeed, "seed", Type::kInteger, Role::kParameter, "1", "Seed of all random numbers.", 0,
+     INT32_MAX},
     {kThreads, "threads", Type::kInteger, Role::kParameter, "1",
-     "Number of threads; 0 is one for each core. The results do not depend on it."},
+     "Number of threads; 0 is one for each core. The results do not depend on it.", 0, 1024},
     {kMaxEchoes, "max_echoes", Type::kInteger, Role::kParameter, "0",
-     "Most echoes of a beam; 0 is as many as the sensor reports."},
+     "Most echoes of a beam; 0 is as many as the sensor reports.", 0, 1000},
     {kValid, "valid", Type::kBoolean, Role::kOutput, "false",
      "Whether the output describes the input of this step or of the last cycle."},
     {kCopySensorView, "copy_sensor_view", Type::kBoolean, Role::kParameter, "true",
      "Whether the output holds the SensorView that it was made from."},
     {kThresholdSnr, "threshold_snr", Type::kReal, Role::kParameter, "0",
-     "Least signal-to-noise ratio of an echo; 0 is the sensor's."},
+     "Least signal-to-noise ratio of an echo; 0 is the sensor's.", 0, 1e6},
     {kCycle, "cycle_s", Type::kReal, Role::kParameter, "0",
-     "Time between measurements, s; 0 is every new SensorView."},
+     "Time between measurements, s; 0 is every new SensorView.", 0, 1e6},
     {kInputMode, "input_mode", Type::kString, Role::kParameter, "ground_truth",
      "reflections: the SensorView holds what the rays met; ground_truth: the model traces them."},
     {kStrategies, "strategies", Type::kString, Role::kParameter, "",
@@ -63,7 +64,9 @@ Variable parameter(uint32_t reference, std::string_view name, std::span<const Op
     meaning += (choice == row->choices.front() ? ": " : " or ") + std::string(choice);
   }
   meaning += "; " + std::string(otherwise) + ".";
-  return {reference, name, type_of(underbrush::type_of(*row)), Role::kParameter, start, meaning};
+  Variable v{reference, name, type_of(underbrush::type_of(*row)), Role::kParameter, start, meaning};
+  if (v.type != Type::kString) v.least = 0, v.most = row->most;  // 0 is the start value.
+  return v;
 }
 
 std::vector<Variable> all_variables() {

@@ -2,6 +2,7 @@
 /// The variables of the FMU, from which the model description and the value references come: a
 /// table of the FMU's own, and rows of the tables of the verbs `osi` and `perceive`.
 #pragma once
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -55,6 +56,10 @@ struct Variable {
   Role role;
   std::string_view start;  ///< The initial value; for a binary variable, the OSI message.
   std::string meaning;     ///< A sentence for the model description.
+  /// The limits of a parameter that is a number, both included.
+  double least = -HUGE_VAL, most = HUGE_VAL;
+
+  bool has_limits() const { return least > -HUGE_VAL; }
 };
 
 /// All variables, in order of reference.

@@ -101,7 +101,9 @@ class Abuse(FmuTest):
                                     ("input_mode", "both", "input_mode"), ("world", "nowhere", "nowhere"),
                                     ("strategies", "dancing", "strategies"), ("max_echoes", 99, "max_echoes"),
                                     ("tracking", "magic", "pipeline"), ("existence_threshold", 7.0, "threshold"),
-                                    ("threads", -1, "threads"), ("trace_output_path", "/nowhere/x.osi", "nowhere")):
+                                    ("threads", -1, "threads"), ("seed", -1, "seed"), ("cycle_s", -1.0, "cycle_s"),
+                                    ("threshold_snr", -0.5, "threshold_snr"),
+                                    ("latency_ms", -5.0, "latency_ms"), ("trace_output_path", "/nowhere/x.osi", "nowhere")):
             one = self.instance(start=False)
             self.assertEqual(one.set(name, value), OK)
             self.assertEqual(one.call("EnterInitializationMode"), OK)

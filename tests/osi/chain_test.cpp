@@ -10,6 +10,7 @@
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/osi/objects.hpp"
 #include "underbrush/osi/read.hpp"
+#include "underbrush/osi/replay.hpp"
 #include "underbrush/osi/static_data.hpp"
 #include "underbrush/osi/trace.hpp"
 #include "underbrush/osi/write.hpp"
@@ -215,6 +216,58 @@ TEST(Chain, SaysWhatIsMissing) {
   view = drive(0);
   view.host_vehicle_id = 77;
   EXPECT_THAT(reason_of(all, view), HasSubstr("no host vehicle"));
+}
+
+TEST(Chain, TheGroundLiesBelowTheHostAndTheLidarAboveIt) {
+  // Everything 30 m higher, as on a hill.
+  osi::SensorView hill = drive(0);
+  for (osi::MovingObject& m : hill.truth->moving) m.base.position_m->z() += 30;
+  osi::Chain chain(chain_of({"tracer"}));
+  const auto on_ground = [](const osi::SensorData& d) {
+    size_t n = 0;
+    for (const osi::Reflection& f : d.views[0]->lidar[0].reflections) {
+      n += !f.is_miss() && f.object_id == osi::kNoId;
+    }
+    return n;
+  };
+  EXPECT_GT(on_ground(run(chain, hill)), 20u);
+  EXPECT_EQ(on_ground(run(chain, hill)), on_ground(run(chain, drive(0))));
+  osi::ChainFile low = chain_of({"tracer"});
+  low.set("tracer", "z_m", "-1.2");
+  osi::Chain below(low);
+  EXPECT_THAT(reason_of(below, drive(0)), HasSubstr("the lidar is 0.90 m below the ground"));
+  low.set("tracer", "ground", "false");
+  osi::Chain in_the_air(low);
+  EXPECT_EQ(reason_of(in_the_air, drive(0)), "");
+}
+
+TEST(Replay, TracesMessagesWithoutReflections) {
+  io::TemporaryFolder folder;
+  for (const bool has_reflections : {false, true}) {
+    const std::filesystem::path file = folder / (has_reflections ? "sv_with.osi" : "sv_alone.osi");
+    osi::Chain tracer(chain_of({"tracer"}));
+    osi::TraceWriter writer(file);
+    for (int k = 0; k < 8; ++k) {
+      std::string bytes;
+      osi::write(has_reflections ? *run(tracer, drive(k)).views[0] : drive(k), bytes);
+      writer.write(bytes);
+    }
+    writer.close();
+    osi::TraceReader reader(file);
+    osi::Replay replay(reader, {});
+    osi::SensorData data;
+    size_t lists = 0, objects = 0;
+    for (; replay.next(data); ++lists) {
+      objects += data.objects.size();
+      EXPECT_EQ(data.views[0]->lidar.size(), 1u);
+      // The numbers of the truth are no detected objects.
+      for (const auto& l : data.lidar) {
+        for (const osi::LidarDetection& d : l.detections) EXPECT_EQ(d.object_id, osi::kNoId);
+      }
+    }
+    EXPECT_EQ(lists, 8u);
+    EXPECT_GT(objects, 3u) << has_reflections;
+  }
 }
 
 std::string reason_of(const std::string& yaml) {

@@ -158,7 +158,6 @@ void FrontEnd::receive_beams(const Rays& rays, const LidarSensorView& l, uint64_
                                          [&](float x, float y) { return off(x) < off(y); });
       if (best != range.end() && double(off(*best)) <= same_m) {
         const Reflection& f = l.reflections[from[size_t(best - range.begin())]];
-        d.object_id = f.object_id;
         if (f.has_doppler && c.emitter_frequency_hz && *c.emitter_frequency_hz > 0) {
           d.radial_velocity_m_s =
               f.doppler_shift_hz * radiometry::kSpeedOfLight / (2 * *c.emitter_frequency_hz);

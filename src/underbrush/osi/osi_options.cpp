@@ -15,7 +15,7 @@ std::span<const Option<OsiOptions>> osi_options() {
      [](O& o) -> auto& { return o.replay.chain; }, -kNoLimit, kNoLimit, {}, "CHAIN.yaml"},
     {"strategy", "Replay", "",
      "Run this strategy; may be repeated. Without it and without --chain, all run: front_end, "
-     "alignment, tracking, classification, grid; on a GroundTruth or with --world behind a tracer",
+     "alignment, tracking, classification, grid; without reflections or with --world behind a tracer",
      [](O& o) -> auto& { return o.replay.strategies; }, -kNoLimit, kNoLimit, {},
      "NAME[:KEY=VALUE,...]"},
     {"sensor", "Replay", "", "The sensor of the tracer and the front end",

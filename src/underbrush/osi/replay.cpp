@@ -29,6 +29,16 @@ StrategyEntry entry_of(const std::string& text) {
   return e;
 }
 
+// Whether the messages of a trace have a ground truth alone, by the first one.
+bool is_truth_alone(TraceReader& reader) {
+  if (reader.type() != MessageType::kSensorView) return reader.type() == MessageType::kGroundTruth;
+  std::string message;
+  const bool any = reader.next(message);
+  const bool alone = any && read_sensor_view(std::move(message), reader.place()).lidar.empty();
+  reader.rewind();
+  return alone;
+}
+
 }  // namespace
 
 Chain chain_of(const ReplayOptions& a, bool is_truth) {
@@ -67,7 +77,7 @@ Chain chain_of(const ReplayOptions& a, bool is_truth) {
 }
 
 Replay::Replay(TraceReader& reader, const ReplayOptions& options)
-    : reader_(reader), chain_(chain_of(options, reader.type() == MessageType::kGroundTruth)) {}
+    : reader_(reader), chain_(chain_of(options, is_truth_alone(reader))) {}
 
 bool Replay::next(SensorData& data) {
   std::string message;

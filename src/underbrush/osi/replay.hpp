@@ -20,14 +20,14 @@ struct ReplayOptions {
 };
 
 /// Makes the chain of the options. Without a chain and strategies it is the default one, behind a
-/// tracer if a world is given or `is_truth`: a ground truth has no reflections. Throws
+/// tracer if a world is given or `is_truth`: the messages have no reflections. Throws
 /// `std::invalid_argument` for options that do not fit, and as `read_chain` and `Chain` do.
 Chain chain_of(const ReplayOptions& options, bool is_truth);
 
 /// A trace whose messages a chain processes one after the other.
 class Replay {
  public:
-  /// The reader must outlive this. Throws as `chain_of` does.
+  /// The reader must outlive this, and stands at its beginning. Throws as `chain_of` does.
   Replay(TraceReader& reader, const ReplayOptions& options);
   /// Replaces `data` by what the chain makes of the next message. Returns false at the end. Throws
   /// `FormatError`.

@@ -15,6 +15,8 @@ namespace underbrush::osi {
 /// An echo of a lidar.
 struct LidarDetection {
   double existence = 1;
+  /// The detected object that it belongs to, if the message has it. It is no object of the ground
+  /// truth, whose numbers the reflections have.
   uint64_t object_id = kNoId;
   /// Place in the sensor's own frame.
   double distance_m = 0, azimuth_rad = 0, elevation_rad = 0;
@@ -44,7 +46,7 @@ struct LidarDetectionData {
 /// A detection in the frame of the virtual sensor.
 struct LogicalDetection {
   double existence = 1;
-  uint64_t object_id = kNoId;
+  uint64_t object_id = kNoId;  ///< As that of `LidarDetection`.
   Vec3 position_m = Vec3::Zero();
   double intensity_percent = 0;
   double pulse_width_m = 0;    ///< 0 = not known.

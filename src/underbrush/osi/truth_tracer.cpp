@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
 
 #include "underbrush/core/check.hpp"
@@ -23,7 +24,8 @@ constexpr uint32_t kStatic = 1u << 30;  // Numbers of the static world's instanc
 struct TracerOptions {
   std::string world, mover_models, mover_material = "car_paint", ground_material = "asphalt";
   bool has_ground = true, writes_rays = true, is_mounted = false;
-  double ground_z_m = 0, extinction_per_m = 0;
+  std::optional<double> ground_z_m;
+  double extinction_per_m = 0;
   Pose vehicle_from_lidar;
   uint64_t sensor_id = 0, seed = 1;
 };
@@ -31,6 +33,14 @@ struct TracerOptions {
 elements::Model ground_model() {
   const float h = kGroundHalfM, z = 0;
   return mesh_model({{-h, -h, z}, {h, -h, z}, {h, h, z}, {-h, h, z}}, {{0, 1, 2}, {0, 2, 3}});
+}
+
+/// The height of the ground (m, world): the given one, or else the lower side of the host's box.
+double ground_z_m(const TracerOptions& o, const SensorView& view) {
+  if (o.ground_z_m) return *o.ground_z_m;
+  const MovingObject* host = view.host();
+  if (!host || !host->base.position_m || !host->base.dimension_m) return 0;
+  return host->base.position_m->z() - host->base.dimension_m->z() / 2;
 }
 
 /// What does not change from cycle to cycle.
@@ -65,6 +75,7 @@ class TruthTracer : public Strategy {
 
  private:
   LidarSensorView traced(const SensorView& view, const BaseMoving& host) const;
+  void check_height(const SensorView& view, const Pose& host, const Pose& lidar) const;
   std::unique_ptr<TracedPart> placed_movers(const SensorView& view,
                                             std::vector<uint64_t>& ids) const;
 
@@ -92,7 +103,7 @@ std::unique_ptr<TracedPart> TruthTracer::placed_movers(const SensorView& view,
     elements::Instance ground;
     ground.model = uint32_t(scene.models.size());
     ground.world_from_model.translation = Vec3(host ? host->base.pose().translation : Vec3::Zero());
-    ground.world_from_model.translation.z() = world_->options.ground_z_m;
+    ground.world_from_model.translation.z() = ground_z_m(world_->options, view);
     scene.models.push_back(ground_model());
     scene.instances.push_back(ground);
     info.materials.push_back(world_->options.ground_material);
@@ -102,6 +113,20 @@ std::unique_ptr<TracedPart> TruthTracer::placed_movers(const SensorView& view,
   if (scene.instances.empty()) return nullptr;
   return std::make_unique<TracedPart>(std::move(scene), std::move(info), world_->materials,
                                       world_->wavelength_m());
+}
+
+// A lidar below the ground would see the ground from below, and nothing else.
+void TruthTracer::check_height(const SensorView& view, const Pose& host, const Pose& lidar) const {
+  if (!world_->options.has_ground) return;
+  const double ground_m = ground_z_m(world_->options, view);
+  if (lidar.translation.z() > ground_m) return;
+  char text[200];
+  std::snprintf(text, sizeof text,
+                "tracer: the lidar is %.2f m below the ground: the vehicle's origin is at a height "
+                "of %.2f m, the lidar %.2f m above it (z_m), and the ground at %.2f m (ground_z_m)",
+                ground_m - lidar.translation.z(), host.translation.z(),
+                lidar.translation.z() - host.translation.z(), ground_m);
+  throw DataError(text);
 }
 
 LidarSensorView TruthTracer::traced(const SensorView& view, const BaseMoving& host) const {
@@ -118,6 +143,7 @@ LidarSensorView TruthTracer::traced(const SensorView& view, const BaseMoving& ho
   c.sensor_id = o.sensor_id;
   c.mounting = o.is_mounted || !view.mounting ? Mounting::of(o.vehicle_from_lidar) : *view.mounting;
   const Pose world_from_lidar = host.pose() * c.mounting->pose();
+  check_height(view, host.pose(), world_from_lidar);
   std::vector<uint64_t> ids;
   const auto movers = placed_movers(view, ids);
   const auto& directions = profile.configuration.directions;
@@ -198,7 +224,8 @@ std::unique_ptr<Strategy> make_tracer(Parameters& p) {
   o.ground_material = p.text("ground_material", "asphalt");
   o.has_ground = p.flag("ground", o.world.empty());
   o.writes_rays = p.flag("write_rays", true);
-  o.ground_z_m = p.number("ground_z_m", 0, -10000, 10000);
+  const double ground_m = p.number("ground_z_m", NAN, -10000, 10000);
+  if (!std::isnan(ground_m)) o.ground_z_m = ground_m;
   o.extinction_per_m = p.number("extinction_per_m", 0, 0, 1);
   o.vehicle_from_lidar = mounting_of(p);
   o.is_mounted = p.flag("mounted", true);
