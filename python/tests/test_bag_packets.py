@@ -127,7 +127,7 @@ def test_ouster_packets_with_the_recordings_metadata(tmp_path: pathlib.Path, sto
         np.testing.assert_allclose(joined(scans, name), joined(expected, name), atol=1e-6, err_msg=name)
     beam = np.cumsum(joined(scans, "echo") <= 1) - 1
     np.testing.assert_allclose(joined(scans, "direction"), ouster.DIRECTION.reshape(-1, 3)[beam % (32 * 64)], atol=1e-12)
-    assert "poses from /tf: map -> os_sensor" in recording.found()
+    assert "poses from /tf: map -> os_sensor; 12 of them within 11.0 x 0.0 x 0.0 m" in recording.found()
 
 
 def test_what_ousters_packets_need_is_named(tmp_path: pathlib.Path) -> None:

@@ -53,4 +53,5 @@ def test_recordings_are_the_packages() -> None:
     assert cli.recording_of(["import", "drive.BAG", "-o", "x.ply"]) == "drive.BAG"
     assert cli.recording_of(["import", "-o", "x.ply", "a.mcap"]) == "a.mcap"
     assert cli.recording_of(["import", "scan.pcd", "-o", "x.ply"]) is None
-    assert cli.recording_of(["info", "drive.bag"]) is None
+    assert cli.recording_of(["info", "drive.bag"]) == "drive.bag"
+    assert cli.recording_of(["fit", "drive.bag"]) is None

@@ -124,17 +124,36 @@ def report(options: argparse.Namespace, counts: dict[str, object], say: Callable
     say(f"  log         {options.output}")
 
 
-def run(words: Sequence[str]) -> int:
-    """Runs `underbrush import WORDS` and returns the exit code: 0, 2 wrong usage, 3 bad input, 4 failure."""
+def describe(options: argparse.Namespace, recording: Recording) -> None:
+    """Says what a recording holds, without reading its points."""
+    lines = recording.found()
+    facts = {"kind": "recording", "sensor": recording.sensor, "has_misses": recording.organised, "crs": recording.crs,
+             "world": recording.world, "bytes": recording.bytes_total, "topics": getattr(recording, "topics", []),
+             "found": lines}
+    if options.json != "-":
+        print("\n".join(lines))
+    if options.json == "-":
+        print(json.dumps(facts))
+    elif options.json:
+        write_json(options.json, facts)
+
+
+def run(words: Sequence[str], describe_only: bool = False) -> int:
+    """Runs `underbrush import WORDS`, or `info WORDS`, and returns the exit code.
+
+    It is 0, 2 for wrong usage, 3 for bad input, 4 for a failure.
+    """
     try:
         options = parsed(words)
+        if describe_only and options.output:
+            raise ValueError("info writes no log: underbrush import does")
         outputs = {"--output": options.output, "--json": options.json if options.json != "-" else None}
         check_outputs([(name, path) for name, path in outputs.items() if path],
                       [path for path in (options.file, options.metadata, options.config) if path], options.force)
         set_threads(options.threads)
         recording = opened(options)
         if not options.output:
-            print("\n".join(recording.found()))
+            describe(options, recording)
             return 0
         provenance = json.dumps({"program": f"underbrush {version()}", "command": command_of_result(words),
                                  "seed": options.seed, "inputs": {}})

@@ -128,7 +128,11 @@ class BagRecording:
             return [*lines, self._ask_topic()]
         if self.frame is None and len(self._first[self.topic].frames) > 1:
             return [*lines, self._ask_frame(self._first[self.topic].frames)]
-        return [*lines, "poses from " + self._poses_text if self.poses is not None else self._ask_poses()]
+        if self.poses is None:
+            return [*lines, self._ask_poses()]
+        way = np.ptp(self.poses.position, axis=0)
+        return [*lines, f"poses from {self._poses_text}; {with_thousands(len(self.poses.time_s))} of them within "
+                        f"{way[0]:.1f} x {way[1]:.1f} x {way[2]:.1f} m"]
 
     def notes(self) -> list[str]:
         """What was assumed so far, one line each."""
@@ -136,6 +140,11 @@ class BagRecording:
         if self._recovered:
             notes.append(f"the recording was not closed: its {self._recovered} whole messages are read")
         return notes
+
+    @property
+    def topics(self) -> list[dict[str, Any]]:
+        """Name, type and number of messages of each topic."""
+        return [{"topic": topic, "type": kind, "messages": n} for topic, kind, n in self._connections]
 
     @property
     def has_packets(self) -> bool:

@@ -95,7 +95,8 @@ class E57Recording:
     def found(self) -> list[str]:
         lines = [f"E57, {len(self._stations)} stations, {self.bytes_total / 1e6:.1f} MB"]
         for number, (count, names, title) in enumerate(self._stations):
-            lines.append(f"station {number} {title}: {with_thousands(count)} points; " + ", ".join(names))
+            place = "" if self.poses is None else "at {:.2f} {:.2f} {:.2f} m; ".format(*self.poses.position[number])
+            lines.append(f"station {number} {title}: {with_thousands(count)} points; {place}" + ", ".join(names))
         return [*lines, f"CRS {self.crs}" if self.crs else "no CRS"]
 
     def scans(self) -> Iterator[Scan]:
