@@ -105,8 +105,7 @@ class MissInference:
         assert scan.xyz is not None
         hits, n = len(scan), len(direction)
         range_m = np.linalg.norm(scan.xyz, axis=1)
-        added: dict[str, Array] = {"direction": direction, "range_m": np.full(n, np.inf, np.float32), "ring": ring,
-                                   "beam_time_s": time_s}
+        added = {"direction": direction, "range_m": np.full(n, np.inf), "ring": ring, "beam_time_s": time_s}
         scan.direction, scan.range_m, scan.xyz = scan.xyz / range_m[:, None], range_m.astype(np.float32), None
         for name in _KEPT:
             column = getattr(scan, name)
