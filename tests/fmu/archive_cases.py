@@ -12,7 +12,8 @@ from xml.etree import ElementTree
 from cases import ARGUMENTS
 
 METADATA = "extra/org.ssp-standard.ssp-traceability.srmd/resourceMetaData.srmd"
-PAGE = pathlib.Path(__file__).resolve().parents[2] / "docs/explanation/validation.md"
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PAGE = ROOT / "docs/explanation/validation.md"
 #: The package that a static library or a folder of headers belongs to, "" for glibc and the compiler's own.
 PACKAGES = {"libyaml-cpp.a": "libyaml-cpp-dev", "libstdc++.a": "libstdc++6", "libgcc.a": "libstdc++6",
             "libgcc_eh.a": "libstdc++6", "yaml-cpp": "libyaml-cpp-dev", "eigen3": "libeigen3-dev",
@@ -53,6 +54,28 @@ class Contents(unittest.TestCase):
                     self.assertTrue(found[f"{effect}.{key}"], effect)
             self.assertIn("Range of validity", report)
             self.assertNotIn('class="broken"', report)
+
+    def test_the_example_of_ssp_connects_variables_of_the_fmu(self) -> None:
+        with zipfile.ZipFile(ARGUMENTS.fmu) as archive:
+            model = ElementTree.fromstring(archive.read("modelDescription.xml"))
+        causality = {v.get("name"): v.get("causality") for v in model.iterfind(".//ScalarVariable")}
+        system = ElementTree.parse(ROOT / "share/examples/SystemStructure.ssd").getroot().find("{*}System")
+        assert system is not None
+        kinds = {("", c.get("name")): c.get("kind") for c in system.iterfind("{*}Connectors/{*}Connector")}
+        for component in system.iterfind("{*}Elements/{*}Component"):
+            self.assertEqual(component.get("source"), "resources/underbrush.fmu")
+            for c in component.iterfind("{*}Connectors/{*}Connector"):
+                self.assertEqual(c.get("kind"), causality[c.get("name")], c.get("name"))
+                kinds[component.get("name", ""), c.get("name")] = c.get("kind")
+            for p in component.iterfind(".//{*}Parameter"):
+                self.assertEqual(causality[p.get("name")], "parameter")
+        wires = [tuple((w.get(f"{end}Element", ""), w.get(f"{end}Connector")) for end in ("start", "end"))
+                 for w in system.iterfind("{*}Connections/{*}Connection")]
+        # A value comes from an input of the system or an output of a component, and each connector has a wire.
+        for start, end in wires:
+            self.assertEqual(kinds[start], "output" if start[0] else "input", start)
+            self.assertEqual(kinds[end], "input" if end[0] else "output", end)
+        self.assertEqual({place for wire in wires for place in wire}, set(kinds))
 
     def test_same_resources(self) -> None:
         names = []
