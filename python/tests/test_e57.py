@@ -67,3 +67,27 @@ def test_damaged_files_are_refused(tmp_path: pathlib.Path) -> None:
         with pytest.raises(FormatError, match=r"^[^\n]*bad\.e57: [^\n]*$"):
             list(open_recording(tmp_path / "bad.e57").scans())
     assert (tmp_path / "bad.e57").exists()
+
+
+@pytest.mark.parametrize("name", ["1", "Station B"])
+def test_one_station_by_number_or_name(tmp_path: pathlib.Path, name: str) -> None:
+    file = pye57.E57(str(tmp_path / "named.e57"), mode="w")
+    points = np.random.default_rng(1).normal(size=(3, 200, 3))
+    for k, title in enumerate(("A", "Station B", "0")):
+        file.write_scan_raw({f"cartesian{axis}": points[k, :, n] for n, axis in enumerate("XYZ")}, name=title,
+                            translation=np.array([10.0 * k, 0, 0]))
+    file.close()
+    back = list(beams(open_recording(tmp_path / "named.e57", topic=name)))
+    assert len(back) == 1 and set(back[0]["station"]) == {1}
+    np.testing.assert_allclose(end_points(back[0]), points[1] + [10, 0, 0], atol=1e-4)
+    assert set(next(beams(open_recording(tmp_path / "named.e57", topic="0")))["station"]) == {2}  # Names come first.
+    with pytest.raises(ValueError, match="named.e57: no station 'C': 0 A, 1 Station B, 2 0"):
+        open_recording(tmp_path / "named.e57", topic="C")
+
+
+def test_a_row_of_poses_for_each_station(tmp_path: pathlib.Path) -> None:
+    clouds = written(tmp_path / "stations.e57")
+    (tmp_path / "poses.txt").write_text("1 0 0 7 0 1 0 8 0 0 1 9\n1 0 0 70 0 1 0 8 0 0 1 9\n")
+    back = list(beams(open_recording(tmp_path / "stations.e57", poses=tmp_path / "poses.txt")))
+    np.testing.assert_allclose([piece["origin"][0] for piece in back], [[7, 8, 9], [70, 8, 9]])
+    assert len(back) == len(clouds)

@@ -56,7 +56,7 @@ def write(options: argparse.Namespace, recording: Recording, provenance: str) ->
     if options.unknown_below_deg is not None and not options.infer_misses:
         raise ValueError("import: --unknown-below-deg needs --infer-misses")
     infer = inference_of(recording, options.infer_misses, options.unknown_below_deg) if options.infer_misses else None
-    info, chunks = beams_of_recording(recording, poses=options.poses, position=options.position,
+    info, chunks = beams_of_recording(recording, position=options.position,
                                       sensor=options.sensor or None, infer=infer, frames=options.frames,
                                       keep=options.keep)
     if options.max_range:

@@ -52,7 +52,7 @@ def open_recording(path: PathLike, *, topic: str | None = None, poses: PathLike 
     """Opens a recording, of the kind that its content tells.
 
     `topic`, `frame` and `clock` say what to read of a ROS recording (see `BagRecording`); for packet captures `topic`
-    is the stream. `metadata` and `sensor` say how to decode packets. `poses` is a file of poses (see `read_poses`) or a
+    is the stream, for E57 the station. `metadata` and `sensor` say how to decode packets. `poses` is a file of poses (see `read_poses`) or a
     topic. Raises `FormatError` where the file cannot be read, `OptionMissing` where an option is needed, `ImportError`
     where a library is, and `OSError`.
     """
@@ -67,7 +67,7 @@ def open_recording(path: PathLike, *, topic: str | None = None, poses: PathLike 
         recording = LasRecording(path)
     elif kind == "e57":
         from .e57 import E57Recording
-        recording = E57Recording(path)
+        recording = E57Recording(path, topic or None)
     elif kind == "npz":
         from .numpy_log import NumpyRecording
         recording = NumpyRecording(path)
@@ -78,6 +78,6 @@ def open_recording(path: PathLike, *, topic: str | None = None, poses: PathLike 
         from .packets import PacketRecording  # type: ignore[import-not-found, unused-ignore]
         recording = PacketRecording(path, metadata=metadata or None, sensor=sensor or None, stream=topic or None)
     if poses:
-        recording.poses = read_poses(poses)
+        recording.poses = read_poses(poses, getattr(recording, "pose_times", None))
     result: Recording = recording
     return result

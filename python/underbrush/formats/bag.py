@@ -21,7 +21,7 @@ from .layouts import guess_sensor, scan_from_points
 from .point_times import PointTimes
 from .ros_files import is_cut_mcap, kind_of_bag, opened, recover_mcap
 from .ros_messages import CLOUD, CUSTOM, cloud_points, frame_name, livox_points, seconds, typestore
-from .scans import Poses, Scan
+from .scans import Poses, Scan, middles
 from .trajectory import read_poses
 from .transforms import POSE_TYPES, FrameTree
 
@@ -199,6 +199,13 @@ class BagRecording:
         self.skipped = kept
         return times
 
+    def pose_times(self) -> npt.NDArray[np.float64]:
+        """Times (s) of the middles of the scans, where poses have none; a pass over the messages."""
+        kept, self.skipped = self.skipped, collections.Counter()
+        times = middles(self.scans())
+        self.skipped, self.bytes_done = kept, 0
+        return times
+
     def _clouds(self) -> Iterator[tuple[npt.NDArray[np.void], float, float]]:
         """Points, stamp (s) and what to add to the times (s) of the sensor's clouds whose clock does not jump."""
         if self.topic is None:
@@ -337,7 +344,7 @@ class BagRecording:
             if topics and not pathlib.Path(asked).exists():
                 raise ValueError(f"{self.path}: no topic and no file '{asked}' with poses: {', '.join(sorted(topics))}")
             self._poses_text = asked
-            return read_poses(asked)
+            return read_poses(asked, self.pose_times if self.topic is not None else None)
         if self.topic is None or not topics:
             return None
         tree = FrameTree()

@@ -28,14 +28,15 @@ class E57Recording:
 
     Beams whose point is given as a direction only (invalid state 1) are misses and kept; those without a direction
     (state 2) are left out and counted. Each station's pose comes from the file; its time is the number of the station,
-    since stations seldom have one: `poses` has a pose for each.
+    since stations seldom have one: `poses` has a pose for each. `station` is the number or the name of the only one to
+    read.
     """
 
     sensor = ""
     crs = ""
     world = False
 
-    def __init__(self, path: PathLike) -> None:
+    def __init__(self, path: PathLike, station: str | None = None) -> None:
         self.path = pathlib.Path(path)
         self.skipped: collections.Counter[str] = collections.Counter()
         self.bytes_total, self.bytes_done = self.path.stat().st_size, 0
@@ -44,6 +45,7 @@ class E57Recording:
             file = self._lib.ImageFile(str(self.path), "r")
             try:
                 self._describe(file)
+                self._chosen = self._numbers_of(station)
                 self._take_for_world(file)
             finally:
                 file.close()
@@ -78,14 +80,28 @@ class E57Recording:
         self.poses: Poses | None = in_order(table[:, 0], table[:, 1:4], table[:, 4:])
         if len(self.poses.time_s) < len(rows):
             raise FormatError(self.path, "pose", "a station's pose is no rotation or not finite")
-        self.organised = any("InvalidState" in name for _, names, _ in self._stations for name in names)
+
+    def _numbers_of(self, station: str | None) -> list[int]:
+        """Numbers of the stations to read. Raises `ValueError` where there is none of that number or name."""
+        titles = [title for _, _, title in self._stations]
+        numbers = [k for k, title in enumerate(titles) if station in (None, title)] or [
+            k for k in range(len(titles)) if station == str(k)]
+        if not numbers:
+            raise ValueError(f"{self.path}: no station '{station}': " + ", ".join(
+                f"{k} {title}".strip() for k, title in enumerate(titles[:20])) + (", …" if len(titles) > 20 else ""))
+        self.organised = any("InvalidState" in name for k in numbers for name in self._stations[k][1])
+        return numbers
+
+    def pose_times(self) -> np.ndarray[Any, np.dtype[np.float64]]:
+        """The numbers of the stations, which are their times."""
+        return np.arange(len(self._stations), dtype=np.float64)
 
     def _take_for_world(self, file: Any) -> None:
         """Without a pose other than the identity, points far away but close together have coordinates of the world."""
-        count, names, _ = self._stations[0]
+        count, names, _ = self._stations[self._chosen[0]]
         if self._posed or not count:
             return
-        scan = self._scan(next(self._pieces(file, 0, count, names)), 0, 0)
+        scan = self._scan(next(self._pieces(file, self._chosen[0], count, names)), 0, self._chosen[0])
         self.skipped.clear()
         assert scan.direction is not None and scan.range_m is not None
         hit = np.isfinite(scan.range_m)
@@ -101,11 +117,12 @@ class E57Recording:
 
     def scans(self) -> Iterator[Scan]:
         self.bytes_done = number = done = 0
-        total = max(1, sum(count for count, _, _ in self._stations))
+        total = max(1, sum(self._stations[k][0] for k in self._chosen))
         with guarded(self.path, "open"):
             file = self._lib.ImageFile(str(self.path), "r")
         try:
-            for station, (count, names, _) in enumerate(self._stations):
+            for station in self._chosen:
+                count, names, _ = self._stations[station]
                 for columns in self._pieces(file, station, count, names):
                     scan = self._scan(columns, number, station)
                     done += len(columns[next(iter(columns))])

@@ -17,7 +17,7 @@ from underbrush.errors import FormatError
 from underbrush.formats import ouster, velodyne
 from underbrush.formats.ouster_metadata import SIZES, Metadata
 from underbrush.formats.pcap import Capture, Datagram
-from underbrush.formats.scans import Poses, Scan
+from underbrush.formats.scans import Poses, Scan, middles
 from underbrush.formats.velodyne_calibration import Calibration
 
 Floats = npt.NDArray[np.float64]
@@ -111,6 +111,10 @@ class PacketRecording:
         self._totals = _Totals()
         self._capture = self._captured()
         yield from self._scans(self._capture, self._open(self.skipped), self.skipped, self._totals)
+
+    def pose_times(self) -> Floats:
+        """Times (s) of the middles of the scans, where poses have none."""
+        return middles(self.scans())
 
     def _captured(self) -> Any:
         """The packets from the beginning: what has `datagrams`, `skipped` and `bytes_done`."""

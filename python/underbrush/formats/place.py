@@ -63,7 +63,7 @@ def poses_of(recording: Recording, given: Poses | PathLike | None) -> Poses | No
     if isinstance(recording, BagRecording):
         recording.take_poses(given)
         return recording.poses
-    return read_poses(given)
+    return read_poses(given, getattr(recording, "pose_times", None))
 
 
 def place(scan: Scan, poses: Poses | None, *, world: bool = False, position: Sequence[float] | None = None,

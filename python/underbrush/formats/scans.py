@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import collections
 import dataclasses
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Protocol
 
 import numpy as np
@@ -70,6 +70,12 @@ class Recording(Protocol):
 
         Raises `underbrush.FormatError` where the file as a whole cannot be read.
         """
+
+
+def middles(scans: Iterable[Scan]) -> npt.NDArray[np.float64]:
+    """Times (s) of the middles of scans, between their first beam and their last; without those their own times."""
+    return np.array([scan.time_s if scan.beam_time_s is None or not len(scan.beam_time_s)
+                     else (np.nanmin(scan.beam_time_s) + np.nanmax(scan.beam_time_s)) / 2 for scan in scans])
 
 
 def far_from_sensor(points: npt.NDArray[np.float64]) -> bool:

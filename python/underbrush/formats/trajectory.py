@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import pathlib
 import re
+from collections.abc import Callable
 
 import numpy as np
 import numpy.typing as npt
@@ -153,13 +154,60 @@ def _seconds_of_dates(times: Floats) -> float:
     return 1.0
 
 
-def read_poses(path: PathLike) -> Poses:
+def _of_matrices(time_s: Floats, rows: Floats) -> Poses:
+    """Poses of row-major 3×4 matrices (n, 12); those that are no rotations are left out."""
+    m = rows.reshape(-1, 3, 4)
+    turn = m[:, :, :3]
+    off = np.abs(turn @ np.swapaxes(turn, 1, 2) - np.eye(3)).max(axis=(1, 2))
+    rotation = from_matrices(turn)
+    rotation[~((off < 0.02) & (np.linalg.det(turn) > 0))] = np.nan
+    return in_order(time_s, m[:, :, 3], rotation)
+
+
+def _beyond_ends(poses: Poses) -> Poses:
+    """The poses with one more before and after them, to which the motion at the ends goes on."""
+    if len(poses.time_s) < 2:
+        return poses
+    (a, b), (y, z) = (0, 1), (-2, -1)
+    t, p, q = poses.time_s, poses.position, poses.rotation
+    first = multiply(q[[a]], multiply(conjugate(q[[b]]), q[[a]]))
+    last = multiply(q[[z]], multiply(conjugate(q[[y]]), q[[z]]))
+    return Poses(np.concatenate([[2 * t[a] - t[b]], t, [2 * t[z] - t[y]]]),
+                 np.concatenate([[2 * p[a] - p[b]], p, [2 * p[z] - p[y]]]), np.concatenate([first, q, last]))
+
+
+def _of_scans(path: PathLike, table: Floats, times_of_scans: Callable[[], Floats] | None) -> Poses | None:
+    """Poses of scans: row-major 3×4 matrices, one a scan, or behind the number of a scan; None where these are times."""
+    numbers = table[:, 0] if table.shape[1] == 13 else np.arange(len(table))
+    if table.shape[1] == 13 and (times_of_scans is None or not np.all((numbers >= 0) & (numbers < 1e7)
+                                                                      & (numbers == np.floor(numbers)))):
+        return None
+    if times_of_scans is None:
+        raise FormatError(path, "line 1", "12 columns are a pose of each scan without its time, and the recording's "
+                                          "scans have none: begin each row with the time")
+    times = times_of_scans()
+    if table.shape[1] == 13 and numbers[0] <= times[-1] and numbers[-1] >= times[0]:
+        return None
+    if table.shape[1] == 12 and len(table) != len(times):
+        raise FormatError(path, "", f"{len(table)} poses without times, but the recording has {len(times)} scans: begin "
+                                    "each row with the time, or with the number of its scan")
+    inside = numbers < len(times)
+    poses = _of_matrices(times[numbers[inside].astype(int)], table[inside, -12:])
+    if not 0 < len(poses.time_s) == np.count_nonzero(inside):
+        raise FormatError(path, "", f"{np.count_nonzero(inside) - len(poses.time_s)} rows are no pose or have a time "
+                                    "twice" if inside.any() else "no pose of a scan of the recording")
+    return _beyond_ends(poses)
+
+
+def read_poses(path: PathLike, times_of_scans: Callable[[], Floats] | None = None) -> Poses:
     """Reads a text file of poses, world from sensor; `#` begins a comment, commas are blanks.
 
     A line of names above the rows says the order of time, position and quaternion, as in EuRoC's files; without one the
     number of columns tells the format: 4 is `t x y z` (no rotation), 7 a HELIOS++ trajectory
-    (`x y z t roll pitch yaw`, degrees), 8 TUM (`t x y z qx qy qz qw`), 13 a time and a row-major 3×4
-    matrix. Raises `FormatError`.
+    (`x y z t roll pitch yaw`, degrees), 8 TUM (`t x y z qx qy qz qw`), 13 a time and a row-major 3×4 matrix, 12 the
+    matrix alone. The rows of 12 columns are one a scan (KITTI, Ouster's and KISS-ICP's), and the first of 13 columns
+    may be the numbers of scans instead of times. They then have the times that `times_of_scans` gives, and the motion
+    goes on beyond the first and the last. Raises `FormatError`.
     """
     rows: list[list[float]] = []
     named: list[int] = []
@@ -191,15 +239,13 @@ def read_poses(path: PathLike) -> Poses:
         poses = in_order(table[:, 3], table[:, :3], from_angles(*np.deg2rad(table[:, 4:]).T))
     elif table.shape[1] == 8:
         poses = in_order(table[:, 0], table[:, 1:4], table[:, 4:])
-    elif table.shape[1] == 13:
-        m = table[:, 1:].reshape(-1, 3, 4)
-        turn = m[:, :, :3]
-        off = np.abs(turn @ np.swapaxes(turn, 1, 2) - np.eye(3)).max(axis=(1, 2))
-        rotation = from_matrices(turn)
-        rotation[~((off < 0.02) & (np.linalg.det(turn) > 0))] = np.nan  # No rotation.
-        poses = in_order(table[:, 0], m[:, :, 3], rotation)
+    elif table.shape[1] in (12, 13):
+        of_scans = _of_scans(path, table, times_of_scans)
+        if of_scans is not None:
+            return of_scans
+        poses = _of_matrices(table[:, 0], table[:, 1:])
     else:
-        raise FormatError(path, "line 1", f"{table.shape[1]} columns: poses have 4, 7, 8 or 13")
+        raise FormatError(path, "line 1", f"{table.shape[1]} columns: poses have 4, 7, 8, 12 or 13")
     if len(poses.time_s) < len(table):
         raise FormatError(path, "", f"{len(table) - len(poses.time_s)} rows are no pose or have a time twice")
     return poses
