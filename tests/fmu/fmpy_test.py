@@ -17,6 +17,7 @@ import sys
 import tempfile
 import typing
 import unittest
+import zipfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PACKAGES = ["fmpy", "osi-python", "numpy"]
@@ -78,6 +79,43 @@ class Master(unittest.TestCase):
         self.assertEqual(len(result), 21)
         self.assertFalse(any(result["valid"]))
         self.assertTrue(any("there is no input" in message for message in messages))
+
+    def test_a_row_of_two_copies_as_the_example_of_ssp_has_it(self) -> None:
+        """FMPy leaves the parameters in the example out, so that both copies run all strategies. The test is the first
+        by its name, because FMPy's logger ends the process after a run with another logger."""
+        import ctypes
+        ssp = importlib.import_module("fmpy.ssp.simulation")
+        step_s, steps = 0.05, 10
+        buffers = []
+        for k in range(steps):
+            view = self.view.SensorView()
+            view.version.version_major = 3
+            view.timestamp.nanos = (k + 1) * 50_000_000
+            view.host_vehicle_id.value = 1
+            for number, x in ((1, 0.0), (2, 15.0 + 0.2 * k)):
+                car = view.global_ground_truth.moving_object.add()
+                car.id.value, car.type = number, car.TYPE_VEHICLE
+                car.base.position.x, car.base.position.z = x, 0.75
+                car.base.dimension.length, car.base.dimension.width, car.base.dimension.height = 4.6, 1.8, 1.5
+                car.vehicle_classification.type = car.vehicle_classification.TYPE_MEDIUM_CAR
+            data = view.SerializeToString()
+            buffers.append((ctypes.create_string_buffer(data, len(data)), len(data)))
+
+        def part(of: typing.Callable[[int, int], int]) -> typing.Callable[[float], int]:
+            def value(time_s: float) -> int:
+                buffer, size = buffers[min(steps - 1, int(time_s / step_s + 0.5))]
+                return of(ctypes.addressof(buffer), size)
+            return value
+        inputs = {"base.lo": part(lambda address, _: ctypes.c_int32(address & 0xFFFFFFFF).value),
+                  "base.hi": part(lambda address, _: address >> 32), "size": part(lambda _, size: size)}
+        with tempfile.TemporaryDirectory() as folder:
+            archive = pathlib.Path(folder) / "lidar.ssp"
+            with zipfile.ZipFile(archive, "w") as file:
+                file.write(ROOT / "share/examples/SystemStructure.ssd", "SystemStructure.ssd")
+                file.write(self.fmu, "resources/underbrush.fmu")
+            result = ssp.simulate_ssp(str(archive), stop_time=step_s * (steps - 1), step_size=step_s,
+                                      input={f"OSMPSensorViewIn.{name}": f for name, f in inputs.items()})
+        self.assertEqual(result["count"][-1], 1)  # the car ahead
 
     def outputs(self, views: list[bytes], steps: int, *, single_rays: bool) -> typing.Iterator[bytes]:
         """The outputs of a run; each view is given as many times as makes so many steps. With all sub-rays, an output
