@@ -1,0 +1,122 @@
+#!/usr/bin/env python3
+"""Warnings about logs that are not what they seem: poses that do not fit the scans, and fits that learn nothing."""
+import json
+import math
+import pathlib
+import random
+import re
+import struct
+import tempfile
+
+import cli_test
+
+NAMES = "x,y,z,ox,oy,oz,hit,time,intensity,ring,scan,packet,flags"
+
+
+def turned(yaw, x, y):
+    return math.cos(yaw) * x - math.sin(yaw) * y, math.sin(yaw) * x + math.cos(yaw) * y
+
+
+class Warnings(cli_test.Failing):
+    def setUp(self):
+        scratch = tempfile.TemporaryDirectory()
+        self.addCleanup(scratch.cleanup)
+        self.folder = pathlib.Path(scratch.name)
+
+    def call(self, *words):
+        done = cli_test.call(*words, cwd=self.folder)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done
+
+    def write_drive(self):
+        """Makes ten scans on a bend, 1 m apart, of 150 poles (seed 7), and their poses, right and inverted."""
+        rnd = random.Random(7)
+        poles = [(rnd.uniform(-35, 45), rnd.uniform(-35, 35)) for _ in range(150)]
+        way = [(0.05 * k, 1.0 * k, 0.03 * k * k) for k in range(10)]
+        (self.folder / "velodyne").mkdir()
+        right, inverted = [], []
+        for k, (yaw, x, y) in enumerate(way):
+            points = []
+            for px, py in poles:
+                points += [(*turned(-yaw, px - x, py - y), 0.2 * step, 0.5) for step in range(-8, 20)]
+            (self.folder / f"velodyne/{k:06}.bin").write_bytes(b"".join(struct.pack("<4f", *p) for p in points))
+            for rows, turn, (tx, ty) in ((right, yaw, (x, y)), (inverted, -yaw, turned(-yaw, -x, -y))):
+                c, s = math.cos(turn), math.sin(turn)
+                rows.append(f"{c} {-s} 0 {tx} {s} {c} 0 {ty} 0 0 1 0\n")
+        (self.folder / "right.txt").write_text("".join(right))
+        (self.folder / "inverted.txt").write_text("".join(inverted))
+
+    def test_poses_that_are_inverted_do_not_fit_the_scans(self):
+        self.write_drive()
+        done = self.call("import", ".", "--poses", "right.txt", "-o", "log.ply")
+        self.assertEqual(done.stderr, "")
+        done = self.call("import", ".", "--poses", "inverted.txt", "-o", "log.ply", "--json", "-")
+        self.assertRegex(done.stderr, r"\Aunderbrush: warning: by the poses only \d+ % of a scan's points lie where "
+                         r"the next one has some, and (9\d|100) % if they are inverted: are they sensor from world\?\n\Z")
+        self.assertEqual(len(json.loads(done.stdout)["warnings"]), 1)
+
+    def test_scans_that_stand_still_say_nothing_of_their_poses(self):
+        self.write_drive()
+        (self.folder / "still.txt").write_text("1 0 0 0 0 1 0 0 0 0 1 0\n" * 10)
+        self.assertEqual(self.call("import", ".", "--poses", "still.txt", "-o", "log.ply").stderr, "")
+
+    def write_log(self, firings, name, *words):
+        """Makes a log of ground and of a hedge 10 to 20 m away with gaps (seed 3). Returns the ranges, 0 of a miss."""
+        rnd, rows, ranges = random.Random(3), [NAMES], []
+        for k in range(16 * firings):
+            azimuth, elevation = 2 * math.pi * (k // 16) / firings, math.radians(-15 + 2 * (k % 16))
+            d = [math.cos(azimuth) * math.cos(elevation), math.sin(azimuth) * math.cos(elevation), math.sin(elevation)]
+            miss = rnd.random() < 0.3
+            ranges.append(2 / -d[2] if d[2] < -0.05 else 0 if miss else 10 + 10 * rnd.random())
+            end = [o + (ranges[-1] or 100) * c for o, c in zip((0, 0, 2), d)]
+            rows.append(",".join(map(str, [*end, 0, 0, 2, int(ranges[-1] > 0), f"{k * 1e-5:.6f}", 0.5, k % 16, 0,
+                                           k // 16, 0])))
+        (self.folder / "log.csv").write_text("\n".join(rows) + "\n")
+        self.call("import", "log.csv", "-o", name, *words)
+        return ranges
+
+    def warnings_of_fit(self, log):
+        return json.loads(self.call("fit", log, "-o", "model", "--json", "-").stdout)["warnings"]
+
+    def test_a_sound_log_gives_no_warning(self):
+        self.write_log(200, "log.ply")
+        self.assertEqual(self.warnings_of_fit("log.ply"), [])
+
+    def assert_far(self, warning, limit_m, ranges):
+        """The warning counts the returns beyond the limit, of all but the beams that are held out, at most a tenth."""
+        found = re.match(r"(\d+) of (\d+) returns are beyond the log's maximum range of (\d+) m, .*--max-range", warning)
+        self.assertTrue(found, warning)
+        far, returns, limit = map(int, found.groups())
+        hits = sum(r > 0 for r in ranges)
+        self.assertEqual(limit, limit_m)
+        self.assertTrue(0.9 * hits < returns <= hits, warning)
+        self.assertAlmostEqual(far / returns, sum(r > limit_m for r in ranges) / hits, delta=0.02)
+
+    def test_returns_beyond_the_maximum_range_are_counted(self):
+        ranges = self.write_log(200, "log.ply", "--max-range", "12")
+        warnings = self.warnings_of_fit("log.ply")
+        self.assertEqual(len(warnings), 1, warnings)
+        self.assert_far(warnings[0], 12, ranges)
+
+    def test_a_fit_that_learns_nothing_says_so(self):
+        for firings, cause in ((200, "the log has few beams"),
+                               (2000, "check poses, ranges and misses of the log")):
+            with self.subTest(firings):
+                ranges = self.write_log(firings, "log.ply", "--max-range", "1")
+                warnings = self.warnings_of_fit("log.ply")
+                self.assertEqual(len(warnings), 3, warnings)
+                self.assert_far(warnings[0], 1, ranges)
+                self.assertIn("every step of the fit was undone", warnings[1])
+                self.assertIn(cause, warnings[1])
+                self.assertIn("the roughness of the log is not a number, so no grain was learnt", warnings[2])
+
+    def test_a_log_without_misses_names_the_option(self):
+        rows = [NAMES] + [f"{5 + 0.01 * k},{k % 16},1,0,0,2,1,{k * 1e-5:.6f},0.5,{k % 16},0,{k // 16},0"
+                          for k in range(640)]
+        (self.folder / "hits.csv").write_text("\n".join(rows) + "\n")
+        self.call("import", "hits.csv", "-o", "hits.ply")
+        self.assertIn("--infer-misses SENSOR", "\n".join(self.warnings_of_fit("hits.ply")))
+
+
+if __name__ == "__main__":
+    cli_test.main()
