@@ -18,6 +18,7 @@ from velodyne_unit import UNITS, Truth, joined, observe, packets_of  # noqa: E40
 
 from underbrush import LogReader  # noqa: E402
 from underbrush.formats import FormatError, OptionMissing, beams, open_recording  # noqa: E402
+from underbrush.formats.bag_packets import packets_in  # noqa: E402
 from underbrush.import_recording import run  # noqa: E402
 
 SCAN, PACKET = "velodyne_msgs/msg/VelodyneScan", "velodyne_msgs/msg/VelodynePacket"
@@ -204,3 +205,25 @@ def test_points_lie_on_the_walls(tmp_path: pathlib.Path) -> None:
         assert scan.direction is not None and scan.range_m is not None
         hit = np.isfinite(scan.range_m)
         assert pf.off_walls(scan.direction[hit] * scan.range_m[hit, None]).max() < 0.006
+
+
+@pytest.mark.parametrize("ros1", [False, True])
+def test_no_damage_of_a_message_does_more_than_refuse_it(ros1: bool) -> None:
+    head = (b"" if ros1 else b"\0\1\0\0") + b"\0" * (12 if ros1 else 8) + b"\5\0\0\0lidar"
+    head += b"" if ros1 else b"\0" * 3
+    good = head + b"\2\0\0\0" + (b"\1\0\0\0\2\0\0\0" + b"\xff" * 1206 + (b"" if ros1 else b"\0\0")) * 2
+    packets, frame = packets_in(SCAN, good, 0.0, ros1, False)
+    assert frame == "lidar" and [len(packet.data) for packet in packets] == [1206, 1206]
+    assert packets[0].time_s == pytest.approx(1 + 2e-9)
+    rng = np.random.default_rng(5)
+    for size in range(0, len(good) - 2, 13):
+        with pytest.raises(ValueError, match="too short"):
+            packets_in(SCAN, good[:size], 0.0, ros1, False)
+    for _ in range(300):
+        bad = bytearray(good)
+        bad[int(rng.integers(len(head) + 4))] = int(rng.integers(256))
+        for kind in (SCAN, "ouster_ros/msg/PacketMsg"):
+            try:
+                packets_in(kind, bytes(bad), 0.0, ros1, True)
+            except ValueError as error:
+                assert "too short" in str(error)
