@@ -35,6 +35,14 @@ std::vector<std::string> positional_choices(const CLI::App& verb) {
   return {};
 }
 
+/// Returns what the value of an option is completed to; nothing where it is a file.
+std::vector<std::string> values_of(const CLI::Option& option, const Suggestions& suggestions) {
+  for (const std::string& name : option.get_lnames()) {
+    if (const auto found = suggestions.find(name); found != suggestions.end()) return found->second;
+  }
+  return choices_of(option);
+}
+
 /// Puts text into single quotes for a shell.
 std::string in_quotes(std::string text) {
   for (size_t at = 0; (at = text.find('\'', at)) != std::string::npos; at += 4) {
@@ -43,12 +51,13 @@ std::string in_quotes(std::string text) {
   return "'" + text + "'";
 }
 
-std::string bash_case(const CLI::App& program, const CLI::App& verb) {
+std::string bash_case(const CLI::App& program, const CLI::App& verb,
+                      const Suggestions& suggestions) {
   std::string words, choices;
   for (const CLI::Option* o : options_of(program, verb)) {
     const auto names = spellings(*o);
     words += fmt::format("{} ", fmt::join(names, " "));
-    const auto values = choices_of(*o);
+    const auto values = values_of(*o, suggestions);
     if (!values.empty()) {
       choices += fmt::format("        {}) words={} ;;\n", fmt::join(names, "|"),
                              in_quotes(fmt::format("{}", fmt::join(values, " "))));
@@ -65,12 +74,12 @@ std::string bash_case(const CLI::App& program, const CLI::App& verb) {
       in_quotes(fmt::format("{}", fmt::join(first, " "))));
 }
 
-std::string bash_script(const CLI::App& program) {
+std::string bash_script(const CLI::App& program, const Suggestions& suggestions) {
   const std::string name = program.get_name();
   std::string cases, verbs;
   for (const CLI::App* verb : verbs_of(program)) {
     verbs += verb->get_name() + " ";
-    cases += bash_case(program, *verb);
+    cases += bash_case(program, *verb, suggestions);
   }
   return fmt::format(R"(# bash completion of {0}:  source <({0} completion bash)
 _{0}() {{
@@ -84,7 +93,8 @@ _{0}() {{
 {2}  esac
   if [ -n "$words" ]; then
     COMPREPLY=($(compgen -W "$words" -- "$current"))
-  else
+  fi
+  if [ "${{#COMPREPLY[@]}}" -eq 0 ]; then
     compopt -o filenames 2> /dev/null
     local IFS=$'\n'
     COMPREPLY=($(compgen -f -- "$current"))
@@ -96,13 +106,13 @@ complete -F _{0} {0}
 }
 
 /// Writes an option for zsh's _arguments: '(-o --output)'{-o,--output}'[help]:VALUE:action'.
-std::string zsh_option(const CLI::Option& option) {
+std::string zsh_option(const CLI::Option& option, const Suggestions& suggestions) {
   std::string help;
   for (const char c : option.get_description()) {
     if (c == '[' || c == ']' || c == ':') help += '\\';
     help += c;
   }
-  const auto values = choices_of(option);
+  const auto values = values_of(option, suggestions);
   std::string value;
   if (option.get_expected_max() > 0) {
     value = values.empty() ? ":file:_files" : fmt::format(":value:({})", fmt::join(values, " "));
@@ -114,13 +124,13 @@ std::string zsh_option(const CLI::Option& option) {
   return out;
 }
 
-std::string zsh_script(const CLI::App& program) {
+std::string zsh_script(const CLI::App& program, const Suggestions& suggestions) {
   const std::string name = program.get_name();
   std::string verbs, cases;
   for (const CLI::App* verb : verbs_of(program)) {
     verbs += fmt::format("    {}\n", in_quotes(verb->get_name() + ":" + verb->get_description()));
     std::string options;
-    for (const CLI::Option* o : options_of(program, *verb)) options += zsh_option(*o);
+    for (const CLI::Option* o : options_of(program, *verb)) options += zsh_option(*o, suggestions);
     const auto first = positional_choices(*verb);
     const std::string positional =
         first.empty() ? "_files" : fmt::format("({})", fmt::join(first, " "));
@@ -148,7 +158,7 @@ if [ "$funcstack[1]" = "_{0}" ]; then _{0} "$@"; else compdef _{0} {0}; fi
                      name, verbs, cases);
 }
 
-std::string fish_script(const CLI::App& program) {
+std::string fish_script(const CLI::App& program, const Suggestions& suggestions) {
   const std::string name = program.get_name();
   std::string out = fmt::format(
       "# fish completion of {0}:  {0} completion fish | source\ncomplete -c {0} -e\n", name);
@@ -165,7 +175,7 @@ std::string fish_script(const CLI::App& program) {
       std::string line = fmt::format("complete -c {} -n {}", name, condition);
       for (const std::string& s : o->get_snames()) line += " -s " + s;
       for (const std::string& l : o->get_lnames()) line += " -l " + l;
-      const auto values = choices_of(*o);
+      const auto values = values_of(*o, suggestions);
       if (!values.empty()) {
         line += " -x -a " + in_quotes(fmt::format("{}", fmt::join(values, " ")));
       } else if (o->get_expected_max() > 0) {
@@ -179,14 +189,15 @@ std::string fish_script(const CLI::App& program) {
 
 }  // namespace
 
-std::string completion_script(const CLI::App& program, const std::string& shell) {
-  if (shell == "bash") return bash_script(program);
-  if (shell == "zsh") return zsh_script(program);
-  if (shell == "fish") return fish_script(program);
+std::string completion_script(const CLI::App& program, const std::string& shell,
+                              const Suggestions& suggestions) {
+  if (shell == "bash") return bash_script(program, suggestions);
+  if (shell == "zsh") return zsh_script(program, suggestions);
+  if (shell == "fish") return fish_script(program, suggestions);
   throw std::invalid_argument("completion: no shell '" + shell + "'; there are: bash, zsh, fish");
 }
 
-void add_completion(Program& program) {
+void add_completion(Program& program, const Suggestions& suggestions) {
   CLI::App* verb = program.app().add_subcommand(
       "completion", "Print a script that completes verbs, options and values in a shell");
   verb->group("Help");
@@ -197,7 +208,9 @@ void add_completion(Program& program) {
   verb->footer(
       "Example:\n  underbrush completion bash > ~/.local/share/bash-completion/completions/"
       "underbrush\n  source <(underbrush completion bash)");
-  verb->callback([&program, shell] { std::cout << completion_script(program.app(), *shell); });
+  verb->callback([&program, shell, suggestions] {
+    std::cout << completion_script(program.app(), *shell, suggestions);
+  });
 }
 
 }  // namespace underbrush::app

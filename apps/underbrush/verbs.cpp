@@ -1,9 +1,12 @@
 #include "verbs.hpp"
 
 #include <algorithm>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "run.hpp"
+#include "underbrush/sensor/sensor.hpp"
 
 namespace underbrush::app {
 namespace {
@@ -30,7 +33,8 @@ void add_all_verbs(Program& program) {
   program.app().require_subcommand(1);
   for (const NamedVerb& verb : kVerbs) verb.add(program);
   add_dump_config(program);
-  add_completion(program);
+  const std::vector<std::string> sensors = sensor::names();
+  add_completion(program, {{"sensor", sensors}, {"infer-misses", sensors}, {"deskew", sensors}});
 }
 
 int run_underbrush(int argc, char** argv) {

@@ -51,6 +51,11 @@ class Completion(cli_test.Failing):
         self.assertEqual(bash(self.folder, "underbrush", "fit", "--fitter", "su"), ["surface"])
         self.assertEqual(sorted(bash(self.folder, "underbrush", "completion", "")), ["bash", "fish", "zsh"])
 
+    def test_bash_offers_the_sensors_of_the_catalogue_and_files(self):
+        self.assertEqual(bash(self.folder, "underbrush", "import", "a.bin", "--infer-misses", "velodyne-vlp"),
+                         ["velodyne-vlp16"])
+        self.assertEqual(bash(self.folder, "underbrush", "simulate", "--sensor", "lo"), ["log one.ply"])
+
     def test_bash_offers_files_elsewhere(self):
         self.assertEqual(bash(self.folder, "underbrush", "fit", "lo"), ["log one.ply"])
         self.assertEqual(bash(self.folder, "underbrush", "fit", "a.ply", "-o", "mo"), ["model"])
