@@ -52,7 +52,7 @@ class Completion(cli_test.Failing):
         self.assertEqual(sorted(bash(self.folder, "underbrush", "completion", "")), ["bash", "fish", "zsh"])
 
     def test_bash_offers_the_sensors_of_the_catalogue_and_files(self):
-        self.assertEqual(bash(self.folder, "underbrush", "import", "a.bin", "--infer-misses", "velodyne-vlp"),
+        self.assertEqual(bash(self.folder, "underbrush", "import", "a.bin", "--infer-misses", "velodyne-vlp1"),
                          ["velodyne-vlp16"])
         self.assertEqual(bash(self.folder, "underbrush", "simulate", "--sensor", "lo"), ["log one.ply"])
 
