@@ -24,7 +24,11 @@ struct Cell3 {
 };
 
 /// The number of the interval of length `side_m` that holds a coordinate, counted from 0 at 0.
-inline int32_t cell_index(double at_m, double side_m) { return int32_t(std::floor(at_m / side_m)); }
+inline int32_t cell_index(double at_m, double side_m) {
+  const double at = at_m / side_m;
+  const auto toward_zero = int32_t(at);
+  return toward_zero - int32_t(at < double(toward_zero));  // faster than std::floor
+}
 /// The cell of side `side_m` that holds a point of the plane.
 inline Cell2 cell_of(double x, double y, double side_m) {
   return {cell_index(x, side_m), cell_index(y, side_m)};

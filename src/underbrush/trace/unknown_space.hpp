@@ -2,6 +2,7 @@
 /// The walk of a ray through space that no beam of the model's log crossed.
 #pragma once
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -63,16 +64,32 @@ class CrossedCells {
   uint8_t at(const Cell3& cell, Cell3& last, const elements::ObservedBlock*& block) const {
     const Cell3 in = elements::ObservedBlock::of(cell);
     if (!(in == last)) {
-      const auto found = block_.find(in);
-      block = found == block_.end() ? nullptr : found->second;
+      block = block_at(in);
       last = in;
     }
     return block ? block->beams[block->index(cell)] : 0;
   }
 
  private:
-  CellMap<Cell3, const elements::ObservedBlock*> block_;
+  const elements::ObservedBlock* block_at(const Cell3& at) const;
+
+  std::span<const elements::ObservedBlock> blocks_;
+  // The numbers of the blocks + 1 in the box that holds them, x fastest; 0 where there is none.
+  // Where the box is too large, a hash takes its place.
+  Cell3 low_;
+  std::array<int64_t, 3> count_{};
+  std::vector<uint32_t> in_box_;
+  CellMap<Cell3, const elements::ObservedBlock*> in_hash_;
 };
+
+/// The cells of the middles of steps in a row.
+struct StepCells {
+  static constexpr int kSteps = 8;
+  std::array<int32_t, kSteps> x, y, z;
+};
+/// Finds the cells of the middles of the steps of length `cell_m` that begin at the range `from_m`.
+void cells_of_steps(const Vec3& start, const Vec3& direction, double from_m, double cell_m,
+                    StepCells& cells);
 
 /// What rays are expected to meet in unknown space (`elements::ObservedSpace`). A ray is followed
 /// in steps of the map's cells. In a step of length Δ in a cell that no beam crossed it ends with
@@ -161,11 +178,20 @@ void UnknownSpace::follow(const Ray& ray, const RangeLimits& limits, F take) con
   }
   Cell3 last{INT32_MAX, 0, 0};
   const elements::ObservedBlock* in = nullptr;
-  for (double t = from; t < to; t += cell) {
+  StepCells cells;
+  for (int k = 0;; ++k) {
+    const double t = from + k * cell;
+    if (!(t < to)) return;
     const double end = std::min(t + cell, to), middle = 0.5 * (t + end);
+    const unsigned in_batch = unsigned(k) % StepCells::kSteps;
+    if (in_batch == 0) cells_of_steps(start, ray.direction, t, cell, cells);
+    Cell3 c{cells.x[in_batch], cells.y[in_batch], cells.z[in_batch]};
+    if (end == to) [[unlikely]] {  // a shorter step
+      c = cell_of(Vec3(start + middle * ray.direction), cell);
+    }
+    if (known_.at(c, last, in) > 0) [[likely]]
+      continue;
     const Vec3 at = start + middle * ray.direction;
-    const Cell3 c = cell_of(at, cell);
-    if (known_.at(c, last, in) > 0) continue;
     const double height = at.z() - ground_.at(at.x(), at.y());
     if (!take(Step{t, end, height, CellHash()(c), at, std::max(kLeastFall, -rise)})) return;
   }
