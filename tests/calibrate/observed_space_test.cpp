@@ -119,14 +119,15 @@ TEST(ObservedSpace, WhereTheLogLostItsBeamsNothingIsMet) {
   without.lost.clear();
   const trace::UnknownSpace unknown(*m.observed, m.ground, m.origin),
       unaware(without, m.ground, m.origin);
-  // Other beams than the log's: to the right, and back over the beginning of the drive.
+  // Other beams than the log's: to the right, and on the left over the beginning of the ground, far
+  // from the squares where beams were lost.
   int right = 0, right_without = 0, back = 0;
   constexpr int kBeams = 400;
   for (int k = 0; k < kBeams; ++k) {
     const uint64_t key = mix64(uint64_t(k));
     const Vec3 place(10 + 0.2 * k, 0.3, 1.6);
     const Ray to_right{place, Vec3(0.1, -1, -0.06).normalized()};
-    const Ray to_back{Vec3(-60, 0.3, 1.6), Vec3(-1, 0.002 * k, -0.1).normalized()};
+    const Ray to_back{Vec3(-22, 30, 1.6), Vec3(-1, 0.4 + 0.001 * k, -0.1).normalized()};
     right += unknown.drawn_end(to_right, key, {0, kReachM}).has_value();
     right_without += unaware.drawn_end(to_right, key, {0, kReachM}).has_value();
     back += unknown.drawn_end(to_back, key, {0, kReachM}).has_value();

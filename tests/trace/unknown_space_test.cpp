@@ -145,6 +145,31 @@ TEST(UnknownSpace, GroundThatLosesBeamsGoesOnLosingThem) {
   EXPECT_GT(ended[1], 940);
 }
 
+TEST(UnknownSpace, BelowGroundThatIsKnownNothingIsMet) {
+  ObservedSpace space = space_of(0.5f, 0);
+  for (const double h : {-0.25, -0.75, -1.5, -3.0, 0.25}) {
+    space.density_per_m[ObservedSpace::height_interval(h)].fill(10);
+  }
+  elements::TriangleMesh ground;
+  for (int x = -20; x < 0; x += 2) {
+    for (int y = -20; y <= 20; y += 2) ground.vertices.emplace_back(float(x), float(y), 0.0f);
+  }
+  const UnknownSpace unknown(space, ground, kOrigin);
+  const RangeLimits far{0, 60};
+  int ended[2] = {}, above = 0;
+  for (int k = 0; k < 1000; ++k) {
+    const uint64_t key = mix64(uint64_t(k));
+    const auto at_known = unknown.drawn_end(ray_from({-9, 0.5, 0.4}, -Vec3::UnitZ()), key, far);
+    const auto beyond = unknown.drawn_end(ray_from({9, 0.5, 0.4}, -Vec3::UnitZ()), key, far);
+    ended[0] += at_known.has_value();
+    ended[1] += beyond.has_value();
+    above += unknown.drawn_end(ray_from({-9, 0.5, 1.5}, Vec3::UnitY()), key, {0, 8}).has_value();
+  }
+  EXPECT_EQ(ended[0], 0);
+  EXPECT_GT(ended[1], 950);
+  EXPECT_GT(above, 950);
+}
+
 TEST(UnknownSpace, ElementsStayInOrderAndEndTheWay) {
   const ObservedSpace space = space_of(0.05f, 0);
   const elements::TriangleMesh ground = flat_ground();

@@ -39,7 +39,8 @@ struct LostBeams {
 /// height above the ground and on the range. Beyond the ground of the model the ground goes on at
 /// the height of its nearest part. Near the ground (below `kGroundM`) κ counts per metre of the
 /// beam's fall. There a beam returns with a probability that depends on the range and on the beams
-/// that were lost there; else it meets no ground.
+/// that were lost there; else it meets no ground. In squares (`kSquareM`) with ground of the model
+/// nothing else is met near it.
 struct ObservedSpace {
   /// Edges of the heights above the ground (m) and of the ranges (m) of `density_per_m`. The first
   /// and the last interval of the heights have no end, and so has the last one of the ranges.

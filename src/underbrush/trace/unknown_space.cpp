@@ -36,11 +36,13 @@ GroundHeights::GroundHeights(const elements::TriangleMesh& ground, const std::ve
     ++count[k];
   }
   height_m_.resize(cells);
+  known_.resize(cells);
   lowest_m_ = HUGE_VAL, highest_m_ = -HUGE_VAL;
   std::vector<size_t> front;
   for (size_t k = 0; k < cells; ++k) {
     if (count[k] == 0) continue;
     height_m_[k] = float(sum[k] / count[k]);
+    known_[k] = 1;
     lowest_m_ = std::min(lowest_m_, double(height_m_[k]));
     highest_m_ = std::max(highest_m_, double(height_m_[k]));
     front.push_back(k);
@@ -87,11 +89,13 @@ std::optional<double> GroundHeights::entry(const Ray& ray, const RangeLimits& li
                                            double step_m) const {
   if (empty() || !(ray.direction.z() < 0)) return {};
   const double from = (highest_m_ - ray.origin.z()) / ray.direction.z();
-  const double to = std::min(limits.max_m, (lowest_m_ - ray.origin.z()) / ray.direction.z());
-  for (double t = std::max(limits.min_m, from); t < to + step_m; t += step_m) {
-    const Vec3 p = ray.origin + std::min(t, limits.max_m) * ray.direction;
+  const double lowest = (lowest_m_ - ray.origin.z()) / ray.direction.z();
+  const double to = std::min(limits.max_m, lowest);
+  for (double t = std::max(limits.min_m, from); t < to; t += step_m) {
+    const Vec3 p = ray.origin + t * ray.direction;
     if (p.z() < at(p.x(), p.y())) return t;
   }
+  if (lowest < limits.max_m) return std::max(limits.min_m, lowest);
   return {};
 }
 

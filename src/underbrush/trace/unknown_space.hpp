@@ -25,6 +25,12 @@ class GroundHeights {
   bool empty() const { return height_m_.empty(); }
   /// The height of the ground at a place, m; all in the frame of the mesh.
   double at(double x, double y) const { return between(height_m_, x, y); }
+  /// Whether the ground of the mesh is known in the square of a place.
+  bool is_known(double x, double y) const {
+    const Cell2 c = cell_of(x, y, kSideM);
+    const int32_t i = c.x - low_.x, j = c.y - low_.y;
+    return i >= 0 && j >= 0 && i < nx_ && j < ny_ && known_[size_t(j) * size_t(nx_) + size_t(i)];
+  }
   /// The share of beams below the ground at a place that may return, by the beams that were lost
   /// near it: 1 where there are none.
   double share(double x, double y) const { return share_.empty() ? 1 : between(share_, x, y); }
@@ -46,6 +52,7 @@ class GroundHeights {
   Cell2 low_;
   int32_t nx_ = 0, ny_ = 0;
   std::vector<float> height_m_, share_;  // of the middles of cells; x fastest
+  std::vector<uint8_t> known_;           // of cells
   double lowest_m_ = 0, highest_m_ = 0;
 };
 
@@ -193,7 +200,9 @@ void UnknownSpace::follow(const Ray& ray, const RangeLimits& limits, F take) con
       continue;
     const Vec3 at = start + middle * ray.direction;
     const double height = at.z() - ground_.at(at.x(), at.y());
-    if (!take(Step{t, end, height, CellHash()(c), at, std::max(kLeastFall, -rise)})) return;
+    const Step step{t, end, height, CellHash()(c), at, std::max(kLeastFall, -rise)};
+    if (step.is_low() && ground_.is_known(at.x(), at.y())) continue;
+    if (!take(step)) return;
   }
 }
 
