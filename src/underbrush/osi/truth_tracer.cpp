@@ -35,12 +35,21 @@ elements::Model ground_model() {
   return mesh_model({{-h, -h, z}, {h, -h, z}, {h, h, z}, {-h, h, z}}, {{0, 1, 2}, {0, 2, 3}});
 }
 
-/// The height of the ground (m, world): the given one, or else the lower side of the host's box.
+/// The height of the ground (m, world): the given one, or else the lowest side of the boxes of the
+/// host and of what moves near it.
 double ground_z_m(const TracerOptions& o, const SensorView& view) {
+  constexpr double kNearM = 50;
   if (o.ground_z_m) return *o.ground_z_m;
   const MovingObject* host = view.host();
-  if (!host || !host->base.position_m || !host->base.dimension_m) return 0;
-  return host->base.position_m->z() - host->base.dimension_m->z() / 2;
+  if (!host || !host->base.position_m) return 0;
+  std::optional<double> lowest;
+  for (const MovingObject& m : view.truth->moving) {
+    if (!m.base.position_m || !m.base.dimension_m || m.base.dimension_m->minCoeff() <= 0) continue;
+    if ((*m.base.position_m - *host->base.position_m).norm() > kNearM) continue;
+    const double side = m.base.position_m->z() - m.base.dimension_m->z() / 2;
+    lowest = std::min(side, lowest.value_or(side));
+  }
+  return lowest.value_or(0);
 }
 
 /// What does not change from cycle to cycle.

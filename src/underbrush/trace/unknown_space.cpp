@@ -125,39 +125,9 @@ void cells_of_steps(const Vec3& start, const Vec3& direction, double from_m, dou
 using elements::ObservedBlock;
 using elements::ObservedSpace;
 
-CrossedCells::CrossedCells(const ObservedSpace& space) : blocks_(space.blocks) {
-  constexpr int64_t kLargestBox = 1 << 24;  // blocks
-  if (blocks_.empty()) return;
-  low_ = blocks_[0].at;
-  Cell3 high = low_;
-  for (const ObservedBlock& b : blocks_) {
-    low_ = {std::min(low_.x, b.at.x), std::min(low_.y, b.at.y), std::min(low_.z, b.at.z)};
-    high = {std::max(high.x, b.at.x), std::max(high.y, b.at.y), std::max(high.z, b.at.z)};
-  }
-  count_ = {int64_t(high.x) - low_.x + 1, int64_t(high.y) - low_.y + 1,
-            int64_t(high.z) - low_.z + 1};
-  if (double(count_[0]) * double(count_[1]) * double(count_[2]) > double(kLargestBox)) {
-    in_hash_.reserve(blocks_.size());
-    for (const ObservedBlock& b : blocks_) in_hash_.emplace(b.at, &b);
-    return;
-  }
-  in_box_.resize(size_t(count_[0] * count_[1] * count_[2]));
-  for (size_t k = 0; k < blocks_.size(); ++k) {
-    const Cell3& at = blocks_[k].at;
-    in_box_[size_t(((at.z - low_.z) * count_[1] + at.y - low_.y) * count_[0] + at.x - low_.x)] =
-        uint32_t(k + 1);
-  }
-}
-
-const ObservedBlock* CrossedCells::block_at(const Cell3& at) const {
-  if (in_box_.empty()) {
-    const auto found = in_hash_.find(at);
-    return found == in_hash_.end() ? nullptr : found->second;
-  }
-  const int64_t x = int64_t(at.x) - low_.x, y = int64_t(at.y) - low_.y, z = int64_t(at.z) - low_.z;
-  if (x < 0 || y < 0 || z < 0 || x >= count_[0] || y >= count_[1] || z >= count_[2]) return nullptr;
-  const uint32_t number = in_box_[size_t((z * count_[1] + y) * count_[0] + x)];
-  return number == 0 ? nullptr : &blocks_[number - 1];
+CrossedCells::CrossedCells(const ObservedSpace& space) {
+  block_.reserve(space.blocks.size());
+  for (const ObservedBlock& b : space.blocks) block_.emplace(b.at, &b);
 }
 
 UnknownSpace::UnknownSpace(const ObservedSpace& space, const elements::TriangleMesh& ground,

@@ -25,7 +25,7 @@ class GroundHeights {
   bool empty() const { return height_m_.empty(); }
   /// The height of the ground at a place, m; all in the frame of the mesh.
   double at(double x, double y) const { return between(height_m_, x, y); }
-  /// Whether the ground of the mesh is known in the square of a place.
+  /// Whether the mesh has ground in the square of a place.
   bool is_known(double x, double y) const {
     const Cell2 c = cell_of(x, y, kSideM);
     const int32_t i = c.x - low_.x, j = c.y - low_.y;
@@ -71,22 +71,15 @@ class CrossedCells {
   uint8_t at(const Cell3& cell, Cell3& last, const elements::ObservedBlock*& block) const {
     const Cell3 in = elements::ObservedBlock::of(cell);
     if (!(in == last)) {
-      block = block_at(in);
+      const auto found = block_.find(in);
+      block = found == block_.end() ? nullptr : found->second;
       last = in;
     }
     return block ? block->beams[block->index(cell)] : 0;
   }
 
  private:
-  const elements::ObservedBlock* block_at(const Cell3& at) const;
-
-  std::span<const elements::ObservedBlock> blocks_;
-  // The numbers of the blocks + 1 in the box that holds them, x fastest; 0 where there is none.
-  // Where the box is too large, a hash takes its place.
-  Cell3 low_;
-  std::array<int64_t, 3> count_{};
-  std::vector<uint32_t> in_box_;
-  CellMap<Cell3, const elements::ObservedBlock*> in_hash_;
+  CellMap<Cell3, const elements::ObservedBlock*> block_;
 };
 
 /// The cells of the middles of steps in a row.
