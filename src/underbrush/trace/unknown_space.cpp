@@ -7,25 +7,35 @@
 
 namespace underbrush::trace {
 
+using elements::ObservedBlock;
+using elements::ObservedSpace;
+
 GroundHeights::GroundHeights(const elements::TriangleMesh& ground, const std::vector<bool>& keep,
                              std::span<const elements::LostBeams> lost) {
-  constexpr int32_t kMargin = 32;  // cells beyond the ground
+  constexpr double kMarginM = 128;  // beyond the ground
+  constexpr double kMostCells = 1 << 22;
   const auto kept = [&](size_t i) { return keep.empty() || keep[i]; };
   const auto cell = [&](size_t i) {
     const Vec3f& v = ground.vertices[i];
-    return cell_of(double(v.x()), double(v.y()), kSideM);
+    return cell_of(double(v.x()), double(v.y()), side_m_);
   };
-  Cell2 low{INT32_MAX, INT32_MAX}, high{INT32_MIN, INT32_MIN};
+  Vec3f low = Vec3f::Constant(HUGE_VALF), high = -low;
   for (size_t i = 0; i < ground.vertices.size(); ++i) {
     if (!kept(i)) continue;
-    const Cell2 c = cell(i);
-    low = {std::min(low.x, c.x), std::min(low.y, c.y)};
-    high = {std::max(high.x, c.x), std::max(high.y, c.y)};
+    low = low.cwiseMin(ground.vertices[i]);
+    high = high.cwiseMax(ground.vertices[i]);
   }
-  if (low.x > high.x) return;
-  low_ = {low.x - kMargin, low.y - kMargin};
-  nx_ = high.x - low.x + 1 + 2 * kMargin;
-  ny_ = high.y - low.y + 1 + 2 * kMargin;
+  if (low.x() > high.x()) return;
+  const auto along = [&](int axis) {
+    return double(high[axis] - low[axis]) / side_m_ + 2 + 2 * kMarginM / side_m_;
+  };
+  while (along(0) * along(1) > kMostCells) side_m_ *= 2;
+  const auto margin = int32_t(kMarginM / side_m_);
+  const Cell2 first = cell_of(double(low.x()), double(low.y()), side_m_),
+              last = cell_of(double(high.x()), double(high.y()), side_m_);
+  low_ = {first.x - margin, first.y - margin};
+  nx_ = last.x - first.x + 1 + 2 * margin;
+  ny_ = last.y - first.y + 1 + 2 * margin;
   const size_t cells = size_t(nx_) * size_t(ny_);
   std::vector<double> sum(cells), count(cells);
   for (size_t i = 0; i < ground.vertices.size(); ++i) {
@@ -52,12 +62,14 @@ GroundHeights::GroundHeights(const elements::TriangleMesh& ground, const std::ve
   share_.resize(cells);
   for (const size_t k : front) share_[k] = 1;
   for (const elements::LostBeams& l : lost) {
-    const int32_t x = l.at.x - low_.x, y = l.at.y - low_.y;
+    const double side = ObservedSpace::kSquareM;
+    const Cell2 c = cell_of((l.at.x + 0.5) * side, (l.at.y + 0.5) * side, side_m_);
+    const int32_t x = c.x - low_.x, y = c.y - low_.y;
     if (x < 0 || y < 0 || x >= nx_ || y >= ny_) continue;
     const size_t k = size_t(y) * size_t(nx_) + size_t(x);
     if (count[k] > 0) continue;
+    if (share_[k] == 0) front.push_back(k);
     share_[k] = float(1 / (1.0 + l.beams));
-    front.push_back(k);
   }
   extend(share_, std::move(front));
 }
@@ -100,8 +112,8 @@ std::optional<double> GroundHeights::entry(const Ray& ray, const RangeLimits& li
 }
 
 double GroundHeights::between(const std::vector<float>& values, double x, double y) const {
-  const double u = std::clamp(x / kSideM - 0.5 - low_.x, 0.0, double(nx_ - 1) - 1e-9);
-  const double v = std::clamp(y / kSideM - 0.5 - low_.y, 0.0, double(ny_ - 1) - 1e-9);
+  const double u = std::clamp(x / side_m_ - 0.5 - low_.x, 0.0, double(nx_ - 1) - 1e-9);
+  const double v = std::clamp(y / side_m_ - 0.5 - low_.y, 0.0, double(ny_ - 1) - 1e-9);
   const int32_t i = int32_t(u), j = int32_t(v);
   const double a = u - i, b = v - j;
   const float* row = &values[size_t(j) * size_t(nx_) + size_t(i)];
@@ -121,9 +133,6 @@ void cells_of_steps(const Vec3& start, const Vec3& direction, double from_m, dou
     }
   }
 }
-
-using elements::ObservedBlock;
-using elements::ObservedSpace;
 
 CrossedCells::CrossedCells(const ObservedSpace& space) {
   block_.reserve(space.blocks.size());

@@ -27,7 +27,7 @@ class GroundHeights {
   double at(double x, double y) const { return between(height_m_, x, y); }
   /// Whether the mesh has ground in the square of a place.
   bool is_known(double x, double y) const {
-    const Cell2 c = cell_of(x, y, kSideM);
+    const Cell2 c = cell_of(x, y, side_m_);
     const int32_t i = c.x - low_.x, j = c.y - low_.y;
     return i >= 0 && j >= 0 && i < nx_ && j < ny_ && known_[size_t(j) * size_t(nx_) + size_t(i)];
   }
@@ -41,14 +41,14 @@ class GroundHeights {
   double highest_m() const { return highest_m_; }
 
  private:
-  static constexpr double kSideM = elements::ObservedSpace::kSquareM;
-
   /// Continues the values of the cells `front`, ring by ring: a cell takes the mean of its
   /// neighbours in the ring before.
   void extend(std::vector<float>& values, std::vector<size_t> front) const;
   /// The value at a place, between the middles of cells.
   double between(const std::vector<float>& values, double x, double y) const;
 
+  // Of cells: the side, doubled until they are few enough, the first one, and numbers.
+  double side_m_ = elements::ObservedSpace::kSquareM;
   Cell2 low_;
   int32_t nx_ = 0, ny_ = 0;
   std::vector<float> height_m_, share_;  // of the middles of cells; x fastest
@@ -186,12 +186,9 @@ void UnknownSpace::follow(const Ray& ray, const RangeLimits& limits, F take) con
     const unsigned in_batch = unsigned(k) % StepCells::kSteps;
     if (in_batch == 0) cells_of_steps(start, ray.direction, t, cell, cells);
     Cell3 c{cells.x[in_batch], cells.y[in_batch], cells.z[in_batch]};
-    if (end == to) [[unlikely]] {  // a shorter step
-      c = cell_of(Vec3(start + middle * ray.direction), cell);
-    }
-    if (known_.at(c, last, in) > 0) [[likely]]
-      continue;
     const Vec3 at = start + middle * ray.direction;
+    if (end == to) c = cell_of(at, cell);  // a shorter step
+    if (known_.at(c, last, in) > 0) continue;
     const double height = at.z() - ground_.at(at.x(), at.y());
     const Step step{t, end, height, CellHash()(c), at, std::max(kLeastFall, -rise)};
     if (step.is_low() && ground_.is_known(at.x(), at.y())) continue;
