@@ -10,6 +10,7 @@ namespace underbrush::trace {
 using elements::ObservedBlock;
 using elements::ObservedSpace;
 
+// long: heights and shares are of the same cells.
 GroundHeights::GroundHeights(const elements::TriangleMesh& ground, const std::vector<bool>& keep,
                              std::span<const elements::LostBeams> lost) {
   constexpr double kMarginM = 128;  // beyond the ground
