@@ -13,8 +13,7 @@ using elements::ObservedSpace;
 // long: heights and shares are of the same cells.
 GroundHeights::GroundHeights(const elements::TriangleMesh& ground, const std::vector<bool>& keep,
                              std::span<const elements::LostBeams> lost) {
-  constexpr double kMarginM = 128;  // beyond the ground
-  constexpr double kMostCells = 1 << 22;
+  constexpr double kMarginM = 128, kMostCells = 1 << 22;  // the margin lies around the ground
   const auto kept = [&](size_t i) { return keep.empty() || keep[i]; };
   const auto cell = [&](size_t i) {
     const Vec3f& v = ground.vertices[i];
