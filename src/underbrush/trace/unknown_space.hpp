@@ -47,7 +47,7 @@ class GroundHeights {
   /// The value at a place, between the middles of cells.
   double between(const std::vector<float>& values, double x, double y) const;
 
-  // Of cells: the side, doubled until they are few enough, the first one, and numbers.
+  // The grid of cells has the side `side_m_`, the first cell `low_`, and nx_ by ny_ cells.
   double side_m_ = elements::ObservedSpace::kSquareM;
   Cell2 low_;
   int32_t nx_ = 0, ny_ = 0;
