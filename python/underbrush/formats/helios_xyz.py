@@ -14,7 +14,7 @@ from ..errors import FormatError
 from ._files import Array, PathLike, with_thousands
 from .las import NS_PER_M
 from .layouts import ranks
-from .scans import Poses, Scan
+from .scans import Scan, Survey
 
 _COLUMNS = 11  # x y z intensity echo_width return_number returns fullwave_index hit_object class gps_time
 _BLOCK = 4 << 20  # Bytes of text a scan.
@@ -37,21 +37,17 @@ def is_helios_xyz(path: PathLike) -> bool:
     return bool(lines) and len(lines[0]) < _LONGEST_LINE and any(_numbers(line) for line in lines[:3])
 
 
-class HeliosRecording:
+class HeliosRecording(Survey):
     """A text file of HELIOS++: x y z (m, world), intensity, echo width (ns), return number, number of returns, index of
     the pulse, object, class, GPS time (s).
 
     A scan is a piece of the file, of whole pulses. Lines that are no such rows are left out and counted.
     """
 
-    sensor = ""
-    organised = False
     crs = ""
-    world = True
 
     def __init__(self, path: PathLike) -> None:
         self.path = pathlib.Path(path)
-        self.poses: Poses | None = None
         self.skipped: collections.Counter[str] = collections.Counter()
         self.bytes_total, self.bytes_done = self.path.stat().st_size, 0
         with self.path.open("rb") as file:
@@ -63,8 +59,8 @@ class HeliosRecording:
         lines = [f"HELIOS++ text, about {with_thousands(self._lines)} points, {self.bytes_total / 1e6:.1f} MB",
                  "no misses in this format"]
         if self.poses is None:
-            lines.append(f"{self.path}: the sensor's place is not in it: add --poses FILE (HELIOS++'s trajectory, or "
-                         "GPS time x y z) or, for a tripod, --position X,Y,Z")
+            lines.append(f"{self.path}: the sensor's place is not in it: import estimates that of an aircraft, or takes "
+                         "--poses FILE (HELIOS++'s trajectory, or GPS time x y z) or, for a tripod, --position X,Y,Z")
         return lines
 
     def scans(self) -> Iterator[Scan]:

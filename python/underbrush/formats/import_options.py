@@ -16,6 +16,7 @@ _EPILOG = """examples:
   underbrush import drive.bag                                    what the bag holds
   underbrush import drive.bag --infer-misses velodyne-hdl64e -o drive.ply
   underbrush import drive.mcap --topic /velodyne_packets --frames 0:100 -o drive.ply
+  underbrush import plot.laz -o plot.ply                         an aircraft's positions are estimated
   underbrush import plot.laz --poses flight.txt -o plot.ply      t x y z of the scanner, GPS time
   underbrush import station.e57 --topic 2 -o station.ply         one station
   underbrush import vlp16.pcap --position 0,0,1.8 -o vlp16.ply"""
@@ -36,7 +37,8 @@ def parser() -> Parser:
     p.add_argument("-o", "--output", metavar="LOG.ply", help="the log; without it, say what the recording holds")
     p.add_argument("--topic", default="", metavar="NAME",
                    help="the topic (bags), ADDRESS:PORT (captures) or station (E57: its number or name) to read")
-    p.add_argument("--poses", metavar="FILE|TOPIC", help="poses of the sensor; default: the recording's own")
+    p.add_argument("--poses", metavar="FILE|TOPIC",
+                   help="poses of the sensor; default: the recording's own, or those that an airborne survey's points tell")
     p.add_argument("--position", metavar="X,Y,Z", type=_place, help="place of a sensor that stands still, m")
     p.add_argument("--frame", default="", metavar="NAME", help="frame of the poses (bags)")
     p.add_argument("--clock", default="stamp", choices=("stamp", "bag"), help="clock of the scans (bags)")

@@ -15,7 +15,7 @@ from ..errors import FormatError
 from ._files import Array, PathLike, guarded, need, with_thousands
 from .laz_check import LasFacts, check_las
 from .layouts import ranks, take_rows
-from .scans import Poses, Scan
+from .scans import Scan, Survey
 
 NS_PER_M = 2 / 0.299792458  # Of a pulse's way there and back.
 _CHUNK_BYTES = 32 << 20  # Points of a scan, as the file stores them.
@@ -26,7 +26,7 @@ _OWN = ("X", "Y", "Z", "intensity", "bit_fields", "raw_classification", "classif
         "scan_angle_rank", "scan_angle", "user_data", "point_source_id", "gps_time")
 
 
-class LasRecording:
+class LasRecording(Survey):
     """A LAS, LAZ or COPC file. A scan is a piece of `chunk` points (as many as 32 MiB hold), in the file's order.
 
     `xyz` are the file's coordinates. Returns of a pulse (equal times, rising return numbers) are joined to a beam and
@@ -34,13 +34,8 @@ class LasRecording:
     HELIOS++'s amplitude, where it is there, is the intensity, and its echo width (ns) becomes `pulse_width` (m).
     """
 
-    sensor = ""
-    organised = False
-    world = True
-
     def __init__(self, path: PathLike, *, chunk: int | None = None) -> None:
         self.path = pathlib.Path(path)
-        self.poses: Poses | None = None
         self.skipped: collections.Counter[str] = collections.Counter()
         self.bytes_total, self.bytes_done = self.path.stat().st_size, 0
         self._laspy = need("laspy")
@@ -88,9 +83,9 @@ class LasRecording:
         if span := self._time_span():
             lines.insert(-2, span)
         if self.poses is None:
-            lines.append(f"{self.path}: the sensor's place is not in it: add "
-                         + ("--poses FILE (GPS time x y z) or, for a tripod, " if self.has_time else "")
-                         + "--position X,Y,Z")
+            lines.append(f"{self.path}: the sensor's place is not in it: "
+                         + ("import estimates that of an aircraft, or takes --poses FILE (GPS time x y z) or, for a "
+                            "tripod, " if self.has_time else "add ") + "--position X,Y,Z")
         return lines
 
     @contextlib.contextmanager

@@ -8,9 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 from ._files import Array, OptionMissing, PathLike
+from .airborne import estimate_poses
 from .bag import BagRecording
 from .infer_misses import MissInference
-from .scans import Poses, Recording, Scan, far_from_sensor
+from .scans import Poses, Recording, Scan, Survey, far_from_sensor
 from .trajectory import pose_at, read_poses, rotate
 
 Floats = npt.NDArray[np.float64]
@@ -25,12 +26,14 @@ def beams(recording: Recording, *, poses: Poses | PathLike | None = None,
           frames: range | None = None) -> Iterator[dict[str, Array]]:
     """Beams of all scans of a recording in the world frame, a mapping of columns a scan (see `place`).
 
-    `infer` adds the misses that point clouds lack, and `frames` has the numbers of the scans to read. `poses` (or a file of them, see `read_poses`, or a topic) take the place of the recording's own; `position` (x y z,
-    m, world) is the place of a sensor that stands still. What is left out is counted in `recording.skipped`. Raises
-    `OptionMissing` with one line that names the option to add where neither says where the sensor was.
+    `infer` adds the misses that point clouds lack, and `frames` has the numbers of the scans to read. `poses` (or a
+    file of them, see `read_poses`, or a topic) take the place of the recording's own; `position` (x y z, m, world) is
+    the place of a sensor that stands still. Without both, the positions of an airborne sensor are estimated from a
+    survey file. What is left out is counted in `recording.skipped`. Raises `OptionMissing` with one line that names the
+    option to add where nothing says where the sensor was.
     """
     path = getattr(recording, "path", "recording")
-    known = poses_of(recording, poses)
+    known = poses_of(recording, poses, estimated=position is None)
     first = True
     if frames is not None and not getattr(recording, "numbered", False):
         raise ValueError(f"{path}: --frames is for recordings of scans: bags and packet captures")
@@ -54,11 +57,14 @@ def beams(recording: Recording, *, poses: Poses | PathLike | None = None,
         yield place(scan, known, world=recording.world, position=position, skipped=recording.skipped)
 
 
-def poses_of(recording: Recording, given: Poses | PathLike | None) -> Poses | None:
-    """The poses given, those of a file or of a topic of the recording, or the recording's own."""
+def poses_of(recording: Recording, given: Poses | PathLike | None, estimated: bool = False) -> Poses | None:
+    """The poses given, those of a file or of a topic of the recording, the recording's own, or those that are estimated
+    from its points."""
     if isinstance(given, Poses):
         return given
     if not given:
+        if estimated and recording.poses is None and isinstance(recording, Survey):
+            estimate_poses(recording)
         return recording.poses
     if isinstance(recording, BagRecording):
         recording.take_poses(given)
@@ -79,7 +85,7 @@ def place(scan: Scan, poses: Poses | None, *, world: bool = False, position: Seq
     skipped = collections.Counter() if skipped is None else skipped
     n = len(scan)
     time = scan.beam_time_s if scan.beam_time_s is not None else np.full(n, scan.time_s)
-    inside = np.ones(n, bool)
+    inside, lost = np.ones(n, bool), np.zeros(n, bool)
     rotation = np.tile([0.0, 0.0, 0.0, 1.0], (n, 1))
     if position is not None:
         origin = np.tile(np.asarray(position, np.float64), (n, 1))
@@ -88,6 +94,7 @@ def place(scan: Scan, poses: Poses | None, *, world: bool = False, position: Seq
         times, group = _distinct(time)
         places, turns, within = pose_at(poses, times)
         origin, rotation, inside = places[group], turns[group], within[group]
+        lost = np.isnan(origin[:, 0]) & inside
     elif world and scan.origin is not None:
         origin = scan.origin
     else:
@@ -108,7 +115,8 @@ def place(scan: Scan, poses: Poses | None, *, world: bool = False, position: Seq
     directed = np.isfinite(direction[:, 0])
     near = ~(distance > _LEAST_RANGE_M)
     for count, reason in ((~inside, "beams outside the times of the poses"),
-                          (inside & ~directed, "misses whose direction cannot be found"),
+                          (lost, "points of flight lines whose sensor positions cannot be estimated"),
+                          (inside & ~lost & ~directed, "misses whose direction cannot be found"),
                           (inside & directed & near, "points at the sensor itself")):
         if count.any():
             skipped[reason] += int(np.count_nonzero(count))

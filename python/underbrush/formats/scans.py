@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import collections
 import dataclasses
+import pathlib
 from collections.abc import Iterable, Iterator
 from typing import Protocol
 
@@ -70,6 +71,24 @@ class Recording(Protocol):
 
         Raises `underbrush.FormatError` where the file as a whole cannot be read.
         """
+
+
+class Survey:
+    """What readers of survey files share: points in world coordinates, without the places of the sensor."""
+
+    sensor, organised, world = "", False, True
+    path: pathlib.Path
+    poses: Poses | None = None
+    skipped: collections.Counter[str]
+    estimated = ""  #: How `poses` were estimated from the points; empty where they were not.
+
+    def scans(self) -> Iterator[Scan]:
+        """As `Recording.scans`."""
+        raise NotImplementedError
+
+    def notes(self) -> list[str]:
+        """What a user must know of the beams."""
+        return [self.estimated] if self.estimated else []
 
 
 def middles(scans: Iterable[Scan]) -> npt.NDArray[np.float64]:
