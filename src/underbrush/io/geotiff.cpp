@@ -9,6 +9,7 @@
 #include "underbrush/core/file.hpp"
 #include "underbrush/io/ply_header.hpp"
 #include "underbrush/io/text.hpp"
+#include "underbrush/io/tiff_piece.hpp"
 
 namespace underbrush::io {
 namespace {
@@ -24,9 +25,12 @@ enum Tag : uint16_t {
   kStripOffsets = 273,
   kSamples = 277,
   kRowsPerStrip = 278,
+  kStripBytes = 279,
+  kPredictor = 317,
   kTileWidth = 322,
   kTileHeight = 323,
   kTileOffsets = 324,
+  kTileBytes = 325,
   kSampleFormat = 339,
   kPixelScale = 33550,
   kTiePoint = 33922,
@@ -80,6 +84,14 @@ class Tiff {
     const std::vector<double> found = numbers(tag);
     return found.empty() ? otherwise : found[0];
   }
+  bool big_endian() const { return swap_; }
+  /// The bytes from `at` on, at most `most` of them.
+  std::string_view bytes(uint64_t at, uint64_t most) const {
+    if (at > bytes_.size()) {
+      fail("byte " + std::to_string(at), "the file ends before it, truncated");
+    }
+    return std::string_view(bytes_).substr(at, most);
+  }
   template <class T>
   T whole(uint64_t at) const {
     if (at > bytes_.size() || bytes_.size() - at < sizeof(T)) {
@@ -97,19 +109,24 @@ class Tiff {
 constexpr const char* kConvert =
     "; 'gdalwarp -ot Float32 -co COMPRESS=NONE IN.tif OUT.tif' makes one that is read";
 
-double sample(const Tiff& tiff, int format, int bits, uint64_t at) {
-  if (format == 3) return bits == 32 ? double(tiff.whole<float>(at)) : tiff.whole<double>(at);
+double sample(const char* at, int format, int bits, bool swap) {
+  if (format == 3) return bits == 32 ? double(load<float>(at, swap)) : load<double>(at, swap);
   const bool is_signed = format == 2;
-  if (bits == 8) return is_signed ? tiff.whole<int8_t>(at) : tiff.whole<uint8_t>(at);
-  if (bits == 16) return is_signed ? tiff.whole<int16_t>(at) : tiff.whole<uint16_t>(at);
-  return is_signed ? double(tiff.whole<int32_t>(at)) : double(tiff.whole<uint32_t>(at));
+  if (bits == 8) return is_signed ? load<int8_t>(at, swap) : load<uint8_t>(at, swap);
+  if (bits == 16) return is_signed ? load<int16_t>(at, swap) : load<uint16_t>(at, swap);
+  return is_signed ? double(load<int32_t>(at, swap)) : double(load<uint32_t>(at, swap));
 }
 
 void check_kind(const Tiff& tiff, int format, int bits) {
   const bool known = format == 3
                          ? bits == 32 || bits == 64
                          : (format == 1 || format == 2) && (bits == 8 || bits == 16 || bits == 32);
-  if (tiff.number(kCompression, 1) != 1) tiff.fail("", std::string("is compressed") + kConvert);
+  const std::string unread = unread_compression(int(tiff.number(kCompression, 1)));
+  if (!unread.empty()) tiff.fail("", "is compressed by " + unread + kConvert);
+  const double predictor = tiff.number(kPredictor, 1);
+  if (predictor != 1 && predictor != 2 && !(predictor == 3 && format == 3)) {
+    tiff.fail("", std::string("has an unusual predictor") + kConvert);
+  }
   if (tiff.number(kSamples, 1) != 1) tiff.fail("", std::string("has several bands") + kConvert);
   if (!known) tiff.fail("", std::string("has values of an unusual type") + kConvert);
   if (tiff.has(kTransform) || tiff.numbers(kPixelScale).size() < 2 ||
@@ -143,6 +160,66 @@ double no_data(const Tiff& tiff) {
   return number_of(text).value_or(NAN);
 }
 
+/// Where the strips or tiles of a file stand, and how they are stored.
+struct Pieces {
+  std::vector<double> offset, bytes;
+  uint64_t across = 1, down = 1, in_row = 1;  ///< Cells of a piece; pieces side by side.
+  bool tiled = false;
+  TiffCoding coding;
+};
+
+Pieces pieces_of(const Tiff& tiff, const Raster& raster) {
+  Pieces out;
+  out.tiled = tiff.has(kTileOffsets);
+  out.offset = tiff.numbers(out.tiled ? kTileOffsets : kStripOffsets);
+  out.bytes = tiff.numbers(out.tiled ? kTileBytes : kStripBytes);
+  out.across =
+      uint64_t(out.tiled ? std::max(1.0, tiff.number(kTileWidth, 0)) : double(raster.columns));
+  out.down = uint64_t(std::max(1.0, out.tiled ? tiff.number(kTileHeight, 0)
+                                              : tiff.number(kRowsPerStrip, double(raster.rows))));
+  if (!out.tiled) out.down = std::min<uint64_t>(out.down, raster.rows);
+  out.in_row = (raster.columns + out.across - 1) / out.across;
+  const uint64_t in_column = (raster.rows + out.down - 1) / out.down;
+  if (out.offset.size() < out.in_row * in_column) tiff.fail("", "lacks a strip or tile");
+  // A tile is padded to its size; a file whose tiles are much larger than it is a mistake or worse.
+  if (double(out.across) * double(out.down) * double(out.in_row) * double(in_column) >
+      4.0 * double(kMostCells)) {
+    tiff.fail("", "has tiles that are much larger than its map");
+  }
+  out.coding = {int(tiff.number(kCompression, 1)), int(tiff.number(kPredictor, 1)),
+                int(tiff.number(kBits, 1)), size_t(out.across), tiff.big_endian()};
+  return out;
+}
+
+/// Sets the cells of the piece of this number.
+void read_piece(const Tiff& tiff, const Pieces& pieces, int format, double nothing, uint64_t piece,
+                Raster& out) {
+  const uint64_t first_row = piece / pieces.in_row * pieces.down,
+                 first_column = piece % pieces.in_row * pieces.across;
+  const uint64_t rows = std::min<uint64_t>(pieces.down, out.rows - first_row),
+                 columns = std::min<uint64_t>(pieces.across, out.columns - first_column);
+  const auto width = uint64_t(pieces.coding.bits / 8);
+  const uint64_t size = pieces.across * (pieces.tiled ? pieces.down : rows) * width;
+  const bool plain = pieces.coding.compression == 1;
+  const double stored = plain                         ? double(size)
+                        : piece < pieces.bytes.size() ? pieces.bytes[piece]
+                                                      : double(kMostBytes);
+  const auto samples = decode_tiff_piece(
+      tiff.bytes(uint64_t(pieces.offset[piece]), uint64_t(stored)), pieces.coding, size);
+  if (!samples) {
+    tiff.fail(std::string(pieces.tiled ? "tile " : "strip ") + std::to_string(piece),
+              plain ? "the file ends before its last row, truncated" : "is damaged or truncated");
+  }
+  for (uint64_t r = 0; r < rows; ++r) {
+    for (uint64_t c = 0; c < columns; ++c) {
+      const double value = sample(samples->data() + (r * pieces.across + c) * width, format,
+                                  pieces.coding.bits, tiff.big_endian());
+      out.value[(first_row + r) * out.columns + first_column + c] =
+          value == nothing ? NAN : float(value);
+    }
+  }
+}
+
 }  // namespace
 
 Raster read_geotiff(const std::filesystem::path& path) {
@@ -157,23 +234,12 @@ Raster read_geotiff(const std::filesystem::path& path) {
   out.columns = uint32_t(width);
   out.rows = uint32_t(height);
   place(tiff, out);
-  const bool tiled = tiff.has(kTileOffsets);
-  const std::vector<double> offset = tiff.numbers(tiled ? kTileOffsets : kStripOffsets);
-  const auto across = uint64_t(tiled ? std::max(1.0, tiff.number(kTileWidth, 0)) : width);
-  const auto down = uint64_t(
-      std::max(1.0, tiled ? tiff.number(kTileHeight, 0) : tiff.number(kRowsPerStrip, height)));
-  const uint64_t pieces = (out.columns + across - 1) / across;
+  const Pieces pieces = pieces_of(tiff, out);
   const double nothing = no_data(tiff);
   out.value.resize(size_t(out.columns) * out.rows);
-  for (uint64_t r = 0; r < out.rows; ++r) {
-    for (uint64_t c = 0; c < out.columns; ++c) {
-      const uint64_t piece = r / down * pieces + c / across;
-      if (piece >= offset.size()) tiff.fail("", "lacks a strip or tile");
-      const uint64_t at =
-          uint64_t(offset[piece]) + (r % down * across + c % across) * uint64_t(bits / 8);
-      const double value = sample(tiff, format, bits, at);
-      out.value[r * out.columns + c] = value == nothing ? NAN : float(value);
-    }
+  const uint64_t in_column = (out.rows + pieces.down - 1) / pieces.down;
+  for (uint64_t piece = 0; piece < pieces.in_row * in_column; ++piece) {
+    read_piece(tiff, pieces, format, nothing, piece, out);
   }
   return out;
 }
