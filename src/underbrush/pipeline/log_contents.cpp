@@ -7,13 +7,18 @@
 namespace underbrush::pipeline {
 namespace {
 
-constexpr double kRangeStep = 0.01;
-constexpr size_t kRangeBins = 100000;
+constexpr double kNearM = 1000, kNearStepM = 0.01, kFarStepM = 1;
+constexpr size_t kNearBins = 100000, kFarBins = 20000;
+
+size_t bin_of(double range_m) {
+  if (range_m < kNearM) return std::min(kNearBins - 1, size_t(range_m / kNearStepM));
+  return kNearBins + size_t(std::min((range_m - kNearM) / kFarStepM, double(kFarBins - 1)));
+}
 
 }  // namespace
 
 void LogContents::add(const BeamLog& log) {
-  ranges.resize(kRangeBins + 1);
+  ranges.resize(kNearBins + kFarBins);
   const std::vector<bool> begins = begins_beam(log);
   for (size_t i = 0; i < log.size(); ++i) {
     beams += begins[i];
@@ -23,7 +28,7 @@ void LogContents::add(const BeamLog& log) {
       const Vec3 end = log.end_point(i);
       low = low.cwiseMin(end);
       high = high.cwiseMax(end);
-      ++ranges[std::min(kRangeBins, size_t(log.range_m[i] / kRangeStep))];
+      ++ranges[bin_of(double(log.range_m[i]))];
       low_intensity = std::min(low_intensity, double(log.intensity[i]));
       high_intensity = std::max(high_intensity, double(log.intensity[i]));
     } else {
@@ -42,7 +47,9 @@ double LogContents::range_percentile(double share) const {
   size_t sum = 0;
   for (size_t b = 0; b < ranges.size(); ++b) {
     sum += ranges[b];
-    if (double(sum) >= share * double(echoes)) return (double(b) + 0.5) * kRangeStep;
+    if (double(sum) < share * double(echoes)) continue;
+    return b < kNearBins ? (double(b) + 0.5) * kNearStepM
+                         : kNearM + (double(b - kNearBins) + 0.5) * kFarStepM;
   }
   return 0;
 }

@@ -20,7 +20,7 @@ struct LogContents {
   double low_intensity = INFINITY, high_intensity = -INFINITY;
   std::set<uint32_t> scans;
   std::set<uint16_t> rings;
-  std::vector<size_t> ranges;      ///< Histogram in steps of 1 cm up to 1 km, and one bin beyond.
+  std::vector<size_t> ranges;      ///< Histogram in steps of 1 cm up to 1 km, then of 1 m to 21 km.
   std::vector<std::string> extra;  ///< Names of extra columns.
 
   /// Adds a chunk of the log.
