@@ -9,6 +9,8 @@
 #include "stages.hpp"
 #include "underbrush/io/json_text.inl"
 #include "underbrush/io/log_file.hpp"
+#include "underbrush/metrics/bounds.hpp"
+#include "underbrush/pipeline/out_of_reach.hpp"
 #include "underbrush/pipeline/reports_json.inl"
 #include "underbrush/worlds/read_world.hpp"
 #include "underbrush/worlds/survey_folder.hpp"
@@ -64,6 +66,19 @@ std::string text_of(const pipeline::ImportReport& r, const std::string& output) 
   return text + text_of_warnings(r.warnings);
 }
 
+/// Says which legs cannot be where the scene is.
+std::vector<std::string> warnings_of(const worlds::World& world, const worlds::Survey& survey) {
+  std::vector<std::string> warnings;
+  const metrics::Bounds scene = metrics::bounds_of(world.scene.models, world.scene.instances);
+  for (const worlds::SurveyLeg& leg : survey.legs) {
+    metrics::Bounds path;
+    for (const StampedPose& p : leg.trajectory.poses()) path.add(p.world_from_sensor.translation);
+    const std::string text = pipeline::other_coordinates(path, scene);
+    if (!text.empty()) warnings.push_back(fmt::format("leg {}: {}", leg.number, text));
+  }
+  return warnings;
+}
+
 /// Writes a survey of HELIOS++ as a folder.
 void import_survey(const Verb& verb, const Arguments& a) {
   worlds::check_survey_output(a.output);
@@ -81,6 +96,9 @@ void import_survey(const Verb& verb, const Arguments& a) {
   for (const auto& [what, n] : survey.left_out) {
     text += line("left out", "{} ({})", n, what);
   }
+  const std::vector<std::string> warnings = warnings_of(world, survey);
+  if (!warnings.empty()) j["warnings"] = warnings;
+  text += text_of_warnings(warnings);
   text += line("survey", "{}", a.output);
   const std::string folder = std::filesystem::path(a.output).lexically_normal().string();
   for (size_t k = 0; k < survey.legs.size() && k < 8; ++k) {

@@ -7,6 +7,7 @@
 #include "cli/progress.hpp"
 #include "light_report.hpp"
 #include "mover_words.hpp"
+#include "stages.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/io/driver_layout.hpp"
@@ -216,6 +217,7 @@ void report(const Verb& verb, const Arguments& a, const Done& done, const WorldS
   if (!intensities.empty()) j["intensity"] = intensities;
   if (model.keyframes) j["keyframes"] = done.simulation.keyframes_serve(done.beams);
   if (world.read.parts) j["world"] = json_of(world);
+  if (!n.warnings.empty()) j["warnings"] = n.warnings;
   j["seconds_tracing"] = n.seconds;
   j["seconds"] = done.seconds;
   j["beams_per_s"] = rate;
@@ -232,6 +234,7 @@ void report(const Verb& verb, const Arguments& a, const Done& done, const WorldS
   if (!lost.empty()) text += fmt::format("  not kept    {}\n", lost);
   text += text_of_model(done, model);
   if (world.read.parts) text += text_of(world);
+  text += text_of_warnings(n.warnings);
   verb.report(j, text + fmt::format("  log         {}\n", a.output));
 }
 

@@ -82,6 +82,9 @@ std::pair<BeamLog, pipeline::SimulateCounts> simulated(const GivenWorld& model,
     }
     waveforms.write(simulation.sensor());
   });
+  for (const std::string& text : out.second.warnings) {
+    if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) < 0) throw nb::python_error();
+  }
   return out;
 }
 

@@ -87,6 +87,29 @@ class Worlds(cli_test.OnALog):
         pathlib.Path(self.folder, "other", "file").write_text("")
         self.assertEqual(self.call("import", "survey.xml", "-o", "other").returncode, 4)
 
+    def test_a_trajectory_that_does_not_fit_the_scene_is_told(self):
+        leg = ("--sensor", "survey/leg-2.yaml", "--trajectory", "survey/leg-2.txt", "-o", "leg.ply")
+        flight = pathlib.Path(self.folder, "flight.trj")
+        rows = [line.replace(",", " ").split() for line in flight.read_text().splitlines() if not line.startswith(("#", "/"))]
+
+        def moved(east, north, up):
+            flight.write_text("".join(" ".join([*row[:4], str(float(row[4]) + east), str(float(row[5]) + north),
+                                                str(float(row[6]) + up)]) + "\n" for row in rows))
+            found = self.json_of("import", "survey.xml", "-o", "survey").get("warnings", [])
+            return found, self.json_of("simulate", "survey/scene", *leg)
+
+        told, done = moved(0, 0, 0)
+        self.assertEqual((told, "warnings" in done), ([], False))
+        self.assertGreater(done["hits"], 0)
+        told, done = moved(412000, 5645000, 0)  # The flight in UTM, the scene in local coordinates.
+        self.assertEqual((len(told), done["hits"], len(done["warnings"])), (1, 0, 1))
+        self.assertRegex(told[0], r"^leg 2: the sensor lies at x 4125\d\d.* the world at x 492.4.*; they are 56\d\d km apart")
+        self.assertRegex(done["warnings"][0], "^no beam meets anything: the sensor lies at .* UTM: shift the poses$")
+        self.assertIn("  warning     no beam meets anything", self.call("simulate", "survey/scene", *leg).stdout)
+        told, done = moved(0, 0, 2e6)
+        self.assertEqual((told, done["hits"]), ([], 0))
+        self.assertRegex(done["warnings"][0], r"it is 2000 km above the world, beyond its range of ")
+
     def test_files_outside_the_folder_are_refused(self):
         inner = pathlib.Path(self.folder, "inner")
         inner.mkdir()

@@ -5,49 +5,12 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
+#include "underbrush/metrics/bounds.hpp"
 
 namespace underbrush::metrics {
 namespace {
 
 using elements::Kind;
-
-struct Bounds {
-  Vec3 low = Vec3::Constant(INFINITY), high = Vec3::Constant(-INFINITY);
-  void add(const Vec3& x) {
-    low = low.cwiseMin(x);
-    high = high.cwiseMax(x);
-  }
-};
-
-/// Bounds of the vertices, and of the ellipsoids within two standard deviations.
-void add_model(const elements::Model& m, const elements::Instance& placed, Bounds& bounds) {
-  const auto world = [&](const Vec3f& v) -> Vec3 {
-    return placed.world_from_model.translation +
-           double(placed.scale) * (placed.world_from_model.rotation * v.cast<double>());
-  };
-  for (const Vec3f& v : m.ground.vertices) bounds.add(world(v));
-  for (const Vec3f& v : m.surface.vertices) bounds.add(world(v));
-  for (const elements::Ellipsoid& e : m.ellipsoids) {
-    const Mat3 turned = placed.world_from_model.rotation.toRotationMatrix() *
-                        e.covariance_matrix() *
-                        placed.world_from_model.rotation.toRotationMatrix().transpose();
-    const Vec3 reach = 2 * double(placed.scale) * turned.diagonal().cwiseSqrt();
-    bounds.add(world(e.mean) - reach);
-    bounds.add(world(e.mean) + reach);
-  }
-}
-
-Bounds bounds_of(const elements::Scene& scene) {
-  Bounds bounds;
-  if (scene.instances.empty()) {
-    elements::Instance placed;
-    placed.world_from_model.translation = scene.models.at(0).origin;
-    add_model(scene.models[0], placed, bounds);
-  }
-  for (const elements::Instance& i : scene.instances) add_model(scene.models[i.model], i, bounds);
-  if (!(bounds.low.x() <= bounds.high.x())) throw DataError("canopy: there are no elements");
-  return bounds;
-}
 
 /// Fires rays along an axis, as many in each column of voxels, and multiplies what passes.
 class Voxels {
@@ -166,7 +129,8 @@ Canopy canopy_of(const elements::Scene& scene, const trace::World& world, const 
               std::isfinite(o.cover_height_m),
           "canopy: cells and rays must be positive");
   constexpr double kProjection = 0.5, kMostVoxels = 2e8;
-  const Bounds bounds = bounds_of(scene);
+  const Bounds bounds = bounds_of(scene.models, scene.instances);
+  if (bounds.empty()) throw DataError("canopy: there are no elements");
   Canopy c;
   c.cell_m = o.cell_m;
   c.low = (bounds.low / o.cell_m).array().floor() * o.cell_m;

@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/pipeline/out_of_reach.hpp"
 #include "underbrush/simulate/simulate.hpp"
 
 namespace underbrush::pipeline {
@@ -75,16 +76,30 @@ SimulateCounts simulate_log(Simulation& simulation, BeamSource& beams,
                             const std::function<void(BeamSource&)>& write,
                             const SimulateProgress& progress) {
   simulation.recognise(beams);
+  metrics::Bounds sensor;
   simulate::SimulatedSource simulated(
-      [&](size_t first_beam, BeamLog& chunk) { simulation.answer(first_beam, chunk); }, beams,
-      simulation.options().max_range_m);
+      [&](size_t first_beam, BeamLog& chunk) {
+        for (const Vec3& origin : chunk.origin) sensor.add(origin);
+        simulation.answer(first_beam, chunk);
+      },
+      beams, simulation.options().max_range_m);
   if (simulation.options().element_ids) {
     simulated.name_classes(simulation.world().element_classes());
   }
   Watched watched(simulated, progress);
   watched.rewind();
   write(watched);
-  return {simulated.beams(), simulated.rows(), simulated.hits(), simulated.seconds()};
+  SimulateCounts out{simulated.beams(), simulated.rows(), simulated.hits(), simulated.seconds()};
+  if (out.beams > 0 && out.hits == 0) {
+    const TracedWorld& world = simulation.world();
+    const elements::Scene* scene = world.scene();
+    out.warnings.push_back(why_nothing_is_hit(
+        sensor,
+        metrics::bounds_of(world.models(), scene ? std::span(scene->instances)
+                                                 : std::span<const elements::Instance>()),
+        simulated.info().max_range_m));
+  }
+  return out;
 }
 
 BeamLog simulate_log(Simulation& simulation, BeamSource& beams, const SimulateProgress& progress,

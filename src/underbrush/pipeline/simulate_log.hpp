@@ -3,6 +3,8 @@
 #pragma once
 #include <functional>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/perception/rig_source.hpp"
@@ -44,6 +46,8 @@ Simulation::SensorOf sensor_of(const std::string& file, const BeamSource& log);
 struct SimulateCounts {
   size_t beams = 0, rows = 0, hits = 0;
   double seconds = 0;  ///< s; spent on answers, without reading and writing.
+  /// What is wrong where beams were answered and none met anything; see `why_nothing_is_hit`.
+  std::vector<std::string> warnings = {};
 };
 
 /// Called with the number of beams that are done and that of all.

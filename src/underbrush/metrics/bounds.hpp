@@ -1,0 +1,26 @@
+/// \file
+/// The box in which a world lies.
+#pragma once
+#include <cmath>
+#include <span>
+
+#include "underbrush/elements/scene.hpp"
+
+namespace underbrush::metrics {
+
+/// A box with sides along the axes; empty until a point is added.
+struct Bounds {
+  Vec3 low = Vec3::Constant(INFINITY), high = Vec3::Constant(-INFINITY);  ///< m
+  void add(const Vec3& x) {
+    low = low.cwiseMin(x);
+    high = high.cwiseMax(x);
+  }
+  bool empty() const { return !(low.x() <= high.x()); }
+};
+
+/// The bounds of the vertices of a scene, and of its ellipsoids within two standard deviations.
+/// Without instances the first model lies at its origin.
+Bounds bounds_of(std::span<const elements::Model> models,
+                 std::span<const elements::Instance> instances);
+
+}  // namespace underbrush::metrics

@@ -1,0 +1,77 @@
+#include "underbrush/pipeline/out_of_reach.hpp"
+
+#include <cstdio>
+
+namespace underbrush::pipeline {
+namespace {
+
+using metrics::Bounds;
+
+constexpr double kOtherCoordinatesM = 10e3, kPointM = 0.05;
+
+std::string number(const char* format, double value) {
+  char text[64];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+/// A distance with three or four digits, in m or km.
+std::string length(double m) {
+  return m < 1000 ? number("%.3g m", m) : number("%.4g km", m / 1000);
+}
+
+std::string place(const Bounds& b) {
+  std::string text;
+  for (int axis = 0; axis < 3; ++axis) {
+    text += std::string(axis ? ", " : "") + "xyz"[axis] + number(" %.1f", b.low[axis]);
+    if (b.high[axis] - b.low[axis] > kPointM) text += number(" to %.1f", b.high[axis]);
+  }
+  return text + " m";
+}
+
+/// By how much the sensor's box lies beyond the world's along each axis; 0 where they overlap.
+Vec3 gap_of(const Bounds& sensor, const Bounds& world) {
+  return (sensor.low - world.high).cwiseMax(world.low - sensor.high).cwiseMax(0);
+}
+
+/// The distance (m) beside the world, seen from above.
+double beside(const Bounds& sensor, const Bounds& world) {
+  return gap_of(sensor, world).head<2>().norm();
+}
+
+std::string places(const Bounds& sensor, const Bounds& world) {
+  return "the sensor lies at " + place(sensor) + ", the world at " + place(world) + "; ";
+}
+
+/// Where the sensor is, of which the world is out of reach.
+std::string where_of(const Bounds& sensor, const Bounds& world) {
+  const double up = gap_of(sensor, world).z(), aside = beside(sensor, world);
+  std::string text;
+  if (up > 0) text = length(up) + (sensor.low.z() > world.high.z() ? " above" : " below");
+  if (aside > 0) text += (text.empty() ? "" : " and ") + length(aside) + " beside";
+  return text;
+}
+
+}  // namespace
+
+std::string other_coordinates(const Bounds& sensor, const Bounds& world) {
+  if (sensor.empty() || world.empty() || beside(sensor, world) <= kOtherCoordinatesM) return "";
+  return places(sensor, world) + "they are " + length(beside(sensor, world)) +
+         " apart, so one of them has coordinates of another system, such as UTM: shift the poses";
+}
+
+std::string why_nothing_is_hit(const Bounds& sensor, const Bounds& world, double max_range_m) {
+  const std::string nothing = "no beam meets anything: ";
+  if (sensor.empty() || world.empty()) return nothing + "the world is empty";
+  const std::string other = other_coordinates(sensor, world);
+  if (!other.empty()) return nothing + other;
+  if (gap_of(sensor, world).norm() > max_range_m) {
+    return nothing + places(sensor, world) + "it is " + where_of(sensor, world) +
+           " the world, beyond its range of " + length(max_range_m);
+  }
+  return nothing + places(sensor, world) +
+         "its beams point past the world: do the rotations of its poses turn from the sensor's "
+         "frame to the world's?";
+}
+
+}  // namespace underbrush::pipeline

@@ -1,0 +1,43 @@
+#include "underbrush/pipeline/out_of_reach.hpp"
+
+#include <gtest/gtest.h>
+
+namespace underbrush::pipeline {
+namespace {
+
+using metrics::Bounds;
+
+const Bounds kWorld{{0, 0, 100}, {40, 30, 120}};
+const std::string kPlaces = "no beam meets anything: the sensor lies at ",
+                  kIn = ", the world at x 0.0 to 40.0, y 0.0 to 30.0, z 100.0 to 120.0 m; ";
+
+Bounds at(const Vec3& low, const Vec3& high) { return {low, high}; }
+
+TEST(OutOfReach, AboveBelowAndBeside) {
+  EXPECT_EQ(why_nothing_is_hit(at({10, 10, 2120}, {20, 10.01, 2130}), kWorld, 300),
+            kPlaces + "x 10.0 to 20.0, y 10.0, z 2120.0 to 2130.0 m" + kIn +
+                "it is 2 km above the world, beyond its range of 300 m");
+  EXPECT_EQ(why_nothing_is_hit(at({10, 10, -900}, {10, 10, -900}), kWorld, 120),
+            kPlaces + "x 10.0, y 10.0, z -900.0 m" + kIn +
+                "it is 1 km below the world, beyond its range of 120 m");
+  EXPECT_EQ(why_nothing_is_hit(at({340, 430, 220}, {340, 430, 220}), kWorld, 120),
+            kPlaces + "x 340.0, y 430.0, z 220.0 m" + kIn +
+                "it is 100 m above and 500 m beside the world, beyond its range of 120 m");
+}
+
+TEST(OutOfReach, OtherCoordinatesAndDirections) {
+  const Bounds utm = at({412300, 5645600, 110}, {412300, 5645600, 110});
+  const std::string other = other_coordinates(utm, kWorld);
+  EXPECT_NE(other.find("they are 5661 km apart, so one of them has coordinates of another system"),
+            std::string::npos)
+      << other;
+  EXPECT_EQ(why_nothing_is_hit(utm, kWorld, 1e9), "no beam meets anything: " + other);
+  const Bounds near = at({10, 10, 200}, {10, 10, 200});
+  EXPECT_EQ(other_coordinates(near, kWorld), "");
+  EXPECT_NE(why_nothing_is_hit(near, kWorld, 120).find("its beams point past the world"),
+            std::string::npos);
+  EXPECT_EQ(why_nothing_is_hit(near, Bounds(), 120), "no beam meets anything: the world is empty");
+}
+
+}  // namespace
+}  // namespace underbrush::pipeline
