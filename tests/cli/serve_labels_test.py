@@ -44,9 +44,11 @@ class ServeLabels(unittest.TestCase):
             self.assertIn(status, (400, 409, 422), path)
             if path in ("labels/edit", "labels/undo", "labels/redo"):
                 self.assertEqual((status, conflict["revision"]), (409, known + 1), path)
+        self.assertEqual(self.server.json_of("api/labels?file=0")["last"], "all: grass")
         self.assertEqual(self.post("labels/undo", revision=known + 1)[0], 200)
         state = self.server.json_of("api/labels?file=0")
         self.assertEqual((state["classes"][2]["points"], state["redos"]), (0, 1))
+        self.assertEqual(state["next"], "all: grass")
 
     def test_labels_come_back_from_their_files(self):
         """The law of export and import: what was written is read again as it was."""

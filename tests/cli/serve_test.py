@@ -36,6 +36,24 @@ class Serve(serving.Serving):
             self.assertIn(self.server.get("api/octree/data?file=0", headers={"Range": bad})[0], (400, 416), bad)
         self.assertEqual(self.server.get("api/octree/data?file=0")[0], 400)
 
+    def test_a_sample_is_there_before_the_octree(self):
+        status, _, body = self.server.get("api/preview?file=0")
+        points, zero = struct.unpack_from("<II", body)
+        octree = self.server.octree(0)["octree"]
+        self.assertEqual((status, zero, len(body)), (200, 0, 32 + 29 * points))
+        self.assertEqual(points, octree["points"])  # a short log is its own sample
+        self.assertEqual(list(struct.unpack_from("<3d", body, 8)), octree["origin_m"])
+        columns = 32 + 12 * points
+        rows = struct.unpack_from(f"<{points}I", body, columns + 8 * points)
+        rings = struct.unpack_from(f"<{points}H", body, columns + 12 * points)
+        for k in (0, points // 2, points - 1):
+            beam = self.server.json_of(f"api/beam?file=0&row={rows[k]}")
+            place = struct.unpack_from("<3f", body, 32 + 12 * k)
+            for at, origin, end in zip(place, octree["origin_m"], beam["end_m"]):
+                self.assertAlmostEqual(at + origin, end, delta=1e-4)
+            self.assertEqual(rings[k], beam["ring"])
+        self.assertEqual(self.server.get("api/preview?file=1")[0], 400)
+
     def test_beams_of_a_scan_and_of_a_row(self):
         self.server.octree(0)
         body = self.server.get("api/beams?file=0&run=0")[2]
@@ -88,6 +106,17 @@ class Serve(serving.Serving):
             self.assertEqual(self.server.get(f"api/ellipsoids?file={file}&model=100000")[0], 400)
         score = json.loads(pathlib.Path(self.folder, "score.json").read_text())
         self.assertEqual(self.server.json_of("api/score?file=4"), score)
+
+    def test_primitives_stand_apart_from_each_other(self):
+        world = self.server.json_of("api/world?file=2")
+        boxes = []
+        for instance in world["instances"]:
+            box = world["models"][instance["model"]]["box_m"]
+            boxes.append([[at + box[end][k] for k, at in enumerate(instance["at_m"][:2])] for end in ("min", "max")])
+        for k, (low, high) in enumerate(boxes):
+            for other_low, other_high in boxes[:k]:
+                gaps = [max(other_low[c] - high[c], low[c] - other_high[c]) for c in (0, 1)]
+                self.assertGreaterEqual(max(gaps), 1 - 1e-6)
 
     def test_a_question_that_does_not_fit(self):
         for path in ("api/score?file=0", "api/world?file=0", "api/octree?file=1", "api/world?file=-1",

@@ -5,7 +5,8 @@ import { createRequire } from 'node:module';
 import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { lookAtBeams } from './beams.mjs';
-import { comparisonTells, looksAs } from './references.mjs';
+import { lookAtPage, lookAtPhone, lookEarly } from './page.mjs';
+import { comparisonTells, difference, looksAs, shrunk } from './references.mjs';
 import { composeScene, labelLog } from './labels.mjs';
 
 const [packages, executablePath, address, pictures] = process.argv.slice(2);
@@ -64,15 +65,16 @@ async function picture(name) {
     const pixels = new Uint32Array(context.getImageData(0, 0, view.width, view.height).data.buffer);
     const colours = new Set();
     const free = [];
+    const box = view.getBoundingClientRect();
     let drawn = 0;
     pixels.forEach((colour, k) => {
       if (colour === pixels[0]) return;
       ++drawn;
       colours.add(colour);
-      const [x, y] = [k % view.width, Math.floor(k / view.width)];
-      if (x > 310 && x < view.width - 20 && y > 60 && y < view.height - 60) free.push([x, y]);
+      free.push([box.left + (k % view.width), box.top + Math.floor(k / view.width)]);
     });
-    const at = Array.from({ length: 12 }, (_, k) => free[Math.floor(((k + 0.5) * free.length) / 12)]);
+    const seen = free.filter(([x, y], k) => (free.length < 5000 || k % 7 === 0) && document.elementFromPoint(x, y) === view);
+    const at = Array.from({ length: 12 }, (_, k) => seen[Math.floor(((k + 0.5) * seen.length) / 12)]);
     return { drawn, colours: colours.size, at: at.filter(Boolean) };
   });
 }
@@ -87,6 +89,11 @@ async function pickOf(kind, shot) {
     await press('Escape');
   }
   throw new Error(`no ${kind} could be picked at ${JSON.stringify(shot.at)}`);
+}
+
+/** Shows or hides one file. */
+async function show(name, on) {
+  await page.locator('#panel label.check', { hasText: new RegExp(`^${name} ?\\(`) }).locator('input').setChecked(on);
 }
 
 async function only(name) {
@@ -160,6 +167,8 @@ async function viewEverything() {
   await press('b');
   await page.waitForFunction(() => /reached by/.test(document.querySelector('#details').innerText));
   expect(/Simulated: /.test(await details()), 'why the beam ended');
+  const wide = await page.evaluate(() => [...document.querySelectorAll('#details .scroll')].map((e) => e.scrollWidth - e.clientWidth));
+  expect(wide.every((more) => more <= 0), `why the beam ends: ${wide} pixels are out of sight`);
   await accessible('the elements of a beam');
   await press('Escape');
   await page.locator('select[aria-label="Beams of a scan"]').selectOption({ index: 1 });
@@ -193,6 +202,8 @@ async function viewEverything() {
   }
 
   // The comparison of pictures can fail.
+  for (let k = 0; k < 3; ++k) await press('+');
+  await ready();
   const opaque = page.getByText('Ellipsoids opaque');
   const turn = (key) => async () => {
     await press(key);
@@ -240,6 +251,12 @@ async function viewEverything() {
   expect((await data('eye')) === place, 'a link restores the view');
   expect(Math.abs(after.drawn - before.drawn) < 0.02 * before.drawn, `a link restores the picture: ${before.drawn}, ${after.drawn}`);
 
+  await lookEarly({ page, expect, ready, address: `${address}#${encodeURIComponent(JSON.stringify({ shown: [0] }))}`, returns });
+  await page.goto('about:blank');
+  await page.goto(address);
+  await ready();
+  await lookAtPage({ page, expect, ready, press, only, show, difference, shrunk });
+
   // The width of a phone: the menu starts closed, and nothing sticks out.
   await page.setViewportSize({ width: 360, height: 640 });
   await page.goto('about:blank');
@@ -248,8 +265,9 @@ async function viewEverything() {
   expect(!(await page.locator('#panel').isVisible()), 'the menu starts closed');
   await page.locator('#menu').click();
   expect(await page.locator('#panel').isVisible(), 'the menu opens');
-  const wide = await page.evaluate(() => document.documentElement.scrollWidth);
-  expect(wide <= 360, `the page is ${wide} pixels wide`);
+  await lookAtPhone({ page, expect });
+  const pageWidth = await page.evaluate(() => document.documentElement.scrollWidth);
+  expect(pageWidth <= 360, `the page is ${pageWidth} pixels wide`);
   const named = await page.evaluate(() =>
     [...document.querySelectorAll('button, select, input')].filter((e) => !(e.labels?.length || e.innerText || e.ariaLabel)).length,
   );

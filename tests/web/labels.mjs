@@ -1,6 +1,7 @@
 // Steps of browser.mjs about labels, boxes and commands: they start servers of their own, which may write.
 import { spawn } from 'node:child_process';
 import { createInterface } from 'node:readline';
+import { leastDistance } from './page.mjs';
 
 const servers = new Set();
 process.on('exit', () => servers.forEach((child) => child.kill('SIGKILL'))); // also after a failure
@@ -56,15 +57,20 @@ export async function labelLog({ page, expect, ready, accessible, program, folde
   await ready();
   await openLog(page, ready);
   await accessible('the labeller');
+  const colours = await page.evaluate(() => [...document.querySelectorAll('.class .swatch')].map((e) => getComputedStyle(e).backgroundColor));
+  expect(colours.length >= 14 && leastDistance(colours) > 0.08, `colours of classes differ by ${leastDistance(colours).toFixed(3)} at least`);
   await page.getByLabel('Drawing').selectOption('select');
   await page.locator('#view').press('o');
   await drag(page, [...WIDE, WIDE[0]]);
   await saved(page);
   const lassoed = await labelState(page);
   expect(lassoed.selected >= 1000, `a lasso around ${lassoed.selected} points`);
+  const step = (name) => page.locator('.buttons button', { hasText: new RegExp(`^${name}`) }).first().innerText();
+  expect(/^Undo “lasso: select” \(\d+\)$/.test(await step('Undo')), `the step is named: ${await step('Undo')}`);
   await page.locator('#view').press('z');
   await saved(page);
   expect((await labelState(page)).selected === 0, 'undo takes the lasso back');
+  expect(/^Redo “lasso: select” \(1\)$/.test(await step('Redo')), `the next step is named: ${await step('Redo')}`);
   await page.locator('#view').press('y');
   await saved(page);
   expect((await labelState(page)).selected === lassoed.selected, 'redo brings it again');
@@ -172,7 +178,7 @@ export async function composeScene({ page, expect, ready, accessible, picture, p
   const tiles = page.locator('.gallery button');
   await tiles.first().waitFor();
   await page.evaluate(() => document.querySelector('.gallery img').decode());
-  for (const [x, y] of [[430, 200], [560, 260], [640, 180]]) {
+  for (const [x, y] of [[200, 200], [300, 260], [380, 180]]) {
     const boxes = Number((await page.evaluate(() => document.documentElement.dataset.boxes)) || 0);
     await tiles.nth(boxes % (await tiles.count())).dragTo(page.locator('#view'), { targetPosition: { x, y } });
     await page.waitForFunction((n) => Number(document.documentElement.dataset.boxes) === n, boxes + 1);

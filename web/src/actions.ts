@@ -33,7 +33,7 @@ async function copyLink(app: App, menu: Menu): Promise<void> {
 export function viewActions(app: App, menu: Menu, picking: Picking): Action[] {
   const { state, viewer } = app;
   const help = byId<HTMLDialogElement>('help');
-  const look = (x: number, y: number, z: number) => () => viewer.navigation.lookFrom(new Vector3(x, y, z));
+  const look = (x: number, y: number, z: number) => () => viewer.lookFrom(new Vector3(x, y, z));
   const next = <K extends 'points' | 'worlds'>(key: K, modes: readonly (typeof state)[K][], box: { set: (v: never) => void }) => () => {
     state[key] = cycle(modes, state[key]);
     box.set(state[key] as never);
@@ -52,7 +52,7 @@ export function viewActions(app: App, menu: Menu, picking: Picking): Action[] {
   };
   return [
     { key: 'm', name: 'show or hide the menu', act: () => setPanel(root.dataset.panel === 'closed') },
-    { key: 'f', name: 'look at everything', tool: 'All', act: () => viewer.frameAll() },
+    { key: 'f', name: 'look at everything', tool: 'All', act: () => app.frame() },
     { key: '1', name: 'look from above', tool: 'Top', act: look(0, -0.01, 1) },
     { key: '2', name: 'look from the south', act: look(0, -1, 0) },
     { key: '3', name: 'look from the east', act: look(1, 0, 0) },
@@ -80,7 +80,7 @@ export function listen(app: App, picking: Picking, actions: Action[]): void {
   byId('tools').append(...toolbar(actions));
   byId('menu').addEventListener('click', () => setPanel(root.dataset.panel === 'closed'));
   fillHelp(byId<HTMLDialogElement>('help'), app.list.program, actions);
-  const middle = () => viewer.pick(viewer.canvas.clientWidth / 2, viewer.canvas.clientHeight / 2);
+  const middle = () => viewer.pick(...viewer.middle);
   const turns: Record<string, () => void> = {
     ArrowLeft: () => viewer.navigation.orbit(-0.1, 0),
     ArrowRight: () => viewer.navigation.orbit(0.1, 0),
@@ -95,6 +95,7 @@ export function listen(app: App, picking: Picking, actions: Action[]): void {
     const action = actions.find((a) => a.key === keyOf(event));
     const turn = turns[event.key];
     // Enter and the arrows keep their meaning on buttons.
+    viewer.navigation.used = true;
     if (turn && (event.key !== 'Enter' || event.target === viewer.canvas)) turn();
     else if (action) action.act();
     else if (!viewer.navigation.keyDown(event.key.toLowerCase())) return;

@@ -3,119 +3,75 @@ import {
   Box3,
   BufferAttribute,
   BufferGeometry,
-  DataTexture,
   Frustum,
   Group,
   Matrix4,
-  NearestFilter,
   type PerspectiveCamera,
   Points as DrawnPoints,
-  RGBAFormat,
   type ShaderMaterial,
   Vector2,
   Vector3,
 } from 'three';
 import { bytes } from './api';
-import { type Display, material, POINT_MODES, type PointMode } from './display';
+import type { MapName } from './colours';
+import { type Display, material, type PointMode, POINTS } from './display';
 import { loadPoints, type Node, type Octree, type Points } from './octree';
+import { type Extra, type Paint, paintPoints } from './point-colours';
+import { type Batch, SQUARE_PIXELS } from './splat';
+import { coreOf, shares } from './unpack';
 
 const MOST_REQUESTS = 8;
 const CELLS = 64;
-const MOST_CLASSES = 128;
 
-interface Loaded {
+interface Loaded extends Extra {
   points: Points;
   drawn: DrawnPoints;
   used: number;
+  colours: Uint32Array;
+  /** Which way of colouring `colours` follows. */
+  painted: number;
 }
 
 /** Where the labels of points that people edit come from. */
 export interface Marks {
+  /** The classes that occur, by the numbers of the labels. */
+  classes(): { number: number; name: string }[];
   /** The labels of these nodes are needed; `Cloud.setMarks` brings them. */
   need(nodes: Node[]): void;
 }
 
 const VERTEX = /* glsl */ `
-  attribute float intensity;
+  attribute vec4 colour;
   attribute float time;
-  attribute float ring;
-  attribute float label;
-  attribute float echo;
   attribute vec4 rowBytes;
-  attribute vec4 mark;
-  attribute vec2 error;
   uniform float size;
-  uniform int mode;
-  uniform bool marked;
-  uniform sampler2D hidden;
-  varying float chosen;
-  uniform vec2 intensities;
-  uniform vec2 times;
   uniform vec2 range;
-  uniform float rings;
-  uniform float file;
-  varying float value;
   varying vec3 place;
   varying vec4 part;
+  varying vec4 shown;
   void main() {
     vec4 world = modelMatrix * vec4(position, 1.0);
     place = world.xyz;
     part = rowBytes;
-    value = 0.0;
-    if (mode == 1) value = (intensity - intensities.x) / max(intensities.y - intensities.x, 1e-6);
-    if (mode == 2) value = (time - times.x) / max(times.y - times.x, 1e-6);
-    if (mode == 3) value = ring / max(rings, 1.0);
-    if (mode == 4) value = echo;
-    if (mode == 5) value = label;
-    if (mode == 6) value = file + 1.0;
-    if (mode == 8) value = error.x;
-    if (mode == 9) value = error.y;
-    chosen = 0.0;
-    float ownClass = mod(mark.x, 128.0);
-    if (marked) {
-      chosen = mark.x >= 128.0 ? 1.0 : 0.0;
-      if (mode == 5) value = ownClass;
-      float number = mark.y + 256.0 * mark.z + 65536.0 * mark.w;
-      if (mode == 7) value = number < 0.5 ? 0.0 : 1.0 + mod(number * 5.0, 14.0);
-    }
+    shown = colour;
     gl_Position = projectionMatrix * viewMatrix * world;
-    if (time < range.x || time > range.y) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
-    if (marked && texture2D(hidden, vec2((ownClass + 0.5) / 128.0, 0.5)).r > 0.5) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+    if (time < range.x || time > range.y || colour.a < 0.5) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
     gl_PointSize = size;
   }
 `;
 
 const FRAGMENT = /* glsl */ `
-  uniform int mode;
-  varying float value;
-  varying float chosen;
+  uniform float size;
   varying vec3 place;
   varying vec4 part;
+  varying vec4 shown;
   void main() {
     if (sliced(place)) discard;
     vec2 off = gl_PointCoord - 0.5;
-    if (dot(off, off) > 0.25) discard;
-    vec3 colour = mode == 0 ? heightColour(place)
-      : mode >= 8 ? (abs(value) > 1e8 ? vec3(0.84, 0.37, 0.0) : mapped(sqrt(min(abs(value), 1.0)))) : mode >= 4 ? classColour(value) : mapped(value);
-    if (chosen > 0.5) colour = mix(colour, vec3(1.0, 0.35, 0.75), 0.8);
-    gl_FragColor = pass == 0 ? vec4(colour, 1.0) : pass == 1 ? bytesOf(object) : part;
+    if (size > ${SQUARE_PIXELS} && dot(off, off) > 0.25) discard;
+    gl_FragColor = pass == 0 ? vec4(shown.rgb, 1.0) : pass == 1 ? bytesOf(object) : part;
   }
 `;
-
-/** For each class whether its points are hidden. */
-function hiddenTexture(): DataTexture {
-  const texture = new DataTexture(new Uint8Array(4 * MOST_CLASSES), MOST_CLASSES, 1, RGBAFormat);
-  texture.minFilter = texture.magFilter = NearestFilter;
-  texture.needsUpdate = true;
-  return texture;
-}
-
-/** The values below which 2 % and 98 % of the values lie. */
-function shares(values: Float32Array): [number, number] {
-  const sorted = Float32Array.from(values).sort();
-  const at = (q: number) => sorted[Math.floor(q * (sorted.length - 1))]!;
-  return [at(0.02), at(0.98)];
-}
 
 export class Cloud {
   readonly group = new Group();
@@ -135,6 +91,9 @@ export class Cloud {
   private failed = '';
   private marks: Marks | null = null;
   private other: number | null = null;
+  private readonly paint: Paint;
+  /** Counts the ways of colouring. */
+  private way = 0;
 
   constructor(
     readonly octree: Octree,
@@ -146,23 +105,18 @@ export class Cloud {
     this.pick = pick;
     const facts = octree.facts;
     const span = facts.last_time_s - facts.first_time_s;
-    this.look = material(
-      display,
-      {
-        size: { value: 2 },
-        mode: { value: 0 },
-        intensities: { value: new Vector2(...facts.intensity) },
-        times: { value: new Vector2(0, span) },
-        range: { value: new Vector2(-1, span + 1) },
-        rings: { value: facts.most_ring },
-        file: { value: octree.file },
-        object: { value: pick },
-        marked: { value: false },
-        hidden: { value: hiddenTexture() },
-      },
-      VERTEX,
-      FRAGMENT,
-    );
+    const own = { size: { value: 2 }, range: { value: new Vector2(-1, span + 1) }, object: { value: pick } };
+    this.look = material(display, own, VERTEX, FRAGMENT);
+    this.paint = {
+      mode: 'height',
+      map: 'viridis',
+      heights: [0, 1],
+      intensities: [...facts.intensity],
+      span,
+      rings: facts.most_ring,
+      file: octree.file,
+      hidden: new Set(),
+    };
     const [x, y, z] = facts.origin_m;
     this.group.position.set(x - origin.x, y - origin.y, z - origin.z);
   }
@@ -171,8 +125,22 @@ export class Cloud {
     return this.failed;
   }
 
-  setMode(mode: PointMode): void {
-    this.look.uniforms.mode!.value = POINT_MODES.indexOf(mode);
+  /** How the points are coloured, for a legend. */
+  get painted(): Readonly<Paint> {
+    return this.paint;
+  }
+
+  /** Colours the points by a quantity; `heights` are those of the ends of the map, in the scene's frame. */
+  setPaint(mode: PointMode, map: MapName, heights: [number, number]): void {
+    const { paint } = this;
+    if (paint.mode === mode && paint.map === map && paint.heights.every((v, k) => v === heights[k])) return;
+    Object.assign(paint, { mode, map, heights: [...heights] });
+    ++this.way;
+  }
+
+  /** Diameter of a point in pixels. */
+  get size(): number {
+    return this.look.uniforms.size!.value as number;
   }
 
   setSize(pixels: number): void {
@@ -184,11 +152,23 @@ export class Cloud {
     (this.look.uniforms.range!.value as Vector2).set(from, to);
   }
 
+  /** The times that are shown; null for all. */
+  get times(): [number, number] | null {
+    const { x, y } = this.look.uniforms.range!.value as Vector2;
+    return x <= 0 && y >= this.paint.span ? null : [x, y];
+  }
+
   /** Shows labels that people edit instead of the log's own, or no longer. */
   setMarksFrom(marks: Marks | null): void {
     this.marks = marks;
-    this.look.uniforms.marked!.value = marks !== null;
+    for (const loaded of this.loaded.values()) loaded.marks = marks ? new Uint8Array(4 * loaded.points.count) : null;
+    ++this.way;
     marks?.need([...this.loaded.keys()]);
+  }
+
+  /** The classes of the labels that people edit; null where nobody does. */
+  get marked(): { number: number; name: string }[] | null {
+    return this.marks?.classes() ?? null;
   }
 
   /** The nodes of these numbers that are in memory; all of them without numbers. */
@@ -198,10 +178,10 @@ export class Cloud {
 
   /** Sets the labels of a node's points: class and selection, then the instance in three bytes. */
   setMarks(node: Node, values: Uint8Array): void {
-    const attribute = this.loaded.get(node)?.drawn.geometry.getAttribute('mark') as BufferAttribute | undefined;
-    if (!attribute) return;
-    (attribute.array as Uint8Array).set(values);
-    attribute.needsUpdate = true;
+    const loaded = this.loaded.get(node);
+    if (!loaded?.marks) return;
+    loaded.marks.set(values);
+    loaded.painted = -1;
     this.changed();
   }
 
@@ -214,16 +194,15 @@ export class Cloud {
   private async loadErrors(nodes: Node[]): Promise<void> {
     for (const node of nodes) {
       const data = await bytes(`errors?file=${this.octree.file}&other=${this.other}&nodes=${node.index}`);
-      this.loaded.get(node)?.drawn.geometry.setAttribute('error', new BufferAttribute(new Float32Array(data), 2));
+      const loaded = this.loaded.get(node);
+      if (loaded) Object.assign(loaded, { errors: new Float32Array(data), painted: -1 });
     }
     this.changed();
   }
 
   setHidden(hidden: Set<number>): void {
-    const texture = this.look.uniforms.hidden!.value as DataTexture;
-    const data = texture.image.data as Uint8Array;
-    for (let k = 0; k < MOST_CLASSES; ++k) data[4 * k] = hidden.has(k) ? 255 : 0;
-    texture.needsUpdate = true;
+    this.paint.hidden = new Set(hidden);
+    ++this.way;
     this.changed();
   }
 
@@ -232,16 +211,15 @@ export class Cloud {
     await this.load(this.octree.root);
     const points = this.loaded.get(this.octree.root)?.points;
     if (!points || points.count === 0) return;
-    const [low, high] = shares(points.intensity);
-    (this.look.uniforms.intensities!.value as Vector2).set(low, high);
-    const axis = (k: number) => shares(points.position.filter((_, i) => i % 3 === k));
-    const [x, y, z] = [axis(0), axis(1), axis(2)];
-    this.core.min.set(x[0], y[0], z[0]).add(this.octree.root.box.min).add(this.group.position);
-    this.core.max.set(x[1], y[1], z[1]).add(this.octree.root.box.min).add(this.group.position);
+    this.paint.intensities = shares(points.intensity);
+    this.core.copy(coreOf(points.position)).translate(this.octree.root.box.min).translate(this.group.position);
   }
 
-  /** Chooses the nodes to draw. A node is divided while its cells are wider than a pixel and a half. */
-  update(camera: PerspectiveCamera, height: number, budget: number): void {
+  /**
+   * Chooses the nodes to draw, `budget` points at most, and keeps about twice `kept` points in memory. A node is divided
+   * while its cells are wider than a pixel and a half.
+   */
+  update(camera: PerspectiveCamera, height: number, budget: number, kept = budget): void {
     ++this.frame;
     const frustum = new Frustum().setFromProjectionMatrix(
       new Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse),
@@ -278,11 +256,30 @@ export class Cloud {
     this.loading = this.wanted.length > 0;
     this.loadNext();
     this.drawnPoints = 0;
-    for (const [node, { drawn }] of this.loaded) {
-      drawn.visible = chosen.has(node);
-      if (drawn.visible) this.drawnPoints += node.points;
+    for (const [node, loaded] of this.loaded) {
+      loaded.drawn.visible = chosen.has(node);
+      if (!loaded.drawn.visible) continue;
+      this.drawnPoints += node.points;
+      if (loaded.painted !== this.way) this.colour(loaded);
     }
-    this.forget(2 * budget);
+    this.forget(2 * kept);
+  }
+
+  private colour(loaded: Loaded): void {
+    const base = loaded.drawn.position.z + this.group.position.z;
+    const [low, high] = this.paint.heights;
+    paintPoints(loaded.points, loaded, { ...this.paint, heights: [low - base, high - base] }, loaded.colours);
+    loaded.painted = this.way;
+    loaded.drawn.geometry.getAttribute('colour').needsUpdate = true;
+  }
+
+  /** The points that are drawn. */
+  *batches(): Iterable<Batch> {
+    for (const { points, drawn, colours } of this.loaded.values()) {
+      if (!drawn.visible) continue;
+      const { count, position, time } = points;
+      yield { count, position, time, colours, offset: drawn.position.clone().add(this.group.position) };
+    }
   }
 
   /** Draws only nodes that lie in a frustum, until the next `update`. */
@@ -333,19 +330,18 @@ export class Cloud {
     const add = (name: string, values: ArrayLike<number> & ArrayBufferView, size = 1, unit = false) =>
       geometry.setAttribute(name, new BufferAttribute(values as Float32Array, size, unit));
     add('position', points.position, 3);
-    add('intensity', points.intensity);
     add('time', points.time);
-    add('ring', points.ring);
-    add('label', points.label);
-    add('echo', points.echo);
     add('rowBytes', points.rowBytes, 4, true);
-    add('mark', new Uint8Array(4 * points.count), 4);
+    const colours = new Uint32Array(points.count);
+    add('colour', new Uint8Array(colours.buffer), 4, true);
     const drawn = new DrawnPoints(geometry, this.look);
     drawn.position.copy(node.box.min);
     drawn.frustumCulled = false;
     drawn.userData.pick = this.pick;
     this.group.add(drawn);
-    this.loaded.set(node, { points, drawn, used: this.frame });
+    drawn.layers.set(POINTS);
+    const marks = this.marks ? new Uint8Array(4 * points.count) : null;
+    this.loaded.set(node, { points, drawn, used: this.frame, colours, painted: -1, marks, errors: null });
     this.marks?.need([node]);
     if (this.other !== null) void this.loadErrors([node]);
   }

@@ -15,6 +15,9 @@ export class Compare {
     return { box, row: el('label', { class: 'row' }, name, box) };
   });
   private readonly modeBox;
+  /** Names of the files over their pictures, and the line between them. */
+  private readonly names = ['left', 'right'].map((side) => el('p', { class: `side ${side}` }));
+  private readonly over = el('div', { id: 'sides', hidden: '' }, ...this.names, el('div', { class: 'line' }));
 
   constructor(
     private readonly app: App,
@@ -28,6 +31,7 @@ export class Compare {
     });
     const errors = button('Errors', 'Colour both logs by the error of the range, beam by beam', () => app.run(this.errors()));
     app.section('Side by side', this.modeBox.row, ...this.boxes.map((b) => b.row), line.row, errors);
+    app.viewer.canvas.after(this.over);
     this.refresh();
   }
 
@@ -73,7 +77,11 @@ export class Compare {
       viewer.sides = { mode: this.mode, left: group(left!), right: group(right!), share: this.share };
     }
     root.dataset.compare = this.mode;
+    this.over.hidden = viewer.sides === null;
+    this.over.style.setProperty('--at', `${100 * (this.mode === 'split' ? 0.5 : this.share)}%`);
+    [left, right].forEach((id, k) => (this.names[k]!.textContent = viewer.sides ? files.file(id!).name : ''));
     viewer.resize();
+    if (viewer.navigation.framed) this.app.frame();
   }
 
   actions(): Action[] {

@@ -40,6 +40,12 @@ export class App {
     this.onApply.forEach((act) => act());
   }
 
+  /** Shows everything, in colours that fit it. */
+  frame(): void {
+    this.viewer.frameAll();
+    this.apply();
+  }
+
   showDetails(parts: HTMLElement[]): void {
     this.details.replaceChildren(...parts);
     this.details.hidden = false;

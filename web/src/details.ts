@@ -69,18 +69,21 @@ export function traceDetails(trace: Trace, world: ServedFile, actions: DetailAct
       : trace.ends_at === null
       ? 'no element stops it: a miss'
       : `the ${trace.met[trace.ends_at]?.kind ?? 'element'} no. ${trace.ends_at + 1} stops it at ${answer}`;
+  const few = (value: number) => (value === 0 ? '0' : value < 0.001 ? value.toExponential(0) : value.toFixed(3));
   const rows = trace.met.map((m, k) => [
     `${k + 1}${k === trace.ends_at ? ' ◀' : ''}`,
-    shortened(m.range_m),
+    m.range_m.toFixed(2),
     `${m.kind} ${m.index}`,
     m.class,
-    shortened(m.p),
-    shortened(m.draw),
+    few(m.p),
+    few(m.draw),
     m.accepts ? 'stops' : 'passes',
-    shortened(m.reach),
+    few(m.reach),
     `${m.hits}/${m.misses}`,
   ]);
   const headings = ['no.', 'range, m', 'element', 'class', 'p', 'draw', 'trial', 'reached by', 'hits/misses'];
+  const table = grid(headings, rows);
+  table.classList.add('wide');
   return [
     head('Why the beam ends', actions),
     el(
@@ -90,7 +93,7 @@ export function traceDetails(trace: Trace, world: ServedFile, actions: DetailAct
         `It meets ${trace.met_in_all} elements; a beam passes all of them with probability ` +
         `${shortened(trace.miss_probability)}. An element stops the beam if its draw is below p.`,
     ),
-    el('div', { class: 'scroll', tabindex: '0' }, grid(headings, rows)),
+    el('div', { class: 'scroll', tabindex: '0' }, table),
   ];
 }
 

@@ -1,6 +1,6 @@
 // What all drawn things share: how they are coloured, cut by the slice, and drawn for picking.
-import { type DataTexture, ShaderMaterial, type Texture, Vector2, Vector3 } from 'three';
-import { CLASS_COUNT, classTexture, type MapName, mapTexture } from './colours';
+import { ShaderMaterial, type Texture, Vector2, Vector3 } from 'three';
+import { CLASS_COUNT, classColours, type MapName, mapTexture } from './colours';
 
 export const POINT_MODES = ['height', 'intensity', 'time', 'ring', 'return', 'class', 'file', 'instance', 'error', 'packet error'] as const;
 export type PointMode = (typeof POINT_MODES)[number];
@@ -22,6 +22,14 @@ export const enum Pass {
   part = 2,
 }
 
+/** Layers of the scene: things, points, and the quad that puts the picture of the points among the things. */
+const THINGS = 0;
+export const POINTS = 1;
+export const QUAD = 2;
+/** What a camera sees that draws points as they are, as the picker does, and one that sees their finished picture. */
+export const PLAIN_MASK = (1 << THINGS) | (1 << POINTS);
+export const PICTURE_MASK = (1 << THINGS) | (1 << QUAD);
+
 interface Uniform<T> {
   value: T;
 }
@@ -41,8 +49,8 @@ export class Display {
 
   constructor() {
     this.uniforms = {
-      map: { value: mapTexture('viridis') },
-      classes: { value: classTexture() },
+      map: { value: mapTexture('earth') },
+      classes: { value: classColours.texture },
       heights: { value: new Vector2(0, 10) },
       sliceNormal: { value: new Vector3(0, 0, 1) },
       sliceRange: { value: new Vector2(-1e30, 1e30) },
@@ -52,8 +60,9 @@ export class Display {
     };
   }
 
+  /** Sets the colour map of elements. */
   setMap(name: MapName): void {
-    (this.uniforms.map.value as DataTexture).dispose();
+    this.uniforms.map.value.dispose();
     this.uniforms.map.value = mapTexture(name);
   }
 

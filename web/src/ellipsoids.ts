@@ -18,10 +18,12 @@ import {
   Sphere,
   Vector3,
 } from 'three';
-import { floatColumn, numberColumn } from './unpack';
+import { coreOf, floatColumn, numberColumn } from './unpack';
 
 export const ELLIPSOID_BYTES = 52;
 const BLOCK = 2048;
+/** Places of the variances among xx, xy, xz, yy, yz, zz. */
+const DIAGONAL = [0, 3, 5];
 /** An ellipsoid whose mean width is less than so many pixels is drawn as a point. */
 const SMALL_PIXELS = 3;
 
@@ -154,6 +156,10 @@ interface Block {
 export interface EllipsoidBlocks {
   blocks: Block[];
   bounds: Box3;
+  /** Where most of them lie. */
+  core: Box3;
+  /** The classes that occur. */
+  labels: Set<number>;
 }
 
 /** Interleaves the bits of a place, ten for each axis. */
@@ -195,7 +201,10 @@ export function ellipsoidBlocks(view: DataView): EllipsoidBlocks | null {
   for (let first = 0; first < n; first += BLOCK) {
     blocks.push(blockOf(order.subarray(first, Math.min(n, first + BLOCK)), { mean, covariance, p, label }));
   }
-  return { blocks, bounds };
+  // Their ends at one standard deviation, the lower and the upper ones.
+  const ends = [-1, 1].map((side) => mean.map((v, k) => v + side * Math.sqrt(covariance[6 * Math.floor(k / 3) + DIAGONAL[k % 3]!]!)));
+  const core = new Box3(coreOf(ends[0]!).min, coreOf(ends[1]!).max);
+  return { blocks, bounds, core, labels: new Set(label) };
 }
 
 function blockOf(

@@ -3,9 +3,11 @@ import { type LineSegments, Vector3 } from 'three';
 import { json, type ServedFile, type WorldFacts } from './api';
 import { disposeAll, loadBeams } from './beams';
 import { Cloud } from './cloud';
-import { openOctree } from './octree';
+import { openOctree, openPreview } from './octree';
 import type { Viewer } from './viewer';
 import { World } from './world';
+
+const NO_TARGET = 0xfffffffe;
 
 export class Files {
   readonly clouds = new Map<number, Cloud>();
@@ -14,6 +16,10 @@ export class Files {
   origin: Vector3 | null = null;
   private readonly opening = new Map<number, Promise<void>>();
   private beams: LineSegments | null = null;
+  /** Samples of logs whose octrees are not there yet. */
+  private readonly previews = new Map<number, Cloud>();
+  /** Called when a sample of a log is shown. */
+  onPreview: () => void = () => {};
 
   constructor(
     readonly list: ServedFile[],
@@ -35,10 +41,22 @@ export class Files {
     if (on) await this.opening.get(id);
     const group = this.clouds.get(id)?.group ?? this.worlds.get(id)?.group;
     if (group) group.visible = on;
+    this.arrange();
     this.viewer.draw();
   }
 
+  /** Primitives, which have no places of their own in the world, stand beside everything else that is shown. */
+  private arrange(): void {
+    const sets = [...this.worlds.values()].filter((world) => world.file.kind === 'primitives');
+    const hidden = sets.filter((set) => set.group.visible);
+    hidden.forEach((set) => (set.group.visible = false));
+    const others = this.viewer.isEmpty ? null : this.viewer.bounds();
+    hidden.forEach((set) => (set.group.visible = true));
+    sets.forEach((set) => set.standBeside(others));
+  }
+
   get loading(): boolean {
+    if (this.previews.size > 0) return true;
     return [...this.opening.keys()].some((id) => !this.clouds.has(id) && !this.worlds.has(id));
   }
 
@@ -46,7 +64,7 @@ export class Files {
     const tell = (done: number) => this.tell(`${file.name}: ${Math.round(100 * done)} %`);
     tell(0);
     if (file.kind === 'log') {
-      const octree = await openOctree(file.id, tell);
+      const octree = await openOctree(file.id, tell, () => void this.preview(file));
       this.origin ??= new Vector3(...octree.facts.origin_m);
       const pick = this.viewer.target({ kind: 'beam', file: file.id }); // replaced below
       const cloud = new Cloud(octree, this.viewer.display, this.origin, pick, () => this.viewer.drawSoon());
@@ -54,6 +72,7 @@ export class Files {
       this.viewer.replaceTarget(pick, { kind: 'point', cloud });
       this.clouds.set(file.id, cloud);
       this.viewer.addCloud(cloud);
+      this.endPreview(file.id, cloud);
     } else {
       const facts = await json<WorldFacts>(`world?file=${file.id}`);
       this.origin ??= new Vector3(...facts.origin_m);
@@ -68,6 +87,31 @@ export class Files {
       this.viewer.addWorld(world);
     }
     this.tell('');
+  }
+
+  /** Shows a sample of a log while its octree is being built. */
+  private async preview(file: ServedFile): Promise<void> {
+    const octree = await openPreview(file.id);
+    if (!octree || this.clouds.has(file.id)) return;
+    this.origin ??= new Vector3(...octree.facts.origin_m);
+    const cloud = new Cloud(octree, this.viewer.display, this.origin, NO_TARGET, () => this.viewer.drawSoon());
+    await cloud.start();
+    if (this.clouds.has(file.id)) return;
+    this.previews.set(file.id, cloud);
+    this.viewer.addCloud(cloud);
+    this.onPreview();
+  }
+
+  /** Takes the sample away once the log's own points are there. */
+  private endPreview(id: number, cloud: Cloud): void {
+    const preview = this.previews.get(id);
+    if (!preview) return;
+    if (cloud.group.visible && cloud.loading && cloud.drawnPoints < preview.drawnPoints) {
+      setTimeout(() => this.endPreview(id, cloud), 50);
+      return;
+    }
+    this.previews.delete(id);
+    this.viewer.removeCloud(preview);
   }
 
   /** Shows the beams of a run of a log, or none. */

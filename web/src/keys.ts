@@ -48,9 +48,8 @@ export function toolbar(actions: Action[]): HTMLElement[] {
 export function fillHelp(dialog: HTMLDialogElement, program: string, actions: Action[]): void {
   const rows = actions.map((a): [string, string] => [a.key === ' ' ? 'space' : a.key.toUpperCase(), a.name]);
   dialog.replaceChildren(
-    el('h2', {}, 'Keys'),
+    el('div', { class: 'head' }, el('h2', {}, 'Keys'), button('×', 'Close (Escape)', () => dialog.close())),
     facts([...FIXED, ...rows]),
     el('p', {}, program),
-    button('Close', 'Close', () => dialog.close()),
   );
 }

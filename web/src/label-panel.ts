@@ -1,5 +1,5 @@
 // The labeller's part of the menu: tools, classes with their locks, the selection, undo and redo.
-import { classCss } from './colours';
+import { classColours } from './colours';
 import type { LabelState } from './labelled';
 import { button, el } from './panel';
 
@@ -36,7 +36,7 @@ export class ClassList {
       const radio = el('input', { type: 'radio', name: 'label-class', value: `${k}` });
       radio.addEventListener('change', () => this.actions.choose(k));
       const swatch = el('span', { class: 'swatch' });
-      swatch.style.background = classCss(k);
+      swatch.style.background = classColours.css(k);
       const points = el('span', { class: 'count' });
       const named = (text: string, what: string, act: () => void) => {
         const out = button(text, `${what} ${label.name}`, act);

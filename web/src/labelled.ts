@@ -26,7 +26,9 @@ export interface LabelState {
   revision: number;
   undos: number;
   redos: number;
+  /** Names of what undo takes back and redo applies again; empty without one. */
   last: string;
+  next: string;
   set: string;
   journal: string;
   lost_bytes: number;
@@ -85,6 +87,10 @@ export class Labelled implements Marks {
     this.state = await json<LabelState>(`labels?file=${this.file}`);
     this.cloud?.setMarksFrom(this);
     this.changed();
+  }
+
+  classes(): { number: number; name: string }[] {
+    return (this.state?.classes ?? []).map(({ name, points }, number) => ({ number, name, points })).filter((c) => c.points > 0);
   }
 
   /** Whether labels of points in view are still on their way. */

@@ -306,8 +306,8 @@ export class Labeller {
       this.classes.show(state, this.current, this.hidden, this.locked);
       this.undoButton.disabled = state.undos === 0;
       this.redoButton.disabled = state.redos === 0;
-      this.undoButton.textContent = `Undo ${state.undos}`;
-      this.redoButton.textContent = `Redo ${state.redos}`;
+      this.undoButton.textContent = state.undos > 0 ? `Undo “${state.last}” (${state.undos})` : 'Undo';
+      this.redoButton.textContent = state.redos > 0 ? `Redo “${state.next}” (${state.redos})` : 'Redo';
       const { pending, trouble } = this.labelled!;
       this.saved.textContent = trouble
         ? `Not saved: ${trouble}`

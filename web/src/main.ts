@@ -25,6 +25,7 @@ const shown = new Set(state.shown ?? list.files.filter((f) => f.kind !== 'score'
 const app = new App(list, state, viewer, files, shown);
 const picking = new Picking(app);
 const menu = new Menu(app, picking.actions);
+files.onPreview = () => look();
 const labeller = list.labels ? new Labeller(app, menu) : null;
 const compare = new Compare(app, (id) => menu.toggle(files.file(id), true), (mode) => menu.pointMode.set(mode));
 const images = new RangeImages(app, (id) => menu.toggle(files.file(id), true), (file, row) => picking.showBeam(file, row));
@@ -34,6 +35,7 @@ const jobs = list.jobs ? new JobsPanel(app, menu) : null;
 const workflow = labeller && jobs ? new Workflow(app, labeller, jobs, menu) : null;
 const placing = workflow ? new Placing(app, labeller!, jobs!, workflow) : null;
 jobs?.onFiles.push(() => compare.refresh(), () => images.refresh());
+labeller?.onChange.push(() => menu.legend.show());
 const actions = [...viewActions(app, menu, picking), ...menu.time.actions(), ...images.actions(), ...compare.actions(), ...(labeller?.actions() ?? []), ...(placing?.actions() ?? [])];
 
 listen(app, picking, actions);
@@ -43,6 +45,7 @@ viewer.onDrawn = () => {
   const points = viewer.drawnPoints;
   root.dataset.points = String(points);
   root.dataset.state = viewer.loading || files.loading || labeller?.labelled?.loading ? 'loading' : 'ready';
+  root.dataset.drawer = viewer.points.splats ? 'processor' : 'graphics card';
   root.dataset.eye = viewer.camera.position.toArray().map((v) => v.toFixed(3)).join(' ');
   const failed = [...viewer.clouds].map((cloud) => cloud.error).find(Boolean);
   if (failed) app.fail(failed);
@@ -50,6 +53,20 @@ viewer.onDrawn = () => {
   menu.keepLink();
 };
 
+/** Looks where the link says, or at everything, unless a person has begun to look around. */
+function look(): void {
+  if (viewer.navigation.used) return app.apply();
+  app.frame(); // sets the heights of the colours
+  if (!state.eye || !state.target || !files.origin) return;
+  const local = (at: [number, number, number]) => new Vector3(...at).sub(files.origin!);
+  viewer.navigation.set(local(state.eye), local(state.target));
+}
+
+// Panels stand below the buttons, in however many rows these are.
+const header = document.querySelector('header')!;
+const below = () => root.style.setProperty('--head', `${Math.ceil(header.getBoundingClientRect().bottom) + 8}px`);
+new ResizeObserver(below).observe(header);
+below();
 setPanel(window.innerWidth > 700);
 app.apply();
 for (const file of list.files) {
@@ -57,10 +74,8 @@ for (const file of list.files) {
 }
 const onlyScores = list.files.every((f) => f.kind === 'score');
 if (onlyScores && list.files[0]) await menu.toggle(list.files[0], true).catch((error: unknown) => app.fail(error));
-viewer.frameAll(); // sets the heights of the colours
-if (state.eye && state.target && files.origin) {
-  const local = (at: [number, number, number]) => new Vector3(...at).sub(files.origin!);
-  viewer.navigation.set(local(state.eye), local(state.target));
+look();
+if (state.eye && files.origin) {
   state.slice.at -= files.origin[state.slice.axis];
   menu.sliceAt.set(state.slice.at);
 }

@@ -1,11 +1,13 @@
 // The menu: files, how things are coloured, slices, beams and times.
 import { Vector3 } from 'three';
 import type { ServedFile } from './api';
-import { classCss } from './colours';
+import { MAPS } from './colours';
 import type { App } from './context';
 import { scoreDetails, type DetailActions } from './details';
 import { POINT_MODES, WORLD_MODES } from './display';
+import { Legend } from './legend';
 import { check, el, root, select, slider } from './panel';
+import { DRAWERS } from './points-layer';
 import { hashOf } from './state';
 import { TimeBar } from './time';
 
@@ -18,7 +20,7 @@ export class Menu {
   restoring = true;
   private readonly beamBox = el('select', { 'aria-label': 'Beams of a scan' });
   readonly time: TimeBar;
-  private readonly legend = el('ul', { class: 'legend', 'aria-label': 'Classes' });
+  readonly legend: Legend;
   private readonly fileBoxes = new Map<number, ReturnType<typeof check>>();
   private readonly fileRows = el('div');
   private linkTimer = 0;
@@ -34,10 +36,16 @@ export class Menu {
     };
     this.pointMode = select('Points by', POINT_MODES, state.points, set('points'));
     this.worldMode = select('Elements by', WORLD_MODES, state.worlds, set('worlds'));
-    const map = select('Colours', ['viridis', 'cividis', 'grey'] as const, state.map, set('map'));
+    this.legend = new Legend(app);
+    const map = select('Colours', MAPS, state.map, set('map'));
+    const elementMap = select('Their colours', MAPS, state.elementMap, set('elementMap'));
     const size = slider('Point size', [1, 8, 0.5], state.size, set('size'));
     const sigmas = slider('Ellipsoids, σ', [0.5, 3.5, 0.1], state.sigmas, set('sigmas'));
     const opaque = check('Ellipsoids opaque (else p of their pixels)', state.opaque, set('opaque'));
+    const lighting = check('Eye-dome lighting of points', state.lighting, set('lighting'));
+    const legend = check('Legend', state.legend, set('legend'));
+    const drawer = select('Drawn by', DRAWERS, state.drawer, set('drawer'));
+    drawer.row.title = 'What draws the points; automatic takes the processor where there is no graphics card';
     const budget = slider('Points, millions', [0.1, 10, 0.1], viewer.budget / 1e6, (v) => {
       viewer.budget = v * 1e6;
       viewer.draw();
@@ -57,9 +65,8 @@ export class Menu {
     app.section('Files', this.fileRows, ...app.list.notes.map((note) => el('p', { class: 'note' }, note)));
     app.section(
       'Display',
-      this.pointMode.row,
-      this.legend,
-      ...[this.worldMode, map, size, sigmas, opaque, budget].map((c) => c.row),
+      ...[this.pointMode, map, size, lighting, budget, drawer].map((c) => c.row),
+      ...[this.worldMode, elementMap, sigmas, opaque, legend].map((c) => c.row),
     );
     app.section('Slice', ...[this.sliceOn, axis, this.sliceAt, thickness].map((c) => c.row));
     app.section('Beams and time', this.beamBox, ...this.time.rows);
@@ -86,7 +93,7 @@ export class Menu {
     this.fileBoxes.get(file.id)?.set(on);
     const first = app.viewer.clouds.size + app.viewer.worlds.size === 0;
     await app.files.show(file.id, on);
-    if (first && on) app.viewer.frameAll();
+    if (on && (first || (file.kind === 'primitives' && !this.restoring))) app.frame();
     this.limits();
     app.apply();
   }
@@ -120,11 +127,15 @@ export class Menu {
 
   private apply(): void {
     const { state, viewer } = this.app;
-    viewer.display.setMap(state.map);
+    viewer.display.setMap(state.elementMap);
     viewer.display.setSlice(state.slice);
+    viewer.points.lighting = state.lighting;
+    viewer.points.drawer = state.drawer;
+    this.legend.show();
+    const [low, high] = viewer.display.uniforms.heights.value.toArray();
     for (const cloud of viewer.clouds) {
-      cloud.setMode(state.points);
-      cloud.setSize(state.size * Math.min(window.devicePixelRatio, 2));
+      cloud.setPaint(state.points, state.map, [low, high]);
+      cloud.setSize(state.size * viewer.pixelRatio);
     }
     for (const world of viewer.worlds) {
       world.setMode(state.worlds);
@@ -133,31 +144,16 @@ export class Menu {
     }
     root.dataset.theme =
       state.theme || (window.matchMedia('(prefers-color-scheme: light)').matches ? 'light' : 'dark');
-    this.showLegend();
     viewer.setBackground(getComputedStyle(root).getPropertyValue('--view').trim());
     this.keepLink();
-  }
-
-  /** Lists the classes with their colours while points are coloured by class. */
-  private showLegend(): void {
-    const labels = new Map<number, string>();
-    for (const cloud of this.app.viewer.clouds) {
-      if (cloud.group.visible) cloud.octree.facts.labels.forEach((l) => labels.set(l.number, l.name));
-    }
-    this.legend.hidden = this.app.state.points !== 'class' || labels.size === 0;
-    this.legend.replaceChildren(
-      ...[...labels].map(([label, name]) => {
-        const swatch = el('span', { class: 'swatch' });
-        swatch.style.background = classCss(label);
-        return el('li', {}, swatch, name);
-      }),
-    );
   }
 
   private async showBeams(): Promise<void> {
     const [file, run] = this.beamBox.value.split(' ').map(Number);
     const { app } = this;
     app.tell(await app.files.showBeams(file ?? 0, this.beamBox.value === '' ? null : run!));
+    this.legend.beams = this.beamBox.value !== '';
+    this.legend.show();
     root.dataset.beams = app.status.textContent ?? '';
   }
 

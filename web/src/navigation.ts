@@ -1,12 +1,17 @@
 // Moves the camera: around a target (drag), along (shift or right button), nearer (wheel, pinch),
 // and as in flight (W A S D Q E).
-import { type PerspectiveCamera, Spherical, Vector3 } from 'three';
+import { type Box3, type PerspectiveCamera, Spherical, Vector3 } from 'three';
+import { distanceTo } from './framing';
 
 const UP = new Vector3(0, 0, 1);
 const FLY_KEYS = ['w', 'a', 's', 'd', 'q', 'e'];
 
 export class Navigation {
   readonly target = new Vector3();
+  /** Whether a person has moved the camera. */
+  used = false;
+  /** Whether it still looks at what it was told to look at. */
+  framed = false;
   private readonly pointers = new Map<number, { x: number; y: number }>();
   private readonly keys = new Set<string>();
   private moved = 0;
@@ -27,6 +32,7 @@ export class Navigation {
       'wheel',
       (e) => {
         e.preventDefault();
+        this.used = true;
         this.zoom(Math.exp(e.deltaY * 0.001));
       },
       { passive: false },
@@ -34,12 +40,14 @@ export class Navigation {
     window.addEventListener('blur', () => this.keys.clear());
   }
 
-  /** Looks at a place from a distance, without a turn. */
-  frame(centre: Vector3, distance: number): void {
+  /** Looks at all of a box, without a turn, within slopes of the picture to the sides and up. */
+  frame(box: Box3, across: number, upright: number): void {
     const back = this.camera.position.clone().sub(this.target);
     if (back.lengthSq() < 1e-9) back.set(-0.6, -1, 0.7);
-    this.target.copy(centre);
-    this.camera.position.copy(centre).addScaledVector(back.normalize(), distance);
+    back.normalize();
+    box.getCenter(this.target);
+    this.framed = true;
+    this.camera.position.copy(this.target).addScaledVector(back, distanceTo(box, back.clone().negate(), across, upright));
     this.apply();
   }
 
@@ -51,12 +59,14 @@ export class Navigation {
   }
 
   set(eye: Vector3, target: Vector3): void {
+    this.framed = false;
     this.camera.position.copy(eye);
     this.target.copy(target);
     this.apply();
   }
 
   orbit(left: number, up: number): void {
+    this.framed = false;
     const back = this.camera.position.clone().sub(this.target);
     // Spherical has y up.
     const s = new Spherical().setFromVector3(new Vector3(back.x, back.z, -back.y));
@@ -68,6 +78,7 @@ export class Navigation {
   }
 
   zoom(factor: number): void {
+    this.framed = false;
     const back = this.camera.position.clone().sub(this.target).multiplyScalar(factor);
     if (back.length() < 0.05 || back.length() > 1e6) return;
     this.camera.position.copy(this.target).add(back);
@@ -76,6 +87,7 @@ export class Navigation {
 
   /** Moves eye and target by a share of their distance: to the right, up, and ahead. */
   shift(right: number, up: number, ahead: number): void {
+    this.framed = false;
     const distance = this.camera.position.distanceTo(this.target);
     const forward = this.target.clone().sub(this.camera.position).normalize();
     const side = forward.clone().cross(UP).normalize();
@@ -119,6 +131,7 @@ export class Navigation {
   }
 
   private down(e: PointerEvent): void {
+    this.used = true;
     this.canvas.setPointerCapture(e.pointerId);
     this.canvas.focus();
     this.pointers.set(e.pointerId, { x: e.clientX, y: e.clientY });

@@ -1,11 +1,14 @@
 // The octree of a log, as docs/reference/octree.md lays it out.
 import { Box3, Vector3 } from 'three';
-import { json, octreeBytes, type OctreeFacts, type OctreeState } from './api';
+import { bytes, json, octreeBytes, type OctreeFacts, type OctreeState, type Triple } from './api';
+import { coreOf } from './unpack';
 
 const NODE_BYTES = 24;
 const RUN_BYTES = 32;
 const POINT_BYTES = 29;
 const PART_BYTES = 8 << 20;
+const FIRST_WAIT_MS = 50;
+const PREVIEW_BYTES = 32;
 
 export interface Node {
   /** Row of the table of nodes. */
@@ -14,6 +17,8 @@ export interface Node {
   points: number;
   level: number;
   children: Node[];
+  /** The columns of its points, where they are there from the start. */
+  data?: ArrayBuffer;
   /** Relative to the octree's origin, m. */
   box: Box3;
 }
@@ -101,9 +106,9 @@ function runsOf(view: DataView, count: number): Run[] {
   return runs;
 }
 
-/** Waits for the octree of a log; `tell` learns the share that is built. */
-export async function openOctree(file: number, tell: (done: number) => void): Promise<Octree> {
-  for (let wait = 50; ; wait = Math.min(wait * 1.5, 1000)) {
+/** Waits for the octree of a log; `tell` learns the share that is built, and `begun` that it has to be built. */
+export async function openOctree(file: number, tell: (done: number) => void, begun: () => void): Promise<Octree> {
+  for (let wait = FIRST_WAIT_MS; ; wait = Math.min(wait * 1.5, 1000)) {
     const state = await json<OctreeState>(`octree?file=${file}`);
     if (state.state === 'failed') throw new Error(state.error);
     if (state.state === 'ready') {
@@ -117,6 +122,7 @@ export async function openOctree(file: number, tell: (done: number) => void): Pr
         runs: runsOf(runs, state.runs),
       };
     }
+    if (wait === FIRST_WAIT_MS) begun();
     tell(state.done);
     await new Promise((resolve) => setTimeout(resolve, wait));
   }
@@ -124,7 +130,7 @@ export async function openOctree(file: number, tell: (done: number) => void): Pr
 
 export async function loadPoints(file: number, node: Node): Promise<Points> {
   const n = node.points;
-  const data = n > 0 ? await octreeBytes(file, node.at, n * POINT_BYTES) : new ArrayBuffer(0);
+  const data = node.data ?? (n > 0 ? await octreeBytes(file, node.at, n * POINT_BYTES) : new ArrayBuffer(0));
   return {
     count: n,
     position: new Float32Array(data, 0, 3 * n),
@@ -136,4 +142,37 @@ export async function loadPoints(file: number, node: Node): Promise<Points> {
     label: new Uint16Array(data, 26 * n, n),
     echo: new Uint8Array(data, 28 * n, n),
   };
+}
+
+/** A sample of a log as an octree of one node, or null where there is none. */
+export async function openPreview(file: number): Promise<Octree | null> {
+  const reply = await bytes(`preview?file=${file}`).catch(() => null);
+  if (!reply) return null;
+  const count = new Uint32Array(reply, 0, 1)[0]!;
+  if (count === 0) return null;
+  const origin = [...new Float64Array(reply, 8, 3)] as Triple;
+  const root: Node = { index: 0, at: 0, points: count, level: 0, children: [], box: new Box3(), data: reply.slice(PREVIEW_BYTES) };
+  const { position, intensity, time, ring, echo } = await loadPoints(file, root);
+  const most = (values: ArrayLike<number>) => Array.prototype.reduce.call(values, (a, b) => Math.max(a as number, b as number), 0) as number;
+  const core = coreOf(position);
+  root.box.setFromArray(position);
+  const low = root.box.min.toArray();
+  position.forEach((v, k) => (position[k] = v - low[k % 3]!)); // as in a node
+  const facts: OctreeFacts = {
+    rows: 0,
+    beams: 0,
+    points: count,
+    origin_m: origin,
+    root_low_m: [0, 0, 0],
+    root_side_m: 0,
+    low_m: core.min.toArray(),
+    high_m: core.max.toArray(),
+    first_time_s: 0,
+    last_time_s: most(time),
+    intensity: [0, most(intensity)],
+    most_ring: most(ring),
+    most_echo: most(echo),
+    labels: [],
+  };
+  return { file, facts, root, nodes: 1, runs: [] };
 }

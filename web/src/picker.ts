@@ -16,7 +16,7 @@ import {
   WebGLRenderTarget,
 } from 'three';
 import type { Cloud } from './cloud';
-import { type Display, Pass } from './display';
+import { type Display, Pass, PLAIN_MASK } from './display';
 import type { World } from './world';
 
 export type Target =
@@ -76,8 +76,10 @@ export class Picker {
     unpickable.forEach((group) => (group.visible = false));
     scene.traverse((o) => this.withoutBlending(o));
     const camera = view.camera.clone();
+    camera.layers.mask = PLAIN_MASK;
     const half = (PICK_PIXELS - 1) / 2;
-    camera.setViewOffset(view.width, view.height, x - half, y - half, PICK_PIXELS, PICK_PIXELS);
+    const { offsetX, offsetY } = view.camera.view ?? { offsetX: 0, offsetY: 0 };
+    camera.setViewOffset(view.width, view.height, x - half + offsetX, y - half + offsetY, PICK_PIXELS, PICK_PIXELS);
     // Only what lies around the cursor is drawn; the picture that follows shows all again.
     const frustum = new Frustum().setFromProjectionMatrix(
       new Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse),

@@ -102,8 +102,7 @@ export class Placing {
   }
 
   private putInMiddle(model: number): Promise<void> {
-    const { clientWidth, clientHeight } = this.app.viewer.canvas;
-    return this.put(model, clientWidth / 2, clientHeight / 2);
+    return this.put(model, ...this.app.viewer.middle);
   }
 
   /** Puts a primitive on the ground at a place of the picture. */

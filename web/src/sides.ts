@@ -10,9 +10,9 @@ export interface Sides {
   share: number;
 }
 
-/** A part of the canvas: the file that is drawn there, its first pixel and its width in CSS pixels. */
+/** A part of the canvas: the file that is drawn there (null for all), its first pixel and its width in CSS pixels. */
 interface Part {
-  side: Group;
+  side: Group | null;
   from: number;
   width: number;
 }
@@ -23,7 +23,9 @@ export function viewWidth(sides: Sides | null, width: number): number {
 }
 
 /** The parts of a canvas of a width that are not empty. */
-export function partsOf({ mode, left, right, share }: Sides, width: number): Part[] {
+export function partsOf(sides: Sides | null, width: number): Part[] {
+  if (!sides) return [{ side: null, from: 0, width }];
+  const { mode, left, right, share } = sides;
   const line = Math.round(width * (mode === 'split' ? 0.5 : share));
   const parts = [
     { side: left, from: 0, width: line },

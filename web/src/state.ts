@@ -1,6 +1,7 @@
 // What a link restores: the view, what is shown, and how. It stands behind the # of the address.
-import type { MapName } from './colours';
-import type { PointMode, Slice, WorldMode } from './display';
+import { MAPS, type MapName } from './colours';
+import { POINT_MODES, type PointMode, type Slice, WORLD_MODES, type WorldMode } from './display';
+import { type Drawer, DRAWERS } from './points-layer';
 
 export interface State {
   /** World coordinates, m, as `target`. */
@@ -10,10 +11,16 @@ export interface State {
   shown: number[] | null;
   points: PointMode;
   worlds: WorldMode;
+  /** Colour maps of points and of elements. */
   map: MapName;
+  elementMap: MapName;
   size: number;
   sigmas: number;
   opaque: boolean;
+  /** Eye-dome lighting of points, and what draws them. */
+  lighting: boolean;
+  drawer: Drawer;
+  legend: boolean;
   slice: Slice;
   theme: 'dark' | 'light' | '';
 }
@@ -26,9 +33,13 @@ export function initialState(): State {
     points: 'height',
     worlds: 'p',
     map: 'viridis',
+    elementMap: 'earth',
     size: 2,
     sigmas: 1,
     opaque: false,
+    lighting: true,
+    drawer: 'automatic',
+    legend: true,
     slice: { on: false, axis: 'z', at: 0, thickness: 1 },
     theme: '',
   };
@@ -49,7 +60,15 @@ export function stateOf(hash: string): State {
     const take = <K extends keyof State>(key: K) => {
       if (typeof given[key] === typeof state[key]) state[key] = given[key] as State[K];
     };
-    (['points', 'worlds', 'map', 'size', 'sigmas', 'opaque', 'theme'] as const).forEach(take);
+    (['size', 'sigmas', 'opaque', 'lighting', 'legend', 'theme'] as const).forEach(take);
+    const choose = <K extends 'points' | 'worlds' | 'map' | 'elementMap' | 'drawer'>(key: K, words: readonly State[K][]) => {
+      if (words.includes(given[key] as State[K])) state[key] = given[key] as State[K];
+    };
+    choose('points', POINT_MODES);
+    choose('worlds', WORLD_MODES);
+    choose('map', MAPS);
+    choose('elementMap', MAPS);
+    choose('drawer', DRAWERS);
     if (given.slice && typeof given.slice === 'object') state.slice = { ...state.slice, ...given.slice };
   } catch {
     // not one of our links

@@ -15,8 +15,10 @@ import {
   WebGLRenderer,
 } from 'three';
 import { Cloud } from './cloud';
-import { Display } from './display';
+import { Display, PLAIN_MASK } from './display';
+import { centreIn, type Free, freePart } from './framing';
 import { Navigation } from './navigation';
+import { PointsLayer } from './points-layer';
 import { type Picked, Picker, rayThrough, type Target, type View } from './picker';
 import { partsOf, sideAt, type Sides, viewWidth, withOnly } from './sides';
 import type { World } from './world';
@@ -43,6 +45,7 @@ export class Viewer {
 
   /** Things that cannot be picked, such as the sensor's path. */
   readonly overlays = new Group();
+  readonly points: PointsLayer;
 
   private readonly renderer: WebGLRenderer;
   private readonly scene = new Scene();
@@ -52,21 +55,24 @@ export class Viewer {
   private last = 0;
   /** When the camera moved last, and how many points are drawn while it moves, so that it moves smoothly. */
   private turned = -Infinity;
-  private movingBudget = 1_000_000;
+  private movingBudget = 500_000;
   private coarse = false;
   private drawn = 0;
   private soon = 0;
   /** How long the last picture took, and what tells that it is drawn. */
   private pictureMs = 0;
   private fence: WebGLSync | null = null;
+  private free: Free = { left: 0, top: 0, width: 1, height: 1 };
 
   constructor(
     readonly canvas: HTMLCanvasElement,
     onPick: (picked: Picked | null) => void,
   ) {
     this.renderer = new WebGLRenderer({ canvas, antialias: false, preserveDrawingBuffer: true });
-    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
-    this.scene.add(this.marks, this.overlays);
+    this.points = new PointsLayer(this.renderer, this.display);
+    this.renderer.setPixelRatio(this.pixelRatio);
+    this.scene.background = new Color();
+    this.scene.add(this.marks, this.overlays, this.points.quad);
     const { renderer, scene, display, clouds, worlds } = this;
     this.picker = new Picker({ renderer, scene, display, clouds, worlds, unpickable: [this.marks, this.overlays] });
     this.navigation = new Navigation(
@@ -88,6 +94,11 @@ export class Viewer {
       if ((this.dirty || (this.coarse && !moving)) && this.isDrawn()) this.render(moving);
     };
     requestAnimationFrame(loop);
+  }
+
+  /** Pixels of the picture for a CSS pixel. */
+  get pixelRatio(): number {
+    return this.points.software ? 1 : Math.min(window.devicePixelRatio, 2);
   }
 
   /** Whether the last picture is drawn: the next one must not wait behind it, or the page would answer late. */
@@ -136,6 +147,13 @@ export class Viewer {
     this.draw();
   }
 
+  removeCloud(cloud: Cloud): void {
+    this.clouds.delete(cloud);
+    this.scene.remove(cloud.group);
+    cloud.dispose();
+    this.draw();
+  }
+
   addWorld(world: World): void {
     this.worlds.add(world);
     this.scene.add(world.group);
@@ -164,6 +182,11 @@ export class Viewer {
     return new Line(new BufferGeometry().setFromPoints([from, to]), look);
   }
 
+  /** Whether nothing is shown. */
+  get isEmpty(): boolean {
+    return ![...this.clouds, ...this.worlds].some((thing) => thing.group.visible);
+  }
+
   /** Bounds of most of what is shown, in the scene's frame. */
   bounds(): Box3 {
     const box = new Box3();
@@ -176,11 +199,38 @@ export class Viewer {
     return box.isEmpty() ? new Box3(new Vector3(-10, -10, 0), new Vector3(10, 10, 5)) : box;
   }
 
+  /** Shows everything in the part of the view that no panel covers, and fits the colours of heights to it. */
   frameAll(): void {
+    const logs = [...this.clouds].filter((cloud) => cloud.group.visible);
+    const heights = logs.reduce((box, cloud) => box.union(cloud.core), new Box3());
     const box = this.bounds();
-    this.display.uniforms.heights.value.set(box.min.z, box.max.z);
-    const size = box.getSize(new Vector3());
-    this.navigation.frame(box.getCenter(new Vector3()), Math.max(2, 0.6 * Math.max(size.x, size.y, size.z)));
+    const { min, max } = heights.isEmpty() ? box : heights;
+    this.display.uniforms.heights.value.set(min.z, max.z);
+    this.centre();
+    const { width, height } = this.view;
+    const slope = Math.tan((this.camera.fov * Math.PI) / 360);
+    const across = (slope * Math.min(this.free.width, width)) / height;
+    this.navigation.frame(box, across, (slope * this.free.height) / height);
+  }
+
+  /** Looks from a direction, at everything where everything was looked at before. */
+  lookFrom(direction: Vector3): void {
+    const { framed } = this.navigation;
+    this.navigation.lookFrom(direction);
+    if (framed) this.frameAll();
+  }
+
+  /** Puts the middle of the picture into the middle of what no panel covers. */
+  private centre(): void {
+    const { width, height } = this.view;
+    this.free = freePart(this.canvas);
+    if (this.sides) this.free = { left: 0, top: 0, width, height };
+    centreIn(this.camera, this.free, width, height);
+  }
+
+  /** The place of the canvas (CSS pixels) at which the camera looks. */
+  get middle(): [number, number] {
+    return [this.free.left + this.free.width / 2, this.free.top + this.free.height / 2];
   }
 
   get drawnPoints(): number {
@@ -200,27 +250,25 @@ export class Viewer {
     const height = Math.max(1, this.canvas.clientHeight);
     this.renderer.setSize(width, height, false);
     this.camera.aspect = this.view.width / height;
-    this.camera.updateProjectionMatrix();
+    this.centre();
     this.draw();
   }
 
   private render(moving = false): void {
     this.dirty = false;
-    const now = performance.now();
-    const took = now - this.drawn;
-    this.drawn = now;
-    // Thirty pictures a second while the camera moves.
-    if (moving && took < 2000) this.movingBudget *= took > 45 ? 0.75 : took < 30 ? 1.15 : 1;
-    this.movingBudget = Math.min(this.budget, Math.max(50_000, this.movingBudget));
+    this.drawn = performance.now();
+    // Some twenty pictures a second while the camera moves. Fewer points do not help below some number of them.
+    if (moving) this.movingBudget *= this.pictureMs > 50 ? 0.85 : this.pictureMs < 35 ? 1.1 : 1;
+    const least = this.points.splats ? 300_000 : 100_000;
+    this.movingBudget = Math.min(this.budget, Math.max(least, this.movingBudget));
     this.coarse = moving && this.movingBudget < this.budget;
     const budget = this.coarse ? this.movingBudget : this.budget;
     const shown = [...this.clouds].filter((cloud) => cloud.group.visible);
-    for (const cloud of shown) cloud.update(this.camera, this.canvas.clientHeight, budget / shown.length);
+    for (const cloud of shown) cloud.update(this.camera, this.canvas.clientHeight, budget / shown.length, this.budget / shown.length);
     const cast = this.ellipsoidBudget * (this.coarse ? this.movingBudget / this.budget : 1);
     const worlds = [...this.worlds].filter((world) => world.group.visible);
     for (const world of worlds) world.update(this.camera, this.canvas.clientHeight, cast / worlds.length);
-    if (this.sides) this.renderSides(this.sides);
-    else this.renderer.render(this.scene, this.camera);
+    this.renderParts(shown);
     this.insets.forEach((inset) => this.renderInset(inset));
     const gl = this.renderer.getContext() as WebGL2RenderingContext;
     if (this.fence) gl.deleteSync(this.fence);
@@ -239,23 +287,47 @@ export class Viewer {
     return [...this.clouds, ...this.worlds].map((thing) => thing.group);
   }
 
-  private renderSides(sides: Sides): void {
+  /** Draws the picture: the points of each side, and then each side with them in it. */
+  private renderParts(clouds: Cloud[]): void {
+    const { renderer, scene, camera, points } = this;
     const { clientWidth: width, clientHeight: height } = this.canvas;
-    this.renderer.setScissorTest(true);
-    for (const part of partsOf(sides, width)) {
-      this.renderer.setScissor(part.from, 0, part.width, height);
-      if (sides.mode === 'split') this.renderer.setViewport(part.from, 0, this.view.width, height);
-      withOnly(this.groups, part.side, () => this.renderer.render(this.scene, this.camera));
+    const ratio = renderer.getPixelRatio();
+    const split = this.sides?.mode === 'split';
+    const parts = partsOf(this.sides, width).map((part) => {
+      const shown = clouds.filter((cloud) => !part.side || part.side === cloud.group);
+      const left = split ? part.from : 0;
+      return { ...part, shown, left, ends: [part.from, part.from + part.width].map((x) => Math.round(x * ratio)) };
+    });
+    points.begin(clouds[0]?.size ?? 1, this.isDeep, scene.background as Color);
+    for (const { side, shown, left, ends } of parts) {
+      const pane = { left: left * ratio, width: this.view.width * ratio, from: ends[0]!, to: ends[1]! };
+      if (clouds.length > 0) withOnly(this.groups, side, () => points.add(scene, camera, shown, pane));
     }
-    this.renderer.setScissorTest(false);
-    this.renderer.setViewport(0, 0, width, height);
+    points.finish(camera);
+    renderer.setScissorTest(parts.length > 1);
+    for (const { side, from, width: wide, left } of parts) {
+      renderer.setScissor(from, 0, wide, height);
+      renderer.setViewport(left, 0, this.view.width, height);
+      withOnly(this.groups, side, () => points.show(scene, camera));
+    }
+    renderer.setScissorTest(false);
+    renderer.setViewport(0, 0, width, height);
+  }
+
+  /** Whether there is anything but points in the picture. */
+  private get isDeep(): boolean {
+    const flat: Object3D[] = [this.points.quad, ...[...this.clouds].map((cloud) => cloud.group)];
+    const others = this.scene.children.filter((o) => o.visible && !flat.includes(o) && o !== this.marks && o !== this.overlays);
+    return others.length + this.marks.children.length > 0 || this.overlays.children.some((o) => o.visible);
   }
 
   private renderInset({ camera, element }: Inset): void {
     const box = element.getBoundingClientRect();
+    const x = box.left - this.canvas.getBoundingClientRect().left;
     const y = this.canvas.clientHeight - box.bottom;
-    this.renderer.setViewport(box.left, y, box.width, box.height);
-    this.renderer.setScissor(box.left, y, box.width, box.height);
+    camera.layers.mask = PLAIN_MASK;
+    this.renderer.setViewport(x, y, box.width, box.height);
+    this.renderer.setScissor(x, y, box.width, box.height);
     this.renderer.setScissorTest(true);
     this.renderer.render(this.scene, camera);
     this.renderer.setScissorTest(false);

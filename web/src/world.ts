@@ -14,6 +14,7 @@ import {
 } from 'three';
 import { bytes, type ServedFile, type WorldFacts, json } from './api';
 import { type Display, material, WORLD_MODES, type WorldMode } from './display';
+import { coreOf } from './unpack';
 import {
   chooseBlocks,
   ELLIPSOID_BYTES,
@@ -27,6 +28,9 @@ import {
   SPLAT_VERTEX,
 } from './ellipsoids';
 
+/** A mesh lies so far behind its place where points are before it. */
+const BEHIND_M = 0.3;
+
 const MESH_VERTEX = /* glsl */ `
   attribute float p;
   varying vec3 shown;
@@ -39,6 +43,9 @@ const MESH_VERTEX = /* glsl */ `
     vec4 view = viewMatrix * world;
     seen = view.xyz;
     gl_Position = projectionMatrix * view;
+    // Points on a mesh, half of which lie a little below it, are drawn before it.
+    vec4 behind = projectionMatrix * vec4(seen + normalize(seen) * float(${BEHIND_M}), 1.0);
+    gl_Position.z = behind.z / behind.w * gl_Position.w;
   }
 `;
 
@@ -92,15 +99,20 @@ function meshGeometry(data: ArrayBuffer): BufferGeometry {
   geometry.setAttribute('p', new BufferAttribute(ofVertex, 1));
   geometry.setIndex(new BufferAttribute(index, 1));
   geometry.computeBoundingBox();
+  geometry.userData.core = coreOf(place);
   return geometry;
 }
 
 export class World {
   readonly group = new Group();
+  /** Where most of it lies, in the scene's frame. */
   readonly bounds = new Box3();
+  /** Classes of its ellipsoids. */
+  readonly labels = new Set<number>();
   /** Ellipsoids in view, and how many of them are cast instead of drawn as points. */
   drawnEllipsoids = 0;
   castEllipsoids = 0;
+  private readonly home: Vector3;
   private meshMaterial: ShaderMaterial | null = null;
   private readonly ellipsoidLooks: Looks;
   private readonly placed: Placed[] = [];
@@ -114,6 +126,7 @@ export class World {
     origin: Vector3,
   ) {
     this.group.position.set(...facts.origin_m).sub(origin);
+    this.home = this.group.position.clone();
     const shared = { radius: { value: 1 }, opaque: { value: 0 }, object: { value: 0 } };
     const eye = { eye: { value: new Vector3() }, place: { value: this.group.matrixWorld } };
     this.ellipsoidLooks = {
@@ -187,7 +200,8 @@ export class World {
       frame.add(mesh);
     }
     this.group.updateMatrixWorld(true);
-    for (const box of [model.blocks?.bounds, ...model.meshes.map((m) => m.geometry.boundingBox)]) {
+    model.blocks?.labels.forEach((label) => this.labels.add(label));
+    for (const box of [model.blocks?.core, ...model.meshes.map((m) => m.geometry.userData.core as Box3)]) {
       if (box) this.bounds.union(box.clone().applyMatrix4(frame.matrixWorld));
     }
   }
@@ -197,6 +211,20 @@ export class World {
     const { inView, cast } = chooseBlocks(this.placed, camera, height, this.radius, most, this.ellipsoidLooks);
     this.drawnEllipsoids = inView;
     this.castEllipsoids = cast;
+  }
+
+  /** Puts it beside a box, south of it and on its lowest height, or (without one) where it belongs. */
+  standBeside(box: Box3 | null): void {
+    const to = this.home.clone();
+    this.bounds.translate(this.home.clone().sub(this.group.position)); // as it lies at home
+    if (box && !box.isEmpty()) {
+      const gap = 2 + 0.05 * (box.max.y - box.min.y);
+      const middle = (b: Box3) => (b.min.x + b.max.x) / 2;
+      to.add(new Vector3(middle(box) - middle(this.bounds), box.min.y - gap - this.bounds.max.y, box.min.z - this.bounds.min.z));
+    }
+    this.bounds.translate(to.clone().sub(this.home));
+    this.group.position.copy(to);
+    this.group.updateMatrixWorld(true);
   }
 
   private meshLook(): ShaderMaterial {

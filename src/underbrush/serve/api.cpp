@@ -15,6 +15,7 @@
 #include "underbrush/serve/job_api.hpp"
 #include "underbrush/serve/json_reply.inl"
 #include "underbrush/serve/label_api.hpp"
+#include "underbrush/serve/log_preview.hpp"
 #include "underbrush/serve/query.hpp"
 #include "underbrush/serve/range_errors.hpp"
 #include "underbrush/serve/range_image.hpp"
@@ -99,6 +100,11 @@ struct Api::Impl {
   }
   HttpReply octree(const HttpRequest& request) {
     return {200, "application/json", log_of(request).state()};
+  }
+  HttpReply preview(const HttpRequest& request) {
+    const OpenedFile file = file_at(Query(request).number("file"));
+    require(file.kind == FileKind::kLog, "this file is no log");
+    return {200, kBytes, log_preview(file.path)};
   }
   HttpReply octree_bytes(const HttpRequest& request) {
     const auto file = log_of(request).octree();
@@ -229,6 +235,7 @@ HttpReply Api::answer(const HttpRequest& request) {
       {"api/files", &Impl::list},
       {"api/octree", &Impl::octree},
       {"api/octree/data", &Impl::octree_bytes},
+      {"api/preview", &Impl::preview},
       {"api/beams", &Impl::beams},
       {"api/beam", &Impl::beam},
       {"api/trace", &Impl::trace},

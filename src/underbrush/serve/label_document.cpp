@@ -60,9 +60,12 @@ LabelDocument::LabelDocument(const std::filesystem::path& journal, const LabelFa
   if (!first.rows.empty()) append(kBase + first.bytes());
 }
 
-std::string LabelDocument::last_name() const {
-  if (done_.empty()) return "";
-  const std::string record = journal_.read(done_.back().at);
+std::string LabelDocument::last_name() const { return name_of(done_); }
+std::string LabelDocument::next_name() const { return name_of(undone_); }
+
+std::string LabelDocument::name_of(const std::vector<Entry>& entries) const {
+  if (entries.empty()) return "";
+  const std::string record = journal_.read(entries.back().at);
   if (record[0] == kBox) return "box";
   return StoredChange::read(std::string_view(record).substr(1)).name;
 }

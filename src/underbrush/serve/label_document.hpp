@@ -39,6 +39,8 @@ class LabelDocument {
   size_t redos() const { return undone_.size(); }
   /// The name of the change that `undo` takes back; empty without one.
   std::string last_name() const;
+  /// The name of the change that `redo` applies again; empty without one.
+  std::string next_name() const;
 
   const std::vector<uint32_t>& values() const { return values_; }
   /// Number of rows of each class; rows without a return count as class 0.
@@ -65,6 +67,7 @@ class LabelDocument {
     uint64_t at = 0;
     uint32_t stroke = 0;
   };
+  std::string name_of(const std::vector<Entry>& entries) const;
   void take(uint64_t at, std::string_view record);
   uint32_t apply(std::string_view record, bool back);
   uint32_t apply_box(std::string_view text, bool back);

@@ -95,6 +95,7 @@ std::string LabelsOfFile::state(uint64_t since) {
          {"undos", d.undos()},
          {"redos", d.redos()},
          {"last", printable(d.last_name())},
+         {"next", printable(d.next_name())},
          {"set", d.facts().set},
          {"journal", printable((folder_ / journal_name(file_.name)).string())},
          {"journal_bytes", d.journal().bytes()},

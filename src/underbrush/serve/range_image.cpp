@@ -18,7 +18,7 @@ constexpr double kMostPixels = 4'194'304;
 constexpr uint32_t kWidest = 8192;
 constexpr size_t kLeastRings = 4;
 constexpr double kAzimuthShare = 0.7;  // columns for each beam of a ring: few pixels stay empty
-constexpr float kSameDirection = 0.01F;
+constexpr float kDirectionTolerance = 0.01F;  // rad
 
 double azimuth(const BeamLog& log, size_t i) {
   return std::atan2(double(log.direction[i].y()), double(log.direction[i].x()));
@@ -137,7 +137,7 @@ std::vector<float> other_ranges(const LoggedBeams& beams, LogData& other) {
   require_data(found.row.size() == beams.row.size(), kOthers);
   for (size_t i = 0; i < beams.row.size(); ++i) {
     const Vec3f off = found.beams.direction[i] - beams.beams.direction[i];
-    require_data(off.norm() < kSameDirection, kOthers);
+    require_data(off.norm() < kDirectionTolerance, kOthers);
   }
   return found.beams.range_m;
 }

@@ -16,6 +16,29 @@ namespace underbrush::serve {
 namespace {
 
 constexpr uint64_t kMostThumbnail = uint64_t(4) << 20;  // bytes
+constexpr double kGap = 1;                              // m, between primitives
+
+// Lays boxes of these sizes in rows from north to south, as wide together as they are deep, with a
+// gap around each. Returns the corner of each with the least coordinates.
+std::vector<Vec3> shelves_of(const std::vector<Vec3>& sizes) {
+  double area = 0;
+  for (const Vec3& s : sizes) area += (s.x() + kGap) * (s.y() + kGap);
+  const double most = std::sqrt(area);
+  std::vector<Vec3> out;
+  double y = 0;
+  for (size_t first = 0; first < sizes.size();) {
+    double x = 0, depth = 0;
+    const size_t begin = first;
+    for (; first < sizes.size() && (first == begin || x + sizes[first].x() <= most); ++first) {
+      out.emplace_back(x, 0, 0);
+      x += sizes[first].x() + kGap;
+      depth = std::max(depth, sizes[first].y());
+    }
+    for (size_t k = begin; k < first; ++k) out[k].y() = y - depth;
+    y -= depth + kGap;
+  }
+  return out;
+}
 
 }  // namespace
 
@@ -42,20 +65,18 @@ WorldData::WorldData(const OpenedFile& file) : kind_(file.kind), folder_(file.pa
 
 void WorldData::place_primitives(const OpenedFile& file) {
   const primitives::PrimitiveSet set = primitives::read_primitive_set(file.path);
-  double widest = 1;
-  for (const primitives::PrimitiveEntry& e : set.entries) {
-    widest = std::max({widest, e.box.size().x(), e.box.size().y()});
-  }
-  const size_t columns = size_t(std::ceil(std::sqrt(double(set.entries.size()))));
+  std::vector<Vec3> sizes;
+  for (const primitives::PrimitiveEntry& e : set.entries) sizes.push_back(e.box.size());
+  const std::vector<Vec3> corners = shelves_of(sizes);
   for (size_t k = 0; k < set.entries.size(); ++k) {
+    const Vec3& low = set.entries[k].box.min;
     scene_.models.push_back(primitives::read_primitive(set, k));
     info_.names.push_back(set.entries[k].name);
     info_.labels.push_back(set.entries[k].label);
     boxes_.push_back(set.entries[k].box);
     elements::Instance placed;
     placed.model = uint32_t(k);
-    placed.world_from_model.translation =
-        Vec3(double(k % columns), -double(k / columns), 0) * (widest + 1);
+    placed.world_from_model.translation = corners[k] - Vec3(low.x(), low.y(), 0);
     scene_.instances.push_back(placed);
   }
 }
