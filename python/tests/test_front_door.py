@@ -1,11 +1,13 @@
-"""Verbs of the command that are given recordings: `info` describes them, and the others name the import to run."""
+"""Verbs of the command that are given recordings: `info` describes them, and the others read their logs."""
 from __future__ import annotations
 
 import json
+import os
 import pathlib
-import shlex
 import subprocess
 import sys
+import time
+import urllib.request
 
 import numpy as np
 import pytest
@@ -13,16 +15,27 @@ import pytest
 pytest.importorskip("rosbags", reason="rosbags is not installed: pip install 'underbrush[formats]'")
 pytest.importorskip("laspy", reason="laspy is not installed: pip install 'underbrush[formats]'")
 
+import underbrush  # noqa: E402
 from bag_messages import bag, some_points  # noqa: E402
+from flights import straight, survey, write  # noqa: E402
 from underbrush import cli  # noqa: E402
+from underbrush.formats import OptionMissing  # noqa: E402
+from underbrush.recorded import log_of  # noqa: E402
 
 CASES = pathlib.Path(__file__).resolve().parents[2] / "tests/cases"
 LAS, PCAP = CASES / "common_options/scan.las", CASES / "pcap_two_sensors/pc_two.pcap"
 
 
+@pytest.fixture(autouse=True)
+def cache(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> pathlib.Path:
+    """The user's cache."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    return tmp_path / "cache"
+
+
 def command(*words: object) -> subprocess.CompletedProcess[str]:
     return subprocess.run([sys.executable, "-m", "underbrush.cli", *map(str, words)], check=False, capture_output=True,
-                          text=True, env={"PYTHONPATH": ":".join(sys.path)})
+                          text=True, env={**os.environ, "PYTHONPATH": ":".join(sys.path)})
 
 
 @pytest.fixture
@@ -71,34 +84,93 @@ def test_info_gives_the_place_of_stations(tmp_path: pathlib.Path) -> None:
     assert "station 1 S1: 50 points; at 10.00 5.00 1.50 m" in command("info", tmp_path / "two.e57").stdout
 
 
-@pytest.mark.parametrize("words", [
-    ("fit", "FILE", "-o", "model"), ("simulate", "model", "--like", "FILE", "-o", "out.ply"),
-    ("simulate", "model", "--like=FILE", "-o", "out.ply"), ("score", "FILE", "other.ply"), ("score", "log.ply", "FILE"),
-    ("serve", "FILE"), ("split", "FILE", "--train", "a.ply", "--test", "b.ply"), ("segment", "FILE", "-o", "x.ply"),
-    ("optimize", "FILE")])
-@pytest.mark.parametrize("kind", ["bag", "las", "pcap"])
-def test_verbs_of_logs_name_the_import(drive: pathlib.Path, words: tuple[str, ...], kind: str) -> None:
-    file = {"bag": drive, "las": LAS, "pcap": PCAP}[kind]
-    done = command(*(word.replace("FILE", str(file)) for word in words))
-    assert done.returncode == 3 and done.stdout == "" and done.stderr.count("\n") == 1
-    assert done.stderr.startswith(f"underbrush: {file}: is a recording and no log: 'underbrush import ")
+PLACE = "--position=532100,5412300,311.8"
 
 
-def test_the_command_that_is_named_makes_the_log(drive: pathlib.Path) -> None:
-    said = command("fit", drive, "-o", "model").stderr
-    words = shlex.split(said.partition(": is a recording and no log: '")[2].rpartition("'")[0])
-    assert words == ["underbrush", "import", str(drive), "-o", "my drive.ply"]
-    done = subprocess.run([sys.executable, "-m", "underbrush.cli", *words[1:]], cwd=drive.parent, check=False,
-                          capture_output=True, text=True, env={"PYTHONPATH": ":".join(sys.path)})
-    assert done.returncode == 0 and "320 rows" in done.stdout
-    assert "320" in command("info", drive.parent / "my drive.ply").stdout
+def logs_in(cache: pathlib.Path) -> list[pathlib.Path]:
+    return sorted(cache.glob("underbrush/logs/*/*/*.ply"))
 
 
-def test_outputs_and_absent_files_are_left_to_the_program() -> None:
-    assert cli.advice(["fit", "absent.bag", "-o", "model"]) == ""
-    assert cli.advice(["fit", "log.ply", "-o", str(LAS)]) == ""
-    assert cli.advice(["perceive", "log.ply", "--truth", str(PCAP)]) == ""
-    assert cli.advice(["osi", "convert", str(LAS)]) == cli.advice([]) == ""
+def test_verbs_of_logs_read_recordings(drive: pathlib.Path, cache: pathlib.Path, tmp_path: pathlib.Path) -> None:
+    """The answers are those of the log that import makes, and it is made once."""
+    log, model = tmp_path / "my drive.ply", tmp_path / "model"
+    assert command("import", drive, "-o", log).returncode == 0
+    done = command("fit", drive, "-o", model)
+    (kept,) = logs_in(cache)
+    assert done.returncode == 0 and done.stderr.splitlines()[-1] == f"underbrush: {drive}: its log is {kept}"
+    assert f"underbrush: {drive}: the log has no misses" in done.stderr  # A note of the import.
+    assert len(underbrush.read_log(kept)) == len(underbrush.read_log(log)) == 320
+    made = kept.stat().st_mtime_ns
+    for words in (("--like", drive), (f"--like={drive}",)):
+        assert command("simulate", model, *words, "-o", tmp_path / "a.ply").returncode == 0
+        assert command("simulate", model, "--like", log, "-o", tmp_path / "b.ply").returncode == 0
+        a, b = (underbrush.read_log(tmp_path / name) for name in ("a.ply", "b.ply"))
+        np.testing.assert_array_equal(a.range_m, b.range_m)
+    done = command("score", drive, tmp_path / "a.ply", "--json", "-")
+    assert done.returncode == 0 and json.loads(done.stdout)
+    parts = ("--train", tmp_path / "t.ply", "--test", tmp_path / "u.ply")
+    assert command("split", drive, "--every", 2, *parts).returncode == 0
+    assert logs_in(cache) == [kept] and kept.stat().st_mtime_ns == made
+
+
+def test_a_recording_that_changed_is_imported_anew(drive: pathlib.Path, cache: pathlib.Path) -> None:
+    say: list[str] = []
+    first = log_of(drive, say.append)
+    assert log_of(drive, say.append) == first and say[0] == say[1]
+    first.unlink()
+    assert log_of(drive, say.append) == first and first.exists()
+    os.utime(next(drive.iterdir()), (1, 1))
+    second = log_of(drive, say.append)
+    assert second != first and logs_in(cache) == [second]
+
+
+def test_verbs_take_the_options_of_import_for_recordings(cache: pathlib.Path, tmp_path: pathlib.Path) -> None:
+    done = command("fit", LAS, "-o", tmp_path / "model")
+    assert done.returncode == 2 and done.stderr.count("\n") == 1 and "--position X,Y,Z" in done.stderr
+    assert "options of 'underbrush import', which the command's other verbs take, too" in done.stderr
+    assert not logs_in(cache)
+    assert command("fit", LAS, PLACE, "-o", tmp_path / "model").returncode == 0
+    done = command("segment", PCAP, "--topic", "192.168.1.201:2368", "--position", "0,0,2", "-o", tmp_path / "x.ply")
+    assert done.returncode == 0 and len(underbrush.read_log(tmp_path / "x.ply")) == 3072
+    assert len(logs_in(cache)) == 2
+    broken = tmp_path / "broken.laz"
+    broken.write_bytes(LAS.read_bytes()[:300])
+    done = command("fit", broken, PLACE, "-o", tmp_path / "other")
+    assert done.returncode == 3 and done.stderr.startswith(f"underbrush: {broken}: ") and done.stderr.count("\n") == 1
+
+
+def test_serve_shows_recordings(tmp_path: pathlib.Path) -> None:
+    words = [sys.executable, "-m", "underbrush.cli", "serve", str(LAS), PLACE, "--json", str(tmp_path / "serve.json")]
+    with subprocess.Popen(words, env={**os.environ, "PYTHONPATH": ":".join(sys.path)}, text=True,
+                          stdout=subprocess.PIPE) as server:
+        try:
+            ready = tmp_path / "serve.json"
+            while not ready.exists() and server.poll() is None:
+                time.sleep(0.05)
+            address = json.loads(ready.read_text())["address"]
+            with urllib.request.urlopen(address + "api/files") as answer:
+                assert [(f["kind"], f["name"]) for f in json.load(answer)["files"]] == [("log", "scan.ply")]
+        finally:
+            server.terminate()
+
+
+def test_functions_read_recordings(tmp_path: pathlib.Path) -> None:
+    flight = write(tmp_path / "flight.las", survey(straight(400), 2, pulses_s=500))
+    with pytest.warns(UserWarning, match="flight.las: the sensor's positions are estimated from"):
+        model = underbrush.fit(flight)
+    with pytest.warns(UserWarning, match="no misses") as warned:
+        answer = underbrush.simulate(model, like=flight)
+    assert len(answer) == 1000 and np.isfinite(answer.range_m).mean() > 0.9
+    assert {w.filename for w in warned} == {__file__}
+    with pytest.raises(OptionMissing, match="--position"):
+        underbrush.fit(LAS)
+
+
+def test_outputs_and_other_words_are_left_as_they_are() -> None:
+    for words in (["fit", "absent.bag", "-o", "model"], ["fit", "log.ply", "-o", str(LAS)], [],
+                  ["perceive", "log.ply", "--truth", str(PCAP)], ["osi", "convert", str(LAS)], ["fit", "--position"],
+                  ["split", "log.ply", "--train", str(LAS), "--test", str(LAS)], ["fit", "log.ply", "--topic", "a"]):
+        assert cli.with_logs(words) == words
 
 
 def test_help_of_import_shows_every_option() -> None:

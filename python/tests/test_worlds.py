@@ -32,6 +32,17 @@ def test_a_mesh_is_a_world(tmp_path: pathlib.Path) -> None:
     np.testing.assert_array_equal(logs[0].range_m, logs[1].range_m)
 
 
+def test_beams_that_meet_nothing_are_a_warning(tmp_path: pathlib.Path) -> None:
+    path = tmp_path / "wall.obj"
+    path.write_text(WALL)
+    far = underbrush.Trajectory(np.zeros(1), np.array([[0.0, 0.0, 2000.0]]), np.array([[0.0, 0.0, 0.0, 1.0]]))
+    sensor = underbrush.Sensor("velodyne-vlp16")
+    with pytest.warns(UserWarning, match=r"the sensor lies at x 0.0, y 0.0, z 2000.0 m, the world at x 10.0, y -5.0 to "
+                                         r"5.0, z 0.0 to 9.0 m; it is 1.991 km above and 10 m beside the world, beyond"):
+        log = underbrush.simulate(path, sensor=sensor, trajectory=far)
+    assert not np.isfinite(log.range_m).any()
+
+
 def test_what_is_wrong_is_a_format_error(tmp_path: pathlib.Path) -> None:
     path = tmp_path / "bad.stl"
     path.write_bytes(b"solid")

@@ -3,18 +3,21 @@ from __future__ import annotations
 
 import os
 import pathlib
-import shlex
 import subprocess
 import sys
 from collections.abc import Sequence
 
-#: Ends of names of recordings that the program does not read by itself.
-RECORDINGS = (".bag", ".mcap", ".db3", ".las", ".laz", ".pcap", ".pcapng", ".e57", ".xyz")
+from underbrush.errors import FormatError
+from underbrush.recorded import is_recording, log_of
 
 #: Verbs that read logs, and options whose values they do not read as logs.
-LOG_VERBS = ("fit", "simulate", "score", "serve", "split", "movers", "segment", "extract", "perceive", "optimize",
-             "rasters")
-OTHER_FILES = ("-o", "--output", "--json", "--report", "--truth", "--write-truth")
+LOG_VERBS = ("fit", "simulate", "score", "serve", "split", "movers", "segment", "extract", "perceive", "optimize")
+OTHER_FILES = ("-o", "--output", "--json", "--report", "--truth", "--write-truth", "--test", "--trajectory")
+
+
+#: Options of `import` for recordings, which other verbs take for those that they read.
+IMPORT_OPTIONS = ("--topic", "--position", "--frame", "--clock", "--metadata", "--infer-misses", "--unknown-below-deg",
+                  "--poses", "--frames", "--keep")
 
 
 def program() -> pathlib.Path:
@@ -25,12 +28,6 @@ def program() -> pathlib.Path:
     return found
 
 
-def is_recording(name: str) -> bool:
-    """Whether the program leaves the file or folder to the package's readers (a ROS 2 bag is a folder)."""
-    path = pathlib.Path(name)
-    return name.lower().endswith(RECORDINGS) or (path / "metadata.yaml").is_file()
-
-
 def recording_of(words: Sequence[str]) -> str | None:
     """Returns the recording that the words `import FILE …` or `info FILE …` name, or None."""
     if not words or words[0] not in ("import", "info"):
@@ -39,17 +36,35 @@ def recording_of(words: Sequence[str]) -> str | None:
                  if not w.startswith("-") and before not in OTHER_FILES and is_recording(w)), None)
 
 
-def advice(words: Sequence[str]) -> str:
-    """What to do where a verb that reads logs is given a recording; empty where it is not."""
-    if not words or words[0] not in LOG_VERBS:
-        return ""
-    for before, word in zip(words, words[1:]):
-        option, _, value = word.partition("=") if word.startswith("-") else (before, "", word)
-        if value and option not in OTHER_FILES and is_recording(value) and pathlib.Path(value).exists():
-            log = pathlib.Path(value.rstrip("/")).with_suffix(".ply").name
-            return (f"{value}: is a recording and no log: 'underbrush import {shlex.quote(value)} -o {shlex.quote(log)}' "
-                    "makes one of it")
-    return ""
+def with_logs(words: Sequence[str]) -> list[str]:
+    """The words, with a log in the cache for each recording that a verb reads as a log (see `log_of`).
+
+    Options of `import` for recordings are taken out of the words then. What was imported is told on standard error.
+    """
+    out: list[str] = []
+    options: list[str] = []
+    places: list[int] = []  # Of recordings among `out`.
+    for word in words:
+        before = out[-1] if out else ""
+        option, equals, value = word.partition("=") if word.startswith("--") else (before, "", word)
+        if option in IMPORT_OPTIONS:
+            if option == before:
+                out.pop()
+            if equals or option == before:
+                options.append(f"{option}={value}")
+                continue
+        elif (len(out) and option not in OTHER_FILES and (words[0], option) != ("split", "--train")
+              and is_recording(value) and pathlib.Path(value).exists()):
+            places.append(len(out))
+        out.append(word)
+    if not places or words[0] not in LOG_VERBS:
+        return list(words)
+    for k in places:
+        option, equals, value = out[k].rpartition("=") if out[k].startswith("--") else ("", "", out[k])
+        log = log_of(value, lambda note: print(f"underbrush: {note}", file=sys.stderr), options)
+        print(f"underbrush: {value}: its log is {log}", file=sys.stderr)
+        out[k] = f"{option}{equals}{log}"
+    return out
 
 
 def import_help(words: Sequence[str]) -> bool:
@@ -71,9 +86,14 @@ def main(words: Sequence[str] | None = None) -> int:
     if is_mcap_trace(given):
         from underbrush.convert_trace import run as convert
         return convert(given[2:])
-    if line := advice(given):
-        print(f"underbrush: {line}", file=sys.stderr)
-        return 3
+    try:
+        given = with_logs(given)
+    except FormatError as e:
+        return _fail(e, 3)
+    except (ValueError, ImportError) as e:
+        return _fail(e, 2)
+    except OSError as e:
+        return _fail(e, 4)
     found = program()
     if import_help(given):
         from underbrush.formats.import_options import parser
@@ -82,6 +102,11 @@ def main(words: Sequence[str] | None = None) -> int:
               end="")
         return code
     os.execv(found, ["underbrush", *given])
+
+
+def _fail(error: Exception, code: int) -> int:
+    print(f"underbrush: {' '.join(str(error).split())}", file=sys.stderr)
+    return code
 
 
 if __name__ == "__main__":

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, overload
 
 from underbrush import _core
 from underbrush._core import BeamLog, Model, ObjectLists, Primitives, Scene, Score, Sensor, Trajectory, Tuning
+from underbrush.recorded import given_log as _log
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -21,7 +22,8 @@ if TYPE_CHECKING:
                                         SplitParameters)
 
 Path = str | os.PathLike[str]
-Log = BeamLog | Path  #: A log, or the path of one (ray cloud PLY, as `underbrush import` writes it).
+#: A log, or the path of one (ray cloud PLY, as `underbrush import` writes it) or of a recording (bag, LAS, pcap, E57).
+Log = BeamLog | Path
 World = Model | Scene | Path  #: A model or scene, or the path of its folder.
 #: Receives (stage, done, total); True shows a bar if tqdm is installed.
 Progress = Callable[[str, int, int], object] | bool
@@ -146,9 +148,9 @@ def fit(log: Log, output: Path | None = None, *, seed: int = 1, sensor: Sensor |
         raise ValueError("fit: the parameters of a model hold, so update excludes parameters, sensor, echoes and seed")
     with _shown(progress) as shown:
         if update is None:
-            model = _core.fit(log, given, seed, _sensor(sensor), echoes, _provenance("fit", seed, **given), shown)
+            model = _core.fit(_log(log), given, seed, _sensor(sensor), echoes, _provenance("fit", seed, **given), shown)
         else:
-            model = _core.update(log, update, growth, logs, _provenance("fit", seed), shown)
+            model = _core.update(_log(log), update, growth, logs, _provenance("fit", seed), shown)
     if output is not None:
         _core.write_model(output, model)
     return model
@@ -202,6 +204,7 @@ def simulate(model: World, *, like: Log | None = None, sensor: Sensor | str | No
         raise ValueError("simulate: profile needs output")
     path = trajectory if trajectory is None or isinstance(trajectory, Trajectory) else _core.read_trajectory(trajectory)
     given: dict[str, Any] = dict(options)
+    like = None if like is None else _log(like)
     core = _options(seed, movers, given)
     with _shown(progress) as shown:
         if output is None:
@@ -231,6 +234,7 @@ def score(real: Log, simulated: Log, *, model: World | None = None, train: Log |
     written too. Raises `ValueError` (`FormatError` for files) where the beams differ in number, scan, ring or origin,
     and `OSError`.
     """
+    real, simulated, train = _log(real), _log(simulated), None if train is None else _log(train)
     with _shown(progress) as shown:
         scores = _core.score(real, simulated, model, train, cloud, shown)
     if report is not None:
@@ -264,7 +268,7 @@ def split(log: Log, train: Path | None = None, test: Path | None = None, *, prog
     """
     given: dict[str, Any] = dict(options)
     with _shown(progress) as shown:
-        parts = Split(*_core.split(log, _set(_core.SplitOptions(), given), shown))
+        parts = Split(*_core.split(_log(log), _set(_core.SplitOptions(), given), shown))
     for path, part in ((train, parts.train), (test, parts.test)):
         if path is not None:
             _core.write_log(path, part, "", _provenance("split", 1, **given))
@@ -280,7 +284,7 @@ def segment(log: Log, output: Path | None = None, *, progress: Progress | None =
     """
     given: dict[str, Any] = dict(options)
     with _shown(progress) as shown:
-        labelled, report = _core.segment(log, _set(_core.SegmentOptions(), given), shown)
+        labelled, report = _core.segment(_log(log), _set(_core.SegmentOptions(), given), shown)
     if output is not None:
         _core.write_log(output, labelled, "", _provenance("segment", 1, **given))
     return Segmentation(labelled, json.loads(report))
@@ -295,7 +299,7 @@ def movers(log: Log, output: Path | None = None, *, progress: Progress | None = 
     """
     given: dict[str, Any] = dict(options)
     with _shown(progress) as shown:
-        marked, report = _core.movers(log, _set(_core.MoverOptions(), given), shown)
+        marked, report = _core.movers(_log(log), _set(_core.MoverOptions(), given), shown)
     if output is not None:
         _core.write_log(output, marked, "", _provenance("movers", 1, **given))
     return Marked(marked, json.loads(report))
@@ -310,7 +314,7 @@ def extract(model: Model | Path, labelled: Log, output: Path | None = None, *, p
     """
     given: dict[str, Any] = dict(options)
     with _shown(progress) as shown:
-        primitives = _core.extract(model, labelled, _set(_core.ExtractOptions(), given), shown)
+        primitives = _core.extract(model, _log(labelled), _set(_core.ExtractOptions(), given), shown)
     if output is not None:
         _core.write_primitives(output, primitives, _provenance("extract", 1, **given))
     return primitives
@@ -356,7 +360,7 @@ def perceive(log: Log, output: Path | None = None, *, write_truth: Path | None =
     core.seed = seed
     origin = _provenance("perceive", seed, **given)
     with _shown(progress) as shown:
-        lists = _core.perceive(log, core, grid, origin, shown)
+        lists = _core.perceive(_log(log), core, grid, origin, shown)
     if output is not None:
         _core.write_objects(output, lists, False, origin)
     if write_truth is not None:
@@ -384,9 +388,9 @@ def optimize(log: Log, *, objective: str = "packet_f1", tune: Sequence[str] = ()
     with _shown(progress) as shown:
         if annotation is not None and primitives is not None:
             core.tune = list(tune)
-            tuning = _core.optimize_scene(log, core, annotation, os.fspath(primitives), allow_outside, shown)
+            tuning = _core.optimize_scene(_log(log), core, annotation, os.fspath(primitives), allow_outside, shown)
         else:
-            tuning = _core.optimize_fit(log, core, dict(parameters), _sensor(sensor), shown)
+            tuning = _core.optimize_fit(_log(log), core, dict(parameters), _sensor(sensor), shown)
     if report is not None:
         fixed = {name.replace("_", "-"): str(value) for name, value in parameters.items()}
         _core.write_tuning_report(report, tuning, json.dumps(fixed), _provenance("optimize", seed))
