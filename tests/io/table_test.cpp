@@ -8,7 +8,9 @@
 #include "formats.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/rng.hpp"
+#include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/input.hpp"
+#include "underbrush/io/log_file.hpp"
 
 namespace underbrush::io {
 namespace {
@@ -225,6 +227,26 @@ TEST(Pcd, RefusesAbsurdCountsAndReadsSideFields) {
   s.replace(s.find("TYPE F F F U I U"), 16, "TYPE F F F U F U");  // two bytes are no float
   put_bytes(path, s);
   EXPECT_THROW(read_pcd(path), FormatError);
+}
+
+// The program without the Python package names it.
+TEST(Recordings, TheirReaderIsNamed) {
+  const TemporaryFolder folder;
+  for (const char* name : {"a.laz", "a.las", "a.bag", "a.mcap", "a.db3", "a.pcap", "A.E57"}) {
+    write_atomically(folder / name, "x");
+    const auto reason = [&](auto read) -> std::string {
+      try {
+        read(folder / name);
+      } catch (const FormatError& e) {
+        return e.what();
+      }
+      return "";
+    };
+    const std::string told = "pip install 'underbrush[formats]'";
+    EXPECT_NE(reason([](const auto& path) { read_table(path); }).find(told), std::string::npos);
+    EXPECT_NE(reason([](const auto& path) { BeamReader reader(path, 10); }).find(told),
+              std::string::npos);
+  }
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/io/log_layout.hpp"
+#include "underbrush/io/table.hpp"
 #include "underbrush/io/text.hpp"
 
 namespace underbrush::io {
@@ -63,8 +64,8 @@ const std::filesystem::path& checked(const std::filesystem::path& path) {
   for (const char* mesh : {".obj", ".gltf", ".glb", ".stl"}) {
     if (extension == mesh) fail("is a mesh, expected a log: 'underbrush simulate' takes meshes");
   }
-  for (const char* other : {".pcd", ".bin", ".npy", ".npz", ".csv", ".xyz", ".las", ".laz", ".bag",
-                            ".mcap", ".pcap", ".e57"}) {
+  if (is_recording(path)) fail(kRecording);
+  for (const char* other : {".pcd", ".bin", ".npy", ".npz", ".csv", ".xyz"}) {
     if (extension != other) continue;
     fail("is not a log of Underbrush: 'underbrush import " + path.filename().string() +
          " -o log.ply' makes one of it");

@@ -138,6 +138,14 @@ bool is_table_file(const std::filesystem::path& path) {
   return false;
 }
 
+bool is_recording(const std::filesystem::path& path) {
+  const std::string ext = lower(path.extension().string());
+  for (const char* known : {".bag", ".db3", ".mcap", ".las", ".laz", ".pcap", ".pcapng", ".e57"}) {
+    if (ext == known) return true;
+  }
+  return false;
+}
+
 Table read_table(const std::filesystem::path& path, const std::vector<std::string>& names) {
   const std::string ext = lower(path.extension().string());
   if (ext == ".pcd") return read_pcd(path);
@@ -145,14 +153,10 @@ Table read_table(const std::filesystem::path& path, const std::vector<std::strin
   if (ext == ".npy" || ext == ".npz") return read_numpy(path);
   if (ext == ".csv" || ext == ".txt" || ext == ".xyz") return read_csv(path, names);
   if (ext != ".ply") {
-    const bool recording = ext == ".bag" || ext == ".db3" || ext == ".mcap";
-    const bool las = ext == ".las" || ext == ".laz";
+    if (is_recording(path)) throw FormatError(path.string(), "", kRecording);
     throw FormatError(path.string(), "",
-                      recording ? kRecording
-                      : las ? "LAS and LAZ are not read: convert it to PLY or CSV, with x y z as "
-                              "double"
-                            : "unknown kind of file: " + in_quotes(ext) +
-                                  "; known are .ply .pcd .bin .npy .npz .csv .txt .xyz");
+                      "unknown kind of file: " + in_quotes(ext) +
+                          "; known are .ply .pcd .bin .npy .npz .csv .txt .xyz");
   }
   PlyData data = read_ply(path);
   for (PlyElement& element : data.elements) {

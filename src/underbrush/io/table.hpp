@@ -52,11 +52,12 @@ Table read_table(const std::filesystem::path& path, const std::vector<std::strin
 /// Whether `read_table` knows the extension of `path`.
 bool is_table_file(const std::filesystem::path& path);
 
-/// What is said of a recording of ROS.
+/// Whether the extension is that of a recording: bags, LAS, captures, E57.
+bool is_recording(const std::filesystem::path& path);
+/// What is said of a recording that the program itself does not read.
 inline constexpr const char* kRecording =
-    "a rosbag recording, which is not read: write its point clouds as PCD or PLY files first, one "
-    "a "
-    "scan (pcl_ros bag_to_pcd, or the Python package rosbags)";
+    "is a recording, which the Python package of Underbrush reads: pip install "
+    "'underbrush[formats]', whose command takes it";
 
 class PointTimes;
 
