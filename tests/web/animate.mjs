@@ -72,6 +72,8 @@ await film('serve', VIEW, [1100, 640], 250, async ({ page, frame, press }) => {
   await beside(page);
   await press('/');
   await page.waitForFunction(() => /both/.test(document.documentElement.dataset.images));
+  await press('f'); // beside the range images
+  for (let k = 0; k < 4; ++k) await press('+');
   await clickImage(page, 0.62, 0.55);
   await waveform(page);
   await frame(0);
@@ -96,6 +98,8 @@ await film('serve-beams', VIEW, [820, 440], 95, async ({ page, frame, press }) =
   await beside(page);
   await press('/');
   await page.waitForFunction(() => /both/.test(document.documentElement.dataset.images));
+  await press('f'); // beside the range images
+  for (let k = 0; k < 4; ++k) await press('+');
   await frame(1500);
   for (const [x, y] of [[0.2, 0.55], [0.3, 0.6]]) {
     await clickImage(page, x, y);

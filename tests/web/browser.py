@@ -48,12 +48,27 @@ def animate(folder, data, pictures):
                           check=False).returncode
 
 
+def speed(folder, data, log):
+    """Measures the page with a log, whose octree is not there at first and is the second time."""
+    for _ in range(2):
+        server = serving.Server(data, log.resolve())
+        try:
+            words = ["node", str(TESTS / "web/speed.mjs"), str(folder), shutil.which("chromium"), server.address]
+            done = subprocess.run(words, timeout=800, check=False)
+        finally:
+            server.end()
+        if done.returncode != 0:
+            break
+    return done.returncode
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--program", required=True, type=pathlib.Path)
     parser.add_argument("--build", required=True, type=pathlib.Path)
     parser.add_argument("--pictures", type=pathlib.Path, help="keep the pictures in this folder")
     parser.add_argument("--animate", type=pathlib.Path, help="only make the pictures of the docs in this folder")
+    parser.add_argument("--speed", type=pathlib.Path, help="only measure the page with this log")
     parser.add_argument("--update", action="store_true", help="keep the pictures of references/ anew")
     parser.add_argument("--only", default="", help="'labels': only the steps of labels.mjs")
     options = parser.parse_args()
@@ -66,6 +81,8 @@ def main():
     with tempfile.TemporaryDirectory() as data:
         if options.animate:
             sys.exit(animate(folder, data, options.animate.resolve()))
+        if options.speed:
+            sys.exit(speed(folder, data, options.speed))
         serving.make_files(data)
         forest = TESTS.parent / "share/examples/marv_forest.pcd"
         for words in (("import", forest, "-o", "whole.ply"),

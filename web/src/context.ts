@@ -49,6 +49,7 @@ export class App {
   showDetails(parts: HTMLElement[]): void {
     this.details.replaceChildren(...parts);
     this.details.hidden = false;
+    this.details.scrollTop = 0;
   }
 
   closeDetails(): void {
