@@ -7,8 +7,7 @@
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/io/log_layout.hpp"
-#include "underbrush/io/table.hpp"
-#include "underbrush/io/text.hpp"
+#include "underbrush/io/log_path.hpp"
 
 namespace underbrush::io {
 namespace {
@@ -40,41 +39,6 @@ enum Fault : uint8_t { kNone, kNotFinite, kZeroLength, kTooLarge };
 
 }  // namespace
 
-namespace {
-
-/// Returns the path. Where its name or content is that of something else, throws `FormatError`,
-/// which says what it is and which verb takes it.
-const std::filesystem::path& checked(const std::filesystem::path& path) {
-  const auto fail = [&](const std::string& reason) {
-    throw FormatError(path.string(), "", reason);
-  };
-  std::error_code error;
-  if (std::filesystem::is_directory(path, error)) {
-    if (std::filesystem::exists(path / "model.json", error)) {
-      fail(
-          "is a model, expected a log: 'underbrush simulate MODEL --like LOG' makes a log with it");
-    }
-    if (std::filesystem::exists(path / "scene.json", error)) {
-      fail(
-          "is a scene, expected a log: 'underbrush simulate SCENE --like LOG' makes a log with it");
-    }
-    fail("is a folder, expected a log: 'underbrush import FOLDER -o log.ply' makes one of scans");
-  }
-  const std::string extension = lower(path.extension().string());
-  for (const char* mesh : {".obj", ".gltf", ".glb", ".stl"}) {
-    if (extension == mesh) fail("is a mesh, expected a log: 'underbrush simulate' takes meshes");
-  }
-  if (is_recording(path)) fail(kRecording);
-  for (const char* other : {".pcd", ".bin", ".npy", ".npz", ".csv", ".xyz"}) {
-    if (extension != other) continue;
-    fail("is not a log of Underbrush: 'underbrush import " + path.filename().string() +
-         " -o log.ply' makes one of it");
-  }
-  return path;
-}
-
-}  // namespace
-
 struct LogReader::State {
   struct Extra {
     Field field;
@@ -82,7 +46,9 @@ struct LogReader::State {
   };
 
   State(const std::filesystem::path& path, size_t chunk)
-      : file(checked(path)), header(read_ply_header(file)), chunk_size(std::max<size_t>(chunk, 1)) {
+      : file(checked_log_path(path)),
+        header(read_ply_header(file)),
+        chunk_size(std::max<size_t>(chunk, 1)) {
     comments = comments_from_header(file.name(), header);
     check_shape();
     find_columns();
@@ -350,26 +316,6 @@ BeamLog LogReader::rows(size_t first, size_t n) const {
     throw FormatError(state_->file.name(), "row " + std::to_string(row), "no usable beam");
   }
   return out;
-}
-
-BeamReader::BeamReader(const std::filesystem::path& path, size_t chunk_size)
-    : LogReader(path, chunk_size), beams_(LogReader::size()) {
-  BeamLog chunk;
-  if (!LogReader(path, 1).next(chunk) || chunk.extra.count(kEchoColumn) == 0) return;
-  size_t beams = 0;
-  while (BeamReader::next(chunk)) beams += chunk.size();
-  beams_ = beams;
-  LogReader::rewind();
-}
-
-bool BeamReader::next(BeamLog& chunk) {
-  while (LogReader::next(chunk)) {
-    keep_first_echoes(chunk);
-    if (!chunk.empty())
-      return true;  // A chunk may hold nothing but further echoes; then the next
-                    // one is read.
-  }
-  return false;
 }
 
 BeamLog read_log(const std::filesystem::path& path) {
