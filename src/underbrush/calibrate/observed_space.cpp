@@ -4,14 +4,14 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <memory>
 
+#include "underbrush/calibrate/observed_map.hpp"
+#include "underbrush/core/parallel.hpp"
 #include "underbrush/trace/unknown_space.hpp"
 
 namespace underbrush::calibrate {
 namespace {
 
-using elements::ObservedBlock;
 using elements::ObservedSpace;
 
 constexpr double kStandsM = 3;        // the origins of a standing sensor lie within this
@@ -30,50 +30,6 @@ struct Parts {
   }
 };
 
-/// A map that grows.
-class Map {
- public:
-  explicit Map(double cell_m) : cell_m_(cell_m) {}
-
-  /// Adds the way of a beam (frame of the model).
-  void add(const Vec3& origin, const Vec3& direction, double from_m, double to_m) {
-    constexpr double kPerCell = 2;  // samples
-    Cell3 last{INT32_MAX, 0, 0};
-    for (double t = from_m;; t += cell_m_ / kPerCell) {
-      const Cell3 c = cell_of(Vec3(origin + std::min(t, to_m) * direction), cell_m_);
-      if (!(c == last)) {
-        last = c;
-        const Cell3 of = ObservedBlock::of(c);
-        if (!block_ || !(block_->at == of)) {
-          auto& place = blocks_[of];
-          if (!place) {
-            place = std::make_unique<ObservedBlock>();
-            place->at = of;
-          }
-          block_ = place.get();
-        }
-        uint8_t& n = block_->beams[ObservedBlock::index(c)];
-        if (n < 255) ++n;
-      }
-      if (t >= to_m) return;
-    }
-  }
-
-  ObservedSpace finish() {
-    ObservedSpace out;
-    out.cell_m = cell_m_;
-    for (auto& [at, block] : blocks_) out.blocks.push_back(*block);
-    std::sort(out.blocks.begin(), out.blocks.end(),
-              [](const ObservedBlock& a, const ObservedBlock& b) { return a.at < b.at; });
-    return out;
-  }
-
- private:
-  double cell_m_;
-  CellMap<Cell3, std::unique_ptr<ObservedBlock>> blocks_;
-  ObservedBlock* block_ = nullptr;
-};
-
 template <class F>
 void for_each_chunk(BeamSource& log, F use) {
   BeamLog chunk;
@@ -81,8 +37,34 @@ void for_each_chunk(BeamSource& log, F use) {
   while (log.next(chunk)) use(chunk);
 }
 
-Parts parts_of(BeamSource& log) {
+/// The vertices of the ground that lie in crossed cells of a map, or just below them.
+std::vector<bool> known_ground(const ObservedSpace& space, const elements::Model& model) {
+  std::vector<bool> keep(model.ground.vertices.size());
+  const trace::CrossedCells crossed(space);
+  for (size_t i = 0; i < keep.size(); ++i) {
+    Cell3 cell = cell_of(Vec3(model.ground.vertices[i].cast<double>()), space.cell_m);
+    keep[i] = crossed.holds(cell);
+    ++cell.z;
+    keep[i] = keep[i] || crossed.holds(cell);
+  }
+  return keep;
+}
+
+/// Whether a beam counts: returns of the vehicle do not.
+bool counts(const BeamLog& log, size_t i, const ObservedSpaceOptions& options) {
+  return !log.is_hit(i) || double(log.range_m[i]) >= options.min_range_m;
+}
+
+/// What the first pass over a log finds: its parts, and the heights (m) between which it has
+/// returns. Nothing is known above and below them.
+struct Extent {
   Parts parts;
+  double bottom_m = HUGE_VAL, top_m = -HUGE_VAL;
+};
+
+Extent extent_of(BeamSource& log, const ObservedSpaceOptions& options) {
+  Extent out;
+  Parts& parts = out.parts;
   bool is_first = true;
   Vec3 low, high;
   for_each_chunk(log, [&](const BeamLog& chunk) {
@@ -96,47 +78,15 @@ Parts parts_of(BeamSource& log) {
       high = high.cwiseMax(chunk.origin[i]);
       parts.first_scan = std::min(parts.first_scan, chunk.scan[i]);
       parts.last_scan = std::max(parts.last_scan, chunk.scan[i]);
+      if (!chunk.is_hit(i) || !counts(chunk, i, options)) continue;
+      const double z = chunk.end_point(i).z();
+      out.top_m = std::max(out.top_m, z);
+      out.bottom_m = std::min(out.bottom_m, z);
     }
     parts.beams += chunk.size();
   });
   parts.stands = is_first || (high - low).norm() < kStandsM || parts.first_scan == parts.last_scan;
-  return parts;
-}
-
-/// The vertices of the ground that lie in crossed cells of a map, or just below them.
-std::vector<bool> known_ground(const ObservedSpace& space, const elements::Model& model) {
-  std::vector<bool> keep(model.ground.vertices.size());
-  const trace::CrossedCells crossed(space);
-  for (size_t i = 0; i < keep.size(); ++i) {
-    Cell3 cell = cell_of(Vec3(model.ground.vertices[i].cast<double>()), space.cell_m);
-    keep[i] = crossed.at(cell) > 0;
-    ++cell.z;
-    keep[i] = keep[i] || crossed.at(cell) > 0;
-  }
-  return keep;
-}
-
-/// The heights (m) between which a log has returns; nothing is known above and below them.
-struct Heights {
-  double bottom = HUGE_VAL, top = -HUGE_VAL;
-};
-
-/// Whether a beam counts: returns of the vehicle do not.
-bool counts(const BeamLog& log, size_t i, const ObservedSpaceOptions& options) {
-  return !log.is_hit(i) || double(log.range_m[i]) >= options.min_range_m;
-}
-
-Heights heights_of(BeamSource& log, const ObservedSpaceOptions& options) {
-  Heights heights;
-  for_each_chunk(log, [&](const BeamLog& chunk) {
-    for (size_t i = 0; i < chunk.size(); ++i) {
-      if (!chunk.is_hit(i) || !counts(chunk, i, options)) continue;
-      const double z = chunk.end_point(i).z();
-      heights.top = std::max(heights.top, z);
-      heights.bottom = std::min(heights.bottom, z);
-    }
-  });
-  return heights;
+  return out;
 }
 
 double reach_of(const elements::Model& model, const LogInfo& log) {
@@ -145,23 +95,36 @@ double reach_of(const elements::Model& model, const LogInfo& log) {
 
 /// The maps of the two parts of a log.
 std::array<ObservedSpace, 2> maps_of(const elements::Model& model, BeamSource& log,
-                                     const Parts& parts, const ObservedSpaceOptions& options) {
-  const Heights heights = heights_of(log, options);
+                                     const Extent& extent, const ObservedSpaceOptions& options) {
+  constexpr size_t kBeams = 1 << 15;  // of a piece
   const double reach = reach_of(model, log.info());
-  std::array maps{Map(options.cell_m), Map(options.cell_m)};
+  std::array maps{ObservedMap(options.cell_m), ObservedMap(options.cell_m)};
+  const auto add = [&](const BeamLog& chunk, size_t i, std::array<ObservedMap, 2>& to) {
+    if (!counts(chunk, i, options)) return;
+    const Ray ray = chunk.ray(i);
+    double end = chunk.is_hit(i) ? double(chunk.range_m[i]) : reach;
+    const double rise = ray.direction.z();
+    const double last = rise > 0 ? extent.top_m : extent.bottom_m;
+    if (rise != 0) end = std::min(end, std::max(0.0, (last - ray.origin.z()) / rise));
+    to[extent.parts.of(chunk, i)].add(ray.origin - model.origin, ray.direction, options.min_range_m,
+                                      end);
+  };
   for_each_chunk(log, [&](const BeamLog& chunk) {
-    for (size_t i = 0; i < chunk.size(); ++i) {
-      if (!counts(chunk, i, options)) continue;
-      const Ray ray = chunk.ray(i);
-      double to = chunk.is_hit(i) ? double(chunk.range_m[i]) : reach;
-      const double rise = ray.direction.z();
-      const double end = rise > 0 ? heights.top : heights.bottom;
-      if (rise != 0) to = std::min(to, std::max(0.0, (end - ray.origin.z()) / rise));
-      maps[parts.of(chunk, i)].add(ray.origin - model.origin, ray.direction, options.min_range_m,
-                                   to);
-    }
+    const size_t pieces = (chunk.size() + kBeams - 1) / kBeams;
+    std::vector<std::array<ObservedMap, 2>> of_piece(pieces);
+    parallel_in_order(
+        pieces, 2 * size_t(threads()),
+        [&](size_t k) {
+          of_piece[k] = {ObservedMap(options.cell_m), ObservedMap(options.cell_m)};
+          const size_t end = std::min((k + 1) * kBeams, chunk.size());
+          for (size_t i = k * kBeams; i < end; ++i) add(chunk, i, of_piece[k]);
+        },
+        [&](size_t k) {
+          for (size_t part = 0; part < 2; ++part) maps[part].add(of_piece[k][part]);
+          of_piece[k] = {};
+        });
   });
-  return {maps[0].finish(), maps[1].finish()};
+  return {maps[0].space(), maps[1].space()};
 }
 
 using Ranges = std::array<double, ObservedSpace::kRanges>;
@@ -288,8 +251,9 @@ void learn_observed_space(elements::Model& model, BeamSource& log,
                           const ObservedSpaceOptions& options) {
   model.observed = nullptr;
   if (options.cell_m <= 0 || model.ground.vertices.empty()) return;
-  const Parts parts = parts_of(log);
-  std::array<ObservedSpace, 2> spaces = maps_of(model, log, parts, options);
+  const Extent extent = extent_of(log, options);
+  const Parts& parts = extent.parts;
+  std::array<ObservedSpace, 2> spaces = maps_of(model, log, extent, options);
   GroundReturns ground = ground_returns(model, log, parts, options);
   for (size_t k = 0; k < 2; ++k) {
     spaces[k].lost = std::move(ground.lost[k]);
@@ -308,8 +272,10 @@ void update_observed_space(elements::Model& model, BeamSource& log, double min_r
   if (!model.observed) return;
   auto space = std::make_shared<ObservedSpace>(*model.observed);
   const ObservedSpaceOptions options{space->cell_m, min_range_m};
-  std::array<ObservedSpace, 2> maps = maps_of(model, log, {}, options);
-  GroundReturns ground = ground_returns(model, log, {}, options);
+  Extent extent = extent_of(log, options);
+  extent.parts = {};
+  std::array<ObservedSpace, 2> maps = maps_of(model, log, extent, options);
+  GroundReturns ground = ground_returns(model, log, extent.parts, options);
   for (size_t k = 0; k < 2; ++k) {
     maps[k].lost = std::move(ground.lost[k]);
     space->add(maps[k]);

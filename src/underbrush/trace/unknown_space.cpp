@@ -3,11 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "underbrush/core/clones.hpp"
-
 namespace underbrush::trace {
 
-using elements::ObservedBlock;
 using elements::ObservedSpace;
 
 // long: heights and shares are of the same cells.
@@ -121,27 +118,9 @@ double GroundHeights::between(const std::vector<float>& values, double x, double
          b * ((1 - a) * double(row[nx_]) + a * double(row[nx_ + 1]));
 }
 
-UNDERBRUSH_CLONES
-void cells_of_steps(const Vec3& start, const Vec3& direction, double from_m, double cell_m,
-                    StepCells& cells) {
-  const std::array<int32_t*, 3> out{cells.x.data(), cells.y.data(), cells.z.data()};
-  for (int axis = 0; axis < 3; ++axis) {
-    const double begin = start[axis], slope = direction[axis];
-    for (int k = 0; k < StepCells::kSteps; ++k) {
-      const double middle = from_m + (k + 0.5) * cell_m;
-      out[size_t(axis)][k] = cell_index(begin + middle * slope, cell_m);
-    }
-  }
-}
-
-CrossedCells::CrossedCells(const ObservedSpace& space) {
-  block_.reserve(space.blocks.size());
-  for (const ObservedBlock& b : space.blocks) block_.emplace(b.at, &b);
-}
-
 UnknownSpace::UnknownSpace(const ObservedSpace& space, const elements::TriangleMesh& ground,
                            const Vec3& origin, const std::vector<bool>& keep)
-    : space_(space), origin_(origin), known_(space), ground_(ground, keep, space.lost) {
+    : space_(space), origin_(origin), crossed_(space), ground_(ground, keep, space.lost) {
   top_m_ = ObservedSpace::kHeightsM.front();
   for (size_t h = 0; h < ObservedSpace::kHeights; ++h) {
     const auto& row = space.density_per_m[h];

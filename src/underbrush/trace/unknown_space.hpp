@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "underbrush/trace/crossed_cells.hpp"
 #include "underbrush/trace/element_math.hpp"
 #include "underbrush/trace/ray_likelihood.hpp"
 
@@ -56,41 +57,6 @@ class GroundHeights {
   double lowest_m_ = 0, highest_m_ = 0;
 };
 
-/// The cells of a map of observed space.
-class CrossedCells {
- public:
-  /// `space` must outlive it.
-  explicit CrossedCells(const elements::ObservedSpace& space);
-  /// How many beams crossed a cell.
-  uint8_t at(const Cell3& cell) const {
-    Cell3 last{INT32_MAX, 0, 0};
-    const elements::ObservedBlock* block = nullptr;
-    return at(cell, last, block);
-  }
-  /// The same, where `last` and `block` are those of the call before.
-  uint8_t at(const Cell3& cell, Cell3& last, const elements::ObservedBlock*& block) const {
-    const Cell3 in = elements::ObservedBlock::of(cell);
-    if (!(in == last)) {
-      const auto found = block_.find(in);
-      block = found == block_.end() ? nullptr : found->second;
-      last = in;
-    }
-    return block ? block->beams[block->index(cell)] : 0;
-  }
-
- private:
-  CellMap<Cell3, const elements::ObservedBlock*> block_;
-};
-
-/// The cells of the middles of steps in a row.
-struct StepCells {
-  static constexpr int kSteps = 8;
-  std::array<int32_t, kSteps> x, y, z;
-};
-/// Finds the cells of the middles of the steps of length `cell_m` that begin at the range `from_m`.
-void cells_of_steps(const Vec3& start, const Vec3& direction, double from_m, double cell_m,
-                    StepCells& cells);
-
 /// What rays are expected to meet in unknown space (`elements::ObservedSpace`). A ray is followed
 /// in steps of the map's cells. In a step of length Δ in a cell that no beam crossed it ends with
 /// the probability 1 − exp(−κ Δ).
@@ -121,6 +87,11 @@ class UnknownSpace {
   template <class F>
   void follow(const Ray& ray, const RangeLimits& limits, F take) const;
   const GroundHeights& ground() const { return ground_; }
+  /// The height of a point (world, m) above the ground, m.
+  double height(const Vec3& point) const {
+    const Vec3 at = point - origin_;
+    return at.z() - ground_.at(at.x(), at.y());
+  }
 
   /// Draws the range (m) at which a ray ends in unknown space within limits; nothing where it does
   /// not. Rays of one key that come into one cell have the same trial there.
@@ -147,7 +118,7 @@ class UnknownSpace {
 
   const elements::ObservedSpace& space_;
   Vec3 origin_;
-  CrossedCells known_;
+  CrossedCells crossed_;
   GroundHeights ground_;
   double top_m_ = 0;  // above the ground; nothing is met higher
 };
@@ -176,19 +147,25 @@ void UnknownSpace::follow(const Ray& ray, const RangeLimits& limits, F take) con
   } else if (start.z() < low || start.z() > high) {
     return;
   }
-  Cell3 last{INT32_MAX, 0, 0};
-  const elements::ObservedBlock* in = nullptr;
+  CrossedCells::Block block;
   StepCells cells;
   for (int k = 0;; ++k) {
     const double t = from + k * cell;
     if (!(t < to)) return;
+    const int in_batch = k % StepCells::kSteps;
+    if (in_batch == 0) {
+      cells_of_steps(start, ray.direction, t, cell, cell, cells);
+      const int last = k + StepCells::kSteps - 1;
+      if (from + last * cell + cell < to && crossed_.hold(cells, block)) {
+        k = last;
+        continue;
+      }
+    }
     const double end = std::min(t + cell, to), middle = 0.5 * (t + end);
-    const unsigned in_batch = unsigned(k) % StepCells::kSteps;
-    if (in_batch == 0) cells_of_steps(start, ray.direction, t, cell, cells);
-    Cell3 c{cells.x[in_batch], cells.y[in_batch], cells.z[in_batch]};
     const Vec3 at = start + middle * ray.direction;
-    if (end == to) c = cell_of(at, cell);  // a shorter step
-    if (known_.at(c, last, in) > 0) continue;
+    // The last step may be shorter.
+    const Cell3 c = end == to ? cell_of(at, cell) : cells.of(in_batch);
+    if (crossed_.holds(c, block)) continue;
     const double height = at.z() - ground_.at(at.x(), at.y());
     const Step step{t, end, height, CellHash()(c), at, std::max(kLeastFall, -rise)};
     if (step.is_low() && ground_.is_known(at.x(), at.y())) continue;

@@ -1,0 +1,32 @@
+/// \file
+/// A map of the cells that beams crossed, while it is made.
+#pragma once
+#include <memory>
+
+#include "underbrush/elements/observed_space.hpp"
+
+namespace underbrush::calibrate {
+
+/// Numbers of beams by cell, which only rise. The sum of maps does not depend on their order.
+class ObservedMap {
+ public:
+  explicit ObservedMap(double cell_m = 1) : cell_m_(cell_m) {}
+
+  /// Adds the way of a beam (frame of the model), of which two samples a cell are taken.
+  void add(const Vec3& origin, const Vec3& direction, double from_m, double to_m);
+  /// Adds the beams of another map, whose cells are of the same size.
+  void add(const ObservedMap& other);
+  /// The cells as a model keeps them.
+  elements::ObservedSpace space() const;
+
+ private:
+  /// Counts a beam in a cell, unless it was counted there last.
+  void add(const Cell3& cell, Cell3& last);
+  elements::ObservedBlock& block_at(const Cell3& at);
+
+  double cell_m_;
+  CellMap<Cell3, std::unique_ptr<elements::ObservedBlock>> blocks_;
+  elements::ObservedBlock* block_ = nullptr;  // that of the cell before
+};
+
+}  // namespace underbrush::calibrate
