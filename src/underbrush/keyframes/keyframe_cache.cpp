@@ -75,6 +75,23 @@ std::vector<uint32_t> KeyframeCache::candidates(std::span<const Vec3> origins) c
   return out;
 }
 
+std::vector<uint32_t> KeyframeCache::nearest_candidates(std::span<const Vec3> origins) const {
+  std::vector<uint32_t> out = candidates(origins);
+  if (out.size() <= Keyframes::kFrames) return out;
+  Vec3 low = origins[0], high = origins[0];
+  for (const Vec3& o : origins) low = low.cwiseMin(o), high = high.cwiseMax(o);
+  const Vec3 middle = 0.5 * (low + high) - model_.origin;
+  const auto distance = [&](uint32_t f) { return (keyframes_->frames[f].origin - middle).norm(); };
+  std::vector<double> distances;
+  for (const uint32_t f : out) distances.push_back(distance(f));
+  std::nth_element(distances.begin(), distances.begin() + Keyframes::kFrames - 1, distances.end());
+  // From no place in the box is one of them farther than this, or another one nearer. The last
+  // centimetre is for rounding.
+  const double most = distances[Keyframes::kFrames - 1] + (high - low).norm() + 0.01;
+  std::erase_if(out, [&](uint32_t f) { return distance(f) > most; });
+  return out;
+}
+
 KeyframeCache::Near KeyframeCache::near(const Vec3& origin, std::span<const uint32_t> among,
                                         double least_m, uint32_t except) const {
   Near out;
@@ -138,7 +155,7 @@ std::vector<KeyframeCache::Query> KeyframeCache::queries(std::span<const Ray> ra
                                                          std::span<const uint16_t> rings) const {
   std::vector<Vec3> origins;
   for (const Ray& ray : rays) origins.push_back(ray.origin);
-  const std::vector<uint32_t> among = candidates(origins);
+  const std::vector<uint32_t> among = nearest_candidates(origins);
   std::vector<Query> out;
   std::vector<bool> knows(size_t(1) << 16, keyframes_->channel.empty());
   for (const uint16_t ring : keyframes_->channel) knows[ring] = true;

@@ -94,6 +94,8 @@ class KeyframeCache {
 
  private:
   static size_t distance_bin(const Near& near);
+  /// The keyframes that may be the two nearest ones to one of some places (world, m).
+  std::vector<uint32_t> nearest_candidates(std::span<const Vec3> origins) const;
   /// Looks some beams up in one keyframe and adds the pixels found.
   void look_up_in(std::span<const Query> beams, std::span<const uint32_t> which, uint32_t frame,
                   size_t slot, std::vector<CachedPixels>& out) const;
