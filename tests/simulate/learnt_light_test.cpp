@@ -86,6 +86,43 @@ TEST(LearntLight, OfAModelWithoutIsZeroAndRangesStayTheSame) {
   EXPECT_EQ(dark.intensity, std::vector<float>(100, 0.0f));
 }
 
+/// Makes level ground in x < 0 of reflectance 40 and a bush of reflectance 100. Beyond, space is
+/// unknown, and dense at a height above the ground.
+elements::Model half_known(double height_m) {
+  elements::Model model;
+  model.ground.vertices = {{-20, -20, 0}, {0, -20, 0}, {0, 20, 0}, {-20, 20, 0}};
+  model.ground.triangles = {{0, 1, 2}, {0, 2, 3}};
+  model.ground.hit.resize(2);
+  model.ground.light = {{40, 10}, {40, 10}};
+  elements::Ellipsoid bush;
+  bush.mean = Vec3f(-15, 0, 1);
+  bush.set_covariance(0.01 * Mat3::Identity());
+  bush.light = {100, 20};
+  model.ellipsoids = {bush};
+  model.light.max_intensity = 255;
+  model.light.range = {{5, 15}, {1.5, 0.5}};
+  model.light.incidence[0] = {{0, 1}, {0.2, 1.2}};
+  auto space = std::make_shared<elements::ObservedSpace>();
+  space->density_per_m[elements::ObservedSpace::height_interval(height_m)].fill(50);
+  model.observed = space;
+  return model;
+}
+
+TEST(LearntLight, OfUnknownSpaceIsThatOfGroundNearItAndElseOfEllipsoids) {
+  BeamLog log = beams(1, "");
+  log.origin[0] = Vec3(10, 0, 12);
+  log.direction[0] = -Vec3f::UnitZ();
+  const auto response = [&](const BeamLog& answer) {
+    return std::lerp(1.5, 0.5, (double(answer.range_m[0]) - 5) / 10);
+  };
+  const BeamLog high = answered(half_known(1.5), log, IntensityDraw::kMean);
+  ASSERT_TRUE(high.is_hit(0));
+  EXPECT_NEAR(high.intensity[0], 100 * response(high), 1e-3);
+  const BeamLog low = answered(half_known(0.25), log, IntensityDraw::kMean);
+  ASSERT_TRUE(low.is_hit(0));
+  EXPECT_NEAR(low.intensity[0], 40 * 1.2 * response(low), 1e-3);
+}
+
 TEST(LearntLight, TurnsWithItsInstance) {
   elements::Scene scene;
   scene.models = {wall()};

@@ -79,4 +79,20 @@ Reflectance reflectance(const Model& model, size_t element) {
   return mesh.light.empty() ? Reflectance{} : mesh.light[at.index];
 }
 
+MeanReflectance mean_reflectance(const Model& model, Kind kind) {
+  double hits = 0, sum = 0, squares = 0;
+  for (size_t e = 0; e < model.size(); ++e) {
+    if (model.kind(e) != kind) continue;
+    const double weight = 1.0 + model.hit(e).hits;
+    const Reflectance of = reflectance(model, e);
+    const auto mean = double(of.mean), spread = double(of.spread);
+    hits += weight;
+    sum += weight * mean;
+    squares += weight * (mean * mean + spread * spread);
+  }
+  if (hits == 0) return {};
+  const double mean = sum / hits;
+  return {mean, std::sqrt(std::max(0.0, squares / hits - mean * mean))};
+}
+
 }  // namespace underbrush::elements

@@ -11,6 +11,7 @@
 namespace underbrush::elements {
 
 struct Model;
+enum class Kind : uint8_t;
 
 /// The reflectance of an element, in the unit of the log's intensities: mean and standard deviation
 /// of the intensity of a return whose response is 1. Where nothing is known, both are 0.
@@ -61,5 +62,13 @@ double incidence_cosine(const Model& model, size_t element, const Vec3& directio
 
 /// The reflectance of an element; zeros where the model has no light.
 Reflectance reflectance(const Model& model, size_t element);
+
+/// The mean and the standard deviation of the reflectances of many elements.
+struct MeanReflectance {
+  double mean = 0, spread = 0;
+};
+/// Computes those of the elements of a kind, each counted once and as often as it was hit; zeros
+/// where there are none.
+MeanReflectance mean_reflectance(const Model& model, Kind kind);
 
 }  // namespace underbrush::elements

@@ -13,18 +13,6 @@ const std::pair<elements::Kind, const char*> kKinds[] = {
     {elements::Kind::kSurface, "surface"},
     {elements::Kind::kEllipsoid, "ellipsoids"}};
 
-/// The mean reflectance of the elements of a kind, each once and as often as it was hit.
-double mean_reflectance(const elements::Model& m, elements::Kind kind) {
-  double sum = 0, hits = 0;
-  for (size_t e = 0; e < m.size(); ++e) {
-    if (m.kind(e) != kind) continue;
-    const double weight = 1.0 + m.hit(e).hits;
-    sum += weight * double(elements::reflectance(m, e).mean);
-    hits += weight;
-  }
-  return hits > 0 ? sum / hits : 0;
-}
-
 Json places_of(const std::vector<update::ChangedPlace>& places) {
   Json out = Json::array();
   for (const update::ChangedPlace& p : places) {
@@ -105,7 +93,9 @@ Json json_of(const elements::Keyframes& k) {
 Json json_of_light(const elements::Model& m) {
   if (!m.light.known()) return nullptr;
   Json j{{"max_intensity", m.light.max_intensity}};
-  for (const auto& [kind, name] : kKinds) j["reflectance"][name] = mean_reflectance(m, kind);
+  for (const auto& [kind, name] : kKinds) {
+    j["reflectance"][name] = elements::mean_reflectance(m, kind).mean;
+  }
   j["range_m"] = m.light.range.at;
   j["range_gain"] = m.light.range.gain;
   j["ring_gain"] = m.light.ring;

@@ -56,7 +56,13 @@ struct DynamicWorld::Object {
   Ball ball;
 };
 
-DynamicWorld::DynamicWorld(const trace::World& world) : world_(&world) {}
+DynamicWorld::DynamicWorld(const trace::World& world) : world_(&world) {
+  if (!world.unknown_space() || !model(0).light.known()) return;
+  for (const bool is_low : {false, true}) {
+    const auto kind = is_low ? elements::Kind::kGround : elements::Kind::kEllipsoid;
+    unknown_reflectance_[size_t(is_low)] = elements::mean_reflectance(model(0), kind);
+  }
+}
 DynamicWorld::DynamicWorld(DynamicWorld&&) noexcept = default;
 DynamicWorld::~DynamicWorld() = default;
 

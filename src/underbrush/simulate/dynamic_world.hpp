@@ -2,6 +2,7 @@
 /// This file has the world that beams are fired into: static elements and objects that move through
 /// it.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -35,6 +36,11 @@ class DynamicWorld {
   const trace::World& world() const { return *world_; }
   bool moves() const { return !movers_.empty(); }
   const elements::Model& model(uint32_t instance) const;
+  /// The reflectance of what is met in unknown space: near the ground (`is_low`) the mean of the
+  /// model's ground, else that of its ellipsoids.
+  const elements::MeanReflectance& unknown_reflectance(bool is_low) const {
+    return unknown_reflectance_[size_t(is_low)];
+  }
   /// The place of an instance at a time (s).
   elements::Instance placed(uint32_t instance, double time_s) const;
 
@@ -48,6 +54,7 @@ class DynamicWorld {
   std::unique_ptr<elements::Scene> still_;
   std::unique_ptr<trace::World> own_;
   std::vector<std::unique_ptr<Object>> movers_;
+  std::array<elements::MeanReflectance, 2> unknown_reflectance_;
 };
 
 /// The matter that rays meet in a world: its model, and the cells of its grain. The grain of a

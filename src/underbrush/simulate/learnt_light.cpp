@@ -7,14 +7,32 @@
 
 namespace underbrush::simulate {
 
+void LearntLight::set(const elements::Model& model) {
+  if (model_ == &model) return;
+  model_ = &model;
+  same_sensor_ = model.sensor == sensor_ && model.sensor_file == sensor_file_;
+}
+
+float LearntLight::answer(const elements::MeanReflectance& of, double cosine, bool is_ellipsoid,
+                          uint32_t element, const BeamLog& beams, size_t i, uint64_t key) const {
+  double x = of.mean;
+  if (draw_ == IntensityDraw::kDrawn) {
+    const double relative = of.spread / of.mean;
+    const double variance = std::log1p(relative * relative);  // of ln x
+    const double n = normal(key, element, Purpose::kSignal);
+    x *= std::exp(std::sqrt(variance) * n - 0.5 * variance);
+  }
+  const elements::Light& light = model_->light;
+  const double k =
+      light.response(beams.range_m[i], cosine, is_ellipsoid, beams.ring[i], same_sensor_);
+  return float(std::min(k * x, light.max_intensity));
+}
+
 float LearntLight::intensity(const elements::Model& model, const Ray& ray,
                              const trace::Intersection& met, const BeamLog& beams, size_t i,
                              uint64_t key) {
   if (!model.light.known()) return 0;
-  if (model_ != &model) {
-    model_ = &model;
-    same_sensor_ = model.sensor == sensor_ && model.sensor_file == sensor_file_;
-  }
+  set(model);
   const elements::Reflectance of = elements::reflectance(model, met.element);
   if (of.mean <= 0) return 0;
   if (met.instance != instance_ || beams.time_s[i] != time_s_) {
@@ -26,16 +44,21 @@ float LearntLight::intensity(const elements::Model& model, const Ray& ray,
   const double cosine =
       elements::incidence_cosine(model, met.element, model_from_world_ * ray.direction);
   const bool is_ellipsoid = model.kind(met.element) == elements::Kind::kEllipsoid;
-  double x = of.mean;
-  if (draw_ == IntensityDraw::kDrawn) {
-    const double relative = double(of.spread) / double(of.mean);
-    const double variance = std::log1p(relative * relative);  // of ln x
-    const double n = normal(key, met.element, Purpose::kSignal);
-    x *= std::exp(std::sqrt(variance) * n - 0.5 * variance);
-  }
-  const double k =
-      model.light.response(beams.range_m[i], cosine, is_ellipsoid, beams.ring[i], same_sensor_);
-  return float(std::min(k * x, model.light.max_intensity));
+  return answer({of.mean, of.spread}, cosine, is_ellipsoid, met.element, beams, i, key);
+}
+
+float LearntLight::of_unknown(const Ray& ray, const BeamLog& beams, size_t i, uint64_t key) {
+  const elements::Model& model = world_.model(0);  // Only a single model has unknown space.
+  if (!model.light.known()) return 0;
+  set(model);
+  const Vec3 end = ray.at(double(beams.range_m[i]));
+  const bool is_low =
+      world_.world().unknown_space()->height(end) < elements::ObservedSpace::kGroundM;
+  const elements::MeanReflectance& of = world_.unknown_reflectance(is_low);
+  if (of.mean <= 0) return 0;
+  // The ground is level, and matter has no surface to incline.
+  const double cosine = is_low ? std::abs(ray.direction.z()) : 1 / std::sqrt(3.0);
+  return answer(of, cosine, !is_low, trace::kUnknown, beams, i, key);
 }
 
 }  // namespace underbrush::simulate

@@ -29,8 +29,16 @@ class LearntLight {
   /// without light answers 0. `key` is the beam's.
   float intensity(const elements::Model& model, const Ray& ray, const trace::Intersection& met,
                   const BeamLog& beams, size_t i, uint64_t key);
+  /// The same of the return that a beam has of what it meets in unknown space: ground where it is
+  /// near the ground, else ellipsoids, with their mean reflectances.
+  float of_unknown(const Ray& ray, const BeamLog& beams, size_t i, uint64_t key);
 
  private:
+  void set(const elements::Model& model);
+  /// Computes the intensity of a return from an element of a reflectance and a number.
+  float answer(const elements::MeanReflectance& of, double cosine, bool is_ellipsoid,
+               uint32_t element, const BeamLog& beams, size_t i, uint64_t key) const;
+
   const DynamicWorld& world_;
   std::string sensor_, sensor_file_;
   IntensityDraw draw_;

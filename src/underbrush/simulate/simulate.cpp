@@ -232,6 +232,7 @@ void write(const Simulation& s, const Shots& shots, std::span<const BeamAnswer> 
       beams.intensity[i] = mean ? cached->mean_intensity : cached->intensity;
     } else if (met.element == trace::kUnknown) {
       beams.range_m[i] = reported(s, range_m, shots.keys[k]);
+      beams.intensity[i] = light.of_unknown(shots.rays[k], beams, i, shots.keys[k]);
     } else if (!met.none()) {
       const elements::Model& model = matter_of.model(met, beams.time_s[i]);
       columns.set(i, model, met);
