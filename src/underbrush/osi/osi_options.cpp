@@ -32,7 +32,7 @@ std::span<const Option<OsiOptions>> osi_options() {
      [](O& o) -> auto& { return o.lidar.white_intensity; }, kPositive, kNoLimit},
     {"truth-elevation-deg", "More options", "",
      "record: turn labelled boxes up by this angle, as import turned the beams",
-     [](O& o) -> auto& { return o.truth_elevation_deg; }},
+     [](O& o) -> auto& { return o.truth_elevation_deg; }, -90, 90},
   };
 // clang-format on
 return kOptions;

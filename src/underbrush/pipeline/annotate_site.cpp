@@ -38,7 +38,7 @@ std::span<const Option<AnnotateOptions>> annotate_options() {
      "Trees (in a meadow: shrubs) per m²; 0 = forest 0.05, savanna 0.003, meadow 0.01",
      [](O& o) -> auto& { return o.site.density; }, 0, 10},
     {"margin", "Generated site", "m", "Width of the border of the ground that stays empty",
-     [](O& o) -> auto& { return o.site.margin_m; }, 0, kNoLimit},
+     [](O& o) -> auto& { return o.site.margin_m; }, 0, 10000},
     {"size", "Generated site", "m", "Length and width of a generated ground",
      [](O& o) -> auto& { return o.size_m; }, 1, 20000, {}, "X Y", 2},
 
@@ -50,7 +50,7 @@ std::span<const Option<AnnotateOptions>> annotate_options() {
      "Fit boxes to the points from this quantile to 1 − it along each axis; 0 = all points",
      [](O& o) -> auto& { return o.measure.quantile; }, 0, 0.49},
     {"patch-cell", "More options", "m", "Side of the cells that patches of shrubs are cut into",
-     [](O& o) -> auto& { return o.measure.cell_m; }, kPositive, kNoLimit},
+     [](O& o) -> auto& { return o.measure.cell_m; }, 0.05, 1000},
     {"min-points", "More options", "", "Leave out objects and cells with fewer points",
      [](O& o) -> auto& { return o.measure.min_points; }, 1, kNoLimit},
   };

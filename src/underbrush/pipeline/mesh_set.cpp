@@ -13,7 +13,7 @@ std::span<const Option<MeshesOptions>> meshes_options() {
      "and leaf size by factors from 1/F to F",
      [](O& o) -> auto& { return o.variation; }, 1, 2, {}, "F"},
     {"unit", "", "m", "Length of the files' unit",
-     [](O& o) -> auto& { return o.unit_m; }, kPositive, kNoLimit},
+     [](O& o) -> auto& { return o.unit_m; }, 1e-4, 1e4},
     {"up", "", "", "Axis that points up in the files",
      [](O& o) -> auto& { return o.up; }, -kNoLimit, kNoLimit, {"y", "z"}},
     {"sizes", "", "", "Number of heights of each plant in each class",
@@ -21,9 +21,9 @@ std::span<const Option<MeshesOptions>> meshes_options() {
     {"most-scaling", "", "", "Scale a plant by at most this factor, up or down",
      [](O& o) -> auto& { return o.meshes.most_scaling; }, 1, 1e6},
     {"patch-cell", "", "m", "Side of the cells of patches of shrubs",
-     [](O& o) -> auto& { return o.meshes.cell_m; }, kPositive, kNoLimit},
+     [](O& o) -> auto& { return o.meshes.cell_m; }, 0.05, 1000},
     {"range-noise", "", "m", "Standard deviation of the noise on ranges",
-     [](O& o) -> auto& { return o.meshes.range_sigma_m; }, 0, kNoLimit},
+     [](O& o) -> auto& { return o.meshes.range_sigma_m; }, 0, 2},
   };
 // clang-format on
 return kOptions;

@@ -54,11 +54,11 @@ std::span<const Option<RasterOptions>> raster_options() {
   // clang-format off
   static const Option<O> kOptions[] = {
     {"cell", "", "m", "Side of the cells and voxels",
-     [](O& o) -> auto& { return o.canopy.cell_m; }, kPositive, kNoLimit},
+     [](O& o) -> auto& { return o.canopy.cell_m; }, 0.01, 1000},
     {"rays", "", "", "Number of rays along each side of a cell",
      [](O& o) -> auto& { return o.canopy.rays; }, 1, 100},
     {"cover-height", "", "m", "Height above the ground from which plants count as cover",
-     [](O& o) -> auto& { return o.canopy.cover_height_m; }},
+     [](O& o) -> auto& { return o.canopy.cover_height_m; }, 0, 100},
     {"epsg", "", "", "Number of the maps' projected reference system; 0 = not known",
      [](O& o) -> auto& { return o.epsg; }, 0, 32767},
   };
