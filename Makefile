@@ -14,7 +14,7 @@ comma := ,
 quiet = log=$$(mktemp); if $(1) > $$log 2>&1; then rm $$log; else cat $$log; rm $$log; exit 1; fi
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build pictures test fuzz fuzz-osi fmu check-fmu validation demo bench gates results docs deb \
+.PHONY: help setup build pictures test attack fuzz fuzz-osi fmu check-fmu validation demo bench gates results docs deb \
         check-deb wheel check-wheel check-pythons asan-python clean
 
 help:     ## This list
@@ -42,6 +42,9 @@ fuzz: setup    ## Mutate inputs of every kind, 10 000 a kind (hours)
 	@$(call quiet,$(configure) $(everything))
 	@cmake --build $(BUILD) --target underbrush -j $(JOBS)
 	@tests/fuzz/mutate.py --program $(program) --mutants 10000 --jobs $(JOBS) --keep $(BUILD)/mutants
+
+attack: build  ## Wrong units in every option that takes a number (half an hour)
+	@tests/fuzz/units.py --program $(program) --jobs $(JOBS)
 
 # No precompiled headers and no joined sources: the sanitizers' build is of one module.
 fuzz-osi: setup  ## A million damaged OSI messages under ASan and UBSan (minutes)
