@@ -23,19 +23,20 @@ set(underbrush_pch_library
 set(underbrush_pch_program ${underbrush_pch_library}
     <CLI/CLI.hpp> <fmt/format.h> <nlohmann/json.hpp>)
 set(underbrush_pch_study ${underbrush_pch_program})
+set(underbrush_pch_bench ${underbrush_pch_library} <CLI/CLI.hpp> <nlohmann/json.hpp>)
 set(underbrush_pch_test ${underbrush_pch_library} <gtest/gtest.h>)
 set(underbrush_pch_python ${underbrush_pch_library} <nanobind/nanobind.h> <nanobind/ndarray.h>
     <nanobind/stl/filesystem.h> <nanobind/stl/optional.h> <nanobind/stl/string.h>
     <nanobind/stl/variant.h> <nanobind/stl/vector.h>)
 
-# underbrush_fast_build(TARGET KIND): KIND is library, program, study, python or test. Tests are not joined:
-# each has helpers of its own. A program's own code (options, tables, messages) is never the time of a
-# run, so it is compiled for size, which takes a quarter less time.
+# underbrush_fast_build(TARGET KIND): KIND is library, program, study, bench, python or test. Tests and
+# benchmarks are not joined: each has helpers of its own. A program's own code (options, tables, messages)
+# is never the time of a run, so it is compiled for size, which takes a quarter less time.
 function(underbrush_fast_build target kind)
   if(kind STREQUAL "program")
     target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-Os>)
   endif()
-  if(UNDERBRUSH_UNITY AND NOT kind STREQUAL "test")
+  if(UNDERBRUSH_UNITY AND NOT kind MATCHES "^(test|bench)$")
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON
       UNITY_BUILD_BATCH_SIZE ${UNDERBRUSH_UNITY_BATCH})
     # A class whose private struct has a field of an unnamed namespace is as safe as in its own file.

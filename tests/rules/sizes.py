@@ -11,13 +11,13 @@ ROOMS = {
     "apps/fmu": 1800, "apps/underbrush": 4600, "bench": 3300, "cli": 1700, "python/src": 2900, "python/underbrush":
     7900, "report": 2100, "studies": 8800, "web/src": 6800, "src/underbrush/calibrate": 1700,
     "src/underbrush/cluster": 1500, "src/underbrush/core": 2400, "src/underbrush/credit": 1100,
-    "src/underbrush/elements": 2400, "src/underbrush/fit": 1800, "src/underbrush/ground": 2000, "src/underbrush/io":
+    "src/underbrush/elements": 2500, "src/underbrush/fit": 1800, "src/underbrush/ground": 2000, "src/underbrush/io":
     7500, "src/underbrush/keyframes": 2000, "src/underbrush/likelihood": 2000, "src/underbrush/metrics": 3000,
     "src/underbrush/movers": 700, "src/underbrush/optimize": 700, "src/underbrush/osi": 5100,
     "src/underbrush/perception": 5600, "src/underbrush/pipeline": 5400, "src/underbrush/primitives": 3500,
     "src/underbrush/radiometry": 2400, "src/underbrush/sensor": 3000, "src/underbrush/serve": 6700,
-    "src/underbrush/simulate": 2500, "src/underbrush/surface": 1100, "src/underbrush/test_site": 1900,
-    "src/underbrush/trace": 5300, "src/underbrush/update": 1200, "src/underbrush/worlds": 1900,
+    "src/underbrush/simulate": 2600, "src/underbrush/surface": 1100, "src/underbrush/test_site": 1900,
+    "src/underbrush/trace": 5500, "src/underbrush/update": 1200, "src/underbrush/worlds": 1900,
 }
 CODE = (".hpp", ".h", ".inl", ".cpp", ".py", ".ts")
 
