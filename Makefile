@@ -43,7 +43,7 @@ fuzz: setup    ## Mutate inputs of every kind, 10 000 a kind (hours)
 	@cmake --build $(BUILD) --target underbrush -j $(JOBS)
 	@tests/fuzz/mutate.py --program $(program) --mutants 10000 --jobs $(JOBS) --keep $(BUILD)/mutants
 
-attack: build  ## Wrong units in every option that takes a number (half an hour)
+attack: build  ## Wrong units in every option that takes a number (minutes)
 	@tests/fuzz/units.py --program $(program) --jobs $(JOBS)
 
 # No precompiled headers and no joined sources: the sanitizers' build is of one module.

@@ -114,7 +114,7 @@ def try_run(program, inputs, number, run):
         run.outcome = "answer"
     elif done.returncode < 0:
         run.outcome = f"signal {-done.returncode}"
-    elif "memory" in done.stderr:
+    elif "out of memory" in done.stderr or "bad_alloc" in done.stderr:
         run.outcome = "more than 2 GiB: " + done.stderr.strip()
     elif not 1 <= len(lines) <= 2:
         run.outcome = f"{len(lines)} lines: " + " / ".join(lines[:4])

@@ -170,6 +170,8 @@ keyframes::KeyframeOptions keyframe_options(const FitOptions& options) {
 
 FitResult fit(BeamSource& source, const FitOptions& options, const FitProgress& progress) {
   check_options("fit", parameters(), options);
+  require(options.unknown_cell_m == 0 || options.unknown_cell_m >= 0.25,
+          "fit: unknown-cell must be 0 or at least 0.25 m");
   const Fitter& fitter = fitter_named(options.fitter);
   KeptBeams rows(source, kKeptBytes);
   FirstEchoes first(rows);
