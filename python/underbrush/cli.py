@@ -7,7 +7,7 @@ import subprocess
 import sys
 from collections.abc import Sequence
 
-from underbrush.errors import FormatError
+from underbrush.errors import failed
 from underbrush.recorded import is_recording, log_of
 
 #: Verbs that read logs, and options whose values they do not read as logs.
@@ -88,12 +88,8 @@ def main(words: Sequence[str] | None = None) -> int:
         return convert(given[2:])
     try:
         given = with_logs(given)
-    except FormatError as e:
-        return _fail(e, 3)
-    except (ValueError, ImportError) as e:
-        return _fail(e, 2)
-    except OSError as e:
-        return _fail(e, 4)
+    except (ValueError, ImportError, OSError) as e:
+        return failed(e)
     found = program()
     if import_help(given):
         from underbrush.formats.import_options import parser
@@ -102,11 +98,6 @@ def main(words: Sequence[str] | None = None) -> int:
               end="")
         return code
     os.execv(found, ["underbrush", *given])
-
-
-def _fail(error: Exception, code: int) -> int:
-    print(f"underbrush: {' '.join(str(error).split())}", file=sys.stderr)
-    return code
 
 
 if __name__ == "__main__":

@@ -2,11 +2,10 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Sequence
 
 from underbrush._core import check_outputs
-from underbrush.errors import FormatError
+from underbrush.errors import failed
 
 
 def parser() -> argparse.ArgumentParser:
@@ -33,16 +32,7 @@ def run(words: Sequence[str]) -> int:
             count = osi_to_mcap(options.file, options.output, kind=options.kind)
         else:
             raise ValueError("MCAP traces are converted to .osi and from it")
-    except FormatError as e:
-        return _fail(e, 3)
-    except (ValueError, ImportError) as e:
-        return _fail(e, 2)
-    except OSError as e:
-        return _fail(e, 4)
+    except (ValueError, ImportError, OSError) as e:
+        return failed(e)
     print(f"{count} messages\n  trace       {options.output}")
     return 0
-
-
-def _fail(error: Exception, code: int) -> int:
-    print(f"underbrush: {' '.join(str(error).split())}", file=sys.stderr)
-    return code

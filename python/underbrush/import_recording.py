@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from underbrush._core import LogWriter, check_outputs, set_threads, version
-from underbrush.errors import FormatError
+from underbrush.errors import FormatError, failed
 from underbrush.formats.import_options import parsed
 
 if TYPE_CHECKING:
@@ -158,12 +158,8 @@ def run(words: Sequence[str], describe_only: bool = False) -> int:
         provenance = json.dumps({"program": f"underbrush {version()}", "command": command_of_result(words),
                                  "seed": options.seed, "inputs": {}})
         report(options, write(options, recording, provenance), print)
-    except FormatError as e:
-        return _fail(e, 3)
-    except (ValueError, ImportError) as e:
-        return _fail(e, 2)
-    except OSError as e:
-        return _fail(e, 4)
+    except (ValueError, ImportError, OSError) as e:
+        return failed(e)
     return 0
 
 
@@ -179,8 +175,3 @@ def command_of_result(words: Sequence[str]) -> list[str]:
         elif name != "--force":
             out.append(word)
     return out
-
-
-def _fail(error: Exception, code: int) -> int:
-    print(f"underbrush: {' '.join(str(error).split())}", file=sys.stderr)
-    return code

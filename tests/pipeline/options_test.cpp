@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "underbrush/fit/fit.hpp"
 #include "underbrush/fit/parameters.hpp"
 #include "underbrush/osi/osi_options.hpp"
 #include "underbrush/perception/perceive_options.hpp"
@@ -45,6 +46,20 @@ TEST(Options, ThoseWithAUnitHaveLimits) {
   for (const fit::Parameter& p : fit::parameters()) {
     if (p.unit.empty()) continue;
     EXPECT_TRUE(std::isfinite(p.least) && std::isfinite(p.most)) << "fit --" << p.name;
+  }
+}
+
+TEST(Options, CellsOfTheMapOfUnknownSpaceAreNotTiny) {
+  BeamLog log;
+  log.resize(1);
+  MemorySource source(log);
+  fit::FitOptions options;
+  options.unknown_cell_m = 0.001;
+  try {
+    fit::fit(source, options, {});
+    FAIL() << "accepted";
+  } catch (const std::invalid_argument& e) {
+    EXPECT_NE(std::string(e.what()).find("unknown-cell"), std::string::npos) << e.what();
   }
 }
 

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "underbrush/core/rng.hpp"
+
 namespace underbrush::trace {
 namespace {
 
@@ -59,6 +61,29 @@ TEST(UnknownSpace, RaysEndAsInAMediumOfItsDensity) {
   double before = 0;
   for (const auto& c : p.components) before += c.t_m < 5 ? c.weight : 0;
   EXPECT_NEAR(before, 1 - std::exp(-0.5), 0.06);
+}
+
+TEST(CrossedCells, AreThoseOfTheMapInAnyBlock) {
+  ObservedSpace space;
+  Stream random(5);
+  for (int32_t x = -9; x < 9; ++x) {
+    for (int32_t y = -9; y < 9; y += 2) {
+      ObservedBlock block;
+      block.at = {x, y, x - y};
+      for (uint8_t& n : block.beams)
+        n = uint8_t(random.uniform() < 0.5 ? 0 : 1 + 254 * random.uniform());
+      space.blocks.push_back(block);
+    }
+  }
+  const CrossedCells crossed(space);
+  CrossedCells::Block last;
+  for (const ObservedBlock& b : space.blocks) {
+    for (int32_t k = 0; k < int32_t(ObservedBlock::kCells); ++k) {
+      const Cell3 cell{8 * b.at.x + k % 8, 8 * b.at.y + k / 8 % 8, 8 * b.at.z + k / 64};
+      ASSERT_EQ(crossed.holds(cell, last), b.beams[size_t(k)] > 0);
+      ASSERT_FALSE(crossed.holds({cell.x, cell.y + 8, cell.z}));  // a block that is not there
+    }
+  }
 }
 
 TEST(UnknownSpace, CrossedCellsAreKnown) {
