@@ -11,8 +11,8 @@
 namespace underbrush::bench {
 namespace {
 
-constexpr double kSideM = 100;
-constexpr int kKinds = 8, kLeaves = 5000, kBranches = 40;
+constexpr double kSceneSideM = 100;
+constexpr int kTreeKinds = 8, kLeaves = 5000, kBranches = 40;
 
 Vec3 random_unit(Stream& random) {
   Vec3 v;
@@ -70,12 +70,12 @@ void plant(const std::vector<elements::TriangleMesh>& kinds, size_t triangles,
   for (size_t sum = 0; sum < triangles; ++count) sum += kinds[count % kinds.size()].size();
   Stream random(5);
   const size_t across = size_t(std::ceil(std::sqrt(double(count))));
-  const double cell = kSideM / double(across);
+  const double cell = kSceneSideM / double(across);
   for (size_t i = 0; i < count; ++i) {
-    double x = (double(i % across) + 0.5 + 0.35 * random.uniform(-1, 1)) * cell - kSideM / 2;
-    double y = (double(i / across) + 0.5 + 0.35 * random.uniform(-1, 1)) * cell - kSideM / 2;
+    double x = (double(i % across) + 0.5 + 0.35 * random.uniform(-1, 1)) * cell - kSceneSideM / 2;
+    double y = (double(i / across) + 0.5 + 0.35 * random.uniform(-1, 1)) * cell - kSceneSideM / 2;
     if (count <= 40) {
-      x = kSideM * (0.84 * (double(i) + 0.5) / double(count) - 0.42);
+      x = kSceneSideM * (0.84 * (double(i) + 0.5) / double(count) - 0.42);
       y = (i % 2 ? 1 : -1) * random.uniform(4, 10);
     }
     if (std::abs(y) < 3.2) y = std::copysign(3.2 + 0.8 * random.uniform(), y);
@@ -88,7 +88,7 @@ void plant(const std::vector<elements::TriangleMesh>& kinds, size_t triangles,
 std::vector<elements::TriangleMesh> kinds_of(const std::string& name) {
   std::vector<elements::TriangleMesh> kinds;
   if (name == "leaves") {
-    for (uint64_t k = 0; k < kKinds; ++k) kinds.push_back(leafy_tree(2000 + k));
+    for (uint64_t k = 0; k < kTreeKinds; ++k) kinds.push_back(leafy_tree(2000 + k));
     return kinds;
   }
   require(name == "plants", "there is no such world");
@@ -110,9 +110,9 @@ std::vector<elements::TriangleMesh> kinds_of(const std::string& name) {
 elements::Model triangle_world(const std::string& name, size_t triangles) {
   elements::Model model;
   if (name == "terrain") {
-    model.ground = ground_mesh(kSideM, kSideM / std::round(std::sqrt(double(triangles) / 2)));
+    model.ground = ground_mesh(kSceneSideM, kSceneSideM / std::round(std::sqrt(double(triangles) / 2)));
   } else {
-    model.ground = ground_mesh(kSideM, 2);
+    model.ground = ground_mesh(kSceneSideM, 2);
     plant(kinds_of(name), triangles - std::min(triangles, model.ground.size()), model.surface);
   }
   model.ground.range_sigma_m = model.surface.range_sigma_m = 0.02;

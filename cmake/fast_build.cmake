@@ -4,7 +4,7 @@
 # precompiled header, so that -fno-trapping-math, for one, would be lost there. Turn UNDERBRUSH_UNITY off while working on one file again and again.
 option(UNDERBRUSH_PCH "Compile what most sources include once, ahead of them" ON)
 option(UNDERBRUSH_UNITY "Compile several sources of a target at once" ON)
-set(UNDERBRUSH_UNITY_BATCH 8 CACHE STRING "Sources to a compiler run")
+set(UNDERBRUSH_UNITY_BATCH 16 CACHE STRING "Sources to a compiler run")
 
 # ccache keeps nothing of a source with a precompiled header unless it is told that this is well.
 if(UNDERBRUSH_PCH AND "$CACHE{CMAKE_CXX_COMPILER_LAUNCHER}" MATCHES "ccache$")
@@ -29,14 +29,14 @@ set(underbrush_pch_python ${underbrush_pch_library} <nanobind/nanobind.h> <nanob
     <nanobind/stl/filesystem.h> <nanobind/stl/optional.h> <nanobind/stl/string.h>
     <nanobind/stl/variant.h> <nanobind/stl/vector.h>)
 
-# underbrush_fast_build(TARGET KIND): KIND is library, program, study, bench, python or test. Tests and
-# benchmarks are not joined: each has helpers of its own. A program's own code (options, tables, messages)
-# is never the time of a run, so it is compiled for size, which takes a quarter less time.
+# underbrush_fast_build(TARGET KIND): KIND is library, program, study, bench, python or test. A program's own
+# code (options, tables, messages) is never the time of a run, so it is compiled for size, which takes a
+# quarter less time.
 function(underbrush_fast_build target kind)
   if(kind STREQUAL "program")
     target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-Os>)
   endif()
-  if(UNDERBRUSH_UNITY AND NOT kind MATCHES "^(test|bench)$")
+  if(UNDERBRUSH_UNITY)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON
       UNITY_BUILD_BATCH_SIZE ${UNDERBRUSH_UNITY_BATCH})
     # A class whose private struct has a field of an unnamed namespace is as safe as in its own file.

@@ -12,7 +12,6 @@ namespace {
 
 using sensor::Sensor;
 
-constexpr double kDegree = M_PI / 180;
 constexpr size_t kMostDots = 4000, kMostPlotted = 12;
 
 /// Returns a height for the label of each echo, above its peak and above the labels that it would

@@ -9,7 +9,6 @@
 namespace underbrush::studies {
 namespace {
 
-constexpr double kDegree = M_PI / 180;
 constexpr double kTripodM[][2] = {{0, 0}, {7, 7}, {-7, 7}, {7, -7}, {-7, -7}};
 constexpr double kTripodHeightM = 1.5, kLeastElevation = -50 * kDegree;
 

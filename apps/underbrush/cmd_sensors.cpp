@@ -16,8 +16,6 @@ namespace sensors_verb {
 using Arguments = SensorsArguments;
 using sensor::Sensor;
 
-constexpr double kDegree = M_PI / 180;
-
 std::string returns_of(const sensor::SignalChain& c) {
   switch (c.mode) {
     case sensor::ReturnMode::kStrongest:

@@ -48,24 +48,6 @@ BeamLog beams_to_it() {
   return log;
 }
 
-class MemorySource : public BeamSource {
- public:
-  explicit MemorySource(BeamLog log) : log_(std::move(log)) {}
-  const LogInfo& info() const override { return log_.info; }
-  size_t size() const override { return log_.size(); }
-  void rewind() override { done_ = false; }
-  bool next(BeamLog& chunk) override {
-    if (done_) return false;
-    done_ = true;
-    chunk = log_;
-    return true;
-  }
-
- private:
-  BeamLog log_;
-  bool done_ = false;
-};
-
 TEST(LearnGrain, FindsTheGrainAndTheNoiseOfTheWorldThatTheLogIsOf) {
   for (const auto& [ellipsoid_m, mesh_m] : {std::pair{0.02, 0.1}, {0.06, 0.03}}) {
     elements::Model model = hedge_and_wall();
@@ -148,7 +130,8 @@ TEST(LearnGrainOfEchoes, FindsTheGrainThatMadeThem) {
 TEST(LearnGrainOfEchoes, LearnsNothingFromOneEchoABeamOrAnUnknownSensor) {
   elements::Model model = hedge_and_wall();
   model.sensor = "riegl-vz400i";
-  MemorySource source(beams_to_it());
+  const BeamLog beams = beams_to_it();
+  MemorySource source(beams);
   EXPECT_FALSE(learn_grain_of_echoes(model, source, 1).learnt);
   model.sensor.clear();
   EXPECT_FALSE(learn_grain_of_echoes(model, source, 1).learnt);
@@ -165,7 +148,8 @@ TEST(LearnGrain, KeepsWhatTheModelHadWhereTheLogTellsNothing) {
   EXPECT_FALSE(report.ellipsoids || report.meshes);
   EXPECT_EQ(model.grain.ellipsoid_m, before.ellipsoid_m);
   EXPECT_EQ(model.grain.mesh_m, before.mesh_m);
-  MemorySource nothing{BeamLog{}};
+  const BeamLog empty;
+  MemorySource nothing(empty);
   learn_grain(model, nothing, 1);
 }
 

@@ -107,14 +107,14 @@ elements::Model wall_behind_a_shrub() {
   return m;
 }
 
-BeamLog log_of(const elements::Model& truth, uint64_t seed, size_t n) {
+BeamLog crossing_log(const elements::Model& truth, uint64_t seed, size_t n) {
   const test::BeamSpread spread{{-0.6, 0.6}, {-0.3, 0.25}, {-1, 1}, {-1, 1}};
   return test::answered(test::random_beams(seed, n, spread), truth, seed);
 }
 
 TEST(Neighbourhood, AWallIsAsSharpAsTheNoiseAndTheShrubBeforeItIsPermeable) {
   const elements::Model truth = wall_behind_a_shrub();
-  const BeamLog log = log_of(truth, 33, 40000), fresh = log_of(truth, 34, 20000);
+  const BeamLog log = crossing_log(truth, 33, 40000), fresh = crossing_log(truth, 34, 20000);
   MemorySource source(log);
   const elements::Model model = fit::fit(source, {}).model;
   const BeamLog answer = test::answered(fresh, model, 35);

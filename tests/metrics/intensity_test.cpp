@@ -9,7 +9,7 @@
 namespace underbrush::metrics {
 namespace {
 
-BeamLog log_of(const std::vector<float>& range_m, const std::vector<float>& intensity) {
+BeamLog log_with_intensities(const std::vector<float>& range_m, const std::vector<float>& intensity) {
   BeamLog log;
   log.info.max_range_m = 100;
   log.resize(range_m.size());
@@ -24,8 +24,8 @@ Score score_of(const BeamLog& real, const BeamLog& simulated, const ScoreOptions
 }
 
 TEST(Intensity, IsThatByHand) {
-  BeamLog real = log_of({5, 5, 15, 15, kMiss, 15}, {1, 3, 5, 7, 9, 9});
-  const BeamLog simulated = log_of({5, 5, 15, 15, 15, kMiss}, {2, 2, 5, 9, 9, 9});
+  BeamLog real = log_with_intensities({5, 5, 15, 15, kMiss, 15}, {1, 3, 5, 7, 9, 9});
+  const BeamLog simulated = log_with_intensities({5, 5, 15, 15, 15, kMiss}, {2, 2, 5, 9, 9, 9});
   real.extra["class"] = std::vector<uint8_t>{0, 0, 0, 1, 1, 1};
   const Score all = score_of(real, simulated);
   ASSERT_TRUE(all.intensity);
@@ -53,9 +53,9 @@ TEST(Intensity, IsThatByHand) {
 }
 
 TEST(Intensity, LeavesOutMovers) {
-  BeamLog real = log_of({5, 5}, {1, 3});
+  BeamLog real = log_with_intensities({5, 5}, {1, 3});
   real.flags[1] = kMover;
-  EXPECT_EQ(score_of(real, log_of({5, 5}, {1, 9})).intensity->simulated.rmse, 0);
+  EXPECT_EQ(score_of(real, log_with_intensities({5, 5}, {1, 9})).intensity->simulated.rmse, 0);
 }
 
 TEST(Intensity, OfAModelIsToldApartByKindAndIncidence) {
@@ -65,7 +65,7 @@ TEST(Intensity, OfAModelIsToldApartByKindAndIncidence) {
   model.surface.hit.resize(1);
   model.surface.range_sigma_m = 0.1;
   const trace::World world(model);
-  BeamLog real = log_of({10, 3, 20}, {4, 6, 10});
+  BeamLog real = log_with_intensities({10, 3, 20}, {4, 6, 10});
   real.direction[2] = Vec3f(0.5f, std::sqrt(0.75f), 0);  // 60° to the wall, 20 m away
   BeamLog simulated = real;
   simulated.intensity = {5, 6, 7};
@@ -79,11 +79,11 @@ TEST(Intensity, OfAModelIsToldApartByKindAndIncidence) {
 }
 
 TEST(Intensity, IsNotScoredWhereALogHasNone) {
-  const BeamLog dark = log_of({5, 5}, {0, 0}), bright = log_of({5, 5}, {1, 2});
+  const BeamLog dark = log_with_intensities({5, 5}, {0, 0}), bright = log_with_intensities({5, 5}, {1, 2});
   EXPECT_EQ(score_of(dark, bright).no_intensity, "the real log has no intensities");
   EXPECT_EQ(score_of(bright, dark).no_intensity, "the simulated log has no intensities");
   EXPECT_FALSE(score_of(bright, dark).intensity);
-  EXPECT_EQ(score_of(bright, log_of({kMiss, kMiss}, {0, 0})).no_intensity,
+  EXPECT_EQ(score_of(bright, log_with_intensities({kMiss, kMiss}, {0, 0})).no_intensity,
             "no beam returns in both logs");
 }
 

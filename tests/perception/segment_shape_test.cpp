@@ -7,8 +7,6 @@
 namespace underbrush::perception {
 namespace {
 
-constexpr double kDegree = M_PI / 180;
-
 double off_by_quarter(double a, double b) { return std::abs(wrapped(4 * (a - b))) / 4; }
 
 TEST(ShapeFitter, FindsTheHeadingOfBoxesFromAllSides) {

@@ -17,15 +17,15 @@ namespace {
 using Folder = io::TemporaryFolder;
 
 // Scattered returns, with a miss after every third of them.
-struct Site {
+struct LabelledSite {
   std::vector<Vec3> points;
   std::vector<uint32_t> label, instance;
   BeamLog log;
 };
 
-Site site(uint64_t seed) {
+LabelledSite site(uint64_t seed) {
   Stream random(seed);
-  Site s;
+  LabelledSite s;
   for (int k = 0; k < 3000; ++k) {
     const double x = random.uniform(-40, 40), y = random.uniform(-40, 40), z = random.uniform(0, 9);
     s.points.emplace_back(x, y, z);
@@ -43,7 +43,7 @@ Site site(uint64_t seed) {
 }
 
 /// Writes the file as CloudCompare does, with float coordinates and float scalar fields.
-void write_like_cloud_compare(const std::filesystem::path& path, const Site& s,
+void write_like_cloud_compare(const std::filesystem::path& path, const LabelledSite& s,
                               const std::vector<size_t>& order) {
   io::PlyElement e;
   e.name = "vertex";
@@ -63,7 +63,7 @@ void write_like_cloud_compare(const std::filesystem::path& path, const Site& s,
 
 TEST(GivenLabels, ComeBackWithoutLossHoweverTheyWereShuffled) {
   const Folder folder;
-  Site s = site(1);
+  LabelledSite s = site(1);
   std::vector<size_t> order(s.points.size());
   std::iota(order.begin(), order.end(), size_t(0));
   MemorySource source(s.log, 700);
@@ -89,7 +89,7 @@ TEST(GivenLabels, ComeBackWithoutLossHoweverTheyWereShuffled) {
 
 TEST(GivenLabels, OfSemanticKittiAreWordsInOrder) {
   const Folder folder;
-  Site s = site(3);
+  LabelledSite s = site(3);
   for (uint32_t& l : s.label) l = l % 2 ? 70 : 40;
   for (uint32_t& i : s.instance) i &= 0xffff;
   std::ofstream out(folder / "a.label", std::ios::binary);
@@ -109,7 +109,7 @@ TEST(GivenLabels, OfSemanticKittiAreWordsInOrder) {
 
 TEST(GivenLabels, ThatAreWrongAreRefused) {
   const Folder folder;
-  Site s = site(4);
+  LabelledSite s = site(4);
   MemorySource source(s.log);
   const auto refused = [&](const std::string& csv, const std::string& why) {
     std::ofstream(folder / "a.csv") << csv;

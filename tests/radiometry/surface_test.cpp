@@ -15,8 +15,6 @@
 namespace underbrush::radiometry {
 namespace {
 
-constexpr double kDegree = M_PI / 180;
-
 Vec3 direction(double zenith, double azimuth) {
   return {std::sin(zenith) * std::cos(azimuth), std::sin(zenith) * std::sin(azimuth),
           std::cos(zenith)};

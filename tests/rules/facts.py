@@ -143,7 +143,7 @@ OTHERS = {"--build", "--config-settings", "--install", "--prefix", "--preset", "
 def options_of_scripts():
     """The options that scripts, studies, benchmarks and tests take."""
     own = [path for path in rules.tracked(rules.ROOT, ".py", ".sh", ".cpp")
-           if path.startswith(("scripts/", "studies/main.cpp", "bench/", "tests/", "python/"))
+           if path.startswith(("scripts/", "studies/program.cpp", "bench/", "tests/", "python/"))
            and path != "tests/rules/facts.py"]
     return OTHERS.union(*(re.findall(r"[\"' (]?(--[a-z][\w-]+)", rules.read(rules.ROOT, path)) for path in own))
 

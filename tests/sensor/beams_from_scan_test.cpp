@@ -13,8 +13,6 @@
 namespace underbrush::sensor {
 namespace {
 
-constexpr double kDegree = M_PI / 180;
-
 Trajectory driving() {
   std::vector<StampedPose> poses;
   for (int k = 0; k <= 10; ++k) {

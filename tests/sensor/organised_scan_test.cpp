@@ -9,8 +9,6 @@
 namespace underbrush::sensor {
 namespace {
 
-constexpr double kDegree = M_PI / 180;
-
 /// A motion-compensated scan of a scanner that turns and moves, and the true directions of its
 /// misses.
 struct MovedScan {

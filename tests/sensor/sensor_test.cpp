@@ -12,8 +12,6 @@
 namespace underbrush::sensor {
 namespace {
 
-constexpr double kDegree = M_PI / 180;
-
 TEST(Catalogue, EveryNameLoadsAndSaysWhereItsValuesComeFrom) {
   const std::vector<std::string> all = names();
   EXPECT_TRUE(std::is_sorted(all.begin(), all.end()));

@@ -12,7 +12,7 @@ namespace underbrush::surface {
 namespace {
 
 using Implicit = float (*)(const Vec3f&, std::span<const OrientedPoint>);
-constexpr Implicit kAll[] = {imls, rimls};
+constexpr Implicit kSurfaces[] = {imls, rimls};
 
 /// Makes points on z = 0 for |x|, |y| ≤ 1, with radius 1.
 std::vector<OrientedPoint> flat(size_t n, double noise = 0) {
@@ -42,7 +42,7 @@ TEST(Implicit, OfAPlaneIsTheDistance) {
     points.push_back({p.position.x() * u + p.position.y() * normal.cross(u), normal, 2});
   }
   const Vec3f x = 0.3f * normal + Vec3f(0.1f, 0, 0);
-  for (Implicit f : kAll) {
+  for (Implicit f : kSurfaces) {
     EXPECT_NEAR(f(x, points), 0.3 + 0.1 * double(normal.x()), 1e-5);
     EXPECT_TRUE(std::isnan(f(x, {})));
     EXPECT_TRUE(std::isnan(f(Vec3f(0, 0, 9), points)));  // out of reach
@@ -51,7 +51,7 @@ TEST(Implicit, OfAPlaneIsTheDistance) {
 
 TEST(Implicit, AverageTheNoise) {
   const auto points = flat(2000, 0.02);
-  for (Implicit f : kAll) {
+  for (Implicit f : kSurfaces) {
     double squares = 0;
     for (int i = 0; i < 20; ++i) {
       const double z = height(f, points, 0.02f * float(i), -0.3f, 0.2f);
@@ -91,7 +91,7 @@ TEST(Implicit, RimlsKeepsAnEdgeThatImlsRounds) {
 
 // The radius error of a sphere falls with the square of the kernel.
 TEST(Implicit, SphereConverges) {
-  for (Implicit f : kAll) {
+  for (Implicit f : kSurfaces) {
     double last = 0;
     for (float radius : {0.6f, 0.3f}) {
       Stream random(33);

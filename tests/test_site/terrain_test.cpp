@@ -10,13 +10,13 @@
 namespace underbrush::test_site {
 namespace {
 
-constexpr uint64_t kSeed = 5;
+constexpr uint64_t kTerrainSeed = 5;
 
 TEST(Terrain, HasTheReliefAskedFor) {
   TerrainParameters p;
   p.size_x_m = p.size_y_m = 1000;
   p.slope = 0;
-  const Terrain terrain(p, kSeed);
+  const Terrain terrain(p, kTerrainSeed);
   double mean = 0, square = 0, steepest = 0;
   int n = 0;
   for (double x = -500; x <= 500; x += 7) {
@@ -33,7 +33,7 @@ TEST(Terrain, HasTheReliefAskedFor) {
 }
 
 TEST(Terrain, HasTheNormalOfItsMesh) {
-  const Terrain terrain(TerrainParameters{}, kSeed);
+  const Terrain terrain(TerrainParameters{}, kTerrainSeed);
   const elements::TriangleMesh mesh = terrain.mesh(0.25, 0);
   EXPECT_EQ(mesh.size(), size_t(2 * 240 * 160));
   double total = 0, worst = 0;
@@ -51,8 +51,8 @@ TEST(Terrain, HasTheNormalOfItsMesh) {
 }
 
 TEST(Track, DistanceIsThatOfTheNearestPoint) {
-  const Terrain terrain(TerrainParameters{}, kSeed);
-  Stream random(kSeed);
+  const Terrain terrain(TerrainParameters{}, kTerrainSeed);
+  Stream random(kTerrainSeed);
   for (int i = 0; i < 50; ++i) {
     const double x = random.uniform(-30, 30), y = terrain.track_y(x) + random.uniform(-8, 8);
     double nearest = 1e9;
@@ -64,7 +64,7 @@ TEST(Track, DistanceIsThatOfTheNearestPoint) {
 }
 
 TEST(Drive, FollowsTheTrackAndTheGround) {
-  const Terrain terrain(TerrainParameters{}, kSeed);
+  const Terrain terrain(TerrainParameters{}, kTerrainSeed);
   const DriveParameters p;
   const Trajectory trajectory = drive(terrain, p);
   const auto& poses = trajectory.poses();

@@ -4,6 +4,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -13,6 +14,9 @@ using Vec3 = Eigen::Vector3d;
 using Vec3f = Eigen::Vector3f;
 using Mat3 = Eigen::Matrix3d;
 using Mat3f = Eigen::Matrix3f;
+
+/// One degree, rad.
+inline constexpr double kDegree = M_PI / 180;
 
 /// A rigid transform x ↦ R x + t. `rotation` is kept at unit norm.
 struct Pose {

@@ -210,8 +210,7 @@ std::optional<std::vector<double>> read_calibration(const fs::path& path, const 
 }
 
 OxtsPoses read_oxts(const fs::path& folder) {
-  constexpr double kEarthRadius = 6378137,
-                   kDegree = M_PI / 180;  // Radius of the earth (m) as in KITTI's development kit.
+  constexpr double kEarthRadius = 6378137;  // m; as in KITTI's development kit.
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(folder / "oxts" / "data")) {
     if (entry.path().extension() == ".txt") files.push_back(entry.path());

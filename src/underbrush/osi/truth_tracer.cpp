@@ -211,7 +211,7 @@ void add_parts(TracerWorld& w) {
 }
 
 Pose mounting_of(Parameters& p) {
-  constexpr double kFar = 1000, kDegree = M_PI / 180;
+  constexpr double kFar = 1000;
   const double x = p.number("x_m", 0, -kFar, kFar), y = p.number("y_m", 0, -kFar, kFar);
   const double z = p.number("z_m", 0, -kFar, kFar);
   const double roll = p.number("roll_deg", 0, -360, 360),

@@ -12,7 +12,6 @@
 namespace underbrush::perception {
 namespace {
 
-using sensor::kDegree;
 using sensor::YamlMap;
 
 constexpr size_t kMostSensors = 255;  // The column of a log is a byte.

@@ -188,7 +188,7 @@ Fit fit_of(const PointScan& scan, const sensor::Sensor& sensor) {
 
 void check_sensor_of(const std::string& source, const std::string& option, const PointScan& scan,
                      const sensor::Sensor& sensor) {
-  constexpr double kShare = 0.2, kNear = 0.65, kDegree = M_PI / 180;
+  constexpr double kShare = 0.2, kNear = 0.65;
   constexpr size_t kFewest = 100;
   const auto fail = [&](const std::string& reason) {
     throw FormatError(source, option, in_quotes(sensor.name) + " cannot be its sensor: " + reason);

@@ -9,8 +9,6 @@
 namespace underbrush::sensor {
 namespace {
 
-constexpr double kDegree = M_PI / 180;
-
 double place(double from, double to, uint32_t k, uint32_t n) {
   return n < 2 ? from : from + (to - from) * k / (n - 1);
 }

@@ -16,8 +16,6 @@
 
 namespace underbrush::sensor {
 
-inline constexpr double kDegree = M_PI / 180;
-
 /// A YAML map whose keys must all be used.
 class YamlMap {
  public:

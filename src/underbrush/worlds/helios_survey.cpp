@@ -13,7 +13,6 @@ namespace underbrush::worlds {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr double kDegree = M_PI / 180;
 /// From the frame of HELIOS++ (x right, y forward) to ours (x forward, y left).
 Vec3 ours(const Vec3& helios) { return {helios.y(), -helios.x(), helios.z()}; }
 
