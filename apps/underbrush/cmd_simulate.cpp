@@ -33,15 +33,18 @@ struct Arguments {
 
 void add_beam_options(CLI::App& app, Arguments& a) {
   auto* like =
-      app.add_option("--like", a.like, "Simulate this log's beams (by --sensor or its own)")
+      app.add_option(
+             "--like", a.like,
+             "Simulate this log's beams, with the instrument of --sensor or of its own sensor")
           ->type_name("LOG");
   auto* sensor =
       app.add_option("--sensor", a.sensor, "Simulate a sensor of the catalogue (or a YAML file)");
   auto* rig =
       app.add_option("--rig", a.rig, "Simulate all sensors of a vehicle")->type_name("RIG.yaml");
-  auto* trajectory =
-      app.add_option("--trajectory", a.trajectory, "Poses of the sensor or vehicle, TUM format")
-          ->type_name("POSES.txt");
+  auto* trajectory = app.add_option("--trajectory", a.trajectory,
+                                    "Poses of the sensor or vehicle: a file in TUM format, or a "
+                                    "log, whose scans have poses")
+                         ->type_name("POSES");
   like->excludes(trajectory);
   rig->excludes(sensor);
   rig->needs(trajectory);
@@ -166,6 +169,18 @@ std::string lost_in(const Arguments& a) {
   return lost;
 }
 
+/// Says that the beams of a log stay those of its sensor; nothing where --sensor names the same.
+std::string text_of_other_sensor(const Arguments& a, const LogInfo& log) {
+  if (a.like.empty() || a.sensor.empty() || log.sensor.empty()) return {};
+  const std::string name = sensor::load(a.sensor).name;
+  if (name == log.sensor) return {};
+  return fmt::format(
+      "the beams are those of {}, a {}; of --sensor {} only the instrument is taken. Its own beams "
+      "on the same path: --sensor {} --trajectory {}",
+      printable(a.like), printable(log.sensor), printable(name), printable(a.sensor),
+      printable(a.like));
+}
+
 /// What was simulated, for the report.
 struct Done {
   const pipeline::Simulation& simulation;
@@ -260,8 +275,10 @@ void run(const Verb& verb, Arguments& a) {
                              origin);
   };
   Progress progress("simulate");
-  const pipeline::SimulateCounts counts =
+  pipeline::SimulateCounts counts =
       pipeline::simulate_log(simulation, *beams.source, write, std::ref(progress));
+  if (std::string note = text_of_other_sensor(a, beams.source->info()); !note.empty())
+    counts.warnings.push_back(std::move(note));
   waveforms.write(simulation.sensor());
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
   report(verb, a, {simulation, counts, beams.source->info(), seconds},
@@ -278,7 +295,7 @@ void add_simulate(Program& program) {
       program, "Simulation", "simulate",
       "Simulate beams on a model or scene: those of a log, or of a sensor on a trajectory",
       "underbrush simulate model/ --like log.ply -o sim.ply\n"
-      "  underbrush simulate model/ --sensor velodyne-hdl32e --trajectory poses.txt -o sim.ply\n"
+      "  underbrush simulate model/ --sensor velodyne-hdl32e --trajectory log.ply -o sim.ply\n"
       "  underbrush simulate model/ --rig rig.yaml --trajectory poses.txt --super-sample sensor -o "
       "sim.ply",
       [a](const Verb& v) { run(v, *a); });

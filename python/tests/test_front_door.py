@@ -173,6 +173,41 @@ def test_outputs_and_other_words_are_left_as_they_are() -> None:
         assert cli.with_logs(words) == words
 
 
+def test_logs_are_written_in_the_format_of_the_name(drive: pathlib.Path, tmp_path: pathlib.Path) -> None:
+    known = command("import", drive, "-o", tmp_path / "log.ply")
+    assert known.returncode == 0, known.stderr
+    rows = len(underbrush.read_log(tmp_path / "log.ply"))
+    for name in ("log.npz", "log.laz", "log.mcap", "log.bag"):
+        out = tmp_path / name
+        for words in (("import", drive), ("import", tmp_path / "log.ply")):
+            done = command(*words, "-o", out, "--force")
+            assert done.returncode == 0 and ".underbrush-" not in done.stdout, done.stderr
+            place = ("--position", "0,0,0") if name.endswith("laz") else ()
+            again = command("import", out, "-o", tmp_path / "again.ply", *place)
+            assert again.returncode == 0, again.stderr
+            assert len(underbrush.read_log(tmp_path / "again.ply")) == rows
+        assert [p for p in tmp_path.iterdir() if p.name.startswith(".underbrush-")] == []
+    notes = tmp_path / "notes.laz"
+    notes.write_text("mine")
+    kept = command("import", drive, "-o", notes)
+    assert (kept.returncode, notes.read_text()) == (4, "mine") and "--force" in kept.stderr
+    absent = command("import", tmp_path / "absent.ply", "-o", tmp_path / "new.laz")
+    assert absent.returncode == 3 and not (tmp_path / "new.laz").exists() and absent.stderr.count("\n") == 1
+
+
+def test_bags_of_a_simulation_have_the_layout_of_the_sensor(tmp_path: pathlib.Path) -> None:
+    (tmp_path / "ground.obj").write_text("v -99 -99 0\nv 99 -99 0\nv 99 99 0\nv -99 99 0\nf 1 2 3 4\n")
+    (tmp_path / "poses.txt").write_text("".join(f"{0.05 * k} {k} 0 2 0 0 0 1\n" for k in range(5)))
+    for sensor, profile, layout in (("velodyne-vlp16", (), "velodyne"), ("ouster-os1-64", (), "ouster"),
+                                    ("velodyne-vlp16", ("--profile", "autoware"), "autoware")):
+        out = tmp_path / f"{sensor}-{layout}.mcap"
+        done = command("simulate", tmp_path / "ground.obj", "--sensor", sensor, "--trajectory", tmp_path / "poses.txt",
+                       *profile, "-o", out)
+        assert done.returncode == 0, done.stderr
+        said = command("info", out).stdout
+        assert f"layout {layout} " in said and "5 of them within 4.0 x 0.0 x 0.0 m" in said, said
+
+
 def test_help_of_import_shows_every_option() -> None:
     said = command("import", "--help").stdout
     for word in ("--format NAME", "--topic NAME", "--metadata FILE", "--position X,Y,Z", "--infer-misses SENSOR",

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 
 from underbrush.errors import failed
 from underbrush.recorded import is_recording, log_of
+from underbrush.written_log import output_of, run as run_and_write
 
 #: Verbs that read logs, and options whose values they do not read as logs.
 LOG_VERBS = ("fit", "simulate", "score", "serve", "split", "movers", "segment", "extract", "perceive", "optimize")
@@ -80,6 +81,11 @@ def is_mcap_trace(words: Sequence[str]) -> bool:
 def main(words: Sequence[str] | None = None) -> int:
     """Runs the command with the words after its name and returns its exit code; the program takes this process over."""
     given = list(sys.argv[1:] if words is None else words)
+    if output_of(given):
+        try:
+            return run_and_write(given)
+        except (ValueError, ImportError, OSError) as e:
+            return failed(e)
     if recording_of(given) is not None:
         from underbrush.import_recording import run  # reads only now what readers need
         return run(given[1:], describe_only=given[0] == "info")

@@ -8,6 +8,7 @@ import os
 import pathlib
 import shutil
 import warnings
+import zipfile
 from collections.abc import Callable, Sequence
 
 from underbrush._core import BeamLog, version
@@ -19,7 +20,18 @@ RECORDINGS = (".bag", ".mcap", ".db3", ".las", ".laz", ".pcap", ".pcapng", ".e57
 def is_recording(name: str | os.PathLike[str]) -> bool:
     """Whether the program leaves the file or folder to the package's readers (a ROS 2 bag is a folder)."""
     path = pathlib.Path(name)
-    return path.name.lower().endswith(RECORDINGS) or (path / "metadata.yaml").is_file()
+    return path.name.lower().endswith(RECORDINGS) or (path / "metadata.yaml").is_file() or _is_numpy_log(path)
+
+
+def _is_numpy_log(path: pathlib.Path) -> bool:
+    """Whether the file is a log of the package's `NumpyLogWriter`: the program reads files of one array alone."""
+    if path.suffix.lower() != ".npz":
+        return False
+    try:
+        with zipfile.ZipFile(path) as file:
+            return "range_m.npy" in file.namelist()
+    except (OSError, zipfile.BadZipFile):
+        return False
 
 
 def cache_folder() -> pathlib.Path:

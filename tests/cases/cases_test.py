@@ -229,6 +229,19 @@ class Limits(Cases):
                 self.run_case(verb, like, option, value, "-o", "OUT/log.ply")
                 self.refused(option, code=2)
 
+    def test_names_of_other_formats(self):
+        """A log is not written under the name of another format, which a reader of the name would believe."""
+        like = "obj_bom/like.ply"
+        for words in (("import", like), ("movers", like), ("segment", like)):
+            for name in ("x.las", "x.mcap", "x.npz", "x.pcd", "x.csv"):
+                with self.subTest(words=words, name=name):
+                    self.run_case(*words, "-o", f"OUT/{name}")
+                    self.refused("logs are written as .ply", code=2)
+                    self.assertFalse((self.out / name).exists())
+        self.run_case("split", like, "--every", "2", "--train", "OUT/a.ply", "--test", "OUT/b.pcd")
+        self.refused("b.pcd", code=2)
+        self.assertEqual(list(self.out.iterdir()), [])
+
     def test_what_is_meant(self):
         """A verb, option or sensor that is misspelt, and a model in place of a log, are named with what to do."""
         like = "obj_bom/like.ply"

@@ -110,6 +110,20 @@ class Warnings(cli_test.Failing):
                 self.assertIn(cause, warnings[1])
                 self.assertIn("the roughness of the log is not a number, so no grain was learnt", warnings[2])
 
+    def test_another_sensor_on_the_path_of_a_log(self):
+        """--trajectory takes a log; --like with another sensor keeps the log's beams, and says so."""
+        self.write_drive()
+        self.call("import", ".", "--poses", "right.txt", "-o", "log.ply")
+        (self.folder / "ground.obj").write_text("v -99 -99 -1\nv 99 -99 -1\nv 99 99 -1\nv -99 99 -1\nf 1 2 3 4\n")
+        words = ("simulate", "ground.obj", "--sensor", "velodyne-vlp16", "-o", "out.ply", "--json", "-")
+        self.assertEqual(json.loads(self.call(*words, "--like", "log.ply").stdout).get("warnings", []), [])
+        found = json.loads(self.call(*words, "--trajectory", "log.ply").stdout)
+        self.assertGreater(found["beams"], 9 * 25000)  # 0.9 s from the first scan to the last.
+        words = ("simulate", "ground.obj", "--sensor", "ouster-os1-64", "-o", "again.ply", "--json", "-")
+        (warning,) = json.loads(self.call(*words, "--like", "out.ply").stdout)["warnings"]
+        self.assertIn("a velodyne-vlp16; of --sensor ouster-os1-64 only the instrument is taken", warning)
+        self.assertIn("--sensor ouster-os1-64 --trajectory out.ply", warning)
+
     def test_a_log_without_misses_names_the_option(self):
         rows = [NAMES] + [f"{5 + 0.01 * k},{k % 16},1,0,0,2,1,{k * 1e-5:.6f},0.5,{k % 16},0,{k // 16},0"
                           for k in range(640)]

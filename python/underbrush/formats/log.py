@@ -16,7 +16,7 @@ from .infer_misses import MissInference
 from .numpy_log import NumpyLogWriter
 from .place import beams, poses_of
 from .scans import Poses, Recording
-from .trajectory import in_order, pose_at, read_poses
+from .trajectory import beyond_ends, in_order, pose_at, read_poses
 from .write_bag import BagWriter
 from .write_las import LasWriter
 
@@ -29,12 +29,15 @@ def columns_of(log: Any) -> dict[str, Array]:
 
 
 def poses_of_scans(info: Any) -> Poses:
-    """The poses of a log's scans. `ValueError` where the log has none."""
+    """The poses of a log's scans, and one after the last scan, to which the motion goes on. `ValueError` where the log
+    has none."""
     if not info.scans:
         raise ValueError("the log has no poses of its scans: give poses")
     at = [(scan.time_s, scan.world_from_sensor) for scan in info.scans]
-    return in_order(np.array([time for time, _ in at]), np.array([pose.position for _, pose in at]),
-                    np.array([pose.rotation for _, pose in at]))
+    poses = beyond_ends(in_order(np.array([time for time, _ in at]), np.array([pose.position for _, pose in at]),
+                                 np.array([pose.rotation for _, pose in at])))
+    first = 1 if len(poses.time_s) > 1 else 0
+    return Poses(poses.time_s[first:], poses.position[first:], poses.rotation[first:])
 
 
 def export_log(log: Any, path: PathLike, *, layout: str = "ouster", poses: Poses | PathLike | None = None,

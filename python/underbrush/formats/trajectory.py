@@ -164,7 +164,7 @@ def _of_matrices(time_s: Floats, rows: Floats) -> Poses:
     return in_order(time_s, m[:, :, 3], rotation)
 
 
-def _beyond_ends(poses: Poses) -> Poses:
+def beyond_ends(poses: Poses) -> Poses:
     """The poses with one more before and after them, to which the motion at the ends goes on."""
     if len(poses.time_s) < 2:
         return poses
@@ -196,7 +196,7 @@ def _of_scans(path: PathLike, table: Floats, times_of_scans: Callable[[], Floats
     if not 0 < len(poses.time_s) == np.count_nonzero(inside):
         raise FormatError(path, "", f"{np.count_nonzero(inside) - len(poses.time_s)} rows are no pose or have a time "
                                     "twice" if inside.any() else "no pose of a scan of the recording")
-    return _beyond_ends(poses)
+    return beyond_ends(poses)
 
 
 def read_poses(path: PathLike, times_of_scans: Callable[[], Floats] | None = None) -> Poses:

@@ -217,7 +217,9 @@ void export_log(const fs::path& path, BeamSource& source, const std::string& for
   }
   if (kind != "pcd" && kind != "csv" && kind != "kitti") {
     throw std::invalid_argument(path.string() +
-                                ": no such format; name it .ply, .pcd, .csv, or a folder");
+                                ": no such format; name it .ply, .pcd, .csv, or a folder. The "
+                                "command of the Python package also writes .las, .laz, .npz, "
+                                ".mcap, .db3 and .bag: pip install 'underbrush[formats]'");
   }
   if (kind == "kitti") {
     // Only a folder that an earlier export wrote may be replaced, never a user's data set.

@@ -34,6 +34,23 @@ ValueType stored_type(ValueType type) {
   return type == ValueType::kI8 || type == ValueType::kI16 ? ValueType::kI32 : type;
 }
 
+// A name that promises another format would mislead whoever opens the file.
+void check_name(const std::filesystem::path& path) {
+  constexpr std::array kWrittenByPython = {".mcap", ".db3", ".bag", ".las", ".laz", ".npz"};
+  constexpr std::array kOthers = {".pcd", ".csv", ".xyz", ".bin", ".e57", ".pcap", ".obj", ".osi"};
+  const std::string extension = path.extension().string();
+  const auto is_among = [&](const auto& names) {
+    return std::find(names.begin(), names.end(), extension) != names.end();
+  };
+  const bool by_python = is_among(kWrittenByPython);
+  if (!by_python && !is_among(kOthers)) return;
+  throw std::invalid_argument(path.string() + ": logs are written as .ply here, not as " +
+                              extension +
+                              (by_python ? "; the command of the Python package also writes " +
+                                               extension + ": pip install 'underbrush[formats]'"
+                                         : ""));
+}
+
 }  // namespace
 
 struct LogWriter::State {
@@ -189,6 +206,7 @@ LogWriter::LogWriter(const std::filesystem::path& path, const LogInfo& info,
   require(std::isfinite(info.max_range_m) && info.min_range_m >= 0 &&
               info.max_range_m > info.min_range_m,
           "log: minimum and maximum range make no sense");
+  check_name(path);
   for (const ScanInfo& scan : info.scans) {
     const Pose& pose = scan.world_from_sensor;
     require(std::isfinite(scan.time_s) && pose.translation.allFinite() &&

@@ -5,6 +5,7 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/file.hpp"
+#include "underbrush/io/log_file.hpp"
 #include "underbrush/io/log_layout.hpp"
 #include "underbrush/io/pose_columns.hpp"
 #include "underbrush/io/text.hpp"
@@ -146,7 +147,25 @@ PoseList read_poses(const fs::path& path) {
   return out;
 }
 
+namespace {
+
+Trajectory path_of_log(const fs::path& path) {
+  const LogReader log(path);
+  std::vector<StampedPose> poses;
+  for (const ScanInfo& scan : log.info().scans)
+    poses.push_back({scan.time_s, scan.world_from_sensor});
+  if (poses.empty()) throw FormatError(path.string(), "", "a log without the poses of its scans");
+  try {
+    return Trajectory(std::move(poses));
+  } catch (const std::invalid_argument& e) {
+    throw FormatError(path.string(), "its scans", e.what());
+  }
+}
+
+}  // namespace
+
 Trajectory read_trajectory(const fs::path& path) {
+  if (path.extension() == ".ply") return path_of_log(path);
   const PoseList list = read_poses(path);
   if (list.pose.empty()) throw FormatError(path.string(), "", "no poses");
   if (list.time_s.empty()) {

@@ -28,8 +28,8 @@ struct PoseList {
 /// time that occurs twice.
 PoseList read_poses(const std::filesystem::path& path);
 
-/// Reads a file of poses with times as a trajectory. Throws `FormatError` where there are no times
-/// or no poses.
+/// Reads a file of poses with times as a trajectory; of a log (.ply), it is that of its scans.
+/// Throws `FormatError` where there are no times or no poses.
 Trajectory read_trajectory(const std::filesystem::path& path);
 
 /// Returns the rigid transform that 12 numbers (row-major 3×4) describe; nothing if they are not
