@@ -9,7 +9,8 @@
 namespace underbrush::metrics {
 namespace {
 
-BeamLog log_with_intensities(const std::vector<float>& range_m, const std::vector<float>& intensity) {
+BeamLog log_with_intensities(const std::vector<float>& range_m,
+                             const std::vector<float>& intensity) {
   BeamLog log;
   log.info.max_range_m = 100;
   log.resize(range_m.size());
@@ -79,7 +80,8 @@ TEST(Intensity, OfAModelIsToldApartByKindAndIncidence) {
 }
 
 TEST(Intensity, IsNotScoredWhereALogHasNone) {
-  const BeamLog dark = log_with_intensities({5, 5}, {0, 0}), bright = log_with_intensities({5, 5}, {1, 2});
+  const BeamLog dark = log_with_intensities({5, 5}, {0, 0}),
+                bright = log_with_intensities({5, 5}, {1, 2});
   EXPECT_EQ(score_of(dark, bright).no_intensity, "the real log has no intensities");
   EXPECT_EQ(score_of(bright, dark).no_intensity, "the simulated log has no intensities");
   EXPECT_FALSE(score_of(bright, dark).intensity);

@@ -166,7 +166,7 @@ void check_triangles(const std::string& name, const PlyData& data) {
 }
 
 template <class T>
-void put(std::string& out, T value) {
+void put_value(std::string& out, T value) {
   out.append(reinterpret_cast<const char*>(&value), sizeof(T));
 }
 
@@ -253,11 +253,11 @@ void write_ply(const std::filesystem::path& path, const PlyData& data) {
     const size_t n = rows_of(element);
     for (size_t i = 0; i < n; ++i) {
       for (const auto& [name, column] : element.columns) {
-        std::visit([&](const auto& c) { put(out, c[i]); }, column);
+        std::visit([&](const auto& c) { put_value(out, c[i]); }, column);
       }
       if (element.triangles.empty()) continue;
-      put(out, uint8_t(3));
-      for (uint32_t index : element.triangles[i]) put(out, index);
+      put_value(out, uint8_t(3));
+      for (uint32_t index : element.triangles[i]) put_value(out, index);
     }
   }
   write_atomically(path, {out.data(), out.size()});
