@@ -2,19 +2,11 @@
 # Installs a package on a bare Debian 12 (a folder made by debootstrap) and runs the demo there. As root; minutes.
 #   scripts/check_deb.sh build/underbrush_0.1.0_amd64.deb [FOLDER]
 # FOLDER is a bare Debian that is there already, or where to keep a new one; without it a temporary one.
-# MIRROR names another mirror of Debian.
 set -euo pipefail
 deb=$(realpath "$1")
-root=${2:-$(mktemp -d)}
-[ -n "${2:-}" ] || trap 'rm -rf --one-file-system "$root"' EXIT
-mirror=${MIRROR:-$(apt-get indextargets --format '$(REPO_URI)' | grep -m 1 '/debian/\?$')}   # as this machine has it
-[ "$(id -u)" = 0 ] || { echo "check_deb: needs root, for debootstrap and chroot" >&2; exit 1; }
-
-[ -e "$root/usr/bin/apt-get" ] || debootstrap --variant=minbase bookworm "$root" "$mirror" > "$root.log" 2>&1 ||
-  { tail "$root.log" >&2; exit 1; }
-cp /etc/resolv.conf /etc/hosts "$root/etc/"
+source "$(dirname "${BASH_SOURCE[0]}")/bare_debian.sh"
+bare_debian check_deb "${2:-}"
 cp "$deb" "$root/tmp/"
-inside() { chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/ DEBIAN_FRONTEND=noninteractive "$@"; }
 inside apt-get -q -y update > /dev/null
 inside apt-get -q -y install --no-install-recommends "/tmp/$(basename "$deb")" | tail -n 3
 

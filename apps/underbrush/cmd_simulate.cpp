@@ -32,19 +32,15 @@ struct Arguments {
 };
 
 void add_beam_options(CLI::App& app, Arguments& a) {
-  auto* like =
-      app.add_option(
-             "--like", a.like,
-             "Simulate this log's beams, with the instrument of --sensor or of its own sensor")
-          ->type_name("LOG");
+  auto* like = app.add_option("--like", a.like, "Simulate the beams of this log, not of --sensor")
+                   ->type_name("LOG");
   auto* sensor =
       app.add_option("--sensor", a.sensor, "Simulate a sensor of the catalogue (or a YAML file)");
   auto* rig =
       app.add_option("--rig", a.rig, "Simulate all sensors of a vehicle")->type_name("RIG.yaml");
-  auto* trajectory = app.add_option("--trajectory", a.trajectory,
-                                    "Poses of the sensor or vehicle: a file in TUM format, or a "
-                                    "log, whose scans have poses")
-                         ->type_name("POSES");
+  auto* trajectory =
+      app.add_option("--trajectory", a.trajectory, "Poses of the sensor or vehicle: TUM, or a log")
+          ->type_name("POSES");
   like->excludes(trajectory);
   rig->excludes(sensor);
   rig->needs(trajectory);

@@ -2,8 +2,6 @@
 from __future__ import annotations
 
 import pathlib
-import struct
-import subprocess
 
 import numpy as np
 import pytest
@@ -13,12 +11,9 @@ pytest.importorskip("laspy", reason="laspy is not installed: pip install 'underb
 from format_data import data, joined  # noqa: E402
 from flights import ORIGIN, Floats, Way, simulated, straight, survey, write  # noqa: E402
 
-import underbrush  # noqa: E402
-from underbrush.cli import program  # noqa: E402
 from underbrush.formats import OptionMissing, beams, open_recording  # noqa: E402
 from underbrush.formats import pulses as pulse_tables  # noqa: E402
 from underbrush.formats.airborne import Estimate, estimate_poses  # noqa: E402
-from underbrush.import_recording import run as import_run  # noqa: E402
 
 
 def estimated(path: pathlib.Path) -> Estimate:
@@ -182,58 +177,6 @@ def test_a_simulated_flight_is_found_again(tmp_path: pathlib.Path, height_m: flo
     assert line.found.pulses > 5000 and line.found.angles
     assert np.all(rms(error) < [0.1, 0.1, 0.6]), rms(error)
     assert np.all(rms(error / line.found.sigma) < 2), rms(error / line.found.sigma)
-
-
-@pytest.mark.parametrize(("name", "cell_m"), [("MixedConifer", 1), ("Topography", 2)])  # About 4 points a cell.
-def test_canopy_of_a_real_flight(tmp_path: pathlib.Path, name: str, cell_m: int) -> None:
-    """Import, fit and rasters without any option, against the canopy height of the points alone."""
-    source = data("trees_laz", f"lidr_{name}.laz")
-    log, model, maps = (tmp_path / word for word in ("log.ply", "model", "maps"))
-    assert import_run([str(source), "-o", str(log)]) == 0
-    info = underbrush.LogReader(log).info
-    assert 800 < info.max_range_m < 2500  # From the data.
-    underbrush.fit(log, output=model)
-    subprocess.run([program(), "rasters", model, "-o", maps, "--cell", str(cell_m)], check=True, capture_output=True)
-    height, west, north = geotiff(maps / "canopy_height.tif")
-    own = canopy_of_points(source, west, north, cell_m, height.shape)
-    both = np.isfinite(height) & np.isfinite(own)
-    difference, r = float((height - own)[both].mean()), float(np.corrcoef(height[both], own[both])[0, 1])
-    print(f"{name}: {np.count_nonzero(both)} cells, {own[both].mean():.2f} m high, {difference:+.2f} m, r {r:.3f}")
-    assert np.count_nonzero(both) > 5000 and abs(difference) < 0.3 and r > 0.8, (difference, r)
-
-
-def geotiff(path: pathlib.Path) -> tuple[Floats, float, float]:
-    """The values of a map that `rasters` wrote, and its north-western corner."""
-    content = path.read_bytes()
-    at = struct.unpack_from("<I", content, 4)[0]
-    tags = {}
-    for k in range(struct.unpack_from("<H", content, at)[0]):
-        tag, _, _, value = struct.unpack_from("<HHII", content, at + 2 + 12 * k)
-        tags[tag] = value
-    corner = struct.unpack_from("<6d", content, tags[33922])[3:5]
-    values = np.frombuffer(content, "<f4", tags[256] * tags[257], tags[273]).reshape(tags[257], tags[256])
-    return values.astype(np.float64), corner[0], corner[1]
-
-
-def canopy_of_points(path: pathlib.Path, west: float, north: float, cell_m: int, shape: tuple[int, ...]) -> Floats:
-    """The highest point of each cell above the lowest point of class ground or water there, or around there."""
-    import laspy
-    las = laspy.read(path)
-    column = np.floor((np.asarray(las.x) - west) / cell_m).astype(int)
-    row = np.floor((north - np.asarray(las.y)) / cell_m).astype(int)
-    inside = (column >= 0) & (row >= 0) & (column < shape[1]) & (row < shape[0])
-    at, z = (row[inside], column[inside]), np.asarray(las.z)[inside]
-    low = np.isin(np.asarray(las.classification)[inside], (2, 9))
-    top, ground = np.full(shape, -np.inf), np.full(shape, np.inf)
-    np.maximum.at(top, at, z)
-    np.minimum.at(ground, (at[0][low], at[1][low]), z[low])
-    while np.isinf(ground).any():  # Empty cells get the mean of those around them.
-        padded = np.pad(ground, 1, constant_values=np.inf)
-        around = np.stack([padded[i:i + shape[0], j:j + shape[1]] for i in range(3) for j in range(3)])
-        known = np.isfinite(around)
-        mean = np.where(known, around, 0).sum(axis=0) / np.maximum(known.sum(axis=0), 1)
-        ground = np.where(np.isinf(ground) & known.any(axis=0), mean, ground)
-    return np.asarray(np.where(np.isfinite(top), top - ground, np.nan))
 
 
 def test_real_flights() -> None:
