@@ -110,7 +110,8 @@ std::vector<elements::TriangleMesh> kinds_of(const std::string& name) {
 elements::Model triangle_world(const std::string& name, size_t triangles) {
   elements::Model model;
   if (name == "terrain") {
-    model.ground = ground_mesh(kSceneSideM, kSceneSideM / std::round(std::sqrt(double(triangles) / 2)));
+    model.ground =
+        ground_mesh(kSceneSideM, kSceneSideM / std::round(std::sqrt(double(triangles) / 2)));
   } else {
     model.ground = ground_mesh(kSceneSideM, 2);
     plant(kinds_of(name), triangles - std::min(triangles, model.ground.size()), model.surface);

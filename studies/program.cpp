@@ -1,3 +1,5 @@
+#include "studies/program.hpp"
+
 #include <fmt/format.h>
 
 #include <chrono>
@@ -5,7 +7,6 @@
 
 #include "cli/verb.hpp"
 #include "report/report.hpp"
-#include "studies/program.hpp"
 #include "studies/study.hpp"
 #include "underbrush/core/check.hpp"
 
