@@ -108,11 +108,11 @@ def main() -> int:
     parser.add_argument("--installed", action="store_true")
     parser.add_argument("--data", type=pathlib.Path,
                         default=pathlib.Path(os.environ.get("UNDERBRUSH_DATA") or ROOT.parent / "shared/data"))
-    parser.add_argument("ways", metavar="WAY", nargs="*", choices=[*WAYS, []], default=list(WAYS))
+    parser.add_argument("ways", metavar="WAY", nargs="*", help=", ".join(WAYS))
     given = parser.parse_args()
     given.build, given.data = given.build.resolve(), given.data.resolve()
     codes = []
-    for way in given.ways:
+    for way in given.ways or WAYS:
         try:
             codes.append(walk(way, given))
         except (Skipped, environment.Missing) as missing:
