@@ -10,7 +10,8 @@ namespace underbrush::calibrate {
 /// Numbers of beams by cell, which only rise. The sum of maps does not depend on their order.
 class ObservedMap {
  public:
-  explicit ObservedMap(double cell_m = 1) : cell_m_(cell_m) {}
+  ObservedMap() = default;
+  explicit ObservedMap(double cell_m) : cell_m_(cell_m) {}
 
   /// Adds the way of a beam (frame of the model), of which two samples a cell are taken.
   void add(const Vec3& origin, const Vec3& direction, double from_m, double to_m);
@@ -24,7 +25,7 @@ class ObservedMap {
   void add(const Cell3& cell, Cell3& last);
   elements::ObservedBlock& block_at(const Cell3& at);
 
-  double cell_m_;
+  double cell_m_ = 1;
   CellMap<Cell3, std::unique_ptr<elements::ObservedBlock>> blocks_;
   elements::ObservedBlock* block_ = nullptr;  // that of the cell before
 };

@@ -96,7 +96,7 @@ double reach_of(const elements::Model& model, const LogInfo& log) {
 /// The maps of the two parts of a log.
 std::array<ObservedSpace, 2> maps_of(const elements::Model& model, BeamSource& log,
                                      const Extent& extent, const ObservedSpaceOptions& options) {
-  constexpr size_t kBeams = 1 << 15;  // of a piece
+  constexpr size_t kBeamsOfPiece = 1 << 15;
   const double reach = reach_of(model, log.info());
   std::array maps{ObservedMap(options.cell_m), ObservedMap(options.cell_m)};
   const auto add = [&](const BeamLog& chunk, size_t i, std::array<ObservedMap, 2>& to) {
@@ -110,14 +110,14 @@ std::array<ObservedSpace, 2> maps_of(const elements::Model& model, BeamSource& l
                                       end);
   };
   for_each_chunk(log, [&](const BeamLog& chunk) {
-    const size_t pieces = (chunk.size() + kBeams - 1) / kBeams;
+    const size_t pieces = (chunk.size() + kBeamsOfPiece - 1) / kBeamsOfPiece;
     std::vector<std::array<ObservedMap, 2>> of_piece(pieces);
     parallel_in_order(
         pieces, 2 * size_t(threads()),
         [&](size_t k) {
           of_piece[k] = {ObservedMap(options.cell_m), ObservedMap(options.cell_m)};
-          const size_t end = std::min((k + 1) * kBeams, chunk.size());
-          for (size_t i = k * kBeams; i < end; ++i) add(chunk, i, of_piece[k]);
+          const size_t end = std::min((k + 1) * kBeamsOfPiece, chunk.size());
+          for (size_t i = k * kBeamsOfPiece; i < end; ++i) add(chunk, i, of_piece[k]);
         },
         [&](size_t k) {
           for (size_t part = 0; part < 2; ++part) maps[part].add(of_piece[k][part]);

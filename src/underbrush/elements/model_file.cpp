@@ -48,7 +48,7 @@ Json json_of_grain(const Model& m) {
 
 /// Reads the grain of a model whose class names are known.
 Grain grain_of_json(const io::JsonValue& j, const Model& m) {
-  Grain grain{j.at("ellipsoids").number(), j.at("meshes").number()};
+  Grain grain{j.at("ellipsoids").number(), j.at("meshes").number(), {}};
   const auto classes = j.find("classes");
   if (!classes) return grain;
   for (const std::string& name : classes->member_names()) {
@@ -138,12 +138,12 @@ Model read_model(const fs::path& path) {
   const fs::path file = path / "model.json";
   if (!fs::exists(path)) throw FormatError(path.string(), "", "no such model");
   if (!is_model(path)) {
-    const bool file = is_file(path);
+    const bool is_log = is_file(path);
     throw FormatError(
         path.string(), "",
-        file ? "not a model but a file: 'underbrush fit LOG -o MODEL' makes a model of "
-               "a log"
-             : "not a model (no model.json in it)");
+        is_log ? "not a model but a file: 'underbrush fit LOG -o MODEL' makes a model of "
+                 "a log"
+               : "not a model (no model.json in it)");
   }
   const io::JsonFile json(file);
   const io::JsonValue j = json.manifest("underbrush-model", kModelVersion, "an underbrush model");
