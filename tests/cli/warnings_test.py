@@ -28,11 +28,11 @@ class Warnings(cli_test.Failing):
         self.assertEqual(done.returncode, 0, done.stderr)
         return done
 
-    def write_drive(self):
+    def write_drive(self, turn=0.05, bend=0.03, step=1.0):
         """Makes ten scans on a bend, 1 m apart, of 150 poles (seed 7), and their poses, right and inverted."""
         rnd = random.Random(7)
         poles = [(rnd.uniform(-35, 45), rnd.uniform(-35, 35)) for _ in range(150)]
-        way = [(0.05 * k, 1.0 * k, 0.03 * k * k) for k in range(10)]
+        way = [(turn * k, step * k, bend * k * k) for k in range(10)]
         (self.folder / "velodyne").mkdir()
         right, inverted = [], []
         for k, (yaw, x, y) in enumerate(way):
@@ -55,9 +55,15 @@ class Warnings(cli_test.Failing):
                          r"the next one has some, and (9\d|100) % if they are inverted: are they sensor from world\?\n\Z")
         self.assertEqual(len(json.loads(done.stdout)["warnings"]), 1)
 
-    def test_scans_that_stand_still_say_nothing_of_their_poses(self):
-        self.write_drive()
+    def test_poses_that_stand_while_the_scans_move(self):
+        self.write_drive(turn=0, bend=0, step=1.2)
         (self.folder / "still.txt").write_text("1 0 0 0 0 1 0 0 0 0 1 0\n" * 10)
+        done = self.call("import", ".", "--poses", "still.txt", "-o", "log.ply")
+        self.assertRegex(done.stderr, r"\Aunderbrush: warning: by the poses the sensor stands still, and .* % if it moves by "
+                         r"1\.2 m from scan to scan: are all poses the same\?\n\Z")
+        scan = (self.folder / "velodyne/000000.bin").read_bytes()
+        for k in range(10):
+            (self.folder / f"velodyne/{k:06}.bin").write_bytes(scan)
         self.assertEqual(self.call("import", ".", "--poses", "still.txt", "-o", "log.ply").stderr, "")
 
     def write_log(self, firings, name, *words):

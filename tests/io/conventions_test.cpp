@@ -91,13 +91,19 @@ TEST(PoseColumns, FilesFollowTheirHeaders) {
   EXPECT_EQ(poses.notes.size(), 2u);
 }
 
-/// A sweep of rings with x y z, an intensity, and then a ring and a time.
+/// A sweep of rings with x y z, an intensity, and then a ring, a time, and two values more.
 std::string floats_of(size_t columns) {
   std::vector<float> values;
   for (int k = 0; k < 600; ++k) {
     const float a = 0.01f * float(k), r = 8 + 3 * std::sin(5 * a);
-    const float row[] = {r * std::cos(a),   r * std::sin(a), -1.5f + 0.1f * float(k % 16),
-                         float(k * 7 % 50), float(k % 16),   1e-4f * float(k)};
+    const float row[] = {r * std::cos(a),
+                         r * std::sin(a),
+                         -1.5f + 0.1f * float(k % 16),
+                         float(k * 7 % 50),
+                         float(k % 16),
+                         1e-4f * float(k),
+                         -5 - a,
+                         0.3f * r};
     values.insert(values.end(), row, row + columns);
   }
   return {reinterpret_cast<const char*>(values.data()), 4 * values.size()};
@@ -115,6 +121,11 @@ TEST(BinFile, ValuesTellTheColumns) {
   put_bytes(folder / "a.bin", floats_of(5));
   EXPECT_EQ(read_bin(folder / "a.bin", {"x", "y", "z"}).size(), 1000u);
   EXPECT_THROW(read_bin(folder / "a.bin", {"x", "y", "z", "a", "b", "c", "d"}), FormatError);
+  EXPECT_THROW(read_bin(folder / "a.bin", {"5"}), FormatError);
+  for (const size_t columns : {3u, 7u, 8u}) {  // Nothing tells their names.
+    put_bytes(folder / "a.bin", floats_of(columns));
+    EXPECT_THROW(read_bin(folder / "a.bin"), FormatError) << columns;
+  }
 }
 
 TEST(Csv, NamesAreOptionalAndCountsLeftOut) {

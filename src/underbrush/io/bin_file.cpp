@@ -53,6 +53,14 @@ class Values {
   std::string_view bytes_;
 };
 
+/// A number of columns that is not ours to name and fits clearly better than `best`; 0 for none.
+size_t other_columns(const Values& values, double best, double clear) {
+  for (const size_t k : {3, 7, 8}) {
+    if (values.size() % k == 0 && values.unlikeness(k) < clear * best) return k;
+  }
+  return 0;
+}
+
 /// Tells the number of columns from the values: four, unless another number fits and four does not.
 size_t columns_of(const std::string& file, const Values& values) {
   constexpr size_t kEnough = 200;  // values; fewer tell nothing
@@ -63,6 +71,12 @@ size_t columns_of(const std::string& file, const Values& values) {
   }
   std::sort(fit.begin(), fit.end());
   const bool few = values.size() < kEnough;
+  const double best = fit.empty() ? values.unlikeness(kUsual) : fit[0].first;
+  if (const size_t other = few ? 0 : other_columns(values, best, kClear)) {
+    throw FormatError(
+        file, "",
+        std::to_string(other) + " columns of floats: name them, as in --columns x,y,z,intensity");
+  }
   if (few || fit.empty()) {
     if (values.size() % kUsual == 0) return kUsual;
   } else if (fit.size() == 1 || fit[0].first < kClear * fit[1].first) {
@@ -91,7 +105,12 @@ Table read_bin(const std::filesystem::path& path, const std::vector<std::string>
     }
     columns = columns_of(path.string(), values);
   }
-  if (columns < kFewest || columns > kMost || bytes.size() % (4 * columns) != 0) {
+  if (columns < kFewest || columns > kMost) {
+    throw FormatError(path.string(), "",
+                      "--columns names 3 to 8 columns, as in x,y,z,intensity,ring, not " +
+                          std::to_string(columns) + " ('" + printable(names[0]) + "'...)");
+  }
+  if (bytes.size() % (4 * columns) != 0) {
     throw FormatError(
         path.string(), "byte " + std::to_string(bytes.size()),
         "its size is no multiple of " + std::to_string(columns) + " columns of 4 bytes: truncated");

@@ -151,6 +151,41 @@ double overlap(const std::vector<Vec3>& from, const Pose& from_pose, const std::
   return to.empty() ? 0 : double(n) / double(to.size());
 }
 
+/// Warns where poses say that the sensor stands, and scans fit better if it moves on a straight
+/// way.
+std::string warning_of_standing(ScanSource& scans, const std::vector<ScanInfo>& infos) {
+  constexpr size_t kPairs = 4, kSteps = 8;
+  constexpr double kStep = 0.4, kBetter = 0.2;  // m from one scan to the next
+  if (infos.size() < 2) return "";
+  double still = 0;
+  std::array<std::array<double, kSteps>, 4> moved{};  // forward, back, left, right
+  for (size_t k = 0; k < kPairs; ++k) {
+    const size_t a = k * (infos.size() - 1) / kPairs;
+    const std::vector<Vec3> from = upper_points(scans.read(a)),
+                            to = upper_points(scans.read(a + 1));
+    still += overlap(from, {}, to, {}) / kPairs;
+    for (size_t way = 0; way < moved.size(); ++way) {
+      for (size_t step = 0; step < kSteps; ++step) {
+        Vec3 shift = Vec3::Zero();
+        shift[way / 2] = (way % 2 ? -kStep : kStep) * double(step + 1);
+        moved[way][step] += overlap(from, {}, to, {Eigen::Quaterniond::Identity(), shift}) / kPairs;
+      }
+    }
+  }
+  double best = 0, best_m = 0;
+  for (const auto& way : moved) {
+    const auto most = std::max_element(way.begin(), way.end());
+    if (*most <= best) continue;
+    best = *most;
+    best_m = kStep * double(most - way.begin() + 1);
+  }
+  if (best < still + kBetter) return "";
+  return "by the poses the sensor stands still, and " + text_of("%.0f", 100 * still) +
+         " % of a scan's points lie where the next one has some, but " +
+         text_of("%.0f", 100 * best) + " % if it moves by " + text_of("%.1f", best_m) +
+         " m from scan to scan: are all poses the same?";
+}
+
 /// How the returns of a scan fit the channels of a sensor.
 struct Fit {
   size_t returns = 0, beyond = 0;  ///< beyond: two degrees and more outside its elevations
@@ -223,6 +258,7 @@ void check_sensor_of(const std::string& source, const std::string& option, const
 std::string warning_of_overlap(ScanSource& scans, const std::vector<ScanInfo>& infos) {
   constexpr double kPoor = 0.4, kBetter = 0.2;
   const std::vector<std::pair<size_t, size_t>> pairs = pairs_of(infos);
+  if (pairs.empty()) return warning_of_standing(scans, infos);
   std::array<double, kReadings.size()> fit{};
   for (const auto& [a, b] : pairs) {
     const std::vector<Vec3> from = upper_points(scans.read(a)), to = upper_points(scans.read(b));
