@@ -93,7 +93,7 @@ Json bench_chain(size_t beams, size_t rays, int runs) {
     for (const auto& [name, ms] : now) {
       times[name].push_back(ms[0]);
       cpu[name].push_back(ms[1]);
-      for (size_t k = 0; k < all.size(); ++k) all[k] += ms[k];
+      for (size_t i = 0; i < all.size(); ++i) all[i] += ms[i];
     }
     times["all"].push_back(all[0]);
     cpu["all"].push_back(all[1]);

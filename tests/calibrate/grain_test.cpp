@@ -37,13 +37,13 @@ elements::Model hedge_and_wall() {
 BeamLog beams_to_it() {
   BeamLog log;
   log.info.max_range_m = 60;
-  constexpr size_t kRings = 40, kColumns = 1000;
-  log.resize(kRings * kColumns);
+  constexpr size_t kRows = 40, kColumns = 1000;
+  log.resize(kRows * kColumns);
   for (size_t i = 0; i < log.size(); ++i) {
-    const double y = 0.005 * (double(i / kRings) - kColumns / 2.0);
-    const double z = -1.8 + 0.1 * double(i % kRings);
+    const double y = 0.005 * (double(i / kRows) - kColumns / 2.0);
+    const double z = -1.8 + 0.1 * double(i % kRows);
     log.direction[i] = Vec3(10, y, z).normalized().cast<float>();
-    log.ring[i] = uint16_t(i % kRings);
+    log.ring[i] = uint16_t(i % kRows);
   }
   return log;
 }
@@ -51,7 +51,7 @@ BeamLog beams_to_it() {
 TEST(LearnGrain, FindsTheGrainAndTheNoiseOfTheWorldThatTheLogIsOf) {
   for (const auto& [ellipsoid_m, mesh_m] : {std::pair{0.02, 0.1}, {0.06, 0.03}}) {
     elements::Model model = hedge_and_wall();
-    model.grain = {ellipsoid_m, mesh_m};
+    model.grain = {ellipsoid_m, mesh_m, {}};
     model.range_noise_m = 0.01;
     BeamLog log = beams_to_it();
     const trace::World world(model, trace::Isa::kBest, trace::Draws::kOnce);

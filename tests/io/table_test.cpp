@@ -142,7 +142,8 @@ Table table_with(const std::string& name, ExtraColumn column) {
            {"y", std::vector<double>{0, 0}},
            {"z", std::vector<double>{0, 0}},
            {name, std::move(column)}},
-          std::nullopt};
+          std::nullopt,
+          {}};
 }
 
 TEST(ScanFromTable, UnderstandsTimes) {
