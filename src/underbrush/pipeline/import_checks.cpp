@@ -151,7 +151,7 @@ double overlap(const std::vector<Vec3>& from, const Pose& from_pose, const std::
   return to.empty() ? 0 : double(n) / double(to.size());
 }
 
-/// Warns where poses say that the sensor stands, and scans fit better if it moves on a straight
+/// Warns where the sensor stands by its poses, and scans fit better if it moves on a straight
 /// way.
 std::string warning_of_standing(ScanSource& scans, const std::vector<ScanInfo>& infos) {
   constexpr size_t kPairs = 4, kSteps = 8;
