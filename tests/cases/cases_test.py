@@ -242,6 +242,15 @@ class Limits(Cases):
         self.refused("b.pcd", code=2)
         self.assertEqual(list(self.out.iterdir()), [])
 
+    def test_an_object_of_many_members(self):
+        """Finding a member takes time with their number, which is therefore limited."""
+        for count, said in ((400_000, "more than 10000 members"), (9_000, "has no member")):
+            with self.subTest(count=count), tempfile.TemporaryDirectory() as model:
+                members = ",".join(f'"k{k}": [{{"a": 1}}]' for k in range(count))
+                pathlib.Path(model, "model.json").write_text("{" + members + "}", encoding="utf-8")
+                self.run_case("info", model)
+                self.refused(said)
+
     def test_what_is_meant(self):
         """A verb, option or sensor that is misspelt, and a model in place of a log, are named with what to do."""
         like = "obj_bom/like.ply"

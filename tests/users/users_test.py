@@ -26,8 +26,8 @@ import web  # noqa: E402
 
 FMPY = ["fmpy", "osi-python", "numpy"]  # As for the tests of the FMU.
 PLOTS = (("1", "lidr_MixedConifer.laz"), ("2", "lidr_Topography.laz"))  # About 4 points a cell.
-TRACES = ("20240618T122540Z_sv_370_244_20_minimal_valid_example.osi", "sl-1-3_smoke_20230621T111704Z_sv_350_32112_100.osi",
-          "qc_example_sv_trace.osi")
+TRACES = ("20240618T122540Z_sv_370_244_20_minimal_valid_example.osi",
+          "sl-1-3_smoke_20230621T111704Z_sv_350_32112_100.osi")
 
 
 class Skipped(Exception):

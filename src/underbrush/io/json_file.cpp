@@ -1,6 +1,7 @@
 #include "underbrush/io/json_file.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -17,12 +18,16 @@ using Json = nlohmann::ordered_json;
 constexpr int kDeepestJson = 64;
 constexpr uint64_t kMostJson = uint64_t(1) << 31;
 
+constexpr size_t kMostMembers = 10'000;  // of an object; finding one takes time with their number
+
 struct TooDeep {};
+struct TooMany {};
 
 /// Functions that go through a value call themselves for each level of it. A callback of the parser
 /// could count levels, but with one its time grows with the square of an array's length.
-void limit_depth(const std::string& text) {
+void limit_size(const std::string& text) {
   int depth = 0;
+  std::array<size_t, kDeepestJson + 1> members{};  // of the object at each depth
   bool in_string = false;
   for (size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
@@ -32,6 +37,9 @@ void limit_depth(const std::string& text) {
       i += c == '\\';
     } else if (c == '[' || c == '{') {
       if (++depth > kDeepestJson) throw TooDeep();
+      members[size_t(depth)] = 0;
+    } else if (c == ':') {
+      if (++members[size_t(std::max(depth, 0))] > kMostMembers) throw TooMany();
     } else if (c == ']' || c == '}') {
       --depth;
     }
@@ -40,10 +48,13 @@ void limit_depth(const std::string& text) {
 
 Json parsed(const fs::path& path, const std::string& text) {
   try {
-    limit_depth(text);
+    limit_size(text);
     return Json::parse(text);
   } catch (const TooDeep&) {
     throw FormatError(path.string(), "", "nested too deep");
+  } catch (const TooMany&) {
+    throw FormatError(path.string(), "",
+                      "has an object of more than " + std::to_string(kMostMembers) + " members");
   } catch (const nlohmann::json::parse_error& e) {
     const auto end = text.begin() + ptrdiff_t(std::min(e.byte, text.size()));
     throw FormatError(path.string(),
@@ -64,9 +75,10 @@ std::string text_of_json(const Json& json, int indent) {
 
 std::optional<Json> json_if_valid(const std::string& text) {
   try {
-    limit_depth(text);
+    limit_size(text);
     return Json::parse(text);
   } catch (const TooDeep&) {
+  } catch (const TooMany&) {
   } catch (const nlohmann::json::exception&) {
   }
   return std::nullopt;
