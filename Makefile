@@ -15,7 +15,7 @@ quiet = log=$$(mktemp); if $(1) > $$log 2>&1; then rm $$log; else cat $$log; rm 
 
 .DEFAULT_GOAL := help
 .PHONY: help setup build pictures test attack fuzz fuzz-osi fmu check-fmu validation demo bench gates results docs deb \
-        check-deb wheel check-wheel check-users check-pythons asan-python clean
+        check-deb wheel check-wheel check-pythons asan-python clean
 
 help:     ## This list
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):[^#]*## /  make \1\t/' | expand -t 16
@@ -43,8 +43,12 @@ fuzz: setup    ## Mutate inputs of every kind, 10 000 a kind (hours)
 	@cmake --build $(BUILD) --target underbrush -j $(JOBS)
 	@tests/fuzz/mutate.py --program $(program) --mutants 10000 --jobs $(JOBS) --keep $(BUILD)/mutants
 
-attack: build  ## Wrong units in every option that takes a number (minutes)
-	@tests/fuzz/units.py --program $(program) --jobs $(JOBS)
+# KIND=files, killed, lies, server, fmus, package or units runs one kind; MOMENTS=100 kills each command as often.
+attack: fmu    ## Full disks, kill -9, lies in files, hostile calls and wrong units (an hour); KIND=NAME runs one kind
+	@cmake --build $(BUILD) --target underbrush -j $(JOBS)
+	@$(if $(filter units,$(KIND)),,tests/fuzz/attack/attack.py --program $(program) --jobs $(JOBS) \
+	  $(if $(MOMENTS),--moments $(MOMENTS)) $(if $(KIND),--kind $(KIND)))
+	@$(if $(filter-out units,$(KIND)),,tests/fuzz/units.py --program $(program) --jobs $(JOBS))
 
 # No precompiled headers and no joined sources: the sanitizers' build is of one module.
 fuzz-osi: setup  ## A million damaged OSI messages under ASan and UBSan (minutes)
@@ -107,10 +111,6 @@ check-deb: deb ## Install the package on a bare Debian and run it there (root, m
 check-wheel:   ## Install the Python package and its wheel on a bare Debian (root, minutes)
 	@scripts/setup.sh package
 	@scripts/check_wheel.sh
-
-check-users:   ## The ways of four new users, each from a bare Debian (root, minutes)
-	@scripts/setup.sh package
-	@DATA=$(DATA) scripts/check_users.sh
 
 check-pythons: setup   ## The Python tests with every other Python on the PATH, from 3.10 on (minutes)
 	@$(call quiet,$(configure) -DUNDERBRUSH_PYTHON=ON)
