@@ -136,8 +136,8 @@ def source() -> str:
     version = re.search(r"project\(underbrush VERSION ([0-9.]+)", (ROOT / "CMakeLists.txt").read_text(encoding="utf-8"))
     assert version
     try:
-        said = [subprocess.run(["git", "-C", str(ROOT), *words], check=True, capture_output=True, text=True).stdout.strip()
-                for words in (("log", "-1", "--format=%h of %cs"), ("status", "--porcelain", "--untracked-files=no"))]
+        said = [subprocess.run(["git", "-C", str(ROOT), *words], check=True, capture_output=True,
+                               text=True).stdout.strip() for words in (("log", "-1", "--format=%h of %cs"), ("status", "--porcelain", "--untracked-files=no"))]
     except (OSError, subprocess.CalledProcessError):
         return f"version {version[1]}"
     return f"version {version[1]}, commit {said[0]}" + (" with changes" if said[1] else "")
@@ -148,7 +148,8 @@ def report(found: list[Effect]) -> str:
     parts = ["<!doctype html><html lang=en><meta charset=utf-8><title>Validation of Underbrush</title>",
              f"<style>{STYLE}</style><h1>Validation of Underbrush</h1>",
              "<p>Each effect that the simulation claims, what it was compared with, how far it is off, and what is not "
-             f"modelled, of {source()}. <code>make results</code> measures the tables anew and compares every figure.</p>"]
+             f"modelled, of {source()}. <code>make results</code> measures the tables anew and compares every "
+             "figure.</p>"]
     for effect in found:
         bars = "; ".join(dict.fromkeys(error_bars(s) for s in effect.sections)) or "none"
         rows = (("compared with", inline(effect.compared_with)), ("error", inline(effect.error)), ("error bars", bars),
