@@ -1,8 +1,8 @@
 #include "instance.hpp"
 
 #include <cmath>
-#include <memory>
 
+#include "states.hpp"
 #include "underbrush/core/check.hpp"
 
 namespace underbrush::fmu {
@@ -64,22 +64,24 @@ void Instance::reset() {
 
 void Instance::save(void** state) const {
   if (!state) throw CallError("a null pointer");
-  auto saved = std::make_unique<SavedState>(SavedState{model.snapshot(), phase, time_s});
-  delete static_cast<SavedState*>(*state);
-  *state = saved.release();
+  SavedState saved{model.snapshot(), phase, time_s};
+  forget_state(*state);  // before the new one, which may come to stand in its place
+  *state = nullptr;
+  *state = keep_state(std::move(saved));
 }
 
 void Instance::restore(const void* state) {
   if (!state) throw CallError("a null pointer");
-  const auto& saved = *static_cast<const SavedState*>(state);
-  model.restore(saved.snapshot);
-  phase = saved.phase;
-  time_s = saved.time_s;
+  const auto saved = state_of(state);
+  if (!saved) throw CallError("there is no such state");
+  model.restore(saved->snapshot);
+  phase = saved->phase;
+  time_s = saved->time_s;
 }
 
 void Instance::forget(void** state) {
-  if (!state) return;
-  delete static_cast<SavedState*>(*state);
+  if (!state || !*state) return;
+  if (!forget_state(*state)) throw CallError("there is no such state");
   *state = nullptr;
 }
 

@@ -6,6 +6,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/osi/read.hpp"
+#include "underbrush/osi/readable.hpp"
 #include "underbrush/osi/write.hpp"
 
 namespace underbrush::fmu {
@@ -40,7 +41,9 @@ std::string_view Model::bytes(uint32_t r) const {
   const int32_t size = values.integer[r + 2];
   const uint64_t address = uint64_t(high) << 32 | low;
   if (address == 0 || size <= 0) return {};
-  return {reinterpret_cast<const char*>(address), size_t(size)};  // NOLINT
+  const std::string_view message(reinterpret_cast<const char*>(address), size_t(size));  // NOLINT
+  require(osi::is_readable(message), "the address and the size of a message lead to no memory");
+  return message;
 }
 
 void Model::point_to(uint32_t r, const std::string& bytes) {
@@ -167,7 +170,6 @@ void Model::request() {
 // Runs the chain on the input and returns the output message.
 std::string Model::process() {
   osi::SensorData data;
-  const std::string_view earlier = bytes(kSensorDataIn), view_bytes = bytes(kSensorViewIn);
   std::optional<osi::Timestamp> time;
   const auto is_old = [&](const std::optional<osi::Timestamp>& now) {
     time = now;
@@ -177,6 +179,7 @@ std::string Model::process() {
     return passed == 0 || passed < values.real[kCycle] - kSameTimeS;
   };
   try {
+    const std::string_view earlier = bytes(kSensorDataIn), view_bytes = bytes(kSensorViewIn);
     if (!earlier.empty()) {
       data = osi::read_sensor_data(earlier, "OSMPSensorDataIn");
       if (is_old(data.timestamp)) return {};

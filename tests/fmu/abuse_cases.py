@@ -32,6 +32,29 @@ class Abuse(FmuTest):
             self.assertEqual(one.call("DoStep", ctypes.c_double(one.now), ctypes.c_double(0.05), 1), OK)
             self.assertIn("there is no input", one.messages[-1])
 
+    def test_addresses_that_lead_nowhere(self) -> None:
+        one = self.instance()
+        good = drive(0)
+        for low, high, size in ((16, 0, 1), (16, 0, 2**31 - 1), (-1, -1, 100), (0, 1 << 20, 100), (0, -2**31, 1)):
+            self.assertEqual(one.set_integers([0, 1, 2], [low, high, size]), OK)
+            self.assertEqual(one.call("DoStep", ctypes.c_double(0), ctypes.c_double(0.05), 1), OK)
+            self.assertIn("lead to no memory", one.messages[-1])
+            self.assertFalse(one.boolean("valid"))
+        self.assertEqual(qualifier(one.step(good)), 2)
+
+    def test_states_that_are_none(self) -> None:
+        one = self.instance()
+        state = ctypes.c_void_p()
+        self.assertEqual(one.call("GetFMUstate", ctypes.byref(state)), OK)
+        copy = ctypes.c_void_p(state.value)
+        self.assertEqual(one.call("FreeFMUstate", ctypes.byref(state)), OK)
+        for odd in (copy.value, 8, ctypes.addressof(copy)):
+            self.assertEqual(one.call("SetFMUstate", ctypes.c_void_p(odd)), ERROR)
+            self.assertEqual(one.call("FreeFMUstate", ctypes.byref(ctypes.c_void_p(odd))), ERROR)
+            other = ctypes.c_void_p(odd)
+            self.assertEqual(one.call("GetFMUstate", ctypes.byref(other)), OK)
+            self.assertEqual(one.call("FreeFMUstate", ctypes.byref(other)), OK)
+
     def test_damaged_input(self) -> None:
         self.refused(drive(1)[:-3], "truncated")
         self.refused(bytes(range(256)), "truncated")
