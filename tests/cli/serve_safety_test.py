@@ -101,6 +101,11 @@ class ServeSafely(serving.Serving):
         outer = (f"GET /{self.server.token}/api/nothing HTTP/1.1\r\nHost: 127.0.0.1:{self.server.port}\r\n"
                  f"Content-Length: {len(inner)}\r\n\r\n").encode()
         self.assertEqual(self.server.raw(outer + inner).count(b"HTTP/1.1 "), 1)
+        length = f"Content-Length: {len(inner)}".encode()
+        for hidden in (b" " + length, length.replace(b":", b" :"), b"X: y\r\n " + length, b"X: y\n" + length,
+                       b"X\0: y\r\n" + length, b"X: y\r" + length, b"no header\r\n" + length):
+            head = outer.replace(length, hidden)
+            self.assertLessEqual(self.server.raw(head + inner).count(b"HTTP/1.1 "), 1, hidden)
 
     def test_slow_clients_do_not_hold_the_server(self):
         stop = threading.Event()

@@ -2,7 +2,13 @@
 // tests/cli/serve_safety_test.py.
 #include "underbrush/serve/http_server.hpp"
 
+#include <arpa/inet.h>
 #include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <vector>
 
 namespace underbrush::serve {
 namespace {
@@ -35,6 +41,26 @@ TEST(HttpServer, EveryServerHasATokenOfItsOwn) {
   EXPECT_NE(a.token(), b.token());
   EXPECT_NE(a.port(), b.port());
   EXPECT_EQ(a.address(), "http://127.0.0.1:" + std::to_string(a.port()) + "/" + a.token() + "/");
+}
+
+// With the backlog of cpp-httplib, the seventh of them waited a second.
+TEST(HttpServer, ManyConnectionsAtOnceDoNotWait) {
+  const HttpServer server(0, [](const HttpRequest&) { return HttpReply{}; });
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(uint16_t(server.port()));
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  std::vector<int> sockets;
+  int connected = 0;
+  for (int k = 0; k < 100; ++k) {
+    sockets.push_back(::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK, 0));
+    ::connect(sockets.back(), reinterpret_cast<const sockaddr*>(&address), sizeof(address));
+    pollfd ready{sockets.back(), POLLOUT, 0};
+    connected += ::poll(&ready, 1, 300);
+    if (connected <= k) break;
+  }
+  EXPECT_EQ(connected, 100);
+  for (const int socket : sockets) ::close(socket);
 }
 
 }  // namespace

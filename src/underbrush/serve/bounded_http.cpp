@@ -15,6 +15,7 @@ std::chrono::nanoseconds of_seconds(double s) {
 }
 
 constexpr double kDrainSeconds = 0.2;
+constexpr int kBacklog = 1024;
 constexpr size_t kDrainBytes = size_t(4) << 20;
 
 }  // namespace
@@ -37,6 +38,7 @@ bool BoundedStream::wait_for_request() {
   if (at_ == end_ && !ready(POLLIN, Clock::now() + of_seconds(limits_.idle_s))) return false;
   read_until_ = Clock::now() + of_seconds(limits_.request_s);
   bytes_ = 0;
+  lines_ = {};
   writing_ = false;
   return at_ < end_ || receive();
 }
@@ -56,6 +58,10 @@ ssize_t BoundedStream::read(char* to, size_t n) {
   }
   const size_t given = std::min({n, limits_.head_bytes - bytes_, end_ - at_});
   std::copy_n(ahead_.data() + at_, given, to);
+  if (!std::all_of(to, to + given, [&](char c) { return lines_.take(c); })) {
+    sound_ = false;
+    return -1;
+  }
   at_ += given;
   bytes_ += given;
   return ssize_t(given);
@@ -108,6 +114,8 @@ void BoundedQueue::enqueue(std::function<void()> connection) {
     --open_;
   });
 }
+
+void BoundedServer::widen_backlog() { ::listen(svr_sock_, kBacklog); }
 
 bool BoundedServer::process_and_close_socket(socket_t socket) {
   if (BoundedQueue::refusing()) {

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <chrono>
 
+#include "underbrush/serve/head_lines.hpp"
 #include "underbrush/serve/http_server.hpp"
 
 namespace underbrush::serve {
@@ -49,6 +50,7 @@ class BoundedStream : public httplib::Stream {
   Clock::time_point read_until_, write_until_;
   bool writing_ = false, sound_ = true;
   size_t bytes_ = 0;              ///< Read of the request at hand.
+  HeadLines lines_;               ///< Checks the head of the request.
   std::array<char, 4096> ahead_;  ///< Bytes [at_, end_) were received and not yet read.
   size_t at_ = 0, end_ = 0;
 };
@@ -76,6 +78,9 @@ class BoundedServer : public httplib::Server {
   explicit BoundedServer(const HttpLimits& limits) : limits_(limits) {
     new_task_queue = [this] { return new BoundedQueue(limits_); };
   }
+  /// Lets more connections wait to be accepted than the 5 of cpp-httplib, with which a burst of
+  /// them loses a second each. Called once the server is bound.
+  void widen_backlog();
 
  private:
   bool process_and_close_socket(socket_t socket) override;

@@ -158,6 +158,7 @@ HttpServer::HttpServer(int port, Handler handler, const HttpLimits& limits)
     impl_->port = -1;
   }
   if (impl_->port <= 0) throw IoError("port " + std::to_string(port) + " of this machine is taken");
+  impl_->server.widen_backlog();
 }
 
 HttpServer::~HttpServer() = default;
