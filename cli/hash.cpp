@@ -8,11 +8,15 @@
 #include <memory>
 #include <vector>
 
+#include "underbrush/core/file.hpp"
+
 namespace underbrush::app {
 namespace fs = std::filesystem;
 namespace {
 
+// A pipe or a device has no end; the reader of the input refuses it.
 void hash_into(XXH3_state_t& state, const fs::path& file) {
+  if (!is_file(file)) return;
   std::ifstream in(file, std::ios::binary);
   std::vector<char> buffer(1 << 20);
   while (in.read(buffer.data(), std::streamsize(buffer.size())) || in.gcount() > 0) {

@@ -235,10 +235,15 @@ std::string filled_summary(const std::map<std::string, std::string>& values) {
 
 std::filesystem::path write_page(const std::filesystem::path& folder, const std::string& page) {
   std::error_code failed;
-  std::filesystem::create_directories(folder, failed);
+  const bool made = std::filesystem::create_directories(folder, failed);
   if (failed) throw IoError(folder.string() + ": " + failed.message());
   std::filesystem::path file = folder / "index.html";
-  io::write_atomically(file, page);
+  try {
+    io::write_atomically(file, page);
+  } catch (const IoError&) {
+    if (made) std::filesystem::remove(folder, failed);  // an empty folder is no report
+    throw;
+  }
   return file;
 }
 

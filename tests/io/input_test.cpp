@@ -149,6 +149,11 @@ TEST(Input, KittiRawTakesOxtsPoses) {
   EXPECT_NEAR((first.translation - Vec3(0.8, 0, 0)).norm(), 0, 1e-9);
   const double east = std::cos(49 * M_PI / 180) * 6378137 * 1e-5 * M_PI / 180;
   EXPECT_NEAR((second.translation - Vec3(east, 0.8, 1)).norm(), 0, 1e-6);
+  for (const char* numbers :
+       {"49.0 1e308 0 0 0 0", "49 8 1e308 0 0 0", "49 8 0 0 0 1e300", "49 8"}) {
+    put_bytes(folder / "d" / "oxts" / "data" / "0000000001.txt", numbers);
+    EXPECT_THROW(open_input(folder / "d"), FormatError) << numbers;
+  }
 }
 
 TEST(Input, FolderOfScansMatchedByTime) {

@@ -1,6 +1,7 @@
 #include "underbrush/io/poses.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "underbrush/core/check.hpp"
@@ -255,7 +256,9 @@ OxtsPoses read_oxts(const fs::path& folder) {
   for (const fs::path& file : files) {
     const NumberRows numbers = read_numbers(file);
     const auto& v = numbers.rows[0];
-    if (v.size() < 6 || std::abs(v[0]) > 89) {
+    constexpr std::array<double, 6> kMost{89, 360, 1e6, 100, 100, 100};
+    const auto within = [](double most, double value) { return std::abs(value) <= most; };
+    if (v.size() < 6 || !std::equal(kMost.begin(), kMost.end(), v.begin(), within)) {
       throw FormatError(file.string(), "line 1", "expected lat lon alt roll pitch yaw …");
     }
     if (scale == 0) scale = std::cos(v[0] * kDegree);

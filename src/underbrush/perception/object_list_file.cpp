@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/file.hpp"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/json_file.hpp"
 #include "underbrush/io/json_text.inl"
@@ -136,7 +137,7 @@ std::vector<ObjectList> read_object_lists(const fs::path& path) {
 
 bool is_object_list_file(const fs::path& path) {
   const std::string extension = path.extension().string();
-  if (extension != ".csv" && extension != ".json") return false;
+  if ((extension != ".csv" && extension != ".json") || !is_file(path)) return false;
   std::ifstream in(path, std::ios::binary);
   std::string start(4096, '\0');
   in.read(start.data(), std::streamsize(start.size()));
