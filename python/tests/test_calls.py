@@ -35,6 +35,17 @@ def test_caller_errors(log: underbrush.BeamLog, model: underbrush.Model) -> None
         underbrush.Lidar(model, "velodyne-vlp16").scan(np.ones((4, 4)))
 
 
+def test_columns_that_were_spoiled(log: underbrush.BeamLog, model: underbrush.Model, tmp_path: pathlib.Path) -> None:
+    for name, value in (("origin", np.nan), ("origin", 1e300), ("direction", 0), ("range_m", np.nan), ("range_m", -1),
+                        ("time_s", np.inf)):
+        spoiled = log.copy()
+        getattr(spoiled, name)[-1] = value
+        for call in (lambda: underbrush.fit(spoiled), lambda: underbrush.simulate(model, like=spoiled),
+                     lambda: underbrush.write_log(tmp_path / "spoiled.ply", spoiled)):
+            with pytest.raises(ValueError, match=name.split("_")[0]):
+                call()
+
+
 def test_format_error(tmp_path: pathlib.Path, log_file: pathlib.Path) -> None:
     broken = tmp_path / "broken.ply"
     broken.write_bytes(log_file.read_bytes()[:-100])

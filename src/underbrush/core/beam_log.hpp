@@ -108,7 +108,9 @@ struct BeamLog {
   void append(const BeamLog& other, size_t begin, size_t end);
   /// Returns a log with the same `info` and the same extra columns, but without beams.
   BeamLog like() const;
-  /// Throws `std::invalid_argument` if the columns' lengths differ.
+  /// Throws `std::invalid_argument` if the columns' lengths differ, a direction is not a unit
+  /// vector, an origin or a time is not finite, a coordinate reaches 2²⁶ m, or a range is negative
+  /// or not a number.
   void check() const;
 };
 
