@@ -108,7 +108,6 @@ def smuggled(server):
             reply = server.raw(text.encode(), wait=8)
             answers, inside = reply.count(MARK) - reply.count(MARK + b"100"), b'"files"' in reply
             outcome = REFUSAL if answers <= 1 and not inside else f"{answers} answers"
-            # Without a length that a client and a proxy both understand as one, a second request is a second request.
             yield outcome, f"{method} {head!r} {end!r}"
 
 
