@@ -25,8 +25,7 @@ def value_of(words: Sequence[str], *names: str) -> str:
 
 def without(words: Sequence[str], *names: str) -> list[str]:
     """The words without an option of these names and its value."""
-    out = [w for before, w in zip(["", *words], words) if before not in names and w.partition("=")[0] not in names]
-    return out
+    return [w for before, w in zip(["", *words], words) if before not in names and w.partition("=")[0] not in names]
 
 
 def output_of(words: Sequence[str]) -> str:

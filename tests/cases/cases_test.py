@@ -233,7 +233,7 @@ class Limits(Cases):
         """A log is not written under the name of another format, which a reader of the name would believe."""
         like = "obj_bom/like.ply"
         for words in (("import", like), ("movers", like), ("segment", like)):
-            for name in ("x.las", "x.mcap", "x.npz", "x.pcd", "x.csv"):
+            for name in ("x.las", "x.LAZ", "x.mcap", "x.npz", "x.pcd", "x.csv"):
                 with self.subTest(words=words, name=name):
                     self.run_case(*words, "-o", f"OUT/{name}")
                     self.refused("logs are written as .ply", code=2)

@@ -125,6 +125,9 @@ class Warnings(cli_test.Failing):
         self.assertEqual(json.loads(self.call(*words, "--like", "log.ply").stdout).get("warnings", []), [])
         found = json.loads(self.call(*words, "--trajectory", "log.ply").stdout)
         self.assertGreater(found["beams"], 9 * 25000)  # 0.9 s from the first scan to the last.
+        (self.folder / "UPPER.PLY").write_bytes((self.folder / "log.ply").read_bytes())
+        self.assertEqual(json.loads(self.call(*words, "--trajectory", "UPPER.PLY", "--force").stdout)["beams"],
+                         found["beams"])
         words = ("simulate", "ground.obj", "--sensor", "ouster-os1-64", "-o", "again.ply", "--json", "-")
         (warning,) = json.loads(self.call(*words, "--like", "out.ply").stdout)["warnings"]
         self.assertIn("a velodyne-vlp16; of --sensor ouster-os1-64 only the instrument is taken", warning)

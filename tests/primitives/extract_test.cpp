@@ -105,7 +105,7 @@ TEST(Extract, GivesTheSamePrimitiveWhereverTheObjectStands) {
 
 TEST(Extract, APrimitiveHasTheGrainAndTheSensorOfItsModel) {
   Site s = site({});
-  s.model.grain = {0.03, 0.07};
+  s.model.grain = {0.03, 0.07, {}};
   s.model.range_noise_m = 0.011;
   s.model.sensor = "velodyne-vlp16";
   s.model.surface.roughness_m = 0.2;

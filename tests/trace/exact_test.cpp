@@ -14,7 +14,7 @@
 namespace underbrush::trace {
 namespace {
 
-constexpr int kScenes = 104, kRays = 9728;
+constexpr int kScenes = 104, kRaysOfAWorld = 9728;
 
 const std::vector<Isa>& instruction_sets() {
   static const std::vector<Isa> sets = [] {
@@ -73,7 +73,7 @@ elements::Scene scene_of(uint64_t seed) {
   if (seed % 8 == 4 || seed % 8 == 5) scene.models[0].voxel_m = random.uniform(0.5, 4);
   for (elements::Model& m : scene.models) {
     constexpr double kSides[4] = {0.004, 0.03, 0.2, 1.7};
-    m.grain = {kSides[random.below(4)], kSides[random.below(4)]};
+    m.grain = {kSides[random.below(4)], kSides[random.below(4)], {}};
     for (uint32_t label = 1; label <= seed % 8; ++label) {  // up to as many as can be
       m.grain.classes.push_back({label, kSides[random.below(4)]});
     }
@@ -87,13 +87,13 @@ elements::Scene scene_of(uint64_t seed) {
 /// car.
 std::vector<Ray> rays_of(const elements::Scene& scene, Stream& random) {
   std::vector<Ray> rays;
-  while (rays.size() < kRays) {
+  while (rays.size() < kRaysOfAWorld) {
     const Ray axis = random_ray(random, scene.models[0]);
     constexpr double kSpread[5] = {0, 1e-3, 0.1, 0.6, 5};
     const double spread = kSpread[random.below(5)], mouth = random.below(2) ? 0.02 : 0;
     const double speed = random.below(4) ? 0 : 0.01;
     const size_t n = 64 + random.below(960);
-    for (size_t i = 0; i < n && rays.size() < kRays; ++i) {
+    for (size_t i = 0; i < n && rays.size() < kRaysOfAWorld; ++i) {
       Ray ray = axis;
       for (int k = 0; k < 3; ++k) {
         ray.direction[k] += spread * random.normal();
@@ -187,7 +187,7 @@ TEST_P(Exact, EveryQueryGivesWhatBruteForceInDoubleGives) {
 
 INSTANTIATE_TEST_SUITE_P(Trace, Exact, testing::Range(0, 8));
 
-static_assert(size_t(kScenes) * kRays >= 1000000);
+static_assert(size_t(kScenes) * kRaysOfAWorld >= 1000000);
 
 TEST(Exact, DoesNotDependOnHowTheRaysAreCutIntoCallsNorOnThreads) {
   const elements::Scene scene = scene_of(2);

@@ -1,14 +1,10 @@
 // Opens the page of `underbrush serve` on labelled.ply and its model, uses it as a person does, and keeps pictures.
 //   node look.mjs PACKAGES CHROMIUM ADDRESS PICTURES
-import { createRequire } from 'node:module';
 import { join } from 'node:path';
+import { launched } from '../web/chromium.mjs';
 
 const [packages, executablePath, address, pictures] = process.argv.slice(2);
-const { chromium } = createRequire(join(packages, 'package.json'))('playwright-core');
-const browser = await chromium.launch({
-  executablePath,
-  args: ['--no-sandbox', '--disable-gpu-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
-});
+const browser = await launched(packages, executablePath);
 const page = await (await browser.newContext({ viewport: { width: 900, height: 500 } })).newPage();
 page.setDefaultTimeout(Number(process.env.PATIENCE ?? 120000));
 const complaints = [];

@@ -1,18 +1,14 @@
 // Makes the pictures of the page for the docs; browser.py --animate FOLDER starts it.
 //   node animate.mjs PACKAGES CHROMIUM FOLDER
-import { createRequire } from 'node:module';
 import { writeFileSync } from 'node:fs';
 import { join } from 'node:path';
+import { launched } from './chromium.mjs';
 import { animated } from './apng.mjs';
 import { end, startServer } from './labels.mjs';
 
 const [packages, executablePath, pictures] = process.argv.slice(2);
 const { PROGRAM: program, FOLDER: folder } = process.env;
-const { chromium } = createRequire(join(packages, 'package.json'))('playwright-core');
-const browser = await chromium.launch({
-  executablePath,
-  args: ['--no-sandbox', '--disable-gpu-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
-});
+const browser = await launched(packages, executablePath);
 
 /** Opens the page of a server in a window of this size; `act` gets the page and a function that takes a frame. */
 async function film(name, words, size, colours, act) {

@@ -4,6 +4,7 @@
 import { createRequire } from 'node:module';
 import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
+import { launched } from './chromium.mjs';
 import { lookAtBeams } from './beams.mjs';
 import { lookAtPage, lookAtPhone, lookEarly } from './page.mjs';
 import { comparisonTells, difference, looksAs, shrunk } from './references.mjs';
@@ -12,7 +13,6 @@ import { composeScene, labelLog } from './labels.mjs';
 const [packages, executablePath, address, pictures] = process.argv.slice(2);
 const { PROGRAM: program, FOLDER: folder, ONLY: part } = process.env;
 const load = createRequire(join(packages, 'package.json'));
-const { chromium } = load('playwright-core');
 const axe = readFileSync(load.resolve('axe-core/axe.min.js'), 'utf8');
 
 /** Pictures of which a copy is kept; references.mjs compares them. */
@@ -23,10 +23,7 @@ function expect(ok, what) {
   if (!ok) throw new Error(what);
 }
 
-const browser = await chromium.launch({
-  executablePath,
-  args: ['--no-sandbox', '--disable-gpu-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
-});
+const browser = await launched(packages, executablePath);
 const context = await browser.newContext({ viewport: { width: 900, height: 420 }, acceptDownloads: true });
 const page = await context.newPage();
 page.setDefaultTimeout(Number(process.env.PATIENCE ?? 120000)); // long, for machines that are busy

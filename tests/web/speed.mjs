@@ -1,14 +1,9 @@
 // Measures how soon the page of a server shows a log, and how smoothly it turns; browser.py --speed LOG starts it.
 //   node speed.mjs PACKAGES CHROMIUM ADDRESS
-import { createRequire } from 'node:module';
-import { join } from 'node:path';
+import { launched } from './chromium.mjs';
 
 const [packages, executablePath, address] = process.argv.slice(2);
-const { chromium } = createRequire(join(packages, 'package.json'))('playwright-core');
-const browser = await chromium.launch({
-  executablePath,
-  args: ['--no-sandbox', '--disable-gpu-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
-});
+const browser = await launched(packages, executablePath);
 const page = await (await browser.newContext({ viewport: { width: 1280, height: 720 } })).newPage();
 page.setDefaultTimeout(Number(process.env.PATIENCE ?? 120000));
 const begun = performance.now();

@@ -20,15 +20,16 @@ from .trajectory import conjugate, pose_at, rotate
 
 _TF = "tf2_msgs/msg/TFMessage"
 _LATER = "echoes after the first"
+#: Of the metadata of a ROS 2 folder; tools of before 2025 do not read the next one, 9.
+_VERSION = 8
 
 
 class BagWriter:
     """Writes a log of beams, scan by scan, with its poses as /tf.
 
     The name tells the kind: `.mcap` and `.db3` are single ROS 2 files, `.bag` is a ROS 1 bag, any other a ROS 2 folder
-    (of MCAP); `compress` packs chunks (lz4 in ROS 1 bags, zstd in MCAP). `version` is that of a
-    ROS 2 folder's metadata; 9 is not read by tools of before 2025. `layout` is one of `LAYOUTS`. Points are in the
-    sensor's frame at their own firing; times count from the scan's first beam.
+    (of MCAP); `compress` packs chunks (lz4 in ROS 1 bags, zstd in MCAP). `layout` is one of `LAYOUTS`. Points are in
+    the sensor's frame at their own firing; times count from the scan's first beam.
 
     A cloud is organised, its misses kept, where the driver's is and all rings of the scan have as many beams: ouster
     then writes the first echo of each beam; velodyne does so only where no beam has several. Use it in a `with`; the
@@ -37,9 +38,8 @@ class BagWriter:
     """
 
     def __init__(self, path: PathLike, poses: Poses, *, layout: str = "ouster", topic: str = "/points",
-                 frame: str = "lidar", world: str = "map", compress: bool = False,
-                 version: int = 8) -> None:
-        self._compress, self._version = compress, version
+                 frame: str = "lidar", world: str = "map", compress: bool = False) -> None:
+        self._compress = compress
         if layout not in LAYOUTS:
             raise ValueError(f"no layout '{layout}': {', '.join(LAYOUTS)}")
         self.path, self.layout, self._poses = pathlib.Path(path), LAYOUTS[layout], _from_zero(poses)
@@ -63,7 +63,7 @@ class BagWriter:
             plugin = bag2.StoragePlugin.SQLITE3 if self.path.suffix == ".db3" else bag2.StoragePlugin.MCAP
             self._single = self.path.suffix if self.path.suffix in (".mcap", ".db3") else ""
             self._folder = temporary.with_suffix("") if self._single else temporary
-            self._writer = bag2.Writer(self._folder, version=self._version, storage_plugin=plugin)
+            self._writer = bag2.Writer(self._folder, version=_VERSION, storage_plugin=plugin)
             if self._compress and plugin == bag2.StoragePlugin.MCAP:
                 self._writer.set_compression(bag2.CompressionMode.STORAGE, bag2.CompressionFormat.ZSTD)
         self._temporary, self._store = temporary, store

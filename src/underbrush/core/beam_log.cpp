@@ -27,8 +27,7 @@ void for_columns(Log& log, F f) {
 // What is wrong with a row, or null. The comparisons are those that NaN fails.
 const char* fault_of(const BeamLog& log, size_t i) {
   constexpr float kLengthError = 2e-3f;  // of the squared length
-  constexpr double kLargestM = 0x1p26;   // as in the files of logs
-  const auto is_near = [](double x) { return std::abs(x) < kLargestM; };
+  const auto is_near = [](double x) { return std::abs(x) < kMaxCoordinate; };
   const Vec3& origin = log.origin[i];
   if (!(std::abs(log.direction[i].squaredNorm() - 1) < kLengthError)) {
     return "direction is not a unit vector";

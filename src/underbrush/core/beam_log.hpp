@@ -16,6 +16,8 @@ namespace underbrush {
 
 /// m; a log holds no range that is shorter, because it would have no direction.
 inline constexpr double kLeastRangeM = 1e-6;
+/// m; larger coordinates do not fit on the grid of the files of logs.
+inline constexpr double kMaxCoordinate = 0x1p26;
 
 /// Range of a beam that had no return up to the sensor's maximum range.
 inline constexpr float kMiss = std::numeric_limits<float>::infinity();

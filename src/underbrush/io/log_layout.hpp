@@ -46,8 +46,7 @@ inline double rounded(double x, double scale) {
   return ((x * scale + kShift) - kShift) / scale;
 }
 
-inline constexpr double kOriginScale = 0x1p24;    ///< Origins lie on a grid of 2⁻²⁴ m = 60 nm.
-inline constexpr double kMaxCoordinate = 0x1p26;  ///< m; larger coordinates do not fit on the grid.
+inline constexpr double kOriginScale = 0x1p24;  ///< Origins lie on a grid of 2⁻²⁴ m = 60 nm.
 inline constexpr double kMinRange =
     kLeastRangeM;  ///< m; shorter rays have no direction on the grid.
 

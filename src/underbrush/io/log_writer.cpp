@@ -9,6 +9,7 @@
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/io/log_layout.hpp"
+#include "underbrush/io/text.hpp"
 
 namespace underbrush::io {
 namespace {
@@ -38,7 +39,7 @@ ValueType stored_type(ValueType type) {
 void check_name(const std::filesystem::path& path) {
   constexpr std::array kWrittenByPython = {".mcap", ".db3", ".bag", ".las", ".laz", ".npz"};
   constexpr std::array kOthers = {".pcd", ".csv", ".xyz", ".bin", ".e57", ".pcap", ".obj", ".osi"};
-  const std::string extension = path.extension().string();
+  const std::string extension = lower(path.extension().string());
   const auto is_among = [&](const auto& names) {
     return std::find(names.begin(), names.end(), extension) != names.end();
   };
