@@ -29,12 +29,16 @@ set(underbrush_pch_python ${underbrush_pch_library} <nanobind/nanobind.h> <nanob
     <nanobind/stl/filesystem.h> <nanobind/stl/optional.h> <nanobind/stl/string.h>
     <nanobind/stl/variant.h> <nanobind/stl/vector.h>)
 
-# underbrush_fast_build(TARGET KIND): KIND is library, program, study, bench, python or test. A program's own
-# code (options, tables, messages) is never the time of a run, so it is compiled for size, which takes a
-# quarter less time.
+# What is compiled for a fast build and not for a fast run. A program's own code (options, tables, messages) is never
+# the time of a run, and neither is what a test or a study does beside the library: a quarter less time for each.
+set(underbrush_optimization_program -Os)
+set(underbrush_optimization_study -O1)
+set(underbrush_optimization_test -O1)
+
+# underbrush_fast_build(TARGET KIND): KIND is library, program, study, bench, python or test.
 function(underbrush_fast_build target kind)
-  if(kind STREQUAL "program")
-    target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-Os>)
+  if(DEFINED underbrush_optimization_${kind})
+    target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:${underbrush_optimization_${kind}}>)
   endif()
   if(UNDERBRUSH_UNITY)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON

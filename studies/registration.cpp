@@ -1,6 +1,7 @@
 #include "studies/registration.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -46,26 +47,51 @@ struct Step {
   size_t pairs = 0;
 };
 
+/// The solution of least norm of normal equations, which clouds on a plane leave singular.
+Vector6 least_norm_solution(const Matrix6& normal, const Vector6& right) {
+  const Eigen::SelfAdjointEigenSolver<Matrix6> of(normal);
+  const double least = 1e-12 * of.eigenvalues()[5];
+  const Vector6 inverse =
+      of.eigenvalues().unaryExpr([&](double v) { return v > least ? 1 / v : 0.0; });
+  return of.eigenvectors() * (inverse.asDiagonal() * (of.eigenvectors().transpose() * right));
+}
+
+Vec3 mean_of(std::span<const Vec3> points) {
+  Vec3 sum = Vec3::Zero();
+  for (const Vec3& p : points) sum += p;
+  return sum / double(points.size());
+}
+
+/// The rotation R with the greatest tr(RᵀM).
+Mat3 nearest_rotation(const Mat3& m) {
+  const Eigen::JacobiSVD<Mat3> of(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Mat3 turn = of.matrixU() * of.matrixV().transpose();
+  const Vec3 signs(1, 1, turn.determinant() < 0 ? -1 : 1);
+  return of.matrixU() * signs.asDiagonal() * of.matrixV().transpose();
+}
+
 }  // namespace
 
 Similarity align(std::span<const Vec3> from, std::span<const Vec3> to, bool rigid) {
   require(from.size() == to.size(), "conjugate points: as many on both sides are needed");
   require(from.size() >= 3, "conjugate points: at least three are needed");
-  Eigen::Matrix3Xd a(3, from.size()), b(3, to.size());
+  const Vec3 from_mean = mean_of(from), to_mean = mean_of(to);
+  Mat3 from_scatter = Mat3::Zero(), to_scatter = Mat3::Zero(), between = Mat3::Zero();
   for (size_t i = 0; i < from.size(); ++i) {
-    a.col(Eigen::Index(i)) = from[i];
-    b.col(Eigen::Index(i)) = to[i];
+    const Vec3 a = from[i] - from_mean, b = to[i] - to_mean;
+    from_scatter += a * a.transpose();
+    to_scatter += b * b.transpose();
+    between += b * a.transpose();
   }
-  for (const Eigen::Matrix3Xd& side : {a, b}) {
-    const Eigen::Matrix3Xd about_mean = side.colwise() - side.rowwise().mean();
-    const Vec3 spread = Eigen::JacobiSVD<Eigen::Matrix3Xd>(about_mean).singularValues();
-    require(spread.y() > 1e-9 * spread.x(), "conjugate points: they lie on a line");
+  for (const Mat3& scatter : {from_scatter, to_scatter}) {
+    const Vec3 spread = Eigen::SelfAdjointEigenSolver<Mat3>(scatter).eigenvalues();
+    require(spread.y() > 1e-14 * spread.z(), "conjugate points: they lie on a line");
   }
-  const Eigen::Matrix4d t = Eigen::umeyama(a, b, !rigid);
   Similarity out;
-  out.scale = rigid ? 1 : std::cbrt(t.topLeftCorner<3, 3>().determinant());
-  out.pose.rotation = Eigen::Quaterniond(Mat3(t.topLeftCorner<3, 3>() / out.scale)).normalized();
-  out.pose.translation = t.topRightCorner<3, 1>();
+  const Mat3 rotation = nearest_rotation(between);
+  out.pose.rotation = Eigen::Quaterniond(rotation).normalized();
+  out.scale = rigid ? 1 : rotation.cwiseProduct(between).sum() / from_scatter.trace();
+  out.pose.translation = to_mean - out.scale * (rotation * from_mean);
   return out;
 }
 
@@ -98,7 +124,7 @@ IcpResult icp(std::span<const Vec3> from, std::span<const Vec3> to, const Pose& 
       ++step.pairs;
     }
     require(step.pairs >= 6, "icp: the clouds have nothing in common");
-    const Vector6 x = step.normal.completeOrthogonalDecomposition().solve(step.right);
+    const Vector6 x = least_norm_solution(step.normal, step.right);
     const Pose shift{Eigen::Quaterniond::Identity(), centre};
     out.to_from_from = shift * exponential(x) * shift.inverse() * out.to_from_from;
     out.rms_m = std::sqrt(step.sum2 / double(step.pairs));

@@ -61,6 +61,23 @@ TEST(Objects, ListsSurviveARoundTrip) {
   }
 }
 
+TEST(Objects, AVehicleOfNoStatedKindHasTheClassOfItsSize) {
+  const auto vehicle = [](osi::VehicleType type, const std::optional<Vec3>& size) {
+    return osi::class_of(uint32_t(osi::ObjectType::kVehicle), uint32_t(type), size);
+  };
+  using perception::ObjectClass;
+  using enum osi::VehicleType;
+  for (const auto type : {kUnknown, kOther, kLandVehicle}) {
+    EXPECT_EQ(vehicle(type, Vec3(5.0, 2.0, 1.5)), ObjectClass::kCar);
+    EXPECT_EQ(vehicle(type, Vec3(5.3, 2.0, 2.5)), ObjectClass::kVan);
+    EXPECT_EQ(vehicle(type, Vec3(12.0, 2.5, 3.8)), ObjectClass::kTruck);
+    EXPECT_EQ(vehicle(type, Vec3(1.8, 0.6, 1.7)), ObjectClass::kCyclist);
+    EXPECT_EQ(vehicle(type, Vec3(0.5, 0.5, 0.5)), ObjectClass::kOther);
+    EXPECT_EQ(vehicle(type, {}), ObjectClass::kOther);
+  }
+  EXPECT_EQ(vehicle(kBus, Vec3(5.0, 2.0, 1.5)), ObjectClass::kTruck) << "a stated kind is kept";
+}
+
 TEST(Objects, RelativeVelocityIsTheChangeOfTheRelativePlace) {
   // An object that stands, seen from a vehicle that drives and turns: by differences in time.
   const auto place = [](double t) -> Vec3 {

@@ -6,6 +6,7 @@ import subprocess
 import rules
 
 CLANG_FORMAT = shutil.which("clang-format-14") or "clang-format"  # versions format differently
+BATCHES = 8  # To start a process takes longer than to read a file.
 
 
 def arguments(parser):
@@ -18,10 +19,18 @@ def check(root, options):
     paths = [str(root / f) for f in files]
     if options.fix and root == options.root:
         subprocess.run([CLANG_FORMAT, style, "-i"] + paths, check=True)
+    batches = [paths[k::BATCHES] for k in range(BATCHES)]
     failed = rules.run_in_parallel(
-        [(f, [CLANG_FORMAT, style, "--dry-run", "-Werror", p]) for f, p in zip(files, paths)])
-    return [f"{f}: not formatted (tests/rules/format.py --fix)\n" + "\n".join(out.splitlines()[:3])
-            for f, out in failed]
+        [(k, [CLANG_FORMAT, style, "--dry-run", "-Werror", *batch]) for k, batch in enumerate(batches) if batch])
+    first = {}  # The first complaint about each file.
+    for _, out in failed:
+        for line in out.splitlines():
+            path = line.partition(":")[0]
+            if path in paths:
+                first.setdefault(path, line)
+    if failed and not first:
+        return [out for _, out in failed]
+    return [f"{f}: not formatted (tests/rules/format.py --fix)\n{first[p]}" for f, p in zip(files, paths) if p in first]
 
 
 BAD = [({"src/a.cpp": "int f( ) {return 1;}\n"}, "not formatted")]

@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
 """Checks that each header, private ones (.inl) too, compiles alone. Clang reads them, and what it makes of the third
 parties is kept for all headers that include the same. The kernels' private headers, in GCC's dialect, are compiled
-once for each instruction set. Only headers are compiled that changed or include what changed: since the branch left
-main, or in main's last commit, and what is not committed. --all takes every header."""
+once for each instruction set. Only headers are compiled that changed, or that reach fewer headers through those that
+changed than they did: since the branch left main, or in main's last commit, and what is not committed. (What else a
+change can break, the build shows.) --all takes every header."""
 import collections
 import concurrent.futures
+import functools
 import os
 import platform
 import re
@@ -28,32 +30,47 @@ INSTRUCTION_SETS = ((), ("-mavx2", "-mfma", "-mbmi", "-mpopcnt"),
                     ("-mavx2", "-mfma", "-mbmi", "-mpopcnt", "-mavx512f", "-mavx512vl", "-mavx512dq"))
 
 
-def included(root, header, known):
-    """What a header includes, itself or through others of ours: files of ours, with it, and slow third parties."""
-    if header not in known:
-        known[header] = frozenset()
-        found = {header}
-        for _, m in rules.lines_with(INCLUDE, rules.split_cpp(rules.read(root, header))[0]):
-            if m[1]:
-                found.update({m[1]} if SLOW.match(m[1]) else ())
-                continue
-            for folder in FOLDERS:
-                path = os.path.normpath(f"{folder}/{m[2]}")
-                if (root / path).is_file():
-                    found |= included(root, path, known)
-                    break
-        known[header] = frozenset(found)
-    return known[header]
+class Includes:
+    """What each header includes, itself or through others of ours: files of ours, with it, and other headers. `text`
+    gives the text of a file of ours, or None."""
+
+    def __init__(self, text):
+        self.text, self.known = text, {}
+
+    def of(self, header):
+        if header not in self.known:
+            self.known[header] = frozenset()
+            found = {header}
+            for _, m in rules.lines_with(INCLUDE, rules.split_cpp(self.text(header))[0]):
+                if m[1]:
+                    found.add(m[1])
+                    continue
+                for folder in FOLDERS:
+                    path = os.path.normpath(f"{folder}/{m[2]}")
+                    if self.text(path) is not None:
+                        found |= self.of(path)
+                        break
+            self.known[header] = frozenset(found)
+        return self.known[header]
 
 
 def wanted(root, every):
     """{slow third parties: headers} of the headers to compile."""
-    groups, known = collections.defaultdict(list), {}
-    changed = tidy.changed_files(root)
+    changed, base = tidy.changed_files(root), tidy.base_commit(root)
+
+    @functools.cache
+    def text_now(path):
+        return rules.read(root, path) if (root / path).is_file() else None
+
+    @functools.cache
+    def text_before(path):
+        return "\n".join(tidy.git(root, "show", f"{base}:{path}")) if path in changed else text_now(path)
+
+    groups, now, before = collections.defaultdict(list), Includes(text_now), Includes(text_before)
     for header in rules.tracked(root, ".hpp", ".inl"):
         if OWN.match(header):
-            files = included(root, header, known)
-            if every or files & changed:
+            files = now.of(header)
+            if every or header in changed or before.of(header) - files:
                 groups[frozenset(filter(SLOW.match, files))].append(header)
     return groups
 

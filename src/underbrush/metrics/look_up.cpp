@@ -96,6 +96,8 @@ double beam_spacing(const BeamLog& log, const std::map<uint32_t, Scan>& scans) {
   return median_or(step, INFINITY);
 }
 
+constexpr float kAll = 4;  // Every direction is nearer than that to every other.
+
 /// The training beams that a scan's beams are looked up in, as they are seen from one place.
 struct Candidates {
   std::vector<Vec3f> direction;
@@ -118,13 +120,16 @@ Vec3 direction_from(const Vec3& place, const BeamLog& train, uint32_t i) {
   return (train.end_point(i) - place).normalized();
 }
 
-Candidates seen_from(const Vec3& place, const BeamLog& train,
-                     const std::vector<const Scan*>& scans) {
+/// Those of which the direction lies in `box`.
+Candidates seen_from(const Vec3& place, const BeamLog& train, const std::vector<const Scan*>& scans,
+                     const Eigen::AlignedBox3f& box) {
   Candidates c;
   for (const Scan* s : scans) {
     for (const uint32_t i : s->rows) {
+      const Vec3f direction = direction_from(place, train, i).cast<float>();
+      if (!box.contains(direction)) continue;
       c.row.push_back(i);
-      c.direction.push_back(direction_from(place, train, i).cast<float>());
+      c.direction.push_back(direction);
     }
   }
   return c;
@@ -165,22 +170,29 @@ Answer answer(const Vec3& origin, const Vec3& direction, const BeamLog& train,
   return within.range_m == kMiss ? nearest : within;
 }
 
-/// Answers some beams of a scan. Their origins are nearly the same: a tree of what is seen from
-/// their mean has the candidates, and each beam's own origin decides among them.
-void look_up_warped(const BeamLog& train, const std::vector<const Scan*>& scans,
-                    const std::vector<uint32_t>& rows, double half_beam, BeamLog& out) {
+/// Answers some beams of a scan whose origins are near `place`: a tree of what is seen from there
+/// has the candidates, and each beam's own origin decides among them. The tree has what is up to
+/// `margin` (of directions) away from the beams. Returns the beams for which that was not enough.
+std::vector<uint32_t> look_up_within(const BeamLog& train, const std::vector<const Scan*>& scans,
+                                     const Vec3& place, const std::vector<uint32_t>& rows,
+                                     double half_beam, float margin, BeamLog& out) {
   constexpr size_t kNear = 32;
-  Vec3 place = Vec3::Zero();
-  for (const uint32_t i : rows) place += out.origin[i] / double(rows.size());
-  const Candidates c = seen_from(place, train, scans);
-  if (c.row.empty()) return;
+  Eigen::AlignedBox3f box;
+  for (const uint32_t i : rows) box.extend(out.direction[i]);
+  box.min().array() -= margin;
+  box.max().array() += margin;
+  const Candidates c = seen_from(place, train, scans, box);
+  if (c.row.empty()) return rows;
   const CloudTree tree(c.direction);
+  std::vector<uint8_t> is_answered(rows.size());
   parallel_for(rows.size(), 256, [&](size_t begin, size_t end) {
     uint32_t index[kNear];
     float distance2[kNear];
     for (size_t k = begin; k < end; ++k) {
       const uint32_t i = rows[k];
       const size_t n = tree.nearest(out.direction[i].data(), kNear, index, distance2);
+      is_answered[k] = n == kNear && distance2[n - 1] < margin * margin;
+      if (!is_answered[k] && margin < kAll) continue;
       for (size_t j = 0; j < n; ++j) index[j] = c.row[index[j]];
       const Answer a =
           answer(out.origin[i], out.direction[i].cast<double>(), train, {index, n}, half_beam);
@@ -188,6 +200,20 @@ void look_up_warped(const BeamLog& train, const std::vector<const Scan*>& scans,
       out.intensity[i] = a.intensity;
     }
   });
+  std::vector<uint32_t> left;
+  for (size_t k = 0; k < rows.size(); ++k) {
+    if (!is_answered[k]) left.push_back(rows[k]);
+  }
+  return left;
+}
+
+void look_up_warped(const BeamLog& train, const std::vector<const Scan*>& scans,
+                    const std::vector<uint32_t>& rows, double half_beam, BeamLog& out) {
+  constexpr float kMargin = 0.1F;
+  Vec3 place = Vec3::Zero();
+  for (const uint32_t i : rows) place += out.origin[i] / double(rows.size());
+  const auto left = look_up_within(train, scans, place, rows, half_beam, kMargin, out);
+  if (!left.empty()) look_up_within(train, scans, place, left, half_beam, kAll, out);
 }
 
 void look_up_raw(const BeamLog& train, const Scan& from, const Scan& to, BeamLog& out) {

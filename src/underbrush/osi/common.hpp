@@ -80,7 +80,9 @@ enum class VehicleType : uint32_t {
   kTrain = 14,
   kWheelchair = 15,
   kSemitractor = 16,
-  kStandupScooter = 17
+  kStandupScooter = 17,
+  kMicromobility = 18,
+  kLandVehicle = 22
 };
 
 /// The numbers of `DataQualifier` in the headers of detections and of objects.

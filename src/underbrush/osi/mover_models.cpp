@@ -73,8 +73,9 @@ MoverModels::MoverModels(const std::string& folder) {
 }
 
 elements::Model MoverModels::model(const MovingObject& m) const {
-  const std::string words[] = {fs::path(m.model_reference).stem().string(),
-                               std::string(perception::name(class_of(m.type, m.vehicle_type)))};
+  const std::string words[] = {
+      fs::path(m.model_reference).stem().string(),
+      std::string(perception::name(class_of(m.type, m.vehicle_type, m.base.dimension_m)))};
   for (const std::string& word : words) {
     const auto fitted = fitted_.find(word);
     if (fitted != fitted_.end()) return fitted->second;

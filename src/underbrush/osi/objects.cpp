@@ -4,6 +4,7 @@
 #include <array>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/perception/size_prior.hpp"
 
 namespace underbrush::osi {
 namespace {
@@ -123,7 +124,7 @@ void set_motion(std::span<const ObjectList> lists, size_t k, BaseMoving& host) {
 
 }  // namespace
 
-ObjectClass class_of(uint32_t type, uint32_t vehicle_type) {
+ObjectClass class_of(uint32_t type, uint32_t vehicle_type, const std::optional<Vec3>& size_m) {
   if (type == uint32_t(ObjectType::kPedestrian)) return ObjectClass::kPedestrian;
   if (type == uint32_t(ObjectType::kOther) || type == uint32_t(ObjectType::kAnimal)) {
     return ObjectClass::kOther;
@@ -148,7 +149,12 @@ ObjectClass class_of(uint32_t type, uint32_t vehicle_type) {
     case VehicleType::kMotorbike:
     case VehicleType::kBicycle:
     case VehicleType::kStandupScooter:
+    case VehicleType::kMicromobility:
       return ObjectClass::kCyclist;
+    case VehicleType::kUnknown:
+    case VehicleType::kOther:
+    case VehicleType::kLandVehicle:
+      return size_m ? perception::vehicle_of(*size_m) : ObjectClass::kOther;
     default:
       return ObjectClass::kOther;
   }
@@ -187,7 +193,7 @@ void truth_of(const GroundTruth& truth, std::optional<uint64_t> host, std::strin
     const Vec3 forward = m.base.pose().rotation * Vec3::UnitX();
     frame.objects.push_back(
         {m.id + 1,
-         class_of(m.type, m.vehicle_type),
+         class_of(m.type, m.vehicle_type, m.base.dimension_m),
          {*m.base.position_m, std::atan2(forward.y(), forward.x()), *m.base.dimension_m}});
     for (size_t j = 0; j + 1 < frame.objects.size(); ++j) {
       if (frame.objects[j].id != m.id + 1) continue;

@@ -13,8 +13,11 @@
 namespace underbrush::osi {
 
 /// The class of an object by OSI's numbers of its type. Buses, trailers, trams and trains are
-/// trucks, motorcycles and scooters are cyclists, and animals are other objects.
-perception::ObjectClass class_of(uint32_t type, uint32_t vehicle_type);
+/// trucks, motorcycles and scooters are cyclists, and animals are other objects. A vehicle whose
+/// kind is not stated has the class that its `size_m` (length, width, height) suggests, where one
+/// is given.
+perception::ObjectClass class_of(uint32_t type, uint32_t vehicle_type,
+                                 const std::optional<Vec3>& size_m = {});
 /// OSI's numbers of the type of a class.
 Candidate candidate_of(perception::ObjectClass label, double probability);
 

@@ -68,6 +68,25 @@ std::array<bool, 2> visible_sides(const SegmentShape& shape, double least_incide
   return {beside(1), beside(0)};
 }
 
+ObjectClass vehicle_of(const Vec3& size_m) {
+  constexpr double kFarthest = 4;  // In standard deviations.
+  const CompletionOptions defaults;
+  ObjectClass best = ObjectClass::kOther;
+  double most = 0;
+  for (const auto label :
+       {ObjectClass::kCar, ObjectClass::kVan, ObjectClass::kTruck, ObjectClass::kCyclist}) {
+    const SizePrior& prior = defaults.priors[size_t(label)];
+    const Vec3 off = (size_m - prior.mean_m).cwiseQuotient(prior.sigma_m);
+    if (off.cwiseAbs().maxCoeff() > kFarthest) continue;
+    const double likelihood = std::exp(-off.squaredNorm() / 2) / prior.sigma_m.prod();
+    if (likelihood > most) {
+      most = likelihood;
+      best = label;
+    }
+  }
+  return best;
+}
+
 CompletedBox complete(const SegmentShape& shape, ObjectClass label,
                       const CompletionOptions& options) {
   CompletedBox out{shape.box, Vec3::Constant(options.measured_sigma_m)};

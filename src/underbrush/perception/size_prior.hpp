@@ -61,6 +61,11 @@ double extent_density(double measured_m, const Estimate& prior, double measured_
 /// Whether the sides along the length and along the width are visible, in this order.
 std::array<bool, 2> visible_sides(const SegmentShape& shape, double least_incidence);
 
+/// The class of a vehicle whose whole size is known (length, width, height): the one under whose
+/// default prior the size is the likeliest. It is `kOther` if an extent is more than 4 standard
+/// deviations from that of every class.
+ObjectClass vehicle_of(const Vec3& size_m);
+
 /// Completes the box of a segment. The sides that face the viewpoint stay where they are, and the
 /// others move away; the bottom stays as well.
 CompletedBox complete(const SegmentShape& shape, ObjectClass label,
