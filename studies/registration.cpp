@@ -4,6 +4,7 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 #include "underbrush/core/check.hpp"
@@ -18,7 +19,6 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 std::vector<Vec3f> about(std::span<const Vec3> points, const Vec3& centre) {
   std::vector<Vec3f> out;
-  out.reserve(points.size());
   for (const Vec3& p : points) out.push_back((p - centre).cast<float>());
   return out;
 }
@@ -57,17 +57,7 @@ Vector6 least_norm_solution(const Matrix6& normal, const Vector6& right) {
 }
 
 Vec3 mean_of(std::span<const Vec3> points) {
-  Vec3 sum = Vec3::Zero();
-  for (const Vec3& p : points) sum += p;
-  return sum / double(points.size());
-}
-
-/// The rotation R with the greatest tr(RᵀM).
-Mat3 nearest_rotation(const Mat3& m) {
-  const Eigen::JacobiSVD<Mat3> of(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Mat3 turn = of.matrixU() * of.matrixV().transpose();
-  const Vec3 signs(1, 1, turn.determinant() < 0 ? -1 : 1);
-  return of.matrixU() * signs.asDiagonal() * of.matrixV().transpose();
+  return std::accumulate(points.begin(), points.end(), Vec3(Vec3::Zero())) / double(points.size());
 }
 
 }  // namespace
@@ -76,21 +66,22 @@ Similarity align(std::span<const Vec3> from, std::span<const Vec3> to, bool rigi
   require(from.size() == to.size(), "conjugate points: as many on both sides are needed");
   require(from.size() >= 3, "conjugate points: at least three are needed");
   const Vec3 from_mean = mean_of(from), to_mean = mean_of(to);
-  Mat3 from_scatter = Mat3::Zero(), to_scatter = Mat3::Zero(), between = Mat3::Zero();
+  Mat3 between = Mat3::Zero();
+  double spread = 0;
   for (size_t i = 0; i < from.size(); ++i) {
-    const Vec3 a = from[i] - from_mean, b = to[i] - to_mean;
-    from_scatter += a * a.transpose();
-    to_scatter += b * b.transpose();
-    between += b * a.transpose();
+    const Vec3 a = from[i] - from_mean;
+    between += (to[i] - to_mean) * a.transpose();
+    spread += a.squaredNorm();
   }
-  for (const Mat3& scatter : {from_scatter, to_scatter}) {
-    const Vec3 spread = Eigen::SelfAdjointEigenSolver<Mat3>(scatter).eigenvalues();
-    require(spread.y() > 1e-14 * spread.z(), "conjugate points: they lie on a line");
-  }
+  const Eigen::JacobiSVD<Mat3> of(between, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  require(of.singularValues().y() > 1e-12 * of.singularValues().x(),
+          "conjugate points: they lie on a line");
+  const bool mirrors = (of.matrixU() * of.matrixV().transpose()).determinant() < 0;
+  const Mat3 rotation =
+      of.matrixU() * Vec3(1, 1, mirrors ? -1 : 1).asDiagonal() * of.matrixV().transpose();
   Similarity out;
-  const Mat3 rotation = nearest_rotation(between);
   out.pose.rotation = Eigen::Quaterniond(rotation).normalized();
-  out.scale = rigid ? 1 : rotation.cwiseProduct(between).sum() / from_scatter.trace();
+  out.scale = rigid ? 1 : rotation.cwiseProduct(between).sum() / spread;
   out.pose.translation = to_mean - out.scale * (rotation * from_mean);
   return out;
 }

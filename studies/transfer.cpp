@@ -218,8 +218,7 @@ StudyResult transfer(const StudyRun& run, const ModelChange& change) {
   const GeneratedSite site(parameters);
   const std::vector<sensor::Sensor> sensors = lidars();
   const Band band = common_band(sensors);
-  double least = INFINITY;  // Least number of beams per second; all sensors train on about as many
-                            // beams.
+  double least = INFINITY;  // Beams per second; all sensors train on about as many beams.
   for (const sensor::Sensor& s : sensors) least = std::min(least, s.beams_per_s());
   std::map<std::string, SensorLogs> logs;
   std::map<std::string, elements::Model> models;

@@ -2,6 +2,7 @@
 // shared libraries.
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/gltf_mesh.hpp"
+#include "underbrush/io/gzip.hpp"
 #include "underbrush/io/table.hpp"
 
 namespace underbrush::io {
@@ -12,6 +13,12 @@ MeshScene read_gltf(const std::filesystem::path& path) {
 
 Table read_pcd(const std::filesystem::path& path) {
   throw FormatError(path.string(), "", "the FMU reads no PCD");
+}
+
+bool is_gzip(const std::filesystem::path&) { return false; }
+
+Unpacked::Unpacked(const std::filesystem::path& packed) : temporary_("", "") {
+  throw FormatError(packed.string(), "", "the FMU reads no files of gzip");
 }
 
 }  // namespace underbrush::io

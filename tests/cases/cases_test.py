@@ -6,6 +6,7 @@ value: what the log must hold, by arithmetic on the input, or one clear line and
   cases_test.py --build build                        the cases of the Python front end, in the tests' environment
 """
 import argparse
+import gzip
 import importlib.util
 import math
 import os
@@ -115,6 +116,19 @@ class Program(Cases):
         half = math.sqrt(0.5)
         raw = points(rows_of(next((self.folder / "drive").glob("*.pcd"))))
         self.same_points(points(self.rows("qw")), [(half * (x - y), half * (x + y), z) for x, y, z in raw])
+
+    def test_a_packed_file(self):
+        plain = (HERE / "csv_bom/excel.csv").read_bytes()
+        with tempfile.TemporaryDirectory() as folder:
+            packed = pathlib.Path(folder, "excel.csv.gz")
+            packed.write_bytes(gzip.compress(plain))
+            self.run_case("import", str(packed), "-o", "OUT/log.ply")
+            lines = plain.decode("utf-8-sig").splitlines()[1:]
+            self.same_points(points(self.rows()), [tuple(map(float, line.split(",")[:3])) for line in lines])
+            for broken, word in ((gzip.compress(plain)[:-20], "cut off"), (plain, "no file of gzip")):
+                packed.write_bytes(broken)
+                self.run_case("import", str(packed), "-o", "OUT/log.ply")
+                self.refused(word)
 
     def test_gltf_instanced(self):
         self.run_case("simulate", "instanced.gltf", "--like", "like.ply", "-o", "OUT/log.ply")

@@ -68,12 +68,12 @@ def program_at(path):
 
 
 def gains(program):
-    """The least and the greatest gain in the table of tuned objectives, in whole per cent."""
+    """The second greatest and the greatest gain in the table of tuned objectives, in whole per cent."""
     del program
     page, table = results.documented(rules.ROOT)["tuning"]
     found = [100 * (1 - after.value / before.value) for before, after in
              (tables.figures(row[1]) for row in table.rows)]
-    return [round(min(found)), round(max(found))]
+    return [round(gain) for gain in sorted(found)[-2:]]
 
 
 def odometry(program):
@@ -125,7 +125,7 @@ NUMBERS = [
     ("docs/explanation/keyframes.md", r"`--keyframes X` \((\d+) m unless given\)", default("fit", "--keyframes")),
     ("docs/how-to/tuning.md", r"# (\d+) evaluations are usual", default("optimize", "--budget")),
     ("docs/how-to/tuning.md", r"One scan in (\w+) \(`--validate`\)", default("optimize", "--validate")),
-    ("docs/how-to/tuning.md", r"held-out half, by (\d+) % to (\d+) %", gains),
+    ("docs/how-to/tuning.md", r"gained (\d+) % and (\d+) %", gains),
     ("docs/how-to/notebooks.md", r"(\w+) notebooks in", notebooks),
     ("docs/explanation/validation.md",
      r"RMSE ([\d.]+) and ([\d.]+) times .*?, ([\d.]+) and ([\d.]+) in rotation; .*? ([\d.]+) to ([\d.]+)", odometry)]
@@ -211,7 +211,7 @@ BAD = [({"README.md": "The FMU is not\nthere yet.\n"}, "stale"),
        ({"CHANGELOG.md": "A catalogue of sensors (Velodyne HDL-64E).\n"}, "lacks 'vlp16'"),
        ({"docs/reference/serve-api.md": "| `api/files` | |\n"}, "lacks 'api/octree'"),
        ({"docs/notebook/2026-11.md": "- 50 prior hits of an ellipsoid\n"}, "it is [0.0]"),
-       ({"docs/how-to/tuning.md": "held-out half, by 0 % to 24 %\n"}, "states ['0', '24']"),
+       ({"docs/how-to/tuning.md": "gained 0 % and 24 %\n"}, "states ['0', '24']"),
        ({"docs/how-to/notebooks.md": "Three notebooks in\n"}, "states")]
 GOOD = {"README.md": "It runs as a command, as a\nPython package, as a C++ library, in the browser (`serve`) and as an FMU, and\n"
                      "makes object lists.\n```sh\nunderbrush fit log.ply --tau 3 -o model\n```\nThe program underbrush.\n",

@@ -260,6 +260,12 @@ Input open_input(const fs::path& path, const InputOptions& options) try {
   require(options.format.empty() ||
               std::find(known.begin(), known.end(), options.format) != known.end(),
           "import: unknown format");
+  if (is_gzip(path)) {
+    const auto unpacked = std::make_shared<const Unpacked>(path);
+    Input input = open_input(unpacked->path(), options);
+    input.unpacked = unpacked;
+    return input;
+  }
   const std::string format = options.format.empty() ? format_of(path) : options.format;
   require(options.labels.empty() || format == "scan",
           "import: --labels is for a single scan without origins");

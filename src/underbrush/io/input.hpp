@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "underbrush/core/point_scan.hpp"
+#include "underbrush/io/gzip.hpp"
 #include "underbrush/io/scan_clock.hpp"
 
 namespace underbrush::io {
@@ -53,7 +54,8 @@ struct InputOptions {
 /// An open log. Either `beams` is set (every beam has its own origin) or `scans` (points in the
 /// sensor's frame).
 struct Input {
-  std::string format;  ///< Name of the format, one of `input_formats()`.
+  std::shared_ptr<const Unpacked> unpacked;  ///< The file itself, if it was packed.
+  std::string format;                        ///< Name of the format, one of `input_formats()`.
   std::unique_ptr<BeamSource> beams;
   std::unique_ptr<ScanSource> scans;
   std::vector<ScanInfo> scan_infos;  ///< Number, time and pose of each scan that `scans` will
@@ -73,9 +75,9 @@ struct Input {
 /// kitti-odometry, kitti-raw, and folder (one file for each scan).
 std::vector<std::string> input_formats();
 
-/// Opens a log. docs/reference/formats.md says which files are looked for, and where. Throws
-/// `FormatError` where the path is no supported log or a selected scan has no pose or time, and
-/// `std::invalid_argument` for an unknown format name.
+/// Opens a log, which may be packed by gzip if it is one file. docs/reference/formats.md says which
+/// files are looked for, and where. Throws `FormatError` where the path is no supported log or a
+/// selected scan has no pose or time, and `std::invalid_argument` for an unknown format name.
 Input open_input(const std::filesystem::path& path, const InputOptions& options = {});
 
 }  // namespace underbrush::io

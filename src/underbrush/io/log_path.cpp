@@ -27,7 +27,7 @@ const std::filesystem::path& checked_log_path(const std::filesystem::path& path)
     if (extension == mesh) fail("is a mesh, expected a log: 'underbrush simulate' takes meshes");
   }
   if (is_recording(path)) fail(kRecording);
-  for (const char* other : {".pcd", ".bin", ".npy", ".npz", ".csv", ".xyz"}) {
+  for (const char* other : {".pcd", ".bin", ".npy", ".npz", ".csv", ".xyz", ".gz"}) {
     if (extension != other) continue;
     fail("is not a log of Underbrush: 'underbrush import " + path.filename().string() +
          " -o log.ply' makes one of it");

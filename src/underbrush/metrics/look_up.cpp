@@ -120,7 +120,7 @@ Vec3 direction_from(const Vec3& place, const BeamLog& train, uint32_t i) {
   return (train.end_point(i) - place).normalized();
 }
 
-/// Those of which the direction lies in `box`.
+/// The training beams that are seen from `place` in directions within `box`.
 Candidates seen_from(const Vec3& place, const BeamLog& train, const std::vector<const Scan*>& scans,
                      const Eigen::AlignedBox3f& box) {
   Candidates c;
