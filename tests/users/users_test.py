@@ -41,7 +41,7 @@ def there(*paths: pathlib.Path) -> None:
 
 
 def validation(given: argparse.Namespace, variables: dict[str, str]) -> None:
-    traces = [given.data / "osi" / name for name in TRACES[:None if given.installed else 1]]
+    traces = [given.data / "osi" / name for name in TRACES]
     there(given.build / "underbrush.fmu", *traces)
     variables |= {"FMU": str(given.build / "underbrush.fmu"), "TRACES": " ".join(map(str, traces))}
 
