@@ -125,7 +125,8 @@ class Program(Cases):
             self.run_case("import", str(packed), "-o", "OUT/log.ply")
             lines = plain.decode("utf-8-sig").splitlines()[1:]
             self.same_points(points(self.rows()), [tuple(map(float, line.split(",")[:3])) for line in lines])
-            for broken, word in ((gzip.compress(plain)[:-20], "cut off"), (plain, "no file of gzip")):
+            for broken, word in ((gzip.compress(plain)[:-20], "cut off"), (plain, "no file of gzip"),
+                                 (gzip.compress(b"a,b\n1,2\n"), "excel.csv.gz: header: no column 'x'")):
                 packed.write_bytes(broken)
                 self.run_case("import", str(packed), "-o", "OUT/log.ply")
                 self.refused(word)

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Checks that each header, private ones (.inl) too, compiles alone. Clang reads them, and what it makes of the third
 parties is kept for all headers that include the same. The kernels' private headers, in GCC's dialect, are compiled
-once for each instruction set. Only headers are compiled that changed, or that reach fewer headers through those that
-changed than they did: since the branch left main, or in main's last commit, and what is not committed. (What else a
-change can break, the build shows.) --all takes every header."""
+once for each instruction set. Only headers are compiled that changed, and those that include what changed and either
+reach fewer headers than before or have a word that a changed header lost: since the branch left main, or in main's
+last commit, and what is not committed. --all takes every header."""
 import collections
 import concurrent.futures
 import functools
@@ -66,11 +66,16 @@ def wanted(root, every):
     def text_before(path):
         return "\n".join(tidy.git(root, "show", f"{base}:{path}")) if path in changed else text_now(path)
 
+    def words(text):
+        return set(re.findall(r"\w+", rules.split_cpp(text or "")[0]))
+
+    lost = set().union(*(words(text_before(f)) - words(text_now(f)) for f in changed if f.endswith((".hpp", ".inl"))))
     groups, now, before = collections.defaultdict(list), Includes(text_now), Includes(text_before)
     for header in rules.tracked(root, ".hpp", ".inl"):
         if OWN.match(header):
             files = now.of(header)
-            if every or header in changed or before.of(header) - files:
+            breaks = files & changed and words(text_now(header)) & lost
+            if every or header in changed or breaks or before.of(header) - files:
                 groups[frozenset(filter(SLOW.match, files))].append(header)
     return groups
 

@@ -254,18 +254,30 @@ std::vector<std::string> input_formats() {
   return {"ray-cloud", "csv", "scan", "kitti", "kitti-odometry", "kitti-raw", "folder"};
 }
 
+namespace {
+
+/// Opens what a file of gzip holds. Errors in it have the name of the packed file.
+Input open_packed(const fs::path& path, const InputOptions& options) {
+  const auto unpacked = std::make_shared<const Unpacked>(path);
+  try {
+    Input input = open_input(unpacked->path(), options);
+    input.unpacked = unpacked;
+    return input;
+  } catch (const FormatError& e) {
+    const bool is_inner = e.file() == unpacked->path().string();
+    throw FormatError(is_inner ? path.string() : e.file(), e.place(), e.reason());
+  }
+}
+
+}  // namespace
+
 Input open_input(const fs::path& path, const InputOptions& options) try {
   if (!fs::exists(path)) throw FormatError(path.string(), "", "no such file or folder");
   const auto known = input_formats();
   require(options.format.empty() ||
               std::find(known.begin(), known.end(), options.format) != known.end(),
           "import: unknown format");
-  if (is_gzip(path)) {
-    const auto unpacked = std::make_shared<const Unpacked>(path);
-    Input input = open_input(unpacked->path(), options);
-    input.unpacked = unpacked;
-    return input;
-  }
+  if (is_gzip(path)) return open_packed(path, options);
   const std::string format = options.format.empty() ? format_of(path) : options.format;
   require(options.labels.empty() || format == "scan",
           "import: --labels is for a single scan without origins");
