@@ -270,8 +270,9 @@ TEST(Maximisation, OneStepMendsASmallStretchOnAndOffTheDiagonal) {
       // its mean over outcomes: a return with probability p, one σ before or behind
       shares.add(ray, 0, met.t_m + (k % 2 ? 1 : -1) * met.sigma_m, met.p, 1 - met.p);
     }
-    const Mat3 after =
-        maximised(start, shares.sums(), options, 1).ellipsoids[0].covariance_matrix();
+    const Neighbours neighbours(start.ellipsoids);
+    const elements::Model moved = maximised(start, shares.sums(), neighbours, options, 1);
+    const Mat3 after = moved.ellipsoids[0].covariance_matrix();
     const double left = (after(i, j) - (i == j ? 0.25 : 0)) / 0.5;
     EXPECT_LT(std::abs(left), 0.015) << i << j;  // of 0.05
   }

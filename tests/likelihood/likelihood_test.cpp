@@ -75,16 +75,16 @@ double nll_of(const elements::Model& model, BeamSource& source, const credit::He
   return judge(trace::World(model), ListedBeams(source, held_out, model, 0));
 }
 
-TEST(Likelihood, TheLastRoundsOfALongLogTakeAllBeamsAndEarlierOnesHalvesInTurn) {
+TEST(Likelihood, TheLastRoundsOfALongLogTakeAllBeamsAndEarlierOnesAQuarterEach) {
   const size_t many = 2 * credit::kLongLog;
   std::array<int, credit::BeamShare::kParts> taken{};
   for (const int round : {0, 1, 2, 3}) {
     const credit::BeamShare share = share_of_round(many, round, 5);
     EXPECT_FALSE(share.is_all());
     for (unsigned k = share.first; k < share.last; ++k) ++taken[k];
-    EXPECT_LE(*std::max_element(taken.begin(), taken.end()), round / 2 + 1) << round;
+    EXPECT_EQ(share.weight(), 4u);
   }
-  EXPECT_EQ(*std::min_element(taken.begin(), taken.end()), 2);
+  for (const int times : taken) EXPECT_EQ(times, 1);
   for (const int rounds : {1, 3, 5}) EXPECT_TRUE(share_of_round(many, rounds - 1, rounds).is_all());
   EXPECT_EQ(share_of_round(many, 0, 2), share_of_round(many, 3, 5));
   EXPECT_TRUE(share_of_round(many, 4, 20).is_all());

@@ -37,6 +37,11 @@ std::vector<elements::Ellipsoid> spheres(uint64_t seed, bool flat) {
   return out;
 }
 
+std::vector<Neighbourhood> neighbourhoods(std::span<const elements::Ellipsoid> of,
+                                          std::span<const Evidence> evidence) {
+  return Neighbours(of).neighbourhoods(of, evidence);
+}
+
 TEST(Neighbourhood, IsFlatOnAWallAndRoundInACrownAndHasTheSizeOfTheEllipsoid) {
   for (const bool flat : {true, false}) {
     const std::vector<elements::Ellipsoid> of = spheres(31, flat);
@@ -76,6 +81,18 @@ TEST(Neighbourhood, TurnsWithTheWorldAndIsTheSameForAnyNumberOfThreads) {
     EXPECT_EQ(before[k].density_per_m, one[k].density_per_m);
     EXPECT_LT((after[k].shape - turn * before[k].shape * turn.transpose()).norm(), 1e-6);
   }
+}
+
+TEST(Neighbourhood, KeepsItsMembersWhereEllipsoidsMoved) {
+  const std::vector<elements::Ellipsoid> of = spheres(33, false);
+  std::vector<elements::Ellipsoid> moved = of;
+  const Vec3f step(5, -3, 2);
+  for (elements::Ellipsoid& e : moved) e.mean += step;
+  moved[7].mean = of[7].mean;  // far away from all others, which stay its neighbours
+  const std::vector<Evidence> evidence = evidence_of(of.size());
+  const std::vector<Neighbourhood> found = Neighbours(of).neighbourhoods(moved, evidence);
+  const Vec3 along = step.cast<double>().normalized();
+  EXPECT_GT(along.dot(found[7].shape * along), 0.9 * found[7].shape.trace());
 }
 
 TEST(Neighbourhood, OfOneOrNoneIsItself) {

@@ -1,25 +1,15 @@
 #include "underbrush/likelihood/expectation.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include "underbrush/core/parallel.hpp"
-#include "underbrush/core/rng.hpp"
 #include "underbrush/likelihood/meetings.hpp"
 
 namespace underbrush::likelihood {
 namespace {
 
-constexpr size_t kMostJudged = size_t(1) << 16;  // about
 constexpr size_t kTask = 2048, kRun = 64;  // beams of one block, and those shared out at a time
-
-/// A hash of a beam, whatever its place in the log.
-uint64_t hash_of(const ListedBeam& b) {
-  uint64_t hash = std::bit_cast<uint32_t>(b.range_m);
-  for (const float x : b.direction) hash = mix64(hash << 32 ^ std::bit_cast<uint32_t>(x) ^ hash);
-  return hash;
-}
 
 /// Shares out the beams of a block, one after the other.
 class Sharing {
@@ -248,14 +238,9 @@ ElementSums held_out_sums(const trace::World& world, const ListedBeams& beams,
 double judge(const trace::World& world, const ListedBeams& beams) {
   const LogInfo& info = beams.info();
   const ModelForms forms(world.model(), info.min_range_m);
-  const std::vector<ListedBeam>& all = beams.held_out();
-  const size_t one_in = 1 + all.size() / kMostJudged;
-  std::vector<ListedBeam> judging;
-  for (const ListedBeam& b : all) {
-    if (hash_of(b) % one_in == 0) judging.push_back(b);
-  }
-  const PassTotals totals = pass_over(world, forms.view(), info, judging, nullptr, nullptr);
-  return totals.loss.value() / std::max<double>(1, double(judging.size()));
+  const std::vector<ListedBeam>& judges = beams.judges();
+  const PassTotals totals = pass_over(world, forms.view(), info, judges, nullptr, nullptr);
+  return totals.loss.value() / std::max<double>(1, double(judges.size()));
 }
 
 }  // namespace underbrush::likelihood

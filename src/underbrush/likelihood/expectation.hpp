@@ -68,8 +68,8 @@ Expectation expect(const trace::World& world, const ListedBeams& beams, credit::
 ElementSums held_out_sums(const trace::World& world, const ListedBeams& beams,
                           const trace::OutlierShares& soft);
 
-/// Computes the mean of −log f of the held-out beams of a log in a world of one model, nats, as in
-/// `metrics::score`. Of many beams about 2¹⁶, chosen by a hash, are enough.
+/// Computes the mean of −log f of a log's judges (`ListedBeams::judges`) in a world of one model,
+/// nats, as in `metrics::score`.
 double judge(const trace::World& world, const ListedBeams& beams);
 
 }  // namespace underbrush::likelihood

@@ -25,7 +25,8 @@ class ModelSearch {
       : options_(options),
         progress_(progress),
         moving_(moving),
-        beams_(source, options.held_out, start, kListBytes) {
+        beams_(source, options.held_out, start, kListBytes),
+        neighbours_(start.ellipsoids) {
     soft_.miss = options.dropout;
     best_ = state_of(with_densities(start, options.range_noise_m, options.maximisation));
     note("start", *best_, true);
@@ -91,7 +92,8 @@ class ModelSearch {
   }
 
   elements::Model step_of(State& s, double stride, credit::BeamShare share = {}) {
-    elements::Model next = maximised(s.model, sums_of(s, share), options_.maximisation, stride);
+    elements::Model next =
+        maximised(s.model, sums_of(s, share), neighbours_, options_.maximisation, stride);
     if (!moving_.empty()) keep_others(s.model, next);
     return next;
   }
@@ -132,6 +134,7 @@ class ModelSearch {
   trace::OutlierShares soft_;
   const std::vector<bool>& moving_;
   ListedBeams beams_;
+  Neighbours neighbours_;
   std::unique_ptr<State> best_;
   LikelihoodReport report_;
 };
@@ -139,7 +142,7 @@ class ModelSearch {
 }  // namespace
 
 credit::BeamShare share_of_round(size_t beams, int round, int rounds) {
-  constexpr std::array<credit::BeamShare, 4> kFirst{{{0, 4}, {4, 8}, {0, 4}, {4, 8}}};
+  constexpr std::array<credit::BeamShare, 4> kFirst{{{0, 2}, {2, 4}, {4, 6}, {6, 8}}};
   const size_t last = kFirst.size();
   const size_t k = size_t(round) + (size_t(rounds) < last + 1 ? last + 1 - size_t(rounds) : 0);
   return beams < credit::kLongLog || k >= last ? credit::BeamShare() : kFirst[k];

@@ -58,9 +58,9 @@ struct Refined {
 };
 
 /// The share of the training beams from which a round of `rounds` takes its M-step. The first steps
-/// move all elements far and need only a rough estimate: of a long log (`kLongLog`) the first
-/// four take one half and the other half in turn, and later ones all beams. With fewer than five
-/// rounds, only the last of these shares are used.
+/// move all elements far and need only a rough estimate: of a long log (`kLongLog`) each of the
+/// first four takes another quarter, and later ones take all beams. With fewer than five rounds,
+/// only the last of these shares are used.
 credit::BeamShare share_of_round(size_t beams, int round, int rounds);
 
 /// Refines a model by steps. A step is kept only if it raises the likelihood of the held-out beams.

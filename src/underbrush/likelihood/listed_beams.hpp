@@ -23,7 +23,9 @@ class ListedBeams {
               size_t most_bytes);
 
   const LogInfo& info() const { return source_.info(); }
-  const std::vector<ListedBeam>& held_out() const { return judging_; }
+  const std::vector<ListedBeam>& held_out() const { return held_out_; }
+  /// The held-out beams that judge models: of many about 2¹⁶, chosen by a hash.
+  const std::vector<ListedBeam>& judges() const { return judges_.empty() ? held_out_ : judges_; }
   /// How many of the held-out beams returned.
   size_t held_out_hits() const;
   size_t training_beams() const { return training_beams_; }
@@ -37,15 +39,16 @@ class ListedBeams {
     std::vector<ListedBeam> beams;
     std::vector<uint8_t> number;
   };
-  /// Appends beams of a chunk, those that are held out to `judging` unless it is null.
-  Block block_of(const BeamLog& chunk, std::vector<ListedBeam>* judging) const;
+  /// Appends beams of a chunk, those that are held out to `held_out` unless it is null.
+  Block block_of(const BeamLog& chunk, std::vector<ListedBeam>* held_out) const;
 
   BeamSource& source_;
   credit::HeldOut rule_;
   Vec3 origin_;
   double most_range_m_;
   std::vector<Block> kept_;  ///< The first blocks of training beams.
-  std::vector<ListedBeam> judging_;
+  std::vector<ListedBeam> held_out_;
+  std::vector<ListedBeam> judges_;  ///< Empty if all held-out beams are.
   size_t training_beams_ = 0;
   bool complete_ = true;  ///< Whether `kept_` has all blocks.
 };

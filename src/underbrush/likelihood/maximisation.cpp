@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "underbrush/core/parallel.hpp"
-#include "underbrush/likelihood/neighbourhood.hpp"
 
 namespace underbrush::likelihood {
 namespace {
@@ -189,7 +188,8 @@ elements::Model calibrated(const elements::Model& model, const ElementSums& held
 }
 
 elements::Model maximised(const elements::Model& model, const ElementSums& sums,
-                          const MaximisationOptions& options, double stride) {
+                          const Neighbours& neighbours, const MaximisationOptions& options,
+                          double stride) {
   elements::Model out = model;
   const size_t meshes = model.size() - model.ellipsoids.size();
   for (size_t i = 0; i < meshes; ++i) {
@@ -207,7 +207,7 @@ elements::Model maximised(const elements::Model& model, const ElementSums& sums,
   for (size_t i = 0; i < evidence.size(); ++i) {
     evidence[i] = evidence_of(model.ellipsoids[i], sums.ellipsoid(i));
   }
-  const std::vector<Neighbourhood> priors = neighbourhoods(model.ellipsoids, evidence);
+  const std::vector<Neighbourhood> priors = neighbours.neighbourhoods(model.ellipsoids, evidence);
   parallel_for(model.ellipsoids.size(), 256, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const EllipsoidSums s = sums.ellipsoid(i);

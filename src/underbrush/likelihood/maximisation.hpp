@@ -3,6 +3,7 @@
 #pragma once
 #include "underbrush/credit/beta_prior.hpp"
 #include "underbrush/likelihood/element_sums.hpp"
+#include "underbrush/likelihood/neighbourhood.hpp"
 
 namespace underbrush::likelihood {
 
@@ -54,9 +55,10 @@ elements::Model calibrated(const elements::Model& model, const ElementSums& held
 
 /// Takes one step of Fisher scoring for each element separately and returns the changed model. The
 /// step changes ln κ, μ and Σ of the ellipsoids, p and roughness of the triangles, and the range
-/// noise of the meshes. `stride` in (0, 1] scales all moves. Hits and misses of an element become
-/// its soft counts.
+/// noise of the meshes. `neighbours` are those of the model's ellipsoids, and `stride` in (0, 1]
+/// scales all moves. Hits and misses of an element become its soft counts.
 elements::Model maximised(const elements::Model& model, const ElementSums& sums,
-                          const MaximisationOptions& options, double stride);
+                          const Neighbours& neighbours, const MaximisationOptions& options,
+                          double stride);
 
 }  // namespace underbrush::likelihood
