@@ -42,21 +42,25 @@ std::vector<LightSample> samples_of(const trace::World& world, const BeamLog& ch
   return out;
 }
 
-/// One return in so many of a log, chosen by their number.
+/// One run of beams in so many of a log, chosen by its number. The beams of a run point alike, so
+/// that what they meet is found together.
 class Thinned {
  public:
   Thinned(size_t beams, size_t wanted) : one_in_(1 + beams / wanted) {}
   BeamLog operator()(const BeamLog& chunk) {
     if (one_in_ == 1) return chunk;
+    constexpr size_t kRun = 64;
     BeamLog out = chunk.like();
-    for (size_t i = 0; i < chunk.size(); ++i, ++row_) {
-      if (mix64(row_ + 1) % one_in_ == 0 && chunk.is_hit(i)) out.append(chunk, i);
+    for (size_t begin = 0, end = 0; begin < chunk.size(); begin = end) {
+      end = std::min(chunk.size(), begin + kRun - row_ % kRun);
+      if (mix64(row_ / kRun + 1) % one_in_ == 0) out.append(chunk, begin, end);
+      row_ += end - begin;
     }
     return out;
   }
 
  private:
-  uint64_t one_in_, row_ = 0;
+  size_t one_in_, row_ = 0;
 };
 
 /// Every n-th sample, so that enough of them are left for the response.
