@@ -16,6 +16,7 @@ namespace {
 constexpr size_t kBeams = 30000, kLeastDifferences = 500;
 constexpr double kFinest = 0.005, kCoarsest = 0.5;  // m
 constexpr int kGrainRounds = 6;
+constexpr double kSettledChange = 0.02;  // of a side or the noise, relative
 /// Three beams count as of a group only if all of them end there. The ellipsoids of the classes
 /// that have a grain of their own follow as groups `kOther` + `elements::Grain::place_of`.
 enum BeamGroup : uint8_t { kMesh, kOther };
@@ -71,20 +72,28 @@ RingRoughness roughness_of(const BeamLog& beams, std::span<const uint8_t> groups
 double median_of_all(const BeamLog& beams) { return roughness_of(beams, {}).median(); }
 
 /// Makes a grain coarser where the simulated log is rougher than the real one. The logarithm of the
-/// roughness falls by a third to two thirds of that of the grain, so the step converges.
-void adjust(double& side_m, uint8_t group, const RingRoughness& real,
+/// roughness falls by a third to two thirds of that of the grain, so the step converges. Returns
+/// whether the grain changed.
+bool adjust(double& side_m, uint8_t group, const RingRoughness& real,
             const RingRoughness& simulated) {
-  if (real.count(group) < kLeastDifferences) return;
+  if (real.count(group) < kLeastDifferences) return false;
   const double ratio = simulated.geometric_mean(group) / real.geometric_mean(group);
-  if (std::isfinite(ratio)) side_m = std::clamp(side_m * ratio * ratio, kFinest, kCoarsest);
+  if (!std::isfinite(ratio)) return false;
+  const double before = side_m;
+  side_m = std::clamp(side_m * ratio * ratio, kFinest, kCoarsest);
+  return std::abs(side_m - before) > kSettledChange * before;
 }
 
 /// Adjusts the noise to the smoothest quarter of the log, in which hardly anything else is left.
-void adjust_noise(double& noise_m, double most_m, const RingRoughness& real,
+/// Returns whether the noise changed.
+bool adjust_noise(double& noise_m, double most_m, const RingRoughness& real,
                   const RingRoughness& simulated) {
   const BeamGroup group = real.count(kMesh) >= kLeastDifferences ? kMesh : kOther;
   const double ratio = real.quantile(0.25, group) / simulated.quantile(0.25, group);
-  if (std::isfinite(ratio)) noise_m = std::min(most_m, noise_m * ratio);
+  if (!std::isfinite(ratio)) return false;
+  const double before = noise_m;
+  noise_m = std::min(most_m, noise_m * ratio);
+  return std::abs(noise_m - before) > kSettledChange * before;
 }
 
 /// `learn_grain` for a model of elements alone.
@@ -107,20 +116,23 @@ GrainReport grain_of_elements(elements::Model& model, BeamSource& log, uint64_t 
   report.anew_m = median_of_all(anew);
   const double most_noise_m = model.range_noise_m;
   trace::World world(model, trace::Isa::kBest, trace::Draws::kOnce);
+  bool settled = false;
   for (int k = 0;; ++k) {
     world.update_grain();
     const BeamLog once = answered(world, seed, beams);
-    if (k == kGrainRounds) {
+    if (settled || k == kGrainRounds) {
       report.simulated_m = median_of_all(once);
       return report;
     }
     const RingRoughness simulated = roughness_of(once, groups);
-    adjust(model.grain.ellipsoid_m, kOther, real, simulated);
-    adjust(model.grain.mesh_m, kMesh, real, simulated);
-    for (size_t p = 1; p <= model.grain.classes.size(); ++p) {
-      adjust(model.grain.classes[p - 1].side_m, group_of(p), real, simulated);
+    elements::Grain& grain = model.grain;
+    bool changed = adjust(grain.ellipsoid_m, kOther, real, simulated);
+    changed |= adjust(grain.mesh_m, kMesh, real, simulated);
+    for (size_t p = 1; p <= grain.classes.size(); ++p) {
+      changed |= adjust(grain.classes[p - 1].side_m, group_of(p), real, simulated);
     }
-    adjust_noise(model.range_noise_m, most_noise_m, real, simulated);
+    changed |= adjust_noise(model.range_noise_m, most_noise_m, real, simulated);
+    settled = !changed;
   }
 }
 

@@ -24,7 +24,7 @@ class ListedBeams {
 
   const LogInfo& info() const { return source_.info(); }
   const std::vector<ListedBeam>& held_out() const { return held_out_; }
-  /// The held-out beams that judge models: of many about 2¹⁶, chosen by a hash.
+  /// The held-out beams by which models are compared: of many about 2¹⁶, chosen by a hash.
   const std::vector<ListedBeam>& judges() const { return judges_.empty() ? held_out_ : judges_; }
   /// How many of the held-out beams returned.
   size_t held_out_hits() const;
