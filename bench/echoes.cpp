@@ -4,12 +4,12 @@
 // at 20 Hz); misses count as beams. The scene is synthetic.
 #include "underbrush/simulate/echoes.hpp"
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "command_line.hpp"
 #include "timing.hpp"
 #include "trace_scenes.hpp"
 #include "underbrush/core/parallel.hpp"
@@ -117,12 +117,11 @@ __attribute__((noinline)) void counted_pass(simulate::EchoMaker& maker, BeamLog&
   maker.answer(0, beams);
 }
 
-/// Prints the figures, and writes them where a file is named.
-void report(const nlohmann::ordered_json& j, const std::string& json_file) {
+/// Prints the figures.
+void report(const nlohmann::ordered_json& j) {
   for (const auto& [key, value] : j.items()) {
     std::printf("%-26s %s\n", key.c_str(), value.dump().c_str());
   }
-  if (!json_file.empty()) std::ofstream(json_file) << j.dump(2) << "\n";
 }
 
 }  // namespace
@@ -132,25 +131,23 @@ void report(const nlohmann::ordered_json& j, const std::string& json_file) {
 int main(int argc, char** argv) {
   using namespace underbrush;
   using namespace underbrush::bench;
-  CLI::App app("Beams a second of the whole instrument");
+  CommandLine line("Beams a second of the whole instrument");
   int sub_rays = 41, threads = 0, rounds = 5, passes = 0;
   size_t ellipsoids = 100000, triangles = 100000;
   double seconds = 0.4;
-  std::string json_file, returns = "strongest";
-  app.add_option("--sub-rays", sub_rays, "Sub-rays of each beam")->capture_default_str();
-  app.add_option("--ellipsoids", ellipsoids, "Number of ellipsoids")->capture_default_str();
-  app.add_option("--triangles", triangles, "Number of triangles of the ground")
-      ->capture_default_str();
-  app.add_option("--threads", threads, "Number of threads; 0 = all cores")->capture_default_str();
-  app.add_option("--rounds", rounds, "Number of rounds, of which the median counts")
-      ->capture_default_str();
-  app.add_option("--seconds", seconds, "Length of the drive, s")->capture_default_str();
-  app.add_option("--returns", returns, "strongest, or all (up to 3)")->capture_default_str();
-  app.add_option("--passes", passes,
-                 "Only answer the first 65 536 beams so often with one thread, to count "
-                 "instructions");
-  app.add_option("--json", json_file, "Write the figures to this file as JSON");
-  CLI11_PARSE(app, argc, argv);
+  std::string returns = "strongest";
+  line.add("--sub-rays", &sub_rays, "Sub-rays of each beam");
+  line.add("--ellipsoids", &ellipsoids, "Number of ellipsoids");
+  line.add("--triangles", &triangles, "Number of triangles of the ground");
+  line.add("--threads", &threads, "Number of threads; 0 = all cores");
+  line.add("--rounds", &rounds, "Number of rounds, of which the median counts");
+  line.add("--seconds", &seconds, "Length of the drive, s");
+  line.add("--returns", &returns, "strongest, or all (up to 3)");
+  line.add("--passes", &passes,
+           "Only answer the first 65 536 beams so often with one thread, to count "
+           "instructions");
+  line.add_json();
+  if (const auto end = line.parse(argc, argv)) return *end;
   set_threads(passes > 0 ? 1 : threads);
 
   const elements::Model model = forest_on_ground(ellipsoids, triangles);
@@ -212,6 +209,7 @@ int main(int argc, char** argv) {
   j["all_sub_rays_anew_beams_per_s"] = median(anew_rate);
   j["one_sub_ray_beams_per_s"] = median(thin_rate);
   j["unlike_all"] = json_of(difference(maker, all_maker, fired));
-  report(j, json_file);
+  report(j);
+  line.write(j);
   return 0;
 }

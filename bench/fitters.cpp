@@ -2,7 +2,6 @@
 // and all of the log, with the exponent e of growth from a quarter to all, time ∝ beams^e. The
 // clusterings are also timed alone, on the points of the log's tiles that are not ground. The log
 // is the one given, else a scanned generated site.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -10,6 +9,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "command_line.hpp"
 #include "site.hpp"
 #include "timing.hpp"
 #include "underbrush/core/parallel.hpp"
@@ -94,18 +94,17 @@ void time_clustering(const Method& m, const std::vector<Tile>& tiles, size_t poi
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Fitting speed of each method");
-  std::string log_file, json_file;
+  bench::CommandLine line("Fitting speed of each method");
+  std::string log_file;
   int runs = 3;
   bool quick = false, processor = false;
-  app.add_option("LOG", log_file, "A log (ray cloud PLY); default: a generated site, scanned");
-  app.add_option("--json", json_file, "Write the figures to this file as JSON");
-  app.add_option("--runs", runs, "Number of runs, of which the fastest counts")
-      ->capture_default_str();
-  app.add_flag("--quick", quick, "Measure a small case");
-  app.add_flag("--processor-time", processor,
-               "Measure processor time over threads instead of the clock's time");
-  CLI11_PARSE(app, argc, argv);
+  line.add("LOG", &log_file, "A log (ray cloud PLY); default: a generated site, scanned");
+  line.add_json();
+  line.add("--runs", &runs, "Number of runs, of which the fastest counts");
+  line.add("--quick", &quick, "Measure a small case");
+  line.add("--processor-time", &processor,
+           "Measure processor time over threads instead of the clock's time");
+  if (const auto end = line.parse(argc, argv)) return *end;
 
   const BeamLog log =
       log_file.empty() ? bench::scanned_site(quick ? 0.5 : 4) : io::read_log(log_file);
@@ -146,6 +145,6 @@ int main(int argc, char** argv) {
       time_clustering(m, tiles, points, runs, processor, voxel_s, j);
     std::printf("\n");
   }
-  if (!json_file.empty()) std::ofstream(json_file) << results.dump(2) << "\n";
+  line.write(results);
   return 0;
 }

@@ -3,9 +3,11 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "run.hpp"
 #include "timing.hpp"
+#include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/osi/chain.hpp"
 #include "underbrush/osi/read.hpp"

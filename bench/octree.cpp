@@ -5,7 +5,6 @@
 
 #include <sys/resource.h>
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -13,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "command_line.hpp"
 #include "timing.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
@@ -156,16 +156,15 @@ void measure_lassos(const std::filesystem::path& octree, const std::filesystem::
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Building the octree of a generated log");
+  bench::CommandLine line("Building the octree of a generated log");
   double millions = 10;
-  std::string json_file, folder = ".";
+  std::string folder = ".";
   bool quick = false;
-  app.add_option("--millions", millions, "Millions of points")->capture_default_str();
-  app.add_option("--folder", folder, "Folder for the octree while it is measured")
-      ->capture_default_str();
-  app.add_option("--json", json_file, "Write the figures to this file as JSON");
-  app.add_flag("--quick", quick, "Measure a small case");
-  CLI11_PARSE(app, argc, argv);
+  line.add("--millions", &millions, "Millions of points");
+  line.add("--folder", &folder, "Folder for the octree while it is measured");
+  line.add_json();
+  line.add("--quick", &quick, "Measure a small case");
+  if (const auto end = line.parse(argc, argv)) return *end;
 
   Drive log(size_t(1e6 * (quick ? 1 : millions)));
   const TemporaryPath place(folder, "octree");
@@ -212,6 +211,6 @@ int main(int argc, char** argv) {
       double(usage.peak_bytes) / double(1u << 30), nodes, double(bytes) / 1e9, open_s,
       double(first) / 1e6);
   measure_lassos(place.path(), folder, j);
-  if (!json_file.empty()) std::ofstream(json_file) << j.dump(2) << "\n";
+  line.write(j);
   return 0;
 }

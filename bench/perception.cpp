@@ -2,10 +2,12 @@
 // [rosenberger20] figure 11 with two Ibeo LUX 2010 of 9 × 41 sub-rays, from the scene to the lists.
 // The scenes are generated. Reports medians of several runs.
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "run.hpp"
 #include "studies/intersection.hpp"
 #include "timing.hpp"
+#include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/perception/object_pipeline.hpp"
 #include "underbrush/perception/occupancy_grid.hpp"

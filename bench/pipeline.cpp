@@ -1,7 +1,6 @@
 // Speed of fitting and simulation as multiples of a real sensor's rate, with Embree's closest hit
 // on the same ground mesh and the same rays in the same run as the reference. The log is the one
 // given, else a scanned generated site.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -9,6 +8,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "command_line.hpp"
 #include "embree.hpp"
 #include "site.hpp"
 #include "timing.hpp"
@@ -35,16 +35,15 @@ double median_rate(size_t items, int runs, F f) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Speed of fit and simulate against the sensor's rate and Embree");
-  std::string log_file, json_file;
+  bench::CommandLine line("Speed of fit and simulate against the sensor's rate and Embree");
+  std::string log_file;
   int runs = 5;
   bool quick = false;
-  app.add_option("LOG", log_file, "A log (ray cloud PLY); default: a generated site, scanned");
-  app.add_option("--json", json_file, "Write the figures to this file as JSON");
-  app.add_option("--runs", runs, "Number of runs, of which the median counts")
-      ->capture_default_str();
-  app.add_flag("--quick", quick, "Measure a small case");
-  CLI11_PARSE(app, argc, argv);
+  line.add("LOG", &log_file, "A log (ray cloud PLY); default: a generated site, scanned");
+  line.add_json();
+  line.add("--runs", &runs, "Number of runs, of which the median counts");
+  line.add("--quick", &quick, "Measure a small case");
+  if (const auto end = line.parse(argc, argv)) return *end;
 
   const BeamLog log =
       log_file.empty() ? bench::scanned_site(quick ? 0.5 : 4) : io::read_log(log_file);
@@ -90,6 +89,6 @@ int main(int argc, char** argv) {
   j["simulate_to_embree_ground_ratio"] = simulate_rate / embree_rate;
   for (const auto& [key, value] : j.items())
     std::printf("%-40s %s\n", key.c_str(), value.dump().c_str());
-  if (!json_file.empty()) std::ofstream(json_file) << j.dump(2) << "\n";
+  line.write(j);
   return 0;
 }

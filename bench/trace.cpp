@@ -2,7 +2,6 @@
 // reference is Embree's closest hit on as many triangles with the same rays in the same run. Rays
 // come in firing order; our times include ordering them and putting the answers back, Embree's do
 // not. The scenes are synthetic.
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -10,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "command_line.hpp"
 #include "contest.hpp"
 #include "curves.hpp"
 #include "embree.hpp"
@@ -224,30 +224,24 @@ Json measure_all(Bench& bench, size_t middle, bool quick) {
 
 int main(int argc, char** argv) {
   using namespace underbrush::bench;
-  CLI::App app("Speed of the tracing engine against Embree and real sensors");
-  std::string json_file, plot_file;
+  CommandLine line("Speed of the tracing engine against Embree and real sensors");
+  std::string plot_file;
   int rounds = 5;
   int passes = 0, sub_rays = 1;
   size_t elements = 100000;
   std::string isa = "avx2";
   bool quick = false;
-  app.add_option("--json", json_file, "Write the figures to this file as JSON");
-  app.add_option(
-      "--plot", plot_file,
-      "Draw rays/s against the number of ellipsoids (SVG), and against that of instances "
-      "in a second file, NAME.instances.svg");
-  app.add_option("--rounds", rounds, "Number of rounds in turns, of which the median counts")
-      ->capture_default_str();
-  app.add_flag("--quick", quick, "Measure fewer and smaller cases (10^5 stands for 10^6)");
-  app.add_option("--passes", passes, "Only trace one forest this many times, for profilers");
-  app.add_option("--elements", elements, "Number of ellipsoids of that forest")
-      ->capture_default_str();
-  app.add_option("--sub-rays", sub_rays, "Sub-rays of each beam in these passes")
-      ->capture_default_str();
-  app.add_option("--isa", isa, "Instruction set of these passes")
-      ->check(CLI::IsMember({"sse2", "avx2", "avx512"}))
-      ->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
+  line.add_json();
+  line.add("--plot", &plot_file,
+           "Draw rays/s against the number of ellipsoids (SVG), and against that of instances "
+           "in a second file, NAME.instances.svg");
+  line.add("--rounds", &rounds, "Number of rounds in turns, of which the median counts");
+  line.add("--quick", &quick, "Measure fewer and smaller cases (10^5 stands for 10^6)");
+  line.add("--passes", &passes, "Only trace one forest this many times, for profilers");
+  line.add("--elements", &elements, "Number of ellipsoids of that forest");
+  line.add("--sub-rays", &sub_rays, "Sub-rays of each beam in these passes");
+  line.add("--isa", &isa, "Instruction set of these passes", {"sse2", "avx2", "avx512"});
+  if (const auto end = line.parse(argc, argv)) return *end;
   if (passes > 0) {
     return trace_passes(passes, forest(elements), drive("velodyne-hdl64e", 1, sub_rays), isa);
   }
@@ -269,6 +263,6 @@ int main(int argc, char** argv) {
     const std::string second = std::filesystem::path(plot_file).replace_extension("instances.svg");
     plot_curves(cases, "scene", "planted", "elements", "Instances of trees", second);
   }
-  if (!json_file.empty()) std::ofstream(json_file) << out.dump(2) << "\n";
+  line.write(out);
   return 0;
 }

@@ -2,11 +2,11 @@
 // triangles with the same rays in the same run. Rays come in firing order; our times include
 // ordering them and putting the answers back, and Embree's rays are ordered before. The worlds are
 // synthetic.
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <fstream>
 #include <memory>
 
+#include "command_line.hpp"
 #include "contest.hpp"
 #include "curves.hpp"
 #include "embree.hpp"
@@ -119,25 +119,20 @@ void print(const Json& j) {
 
 int main(int argc, char** argv) {
   using namespace underbrush::bench;
-  CLI::App app("Speed of the tracing engine in worlds of triangles, against Embree");
-  std::string json_file, plot_file, isa = "avx2";
+  CommandLine line("Speed of the tracing engine in worlds of triangles, against Embree");
+  std::string plot_file, isa = "avx2";
   std::vector<std::string> worlds(std::begin(kTriangleWorlds), std::end(kTriangleWorlds));
   std::vector<size_t> sizes{10000, 100000, 1000000, 10000000};
   int rounds = 5, passes = 0;
-  app.add_option("--json", json_file, "Write the figures to this file as JSON");
-  app.add_option("--plot", plot_file,
-                 "Draw rays/s against the number of triangles of the first world (SVG)");
-  app.add_option("--rounds", rounds, "Number of rounds in turns, of which the median counts")
-      ->capture_default_str();
-  app.add_option("--worlds", worlds, "Worlds to trace")
-      ->check(CLI::IsMember(worlds))
-      ->capture_default_str();
-  app.add_option("--triangles", sizes, "Numbers of their triangles")->capture_default_str();
-  app.add_option("--passes", passes, "Only trace the first world this many times, for profilers");
-  app.add_option("--isa", isa, "Instruction set of these passes")
-      ->check(CLI::IsMember({"sse2", "avx2", "avx512"}))
-      ->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
+  line.add_json();
+  line.add("--plot", &plot_file,
+           "Draw rays/s against the number of triangles of the first world (SVG)");
+  line.add("--rounds", &rounds, "Number of rounds in turns, of which the median counts");
+  line.add("--worlds", &worlds, "Worlds to trace", worlds);
+  line.add("--triangles", &sizes, "Numbers of their triangles");
+  line.add("--passes", &passes, "Only trace the first world this many times, for profilers");
+  line.add("--isa", &isa, "Instruction set of these passes", {"sse2", "avx2", "avx512"});
+  if (const auto end = line.parse(argc, argv)) return *end;
   if (passes > 0) {
     return trace_passes(passes, triangle_world(worlds[0], sizes[0]), drive(kSensor, 1, 1), isa);
   }
@@ -153,8 +148,6 @@ int main(int argc, char** argv) {
   if (!plot_file.empty()) {
     plot_curves(cases, "world", worlds[0], "triangles", "Triangles, " + worlds[0], plot_file);
   }
-  if (!json_file.empty()) {
-    std::ofstream(json_file) << Json{{"machine", on}, {"cases", cases}}.dump(2) << "\n";
-  }
+  line.write(Json{{"machine", on}, {"cases", cases}});
   return 0;
 }

@@ -1,13 +1,13 @@
 // Cost of the waveform stage per beam on one thread: signals of 41 sub-rays, their superposition,
 // noise, detection, report. An OS1-64 fires 655 360 or 1 310 720 beams/s, which leaves 1526 or 763
 // ns a beam on one core.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <ctime>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "command_line.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/radiometry/receiver.hpp"
 
@@ -82,17 +82,15 @@ const std::vector<std::string> kKinds{"surface", "edge", "leaves_2m", "leaves_20
 
 // long: a list of options and one table of figures.
 int main(int argc, char** argv) {
-  CLI::App app("Waveform and detection, ns per beam on one thread");
+  bench::CommandLine line("Waveform and detection, ns per beam on one thread");
   int sub_rays = 41, beams = 2000, runs = 50;
-  std::string pass, sensor_name = "ouster-os1-64", json_file;
-  app.add_option("--sub-rays", sub_rays, "Sub-rays of each beam")->capture_default_str();
-  app.add_option("--sensor", sensor_name, "Sensor whose receiver is used")->capture_default_str();
-  app.add_option("--runs", runs, "Number of runs, of which the fastest counts")
-      ->capture_default_str();
-  app.add_option("--json", json_file, "Write the figures to this file as JSON");
-  app.add_option("--pass", pass, "Only receive beams of this kind once, to count instructions")
-      ->check(CLI::IsMember(kKinds));
-  CLI11_PARSE(app, argc, argv);
+  std::string pass, sensor_name = "ouster-os1-64";
+  line.add("--sub-rays", &sub_rays, "Sub-rays of each beam");
+  line.add("--sensor", &sensor_name, "Sensor whose receiver is used");
+  line.add("--runs", &runs, "Number of runs, of which the fastest counts");
+  line.add_json();
+  line.add("--pass", &pass, "Only receive beams of this kind once, to count instructions", kKinds);
+  if (const auto end = line.parse(argc, argv)) return *end;
 
   radiometry::ReceiverOptions options =
       radiometry::receiver_options(sensor::load(sensor_name), 1e-4);
@@ -146,6 +144,6 @@ int main(int argc, char** argv) {
   j["taps"] = receiver.response().taps();
   for (const auto& [key, value] : j.items())
     std::printf("%-32s %s\n", key.c_str(), value.dump().c_str());
-  if (!json_file.empty()) std::ofstream(json_file) << j.dump(2) << "\n";
+  line.write(j);
   return 0;
 }

@@ -23,7 +23,7 @@ set(underbrush_pch_library
 set(underbrush_pch_program ${underbrush_pch_library}
     <CLI/CLI.hpp> <fmt/format.h> <nlohmann/json.hpp>)
 set(underbrush_pch_study ${underbrush_pch_program})
-set(underbrush_pch_bench ${underbrush_pch_library} <CLI/CLI.hpp> <nlohmann/json.hpp>)
+set(underbrush_pch_bench ${underbrush_pch_library} <nlohmann/json.hpp>)
 set(underbrush_pch_test ${underbrush_pch_library} <gtest/gtest.h>)
 set(underbrush_pch_python ${underbrush_pch_library} <nanobind/nanobind.h> <nanobind/ndarray.h>
     <nanobind/stl/filesystem.h> <nanobind/stl/optional.h> <nanobind/stl/string.h>
@@ -33,6 +33,7 @@ set(underbrush_pch_python ${underbrush_pch_library} <nanobind/nanobind.h> <nanob
 # the time of a run, and neither is what a test or a study does beside the library: a quarter less time for each.
 set(underbrush_optimization_program -Os)
 set(underbrush_optimization_study -O1)
+set(underbrush_optimization_bench -O1)
 set(underbrush_optimization_test -O1)
 
 # underbrush_fast_build(TARGET KIND): KIND is library, program, study, bench, python or test.
