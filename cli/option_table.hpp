@@ -9,8 +9,10 @@
 namespace underbrush::app {
 
 /// Holds a number against the limits of its option; what is no number is left to the conversion.
+/// CLI11 takes a negative number for a large one where the field has no sign.
 template <class T>
-CLI::Validator within_limits(const Option<T>& row) {
+CLI::Validator within_limits(Option<T> row, bool is_unsigned = false) {
+  if (is_unsigned) row.least = std::max(row.least, 0.0);
   return {[row](std::string& word) -> std::string {
             double number = 0;
             const bool fits = !CLI::detail::lexical_cast(word, number) ||
@@ -37,7 +39,7 @@ CLI::Option* add_option(CLI::App& app, const Option<T>& row, T& options) {
         } else {
           CLI::Option* option = app.add_option(name, place, help);
           if constexpr (std::is_arithmetic_v<Value>) {
-            option->check(within_limits(row));
+            option->check(within_limits(row, std::is_unsigned_v<Value>));
             return is_outside(row, options) ? option : option->capture_default_str();
           } else {
             if (!row.choices.empty()) {

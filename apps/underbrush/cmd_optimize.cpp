@@ -5,8 +5,8 @@
 
 #include "fit_options.hpp"
 #include "report/report.hpp"
+#include "report/tuning.hpp"
 #include "stages.hpp"
-#include "tuning.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/atomic_file.hpp"
@@ -93,7 +93,7 @@ void add_options(Verb& verb, Arguments& a) {
 
 /// A search: the parameters that are tuned, their start, and the function that judges them.
 struct Problem {
-  Tuning tuning;
+  report::Tuning tuning;
   std::vector<double> start;
   std::function<optimize::Outcome(std::span<const double>)> objective;
   std::vector<fs::path> inputs = {};  ///< Input files besides the log.
@@ -123,7 +123,7 @@ Problem fit_problem(const Arguments& a, const std::shared_ptr<const optimize::Sl
   Problem p;
   p.take(pipeline::tuned_fit(a.objective, slice, a.fit, a.tune));
   p.tuning.fixed = given_options(a, p.tuning.parameters);
-  p.tuning.what = sentence_on(*slice, a.cut, false);
+  p.tuning.what = report::sentence_on(*slice, a.cut, false);
   return p;
 }
 
@@ -137,7 +137,7 @@ Problem scene_problem(const Verb& verb, const Arguments& a, optimize::Slice slic
   p.inputs = {a.annotation};
   p.inputs.insert(p.inputs.end(), named.inputs.begin(), named.inputs.end());
   p.warnings = std::move(named.warnings);
-  p.tuning.what = sentence_on(slice, a.cut, true);
+  p.tuning.what = report::sentence_on(slice, a.cut, true);
   BeamLog beams = std::move(slice.fit);
   beams.append(slice.validation, 0, slice.validation.size());
   if (in->annotation.objects.empty()) {
@@ -206,7 +206,7 @@ void run(const Verb& verb, Arguments& a) {
   Problem p = a.annotation.empty()
                   ? fit_problem(a, std::make_shared<optimize::Slice>(std::move(slice)))
                   : scene_problem(verb, a, std::move(slice));
-  Tuning& t = p.tuning;
+  report::Tuning& t = p.tuning;
   t.log = a.log;
   t.objective = a.objective;
   std::vector<fs::path> inputs{a.log};
@@ -215,29 +215,31 @@ void run(const Verb& verb, Arguments& a) {
   optimize::Checkpoint kept{identity_of(verb, a, p), false, {}};
   const std::vector<optimize::Evaluation> past = past_of(a, kept.run);
   try {
-    t.evaluations = optimize::search(t.parameters, p.start, a.search, p.objective, past,
-                                     [&](std::span<const optimize::Evaluation> so_far) {
-                                       kept.evaluations.assign(so_far.begin(), so_far.end());
-                                       optimize::write_checkpoint(a.checkpoint, kept);
-                                       std::cerr << fmt::format("[{:.1f} s] {}\n", seconds(),
-                                                                line_of(t, so_far, a.search.budget))
-                                                 << std::flush;
-                                     });
+    t.evaluations =
+        optimize::search(t.parameters, p.start, a.search, p.objective, past,
+                         [&](std::span<const optimize::Evaluation> so_far) {
+                           kept.evaluations.assign(so_far.begin(), so_far.end());
+                           optimize::write_checkpoint(a.checkpoint, kept);
+                           std::cerr << fmt::format("[{:.1f} s] {}\n", seconds(),
+                                                    report::line_of(t, so_far, a.search.budget))
+                                     << std::flush;
+                         });
   } catch (const DataError& e) {
     throw FormatError(past.empty() ? a.log : a.checkpoint, "", e.what());
   }
-  write_config(a.output, t);
+  report::write_config(a.output, t);
   kept.evaluations = t.evaluations;
   kept.finished = true;
   optimize::write_checkpoint(a.checkpoint, kept);
-  Json j = json_of(t);
+  Json j = report::json_of(t);
   j["warnings"] = p.warnings;
   j["resumed_from"] = past.size();
   j["skipped"] = reader.skipped();
   j["seconds"] = seconds();
-  std::string text = text_of(t) + text_of_warnings(p.warnings) + "  written     " + a.output + "\n";
+  std::string text =
+      report::text_of(t) + text_of_warnings(p.warnings) + "  written     " + a.output + "\n";
   if (!a.report.empty())
-    text += "  report      " + write_tuning_report(a.report, t).string() + "\n";
+    text += "  report      " + report::write_tuning_report(a.report, t).string() + "\n";
   verb.report(j, text);
 }
 

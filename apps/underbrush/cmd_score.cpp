@@ -2,12 +2,14 @@
 
 #include <algorithm>
 
+#include "report/clouds.hpp"
 #include "report/report.hpp"
 #include "score_objects.hpp"
 #include "score_protocols.hpp"
 #include "score_report.hpp"
 #include "stages.hpp"
 #include "underbrush/core/check.hpp"
+#include "underbrush/io/log_file.hpp"
 #include "underbrush/osi/list_file.hpp"
 #include "underbrush/pipeline/score_json.inl"
 #include "verbs.hpp"
@@ -47,13 +49,36 @@ void add_options(Verb& verb, Arguments& a) {
   verb.begin_rare_group();
   app.add_option(
          "--protocol", a.protocol,
-         "Adds the scores of another field: kitti360 = range images of 66 x 1030 pixels, as "
-         "learned simulators are scored on KITTI-360")
-      ->check(CLI::IsMember({"kitti360"}));
+         "Other scores: kitti360 adds those of range images of 66 x 1030 pixels, as learned "
+         "simulators are scored on KITTI-360; clouds compares logs that share no beams as point "
+         "clouds")
+      ->check(CLI::IsMember({"kitti360", "clouds"}));
   app.add_flag(
       "--repeats", a.repeats,
       "Add a comparison of scans from one place with equal directions: how ranges change from scan "
       "to scan, and the distance of bearing x range histograms");
+}
+
+/// Compares logs that share no beams as point clouds.
+void score_clouds(const Verb& verb, const Arguments& a, const std::vector<Candidate>& candidates) {
+  std::vector<metrics::NamedCloudScores> clouds;
+  std::vector<fs::path> inputs{a.real};
+  for (const Candidate& c : candidates) {
+    io::LogReader real(a.real), simulated(c.log);
+    try {
+      clouds.push_back({c.name, metrics::compare_clouds(real, simulated)});
+    } catch (const DataError& e) {
+      throw FormatError(c.log.string(), "", e.what());
+    }
+    inputs.push_back(c.log);
+  }
+  const std::string origin = provenance(verb, inputs);
+  std::string text;
+  for (const report::Table& t : report::tables_of_clouds(clouds)) text += report::text_of(t) + "\n";
+  if (!a.report.empty()) {
+    text += "report: " + report::write_cloud_report(a.report, clouds, origin).string() + "\n";
+  }
+  verb.report(pipeline::json_of_clouds(clouds, origin), text);
 }
 
 void run(const Verb& verb, const Arguments& a) {
@@ -80,6 +105,11 @@ void run(const Verb& verb, const Arguments& a) {
   }
   require(a.truth.empty(), "score: --truth is for lists of objects, not for logs");
   if (!a.report.empty()) report::check_report_output(a.report);
+  if (a.protocol == "clouds") {
+    require(a.models.empty() && !a.repeats && a.train.empty(),
+            "score: --model, --train and --repeats are for logs of the same beams, not for clouds");
+    return score_clouds(verb, a, candidates);
+  }
   const std::vector<metrics::Score> scores = score_logs(a.real, candidates, true);
   const std::vector<metrics::Baseline> baselines = score_baselines(a.real, a.train);
   if (!a.train.empty()) inputs.emplace_back(a.train);
@@ -111,6 +141,7 @@ void add_score(Program& program) {
       add_verb(program, "Simulation", "score",
                "Compare simulated logs with the real one, beam by beam, or lists of objects",
                "underbrush score real.ply sim.ply --model model/ --json - --report report/\n"
+               "  underbrush score tripod.ply other-tripod.ply --protocol clouds\n"
                "  underbrush score real.ply hybrid.ply mesh.ply --name default --name mesh\n"
                "  underbrush score real.json sim.json --truth truth.json",
                [a](const Verb& v) { run(v, *a); });

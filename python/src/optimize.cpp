@@ -10,7 +10,7 @@
 #include "bind.hpp"
 #include "fit_parameters.hpp"
 #include "given.hpp"
-#include "tuning.hpp"
+#include "report/tuning.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/optimize/fit_parameters.hpp"
@@ -34,7 +34,7 @@ struct TuneOptions {
 };
 
 /// A search that has ended.
-struct TuningValue : app::Tuning {
+struct TuningValue : report::Tuning {
   Values values_of(const Evaluation& e) const {
     Values out;
     for (size_t k = 0; k < parameters.size(); ++k) out[parameters[k].name] = e.value[k];
@@ -75,7 +75,7 @@ TuningValue tuned_fit(const GivenLog& log, const TuneOptions& o, const nb::dict&
     const std::unique_ptr<BeamSource> source = source_of(log, true);
     const auto slice =
         std::make_shared<const optimize::Slice>(optimize::take_slice(*source, o.cut));
-    out = searched(log, o, app::sentence_on(*slice, o.cut, false),
+    out = searched(log, o, report::sentence_on(*slice, o.cut, false),
                    pipeline::tuned_fit(o.objective, slice, options, o.tune), hook);
   });
   return out;
@@ -92,7 +92,7 @@ TuningValue tuned_scene(const GivenLog& log, const TuneOptions& o,
     parts->annotation = primitives::read_annotation(annotation, allow_outside);
     parts->ground = elements::read_model(parts->annotation.ground.lexically_normal());
     parts->primitives = pipeline::primitives_named(primitives, o.cut.seed).set;
-    std::string what = app::sentence_on(slice, o.cut, true);
+    std::string what = report::sentence_on(slice, o.cut, true);
     BeamLog beams = std::move(slice.fit);
     beams.append(slice.validation, 0, slice.validation.size());
     out = searched(log, o, std::move(what),
@@ -179,9 +179,9 @@ void bind_optimize(nb::module_& m) {
       "write_tuning_report",
       [](const std::filesystem::path& folder, V tuning, const std::string& fixed,
          const std::string& provenance) {
-        tuning.fixed = app::Json::parse(fixed);
+        tuning.fixed = nlohmann::ordered_json::parse(fixed);
         tuning.provenance = provenance;
-        return app::write_tuning_report(folder, tuning);
+        return report::write_tuning_report(folder, tuning);
       },
       "folder"_a, "tuning"_a, "fixed"_a, "provenance"_a, nb::call_guard<nb::gil_scoped_release>(),
       "Writes the page of a search and returns its path.");

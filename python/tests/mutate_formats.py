@@ -2,6 +2,7 @@
 """Reads damaged files of every kind: each is read, or refused with `FormatError`, within bounded memory and time.
 
     mutate_formats.py [--count 10000] [--seed 1] [--kind laz mcap ...]
+    mutate_formats.py --lies         each number of each file's own structure, replaced by false ones
 
 Every mutant is read in a child process whose address space may grow by twice the file's size and 256 MiB. A crash, a
 hang (20 s), another exception or columns of different lengths are failures; each is printed with its kind, number and
@@ -26,6 +27,7 @@ from collections.abc import Callable
 
 import numpy as np
 from format_data import generated_log
+from format_fields import lies, put
 
 from underbrush.formats import FormatError, OptionMissing, open_recording, place
 
@@ -125,6 +127,18 @@ def with_checksums(content: bytes, before: bytes) -> bytes:
     return bytes(out)
 
 
+LIES = 0  # the seed of `damaged` that stands for lies
+
+
+def damaged(seed: bytes, kind: str, number: int, main_seed: int) -> bytes:
+    """A mutant, or for the seed `LIES` the file with the lie of that number."""
+    if main_seed != LIES:
+        return mutant(seed, kind, number, main_seed)
+    field, value = lies(kind, seed)[number]
+    lie = put(seed, field, value)
+    return with_checksums(lie, seed) if kind == "e57" else lie
+
+
 def mutant(seed: bytes, kind: str, number: int, main_seed: int) -> bytes:
     """The damaged file of that number: the same for the same seeds."""
     rng = np.random.default_rng([main_seed, number, *kind.encode()])
@@ -198,7 +212,7 @@ def child(kind: str, good: pathlib.Path, numbers: range, main_seed: int) -> None
     path = good.with_name("mutant" + good.suffix)
     for number in numbers:
         print(number, end=" ", flush=True)
-        path.write_bytes(mutant(seed, kind, number, main_seed))
+        path.write_bytes(damaged(seed, kind, number, main_seed))
         try:
             what = read_all(path)
         except BaseException as error:  # noqa: BLE001
@@ -209,20 +223,24 @@ def child(kind: str, good: pathlib.Path, numbers: range, main_seed: int) -> None
 
 def run(kind: str, count: int, main_seed: int,
         keep: pathlib.Path | None = None) -> tuple[collections.Counter[str], list[str]]:
-    """Reads `count` mutants of a kind; returns what became of them, and the failures."""
+    """Reads `count` mutants of a kind, or about so many of its lies; returns what became of them, and the failures."""
     results: collections.Counter[str] = collections.Counter()
     failures: list[str] = []
     with tempfile.TemporaryDirectory() as name:
         good = KINDS[kind](pathlib.Path(name))
         seed = good.read_bytes()
+        step = 1
+        if main_seed == LIES:
+            there = len(lies(kind, seed))
+            step, count = max(1, there // count), there
         number = 0
         while number < count:
-            number = _batch(kind, good, range(number, count), main_seed, results, failures)
+            number = _batch(kind, good, range(number, count, step), main_seed, results, failures)
         for line in failures if keep is not None else []:
             assert keep is not None
             keep.mkdir(exist_ok=True)
-            damaged = int(line.split()[1])
-            (keep / f"{kind}-{damaged}{good.suffix}").write_bytes(mutant(seed, kind, damaged, main_seed))
+            wrong = int(line.split()[1])
+            (keep / f"{kind}-{wrong}{good.suffix}").write_bytes(damaged(seed, kind, wrong, main_seed))
     return results, failures
 
 
@@ -230,7 +248,7 @@ def _batch(kind: str, good: pathlib.Path, numbers: range, main_seed: int, result
            failures: list[str]) -> int:
     """Runs a process until it ends, crashes or hangs; returns the next number."""
     command = [sys.executable, __file__, "--child", kind, str(good), str(numbers.start), str(numbers.stop),
-               str(main_seed)]
+               str(numbers.step), str(main_seed)]
     text, hung = b"", False
     with subprocess.Popen(command, stdout=subprocess.PIPE) as process:
         assert process.stdout is not None
@@ -256,24 +274,25 @@ def _batch(kind: str, good: pathlib.Path, numbers: range, main_seed: int, result
         number = rest.split()[0]
         results["failed"] += 1
         failures.append(f"{kind} {number} " + ("hangs" if hung else f"ends the process: status {status}"))
-        return int(number) + 1
+        return int(number) + numbers.step
     return numbers.stop
 
 
 def main() -> int:
     if sys.argv[1:2] == ["--child"]:
-        kind, good, begin, end, seed = sys.argv[2:]
-        child(kind, pathlib.Path(good), range(int(begin), int(end)), int(seed))
+        kind, good, begin, end, step, seed = sys.argv[2:]
+        child(kind, pathlib.Path(good), range(int(begin), int(end), int(step)), int(seed))
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--count", type=int, default=10_000, help="mutants of each kind")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--lies", action="store_true", help="lies instead of mutants")
     parser.add_argument("--kind", nargs="+", choices=list(KINDS), default=list(KINDS))
     parser.add_argument("--keep", type=pathlib.Path, help="folder for mutants that fail")
     options = parser.parse_args()
     failed = 0
     for kind in options.kind:
         start = time.monotonic()
-        results, failures = run(kind, options.count, options.seed, options.keep)
+        results, failures = run(kind, options.count, LIES if options.lies else options.seed, options.keep)
         counts = ", ".join(f"{count} {what}" for what, count in sorted(results.items()))
         print(f"{kind}: {counts}; {time.monotonic() - start:.0f} s", flush=True)
         for line in failures[:20]:

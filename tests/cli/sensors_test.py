@@ -130,6 +130,9 @@ class OwnSensors(cli_test.OnALog):
         small = call(*like, "--grain", "-1", cwd=self.folder)
         self.assertEqual(small.returncode, 2)
         self.assertIn("--grain: expected a value that is between 0 and 100 (see", small.stderr)
+        negative = call("segment", "log.ply", "-o", "objects", "--min-points", "-1", cwd=self.folder)
+        self.assertEqual(negative.returncode, 2)
+        self.assertIn("--min-points: expected a value that is not negative (see", negative.stderr)
         both = call(*like, "--sensor", "velodyne-vlp16", "--trajectory", "poses.txt", cwd=self.folder)
         self.assertEqual(both.returncode, 2)
 

@@ -27,7 +27,7 @@ TARGETS = {
 ABOVE = {"report": (), "cli": (), "apps/underbrush": ("report", "cli"),
          "studies": ("report", "cli"), "bench": ("report", "apps/underbrush", "studies"),
          "apps/fmu": (),
-         "python": ("cli", "apps/underbrush")}
+         "python": ("report", "cli", "apps/underbrush")}
 OWN_TARGETS = {"underbrush_report": "report", "underbrush_cli": "cli",
                "underbrush_app": "apps/underbrush", "underbrush_studies": "studies"}
 # What answers beams. The answer that a user gets is made in `pipeline` alone, which everybody else calls.

@@ -8,11 +8,11 @@ RESULTS = "docs/results.md", 150
 LIMITS = {".hpp": 200, ".inl": 400, ".cpp": 400, ".py": 400, ".ts": 400}
 # The most lines of C++, Python and TypeScript of each room: what it had when it was last tidied, and a twentieth more.
 ROOMS = {
-    "apps/fmu": 1800, "apps/underbrush": 4600, "bench": 3300, "cli": 1700, "python/src": 2900, "python/underbrush":
-    7900, "report": 2100, "studies": 8800, "web/src": 6800, "src/underbrush/calibrate": 1700,
+    "apps/fmu": 1800, "apps/underbrush": 4400, "bench": 3300, "cli": 1700, "python/src": 2900, "python/underbrush":
+    7900, "report": 2500, "studies": 8800, "web/src": 6800, "src/underbrush/calibrate": 1700,
     "src/underbrush/cluster": 1500, "src/underbrush/core": 2400, "src/underbrush/credit": 1100,
     "src/underbrush/elements": 2500, "src/underbrush/fit": 1800, "src/underbrush/ground": 2000, "src/underbrush/io":
-    7500, "src/underbrush/keyframes": 2000, "src/underbrush/likelihood": 2000, "src/underbrush/metrics": 3000,
+    7500, "src/underbrush/keyframes": 2000, "src/underbrush/likelihood": 2000, "src/underbrush/metrics": 3200,
     "src/underbrush/movers": 700, "src/underbrush/optimize": 700, "src/underbrush/osi": 5100,
     "src/underbrush/perception": 5600, "src/underbrush/pipeline": 5400, "src/underbrush/primitives": 3500,
     "src/underbrush/radiometry": 2400, "src/underbrush/sensor": 3000, "src/underbrush/serve": 6700,
@@ -46,7 +46,7 @@ def check(root):
     return out
 
 
-BAD = [({f"apps/underbrush/{k}.cpp": "\n" * 400 for k in range(16)}, "apps/underbrush: 6400 lines, 4600 are enough"),
+BAD = [({f"apps/underbrush/{k}.cpp": "\n" * 400 for k in range(16)}, "apps/underbrush: 6400 lines, 4400 are enough"),
        ({"docs/results.md": "\n" * 151}, "split"), ({"src/a.hpp": "\n" * 301}, "split"), ({"src/a.cpp": "\n" * 601}, "split")]
 GOOD = {"docs/results.md": "\n" * 150, "src/a.hpp": "\n" * 150, "src/a.cpp": "\n" * 300}
 

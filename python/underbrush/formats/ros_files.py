@@ -1,14 +1,16 @@
 """The files of ROS recordings, as rosbags opens them."""
 from __future__ import annotations
 
+import bz2
 import contextlib
 import pathlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 from ..errors import FormatError
 from ._files import guarded, need
 
+_MOST_CHUNK = 256 << 20  # bytes of a chunk of a bag of ROS 1, of which recorders make less than 1 MiB
 _MCAP = b"\x89MCAP0\r\n"
 _READERS = {"ros1": ("rosbag1", "Reader"), "mcap": ("rosbag2.storage_mcap", "McapReader"),
             "sqlite3": ("rosbag2.storage_sqlite3", "Sqlite3Reader"), "folder": ("rosbag2.reader", "DirectoryReader")}
@@ -66,6 +68,43 @@ def recover_mcap(path: pathlib.Path, target: pathlib.Path) -> int:
     return count
 
 
+def _unpacked(packed: bytes, new: Callable[[], Any]) -> bytes:
+    """The content of a chunk, a frame or stream after the other. Raises `ValueError` beyond `_MOST_CHUNK`."""
+    out = bytearray()
+    while packed:
+        one = new()
+        out += one.decompress(packed, max_length=_MOST_CHUNK + 1 - len(out))
+        if len(out) > _MOST_CHUNK:
+            raise ValueError(f"a chunk of {len(packed)} bytes unpacks to more than {_MOST_CHUNK >> 20} MiB")
+        if not one.eof:
+            raise ValueError("a chunk ends within its compressed data")
+        packed = one.unused_data or b""
+    return bytes(out)
+
+
+def _bounded(unpack: Callable[[bytes], bytes]) -> Callable[[bytes], bytes]:
+    """Bounds how much a chunk unpacks to; one that failed is not tried again for each of its messages."""
+    new: Callable[[], Any]
+    if unpack is bz2.decompress:
+        new = bz2.BZ2Decompressor
+    elif unpack is need("lz4.frame").decompress:
+        new = need("lz4.frame").LZ4FrameDecompressor
+    else:
+        return unpack
+    failure: Exception | None = None
+
+    def bounded(packed: bytes) -> bytes:
+        nonlocal failure
+        if failure is None:
+            try:
+                return _unpacked(packed, new)
+            except Exception as error:  # noqa: BLE001  Whatever a library raises on damage.
+                failure = error
+        raise failure
+
+    return bounded
+
+
 @contextlib.contextmanager
 def opened(path: pathlib.Path, kind: str) -> Iterator[Any]:
     """Yields rosbags' reader of a file of that kind, open, with `duration`, `start_time` and `end_time` (ns)."""
@@ -75,6 +114,9 @@ def opened(path: pathlib.Path, kind: str) -> Iterator[Any]:
     with guarded(path, "open"):
         reader = getattr(need("rosbags." + module), name)(path)
         reader.open()
+        if kind == "ros1":
+            reader.chunks = {at: chunk._replace(decompressor=_bounded(chunk.decompressor))
+                             for at, chunk in reader.chunks.items()}
     try:
         for fact in ("duration", "start_time", "end_time"):
             if not hasattr(reader, fact):

@@ -49,7 +49,8 @@ class Scorer {
       if (real.scan[i] != sim.scan[i] || real.ring[i] != sim.ring[i] ||
           (real.origin[i] - sim.origin[i]).squaredNorm() > 1e-4) {
         throw DataError("score: the logs are not of the same beams (beam " +
-                        std::to_string(first + i) + ")");
+                        std::to_string(first + i) +
+                        "); score --protocol clouds compares logs that share no beams");
       }
       if (real.flags[i] & kMover) {
         ++mover_beams_;
@@ -238,7 +239,9 @@ Score score(BeamSource& real, BeamSource& simulated, const ScoreOptions& options
             const std::function<void(size_t, size_t)>& progress) {
   if (real.size() != simulated.size()) {
     throw DataError("score: " + std::to_string(real.size()) + " real beams but " +
-                    std::to_string(simulated.size()) + " simulated ones");
+                    std::to_string(simulated.size()) +
+                    " simulated ones; score --protocol clouds compares logs that share no "
+                    "beams");
   }
   const bool keyframes = options.world && options.world->is_one_model() &&
                          keyframes::KeyframeCache::serves(options.world->model(), real);

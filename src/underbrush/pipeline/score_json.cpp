@@ -101,7 +101,51 @@ Json json_of(const metrics::Score& s) {
   return j;
 }
 
+Json json_of(const metrics::LengthDistribution& d) {
+  return {{"distance_m", io::finite_or_null(d.distance_m)},
+          {"first_m", d.first_m},
+          {"bin_m", d.bin_m},
+          {"real_share", d.share[0]},
+          {"share", d.share[1]}};
+}
+
+Json json_of(const metrics::CloudScores& s) {
+  Json j = {{"real_beams", s.beams[0]},
+            {"beams", s.beams[1]},
+            {"real_points", s.points[0]},
+            {"points", s.points[1]},
+            {"real_returns", s.returns[0]},
+            {"returns", s.returns[1]},
+            {"cloud_error_m", io::finite_or_null(s.cloud_error_m)},
+            {"real_to_simulated_m", io::finite_or_null(s.nearest_m[0])},
+            {"simulated_to_real_m", io::finite_or_null(s.nearest_m[1])},
+            {"density_aware_chamfer", io::finite_or_null(s.density_aware_chamfer)},
+            {"occupied", io::finite_or_null(s.occupied)},
+            {"range", json_of(s.range)},
+            {"height", json_of(s.height)}};
+  j["regions"] = Json::array();
+  for (const metrics::CloudRegion& r : s.regions) {
+    j["regions"].push_back({{"x_m", metrics::CloudScores::kRegionM * r.at.x},
+                            {"y_m", metrics::CloudScores::kRegionM * r.at.y},
+                            {"real_points", r.points[0]},
+                            {"points", r.points[1]},
+                            {"cloud_error_m", r.cloud_error_m},
+                            {"error_share", r.error_share},
+                            {"height_distance_m", io::finite_or_null(r.height_distance_m)}});
+  }
+  return j;
+}
+
 }  // namespace
+
+Json json_of_clouds(const std::vector<metrics::NamedCloudScores>& clouds,
+                    const std::string& provenance) {
+  Json j = json_of(clouds.at(0).scores);
+  j["models"] = Json::object();
+  for (const metrics::NamedCloudScores& c : clouds) j["models"][c.name] = json_of(c.scores);
+  j["provenance"] = io::json_of_text(provenance);
+  return j;
+}
 
 Json json_of_scores(const std::vector<std::string>& names,
                     const std::vector<metrics::Score>& scores,

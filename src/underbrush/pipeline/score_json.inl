@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "underbrush/metrics/baselines.hpp"
+#include "underbrush/metrics/clouds.hpp"
 
 namespace underbrush::pipeline {
 
@@ -14,6 +15,11 @@ namespace underbrush::pipeline {
 nlohmann::ordered_json json_of_scores(const std::vector<std::string>& names,
                                       const std::vector<metrics::Score>& scores,
                                       const std::vector<metrics::Baseline>& baselines,
+                                      const std::string& provenance);
+
+/// Returns the first comparison of clouds at the top and those of every log under `models` by name.
+/// Scores without data are null.
+nlohmann::ordered_json json_of_clouds(const std::vector<metrics::NamedCloudScores>& clouds,
                                       const std::string& provenance);
 
 }  // namespace underbrush::pipeline

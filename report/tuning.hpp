@@ -1,22 +1,24 @@
 /// The result of a parameter search, as text, as JSON and as a configuration.
 #pragma once
 #include <filesystem>
+#include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "cli/verb.hpp"
 #include "underbrush/optimize/search.hpp"
 #include "underbrush/optimize/slice.hpp"
 
-namespace underbrush::app {
+namespace underbrush::report {
 
 /// A search that has ended.
 struct Tuning {
   std::string log, objective, what;  ///< `what` is a sentence on the slice and its parts.
   std::vector<optimize::Parameter> parameters;
   std::vector<optimize::Evaluation> evaluations;  ///< The first is that of the start.
-  Json fixed = Json::object();  ///< Options that were given and stay fixed, as NAME: VALUE or
-                                ///< [VALUES].
+  nlohmann::ordered_json fixed =
+      nlohmann::ordered_json::object();  ///< Options that were given and stay fixed, as NAME: VALUE
+                                         ///< or [VALUES].
   bool densities = false;  ///< The parameters are densities of a scene's classes, for `compose`.
   std::string provenance;
 
@@ -29,7 +31,7 @@ struct Tuning {
 std::string sentence_on(const optimize::Slice& slice, const optimize::SliceOptions& cut,
                         bool scene);
 /// Returns the search as JSON.
-Json json_of(const Tuning& tuning);
+nlohmann::ordered_json json_of(const Tuning& tuning);
 /// Returns a table of the parameters and scores before and after.
 std::string text_of(const Tuning& tuning);
 /// Returns one line on the last evaluation, with the best so far.
@@ -42,4 +44,4 @@ void write_config(const std::filesystem::path& path, const Tuning& tuning);
 std::filesystem::path write_tuning_report(const std::filesystem::path& folder,
                                           const Tuning& tuning);
 
-}  // namespace underbrush::app
+}  // namespace underbrush::report

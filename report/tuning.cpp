@@ -1,4 +1,4 @@
-#include "tuning.hpp"
+#include "report/tuning.hpp"
 
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
@@ -15,10 +15,11 @@
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/json_text.inl"
 
-namespace underbrush::app {
+namespace underbrush::report {
 namespace fs = std::filesystem;
 namespace {
 
+using Json = nlohmann::ordered_json;
 using optimize::Evaluation;
 
 constexpr const char *kBest = "#c33", *kTried = "#36c";
@@ -29,11 +30,11 @@ bool at_edge(const optimize::Parameter& p, double value) {
   return value == p.low || value == p.high;
 }
 
-report::Table table_of(const Tuning& t) {
-  report::Table table{fmt::format("{} evaluations of {}", t.evaluations.size(), t.objective),
-                      t.what,
-                      {"", "start", "tuned", "range"},
-                      {}};
+Table table_of(const Tuning& t) {
+  Table table{fmt::format("{} evaluations of {}", t.evaluations.size(), t.objective),
+              t.what,
+              {"", "start", "tuned", "range"},
+              {}};
   for (size_t k = 0; k < t.parameters.size(); ++k) {
     const optimize::Parameter& p = t.parameters[k];
     table.rows.push_back({p.name, rounded(t.start().value[k]), rounded(t.tuned().value[k]),
@@ -48,8 +49,8 @@ report::Table table_of(const Tuning& t) {
   return table;
 }
 
-report::Table history_of(const Tuning& t) {
-  report::Table table{"What was tried", "In order; the least objective is taken.", {"#"}, {}};
+Table history_of(const Tuning& t) {
+  Table table{"What was tried", "In order; the least objective is taken.", {"#"}, {}};
   for (const optimize::Parameter& p : t.parameters) table.head.push_back(p.name);
   table.head.emplace_back("objective");
   for (size_t i = 0; i < t.evaluations.size(); ++i) {
@@ -61,7 +62,7 @@ report::Table history_of(const Tuning& t) {
 }
 
 std::string curve_of(const Tuning& t) {
-  report::SvgPlot::Points tried, best;
+  SvgPlot::Points tried, best;
   std::vector<double> objective;
   for (const Evaluation& e : t.evaluations) {
     const double x = double(objective.size() + 1);
@@ -75,9 +76,8 @@ std::string curve_of(const Tuning& t) {
   const double high = std::max(first, objective[objective.size() * 3 / 4]);
   const double room = std::max(0.1 * (high - low), 1e-3 * std::abs(low) + 1e-12);
   for (auto& [x, y] : tried) y = std::min(y, high + room);
-  report::SvgPlot plot(
-      "Objective by evaluation: tried (blue; at the top: beyond it) and best so far (red)",
-      "evaluation", t.objective);
+  SvgPlot plot("Objective by evaluation: tried (blue; at the top: beyond it) and best so far (red)",
+               "evaluation", t.objective);
   plot.x_axis(0, double(t.evaluations.size() + 1));
   plot.y_axis(low - room, high + room);
   plot.line(best, kBest);
@@ -187,15 +187,15 @@ std::string sentence_on(const optimize::Slice& slice, const optimize::SliceOptio
 
 fs::path write_tuning_report(const fs::path& folder, const Tuning& t) {
   const double from = t.start().outcome.objective, to = t.tuned().outcome.objective;
-  return report::write_summary_page(
+  return write_summary_page(
       folder, {.title = "Tuning on " + fs::path(t.log).filename().string(),
                .lead = t.what,
                .verdict = to < from ? fmt::format("{} from {:.4f} to {:.4f}", t.objective, from, to)
                                     : "nothing tried was better than the start",
-               .asked = "<p>" + report::escaped(io::text_of_json(t.fixed)) + "</p>\n",
+               .asked = "<p>" + escaped(io::text_of_json(t.fixed)) + "</p>\n",
                .body = html_of(table_of(t)) + "<figure>\n" + curve_of(t) + "</figure>\n" +
                        html_of(history_of(t)),
                .provenance = t.provenance});
 }
 
-}  // namespace underbrush::app
+}  // namespace underbrush::report
