@@ -4,6 +4,7 @@ from __future__ import annotations
 import json
 import os
 import pathlib
+import shutil
 import subprocess
 import sys
 import time
@@ -122,6 +123,26 @@ def test_a_recording_that_changed_is_imported_anew(drive: pathlib.Path, cache: p
     os.utime(next(drive.iterdir()), (1, 1))
     second = log_of(drive, say.append)
     assert second != first and logs_in(cache) == [second]
+
+
+def test_logs_that_were_used_least_recently_leave_a_full_cache(tmp_path: pathlib.Path, cache: pathlib.Path,
+                                                               monkeypatch: pytest.MonkeyPatch) -> None:
+    logs = []
+    for k in range(3):
+        copy = tmp_path / f"scan{k}.las"
+        shutil.copy(LAS, copy)
+        logs.append(log_of(copy, [].append, [PLACE]))
+        os.utime(logs[-1].parents[1], (k + 1, k + 1))
+    bytes_of_one = sum(file.stat().st_size for file in logs[0].parent.iterdir())
+    assert log_of(tmp_path / "scan0.las", [].append, [PLACE]) == logs[0]  # now used last
+    monkeypatch.setattr("underbrush.recorded.MOST_BYTES", int(3.5 * bytes_of_one))
+    shutil.copy(LAS, tmp_path / "scan3.las")
+    logs.append(log_of(tmp_path / "scan3.las", [].append, [PLACE]))
+    assert [log.exists() for log in logs] == [True, False, True, True]
+    monkeypatch.setattr("underbrush.recorded.MOST_BYTES", 1)
+    shutil.copy(LAS, tmp_path / "scan4.las")
+    logs.append(log_of(tmp_path / "scan4.las", [].append, [PLACE]))
+    assert logs_in(cache) == [logs[-1]]
 
 
 def test_verbs_take_the_options_of_import_for_recordings(cache: pathlib.Path, tmp_path: pathlib.Path) -> None:

@@ -13,6 +13,8 @@ from collections.abc import Callable, Sequence
 
 from underbrush._core import BeamLog, version
 
+#: Most bytes of logs that the cache keeps; those used least recently are removed.
+MOST_BYTES = 32 << 30
 #: Ends of names of recordings that the program does not read by itself.
 RECORDINGS = (".bag", ".mcap", ".db3", ".las", ".laz", ".pcap", ".pcapng", ".e57", ".xyz")
 
@@ -64,10 +66,27 @@ def log_of(recording: str | os.PathLike[str], say: Callable[[str], object],
         for other in place.iterdir():
             if other != log.parent:
                 shutil.rmtree(other, ignore_errors=True)
+        _remove_old(place)
+    os.utime(place)
     found = json.loads(counts.read_text(encoding="utf-8"))
     for note in [*(f"{n} records left out: {why}" for why, n in found["skipped"].items()), *found["notes"]]:
         say(f"{recording}: {note}")
     return log
+
+
+def _remove_old(kept: pathlib.Path) -> None:
+    """Removes the logs used least recently where all logs have more than `MOST_BYTES`, but not that of `kept`."""
+    def bytes_of(place: pathlib.Path) -> int:
+        return sum(file.stat().st_size for file in place.rglob("*") if file.is_file())
+
+    places = sorted((place for place in kept.parent.iterdir() if place.is_dir()), key=lambda p: p.stat().st_mtime)
+    total = sum(map(bytes_of, places))
+    for place in places:
+        if total <= MOST_BYTES:
+            break
+        if place != kept:
+            total -= bytes_of(place)
+            shutil.rmtree(place, ignore_errors=True)
 
 
 def _import(words: Sequence[str], counts: pathlib.Path) -> None:
