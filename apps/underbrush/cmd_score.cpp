@@ -9,6 +9,7 @@
 #include "score_report.hpp"
 #include "stages.hpp"
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/still_beams.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/osi/list_file.hpp"
 #include "underbrush/pipeline/score_json.inl"
@@ -59,14 +60,15 @@ void add_options(Verb& verb, Arguments& a) {
       "to scan, and the distance of bearing x range histograms");
 }
 
-/// Compares logs that share no beams as point clouds.
+/// Compares logs that share no beams as point clouds, without what was marked as moving.
 void score_clouds(const Verb& verb, const Arguments& a, const std::vector<Candidate>& candidates) {
   std::vector<metrics::NamedCloudScores> clouds;
   std::vector<fs::path> inputs{a.real};
   for (const Candidate& c : candidates) {
     io::LogReader real(a.real), simulated(c.log);
+    StillBeams still_real(real), still(simulated);
     try {
-      clouds.push_back({c.name, metrics::compare_clouds(real, simulated)});
+      clouds.push_back({c.name, metrics::compare_clouds(still_real, still)});
     } catch (const DataError& e) {
       throw FormatError(c.log.string(), "", e.what());
     }
