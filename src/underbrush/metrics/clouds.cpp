@@ -163,14 +163,12 @@ CloudScores compare_clouds(BeamSource& real, BeamSource& simulated) {
       out.returns[side][n] = double(cloud.by_returns[n]) / double(cloud.beams);
     }
     const Nearest near = nearest(cloud.point, clouds[1 - side].point);
-    std::vector<uint32_t> shared(clouds[1 - side].point.size());
-    for (const uint32_t k : near.index) ++shared[k];
+    const std::vector<double> terms = chamfer_terms(near, clouds[1 - side].point.size());
     double sum = 0, misfit = 0;
     for (size_t i = 0; i < cloud.point.size(); ++i) {
-      constexpr double kAlpha = 10;  // 1/m
       const double d = near.distance_m[i];
       sum += d;
-      misfit += 1 - std::exp(-kAlpha * d) / double(shared[near.index[i]]);
+      misfit += terms[i];
       const Vec3f& p = cloud.point[i];
       const Vec3 world = *origin + p.cast<double>();
       RegionSums& region = regions[cell_of(world.x(), world.y(), CloudScores::kRegionM)];

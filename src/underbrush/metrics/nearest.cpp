@@ -26,4 +26,16 @@ Nearest nearest(std::span<const Vec3f> queries, std::span<const Vec3f> cloud) {
   return out;
 }
 
+std::vector<double> chamfer_terms(const Nearest& nearest, size_t cloud_size) {
+  constexpr double kAlpha = 10;  // 1/m
+  std::vector<uint32_t> shared(cloud_size);
+  for (const uint32_t k : nearest.index) ++shared[k];
+  std::vector<double> out(nearest.index.size());
+  for (size_t i = 0; i < out.size(); ++i) {
+    const double d = nearest.distance_m[i];
+    out[i] = 1 - std::exp(-kAlpha * d) / double(shared[nearest.index[i]]);
+  }
+  return out;
+}
+
 }  // namespace underbrush::metrics

@@ -19,4 +19,9 @@ struct Nearest {
 /// clouds are in one frame, m; `cloud` must not be empty.
 Nearest nearest(std::span<const Vec3f> queries, std::span<const Vec3f> cloud);
 
+/// Computes 1 − e^{−α d}/n of each query, with α = 10/m, where n queries share their nearest point.
+/// The density-aware Chamfer distance (Wu et al. 2021) is the mean of these terms over both
+/// directions. `cloud_size` is the number of points of the cloud.
+std::vector<double> chamfer_terms(const Nearest& nearest, size_t cloud_size);
+
 }  // namespace underbrush::metrics

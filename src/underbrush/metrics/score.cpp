@@ -192,12 +192,9 @@ class Scorer {
     if (points_[0].empty() || points_[1].empty()) return;
     for (int side = 0; side < 2; ++side) {
       const Nearest n = nearest(points_[side], points_[1 - side]);
-      std::vector<uint32_t> shared(points_[1 - side].size());
-      for (uint32_t k : n.index) ++shared[k];
+      const std::vector<double> chamfer = chamfer_terms(n, points_[1 - side].size());
       for (size_t i = 0; i < n.index.size(); ++i) {
-        constexpr double kAlpha = 10;  // 1/m
-        const double d = n.distance_m[i];
-        const double c = 1 - std::exp(-kAlpha * d) / double(shared[n.index[i]]);
+        const double d = n.distance_m[i], c = chamfer[i];
         for (size_t s : {size_t(0), size_t(point_sets_[side][i][0]),
                          size_t(point_sets_[side][i][1]), size_t(point_sets_[side][i][2])}) {
           if (s >= sets_.size()) continue;
