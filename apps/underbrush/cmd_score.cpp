@@ -29,7 +29,8 @@ struct Arguments {
 void add_options(Verb& verb, Arguments& a) {
   CLI::App& app = verb.app;
   app.add_option("REAL", a.real, "The real log, or real lists of objects (CSV, JSON)")->required();
-  app.add_option("SIMULATED", a.simulated, "One or several simulated logs of the same beams")
+  app.add_option("SIMULATED", a.simulated,
+                 "One or several simulated logs, of the same beams but with --protocol clouds")
       ->required();
   app.add_option("--model", a.models,
                  "Model or scene of each simulated log, in order; adds likelihood and CRPS")

@@ -66,8 +66,10 @@ def log_of(recording: str | os.PathLike[str], say: Callable[[str], object],
         for other in place.iterdir():
             if other != log.parent:
                 shutil.rmtree(other, ignore_errors=True)
-        _remove_old(place)
-    os.utime(place)
+        with contextlib.suppress(OSError):  # Another process may remove the same.
+            _remove_old(place)
+    with contextlib.suppress(OSError):
+        os.utime(place)
     found = json.loads(counts.read_text(encoding="utf-8"))
     for note in [*(f"{n} records left out: {why}" for why, n in found["skipped"].items()), *found["notes"]]:
         say(f"{recording}: {note}")
