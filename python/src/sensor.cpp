@@ -58,7 +58,7 @@ void bind_sensor(nb::module_& m) {
       .def_ro("name", &Sensor::name, "Name in the catalogue.")
       .def_ro("title", &Sensor::title, "Maker and model.")
       .def_prop_ro("kind", &sensor::kind_name,
-                   "\"spinning\", \"raster\", \"sweep\" or \"directions\".")
+                   "\"spinning\", \"raster\", \"sweep\", \"directions\" or \"risley\".")
       .def_ro("rate_hz", &Sensor::rate_hz, "Revolutions or frames a second.")
       .def_ro("min_range_m", &Sensor::min_range_m, "m; the sensor reports no nearer return.")
       .def_ro("max_range_m", &Sensor::max_range_m, "m; the sensor reports no farther return.")

@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "io/temporary.hpp"
+#include "sensor/wedge_oracle.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/sensor/pattern.hpp"
@@ -172,7 +173,8 @@ TEST_F(Helios, RefusesBombsAndPathsThatLeadOut) {
 class HeliosSurvey : public Helios {
  protected:
   fs::path survey(const std::string& attributes, const std::string& content,
-                  const std::string& optics, const std::string& more = "") {
+                  const std::string& optics, const std::string& more = "",
+                  const std::string& children = "") {
     scene("<part>" + kObj + "</part>");
     write("platforms.xml",
           "<document><platform id=\"tripod\" type=\"static\"><scannerMount x=\"0\" y=\"0\" "
@@ -181,13 +183,13 @@ class HeliosSurvey : public Helios {
           "angle_deg=\"-90\"/>"
           "<rot axis=\"z\" angle_deg=\"90\"/></scannerMount></platform>"
           "<platform id=\"copter\" type=\"multicopter\"/></document>");
-    write(
-        "scanners.xml",
-        "<document><scanner id=\"one\" accuracy_m=\"0.01\" beamDivergence_rad=\"0.001\" "
-        "pulseLength_ns=\"5\" rangeMin_m=\"0.5\" rangeMax_m=\"250\" scanAngleMax_deg=\"60\" "
-        "scanAngleEffectiveMax_deg=\"50\" wavelength_nm=\"1550\" maxNOR=\"4\" optics=\"" +
-            optics + "\" " + more +
-            "><FWFSettings beamSampleQuality=\"2\"/><beamOrigin z=\"0.2\"/></scanner></document>");
+    write("scanners.xml",
+          "<document><scanner id=\"one\" accuracy_m=\"0.01\" beamDivergence_rad=\"0.001\" "
+          "pulseLength_ns=\"5\" rangeMin_m=\"0.5\" rangeMax_m=\"250\" scanAngleMax_deg=\"60\" "
+          "scanAngleEffectiveMax_deg=\"50\" wavelength_nm=\"1550\" maxNOR=\"4\" optics=\"" +
+              optics + "\" " + more +
+              "><FWFSettings beamSampleQuality=\"2\"/><beamOrigin z=\"0.2\"/>" + children +
+              "</scanner></document>");
     return write("survey.xml",
                  "<document>\n<scannerSettings id=\"t\" active=\"true\" pulseFreq_hz=\"1000\" "
                  "scanFreq_hz=\"10\" scanAngle_deg=\"45\"/>\n<survey name=\"v\" scene=\"s.xml#s\" "
@@ -197,7 +199,7 @@ class HeliosSurvey : public Helios {
   /// Writes the files of a leg and returns the beams that it fires.
   BeamLog beams_of(const SurveyLeg& leg) {
     write("leg.yaml", leg.sensor);
-    write(leg.table_name, leg.directions);
+    if (!leg.table_name.empty()) write(leg.table_name, leg.directions);
     sensor_ = sensor::load((folder / "leg.yaml").string());
     const auto& poses = leg.trajectory.poses();
     return sensor::beams(sensor_, leg.trajectory, poses.front().time_s, poses.back().time_s);
@@ -310,8 +312,109 @@ TEST_F(HeliosSurvey, LegsStandOnTheGroundAndPlatformsAreSaid) {
   EXPECT_EQ(c.left_out.at("dynamics of the platform multicopter"), 2u);
 }
 
+const std::string kPrisms =
+    "rotorFreq1_Hz=\"-121.5\" rotorFreq2_Hz=\"77.7\" angle1_deg=\"18.7\" angle2_deg=\"-17.9\" "
+    "refrIndex1=\"1.51\" refrIndex2=\"1.6\"";
+const std::vector<sensor::Wedge> kWedges{{-121.5, 18.7, 1.51}, {77.7, -17.9, 1.6}};
+
+std::string stand(const std::string& scanner_settings) {
+  return "<leg><platformSettings x=\"3\" y=\"4\" z=\"1\"/><scannerSettings template=\"t\" "
+         "maxDuration_s=\"0.5\" " +
+         scanner_settings + "/></leg>";
+}
+
+// HELIOS++ turns the prisms before the first pulse, and goes on from leg to leg while the scanner
+// is active.
+TEST_F(HeliosSurvey, PrismsTurnFromLegToLeg) {
+  const std::string legs =
+      stand("") + stand("active=\"false\"") + stand("opticsWarmupPhase_s=\"0.02\"");
+  const Survey s =
+      read_helios_survey(survey("platform=\"platforms.xml#tripod\"", legs, "risley", kPrisms), {});
+  ASSERT_EQ(s.legs.size(), 2u);
+  for (const size_t leg : {0u, 1u}) {
+    EXPECT_TRUE(s.legs[leg].table_name.empty());
+    const BeamLog beams = beams_of(s.legs[leg]);
+    ASSERT_EQ(beams.size(), 500u);
+    EXPECT_NEAR(sensor_.wavelength_m, 1550e-9, 1e-15);
+    for (size_t k = 0; k < beams.size(); ++k) {
+      const double turned_s = double(k + 1) / 1000 + (leg == 1 ? 0.52 : 0);
+      const Vec3 expected = sensor::behind_wedges(kWedges, turned_s, Vec3::UnitY());
+      ASSERT_LT((beams.direction[k].cast<double>() - expected).norm(), 1e-6) << k;
+      ASSERT_LT((beams.origin[k] - Vec3(3, 4, 2.7)).norm(), 1e-9);
+    }
+  }
+}
+
+TEST_F(HeliosSurvey, ChannelsWithPrismsFlyOnAPlatform) {
+  const std::string channels =
+      "<channels><channel><incidentBeam x=\"-0.1\" y=\"2\"/></channel>"
+      "<channel rotorFreq2_Hz=\"10\" refrIndex_air=\"1.1\"><beamOrigin><rot axis=\"z\" "
+      "angle_deg=\"-30\"/></beamOrigin></channel><channel optics=\"conic\"/></channels>";
+  const std::string legs =
+      "<leg><platformSettings z=\"100\" movePerSec_m=\"20\"/><scannerSettings template=\"t\"/>"
+      "</leg><leg><platformSettings x=\"40\" z=\"100\"/></leg>";
+  const Survey s = read_helios_survey(
+      survey("platform=\"platforms.xml#plane\"", legs, "risley", kPrisms, channels), {});
+  EXPECT_EQ(s.left_out.at("channels with other optics than their scanner"), 1u);
+  const BeamLog beams = beams_of(s.legs.at(0));
+  ASSERT_EQ(beams.size(), 4000u);
+  const auto about = [](const Vec3& axis, double degrees) {
+    return Eigen::Quaterniond(Eigen::AngleAxisd(degrees * M_PI / 180, axis));
+  };
+  // The mount turns about x, then about z; the platform's forward is along x.
+  const Eigen::Quaterniond world_from_head =
+      about(Vec3::UnitZ(), -90) * about(Vec3::UnitZ(), 90) * about(Vec3::UnitX(), -90);
+  const std::vector<sensor::Wedge> own{{-121.5, 18.7, 1.51 / 1.1}, {10, -17.9, 1.6 / 1.1}};
+  const Vec3 tilted = Vec3(-0.1, 2, 0).normalized();
+  for (size_t i = 0; i < beams.size(); i += 17) {
+    const double turned_s = double(i / 2 + 1) / 1000;
+    Vec3 expected = sensor::behind_wedges(kWedges, turned_s, tilted);
+    if (i % 2 == 1) {
+      expected = about(Vec3::UnitZ(), -30) * sensor::behind_wedges(own, turned_s, Vec3::UnitY());
+    }
+    ASSERT_LT((beams.direction[i].cast<double>() - world_from_head * expected).norm(), 1e-6) << i;
+    ASSERT_EQ(beams.ring[i], i % 2);
+  }
+}
+
+// Law: beams after a warm-up are those of a scanner without one from that time on.
+TEST_F(HeliosSurvey, AWarmUpTurnsHeadAndOptics) {
+  for (const std::string optics : {"oscillating", "rotating", "conic", "risley"}) {
+    std::map<long, Vec3f> pulses[2];
+    for (const size_t warm : {0u, 1u}) {
+      const std::string leg =
+          stand("headRotatePerSec_deg=\"36\" headRotateStop_deg=\"190\" opticsWarmupPhase_s=\"" +
+                std::string(warm == 1 ? "0.137" : "0") + "\"");
+      const Survey s =
+          read_helios_survey(survey("platform=\"platforms.xml#tripod\"", leg, optics, kPrisms), {});
+      const BeamLog beams = beams_of(s.legs.at(0));
+      for (size_t k = 0; k < beams.size(); ++k) {
+        pulses[warm][std::lround(beams.time_s[k] * 1000) + 137 * long(warm)] = beams.direction[k];
+      }
+    }
+    size_t both = 0;
+    for (const auto& [pulse, direction] : pulses[1]) {
+      const auto same = pulses[0].find(pulse);
+      if (same == pulses[0].end()) continue;
+      ASSERT_LT((same->second - direction).norm(), 2e-6) << optics << pulse;
+      ++both;
+    }
+    EXPECT_GT(both, 200u) << optics;
+  }
+}
+
 TEST_F(HeliosSurvey, RefusesWhatIsWrong) {
-  EXPECT_THROW(read_helios_survey(survey("platform=\"platforms.xml#tripod\"", kTurn, "risley"), {}),
+  const std::string tripod = "platform=\"platforms.xml#tripod\"";
+  EXPECT_THROW(read_helios_survey(survey(tripod, kTurn, "kaleidoscope"), {}), FormatError);
+  for (const char* prisms :
+       {"", "rotorFreq1_Hz=\"7294\" rotorFreq2_Hz=\"-4664\"", "angle1_deg=\"x\"",
+        "angle1_deg=\"9\" refrIndex1=\"0\"", "angle1_deg=\"9\" refrIndex_air=\"0\""}) {
+    EXPECT_THROW(read_helios_survey(survey(tripod, kTurn, "risley", prisms), {}), FormatError)
+        << prisms;
+  }
+  EXPECT_THROW(read_helios_survey(survey(tripod, kTurn, "risley", kPrisms,
+                                         "<channels><channel optics=\"line\"/></channels>"),
+                                  {}),
                FormatError);
   EXPECT_THROW(read_helios_survey(survey("platform=\"platforms.xml#none\"", kTurn, "conic"), {}),
                FormatError);

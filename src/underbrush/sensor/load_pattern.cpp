@@ -136,6 +136,50 @@ void read_directions(const YamlMap& map, Sensor& s) {
   }
 }
 
+std::vector<Prism> read_prisms(const YamlMap& map) {
+  const YamlMap columns = map.map("prisms", {"rotor_hz", "angle_deg", "index"});
+  const auto rotor = columns.get<std::vector<double>>("rotor_hz");
+  const auto angle = columns.get<std::vector<double>>("angle_deg");
+  const auto index = columns.get<std::vector<double>>("index");
+  if (angle.size() != rotor.size()) columns.fail("angle_deg", "needs one value per rotor");
+  if (index.size() != rotor.size()) columns.fail("index", "needs one value per rotor");
+  std::vector<Prism> prisms(rotor.size());
+  for (size_t i = 0; i < prisms.size(); ++i) prisms[i] = {rotor[i], angle[i] * kDegree, index[i]};
+  return prisms;
+}
+
+PrismLaser read_laser(const YamlMap& map, const std::vector<Prism>& prisms) {
+  PrismLaser laser;
+  const auto d = map.get("direction", std::vector<double>{1, 0, 0});
+  const auto q = map.get("attitude", std::vector<double>{0, 0, 0, 1});
+  if (d.size() != 3) map.fail("direction", "needs x, y, z");
+  if (q.size() != 4) map.fail("attitude", "needs qx, qy, qz, qw");
+  laser.direction = Vec3(d[0], d[1], d[2]).normalized();
+  laser.sensor_from_laser = Eigen::Quaterniond(q[3], q[0], q[1], q[2]).normalized();
+  laser.prisms = map.has("prisms") ? read_prisms(map) : prisms;
+  return laser;
+}
+
+void read_risley(const YamlMap& root, Sensor& s) {
+  s.rate_hz = root.get<double>("rate_hz");
+  s.risley.pulse_hz = root.get<double>("shots_per_s");
+  s.risley.start_s = root.get("start_s", 0.0);
+  const std::vector<Prism> prisms = read_prisms(root);
+  if (root.has("lasers")) {
+    if (!root.child("lasers").IsSequence()) root.fail("lasers", "needs a list");
+    for (const YAML::Node& node : root.child("lasers")) {
+      const YamlMap map(root.file(), "lasers", node, {"direction", "attitude", "prisms"});
+      s.risley.lasers.push_back(read_laser(map, prisms));
+    }
+  } else {
+    s.risley.lasers.push_back({Vec3::UnitX(), Eigen::Quaterniond::Identity(), prisms});
+  }
+  s.firing_period_s = 1 / s.beams_per_s();
+  if (!(s.rate_hz > 0 && s.beams_per_s() / s.rate_hz <= 1e8)) {
+    root.fail("rate_hz", "must be positive, for at most 100 000 000 shots a frame");
+  }
+}
+
 }  // namespace
 
 void read_pattern(const YamlMap& root, Sensor& s) {
@@ -143,7 +187,8 @@ void read_pattern(const YamlMap& root, Sensor& s) {
   s.kind = root.choice<Kind>("kind", {{"spinning", Kind::kSpinning},
                                       {"raster", Kind::kRaster},
                                       {"sweep", Kind::kSequence},
-                                      {"directions", Kind::kSequence}});
+                                      {"directions", Kind::kSequence},
+                                      {"risley", Kind::kRisley}});
   if (kind == "spinning") {
     read_rotation(root, s);
     s.channels = read_channels(root, nullptr);
@@ -151,6 +196,8 @@ void read_pattern(const YamlMap& root, Sensor& s) {
     read_sweep(root, s);
   } else if (kind == "raster") {
     read_raster(root, s);
+  } else if (kind == "risley") {
+    read_risley(root, s);
   } else {
     read_directions(root, s);
   }

@@ -66,8 +66,7 @@ void PatternSource::start_shooting() {
   for (uint64_t scan = 0;; ++scan) {
     const uint64_t first = sensor_.shots_before(double(scan) / sensor_.rate_hz);
     if (first >= size_) break;
-    const uint64_t n = sensor_.shots_per_cycle();
-    add_scan(scan, double(first / n) * sensor_.shot_cycle_s() + sensor_.shot(first % n).time_s);
+    add_scan(scan, sensor_.shot(first).time_s);
     first_shot_.push_back(first);
   }
 }
@@ -102,13 +101,12 @@ void PatternSource::fire(size_t firing, size_t at, BeamLog& chunk) const {
 }
 
 void PatternSource::shoot(size_t begin, size_t end, size_t first, BeamLog& chunk) const {
-  const uint64_t n = sensor_.shots_per_cycle();
   double posed_at = -1;
   Pose world_from_sensor;
   for (size_t i = begin; i < end; ++i) {
     const uint64_t shot_number = first + i;
-    const Shot s = sensor_.shot(shot_number % n);
-    const double t = double(shot_number / n) * sensor_.shot_cycle_s() + s.time_s;
+    const Shot s = sensor_.shot(shot_number);
+    const double t = s.time_s;
     if (t != posed_at) world_from_sensor = pose(start_s_ + t);
     posed_at = t;
     const auto scan = std::upper_bound(first_shot_.begin(), first_shot_.end(), shot_number) - 1;

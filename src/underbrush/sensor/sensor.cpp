@@ -13,6 +13,7 @@ double Sensor::azimuth_step_rad() const { return 2 * M_PI * rate_hz * firing_per
 
 double Sensor::beams_per_s() const {
   if (kind == Kind::kSpinning) return double(channels.size()) / firing_period_s;
+  if (kind == Kind::kRisley) return risley.pulse_hz * double(risley.lasers.size());
   return double(shots_per_cycle()) / shot_cycle_s();
 }
 
@@ -20,22 +21,28 @@ size_t Sensor::beams_per_packet() const {
   return size_t(firings_per_packet) * (kind == Kind::kSpinning ? channels.size() : 1);
 }
 
-double Sensor::shot_cycle_s() const { return kind == Kind::kRaster ? 1 / rate_hz : cycle_s; }
+double Sensor::shot_cycle_s() const { return kind == Kind::kSequence ? cycle_s : 1 / rate_hz; }
 
 uint64_t Sensor::shots_per_cycle() const {
+  if (kind == Kind::kRisley) return shots_before(shot_cycle_s());
   return kind == Kind::kRaster ? raster.size() : shots.size();
 }
 
 Shot Sensor::shot(uint64_t k) const {
-  if (kind == Kind::kSequence) return shots[k];
-  Shot s = raster.shot(k);
-  s.time_s = double(k) * firing_period_s;
+  if (kind == Kind::kRisley) return risley.shot(k);
+  const uint64_t cycle = k / shots_per_cycle(), within = k % shots_per_cycle();
+  Shot s = kind == Kind::kSequence ? shots[within] : raster.shot(within);
+  if (kind == Kind::kRaster) s.time_s = double(within) * firing_period_s;
+  s.time_s += double(cycle) * shot_cycle_s();
   return s;
 }
 
 uint64_t Sensor::shots_before(double time_s) const {
   const double slack = 1e-6 * firing_period_s;
   if (time_s <= slack) return 0;
+  if (kind == Kind::kRisley) {
+    return uint64_t(std::ceil((time_s - slack) * risley.pulse_hz)) * risley.lasers.size();
+  }
   const auto cycle = uint64_t((time_s - slack) / shot_cycle_s());
   const double within = time_s - double(cycle) * shot_cycle_s() - slack;
   uint64_t low = 0, high = shots_per_cycle();
@@ -111,6 +118,11 @@ void Sensor::check() const {
     require(std::isfinite(start_azimuth_rad), "sensor: start azimuth is not finite");
     return;
   }
+  if (kind == Kind::kRisley) {
+    risley.check();
+    require(rate_hz <= 1000 * beams_per_s(), "sensor: many more frames than shots");
+    return;
+  }
   require(positive(shot_cycle_s()) && shots_per_cycle() > 0, "sensor: no shots");
   if (kind == Kind::kRaster) {
     require(raster.rows <= UINT16_MAX, "sensor: too many rows");
@@ -133,6 +145,7 @@ void Sensor::check() const {
 std::string_view kind_name(const Sensor& sensor) {
   if (sensor.kind == Kind::kSpinning) return "spinning";
   if (sensor.kind == Kind::kRaster) return "raster";
+  if (sensor.kind == Kind::kRisley) return "risley";
   return sensor.channels.empty() ? "directions" : "sweep";
 }
 

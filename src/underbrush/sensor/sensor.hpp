@@ -10,6 +10,7 @@
 
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/sensor/beam.hpp"
+#include "underbrush/sensor/risley.hpp"
 #include "underbrush/sensor/shots.hpp"
 #include "underbrush/sensor/signal.hpp"
 
@@ -30,6 +31,7 @@ enum class Kind {
   kSpinning,  ///< All channels fire again and again while the head turns.
   kRaster,    ///< Lines of a raster, from a sensor that stands or moves.
   kSequence,  ///< A list of shots: a sweep over part of a turn, or directions from a file.
+  kRisley,    ///< Lasers behind rotating prisms.
 };
 
 /// A lidar. Its frame has x forward, y left and z up; azimuth 0 is forward, and counter-clockwise
@@ -52,6 +54,7 @@ struct Sensor {
   Raster raster;                 ///< For `kRaster`.
   std::vector<Shot> shots;       ///< For `kSequence`: the shots of a cycle, in order of time.
   double cycle_s = 0;            ///< For `kSequence`: the duration of a cycle.
+  Risley risley;                 ///< For `kRisley`.
   double min_range_m = 0;
   double max_range_m = 120;
   double range_sigma_m = 0;       ///< σ of the range.
@@ -72,12 +75,12 @@ struct Sensor {
   /// The channels in the order in which they fire: by time, then ring.
   std::vector<uint16_t> firing_order() const;
 
-  /// The duration of a cycle of shots, s. This function and the next three are for sensors that do
-  /// not spin.
+  /// The duration of a cycle of shots, s; with prisms, of a frame, which does not repeat. This
+  /// function and the next three are for sensors that do not spin.
   double shot_cycle_s() const;
   /// The number of shots of a cycle.
   uint64_t shots_per_cycle() const;
-  /// Shot `k` of a cycle.
+  /// Shot `k` since the start of the first cycle, as its time is.
   Shot shot(uint64_t k) const;
   /// The number of shots before `time_s` after the start of the first cycle.
   uint64_t shots_before(double time_s) const;
@@ -86,7 +89,7 @@ struct Sensor {
 };
 
 /// The name of the way in which a sensor's beams cover its field of view: "spinning", "raster",
-/// "sweep" (channels over part of a turn) or "directions" (shots from a file).
+/// "sweep" (channels over part of a turn), "directions" (shots from a file) or "risley".
 std::string_view kind_name(const Sensor& sensor);
 
 /// Loads a sensor: from the catalogue by name, or else from the YAML file at this path, whose

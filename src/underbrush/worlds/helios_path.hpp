@@ -1,7 +1,9 @@
 /// \file
 /// The ways on which platforms of HELIOS++ carry their scanner.
 #pragma once
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <limits>
 #include <vector>
@@ -23,6 +25,11 @@ struct LegSettings {
   double head_rad_per_s = 0, head_start_rad = 0, head_stop_rad = 0;
   double vertical_step_rad = 0, horizontal_step_rad = 0;
   double longest_s = -1;  ///< Not positive = no limit.
+  double warmup_s = 0;    ///< For which head and optics turn before the first pulse.
+
+  double warmup_pulses() const {
+    return std::isfinite(pulse_hz) ? std::max(0.0, std::round(warmup_s * pulse_hz)) : 0;
+  }
 };
 
 /// Where the scanner is on the platform. As in HELIOS++, the position does not turn with the

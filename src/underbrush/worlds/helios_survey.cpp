@@ -7,6 +7,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/text.hpp"
 #include "underbrush/worlds/helios_path.hpp"
+#include "underbrush/worlds/helios_risley.hpp"
 #include "underbrush/worlds/xml_file.hpp"
 
 namespace underbrush::worlds {
@@ -43,6 +44,8 @@ class SurveyReader {
     read_mount();
     scanner_.file->count_others(
         scanner_.node, {"FWFSettings", "beamOrigin", "headRotateAxis", "channels"}, out_.left_out);
+    optics_ = scanner_.file->text(scanner_.node, "optics");
+    read_emitters();
   }
 
   Survey read() {
@@ -128,6 +131,7 @@ class SurveyReader {
     angle("verticalResolution_deg", s.vertical_step_rad);
     angle("horizontalResolution_deg", s.horizontal_step_rad);
     s.longest_s = xml_.number(n, "maxDuration_s", s.longest_s);
+    s.warmup_s = xml_.number(n, "opticsWarmupPhase_s", s.warmup_s);
     const double device = xml_max("scanAngleMax_deg") * kDegree;
     if (s.vertical_step_rad > 0 && device > 0) {
       s.scan_hz = s.pulse_hz * s.vertical_step_rad / (2 * device);
@@ -151,8 +155,10 @@ class SurveyReader {
   LegPath path_of(const std::vector<pugi::xml_node>& legs, size_t k, const LegSettings& settings,
                   double start_s) {
     const pugi::xml_node platform = legs[k].child("platformSettings");
-    const HeadTurn head{settings.head_start_rad, settings.head_stop_rad, settings.head_rad_per_s,
-                        std::max(1.0, settings.pulse_hz)};
+    const double pulse_hz = std::max(1.0, settings.pulse_hz);
+    const double warm_s = settings.warmup_pulses() / pulse_hz;
+    const HeadTurn head{settings.head_start_rad + settings.head_rad_per_s * warm_s,
+                        settings.head_stop_rad, settings.head_rad_per_s, pulse_hz};
     if (platform.attribute("trajectory")) {
       const TrajectoryFile file{
           folders_.path(xml_.path(), xml_.text(platform, "trajectory")),
@@ -203,11 +209,9 @@ class SurveyReader {
   void add_leg(size_t number, const LegSettings& s, const LegPath& path) {
     SurveyLeg leg;
     leg.number = number;
-    leg.table_name = "leg-" + std::to_string(number) + ".csv";
-    const Deflector d = deflector_of(s);
     try {
       leg.trajectory = Trajectory(path.poses);
-      write_table(line_of(d), d, leg);
+      optics_ == "risley" ? write_prisms(s, leg) : write_table(s, leg);
     } catch (const std::invalid_argument& e) {
       xml_.fail(survey_, "leg " + std::to_string(number) + ": " + e.what());
     }
@@ -217,7 +221,7 @@ class SurveyReader {
   Deflector deflector_of(const LegSettings& s) const {
     const XmlFile& file = *scanner_.file;
     Deflector d;
-    d.optics = file.text(scanner_.node, "optics");
+    d.optics = optics_;
     const bool known = d.optics == "oscillating" || d.optics == "conic" || d.optics == "line" ||
                        d.optics == "rotating";
     if (!known) file.fail(scanner_.node, "optics: " + in_quotes(d.optics) + " are not supported");
@@ -236,28 +240,48 @@ class SurveyReader {
     return d;
   }
 
-  /// Returns the attitudes of the emitters, of which each fires at every pulse.
-  std::vector<Eigen::Quaterniond> emitters() const {
-    std::vector<Eigen::Quaterniond> out;
-    for (const pugi::xml_node& channel : scanner_.node.child("channels").children("channel")) {
+  /// Reads the emitters, of which each fires at every pulse.
+  void read_emitters() {
+    const pugi::xml_node channels = scanner_.node.child("channels");
+    for (const pugi::xml_node& channel : channels.children("channel")) {
+      const pugi::xml_attribute own = channel.attribute("optics");
+      if (own && optics_ != own.value()) {
+        ++out_.left_out["channels with other optics than their scanner"];
+        continue;
+      }
       const pugi::xml_node origin = channel.child("beamOrigin");
-      out.push_back(origin ? scanner_.file->rotation(origin) : emitter_);
+      emitters_.push_back({origin ? scanner_.file->rotation(origin) : emitter_, channel});
     }
-    if (out.empty()) out.push_back(emitter_);
-    return out;
+    if (!channels) emitters_.push_back({emitter_, {}});
+    if (emitters_.empty()) scanner_.file->fail(channels, "no channel with the scanner's optics");
   }
 
-  void write_table(const std::vector<Vec3>& line, const Deflector& d, SurveyLeg& leg) {
-    const std::vector<Eigen::Quaterniond> emitter = emitters();
-    require_data(line.size() * emitter.size() <= 4000000, "more than 4000000 directions");
+  /// Writes the sensor of a leg whose beams pass prisms. These turn as long as the scanner is
+  /// active, from leg to leg.
+  void write_prisms(const LegSettings& s, SurveyLeg& leg) {
+    const auto& poses = leg.trajectory.poses();
+    turned_s_ += s.warmup_pulses() / s.pulse_hz;
+    leg.sensor = sensor_text(
+        leg, risley_pattern(*scanner_.file, scanner_.node, emitters_, s.pulse_hz, turned_s_));
+    const double duration_s = poses.back().time_s - poses.front().time_s;
+    turned_s_ += std::ceil(duration_s * s.pulse_hz - 1e-6) / s.pulse_hz;
+  }
+
+  void write_table(const LegSettings& settings, SurveyLeg& leg) {
+    leg.table_name = "leg-" + std::to_string(leg.number) + ".csv";
+    const Deflector d = deflector_of(settings);
+    std::vector<Vec3> line = line_of(d);
+    const auto warm = std::fmod(settings.warmup_pulses(), double(line.size()));
+    std::rotate(line.begin(), line.begin() + std::ptrdiff_t(warm), line.end());
+    require_data(line.size() * emitters_.size() <= 4000000, "more than 4000000 directions");
     std::ostringstream table;
     table.precision(12);
     table << "azimuth_deg,elevation_deg,time_us,ring\n";
     size_t shots = 0;
     for (size_t k = 0; k < line.size(); ++k) {
       if (line[k].isZero()) continue;
-      for (size_t c = 0; c < emitter.size(); ++c) {
-        const Vec3 v = ours(emitter[c] * line[k]).normalized();
+      for (size_t c = 0; c < emitters_.size(); ++c) {
+        const Vec3 v = ours(emitters_[c].attitude * line[k]).normalized();
         const double flat = std::hypot(v.x(), v.y());
         const double azimuth = flat < 1e-12 ? 0 : std::atan2(v.y(), v.x());
         const size_t ring = d.optics == "line" ? k : c;
@@ -269,10 +293,14 @@ class SurveyReader {
     require_data(shots > 0, "no pulse leaves the scanner");
     leg.directions = table.str();
     const double cycle_s = double(line.size()) / d.pulse_hz;
-    leg.sensor = sensor_text(leg, cycle_s, emitter.size());
+    std::ostringstream y;
+    y.precision(12);
+    y << "kind: directions\nrate_hz: " << 1 / cycle_s << "\ncycle_s: " << cycle_s
+      << "\ndirections: " << leg.table_name << "\n";
+    leg.sensor = sensor_text(leg, y.str());
   }
 
-  std::string sensor_text(const SurveyLeg& leg, double cycle_s, size_t emitters) const {
+  std::string sensor_text(const SurveyLeg& leg, const std::string& pattern) const {
     const XmlFile& f = *scanner_.file;
     const pugi::xml_node& n = scanner_.node;
     // HELIOS++ states the divergence where the power is 1/e² of that on the axis.
@@ -284,13 +312,9 @@ class SurveyReader {
     const pugi::xml_node over = survey_.child("detectorSettings");
     std::ostringstream y;
     y.precision(12);
-    y << "name: "
-      << "helios-leg-" << leg.number << "\n"
-      << "kind: directions  # " << emitters
+    y << "name: helios-leg-" << leg.number << "\n# " << emitters_.size()
       << " emitters; the turn of the head is in the trajectory\n"
-      << "rate_hz: " << 1 / cycle_s << "\ncycle_s: " << cycle_s
-      << "\ndirections: " << leg.table_name
-      << "\nmin_range_m: " << xml_.number(over, "rangeMin_m", nearest)
+      << pattern << "min_range_m: " << xml_.number(over, "rangeMin_m", nearest)
       << "\nmax_range_m: " << xml_.number(over, "rangeMax_m", farthest)
       << "\nrange_sigma_m: " << xml_.number(over, "accuracy_m", f.number(n, "accuracy_m", 0));
     const double divergence = f.number(n, "beamDivergence_rad", 0.0003) * half_power * 1e3;
@@ -314,6 +338,9 @@ class SurveyReader {
   bool interpolated_ = false;
   ScannerMount mount_;
   Eigen::Quaterniond emitter_ = Eigen::Quaterniond::Identity();
+  std::string optics_;
+  std::vector<Emitter> emitters_;
+  double turned_s_ = 0;  ///< For how long the prisms have turned.
   Survey out_;
 };
 

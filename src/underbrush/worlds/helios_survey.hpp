@@ -18,10 +18,10 @@ using HeightAt = std::function<std::optional<double>(double x, double y)>;
 /// A leg of a survey on which the scanner measures.
 struct SurveyLeg {
   size_t number = 0;       ///< The place of its element leg in the survey, from 0.
-  std::string sensor;      ///< A sensor file of the kind `directions` (YAML).
-  std::string directions;  ///< Its table (CSV); the sensor file calls it `table_name`.
-  std::string table_name;
-  Trajectory trajectory;  ///< World from sensor; the turn of the scanner's head is in it.
+  std::string sensor;      ///< A sensor file (YAML) of the kind `directions` or `risley`.
+  std::string directions;  ///< Its table (CSV), which the sensor file calls `table_name`.
+  std::string table_name;  ///< Empty for a scanner with prisms, whose sensor file has no table.
+  Trajectory trajectory;   ///< World from sensor; the turn of the scanner's head is in it.
 };
 
 /// A survey.
@@ -35,7 +35,7 @@ struct Survey {
 /// Reads the legs of the survey in an XML file, with its platform and scanner. `ground_at` tells
 /// the height (m) below a place for legs on the ground; it may be empty. docs/how-to/helios.md says
 /// what is taken over. Throws `FormatError`, also for a scanner whose optics are not oscillating,
-/// conic, line or rotating.
+/// conic, line, rotating or risley.
 Survey read_helios_survey(const std::filesystem::path& path, const HeightAt& ground_at,
                           const std::filesystem::path& assets = {});
 

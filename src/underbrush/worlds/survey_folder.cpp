@@ -62,7 +62,7 @@ std::string write_survey(const fs::path& path, const World& world, const Survey&
         elements::write_scene(folder / "scene", world.scene, info);
         for (const SurveyLeg& leg : survey.legs) {
           write_file(folder / (name_of(leg) + ".yaml"), leg.sensor);
-          write_file(folder / leg.table_name, leg.directions);
+          if (!leg.table_name.empty()) write_file(folder / leg.table_name, leg.directions);
           write_file(folder / (name_of(leg) + ".txt"), poses_text(leg.trajectory));
         }
         write_file(folder / "survey.json", text);
