@@ -186,7 +186,8 @@ class HeliosSurvey : public Helios {
     write("scanners.xml",
           "<document><scanner id=\"one\" accuracy_m=\"0.01\" beamDivergence_rad=\"0.001\" "
           "pulseLength_ns=\"5\" rangeMin_m=\"0.5\" rangeMax_m=\"250\" scanAngleMax_deg=\"60\" "
-          "scanAngleEffectiveMax_deg=\"50\" wavelength_nm=\"1550\" maxNOR=\"4\" optics=\"" +
+          "scanAngleEffectiveMax_deg=\"50\" headRotatePerSecMax_deg=\"40\" wavelength_nm=\"1550\" "
+          "maxNOR=\"4\" optics=\"" +
               optics + "\" " + more +
               "><FWFSettings beamSampleQuality=\"2\"/><beamOrigin z=\"0.2\"/>" + children +
               "</scanner></document>");
@@ -237,6 +238,25 @@ TEST_F(HeliosSurvey, ATripodTurnsItsHead) {
         Vec3(0, std::cos(elevation * M_PI / 180), std::sin(elevation * M_PI / 180));
     EXPECT_LT((d - expected).norm(), 1e-4) << t;
   }
+}
+
+// The head of the scanner turns at most at 40 degrees a second.
+TEST_F(HeliosSurvey, AHeadIsNoFasterThanItsScanner) {
+  const std::string tripod = "platform=\"platforms.xml#tripod\"";
+  const auto duration_of = [&](const std::string& speed) {
+    const std::string leg =
+        "<leg><platformSettings/><scannerSettings template=\"t\" "
+        "headRotateStop_deg=\"80\" headRotatePerSec_deg=\"" +
+        speed + "\"/></leg>";
+    const Survey s = read_helios_survey(survey(tripod, leg, "rotating"), {});
+    EXPECT_EQ(s.left_out.count("speeds of the head above headRotatePerSecMax_deg"),
+              speed == "400" ? 1u : 0u);
+    const auto& poses = s.legs.at(0).trajectory.poses();
+    return poses.back().time_s - poses.front().time_s;
+  };
+  EXPECT_NEAR(duration_of("20"), 4, 1e-9);
+  EXPECT_NEAR(duration_of("40"), 2, 1e-9);
+  EXPECT_NEAR(duration_of("400"), 2, 1e-9);
 }
 
 TEST_F(HeliosSurvey, APlaneFliesFromLegToLeg) {

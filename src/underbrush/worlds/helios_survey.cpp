@@ -54,7 +54,8 @@ class SurveyReader {
     if (legs.empty()) xml_.fail(survey_, "no leg");
     double start_s = 0;
     for (size_t k = 0; k < legs.size(); ++k) {
-      const LegSettings settings = settings_of(legs[k]);
+      LegSettings settings = settings_of(legs[k]);
+      limit_head(settings);
       xml_.count_others(legs[k], {"platformSettings", "scannerSettings"}, out_.left_out);
       const LegPath path = checked_path(legs, k, settings, start_s);
       if (path.poses.size() >= 2) start_s = path.poses.back().time_s;
@@ -138,6 +139,15 @@ class SurveyReader {
       s.head_rad_per_s = s.horizontal_step_rad * s.scan_hz;
     }
   }
+
+  /// Limits the speed of the head to that of the scanner; HELIOS++ takes 0 where it states none.
+  void limit_head(LegSettings& s) {
+    const double most = xml_max("headRotatePerSecMax_deg") * kDegree;
+    if (std::abs(s.head_rad_per_s) <= most * (1 + 1e-9)) return;
+    s.head_rad_per_s = std::copysign(std::max(0.0, most), s.head_rad_per_s);
+    if (s.active) ++out_.left_out["speeds of the head above headRotatePerSecMax_deg"];
+  }
+
   LegPath checked_path(const std::vector<pugi::xml_node>& legs, size_t k,
                        const LegSettings& settings, double start_s) try {
     return path_of(legs, k, settings, start_s);
