@@ -75,7 +75,7 @@ BeamLog one_measurement(const Lasers& lasers, const sensor::Sensor& sensor,
 /// holds. This stands for the real scanner, so it is not the instrument that is under test, but the
 /// ray caster of all generated realities (`simulate::scan`).
 template <class Wanted>
-BeamLog measured(const trace::World& world, const BeamLog& pattern, const sensor::Sensor& sensor,
+BeamLog measured(const trace::World& world, BeamLog pattern, const sensor::Sensor& sensor,
                  const StaticScanOptions& options, const Wanted& wanted) {
   simulate::FootprintOptions beam;
   beam.seed = options.seed;
@@ -85,8 +85,10 @@ BeamLog measured(const trace::World& world, const BeamLog& pattern, const sensor
   BeamLog out = pattern.like();
   for (uint32_t m = 0; m < uint32_t(options.measurements); ++m) {
     if (!wanted(m)) continue;
+    pattern.scan.assign(pattern.size(), m);
+    pattern.time_s.assign(pattern.size(), m / sensor.rate_hz);
+    out.info.scans.push_back({m, pattern.time_s[0], {}});
     out.append(pattern, 0, pattern.size());
-    std::fill(out.scan.end() - std::ptrdiff_t(pattern.size()), out.scan.end(), m);
   }
   const std::vector<elements::Class> label(world.model().size(), elements::Class::kUnknown);
   simulate::scan(world, label, beam, 0, out);
@@ -158,8 +160,10 @@ metrics::BearingRangeHistogram simulated_histogram(const StaticScan& scan,
   const pipeline::TracedWorld world(model, pipeline::matter_of(options));
   pipeline::Simulation simulation(world, options, [&](const char*) { return scan.sensor; });
   BeamLog beams = scan.test;
+  const double duration_s = beams.time_s.back() + 1 / scan.sensor.rate_hz;
   metrics::BearingRangeHistogram out = histogram_of(scan, beams.like());
   for (int k = 0; k < draws; ++k) {
+    for (double& time_s : beams.time_s) time_s += k > 0 ? duration_s : 0;
     simulation.answer(size_t(k) * beams.size(), beams);
     out.add(beams);
   }

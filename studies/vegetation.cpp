@@ -108,11 +108,9 @@ report::Table distance_table(const std::vector<Contender>& contenders,
   table.title = "Bhattacharyya distance, simulated against measured (Table I)";
   table.caption =
       "D = −ln Σ √(p q) over laser × bearing × range bins of 0.09° × 2 mm and a no-return bin, all "
-      "lasers normalised together. Default: drawn once for all beams, as simulate does; the other "
-      "models are drawn anew for each beam, as in the paper. Published: real targets of Deschaud "
-      "et "
-      "al. 2012, Table I; ours are generated. Look-up: the training fifth itself as the "
-      "simulation. Axis, cone: where the simulated ray is drawn.";
+      "lasers normalised together. Default: as simulate answers; all others: drawn anew for each "
+      "beam, as in the paper. Published: real targets of Deschaud et al. 2012; ours are generated. "
+      "Look-up: the training fifth as the simulation. Axis, cone: where the ray is drawn.";
   table.head = {"model"};
   std::vector<std::string> surface{"published surface"}, volumetric{"published volumetric"},
       lookup{"look-up"};
@@ -136,8 +134,7 @@ report::Table distance_table(const std::vector<Contender>& contenders,
 report::Table size_table(const std::vector<Contender>& contenders,
                          const std::vector<TargetScores>& targets, double sensor_beams_per_s) {
   report::Table table{"Elements and fitting speed",
-                      "Speed: training beams a second, as a multiple of "
-                      "what the sensor fires.",
+                      "Speed: training beams a second over what the sensor fires.",
                       {"model", "elements, all targets", "× sensor's rate"},
                       {}};
   for (const Contender& c : contenders) {
@@ -221,8 +218,7 @@ StudyResult study_vegetation(const StudyRun& run) {
   StudyResult result;
   result.lead =
       "Permeable Gaussian volumes against an opaque surface, learnt from the same beams: six "
-      "generated targets of fine triangles before a standing HDL-64E (nothing there was measured), "
-      "and real logs where they are given.";
+      "generated targets of fine triangles before a standing HDL-64E, and the real logs given.";
   add_static_targets(run, static_target_names(), result);
   add_repeated_logs(run, result);
   add_mobile_logs(run, result);

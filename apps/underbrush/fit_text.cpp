@@ -34,6 +34,14 @@ std::string text_of_grain(const elements::Model& model, const calibrate::GrainRe
   return text;
 }
 
+std::string text_of_sway(const elements::Model& model, const calibrate::SwayReport& sway) {
+  if (sway.pairs == 0) return "";
+  return line("repeats",
+              "directions differ by {:.1f} cm from scan to scan, {:.1f} if matter is still: {}",
+              100 * sway.real_m, 100 * sway.still_m,
+              sway.learnt ? fmt::format("it sways in {:.2g} s", model.sway_s) : "it is still");
+}
+
 }  // namespace
 
 std::string text_of_channels(const ChannelOffsets& channels) {
@@ -81,7 +89,8 @@ std::string text_of(const pipeline::FittedModel& fitted, const pipeline::Skipped
   text += left_out(r.mover_points, "returns of movers") +
           left_out(r.near_points, "points near the sensor");
   if (r.thinned_points) text += line("left", "out    {} points of full tiles", r.thinned_points);
-  text += text_of_grain(model, r.grain) + text_of_light(model) + text_of_keyframes(model);
+  text += text_of_grain(model, r.grain) + text_of_sway(model, r.sway) + text_of_light(model) +
+          text_of_keyframes(model);
   if (r.echo_grain.learnt) {
     text += line("echoes", "{:.3f} of a beam that returns, the log {:.3f}", r.echo_grain.simulated,
                  r.echo_grain.real);

@@ -123,6 +123,7 @@ void bind_ellipsoids(nb::module_& m) {
 
 }  // namespace
 
+// long: a list of members.
 void bind_model(nb::module_& m) {
   bind_mesh(m);
   bind_ellipsoids(m);
@@ -150,6 +151,9 @@ void bind_model(nb::module_& m) {
       .def_prop_ro(
           "range_noise_m", [](const ModelValue& v) { return v.range_noise_m; },
           "m; the sensor's part of the standard deviation of a range.")
+      .def_prop_ro(
+          "sway_s", [](const ModelValue& v) { return v.sway_s; },
+          "s; correlation time of the ellipsoids' matter; 0 where it stands still.")
       .def_prop_ro(
           "max_range_m", [](const ModelValue& v) { return v.max_range_m; },
           "m; largest range of a return in the log that it was fitted to.")

@@ -84,7 +84,9 @@ class SimulateParameters(TypedDict, total=False):
     #: 0).
     grain: float
     tau: float  #: Mahalanobis distance within which a beam meets an ellipsoid; 0 = the model's (default 0).
-    wind: float  #: Correlation time of leaves that sway; 0 = they stand still (s; default 0).
+    #: Correlation time of leaves that sway; 0 = the model's, which stand still unless its log shows otherwise (s;
+    #: default 0).
+    wind: float
     support: bool  #: Add a column with the probability that a beam does not end in unknown space (default false).
     #: How the range in an ellipsoid is drawn: along the beam, or in the ellipsoid's volume; median takes the median
     #: of the beam's distribution, which has the least error (default on_ray).

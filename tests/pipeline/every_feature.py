@@ -85,7 +85,8 @@ def change(rows):
 
 def make(call, folder):
     """Writes train.ply and test.ply, of scans that alternate, and model/, fitted to the first, into the folder. `call`
-    runs the program. The log is too small to teach range offsets or much trust in keyframes, so both are set."""
+    runs the program. The log is too small to teach range offsets or much trust in keyframes, and its sensor moves, which
+    teaches no correlation time of the matter, so these are set."""
     folder = pathlib.Path(folder)
     coarse_sensor(folder / "coarse.yaml")
     call("demo", "--only", "site", "--sensor", folder / "coarse.yaml", "--sub-rays", 1, "-o", folder / "demo")
@@ -98,6 +99,7 @@ def make(call, folder):
     model = json.loads(manifest.read_text())
     model["channels"] = [{"ring": ring, "range_offset_m": offset_m(ring), "standard_error_m": 0.002}
                          for ring in range(16)]
+    model["sway_s"] = 1.5
     for trust in model["keyframes"]["trust"]:
         trust["elements"] = 0.5
         trust["pixels"] = [0.5 / len(trust["pixels"])] * len(trust["pixels"])

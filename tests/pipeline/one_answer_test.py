@@ -124,7 +124,7 @@ class OneAnswer(unittest.TestCase):
     def test_the_server_explains_the_answer_of_the_program(self):
         ranges = ranges_of(self.folder / "sim.ply")
         ends = {"element": 0, "keyframe": 0, "unknown space": 0, "miss": 0}
-        for row in range(7, len(ranges), len(ranges) // 400):
+        for row in range(7, len(ranges), len(ranges) // 800):
             trace = self.server.json_of(f"api/trace?file=0&row={row}&world=1&seed=5")
             self.assertAlmostEqual(trace["simulated_range_m"] or 0.0, ranges[row], delta=1e-6 * max(10.0, ranges[row]), msg=trace)
             ends[trace["ends_by"]] += 1

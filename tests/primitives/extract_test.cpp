@@ -107,6 +107,7 @@ TEST(Extract, APrimitiveHasTheGrainAndTheSensorOfItsModel) {
   Site s = site({});
   s.model.grain = {0.03, 0.07, {}};
   s.model.range_noise_m = 0.011;
+  s.model.sway_s = 0.25;
   s.model.sensor = "velodyne-vlp16";
   s.model.surface.roughness_m = 0.2;
   const ExtractResult out = extract_from(s);
@@ -115,6 +116,7 @@ TEST(Extract, APrimitiveHasTheGrainAndTheSensorOfItsModel) {
   EXPECT_EQ(m.grain.ellipsoid_m, 0.03);
   EXPECT_EQ(m.grain.mesh_m, 0.07);
   EXPECT_EQ(m.range_noise_m, 0.011);
+  EXPECT_EQ(m.sway_s, 0.25);
   EXPECT_EQ(m.sensor, "velodyne-vlp16");
   EXPECT_EQ(m.surface.roughness_m, 0.2);
 }

@@ -38,6 +38,7 @@ INNER_PARTS = {
     "bench/echoes.cpp": "a benchmark of the instrument itself",
     "src/underbrush/calibrate/echo_grain.cpp": "the grain is learnt from answers without it",
     "src/underbrush/calibrate/grain.cpp": "the grain is learnt from answers without it",
+    "src/underbrush/calibrate/sway.cpp": "the correlation time is learnt from answers without it",
 }
 # What makes models. The model that a user gets is made in `pipeline` alone, too.
 FITS = r"\b(?:fit::fit|update::update)\("

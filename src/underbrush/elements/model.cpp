@@ -96,6 +96,7 @@ Model Model::like() const {
   out.grain = grain;
   out.light = light;
   out.range_noise_m = range_noise_m;
+  out.sway_s = sway_s;
   out.max_range_m = max_range_m;
   out.sensor = sensor;
   out.sensor_file = sensor_file;
@@ -117,6 +118,8 @@ void Model::check() const {
   }
   require(std::isfinite(range_noise_m) && range_noise_m >= 0,
           "model: the range noise must not be negative");
+  require(std::isfinite(sway_s) && sway_s >= 0,
+          "model: the correlation time of its matter must not be negative");
   for (size_t i = 0; i < channels.size(); ++i) {
     require(std::isfinite(channels[i].range_m) && channels[i].standard_error_m >= 0 &&
                 std::isfinite(channels[i].standard_error_m),

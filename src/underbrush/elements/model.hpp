@@ -94,6 +94,9 @@ struct Model {
   /// m; the sensor's part of every element's σ, which each beam draws anew where the matter is
   /// drawn once.
   double range_noise_m = 0;
+  /// s; the correlation time of the matter of ellipsoids that is drawn once, which is other matter
+  /// after that time. Matter stands still where it is 0.
+  double sway_s = 0;
   /// m; largest range at which the log that it was fitted to has a return, beyond which the sensor
   /// or the format does not reach. Infinite if unknown.
   double max_range_m = std::numeric_limits<double>::infinity();

@@ -1,6 +1,8 @@
 #include "underbrush/elements/scene.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "underbrush/core/check.hpp"
 
@@ -15,6 +17,16 @@ void Scene::check() const {
             "scene: a rotation is not of unit norm");
     require(std::isfinite(i.scale) && i.scale > 0, "scene: a scale is not positive");
   }
+}
+
+double sway_of(std::span<const Model> models) {
+  double shortest = std::numeric_limits<double>::infinity();
+  for (const Model& m : models) {
+    if (m.ellipsoids.empty()) continue;
+    if (m.sway_s == 0) return 0;
+    shortest = std::min(shortest, m.sway_s);
+  }
+  return std::isfinite(shortest) ? shortest : 0;
 }
 
 }  // namespace underbrush::elements

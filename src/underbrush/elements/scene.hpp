@@ -2,6 +2,7 @@
 /// A world composed of models. Each model is stored once and can be placed many times.
 #pragma once
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "underbrush/elements/model.hpp"
@@ -31,5 +32,9 @@ struct Scene {
   /// pose or scale is not finite, or a scale is not positive.
   void check() const;
 };
+
+/// The correlation time of the matter of a world of these models (s): the shortest of those that
+/// have ellipsoids; 0 where the matter of any of these stands still.
+double sway_of(std::span<const Model> models);
 
 }  // namespace underbrush::elements

@@ -7,10 +7,10 @@ namespace {
 
 using trace::Intersection;
 
-trace::World world_of(const elements::Scene& scene) {
-  return scene.instances.empty()
-             ? trace::World(scene.models.at(0), trace::Isa::kBest, trace::Draws::kOnce)
-             : trace::World(scene, trace::Isa::kBest, trace::Draws::kOnce);
+trace::World world_of(const elements::Scene& scene, double sway_s) {
+  const trace::Draws draws = sway_s > 0 ? trace::Draws::kSwaying : trace::Draws::kOnce;
+  return scene.instances.empty() ? trace::World(scene.models.at(0), trace::Isa::kBest, draws)
+                                 : trace::World(scene, trace::Isa::kBest, draws);
 }
 
 simulate::Reflection reflection_of(const elements::Scene& scene, const elements::SceneInfo& info,
@@ -24,7 +24,8 @@ simulate::Reflection reflection_of(const elements::Scene& scene, const elements:
 TracedPart::TracedPart(elements::Scene scene, const elements::SceneInfo& info,
                        const radiometry::Materials& materials, double wavelength_m)
     : scene_(std::move(scene)),
-      world_(world_of(scene_)),
+      sway_s_(elements::sway_of(scene_.models)),
+      world_(world_of(scene_, sway_s_)),
       dynamic_(world_),
       reflection_(reflection_of(scene_, info, materials, wavelength_m)) {}
 
@@ -32,7 +33,8 @@ void TracedPart::trace(std::span<const Ray> rays, std::span<const uint64_t> keys
                        double time_s, const trace::RangeLimits& limits, uint32_t first_instance,
                        std::span<Meeting> nearest) const {
   const uint64_t matter = simulate::matter_key(seed);
-  const std::vector<uint64_t> trials(rays.size(), matter);
+  const uint64_t matter_now = simulate::matter_at(matter, time_s, sway_s_);
+  const std::vector<uint64_t> trials(rays.size(), matter_now);
   const std::vector<double> times(rays.size(), time_s);
   std::vector<Intersection> met(rays.size());
   dynamic_.nearest_accepted(rays, trials, times, limits, met);
@@ -59,7 +61,7 @@ void TracedPart::trace(std::span<const Ray> rays, std::span<const uint64_t> keys
       continue;
     }
     const uint64_t own =
-        matter_at.key(matter, met[k], time_s) ^ matter_at.cell(rays[k], time_s, met[k], matter);
+        matter_at.key(matter, met[k], time_s) ^ matter_at.cell(rays[k], time_s, met[k], matter_now);
     const double range = simulate::drawn_in_matter(
         met[k], own, keys[k], matter_at.model(met[k], time_s).range_noise_m, limits);
     nearest[k] = {range, double(factor[i]), first_instance + met[k].instance};

@@ -36,6 +36,7 @@ class TracedPart {
 
  private:
   elements::Scene scene_;
+  double sway_s_;
   trace::World world_;
   simulate::DynamicWorld dynamic_;
   simulate::Reflection reflection_;

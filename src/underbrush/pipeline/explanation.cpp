@@ -18,13 +18,24 @@ struct AtATime {
       scene.instances.push_back(world.dynamic().placed(k, time_s));
       scene.instances.back().model = world.scene()->instances[k].model;
     }
-    own = std::make_unique<trace::World>(scene, trace::Isa::kBest, trace::Draws::kOnce);
+    own = std::make_unique<trace::World>(scene, trace::Isa::kBest, world.still().draws());
     tracer = own.get();
   }
   elements::Scene scene;
   std::unique_ptr<trace::World> own;
   const trace::World* tracer;
 };
+
+/// The cell of the grain in which a ray met an element; where matter sways, at the time of the key
+/// of its trials.
+uint32_t cell_of(const trace::World& tracer, const Ray& ray, const trace::Intersection& met,
+                 uint64_t trial) {
+  const elements::Model& model = tracer.model(met.instance);
+  const uint32_t cell = trace::Grain(model, tracer.instance(met.instance)).cell(ray, met);
+  const bool sways = tracer.draws() == trace::Draws::kSwaying &&
+                     model.kind(met.element) == elements::Kind::kEllipsoid;
+  return sways ? trace::swaying_cell(cell, met.element, uint32_t(trial >> 32)) : cell;
+}
 
 /// Whether the beam ends in unknown space before the element at which it would end; then its range
 /// is that.
@@ -69,22 +80,26 @@ Explanation explain_beam(const TracedWorld& world, uint64_t seed, bool keyframes
   std::vector<trace::Intersection> met;
   tracer.all_intersections(ray, out.limits, out.limits.max_m, met);
   const uint64_t matter = simulate::matter_key(seed), key = beam_key(seed, beam.scan[0], number);
+  const uint64_t trial = simulate::matter_at(matter, beam.time_s[0], world.sway_s());
   BeamLog by_elements = beam;
   by_elements.extra.clear();
   by_elements.range_m[0] = kMiss;
   double reach = 1;
   for (const trace::Intersection& m : met) {
     const elements::Model& model = tracer.model(m.instance);
-    const uint32_t cell = trace::Grain(model, tracer.instance(m.instance)).cell(ray, m);
+    const uint32_t cell = cell_of(tracer, ray, m, trial);
     const uint64_t of_matter = trace::instance_key(matter, m.instance) ^ cell;
-    const bool accepts = trace::accepts(matter, m, cell);
+    const uint64_t of_trial =
+        trace::instance_key(world.sway_s() > 0 ? uint32_t(trial) : trial, m.instance) ^ cell;
+    const uint32_t bits = accept_bits(of_trial, m.element);
+    const bool accepts = trace::accept_threshold(m.p).accepts(bits);
     if (accepts && !out.ends_at) {
       out.ends_at = out.met.size();
       const double range =
           simulate::drawn_in_matter(m, of_matter, key, model.range_noise_m, out.limits);
       by_elements.range_m[0] = float(std::clamp(range, out.limits.min_m, out.limits.max_m));
     }
-    out.met.push_back({m, double(accept_bits(of_matter, m.element)) * 0x1p-32, accepts, reach});
+    out.met.push_back({m, double(bits) * 0x1p-32, accepts, reach});
     reach *= 1 - m.p;
   }
   out.miss_probability = reach;

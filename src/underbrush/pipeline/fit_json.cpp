@@ -121,6 +121,14 @@ Json json_of(const FittedModel& fitted, const SkippedRows& skipped) {
                         {"simulated", r.grain.simulated_m},
                         {"simulated_anew", r.grain.anew_m}};
   }
+  if (r.sway.pairs > 0) {
+    j["scan_to_scan"] = {{"pairs", r.sway.pairs},
+                         {"interval_s", r.sway.interval_s},
+                         {"log_m", r.sway.real_m},
+                         {"simulated_still_m", r.sway.still_m},
+                         {"simulated_anew_m", r.sway.anew_m},
+                         {"sway_s", model.sway_s}};
+  }
   if (r.echo_grain.learnt) {
     j["echoes_per_return"] = {{"log", r.echo_grain.real}, {"simulated", r.echo_grain.simulated}};
   }

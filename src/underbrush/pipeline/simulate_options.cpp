@@ -33,7 +33,8 @@ std::span<const Option<SimulateOptions>> simulate_options() {
     {"tau", "Matter", "", "Mahalanobis distance within which a beam meets an ellipsoid; 0 = the model's",
      [](O& o) -> auto& { return o.tau; }, 0, 20},
     {"wind", "Matter", "s",
-     "Correlation time of leaves that sway; 0 = they stand still",
+     "Correlation time of leaves that sway; 0 = the model's, which stand still unless its log shows "
+     "otherwise",
      [](O& o) -> auto& { return o.sway_s; }, 0, 3600},
     {"support", "Matter", "",
      "Add a column with the probability that a beam does not end in unknown space",

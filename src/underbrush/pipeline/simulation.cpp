@@ -25,7 +25,7 @@ simulate::Options thin_rays(const SimulateOptions& o, const TracedWorld& world) 
   out.intensity =
       o.intensity == "mean" ? simulate::IntensityDraw::kMean : simulate::IntensityDraw::kDrawn;
   out.max_range_m = o.max_range_m;
-  out.sway_s = o.sway_s;
+  out.sway_s = world.sway_s();
   out.element_ids = o.element_ids;
   out.keyframes = o.keyframes;
   out.instance_labels = world.labels();
@@ -37,7 +37,7 @@ simulate::EchoOptions echo_options(const SimulateOptions& o, const TracedWorld& 
   out.seed = o.seed;
   out.element_ids = o.element_ids;
   out.all_sub_rays = o.instrument.all_sub_rays;
-  out.sway_s = o.sway_s;
+  out.sway_s = world.sway_s();
   out.instance_labels = world.labels();
   if (o.on_waveforms) out.waveforms = o.waveform;
   if (o.on_waveforms && o.all_waveforms) out.waveforms.count = SIZE_MAX;

@@ -9,9 +9,14 @@
 namespace underbrush::pipeline {
 namespace {
 
-trace::Draws draws_of(const Matter& matter) {
+Matter resolved(Matter matter, std::span<const elements::Model> models) {
   require(!matter.anew || matter.sway_s == 0,
           "simulate: --wind moves matter that is drawn once, not --matter anew");
+  if (!matter.anew && matter.sway_s == 0) matter.sway_s = elements::sway_of(models);
+  return matter;
+}
+
+trace::Draws draws_of(const Matter& matter) {
   if (matter.anew) return trace::Draws::kAnew;
   return matter.sway_s > 0 ? trace::Draws::kSwaying : trace::Draws::kOnce;
 }
@@ -76,7 +81,8 @@ void set_matter(World& world, double tau, double grain_m) {
 }
 
 TracedWorld::TracedWorld(const elements::Model& model, const Matter& matter)
-    : world_(std::make_unique<trace::World>(model, trace::Isa::kBest, draws_of(matter))),
+    : matter_(resolved(matter, {&model, 1})),
+      world_(std::make_unique<trace::World>(model, trace::Isa::kBest, draws_of(matter_))),
       dynamic_(std::make_unique<simulate::DynamicWorld>(*world_)),
       models_(&model, 1) {
   elements::SceneInfo info;
@@ -86,18 +92,19 @@ TracedWorld::TracedWorld(const elements::Model& model, const Matter& matter)
 }
 
 TracedWorld::TracedWorld(const elements::Scene& scene, const elements::SceneInfo& info,
-                         const Matter& matter) {
-  prepare(scene, info, matter);
+                         const Matter& matter)
+    : matter_(resolved(matter, scene.models)) {
+  prepare(scene, info);
 }
 
 TracedWorld::TracedWorld(World world, const Matter& matter)
-    : own_(std::make_unique<World>(std::move(world))) {
-  prepare(own_->scene, own_->info, matter);
+    : matter_(resolved(matter, world.scene.models)),
+      own_(std::make_unique<World>(std::move(world))) {
+  prepare(own_->scene, own_->info);
 }
 
-void TracedWorld::prepare(const elements::Scene& scene, const elements::SceneInfo& info,
-                          const Matter& matter) {
-  const trace::Draws draws = draws_of(matter);
+void TracedWorld::prepare(const elements::Scene& scene, const elements::SceneInfo& info) {
+  const trace::Draws draws = draws_of(matter_);
   if (!info.movers.empty()) {
     dynamic_ = std::make_unique<simulate::DynamicWorld>(scene, info.movers, draws);
   } else {

@@ -45,7 +45,7 @@ void set_matter(World& world, double tau, double grain_m);
 /// Whether and how the matter of a world is drawn for all beams at once (`trace::Draws`).
 struct Matter {
   bool anew = false;  ///< Each beam draws its own leaves and stones.
-  double sway_s = 0;  ///< s; correlation time of what sways; 0 = nothing does.
+  double sway_s = 0;  ///< s; correlation time of what sways; 0 = that of the models.
 };
 
 /// A world prepared for tracing.
@@ -69,6 +69,8 @@ class TracedWorld {
   /// The class of each instance; empty for a world of one model.
   const std::vector<elements::Class>& labels() const { return labels_; }
   const simulate::InstanceKinds& kinds() const { return kinds_; }
+  /// s; the correlation time of its matter; 0 where matter stands still or is drawn anew.
+  double sway_s() const { return matter_.sway_s; }
   /// The names of the materials that the models name.
   const std::vector<std::string>& materials() const { return materials_; }
   /// The names of the numbers of the column `element_class`; none where they are those of
@@ -81,8 +83,9 @@ class TracedWorld {
   std::optional<sensor::Sensor> recorder() const;
 
  private:
-  void prepare(const elements::Scene& scene, const elements::SceneInfo& info, const Matter& matter);
+  void prepare(const elements::Scene& scene, const elements::SceneInfo& info);
 
+  Matter matter_;
   std::unique_ptr<World> own_;
   std::unique_ptr<trace::World> world_;
   std::unique_ptr<simulate::DynamicWorld> dynamic_;

@@ -33,9 +33,8 @@ void check(const DynamicWorld& world, const Options& options) {
   if (options.random_ray) options.random_ray->check();
   require((world.world().draws() == trace::Draws::kSwaying) == (options.sway_s > 0),
           "simulate: a world sways if it is given a correlation time");
-  require(options.draw != RangeDraw::kMedian ||
-              (!options.random_ray && options.sway_s == 0 && !world.moves()),
-          "simulate: the median is of thin rays in a world in which nothing moves or sways");
+  require(options.draw != RangeDraw::kMedian || (!options.random_ray && !world.moves()),
+          "simulate: the median is of thin rays in a world in which nothing moves");
 }
 
 trace::RangeLimits limits_of(const DynamicWorld& world, const Options& options,
@@ -112,13 +111,20 @@ struct Shots {
   }
 };
 
+/// The number of the interval in which a patch of swaying matter has one outcome; each patch begins
+/// its intervals at a time of its own. `trial` is a key of `matter_at`.
+uint32_t interval_of(uint64_t trial, uint64_t patch) {
+  return (uint32_t(trial >> 32) + uint32_t(patch >> 48)) >> 16;
+}
+
 /// Draws the returns of beams from the pixels of keyframes, and nothing where the elements answer,
 /// of which each beam met one or none (`met`). Only beams whose draw may fall on a pixel are looked
 /// up. Where matter is drawn once, the beams that meet it in the same patch of pixels share their
-/// draw, because the pixels bring the sensor's own noise with them.
+/// draw (for the correlation time if it sways), because the pixels bring the sensor's own noise
+/// with them.
 std::vector<std::optional<keyframes::CachedReturn>> cached_returns(
     const keyframes::KeyframeCache& cache, const Shots& shots, std::span<const Intersection> met,
-    const std::optional<uint64_t>& matter) {
+    const std::optional<uint64_t>& matter, bool sways) {
   constexpr double kFarM = 100;  // where the pixel of a miss is looked for
   std::vector<std::optional<keyframes::CachedReturn>> out(met.size());
   std::vector<keyframes::KeyframeCache::Query> queries = cache.queries(shots.rays, shots.rings);
@@ -132,7 +138,9 @@ std::vector<std::optional<keyframes::CachedReturn>> cached_returns(
     if (matter) {
       const Ray& ray = shots.rays[k];
       const Vec3 end = ray.origin + (met[k].none() ? kFarM : met[k].t_m) * ray.direction;
-      key = mix64(*matter ^ mix64(cache.patch_of(end, query.near)));
+      uint64_t patch = mix64(cache.patch_of(end, query.near));
+      if (sways) patch = mix64(patch + interval_of(shots.trials[k], patch));
+      key = mix64(*matter ^ patch);
     }
     query.u = uniform_from_bits(random_bits(key, 0, Purpose::kRecall));
     if (query.u >= most) continue;
@@ -172,7 +180,7 @@ std::optional<double> drawn_in_unknown(const Simulation& s, const Shots& shots, 
                                        const Intersection& met) {
   const trace::UnknownSpace* unknown = s.world.world().unknown_space();
   if (!unknown) return {};
-  return unknown->drawn_end(shots.rays[k], shots.trials[k], s.limits, met);
+  return unknown->drawn_end(shots.rays[k], s.matter.value_or(shots.keys[k]), s.limits, met);
 }
 
 /// Draws the answer to each shot: the nearest element that accepts it, what is in unknown space
@@ -181,7 +189,7 @@ std::vector<BeamAnswer> drawn_answers(const Simulation& s, const Shots& shots) {
   std::vector<Intersection> met(shots.rays.size());
   s.world.nearest_accepted(shots.rays, shots.trials, shots.time_s, s.limits, met);
   std::vector<std::optional<keyframes::CachedReturn>> cached(met.size());
-  if (s.cache) cached = cached_returns(*s.cache, shots, met, s.matter);
+  if (s.cache) cached = cached_returns(*s.cache, shots, met, s.matter, s.options.sway_s > 0);
   std::vector<BeamAnswer> out(met.size());
   MatterAt matter_of(s.world);
   for (size_t k = 0; k < out.size(); ++k) {
@@ -247,7 +255,7 @@ void write(const Simulation& s, const Shots& shots, std::span<const BeamAnswer> 
 
 bool keyframes_serve(const DynamicWorld& world, const Options& options, const LogInfo& beams) {
   const bool plain = options.keyframes && options.draw != RangeDraw::kVolumetric &&
-                     !options.random_ray && !options.element_ids && options.sway_s == 0;
+                     !options.random_ray && !options.element_ids;
   return plain && !world.moves() && world.world().is_one_model() &&
          keyframes::KeyframeCache::serves(world.model(0), beams);
 }

@@ -60,11 +60,11 @@ struct Options {
 /// and 0 for models without. Where `keyframes_serve`, the answer is that of the mixture of
 /// `elements::KeyframeTrust`, intensity included. `EchoMaker` has those of an instrument and of
 /// materials. Throws `std::invalid_argument` for options out of range, and where the median is
-/// asked for in a world that moves or sways, or of a ray that is drawn.
+/// asked for in a world that moves, or of a ray that is drawn.
 void simulate(const DynamicWorld& world, const Options& options, size_t first_beam, BeamLog& beams);
 
 /// Whether the keyframes of the world's model answer such beams near them: thin rays of the sensor
-/// of its log, without `element_ids`, in a world of one model that does not sway.
+/// of its log, without `element_ids`, in a world of one model.
 bool keyframes_serve(const DynamicWorld& world, const Options& options, const LogInfo& beams);
 
 /// A source that answers the beams of another source chunk by chunk. The world and the other source

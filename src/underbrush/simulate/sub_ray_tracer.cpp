@@ -230,8 +230,8 @@ void SubRayTracer::end_in_unknown(size_t beams, const trace::RangeLimits& limits
     for (const trace::Intersection& m : met) {
       farthest = std::max(farthest, m.none() ? limits.max_m : m.t_m);
     }
-    const auto end =
-        unknown->drawn_end(s.rays[b * each], s.keys[b * each], {limits.min_m, farthest});
+    const uint64_t key = once_ ? matter_ : s.keys[b * each];
+    const auto end = unknown->drawn_end(s.rays[b * each], key, {limits.min_m, farthest});
     for (trace::Intersection& m : met) {
       if (end && (m.none() || m.t_m > *end)) m = {*end, 0, 0, 1, trace::kUnknown, 0};
     }
