@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+import hesai_mirror_unit
 import hesai_unit
 import livox_unit
 import packet_files as pf
@@ -83,7 +84,12 @@ def hesai() -> list[Sample]:
             angles = "".join(f"{k + 1},{value},0.1\n" for k, value in enumerate(unit.elevation)).encode()
             samples.append((pf.pcap([(time_s, pf.udp(data)[0]) for time_s, data in packets]),
                             angles if unit.needs_file else None, ".csv"))
-    return samples
+    mirror_deg, time_s = (column[:24] for column in hesai_mirror_unit.sweeps(1))
+    counts = np.full((24, 1, 128), 500)
+    packets = hesai_mirror_unit.packets(mirror_deg, time_s, counts, 1)
+    with tempfile.TemporaryDirectory() as folder:
+        file = hesai_mirror_unit.correction(pathlib.Path(folder) / "c.dat").read_bytes()
+    return [*samples, (pf.pcap([(time_s, pf.udp(data)[0]) for time_s, data in packets]), file, ".dat")]
 
 
 def livox() -> list[Sample]:

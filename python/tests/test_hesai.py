@@ -240,8 +240,8 @@ def test_other_sensors_are_refused_by_name(tmp_path: pathlib.Path) -> None:
     assert PacketRecording(path, sensor="hesai-xt32").sensor == "hesai-xt32"
     with pytest.raises(FormatError, match="'hesai-pandar64' does not send these packets.* of a Hesai PandarXT-32"):
         PacketRecording(path, sensor="hesai-pandar64")
-    save(path, [(time_s, data[:2] + struct.pack("BB", 4, 3) + data[4:]) for time_s, data in packets])
-    with pytest.raises(FormatError, match=r"Hesai's protocol 4.3 with 32 channels and 8 blocks are not decoded"):
+    save(path, [(time_s, data[:2] + struct.pack("BB", 3, 1) + data[4:]) for time_s, data in packets])
+    with pytest.raises(FormatError, match=r"Hesai's protocol 3.1 with 32 channels and 8 blocks are not decoded"):
         PacketRecording(path)
 
 

@@ -43,12 +43,12 @@ def names() -> list[str]:
 
 @functools.cache
 def load(name: str) -> SpinningSensor:
-    """The spinning sensor `name` of the catalogue. Raises ValueError where there is none."""
+    """The spinning or sweeping sensor `name` of the catalogue. Raises ValueError where there is none."""
     path = folder() / f"{name}.yaml"
     if not path.is_file():
         raise ValueError(f"sensor '{name}' is not in the catalogue; it has {', '.join(names())}")
     file = yaml.safe_load(path.read_text(encoding="utf-8"))
-    if file["kind"] != "spinning":
+    if file["kind"] not in ("spinning", "sweep"):
         raise ValueError(f"sensor '{name}' does not spin")
     channels = file["channels"]
     elevation = _column(channels["elevation_deg"])

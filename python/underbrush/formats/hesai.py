@@ -1,8 +1,9 @@
-"""Decoder of Hesai's point cloud packets: Pandar40P, Pandar64, PandarQT, PandarXT-16, PandarXT-32, XT32M2X.
+"""Decoder of Hesai's point cloud packets: Pandar40P, Pandar64, PandarXT-16, PandarXT-32, XT32M2X, AT128.
 
 Angles, times and the start of a revolution are those of the sensor catalogue where it has the model; what only packets
 know stands in `MODELS`. A block's azimuth is that of the rotor at the time that firing times count from, and a laser's
-is the rotor's at its own time. Sources: those of `hesai_packets`.
+is the rotor's at its own time. Those of an AT128, whose mirror spins, follow from its correction file. Sources: those of
+`hesai_packets`.
 """
 from __future__ import annotations
 
@@ -18,7 +19,8 @@ import numpy.typing as npt
 from underbrush.formats import catalogue
 from underbrush.formats.clock import Clock
 from underbrush.formats.hesai_calibration import read_angles
-from underbrush.formats.hesai_packets import MODES, PANDAR40, PANDAR64, Layout, layout_of, seconds_of
+from underbrush.formats.hesai_mirror import MirrorAngles, Sweeps
+from underbrush.formats.hesai_packets import AT128, MODES, PANDAR40, PANDAR64, XT, Layout, layout_of, seconds_of
 from underbrush.formats.rotation import Rotation, firing_period
 from underbrush.formats.scans import Scan
 from underbrush.formats.spinning import Firings, Revolutions
@@ -46,17 +48,19 @@ class Model:
     azimuth_us: float  #: Time of a firing after the time at which the rotor has the block's azimuth.
     sensor: str = ""  #: Name in the catalogue; empty where it has none.
     like: tuple[str, int] = ("", 1)  #: Sensor of the catalogue of whose channels every nth is one of this model.
-    period_us: float = 50.0
+    period_us: float = 50.0  #: Time of a firing.
     laser_us: tuple[float, ...] = ()  #: Times of the channels after the first laser, where the catalogue has none.
 
 
 MODELS = (
     Model("Hesai Pandar40P", PANDAR40, 40, (10,), -28.58 - 54.67, -54.67, period_us=55.56,
           laser_us=tuple(54.67 - time for time in _PANDAR40_US)),
-    Model("Hesai Pandar64", PANDAR64, 64, (6, 7), -42.58 - 54.668, -54.668, "hesai-pandar64", ("hesai-pandar64", 1)),
-    Model("Hesai PandarXT-32", (6, 1), 32, (8,), 6.0, 0.368, "hesai-xt32", ("hesai-xt32", 1)),
-    Model("Hesai PandarXT-16", (6, 1), 16, (8,), 6.0, 0.368, like=("hesai-xt32", 2)),
-    Model("Hesai XT32M2X", (6, 1), 32, (6,), 6.0, 0.368, laser_us=tuple(2.888 * (k % 16) for k in range(32))),
+    Model("Hesai Pandar64", PANDAR64, 64, (6, 7), -42.58 - 54.668, -54.668, "hesai-pandar64", ("hesai-pandar64", 1),
+          55.56),
+    Model("Hesai PandarXT-32", XT, 32, (8,), 6.0, 0.368, "hesai-xt32", ("hesai-xt32", 1)),
+    Model("Hesai PandarXT-16", XT, 16, (8,), 6.0, 0.368, like=("hesai-xt32", 2)),
+    Model("Hesai XT32M2X", XT, 32, (6,), 6.0, 0.368, laser_us=tuple(2.888 * (k % 16) for k in range(32))),
+    Model("Hesai AT128", AT128, 128, (2,), -9.249 - 41.666, 0.0, "hesai-at128", ("hesai-at128", 1), 41.666),
 )
 
 
@@ -100,21 +104,27 @@ class Decoder:
         self.skipped, self.modes = skipped, set[str]()
         self.clock = Clock(believed=clock)
         first = [k for k, data in enumerate(probe) if layout_of(data) == layout]
-        self._lengths = collections.Counter(len(probe[k]) for k in first)
-        self.packet_bytes = self._lengths.most_common(1)[0][0]
+        self.packet_bytes = len(probe[first[0]])
         packets = self._packets([probe[k] for k in first])
 
         self.source = "" if correction is None else str(correction)
-        elevation, azimuth, laser_s, period_s = self._channels(correction)
+        laser_s, period_s = self._times(), self.model.period_us * 1e-6
         order = np.argsort(laser_s, kind="stable")
-        calibration = Calibration.nominal(elevation[order], azimuth[order], np.zeros(len(order)))
         self._order: npt.NDArray[np.intp] = order
         steps = np.diff(self._stamps(packets))
         returns = MODES.get(collections.Counter(packets["tail"]["mode"].tolist()).most_common(1)[0][0], (1, ""))[0]
-        self._period_s, self.stamped = firing_period(steps, captured_s[first], layout.blocks // returns, period_s)
-        self._rotation = Rotation(_START_DEG, self._period_s)
-        self._revolutions = Revolutions(calibration, order, laser_s[order] * (self._period_s / period_s),
-                                        self._period_s, layout.unit_mm * 0.001)
+        self._period_s, self.stamped = firing_period(
+            steps, captured_s[first], max(1, layout.blocks // returns), period_s)
+        angles: Calibration | MirrorAngles
+        if layout.protocol == AT128:
+            angles = MirrorAngles.read(self._needed(correction), order)
+            self._rotation: Rotation | Sweeps = Sweeps(angles.start_deg)
+        else:
+            elevation, azimuth = self._angles(correction)
+            angles = Calibration.nominal(elevation[order], azimuth[order], np.zeros(len(order)))
+            self._rotation = Rotation(_START_DEG, self._period_s)
+        self._revolutions = Revolutions(angles, order, laser_s[order] * (self._period_s / period_s), self._period_s,
+                                        layout.unit_mm * 0.001)
 
     def unfit(self, data: bytes) -> str:
         """Why a packet is not decoded; empty where it is."""
@@ -149,25 +159,28 @@ class Decoder:
         size = self.layout.packet.itemsize
         return np.frombuffer(b"".join(data[:size] for data in packets), dtype=self.layout.packet)
 
-    def _channels(self, correction: pathlib.Path | None) -> tuple[Floats, Floats, Floats, float]:
-        """Elevations and azimuth offsets (counter-clockwise), rad, and times, s, of the channels; period, s."""
-        model = self.model
-        name, step = model.like
-        elevation = azimuth = None
-        laser_s, period_s = np.array(model.laser_us) * 1e-6, model.period_us * 1e-6
-        if name:
+    def _times(self) -> Floats:
+        """Times, s, of the channels in a firing."""
+        name, step = self.model.like
+        return catalogue.load(name).time_s[::step] if name else np.array(self.model.laser_us) * 1e-6
+
+    def _angles(self, correction: pathlib.Path | None) -> tuple[Floats, Floats]:
+        """Elevations and azimuth offsets (counter-clockwise), rad, of the channels."""
+        name, step = self.model.like
+        if name and correction is None:
             file = catalogue.load(name)
-            elevation, azimuth = np.radians(file.elevation_deg[::step]), np.radians(file.azimuth_deg[::step])
-            laser_s, period_s = file.time_s[::step], file.period_s
-        if correction is not None:
-            elevation, clockwise = read_angles(correction)
-            azimuth = -clockwise
-        if elevation is None or azimuth is None:
-            raise ValueError(f"a {model.title} needs the angles of its channels, which packets do not contain; give its "
-                             "angle correction file with --metadata CORRECTION.csv")
-        if len(elevation) != model.lasers:
-            raise ValueError(f"{correction} has {len(elevation)} channels, but a {model.title} has {model.lasers}")
-        return elevation, azimuth, laser_s, period_s
+            return np.radians(file.elevation_deg[::step]), np.radians(file.azimuth_deg[::step])
+        elevation, clockwise = read_angles(self._needed(correction))
+        if len(elevation) != self.model.lasers:
+            raise ValueError(f"{correction} has {len(elevation)} channels, but a {self.title} has {self.model.lasers}")
+        return elevation, -clockwise
+
+    def _needed(self, correction: pathlib.Path | None) -> pathlib.Path:
+        if correction is None:
+            form = "dat" if self.layout.protocol == AT128 else "csv"
+            raise ValueError(f"a {self.title} needs the angles of its channels, which packets do not contain; give its "
+                             f"angle correction file with --metadata CORRECTION.{form}")
+        return correction
 
     def _stamps(self, packets: Packets) -> Floats:
         """(n,) s since 1970, as the sensor counts them."""
@@ -189,7 +202,11 @@ class Decoder:
         else:
             last_s = captured_s - self._period_s
         time_s = (last_s[:, None] + np.arange(1 - groups, 1) * self._period_s)[sound]
-        azimuth = centi[sound].astype(np.float64) * 0.01 + _START_DEG
+        azimuth = centi[sound].astype(np.float64) * 0.01
+        if self.layout.protocol == AT128:
+            azimuth += blocks["fine"][:, :, 0][sound] * (0.01 / 256)
+        else:
+            azimuth += _START_DEG
         rate, turn = self._rotation.advance(azimuth, time_s)
         lasers = blocks["lasers"][sound][:, :, self._order]
         return Firings(azimuth + rate * (model.azimuth_us * 1e-6), rate, time_s, turn,

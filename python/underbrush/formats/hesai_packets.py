@@ -1,7 +1,7 @@
 """Layouts of Hesai's point cloud packets, as their headers tell them.
 
 Sources: the maker's manuals (Pandar40P, Pandar64, PandarXT) and drivers (HesaiLidar_SDK_2.0, HesaiLidar_General_SDK),
-and Tier IV's driver Nebula.
+and Tier IV's driver Nebula (which has AT128, too).
 """
 from __future__ import annotations
 
@@ -18,12 +18,13 @@ MODES = {
     0x39: (2, "dual return"), 0x3A: (2, "dual return"), 0x3B: (2, "dual return"), 0x3C: (2, "dual return"),
     0x3D: (3, "triple return"), 0x3E: (2, "dual return")}
 
-_SEQUENCE, _INERTIAL, _SAFETY, _SIGNATURE, _CONFIDENCE = 1, 2, 4, 8, 16  #: Flags of the header.
-#: Version of the protocol -> length of the tail and places in it of return mode, date and microseconds.
-_TAILS = {(0, 0): (22, 14, 16, 10), (0, 1): (22, 14, 16, 10), (3, 1): (24, 16, 18, 12), (6, 1): (24, 10, 13, 19)}
-#: Protocols with other bodies, which are recognised in order to name them.
-_OTHERS = {(1, 4), (1, 8), (3, 2), (4, 3), (4, 7), (7, 2)}
+_SEQUENCE, _SIGNATURE = 1, 8  #: Flags of the header.
 PANDAR40, PANDAR64 = (0, 0), (0, 1)  #: Protocols that have no number: packets without a header, and with a short one.
+XT, AT128 = (6, 1), (4, 3)
+#: Version of the protocol -> length of the tail and places in it of return mode, date and microseconds.
+_TAILS = {PANDAR40: (22, 14, 16, 10), PANDAR64: (22, 14, 16, 10), XT: (24, 10, 13, 19), AT128: (32, 24, 26, 20)}
+#: Protocols with other bodies, which are recognised in order to name them.
+_OTHERS = {(1, 4), (1, 8), (3, 1), (3, 2), (4, 7), (7, 2)}
 _PANDAR40_BYTES = 10 * (4 + 40 * 3) + 22
 
 
@@ -47,21 +48,30 @@ class Layout:
         size = self.packet.itemsize
         if self.protocol in (PANDAR40, PANDAR64):
             return size, size + 4
-        return (size + 4 * bool(self.flags & _SEQUENCE) + 22 * bool(self.flags & _INERTIAL)
-                + 32 * bool(self.flags & _SIGNATURE),)
+        check = 4 * (self.protocol == AT128)  # A check sum stands behind the tail, as one does behind the blocks.
+        return (size + check + 4 * bool(self.flags & _SEQUENCE) + 32 * bool(self.flags & _SIGNATURE),)
 
-    @functools.cached_property
+    @property
     def packet(self) -> np.dtype[Any]:
         """Header, blocks and tail, without the optional parts at the end."""
-        headless, short = self.protocol == PANDAR40, self.protocol == PANDAR64
-        unit = [("range", "<u2"), ("intensity", "u1"), *([] if headless or short else [("confidence", "u1")])]
-        block = [*([("flag", "<u2")] if headless else []), ("azimuth", "<u2"), ("lasers", unit, (self.lasers,))]
-        size, mode, date, stamp = _TAILS[self.protocol]
-        tail = np.dtype({"names": ["mode", "date", "stamp_us"], "formats": ["u1", ("u1", (6,)), "<u4"],
-                         "offsets": [mode, date, stamp], "itemsize": size})
-        header = np.dtype((np.void, 0 if headless else 8 if short else 12))
-        fields = [*([] if headless else [("header", header)]), ("blocks", block, (self.blocks,)), ("tail", tail)]
-        return np.dtype(fields)
+        return _packet_of(self.protocol, self.lasers, self.blocks)
+
+
+@functools.lru_cache(maxsize=64)
+def _packet_of(protocol: tuple[int, int], lasers: int, blocks: int) -> np.dtype[Any]:
+    """As `Layout.packet`."""
+    headless, short = protocol == PANDAR40, protocol == PANDAR64
+    unit = [("range", "<u2"), ("intensity", "u1"), *([] if headless or short else [("confidence", "u1")])]
+    mirror = protocol == AT128
+    block = [*([("flag", "<u2")] if headless else []), ("azimuth", "<u2"), *([("fine", "u1")] if mirror else []),
+             ("lasers", unit, (lasers,))]
+    size, mode, date, stamp = _TAILS[protocol]
+    tail = np.dtype({"names": ["mode", "date", "stamp_us"], "formats": ["u1", ("u1", (6,)), "<u4"],
+                     "offsets": [mode, date, stamp], "itemsize": size})
+    header = np.dtype((np.void, 0 if headless else 8 if short else 12))
+    fields = [*([] if headless else [("header", header)]), ("blocks", block, (blocks,)),
+              *([("check", "<u4")] if mirror else []), ("tail", tail)]
+    return np.dtype(fields)
 
 
 def layout_of(data: bytes) -> Layout | None:

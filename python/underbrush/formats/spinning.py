@@ -3,13 +3,13 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterator
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 from underbrush.formats.returns import rows_of
 from underbrush.formats.scans import Scan
-from underbrush.formats.velodyne_calibration import Calibration
 
 Floats = npt.NDArray[np.float64]
 Counts = npt.NDArray[np.uint16]
@@ -35,10 +35,25 @@ class Firings:
         return Firings(*(getattr(self, field.name)[begin:end] for field in dataclasses.fields(self)))
 
 
+class Angles(Protocol):
+    """Directions of the lasers of a sensor, and corrections of their ranges."""
+
+    @property
+    def has_ranges(self) -> bool:
+        """As `Calibration.has_ranges`."""
+
+    def beams(self, azimuth: Floats, /) -> tuple[Floats, Floats | None]:
+        """As `Calibration.beams`."""
+
+    def corrected(self, direction: Floats, range_m: npt.NDArray[np.float32], laser: npt.NDArray[np.int64], /) -> tuple[
+            Floats, npt.NDArray[np.float32]]:
+        """As `Calibration.corrected`."""
+
+
 class Revolutions:
     """Turns firings into scans, one a revolution; rows are in order of firing, then of lasers."""
 
-    def __init__(self, calibration: Calibration, ring: npt.NDArray[np.int64], laser_s: Floats, period_s: float,
+    def __init__(self, calibration: Angles, ring: npt.NDArray[np.int64], laser_s: Floats, period_s: float,
                  resolution_m: float) -> None:
         """`ring` and `laser_s` are (lasers,): ring and time after the start of a firing, which takes `period_s`.
 
