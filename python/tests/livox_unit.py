@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import struct
 
 import numpy as np
@@ -49,7 +50,7 @@ class Truth:
     depth_mm: npt.NDArray[np.int64]  #: (n, returns); 0 is none.
     time_s: Floats
 
-    @property
+    @functools.cached_property
     def direction(self) -> Floats:
         zenith, azimuth = np.radians(self.zenith * 0.01), np.radians(self.azimuth * 0.01)
         return np.stack([np.sin(zenith) * np.cos(azimuth), np.sin(zenith) * np.sin(azimuth), np.cos(zenith)], -1)
@@ -96,8 +97,7 @@ def point(kind: Kind, truth: Truth, k: int) -> bytes:
 
 def packet(kind: Kind, truth: Truth, begin: int, stamp: int = 1) -> bytes:
     """The packet whose first point is `begin`; `stamp` is the kind of its stamp."""
-    one = dataclasses.replace(truth)
-    body = b"".join(point(kind, one, k) for k in range(begin, begin + kind.points))
+    body = b"".join(point(kind, truth, k) for k in range(begin, begin + kind.points))
     when = stamp_of(float(truth.time_s[begin]), stamp)
     if kind.version == 5:
         return bytes([5, 1, 1, 0]) + b"\0" * 4 + bytes([stamp, kind.code]) + when + body
