@@ -20,6 +20,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+import hesai_mirror_unit
+import hesai_unit
+import livox_unit
 import packet_files as pf
 from packet_files import T0
 from underbrush.errors import FormatError
@@ -69,6 +72,30 @@ def ouster() -> list[Sample]:
         samples.append((pf.pcap(records), pf.ouster_metadata(16, 64, profile, nested=len(samples) % 2 == 0).encode(),
                         ".json"))
     return samples
+
+
+def hesai() -> list[Sample]:
+    """Captures of all models with single and dual returns, four small packets each."""
+    samples: list[Sample] = []
+    for name, unit in hesai_unit.UNITS.items():
+        for mode, returns in ((0x37, 1), (0x39, 2)):
+            truth = hesai_unit.observe(unit, 8 * unit.blocks, returns)
+            packets = hesai_unit.packets_of(unit, truth, mode, returns, flags=9 if name == "xt16" else 1)
+            angles = "".join(f"{k + 1},{value},0.1\n" for k, value in enumerate(unit.elevation)).encode()
+            samples.append((pf.pcap([(time_s, pf.udp(data)[0]) for time_s, data in packets]),
+                            angles if unit.needs_file else None, ".csv"))
+    mirror_deg, time_s = (column[:24] for column in hesai_mirror_unit.sweeps(1))
+    counts = np.full((24, 1, 128), 500)
+    packets = hesai_mirror_unit.packets(mirror_deg, time_s, counts, 1)
+    with tempfile.TemporaryDirectory() as folder:
+        file = hesai_mirror_unit.correction(pathlib.Path(folder) / "c.dat").read_bytes()
+    return [*samples, (pf.pcap([(time_s, pf.udp(data)[0]) for time_s, data in packets]), file, ".dat")]
+
+
+def livox() -> list[Sample]:
+    """Captures of all kinds of data."""
+    return [(pf.pcap([(time_s, pf.udp(data, port=56301)[0]) for time_s, data in livox_unit.packets_of(kind, 8)]), None,
+             "") for kind in livox_unit.KINDS]
 
 
 def container() -> list[Sample]:
@@ -139,7 +166,8 @@ def check(scan: Scan) -> None:
     assert scan.origin is None or np.isfinite(scan.origin).all()
 
 
-FAMILIES: dict[str, Callable[[], list[Sample]]] = {"velodyne": velodyne, "ouster": ouster, "container": container}
+FAMILIES: dict[str, Callable[[], list[Sample]]] = {
+    "velodyne": velodyne, "ouster": ouster, "hesai": hesai, "livox": livox, "container": container}
 
 
 def run(family: str, mutants: int, seed: int, folder: pathlib.Path) -> collections.Counter[str]:

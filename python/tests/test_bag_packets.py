@@ -9,6 +9,8 @@ import pytest
 
 pytest.importorskip("rosbags", reason="rosbags is not installed: pip install 'underbrush[formats]'")
 
+import hesai_unit as hesai  # noqa: E402
+import livox_unit as livox  # noqa: E402
 import packet_files as pf  # noqa: E402
 import test_ouster as ouster  # noqa: E402
 from bag_messages import Bag, bag, some_points  # noqa: E402
@@ -49,6 +51,32 @@ def send_ouster(out: Bag, kind: str, packets: list[tuple[float, bytes]], topic: 
         out.send(topic, kind, time_s, out.store.types[kind](buf=np.frombuffer(data + more, np.uint8)))
 
 
+#: Messages of several packets -> the packet's fields besides its stamp.
+MANY = {"hesai_ros_driver/msg/UdpFrame": "uint8[] data\nuint32 size", "pandar_msgs/msg/PandarScan": "uint8[] data\nuint32 size",
+        "hesai_lidar/msg/PandarScan": "uint8[] data\nuint32 size", "nebula_msgs/msg/NebulaPackets": "uint8[] data",
+        "pandar_msgs/msg/PandarScan of Tier IV": "uint8[1500] data\nuint32 size"}
+
+
+def send_many(out: Bag, message: str, packets: list[tuple[float, bytes]], topic: str = "/packets") -> None:
+    """Sends the packets in messages of seven."""
+    kind, store = message.partition(" ")[0], out.store
+    one = kind.rpartition("/")[0] + "/Packet"
+    time = store.types["builtin_interfaces/msg/Time"]
+    if kind not in store.types:
+        stamp = f"{'time' if out.ros1 else 'builtin_interfaces/Time'} stamp\n"
+        store.register(get_types_from_msg(stamp + MANY[message], one))
+        store.register(get_types_from_msg("std_msgs/Header header\n" + one.replace("/msg/", "/") + "[] packets", kind))
+    for begin in range(0, len(packets), 7):
+        part = packets[begin:begin + 7]
+        sent = []
+        for t, data in part:
+            full = data.ljust(1500, b"\0") if "1500" in MANY[message] else data
+            size = {} if "size" not in MANY[message] else {"size": len(data)}
+            sent.append(store.types[one](stamp=time(sec=int(t), nanosec=round((t % 1) * 1e9)),
+                                         data=np.frombuffer(full, np.uint8), **size))
+        out.send(topic, kind, part[-1][0], store.types[kind](header=out.header(part[-1][0], "hesai"), packets=sent))
+
+
 def send_text(out: Bag, topic: str, text: str) -> None:
     out.send(topic, "std_msgs/msg/String", T0, out.store.types["std_msgs/msg/String"](data=text))
 
@@ -87,6 +115,39 @@ def test_velodyne_packets_are_beams_in_the_world(tmp_path: pathlib.Path, storage
     turned = np.column_stack([-truth.direction[:, 1], truth.direction[:, 0], truth.direction[:, 2]])
     np.testing.assert_allclose(back["direction"], turned, atol=3e-4)  # Azimuths are in steps of 0.01 degrees.
     assert back["scan"][-1] == 3
+
+
+@pytest.mark.parametrize("message", MANY)
+@pytest.mark.parametrize("storage", ["ros1", "mcap"])
+@pytest.mark.parametrize("name", ["xt32", "pandar40p"])
+def test_hesai_packets_of_all_drivers(tmp_path: pathlib.Path, storage: str, message: str, name: str) -> None:
+    unit = hesai.UNITS[name]
+    truth = hesai.observe(unit, unit.blocks * 50)
+    with bag(tmp_path / "bag", storage) as out:
+        drive(out, "hesai")
+        send_many(out, message, hesai.packets_of(unit, truth))
+    angles = hesai.correction(tmp_path / "c.csv", unit) if unit.needs_file else None
+    recording = open_recording(tmp_path / "bag", metadata=angles)
+    assert recording.sensor == unit.sensor and recording.organised and not recording.skipped
+    scans = list(recording.scans())
+    order = np.argsort(unit.laser_us, kind="stable")
+    np.testing.assert_array_equal(joined(scans, "ring"), np.tile(order, unit.blocks * 50))
+    np.testing.assert_allclose(joined(scans, "beam_time_s"), truth.time_s[:, order].ravel(), atol=2e-6)
+    np.testing.assert_allclose(joined(scans, "direction"), truth.direction[:, order].reshape(-1, 3), atol=3e-4)
+    counts = truth.counts[:, 0, order].ravel()
+    np.testing.assert_allclose(joined(scans, "range_m"), np.where(counts, counts * 0.004, np.inf), atol=1e-4)
+
+
+def test_livox_packets_in_a_bag(tmp_path: pathlib.Path) -> None:
+    """Cartesian points without a return have no direction, so that the recording has no misses."""
+    for name, organised in (("mid360 spherical", True), ("mid360 high", False)):
+        with bag(tmp_path / name) as out:
+            send_many(out, "nebula_msgs/msg/NebulaPackets", livox.packets_of(name, 30))
+        recording = open_recording(tmp_path / name)
+        assert recording.sensor == "livox-mid360" and recording.organised == organised
+        assert ("with their misses" in recording.found()[1]) == organised
+        assert sum(map(len, recording.scans())) == (livox.observe(livox.KINDS[name], 30).depth_mm.any(axis=1).sum()
+                                                    if not organised else 30 * 96)
 
 
 @pytest.mark.parametrize("storage", STORAGES)
@@ -180,8 +241,7 @@ def test_broken_messages_of_packets_are_counted(tmp_path: pathlib.Path, storage:
     assert recording.skipped == {"messages that cannot be read": 1}
 
 
-@pytest.mark.parametrize("kind", ["hesai_ros_driver/msg/UdpFrame", "pandar_msgs/msg/PandarScan",
-                                  "livox_msgs/msg/LivoxPackets"])
+@pytest.mark.parametrize("kind", ["rslidar_msg/msg/RslidarPacket", "livox_msgs/msg/LivoxPackets"])
 def test_packets_of_other_makers_are_refused_by_name(tmp_path: pathlib.Path, kind: str) -> None:
     with bag(tmp_path / "bag") as out:
         out.store.register(get_types_from_msg("uint8[] data", kind))
@@ -222,7 +282,7 @@ def test_no_damage_of_a_message_does_more_than_refuse_it(ros1: bool) -> None:
     for _ in range(300):
         bad = bytearray(good)
         bad[int(rng.integers(len(head) + 4))] = int(rng.integers(256))
-        for kind in (SCAN, "ouster_ros/msg/PacketMsg"):
+        for kind in (SCAN, "ouster_ros/msg/PacketMsg", *(message.partition(" ")[0] for message in MANY)):
             try:
                 packets_in(kind, bytes(bad), 0.0, ros1, True)
             except ValueError as error:

@@ -284,7 +284,7 @@ def test_a_model_that_the_packets_do_not_tell(tmp_path: pathlib.Path) -> None:
 def test_other_traffic_has_one_line(tmp_path: pathlib.Path) -> None:
     path = tmp_path / "a.pcap"
     path.write_bytes(pf.pcap([(T0, pf.udp(b"hello", port=53)[0])] * 3))
-    with pytest.raises(FormatError, match="no packets of a Velodyne or an Ouster; it has 3 of 5 bytes to port 53"):
+    with pytest.raises(FormatError, match="no packets of a Velodyne, Ouster, Hesai or Livox; it has 3 of 5 bytes to port 53"):
         PacketRecording(path)
 
 

@@ -101,7 +101,7 @@ class BagRecording:
                 texts = [t for t, kind, n in self._connections if n and kind == STRING]
                 self._packets = BagPackets(path, self.topic, self._all_messages, self._ros1, texts, metadata, sensor,
                                            clock == "bag")
-                self.sensor = self._packets.sensor
+                self.sensor, self.organised = self._packets.sensor, self._packets.organised
             kind, count = next((kind, n) for t, kind, n in self._connections if t == self.topic)
             self._times = _times_of(path, kind, self._duration_s / (count - 1) if count > 1 else 0.0)
 
@@ -112,7 +112,8 @@ class BagRecording:
             rate = f"{(count - 1) / self._duration_s:.1f} Hz" if count > 1 and self._duration_s > 0 else "once"
             text = f"{topic}: {kind}, {with_thousands(count)} messages, {rate}"
             if topic in self._first and self._first[topic].layout == "packets":
-                text += f"; packets of a sensor, decoded with their misses, frame {self._first[topic].frames[0] or '-'}"
+                misses = " with their misses" if self._packets is None or self._packets.organised else ""
+                text += f"; packets of a sensor, decoded{misses}, frame {self._first[topic].frames[0] or '-'}"
             elif topic in self._first:
                 first = self._first[topic]
                 text += (f"; layout {first.layout} ({' '.join(first.fields)}), {with_thousands(first.points)} points a "

@@ -4,6 +4,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import pathlib
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -42,20 +43,27 @@ def names() -> list[str]:
 
 @functools.cache
 def load(name: str) -> SpinningSensor:
-    """The spinning sensor `name` of the catalogue. Raises ValueError where there is none."""
+    """The spinning or sweeping sensor `name` of the catalogue. Raises ValueError where there is none."""
     path = folder() / f"{name}.yaml"
     if not path.is_file():
         raise ValueError(f"sensor '{name}' is not in the catalogue; it has {', '.join(names())}")
     file = yaml.safe_load(path.read_text(encoding="utf-8"))
-    if file["kind"] != "spinning":
+    if file["kind"] not in ("spinning", "sweep"):
         raise ValueError(f"sensor '{name}' does not spin")
     channels = file["channels"]
-    elevation = np.asarray(channels["elevation_deg"], dtype=np.float64)
+    elevation = _column(channels["elevation_deg"])
 
     def column(key: str) -> Floats:
-        return np.asarray(channels.get(key, np.zeros(len(elevation))), dtype=np.float64)
+        return _column(channels.get(key, np.zeros(len(elevation))))
 
     return SpinningSensor(
         name, file["title"], file["firing_period_us"] * 1e-6, file.get("firings_per_packet", 1),
         file.get("start_azimuth_deg", 180.0), file["range_resolution_m"], elevation, column("azimuth_deg"),
         column("time_us") * 1e-6, column("z_mm") * 1e-3)
+
+
+def _column(values: Any) -> Floats:
+    """A value for each channel: a list, or the first and the last value of equal steps."""
+    if isinstance(values, dict):
+        return np.linspace(values["first"], values["last"], values["count"])
+    return np.asarray(values, dtype=np.float64)

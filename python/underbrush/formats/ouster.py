@@ -28,6 +28,8 @@ class Decoder:
     Columns that were not received or that the sensor marks as not valid have no rows; `skipped` counts them.
     """
 
+    organised = True
+
     def __init__(self, metadata: Metadata, skipped: collections.Counter[str], clock: str = "auto") -> None:
         self.metadata = metadata
         self.skipped = skipped
@@ -42,8 +44,13 @@ class Decoder:
         self._frames: list[_Frame] = []
         self._scans = 0
 
-    def decode(self, packets: Packets, captured_s: Floats) -> Iterator[Scan]:
-        """Yields the scans that end in the (n,) `packets`, which were captured at (n,) `captured_s`."""
+    def unfit(self, data: bytes) -> str:
+        """Why a packet is not decoded; empty where it is."""
+        return "" if len(data) == self.packet_bytes else "packets of another length"
+
+    def decode(self, data: list[bytes], captured_s: Floats) -> Iterator[Scan]:
+        """Yields the scans that end in n packets, which were captured at (n,) `captured_s`."""
+        packets: Packets = np.frombuffer(b"".join(data), dtype=self.packet)
         if not self.metadata.profile.legacy:
             serial = packets["header"]["serial"] >> np.uint64(24) & np.uint64((1 << 40) - 1)
             other = (packets["header"]["kind"] != 1) | (

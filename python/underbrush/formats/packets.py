@@ -1,4 +1,4 @@
-"""Recordings of the packets of Velodyne's and Ouster's sensors in network captures."""
+"""Recordings of the packets of lidars in network captures: Velodyne's, Ouster's, Hesai's and Livox's."""
 from __future__ import annotations
 
 import collections
@@ -15,14 +15,12 @@ import numpy.typing as npt
 
 from underbrush.errors import FormatError
 from underbrush.formats import ouster, velodyne
+from underbrush.formats.makers import MAKERS, Decoder, Maker, Probe
 from underbrush.formats.ouster_metadata import SIZES, Metadata
 from underbrush.formats.pcap import Capture, Datagram
 from underbrush.formats.scans import Poses, Scan, middles
-from underbrush.formats.velodyne_calibration import Calibration
 
 Floats = npt.NDArray[np.float64]
-_Decoder = velodyne.Decoder | ouster.Decoder
-
 _PROBE_PACKETS = 9_000  #: The calibration of an HDL-64E takes 4160 packets to come, wherever it begins.
 _PROBE_DATAGRAMS = 1_000_000
 _PROBE_BYTES = 16 << 20
@@ -43,13 +41,14 @@ class PacketRecording:
     """A capture (pcap or pcapng) of one sensor's packets, misses included. It is read in bounded memory.
 
     Scans have beams (`direction`, `range_m`, `origin` where beams do not start at the sensor's origin). A revolution
-    of a Velodyne begins at the rear, as in the sensor catalogue; a scan of an Ouster is one frame. Partial revolutions
-    at both ends of the file are scans, too. Rows are in order of time; rows of one beam follow each other in order of
-    range, and equal ranges of a dual return are one row. Intensity is Velodyne's reflectivity (0 to 255) and Ouster's
-    signal, or its reflectivity where the profile has no signal; all of Ouster's fields are in `extra`.
+    of a Velodyne begins at the rear and that of a Hesai at the maker's y axis, as in the sensor catalogue; a scan of an
+    Ouster is one frame, and that of a Livox 0.1 s long. Partial revolutions at both ends of the file are scans, too.
+    Rows are in order of time; rows of one beam follow each other in order of range, and equal ranges of a beam are one
+    row. Intensity is the reflectivity of Velodyne, Hesai and Livox (0 to 255) and Ouster's signal, or its reflectivity
+    where the profile has no signal; all of Ouster's fields and Livox's tag are in `extra`.
     """
 
-    organised = numbered = True
+    numbered = True
     crs = ""
     world = False
     poses: Poses | None = None
@@ -58,12 +57,12 @@ class PacketRecording:
                  stream: str | None = None, clock: str = "auto") -> None:
         """Opens the capture and finds its sensor.
 
-        `metadata` is the JSON file of an Ouster (default: FILE.json or FILE_0.json beside the capture) or the
-        calibration of a Velodyne (XML of VeloView or YAML of the ROS driver). `sensor` is a name of the catalogue, for
-        Velodynes whose packets do not tell their model. `stream` is 'ADDRESS:PORT', 'ADDRESS' or 'PORT', where several
-        sensors are in one capture. `clock` 'sensor' takes the sensor's stamps as they are, 'capture' takes their
-        intervals only and begins with the time of capture, and 'auto' chooses as `Clock` says. Raises OSError, or
-        FormatError with one line that says what is missing.
+        `metadata` is the JSON file of an Ouster (default: FILE.json or FILE_0.json beside the capture), the calibration
+        of a Velodyne (XML of VeloView or YAML of the ROS driver), or the angle correction of a Hesai (CSV). `sensor` is
+        a name of the catalogue, for sensors whose packets do not tell their model. `stream` is 'ADDRESS:PORT',
+        'ADDRESS' or 'PORT', where several sensors are in one capture. `clock` 'sensor' takes the sensor's stamps as
+        they are, 'capture' takes their intervals only and begins with the time of capture, and 'auto' chooses as
+        `Clock` says. Raises OSError, or FormatError with one line that says what is missing.
         """
         self.path = pathlib.Path(path)
         self.skipped: collections.Counter[str] = collections.Counter()
@@ -75,11 +74,11 @@ class PacketRecording:
         self._capture: Capture | None = None
         self.bytes_total = self.path.stat().st_size
         self._ouster: Metadata | None = None
-        self._layout: np.dtype[Any] = velodyne.PACKET
         self._reference_s = 0.0
         self._probe(self._captured())
         self._decoder = self._open(collections.Counter())
         self.sensor: str = sensor or self._decoder.sensor
+        self.organised = self._decoder.organised
 
     @property
     def bytes_done(self) -> int:
@@ -124,21 +123,20 @@ class PacketRecording:
         """The metadata of an Ouster in the recording itself, and their place."""
         return None, ""
 
-    def _scans(self, capture: Capture, decoder: _Decoder, skipped: collections.Counter[str], totals: _Totals,
+    def _scans(self, capture: Capture, decoder: Decoder, skipped: collections.Counter[str], totals: _Totals,
                limit: float = math.inf) -> Iterator[Scan]:
         self._decoder = decoder
         batches = self._batches(capture, decoder, skipped, limit)
         for batch in batches:
-            packets = np.frombuffer(b"".join(datagram.data for datagram in batch), dtype=self._layout)
             captured_s = np.array([datagram.time_s for datagram in batch])
             totals.add_packets(len(batch))
-            yield from map(totals.add, decoder.decode(packets, captured_s))
+            yield from map(totals.add, decoder.decode([datagram.data for datagram in batch], captured_s))
         yield from map(totals.add, decoder.finish())
         skipped.update(capture.skipped)
         for reason in [reason for reason, count in skipped.items() if not count]:
             del skipped[reason]
 
-    def _batches(self, capture: Capture, decoder: _Decoder, skipped: collections.Counter[str],
+    def _batches(self, capture: Capture, decoder: Decoder, skipped: collections.Counter[str],
                  limit: float) -> Iterator[list[Datagram]]:
         """The stream's packets, without those that were captured twice in a row, many at a time."""
         batch: list[Datagram] = []
@@ -146,8 +144,8 @@ class PacketRecording:
         for datagram in capture.datagrams():
             if datagram.port != self._stream.port or datagram.source != self._stream.source:
                 skipped["datagrams to other ports or of other senders"] += 1
-            elif len(datagram.data) != decoder.packet_bytes:
-                skipped["packets of another length"] += 1
+            elif reason := decoder.unfit(datagram.data):
+                skipped[reason] += 1
             elif datagram.data == last:
                 skipped["packets captured twice"] += 1
             else:
@@ -163,9 +161,10 @@ class PacketRecording:
 
     def _probe(self, capture: Capture) -> None:
         """Reads the beginning of the file: finds the sensor's stream, metadata and reference of time."""
-        calibration, unread = self._read_metadata()
+        unread = self._read_metadata()
         size = self._ouster.packet.itemsize if self._ouster is not None else 0
         streams: dict[_Stream, list[Datagram]] = {}
+        makers: dict[_Stream, collections.Counter[Maker]] = {}
         lengths: collections.Counter[tuple[int, int]] = collections.Counter()
         fitting = set()
         for datagram in itertools.islice(capture.datagrams(), _PROBE_DATAGRAMS):
@@ -174,55 +173,54 @@ class PacketRecording:
             if len(data) == velodyne.POSITION_BYTES and not self._reference_s:
                 utc = velodyne.utc_of(data)
                 self._reference_s = 0.0 if utc is None else utc - datagram.time_s
+            maker = next((maker for maker in MAKERS if maker.recognise(data)), None)
             if len(data) == size:
                 fitting.add(key)
-            elif not velodyne.recognise(data) and len(data) not in SIZES:
+            elif maker is None and len(data) not in SIZES:
                 continue
             streams.setdefault(key, []).append(datagram)
+            makers.setdefault(key, collections.Counter()).update([maker] if maker is not None else [])
             if len(streams[key]) >= _PROBE_PACKETS or len(streams[key]) * len(data) > _PROBE_BYTES:
                 break
         self._stream = self._choose(streams, lengths, fitting, capture.skipped)
-        first = streams[self._stream]
-        probe = [datagram for datagram in first if velodyne.recognise(datagram.data)]
+        first, found = streams[self._stream], makers[self._stream].most_common(1)
         if self._stream in fitting:
-            assert self._ouster is not None
-            self._layout = self._ouster.packet
-        elif self._ouster is not None and (not probe or self._metadata_path is not None):
+            return
+        if self._ouster is not None and (not found or self._metadata_path is not None):
             raise self._error(f"packets of {len(first[0].data)} bytes from {self._stream} do not fit the metadata "
                               f"{self._metadata_name}, whose packets "
                               f"({self._ouster.profile_name}, {self._ouster.rows} rows) have {size} bytes")
-        elif probe:
-            self._ouster = None
-            self._velodyne = (np.frombuffer(b"".join(datagram.data for datagram in probe), dtype=velodyne.PACKET),
-                              np.array([datagram.time_s for datagram in probe]), calibration)
-        else:
+        if not found:
             hint = ", ".join(sorted(path.name for path in self.path.parent.glob("*.json"))[:4])
             raise unread or self._error(
                 f"packets of {len(first[0].data)} bytes from {self._stream} look like an Ouster's, which need its "
                 f"metadata: add --metadata {self._beside()[0].name}" + (f" (beside it lie {hint})" if hint else ""))
+        self._ouster, self._maker = None, found[0][0]
+        known = [datagram for datagram in first if self._maker.recognise(datagram.data)]
+        self._first = Probe([datagram.data for datagram in known], np.array([datagram.time_s for datagram in known]),
+                             self._sensor_given, self._metadata_path, self._reference_s, self._clock)
 
     def _beside(self) -> list[pathlib.Path]:
         """Where the metadata of an Ouster lie by default."""
         stem = self.path.name.removesuffix(".gz").rpartition(".")[0] or self.path.name
         return [self.path.with_name(stem + end) for end in (".json", "_0.json")]
 
-    def _read_metadata(self) -> tuple[Calibration | None, FormatError | None]:
-        """Reads what was given, or lies beside the capture; an error of the latter matters for an Ouster only."""
+    def _read_metadata(self) -> FormatError | None:
+        """Reads an Ouster's metadata; an error of those beside the capture matters for an Ouster only."""
         given = self._metadata_path
-        if given is not None and given.suffix.lower() != ".json":
-            return Calibration.read(given), None
-        if given is not None:
+        if given is not None and given.suffix.lower() == ".json":
             self._ouster, self._metadata_name = Metadata.read(given), str(given)
-        for path in self._beside() if given is None else []:
+        if given is not None:
+            return None
+        for path in self._beside():
             if path.is_file():
                 try:
                     self._ouster, self._metadata_name = Metadata.read(path), path.name
                 except FormatError as error:
-                    return None, error
-                return None, None
-        if given is None:
-            self._ouster, self._metadata_name = self._metadata_inside()
-        return None, None
+                    return error
+                return None
+        self._ouster, self._metadata_name = self._metadata_inside()
+        return None
 
     def _choose(self, streams: dict[_Stream, list[Datagram]], lengths: collections.Counter[tuple[int, int]],
                 fitting: set[_Stream], skipped: collections.Counter[str]) -> _Stream:
@@ -240,27 +238,23 @@ class PacketRecording:
                               for (port, length), count in lengths.most_common(3))
             wanted = f" of '{self._wanted}'" if self._wanted is not None else ""
             reasons = "".join(f"; {count} {reason}" for reason, count in skipped.items())
-            raise self._error(f"has no packets{wanted} of a Velodyne or an Ouster; it has {usual or 'no UDP datagrams'}"
-                              + reasons)
+            raise self._error(f"has no packets{wanted} of a Velodyne, Ouster, Hesai or Livox; it has "
+                              f"{usual or 'no UDP datagrams'}{reasons}")
         if len(streams) > 1:
             names = [str(key) for key in streams]
             raise self._error(f"has {len(names)} sensors: add " + " or ".join(f"--topic {name}" for name in names))
         return next(iter(streams))
 
-    def _open(self, skipped: collections.Counter[str]) -> _Decoder:
+    def _open(self, skipped: collections.Counter[str]) -> Decoder:
         """A new decoder, which counts in `skipped` what it leaves out."""
         try:
             if self._ouster is not None:
-                decoder: _Decoder = ouster.Decoder(self._ouster, skipped, self._clock)
-            else:
-                probe, captured_s, calibration = self._velodyne
-                decoder = velodyne.Decoder(probe, captured_s, skipped, self._sensor_given, calibration,
-                                           self._reference_s, self._clock)
+                return ouster.Decoder(self._ouster, skipped, self._clock)
+            return self._maker.decoder(self._first, skipped)
         except FormatError:
             raise
         except ValueError as error:
             raise self._error(str(error)) from error
-        return decoder
 
     def _error(self, reason: str) -> FormatError:
         return FormatError(self.path, "", reason)

@@ -19,20 +19,20 @@ class Rows:
 
 
 def rows_of(counts: npt.NDArray[Any]) -> Rows:
-    """Rows of beams with (1 or 2, beams) ranges, where 0 is none.
+    """Rows of beams with (returns, beams) ranges of an unsigned type, where 0 is none.
 
-    Both returns of a beam follow each other in order of range. Equal ranges are one row (the first return), and so is
+    The returns of a beam follow each other in order of range. Equal ranges are one row (the first return), and so is
     a miss.
     """
     if len(counts) == 1:
         hit = (counts[0] > 0).astype(np.uint8)
         return Rows(slice(None), 0, hit, hit)
-    first, second = counts
-    number = ((first > 0) | (second > 0)).astype(np.uint8)
-    number += (first > 0) & (second > 0) & (first != second)
-    beam = np.repeat(np.arange(len(number)), np.maximum(number, 1))
-    again = np.zeros(len(beam), dtype=bool)
-    again[1:] = beam[1:] == beam[:-1]
-    echoes, far = number[beam], (second > first)[beam]
-    which = np.where((echoes == 2) & ~again, ~far, far).astype(np.intp)
-    return Rows(beam, which, np.minimum(echoes, 1) + again.astype(np.uint8), echoes)
+    order = np.argsort(counts - counts.dtype.type(1), axis=0, kind="stable")  # 0 becomes the greatest number: last.
+    near_to_far = np.take_along_axis(counts, order, axis=0)
+    kept = near_to_far > 0
+    kept[1:] &= near_to_far[1:] != near_to_far[:-1]
+    number = kept.sum(axis=0, dtype=np.uint8)
+    echo = np.cumsum(kept, axis=0, dtype=np.uint8)
+    kept[0] |= number == 0
+    beam, place = np.nonzero(kept.T)
+    return Rows(beam, order[place, beam], echo[place, beam], number[beam])

@@ -17,13 +17,12 @@ import numpy.typing as npt
 
 from underbrush.formats import catalogue
 from underbrush.formats.clock import Clock
-from underbrush.formats.returns import rows_of
 from underbrush.formats.rotation import Rotation, firing_period
 from underbrush.formats.scans import Scan
+from underbrush.formats.spinning import Firings, Revolutions
 from underbrush.formats.velodyne_calibration import Calibration
 
 Floats = npt.NDArray[np.float64]
-Counts = npt.NDArray[np.uint16]
 Packets = npt.NDArray[Any]  #: Of `PACKET`.
 
 PACKET = np.dtype([
@@ -33,7 +32,6 @@ PACKET = np.dtype([
 MODES = {0x37: "strongest return", 0x38: "last return", 0x39: "dual return"}
 POSITION_BYTES = 512  #: Size of a position packet, which may have GPS's time.
 _DUAL, _HOUR_S = 0x39, 3600.0
-_LONGEST_S = 0.4  #: A scan of a sensor that stands still ends then; the slowest revolution takes 0.2 s.
 _UPPER, _LOWER = 0xEEFF, 0xDDFF
 
 
@@ -117,24 +115,6 @@ def utc_of(position: bytes) -> float | None:
     return float(after_hour + np.round((sentence - after_hour) / _HOUR_S) * _HOUR_S)
 
 
-@dataclasses.dataclass
-class _Firings:
-    """Firings of all lasers, in order of time."""
-
-    azimuth_deg: Floats  #: (n,), clockwise from forward, at the start.
-    rate_deg_s: Floats  #: (n,)
-    time_s: Floats  #: (n,)
-    turn: Floats  #: (n,), number of the revolution.
-    range: Counts  #: (n, returns, lasers), in steps of the range; 0 is a miss.
-    intensity: npt.NDArray[np.uint8]  #: (n, returns, lasers)
-
-    def __len__(self) -> int:
-        return len(self.turn)
-
-    def part(self, begin: int, end: int) -> _Firings:
-        return _Firings(*(getattr(self, field.name)[begin:end] for field in dataclasses.fields(self)))
-
-
 class Decoder:
     """Turns packets into scans, one a revolution. Partial revolutions at the ends and at gaps are scans, too.
 
@@ -142,11 +122,14 @@ class Decoder:
     """
 
     packet_bytes = PACKET.itemsize
+    organised = True
 
-    def __init__(self, probe: Packets, captured_s: Floats, skipped: collections.Counter[str], sensor: str | None = None,
-                 calibration: Calibration | None = None, reference_s: float = 0.0, clock: str = "auto") -> None:
+    def __init__(self, probe: list[bytes], captured_s: Floats, skipped: collections.Counter[str],
+                 sensor: str | None = None, calibration: Calibration | None = None, reference_s: float = 0.0,
+                 clock: str = "auto") -> None:
         """`probe` and `captured_s` are the first packets, which tell the model, and their times of capture."""
-        self.model = model_of(probe, sensor)
+        first = np.frombuffer(b"".join(probe), dtype=PACKET)
+        self.model = model_of(first, sensor)
         file = catalogue.load(self.model.sensor)
         self.sensor = self.model.sensor if self.model.elevation_scale == 1 else ""
         self.title = self.model.name or file.title
@@ -154,12 +137,10 @@ class Decoder:
         self.clock = Clock(_HOUR_S, reference_s, clock)
         self.modes: set[str] = set()
         order = rings_of_lasers(self.model, file)
-        self._ring = order.astype(np.uint16)
         self._lasers = len(order)
-        self._start_deg = 360.0 - file.start_azimuth_deg
-        self._has_modes = bool((probe["product"] == (self.model.product or -1)).mean() > 0.5)
+        self._has_modes = bool((first["product"] == (self.model.product or -1)).mean() > 0.5)
         if self.model.is_hdl64e and calibration is None:
-            calibration = Calibration.from_status(probe["mode"], probe["product"])
+            calibration = Calibration.from_status(first["mode"], first["product"])
             if calibration is None:
                 raise ValueError("an HDL-64E needs its calibration, which the packets do not contain in full; give it "
                                  "with --metadata db.xml (VeloView) or --metadata calibration.yaml (ROS driver)")
@@ -169,17 +150,15 @@ class Decoder:
         if len(self.calibration.elevation) != self._lasers:
             raise ValueError(f"the calibration has {len(self.calibration.elevation)} lasers, but a {self.title} has "
                              f"{self._lasers}")
-        self._resolution_m = self.calibration.resolution_m or file.resolution_m
-        steps = np.diff(probe["stamp_us"].astype(np.float64) * 1e-6) % _HOUR_S
+        steps = np.diff(first["stamp_us"].astype(np.float64) * 1e-6) % _HOUR_S
         self._period_s, self.stamped = firing_period(
-            steps, captured_s, self._firings_per_packet(self._is_dual(probe)), file.period_s)
+            steps, captured_s, self._firings_per_packet(self._is_dual(first)), file.period_s)
         laser_s = file.time_s[order]
         if self.model.is_hdl64e:
             laser_s = np.array([6.0 * group + time for group in range(8) for time in _HDL64E_TIMES_US] * 2) * 1e-6
-        self._laser_s: Floats = laser_s * (self._period_s / file.period_s)
-        self._rotation = Rotation(self._start_deg, self._period_s * (2 if self._lasers == 16 else 1))
-        self._pending: list[_Firings] = []
-        self._scans = 0
+        self._rotation = Rotation(360.0 - file.start_azimuth_deg, self._period_s * (2 if self._lasers == 16 else 1))
+        self._revolutions = Revolutions(self.calibration, order, laser_s * (self._period_s / file.period_s),
+                                        self._period_s, self.calibration.resolution_m or file.resolution_m)
 
     def _firings_per_packet(self, dual: bool) -> int:
         return (12 if not dual else 6 if self._lasers < 128 else 4) * 32 // self._lasers
@@ -191,8 +170,13 @@ class Decoder:
         azimuth, banks = packets["blocks"]["azimuth"], len(self.model.flags)
         return bool(((azimuth[:, 0] == azimuth[:, banks]) & (azimuth[:, 0] != azimuth[:, 2 * banks])).mean() > 0.5)
 
-    def decode(self, packets: Packets, captured_s: Floats) -> Iterator[Scan]:
-        """Yields the scans that end in the (n,) `packets`, which were captured at (n,) `captured_s`."""
+    def unfit(self, data: bytes) -> str:
+        """Why a packet is not decoded; empty where it is."""
+        return "" if len(data) == PACKET.itemsize else "packets of another length"
+
+    def decode(self, data: list[bytes], captured_s: Floats) -> Iterator[Scan]:
+        """Yields the scans that end in n packets, which were captured at (n,) `captured_s`."""
+        packets: Packets = np.frombuffer(b"".join(data), dtype=PACKET)
         if not len(packets):
             return
         dual = np.full(len(packets), self._is_dual(packets))
@@ -207,12 +191,12 @@ class Decoder:
         edges = [0, *(np.flatnonzero(np.diff(dual)) + 1), len(packets)]
         for begin, end in zip(edges[:-1], edges[1:]):
             if end > begin:
-                yield from self._cut(self._firings(packets[begin:end], captured_s[begin:end], bool(dual[begin])))
+                part = self._firings(packets[begin:end], captured_s[begin:end], bool(dual[begin]))
+                yield from self._revolutions.cut(part)
 
     def finish(self) -> Iterator[Scan]:
         """Yields the last scan."""
-        if self._pending:
-            yield self._scan()
+        yield from self._revolutions.finish()
 
     def found(self) -> list[str]:
         """Lines about clock and calibration."""
@@ -221,7 +205,7 @@ class Decoder:
             lines.append(f"calibration: {self.calibration.source}")
         return lines
 
-    def _firings(self, packets: Packets, captured_s: Floats, dual: bool) -> _Firings:
+    def _firings(self, packets: Packets, captured_s: Floats, dual: bool) -> Firings:
         n, lasers, flags = len(packets), self._lasers, self.model.flags
         banks, firings = len(flags), self._firings_per_packet(dual)
         blocks: Packets = packets["blocks"]
@@ -254,46 +238,7 @@ class Decoder:
             return column.reshape(-1, returns, lasers)
 
         half_s = np.arange(halves) * self._period_s
-        return _Firings(
+        return Firings(
             (azimuth[sound][:, None] + rate[:, None] * half_s).ravel(), np.repeat(rate, halves),
             (time_s[:, None] + half_s).ravel(), np.repeat(turn, halves),
             values("range").astype(np.uint16), values("intensity").astype(np.uint8))
-
-    def _cut(self, firings: _Firings) -> Iterator[Scan]:
-        """Yields the scans that end before or in `firings`; keeps the rest."""
-        edges = [0, *(np.flatnonzero(np.diff(firings.turn)) + 1), len(firings)]
-        for begin, end in zip(edges[:-1], edges[1:]):
-            part = firings.part(int(begin), int(end))
-            if self._pending and len(part):
-                last = self._pending[-1]
-                held = sum(len(pending) for pending in self._pending)
-                if (last.turn[-1] != part.turn[0] or last.range.shape[1] != part.range.shape[1]
-                        or held * self._period_s > _LONGEST_S):
-                    yield self._scan()
-            if len(part):
-                self._pending.append(part)
-
-    def _scan(self) -> Scan:
-        """The pending firings as a scan."""
-        parts, self._pending = self._pending, []
-        joined = _Firings(*(np.concatenate([getattr(part, field.name) for part in parts])
-                            for field in dataclasses.fields(_Firings)))
-        time_s = (joined.time_s[:, None] + self._laser_s).ravel()
-        clockwise = np.radians(joined.azimuth_deg[:, None] + joined.rate_deg_s[:, None] * self._laser_s)
-        direction, origin = self.calibration.beams(-clockwise)
-        counts, shades = (values.swapaxes(0, 1).reshape(values.shape[1], -1)
-                          for values in (joined.range, joined.intensity))
-        rows = rows_of(counts)
-        count = counts[rows.which, rows.beam]
-        laser = np.tile(np.arange(self._lasers), len(joined))[rows.beam]
-        direction, origin = direction[rows.beam], None if origin is None else origin[rows.beam]
-        range_m = count * np.float32(self._resolution_m)
-        range_m[count == 0] = np.inf
-        if self.calibration.has_ranges:
-            direction, range_m = self.calibration.corrected(direction, range_m, laser)
-        intensity = np.where(count > 0, shades[rows.which, rows.beam], 0).astype(np.float32)
-        time_s = time_s[rows.beam]
-        self._scans += 1
-        return Scan(number=self._scans - 1, time_s=float(time_s[0]), direction=direction, range_m=range_m,
-                    origin=origin, beam_time_s=time_s, intensity=intensity, ring=self._ring[laser], echo=rows.echo,
-                    echoes=rows.echoes)
