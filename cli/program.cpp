@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
@@ -19,6 +20,10 @@
 namespace underbrush::app {
 namespace {
 
+/// Whether a signal, or the end of the work, has begun to end the process; the other one is too
+/// late.
+std::atomic<bool> is_ending{false};
+
 // On SIGINT, SIGTERM or SIGHUP this removes half-written outputs and temporary files and prints one
 // line. Then it lets the signal end the process, so that a shell stops its script too (it sees 128
 // + the signal's number).
@@ -34,7 +39,7 @@ void clean_up_on_signals(const std::string& program) {
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);  // Threads that start later inherit the mask.
   std::thread([signals, program] {
     int signal = 0;
-    if (sigwait(&signals, &signal) != 0) return;
+    if (sigwait(&signals, &signal) != 0 || is_ending.exchange(true)) return;
     remove_temporaries();
     std::fprintf(stderr, "%s%s: %s\n", isatty(STDERR_FILENO) == 1 ? "\r\x1b[K" : "",
                  program.c_str(), signal == SIGINT ? "interrupted" : "ended by a signal");
@@ -96,6 +101,12 @@ int Program::parse() {
 }
 
 int Program::run(int argc, char** argv) {
+  const int code = outcome(argc, argv);
+  while (is_ending.exchange(true)) pause();  // The signal ends the process.
+  return code;
+}
+
+int Program::outcome(int argc, char** argv) {
   clean_up_on_signals(app_.get_name());
   on_remains_removed([name = app_.get_name()](const std::filesystem::path& folder, size_t count) {
     std::fprintf(stderr, "%s: removed from %s what %zu killed run%s left\n", name.c_str(),

@@ -27,6 +27,7 @@ class Program {
   int run(int argc, char** argv);
 
  private:
+  int outcome(int argc, char** argv);
   int parse();
   /// Throws `std::invalid_argument` where the first word is no verb.
   void check_verb() const;
