@@ -21,9 +21,9 @@ class Program {
   /// Returns the words of the command line; the first is the program's name.
   const std::vector<std::string>& words() const { return words_; }
 
-  /// Parses the command line and runs the verb that it names. Exit codes: 0 success, 2 wrong usage,
-  /// 3 bad input, 4 failure while running. A signal ends the process itself, so that a shell sees
-  /// 128 + its number.
+  /// Parses the command line and runs the verb that it names, once in a process. Exit codes: 0
+  /// success, 2 wrong usage, 3 bad input, 4 failure while running. A signal ends the process
+  /// itself, so that a shell sees 128 + its number.
   int run(int argc, char** argv);
 
  private:

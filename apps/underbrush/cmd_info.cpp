@@ -44,6 +44,10 @@ void report_model(const Verb& verb, const std::string& path) {
                          model.grain.side_at(model.grain.place_of(label)));
   }
   if (!model.channels.empty()) j["channels"] = pipeline::json_of(model.channels);
+  if (model.sway_s > 0) {
+    table += fmt::format("  matter sways with a correlation time of {:.2g} s\n", model.sway_s);
+  }
+  j["sway_s"] = model.sway_s;
   table += text_of_light(model);
   if (model.light.known()) j["light"] = pipeline::json_of_light(model);
   j["provenance"] = model.provenance.empty() ? Json(nullptr) : io::json_of_text(model.provenance);

@@ -36,16 +36,14 @@ void list(const Verb& verb) {
                                   "beams/s", "rings", "max m", "returns", "title");
   for (const std::string& name : sensor::names()) {
     const Sensor s = sensor::load(name);
-    const size_t rings =
-        s.kind == sensor::Kind::kRaster ? s.raster.rows : std::max<size_t>(1, s.channels.size());
     table +=
         fmt::format("{:<20} {:<11} {:>9.0f}  {:>5} {:>6g}  {:<10} {}\n", name, sensor::kind_name(s),
-                    s.beams_per_s(), rings, s.max_range_m, returns_of(s.signal), s.title);
+                    s.beams_per_s(), s.rings(), s.max_range_m, returns_of(s.signal), s.title);
     j.push_back({{"name", name},
                  {"title", s.title},
                  {"kind", sensor::kind_name(s)},
                  {"beams_per_s", s.beams_per_s()},
-                 {"rings", rings},
+                 {"rings", s.rings()},
                  {"max_range_m", s.max_range_m}});
   }
   verb.report(j, table);
@@ -63,7 +61,7 @@ Json json_of(const Sensor& s, const report::SvgPlot::Points& scan) {
   j["beams_per_s"] = s.beams_per_s();
   j["scans_per_s"] = s.rate_hz;
   j["beams_per_scan"] = s.beams_per_s() / s.rate_hz;
-  j["channels"] = s.channels.size();
+  j["channels"] = s.kind == sensor::Kind::kRisley ? s.rings() : s.channels.size();
   j["azimuth_deg"] = {west->first, east->first};
   j["elevation_deg"] = {low->second, high->second};
   if (s.kind == sensor::Kind::kSpinning) j["azimuth_step_deg"] = s.azimuth_step_rad() / kDegree;

@@ -200,7 +200,7 @@ std::string text_of_model(const Done& done, const elements::Model& model) {
                               model.keyframes->frames.size())
                 : fmt::format(
                       "  keyframes   not used: they are of thin rays of {}, without "
-                      "elements, movers or wind\n",
+                      "elements or movers\n",
                       model.sensor.empty() ? "the model's log" : printable(model.sensor));
   }
   return text;
@@ -224,6 +224,7 @@ void report(const Verb& verb, const Arguments& a, const Done& done, const WorldS
   if (sub_rays) j["sub_rays"] = sub_rays;
   if (sub_rays) j["sub_rays_traced"] = mean_traced;
   if (!lost.empty()) j["lost"] = lost;
+  if (traced.sway_s() > 0) j["sway_s"] = traced.sway_s();
   if (!model.channels.empty()) j["channel_offsets"] = model.channels_of(done.beams).size();
   if (!intensities.empty()) j["intensity"] = intensities;
   if (model.keyframes) j["keyframes"] = done.simulation.keyframes_serve(done.beams);
@@ -242,6 +243,10 @@ void report(const Verb& verb, const Arguments& a, const Done& done, const WorldS
                       sub_rays ? "answers" : "tracing", n.seconds, si(rate), threads(),
                       traced.still().isa(), done.seconds);
   if (!intensities.empty()) text += fmt::format("  intensity   {}\n", intensities);
+  if (traced.sway_s() > 0) {
+    text +=
+        fmt::format("  matter      sways with a correlation time of {:.2g} s\n", traced.sway_s());
+  }
   if (!lost.empty()) text += fmt::format("  not kept    {}\n", lost);
   text += text_of_model(done, model);
   if (world.read.parts) text += text_of(world);

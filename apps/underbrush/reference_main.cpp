@@ -69,17 +69,15 @@ std::string sensors_page() {
       "range, m |\n|---|---|---|---:|---|---:|---|---|---:|\n";
   for (const std::string& name : sensor::names()) {
     const sensor::Sensor s = sensor::load(name);
-    const size_t rings = s.kind == sensor::Kind::kRaster ? size_t(s.raster.rows)
-                         : s.channels.empty()            ? 1
-                                                         : s.channels.size();
     const char* first = s.channels.size() < 2 ? "–"
                         : s.channels.front().elevation_rad < s.channels.back().elevation_rad
                             ? "lowest"
                             : "highest";
     out += fmt::format(
         "| `{}` | {} | {} | {} | {} | {:.0f} | {:g} to {:g} | {:.3g} × {:.3g} | {:g} |\n", name,
-        s.title, sensor::kind_name(s), rings, first, s.beams_per_s(), s.min_range_m, s.max_range_m,
-        1e3 * s.beam.divergence_rad[0], 1e3 * s.beam.divergence_rad[1], s.range_sigma_m);
+        s.title, sensor::kind_name(s), s.rings(), first, s.beams_per_s(), s.min_range_m,
+        s.max_range_m, 1e3 * s.beam.divergence_rad[0], 1e3 * s.beam.divergence_rad[1],
+        s.range_sigma_m);
   }
   return out;
 }

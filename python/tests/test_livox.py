@@ -93,10 +93,35 @@ def test_the_name_of_the_sensor_may_be_given(tmp_path: pathlib.Path) -> None:
     assert "Avia, Horizon, Tele-15" in PacketRecording(path).found()[0] and PacketRecording(path).sensor == ""
     recording = PacketRecording(path, sensor="livox-avia")
     assert recording.sensor == "livox-avia" and "Livox Avia (livox-avia)" in recording.found()[0]
-    with pytest.raises(FormatError, match="'hesai-xt32' is no Livox"):
-        PacketRecording(path, sensor="hesai-xt32")
+    for other in ("hesai-xt32", "livox-mid360"):
+        with pytest.raises(FormatError, match=f"'{other}' does not send these packets, which are those of a Livox"):
+            PacketRecording(path, sensor=other)
     with pytest.raises(FormatError, match="leave out --metadata angles.csv"):
         PacketRecording(path, "angles.csv")
+
+
+def test_late_packets_and_a_clock_that_goes_back(tmp_path: pathlib.Path) -> None:
+    kind = KINDS["mid360 spherical"]
+    one = packet(kind, observe(kind, 1), 0)
+
+    def at(time_s: float) -> bytes:
+        return one[:28] + struct.pack("<Q", round(time_s * 1e9)) + one[36:]
+    data = [at(T0 + 480e-6 * k) for k in range(410)]
+    data[205:215] = data[214:204:-1]  # about the border of the first scans
+    came = [(T0 + 480e-6 * k, piece) for k, piece in enumerate(data)]
+    scans = list(PacketRecording(save(tmp_path / "late.pcap", came)).scans())
+    assert [len(scan) // 1000 for scan in scans] == [19, 19] and sum(map(len, scans)) == 410 * 96
+    back = came + [(T0 + 0.3 + 480e-6 * k, at(T0 - 50 + 480e-6 * k)) for k in range(410)]
+    scans = list(PacketRecording(save(tmp_path / "back.pcap", back), clock="sensor").scans())
+    assert sum(map(len, scans)) == 820 * 96 and 4 <= len(scans) <= 6
+
+
+def test_packets_of_the_other_coordinates_are_left_out(tmp_path: pathlib.Path) -> None:
+    first = packets_of("extended spherical", 30)
+    then = packets_of("extended cartesian", 20, observe(KINDS["extended cartesian"], 20, T0 + 0.3))
+    recording = PacketRecording(save(tmp_path / "a.pcap", first + then))
+    assert recording.organised and sum(map(len, recording.scans())) == 30 * 96
+    assert recording.skipped == {"packets of the other kind of coordinates": 20}
 
 
 def test_the_kind_of_data_may_change(tmp_path: pathlib.Path) -> None:

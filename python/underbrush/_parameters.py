@@ -78,14 +78,14 @@ class SimulateParameters(TypedDict, total=False):
     super_sample: str
     returns: str  #: The echoes that are reported: strongest, first, last, or up to N (default: the sensor's).
     #: Whether leaves and stones are drawn once, so that neighbouring beams and later scans meet the same ones, or
-    #: anew for each beam (default once).
+    #: anew for each beam; still is once also where those of the model sway (default once).
     matter: str
     #: Size of the cells in which matter that is drawn once is all there or all absent; 0 = the model's (m; default
     #: 0).
     grain: float
     tau: float  #: Mahalanobis distance within which a beam meets an ellipsoid; 0 = the model's (default 0).
-    #: Correlation time of leaves that sway; 0 = the model's, which stand still unless its log shows otherwise (s;
-    #: default 0).
+    #: Correlation time of leaves that sway; 0 = the model's, whose leaves stand still unless its log shows
+    #: otherwise (s; default 0).
     wind: float
     support: bool  #: Add a column with the probability that a beam does not end in unknown space (default false).
     #: How the range in an ellipsoid is drawn: along the beam, or in the ellipsoid's volume; median takes the median

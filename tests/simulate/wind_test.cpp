@@ -76,6 +76,34 @@ TEST(Wind, MatterIsTheSameWithAProbabilityThatFallsEvenlyOverTheCorrelationTime)
   }
 }
 
+TEST(Wind, TheMatterOfAnObjectThatMovesSwaysAsSlowlyInIt) {
+  elements::Scene scene;
+  scene.models = {target(false, 0), target(true, 0.5f)};
+  scene.models[0].surface = {};
+  scene.instances.resize(2);
+  scene.instances[1].model = 1;
+  const Trajectory stays({{0, {}}, {100, {}}});
+  const DynamicWorld world(scene, {{1, stays}}, trace::Draws::kSwaying);
+  Options options;
+  options.sway_s = kSway;
+  const auto at = [&](double time_s) {
+    BeamLog beams = beams_along_x(kBeams);
+    for (size_t i = 0; i < kBeams; ++i) {
+      beams.origin[i] = Vec3(0, 0.0077 + 0.5 * double(i), 0.0061);
+      beams.time_s[i] = time_s;
+    }
+    simulate(world, options, 0, beams);
+    return beams.range_m;
+  };
+  const std::vector<float> now = at(50);
+  for (const double later : {0.1, 0.25, 0.4, 2.0}) {
+    const double same = std::max(0.0, 1 - later / kSway);
+    EXPECT_NEAR(share_equal(now, at(50 + later)), same + (1 - same) / 4,
+                5 * std::sqrt(0.25 / kBeams))
+        << later;
+  }
+}
+
 TEST(Wind, EveryInstantHasTheHitRateAndTheSpreadOfStillMatter) {
   for (const double time_s : {0.0, 0.33, 7.77, 1e9}) {
     double hits = 0, sum = 0, square = 0;

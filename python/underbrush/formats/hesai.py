@@ -76,7 +76,7 @@ def model_of(layout: Layout, sensor: str | None = None) -> Model:
     if found is None:
         raise ValueError(f"packets of Hesai's protocol {layout.protocol[0]}.{layout.protocol[1]} with {layout.lasers} "
                          f"channels and {layout.blocks} blocks are not decoded; have the driver write its point clouds")
-    if sensor is not None and sensor != found.sensor and (found.sensor or sensor in catalogue.names()):
+    if sensor is not None and sensor != found.sensor and sensor in catalogue.names():
         raise ValueError(f"sensor '{sensor}' does not send these packets, which are those of a {found.title}")
     return found
 

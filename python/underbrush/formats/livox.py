@@ -23,6 +23,7 @@ from underbrush.formats.scans import Scan
 Floats = npt.NDArray[np.float64]
 
 _SCAN_S = 0.1  #: The sensors have no revolutions; a scan is as long as those of the maker's drivers.
+_LATE = 5  #: A packet that comes so many scans late belongs to a clock that was set back.
 _MOST_POINTS = 200_000  #: In a scan, where stamps stand still; the fastest sensor has 45 200 in 0.1 s.
 _TRIPLE = (7, 8)  #: Kinds of version 5 that only the Avia sends.
 _NO_DIRECTION = "points without a return whose direction the packets do not tell"
@@ -35,13 +36,14 @@ class Model(NamedTuple):
     sensor: str  #: Name in the catalogue; empty where it has none.
     points_per_s: float
     lines: int  #: Lasers, which take turns.
+    version: int = OLD_VERSION  #: Of its packets.
 
 
 _MID = Model("Livox sensor of 100 000 points/s (Mid-40, Mid-70)", "", 1e5, 1)
 _PRISM = Model("Livox sensor of 240 000 points/s (Avia, Horizon, Tele-15)", "", 2.4e5, 6)
 _AVIA = Model("Livox Avia", "livox-avia", 2.4e5, 6)
-_MID360 = Model("Livox Mid-360", "livox-mid360", 2e5, 4)
-_HAP = Model("Livox HAP", "", 4.52e5, 6)
+_MID360 = Model("Livox Mid-360", "livox-mid360", 2e5, 4, NEW_VERSION)
+_HAP = Model("Livox HAP", "", 4.52e5, 6, NEW_VERSION)
 
 
 def recognise(data: bytes) -> bool:
@@ -51,16 +53,17 @@ def recognise(data: bytes) -> bool:
 
 def model_of(layout: Layout, points_per_s: float, sensor: str | None = None) -> Model:
     """The model with that rate of points, or the one named `sensor`. Raises ValueError where that is no Livox."""
-    models = (_MID360, _HAP) if layout.version == NEW_VERSION else (_MID, _PRISM)
-    if sensor is not None and sensor in catalogue.names():
-        named = [model for model in (_AVIA, _MID360) if model.sensor == sensor]
-        if not named:
-            raise ValueError(f"sensor '{sensor}' is no Livox whose packets are known")
-        return named[0]
+    def fits(model: Model) -> bool:
+        return model.version == layout.version and abs(points_per_s / model.points_per_s - 1) < 0.1
+
+    found = next(filter(fits, (_MID, _PRISM, _MID360, _HAP)), Model("Livox sensor", "", points_per_s, 1))
     if layout.version == OLD_VERSION and layout.kind in _TRIPLE:
+        found = _AVIA
+    if sensor is None or sensor not in catalogue.names() or sensor == found.sensor:
+        return found
+    if sensor == _AVIA.sensor and fits(_AVIA):
         return _AVIA
-    near = [model for model in models if abs(points_per_s / model.points_per_s - 1) < 0.1]
-    return near[0] if near else Model("Livox sensor", "", points_per_s, 1)
+    raise ValueError(f"sensor '{sensor}' does not send these packets, which are those of a {found.title}")
 
 
 class Decoder:
@@ -83,12 +86,16 @@ class Decoder:
         self.clock = Clock(1.0 if pulses else None, believed=clock)
         self._pending: list[_Points] = []
         self._begin_s: float | None = None
+        self._window = 0.0  # The latest one; late packets belong to it.
         self._scans = 0
 
     def unfit(self, data: bytes) -> str:
         """Why a packet is not decoded; empty where it is."""
-        if layout_of(data) is not None:
+        layout = layout_of(data)
+        if layout is not None and layout.is_cartesian != self.organised:
             return ""
+        if layout is not None:
+            return "packets of the other kind of coordinates"
         return INERTIAL if is_inertial(data) else "packets of another length"
 
     def decode(self, data: list[bytes], captured_s: Floats) -> Iterator[Scan]:
@@ -96,7 +103,7 @@ class Decoder:
         begin = 0
         for layout, group in itertools.groupby(data, layout_of):
             part = list(group)
-            if layout is not None:
+            if layout is not None and layout.is_cartesian != self.organised:
                 yield from self._cut(self._points(layout, part, captured_s[begin:begin + len(part)]))
             begin += len(part)
 
@@ -151,17 +158,28 @@ class Decoder:
             return
         if self._begin_s is None:
             self._begin_s = float(time_s[0])
+        latest = self._window
         window = np.floor((time_s - self._begin_s) / _SCAN_S)
+        highest = np.maximum(np.maximum.accumulate(window), latest)
+        back = np.flatnonzero(window < highest - _LATE)
+        if len(back):  # The clock has gone back.
+            yield from self._cut(_Points(*(column[:back[0]] for column in points)))
+            self._window = float(window[back[0]])
+            yield from self._cut(_Points(*(column[back[0]:] for column in points)))
+            return
+        window = highest
+        self._window = float(window[-1])
         edges = [0, *(np.flatnonzero(np.diff(window)) + 1), len(time_s)]
         for begin, end in zip(edges[:-1], edges[1:]):
             part = _Points(*(column[begin:end] for column in points))
             if self._pending:
                 last = self._pending[-1]
                 held = sum(len(pending.time_s) for pending in self._pending)
-                if (np.floor((last.time_s[-1] - self._begin_s) / _SCAN_S) != window[begin]
+                if (latest != window[begin]
                         or last.length_m.shape[1] != part.length_m.shape[1] or held > _MOST_POINTS):
                     yield self._scan()
             self._pending.append(part)
+            latest = float(window[begin])
 
     def _scan(self) -> Scan:
         """The pending points as a scan."""

@@ -58,7 +58,7 @@ class PacketRecording:
         """Opens the capture and finds its sensor.
 
         `metadata` is the JSON file of an Ouster (default: FILE.json or FILE_0.json beside the capture), the calibration
-        of a Velodyne (XML of VeloView or YAML of the ROS driver), or the angle correction of a Hesai (CSV). `sensor` is
+        of a Velodyne (XML of VeloView or YAML of the ROS driver), or the angle correction of a Hesai (CSV, or DAT of an AT128). `sensor` is
         a name of the catalogue, for sensors whose packets do not tell their model. `stream` is 'ADDRESS:PORT',
         'ADDRESS' or 'PORT', where several sensors are in one capture. `clock` 'sensor' takes the sensor's stamps as
         they are, 'capture' takes their intervals only and begins with the time of capture, and 'auto' chooses as

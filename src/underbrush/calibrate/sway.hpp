@@ -8,17 +8,18 @@
 
 namespace underbrush::calibrate {
 
-/// What was learnt. `real_m` to `swaying_m` are differences of the ranges of one direction in
+/// What was learnt. `real_m` to `anew_m` are differences of the ranges of one direction in
 /// successive scans from one place, in the log and in simulations of it: geometric means of
 /// |Δ range| + 1 mm where both scans have a return.
 struct SwayReport {
-  size_t pairs = 0;       ///< Pairs of beams that were compared; 0 where no scans repeat.
+  bool stands = false;    ///< Whether successive scans of the log are from one place.
+  size_t pairs = 0;       ///< Pairs of beams that repeat a direction.
   double interval_s = 0;  ///< s; the time between the beams of a pair, the median.
   double real_m = 0;      ///< m; the log's difference.
   double still_m = 0;     ///< m; the difference if all matter stands still.
   double anew_m = 0;      ///< m; the difference if each beam draws its own matter.
-  double swaying_m = 0;   ///< m; the difference if matter sways as learnt.
-  bool learnt = false;    ///< Whether `Model::sway_s` was set.
+  /// Whether there were pairs enough, and times, to tell whether the matter sways.
+  bool known = false;
 };
 
 /// Sets `sway_s` of the model, the correlation time T of its matter, where scans of the log repeat
@@ -27,8 +28,8 @@ struct SwayReport {
 /// differs as much as the log, and at least the time from scan to scan. What the sensor's own
 /// scatter does to a direction, such as the play of its encoder, counts as motion of the matter.
 /// Otherwise `sway_s` becomes 0. Only beams that end on ellipsoids count, at least 500 pairs of
-/// them. Reads the log once, up to the last of the scans that are compared, and keeps about 60 000
-/// beams; a log without such scans is not read.
+/// them. Reads the log up to the last of the scans that are compared and keeps up to 120 000 beams.
+/// A log without such scans is not read, unless it does not list its scans.
 SwayReport learn_sway(elements::Model& model, BeamSource& log, uint64_t seed);
 
 }  // namespace underbrush::calibrate

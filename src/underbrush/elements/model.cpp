@@ -118,8 +118,8 @@ void Model::check() const {
   }
   require(std::isfinite(range_noise_m) && range_noise_m >= 0,
           "model: the range noise must not be negative");
-  require(std::isfinite(sway_s) && sway_s >= 0,
-          "model: the correlation time of its matter must not be negative");
+  require(std::isfinite(sway_s) && (sway_s == 0 || sway_s >= 1e-6),
+          "model: the correlation time of its matter must be 0 or at least 1e-6 s");
   for (size_t i = 0; i < channels.size(); ++i) {
     require(std::isfinite(channels[i].range_m) && channels[i].standard_error_m >= 0 &&
                 std::isfinite(channels[i].standard_error_m),

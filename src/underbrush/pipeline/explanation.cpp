@@ -37,6 +37,13 @@ uint32_t cell_of(const trace::World& tracer, const Ray& ray, const trace::Inters
   return sways ? trace::swaying_cell(cell, met.element, uint32_t(trial >> 32)) : cell;
 }
 
+/// The key of the trials of a beam at the elements of an instance, without the time.
+uint64_t trial_key(const TracedWorld& world, uint64_t trial, uint32_t instance) {
+  if (world.sway_s() == 0) return trace::instance_key(trial, instance);
+  return world.dynamic().moves(instance) ? uint32_t(trace::object_key(trial, instance, true))
+                                         : trace::instance_key(uint32_t(trial), instance);
+}
+
 /// Whether the beam ends in unknown space before the element at which it would end; then its range
 /// is that.
 bool end_in_unknown(const trace::World& tracer, const Ray& ray, uint64_t matter,
@@ -89,9 +96,7 @@ Explanation explain_beam(const TracedWorld& world, uint64_t seed, bool keyframes
     const elements::Model& model = tracer.model(m.instance);
     const uint32_t cell = cell_of(tracer, ray, m, trial);
     const uint64_t of_matter = trace::instance_key(matter, m.instance) ^ cell;
-    const uint64_t of_trial =
-        trace::instance_key(world.sway_s() > 0 ? uint32_t(trial) : trial, m.instance) ^ cell;
-    const uint32_t bits = accept_bits(of_trial, m.element);
+    const uint32_t bits = accept_bits(trial_key(world, trial, m.instance) ^ cell, m.element);
     const bool accepts = trace::accept_threshold(m.p).accepts(bits);
     if (accepts && !out.ends_at) {
       out.ends_at = out.met.size();

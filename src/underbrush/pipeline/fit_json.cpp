@@ -28,6 +28,7 @@ void add_model(Json& j, const elements::Model& model) {
   j["ellipsoids"] = model.ellipsoids.size();
   j["ground_sigma_m"] = model.ground.range_sigma_m;
   j["range_noise_m"] = model.range_noise_m;
+  j["sway_s"] = model.sway_s;
   j["grain_m"] = {{"ellipsoids", model.grain.ellipsoid_m}, {"meshes", model.grain.mesh_m}};
   for (const elements::ClassGrain& c : model.grain.classes) {
     j["grain_m"]["classes"][model.class_name(c.label)] = c.side_m;
@@ -121,13 +122,12 @@ Json json_of(const FittedModel& fitted, const SkippedRows& skipped) {
                         {"simulated", r.grain.simulated_m},
                         {"simulated_anew", r.grain.anew_m}};
   }
-  if (r.sway.pairs > 0) {
+  if (r.sway.known) {
     j["scan_to_scan"] = {{"pairs", r.sway.pairs},
                          {"interval_s", r.sway.interval_s},
                          {"log_m", r.sway.real_m},
                          {"simulated_still_m", r.sway.still_m},
-                         {"simulated_anew_m", r.sway.anew_m},
-                         {"sway_s", model.sway_s}};
+                         {"simulated_anew_m", r.sway.anew_m}};
   }
   if (r.echo_grain.learnt) {
     j["echoes_per_return"] = {{"log", r.echo_grain.real}, {"simulated", r.echo_grain.simulated}};

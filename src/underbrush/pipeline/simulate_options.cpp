@@ -25,16 +25,16 @@ std::span<const Option<SimulateOptions>> simulate_options() {
 
     {"matter", "Matter", "",
      "Whether leaves and stones are drawn once, so that neighbouring beams and later scans meet the "
-     "same ones, or anew for each beam",
-     [](O& o) -> auto& { return o.matter; }, -kNoLimit, kNoLimit, {"once", "anew"}},
+     "same ones, or anew for each beam; still is once also where those of the model sway",
+     [](O& o) -> auto& { return o.matter; }, -kNoLimit, kNoLimit, {"once", "still", "anew"}},
     {"grain", "Matter", "m",
      "Size of the cells in which matter that is drawn once is all there or all absent; 0 = the model's",
      [](O& o) -> auto& { return o.grain_m; }, 0, 100},
     {"tau", "Matter", "", "Mahalanobis distance within which a beam meets an ellipsoid; 0 = the model's",
      [](O& o) -> auto& { return o.tau; }, 0, 20},
     {"wind", "Matter", "s",
-     "Correlation time of leaves that sway; 0 = the model's, which stand still unless its log shows "
-     "otherwise",
+     "Correlation time of leaves that sway; 0 = the model's, whose leaves stand still unless its log "
+     "shows otherwise",
      [](O& o) -> auto& { return o.sway_s; }, 0, 3600},
     {"support", "Matter", "",
      "Add a column with the probability that a beam does not end in unknown space",

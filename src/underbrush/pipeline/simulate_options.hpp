@@ -27,7 +27,7 @@ struct InstrumentOptions {
 struct SimulateOptions {
   uint64_t seed = 1;
   double tau = 0, grain_m = 0;  ///< 0 = those of the models.
-  std::string matter = "once";  ///< "once" or "anew".
+  std::string matter = "once";  ///< "once", "still" or "anew".
   double sway_s = 0;            ///< s; option `wind`.
   std::string draw = "on_ray", beam = "thin", intensity = "mean";
   double max_range_m = 0;  ///< m; 0 = that of the beams.

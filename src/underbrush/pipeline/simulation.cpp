@@ -81,7 +81,7 @@ BeamLog in_order(const LogInfo& info, const std::vector<uint8_t>& sensor,
 
 Matter matter_of(const SimulateOptions& options) {
   check_options("simulate", simulate_options(), options);
-  return {options.matter == "anew", options.sway_s};
+  return {options.matter == "anew", options.matter == "still", options.sway_s};
 }
 
 /// The answers to the beams of one sensor.

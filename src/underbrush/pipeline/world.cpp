@@ -10,9 +10,10 @@ namespace underbrush::pipeline {
 namespace {
 
 Matter resolved(Matter matter, std::span<const elements::Model> models) {
-  require(!matter.anew || matter.sway_s == 0,
-          "simulate: --wind moves matter that is drawn once, not --matter anew");
-  if (!matter.anew && matter.sway_s == 0) matter.sway_s = elements::sway_of(models);
+  require((!matter.anew && !matter.still) || matter.sway_s == 0,
+          "simulate: --wind moves matter that is drawn once, not --matter anew or still");
+  if (!matter.anew && !matter.still && matter.sway_s == 0)
+    matter.sway_s = elements::sway_of(models);
   return matter;
 }
 

@@ -44,8 +44,9 @@ void set_matter(World& world, double tau, double grain_m);
 
 /// Whether and how the matter of a world is drawn for all beams at once (`trace::Draws`).
 struct Matter {
-  bool anew = false;  ///< Each beam draws its own leaves and stones.
-  double sway_s = 0;  ///< s; correlation time of what sways; 0 = that of the models.
+  bool anew = false;   ///< Each beam draws its own leaves and stones.
+  bool still = false;  ///< They stand still, also where those of the models sway.
+  double sway_s = 0;   ///< s; correlation time of what sways; 0 = that of the models.
 };
 
 /// A world prepared for tracing.

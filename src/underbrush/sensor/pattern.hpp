@@ -10,9 +10,8 @@ namespace underbrush::sensor {
 ///
 /// A spinning sensor has its firing f = 0, 1, … at t = start_s + f·period. Channel c fires at t +
 /// c.time, at azimuth start_azimuth ± 2π·rate·(t + c.time − start_s) + c.azimuth, from c.z above
-/// the sensor's origin. Other sensors repeat the shots of a cycle from start_s on, except
-/// those with prisms, whose pattern goes on. Every beam has
-/// the pose that is interpolated at its time.
+/// the sensor's origin. Other sensors repeat the shots of a cycle from start_s on, except those
+/// with prisms, whose pattern goes on. Every beam has the pose that is interpolated at its time.
 ///
 /// `scan` counts revolutions or frames (1/rate) from 0, and `packet` counts packets within the
 /// scan. A scan's reference time and pose are those of its first beam. Beams are in order of time,

@@ -27,13 +27,14 @@ bool pass(const Prism& prism, double turn_rad, Vec3& beam) {
   return refract(prism.angle_rad > 0 ? upright : inclined, 1 / ratio, beam) && enters;
 }
 
-/// Tells whether the beam passes the prisms from `first` on at steps of all their turns.
+/// Tells whether the beam passes the prisms from `first` on at steps of all their turns, the
+/// finest ones of the first prism, where a beam aslant is totally reflected at a few positions.
 bool passes(const PrismLaser& laser, const Vec3& before, size_t first = 0) {
-  constexpr int kSteps = 12;
+  const int steps = first == 0 ? 720 : 12;
   if (first == laser.prisms.size()) return true;
-  for (int k = 0; k < kSteps; ++k) {
+  for (int k = 0; k < steps; ++k) {
     Vec3 beam = before;
-    if (!pass(laser.prisms[first], 2 * M_PI * k / kSteps, beam)) return false;
+    if (!pass(laser.prisms[first], 2 * M_PI * k / steps, beam)) return false;
     if (!passes(laser, beam, first + 1)) return false;
   }
   return true;

@@ -11,6 +11,11 @@ namespace underbrush::sensor {
 
 double Sensor::azimuth_step_rad() const { return 2 * M_PI * rate_hz * firing_period_s; }
 
+size_t Sensor::rings() const {
+  if (kind == Kind::kRaster) return size_t(raster.rows);
+  return std::max<size_t>(1, kind == Kind::kRisley ? risley.lasers.size() : channels.size());
+}
+
 double Sensor::beams_per_s() const {
   if (kind == Kind::kSpinning) return double(channels.size()) / firing_period_s;
   if (kind == Kind::kRisley) return risley.pulse_hz * double(risley.lasers.size());

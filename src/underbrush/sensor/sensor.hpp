@@ -68,6 +68,9 @@ struct Sensor {
   /// Angle between firings, rad, positive.
   double azimuth_step_rad() const;
   double beams_per_s() const;
+  /// The number of rings: of channels, of lasers behind prisms or of rows of a raster; 1 for
+  /// others.
+  size_t rings() const;
   /// For spinning sensors, channels · firings; for others, `firings_per_packet` shots.
   size_t beams_per_packet() const;
   /// The sign of the azimuth's change with time, +1 or −1.

@@ -127,6 +127,7 @@ void DynamicWorld::nearest_accepted(std::span<const Ray> rays, std::span<const u
   world_->nearest_accepted(rays, keys, limits, met);
   if (movers_.empty() || rays.empty()) return;
   const size_t width = rays.size() / time_s.size();
+  const bool sways = world_->draws() == trace::Draws::kSwaying;
   std::vector<Ray> near;
   std::vector<uint64_t> near_keys;
   std::vector<size_t> number;
@@ -155,7 +156,7 @@ void DynamicWorld::nearest_accepted(std::span<const Ray> rays, std::span<const u
         if (!met[i].none() && met[i].t_m < along - r) continue;  // It is hidden.
         near.push_back(
             {object_from_world * rays[i].origin, object_from_world.rotation * rays[i].direction});
-        near_keys.push_back(trace::instance_key(keys[i], o->mover.instance));
+        near_keys.push_back(trace::object_key(keys[i], o->mover.instance, sways));
         number.push_back(i);
       }
     }

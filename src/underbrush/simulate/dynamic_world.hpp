@@ -35,6 +35,7 @@ class DynamicWorld {
 
   const trace::World& world() const { return *world_; }
   bool moves() const { return !movers_.empty(); }
+  bool moves(uint32_t instance) const { return object(instance) != nullptr; }
   const elements::Model& model(uint32_t instance) const;
   /// The reflectance of what is met in unknown space: near the ground (`is_low`) the mean of the
   /// model's ground, else that of its ellipsoids.

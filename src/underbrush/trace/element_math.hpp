@@ -73,6 +73,13 @@ constexpr uint64_t instance_key(uint64_t key, uint32_t instance) {
   return key ^ mix64(uint64_t(instance) * 0x9e3779b97f4a7c15ull);
 }
 
+/// Computes the key of a beam within an object that moves, whose tracer knows it as instance 0. The
+/// upper half is left alone where matter sways, because it is the time.
+constexpr uint64_t object_key(uint64_t key, uint32_t instance, bool sways) {
+  const uint64_t salt = instance_key(0, instance);
+  return key ^ (sways ? uint64_t(uint32_t(salt)) : salt);
+}
+
 /// Factors by which `swaying_cell` mixes elements, cells and intervals.
 inline constexpr uint32_t kPhaseFactor[2] = {0x85ebca77u, 0x9e3779b1u}, kTimeFactor = 0x27d4eb2fu;
 

@@ -67,7 +67,11 @@ class SurveyReader {
       check(settings, legs[k]);
       add_leg(k, settings, path);
     }
-    if (out_.legs.empty()) xml_.fail(survey_, "no leg on which the scanner measures");
+    if (out_.legs.empty()) {
+      std::string why = "no leg on which the scanner measures";
+      for (const auto& [what, n] : out_.left_out) why += "; " + std::to_string(n) + " " + what;
+      xml_.fail(survey_, why);
+    }
     return std::move(out_);
   }
 
@@ -140,11 +144,12 @@ class SurveyReader {
     }
   }
 
-  /// Limits the speed of the head to that of the scanner; HELIOS++ takes 0 where it states none.
+  /// Limits the speed of the head to that of the scanner, if it states one. Without one, HELIOS++
+  /// does not turn the head at all.
   void limit_head(LegSettings& s) {
     const double most = xml_max("headRotatePerSecMax_deg") * kDegree;
-    if (std::abs(s.head_rad_per_s) <= most * (1 + 1e-9)) return;
-    s.head_rad_per_s = std::copysign(std::max(0.0, most), s.head_rad_per_s);
+    if (!(most > 0) || std::abs(s.head_rad_per_s) <= most * (1 + 1e-9)) return;
+    s.head_rad_per_s = std::copysign(most, s.head_rad_per_s);
     if (s.active) ++out_.left_out["speeds of the head above headRotatePerSecMax_deg"];
   }
 
@@ -262,8 +267,10 @@ class SurveyReader {
       const pugi::xml_node origin = channel.child("beamOrigin");
       emitters_.push_back({origin ? scanner_.file->rotation(origin) : emitter_, channel});
     }
-    if (!channels) emitters_.push_back({emitter_, {}});
-    if (emitters_.empty()) scanner_.file->fail(channels, "no channel with the scanner's optics");
+    if (emitters_.empty() && channels.child("channel")) {
+      scanner_.file->fail(channels, "no channel with the scanner's optics");
+    }
+    if (emitters_.empty()) emitters_.push_back({emitter_, {}});
   }
 
   /// Writes the sensor of a leg whose beams pass prisms. These turn as long as the scanner is
