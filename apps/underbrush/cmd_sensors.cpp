@@ -61,7 +61,7 @@ Json json_of(const Sensor& s, const report::SvgPlot::Points& scan) {
   j["beams_per_s"] = s.beams_per_s();
   j["scans_per_s"] = s.rate_hz;
   j["beams_per_scan"] = s.beams_per_s() / s.rate_hz;
-  j["channels"] = s.kind == sensor::Kind::kRisley ? s.rings() : s.channels.size();
+  j["channels"] = s.rings();
   j["azimuth_deg"] = {west->first, east->first};
   j["elevation_deg"] = {low->second, high->second};
   if (s.kind == sensor::Kind::kSpinning) j["azimuth_step_deg"] = s.azimuth_step_rad() / kDegree;

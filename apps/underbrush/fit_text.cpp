@@ -34,14 +34,10 @@ std::string text_of_grain(const elements::Model& model, const calibrate::GrainRe
   return text;
 }
 
-/// What the directions that repeat from scan to scan say.
 std::string text_of_sway(const elements::Model& model, const calibrate::SwayReport& sway) {
   if (!sway.stands) return "";
-  if (!sway.known) {
-    return line("repeats", "{} directions; whether their matter sways is not known", sway.pairs);
-  }
-  return line("repeats",
-              "directions differ by {:.1f} cm from scan to scan, {:.1f} if matter is still: {}",
+  if (!sway.known) return line("repeats", "too few to tell whether matter sways");
+  return line("repeats", "differ by {:.1f} cm from scan to scan, {:.1f} if matter is still: {}",
               100 * sway.real_m, 100 * sway.still_m,
               model.sway_s > 0 ? fmt::format("it sways in {:.2g} s", model.sway_s) : "it is still");
 }
