@@ -164,6 +164,7 @@ class Decoder:
         back = np.flatnonzero(window < highest - _LATE)
         if len(back):  # The clock has gone back.
             yield from self._cut(_Points(*(column[:back[0]] for column in points)))
+            yield from self.finish()
             self._window = float(window[back[0]])
             yield from self._cut(_Points(*(column[back[0]:] for column in points)))
             return
