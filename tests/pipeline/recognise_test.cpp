@@ -33,6 +33,20 @@ Answers answers(const TracedWorld& world, const BeamLog& log, size_t chunk,
   return {std::move(out.range_m), simulation.keyframes_serve(log.info)};
 }
 
+TEST(Matter, SwaysAsItsModelUnlessAskedOtherwise) {
+  elements::Model model = test::fitted(unnamed(test::kDrive, 0), 1);
+  EXPECT_EQ(TracedWorld(model).sway_s(), 0);
+  model.sway_s = 0.5;
+  EXPECT_EQ(TracedWorld(model).sway_s(), 0.5);
+  SimulateOptions options;
+  options.sway_s = 2;
+  EXPECT_EQ(TracedWorld(model, matter_of(options)).sway_s(), 2);
+  options.matter = "still";
+  EXPECT_THROW(TracedWorld(model, matter_of(options)), std::invalid_argument);
+  options.sway_s = 0;
+  EXPECT_EQ(TracedWorld(model, matter_of(options)).sway_s(), 0);
+}
+
 TEST(Recognise, KeyframesAnswerTheSameSensorAndNoOther) {
   const elements::Model model = test::fitted(unnamed(test::kDrive, 0), 1);
   const TracedWorld world(model);
