@@ -11,13 +11,13 @@ namespace {
 constexpr double kFlat = 1e-12;  // Below this determinant of the normal matrix the points lie on a
                                  // line.
 
+}  // namespace
+
 Vec3 mean_of(std::span<const Vec3> points) {
   Vec3 sum = Vec3::Zero();
   for (const Vec3& p : points) sum += p;
   return sum / double(points.size());
 }
-
-}  // namespace
 
 double HeightPlane::distance(const Vec3& p) const {
   const double a = parameters.x(), b = parameters.y();

@@ -7,6 +7,9 @@
 
 namespace underbrush::studies {
 
+/// Returns the mean of one point or more.
+Vec3 mean_of(std::span<const Vec3> points);
+
 /// A plane as a height over two horizontal axes, z = a x + b y + c.
 struct HeightPlane {
   Vec3 parameters = Vec3::Zero();        ///< ξ = (a, b, c).

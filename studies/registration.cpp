@@ -4,9 +4,9 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <vector>
 
+#include "studies/plane_fit.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/metrics/nearest.hpp"
 #include "underbrush/metrics/normals.hpp"
@@ -54,10 +54,6 @@ Vector6 least_norm_solution(const Matrix6& normal, const Vector6& right) {
   const Vector6 inverse =
       of.eigenvalues().unaryExpr([&](double v) { return v > least ? 1 / v : 0.0; });
   return of.eigenvectors() * (inverse.asDiagonal() * (of.eigenvectors().transpose() * right));
-}
-
-Vec3 mean_of(std::span<const Vec3> points) {
-  return std::accumulate(points.begin(), points.end(), Vec3(Vec3::Zero())) / double(points.size());
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ namespace {
 constexpr double kSpread = 1.25;                // Spreads may differ by this factor.
 constexpr double kOffsetM = 0.005;              // m; half of the bias that must be caught.
 constexpr double kLeanRad = 0.25 * M_PI / 180;  // Half of the lean that must be caught.
-constexpr size_t kLeastScans = 4;
+constexpr size_t kLeastScansOfWalls = 4;
 
 /// Returns the walls of all scans, as `source` answers them.
 WallFigures figures_of(const std::vector<WallScan>& scans, WallSource source,
@@ -126,7 +126,7 @@ void add_walls(const StudyRun& run, StudyResult& result) {
     run.say("walls of " + name);
     const std::vector<WallScan> scans = walls_of(log / "test.ply");
     result.inputs.push_back(log / "test.ply");
-    if (scans.size() < kLeastScans) {
+    if (scans.size() < kLeastScansOfWalls) {
       result.notes.push_back(name + " was left out: fewer than four scans with a wall");
       continue;
     }

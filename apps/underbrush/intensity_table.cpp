@@ -12,10 +12,10 @@ namespace {
 using metrics::IntensityErrors;
 using metrics::IntensityScore;
 
-using Value = std::function<double(const IntensityScore&)>;
+using ValueOfIntensity = std::function<double(const IntensityScore&)>;
 
 std::string row(const std::string& label, const std::vector<metrics::Score>& scores,
-                const Value& value) {
+                const ValueOfIntensity& value) {
   std::string line = fmt::format("  {:<24}", label);
   for (const metrics::Score& s : scores) {
     const double x = s.intensity ? value(*s.intensity) : NAN;

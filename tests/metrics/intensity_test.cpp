@@ -19,7 +19,8 @@ BeamLog log_with_intensities(const std::vector<float>& range_m,
   return log;
 }
 
-Score score_of(const BeamLog& real, const BeamLog& simulated, const ScoreOptions& options = {}) {
+Score score_with_intensity(const BeamLog& real, const BeamLog& simulated,
+                           const ScoreOptions& options = {}) {
   MemorySource a(real), b(simulated);
   return score(a, b, options);
 }
@@ -28,7 +29,7 @@ TEST(Intensity, IsThatByHand) {
   BeamLog real = log_with_intensities({5, 5, 15, 15, kMiss, 15}, {1, 3, 5, 7, 9, 9});
   const BeamLog simulated = log_with_intensities({5, 5, 15, 15, 15, kMiss}, {2, 2, 5, 9, 9, 9});
   real.extra["class"] = std::vector<uint8_t>{0, 0, 0, 1, 1, 1};
-  const Score all = score_of(real, simulated);
+  const Score all = score_with_intensity(real, simulated);
   ASSERT_TRUE(all.intensity);
   const IntensityScore& s = *all.intensity;
   // The first four beams return in both logs, with the errors 1, −1, 0 and 2.
@@ -56,7 +57,9 @@ TEST(Intensity, IsThatByHand) {
 TEST(Intensity, LeavesOutMovers) {
   BeamLog real = log_with_intensities({5, 5}, {1, 3});
   real.flags[1] = kMover;
-  EXPECT_EQ(score_of(real, log_with_intensities({5, 5}, {1, 9})).intensity->simulated.rmse, 0);
+  EXPECT_EQ(
+      score_with_intensity(real, log_with_intensities({5, 5}, {1, 9})).intensity->simulated.rmse,
+      0);
 }
 
 TEST(Intensity, OfAModelIsToldApartByKindAndIncidence) {
@@ -72,7 +75,7 @@ TEST(Intensity, OfAModelIsToldApartByKindAndIncidence) {
   simulated.intensity = {5, 6, 7};
   ScoreOptions options;
   options.model = &world;
-  const IntensityScore s = *score_of(real, simulated, options).intensity;
+  const IntensityScore s = *score_with_intensity(real, simulated, options).intensity;
   EXPECT_EQ(s.groups, "kind");
   EXPECT_DOUBLE_EQ(s.group_constant.rmse, std::sqrt(18 / 3.0));  // 4 and 10 have the mean 7.
   EXPECT_DOUBLE_EQ(s.per_incidence.at("0-30").rmse, 1);
@@ -82,10 +85,11 @@ TEST(Intensity, OfAModelIsToldApartByKindAndIncidence) {
 TEST(Intensity, IsNotScoredWhereALogHasNone) {
   const BeamLog dark = log_with_intensities({5, 5}, {0, 0}),
                 bright = log_with_intensities({5, 5}, {1, 2});
-  EXPECT_EQ(score_of(dark, bright).no_intensity, "the real log has no intensities");
-  EXPECT_EQ(score_of(bright, dark).no_intensity, "the simulated log has no intensities");
-  EXPECT_FALSE(score_of(bright, dark).intensity);
-  EXPECT_EQ(score_of(bright, log_with_intensities({kMiss, kMiss}, {0, 0})).no_intensity,
+  EXPECT_EQ(score_with_intensity(dark, bright).no_intensity, "the real log has no intensities");
+  EXPECT_EQ(score_with_intensity(bright, dark).no_intensity,
+            "the simulated log has no intensities");
+  EXPECT_FALSE(score_with_intensity(bright, dark).intensity);
+  EXPECT_EQ(score_with_intensity(bright, log_with_intensities({kMiss, kMiss}, {0, 0})).no_intensity,
             "no beam returns in both logs");
 }
 

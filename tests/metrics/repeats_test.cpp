@@ -12,7 +12,7 @@ namespace underbrush::metrics {
 namespace {
 
 constexpr int kScans = 10, kBearings = 1000;
-constexpr double kStep = 0.2 * M_PI / 180;
+constexpr double kBearingStep = 0.2 * M_PI / 180;
 
 /// Scans of a round wall about a standing sensor that turns by `turn` between scans, with normal
 /// noise, and with the wall `creep` farther away each scan.
@@ -22,7 +22,7 @@ BeamLog repeated(double sigma, uint64_t seed, double turn = 0, double creep = 0)
   log.resize(kScans * kBearings);
   for (size_t i = 0; i < log.size(); ++i) {
     const auto scan = uint32_t(i / kBearings);
-    const double angle = double(i % kBearings) * kStep + turn * scan;
+    const double angle = double(i % kBearings) * kBearingStep + turn * scan;
     log.scan[i] = scan;
     log.direction[i] = Vec3f(float(std::cos(angle)), float(std::sin(angle)), 0);
     log.range_m[i] =
@@ -71,7 +71,8 @@ TEST(Repeats, OnlyTheRightSpreadReachesTheFloor) {
 TEST(Repeats, DirectionsAreThoseOfTheSensor) {
   const Repeats still = repeats_of(repeated(0.02, 1), repeated(0.02, 2));
   // The sensor turns by five bins a scan, and so do its beams.
-  const Repeats turned = repeats_of(repeated(0.02, 1, 5 * kStep), repeated(0.02, 2, 5 * kStep));
+  const Repeats turned =
+      repeats_of(repeated(0.02, 1, 5 * kBearingStep), repeated(0.02, 2, 5 * kBearingStep));
   EXPECT_EQ(turned.directions, still.directions);
   EXPECT_NEAR(turned.real_difference_m, still.real_difference_m, 1e-6);
 }

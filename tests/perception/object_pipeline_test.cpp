@@ -8,7 +8,7 @@
 namespace underbrush::perception {
 namespace {
 
-constexpr double kStep = 0.08;
+constexpr double kCycle = 0.08;
 
 TEST(Clusters, SeparateBoxesFromTheGroundAndFromEachOther) {
   MergedCloud cloud = test::empty_cloud(0);
@@ -90,7 +90,7 @@ TEST(Clusters, TheOrderOfThePointsMeansNothingToTheClusters) {
 
 // A car that drives ahead, and one that stands.
 void scene(int cycle, MergedCloud& cloud) {
-  const double t = kStep * cycle;
+  const double t = kCycle * cycle;
   cloud = test::empty_cloud(t);
   test::add_ground(cloud, 40);
   test::add_box(cloud, {{10 + 8 * t, -2, 0.75}, 0, {4.5, 1.8, 1.5}}, 0.1, 0.02,
@@ -113,7 +113,7 @@ TEST(ObjectPipeline, FindsFollowsAndNamesCars) {
   const TrackedObject& moving = list.objects[moves_first ? 0 : 1];
   const TrackedObject& standing = list.objects[moves_first ? 1 : 0];
   EXPECT_LT((moving.velocity_m_s - Vec3(8, 0, 0)).norm(), 0.6);
-  EXPECT_LT((moving.box.centre_m - Vec3(10 + 8 * 29 * kStep, -2, 0.75)).head<2>().norm(), 0.5);
+  EXPECT_LT((moving.box.centre_m - Vec3(10 + 8 * 29 * kCycle, -2, 0.75)).head<2>().norm(), 0.5);
   EXPECT_NEAR(wrapped(moving.box.yaw_rad), 0, 0.06);
   EXPECT_EQ(moving.label, ObjectClass::kCar);
   EXPECT_LT(standing.velocity_m_s.norm(), 0.5);
@@ -131,13 +131,13 @@ TEST(ObjectPipeline, HasTheTrackManagementOfTheModel) {
     pipeline.step(cloud, list);
   }
   for (int k = 10; k < 19; ++k) {
-    cloud = test::empty_cloud(k * kStep);
+    cloud = test::empty_cloud(k * kCycle);
     test::add_ground(cloud, 40);
     pipeline.step(cloud, list);
     ASSERT_EQ(list.objects.size(), 2u) << k;
   }
   EXPECT_NEAR(list.objects[0].existence, 0.505, 1e-12);
-  cloud.time_s = 19 * kStep;
+  cloud.time_s = 19 * kCycle;
   pipeline.step(cloud, list);
   EXPECT_TRUE(list.objects.empty());
 }
@@ -169,7 +169,7 @@ TEST(ObjectPipeline, AnExtentThatNoWidthHasBecomesTheLength) {
   ObjectList list;
   const OrientedBox car{{14, 0, 0.75}, M_PI / 2, {4.5, 1.8, 1.5}};
   for (int k = 0; k < 12; ++k) {
-    MergedCloud cloud = test::empty_cloud(kStep * k);
+    MergedCloud cloud = test::empty_cloud(kCycle * k);
     test::add_ground(cloud, 40);
     for (const Vec3& p : test::seen_sides(car, {0, 0, 1})) {
       if (k > 5 || p.y() < -0.5) test::add_point(cloud, p);
@@ -186,7 +186,7 @@ TEST(ObjectPipeline, AChangeOfTheCornerDoesNotTurnTheBox) {
   ObjectPipeline pipeline;
   ObjectList list;
   for (int k = 0; k < 50; ++k) {
-    const double t = kStep * k;
+    const double t = kCycle * k;
     MergedCloud cloud = test::empty_cloud(t);
     test::add_ground(cloud, 40);
     test::add_box(cloud, {{-12 + 7 * t, 5, 0.75}, 0, {4.5, 1.8, 1.5}}, 0.1, 0.02, 7 + uint64_t(k));
@@ -203,7 +203,7 @@ TEST(ObjectPipeline, TheDirectionOfMotionCorrectsTheHeading) {
   ObjectPipeline pipeline;
   ObjectList list;
   for (int k = 0; k < 40; ++k) {
-    const double t = kStep * k;
+    const double t = kCycle * k;
     MergedCloud cloud = test::empty_cloud(t);
     test::add_ground(cloud, 40);
     test::add_box(cloud, {{12, -14 + 7 * t, 0.75}, M_PI / 2, {4.5, 1.8, 1.5}}, 0.1, 0.02,

@@ -10,7 +10,7 @@
 namespace underbrush::simulate {
 namespace {
 
-constexpr double kSigma = 0.3, kSway = 0.5;  // m, s
+constexpr double kSpread = 0.3, kSway = 0.5;  // m, s
 constexpr size_t kBeams = 6000;
 
 /// A permeable wall of one ellipsoid, or of triangles, 20 m away along x.
@@ -21,12 +21,12 @@ elements::Model target(bool ellipsoid, float p) {
   if (!ellipsoid) {
     add_wall(model, 20, -100, 4000);
     for (auto& h : model.surface.hit) h.p = p;
-    model.surface.range_sigma_m = kSigma;
+    model.surface.range_sigma_m = kSpread;
     return model;
   }
   elements::Ellipsoid e;
   e.mean = Vec3f(20, 0, 0);
-  e.set_covariance(Vec3(kSigma * kSigma, 1e8, 1e8).asDiagonal());
+  e.set_covariance(Vec3(kSpread * kSpread, 1e8, 1e8).asDiagonal());
   e.hit.p = p;
   model.ellipsoids.push_back(e);
   return model;
@@ -113,8 +113,8 @@ TEST(Wind, EveryInstantHasTheHitRateAndTheSpreadOfStillMatter) {
       ++hits, sum += d, square += d * d;
     }
     EXPECT_NEAR(hits / kBeams, 0.3, 5 * std::sqrt(0.21 / kBeams));
-    EXPECT_NEAR(sum / hits, 0, 5 * kSigma / std::sqrt(hits));
-    EXPECT_NEAR(std::sqrt(square / hits), kSigma, 5 * kSigma / std::sqrt(2 * hits));
+    EXPECT_NEAR(sum / hits, 0, 5 * kSpread / std::sqrt(hits));
+    EXPECT_NEAR(std::sqrt(square / hits), kSpread, 5 * kSpread / std::sqrt(2 * hits));
   }
 }
 

@@ -21,10 +21,10 @@ namespace {
 
 constexpr double kSamePlaceM = 0.05, kSameDirection = 0.05 * M_PI / 180;
 constexpr double kPatch = 0.25 * M_PI / 180;  // patches of directions that are kept or left out
-constexpr size_t kBeams = 60000, kLeastPairs = 500;
+constexpr size_t kSampled = 60000, kLeastPairs = 500;
 constexpr size_t kMostInCell = 32;  // beams of one scan and nearly one direction
 constexpr size_t kRun = 4;
-constexpr int kRounds = 4;
+constexpr int kRoundsOfTime = 4;
 constexpr double kLeastExcess = 1.25;  // of the difference of still matter
 
 /// The scans of a log; where it does not list them, by the rows, whose mean origin is the place.
@@ -58,7 +58,7 @@ bool stands(const ScanInfo& a, const ScanInfo& b) {
 using Run = std::span<const ScanInfo>;
 
 /// Runs of up to `kRun` scans. A log of every second scan has pairs in each run, too. The runs are
-/// spread over the log, and there are as many as have about `kBeams` beams, at least one.
+/// spread over the log, and there are as many as have about `kSampled` beams, at least one.
 std::vector<Run> runs_of(std::span<const ScanInfo> scans, size_t beams) {
   std::vector<Run> all;
   for (size_t s = 0; s < scans.size();) {
@@ -69,7 +69,7 @@ std::vector<Run> runs_of(std::span<const ScanInfo> scans, size_t beams) {
   }
   if (all.empty()) return all;
   const size_t each = kRun * std::max<size_t>(1, beams / scans.size());
-  const size_t count = std::clamp<size_t>(kBeams / each, 1, all.size());
+  const size_t count = std::clamp<size_t>(kSampled / each, 1, all.size());
   std::vector<Run> some;
   for (size_t k = 0; k < count; ++k) some.push_back(all[(2 * k + 1) * all.size() / (2 * count)]);
   return some;
@@ -94,14 +94,14 @@ BeamLog sample_of(BeamSource& log, const std::vector<Run>& runs, size_t scans, u
     last = std::max(last, run.back().scan);
   }
   const double expected = double(wanted.size()) * double(log.size()) / double(scans);
-  const double share = double(kBeams) / std::max(double(kBeams), expected);
+  const double share = double(kSampled) / std::max(double(kSampled), expected);
   BeamLog sample, chunk;
   bool first = true;
   log.rewind();
-  while (sample.size() < 2 * kBeams && log.next(chunk)) {
+  while (sample.size() < 2 * kSampled && log.next(chunk)) {
     if (std::exchange(first, false)) sample = chunk.like();
     if (*std::ranges::min_element(chunk.scan) > last) break;
-    for (size_t i = 0; i < chunk.size() && sample.size() < 2 * kBeams; ++i) {
+    for (size_t i = 0; i < chunk.size() && sample.size() < 2 * kSampled; ++i) {
       if (!chunk.is_hit(i) || !wanted.contains(chunk.scan[i])) continue;
       const uint64_t patch = mix64(seed ^ mix64(cell_of(chunk.direction[i], kPatch)));
       if (uniform_from_bits(patch) < share) sample.append(chunk, i);
@@ -243,7 +243,7 @@ SwayReport learn_sway(elements::Model& model, BeamSource& log, uint64_t seed) {
   // A beam passes several cells, so the outcomes change faster than the matter of one of them.
   const double goal = std::min(1.0, std::log(excess) / std::log(most));
   options.sway_s = report.interval_s / goal;
-  for (int k = 0; k < kRounds; ++k) {
+  for (int k = 0; k < kRoundsOfTime; ++k) {
     const double share = std::log(of(trace::Draws::kSwaying) / report.still_m) / std::log(most);
     options.sway_s = std::max(report.interval_s, options.sway_s * share / goal);
   }

@@ -9,7 +9,7 @@
 namespace underbrush::test_site {
 namespace {
 
-constexpr double kTwigRadius = 0.0016;  // m
+constexpr double kTwigRadiusOfShrub = 0.0016;  // m
 
 Skeleton grow(const ShrubParameters& p, Stream& random) {
   Skeleton skeleton;
@@ -53,13 +53,15 @@ ShrubParameters typical_shrub(double height_m, double lai) {
 }
 
 PlantMesh shrub(const ShrubParameters& p, uint64_t seed) {
-  require(p.height_m > 0.1 && p.radius_m > 0.05 && p.stems > 0 && p.stem_radius_m > kTwigRadius &&
-              p.twig_spacing_m >= 0.01 && p.foliage.leaf_length_m < p.height_m,
+  require(p.height_m > 0.1 && p.radius_m > 0.05 && p.stems > 0 &&
+              p.stem_radius_m > kTwigRadiusOfShrub && p.twig_spacing_m >= 0.01 &&
+              p.foliage.leaf_length_m < p.height_m,
           "shrub: impossible size");
   Stream random(seed);
   const Skeleton skeleton = grow(p, random);
   PlantMesh plant;
-  add_wood(plant, skeleton, pipe_radii(carried_tips(skeleton), p.stem_radius_m, kTwigRadius));
+  add_wood(plant, skeleton,
+           pipe_radii(carried_tips(skeleton), p.stem_radius_m, kTwigRadiusOfShrub));
   add_leaves(plant, skeleton, twigs(skeleton, 8), p.foliage, random);
   return plant;
 }
