@@ -108,15 +108,16 @@ SlabAnswer plain_answer(const SlabLogs& logs) {
   return out;
 }
 
-/// Returns what the verbs `rasters` and `simulate` answer of a model. The area densities of
-/// `rasters`, which takes spherical leaves for granted, are converted to the angles of the slab.
+/// Returns what the verbs `rasters` and `simulate` answer of a model. The area densities that
+/// `rasters` gives of a model of spherical leaves are converted to the angles of the slab.
 SlabAnswer model_answer(const elements::Model& model, const TurbidSlab& slab, const SlabLogs& logs,
                         size_t most_beams, uint64_t seed) {
   pipeline::World world;
   world.scene.models.push_back(model);
   const pipeline::TracedWorld traced(world.scene, world.info);
   const metrics::Canopy canopy = metrics::canopy_of(world.scene, traced.still());
-  const double convert = slab.area_density / area_density_of_voxels(slab);
+  const bool spherical = model.leaf_angles.spherical();
+  const double convert = spherical ? slab.area_density / area_density_of_voxels(slab) : 1;
   const Eigen::Vector3i shift =
       (Vec3(-TurbidSlab::kHalfWidthM, -TurbidSlab::kHalfWidthM, TurbidSlab::kLowM) - canopy.low)
           .array()

@@ -152,6 +152,9 @@ void bind_model(nb::module_& m) {
           "range_noise_m", [](const ModelValue& v) { return v.range_noise_m; },
           "m; the sensor's part of the standard deviation of a range.")
       .def_prop_ro(
+          "leaf_shape", [](const ModelValue& v) { return v.leaf_angles.shape(); },
+          "Shape of the distribution of leaf angles; 1 is spherical, more is flatter [campbell86].")
+      .def_prop_ro(
           "sway_s", [](const ModelValue& v) { return v.sway_s; },
           "s; correlation time of the ellipsoids' matter; 0 where it stands still.")
       .def_prop_ro(

@@ -28,6 +28,7 @@ class ModelFile : public testing::Test {
     model_.grain = {0.03, 0.07, {{15, 0.3}, {2, 0.01}}};
     model_.range_noise_m = 0.011;
     model_.sway_s = 0.25;
+    model_.leaf_angles = LeafAngleDistribution(1.75);
     model_.sensor = "own";
     model_.sensor_file = "name: own\nkind: \"spinning\"\n";
     model_.channels = {{0, 0.0213, 0.0011}, {7, -0.0213, 0.0009}};
@@ -86,6 +87,7 @@ TEST_F(ModelFile, ComesBackWhole) {
   EXPECT_EQ(back.grain.side_at(back.grain.place_of(14)), 0.03);
   EXPECT_EQ(back.range_noise_m, 0.011);
   EXPECT_EQ(back.sway_s, 0.25);
+  EXPECT_EQ(back.leaf_angles.shape(), 1.75);
   EXPECT_EQ(back.sensor, model_.sensor);
   EXPECT_EQ(back.sensor_file, model_.sensor_file);
   ASSERT_EQ(back.channels.size(), 2u);

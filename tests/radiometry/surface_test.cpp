@@ -6,9 +6,9 @@
 
 #include "io/temporary.hpp"
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/leaf_angle_distribution.hpp"
 #include "underbrush/elements/classes.hpp"
 #include "underbrush/radiometry/brdf.hpp"
-#include "underbrush/radiometry/leaf_angle_distribution.hpp"
 #include "underbrush/radiometry/link_budget.hpp"
 #include "underbrush/radiometry/materials.hpp"
 

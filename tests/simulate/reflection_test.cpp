@@ -61,7 +61,7 @@ TEST(Reflection, LeavesTiltWithTheirObject) {
   radiometry::Materials m = all_of("leaf");
   for (radiometry::Material& material : m.material) material.leaf_shape = 5;  // flat
   const double rho = m.named("leaf").reflectance_at(905e-9);
-  const radiometry::LeafAngleDistribution flat(5);
+  const LeafAngleDistribution flat(5);
   const Reflection reflection(m, 905e-9);
   const auto factors = [&](const DynamicWorld& s, const Vec3& axis, double time_s) {
     Reflection::Evaluator evaluator(reflection, s);

@@ -70,6 +70,9 @@ elements::Scene scene_of(uint64_t seed) {
       if (random.uniform() < 0.7) e.density_per_m = float(std::exp(random.uniform(-2, 4)));
     }
   }
+  if (seed % 8 >= 6) {
+    scene.models[0].leaf_angles = LeafAngleDistribution(std::exp(random.uniform(-3, 3)));
+  }
   if (seed % 8 == 4 || seed % 8 == 5) scene.models[0].voxel_m = random.uniform(0.5, 4);
   for (elements::Model& m : scene.models) {
     constexpr double kSides[4] = {0.004, 0.03, 0.2, 1.7};

@@ -97,6 +97,7 @@ Model Model::like() const {
   out.light = light;
   out.range_noise_m = range_noise_m;
   out.sway_s = sway_s;
+  out.leaf_angles = leaf_angles;
   out.max_range_m = max_range_m;
   out.sensor = sensor;
   out.sensor_file = sensor_file;

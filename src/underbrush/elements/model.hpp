@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "underbrush/core/channel_offsets.hpp"
+#include "underbrush/core/leaf_angle_distribution.hpp"
 #include "underbrush/core/pose.hpp"
 #include "underbrush/elements/grain.hpp"
 #include "underbrush/elements/keyframes.hpp"
@@ -94,6 +95,8 @@ struct Model {
   /// m; the sensor's part of every element's σ, which each beam draws anew where the matter is
   /// drawn once.
   double range_noise_m = 0;
+  /// The inclinations of the leaves of ellipsoids with a density.
+  LeafAngleDistribution leaf_angles;
   /// s; the correlation time of the matter of ellipsoids that is drawn once, which is other matter
   /// after that time. Matter stands still where it is 0.
   double sway_s = 0;

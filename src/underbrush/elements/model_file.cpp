@@ -94,6 +94,7 @@ Json manifest_of(const Model& m) {
   if (!m.class_names.empty()) j["class_names"] = m.class_names;
   j["range_noise_m"] = m.range_noise_m;
   if (m.sway_s > 0) j["sway_s"] = m.sway_s;
+  if (!m.leaf_angles.spherical()) j["leaf_angles"] = {{"shape", m.leaf_angles.shape()}};
   if (!m.sensor.empty()) j["sensor"] = m.sensor;
   if (!m.sensor_file.empty()) j["sensor_file"] = m.sensor_file;
   if (!m.channels.empty()) j["channels"] = json_of_channels(m.channels);
@@ -160,6 +161,9 @@ Model read_model(const fs::path& path) {
   if (const auto light = j.find("light")) model.light = light_of_json(*light);
   model.range_noise_m = number_or(j, "range_noise_m", 0);
   model.sway_s = number_or(j, "sway_s", 0);
+  if (const auto leaves = j.find("leaf_angles")) {
+    model.leaf_angles = LeafAngleDistribution(leaves->at("shape").number());
+  }
   if (const auto sensor = j.find("sensor")) model.sensor = sensor->text();
   if (const auto text = j.find("sensor_file")) model.sensor_file = text->text();
   if (const auto channels = j.find("channels")) model.channels = channels_of_json(*channels);

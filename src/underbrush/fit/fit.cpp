@@ -1,6 +1,7 @@
 #include "underbrush/fit/fit.hpp"
 
 #include "underbrush/calibrate/channels.hpp"
+#include "underbrush/calibrate/leaf_angles.hpp"
 #include "underbrush/calibrate/light.hpp"
 #include "underbrush/calibrate/observed_space.hpp"
 #include "underbrush/core/check.hpp"
@@ -52,6 +53,13 @@ FitResult fit_likelihood(BeamSource& source, const FitOptions& options,
   const likelihood::LikelihoodOptions refinement = likelihood_options(options);
   FitResult out = start_model(source, options, refinement.held_out, progress);
   StillBeams still(source);
+  LogInfo info = source.info();
+  if (!options.sensor.empty()) {
+    info.sensor = options.sensor;
+    info.sensor_file = options.sensor_file;
+  }
+  out.report.leaf_angles =
+      calibrate::learn_leaf_angles(out.model, still, info, options.min_range_m);
   likelihood::Refined refined = likelihood::refine(out.model, still, refinement, progress);
   out.model = std::move(refined.model);
   out.model.fitter = options.fitter;

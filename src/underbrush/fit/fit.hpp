@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "underbrush/calibrate/grain.hpp"
+#include "underbrush/calibrate/leaf_angles.hpp"
 #include "underbrush/calibrate/sway.hpp"
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/elements/model.hpp"
@@ -32,6 +33,7 @@ struct FitReport {
   size_t tiles = 0;
   likelihood::LikelihoodReport likelihood;  ///< Has steps only if the fitter is `likelihood`.
   calibrate::GrainReport grain;
+  calibrate::LeafAngleReport leaf_angles;
   calibrate::SwayReport sway;
   calibrate::EchoGrainReport echo_grain;  ///< Learnt only from all echoes.
   std::vector<std::string> warnings;

@@ -73,6 +73,8 @@ ModelForm ModelForms::view() const {
           uint32_t(model_.triangle_count()),
           {square(ground.range_sigma_m), square(surface.range_sigma_m)},
           square(model_.tau),
+          float(model_.leaf_angles.level()),
+          float(model_.leaf_angles.slope()),
           float(min_range_m_)};
 }
 

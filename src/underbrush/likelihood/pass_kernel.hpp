@@ -38,6 +38,7 @@ struct ModelForm {
   uint32_t ground_triangles, triangles;  ///< Triangles of the ground, and of both meshes.
   float range_variance[2];               ///< σ_r² of the ground and the surface, m².
   float tau2;                            ///< τ².
+  float leaf_level, leaf_slope;          ///< As in `LeafAngleDistribution`.
   float min_range_m;                     ///< Elements nearer than this are not met, m.
 };
 

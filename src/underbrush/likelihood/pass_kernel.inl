@@ -107,7 +107,8 @@ void approach_ellipsoids(const ModelForm& m, Collected& in, const MeetingColumns
   in.count = 0;
 }
 
-inline void collect(const ListedBeam& b, const EllipsoidForm& e, size_t place, Collected& c) {
+inline void collect(const ListedBeam& b, const EllipsoidForm& e, float leaves, size_t place,
+                    Collected& c) {
   const size_t k = c.count++;
   for (int i = 0; i < 3; ++i) {
     c.o[i][k] = b.origin[i];
@@ -117,7 +118,7 @@ inline void collect(const ListedBeam& b, const EllipsoidForm& e, size_t place, C
   for (int i = 0; i < 6; ++i) c.whiten[i][k] = e.whiten[i];
   c.range[k] = b.range_m;
   c.reach[k] = b.reach_m;
-  c.opacity[k] = e.opacity_per_m;
+  c.opacity[k] = e.opacity_per_m * leaves;
   c.p[k] = e.p;
   c.place[k] = uint32_t(place);
 }
@@ -128,13 +129,15 @@ size_t approach(const ModelForm& m, const ListedBeam* beams, const uint32_t* fir
   const size_t begin = first[beam], count = first[beam_end] - begin;
   Collected c{};
   for (size_t b = beam; b < beam_end; ++b) {
+    const float z = beams[b].direction[2];
+    const float leaves = __builtin_sqrtf(m.leaf_level + m.leaf_slope * z * z);
     for (size_t s = first[b]; s < first[b + 1]; ++s) {
       const size_t at = s - begin;
       out.density[at] = beams[b].range_m;
       if (met[s] >= m.triangles) {
         ellipsoids.place[c.before + c.count] = uint32_t(at);
         ellipsoids.beam[c.before + c.count] = uint32_t(b);
-        collect(beams[b], m.ellipsoids[met[s] - m.triangles], at, c);
+        collect(beams[b], m.ellipsoids[met[s] - m.triangles], leaves, at, c);
         if (c.count == kLanes) approach_ellipsoids(m, c, out, ellipsoids);
         continue;
       }

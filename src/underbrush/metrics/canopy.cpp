@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
@@ -122,13 +123,43 @@ void map(const trace::World& world, const CanopyOptions& o, Canopy& c) {
   });
 }
 
+/// The leaf angles that all models with ellipsoids have in common; spherical ones otherwise.
+LeafAngleDistribution leaf_angles_of(const std::vector<elements::Model>& models) {
+  std::optional<LeafAngleDistribution> common;
+  for (const elements::Model& m : models) {
+    if (m.ellipsoids.empty()) continue;
+    if (common && common->shape() != m.leaf_angles.shape()) return {};
+    common = m.leaf_angles;
+  }
+  return common.value_or(LeafAngleDistribution());
+}
+
+/// Solves gap = mean of exp(−density G side) over rays along x, y and z for the density (m²/m³);
+/// NaN where the gap is 0.
+double density_of(double gap, double side_m, const LeafAngleDistribution& leaves) {
+  if (!(gap > 0)) return NAN;
+  const double spherical = std::max(0.0, -std::log(gap) / (0.5 * side_m));
+  if (leaves.spherical()) return spherical;
+  const double level = 2 * leaves.projection(0), upright = 2 * leaves.projection(1);
+  double density = spherical / std::max(level, upright);  // too low, or right
+  for (int k = 0; k < 50; ++k) {
+    const double across = std::exp(-0.5 * density * level * side_m),
+                 down = std::exp(-0.5 * density * upright * side_m);
+    const double slope = -0.5 * side_m * (2 * level * across + upright * down) / 3;
+    const double step = (gap - (2 * across + down) / 3) / slope;
+    density += step;
+    if (std::abs(step) < 1e-9 * (1 + density)) break;
+  }
+  return std::max(0.0, density);
+}
+
 }  // namespace
 
 Canopy canopy_of(const elements::Scene& scene, const trace::World& world, const CanopyOptions& o) {
   require(std::isfinite(o.cell_m) && o.cell_m > 0 && o.rays >= 1 && o.rays <= 100 &&
               std::isfinite(o.cover_height_m),
           "canopy: cells and rays must be positive");
-  constexpr double kProjection = 0.5, kMostVoxels = 2e8;
+  constexpr double kMostVoxels = 2e8;
   const Bounds bounds = bounds_of(scene.models, scene.instances);
   if (bounds.empty()) throw DataError("canopy: there are no elements");
   Canopy c;
@@ -143,9 +174,9 @@ Canopy canopy_of(const elements::Scene& scene, const trace::World& world, const 
   for (const int axis : {0, 1, 2}) voxels.fire(axis);
   c.gap = voxels.means();
   c.area_density.reserve(c.gap.size());
+  const LeafAngleDistribution leaves = leaf_angles_of(scene.models);
   for (const float gap : c.gap) {
-    const double density = -std::log(double(gap)) / (kProjection * c.cell_m);
-    c.area_density.push_back(gap > 0 ? float(std::max(0.0, density)) : NAN);
+    c.area_density.push_back(float(density_of(double(gap), c.cell_m, leaves)));
   }
   return c;
 }

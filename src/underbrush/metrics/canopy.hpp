@@ -33,8 +33,10 @@ struct Canopy {
   /// Mean of ∏ (1 − p) over rays through the voxel along x, y and z, as many along each, with the
   /// hit probabilities p of what a ray meets in it, without the ground.
   std::vector<float> gap;
-  /// m²/m³; one-sided plant area density −ln(gap) / (G · side) with G = 1/2, that of leaves of all
-  /// directions alike. NaN where no ray passes, since the density then is not known.
+  /// m²/m³; one-sided plant area density, with which the mean of exp(−density · G · side) over the
+  /// rays is `gap`. G is that of the leaf angles of the models; where models differ, it is 1/2 as
+  /// for leaves of all directions alike. NaN where no ray passes, since the density then is not
+  /// known.
   std::vector<float> area_density;
 };
 

@@ -122,6 +122,13 @@ Json json_of(const FittedModel& fitted, const SkippedRows& skipped) {
                         {"simulated", r.grain.simulated_m},
                         {"simulated_anew", r.grain.anew_m}};
   }
+  if (r.leaf_angles.cells > 0) {
+    j["leaf_angles"] = {{"cells", r.leaf_angles.cells},
+                        {"hits", r.leaf_angles.hits},
+                        {"chi", r.leaf_angles.chi},
+                        {"ln_chi_error", r.leaf_angles.error},
+                        {"used", r.leaf_angles.used}};
+  }
   if (r.sway.known) {
     j["scan_to_scan"] = {{"pairs", r.sway.pairs},
                          {"interval_s", r.sway.interval_s},

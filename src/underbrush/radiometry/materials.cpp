@@ -8,8 +8,8 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/file.hpp"
+#include "underbrush/core/leaf_angle_distribution.hpp"
 #include "underbrush/core/names.hpp"
-#include "underbrush/radiometry/leaf_angle_distribution.hpp"
 #include "underbrush/radiometry/materials_data.hpp"
 
 namespace underbrush::radiometry {

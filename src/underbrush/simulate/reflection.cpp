@@ -78,8 +78,8 @@ Reflection::Reflection(const radiometry::Materials& materials, double wavelength
     // Lambert and Oren–Nayar both have the form a cos θ + b sin² θ.
     const double a = radiometry::backscatter(m.surface, 1);
     const double b = (radiometry::backscatter(m.surface, 0.5) - 0.5 * a) / 0.75;
-    materials_.push_back({m.reflectance_at(wavelength_m), a, b, m.surface,
-                          radiometry::LeafAngleDistribution(m.leaf_shape)});
+    materials_.push_back(
+        {m.reflectance_at(wavelength_m), a, b, m.surface, LeafAngleDistribution(m.leaf_shape)});
   }
   for (const std::string_view name : elements::kClassNames) {
     of_class_.push_back(uint8_t(index(materials.of(name))));

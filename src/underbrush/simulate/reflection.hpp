@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "underbrush/core/leaf_angle_distribution.hpp"
 #include "underbrush/elements/classes.hpp"
 #include "underbrush/elements/scene_file.hpp"
-#include "underbrush/radiometry/leaf_angle_distribution.hpp"
 #include "underbrush/radiometry/materials.hpp"
 #include "underbrush/simulate/dynamic_world.hpp"
 
@@ -95,7 +95,7 @@ class Reflection {
     double reflectance;
     double a, b;  ///< Backscatter a cos θ + b sin² θ; unused for Phong.
     radiometry::SurfaceModel surface;
-    radiometry::LeafAngleDistribution leaf_angles;
+    LeafAngleDistribution leaf_angles;
   };
   /// The material of all elements of an instance but the ground, or −1 if it depends on the
   /// element.

@@ -84,7 +84,8 @@ Intersection intersect_ellipsoid(const elements::Model& model, const elements::E
   }
   met.p = e.hit.p;
   if (e.density_per_m > 0) {
-    met.p = opacity_of(double(e.density_per_m), met.sigma_m, met.delta2);
+    met.p = opacity_of(double(e.density_per_m) * 2 * model.leaf_angles.projection(direction.z()),
+                       met.sigma_m, met.delta2);
   }
   return met;
 }

@@ -65,7 +65,8 @@ struct Exponential {
   D less_one() const { return power * rest + (power - 1.0); }
 };
 
-/// Computes p = 1 − exp(−κ √(2π) σ e^{−δ²/2}), where κ is elements::Ellipsoid::density_per_m.
+/// Computes p = 1 − exp(−κ √(2π) σ e^{−δ²/2}), where κ is elements::Ellipsoid::density_per_m times
+/// 2 G of the leaf angles for the ray's direction.
 template <class D>
 inline D opacity_of(const D& density, const D& sigma, const D& delta2) {
   const D depth = 2.5066282746310002 * sigma * Exponential<D>(-0.5 * delta2).value();

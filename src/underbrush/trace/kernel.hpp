@@ -46,6 +46,7 @@ struct ModelView {
   bool voxels;
   CellsPerM cells_per_m;
   bool sways;  // whether the matter of ellipsoids moves with the time (`kSwaying`)
+  double leaf_level, leaf_slope;  // of `LeafAngleDistribution`
 };
 
 /// The parts of a world that the kernels use.
@@ -111,11 +112,12 @@ struct Placement {
   double rotation[9];  ///< From world to model, row by row.
   double centre[3];    ///< Centre of the packet in the model's frame, m.
   double scale;
-  double tau2;                   ///< Square of the model's τ.
-  uint64_t salt;                 ///< Combined with the keys of the beams.
-  const CellsPerM* cells_per_m;  ///< As in `ModelView`.
-  bool sways;                    ///< As in `ModelView`.
-  bool translation;              ///< Whether the transformation is a translation alone.
+  double tau2;                    ///< Square of the model's τ.
+  uint64_t salt;                  ///< Combined with the keys of the beams.
+  const CellsPerM* cells_per_m;   ///< As in `ModelView`.
+  bool sways;                     ///< As in `ModelView`.
+  double leaf_level, leaf_slope;  ///< As in `ModelView`.
+  bool translation;               ///< Whether the transformation is a translation alone.
 };
 
 /// Computes the transformation to an instance, and transforms `centre` (relative to the tree's

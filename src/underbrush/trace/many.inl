@@ -41,7 +41,8 @@ class CandidateQuads {
   }
 
   void decide_ellipsoids(const Quad& q) {
-    D e[3][kFour];  // rows: mean, Σ xx; Σ xy xz yy yz; κ, unused, Σ zz, p
+    D e[3][kFour];       // rows: mean, Σ xx; Σ xy xz yy yz; κ, unused, Σ zz, p
+    D level{}, slope{};  // of `LeafAngleDistribution`
     uint32_t element[kFour];
     static_assert(offsetof(elements::Ellipsoid, covariance) == 12 &&
                   offsetof(elements::Ellipsoid, hit) == 36);
@@ -55,6 +56,8 @@ class CandidateQuads {
       e[1][k] = to_double(*reinterpret_cast<const F4*>(from + 4));
       F4 last = *reinterpret_cast<const F4*>(from + 6);
       last[0] = of.density_per_m;
+      level[k] = model.leaf_level;
+      slope[k] = model.leaf_slope;
       e[2][k] = to_double(last);
     }
     const PlacedRays r = rays_of(q);
@@ -64,7 +67,8 @@ class CandidateQuads {
     const D sigma = square_root(a.sigma2), density = e[2][0], zero{};
     D p = e[2][3];
     if (const L dense = less(zero, density); bits(dense)) {
-      p = pick(dense, opacity_of(density, sigma, a.delta2), p);
+      const D leaves = square_root(level + slope * (r.d[2] * r.d[2]));
+      p = pick(dense, opacity_of(density * leaves, sigma, a.delta2), p);
     }
     write(q, element, le(a.delta2, r.tau2), r.scale, a.t, sigma, a.delta2, p);
   }

@@ -155,6 +155,8 @@ inline void enter_instance(PacketTraversal& w, const Subtree& entry) {
   f.high_mask = p.sways ? 0 : ~0u;
   f.scale = float(p.scale);
   f.half_tau2 = float(0.5 * p.tau2);
+  f.leaf_level = float(p.leaf_level);
+  f.leaf_slope = float(p.leaf_slope);
   f.t_min = w.world.t_min / f.scale * 0.9999999f;
   f.t_max = w.world.t_max / f.scale * 1.0000001f;
   f.rays = &w.rays;

@@ -13,8 +13,13 @@ inline Trial path_length_trial(const PacketQuery& s, const Frame& f, int g, uint
                                Cells cells, float depth, F reach, F reach_error, F m2, F m2_error) {
   if (f.sways) sway(s, g, element, cells);
   const F one = all(1.0f), slack = all(1e-6f);
-  const F x = all(depth) * reach * exp_below_zero(-all(f.half_tau2) * greater(m2, all(0.0f)));
-  const F error = muladd(all(f.half_tau2), m2_error, reach_error) + 1e-5f;
+  F x = all(depth) * reach * exp_below_zero(-all(f.half_tau2) * greater(m2, all(0.0f)));
+  F error = muladd(all(f.half_tau2), m2_error, reach_error) + 1e-5f;
+  if (f.leaf_slope != 0) {
+    const F z = f.rays->d[2][g];
+    x *= root(greater(muladd(all(f.leaf_slope) * z, z, all(f.leaf_level)), all(0.0f)));
+    error += 3e-4f;  // from the rounding of z, the most where the factor is least
+  }
   const F low = one - exp_below_zero(-x * greater(one - error, all(0.0f)));
   const F high =
       pick(le(error, one), one - exp_below_zero(-x * muladd(all(2.0f), error, one)), one);

@@ -57,6 +57,7 @@ struct Frame {
   uint32_t instance, salt_low, salt_high;
   uint32_t high_mask;  // of the keys' upper half, which is the time where matter sways
   float scale, half_tau2;
+  float leaf_level, leaf_slope;                       // of `LeafAngleDistribution`
   Lattice grain;                                      // of triangles
   Lattice grains[elements::Grain::kMostClasses + 1];  // of ellipsoids
   bool grained;                                       // whether trials depend on cells

@@ -55,6 +55,8 @@ Placement place(const View& view, uint32_t instance, const double centre[3]) {
   p.tau2 = view.model_views[placed.model].tau2;
   p.cells_per_m = &view.model_views[placed.model].cells_per_m;
   p.sways = view.model_views[placed.model].sways;
+  p.leaf_level = view.model_views[placed.model].leaf_level;
+  p.leaf_slope = view.model_views[placed.model].leaf_slope;
   p.salt = instance_key(0, instance);
   const Mat3 back = placed.world_from_model.rotation.conjugate().toRotationMatrix();
   const Vec3 world =

@@ -52,7 +52,9 @@ ModelView view_of(const elements::Model& m) {
           m.tau * m.tau,
           m.voxel_m > 0,
           {},
-          false};
+          false,
+          m.leaf_angles.level(),
+          m.leaf_angles.slope()};
 }
 
 /// The working memory of a thread's queries. It is large, and is kept from call to call.

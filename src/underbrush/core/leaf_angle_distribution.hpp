@@ -1,9 +1,10 @@
 /// \file
-/// This file models leaves. It gives the incidence at which a beam ends in an ellipsoid, which has
-/// no surface of its own.
+/// This file models the inclinations of leaves: how many of them a beam of a direction meets, and
+/// at which incidence.
 #pragma once
+#include <cmath>
 
-namespace underbrush::radiometry {
+namespace underbrush {
 
 /// Leaves whose normals are distributed like those of a spheroid's surface [campbell86], evenly in
 /// azimuth about the vertical. The shape χ is the ratio of the spheroid's horizontal to its
@@ -21,8 +22,15 @@ namespace underbrush::radiometry {
 class LeafAngleDistribution {
  public:
   /// Throws `std::invalid_argument` unless 0.01 ≤ χ ≤ 100.
-  explicit LeafAngleDistribution(double shape = 1);
+  explicit LeafAngleDistribution(double shape);
+  LeafAngleDistribution() : LeafAngleDistribution(1) {}  ///< Spherical.
 
+  /// χ.
+  double shape() const { return std::sqrt(shape2_); }
+  bool spherical() const { return shape2_ == 1; }
+  /// (2 G)² is level + slope · cos² β; 1 for spherical leaves.
+  double level() const { return 4 / (lambda_ * lambda_); }
+  double slope() const { return level() * (shape2_ - 1); }
   /// G, in (0, 1]. `cos_zenith` is that of the beam, upwards or downwards.
   double projection(double cos_zenith) const;
   /// M/G, in (0, 1], the factor for `Receiver::signals` without the reflectance.
@@ -34,4 +42,4 @@ class LeafAngleDistribution {
   double shape2_, lambda_, vertical2_;  ///< χ², Λ, q.
 };
 
-}  // namespace underbrush::radiometry
+}  // namespace underbrush

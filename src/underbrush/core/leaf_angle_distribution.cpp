@@ -1,10 +1,10 @@
-#include "underbrush/radiometry/leaf_angle_distribution.hpp"
+#include "underbrush/core/leaf_angle_distribution.hpp"
 
 #include <cmath>
 
 #include "underbrush/core/check.hpp"
 
-namespace underbrush::radiometry {
+namespace underbrush {
 
 LeafAngleDistribution::LeafAngleDistribution(double shape) : shape2_(shape * shape) {
   require(shape >= 0.01 && shape <= 100, "foliage: the shape must be 0.01 to 100");
@@ -22,8 +22,7 @@ LeafAngleDistribution::LeafAngleDistribution(double shape) : shape2_(shape * sha
 }
 
 double LeafAngleDistribution::projection(double cos_zenith) const {
-  const double c2 = cos_zenith * cos_zenith;
-  return std::sqrt(shape2_ * c2 + (1 - c2)) / lambda_;
+  return 0.5 * std::sqrt(level() + slope() * (cos_zenith * cos_zenith));
 }
 
 double LeafAngleDistribution::backscatter(double cos_zenith) const {
@@ -36,4 +35,4 @@ double LeafAngleDistribution::density(double zenith_rad) const {
   return 2 * shape2_ * std::sqrt(shape2_) * s / (lambda_ * d * d);
 }
 
-}  // namespace underbrush::radiometry
+}  // namespace underbrush
