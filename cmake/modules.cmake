@@ -1,7 +1,7 @@
 # The layers of the library, in the order of the data flow. A module may use only modules that
 # stand before it in this list; underbrush_module() stops the configuration otherwise.
 set(UNDERBRUSH_LAYERS
-    core io ground movers elements trace sensor radiometry cluster surface credit keyframes likelihood simulate
+    core compact io ground movers elements trace sensor radiometry cluster surface credit keyframes likelihood simulate
     calibrate fit update primitives test_site worlds metrics optimize perception osi pipeline serve)
 
 # underbrush_module(NAME SOURCES a.cpp ... HEADERS a.hpp ... DEPENDS module ... LINK target ...)

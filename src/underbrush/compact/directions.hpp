@@ -1,0 +1,31 @@
+/// \file
+/// Directions of beams, coded as what a scan pattern leaves unexplained.
+#pragma once
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "underbrush/compact/packed.hpp"
+#include "underbrush/compact/track.hpp"
+
+namespace underbrush::compact {
+
+/// What is known of the beams of a chunk before their directions, in the order of the rows.
+struct Fired {
+  std::span<const uint16_t> ring;
+  std::span<const uint32_t> scan;
+  std::span<const double> time_s;
+  std::span<const Place> place;  ///< The sensor's place by the track; empty where there is none.
+  const Order& by_ring;
+};
+
+/// Appends unit vectors. The beams of one ring and scan are taken to have one elevation and an
+/// azimuth that is linear in time or in their number; the differences from that are whole numbers
+/// of floats.
+void pack_directions(std::span<const Vec3f> direction, const Fired& fired, Codec& codec,
+                     std::string& out);
+/// Reads what `pack_directions` wrote for the same beams.
+void unpack_directions(Cursor& in, const Fired& fired, Codec& codec, std::span<Vec3f> direction);
+
+}  // namespace underbrush::compact
