@@ -210,7 +210,8 @@ void unpack_returns(Cursor& in, size_t n, const Order& order, Codec& codec, Beam
 
 }  // namespace
 
-std::string encoded(const BeamLog& log, size_t begin, size_t n, Codec& codec) {
+std::string encoded(const BeamLog& log, const std::vector<ScanInfo>& scans, size_t begin, size_t n,
+                    Codec& codec) {
   std::string out;
   const auto part = [&](const auto& column) {
     return std::span(column.data() + begin, n);
@@ -224,7 +225,7 @@ std::string encoded(const BeamLog& log, size_t begin, size_t n, Codec& codec) {
   codec.pack<uint8_t>(part(log.flags), order, out);
   pack<double>(time_s, order, codec, out);
   const auto [first, last] = std::minmax_element(time_s.begin(), time_s.end());
-  const Track track(log.info.scans, *first, *last);
+  const Track track(scans, *first, *last);
   track.append_to(out);
   const std::vector<Place> places = places_of(track, time_s);
   pack_origins(part(log.origin), places, order, codec, out);

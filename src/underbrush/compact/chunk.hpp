@@ -3,14 +3,17 @@
 /// layout is described in docs/reference/compact-log.md.
 #pragma once
 #include <string>
+#include <vector>
 
 #include "underbrush/compact/packed.hpp"
 #include "underbrush/core/beam_log.hpp"
 
 namespace underbrush::compact {
 
-/// Returns the rows [begin, begin + n) of a log as bytes. Every bit of every column comes back.
-std::string encoded(const BeamLog& log, size_t begin, size_t n, Codec& codec);
+/// Returns the rows [begin, begin + n) of a log as bytes. Every bit of every column comes back. The
+/// better the poses of `scans` tell where the sensor was, the fewer bytes there are.
+std::string encoded(const BeamLog& log, const std::vector<ScanInfo>& scans, size_t begin, size_t n,
+                    Codec& codec);
 
 /// Reads n rows into the rows [begin, begin + n) of `out`, which is as long already and has the
 /// extra columns of the log that was coded. Throws `FormatError`.

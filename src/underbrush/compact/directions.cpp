@@ -46,73 +46,88 @@ double progress(const Fired& f, const Group& g, Pattern pattern, size_t place) {
                             : double(place - g.begin);
 }
 
-// A line through azimuths over the progress of a group's beams, by least squares.
-struct Line {
-  double start = 0, rate = 0, squares = 0;
+/// A direction in the sensor's frame, as angles.
+struct Angles {
+  double azimuth_rad, elevation_rad;
 };
 
-Line line_of(const std::vector<double>& along, std::vector<double> azimuth) {
-  std::vector<double> rates;
-  for (size_t i = 1; i < along.size(); ++i) {
-    const double step = along[i] - along[i - 1];
-    if (step != 0) rates.push_back(std::remainder(azimuth[i] - azimuth[i - 1], 2 * M_PI) / step);
+Angles angles_of(const Vec3f& d, const Fired& f, size_t row) {
+  Vector v = {d.x(), d.y(), d.z()};
+  if (!f.place.empty()) v = rotated(reverse(f.place[row].turn), v);
+  return {std::atan2(v.y, v.x), std::atan2(v.z, std::sqrt(v.x * v.x + v.y * v.y))};
+}
+
+/// Some beams of a group: their progress and azimuth, and the rate of the azimuth to the next beam.
+struct Samples {
+  std::vector<double> along, azimuth, rates;
+  double mean_elevation = 0;
+};
+
+Samples samples_of(std::span<const Vec3f> direction, const Fired& f, const Group& g,
+                   Pattern pattern) {
+  constexpr size_t kMost = 64;
+  Samples s;
+  const size_t n = g.end - g.begin, taken = std::min(n, kMost);
+  for (size_t i = 0; i < taken; ++i) {
+    const size_t k = g.begin + n * i / taken;
+    const Angles a = angles_of(direction[row_of(f, k)], f, row_of(f, k));
+    s.along.push_back(progress(f, g, pattern, k));
+    s.azimuth.push_back(a.azimuth_rad);
+    s.mean_elevation += a.elevation_rad / double(taken);
+    if (k + 1 == g.end) continue;
+    const double step = progress(f, g, pattern, k + 1) - s.along.back();
+    if (step == 0) continue;
+    const Angles next = angles_of(direction[row_of(f, k + 1)], f, row_of(f, k + 1));
+    s.rates.push_back(std::remainder(next.azimuth_rad - a.azimuth_rad, 2 * M_PI) / step);
   }
+  return s;
+}
+
+// Fits a line to the azimuths by least squares. Returns the mean square of what is left.
+double fit_line(Samples& s, Group& g) {
   double rate = 0;
-  if (!rates.empty()) {
-    const auto middle = rates.begin() + std::ptrdiff_t(rates.size() / 2);
-    std::nth_element(rates.begin(), middle, rates.end());
+  if (!s.rates.empty()) {
+    const auto middle = s.rates.begin() + std::ptrdiff_t(s.rates.size() / 2);
+    std::nth_element(s.rates.begin(), middle, s.rates.end());
     rate = *middle;
   }
-  const double n = double(along.size());
-  double mean_along = 0, mean = 0, product = 0, square = 0;
-  for (size_t i = 0; i < along.size(); ++i) {
+  const size_t n = s.along.size();
+  double mean_along = 0, mean = 0, product = 0, square = 0, left = 0;
+  for (size_t i = 0; i < n; ++i) {
+    double& azimuth = s.azimuth[i];
     if (i > 0) {
-      const double guess = azimuth[i - 1] + rate * (along[i] - along[i - 1]);
-      azimuth[i] = guess + std::remainder(azimuth[i] - guess, 2 * M_PI);
+      const double guess = s.azimuth[i - 1] + rate * (s.along[i] - s.along[i - 1]);
+      azimuth = guess + std::remainder(azimuth - guess, 2 * M_PI);
     }
-    mean_along += along[i] / n;
-    mean += azimuth[i] / n;
+    mean_along += s.along[i] / double(n);
+    mean += azimuth / double(n);
   }
-  for (size_t i = 0; i < along.size(); ++i) {
-    product += (along[i] - mean_along) * (azimuth[i] - mean);
-    square += (along[i] - mean_along) * (along[i] - mean_along);
+  for (size_t i = 0; i < n; ++i) {
+    product += (s.along[i] - mean_along) * (s.azimuth[i] - mean);
+    square += (s.along[i] - mean_along) * (s.along[i] - mean_along);
   }
-  Line line;
-  line.rate = square > 0 ? product / square : 0;
-  line.start = mean - line.rate * mean_along;
-  for (size_t i = 0; i < along.size(); ++i) {
-    const double rest = azimuth[i] - line.start - line.rate * along[i];
-    line.squares += rest * rest;
+  rate = square > 0 ? product / square : 0;
+  const double start = mean - rate * mean_along;
+  if (!std::isfinite(start + rate)) return INFINITY;
+  g.azimuth_rad = start;
+  g.rate = rate;
+  for (size_t i = 0; i < n; ++i) {
+    const double rest = s.azimuth[i] - start - rate * s.along[i];
+    left += rest * rest / double(n);
   }
-  return line;
+  return left;
 }
 
 // Fits the groups' lines and elevations. Returns the sum of the squares of what is left.
 double fit(std::span<const Vec3f> direction, const Fired& f, Pattern pattern,
            std::vector<Group>& groups) {
   double squares = 0;
-  std::vector<double> along, azimuth;
   for (Group& g : groups) {
-    along.clear();
-    azimuth.clear();
-    double elevation = 0;
-    for (size_t k = g.begin; k < g.end; ++k) {
-      const size_t row = row_of(f, k);
-      const Vec3f& d = direction[row];
-      Vector v = {d.x(), d.y(), d.z()};
-      if (!f.place.empty()) v = rotated(reverse(f.place[row].turn), v);
-      along.push_back(progress(f, g, pattern, k));
-      azimuth.push_back(std::atan2(v.y, v.x));
-      elevation += std::atan2(v.z, std::hypot(v.x, v.y));
-    }
-    const Line line = line_of(along, azimuth);
-    squares += line.squares;
-    elevation /= double(along.size());
-    if (!std::isfinite(line.start + line.rate + elevation)) continue;
-    g.azimuth_rad = line.start;
-    g.rate = line.rate;
-    g.elevation_sine = std::sin(elevation);
-    g.elevation_cosine = std::cos(elevation);
+    Samples samples = samples_of(direction, f, g, pattern);
+    squares += double(g.end - g.begin) * fit_line(samples, g);
+    if (!std::isfinite(samples.mean_elevation)) continue;
+    g.elevation_sine = std::sin(samples.mean_elevation);
+    g.elevation_cosine = std::cos(samples.mean_elevation);
   }
   return squares;
 }

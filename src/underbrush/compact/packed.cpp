@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <tuple>
 #include <type_traits>
 
 #include "underbrush/core/clones.hpp"
@@ -102,10 +103,9 @@ double table_bits(const std::vector<uint8_t>& index, const std::vector<T>& table
 }
 
 template <class T>
-std::vector<T> ordered(std::span<const T> values, const Order& order) {
-  std::vector<T> out(values.begin(), values.end());
+void put_in_order(std::span<const T> values, const Order& order, std::vector<T>& out) {
+  out.assign(values.begin(), values.end());
   for (size_t i = 0; i < order.size(); ++i) out[i] = values[order[i]];
-  return out;
 }
 
 template <class T>
@@ -143,8 +143,12 @@ Order order_by_ring(std::span<const uint16_t> ring) {
 struct Codec::State {
   ZSTD_CCtx* compressing = nullptr;
   ZSTD_DCtx* decompressing = nullptr;
+  // Kept, because the system clears fresh memory.
   std::string block;
   std::vector<uint8_t> plane;
+  std::tuple<std::vector<uint8_t>, std::vector<uint16_t>, std::vector<uint32_t>,
+             std::vector<uint64_t>>
+      values;
 };
 
 Codec::Codec() : state_(std::make_unique<State>()) {}
@@ -154,15 +158,14 @@ Codec::~Codec() {
   ZSTD_freeDCtx(state_->decompressing);
 }
 
-std::string Codec::deflated(std::string_view bytes) {
+std::string_view Codec::deflated(std::string_view bytes) {
   State& s = *state_;
   if (!s.compressing) s.compressing = ZSTD_createCCtx();
-  std::string out(ZSTD_compressBound(bytes.size()), '\0');
-  const size_t size = ZSTD_compressCCtx(s.compressing, out.data(), out.size(), bytes.data(),
-                                        bytes.size(), kLevel);
+  s.block.resize(std::max(s.block.size(), ZSTD_compressBound(bytes.size())));
+  const size_t size = ZSTD_compressCCtx(s.compressing, s.block.data(), s.block.size(),
+                                        bytes.data(), bytes.size(), kLevel);
   if (ZSTD_isError(size)) throw std::bad_alloc();  // the room is enough, so memory was not
-  out.resize(size);
-  return out;
+  return {s.block.data(), size};
 }
 
 void Codec::inflate(std::string_view block, std::span<char> to, const Cursor& in) {
@@ -183,7 +186,7 @@ void Codec::put_plane(std::span<const uint8_t> plane, std::string& out) {
   const std::string_view bytes(reinterpret_cast<const char*>(plane.data()), plane.size());
   constexpr double kNoise = 7.8;  // bits a byte; zstd would gain a fortieth at most
   if (bits_of(count, plane.size()) < kNoise * double(plane.size())) {
-    const std::string block = deflated(bytes);
+    const std::string_view block = deflated(bytes);
     if (block.size() + sizeof(uint32_t) < plane.size()) {
       put(out, kCompressed);
       put(out, uint32_t(block.size()));
@@ -224,10 +227,12 @@ void Codec::pack(std::span<const T> values, const Order& by_ring, std::string& o
     }
   }
   put(out, kind);
-  std::vector<T> v = ordered(values, ring ? by_ring : none);
+  auto& v = std::get<std::vector<T>>(state_->values);
+  put_in_order(values, ring ? by_ring : none, v);
   for (int k = 0; k < (kind & 3); ++k) differences(v);
   for (T& x : v) x = zigzag(x);
-  std::vector<uint8_t> plane(v.size());
+  std::vector<uint8_t>& plane = state_->plane;
+  plane.resize(v.size());
   for (size_t b = 0; b < sizeof(T); ++b) {
     plane_of(v.data(), v.size(), int(8 * b), plane.data());
     put_plane(plane, out);
@@ -241,7 +246,7 @@ void Codec::unpack(Cursor& in, const Order& by_ring, std::span<T> values) {
   const bool ring = kind & kRingOrder;
   if (kind & ~(kRingOrder | 3)) in.fail("it has a column of an unknown kind");
   const size_t n = values.size();
-  std::vector<uint8_t> buffer;
+  std::vector<uint8_t>& buffer = state_->plane;
   // Returns the bytes of the next plane; nothing where all of them are `constant`.
   const auto next_plane = [&](uint8_t& constant) -> const uint8_t* {
     switch (in.get<uint8_t>()) {
@@ -259,7 +264,8 @@ void Codec::unpack(Cursor& in, const Order& by_ring, std::span<T> values) {
         in.fail("it has a plane of an unknown kind");
     }
   };
-  std::vector<T> v(n, 0);
+  auto& v = std::get<std::vector<T>>(state_->values);
+  v.assign(n, 0);
   if (transform == kTable) {
     std::vector<T> table(in.get<uint16_t>());
     for (T& x : table) x = in.get<T>();

@@ -37,8 +37,8 @@ class Codec {
   template <class T>
   void unpack(Cursor& in, const Order& by_ring, std::span<T> values);
 
-  /// Returns bytes compressed as one block.
-  std::string deflated(std::string_view bytes);
+  /// Returns bytes compressed as one block, which stays until the next call.
+  std::string_view deflated(std::string_view bytes);
   /// Fills `to` with a block; fails by `in` unless the block has exactly that many bytes.
   void inflate(std::string_view block, std::span<char> to, const Cursor& in);
 

@@ -24,22 +24,6 @@ void for_columns(Log& log, F f) {
   for (auto& [name, column] : log.extra) std::visit(f, column);
 }
 
-// What is wrong with a row, or null. The comparisons are those that NaN fails.
-const char* fault_of(const BeamLog& log, size_t i) {
-  constexpr float kLengthError = 2e-3f;  // of the squared length
-  const auto is_near = [](double x) { return std::abs(x) < kMaxCoordinate; };
-  const Vec3& origin = log.origin[i];
-  if (!(std::abs(log.direction[i].squaredNorm() - 1) < kLengthError)) {
-    return "direction is not a unit vector";
-  }
-  if (!is_near(origin.x()) || !is_near(origin.y()) || !is_near(origin.z())) {
-    return "origin is not finite or too far away";
-  }
-  if (!(log.range_m[i] >= 0)) return "range is not a number or negative";
-  if (!std::isfinite(log.time_s[i])) return "time is not finite";
-  return nullptr;
-}
-
 }  // namespace
 
 uint32_t whole_number(const ExtraColumn& column, size_t i) {
@@ -105,13 +89,29 @@ BeamLog BeamLog::like() const {
   return out;
 }
 
+const char* beam_fault(const BeamLog& log, size_t i) {
+  // The comparisons are those that NaN fails.
+  constexpr float kLengthError = 2e-3f;  // of the squared length
+  const auto is_near = [](double x) { return std::abs(x) < kMaxCoordinate; };
+  const Vec3& origin = log.origin[i];
+  if (!(std::abs(log.direction[i].squaredNorm() - 1) < kLengthError)) {
+    return "direction is not a unit vector";
+  }
+  if (!is_near(origin.x()) || !is_near(origin.y()) || !is_near(origin.z())) {
+    return "origin is not finite or too far away";
+  }
+  if (!(log.range_m[i] >= 0)) return "range is not a number or negative";
+  if (!std::isfinite(log.time_s[i])) return "time is not finite";
+  return nullptr;
+}
+
 void BeamLog::check() const {
   const size_t n = size();
   for_columns(*this, [n](const auto& c) {
     require(c.size() == n, "beam log: columns of different lengths");
   });
   for (size_t i = 0; i < n; ++i) {
-    if (const char* wrong = fault_of(*this, i)) {
+    if (const char* wrong = beam_fault(*this, i)) {
       throw std::invalid_argument("beam log: the " + std::string(wrong) + " (row " +
                                   std::to_string(i) + ")");
     }

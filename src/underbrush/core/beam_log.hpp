@@ -116,6 +116,10 @@ struct BeamLog {
   void check() const;
 };
 
+/// Says why `BeamLog::check` refuses row i ("direction is not a unit vector"); null where it does
+/// not.
+const char* beam_fault(const BeamLog& log, size_t i);
+
 /// Tells for each row whether it begins a beam, by the column `echo`. Without that column every row
 /// does.
 std::vector<bool> begins_beam(const BeamLog& log);

@@ -210,14 +210,14 @@ void export_log(const fs::path& path, BeamSource& source, const std::string& for
   const std::string ext = path.extension().string();
   const std::string kind = !format.empty() ? format : ext.empty() ? "kitti" : ext.substr(1);
   source.rewind();
-  if (kind == "ply") {
+  if (kind == "ply" || kind == "ublog") {
     LogWriter writer(path, source.info(), provenance);
     for (BeamLog chunk; source.next(chunk);) writer.write(chunk);
     return writer.close();
   }
   if (kind != "pcd" && kind != "csv" && kind != "kitti") {
     throw std::invalid_argument(path.string() +
-                                ": no such format; name it .ply, .pcd, .csv, or a folder. The "
+                                ": no such format; name it .ply, .ublog, .pcd, .csv, or a folder. The "
                                 "command of the Python package also writes .las, .laz, .npz, "
                                 ".mcap, .db3 and .bag: pip install 'underbrush[formats]'");
   }

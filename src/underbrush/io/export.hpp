@@ -21,9 +21,9 @@ inline constexpr const char* kPcdFields = "FIELDS x y z intensity time ring scan
 ///   poses_velo.txt.
 /// - "csv": one row for each beam, misses included (hit = 0, x y z at the maximum range), with the
 ///   extra columns.
-/// - "ply": a ray cloud, as `LogWriter` writes it.
+/// - "ply", "ublog": a log, as `LogWriter` writes it; the path's name tells in which format.
 ///
-/// An empty `format` is chosen by the extension: .pcd, .csv or .ply; a path without one means
+/// An empty `format` is chosen by the extension: the name without its dot; a path without one means
 /// "kitti". Throws `std::invalid_argument` for an unknown format, and for "kitti" where a beam's
 /// scan has no pose; throws `IoError` where the file system refuses.
 void export_log(const std::filesystem::path& path, BeamSource& source,

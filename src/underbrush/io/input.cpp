@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "underbrush/compact/compact_file.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/csv_beams.hpp"
 #include "underbrush/io/log_file.hpp"
@@ -37,6 +38,7 @@ std::string format_of(const fs::path& path) {
     return read_calibration(path / "calib.txt", "Tr") ? "kitti-odometry" : "kitti";
   }
   const std::string extension = lower(path.extension().string());
+  if (compact::is_compact(InputFile(path))) return "compact";
   if (extension == ".ply" && is_ray_cloud(path)) return "ray-cloud";
   if (extension == ".csv" || extension == ".txt" || extension == ".xyz") return "csv";
   return "scan";
@@ -58,8 +60,8 @@ class Opener {
 
   Input open(const std::string& format) {
     input_.format = format;
-    if (format == "ray-cloud") {
-      open_ray_cloud();
+    if (format == "ray-cloud" || format == "compact") {
+      open_log();
     } else if (format == "csv") {
       open_csv();
     } else if (format == "scan") {
@@ -95,11 +97,12 @@ class Opener {
     if (placing_.times.empty() && fs::exists(file)) set_times(read_times(file), file);
   }
 
-  void open_ray_cloud() {
+  void open_log() {
     require(options_.unit_m == 1, "import: --unit is for scans: this log has origins");
     auto reader = std::make_unique<LogReader>(path_);
     input_.provenance = reader->provenance();
     input_.skipped = [raw = reader.get()] { return raw->skipped(); };
+    input_.is_log = true;
     input_.beams = std::move(reader);
   }
 
@@ -251,7 +254,7 @@ FrameRange frames_from_text(const std::string& text) {
 }
 
 std::vector<std::string> input_formats() {
-  return {"ray-cloud", "csv", "scan", "kitti", "kitti-odometry", "kitti-raw", "folder"};
+  return {"ray-cloud", "compact", "csv", "scan", "kitti", "kitti-odometry", "kitti-raw", "folder"};
 }
 
 namespace {
@@ -262,6 +265,7 @@ Input open_packed(const fs::path& path, const InputOptions& options) {
   try {
     Input input = open_input(unpacked->path(), options);
     input.unpacked = unpacked;
+    input.is_log = false;
     return input;
   } catch (const FormatError& e) {
     const bool is_inner = e.file() == unpacked->path().string();

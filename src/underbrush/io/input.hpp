@@ -56,6 +56,7 @@ struct InputOptions {
 struct Input {
   std::shared_ptr<const Unpacked> unpacked;  ///< The file itself, if it was packed.
   std::string format;                        ///< Name of the format, one of `input_formats()`.
+  bool is_log = false;                       ///< `LogReader` reads the file itself.
   std::unique_ptr<BeamSource> beams;
   std::unique_ptr<ScanSource> scans;
   std::vector<ScanInfo> scan_infos;  ///< Number, time and pose of each scan that `scans` will
@@ -71,8 +72,8 @@ struct Input {
   std::function<std::map<std::string, size_t>()> skipped;
 };
 
-/// Returns the names of the formats: ray-cloud, csv, scan (one file), kitti (velodyne/NNNNNN.bin),
-/// kitti-odometry, kitti-raw, and folder (one file for each scan).
+/// Returns the names of the formats: ray-cloud, compact, csv, scan (one file), kitti
+/// (velodyne/NNNNNN.bin), kitti-odometry, kitti-raw, and folder (one file for each scan).
 std::vector<std::string> input_formats();
 
 /// Opens a log, which may be packed by gzip if it is one file. docs/reference/formats.md says which

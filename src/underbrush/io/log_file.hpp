@@ -1,8 +1,10 @@
 /// \file
-/// Underbrush's log on disk: a binary ray cloud PLY (CSIRO raycloudtools) that other tools can
-/// read, with additional columns and comments. Layout: docs/reference/formats.md.
+/// Underbrush's log on disk, in one of two formats: a binary ray cloud PLY (CSIRO raycloudtools)
+/// that other tools can read, with additional columns and comments (docs/reference/formats.md), and
+/// the compact log, which is smaller and exact to the bit (docs/reference/compact-log.md).
 #pragma once
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <string>
 
@@ -10,7 +12,24 @@
 
 namespace underbrush::io {
 
-/// Reads a ray cloud PLY in chunks. Throws `FormatError` as soon as it finds damage.
+/// Whether the name is one of a log of either format: it ends in .ply or .ublog.
+bool is_log_name(const std::filesystem::path& path);
+
+/// Which rows of a log are wanted. By default all are.
+struct LogWindow {
+  double first_s = -std::numeric_limits<double>::infinity();  ///< s; no row before.
+  double last_s = std::numeric_limits<double>::infinity();    ///< s; no row after.
+  /// m, world; where one of them is finite, only returns in the box are wanted, and no misses.
+  Vec3 least = Vec3::Constant(-std::numeric_limits<double>::infinity());
+  Vec3 most = -least;
+
+  bool has_place() const { return !(least.array().isInf().all() && most.array().isInf().all()); }
+  /// Whether row i of a log is wanted.
+  bool has(const BeamLog& log, size_t i) const;
+};
+
+/// Reads a log of either format in chunks; the file's first bytes tell which it is. Throws
+/// `FormatError` as soon as it finds damage.
 class LogReader : public BeamSource {
  public:
   explicit LogReader(const std::filesystem::path& path, size_t chunk_size = 1 << 20);
@@ -23,6 +42,9 @@ class LogReader : public BeamSource {
   /// it at once. Throws `std::invalid_argument` where there are no such rows, and `FormatError` for
   /// a row that `next` would leave out.
   BeamLog rows(size_t first, size_t n) const;
+  /// Returns the rows in a window, in order. Of a compact log only those chunks are read that may
+  /// hold one. Throws `FormatError`.
+  BeamLog within(const LogWindow& window) const;
   /// Returns the provenance JSON of the program that wrote the log; empty if there is none.
   const std::string& provenance() const;
   /// Returns how many records were left out so far, by reason (e.g. "not finite", "zero-length
@@ -48,12 +70,13 @@ class BeamReader : public LogReader {
 
 /// Options of `LogWriter`.
 struct LogWriterOptions {
-  bool double_coordinates = true;  ///< Stores end points as double (millimetres at any distance),
-                                   ///< else as float.
+  bool double_coordinates = true;  ///< A PLY stores end points as double (millimetres at any
+                                   ///< distance), else as float.
   bool limits_from_data = false;   ///< A longer range of a hit raises the log's maximum range.
 };
 
-/// Writes a ray cloud PLY in chunks. Nothing appears at `path` before `close()`.
+/// Writes a log in chunks: a compact log where the name ends in .ublog, else a ray cloud PLY.
+/// Nothing appears at `path` before `close()`.
 class LogWriter {
  public:
   LogWriter(const std::filesystem::path& path, const LogInfo& info, const std::string& provenance,

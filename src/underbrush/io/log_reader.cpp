@@ -1,263 +1,51 @@
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <optional>
 
+#include "underbrush/compact/compact_file.hpp"
 #include "underbrush/core/check.hpp"
-#include "underbrush/core/parallel.hpp"
-#include "underbrush/io/log_file.hpp"
-#include "underbrush/io/log_layout.hpp"
 #include "underbrush/io/log_path.hpp"
+#include "underbrush/io/log_rows.hpp"
 
 namespace underbrush::io {
 namespace {
 
-constexpr size_t kDecodedRows = 4096;  // rows decoded at a time by one thread
-
-/// Place and type of a value in a row.
-struct Field {
-  size_t offset = 0;
-  ValueType type = ValueType::kF32;
-};
-
-double real(const char* row, const Field& field) {
-  return field.type == ValueType::kF64 ? load<double>(row + field.offset)
-                                       : double(load<float>(row + field.offset));
+std::unique_ptr<LogRows> open_rows(const std::filesystem::path& path) {
+  return compact::is_compact(InputFile(checked_log_path(path))) ? open_compact_rows(path)
+                                                                : open_ply_rows(path);
 }
-
-template <class T>
-void read_column(const char* rows, size_t row_size, size_t n, const Field& field, T* out) {
-  with_type(field.type, [&](auto zero) {
-    const char* at = rows + field.offset;
-    for (size_t i = 0; i < n; ++i, at += row_size) {
-      out[i] = T(load<decltype(zero)>(at));  // NOLINT(bugprone-signed-char-misuse): signed is meant
-    }
-  });
-}
-
-enum Fault : uint8_t { kNone, kNotFinite, kZeroLength, kTooLarge };
 
 }  // namespace
 
-struct LogReader::State {
-  struct Extra {
-    Field field;
-    ExtraColumn empty;  ///< Empty column of the type that it has in memory.
-  };
+bool LogWindow::has(const BeamLog& log, size_t i) const {
+  if (!(log.time_s[i] >= first_s && log.time_s[i] <= last_s)) return false;
+  if (!has_place()) return true;
+  const Vec3 end = log.end_point(i);
+  return log.is_hit(i) && (end.array() >= least.array()).all() &&
+         (end.array() <= most.array()).all();
+}
 
+struct LogReader::State {
   State(const std::filesystem::path& path, size_t chunk)
-      : file(checked_log_path(path)),
-        header(read_ply_header(file)),
-        chunk_size(std::max<size_t>(chunk, 1)) {
-    comments = comments_from_header(file.name(), header);
-    check_shape();
-    find_columns();
-    if (!comments.ours) look_through();
+      : file(open_rows(path)), chunk_size(std::max<size_t>(chunk, 1)) {}
+
+  // Existing columns are used again, so that a pass over a long log allocates only once.
+  void prepare(BeamLog& chunk, size_t n) const {
+    const BeamLog& empty = file->empty();
+    if (!std::equal(empty.extra.begin(), empty.extra.end(), chunk.extra.begin(), chunk.extra.end(),
+                    [](const auto& a, const auto& b) {
+                      return a.first == b.first && a.second.index() == b.second.index();
+                    })) {
+      chunk.extra = empty.extra;
+    }
+    chunk.info = file->comments.info;
+    chunk.resize(n);
   }
 
-  void check_shape();
-  void find_columns();
-  void look_through();
-  std::optional<Field> take(const std::string& name, bool (*fits)(ValueType));
-  void decode(const char* rows, size_t first, size_t n, BeamLog& out, uint8_t* fault) const;
-  uint8_t decode_ray(const char* row, BeamLog& out, size_t i) const;
-  void read_rows(size_t begin, size_t n, BeamLog& out, std::vector<uint8_t>& fault) const;
-  void prepare(BeamLog& chunk, size_t n) const;
   void drop(const std::vector<uint8_t>& fault, BeamLog& chunk);
 
-  InputFile file;
-  PlyHeader header;
-  LogComments comments;
-  size_t chunk_size, rows = 0, row_size = 0, at = 0;
-  std::map<std::string, Field> unclaimed;
-  std::array<Field, 3> end, ray;
-  Field time;
-  std::optional<Field> alpha, ring, scan, packet, flags, remission;
-  std::map<std::string, Extra> extra;
+  std::unique_ptr<LogRows> file;
+  size_t chunk_size, at = 0;
   std::map<std::string, size_t> skipped;
 };
-
-void LogReader::State::check_shape() {
-  const auto fail = [&](const std::string& place, const std::string& reason) {
-    throw FormatError(file.name(), place, reason);
-  };
-  if (header.format != PlyHeader::Format::kLittle) {
-    fail("header", "a ray cloud must be binary_little_endian");
-  }
-  if (header.elements.size() != 1 || header.elements[0].name != "vertex" ||
-      header.elements[0].has_list()) {
-    fail("header", "a ray cloud must have the element 'vertex' only, without lists");
-  }
-  rows = size_t(header.elements[0].count);
-  row_size = header.elements[0].row_size();
-  if (rows == 0) fail("element vertex", "an empty log: no beams");
-  const uint64_t expected = header.body + uint64_t(rows) * row_size;
-  if (file.size() != expected) {
-    fail("byte " + std::to_string(expected), "bytes after the last row");
-  }
-}
-
-std::optional<Field> LogReader::State::take(const std::string& name, bool (*fits)(ValueType)) {
-  const auto found = unclaimed.find(name);
-  if (found == unclaimed.end() || !fits(found->second.type)) return std::nullopt;
-  const Field field = found->second;
-  unclaimed.erase(found);
-  return field;
-}
-
-void LogReader::State::find_columns() {
-  size_t offset = 0;
-  for (const PlyProperty& p : header.elements[0].properties) {
-    unclaimed[p.name] = {offset, p.type};
-    offset += size_of(p.type);
-  }
-  const auto is_real = [](ValueType t) { return t >= ValueType::kF32; };
-  const auto is_u8 = [](ValueType t) { return t == ValueType::kU8; };
-  const auto to_u16 = [](ValueType t) { return t <= ValueType::kU16; };
-  const auto to_u32 = [](ValueType t) { return t <= ValueType::kU32; };
-  const auto needed = [&](const std::string& name) {
-    const auto field = take(name, is_real);
-    if (!field) {
-      throw FormatError(file.name(), "header",
-                        "no float or double '" + name + "': not a ray cloud");
-    }
-    return *field;
-  };
-  const std::string prefix = unclaimed.count("rayx") ? "ray" : "n";
-  for (int c = 0; c < 3; ++c) {
-    const char axis = char('x' + c);
-    end[size_t(c)] = needed(std::string(1, axis));
-    ray[size_t(c)] = needed(prefix + axis);
-  }
-  time = needed("time");
-  alpha = take("alpha", is_u8);
-  ring = take("ring", to_u16);
-  scan = take("scan", to_u32);
-  packet = take("packet", to_u32);
-  if (comments.ours) {
-    flags = take("flags", is_u8);
-    remission = take("remission", is_real);
-    if (!comments.colours) {
-      for (const char* colour : {"red", "green", "blue"}) take(colour, is_u8);
-    }
-  }
-  for (const auto& [stored, field] : unclaimed) {
-    const auto narrow = comments.narrow.find(stored);
-    const ValueType type = narrow == comments.narrow.end() ? field.type : narrow->second;
-    extra[comments.ours ? name_from_stored(stored) : stored] = {field, column_of(type)};
-  }
-  if (extra.count("class") == 0) comments.info.classes.clear();
-}
-
-// Finds the maximum range and whether there are misses, which the ray clouds of other programs do
-// not say.
-void LogReader::State::look_through() {
-  const size_t pieces = (rows + kDecodedRows - 1) / kDecodedRows;
-  std::vector<double> longest(pieces, 0), shortest(pieces, INFINITY);
-  std::vector<uint8_t> misses(pieces, 0);
-  parallel_for(rows, kDecodedRows, [&](size_t begin, size_t finish) {
-    std::vector<char> bytes((finish - begin) * row_size);
-    file.read(header.body + uint64_t(begin) * row_size, bytes.data(), bytes.size());
-    for (const char* row = bytes.data(); row != bytes.data() + bytes.size(); row += row_size) {
-      const double length = Vec3(real(row, ray[0]), real(row, ray[1]), real(row, ray[2])).norm();
-      if (!(length < kMaxCoordinate)) continue;
-      longest[begin / kDecodedRows] = std::max(longest[begin / kDecodedRows], length);
-      if (length > 0) {
-        shortest[begin / kDecodedRows] = std::min(shortest[begin / kDecodedRows], length);
-      }
-      if (alpha && row[alpha->offset] == 0) misses[begin / kDecodedRows] = 1;
-    }
-  });
-  comments.info.max_range_m = *std::max_element(longest.begin(), longest.end());
-  comments.info.has_misses = *std::max_element(misses.begin(), misses.end()) != 0;
-  comments.info.deskewed = true;  // every ray has its own origin
-  if (!(comments.info.max_range_m > 0)) {
-    throw FormatError(file.name(), "element vertex", "no ray has a length");
-  }
-  constexpr size_t kEnough = 20;
-  constexpr double kUnit = 2e-3;  // Normals are written with as few as three decimals.
-  const double least = *std::min_element(shortest.begin(), shortest.end());
-  if (rows >= kEnough && least > 1 - kUnit && comments.info.max_range_m < 1 + kUnit) {
-    throw FormatError(file.name(), "element vertex",
-                      "nx ny nz are all 1 m long: they are normals, not rays to the sensor; "
-                      "--format scan reads the points, with --poses");
-  }
-}
-
-uint8_t LogReader::State::decode_ray(const char* row, BeamLog& out, size_t i) const {
-  const Vec3 point(real(row, end[0]), real(row, end[1]), real(row, end[2]));
-  const Vec3 back(real(row, ray[0]), real(row, ray[1]), real(row, ray[2]));
-  const double length = back.norm(), t = real(row, time);
-  out.time_s[i] = t;
-  out.origin[i] = point + back;
-  const bool hit = !alpha || row[alpha->offset] != 0;
-  out.range_m[i] = hit ? float(length) : kMiss;
-  out.intensity[i] = remission ? float(real(row, *remission))
-                     : alpha   ? float(uint8_t(row[alpha->offset]))
-                               : 0;
-  if (!std::isfinite(length) || !std::isfinite(t) || !point.allFinite() ||
-      !std::isfinite(out.intensity[i])) {
-    return kNotFinite;
-  }
-  if (length < kMinRange) return kZeroLength;
-  // What a log cannot hold must not come out of one either.
-  if (!(length < kMaxCoordinate && out.origin[i].cwiseAbs().maxCoeff() < kMaxCoordinate)) {
-    return kTooLarge;
-  }
-  // A miss in a log of ours is exactly as long as the maximum range; its stored length differs only
-  // by rounding.
-  const double max = comments.info.max_range_m;
-  const bool exact = comments.ours && !hit && std::abs(length - max) < 1e-6 * max;
-  out.direction[i] = (back * (-1 / (exact ? max : length))).cast<float>();
-  return kNone;
-}
-
-void LogReader::State::decode(const char* rows_at, size_t first, size_t n, BeamLog& out,
-                              uint8_t* fault) const {
-  for (size_t i = 0; i < n; ++i) {
-    fault[first + i] = decode_ray(rows_at + i * row_size, out, first + i);
-  }
-  const auto column = [&](const std::optional<Field>& field, auto& to) {
-    if (field) read_column(rows_at, row_size, n, *field, to.data() + first);
-  };
-  column(ring, out.ring);
-  column(scan, out.scan);
-  column(packet, out.packet);
-  column(flags, out.flags);
-  auto to = out.extra.begin();
-  for (const auto& entry : extra) {
-    const Field& field = entry.second.field;
-    std::visit([&](auto& c) { read_column(rows_at, row_size, n, field, c.data() + first); },
-               to++->second);
-  }
-}
-
-void LogReader::State::read_rows(size_t begin, size_t n, BeamLog& out,
-                                 std::vector<uint8_t>& fault) const {
-  parallel_for(n, kDecodedRows, [&](size_t first, size_t last) {
-    std::vector<char> bytes((last - first) * row_size);
-    file.read(header.body + uint64_t(begin + first) * row_size, bytes.data(), bytes.size());
-    decode(bytes.data(), first, last - first, out, fault.data());
-  });
-}
-
-void LogReader::State::prepare(BeamLog& chunk, size_t n) const {
-  // Existing columns are used again, so that a pass over a long log allocates only once.
-  if (chunk.extra.size() != extra.size() ||
-      !std::equal(extra.begin(), extra.end(), chunk.extra.begin(),
-                  [](const auto& a, const auto& b) {
-                    return a.first == b.first && a.second.empty.index() == b.second.index();
-                  })) {
-    chunk.extra.clear();
-    for (const auto& [name, e] : extra) chunk.extra[name] = e.empty;
-  }
-  chunk.info = comments.info;
-  chunk.resize(n);
-  if (!ring) std::fill(chunk.ring.begin(), chunk.ring.end(), 0);
-  if (!scan) std::fill(chunk.scan.begin(), chunk.scan.end(), 0);
-  if (!packet) std::fill(chunk.packet.begin(), chunk.packet.end(), 0);
-  if (!flags) std::fill(chunk.flags.begin(), chunk.flags.end(), 0);
-}
 
 void LogReader::State::drop(const std::vector<uint8_t>& fault, BeamLog& chunk) {
   const size_t n = fault.size();
@@ -270,7 +58,7 @@ void LogReader::State::drop(const std::vector<uint8_t>& fault, BeamLog& chunk) {
   if (not_finite + zero_length + too_large == 0) return;
   BeamLog kept = chunk.like();
   for (size_t i = 0; i < n; ++i) {
-    if (fault[i] == kNone) kept.append(chunk, i);
+    if (fault[i] == kNoFault) kept.append(chunk, i);
   }
   chunk = std::move(kept);
 }
@@ -280,9 +68,9 @@ LogReader::LogReader(const std::filesystem::path& path, size_t chunk_size)
 
 LogReader::~LogReader() = default;
 
-const LogInfo& LogReader::info() const { return state_->comments.info; }
-size_t LogReader::size() const { return state_->rows; }
-const std::string& LogReader::provenance() const { return state_->comments.provenance; }
+const LogInfo& LogReader::info() const { return state_->file->comments.info; }
+size_t LogReader::size() const { return state_->file->size(); }
+const std::string& LogReader::provenance() const { return state_->file->comments.provenance; }
 const std::map<std::string, size_t>& LogReader::skipped() const { return state_->skipped; }
 
 void LogReader::rewind() {
@@ -293,11 +81,11 @@ void LogReader::rewind() {
 bool LogReader::next(BeamLog& chunk) {
   State& s = *state_;
   do {
-    const size_t n = std::min(s.chunk_size, s.rows - s.at);
+    const size_t n = std::min(s.chunk_size, s.file->size() - s.at);
     s.prepare(chunk, n);
     if (n == 0) return false;
     std::vector<uint8_t> fault(n);
-    s.read_rows(s.at, n, chunk, fault);
+    s.file->read(s.at, chunk, fault);
     s.at += n;
     s.drop(fault, chunk);
   } while (chunk.empty());
@@ -305,15 +93,32 @@ bool LogReader::next(BeamLog& chunk) {
 }
 
 BeamLog LogReader::rows(size_t first, size_t n) const {
-  require(first <= state_->rows && n <= state_->rows - first, "rows: beyond the end of the log");
+  require(first <= size() && n <= size() - first, "rows: beyond the end of the log");
   BeamLog out;
   state_->prepare(out, n);
   std::vector<uint8_t> fault(n);
-  state_->read_rows(first, n, out, fault);
-  const auto bad = std::find_if(fault.begin(), fault.end(), [](uint8_t f) { return f != kNone; });
+  state_->file->read(first, out, fault);
+  const auto bad = std::find_if(fault.begin(), fault.end(), [](uint8_t f) { return f != kNoFault; });
   if (bad != fault.end()) {
     const size_t row = first + size_t(bad - fault.begin());
-    throw FormatError(state_->file.name(), "row " + std::to_string(row), "no usable beam");
+    throw FormatError(state_->file->file(), "row " + std::to_string(row), "no usable beam");
+  }
+  return out;
+}
+
+BeamLog LogReader::within(const LogWindow& window) const {
+  const State& s = *state_;
+  BeamLog out, part;
+  s.prepare(out, 0);
+  for (auto [first, end] : s.file->ranges(window)) {
+    for (; first < end; first += part.size()) {
+      s.prepare(part, std::min(s.chunk_size, end - first));
+      std::vector<uint8_t> fault(part.size());
+      s.file->read(first, part, fault);
+      for (size_t i = 0; i < part.size(); ++i) {
+        if (fault[i] == kNoFault && window.has(part, i)) out.append(part, i);
+      }
+    }
   }
   return out;
 }

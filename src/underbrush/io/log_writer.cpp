@@ -1,39 +1,16 @@
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
-#include <cstdio>
 
 #include "underbrush/core/check.hpp"
-#include "underbrush/core/parallel.hpp"
 #include "underbrush/io/atomic_file.hpp"
-#include "underbrush/io/log_file.hpp"
-#include "underbrush/io/log_layout.hpp"
+#include "underbrush/io/log_rows.hpp"
 #include "underbrush/io/text.hpp"
 
 namespace underbrush::io {
 namespace {
 
-constexpr size_t kEncodedRows = 4096;               // rows encoded at a time by one thread
-constexpr size_t kWrittenRows = 64 * kEncodedRows;  // rows written at a time
-constexpr std::array<const char*, 3> kColours = {"red", "green", "blue"};
-
-bool has_colours(const BeamLog& log) {
-  return std::all_of(kColours.begin(), kColours.end(), [&](const char* name) {
-    const auto found = log.extra.find(name);
-    return found != log.extra.end() && type_of(found->second) == ValueType::kU8;
-  });
-}
-
-template <class T>
-void store(char* to, T value) {
-  std::memcpy(to, &value, sizeof(T));
-}
-
-// CSIRO's reader does not know char and short, so they are written as int.
-ValueType stored_type(ValueType type) {
-  return type == ValueType::kI8 || type == ValueType::kI16 ? ValueType::kI32 : type;
-}
+constexpr const char* kCompactName = ".ublog";
 
 // A name that promises another format would mislead whoever opens the file.
 void check_name(const std::filesystem::path& path) {
@@ -45,7 +22,7 @@ void check_name(const std::filesystem::path& path) {
   };
   const bool by_python = is_among(kWrittenByPython);
   if (!by_python && !is_among(kOthers)) return;
-  throw std::invalid_argument(path.string() + ": logs are written as .ply here, not as " +
+  throw std::invalid_argument(path.string() + ": logs are written as .ply or .ublog here, not as " +
                               extension +
                               (by_python ? "; the command of the Python package also writes " +
                                                extension + ": pip install 'underbrush[formats]'"
@@ -54,153 +31,29 @@ void check_name(const std::filesystem::path& path) {
 
 }  // namespace
 
+bool is_log_name(const std::filesystem::path& path) {
+  const std::string extension = lower(path.extension().string());
+  return extension == ".ply" || extension == kCompactName;
+}
+
 struct LogWriter::State {
   State(const std::filesystem::path& path, const LogInfo& info, const std::string& provenance,
         const LogWriterOptions& o)
       : options(o), target(path), out(target.temporary(), path.string()) {
     comments.info = info;
     comments.provenance = provenance;
+    const bool compact = lower(path.extension().string()) == kCompactName;
+    sink = compact ? begin_compact(out, comments) : begin_ply(out, comments, options);
   }
-
-  struct Extra {
-    std::string name;
-    ValueType type;
-  };
-
-  void begin(const BeamLog& first);
-  void check(const BeamLog& chunk) const;
-  std::string header() const;
-  void encode(const BeamLog& log, size_t i, size_t n, char* rows);
-  void encode_beam(const BeamLog& log, size_t i, char* row);
 
   LogWriterOptions options;
   AtomicFile target;
   OutputFile out;
   LogComments comments;
-  std::vector<Extra> extra;
-  size_t row_size = 0, rows = 0, header_size = 0;
-  float alpha_scale = 1;
-  std::atomic<bool> misses_seen{false};
-  float longest_m = 0;  // of the hits, if the limits come from them
-  std::vector<char> buffer;
+  std::unique_ptr<LogSink> sink;
+  size_t rows = 0;
+  float longest_m = 0;  // of the hits
 };
-
-std::string LogWriter::State::header() const {
-  char count[32];
-  std::snprintf(count, sizeof count, "%020zu", rows);
-  std::string text = "ply\nformat binary_little_endian 1.0\n" + text_from_comments(comments) +
-                     "element vertex " + count + "\n";
-  const char* real = options.double_coordinates ? "double " : "float ";
-  for (const char* axis : {"x", "y", "z"}) text += std::string("property ") + real + axis + "\n";
-  text +=
-      "property double time\n"
-      "property float nx\nproperty float ny\nproperty float nz\n"
-      "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n"
-      "property ushort ring\nproperty uint scan\nproperty uint packet\nproperty uchar flags\n"
-      "property float remission\n";
-  for (const Extra& e : extra) {
-    text +=
-        std::string("property ") + ply_name(stored_type(e.type)) + " " + stored_name(e.name) + "\n";
-  }
-  return text + "end_header\n";
-}
-
-void LogWriter::State::begin(const BeamLog& first) {
-  comments.colours = has_colours(first);
-  row_size = (options.double_coordinates ? 24 : 12) + 8 + 12 + 4 + 2 + 4 + 4 + 1 + 4;
-  for (const auto& [name, column] : first.extra) {
-    if (comments.colours && std::find(kColours.begin(), kColours.end(), name) != kColours.end()) {
-      continue;
-    }
-    require_data(!name.empty(), "log: an extra column without a name");
-    const ValueType type = type_of(column);
-    extra.push_back({name, type});
-    row_size += size_of(stored_type(type));
-    if (stored_type(type) != type) comments.narrow[stored_name(name)] = type;
-  }
-  // Sensors give intensities from 0 to 1 or from 0 to 255; alpha holds 1 to 255.
-  const auto brightest = std::max_element(first.intensity.begin(), first.intensity.end());
-  alpha_scale = brightest != first.intensity.end() && *brightest <= 1 ? 255 : 1;
-  comments.pad_range = options.limits_from_data;
-  const std::string text = header();
-  header_size = text.size();
-  out.append(text.data(), text.size());
-}
-
-void LogWriter::State::check(const BeamLog& chunk) const {
-  chunk.check();
-  const size_t colours = comments.colours ? kColours.size() : 0;
-  bool same =
-      chunk.extra.size() == extra.size() + colours && has_colours(chunk) == comments.colours;
-  for (const Extra& e : extra) {
-    const auto found = chunk.extra.find(e.name);
-    same = same && found != chunk.extra.end() && type_of(found->second) == e.type;
-  }
-  require(same, "log: the chunks' extra columns differ");
-}
-
-// Encodes the columns that every log has; extra columns follow elsewhere.
-void LogWriter::State::encode_beam(const BeamLog& log, size_t i, char* row) {
-  const bool hit = log.is_hit(i);
-  const double range = hit ? double(log.range_m[i]) : comments.info.max_range_m;
-  const Vec3& o = log.origin[i];
-  require_data(range >= kMinRange && range < kMaxCoordinate,
-               "log: a range is not above 0 and finite");
-  require_data(o.cwiseAbs().maxCoeff() < kMaxCoordinate && std::isfinite(log.time_s[i]) &&
-                   std::isfinite(log.intensity[i]),
-               "log: an origin, time or intensity is not finite or too large");
-  const Vec3 ray = stored_ray(log.direction[i], range);
-  require(std::abs(ray.norm() - range) <= 1e-4 * range + 1e-6,
-          "log: a direction is not of length 1");
-  for (int c = 0; c < 3; ++c) {
-    const double end = rounded(o[c], kOriginScale) - ray[c];
-    if (options.double_coordinates) {
-      store(row, end);
-      row += 8;
-    } else {
-      store(row, float(end));
-      row += 4;
-    }
-  }
-  store(row, log.time_s[i]);
-  for (int c = 0; c < 3; ++c) store(row + 8 + 4 * c, float(ray[c]));
-  const float shade = std::clamp(std::round(log.intensity[i] * alpha_scale), 1.0f, 255.0f);
-  const uint8_t alpha = hit ? uint8_t(shade) : uint8_t(0);
-  std::memset(row + 20, alpha, 4);
-  store(row + 24, log.ring[i]);
-  store(row + 26, log.scan[i]);
-  store(row + 30, log.packet[i]);
-  store(row + 34, log.flags[i]);
-  store(row + 35, log.intensity[i]);
-}
-
-void LogWriter::State::encode(const BeamLog& log, size_t begin, size_t n, char* rows_at) {
-  for (size_t i = 0; i < n; ++i) encode_beam(log, begin + i, rows_at + i * row_size);
-  const size_t time_at = options.double_coordinates ? 24 : 12;
-  const auto put = [&](const auto& column, size_t offset, auto as) {
-    for (size_t i = 0; i < n; ++i) {
-      store(rows_at + i * row_size + offset, decltype(as)(column[begin + i]));
-    }
-  };
-  if (comments.colours) {
-    for (size_t c = 0; c < kColours.size(); ++c) {
-      put(std::get<std::vector<uint8_t>>(log.extra.at(kColours[c])), time_at + 20 + c, uint8_t{});
-    }
-  }
-  size_t offset = time_at + 39;
-  for (const Extra& e : extra) {
-    std::visit(
-        [&](const auto& column) {
-          with_type(stored_type(e.type), [&](auto zero) { put(column, offset, zero); });
-        },
-        log.extra.at(e.name));
-    offset += size_of(stored_type(e.type));
-  }
-  const auto first = log.range_m.begin() + std::ptrdiff_t(begin);
-  if (std::find(first, first + std::ptrdiff_t(n), kMiss) != first + std::ptrdiff_t(n)) {
-    misses_seen = true;
-  }
-}
 
 LogWriter::LogWriter(const std::filesystem::path& path, const LogInfo& info,
                      const std::string& provenance, const LogWriterOptions& options) {
@@ -222,20 +75,15 @@ LogWriter::~LogWriter() = default;
 void LogWriter::write(const BeamLog& chunk) {
   State& s = *state_;
   if (chunk.empty()) return;
-  if (s.header_size == 0) s.begin(chunk);
-  s.check(chunk);
-  for (size_t begin = 0; begin < chunk.size(); begin += kWrittenRows) {
-    const size_t n = std::min(kWrittenRows, chunk.size() - begin);
-    s.buffer.resize(n * s.row_size);
-    parallel_for(n, kEncodedRows, [&](size_t first, size_t last) {
-      s.encode(chunk, begin + first, last - first, s.buffer.data() + first * s.row_size);
-    });
-    s.out.append(s.buffer.data(), s.buffer.size());
-  }
+  s.sink->write(chunk);
   s.rows += chunk.size();
-  if (!s.options.limits_from_data) return;
-  for (size_t i = 0; i < chunk.size(); ++i) {
-    if (chunk.is_hit(i)) s.longest_m = std::max(s.longest_m, chunk.range_m[i]);
+  bool& has_misses = s.comments.info.has_misses;
+  for (const float range : chunk.range_m) {
+    if (range == kMiss) {
+      has_misses = true;
+    } else {
+      s.longest_m = std::max(s.longest_m, range);
+    }
   }
 }
 
@@ -243,10 +91,10 @@ void LogWriter::close() {
   State& s = *state_;
   require(s.rows > 0, "log: no beams to write");
   LogInfo& info = s.comments.info;
-  info.has_misses = info.has_misses || s.misses_seen;
-  info.max_range_m = std::max(info.max_range_m, std::ceil(double(s.longest_m)));
-  const std::string text = s.header();
-  s.out.overwrite(0, text.data(), text.size());
+  if (s.options.limits_from_data) {
+    info.max_range_m = std::max(info.max_range_m, std::ceil(double(s.longest_m)));
+  }
+  s.sink->finish(s.comments);
   s.out.close();
   s.target.commit();
 }

@@ -166,7 +166,7 @@ Trajectory path_of_log(const fs::path& path) {
 }  // namespace
 
 Trajectory read_trajectory(const fs::path& path) {
-  if (lower(path.extension().string()) == ".ply") return path_of_log(path);
+  if (is_log_name(path)) return path_of_log(path);
   const PoseList list = read_poses(path);
   if (list.pose.empty()) throw FormatError(path.string(), "", "no poses");
   if (list.time_s.empty()) {

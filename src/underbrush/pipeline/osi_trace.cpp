@@ -71,7 +71,7 @@ ConvertCounts convert_trace(const fs::path& input, const fs::path& output,
   options.check("convert");
   ConvertCounts out;
   const fs::path extension = output.extension();
-  out.is_log = osi::is_trace_file(input) && extension == ".ply";
+  out.is_log = osi::is_trace_file(input) && io::is_log_name(output);
   if (out.is_log) {
     osi::TraceReader reader(input);
     if (reader.type() != osi::MessageType::kSensorView) {
@@ -86,7 +86,7 @@ ConvertCounts convert_trace(const fs::path& input, const fs::path& output,
   require(osi::is_list_file(input) || osi::is_trace_file(output),
           "osi convert: takes a trace or lists of objects");
   require(extension == ".csv" || extension == ".json" || extension == ".osi",
-          "osi convert: writes .osi, .csv, .json and .ply files");
+          "osi convert: writes .osi, .csv, .json, .ply and .ublog files");
   const std::vector<perception::ObjectList> lists = osi::read_lists(input);
   osi::write_lists(output, lists, provenance);
   out.lists = lists.size();

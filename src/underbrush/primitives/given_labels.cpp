@@ -135,7 +135,7 @@ std::vector<size_t> rows_by_place(const Rows& rows, const Hits& hits, double tol
 
 // Returns the label set that a log of ours names for its column `class`; empty for any other file.
 std::string set_of_log(const fs::path& file) {
-  if (file.extension() != ".ply") return {};
+  if (!io::is_log_name(file)) return {};
   try {
     return io::LogReader(file).info().classes;
   } catch (const FormatError&) {

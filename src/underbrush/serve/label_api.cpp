@@ -6,6 +6,7 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/label_sets.hpp"
+#include "underbrush/io/log_file.hpp"
 #include "underbrush/serve/json_reply.inl"
 
 namespace underbrush::serve {
@@ -129,7 +130,7 @@ HttpReply LabelApi::change(const std::string& what, const Query& query) {
 // The files of the folder that `import` may read.
 HttpReply LabelApi::files() const {
   constexpr size_t kMostNames = 1000;
-  constexpr std::array<std::string_view, 4> kEndings{".label", ".csv", ".ply", ".pcd"};
+  constexpr std::array<std::string_view, 5> kEndings{".label", ".csv", ".ply", ".ublog", ".pcd"};
   std::vector<std::string> names;
   for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
     const std::string ending = entry.path().extension().string();
@@ -193,7 +194,7 @@ HttpReply LabelApi::write(const Query& query) {
           "a file of this name is there already");
   Json j{{"path", printable(path.string())}};
   if (format == "log") {
-    require(path.extension() == ".ply", "the name of a log ends with .ply");
+    require(io::is_log_name(path), "the name of a log ends with .ply or .ublog");
     of.write_log(path);
     j["file"] = files_.add(path);
   } else if (format == "label") {

@@ -44,7 +44,7 @@ void LogData::start() {
       });
       const io::Input input = io::open_input(path_);
       const Json j = Json::parse(octree->json());
-      if (input.format == "ray-cloud" && input.beams->size() == j.value("rows", size_t(0))) {
+      if (input.is_log && input.beams->size() == j.value("rows", size_t(0))) {
         reader = std::make_unique<io::LogReader>(path_);
       }
     } catch (const std::exception& e) {

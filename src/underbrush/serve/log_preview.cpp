@@ -62,7 +62,7 @@ std::string bytes_of(const std::vector<OctreePoint>& points, const Vec3& origin)
 }  // namespace
 
 std::string log_preview(const std::filesystem::path& path) {
-  require(io::open_input(path).format == "ray-cloud", "this log has no preview");
+  require(io::open_input(path).is_log, "this log has no preview");
   io::LogReader log(path, 1024);
   const std::vector<Piece> pieces = pieces_of(log);
   OctreeSurvey facts;

@@ -41,11 +41,11 @@ std::optional<FileKind> kind_of_found(const fs::path& path) {
   try {
     if (worlds::is_world(path)) return FileKind::kScene;
     if (path.extension() == ".json" && is_score(path)) return FileKind::kScore;
-    if (path.extension() == ".ply") {
+    if (io::is_log_name(path)) {
       const io::LogReader reader(path);
       return FileKind::kLog;
     }
-  } catch (const FormatError&) {  // another kind of PLY or JSON
+  } catch (const FormatError&) {  // another kind of file with that ending
   }
   return std::nullopt;
 }
