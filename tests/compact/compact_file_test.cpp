@@ -23,7 +23,8 @@ void write(const std::filesystem::path& path, const BeamLog& log, size_t piece) 
   std::filesystem::remove(path);
   OutputFile out(path, path.string());
   Writer writer(out, log.info);
-  for (size_t at = 0; at < log.size(); at += piece) {
+  if (piece >= log.size()) writer.write(log);
+  for (size_t at = 0; piece < log.size() && at < log.size(); at += piece) {
     BeamLog part = log.like();
     part.append(log, at, std::min(log.size(), at + piece));
     writer.write(part);
@@ -121,7 +122,7 @@ TEST(CompactFile, TheIndexTellsTimesAndPlaces) {
 
 TEST(CompactFile, EveryDamagedByteIsRefused) {
   const TemporaryFolder folder;
-  write(folder / "a", random_log(3, 40), 40);
+  write(folder / "a", random_log(3, 4), 4);
   const std::string whole = io::bytes_of(folder / "a");
   for (size_t k = 0; k < whole.size(); ++k) {
     std::string bytes = whole;
@@ -133,7 +134,7 @@ TEST(CompactFile, EveryDamagedByteIsRefused) {
 
 TEST(CompactFile, EveryTruncationIsRefused) {
   const TemporaryFolder folder;
-  write(folder / "a", random_log(3, 40), 40);
+  write(folder / "a", random_log(3, 4), 4);
   const std::string whole = io::bytes_of(folder / "a");
   for (size_t n = 0; n < whole.size(); ++n) {
     io::put_bytes(folder / "b", whole.substr(0, n));
@@ -196,11 +197,11 @@ TEST(CompactFile, AbsurdCountsAreRefused) {
   };
   constexpr uint64_t kMany = 0xfffffff0;
   const size_t sizes_at = 24 + 8 * (1 + 2 + 1) + std::string("what it is\n").size();
-  for (const Change& c : {Change{0, kMany << 20, 8}, Change{0, 0, 8}, Change{0, 1 << 16, 8},
-                          Change{8, kMany, 4}, Change{8, 0, 4}, Change{12, kMany, 4},
-                          Change{12, 2, 4}, Change{16, kMany, 4}, Change{20, kMany, 4},
-                          Change{20, 9, 4}, Change{sizes_at, kMany << 30, 8},
-                          Change{sizes_at, 1, 8}}) {
+  for (const Change& c :
+       {Change{0, kMany << 20, 8}, Change{0, 0, 8}, Change{0, 1 << 16, 8}, Change{8, kMany, 4},
+        Change{8, 0, 4}, Change{12, kMany, 4}, Change{12, 2, 4}, Change{16, kMany, 4},
+        Change{20, kMany, 4}, Change{20, 9, 4}, Change{sizes_at, kMany << 30, 8},
+        Change{sizes_at, 1, 8}}) {
     io::put_bytes(folder / "b", with_index(whole, [&](std::string& index) {
                     std::memcpy(index.data() + c.at, &c.value, c.bytes);
                   }));
@@ -208,8 +209,8 @@ TEST(CompactFile, AbsurdCountsAreRefused) {
   }
 }
 
-// A chunk of equal rows is no smaller than a 1024th of its rows in memory, or a small file could ask
-// for all memory there is.
+// A chunk of equal rows is no smaller than a 1024th of its rows in memory, or a small file could
+// ask for all memory there is.
 TEST(CompactFile, ExpansionIsBounded) {
   const TemporaryFolder folder;
   BeamLog log;

@@ -12,6 +12,9 @@
 
 namespace underbrush::compact {
 
+/// What errors of a cursor name.
+inline const std::string kFile = "file", kPlace = "place";
+
 /// Rows without any pattern, with an extra column of each type.
 inline BeamLog random_log(uint64_t seed, size_t n, bool extra = true) {
   Stream random(seed);
@@ -42,15 +45,17 @@ inline BeamLog random_log(uint64_t seed, size_t n, bool extra = true) {
 }
 
 /// A sensor of 32 rings on a car that drives and turns, fired column by column (or ring by ring),
-/// whose rows have the bits of the sensor module's pattern: poses by `Trajectory::at`.
-inline BeamLog scanned_log(size_t n, bool ring_by_ring = false) {
+/// whose rows have the bits of the sensor module's pattern: poses by `Trajectory::at`. A `still`
+/// one stands.
+inline BeamLog scanned_log(size_t n, bool ring_by_ring = false, bool still = false) {
   constexpr size_t kRings = 32, kColumns = 1000;
   Stream random(9);
   BeamLog log;
   std::vector<StampedPose> poses;
   for (uint32_t s = 0; s < n / (kRings * kColumns) + 2; ++s) {
-    const Pose pose{Eigen::Quaterniond(Eigen::AngleAxisd(0.02 * s, Vec3(0.1, 0.2, 1).normalized())),
-                    Vec3(100 + 1.1 * s, -3 + 0.2 * s, 1.7)};
+    const double moved = still ? 0 : s;
+    const Eigen::AngleAxisd turn(0.02 * moved, Vec3(0.1, 0.2, 1).normalized());
+    const Pose pose{Eigen::Quaterniond(turn), Vec3(100 + 1.1 * moved, -3 + 0.2 * moved, 1.7)};
     poses.push_back({5 + 0.1 * s, pose});
     log.info.scans.push_back({s, 5 + 0.1 * s, pose});
   }

@@ -5,13 +5,12 @@
 #include <cmath>
 #include <numeric>
 
+#include "logs.hpp"
 #include "underbrush/compact/exact_math.hpp"
 #include "underbrush/core/rng.hpp"
 
 namespace underbrush::compact {
 namespace {
-
-const std::string kFile = "file", kPlace = "place";
 
 template <class T>
 size_t packed_bytes(const std::vector<T>& values, const Order& order = {}) {

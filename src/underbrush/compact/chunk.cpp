@@ -213,9 +213,7 @@ void unpack_returns(Cursor& in, size_t n, const Order& order, Codec& codec, Beam
 std::string encoded(const BeamLog& log, const std::vector<ScanInfo>& scans, size_t begin, size_t n,
                     Codec& codec) {
   std::string out;
-  const auto part = [&](const auto& column) {
-    return std::span(column.data() + begin, n);
-  };
+  const auto part = [&](const auto& column) { return std::span(column.data() + begin, n); };
   const auto ring = part(log.ring);
   const auto time_s = part(log.time_s);
   codec.pack<uint16_t>(ring, {}, out);
@@ -243,9 +241,7 @@ std::string encoded(const BeamLog& log, const std::vector<ScanInfo>& scans, size
 }
 
 void decode(Cursor& in, size_t n, Codec& codec, BeamLog& out, size_t begin) {
-  const auto part = [&](auto& column) {
-    return std::span(column.data() + begin, n);
-  };
+  const auto part = [&](auto& column) { return std::span(column.data() + begin, n); };
   const auto ring = part(out.ring);
   codec.unpack<uint16_t>(in, {}, ring);
   const Order order = order_by_ring(ring);

@@ -49,7 +49,8 @@ bool is_compact(const InputFile& file);
 /// or on the number of threads.
 class Writer {
  public:
-  /// Begins the file. `out` must outlive the writer; the poses of `info.scans` help to predict rows.
+  /// Begins the file. `out` must outlive the writer; the poses of `info.scans` help to predict
+  /// rows.
   Writer(OutputFile& out, const LogInfo& info);
   ~Writer();
   /// Appends rows, all of them with the extra columns of the first ones. Throws

@@ -29,17 +29,19 @@ void copy_rows(const BeamLog& from, size_t first, size_t n, BeamLog& to, size_t 
   copy(from.packet, to.packet);
   copy(from.flags, to.flags);
   for (const auto& [name, column] : from.extra) {
-    std::visit([&, key = name](
-                   const auto& c) { copy(c, std::get<std::decay_t<decltype(c)>>(to.extra.at(key))); },
-               column);
+    std::visit(
+        [&, key = name](const auto& c) {
+          copy(c, std::get<std::decay_t<decltype(c)>>(to.extra.at(key)));
+        },
+        column);
   }
 }
 
 ExtraColumn column_of(uint8_t type, const Cursor& in) {
-  static const ExtraColumn kColumns[] = {
-      std::vector<uint8_t>(), std::vector<uint16_t>(), std::vector<uint32_t>(),
-      std::vector<int8_t>(),  std::vector<int16_t>(),  std::vector<int32_t>(),
-      std::vector<float>(),   std::vector<double>()};
+  static const ExtraColumn kColumns[] = {std::vector<uint8_t>(),  std::vector<uint16_t>(),
+                                         std::vector<uint32_t>(), std::vector<int8_t>(),
+                                         std::vector<int16_t>(),  std::vector<int32_t>(),
+                                         std::vector<float>(),    std::vector<double>()};
   if (type >= std::size(kColumns)) in.fail("an extra column has an unknown type");
   return kColumns[type];
 }

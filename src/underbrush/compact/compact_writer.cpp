@@ -60,8 +60,7 @@ struct Writer::State {
   std::array<Codec, kTogether> codecs;
 };
 
-Writer::Writer(OutputFile& out, const LogInfo& info)
-    : state_(std::make_unique<State>(out, info)) {
+Writer::Writer(OutputFile& out, const LogInfo& info) : state_(std::make_unique<State>(out, info)) {
   out.append(kMagic.data(), kMagic.size());
 }
 

@@ -17,14 +17,12 @@ enum Pattern : uint8_t { kNoPattern, kByTime, kByNumber };
 /// The beams of one ring and scan: places [begin, end) of the order by ring.
 struct Group {
   uint32_t begin = 0, end = 0;
-  double azimuth_rad = 0;    ///< Of its first beam, in the sensor's frame.
-  double rate = 0;           ///< rad a second, or rad a beam.
+  double azimuth_rad = 0;  ///< Of its first beam, in the sensor's frame.
+  double rate = 0;         ///< rad a second, or rad a beam.
   double elevation_sine = 0, elevation_cosine = 1;
 };
 
-size_t row_of(const Fired& f, size_t place) {
-  return f.by_ring.empty() ? place : f.by_ring[place];
-}
+size_t row_of(const Fired& f, size_t place) { return f.by_ring.empty() ? place : f.by_ring[place]; }
 
 std::vector<Group> groups_of(const Fired& f) {
   std::vector<Group> out;
@@ -254,8 +252,7 @@ void unpack_directions(Cursor& in, const Fired& f, Codec& codec, std::span<Vec3f
   }
   if (pattern == kNoPattern) {
     for (size_t i = 0; i < direction.size(); ++i) {
-      direction[i] = {from_ordered(rest[0][i]), from_ordered(rest[1][i]),
-                      from_ordered(rest[2][i])};
+      direction[i] = {from_ordered(rest[0][i]), from_ordered(rest[1][i]), from_ordered(rest[2][i])};
     }
     return;
   }

@@ -18,22 +18,25 @@ inline SineCosine sine_cosine(double x) {
   constexpr double kShift = 0x1.8p52;
   const double shifted = x * 0x1.45f306dc9c883p-1 + kShift;  // 2/π
   const double turns = shifted - kShift;
-  const double r = (x - turns * 0x1.921fb544p0) - turns * 0x1.0b4611a626331p-34;  // π/2 in two parts
+  const double r =
+      (x - turns * 0x1.921fb544p0) - turns * 0x1.0b4611a626331p-34;  // π/2 in two parts
   const double q = r * r;
   // Taylor's series up to |r| = π/4.
   const double sine =
       r + r * q *
               (-1.0 / 6 +
-               q * (1.0 / 120 +
-                    q * (-1.0 / 5040 +
-                         q * (1.0 / 362880 + q * (-1.0 / 39916800 + q * (1.0 / 6227020800))))));
+               q * (1.0 / 120 + q * (-1.0 / 5040 +
+                                     q * (1.0 / 362880 + q * (-1.0 / 39916800 +
+                                                              q * (1.0 / 6227020800 +
+                                                                   q * (-1.0 / 1307674368000)))))));
   const double cosine =
       1 - q * 0.5 +
       q * q *
           (1.0 / 24 +
            q * (-1.0 / 720 +
-                q * (1.0 / 40320 +
-                     q * (-1.0 / 3628800 + q * (1.0 / 479001600 + q * (-1.0 / 87178291200))))));
+                q * (1.0 / 40320 + q * (-1.0 / 3628800 + q * (1.0 / 479001600 +
+                                                              q * (-1.0 / 87178291200 +
+                                                                   q * (1.0 / 20922789888000)))))));
   const uint64_t quadrant = std::bit_cast<uint64_t>(shifted) & 3;
   const double a = quadrant & 1 ? cosine : sine, b = quadrant & 1 ? sine : cosine;
   return {quadrant & 2 ? -a : a, (quadrant + 1) & 2 ? -b : b};

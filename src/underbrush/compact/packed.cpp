@@ -162,8 +162,8 @@ std::string_view Codec::deflated(std::string_view bytes) {
   State& s = *state_;
   if (!s.compressing) s.compressing = ZSTD_createCCtx();
   s.block.resize(std::max(s.block.size(), ZSTD_compressBound(bytes.size())));
-  const size_t size = ZSTD_compressCCtx(s.compressing, s.block.data(), s.block.size(),
-                                        bytes.data(), bytes.size(), kLevel);
+  const size_t size = ZSTD_compressCCtx(s.compressing, s.block.data(), s.block.size(), bytes.data(),
+                                        bytes.size(), kLevel);
   if (ZSTD_isError(size)) throw std::bad_alloc();  // the room is enough, so memory was not
   return {s.block.data(), size};
 }
@@ -257,8 +257,8 @@ void Codec::unpack(Cursor& in, const Order& by_ring, std::span<T> values) {
         return reinterpret_cast<const uint8_t*>(in.take(n).data());
       case kCompressed:
         buffer.resize(n);
-        inflate(in.take(in.get<uint32_t>()),
-                std::span(reinterpret_cast<char*>(buffer.data()), n), in);
+        inflate(in.take(in.get<uint32_t>()), std::span(reinterpret_cast<char*>(buffer.data()), n),
+                in);
         return buffer.data();
       default:
         in.fail("it has a plane of an unknown kind");
@@ -296,7 +296,7 @@ void Codec::unpack(Cursor& in, const Order& by_ring, std::span<T> values) {
   }
 }
 
-#define UNDERBRUSH_PACKED(T)                                                     \
+#define UNDERBRUSH_PACKED(T)                                                    \
   template void Codec::pack<T>(std::span<const T>, const Order&, std::string&); \
   template void Codec::unpack<T>(Cursor&, const Order&, std::span<T>)
 UNDERBRUSH_PACKED(uint8_t);

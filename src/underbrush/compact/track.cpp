@@ -28,8 +28,7 @@ Segment segment_of(const ScanInfo& a, const ScanInfo& b) {
 
 Track::Track(const std::vector<ScanInfo>& scans, double first_s, double last_s) {
   const auto falls = [](const ScanInfo& a, const ScanInfo& b) { return !(a.time_s < b.time_s); };
-  if (scans.size() < 2 ||
-      std::adjacent_find(scans.begin(), scans.end(), falls) != scans.end()) {
+  if (scans.size() < 2 || std::adjacent_find(scans.begin(), scans.end(), falls) != scans.end()) {
     return;
   }
   const auto after = [&](double time_s) {
@@ -51,12 +50,12 @@ Place Track::at(double time_s) const {
   const SineCosine half = sine_cosine(s * g.half_angle);
   const Turn& a = g.start;
   const Turn b = {half.cosine, half.sine * g.axis.x, half.sine * g.axis.y, half.sine * g.axis.z};
-  return {{g.from.x + s * (g.to.x - g.from.x), g.from.y + s * (g.to.y - g.from.y),
-           g.from.z + s * (g.to.z - g.from.z)},
-          {a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z,
-           a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
-           a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
-           a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w}};
+  return {
+      {g.from.x + s * (g.to.x - g.from.x), g.from.y + s * (g.to.y - g.from.y),
+       g.from.z + s * (g.to.z - g.from.z)},
+      {a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z, a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
+       a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
+       a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w}};
 }
 
 void Track::append_to(std::string& out) const {

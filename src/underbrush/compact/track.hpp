@@ -39,9 +39,9 @@ struct Place {
 /// The motion between two poses: `interpolate` of core/pose.hpp with its angle and axis worked out.
 struct Segment {
   double begin_s = 0, end_s = 0;
-  Vector from, to;         ///< m, world.
-  Turn start;              ///< Rotation at `begin_s`.
-  double half_angle = 0;   ///< rad; half of the rotation from begin to end.
+  Vector from, to;          ///< m, world.
+  Turn start;               ///< Rotation at `begin_s`.
+  double half_angle = 0;    ///< rad; half of the rotation from begin to end.
   Vector axis = {1, 0, 0};  ///< Unit vector, in the sensor's frame.
 };
 

@@ -216,10 +216,11 @@ void export_log(const fs::path& path, BeamSource& source, const std::string& for
     return writer.close();
   }
   if (kind != "pcd" && kind != "csv" && kind != "kitti") {
-    throw std::invalid_argument(path.string() +
-                                ": no such format; name it .ply, .ublog, .pcd, .csv, or a folder. The "
-                                "command of the Python package also writes .las, .laz, .npz, "
-                                ".mcap, .db3 and .bag: pip install 'underbrush[formats]'");
+    throw std::invalid_argument(
+        path.string() +
+        ": no such format; name it .ply, .ublog, .pcd, .csv, or a folder. The "
+        "command of the Python package also writes .las, .laz, .npz, "
+        ".mcap, .db3 and .bag: pip install 'underbrush[formats]'");
   }
   if (kind == "kitti") {
     // Only a folder that an earlier export wrote may be replaced, never a user's data set.

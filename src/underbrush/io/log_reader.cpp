@@ -98,7 +98,8 @@ BeamLog LogReader::rows(size_t first, size_t n) const {
   state_->prepare(out, n);
   std::vector<uint8_t> fault(n);
   state_->file->read(first, out, fault);
-  const auto bad = std::find_if(fault.begin(), fault.end(), [](uint8_t f) { return f != kNoFault; });
+  const auto bad =
+      std::find_if(fault.begin(), fault.end(), [](uint8_t f) { return f != kNoFault; });
   if (bad != fault.end()) {
     const size_t row = first + size_t(bad - fault.begin());
     throw FormatError(state_->file->file(), "row " + std::to_string(row), "no usable beam");

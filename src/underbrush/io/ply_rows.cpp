@@ -207,7 +207,7 @@ uint8_t PlyRows::decode_ray(const char* row, BeamLog& out, size_t i) const {
 }
 
 void PlyRows::decode(const char* rows_at, size_t first, size_t n, BeamLog& out,
-                              uint8_t* fault) const {
+                     uint8_t* fault) const {
   for (size_t i = 0; i < n; ++i) {
     fault[first + i] = decode_ray(rows_at + i * row_size, out, first + i);
   }
