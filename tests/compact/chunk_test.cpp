@@ -11,16 +11,16 @@ namespace {
 BeamLog back_from(std::string_view bytes, const BeamLog& log) {
   BeamLog out = log.like();
   out.resize(log.size());
-  Codec codec;
+  Scratch scratch;
   Cursor in(bytes, kFile, kPlace);
-  decode(in, log.size(), codec, out, 0);
+  decode(in, log.size(), scratch, out, 0);
   EXPECT_THROW(in.require(1), FormatError);  // every byte was read
   return out;
 }
 
 std::string bytes_of(const BeamLog& log) {
-  Codec codec;
-  return encoded(log, log.info.scans, 0, log.size(), codec);
+  Scratch scratch;
+  return encoded(log, log.info.scans, 0, log.size(), scratch);
 }
 
 double bytes_a_beam(const BeamLog& log) {
@@ -124,10 +124,10 @@ TEST(Chunk, DamageIsRefusedOrHarmless) {
       if (k % 3 == 0) bytes.resize(size_t(random.below(bytes.size())));
       BeamLog out = log.like();
       out.resize(log.size());
-      Codec codec;
+      Scratch scratch;
       try {
         Cursor in(bytes, kFile, kPlace);
-        decode(in, log.size(), codec, out, 0);
+        decode(in, log.size(), scratch, out, 0);
       } catch (const FormatError& e) {
         EXPECT_EQ(e.place(), kPlace);
         ++refused;

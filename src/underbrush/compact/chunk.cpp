@@ -15,62 +15,52 @@ constexpr double kGrid = 0x1p24;  // a ray cloud PLY rounds origins to this part
 
 enum OriginKind : uint8_t { kAsTheyAre, kOnTrack, kOnTrackAndGrid };
 
-template <size_t kBytes>
-struct UnsignedOf;
-template <>
-struct UnsignedOf<1> {
-  using type = uint8_t;
-};
-template <>
-struct UnsignedOf<2> {
-  using type = uint16_t;
-};
-template <>
-struct UnsignedOf<4> {
-  using type = uint32_t;
-};
-template <>
-struct UnsignedOf<8> {
-  using type = uint64_t;
-};
-
-// The bits of a value as a whole number whose order is that of the values.
-template <class T>
-auto number_of(T value) {
-  using U = typename UnsignedOf<sizeof(T)>::type;
-  if constexpr (std::is_floating_point_v<T>) return ordered(value);
-  return U(value);
-}
+// Packs the bits of floating-point values as whole numbers whose order is that of the values.
 template <class T, class U>
-T value_of(U number) {
-  if constexpr (std::is_floating_point_v<T>) return from_ordered(number);
-  return T(number);
-}
-
-template <class T>
-void pack(std::span<const T> values, const Order& order, Codec& codec, std::string& out) {
-  using U = typename UnsignedOf<sizeof(T)>::type;
-  std::vector<U> numbers(values.size());
-  std::transform(values.begin(), values.end(), numbers.begin(), number_of<T>);
+void pack_ordered(std::span<const T> values, const Order& order, Codec& codec,
+                  std::vector<U>& numbers, std::string& out) {
+  numbers.resize(values.size());
+  for (size_t i = 0; i < values.size(); ++i) numbers[i] = ordered(values[i]);
   codec.pack<U>(numbers, order, out);
 }
 
-template <class T>
-void unpack(Cursor& in, const Order& order, Codec& codec, std::span<T> values) {
-  using U = typename UnsignedOf<sizeof(T)>::type;
-  std::vector<U> numbers(values.size());
+template <class T, class U>
+void unpack_ordered(Cursor& in, const Order& order, Codec& codec, std::vector<U>& numbers,
+                    std::span<T> values) {
+  numbers.resize(values.size());
   codec.unpack<U>(in, order, numbers);
-  std::transform(numbers.begin(), numbers.end(), values.begin(), value_of<T, U>);
+  for (size_t i = 0; i < values.size(); ++i) values[i] = from_ordered(numbers[i]);
 }
 
-std::vector<Place> places_of(const Track& track, std::span<const double> time_s) {
-  std::vector<Place> places;
-  if (track.empty()) return places;
-  places.resize(time_s.size());
+template <class T>
+void pack(std::span<const T> values, const Order& order, Scratch& s, std::string& out) {
+  if constexpr (std::is_same_v<T, float>) {
+    pack_ordered(values, order, s.codec, s.words, out);
+  } else if constexpr (std::is_same_v<T, double>) {
+    pack_ordered(values, order, s.codec, s.longs, out);
+  } else {
+    using U = std::make_unsigned_t<T>;
+    s.codec.pack<U>({reinterpret_cast<const U*>(values.data()), values.size()}, order, out);
+  }
+}
+
+template <class T>
+void unpack(Cursor& in, const Order& order, Scratch& s, std::span<T> values) {
+  if constexpr (std::is_same_v<T, float>) {
+    unpack_ordered(in, order, s.codec, s.words, values);
+  } else if constexpr (std::is_same_v<T, double>) {
+    unpack_ordered(in, order, s.codec, s.longs, values);
+  } else {
+    using U = std::make_unsigned_t<T>;
+    s.codec.unpack<U>(in, order, {reinterpret_cast<U*>(values.data()), values.size()});
+  }
+}
+
+void find_places(const Track& track, std::span<const double> time_s, std::vector<Place>& places) {
+  places.resize(track.empty() ? 0 : time_s.size());
   for (size_t i = 0; i < places.size(); ++i) {
     places[i] = i > 0 && time_s[i] == time_s[i - 1] ? places[i - 1] : track.at(time_s[i]);
   }
-  return places;
 }
 
 double on_grid(double x) {
@@ -112,30 +102,30 @@ OriginKind best_kind(std::span<const Vec3> origin, const std::vector<Place>& pla
   return best;
 }
 
-void pack_origins(std::span<const Vec3> origin, const std::vector<Place>& places,
-                  const Order& order, Codec& codec, std::string& out) {
-  const OriginKind kind = best_kind(origin, places);
+void pack_origins(std::span<const Vec3> origin, const Order& order, Scratch& s, std::string& out) {
+  const OriginKind kind = best_kind(origin, s.places);
   put(out, kind);
-  std::vector<uint64_t> rest(origin.size());
+  std::vector<uint64_t>& rest = s.longs;
+  rest.resize(origin.size());
   for (size_t axis = 0; axis < 3; ++axis) {
     for (size_t i = 0; i < rest.size(); ++i) {
-      rest[i] = ordered(origin[i][Eigen::Index(axis)]) - predicted(kind, places, i, axis);
+      rest[i] = ordered(origin[i][Eigen::Index(axis)]) - predicted(kind, s.places, i, axis);
     }
-    codec.pack<uint64_t>(rest, order, out);
+    s.codec.pack<uint64_t>(rest, order, out);
   }
 }
 
-void unpack_origins(Cursor& in, const std::vector<Place>& places, const Order& order, Codec& codec,
-                    std::span<Vec3> origin) {
+void unpack_origins(Cursor& in, const Order& order, Scratch& s, std::span<Vec3> origin) {
   const auto kind = in.get<OriginKind>();
-  if (kind > kOnTrackAndGrid || (kind != kAsTheyAre && places.empty())) {
+  if (kind > kOnTrackAndGrid || (kind != kAsTheyAre && s.places.empty())) {
     in.fail("it has origins of an unknown kind");
   }
-  std::vector<uint64_t> rest(origin.size());
+  std::vector<uint64_t>& rest = s.longs;
+  rest.resize(origin.size());
   for (size_t axis = 0; axis < 3; ++axis) {
-    codec.unpack<uint64_t>(in, order, rest);
+    s.codec.unpack<uint64_t>(in, order, rest);
     for (size_t i = 0; i < rest.size(); ++i) {
-      origin[i][Eigen::Index(axis)] = from_ordered(rest[i] + predicted(kind, places, i, axis));
+      origin[i][Eigen::Index(axis)] = from_ordered(rest[i] + predicted(kind, s.places, i, axis));
     }
   }
 }
@@ -167,7 +157,7 @@ std::vector<uint8_t> eights_of(const std::vector<uint8_t>& flags, const Order& o
 }
 
 // A miss has no range, and no intensity unless one of the chunk's has one.
-void pack_returns(const BeamLog& log, size_t begin, size_t n, const Order& order, Codec& codec,
+void pack_returns(const BeamLog& log, size_t begin, size_t n, const Order& order, Scratch& s,
                   std::string& out) {
   std::vector<uint8_t> missed(n);
   bool silent = true;
@@ -175,35 +165,37 @@ void pack_returns(const BeamLog& log, size_t begin, size_t n, const Order& order
     missed[i] = log.range_m[begin + i] == kMiss;
     if (missed[i]) silent &= std::bit_cast<uint32_t>(log.intensity[begin + i]) == 0;
   }
-  codec.pack<uint8_t>(eights_of(missed, order), {}, out);
+  s.codec.pack<uint8_t>(eights_of(missed, order), {}, out);
   const Returns returns = returns_of(missed, {log.ring.data() + begin, n});
-  std::vector<float> values;
+  std::vector<float>& values = s.values;
+  values.clear();
   for (const uint32_t row : returns.rows) values.push_back(log.range_m[begin + row]);
-  pack<float>(values, returns.by_ring, codec, out);
+  pack<float>(values, returns.by_ring, s, out);
   put(out, uint8_t(silent));
   if (!silent) {
-    return pack<float>({log.intensity.data() + begin, n}, order, codec, out);
+    return pack<float>({log.intensity.data() + begin, n}, order, s, out);
   }
   for (size_t k = 0; k < values.size(); ++k) values[k] = log.intensity[begin + returns.rows[k]];
-  pack<float>(values, returns.by_ring, codec, out);
+  pack<float>(values, returns.by_ring, s, out);
 }
 
-void unpack_returns(Cursor& in, size_t n, const Order& order, Codec& codec, BeamLog& out,
+void unpack_returns(Cursor& in, size_t n, const Order& order, Scratch& s, BeamLog& out,
                     size_t begin) {
   std::vector<uint8_t> eights((n + 7) / 8), missed(n);
-  codec.unpack<uint8_t>(in, {}, eights);
+  s.codec.unpack<uint8_t>(in, {}, eights);
   for (size_t i = 0; i < n; ++i) {
     missed[order.empty() ? i : order[i]] = (eights[i / 8] >> (i % 8)) & 1;
   }
   const Returns returns = returns_of(missed, {out.ring.data() + begin, n});
-  std::vector<float> values(returns.rows.size());
-  unpack<float>(in, returns.by_ring, codec, values);
+  std::vector<float>& values = s.values;
+  values.resize(returns.rows.size());
+  unpack<float>(in, returns.by_ring, s, std::span(values));
   std::fill_n(out.range_m.begin() + std::ptrdiff_t(begin), n, kMiss);
   for (size_t k = 0; k < values.size(); ++k) out.range_m[begin + returns.rows[k]] = values[k];
   if (in.get<uint8_t>() == 0) {
-    return unpack<float>(in, order, codec, {out.intensity.data() + begin, n});
+    return unpack<float>(in, order, s, {out.intensity.data() + begin, n});
   }
-  unpack<float>(in, returns.by_ring, codec, values);
+  unpack<float>(in, returns.by_ring, s, std::span(values));
   std::fill_n(out.intensity.begin() + std::ptrdiff_t(begin), n, 0.0f);
   for (size_t k = 0; k < values.size(); ++k) out.intensity[begin + returns.rows[k]] = values[k];
 }
@@ -211,55 +203,55 @@ void unpack_returns(Cursor& in, size_t n, const Order& order, Codec& codec, Beam
 }  // namespace
 
 std::string encoded(const BeamLog& log, const std::vector<ScanInfo>& scans, size_t begin, size_t n,
-                    Codec& codec) {
+                    Scratch& s) {
   std::string out;
   const auto part = [&](const auto& column) { return std::span(column.data() + begin, n); };
   const auto ring = part(log.ring);
   const auto time_s = part(log.time_s);
-  codec.pack<uint16_t>(ring, {}, out);
+  s.codec.pack<uint16_t>(ring, {}, out);
   const Order order = order_by_ring(ring);
-  codec.pack<uint32_t>(part(log.scan), order, out);
-  codec.pack<uint32_t>(part(log.packet), order, out);
-  codec.pack<uint8_t>(part(log.flags), order, out);
-  pack<double>(time_s, order, codec, out);
+  s.codec.pack<uint32_t>(part(log.scan), order, out);
+  s.codec.pack<uint32_t>(part(log.packet), order, out);
+  s.codec.pack<uint8_t>(part(log.flags), order, out);
+  pack<double>(time_s, order, s, out);
   const auto [first, last] = std::minmax_element(time_s.begin(), time_s.end());
   const Track track(scans, *first, *last);
   track.append_to(out);
-  const std::vector<Place> places = places_of(track, time_s);
-  pack_origins(part(log.origin), places, order, codec, out);
-  pack_directions(part(log.direction), {ring, part(log.scan), time_s, places, order}, codec, out);
-  pack_returns(log, begin, n, order, codec, out);
+  find_places(track, time_s, s.places);
+  pack_origins(part(log.origin), order, s, out);
+  pack_directions(part(log.direction), {ring, part(log.scan), time_s, s.places, order}, s, out);
+  pack_returns(log, begin, n, order, s, out);
   for (const auto& entry : log.extra) {
     std::visit(
         [&](const auto& column) {
           using T = typename std::decay_t<decltype(column)>::value_type;
-          pack<T>(part(column), order, codec, out);
+          pack<T>(part(column), order, s, out);
         },
         entry.second);
   }
   return out;
 }
 
-void decode(Cursor& in, size_t n, Codec& codec, BeamLog& out, size_t begin) {
+void decode(Cursor& in, size_t n, Scratch& s, BeamLog& out, size_t begin) {
   const auto part = [&](auto& column) { return std::span(column.data() + begin, n); };
   const auto ring = part(out.ring);
-  codec.unpack<uint16_t>(in, {}, ring);
+  s.codec.unpack<uint16_t>(in, {}, ring);
   const Order order = order_by_ring(ring);
-  codec.unpack<uint32_t>(in, order, part(out.scan));
-  codec.unpack<uint32_t>(in, order, part(out.packet));
-  codec.unpack<uint8_t>(in, order, part(out.flags));
-  unpack<double>(in, order, codec, part(out.time_s));
+  s.codec.unpack<uint32_t>(in, order, part(out.scan));
+  s.codec.unpack<uint32_t>(in, order, part(out.packet));
+  s.codec.unpack<uint8_t>(in, order, part(out.flags));
+  unpack<double>(in, order, s, part(out.time_s));
   const Track track = Track::read(in);
-  const std::vector<Place> places = places_of(track, part(out.time_s));
-  unpack_origins(in, places, order, codec, part(out.origin));
-  unpack_directions(in, {ring, part(out.scan), part(out.time_s), places, order}, codec,
+  find_places(track, part(out.time_s), s.places);
+  unpack_origins(in, order, s, part(out.origin));
+  unpack_directions(in, {ring, part(out.scan), part(out.time_s), s.places, order}, s,
                     part(out.direction));
-  unpack_returns(in, n, order, codec, out, begin);
+  unpack_returns(in, n, order, s, out, begin);
   for (auto& entry : out.extra) {
     std::visit(
         [&](auto& column) {
           using T = typename std::decay_t<decltype(column)>::value_type;
-          unpack<T>(in, order, codec, part(column));
+          unpack<T>(in, order, s, part(column));
         },
         entry.second);
   }

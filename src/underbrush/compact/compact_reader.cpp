@@ -55,6 +55,8 @@ struct Reader::State {
   void take_chunks(Cursor& in, uint64_t end);
   void decode_chunk(size_t k, BeamLog& out, size_t at) const;
   std::shared_ptr<const BeamLog> cached(size_t k) const;
+  std::unique_ptr<Scratch> borrow() const;
+  void give_back(std::unique_ptr<Scratch> memory) const;
   size_t rows_of(size_t k) const { return std::min(chunk_rows, rows - k * chunk_rows); }
 
   const InputFile& file;
@@ -66,7 +68,21 @@ struct Reader::State {
   mutable std::mutex mutex;
   mutable size_t last = SIZE_MAX;
   mutable std::shared_ptr<const BeamLog> last_chunk;
+  mutable std::vector<std::unique_ptr<Scratch>> scratch;  // of threads that read no chunk now
 };
+
+std::unique_ptr<Scratch> Reader::State::borrow() const {
+  const std::lock_guard lock(mutex);
+  if (scratch.empty()) return std::make_unique<Scratch>();
+  std::unique_ptr<Scratch> out = std::move(scratch.back());
+  scratch.pop_back();
+  return out;
+}
+
+void Reader::State::give_back(std::unique_ptr<Scratch> memory) const {
+  const std::lock_guard lock(mutex);
+  scratch.push_back(std::move(memory));
+}
 
 bool is_compact(const InputFile& file) {
   char start[kMagic.size()];
@@ -164,9 +180,10 @@ void Reader::State::decode_chunk(size_t k, BeamLog& out, size_t at) const {
   file.read(c.offset, bytes.data(), bytes.size());
   Cursor in(bytes, file.name(), place);
   if (XXH3_64bits(bytes.data(), bytes.size()) != c.hash) in.fail("damaged");
-  Codec codec;
   const size_t n = rows_of(k);
-  decode(in, n, codec, out, at);
+  std::unique_ptr<Scratch> memory = borrow();
+  decode(in, n, *memory, out, at);
+  give_back(std::move(memory));
   for (size_t i = at; i < at + n; ++i) {
     if (beam_fault(out, i) || fault_of(out, i)) in.fail("a row of it is no usable beam");
   }

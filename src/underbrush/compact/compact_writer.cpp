@@ -57,7 +57,7 @@ struct Writer::State {
   bool begun = false;
   uint64_t at = kMagic.size(), rows = 0;
   std::vector<ChunkFacts> chunks;
-  std::array<Codec, kTogether> codecs;
+  std::array<Scratch, kTogether> scratch;
 };
 
 Writer::Writer(OutputFile& out, const LogInfo& info) : state_(std::make_unique<State>(out, info)) {
@@ -74,7 +74,7 @@ void Writer::State::code(const BeamLog& log, size_t begin, size_t end) {
   parallel_for(n, 1, [&](size_t k, size_t) {
     const size_t first = begin + k * kChunkRows, count = std::min(kChunkRows, end - first);
     facts[k] = facts_of(log, first, count);
-    bytes[k] = encoded(log, info.scans, first, count, codecs[k]);
+    bytes[k] = encoded(log, info.scans, first, count, scratch[k]);
     const size_t least = count * row_bytes(log) / kMostExpansion + 1;
     if (bytes[k].size() < least) bytes[k].resize(least, '\0');
     facts[k].size = bytes[k].size();
@@ -147,7 +147,7 @@ void Writer::finish(const std::string& text) {
     }
   }
   require_data(index.size() <= kMostIndexBytes, "log: its scans and notes take too much room");
-  const std::string block(s.codecs[0].deflated(index));
+  const std::string block(s.scratch[0].codec.deflated(index));
   std::string trailer;
   put(trailer, s.at);
   put(trailer, uint64_t(index.size()));

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "underbrush/compact/exact_math.hpp"
+#include "underbrush/core/clones.hpp"
 
 namespace underbrush::compact {
 namespace {
@@ -130,38 +131,66 @@ double fit(std::span<const Vec3f> direction, const Fired& f, Pattern pattern,
   return squares;
 }
 
-/// A predicted direction and how it changes with the elevation (world frame).
-struct Guess {
-  Vector at, up;
+/// What is left of a direction's components: of z, and of the smaller and larger one of x and y.
+using Rest = std::array<std::vector<uint32_t>, 3>;
+
+constexpr size_t kBlock = 256;
+
+/// Beams of a group that are predicted together, a column for each value.
+struct Block {
+  using Column = std::array<double, kBlock>;
+  size_t first = 0, size = 0;  ///< Places in the order by ring.
+  Column angle{}, w{}, i{}, j{}, k{};  ///< The azimuth, and the sensor's turn as a quaternion.
+  Column x{}, y{}, z{}, up_x{}, up_y{}, up_z{};  ///< The guess and how it rises with the elevation.
+  Column known_z{};  ///< The beam's own z; then x and y are turned to it.
 };
 
-Guess guess_of(const Fired& f, const Group& g, Pattern pattern, size_t place, size_t row) {
-  const SineCosine a = sine_cosine(g.azimuth_rad + g.rate * progress(f, g, pattern, place));
-  const double s = g.elevation_sine, c = g.elevation_cosine;
-  const Guess guess = {{c * a.cosine, c * a.sine, s}, {-s * a.cosine, -s * a.sine, c}};
-  if (f.place.empty()) return guess;
-  const Turn& turn = f.place[row].turn;
-  return {rotated(turn, guess.at), rotated(turn, guess.up)};
+UNDERBRUSH_CLONES void guess(Block& b, double sine, double cosine) {
+  for (size_t n = 0; n < kBlock; ++n) {
+    const SineCosine a = sine_cosine(b.angle[n]);
+    const Turn turn = {b.w[n], b.i[n], b.j[n], b.k[n]};
+    const Vector at = rotated(turn, {cosine * a.cosine, cosine * a.sine, sine});
+    const Vector up = rotated(turn, {-sine * a.cosine, -sine * a.sine, cosine});
+    b.x[n] = at.x;
+    b.y[n] = at.y;
+    b.z[n] = at.z;
+    b.up_x[n] = up.x;
+    b.up_y[n] = up.y;
+    b.up_z[n] = up.z;
+  }
 }
 
-// Turns the guess by the small elevation that gives it the known z.
-Vector turned(const Guess& g, double z) {
-  const double square = g.at.z * g.at.z + g.up.z * g.up.z, rest = square - z * z;
-  if (!(rest > 0)) return g.at;
-  const double q = g.up.z < 0 ? -std::sqrt(rest) : std::sqrt(rest);
-  const double sine = (z * g.up.z - g.at.z * q) / square;
-  const double cosine = (z * g.at.z + g.up.z * q) / square;
-  return {g.at.x * cosine + g.up.x * sine, g.at.y * cosine + g.up.y * sine, z};
+// Turns x and y of the guess by the small elevation that gives it the known z.
+UNDERBRUSH_CLONES void turn_to_known_z(Block& b) {
+  for (size_t n = 0; n < kBlock; ++n) {
+    const double z = b.known_z[n], at = b.z[n], up = b.up_z[n];
+    const double square = at * at + up * up, rest = square - z * z;
+    const double root = std::sqrt(rest > 0 ? rest : 0.0);
+    const double q = up < 0 ? -root : root;
+    const double sine = (z * up - at * q) / square, cosine = (z * at + up * q) / square;
+    const bool possible = rest > 0;
+    b.x[n] = possible ? b.x[n] * cosine + b.up_x[n] * sine : b.x[n];
+    b.y[n] = possible ? b.y[n] * cosine + b.up_y[n] * sine : b.y[n];
+  }
+}
+
+void predict(const Fired& f, const Group& g, Pattern pattern, size_t first, Block& b) {
+  b.first = first;
+  b.size = std::min(kBlock, g.end - first);
+  for (size_t n = 0; n < b.size; ++n) {
+    b.angle[n] = g.azimuth_rad + g.rate * progress(f, g, pattern, first + n);
+    const Turn turn = f.place.empty() ? Turn() : f.place[row_of(f, first + n)].turn;
+    b.w[n] = turn.w;
+    b.i[n] = turn.x;
+    b.j[n] = turn.y;
+    b.k[n] = turn.z;
+  }
+  guess(b, g.elevation_sine, g.elevation_cosine);
 }
 
 uint32_t number_of(double x) {
   return ordered(x >= -2 && x <= 2 ? float(x) : 0.0f);  // not a number has no bits to rely on
 }
-
-/// What is left of a direction's components: of z, and of the smaller and larger one of x and y.
-using Rest = std::array<std::vector<uint32_t>, 3>;
-
-bool is_x_smaller(const Vector& v) { return std::abs(v.x) <= std::abs(v.y); }
 
 // The larger one of x and y by the unit length, with the sign of the guess.
 double by_length(double z, double smaller, double guess) {
@@ -171,11 +200,12 @@ double by_length(double z, double smaller, double guess) {
 }
 
 template <class F>
-void for_each_guess(const Fired& f, const std::vector<Group>& groups, Pattern pattern, F use) {
+void for_each_block(const Fired& f, const std::vector<Group>& groups, Pattern pattern, F use) {
+  Block b;
   for (const Group& g : groups) {
-    for (size_t k = g.begin; k < g.end; ++k) {
-      const size_t row = row_of(f, k);
-      use(row, guess_of(f, g, pattern, k, row));
+    for (size_t first = g.begin; first < g.end; first += kBlock) {
+      predict(f, g, pattern, first, b);
+      use(b);
     }
   }
 }
@@ -184,12 +214,41 @@ double bits_of(uint32_t rest) {
   return double(std::bit_width((rest << 1) ^ uint32_t(int32_t(rest) >> 31)));
 }
 
+// Codes the groups' beams. `lengths` becomes the third column where the larger one of x and y is
+// predicted by the unit length. Returns whether that takes fewer bits.
+bool code(std::span<const Vec3f> direction, const Fired& f, const std::vector<Group>& groups,
+          Pattern pattern, Rest& rest, std::vector<uint32_t>& lengths) {
+  double guessed = 0, measured = 0;
+  for_each_block(f, groups, pattern, [&](Block& b) {
+    for (size_t n = 0; n < b.size; ++n) {
+      const size_t row = row_of(f, b.first + n);
+      b.known_z[n] = direction[row].z();
+      rest[0][row] = ordered(direction[row].z()) - number_of(b.z[n]);
+    }
+    turn_to_known_z(b);
+    for (size_t n = 0; n < b.size; ++n) {
+      const size_t row = row_of(f, b.first + n);
+      const Vec3f& d = direction[row];
+      const bool x = std::abs(b.x[n]) <= std::abs(b.y[n]);
+      const float smaller = x ? d.x() : d.y();
+      const uint32_t larger = ordered(x ? d.y() : d.x());
+      const double larger_guess = x ? b.y[n] : b.x[n];
+      rest[1][row] = ordered(smaller) - number_of(x ? b.x[n] : b.y[n]);
+      rest[2][row] = larger - number_of(larger_guess);
+      lengths[row] = larger - number_of(by_length(d.z(), smaller, larger_guess));
+      guessed += bits_of(rest[2][row]);
+      measured += bits_of(lengths[row]);
+    }
+  });
+  return measured < guessed;
+}
+
 }  // namespace
 
-void pack_directions(std::span<const Vec3f> direction, const Fired& f, Codec& codec,
+void pack_directions(std::span<const Vec3f> direction, const Fired& f, Scratch& scratch,
                      std::string& out) {
   const size_t n = direction.size();
-  Rest rest;
+  Rest& rest = scratch.rest;
   for (auto& column : rest) column.resize(n);
   std::vector<Group> groups = groups_of(f);
   if (groups.size() * kRowsOfGroup > n) {
@@ -204,34 +263,22 @@ void pack_directions(std::span<const Vec3f> direction, const Fired& f, Codec& co
       pattern = kByNumber;
       groups = std::move(numbered);
     }
-    std::vector<uint32_t> lengths(n);
-    double guessed = 0, measured = 0;
-    for_each_guess(f, groups, pattern, [&](size_t row, const Guess& guess) {
-      const Vec3f& d = direction[row];
-      rest[0][row] = ordered(d.z()) - number_of(guess.at.z);
-      const Vector v = turned(guess, d.z());
-      const bool x = is_x_smaller(v);
-      const float smaller = x ? d.x() : d.y(), larger = x ? d.y() : d.x();
-      const double larger_guess = x ? v.y : v.x;
-      rest[1][row] = ordered(smaller) - number_of(x ? v.x : v.y);
-      rest[2][row] = ordered(larger) - number_of(larger_guess);
-      lengths[row] = ordered(larger) - number_of(by_length(d.z(), smaller, larger_guess));
-      guessed += bits_of(rest[2][row]);
-      measured += bits_of(lengths[row]);
-    });
+    std::vector<uint32_t>& lengths = scratch.words;
+    lengths.resize(n);
+    const bool by_unit_length = code(direction, f, groups, pattern, rest, lengths);
     put(out, pattern);
-    put(out, uint8_t(measured < guessed));
-    if (measured < guessed) rest[2] = std::move(lengths);
+    put(out, uint8_t(by_unit_length));
+    if (by_unit_length) std::swap(rest[2], lengths);
     for (const Group& g : groups) {
       for (const double v : {g.azimuth_rad, g.rate, g.elevation_sine, g.elevation_cosine}) {
         put(out, v);
       }
     }
   }
-  for (const auto& column : rest) codec.pack<uint32_t>(column, f.by_ring, out);
+  for (const auto& column : rest) scratch.codec.pack<uint32_t>(column, f.by_ring, out);
 }
 
-void unpack_directions(Cursor& in, const Fired& f, Codec& codec, std::span<Vec3f> direction) {
+void unpack_directions(Cursor& in, const Fired& f, Scratch& scratch, std::span<Vec3f> direction) {
   const auto pattern = in.get<Pattern>();
   if (pattern > kByNumber) in.fail("it has an unknown pattern of directions");
   std::vector<Group> groups;
@@ -245,26 +292,33 @@ void unpack_directions(Cursor& in, const Fired& f, Codec& codec, std::span<Vec3f
       }
     }
   }
-  Rest rest;
+  Rest& rest = scratch.rest;
   for (auto& column : rest) {
     column.resize(direction.size());
-    codec.unpack<uint32_t>(in, f.by_ring, column);
+    scratch.codec.unpack<uint32_t>(in, f.by_ring, column);
   }
   if (pattern == kNoPattern) {
     for (size_t i = 0; i < direction.size(); ++i) {
-      direction[i] = {from_ordered(rest[0][i]), from_ordered(rest[1][i]), from_ordered(rest[2][i])};
+      direction[i] = {from_ordered(rest[0][i]), from_ordered(rest[1][i]),
+                      from_ordered(rest[2][i])};
     }
     return;
   }
-  for_each_guess(f, groups, pattern, [&](size_t row, const Guess& guess) {
-    const float z = from_ordered(rest[0][row] + number_of(guess.at.z));
-    const Vector v = turned(guess, z);
-    const bool x = is_x_smaller(v);
-    const float smaller = from_ordered(rest[1][row] + number_of(x ? v.x : v.y));
-    double larger_guess = x ? v.y : v.x;
-    if (by_unit_length) larger_guess = by_length(z, smaller, larger_guess);
-    const float larger = from_ordered(rest[2][row] + number_of(larger_guess));
-    direction[row] = x ? Vec3f(smaller, larger, z) : Vec3f(larger, smaller, z);
+  for_each_block(f, groups, pattern, [&](Block& b) {
+    for (size_t n = 0; n < b.size; ++n) {
+      b.known_z[n] = from_ordered(rest[0][row_of(f, b.first + n)] + number_of(b.z[n]));
+    }
+    turn_to_known_z(b);
+    for (size_t n = 0; n < b.size; ++n) {
+      const size_t row = row_of(f, b.first + n);
+      const bool x = std::abs(b.x[n]) <= std::abs(b.y[n]);
+      const float z = from_ordered(rest[0][row] + number_of(b.z[n]));
+      const float smaller = from_ordered(rest[1][row] + number_of(x ? b.x[n] : b.y[n]));
+      double guess = x ? b.y[n] : b.x[n];
+      if (by_unit_length) guess = by_length(z, smaller, guess);
+      const float larger = from_ordered(rest[2][row] + number_of(guess));
+      direction[row] = x ? Vec3f(smaller, larger, z) : Vec3f(larger, smaller, z);
+    }
   });
 }
 

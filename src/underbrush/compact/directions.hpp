@@ -6,8 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "underbrush/compact/packed.hpp"
-#include "underbrush/compact/track.hpp"
+#include "underbrush/compact/scratch.hpp"
 
 namespace underbrush::compact {
 
@@ -23,9 +22,10 @@ struct Fired {
 /// Appends unit vectors. The beams of one ring and scan are taken to have one elevation and an
 /// azimuth that is linear in time or in their number; the differences from that are whole numbers
 /// of floats.
-void pack_directions(std::span<const Vec3f> direction, const Fired& fired, Codec& codec,
+void pack_directions(std::span<const Vec3f> direction, const Fired& fired, Scratch& scratch,
                      std::string& out);
 /// Reads what `pack_directions` wrote for the same beams.
-void unpack_directions(Cursor& in, const Fired& fired, Codec& codec, std::span<Vec3f> direction);
+void unpack_directions(Cursor& in, const Fired& fired, Scratch& scratch,
+                       std::span<Vec3f> direction);
 
 }  // namespace underbrush::compact

@@ -1,0 +1,23 @@
+/// \file
+/// The memory in which chunks are coded.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "underbrush/compact/packed.hpp"
+#include "underbrush/compact/track.hpp"
+
+namespace underbrush::compact {
+
+/// What one thread keeps from a chunk to the next, because the system clears fresh memory.
+struct Scratch {
+  Codec codec;
+  std::vector<Place> places;
+  std::array<std::vector<uint32_t>, 3> rest;  ///< Of the components of directions.
+  std::vector<uint32_t> words;
+  std::vector<uint64_t> longs;
+  std::vector<float> values;
+};
+
+}  // namespace underbrush::compact
