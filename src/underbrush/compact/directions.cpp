@@ -139,7 +139,7 @@ constexpr size_t kBlock = 256;
 /// Beams of a group that are predicted together, a column for each value.
 struct Block {
   using Column = std::array<double, kBlock>;
-  size_t first = 0, size = 0;  ///< Places in the order by ring.
+  size_t first = 0, size = 0;          ///< Places in the order by ring.
   Column angle{}, w{}, i{}, j{}, k{};  ///< The azimuth, and the sensor's turn as a quaternion.
   Column x{}, y{}, z{}, up_x{}, up_y{}, up_z{};  ///< The guess and how it rises with the elevation.
   Column known_z{};  ///< The beam's own z; then x and y are turned to it.
@@ -257,9 +257,11 @@ void pack_directions(std::span<const Vec3f> direction, const Fired& f, Scratch& 
       for (size_t c = 0; c < 3; ++c) rest[c][i] = ordered(direction[i][Eigen::Index(c)]);
     }
   } else {
+    constexpr double kExact = 1e-9;  // rad²; better than any sensor's azimuths
     std::vector<Group> numbered = groups;
     Pattern pattern = kByTime;
-    if (fit(direction, f, kByNumber, numbered) < fit(direction, f, kByTime, groups)) {
+    const double timed = fit(direction, f, kByTime, groups);
+    if (timed > kExact * double(n) && fit(direction, f, kByNumber, numbered) < timed) {
       pattern = kByNumber;
       groups = std::move(numbered);
     }
@@ -299,8 +301,7 @@ void unpack_directions(Cursor& in, const Fired& f, Scratch& scratch, std::span<V
   }
   if (pattern == kNoPattern) {
     for (size_t i = 0; i < direction.size(); ++i) {
-      direction[i] = {from_ordered(rest[0][i]), from_ordered(rest[1][i]),
-                      from_ordered(rest[2][i])};
+      direction[i] = {from_ordered(rest[0][i]), from_ordered(rest[1][i]), from_ordered(rest[2][i])};
     }
     return;
   }

@@ -42,7 +42,6 @@ double bits_of(const Histogram& count, size_t n) {
   return bits;
 }
 
-// The values of place i and of the one before it and of the one before that, after differences.
 template <class T>
 T value_at(std::span<const T> values, const Order& order, size_t i) {
   return order.empty() ? values[i] : values[order[i]];
@@ -78,28 +77,41 @@ std::array<double, 3> estimates(std::span<const T> values, const Order& order) {
   return bits;
 }
 
-// The distinct values in ascending order; nothing where there are more than a byte can number.
+/// The distinct values of a column in the order of their first rows, and each row's number among
+/// them.
 template <class T>
-std::vector<T> table_of(std::span<const T> values) {
-  if constexpr (sizeof(T) == 1) return {};
-  std::vector<T> table;
-  T last = values.empty() ? T(0) : T(~values[0]);
-  for (const T v : values) {
-    if (v == last) continue;
-    last = v;
-    const auto at = std::lower_bound(table.begin(), table.end(), v);
-    if (at != table.end() && *at == v) continue;
-    if (table.size() == kMostDistinct) return {};
-    table.insert(at, v);
+struct Table {
+  std::vector<T> values;
+  std::vector<uint8_t> index;
+
+  /// Returns false where there are more values than a byte can number.
+  bool number(std::span<const T> column, const Order& order);
+  double bits() const {
+    Histogram count{};
+    for (const uint8_t k : index) ++count[k];
+    return bits_of(count, index.size()) + 8.0 * double(values.size() * sizeof(T));
   }
-  return table;
-}
+};
 
 template <class T>
-double table_bits(const std::vector<uint8_t>& index, const std::vector<T>& table) {
-  Histogram count{};
-  for (const uint8_t k : index) ++count[k];
-  return bits_of(count, index.size()) + 8.0 * double(table.size() * sizeof(T));
+bool Table<T>::number(std::span<const T> column, const Order& order) {
+  constexpr size_t kSlots = 1024;
+  constexpr uint16_t kFree = 0xffff;
+  std::array<uint16_t, kSlots> slots;
+  slots.fill(kFree);
+  index.resize(column.size());
+  for (size_t i = 0; i < column.size(); ++i) {
+    const T v = value_at(column, order, i);
+    size_t slot = size_t((uint64_t(v) * 0x9e3779b97f4a7c15ull) >> 54);
+    while (slots[slot] != kFree && values[slots[slot]] != v) slot = (slot + 1) % kSlots;
+    if (slots[slot] == kFree) {
+      if (values.size() == kMostDistinct) return false;
+      slots[slot] = uint16_t(values.size());
+      values.push_back(v);
+    }
+    index[i] = uint8_t(slots[slot]);
+  }
+  return true;
 }
 
 template <class T>
@@ -213,18 +225,14 @@ void Codec::pack(std::span<const T> values, const Order& by_ring, std::string& o
     }
   }
   const bool ring = kind & kRingOrder;
-  if (const std::vector<T> table = table_of(values); table.size() > 1) {
-    std::vector<uint8_t> index(values.size());
-    for (size_t i = 0; i < values.size(); ++i) {
-      const T v = value_at(values, ring ? by_ring : none, i);
-      index[i] = uint8_t(std::lower_bound(table.begin(), table.end(), v) - table.begin());
-    }
-    if (table_bits(index, table) < least) {
-      put(out, uint8_t(kTable | (ring ? kRingOrder : 0)));
-      put(out, uint16_t(table.size()));
-      for (const T v : table) put(out, v);
-      return put_plane(index, out);
-    }
+  constexpr double kWorthATable = 1.5;  // bits a value
+  Table<T> table;
+  if (sizeof(T) > 1 && least > kWorthATable * double(values.size()) &&
+      table.number(values, ring ? by_ring : none) && table.bits() < least) {
+    put(out, uint8_t(kTable | (ring ? kRingOrder : 0)));
+    put(out, uint16_t(table.values.size()));
+    for (const T v : table.values) put(out, v);
+    return put_plane(table.index, out);
   }
   put(out, kind);
   auto& v = std::get<std::vector<T>>(state_->values);
