@@ -10,7 +10,7 @@ set -euo pipefail
 build="g++ cmake ninja-build make git pkg-config
   libtbb-dev libeigen3-dev libnanoflann-dev libcli11-dev
   nlohmann-json3-dev libyaml-cpp-dev libfmt-dev libxxhash-dev libpng-dev liblzf-dev libnlopt-dev
-  libtinygltf-dev libcpp-httplib-dev libprotozero-dev libpugixml-dev zlib1g-dev"
+  libtinygltf-dev libcpp-httplib-dev libprotozero-dev libpugixml-dev libzstd-dev zlib1g-dev"
 test="libembree-dev chromium libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev liblzma-dev
   clang clang-tidy clang-format libclang-rt-14-dev doxygen jq valgrind python3 python3-numpy python3-dev python3-venv"
 docs="doxygen python3 python3-venv"

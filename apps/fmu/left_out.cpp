@@ -3,6 +3,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/gltf_mesh.hpp"
 #include "underbrush/io/gzip.hpp"
+#include "underbrush/io/log_rows.hpp"
 #include "underbrush/io/table.hpp"
 
 namespace underbrush::io {
@@ -13,6 +14,16 @@ MeshScene read_gltf(const std::filesystem::path& path) {
 
 Table read_pcd(const std::filesystem::path& path) {
   throw FormatError(path.string(), "", "the FMU reads no PCD");
+}
+
+bool is_compact(const std::filesystem::path&) { return false; }
+
+std::unique_ptr<LogRows> open_compact_rows(const std::filesystem::path& path) {
+  throw FormatError(path.string(), "", "the FMU reads no compact logs");
+}
+
+std::unique_ptr<LogSink> begin_compact(OutputFile&, const LogComments&) {
+  throw std::invalid_argument("the FMU writes no compact logs");
 }
 
 bool is_gzip(const std::filesystem::path&) { return false; }

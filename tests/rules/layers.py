@@ -13,15 +13,15 @@ LIBRARY = "src/underbrush/"
 THIRD_PARTY = {
     "embree": (), "tbb": ("core",), "oneapi": ("core",), "png": ("io",),
     "nanoflann": None, "libqhull": None, "nlohmann": None, "yaml-cpp": None, "zlib": None,
-    "zstd": None, "lz4": None, "lzf": ("io",), "pcap": None, "nlopt": ("optimize",), "tiny_gltf": ("io",),
-    "protozero": ("osi",), "fmt": (), "CLI": (), "spdlog": (), "xxhash": (),
+    "zstd": ("compact",), "lz4": None, "lzf": ("io",), "pcap": None, "nlopt": ("optimize",), "tiny_gltf": ("io",),
+    "protozero": ("osi",), "fmt": (), "CLI": (), "spdlog": (), "xxhash": ("compact",),
 }
 # The target that stands for each third party in the CMake lists.
 TARGETS = {
     "nanoflann": "nanoflann::nanoflann", "nlohmann": "nlohmann_json::nlohmann_json", "png": "PNG::PNG",
     "yaml-cpp": "yaml-cpp", "lzf": "PkgConfig::LZF", "tiny_gltf": "TinyGLTF::TinyGLTF", "tbb": "TBB::tbb",
     "oneapi": "TBB::tbb", "nlopt": "NLopt::nlopt", "fmt": "fmt::fmt", "CLI": "CLI11::CLI11",
-    "embree": "embree", "xxhash": "PkgConfig::XXHASH",
+    "embree": "embree", "zstd": "PkgConfig::ZSTD", "xxhash": "PkgConfig::XXHASH",
 }
 # The folders above the library, and which of them each may include beside itself and the library.
 ABOVE = {"report": (), "cli": (), "apps/underbrush": ("report", "cli"),

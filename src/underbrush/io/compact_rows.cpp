@@ -55,6 +55,8 @@ class CompactSink : public LogSink {
 
 }  // namespace
 
+bool is_compact(const std::filesystem::path& path) { return compact::is_compact(InputFile(path)); }
+
 std::unique_ptr<LogRows> open_compact_rows(const std::filesystem::path& path) {
   return std::make_unique<CompactRows>(path);
 }

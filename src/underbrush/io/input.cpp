@@ -4,10 +4,9 @@
 #include <charconv>
 #include <cmath>
 
-#include "underbrush/compact/compact_file.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/csv_beams.hpp"
-#include "underbrush/io/log_file.hpp"
+#include "underbrush/io/log_rows.hpp"
 #include "underbrush/io/ply_header.hpp"
 #include "underbrush/io/poses.hpp"
 #include "underbrush/io/scan_folder.hpp"
@@ -38,7 +37,7 @@ std::string format_of(const fs::path& path) {
     return read_calibration(path / "calib.txt", "Tr") ? "kitti-odometry" : "kitti";
   }
   const std::string extension = lower(path.extension().string());
-  if (compact::is_compact(InputFile(path))) return "compact";
+  if (is_compact(path)) return "compact";
   if (extension == ".ply" && is_ray_cloud(path)) return "ray-cloud";
   if (extension == ".csv" || extension == ".txt" || extension == ".xyz") return "csv";
   return "scan";

@@ -1,6 +1,5 @@
 #include <algorithm>
 
-#include "underbrush/compact/compact_file.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/log_path.hpp"
 #include "underbrush/io/log_rows.hpp"
@@ -9,8 +8,7 @@ namespace underbrush::io {
 namespace {
 
 std::unique_ptr<LogRows> open_rows(const std::filesystem::path& path) {
-  return compact::is_compact(InputFile(checked_log_path(path))) ? open_compact_rows(path)
-                                                                : open_ply_rows(path);
+  return is_compact(checked_log_path(path)) ? open_compact_rows(path) : open_ply_rows(path);
 }
 
 }  // namespace

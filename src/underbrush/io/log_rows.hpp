@@ -32,6 +32,8 @@ class LogRows {
 };
 
 std::unique_ptr<LogRows> open_ply_rows(const std::filesystem::path& path);
+/// Whether the first bytes of a file are those of a compact log.
+bool is_compact(const std::filesystem::path& path);
 std::unique_ptr<LogRows> open_compact_rows(const std::filesystem::path& path);
 
 /// The file of a log that is being written.
