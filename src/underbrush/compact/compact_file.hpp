@@ -39,7 +39,7 @@ struct ChunkFacts {
   uint64_t hash = 0;              ///< XXH3 of the chunk's bytes, 64 bits.
   uint64_t returns = 0;           ///< Rows with a return.
   double first_s = 0, last_s = 0;
-  Box ends, origins;  ///< Of the returns' end points, and of all origins.
+  Box ends, origins;  ///< Boxes of the returns' end points and of all origins.
 };
 
 /// Whether the first bytes of a file are those of a compact log.

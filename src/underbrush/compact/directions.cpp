@@ -18,7 +18,7 @@ enum Pattern : uint8_t { kNoPattern, kByTime, kByNumber };
 /// The beams of one ring and scan: places [begin, end) of the order by ring.
 struct Group {
   uint32_t begin = 0, end = 0;
-  double azimuth_rad = 0;  ///< Of its first beam, in the sensor's frame.
+  double azimuth_rad = 0;  ///< Azimuth of the first beam in the sensor's frame.
   double rate = 0;         ///< rad a second, or rad a beam.
   double elevation_sine = 0, elevation_cosine = 1;
 };

@@ -12,7 +12,7 @@ namespace underbrush::compact {
 inline constexpr std::string_view kMagic("UBLOG\r\n\1", 8);  ///< The last byte is the version.
 inline constexpr std::string_view kEndMagic("UBLOGEND", 8);
 inline constexpr size_t kTrailerBytes = 40;
-inline constexpr size_t kFactsBytes = 17 * 8;  ///< Of a chunk in the index.
+inline constexpr size_t kFactsBytes = 17 * 8;  ///< What the index has of a chunk.
 
 inline constexpr size_t kMostExpansion = 1024;  ///< Decoded bytes of a chunk for each of the file.
 inline constexpr size_t kMostColumns = 256;     ///< Extra columns.

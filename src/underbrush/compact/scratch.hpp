@@ -14,7 +14,7 @@ namespace underbrush::compact {
 struct Scratch {
   Codec codec;
   std::vector<Place> places;
-  std::array<std::vector<uint32_t>, 3> rest;  ///< Of the components of directions.
+  std::array<std::vector<uint32_t>, 3> rest;  ///< Residuals of directions.
   std::vector<uint32_t> words;
   std::vector<uint64_t> longs;
   std::vector<float> values;

@@ -53,16 +53,21 @@ class CompactSink : public LogSink {
   compact::Writer writer_;
 };
 
-}  // namespace
+bool has_magic(const std::filesystem::path& path) { return compact::is_compact(InputFile(path)); }
 
-bool is_compact(const std::filesystem::path& path) { return compact::is_compact(InputFile(path)); }
-
-std::unique_ptr<LogRows> open_compact_rows(const std::filesystem::path& path) {
+std::unique_ptr<LogRows> open_rows(const std::filesystem::path& path) {
   return std::make_unique<CompactRows>(path);
 }
 
-std::unique_ptr<LogSink> begin_compact(OutputFile& out, const LogComments& comments) {
+std::unique_ptr<LogSink> begin_file(OutputFile& out, const LogComments& comments) {
   return std::make_unique<CompactSink>(out, comments);
+}
+
+}  // namespace
+
+const CompactFormat* compact_format() {
+  static constexpr CompactFormat kFormat = {has_magic, open_rows, begin_file};
+  return &kFormat;
 }
 
 }  // namespace underbrush::io

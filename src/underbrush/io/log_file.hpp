@@ -93,6 +93,11 @@ class LogWriter {
   std::unique_ptr<State> state_;
 };
 
+struct CompactFormat;
+/// Returns the functions of compact logs; null in a program that is linked without them, as the
+/// FMU.
+const CompactFormat* compact_format();
+
 /// Reads a whole log into memory. Throws `FormatError`.
 BeamLog read_log(const std::filesystem::path& path);
 /// Writes a whole log, atomically. Throws `IoError`.

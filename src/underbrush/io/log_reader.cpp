@@ -8,10 +8,15 @@ namespace underbrush::io {
 namespace {
 
 std::unique_ptr<LogRows> open_rows(const std::filesystem::path& path) {
-  return is_compact(checked_log_path(path)) ? open_compact_rows(path) : open_ply_rows(path);
+  return is_compact(checked_log_path(path)) ? compact_format()->open(path) : open_ply_rows(path);
 }
 
 }  // namespace
+
+bool is_compact(const std::filesystem::path& path) {
+  const CompactFormat* format = compact_format();
+  return format && format->is(path);
+}
 
 bool LogWindow::has(const BeamLog& log, size_t i) const {
   if (!(log.time_s[i] >= first_s && log.time_s[i] <= last_s)) return false;

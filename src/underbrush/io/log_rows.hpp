@@ -32,9 +32,6 @@ class LogRows {
 };
 
 std::unique_ptr<LogRows> open_ply_rows(const std::filesystem::path& path);
-/// Whether the first bytes of a file are those of a compact log.
-bool is_compact(const std::filesystem::path& path);
-std::unique_ptr<LogRows> open_compact_rows(const std::filesystem::path& path);
 
 /// The file of a log that is being written.
 class LogSink {
@@ -45,9 +42,19 @@ class LogSink {
   virtual void finish(const LogComments& comments) = 0;
 };
 
-/// Begins a file in `out`, which must outlive it, as must `comments`.
+/// Begins a file in `out`, which must outlive it.
 std::unique_ptr<LogSink> begin_ply(OutputFile& out, const LogComments& comments,
                                    const LogWriterOptions& options);
-std::unique_ptr<LogSink> begin_compact(OutputFile& out, const LogComments& comments);
+
+/// The functions of compact logs.
+struct CompactFormat {
+  /// Whether the first bytes of a file are those of a compact log.
+  bool (*is)(const std::filesystem::path& path);
+  std::unique_ptr<LogRows> (*open)(const std::filesystem::path& path);
+  /// Begins a file in `out`, which must outlive it.
+  std::unique_ptr<LogSink> (*begin)(OutputFile& out, const LogComments& comments);
+};
+/// Whether this program reads compact logs and the file is one.
+bool is_compact(const std::filesystem::path& path);
 
 }  // namespace underbrush::io

@@ -43,7 +43,8 @@ struct LogWriter::State {
     comments.info = info;
     comments.provenance = provenance;
     const bool compact = lower(path.extension().string()) == kCompactName;
-    sink = compact ? begin_compact(out, comments) : begin_ply(out, comments, options);
+    require(!compact || compact_format(), "log: this program writes no compact logs");
+    sink = compact ? compact_format()->begin(out, comments) : begin_ply(out, comments, options);
   }
 
   LogWriterOptions options;
