@@ -71,7 +71,7 @@ void add_options(Verb& verb, Arguments& a) {
                  "The folder of a model or scene, or a world of another program, such as a mesh")
       ->required();
   verb.output("-o,--output", a.output,
-              "The simulated log: .ply, .pcd, .csv, or a folder/ of KITTI .bin files (with "
+              "The simulated log: .ply, .ublog, .pcd, .csv, or a folder/ of KITTI .bin files (with "
               "--profile: of PCD files)")
       ->required();
   add_beam_options(app, a);

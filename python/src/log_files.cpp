@@ -33,7 +33,7 @@ BeamLog next_chunk(io::LogReader& reader) {
 void bind_reader(nb::module_& m) {
   nb::class_<io::LogReader>(
       m, "LogReader",
-      "Reads a log (ray cloud PLY) in chunks of at most `chunk_size` rows, each a `BeamLog` of "
+      "Reads a log (.ply or .ublog) in chunks of at most `chunk_size` rows, each a `BeamLog` of "
       "its\n"
       "own. Iterating begins at the first row. With `first_echoes`, it yields one row for each\n"
       "beam: its first echo, or its miss. Raises `FormatError` as soon as it finds damage.")
@@ -63,8 +63,10 @@ void bind_reader(nb::module_& m) {
 void bind_writer(nb::module_& m) {
   nb::class_<io::LogWriter>(
       m, "LogWriter",
-      "Writes a log (ray cloud PLY) in chunks. Nothing appears at `path` before `close()`; a\n"
-      "`with` block closes it at its end, or removes what was written if it raises.")
+      "Writes a log in chunks: a ray cloud PLY, or a compact log where `path` ends in .ublog.\n"
+      "Nothing appears at `path` before `close()`; a `with` block closes it at its end, or "
+      "removes\n"
+      "what was written if it raises.")
       .def(
           "__init__",
           [](io::LogWriter* w, const Path& path, const LogInfo& info, const std::string& provenance,
@@ -98,7 +100,7 @@ void bind_log_files(nb::module_& m) {
   bind_reader(m);
   bind_writer(m);
   m.def("read_log", &io::read_log, "path"_a, Released(),
-        "Reads a whole log (ray cloud PLY) into memory. Raises `FormatError`, `OSError`.");
+        "Reads a whole log (.ply or .ublog) into memory. Raises `FormatError`, `OSError`.");
   m.def(
       "write_log",
       [](const Path& path, const BeamLog& log, const std::string& format,

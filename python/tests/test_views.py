@@ -128,3 +128,13 @@ def test_scans_of_a_live_sensor_are_their_own(model: underbrush.Model) -> None:
     assert first.scan[0] == 0 and second.scan[0] == 1 and not np.array_equal(first.range_m, second.range_m)
     lidar.reset()
     assert np.array_equal(lidar.scan(pose).range_m, kept)
+
+
+def test_compact_logs_hold_every_bit(log_file: pathlib.Path, tmp_path: pathlib.Path) -> None:
+    log = underbrush.read_log(log_file)
+    underbrush.write_log(tmp_path / "log.ublog", log)
+    again = underbrush.read_log(tmp_path / "log.ublog")
+    for column in ("origin", "direction", "range_m", "intensity", "time_s", "ring", "scan", "packet", "flags"):
+        assert getattr(again, column).tobytes() == getattr(log, column).tobytes(), column
+    assert (tmp_path / "log.ublog").stat().st_size < log_file.stat().st_size / 2
+    assert len(next(iter(underbrush.LogReader(tmp_path / "log.ublog", chunk_size=100)))) == 100

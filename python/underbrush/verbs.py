@@ -22,7 +22,7 @@ if TYPE_CHECKING:
                                         SplitParameters)
 
 Path = str | os.PathLike[str]
-#: A log, or the path of one (ray cloud PLY, as `underbrush import` writes it) or of a recording (bag, LAS, pcap, E57).
+#: A log, or the path of one (.ply or .ublog, as `underbrush import` writes it) or of a recording (bag, LAS, pcap, E57).
 Log = BeamLog | Path
 World = Model | Scene | Path  #: A model or scene, or the path of its folder.
 #: Receives (stage, done, total); True shows a bar if tqdm is installed.
@@ -189,7 +189,7 @@ def simulate(model: World, *, like: Log | None = None, sensor: Sensor | str | No
     """Simulates the beams of a log (`like`), or of a sensor or a rig (YAML) on a trajectory, in a model or scene.
 
     The path of a mesh, of a scene of HELIOS++ or of voxels of AMAPVox is a world, too, and with one pose a sensor makes
-    one turn or frame. Returns the simulated log. With `output` (.ply, .pcd, .csv, or a folder of KITTI files; with `profile` "velodyne",
+    one turn or frame. Returns the simulated log. With `output` (.ply, .ublog, .pcd, .csv, a KITTI folder; with `profile` "velodyne",
     "ouster" or "autoware" a folder of PCD files), it is written there in chunks instead, and the result has the numbers
     of beams, rows and hits. `movers` are objects that move. A model or scene that `tau`, `grain` or `movers` change is
     copied; else it is used as it is.

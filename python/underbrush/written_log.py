@@ -55,7 +55,7 @@ def run(words: Sequence[str]) -> int:
         if done.returncode:
             return done.returncode
         lost = export_log(log, output, layout=layout_of(profile, LogReader(log).info.sensor),
-                          poses=trajectory if trajectory and not trajectory.endswith(".ply") else None)
+                          poses=trajectory if trajectory and not trajectory.endswith((".ply", ".ublog")) else None)
         print(done.stdout.replace(str(log), str(output)), end="")
     if value_of(words, "--json") != "-":
         for why, count in lost.items():
