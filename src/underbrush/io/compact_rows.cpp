@@ -1,4 +1,5 @@
 #include "underbrush/compact/compact_file.hpp"
+#include "underbrush/core/check.hpp"
 #include "underbrush/io/log_rows.hpp"
 #include "underbrush/io/text.hpp"
 
