@@ -16,8 +16,10 @@ constexpr std::streamoff kLooked = 1 << 16;  // bytes at the start and at the en
 /// The first stands for the name with a capital letter or without.
 // Lists of objects as CSV (perception::write_object_lists).
 constexpr const char* kObjectColumns = "time,available,vehicle_x,vehicle_y,vehicle_z";
-constexpr const char* kMarks[] = {"nderbrush", io::kCsvColumns, io::kPcdFields, kWaveformColumns,
-                                  kObjectColumns};
+// The beginning of a compact log.
+constexpr const char* kCompactLog = "UBLOG\r\n";
+constexpr const char* kMarks[] = {"nderbrush",      io::kCsvColumns, io::kPcdFields,
+                                  kWaveformColumns, kObjectColumns,  kCompactLog};
 
 fs::path place_of(const fs::path& path) {
   const fs::path plain = path.filename().empty() ? path.parent_path() : path;

@@ -245,6 +245,32 @@ class OnALog(Failing):
         return {str(p.relative_to(self.folder)) for p in self.folder.rglob("*")}
 
 
+class CompactLogs(OnALog):
+    def test_every_verb_reads_writes_and_replaces_them(self):
+        self.run_all()
+        ellipsoids = pathlib.Path(self.folder, "model/ellipsoids.ply").read_bytes()
+        for verb, words in [("import", ["log.ply", "-o", "log.ply"]), *JOBS.items()] * 2:
+            done = call(verb, words[0] if verb == "import" else words[0].replace(".ply", ".ublog"),
+                        *[word.replace(".ply", ".ublog") for word in words[1:]], cwd=self.folder)
+            self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(pathlib.Path(self.folder, "model/ellipsoids.ply").read_bytes(), ellipsoids)
+        for name in ("log", "sim", "labelled", "marked"):
+            told = [json.loads(call("info", name + ending, "--json", "-", cwd=self.folder).stdout)
+                    for ending in (".ply", ".ublog")]
+            for fact in ("beams", "hits", "misses", "scans"):
+                self.assertEqual(told[0][fact], told[1][fact], name)
+
+    def test_a_damaged_one_gives_one_line(self):
+        call("import", "log.ply", "-o", "log.ublog", cwd=self.folder)
+        whole = pathlib.Path(self.folder, "log.ublog").read_bytes()
+        for name, content in (("flipped.ublog", whole[:200] + bytes([whole[200] ^ 1]) + whole[201:]),
+                              ("cut.ublog", whole[:-100])):
+            pathlib.Path(self.folder, name).write_bytes(content)
+            for verb in ("info", "fit", "import"):
+                words = [name] if verb == "info" else [name, "-o", "out"]
+                self.assert_fails(call(verb, *words, cwd=self.folder), 3, name)
+
+
 class Configuration(OnALog):
     def test_every_verb_has_a_job_here(self):
         self.assertEqual(set(verbs()) - set(JOBS), {"demo", "serve", "dump-config", "sensors", "completion"})
