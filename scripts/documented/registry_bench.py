@@ -47,7 +47,19 @@ def trace_goals(folder):
                                               (c["scene"], c["elements"]) == ("planted", 1000000))]
 
 
+def log_formats(log):
+    def cells(folder):
+        b = next(iter(read_json(folder / "bench.json").values()))
+        for ending in ("ply", "ublog"):
+            yield log, f"bytes a beam, .{ending}", [b[ending]["bytes_a_beam"]]
+    return Part((bench("log_formats", f'--runs 1 "$WORK/{log}/log.ply"', f".{log}", needs=(LOGS[log],),
+                       after=(HALVES[log],)),), cells)
+
+
 TABLES = {
+    "log-formats": Measured(
+        tuple(log_formats(log) for log in LOGS), relative={"bytes a beam, .ply": 0.01, "bytes a beam, .ublog": 0.05},
+        uncompared={f"{done}, MB/s, .{ending}": RATE for done in ("written", "read") for ending in ("ply", "ublog")}),
     "bench-pipeline": Measured(
         (Part((bench("pipeline"),), pipeline("generated site")),
          Part((bench("pipeline", f'"$WORK/{DRIVE}/log.ply"', f".{DRIVE}", **DRIVE_LOG),), pipeline(DRIVE))),
