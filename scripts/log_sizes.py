@@ -5,7 +5,7 @@
 
 Each log is written and read again as a ray cloud, a compact log, LAZ (laspy), MCAP with zstd (rosbags) and Parquet with
 zstd (pyarrow); a format whose library is not installed has a dash. LAZ holds the returns alone, in whole millimetres,
-and MCAP the ranges in whole millimetres; the others hold every bit. Reading is that of the format's own library.
+and MCAP the points as a sensor's driver publishes them; the others hold every bit. Reading is that of the format's own library.
 """
 import pathlib
 import sys
