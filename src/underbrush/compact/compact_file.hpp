@@ -10,7 +10,9 @@
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/core/file.hpp"
 
-namespace underbrush::compact {
+namespace underbrush {
+/// Compact logs: the coding of their columns, their chunks and their index.
+namespace compact {
 
 /// Rows of every chunk of a file but the last one.
 inline constexpr size_t kChunkRows = 1 << 16;
@@ -86,4 +88,5 @@ class Reader {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace underbrush::compact
+}  // namespace compact
+}  // namespace underbrush

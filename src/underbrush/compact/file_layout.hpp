@@ -9,8 +9,10 @@
 
 namespace underbrush::compact {
 
-inline constexpr std::string_view kMagic("UBLOG\r\n\1", 8);  ///< The last byte is the version.
-inline constexpr std::string_view kEndMagic("UBLOGEND", 8);
+/// The first bytes of a file, of which the last one is the version.
+inline constexpr std::string_view kMagic = {"UBLOG\r\n\1", 8};
+/// The last bytes of a file.
+inline constexpr std::string_view kEndMagic = {"UBLOGEND", 8};
 inline constexpr size_t kTrailerBytes = 40;
 inline constexpr size_t kFactsBytes = 17 * 8;  ///< What the index has of a chunk.
 

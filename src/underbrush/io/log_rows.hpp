@@ -31,6 +31,7 @@ class LogRows {
   LogComments comments;
 };
 
+/// Opens a ray cloud PLY. Throws `FormatError`.
 std::unique_ptr<LogRows> open_ply_rows(const std::filesystem::path& path);
 
 /// The file of a log that is being written.
