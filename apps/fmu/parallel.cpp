@@ -8,6 +8,7 @@
 #include <exception>
 #include <mutex>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace underbrush {
@@ -15,13 +16,9 @@ namespace {
 
 thread_local int wanted = 1;
 
-// Runs work(k) for k in [0, n) on several threads. The exception of the lowest k is passed on.
-void run_all(size_t n, const std::function<void(size_t)>& work) {
-  const size_t count = std::min(n, size_t(std::max(wanted, 1)));
-  if (count <= 1) {
-    for (size_t k = 0; k < n; ++k) work(k);
-    return;
-  }
+// Runs work(k) for k in [0, n) on several threads. Returns the lowest k that threw (n if none did)
+// and its exception.
+std::pair<size_t, std::exception_ptr> run_all(size_t n, const std::function<void(size_t)>& work) {
   std::atomic<size_t> next = 0;
   std::mutex guard;
   size_t failed = n;
@@ -41,13 +38,13 @@ void run_all(size_t n, const std::function<void(size_t)>& work) {
   };
   {
     std::vector<std::jthread> helpers;  // Loops inside a loop run on the thread that they are on.
-    for (size_t k = 1; k < count; ++k) helpers.emplace_back(run);
+    for (size_t k = 1; k < std::min(n, size_t(wanted)); ++k) helpers.emplace_back(run);
     const int before = wanted;
     wanted = 1;
     run();
     wanted = before;
   }
-  if (error) std::rethrow_exception(error);
+  return {failed, error};
 }
 
 }  // namespace
@@ -60,22 +57,25 @@ int threads() { return wanted; }
 
 void parallel_for(size_t n, size_t grain, const std::function<void(size_t, size_t)>& body) {
   grain = std::max<size_t>(grain, 1);
-  run_all((n + grain - 1) / grain,
-          [&](size_t k) { body(k * grain, std::min(n, (k + 1) * grain)); });
+  const auto piece = [&](size_t k) { body(k * grain, std::min(n, (k + 1) * grain)); };
+  const auto error = run_all((n + grain - 1) / grain, piece).second;
+  if (error) std::rethrow_exception(error);
 }
 
 void parallel_in_order(size_t n, size_t ahead, const std::function<void(size_t)>& work,
                        const std::function<void(size_t)>& finish) {
   ahead = std::max<size_t>(ahead, 1);
   for (size_t begin = 0; begin < n; begin += ahead) {
-    const size_t end = std::min(n, begin + ahead);
-    run_all(end - begin, [&](size_t k) { work(begin + k); });
-    for (size_t k = begin; k < end; ++k) finish(k);
+    const auto [failed, error] =
+        run_all(std::min(ahead, n - begin), [&](size_t k) { work(begin + k); });
+    for (size_t k = begin; k < begin + failed; ++k) finish(k);
+    if (error) std::rethrow_exception(error);
   }
 }
 
 void parallel_invoke(const std::function<void()>& a, const std::function<void()>& b) {
-  run_all(2, [&](size_t k) { k == 0 ? a() : b(); });
+  const auto error = run_all(2, [&](size_t k) { k == 0 ? a() : b(); }).second;
+  if (error) std::rethrow_exception(error);
 }
 
 }  // namespace underbrush
