@@ -47,6 +47,14 @@ TEST_F(Json, ThatIsWrongIsToldWithItsPlace) {
   }
 }
 
+TEST_F(Json, ThatClosesMoreThanItOpensIsRefused) {
+  const auto nothing = [](const JsonValue&) {};
+  for (const char* open : {"[", "{", ":", "[{:"}) {
+    EXPECT_EQ(refused(std::string(20'000'000, ']') + open, nothing),
+              "line 1: not JSON (a NaN is none either)");
+  }
+}
+
 TEST_F(Json, NestedDeeperThan64LevelsIsRefused) {
   const auto nothing = [](const JsonValue&) {};
   const auto nested = [](size_t levels) {

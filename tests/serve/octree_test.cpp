@@ -273,5 +273,28 @@ TEST_F(Octree, DamageIsFound) {
   }
 }
 
+// Nodes that lead to each other, and a description without what a selection needs, ended the
+// server.
+TEST_F(Octree, NodesThatAreNoTreeAndADescriptionWithoutTheRootAreFound) {
+  const OctreeFile file = build(hills(200000, 20));
+  const std::string whole = io::bytes_of(folder_ / "tree");
+  ASSERT_GT(file.nodes().size(), 9u);
+  const auto changed = [&](uint64_t at, char by) {
+    std::string bytes = whole;
+    bytes[at] = by;
+    io::put_bytes(folder_ / "bad", bytes);
+    return folder_ / "bad";
+  };
+  const uint64_t child_of_root = file.header().nodes_at + 12, children_of_root = child_of_root + 4;
+  EXPECT_THROW(OctreeFile(changed(child_of_root, 0)), FormatError);
+  EXPECT_THROW(OctreeFile(changed(child_of_root, 2)), FormatError);
+  EXPECT_THROW(OctreeFile(changed(children_of_root, 1)), FormatError);
+  for (const char* name : {"origin_m", "root_low_m", "root_side_m", "first_time_s", "rows"}) {
+    const size_t at = whole.find(name, file.header().json_at);
+    ASSERT_NE(at, std::string::npos) << name;
+    EXPECT_THROW(OctreeFile(changed(at, '_')), FormatError) << name;
+  }
+}
+
 }  // namespace
 }  // namespace underbrush::serve

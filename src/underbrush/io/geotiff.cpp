@@ -155,7 +155,7 @@ void place(const Tiff& tiff, Raster& raster) {
 double no_data(const Tiff& tiff) {
   std::string text;
   for (const double c : tiff.numbers(kNoData)) {
-    if (c > 32) text += char(c);
+    if (c > 32 && c < 127) text += char(c);
   }
   return number_of(text).value_or(NAN);
 }

@@ -39,9 +39,9 @@ void limit_size(const std::string& text) {
       if (++depth > kDeepestJson) throw TooDeep();
       members[size_t(depth)] = 0;
     } else if (c == ':') {
-      if (++members[size_t(std::max(depth, 0))] > kMostMembers) throw TooMany();
+      if (++members[size_t(depth)] > kMostMembers) throw TooMany();
     } else if (c == ']' || c == '}') {
-      --depth;
+      depth = std::max(depth - 1, 0);  // What closes more than it has opened is not JSON.
     }
   }
 }

@@ -12,7 +12,7 @@ constexpr float kRelease = 3, kDepth = 5;  // in standard deviations of the nois
 
 /// Finds the first of the samples [k, end) that is not below the threshold, or gives `end`.
 size_t first_above(const float* s, size_t k, size_t end, float threshold) {
-  using Eight = float __attribute__((vector_size(32), aligned(4), may_alias));
+  typedef float Eight __attribute__((vector_size(32), aligned(4), may_alias));  // NOLINT
   using Words = int64_t __attribute__((vector_size(32)));
   for (; k + 8 <= end; k += 8) {
     const Words below = (Words)(*reinterpret_cast<const Eight*>(s + k) < threshold);

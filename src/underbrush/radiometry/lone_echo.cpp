@@ -41,7 +41,7 @@ struct Extent {
 };
 
 /// Eight lanes, which every instruction set adds up in the same order.
-using Eight = float __attribute__((vector_size(32), aligned(4), may_alias));
+typedef float Eight __attribute__((vector_size(32), aligned(4), may_alias));  // NOLINT
 constexpr size_t kLanes = 8;
 
 UNDERBRUSH_CLONES Extent extent_of(size_t n, const float* range_m, const float* signal,

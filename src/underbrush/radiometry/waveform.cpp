@@ -103,8 +103,8 @@ void mark(size_t n, const Placed& p, const Target& t) {
   }
 }
 
-/// Eight samples anywhere in memory.
-using Eight = float __attribute__((vector_size(32), aligned(4), may_alias));
+/// Eight samples anywhere in memory. Clang forgets `aligned` in a declaration with `using`.
+typedef float Eight __attribute__((vector_size(32), aligned(4), may_alias));  // NOLINT
 
 /// Adds returns to the lanes. The most frequent numbers of taps are template arguments, so that the
 /// inner loop needs no branch.
@@ -114,8 +114,10 @@ template <uint32_t kTaps>
   for (size_t i = 0; i < n; ++i) {
     const uint32_t at = p.place[i] / Response::kPhases, phase = p.place[i] % Response::kPhases;
     const float a = p.amplitude[i];
-    const auto* row = reinterpret_cast<const Eight*>(t.rows + phase * taps);
-    auto* to = reinterpret_cast<Eight*>(t.lane[i % 4] + at);
+    // NOLINTBEGIN(modernize-use-auto): `auto` forgets that the samples lie anywhere.
+    const Eight* row = reinterpret_cast<const Eight*>(t.rows + phase * taps);
+    Eight* to = reinterpret_cast<Eight*>(t.lane[i % 4] + at);
+    // NOLINTEND(modernize-use-auto)
     for (size_t k = 0; k < taps / 8; ++k) to[k] += a * row[k];
   }
 }

@@ -1,4 +1,6 @@
+#include <array>
 #include <cstring>
+#include <nlohmann/json.hpp>
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/serve/octree_tree.hpp"
@@ -16,6 +18,21 @@ std::vector<T> read_table(const InputFile& file, uint64_t at, uint64_t n) {
   return out;
 }
 
+/// Whether the description has what its readers take from it.
+bool is_description(const std::string& json) {
+  using Corner = std::array<double, 3>;
+  try {
+    const auto j = nlohmann::json::parse(json);
+    j.at("origin_m").get<Corner>();
+    j.at("root_low_m").get<Corner>();
+    j.at("root_side_m").get<double>();
+    j.at("first_time_s").get<double>();
+    return j.at("rows").is_number_unsigned();
+  } catch (const nlohmann::json::exception&) {
+    return false;
+  }
+}
+
 }  // namespace
 
 OctreeFile::OctreeFile(const std::filesystem::path& path) : file_(path) {
@@ -29,16 +46,19 @@ OctreeFile::OctreeFile(const std::filesystem::path& path) : file_(path) {
   runs_ = read_table<OctreeRun>(file_, header_.runs_at, header_.runs);
   const std::vector<char> json = read_table<char>(file_, header_.json_at, header_.json_bytes);
   json_.assign(json.begin(), json.end());
+  if (!is_description(json_)) fail("description", "damaged");
   if (nodes_.empty()) fail("nodes", "no root");
-  uint64_t points = 0;
+  uint64_t points = 0, next_child = 1;
   for (const OctreeNode& n : nodes_) {
     const size_t children = size_t(__builtin_popcount(n.children));
-    if (n.at > header_.nodes_at || n.points * kPointBytes > header_.nodes_at - n.at ||
-        (children > 0 && n.first_child + children > nodes_.size())) {
+    if (n.at > header_.nodes_at || n.points * kPointBytes > header_.nodes_at - n.at) {
       fail("nodes", "a node beyond the end of the file");
     }
+    if (children > 0 && n.first_child != next_child) fail("nodes", "not a tree");
+    next_child += children;
     points += n.points;
   }
+  if (next_child != nodes_.size()) fail("nodes", "not a tree");
   if (points != header_.points) fail("nodes", "another number of points than the header says");
 }
 

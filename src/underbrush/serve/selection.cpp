@@ -195,11 +195,11 @@ void RowSet::add(uint32_t row) {
 NodeCubes::NodeCubes(const OctreeFile& file) : low(file.nodes().size()) {
   const auto j = nlohmann::json::parse(file.json());
   for (int c = 0; c < 3; ++c) {
-    origin[c] = j["origin_m"][size_t(c)];
-    low[0][c] = j["root_low_m"][size_t(c)];
+    origin[c] = j.at("origin_m").at(size_t(c));
+    low[0][c] = j.at("root_low_m").at(size_t(c));
   }
-  rows = j["rows"];
-  side_m = j["root_side_m"];
+  rows = j.at("rows");
+  side_m = j.at("root_side_m");
   for (uint32_t k = 0; k < file.nodes().size(); ++k) {
     const OctreeNode& node = file.nodes()[k];
     const double half = side_of(*this, node) / 2;
