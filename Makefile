@@ -9,12 +9,11 @@ ccache := $(if $(shell command -v ccache),-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
 configure = cmake -S . -B $(BUILD) -G Ninja -DCMAKE_BUILD_TYPE=Release $(ccache)
 everything = -DUNDERBRUSH_TESTS=ON -DUNDERBRUSH_BENCH=ON -DUNDERBRUSH_STUDIES=ON
 program_only = -DUNDERBRUSH_TESTS=OFF -DUNDERBRUSH_BENCH=OFF -DUNDERBRUSH_STUDIES=OFF
-comma := ,
 # Shows a command's output only if it fails.
 quiet = log=$$(mktemp); if $(1) > $$log 2>&1; then rm $$log; else cat $$log; rm $$log; exit 1; fi
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build pictures test attack fuzz fuzz-osi fmu check-fmu validation demo bench gates results docs deb \
+.PHONY: help setup build pictures test attack fuzz fuzz-long tsan fmu check-fmu validation demo bench gates results docs deb \
         check-deb wheel check-wheel check-pythons asan-python clean
 
 help:     ## This list
@@ -50,13 +49,21 @@ attack: fmu    ## Full disks, kill -9, lies in files, hostile calls and wrong un
 	  $(if $(MOMENTS),--moments $(MOMENTS)) $(if $(KIND),--kind $(KIND)))
 	@$(if $(filter-out units,$(KIND)),,tests/fuzz/units.py --program $(program) --jobs $(JOBS))
 
-# No precompiled headers and no joined sources: the sanitizers' build is of one module.
-fuzz-osi: setup  ## A million damaged OSI messages under ASan and UBSan (minutes)
-	@$(call quiet,cmake -S . -B $(BUILD)/fuzz-osi -G Ninja -DCMAKE_BUILD_TYPE=None $(ccache) -DUNDERBRUSH_TESTS=ON \
-	  -DUNDERBRUSH_BENCH=OFF -DUNDERBRUSH_STUDIES=OFF -DUNDERBRUSH_PCH=OFF -DCMAKE_CXX_FLAGS="-O1 -g \
-	  -fsanitize=address$(comma)undefined -fno-sanitize-recover=all -fno-omit-frame-pointer")
-	@cmake --build $(BUILD)/fuzz-osi --target test_osi -j $(JOBS)
-	@UNDERBRUSH_OSI_MUTANTS=1000000 $(BUILD)/fuzz-osi/tests/test_osi --gtest_filter='Mutants.*'
+# READER=NAME runs one reader.
+fuzz-long: setup ## Every C++ reader and the FMU's messages under ASan and UBSan, 10^8 executions in all (hours)
+	@$(call quiet,$(configure) $(everything))
+	@cmake --build $(BUILD) --target underbrush -j $(JOBS)
+	@tests/fuzz/readers.py --program $(program) --build $(BUILD)/fuzz --jobs $(JOBS) --executions 100000000 \
+	  $(if $(READER),--only $(READER))
+
+# The modules that have loops on several threads, and the server.
+threaded := core io ground movers trace sensor surface credit keyframes likelihood simulate calibrate fit primitives \
+            test_site metrics osi serve
+tsan: setup    ## The tests of what runs on several threads, under ThreadSanitizer: build/tsan (an hour)
+	@$(call quiet,cmake -S . -B $(BUILD)/tsan -G Ninja -DCMAKE_BUILD_TYPE=None $(ccache) -DUNDERBRUSH_TSAN=ON \
+	  -DUNDERBRUSH_TESTS=ON -DUNDERBRUSH_BENCH=OFF -DUNDERBRUSH_STUDIES=OFF)
+	@cmake --build $(BUILD)/tsan --target $(addprefix test_,$(threaded)) -j $(JOBS)
+	@set -e; for module in $(threaded); do $(BUILD)/tsan/tests/test_$$module --gtest_brief=1; done
 
 fmu:      ## The FMUs for co-simulation: build/underbrush.fmu (FMI 2.0), build/underbrush3.fmu (FMI 3.0)
 	@scripts/setup.sh build python
