@@ -24,7 +24,6 @@ from documented import tables  # noqa: E402
 
 PAGE = "docs/explanation/validation.md"
 LINK = re.compile(r"\[([^\]]*)\]\(([^()\s]+)\)")
-INTERVAL = re.compile(r"\([−-]?[\d.]+ to [−-]?[\d.]+\)|±")
 TEMPLATE = "scripts/documented/metadata.srmd"
 CLASSIFICATION = "org.underbrush.validation"
 STYLE = """body{font:16px/1.5 sans-serif;max-width:75em;margin:2em auto;padding:0 1em}
@@ -46,6 +45,7 @@ class Effect:
     name: str
     compared_with: str
     error: str
+    interval: str
     not_modelled: str
     sections: tuple[Section, ...]
 
@@ -72,7 +72,7 @@ def effects() -> list[Effect]:
     page = (ROOT / PAGE).read_text(encoding="utf-8")
     table = next(t for t in tables.tables(page) if t.name == "validated")
     out, before = [], ()
-    for name, compared, error, missing in table.rows:
+    for name, compared, error, interval, missing in table.rows:
         found = []
         for _, target in LINK.findall(compared):
             path, _, fragment = target.partition("#")
@@ -82,7 +82,7 @@ def effects() -> list[Effect]:
         if compared.startswith("the same"):
             found = list(before)
         before = tuple(found)
-        out.append(Effect(name, compared, error, missing, before))
+        out.append(Effect(name, compared, error, interval, missing, before))
     return out
 
 
@@ -106,12 +106,11 @@ def inline(markdown: str) -> str:
     return re.sub(r"\*\*([^*]*)\*\*", r"<b>\1</b>", text)
 
 
-def error_bars(part: Section) -> str:
-    """What the tables of a section have for error bars."""
-    if any(INTERVAL.search(cell) for t in part.tables for row in t.rows for cell in row):
-        return "intervals beside the figures of the table"
-    rows = max((len(t.rows) for t in part.tables), default=0)
-    return f"the spread over the {rows} rows of the table" if rows > 1 else "none"
+def intervals() -> str:
+    """How the intervals were computed."""
+    found = re.search(r"^Intervals are .*?(?=\n\n)", (ROOT / PAGE).read_text(encoding="utf-8"), re.M | re.S)
+    assert found
+    return inline(" ".join(found[0].split()))
 
 
 def table_html(table: tables.Table) -> str:
@@ -149,10 +148,9 @@ def report(found: list[Effect]) -> str:
              f"<style>{STYLE}</style><h1>Validation of Underbrush</h1>",
              "<p>Each effect that the simulation claims, what it was compared with, how far it is off, and what is not "
              f"modelled, of {source()}. <code>make results</code> measures the tables anew and compares every "
-             "figure.</p>"]
+             f"figure.</p><p>{intervals()}</p>"]
     for effect in found:
-        bars = "; ".join(dict.fromkeys(error_bars(s) for s in effect.sections)) or "none"
-        rows = (("compared with", inline(effect.compared_with)), ("error", inline(effect.error)), ("error bars", bars),
+        rows = (("compared with", inline(effect.compared_with)), ("error", inline(effect.error)), ("interval", inline(effect.interval)),
                 ("not modelled", inline(effect.not_modelled)))
         listed = "".join(f"<dt>{name}</dt><dd>{value}</dd>" for name, value in rows)
         parts.append(f"<h2>{inline(effect.name)}</h2><dl>{listed}</dl>" + "".join(map(section_html, effect.sections)))
@@ -169,7 +167,8 @@ def srmd(found: list[Effect]) -> str:
         return f'  <stc:Classification type="{CLASSIFICATION}.{kind}">\n{lines}  </stc:Classification>\n'
 
     shown = [(f"{e.name}.{key}", plain(value)) for e in found for key, value in
-             (("compared with", e.compared_with), ("error", e.error), ("not modelled", e.not_modelled))]
+             (("compared with", e.compared_with), ("error", e.error), ("interval", e.interval),
+              ("not modelled", e.not_modelled))]
     claims = [t for e in found for s in e.sections for t in s.tables]
     unique = {t.name: t for t in claims}.values()
     broken = sum(len(tables.broken_claims(t)) for t in unique)

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "cli/progress.hpp"
 #include "report/clouds.hpp"
 #include "report/report.hpp"
 #include "score_objects.hpp"
@@ -9,10 +10,10 @@
 #include "score_report.hpp"
 #include "stages.hpp"
 #include "underbrush/core/check.hpp"
-#include "underbrush/core/still_beams.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/osi/list_file.hpp"
 #include "underbrush/pipeline/score_json.inl"
+#include "underbrush/pipeline/score_logs.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -61,15 +62,15 @@ void add_options(Verb& verb, Arguments& a) {
       "to scan, and the distance of bearing x range histograms");
 }
 
-/// Compares logs that share no beams as point clouds, without what was marked as moving.
+/// Compares logs that share no beams as point clouds.
 void score_clouds(const Verb& verb, const Arguments& a, const std::vector<Candidate>& candidates) {
   std::vector<metrics::NamedCloudScores> clouds;
   std::vector<fs::path> inputs{a.real};
   for (const Candidate& c : candidates) {
     io::LogReader real(a.real), simulated(c.log);
-    StillBeams still_real(real), still(simulated);
     try {
-      clouds.push_back({c.name, metrics::compare_clouds(still_real, still)});
+      clouds.push_back(
+          {c.name, pipeline::score_clouds(real, simulated, shown<Progress>("score " + c.name))});
     } catch (const DataError& e) {
       throw FormatError(c.log.string(), "", e.what());
     }

@@ -39,6 +39,29 @@ class WatchedLog : public WatchedSource {
   std::unique_ptr<BeamSource> log_;
 };
 
+/// Runs `work`; what it finds wrong with the simulated log gets the name of its file.
+void name_file_of(const GivenLog& simulated, const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const DataError& e) {
+    if (!std::holds_alternative<std::filesystem::path>(simulated)) throw;
+    throw FormatError(name_of(simulated), "", e.what());
+  }
+}
+
+std::string clouds_compared(const GivenLog& real, const GivenLog& simulated,
+                            const nb::object& progress) {
+  std::string out;
+  run_watched(progress, [&](const Hook& hook) {
+    const auto a = source_of(real), b = source_of(simulated);
+    name_file_of(simulated, [&] {
+      out = pipeline::json_of_cloud_scores(pipeline::score_clouds(*a, *b, of_stage(hook, "score")))
+                .dump();
+    });
+  });
+  return out;
+}
+
 ScoreValue scored(const GivenLog& real, const GivenLog& simulated,
                   const std::optional<GivenWorld>& model, const std::optional<GivenLog>& train,
                   bool cloud, const nb::object& progress) {
@@ -50,14 +73,10 @@ ScoreValue scored(const GivenLog& real, const GivenLog& simulated,
     const auto a = source_of(real), b = source_of(simulated);
     std::optional<FiredInto> world;
     if (model) world.emplace(*model, SimulateOptions());
-    try {
-      static_cast<metrics::Score&>(out) =
-          pipeline::score_logs(*a, *b, world ? &world->world() : nullptr, cloud,
-                               [&](size_t done, size_t total) { hook("score", done, total); });
-    } catch (const DataError& e) {
-      if (!std::holds_alternative<std::filesystem::path>(simulated)) throw;
-      throw FormatError(name_of(simulated), "", e.what());
-    }
+    name_file_of(simulated, [&] {
+      static_cast<metrics::Score&>(out) = pipeline::score_logs(
+          *a, *b, world ? &world->world() : nullptr, cloud, of_stage(hook, "score"));
+    });
     out.baselines =
         metrics::score_baselines(opened(real), train ? opened(*train) : metrics::OpenLog());
   });
@@ -144,6 +163,8 @@ void bind_score(nb::module_& m) {
       });
   m.def("score", &scored, "real"_a, "simulated"_a, "model"_a.none(), "train"_a.none(), "cloud"_a,
         "progress"_a.none(), "Compares a simulated log with the real log of the same beams.");
+  m.def("compare_clouds", &clouds_compared, "real"_a, "simulated"_a, "progress"_a.none(),
+        "Compares two logs that share no beams as point clouds, and returns the scores as JSON.");
   m.def(
       "write_score_report",
       [](const std::filesystem::path& folder, const std::filesystem::path& real,

@@ -194,7 +194,17 @@ def test_what_is_left_out_is_counted(tmp_path: pathlib.Path) -> None:
     assert sum(map(len, recording.scans())) == 64 * (240 - 4 * 6 - 1)
     assert recording.skipped == {
         "blocks with a wrong flag or azimuth": 1, "packets captured twice": 1, "packets of another length": 1,
-        "packets of another model or with an unknown return mode": 3}
+        "packets of another model": 2, "packets with an unknown return mode": 1}
+
+
+def test_packets_with_other_flags_are_told(tmp_path: pathlib.Path) -> None:
+    unit = UNITS["xt32"]
+    packets = packets_of(unit, observe(unit, 240))
+    time_s, data = packets[1]
+    packets[1] = time_s, data[:11] + bytes([data[11] | 0x40]) + data[12:]  # An unknown flag; the length is the same.
+    recording = recorded(tmp_path, unit, packets)
+    assert sum(map(len, recording.scans())) == 32 * (240 - 8)
+    assert recording.skipped == {"packets whose flags (optional parts) are others than those of most packets": 1}
 
 
 def test_the_return_mode_may_change(tmp_path: pathlib.Path) -> None:

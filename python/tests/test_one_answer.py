@@ -139,6 +139,19 @@ def test_score(run: Callable[..., str], folder: pathlib.Path, words: list[str], 
     assert score.baselines["always hit"].all.f1 == printed["baselines"]["always hit"]["f1"]
 
 
+def test_compare_clouds(run: Callable[..., str], folder: pathlib.Path) -> None:
+    printed = json.loads(run("score", folder / "train.ply", folder / "test.ply", "--protocol", "clouds", "--json", "-"))
+    stages: list[tuple[str, bool]] = []
+    found = underbrush.compare_clouds(folder / "train.ply", underbrush.read_log(folder / "test.ply"),
+                                      progress=lambda stage, done, total: stages.append((stage, done <= total)))
+    assert found == printed["models"]["test"]
+    assert found["points"] > 0 and all(fits for _, fits in stages)
+    empty = underbrush.read_log(folder / "test.ply")
+    empty.range_m[:] = np.inf
+    with pytest.raises(ValueError, match="the simulated log has no return"):
+        underbrush.compare_clouds(folder / "train.ply", empty)
+
+
 def without_origin(value: object) -> object:
     """JSON without what says what wrote it and when."""
     if isinstance(value, dict):

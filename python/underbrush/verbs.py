@@ -244,6 +244,19 @@ def score(real: Log, simulated: Log, *, model: World | None = None, train: Log |
     return scores
 
 
+def compare_clouds(real: Log, simulated: Log, *, progress: Progress | None = None) -> dict[str, Any]:
+    """Compares two logs that share no beams as point clouds, without beams that met something marked as moving.
+
+    Both logs are in one frame, m. Returns what `underbrush score --protocol clouds --json` writes for a log, such as
+    `cloud_error_m`, `density_aware_chamfer` in [0, 1], `occupied` in [0, 1], the histograms `range` and `height` with
+    their Wasserstein distances (m), and `regions`, a list of the squares of 20 m; a score without data is None. Raises
+    `ValueError` (`FormatError` for files) where a log has no return, and `OSError`.
+    """
+    with _shown(progress) as shown:
+        scores: dict[str, Any] = json.loads(_core.compare_clouds(_log(real), _log(simulated), shown))
+    return scores
+
+
 def import_log(source: Path, output: Path | None = None, *, float_coordinates: bool = False,
                progress: Progress | None = None, **options: Unpack[ImportParameters]) -> Imported:
     """Reads a log of any supported format as beams, with misses kept or inferred.

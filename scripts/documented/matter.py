@@ -1,4 +1,6 @@
 """The tables of matter that is drawn once, of the instrument that meets it, and of matter that is known."""
+import statistics
+
 from .common import HALVES, KEYS, LOGS, study
 from .jobs import Job, Measured, Part, read_json
 
@@ -134,19 +136,33 @@ def extremes(values):
     return [min(values), max(values)]
 
 
+def over_logs(values):
+    """The 95 % interval of the mean of a value of each of the five logs (Student's t with 4 degrees of freedom)."""
+    assert len(values) == len(LOGS) == 5
+    half = 2.776 * statistics.stdev(values) / len(values) ** 0.5
+    return [statistics.mean(values) - half, statistics.mean(values) + half]
+
+
 def validated(tables):
     """The table of effects on the page about validation, made of results that other tables show."""
+    def of_logs(effect, *values):
+        yield effect, "error", [x for of_value in values for x in extremes(of_value)]
+        yield effect, "interval", [x for of_value in values for x in over_logs(of_value)]
+
+    def draws(folder):
+        figures = read_json(folder / "study.json")["figures"]
+        yield from of_logs("where beams end", *([figures[log]["default"][KEYS[column]] for log in LOGS]
+                                                for column in ("capped error, m", "informedness")))
+
     def ends(*folders):
-        models = [read_json(folder / "scores.json")["models"] for folder in folders]
-        thin = [m["thin"] for m in models]
-        yield ("where beams end", "error", extremes([m[KEYS["packet error, m"]] for m in thin]) +
-               extremes([m[KEYS["F1"]] for m in thin]))
-        weak = [read_json(folder / "weak.json") for folder in folders]
-        yield "misses by weak signal", "error", extremes([w["misses"] for w in weak])
+        thin = [read_json(folder / "scores.json")["models"]["thin"] for folder in folders]
+        yield from of_logs("where beams end, elements alone", *([m[KEYS[column]] for m in thin]
+                                                                for column in ("packet error, m", "F1")))
+        yield from of_logs("misses by weak signal", [read_json(folder / "weak.json")["misses"] for folder in folders])
 
     def rings(*folders):
         models = [read_json(folder / "scores.json")["models"]["once"] for folder in folders]
-        yield "roughness along a ring", "error", extremes([m["roughness_m"] / m["roughness_real_m"] for m in models])
+        yield from of_logs("roughness along a ring", [m["roughness_m"] / m["roughness_real_m"] for m in models])
 
     def several(folder):
         figures = {row.partition("/")[2]: s for row, s in read_json(folder / "study.json")["figures"].items()}
@@ -157,6 +173,8 @@ def validated(tables):
     def walls(folder):
         f = read_json(folder / "study.json")["figures"]["walls"]["kitti_0052_static"]["default fit"]
         yield "walls of a fitted model", "error", [f["spread"]["mean"], 1000 * f["offset_m"]["mean"]]
+        yield "walls of a fitted model", "interval", [scale * f[key][end] for key, scale in
+                                                      (("spread", 1), ("offset_m", 1000)) for end in ("low", "high")]
 
     def beyond(folder):
         f = read_json(folder / "study.json")["figures"]["kitti_0027_forest"]["20 m beyond"]["default"]
@@ -166,9 +184,10 @@ def validated(tables):
     def software(forest, street):
         found = [next(iter(read_json(folder / "study.json")["figures"]["odometry"].values()))["default"]
                  for folder in (forest, street)]
-        ratios = [drive[part]["ratio"] for part in ("translation", "rotation") for drive in found]
-        yield ("odometry on simulated scans", "error", ratios + extremes(
-            [drive[part]["correlation"] for part in ("translation", "rotation") for drive in found]))
+        parts = [drive[part] for part in ("translation", "rotation") for drive in found]
+        yield "odometry on simulated scans", "error", [p["ratio"] for p in parts] + extremes(
+            [p["correlation"] for p in parts])
+        yield "odometry on simulated scans", "interval", [x for p in parts for x in p["ratio_interval"]]
 
     def lists(folder):
         f = read_json(folder / "study.json")["figures"]["kitti_0005_tracks"]
@@ -179,7 +198,7 @@ def validated(tables):
 
     def part(name, cells):
         return Part(tuple(job for p in tables[name].parts for job in p.jobs), cells)
-    return Measured((part("instrument", ends), part("grain", rings), part("echoes", several), part("walls", walls),
+    return Measured((part("look-up", draws), part("instrument", ends), part("grain", rings), part("echoes", several), part("walls", walls),
                      part("extrapolation", beyond), part("software-odometry", software),
                      part("sequential", lists)),
                     relative={"odometry on simulated scans": 0.02})

@@ -50,8 +50,12 @@ class Contents(unittest.TestCase):
             self.assertGreater(int(found["claims checked"] or 0), 50)
             for effect in effects:
                 self.assertIn(f"<h2>{effect}</h2>", report)
-                for key in ("compared with", "error", "not modelled"):
+                for key in ("compared with", "error", "interval", "not modelled"):
                     self.assertTrue(found[f"{effect}.{key}"], effect)
+            self.assertRegex(report, r"version \d+\.\d+\.\d+")
+            self.assertIn("Intervals are those of the mean", report)
+            # The table of the README comes first: the configuration of the first effect is the README's.
+            self.assertLess(report.index("How close the simulation comes"), report.index("<h2>", report.index("<h2>") + 1))
             self.assertIn("Range of validity", report)
             self.assertNotIn('class="broken"', report)
 

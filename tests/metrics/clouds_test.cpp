@@ -148,6 +148,21 @@ TEST(Clouds, RegionsTellWhereACloudLacksPoints) {
   EXPECT_NEAR(share, 1, 1e-9);
 }
 
+TEST(Clouds, ProgressReachesAllRowsAndPoints) {
+  const BeamLog real = site(47, 300'000), simulated = site(48, 2000);
+  MemorySource a(real, 10'000), b(simulated, 777);
+  std::vector<size_t> steps;
+  compare_clouds(a, b, [&](size_t done, size_t total) {
+    EXPECT_EQ(total, 2 * (real.size() + simulated.size()));
+    steps.push_back(done);
+  });
+  EXPECT_TRUE(std::is_sorted(steps.begin(), steps.end()));
+  EXPECT_EQ(steps.front(), 0u);
+  EXPECT_EQ(steps.back(), 602'000u);
+  EXPECT_EQ(std::count(steps.begin(), steps.end(), 302'000u), 1);  // The comparison begins.
+  EXPECT_GT(steps.size(), 100u);
+}
+
 TEST(Clouds, OfNoPointsAreRefused) {
   const BeamLog log = site(46, 10);
   BeamLog none = log;

@@ -12,6 +12,7 @@
 #include "underbrush/sensor/pattern.hpp"
 #include "underbrush/worlds/helios_scene.hpp"
 #include "underbrush/worlds/helios_survey.hpp"
+#include "underbrush/worlds/survey_folder.hpp"
 
 namespace underbrush::worlds {
 

@@ -235,6 +235,31 @@ TEST_F(HeliosSurvey, AWarmUpTurnsHeadAndOptics) {
   }
 }
 
+TEST_F(HeliosSurvey, ASensorThatNoSimulationTakesIsNotWritten) {
+  const std::string tripod = "platform=\"platforms.xml#tripod\"", leg = stand("");
+  const auto written = [&](const std::string& optics, const std::string& scanner) -> std::string {
+    const fs::path file = survey(tripod, leg, optics, scanner);
+    const World world = read_helios_scene(file);
+    try {
+      write_survey(folder / "out", world, read_helios_survey(file, {}), "{}");
+    } catch (const FormatError& e) {
+      EXPECT_FALSE(fs::exists(folder / "out"));
+      EXPECT_EQ(e.file(), file.string());
+      EXPECT_EQ(e.place(), "leg 0");
+      return e.reason();
+    }
+    fs::remove_all(folder / "out");
+    return "";
+  };
+  EXPECT_EQ(written("risley", kPrisms), "");
+  EXPECT_EQ(written("conic", ""), "");
+  // Beyond the critical angle of 30°.
+  EXPECT_EQ(written("risley", "angle1_deg=\"40\" refrIndex1=\"2\" rotorFreq1_Hz=\"10\""),
+            "sensor: a prism reflects a beam totally");
+  EXPECT_EQ(written("risley", "angle1_deg=\"95\" refrIndex1=\"1.1\" rotorFreq1_Hz=\"10\""),
+            "sensor: a prism's angle is below 90 degrees");
+}
+
 TEST_F(HeliosSurvey, RefusesWhatIsWrong) {
   const std::string tripod = "platform=\"platforms.xml#tripod\"";
   EXPECT_THROW(read_helios_survey(survey(tripod, kTurn, "kaleidoscope"), {}), FormatError);

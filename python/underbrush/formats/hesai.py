@@ -132,11 +132,14 @@ class Decoder:
 
     def decode(self, packets: list[bytes], captured_s: Floats) -> Iterator[Scan]:
         """Yields the scans that end in the n `packets`, which were captured at (n,) `captured_s`."""
-        same = [layout_of(data) == self.layout for data in packets]
+        differences = [self.layout.difference(layout_of(data)) for data in packets]
+        self.skipped.update(filter(None, differences))
+        same = [not difference for difference in differences]
         whole = self._packets([data for data, keep in zip(packets, same) if keep])
         returns = np.array([MODES.get(mode, (0, ""))[0] for mode in range(256)])[whole["tail"]["mode"]]
         keep = (returns > 0) & (self.layout.blocks % np.maximum(returns, 1) == 0)
-        self.skipped["packets of another model or with an unknown return mode"] += len(packets) - int(keep.sum())
+        self.skipped["packets with an unknown return mode"] += int((returns == 0).sum())
+        self.skipped["packets whose number of blocks does not fit their return mode"] += int((returns[~keep] > 0).sum())
         whole, returns, captured_s = whole[keep], returns[keep], captured_s[same][keep]
         self.modes |= {MODES[mode][1] for mode in np.unique(whole["tail"]["mode"]).tolist()}
         edges = [0, *(np.flatnonzero(np.diff(returns)) + 1), len(whole)]

@@ -38,6 +38,12 @@ class Layout:
     unit_mm: int  #: Step of the range.
     flags: int  #: Optional parts.
 
+    def difference(self, other: Layout | None) -> str:
+        """How packets of another layout differ; empty where they do not."""
+        if other is None or dataclasses.replace(other, flags=self.flags) != self:
+            return "packets of another model"
+        return "" if other == self else "packets whose flags (optional parts) are others than those of most packets"
+
     @property
     def is_decoded(self) -> bool:
         return self.protocol in _TAILS

@@ -181,8 +181,10 @@ class Decoder:
             return
         dual = np.full(len(packets), self._is_dual(packets))
         if self._has_modes:
-            keep = np.isin(packets["mode"], list(MODES)) & (packets["product"] == self.model.product)
-            self.skipped["packets of another model or with an unknown return mode"] += int((~keep).sum())
+            of_model, known = packets["product"] == self.model.product, np.isin(packets["mode"], list(MODES))
+            self.skipped["packets of another model"] += int((~of_model).sum())
+            self.skipped["packets with an unknown return mode"] += int((of_model & ~known).sum())
+            keep = of_model & known
             packets, captured_s = packets[keep], captured_s[keep]
             dual = packets["mode"] == _DUAL
             self.modes |= {MODES[mode] for mode in np.unique(packets["mode"]).tolist()}

@@ -3,6 +3,7 @@
 /// simulated scanner with other directions.
 #pragma once
 #include <array>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -66,8 +67,10 @@ struct NamedCloudScores {
   CloudScores scores;
 };
 
-/// Compares two clouds in one frame. Rows that are echoes of one beam count as its returns. Throws
-/// `DataError` where one of the clouds has no point.
-CloudScores compare_clouds(BeamSource& real, BeamSource& simulated);
+/// Compares two clouds in one frame. Rows that are echoes of one beam count as its returns. Points
+/// and ranges are kept, not beams: about BYTES bytes a point. `progress(done, total)` may be empty.
+/// Throws `DataError` where one of the clouds has no point.
+CloudScores compare_clouds(BeamSource& real, BeamSource& simulated,
+                           const std::function<void(size_t, size_t)>& progress = {});
 
 }  // namespace underbrush::metrics

@@ -1,5 +1,6 @@
 #include "underbrush/metrics/nearest.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "underbrush/core/check.hpp"
@@ -8,20 +9,24 @@
 
 namespace underbrush::metrics {
 
-Nearest nearest(std::span<const Vec3f> queries, std::span<const Vec3f> cloud) {
+Nearest nearest(std::span<const Vec3f> queries, std::span<const Vec3f> cloud,
+                const std::function<void(size_t)>& progress) {
+  constexpr size_t kBlock = 4096, kAhead = 256;
   require(!cloud.empty(), "nearest: the cloud is empty");
   const CloudTree tree(cloud);
   Nearest out;
   out.distance_m.resize(queries.size());
   out.index.resize(queries.size());
-  parallel_for(queries.size(), 4096, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) {
-      uint32_t index = 0;
+  const auto search = [&](size_t block) {
+    const size_t end = std::min(queries.size(), (block + 1) * kBlock);
+    for (size_t i = block * kBlock; i < end; ++i) {
       float squared = 0;
-      tree.nearest(queries[i].data(), 1, &index, &squared);
-      out.index[i] = index;
+      tree.nearest(queries[i].data(), 1, &out.index[i], &squared);
       out.distance_m[i] = std::sqrt(squared);
     }
+  };
+  parallel_in_order((queries.size() + kBlock - 1) / kBlock, kAhead, search, [&](size_t block) {
+    if (progress) progress(block * kBlock);
   });
   return out;
 }

@@ -2,6 +2,7 @@
 /// This file finds nearest neighbours between two clouds.
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -16,8 +17,10 @@ struct Nearest {
 };
 
 /// Finds nearest neighbours exactly. Among equally near points the search's order decides. Both
-/// clouds are in one frame, m; `cloud` must not be empty.
-Nearest nearest(std::span<const Vec3f> queries, std::span<const Vec3f> cloud);
+/// clouds are in one frame, m; `cloud` must not be empty. `progress(done)`, with the number of
+/// queries so far, from any thread but one at a time, may be empty.
+Nearest nearest(std::span<const Vec3f> queries, std::span<const Vec3f> cloud,
+                const std::function<void(size_t)>& progress = {});
 
 /// Computes 1 − e^{−α d}/n of each query, with α = 10/m, where n queries share their nearest point.
 /// The density-aware Chamfer distance (Wu et al. 2021) is the mean of these terms over both

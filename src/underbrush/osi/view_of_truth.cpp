@@ -10,6 +10,7 @@ SensorView view_of_ground_truth(std::string_view bytes, std::string_view source)
   write_version(w, 1, truth.version);
   write_timestamp(w, 2, truth.timestamp);
   write_id(w, 3, 0);
+  write_mounting(w, 4, Mounting::of(Pose()));
   w.add_message(7, bytes.data(), bytes.size());
   write_id(w, 8, truth.host_vehicle_id);
   return read_sensor_view(std::move(message), source);

@@ -81,8 +81,11 @@ void write_object(pbf_writer& w, const DetectedObject& o) {
     pbf_writer candidate(part, 8);
     candidate.add_double(1, c.probability);
     candidate.add_enum(2, int32_t(c.type));
-    if (c.vehicle_type) {
-      write_part(candidate, 3, [&](pbf_writer& v) { v.add_enum(1, int32_t(c.vehicle_type)); });
+    if (c.vehicle_type || c.type == uint32_t(ObjectType::kVehicle)) {
+      write_required(candidate, 3, [&](pbf_writer& v) { v.add_enum(1, int32_t(c.vehicle_type)); });
+    }
+    if (c.type == uint32_t(ObjectType::kPedestrian)) {
+      for (const uint32_t pose : {4, 5}) candidate.add_message(pose, "", 0);  // Not known.
     }
   }
 }

@@ -14,6 +14,15 @@ void write_part(protozero::pbf_writer& w, uint32_t tag, Write&& write) {
   write(part);
 }
 
+/// The same for a field that OSI's rules want to be set: a `pbf_writer` leaves out empty messages.
+template <class Write>
+void write_required(protozero::pbf_writer& w, uint32_t tag, Write&& write) {
+  std::string bytes;
+  protozero::pbf_writer part(bytes);
+  write(part);
+  w.add_message(tag, bytes);
+}
+
 void write_version(protozero::pbf_writer& w, uint32_t tag, const std::optional<Version>& value);
 void write_timestamp(protozero::pbf_writer& w, uint32_t tag, const std::optional<Timestamp>& value);
 void write_id(protozero::pbf_writer& w, uint32_t tag, const std::optional<uint64_t>& value);

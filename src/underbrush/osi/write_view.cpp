@@ -85,13 +85,15 @@ void write_moving(pbf_writer& w, const MovingObject& m) {
   write_known_id(part, 1, m.id);
   write_base(part, 2, m.base);
   part.add_enum(3, int32_t(m.type));
-  if (m.centre_to_rear_m) {
-    write_part(part, 5, [&](pbf_writer& a) { write_vector(a, 4, m.centre_to_rear_m); });
+  const bool is_vehicle = m.type == uint32_t(ObjectType::kVehicle);
+  if (is_vehicle || m.centre_to_rear_m) {
+    write_required(part, 5, [&](pbf_writer& a) { write_vector(a, 4, m.centre_to_rear_m); });
   }
-  if (m.vehicle_type) {
-    write_part(part, 6, [&](pbf_writer& v) { v.add_enum(1, int32_t(m.vehicle_type)); });
+  if (is_vehicle || m.vehicle_type) {
+    write_required(part, 6, [&](pbf_writer& v) { v.add_enum(1, int32_t(m.vehicle_type)); });
   }
   if (!m.model_reference.empty()) part.add_string(7, m.model_reference);
+  if (m.type == uint32_t(ObjectType::kPedestrian)) part.add_message(12, "", 0);  // Not known.
 }
 
 void write_stationary(pbf_writer& w, const StationaryObject& s) {

@@ -109,7 +109,9 @@ Json json_of(const metrics::LengthDistribution& d) {
           {"share", d.share[1]}};
 }
 
-Json json_of(const metrics::CloudScores& s) {
+}  // namespace
+
+Json json_of_cloud_scores(const metrics::CloudScores& s) {
   Json j = {{"real_beams", s.beams[0]},
             {"beams", s.beams[1]},
             {"real_points", s.points[0]},
@@ -136,13 +138,13 @@ Json json_of(const metrics::CloudScores& s) {
   return j;
 }
 
-}  // namespace
-
 Json json_of_clouds(const std::vector<metrics::NamedCloudScores>& clouds,
                     const std::string& provenance) {
-  Json j = json_of(clouds.at(0).scores);
+  Json j = json_of_cloud_scores(clouds.at(0).scores);
   j["models"] = Json::object();
-  for (const metrics::NamedCloudScores& c : clouds) j["models"][c.name] = json_of(c.scores);
+  for (const metrics::NamedCloudScores& c : clouds) {
+    j["models"][c.name] = json_of_cloud_scores(c.scores);
+  }
   j["provenance"] = io::json_of_text(provenance);
   return j;
 }

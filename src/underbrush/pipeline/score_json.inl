@@ -17,6 +17,9 @@ nlohmann::ordered_json json_of_scores(const std::vector<std::string>& names,
                                       const std::vector<metrics::Baseline>& baselines,
                                       const std::string& provenance);
 
+/// Returns a comparison of clouds; scores without data are null.
+nlohmann::ordered_json json_of_cloud_scores(const metrics::CloudScores& scores);
+
 /// Returns the first comparison of clouds at the top and those of every log under `models` by name.
 /// Scores without data are null.
 nlohmann::ordered_json json_of_clouds(const std::vector<metrics::NamedCloudScores>& clouds,

@@ -3,6 +3,7 @@
 #pragma once
 #include <functional>
 
+#include "underbrush/metrics/clouds.hpp"
 #include "underbrush/metrics/score.hpp"
 #include "underbrush/pipeline/world.hpp"
 
@@ -14,5 +15,10 @@ namespace underbrush::pipeline {
 /// clouds. `progress(done, total)` may be empty. Throws as `metrics::score` does.
 metrics::Score score_logs(BeamSource& real, BeamSource& simulated, const TracedWorld* world,
                           bool cloud, const std::function<void(size_t, size_t)>& progress = {});
+
+/// Compares two logs that share no beams as point clouds (`metrics::compare_clouds`), without the
+/// beams that met something that was marked as moving.
+metrics::CloudScores score_clouds(BeamSource& real, BeamSource& simulated,
+                                  const std::function<void(size_t, size_t)>& progress = {});
 
 }  // namespace underbrush::pipeline

@@ -32,6 +32,7 @@ class SurveyReader {
         ground_at_(ground_at),
         survey_(xml_.root().child("survey")) {
     if (!survey_) throw FormatError(path.string(), "", "no survey of HELIOS++");
+    out_.file = path;
     out_.name = printable(survey_.attribute("name").value(), 100);
     xml_.count_others(survey_, {"leg", "FWFSettings", "scannerMount", "detectorSettings"},
                       out_.left_out);

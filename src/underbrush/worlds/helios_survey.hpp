@@ -26,6 +26,7 @@ struct SurveyLeg {
 
 /// A survey.
 struct Survey {
+  std::filesystem::path file;  ///< The XML file that it was read from.
   std::string name;
   std::vector<SurveyLeg> legs;
   /// Number of things in the XML that are not used, by what they are.

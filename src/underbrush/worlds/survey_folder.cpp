@@ -3,11 +3,13 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "underbrush/core/check.hpp"
 #include "underbrush/core/file.hpp"
 #include "underbrush/core/temporary.hpp"
 #include "underbrush/elements/scene_file.hpp"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/json_text.inl"
+#include "underbrush/sensor/sensor.hpp"
 
 namespace underbrush::worlds {
 namespace fs = std::filesystem;
@@ -29,6 +31,20 @@ std::string poses_text(const Trajectory& trajectory) {
 }
 
 std::string name_of(const SurveyLeg& leg) { return "leg-" + std::to_string(leg.number); }
+
+/// Writes the sensor and the path of a leg. Throws `FormatError` for a sensor that no simulation
+/// takes.
+void write_leg(const fs::path& folder, const fs::path& survey, const SurveyLeg& leg) {
+  const fs::path file = folder / (name_of(leg) + ".yaml");
+  write_file(file, leg.sensor);
+  if (!leg.table_name.empty()) write_file(folder / leg.table_name, leg.directions);
+  write_file(folder / (name_of(leg) + ".txt"), poses_text(leg.trajectory));
+  try {
+    sensor::load(file.string());
+  } catch (const FormatError& e) {
+    throw FormatError(survey.string(), "leg " + std::to_string(leg.number), e.reason());
+  }
+}
 
 }  // namespace
 
@@ -60,11 +76,7 @@ std::string write_survey(const fs::path& path, const World& world, const Survey&
       [&](const fs::path& folder) {
         make_temporary_folders(folder);
         elements::write_scene(folder / "scene", world.scene, info);
-        for (const SurveyLeg& leg : survey.legs) {
-          write_file(folder / (name_of(leg) + ".yaml"), leg.sensor);
-          if (!leg.table_name.empty()) write_file(folder / leg.table_name, leg.directions);
-          write_file(folder / (name_of(leg) + ".txt"), poses_text(leg.trajectory));
-        }
+        for (const SurveyLeg& leg : survey.legs) write_leg(folder, survey.file, leg);
         write_file(folder / "survey.json", text);
       },
       io::OutputKind::kFolder);

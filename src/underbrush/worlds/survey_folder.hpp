@@ -14,8 +14,8 @@ void check_survey_output(const std::filesystem::path& path);
 
 /// Writes the folder `path`, atomically, replacing a survey that stood there: survey.json, scene/,
 /// and leg-N.yaml, leg-N.txt and, if it has a table, leg-N.csv for each leg N. Returns the text of
-/// survey.json (JSON). `provenance` is JSON. Throws `IoError`, also if a folder that is no survey
-/// stands there.
+/// survey.json (JSON). `provenance` is JSON. Throws `FormatError` where the sensor of a leg is one
+/// that `sensor::load` refuses, and `IoError`, also if a folder that is no survey stands there.
 std::string write_survey(const std::filesystem::path& path, const World& world,
                          const Survey& survey, const std::string& provenance);
 
