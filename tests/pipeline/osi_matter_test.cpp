@@ -63,7 +63,7 @@ class OsiMatter : public testing::Test {
 
   std::vector<double> of_tracer(const elements::Model& model, double time_s) {
     const std::string world = (folder_ / "world").string();
-    elements::write_model(world, model, "{}");
+    elements::write_model(world, model);
     osi::ChainFile file;
     file.strategies.push_back({"tracer", "", {}, "test", "tracer"});
     file.set("tracer", "sensor", (folder_ / "few.yaml").string());

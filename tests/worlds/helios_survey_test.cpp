@@ -254,7 +254,7 @@ TEST_F(HeliosSurvey, ASensorThatNoSimulationTakesIsNotWritten) {
   EXPECT_EQ(written("risley", kPrisms), "");
   EXPECT_EQ(written("conic", ""), "");
   // Beyond the critical angle of 30°.
-  EXPECT_EQ(written("risley", "angle1_deg=\"40\" refrIndex1=\"2\" rotorFreq1_Hz=\"10\""),
+  EXPECT_EQ(written("risley", "angle1_deg=\"-40\" refrIndex1=\"2\" rotorFreq1_Hz=\"10\""),
             "sensor: a prism reflects a beam totally");
   EXPECT_EQ(written("risley", "angle1_deg=\"95\" refrIndex1=\"1.1\" rotorFreq1_Hz=\"10\""),
             "sensor: a prism's angle is below 90 degrees");

@@ -16,9 +16,8 @@ struct Nearest {
   std::vector<uint32_t> index;
 };
 
-/// Finds nearest neighbours exactly. Among equally near points the search's order decides. Both
-/// clouds are in one frame, m; `cloud` must not be empty. `progress(done)`, with the number of
-/// queries so far, from any thread but one at a time, may be empty.
+/// Finds nearest neighbours exactly; among equally near points the search's order decides. Both
+/// clouds are in one frame, m; `cloud` must not be empty. `progress(done)` may be empty.
 Nearest nearest(std::span<const Vec3f> queries, std::span<const Vec3f> cloud,
                 const std::function<void(size_t)>& progress = {});
 

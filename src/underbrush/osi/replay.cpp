@@ -77,7 +77,10 @@ Chain chain_of(const ReplayOptions& a, bool is_truth) {
 }
 
 Replay::Replay(TraceReader& reader, const ReplayOptions& options)
-    : reader_(reader), chain_(chain_of(options, is_truth_alone(reader))) {}
+    : reader_(reader), chain_(chain_of(options, is_truth_alone(reader))) {
+  // A view that is made of a ground truth alone is a message of this program.
+  if (reader.type() == MessageType::kGroundTruth) known_ = StaticData(Version());
+}
 
 bool Replay::next(SensorData& data) {
   std::string message;

@@ -10,6 +10,8 @@ namespace underbrush::osi {
 /// axle is.
 class StaticData {
  public:
+  /// `version` is that of views before one has told it.
+  explicit StaticData(std::optional<Version> version = {}) : version_(version) {}
   /// Fills in what the view lacks and an earlier one had, also in its bytes.
   void fill(SensorView& view);
 
