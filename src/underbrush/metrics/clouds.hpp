@@ -68,7 +68,7 @@ struct NamedCloudScores {
 };
 
 /// Compares two clouds in one frame. Rows that are echoes of one beam count as its returns. Points
-/// and ranges are kept, not beams: about BYTES bytes a point. `progress(done, total)` may be empty.
+/// and ranges are kept, not beams: about 35 bytes a point. `progress(done, total)` may be empty.
 /// Throws `DataError` where one of the clouds has no point.
 CloudScores compare_clouds(BeamSource& real, BeamSource& simulated,
                            const std::function<void(size_t, size_t)>& progress = {});
