@@ -62,7 +62,6 @@ void add_options(Verb& verb, Arguments& a) {
       "to scan, and the distance of bearing x range histograms");
 }
 
-/// Compares logs that share no beams as point clouds.
 void score_clouds(const Verb& verb, const Arguments& a, const std::vector<Candidate>& candidates) {
   std::vector<metrics::NamedCloudScores> clouds;
   std::vector<fs::path> inputs{a.real};
