@@ -161,8 +161,8 @@ std::vector<Cell> vegetation_of(const Cells& cells, const elements::Model& model
   return out;
 }
 
-/// The estimating function of ln χ, its negative derivative, and the sum of the squares of what
-/// cells add to it.
+/// The estimating function of ln χ, its negative derivative, and its variance: the sum of the
+/// squares of what cells add to it.
 struct Estimating {
   double value = 0, steepness = 0, squares = 0;
 };
@@ -210,12 +210,14 @@ Estimating estimating_function(const std::vector<Cell>& cells, double ln_chi) {
   return out;
 }
 
-/// Finds the root of the estimating function, between bounds.
-double root_of(const std::vector<Cell>& cells) {
+/// Finds the root of the estimating function plus the slope of a normal prior of ln χ with mean 0
+/// and standard deviation 1, whose part is `prior`, between bounds.
+double root_of(const std::vector<Cell>& cells, double prior) {
   double low = std::log(kLeastShape), high = std::log(kMostShape);
   for (int k = 0; k < 30; ++k) {
     const double middle = 0.5 * (low + high);
-    (estimating_function(cells, middle).value > 0 ? low : high) = middle;
+    const bool below = estimating_function(cells, middle).value > prior * middle;
+    (below ? low : high) = middle;
   }
   return 0.5 * (low + high);
 }
@@ -232,13 +234,14 @@ LeafAngleReport learn_leaf_angles(elements::Model& model, BeamSource& log, const
   out.cells = cells.size();
   for (const Cell& c : cells) out.hits += size_t(c.count);
   if (cells.empty()) return out;
-  const double ln_chi = root_of(cells);
-  const Estimating at = estimating_function(cells, ln_chi);
-  out.chi = std::exp(ln_chi);
-  out.error = std::sqrt(at.squares) / at.steepness;
-  out.used = std::abs(ln_chi) > 3 * out.error;
+  const Estimating spherical = estimating_function(cells, 0);
+  if (!(spherical.squares > 0)) return out;
+  out.deviation = spherical.value / std::sqrt(spherical.squares);
+  out.chi = std::exp(root_of(cells, 0));
+  out.used = std::abs(out.deviation) > 3;
   if (out.used) {
-    model.leaf_angles = LeafAngleDistribution(std::exp(ln_chi / (1 + out.error * out.error)));
+    const double prior = spherical.squares / spherical.steepness;
+    model.leaf_angles = LeafAngleDistribution(std::exp(root_of(cells, prior)));
   }
   return out;
 }

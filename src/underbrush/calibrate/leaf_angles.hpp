@@ -10,8 +10,10 @@ namespace underbrush::calibrate {
 struct LeafAngleReport {
   size_t cells = 0, hits = 0;  ///< Cells of vegetation, and the returns from them.
   double chi = 1;              ///< The most likely χ of `LeafAngleDistribution` by the log alone.
-  double error = 0;            ///< Standard error of ln χ.
-  bool used = false;           ///< Whether the model has it, and not spherical leaves.
+  /// The estimating function for spherical leaves, in its standard errors; positive for flat
+  /// leaves.
+  double deviation = 0;
+  bool used = false;  ///< Whether the model has it, and not spherical leaves.
 };
 
 /// Sets `leaf_angles` of the model by the returns of a log from vegetation. In a cell of a grid (1
@@ -24,15 +26,15 @@ struct LeafAngleReport {
 /// for ln χ, of which the root is taken.
 ///
 /// Cells of vegetation are those with at least six returns that do not lie on a plane or a line,
-/// and whose lower side is above the ground of the model. The standard error of ln χ comes from the
-/// spread of the cells. Leaves stay spherical if ln χ differs from 0 by less than three times that;
-/// otherwise ln χ has a normal prior of mean 0 and standard deviation 1. About a quarter of a
-/// million beams of the log are used, up to 30 m and as far as the beams of the sensor that `info`
-/// names are at most 3 cm wide: a wider beam meets leaves beside its axis, the more the farther
-/// away, which looks like another inclination. The beams of a log without a sensor count as narrow.
-/// Leaves also stay spherical where under 5 % of the first beams of the log (65 536 or more) are
-/// within 45° of the vertical, or under 5 % are not, because such a log holds too little about
-/// inclinations.
+/// and whose lower side is above the ground of the model. The variance of the estimating function
+/// is the sum of the squares of what the cells add to it. Leaves stay spherical if it differs from
+/// 0 by less than three standard errors for them; otherwise ln χ has a normal prior of mean 0 and
+/// standard deviation 1. About a quarter of a million beams of the log are used, up to 30 m and as
+/// far as the beams of the sensor that `info` names are at most 3 cm wide: a wider beam meets
+/// leaves beside its axis, the more the farther away, which looks like another inclination. The
+/// beams of a log without a sensor count as narrow. Leaves also stay spherical where under 5 % of
+/// the first beams of the log (65 536 or more) are within 45° of the vertical, or under 5 % are
+/// not, because such a log holds too little about inclinations.
 LeafAngleReport learn_leaf_angles(elements::Model& model, BeamSource& log, const LogInfo& info,
                                   double min_range_m);
 

@@ -126,7 +126,7 @@ Json json_of(const FittedModel& fitted, const SkippedRows& skipped) {
     j["leaf_angles"] = {{"cells", r.leaf_angles.cells},
                         {"hits", r.leaf_angles.hits},
                         {"chi", r.leaf_angles.chi},
-                        {"ln_chi_error", r.leaf_angles.error},
+                        {"deviation", r.leaf_angles.deviation},
                         {"used", r.leaf_angles.used}};
   }
   if (r.sway.known) {
