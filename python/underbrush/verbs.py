@@ -1,17 +1,16 @@
 """The verbs of the command line as functions."""
 from __future__ import annotations
 
-import contextlib
-import importlib
-import importlib.util
 import json
 import os
 import tempfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, overload
 
 from underbrush import _core
 from underbrush._core import BeamLog, Model, ObjectLists, Primitives, Scene, Score, Sensor, Trajectory, Tuning
+from underbrush.progress import Progress
+from underbrush.progress import shown as _shown
 from underbrush.recorded import given_log as _log
 
 if TYPE_CHECKING:
@@ -25,8 +24,6 @@ Path = str | os.PathLike[str]
 #: A log, or the path of one (.ply or .ublog, as `underbrush import` writes it) or of a recording (bag, LAS, pcap, E57).
 Log = BeamLog | Path
 World = Model | Scene | Path  #: A model or scene, or the path of its folder.
-#: Receives (stage, done, total); True shows a bar if tqdm is installed.
-Progress = Callable[[str, int, int], object] | bool
 #: An object that moves: a model, or the path of a model's folder or a mesh (OBJ, PLY); its poses over time, world from
 #: object; and a material, "" for that of its class.
 Mover = tuple[Model | Path, Trajectory | Path, str]
@@ -78,40 +75,6 @@ def _set(core: Any, options: Mapping[str, Any]) -> Any:
 
 def _sensor(sensor: Sensor | str | None) -> Sensor | None:
     return Sensor(sensor) if isinstance(sensor, str) else sensor
-
-
-class _Bar:
-    """A bar of tqdm for each stage."""
-
-    def __init__(self) -> None:
-        self._bar: Any = None
-        self._stage = ""
-
-    def __call__(self, stage: str, done: int, total: int) -> None:
-        tqdm: Any = importlib.import_module("tqdm")
-        if stage != self._stage:
-            self.close()
-            self._stage, self._bar = stage, tqdm.tqdm(desc=stage, leave=False)
-        self._bar.total = total
-        self._bar.update(done - self._bar.n)
-
-    def close(self) -> None:
-        if self._bar is not None:
-            self._bar.close()
-
-
-@contextlib.contextmanager
-def _shown(progress: Progress | None) -> Iterator[Callable[[str, int, int], object] | None]:
-    if not isinstance(progress, bool):
-        yield progress
-    elif not progress or importlib.util.find_spec("tqdm") is None:
-        yield None
-    else:
-        bar = _Bar()
-        try:
-            yield bar
-        finally:
-            bar.close()
 
 
 def report_of(value: Model | Scene | Primitives | ObjectLists) -> dict[str, Any]:

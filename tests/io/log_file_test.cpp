@@ -7,6 +7,7 @@
 #include <csignal>
 #include <nlohmann/json.hpp>
 
+#include "random_log.hpp"
 #include "temporary.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
@@ -15,77 +16,6 @@
 
 namespace underbrush::io {
 namespace {
-
-const char* const kProvenance = R"({"command":["time","intensity"],"when\time":"\"intensity\""})";
-
-BeamLog random_log(uint64_t seed, size_t n, double far, bool colours = false) {
-  Stream random(seed);
-  BeamLog log;
-  log.info.sensor = "lifetime-intensity";
-  log.info.max_range_m = 120;
-  log.info.min_range_m = 0.9;
-  log.info.has_misses = true;
-  log.info.deskewed = true;
-  for (uint32_t s = 0; s < 3; ++s) {
-    Eigen::Quaterniond q(random.normal(), 0, 0, 0);
-    q.x() = random.normal(), q.y() = random.normal(), q.z() = random.normal();
-    log.info.scans.push_back({10 + s, 1.3e9 + 0.1 * s, {q.normalized(), Vec3(far, s, -0.1)}});
-  }
-  log.extra["class"] = std::vector<uint16_t>{};
-  log.extra["small"] = std::vector<int8_t>{};
-  log.extra["intensity of time"] = std::vector<int16_t>{};
-  log.extra["xray"] = std::vector<double>{};
-  log.extra["ring"] = std::vector<float>{};
-  if (colours) {
-    for (const char* c : {"red", "green", "blue"}) log.extra[c] = std::vector<uint8_t>{};
-  }
-  log.resize(n);
-  for (size_t i = 0; i < n; ++i) {
-    Vec3 d;
-    for (int c = 0; c < 3; ++c) log.origin[i][c] = far + random.normal(), d[c] = random.normal();
-    log.direction[i] = d.normalized().cast<float>();
-    log.range_m[i] = random.uniform() < 0.2 ? kMiss : float(std::exp2(random.uniform(-8, 10)));
-    // The grid of ranges changes at powers of two.
-    if (i % 16 == 0) log.range_m[i] = std::nextafter(float(1 << (i / 16 % 9)), i % 32 ? 0.f : 1e9f);
-    log.intensity[i] = log.is_hit(i) ? float(random.uniform()) : 0.f;
-    log.time_s[i] = 1.3e9 + random.uniform();
-    log.ring[i] = uint16_t(i % 64);
-    log.scan[i] = uint32_t(10 + i % 3);
-    log.packet[i] = uint32_t(i / 7);
-    log.flags[i] = uint8_t(i % 2);
-    for (auto& [name, column] : log.extra) {
-      std::visit([&](auto& c) { c[i] = std::decay_t<decltype(c[0])>(random.below(120)); }, column);
-    }
-  }
-  return log;
-}
-
-void expect_same(const BeamLog& a, const BeamLog& b) {
-  EXPECT_EQ(a.origin, b.origin);
-  EXPECT_EQ(a.direction, b.direction);
-  EXPECT_EQ(a.range_m, b.range_m);
-  EXPECT_EQ(a.intensity, b.intensity);
-  EXPECT_EQ(a.time_s, b.time_s);
-  EXPECT_EQ(a.ring, b.ring);
-  EXPECT_EQ(a.scan, b.scan);
-  EXPECT_EQ(a.packet, b.packet);
-  EXPECT_EQ(a.flags, b.flags);
-  EXPECT_EQ(a.extra, b.extra);
-  EXPECT_EQ(a.info.sensor, b.info.sensor);
-  EXPECT_EQ(a.info.min_range_m, b.info.min_range_m);
-  EXPECT_EQ(a.info.max_range_m, b.info.max_range_m);
-  EXPECT_EQ(a.info.has_misses, b.info.has_misses);
-  EXPECT_EQ(a.info.deskewed, b.info.deskewed);
-  ASSERT_EQ(a.info.scans.size(), b.info.scans.size());
-  for (size_t s = 0; s < a.info.scans.size(); ++s) {
-    EXPECT_EQ(a.info.scans[s].scan, b.info.scans[s].scan);
-    EXPECT_EQ(a.info.scans[s].time_s, b.info.scans[s].time_s);
-    EXPECT_EQ(a.info.scans[s].world_from_sensor.translation,
-              b.info.scans[s].world_from_sensor.translation);
-    EXPECT_EQ(a.info.scans[s].world_from_sensor.rotation.coeffs(),
-              b.info.scans[s].world_from_sensor.rotation.coeffs());
-  }
-}
 
 struct Case {
   double far;
@@ -351,89 +281,6 @@ TEST(LogFile, WriterRefusesWhatCannotBeRead) {
   refuses([](BeamLog& log) { log.resize(0); });
   refuses([](BeamLog& log) { log.info.max_range_m = INFINITY; });
   refuses([](BeamLog& log) { log.info.scans[0].world_from_sensor.rotation.w() = 9; });
-}
-
-// A log of either format becomes one of the other and back without a changed bit.
-TEST(LogFile, CompactLogsHoldWhatARayCloudHolds) {
-  const TemporaryFolder folder;
-  BeamLog log = random_log(7, 100'000, 5e6, true);
-  log.info.classes = "semantickitti";
-  log.info.element_classes = {"a tree", "intensity"};
-  log.info.sensor_file = "name: mine\n";
-  write_log(folder / "a.ply", log, kProvenance);
-  const BeamLog once = read_log(folder / "a.ply");
-  const LogReader cloud(folder / "a.ply");
-  write_log(folder / "b.ublog", once, cloud.provenance());
-  const LogReader compact(folder / "b.ublog");
-  EXPECT_EQ(compact.provenance(), cloud.provenance());
-  EXPECT_EQ(compact.info().classes, log.info.classes);
-  EXPECT_EQ(compact.info().element_classes, log.info.element_classes);
-  EXPECT_EQ(compact.info().sensor_file, log.info.sensor_file);
-  const BeamLog back = read_log(folder / "b.ublog");
-  expect_same(once, back);
-  write_log(folder / "c.ply", back, compact.provenance());
-  EXPECT_TRUE(bytes_of(folder / "a.ply") == bytes_of(folder / "c.ply"));
-  EXPECT_LT(std::filesystem::file_size(folder / "b.ublog"),
-            std::filesystem::file_size(folder / "a.ply"));
-  // Unlike a ray cloud, it keeps what was written first, too.
-  write_log(folder / "d.ublog", log, kProvenance);
-  expect_same(log, read_log(folder / "d.ublog"));
-}
-
-TEST(LogFile, CompactLogsAreKnownByTheirContent) {
-  const TemporaryFolder folder;
-  write_log(folder / "a.UBLOG", random_log(7, 1000, 0), kProvenance);
-  std::filesystem::rename(folder / "a.UBLOG", folder / "b.ply");
-  EXPECT_EQ(LogReader(folder / "b.ply").size(), 1000u);
-  const Input input = open_input(folder / "b.ply");
-  EXPECT_EQ(input.format, "compact");
-  EXPECT_TRUE(input.is_log);
-  EXPECT_EQ(input.beams->size(), 1000u);
-}
-
-TEST(LogFile, CompactLogsTakeTheirLimitsFromTheData) {
-  const TemporaryFolder folder;
-  BeamLog log = random_log(7, 1000, 0);
-  log.info.has_misses = false;
-  log.range_m[7] = 812.5f;
-  LogWriterOptions options;
-  options.limits_from_data = true;
-  for (const char* name : {"a.ply", "a.ublog"}) {
-    write_log(folder / name, log, "", options);
-    const LogReader reader(folder / name);
-    EXPECT_TRUE(reader.info().has_misses);
-    EXPECT_GE(reader.info().max_range_m, 812.5);
-  }
-}
-
-// A window's rows are those of the whole log that lie in it, wherever the chunks begin.
-TEST(LogFile, RowsInAWindowAreThoseOfTheWholeLog) {
-  const TemporaryFolder folder;
-  BeamLog log = random_log(7, 200'000, 0);
-  for (size_t i = 0; i < log.size(); ++i) {
-    log.time_s[i] = 50 + 1e-4 * double(i);
-    log.origin[i].x() += 1e-3 * double(i);
-  }
-  Stream random(3);
-  for (const char* name : {"a.ply", "a.ublog"}) {
-    write_log(folder / name, log, "");
-    const BeamLog whole = read_log(folder / name);
-    const LogReader reader(folder / name, 50'000);
-    for (int k = 0; k < 12; ++k) {
-      LogWindow window;
-      if (k % 3 != 0) window.first_s = random.uniform(49, 72);
-      if (k % 3 != 0) window.last_s = window.first_s + random.uniform(0, 8);
-      if (k % 2 != 0) {
-        window.least = Vec3(random.uniform(-20, 200), -5, -5);
-        window.most = window.least + Vec3(random.uniform(0, 40), 9, 9);
-      }
-      BeamLog expected = whole.like();
-      for (size_t i = 0; i < whole.size(); ++i) {
-        if (window.has(whole, i)) expected.append(whole, i);
-      }
-      expect_same(expected, reader.within(window));
-    }
-  }
 }
 
 TEST(LogFile, FullDiskLeavesNothing) {
