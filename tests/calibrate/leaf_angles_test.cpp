@@ -102,6 +102,15 @@ TEST(LearnLeafAngles, WideBeamsSayNothing) {
   EXPECT_TRUE(model.leaf_angles.spherical());
 }
 
+// Without its misses, a log looks as if leaves stopped all beams towards the sky.
+TEST(LearnLeafAngles, NothingIsLearntWithoutMisses) {
+  BeamLog log = tripods_under(LeafAngleDistribution(3), 20'000);
+  log.info.has_misses = false;
+  elements::Model model = ground_at_zero();
+  EXPECT_FALSE(learnt(model, log).used);
+  EXPECT_TRUE(model.leaf_angles.spherical());
+}
+
 TEST(LearnLeafAngles, FlatBeamsSayTooLittle) {
   BeamLog log = tripods_under(LeafAngleDistribution(3), 20'000);
   for (Vec3f& d : log.direction) d = Vec3f(d.x(), d.y(), 0.2f * d.z()).normalized();

@@ -84,8 +84,8 @@ void for_each_cell(const Ray& ray, double from_m, double to_m, F use) {
   }
 }
 
-/// The range (m) up to which the beams of a log are narrow. The beams of an
-/// unknown sensor count as narrow everywhere.
+/// The range (m) up to which the beams of a log are narrow. The beams of an unknown sensor count as
+/// narrow everywhere.
 double narrow_to_m(const LogInfo& log) {
   if (log.sensor.empty()) return kFarthest;
   const sensor::BeamShape beam = sensor::sensor_of_log("log", log).beam;
@@ -228,7 +228,7 @@ LeafAngleReport learn_leaf_angles(elements::Model& model, BeamSource& log, const
                                   double min_range_m) {
   LeafAngleReport out;
   model.leaf_angles = {};
-  if (!has_all_inclinations(log)) return out;
+  if (!info.has_misses || !has_all_inclinations(log)) return out;
   const double farthest = std::min({narrow_to_m(info), model.max_range_m, info.max_range_m});
   const std::vector<Cell> cells = vegetation_of(cells_of(model, log, farthest, min_range_m), model);
   out.cells = cells.size();

@@ -32,9 +32,10 @@ struct LeafAngleReport {
 /// standard deviation 1. About a quarter of a million beams of the log are used, up to 30 m and as
 /// far as the beams of the sensor that `info` names are at most 3 cm wide: a wider beam meets
 /// leaves beside its axis, the more the farther away, which looks like another inclination. The
-/// beams of a log without a sensor count as narrow. Leaves also stay spherical where under 5 % of
-/// the first beams of the log (65 536 or more) are within 45° of the vertical, or under 5 % are
-/// not, because such a log holds too little about inclinations.
+/// beams of a log without a sensor count as narrow. Leaves stay spherical without the misses of the
+/// log, whose paths count, too. They also stay spherical where under 5 % of the first beams of the
+/// log (65 536 or more) are within 45° of the vertical, or under 5 % are not, because such a log
+/// holds too little about inclinations.
 LeafAngleReport learn_leaf_angles(elements::Model& model, BeamSource& log, const LogInfo& info,
                                   double min_range_m);
 
