@@ -237,7 +237,7 @@ void Model::stop() {
 void Model::reset() {
   stop();
   values = {};
-  memory_ = {};
+  memory_ = Memory();
   chain_.reset();
   requested_.clear();
   request_of_.clear();

@@ -5,6 +5,8 @@ UndefinedBehaviorSanitizer.
   readers.py --program build/bin/underbrush                              2 seconds a reader
   readers.py --program build/bin/underbrush --executions 100000000       so many in all, in rounds
   readers.py --program build/bin/underbrush --only pcd --replay FILE     one input again
+  readers.py --program build/bin/underbrush --replays build/tests        without libFuzzer and sanitizers: the inputs
+                                                                         once found, and 300 damaged copies of seeds
 
 A reader fails by a crash, undefined behaviour, an exception of another kind than `FormatError` and `DataError`, a
 leak, 10 seconds for an input, or 256 MiB of memory at once. The input is kept in the folder `found` of the build."""
@@ -28,6 +30,7 @@ LIMITS = ("-timeout=10", "-rss_limit_mb=1536", "-malloc_limit_mb=256", "-print_f
 SANITIZERS = {"ASAN_OPTIONS": "quarantine_size_mb=16", "UBSAN_OPTIONS": "print_stacktrace=1"}
 LARGEST = 100000  # bytes of a seed; larger ones only lead to others
 ROUND_S = 60
+COPIES = 300  # damaged copies of an input that is replayed
 FAULT = re.compile(r"^.*(runtime error|ERROR: |terminate called)", re.MULTILINE)
 
 
@@ -49,12 +52,12 @@ def build(options):
 class Reader:
     """A reader, its corpus, and a folder of seeds in which it runs."""
     def __init__(self, options, group, line):
-        self.program = options.build / "bin" / f"fuzz_{group}"
+        self.program = options.bin / f"fuzz_{group}"
         self.name, *files = line.split()
         self.full_name = f"{group}/{self.name}"
         self.folder = pathlib.Path(options.folder, group, self.name)
         shutil.copytree(pathlib.Path(options.folder, "seeds"), self.folder, copy_function=os.link)
-        self.corpus = options.build / "corpus" / group / self.name
+        self.corpus = (pathlib.Path(options.folder) if options.replays else options.build) / "corpus" / group / self.name
         self.corpus.mkdir(parents=True, exist_ok=True)
         sizes = [4096]
         for pattern in files:
@@ -81,8 +84,17 @@ class Reader:
             self.fault = log[first.start() if first else 0:][:4000]
         return self
 
-    def start(self, *arguments):
-        return subprocess.run([self.program, *LIMITS, *arguments], cwd=self.folder, stdin=subprocess.DEVNULL,
+    def replay(self):
+        """Gives the reader its seeds, what was found once, and damaged copies of them."""
+        files = [f for folder in self.inputs for f in sorted(folder.iterdir())]
+        done = self.start(str(COPIES), *files, limits=())
+        self.executions = len(files) * (COPIES + 1)
+        if done.returncode != 0:
+            self.fault = f"exit status {done.returncode}\n{done.stderr.decode(errors='replace')}"[:4000]
+        return self
+
+    def start(self, *arguments, limits=LIMITS):
+        return subprocess.run([self.program, *limits, *arguments], cwd=self.folder, stdin=subprocess.DEVNULL,
                               capture_output=True, check=False,
                               env={**os.environ, **SANITIZERS, "READER": self.name, "TMPDIR": str(self.folder)})
 
@@ -99,11 +111,18 @@ def readers_of(options):
     (folder / "points.csv.gz").write_bytes(gzip.compress((folder / "points.csv").read_bytes(), mtime=0))
     out = []
     for group in options.groups:
-        table = subprocess.run([options.build / "bin" / f"fuzz_{group}"], cwd=folder, capture_output=True, text=True,
+        table = subprocess.run([options.bin / f"fuzz_{group}"], cwd=folder, capture_output=True, text=True,
                                check=True)
         out += [(group, line) for line in table.stdout.splitlines()]
     chosen = [Reader(options, group, line) for group, line in out]
     return [r for r in chosen if not options.only or options.only in (r.name, r.full_name)]
+
+
+def replay(options, readers):
+    """Replays all readers."""
+    with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
+        list(pool.map(Reader.replay, readers))
+    return report(readers)
 
 
 def fuzz(options, readers):
@@ -116,8 +135,13 @@ def fuzz(options, readers):
             seed += 1
             if not sound or sum(r.executions for r in readers) >= options.executions:
                 break
+    return report(readers)
+
+
+def report(readers):
     for r in readers:
-        print(f"{r.full_name}: {r.executions} executions in {r.seconds} s{', a fault' if r.fault else ''}")
+        time = f" in {r.seconds} s" if r.seconds else ""
+        print(f"{r.full_name}: {r.executions} executions{time}{', a fault' if r.fault else ''}")
     print(f"all: {sum(r.executions for r in readers)} executions of {len(readers)} readers")
     for r in readers:
         if r.fault:
@@ -129,6 +153,7 @@ def main():
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     p.add_argument("--program", type=pathlib.Path, required=True, help="the program, which makes the seeds")
     p.add_argument("--build", type=pathlib.Path, default=SOURCE / "build/fuzz", help="folder of the build with clang")
+    p.add_argument("--replays", type=pathlib.Path, help="folder of the programs of an ordinary build")
     p.add_argument("--groups", nargs="+", choices=GROUPS, default=GROUPS, help="programs of readers")
     p.add_argument("--only", help="the reader of this name alone")
     p.add_argument("--executions", type=int, default=0, help="go on until there are so many in all")
@@ -140,10 +165,11 @@ def main():
     options.seconds = options.seconds or (ROUND_S if options.executions else 2)
     options.build, options.program = options.build.resolve(), options.program.resolve()
     options.compiler = shutil.which("clang++")
-    if not options.compiler:
-        print("SKIPPED: fuzzing needs clang++, which is not installed")
-        return 0
-    build(options)
+    options.bin = options.replays.resolve() if options.replays else options.build / "bin"
+    if not options.replays:
+        if not options.compiler:
+            p.error("fuzzing needs clang++, which is not installed")
+        build(options)
     with tempfile.TemporaryDirectory(dir="/dev/shm" if os.access("/dev/shm", os.W_OK) else None) as options.folder:
         readers = readers_of(options)
         if not readers:
@@ -152,7 +178,7 @@ def main():
             done = readers[0].start(options.replay.resolve())
             print(done.stderr.decode(errors="replace"))
             return done.returncode
-        return int(fuzz(options, readers))
+        return int(replay(options, readers) if options.replays else fuzz(options, readers))
 
 
 if __name__ == "__main__":

@@ -314,6 +314,7 @@ def recordings(put):
 
 MADE = (
     "import log.csv -o log.ply",
+    "import log.ply -o log.ublog",
     "perceive log.ply --pipeline real --start-points 0 -o objects.csv",
     "perceive log.ply --pipeline real --start-points 0 -o objects.json",
     "osi record log.ply --truth objects.json -o views_sv_.osi",
@@ -327,6 +328,7 @@ MADE = (
     "compose moving.json primitives -o moving",
     "simulate model --like log.ply -o simulated.ply",
     "simulate model --sensor spinning.yaml --trajectory poses.txt --super-sample sensor -o echoes.ply",
+    "import echoes.ply -o echoes.ublog",
     "import marv_forest.pcd -o scan.ply --unknown-below-deg -13",
     "split scan.ply --columns 24 --train rest.ply --test seen.ply",
     "split rest.ply --columns 23 --train others.ply --test more.ply",

@@ -157,6 +157,7 @@ std::vector<Cell> vegetation_of(const Cells& cells, const elements::Model& model
   }
   std::sort(kept.begin(), kept.end());
   std::vector<Cell> out;
+  out.reserve(kept.size());
   for (const auto& [at, cell] : kept) out.push_back(*cell);
   return out;
 }

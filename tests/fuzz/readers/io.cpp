@@ -1,5 +1,7 @@
 // The readers of logs, points, poses, meshes and maps.
 #include "fuzz/readers/reader.hpp"
+#include "underbrush/compact/chunk.hpp"
+#include "underbrush/compact/cursor.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/file.hpp"
 #include "underbrush/io/geotiff.hpp"
@@ -36,6 +38,19 @@ void read_log(const Path& path) {
   if (reader.size() > 0) reader.rows(reader.size() / 2, 1);
 }
 
+// Log files whose chunks are given by themselves, since a checksum guards them in a file.
+constexpr const char* kChunkLogs[] = {"log.ply", "echoes.ply"};
+
+template <size_t K>
+void read_chunk(std::string_view bytes) {
+  static const std::string kName = "a chunk";
+  static const BeamLog kLog = io::read_log(kChunkLogs[K]);
+  BeamLog log = kLog;  // For its extra columns.
+  compact::Cursor in(bytes, kName, kName);
+  compact::Scratch scratch;
+  compact::decode(in, log.size(), scratch, log, 0);
+}
+
 void read_labels(const Path& path) {
   io::InputOptions options;
   options.labels = path;
@@ -60,6 +75,9 @@ void read_mtl(const Path& path) {
 
 const Reader kReaders[] = {
     {"log", "log.ply echoes.ply labelled.ply cloud.ply", read_log},
+    {"compact-log", "log.ublog echoes.ublog", read_log},
+    {"chunk", "0.chunk", read_chunk<0>},
+    {"chunk-echoes", "1.chunk", read_chunk<1>},
     {"ply", "points-ascii.ply points-little.ply points-big.ply tree.ply model/ellipsoids.ply",
      [](const Path& path) { io::read_ply(path); }},
     {"points-ply", "points-little.ply points-ascii.ply points-big.ply",
@@ -100,6 +118,14 @@ const Reader kReaders[] = {
 }  // namespace
 
 std::span<const Reader> readers() { return kReaders; }
-void make_seeds() {}
+
+void make_seeds() {
+  for (size_t k = 0; k < std::size(kChunkLogs); ++k) {
+    compact::Scratch scratch;
+    const BeamLog log = io::read_log(kChunkLogs[k]);
+    const std::vector<ScanInfo> scans = io::LogReader(kChunkLogs[k]).info().scans;
+    write_file(std::to_string(k) + ".chunk", compact::encoded(log, scans, 0, log.size(), scratch));
+  }
+}
 
 }  // namespace underbrush::fuzz
