@@ -3,7 +3,8 @@
 UndefinedBehaviorSanitizer.
 
   readers.py --program build/bin/underbrush                              2 seconds a reader
-  readers.py --program build/bin/underbrush --executions 100000000       so many in all, in rounds
+  readers.py --program build/bin/underbrush --executions 100000000       so many in all, in rounds, with those of runs
+                                                                         that were stopped
   readers.py --program build/bin/underbrush --only pcd --replay FILE     one input again
   readers.py --program build/bin/underbrush --replays build/tests        without libFuzzer and sanitizers: the inputs
                                                                          once found, and 300 damaged copies of seeds
@@ -14,6 +15,7 @@ import argparse
 import concurrent.futures
 import glob
 import gzip
+import json
 import os
 import pathlib
 import re
@@ -21,6 +23,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import threading
 
 import seeds
 
@@ -126,12 +129,28 @@ def replay(options, readers):
 
 
 def fuzz(options, readers):
-    """Fuzzes all readers in rounds, until there are as many executions as were asked for."""
-    seed = options.seed
+    """Fuzzes all readers in rounds, until there are as many executions as were asked for. They are counted in the
+    build's folder, so that a stopped run goes on."""
+    counts = options.build / "executions.json"
+    if options.executions and counts.exists():
+        before = json.loads(counts.read_text())
+        for r in readers:
+            r.executions, r.seconds = before.get(r.full_name, (0, 0))
+    seed = options.seed + sum(r.seconds for r in readers)
+    lock = threading.Lock()
+
+    def run(reader):
+        reader.run(options.seconds, seed)
+        if options.executions:
+            with lock:
+                part = counts.with_suffix(".part")
+                part.write_text(json.dumps({r.full_name: (r.executions, r.seconds) for r in readers}))
+                part.replace(counts)
+
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
         while True:
             sound = [r for r in readers if not r.fault]
-            list(pool.map(lambda r: r.run(options.seconds, seed), sound))
+            list(pool.map(run, sound))
             seed += 1
             if not sound or sum(r.executions for r in readers) >= options.executions:
                 break
