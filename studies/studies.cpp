@@ -21,6 +21,8 @@ constexpr Study kStudies[] = {
      study_sequential},
     {"transmission", "Slabs of leaves of known density: how dense models make them, what they pass",
      study_transmission},
+    {"viewpoints", "A generated site answered from above, from aside and from among its plants",
+     study_viewpoints},
     {"verification", "Histograms and planes of Kim et al. 2012, on its miniature and on real walls",
      study_verification},
 };

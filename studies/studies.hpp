@@ -14,5 +14,6 @@ StudyResult study_transfer(const StudyRun& run);
 StudyResult study_transmission(const StudyRun& run);
 StudyResult study_vegetation(const StudyRun& run);
 StudyResult study_verification(const StudyRun& run);
+StudyResult study_viewpoints(const StudyRun& run);
 
 }  // namespace underbrush::studies

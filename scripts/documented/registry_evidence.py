@@ -39,6 +39,19 @@ def faults(folder: typing.Any) -> typing.Iterator[tuple[str, str, list[float]]]:
             yield fault, place, [counts[fault]]
 
 
+def viewpoints(folder: typing.Any) -> typing.Iterator[tuple[str, str, list[float]]]:
+    """A site whose truth is known, answered from poses that had no part in the training."""
+    columns = {"transmission, %": ("transmission", 100), "capped error, m": ("capped_error_m", 1),
+               "informedness": ("informedness", 1)}
+    sources = {"truth": "truth", "default": "default", "voxel": "voxel", "mesh": "mesh", "carved mesh": "mesh, carved",
+               "always hit": "always hit"}
+    for view, answers in figures(folder).items():
+        for column, (key, unit) in columns.items():
+            for name, source in sources.items():
+                empty = key == "informedness" and view == "overhead"
+                yield view, f"{column}: {name}", [] if empty else [unit * answers[source][key]]
+
+
 def extrapolation(folder: typing.Any) -> typing.Iterator[tuple[str, str, list[float]]]:
     columns = {"returns answered": "answered", "F1": "f1", "capped error, m": "capped_error_m",
                "median range error, m": "median_range_error_m"}
@@ -136,6 +149,7 @@ rm -r *.ply {" ".join(models)}""", (logs[log],), (halves[log],))
         "walls": Measured((Part((verification,), walls),)),
         "faults": Measured((Part((verification,), faults),)),
         "extrapolation": Measured((Part((run("extrapolation", "--data logs", data, **everything),), extrapolation),)),
+        "viewpoints": Measured((Part((run("viewpoints", "", ""),), viewpoints),)),
         "repeats": Measured((Part((run("vegetation", "--quick --data still", alone, **only),), repeats),)),
         "kitti360": Measured((protocol("kitti_0027_forest"), protocol(street)),
                              uncompared={"LiDAR4D": "figures of the paper, of other drives"}),

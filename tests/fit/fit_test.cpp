@@ -338,14 +338,27 @@ TEST(Fit, CarvingDropsWhatMoreBeamsPassedThanMet) {
   EXPECT_LT(wrong_share(carved, test), 0.04);
 }
 
-TEST(Fit, LearnsWhereTheSensorEnds) {
+/// The drive past two bushes, where one in `one_in` of the returns beyond 9 m is found.
+elements::Model learnt_with_few_far_returns(size_t one_in) {
   BeamLog log = test::drive_past_two_bushes(6);
-  float largest = 0;
   for (size_t i = 0; i < log.size(); ++i) {
-    if (log.is_hit(i)) largest = std::max(largest, log.range_m[i]);
+    const bool far = log.is_hit(i) && log.range_m[i] > 9;
+    if (far && (one_in == 0 || i % one_in != 0)) log.range_m[i] = kMiss;
   }
   MemorySource source(log);
-  EXPECT_EQ(fit(source, {}).model.max_range_m, double(largest));
+  return fit(source, {}).model;
+}
+
+TEST(Fit, LearnsWhereTheSensorEnds) {
+  const elements::Model cut = learnt_with_few_far_returns(0);
+  EXPECT_LE(cut.max_range_m, 9);
+  EXPECT_GT(cut.max_range_m, 8.9);
+  LogInfo own, other;
+  other.sensor = "velodyne-vlp16";
+  EXPECT_EQ(cut.reach_of(own), cut.max_range_m);
+  EXPECT_TRUE(std::isinf(cut.reach_of(other)));
+  // Ranges that thin out tell what stands there, and not how far the sensor reaches.
+  EXPECT_TRUE(std::isinf(learnt_with_few_far_returns(400).max_range_m));
 }
 
 TEST(Fit, SaysWhatALogLacks) {

@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "io/temporary.hpp"
+#include "studies/studies.hpp"
 #include "studies/targets.hpp"
 #include "studies/transfer.hpp"
 #include "studies/vegetation.hpp"
@@ -41,6 +42,21 @@ double distance_on_planes(const StudyResult& result, const char* contender) {
       .at(contender)
       .at("distance")
       .get<double>();
+}
+
+// The farthest return of the drive is nearer than the ground is from above, which is no limit of
+// the sensor.
+TEST(Study, AModelAnswersFromAboveItsLog) {
+  StudyRun run;
+  run.quick = true;
+  const Json seen = study_viewpoints(run).figures;
+  for (const auto& [view, sources] : seen.items()) {
+    const Json &model = sources.at("default"), &always = sources.at("always hit");
+    EXPECT_LT(model.at("capped_error_m").get<double>(),
+              0.4 * always.at("capped_error_m").get<double>())
+        << view;
+  }
+  EXPECT_GT(seen.at("overhead").at("default").at("answered").get<double>(), 0.95);
 }
 
 TEST(Study, VegetationIsJudgedByTheDefault) {

@@ -83,6 +83,11 @@ ChannelOffsets Model::channels_of(const LogInfo& log) const {
   return same ? channels : ChannelOffsets();
 }
 
+double Model::reach_of(const LogInfo& log) const {
+  const bool same = log.sensor == sensor && log.sensor_file == sensor_file;
+  return same ? max_range_m : std::numeric_limits<double>::infinity();
+}
+
 Model Model::like() const {
   Model out;
   out.origin = origin;

@@ -100,8 +100,8 @@ struct Model {
   /// s; the correlation time of the matter of ellipsoids that is drawn once, which is other matter
   /// after that time. Matter stands still where it is 0.
   double sway_s = 0;
-  /// m; largest range at which the log that it was fitted to has a return, beyond which the sensor
-  /// or the format does not reach. Infinite if unknown.
+  /// m; the range beyond which the sensor of the log that it was fitted to, or that log's format,
+  /// does not reach (`RangeCut::reach_m`). Infinite if unknown.
   double max_range_m = std::numeric_limits<double>::infinity();
   /// The sensor that recorded the log that the model was fitted to, as in `LogInfo`; empty if
   /// unknown. Its footprint is in the extents of the elements and in their hit probabilities.
@@ -139,6 +139,9 @@ struct Model {
   /// The offsets that the ranges of such a log carry: `channels` where it is of the same sensor,
   /// else none.
   ChannelOffsets channels_of(const LogInfo& log) const;
+  /// The range (m) beyond which the beams of such a log find nothing: `max_range_m` where it is of
+  /// the same sensor, or both sensors are unknown, else infinite.
+  double reach_of(const LogInfo& log) const;
   /// Returns a model without elements that is otherwise the same; it has no provenance and no
   /// keyframes.
   Model like() const;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "underbrush/core/range_cut.hpp"
 #include "underbrush/core/tile_store.hpp"
 #include "underbrush/ground/sparse_sums.hpp"
 
@@ -26,6 +27,7 @@ struct FitRecord {
   std::vector<TileRecord> tiles;
   /// The residuals of all returns on the ground (`MeshResiduals::counts`), or none.
   std::vector<uint32_t> residuals;
+  LastReturns last_returns;  ///< The returns of all logs near their largest range.
 
   /// Returns the tile, or nullptr.
   const TileRecord* find(TileKey key) const;

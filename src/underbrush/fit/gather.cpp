@@ -28,10 +28,10 @@ bool TileSet::is_near(const Vec3f& point) const {
 
 constexpr double kBeyond = 1.001, kManyFar = 0.01;  // of the maximum range, of the returns
 
-double add_returns(BeamSource& source, const Vec3& origin, double min_range_m,
-                   const TileSet* wanted, TileStore& store, FitReport& report,
-                   const FitProgress& progress) {
-  float largest = 0;
+RangeCut add_returns(BeamSource& source, const Vec3& origin, double min_range_m,
+                     const TileSet* wanted, TileStore& store, FitReport& report,
+                     const FitProgress& progress) {
+  RangeCut ranges;
   source.rewind();
   std::vector<Vec3f> points;
   for (BeamLog chunk; source.next(chunk);) {
@@ -53,7 +53,7 @@ double add_returns(BeamSource& source, const Vec3& origin, double min_range_m,
         ++report.mover_points;
         continue;
       }
-      largest = std::max(largest, chunk.range_m[i]);
+      ranges.add(chunk.range_m[i]);
       if (wanted && !wanted->is_near(points[i])) continue;
       store.add({points[i], -chunk.range_m[i] * chunk.direction[i]});
     }
@@ -63,7 +63,7 @@ double add_returns(BeamSource& source, const Vec3& origin, double min_range_m,
   report.misses = report.beams - report.hits;
   report.thinned_points = store.thinned();
   report.tiles = store.tiles().size();
-  return largest;
+  return ranges;
 }
 
 void gather(BeamSource& source, const FitOptions& options, TileStore& store, FitResult& out,
@@ -74,8 +74,10 @@ void gather(BeamSource& source, const FitOptions& options, TileStore& store, Fit
   model.fitter = options.fitter;
   model.tau = options.tau;
   model.origin = *origin;
-  model.max_range_m =
+  const RangeCut ranges =
       add_returns(source, model.origin, options.min_range_m, nullptr, store, out.report, progress);
+  model.max_range_m = ranges.reach_m();
+  out.record.last_returns = ranges.last();
   require_data(store.size() > 0, "fit: the log has no return to fit a model to");
   const FitReport& report = out.report;
   if (double(report.far_points) > kManyFar * double(report.hits)) {

@@ -37,10 +37,10 @@ class TileSet {
 
 /// Reads a log once and adds the points of its returns, relative to `origin` (m, world), to
 /// `store`; with `wanted` only those near these tiles. Nearer returns than `min_range_m` and those
-/// of movers are left out and counted in `report`. Returns the largest range, m.
-double add_returns(BeamSource& source, const Vec3& origin, double min_range_m,
-                   const TileSet* wanted, TileStore& store, FitReport& report,
-                   const FitProgress& progress);
+/// of movers are left out and counted in `report`. Returns all their ranges.
+RangeCut add_returns(BeamSource& source, const Vec3& origin, double min_range_m,
+                     const TileSet* wanted, TileStore& store, FitReport& report,
+                     const FitProgress& progress);
 
 /// Runs `work(k)` for every tile number k on all threads, and `merge(result)` on the results in the
 /// order of the tiles. Only a few results are held in memory at a time.

@@ -162,6 +162,18 @@ std::vector<uint32_t> read_residuals(const fs::path& folder) {
   return out;
 }
 
+LastReturns read_last_returns(const io::JsonValue& j) {
+  LastReturns out;
+  const io::JsonValue largest = j.at("largest_m"), counts = j.at("counts");
+  out.largest_m = float(largest.number());
+  if (!(out.largest_m >= 0 && std::isfinite(out.largest_m))) largest.fail("not a range");
+  for (const io::JsonValue& count : counts.values()) {
+    out.counts.push_back(uint32_t(count.count(UINT32_MAX)));
+  }
+  if (out.counts.size() > RangeCut::kMostCounts) counts.fail("too many");
+  return out;
+}
+
 /// Reads the value of a parameter into its field.
 void read_parameter(const Parameter& p, const io::JsonValue& value, FitOptions& options) {
   std::visit(
@@ -210,6 +222,8 @@ void write_training(const fs::path& model, const Training& training) {
     j["logs"].push_back({{"file", log.file}, {"hash", log.hash}, {"beams", log.beams}});
   }
   j["tile_m"] = training.record.tile_m;
+  const LastReturns& last = training.record.last_returns;
+  j["last_returns"] = {{"largest_m", last.largest_m}, {"counts", last.counts}};
   write_file(folder / "training.json", io::text_of_json(j, 2) + "\n");
 }
 
@@ -238,6 +252,7 @@ Training read_training(const fs::path& model) {
   }
   out.record.tile_m = j.at("tile_m").number();
   if (!(out.record.tile_m > 0)) j.at("tile_m").fail("not positive");
+  if (const auto last = j.find("last_returns")) out.record.last_returns = read_last_returns(*last);
   out.record.tiles = read_tiles(folder);
   out.record.residuals = read_residuals(folder);
   return out;

@@ -148,7 +148,7 @@ class Scorer {
     return_probability_.resize(real.size());
     support_.resize(real.size());
     const double max_range = real.info.max_range_m;
-    const double reach = std::min(max_range, options_.world->model().max_range_m);
+    const double reach = std::min(max_range, options_.world->model().reach_of(real.info));
     std::optional<keyframes::KeyframeCache> cache;
     if (keyframes_) cache.emplace(options_.world->model());
     parallel_for(real.size(), 2048, [&](size_t begin, size_t end) {

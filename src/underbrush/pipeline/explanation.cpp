@@ -83,7 +83,7 @@ Explanation explain_beam(const TracedWorld& world, uint64_t seed, bool keyframes
   Explanation out;
   out.range_m = answered.range_m[0];
   out.limits = {std::max(beam.info.min_range_m, kLeastRangeM),
-                std::min(beam.info.max_range_m, tracer.model(0).max_range_m)};
+                std::min(beam.info.max_range_m, tracer.model(0).reach_of(beam.info))};
   std::vector<trace::Intersection> met;
   tracer.all_intersections(ray, out.limits, out.limits.max_m, met);
   const uint64_t matter = simulate::matter_key(seed), key = beam_key(seed, beam.scan[0], number);

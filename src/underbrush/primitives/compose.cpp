@@ -169,8 +169,12 @@ class Composer {
       model = uint32_t(out_.scene.models.size());
       out_.scene.models.push_back(read_primitive(set_, entry));
       // The scene reaches as far as the sensor that saw the primitives.
-      double& far = out_.scene.models[0].max_range_m;
-      far = std::min(far, out_.scene.models.back().max_range_m);
+      elements::Model &scene = out_.scene.models[0], &added = out_.scene.models.back();
+      if (added.max_range_m < scene.max_range_m) {
+        scene.max_range_m = added.max_range_m;
+        scene.sensor = added.sensor;
+        scene.sensor_file = added.sensor_file;
+      }
       out_.info.names.push_back(set_.entries[entry].name);
     }
     return model;

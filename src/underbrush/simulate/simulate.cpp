@@ -40,7 +40,8 @@ void check(const DynamicWorld& world, const Options& options) {
 trace::RangeLimits limits_of(const DynamicWorld& world, const Options& options,
                              const LogInfo& info) {
   const double farthest = options.max_range_m > 0 ? options.max_range_m : info.max_range_m;
-  return {std::max(info.min_range_m, kLeastRangeM), std::min(farthest, world.model(0).max_range_m)};
+  return {std::max(info.min_range_m, kLeastRangeM),
+          std::min(farthest, world.model(0).reach_of(info))};
 }
 
 /// The extra columns of `Options::element_ids`.

@@ -86,7 +86,7 @@ NewReturns new_returns(BeamSource& added, const elements::Model& model,
         ++out.movers;
         continue;
       }
-      out.largest_m = std::max(out.largest_m, double(chunk.range_m[i]));
+      out.ranges.add(chunk.range_m[i]);
       const Vec3f p = (chunk.end_point(i) - model.origin).cast<float>();
       TileReturns& tile = out.tiles[fit::tile_of(p, record.tile_m)];
       ++tile.returns;

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "underbrush/core/beam_log.hpp"
+#include "underbrush/core/range_cut.hpp"
 #include "underbrush/fit/fit.hpp"
 
 namespace underbrush::update {
@@ -18,7 +19,7 @@ struct TileReturns {
 /// The counts of new scans, and the tiles that their returns touch.
 struct NewReturns {
   size_t beams = 0, hits = 0, near = 0, movers = 0, unexplained = 0;
-  double largest_m = 0;  ///< m; the largest range.
+  RangeCut ranges;
   std::map<TileKey, TileReturns> tiles;
 };
 

@@ -99,7 +99,10 @@ UpdateResult update(fit::FitResult known, const std::vector<BeamSource*>& logs, 
   report.near_points = added_returns.near;
   report.unexplained = added_returns.unexplained;
   for (const auto& [key, tile] : added_returns.tiles) report.touched_tiles += tile.is_touched;
-  known.model.max_range_m = std::max(known.model.max_range_m, added_returns.largest_m);
+  RangeCut ranges = added_returns.ranges;
+  ranges.add(known.record.last_returns);
+  known.record.last_returns = ranges.last();
+  known.model.max_range_m = ranges.reach_m();
   const std::vector<TileKey> anew = tiles_to_fit(known.record, added_returns, refitting);
   report.fitted_tiles = anew.size();
   UpdateWork work(known, report, earlier, scans, start, progress);
