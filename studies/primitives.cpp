@@ -47,13 +47,7 @@ void add_generated(const StudyRun& run, PairOptions options, StudyResult& result
 
 void add_drives(const StudyRun& run, PairOptions options, StudyResult& result) {
   options.meshes[0].name = "meshes";  // No drive leads through the generated plants.
-  std::vector<fs::path> logs;
-  if (!run.data.empty()) {
-    for (const auto& entry : fs::directory_iterator(run.data)) {
-      if (fs::exists(entry.path() / "log.ply")) logs.push_back(entry.path() / "log.ply");
-    }
-    std::sort(logs.begin(), logs.end());
-  }
+  const std::vector<fs::path> logs = drives_of(run.data);
   if (logs.empty()) result.notes.push_back("real drives were left out: no --data folder of logs");
   for (const fs::path& log : logs) {
     const std::string name = log.parent_path().filename().string();
@@ -85,7 +79,6 @@ StudyResult study_primitives(const StudyRun& run) {
   fs::create_directories(folder);
   PairOptions options;
   options.seed = run.seed;
-  options.work = folder / "primitives";
   const auto add_meshes = [&](const char* name, const char* where,
                               const std::vector<primitives::PlantSource>& plants) {
     options.meshes.push_back({name, folder / where});

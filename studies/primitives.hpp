@@ -6,6 +6,7 @@
 #include "studies/study.hpp"
 #include "underbrush/fit/fit.hpp"
 #include "underbrush/metrics/score.hpp"
+#include "underbrush/pipeline/world.hpp"
 #include "underbrush/primitives/compose.hpp"
 #include "underbrush/primitives/mesh_primitives.hpp"
 
@@ -21,6 +22,34 @@ struct SitePair {
   bool one_site = false;
 };
 
+/// The test site without the elements of its plants.
+struct AnnotatedSite {
+  elements::Model ground;
+  primitives::Annotation annotation;
+};
+/// Returns the ground and the objects of a labelled log, as `annotate` does. The site reaches as
+/// far as `max_range_m`.
+AnnotatedSite annotated_site(const BeamLog& test, double max_range_m);
+
+/// Fits a model to a log, with the defaults of `fit`.
+elements::Model fit_of_log(const BeamLog& log, double min_range_m, uint64_t seed);
+/// Simulates the beams of a log, with the defaults of `simulate`.
+BeamLog answers_of_world(const pipeline::TracedWorld& world, const BeamLog& beams, uint64_t seed);
+/// Scores a simulated log.
+metrics::Score scores_of(const BeamLog& real, const BeamLog& simulated);
+
+/// The primitives of a training log, and the numbers of those left out.
+struct CutPrimitives {
+  std::vector<primitives::Primitive> primitives;
+  size_t seen_by_both = 0;   ///< Primitives within the range of a pose of the test.
+  size_t shared_plants = 0;  ///< Primitives that share ground with an object of the test site.
+};
+/// Extracts the primitives of the training log from the model that was fitted to it. Where both
+/// logs are of one site, what the test saw is left out (`SitePair::one_site`).
+CutPrimitives cut_primitives(const SitePair& pair, const elements::Model& trained,
+                             const AnnotatedSite& site,
+                             const primitives::ExtractOptions& options = {});
+
 /// A set of mesh primitives, and the name of its row.
 struct MeshSet {
   std::string name;
@@ -31,7 +60,6 @@ struct MeshSet {
 struct PairOptions {
   uint64_t seed = 1;
   std::vector<MeshSet> meshes;  ///< At least one; the verdict uses the first.
-  std::filesystem::path work;   ///< Folder for the primitives that are cut; it is replaced.
   bool pictures = false;
   /// Changes the primitives before they are composed, so that tests can break them.
   std::function<void(std::vector<primitives::Primitive>&)> change = {};
@@ -72,6 +100,8 @@ struct StretchPair {
 std::vector<StretchPair> stretch_pairs(std::span<const ScanInfo> scans, double train_m,
                                        double test_m, double apart_m);
 
+/// Returns the files log.ply of the folders of `data`, in order of name; none for an empty path.
+std::vector<std::filesystem::path> drives_of(const std::filesystem::path& data);
 /// Returns the pairs of stretches of a drive's log that are 100 m apart; empty if there are none.
 std::vector<StretchPair> pairs_of_drive(const std::filesystem::path& log);
 /// Reads the two stretches of a log.

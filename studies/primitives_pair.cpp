@@ -12,23 +12,21 @@
 #include "underbrush/primitives/segment_log.hpp"
 
 namespace underbrush::studies {
-namespace {
-
 using primitives::Primitive;
 
-BeamLog answered(const pipeline::TracedWorld& world, const BeamLog& beams, uint64_t seed) {
+BeamLog answers_of_world(const pipeline::TracedWorld& world, const BeamLog& beams, uint64_t seed) {
   pipeline::SimulateOptions options;
   options.seed = seed;
   pipeline::Simulation simulation(world, options);
   return pipeline::simulate_log(simulation, beams);
 }
 
-metrics::Score score_of(const BeamLog& real, const BeamLog& simulated) {
+metrics::Score scores_of(const BeamLog& real, const BeamLog& simulated) {
   MemorySource a(real), b(simulated);
   return metrics::score(a, b, {});
 }
 
-elements::Model fitted(const BeamLog& log, double min_range_m, uint64_t seed) {
+elements::Model fit_of_log(const BeamLog& log, double min_range_m, uint64_t seed) {
   fit::FitOptions options;
   options.min_range_m = min_range_m;
   options.seed = seed;
@@ -36,23 +34,8 @@ elements::Model fitted(const BeamLog& log, double min_range_m, uint64_t seed) {
   return pipeline::fit_model({source}, options).model;
 }
 
-/// Leaves out the primitives that the sensor of the test could see.
-size_t drop_seen(const BeamLog& test, double far_m, std::vector<Primitive>& primitives) {
-  return std::erase_if(primitives, [&](const Primitive& p) {
-    return std::any_of(test.info.scans.begin(), test.info.scans.end(), [&](const ScanInfo& s) {
-      return (s.world_from_sensor.translation - p.source.position).head<2>().norm() < far_m;
-    });
-  });
-}
-
-/// The test site without the elements of its plants.
-struct Site {
-  elements::Model ground;
-  primitives::Annotation annotation;
-};
-
-Site annotated(const BeamLog& test, double max_range_m) {
-  Site site;
+AnnotatedSite annotated_site(const BeamLog& test, double max_range_m) {
+  AnnotatedSite site;
   MemorySource source(test);
   site.ground = primitives::ground_of_log("test log", source);
   site.ground.max_range_m = max_range_m;
@@ -62,53 +45,72 @@ Site annotated(const BeamLog& test, double max_range_m) {
   return site;
 }
 
-}  // namespace
+CutPrimitives cut_primitives(const SitePair& pair, const elements::Model& trained,
+                             const AnnotatedSite& site, const primitives::ExtractOptions& options) {
+  MemorySource train(pair.train);
+  CutPrimitives out{primitives::extract(trained, train, options).primitives};
+  if (!pair.one_site) return out;
+  out.seen_by_both = std::erase_if(out.primitives, [&](const Primitive& p) {
+    return std::any_of(
+        pair.test.info.scans.begin(), pair.test.info.scans.end(), [&](const ScanInfo& s) {
+          return (s.world_from_sensor.translation - p.source.position).head<2>().norm() <
+                 trained.max_range_m;
+        });
+  });
+  out.shared_plants = std::erase_if(out.primitives, [&](const Primitive& p) {
+    return std::any_of(
+        site.annotation.objects.begin(), site.annotation.objects.end(),
+        [&](const primitives::PlacedObject& o) { return primitives::share_ground(p.source, o); });
+  });
+  return out;
+}
 
 PairOutcome run_pair(const SitePair& pair, const PairOptions& o) {
   PairOutcome out;
   out.name = pair.name;
   out.train_beams = pair.train.size();
   out.test_beams = pair.test.size();
-  const elements::Model model = fitted(pair.train, pair.min_range_m, o.seed);
-  MemorySource train(pair.train);
-  std::vector<Primitive> cut = primitives::extract(model, train, {}).primitives;
-  if (pair.one_site) out.seen_by_both = drop_seen(pair.test, model.max_range_m, cut);
-  if (o.change) o.change(cut);
   require(!o.meshes.empty(), "study: there are no meshes to compare with");
-  primitives::write_primitives(o.work, cut, primitives::MeasureOptions{}.cell_m, "");
-
-  const Site site = annotated(pair.test, model.max_range_m);
-  std::vector<MeshSet> sets{{"primitives", o.work}};
-  sets.insert(sets.end(), o.meshes.begin(), o.meshes.end());
-  std::vector<primitives::PrimitiveSet> read(sets.size());
+  const elements::Model model = fit_of_log(pair.train, pair.min_range_m, o.seed);
+  const AnnotatedSite site = annotated_site(pair.test, model.max_range_m);
+  CutPrimitives cut = cut_primitives(pair, model, site);
+  out.seen_by_both = cut.seen_by_both;
+  out.shared_plants = cut.shared_plants;
+  require(!cut.primitives.empty(), "study: no primitive is left of the training log");
+  if (o.change) o.change(cut.primitives);
+  std::vector<std::string> names{"primitives"};
+  std::vector<primitives::PrimitiveSet> sets;
+  sets.push_back(
+      primitives::primitive_set(std::move(cut.primitives), primitives::MeasureOptions{}.cell_m));
+  for (const MeshSet& meshes : o.meshes) {
+    names.push_back(meshes.name);
+    sets.push_back(primitives::read_primitive_set(meshes.folder));
+  }
   std::vector<primitives::Composition> composed(sets.size());
   std::vector<BeamLog> logs(sets.size());
   std::vector<Composed> shown;
   primitives::ComposeOptions compose;
   compose.seed = o.seed;
   for (size_t k = 0; k < sets.size(); ++k) {
-    read[k] = primitives::read_primitive_set(sets[k].folder);
-    if (pair.one_site) out.shared_plants += primitives::leave_out(read[k], site.annotation.objects);
-    require(!read[k].entries.empty(), "study: no primitive is left of the training log");
-    composed[k] = primitives::compose(site.annotation, site.ground, read[k], compose);
-    logs[k] =
-        answered(pipeline::TracedWorld(composed[k].scene, composed[k].info), pair.test, o.seed);
-    out.rows.push_back(sets[k].name);
-    out.score[sets[k].name] = score_of(pair.test, logs[k]);
+    composed[k] = primitives::compose(site.annotation, site.ground, sets[k], compose);
+    logs[k] = answers_of_world(pipeline::TracedWorld(composed[k].scene, composed[k].info),
+                               pair.test, o.seed);
+    out.rows.push_back(names[k]);
+    out.score[names[k]] = scores_of(pair.test, logs[k]);
     out.box_distance_m.push_back(composed[k].mean_box_distance_m);
-    shown.push_back({sets[k].name, &read[k], &composed[k].scene, &logs[k]});
+    shown.push_back({names[k], &sets[k], &composed[k].scene, &logs[k]});
   }
-  out.primitives = read[0].entries.size();
+  out.primitives = sets[0].entries.size();
   out.objects = composed[0].objects;
   out.left_out = composed[0].objects - composed[0].placed;
   if (o.pictures)
     out.pictures = primitive_pictures(pair.name, pair.test, std::span(shown).first(2));
-  const elements::Model own = fitted(pair.test, pair.min_range_m, o.seed);
+  const elements::Model own = fit_of_log(pair.test, pair.min_range_m, o.seed);
   out.score["geospecific"] =
-      score_of(pair.test, answered(pipeline::TracedWorld(own), pair.test, o.seed));
+      scores_of(pair.test, answers_of_world(pipeline::TracedWorld(own), pair.test, o.seed));
   out.rows.insert(out.rows.end(), {"geospecific", "replay", "always hit"});
-  out.score["replay"] = score_of(pair.test, replay(pair.train, pair.test));
-  out.score["always hit"] = score_of(pair.test, metrics::always_hit(pair.train, pair.test));
+  out.score["replay"] = scores_of(pair.test, replay(pair.train, pair.test));
+  out.score["always hit"] = scores_of(pair.test, metrics::always_hit(pair.train, pair.test));
   return out;
 }
 

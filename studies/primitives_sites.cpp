@@ -92,6 +92,16 @@ std::vector<StretchPair> stretch_pairs(std::span<const ScanInfo> scans, double t
   return pairs;
 }
 
+std::vector<fs::path> drives_of(const fs::path& data) {
+  std::vector<fs::path> logs;
+  if (data.empty()) return logs;
+  for (const auto& entry : fs::directory_iterator(data)) {
+    if (fs::exists(entry.path() / "log.ply")) logs.push_back(entry.path() / "log.ply");
+  }
+  std::sort(logs.begin(), logs.end());
+  return logs;
+}
+
 std::vector<StretchPair> pairs_of_drive(const fs::path& log) {
   return stretch_pairs(io::LogReader(log).info().scans, kTrainM, kTestM, kApartM);
 }

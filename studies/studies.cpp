@@ -7,6 +7,8 @@ constexpr Study kStudies[] = {
     {"vegetation", "Table I and the mobile experiment of Deschaud et al. 2012", study_vegetation},
     {"primitives", "Table II of Tallavajhula et al. 2018: primitives against plant meshes",
      study_primitives},
+    {"scenes", "From a composed scene to a fit of the site itself, one truth at a time",
+     study_scenes},
     {"transfer", "Learnt from one lidar, simulated for another, on a generated site",
      study_transfer},
     {"mesh-fidelity", "Leaf inclinations of Goodin et al. 2024, from billboards to fine trees",

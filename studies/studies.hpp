@@ -9,6 +9,7 @@ StudyResult study_extrapolation(const StudyRun& run);
 StudyResult study_look_up(const StudyRun& run);
 StudyResult study_mesh_fidelity(const StudyRun& run);
 StudyResult study_primitives(const StudyRun& run);
+StudyResult study_scenes(const StudyRun& run);
 StudyResult study_sequential(const StudyRun& run);
 StudyResult study_transfer(const StudyRun& run);
 StudyResult study_transmission(const StudyRun& run);

@@ -175,8 +175,20 @@ def scenes(where, group, spread):
     return cells
 
 
-PRIMITIVES = study("primitives", "--data drive", 'mkdir drive\nln -s "$WORK/kitti_0027_forest" drive/\n',
-                   needs=(LOGS["kitti_0027_forest"],), after=(HALVES["kitti_0027_forest"],))
+FOREST = {"options": "--data drive", "before": 'mkdir drive\nln -s "$WORK/kitti_0027_forest" drive/\n',
+          "needs": (LOGS["kitti_0027_forest"],), "after": (HALVES["kitti_0027_forest"],)}
+PRIMITIVES = study("primitives", **FOREST)
+LADDER = study("scenes", **FOREST)
+
+
+def ladder(where, group):
+    def cells(folder):
+        for rung, s in read_json(folder / "study.json")["figures"][where]["mean"].items():
+            for column, key in (("packet error, m", "packet_error_m"), ("cloud error, m", "cloud_error_m"),
+                                ("capped error, m", "capped_error_m"), ("F1 of misses", "f1_of_misses"),
+                                ("informedness", "informedness")):
+                yield rung, f"{group}: {column}", [s[key]]
+    return cells
 
 
 def verification(folder):
@@ -347,6 +359,8 @@ MEASURED = {
                         Part((PRIMITIVES,), scenes("generated sites", "generated", True))),
                        uncompared={"published": "figures of the paper",
                                    "meshes (files)": "the files of the meshes are the user's"}),
+    "ladder": Measured((Part((LADDER,), ladder("kitti_0027_forest", "drive")),
+                        Part((LADDER,), ladder("generated sites", "generated")))),
     "look-up": Measured((Part((LOOK_UP,), look_up),)),
     "segmentation": Measured(SEGMENTATION),
     "verification": Measured((Part((study("verification"),), verification),),

@@ -95,7 +95,6 @@ class OnSites : public testing::Test {
     primitives::MeshPrimitiveOptions meshes;
     meshes.most_scaling = 10;
     options.meshes = {{"meshes", folder / "meshes"}};
-    options.work = folder / "primitives";
     primitives::write_primitives(folder / "meshes", primitives::mesh_primitives(blocks, meshes), 2,
                                  "");
   }

@@ -152,6 +152,7 @@ class Composer {
     }
     out_.scene.instances.push_back(instance);
     out_.info.labels.push_back(o.label);
+    out_.object_of.push_back(uint32_t(number));
     ++out_.placed;
   }
 

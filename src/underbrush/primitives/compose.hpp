@@ -26,6 +26,9 @@ struct ComposeOptions {
 struct Composition {
   elements::Scene scene;
   elements::SceneInfo info;
+  /// The number of the object that each instance but the first stands for, counted as in `objects`:
+  /// an annotation's number where it has no patch larger than a cell.
+  std::vector<uint32_t> object_of;
   size_t objects = 0;     ///< Annotated objects; a patch counts as its cells.
   size_t placed = 0;      ///< Instances without the ground.
   size_t off_ground = 0;  ///< Objects left out because there is no ground mesh beneath them.
