@@ -36,7 +36,7 @@ class Climb {
   std::vector<Rung> rungs() && {
     composed();
     stretched_scenes();
-    own_scenes();
+    own_primitives_scene();
     add("and what stands in no box", pipeline::TracedWorld(test_));
     out_.push_back(
         {"always hit", scores_of(pair_.test, metrics::always_hit(pair_.train, pair_.test)).all});
@@ -100,7 +100,7 @@ class Climb {
           return stretched(p.model, p.box, o.box);
         });
     add("stretched to the boxes", boxes.scene, boxes.info);
-    own_ = own_primitives({});
+    own_ = own_primitives();
     const primitives::Composition chosen = replaced(
         [&](const PlacedObject& o, uint32_t) -> std::optional<Model> { return nearest(o); });
     add("chosen by shape", chosen.scene, chosen.info);
@@ -154,17 +154,17 @@ class Climb {
     return model;
   }
 
-  std::map<ObjectPlace, Primitive> own_primitives(const primitives::ExtractOptions& options) const {
+  std::map<ObjectPlace, Primitive> own_primitives() const {
     std::map<ObjectPlace, Primitive> out;
     MemorySource source(pair_.test);
-    for (Primitive& p : primitives::extract(test_, source, options).primitives) {
+    for (Primitive& p : primitives::extract(test_, source, {}).primitives) {
       const ObjectPlace place = place_of(p.source);
       out.emplace(place, std::move(p));
     }
     return out;
   }
 
-  void own_scenes() {
+  void own_primitives_scene() {
     const auto own = [&](const PlacedObject& o, uint32_t) -> std::optional<Model> {
       const auto found = own_.find(place_of(o));
       if (found == own_.end()) return std::nullopt;
@@ -172,11 +172,6 @@ class Climb {
     };
     const primitives::Composition kept = replaced(own);
     add("the plants' own primitives", kept.scene, kept.info);
-    primitives::ExtractOptions all;
-    all.free_space_below = 0;
-    own_ = own_primitives(all);
-    const primitives::Composition whole = replaced(own);
-    add("with the elements that extract drops", whole.scene, whole.info);
   }
 
   const SitePair& pair_;

@@ -4,10 +4,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <set>
-
 #include "studies/studies.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/temporary.hpp"

@@ -29,6 +29,8 @@ TEST(Annotation, ComesBack) {
     o.yaw_rad = random.uniform(-1.5, 1.5);
     o.instance = k;
     o.points = 10 * k;
+    for (Vec3& q : o.quantiles) q = Vec3(random.uniform(), random.uniform(), random.uniform());
+    if (k % 7 == 0) o.quantiles = PlacedObject{}.quantiles;  // not known
     if (k % 50 == 0) o.trajectory = folder / ("poses" + std::to_string(k) + ".txt");
     a.objects.push_back(o);
   }
@@ -45,6 +47,9 @@ TEST(Annotation, ComesBack) {
     EXPECT_NEAR(b.objects[k].yaw_rad, a.objects[k].yaw_rad, 1e-5);
     EXPECT_EQ(b.objects[k].instance, a.objects[k].instance);
     EXPECT_EQ(b.objects[k].points, a.objects[k].points);
+    for (size_t q = 0; q < a.objects[k].quantiles.size(); ++q) {
+      EXPECT_LT((b.objects[k].quantiles[q] - a.objects[k].quantiles[q]).norm(), 1e-3);
+    }
     EXPECT_EQ(b.objects[k].trajectory, a.objects[k].trajectory);
   }
   write_annotation(folder / "b.json", b);  // a second writing gives the same bytes
@@ -114,6 +119,8 @@ TEST(Annotation, ThatIsWrongSaysWhere) {
       object(R"("class": "large_tree", )" + at + R"(, "box_m": {"min": [0,0,0], "max": [1,-1,1]})"),
       "objects[1].box_m", "extent");
   refused(object(R"("class": "large_tree", "position_m": [1, NaN, 2], )" + box), "line 2", "NaN");
+  refused(object(R"("class": "large_tree", "quantiles_m": [[1, 2, 3]], )" + at + "," + box),
+          "objects[1].quantiles_m", "5 places");
   refused(object(R"("class": "large_tree", "position_m": [1, null, 2], )" + box),
           "objects[1].position_m[1]", "finite");
   refused(object(R"("class": "large_tree", "position_m": [1, 1e999, 2], )" + box), "", "JSON");

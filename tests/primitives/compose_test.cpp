@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <fstream>
+#include <map>
+#include <set>
 
 #include "io/temporary.hpp"
 #include "primitives/sites.hpp"
@@ -82,7 +84,9 @@ TEST_F(Composing, AnObjectWithATrajectoryMovesFromWhereItWouldStand) {
 }
 
 TEST_F(Composing, TakesThePrimitiveOfTheClassWithTheNearestBox) {
-  const Composition c = compose(annotation, ground, set, {});
+  ComposeOptions options;
+  options.choose = Choice::kBox;
+  const Composition c = compose(annotation, ground, set, options);
   ASSERT_EQ(c.placed, 300u);
   ASSERT_EQ(c.scene.instances.size(), 301u);
   EXPECT_TRUE(c.borrowed.empty());
@@ -141,6 +145,7 @@ TEST_F(Composing, InstancesShareTheirModels) {
 
 TEST_F(Composing, DrawsAmongTheNearest) {
   ComposeOptions options;
+  options.choose = Choice::kBox;
   options.nearest = 3;
   const Composition a = compose(annotation, ground, set, options);
   const Composition b = compose(annotation, ground, set, options);
@@ -162,6 +167,67 @@ TEST_F(Composing, DrawsAmongTheNearest) {
   }
   for (const size_t n : ranks) EXPECT_NEAR(double(n), 100, 40);
   EXPECT_GT(changed, 100u);
+}
+
+TEST_F(Composing, TheBestChoiceLooksAtWhereThePointsLie) {
+  for (size_t k = 0; k < set.entries.size(); ++k) {  // boxes say nothing
+    set.entries[k].box = {Vec3(-1, -1, 0), Vec3(1, 1, 3)};
+    for (Vec3& q : set.entries[k].quantiles) q = Vec3(0, 0, 0.07 * double(k + 1));
+  }
+  ComposeOptions options;
+  options.choose = Choice::kBest;
+  for (size_t k = 0; k < annotation.objects.size(); ++k) {
+    PlacedObject& o = annotation.objects[k];
+    o.box = set.entries[0].box;
+    for (Vec3& q : o.quantiles) q = Vec3(0, 0, 0.07 * double(k % 25 + 1));
+    o.label = k % 25 < 15 ? Class::kSmallTree : Class::kLargeTree;
+  }
+  annotation.objects.resize(25);  // one that fits each tree
+  const Composition c = compose(annotation, ground, set, options);
+  for (size_t k = 0; k < 25; ++k) EXPECT_EQ(number(c, k + 1), k);
+  // Where the points are not known, the box decides.
+  for (PlacedObject& o : annotation.objects) o.quantiles = PlacedObject{}.quantiles;
+  EXPECT_EQ(number(compose(annotation, ground, set, options), 1), 0u);
+}
+
+TEST_F(Composing, TheBestChoiceRepeatsNoPlantNearbyIfOthersFit) {
+  for (PrimitiveEntry& e : set.entries) e.box = set.entries[0].box;  // all fit
+  annotation.objects.resize(15);
+  for (size_t k = 0; k < 15; ++k) {
+    annotation.objects[k].label = Class::kSmallTree;
+    annotation.objects[k].box = set.entries[0].box;
+    annotation.objects[k].position = Vec3(10 + double(k), -20, 0);
+  }
+  const auto plants = [&](Choice choose) {
+    ComposeOptions options;
+    options.choose = choose;
+    const Composition c = compose(annotation, ground, set, options);
+    std::set<uint32_t> out;
+    for (size_t k = 1; k < c.scene.instances.size(); ++k) out.insert(number(c, k));
+    return out.size();
+  };
+  EXPECT_EQ(plants(Choice::kBox), 1u);
+  EXPECT_EQ(plants(Choice::kBest), 15u);
+  set.entries[0].box.max.z() += 3 * Chooser::kFitsM;  // one fits worse than a repeated plant
+  EXPECT_EQ(plants(Choice::kBest), 14u);
+  for (size_t k = 0; k < 15; ++k) {
+    annotation.objects[k].position =
+        Vec3(-10 + 21 * double(k % 3), -50 + 21 * double(k / 3 % 3), 0);
+  }
+  EXPECT_LT(plants(Choice::kBest), 14u);  // farther apart, the best ones come again
+}
+
+TEST_F(Composing, ARandomChoiceTakesAnyPrimitiveOfTheClass) {
+  ComposeOptions options;
+  options.choose = Choice::kRandom;
+  const Composition c = compose(annotation, ground, set, options);
+  std::map<uint32_t, size_t> times;
+  for (size_t k = 0; k < 300; ++k) {
+    ++times[number(c, k + 1)];
+    EXPECT_EQ(primitives[number(c, k + 1)].label, annotation.objects[k].label);
+  }
+  EXPECT_EQ(times.size(), 25u);
+  for (const auto& [primitive, n] : times) EXPECT_NEAR(double(n), primitive < 15 ? 10 : 15, 12);
 }
 
 TEST_F(Composing, CountsWhatCannotBePlaced) {

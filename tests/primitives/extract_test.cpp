@@ -203,6 +203,43 @@ TEST(Extract, MeasuresPoseAndBox) {
   EXPECT_NEAR(inner.y(), 1.8, 0.05);
 }
 
+// Objects face the beams that measured them, so that a primitive in another's place is seen from
+// the side that has data.
+TEST(Extract, ObjectsFaceTheBeamsThatMeasuredThem) {
+  for (const Class label : {Class::kSmallTree, Class::kSmallShrubPatch}) {
+    for (int k = 0; k < 12; ++k) {
+      Site s = site(moved(5, 6, 7, 0.5 * k));
+      s.log.extra["class"] = std::vector<uint8_t>(s.log.size(), uint8_t(label));
+      const double azimuth = 0.53 * k;
+      const Vec3f direction(float(std::cos(azimuth)), float(std::sin(azimuth)), 0);
+      for (size_t i = 0; i < s.log.size(); ++i) {
+        s.log.origin[i] = s.log.end_point(i) - 10 * direction.cast<double>();
+        s.log.direction[i] = direction;
+      }
+      const std::vector<PlacedObject> objects = extract_from(s).measured.objects;
+      ASSERT_FALSE(objects.empty());
+      for (const PlacedObject& o : objects) {
+        const Vec3 along = o.world_from_object().rotation.inverse() * direction.cast<double>();
+        EXPECT_GE(along.y(), -1e-6);
+        if (label == Class::kSmallShrubPatch) {
+          EXPECT_GE(along.y(), std::sqrt(0.5) - 1e-6);
+          EXPECT_NEAR(std::remainder(o.yaw_rad, M_PI_2), 0, 1e-6);
+        }
+      }
+    }
+  }
+}
+
+TEST(Extract, MeasuresWhereThePointsLie) {
+  const PlacedObject tree = extract_from(site(moved(3, 4, 5, 0.6))).measured.objects.at(0);
+  for (size_t q = 0; q < tree.quantiles.size(); ++q) {  // a uniform body, 6 × 2 × 4.8 m
+    const double share = PlacedObject::kShares[q];
+    EXPECT_NEAR(std::abs(tree.quantiles[q].x()), std::abs(6 * share - 3), 0.2);
+    EXPECT_NEAR(std::abs(tree.quantiles[q].y()), std::abs(2 * share - 1), 0.1);
+    EXPECT_NEAR(tree.quantiles[q].z(), 0.2 + 4.8 * share, 0.1);
+  }
+}
+
 TEST(Extract, TheCentreRuleSharesElementsOfOverlappingBoxes) {
   const Site s = site({});
   ExtractOptions options;
@@ -261,6 +298,10 @@ TEST(PrimitiveSet, ComesBackAndCanBeBrowsed) {
     const Primitive& p = r.primitives[k];
     EXPECT_EQ(set.entries[k].label, p.label);
     EXPECT_LT((set.entries[k].box.max - p.box.max).norm(), 1e-3);
+    for (size_t q = 0; q < p.source.quantiles.size(); ++q) {
+      EXPECT_GT(p.source.quantiles[q].norm(), 0);
+      EXPECT_LT((set.entries[k].quantiles[q] - p.source.quantiles[q]).norm(), 1e-3);
+    }
     const elements::Model m = read_primitive(set, k);
     ASSERT_EQ(m.ellipsoids.size(), p.model.ellipsoids.size());
     EXPECT_EQ(m.ellipsoids[3].mean, p.model.ellipsoids[3].mean);

@@ -37,6 +37,11 @@ std::map<elements::Class, double> densities_of(const std::vector<std::string>& w
   return out;
 }
 
+primitives::Choice choice_of(const std::string& name) {
+  if (name == "box") return primitives::Choice::kBox;
+  return name == "best" ? primitives::Choice::kBest : primitives::Choice::kRandom;
+}
+
 void require_all_placed(const std::string& annotation, const std::string& primitives,
                         const primitives::Composition& c) {
   if (c.off_ground) {
@@ -57,7 +62,11 @@ std::span<const Option<ComposeOptions>> compose_options() {
   using O = ComposeOptions;
   // clang-format off
   static const Option<O> kOptions[] = {
-    {"nearest", "", "", "Draw each primitive among this many with the nearest boxes",
+    {"choose", "", "",
+     "Primitive of its class that an object gets: the one with the nearest box; the one whose box "
+     "and points fit best, and no plant twice within 20 m if others fit; or any",
+     [](O& o) -> auto& { return o.choose; }, -kNoLimit, kNoLimit, {"box", "best", "random"}},
+    {"nearest", "", "", "Draw each primitive among this many that fit best",
      [](O& o) -> auto& { return o.nearest; }, 1, kNoLimit},
     {"scale", "", "", "Scale primitives to their boxes",
      [](O& o) -> auto& { return o.scale; }},
@@ -97,8 +106,8 @@ ComposedScene compose_scene(const std::string& annotation, NamedSet primitives,
                             const primitives::ComposeProgress& progress) {
   const auto start = std::chrono::steady_clock::now();
   check_options("compose", compose_options(), options);
-  primitives::ComposeOptions how{options.seed, options.nearest, options.scale,
-                                 densities_of(options.class_density)};
+  primitives::ComposeOptions how{options.seed, choice_of(options.choose), options.nearest,
+                                 options.scale, densities_of(options.class_density)};
   const primitives::Annotation site =
       primitives::read_annotation(annotation, options.allow_outside);
   ComposedScene out;

@@ -18,7 +18,8 @@ inline constexpr const char* kAllowOutsideHelp =
 /// The options of `compose`.
 struct ComposeOptions {
   uint64_t seed = 1;
-  size_t nearest = 1;  ///< See `primitives::ComposeOptions`, as for `scale`.
+  std::string choose = "best";  ///< "box", "best" or "random" (`primitives::Choice`).
+  size_t nearest = 1;           ///< See `primitives::ComposeOptions`, as for `scale`.
   bool scale = false;
   std::vector<std::string> class_density;  ///< Each is CLASS=FACTOR.
   /// Annotations: no primitive is used that was cut from an object whose box overlaps one of

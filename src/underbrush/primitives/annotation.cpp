@@ -12,8 +12,8 @@ namespace {
 constexpr const char* kAdvice = "; --allow-outside follows it";
 
 PlacedObject object_of(const io::JsonValue& j, bool outside) {
-  j.check_members(
-      {"class", "position_m", "yaw_rad", "box_m", "instance", "points", "trajectory", "comment"});
+  j.check_members({"class", "position_m", "yaw_rad", "box_m", "instance", "points", "quantiles_m",
+                   "trajectory", "comment"});
   PlacedObject o;
   o.label = class_of_json(j);
   const std::vector<double> position = j.at("position_m").numbers();
@@ -26,6 +26,7 @@ PlacedObject object_of(const io::JsonValue& j, bool outside) {
   o.box = box_of_json(j);
   if (const auto n = j.find("instance")) o.instance = uint32_t(n->count(UINT32_MAX));
   if (const auto n = j.find("points")) o.points = uint32_t(n->count(UINT32_MAX));
+  o.quantiles = quantiles_of_json(j);
   if (const auto poses = j.find("trajectory")) o.trajectory = poses->path(outside, kAdvice);
   return o;
 }

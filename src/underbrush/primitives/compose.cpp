@@ -40,48 +40,15 @@ void add_cells(const PlacedObject& o, double cell_m, std::vector<PlacedObject>& 
   }
 }
 
-/// Chooses among the primitives of a set.
-class Chooser {
- public:
-  explicit Chooser(const PrimitiveSet& set) : set_(set) {
-    for (uint32_t k = 0; k < set.entries.size(); ++k) by_class_[set.entries[k].label].push_back(k);
-  }
-  /// Returns the primitives that may stand for the class; empty where the set has none of its kind.
-  const std::vector<uint32_t>& candidates(Class c) {
-    auto& found = by_class_[c];
-    if (!found.empty()) return found;
-    auto& kind = by_kind_[elements::kind_of(c)];
-    if (kind.empty()) {
-      for (uint32_t k = 0; k < set_.entries.size(); ++k) {
-        if (elements::kind_of(set_.entries[k].label) == elements::kind_of(c)) kind.push_back(k);
-      }
-    }
-    return kind;
-  }
-  /// Returns the primitive with the `rank`-th nearest box (from 0); equal distances keep the set's
-  /// order.
-  uint32_t choose(const std::vector<uint32_t>& from, const Vec3& size, size_t rank) {
-    order_.clear();
-    for (const uint32_t k : from) {
-      order_.emplace_back((set_.entries[k].box.size() - size).squaredNorm(), k);
-    }
-    rank = std::min(rank, order_.size() - 1);
-    std::nth_element(order_.begin(), order_.begin() + long(rank), order_.end());
-    return order_[rank].second;
-  }
-
- private:
-  const PrimitiveSet& set_;
-  std::map<Class, std::vector<uint32_t>> by_class_;
-  std::map<elements::ClassKind, std::vector<uint32_t>> by_kind_;
-  std::vector<std::pair<double, uint32_t>> order_;
-};
-
 /// Composes a scene object by object.
 class Composer {
  public:
   Composer(const elements::Model& ground, const PrimitiveSet& set, const ComposeOptions& o)
-      : set_(set), options_(o), surface_(ground), chooser_(set), model_(set.entries.size(), 0) {
+      : set_(set),
+        options_(o),
+        surface_(ground),
+        chooser_(set, o.choose, o.nearest),
+        model_(set.entries.size(), 0) {
     elements::Model bare = ground.like();
     bare.ground = ground.ground;
     out_.scene.models.push_back(std::move(bare));
@@ -126,11 +93,7 @@ class Composer {
       ++out_.off_ground;
       return;
     }
-    const size_t k = std::min(options_.nearest, from.size());
-    const size_t rank =
-        k > 1 ? std::min(k - 1, size_t(double(k) * uniform(options_.seed, number, copy, kChoose)))
-              : 0;
-    const uint32_t chosen = chooser_.choose(from, o.box.size(), rank);
+    const uint32_t chosen = chooser_.choose(from, o, uniform(options_.seed, number, copy, kChoose));
     const PrimitiveEntry& entry = set_.entries[chosen];
     if (entry.label != o.label) ++out_.borrowed[std::string(elements::name(o.label))];
     elements::Instance instance;

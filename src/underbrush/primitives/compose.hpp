@@ -8,6 +8,7 @@
 
 #include "underbrush/elements/scene_file.hpp"
 #include "underbrush/primitives/annotation.hpp"
+#include "underbrush/primitives/choose.hpp"
 #include "underbrush/primitives/primitive_set.hpp"
 
 namespace underbrush::primitives {
@@ -15,7 +16,8 @@ namespace underbrush::primitives {
 /// Options of `compose`.
 struct ComposeOptions {
   uint64_t seed = 1;
-  size_t nearest = 1;  ///< Each object draws one of this many primitives with the nearest boxes.
+  Choice choose = Choice::kBest;
+  size_t nearest = 1;  ///< Each object draws one of this many primitives that fit best.
   bool scale = false;  ///< Scales the primitive to the box, by the factor of least squares.
   /// Number of objects that stand for each annotated object of the class. Below 1 some objects are
   /// left out; above 1 more are added beside the annotated ones.
@@ -43,12 +45,12 @@ struct Composition {
 /// Reports the progress of `compose`, called with (done, total).
 using ComposeProgress = std::function<void(size_t, size_t)>;
 
-/// Composes a scene: for each (class, pose, box) of the annotation it places the primitive of the
-/// class with the nearest box ‖extents − extents'‖ ([tallavajhula18] §IV), with its foot on the
-/// ground. Where the set has no primitive of the class, one of the same kind (shrub, tree, patch)
-/// is taken. A patch larger than a cell is filled cell by cell. Instance 0 and model 0 are the
-/// ground. Throws `FormatError` where a primitive cannot be read, and `std::invalid_argument` for a
-/// density that is negative or above 100.
+/// Composes a scene: for each (class, pose, box) of the annotation it places a primitive of the
+/// class
+/// (`Choice`), with its foot on the ground. Where the set has no primitive of the class, one of the
+/// same kind (shrub, tree, patch) is taken. A patch larger than a cell is filled cell by cell.
+/// Instance 0 and model 0 are the ground. Throws `FormatError` where a primitive cannot be read,
+/// and `std::invalid_argument` for a density that is negative or above 100.
 Composition compose(const Annotation& annotation, const elements::Model& ground,
                     const PrimitiveSet& set, const ComposeOptions& options,
                     const ComposeProgress& progress = {});

@@ -51,9 +51,7 @@ class OwnerMap {
 
 OwnerMap owners_of(BeamSource& labelled) {
   OwnerMap owners;
-  for_each_object_hit(labelled, [&](const Vec3& p, elements::Class, uint32_t instance) {
-    owners.add(p, instance);
-  });
+  for_each_object_hit(labelled, [&](const ObjectHit& hit) { owners.add(hit.point, hit.instance); });
   return owners;
 }
 

@@ -42,9 +42,9 @@ enum class Membership {
 struct ExtractOptions {
   MeasureOptions measure;
   Membership membership = Membership::kOwn;
-  /// Ellipsoids at which a smaller share of the beams that met them ended are left out. Where they
-  /// were fitted, other elements stood behind them; elsewhere they would stop beams in free space.
-  double free_space_below = 0.1;
+  /// Ellipsoids at which a smaller share of the beams that met them ended are left out. The hit
+  /// probability of an ellipsoid says how many beams it stops, so 0 keeps thin matter as it is.
+  double free_space_below = 0;
   size_t min_elements = 1;  ///< Objects of fewer elements are left out.
 };
 

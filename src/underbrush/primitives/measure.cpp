@@ -13,6 +13,8 @@ namespace {
 
 using elements::Class;
 
+constexpr double kLeastSlant = 1e-3;     // Length of the mean direction of beams, seen from above,
+                                         // below which it says nothing.
 constexpr size_t kMostPoints = 1 << 15;  // Points of an object; beyond that number every other one
                                          // is dropped.
 
@@ -25,9 +27,11 @@ struct Key {
 
 struct CellCloud {
   std::vector<Vec3> points;
+  Vec3 beams = Vec3::Zero();  // Sum of the directions of the beams.
   size_t seen = 0, step = 1;
 
-  void add(const Vec3& p) {
+  void add(const Vec3& p, const Vec3& direction) {
+    beams += direction;
     if (seen++ % step) return;
     points.push_back(p);
     if (points.size() < kMostPoints) return;
@@ -41,6 +45,28 @@ double quantile_of(std::vector<double>& values, double q) {
   const auto at = values.begin() + std::lround(q * double(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
   return *at;
+}
+
+/// Turns the object by multiples of `step_rad` until its beams come from y < 0 as far as they can.
+/// Beams from above leave it as it is.
+void turn_to_beams(const CellCloud& cloud, double step_rad, PlacedObject& o) {
+  const Eigen::Vector2d along = cloud.beams.head<2>() / double(cloud.seen);
+  if (along.norm() < kLeastSlant) return;
+  const double heading = std::atan2(along.y(), along.x()) - M_PI_2;  // Beams go along y at this.
+  o.yaw_rad += step_rad * std::round(std::remainder(heading - o.yaw_rad, 2 * M_PI) / step_rad);
+  o.yaw_rad = std::remainder(o.yaw_rad, 2 * M_PI);
+}
+
+/// Measures where the points lie along the axes of the object.
+void measure_quantiles(const CellCloud& cloud, PlacedObject& o) {
+  const Pose object_from_world = o.world_from_object().inverse();
+  std::vector<double> values(cloud.points.size());
+  for (int d = 0; d < 3; ++d) {
+    for (size_t k = 0; k < values.size(); ++k) values[k] = (object_from_world * cloud.points[k])[d];
+    for (size_t q = 0; q < o.quantiles.size(); ++q) {
+      o.quantiles[q][d] = quantile_of(values, PlacedObject::kShares[q]);
+    }
+  }
 }
 
 PlacedObject measure_one(const CellCloud& cloud, double quantile) {
@@ -58,6 +84,7 @@ PlacedObject measure_one(const CellCloud& cloud, double quantile) {
   o.yaw_rad = std::atan2(axis.y(), axis.x());
   if (o.yaw_rad > M_PI_2) o.yaw_rad -= M_PI;  // An axis has no sign.
   if (o.yaw_rad <= -M_PI_2) o.yaw_rad += M_PI;
+  turn_to_beams(cloud, M_PI, o);
   const Pose object_from_world = o.world_from_object().inverse();
   std::vector<double> values(cloud.points.size());
   for (int d = 0; d < 3; ++d) {
@@ -75,6 +102,7 @@ PlacedObject measure_cell(const CellCloud& cloud, const Key& key, double cell_m,
   o.position = Vec3((key.i + 0.5) * cell_m, (key.j + 0.5) * cell_m, 0);
   o.box.min = Vec3(-0.5 * cell_m, -0.5 * cell_m, 0);
   o.box.max = Vec3(0.5 * cell_m, 0.5 * cell_m, quantile_of(z, 1 - quantile));
+  turn_to_beams(cloud, M_PI_2, o);
   return o;
 }
 
@@ -82,7 +110,9 @@ PlacedObject measure_cell(const CellCloud& cloud, const Key& key, double cell_m,
 bool ground_it(const GroundSurface& ground, PlacedObject& o) {
   const std::optional<double> z = ground.at(o.position.x(), o.position.y());
   if (!z) return false;
-  o.box.max.z() += o.position.z() - *z;
+  const double up_m = o.position.z() - *z;
+  for (Vec3& q : o.quantiles) q.z() += up_m;
+  o.box.max.z() += up_m;
   o.box.min.z() = 0;
   o.position.z() = *z;
   return true;
@@ -93,8 +123,7 @@ constexpr double kLeastSide = 0.05;
 
 }  // namespace
 
-void for_each_object_hit(BeamSource& labelled,
-                         const std::function<void(const Vec3&, Class, uint32_t)>& visit,
+void for_each_object_hit(BeamSource& labelled, const std::function<void(const ObjectHit&)>& visit,
                          const MeasureProgress& progress) {
   size_t done = 0;
   labelled.rewind();
@@ -110,7 +139,8 @@ void for_each_object_hit(BeamSource& labelled,
           elements::kind_of(Class(number)) == elements::ClassKind::kOther) {
         continue;
       }
-      visit(chunk.end_point(i), Class(number), whole_number(instance, i));
+      visit({chunk.end_point(i), chunk.direction[i].cast<double>(), Class(number),
+             whole_number(instance, i)});
     }
     if (progress) progress(done += chunk.size(), labelled.size());
   }
@@ -134,18 +164,18 @@ MeasuredObjects measure_objects(BeamSource& labelled, const GroundSurface& groun
   MeasuredObjects out;
   std::map<Key, CellCloud> clouds;
   std::map<uint32_t, std::map<Class, size_t>> votes;
-  const auto gather = [&](const Vec3& p, Class c, uint32_t instance) {
-    if (instance == 0) {
+  const auto gather = [&](const ObjectHit& hit) {
+    if (hit.instance == 0) {
       ++out.without_instance;
       return;
     }
-    Key key{instance};
-    if (elements::kind_of(c) == elements::ClassKind::kPatch) {
-      key.i = cell_index(p.x(), o.cell_m);
-      key.j = cell_index(p.y(), o.cell_m);
+    Key key{hit.instance};
+    if (elements::kind_of(hit.label) == elements::ClassKind::kPatch) {
+      key.i = cell_index(hit.point.x(), o.cell_m);
+      key.j = cell_index(hit.point.y(), o.cell_m);
     }
-    clouds[key].add(p);
-    ++votes[instance][c];
+    clouds[key].add(hit.point, hit.direction);
+    ++votes[hit.instance][hit.label];
   };
   for_each_object_hit(labelled, gather, progress);
   for (const auto& [key, cloud] : clouds) {
@@ -166,6 +196,7 @@ MeasuredObjects measure_objects(BeamSource& labelled, const GroundSurface& groun
     }
     object.instance = key.instance;
     object.points = cloud.seen;
+    measure_quantiles(cloud, object);
     if (!ground_it(ground, object)) {
       ++out.off_ground;
       continue;

@@ -39,19 +39,26 @@ using MeasureProgress = std::function<void(size_t, size_t)>;
 
 /// Measures the objects of a log that has the columns `class` (in the set "underbrush") and
 /// `instance`. An object has the class of most of its points. The box of a cell is the cell's
-/// square, up to its highest point. Reads the log once; memory grows with the number of objects.
-/// Throws `std::invalid_argument` for a log without these columns, a quantile outside [0, 0.5) or a
-/// cell that is not positive.
+/// square, up to its highest point. Of the headings that fit (two of an object, four of a cell) it
+/// is the one at which the log's beams come from y < 0 on average, so that a primitive which takes
+/// the place of another object is seen from where it was measured. Reads the log once; memory grows
+/// with the number of objects. Throws `std::invalid_argument` for a log without these columns, a
+/// quantile outside [0, 0.5) or a cell that is not positive.
 MeasuredObjects measure_objects(BeamSource& labelled, const GroundSurface& ground,
                                 const MeasureOptions& options,
                                 const MeasureProgress& progress = {});
 
-/// Calls `visit` with the end point (m, world), class and instance (0 = none) of each hit that has
-/// an object's class, in the log's order. Reads the log once, from its beginning. Throws
-/// `std::invalid_argument` for a log without the columns `class` (in the set "underbrush") and
-/// `instance`.
-void for_each_object_hit(BeamSource& labelled,
-                         const std::function<void(const Vec3&, elements::Class, uint32_t)>& visit,
+/// A return of an object.
+struct ObjectHit {
+  Vec3 point, direction;  ///< The end point (m) and the unit direction of the beam, world.
+  elements::Class label;
+  uint32_t instance;  ///< 0 = none.
+};
+
+/// Calls `visit` with each hit that has an object's class, in the log's order. Reads the log once,
+/// from its beginning. Throws `std::invalid_argument` for a log without the columns `class` (in the
+/// set "underbrush") and `instance`.
+void for_each_object_hit(BeamSource& labelled, const std::function<void(const ObjectHit&)>& visit,
                          const MeasureProgress& progress = {});
 
 }  // namespace underbrush::primitives

@@ -56,6 +56,24 @@ inline Json json_of_box(const Box& box) {
   return j;
 }
 
+/// Reads the member `quantiles_m`, which may be absent.
+inline std::array<Vec3, 5> quantiles_of_json(const io::JsonValue& object) {
+  std::array<Vec3, 5> out = PlacedObject{}.quantiles;
+  const auto list = object.find("quantiles_m");
+  if (!list) return out;
+  const std::vector<io::JsonValue> values = list->values();
+  if (values.size() != out.size()) list->fail("must have 5 places [x, y, z]");
+  for (size_t q = 0; q < out.size(); ++q) out[q] = values[q].vector();
+  return out;
+}
+/// Returns places in an object's frame; nothing where they are not known.
+inline Json json_of_quantiles(const std::array<Vec3, 5>& quantiles) {
+  Json j;
+  if (quantiles == PlacedObject{}.quantiles) return j;
+  for (const Vec3& q : quantiles) j.push_back(json_of_vector(as_written(q)));
+  return j;
+}
+
 inline Json json_of_object(const PlacedObject& object) {
   const PlacedObject o = as_written(object);
   Json j;
@@ -65,6 +83,7 @@ inline Json json_of_object(const PlacedObject& object) {
   j["box_m"] = json_of_box(o.box);
   if (o.instance) j["instance"] = o.instance;
   if (o.points) j["points"] = o.points;
+  if (Json q = json_of_quantiles(o.quantiles); !q.is_null()) j["quantiles_m"] = std::move(q);
   return j;
 }
 

@@ -1,6 +1,7 @@
 /// \file
 /// An object of a site: its class, pose and box.
 #pragma once
+#include <array>
 #include <cmath>
 #include <filesystem>
 
@@ -25,6 +26,11 @@ struct PlacedObject {
   Box box;
   uint32_t instance = 0;  ///< Number in the labelled log, 0 = none. The cells of a patch share it.
   size_t points = 0;      ///< Number of points that it was measured from.
+  /// Where its points lie along each axis (m, object's frame): their quantiles at `kShares`. All
+  /// are 0 where they are not known.
+  std::array<Vec3, 5> quantiles{Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero(),
+                                Vec3::Zero()};
+  static constexpr std::array<double, 5> kShares{0.1, 0.3, 0.5, 0.7, 0.9};
   /// File of the poses of the foot over time (TUM, world from object), for an object that moves;
   /// empty if it stands still.
   std::filesystem::path trajectory;

@@ -32,7 +32,7 @@ std::vector<PrimitiveEntry> entries_of(const std::vector<Primitive>& primitives)
     char number[16];
     std::snprintf(number, sizeof number, "/%04d", ++count[p.label]);
     entries.push_back({p.label, as_written(p.box), std::string(elements::name(p.label)) + number,
-                       p.model.size(), p.source.points});
+                       p.model.size(), p.source.points, p.source.quantiles});
   }
   return entries;
 }
@@ -44,6 +44,7 @@ Json json_of(const PrimitiveEntry& e) {
   j["box_m"] = json_of_box(e.box);
   j["elements"] = e.elements;
   j["points"] = e.points;
+  if (Json q = json_of_quantiles(e.quantiles); !q.is_null()) j["quantiles_m"] = std::move(q);
   return j;
 }
 
@@ -155,6 +156,7 @@ PrimitiveSet read_primitive_set(const fs::path& path) {
     e.name = folder.text();
     e.elements = p.at("elements").count();
     e.points = p.at("points").count();
+    e.quantiles = quantiles_of_json(p);
     if (!elements::is_model(folder.path())) folder.fail("is not there");
     set.entries.push_back(std::move(e));
   }

@@ -19,6 +19,7 @@ struct PrimitiveEntry {
   Box box;
   std::string name;  ///< CLASS/NUMBER, which is its folder in the set.
   size_t elements = 0, points = 0;
+  std::array<Vec3, 5> quantiles = PlacedObject{}.quantiles;  ///< As of `PlacedObject`.
 };
 
 /// The manifest of a set. The elements of its primitives are read when they are needed.

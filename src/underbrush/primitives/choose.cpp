@@ -1,0 +1,88 @@
+#include "underbrush/primitives/choose.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace underbrush::primitives {
+
+using elements::Class;
+
+namespace {
+
+bool has_quantiles(const std::array<Vec3, 5>& quantiles) {
+  return quantiles != PlacedObject{}.quantiles;
+}
+
+/// The middle of the bottom, in which two boxes agree when one takes the place of the other.
+Vec3 foot_of(const Box& box) {
+  return {0.5 * (box.min.x() + box.max.x()), 0.5 * (box.min.y() + box.max.y()), box.min.z()};
+}
+
+}  // namespace
+
+Chooser::Chooser(const PrimitiveSet& set, Choice how, size_t nearest)
+    : set_(set), how_(how), nearest_(nearest) {
+  for (uint32_t k = 0; k < set.entries.size(); ++k) by_class_[set.entries[k].label].push_back(k);
+}
+
+const std::vector<uint32_t>& Chooser::candidates(Class c) {
+  auto& found = by_class_[c];
+  if (!found.empty()) return found;
+  auto& kind = by_kind_[elements::kind_of(c)];
+  if (kind.empty()) {
+    for (uint32_t k = 0; k < set_.entries.size(); ++k) {
+      if (elements::kind_of(set_.entries[k].label) == elements::kind_of(c)) kind.push_back(k);
+    }
+  }
+  return kind;
+}
+
+double Chooser::cost(uint32_t entry, const PlacedObject& o) const {
+  const PrimitiveEntry& e = set_.entries[entry];
+  const double box_m = (e.box.size() - o.box.size()).norm();
+  if (how_ != Choice::kBest) return box_m;
+  if (!has_quantiles(o.quantiles) || !has_quantiles(e.quantiles)) return box_m;
+  double sum = 0;
+  for (size_t q = 0; q < o.quantiles.size(); ++q) {
+    sum += ((o.quantiles[q] - foot_of(o.box)) - (e.quantiles[q] - foot_of(e.box))).squaredNorm();
+  }
+  return box_m + kPointsWeight * std::sqrt(sum / double(o.quantiles.size()));
+}
+
+bool Chooser::stands_near(uint32_t entry, const Vec3& position) const {
+  const auto [x, y] = cell_of(position.x(), position.y(), kVarietyM);
+  for (int k = 0; k < 9; ++k) {
+    const auto cell = placed_.find(Cell2{x + k % 3 - 1, y + k / 3 - 1});
+    if (cell == placed_.end()) continue;
+    for (const auto& [other, at] : cell->second) {
+      if (other == entry && (at - position.head<2>()).norm() < kVarietyM) return true;
+    }
+  }
+  return false;
+}
+
+uint32_t Chooser::choose(const std::vector<uint32_t>& from, const PlacedObject& o, double draw) {
+  const auto drawn = [&](size_t n) { return std::min(n - 1, size_t(double(n) * draw)); };
+  if (how_ == Choice::kRandom) return from[drawn(from.size())];
+  order_.clear();
+  for (const uint32_t k : from) order_.emplace_back(cost(k, o), k);
+  const auto begin = order_.begin();
+  if (how_ == Choice::kBox) {
+    const auto at = begin + long(drawn(std::min(nearest_, from.size())));
+    std::nth_element(begin, at, order_.end());
+    return at->second;
+  }
+  std::sort(begin, order_.end());
+  const double most = order_[0].first + kFitsM;
+  std::vector<uint32_t> fit;
+  for (const auto& [cost_m, k] : order_) {
+    if (fit.size() == nearest_ || cost_m > most) break;
+    if (!stands_near(k, o.position)) fit.push_back(k);
+  }
+  const uint32_t chosen = fit.empty() ? order_[0].second : fit[drawn(fit.size())];
+  placed_[cell_of(o.position.x(), o.position.y(), kVarietyM)].emplace_back(chosen,
+                                                                           o.position.head<2>());
+  return chosen;
+}
+
+}  // namespace underbrush::primitives
