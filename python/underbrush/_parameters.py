@@ -202,7 +202,7 @@ class ExtractParameters(TypedDict, total=False):
     #: Elements that an object takes: all those centred in its box, or only its own, which lie among its points
     #: (default own).
     elements: str
-    #: Leave out ellipsoids at which a smaller share of the beams that met them ended (default 0.1).
+    #: Leave out ellipsoids at which a smaller share of the beams that met them ended (default 0).
     free_space_below: float
     patch_cell: float  #: Side of the cells that patches of shrubs are cut into (m; default 2).
     min_elements: int  #: Leave out objects and cells with fewer elements (default 1).
@@ -212,7 +212,10 @@ class ExtractParameters(TypedDict, total=False):
 class ComposeParameters(TypedDict, total=False):
     """Options of `compose`, as docs/reference/command-line.md lists them."""
 
-    nearest: int  #: Draw each primitive among this many with the nearest boxes (default 1).
+    #: Primitive of its class that an object gets: the one with the nearest box; the one whose box and points fit
+    #: best, and no plant twice within 20 m if others fit; or any (default best).
+    choose: str
+    nearest: int  #: Draw each primitive among this many that fit best (default 1).
     scale: bool  #: Scale primitives to their boxes (default false).
     #: Use no primitive that was cut from an object whose box overlaps one of this annotation, as seen from above.
     leave_out: Sequence[str]

@@ -42,8 +42,8 @@ enum class Membership {
 struct ExtractOptions {
   MeasureOptions measure;
   Membership membership = Membership::kOwn;
-  /// Ellipsoids at which a smaller share of the beams that met them ended are left out. The hit
-  /// probability of an ellipsoid says how many beams it stops, so 0 keeps thin matter as it is.
+  /// Ellipsoids at which a smaller share of the beams that met them ended are left out. Thin matter
+  /// has a small hit probability and stops few beams elsewhere, too, so 0 keeps it.
   double free_space_below = 0;
   size_t min_elements = 1;  ///< Objects of fewer elements are left out.
 };
