@@ -57,7 +57,7 @@ void turn_to_beams(const CellCloud& cloud, double step_rad, PlacedObject& o) {
   o.yaw_rad = std::remainder(o.yaw_rad, 2 * M_PI);
 }
 
-/// Measures where the points lie along the axes of the object.
+/// Measures where the points lie along the axes of the object, to the millimetre as files keep it.
 void measure_quantiles(const CellCloud& cloud, PlacedObject& o) {
   const Pose object_from_world = o.world_from_object().inverse();
   std::vector<double> values(cloud.points.size());
@@ -67,6 +67,7 @@ void measure_quantiles(const CellCloud& cloud, PlacedObject& o) {
       o.quantiles[q][d] = quantile_of(values, PlacedObject::kShares[q]);
     }
   }
+  for (Vec3& q : o.quantiles) q = as_written(q);
 }
 
 PlacedObject measure_one(const CellCloud& cloud, double quantile) {
@@ -110,9 +111,7 @@ PlacedObject measure_cell(const CellCloud& cloud, const Key& key, double cell_m,
 bool ground_it(const GroundSurface& ground, PlacedObject& o) {
   const std::optional<double> z = ground.at(o.position.x(), o.position.y());
   if (!z) return false;
-  const double up_m = o.position.z() - *z;
-  for (Vec3& q : o.quantiles) q.z() += up_m;
-  o.box.max.z() += up_m;
+  o.box.max.z() += o.position.z() - *z;
   o.box.min.z() = 0;
   o.position.z() = *z;
   return true;
@@ -196,11 +195,11 @@ MeasuredObjects measure_objects(BeamSource& labelled, const GroundSurface& groun
     }
     object.instance = key.instance;
     object.points = cloud.seen;
-    measure_quantiles(cloud, object);
     if (!ground_it(ground, object)) {
       ++out.off_ground;
       continue;
     }
+    measure_quantiles(cloud, object);
     for (int d = 0; d < 3; ++d) {
       if (object.box.size()[d] < kLeastSide) object.box.max[d] = object.box.min[d] + kLeastSide;
     }
