@@ -4,6 +4,7 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include "arrow_tables.hpp"
 #include "bind.hpp"
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/core/check.hpp"
@@ -108,7 +109,9 @@ void bind_log(nb::module_& m) {
       "The columns are views of the log's memory: nothing is copied, writing into them changes "
       "the\n"
       "log, and each keeps the log alive. A log has a fixed length; `BeamLog(n)` has n misses at\n"
-      "the origin along +x, to be filled through the views.");
+      "the origin along +x, to be filled through the views. Libraries that read Arrow's tables "
+      "take a\n"
+      "log for one, such as `pyarrow.table(log)`, and share its memory.");
   c.def(
        "__init__",
        [](BeamLog* log, size_t n, const std::optional<LogInfo>& info) {
@@ -146,6 +149,7 @@ void bind_log(nb::module_& m) {
                (log.info.sensor.empty() ? "" : ", " + log.info.sensor) + ")";
       });
   bind_columns(c);
+  bind_arrow(c, [](const Self& self) { return table_of(log_of(self), kept_alive(self)); });
 }
 
 }  // namespace underbrush::python

@@ -6,6 +6,7 @@
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/variant.h>
 
+#include "arrow_tables.hpp"
 #include "bind.hpp"
 #include "given.hpp"
 #include "underbrush/io/export.hpp"
@@ -30,6 +31,27 @@ BeamLog next_chunk(io::LogReader& reader) {
   return chunk;
 }
 
+ArrowTable table_of_chunk(BeamLog&& chunk) {
+  const auto kept = std::make_shared<const BeamLog>(std::move(chunk));
+  return table_of(*kept, kept);
+}
+
+/// Returns the stream of a reader's chunks from the first row on.
+nb::object arrow_stream_of(nb::handle_t<io::LogReader> self, nb::handle) {
+  io::LogReader& reader = *nb::inst_ptr<io::LogReader>(self);
+  const auto kept = kept_alive(self);
+  BeamLog first;
+  {
+    const nb::gil_scoped_release released;
+    reader.rewind();
+    if (!reader.next(first)) first.info = reader.info();
+  }
+  return arrow_stream(table_of_chunk(std::move(first)), [&reader, kept]() {
+    BeamLog chunk;
+    return reader.next(chunk) ? std::optional(table_of_chunk(std::move(chunk))) : std::nullopt;
+  });
+}
+
 void bind_reader(nb::module_& m) {
   nb::class_<io::LogReader>(
       m, "LogReader",
@@ -52,6 +74,11 @@ void bind_reader(nb::module_& m) {
           },
           nb::sig("def __iter__(self) -> LogReader"))
       .def("__next__", &next_chunk)
+      .def(
+          "__arrow_c_stream__", &arrow_stream_of, "requested_schema"_a.none() = nb::none(),
+          nb::sig("def __arrow_c_stream__(self, requested_schema: object | None = None) -> object"),
+          "Returns a capsule with a stream of the chunks from the first row on, for Arrow. Like\n"
+          "iterating, it moves the reader.")
       .def_prop_ro("info", &io::LogReader::info, nb::rv_policy::reference_internal,
                    "Facts about the log as a whole.")
       .def_prop_ro("provenance", &io::LogReader::provenance,

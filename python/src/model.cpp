@@ -4,6 +4,7 @@
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/string.h>
 
+#include "arrow_tables.hpp"
 #include "bind.hpp"
 #include "given.hpp"
 #include "underbrush/pipeline/fit_model.hpp"
@@ -18,6 +19,7 @@ using elements::HitCount;
 using elements::TriangleMesh;
 using Released = nb::call_guard<nb::gil_scoped_release>;
 using MeshSelf = nb::handle_t<TriangleMesh>;
+using ModelSelf = nb::handle_t<ModelValue>;
 
 /// The ellipsoids of a model, as a table.
 struct EllipsoidTable {
@@ -127,13 +129,18 @@ void bind_ellipsoids(nb::module_& m) {
 void bind_model(nb::module_& m) {
   bind_mesh(m);
   bind_ellipsoids(m);
-  nb::class_<ModelValue>(
+  nb::class_<ModelValue> c(
       m, "Model",
       "A learnt world: ground and surface triangles and permeable ellipsoids. Elements are "
       "numbered\n"
-      "in this order. Coordinates are relative to `origin` (world, m). A model does not change.")
-      .def(
-          "__len__", [](const ModelValue& v) { return v.size(); }, "Number of elements.")
+      "in this order. Coordinates are relative to `origin` (world, m). A model does not change.\n"
+      "Libraries that read Arrow's tables take a model for one, with a row for each element: "
+      "`kind` (0\n"
+      "ground, 1 surface, 2 ellipsoid), `centre` (m, world), `covariance` (m^2, of ellipsoids), "
+      "the\n"
+      "hits, and the label and density of ellipsoids.");
+  c.def(
+       "__len__", [](const ModelValue& v) { return v.size(); }, "Number of elements.")
       .def_prop_ro(
           "origin", [](const ModelValue& v) { return v.origin; }, "(3,), m, world; a copy.")
       .def_prop_ro(
@@ -174,6 +181,7 @@ void bind_model(nb::module_& m) {
                std::to_string(v.surface.size()) + " surface triangles, " +
                std::to_string(v.ellipsoids.size()) + " ellipsoids)";
       });
+  bind_arrow(c, [](ModelSelf self) { return table_of(*nb::inst_ptr<ModelValue>(self)); });
   m.def(
       "read_model",
       [](const std::filesystem::path& path) {

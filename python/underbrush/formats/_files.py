@@ -1,34 +1,23 @@
-"""Helpers of the readers and writers: optional libraries, damaged files, outputs that appear whole."""
+"""Helpers of the readers and writers: damaged files, sizes, numbers."""
 from __future__ import annotations
 
 import contextlib
-import importlib
-import os
 import pathlib
-import shutil
-import tempfile
 from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy.typing as npt
 
 from ..errors import FormatError
+from ..files import PathLike, need, written_whole
 
-PathLike = str | os.PathLike[str]
 Array = npt.NDArray[Any]
+
+__all__ = ["Array", "OptionMissing", "PathLike", "guarded", "need", "size_of", "with_thousands", "written_whole"]
 
 
 class OptionMissing(ValueError):
     """A file does not say all that is needed; the text is one line that names the option to add."""
-
-
-def need(module: str) -> Any:
-    """Imports an optional library. Raises `ImportError` with the command that installs it."""
-    try:
-        return importlib.import_module(module)
-    except ImportError as error:
-        name = module.partition(".")[0]
-        raise ImportError(f"{name} is not installed: pip install 'underbrush[formats]'") from error
 
 
 @contextlib.contextmanager
@@ -48,24 +37,6 @@ def guarded(path: PathLike, place: str | Callable[[], str]) -> Iterator[None]:
         if isinstance(error, MemoryError):
             reason = "asks for more memory than there is"
         raise FormatError(path, place() if callable(place) else place, reason) from error
-
-
-@contextlib.contextmanager
-def written_whole(path: PathLike) -> Iterator[pathlib.Path]:
-    """Yields a path of the same name in a private folder beside `path` and renames it to `path` at the end.
-
-    If the block raises, nothing stands at `path` but what stood there before. A folder that exists
-    is not replaced (`FileExistsError`).
-    """
-    target = pathlib.Path(path)
-    if target.is_dir():
-        raise FileExistsError(17, "exists; remove it or name another", str(target))
-    private = pathlib.Path(tempfile.mkdtemp(prefix=".underbrush-", dir=target.parent))
-    try:
-        yield private / target.name
-        os.replace(private / target.name, target)
-    finally:
-        shutil.rmtree(private, ignore_errors=True)
 
 
 def size_of(path: PathLike) -> int:
