@@ -4,10 +4,10 @@
 #include <fstream>
 #include <iostream>
 
-#include "cli/hash.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/io/atomic_file.hpp"
+#include "underbrush/io/hash.hpp"
 #include "underbrush/io/json_text.inl"
 #include "version.hpp"
 
@@ -160,9 +160,9 @@ std::string Verb::provenance(const std::vector<fs::path>& inputs) const {
   p["command"] = command_of_result();
   p["seed"] = seed;
   p["inputs"] = Json::object();
-  for (const fs::path& input : inputs) p["inputs"][input.string()] = hash_of(input);
+  for (const fs::path& input : inputs) p["inputs"][input.string()] = io::hash_of(input);
   for (const std::string& file : program_.app().get_config_ptr()->results()) {
-    p["inputs"][file] = hash_of(file);
+    p["inputs"][file] = io::hash_of(file);
   }
   return io::text_of_json(p);
 }

@@ -114,7 +114,8 @@ struct Beams {
 };
 
 Beams beams_of(const Arguments& a) {
-  if (!a.like.empty()) return {std::make_unique<io::BeamReader>(a.like, size_t(1) << 18), {}, {}};
+  if (!a.like.empty())
+    return {std::make_unique<io::BeamReader>(a.like, pipeline::kSimulatedBeams), {}, {}};
   require(!a.trajectory.empty() && a.sensor.empty() == !a.rig.empty(),
           "simulate: give --like LOG, or --sensor NAME or --rig FILE with --trajectory POSES");
   const Trajectory path = io::read_trajectory(a.trajectory);

@@ -24,7 +24,8 @@ constexpr NamedVerb kVerbs[] = {
     {"extract", add_extract},   {"meshes", add_meshes},   {"annotate", add_annotate},
     {"compose", add_compose},   {"sensors", add_sensors}, {"simulate", add_simulate},
     {"perceive", add_perceive}, {"osi", add_osi},         {"score", add_score},
-    {"serve", add_serve},
+    {"serve", add_serve},       {"plan", add_plan},       {"run", add_run},
+    {"merge", add_merge},
 };
 
 }  // namespace

@@ -28,6 +28,9 @@ void add_osi(Program& program);
 void add_score(Program& program);
 void add_rasters(Program& program);
 void add_serve(Program& program);
+void add_plan(Program& program);
+void add_run(Program& program);
+void add_merge(Program& program);
 
 /// Adds all verbs, in the order of the stages.
 void add_all_verbs(Program& program);

@@ -9,11 +9,11 @@
 #include <nlohmann/json.hpp>
 
 #include "bind.hpp"
-#include "cli/hash.hpp"
 #include "fit_parameters.hpp"
 #include "given.hpp"
 #include "option_table.hpp"
 #include "underbrush/core/check.hpp"
+#include "underbrush/io/hash.hpp"
 #include "underbrush/io/json_text.inl"
 #include "underbrush/pipeline/fit_json.inl"
 #include "watched.hpp"
@@ -26,7 +26,7 @@ namespace {
 pipeline::Provenance with_hashes(const std::string& text) {
   return [text](const std::vector<std::filesystem::path>& inputs) {
     nlohmann::ordered_json j = io::json_of_text(text);
-    for (const auto& input : inputs) j["inputs"][input.string()] = app::hash_of(input);
+    for (const auto& input : inputs) j["inputs"][input.string()] = io::hash_of(input);
     return io::text_of_json(j);
   };
 }

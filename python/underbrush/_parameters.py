@@ -73,6 +73,7 @@ class SimulateParameters(TypedDict, total=False):
     #: Add columns for the element at which each beam ended and for its class; for a scene also for its instance
     #: (default false).
     element_ids: bool
+    beams: str  #: Answer only the beams FIRST to END - 1, numbered from 0, as they are answered among all.
     #: Trace several sub-rays in each beam and compute light, waveform and echoes: a number, COLUMNSxROWS, or sensor
     #: for the number in the sensor's data file.
     super_sample: str

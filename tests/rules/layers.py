@@ -14,7 +14,7 @@ THIRD_PARTY = {
     "embree": (), "tbb": ("core",), "oneapi": ("core",), "png": ("io",),
     "nanoflann": None, "libqhull": None, "nlohmann": None, "yaml-cpp": None, "zlib": None,
     "zstd": ("compact",), "lz4": None, "lzf": ("io",), "pcap": None, "nlopt": ("optimize",), "tiny_gltf": ("io",),
-    "protozero": ("osi",), "fmt": (), "CLI": (), "spdlog": (), "xxhash": ("compact",),
+    "protozero": ("osi",), "fmt": (), "CLI": (), "spdlog": (), "xxhash": ("compact", "io"),
 }
 # The target that stands for each third party in the CMake lists.
 TARGETS = {

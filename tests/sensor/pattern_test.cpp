@@ -160,6 +160,29 @@ TEST(Pattern, SensorsThatDoNotSpinRepeatTheirCycle) {
   }
 }
 
+TEST(Pattern, APartHasTheBeamsOfTheWhole) {
+  const Trajectory trajectory = path(0, 1);
+  for (const char* name : {"velodyne-hdl32e", "livox-mid360"}) {
+    const Sensor s = load(name);
+    const BeamLog log = beams(s, trajectory, 0.1, 0.25);
+    PatternSource source(s, trajectory, 0.1, 0.25, 500);
+    for (const size_t first : {size_t(0), size_t(1), size_t(777), log.size() - 1, log.size()}) {
+      const size_t end = std::min(first + 1001, log.size());
+      BeamWindow window(source, first, end);
+      window.rewind();
+      BeamLog joined, chunk;
+      while (window.next(chunk)) joined.append(chunk, 0, chunk.size());
+      ASSERT_EQ(joined.size(), end - first) << name;
+      for (size_t i = 0; i < joined.size(); ++i) {
+        ASSERT_EQ(joined.direction[i], log.direction[first + i]) << name;
+        ASSERT_EQ(joined.time_s[i], log.time_s[first + i]) << name;
+        ASSERT_EQ(joined.packet[i], log.packet[first + i]) << name;
+      }
+    }
+    EXPECT_GT(source.seek(log.size() / 2) + s.channels.size() + 1, log.size() / 2) << name;
+  }
+}
+
 TEST(Pattern, RasterRunsThereAndBackBetweenItsBounds) {
   const Raster r{0.2, -0.2, 0.1, -0.1, 5, 3, false, true};
   EXPECT_EQ(r.size(), 15u);

@@ -2,14 +2,13 @@
 
 #include <cstdio>
 
+#include "underbrush/core/beam_window.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/pipeline/out_of_reach.hpp"
 #include "underbrush/simulate/simulate.hpp"
 
 namespace underbrush::pipeline {
 namespace {
-
-constexpr size_t kChunk = 1 << 18;  // Number of beams; each may have up to 16 echoes.
 
 void check_poses(const Trajectory& path) {
   constexpr double kLongestS = 3600;
@@ -26,13 +25,20 @@ void check_poses(const Trajectory& path) {
 
 Trajectory whole_path(const sensor::Sensor& sensor, Trajectory path) {
   check_poses(path);
-  return path.poses().size() == 1 ? sensor::one_scan(sensor, path.poses().front()) : path;
+  return path.poses().size() == 1 ? sensor::one_scan(sensor, path.poses().front())
+                                  : std::move(path);
 }
 
 sensor::Sensor named_sensor(const std::string& file, const LogInfo& log, const char* what) {
   if (!log.sensor.empty()) return sensor::sensor_of_log(file, log);
   throw std::invalid_argument(std::string("simulate: ") + what +
                               ", but the log does not name its sensor");
+}
+
+BeamRange range_in(size_t beams, const SimulateOptions& options) {
+  const BeamRange range = beam_range(options.beams);
+  require(options.beams.empty() || range.end <= beams, "simulate: beams ends beyond the last beam");
+  return range;
 }
 
 /// Source that shows progress as a simulation is read.
@@ -59,13 +65,13 @@ class Watched : public BeamSource {
 SensorBeams::SensorBeams(sensor::Sensor sensor, Trajectory world_from_sensor)
     : path_(whole_path(sensor, std::move(world_from_sensor))),
       source_(std::move(sensor), path_, path_.poses().front().time_s, path_.poses().back().time_s,
-              kChunk) {}
+              kSimulatedBeams) {}
 
 std::unique_ptr<perception::RigSource> rig_beams(const perception::Rig& rig,
                                                  const Trajectory& world_from_vehicle) {
   check_poses(world_from_vehicle);
   require(world_from_vehicle.poses().size() >= 2, "a vehicle needs at least two poses");
-  return std::make_unique<perception::RigSource>(rig, world_from_vehicle, kChunk);
+  return std::make_unique<perception::RigSource>(rig, world_from_vehicle, kSimulatedBeams);
 }
 
 Simulation::SensorOf sensor_of(const std::string& file, const BeamSource& log) {
@@ -76,13 +82,15 @@ SimulateCounts simulate_log(Simulation& simulation, BeamSource& beams,
                             const std::function<void(BeamSource&)>& write,
                             const SimulateProgress& progress) {
   simulation.recognise(beams);
+  const BeamRange range = range_in(beams.size(), simulation.options());
+  BeamWindow part(beams, range.first, range.end);
   metrics::Bounds sensor;
   simulate::SimulatedSource simulated(
       [&](size_t first_beam, BeamLog& chunk) {
         for (const Vec3& origin : chunk.origin) sensor.add(origin);
-        simulation.answer(first_beam, chunk);
+        simulation.answer(range.first + first_beam, chunk);
       },
-      beams, simulation.options().max_range_m);
+      part, simulation.options().max_range_m);
   if (simulation.options().element_ids) {
     simulated.name_classes(simulation.world().element_classes());
   }
@@ -127,7 +135,13 @@ BeamLog simulate_log(Simulation& simulation, BeamLog beams) {
   const double max_range_m = simulation.options().max_range_m;
   beams.info.has_misses = true;
   if (max_range_m > 0) beams.info.max_range_m = max_range_m;
-  simulation.answer(0, beams);
+  const BeamRange range = range_in(beams.size(), simulation.options());
+  if (range.first > 0 || range.end < beams.size()) {
+    BeamLog part = beams.like();
+    part.append(beams, range.first, range.end);
+    beams = std::move(part);
+  }
+  simulation.answer(range.first, beams);
   if (simulation.options().element_ids) {
     beams.info.element_classes = simulation.world().element_classes();
   }

@@ -13,8 +13,11 @@
 
 namespace underbrush::pipeline {
 
+/// Beams that `simulate` answers at a time; each may have up to 16 echoes.
+inline constexpr size_t kSimulatedBeams = 1 << 18;
+
 /// The beams of a sensor along a trajectory, as misses. A trajectory of one pose is one scan.
-class SensorBeams : public BeamSource {
+class SensorBeams : public SeekableSource {
  public:
   /// Throws `std::invalid_argument` for a trajectory without poses or with poses more than an hour
   /// apart, of which one must be wrong.
@@ -24,6 +27,7 @@ class SensorBeams : public BeamSource {
   const LogInfo& info() const override { return source_.info(); }
   size_t size() const override { return source_.size(); }
   void rewind() override { source_.rewind(); }
+  size_t seek(size_t beam) override { return source_.seek(beam); }
   bool next(BeamLog& chunk) override { return source_.next(chunk); }
   /// The trajectory; for one pose, that of the whole scan.
   const Trajectory& path() const { return path_; }

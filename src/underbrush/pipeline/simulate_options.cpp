@@ -1,10 +1,10 @@
 #include "underbrush/pipeline/simulate_options.hpp"
 
+#include <charconv>
+
 #include "underbrush/core/check.hpp"
 
 namespace underbrush::pipeline {
-namespace {}  // namespace
-
 // long: the table of the options.
 std::span<const Option<SimulateOptions>> simulate_options() {
   using O = SimulateOptions;
@@ -14,6 +14,10 @@ std::span<const Option<SimulateOptions>> simulate_options() {
      "Add columns for the element at which each beam ended and for its class; for a scene also for "
      "its instance",
      [](O& o) -> auto& { return o.element_ids; }},
+
+    {"beams", "Parts of a log", "",
+     "Answer only the beams FIRST to END - 1, numbered from 0, as they are answered among all",
+     [](O& o) -> auto& { return o.beams; }, -kNoLimit, kNoLimit, {}, "FIRST:END"},
 
     {"super-sample", "Instrument", "",
      "Trace several sub-rays in each beam and compute light, waveform and echoes: a number, "
@@ -88,6 +92,7 @@ return kOptions;
 
 void SimulateOptions::check() const {
   check_options("simulate", simulate_options(), *this);
+  beam_range(beams);
   const InstrumentOptions& i = instrument;
   const bool light = !i.returns.empty() || !i.materials.empty() || !i.material.empty() ||
                      i.visibility_m > 0 || i.rain_mm_per_h > 0 || i.sun > 0 || on_waveforms;
@@ -97,6 +102,20 @@ void SimulateOptions::check() const {
               (beam == "thin" && draw == "on_ray" && range_noise_m == 0 && intensity == "mean"),
           "simulate: --beam, --draw, --intensity and --range-noise are of thin rays, not of "
           "--super-sample");
+}
+
+BeamRange beam_range(const std::string& text) {
+  BeamRange out;
+  if (text.empty()) return out;
+  const char* const end = text.data() + text.size();
+  const auto first = std::from_chars(text.data(), end, out.first);
+  const bool two = first.ec == std::errc() && first.ptr != end && *first.ptr == ':';
+  const auto last = two ? std::from_chars(first.ptr + 1, end, out.end) : first;
+  if (!two || last.ec != std::errc() || last.ptr != end || out.first >= out.end) {
+    throw std::invalid_argument("simulate: beams is FIRST:END with FIRST < END, not " +
+                                in_quotes(text));
+  }
+  return out;
 }
 
 }  // namespace underbrush::pipeline

@@ -2,6 +2,7 @@
 /// The options of the verb `simulate`, and their table.
 #pragma once
 #include <functional>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -33,7 +34,9 @@ struct SimulateOptions {
   double max_range_m = 0;  ///< m; 0 = that of the beams.
   double range_noise_m = 0;
   bool element_ids = false;
-  bool support = false;   ///< Whether to add the column `simulate::kSupportColumn`.
+  bool support = false;  ///< Whether to add the column `simulate::kSupportColumn`.
+  /// "FIRST:END": only these beams, numbered from 0, are answered, as they are among all; "" = all.
+  std::string beams;
   bool keyframes = true;  ///< Whether keyframes may answer (`Simulation::recognise`).
   InstrumentOptions instrument;
   /// The beams whose waveforms `on_waveforms` receives, in the order of the beams; none if it is
@@ -45,6 +48,13 @@ struct SimulateOptions {
   /// Throws `std::invalid_argument` for values out of range and for options without effect.
   void check() const;
 };
+
+/// The beams [first, end) that `SimulateOptions::beams` names.
+struct BeamRange {
+  size_t first = 0, end = std::numeric_limits<size_t>::max();
+};
+/// Throws `std::invalid_argument` for a text that is not FIRST:END with FIRST < END.
+BeamRange beam_range(const std::string& text);
 
 /// All options of `simulate` that take a number or a word. Inputs, outputs, the seed and movers are
 /// not in the table.

@@ -163,6 +163,7 @@ Simulation::Simulation(const TracedWorld& world, const SimulateOptions& options,
                        const std::vector<sensor::Sensor>& rig)
     : world_(&world), options_(options), rig_(true), fired_(rig.size(), 0) {
   options_.check();
+  require(options_.beams.empty(), "simulate: beams are those of one sensor, not of a rig");
   for (const sensor::Sensor& s : rig) {
     LogInfo limits;
     limits.sensor = s.name;

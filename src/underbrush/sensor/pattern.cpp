@@ -121,6 +121,13 @@ void PatternSource::shoot(size_t begin, size_t end, size_t first, BeamLog& chunk
   }
 }
 
+size_t PatternSource::seek(size_t beam) {
+  const bool spinning = sensor_.kind == Kind::kSpinning;
+  const size_t width = spinning ? order_.size() : 1;
+  firing_ = std::min(beam / width, spinning ? firings_ : size_);
+  return firing_ * width;
+}
+
 bool PatternSource::next(BeamLog& chunk) {
   chunk = BeamLog();
   chunk.info = info_;

@@ -1,7 +1,7 @@
 /// \file
 /// This file makes the beams that a sensor fires along a trajectory.
 #pragma once
-#include "underbrush/core/beam_log.hpp"
+#include "underbrush/core/beam_window.hpp"
 #include "underbrush/sensor/sensor.hpp"
 
 namespace underbrush::sensor {
@@ -16,7 +16,7 @@ namespace underbrush::sensor {
 /// `scan` counts revolutions or frames (1/rate) from 0, and `packet` counts packets within the
 /// scan. A scan's reference time and pose are those of its first beam. Beams are in order of time,
 /// then ring. Memory is a chunk and one `ScanInfo` for each revolution.
-class PatternSource : public BeamSource {
+class PatternSource : public SeekableSource {
  public:
   /// Throws `std::invalid_argument` where end_s < start_s, a value is not finite, there are more
   /// than 2³² revolutions, or the trajectory has no pose for a beam. `trajectory` must outlive the
@@ -27,6 +27,7 @@ class PatternSource : public BeamSource {
   const LogInfo& info() const override { return info_; }
   size_t size() const override { return size_; }
   void rewind() override { firing_ = 0; }
+  size_t seek(size_t beam) override;
   bool next(BeamLog& chunk) override;
 
  private:

@@ -1,16 +1,16 @@
-#include "cli/hash.hpp"
+#include "underbrush/io/hash.hpp"
 
-#include <fmt/format.h>
 #include <xxhash.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <fstream>
 #include <memory>
 #include <vector>
 
 #include "underbrush/core/file.hpp"
 
-namespace underbrush::app {
+namespace underbrush::io {
 namespace fs = std::filesystem;
 namespace {
 
@@ -41,7 +41,10 @@ std::string hash_of(const fs::path& path) {
   XXH3_128bits_reset(state.get());
   for (const fs::path& file : files) hash_into(*state, file);
   const XXH128_hash_t h = XXH3_128bits_digest(state.get());
-  return fmt::format("xxh3:{:016x}{:016x}", h.high64, h.low64);
+  char text[40];
+  std::snprintf(text, sizeof text, "xxh3:%016llx%016llx", static_cast<unsigned long long>(h.high64),
+                static_cast<unsigned long long>(h.low64));
+  return text;
 }
 
-}  // namespace underbrush::app
+}  // namespace underbrush::io

@@ -1,0 +1,23 @@
+/// \file
+/// A program that is run to its end. It is internal to the module.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace underbrush::jobs {
+
+/// How a program ended.
+struct ChildEnd {
+  int exit_code = 0;  ///< 128 and the signal's number where a signal ended it.
+  double seconds = 0;
+  uint64_t peak_memory_bytes = 0;
+};
+
+/// Runs a program, words[0], to its end, with nothing on its standard input and what it prints in a
+/// new file. It ends with this process, however that ends. Throws `IoError` where no process can be
+/// made.
+ChildEnd run_child(std::vector<std::string> words, const std::filesystem::path& printed);
+
+}  // namespace underbrush::jobs

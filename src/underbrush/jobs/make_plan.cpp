@@ -1,0 +1,210 @@
+#include <algorithm>
+#include <array>
+#include <set>
+
+#include "underbrush/core/check.hpp"
+#include "underbrush/io/hash.hpp"
+#include "underbrush/io/log_file.hpp"
+#include "underbrush/io/poses.hpp"
+#include "underbrush/jobs/plan.hpp"
+#include "underbrush/pipeline/simulate_log.hpp"
+#include "underbrush/sensor/sensor.hpp"
+
+namespace underbrush::jobs {
+namespace fs = std::filesystem;
+namespace {
+
+/// A verb whose commands depend on nothing but their inputs, and the options that name outputs.
+struct PlannedVerb {
+  std::string_view name;
+  std::array<std::string_view, 4> outputs;  ///< With the short name before the long one.
+};
+
+constexpr PlannedVerb kVerbs[] = {
+    {"import", {"-o", "--output", "--json"}}, {"simulate", {"-o", "--output", "--json"}},
+    {"score", {"--json", "--report"}},        {"fit", {"-o", "--output", "--json"}},
+    {"movers", {"-o", "--output", "--json"}}, {"segment", {"-o", "--output", "--json"}},
+};
+
+/// Rough costs for the guesses of a plan: of a beam, of a byte that is read, and of a start.
+constexpr double kSecondsOfBeam = 2e-6, kSecondsOfByte = 5e-8, kSecondsOfStart = 1;
+constexpr uint64_t kBytesOfStart = 256u << 20;
+
+/// A command taken apart.
+struct Command {
+  std::vector<std::string> words;  ///< Without outputs.
+  struct Named {
+    std::string option, path;
+  };
+  std::vector<Named> outputs;
+};
+
+const PlannedVerb& verb_of(const std::vector<std::string>& words) {
+  const auto* found = std::find_if(std::begin(kVerbs), std::end(kVerbs),
+                                   [&](const PlannedVerb& v) { return v.name == words.at(0); });
+  if (found != std::end(kVerbs)) return *found;
+  std::string known;
+  for (const PlannedVerb& v : kVerbs) known += (known.empty() ? "" : ", ") + std::string(v.name);
+  throw std::invalid_argument("a plan has commands of " + known + ", not of " +
+                              in_quotes(words.at(0)));
+}
+
+Command taken_apart(const std::vector<std::string>& words) {
+  const PlannedVerb& verb = verb_of(words);
+  Command out;
+  for (size_t k = 0; k < words.size(); ++k) {
+    const size_t equals = words[k].find('=');
+    const std::string option = words[k].substr(0, equals);
+    if (option.empty() || std::ranges::find(verb.outputs, option) == verb.outputs.end()) {
+      out.words.push_back(words[k]);
+      continue;
+    }
+    if (equals == std::string::npos) ++k;
+    require(k < words.size(), "the command ends with an option without its value");
+    const std::string path = equals == std::string::npos ? words[k] : words[k].substr(equals + 1);
+    require(!path.empty() && path != "-", "an output of a task is a file or folder");
+    out.outputs.push_back({option, path});
+  }
+  if (out.outputs.empty()) {
+    throw std::invalid_argument("the command of " + std::string(verb.name) +
+                                " names no output: a task's result is a file or folder");
+  }
+  return out;
+}
+
+std::string value_of(const std::vector<std::string>& words, const std::string& option) {
+  for (size_t k = 0; k < words.size(); ++k) {
+    if (words[k] == option && k + 1 < words.size()) return words[k + 1];
+    if (words[k].starts_with(option + "=")) return words[k].substr(option.size() + 1);
+  }
+  return {};
+}
+
+uint64_t bytes_of(const fs::path& path) {
+  if (!fs::is_directory(path)) return fs::is_regular_file(path) ? fs::file_size(path) : 0;
+  uint64_t sum = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(path)) {
+    if (entry.is_regular_file()) sum += entry.file_size();
+  }
+  return sum;
+}
+
+/// Makes the plan of one command after the other.
+class Planner {
+ public:
+  Planner(Plan& plan, size_t pieces) : plan_(plan), pieces_(pieces) {}
+
+  void add(const std::vector<std::string>& words) {
+    const Command command = taken_apart(words);
+    Task task;
+    task.command = command.words;
+    task.inputs = inputs_of(command.words);
+    const std::string seed = value_of(command.words, "--seed");
+    try {
+      if (!seed.empty()) task.seed = std::stoull(seed);
+    } catch (const std::logic_error&) {
+      throw std::invalid_argument("--seed is not a number: " + in_quotes(seed));
+    }
+    uint64_t bytes = 0;
+    for (const std::string& path : task.inputs) bytes += plan_.inputs.at(path).bytes;
+    task.seconds = kSecondsOfStart + kSecondsOfByte * double(bytes);
+    task.memory_bytes = kBytesOfStart + 2 * bytes;
+    for (const Command::Named& output : command.outputs) {
+      if (!results_.insert(fs::path(output.path).lexically_normal().string()).second) {
+        throw std::invalid_argument("two results are called " + in_quotes(output.path) +
+                                    ": name the values of over in it");
+      }
+      if (plan_.inputs.contains(output.path)) {
+        throw std::invalid_argument(in_quotes(output.path) + " is an input and a result");
+      }
+    }
+    pieces_ == 1 ? add_whole(std::move(task), command) : add_pieces(task, command);
+  }
+
+ private:
+  /// The words that name a file or folder, whole or after an = or :.
+  std::vector<std::string> inputs_of(const std::vector<std::string>& words) {
+    std::set<std::string> found;
+    const auto add = [&](const std::string& path) {
+      std::error_code error;
+      if (!path.empty() && fs::exists(path, error)) found.insert(path);
+    };
+    for (size_t k = 1; k < words.size(); ++k) {
+      add(words[k]);
+      for (const char mark : {'=', ':'}) {
+        for (size_t at = 0; (at = words[k].find(mark, at)) != std::string::npos; ++at) {
+          add(words[k].substr(at + 1));
+          add(words[k].substr(0, at));
+        }
+      }
+      const size_t first = words[k].find(':'), last = words[k].rfind(':');  // MODEL:POSES:MATERIAL
+      if (first != last) add(words[k].substr(first + 1, last - first - 1));
+    }
+    for (const std::string& path : found) {
+      if (!plan_.inputs.contains(path)) plan_.inputs[path] = {io::hash_of(path), bytes_of(path)};
+    }
+    return {found.begin(), found.end()};
+  }
+
+  void add_whole(Task task, const Command& command) {
+    for (const Command::Named& o : command.outputs) {
+      // The name of a folder may end in a slash.
+      const fs::path path = fs::path(o.path + "/.").lexically_normal().parent_path();
+      plan_.results.push_back({o.path, {plan_.tasks.size()}, task.outputs.size(), 0});
+      task.outputs.push_back({o.option, path.filename().string()});
+    }
+    plan_.tasks.push_back(std::move(task));
+  }
+
+  void add_pieces(const Task& whole, const Command& command) {
+    require(command.words[0] == "simulate", "pieces are of simulate, whose beams are independent");
+    require(command.outputs.size() == 1 && command.outputs[0].option != "--json",
+            "a command that is cut into pieces has one output, the log");
+    for (const char* option : {"--profile", "--waveforms", "--rig", "--config", "--beams"}) {
+      if (value_of(command.words, option).empty()) continue;
+      throw std::invalid_argument(std::string(option) + " is not for pieces");
+    }
+    const std::unique_ptr<BeamSource> beams = beams_of(command.words);
+    BeamLog chunk;
+    beams->rewind();
+    require_data(beams->next(chunk), "no beams");
+    Result result{command.outputs[0].path, {}, 0, chunk.size()};
+    const size_t n = beams->size(), pieces = std::min(pieces_, n);
+    for (size_t k = 0; k < pieces; ++k) {
+      const size_t first = n / pieces * k + std::min(k, n % pieces);
+      const size_t end = first + n / pieces + (k < n % pieces ? 1 : 0);
+      Task task = whole;
+      task.command.push_back("--beams=" + std::to_string(first) + ":" + std::to_string(end));
+      task.outputs = {{"-o", "piece.ublog"}};
+      task.seconds += kSecondsOfBeam * double(end - first);
+      result.tasks.push_back(plan_.tasks.size());
+      plan_.tasks.push_back(std::move(task));
+    }
+    plan_.results.push_back(std::move(result));
+  }
+
+  static std::unique_ptr<BeamSource> beams_of(const std::vector<std::string>& words) {
+    const std::string like = value_of(words, "--like");
+    if (!like.empty()) return std::make_unique<io::BeamReader>(like, pipeline::kSimulatedBeams);
+    const std::string sensor = value_of(words, "--sensor"), path = value_of(words, "--trajectory");
+    require(!sensor.empty() && !path.empty(),
+            "a command that is cut has --like LOG, or --sensor NAME and --trajectory POSES");
+    return std::make_unique<pipeline::SensorBeams>(sensor::load(sensor), io::read_trajectory(path));
+  }
+
+  Plan& plan_;
+  size_t pieces_;
+  std::set<std::string> results_;
+};
+
+}  // namespace
+
+Plan make_plan(const Job& job, const std::string& program) {
+  Plan plan;
+  plan.program = program;
+  Planner planner(plan, job.pieces);
+  for (const auto& words : commands_of(job)) planner.add(words);
+  return plan;
+}
+
+}  // namespace underbrush::jobs

@@ -1,0 +1,66 @@
+/// \file
+/// A plan: the tasks of a job, what they read and make, and what is joined from that. Its folder
+/// holds `plan.json` (share/schemas/plan.json), and later the outputs and records of tasks.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "underbrush/jobs/job.hpp"
+
+namespace underbrush::jobs {
+
+/// A file or folder that tasks read.
+struct Input {
+  std::string hash;  ///< The result of `io::hash_of`.
+  uint64_t bytes = 0;
+};
+
+/// A file or folder that a task makes.
+struct TaskOutput {
+  std::string option;  ///< The option of the command that names it.
+  std::string name;    ///< Its file name.
+};
+
+/// A command that depends on no other task of its stage.
+struct Task {
+  size_t stage = 0;  ///< Tasks of a stage run once all of the stages before are done.
+  std::vector<std::string> command;  ///< The words after the program's name, without outputs.
+  std::vector<std::string> inputs;   ///< Paths, as the command names them.
+  std::vector<TaskOutput> outputs;
+  uint64_t seed = 1;
+  double seconds = 0;         ///< s; a rough guess of one core's time.
+  uint64_t memory_bytes = 0;  ///< A rough guess of the most memory.
+};
+
+/// A file or folder that `merge` makes: an output of one task, or the logs of several, joined.
+struct Result {
+  std::string path;
+  std::vector<size_t> tasks;  ///< In the order of the beams.
+  size_t output = 0;          ///< The number of the output among those of its task.
+  size_t first_chunk = 0;     ///< Beams that the writer of a joined log gets first; else 0.
+};
+
+/// A job cut into tasks.
+struct Plan {
+  std::string program;                  ///< Name and version; tasks and `merge` need the same.
+  std::map<std::string, Input> inputs;  ///< By path, relative to where the plan was made.
+  std::vector<Task> tasks;
+  std::vector<Result> results;
+};
+
+/// Makes the plan of a job: counts the beams of commands that are cut, and hashes all inputs, which
+/// are the words of the command that name a file or folder. Throws `std::invalid_argument` for a
+/// verb whose tasks are not independent, for a command without output, and for two results of one
+/// name; throws what the readers of logs throw.
+Plan make_plan(const Job& job, const std::string& program);
+
+/// Writes a plan's folder, whole or not at all. Throws `IoError`, also where something stands
+/// there.
+void write_plan(const std::filesystem::path& folder, const Plan& plan);
+/// Reads the plan of a folder. Throws `FormatError`.
+Plan read_plan(const std::filesystem::path& folder);
+
+}  // namespace underbrush::jobs

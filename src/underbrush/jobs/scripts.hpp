@@ -1,0 +1,19 @@
+/// \file
+/// Scripts by which others' schedulers run the tasks of a plan.
+#pragma once
+#include <string>
+
+#include "underbrush/jobs/plan.hpp"
+
+namespace underbrush::jobs {
+
+/// Returns a shell script that submits a plan to Slurm: an array of tasks for each stage, which
+/// begins once the stage before has succeeded, and at last the merge. Each task gets twice the
+/// memory and ten times the time of the plan's guess, and one processor.
+std::string slurm_script(const std::filesystem::path& folder, const Plan& plan);
+
+/// Returns a makefile for GNU make whose first target merges a plan; `make -j N` runs N tasks at
+/// once, those that are not done yet.
+std::string makefile(const std::filesystem::path& folder, const Plan& plan);
+
+}  // namespace underbrush::jobs
