@@ -1,0 +1,47 @@
+"""The tasks of a plan (`underbrush plan`) on a Dask cluster (`pip install 'underbrush[dask]'`)."""
+from __future__ import annotations
+
+import json
+import os
+import pathlib
+import subprocess
+from typing import Any
+
+from underbrush.cli import program
+
+
+def submit(plan: str | os.PathLike[str], client: Any, *, threads: int = 1, retries: int = 2,
+           memory: bool = False) -> list[Any]:
+    """Submits the tasks of a plan to a Dask `Client`, and returns a future for each, in the order of their numbers.
+
+    Workers need this package, and see the folder in which this process works, from which the plan was made, under the
+    same path. A future's result has `seconds` and `peak_memory_bytes`; a task that fails `retries` + 1 times raises
+    `RuntimeError` with the program's last line, and the others go on. With `memory`, each task asks for the plan's guess
+    of its memory as the resource `memory`, in bytes, which workers then must have (`dask worker --resources`). Once all
+    futures are done, `underbrush merge PLAN` joins what they made.
+
+    Raises `OSError` where there is no plan.
+    """
+    tasks = json.loads((pathlib.Path(plan) / "plan.json").read_text(encoding="utf-8"))["tasks"]
+    futures: dict[int, Any] = {}
+    stages = sorted({task["stage"] for task in tasks})
+    before: list[Any] = []
+    for stage in stages:
+        for number, task in enumerate(tasks):
+            if task["stage"] == stage:
+                resources = {"memory": task["memory_bytes"]} if memory else None
+                futures[number] = client.submit(_run, os.fspath(plan), number, os.getcwd(), threads, before,
+                                                key=f"{pathlib.Path(plan).name}-{number}-{os.urandom(4).hex()}",
+                                                retries=retries, resources=resources, pure=False)
+        before = [future for number, future in futures.items() if tasks[number]["stage"] == stage]
+    return [futures[number] for number in range(len(tasks))]
+
+
+def _run(plan: str, number: int, folder: str, threads: int, _before: object) -> dict[str, Any]:
+    """Runs a task on a worker; `_before` are the results of the stage before, for which Dask waits."""
+    done = subprocess.run([program(), "run", plan, "--task", str(number), "--threads", str(threads), "--json", "-"],
+                          cwd=folder, check=False, capture_output=True, text=True)
+    if done.returncode:
+        raise RuntimeError((done.stderr.strip() or "?").splitlines()[-1])
+    report: dict[str, Any] = json.loads(done.stdout)
+    return report
