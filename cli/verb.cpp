@@ -160,7 +160,9 @@ std::string Verb::provenance(const std::vector<fs::path>& inputs) const {
   p["command"] = command_of_result();
   p["seed"] = seed;
   p["inputs"] = Json::object();
-  for (const fs::path& input : inputs) p["inputs"][input.string()] = io::hash_of(input);
+  for (const fs::path& input : inputs) {
+    if (!input.empty()) p["inputs"][input.string()] = io::hash_of(input);
+  }
   for (const std::string& file : program_.app().get_config_ptr()->results()) {
     p["inputs"][file] = io::hash_of(file);
   }

@@ -67,7 +67,7 @@ class Verb {
   void report(const Json& results, const std::string& table) const;
   /// Returns the provenance of an output: a JSON object with program version, command line (without
   /// what does not change the result), seed, and a hash (XXH3, 128 bits) of every input file,
-  /// including the `--config` file.
+  /// including the `--config` file. Empty paths are left out.
   std::string provenance(const std::vector<std::filesystem::path>& inputs) const;
 
  private:

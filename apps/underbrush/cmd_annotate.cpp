@@ -40,10 +40,6 @@ void run(const Verb& verb, Arguments& a) {
   io::check_output(output);
   if (a.ground.empty()) elements::check_model_output(ground);
   a.options.site.seed = verb.seed;
-  std::vector<fs::path> inputs;
-  for (const std::string& input : {a.log, a.ground}) {
-    if (!input.empty()) inputs.emplace_back(input);
-  }
   std::optional<io::LogReader> log;
   if (!a.log.empty()) log.emplace(a.log);
   pipeline::AnnotatedSite site = pipeline::annotate_site(a.log, log ? &*log : nullptr, a.ground,
@@ -52,7 +48,7 @@ void run(const Verb& verb, Arguments& a) {
   const std::string text =
       text_of(site.measured, j) +
       line("ground", "{} ({} triangles)", ground.string(), site.ground.ground.size());
-  pipeline::write_annotated(output, ground, std::move(site), provenance(verb, inputs));
+  pipeline::write_annotated(output, ground, std::move(site), provenance(verb, {a.log, a.ground}));
   verb.report(j, text + line("annotation", "{}", a.output));
 }
 

@@ -37,7 +37,7 @@ void add_options(Verb& verb, Arguments& a) {
   app.add_option("--truth-elevation-deg", a.truth_elevation_deg,
                  "Turn labelled boxes up by this angle, as import turned the beams")
       ->capture_default_str();
-  app::add_options(verb, pipeline::mover_options(), a.options);
+  app::add_options(verb, movers::mover_options(), a.options);
 }
 
 /// The outputs of a marked log.
@@ -94,13 +94,11 @@ void run(const Verb& verb, const Arguments& a) {
     if (!path.empty()) io::check_output(path);
   }
   io::LogReader log(a.log);
-  std::vector<std::filesystem::path> inputs{a.log};
   std::optional<perception::LogTruth> truth;
   if (!a.truth.empty()) {
     truth = osi::truth_of_log(a.truth, log.info(), {a.truth_elevation_deg * M_PI / 180});
-    inputs.emplace_back(a.truth);
   }
-  Outputs outputs(a, log.info(), provenance(verb, inputs));
+  Outputs outputs(a, log.info(), provenance(verb, {a.log, a.truth}));
   const pipeline::MoverMarks found = pipeline::mark_movers(
       log, a.log, a.options,
       [&](const BeamLog& chunk, std::span<const uint8_t> mark) { outputs.write(chunk, mark); },

@@ -249,12 +249,12 @@ void run(const Verb& verb, Arguments& a) {
 void add_optimize(Program& program) {
   using namespace optimize_verb;
   auto a = std::make_shared<Arguments>();
-  const auto verb = add_verb(program, "Models", "optimize",
-                             "Tune the parameters of a fit on a slice of the training log",
-                             "underbrush optimize train.ply -o params.yaml --report tuning/\n"
-                             "  underbrush optimize train.ply -o params.yaml --resume\n"
-                             "  underbrush fit train.ply --config params.yaml -o model/",
-                             [a](const Verb& v) { run(v, *a); });
+  const auto verb =
+      add_verb(program, "Models", "optimize", "Tune the parameters of a fit on a slice of a log",
+               "underbrush optimize train.ply -o params.yaml --report tuning/\n"
+               "  underbrush optimize train.ply -o params.yaml --resume\n"
+               "  underbrush fit train.ply --config params.yaml -o model/",
+               [a](const Verb& v) { run(v, *a); });
   add_options(*verb, *a);
 }
 

@@ -38,10 +38,8 @@ void info(const Verb& verb, const Arguments& a) {
 }
 
 void record(const Verb& verb, const Arguments& a) {
-  std::vector<std::filesystem::path> inputs{a.input};
-  if (!a.options.truth.empty()) inputs.emplace_back(a.options.truth);
-  const osi::RecordCounts n =
-      pipeline::record_trace(a.input, a.output, a.options, provenance(verb, inputs));
+  const osi::RecordCounts n = pipeline::record_trace(a.input, a.output, a.options,
+                                                     provenance(verb, {a.input, a.options.truth}));
   verb.report(
       {{"views", n.views}, {"rays", n.rays}, {"true_objects", n.objects}},
       fmt::format("{} SensorViews: {} rays, {} true objects\n", n.views, n.rays, n.objects) +

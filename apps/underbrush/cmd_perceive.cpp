@@ -73,16 +73,12 @@ void run(const Verb& verb, Arguments& a) {
   check_outputs_of(a);
   a.options.setup.seed = verb.seed;
   io::LogReader log(a.log);
-  std::vector<fs::path> inputs{a.log};
-  for (const std::string& file : {a.options.truth, a.options.rig}) {
-    if (!file.empty()) inputs.emplace_back(file);
-  }
   std::optional<perception::LogTruth> truth;
   if (!a.options.truth.empty()) {
     truth = osi::truth_of_log(a.options.truth, log.info(),
                               {a.options.truth_elevation_deg * M_PI / 180});
   }
-  const std::string origin = provenance(verb, inputs);
+  const std::string origin = provenance(verb, {a.log, a.options.truth, a.options.rig});
   const pipeline::GridFile grid{a.grid, origin};
   const pipeline::Perceived perceived = pipeline::perceive_log(
       log, truth ? &*truth : nullptr, a.options, a.grid.empty() ? nullptr : &grid);

@@ -115,7 +115,7 @@ void run(const Verb& verb, const Arguments& a) {
   }
   const std::vector<metrics::Score> scores = score_logs(a.real, candidates, true);
   const std::vector<metrics::Baseline> baselines = score_baselines(a.real, a.train);
-  if (!a.train.empty()) inputs.emplace_back(a.train);
+  inputs.emplace_back(a.train);
   Json results = pipeline::json_of_scores(names, scores, baselines, provenance(verb, inputs));
   std::string text = table_of_scores(candidates, scores, baselines);
   text += fmt::format("always hit: each beam returns at the median range of its ring in {}\n",

@@ -64,12 +64,10 @@ std::string text_of(const pipeline::Segmentation& s, const pipeline::SegmentOpti
 void run(const Verb& verb, const Arguments& a) {
   io::LogReader log(a.log);
   if (!a.output.empty()) io::check_output(a.output);
-  std::vector<std::filesystem::path> inputs{a.log};
-  if (!a.options.labels.empty()) inputs.emplace_back(a.options.labels);
   std::function<void(BeamSource&)> write;
   if (!a.output.empty()) {
     write = [&](BeamSource& labelled) {
-      io::export_log(a.output, labelled, "ply", provenance(verb, inputs));
+      io::export_log(a.output, labelled, "ply", provenance(verb, {a.log, a.options.labels}));
     };
   }
   const pipeline::Segmentation s =

@@ -6,7 +6,6 @@
 #include "cli/option_table.hpp"
 #include "cli/progress.hpp"
 #include "light_report.hpp"
-#include "mover_words.hpp"
 #include "stages.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
@@ -31,6 +30,22 @@ struct Arguments {
   pipeline::SimulateOptions options;
 };
 
+/// An object that moves, as the command line names it.
+struct MoverWords {
+  std::string model, poses, material;
+};
+
+/// Splits MODEL:POSES[:MATERIAL]. Throws `std::invalid_argument`.
+MoverWords mover_words(const std::string& text) {
+  const size_t first = text.find(':');
+  const size_t second = first == std::string::npos ? first : text.find(':', first + 1);
+  require(first != std::string::npos && first > 0 && first + 1 < text.size(),
+          "simulate: --mover takes MODEL:POSES.txt or MODEL:POSES.txt:MATERIAL");
+  MoverWords w{text.substr(0, first), text.substr(first + 1, second - first - 1), ""};
+  if (second != std::string::npos) w.material = text.substr(second + 1);
+  return w;
+}
+
 void add_beam_options(CLI::App& app, Arguments& a) {
   auto* like = app.add_option("--like", a.like, "Simulate the beams of this log, not of --sensor")
                    ->type_name("LOG");
@@ -48,6 +63,7 @@ void add_beam_options(CLI::App& app, Arguments& a) {
 
 void add_world_options(Verb& verb, Arguments& a) {
   CLI::App& app = verb.app;
+  verb.begin_rare_group("Things that move");
   app.add_option("--mover", a.movers,
                  "Add an object (a model's folder, or an OBJ or PLY mesh) that moves along poses "
                  "(TUM format, world from object); may be repeated")
@@ -98,11 +114,11 @@ pipeline::World world_of(const Arguments& a) {
   pipeline::World world = pipeline::read_world(a.model, options);
   for (const std::string& text : a.movers) {
     const MoverWords w = mover_words(text);
-    pipeline::add_mover(world, pipeline::read_mover(w.model), io::read_trajectory(w.poses),
+    pipeline::add_mover(world, actors::read_mover(w.model), io::read_trajectory(w.poses),
                         w.material);
   }
+  pipeline::change_world(world, a.options);
   world.info.materials.resize(world.scene.models.size());
-  pipeline::set_matter(world, a.options.tau, a.options.grain_m);
   return world;
 }
 
@@ -148,6 +164,7 @@ std::vector<std::filesystem::path> inputs_of(const Arguments& a) {
     inputs.emplace_back(w.model);
     inputs.emplace_back(w.poses);
   }
+  inputs.emplace_back(a.options.actors);
   for (const std::string& file : {a.sensor, a.rig, a.options.instrument.materials}) {
     if (std::filesystem::is_regular_file(file)) inputs.emplace_back(file);
   }
@@ -196,13 +213,13 @@ std::string text_of_model(const Done& done, const elements::Model& model) {
                                     printable(model.sensor));
   }
   if (model.keyframes) {
-    text += done.simulation.keyframes_serve(done.beams)
-                ? fmt::format("  keyframes   beams near {} of them are answered as recorded\n",
-                              model.keyframes->frames.size())
-                : fmt::format(
-                      "  keyframes   not used: they are of thin rays of {}, without "
-                      "elements or movers\n",
-                      model.sensor.empty() ? "the model's log" : printable(model.sensor));
+    text +=
+        done.simulation.keyframes_serve(done.beams)
+            ? fmt::format("  keyframes   beams near {} of them are answered as recorded\n",
+                          model.keyframes->frames.size())
+            : fmt::format(
+                  "  keyframes   not used: they are of thin rays of {}, without --element-ids\n",
+                  model.sensor.empty() ? "the model's log" : printable(model.sensor));
   }
   return text;
 }

@@ -6,7 +6,7 @@
 #include <functional>
 
 #include "cli/progress.hpp"
-#include "intensity_table.hpp"
+#include "report/intensity_table.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/pipeline/score_logs.hpp"
@@ -120,7 +120,7 @@ std::string table_of_scores(const std::vector<Candidate>& candidates,
     text += row("CRPS of the range, m", scores, &Summary::crps_m, 3);
     text += "    (a miss counts as the maximum range there, so a wrong one costs many metres)\n";
   }
-  return text + table_of_intensities(simulated);
+  return text + report::table_of_intensities(simulated);
 }
 
 std::string text_of_warnings(const std::vector<std::string>& warnings) {

@@ -18,14 +18,14 @@ struct NamedVerb {
 
 // In the order of the stages.
 constexpr NamedVerb kVerbs[] = {
-    {"demo", add_demo},         {"import", add_import},   {"info", add_info},
-    {"split", add_split},       {"movers", add_movers},   {"fit", add_fit},
-    {"optimize", add_optimize}, {"rasters", add_rasters}, {"segment", add_segment},
-    {"extract", add_extract},   {"meshes", add_meshes},   {"annotate", add_annotate},
-    {"compose", add_compose},   {"sensors", add_sensors}, {"simulate", add_simulate},
-    {"perceive", add_perceive}, {"osi", add_osi},         {"score", add_score},
-    {"serve", add_serve},       {"plan", add_plan},       {"run", add_run},
-    {"merge", add_merge},
+    {"demo", add_demo},         {"import", add_import},     {"info", add_info},
+    {"split", add_split},       {"movers", add_movers},     {"actors", add_actors},
+    {"fit", add_fit},           {"optimize", add_optimize}, {"rasters", add_rasters},
+    {"segment", add_segment},   {"extract", add_extract},   {"meshes", add_meshes},
+    {"annotate", add_annotate}, {"compose", add_compose},   {"sensors", add_sensors},
+    {"simulate", add_simulate}, {"perceive", add_perceive}, {"osi", add_osi},
+    {"score", add_score},       {"serve", add_serve},       {"plan", add_plan},
+    {"run", add_run},           {"merge", add_merge},
 };
 
 }  // namespace

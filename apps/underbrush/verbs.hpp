@@ -14,6 +14,7 @@ void add_import(Program& program);
 void add_info(Program& program);
 void add_split(Program& program);
 void add_movers(Program& program);
+void add_actors(Program& program);
 void add_fit(Program& program);
 void add_optimize(Program& program);
 void add_segment(Program& program);

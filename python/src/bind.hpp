@@ -18,6 +18,7 @@ void bind_score(nanobind::module_& m);
 void bind_simulate(nanobind::module_& m);
 void bind_lidar(nanobind::module_& m);
 void bind_objects(nanobind::module_& m);
+void bind_actors(nanobind::module_& m);
 void bind_movers(nanobind::module_& m);
 void bind_log_verbs(nanobind::module_& m);
 void bind_optimize(nanobind::module_& m);

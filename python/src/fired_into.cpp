@@ -10,7 +10,7 @@ std::optional<pipeline::World> own_world(const GivenWorld& given, const Simulate
   if (const auto* path = std::get_if<std::filesystem::path>(&given)) {
     return pipeline::read_world(*path, options.read);
   }
-  if (options.movers.empty() && options.pipeline.tau == 0 && options.pipeline.grain_m == 0) {
+  if (options.movers.empty() && !pipeline::changes_world(options.pipeline)) {
     return std::nullopt;
   }
   pipeline::World own;
@@ -31,7 +31,7 @@ void add_mover(pipeline::World& world, const GivenMover& mover) {
   const auto* poses_file = std::get_if<std::filesystem::path>(&poses);
   elements::Model model;
   if (file) {
-    model = pipeline::read_mover(*file);
+    model = actors::read_mover(*file);
   } else {
     model = *std::get<const ModelValue*>(moved);
   }
@@ -46,7 +46,7 @@ FiredInto::FiredInto(const GivenWorld& given, const SimulateOptions& options) {
   const pipeline::Matter matter = pipeline::matter_of(options.pipeline);
   if (std::optional<pipeline::World> own = own_world(given, options)) {
     for (const GivenMover& mover : options.movers) add_mover(*own, mover);
-    pipeline::set_matter(*own, options.pipeline.tau, options.pipeline.grain_m);
+    pipeline::change_world(*own, options.pipeline);
     traced_ = std::make_unique<pipeline::TracedWorld>(std::move(*own), matter);
   } else if (const auto* model = std::get_if<const ModelValue*>(&given)) {
     traced_ = std::make_unique<pipeline::TracedWorld>(**model, matter);

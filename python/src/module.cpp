@@ -32,6 +32,7 @@ NB_MODULE(_core, m) {
   bind_lidar(m);
   bind_objects(m);
   bind_movers(m);
+  bind_actors(m);
   bind_log_verbs(m);
   bind_optimize(m);
   using namespace nanobind::literals;

@@ -37,7 +37,7 @@ std::pair<BeamLog, std::string> marked(const GivenLog& log, const movers::MoverO
 }  // namespace
 
 void bind_movers(nb::module_& m) {
-  bind_options(m, "MoverOptions", "movers", &pipeline::mover_options);
+  bind_options(m, "MoverOptions", "movers", &movers::mover_options);
   m.def("movers", &marked, "log"_a, "options"_a, "progress"_a.none(),
         "Marks the returns of what moved during a log.");
 }

@@ -51,7 +51,7 @@ def text() -> str:
     """Returns the text of the file."""
     tables = {"FitParameters": ("fit", "parameters.md", _core.fit_parameters()),
               "SimulateParameters": ("simulate", "command-line.md", _core.simulate_options() + OF_FILES)}
-    for verb in ("import", "split", "segment", "movers", "extract", "compose", "perceive"):
+    for verb in ("import", "split", "segment", "movers", "actors", "extract", "compose", "perceive"):
         rows = getattr(_core, verb + "_options")()
         tables[verb.capitalize() + "Parameters"] = (
             verb, "command-line.md", [row for row in rows if row[0] not in NAMED_ARGUMENTS])

@@ -144,6 +144,19 @@ def test_marked_movers(run: Callable[..., str], log_file: pathlib.Path, model: u
     is_box, is_marked = log.extra["instance"] == 1, marked.log.flags & underbrush.MOVER != 0
     assert is_marked.sum() == printed["marked"]
     assert is_marked[is_box].mean() > 0.5 and is_marked[~is_box].mean() < 0.001
+    boxes = tmp_path / "boxes.csv"
+    boxes.write_text("time,id,class,x,y,z,yaw,length,width,height\n" +
+                     "".join(f"{0.1 * k:.1f},1,car,{0.6 * k - 12:.1f},8,1.2,0,4,2,2\n" for k in range(41)))
+    printed = json.loads(run("actors", tmp_path / "log.ply", "--boxes", boxes, "-o", tmp_path / "program", "--marked",
+                             tmp_path / "c.ply", "--json", "-"))
+    learnt = underbrush.actors(tmp_path / "log.ply", tmp_path / "python", boxes=boxes)
+    assert learnt.report["actors"] == printed["actors"]
+    assert [(a["name"], a["models"]) for a in learnt.report["actors"]] == [("car-1", 1)]
+    assert (learnt.marked.flags == underbrush.read_log(tmp_path / "c.ply").flags).all()
+    same_models(tmp_path / "program/models/0000", tmp_path / "python/models/0000")
+    replayed = underbrush.simulate(model, like=log, actors=tmp_path / "python")
+    near = np.isclose(replayed.range_m, log.range_m, atol=0.3)
+    assert near[is_box].mean() > 0.8 and near[~is_box & np.isfinite(log.range_m)].mean() > 0.5
     again = underbrush.movers(marked.log, look_s=[1e-9], least_empty=2)
     assert not (again.log.flags & underbrush.MOVER).any()
     with pytest.raises(underbrush.FormatError, match="fewer than two scans"):

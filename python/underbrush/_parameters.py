@@ -70,6 +70,7 @@ class FitParameters(TypedDict, total=False):
 class SimulateParameters(TypedDict, total=False):
     """Options of `simulate`, as docs/reference/command-line.md lists them."""
 
+    actors: str | os.PathLike[str]  #: Add things that move: a folder that actors wrote, or a list of edits of one.
     #: Add columns for the element at which each beam ended and for its class; for a scene also for its instance
     #: (default false).
     element_ids: bool
@@ -192,6 +193,18 @@ class MoversParameters(TypedDict, total=False):
     #: Largest difference of two ranges of one surface, to which 1 % of the range is added (m; default 0.3).
     same_m: float
     least_points: int  #: Returns of the smallest mover in a scan (default 12).
+
+
+class ActorsParameters(TypedDict, total=False):
+    """Options of `actors`, as docs/reference/command-line.md lists them."""
+
+    margin: float  #: Returns up to this far outside of a box belong to its object (m; default 0.3).
+    foot: float  #: Returns up to this height above the bottom of a box are those of the ground (m; default 0.15).
+    least_returns: int  #: Leave out objects with fewer returns in all scans (default 30).
+    walk: float  #: Time for which a pedestrian is rigid; each part of a walk has a model of its own (s; default 0.5).
+    poses_as_given: bool  #: Keep the poses of the boxes instead of registering the scans of an object (default false).
+    #: Leave the unseen side of vehicles and cyclists empty instead of mirroring the other side (default false).
+    one_sided: bool
 
 
 class ExtractParameters(TypedDict, total=False):

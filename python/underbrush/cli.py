@@ -12,7 +12,8 @@ from underbrush.recorded import is_recording, log_of
 from underbrush.written_log import output_of, run as run_and_write
 
 #: Verbs that read logs, and options whose values they do not read as logs.
-LOG_VERBS = ("fit", "simulate", "score", "serve", "split", "movers", "segment", "extract", "perceive", "optimize")
+LOG_VERBS = ("fit", "simulate", "score", "serve", "split", "movers", "actors", "segment", "extract", "perceive",
+             "optimize")
 OTHER_FILES = ("-o", "--output", "--json", "--report", "--truth", "--write-truth", "--test", "--trajectory")
 
 

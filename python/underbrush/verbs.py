@@ -16,9 +16,9 @@ from underbrush.recorded import given_log as _log
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from underbrush._parameters import (ComposeParameters, ExtractParameters, FitParameters, ImportParameters,
-                                        MoversParameters, PerceiveParameters, SegmentParameters, SimulateParameters,
-                                        SplitParameters)
+    from underbrush._parameters import (ActorsParameters, ComposeParameters, ExtractParameters, FitParameters,
+                                        ImportParameters, MoversParameters, PerceiveParameters, SegmentParameters,
+                                        SimulateParameters, SplitParameters)
 
 Path = str | os.PathLike[str]
 #: A log, or the path of one (.ply or .ublog, as `underbrush import` writes it) or of a recording (bag, LAS, pcap, E57).
@@ -54,6 +54,13 @@ class Marked(NamedTuple):
     """A log whose movers are marked and the counts that `underbrush movers --json` writes."""
 
     log: BeamLog  #: With the bit `MOVER` in `flags` at the returns of what moved.
+    report: dict[str, Any]
+
+
+class LearntActors(NamedTuple):
+    """A log whose actors are marked and the report that `underbrush actors --json` writes."""
+
+    marked: BeamLog  #: With the bit `MOVER` in `flags` at the returns of the actors.
     report: dict[str, Any]
 
 
@@ -154,8 +161,8 @@ def simulate(model: World, *, like: Log | None = None, sensor: Sensor | str | No
     The path of a mesh, of a scene of HELIOS++ or of voxels of AMAPVox is a world, too, and with one pose a sensor makes
     one turn or frame. Returns the simulated log. With `output` (.ply, .ublog, .pcd, .csv, a KITTI folder; with `profile` "velodyne",
     "ouster" or "autoware" a folder of PCD files), it is written there in chunks instead, and the result has the numbers
-    of beams, rows and hits. `movers` are objects that move. A model or scene that `tau`, `grain` or `movers` change is
-    copied; else it is used as it is.
+    of beams, rows and hits. `movers` are objects that move. A model or scene that `actors`, `tau`, `grain` or `movers`
+    change is copied; else it is used as it is.
 
     Raises `ValueError` for options out of range or without effect, `FormatError`, `OSError`.
     """
@@ -279,6 +286,22 @@ def movers(log: Log, output: Path | None = None, *, progress: Progress | None = 
     if output is not None:
         _core.write_log(output, marked, "", _provenance("movers", 1, **given))
     return Marked(marked, json.loads(report))
+
+
+def actors(log: Log, output: Path, *, boxes: Path | None = None, boxes_elevation_deg: float = 0, seed: int = 1,
+           progress: Progress | None = None, **options: Unpack[ActorsParameters]) -> LearntActors:
+    """Learns what moved during a log, as models with trajectories, and writes the folder `output`.
+
+    `boxes` is a file of labelled boxes, which are turned up by `boxes_elevation_deg`, or of lists of objects; without
+    it, what moved is found. `options` are those of `underbrush actors` with `_` for `-`, such as `margin` (m). Give
+    `marked` to `fit`, and the folder to `simulate` as `actors`. Raises `ValueError`, `TypeError`, `FormatError` (also
+    where nothing moved), `OSError`.
+    """
+    given: dict[str, Any] = dict(options)
+    with _shown(progress) as shown:
+        marked, report = _core.actors(_log(log), boxes, boxes_elevation_deg, output, _set(_core.ActorOptions(), given),
+                                      seed, _provenance("actors", seed, **given), shown)
+    return LearntActors(marked, json.loads(report))
 
 
 def extract(model: Model | Path, labelled: Log, output: Path | None = None, *, progress: Progress | None = None,

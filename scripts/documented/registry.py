@@ -248,6 +248,39 @@ def movers_forest(folder):
     yield "a drive through a forest", "marked", [counts["marked"]]
 
 
+#: The drive without its labelled objects, with them as boxes and as learnt actors, on the scans that were held out.
+ACTORS = Job("actors.kitti_0005_tracks", f"""{TRACKS}underbrush split log.ply --every 2 --train train.ply --test test.ply
+underbrush movers train.ply -o marked.ply
+boxes="$DATA/kitti_0005_tracks/objects.csv" turned="--boxes-elevation-deg 0.205"
+underbrush actors marked.ply --boxes "$boxes" $turned -o actors --marked static.ply --json actors.json
+underbrush fit train.ply --min-range 2 -o ghosts
+underbrush fit static.ply --min-range 2 -o world
+"$PYTHON" "$SOURCE/scripts/box_actors.py" "$boxes" actors boxes.json
+for class in all Van Cyclist Pedestrian; do
+  [ $class = all ] && cp "$boxes" some.csv || grep -e ^frame -e ",$class," "$boxes" > some.csv
+  underbrush actors test.ply --boxes some.csv $turned --met $class.ply
+  for model in ghosts world; do underbrush simulate $model --like $class.ply -o $model.ply; done
+  for kind in boxes.json actors; do
+    underbrush simulate world --actors $kind --like $class.ply -o ${{kind%.json}}.ply
+  done
+  underbrush score $class.ply ghosts.ply world.ply boxes.ply actors.ply --json $class.json
+done
+rm -r *.ply ghosts world
+""", TRACKS_NEEDS)
+ACTOR_ROWS = {"ghosts": "ghosts in the world", "world": "left out", "boxes": "boxes", "actors": "actors"}
+ACTOR_SCORES = {"packet error, m": "packet_error_m", "capped error, m": "capped_error_m",
+                "recall of misses": "recall_of_misses", "precision of misses": "precision_of_misses",
+                "median range error, m": "median_range_error_m", "cloud error, m": "cloud_error_m"}
+
+
+def actors(folder):
+    for group, row in (("all", "all"), ("Van", "vans"), ("Cyclist", "cyclist"), ("Pedestrian", "pedestrian")):
+        models = read_json(folder / f"{group}.json")["models"]
+        for model, words in ACTOR_ROWS.items():
+            for column, key in ACTOR_SCORES.items():
+                yield f"{row}/{words}", column, [models[model][key]]
+
+
 PLANTS = {"cartoon of three cones": "cartoon, three cones", "cartoon of a ball": "cartoon, a ball",
           "shrub, leaves of 1 m": "shrub 1000 mm", "shrub, leaves of 0.25 m": "shrub 250 mm",
           "shrub, leaves of 20 mm": "shrub 20 mm", "conifer, needles of 0.15 m": "conifer 150 mm",
@@ -353,6 +386,7 @@ MEASURED = {
     "vegetation": Measured((Part((study("vegetation"),), vegetation),),
                            uncompared={"published surface / volumetric": "figures of the paper"}),
     "sequential": Measured((Part((SEQUENTIAL,), sequential),)),
+    "actors": Measured((Part((ACTORS,), actors),)),
     "movers": Measured((Part((MOVERS,), movers), Part((MOVERS_FOREST,), movers_forest))),
     "transfer": Measured((Part((study("transfer"),), transfer),)),
     "scenes": Measured((Part((PRIMITIVES,), scenes("kitti_0027_forest", "drive", False)),

@@ -146,6 +146,7 @@ READERS = {
     "info": ["BAD"],
     "serve": ["BAD", "--cache", "out"],
     "split": ["BAD", "--every", "2", "--train", "out", "--test", "out-too"],
+    "actors": ["BAD", "-o", "out"],
     "fit": ["BAD", "-o", "out"],
     "optimize": ["BAD", "-o", "out"],
     "simulate": ["BAD", "--like", "BAD", "-o", "out"],
@@ -203,6 +204,8 @@ def write_log(folder, scans=2):
                     f"{scan},0,2,{int(post or slope > 0.05)},{scan},{ring},{beam // 8}")
     pathlib.Path(folder, "log.csv").write_text("\n".join(rows) + "\n")
     pathlib.Path(folder, "tree.obj").write_text("v 0 0 0\nv 2 0 0\nv 0 1 0\nv 0 0 4\nf 1 2 4\nf 2 3 4\n")
+    pathlib.Path(folder, "posts.csv").write_text("time,id,class,x,y,z,yaw,length,width,height\n" + "".join(
+        f"{0.1 * scan:.1f},1,other,{6.137 + scan},2.43,1.2,0,1,1,2.6\n" for scan in range(scans)))
     done = call("import", "log.csv", "-o", "log.ply", cwd=folder)
     assert done.returncode == 0, done.stderr
 
@@ -212,6 +215,7 @@ JOBS = {
     "import": ["log.csv", "-o", "again.ply"],
     "split": ["log.ply", "--every", "2", "--train", "train.ply", "--test", "test.ply"],
     "movers": ["log.ply", "-o", "marked.ply"],
+    "actors": ["log.ply", "--boxes", "posts.csv", "-o", "actors", "--least-returns", "10"],
     "info": ["log.ply"],
     "segment": ["log.ply", "-o", "labelled.ply", "--min-points", "5"],
     "fit": ["log.ply", "-o", "model", "--min-points", "4"],

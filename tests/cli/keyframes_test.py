@@ -60,6 +60,24 @@ class Keyframes(cli_test.Failing):
         labelled = self.run_verb("simulate", "with", "--like", "test.ply", "--element-ids", "-o", "b.ply")
         self.assertFalse(labelled["keyframes"])
 
+    def test_a_moving_object_hides_what_was_recorded(self):
+        corners = [(x, y, z) for z in (-3, 3) for y in (-3, 3) for x in (-3, 3)]
+        sides = [(1, 2, 4, 3), (5, 6, 8, 7), (1, 2, 6, 5), (3, 4, 8, 7), (1, 3, 7, 5), (2, 4, 8, 6)]
+        (self.folder / "box.obj").write_text("".join(f"v {x} {y} {z}\n" for x, y, z in corners)
+                                             + "".join(f"f {a} {b} {c} {d}\n" for a, b, c, d in sides))
+        still = self.run_verb("simulate", "with", "--like", "test.ply", "-o", "a.ply", "--force")
+        for place, x in (("away", 9000), ("here", 0)):
+            (self.folder / f"{place}.txt").write_text(f"0 {x} 0 0 0 0 0 1\n")
+            moved = self.run_verb("simulate", "with", "--like", "test.ply", "--mover", f"box.obj:{place}.txt",
+                                  "-o", f"{place}.ply")
+            self.assertTrue(moved["keyframes"])
+            if place == "here":
+                self.assertEqual(moved["misses"], 0)
+                continue
+            self.assertEqual(moved["misses"], still["misses"])
+            same = self.run_verb("score", "a.ply", "away.ply", "--name", "m")["models"]["m"]
+            self.assertLess(same["packet_error_m"], 1e-3)
+
     def test_damaged_keyframes_are_refused(self):
         file = self.folder / "with/keyframes.ply"
         content = file.read_bytes()

@@ -69,7 +69,8 @@ TEST(SceneFile, KeepsMoversAndMaterials) {
   const Scene s = scene(info);
   info.materials = {"", "car_paint", ""};
   const Pose a{Eigen::Quaterniond(Eigen::AngleAxisd(1.0 / 3, Vec3::UnitZ())), Vec3(0.1, 5e6, -1)};
-  info.movers = {{499, Trajectory({{1e9 + 1.0 / 3, a}})}, {7, Trajectory({{0, a}, {2, Pose{}}})}};
+  info.movers = {{499, Trajectory({{1e9 + 1.0 / 3, a}})},
+                 {7, Trajectory({{0, a}, {2, Pose{}}}), 1.0 / 3}};
   write_scene(folder / "scene", s, info);
   read_scene(folder / "scene", &back);
   EXPECT_EQ(back.materials, info.materials);
@@ -79,6 +80,9 @@ TEST(SceneFile, KeepsMoversAndMaterials) {
   EXPECT_EQ(back.movers[0].world_from_object.poses()[0].world_from_sensor.translation,
             a.translation);
   EXPECT_EQ(back.movers[1].world_from_object.poses().size(), 2u);
+  EXPECT_EQ(back.movers[0].from_s, -HUGE_VAL);
+  EXPECT_EQ(back.movers[1].from_s, 1.0 / 3);
+  EXPECT_EQ(back.movers[1].to_s, HUGE_VAL);
   std::filesystem::remove(folder / "scene/movers/0001.txt");
   EXPECT_THROW(read_scene(folder / "scene"), FormatError);
 }

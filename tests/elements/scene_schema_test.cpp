@@ -25,7 +25,7 @@ class SceneSchema : public testing::Test {
     info.labels = {class_named(info, "wall")};
     info.materials = {"plaster"};
     info.own_materials = {{"plaster", {{532e-9, 0.5}, {1064e-9, 0.75}}}};
-    info.movers.push_back({0, Trajectory({{0, {}}, {1, {}}})});
+    info.movers.push_back({0, Trajectory({{0, {}}, {1, {}}}), 0.25, 0.75});
     write_scene(folder_ / "scene", scene, info);
     std::ifstream(folder_ / "scene/scene.json") >> good_;
     good_["comment"] = "any";
@@ -96,7 +96,7 @@ class SceneSchema : public testing::Test {
 TEST_F(SceneSchema, HasTheMembersOfTheReader) {
   EXPECT_EQ(said_of(good_), "");
   try_members(Json::json_pointer(""), schema_);
-  EXPECT_EQ(tried_, 20u);
+  EXPECT_EQ(tried_, 22u);
 }
 
 TEST_F(SceneSchema, ClassesAndMaterialsComeBack) {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "underbrush/actors/learn_actors.hpp"
 #include "underbrush/fit/fit.hpp"
 #include "underbrush/fit/parameters.hpp"
 #include "underbrush/osi/osi_options.hpp"
@@ -31,12 +32,13 @@ void expect_limits(const char* verb, std::span<const Option<T>> options) {
 }
 
 TEST(Options, ThoseWithAUnitHaveLimits) {
+  expect_limits("actors", actors::actor_options());
   expect_limits("annotate", annotate_options());
   expect_limits("compose", compose_options());
   expect_limits("extract", extract_options());
   expect_limits("import", import_options());
   expect_limits("meshes", meshes_options());
-  expect_limits("movers", mover_options());
+  expect_limits("movers", movers::mover_options());
   expect_limits("osi", osi::osi_options());
   expect_limits("perceive", perception::perceive_options());
   expect_limits("rasters", raster_options());

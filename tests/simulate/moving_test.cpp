@@ -149,6 +149,17 @@ TEST(Motion, AMoverThatStandsIsTheInstanceItself) {
   EXPECT_EQ(column<uint32_t>(beams, "element").size(), beams.size());
 }
 
+TEST(Motion, AMoverIsMetOnlyWhileItIsThere) {
+  const elements::Scene scene = two_sheets();
+  const Trajectory stands({{0, {Eigen::Quaterniond::Identity(), Vec3(20, 0, 0)}}});
+  BeamLog beams = beams_along_x(40);
+  for (size_t i = 0; i < beams.size(); ++i) beams.time_s[i] = double(i) / 10;
+  simulate(DynamicWorld(scene, {{1, stands, 1, 3}}), {}, 0, beams);
+  for (size_t i = 0; i < beams.size(); ++i) {
+    EXPECT_NEAR(beams.range_m[i], i >= 10 && i < 30 ? 20 : 50, 1e-5) << i;
+  }
+}
+
 TEST(Motion, WrongMoversAreRefused) {
   const elements::Scene scene = two_sheets();
   const Trajectory stands({{0, Pose{}}});

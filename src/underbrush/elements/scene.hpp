@@ -2,6 +2,7 @@
 /// A world composed of models. Each model is stored once and can be placed many times.
 #pragma once
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -17,10 +18,16 @@ struct Instance {
 };
 
 /// The motion of an instance. `world_from_object` takes the place of the instance's own pose;
-/// before its first pose and after its last the instance stands still.
+/// before its first pose and after its last the instance stands still. Beams before `from_s` and
+/// from `to_s` on do not meet it.
 struct Mover {
   uint32_t instance = 0;
   Trajectory world_from_object;
+  double from_s = -std::numeric_limits<double>::infinity();  ///< s.
+  double to_s = std::numeric_limits<double>::infinity();     ///< s.
+
+  /// Whether a beam of this time (s) may meet the instance.
+  bool is_there(double time_s) const { return time_s >= from_s && time_s < to_s; }
 };
 
 /// Models and their placements. The ground is a model like any other.

@@ -49,12 +49,21 @@ void write_movers(const fs::path& folder, const std::vector<Mover>& movers) {
 }
 
 Mover read_mover(const io::JsonValue& j, size_t instances) {
-  j.check_members({"instance", "trajectory"});
+  j.check_members({"instance", "trajectory", "from_s", "to_s"});
   Mover mover;
   mover.instance = uint32_t(j.at("instance").count(UINT32_MAX));
   if (mover.instance >= instances) j.at("instance").fail("there is no such instance");
   mover.world_from_object = io::read_trajectory(j.at("trajectory").path());
+  if (const auto from = j.find("from_s")) mover.from_s = from->number();
+  if (const auto to = j.find("to_s")) mover.to_s = to->number();
   return mover;
+}
+
+Json json_of(const Mover& mover, size_t number) {
+  Json j{{"instance", mover.instance}, {"trajectory", trajectory_file(number)}};
+  if (std::isfinite(mover.from_s)) j["from_s"] = mover.from_s;
+  if (std::isfinite(mover.to_s)) j["to_s"] = mover.to_s;
+  return j;
 }
 
 constexpr const char* kNumbers[] = {"x", "y", "z", "qx", "qy", "qz", "qw"};
@@ -219,8 +228,7 @@ void write_scene(const fs::path& path, const Scene& scene, const SceneInfo& info
   for (const SceneMaterial& m : info.own_materials) j["materials"].push_back(json_of(m));
   j["instances"] = {{"file", "instances.ply"}, {"count", scene.instances.size()}};
   for (size_t k = 0; k < info.movers.size(); ++k) {
-    j["movers"].push_back(
-        {{"instance", info.movers[k].instance}, {"trajectory", trajectory_file(k)}});
+    j["movers"].push_back(json_of(info.movers[k], k));
   }
   j["provenance"] = info.provenance.empty() ? Json::object() : io::json_of_text(info.provenance);
   io::write_atomically(

@@ -3,10 +3,12 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "underbrush/core/beam_log.hpp"
+#include "underbrush/core/option.hpp"
 
 namespace underbrush::movers {
 
@@ -32,6 +34,9 @@ struct MoverOptions {
   /// Throws `std::invalid_argument` where a value is out of range.
   void check() const;
 };
+
+/// The table of these options.
+std::span<const Option<MoverOptions>> mover_options();
 
 /// Tells for each row of a log whether it is a return of something that moved.
 ///

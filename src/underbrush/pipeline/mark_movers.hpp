@@ -7,13 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "underbrush/core/option.hpp"
 #include "underbrush/movers/find_movers.hpp"
 
 namespace underbrush::pipeline {
-
-/// The options of `movers`.
-std::span<const Option<movers::MoverOptions>> mover_options();
 
 /// The marks of a log's rows (1 = a return of something that moved), and their number.
 struct MoverMarks {

@@ -4,6 +4,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <span>
 
+#include "underbrush/actors/learn_actors.hpp"
 #include "underbrush/osi/trace_contents.hpp"
 #include "underbrush/perception/list_scores.hpp"
 #include "underbrush/perception/mover_score.hpp"
@@ -23,6 +24,8 @@ nlohmann::ordered_json json_of(const ImportReport& report);
 /// Returns the number of marked returns, and with a truth how many objects they are on.
 nlohmann::ordered_json json_of(const MoverMarks& marks, const perception::MoverScore* score,
                                const SkippedRows& skipped);
+/// Returns what was learnt of each track.
+nlohmann::ordered_json json_of(const actors::LearntActors& learnt);
 /// Returns the counts and scores of a segmentation.
 nlohmann::ordered_json json_of(const Segmentation& segmentation, const SegmentOptions& options,
                                const SkippedRows& skipped);

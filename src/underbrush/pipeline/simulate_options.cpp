@@ -10,6 +10,8 @@ std::span<const Option<SimulateOptions>> simulate_options() {
   using O = SimulateOptions;
   // clang-format off
   static const Option<O> kOptions[] = {
+    {"actors", "", "", "Add things that move: a folder that actors wrote, or a list of edits of one",
+     [](O& o) -> auto& { return o.actors; }, -kNoLimit, kNoLimit, {}, "FOLDER|FILE.json"},
     {"element-ids", "", "",
      "Add columns for the element at which each beam ended and for its class; for a scene also for "
      "its instance",

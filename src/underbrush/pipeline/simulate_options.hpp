@@ -27,6 +27,7 @@ struct InstrumentOptions {
 /// The options of `simulate`. Words are those of the command line.
 struct SimulateOptions {
   uint64_t seed = 1;
+  std::string actors;           ///< A folder of actors, or a list of edits of one; "" = none.
   double tau = 0, grain_m = 0;  ///< 0 = those of the models.
   std::string matter = "once";  ///< "once", "still" or "anew".
   double sway_s = 0;            ///< s; option `wind`.

@@ -79,6 +79,18 @@ BeamLog in_order(const LogInfo& info, const std::vector<uint8_t>& sensor,
 
 }  // namespace
 
+bool changes_world(const SimulateOptions& options) {
+  return !options.actors.empty() || options.tau > 0 || options.grain_m > 0;
+}
+
+void change_world(World& world, const SimulateOptions& options) {
+  if (!options.actors.empty()) add_actors(world, actors::read_actors(options.actors));
+  for (elements::Model& model : world.scene.models) {
+    if (options.tau > 0) model.tau = options.tau;
+    if (options.grain_m > 0) model.grain = {options.grain_m, options.grain_m, {}};
+  }
+}
+
 Matter matter_of(const SimulateOptions& options) {
   check_options("simulate", simulate_options(), options);
   return {options.matter == "anew", options.matter == "still", options.sway_s};

@@ -63,6 +63,12 @@ class Simulation {
   std::vector<size_t> fired_;  ///< The number of beams of each sensor of a rig so far.
 };
 
+/// Whether `change_world` has something to do.
+bool changes_world(const SimulateOptions& options);
+/// Adds the actors of the options to a world, and replaces τ and the grain of all its models unless
+/// they are 0. Throws as `actors::read_actors` does.
+void change_world(World& world, const SimulateOptions& options);
+
 /// The matter of `SimulateOptions`, for `TracedWorld`. Throws `std::invalid_argument` for a word
 /// that is none.
 Matter matter_of(const SimulateOptions& options);

@@ -4,7 +4,6 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
-#include "underbrush/io/mesh_file.hpp"
 
 namespace underbrush::pipeline {
 namespace {
@@ -44,17 +43,6 @@ elements::Model read_ground(const std::filesystem::path& path) {
   return model;
 }
 
-elements::Model read_mover(const std::filesystem::path& path) {
-  if (std::filesystem::is_directory(path)) return elements::read_model(path);
-  const io::MeshData mesh = io::read_mesh(path);
-  elements::Model model;
-  model.fitter = "mesh";
-  model.surface.vertices = mesh.vertices;
-  model.surface.triangles = mesh.triangles;
-  model.surface.hit.resize(mesh.triangles.size());
-  return model;
-}
-
 void add_mover(World& world, elements::Model model, Trajectory world_from_object,
                const std::string& material) {
   elements::Scene& scene = world.scene;
@@ -74,10 +62,14 @@ void add_mover(World& world, elements::Model model, Trajectory world_from_object
   info.materials.push_back(material);
 }
 
-void set_matter(World& world, double tau, double grain_m) {
-  for (elements::Model& model : world.scene.models) {
-    if (tau > 0) model.tau = tau;
-    if (grain_m > 0) model.grain = {grain_m, grain_m, {}};
+void add_actors(World& world, std::vector<actors::Actor> actors) {
+  const double sway_s = elements::sway_of(world.scene.models);
+  for (actors::Actor& a : actors) {
+    add_mover(world, std::move(a.model), std::move(a.world_from_actor), "");
+    world.scene.models.back().sway_s = sway_s;
+    world.info.labels.back() = elements::class_named(world.info, a.label);
+    world.info.movers.back().from_s = a.from_s;
+    world.info.movers.back().to_s = a.to_s;
   }
 }
 

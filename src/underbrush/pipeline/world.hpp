@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "underbrush/actors/actor.hpp"
 #include "underbrush/core/pose.hpp"
 #include "underbrush/elements/scene_file.hpp"
 #include "underbrush/sensor/sensor.hpp"
@@ -33,14 +34,13 @@ World read_world(const std::filesystem::path& path, const worlds::ReadOptions& o
 
 /// Reads a model for its ground. Throws `FormatError`, also where it has none.
 elements::Model read_ground(const std::filesystem::path& path);
-/// Reads a model's folder, or a mesh from an OBJ or PLY file, as an object that moves.
-elements::Model read_mover(const std::filesystem::path& path);
 /// Adds an object that moves along `world_from_object`. A world of one model becomes a scene of one
 /// instance before. `material` is "" for that of the object's class.
 void add_mover(World& world, elements::Model model, Trajectory world_from_object,
                const std::string& material);
-/// Replaces τ and the grain (m) of all models, each unless it is 0.
-void set_matter(World& world, double tau, double grain_m);
+/// Adds actors. Their matter sways as that of the world does, because all matter of a world is
+/// drawn alike.
+void add_actors(World& world, std::vector<actors::Actor> actors);
 
 /// Whether and how the matter of a world is drawn for all beams at once (`trace::Draws`).
 struct Matter {

@@ -96,6 +96,15 @@ const elements::Model& DynamicWorld::model(uint32_t instance) const {
   return o ? o->scene.models[0] : world_->model(instance);
 }
 
+bool DynamicWorld::stands_as_one_model() const {
+  if (world_->is_one_model()) return true;
+  if (!still_ || moves(0) || still_->instances.size() != movers_.size() + 1) return false;
+  const elements::Instance& only = still_->instances[0];
+  const Pose& pose = only.world_from_model;
+  return only.scale == 1 && pose.translation == model(0).origin &&
+         pose.rotation.coeffs() == Eigen::Quaterniond::Identity().coeffs();
+}
+
 elements::Instance DynamicWorld::placed(uint32_t instance, double time_s) const {
   elements::Instance placed = world_->instance(instance);
   if (const Object* o = object(instance)) {
@@ -125,6 +134,12 @@ void DynamicWorld::nearest_accepted(std::span<const Ray> rays, std::span<const u
   require(time_s.empty() ? rays.empty() : rays.size() % time_s.size() == 0,
           "dynamic world: a whole number of rays a beam is needed");
   world_->nearest_accepted(rays, keys, limits, met);
+  meet_movers(rays, keys, time_s, limits, met);
+}
+
+void DynamicWorld::meet_movers(std::span<const Ray> rays, std::span<const uint64_t> keys,
+                               std::span<const double> time_s, const trace::RangeLimits& limits,
+                               std::span<Intersection> met) const {
   if (movers_.empty() || rays.empty()) return;
   const size_t width = rays.size() / time_s.size();
   const bool sways = world_->draws() == trace::Draws::kSwaying;
@@ -139,10 +154,12 @@ void DynamicWorld::nearest_accepted(std::span<const Ray> rays, std::span<const u
     near.clear();
     near_keys.clear();
     number.clear();
+    if (std::ranges::none_of(time_s, [&](double t) { return o->mover.is_there(t); })) continue;
     double posed_at = NAN;
     Pose object_from_world;
     Vec3 centre = Vec3::Zero();
     for (size_t b = 0; b < time_s.size(); ++b) {
+      if (!o->mover.is_there(time_s[b])) continue;
       if (time_s[b] != posed_at) {
         const Pose pose = pose_at(o->mover.world_from_object, time_s[b]);
         posed_at = time_s[b];

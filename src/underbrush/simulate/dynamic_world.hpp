@@ -33,7 +33,15 @@ class DynamicWorld {
                         std::span<const double> time_s, const trace::RangeLimits& limits,
                         std::span<trace::Intersection> met) const;
 
+  /// The second half of `nearest_accepted`: replaces the elements `met` in the static world, or
+  /// whatever else ends a ray at `Intersection::t_m`, by those of moving objects that are nearer.
+  void meet_movers(std::span<const Ray> rays, std::span<const uint64_t> keys,
+                   std::span<const double> time_s, const trace::RangeLimits& limits,
+                   std::span<trace::Intersection> met) const;
+
   const trace::World& world() const { return *world_; }
+  /// Whether what stands still is one model in its own place.
+  bool stands_as_one_model() const;
   bool moves() const { return !movers_.empty(); }
   bool moves(uint32_t instance) const { return object(instance) != nullptr; }
   const elements::Model& model(uint32_t instance) const;

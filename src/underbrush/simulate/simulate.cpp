@@ -184,13 +184,38 @@ std::optional<double> drawn_in_unknown(const Simulation& s, const Shots& shots, 
   return unknown->drawn_end(shots.rays[k], s.matter.value_or(shots.keys[k]), s.limits, met);
 }
 
+using CachedReturns = std::vector<std::optional<keyframes::CachedReturn>>;
+
+/// Finds the element at which each shot ends, or draws a pixel of a keyframe, which has part of the
+/// static world only: a moving object before it hides it.
+CachedReturns nearest_answers(const Simulation& s, const Shots& shots,
+                              std::span<Intersection> met) {
+  if (!s.cache) {
+    s.world.nearest_accepted(shots.rays, shots.trials, shots.time_s, s.limits, met);
+    return CachedReturns(met.size());
+  }
+  s.world.world().nearest_accepted(shots.rays, shots.trials, s.limits, met);
+  CachedReturns cached = cached_returns(*s.cache, shots, met, s.matter, s.options.sway_s > 0);
+  if (!s.world.moves()) return cached;
+  for (size_t k = 0; k < met.size(); ++k) {
+    if (!cached[k]) continue;
+    met[k] = {};
+    if (!(cached[k]->range_m <= s.limits.max_m)) continue;
+    met[k].element = trace::kUnknown;  // anything that ends the ray there
+    met[k].t_m = cached[k]->range_m;
+  }
+  s.world.meet_movers(shots.rays, shots.trials, shots.time_s, s.limits, met);
+  for (size_t k = 0; k < met.size(); ++k) {
+    if (!met[k].none() && s.world.moves(met[k].instance)) cached[k].reset();
+  }
+  return cached;
+}
+
 /// Draws the answer to each shot: the nearest element that accepts it, what is in unknown space
 /// before that or a pixel of a keyframe, and then the range.
 std::vector<BeamAnswer> drawn_answers(const Simulation& s, const Shots& shots) {
   std::vector<Intersection> met(shots.rays.size());
-  s.world.nearest_accepted(shots.rays, shots.trials, shots.time_s, s.limits, met);
-  std::vector<std::optional<keyframes::CachedReturn>> cached(met.size());
-  if (s.cache) cached = cached_returns(*s.cache, shots, met, s.matter, s.options.sway_s > 0);
+  const CachedReturns cached = nearest_answers(s, shots, met);
   std::vector<BeamAnswer> out(met.size());
   MatterAt matter_of(s.world);
   for (size_t k = 0; k < out.size(); ++k) {
@@ -257,7 +282,7 @@ void write(const Simulation& s, const Shots& shots, std::span<const BeamAnswer> 
 bool keyframes_serve(const DynamicWorld& world, const Options& options, const LogInfo& beams) {
   const bool plain = options.keyframes && options.draw != RangeDraw::kVolumetric &&
                      !options.random_ray && !options.element_ids;
-  return plain && !world.moves() && world.world().is_one_model() &&
+  return plain && world.stands_as_one_model() &&
          keyframes::KeyframeCache::serves(world.model(0), beams);
 }
 

@@ -64,7 +64,7 @@ struct Options {
 void simulate(const DynamicWorld& world, const Options& options, size_t first_beam, BeamLog& beams);
 
 /// Whether the keyframes of the world's model answer such beams near them: thin rays of the sensor
-/// of its log, without `element_ids`, in a world of one model.
+/// of its log, without `element_ids`, in a world of one model and of what moves in it.
 bool keyframes_serve(const DynamicWorld& world, const Options& options, const LogInfo& beams);
 
 /// A source that answers the beams of another source chunk by chunk. The world and the other source

@@ -1,4 +1,4 @@
-#include "intensity_table.hpp"
+#include "report/intensity_table.hpp"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <functional>
 
-namespace underbrush::app {
+namespace underbrush::report {
 namespace {
 
 using metrics::IntensityErrors;
@@ -71,4 +71,4 @@ std::string table_of_intensities(const std::vector<metrics::Score>& scores) {
          "distance)\n";
 }
 
-}  // namespace underbrush::app
+}  // namespace underbrush::report

@@ -6,10 +6,10 @@
 
 #include "underbrush/metrics/score.hpp"
 
-namespace underbrush::app {
+namespace underbrush::report {
 
-/// Returns the scores side by side, as `table_of_scores` has the others, or the line that says why
+/// Returns the scores side by side, as the program prints the others, or the line that says why
 /// there are none.
 std::string table_of_intensities(const std::vector<metrics::Score>& scores);
 
-}  // namespace underbrush::app
+}  // namespace underbrush::report

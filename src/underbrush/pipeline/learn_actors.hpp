@@ -1,0 +1,19 @@
+/// \file
+/// The verb `actors`: a log in, what moved in it out, as models with trajectories.
+#pragma once
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "underbrush/actors/learn_actors.hpp"
+
+namespace underbrush::pipeline {
+
+/// Learns the actors of tracks (`actors::learn_actors`) with the models of `fit_model`, which have
+/// neither ground, keyframes nor unknown space. Throws `FormatError` where all are left out.
+actors::LearntActors learn_actors(BeamSource& log, const std::string& file,
+                                  const std::vector<actors::Track>& tracks,
+                                  const actors::ActorOptions& options, uint64_t seed,
+                                  const std::function<void(size_t, size_t)>& progress = {});
+
+}  // namespace underbrush::pipeline
