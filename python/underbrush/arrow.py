@@ -1,6 +1,6 @@
 """Logs from Arrow's tables, and as folders of Parquet files (`pip install 'underbrush[arrow]'`).
 
-The way into Arrow needs no function: `pyarrow.table(log)`, `polars.from_arrow(log)` and `duckdb.sql("from log")` take a
+The way into Arrow needs no function: `pyarrow.table(log)`, `polars.DataFrame(log)` and `duckdb.sql("from log")` take a
 `BeamLog`, a `Model` or a `LogReader` as it is.
 """
 from __future__ import annotations
