@@ -4,8 +4,8 @@
 
 #include "cli/progress.hpp"
 #include "fit_text.hpp"
-#include "light_report.hpp"
-#include "log_contents.hpp"
+#include "report/light_text.hpp"
+#include "report/log_text.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/elements/scene_file.hpp"
@@ -48,7 +48,7 @@ void report_model(const Verb& verb, const std::string& path) {
     table += fmt::format("  matter sways with a correlation time of {:.2g} s\n", model.sway_s);
   }
   j["sway_s"] = model.sway_s;
-  table += text_of_light(model);
+  table += report::text_of_light(model);
   if (model.light.known()) j["light"] = pipeline::json_of_light(model);
   j["provenance"] = model.provenance.empty() ? Json(nullptr) : io::json_of_text(model.provenance);
   verb.report(j, fmt::format("{}: model by {}: {} ground triangles, {} surface triangles, {} "
@@ -193,8 +193,8 @@ void run(const Verb& verb, const Arguments& a) {
     contents.add(chunk);
     progress(contents.beams, input.beams->size());
   }
-  const Json j = json_of_log(input, contents);
-  verb.report(j, table_of_log(file, input.beams->info(), contents, j));
+  const Json j = report::json_of_log(input, contents);
+  verb.report(j, report::table_of_log(file, input.beams->info(), contents, j));
 }
 
 }  // namespace info_verb

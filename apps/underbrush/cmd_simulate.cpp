@@ -5,7 +5,7 @@
 
 #include "cli/option_table.hpp"
 #include "cli/progress.hpp"
-#include "light_report.hpp"
+#include "report/light_text.hpp"
 #include "stages.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
@@ -233,7 +233,8 @@ void report(const Verb& verb, const Arguments& a, const Done& done, const WorldS
   const double mean_traced =
       double(done.simulation.rays_traced()) / double(std::max<size_t>(1, n.beams));
   const std::string lost = lost_in(a);
-  const std::string intensities = intensities_in_words(traced.models(), done.beams, sub_rays > 0);
+  const std::string intensities =
+      report::intensities_in_words(traced.models(), done.beams, sub_rays > 0);
   Json j;
   j["beams"] = n.beams;
   j["hits"] = n.beams - misses;

@@ -7,7 +7,7 @@
 
 #include "cli/line.hpp"
 #include "cli/progress.hpp"
-#include "light_report.hpp"
+#include "report/light_text.hpp"
 
 namespace underbrush::app {
 namespace {
@@ -89,8 +89,8 @@ std::string text_of(const pipeline::FittedModel& fitted, const pipeline::Skipped
   text += left_out(r.mover_points, "returns of movers") +
           left_out(r.near_points, "points near the sensor");
   if (r.thinned_points) text += line("left", "out    {} points of full tiles", r.thinned_points);
-  text += text_of_grain(model, r.grain) + text_of_sway(model, r.sway) + text_of_light(model) +
-          text_of_keyframes(model);
+  text += text_of_grain(model, r.grain) + text_of_sway(model, r.sway) +
+          report::text_of_light(model) + text_of_keyframes(model);
   if (r.echo_grain.learnt) {
     text += line("echoes", "{:.3f} of a beam that returns, the log {:.3f}", r.echo_grain.simulated,
                  r.echo_grain.real);

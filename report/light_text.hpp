@@ -4,12 +4,11 @@
 #include <span>
 #include <string>
 
-#include "cli/verb.hpp"
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/elements/model.hpp"
 #include "underbrush/sensor/sensor.hpp"
 
-namespace underbrush::app {
+namespace underbrush::report {
 
 /// The light of a model (`pipeline::json_of_light`) in one line, with the extremes of the gains of
 /// channels; empty without light.
@@ -21,4 +20,4 @@ std::string text_of_light(const elements::Model& model);
 std::string intensities_in_words(std::span<const elements::Model> models, const LogInfo& asking,
                                  bool instrument);
 
-}  // namespace underbrush::app
+}  // namespace underbrush::report

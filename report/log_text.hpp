@@ -1,13 +1,15 @@
 /// \file
 /// What `info` tells of a log.
 #pragma once
+#include <nlohmann/json.hpp>
 #include <string>
 
-#include "cli/verb.hpp"
 #include "underbrush/io/input.hpp"
 #include "underbrush/pipeline/log_contents.hpp"
 
-namespace underbrush::app {
+namespace underbrush::report {
+
+using Json = nlohmann::ordered_json;
 
 /// Returns the contents as JSON; `input` is the log, read to its end.
 Json json_of_log(const io::Input& input, const pipeline::LogContents& contents);
@@ -15,4 +17,4 @@ Json json_of_log(const io::Input& input, const pipeline::LogContents& contents);
 std::string table_of_log(const std::string& file, const LogInfo& info,
                          const pipeline::LogContents& contents, const Json& j);
 
-}  // namespace underbrush::app
+}  // namespace underbrush::report

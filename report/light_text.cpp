@@ -1,4 +1,4 @@
-#include "light_report.hpp"
+#include "report/light_text.hpp"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 
 #include "underbrush/pipeline/fit_json.inl"
 
-namespace underbrush::app {
+namespace underbrush::report {
 namespace {
 
 /// The name of a sensor, with its wavelength where the catalogue or its data file has one.
@@ -66,4 +66,4 @@ std::string intensities_in_words(std::span<const elements::Model> models, const 
   return text;
 }
 
-}  // namespace underbrush::app
+}  // namespace underbrush::report

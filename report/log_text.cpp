@@ -1,10 +1,10 @@
-#include "log_contents.hpp"
+#include "report/log_text.hpp"
 
 #include <fmt/format.h>
 
 #include "underbrush/io/json_text.inl"
 
-namespace underbrush::app {
+namespace underbrush::report {
 
 using pipeline::LogContents;
 
@@ -86,4 +86,4 @@ std::string table_of_log(const std::string& file, const LogInfo& info, const Log
   return text;
 }
 
-}  // namespace underbrush::app
+}  // namespace underbrush::report
