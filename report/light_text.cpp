@@ -30,7 +30,7 @@ std::string text_of_light(const elements::Model& m) {
   if (!m.light.known()) return "";
   std::string text = "  light       mean reflectance";
   const char* comma = " ";
-  const Json light = pipeline::json_of_light(m);
+  const nlohmann::ordered_json light = pipeline::json_of_light(m);
   for (const auto& [kind, reflectance] : light["reflectance"].items()) {
     const double mean = reflectance;
     if (mean > 0) text += fmt::format("{}{:.3g} of {}", std::exchange(comma, ", "), mean, kind);

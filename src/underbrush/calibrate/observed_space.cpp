@@ -245,6 +245,16 @@ void estimate_densities(const Counts& counts, ObservedSpace& space) {
   }
 }
 
+/// Lets unknown space end where the sensor of the log no longer reaches, because no beam tells what
+/// stands beyond.
+void end_at_reach(double reach_m, ObservedSpace& space) {
+  for (size_t r = 1; r < ObservedSpace::kRanges; ++r) {
+    if (ObservedSpace::kRangesM[r - 1] < 0.98 * reach_m) continue;
+    for (auto& row : space.density_per_m) row[r] = 0;
+    space.ground_returns[r] = 0;
+  }
+}
+
 }  // namespace
 
 void learn_observed_space(elements::Model& model, BeamSource& log,
@@ -265,6 +275,7 @@ void learn_observed_space(elements::Model& model, BeamSource& log,
   auto space = std::make_shared<ObservedSpace>(std::move(spaces[0]));
   space->add(spaces[1]);
   estimate_densities(counts, *space);
+  end_at_reach(model.max_range_m, *space);
   model.observed = std::move(space);
 }
 
