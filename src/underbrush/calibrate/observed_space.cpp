@@ -245,8 +245,8 @@ void estimate_densities(const Counts& counts, ObservedSpace& space) {
   }
 }
 
-/// Lets unknown space end where the sensor of the log no longer reaches, because no beam tells what
-/// stands beyond.
+/// Lets unknown space end where the sensor of the log no longer reaches, because the log has no
+/// returns from beyond.
 void end_at_reach(double reach_m, ObservedSpace& space) {
   for (size_t r = 1; r < ObservedSpace::kRanges; ++r) {
     if (ObservedSpace::kRangesM[r - 1] < 0.98 * reach_m) continue;
