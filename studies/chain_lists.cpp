@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "underbrush/actors/actor.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/temporary.hpp"
 #include "underbrush/elements/model_file.hpp"
@@ -13,18 +14,6 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string name_of(uint64_t object) { return "object-" + std::to_string(object); }
-
-/// The same model with its origin at zero, which is where the tracer places it.
-elements::Model at_zero(elements::Model model) {
-  const Vec3f by = model.origin.cast<float>();
-  for (elements::TriangleMesh* mesh : {&model.ground, &model.surface}) {
-    for (Vec3f& v : mesh->vertices) v += by;
-  }
-  for (elements::Ellipsoid& e : model.ellipsoids) e.mean += by;
-  model.origin.setZero();
-  model.keyframes.reset();
-  return model;
-}
 
 /// The strategies up to the points of all beams, in the world of a folder.
 osi::Chain sensing(const LogInfo& log, const fs::path& folder, uint64_t seed) {
@@ -71,7 +60,7 @@ ChainLists chain_lists(const LogInfo& log, const perception::LogTruth& truth,
   elements::write_model(folder.path() / "world", world.world);
   for (size_t k = 0; k < world.tracks.size(); ++k) {
     elements::write_model(folder.path() / "objects" / name_of(world.tracks[k].id),
-                          at_zero(world.models[k]));
+                          actors::at_zero(world.models[k]));
   }
   osi::Chain sensor = sensing(log, folder.path(), seed);
   osi::Chain model = tracking(parameters, "model", seed);

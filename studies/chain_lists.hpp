@@ -13,7 +13,7 @@ namespace underbrush::studies {
 /// What a drive is simulated in.
 struct ChainWorld {
   elements::Model world;  ///< What stands still.
-  std::vector<ObjectTrack> tracks;
+  std::vector<actors::Track> tracks;
   std::vector<elements::Model> models;  ///< One for each track, in the frame of its box.
 };
 

@@ -1,32 +1,19 @@
 /// \file
-/// The labelled objects of a real log: the log without them, and models of them.
+/// The labelled objects of a real log: the log with their returns marked, and models of them.
 #pragma once
-#include <functional>
-#include <memory>
 #include <vector>
 
-#include "underbrush/core/beam_log.hpp"
+#include "underbrush/actors/track.hpp"
 #include "underbrush/elements/model.hpp"
-#include "underbrush/perception/log_truth.hpp"
 
 namespace underbrush::studies {
 
-/// A labelled object over time, as the sensor saw it.
-struct ObjectTrack {
-  uint64_t id = 0;
-  perception::ObjectClass label = perception::ObjectClass::kUnknown;
-  Vec3 size_m = Vec3::Zero();
-  std::vector<perception::SeenBox> seen;  ///< In order of time.
-};
-
-/// Sorts the labelled boxes by object.
-std::vector<ObjectTrack> tracks_of(const perception::LogTruth& truth);
-
-/// The beams of every n-th scan of a log, without those that end in a labelled object or within
-/// 0.4 m of it.
-class StaticBeams : public BeamSource {
+/// Every n-th scan of a log, in which the returns of tracks are marked as moving (`kMover`), so
+/// that a fit leaves them out.
+class MarkedScans : public BeamSource {
  public:
-  StaticBeams(BeamSource& log, const std::vector<ObjectTrack>& tracks, uint32_t every_nth);
+  /// `log` and `tracks` must outlive it.
+  MarkedScans(BeamSource& log, const std::vector<actors::Track>& tracks, uint32_t every_nth);
   const LogInfo& info() const override { return log_.info(); }
   size_t size() const override { return log_.size(); }
   void rewind() override { log_.rewind(); }
@@ -34,16 +21,15 @@ class StaticBeams : public BeamSource {
 
  private:
   BeamSource& log_;
-  const std::vector<ObjectTrack>& tracks_;
+  actors::BoxesOfBeams boxes_;
   uint32_t every_nth_;
 };
 
-/// Fits ellipsoids to the points of each object in the scans with even numbers, in the frame of its
-/// box. An object with fewer than 30 points has a mesh (`road_user`) instead.
-std::vector<elements::Model> models_of_points(BeamSource& log,
-                                              const std::vector<ObjectTrack>& tracks,
-                                              uint64_t seed);
+/// Learns a model of each object from the scans with even numbers, as the verb `actors` does, in
+/// the frame of its box. An object that is left out there has a mesh (`road_user`) instead.
+std::vector<elements::Model> learnt_models(BeamSource& log,
+                                           const std::vector<actors::Track>& tracks, uint64_t seed);
 /// Makes a mesh for each object.
-std::vector<elements::Model> meshes_of(const std::vector<ObjectTrack>& tracks);
+std::vector<elements::Model> meshes_of(const std::vector<actors::Track>& tracks);
 
 }  // namespace underbrush::studies

@@ -30,13 +30,13 @@ struct RealLog {
   std::string name;
   io::BeamReader beams;
   perception::LogTruth truth;
-  std::vector<ObjectTrack> tracks;
+  std::vector<actors::Track> tracks;
 
   explicit RealLog(const fs::path& folder)
       : name(folder.filename().string()),
         beams(folder / "log.ply"),
         truth(folder / "objects.csv", beams.info(), {kElevationOffsetRad}),
-        tracks(tracks_of(truth)) {}
+        tracks(actors::tracks_of(truth.seen())) {}
 };
 
 /// The lists of the real scans.
@@ -47,7 +47,7 @@ perception::PerceivedLog real_lists(RealLog& log) {
 }
 
 elements::Model static_world(const StudyRun& run, RealLog& log) {
-  StaticBeams beams(log.beams, log.tracks, kEveryNth);
+  MarkedScans beams(log.beams, log.tracks, kEveryNth);
   fit::FitOptions options;
   options.seed = run.seed;
   options.min_range_m = kMinRangeM;
@@ -138,7 +138,7 @@ void run_log(const StudyRun& run, const fs::path& folder, StudyResult& out) {
   run.say(log.name + ": static world");
   const elements::Model world = static_world(run, log);
   run.say(log.name + ": objects");
-  std::vector<elements::Model> own = models_of_points(log.beams, log.tracks, run.seed);
+  std::vector<elements::Model> own = learnt_models(log.beams, log.tracks, run.seed);
   std::vector<ListCandidate> candidates =
       simulated_lists(run, log, world, meshes_of(log.tracks), "meshes");
   for (ListCandidate& c : simulated_lists(run, log, world, std::move(own), "ellipsoids")) {

@@ -80,7 +80,7 @@ TEST(ChainLists, FollowTheObjectsOfTheTruthAndOfTheWorld) {
     }
     lists.push_back(perception::list_of_truth(frame, {}));
   }
-  ObjectTrack track;
+  actors::Track track;
   track.id = 7;
   track.label = perception::ObjectClass::kVan;
   track.size_m = size;
