@@ -1,0 +1,91 @@
+"""The tables of a drive in which things move: lists of objects, marked returns, and actors."""
+from . import matter
+from .common import HALVES, LOGS, study
+from .jobs import Job, Measured, Part, read_json
+
+
+def sequential(folder):
+    f = read_json(folder / "study.json")["figures"]["kitti_0005_tracks"]
+    for row in ("truth", "meshes/model", "meshes/pipeline", "ellipsoids/model", "ellipsoids/pipeline", "noisy truth"):
+        for value, error in matter.object_list_errors(f, row).items():
+            yield row, value, [error]
+
+
+#: The commands that make log.ply of the labelled drive, and what they need of DATA.
+TRACKS = """mkdir -p drive/velodyne
+"$PYTHON" "$DATA/frames.py" unpack "$DATA/kitti_0005_city/velodyne.kfx" drive/velodyne
+"$PYTHON" "$DATA/frames.py" unpack "$DATA/kitti_0005_tracks/velodyne_30_89.kfx" drive/velodyne
+underbrush import drive --poses "$DATA/kitti_0005_tracks/poses_velo.txt" --times "$DATA/kitti_0005_tracks/times.txt" \\
+  --deskew velodyne-hdl64e --elevation-offset-deg 0.205 --infer-misses velodyne-hdl64e -o log.ply
+rm -r drive
+"""
+TRACKS_NEEDS = ("kitti_0005_city/velodyne.kfx", "kitti_0005_tracks/velodyne_30_89.kfx")
+SEQUENTIAL = study("sequential", "--data data", f"""{TRACKS}mkdir -p data/kitti_0005_tracks
+mv log.ply data/kitti_0005_tracks/
+cp "$DATA/kitti_0005_tracks/objects.csv" data/kitti_0005_tracks/
+""", needs=TRACKS_NEEDS)
+
+MOVERS = Job("movers.kitti_0005_tracks", f"""{TRACKS}underbrush movers log.ply \\
+  --truth "$DATA/kitti_0005_tracks/objects.csv" --truth-elevation-deg 0.205 --json movers.json
+rm log.ply
+""", TRACKS_NEEDS)
+MOVERS_FOREST = Job("movers.kitti_0027_forest", """underbrush movers "$WORK/kitti_0027_forest/log.ply" -o marked.ply \\
+  --json movers.json
+rm marked.ply
+""", (LOGS["kitti_0027_forest"],), (HALVES["kitti_0027_forest"],))
+
+
+def movers(folder):
+    truth = read_json(folder / "movers.json")["truth"]
+    for kind in ("moving", "standing"):
+        for name, counts in truth[kind].items():
+            yield f"{kind} {name}", "returns", [counts["returns"]]
+            yield f"{kind} {name}", "marked", [counts["marked"]]
+    yield "in no labelled box", "returns", [truth["elsewhere"]["returns"]]
+    yield "in no labelled box", "marked", [truth["elsewhere"]["marked"]]
+
+
+def movers_forest(folder):
+    counts = read_json(folder / "movers.json")
+    yield "a drive through a forest", "returns", [counts["returns"]]
+    yield "a drive through a forest", "marked", [counts["marked"]]
+
+
+#: The drive without its labelled objects, with them as boxes and as learnt actors, on the scans that were held out.
+ACTORS = Job("actors.kitti_0005_tracks", f"""{TRACKS}underbrush split log.ply --every 2 --train train.ply --test test.ply
+underbrush movers train.ply -o marked.ply
+boxes="$DATA/kitti_0005_tracks/objects.csv" turned="--boxes-elevation-deg 0.205"
+underbrush actors marked.ply --boxes "$boxes" $turned -o actors --marked static.ply --json actors.json
+underbrush fit train.ply --min-range 2 -o ghosts
+underbrush fit static.ply --min-range 2 -o world
+"$PYTHON" "$SOURCE/scripts/box_actors.py" "$boxes" actors boxes.json
+for class in all Van Cyclist Pedestrian; do
+  [ $class = all ] && cp "$boxes" some.csv || grep -e ^frame -e ",$class," "$boxes" > some.csv
+  underbrush actors test.ply --boxes some.csv $turned --met $class.ply
+  for model in ghosts world; do underbrush simulate $model --like $class.ply -o $model.ply; done
+  for kind in boxes.json actors; do
+    underbrush simulate world --actors $kind --like $class.ply -o ${{kind%.json}}.ply
+  done
+  underbrush score $class.ply ghosts.ply world.ply boxes.ply actors.ply --json $class.json
+done
+rm -r *.ply ghosts world
+""", TRACKS_NEEDS)
+ACTOR_ROWS = {"ghosts": "ghosts in the world", "world": "left out", "boxes": "boxes", "actors": "actors"}
+ACTOR_SCORES = {"packet error, m": "packet_error_m", "capped error, m": "capped_error_m",
+                "recall of misses": "recall_of_misses", "precision of misses": "precision_of_misses",
+                "median range error, m": "median_range_error_m", "cloud error, m": "cloud_error_m"}
+
+
+def actors(folder):
+    for group, row in (("all", "all"), ("Van", "vans"), ("Cyclist", "cyclist"), ("Pedestrian", "pedestrian")):
+        models = read_json(folder / f"{group}.json")["models"]
+        for model, words in ACTOR_ROWS.items():
+            for column, key in ACTOR_SCORES.items():
+                yield f"{row}/{words}", column, [models[model][key]]
+
+
+def measured():
+    """The tables of this file, by name."""
+    return {"sequential": Measured((Part((SEQUENTIAL,), sequential),)),
+            "actors": Measured((Part((ACTORS,), actors),)),
+            "movers": Measured((Part((MOVERS,), movers), Part((MOVERS_FOREST,), movers_forest)))}
