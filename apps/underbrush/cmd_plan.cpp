@@ -63,8 +63,10 @@ void plan(const Verb& verb, const Arguments& a) {
     made = jobs::make_plan(job, "underbrush " + version());
   } catch (const std::invalid_argument& e) {
     throw FormatError(a.job, "", e.what());
+  } catch (const fs::filesystem_error& e) {  // Of an input that the job names.
+    throw FormatError(a.job, "", e.path1().string() + ": " + e.code().message());
   }
-  jobs::write_plan(a.output, made);
+  jobs::write_plan(a.output, made, verb.force);
   double seconds = 0;
   for (const jobs::Task& task : made.tasks) seconds += task.seconds;
   verb.report({{"tasks", made.tasks.size()},
@@ -121,7 +123,7 @@ void add_plan(Program& program) {
                              [a](const Verb& v) { plan(v, *a); });
   verb->app.add_option("JOB", a->job, "The job's file: a command, and what it is repeated over")
       ->type_name("JOB.yaml");
-  verb->output("-o,--output", a->output, "The folder of the plan, which must not exist");
+  verb->output("-o,--output", a->output, "The folder of the plan");
   verb->app.add_option("--status", a->status, "Say which tasks are done, failed and missing")
       ->type_name("PLAN");
   verb->app.add_option("--slurm", a->slurm, "Print a script that submits the plan to Slurm")

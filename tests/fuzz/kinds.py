@@ -20,6 +20,7 @@ class Kind:
 # What a file leads to that no command names.
 NEEDS = {"site.json": ["site.ground"], "moving.json": ["site.ground", "path.txt"], "table.yaml": ["table.csv"],
          "tree.gltf": ["tree.bin"], "rig.yaml": ["spinning.yaml"], "chain.yaml": ["spinning.yaml"],
+         "edits.json": ["actors", "path.txt", "tree.obj"], "job.yaml": ["model", "log.ply"],
          "world.obj": ["world.mtl", "paint.txt"],
          "survey.xml": ["world.xml", "scanners.xml", "platforms.xml", "flight.trj", "world.obj", "forest.vox"],
          "world.xml": ["world.obj", "forest.vox"], "remembering": ["seen.ply"]}
@@ -164,6 +165,16 @@ KINDS = [
          "simulate model --like log.ply --mover tree.obj:path.txt -o out.ply"),
     Kind("simulate.mover-mesh", "text", "tree.obj",
          "simulate model --like log.ply --mover tree.obj:path.txt -o out.ply"),
+    # Actors and jobs
+    Kind("actors.log", "header", "passing.ply", "actors passing.ply --boxes van.csv --least-returns 10 -o out",
+         others=("van.csv",)),
+    Kind("actors.boxes", "text", "van.csv", "actors passing.ply --boxes van.csv --least-returns 10 -o out",
+         others=("passing.ply",)),
+    Kind("simulate.actor-edits", "json", "edits.json", "simulate model --actors edits.json --like log.ply -o out.ply",
+         others=("actors",)),
+    Kind("simulate.actors-json", "json", "actors/scene.json", "simulate model --actors actors --like log.ply -o out.ply"),
+    Kind("plan.job", "yaml", "job.yaml", "plan job.yaml -o out", others=("",)),
+    Kind("plan.status", "json", "plan/plan.json", "plan --status plan"),
     # Meshes
     Kind("meshes.obj", "text", "tree.obj", "meshes tree.obj -o out --sizes 1 --up y"),
     Kind("meshes.ply-ascii", "text", "tree.ply", "meshes tree.ply -o out --sizes 1 --up z"),

@@ -96,6 +96,13 @@ FIT = "fitter: hierarchical\ntile: 32\nmin-points: 4\ntau: 2.5\nclusters-per-poi
       "max-residual-for-hit: 0.75\nfree-space-below: 0.05\nmin-range: 0.5\n"
 COMPOSE = "nearest: 2\nscale: true\nstrict: false\nclass-density: [large_shrub=0.5, small_tree=2]\nseed: 3\n"
 
+EDITS = """{"format": "underbrush-actor-edits", "version": 1, "actors": "actors", "edits": [
+  {"edit": "copy", "actor": "van-1", "as": "second"}, {"edit": "delay", "actor": "second", "by_s": 0.1},
+  {"edit": "move", "actor": "second", "translation_m": [0, 4, 0], "yaw_rad": 0.5},
+  {"edit": "trajectory", "actor": "van-1", "trajectory": "path.txt"},
+  {"edit": "model", "actor": "second", "model": "tree.obj"}]}
+"""
+
 
 def beams(scans=2, columns=20, rings=8):
     """Rows of a log: a turning sensor 2 m over flat ground, with posts and without an answer above the horizon."""
@@ -308,8 +315,15 @@ def recordings(put):
     put("chain.yaml", "chain:\n  - strategy: front_end\n    sensor: spinning.yaml\n    max_echoes: 2\n"
         "  - strategy: alignment\n    deskew: true\n  - strategy: tracking\n    pipeline: real\n    gain: 0.3\n"
         "  - strategy: grid\n    half_side_m: 10\n    bearings: 20\n")
+    put("van.csv", "time,id,class,x,y,z,yaw,length,width,height\n0,1,van,0,3,1,0,4,2,2\n0.2,1,van,1,3,1,0,4,2,2\n")
+    put("edits.json", EDITS)
+    put("job.yaml", "command: simulate model --like log.ply --seed {seed} -o sim-{seed}.ply\nover:\n  seed: [1, 2]\n"
+        "pieces: 2\n")
     put("rig.yaml", "name: rig\nsensors:\n  - {name: a, sensor: spinning.yaml, position_m: [1, 0, 0.5]}\n"
         "  - {name: b, sensor: spinning.yaml, rotation_deg: [0, 0, 90], latency_ms: 5}\n")
+    put("van.txt", "0 0 3 1 0 0 0 1\n0.2 1 3 1 0 0 0 1\n")
+    put("van.obj", "".join(f"v {x} {y} {z}\n" for x in (-2, 2) for y in (-1, 1) for z in (-1, 1)) +
+        "f 1 2 4 3\nf 5 6 8 7\nf 1 2 6 5\nf 3 4 8 7\nf 1 3 7 5\nf 2 4 8 6\n")
 
 
 MADE = (
@@ -327,6 +341,9 @@ MADE = (
     "compose site.json primitives -o scene",
     "compose moving.json primitives -o moving",
     "simulate model --like log.ply -o simulated.ply",
+    "simulate model --sensor spinning.yaml --trajectory poses.txt --mover van.obj:van.txt -o passing.ply",
+    "actors passing.ply --boxes van.csv --least-returns 10 -o actors",
+    "plan job.yaml -o plan",
     "simulate model --sensor spinning.yaml --trajectory poses.txt --super-sample sensor -o echoes.ply",
     "import echoes.ply -o echoes.ublog",
     "import marv_forest.pcd -o scan.ply --unknown-below-deg -13",

@@ -109,6 +109,9 @@ TEST(Plan, ComesBackFromItsFolder) {
   const Folder folder;
   write_plan(folder / "plan", small_plan());
   EXPECT_THROW(write_plan(folder / "plan", small_plan()), IoError);
+  write_file(folder / "plan/outputs/made", "by a task");
+  write_plan(folder / "plan", small_plan(), true);
+  EXPECT_FALSE(std::filesystem::exists(folder / "plan/outputs/made"));
   const Plan read = read_plan(folder / "plan");
   write_plan(folder / "again", read);
   EXPECT_EQ(read_file(folder / "plan/plan.json"), read_file(folder / "again/plan.json"));

@@ -4,6 +4,8 @@
 #include <map>
 #include <utility>
 
+#include "underbrush/core/check.hpp"
+
 namespace underbrush::actors {
 namespace {
 
@@ -65,6 +67,8 @@ std::vector<std::vector<View>> views_of(BeamSource& log, const std::vector<Track
       out[t].push_back(std::move(view));
     }
     std::ranges::sort(out[t], {}, &View::time_s);
+    require_data(std::ranges::adjacent_find(out[t], {}, &View::time_s) == out[t].end(),
+                 "actors: two scans share one time");
   }
   return out;
 }

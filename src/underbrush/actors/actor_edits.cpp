@@ -96,6 +96,8 @@ void apply(const io::JsonValue& edit, std::vector<Actor>& actors) {
     kind->apply(edit, actors, actor.text());
   } catch (const std::invalid_argument& e) {
     actor.fail(e.what());
+  } catch (const FormatError& e) {  // Of a file that the edit names.
+    edit.fail(e.what());
   }
 }
 
@@ -163,7 +165,12 @@ std::vector<Actor> read_edited_actors(const fs::path& file) {
   j.check_members({"$schema", "format", "version", "comment", "actors", "edits"});
   const fs::path folder = j.at("actors").path(true);
   if (!fs::is_directory(folder)) j.at("actors").fail("there is no such folder");
-  std::vector<Actor> actors = read_actors(folder);
+  std::vector<Actor> actors;
+  try {
+    actors = read_actors(folder);
+  } catch (const FormatError& e) {
+    j.at("actors").fail(e.what());
+  }
   for (const io::JsonValue& edit : j.at("edits").values()) apply(edit, actors);
   return actors;
 }

@@ -127,7 +127,12 @@ class Planner {
     std::set<std::string> found;
     const auto add = [&](const std::string& path) {
       std::error_code error;
-      if (!path.empty() && fs::exists(path, error)) found.insert(path);
+      const fs::file_status status = fs::status(path, error);
+      if (path.empty() || !fs::exists(status)) return;
+      if (!fs::is_regular_file(status) && !fs::is_directory(status)) {
+        throw std::invalid_argument(in_quotes(path) + " is neither a file nor a folder");
+      }
+      found.insert(path);
     };
     for (size_t k = 1; k < words.size(); ++k) {
       add(words[k]);

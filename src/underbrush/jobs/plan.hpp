@@ -58,8 +58,8 @@ struct Plan {
 Plan make_plan(const Job& job, const std::string& program);
 
 /// Writes a plan's folder, whole or not at all. Throws `IoError`, also where something stands
-/// there.
-void write_plan(const std::filesystem::path& folder, const Plan& plan);
+/// there, unless `replace` is set.
+void write_plan(const std::filesystem::path& folder, const Plan& plan, bool replace = false);
 /// Reads the plan of a folder. Throws `FormatError`.
 Plan read_plan(const std::filesystem::path& folder);
 

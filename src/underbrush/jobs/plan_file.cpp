@@ -87,9 +87,10 @@ Result result_of(const JsonValue& value, const Plan& plan) {
 
 }  // namespace
 
-void write_plan(const fs::path& folder, const Plan& plan) {
-  if (fs::exists(fs::symlink_status(folder))) {
-    throw IoError(folder.string() + ": cannot write: exists; remove it or name another");
+void write_plan(const fs::path& folder, const Plan& plan, bool replace) {
+  if (!replace && fs::exists(fs::symlink_status(folder))) {
+    throw IoError(folder.string() +
+                  ": cannot write: exists; --force replaces it and all that its tasks made");
   }
   const std::string text = io::text_of_json(json_of(plan), 1) + "\n";
   io::write_atomically(
