@@ -83,6 +83,12 @@ class Splitter {
     measure(after);
   }
 
+  /// Whether a range has references of several kinds.
+  bool varies(const Range& r) const {
+    return std::any_of(refs_.begin() + r.begin, refs_.begin() + r.end,
+                       [&](const Ref& x) { return x.kind() != refs_[r.begin].kind(); });
+  }
+
   /// Partitions a range and measures both sides in the same pass. The loop has no branches on the
   /// data.
   void divide(Range& r, Range& after, const Cut& cut) const {
@@ -109,8 +115,9 @@ class Splitter {
     after.box = cut.after;
     r.centres = centres[0];
     after.centres = centres[1];
-    r.mixed = alike_before != 0 && alike_before != r.size();
-    after.mixed = alike != alike_before && alike - alike_before != after.size();
+    // Without any of this kind, a side may have several others.
+    r.mixed = alike_before == 0 ? varies(r) : alike_before != r.size();
+    after.mixed = alike == alike_before ? varies(after) : alike - alike_before != after.size();
   }
 
   typedef int32_t Int4 __attribute__((vector_size(16)));
