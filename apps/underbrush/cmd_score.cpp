@@ -5,9 +5,9 @@
 #include "cli/progress.hpp"
 #include "report/clouds.hpp"
 #include "report/report.hpp"
+#include "report/score_report.hpp"
 #include "score_objects.hpp"
 #include "score_protocols.hpp"
-#include "score_report.hpp"
 #include "stages.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/log_file.hpp"
@@ -129,7 +129,8 @@ void run(const Verb& verb, const Arguments& a) {
     std::vector<std::pair<std::string, fs::path>> logs;
     logs.reserve(candidates.size());
     for (const Candidate& c : candidates) logs.emplace_back(c.name, c.log);
-    text += "report: " + write_score_report(a.report, results, a.real, logs).string() + "\n";
+    text +=
+        "report: " + report::write_score_report(a.report, results, a.real, logs).string() + "\n";
   }
   verb.report(results, text);
 }
