@@ -1,6 +1,7 @@
 #include "cli/line.hpp"
 #include "cli/option_table.hpp"
 #include "cli/progress.hpp"
+#include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/log_file.hpp"
@@ -32,14 +33,28 @@ std::string text_of(const primitives::MeasuredObjects& measured, const Json& j) 
          left_out(measured.without_instance, "hits of an object's class without instance");
 }
 
+void run_parts(const Verb& verb, const Arguments& a) {
+  require(a.log.empty() && a.ground.empty(), "annotate: --parts is for a generated ground");
+  const regions::GeneratedSite site = pipeline::generate_parts(
+      a.output, a.options, provenance(verb, {}), shown<Progress>("annotate"));
+  const Json j = pipeline::json_of(site);
+  std::string text = fmt::format("{} objects\n", j["objects"].get<size_t>());
+  for (const auto& [name, n] : j["classes"].items()) {
+    text += wide_line(18, name, "{:>8}", n.get<size_t>());
+  }
+  verb.report(j, text + line("ground", "{} triangles", site.triangles) +
+                     line("site", "{}: {} parts", a.output, site.parts));
+}
+
 void run(const Verb& verb, Arguments& a) {
+  a.options.site.seed = verb.seed;
+  if (a.options.part_m > 0) return run_parts(verb, a);
   const fs::path output = a.output;
   const fs::path ground = a.ground.empty()
                               ? output.parent_path() / (output.stem().string() + ".ground")
                               : fs::path(a.ground);
   io::check_output(output);
   if (a.ground.empty()) elements::check_model_output(ground);
-  a.options.site.seed = verb.seed;
   std::optional<io::LogReader> log;
   if (!a.log.empty()) log.emplace(a.log);
   pipeline::AnnotatedSite site = pipeline::annotate_site(a.log, log ? &*log : nullptr, a.ground,
@@ -66,7 +81,7 @@ void add_annotate(Program& program) {
       "  underbrush annotate --generate forest --ground model/ -o annotation.json",
       [a](const Verb& v) { run(v, *a); });
   verb->app.add_option("LABELLED", a->log, "The site's log, labelled by segment");
-  verb->output("-o,--output", a->output, "The annotation file")
+  verb->output("-o,--output", a->output, "The annotation file; with --parts, a folder")
       ->required()
       ->type_name("ANNOTATION.json");
   verb->app

@@ -4,6 +4,7 @@
 #include "cli/option_table.hpp"
 #include "cli/progress.hpp"
 #include "stages.hpp"
+#include "underbrush/core/check.hpp"
 #include "underbrush/pipeline/reports_json.inl"
 #include "verbs.hpp"
 
@@ -43,14 +44,22 @@ std::string text_of(const pipeline::ComposedScene& composed,
 }
 
 void run(const Verb& verb, Arguments& a) {
-  elements::check_scene_output(a.output);
   a.options.seed = verb.seed;
-  pipeline::ComposedScene composed =
-      pipeline::compose_scene(a.annotation, pipeline::primitives_named(a.primitives, verb.seed),
-                              nullptr, a.ground, a.options, shown<Progress>("compose"));
-  primitives::Composition& c = composed.composition;
-  c.info.provenance = provenance(verb, composed.inputs);
-  elements::write_scene(a.output, c.scene, c.info);
+  pipeline::NamedSet set = pipeline::primitives_named(a.primitives, verb.seed);
+  pipeline::ComposedScene composed;
+  if (regions::is_site(a.annotation)) {
+    require(a.ground.empty(), "compose: the parts of a site have grounds of their own");
+    composed = pipeline::compose_parts(
+        a.output, a.annotation, std::move(set), a.options,
+        [&](const auto& inputs) { return provenance(verb, inputs); }, shown<Progress>("compose"));
+  } else {
+    elements::check_scene_output(a.output);
+    composed = pipeline::compose_scene(a.annotation, std::move(set), nullptr, a.ground, a.options,
+                                       shown<Progress>("compose"));
+    primitives::Composition& c = composed.composition;
+    c.info.provenance = provenance(verb, composed.inputs);
+    elements::write_scene(a.output, c.scene, c.info);
+  }
   const Json j = json_of(composed, a.options);
   verb.report(j, text_of(composed, a.options, j) + line("scene", "{}", a.output));
 }
@@ -70,12 +79,17 @@ void add_compose(Program& program) {
                "  underbrush simulate scene/ --like log.ply -o sim.ply",
                [a](const Verb& v) { run(v, *a); });
   CLI::App& app = verb->app;
-  app.add_option("ANNOTATION", a->annotation, "The annotation (JSON)")->required();
+  app.add_option("ANNOTATION", a->annotation,
+                 "The annotation (JSON), or the folder of a site in parts")
+      ->required();
   app.add_option("PRIMITIVES", a->primitives,
                  "The folder of the set of primitives, or mesh_primitives: for the generated "
                  "plants that 'meshes generated' writes")
       ->required();
-  verb->output("-o,--output", a->output, "The scene's folder")->required()->type_name("SCENE");
+  verb->output("-o,--output", a->output,
+               "The scene's folder; of a site in parts, that of a world of regions")
+      ->required()
+      ->type_name("SCENE");
   app.add_option("--ground", a->ground, "Model whose ground replaces the annotation's")
       ->type_name("MODEL");
   add_options(*verb, pipeline::compose_options(), a->options);

@@ -111,7 +111,7 @@ pipeline::World world_of(const Arguments& a) {
   worlds::ReadOptions options = a.world;
   options.mesh.y_up = a.up == "y";
   options.assets = a.assets;
-  pipeline::World world = pipeline::read_world(a.model, options);
+  pipeline::World world = pipeline::open_world(a.model, options);
   for (const std::string& text : a.movers) {
     const MoverWords w = mover_words(text);
     pipeline::add_mover(world, actors::read_mover(w.model), io::read_trajectory(w.poses),
@@ -284,8 +284,7 @@ void run(const Verb& verb, Arguments& a) {
   waveforms.receive_from(a.options);
   a.options.seed = verb.seed;
   a.options.check();
-  const pipeline::World world = world_of(a);
-  const pipeline::TracedWorld traced(world.scene, world.info, pipeline::matter_of(a.options));
+  const pipeline::TracedWorld traced(world_of(a), pipeline::matter_of(a.options));
   const Beams beams = beams_of(a);
   pipeline::Simulation simulation = simulation_of(a, traced, beams);
   const std::string origin = provenance(verb, inputs_of(a));
@@ -302,7 +301,7 @@ void run(const Verb& verb, Arguments& a) {
   waveforms.write(simulation.sensor());
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
   report(verb, a, {simulation, counts, beams.source->info(), seconds},
-         WorldSummary{world.read, world.info});
+         WorldSummary{traced.own()->read, traced.own()->info});
 }
 
 }  // namespace simulate_verb

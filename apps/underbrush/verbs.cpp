@@ -22,10 +22,10 @@ constexpr NamedVerb kVerbs[] = {
     {"split", add_split},       {"movers", add_movers},     {"actors", add_actors},
     {"fit", add_fit},           {"optimize", add_optimize}, {"rasters", add_rasters},
     {"segment", add_segment},   {"extract", add_extract},   {"meshes", add_meshes},
-    {"annotate", add_annotate}, {"compose", add_compose},   {"sensors", add_sensors},
-    {"simulate", add_simulate}, {"perceive", add_perceive}, {"osi", add_osi},
-    {"score", add_score},       {"serve", add_serve},       {"plan", add_plan},
-    {"run", add_run},           {"merge", add_merge},
+    {"annotate", add_annotate}, {"compose", add_compose},   {"regions", add_regions},
+    {"sensors", add_sensors},   {"simulate", add_simulate}, {"perceive", add_perceive},
+    {"osi", add_osi},           {"score", add_score},       {"serve", add_serve},
+    {"plan", add_plan},         {"run", add_run},           {"merge", add_merge},
 };
 
 }  // namespace

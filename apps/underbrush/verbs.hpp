@@ -22,6 +22,7 @@ void add_extract(Program& program);
 void add_meshes(Program& program);
 void add_annotate(Program& program);
 void add_compose(Program& program);
+void add_regions(Program& program);
 void add_sensors(Program& program);
 void add_simulate(Program& program);
 void add_perceive(Program& program);

@@ -8,7 +8,7 @@ namespace {
 /// Returns a world of one's own, or nothing where a value can be traced as it is.
 std::optional<pipeline::World> own_world(const GivenWorld& given, const SimulateOptions& options) {
   if (const auto* path = std::get_if<std::filesystem::path>(&given)) {
-    return pipeline::read_world(*path, options.read);
+    return pipeline::open_world(*path, options.read);
   }
   if (options.movers.empty() && !pipeline::changes_world(options.pipeline)) {
     return std::nullopt;

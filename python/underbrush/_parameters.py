@@ -75,6 +75,7 @@ class SimulateParameters(TypedDict, total=False):
     #: (default false).
     element_ids: bool
     beams: str  #: Answer only the beams FIRST to END - 1, numbered from 0, as they are answered among all.
+    memory: str  #: Memory for the regions of a world that are open at a time (default 2GiB).
     #: Trace several sub-rays in each beam and compute light, waveform and echoes: a number, COLUMNSxROWS, or sensor
     #: for the number in the sensor's data file.
     super_sample: str

@@ -158,6 +158,7 @@ READERS = {
     "extract": ["BAD", "BAD", "-o", "out"],
     "annotate": ["BAD", "-o", "out"],
     "compose": ["BAD", "BAD", "-o", "out"],
+    "regions": ["BAD", "-o", "out"],
     "plan": ["BAD", "-o", "out"],
     "run": ["BAD", "--task", "0"],
     "merge": ["BAD"],

@@ -80,6 +80,7 @@ Reflectance reflectance(const Model& model, size_t element) {
 }
 
 MeanReflectance mean_reflectance(const Model& model, Kind kind) {
+  if (model.part_of) return model.part_of->reflectance[size_t(kind)];
   double hits = 0, sum = 0, squares = 0;
   for (size_t e = 0; e < model.size(); ++e) {
     if (model.kind(e) != kind) continue;

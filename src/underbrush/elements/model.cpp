@@ -3,7 +3,9 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include "underbrush/core/check.hpp"
@@ -53,6 +55,36 @@ Mat3 Ellipsoid::covariance_matrix() const {
 void Ellipsoid::set_covariance(const Mat3& s) {
   covariance = {float(s(0, 0)), float(s(0, 1)), float(s(0, 2)),
                 float(s(1, 1)), float(s(1, 2)), float(s(2, 2))};
+}
+
+ElementPlace PartOf::place(uint32_t element) const {
+  Kind kind = Kind::kGround;
+  if (element >= first(Kind::kEllipsoid)) {
+    kind = Kind::kEllipsoid;
+  } else if (element >= first(Kind::kSurface)) {
+    kind = Kind::kSurface;
+  }
+  const std::vector<uint32_t>& all = numbers[size_t(kind)];
+  const auto at = std::ranges::lower_bound(all, element - first(kind));
+  return {kind, uint32_t(at - all.begin())};
+}
+
+size_t Model::whole_count(Kind kind) const {
+  if (part_of) return part_of->counts[size_t(kind)];
+  return kind == Kind::kEllipsoid ? ellipsoids.size() : mesh(kind).size();
+}
+
+Eigen::AlignedBox3d Model::box() const {
+  Eigen::AlignedBox3d box;
+  for (const TriangleMesh* mesh : {&ground, &surface}) {
+    for (const Vec3f& v : mesh->vertices) box.extend(v.cast<double>());
+  }
+  for (const Ellipsoid& e : ellipsoids) {
+    const Vec3 reach = tau * e.covariance_matrix().diagonal().cwiseSqrt();
+    box.extend(e.mean.cast<double>() - reach);
+    box.extend(e.mean.cast<double>() + reach);
+  }
+  return box;
 }
 
 HitCount& Model::hit(size_t element) {
@@ -112,6 +144,18 @@ Model Model::like() const {
   return out;
 }
 
+static void check_part(const PartOf& part, const Model& model) {
+  const std::array<size_t, 3> sizes{model.ground.size(), model.surface.size(),
+                                    model.ellipsoids.size()};
+  for (size_t k = 0; k < sizes.size(); ++k) {
+    const std::vector<uint32_t>& numbers = part.numbers[k];
+    require(numbers.size() == sizes[k], "model: elements of a part and their numbers differ");
+    require(std::ranges::adjacent_find(numbers, std::greater_equal<>()) == numbers.end() &&
+                (numbers.empty() || numbers.back() < part.counts[k]),
+            "model: the numbers of a part do not ascend, or are larger than the whole");
+  }
+}
+
 void Model::check() const {
   require(origin.allFinite(), "model: the origin is not finite");
   require(std::isfinite(tau) && tau > 0, "model: tau must be positive");
@@ -133,6 +177,7 @@ void Model::check() const {
     require(i == 0 || channels[i - 1].ring < channels[i].ring,
             "model: the channels are not in ascending order");
   }
+  if (part_of) check_part(*part_of, *this);
   light.check();
   if (keyframes) keyframes->check();
   check_mesh(ground);

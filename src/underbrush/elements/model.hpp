@@ -76,6 +76,25 @@ struct ElementPlace {
   uint32_t index = 0;
 };
 
+/// The whole model of which a model is a part. Elements keep their numbers in a part, and beams
+/// therefore draw what they draw in the whole.
+struct PartOf {
+  std::array<uint32_t, 3> counts{};  ///< How many elements the whole has, by `Kind`.
+  /// The place of each element of the part in its array of the whole, ascending, by `Kind`.
+  std::array<std::vector<uint32_t>, 3> numbers;
+  /// The whole's `mean_reflectance`, by `Kind`.
+  std::array<MeanReflectance, 3> reflectance;
+  /// The whole's ground, of which the vertices alone are needed; null where no space is unknown.
+  std::shared_ptr<const TriangleMesh> ground;
+
+  /// The number of the whole's first element of a kind.
+  uint32_t first(Kind kind) const {
+    return kind == Kind::kGround ? 0 : kind == Kind::kSurface ? counts[0] : counts[0] + counts[1];
+  }
+  /// The place in the part of the element of this number, which the part must have.
+  ElementPlace place(uint32_t element) const;
+};
+
 /// A learnt world. Elements are numbered: ground triangles, then surface triangles, then
 /// ellipsoids.
 struct Model {
@@ -115,17 +134,34 @@ struct Model {
   /// Whether every echo of the log counted as a beam of its own, so that hit probabilities are
   /// shares of the light and the footprint is not in them.
   bool all_echoes = false;
+  /// What the model is a part of; null where it is whole.
+  std::shared_ptr<const PartOf> part_of;
   std::string fitter;      ///< Name of the fitter that made the model.
   std::string provenance;  ///< JSON object: program version, command, seed, hashes of the inputs.
 
   size_t size() const { return ground.size() + surface.size() + ellipsoids.size(); }
-  /// Number of triangles, and so of the first ellipsoid.
   size_t triangle_count() const { return ground.size() + surface.size(); }
+  /// The number of elements of a kind; in a part, of the whole.
+  size_t whole_count(Kind kind) const;
+  /// The number of the first ellipsoid.
+  size_t first_ellipsoid() const {
+    return part_of ? part_of->first(Kind::kEllipsoid) : triangle_count();
+  }
+  /// The place of the k-th element of the model's arrays, which come one after another.
+  ElementPlace place_at(size_t k) const {
+    if (k < ground.size()) return {Kind::kGround, uint32_t(k)};
+    if (k < triangle_count()) return {Kind::kSurface, uint32_t(k - ground.size())};
+    return {Kind::kEllipsoid, uint32_t(k - triangle_count())};
+  }
+  /// The number of the k-th element of the model's arrays: k, or in a part that of the whole.
+  uint32_t number_at(size_t k) const {
+    if (!part_of) return uint32_t(k);
+    const ElementPlace at = place_at(k);
+    return part_of->first(at.kind) + part_of->numbers[size_t(at.kind)][at.index];
+  }
   /// The place of the element of this number; numbers are not checked.
   ElementPlace place(size_t element) const {
-    if (element < ground.size()) return {Kind::kGround, uint32_t(element)};
-    if (element < triangle_count()) return {Kind::kSurface, uint32_t(element - ground.size())};
-    return {Kind::kEllipsoid, uint32_t(element - triangle_count())};
+    return part_of ? part_of->place(uint32_t(element)) : place_at(element);
   }
   Kind kind(size_t element) const { return place(element).kind; }
   /// The name of a class of ellipsoids, or its number as text where it has none.
@@ -134,6 +170,8 @@ struct Model {
   std::optional<uint32_t> class_number(std::string_view name) const;
   /// The mesh of `Kind::kGround` or `Kind::kSurface`.
   const TriangleMesh& mesh(Kind kind) const { return kind == Kind::kGround ? ground : surface; }
+  /// The box of all that rays can meet, m, relative to the origin; empty where there is nothing.
+  Eigen::AlignedBox3d box() const;
   HitCount& hit(size_t element);
   const HitCount& hit(size_t element) const;
   /// The offsets that the ranges of such a log carry: `channels` where it is of the same sensor,
@@ -143,7 +181,7 @@ struct Model {
   /// the same sensor, or both sensors are unknown, else infinite.
   double reach_of(const LogInfo& log) const;
   /// Returns a model without elements that is otherwise the same; it has no provenance and no
-  /// keyframes.
+  /// keyframes, and it is no part.
   Model like() const;
   /// Throws `std::invalid_argument` where a value is not finite, an index is out of range, a
   /// probability lies outside [0, 1] or a covariance is not positive definite.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "underbrush/core/check.hpp"
@@ -10,6 +11,10 @@ namespace underbrush::elements {
 
 void Scene::check() const {
   for (const Model& m : models) m.check();
+  require(numbers.empty() ||
+              (numbers.size() == instances.size() &&
+               std::ranges::adjacent_find(numbers, std::greater_equal<>()) == numbers.end()),
+          "scene: the numbers of the instances of a part do not ascend");
   for (const Instance& i : instances) {
     require(i.model < models.size(), "scene: an instance names no model");
     require(i.world_from_model.translation.allFinite(), "scene: a position is not finite");
@@ -22,7 +27,7 @@ void Scene::check() const {
 double sway_of(std::span<const Model> models) {
   double shortest = std::numeric_limits<double>::infinity();
   for (const Model& m : models) {
-    if (m.ellipsoids.empty()) continue;
+    if (m.whole_count(Kind::kEllipsoid) == 0) continue;
     if (m.sway_s == 0) return 0;
     shortest = std::min(shortest, m.sway_s);
   }

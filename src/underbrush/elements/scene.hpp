@@ -34,7 +34,14 @@ struct Mover {
 struct Scene {
   std::vector<Model> models;
   std::vector<Instance> instances;
+  /// The numbers of the instances in the whole scene of which this is a part, by which they draw,
+  /// ascending; empty where the scene is whole.
+  std::vector<uint32_t> numbers;
 
+  /// The number of an instance in the whole scene.
+  uint32_t number(uint32_t instance) const {
+    return numbers.empty() ? instance : numbers[instance];
+  }
   /// Throws `std::invalid_argument` where a model is inconsistent, an instance names no model, a
   /// pose or scale is not finite, or a scale is not positive.
   void check() const;

@@ -68,69 +68,6 @@ Json json_of(const Mover& mover, size_t number) {
 
 constexpr const char* kNumbers[] = {"x", "y", "z", "qx", "qy", "qz", "qw"};
 
-io::PlyData ply_of(const Scene& scene, const SceneInfo& info) {
-  io::PlyElement e;
-  e.name = "vertex";
-  e.count = scene.instances.size();
-  for (int k = 0; k < 7; ++k) {
-    std::vector<double> column;
-    for (const Instance& i : scene.instances) {
-      const Pose& p = i.world_from_model;
-      column.push_back(k < 3 ? p.translation[k] : p.rotation.coeffs()[k - 3]);
-    }
-    e.columns.emplace_back(kNumbers[k], std::move(column));
-  }
-  std::vector<float> scale;
-  std::vector<uint32_t> model;
-  std::vector<uint8_t> label;
-  for (const Instance& i : scene.instances) {
-    scale.push_back(i.scale);
-    model.push_back(i.model);
-  }
-  for (const Class c : info.labels) label.push_back(uint8_t(c));
-  e.columns.emplace_back("scale", std::move(scale));
-  e.columns.emplace_back("model", std::move(model));
-  e.columns.emplace_back("class", std::move(label));
-  io::PlyData data;
-  data.elements = {std::move(e)};
-  return data;
-}
-
-template <class T>
-const std::vector<T>& instance_column(const fs::path& file, const io::PlyElement& e,
-                                      const char* name) {
-  const ExtraColumn* column = e.find(name);
-  const auto* values = column ? std::get_if<std::vector<T>>(column) : nullptr;
-  if (!values) throw FormatError(file.string(), "", std::string("no column ") + name);
-  return *values;
-}
-
-void read_instances(const fs::path& file, Scene& scene, SceneInfo& info) {
-  const io::PlyData data = io::read_ply(file);
-  const io::PlyElement* e = data.find("vertex");
-  if (!e) throw FormatError(file.string(), "", "no element vertex");
-  const std::vector<double>* numbers[7];
-  for (int k = 0; k < 7; ++k) numbers[k] = &instance_column<double>(file, *e, kNumbers[k]);
-  const auto& scale = instance_column<float>(file, *e, "scale");
-  const auto& model = instance_column<uint32_t>(file, *e, "model");
-  const auto& label = instance_column<uint8_t>(file, *e, "class");
-  scene.instances.resize(e->count);
-  for (size_t i = 0; i < e->count; ++i) {
-    Instance& instance = scene.instances[i];
-    for (int k = 0; k < 7; ++k) {
-      double& to = k < 3 ? instance.world_from_model.translation[k]
-                         : instance.world_from_model.rotation.coeffs()[k - 3];
-      to = (*numbers[k])[i];
-    }
-    instance.scale = scale[i];
-    instance.model = model[i];
-    if (label[i] >= kClassNames.size() + info.class_names.size()) {
-      throw FormatError(file.string(), "row " + std::to_string(i + 1), "an unknown class");
-    }
-    info.labels.push_back(Class(label[i]));
-  }
-}
-
 Json json_of(const SceneMaterial& m) {
   Json j;
   j["name"] = m.name;
@@ -171,6 +108,59 @@ void read_classes(const io::JsonValue& j, SceneInfo& info) {
 }
 
 }  // namespace
+
+void write_instances(const fs::path& path, std::span<const Instance> instances,
+                     std::span<const Class> labels) {
+  io::PlyElement e;
+  e.name = "vertex";
+  e.count = instances.size();
+  for (int k = 0; k < 7; ++k) {
+    std::vector<double> column;
+    for (const Instance& i : instances) {
+      const Pose& p = i.world_from_model;
+      column.push_back(k < 3 ? p.translation[k] : p.rotation.coeffs()[k - 3]);
+    }
+    e.columns.emplace_back(kNumbers[k], std::move(column));
+  }
+  std::vector<float> scale;
+  std::vector<uint32_t> model;
+  std::vector<uint8_t> label;
+  for (const Instance& i : instances) {
+    scale.push_back(i.scale);
+    model.push_back(i.model);
+  }
+  for (const Class c : labels) label.push_back(uint8_t(c));
+  e.columns.emplace_back("scale", std::move(scale));
+  e.columns.emplace_back("model", std::move(model));
+  e.columns.emplace_back("class", std::move(label));
+  io::PlyData data;
+  data.elements = {std::move(e)};
+  io::write_ply(path, data);
+}
+
+void read_instances(const fs::path& file, Scene& scene, SceneInfo& info) {
+  const io::PlyData data = io::read_ply(file);
+  const io::PlyElement& e = io::element_of(file, data, "vertex");
+  const std::vector<double>* numbers[7];
+  for (int k = 0; k < 7; ++k) numbers[k] = &io::column_of<double>(file, e, kNumbers[k]);
+  const auto& scale = io::column_of<float>(file, e, "scale");
+  const auto& model = io::column_of<uint32_t>(file, e, "model");
+  const auto& label = io::column_of<uint8_t>(file, e, "class");
+  for (size_t i = 0; i < e.count; ++i) {
+    Instance& instance = scene.instances.emplace_back();
+    for (int k = 0; k < 7; ++k) {
+      double& to = k < 3 ? instance.world_from_model.translation[k]
+                         : instance.world_from_model.rotation.coeffs()[k - 3];
+      to = (*numbers[k])[i];
+    }
+    instance.scale = scale[i];
+    instance.model = model[i];
+    if (label[i] >= kClassNames.size() + info.class_names.size()) {
+      throw FormatError(file.string(), "row " + std::to_string(i + 1), "an unknown class");
+    }
+    info.labels.push_back(Class(label[i]));
+  }
+}
 
 std::string class_name(const SceneInfo& info, Class c) {
   const size_t number = size_t(c);
@@ -238,7 +228,7 @@ void write_scene(const fs::path& path, const Scene& scene, const SceneInfo& info
         for (size_t k = 0; k < scene.models.size(); ++k) {
           write_model(folder / folder_of(k), scene.models[k]);
         }
-        io::write_ply(folder / "instances.ply", ply_of(scene, info));
+        write_instances(folder / "instances.ply", scene.instances, info.labels);
         write_movers(folder, info.movers);
         write_file(folder / "scene.json", io::text_of_json(j, 1) + "\n");
       },

@@ -58,6 +58,13 @@ void check_scene_output(const std::filesystem::path& path);
 /// `FormatError` for anything that is not a whole, consistent scene.
 Scene read_scene(const std::filesystem::path& path, SceneInfo* info = nullptr);
 
+/// Writes instances and their classes as a table. Throws `IoError`.
+void write_instances(const std::filesystem::path& path, std::span<const Instance> instances,
+                     std::span<const Class> labels);
+/// Reads a table of instances and adds these to those of the scene, and their classes to `info`,
+/// which has the names of the scene's classes. Throws `FormatError`.
+void read_instances(const std::filesystem::path& file, Scene& scene, SceneInfo& info);
+
 /// Whether `path` is a scene folder, which has a manifest.
 bool is_scene(const std::filesystem::path& path);
 

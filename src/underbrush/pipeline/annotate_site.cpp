@@ -13,15 +13,27 @@ namespace {
 
 constexpr double kGroundNoiseM = 0.03;  // m; standard deviation of ranges on a generated ground
 
-elements::Model generated_ground(const AnnotateOptions& o) {
+test_site::TerrainParameters terrain_of(const AnnotateOptions& o) {
+  require(o.size_m.size() == 2, "annotate: size is a length and a width");
   test_site::TerrainParameters p;
-  p.size_x_m = o.size_m.at(0);
-  p.size_y_m = o.size_m.at(1);
+  p.size_x_m = o.size_m[0];
+  p.size_y_m = o.size_m[1];
+  return p;
+}
+
+elements::Model generated_ground(const AnnotateOptions& o) {
   elements::Model model;
-  model.ground = test_site::Terrain(p, o.site.seed).mesh(o.ground_spacing_m, 0);
+  model.ground = test_site::Terrain(terrain_of(o), o.site.seed).mesh(o.ground_spacing_m, 0);
   model.ground.range_sigma_m = kGroundNoiseM;
   model.fitter = "generated_ground";
   return model;
+}
+
+primitives::GenerateOptions site_of(const AnnotateOptions& o) {
+  primitives::GenerateOptions site = o.site;
+  site.kind = o.generate;
+  site.patch_cell_m = o.measure.cell_m;
+  return site;
 }
 
 }  // namespace
@@ -41,6 +53,10 @@ std::span<const Option<AnnotateOptions>> annotate_options() {
      [](O& o) -> auto& { return o.site.margin_m; }, 0, 10000},
     {"size", "Generated site", "m", "Length and width of a generated ground",
      [](O& o) -> auto& { return o.size_m; }, 1, 20000, {}, "X Y", 2},
+    {"parts", "Generated site", "m",
+     "Write a folder of square parts of this side, each an annotation with its ground, in the memory "
+     "of a row of parts; 0 = one annotation",
+     [](O& o) -> auto& { return o.part_m; }, 0, 20000},
 
     {"ground-spacing", "More options", "m",
      "Side of the triangles of a generated ground; a ground fitted to the log has nodes at half this "
@@ -64,7 +80,7 @@ AnnotatedSite annotate_site(const std::string& file, BeamSource* log, const std:
   check_options("annotate", annotate_options(), options);
   require((log == nullptr) != options.generate.empty(),
           "annotate: give a labelled log, or --generate KIND");
-  require(options.size_m.size() == 2, "annotate: size is a length and a width");
+  require(options.part_m == 0, "annotate: parts are those of a generated site");
   const auto stage = [&](std::string_view name) -> primitives::MeasureProgress {
     if (!progress) return {};
     return [&progress, name](size_t done, size_t total) { progress(name, done, total); };
@@ -80,12 +96,19 @@ AnnotatedSite annotate_site(const std::string& file, BeamSource* log, const std:
   if (log) {
     out.measured = primitives::measure_objects(*log, surface, options.measure, stage("annotate"));
   } else {
-    primitives::GenerateOptions site = options.site;
-    site.kind = options.generate;
-    site.patch_cell_m = options.measure.cell_m;
-    out.measured.objects = primitives::generate_objects(surface, site);
+    out.measured.objects = primitives::generate_objects(surface, site_of(options));
   }
   return out;
+}
+
+regions::GeneratedSite generate_parts(const std::filesystem::path& output,
+                                      const AnnotateOptions& options, const std::string& provenance,
+                                      const regions::PartProgress& progress) {
+  check_options("annotate", annotate_options(), options);
+  require(!options.generate.empty(), "annotate: parts are those of a generated site");
+  return regions::generate_site(output, terrain_of(options), options.ground_spacing_m,
+                                kGroundNoiseM, site_of(options), options.part_m, provenance,
+                                progress);
 }
 
 void write_annotated(const std::filesystem::path& output, const std::filesystem::path& ground,

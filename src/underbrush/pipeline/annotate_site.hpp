@@ -11,6 +11,7 @@
 #include "underbrush/elements/model.hpp"
 #include "underbrush/primitives/generate.hpp"
 #include "underbrush/primitives/measure.hpp"
+#include "underbrush/regions/site_folder.hpp"
 
 namespace underbrush::pipeline {
 
@@ -19,6 +20,7 @@ struct AnnotateOptions {
   std::string generate;  ///< The kind of the site that is generated; "" = a log is read.
   std::vector<double> size_m{200, 200};  ///< The sides of a generated ground along x and y.
   double ground_spacing_m = 1;
+  double part_m = 0;  ///< m; the side of the parts of a generated site; 0 = it is not cut.
   primitives::MeasureOptions measure;
   /// Density, margin and seed of a generated site; the kind and the cell are those above.
   primitives::GenerateOptions site;
@@ -43,6 +45,12 @@ AnnotatedSite annotate_site(
     const std::string& file, BeamSource* log, const std::string& ground,
     const AnnotateOptions& options,
     const std::function<void(std::string_view, size_t, size_t)>& progress = {});
+
+/// Generates a site and writes it in parts (`regions::generate_site`). Throws as `annotate_site`
+/// does, and `IoError`.
+regions::GeneratedSite generate_parts(const std::filesystem::path& output,
+                                      const AnnotateOptions& options, const std::string& provenance,
+                                      const regions::PartProgress& progress = {});
 
 /// Writes the annotation `output`, which names the folder `ground`. A new ground is written to that
 /// folder; either both appear or none. Throws `IoError`.

@@ -8,6 +8,7 @@
 #include "underbrush/pipeline/mesh_set.hpp"
 #include "underbrush/pipeline/world.hpp"
 #include "underbrush/primitives/leave_out.hpp"
+#include "underbrush/regions/compose_world.hpp"
 
 namespace underbrush::pipeline {
 namespace fs = std::filesystem;
@@ -54,6 +55,30 @@ void require_all_placed(const std::string& annotation, const std::string& primit
                       "no primitives of the class " + counts.begin()->first + ", which " +
                           std::to_string(counts.begin()->second) + " objects have");
   }
+}
+
+primitives::ComposeOptions how_of(const ComposeOptions& o) {
+  check_options("compose", compose_options(), o);
+  return {o.seed, choice_of(o.choose), o.nearest, o.scale, densities_of(o.class_density)};
+}
+
+/// Begins a scene: leaves out the primitives that the options say.
+ComposedScene begun(const std::string& annotation, NamedSet& primitives,
+                    const ComposeOptions& options) {
+  ComposedScene out;
+  out.warnings = primitives.warnings;
+  out.inputs.emplace_back(annotation);
+  out.inputs.insert(out.inputs.end(), primitives.inputs.begin(), primitives.inputs.end());
+  for (const std::string& file : options.leave_out) {
+    out.primitives_left_out += primitives::leave_out(
+        primitives.set, primitives::read_annotation(file, options.allow_outside).objects);
+    out.inputs.emplace_back(file);
+  }
+  return out;
+}
+
+double composing_s(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 }  // namespace
@@ -105,20 +130,10 @@ ComposedScene compose_scene(const std::string& annotation, NamedSet primitives,
                             const ComposeOptions& options,
                             const primitives::ComposeProgress& progress) {
   const auto start = std::chrono::steady_clock::now();
-  check_options("compose", compose_options(), options);
-  primitives::ComposeOptions how{options.seed, choice_of(options.choose), options.nearest,
-                                 options.scale, densities_of(options.class_density)};
+  const primitives::ComposeOptions how = how_of(options);
   const primitives::Annotation site =
       primitives::read_annotation(annotation, options.allow_outside);
-  ComposedScene out;
-  out.warnings = primitives.warnings;
-  out.inputs.emplace_back(annotation);
-  out.inputs.insert(out.inputs.end(), primitives.inputs.begin(), primitives.inputs.end());
-  for (const std::string& file : options.leave_out) {
-    out.primitives_left_out += primitives::leave_out(
-        primitives.set, primitives::read_annotation(file, options.allow_outside).objects);
-    out.inputs.emplace_back(file);
-  }
+  ComposedScene out = begun(annotation, primitives, options);
   elements::Model read;
   if (!ground) {
     const fs::path from =
@@ -130,7 +145,25 @@ ComposedScene compose_scene(const std::string& annotation, NamedSet primitives,
   require_data(ground->ground.size() > 0, "compose: the model has no ground");
   out.composition = primitives::compose(site, *ground, primitives.set, how, progress);
   if (options.strict) require_all_placed(annotation, primitives.name, out.composition);
-  out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  out.seconds = composing_s(start);
+  return out;
+}
+
+ComposedScene compose_parts(
+    const fs::path& output, const std::string& site, NamedSet primitives,
+    const ComposeOptions& options,
+    const std::function<std::string(const std::vector<fs::path>&)>& provenance,
+    const primitives::ComposeProgress& progress) {
+  const auto start = std::chrono::steady_clock::now();
+  const primitives::ComposeOptions how = how_of(options);
+  ComposedScene out = begun(site, primitives, options);
+  const auto accept = [&](const primitives::Composition& c) {
+    if (options.strict) require_all_placed(site, primitives.name, c);
+  };
+  out.composition =
+      regions::compose_world(output, regions::read_site(site), primitives.set, how,
+                             options.allow_outside, provenance(out.inputs), accept, progress);
+  out.seconds = composing_s(start);
   return out;
 }
 

@@ -55,6 +55,14 @@ struct ComposedScene {
   double seconds = 0;
 };
 
+/// Composes a site in parts and writes it as a world of regions (`regions::compose_world`).
+/// `provenance(inputs)` gives its provenance. Throws as `compose_scene` does, and `IoError`.
+ComposedScene compose_parts(
+    const std::filesystem::path& output, const std::string& site, NamedSet primitives,
+    const ComposeOptions& options,
+    const std::function<std::string(const std::vector<std::filesystem::path>&)>& provenance,
+    const primitives::ComposeProgress& progress = {});
+
 /// Composes a scene along the annotation in a file (`primitives::compose`). It stands on `ground`,
 /// or where that is null on the model in the folder `ground_folder`, or where that is empty on the
 /// annotation's. `progress(done, total)` may be empty. Throws `FormatError`, `DataError` and

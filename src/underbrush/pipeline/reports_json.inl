@@ -16,6 +16,7 @@
 #include "underbrush/pipeline/segment_log.hpp"
 #include "underbrush/pipeline/skipped_rows.hpp"
 #include "underbrush/primitives/extract.hpp"
+#include "underbrush/regions/site_folder.hpp"
 
 namespace underbrush::pipeline {
 
@@ -30,6 +31,8 @@ nlohmann::ordered_json json_of(const actors::LearntActors& learnt);
 nlohmann::ordered_json json_of(const Segmentation& segmentation, const SegmentOptions& options,
                                const SkippedRows& skipped);
 
+/// Returns the objects by class, and the numbers of parts and of triangles of the ground.
+nlohmann::ordered_json json_of(const regions::GeneratedSite& site);
 /// Returns the objects by class, and what was left out.
 nlohmann::ordered_json json_of(const primitives::MeasuredObjects& measured);
 /// Returns the primitives by class, and what was left out.

@@ -31,6 +31,17 @@ size_t elements_of(const elements::Scene& scene) {
 
 }  // namespace
 
+Json json_of(const regions::GeneratedSite& site) {
+  Json j{{"objects", 0}, {"parts", site.parts}, {"triangles", site.triangles}};
+  size_t objects = 0;
+  for (const auto& [label, n] : site.objects) {
+    j["classes"][std::string(name(label))] = n;
+    objects += n;
+  }
+  j["objects"] = objects;
+  return j;
+}
+
 Json json_of(const primitives::MeasuredObjects& measured) {
   Json j;
   j["objects"] = measured.objects.size();

@@ -99,13 +99,8 @@ SimulateCounts simulate_log(Simulation& simulation, BeamSource& beams,
   write(watched);
   SimulateCounts out{simulated.beams(), simulated.rows(), simulated.hits(), simulated.seconds()};
   if (out.beams > 0 && out.hits == 0) {
-    const TracedWorld& world = simulation.world();
-    const elements::Scene* scene = world.scene();
-    out.warnings.push_back(why_nothing_is_hit(
-        sensor,
-        metrics::bounds_of(world.models(), scene ? std::span(scene->instances)
-                                                 : std::span<const elements::Instance>()),
-        simulated.info().max_range_m));
+    out.warnings.push_back(
+        why_nothing_is_hit(sensor, simulation.world().bounds(), simulated.info().max_range_m));
   }
   return out;
 }

@@ -20,6 +20,9 @@ std::span<const Option<SimulateOptions>> simulate_options() {
     {"beams", "Parts of a log", "",
      "Answer only the beams FIRST to END - 1, numbered from 0, as they are answered among all",
      [](O& o) -> auto& { return o.beams; }, -kNoLimit, kNoLimit, {}, "FIRST:END"},
+    {"memory", "Parts of a log", "",
+     "Memory for the regions of a world that are open at a time",
+     [](O& o) -> auto& { return o.memory; }, -kNoLimit, kNoLimit, {}, "SIZE"},
 
     {"super-sample", "Instrument", "",
      "Trace several sub-rays in each beam and compute light, waveform and echoes: a number, "

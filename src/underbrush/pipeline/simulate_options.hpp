@@ -38,7 +38,8 @@ struct SimulateOptions {
   bool support = false;  ///< Whether to add the column `simulate::kSupportColumn`.
   /// "FIRST:END": only these beams, numbered from 0, are answered, as they are among all; "" = all.
   std::string beams;
-  bool keyframes = true;  ///< Whether keyframes may answer (`Simulation::recognise`).
+  std::string memory = "2GiB";  ///< For a world of regions (`regions::OpenRegions`).
+  bool keyframes = true;        ///< Whether keyframes may answer (`Simulation::recognise`).
   InstrumentOptions instrument;
   /// The beams whose waveforms `on_waveforms` receives, in the order of the beams; none if it is
   /// empty. With `all_waveforms` the count does not matter.

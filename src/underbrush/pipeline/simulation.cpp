@@ -84,6 +84,8 @@ bool changes_world(const SimulateOptions& options) {
 }
 
 void change_world(World& world, const SimulateOptions& options) {
+  require(!world.regions || (options.actors.empty() && options.tau == 0),
+          "simulate: a world of regions takes neither --actors nor --tau");
   if (!options.actors.empty()) add_actors(world, actors::read_actors(options.actors));
   for (elements::Model& model : world.scene.models) {
     if (options.tau > 0) model.tau = options.tau;
@@ -145,6 +147,16 @@ class Simulation::OfSensor {
     thin_.keyframes = keyframes::KeyframeCache::serves(world_.dynamic().model(0), log);
   }
 
+  bool& keyframes() { return thin_.keyframes; }
+  /// How far (m) a ray may lie from the axis of its beam at a range.
+  double spread_m(double range_m) const {
+    constexpr double kHalfWidths = 10;  // more than any normal number that is drawn
+    if (!maker_ && !thin_.random_ray) return 0;
+    const sensor::BeamShape& shape = maker_ ? sensor_.beam : *thin_.random_ray;
+    const auto [right, up] = shape.half_width_m(range_m);
+    return kHalfWidths * std::max(right, up) + range_m * shape.encoder_step_rad;
+  }
+
   size_t sub_rays() const { return maker_ ? instrument_.sub_rays.size() : 0; }
   size_t rays_traced() const { return maker_ ? maker_->rays() : 0; }
   const sensor::Sensor& sensor() const { return sensor_; }
@@ -165,16 +177,15 @@ class Simulation::OfSensor {
 };
 
 Simulation::Simulation(const TracedWorld& world, SimulateOptions options, const SensorOf& sensor_of)
-    : world_(&world), options_(std::move(options)) {
-  options_.check();
-  answers_.push_back(
-      std::make_unique<OfSensor>(world, options_, sensor_of ? sensor_of : SensorOf(no_sensor)));
+    : world_(&world),
+      options_(std::move(options)),
+      sensor_of_{sensor_of ? sensor_of : SensorOf(no_sensor)} {
+  prepare();
 }
 
 Simulation::Simulation(const TracedWorld& world, const SimulateOptions& options,
                        const std::vector<sensor::Sensor>& rig)
     : world_(&world), options_(options), rig_(true), fired_(rig.size(), 0) {
-  options_.check();
   require(options_.beams.empty(), "simulate: beams are those of one sensor, not of a rig");
   for (const sensor::Sensor& s : rig) {
     LogInfo limits;
@@ -182,10 +193,30 @@ Simulation::Simulation(const TracedWorld& world, const SimulateOptions& options,
     limits.min_range_m = s.min_range_m;
     limits.max_range_m = s.max_range_m;
     limits_.push_back(limits);
+    sensor_of_.emplace_back([s](const char*) { return s; });
+  }
+  prepare();
+}
+
+void Simulation::prepare() {
+  options_.check();
+  if (const regions::WorldFolder* folder = world_->regions()) {
+    require(!options_.on_waveforms, "simulate: a world of regions gives no waveforms");
+    open_ = std::make_unique<regions::OpenRegions>(*folder, regions::memory_of(options_.memory));
+  }
+  use(*world_);
+  if (!open_) sensor_of_.clear();
+}
+
+void Simulation::use(const TracedWorld& world) {
+  for (const auto& a : answers_) rays_before_ += a->rays_traced();
+  answers_.clear();
+  for (const SensorOf& sensor_of : sensor_of_) {
     SimulateOptions own = options_;
     if (!answers_.empty()) own.on_waveforms = nullptr;
-    answers_.push_back(std::make_unique<OfSensor>(world, own, [&](const char*) { return s; }));
+    answers_.push_back(std::make_unique<OfSensor>(world, own, sensor_of));
   }
+  answers_[0]->keyframes() &= recalls_;
 }
 
 Simulation::Simulation(Simulation&&) noexcept = default;
@@ -194,7 +225,7 @@ Simulation::~Simulation() = default;
 size_t Simulation::sub_rays() const { return answers_[0]->sub_rays(); }
 
 size_t Simulation::rays_traced() const {
-  size_t sum = 0;
+  size_t sum = rays_before_;
   for (const auto& a : answers_) sum += a->rays_traced();
   return sum;
 }
@@ -202,7 +233,9 @@ size_t Simulation::rays_traced() const {
 const sensor::Sensor& Simulation::sensor() const { return answers_[0]->sensor(); }
 
 void Simulation::recognise(BeamSource& log) {
-  if (!rig_) answers_[0]->recognise(log);
+  if (rig_) return;
+  answers_[0]->recognise(log);
+  recalls_ = answers_[0]->keyframes();
 }
 
 bool Simulation::keyframes_serve(const LogInfo& beams) const {
@@ -210,6 +243,39 @@ bool Simulation::keyframes_serve(const LogInfo& beams) const {
 }
 
 void Simulation::answer(size_t first_beam, BeamLog& beams) {
+  if (!open_) return answer_here(first_beam, beams);
+  regions::Reach reach{options_.max_range_m > 0 ? options_.max_range_m : beams.info.max_range_m};
+  for (const LogInfo& of_sensor : limits_) {
+    reach.range_m = std::max(reach.range_m, of_sensor.max_range_m);
+  }
+  for (const auto& a : answers_) {
+    reach.spread_m = std::max(reach.spread_m, a->spread_m(reach.range_m));
+  }
+  BeamLog out;
+  for (size_t begin = 0, end = 0; begin < beams.size(); begin = end) {
+    end = open_->open_for(beams, begin, reach);
+    if (const auto regions = open_->changed()) enter(*regions);
+    BeamLog part = beams.like();
+    part.append(beams, begin, end);
+    answer_here(first_beam + begin, part);
+    if (begin == 0) out = part.like();
+    out.append(part, 0, part.size());
+  }
+  if (!beams.empty()) beams = std::move(out);
+}
+
+void Simulation::enter(const std::vector<uint32_t>& regions) {
+  use(*world_);
+  part_.reset();  // Two parts need not be in memory at a time.
+  regions::WorldPart read = world_->regions()->part(regions);
+  World part{std::move(read.scene), std::move(read.info), {}};
+  part.info.materials.resize(part.scene.models.size());
+  change_world(part, options_);
+  part_ = std::make_unique<TracedWorld>(std::move(part), world_->matter());
+  use(*part_);
+}
+
+void Simulation::answer_here(size_t first_beam, BeamLog& beams) {
   if (!rig_) return answers_[0]->answer(first_beam, beams);
   if (first_beam == 0) fired_.assign(fired_.size(), 0);
   std::vector<BeamLog> part(answers_.size());

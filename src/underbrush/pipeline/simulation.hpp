@@ -7,6 +7,7 @@
 
 #include "underbrush/pipeline/simulate_options.hpp"
 #include "underbrush/pipeline/world.hpp"
+#include "underbrush/regions/open_regions.hpp"
 
 namespace underbrush::pipeline {
 
@@ -19,8 +20,10 @@ class Simulation {
   using SensorOf = std::function<sensor::Sensor(const char* what)>;
 
   /// `world` must outlive this, and have been prepared with the matter of the options
-  /// (`matter_of`). Throws `std::invalid_argument` for options out of range or without effect, and
-  /// for a material that the table does not have.
+  /// (`matter_of`). Of a world of regions those are opened that the beams can reach; `sensor_of` is
+  /// then called again, and no more memory is used than the options say. Throws
+  /// `std::invalid_argument` for options out of range or without effect, and for a material that
+  /// the table does not have.
   Simulation(const TracedWorld& world, SimulateOptions options, const SensorOf& sensor_of = {});
   /// The same for beams of a rig, which have the column `sensor` (`perception::RigSource`). All
   /// sensors see the same matter: they share the seed, and their beams have different numbers.
@@ -33,7 +36,8 @@ class Simulation {
   /// Answers beams in place. `first_beam` is the number of the first beam in its log. An instrument
   /// may give several rows a beam. Where the world's model has range offsets of the channels of
   /// this sensor (`Model::channels_of`), they are added to the ranges. Beams of a rig come in
-  /// order. The answer depends neither on chunks nor on threads.
+  /// order. The answer depends neither on chunks nor on threads. Throws `DataError` where the
+  /// regions that a beam can reach do not fit into the memory.
   void answer(size_t first_beam, BeamLog& beams);
 
   /// Finds out whether a log, whose beams are to be answered, is of the sensor of the world's
@@ -54,9 +58,21 @@ class Simulation {
 
  private:
   class OfSensor;
+  void prepare();
+  /// Makes the answers of a world, which must outlive them.
+  void use(const TracedWorld& world);
+  /// Reads regions and uses the world's part with them.
+  void enter(const std::vector<uint32_t>& regions);
+  /// Answers beams by the world in use.
+  void answer_here(size_t first_beam, BeamLog& beams);
 
   const TracedWorld* world_;
   SimulateOptions options_;
+  std::vector<SensorOf> sensor_of_;  ///< One for each sensor.
+  std::unique_ptr<regions::OpenRegions> open_;
+  std::unique_ptr<TracedWorld> part_;  ///< The part of a world of regions that is open.
+  bool recalls_ = true;                ///< Whether keyframes may answer, by `recognise`.
+  size_t rays_before_ = 0;             ///< Traced in other parts.
   bool rig_ = false;
   std::vector<LogInfo> limits_;  ///< The limits of each sensor of a rig.
   std::vector<std::unique_ptr<OfSensor>> answers_;

@@ -27,6 +27,9 @@ World read_world(const std::filesystem::path& path, const worlds::ReadOptions& o
   World out;
   if (elements::is_scene(path)) {
     out.scene = elements::read_scene(path, &out.info);
+  } else if (regions::is_world(path)) {
+    regions::WorldPart whole = regions::WorldFolder(path).whole();
+    out = {std::move(whole.scene), std::move(whole.info), {}};
   } else if (worlds::is_world(path)) {
     worlds::World world = worlds::read_world(path, options);
     out = {std::move(world.scene), std::move(world.info), std::move(world.report)};
@@ -37,6 +40,13 @@ World read_world(const std::filesystem::path& path, const worlds::ReadOptions& o
   return out;
 }
 
+World open_world(const std::filesystem::path& path, const worlds::ReadOptions& options) {
+  if (!regions::is_world(path)) return pipeline::read_world(path, options);
+  auto folder = std::make_shared<const regions::WorldFolder>(path);
+  regions::WorldPart common = folder->part({});
+  return {std::move(common.scene), std::move(common.info), {}, std::move(folder)};
+}
+
 elements::Model read_ground(const std::filesystem::path& path) {
   elements::Model model = elements::read_model(path);
   if (model.ground.size() == 0) throw FormatError(path.string(), "", "the model has no ground");
@@ -45,6 +55,7 @@ elements::Model read_ground(const std::filesystem::path& path) {
 
 void add_mover(World& world, elements::Model model, Trajectory world_from_object,
                const std::string& material) {
+  require(!world.regions, "simulate: nothing can be added to a world of regions that moves");
   elements::Scene& scene = world.scene;
   elements::SceneInfo& info = world.info;
   if (scene.instances.empty()) {  // The scene is a model.
@@ -115,13 +126,29 @@ void TracedWorld::prepare(const elements::Scene& scene, const elements::SceneInf
   element_classes_ = elements::element_classes(info);
 }
 
+metrics::Bounds TracedWorld::bounds() const {
+  if (!regions()) {
+    return metrics::bounds_of(
+        models_, scene_ ? std::span(scene_->instances) : std::span<const elements::Instance>());
+  }
+  metrics::Bounds all;
+  for (const regions::Region& r : regions()->index().regions) {
+    all.add(r.bounds.min());
+    all.add(r.bounds.max());
+  }
+  return all;
+}
+
 std::optional<sensor::Sensor> TracedWorld::recorder() const {
   constexpr double kTypicalRange = 20;  // m; where the widths of several beams are compared
-  const auto has_volumes = [](const elements::Model& m) { return !m.ellipsoids.empty(); };
+  const auto has_volumes = [](const elements::Model& m) {
+    return m.whole_count(elements::Kind::kEllipsoid) > 0;
+  };
   const bool volumes = std::any_of(models_.begin(), models_.end(), has_volumes);
   std::optional<sensor::Sensor> narrowest;
   for (const elements::Model& m : models_) {
-    if (m.size() == 0 || (volumes && !has_volumes(m))) continue;
+    if (m.first_ellipsoid() == 0 && !has_volumes(m)) continue;
+    if (volumes && !has_volumes(m)) continue;
     if (m.sensor.empty() || m.all_echoes) return std::nullopt;
     LogInfo info;
     info.sensor = m.sensor;

@@ -12,6 +12,8 @@
 #include "underbrush/actors/actor.hpp"
 #include "underbrush/core/pose.hpp"
 #include "underbrush/elements/scene_file.hpp"
+#include "underbrush/metrics/bounds.hpp"
+#include "underbrush/regions/world_folder.hpp"
 #include "underbrush/sensor/sensor.hpp"
 #include "underbrush/simulate/dynamic_world.hpp"
 #include "underbrush/simulate/reflection.hpp"
@@ -27,10 +29,16 @@ struct World {
   elements::Scene scene;
   elements::SceneInfo info;
   worlds::WorldReport read;  ///< What a file of another program became; no parts for all others.
+  /// The world of regions of which `scene` has what all regions have in common; null where `scene`
+  /// has all.
+  std::shared_ptr<const regions::WorldFolder> regions = nullptr;
 };
 
-/// Reads a scene, a model, or a world of another program such as a mesh. Throws as the readers do.
+/// Reads a scene, a model, all of a world of regions, or a world of another program such as a mesh.
+/// Throws as the readers do.
 World read_world(const std::filesystem::path& path, const worlds::ReadOptions& options = {});
+/// The same, but the regions of a world are left on disk, for `Simulation` to open.
+World open_world(const std::filesystem::path& path, const worlds::ReadOptions& options = {});
 
 /// Reads a model for its ground. Throws `FormatError`, also where it has none.
 elements::Model read_ground(const std::filesystem::path& path);
@@ -62,6 +70,13 @@ class TracedWorld {
   TracedWorld& operator=(const TracedWorld&) = delete;
 
   const simulate::DynamicWorld& dynamic() const { return *dynamic_; }
+  /// The world that this owns; null where it was passed by reference.
+  const World* own() const { return own_.get(); }
+  /// The world of regions that this has the common part of; null where it has all.
+  const regions::WorldFolder* regions() const { return own_ ? own_->regions.get() : nullptr; }
+  const Matter& matter() const { return matter_; }
+  /// The box in which the world lies; of a world of regions, the box of what rays can meet.
+  metrics::Bounds bounds() const;
   /// The world without what moves in it.
   const trace::World& still() const { return dynamic_->world(); }
   std::span<const elements::Model> models() const { return models_; }

@@ -61,6 +61,11 @@ bool Chooser::stands_near(uint32_t entry, const Vec3& position) const {
   return false;
 }
 
+void Chooser::forget_below(double y_m) {
+  const int32_t least = cell_index(y_m, kVarietyM) - 1;
+  std::erase_if(placed_, [&](const auto& cell) { return cell.first.y < least; });
+}
+
 uint32_t Chooser::choose(const std::vector<uint32_t>& from, const PlacedObject& o, double draw) {
   const auto drawn = [&](size_t n) { return std::min(n - 1, size_t(double(n) * draw)); };
   if (how_ == Choice::kRandom) return from[drawn(from.size())];

@@ -37,6 +37,8 @@ class Chooser {
   /// Returns one of `from`, which is not empty. `draw` in [0, 1) chooses among the `nearest` best,
   /// or for `kRandom` among all; equal costs keep the set's order.
   uint32_t choose(const std::vector<uint32_t>& from, const PlacedObject& object, double draw);
+  /// Forgets what stands below a line (m, world), which objects from now on do not come near.
+  void forget_below(double y_m);
 
  private:
   double cost(uint32_t entry, const PlacedObject& object) const;

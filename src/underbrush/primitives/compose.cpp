@@ -40,18 +40,16 @@ void add_cells(const PlacedObject& o, double cell_m, std::vector<PlacedObject>& 
   }
 }
 
-/// Composes a scene object by object.
-class Composer {
- public:
-  Composer(const elements::Model& ground, const PrimitiveSet& set, const ComposeOptions& o)
-      : set_(set),
-        options_(o),
-        surface_(ground),
-        chooser_(set, o.choose, o.nearest),
-        model_(set.entries.size(), 0) {
-    elements::Model bare = ground.like();
-    bare.ground = ground.ground;
-    out_.scene.models.push_back(std::move(bare));
+}  // namespace
+
+struct Composer::Impl {
+  Impl(const elements::Model& ground, const PrimitiveSet& set, const ComposeOptions& o)
+      : set_(set), options_(o), chooser_(set, o.choose, o.nearest), model_(set.entries.size(), 0) {
+    require(o.nearest > 0, "compose: at least one primitive must be chosen from");
+    for (const auto& [label, factor] : o.density) {
+      require(factor >= 0 && factor <= 100, "compose: a density must lie in [0, 100]");
+    }
+    out_.scene.models.push_back(ground.like());
     out_.info.names.emplace_back("ground");
     elements::Instance foot;
     foot.world_from_model.translation = ground.origin;
@@ -76,19 +74,13 @@ class Composer {
     }
   }
 
-  Composition finish() && {
-    if (out_.placed) out_.mean_box_distance_m /= double(out_.placed);
-    return std::move(out_);
-  }
-
- private:
   void place(const PlacedObject& o, size_t number, size_t copy) {
     const std::vector<uint32_t>& from = chooser_.candidates(o.label);
     if (from.empty()) {
       ++out_.left_out[std::string(elements::name(o.label))];
       return;
     }
-    const std::optional<double> z = surface_.at(o.position.x(), o.position.y());
+    const std::optional<double> z = surface_->at(o.position.x(), o.position.y());
     if (!z) {
       ++out_.off_ground;
       return;
@@ -100,7 +92,7 @@ class Composer {
     instance.model = model_of(chosen);
     const Vec3 a = entry.box.size(), b = o.box.size();
     if (options_.scale) instance.scale = float(a.dot(b) / a.dot(a));
-    out_.mean_box_distance_m += (double(instance.scale) * a - b).norm();
+    box_distance_m_ += (double(instance.scale) * a - b).norm();
     // The boxes are aligned: their middles agree and their bottoms stand on the ground.
     const Pose pose = o.world_from_object();
     const Vec3 middle = 0.5 * (o.box.min + o.box.max) -
@@ -145,30 +137,44 @@ class Composer {
   }
 
   const PrimitiveSet& set_;
-  const ComposeOptions& options_;
-  GroundSurface surface_;
+  ComposeOptions options_;
+  const GroundSurface* surface_ = nullptr;
   Chooser chooser_;
   std::vector<uint32_t> model_;
+  double box_distance_m_ = 0;
   Composition out_;
 };
 
-}  // namespace
+Composer::Composer(const elements::Model& ground, const PrimitiveSet& set, const ComposeOptions& o)
+    : impl_(std::make_unique<Impl>(ground, set, o)) {}
+Composer::~Composer() = default;
+
+void Composer::add(const GroundSurface& ground, const std::vector<PlacedObject>& annotated,
+                   const ComposeProgress& progress) {
+  impl_->surface_ = &ground;
+  std::vector<PlacedObject> cells;
+  for (size_t k = 0; k < annotated.size(); ++k) {
+    cells.clear();
+    add_cells(annotated[k], impl_->set_.cell_m, cells);
+    for (const PlacedObject& o : cells) impl_->add(o, impl_->out_.objects);
+    if (progress && k % 256 == 0) progress(k, annotated.size());
+  }
+  if (impl_->out_.placed == 0) return;
+  impl_->out_.mean_box_distance_m = impl_->box_distance_m_ / double(impl_->out_.placed);
+}
+
+void Composer::forget_below(double y_m) { impl_->chooser_.forget_below(y_m); }
+
+Composition& Composer::result() { return impl_->out_; }
 
 Composition compose(const Annotation& annotation, const elements::Model& ground,
                     const PrimitiveSet& set, const ComposeOptions& o,
                     const ComposeProgress& progress) {
-  require(o.nearest > 0, "compose: at least one primitive must be chosen from");
-  for (const auto& [label, factor] : o.density) {
-    require(factor >= 0 && factor <= 100, "compose: a density must lie in [0, 100]");
-  }
-  std::vector<PlacedObject> objects;
-  for (const PlacedObject& object : annotation.objects) add_cells(object, set.cell_m, objects);
   Composer composer(ground, set, o);
-  for (size_t k = 0; k < objects.size(); ++k) {
-    composer.add(objects[k], k);
-    if (progress && k % 256 == 0) progress(k, objects.size());
-  }
-  return std::move(composer).finish();
+  composer.add(GroundSurface(ground), annotation.objects, progress);
+  Composition out = std::move(composer.result());
+  out.scene.models[0].ground = ground.ground;
+  return out;
 }
 
 }  // namespace underbrush::primitives

@@ -3,12 +3,14 @@
 #pragma once
 #include <functional>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "underbrush/elements/scene_file.hpp"
 #include "underbrush/primitives/annotation.hpp"
 #include "underbrush/primitives/choose.hpp"
+#include "underbrush/primitives/ground_surface.hpp"
 #include "underbrush/primitives/primitive_set.hpp"
 
 namespace underbrush::primitives {
@@ -38,12 +40,34 @@ struct Composition {
   std::map<std::string, size_t> left_out;
   /// Objects placed with a primitive of another size, by class.
   std::map<std::string, size_t> borrowed;
-  double mean_box_distance_m = 0;  ///< m; mean distance between the boxes asked for and those
-                                   ///< placed.
+  /// m; mean distance between the boxes asked for and those placed.
+  double mean_box_distance_m = 0;
 };
 
 /// Reports the progress of `compose`, called with (done, total).
 using ComposeProgress = std::function<void(size_t, size_t)>;
+
+/// Composes a scene part by part, for `compose` and for scenes that are larger than memory.
+class Composer {
+ public:
+  /// The scene's ground gets the parameters of `ground` and no elements. `set` must outlive this.
+  /// Throws `std::invalid_argument` as `compose` does.
+  Composer(const elements::Model& ground, const PrimitiveSet& set, const ComposeOptions& options);
+  ~Composer();
+
+  /// Adds objects that stand on a ground.
+  void add(const GroundSurface& ground, const std::vector<PlacedObject>& objects,
+           const ComposeProgress& progress = {});
+  /// Forgets what stands below a line (m, world), which objects from now on do not come near.
+  void forget_below(double y_m);
+  /// What was composed so far. A caller may take the instances with their labels and numbers out of
+  /// it, all but the first, which is the ground's.
+  Composition& result();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
 
 /// Composes a scene: for each (class, pose, box) of the annotation it places a primitive of the
 /// class

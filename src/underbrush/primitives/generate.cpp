@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "underbrush/core/cells.hpp"
 #include "underbrush/core/check.hpp"
@@ -51,6 +52,10 @@ class Spacing {
     cells_[cell_of(x, y, cell_m_)].emplace_back(x, y, radius_m);
     largest_m_ = std::max(largest_m_, radius_m);
   }
+  void forget_below(double y_m) {
+    const int32_t least = cell_index(y_m - largest_m_, cell_m_) - 1;
+    std::erase_if(cells_, [&](const auto& cell) { return cell.first.y < least; });
+  }
 
  private:
   double cell_m_, largest_m_ = 0;
@@ -61,33 +66,53 @@ Box box_of(double length_m, double width_m, double height_m) {
   return {Vec3(-0.5 * length_m, -0.5 * width_m, 0), Vec3(0.5 * length_m, 0.5 * width_m, height_m)};
 }
 
-class Generator {
- public:
-  Generator(const GroundSurface& ground, const GenerateOptions& o) : ground_(ground), o_(o) {
-    inner_ = ground.bounds();
-    inner_.min().array() += o.margin_m;
-    inner_.max().array() -= o.margin_m;
+double usual_radius_m(const Plants& p) { return 0.5 * p.width_of_height * p.median_m; }
+
+Kind kind_of_options(const GenerateOptions& o) {
+  require(o.density >= 0 && o.density <= 10, "generate: the density must lie in [0, 10] per m²");
+  require(o.margin_m >= 0 && o.patch_cell_m > 0, "generate: lengths must be positive");
+  for (Kind kind : kKinds) {
+    if (o.kind != kind.name) continue;
+    if (o.density > 0) (kind.shrubs_lead ? kind.shrubs : kind.trees).per_m2 = o.density;
+    return kind;
+  }
+  throw std::invalid_argument("generate: no kind of site '" + o.kind + "'");
+}
+
+}  // namespace
+
+struct SiteGenerator::Impl {
+  Impl(const GenerateOptions& options, const Eigen::AlignedBox2d& site)
+      : o(options),
+        kind(kind_of_options(options)),
+        inner(site),
+        of_trees(std::max(1.0, usual_radius_m(kind.trees))),
+        of_shrubs(std::max(1.0, usual_radius_m(kind.shrubs))) {
+    inner.min().array() += options.margin_m;
+    inner.max().array() -= options.margin_m;
   }
 
-  void scatter(const Plants& p, bool trees, uint64_t seed) {
-    if (inner_.isEmpty()) return;
+  void scatter(const GroundSurface& ground, const Eigen::AlignedBox2d& part, bool trees,
+               uint64_t seed) {
+    if (part.isEmpty()) return;
+    const Plants& p = trees ? kind.trees : kind.shrubs;
+    Spacing& spacing = trees ? of_trees : of_shrubs;
     Stream random(seed);
-    const auto wanted = size_t(std::llround(p.per_m2 * inner_.volume()));
+    const auto wanted = size_t(std::llround(p.per_m2 * part.volume()));
     // Where plants are denser than their crowns allow, crowns overlap.
-    const double radius = 0.5 * p.width_of_height * p.median_m;
+    const double radius = usual_radius_m(p);
     const double crowding = p.per_m2 * 4 * radius * radius;
     const double keep = std::min(0.9, 0.7 / std::sqrt(std::max(crowding, 1e-9)));
-    Spacing spacing(std::max(1.0, radius));
     size_t standing = 0;
     for (size_t tries = 0; standing < wanted && tries < 30 * wanted; ++tries) {
-      const double x = random.uniform(inner_.min().x(), inner_.max().x());
-      const double y = random.uniform(inner_.min().y(), inner_.max().y());
+      const double x = random.uniform(part.min().x(), part.max().x());
+      const double y = random.uniform(part.min().y(), part.max().y());
       const double height =
           std::clamp(p.median_m * std::exp(p.spread * random.normal()), p.low_m, p.high_m);
       const double width = p.width_of_height * height * random.uniform(0.75, 1.25);
       const double slender = random.uniform(0.7, 1), yaw = random.uniform(-M_PI_2, M_PI_2);
       const double apart = 0.5 * keep * width;
-      const std::optional<double> z = ground_.at(x, y);
+      const std::optional<double> z = ground.at(x, y);
       if (!z || !spacing.free(x, y, apart)) continue;
       spacing.add(x, y, apart);
       PlacedObject object;
@@ -101,9 +126,9 @@ class Generator {
     }
   }
 
-  void patches(double share, double height_m, uint64_t seed) {
-    if (share <= 0 || inner_.isEmpty()) return;
-    Stream random(seed);
+  void patches(const GroundSurface& ground, const Eigen::AlignedBox2d& part, uint64_t number) {
+    if (kind.patch_share <= 0 || part.isEmpty()) return;
+    Stream random(mix64(o.seed + 3));
     std::array<Vec3, 8> waves;
     for (Vec3& w : waves) {
       const double azimuth = random.uniform(0, 2 * M_PI), k = 2 * M_PI / random.uniform(12, 50);
@@ -111,17 +136,26 @@ class Generator {
     }
     // The sum of many waves is normal, so the level that a given share of the area exceeds is
     // known.
-    const double level = std::sqrt(0.5 * waves.size()) * normal_from_uniform(1 - share);
-    const double side = o_.patch_cell_m;
-    const auto first = [&](double v) { return int64_t(std::ceil(v / side)); };
-    for (int64_t j = first(inner_.min().y()); (j + 1) * side <= inner_.max().y(); ++j) {
-      for (int64_t i = first(inner_.min().x()); (i + 1) * side <= inner_.max().x(); ++i) {
+    const double level = std::sqrt(0.5 * waves.size()) * normal_from_uniform(1 - kind.patch_share);
+    const double side = o.patch_cell_m;
+    if (number > 0) random = Stream(mix64(seed_of(number) + 3));
+    // A cell is of the part in which its middle lies.
+    const auto first = [&](int axis) {
+      return std::max(int64_t(std::ceil(inner.min()[axis] / side)),
+                      int64_t(std::ceil(part.min()[axis] / side - 0.5)));
+    };
+    const auto is_before_end = [&](int axis, int64_t k) {
+      return double(k + 1) * side <= inner.max()[axis] &&
+             (double(k) + 0.5) * side < part.max()[axis];
+    };
+    for (int64_t j = first(1); is_before_end(1, j); ++j) {
+      for (int64_t i = first(0); is_before_end(0, i); ++i) {
         const double x = (double(i) + 0.5) * side, y = (double(j) + 0.5) * side;
         double sum = 0;
         for (const Vec3& w : waves) sum += std::cos(w.x() * x + w.y() * y + w.z());
-        const double height = std::clamp(height_m * std::exp(0.3 * random.normal()), 0.2, 2.8);
+        const double height = std::clamp(kind.patch_m * std::exp(0.3 * random.normal()), 0.2, 2.8);
         if (sum < level) continue;
-        const std::optional<double> z = ground_.at(x, y);
+        const std::optional<double> z = ground.at(x, y);
         if (!z) continue;
         PlacedObject cell;
         cell.label = shrub_class(SizeRules{}, height, true);
@@ -132,15 +166,36 @@ class Generator {
     }
   }
 
-  std::vector<PlacedObject> objects;
+  uint64_t seed_of(uint64_t number) const {
+    return number == 0 ? o.seed : mix64(o.seed ^ mix64(number));
+  }
 
- private:
-  const GroundSurface& ground_;
-  const GenerateOptions& o_;
-  Eigen::AlignedBox2d inner_;
+  GenerateOptions o;
+  Kind kind;
+  Eigen::AlignedBox2d inner;  // the site without its margin
+  Spacing of_trees, of_shrubs;
+  std::vector<PlacedObject> objects;
 };
 
-}  // namespace
+SiteGenerator::SiteGenerator(const GenerateOptions& options, const Eigen::AlignedBox2d& site)
+    : impl_(std::make_unique<Impl>(options, site)) {}
+SiteGenerator::~SiteGenerator() = default;
+
+std::vector<PlacedObject> SiteGenerator::objects(const GroundSurface& ground,
+                                                 const Eigen::AlignedBox2d& part, uint64_t number) {
+  Impl& g = *impl_;
+  const Eigen::AlignedBox2d inside = part.intersection(g.inner);
+  const uint64_t seed = g.seed_of(number);
+  g.scatter(ground, inside, true, mix64(seed + 1));
+  g.scatter(ground, inside, false, mix64(seed + 2));
+  g.patches(ground, inside, number);
+  return std::exchange(g.objects, {});
+}
+
+void SiteGenerator::forget_below(double y_m) {
+  impl_->of_trees.forget_below(y_m);
+  impl_->of_shrubs.forget_below(y_m);
+}
 
 std::vector<std::string> site_kinds() {
   std::vector<std::string> names;
@@ -149,18 +204,7 @@ std::vector<std::string> site_kinds() {
 }
 
 std::vector<PlacedObject> generate_objects(const GroundSurface& ground, const GenerateOptions& o) {
-  require(o.density >= 0 && o.density <= 10, "generate: the density must lie in [0, 10] per m²");
-  require(o.margin_m >= 0 && o.patch_cell_m > 0, "generate: lengths must be positive");
-  for (Kind kind : kKinds) {
-    if (o.kind != kind.name) continue;
-    if (o.density > 0) (kind.shrubs_lead ? kind.shrubs : kind.trees).per_m2 = o.density;
-    Generator generator(ground, o);
-    generator.scatter(kind.trees, true, mix64(o.seed + 1));
-    generator.scatter(kind.shrubs, false, mix64(o.seed + 2));
-    generator.patches(kind.patch_share, kind.patch_m, mix64(o.seed + 3));
-    return std::move(generator.objects);
-  }
-  throw std::invalid_argument("generate: no kind of site '" + o.kind + "'");
+  return SiteGenerator(o, ground.bounds()).objects(ground, ground.bounds(), 0);
 }
 
 }  // namespace underbrush::primitives

@@ -2,6 +2,7 @@
 /// Generation of annotations for sites that do not exist.
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,26 @@ struct GenerateOptions {
 ///
 /// The option `density` replaces the bold figure.
 std::vector<std::string> site_kinds();
+
+/// Generates the objects of a site part by part.
+class SiteGenerator {
+ public:
+  /// `site` is the box of the whole ground seen from above (m, world). Throws as `generate_objects`
+  /// does.
+  SiteGenerator(const GenerateOptions& options, const Eigen::AlignedBox2d& site);
+  ~SiteGenerator();
+
+  /// Generates the objects that stand in `part` of the site (m, world), on its ground. They keep
+  /// apart from those of the parts before. Parts with different numbers draw differently.
+  std::vector<PlacedObject> objects(const GroundSurface& ground, const Eigen::AlignedBox2d& part,
+                                    uint64_t number);
+  /// Forgets what stands below a line (m, world), which parts from now on do not come near.
+  void forget_below(double y_m);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
 
 /// Generates objects on the ground. Trees and shrubs are Poisson points that keep apart by their
 /// crowns (in a forest, a tenth of the crowns' radii may overlap); patches grow where a smooth

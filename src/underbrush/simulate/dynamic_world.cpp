@@ -17,15 +17,7 @@ struct Ball {
 };
 
 Ball ball_around(const elements::Model& model, double scale) {
-  Eigen::AlignedBox3d box;
-  for (const elements::TriangleMesh* mesh : {&model.ground, &model.surface}) {
-    for (const Vec3f& v : mesh->vertices) box.extend(v.cast<double>());
-  }
-  for (const elements::Ellipsoid& e : model.ellipsoids) {
-    const Vec3 reach = model.tau * e.covariance_matrix().diagonal().cwiseSqrt();
-    box.extend(e.mean.cast<double>() - reach);
-    box.extend(e.mean.cast<double>() + reach);
-  }
+  const Eigen::AlignedBox3d box = model.box();
   if (box.isEmpty()) return {};
   return {scale * box.center(), scale * (0.5 * box.diagonal().norm() + 1e-6)};
 }
@@ -121,9 +113,9 @@ void MatterAt::find(uint32_t instance, double time_s) {
   moves_ = o != nullptr;
   if (o) object_from_world_ = pose_at(o->mover.world_from_object, time_s).inverse();
   model_ = &world_.model(instance);
-  salt_ = trace::instance_key(0, instance);
+  salt_ = trace::instance_key(0, still.number(instance));
   grain_ = {*model_, o ? o->scene.instances[0] : still.instance(instance)};
-  first_swaying_ = still.draws() == trace::Draws::kSwaying ? uint32_t(model_->triangle_count())
+  first_swaying_ = still.draws() == trace::Draws::kSwaying ? uint32_t(model_->first_ellipsoid())
                                                            : Intersection::kNone;
 }
 
@@ -173,7 +165,7 @@ void DynamicWorld::meet_movers(std::span<const Ray> rays, std::span<const uint64
         if (!met[i].none() && met[i].t_m < along - r) continue;  // It is hidden.
         near.push_back(
             {object_from_world * rays[i].origin, object_from_world.rotation * rays[i].direction});
-        near_keys.push_back(trace::object_key(keys[i], o->mover.instance, sways));
+        near_keys.push_back(trace::object_key(keys[i], world_->number(o->mover.instance), sways));
         number.push_back(i);
       }
     }

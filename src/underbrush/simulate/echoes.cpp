@@ -154,7 +154,7 @@ EchoMaker::Element EchoMaker::element_at(float range_m, const SubReturns& return
   const Intersection& m = met[returns.sub_ray()[size_t(best - range.begin())]];
   if (m.element == trace::kUnknown) return {};
   return {m.element, element_class(world_.model(m.instance), m, options_.instance_labels),
-          m.instance};
+          world_.world().number(m.instance)};
 }
 
 void EchoMaker::write(const std::vector<Block>& blocks, BeamLog& beams) const {

@@ -124,7 +124,7 @@ void Reflection::Evaluator::set_zenith() {
 void Reflection::Evaluator::enter(uint32_t instance) {
   instance_ = instance;
   model_ = &world_.model(instance);
-  first_ellipsoid_ = uint32_t(model_->triangle_count());
+  first_ellipsoid_ = uint32_t(model_->first_ellipsoid());
   material_ = reflection_.material_of(instance);
   up_ = world_.placed(instance, time_s_).world_from_model.rotation * Vec3::UnitZ();
   set_zenith();
@@ -135,7 +135,7 @@ void Reflection::Evaluator::remember(const Intersection& met, Triangle& t) {
   t.element = met.element;
   const Pose world_from_model = world_.placed(met.instance, time_s_).world_from_model;
   t.normal = world_from_model.rotation * normal_of(*model_, met.element);
-  const bool ground = met.element < model_->ground.size();
+  const bool ground = model_->kind(met.element) == elements::Kind::kGround;
   const bool named =
       !reflection_.of_instance_.empty() && reflection_.of_instance_[met.instance] >= 0;
   const Class label = ground ? Class::kGround : Class::kUnknown;
@@ -160,7 +160,7 @@ void Reflection::Evaluator::factors(std::span<const Intersection> met, std::span
       if (material_ < 0) {
         const uint32_t label = m.element == trace::kUnknown
                                    ? 0
-                                   : model_->ellipsoids[m.element - first_ellipsoid_].label;
+                                   : model_->ellipsoids[model_->place(m.element).index].label;
         material = of_class[label < of_class.size() ? label : 0];
       }
       factor[k] = leaves_[material] < 0 ? leaves(material) : leaves_[material];

@@ -47,8 +47,9 @@ trace::RangeLimits limits_of(const DynamicWorld& world, const Options& options,
 /// The extra columns of `Options::element_ids`.
 class ElementColumns {
  public:
-  ElementColumns(const Options& options, size_t beams)
-      : options_(options),
+  ElementColumns(const trace::World& world, const Options& options, size_t beams)
+      : world_(world),
+        options_(options),
         element_(options.element_ids ? beams : 0, Intersection::kNone),
         label_(element_.size()),
         instance_(options.instance_labels.empty() ? 0 : element_.size()) {}
@@ -57,7 +58,7 @@ class ElementColumns {
     if (element_.empty()) return;
     element_[i] = met.element;
     label_[i] = element_class(model, met, options_.instance_labels);
-    if (!instance_.empty()) instance_[i] = met.instance;
+    if (!instance_.empty()) instance_[i] = world_.number(met.instance);
   }
   void give_to(BeamLog& beams) {
     if (!options_.element_ids) return;
@@ -67,6 +68,7 @@ class ElementColumns {
   }
 
  private:
+  const trace::World& world_;
   const Options& options_;
   std::vector<uint32_t> element_;
   std::vector<uint16_t> label_;
@@ -171,7 +173,7 @@ double drawn_range(const Simulation& s, const Shots& shots, size_t k, const Inte
   if (!s.matter) return drawn_on_ray(met, shots.keys[k], s.limits);
   const double time_s = shots.time_s[k];
   const uint32_t cell = matter_of.cell(shots.rays[k], time_s, met, shots.trials[k]);
-  return drawn_in_matter(met, trace::instance_key(*s.matter, met.instance) ^ cell, shots.keys[k],
+  return drawn_in_matter(met, matter_of.key(*s.matter, met, time_s) ^ cell, shots.keys[k],
                          matter_of.model(met, time_s).range_noise_m, s.limits);
 }
 
@@ -291,7 +293,7 @@ void simulate(const DynamicWorld& world, const Options& options, size_t first_be
   check(world, options);
   const Simulation simulation(world, options, beams.info);
   const keyframes::KeyframeCache* cache = simulation.cache ? &*simulation.cache : nullptr;
-  ElementColumns columns(options, beams.size());
+  ElementColumns columns(world.world(), options, beams.size());
   parallel_for(beams.size(), 8192, [&](size_t begin, size_t end) {
     const Shots shots(simulation, first_beam, beams, begin, end);
     const std::vector<BeamAnswer> answers =

@@ -89,21 +89,36 @@ double Terrain::distance_to_track(double x, double y) const {
   return std::hypot(u - x, track_y(u) - y);
 }
 
-elements::TriangleMesh Terrain::mesh(double spacing_m, double margin_m) const {
+Cell2 Terrain::grid(double spacing_m, double margin_m) const {
   require(spacing_m > 0 && margin_m >= 0, "terrain: spacing must be positive");
+  const double columns = std::ceil((parameters_.size_x_m + 2 * margin_m) / spacing_m);
+  const double rows = std::ceil((parameters_.size_y_m + 2 * margin_m) / spacing_m);
+  require(columns * rows < 1e9, "terrain: too many triangles");
+  return {int32_t(columns), int32_t(rows)};
+}
+
+elements::TriangleMesh Terrain::mesh(double spacing_m, double margin_m) const {
+  return mesh(spacing_m, margin_m, {0, 0}, grid(spacing_m, margin_m));
+}
+
+elements::TriangleMesh Terrain::mesh(double spacing_m, double margin_m, Cell2 first,
+                                     Cell2 end) const {
+  const Cell2 all = grid(spacing_m, margin_m);
+  require(0 <= first.x && first.x <= end.x && end.x <= all.x && 0 <= first.y && first.y <= end.y &&
+              end.y <= all.y,
+          "terrain: a part beyond the grid");
   const double width = parameters_.size_x_m + 2 * margin_m;
   const double depth = parameters_.size_y_m + 2 * margin_m;
-  const auto nx = size_t(std::ceil(width / spacing_m)), ny = size_t(std::ceil(depth / spacing_m));
-  require(double(nx) * double(ny) < 1e9, "terrain: too many triangles");
+  const auto nx = size_t(end.x - first.x), ny = size_t(end.y - first.y);
   elements::TriangleMesh mesh;
   mesh.vertices.resize((nx + 1) * (ny + 1));
   mesh.triangles.resize(2 * nx * ny);
   mesh.hit.resize(2 * nx * ny);
-  parallel_for(ny + 1, 8, [&](size_t begin, size_t end) {
-    for (size_t j = begin; j < end; ++j) {
-      const double y = depth * (double(j) / double(ny) - 0.5);
+  parallel_for(ny + 1, 8, [&](size_t begin_row, size_t end_row) {
+    for (size_t j = begin_row; j < end_row; ++j) {
+      const double y = depth * (double(size_t(first.y) + j) / double(all.y) - 0.5);
       for (size_t i = 0; i <= nx; ++i) {
-        const double x = width * (double(i) / double(nx) - 0.5);
+        const double x = width * (double(size_t(first.x) + i) / double(all.x) - 0.5);
         mesh.vertices[j * (nx + 1) + i] = Vec3(x, y, height(x, y)).cast<float>();
         if (i == nx || j == ny) continue;
         const auto a = uint32_t(j * (nx + 1) + i), b = a + uint32_t(nx + 1);

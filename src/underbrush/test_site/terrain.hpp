@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 
+#include "underbrush/core/cells.hpp"
 #include "underbrush/elements/model.hpp"
 
 namespace underbrush::test_site {
@@ -46,6 +47,10 @@ class Terrain {
   /// `spacing_m`. Throws `std::invalid_argument` for a spacing that is not positive, a negative
   /// margin, or 10⁹ cells and more.
   elements::TriangleMesh mesh(double spacing_m, double margin_m) const;
+  /// The columns and rows of that grid.
+  Cell2 grid(double spacing_m, double margin_m) const;
+  /// The columns [first.x, end.x) and the rows [first.y, end.y) of that grid.
+  elements::TriangleMesh mesh(double spacing_m, double margin_m, Cell2 first, Cell2 end) const;
 
  private:
   struct Wave {

@@ -101,7 +101,7 @@ EllipsoidBlock ellipsoid_block(const elements::Model& model, const Ref* refs, ui
   EllipsoidBlock block = block_of_nothing<EllipsoidBlock>();
   for (uint32_t k = 0; k < count; ++k) {
     const uint32_t id = refs[k].id();
-    const elements::Ellipsoid& e = model.ellipsoids[model.place(id).index];
+    const elements::Ellipsoid& e = model.ellipsoids[model.place_at(id).index];
     // Thin shapes are thickened, so that their float tests stay meaningful and err towards finding
     // them.
     const double size2 = double(e.covariance[0]) + e.covariance[3] + e.covariance[5];
@@ -110,7 +110,7 @@ EllipsoidBlock ellipsoid_block(const elements::Model& model, const Ref* refs, ui
     const Factor f = factor_of(e, model.tau, inflate);
     for (int c = 0; c < 6; ++c) block.u[c][k] = float(f.u[c]);
     for (int d = 0; d < 3; ++d) block.mean[d][k] = e.mean[d];
-    block.element[k] = id | uint32_t(model.grain.place_of(e.label)) << kGrainShift;
+    block.element[k] = model.number_at(id) | uint32_t(model.grain.place_of(e.label)) << kGrainShift;
     if (kind == LeafKind::kPathLength) {
       block.depth[k] = float(double(e.density_per_m) * std::sqrt(2 * M_PI) / model.tau);
     } else {
@@ -136,13 +136,13 @@ TriangleBlock triangle_block(const elements::Model& model, const TrianglePairs& 
   TriangleBlock block = block_of_nothing<TriangleBlock>();
   for (uint32_t k = 0; k < count; ++k) {
     const uint32_t id = refs[k].id();
-    const elements::ElementPlace place = model.place(id);
+    const elements::ElementPlace place = model.place_at(id);
     const elements::TriangleMesh& mesh = model.mesh(place.kind);
     const TrianglePair pair = pairs[id];
-    set_triangle(mesh, place.index, id, 0, pair.apart, k, block);
+    set_triangle(mesh, place.index, model.number_at(id), 0, pair.apart, k, block);
     if (pair.other != Intersection::kNone) {
-      const uint32_t other = model.place(pair.other).index;
-      set_triangle(mesh, other, pair.other, 1, pair.other_apart, k, block);
+      const uint32_t other = model.place_at(pair.other).index;
+      set_triangle(mesh, other, model.number_at(pair.other), 1, pair.other_apart, k, block);
     } else {
       for (int d = 0; d < 3; ++d) block.corner[3][d][k] = block.corner[2][d][k];
     }
@@ -156,11 +156,11 @@ HugeVector<Ref> refs_of(const elements::Model& model, const TrianglePairs& pairs
   parallel_for(refs.size(), 4096, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       if (i < first.size()) {
-        const elements::ElementPlace place = model.place(first[i]);
+        const elements::ElementPlace place = model.place_at(first[i]);
         const elements::TriangleMesh& mesh = model.mesh(place.kind);
         Box box = triangle_box(mesh, place.index);
         if (const uint32_t other = pairs[first[i]].other; other != Intersection::kNone) {
-          box.add(triangle_box(mesh, model.place(other).index));
+          box.add(triangle_box(mesh, model.place_at(other).index));
         }
         refs[i] = Ref(widened(box), first[i], uint32_t(LeafKind::kTriangles));
       } else {
@@ -180,7 +180,7 @@ constexpr size_t kAhead = 4;  // leaves whose elements are prefetched
 void prefetch_elements(const elements::Model& model, const HugeVector<Ref>& refs,
                        const Leaf& leaf) {
   for (uint32_t k = 0; k < leaf.count; ++k) {
-    const elements::ElementPlace place = model.place(refs[leaf.begin + k].id());
+    const elements::ElementPlace place = model.place_at(refs[leaf.begin + k].id());
     if (place.kind != elements::Kind::kEllipsoid) continue;
     const char* e = reinterpret_cast<const char*>(&model.ellipsoids[place.index]);
     __builtin_prefetch(e);

@@ -79,7 +79,8 @@ struct Bvh {
   size_t bytes() const;
 };
 
-/// Builds the hierarchy of a model; element numbers are those of the model. Bounds are
+/// Builds the hierarchy of a model; element numbers are those of the model, or of the whole of
+/// which it is a part. Bounds are
 /// conservative: a ray is tested against an ellipsoid wherever it enters |U (x − mean)| ≤ 1 in
 /// exact arithmetic, with U the float nearest to the true factor. The ellipsoids of
 /// `LeafKind::kCareful` leaves may be inflated.

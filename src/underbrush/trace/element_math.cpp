@@ -144,7 +144,7 @@ Grain::Grain(const elements::Model& model, const elements::Instance& placed)
     : model_(&model),
       placed_(placed),
       scale_(double(placed.scale)),
-      first_ellipsoid_(uint32_t(model.triangle_count())),
+      first_ellipsoid_(uint32_t(model.first_ellipsoid())),
       translation_(is_translation(placed)) {}
 
 bool is_translation(const elements::Instance& placed) {

@@ -153,7 +153,7 @@ class Grain {
     const elements::Grain& grain = model_->grain;
     return grain.classes.empty() ? grain.ellipsoid_m
                                  : grain.side_at(grain.place_of(
-                                       model_->ellipsoids[element - first_ellipsoid_].label));
+                                       model_->ellipsoids[model_->place(element).index].label));
   }
 
   const elements::Model* model_ = nullptr;

@@ -41,12 +41,16 @@ struct ModelView {
     const float* roughness;  // of each triangle, m; null where all have roughness_m
   } ground, surface;
   const elements::Ellipsoid* ellipsoids;
-  uint32_t ground_count, triangle_count;
+  uint32_t ground_count, triangle_count;  // the numbers of the first elements that are not those
   double tau2;
   bool voxels;
   CellsPerM cells_per_m;
   bool sways;  // whether the matter of ellipsoids moves with the time (`kSwaying`)
   double leaf_level, leaf_slope;  // of `LeafAngleDistribution`
+  struct Numbers {
+    const uint32_t* first;
+    uint32_t count;
+  } numbers[3];  // `elements::PartOf::numbers`; none where the model is whole
 };
 
 /// The parts of a world that the kernels use.
@@ -56,6 +60,7 @@ struct View {
   uint32_t root;
   double origin[3];  ///< Origin of the tree in the world, m.
   const elements::Instance* instances;
+  const uint32_t* numbers;  ///< `elements::Scene::numbers`; null where the scene is whole.
   const elements::Model* const* models;
   const ModelView* model_views;
   const Bvh* bvhs;

@@ -50,7 +50,8 @@ class CandidateQuads {
       const Candidate& c = *q.of[k];
       element[k] = c.element;
       const ModelView& model = *at_instance(c.instance).model;
-      const elements::Ellipsoid& of = model.ellipsoids[c.element - model.triangle_count];
+      const elements::Ellipsoid& of = model.ellipsoids[place_of(model, elements::Kind::kEllipsoid,
+                                                                c.element - model.triangle_count)];
       const float* from = reinterpret_cast<const float*>(&of);
       e[0][k] = to_double(*reinterpret_cast<const F4*>(from));
       e[1][k] = to_double(*reinterpret_cast<const F4*>(from + 4));
@@ -96,7 +97,9 @@ class CandidateQuads {
       const uint32_t turned = block.element[which][lane], element = turned & kElementMask;
       const bool on_ground = element < at.model->ground_count;
       const ModelView::Mesh* mesh = on_ground ? &at.model->ground : &at.model->surface;
-      const uint32_t triangle = element - (on_ground ? 0 : at.model->ground_count);
+      const uint32_t triangle = on_ground ? place_of(*at.model, elements::Kind::kGround, element)
+                                          : place_of(*at.model, elements::Kind::kSurface,
+                                                     element - at.model->ground_count);
       const bool always = block.accept_below[which][lane] == kAlways;
       t.set(k, mesh, element, triangle, always ? 1 : mesh->hit[triangle].p);
       const float* first = &block.corner[0][0][lane];

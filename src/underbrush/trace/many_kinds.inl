@@ -9,6 +9,19 @@
 namespace underbrush::trace {
 namespace {
 
+// The place in the arrays of a model of the element with this number among those of its kind.
+inline uint32_t place_of(const ModelView& model, elements::Kind kind, uint32_t number) {
+  const ModelView::Numbers& all = model.numbers[int(kind)];
+  if (!all.first) return number;
+  uint32_t begin = 0;
+  for (uint32_t count = all.count; count > 1;) {
+    const uint32_t half = count / 2;
+    if (all.first[begin + half] <= number) begin += half;
+    count -= half;
+  }
+  return begin;
+}
+
 // A triangle of a mesh.
 struct TrianglePlace {
   const float* corner[3];
@@ -21,7 +34,9 @@ inline TrianglePlace in_mesh(const ModelView& model, uint32_t element) {
   const bool on_ground = element < model.ground_count;
   TrianglePlace t;
   t.mesh = on_ground ? &model.ground : &model.surface;
-  const size_t at = element - (on_ground ? 0 : model.ground_count);
+  const size_t at = on_ground
+                        ? place_of(model, elements::Kind::kGround, element)
+                        : place_of(model, elements::Kind::kSurface, element - model.ground_count);
   t.hit = t.mesh->hit + at;
   t.element = element;
   const uint32_t* corners = t.mesh->triangles + 3 * at;
@@ -30,7 +45,8 @@ inline TrianglePlace in_mesh(const ModelView& model, uint32_t element) {
 }
 
 inline void prefetch_ellipsoid(const ModelView& model, uint32_t element) {
-  const elements::Ellipsoid* e = model.ellipsoids + (element - model.triangle_count);
+  const elements::Ellipsoid* e = model.ellipsoids + place_of(model, elements::Kind::kEllipsoid,
+                                                             element - model.triangle_count);
   __builtin_prefetch(e);
   __builtin_prefetch(&e->density_per_m);
 }

@@ -57,7 +57,7 @@ Placement place(const View& view, uint32_t instance, const double centre[3]) {
   p.sways = view.model_views[placed.model].sways;
   p.leaf_level = view.model_views[placed.model].leaf_level;
   p.leaf_slope = view.model_views[placed.model].leaf_slope;
-  p.salt = instance_key(0, instance);
+  p.salt = instance_key(0, view.numbers ? view.numbers[instance] : instance);
   const Mat3 back = placed.world_from_model.rotation.conjugate().toRotationMatrix();
   const Vec3 world =
       Vec3(view.origin[0], view.origin[1], view.origin[2]) + Vec3(centre[0], centre[1], centre[2]);
@@ -70,8 +70,9 @@ Placement place(const View& view, uint32_t instance, const double centre[3]) {
 }
 
 /// Whether a ray ends at what it met.
-static bool ends(const View& view, const Batch& batch, size_t ray, const Intersection& met) {
+static bool ends(const View& view, const Batch& batch, size_t ray, Intersection met) {
   const elements::Instance& placed = view.instances[met.instance];
+  if (view.numbers) met.instance = view.numbers[met.instance];
   const ModelView& model = view.model_views[placed.model];
   const bool ellipsoid = met.element >= model.triangle_count;
   const uint64_t key = batch.keys[ray];

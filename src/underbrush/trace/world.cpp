@@ -43,18 +43,26 @@ void set_grain(const elements::Model& m, Draws draws, ModelView& view) {
   view.sways = draws == Draws::kSwaying;
 }
 
+ModelView::Numbers numbers_of(const elements::Model& m, elements::Kind kind) {
+  if (!m.part_of) return {nullptr, 0};
+  const std::vector<uint32_t>& all = m.part_of->numbers[size_t(kind)];
+  return {all.data(), uint32_t(all.size())};
+}
+
 ModelView view_of(const elements::Model& m) {
   return {view_of(m.ground),
           view_of(m.surface),
           m.ellipsoids.data(),
-          uint32_t(m.ground.size()),
-          uint32_t(m.triangle_count()),
+          uint32_t(m.whole_count(elements::Kind::kGround)),
+          uint32_t(m.first_ellipsoid()),
           m.tau * m.tau,
           m.voxel_m > 0,
           {},
           false,
           m.leaf_angles.level(),
-          m.leaf_angles.slope()};
+          m.leaf_angles.slope(),
+          {numbers_of(m, elements::Kind::kGround), numbers_of(m, elements::Kind::kSurface),
+           numbers_of(m, elements::Kind::kEllipsoid)}};
 }
 
 /// The working memory of a thread's queries. It is large, and is kept from call to call.
@@ -76,6 +84,7 @@ Workspace& workspace() {
 struct World::Impl {
   std::vector<const elements::Model*> models;
   std::span<const elements::Instance> instances;
+  const uint32_t* numbers = nullptr;
   elements::Instance alone;  // the only instance of a world that is one model
   std::vector<ModelView> views;
   std::vector<Bvh> bvhs;
@@ -87,7 +96,8 @@ struct World::Impl {
   void build(Draws how) {
     draws = how;
     for (const elements::Model* m : models) {
-      require(m->size() < kElementMask, "world: a model has more than 2^29 elements");
+      require(m->first_ellipsoid() + m->whole_count(elements::Kind::kEllipsoid) < kElementMask,
+              "world: a model has more than 2^29 elements");
       views.push_back(view_of(*m));
       bvhs.push_back(build_bvh(*m));
       require(bvhs.back().triangles.size() < kMostTriangleBlocks,
@@ -104,7 +114,9 @@ struct World::Impl {
     const elements::Instance& first = instances[0];
     const elements::Model& m = *models[first.model];
     if (!m.observed || !is_translation(first) || first.scale != 1) return;
-    unknown.emplace(*m.observed, m.ground, first.world_from_model.translation);
+    const bool is_part = m.part_of && m.part_of->ground;
+    unknown.emplace(*m.observed, is_part ? *m.part_of->ground : m.ground,
+                    first.world_from_model.translation);
   }
 
   void update_grain() {
@@ -114,8 +126,9 @@ struct World::Impl {
   View view() const {
     return {tree.nodes.data(), tree.entries.data(),
             tree.root,         {tree.origin[0], tree.origin[1], tree.origin[2]},
-            instances.data(),  models.data(),
-            views.data(),      bvhs.data()};
+            instances.data(),  numbers,
+            models.data(),     views.data(),
+            bvhs.data()};
   }
 
   /// Traces `count` rays of the batch.
@@ -164,6 +177,7 @@ World::World(const elements::Scene& scene, Isa isa, Draws draws) : impl_(std::ma
   impl_->kernels = &kernels_of(isa);
   for (const elements::Model& m : scene.models) impl_->models.push_back(&m);
   impl_->instances = scene.instances;
+  if (!scene.numbers.empty()) impl_->numbers = scene.numbers.data();
   impl_->build(draws);
   impl_->find_unknown();
 }
@@ -188,6 +202,10 @@ std::span<const Intersection> World::with_unknown(const Ray& ray, const RangeLim
   if (!impl_->unknown) return met;
   impl_->unknown->add_to(ray, limits, met, merged);
   return merged;
+}
+
+uint32_t World::number(uint32_t instance) const {
+  return impl_->numbers ? impl_->numbers[instance] : instance;
 }
 
 const elements::Instance& World::instance(uint32_t instance) const {

@@ -69,6 +69,9 @@ class World {
   std::span<const Intersection> with_unknown(const Ray& ray, const RangeLimits& limits,
                                              std::span<const Intersection> met,
                                              std::vector<Intersection>& merged) const;
+  /// The number by which an instance draws: its own, or where the world is a part of a scene, that
+  /// in the whole.
+  uint32_t number(uint32_t instance) const;
   /// The place of an instance in the world.
   const elements::Instance& instance(uint32_t instance) const;
 

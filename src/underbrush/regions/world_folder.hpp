@@ -1,0 +1,44 @@
+/// \file
+/// The reader of worlds of regions.
+#pragma once
+#include <filesystem>
+#include <span>
+
+#include "underbrush/elements/scene_file.hpp"
+#include "underbrush/regions/index.hpp"
+
+namespace underbrush::regions {
+
+/// A part of a world in memory: a scene, or a model as a scene without instances, with what a
+/// scene's folder holds besides. Elements and instances have the numbers that they have in the
+/// whole (`elements::PartOf`, `elements::Scene::numbers`), so that beams that meet nothing else
+/// have the answers of the whole, to the bit.
+struct WorldPart {
+  elements::Scene scene;
+  elements::SceneInfo info;
+};
+
+/// A world on disk.
+class WorldFolder {
+ public:
+  /// Reads the index and what all regions have in common. Throws `FormatError`.
+  explicit WorldFolder(std::filesystem::path path);
+
+  const Index& index() const { return index_; }
+  /// Bytes of memory that what all regions have in common takes, as an estimate.
+  uint64_t common_bytes() const;
+  /// Reads regions, which are named by their places in the index and each once. Without regions,
+  /// the part has what all have in common. Throws `FormatError` for a region that is damaged.
+  WorldPart part(std::span<const uint32_t> regions) const;
+  /// Reads all regions: the world as one that was never cut.
+  WorldPart whole() const;
+
+ private:
+  std::filesystem::path path_;
+  Index index_;
+  WorldPart common_;
+  /// The vertices of the whole's ground; null where no space is unknown.
+  std::shared_ptr<const elements::TriangleMesh> ground_;
+};
+
+}  // namespace underbrush::regions
