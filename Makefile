@@ -13,7 +13,7 @@ program_only = -DUNDERBRUSH_TESTS=OFF -DUNDERBRUSH_BENCH=OFF -DUNDERBRUSH_STUDIE
 quiet = log=$$(mktemp); if $(1) > $$log 2>&1; then rm $$log; else cat $$log; rm $$log; exit 1; fi
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build pictures test attack fuzz fuzz-long tsan fmu check-fmu validation demo bench gates results docs deb \
+.PHONY: help setup build pictures test attack fuzz fuzz-long tsan fmu check-fmu validation demo bench gates results docs live deb \
         check-deb wheel check-wheel check-pythons asan-python clean
 
 help:     ## This list
@@ -108,7 +108,12 @@ docs: build    ## The documentation as a site: build/docs/site/index.html
 	@cmake --build $(BUILD) --target underbrush-reference -j $(JOBS)
 	@scripts/build_site.py --build $(BUILD)
 
-deb: build     ## A Debian package of the program: build/underbrush_VERSION_amd64.deb
+live: build    ## The sensor server of `underbrush live`: build/lib/underbrush/live_grpc.so
+	@scripts/setup.sh live
+	@$(call quiet,$(configure))
+	@cmake --build $(BUILD) --target live_grpc -j $(JOBS)
+
+deb: live      ## A Debian package of the program: build/underbrush_VERSION_amd64.deb
 	@scripts/setup.sh package
 	@cmake --build $(BUILD) --target deb -j $(JOBS)
 

@@ -2,7 +2,7 @@
 # stand before it in this list; underbrush_module() stops the configuration otherwise.
 set(UNDERBRUSH_LAYERS
     core compact io ground movers elements trace sensor radiometry cluster surface credit keyframes likelihood simulate
-    calibrate fit update primitives test_site worlds metrics optimize perception osi actors regions pipeline jobs serve)
+    calibrate fit update primitives test_site worlds metrics optimize perception osi actors regions pipeline jobs serve live)
 
 # underbrush_module(NAME SOURCES a.cpp ... HEADERS a.hpp ... DEPENDS module ... LINK target ...)
 #

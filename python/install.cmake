@@ -6,7 +6,7 @@ if(NOT TARGET underbrush_python)
 endif()
 install(FILES ${package}/_core.abi3.so ${package}/_core.pyi DESTINATION underbrush COMPONENT python EXCLUDE_FROM_ALL)
 install(PROGRAMS ${UNDERBRUSH_PYTHON_FROM}/bin/underbrush DESTINATION underbrush/bin COMPONENT python EXCLUDE_FROM_ALL)
-foreach(folder IN ITEMS configs examples schemas)
+foreach(folder IN ITEMS configs examples live schemas)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/share/${folder} DESTINATION underbrush/share/underbrush
     COMPONENT python EXCLUDE_FROM_ALL)
 endforeach()

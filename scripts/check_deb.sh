@@ -18,7 +18,8 @@ inside rm -rf /srv/demo
 inside underbrush demo -o /srv/demo --sensor "$small" --sub-rays 1
 for file in /srv/demo/report/index.html /usr/share/man/man1/underbrush.1.gz /usr/share/doc/underbrush/copyright \
   /usr/share/bash-completion/completions/underbrush /usr/share/zsh/site-functions/_underbrush \
-  /usr/share/fish/vendor_completions.d/underbrush.fish /usr/share/underbrush/materials/materials.yaml; do
+  /usr/share/fish/vendor_completions.d/underbrush.fish /usr/share/underbrush/materials/materials.yaml \
+  /usr/lib/underbrush/live_grpc.so /usr/share/underbrush/live/sensor_server.proto; do
   [ -s "$root$file" ] || { echo "check_deb: $file is missing" >&2; exit 1; }
 done
 inside apt-get -q -y remove underbrush > /dev/null

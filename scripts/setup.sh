@@ -2,6 +2,7 @@
 # Installs what is missing on Debian 12, with apt, as root or through sudo.
 #   scripts/setup.sh build          what the program needs
 #   scripts/setup.sh build test     what the tests need as well (the default)
+#   scripts/setup.sh live           what the sensor server needs besides the program
 #   scripts/setup.sh python         what the Python package needs besides the program
 #   scripts/setup.sh docs package   what the documentation site and the Debian package need
 #   scripts/setup.sh results        what the comparison of documented figures needs besides the tests
@@ -11,10 +12,11 @@ build="g++ cmake ninja-build make git pkg-config
   libtbb-dev libeigen3-dev libnanoflann-dev libcli11-dev
   nlohmann-json3-dev libyaml-cpp-dev libfmt-dev libxxhash-dev libpng-dev liblzf-dev libnlopt-dev
   libtinygltf-dev libcpp-httplib-dev libprotozero-dev libpugixml-dev libzstd-dev zlib1g-dev"
-test="libembree-dev chromium libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev liblzma-dev
+live="libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc"
+test="$live libembree-dev chromium libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev liblzma-dev
   clang clang-tidy clang-format libclang-rt-14-dev doxygen jq valgrind python3 python3-numpy python3-dev python3-venv"
 docs="doxygen python3 python3-venv"
-package="dpkg-dev file debootstrap"
+package="$live dpkg-dev file debootstrap"
 results="python3-venv xz-utils"
 python="python3-dev python3-venv"
 
@@ -27,8 +29,9 @@ for group in "${@:-build test}"; do
       docs) wanted+=" $docs" ;;
       package) wanted+=" $package" ;;
       results) wanted+=" $results" ;;
+      live) wanted+=" $live" ;;
       python) wanted+=" $python" ;;
-      *) echo "setup: no group '$name'; there are: build test docs package results python" >&2; exit 2 ;;
+      *) echo "setup: no group '$name'; there are: build test live docs package results python" >&2; exit 2 ;;
     esac
   done
 done

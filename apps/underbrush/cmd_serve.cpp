@@ -46,7 +46,6 @@ void run(const Verb& verb, const Arguments& a) {
                            [&](const serve::HttpRequest& request) { return api.answer(request); });
   j["address"] = server.address();
   verb.report(j, text + fmt::format("open {} in a browser; Ctrl-C ends\n", server.address()));
-  std::fflush(stdout);
   server.run();
 }
 

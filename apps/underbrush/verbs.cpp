@@ -26,6 +26,7 @@ constexpr NamedVerb kVerbs[] = {
     {"sensors", add_sensors},   {"simulate", add_simulate}, {"perceive", add_perceive},
     {"osi", add_osi},           {"score", add_score},       {"serve", add_serve},
     {"plan", add_plan},         {"run", add_run},           {"merge", add_merge},
+    {"live", add_live},
 };
 
 }  // namespace

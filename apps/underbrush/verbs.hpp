@@ -25,6 +25,7 @@ void add_compose(Program& program);
 void add_regions(Program& program);
 void add_sensors(Program& program);
 void add_simulate(Program& program);
+void add_live(Program& program);
 void add_perceive(Program& program);
 void add_osi(Program& program);
 void add_score(Program& program);

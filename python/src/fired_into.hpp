@@ -30,7 +30,7 @@ class FiredInto {
  public:
   /// Throws as the readers do, and `std::invalid_argument` for options out of range.
   FiredInto(const GivenWorld& given, const SimulateOptions& options);
-  const pipeline::TracedWorld& world() const { return *traced_; }
+  pipeline::TracedWorld& world() const { return *traced_; }
 
  private:
   std::unique_ptr<pipeline::TracedWorld> traced_;

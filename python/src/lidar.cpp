@@ -4,13 +4,14 @@
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/variant.h>
 
+#include <algorithm>
 #include <mutex>
 
 #include "bind.hpp"
 #include "fired_into.hpp"
 #include "poses.hpp"
 #include "underbrush/core/check.hpp"
-#include "underbrush/sensor/pattern.hpp"
+#include "underbrush/live/live_sensors.hpp"
 
 namespace underbrush::python {
 namespace nb = nanobind;
@@ -21,26 +22,19 @@ namespace {
 class Lidar {
  public:
   Lidar(const GivenWorld& world, sensor::Sensor sensor, const SimulateOptions& options)
-      : sensor_(std::move(sensor)),
-        target_(world, options),
-        simulation_(target_.world(), options.pipeline, [this](const char*) { return sensor_; }) {
+      : target_(world, options), sensors_(target_.world(), options.pipeline, std::move(sensor)) {
     require(options.waveforms.empty(), "Lidar: waveforms are of simulate");
   }
 
   /// Answers the beams of the revolution that starts at `time_s`.
   BeamLog scan(const Pose& from, const Pose& to, double time_s) {
     const std::lock_guard lock(mutex_);
-    const double end_s = time_s + 1 / sensor_.rate_hz;
-    const Trajectory path({{time_s, from}, {end_s, to}});
-    BeamLog out = sensor::beams(sensor_, path, time_s, end_s);
-    std::fill(out.scan.begin(), out.scan.end(), scans_);
-    for (ScanInfo& s : out.info.scans) s.scan = scans_;
-    const double max_range_m = simulation_.options().max_range_m;
-    if (max_range_m > 0) out.info.max_range_m = max_range_m;
-    const size_t fired = out.size();
-    simulation_.answer(beams_, out);
+    const double end_s = time_s + 1 / sensor().rate_hz;
+    const live::Motion path{{{time_s, from}, {end_s, to}}};
+    BeamLog out = sensors_.fire({time_s, time_s, end_s, path, {}, beams_, scans_});
+    const std::vector<bool> begins = begins_beam(out);
     ++scans_;
-    beams_ += fired;
+    beams_ += size_t(std::count(begins.begin(), begins.end(), true));
     return out;
   }
 
@@ -49,14 +43,13 @@ class Lidar {
     scans_ = 0;
     beams_ = 0;
   }
-  const sensor::Sensor& sensor() const { return sensor_; }
+  const sensor::Sensor& sensor() const { return sensors_.sensors()[0]; }
   uint32_t scans() const { return scans_; }
 
  private:
   std::mutex mutex_;
-  sensor::Sensor sensor_;
   FiredInto target_;
-  pipeline::Simulation simulation_;
+  live::LiveSensors sensors_;
   uint32_t scans_ = 0;
   size_t beams_ = 0;
 };

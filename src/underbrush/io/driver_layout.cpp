@@ -8,6 +8,7 @@
 #include <map>
 #include <numeric>
 #include <set>
+#include <sstream>
 #include <vector>
 
 #include "underbrush/core/check.hpp"
@@ -121,6 +122,33 @@ std::vector<uint8_t> return_types(const BeamLog& log) {
   return type;
 }
 
+/// Returns point i of a scan in the frame that the sensor has at its firing.
+Point point_of(const BeamLog& scan, const ScanInfo& info, const Trajectory& path, size_t i) {
+  Point p;
+  p.after_s = scan.time_s[i] - info.time_s;
+  p.ring = scan.ring[i];
+  if (!scan.is_hit(i)) return p;
+  p.intensity = scan.intensity[i];
+  p.range_m = double(scan.range_m[i]);
+  const Pose pose = path.at(scan.time_s[i]).value_or(info.world_from_sensor);
+  p.at = (pose.inverse() * scan.end_point(i)).cast<float>();
+  return p;
+}
+
+/// Returns the beams of an organised cloud, ring by ring; empty where rings differ in length.
+std::vector<size_t> organised(const BeamLog& scan) {
+  std::map<uint16_t, std::vector<size_t>> rings;
+  for (size_t i = 0; i < scan.size(); ++i) rings[scan.ring[i]].push_back(i);
+  std::vector<size_t> order;
+  for (auto& [ring, beams] : rings) {
+    if (beams.size() * rings.size() != scan.size()) return {};
+    std::stable_sort(beams.begin(), beams.end(),
+                     [&](size_t a, size_t b) { return scan.time_s[a] < scan.time_s[b]; });
+    order.insert(order.end(), beams.begin(), beams.end());
+  }
+  return order;
+}
+
 class DriverFolder {
  public:
   DriverFolder(const fs::path& folder, const LogInfo& info, DriverLayout driver,
@@ -155,62 +183,13 @@ class DriverFolder {
   }
 
  private:
-  Pose pose_at(const ScanInfo& scan, double time_s) const {
-    if (path_.empty()) return scan.world_from_sensor;
-    const auto pose = path_.at(time_s);
-    return pose ? *pose : scan.world_from_sensor;
-  }
-
-  Point point_of(const ScanInfo& info, size_t i) const {
-    Point p;
-    p.after_s = scan_.time_s[i] - info.time_s;
-    p.ring = scan_.ring[i];
-    if (!scan_.is_hit(i)) return p;
-    p.intensity = scan_.intensity[i];
-    p.range_m = double(scan_.range_m[i]);
-    p.at = (pose_at(info, scan_.time_s[i]).inverse() * scan_.end_point(i)).cast<float>();
-    return p;
-  }
-
-  /// Returns the beams of an organised cloud, ring by ring; empty where rings differ in length.
-  std::vector<size_t> organised() const {
-    std::map<uint16_t, std::vector<size_t>> rings;
-    for (size_t i = 0; i < scan_.size(); ++i) rings[scan_.ring[i]].push_back(i);
-    std::vector<size_t> order;
-    for (auto& [ring, beams] : rings) {
-      if (beams.size() * rings.size() != scan_.size()) return {};
-      std::stable_sort(beams.begin(), beams.end(),
-                       [&](size_t a, size_t b) { return scan_.time_s[a] < scan_.time_s[b]; });
-      order.insert(order.end(), beams.begin(), beams.end());
-    }
-    return order;
-  }
-
   void finish() {
     const auto found = scans_.find(scan_.scan[0]);
     require(found != scans_.end(), "export: a beam's scan has no pose");
     require(done_.insert(found->first).second, "export: a scan is not in one piece");
     const ScanInfo& info = found->second;
-    std::vector<size_t> order;
-    if (driver_ == DriverLayout::kOuster) {
-      keep_first_echoes(scan_);
-      order = organised();
-    }
-    const bool whole = !order.empty();
-    if (!whole) {
-      for (size_t i = 0; i < scan_.size(); ++i) {
-        if (scan_.is_hit(i)) order.push_back(i);
-      }
-    }
-    const std::vector<uint8_t> type = return_types(scan_);
-    const std::set<uint16_t> rings(scan_.ring.begin(), scan_.ring.end());
-    const size_t height = whole ? rings.size() : 1;
-    std::string bytes = header_of(driver_, order.size() / height, height);
-    for (const size_t i : order) {
-      Point p = point_of(info, i);
-      p.return_type = type[i];
-      put_point(driver_, p, bytes);
-    }
+    const DriverCloud cloud = driver_cloud(std::move(scan_), driver_, info, path_);
+    const std::string bytes = header_of(driver_, cloud.width, cloud.height) + cloud.points;
     char name[32];
     std::snprintf(name, sizeof name, "%06zu.pcd", done_.size() - 1);
     OutputFile file(folder_ / name, (folder_ / name).string());
@@ -237,7 +216,43 @@ DriverLayout driver_layout_from_name(const std::string& name) {
   if (name == "velodyne") return DriverLayout::kVelodyne;
   if (name == "ouster") return DriverLayout::kOuster;
   if (name == "autoware") return DriverLayout::kAutoware;
-  throw std::invalid_argument("no profile '" + name + "': velodyne, ouster or autoware");
+  throw std::invalid_argument("no profile " + in_quotes(name) + ": velodyne, ouster or autoware");
+}
+
+DriverCloud driver_cloud(BeamLog scan, DriverLayout driver, const ScanInfo& info,
+                         const Trajectory& world_from_sensor) {
+  std::vector<size_t> order;
+  if (driver == DriverLayout::kOuster) {
+    keep_first_echoes(scan);
+    order = organised(scan);
+  }
+  const bool whole = !order.empty();
+  for (size_t i = 0; i < scan.size() && !whole; ++i) {
+    if (scan.is_hit(i)) order.push_back(i);
+  }
+  const std::vector<uint8_t> type = return_types(scan);
+  const std::set<uint16_t> rings(scan.ring.begin(), scan.ring.end());
+  DriverCloud out;
+  out.height = whole ? rings.size() : 1;
+  out.width = order.size() / out.height;
+  for (const size_t i : order) {
+    Point p = point_of(scan, info, world_from_sensor, i);
+    p.return_type = type[i];
+    put_point(driver, p, out.points);
+  }
+  return out;
+}
+
+std::vector<CloudField> fields_of(DriverLayout driver) {
+  const Layout& layout = kLayouts[size_t(driver)];
+  std::istringstream names(layout.fields), sizes(layout.sizes), types(layout.types);
+  std::vector<CloudField> out;
+  char type = 0;
+  for (CloudField f; names >> f.name && sizes >> f.bytes && types >> type;) {
+    f.is_float = type == 'F';
+    out.push_back(f);
+  }
+  return out;
 }
 
 void export_driver_layout(const fs::path& path, BeamSource& source, DriverLayout driver,

@@ -4,6 +4,7 @@
 #pragma once
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "underbrush/core/beam_log.hpp"
 
@@ -27,6 +28,25 @@ enum class DriverLayout {
 
 /// The layout of that name ("velodyne", "ouster", "autoware"). Throws `std::invalid_argument`.
 DriverLayout driver_layout_from_name(const std::string& name);
+
+/// A field of a layout: a float or an unsigned whole number of so many bytes.
+struct CloudField {
+  std::string name;
+  unsigned bytes = 4;
+  bool is_float = true;
+};
+/// The fields of a layout, which follow each other without gaps.
+std::vector<CloudField> fields_of(DriverLayout driver);
+
+/// The points of a scan, row after row: `width` · `height` points with the fields of the layout.
+struct DriverCloud {
+  size_t width = 0, height = 1;
+  std::string points;
+};
+/// Makes the cloud of beams that belong to the scan `info`. A sensor without a pose at the time of
+/// a beam has that of the scan.
+DriverCloud driver_cloud(BeamLog scan, DriverLayout driver, const ScanInfo& info,
+                         const Trajectory& world_from_sensor);
 
 /// Writes the folder `path`, atomically: NNNNNN.pcd a scan, numbered from 0, times.txt (s),
 /// poses.txt (TUM, world from sensor at these times) and underbrush.json (provenance; marks the

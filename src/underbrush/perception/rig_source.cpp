@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "underbrush/core/beam_window.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/sensor/pattern.hpp"
 
@@ -16,6 +17,12 @@ Trajectory moved(const Trajectory& world_from_vehicle, const Pose& vehicle_from_
   return Trajectory(std::move(poses));
 }
 
+FiringTime whole_time(const Trajectory& world_from_vehicle) {
+  const auto& poses = world_from_vehicle.poses();
+  require(poses.size() >= 2, "rig: a trajectory needs at least two poses");
+  return {poses.front().time_s, poses.front().time_s, poses.back().time_s};
+}
+
 }  // namespace
 
 std::vector<sensor::Sensor> sensors_of(const Rig& rig) {
@@ -27,15 +34,19 @@ std::vector<sensor::Sensor> sensors_of(const Rig& rig) {
 /// The beams of one sensor, and the next of them.
 struct RigSource::Stream {
   Trajectory path;
-  sensor::PatternSource source;
+  sensor::PatternSource pattern;
+  size_t first;
+  BeamWindow source;
   BeamLog chunk;
   size_t at = 0;
   bool is_done = false;
 
-  Stream(const sensor::Sensor& sensor, Trajectory poses, size_t chunk_size)
+  Stream(const sensor::Sensor& sensor, Trajectory poses, const FiringTime& t, size_t chunk_size)
       : path(std::move(poses)),
-        source(sensor, path, path.poses().front().time_s, path.poses().back().time_s, chunk_size) {
-    read();
+        pattern(sensor, path, t.start_s, t.until_s, chunk_size, t.from_s),
+        first(pattern.beams_before(t.from_s)),
+        source(pattern, first, SIZE_MAX) {
+    rewind();
   }
   void read() {
     at = 0;
@@ -52,11 +63,16 @@ struct RigSource::Stream {
 };
 
 RigSource::RigSource(const Rig& rig, const Trajectory& world_from_vehicle, size_t chunk_size)
-    : sensors_(sensors_of(rig)), chunk_size_(std::max<size_t>(chunk_size, 1)) {
+    : RigSource(rig, sensors_of(rig), world_from_vehicle, whole_time(world_from_vehicle),
+                chunk_size) {}
+
+RigSource::RigSource(const Rig& rig, std::vector<sensor::Sensor> sensors,
+                     const Trajectory& world_from_vehicle, const FiringTime& time,
+                     size_t chunk_size)
+    : sensors_(std::move(sensors)),
+      start_s_(time.start_s),
+      chunk_size_(std::max<size_t>(chunk_size, 1)) {
   require(!rig.sensors.empty(), "rig: it has no sensor");
-  const auto& poses = world_from_vehicle.poses();
-  require(poses.size() >= 2, "rig: a trajectory needs at least two poses");
-  start_s_ = poses.front().time_s;
   info_.min_range_m = sensors_[0].min_range_m;
   info_.max_range_m = sensors_[0].max_range_m;
   info_.has_misses = info_.deskewed = true;
@@ -64,14 +80,15 @@ RigSource::RigSource(const Rig& rig, const Trajectory& world_from_vehicle, size_
     info_.min_range_m = std::min(info_.min_range_m, sensors_[k].min_range_m);
     info_.max_range_m = std::max(info_.max_range_m, sensors_[k].max_range_m);
     streams_.push_back(std::make_unique<Stream>(
-        sensors_[k], moved(world_from_vehicle, rig.sensors[k].vehicle_from_sensor), 1 << 14));
+        sensors_[k], moved(world_from_vehicle, rig.sensors[k].vehicle_from_sensor), time, 1 << 14));
   }
   const double period = 1 / sensors_[0].rate_hz;
-  for (uint32_t cycle = 0;; ++cycle) {
-    const double t = start_s_ + cycle * period;
-    if (cycle > 0 && t >= poses.back().time_s) break;
+  for (auto cycle = uint32_t((time.from_s - start_s_) / period + 1e-9);; ++cycle) {
+    const double t = std::max(start_s_ + cycle * period, time.from_s);
+    if (!info_.scans.empty() && t >= time.until_s) break;
     info_.scans.push_back({cycle, t, *world_from_vehicle.at(t)});
   }
+  last_scan_ = info_.scans.back().scan;
 }
 
 RigSource::~RigSource() = default;
@@ -86,6 +103,12 @@ void RigSource::rewind() {
   for (auto& s : streams_) s->rewind();
 }
 
+std::vector<size_t> RigSource::fired_before() const {
+  std::vector<size_t> out;
+  for (const auto& s : streams_) out.push_back(s->first);
+  return out;
+}
+
 const RigSource::Stream* RigSource::earliest() const {
   const Stream* first = nullptr;
   for (const auto& s : streams_) {
@@ -98,7 +121,6 @@ bool RigSource::next(BeamLog& chunk) {
   chunk = BeamLog();
   chunk.info = info_;
   std::vector<uint8_t> sensor;
-  const auto last = uint32_t(info_.scans.size() - 1);
   while (chunk.size() < chunk_size_) {
     const Stream* from = earliest();
     if (!from) break;
@@ -107,7 +129,7 @@ bool RigSource::next(BeamLog& chunk) {
     chunk.append(from->chunk, from->at);
     const size_t i = chunk.size() - 1;
     const double cycles = (chunk.time_s[i] - start_s_) * sensors_[0].rate_hz;
-    chunk.scan[i] = std::min(uint32_t(std::max(cycles + 1e-9, 0.0)), last);
+    chunk.scan[i] = std::min(uint32_t(std::max(cycles + 1e-9, 0.0)), last_scan_);
     chunk.packet[i] = chunk.packet[i] * uint32_t(streams_.size()) + uint32_t(k);
     sensor.push_back(uint8_t(k));
     streams_[k]->advance();

@@ -36,9 +36,14 @@ class Simulation {
   /// Answers beams in place. `first_beam` is the number of the first beam in its log. An instrument
   /// may give several rows a beam. Where the world's model has range offsets of the channels of
   /// this sensor (`Model::channels_of`), they are added to the ranges. Beams of a rig come in
-  /// order. The answer depends neither on chunks nor on threads. Throws `DataError` where the
-  /// regions that a beam can reach do not fit into the memory.
+  /// order: from the first, of which `first_beam` is 0, or after `continue_after`. The answer
+  /// depends neither on chunks nor on threads. Throws `DataError` where the regions that a beam can
+  /// reach do not fit into the memory.
   void answer(size_t first_beam, BeamLog& beams);
+
+  /// Sets the number of beams that each sensor of a rig has fired before those of the next call of
+  /// `answer`.
+  void continue_after(std::vector<size_t> fired) { fired_ = std::move(fired); }
 
   /// Finds out whether a log, whose beams are to be answered, is of the sensor of the world's
   /// keyframes, which have no part in the answers where it is not. Only a log without a sensor's

@@ -54,7 +54,7 @@ elements::Model read_ground(const std::filesystem::path& path) {
 }
 
 void add_mover(World& world, elements::Model model, Trajectory world_from_object,
-               const std::string& material) {
+               const std::string& material, const std::string& name) {
   require(!world.regions, "simulate: nothing can be added to a world of regions that moves");
   elements::Scene& scene = world.scene;
   elements::SceneInfo& info = world.info;
@@ -65,18 +65,20 @@ void add_mover(World& world, elements::Model model, Trajectory world_from_object
     info.labels.push_back(elements::Class::kUnknown);
   }
   info.materials.resize(scene.models.size());
+  info.names.resize(scene.models.size());
   info.movers.push_back({uint32_t(scene.instances.size()), std::move(world_from_object)});
   scene.instances.emplace_back();
   scene.instances.back().model = uint32_t(scene.models.size());
   scene.models.push_back(std::move(model));
   info.labels.push_back(elements::Class::kUnknown);
   info.materials.push_back(material);
+  info.names.push_back(name);
 }
 
 void add_actors(World& world, std::vector<actors::Actor> actors) {
   const double sway_s = elements::sway_of(world.scene.models);
   for (actors::Actor& a : actors) {
-    add_mover(world, std::move(a.model), std::move(a.world_from_actor), "");
+    add_mover(world, std::move(a.model), std::move(a.world_from_actor), "", a.name);
     world.scene.models.back().sway_s = sway_s;
     world.info.labels.back() = elements::class_named(world.info, a.label);
     world.info.movers.back().from_s = a.from_s;
@@ -123,6 +125,10 @@ void TracedWorld::prepare(const elements::Scene& scene, const elements::SceneInf
   if (!scene.instances.empty()) labels_ = info.labels;
   kinds_ = simulate::instance_kinds(scene, info);
   materials_ = info.materials;
+  for (const elements::Mover& m : info.movers) {
+    const uint32_t model = scene.instances[m.instance].model;
+    movers_.push_back({model < info.names.size() ? info.names[model] : "", m});
+  }
   element_classes_ = elements::element_classes(info);
 }
 

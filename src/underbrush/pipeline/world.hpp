@@ -45,9 +45,9 @@ elements::Model read_ground(const std::filesystem::path& path);
 /// Adds an object that moves along `world_from_object`. A world of one model becomes a scene of one
 /// instance before. `material` is "" for that of the object's class.
 void add_mover(World& world, elements::Model model, Trajectory world_from_object,
-               const std::string& material);
-/// Adds actors. Their matter sways as that of the world does, because all matter of a world is
-/// drawn alike.
+               const std::string& material, const std::string& name = "");
+/// Adds actors with their names. Their matter sways as that of the world does, because all matter
+/// of a world is drawn alike.
 void add_actors(World& world, std::vector<actors::Actor> actors);
 
 /// Whether and how the matter of a world is drawn for all beams at once (`trace::Draws`).
@@ -55,6 +55,12 @@ struct Matter {
   bool anew = false;   ///< Each beam draws its own leaves and stones.
   bool still = false;  ///< They stand still, also where those of the models sway.
   double sway_s = 0;   ///< s; correlation time of what sways; 0 = that of the models.
+};
+
+/// Something that moves in a world.
+struct NamedMover {
+  std::string name;  ///< The name of its model; may be "".
+  elements::Mover mover;
 };
 
 /// A world prepared for tracing.
@@ -69,6 +75,10 @@ class TracedWorld {
   TracedWorld(const TracedWorld&) = delete;
   TracedWorld& operator=(const TracedWorld&) = delete;
 
+  /// Gives something that moves another trajectory and other times (`DynamicWorld::move`).
+  void move(const elements::Mover& mover) { dynamic_->move(mover); }
+  /// What moves, as it moved when the world was made.
+  const std::vector<NamedMover>& movers() const { return movers_; }
   const simulate::DynamicWorld& dynamic() const { return *dynamic_; }
   /// The world that this owns; null where it was passed by reference.
   const World* own() const { return own_.get(); }
@@ -110,6 +120,7 @@ class TracedWorld {
   std::vector<elements::Class> labels_;
   simulate::InstanceKinds kinds_;
   std::vector<std::string> materials_, element_classes_;
+  std::vector<NamedMover> movers_;
 };
 
 }  // namespace pipeline

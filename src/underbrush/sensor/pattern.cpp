@@ -24,11 +24,12 @@ size_t first_firing(const Sensor& sensor, uint64_t turn) {
 }  // namespace
 
 PatternSource::PatternSource(Sensor sensor, const Trajectory& trajectory, double start_s,
-                             double end_s, size_t chunk_size)
+                             double end_s, size_t chunk_size, std::optional<double> from_s)
     : sensor_(std::move(sensor)),
       trajectory_(trajectory),
       start_s_(start_s),
       end_s_(end_s),
+      from_s_(std::max(from_s.value_or(start_s), start_s)),
       chunk_size_(std::max<size_t>(1, chunk_size)) {
   sensor_.check();
   require(std::isfinite(start_s) && std::isfinite(end_s) && start_s <= end_s,
@@ -43,29 +44,50 @@ PatternSource::PatternSource(Sensor sensor, const Trajectory& trajectory, double
 }
 
 void PatternSource::add_scan(uint64_t scan, double after_s) {
-  info_.scans.push_back({uint32_t(scan), start_s_ + after_s, pose(start_s_ + after_s)});
+  const double time_s = std::max(start_s_ + after_s, from_s_);
+  info_.scans.push_back({uint32_t(scan), time_s, pose(time_s)});
+}
+
+size_t PatternSource::firings_before(double time_s) const {
+  return size_t(std::max(0.0, std::ceil((time_s - start_s_) / sensor_.firing_period_s - kSlack)));
+}
+
+size_t PatternSource::beams_before(double time_s) const {
+  if (sensor_.kind != Kind::kSpinning) return sensor_.shots_before(time_s - start_s_);
+  const size_t firings = firings_before(time_s);
+  if (firings == 0) return 0;
+  // Only the last firing can extend past the end.
+  const double last = start_s_ + double(firings - 1) * sensor_.firing_period_s;
+  return (firings - 1) * order_.size() +
+         size_t(std::count_if(order_.begin(), order_.end(), [&](uint16_t c) {
+           return last + sensor_.channels[c].time_s < time_s;
+         }));
 }
 
 void PatternSource::start_spinning() {
   order_ = sensor_.firing_order();
-  firings_ = size_t(std::ceil((end_s_ - start_s_) / sensor_.firing_period_s - kSlack));
+  firings_ = firings_before(end_s_);
+  size_ = beams_before(end_s_);
   if (firings_ == 0) return;
-  // Only the last firing can extend past the end.
-  const double last = start_s_ + double(firings_ - 1) * sensor_.firing_period_s;
-  size_ = (firings_ - 1) * order_.size() +
-          size_t(std::count_if(order_.begin(), order_.end(), [&](uint16_t c) {
-            return last + sensor_.channels[c].time_s < end_s_;
-          }));
-  for (uint64_t turn = 0; turn <= revolution(sensor_, firings_ - 1); ++turn) {
+  const size_t first = std::min(beams_before(from_s_) / order_.size(), firings_ - 1);
+  const uint64_t last = revolution(sensor_, firings_ - 1);
+  for (uint64_t turn = revolution(sensor_, first); turn <= last; ++turn) {
     add_scan(turn, double(first_firing(sensor_, turn)) * sensor_.firing_period_s);
   }
 }
 
 void PatternSource::start_shooting() {
-  size_ = sensor_.shots_before(end_s_ - start_s_);
-  for (uint64_t scan = 0;; ++scan) {
+  size_ = beams_before(end_s_);
+  const size_t begin = beams_before(from_s_);
+  const auto passed = uint64_t((from_s_ - start_s_) * sensor_.rate_hz);
+  for (uint64_t scan = std::max<uint64_t>(passed, 1) - 1;; ++scan) {
     const uint64_t first = sensor_.shots_before(double(scan) / sensor_.rate_hz);
     if (first >= size_) break;
+    if (first <= begin) {
+      first_scan_ = scan;
+      first_shot_.clear();
+      info_.scans.clear();
+    }
     add_scan(scan, sensor_.shot(first).time_s);
     first_shot_.push_back(first);
   }
@@ -116,7 +138,7 @@ void PatternSource::shoot(size_t begin, size_t end, size_t first, BeamLog& chunk
     chunk.direction[i] = d.cast<float>();
     chunk.time_s[i] = start_s_ + t;
     chunk.ring[i] = s.ring;
-    chunk.scan[i] = uint32_t(scan - first_shot_.begin());
+    chunk.scan[i] = uint32_t(first_scan_ + uint64_t(scan - first_shot_.begin()));
     chunk.packet[i] = uint32_t((shot_number - *scan) / uint64_t(sensor_.firings_per_packet));
   }
 }

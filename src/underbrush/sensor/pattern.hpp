@@ -1,6 +1,8 @@
 /// \file
 /// This file makes the beams that a sensor fires along a trajectory.
 #pragma once
+#include <optional>
+
 #include "underbrush/core/beam_window.hpp"
 #include "underbrush/sensor/sensor.hpp"
 
@@ -15,22 +17,27 @@ namespace underbrush::sensor {
 ///
 /// `scan` counts revolutions or frames (1/rate) from 0, and `packet` counts packets within the
 /// scan. A scan's reference time and pose are those of its first beam. Beams are in order of time,
-/// then ring. Memory is a chunk and one `ScanInfo` for each revolution.
+/// then ring. Memory is a chunk and one `ScanInfo` for each revolution. A source for a part of the
+/// time, in which the numbers of beams are those of all, has scans from `from_s` on alone: that of
+/// `from_s` itself has its time and pose from there.
 class PatternSource : public SeekableSource {
  public:
   /// Throws `std::invalid_argument` where end_s < start_s, a value is not finite, there are more
   /// than 2³² revolutions, or the trajectory has no pose for a beam. `trajectory` must outlive the
   /// source.
   PatternSource(Sensor sensor, const Trajectory& trajectory, double start_s, double end_s,
-                size_t chunk_size = 1 << 20);
+                size_t chunk_size = 1 << 20, std::optional<double> from_s = {});
 
   const LogInfo& info() const override { return info_; }
   size_t size() const override { return size_; }
+  /// The number of beams that are fired in [start_s, time_s).
+  size_t beams_before(double time_s) const;
   void rewind() override { firing_ = 0; }
   size_t seek(size_t beam) override;
   bool next(BeamLog& chunk) override;
 
  private:
+  size_t firings_before(double time_s) const;
   void start_spinning();
   void start_shooting();
   void add_scan(uint64_t scan, double after_s);
@@ -40,11 +47,12 @@ class PatternSource : public SeekableSource {
 
   Sensor sensor_;
   const Trajectory& trajectory_;
-  double start_s_, end_s_;
+  double start_s_, end_s_, from_s_;
   size_t chunk_size_, firings_ = 0, size_ = 0;
   size_t firing_ = 0;  ///< The next firing, or the next shot.
   std::vector<uint16_t> order_;
-  std::vector<uint64_t> first_shot_;  ///< The first shot of each scan.
+  std::vector<uint64_t> first_shot_;  ///< The first shot of each scan from `first_scan_` on.
+  uint64_t first_scan_ = 0;
   LogInfo info_;
 };
 

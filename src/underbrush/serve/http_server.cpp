@@ -2,33 +2,14 @@
 
 #include <charconv>
 #include <new>
-#include <random>
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/serve/bounded_http.inl"
 #include "underbrush/serve/json_reply.inl"
+#include "underbrush/serve/token.hpp"
 
 namespace underbrush::serve {
 namespace {
-
-std::string random_token() {
-  std::random_device device;  // the system's generator
-  constexpr char kDigits[] = "0123456789abcdef";
-  std::string out;
-  for (int k = 0; k < 4; ++k) {
-    const uint32_t bits = device();
-    for (int shift = 28; shift >= 0; shift -= 4) out += kDigits[bits >> shift & 15];
-  }
-  return out;
-}
-
-// Compares in a time that does not tell how much of the token was right.
-bool equal(std::string_view a, std::string_view b) {
-  if (a.size() != b.size()) return false;
-  unsigned different = 0;
-  for (size_t i = 0; i < a.size(); ++i) different |= unsigned(uint8_t(a[i]) ^ uint8_t(b[i]));
-  return different == 0;
-}
 
 // What a handler threw, as a reply.
 HttpReply answered(const HttpServer::Handler& handler, const HttpRequest& request) {
@@ -95,7 +76,7 @@ struct HttpServer::Impl {
     if (!names_this_host(request)) return error_reply(403, "no such host here");
     const size_t slash = request.path.find('/', 1);
     const bool known = slash != std::string::npos &&
-                       equal(std::string_view(request.path).substr(1, slash - 1), token);
+                       same_token(std::string_view(request.path).substr(1, slash - 1), token);
     if (!known) return error_reply(403, "the address has no token, or an old one");
     const bool post = request.method == "POST";
     if (request.method != "GET" && request.method != "HEAD" && !post) {

@@ -76,6 +76,14 @@ DynamicWorld::DynamicWorld(const elements::Scene& scene, std::vector<elements::M
   world_ = own_.get();
 }
 
+void DynamicWorld::move(const elements::Mover& mover) {
+  require(moves(mover.instance) && !mover.world_from_object.empty(),
+          "movers: the instance does not move, or its trajectory has no poses");
+  for (auto& o : movers_) {
+    if (o->mover.instance == mover.instance) o->mover = mover;
+  }
+}
+
 const DynamicWorld::Object* DynamicWorld::object(uint32_t instance) const {
   for (const auto& o : movers_) {
     if (o->mover.instance == instance) return o.get();

@@ -39,6 +39,10 @@ class DynamicWorld {
                    std::span<const double> time_s, const trace::RangeLimits& limits,
                    std::span<trace::Intersection> met) const;
 
+  /// Gives an object that moves another trajectory and other times. Throws `std::invalid_argument`
+  /// where the instance does not move or the trajectory is empty. Not while beams are answered.
+  void move(const elements::Mover& mover);
+
   const trace::World& world() const { return *world_; }
   /// Whether what stands still is one model in its own place.
   bool stands_as_one_model() const;

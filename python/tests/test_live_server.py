@@ -1,0 +1,253 @@
+"""Tests of the sensor server `underbrush live` and of its client."""
+from __future__ import annotations
+
+import contextlib
+import importlib
+import json
+import math
+import os
+import pathlib
+import random
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+import underbrush
+from underbrush.cli import program
+
+grpc = pytest.importorskip("grpc")
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PROGRAM = pathlib.Path(program()).resolve()
+if not (PROGRAM.parent.parent / "lib" / "underbrush" / "live_grpc.so").exists():
+    pytest.skip("built without gRPC: scripts/setup.sh live", allow_module_level=True)
+sys.path.append(str(ROOT / "share" / "live"))
+live = importlib.import_module("underbrush_live")
+SENSOR = "velodyne-vlp16"
+
+
+class Server:
+    """A running server."""
+
+    def __init__(self, *words: object) -> None:
+        self.process = subprocess.Popen([PROGRAM, "live", *map(str, words), "--json", "-"], stdout=subprocess.PIPE,
+                                        text=True)
+        assert self.process.stdout is not None
+        lines = iter(self.process.stdout.readline, "")
+        started = json.loads("".join(next(lines) for _ in range(5)))
+        self.address, self.token = started["address"], started["token"]
+
+    def client(self, token: str | None = None, start_s: float = 0.0) -> Any:
+        """A client whose sensor is where the vehicle is at the start."""
+        return live.SensorServer(self.address, self.token if token is None else token, start_s, at(start_s))
+
+    def resident_mb(self) -> float:
+        """Resident memory, MB."""
+        pages = int(pathlib.Path(f"/proc/{self.process.pid}/statm").read_text(encoding="utf-8").split()[1])
+        return pages * 4096 / 1e6
+
+    def end(self, how: int = signal.SIGTERM) -> None:
+        """Ends the server and waits for it."""
+        self.process.send_signal(how)
+        self.process.communicate()
+
+
+@contextlib.contextmanager
+def serving(*words: object) -> Iterator[Server]:
+    """A server as long as the block runs."""
+    server = Server(*words)
+    try:
+        yield server
+    finally:
+        if server.process.poll() is None:
+            server.end()
+
+
+def place(time_s: float) -> tuple[list[float], list[float]]:
+    """Position and quaternion of the sensor on its way."""
+    return [2 * time_s, 0.3 * time_s ** 2, 1.8], [0, 0, math.sin(0.2 * time_s), math.cos(0.2 * time_s)]
+
+
+def at(time_s: float) -> Any:
+    """The same as a pose of the server."""
+    return live.pose(*place(time_s))
+
+
+@pytest.fixture(scope="module")
+def world(log_file: pathlib.Path, tmp_path_factory: pytest.TempPathFactory) -> pathlib.Path:
+    """The folder of a model."""
+    folder = tmp_path_factory.mktemp("live") / "model"
+    underbrush.fit(log_file, output=folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def server(world: pathlib.Path) -> Iterator[Server]:
+    """A server that most tests share."""
+    with serving(world, "--sensor", SENSOR) as one:
+        yield one
+
+
+def status_of(call: Any) -> Any:
+    """The status with which a call ends."""
+    try:
+        list(call)
+    except grpc.RpcError as error:
+        assert "\n" not in error.details()
+        return error.code()
+    return grpc.StatusCode.OK
+
+
+def test_forty_revolutions_are_those_of_simulate(world: pathlib.Path, server: Server) -> None:
+    """Columns of the same bits, whole revolutions and parts of them, in memory that does not grow."""
+    times = [0.1 * k for k in range(36)] + [3.5 + 0.01 * k for k in range(1, 51)]
+    way = [place(t) for t in times]
+    path = underbrush.Trajectory(np.array(times), np.array([p for p, _ in way]), np.array([q for _, q in way]))
+    expected = underbrush.simulate(world, sensor=SENSOR, trajectory=path)
+    client, pieces, sizes = server.client(), [], []
+    for t in times[1:]:
+        sizes.append(server.resident_mb())
+        pieces.append(client.fire(t, at(t), columns=["range_m", "intensity", "time_s", "ring", "scan", "origin"]))
+    assert len(expected) > 1_100_000
+    for name in pieces[0]:
+        assert np.concatenate([p[name] for p in pieces]).tobytes() == getattr(expected, name).tobytes(), name
+    assert sizes[-1] - max(sizes[:15]) < 5, "memory stays flat"
+
+
+def test_describes_itself(world: pathlib.Path, tmp_path: pathlib.Path) -> None:
+    """Sensors of a rig and movers are listed, and the rig's beams tell their sensors apart."""
+    (tmp_path / "box.obj").write_text("v 0 -1 -1\nv 0 1 -1\nv 0 1 2\nf 1 2 3\n", encoding="utf-8")
+    rig = "name: two\nsensors:\n" + "".join(
+        f"  - name: {name}\n    sensor: {SENSOR}\n    position_m: [{x}, 0, 0.2]\n" for name, x in (("a", 1), ("b", -1)))
+    (tmp_path / "rig.yaml").write_text(rig, encoding="utf-8")
+    with serving(world, "--rig", tmp_path / "rig.yaml", "--mover", f"box={tmp_path / 'box.obj'}") as own:
+        client = own.client()
+        told = client.describe()
+        assert [s.name for s in told.sensors] == ["a", "b"]
+        assert list(told.actors) == ["box"]
+        without = client.fire(0.1, at(0.1))
+        assert set(without["sensor"]) == {0, 1}
+        assert (np.diff(without["time_s"]) >= 0).all()
+        again = own.client()
+        seen = again.fire(0.1, at(0.1), {"box": live.pose([3, 0, 1.8])})
+        assert (seen["range_m"] != without["range_m"]).any()
+        clouds = [part.cloud for part in own.client().parts(0.1, at(0.1), layout="velodyne")]
+        assert [c.sensor for c in clouds] == ["a", "b"]
+        assert all(len(c.data) == c.point_step * c.width * c.height > 0 for c in clouds)
+
+
+def test_wrong_tokens_and_endless_calls_are_refused(server: Server) -> None:
+    """Nobody without the token gets an answer, and no call may wait forever."""
+    for token in ("", "0" * 32, server.token[:-1], server.token + "0"):
+        other = server.client(token)
+        assert status_of(other.parts(0.1, at(0.1))) == grpc.StatusCode.UNAUTHENTICATED
+        with pytest.raises(grpc.RpcError):
+            other.describe()
+    assert status_of(server.client().parts(0.1, at(0.1), timeout=None)) == grpc.StatusCode.INVALID_ARGUMENT
+    assert status_of(server.client().parts(0.1, at(0.1), timeout=1e-4)) == grpc.StatusCode.DEADLINE_EXCEEDED
+    big = server.client().parts(0.1, at(0.1), columns=["x" * (1 << 21)])
+    assert status_of(big) == grpc.StatusCode.RESOURCE_EXHAUSTED
+
+
+def odd_request(draw: random.Random) -> Any:
+    """A request with one or several things that cannot be, or a good one."""
+    odd = [math.nan, math.inf, -math.inf, -1.0, 1e300, -1e300, 0.0, 0.05, 0.1, 1e-300, 4e9]
+    number = lambda usual: usual if draw.random() < 0.7 else draw.choice(odd)
+    poses = [live.proto.StampedPose(time_s=number(t), world_from_body=live.proto.Pose(
+        x=number(0), y=number(0), z=number(1.8), qz=number(0), qw=number(1))) for t in (0, 0.001)[: draw.choice([0, 1, 2, 2, 2])]]
+    motion = live.proto.Motion(poses=poses)
+    if draw.random() < 0.2:
+        motion.velocity_m_per_s.x = number(1)
+        motion.turn_rate_rad_per_s.z = number(1)
+    request = live.proto.FireRequest(start_s=number(0), from_s=number(0), until_s=number(0.001), vehicle=motion)
+    if draw.random() < 0.1:
+        request.actors.append(live.proto.Actor(name=draw.choice(["", "van", "\x1b[2J"]), motion=motion))
+    if draw.random() < 0.1:
+        request.columns.extend(draw.choice([["range_m"] * 9, ["\0"], ["weight"], ["origin", "direction"]]))
+    if draw.random() < 0.1:
+        request.layout = draw.choice(["ouster", "\n", "VELODYNE"])
+    return request
+
+
+def test_odd_requests_get_one_status(server: Server) -> None:
+    """Whatever a request holds, it is answered or refused in a line, and the server lives on."""
+    draw, client, before = random.Random(50), server.client(), server.resident_mb()
+    seen = {status_of(client.stub.Fire(odd_request(draw), metadata=client.metadata, timeout=20)) for _ in range(600)}
+    assert seen == {grpc.StatusCode.OK, grpc.StatusCode.INVALID_ARGUMENT}
+    assert server.process.poll() is None
+    assert server.resident_mb() - before < 30
+
+
+def test_slow_clients_neither_hold_the_server_nor_fill_it(server: Server) -> None:
+    """Clients that do not read are served up to the limit; others are refused beyond it, and else answered meanwhile."""
+    wanted = {"columns": ["origin", "direction", "time_s"]}
+    before, slow, status = server.resident_mb(), [], grpc.StatusCode.OK
+    while status == grpc.StatusCode.OK and len(slow) < 12:
+        client = server.client()
+        call = client.parts(2.5, at(2.5), timeout=20, **wanted)
+        with contextlib.suppress(grpc.RpcError):
+            next(iter(call))
+        slow.append((client, call))
+        status = status_of(server.client().parts(0.01, at(0.01)))
+    assert status == grpc.StatusCode.RESOURCE_EXHAUSTED
+    assert server.resident_mb() - before < 500
+    for client, _ in slow:
+        client.channel.close()
+    time.sleep(0.2)
+    start = time.monotonic()
+    assert len(server.client().fire(0.1, at(0.1))["ring"]) > 20_000
+    assert time.monotonic() - start < 2
+
+
+def test_a_killed_server_goes_on_where_it_was(world: pathlib.Path, tmp_path: pathlib.Path) -> None:
+    """With the same token and address, a client does not notice that the server was started anew."""
+    (tmp_path / "token").write_text("a-token-of-this-test\n", encoding="utf-8")
+    words = (world, "--sensor", SENSOR, "--token", tmp_path / "token", "--listen", f"unix:{tmp_path}/socket")
+    answers = []
+    for killed in (False, True):
+        server = Server(*words)
+        client = server.client()
+        found = [client.fire(0.05, at(0.05))["range_m"]]
+        if killed:
+            server.end(signal.SIGKILL)
+            assert status_of(client.parts(0.15, at(0.15), timeout=0.3)) != grpc.StatusCode.OK
+            server = Server(*words)
+        found.append(client.fire(0.15, at(0.15))["range_m"])
+        answers.append(np.concatenate(found).tobytes())
+        server.end()
+    assert answers[0] == answers[1]
+
+
+def test_says_what_is_wrong(world: pathlib.Path, server: Server, tmp_path: pathlib.Path) -> None:
+    """One line and a status for a port that is taken, a bad token, and a program without the server's library."""
+    (tmp_path / "token").write_text("short", encoding="utf-8")
+    shutil.copy(PROGRAM, tmp_path / "underbrush")
+    for start, words, line in (
+            (PROGRAM, ["--listen", server.address], "cannot be listened to"),
+            (PROGRAM, ["--token", str(tmp_path / "token")], "a token is one word"),
+            (PROGRAM, ["--mover", "box"], "--mover takes NAME=MODEL"),
+            (tmp_path / "underbrush", [], "this build has no sensor server")):
+        done = subprocess.run([start, "live", world, "--sensor", SENSOR, *words], capture_output=True, text=True,
+                              check=False)
+        assert done.returncode != 0
+        assert line in done.stderr and done.stderr.count("\n") == 1
+
+
+def test_the_loop_of_the_page_keeps_to_its_street(tmp_path: pathlib.Path) -> None:
+    """The vehicle stays in the middle of its street and behind the van."""
+    page = (ROOT / "docs" / "how-to" / "in-your-loop.md").read_text(encoding="utf-8")
+    found = re.search(r"```python\n(.*?)^```", page, re.M | re.S)
+    assert found
+    where = dict(os.environ, PATH=f"{PROGRAM.parent}{os.pathsep}{os.environ['PATH']}",
+                 PYTHONPATH=str(ROOT / "share" / "live"))
+    done = subprocess.run([sys.executable, "-c", found.group(1)], cwd=tmp_path, env=where, capture_output=True, text=True,
+                          check=True)
+    along, beside, behind = map(float, re.findall(r"-?[0-9.]+(?= m)", done.stdout))
+    assert along > 20 and abs(beside) < 1 and 6 < behind < 20

@@ -1,0 +1,68 @@
+/// \file
+/// What the sensor server answers, whatever carries it to its clients.
+#pragma once
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "underbrush/live/firing.hpp"
+
+namespace underbrush::live {
+
+class LiveSensors;
+
+/// A sensor as clients see it.
+struct SensorFacts {
+  std::string name, model;  ///< Its name in the rig, and in the sensor catalogue.
+  double rate_hz = 0, beams_per_revolution = 0, max_range_m = 0;
+  Pose vehicle_from_sensor;
+};
+
+/// What a server simulates.
+struct Description {
+  std::vector<SensorFacts> sensors;
+  std::vector<std::string> actors;
+  std::vector<std::string> layouts;  ///< The layouts of point clouds.
+  uint64_t max_beams = 0;            ///< The most beams of a firing.
+};
+
+/// A request to fire.
+struct FireRequest {
+  Firing firing;
+  std::vector<std::string> columns;  ///< An empty list means the usual ones.
+  std::string layout;  ///< Asks for a cloud of each sensor in place of columns; "" = no clouds.
+};
+
+/// The call of a client.
+struct Call {
+  std::chrono::system_clock::time_point deadline;
+  std::function<bool()> is_cancelled;
+  /// Sends a part and waits until it is on its way. Returns false if nobody waits for it.
+  std::function<bool(Part)> send;
+};
+
+/// The answers of a sensor server. Its functions may be called from several threads at a time; one
+/// firing after another is answered, so that each has all processors. They are virtual so that what
+/// carries the answers, which is loaded when a server starts, links nothing else of the library.
+class Service {
+ public:
+  virtual ~Service() = default;
+  virtual Description describe() const = 0;
+  /// Fires and sends the answer. Returns false if it was cancelled or the deadline passed before
+  /// all was sent. Throws `std::invalid_argument` for a request that cannot be answered.
+  virtual bool fire(const FireRequest& request, const Call& call) = 0;
+};
+
+/// Limits of a server.
+struct ServiceLimits {
+  uint64_t beams = uint64_t(1) << 20;  ///< The most beams of a firing.
+  double duration_s = 3600;            ///< From the start of the sensors to a firing's end.
+  size_t rows = 1 << 16;               ///< The most rows of a part.
+};
+
+/// Makes the service of sensors, which must outlive it.
+std::unique_ptr<Service> service_of(LiveSensors& sensors, const ServiceLimits& limits = {});
+
+}  // namespace underbrush::live

@@ -1,0 +1,139 @@
+#include "underbrush/live/live_sensors.hpp"
+
+#include <gtest/gtest.h>
+
+#include "live/site.hpp"
+
+namespace underbrush::live {
+namespace {
+
+using namespace test;
+
+perception::Rig two_sensors() {
+  return {"two",
+          {{"top", "velodyne-vlp16", turned(0.1, {0, 0, 0.3}), 0, 0},
+           {"front", "ibeo-lux-2010", turned(-0.4, {2, 0.1, -0.9}), 0, 0}}};
+}
+
+/// All columns of the same bits.
+void expect_equal(const BeamLog& a, const BeamLog& b) {
+  ASSERT_EQ(a.size(), b.size());
+  ASSERT_GT(a.size(), 0u);
+  EXPECT_EQ(a.origin, b.origin);
+  EXPECT_EQ(a.direction, b.direction);
+  EXPECT_EQ(a.range_m, b.range_m);
+  EXPECT_EQ(a.intensity, b.intensity);
+  EXPECT_EQ(a.time_s, b.time_s);
+  EXPECT_EQ(a.ring, b.ring);
+  EXPECT_EQ(a.scan, b.scan);
+  EXPECT_EQ(a.packet, b.packet);
+  EXPECT_EQ(a.extra, b.extra);
+}
+
+/// The beams of all parts, one after the other.
+BeamLog parts(LiveSensors& sensors) {
+  BeamLog out;
+  for (size_t k = 1; k < boundaries().size(); ++k) append(out, sensors.fire(part(k)));
+  return out;
+}
+
+/// The same world, in which the cart has its whole trajectory from the beginning.
+pipeline::TracedWorld whole_world(const pipeline::Matter& matter) {
+  return pipeline::TracedWorld(site(Trajectory(poses(boundaries(), cart_at))), matter);
+}
+
+TEST(LiveSensors, PartsAreTheBeamsThatSimulateAnswers) {
+  const Trajectory path(poses(boundaries(), vehicle_at));
+  for (const char* name : {"velodyne-vlp16", "velodyne-hdl32e", "ibeo-lux-2010", "generic-raster",
+                           "livox-avia", "ouster-os1-64"}) {
+    for (const bool is_instrument : {false, true}) {
+      pipeline::SimulateOptions options;
+      options.seed = 5;
+      options.element_ids = true;
+      options.sway_s = is_instrument ? 0 : 0.02;
+      if (is_instrument) options.instrument.super_sample = "3";
+      if (is_instrument && std::string_view(name) != "velodyne-vlp16") continue;
+      const pipeline::TracedWorld whole = whole_world(matter_of(options));
+      pipeline::Simulation simulation(whole, options,
+                                      [&](const char*) { return sensor::load(name); });
+      pipeline::SensorBeams beams(sensor::load(name), path);
+      const BeamLog expected = simulate_log(simulation, beams);
+      pipeline::TracedWorld world(site(), matter_of(options));
+      LiveSensors live(world, options, sensor::load(name));
+      SCOPED_TRACE(name);
+      expect_equal(parts(live), expected);
+    }
+  }
+}
+
+TEST(LiveSensors, PartsOfARigAreTheBeamsThatSimulateAnswers) {
+  const Trajectory path(poses(boundaries(), vehicle_at));
+  const pipeline::SimulateOptions options;
+  const pipeline::TracedWorld whole = whole_world({});
+  const auto beams = pipeline::rig_beams(two_sensors(), path);
+  pipeline::Simulation simulation(whole, options, beams->sensors());
+  const BeamLog expected = simulate_log(simulation, *beams);
+  pipeline::TracedWorld world(site());
+  LiveSensors live(world, options, two_sensors());
+  expect_equal(parts(live), expected);
+  live.fire(part(4));
+  expect_equal(parts(live), expected);
+}
+
+TEST(LiveSensors, AFiringDependsOnItsRequestAlone) {
+  pipeline::TracedWorld world(site());
+  LiveSensors live(world, {}, sensor::load("velodyne-vlp16"));
+  const BeamLog first = live.fire(part(3));
+  live.fire(part(6));
+  Firing without = part(3);
+  without.actors[0].is_absent = true;
+  EXPECT_NE(live.fire(without).range_m, first.range_m);
+  expect_equal(live.fire(part(3)), first);
+  without.actors.clear();
+  EXPECT_NE(live.fire(without).range_m, first.range_m) << "the cart is back in its own place";
+}
+
+TEST(LiveSensors, AVelocityIsThePoseToWhichItLeads) {
+  const Vec3 turn(0.2, -0.1, 0.9), velocity(3, -1, 0.1);
+  const double duration_s = 0.1;
+  const Pose from = vehicle_at(0);
+  const Trajectory path = trajectory_of({{{7, from}}, velocity, turn}, 7 + duration_s);
+  for (const double s : {0.0, 0.3, 1.0}) {
+    const double t = s * duration_s;
+    const Pose at = *path.at(7 + t);
+    const Eigen::AngleAxisd rotation(t * turn.norm(), turn.normalized());
+    EXPECT_LT((at.translation - from.translation - t * velocity).norm(), 1e-12);
+    EXPECT_LT(at.rotation.angularDistance(rotation * from.rotation), 1e-7);
+  }
+  EXPECT_THROW(trajectory_of({{{7, from}}, velocity, 40 * turn}, 7.1), std::invalid_argument);
+  EXPECT_THROW(trajectory_of({{{7, from}, {8, from}}, velocity, turn}, 7.1), std::invalid_argument);
+}
+
+TEST(LiveSensors, RefusesWhatCannotBe) {
+  pipeline::TracedWorld world(site());
+  LiveSensors live(world, {}, sensor::load("velodyne-vlp16"));
+  const BeamLog before = live.fire(part(2));
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto refused = [&](auto change) {
+    Firing f = part(2);
+    change(f);
+    EXPECT_THROW(live.fire(f), std::invalid_argument);
+  };
+  refused([&](Firing& f) { f.until_s = nan; });
+  refused([](Firing& f) { f.until_s = f.from_s - 1e-3; });
+  refused([](Firing& f) { f.start_s = f.from_s + 1e-3; });
+  refused([](Firing& f) { f.until_s += 1e-3; });
+  refused([](Firing& f) { f.start_s = -1e300; });
+  refused([](Firing& f) { f.vehicle.poses.clear(); });
+  refused([](Firing& f) { f.vehicle.poses.push_back(f.vehicle.poses.back()); });
+  refused([&](Firing& f) { f.vehicle.poses[0].world_from_sensor.translation.x() = nan; });
+  refused([](Firing& f) { f.vehicle.poses[0].world_from_sensor.translation.x() = 1e300; });
+  refused([](Firing& f) { f.vehicle.poses[1].world_from_sensor.rotation.w() = 7; });
+  refused([&](Firing& f) { f.vehicle.poses[1].world_from_sensor.rotation.w() = nan; });
+  refused([](Firing& f) { f.actors[0].name = "van"; });
+  refused([](Firing& f) { f.actors[0].motion.poses.clear(); });
+  expect_equal(live.fire(part(2)), before);
+}
+
+}  // namespace
+}  // namespace underbrush::live

@@ -1,0 +1,103 @@
+#include "underbrush/live/service.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <thread>
+
+#include "live/site.hpp"
+
+namespace underbrush::live {
+namespace {
+
+using namespace test;
+
+/// A service of one sensor, and what it sends.
+class Service_ : public testing::Test {
+ protected:
+  Service_() : world_(site()), sensors_(world_, {}, sensor::load("velodyne-vlp16")) {}
+
+  Call call() {
+    return {std::chrono::system_clock::now() + std::chrono::minutes(1), [] { return false; },
+            [this](Part p) {
+              sent_.push_back(std::move(p));
+              return true;
+            }};
+  }
+  std::string column(size_t k) const {
+    std::string all;
+    for (const Part& p : sent_) all += p.columns.at(k).bytes;
+    return all;
+  }
+
+  pipeline::TracedWorld world_;
+  LiveSensors sensors_;
+  std::vector<Part> sent_;
+};
+
+TEST_F(Service_, SendsTheColumnsInParts) {
+  const auto service = service_of(sensors_, {1 << 20, 3600, 100});
+  ASSERT_TRUE(service->fire({part(3), {"range_m", "origin"}, ""}, call()));
+  const BeamLog beams = sensors_.fire(part(3));
+  ASSERT_GT(beams.size(), 200u);
+  EXPECT_EQ(sent_.size(), (beams.size() + 99) / 100);
+  EXPECT_EQ(sent_[1].first_row, 100u);
+  EXPECT_EQ(sent_[0].columns[1].width, 3u);
+  const std::string ranges = column(0), origins = column(1);
+  ASSERT_EQ(ranges.size(), 4 * beams.size());
+  ASSERT_EQ(origins.size(), 24 * beams.size());
+  EXPECT_EQ(std::memcmp(ranges.data(), beams.range_m.data(), ranges.size()), 0);
+  EXPECT_EQ(std::memcmp(origins.data(), beams.origin.data(), origins.size()), 0);
+}
+
+TEST_F(Service_, SendsTheCloudsOfADriver) {
+  const auto service = service_of(sensors_);
+  ASSERT_TRUE(service->fire({part(3), {}, "velodyne"}, call()));
+  const BeamLog beams = sensors_.fire(part(3));
+  const PointCloud& cloud = sent_.at(0).clouds.at(0);
+  EXPECT_EQ(cloud.point_step, 22u);
+  EXPECT_EQ(cloud.bytes.size(), size_t(cloud.width) * cloud.height * cloud.point_step);
+  const Trajectory path = trajectory_of(part(3).vehicle, 0);
+  size_t at = 0;
+  for (size_t i = 0; i < beams.size(); ++i) {
+    if (!beams.is_hit(i)) continue;
+    Vec3f point;
+    std::memcpy(point.data(), cloud.bytes.data() + cloud.point_step * at++, sizeof point);
+    const Vec3 seen = path.at(beams.time_s[i])->inverse() * beams.end_point(i);
+    ASSERT_LT((point.cast<double>() - seen).norm(), 1e-4) << "in the sensor's frame";
+  }
+  EXPECT_EQ(at, cloud.width);
+}
+
+TEST_F(Service_, RefusesTooMuch) {
+  const auto service = service_of(sensors_, {1000, 3600, 100});
+  EXPECT_THROW(service->fire({part(7), {}, ""}, call()), std::invalid_argument);
+  Firing late = part(1);
+  late.start_s -= 3601;
+  EXPECT_THROW(service->fire({late, {}, ""}, call()), std::invalid_argument);
+  const auto other = service_of(sensors_);
+  EXPECT_THROW(other->fire({part(1), {"range_m", "range_m"}, ""}, call()), std::invalid_argument);
+  EXPECT_THROW(other->fire({part(1), {"weight"}, ""}, call()), std::invalid_argument);
+  EXPECT_THROW(other->fire({part(1), {}, "hokuyo"}, call()), std::invalid_argument);
+  EXPECT_TRUE(sent_.empty());
+}
+
+TEST_F(Service_, EndsWithItsDeadlineAndItsClient) {
+  const auto service = service_of(sensors_, {1 << 20, 3600, 100});
+  Call gone = call();
+  gone.is_cancelled = [] { return true; };
+  EXPECT_FALSE(service->fire({part(3), {}, ""}, gone));
+  EXPECT_TRUE(sent_.empty());
+  Call slow = call();
+  slow.send = [&](Part p) {
+    // Another client is answered while this one takes its time, until its own deadline.
+    if (p.first_row > 0) return false;
+    EXPECT_TRUE(service->fire({part(2), {}, ""}, call()));
+    return false;
+  };
+  EXPECT_FALSE(service->fire({part(3), {}, ""}, slow));
+  EXPECT_FALSE(sent_.empty());
+}
+
+}  // namespace
+}  // namespace underbrush::live
