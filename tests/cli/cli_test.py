@@ -145,6 +145,7 @@ READERS = {
     "import": ["BAD", "-o", "out"],
     "info": ["BAD"],
     "serve": ["BAD", "--cache", "out"],
+    "live": ["BAD", "--sensor", "velodyne-vlp16"],
     "split": ["BAD", "--every", "2", "--train", "out", "--test", "out-too"],
     "actors": ["BAD", "-o", "out"],
     "fit": ["BAD", "-o", "out"],
@@ -281,7 +282,7 @@ class CompactLogs(OnALog):
 
 class Configuration(OnALog):
     def test_every_verb_has_a_job_here(self):
-        self.assertEqual(set(verbs()) - set(JOBS), {"demo", "serve", "dump-config", "sensors", "completion", "plan", "run", "merge"})
+        self.assertEqual(set(verbs()) - set(JOBS), {"demo", "serve", "live", "dump-config", "sensors", "completion", "plan", "run", "merge"})
 
     def test_of_the_defaults_changes_nothing(self):
         for verb, words in JOBS.items():

@@ -9,8 +9,12 @@
 
 namespace underbrush::live::test {
 
+inline Pose turned(double yaw_rad, const Vec3& at) {
+  return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Vec3::UnitZ())), at};
+}
+
 /// Ground with bushes, and a cart that moves along `path` as instance 1.
-inline pipeline::World site(const Trajectory& path = Trajectory({StampedPose()})) {
+inline pipeline::World site(const Trajectory& path = Trajectory({{0, turned(0, {5, 0.2, 0})}})) {
   pipeline::World world;
   elements::Model ground = underbrush::test::flat_ground(60), cart;
   for (int k = 0; k < 40; ++k) {
@@ -23,10 +27,6 @@ inline pipeline::World site(const Trajectory& path = Trajectory({StampedPose()})
   world.scene.models.push_back(std::move(ground));
   pipeline::add_mover(world, std::move(cart), path, "", "cart");
   return world;
-}
-
-inline Pose turned(double yaw_rad, const Vec3& at) {
-  return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Vec3::UnitZ())), at};
 }
 
 /// Where the vehicle and the cart are at t.
