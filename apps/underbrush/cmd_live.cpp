@@ -7,7 +7,6 @@
 #include "verbs.hpp"
 
 namespace underbrush::app {
-
 void add_live(Program& program) {
   struct Arguments {
     live::WorldOptions world;
@@ -41,5 +40,4 @@ void add_live(Program& program) {
   app.add_option("--token", a->server.token, "File with the clients' token")->type_name("FILE");
   add_options(*verb, pipeline::simulate_options(), a->world.simulate, "Instrument");
 }
-
 }  // namespace underbrush::app
