@@ -1,12 +1,12 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <cstdlib>
 #include <functional>
 #include <iostream>
 #include <optional>
 
 #include "cli/progress.hpp"
-#include "example_scan.hpp"
 #include "report/report.hpp"
 #include "stages.hpp"
 #include "underbrush/core/check.hpp"
@@ -14,8 +14,10 @@
 #include "underbrush/io/export.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/pipeline/fit_model.hpp"
+#include "underbrush/pipeline/import_log.hpp"
 #include "underbrush/pipeline/score_json.inl"
 #include "underbrush/pipeline/simulate_log.hpp"
+#include "underbrush/pipeline/split_log.hpp"
 #include "underbrush/sensor/pattern.hpp"
 #include "underbrush/simulate/footprint.hpp"
 #include "underbrush/test_site/test_site.hpp"
@@ -43,6 +45,61 @@ constexpr const char* kReal =
     "odd ones.";
 constexpr const char* kNoExample =
     "not found beside the program; UNDERBRUSH_SHARE may name the folder that holds examples/";
+
+// The scan, below the folder of files that travel with the program.
+constexpr const char* kExampleScan = "examples/marv_forest.pcd";
+
+// Lower beams without a return were blocked by the robot that carried the sensor.
+constexpr double kUnknownBelowDeg = -13;
+
+std::vector<fs::path> shares() {
+  if (const char* given = std::getenv("UNDERBRUSH_SHARE")) return {given};
+  std::error_code unknown;
+  const fs::path program = fs::read_symlink("/proc/self/exe", unknown);
+  if (unknown) return {};
+  const fs::path parent = program.parent_path().parent_path();
+  return {parent / "share/underbrush", parent.parent_path() / "share"};
+}
+
+// Finds the file of the example scan. It is searched in the folder that the environment variable
+// UNDERBRUSH_SHARE names or, where that is not set, in share/underbrush/ beside an installed
+// program's bin/, or in share/ of the source tree that holds the program's build folder. The
+// result is empty if the file does not exist.
+std::optional<fs::path> example_scan() {
+  for (const fs::path& share : shares()) {
+    std::error_code none;
+    if (fs::is_regular_file(share / kExampleScan, none)) return share / kExampleScan;
+  }
+  return std::nullopt;
+}
+
+// Imports the scan to `folder`/log.ply and splits it: its odd columns go to test.ply, the others
+// to train.ply. Returns the number of beams.
+size_t import_example(const Verb& verb, const fs::path& scan, const fs::path& folder) {
+  const fs::path file = folder / "log.ply";
+  pipeline::ImportOptions options;
+  options.unknown_below_deg = kUnknownBelowDeg;
+  std::optional<io::LogWriter> imported;
+  pipeline::import_log(
+      scan, options,
+      [&](const LogInfo& info) { imported.emplace(file, info, provenance(verb, {scan})); },
+      [&](const BeamLog& beams) { imported->write(beams); });
+  imported->close();
+  pipeline::SplitOptions odd_columns;
+  odd_columns.columns = 2;
+  io::LogReader log(file);
+  const std::string origin = provenance(verb, {file});
+  io::LogWriter train(folder / "train.ply", log.info(), origin);
+  io::LogWriter test(folder / "test.ply", log.info(), origin);
+  const pipeline::SplitCounts n =
+      pipeline::split_log(log, odd_columns, [&](const BeamLog& even, const BeamLog& odd) {
+        train.write(even);
+        test.write(odd);
+      });
+  train.close();
+  test.close();
+  return n.train_beams + n.test_beams;
+}
 
 /// Replaces the column `element` by `instance`: the plant that was hit, 0 for ground and misses.
 void add_instances(const test_site::FlatSite& flat, BeamLog& beams) {

@@ -114,8 +114,7 @@ void add_fit(Program& program) {
   using namespace fit_verb;
   auto a = std::make_shared<Arguments>();
   const auto verb = add_verb(
-      program, "Models", "fit",
-      "Learn a model from a log: ground mesh, ellipsoids, hit probabilities",
+      program, "Models", "fit", "Learn ground, ellipsoids and hit probabilities",
       "underbrush fit log.ply -o model/\n  underbrush fit log.ply --fitter surface -o mesh/\n"
       "  underbrush fit more.ply --update model/ -o grown/",
       [a](const Verb& v) { run(v, *a); });

@@ -13,8 +13,7 @@ void add_regions(Program& program) {
   };
   auto a = std::make_shared<Arguments>();
   const auto verb = add_verb(
-      program, "Scenes", "regions",
-      "Cut a model or scene into square regions, of which simulate opens those that beams reach",
+      program, "Scenes", "regions", "Cut a model or scene into regions on disk",
       "underbrush regions scene/ -o world/\n"
       "  underbrush simulate world/ --like log.ply --memory 2GiB -o sim.ply",
       [a](const Verb& v) {

@@ -227,6 +227,7 @@ JOBS = {
     "meshes": ["tree.obj", "-o", "meshes"],
     "annotate": ["labelled.ply", "-o", "site.json"],
     "compose": ["site.json", "primitives", "-o", "scene"],
+    "regions": ["scene", "-o", "world"],
     "simulate": ["model", "--like", "log.ply", "-o", "sim.ply"],
     "perceive": ["log.ply", "--pipeline", "real", "-o", "objects.csv"],
     "osi": ["record", "log.ply", "-o", "views.osi"],
