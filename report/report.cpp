@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <utility>
 
 #include "report/page.hpp"
 #include "report/survey.hpp"
@@ -276,6 +277,13 @@ fs::path write_report(const fs::path& folder, const ReportInput& input) {
                                          {"note", note},
                                          {"sections", sections},
                                          {"data", embedded(data)}}));
+}
+
+ReportInput page_of_scores(Json scores, const std::filesystem::path& real,
+                           std::vector<Comparison::Simulated> simulated) {
+  return {"Simulated against real: " + real.filename().string(),
+          "",
+          {{"", "", std::move(scores), real, std::move(simulated)}}};
 }
 
 }  // namespace underbrush::report

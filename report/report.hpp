@@ -30,6 +30,10 @@ struct ReportInput {
   std::vector<Comparison> comparisons;
 };
 
+/// Returns the page of the scores (`json_of_scores()`) of logs against the log `real`.
+ReportInput page_of_scores(Json scores, const std::filesystem::path& real,
+                           std::vector<Comparison::Simulated> simulated);
+
 /// Writes `folder`/index.html, atomically: one file that loads nothing else; returns its path.
 /// Reads each log in chunks. Throws as `io::LogReader` does, `std::invalid_argument` where there is
 /// no comparison, a model has no scores or a simulated log ends early, `IoError` where the file

@@ -7,6 +7,7 @@
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/pipeline/annotate_site.hpp"
 #include "underbrush/pipeline/reports_json.inl"
+#include "underbrush/primitives/annotation.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -28,8 +29,23 @@ std::string text_of(const primitives::MeasuredObjects& measured, const Json& j) 
       text += wide_line(18, name, "{:>8}", n.get<size_t>());
     }
   }
+  for (const Json& s : j.value("statistics", Json::array())) {
+    const auto value = [&](const char* of) { return s[of].is_null() ? NAN : s[of].get<double>(); };
+    text += wide_line(54, s["name"].get<std::string>(),
+                      "{:.3g}, like it {:.3g} ({:.3g} to {:.3g}) {}", value("site"), value("mean"),
+                      value("low"), value("high"), s["unit"].get<std::string>());
+  }
+  for (const char* what : {"replaced", "left_out"}) {
+    const Json counts = j.value(what, Json::object());
+    for (const auto& [name, n] : counts.items()) {
+      text += line("note", "{} of class {}, which has no primitives: {}", n.get<size_t>(), name,
+                   what == std::string_view("replaced") ? "of another size" : "left out");
+    }
+  }
   return text + left_out(measured.few_points, "objects or cells of few points") +
          left_out(measured.off_ground, "objects off the ground") +
+         left_out(j.value("objects_off_ground", size_t(0)), "objects off the ground") +
+         left_out(j.value("missing_cells", size_t(0)), "cells of patches without room") +
          left_out(measured.without_instance, "hits of an object's class without instance");
 }
 
@@ -59,11 +75,19 @@ void run(const Verb& verb, Arguments& a) {
   if (!a.log.empty()) log.emplace(a.log);
   pipeline::AnnotatedSite site = pipeline::annotate_site(a.log, log ? &*log : nullptr, a.ground,
                                                          a.options, shown<StageProgress>());
-  const Json j = pipeline::json_of(site.measured);
+  const Json j = pipeline::json_of(site);
   const std::string text =
       text_of(site.measured, j) +
       line("ground", "{} ({} triangles)", ground.string(), site.ground.ground.size());
-  pipeline::write_annotated(output, ground, std::move(site), provenance(verb, {a.log, a.ground}));
+  std::vector<fs::path> inputs = site.inputs;
+  inputs.insert(inputs.end(), {a.log, a.ground});
+  const primitives::Annotation annotation{ground, std::move(site.measured.objects),
+                                          provenance(verb, inputs)};
+  if (site.has_own_ground) {
+    primitives::write_annotation(output, annotation, std::move(site.ground));
+  } else {
+    primitives::write_annotation(output, annotation);
+  }
   verb.report(j, text + line("annotation", "{}", a.output));
 }
 
@@ -74,11 +98,10 @@ void add_annotate(Program& program) {
   using namespace annotate_verb;
   auto a = std::make_shared<Arguments>();
   const auto verb = add_verb(
-      program, "Scenes", "annotate",
-      "List the objects of a site, from a labelled log or generated at random",
+      program, "Scenes", "annotate", "List the objects of a site: of a labelled log, or generated",
       "underbrush annotate labelled.ply -o annotation.json\n"
       "  underbrush annotate --generate savanna --density 0.005 --seed 7 -o annotation.json\n"
-      "  underbrush annotate --generate forest --ground model/ -o annotation.json",
+      "  underbrush annotate --generate --like site.json --primitives primitives/ -o new.json",
       [a](const Verb& v) { run(v, *a); });
   verb->app.add_option("LABELLED", a->log, "The site's log, labelled by segment");
   verb->output("-o,--output", a->output, "The annotation file; with --parts, a folder")
@@ -91,6 +114,7 @@ void add_annotate(Program& program) {
           "ground points, or generated, as the folder STEM.ground beside the annotation")
       ->type_name("MODEL");
   add_options(*verb, pipeline::annotate_options(), a->options, "Generated site");
+  verb->app.get_option("--generate")->expected(0, 1);
 }
 
 }  // namespace underbrush::app

@@ -203,11 +203,11 @@ void run(const Verb& verb, const Arguments& a) {
 void add_info(Program& program) {
   using namespace info_verb;
   auto a = std::make_shared<Arguments>();
-  const auto verb = add_verb(program, "Logs", "info",
-                             "Describe a log, model, scene, mesh, set of primitives or annotation",
-                             "underbrush info log.ply\n"
-                             "  underbrush info log.ply --leaves vegetation",
-                             [a](const Verb& v) { run(v, *a); });
+  const auto verb =
+      add_verb(program, "Logs", "info", "Describe a log, model, scene, mesh or annotation",
+               "underbrush info log.ply\n"
+               "  underbrush info log.ply --leaves vegetation",
+               [a](const Verb& v) { run(v, *a); });
   verb->app
       .add_option(
           "FILE", a->file,

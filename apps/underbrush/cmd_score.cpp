@@ -5,7 +5,6 @@
 #include "cli/progress.hpp"
 #include "report/clouds.hpp"
 #include "report/report.hpp"
-#include "report/score_report.hpp"
 #include "score_objects.hpp"
 #include "score_protocols.hpp"
 #include "stages.hpp"
@@ -126,11 +125,11 @@ void run(const Verb& verb, const Arguments& a) {
   }
   text += score_protocols({!a.protocol.empty(), a.repeats}, a.real, a.train, candidates, results);
   if (!a.report.empty()) {
-    std::vector<std::pair<std::string, fs::path>> logs;
+    std::vector<report::Comparison::Simulated> logs;
     logs.reserve(candidates.size());
-    for (const Candidate& c : candidates) logs.emplace_back(c.name, c.log);
-    text +=
-        "report: " + report::write_score_report(a.report, results, a.real, logs).string() + "\n";
+    for (const Candidate& c : candidates) logs.push_back({c.name, c.log});
+    const report::ReportInput page = report::page_of_scores(results, a.real, std::move(logs));
+    text += "report: " + report::write_report(a.report, page).string() + "\n";
   }
   verb.report(results, text);
 }

@@ -21,6 +21,7 @@ void add_segment(Program& program);
 void add_extract(Program& program);
 void add_meshes(Program& program);
 void add_annotate(Program& program);
+void add_primitives(Program& program);
 void add_compose(Program& program);
 void add_regions(Program& program);
 void add_sensors(Program& program);

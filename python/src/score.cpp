@@ -12,7 +12,7 @@
 #include "bind.hpp"
 #include "fired_into.hpp"
 #include "given.hpp"
-#include "report/score_report.hpp"
+#include "report/report.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/pipeline/score_json.inl"
 #include "underbrush/pipeline/score_logs.hpp"
@@ -170,8 +170,9 @@ void bind_score(nb::module_& m) {
       [](const std::filesystem::path& folder, const std::filesystem::path& real,
          const std::filesystem::path& simulated, const S& score, const std::string& provenance) {
         const std::string name = simulated.stem().string();
-        return report::write_score_report(folder, json_of({name}, {score}, provenance), real,
-                                          {{name, simulated}});
+        return report::write_report(
+            folder, report::page_of_scores(json_of({name}, {score}, provenance), real,
+                                           {{name, simulated}}));
       },
       "folder"_a, "real"_a, "simulated"_a, "score"_a, "provenance"_a,
       nb::call_guard<nb::gil_scoped_release>(), "Writes the page of a score and returns its path.");

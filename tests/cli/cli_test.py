@@ -158,6 +158,7 @@ READERS = {
     "segment": ["BAD", "-o", "out"],
     "extract": ["BAD", "BAD", "-o", "out"],
     "annotate": ["BAD", "-o", "out"],
+    "primitives": ["list", "BAD"],
     "compose": ["BAD", "BAD", "-o", "out"],
     "regions": ["BAD", "-o", "out"],
     "plan": ["BAD", "-o", "out"],
@@ -283,7 +284,7 @@ class CompactLogs(OnALog):
 
 class Configuration(OnALog):
     def test_every_verb_has_a_job_here(self):
-        self.assertEqual(set(verbs()) - set(JOBS), {"demo", "serve", "live", "dump-config", "sensors", "completion", "plan", "run", "merge"})
+        self.assertEqual(set(verbs()) - set(JOBS), {"demo", "serve", "live", "dump-config", "sensors", "completion", "plan", "run", "merge", "primitives"})
 
     def test_of_the_defaults_changes_nothing(self):
         for verb, words in JOBS.items():

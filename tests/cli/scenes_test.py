@@ -150,6 +150,57 @@ class Scenes(cli_test.OnALog):
             scene = self.json_of("compose", "made.json", "primitives", "-o", "scene")
             self.assertEqual(scene["instances"] + sum(scene["left_out"].values()), made["objects"])
 
+    def test_a_library_of_two_sets(self):
+        merged = self.json_of("primitives", "merge", "primitives", "primitives", "--of-site", "creek", "--of-season",
+                              "summer", "-o", "library")
+        self.assertEqual((merged["duplicates"], merged["without_license"]), (merged["primitives"], 2))
+        scene = self.json_of("compose", "site.json", "library", "-o", "scene")
+        self.assertEqual(scene["instances"], scene["objects"])
+        found = self.json_of("primitives", "list", "library", "--class", "shrub", "--season", "summer")["primitives"]
+        self.assertTrue(0 < len(found) <= merged["primitives"])
+        self.assertEqual({p["site"] for p in found}, {"creek"})
+        self.assertEqual(self.json_of("primitives", "list", "library", "--season", "winter")["primitives"], [])
+        done = cli_test.call("primitives", "merge", "library", "-o", "again", cwd=self.folder)
+        self.assertIn("no licence", done.stdout)
+        for words, code in ((("merge", "primitives"), 2), (("list", "library", "--class", "trees"), 2),
+                            (("merge", "nowhere", "-o", "bad"), 3), (("list", "library", "primitives"), 2)):
+            self.assert_fails(cli_test.call("primitives", *words, cwd=self.folder), code)
+        manifest = pathlib.Path(self.folder, "library/primitives.json")
+        manifest.write_text(manifest.read_text().replace('"origin": 0', '"origin": 7'))
+        self.assert_fails(cli_test.call("primitives", "list", "library", cwd=self.folder), 3, "origin")
+
+    def test_of_a_site_like_another(self):
+        site = ("annotate", "--generate", "savanna", "--density", "0.02", "--size", "60", "50", "-o", "site/a.json")
+        pathlib.Path(self.folder, "site").mkdir()
+        whole = self.json_of(*site)
+        like = ("annotate", "--generate", "--like", "site/a.json", "--size", "60", "50")
+        made = self.json_of(*like, "--draws", "5", "-o", "made.json")
+        self.assertAlmostEqual(made["objects"], whole["objects"], delta=0.2 * whole["objects"])
+        rows = {row["name"]: row for row in made["statistics"]}
+        row = rows["trees per hectare"]
+        self.assertAlmostEqual(row["mean"], row["site"], delta=0.1 * row["site"])
+        self.assertLessEqual(row["low"], row["high"])
+        provenance = json.loads(pathlib.Path(self.folder, "made.json").read_text())["provenance"]
+        self.assertIn("site/a.json", json.dumps(provenance))
+        few = self.json_of(*like, "--primitives", "primitives", "--draws", "0", "-o", "few.json")
+        self.assertNotIn("statistics", few)
+        classes = {p["class"] for p in json.loads(pathlib.Path(self.folder, "primitives/primitives.json").read_text())
+                   ["primitives"]}
+        self.assertLessEqual(set(few["classes"]), classes)
+        self.assertTrue(few["replaced"] or few["left_out"])
+        for name in ("forest", "meadow"):
+            made = self.json_of("annotate", "--generate", name, "--size", "60", "50", "--primitives", "primitives", "-o",
+                                "kind.json")
+            self.assertLessEqual(set(made["classes"]), classes)
+        for words in (("--generate",), ("--generate", "forest", "--like", "site/a.json"), ("--like", "site/a.json",
+                      "--density", "0.1"), ("labelled.ply", "--primitives", "primitives")):
+            self.assert_fails(cli_test.call("annotate", *words, "-o", "bad.json", cwd=self.folder), 2, "annotate")
+        self.assert_fails(cli_test.call("annotate", "--like", "nowhere.json", "-o", "bad.json", cwd=self.folder), 3,
+                          "nowhere.json")
+        changed = self.annotation(lambda site: site.update(objects=site["objects"][:1]))
+        self.assert_fails(cli_test.call("annotate", "--like", changed, "-o", "other.json", cwd=self.folder), 3,
+                          "changed.json", "fewer than 10 objects")
+
     def test_labels_come_back_from_another_program(self):
         # CloudCompare saves text with float numbers, other names and another order.
         def labels(file):

@@ -48,7 +48,7 @@ class Sites : public testing::Test {
 
   io::TemporaryFolder folder;
   test_site::TerrainParameters terrain;
-  primitives::GenerateOptions options;
+  sites::GenerateOptions options;
   GeneratedSite generated;
   primitives::PrimitiveSet set;
 };
@@ -73,7 +73,7 @@ TEST_F(Sites, PartsHaveTheDensityOfTheWhole) {
   ground.ground = test_site::Terrain(terrain, options.seed).mesh(2, 0);
   size_t of_whole = 0;
   for (const PlacedObject& o :
-       primitives::generate_objects(primitives::GroundSurface(ground), options)) {
+       sites::generate_objects(primitives::GroundSurface(ground), options).objects) {
     of_whole += elements::kind_of(o.label) == elements::ClassKind::kPatch;
   }
   EXPECT_GT(patches, 0u);

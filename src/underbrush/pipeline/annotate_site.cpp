@@ -1,39 +1,65 @@
 #include "underbrush/pipeline/annotate_site.hpp"
 
 #include "underbrush/core/check.hpp"
-#include "underbrush/elements/model_file.hpp"
-#include "underbrush/io/atomic_file.hpp"
+#include "underbrush/pipeline/compose_scene.hpp"
 #include "underbrush/pipeline/world.hpp"
 #include "underbrush/primitives/annotation.hpp"
 #include "underbrush/primitives/log_ground.hpp"
-#include "underbrush/test_site/terrain.hpp"
 
 namespace underbrush::pipeline {
 namespace {
 
-constexpr double kGroundNoiseM = 0.03;  // m; standard deviation of ranges on a generated ground
+constexpr const char* kLike = "like";
 
 test_site::TerrainParameters terrain_of(const AnnotateOptions& o) {
-  require(o.size_m.size() == 2, "annotate: size is a length and a width");
   test_site::TerrainParameters p;
-  p.size_x_m = o.size_m[0];
-  p.size_y_m = o.size_m[1];
+  p.size_x_m = o.size_m.at(0);
+  p.size_y_m = o.size_m.at(1);
   return p;
 }
 
-elements::Model generated_ground(const AnnotateOptions& o) {
-  elements::Model model;
-  model.ground = test_site::Terrain(terrain_of(o), o.site.seed).mesh(o.ground_spacing_m, 0);
-  model.ground.range_sigma_m = kGroundNoiseM;
-  model.fitter = "generated_ground";
-  return model;
+Eigen::Vector2d size_of(const AnnotateOptions& o) { return {o.size_m.at(0), o.size_m.at(1)}; }
+
+/// Draws a site like that of an annotation, on a ground like its own unless there is one.
+void add_site_like(const AnnotateOptions& o, const sites::DrawOptions& how, AnnotatedSite& out) {
+  require(o.site.density == 0, "annotate: --like takes the densities of the site, so no --density");
+  const primitives::Annotation site = primitives::read_annotation(o.like);
+  const elements::Model ground = read_ground(site.ground);
+  out.inputs.insert(out.inputs.end(), {o.like, site.ground});
+  try {
+    const sites::SiteModel learnt = sites::fit_site(primitives::GroundSurface(ground), site.objects,
+                                                    o.measure.cell_m, how.seed);
+    if (out.has_own_ground) {
+      out.ground = sites::ground_like(ground, size_of(o), o.ground_spacing_m, how.seed);
+    }
+    out.drawn = sites::draw_site(learnt, primitives::GroundSurface(out.ground), how);
+    if (o.draws > 1) {
+      out.statistics = sites::compare_with_draws(learnt, ground, site.objects, o.draws, how.seed);
+    }
+  } catch (const DataError& e) {
+    throw FormatError(o.like, "", e.what());
+  }
 }
 
-primitives::GenerateOptions site_of(const AnnotateOptions& o) {
-  primitives::GenerateOptions site = o.site;
-  site.kind = o.generate;
-  site.patch_cell_m = o.measure.cell_m;
-  return site;
+/// Generates the objects of a site, and its ground unless there is one.
+void add_generated(const AnnotateOptions& o, AnnotatedSite& out) {
+  sites::GenerateOptions site = o.site;
+  if (!o.primitives.empty()) {
+    const NamedSet set = primitives_named(o.primitives, site.seed);
+    site.classes = sites::classes_of(set.set);
+    out.inputs = set.inputs;
+  }
+  if (!o.like.empty()) {
+    add_site_like(o, {site.seed, site.margin_m, site.classes}, out);
+  } else {
+    site.kind = o.generate;
+    site.patch_cell_m = o.measure.cell_m;
+    if (out.has_own_ground) {
+      out.ground = sites::generated_ground(size_of(o), o.ground_spacing_m, site.seed);
+    }
+    out.drawn = sites::generate_objects(primitives::GroundSurface(out.ground), site);
+  }
+  out.measured.objects = std::move(out.drawn->objects);
 }
 
 }  // namespace
@@ -41,11 +67,22 @@ primitives::GenerateOptions site_of(const AnnotateOptions& o) {
 // long: the table of the options.
 std::span<const Option<AnnotateOptions>> annotate_options() {
   using O = AnnotateOptions;
-  static const std::vector<std::string> kinds = primitives::site_kinds();
+  static const std::vector<std::string> kinds = [] {
+    std::vector<std::string> all = sites::site_kinds();
+    all.emplace_back(kLike);
+    return all;
+  }();
   // clang-format off
   static const Option<O> kOptions[] = {
-    {"generate", "Generated site", "", "Generate a site of this kind instead of reading a log",
+    {"generate", "Generated site", "",
+     "Generate a site of this kind instead of reading a log; like = as --like",
      [](O& o) -> auto& { return o.generate; }, -kNoLimit, kNoLimit, {kinds.begin(), kinds.end()}},
+    {"like", "Generated site", "",
+     "Generate a site with the densities, sizes, distances and ground of the site of this annotation",
+     [](O& o) -> auto& { return o.like; }, -kNoLimit, kNoLimit, {}, "SITE.json"},
+    {"primitives", "Generated site", "",
+     "Generate only objects of classes of which this set has primitives",
+     [](O& o) -> auto& { return o.primitives; }, -kNoLimit, kNoLimit, {}, "PRIMITIVES"},
     {"density", "Generated site", "",
      "Trees (in a meadow: shrubs) per m²; 0 = forest 0.05, savanna 0.003, meadow 0.01",
      [](O& o) -> auto& { return o.site.density; }, 0, 10},
@@ -58,6 +95,10 @@ std::span<const Option<AnnotateOptions>> annotate_options() {
      "of a row of parts; 0 = one annotation",
      [](O& o) -> auto& { return o.part_m; }, 0, 20000},
 
+    {"draws", "More options", "",
+     "With --like: sites drawn on the ground of SITE, for the intervals of their statistics; below 2 "
+     "= no statistics",
+     [](O& o) -> auto& { return o.draws; }, 0, 1000},
     {"ground-spacing", "More options", "m",
      "Side of the triangles of a generated ground; a ground fitted to the log has nodes at half this "
      "distance",
@@ -78,26 +119,33 @@ AnnotatedSite annotate_site(const std::string& file, BeamSource* log, const std:
                             const AnnotateOptions& options,
                             const std::function<void(std::string_view, size_t, size_t)>& progress) {
   check_options("annotate", annotate_options(), options);
-  require((log == nullptr) != options.generate.empty(),
-          "annotate: give a labelled log, or --generate KIND");
+  const bool is_like = options.generate.empty() || options.generate == kLike;
+  require(is_like || options.like.empty(), "annotate: give --generate KIND or --like SITE");
+  require(options.generate != kLike || !options.like.empty(),
+          "annotate: --generate needs a kind, or --like SITE");
+  require((log == nullptr) != (options.generate.empty() && options.like.empty()),
+          "annotate: give a labelled log, --generate KIND, or --like SITE");
+  require(log == nullptr || options.primitives.empty(),
+          "annotate: --primitives goes with a generated site");
+  require(options.size_m.size() == 2, "annotate: size is a length and a width");
   require(options.part_m == 0, "annotate: parts are those of a generated site");
   const auto stage = [&](std::string_view name) -> primitives::MeasureProgress {
     if (!progress) return {};
     return [&progress, name](size_t done, size_t total) { progress(name, done, total); };
   };
-  if (log) primitives::require_objects(file, *log);
   AnnotatedSite out;
   out.has_own_ground = ground.empty();
-  out.ground =
-      !ground.empty() ? read_ground(ground)
-      : log ? primitives::ground_of_log(file, *log, options.ground_spacing_m, stage("ground"))
-            : generated_ground(options);
-  const primitives::GroundSurface surface(out.ground);
-  if (log) {
-    out.measured = primitives::measure_objects(*log, surface, options.measure, stage("annotate"));
-  } else {
-    out.measured.objects = primitives::generate_objects(surface, site_of(options));
+  if (!ground.empty()) out.ground = read_ground(ground);
+  if (!log) {
+    add_generated(options, out);
+    return out;
   }
+  primitives::require_objects(file, *log);
+  if (out.has_own_ground) {
+    out.ground = primitives::ground_of_log(file, *log, options.ground_spacing_m, stage("ground"));
+  }
+  out.measured = primitives::measure_objects(*log, primitives::GroundSurface(out.ground),
+                                             options.measure, stage("annotate"));
   return out;
 }
 
@@ -105,21 +153,13 @@ regions::GeneratedSite generate_parts(const std::filesystem::path& output,
                                       const AnnotateOptions& options, const std::string& provenance,
                                       const regions::PartProgress& progress) {
   check_options("annotate", annotate_options(), options);
-  require(!options.generate.empty(), "annotate: parts are those of a generated site");
+  require(!options.generate.empty() && options.like.empty() && options.primitives.empty(),
+          "annotate: parts are those of a site of a kind, without --like and --primitives");
+  sites::GenerateOptions site = options.site;
+  site.kind = options.generate;
+  site.patch_cell_m = options.measure.cell_m;
   return regions::generate_site(output, terrain_of(options), options.ground_spacing_m,
-                                kGroundNoiseM, site_of(options), options.part_m, provenance,
-                                progress);
-}
-
-void write_annotated(const std::filesystem::path& output, const std::filesystem::path& ground,
-                     AnnotatedSite site, const std::string& provenance) {
-  const primitives::Annotation annotation{ground, std::move(site.measured.objects), provenance};
-  if (!site.has_own_ground) return primitives::write_annotation(output, annotation);
-  site.ground.provenance = provenance;
-  io::AtomicFile folder(ground, io::OutputKind::kFolder);
-  elements::write_model(folder.temporary(), site.ground);
-  primitives::write_annotation(output, annotation);
-  folder.commit();
+                                sites::kGroundNoiseM, site, options.part_m, provenance, progress);
 }
 
 }  // namespace underbrush::pipeline

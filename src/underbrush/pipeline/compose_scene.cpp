@@ -3,8 +3,6 @@
 #include <chrono>
 
 #include "underbrush/core/check.hpp"
-#include "underbrush/core/names.hpp"
-#include "underbrush/io/text.hpp"
 #include "underbrush/pipeline/mesh_set.hpp"
 #include "underbrush/pipeline/world.hpp"
 #include "underbrush/primitives/leave_out.hpp"
@@ -15,28 +13,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kMeshPrimitives = "mesh_primitives";
-
-std::map<elements::Class, double> densities_of(const std::vector<std::string>& words) {
-  std::map<elements::Class, double> out;
-  for (const std::string& word : words) {
-    const size_t equals = word.find('=');
-    const std::string name = word.substr(0, equals);
-    const auto label = elements::class_from_name(name);
-    if (!label) {
-      const std::string near =
-          nearest_name(name, {elements::kClassNames.begin(), elements::kClassNames.end()});
-      throw std::invalid_argument("compose: no class '" + name + "'" +
-                                  (near.empty() ? "" : "; did you mean '" + near + "'?"));
-    }
-    const auto factor = io::number_of(equals == std::string::npos ? "" : word.substr(equals + 1));
-    if (!factor || !(*factor >= 0 && *factor <= 100)) {
-      throw std::invalid_argument(
-          "compose: expected CLASS=FACTOR with a factor in [0, 100], not '" + word + "'");
-    }
-    out[*label] = *factor;
-  }
-  return out;
-}
 
 primitives::Choice choice_of(const std::string& name) {
   if (name == "box") return primitives::Choice::kBox;
@@ -59,7 +35,8 @@ void require_all_placed(const std::string& annotation, const std::string& primit
 
 primitives::ComposeOptions how_of(const ComposeOptions& o) {
   check_options("compose", compose_options(), o);
-  return {o.seed, choice_of(o.choose), o.nearest, o.scale, densities_of(o.class_density)};
+  return {o.seed, choice_of(o.choose), o.nearest, o.scale,
+          primitives::densities_of(o.class_density)};
 }
 
 /// Begins a scene: leaves out the primitives that the options say.

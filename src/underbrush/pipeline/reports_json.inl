@@ -8,6 +8,7 @@
 #include "underbrush/osi/trace_contents.hpp"
 #include "underbrush/perception/list_scores.hpp"
 #include "underbrush/perception/mover_score.hpp"
+#include "underbrush/pipeline/annotate_site.hpp"
 #include "underbrush/pipeline/compose_scene.hpp"
 #include "underbrush/pipeline/import_log.hpp"
 #include "underbrush/pipeline/mark_movers.hpp"
@@ -35,6 +36,8 @@ nlohmann::ordered_json json_of(const Segmentation& segmentation, const SegmentOp
 nlohmann::ordered_json json_of(const regions::GeneratedSite& site);
 /// Returns the objects by class, and what was left out.
 nlohmann::ordered_json json_of(const primitives::MeasuredObjects& measured);
+/// Returns the same, for a generated site with what was not drawn as wanted and the statistics.
+nlohmann::ordered_json json_of(const AnnotatedSite& site);
 /// Returns the primitives by class, and what was left out.
 nlohmann::ordered_json json_of(const primitives::ExtractResult& result);
 /// Returns the primitives and triangles by class, and by how much plants were scaled.

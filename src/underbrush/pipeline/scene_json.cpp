@@ -1,6 +1,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "underbrush/io/json_text.inl"
 #include "underbrush/pipeline/reports_json.inl"
 
 namespace underbrush::pipeline {
@@ -51,6 +52,24 @@ Json json_of(const primitives::MeasuredObjects& measured) {
   j["few_points"] = measured.few_points;
   j["off_ground"] = measured.off_ground;
   j["hits_without_instance"] = measured.without_instance;
+  return j;
+}
+
+Json json_of(const AnnotatedSite& site) {
+  Json j = json_of(site.measured);
+  if (!site.drawn) return j;
+  j["replaced"] = site.drawn->replaced;
+  j["left_out"] = site.drawn->left_out;
+  j["objects_off_ground"] = site.drawn->off_ground;
+  j["missing_cells"] = site.drawn->missing_cells;
+  for (const sites::ComparedStatistic& s : site.statistics) {
+    j["statistics"].push_back({{"name", s.site.name},
+                               {"unit", s.site.unit},
+                               {"site", io::finite_or_null(s.site.value)},
+                               {"mean", io::finite_or_null(s.mean)},
+                               {"low", io::finite_or_null(s.low)},
+                               {"high", io::finite_or_null(s.high)}});
+  }
   return j;
 }
 

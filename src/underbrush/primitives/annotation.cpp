@@ -1,5 +1,6 @@
 #include "underbrush/primitives/annotation.hpp"
 
+#include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/json_file.hpp"
 #include "underbrush/io/json_text.inl"
@@ -14,19 +15,7 @@ constexpr const char* kAdvice = "; --allow-outside follows it";
 PlacedObject object_of(const io::JsonValue& j, bool outside) {
   j.check_members({"class", "position_m", "yaw_rad", "box_m", "instance", "points", "quantiles_m",
                    "trajectory", "comment"});
-  PlacedObject o;
-  o.label = class_of_json(j);
-  const std::vector<double> position = j.at("position_m").numbers();
-  if (position.size() != 2 && position.size() != 3) {
-    j.at("position_m").fail("expected two or three numbers");
-  }
-  // The ground gives z where only x and y are given.
-  o.position = Vec3(position[0], position[1], position.size() == 3 ? position[2] : 0);
-  if (const auto yaw = j.find("yaw_rad")) o.yaw_rad = yaw->number();
-  o.box = box_of_json(j);
-  if (const auto n = j.find("instance")) o.instance = uint32_t(n->count(UINT32_MAX));
-  if (const auto n = j.find("points")) o.points = uint32_t(n->count(UINT32_MAX));
-  o.quantiles = quantiles_of_json(j);
+  PlacedObject o = object_of_json(j);
   if (const auto poses = j.find("trajectory")) o.trajectory = poses->path(outside, kAdvice);
   return o;
 }
@@ -55,6 +44,14 @@ void write_annotation(const fs::path& path, const Annotation& a) {
   }
   text += a.objects.empty() ? "]\n}\n" : "\n ]\n}\n";
   io::write_atomically(path, text);
+}
+
+void write_annotation(const fs::path& path, const Annotation& annotation, elements::Model ground) {
+  ground.provenance = annotation.provenance;
+  io::AtomicFile folder(annotation.ground, io::OutputKind::kFolder);
+  elements::write_model(folder.temporary(), ground);
+  write_annotation(path, annotation);
+  folder.commit();
 }
 
 Annotation read_annotation(const fs::path& path, bool outside) {

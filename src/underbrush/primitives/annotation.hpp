@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "underbrush/elements/model.hpp"
 #include "underbrush/primitives/placed_object.hpp"
 
 namespace underbrush::primitives {
@@ -23,6 +24,11 @@ struct Annotation {
 /// Writes the annotation as JSON (share/schemas/annotation.json), atomically. The path `ground` is
 /// written relative to the file's folder. Throws `IoError`.
 void write_annotation(const std::filesystem::path& path, const Annotation& annotation);
+
+/// Writes the annotation, and its ground to the folder that it names; either both appear or none.
+/// Throws `IoError`.
+void write_annotation(const std::filesystem::path& path, const Annotation& annotation,
+                      elements::Model ground);
 
 /// Reads and validates an annotation. Throws `FormatError` with the place in the file
 /// ("objects[3].class") for an unknown class, a box without extent, a value that is not a finite

@@ -4,8 +4,10 @@
 #include <cmath>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/names.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/io/poses.hpp"
+#include "underbrush/io/text.hpp"
 
 namespace underbrush::primitives {
 namespace {
@@ -166,6 +168,28 @@ void Composer::add(const GroundSurface& ground, const std::vector<PlacedObject>&
 void Composer::forget_below(double y_m) { impl_->chooser_.forget_below(y_m); }
 
 Composition& Composer::result() { return impl_->out_; }
+
+std::map<Class, double> densities_of(const std::vector<std::string>& words) {
+  std::map<Class, double> out;
+  for (const std::string& word : words) {
+    const size_t equals = word.find('=');
+    const std::string name = word.substr(0, equals);
+    const auto label = elements::class_from_name(name);
+    if (!label) {
+      const std::string near =
+          nearest_name(name, {elements::kClassNames.begin(), elements::kClassNames.end()});
+      throw std::invalid_argument("compose: no class '" + name + "'" +
+                                  (near.empty() ? "" : "; did you mean '" + near + "'?"));
+    }
+    const auto factor = io::number_of(equals == std::string::npos ? "" : word.substr(equals + 1));
+    if (!factor || !(*factor >= 0 && *factor <= 100)) {
+      throw std::invalid_argument(
+          "compose: expected CLASS=FACTOR with a factor in [0, 100], not '" + word + "'");
+    }
+    out[*label] = *factor;
+  }
+  return out;
+}
 
 Composition compose(const Annotation& annotation, const elements::Model& ground,
                     const PrimitiveSet& set, const ComposeOptions& o,

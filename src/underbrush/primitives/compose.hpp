@@ -26,6 +26,10 @@ struct ComposeOptions {
   std::map<elements::Class, double> density;
 };
 
+/// Reads words CLASS=FACTOR as `ComposeOptions::density`. Throws `std::invalid_argument` for a
+/// class that does not exist and a factor that is not in [0, 100].
+std::map<elements::Class, double> densities_of(const std::vector<std::string>& words);
+
 /// A composed scene, and counts of what was placed and left out.
 struct Composition {
   elements::Scene scene;

@@ -28,6 +28,7 @@ struct Primitive {
   elements::Model model;                    ///< It has no ground; its origin is the object's foot.
   PlacedObject source;                      ///< The object as it was measured in the log.
   std::vector<PlantPlacement> plants = {};  ///< The meshes that it is made of, if it is.
+  uint32_t origin = 0;                      ///< Index into the origins of its set, if it has any.
 };
 
 /// The elements that an object takes.

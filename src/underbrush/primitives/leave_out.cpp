@@ -44,13 +44,7 @@ std::optional<PlacedObject> source_of(const std::filesystem::path& primitive) {
   const io::JsonFile json(primitive / "primitive.json");
   const io::JsonValue j = json.root();
   if (j.find("plants")) return std::nullopt;
-  const io::JsonValue source = j.at("source");
-  PlacedObject o;
-  o.label = class_of_json(source);
-  o.position = source.at("position_m").vector();
-  o.yaw_rad = source.at("yaw_rad").number();
-  o.box = box_of_json(source);
-  return o;
+  return object_of_json(j.at("source"));
 }
 
 }  // namespace

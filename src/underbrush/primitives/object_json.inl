@@ -74,6 +74,23 @@ inline Json json_of_quantiles(const std::array<Vec3, 5>& quantiles) {
   return j;
 }
 
+/// Reads an object. Where its position has x and y only, the ground gives z.
+inline PlacedObject object_of_json(const io::JsonValue& j) {
+  PlacedObject o;
+  o.label = class_of_json(j);
+  const std::vector<double> position = j.at("position_m").numbers();
+  if (position.size() != 2 && position.size() != 3) {
+    j.at("position_m").fail("expected two or three numbers");
+  }
+  o.position = Vec3(position[0], position[1], position.size() == 3 ? position[2] : 0);
+  if (const auto yaw = j.find("yaw_rad")) o.yaw_rad = yaw->number();
+  o.box = box_of_json(j);
+  if (const auto n = j.find("instance")) o.instance = uint32_t(n->count(UINT32_MAX));
+  if (const auto n = j.find("points")) o.points = uint32_t(n->count(UINT32_MAX));
+  o.quantiles = quantiles_of_json(j);
+  return o;
+}
+
 inline Json json_of_object(const PlacedObject& object) {
   const PlacedObject o = as_written(object);
   Json j;

@@ -32,7 +32,7 @@ std::vector<PrimitiveEntry> entries_of(const std::vector<Primitive>& primitives)
     char number[16];
     std::snprintf(number, sizeof number, "/%04d", ++count[p.label]);
     entries.push_back({p.label, as_written(p.box), std::string(elements::name(p.label)) + number,
-                       p.model.size(), p.source.points, p.source.quantiles});
+                       p.model.size(), p.source.points, p.source.quantiles, p.origin});
   }
   return entries;
 }
@@ -46,6 +46,27 @@ Json json_of(const PrimitiveEntry& e) {
   j["points"] = e.points;
   if (Json q = json_of_quantiles(e.quantiles); !q.is_null()) j["quantiles_m"] = std::move(q);
   return j;
+}
+
+Json json_of(const PrimitiveOrigin& o) {
+  Json j;
+  j["set"] = o.set;
+  j["site"] = o.site;
+  j["season"] = o.season;
+  j["sensor"] = o.sensor;
+  j["license"] = o.license;
+  j["provenance"] = o.provenance.empty() ? Json::object() : io::json_of_text(o.provenance);
+  return j;
+}
+
+PrimitiveOrigin origin_of(const io::JsonValue& j) {
+  return {j.at("set").text(),    j.at("site").text(),    j.at("season").text(),
+          j.at("sensor").text(), j.at("license").text(), j.at("provenance").dump()};
+}
+
+PlantPlacement plant_of(const io::JsonValue& j) {
+  return {j.at("plant").text(),   j.at("foot_m").vector(),  j.at("turn_rad").number(),
+          j.at("scale").number(), j.at("yaw_rad").number(), j.at("at_m").vector()};
 }
 
 Json json_of(const PlantPlacement& p) {
@@ -91,7 +112,7 @@ void check_primitives_output(const fs::path& path) {
 }
 
 void write_primitives(const fs::path& path, const std::vector<Primitive>& primitives, double cell_m,
-                      const std::string& provenance) {
+                      const std::string& provenance, const std::vector<PrimitiveOrigin>& origins) {
   check_primitives_output(path);
   const std::vector<PrimitiveEntry> entries = entries_of(primitives);
   const std::vector<double> metres = heights_shown(primitives);
@@ -106,7 +127,11 @@ void write_primitives(const fs::path& path, const std::vector<Primitive>& primit
   j["version"] = kPrimitiveSetVersion;
   j["cell_m"] = cell_m;
   j["primitives"] = Json::array();
-  for (const PrimitiveEntry& e : entries) j["primitives"].push_back(json_of(e));
+  for (const PrimitiveEntry& e : entries) {
+    j["primitives"].push_back(json_of(e));
+    if (!origins.empty()) j["primitives"].back()["origin"] = e.origin;
+  }
+  for (const PrimitiveOrigin& o : origins) j["origins"].push_back(json_of(o));
   const Json origin = provenance.empty() ? Json::object() : io::json_of_text(provenance);
   j["provenance"] = origin;
   io::write_atomically(
@@ -117,13 +142,14 @@ void write_primitives(const fs::path& path, const std::vector<Primitive>& primit
           const fs::path one = folder / entries[k].name;
           make_temporary_folders(one.parent_path());
           elements::Model model = primitives[k].model;
-          model.provenance = provenance;
+          if (model.provenance.empty()) model.provenance = provenance;
           elements::write_model(one, model);
           Json about = json_of(entries[k]);
           about["source"] = json_of_object(primitives[k].source);
           for (const PlantPlacement& p : primitives[k].plants) {
             about["plants"].push_back(json_of(p));
           }
+          if (!origins.empty()) about["origin"] = json_of(origins.at(entries[k].origin));
           about["provenance"] = origin;
           write_file(one / "primitive.json", io::text_of_json(about, 1) + "\n");
           write_file(one / "thumbnail.png",
@@ -148,6 +174,9 @@ PrimitiveSet read_primitive_set(const fs::path& path) {
   set.folder = path;
   set.cell_m = j.at("cell_m").number();
   set.provenance = j.at("provenance").dump();
+  if (const auto origins = j.find("origins")) {
+    for (const io::JsonValue& o : origins->values()) set.origins.push_back(origin_of(o));
+  }
   for (const io::JsonValue& p : j.at("primitives").values()) {
     PrimitiveEntry e;
     e.label = class_of_json(p);
@@ -157,6 +186,7 @@ PrimitiveSet read_primitive_set(const fs::path& path) {
     e.elements = p.at("elements").count();
     e.points = p.at("points").count();
     e.quantiles = quantiles_of_json(p);
+    if (!set.origins.empty()) e.origin = uint32_t(p.at("origin").count(set.origins.size() - 1));
     if (!elements::is_model(folder.path())) folder.fail("is not there");
     set.entries.push_back(std::move(e));
   }
@@ -166,6 +196,18 @@ PrimitiveSet read_primitive_set(const fs::path& path) {
 elements::Model read_primitive(const PrimitiveSet& set, size_t entry) {
   if (!set.models.empty()) return set.models.at(entry);
   return elements::read_model(set.folder / set.entries.at(entry).name);
+}
+
+Primitive read_whole_primitive(const PrimitiveSet& set, size_t entry) {
+  const PrimitiveEntry& e = set.entries.at(entry);
+  const io::JsonFile json(set.folder / e.name / "primitive.json");
+  const io::JsonValue j = json.root();
+  Primitive p{e.label, e.box,   read_primitive(set, entry), object_of_json(j.at("source")),
+              {},      e.origin};
+  if (const auto plants = j.find("plants")) {
+    for (const io::JsonValue& plant : plants->values()) p.plants.push_back(plant_of(plant));
+  }
+  return p;
 }
 
 }  // namespace underbrush::primitives

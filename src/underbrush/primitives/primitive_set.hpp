@@ -13,6 +13,16 @@ namespace underbrush::primitives {
 /// Version of the layout that is written; newer versions are refused.
 inline constexpr int kPrimitiveSetVersion = 1;
 
+/// Where primitives of a library come from. Texts that are not known are empty.
+struct PrimitiveOrigin {
+  std::string set;         ///< Name of the folder of the set that was merged.
+  std::string site;        ///< Name of the site of its log.
+  std::string season;      ///< Season in which the log was recorded.
+  std::string sensor;      ///< Name of the sensor that recorded it.
+  std::string license;     ///< Licence of the log.
+  std::string provenance;  ///< JSON object: the provenance of the set.
+};
+
 /// A primitive as the manifest lists it.
 struct PrimitiveEntry {
   elements::Class label = elements::Class::kUnknown;
@@ -20,6 +30,7 @@ struct PrimitiveEntry {
   std::string name;  ///< CLASS/NUMBER, which is its folder in the set.
   size_t elements = 0, points = 0;
   std::array<Vec3, 5> quantiles = PlacedObject{}.quantiles;  ///< As of `PlacedObject`.
+  uint32_t origin = 0;  ///< Index into `PrimitiveSet::origins`, if it has any.
 };
 
 /// The manifest of a set. The elements of its primitives are read when they are needed.
@@ -28,6 +39,7 @@ struct PrimitiveSet {
   double cell_m = 2;  ///< m; side of the cells of patches.
   std::vector<PrimitiveEntry> entries;
   std::string provenance;
+  std::vector<PrimitiveOrigin> origins = {};  ///< There are none where the set is of one log.
   /// One for each entry if the set is in memory and has no folder; else empty.
   std::vector<elements::Model> models = {};
 };
@@ -37,10 +49,12 @@ PrimitiveSet primitive_set(std::vector<Primitive> primitives, double cell_m);
 
 /// Writes the folder `path`, atomically, replacing a set that stood there: primitives.json,
 /// index.html (a contact sheet that loads no other file), and for each primitive the model folder
-/// CLASS/NUMBER/ with primitive.json and thumbnail.png. Throws `IoError`, also if a folder that is
+/// CLASS/NUMBER/ with primitive.json and thumbnail.png. A model that has a provenance keeps it.
+/// Throws `IoError`, also if a folder that is
 /// not a set stands there.
 void write_primitives(const std::filesystem::path& path, const std::vector<Primitive>& primitives,
-                      double cell_m, const std::string& provenance);
+                      double cell_m, const std::string& provenance,
+                      const std::vector<PrimitiveOrigin>& origins = {});
 
 /// Whether a path is the folder of a set of primitives.
 bool is_primitive_set(const std::filesystem::path& path);
@@ -55,5 +69,8 @@ PrimitiveSet read_primitive_set(const std::filesystem::path& path);
 /// Returns the elements of an entry, read from disk unless they are in memory. Throws
 /// `FormatError`.
 elements::Model read_primitive(const PrimitiveSet& set, size_t entry);
+
+/// Returns an entry of a set on disk with all that its folder tells of it. Throws `FormatError`.
+Primitive read_whole_primitive(const PrimitiveSet& set, size_t entry);
 
 }  // namespace underbrush::primitives

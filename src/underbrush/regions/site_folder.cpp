@@ -27,7 +27,7 @@ fs::path name_of(const Cell2& place) {
 class PartMaker {
  public:
   PartMaker(const test_site::TerrainParameters& parameters, double spacing_m, double sigma_m,
-            const primitives::GenerateOptions& options, double side_m)
+            const sites::GenerateOptions& options, double side_m)
       : terrain_(parameters, options.seed),
         spacing_m_(spacing_m),
         sigma_m_(sigma_m),
@@ -52,7 +52,7 @@ class PartMaker {
     const Eigen::AlignedBox2d box = box_of(first, end);
     if (place.x == 0) generator_.forget_below(box.min().y() - kReachM);
     const uint64_t number = uint64_t(uint32_t(place.y)) << 32 | uint32_t(place.x);
-    return generator_.objects(primitives::GroundSurface(ground), box, number + 1);
+    return generator_.objects(primitives::GroundSurface(ground), box, number + 1).objects;
   }
 
  private:
@@ -71,14 +71,14 @@ class PartMaker {
   int32_t cells_;  // along a side of a part
   Cell2 grid_;
   Eigen::Vector2d size_m_;
-  primitives::SiteGenerator generator_;
+  sites::SiteGenerator generator_;
 };
 
 }  // namespace
 
 GeneratedSite generate_site(const fs::path& path, const test_site::TerrainParameters& terrain,
                             double spacing_m, double ground_sigma_m,
-                            const primitives::GenerateOptions& options, double side_m,
+                            const sites::GenerateOptions& options, double side_m,
                             const std::string& provenance, const PartProgress& progress) {
   PartMaker maker(terrain, spacing_m, ground_sigma_m, options, side_m);
   check_site_output(path);

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "underbrush/core/cells.hpp"
-#include "underbrush/primitives/generate.hpp"
+#include "underbrush/sites/generate.hpp"
 #include "underbrush/test_site/terrain.hpp"
 
 namespace underbrush::regions {
@@ -38,12 +38,12 @@ struct GeneratedSite {
 /// Called with the number of parts that are done and that of all.
 using PartProgress = std::function<void(size_t, size_t)>;
 
-/// Generates a site of terrain (`primitives::SiteGenerator`) and writes it in parts of the side
+/// Generates a site of terrain (`sites::SiteGenerator`) and writes it in parts of the side
 /// `side_m` (m), rounded to whole triangles of the side `spacing_m` (m). Memory is that of a row of
 /// parts. Throws `IoError`, and `std::invalid_argument` for options out of range.
 GeneratedSite generate_site(const std::filesystem::path& path,
                             const test_site::TerrainParameters& terrain, double spacing_m,
-                            double ground_sigma_m, const primitives::GenerateOptions& options,
+                            double ground_sigma_m, const sites::GenerateOptions& options,
                             double side_m, const std::string& provenance,
                             const PartProgress& progress = {});
 

@@ -40,6 +40,44 @@ double sum(const Waves& waves, double x, double y) {
   return z;
 }
 
+/// The number of cells along x and y.
+Cell2 grid_of(const Eigen::Vector2d& size_m, double spacing_m) {
+  require(size_m.minCoeff() > 0 && spacing_m > 0, "terrain: sides and spacing must be positive");
+  const double columns = std::ceil(size_m.x() / spacing_m);
+  const double rows = std::ceil(size_m.y() / spacing_m);
+  require(columns * rows < 1e9, "terrain: too many triangles");
+  return {int32_t(columns), int32_t(rows)};
+}
+
+/// The mesh of the cells from `first` to before `end` of the grid `all`.
+elements::TriangleMesh part_of_heights(const Eigen::Vector2d& size_m, const Cell2& all,
+                                       const Cell2& first, const Cell2& end,
+                                       const std::function<double(double, double)>& height) {
+  require(0 <= first.x && first.x <= end.x && end.x <= all.x && 0 <= first.y && first.y <= end.y &&
+              end.y <= all.y,
+          "terrain: a part beyond the grid");
+  const double width = size_m.x(), depth = size_m.y();
+  const auto nx = size_t(end.x - first.x), ny = size_t(end.y - first.y);
+  elements::TriangleMesh mesh;
+  mesh.vertices.resize((nx + 1) * (ny + 1));
+  mesh.triangles.resize(2 * nx * ny);
+  mesh.hit.resize(2 * nx * ny);
+  parallel_for(ny + 1, 8, [&](size_t begin_row, size_t end_row) {
+    for (size_t j = begin_row; j < end_row; ++j) {
+      const double y = depth * (double(size_t(first.y) + j) / double(all.y) - 0.5);
+      for (size_t i = 0; i <= nx; ++i) {
+        const double x = width * (double(size_t(first.x) + i) / double(all.x) - 0.5);
+        mesh.vertices[j * (nx + 1) + i] = Vec3(x, y, height(x, y)).cast<float>();
+        if (i == nx || j == ny) continue;
+        const auto a = uint32_t(j * (nx + 1) + i), b = a + uint32_t(nx + 1);
+        mesh.triangles[2 * (j * nx + i)] = {a, a + 1, b + 1};
+        mesh.triangles[2 * (j * nx + i) + 1] = {a, b + 1, b};
+      }
+    }
+  });
+  return mesh;
+}
+
 }  // namespace
 
 Terrain::Terrain(const TerrainParameters& parameters, uint64_t seed) : parameters_(parameters) {
@@ -90,11 +128,8 @@ double Terrain::distance_to_track(double x, double y) const {
 }
 
 Cell2 Terrain::grid(double spacing_m, double margin_m) const {
-  require(spacing_m > 0 && margin_m >= 0, "terrain: spacing must be positive");
-  const double columns = std::ceil((parameters_.size_x_m + 2 * margin_m) / spacing_m);
-  const double rows = std::ceil((parameters_.size_y_m + 2 * margin_m) / spacing_m);
-  require(columns * rows < 1e9, "terrain: too many triangles");
-  return {int32_t(columns), int32_t(rows)};
+  require(margin_m >= 0, "terrain: the margin must not be negative");
+  return grid_of(size_m(margin_m), spacing_m);
 }
 
 elements::TriangleMesh Terrain::mesh(double spacing_m, double margin_m) const {
@@ -103,31 +138,18 @@ elements::TriangleMesh Terrain::mesh(double spacing_m, double margin_m) const {
 
 elements::TriangleMesh Terrain::mesh(double spacing_m, double margin_m, Cell2 first,
                                      Cell2 end) const {
-  const Cell2 all = grid(spacing_m, margin_m);
-  require(0 <= first.x && first.x <= end.x && end.x <= all.x && 0 <= first.y && first.y <= end.y &&
-              end.y <= all.y,
-          "terrain: a part beyond the grid");
-  const double width = parameters_.size_x_m + 2 * margin_m;
-  const double depth = parameters_.size_y_m + 2 * margin_m;
-  const auto nx = size_t(end.x - first.x), ny = size_t(end.y - first.y);
-  elements::TriangleMesh mesh;
-  mesh.vertices.resize((nx + 1) * (ny + 1));
-  mesh.triangles.resize(2 * nx * ny);
-  mesh.hit.resize(2 * nx * ny);
-  parallel_for(ny + 1, 8, [&](size_t begin_row, size_t end_row) {
-    for (size_t j = begin_row; j < end_row; ++j) {
-      const double y = depth * (double(size_t(first.y) + j) / double(all.y) - 0.5);
-      for (size_t i = 0; i <= nx; ++i) {
-        const double x = width * (double(size_t(first.x) + i) / double(all.x) - 0.5);
-        mesh.vertices[j * (nx + 1) + i] = Vec3(x, y, height(x, y)).cast<float>();
-        if (i == nx || j == ny) continue;
-        const auto a = uint32_t(j * (nx + 1) + i), b = a + uint32_t(nx + 1);
-        mesh.triangles[2 * (j * nx + i)] = {a, a + 1, b + 1};
-        mesh.triangles[2 * (j * nx + i) + 1] = {a, b + 1, b};
-      }
-    }
-  });
-  return mesh;
+  return part_of_heights(size_m(margin_m), grid(spacing_m, margin_m), first, end,
+                         [&](double x, double y) { return height(x, y); });
+}
+
+Eigen::Vector2d Terrain::size_m(double margin_m) const {
+  return {parameters_.size_x_m + 2 * margin_m, parameters_.size_y_m + 2 * margin_m};
+}
+
+elements::TriangleMesh mesh_of_heights(const Eigen::Vector2d& size_m, double spacing_m,
+                                       const std::function<double(double, double)>& height) {
+  const Cell2 all = grid_of(size_m, spacing_m);
+  return part_of_heights(size_m, all, {0, 0}, all, height);
 }
 
 }  // namespace underbrush::test_site

@@ -3,6 +3,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <functional>
 
 #include "underbrush/core/cells.hpp"
 #include "underbrush/elements/model.hpp"
@@ -56,10 +57,19 @@ class Terrain {
   struct Wave {
     double kx, ky, phase, amplitude;
   };
+  Eigen::Vector2d size_m(double margin_m) const;
+
   TerrainParameters parameters_;
   std::array<Wave, 16> long_;
   std::array<Wave, 12> short_;
   std::array<double, 2> plane_, track_phase_;
 };
+
+/// Returns the surface z = height(x, y) over the rectangle of that length and width (m) about the
+/// origin, as a grid of triangles of side `spacing_m` (m) at most. `height` is called on all
+/// threads. Throws `std::invalid_argument` for sides or a spacing that are not positive, and for
+/// 10⁹ cells and more.
+elements::TriangleMesh mesh_of_heights(const Eigen::Vector2d& size_m, double spacing_m,
+                                       const std::function<double(double, double)>& height);
 
 }  // namespace underbrush::test_site

@@ -1,4 +1,4 @@
-#include "underbrush/primitives/generate.hpp"
+#include "underbrush/sites/generate.hpp"
 
 #include <algorithm>
 #include <array>
@@ -9,9 +9,18 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/primitives/size_rules.hpp"
+#include "underbrush/test_site/terrain.hpp"
 
-namespace underbrush::primitives {
+namespace underbrush::sites {
 namespace {
+
+using elements::Class;
+using primitives::Box;
+using primitives::GroundSurface;
+using primitives::PlacedObject;
+using primitives::SizeRules;
+
+constexpr int kDrawsOfHeight = 1000;
 
 /// Plants of one kind: density, height (median, spread of the logarithm, limits), and width.
 struct Plants {
@@ -107,22 +116,28 @@ struct SiteGenerator::Impl {
     for (size_t tries = 0; standing < wanted && tries < 30 * wanted; ++tries) {
       const double x = random.uniform(part.min().x(), part.max().x());
       const double y = random.uniform(part.min().y(), part.max().y());
-      const double height =
-          std::clamp(p.median_m * std::exp(p.spread * random.normal()), p.low_m, p.high_m);
+      const Sized sized = draw_size(
+          [&] {
+            return std::clamp(p.median_m * std::exp(p.spread * random.normal()), p.low_m, p.high_m);
+          },
+          [&](double m) {
+            return trees ? tree_class(SizeRules{}, m) : shrub_class(SizeRules{}, m, false);
+          });
+      const double height = sized.height_m;
       const double width = p.width_of_height * height * random.uniform(0.75, 1.25);
       const double slender = random.uniform(0.7, 1), yaw = random.uniform(-M_PI_2, M_PI_2);
       const double apart = 0.5 * keep * width;
       const std::optional<double> z = ground.at(x, y);
       if (!z || !spacing.free(x, y, apart)) continue;
       spacing.add(x, y, apart);
+      ++standing;
+      if (!count(sized)) continue;
       PlacedObject object;
-      object.label =
-          trees ? tree_class(SizeRules{}, height) : shrub_class(SizeRules{}, height, false);
+      object.label = sized.label;
       object.position = Vec3(x, y, *z);
       object.yaw_rad = yaw;
       object.box = box_of(width, slender * width, height);
-      objects.push_back(object);
-      ++standing;
+      drawn.objects.push_back(object);
     }
   }
 
@@ -153,15 +168,22 @@ struct SiteGenerator::Impl {
         const double x = (double(i) + 0.5) * side, y = (double(j) + 0.5) * side;
         double sum = 0;
         for (const Vec3& w : waves) sum += std::cos(w.x() * x + w.y() * y + w.z());
-        const double height = std::clamp(kind.patch_m * std::exp(0.3 * random.normal()), 0.2, 2.8);
-        if (sum < level) continue;
+        const auto height = [&] {
+          return std::clamp(kind.patch_m * std::exp(0.3 * random.normal()), 0.2, 2.8);
+        };
+        if (sum < level) {
+          height();  // The heights of the other cells do not depend on the share.
+          continue;
+        }
+        const Sized sized =
+            draw_size(height, [](double m) { return shrub_class(SizeRules{}, m, true); });
         const std::optional<double> z = ground.at(x, y);
-        if (!z) continue;
+        if (!z || !count(sized)) continue;
         PlacedObject cell;
-        cell.label = shrub_class(SizeRules{}, height, true);
+        cell.label = sized.label;
         cell.position = Vec3(x, y, *z);
-        cell.box = box_of(side, side, height);
-        objects.push_back(cell);
+        cell.box = box_of(side, side, sized.height_m);
+        drawn.objects.push_back(cell);
       }
     }
   }
@@ -170,31 +192,70 @@ struct SiteGenerator::Impl {
     return number == 0 ? o.seed : mix64(o.seed ^ mix64(number));
   }
 
+  /// A height (m) with its class, and the class of the height that was drawn first.
+  struct Sized {
+    double height_m;
+    Class label, first;
+  };
+
+  /// Draws heights until one has an allowed class.
+  template <class Draw, class ClassOf>
+  Sized draw_size(const Draw& draw, const ClassOf& class_of) const {
+    Sized out{draw(), Class::kUnknown, Class::kUnknown};
+    out.label = out.first = class_of(out.height_m);
+    for (int k = 1; k < kDrawsOfHeight && !is_allowed(o.classes, out.label); ++k) {
+      out.height_m = draw();
+      out.label = class_of(out.height_m);
+    }
+    return out;
+  }
+
+  /// Counts an object that does not have the class that was drawn first, and returns whether it can
+  /// stand.
+  bool count(const Sized& sized) {
+    const bool stands = is_allowed(o.classes, sized.label);
+    if (!stands || sized.label != sized.first) {
+      ++(stands ? drawn.replaced : drawn.left_out)[std::string(elements::name(sized.first))];
+    }
+    return stands;
+  }
+
   GenerateOptions o;
   Kind kind;
   Eigen::AlignedBox2d inner;  // the site without its margin
   Spacing of_trees, of_shrubs;
-  std::vector<PlacedObject> objects;
+  DrawnSite drawn;
 };
 
 SiteGenerator::SiteGenerator(const GenerateOptions& options, const Eigen::AlignedBox2d& site)
     : impl_(std::make_unique<Impl>(options, site)) {}
 SiteGenerator::~SiteGenerator() = default;
 
-std::vector<PlacedObject> SiteGenerator::objects(const GroundSurface& ground,
-                                                 const Eigen::AlignedBox2d& part, uint64_t number) {
+DrawnSite SiteGenerator::objects(const GroundSurface& ground, const Eigen::AlignedBox2d& part,
+                                 uint64_t number) {
   Impl& g = *impl_;
   const Eigen::AlignedBox2d inside = part.intersection(g.inner);
   const uint64_t seed = g.seed_of(number);
   g.scatter(ground, inside, true, mix64(seed + 1));
   g.scatter(ground, inside, false, mix64(seed + 2));
   g.patches(ground, inside, number);
-  return std::exchange(g.objects, {});
+  return std::exchange(g.drawn, {});
 }
 
 void SiteGenerator::forget_below(double y_m) {
   impl_->of_trees.forget_below(y_m);
   impl_->of_shrubs.forget_below(y_m);
+}
+
+elements::Model generated_ground(const Eigen::Vector2d& size_m, double spacing_m, uint64_t seed) {
+  test_site::TerrainParameters p;
+  p.size_x_m = size_m.x();
+  p.size_y_m = size_m.y();
+  elements::Model model;
+  model.ground = test_site::Terrain(p, seed).mesh(spacing_m, 0);
+  model.ground.range_sigma_m = kGroundNoiseM;
+  model.fitter = "generated_ground";
+  return model;
 }
 
 std::vector<std::string> site_kinds() {
@@ -203,8 +264,8 @@ std::vector<std::string> site_kinds() {
   return names;
 }
 
-std::vector<PlacedObject> generate_objects(const GroundSurface& ground, const GenerateOptions& o) {
+DrawnSite generate_objects(const GroundSurface& ground, const GenerateOptions& o) {
   return SiteGenerator(o, ground.bounds()).objects(ground, ground.bounds(), 0);
 }
 
-}  // namespace underbrush::primitives
+}  // namespace underbrush::sites

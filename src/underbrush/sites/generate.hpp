@@ -7,9 +7,12 @@
 #include <vector>
 
 #include "underbrush/primitives/ground_surface.hpp"
-#include "underbrush/primitives/placed_object.hpp"
+#include "underbrush/sites/drawn_site.hpp"
 
-namespace underbrush::primitives {
+namespace underbrush::sites {
+
+/// Standard deviation of ranges on a generated ground, m.
+inline constexpr double kGroundNoiseM = 0.03;
 
 /// Options of `generate_objects`.
 struct GenerateOptions {
@@ -18,6 +21,7 @@ struct GenerateOptions {
   uint64_t seed = 1;
   double margin_m = 0;      ///< m; nothing stands nearer than this to the border of the ground.
   double patch_cell_m = 2;  ///< m; side of the cells of patches.
+  Classes classes;          ///< The size of an object of another class is drawn again.
 };
 
 /// Returns the names of the kinds of sites.
@@ -41,8 +45,8 @@ class SiteGenerator {
 
   /// Generates the objects that stand in `part` of the site (m, world), on its ground. They keep
   /// apart from those of the parts before. Parts with different numbers draw differently.
-  std::vector<PlacedObject> objects(const GroundSurface& ground, const Eigen::AlignedBox2d& part,
-                                    uint64_t number);
+  DrawnSite objects(const primitives::GroundSurface& ground, const Eigen::AlignedBox2d& part,
+                    uint64_t number);
   /// Forgets what stands below a line (m, world), which parts from now on do not come near.
   void forget_below(double y_m);
 
@@ -51,12 +55,17 @@ class SiteGenerator {
   std::unique_ptr<Impl> impl_;
 };
 
+/// Generates a hilly ground with a track through it (`test_site::Terrain`) over [−x/2, x/2] ×
+/// [−y/2, y/2] for the sides `size_m`, in triangles of side `spacing_m` (m). Throws as
+/// `test_site::mesh_of_heights` does.
+elements::Model generated_ground(const Eigen::Vector2d& size_m, double spacing_m, uint64_t seed);
+
 /// Generates objects on the ground. Trees and shrubs are Poisson points that keep apart by their
 /// crowns (in a forest, a tenth of the crowns' radii may overlap); patches grow where a smooth
-/// random field is high. Boxes follow the kind's relations between height and crown. The same seed
-/// gives the same objects. Throws `std::invalid_argument` for an unknown kind, or a density that is
-/// negative or above 10.
-std::vector<PlacedObject> generate_objects(const GroundSurface& ground,
-                                           const GenerateOptions& options);
+/// random field is high. Boxes follow the kind's relations between height and crown. An object
+/// whose class is not allowed after 1000 draws of its height is left out. The same seed gives the
+/// same objects. Throws `std::invalid_argument` for an unknown kind, or a density that is negative
+/// or above 10.
+DrawnSite generate_objects(const primitives::GroundSurface& ground, const GenerateOptions& options);
 
-}  // namespace underbrush::primitives
+}  // namespace underbrush::sites
