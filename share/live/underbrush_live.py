@@ -45,7 +45,7 @@ class SensorServer:
               **wanted: Any) -> Iterable[Any]:
         """Fires up to `until_s`, where vehicle and actors have these poses, and yields each `Part` of the answer.
 
-        Of an actor that is not given, `None` means that it is absent. `wanted` is `columns` or `layout` of a request.
+        An actor with the value `None` is absent. The fields `columns` and `layout` of a request are given by `wanted`.
         """
         paths = {name: [*self.paths.get(name, [])[-2:], (until_s, at)] for name, at in {"": vehicle, **actors}.items()}
         motions = {name: proto.Motion(poses=[proto.StampedPose(time_s=t, world_from_body=at) for t, at in path])
