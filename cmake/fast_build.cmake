@@ -18,33 +18,31 @@ if(UNDERBRUSH_PCH AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   add_compile_options(--param=ggc-min-heapsize=600000)
 endif()
 
-# One precompiled header for the library's modules, one for the programs and one for the tests, each
-# compiled once: the first target that asks for it owns it, and all others share it.
+# A precompiled header for each kind of target, compiled once: the first target that asks for it owns it, and all
+# others of the kind share it, for which they need the same flags. Without CLI11: each source that sees its headers
+# compiles its validators, which takes longer than to read them.
 set(underbrush_pch_library
     <algorithm> <array> <bit> <charconv> <cmath> <cstdint> <cstdio> <cstring> <filesystem> <fstream>
     <functional> <limits> <map> <memory> <numeric> <optional> <set> <span> <sstream> <string>
     <string_view> <unordered_map> <utility> <vector>
     <Eigen/Core> <Eigen/Geometry> <Eigen/LU> <Eigen/Cholesky> <Eigen/Eigenvalues> <nlohmann/json.hpp>)
-set(underbrush_pch_program ${underbrush_pch_library} <CLI/CLI.hpp> <fmt/format.h>)
-set(underbrush_pch_study ${underbrush_pch_program})
-set(underbrush_pch_bench ${underbrush_pch_library})
+set(underbrush_pch_outer ${underbrush_pch_library})
 set(underbrush_pch_test ${underbrush_pch_library} <gtest/gtest.h>)
-set(underbrush_pch_python ${underbrush_pch_library} <nanobind/nanobind.h> <nanobind/ndarray.h>
-    <nanobind/stl/filesystem.h> <nanobind/stl/optional.h> <nanobind/stl/string.h>
-    <nanobind/stl/variant.h> <nanobind/stl/vector.h>)
 
-# What is compiled for a fast build and not for a fast run. A program's own code (options, tables, messages) is never
-# the time of a run, and neither is what a test or a study does beside the library: a quarter less time for each.
-set(underbrush_optimization_program -Os)
-set(underbrush_optimization_study -O1)
-set(underbrush_optimization_bench -O1)
+# What is compiled for a fast build and not for a fast run: half the time of -O3. Outer code (options, tables, pages,
+# messages, and modules in which a run spends little) is never the time of a run, and neither is what a test or a
+# study does beside the library.
+set(underbrush_optimization_outer -O1)
 set(underbrush_optimization_test -O1)
 
-# underbrush_fast_build(TARGET KIND): KIND is library, program, study, bench, python or test.
+# underbrush_fast_build(TARGET KIND): KIND is library, outer or test.
 function(underbrush_fast_build target kind)
   if(DEFINED underbrush_optimization_${kind})
     target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:${underbrush_optimization_${kind}}>)
   endif()
+  # Libraries and programs with the same flags share the header.
+  set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE OFF)
+  target_compile_options(${target} PRIVATE -fPIC)
   if(UNDERBRUSH_UNITY)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON
       UNITY_BUILD_BATCH_SIZE ${UNDERBRUSH_UNITY_BATCH})

@@ -5,12 +5,13 @@ set(UNDERBRUSH_LAYERS
     calibrate fit update primitives library test_site sites worlds metrics optimize perception osi actors regions pipeline
     jobs serve live)
 
-# underbrush_module(NAME SOURCES a.cpp ... HEADERS a.hpp ... DEPENDS module ... LINK target ...)
+# underbrush_module(NAME SOURCES a.cpp ... HEADERS a.hpp ... DEPENDS module ... LINK target ... [OUTER])
 #
 # DEPENDS names other modules; LINK names third-party targets, linked privately: a heavy third party
-# stays inside the sources of one module. PUBLIC_LINK is for what the headers show (Eigen).
+# stays inside the sources of one module. PUBLIC_LINK is for what the headers show (Eigen). OUTER says that a run
+# spends little in it, so that it is compiled for a fast build.
 function(underbrush_module name)
-  cmake_parse_arguments(M "" "" "SOURCES;HEADERS;DEPENDS;LINK;PUBLIC_LINK" ${ARGN})
+  cmake_parse_arguments(M "OUTER" "" "SOURCES;HEADERS;DEPENDS;LINK;PUBLIC_LINK" ${ARGN})
   list(FIND UNDERBRUSH_LAYERS ${name} mine)
   if(mine LESS 0)
     message(FATAL_ERROR "module '${name}' is not in UNDERBRUSH_LAYERS")
@@ -33,5 +34,9 @@ function(underbrush_module name)
   set_target_properties(underbrush_${name} PROPERTIES
     EXPORT_NAME ${name} UNDERBRUSH_DEPENDS "${M_DEPENDS}")
   set_property(GLOBAL APPEND PROPERTY UNDERBRUSH_MODULES ${name})
-  underbrush_fast_build(underbrush_${name} library)
+  set(kind library)
+  if(M_OUTER)
+    set(kind outer)
+  endif()
+  underbrush_fast_build(underbrush_${name} ${kind})
 endfunction()

@@ -8,8 +8,6 @@
 namespace underbrush::fmu {
 namespace {
 
-constexpr double kSameTimeS = 1e-6;
-
 void require_pointers(size_t count, const void* a, const void* b) {
   if (count > 0 && (!a || !b)) throw CallError("a null pointer");
 }

@@ -13,8 +13,6 @@ namespace underbrush::fmu {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr double kSameTimeS = 1e-6;
-
 std::string text_of(double value) {
   std::array<char, 32> buffer{};
   const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;

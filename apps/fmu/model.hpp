@@ -17,6 +17,9 @@
 
 namespace underbrush::fmu {
 
+/// Times that differ by less are one time, s.
+inline constexpr double kSameTimeS = 1e-6;
+
 /// The values of all variables. A reference names a value of the type of its row.
 struct Values {
   std::array<int32_t, kReferences> integer{};

@@ -103,7 +103,7 @@ TuningValue tuned_scene(const GivenLog& log, const TuneOptions& o,
   return out;
 }
 
-void bind_options(nb::module_& m) {
+void bind_optimize_options(nb::module_& m) {
   using T = TuneOptions;
   nb::class_<T>(m, "TuneOptions", "The options of `optimize`.")
       .def(nb::init<>())
@@ -144,7 +144,7 @@ void bind_options(nb::module_& m) {
 }  // namespace
 
 void bind_optimize(nb::module_& m) {
-  bind_options(m);
+  bind_optimize_options(m);
   using V = TuningValue;
   nb::class_<V>(m, "Tuning", "A search for parameters that has ended.")
       .def(

@@ -88,7 +88,7 @@ std::pair<BeamLog, pipeline::SimulateCounts> simulated(const GivenWorld& model,
   return out;
 }
 
-void bind_options(nb::module_& m) {
+void bind_simulate_options(nb::module_& m) {
   using O = SimulateOptions;
   nb::class_<O>(m, "SimulateOptions", "The options of `simulate` and `Lidar`.")
       .def(nb::init<>())
@@ -123,7 +123,7 @@ void bind_options(nb::module_& m) {
 }  // namespace
 
 void bind_simulate(nb::module_& m) {
-  bind_options(m);
+  bind_simulate_options(m);
   using Like = std::optional<GivenLog>;
   using Rig = std::optional<std::filesystem::path>;
   m.def(

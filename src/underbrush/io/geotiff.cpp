@@ -43,9 +43,8 @@ enum Tag : uint16_t {
 class Tiff {
  public:
   Tiff(std::string file, std::string bytes) : file_(std::move(file)), bytes_(std::move(bytes)) {
-    const std::string_view magic = std::string_view(bytes_).substr(0, 4);
-    swap_ = magic == std::string_view("MM\0*", 4);
-    if (!swap_ && magic != std::string_view("II*\0", 4)) {
+    swap_ = bytes_.compare(0, 4, "MM\0*", 4) == 0;
+    if (!swap_ && bytes_.compare(0, 4, "II*\0", 4) != 0) {
       fail("", "is not a TIFF file, or a BigTIFF");
     }
     const uint64_t at = whole<uint32_t>(4);

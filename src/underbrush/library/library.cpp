@@ -214,9 +214,11 @@ Merged merge_sets(std::span<const std::filesystem::path> folders, const Options&
       throw FormatError(folders[k].string(), "cell_m",
                         "the cells of patches are not as large as those of the first set");
     }
-    merger.add(set, {.site = text_of_set(o.of_site, k, folders.size(), "--of-site"),
-                     .season = text_of_set(o.of_season, k, folders.size(), "--of-season"),
-                     .license = text_of_set(o.of_license, k, folders.size(), "--of-license")});
+    primitives::PrimitiveOrigin origin;
+    origin.site = text_of_set(o.of_site, k, folders.size(), "--of-site");
+    origin.season = text_of_set(o.of_season, k, folders.size(), "--of-season");
+    origin.license = text_of_set(o.of_license, k, folders.size(), "--of-license");
+    merger.add(set, origin);
   }
   Merged out = std::move(merger).finish();
   out.cell_m = *cell_m;
