@@ -15,9 +15,6 @@ struct Output {
   std::vector<std::string> files = {};
 };
 
-/// The columns of the tables of waveforms.
-inline constexpr const char* kWaveformColumns = "beam,scan,ring,time,range_m,signal";
-
 /// Returns whether this program made the file: it is empty, names Underbrush near its start or end,
 /// or begins as our tables do.
 bool is_ours(const std::filesystem::path& file);

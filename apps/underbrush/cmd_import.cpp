@@ -6,6 +6,7 @@
 #include "cli/line.hpp"
 #include "cli/option_table.hpp"
 #include "cli/progress.hpp"
+#include "report/world_text.hpp"
 #include "stages.hpp"
 #include "underbrush/io/json_text.inl"
 #include "underbrush/io/log_file.hpp"
@@ -15,7 +16,6 @@
 #include "underbrush/worlds/read_world.hpp"
 #include "underbrush/worlds/survey_folder.hpp"
 #include "verbs.hpp"
-#include "world_summary.hpp"
 
 namespace underbrush::app {
 namespace {
@@ -88,7 +88,7 @@ void import_survey(const Verb& verb, const Arguments& a) {
       a.options.assets);
   Json j =
       io::json_of_text(worlds::write_survey(a.output, world, survey, provenance(verb, {a.source})));
-  const WorldSummary summary{world.report, world.info};
+  const report::WorldSummary summary{world.report, world.info};
   j["world"] = json_of(summary);
   std::string text = fmt::format("{}: survey of {} legs on which the scanner measures\n", a.source,
                                  survey.legs.size());

@@ -6,6 +6,7 @@
 #include "fit_text.hpp"
 #include "report/light_text.hpp"
 #include "report/log_text.hpp"
+#include "report/world_text.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/elements/scene_file.hpp"
@@ -17,7 +18,6 @@
 #include "underbrush/primitives/annotation.hpp"
 #include "underbrush/primitives/primitive_set.hpp"
 #include "verbs.hpp"
-#include "world_summary.hpp"
 
 namespace underbrush::app {
 namespace {
@@ -102,7 +102,7 @@ void report_scene(const Verb& verb, const std::string& path) {
 
 void report_world(const Verb& verb, const std::string& path) {
   const worlds::World world = worlds::read_world(path);
-  const WorldSummary summary{world.report, world.info};
+  const report::WorldSummary summary{world.report, world.info};
   Json j = json_of(summary);
   j["kind"] = "world";
   verb.report(j, path + ": world in a third-party format\n" + text_of(summary));

@@ -6,6 +6,8 @@
 #include "cli/option_table.hpp"
 #include "cli/progress.hpp"
 #include "report/light_text.hpp"
+#include "report/waveform_outputs.hpp"
+#include "report/world_text.hpp"
 #include "stages.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
@@ -15,8 +17,6 @@
 #include "underbrush/io/poses.hpp"
 #include "underbrush/pipeline/simulate_log.hpp"
 #include "verbs.hpp"
-#include "waveform_outputs.hpp"
-#include "world_summary.hpp"
 
 namespace underbrush::app {
 namespace {
@@ -224,7 +224,8 @@ std::string text_of_model(const Done& done, const elements::Model& model) {
   return text;
 }
 
-void report(const Verb& verb, const Arguments& a, const Done& done, const WorldSummary& world) {
+void report(const Verb& verb, const Arguments& a, const Done& done,
+            const report::WorldSummary& world) {
   const pipeline::SimulateCounts& n = done.counts;
   const pipeline::TracedWorld& traced = done.simulation.world();
   const elements::Model& model = traced.dynamic().model(0);
@@ -277,10 +278,10 @@ void run(const Verb& verb, Arguments& a) {
   using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
   for (const std::string& file : a.waveforms) {
-    require(a.rig.empty() || !is_waveform_file(file),
+    require(a.rig.empty() || !report::is_waveform_file(file),
             "simulate: waveforms of all beams are those of one sensor, not of --rig");
   }
-  WaveformOutputs waveforms(a.waveforms);
+  report::WaveformOutputs waveforms(a.waveforms);
   waveforms.receive_from(a.options);
   a.options.seed = verb.seed;
   a.options.check();
@@ -301,7 +302,7 @@ void run(const Verb& verb, Arguments& a) {
   waveforms.write(simulation.sensor());
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
   report(verb, a, {simulation, counts, beams.source->info(), seconds},
-         WorldSummary{traced.own()->read, traced.own()->info});
+         report::WorldSummary{traced.own()->read, traced.own()->info});
 }
 
 }  // namespace simulate_verb

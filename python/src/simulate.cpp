@@ -10,12 +10,12 @@
 #include "bind.hpp"
 #include "fired_into.hpp"
 #include "option_table.hpp"
+#include "report/waveform_outputs.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/driver_layout.hpp"
 #include "underbrush/io/export.hpp"
 #include "underbrush/pipeline/simulate_log.hpp"
 #include "watched.hpp"
-#include "waveform_outputs.hpp"
 
 namespace underbrush::python {
 using namespace nb::literals;
@@ -64,7 +64,7 @@ std::pair<BeamLog, pipeline::SimulateCounts> simulated(const GivenWorld& model,
                                                        const nb::object& progress) {
   std::pair<BeamLog, pipeline::SimulateCounts> out;
   run_watched(progress, [&](const Hook& hook) {
-    app::WaveformOutputs waveforms(options.waveforms);
+    report::WaveformOutputs waveforms(options.waveforms);
     waveforms.receive_from(options.pipeline);
     options.pipeline.check();
     const FiredInto target(model, options);

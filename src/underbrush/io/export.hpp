@@ -8,9 +8,10 @@
 
 namespace underbrush::io {
 
-/// The columns with which every exported file of these formats begins.
+/// The columns with which every exported file of these formats and every table of waveforms begins.
 inline constexpr const char* kCsvColumns =
     "x,y,z,ox,oy,oz,hit,time,intensity,ring,scan,packet,flags";
+inline constexpr const char* kWaveformColumns = "beam,scan,ring,time,range_m,signal";
 inline constexpr const char* kPcdFields = "FIELDS x y z intensity time ring scan packet";
 
 /// Writes a log atomically, in one of these formats:

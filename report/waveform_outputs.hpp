@@ -9,7 +9,7 @@
 #include "underbrush/pipeline/waveform_file.hpp"
 #include "underbrush/sensor/sensor.hpp"
 
-namespace underbrush::app {
+namespace underbrush::report {
 
 /// Whether a file for waveforms is binary, and so has those of all beams.
 bool is_waveform_file(const std::string& file);
@@ -36,4 +36,4 @@ class WaveformOutputs {
   size_t most_ = 0;
 };
 
-}  // namespace underbrush::app
+}  // namespace underbrush::report

@@ -1,10 +1,10 @@
-#include "world_summary.hpp"
+#include "report/world_text.hpp"
 
 #include <fmt/format.h>
 
 #include <map>
 
-namespace underbrush::app {
+namespace underbrush::report {
 namespace {
 
 /// Returns the number of parts of each class.
@@ -65,4 +65,4 @@ std::string text_of(const WorldSummary& world) {
   return text;
 }
 
-}  // namespace underbrush::app
+}  // namespace underbrush::report

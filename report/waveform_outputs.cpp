@@ -1,20 +1,21 @@
-#include "waveform_outputs.hpp"
+#include "report/waveform_outputs.hpp"
 
 #include <fmt/format.h>
 
 #include <fstream>
 
-#include "cli/outputs.hpp"
 #include "report/sensor_plots.hpp"
 #include "underbrush/core/check.hpp"
+#include "underbrush/io/atomic_file.hpp"
+#include "underbrush/io/export.hpp"
 
-namespace underbrush::app {
+namespace underbrush::report {
 namespace {
 
 void write_csv(const std::string& file, const std::vector<simulate::BeamWaveform>& waveforms) {
   io::write_atomically(file, [&](const std::filesystem::path& temporary) {
     std::ofstream out(temporary);
-    out << kWaveformColumns << "\n";
+    out << io::kWaveformColumns << "\n";
     for (const simulate::BeamWaveform& w : waveforms) {
       for (const auto& [range, signal] : w.signal) {
         out << fmt::format("{},{},{},{:.9f},{:.4f},{:.4f}\n", w.beam, w.scan, w.ring, w.time_s,
@@ -56,10 +57,10 @@ void WaveformOutputs::receive_from(pipeline::SimulateOptions& options) {
 
 void WaveformOutputs::write(const sensor::Sensor& sensor) {
   for (const std::string& file : pictures_) {
-    file.ends_with(".csv") ? write_csv(file, kept_) : report::plot_waveforms(file, sensor, kept_);
+    file.ends_with(".csv") ? write_csv(file, kept_) : plot_waveforms(file, sensor, kept_);
   }
   for (const auto& file : binary_) file->close();
   binary_.clear();
 }
 
-}  // namespace underbrush::app
+}  // namespace underbrush::report

@@ -1,10 +1,15 @@
-/// What a world in a third-party format became, for people to read.
+/// \file
+/// What `info` and `simulate` tell of a world in a third-party format.
 #pragma once
-#include "cli/verb.hpp"
+#include <nlohmann/json.hpp>
+#include <string>
+
 #include "underbrush/elements/scene_file.hpp"
 #include "underbrush/worlds/read_world.hpp"
 
-namespace underbrush::app {
+namespace underbrush::report {
+
+using Json = nlohmann::ordered_json;
 
 /// What was read, and the classes and materials of the scene.
 struct WorldSummary {
@@ -16,4 +21,4 @@ struct WorldSummary {
 Json json_of(const WorldSummary& world);
 std::string text_of(const WorldSummary& world);
 
-}  // namespace underbrush::app
+}  // namespace underbrush::report
