@@ -28,6 +28,7 @@ COMMANDS = {
     "split": ("big.ply --every 2 --train OUT.ply --test OUT2.ply",
               "big.ply --columns 2 --train OUT.ply --test OUT2.ply"),
     "movers": ("big.ply -o OUT.ply",),
+    "actors": ("passing.ply --boxes van.csv --least-returns 10 -o OUT",),
     "fit": tuple(f"big.ply -o OUT --fitter {name}" for name in
                  ("likelihood", "voxel", "surface", "ground_mesh", "top_down", "bottom_up", "rimls")),
     "optimize": ("log.ply -o OUT.yaml --budget 2",),
@@ -35,7 +36,10 @@ COMMANDS = {
     "segment": ("big.ply -o OUT.ply",),
     "extract": ("model labelled.ply -o OUT",),
     "meshes": ("generated -o OUT",),
-    "annotate": ("labelled.ply -o OUT.json", "--generate forest -o OUT.json"),
+    "annotate": ("labelled.ply -o OUT.json", "--generate forest -o OUT.json",
+                 "--generate forest --parts 20 -o OUT", "--like forest.json -o OUT.json"),
+    "primitives": ("merge primitives -o OUT", "list primitives"),
+    "regions": ("model -o OUT",),
     "compose": ("site.json primitives -o OUT",),
     "simulate": ("model --like big.ply -o OUT.ply",
                  "model --sensor spinning.yaml --trajectory poses.txt --super-sample sensor -o OUT.ply"),
@@ -128,7 +132,8 @@ def try_run(program, inputs, number, run):
 def make_inputs(folder, program):
     seeds.make(folder, program)
     (folder / "big.csv").write_text(seeds.csv(seeds.beams(scans=4, columns=400, rings=32)))
-    subprocess.run([program, "import", "big.csv", "-o", "big.ply"], cwd=folder, check=True, capture_output=True)
+    for command in ("import big.csv -o big.ply", "annotate --generate forest --size 60 60 -o forest.json"):
+        subprocess.run([program, *command.split()], cwd=folder, check=True, capture_output=True)
 
 
 def main():

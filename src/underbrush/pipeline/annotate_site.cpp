@@ -10,6 +10,7 @@ namespace underbrush::pipeline {
 namespace {
 
 constexpr const char* kLike = "like";
+constexpr double kLeastPartM = 10;  // smaller ones would be thousands of files
 
 test_site::TerrainParameters terrain_of(const AnnotateOptions& o) {
   test_site::TerrainParameters p;
@@ -155,6 +156,7 @@ regions::GeneratedSite generate_parts(const std::filesystem::path& output,
   check_options("annotate", annotate_options(), options);
   require(!options.generate.empty() && options.like.empty() && options.primitives.empty(),
           "annotate: parts are those of a site of a kind, without --like and --primitives");
+  require(options.part_m >= kLeastPartM, "annotate: parts are at least 10 m wide");
   sites::GenerateOptions site = options.site;
   site.kind = options.generate;
   site.patch_cell_m = options.measure.cell_m;
