@@ -149,6 +149,50 @@ TEST(Motion, AMoverThatStandsIsTheInstanceItself) {
   EXPECT_EQ(column<uint32_t>(beams, "element").size(), beams.size());
 }
 
+TEST(Motion, ABeamAloneMeetsWhatItMeetsAmongOthers) {
+  // Things that fly and turn about points beside them, and beams in all directions.
+  elements::Scene scene;
+  scene.models.push_back(trace::random_model(5, 200));
+  scene.models[0].origin.setZero();
+  scene.instances.resize(6);
+  scene.instances[0].world_from_model.translation.z() = 1e4;
+  std::vector<elements::Mover> movers;
+  Stream random(9);
+  const auto somewhere = [&](double far) {
+    const double x = random.normal(), y = random.normal(), z = random.normal();
+    return Vec3(far * x, far * y, far * z);
+  };
+  for (uint32_t k = 1; k < 6; ++k) {
+    std::vector<StampedPose> poses;
+    for (int j = 0; j < 4; ++j) {
+      const Vec3 turn = somewhere(1), at = somewhere(30);
+      poses.push_back({0.3 * j, {Eigen::Quaterniond::FromTwoVectors(Vec3::UnitX(), turn), at}});
+    }
+    movers.push_back({k, Trajectory(std::move(poses))});
+  }
+  const DynamicWorld world(scene, movers);
+  BeamLog beams = beams_along_x(3000);
+  for (size_t i = 0; i < beams.size(); ++i) {
+    beams.time_s[i] = double(i) / 2500;
+    beams.origin[i] = somewhere(0.5);
+    const double turn = 0.004 * double(i);
+    beams.direction[i] =
+        Vec3f(float(std::cos(turn)), float(std::sin(turn)), float(i % 32) / 64 - 0.25F)
+            .normalized();
+  }
+  BeamLog alone = beams;
+  simulate(world, {}, 0, beams);
+  size_t met = 0;
+  for (size_t i = 0; i < beams.size(); ++i) {
+    BeamLog one = alone.like();
+    one.append(alone, i);
+    simulate(world, {}, i, one);
+    ASSERT_EQ(one.range_m[0], beams.range_m[i]) << i;
+    met += beams.is_hit(i);
+  }
+  EXPECT_GT(met, 100u);
+}
+
 TEST(Motion, AMoverIsMetOnlyWhileItIsThere) {
   const elements::Scene scene = two_sheets();
   const Trajectory stands({{0, {Eigen::Quaterniond::Identity(), Vec3(20, 0, 0)}}});

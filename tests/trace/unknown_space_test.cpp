@@ -143,6 +143,42 @@ TEST(UnknownSpace, GroundReturnsAShareOfTheBeamsThatComeToIt) {
   }
 }
 
+TEST(UnknownSpace, DrawnEndsAreThoseOfAWalkStepByStep) {
+  ObservedSpace space = space_of(0.02f, 3);
+  for (const double h : {-0.25, -0.75, 0.25}) {
+    space.density_per_m[ObservedSpace::height_interval(h)].fill(2);
+  }
+  space.ground_returns.fill(0.7f);
+  const elements::TriangleMesh ground = flat_ground();
+  const UnknownSpace unknown(space, ground, kOrigin);
+  const RangeLimits limits{0.3, 70};
+  Stream random(51);
+  size_t high = 0, low = 0;
+  for (uint64_t k = 0; k < 20000; ++k) {
+    const double x = 20 * random.normal(), y = 20 * random.normal(), slope = random.normal();
+    const Ray ray = ray_from({x, y, 1.9}, {std::cos(double(k)), std::sin(double(k)), 0.1 * slope});
+    std::optional<double> expected;
+    bool is_low = false, is_lost = false;
+    unknown.follow(ray, limits, [&](const UnknownSpace::Step& s) {
+      if (s.is_low() && !is_low) {
+        is_low = true;
+        const double share = unknown.ground().share(s.at.x(), s.at.y());
+        is_lost = drawn_in_cell(k, s.cell, 1) >= double(0.7f) * share;
+      }
+      if (s.is_low() && is_lost) return true;
+      const double depth = (s.is_low() ? 2 : double(0.02f)) * s.way_m(s.to_m);
+      const double free = -std::log1p(-drawn_in_cell(k, s.cell, 0));
+      if (s.height_m < -1 || s.height_m > 4 || free >= depth) return true;
+      expected = s.from_m + (s.to_m - s.from_m) * free / depth;
+      (s.is_low() ? low : high) += 1;
+      return false;
+    });
+    ASSERT_EQ(unknown.drawn_end(ray, k, limits), expected) << k;
+  }
+  EXPECT_GT(high, 1000u);
+  EXPECT_GT(low, 1000u);
+}
+
 TEST(UnknownSpace, GroundThatLosesBeamsGoesOnLosingThem) {
   ObservedSpace space = space_of(0, 0);
   for (const double h : {-0.25, -0.75, 0.25}) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <fstream>
 #include <limits>
 #include <map>
@@ -13,6 +14,7 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/file.hpp"
+#include "underbrush/core/parallel.hpp"
 #include "underbrush/core/temporary.hpp"
 #include "underbrush/io/atomic_file.hpp"
 
@@ -44,8 +46,9 @@ std::string header_of(DriverLayout driver, size_t width, size_t height) {
 }
 
 template <class T>
-void put(std::string& out, T value) {
-  out.append(reinterpret_cast<const char*>(&value), sizeof(T));
+void put(char*& out, T value) {
+  std::memcpy(out, &value, sizeof(T));
+  out += sizeof(T);
 }
 
 /// Rounds a value and clamps it to the range of the type.
@@ -63,7 +66,7 @@ struct Point {
   uint8_t return_type = 1;
 };
 
-void put_point(DriverLayout driver, const Point& p, std::string& out) {
+void put_point(DriverLayout driver, const Point& p, char*& out) {
   for (int c = 0; c < 3; ++c) put(out, p.at[c]);
   const auto ns = whole<uint32_t>(p.after_s * 1e9);
   switch (driver) {
@@ -122,29 +125,62 @@ std::vector<uint8_t> return_types(const BeamLog& log) {
   return type;
 }
 
-/// Returns point i of a scan in the frame that the sensor has at its firing.
-Point point_of(const BeamLog& scan, const ScanInfo& info, const Trajectory& path, size_t i) {
-  Point p;
-  p.after_s = scan.time_s[i] - info.time_s;
-  p.ring = scan.ring[i];
-  if (!scan.is_hit(i)) return p;
-  p.intensity = scan.intensity[i];
-  p.range_m = double(scan.range_m[i]);
-  const Pose pose = path.at(scan.time_s[i]).value_or(info.world_from_sensor);
-  p.at = (pose.inverse() * scan.end_point(i)).cast<float>();
-  return p;
+/// The points of a scan, each in the frame that the sensor has at its firing. The pose of a time is
+/// kept until another one is asked for.
+class Points {
+ public:
+  /// What is passed by reference must outlive it.
+  Points(const BeamLog& scan, const ScanInfo& info, const Trajectory& path)
+      : scan_(scan), info_(info), path_(path) {}
+
+  Point at(size_t i) {
+    Point p;
+    p.after_s = scan_.time_s[i] - info_.time_s;
+    p.ring = scan_.ring[i];
+    if (!scan_.is_hit(i)) return p;
+    p.intensity = scan_.intensity[i];
+    p.range_m = double(scan_.range_m[i]);
+    if (scan_.time_s[i] != posed_at_s_) {
+      posed_at_s_ = scan_.time_s[i];
+      sensor_from_world_ = path_.at(posed_at_s_).value_or(info_.world_from_sensor).inverse();
+    }
+    p.at = (sensor_from_world_ * scan_.end_point(i)).cast<float>();
+    return p;
+  }
+
+ private:
+  const BeamLog& scan_;
+  const ScanInfo& info_;
+  const Trajectory& path_;
+  double posed_at_s_ = std::numeric_limits<double>::quiet_NaN();
+  Pose sensor_from_world_;
+};
+
+/// The number of beams of each ring.
+std::vector<size_t> beams_of_rings(const BeamLog& scan) {
+  std::vector<size_t> count;
+  for (const uint16_t ring : scan.ring) {
+    if (ring >= count.size()) count.resize(size_t(ring) + 1);
+    ++count[ring];
+  }
+  return count;
 }
 
 /// Returns the beams of an organised cloud, ring by ring; empty where rings differ in length.
-std::vector<size_t> organised(const BeamLog& scan) {
-  std::map<uint16_t, std::vector<size_t>> rings;
-  for (size_t i = 0; i < scan.size(); ++i) rings[scan.ring[i]].push_back(i);
-  std::vector<size_t> order;
-  for (auto& [ring, beams] : rings) {
-    if (beams.size() * rings.size() != scan.size()) return {};
-    std::stable_sort(beams.begin(), beams.end(),
-                     [&](size_t a, size_t b) { return scan.time_s[a] < scan.time_s[b]; });
-    order.insert(order.end(), beams.begin(), beams.end());
+std::vector<size_t> organised(const BeamLog& scan, const std::vector<size_t>& beams_of_ring) {
+  std::vector<size_t> next, order(scan.size());
+  const size_t width = *std::ranges::max_element(beams_of_ring);
+  size_t begin = 0;
+  for (const size_t beams : beams_of_ring) {
+    if (beams != 0 && beams != width) return {};
+    next.push_back(begin);
+    begin += beams;
+  }
+  for (size_t i = 0; i < scan.size(); ++i) order[next[scan.ring[i]]++] = i;
+  const auto is_before = [&](size_t a, size_t b) { return scan.time_s[a] < scan.time_s[b]; };
+  for (auto ring = order.begin(); ring != order.end(); ring += long(width)) {
+    if (std::is_sorted(ring, ring + long(width), is_before)) continue;
+    std::stable_sort(ring, ring + long(width), is_before);
   }
   return order;
 }
@@ -221,25 +257,35 @@ DriverLayout driver_layout_from_name(const std::string& name) {
 
 DriverCloud driver_cloud(BeamLog scan, DriverLayout driver, const ScanInfo& info,
                          const Trajectory& world_from_sensor) {
+  constexpr size_t kPoints = 4096;  // a task's
   std::vector<size_t> order;
-  if (driver == DriverLayout::kOuster) {
+  size_t rings = 0;
+  if (driver == DriverLayout::kOuster && !scan.empty()) {
     keep_first_echoes(scan);
-    order = organised(scan);
+    const std::vector<size_t> beams_of_ring = beams_of_rings(scan);
+    order = organised(scan, beams_of_ring);
+    rings = beams_of_ring.size() - size_t(std::ranges::count(beams_of_ring, 0u));
   }
   const bool whole = !order.empty();
   for (size_t i = 0; i < scan.size() && !whole; ++i) {
     if (scan.is_hit(i)) order.push_back(i);
   }
   const std::vector<uint8_t> type = return_types(scan);
-  const std::set<uint16_t> rings(scan.ring.begin(), scan.ring.end());
   DriverCloud out;
-  out.height = whole ? rings.size() : 1;
+  out.height = whole ? rings : 1;
   out.width = order.size() / out.height;
-  for (const size_t i : order) {
-    Point p = point_of(scan, info, world_from_sensor, i);
-    p.return_type = type[i];
-    put_point(driver, p, out.points);
-  }
+  size_t step = 0;
+  for (const CloudField& f : fields_of(driver)) step += f.bytes;
+  out.points.resize(order.size() * step);
+  parallel_for(order.size(), kPoints, [&](size_t begin, size_t end) {
+    Points points(scan, info, world_from_sensor);
+    char* to = out.points.data() + begin * step;
+    for (size_t k = begin; k < end; ++k) {
+      Point p = points.at(order[k]);
+      p.return_type = type[order[k]];
+      put_point(driver, p, to);
+    }
+  });
   return out;
 }
 

@@ -91,13 +91,19 @@ PointCloud cloud_of(BeamLog beams, io::DriverLayout layout, const Trajectory& wo
   return out;
 }
 
-/// The beams of sensor k of a rig, or all.
-BeamLog beams_of_sensor(const BeamLog& beams, size_t k) {
+/// Splits beams by the sensors of a rig; those of a single sensor are taken over.
+std::vector<BeamLog> by_sensor(BeamLog beams, size_t sensors) {
+  std::vector<BeamLog> out(sensors);
   const auto found = beams.extra.find(perception::kSensorColumn);
-  if (found == beams.extra.end()) return beams;
-  BeamLog out = beams.like();
-  for (size_t i = 0; i < beams.size(); ++i) {
-    if (whole_number(found->second, i) == k) out.append(beams, i);
+  if (found == beams.extra.end()) {
+    out.at(0) = std::move(beams);
+    return out;
+  }
+  const auto& sensor = std::get<std::vector<uint8_t>>(found->second);
+  for (BeamLog& part : out) part = beams.like();
+  for (size_t begin = 0, end = 0; begin < beams.size(); begin = end) {
+    while (end < beams.size() && sensor[end] == sensor[begin]) ++end;
+    out[sensor[begin]].append(beams, begin, end);
   }
   return out;
 }
@@ -140,7 +146,7 @@ class SensorService : public Service {
       beams = sensors_.fire(f);
     }
     return request.layout.empty() ? send_columns(request, beams, call)
-                                  : send_clouds(request, beams, call);
+                                  : send_clouds(request, std::move(beams), call);
   }
 
  private:
@@ -158,9 +164,10 @@ class SensorService : public Service {
     return true;
   }
 
-  bool send_clouds(const FireRequest& request, const BeamLog& beams, const Call& call) const {
+  bool send_clouds(const FireRequest& request, BeamLog beams, const Call& call) const {
     const Firing& f = request.firing;
     const Trajectory path = trajectory_of(f.vehicle, f.until_s);
+    std::vector<BeamLog> of_sensor = by_sensor(std::move(beams), sensors_.sensors().size());
     for (size_t k = 0; k < sensors_.sensors().size(); ++k) {
       const perception::MountedSensor& mounted = sensors_.rig().sensors[k];
       std::vector<StampedPose> poses = path.poses();
@@ -168,7 +175,7 @@ class SensorService : public Service {
         p.world_from_sensor = p.world_from_sensor * mounted.vehicle_from_sensor;
       }
       Part part;
-      part.clouds.push_back(cloud_of(beams_of_sensor(beams, k),
+      part.clouds.push_back(cloud_of(std::move(of_sensor[k]),
                                      io::driver_layout_from_name(request.layout),
                                      Trajectory(std::move(poses)), f.from_s));
       part.clouds[0].sensor = mounted.name;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "underbrush/core/beam_window.hpp"
 #include "underbrush/core/check.hpp"
@@ -56,8 +57,9 @@ struct RigSource::Stream {
     source.rewind();
     read();
   }
-  void advance() {
-    if (++at == chunk.size()) read();
+  void advance(size_t rows) {
+    at += rows;
+    if (at == chunk.size()) read();
   }
   double time_s() const { return chunk.time_s[at]; }
 };
@@ -109,12 +111,27 @@ std::vector<size_t> RigSource::fired_before() const {
   return out;
 }
 
-const RigSource::Stream* RigSource::earliest() const {
-  const Stream* first = nullptr;
-  for (const auto& s : streams_) {
-    if (!s->is_done && (!first || s->time_s() < first->time_s())) first = s.get();
+std::optional<size_t> RigSource::earliest() const {
+  std::optional<size_t> first;
+  for (size_t k = 0; k < streams_.size(); ++k) {
+    if (streams_[k]->is_done) continue;
+    if (!first || streams_[k]->time_s() < streams_[*first]->time_s()) first = k;
   }
   return first;
+}
+
+size_t RigSource::beams_in_a_row(size_t k) const {
+  double before_s = std::numeric_limits<double>::infinity(), until_s = before_s;
+  for (size_t other = 0; other < streams_.size(); ++other) {
+    if (other == k || streams_[other]->is_done) continue;
+    double& limit =
+        other < k ? before_s : until_s;  // Of beams at a time, the first sensor's is first.
+    limit = std::min(limit, streams_[other]->time_s());
+  }
+  const std::vector<double>& time_s = streams_[k]->chunk.time_s;
+  size_t end = streams_[k]->at + 1;
+  while (end < time_s.size() && time_s[end] < before_s && time_s[end] <= until_s) ++end;
+  return end - streams_[k]->at;
 }
 
 bool RigSource::next(BeamLog& chunk) {
@@ -122,17 +139,19 @@ bool RigSource::next(BeamLog& chunk) {
   chunk.info = info_;
   std::vector<uint8_t> sensor;
   while (chunk.size() < chunk_size_) {
-    const Stream* from = earliest();
-    if (!from) break;
-    size_t k = 0;
-    while (streams_[k].get() != from) ++k;
-    chunk.append(from->chunk, from->at);
-    const size_t i = chunk.size() - 1;
-    const double cycles = (chunk.time_s[i] - start_s_) * sensors_[0].rate_hz;
-    chunk.scan[i] = std::min(uint32_t(std::max(cycles + 1e-9, 0.0)), last_scan_);
-    chunk.packet[i] = chunk.packet[i] * uint32_t(streams_.size()) + uint32_t(k);
-    sensor.push_back(uint8_t(k));
-    streams_[k]->advance();
+    const std::optional<size_t> k = earliest();
+    if (!k) break;
+    Stream& from = *streams_[*k];
+    const size_t begin = chunk.size();
+    const size_t rows = std::min(beams_in_a_row(*k), chunk_size_ - begin);
+    chunk.append(from.chunk, from.at, from.at + rows);
+    for (size_t i = begin; i < chunk.size(); ++i) {
+      const double cycles = (chunk.time_s[i] - start_s_) * sensors_[0].rate_hz;
+      chunk.scan[i] = std::min(uint32_t(std::max(cycles + 1e-9, 0.0)), last_scan_);
+      chunk.packet[i] = chunk.packet[i] * uint32_t(streams_.size()) + uint32_t(*k);
+    }
+    sensor.resize(chunk.size(), uint8_t(*k));
+    from.advance(rows);
   }
   chunk.extra[kSensorColumn] = std::move(sensor);
   return !chunk.empty();

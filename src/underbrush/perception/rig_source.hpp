@@ -2,6 +2,7 @@
 /// This file makes the beams that all sensors of a rig fire while the vehicle moves.
 #pragma once
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "underbrush/core/beam_log.hpp"
@@ -48,7 +49,10 @@ class RigSource : public BeamSource {
 
  private:
   struct Stream;
-  const Stream* earliest() const;
+  /// The sensor of the next beam; none at the end.
+  std::optional<size_t> earliest() const;
+  /// How many beams of its chunk that sensor fires before another one does.
+  size_t beams_in_a_row(size_t sensor) const;
 
   std::vector<sensor::Sensor> sensors_;
   std::vector<std::unique_ptr<Stream>> streams_;

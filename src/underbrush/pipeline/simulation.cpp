@@ -67,11 +67,14 @@ BeamLog in_order(const LogInfo& info, const std::vector<uint8_t>& sensor,
   begins.reserve(part.size());
   for (const BeamLog& p : part) begins.push_back(begins_beam(p));
   std::vector<size_t> at(part.size(), 0);
-  for (const uint8_t k : sensor) {
+  for (size_t i = 0; i < sensor.size();) {
+    const uint8_t k = sensor[i];
     const size_t begin = at[k];
-    do {
-      ++at[k];
-    } while (at[k] < part[k].size() && !begins[k][at[k]]);
+    for (; i < sensor.size() && sensor[i] == k; ++i) {
+      do {
+        ++at[k];
+      } while (at[k] < part[k].size() && !begins[k][at[k]]);
+    }
     out.append(part[k], begin, at[k]);
   }
   return out;
@@ -280,7 +283,10 @@ void Simulation::answer_here(size_t first_beam, BeamLog& beams) {
   if (first_beam == 0) fired_.assign(fired_.size(), 0);
   std::vector<BeamLog> part(answers_.size());
   const std::vector<uint8_t> sensor = sensors_in(beams);
-  for (size_t i = 0; i < beams.size(); ++i) part[sensor[i]].append(beams, i);
+  for (size_t begin = 0, end = 0; begin < beams.size(); begin = end) {
+    while (end < beams.size() && sensor[end] == sensor[begin]) ++end;
+    part[sensor[begin]].append(beams, begin, end);
+  }
   for (size_t k = 0; k < part.size(); ++k) {
     if (part[k].empty()) continue;
     part[k].info.sensor = limits_[k].sensor;

@@ -22,11 +22,67 @@ Ball ball_around(const elements::Model& model, double scale) {
   return {scale * box.center(), scale * (0.5 * box.diagonal().norm() + 1e-6)};
 }
 
+/// A cone around the rays of a batch that follow each other.
+struct Bundle {
+  size_t begin = 0, end = 0;
+  Vec3 origin = Vec3::Zero(), axis = Vec3::Zero();
+  double spread_m = 0;          ///< How far the origins of rays lie from `origin`.
+  double cosine = 1, sine = 0;  ///< The cosine and sine of half its angle.
+
+  Bundle(std::span<const Ray> rays, size_t first, size_t last)
+      : begin(first), end(last), origin(rays[first].origin) {
+    constexpr double kSlack = 1e-12;
+    for (size_t i = begin; i < end; ++i) axis += rays[i].direction;
+    axis.normalize();
+    for (size_t i = begin; i < end; ++i) {
+      spread_m = std::max(spread_m, (rays[i].origin - origin).squaredNorm());
+      cosine = std::min(cosine, rays[i].direction.dot(axis));
+    }
+    spread_m = std::sqrt(spread_m);
+    cosine -= kSlack;
+    sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));
+  }
+  /// False only if no ray meets the ball. A cone lies on one side of each plane that touches it
+  /// along its length.
+  bool may_meet(const Ball& ball) const {
+    const Vec3 to = ball.centre - origin;
+    const double along = to.dot(axis),
+                 across = std::sqrt(std::max(0.0, to.squaredNorm() - along * along));
+    return !(cosine > 0) || across * cosine - along * sine <= ball.radius + spread_m;
+  }
+};
+
+std::vector<Bundle> bundles_of(std::span<const Ray> rays) {
+  constexpr size_t kRays = 32;
+  std::vector<Bundle> out;
+  out.reserve(rays.size() / kRays + 1);
+  for (size_t i = 0; i < rays.size(); i += kRays) {
+    out.emplace_back(rays, i, std::min(i + kRays, rays.size()));
+  }
+  return out;
+}
+
 Pose pose_at(const Trajectory& path, double time_s) {
   const auto& poses = path.poses();
   if (time_s <= poses.front().time_s) return poses.front().world_from_sensor;
   if (time_s >= poses.back().time_s) return poses.back().world_from_sensor;
   return *path.at(time_s);
+}
+
+/// A ball around the places that a ball of an object has from one time (s) to another.
+Ball swept(const Ball& ball, const Trajectory& path, double from_s, double to_s) {
+  Pose last = pose_at(path, from_s);
+  Ball out{last * ball.centre, ball.radius};
+  const auto go_on = [&](const Pose& next) {
+    out.radius += (next.translation - last.translation).norm() +
+                  ball.centre.norm() * last.rotation.angularDistance(next.rotation);
+    last = next;
+  };
+  const auto& poses = path.poses();
+  auto p = std::ranges::upper_bound(poses, from_s, {}, &StampedPose::time_s);
+  for (; p != poses.end() && p->time_s < to_s; ++p) go_on(p->world_from_sensor);
+  go_on(pose_at(path, to_s));
+  return out;
 }
 
 }  // namespace
@@ -143,30 +199,33 @@ void DynamicWorld::meet_movers(std::span<const Ray> rays, std::span<const uint64
   if (movers_.empty() || rays.empty()) return;
   const size_t width = rays.size() / time_s.size();
   const bool sways = world_->draws() == trace::Draws::kSwaying;
+  const auto [first_s, last_s] = std::ranges::minmax(time_s);
+  const std::vector<Bundle> bundles = bundles_of(rays);
   std::vector<Ray> near;
   std::vector<uint64_t> near_keys;
   std::vector<size_t> number;
   std::vector<Intersection> found;
-  near.reserve(rays.size());
-  near_keys.reserve(rays.size());
-  number.reserve(rays.size());
   for (const auto& o : movers_) {
     near.clear();
     near_keys.clear();
     number.clear();
     if (std::ranges::none_of(time_s, [&](double t) { return o->mover.is_there(t); })) continue;
+    const Trajectory& path = o->mover.world_from_object;
+    const Ball everywhere = swept(o->ball, path, first_s, last_s);
     double posed_at = NAN;
     Pose object_from_world;
     Vec3 centre = Vec3::Zero();
-    for (size_t b = 0; b < time_s.size(); ++b) {
-      if (!o->mover.is_there(time_s[b])) continue;
-      if (time_s[b] != posed_at) {
-        const Pose pose = pose_at(o->mover.world_from_object, time_s[b]);
-        posed_at = time_s[b];
-        object_from_world = pose.inverse();
-        centre = pose * o->ball.centre;
-      }
-      for (size_t i = b * width; i < (b + 1) * width; ++i) {
+    for (const Bundle& bundle : bundles) {
+      if (!bundle.may_meet(everywhere)) continue;
+      for (size_t i = bundle.begin; i < bundle.end; ++i) {
+        const double t = time_s[i / width];
+        if (!o->mover.is_there(t)) continue;
+        if (t != posed_at) {
+          const Pose pose = pose_at(path, t);
+          posed_at = t;
+          object_from_world = pose.inverse();
+          centre = pose * o->ball.centre;
+        }
         const Vec3 to = centre - rays[i].origin;
         const double along = to.dot(rays[i].direction), r = o->ball.radius;
         if (along < -r || to.squaredNorm() - along * along > r * r) continue;

@@ -294,7 +294,9 @@ void simulate(const DynamicWorld& world, const Options& options, size_t first_be
   const Simulation simulation(world, options, beams.info);
   const keyframes::KeyframeCache* cache = simulation.cache ? &*simulation.cache : nullptr;
   ElementColumns columns(world.world(), options, beams.size());
-  parallel_for(beams.size(), 8192, [&](size_t begin, size_t end) {
+  constexpr size_t kShots = 8192, kFew = 2048;  // smaller tasks for few beams
+  const size_t grain = beams.size() < 8 * kShots ? kFew : kShots;
+  parallel_for(beams.size(), grain, [&](size_t begin, size_t end) {
     const Shots shots(simulation, first_beam, beams, begin, end);
     const std::vector<BeamAnswer> answers =
         options.draw == RangeDraw::kMedian

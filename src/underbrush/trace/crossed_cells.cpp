@@ -1,5 +1,6 @@
 #include "underbrush/trace/crossed_cells.hpp"
 
+#include <algorithm>
 #include <bit>
 
 #include "underbrush/core/clones.hpp"
@@ -19,6 +20,22 @@ void cells_of_steps(const Vec3& start, const Vec3& direction, double from_m, dou
       out[size_t(axis)][k] = cell_index(begin + middle * slope, cell_m);
     }
   }
+}
+
+UNDERBRUSH_CLONES
+uint32_t drawn_at_most(double most, uint64_t key, const StepCells& cells) {
+  // A draw is (b + 1/2) 2⁻⁵² with 52 random bits b.
+  const auto limit = int64_t(std::min(most, 1.0) * 0x1p52);
+  std::array<int64_t, StepCells::kSteps> below;
+  for (size_t k = 0; k < StepCells::kSteps; ++k) {
+    const uint64_t xy = mix64(uint64_t(uint32_t(cells.x[k])) << 32 | uint32_t(cells.y[k]));
+    const uint64_t cell = mix64(xy + uint32_t(cells.z[k]));  // as CellHash
+    const uint64_t bits = random_bits(mix64(key ^ cell), 0, Purpose::kUnknown);
+    below[k] = int64_t(bits >> 12) <= limit;
+  }
+  uint32_t out = 0;
+  for (size_t k = 0; k < StepCells::kSteps; ++k) out |= uint32_t(below[k]) << k;
+  return out;
 }
 
 CrossedCells::CrossedCells(const elements::ObservedSpace& space)

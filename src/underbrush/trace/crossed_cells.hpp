@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "underbrush/core/rng.hpp"
 #include "underbrush/elements/observed_space.hpp"
 
 namespace underbrush::trace {
@@ -20,6 +21,14 @@ struct StepCells {
 /// range `from_m`.
 void cells_of_steps(const Vec3& start, const Vec3& direction, double from_m, double step_m,
                     double cell_m, StepCells& cells);
+
+/// Which of the steps, as bits, have a draw of at most `most` in their cells. The draw of a cell is
+/// uniform, of the cell's hash and `key`.
+uint32_t drawn_at_most(double most, uint64_t key, const StepCells& cells);
+/// The uniform draw of a cell's hash for `key`. Different numbers `what` give different draws.
+inline double drawn_in_cell(uint64_t key, uint64_t cell, uint32_t what) {
+  return uniform_from_bits(random_bits(mix64(key ^ cell), what, Purpose::kUnknown));
+}
 
 /// The cells of a map of observed space that a beam crossed: a bit for each cell, and the blocks in
 /// a hash table with linear probing.

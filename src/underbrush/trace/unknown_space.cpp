@@ -127,6 +127,9 @@ UnknownSpace::UnknownSpace(const ObservedSpace& space, const elements::TriangleM
     if (std::all_of(row.begin(), row.end(), [](float x) { return x == 0; })) continue;
     constexpr double kHighestM = 2 * ObservedSpace::kHeightsM.back();
     top_m_ = h < ObservedSpace::kHeightsM.size() ? ObservedSpace::kHeightsM[h] : kHighestM;
+    double& most =
+        h < ObservedSpace::height_interval(ObservedSpace::kGroundM) ? most_low_ : most_high_;
+    most = std::max(most, double(*std::ranges::max_element(row)));
   }
 }
 
@@ -146,24 +149,38 @@ double support_of(std::span<const Intersection> met, const RangeMixture& mixture
 
 std::optional<double> UnknownSpace::drawn_end(const Ray& ray, uint64_t key,
                                               const RangeLimits& limits) const {
+  constexpr double kSlack = 1 + 1e-9;  // for rounding
   std::optional<double> end;
-  bool is_low = false, is_lost = false;
-  const auto drawn = [&](const Step& s, uint32_t what) {
-    return uniform_from_bits(random_bits(mix64(key ^ s.cell), what, Purpose::kUnknown));
+  const auto ends = [&](const Step& s, double of_step) {
+    if (!(of_step > 0)) return false;
+    const double u = drawn_in_cell(key, s.cell, 0);
+    if (u > kSlack * of_step) return false;  // as −ln(1 − u) ≥ u
+    // The place in the step of an exponential distribution, given that it ends in the step.
+    const double free = -std::log1p(-u);
+    if (free >= of_step) return false;
+    end = s.from_m + (s.to_m - s.from_m) * free / of_step;
+    return true;
   };
+  // Most rays pass, and their draws alone tell it. Only a ray that may end near the ground is
+  // followed again, because it has one trial where it first comes there.
+  bool comes_low = false;
+  const double density = std::max(most_high_, most_low_ * std::max(kLeastFall, -ray.direction.z()));
+  const double most = kSlack * density * space_.cell_m;
+  const auto may_end = [&](const StepCells& cells, CrossedCells::Block& block) {
+    return crossed_.hold(cells, block) ? 0u : drawn_at_most(most, key, cells);
+  };
+  follow(ray, limits, may_end, [&](const Step& s) {
+    comes_low = s.is_low();
+    return !comes_low && !ends(s, depth(s));
+  });
+  if (!comes_low) return end;
+  bool is_low = false, is_lost = false;
   follow(ray, limits, [&](const Step& s) {
     if (s.is_low() && !is_low) {
       is_low = true;
-      is_lost = drawn(s, 1) >= returns(s);
+      is_lost = drawn_in_cell(key, s.cell, 1) >= returns(s);
     }
-    const double of_step = s.is_low() && is_lost ? 0 : depth(s);
-    if (!(of_step > 0)) return true;
-    const double u = drawn(s, 0);
-    // The place in the step of an exponential distribution, given that it ends in the step.
-    const double free = -std::log1p(-u);
-    if (free >= of_step) return true;
-    end = s.from_m + (s.to_m - s.from_m) * free / of_step;
-    return false;
+    return !ends(s, s.is_low() && is_lost ? 0 : depth(s));
   });
   return end;
 }

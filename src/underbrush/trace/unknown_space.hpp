@@ -85,7 +85,16 @@ class UnknownSpace {
   /// Calls `take(step)` for each step of a ray (world) in unknown space, in order of range, until
   /// it returns false. Steps above the highest interval in which anything is met are left out.
   template <class F>
-  void follow(const Ray& ray, const RangeLimits& limits, F take) const;
+  void follow(const Ray& ray, const RangeLimits& limits, F take) const {
+    const auto unknown = [this](const StepCells& cells, CrossedCells::Block& block) {
+      return crossed_.hold(cells, block) ? 0u : ~0u;
+    };
+    follow(ray, limits, unknown, take);
+  }
+  /// The same without the steps that are not among the bits of `which(cells, block)`; the last step
+  /// counts always.
+  template <class Which, class F>
+  void follow(const Ray& ray, const RangeLimits& limits, Which which, F take) const;
   const GroundHeights& ground() const { return ground_; }
   /// The height of a point (world, m) above the ground, m.
   double height(const Vec3& point) const {
@@ -120,7 +129,8 @@ class UnknownSpace {
   Vec3 origin_;
   CrossedCells crossed_;
   GroundHeights ground_;
-  double top_m_ = 0;  // above the ground; nothing is met higher
+  double top_m_ = 0;                     // above the ground; nothing is met higher
+  double most_low_ = 0, most_high_ = 0;  // the greatest densities near the ground and above
 };
 
 /// The element number of what a ray meets in unknown space.
@@ -130,8 +140,8 @@ inline constexpr uint32_t kUnknown = 0xfffffffeu;
 /// what it may meet.
 double support_of(std::span<const Intersection> met, const RangeMixture& mixture);
 
-template <class F>
-void UnknownSpace::follow(const Ray& ray, const RangeLimits& limits, F take) const {
+template <class Which, class F>
+void UnknownSpace::follow(const Ray& ray, const RangeLimits& limits, Which which, F take) const {
   if (ground_.empty()) return;
   const double cell = space_.cell_m;
   const Vec3 start = ray.origin - origin_;
@@ -149,6 +159,7 @@ void UnknownSpace::follow(const Ray& ray, const RangeLimits& limits, F take) con
   }
   CrossedCells::Block block;
   StepCells cells;
+  uint32_t steps = 0;
   for (int k = 0;; ++k) {
     const double t = from + k * cell;
     if (!(t < to)) return;
@@ -156,12 +167,14 @@ void UnknownSpace::follow(const Ray& ray, const RangeLimits& limits, F take) con
     if (in_batch == 0) {
       cells_of_steps(start, ray.direction, t, cell, cell, cells);
       const int last = k + StepCells::kSteps - 1;
-      if (from + last * cell + cell < to && crossed_.hold(cells, block)) {
+      steps = which(cells, block);
+      if (from + last * cell + cell < to && steps == 0) {
         k = last;
         continue;
       }
     }
     const double end = std::min(t + cell, to), middle = 0.5 * (t + end);
+    if (end != to && !(steps >> in_batch & 1)) continue;
     const Vec3 at = start + middle * ray.direction;
     // The last step may be shorter.
     const Cell3 c = end == to ? cell_of(at, cell) : cells.of(in_batch);
