@@ -1,11 +1,13 @@
 #include "underbrush/actors/actor.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "underbrush/actors/actor_edits.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/mesh_file.hpp"
+#include "underbrush/perception/truth.hpp"
 
 namespace underbrush::actors {
 namespace fs = std::filesystem;
@@ -25,6 +27,20 @@ std::vector<Actor> read_scene_of_actors(const fs::path& folder) {
                    scene.models[model], mover->world_from_object, mover->from_s, mover->to_s});
   }
   return out;
+}
+
+/// The extents of the box about the origin that has all elements of a model, up to a standard
+/// deviation from the middle of an ellipsoid.
+Vec3 size_of(const elements::Model& model) {
+  Vec3 half = Vec3::Zero();
+  for (const elements::TriangleMesh* mesh : {&model.ground, &model.surface}) {
+    for (const Vec3f& v : mesh->vertices) half = half.cwiseMax(v.cast<double>().cwiseAbs());
+  }
+  for (const elements::Ellipsoid& e : model.ellipsoids) {
+    const Vec3 sigma = e.covariance_matrix().diagonal().cwiseSqrt();
+    half = half.cwiseMax(e.mean.cast<double>().cwiseAbs() + sigma);
+  }
+  return 2 * half;
 }
 
 }  // namespace
@@ -66,6 +82,40 @@ void write_actors(const fs::path& folder, const std::vector<Actor>& actors,
   }
   info.provenance = provenance;
   elements::write_scene(folder, scene, info);
+}
+
+std::vector<std::string> names_of(const std::vector<Actor>& actors) {
+  std::vector<std::string> out;
+  for (const Actor& a : actors) {
+    if (std::ranges::find(out, a.name) == out.end()) out.push_back(a.name);
+  }
+  return out;
+}
+
+perception::LogTruth truth_of(const std::vector<Actor>& actors, const LogInfo& log) {
+  require_data(!log.scans.empty(), "the log does not say when its scans were made");
+  const std::vector<std::string> names = names_of(actors);
+  std::vector<Vec3> size_m;
+  for (const Actor& a : actors) size_m.push_back(size_of(a.model));
+  std::vector<perception::ObjectList> lists;
+  for (const ScanInfo& scan : log.scans) {
+    perception::TruthFrame frame{scan.time_s, {}};
+    for (size_t k = 0; k < actors.size(); ++k) {
+      const Actor& a = actors[k];
+      if (scan.time_s < a.from_s || scan.time_s >= a.to_s) continue;
+      const auto& poses = a.world_from_actor.poses();
+      const Pose at = *a.world_from_actor.at(
+          std::clamp(scan.time_s, poses.front().time_s, poses.back().time_s));
+      const Vec3 ahead = at.rotation * Vec3::UnitX();
+      const auto number = uint64_t(std::ranges::find(names, a.name) - names.begin()) + 1;
+      frame.objects.push_back(
+          {number,
+           perception::class_of_name(a.label).value_or(perception::ObjectClass::kUnknown),
+           {at.translation, std::atan2(ahead.y(), ahead.x()), size_m[k]}});
+    }
+    lists.push_back(perception::list_of_truth(frame, scan.world_from_sensor));
+  }
+  return perception::LogTruth(lists);
 }
 
 std::vector<Actor> read_actors(const fs::path& path) {

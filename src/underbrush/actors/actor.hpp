@@ -8,6 +8,7 @@
 
 #include "underbrush/elements/model.hpp"
 #include "underbrush/elements/scene_file.hpp"
+#include "underbrush/perception/log_truth.hpp"
 
 namespace underbrush::actors {
 
@@ -38,5 +39,13 @@ void write_actors(const std::filesystem::path& folder, const std::vector<Actor>&
 /// Reads the folder of a scene, or a list of edits of one (`apply_edits`). Throws `FormatError`,
 /// also for a scene in which an instance does not move.
 std::vector<Actor> read_actors(const std::filesystem::path& path);
+
+/// The distinct names of actors, in order.
+std::vector<std::string> names_of(const std::vector<Actor>& actors);
+/// Actors as the true objects of the scans of a log: those that are there at a scan's time. Object
+/// k
+/// + 1 has the k-th of `names_of`, and its box is that about the actor's elements. Throws
+/// `DataError` for a log that does not say when its scans were made.
+perception::LogTruth truth_of(const std::vector<Actor>& actors, const LogInfo& log);
 
 }  // namespace underbrush::actors

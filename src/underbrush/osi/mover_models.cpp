@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
+#include "underbrush/elements/scene_file.hpp"
 #include "underbrush/io/mesh_file.hpp"
 
 namespace underbrush::osi {
@@ -58,13 +60,17 @@ elements::Model mesh_model(const std::vector<Vec3f>& vertices,
 
 MoverModels::MoverModels(const std::string& folder) {
   if (folder.empty()) return;
+  if (elements::is_scene(folder)) {
+    read_scene(folder);
+    return;
+  }
   std::vector<fs::path> paths;
   for (const auto& entry : fs::directory_iterator(folder)) paths.push_back(entry.path());
   std::sort(paths.begin(), paths.end());
   const std::vector<std::string> meshes = io::mesh_extensions();
   for (const fs::path& path : paths) {
     if (fs::is_directory(path)) {
-      fitted_.emplace(path.filename().string(), elements::read_model(path));
+      fitted_[path.filename().string()].push_back({{}, elements::read_model(path)});
     } else if (std::find(meshes.begin(), meshes.end(), path.extension()) != meshes.end()) {
       const io::MeshData mesh = io::read_mesh(path);
       meshes_.emplace(path.stem().string(), mesh_model(mesh.vertices, mesh.triangles));
@@ -72,13 +78,30 @@ MoverModels::MoverModels(const std::string& folder) {
   }
 }
 
-elements::Model MoverModels::model(const MovingObject& m) const {
+void MoverModels::read_scene(const std::string& folder) {
+  elements::SceneInfo info;
+  const elements::Scene scene = elements::read_scene(folder, &info);
+  for (const elements::Mover& m : info.movers) {
+    const uint32_t k = scene.instances[m.instance].model;
+    for (const std::string& name :
+         {info.names[k], elements::class_name(info, info.labels[m.instance])}) {
+      fitted_[name].push_back({m, scene.models[k]});
+    }
+  }
+  require_data(!fitted_.empty(), "tracer: nothing moves in the scene of actors");
+}
+
+elements::Model MoverModels::model(const MovingObject& m, double time_s) const {
   const std::string words[] = {
       fs::path(m.model_reference).stem().string(),
       std::string(perception::name(class_of(m.type, m.vehicle_type, m.base.dimension_m)))};
   for (const std::string& word : words) {
     const auto fitted = fitted_.find(word);
-    if (fitted != fitted_.end()) return fitted->second;
+    if (fitted != fitted_.end()) {
+      const auto now = std::ranges::find_if(
+          fitted->second, [&](const Fitted& f) { return f.times.is_there(time_s); });
+      return now == fitted->second.end() ? fitted->second[0].model : now->model;
+    }
     const auto mesh = meshes_.find(word);
     if (mesh != meshes_.end()) return fitted_mesh(mesh->second, *m.base.dimension_m);
   }

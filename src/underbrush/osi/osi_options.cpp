@@ -8,8 +8,8 @@ std::span<const Option<OsiOptions>> osi_options() {
   using O = OsiOptions;
   // clang-format off
   static const Option<O> kOptions[] = {
-    {"truth", "", "", "record: the true objects, as perceive takes them, for the ground truth",
-     [](O& o) -> auto& { return o.truth; }, -kNoLimit, kNoLimit, {}, "FILE"},
+    {"truth", "", "", "record: the ground truth: objects, as perceive takes them, or learnt actors",
+     [](O& o) -> auto& { return o.truth; }, -kNoLimit, kNoLimit, {}, "FILE|DIR"},
 
     {"chain", "Replay", "", "The strategies and their parameters",
      [](O& o) -> auto& { return o.replay.chain; }, -kNoLimit, kNoLimit, {}, "CHAIN.yaml"},
@@ -27,6 +27,10 @@ std::span<const Option<OsiOptions>> osi_options() {
      "its ground truth",
      [](O& o) -> auto& { return o.without_view; }},
 
+    {"actors", "More options", "",
+     "replay: learnt models for the tracer, each where the trace has what it is named after, else for "
+     "things of its class",
+     [](O& o) -> auto& { return o.replay.actors; }, -kNoLimit, kNoLimit, {}, "DIR"},
     {"white", "More options", "",
      "record, convert: the log's intensity of a white target, for signal strengths",
      [](O& o) -> auto& { return o.lidar.white_intensity; }, kPositive, kNoLimit},
@@ -40,9 +44,10 @@ return kOptions;
 
 void OsiOptions::check(const std::string& action) const {
   check_options("osi", osi_options(), *this);
-  require(action == "replay" || (replay.chain.empty() && replay.strategies.empty() &&
-                                 !without_view && replay.sensor.empty() && replay.world.empty()),
-          "osi: --chain, --strategy, --sensor, --world and --without-view are of replay");
+  require(action == "replay" ||
+              (replay.chain.empty() && replay.strategies.empty() && !without_view &&
+               replay.sensor.empty() && replay.world.empty() && replay.actors.empty()),
+          "osi: --chain, --strategy, --sensor, --world, --actors and --without-view are of replay");
   require(action == "record" || truth.empty(), "osi: --truth is of record");
 }
 

@@ -31,8 +31,8 @@ std::vector<ScanInfo> scans_of(BeamSource& log) {
 class Recorder {
  public:
   Recorder(BeamSource& log, const perception::LogTruth* truth, const LidarLogOptions& options,
-           TraceWriter& writer)
-      : scans_(scans_of(log)), writer_(writer), options_(options), truth_(truth) {
+           TraceWriter& writer, std::span<const std::string> models)
+      : scans_(scans_of(log)), writer_(writer), options_(options), truth_(truth), models_(models) {
     require_data(!scans_.empty(), "osi: the log has no beams");
     const double span = scans_.back().time_s - scans_.front().time_s;
     if (scans_.size() > 1) cycle_s_ = span / double(scans_.size() - 1);
@@ -48,6 +48,9 @@ class Recorder {
     perception::TruthFrame frame;
     if (truth_) truth_->at(scan.scan, scan.time_s, cycle_s_, frame);
     view.truth = ground_truth_of(frame, scan.world_from_sensor, scan.time_s);
+    for (MovingObject& m : view.truth->moving) {
+      if (m.id < models_.size()) m.model_reference = models_[m.id];
+    }
     view.host_vehicle_id = kHostId;
     set_motion(k, view.truth->moving[0].base);
     counts_.objects += frame.objects.size();
@@ -75,6 +78,7 @@ class Recorder {
   TraceWriter& writer_;
   const LidarLogOptions& options_;
   const perception::LogTruth* truth_;
+  std::span<const std::string> models_;
   double cycle_s_ = 0;
   RecordCounts counts_;
   std::string message_;
@@ -83,8 +87,9 @@ class Recorder {
 }  // namespace
 
 RecordCounts record_log(BeamSource& log, const perception::LogTruth* truth,
-                        const LidarLogOptions& options, TraceWriter& writer) {
-  Recorder recorder(log, truth, options, writer);
+                        const LidarLogOptions& options, TraceWriter& writer,
+                        std::span<const std::string> models) {
+  Recorder recorder(log, truth, options, writer, models);
   BeamLog scan;
   for (BeamLog chunk; log.next(chunk);) {
     for (size_t begin = 0; begin < chunk.size();) {

@@ -2,6 +2,8 @@
 /// This file writes a log as a trace of SensorViews.
 #pragma once
 #include <cstddef>
+#include <span>
+#include <string>
 
 #include "underbrush/osi/lidar_log.hpp"
 #include "underbrush/osi/trace.hpp"
@@ -15,10 +17,12 @@ struct RecordCounts {
 };
 
 /// Writes a SensorView with reflections for each scan of a log, with the true objects unless
-/// `truth` is null. The host vehicle is where the sensor is. The writer is not closed. A log that
-/// does not say where its scans were made is read once more, and has the places of their first
-/// beams. Throws `DataError` for a log without beams, or with a beam whose scan has no pose.
+/// `truth` is null, of which object k + 1 refers to the k-th of `models`. The host vehicle is where
+/// the sensor is. The writer is not closed. A log that does not say where its scans were made is
+/// read once more, and has the places of their first beams. Throws `DataError` for a log without
+/// beams, or with a beam whose scan has no pose.
 RecordCounts record_log(BeamSource& log, const perception::LogTruth* truth,
-                        const LidarLogOptions& options, TraceWriter& writer);
+                        const LidarLogOptions& options, TraceWriter& writer,
+                        std::span<const std::string> models = {});
 
 }  // namespace underbrush::osi

@@ -54,6 +54,10 @@ Chain chain_of(const ReplayOptions& a, bool is_truth) {
   if (!a.world.empty()) {
     require(file.set("tracer", "world", a.world), "osi: --world needs a chain with a tracer");
   }
+  if (!a.actors.empty()) {
+    require(file.set("tracer", "mover_models", a.actors),
+            "osi: --actors needs a chain with a tracer");
+  }
   if (!a.sensor.empty()) {
     const bool traced = file.set("tracer", "sensor", a.sensor);
     const bool received = file.set("front_end", "sensor", a.sensor);

@@ -16,6 +16,7 @@ struct ReplayOptions {
   std::string chain;                    ///< File of a chain.
   std::vector<std::string> strategies;  ///< Each is NAME[:KEY=VALUE,...].
   std::string sensor, world;            ///< The tracer takes both, the front end the sensor.
+  std::string actors;                   ///< The tracer takes the models of what moves from here.
   uint64_t seed = 1;                    ///< The seed of our strategies that have none in the chain.
 };
 

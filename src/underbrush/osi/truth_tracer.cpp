@@ -96,13 +96,14 @@ std::unique_ptr<TracedPart> TruthTracer::placed_movers(const SensorView& view,
   elements::Scene scene;
   elements::SceneInfo info;
   const MovingObject* host = view.host();
+  const double time_s = view.timestamp.value_or(Timestamp{}).s();
   for (const MovingObject& m : view.truth->moving) {
     if (&m == host || !m.base.position_m || !m.base.dimension_m) continue;
     if (m.base.dimension_m->minCoeff() <= 0) continue;
     elements::Instance placed;
     placed.model = uint32_t(scene.models.size());
     placed.world_from_model = m.base.pose();
-    scene.models.push_back(world_->movers.model(m));
+    scene.models.push_back(world_->movers.model(m, time_s));
     scene.instances.push_back(placed);
     info.materials.push_back(world_->options.mover_material);
     info.labels.push_back(elements::Class::kUnknown);

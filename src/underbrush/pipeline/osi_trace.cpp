@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "underbrush/actors/actor.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/osi/list_file.hpp"
@@ -18,13 +19,18 @@ osi::RecordCounts record_trace(const fs::path& log, const fs::path& output,
   options.check("record");
   io::LogReader reader(log);
   std::optional<perception::LogTruth> truth;
-  if (!options.truth.empty()) {
+  std::vector<std::string> models;
+  if (!options.truth.empty() && elements::is_scene(options.truth)) {
+    const std::vector<actors::Actor> actors = actors::read_actors(options.truth);
+    truth = actors::truth_of(actors, reader.info());
+    models = actors::names_of(actors);
+  } else if (!options.truth.empty()) {
     truth =
         osi::truth_of_log(options.truth, reader.info(), {options.truth_elevation_deg * M_PI / 180});
   }
   osi::TraceWriter writer(output, provenance);
   const osi::RecordCounts out =
-      osi::record_log(reader, truth ? &*truth : nullptr, options.lidar, writer);
+      osi::record_log(reader, truth ? &*truth : nullptr, options.lidar, writer, models);
   writer.close();
   return out;
 }
