@@ -3,7 +3,7 @@
 set(UNDERBRUSH_LAYERS
     core compact io ground movers elements trace sensor radiometry cluster surface credit keyframes likelihood simulate
     calibrate fit update primitives library test_site sites worlds metrics optimize perception osi actors regions pipeline
-    jobs serve live)
+    rasters jobs serve live)
 
 # underbrush_module(NAME SOURCES a.cpp ... HEADERS a.hpp ... DEPENDS module ... LINK target ... [OUTER])
 #

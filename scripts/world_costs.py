@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Seconds and peak memory of a generated forest by its area, as a world of regions.
+"""Seconds, processor seconds and peak memory of a generated forest by its area, as a world of regions.
 
     scripts/world_costs.py PRIMITIVES [--km2 1 10 100] [--program build/bin/underbrush] [--json FILE]
 
 The forest is generated in parts and composed of the set of primitives, and an OS1-64 drives 10 s on a straight way of
-100 m through its middle. The exponents of time and memory against area are printed beside each size.
+100 m through its middle. The exponents of processor time and memory against area, from the first size on, are printed beside
+each other size.
 """
 import argparse
 import json
@@ -18,13 +19,13 @@ import time
 
 
 def cost(program, *words):
-    """Seconds and peak memory (MiB) of a command."""
+    """Seconds, seconds of processors and peak memory (MiB) of a command."""
     start = time.monotonic()
     child = subprocess.Popen([program, *map(str, words)], stdout=subprocess.DEVNULL)
     _, status, usage = os.wait4(child.pid, 0)
     if status:
         raise SystemExit(f"{words[0]} failed")
-    return time.monotonic() - start, usage.ru_maxrss / 1024
+    return time.monotonic() - start, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024
 
 
 def costs_of(program, primitives, km2, folder):
@@ -45,7 +46,7 @@ def main():
     parser.add_argument("primitives", type=pathlib.Path)
     parser.add_argument("--km2", type=float, nargs="+", default=[1, 10, 100])
     parser.add_argument("--program", default="build/bin/underbrush")
-    parser.add_argument("--folder", help="where the worlds are written for a time (1 GB for 10 km²)")
+    parser.add_argument("--folder", help="where the worlds are written for a time (10 GB for 100 km²)")
     parser.add_argument("--json", type=pathlib.Path)
     args = parser.parse_args()
     rows = []
@@ -55,13 +56,13 @@ def main():
             costs = costs_of(args.program, args.primitives, km2, folder)
         finally:
             shutil.rmtree(folder)
-        for verb, (seconds, mib) in costs.items():
-            row = {"km2": km2, "verb": verb, "seconds": seconds, "peak_mib": mib}
-            before = next((r for r in reversed(rows) if r["verb"] == verb), None)
-            if before:
-                area = math.log(km2 / before["km2"])
-                row["time_exponent"] = math.log(seconds / before["seconds"]) / area
-                row["memory_exponent"] = math.log(mib / before["peak_mib"]) / area
+        for verb, (seconds, processor, mib) in costs.items():
+            row = {"km2": km2, "verb": verb, "seconds": seconds, "processor_seconds": processor, "peak_mib": mib}
+            first = next((r for r in rows if r["verb"] == verb), None)
+            if first:
+                area = math.log(km2 / first["km2"])
+                row["time_exponent"] = math.log(processor / first["processor_seconds"]) / area
+                row["memory_exponent"] = math.log(mib / first["peak_mib"]) / area
             rows.append(row)
             print(" ".join(f"{name} {value:.2f}" if isinstance(value, float) else f"{name} {value}"
                            for name, value in row.items()), flush=True)

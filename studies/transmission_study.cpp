@@ -10,9 +10,9 @@
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/export.hpp"
 #include "underbrush/io/json_text.inl"
-#include "underbrush/metrics/canopy.hpp"
 #include "underbrush/pipeline/fit_model.hpp"
 #include "underbrush/pipeline/simulate_log.hpp"
+#include "underbrush/rasters/canopy.hpp"
 
 namespace underbrush::studies {
 namespace {
@@ -115,7 +115,7 @@ SlabAnswer model_answer(const elements::Model& model, const TurbidSlab& slab, co
   pipeline::World world;
   world.scene.models.push_back(model);
   const pipeline::TracedWorld traced(world.scene, world.info);
-  const metrics::Canopy canopy = metrics::canopy_of(world.scene, traced.still());
+  const rasters::Canopy canopy = rasters::canopy_of(world.scene, traced.still());
   const bool spherical = model.leaf_angles.spherical();
   const double convert = spherical ? slab.area_density / area_density_of_voxels(slab) : 1;
   const Eigen::Vector3i shift =

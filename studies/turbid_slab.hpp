@@ -56,7 +56,7 @@ struct TurbidSlab {
 /// Throws `std::invalid_argument` for beams that widen among leaves that are not spherical.
 BeamLog measured(const TurbidSlab& slab, BeamLog beams, uint64_t seed);
 
-/// The area density that `metrics::canopy_of` must give for voxels of 1 m inside the slab, because
+/// The area density that `rasters::canopy_of` must give for voxels of 1 m inside the slab, because
 /// it takes G = 1/2 and the mean of the gaps along three axes. It is the true one for spherical
 /// leaves only.
 double area_density_of_voxels(const TurbidSlab& slab);

@@ -1,7 +1,6 @@
 #include "cli/line.hpp"
 #include "cli/option_table.hpp"
 #include "cli/progress.hpp"
-#include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/pipeline/extract_primitives.hpp"
 #include "underbrush/pipeline/reports_json.inl"
@@ -45,8 +44,9 @@ std::string text_of(const primitives::ExtractResult& r, const Json& j) {
 }
 
 void run(const Verb& verb, const Arguments& a) {
-  const elements::Model model = elements::read_model(a.model);
   io::BeamReader log(a.log);
+  primitives::require_objects(a.log, log);
+  const elements::Model model = pipeline::read_model_along(a.model, log, a.options);
   primitives::check_primitives_output(a.output);
   const primitives::ExtractResult r =
       pipeline::extract_primitives(model, a.log, log, a.options, shown<Progress>("extract"));
@@ -65,7 +65,8 @@ void add_extract(Program& program) {
   const auto verb = add_verb(
       program, "Scenes", "extract", "Cut primitives out of a model along a labelled log",
       "underbrush extract model/ labelled.ply -o primitives/", [a](const Verb& v) { run(v, *a); });
-  verb->app.add_option("MODEL", a->model, "The model's folder")->required();
+  verb->app.add_option("MODEL", a->model, "The folder of a model or its world of regions")
+      ->required();
   verb->app
       .add_option("LABELLED", a->log, "The log that the model was fitted to, labelled by segment")
       ->required();

@@ -10,11 +10,13 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/elements/scene_file.hpp"
+#include "underbrush/io/hash.hpp"
 #include "underbrush/io/input.hpp"
 #include "underbrush/io/json_text.inl"
 #include "underbrush/metrics/leaf_cloud.hpp"
 #include "underbrush/metrics/leaf_inclination.hpp"
 #include "underbrush/pipeline/fit_json.inl"
+#include "underbrush/pipeline/world.hpp"
 #include "underbrush/primitives/annotation.hpp"
 #include "underbrush/primitives/primitive_set.hpp"
 #include "verbs.hpp"
@@ -23,40 +25,58 @@ namespace underbrush::app {
 namespace {
 namespace info_verb {
 
-void report_model(const Verb& verb, const std::string& path) {
-  const elements::Model model = elements::read_model(path);
-  Json j;
-  j["kind"] = "model";
-  j["fitter"] = model.fitter;
-  j["ground_triangles"] = model.ground.size();
-  j["surface_triangles"] = model.surface.size();
-  j["ellipsoids"] = model.ellipsoids.size();
-  j["tau"] = model.tau;
-  j["origin_m"] = {model.origin.x(), model.origin.y(), model.origin.z()};
-  j["ground_sigma_m"] = model.ground.range_sigma_m;
-  std::map<uint32_t, size_t> classes;
-  for (const elements::Ellipsoid& e : model.ellipsoids) ++classes[e.label];
+/// Adds what the index of a world of regions says to `j`, and returns it as text. No region is
+/// read.
+std::string text_of_regions(const std::string& path, const regions::WorldFolder& world, Json& j) {
+  constexpr double kMiB = 1 << 20;
+  Eigen::AlignedBox3d box;
+  uint64_t memory = 0, largest = 0;
+  for (const regions::Region& r : world.index().regions) {
+    box.extend(r.bounds);
+    memory += r.bytes();
+    largest = std::max(largest, r.bytes());
+  }
+  const uint64_t bytes = io::bytes_of(path);
+  j["regions"] = world.index().regions.size();
+  j["side_m"] = world.index().side_m;
+  j["bytes"] = bytes;
+  j["memory_bytes"] = {{"common", world.common_bytes()}, {"regions", memory}, {"largest", largest}};
+  std::string text = fmt::format(
+      "  regions     {} of {:g} m, {:.0f} MiB on disk\n  memory      {:.0f} MiB for what they have "
+      "in common, {:.0f} MiB for all regions, {:.1f} MiB for the largest (estimates)\n",
+      world.index().regions.size(), world.index().side_m, double(bytes) / kMiB,
+      double(world.common_bytes()) / kMiB, double(memory) / kMiB, double(largest) / kMiB);
+  if (box.isEmpty()) return text;
+  const Vec3 &low = box.min(), &high = box.max();
+  j["bounds_m"] = {{"min", {low.x(), low.y(), low.z()}}, {"max", {high.x(), high.y(), high.z()}}};
+  return text +
+         fmt::format("  bounds      {:.1f} to {:.1f}, {:.1f} to {:.1f}, {:.1f} to {:.1f} m\n",
+                     low.x(), high.x(), low.y(), high.y(), low.z(), high.z());
+}
+
+void report_model(const Verb& verb, const std::string& path, const pipeline::World& world) {
+  const elements::Model& model = world.scene.models[0];
+  Json j = pipeline::json_of_model(model);
   std::string table;
-  for (const auto& [label, n] : classes) {
-    j["classes"][model.class_name(label)] = n;
+  const Json classes = j.value("classes", Json::object());
+  for (const auto& [name, n] : classes.items()) {
+    const uint32_t label = model.class_number(name).value_or(0);
     if (classes.size() == 1 && label == 0) break;  // no class is known
-    table += fmt::format("  {:<19}{:>8} ellipsoids, grain {:.3f} m\n", model.class_name(label), n,
+    table += fmt::format("  {:<19}{:>8} ellipsoids, grain {:.3f} m\n", name, n.get<size_t>(),
                          model.grain.side_at(model.grain.place_of(label)));
   }
-  if (!model.channels.empty()) j["channels"] = pipeline::json_of(model.channels);
   if (model.sway_s > 0) {
     table += fmt::format("  matter sways with a correlation time of {:.2g} s\n", model.sway_s);
   }
-  j["sway_s"] = model.sway_s;
   table += report::text_of_light(model);
-  if (model.light.known()) j["light"] = pipeline::json_of_light(model);
-  j["provenance"] = model.provenance.empty() ? Json(nullptr) : io::json_of_text(model.provenance);
+  if (world.regions) table += text_of_regions(path, *world.regions, j);
   verb.report(j, fmt::format("{}: model by {}: {} ground triangles, {} surface triangles, {} "
                              "ellipsoids\n  tau {:g}, ground sigma {:.3f} m, origin {:.1f} {:.1f} "
                              "{:.1f} m\n",
-                             path, model.fitter, model.ground.size(), model.surface.size(),
-                             model.ellipsoids.size(), model.tau, model.ground.range_sigma_m,
-                             model.origin.x(), model.origin.y(), model.origin.z()) +
+                             path, model.fitter, j["ground_triangles"].get<size_t>(),
+                             j["surface_triangles"].get<size_t>(), j["ellipsoids"].get<size_t>(),
+                             model.tau, model.ground.range_sigma_m, model.origin.x(),
+                             model.origin.y(), model.origin.z()) +
                      text_of_channels(model.channels) + table);
 }
 
@@ -72,32 +92,32 @@ std::string table_of_classes(const std::map<elements::Class, size_t>& classes, J
   return text;
 }
 
-void report_scene(const Verb& verb, const std::string& path) {
-  elements::SceneInfo info;
-  const elements::Scene scene = elements::read_scene(path, &info);
+void report_scene(const Verb& verb, const std::string& path, const pipeline::World& world) {
+  const auto& [scene, info, read, regions] = world;
   size_t triangles = 0, ellipsoids = 0;
   for (const elements::Model& m : scene.models) {
-    triangles += m.surface.size();
-    ellipsoids += m.ellipsoids.size();
+    triangles += m.whole_count(elements::Kind::kSurface);
+    ellipsoids += m.whole_count(elements::Kind::kEllipsoid);
   }
-  std::map<elements::Class, size_t> classes;
-  for (const elements::Class c : info.labels) ++classes[c];
+  const size_t ground = scene.models.at(0).whole_count(elements::Kind::kGround);
+  const size_t instances = regions ? regions->index().instances() : scene.instances.size();
   Json j;
   j["kind"] = "scene";
   j["models"] = scene.models.size();
-  j["instances"] = scene.instances.size();
-  const std::string table = table_of_classes(classes, j, info);
+  j["instances"] = instances;
+  std::map<elements::Class, size_t> classes;
+  for (size_t k = 0; !regions && k < info.labels.size(); ++k) ++classes[info.labels[k]];
+  std::string table = table_of_classes(classes, j, info);
   j["movers"] = info.movers.size();
-  j["ground_triangles"] = scene.models.at(0).ground.size();
+  j["ground_triangles"] = ground;
   j["surface_triangles"] = triangles;
   j["ellipsoids"] = ellipsoids;
+  if (regions) table += text_of_regions(path, *regions, j);
   j["provenance"] = io::json_of_text(info.provenance.empty() ? "null" : info.provenance);
-  std::string text = fmt::format(
-      "{}: scene of {} instances of {} models: {} ground triangles, {} surface triangles, {} "
-      "ellipsoids\n",
-      path, scene.instances.size(), scene.models.size(), scene.models.at(0).ground.size(),
-      triangles, ellipsoids);
-  verb.report(j, text + table);
+  verb.report(j, fmt::format("{}: scene of {} instances of {} models: {} ground triangles, {} "
+                             "surface triangles, {} ellipsoids\n",
+                             path, instances, scene.models.size(), ground, triangles, ellipsoids) +
+                     table);
 }
 
 void report_world(const Verb& verb, const std::string& path) {
@@ -177,8 +197,10 @@ struct Arguments {
 void run(const Verb& verb, const Arguments& a) {
   const std::string& file = a.file;
   if (!a.leaves.empty()) return report_leaves(verb, file, a.leaves == "all");
-  if (elements::is_model(file)) return report_model(verb, file);
-  if (elements::is_scene(file)) return report_scene(verb, file);
+  if (elements::is_model(file) || elements::is_scene(file) || regions::is_world(file)) {
+    const pipeline::World world = pipeline::open_world(file);
+    return (world.scene.instances.empty() ? report_model : report_scene)(verb, file, world);
+  }
   if (worlds::is_world(file)) return report_world(verb, file);
   if (primitives::is_primitive_set(file)) return report_primitives(verb, file);
   if (std::filesystem::path(file).extension() == ".json") return report_annotation(verb, file);
@@ -209,9 +231,10 @@ void add_info(Program& program) {
                "  underbrush info log.ply --leaves vegetation",
                [a](const Verb& v) { run(v, *a); });
   verb->app
-      .add_option(
-          "FILE", a->file,
-          "A log, the folder of a model, scene or set of primitives, a mesh or an annotation")
+      .add_option("FILE", a->file,
+                  "A log, the folder of a model, scene, world of regions or set of primitives, a "
+                  "mesh or an "
+                  "annotation")
       ->required();
   verb->app
       .add_option("--leaves", a->leaves,

@@ -29,7 +29,8 @@ void add_live(Program& program) {
                              "  underbrush live model/ --rig rig.yaml --mover car=car.obj",
                              run);
   CLI::App& app = verb->app;
-  app.add_option("MODEL", a->world.world, "The folder of a model or scene, or another world")
+  app.add_option("MODEL", a->world.world,
+                 "A model, scene or world of regions, all of which is read, or a mesh")
       ->required();
   app.add_option("--sensor", a->world.sensor, "A sensor of the catalogue, or a YAML file");
   app.add_option("--rig", a->world.rig, "All sensors of a vehicle")->type_name("RIG.yaml");

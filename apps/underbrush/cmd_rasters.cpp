@@ -3,7 +3,7 @@
 #include "cli/line.hpp"
 #include "cli/option_table.hpp"
 #include "underbrush/io/json_text.inl"
-#include "underbrush/pipeline/rasters.hpp"
+#include "underbrush/rasters/rasters.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -12,14 +12,14 @@ namespace rasters_verb {
 
 struct Arguments {
   std::string model, output;
-  pipeline::RasterOptions options;
+  rasters::RasterOptions options;
 };
 
 void run(const Verb& verb, const Arguments& a) {
-  pipeline::check_rasters_output(a.output);
-  const metrics::Canopy c = pipeline::canopy_of_world(a.model, a.options);
-  const Json j = io::json_of_text(
-      pipeline::write_rasters(a.output, c, a.options, provenance(verb, {a.model})));
+  rasters::check_rasters_output(a.output);
+  const rasters::Canopy c = rasters::canopy_of_world(a.model, a.options);
+  const Json j =
+      io::json_of_text(rasters::write_rasters(a.output, c, a.options, provenance(verb, {a.model})));
   const auto mean = [&](const char* name) {
     return j[name].is_null() ? NAN : j[name].get<double>();
   };
@@ -49,12 +49,12 @@ void add_rasters(Program& program) {
                [a](const Verb& v) { run(v, *a); });
   verb->app
       .add_option("MODEL", a->model,
-                  "The folder of a model or scene, or a world of another program")
+                  "The folder of a model, scene or world of regions, or a world of another program")
       ->required();
   verb->output("-o,--output", a->output, "The folder of maps (GeoTIFF) and voxels (NumPy)")
       ->required()
       ->type_name("FOLDER");
-  add_options(*verb, pipeline::raster_options(), a->options);
+  add_options(*verb, rasters::raster_options(), a->options);
 }
 
 }  // namespace underbrush::app

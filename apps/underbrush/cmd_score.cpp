@@ -21,7 +21,7 @@ namespace score_verb {
 namespace fs = std::filesystem;
 
 struct Arguments {
-  std::string real, report, protocol, truth, train;
+  std::string real, report, protocol, truth, train, memory = regions::kMemory;
   bool repeats = false;
   std::vector<std::string> simulated, models, names;
 };
@@ -33,7 +33,7 @@ void add_options(Verb& verb, Arguments& a) {
                  "One or several simulated logs, of the same beams but with --protocol clouds")
       ->required();
   app.add_option("--model", a.models,
-                 "Model or scene of each simulated log, in order; adds likelihood and CRPS")
+                 "Model, scene or world of each simulated log, in order; adds likelihood and CRPS")
       ->type_name("MODEL")
       ->allow_extra_args(false);
   app.add_option("--train", a.train,
@@ -55,6 +55,9 @@ void add_options(Verb& verb, Arguments& a) {
          "simulators are scored on KITTI-360; clouds compares logs that share no beams as point "
          "clouds")
       ->check(CLI::IsMember({"kitti360", "clouds"}));
+  app.add_option("--memory", a.memory, "Memory for the regions of a world that are open at a time")
+      ->type_name("SIZE")
+      ->capture_default_str();
   app.add_flag(
       "--repeats", a.repeats,
       "Add a comparison of scans from one place with equal directions: how ranges change from scan "
@@ -112,7 +115,7 @@ void run(const Verb& verb, const Arguments& a) {
             "score: --model, --train and --repeats are for logs of the same beams, not for clouds");
     return score_clouds(verb, a, candidates);
   }
-  const std::vector<metrics::Score> scores = score_logs(a.real, candidates, true);
+  const std::vector<metrics::Score> scores = score_logs(a.real, candidates, true, a.memory);
   const std::vector<metrics::Baseline> baselines = score_baselines(a.real, a.train);
   inputs.emplace_back(a.train);
   Json results = pipeline::json_of_scores(names, scores, baselines, provenance(verb, inputs));

@@ -62,9 +62,10 @@ void add_serve(Program& program) {
                "  underbrush serve log.ply --labels work/",
                [a](const Verb& v) { run(v, *a); });
   CLI::App& app = verb->app;
-  app.add_option("PATH", a->paths,
-                 "Logs, folders of models, scenes or sets of primitives, scores (score --json), or "
-                 "folders of these; nothing else is read")
+  app.add_option(
+         "PATH", a->paths,
+         "Logs, folders of models, scenes, worlds of regions (all of which are read) or sets of "
+         "primitives, scores (score --json), or folders of these; nothing else is read")
       ->required();
   verb->not_of_result(app.add_option("--port", a->port, "Port of this machine; 0 = a free one")
                           ->check(CLI::Range(0, 65535))

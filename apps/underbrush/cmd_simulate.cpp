@@ -83,8 +83,10 @@ void add_world_options(Verb& verb, Arguments& a) {
 
 void add_options(Verb& verb, Arguments& a) {
   CLI::App& app = verb.app;
-  app.add_option("MODEL", a.model,
-                 "The folder of a model or scene, or a world of another program, such as a mesh")
+  app.add_option(
+         "MODEL", a.model,
+         "The folder of a model, scene or world of regions, or a world of another program, such "
+         "as a mesh")
       ->required();
   verb.output("-o,--output", a.output,
               "The simulated log: .ply, .ublog, .pcd, .csv, or a folder/ of KITTI .bin files (with "

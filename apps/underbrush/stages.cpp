@@ -36,19 +36,20 @@ std::string row(const char* label, const std::vector<metrics::Score>& scores,
 }  // namespace
 
 std::vector<metrics::Score> score_logs(const fs::path& real,
-                                       const std::vector<Candidate>& candidates, bool cloud) {
+                                       const std::vector<Candidate>& candidates, bool cloud,
+                                       const std::string& memory) {
   io::BeamReader real_log(real);
   std::vector<metrics::Score> scores;
   for (const Candidate& c : candidates) {
     io::BeamReader simulated(c.log);
     std::unique_ptr<pipeline::TracedWorld> world;
     if (!c.model.empty()) {
-      world = std::make_unique<pipeline::TracedWorld>(pipeline::read_world(c.model));
+      world = std::make_unique<pipeline::TracedWorld>(pipeline::open_world(c.model));
     }
     Progress progress("score " + c.name);
     try {
-      scores.push_back(
-          pipeline::score_logs(real_log, simulated, world.get(), cloud, std::ref(progress)));
+      scores.push_back(pipeline::score_logs(real_log, simulated, world.get(), cloud,
+                                            std::ref(progress), memory));
     } catch (const DataError& e) {
       throw FormatError(c.log.string(), "", e.what());
     }

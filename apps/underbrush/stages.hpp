@@ -6,17 +6,19 @@
 
 #include "cli/verb.hpp"
 #include "underbrush/metrics/baselines.hpp"
+#include "underbrush/regions/open_regions.hpp"
 
 namespace underbrush::app {
 
 /// A simulated log to be scored, and the model that made it (or none).
 struct Candidate {
   std::string name;
-  std::filesystem::path log, model;  ///< `model` may be a scene.
+  std::filesystem::path log, model;  ///< `model` may be a scene or a world of regions.
 };
-/// Scores each candidate against the real log.
+/// Scores each candidate against the real log, a world of regions within `memory`.
 std::vector<metrics::Score> score_logs(const std::filesystem::path& real,
-                                       const std::vector<Candidate>& candidates, bool cloud);
+                                       const std::vector<Candidate>& candidates, bool cloud,
+                                       const std::string& memory = regions::kMemory);
 
 /// Returns a function that opens a log; an empty one for an empty path.
 metrics::OpenLog opener(const std::filesystem::path& log);

@@ -37,6 +37,11 @@ def memory(folder):
         yield row, "of the first", [measured["factor"]]
 
 
+def world_costs(folder):
+    for measured in read_json(folder / "costs.json"):
+        yield f"{measured['verb']}, peak MiB", f"{measured['km2']:g} km²", [measured["peak_mib"]]
+
+
 def trace_goals(folder):
     b = read_json(folder / "bench.json")
     machine = "EPYC" if "AMD" in b["machine"]["processor"] else "Xeon"
@@ -74,6 +79,12 @@ TABLES = {
         (Part((Job("bench.fit_memory", f'"$PYTHON" "$SOURCE/bench/fit_memory.py" "$WORK/{DRIVE}/log.ply" '
                    '--program "$BIN/underbrush" --json memory.json', **DRIVE_LOG),), memory),),
         relative={"peak": 0.25, "of the first": 0.15}),
+    "world-costs": Measured(
+        (Part((Job("bench.world_costs", '"$PYTHON" "$SOURCE/scripts/world_costs.py" mesh_primitives --km2 1 10 100 '
+                   '--program "$BIN/underbrush" --folder . --json costs.json'),), world_costs),),
+        relative={f"{verb}, peak MiB": 0.15 for verb in ("annotate", "compose", "simulate")},
+        uncompared={**{f"{verb}, s": RATE for verb in ("annotate", "compose", "simulate")},
+                    "exponent": "of times that depend on what else runs"}),
     "trace-goals": Measured(
         (Part((bench("trace"),), trace_goals),),
         relative={"AVX2 / Embree's AVX2 packets": 0.35, "best / Embree's best": 0.35},

@@ -126,6 +126,30 @@ class Jobs(cli_test.Failing):
         self.ok("import", "velodyne-vlp16-2.ply", "-o", "one.ply")
         self.assertEqual(self.bytes_of("again2.ply"), self.bytes_of("one.ply"))
 
+    def test_worlds_of_regions(self):
+        """A site in parts is composed to a world, through which pieces of a drive go, as in one run."""
+        (self.folder / "plant.obj").write_text("v 0 0 0\nv 1 0 0\nv 0.5 0.5 6\nf 1 2 3\n")
+        self.ok("meshes", "plant.obj", "-o", "primitives", "--sizes", 1, "--up", "z")
+        self.ok("annotate", "--generate", "forest", "--size", 150, 90, "--ground-spacing", 3, "--parts", 40, "-o", "site")
+        self.plan("compose site primitives --seed {seed} -o world{seed}", "compositions", over={"seed": [1, 2]})
+        self.run_tasks((1, 0), "compositions")
+        self.ok("merge", "compositions")
+        self.ok("compose", "site", "primitives", "--seed", 2, "-o", "one")
+        self.assertEqual(self.bytes_of("world2/index.json").splitlines()[-5:], self.bytes_of("one/index.json").splitlines()[-5:])
+        command = "simulate world2 --sensor velodyne-vlp16 --trajectory poses.txt --memory 10MiB -o {}.ply"
+        self.plan(command.format("joined"), pieces=3)
+        tasks = json.loads((self.folder / "plan/plan.json").read_text())["tasks"]
+        self.assertLessEqual(tasks[0]["memory_bytes"], (256 + 10 + 1) << 20)
+        self.run_tasks((2, 0, 1))
+        self.ok("merge", "plan")
+        self.ok(*command.format("whole").split())
+        self.assertEqual(self.bytes_of("joined.ply"), self.bytes_of("whole.ply"))
+        told = json.loads(self.ok("info", "world2", "--json", "-"))
+        self.assertEqual((told["kind"], told["regions"], told["side_m"]), ("scene", 12, 39))
+        self.assertEqual(told["bytes"], sum(f.stat().st_size for f in (self.folder / "world2").rglob("*") if f.is_file()))
+        self.assertGreater(told["instances"], 100)
+        self.assertIn("12 of 39 m", self.ok("info", "world2"))
+
     def test_a_task_is_run_once(self):
         self.plan(f"{SENSED} -o sim.ply", pieces=2)
         self.assertIn("task 1 done", self.ok("run", "plan", "--task", 1))

@@ -34,6 +34,32 @@ class Scenes(cli_test.OnALog):
         self.assertGreater(answered["hits"], self.json_of("simulate", "bare", "--like", "log.ply", "-o",
                                                           "bare.ply")["hits"])
 
+    def test_a_world_of_regions_is_its_model_to_all_verbs(self):
+        self.json_of("simulate", "model", "--like", "log.ply", "-o", "sim.ply")
+        self.json_of("regions", "model", "-o", "parts", "--side", 4)
+        bytes_of = lambda name: {str(f.relative_to(self.folder / name)): f.read_bytes()
+                                 for f in (self.folder / name).rglob("*.ply")}
+        for model, of in (("model", "whole"), ("parts", "parts")):
+            self.made = {
+                "extract": self.json_of("extract", model, "labelled.ply", "-o", f"{of}-primitives"),
+                "rasters": self.json_of("rasters", model, "--memory", "3MiB", "-o", f"{of}-maps"),
+                "score": self.json_of("score", "log.ply", "sim.ply", "--model", model),
+                "info": self.json_of("info", model)}
+            for report in self.made.values():
+                report.pop("provenance", None)
+            if of == "whole":
+                whole = self.made
+        for verb in ("extract", "rasters", "score"):
+            self.assertEqual(self.made[verb], whole[verb])
+        self.assertEqual(bytes_of("parts-primitives"), bytes_of("whole-primitives"))
+        for file in (self.folder / "whole-maps").glob("*.*[yf]"):
+            self.assertEqual(file.read_bytes(), (self.folder / "parts-maps" / file.name).read_bytes())
+        info = self.made["info"]
+        for name in ("kind", "tau", "ellipsoids", "ground_triangles", "origin_m", "sway_s"):
+            self.assertEqual(info[name], whole["info"][name])
+        self.assertGreater(info["regions"], 4)
+        self.assertGreater(info["memory_bytes"]["regions"], info["memory_bytes"]["largest"])
+
     def test_a_scene_is_a_model_to_scores_and_its_plants_have_numbers(self):
         self.json_of("compose", "site.json", "primitives", "-o", "scene")
         self.json_of("simulate", "scene", "--like", "log.ply", "--element-ids", "-o", "sim.ply")

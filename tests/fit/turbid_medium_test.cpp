@@ -6,7 +6,7 @@
 
 #include "underbrush/core/rng.hpp"
 #include "underbrush/fit/fit.hpp"
-#include "underbrush/metrics/canopy.hpp"
+#include "underbrush/rasters/canopy.hpp"
 
 namespace underbrush::fit {
 namespace {
@@ -86,7 +86,7 @@ TEST(TurbidMedium, ComesBackWithItsDensityAtEveryHeightAndFromAbove) {
     scene.models = {r.model};
     scene.instances.resize(1);
     scene.instances[0].world_from_model.translation = r.model.origin;
-    const metrics::Canopy c = metrics::canopy_of(scene, trace::World(r.model));
+    const rasters::Canopy c = rasters::canopy_of(scene, trace::World(r.model));
     double all = 0, layers = 0;
     for (uint32_t k = 0; k < c.size[2]; ++k) {
       const double z = c.low.z() + k + 0.5;

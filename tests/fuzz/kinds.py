@@ -145,6 +145,16 @@ KINDS = [
          "simulate scene --like log.ply -o out.ply --element-ids"),
     Kind("simulate.scene-movers", "text", "moving/movers/0000.txt", "simulate moving --like log.ply -o out.ply"),
     Kind("simulate.scene-model", "json", "scene/models/0001/model.json", "simulate scene --like log.ply -o out.ply"),
+    # Worlds of regions, sites in parts
+    Kind("simulate.world-index", "json", "world/index.json", "simulate world --like log.ply -o out.ply"),
+    Kind("info.world-index", "json", "world/index.json", "info world"),
+    Kind("rasters.world-numbers", "header", "world/regions/0_0/numbers.ply", "rasters world --rays 1 --cell 4 -o out"),
+    Kind("simulate.world-instances", "header", "world/regions/0_0/instances.ply",
+         "simulate world --like log.ply -o out.ply"),
+    Kind("simulate.world-region", "json", "world/regions/0_0/model.json", "simulate world --like log.ply -o out.ply"),
+    Kind("compose.site", "json", "parts/site.json", "compose parts primitives -o out"),
+    Kind("compose.site-part", "json", "parts/parts/0_0.json", "compose parts primitives -o out"),
+    Kind("compose.site-ground", "header", "parts/parts/0_0/ground.ply", "compose parts primitives -o out"),
     # Sensors, materials, trajectories
     Kind("sensors.spinning", "yaml", "spinning.yaml", "sensors show spinning.yaml --plot out.svg",
          others=("",)),

@@ -340,6 +340,8 @@ MADE = (
     "annotate labelled.ply -o site.json --ground-spacing 2",
     "compose site.json primitives -o scene",
     "compose moving.json primitives -o moving",
+    "regions scene --side 8 -o world",
+    "annotate --generate forest --size 40 30 --ground-spacing 4 --parts 20 -o parts",
     "simulate model --like log.ply -o simulated.ply",
     "simulate model --sensor spinning.yaml --trajectory poses.txt --mover van.obj:van.txt -o passing.ply",
     "actors passing.ply --boxes van.csv --least-returns 10 -o actors",

@@ -13,10 +13,10 @@
 #include "underbrush/pipeline/import_options.hpp"
 #include "underbrush/pipeline/mark_movers.hpp"
 #include "underbrush/pipeline/mesh_set.hpp"
-#include "underbrush/pipeline/rasters.hpp"
 #include "underbrush/pipeline/segment_log.hpp"
 #include "underbrush/pipeline/simulate_options.hpp"
 #include "underbrush/pipeline/split_log.hpp"
+#include "underbrush/rasters/rasters.hpp"
 
 namespace underbrush::pipeline {
 namespace {
@@ -41,7 +41,7 @@ TEST(Options, ThoseWithAUnitHaveLimits) {
   expect_limits("movers", movers::mover_options());
   expect_limits("osi", osi::osi_options());
   expect_limits("perceive", perception::perceive_options());
-  expect_limits("rasters", raster_options());
+  expect_limits("rasters", rasters::raster_options());
   expect_limits("segment", segment_options());
   expect_limits("simulate", simulate_options());
   expect_limits("split", split_options());

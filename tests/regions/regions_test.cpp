@@ -2,12 +2,17 @@
 // to the bit.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "ball_scanner.hpp"
 #include "io/temporary.hpp"
+#include "region_worlds.hpp"
 #include "underbrush/calibrate/observed_space.hpp"
 #include "underbrush/core/check.hpp"
+#include "underbrush/pipeline/score_json.inl"
+#include "underbrush/pipeline/score_logs.hpp"
 #include "underbrush/pipeline/simulate_log.hpp"
 #include "underbrush/regions/cut.hpp"
 #include "underbrush/regions/reach.hpp"
@@ -16,112 +21,7 @@
 namespace underbrush::regions {
 namespace {
 
-using elements::Model;
-
-constexpr double kSide = 10;  // m
-
-/// Adds hilly ground over [0, 60] × [0, 40] m, with hit probabilities and roughnesses of its own.
-void add_ground(Model& model, Stream& random) {
-  constexpr uint32_t kX = 31, kY = 21;
-  elements::TriangleMesh& mesh = model.ground;
-  for (uint32_t k = 0; k < kX * kY; ++k) {
-    mesh.vertices.emplace_back(2.F * float(k % kX), 2.F * float(k / kX),
-                               float(random.uniform(-0.3, 0.3)));
-  }
-  for (uint32_t k = 0; k < (kX - 1) * (kY - 1); ++k) {
-    const uint32_t a = k / (kX - 1) * kX + k % (kX - 1), b = a + kX;
-    mesh.triangles.push_back({a, a + 1, b + 1});
-    mesh.triangles.push_back({a, b + 1, b});
-  }
-  for (size_t k = 0; k < mesh.size(); ++k) {
-    mesh.hit.push_back({float(random.uniform(0.6, 1)), 1, 0});
-    mesh.roughness.push_back(float(random.uniform(0, 0.05)));
-    mesh.light.push_back({float(random.uniform(5, 50)), 1});
-  }
-  mesh.range_sigma_m = 0.02;
-}
-
-void add_ellipsoids(Model& model, size_t count, const Vec3& size_m, Stream& random) {
-  for (size_t k = 0; k < count; ++k) {
-    elements::Ellipsoid e;
-    for (int d = 0; d < 3; ++d) e.mean[d] = float(random.uniform(0, size_m[d]));
-    const Vec3 sigma(random.uniform(0.02, 0.4), random.uniform(0.02, 0.4), 0.3);
-    e.set_covariance(sigma.cwiseAbs2().asDiagonal());
-    e.hit.p = float(random.uniform(0.05, 0.6));
-    e.label = uint32_t(k % 3);
-    if (k % 4 == 0) e.density_per_m = float(random.uniform(0.2, 2));
-    e.light = {float(random.uniform(5, 50)), 3};
-    model.ellipsoids.push_back(e);
-  }
-}
-
-/// A model in which every kind of element lies across the borders of regions.
-Model whole_model() {
-  Stream random(1);
-  Model model;
-  model.origin = Vec3(500007, -304, 12);
-  model.tau = 3;
-  add_ground(model, random);
-  add_ellipsoids(model, 3000, Vec3(60, 40, 5), random);
-  elements::TriangleMesh& wall = model.surface;
-  wall.vertices = {{3, 20, 0}, {50, 20, 0}, {50, 20, 3}, {3, 20, 3}};
-  wall.triangles = {{0, 1, 2}, {0, 2, 3}};
-  wall.hit = {{0.7F, 1, 0}, {0.8F, 1, 0}};
-  wall.light.resize(2);
-  model.grain = {0.1, 0.2, {{1, 0.05}}};
-  model.range_noise_m = 0.01;
-  model.light.max_intensity = 100;
-  model.light.range = {{0, 60}, {1, 0.5}};
-  for (auto& g : model.light.incidence) g = {{0, 1}, {0.5, 1}};
-  return model;
-}
-
-/// A scene of the model's ground and of plants, turned and scaled.
-elements::Scene whole_scene(elements::SceneInfo& info) {
-  Stream random(2);
-  elements::Scene scene;
-  const Model whole = whole_model();
-  scene.models.push_back(whole.like());
-  scene.models[0].ground = whole.ground;
-  for (int k = 0; k < 3; ++k) {
-    scene.models.emplace_back();
-    add_ellipsoids(scene.models.back(), 60, Vec3(2, 2, 4), random);
-  }
-  scene.instances.emplace_back().world_from_model.translation = whole.origin;
-  for (uint32_t k = 0; k < 200; ++k) {
-    elements::Instance& i = scene.instances.emplace_back();
-    i.world_from_model.translation =
-        whole.origin + Vec3(random.uniform(0, 60), random.uniform(0, 40), 0);
-    i.world_from_model.rotation =
-        Eigen::Quaterniond(Eigen::AngleAxisd(random.uniform(-3, 3), Vec3::UnitZ()));
-    i.scale = float(random.uniform(0.5, 1.5));
-    i.model = 1 + k % 3;
-  }
-  info.names = {"ground", "a", "b", "c"};
-  info.labels.assign(scene.instances.size(), elements::Class::kSmallTree);
-  info.labels[0] = elements::Class::kGround;
-  return scene;
-}
-
-/// The beams of a sensor that drives through the world and over its border.
-BeamLog drive(const Vec3& origin, size_t beams = 4000) {
-  Stream random(3);
-  BeamLog log;
-  log.info.sensor = "velodyne-hdl32e";
-  log.info.max_range_m = 25;
-  log.info.min_range_m = 0.5;
-  log.info.has_misses = true;
-  log.resize(beams);
-  for (size_t i = 0; i < beams; ++i) {
-    const double azimuth = random.uniform(0, 2 * M_PI), elevation = random.uniform(-0.4, 0.1);
-    log.time_s[i] = 1e-4 * double(i);
-    log.origin[i] = origin + Vec3(-30 + 100 * double(i) / double(beams), 18, 2);
-    log.direction[i] = Vec3(std::cos(azimuth) * std::cos(elevation),
-                            std::sin(azimuth) * std::cos(elevation), std::sin(elevation))
-                           .cast<float>();
-  }
-  return log;
-}
+using namespace test;
 
 /// Expects equal columns, to the bit.
 void expect_same(const BeamLog& a, const BeamLog& b) {
@@ -176,12 +76,6 @@ void expect_same_answers(const std::filesystem::path& path, const pipeline::Worl
   }
 }
 
-pipeline::World world_of(Model model) {
-  pipeline::World world;
-  world.scene.models.push_back(std::move(model));
-  return world;
-}
-
 TEST(Regions, AModelAnswersAsIfItWereWhole) {
   const io::TemporaryFolder folder;
   const pipeline::World whole = world_of(whole_model());
@@ -194,8 +88,7 @@ TEST(Regions, AModelAnswersAsIfItWereWhole) {
 
 TEST(Regions, ASceneAnswersAsIfItWereWhole) {
   const io::TemporaryFolder folder;
-  pipeline::World whole;
-  whole.scene = whole_scene(whole.info);
+  pipeline::World whole = world_of_scene();
   write_world(folder / "world", whole.scene, whole.info, kSide, "{}");
   const BeamLog beams = drive(whole.scene.models[0].origin);
   expect_same_answers(folder / "world", whole, beams, "300KiB");
@@ -203,8 +96,7 @@ TEST(Regions, ASceneAnswersAsIfItWereWhole) {
 
 TEST(Regions, WhatMovesMovesInAllOfThem) {
   const io::TemporaryFolder folder;
-  pipeline::World whole;
-  whole.scene = whole_scene(whole.info);
+  pipeline::World whole = world_of_scene();
   const Pose begin = whole.scene.instances[77].world_from_model;
   Pose end = begin;
   end.translation += Vec3(8, 5, 0);
@@ -216,6 +108,96 @@ TEST(Regions, WhatMovesMovesInAllOfThem) {
   options.memory = "300KiB";
   expect_same(answers(pipeline::open_world(folder / "world"), beams, options),
               answers(whole, beams, options));
+}
+
+TEST(Regions, WhatIsAddedMovesInAllOfThem) {
+  const io::TemporaryFolder folder;
+  for (const bool is_scene : {false, true}) {
+    const pipeline::World whole = is_scene ? world_of_scene() : world_of(whole_model());
+    write_world(folder / "world", whole.scene, whole.info, kSide, "{}");
+    const Vec3 origin = whole_model().origin;
+    const BeamLog beams = drive(origin);
+    const auto with_movers = [&](pipeline::World world) {
+      for (const double y : {14., 22.}) {
+        Model ball;
+        ball.ellipsoids.emplace_back().set_covariance(Mat3::Identity());
+        ball.ellipsoids[0].hit.p = 0.9F;
+        Pose begin, end;
+        begin.translation = origin + Vec3(5, y, 2);
+        end.translation = origin + Vec3(55, y, 2);
+        pipeline::add_mover(world, std::move(ball), Trajectory({{0, begin}, {0.4, end}}), "");
+      }
+      return world;
+    };
+    pipeline::SimulateOptions options;
+    options.element_ids = true;
+    options.tau = 2.5;
+    options.memory = "300KiB";
+    const BeamLog expected = answers(with_movers(whole), beams, options);
+    const auto* instance = std::get_if<std::vector<uint32_t>>(&expected.extra.at("instance"));
+    ASSERT_NE(instance, nullptr);
+    const uint32_t last = is_scene ? 202 : 2;
+    EXPECT_GT(std::ranges::count(*instance, last), 5);
+    expect_same(answers(with_movers(pipeline::open_world(folder / "world")), beams, options),
+                expected);
+  }
+}
+
+TEST(Regions, WaveformsAreThoseOfTheWhole) {
+  const io::TemporaryFolder folder;
+  const pipeline::World whole = world_of_scene();
+  write_world(folder / "world", whole.scene, whole.info, kSide, "{}");
+  const BeamLog beams = drive(whole_model().origin);
+  const auto waveforms = [&](pipeline::World world) {
+    std::vector<simulate::BeamWaveform> all;
+    pipeline::SimulateOptions options;
+    options.memory = "300KiB";
+    options.instrument.super_sample = "5";
+    options.waveform = {10, 200};
+    options.on_waveforms = [&](std::vector<simulate::BeamWaveform> taken) {
+      std::ranges::move(taken, std::back_inserter(all));
+    };
+    answers(std::move(world), beams, options);
+    return all;
+  };
+  const auto expected = waveforms(whole), found = waveforms(pipeline::open_world(folder / "world"));
+  ASSERT_EQ(expected.size(), 200u);
+  ASSERT_EQ(found.size(), expected.size());
+  for (size_t k = 0; k < found.size(); ++k) {
+    EXPECT_EQ(found[k].beam, expected[k].beam);
+    EXPECT_EQ(found[k].signal, expected[k].signal);
+    EXPECT_EQ(found[k].echo_m, expected[k].echo_m);
+  }
+}
+
+TEST(Regions, ScoresAreThoseOfTheWhole) {
+  const io::TemporaryFolder folder;
+  for (const bool is_scene : {false, true}) {
+    const pipeline::World whole = is_scene ? world_of_scene() : world_of(whole_model());
+    write_world(folder / "world", whole.scene, whole.info, kSide, "{}");
+    const BeamLog beams = drive(whole_model().origin);
+    pipeline::SimulateOptions options;
+    const BeamLog real = answers(whole, beams, options);
+    options.seed = 2;
+    const BeamLog simulated = answers(whole, beams, options);
+    const auto score = [&](pipeline::World world, const std::string& memory) {
+      MemorySource a(real, 1500), b(simulated, 700);
+      return pipeline::score_logs(
+          a, b, std::make_unique<pipeline::TracedWorld>(std::move(world)).get(), true, {}, memory);
+    };
+    const auto text = [](const metrics::Score& s) {
+      return pipeline::json_of_scores({"s"}, {s}, {}, "{}").dump();
+    };
+    const metrics::Score expected = score(whole, regions::kMemory);
+    EXPECT_LT(expected.all.nll_per_beam, 10);
+    for (const char* memory : {"2GiB", "300KiB"}) {
+      const metrics::Score found = score(pipeline::open_world(folder / "world"), memory);
+      EXPECT_EQ(text(found), text(expected));
+      EXPECT_EQ(found.all.nll_per_beam, expected.all.nll_per_beam);
+      EXPECT_EQ(found.all.crps_m, expected.all.crps_m);
+    }
+    EXPECT_THROW(score(pipeline::open_world(folder / "world"), "20KiB"), DataError);
+  }
 }
 
 TEST(Regions, KeyframesAndUnknownSpaceAnswerAsIfTheModelWereWhole) {
@@ -278,7 +260,7 @@ TEST(Regions, MemoryForLessThanABeamIsRefused) {
         << text;
   }
   options = {};
-  options.tau = 2;
+  options.tau = 3.5;  // that of the model is 3
   EXPECT_THROW(answers(pipeline::open_world(folder / "world"), beams, options),
                std::invalid_argument);
 }

@@ -24,18 +24,27 @@ void hash_into(XXH3_state_t& state, const fs::path& file) {
   }
 }
 
+/// The path itself, or all files of a folder.
+std::vector<fs::path> files_of(const fs::path& path) {
+  if (!fs::is_directory(path)) return {path};
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::recursive_directory_iterator(path)) {
+    if (entry.is_regular_file()) files.push_back(entry.path());
+  }
+  return files;
+}
+
 }  // namespace
 
+uint64_t bytes_of(const fs::path& path) {
+  uint64_t sum = 0;
+  for (const fs::path& file : files_of(path)) sum += is_file(file) ? fs::file_size(file) : 0;
+  return sum;
+}
+
 std::string hash_of(const fs::path& path) {
-  std::vector<fs::path> files;
-  if (fs::is_directory(path)) {
-    for (const auto& entry : fs::recursive_directory_iterator(path)) {
-      if (entry.is_regular_file()) files.push_back(entry.path());
-    }
-    std::sort(files.begin(), files.end());
-  } else {
-    files = {path};
-  }
+  std::vector<fs::path> files = files_of(path);
+  std::sort(files.begin(), files.end());
   const std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state(XXH3_createState(),
                                                                               XXH3_freeState);
   XXH3_128bits_reset(state.get());

@@ -1,6 +1,7 @@
 /// \file
 /// Hashes of files, by which results name what they were made from.
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
@@ -9,5 +10,7 @@ namespace underbrush::io {
 /// Returns the hash (XXH3, 128 bits) of a file, or of all files of a folder in the order of their
 /// names, as "xxh3:" and 32 hexadecimal digits.
 std::string hash_of(const std::filesystem::path& path);
+/// Returns the number of bytes of a file, or of all files of a folder; 0 for what is neither.
+uint64_t bytes_of(const std::filesystem::path& path);
 
 }  // namespace underbrush::io

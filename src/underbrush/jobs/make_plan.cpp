@@ -8,6 +8,8 @@
 #include "underbrush/io/poses.hpp"
 #include "underbrush/jobs/plan.hpp"
 #include "underbrush/pipeline/simulate_log.hpp"
+#include "underbrush/regions/open_regions.hpp"
+#include "underbrush/regions/site_folder.hpp"
 #include "underbrush/sensor/sensor.hpp"
 
 namespace underbrush::jobs {
@@ -21,9 +23,11 @@ struct PlannedVerb {
 };
 
 constexpr PlannedVerb kVerbs[] = {
-    {"import", {"-o", "--output", "--json"}}, {"simulate", {"-o", "--output", "--json"}},
-    {"score", {"--json", "--report"}},        {"fit", {"-o", "--output", "--json"}},
-    {"movers", {"-o", "--output", "--json"}}, {"segment", {"-o", "--output", "--json"}},
+    {"import", {"-o", "--output", "--json"}},  {"simulate", {"-o", "--output", "--json"}},
+    {"score", {"--json", "--report"}},         {"fit", {"-o", "--output", "--json"}},
+    {"movers", {"-o", "--output", "--json"}},  {"segment", {"-o", "--output", "--json"}},
+    {"compose", {"-o", "--output", "--json"}}, {"regions", {"-o", "--output", "--json"}},
+    {"extract", {"-o", "--output", "--json"}}, {"rasters", {"-o", "--output", "--json"}},
 };
 
 /// Rough costs for the guesses of a plan: of a beam, of a byte that is read, and of a start.
@@ -80,15 +84,6 @@ std::string value_of(const std::vector<std::string>& words, const std::string& o
   return {};
 }
 
-uint64_t bytes_of(const fs::path& path) {
-  if (!fs::is_directory(path)) return fs::is_regular_file(path) ? fs::file_size(path) : 0;
-  uint64_t sum = 0;
-  for (const auto& entry : fs::recursive_directory_iterator(path)) {
-    if (entry.is_regular_file()) sum += entry.file_size();
-  }
-  return sum;
-}
-
 /// Makes the plan of one command after the other.
 class Planner {
  public:
@@ -105,10 +100,18 @@ class Planner {
     } catch (const std::logic_error&) {
       throw std::invalid_argument("--seed is not a number: " + in_quotes(seed));
     }
+    const std::string memory = value_of(command.words, "--memory");
+    const uint64_t of_world = regions::memory_of(memory.empty() ? regions::kMemory : memory);
     uint64_t bytes = 0;
-    for (const std::string& path : task.inputs) bytes += plan_.inputs.at(path).bytes;
+    task.memory_bytes = kBytesOfStart;
+    for (const std::string& path : task.inputs) {
+      const uint64_t of_input = plan_.inputs.at(path).bytes;
+      bytes += of_input;
+      // Of a world or site in parts, a task has some in memory at a time.
+      const bool in_parts = regions::is_world(path) || regions::is_site(path);
+      task.memory_bytes += in_parts ? std::min(2 * of_input, of_world) : 2 * of_input;
+    }
     task.seconds = kSecondsOfStart + kSecondsOfByte * double(bytes);
-    task.memory_bytes = kBytesOfStart + 2 * bytes;
     for (const Command::Named& output : command.outputs) {
       if (!results_.insert(fs::path(output.path).lexically_normal().string()).second) {
         throw std::invalid_argument("two results are called " + in_quotes(output.path) +
@@ -146,7 +149,8 @@ class Planner {
       if (first != last) add(words[k].substr(first + 1, last - first - 1));
     }
     for (const std::string& path : found) {
-      if (!plan_.inputs.contains(path)) plan_.inputs[path] = {io::hash_of(path), bytes_of(path)};
+      if (!plan_.inputs.contains(path))
+        plan_.inputs[path] = {io::hash_of(path), io::bytes_of(path)};
     }
     return {found.begin(), found.end()};
   }

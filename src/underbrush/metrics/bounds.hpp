@@ -16,11 +16,18 @@ struct Bounds {
     high = high.cwiseMax(x);
   }
   bool empty() const { return !(low.x() <= high.x()); }
+  /// Whether a box lies within.
+  bool contains(const Bounds& box) const {
+    return (low.array() <= box.low.array()).all() && (box.high.array() <= high.array()).all();
+  }
 };
 
 /// The bounds of the vertices of a scene, and of its ellipsoids within two standard deviations.
 /// Without instances the first model lies at its origin.
 Bounds bounds_of(std::span<const elements::Model> models,
                  std::span<const elements::Instance> instances);
+/// Adds them to other bounds.
+void add_bounds(std::span<const elements::Model> models,
+                std::span<const elements::Instance> instances, Bounds& bounds);
 
 }  // namespace underbrush::metrics

@@ -51,6 +51,8 @@ class IntensityScorer {
   /// `model` is null or the world of one model, which must outlive this. `range_edges_m` rise.
   IntensityScorer(std::vector<double> range_edges_m, const trace::World* model)
       : range_edges_m_(std::move(range_edges_m)), model_(model) {}
+  /// Replaces the world of one model by another part of it.
+  void use(const trace::World& part) { model_ = &part; }
   /// Adds the same beams of both logs. Returns with the flag `kMover` are left out.
   void add(const BeamLog& real, const BeamLog& simulated);
   /// Computes the scores. There are none where all intensities of one side are 0; `why` then says

@@ -26,12 +26,20 @@ std::vector<uint32_t> classes_of(const BeamLog& log) {
   return out;
 }
 
+/// The beams [begin, end) of a log.
+BeamLog rows_of(const BeamLog& log, size_t begin, size_t end) {
+  BeamLog out = log.like();
+  out.append(log, begin, end);
+  return out;
+}
+
 class Scorer {
  public:
   Scorer(const ScoreOptions& options, std::string classes, bool keyframes)
       : options_(options),
         classes_(std::move(classes)),
         keyframes_(keyframes),
+        world_(options.world),
         intensities_(options.range_edges_m, options.model) {
     sets_.resize(1 + options.range_edges_m.size() + 1);  // all, ranges, misses
     if (!options.world || !options.world->unknown_space()) return;
@@ -39,30 +47,18 @@ class Scorer {
     sets_.resize(sets_.size() + kSupports.size());
   }
 
+  /// Adds beams, the first of which has the number `first` in its log.
   void add(const BeamLog& real, const BeamLog& sim, size_t first) {
-    const std::vector<uint32_t> label = classes_of(real);
-    predict_all(real);
-    roughness_[0].add(real);
-    roughness_[1].add(sim);
-    intensities_.add(real, sim);
-    for (size_t i = 0; i < real.size(); ++i) {
-      if (real.scan[i] != sim.scan[i] || real.ring[i] != sim.ring[i] ||
-          (real.origin[i] - sim.origin[i]).squaredNorm() > 1e-4) {
-        throw DataError("score: the logs are not of the same beams (beam " +
-                        std::to_string(first + i) +
-                        "); score --protocol clouds compares logs that share no beams");
-      }
-      if (real.flags[i] & kMover) {
-        ++mover_beams_;
-        continue;
-      }
-      if (options_.world) reliability_.add(return_probability_[i], real.is_hit(i));
-      const size_t of_class = label.empty() ? kNoSet : set_of_class(label[i]);
-      const size_t set[4] = {0, set_of_range(real.range_m[i]), of_class, set_of_support(i)};
-      for (size_t s : set) {
-        if (s != kNoSet) add_beam(sets_[s], real, sim, i);
-      }
-      keep_points(real, sim, i, set);
+    if (!options_.open) return add_here(real, sim, first);
+    const elements::Model& model = options_.world->model();
+    const double range_m =
+        std::min(real.info.max_range_m, std::max(model.reach_of(real.info), model.max_range_m));
+    for (size_t begin = 0, end = 0; begin < real.size(); begin = end) {
+      const OpenPart part = options_.open(real, begin, range_m);
+      end = part.end;
+      world_ = part.world;
+      if (options_.model) intensities_.use(*part.world);
+      add_here(rows_of(real, begin, end), rows_of(sim, begin, end), first + begin);
     }
   }
 
@@ -98,6 +94,33 @@ class Scorer {
   }
 
  private:
+  void add_here(const BeamLog& real, const BeamLog& sim, size_t first) {
+    const std::vector<uint32_t> label = classes_of(real);
+    predict_all(real);
+    roughness_[0].add(real);
+    roughness_[1].add(sim);
+    intensities_.add(real, sim);
+    for (size_t i = 0; i < real.size(); ++i) {
+      if (real.scan[i] != sim.scan[i] || real.ring[i] != sim.ring[i] ||
+          (real.origin[i] - sim.origin[i]).squaredNorm() > 1e-4) {
+        throw DataError("score: the logs are not of the same beams (beam " +
+                        std::to_string(first + i) +
+                        "); score --protocol clouds compares logs that share no beams");
+      }
+      if (real.flags[i] & kMover) {
+        ++mover_beams_;
+        continue;
+      }
+      if (options_.world) reliability_.add(return_probability_[i], real.is_hit(i));
+      const size_t of_class = label.empty() ? kNoSet : set_of_class(label[i]);
+      const size_t set[4] = {0, set_of_range(real.range_m[i]), of_class, set_of_support(i)};
+      for (size_t s : set) {
+        if (s != kNoSet) add_beam(sets_[s], real, sim, i);
+      }
+      keep_points(real, sim, i, set);
+    }
+  }
+
   static constexpr size_t kNoSet = ~size_t(0);
   static constexpr double kMostError = 2;  // m
   static constexpr std::array<const char*, 3> kSupports{"unknown", "partly", "observed"};
@@ -142,15 +165,15 @@ class Scorer {
   }
 
   void predict_all(const BeamLog& real) {
-    if (!options_.world) return;
+    if (!world_) return;
     nll_.resize(real.size());
     crps_.resize(real.size());
     return_probability_.resize(real.size());
     support_.resize(real.size());
     const double max_range = real.info.max_range_m;
-    const double reach = std::min(max_range, options_.world->model().reach_of(real.info));
+    const double reach = std::min(max_range, world_->model().reach_of(real.info));
     std::optional<keyframes::KeyframeCache> cache;
-    if (keyframes_) cache.emplace(options_.world->model());
+    if (keyframes_) cache.emplace(world_->model());
     parallel_for(real.size(), 2048, [&](size_t begin, size_t end) {
       std::vector<Ray> rays;
       for (size_t i = begin; i < end; ++i) {
@@ -159,14 +182,14 @@ class Scorer {
       trace::IntersectionLists met;
       const std::vector<double> everywhere(rays.size(), reach);
       const trace::RangeLimits limits{real.info.min_range_m, reach};
-      options_.world->all_intersections(rays, limits, everywhere, met);
+      world_->all_intersections(rays, limits, everywhere, met);
       std::vector<trace::Intersection> merged;
       trace::RangeMixture p;
       std::vector<keyframes::CachedPixels> pixels;
       if (cache) pixels = cache->look_up(cache->queries(rays, {&real.ring[begin], end - begin}));
       for (size_t i = begin; i < end; ++i) {
         const size_t k = i - begin;
-        const auto all = options_.world->with_unknown(rays[k], limits, met[k], merged);
+        const auto all = world_->with_unknown(rays[k], limits, met[k], merged);
         trace::mix_ranges(all, 1, 1e-4, p);
         support_[i] = trace::support_of(all, p);
         if (cache) cache->mix(pixels[i - begin], p);
@@ -207,8 +230,9 @@ class Scorer {
   }
 
   const ScoreOptions& options_;
-  std::string classes_;  // the label set
-  bool keyframes_;       // whether those of the world's model answer beams of the real log
+  std::string classes_;        // the label set
+  bool keyframes_;             // whether those of the world's model answer beams of the real log
+  const trace::World* world_;  // the part of it that is open
   std::vector<Sums> sets_;
   std::map<uint32_t, size_t> class_set_;
   RangeErrorHistogram histogram_;
@@ -262,8 +286,7 @@ Score score(BeamSource& real, BeamSource& simulated, const ScoreOptions& options
       }
     }
     if (sim.size() > a.size()) {
-      rest = sim.like();
-      rest.append(sim, a.size(), sim.size());
+      rest = rows_of(sim, a.size(), sim.size());
       sim.resize(a.size());
     }
     require_data(sim.size() == a.size(), "score: the simulated log ends early");

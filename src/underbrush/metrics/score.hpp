@@ -45,11 +45,20 @@ struct Score {
   size_t mover_beams = 0;  ///< Left out: the real return has the flag `kMover`.
 };
 
+/// The part of a world larger than memory that serves some beams.
+struct OpenPart {
+  const trace::World* world;  ///< Until the next part is opened.
+  size_t end;                 ///< The first beam of the log that it does not serve.
+};
+
 /// The options of `score`.
 struct ScoreOptions {
   bool cloud = true;  ///< Whether to compute cloud error and density-aware Chamfer distance.
   /// If not null, likelihood and CRPS under the ray model are computed.
   const trace::World* world = nullptr;
+  /// For a world larger than memory, of which `world` and `model` have what all its parts share:
+  /// opens the part that the beams of a log from `begin` on reach up to a range (m).
+  std::function<OpenPart(const BeamLog& beams, size_t begin, double range_m)> open;
   /// If not null, the world of one model, by whose elements intensities are told apart.
   const trace::World* model = nullptr;
   std::vector<double> range_edges_m = {0, 10, 20, 30, 50, 80};

@@ -1,9 +1,30 @@
 #include "underbrush/pipeline/extract_primitives.hpp"
 
+#include <algorithm>
+#include <map>
+
 #include "underbrush/core/check.hpp"
+#include "underbrush/elements/model_file.hpp"
+#include "underbrush/regions/world_folder.hpp"
 
 namespace underbrush::pipeline {
-namespace {}  // namespace
+namespace {
+
+/// The squares, seen from above (m, world), in which the boxes of the objects of a log lie, however
+/// these are turned.
+std::map<uint32_t, Eigen::AlignedBox2d> squares_of_objects(BeamSource& labelled, double margin_m) {
+  std::map<uint32_t, Eigen::AlignedBox2d> squares;
+  primitives::for_each_object_hit(labelled, [&](const primitives::ObjectHit& hit) {
+    squares[hit.instance].extend(hit.point.head<2>());
+  });
+  for (auto& [instance, square] : squares) {
+    const Eigen::Vector2d beside = Eigen::Vector2d::Constant(square.diagonal().norm() + margin_m);
+    square = {square.min() - beside, square.max() + beside};
+  }
+  return squares;
+}
+
+}  // namespace
 
 std::span<const Option<ExtractOptions>> extract_options() {
   using O = ExtractOptions;
@@ -29,6 +50,26 @@ std::span<const Option<ExtractOptions>> extract_options() {
   };
 // clang-format on
 return kOptions;
+}
+
+elements::Model read_model_along(const std::filesystem::path& path, BeamSource& labelled,
+                                 const ExtractOptions& options) {
+  if (!regions::is_world(path)) return elements::read_model(path);
+  const regions::WorldFolder world(path);
+  if (world.index().is_scene) {
+    throw FormatError(path.string(), "",
+                      "the world is one of a scene, which was not fitted to a log");
+  }
+  const double margin_m = 1 + 2 * options.cut.measure.cell_m;
+  std::vector<uint32_t> needed;
+  const auto squares = squares_of_objects(labelled, margin_m);
+  for (uint32_t k = 0; k < world.index().regions.size(); ++k) {
+    const Eigen::AlignedBox3d& box = world.index().regions[k].bounds;
+    const Eigen::AlignedBox2d region(box.min().head<2>(), box.max().head<2>());
+    const auto is_met = [&](const auto& square) { return square.second.intersects(region); };
+    if (std::ranges::any_of(squares, is_met)) needed.push_back(k);
+  }
+  return std::move(world.part(needed).scene.models[0]);
 }
 
 primitives::ExtractResult extract_primitives(const elements::Model& model, const std::string& file,

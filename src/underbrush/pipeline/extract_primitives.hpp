@@ -1,6 +1,7 @@
 /// \file
 /// The verb `extract`: a model and the labelled log that it was fitted to in, primitives out.
 #pragma once
+#include <filesystem>
 #include <span>
 #include <string>
 
@@ -17,6 +18,12 @@ struct ExtractOptions {
 
 /// The options of `extract`.
 std::span<const Option<ExtractOptions>> extract_options();
+
+/// Reads a model, or of the world of regions of a model the part with what `extract_primitives`
+/// cuts out along a labelled log, which is read once. Throws `FormatError`, also for a scene's
+/// world, and as `primitives::extract` does.
+elements::Model read_model_along(const std::filesystem::path& path, BeamSource& labelled,
+                                 const ExtractOptions& options);
 
 /// Cuts primitives out of a model along a labelled log, which messages call `file`. Throws
 /// `FormatError` for a log without objects or whose objects hold no element of the model,

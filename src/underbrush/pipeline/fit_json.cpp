@@ -1,7 +1,10 @@
 #include "underbrush/pipeline/fit_json.inl"
 
+#include <map>
 #include <nlohmann/json.hpp>
 #include <utility>
+
+#include "underbrush/io/json_text.inl"
 
 namespace underbrush::pipeline {
 namespace {
@@ -100,6 +103,24 @@ Json json_of_light(const elements::Model& m) {
   j["range_m"] = m.light.range.at;
   j["range_gain"] = m.light.range.gain;
   j["ring_gain"] = m.light.ring;
+  return j;
+}
+
+Json json_of_model(const elements::Model& model) {
+  Json j{{"kind", "model"}, {"fitter", model.fitter}};
+  j["ground_triangles"] = model.whole_count(elements::Kind::kGround);
+  j["surface_triangles"] = model.whole_count(elements::Kind::kSurface);
+  j["ellipsoids"] = model.whole_count(elements::Kind::kEllipsoid);
+  j["tau"] = model.tau;
+  j["origin_m"] = {model.origin.x(), model.origin.y(), model.origin.z()};
+  j["ground_sigma_m"] = model.ground.range_sigma_m;
+  std::map<uint32_t, size_t> classes;
+  for (const elements::Ellipsoid& e : model.ellipsoids) ++classes[e.label];
+  for (const auto& [label, n] : classes) j["classes"][model.class_name(label)] = n;
+  if (!model.channels.empty()) j["channels"] = json_of(model.channels);
+  j["sway_s"] = model.sway_s;
+  if (model.light.known()) j["light"] = json_of_light(model);
+  j["provenance"] = model.provenance.empty() ? Json(nullptr) : io::json_of_text(model.provenance);
   return j;
 }
 

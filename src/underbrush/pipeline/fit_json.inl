@@ -17,6 +17,8 @@ nlohmann::ordered_json json_of(const elements::Keyframes& keyframes);
 /// Returns the light of a model in short: mean reflectances by kind, an element counting once and
 /// as often as it was hit, the response to range, and the gains of channels; null without light.
 nlohmann::ordered_json json_of_light(const elements::Model& model);
+/// Returns the counts and parameters of a model; of a part of one, the counts of the whole.
+nlohmann::ordered_json json_of_model(const elements::Model& model);
 /// Returns the counts, warnings and times of a fit. `skipped` has the records of the log that were
 /// left out, by reason.
 nlohmann::ordered_json json_of(const FittedModel& fitted, const SkippedRows& skipped);

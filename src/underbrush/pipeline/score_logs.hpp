@@ -6,15 +6,19 @@
 #include "underbrush/metrics/clouds.hpp"
 #include "underbrush/metrics/score.hpp"
 #include "underbrush/pipeline/world.hpp"
+#include "underbrush/regions/open_regions.hpp"
 
 namespace underbrush::pipeline {
 
 /// Compares a simulated log with the real log of the same beams (`metrics::score`). With a world,
 /// likelihood, CRPS and calibration under the ray model are computed; the intensities of a world of
-/// one model are told apart by its elements. `cloud` asks for the distances of the two point
-/// clouds. `progress(done, total)` may be empty. Throws as `metrics::score` does.
+/// one model are told apart by its elements. Of a world of regions those are opened that the beams
+/// can reach, within `memory` (`regions::memory_of`). `cloud` asks for the distances of the two
+/// point clouds. `progress(done, total)` may be empty. Throws as `metrics::score` does, and
+/// `DataError` where the regions that a beam can reach do not fit into the memory.
 metrics::Score score_logs(BeamSource& real, BeamSource& simulated, const TracedWorld* world,
-                          bool cloud, const std::function<void(size_t, size_t)>& progress = {});
+                          bool cloud, const std::function<void(size_t, size_t)>& progress = {},
+                          const std::string& memory = regions::kMemory);
 
 /// Compares two logs that share no beams as point clouds (`metrics::compare_clouds`), without the
 /// beams that met something that was marked as moving.

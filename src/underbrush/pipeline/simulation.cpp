@@ -87,10 +87,11 @@ bool changes_world(const SimulateOptions& options) {
 }
 
 void change_world(World& world, const SimulateOptions& options) {
-  require(!world.regions || (options.actors.empty() && options.tau == 0),
-          "simulate: a world of regions takes neither --actors nor --tau");
   if (!options.actors.empty()) add_actors(world, actors::read_actors(options.actors));
   for (elements::Model& model : world.scene.models) {
+    require(!world.regions || options.tau <= model.tau,
+            "simulate: --tau of a world of regions must not be larger than that of its models, for "
+            "which the bounds of the regions are");
     if (options.tau > 0) model.tau = options.tau;
     if (options.grain_m > 0) model.grain = {options.grain_m, options.grain_m, {}};
   }
@@ -204,7 +205,6 @@ Simulation::Simulation(const TracedWorld& world, const SimulateOptions& options,
 void Simulation::prepare() {
   options_.check();
   if (const regions::WorldFolder* folder = world_->regions()) {
-    require(!options_.on_waveforms, "simulate: a world of regions gives no waveforms");
     open_ = std::make_unique<regions::OpenRegions>(*folder, regions::memory_of(options_.memory));
   }
   use(*world_);
@@ -270,11 +270,7 @@ void Simulation::answer(size_t first_beam, BeamLog& beams) {
 void Simulation::enter(const std::vector<uint32_t>& regions) {
   use(*world_);
   part_.reset();  // Two parts need not be in memory at a time.
-  regions::WorldPart read = world_->regions()->part(regions);
-  World part{std::move(read.scene), std::move(read.info), {}};
-  part.info.materials.resize(part.scene.models.size());
-  change_world(part, options_);
-  part_ = std::make_unique<TracedWorld>(std::move(part), world_->matter());
+  part_ = open_part(*world_, regions);
   use(*part_);
 }
 

@@ -55,7 +55,6 @@ elements::Model read_ground(const std::filesystem::path& path) {
 
 void add_mover(World& world, elements::Model model, Trajectory world_from_object,
                const std::string& material, const std::string& name) {
-  require(!world.regions, "simulate: nothing can be added to a world of regions that moves");
   elements::Scene& scene = world.scene;
   elements::SceneInfo& info = world.info;
   if (scene.instances.empty()) {  // The scene is a model.
@@ -66,6 +65,9 @@ void add_mover(World& world, elements::Model model, Trajectory world_from_object
   }
   info.materials.resize(scene.models.size());
   info.names.resize(scene.models.size());
+  if (!scene.numbers.empty()) {
+    scene.numbers.push_back(std::max(scene.numbers.back() + 1, world.regions->index().instances()));
+  }
   info.movers.push_back({uint32_t(scene.instances.size()), std::move(world_from_object)});
   scene.instances.emplace_back();
   scene.instances.back().model = uint32_t(scene.models.size());
@@ -84,6 +86,38 @@ void add_actors(World& world, std::vector<actors::Actor> actors) {
     world.info.movers.back().from_s = a.from_s;
     world.info.movers.back().to_s = a.to_s;
   }
+}
+
+std::unique_ptr<TracedWorld> open_part(const TracedWorld& world,
+                                       std::span<const uint32_t> regions) {
+  const World& common = *world.own();
+  regions::WorldPart read = world.regions()->part(regions);
+  World part{std::move(read.scene), std::move(read.info), {}};
+  auto& [models, instances, numbers] = part.scene;
+  for (size_t m = 0; m < models.size(); ++m) {
+    models[m].tau = common.scene.models[m].tau;
+    models[m].grain = common.scene.models[m].grain;
+  }
+  // What was added follows the instances that the world's folder has in common.
+  const auto from = std::ptrdiff_t(world.regions()->index().common_instances.size());
+  const auto to = std::ptrdiff_t(instances.size());
+  const auto append = [](auto& values, const auto& all, std::ptrdiff_t first) {
+    if (first < std::ptrdiff_t(all.size()))
+      values.insert(values.end(), all.begin() + first, all.end());
+  };
+  append(models, common.scene.models, std::ptrdiff_t(models.size()));
+  append(instances, common.scene.instances, from);
+  append(numbers, common.scene.numbers, from);
+  append(part.info.labels, common.info.labels, from);
+  const auto movers = std::ptrdiff_t(part.info.movers.size());
+  append(part.info.movers, common.info.movers, movers);
+  for (auto m = part.info.movers.begin() + movers; m != part.info.movers.end(); ++m) {
+    m->instance = uint32_t(std::ptrdiff_t(m->instance) - from + to);
+  }
+  part.info.materials = common.info.materials;
+  part.info.names = common.info.names;
+  part.info.class_names = common.info.class_names;
+  return std::make_unique<TracedWorld>(std::move(part), world.matter());
 }
 
 TracedWorld::TracedWorld(const elements::Model& model, const Matter& matter)

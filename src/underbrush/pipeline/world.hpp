@@ -43,7 +43,8 @@ World open_world(const std::filesystem::path& path, const worlds::ReadOptions& o
 /// Reads a model for its ground. Throws `FormatError`, also where it has none.
 elements::Model read_ground(const std::filesystem::path& path);
 /// Adds an object that moves along `world_from_object`. A world of one model becomes a scene of one
-/// instance before. `material` is "" for that of the object's class.
+/// instance before. In a world of regions it belongs to no region. `material` is "" for that of the
+/// object's class.
 void add_mover(World& world, elements::Model model, Trajectory world_from_object,
                const std::string& material, const std::string& name = "");
 /// Adds actors with their names. Their matter sways as that of the world does, because all matter
@@ -122,6 +123,11 @@ class TracedWorld {
   std::vector<std::string> materials_, element_classes_;
   std::vector<NamedMover> movers_;
 };
+
+/// Reads regions of the world of regions of `world`, and prepares its part with them and with what
+/// was added to `world` that moves. Its models have the τ and the grain of those of `world`. Throws
+/// `FormatError`.
+std::unique_ptr<TracedWorld> open_part(const TracedWorld& world, std::span<const uint32_t> regions);
 
 }  // namespace pipeline
 }  // namespace underbrush

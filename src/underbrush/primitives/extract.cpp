@@ -164,7 +164,8 @@ ExtractResult extract(const Model& model, BeamSource& labelled, const ExtractOpt
   const OwnerMap owners = own ? owners_of(labelled) : OwnerMap{};
   const Centres centres(model);
   std::vector<uint8_t> taken(centres.size(), 0);
-  out.elements = centres.size();
+  out.elements =
+      model.whole_count(elements::Kind::kSurface) + model.whole_count(elements::Kind::kEllipsoid);
   for (const PlacedObject& o : out.measured.objects) {
     std::vector<uint32_t> chosen = centres.within(o, own ? kMarginM : 0);
     if (own) {

@@ -1,5 +1,6 @@
 #include "underbrush/regions/index.hpp"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "underbrush/core/check.hpp"
@@ -46,6 +47,21 @@ Region region_of(const io::JsonValue& j) {
   r.instances = uint32_t(j.at("instances").count(UINT32_MAX));
   r.hash = j.at("hash").text();
   return r;
+}
+
+/// Fails where a whole world would have more elements or instances than rays can tell apart.
+void check_counts(const Index& index, const io::JsonValue& regions) {
+  constexpr uint64_t kMostElements = 1 << 29;
+  uint64_t elements = 0, instances = index.common_instances.size();
+  for (const Region& r : index.regions) {
+    elements += uint64_t(r.elements[0]) + r.elements[1] + r.elements[2];
+    instances += r.instances;
+  }
+  if (elements + 1 >= kMostElements) regions.fail("more than 2^29 elements");
+  if (instances >= UINT32_MAX) regions.fail("more than 2^32 instances");
+  for (const uint32_t number : index.common_instances) {
+    if (number >= instances) regions.fail("fewer instances than a common one's number says");
+  }
 }
 
 }  // namespace
@@ -119,6 +135,7 @@ Index read_index(const fs::path& path) {
   for (const io::JsonValue& r : j.at("regions").values()) {
     index.regions.push_back(region_of(r));
   }
+  check_counts(index, j.at("regions"));
   index.provenance = j.at("provenance").dump();
   return index;
 }

@@ -39,9 +39,8 @@ size_t OpenRegions::open_for(const BeamLog& beams, size_t begin, const Reach& re
       return begin + count;
     }
     if (count > 1) continue;
-    throw DataError("the regions that one beam can reach take " +
-                    in_mib(world_.common_bytes() + bytes_of(needed)) +
-                    " of memory, more than --memory, which is " + in_mib(memory_bytes_));
+    throw_too_little_memory("the regions that one beam can reach take",
+                            world_.common_bytes() + bytes_of(needed), memory_bytes_);
   }
 }
 
@@ -91,6 +90,11 @@ std::optional<std::vector<uint32_t>> OpenRegions::changed() {
     if (is_open_[k]) open.push_back(k);
   }
   return open;
+}
+
+void throw_too_little_memory(const std::string& what, uint64_t bytes, uint64_t memory_bytes) {
+  throw DataError(what + " " + in_mib(bytes) + " of memory, more than --memory, which is " +
+                  in_mib(memory_bytes));
 }
 
 uint64_t memory_of(const std::string& text) {

@@ -46,6 +46,14 @@ class OpenRegions {
   bool changed_ = true;
 };
 
+/// Throws the `DataError` that `what` ("the regions of ... take") needs `bytes` of memory, more
+/// than the `memory_bytes` that are allowed.
+[[noreturn]] void throw_too_little_memory(const std::string& what, uint64_t bytes,
+                                          uint64_t memory_bytes);
+
+/// The memory for a world of regions unless another is given.
+inline constexpr const char* kMemory = "2GiB";
+
 /// Reads an amount of memory such as "2GiB", "500MiB" or "1e9" (bytes). Throws
 /// `std::invalid_argument`.
 uint64_t memory_of(const std::string& text);

@@ -129,10 +129,16 @@ SiteFolder read_site(const fs::path& path) {
   if (!(site.side_m > 0)) j.at("side_m").fail("must be positive");
   const auto columns = int32_t(j.at("columns").count(1 << 20));
   const std::vector<double> south_m = j.at("south_m").numbers();
+  const auto annotation = [&](const Cell2& place) {
+    return path / (name_of(place).string() + ".json");
+  };
+  const Cell2 last{columns - 1, int32_t(south_m.size()) - 1};
+  if (last.x >= 0 && last.y >= 0 && !fs::is_regular_file(annotation(last))) {
+    j.at("columns").fail("the part of the last column and row is missing");
+  }
   for (int32_t y = 0; y < int32_t(south_m.size()); ++y) {
     for (int32_t x = 0; x < columns; ++x) {
-      site.parts.push_back(
-          {{x, y}, path / (name_of({x, y}).string() + ".json"), south_m[size_t(y)]});
+      site.parts.push_back({{x, y}, annotation({x, y}), south_m[size_t(y)]});
     }
   }
   return site;

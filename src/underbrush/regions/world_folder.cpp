@@ -114,6 +114,10 @@ class Assembly {
       throw FormatError(path.string(), "", "instances and their numbers differ");
     }
     const std::vector<uint32_t> order = ascending(path, instances_);
+    if (!order.empty() && instances_[order.back()] >= index_.instances()) {
+      throw FormatError(path.string(), "",
+                        "an instance's number is beyond the number of instances");
+    }
     std::vector<uint32_t> place(order.size());
     for (size_t k = 0; k < order.size(); ++k) place[order[k]] = uint32_t(k);
     for (elements::Mover& m : out_.info.movers) m.instance = place[m.instance];

@@ -12,6 +12,7 @@
 #include "underbrush/io/json_file.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/primitives/primitive_set.hpp"
+#include "underbrush/regions/index.hpp"
 #include "underbrush/worlds/read_world.hpp"
 
 namespace underbrush::serve {
@@ -25,6 +26,9 @@ constexpr uint64_t kMostJsonBytes = uint64_t(64) << 20;
 std::optional<FileKind> kind_of_folder(const fs::path& path) {
   if (elements::is_model(path)) return FileKind::kModel;
   if (elements::is_scene(path)) return FileKind::kScene;
+  if (regions::is_world(path)) {
+    return regions::read_index(path).is_scene ? FileKind::kScene : FileKind::kModel;
+  }
   if (primitives::is_primitive_set(path)) return FileKind::kPrimitives;
   return std::nullopt;
 }

@@ -7,7 +7,6 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/file.hpp"
-#include "underbrush/elements/model_file.hpp"
 #include "underbrush/primitives/primitive_set.hpp"
 #include "underbrush/serve/bytes.inl"
 #include "underbrush/serve/json_reply.inl"
@@ -51,7 +50,7 @@ WorldData::WorldData(const OpenedFile& file) : kind_(file.kind), folder_(file.pa
       origin_ = scene_.instances[0].world_from_model.translation.array().round();
     }
   } else if (kind_ == FileKind::kModel) {
-    scene_.models.push_back(elements::read_model(file.path));
+    scene_.models = pipeline::read_world(file.path).scene.models;
     info_.class_names = scene_.models[0].class_names;
     info_.names.push_back(file.name);
     info_.labels.push_back(elements::Class::kUnknown);

@@ -95,11 +95,14 @@ struct World::Impl {
 
   void build(Draws how) {
     draws = how;
-    for (const elements::Model* m : models) {
+    std::vector<bool> placed(models.size());
+    for (const elements::Instance& i : instances) placed[i.model] = true;
+    for (size_t k = 0; k < models.size(); ++k) {
+      const elements::Model* m = models[k];
       require(m->first_ellipsoid() + m->whole_count(elements::Kind::kEllipsoid) < kElementMask,
               "world: a model has more than 2^29 elements");
       views.push_back(view_of(*m));
-      bvhs.push_back(build_bvh(*m));
+      bvhs.push_back(placed[k] ? build_bvh(*m) : Bvh{});  // No ray comes to what stands nowhere.
       require(bvhs.back().triangles.size() < kMostTriangleBlocks,
               "world: a model has too many triangles");
     }

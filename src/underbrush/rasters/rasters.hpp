@@ -6,22 +6,25 @@
 #include <string>
 
 #include "underbrush/core/option.hpp"
-#include "underbrush/metrics/canopy.hpp"
+#include "underbrush/rasters/canopy.hpp"
+#include "underbrush/regions/open_regions.hpp"
 
-namespace underbrush::pipeline {
+namespace underbrush::rasters {
 
 /// The options of `rasters`.
 struct RasterOptions {
-  metrics::CanopyOptions canopy;
-  unsigned epsg = 0;  ///< Number of the maps' reference system; 0 = not known.
+  CanopyOptions canopy;
+  unsigned epsg = 0;                      ///< Number of the maps' reference system; 0 = not known.
+  std::string memory = regions::kMemory;  ///< For a world of regions (`regions::memory_of`).
 };
 
 /// The options of `rasters`.
 std::span<const Option<RasterOptions>> raster_options();
 
-/// Reads a model, a scene or a world of another program, and computes its cells and voxels. Throws
+/// Reads a model, a scene or a world of another program, and computes its cells and voxels. Of a
+/// world of regions, no more are open at a time than fit into the memory of the options. Throws
 /// `FormatError`, and `std::invalid_argument` for options out of range.
-metrics::Canopy canopy_of_world(const std::filesystem::path& path, const RasterOptions& options);
+Canopy canopy_of_world(const std::filesystem::path& path, const RasterOptions& options);
 
 /// Throws the `IoError` that `write_rasters` would end with.
 void check_rasters_output(const std::filesystem::path& path);
@@ -30,7 +33,7 @@ void check_rasters_output(const std::filesystem::path& path);
 /// canopy_height.tif and cover.tif with their first rows in the north, gap_fraction.npy and
 /// plant_area_density.npy with the shape (layers, rows, columns), and rasters.json, whose text
 /// (JSON) is returned. `provenance` is JSON. Throws `IoError`, also if another folder stands there.
-std::string write_rasters(const std::filesystem::path& path, const metrics::Canopy& canopy,
+std::string write_rasters(const std::filesystem::path& path, const Canopy& canopy,
                           const RasterOptions& options, const std::string& provenance);
 
-}  // namespace underbrush::pipeline
+}  // namespace underbrush::rasters

@@ -1,4 +1,4 @@
-#include "underbrush/metrics/canopy.hpp"
+#include "underbrush/rasters/canopy.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 
 #include "underbrush/core/check.hpp"
 
-namespace underbrush::metrics {
+namespace underbrush::rasters {
 namespace {
 
 elements::Model square(double z, double half, float p) {
@@ -92,4 +92,4 @@ TEST(Canopy, RefusesWhatIsOutOfRange) {
 }
 
 }  // namespace
-}  // namespace underbrush::metrics
+}  // namespace underbrush::rasters

@@ -4,11 +4,15 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "underbrush/metrics/bounds.hpp"
 #include "underbrush/trace/world.hpp"
 
-namespace underbrush::metrics {
+namespace underbrush {
+/// Maps and voxels of worlds.
+namespace rasters {
 
 /// The options of `canopy_of`.
 struct CanopyOptions {
@@ -40,10 +44,41 @@ struct Canopy {
   std::vector<float> area_density;
 };
 
+/// Columns of cells, in x and y: those from `begin` up to but without `end`.
+struct CellBlock {
+  std::array<uint32_t, 2> begin{}, end{};
+
+  uint32_t width(size_t axis) const { return end[axis] - begin[axis]; }
+};
+
+/// Computes a stand block by block, for which no more of a world is needed than lies in the block.
+class CanopyMaker {
+ public:
+  /// Takes the box of all elements of the world (m). Throws `std::invalid_argument` for options out
+  /// of range, `DataError` for an empty box, and for one that needs more than 200 million voxels.
+  CanopyMaker(const metrics::Bounds& bounds, const CanopyOptions& options);
+
+  /// The block of all cells.
+  CellBlock all() const { return {{0, 0}, {canopy_.size[0], canopy_.size[1]}}; }
+  /// The square of a block seen from above (m, world).
+  Eigen::AlignedBox2d box_of(const CellBlock& block) const;
+  /// The number of voxels above a block.
+  uint64_t voxels(const CellBlock& block) const;
+  /// Computes the cells of a block and the voxels above them. `world` has at least the elements
+  /// that lie in its square or reach into it.
+  void add(const trace::World& world, const CellBlock& block);
+  /// Returns the stand, once all cells were added. The leaf angles are those of `models`.
+  Canopy finish(std::span<const elements::Model> models) &&;
+
+ private:
+  CanopyOptions options_;
+  Canopy canopy_;
+};
+
 /// Computes the cells and voxels of all elements of a scene. `scene` is what `world` was made of.
-/// Throws `std::invalid_argument` for options out of range, `DataError` for a scene without
-/// elements, and for one that needs more than 200 million voxels.
+/// Throws as `CanopyMaker` does.
 Canopy canopy_of(const elements::Scene& scene, const trace::World& world,
                  const CanopyOptions& options = {});
 
-}  // namespace underbrush::metrics
+}  // namespace rasters
+}  // namespace underbrush

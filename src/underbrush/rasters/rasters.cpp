@@ -1,4 +1,4 @@
-#include "underbrush/pipeline/rasters.hpp"
+#include "underbrush/rasters/rasters.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,15 +12,16 @@
 #include "underbrush/io/json_text.inl"
 #include "underbrush/io/raster_file.hpp"
 #include "underbrush/pipeline/world.hpp"
+#include "underbrush/rasters/region_blocks.hpp"
 
-namespace underbrush::pipeline {
+namespace underbrush::rasters {
 namespace fs = std::filesystem;
 namespace {
 
 using Json = nlohmann::ordered_json;
 
 /// Returns a map with its first row in the north.
-io::Raster raster_of(const metrics::Canopy& c, const std::vector<float>& value, uint16_t epsg) {
+io::Raster raster_of(const Canopy& c, const std::vector<float>& value, uint16_t epsg) {
   io::Raster r;
   r.columns = c.size[0];
   r.rows = c.size[1];
@@ -61,17 +62,22 @@ std::span<const Option<RasterOptions>> raster_options() {
      [](O& o) -> auto& { return o.canopy.cover_height_m; }, 0, 100},
     {"epsg", "", "", "Number of the maps' projected reference system; 0 = not known",
      [](O& o) -> auto& { return o.epsg; }, 0, 32767},
+    {"memory", "", "", "Memory for the regions of a world that are open at a time",
+     [](O& o) -> auto& { return o.memory; }, -kNoLimit, kNoLimit, {}, "SIZE"},
   };
 // clang-format on
 return kOptions;
 }
 
-metrics::Canopy canopy_of_world(const fs::path& path, const RasterOptions& options) {
+Canopy canopy_of_world(const fs::path& path, const RasterOptions& options) {
   check_options("rasters", raster_options(), options);
-  const World world = read_world(path);
+  const pipeline::World world = pipeline::open_world(path);
   try {
-    return metrics::canopy_of(world.scene, TracedWorld(world.scene, world.info).still(),
-                              options.canopy);
+    if (world.regions) {
+      return canopy_of_regions(*world.regions, regions::memory_of(options.memory), options.canopy);
+    }
+    return canopy_of(world.scene, pipeline::TracedWorld(world.scene, world.info).still(),
+                     options.canopy);
   } catch (const DataError& e) {
     throw FormatError(path.string(), "", e.what());
   }
@@ -81,8 +87,8 @@ void check_rasters_output(const fs::path& path) {
   io::check_output_folder(path, fs::is_regular_file(path / "rasters.json"), "no folder of rasters");
 }
 
-std::string write_rasters(const fs::path& path, const metrics::Canopy& c,
-                          const RasterOptions& options, const std::string& provenance) {
+std::string write_rasters(const fs::path& path, const Canopy& c, const RasterOptions& options,
+                          const std::string& provenance) {
   check_rasters_output(path);
   Json j{{"format", "underbrush-rasters"}, {"version", 1}};
   j["low_m"] = {c.low.x(), c.low.y(), c.low.z()};
@@ -113,4 +119,4 @@ std::string write_rasters(const fs::path& path, const metrics::Canopy& c,
   return text;
 }
 
-}  // namespace underbrush::pipeline
+}  // namespace underbrush::rasters
