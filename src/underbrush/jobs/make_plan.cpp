@@ -107,7 +107,7 @@ class Planner {
     for (const std::string& path : task.inputs) {
       const uint64_t of_input = plan_.inputs.at(path).bytes;
       bytes += of_input;
-      // Of a world or site in parts, a task has some in memory at a time.
+      // A task holds only some regions of a world, or some parts of a site, in memory at a time.
       const bool in_parts = regions::is_world(path) || regions::is_site(path);
       task.memory_bytes += in_parts ? std::min(2 * of_input, of_world) : 2 * of_input;
     }
