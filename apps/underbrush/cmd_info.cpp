@@ -36,7 +36,7 @@ std::string text_of_regions(const std::string& path, const regions::WorldFolder&
     memory += r.bytes();
     largest = std::max(largest, r.bytes());
   }
-  const uint64_t bytes = io::bytes_of(path);
+  const uint64_t bytes = io::size_of(path);
   j["regions"] = world.index().regions.size();
   j["side_m"] = world.index().side_m;
   j["bytes"] = bytes;

@@ -36,7 +36,7 @@ std::vector<fs::path> files_of(const fs::path& path) {
 
 }  // namespace
 
-uint64_t bytes_of(const fs::path& path) {
+uint64_t size_of(const fs::path& path) {
   uint64_t sum = 0;
   for (const fs::path& file : files_of(path)) sum += is_file(file) ? fs::file_size(file) : 0;
   return sum;

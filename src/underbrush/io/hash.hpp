@@ -11,6 +11,6 @@ namespace underbrush::io {
 /// names, as "xxh3:" and 32 hexadecimal digits.
 std::string hash_of(const std::filesystem::path& path);
 /// Returns the number of bytes of a file, or of all files of a folder; 0 for what is neither.
-uint64_t bytes_of(const std::filesystem::path& path);
+uint64_t size_of(const std::filesystem::path& path);
 
 }  // namespace underbrush::io

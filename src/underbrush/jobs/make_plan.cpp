@@ -150,7 +150,7 @@ class Planner {
     }
     for (const std::string& path : found) {
       if (!plan_.inputs.contains(path))
-        plan_.inputs[path] = {io::hash_of(path), io::bytes_of(path)};
+        plan_.inputs[path] = {io::hash_of(path), io::size_of(path)};
     }
     return {found.begin(), found.end()};
   }
