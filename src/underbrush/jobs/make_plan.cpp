@@ -149,8 +149,7 @@ class Planner {
       if (first != last) add(words[k].substr(first + 1, last - first - 1));
     }
     for (const std::string& path : found) {
-      if (!plan_.inputs.contains(path))
-        plan_.inputs[path] = {io::hash_of(path), io::size_of(path)};
+      if (!plan_.inputs.contains(path)) plan_.inputs[path] = {io::hash_of(path), io::size_of(path)};
     }
     return {found.begin(), found.end()};
   }
