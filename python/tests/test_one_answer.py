@@ -99,7 +99,7 @@ def test_fit_update_refuses(folder: pathlib.Path, tmp_path: pathlib.Path) -> Non
     ([], {}),
     (["--draw", "median"], {"draw": "median"}),
     (["--element-ids", "--intensity", "drawn", "--seed", "4"], {"element_ids": True, "intensity": "drawn", "seed": 4}),
-    (["--super-sample", "sensor", "--footprint", "whole"], {"super_sample": "sensor", "footprint": "whole"}),
+    (["--super-sample", "sensor"], {"super_sample": "sensor"}),
 ])
 def test_simulate(run: Callable[..., str], folder: pathlib.Path, words: list[str], options: dict[str, object]) -> None:
     run("simulate", folder / "model", "--like", folder / "test.ply", "-o", folder / "program.ply", "--force", *words)

@@ -57,33 +57,37 @@ rm -r bare labelled *.ply""", (f"{file}.bin", f"{file}.label"))
     return tuple(part(log) for log in LABELLED)
 
 
+INSTRUMENT_COLUMNS = {**{column: KEYS[column] for column in ("capped error, m", *THREE, "informedness")},
+                      "F1 of misses": "f1_of_misses"}
 SENSORS = {"rellis_000104": "ouster-os1-64", "marv_forest": "ouster-os0-128"}  # of the others: velodyne-hdl64e
 
 
 def instrument():
-    """Thin rays beside the instrument of the log's own sensor, as it is and with all of its footprint."""
+    """Thin rays beside the instrument of the log's own sensor, with keyframes (the default) and without."""
     def part(log):
         sensor = SENSORS.get(log, "velodyne-hdl64e")
-        like = f'simulate model --like "$WORK/{log}/test.ply"'
-        job = Job(f"instrument.{log}", f"""underbrush fit "$WORK/{log}/train.ply" --sensor {sensor} --keyframes 0 -o model
-underbrush {like} -o thin.ply
-underbrush {like} --sensor {sensor} --super-sample 9 -o instrument.ply
-underbrush {like} --sensor {sensor} --super-sample 9 --footprint whole -o whole.ply
-underbrush score "$WORK/{log}/test.ply" thin.ply instrument.ply whole.ply --train "$WORK/{log}/train.ply" \
-  --json scores.json
-"$PYTHON" "$SOURCE/scripts/weak_signals.py" "$WORK/{log}/test.ply" thin.ply instrument.ply > weak.json
-rm -r model thin.ply instrument.ply whole.ply""", (LOGS[log],), (HALVES[log],))
+        like = f'--like "$WORK/{log}/test.ply"'
+        beam = f"--sensor {sensor} --super-sample 9"
+        train = f'"$WORK/{log}/train.ply" --sensor {sensor}'
+        job = Job(f"instrument.{log}", f"""underbrush fit {train} -o model
+underbrush simulate model {like} -o thin.ply
+underbrush simulate model {like} {beam} -o instrument.ply
+underbrush fit {train} --keyframes 0 -o elements
+underbrush simulate elements {like} -o thin-elements.ply
+underbrush simulate elements {like} {beam} -o instrument-elements.ply
+underbrush score "$WORK/{log}/test.ply" thin.ply instrument.ply thin-elements.ply instrument-elements.ply \
+  --train "$WORK/{log}/train.ply" --json scores.json
+rm -r model elements *.ply""", (LOGS[log],), (HALVES[log],))
 
         def cells(folder):
             read = read_json(folder / "scores.json")
-            for model, s in {**read["models"], **read["baselines"]}.items():
-                yield from ((f"{log}/{model}", column, [] if s.get(KEYS[column]) is None else [s[KEYS[column]]])
-                            for column in (*THREE, "informedness"))
-            weak = read_json(folder / "weak.json")
-            row = f"{log}/instrument"
-            yield row, "too weak: beams", [weak["beams"]]
-            yield row, "of them misses, %", [] if weak["misses"] is None else [100 * weak["misses"]]
-            yield row, "expected, %", [] if weak["expected"] is None else [100 * weak["expected"]]
+            for source, s in {**read["models"], **read["baselines"]}.items():
+                row = f"{log}/{source.replace('-elements', ', elements')}"
+                yield from ((row, column, [] if s.get(key) is None else [s[key]])
+                            for column, key in INSTRUMENT_COLUMNS.items())
+                yield row, "roughness, cm", [] if s.get("roughness_m") is None else [100 * s["roughness_m"]]
+                rmse = s.get("intensity", {}).get("rmse")
+                yield row, "intensity RMSE", [] if rmse is None else [rmse]
         return Part((job,), cells)
     return tuple(part(log) for log in LOGS)
 
@@ -155,10 +159,10 @@ def validated(tables):
                                                 for column in ("capped error, m", "informedness")))
 
     def ends(*folders):
-        thin = [read_json(folder / "scores.json")["models"]["thin"] for folder in folders]
-        yield from of_logs("where beams end, elements alone", *([m[KEYS[column]] for m in thin]
-                                                                for column in ("packet error, m", "F1")))
-        yield from of_logs("misses by weak signal", [read_json(folder / "weak.json")["misses"] for folder in folders])
+        models = [read_json(folder / "scores.json")["models"] for folder in folders]
+        for effect, source, columns in (("where beams end, elements alone", "thin-elements", ("packet error, m", "F1")),
+                                        ("the whole instrument", "instrument", ("capped error, m", "informedness"))):
+            yield from of_logs(effect, *([m[source][KEYS[column]] for m in models] for column in columns))
 
     def rings(*folders):
         models = [read_json(folder / "scores.json")["models"]["once"] for folder in folders]

@@ -216,38 +216,6 @@ TEST(RandomRay, IsUniformOverTheDiscOfTheTruncatedCone) {
   EXPECT_LT(chi2, 72.1);  // 39 degrees of freedom: exceeded once in 1000
 }
 
-TEST(WiderBy, TheVariancesOfTheInnerBeamAndOfWhatIsLeftAddUpToThoseOfTheBeam) {
-  for (const Profile inner_profile : {Profile::kUniform, Profile::kGaussian, Profile::kTable}) {
-    BeamShape beam = shape_of(Profile::kGaussian, Growth::kWaist), inner = beam;
-    inner.profile = inner_profile;
-    if (inner_profile == Profile::kTable) inner = shape_of(inner_profile, Growth::kWaist);
-    inner.divergence_rad = {0.001, 0.0004};
-    inner.exit_diameter_m = 0.005;
-    beam.encoder_step_rad = 5e-3;
-    inner.encoder_step_rad = 3e-3;
-    const BeamShape left = wider_by(beam, inner);
-    EXPECT_NEAR(left.encoder_step_rad, 4e-3, 1e-12);
-    EXPECT_EQ(left.profile, beam.profile);
-    for (const double range_m : {0.1, 3.0, 50.0}) {
-      // The exit is round, which a table's two spreads are not.
-      for (size_t k = 0; k < (inner_profile == Profile::kTable ? 1u : 2u); ++k) {
-        EXPECT_NEAR(std::hypot(left.sigma_m(range_m)[k], inner.sigma_m(range_m)[k]),
-                    beam.sigma_m(range_m)[k], 1e-6 * beam.sigma_m(range_m)[k]);
-      }
-    }
-  }
-}
-
-TEST(WiderBy, NothingIsLeftOfANarrowerBeam) {
-  const BeamShape beam = shape_of(Profile::kUniform);
-  BeamShape wide = beam;
-  wide.divergence_rad = {0.01, 0.01};
-  for (const BeamShape& inner : {beam, wide}) {
-    const BeamShape left = wider_by(beam, inner);
-    EXPECT_EQ(left.sigma_m(10), (std::array<double, 2>{0, 0}));
-  }
-}
-
 TEST(Beam, RefusesWhatIsNoShape) {
   BeamShape s = shape_of(Profile::kTable);
   EXPECT_NO_THROW(s.check());

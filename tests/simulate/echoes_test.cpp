@@ -85,6 +85,65 @@ TEST(Echoes, ATargetOfHalfTheFootprintFadesAsTheFootprintGrows) {
   }
 }
 
+TEST(Echoes, ReturnWhereHalfOfTheFittedBeamsAreaDoes) {
+  // The edge of a wall at 20 m stands at −r to r beside the beam's axis, whose half-width is 0.2 m.
+  const auto returns = [](double edge_m, double fitted_rad) {
+    elements::Model model;
+    add_wall(model, 20, edge_m, 20);
+    Instrument instrument = quiet_instrument(64, 64);
+    if (fitted_rad > 0) instrument.fitted_beam = sensor::round_beam(fitted_rad, 0);
+    return answered(model, instrument, beams_along_x(1)).is_hit(0);
+  };
+  EXPECT_TRUE(returns(0.18, 0));  // any part of the beam is enough
+  for (const double rad : {0.02, 0.06}) {
+    EXPECT_TRUE(returns(-0.01, rad));
+    EXPECT_FALSE(returns(0.01, rad));
+  }
+  // Half of the area of a beam half as wide is an eighth of that of this one: the edge may be
+  // 0.63 half-widths off the axis, where (acos a − a √(1 − a²)) / π = 1/8.
+  EXPECT_TRUE(returns(0.121, 0.01));
+  EXPECT_FALSE(returns(0.131, 0.01));
+}
+
+TEST(Echoes, AThinRayAndItsInstrumentReturnAlikeFromEdges) {
+  // Gratings of bars whose period is many beams: a thin ray returns from the covered share.
+  for (const double covered : {0.3, 0.5, 0.8}) {
+    elements::Model model;
+    for (int k = -20; k < 20; ++k) {
+      add_sheet(model, Vec3(20, 2.0 * k, -20), Vec3(0, 2 * covered, 0), Vec3(0, 0, 40));
+    }
+    Instrument instrument = quiet_instrument(12, 12);
+    instrument.fitted_beam = instrument.beam;
+    BeamLog beams = beams_along_x(4000);
+    for (size_t i = 0; i < beams.size(); ++i) {
+      beams.direction[i] = Vec3f(20, -15 + 30 * float(i) / 4000, 0).normalized();
+    }
+    const BeamLog log = answered(model, instrument, beams);
+    ASSERT_EQ(log.size(), 4000u);
+    int hits = 0;
+    for (size_t i = 0; i < log.size(); ++i) hits += log.is_hit(i);
+    EXPECT_NEAR(hits / 4000.0, covered, 0.01);
+  }
+}
+
+TEST(Echoes, WhatAKeyframeAnswersIsTheOnlyEcho) {
+  elements::Model model;
+  add_wall(model, 20);
+  const trace::World world(model);
+  const DynamicWorld dynamic_world(world);
+  const Reflection reflection(all_of("white_target"), 905e-9);
+  const Instrument instrument = quiet_instrument();
+  BeamLog log = beams_along_x(3);
+  const std::vector<std::optional<keyframes::CachedReturn>> cached{
+      {}, keyframes::CachedReturn{7, 3, 4}, keyframes::CachedReturn{INFINITY, 0, 0}};
+  EchoMaker(dynamic_world, reflection, instrument, {}).answer(0, log, cached);
+  ASSERT_EQ(log.size(), 3u);
+  EXPECT_NEAR(log.range_m[0], 20, 0.01);
+  EXPECT_EQ(log.range_m[1], 7);
+  EXPECT_EQ(log.intensity[1], 4);
+  EXPECT_FALSE(log.is_hit(2));
+}
+
 TEST(Echoes, LeavesOfAllDirectionsSendBackTwoThirds) {
   elements::Model model;
   elements::Ellipsoid e;

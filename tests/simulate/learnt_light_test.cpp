@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "underbrush/core/parallel.hpp"
+#include "underbrush/simulate/echoes.hpp"
 #include "underbrush/simulate/simulate.hpp"
 
 namespace underbrush::simulate {
@@ -49,6 +50,24 @@ TEST(LearntLight, IsReflectanceTimesRangeIncidenceAndRing) {
   ASSERT_NEAR(log.range_m[0], 10, 1e-4);
   EXPECT_NEAR(log.intensity[0], 40 * 1.0 * 0.7 * 1, 1e-3);  // cos 60° = 0.5 lies half way
   EXPECT_NEAR(log.intensity[1], 40 * 1.0 * 0.7 * 2, 1e-3);
+}
+
+TEST(LearntLight, OfAnInstrumentIsThatOfAThinRayInTheUnitOfTheLog) {
+  const elements::Model model = wall();
+  const trace::World world(model);
+  const DynamicWorld dynamic_world(world);
+  const Reflection reflection(radiometry::load_materials(), 905e-9);
+  Instrument instrument;
+  instrument.beam = sensor::round_beam(0.002, 0);
+  instrument.sub_rays = sensor::spread_sub_rays(instrument.beam, 9);
+  instrument.receiver.noise_sigma = 0;
+  EchoOptions options;
+  options.learnt_light = IntensityDraw::kMean;
+  BeamLog log = beams(2, "velodyne-hdl64e");
+  EchoMaker(dynamic_world, reflection, instrument, options).answer(0, log);
+  ASSERT_EQ(log.size(), 2u);
+  EXPECT_NEAR(log.intensity[0], 40 * 0.7, 0.05);
+  EXPECT_NEAR(log.intensity[1], 40 * 0.7 * 2, 0.1);
 }
 
 TEST(LearntLight, OfAnotherSensorHasNoGainsOfChannels) {

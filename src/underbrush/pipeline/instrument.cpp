@@ -67,11 +67,10 @@ simulate::Instrument instrument_of(const InstrumentOptions& a, sensor::Sensor s,
   const double sunlit = sunlit_variance(s, a.sun);
   simulate::Instrument instrument;
   instrument.sub_rays = sub_rays_of(a.super_sample, s);
-  if (recorder && a.footprint == "excess") {
-    s.beam = sensor::wider_by(s.beam, recorder->beam);
-    const bool thin =
-        s.beam.exit_diameter_m == 0 && s.beam.divergence_rad == std::array<double, 2>{0, 0};
-    if (thin) instrument.sub_rays = {{}};
+  if (recorder) {
+    const double step = s.beam.encoder_step_rad, known = recorder->beam.encoder_step_rad;
+    s.beam.encoder_step_rad = std::sqrt(std::max(0.0, step * step - known * known));
+    instrument.fitted_beam = recorder->beam;
   }
   if (recorder && recorder->name == s.name) {
     s.range_sigma_m = recorder->range_sigma_m;
@@ -81,6 +80,12 @@ simulate::Instrument instrument_of(const InstrumentOptions& a, sensor::Sensor s,
   instrument.receiver = radiometry::receiver_options(s, air, sunlit);
   set_returns(a.returns, instrument.receiver);
   return instrument;
+}
+
+bool has_learnt_light(const InstrumentOptions& a, const sensor::Sensor& s,
+                      const std::optional<sensor::Sensor>& recorder) {
+  return recorder && recorder->name == s.name && a.materials.empty() && a.material.empty() &&
+         a.visibility_m == 0 && a.rain_mm_per_h == 0;
 }
 
 radiometry::Materials materials_of(const InstrumentOptions& a,

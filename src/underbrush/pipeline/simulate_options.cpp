@@ -69,10 +69,6 @@ std::span<const Option<SimulateOptions>> simulate_options() {
      "Trace all sub-rays of every beam; without it, beams of 26 or more are traced with 13 sub-rays "
      "where these agree",
      [](O& o) -> auto& { return o.instrument.all_sub_rays; }},
-    {"footprint", "Sub-rays", "",
-     "Whether sub-rays are spread over the whole beam, or only over the excess of its width over "
-     "that of the fitted log's beams, whose footprint is in the model",
-     [](O& o) -> auto& { return o.instrument.footprint; }, -kNoLimit, kNoLimit, {"excess", "whole"}},
 
     {"materials", "Light and air", "", "A table of materials that replaces the built-in one",
      [](O& o) -> auto& { return o.instrument.materials; }, -kNoLimit, kNoLimit, {}, "FILE.yaml"},

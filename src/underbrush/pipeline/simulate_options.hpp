@@ -16,7 +16,6 @@ namespace underbrush::pipeline {
 struct InstrumentOptions {
   std::string super_sample;  ///< "N", "NxM" or "sensor"; "" means thin rays without light.
   bool all_sub_rays = false;
-  std::string footprint = "excess";   ///< "excess" or "whole".
   std::string returns;                ///< "strongest", "first", "last" or a number; "" = sensor's.
   std::string materials;              ///< A table of materials (YAML); "" = the built-in one.
   std::vector<std::string> material;  ///< Each is CLASS=MATERIAL.

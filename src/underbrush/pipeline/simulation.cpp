@@ -54,6 +54,11 @@ bool names_materials(const TracedWorld& world) {
                              [](const std::string& name) { return !name.empty(); });
 }
 
+bool knows_light(const TracedWorld& world) {
+  return std::ranges::all_of(world.models(),
+                             [](const elements::Model& m) { return m.light.known(); });
+}
+
 const std::vector<uint8_t>& sensors_in(const BeamLog& beams) {
   return std::get<std::vector<uint8_t>>(beams.extra.at(perception::kSensorColumn));
 }
@@ -124,12 +129,17 @@ class Simulation::OfSensor {
     }
     if (thin) return;
     sensor_ = sensor_of("--super-sample");
-    instrument_ = instrument_of(options.instrument, sensor_, world.recorder());
+    const std::optional<sensor::Sensor> recorder = world.recorder();
+    instrument_ = instrument_of(options.instrument, sensor_, recorder);
     if (options.max_range_m > 0) instrument_.receiver.max_range_m = options.max_range_m;
     reflection_ =
         std::make_unique<simulate::Reflection>(materials, sensor_.wavelength_m, world.kinds());
-    maker_ = std::make_unique<simulate::EchoMaker>(world.dynamic(), *reflection_, instrument_,
-                                                   echo_options(options, world));
+    simulate::EchoOptions echoes = echo_options(options, world);
+    if (has_learnt_light(options.instrument, sensor_, recorder) && knows_light(world)) {
+      echoes.learnt_light = thin_.intensity;
+    }
+    maker_ =
+        std::make_unique<simulate::EchoMaker>(world.dynamic(), *reflection_, instrument_, echoes);
   }
 
   void answer(size_t first_beam, BeamLog& beams) {
@@ -137,7 +147,8 @@ class Simulation::OfSensor {
       beams.extra[simulate::kSupportColumn] = simulate::supports(world_.still(), beams);
     }
     if (maker_) {
-      maker_->answer(first_beam, beams);
+      maker_->answer(first_beam, beams,
+                     simulate::keyframe_answers(world_.dynamic(), thin_, first_beam, beams));
       if (on_waveforms_) on_waveforms_(maker_->take_waveforms());
     } else {
       simulate::simulate(world_.dynamic(), thin_, first_beam, beams);
@@ -165,7 +176,7 @@ class Simulation::OfSensor {
   size_t rays_traced() const { return maker_ ? maker_->rays() : 0; }
   const sensor::Sensor& sensor() const { return sensor_; }
   bool keyframes_serve(const LogInfo& beams) const {
-    return !maker_ && simulate::keyframes_serve(world_.dynamic(), thin_, beams);
+    return simulate::keyframes_serve(world_.dynamic(), thin_, beams);
   }
 
  private:

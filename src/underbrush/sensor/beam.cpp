@@ -108,22 +108,6 @@ void BeamShape::check() const {
   require(sum > 0, "beam: no energy in the profile's table");
 }
 
-BeamShape wider_by(const BeamShape& beam, const BeamShape& inner) {
-  const auto left = [](double whole, double part) {
-    return std::sqrt(std::max(0.0, whole * whole - part * part));
-  };
-  const std::array<double, 2> own = sigma_of_profile(beam), other = sigma_of_profile(inner);
-  BeamShape out = beam;
-  for (size_t k = 0; k < 2; ++k) {
-    const double slope = left(std::tan(beam.divergence_rad[k] / 2),
-                              std::tan(inner.divergence_rad[k] / 2) * other[k] / own[k]);
-    out.divergence_rad[k] = 2 * std::atan(slope);
-  }
-  out.exit_diameter_m = left(beam.exit_diameter_m, inner.exit_diameter_m * other[0] / own[0]);
-  out.encoder_step_rad = left(beam.encoder_step_rad, inner.encoder_step_rad);
-  return out;
-}
-
 std::vector<float> exact_weights(std::span<const double> shares) {
   constexpr int64_t kUnits = 1 << 24;
   double sum = 0;

@@ -59,11 +59,6 @@ inline BeamShape round_beam(double divergence_rad, double exit_diameter_m) {
   return shape;
 }
 
-/// Makes the shape by which a beam is wider than another: its variance at every range is that of
-/// `beam` less that of `inner`, and 0 where `inner` is the wider one. The encoder's step is treated
-/// alike. This is exact for two beams of `kWaist`, and holds for cones near the exit and far away.
-BeamShape wider_by(const BeamShape& beam, const BeamShape& inner);
-
 /// A place on the cross-section and its share of the beam's energy.
 struct SubRay {
   float u = 0, v = 0, weight = 1;

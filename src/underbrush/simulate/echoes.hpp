@@ -6,13 +6,17 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "underbrush/core/beam_log.hpp"
+#include "underbrush/keyframes/keyframe_cache.hpp"
 #include "underbrush/radiometry/receiver.hpp"
 #include "underbrush/sensor/beam.hpp"
 #include "underbrush/simulate/dynamic_world.hpp"
+#include "underbrush/simulate/learnt_light.hpp"
 #include "underbrush/simulate/reflection.hpp"
 #include "underbrush/simulate/sub_ray_tracer.hpp"
 #include "underbrush/simulate/sub_returns.hpp"
@@ -26,6 +30,11 @@ struct Instrument {
   /// is a thin ray.
   std::vector<sensor::SubRay> sub_rays{{}};
   radiometry::ReceiverOptions receiver;
+  /// The beam of the log that the models were fitted to, if its footprint is in them. A fit takes
+  /// what such a beam measured for what a thin ray meets, so that all silhouettes are wider by half
+  /// of this beam. An instrument undoes that: it returns nothing where less than half of the area
+  /// of the fitted beam returns.
+  std::optional<sensor::BeamShape> fitted_beam{};
 };
 
 /// A choice of the beams whose waveforms are kept: the first `count` of beams 0, `every`, 2
@@ -54,6 +63,9 @@ struct EchoOptions {
   std::vector<elements::Class> instance_labels{};  ///< As in `Options`.
   WaveformChoice waveforms;
   double sway_s = 0;  ///< s; as in `Options`.
+  /// If set, the intensity of an echo is the mean over its sub-rays of the light that the models
+  /// have learnt (`LearntLight`), in the unit of their log, and not that of the receiver.
+  std::optional<IntensityDraw> learnt_light{};
   /// Whether to trace all sub-rays of every beam, where the matter is drawn once and a few could
   /// speak for all (`SubRayTracer`).
   bool all_sub_rays = false;
@@ -79,8 +91,10 @@ class EchoMaker {
   /// Replaces `beams` (one row a beam) by their echoes (one or more rows a beam). `first_beam` is
   /// the number of the first beam. Extra columns of the beams are kept. Range limits are those of
   /// `beams.info`, because the receiver says how far the instrument sees, not the log that a model
-  /// was fitted to.
-  void answer(size_t first_beam, BeamLog& beams);
+  /// was fitted to. `cached` is empty or has one entry a beam: where it is set, it is the answer to
+  /// that beam (`keyframe_answers`).
+  void answer(size_t first_beam, BeamLog& beams,
+              std::span<const std::optional<keyframes::CachedReturn>> cached = {});
 
   /// The waveforms of the chosen beams so far.
   const std::vector<BeamWaveform>& waveforms() const { return waveforms_; }
@@ -94,8 +108,11 @@ class EchoMaker {
   struct Element;
   struct Scratch;
   class Scratches;
-  void receive(const BeamLog& beams, size_t first_beam, size_t begin, size_t end, Scratch& s,
-               Block& block) const;
+  struct Request;
+  void receive(const Request& request, size_t begin, size_t end, Scratch& s, Block& block) const;
+  radiometry::Echoes echoes_of(const Request& request, size_t i, const TracedBeams::Beam& beam,
+                               Scratch& s, radiometry::Receiver::Way way) const;
+  bool returns_enough(const SubReturns& returns, uint64_t key) const;
   Element element_at(float range_m, const SubReturns& returns,
                      std::span<const trace::Intersection> met) const;
   void write(const std::vector<Block>& blocks, BeamLog& beams) const;
@@ -107,6 +124,7 @@ class EchoMaker {
   SubRayTracer tracer_;
   radiometry::Receiver receiver_;
   std::unique_ptr<Scratches> scratches_;
+  std::vector<double> least_share_;  ///< The energy that must return, by range (whole m).
   std::vector<BeamWaveform> waveforms_;
   std::atomic<size_t> rays_ = 0;
 };

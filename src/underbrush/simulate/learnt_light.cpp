@@ -14,7 +14,7 @@ void LearntLight::set(const elements::Model& model) {
 }
 
 float LearntLight::answer(const elements::MeanReflectance& of, double cosine, bool is_ellipsoid,
-                          uint32_t element, const BeamLog& beams, size_t i, uint64_t key) const {
+                          uint32_t element, double range_m, uint16_t ring, uint64_t key) const {
   double x = of.mean;
   if (draw_ == IntensityDraw::kDrawn) {
     const double relative = of.spread / of.mean;
@@ -23,14 +23,13 @@ float LearntLight::answer(const elements::MeanReflectance& of, double cosine, bo
     x *= std::exp(std::sqrt(variance) * n - 0.5 * variance);
   }
   const elements::Light& light = model_->light;
-  const double k =
-      light.response(beams.range_m[i], cosine, is_ellipsoid, beams.ring[i], same_sensor_);
+  const double k = light.response(range_m, cosine, is_ellipsoid, ring, same_sensor_);
   return float(std::min(k * x, light.max_intensity));
 }
 
 float LearntLight::intensity(const elements::Model& model, const Ray& ray,
-                             const trace::Intersection& met, const BeamLog& beams, size_t i,
-                             uint64_t key) {
+                             const trace::Intersection& met, double range_m, const BeamLog& beams,
+                             size_t i, uint64_t key) {
   if (!model.light.known()) return 0;
   set(model);
   const elements::Reflectance of = elements::reflectance(model, met.element);
@@ -44,21 +43,23 @@ float LearntLight::intensity(const elements::Model& model, const Ray& ray,
   const double cosine =
       elements::incidence_cosine(model, met.element, model_from_world_ * ray.direction);
   const bool is_ellipsoid = model.kind(met.element) == elements::Kind::kEllipsoid;
-  return answer({of.mean, of.spread}, cosine, is_ellipsoid, met.element, beams, i, key);
+  return answer({of.mean, of.spread}, cosine, is_ellipsoid, met.element, range_m, beams.ring[i],
+                key);
 }
 
-float LearntLight::of_unknown(const Ray& ray, const BeamLog& beams, size_t i, uint64_t key) {
+float LearntLight::of_unknown(const Ray& ray, double range_m, const BeamLog& beams, size_t i,
+                              uint64_t key) {
   const elements::Model& model = world_.model(0);  // Only a single model has unknown space.
   if (!model.light.known()) return 0;
   set(model);
-  const Vec3 end = ray.at(double(beams.range_m[i]));
+  const Vec3 end = ray.at(range_m);
   const bool is_low =
       world_.world().unknown_space()->height(end) < elements::ObservedSpace::kGroundM;
   const elements::MeanReflectance& of = world_.unknown_reflectance(is_low);
   if (of.mean <= 0) return 0;
   // The ground is level, and matter has no surface to incline.
   const double cosine = is_low ? std::abs(ray.direction.z()) : 1 / std::sqrt(3.0);
-  return answer(of, cosine, !is_low, trace::kUnknown, beams, i, key);
+  return answer(of, cosine, !is_low, trace::kUnknown, range_m, beams.ring[i], key);
 }
 
 }  // namespace underbrush::simulate

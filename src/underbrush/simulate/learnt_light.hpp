@@ -22,22 +22,22 @@ class LearntLight {
   LearntLight(const DynamicWorld& world, const LogInfo& beams, IntensityDraw draw)
       : world_(world), sensor_(beams.sensor), sensor_file_(beams.sensor_file), draw_(draw) {}
 
-  /// Computes the intensity of the return that beam i of `beams` has of what its ray met, in the
-  /// unit of the log that `model` was fitted to: I = k x with the response k (`elements::Light`)
-  /// and x either ρ or log-normal with the mean ρ and the element's spread, but at most the log's
-  /// largest intensity. Gains of channels count where the sensor is that of the log. A model
-  /// without light answers 0. `key` is the beam's.
+  /// Computes the intensity of a return that beam i of `beams` has at a range (m) of what its ray
+  /// met, in the unit of the log that `model` was fitted to: I = k x with the response k
+  /// (`elements::Light`) and x either ρ or log-normal with the mean ρ and the element's spread, but
+  /// at most the log's largest intensity. Gains of channels count where the sensor is that of the
+  /// log. A model without light answers 0. `key` is the beam's.
   float intensity(const elements::Model& model, const Ray& ray, const trace::Intersection& met,
-                  const BeamLog& beams, size_t i, uint64_t key);
+                  double range_m, const BeamLog& beams, size_t i, uint64_t key);
   /// The same of the return that a beam has of what it meets in unknown space: ground where it is
   /// near the ground, else ellipsoids, with their mean reflectances.
-  float of_unknown(const Ray& ray, const BeamLog& beams, size_t i, uint64_t key);
+  float of_unknown(const Ray& ray, double range_m, const BeamLog& beams, size_t i, uint64_t key);
 
  private:
   void set(const elements::Model& model);
   /// Computes the intensity of a return from an element of a reflectance and a number.
   float answer(const elements::MeanReflectance& of, double cosine, bool is_ellipsoid,
-               uint32_t element, const BeamLog& beams, size_t i, uint64_t key) const;
+               uint32_t element, double range_m, uint16_t ring, uint64_t key) const;
 
   const DynamicWorld& world_;
   std::string sensor_, sensor_file_;

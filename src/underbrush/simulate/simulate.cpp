@@ -7,7 +7,6 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
-#include "underbrush/keyframes/keyframe_cache.hpp"
 #include "underbrush/simulate/draw.hpp"
 #include "underbrush/simulate/element_class.hpp"
 #include "underbrush/simulate/median.hpp"
@@ -113,6 +112,16 @@ struct Shots {
     }
   }
 };
+
+/// Calls act(begin, shots) for the beams of a log, some at a time, on all threads.
+template <class Act>
+void for_shots(const Simulation& s, size_t first_beam, const BeamLog& beams, Act act) {
+  constexpr size_t kShots = 8192, kFew = 2048;  // smaller tasks for few beams
+  const size_t grain = beams.size() < 8 * kShots ? kFew : kShots;
+  parallel_for(beams.size(), grain, [&](size_t begin, size_t end) {
+    act(begin, Shots(s, first_beam, beams, begin, end));
+  });
+}
 
 /// The number of the interval in which a patch of swaying matter has one outcome; each patch begins
 /// its intervals at a time of its own. `trial` is a key of `matter_at`.
@@ -268,13 +277,15 @@ void write(const Simulation& s, const Shots& shots, std::span<const BeamAnswer> 
       beams.intensity[i] = mean ? cached->mean_intensity : cached->intensity;
     } else if (met.element == trace::kUnknown) {
       beams.range_m[i] = reported(s, range_m, shots.keys[k]);
-      beams.intensity[i] = light.of_unknown(shots.rays[k], beams, i, shots.keys[k]);
+      beams.intensity[i] =
+          light.of_unknown(shots.rays[k], double(beams.range_m[i]), beams, i, shots.keys[k]);
     } else if (!met.none()) {
       const elements::Model& model = matter_of.model(met, beams.time_s[i]);
       columns.set(i, model, met);
       if (direction) beams.direction[i] = *direction;
       beams.range_m[i] = reported(s, range_m, shots.keys[k]);
-      beams.intensity[i] = light.intensity(model, shots.rays[k], met, beams, i, shots.keys[k]);
+      beams.intensity[i] = light.intensity(model, shots.rays[k], met, double(beams.range_m[i]),
+                                           beams, i, shots.keys[k]);
     }
   }
 }
@@ -294,10 +305,7 @@ void simulate(const DynamicWorld& world, const Options& options, size_t first_be
   const Simulation simulation(world, options, beams.info);
   const keyframes::KeyframeCache* cache = simulation.cache ? &*simulation.cache : nullptr;
   ElementColumns columns(world.world(), options, beams.size());
-  constexpr size_t kShots = 8192, kFew = 2048;  // smaller tasks for few beams
-  const size_t grain = beams.size() < 8 * kShots ? kFew : kShots;
-  parallel_for(beams.size(), grain, [&](size_t begin, size_t end) {
-    const Shots shots(simulation, first_beam, beams, begin, end);
+  for_shots(simulation, first_beam, beams, [&](size_t begin, const Shots& shots) {
     const std::vector<BeamAnswer> answers =
         options.draw == RangeDraw::kMedian
             ? median_answers(world.world(), cache, shots.rays, shots.rings, simulation.limits)
@@ -305,6 +313,19 @@ void simulate(const DynamicWorld& world, const Options& options, size_t first_be
     write(simulation, shots, answers, begin, beams, columns);
   });
   columns.give_to(beams);
+}
+
+CachedReturns keyframe_answers(const DynamicWorld& world, const Options& options, size_t first_beam,
+                               const BeamLog& beams) {
+  if (!keyframes_serve(world, options, beams.info)) return {};
+  const Simulation simulation(world, options, beams.info);
+  CachedReturns out(beams.size());
+  for_shots(simulation, first_beam, beams, [&](size_t begin, const Shots& shots) {
+    std::vector<Intersection> met(shots.rays.size());
+    CachedReturns some = nearest_answers(simulation, shots, met);
+    std::move(some.begin(), some.end(), out.begin() + std::ptrdiff_t(begin));
+  });
+  return out;
 }
 
 SimulatedSource::SimulatedSource(Answer answer, BeamSource& beams, double max_range_m)
