@@ -204,7 +204,7 @@ void fit_and_score(const Verb& verb, const Diary& say, const fs::path& folder, P
     options.seed = verb.seed;
     const fs::path model = folder / fitter, log = folder / (std::string(fitter) + ".ply");
     elements::check_model_output(model);
-    const auto beams = pipeline::open_log(train, options.all_echoes);
+    const auto beams = pipeline::open_log(train, true);
     const pipeline::FittedModel fitted =
         pipeline::fit_model({*beams, train}, options, std::bind_front(&Verb::provenance, &verb),
                             shown<StageProgress>());

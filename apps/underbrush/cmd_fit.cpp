@@ -78,7 +78,7 @@ void finish(const Verb& verb, const Arguments& a, const Trained& trained,
 }
 
 void run_fit(const Verb& verb, const Arguments& a) {
-  const auto log = pipeline::open_log(a.log, a.fit.all_echoes);
+  const auto log = pipeline::open_log(a.log, true);
   const pipeline::FittedModel fitted = pipeline::fit_model(
       {*log, a.log}, a.fit, std::bind_front(&Verb::provenance, &verb), shown<StageProgress>());
   finish(verb, a, fitted, *log);

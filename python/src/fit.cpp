@@ -54,7 +54,7 @@ ModelValue fitted(const GivenLog& log, const nb::dict& parameters, uint64_t seed
   if (echoes == "all") fit::take_all_echoes(options, parameters.contains("keyframes"));
   ModelValue out;
   run_watched(progress, [&](const Hook& hook) {
-    const std::unique_ptr<BeamSource> beams = source_of(log, options.all_echoes);
+    const std::unique_ptr<BeamSource> beams = source_of(log, true);
     WatchedSource source(*beams, hook, "fit");
     out = value_of(
         pipeline::fit_model({source, file_of(log)}, options, with_hashes(provenance), hook),

@@ -44,9 +44,12 @@ struct EchoGrainReport {
 
 /// Sets the grain of the ellipsoids, between 1 mm and 0.5 m, in which that of classes keeps its
 /// proportion, so that the instrument of
-/// `model.sensor` answers about 20 000 beams of the log with as many echoes as they have. A finer
-/// grain makes more of them. Nothing is learnt where the sensor is unknown, the log has no echoes,
-/// or the model no ellipsoids. Reads the log once; its rows are echoes.
+/// `model.sensor` answers about 20 000 beams half way between those of the log with as many echoes
+/// as these have. A finer
+/// grain makes more of them. Unless the model is one of all echoes, the footprint of its beams is
+/// in it (`simulate::Instrument::fitted_beam`). Nothing is learnt where the sensor is unknown, no
+/// beam of the log has several echoes, or the model has no ellipsoids. Reads the log once; its rows
+/// are echoes.
 EchoGrainReport learn_grain_of_echoes(elements::Model& model, BeamSource& log, uint64_t seed);
 
 }  // namespace calibrate

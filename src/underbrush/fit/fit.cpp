@@ -207,9 +207,7 @@ FitResult fit(BeamSource& source, const FitOptions& options, const FitProgress& 
   if (options.learn_grain) {
     out.report.grain = calibrate::learn_grain(out.model, first, options.seed);
     out.report.sway = calibrate::learn_sway(out.model, first, options.seed);
-    if (options.all_echoes) {
-      out.report.echo_grain = calibrate::learn_grain_of_echoes(out.model, rows, options.seed);
-    }
+    out.report.echo_grain = calibrate::learn_grain_of_echoes(out.model, rows, options.seed);
   }
   warn_of_footprint(options, fitter.refines ? start_of(options).name : fitter.name, out.report);
   return out;

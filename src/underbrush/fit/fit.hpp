@@ -35,7 +35,7 @@ struct FitReport {
   calibrate::GrainReport grain;
   calibrate::LeafAngleReport leaf_angles;
   calibrate::SwayReport sway;
-  calibrate::EchoGrainReport echo_grain;  ///< Learnt only from all echoes.
+  calibrate::EchoGrainReport echo_grain;  ///< Learnt only from several echoes a beam.
   std::vector<std::string> warnings;
 };
 

@@ -30,8 +30,8 @@ struct FitOptions {
   std::string start = "hierarchical";
   /// Whether every echo is a beam of its own. Otherwise each beam ends at its first echo.
   bool all_echoes = false;
-  /// Whether the grain of the matter is learnt (`calibrate::learn_grain`, and from all echoes
-  /// `calibrate::learn_grain_of_echoes`). Otherwise it is the usual one.
+  /// Whether the grain of the matter is learnt (`calibrate::learn_grain`, and from several echoes a
+  /// beam `calibrate::learn_grain_of_echoes`). Otherwise it is the usual one.
   bool learn_grain = true;
   /// The sensor that recorded the log, as in `LogInfo`. If empty, it is the sensor that the log
   /// names.

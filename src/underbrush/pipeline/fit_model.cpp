@@ -29,8 +29,8 @@ class Origin {
   std::string hash_of(const fs::path& file) const {
     return json_.at("inputs").at(file.string()).get<std::string>();
   }
-  fit::TrainingLog training_log(const FitLog& log) const {
-    return {log.file.string(), hash_of(log.file), log.beams.size()};
+  fit::TrainingLog training_log(const fs::path& file, bool all_echoes) const {
+    return {file.string(), hash_of(file), open_log(file, all_echoes)->size()};
   }
   void add(const likelihood::LikelihoodReport& refinement) {
     if (!refinement.steps.empty()) json_["likelihood"] = json_of(refinement);
@@ -160,7 +160,9 @@ FittedModel fit_model(const FitLog& log, const fit::FitOptions& options,
     Origin origin(provenance, inputs);
     origin.add(out.report.likelihood);
     out.model.provenance = origin.text();
-    if (!log.file.empty()) out.training.logs.push_back(origin.training_log(log));
+    if (!log.file.empty()) {
+      out.training.logs.push_back(origin.training_log(log.file, options.all_echoes));
+    }
   }
   out.seconds = seconds_since(start);
   return out;
@@ -204,7 +206,7 @@ UpdatedModel update_model(TrainedModel known, const FitLog& log, const UpdateLog
     if (log.file.empty()) {
       out.training.logs.clear();
     } else {
-      out.training.logs.push_back(origin.training_log(log));
+      out.training.logs.push_back(origin.training_log(log.file, known.model.all_echoes));
     }
   }
   out.seconds = seconds_since(start);

@@ -21,7 +21,8 @@ using Provenance = std::function<std::string(const std::vector<std::filesystem::
 
 /// A log that a model is made of.
 struct FitLog {
-  BeamSource& beams;                ///< A row for each beam, or with all echoes for each echo.
+  /// A row for each echo. Those after the first are used by a fit of all echoes, and for the grain.
+  BeamSource& beams;
   std::filesystem::path file = {};  ///< Empty for a log that is in no file.
 };
 

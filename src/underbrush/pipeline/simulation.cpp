@@ -147,8 +147,11 @@ class Simulation::OfSensor {
       beams.extra[simulate::kSupportColumn] = simulate::supports(world_.still(), beams);
     }
     if (maker_) {
-      maker_->answer(first_beam, beams,
-                     simulate::keyframe_answers(world_.dynamic(), thin_, first_beam, beams));
+      simulate::CachedReturns cached;
+      if (keyframes_serve(beams.info)) {
+        cached = simulate::keyframe_answers(world_.dynamic(), thin_, first_beam, beams);
+      }
+      maker_->answer(first_beam, beams, cached);
       if (on_waveforms_) on_waveforms_(maker_->take_waveforms());
     } else {
       simulate::simulate(world_.dynamic(), thin_, first_beam, beams);
@@ -176,7 +179,9 @@ class Simulation::OfSensor {
   size_t rays_traced() const { return maker_ ? maker_->rays() : 0; }
   const sensor::Sensor& sensor() const { return sensor_; }
   bool keyframes_serve(const LogInfo& beams) const {
-    return simulate::keyframes_serve(world_.dynamic(), thin_, beams);
+    // Pixels are first echoes.
+    const bool several = maker_ && instrument_.receiver.max_echoes > 1;
+    return !several && simulate::keyframes_serve(world_.dynamic(), thin_, beams);
   }
 
  private:

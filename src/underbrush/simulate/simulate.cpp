@@ -195,8 +195,6 @@ std::optional<double> drawn_in_unknown(const Simulation& s, const Shots& shots, 
   return unknown->drawn_end(shots.rays[k], s.matter.value_or(shots.keys[k]), s.limits, met);
 }
 
-using CachedReturns = std::vector<std::optional<keyframes::CachedReturn>>;
-
 /// Finds the element at which each shot ends, or draws a pixel of a keyframe, which has part of the
 /// static world only: a moving object before it hides it.
 CachedReturns nearest_answers(const Simulation& s, const Shots& shots,

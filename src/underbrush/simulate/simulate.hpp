@@ -68,13 +68,13 @@ void simulate(const DynamicWorld& world, const Options& options, size_t first_be
 /// of its log, without `element_ids`, in a world of one model and of what moves in it.
 bool keyframes_serve(const DynamicWorld& world, const Options& options, const LogInfo& beams);
 
+using CachedReturns = std::vector<std::optional<keyframes::CachedReturn>>;
+
 /// Draws the answers of keyframes to beams that an `EchoMaker` is to answer. There is one for each
 /// beam, which is empty where the elements are to answer; there is none at all where not
 /// `keyframes_serve`.
-std::vector<std::optional<keyframes::CachedReturn>> keyframe_answers(const DynamicWorld& world,
-                                                                     const Options& options,
-                                                                     size_t first_beam,
-                                                                     const BeamLog& beams);
+CachedReturns keyframe_answers(const DynamicWorld& world, const Options& options, size_t first_beam,
+                               const BeamLog& beams);
 
 /// A source that answers the beams of another source chunk by chunk. The world and the other source
 /// must outlive it.
