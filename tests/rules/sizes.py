@@ -10,7 +10,7 @@ LIMITS = {".hpp": 200, ".inl": 400, ".cpp": 400, ".py": 400, ".ts": 400}
 ROOMS = {
     "apps": 6000, "apps/fmu": 1800, "apps/underbrush": 4400, "bench": 3500, "cli": 1700, "python/src": 3350, "python/underbrush":
     9000, "report": 2850, "studies": 9550, "web/src": 6800, "src/underbrush/actors": 1420,
-    "src/underbrush/calibrate": 2300,
+    "src/underbrush/calibrate": 2330,
     "src/underbrush/cluster": 1500, "src/underbrush/compact": 1900, "src/underbrush/core": 2600, "src/underbrush/credit": 1100,
     "src/underbrush/elements": 2600, "src/underbrush/fit": 1800, "src/underbrush/ground": 2000, "src/underbrush/io":
     7850, "src/underbrush/jobs": 1350, "src/underbrush/keyframes": 2000, "src/underbrush/library": 350, "src/underbrush/likelihood": 2000, "src/underbrush/live": 1100, "src/underbrush/metrics": 3250,

@@ -21,7 +21,7 @@ using Provenance = std::function<std::string(const std::vector<std::filesystem::
 
 /// A log that a model is made of.
 struct FitLog {
-  /// A row for each echo. Those after the first are used by a fit of all echoes, and for the grain.
+  /// The log, with a row for each echo. A fit of first echoes takes only its grain from the others.
   BeamSource& beams;
   std::filesystem::path file = {};  ///< Empty for a log that is in no file.
 };
