@@ -215,6 +215,9 @@ TEST(Labels, BoxesAreChecked) {
     bad.replace(bad.find(from), from.size(), to);
     EXPECT_THROW(check_box(bad), std::invalid_argument) << bad;
   }
+  std::string moves = good;
+  moves.replace(moves.find("small_tree"), 10, R"(car","scan":3,"track":1,"name":")");
+  EXPECT_NO_THROW(check_box(moves));
 }
 
 }  // namespace

@@ -24,7 +24,8 @@ std::vector<Actor> read_scene_of_actors(const fs::path& folder) {
     }
     const uint32_t model = scene.instances[i].model;
     out.push_back({info.names[model], elements::class_name(info, info.labels[i]),
-                   scene.models[model], mover->world_from_object, mover->from_s, mover->to_s});
+                   scene.models[model], mover->world_from_object, mover->from_s, mover->to_s,
+                   uint32_t(i)});
   }
   return out;
 }
