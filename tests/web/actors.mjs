@@ -114,6 +114,14 @@ export async function editActors({ page, expect, ready, accessible, picture, pro
   expect((await fact(page, 'eye')) === eye, 'the camera stays');
   await page.getByLabel('Drag actors in the view').uncheck();
 
+  // The link keeps the edits.
+  await page.waitForFunction(() => document.documentElement.dataset.link === 'new');
+  await page.reload();
+  await waitFor(page, 'edits', '3');
+  await ready();
+  await setTime(page, 0.081);
+  expect(JSON.stringify(Object.keys(await places(page))) === JSON.stringify(Object.keys(list)), 'the copy is there after a reload');
+
   // The world with its actors beside the log.
   await page.getByLabel('Left', { exact: true }).selectOption({ label: 'log.ply' });
   await page.getByLabel('Right', { exact: true }).selectOption({ label: 'model' });

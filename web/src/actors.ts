@@ -118,7 +118,9 @@ export class Actors {
     if (world === this.world) return;
     this.world = world;
     [this.edits, this.undone, this.actors] = [[], [], []];
-    if (world) await this.fetch([]);
+    const { edits } = this.app.state;
+    const kept = edits && edits.file === world?.file.id ? edits.list : [];
+    if (world) await this.fetch(kept).catch(() => this.fetch([])); // where the actors are others than those of the link
     this.menu.limits();
     this.show();
   }
@@ -132,6 +134,7 @@ export class Actors {
     this.actors = reply.actors;
     this.editable = reply.editable;
     this.edits = edits;
+    this.app.state.edits = edits.length > 0 ? { file: world.file.id, list: edits } : null;
   }
 
   /** Changes the list of edits once all changes before are done; `next` returns null for no change. */
