@@ -84,7 +84,8 @@ TEST(LiveSensors, LeavesSwayInTheTimeOfTheWorldAsInSimulate) {
     const sensor::Sensor vlp16 = sensor::load("velodyne-vlp16");
     const pipeline::TracedWorld whole(swaying(site(cart), kSway));
     ASSERT_EQ(whole.sway_s(), kSway);
-    pipeline::Simulation simulation(whole, options, [&](const char*) { return vlp16; });
+    pipeline::Simulation simulation(whole, options,
+                                    [&](const char*) { return sensor::Sensor(vlp16); });
     pipeline::SensorBeams beams(vlp16, path);
     pipeline::TracedWorld world(swaying(site(), kSway)), still_world(site());
     LiveSensors live(world, options, vlp16), still(still_world, options, vlp16);

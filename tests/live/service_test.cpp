@@ -17,9 +17,9 @@ namespace {
 using namespace test;
 
 /// A service of one sensor, and what it sends.
-class Service_ : public testing::Test {
+class FiringService : public testing::Test {
  protected:
-  Service_() : world_(site()), sensors_(world_, {}, sensor::load("velodyne-vlp16")) {}
+  FiringService() : world_(site()), sensors_(world_, {}, sensor::load("velodyne-vlp16")) {}
 
   Call call() {
     return {std::chrono::system_clock::now() + std::chrono::minutes(1), [] { return false; },
@@ -39,7 +39,7 @@ class Service_ : public testing::Test {
   std::vector<Part> sent_;
 };
 
-TEST_F(Service_, SendsTheColumnsInParts) {
+TEST_F(FiringService, SendsTheColumnsInParts) {
   const auto service = service_of(sensors_, {1 << 20, 3600, 100});
   ASSERT_TRUE(service->fire({part(3), {"range_m", "origin"}, "", ""}, call()));
   const BeamLog beams = sensors_.fire(part(3));
@@ -54,7 +54,7 @@ TEST_F(Service_, SendsTheColumnsInParts) {
   EXPECT_EQ(std::memcmp(origins.data(), beams.origin.data(), origins.size()), 0);
 }
 
-TEST_F(Service_, SendsTheCloudsOfADriver) {
+TEST_F(FiringService, SendsTheCloudsOfADriver) {
   const auto service = service_of(sensors_);
   ASSERT_TRUE(service->fire({part(3), {}, "velodyne", ""}, call()));
   const BeamLog beams = sensors_.fire(part(3));
@@ -73,7 +73,7 @@ TEST_F(Service_, SendsTheCloudsOfADriver) {
   EXPECT_EQ(at, cloud.width);
 }
 
-TEST_F(Service_, RefusesTooMuch) {
+TEST_F(FiringService, RefusesTooMuch) {
   const auto service = service_of(sensors_, {1000, 3600, 100});
   EXPECT_THROW(service->fire({part(7), {}, "", ""}, call()), std::invalid_argument);
   Firing late = part(1);
@@ -87,7 +87,7 @@ TEST_F(Service_, RefusesTooMuch) {
   EXPECT_TRUE(sent_.empty());
 }
 
-TEST_F(Service_, FiresInTheWorldsOfAFolderByTheirNames) {
+TEST_F(FiringService, FiresInTheWorldsOfAFolderByTheirNames) {
   const io::TemporaryFolder folder;
   std::filesystem::create_directory(folder / "worlds");
   elements::write_model(folder / "worlds/flat", underbrush::test::flat_ground(60));
@@ -132,14 +132,14 @@ TEST_F(Service_, FiresInTheWorldsOfAFolderByTheirNames) {
   EXPECT_EQ(fired("flat"), fired("flat"));
 }
 
-TEST_F(Service_, EndsWithItsDeadlineAndItsClient) {
+TEST_F(FiringService, EndsWithItsDeadlineAndItsClient) {
   const auto service = service_of(sensors_, {1 << 20, 3600, 100});
   Call gone = call();
   gone.is_cancelled = [] { return true; };
   EXPECT_FALSE(service->fire({part(3), {}, "", ""}, gone));
   EXPECT_TRUE(sent_.empty());
   Call slow = call();
-  slow.send = [&](Part p) {
+  slow.send = [&](const Part& p) {
     // Another client is answered while this one takes its time, until its own deadline.
     if (p.first_row > 0) return false;
     EXPECT_TRUE(service->fire({part(2), {}, "", ""}, call()));

@@ -161,7 +161,7 @@ TEST(Labels, ADocumentBelongsToOneFileAndOneProgram) {
   const TemporaryFolder folder;
   LabelDocument d(folder / "j", kFacts, {}, 9);
   EXPECT_THROW(LabelDocument(folder / "j", kFacts, {}, 9), FormatError);
-  LabelDocument(folder / "other", kFacts, {}, 9);
+  { const LabelDocument made(folder / "other", kFacts, {}, 9); }
   LabelFacts other = kFacts;
   other.contents = "2";
   EXPECT_THROW(LabelDocument(folder / "other", other, {}, 9), FormatError);

@@ -41,7 +41,9 @@ Column piece(const std::string& name, const std::vector<T>& values, size_t begin
   }
   static_assert(std::is_arithmetic_v<T> || sizeof(T) % 12 == 0, "three values without gaps");
   out.bytes.resize((end - begin) * sizeof(T));
-  if (end > begin) std::memcpy(out.bytes.data(), &values[begin], out.bytes.size());
+  if (end > begin) {
+    std::memcpy(out.bytes.data(), static_cast<const void*>(&values[begin]), out.bytes.size());
+  }
   return out;
 }
 

@@ -243,6 +243,7 @@ size_t LabelsOfFile::write_tracks(const std::filesystem::path& path) {
     }
   }
   std::vector<perception::ObjectList> lists;
+  lists.reserve(frames.size());
   for (const auto& [time_s, frame] : frames) {
     lists.push_back(perception::list_of_truth(frame, Pose()));
   }
