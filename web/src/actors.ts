@@ -121,6 +121,12 @@ export class Actors {
     const { edits } = this.app.state;
     const kept = edits && edits.file === world?.file.id ? edits.list : [];
     if (world) await this.fetch(kept).catch(() => this.fetch([])); // where the actors are others than those of the link
+    if (world) {
+      for (const pose of this.actors.flatMap((a) => a.parts.flatMap((part) => part.poses))) {
+        world.bounds.expandByPoint(placed(pose).at.add(world.group.position));
+      }
+      if (this.app.viewer.navigation.framed) this.app.frame();
+    }
     this.menu.limits();
     this.show();
   }
