@@ -35,7 +35,9 @@ export async function editActors({ page, expect, ready, accessible, picture, pro
   await waitFor(page, 'actors', '1');
   await ready();
   const line = await page.getByLabel('Actors', { exact: true }).innerText();
-  expect(/^other-1: other, \d+ returns in 2 scans, 0\.\d s$/.test(line.trim()), `the list says: ${line}`);
+  expect(/^other-1: other, 0\.\d s$/.test(line.trim()), `the list says: ${line}`);
+  const told = await page.getByLabel('Facts of the actor').innerText();
+  expect(/returns\s+\d+\s+scans\s+2\s+there for, s\s+0\.\d/.test(told), `the facts say: ${told}`);
   await accessible('actors');
 
   // The actor stands where the server says that it is at the time that is shown.

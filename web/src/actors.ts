@@ -5,7 +5,7 @@ import type { App } from './context';
 import type { JobsPanel } from './jobs';
 import type { Action } from './keys';
 import type { Menu } from './menu';
-import { button, check, el, root, select } from './panel';
+import { button, check, el, facts, root, select } from './panel';
 import { sideAt, viewWidth } from './sides';
 import type { World } from './world';
 
@@ -51,6 +51,7 @@ export class Actors {
   private chosen = '';
   private readonly list = el('select', { 'aria-label': 'Actors', size: '5' });
   private readonly seconds = el('input', { type: 'number', value: '0.5', step: '0.1', 'aria-label': 'Delay, s' });
+  private readonly facts = el('div', { 'aria-label': 'Facts of the actor', role: 'group' });
   private readonly told = el('p', { class: 'note', 'aria-label': 'Edits' });
   private readonly paths = new Group();
   private readonly dragBox;
@@ -73,6 +74,7 @@ export class Actors {
     this.section = app.section(
       'Actors',
       this.list,
+      this.facts,
       el(
         'div',
         { class: 'buttons' },
@@ -248,15 +250,14 @@ export class Actors {
   private show(): void {
     this.section.hidden = !this.world;
     if (!this.actors.some((a) => a.name === this.chosen)) this.chosen = this.actors[0]?.name ?? '';
-    const number = (n: number | null) => (n === null ? '?' : `${n}`);
-    this.list.replaceChildren(
-      ...this.actors.map((a) => {
-        const [from, to] = timesOf(a);
-        const text = `${a.name}: ${a.class}, ${number(a.returns)} returns in ${number(a.scans)} scans, ${(to - from).toFixed(1)} s`;
-        return el('option', { value: a.name }, text);
-      }),
-    );
+    const seconds = (a: Actor) => (timesOf(a)[1] - timesOf(a)[0]).toFixed(1);
+    this.list.replaceChildren(...this.actors.map((a) => el('option', { value: a.name }, `${a.name}: ${a.class}, ${seconds(a)} s`)));
     this.list.value = this.chosen;
+    const actor = this.actors.find((a) => a.name === this.chosen);
+    const number = (n: number | null) => (n === null ? 'unknown' : `${n}`);
+    this.facts.replaceChildren(
+      ...(actor ? [facts([['returns', number(actor.returns)], ['scans', number(actor.scans)], ['there for, s', seconds(actor)]])] : []),
+    );
     this.told.textContent = `${this.edits.length} edits${this.undone.length > 0 ? `, ${this.undone.length} taken back` : ''}`;
     root.dataset.actors = `${this.actors.length}`;
     root.dataset.edits = `${this.edits.length}`;

@@ -45,7 +45,8 @@ class WorldData {
 
  private:
   void place_primitives(const OpenedFile& file);
-  std::vector<Pose> first_poses() const;  ///< Of the instances; what moves is where it begins.
+  std::vector<Pose> first_poses()
+      const;  ///< The poses of instances; what moves is where it begins.
   const elements::Model& model(size_t number) const;
 
   FileKind kind_;
